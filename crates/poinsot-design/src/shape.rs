@@ -1,9 +1,9 @@
 //! The free numbers of a manoeuvre: the motions of joints and wheels that they give, and their linear limits.
 //!
-//! Every form is linear in its free numbers, so every limit of a commanded position, rate or acceleration is linear too.
-//! Limits hold between points as well: a cubic lies in the hull of its Bezier points, a rest-to-rest quintic has its
-//! peaks at known times, and a trigonometric polynomial of degree K is at most `1 / cos(pi K / N)` times its largest
-//! value at N equidistant points (Ehlich and Zeller 1964).
+//! Every form is linear in its free numbers, so every limit of a commanded position, rate or acceleration is linear
+//! too. Limits hold between points as well. A cubic lies in the hull of its Bezier points, and a rest-to-rest quintic
+//! has its peaks at known times. A trigonometric polynomial of degree K is at most `1 / cos(pi K / N)` times its
+//! largest value at N equidistant points (Ehlich and Zeller 1964).
 
 use crate::mover::{Command, Mover, Order, Target, middle};
 use crate::valves::Valves;

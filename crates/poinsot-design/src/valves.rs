@@ -1,7 +1,7 @@
 //! Firings with free switch-on time and duration.
 //!
-//! Both times are linear in the free numbers, so the order of the firings of one thruster, their shortest length, the
-//! pause between them and the impulse are linear limits. The order between thrusters is free.
+//! Both times are linear in the free numbers. Order, shortest duration, pause and impulse of the firings of one
+//! thruster are therefore linear limits. The order between thrusters is free.
 
 use crate::mover::Target;
 use crate::result::LimitUse;

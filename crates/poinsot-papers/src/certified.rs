@@ -13,8 +13,8 @@ use poinsot_identify::{
 use poinsot_spatial::{InertialParameters, MassProperties, PARAMETER_NAMES};
 use std::collections::HashMap;
 
-/// Difference from the certificate, relative to the natural unit, that counts as evidence against the answer. It must
-/// also exceed the requested accuracy and [`APART_SIGMAS`].
+/// Difference from the certificate, relative to the natural unit, that counts as evidence against the answer. A smaller
+/// requested accuracy replaces it. The difference must also exceed [`APART_SIGMAS`].
 const APART: f64 = 0.01;
 /// Difference from the certificate in its sigmas.
 const APART_SIGMAS: f64 = 5.0;

@@ -3,9 +3,9 @@
 //! Householder QR of `[R; block]`, block after block (sequential TSQR; Demmel, Grigori, Hoemmen, Langou 2012). Memory
 //! does not depend on the number of rows. Normal equations are avoided, because they square the condition number.
 //!
-//! Three of the six rows of a momentum regressor are linear momentum, which does not depend on inertia: 42 of 70
-//! columns of an arm are zero there. These rows have a separate narrow triangle, which is merged at the end. This
-//! saves nearly half of the arithmetic.
+//! Three of the six rows of a momentum regressor are linear momentum, which does not depend on inertia. For an arm, 42
+//! of their 70 columns are zero. These rows have a separate narrow triangle, which is merged at the end. This saves
+//! nearly half of the arithmetic.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::qr::no_pivoting::factor;

@@ -2,9 +2,9 @@
 //!
 //! The third derivative is modelled as white noise, whose intensity maximises the likelihood of the samples. The curve
 //! is the posterior mean, a quintic spline (Wahba 1978, Wecker and Ansley 1983). With the state `[q, q', q'']` it is
-//! computed by a Kalman filter and the smoother of de Jong 1989 (Durbin and Koopman 2012, section 4.4), linear in the
-//! samples and on any grid. Only ratios of noise are used, its size is fitted: noise-free samples are interpolated for
-//! any declared noise.
+//! computed by a Kalman filter and the smoother of de Jong 1989 (Durbin and Koopman 2012, section 4.4). The result is
+//! linear in the samples, on any grid. Only ratios of noise are used, its size is fitted: noise-free samples are
+//! interpolated for any declared noise.
 
 use nalgebra::{Matrix3, RowVector3, Vector3};
 

@@ -92,7 +92,7 @@ pub(crate) fn check_unchanged(path: &Path, opened: &Opened) -> Result<(), Teleme
     })
 }
 
-/// Reader that hashes the bytes, stops at bytes that are not text, and converts line ends to `\n`, so that line
+/// Reader that hashes the bytes and stops at bytes that are not text. It converts line ends to `\n`, so that line
 /// numbers are consistent.
 pub(crate) struct TextBytes<R> {
     inner: R,

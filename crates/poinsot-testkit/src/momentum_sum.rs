@@ -7,7 +7,7 @@
 //! the pose `Trans(p_PoCo_P) R_PC_zero Rot(axis, q)` in its parent (prismatic:
 //! `Trans(p_PoCo_P + R_PC_zero axis q) R_PC_zero`).
 //!
-//! A [`KitWheel`] is an axisymmetric rotor; mass and inertia of the locked rotor are part of its host body; it adds
+//! A [`KitWheel`] is an axisymmetric rotor; mass and inertia of the locked rotor are part of its host body. It adds
 //! `Js Omega a` with the speed `Omega` relative to the host.
 
 use crate::{Matrix3, Matrix6, Vector3, Vector6, turn};

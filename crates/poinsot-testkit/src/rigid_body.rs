@@ -26,8 +26,8 @@ pub struct Spin {
 ///
 /// The momentum `h`, fixed in N, gives two Euler angles (3-1-3 about `c`):
 /// `h_B / h = (sin theta sin psi, sin theta cos psi, cos theta)`. The third is the integral of
-/// `phi' = h (I_a w_a^2 + I_b w_b^2) / (I_a^2 w_a^2 + I_b^2 w_b^2)`, which is periodic in `u` with period `2 K(m)`:
-/// whole periods are counted, and the rest is integrated by 16-point Gauss-Legendre quadrature. Panels are shorter
+/// `phi' = h (I_a w_a^2 + I_b w_b^2) / (I_a^2 w_a^2 + I_b^2 w_b^2)`, which is periodic in `u` with period `2 K(m)`.
+/// Whole periods are counted, and the rest is integrated by 16-point Gauss-Legendre quadrature. Panels are shorter
 /// than the distance to the nearest complex singularity. Angular velocity and attitude are accurate to about
 /// `1e-15 (1 + p t)`, less near the separatrix `m = 1`.
 pub struct AsymmetricTop {

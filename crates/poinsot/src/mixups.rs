@@ -189,8 +189,8 @@ fn scaled(tables: &[Table], factor: f64) -> Vec<Table> {
     all
 }
 
-/// Whether the model explains these tables: chi-square is small, also compared with that of the rates themselves,
-/// because rates below the declared noise fit any model. `None` if the problem is invalid.
+/// Whether the model explains these tables: chi-square is small, also compared with that of the rates themselves.
+/// Rates below the declared noise fit any model. `None` if the problem is invalid.
 fn fits(problem: &Problem, tables: &[Table]) -> Option<bool> {
     let bound = bind(problem.model, problem.tree, tables).ok()?;
     let other = Problem {

@@ -192,8 +192,8 @@ pub(crate) fn keep_measured(model: &Model, table: &mut Table) {
     table.channels.retain(|c| !blind.contains(&c.name));
 }
 
-/// Ideal measurements of a vehicle with other mass properties, at the times of the scenario, with all other channels
-/// of the exact motion.
+/// Ideal measurements of a vehicle with other mass properties, at the times of the scenario. All other channels are of
+/// the exact motion.
 pub(crate) fn perfect_table(
     case: &Case,
     model: &Model,

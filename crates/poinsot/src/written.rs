@@ -45,8 +45,8 @@ pub fn write_files(folder: &Path, files: &[(PathBuf, Vec<u8>)]) -> Result<Vec<Pa
     Ok(stage.commit()?)
 }
 
-/// Checks before a command starts that its result can be written: no output is an input, and every target is free or a
-/// regular file.
+/// Checks before a command starts that its result can be written. No output may be an input, and every target must be
+/// free or a regular file.
 ///
 /// # Errors
 /// The option and the conflicting file.

@@ -2,7 +2,7 @@
 //! present result.
 //!
 //! A table made by a study is below `<!-- study NAME.TABLE -->`. The last table of a page has a row for every
-//! equation, table, figure, claim and use; if its command is a study, the study gives the number. `POINSOT_BLESS=1`
+//! equation, table, figure, claim and use. If its command is a study, the study gives the number. `POINSOT_BLESS=1`
 //! rewrites these cells and the figures of the pages.
 
 use clap::CommandFactory;

@@ -101,7 +101,7 @@ fn exact_torque_free_asymmetric_top() {
     }
 }
 
-/// A symmetric top with a torque-driven wheel on its axis: the transverse rate rotates with
+/// A symmetric top with a torque-driven wheel on its axis. The transverse rate rotates with
 /// `((I_c - I_a) w_c + h_w) / I_a` in body axes, where `w_c` and `h_w` are linear in time.
 #[test]
 fn exact_symmetric_gyrostat_with_a_driven_wheel() {

@@ -133,8 +133,8 @@ fn exact_tumbling_keeps_the_hamiltonian_of_orbiting_axes() {
     assert!(moved > 0.1, "{moved}");
 }
 
-/// A mass on a slider along the orbit normal oscillates through the orbital plane once per orbit: `s'' = -n^2 s`
-/// (Hill, Clohessy and Wiltshire 1960), for any two masses. In the field both are in equilibrium, so nothing rotates.
+/// A mass on a slider along the orbit normal oscillates through the orbital plane once per orbit, for any two masses:
+/// `s'' = -n^2 s` (Hill, Clohessy and Wiltshire 1960). In the field both are in equilibrium, so nothing rotates.
 #[test]
 fn exact_a_free_slider_along_the_orbit_normal_swings_once_an_orbit() {
     let body = |parent, joint, mass| KitBody {

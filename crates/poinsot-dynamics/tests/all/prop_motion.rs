@@ -8,8 +8,8 @@ use poinsot_spatial::{UnitQuaternion, Vector3};
 use poinsot_testkit::momentum_sum::*;
 use poinsot_testkit::trees::load_trees;
 
-/// A recorded tree with harmonic motion of every joint, one wheel with a speed profile, one driven by a torque, and
-/// one thruster on the last body.
+/// A recorded tree with harmonic motion of every joint. It has one wheel with a speed profile, one driven by a torque,
+/// and one thruster on the last body.
 struct Busy {
     bodies: Vec<KitBody>,
     wheels: Vec<KitWheel>,

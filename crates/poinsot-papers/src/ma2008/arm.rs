@@ -1,8 +1,8 @@
 //! The arm as one body, Sec. II.C: mass centre, inertia and momentum from joint positions and rates.
 //!
-//! (25)-(28) with the corrections of the method's page; the recursions (26), (28) over the tree, any
-//! branching, revolute and (beyond the paper) prismatic joints, are `Kinematics::place` and
-//! `Kinematics::set_velocities`.
+//! (25)-(28) with the corrections of the method's page; the recursions (26), (28) over the tree are
+//! `Kinematics::place` and `Kinematics::set_velocities`. They allow any branching and, beyond the paper, prismatic
+//! joints.
 
 use poinsot_dynamics::{Kinematics, Tree, wheel_momentum};
 use poinsot_model::Model;

@@ -195,8 +195,8 @@ impl<'a> Both<'a> {
         }
     }
 
-    /// Rows of both steps of a sample, and the derivative of step 2 with respect to the solution of step 1; zero if
-    /// step 2 is not solved.
+    /// Rows of both steps of a sample, and the derivative of step 2 with respect to the solution of step 1. The latter
+    /// is zero if step 2 is not solved.
     fn rows(&self, reading: &Reading) -> (LinearRows, AngularRows, SMatrix<f64, 3, 4>) {
         let linear = linear_rows(reading);
         match self.solution.angular {

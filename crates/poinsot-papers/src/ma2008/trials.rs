@@ -62,8 +62,8 @@ impl WithSimd for Group<'_> {
 }
 
 impl Trials {
-    /// Creates trials of option 1 (`known`) or option 2 for one segment, with one sigma per component of velocity,
-    /// m/s, and angular velocity, rad/s, in base axes.
+    /// Creates trials of option 1 (`known`) or option 2 for one segment. Sigmas are per component of velocity, m/s,
+    /// and angular velocity, rad/s, in base axes.
     pub fn new(
         samples: &[Reading],
         known: Option<Known>,

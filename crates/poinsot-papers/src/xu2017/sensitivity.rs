@@ -14,7 +14,7 @@ pub fn mass_coefficient(v0: &Vector3, v1: &Vector3) -> Vector3 {
     v0 - v1
 }
 
-/// (72): `K_1..K_18` as three rows of six, columns xx, xy, xz, yy, yz, zz, for a body with attitude `A0` and angular
+/// (72): `K_1..K_18` as three rows of six, columns xx, xy, xz, yy, yz, zz. The body has attitude `A0` and angular
 /// velocity `w0` (both in N). They are the partial derivatives (73) of `A0 I A0^T w0`.
 pub fn tensor_coefficients(A0: &Matrix3, w0: &Vector3) -> SMatrix<f64, 3, 6> {
     let S = A0.transpose() * w0;

@@ -27,8 +27,8 @@ pub struct Push {
     pub T_B: Vector3,
 }
 
-/// (36) of one sample, or its time integral, separated from the unknowns: `g = G y + B c - A`, `h = M (D + E c) - J`,
-/// with y the tensor in the order of (61) and c the mass centre.
+/// (36) of one sample, or its time integral, separated from the unknowns: `g = G y + B c - A`, `h = M (D + E c) - J`.
+/// Here y is the tensor in the order of (61) and c the mass centre.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SingleRow {
     /// Coefficient of the tensor in the moment.

@@ -296,7 +296,7 @@ mod tests {
     use super::*;
 
     /// Distances along the axes, summed as the paper sums norms of residuals. Next to a distance of 0.5 fixed by the
-    /// range, another one is resolved to 1e-16; in the root of a sum of squares only to 1e-8.
+    /// range, another one is resolved to 1e-16. The root of a sum of squares resolves only 1e-8.
     struct Bowl(Particle);
 
     impl Objective for Bowl {

@@ -161,7 +161,7 @@ const SLOPES: usize = 12 + 12 + 30;
 
 /// The cost (52), averaged over the samples, for many particles; eight samples in parallel.
 ///
-/// `H` of (51) is taken about the origin of the inertial frame, which is the system's mass centre; (42) locates the
+/// `H` of (51) is taken about the origin of the inertial frame, which is the system's mass centre. (42) locates the
 /// base there, so `H = h - (s/M) x l` in base axes.
 pub struct TwoBodyObjective {
     chunks: Vec<[V; L + SLOPES]>,

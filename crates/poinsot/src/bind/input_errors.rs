@@ -1,9 +1,10 @@
 //! Correlation in time of joint and wheel errors.
 //!
 //! The error of a rounded sample is up to half a step. If the quantity changes by a fraction `d` of a step per sample,
-//! the correlation of two errors is `1 - 6 d + 6 d^2` (mean over the phase of the product of two sawtooth errors).
-//! Errors are treated as independent if the change exceeds a fifth of a step. In a run of `n` equal samples `d` is at
-//! most `1 / n`: a quantity at rest and one that drifts by a whole step during the run are indistinguishable.
+//! the correlation of two errors is `1 - 6 d + 6 d^2` by the mean over the phase of the product of two sawtooth
+//! errors. Errors are treated as independent if the change exceeds a fifth of a step. In a run of `n` equal samples
+//! `d` is at most `1 / n`. A quantity at rest and one that drifts by a whole step during the run are
+//! indistinguishable.
 
 use super::channels::{Channels, joint_columns};
 use poinsot_dynamics::Tree;

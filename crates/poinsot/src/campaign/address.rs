@@ -2,7 +2,7 @@
 //! `joint_motion.joint1.sine_rad.0`; and `noise` or `gyro.noise`, a factor on declared noise and rounding steps.
 //!
 //! The grammar is that of `poinsot_formats::Address`. The steps of an address are keys. In a list of tables a step is
-//! the name of an element (its `name`, `joint`, `wheel` or `thruster`) or its number from zero; in a list of numbers
+//! the name of an element (its `name`, `joint`, `wheel` or `thruster`) or its number from zero. In a list of numbers
 //! it is a number from zero, or x, y, z, w. An address may begin with the name of a body, joint, wheel, thruster or
 //! sensor, as in results (`bus.com_m.x`, `gyro.bias_rad_s.x`). If several parts have that name, the one with the key
 //! is meant.

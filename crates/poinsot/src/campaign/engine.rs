@@ -1,7 +1,7 @@
 //! Shards on all cores of one machine.
 //!
 //! Each worker takes the next trial of any shard; the worker that finishes the last trial of a shard writes the shard.
-//! Each worker has its own single-thread pool for the parallel parts of a fit, so that trials do not wait for each
+//! Each worker has its own single-thread pool for the parallel parts of a fit. Trials therefore do not wait for each
 //! other.
 
 use super::faults::PlanText;

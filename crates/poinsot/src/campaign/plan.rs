@@ -64,8 +64,8 @@ pub struct Plan {
     pub file: PlanFile,
     /// Name of the campaign.
     pub name: String,
-    /// SHA-256 of all inputs of a trial: the plan without name and number of trials, every file that it names, and the
-    /// program version.
+    /// SHA-256 of all inputs of a trial: the plan without name and number of trials, its files, and the program
+    /// version.
     pub digest: String,
     /// Trials of every cell.
     pub trials: u64,

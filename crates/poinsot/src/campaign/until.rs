@@ -5,8 +5,8 @@ use super::plan::Plan;
 /// Trials at the first test; each further test has twice as many.
 const FIRST_LOOK: u64 = 1000;
 
-/// Trial numbers of the tests: 1000, 2000, 4000 and so on, or 20, 40, 80 and so on replicates of a sampling, rounded
-/// up to whole shards. The last test is at the end.
+/// Trial numbers of the tests: 1000, 2000, 4000 and so on; with a sampling 20, 40, 80 and so on replicates. They are
+/// rounded up to whole shards, and the last test is at the end.
 pub fn looks(plan: &Plan) -> Vec<u64> {
     let first = match plan.sampling {
         Some(s) => s.points * poinsot_formats::REPLICATES,

@@ -140,9 +140,9 @@ impl Statistics {
         list
     }
 
-    /// Violations of the requirements for 10^4 trials: RMSE at most 1.05 times the bound, bias below 0.1 sigma, 94 to
-    /// 96 % coverage of 95 % intervals, NEES in its 99.9 % band, spread within 5 % of the prediction, no failed trial.
-    /// With fewer trials each limit is widened to its 99.9 % band.
+    /// Violations of the requirements for 10^4 trials. RMSE is at most 1.05 times the bound, bias below 0.1 sigma,
+    /// coverage of 95 % intervals 94 to 96 %. NEES is in its 99.9 % band, spread within 5 % of the prediction, and no
+    /// trial failed. With fewer trials each limit is widened to its 99.9 % band.
     pub fn misses(&self) -> Vec<String> {
         let mut list: Vec<String> = Vec::new();
         if !self.failed.is_empty() {

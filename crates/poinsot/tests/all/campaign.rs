@@ -279,7 +279,7 @@ scale = "log"
         let (low, high) = (n.coverage_all.low.unwrap(), n.coverage_all.high.unwrap());
         assert!(low <= share && share <= high && high - low > 0.01, "{name}");
         let wilson = Interval::share((40.0 * share).round() as u64, 40, 0.05);
-        // Student's interval over 20 replicates of 2 trials differs from a Wilson interval of 40, which is used if all
+        // Student's interval over 20 replicates of 2 trials differs from a Wilson interval of 40, used if all
         // replicates are equal.
         scattered += usize::from((low - wilson.low).abs() > 1.0e-9);
         assert!(share < 1.0 || (low - wilson.low).abs() < 1.0e-9, "{name}");

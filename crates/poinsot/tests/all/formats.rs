@@ -301,8 +301,8 @@ fn cli_every_kind_of_file_is_checked_and_said_in_words() {
     assert_eq!(refused.kind(), poinsot::ErrorKind::Input);
 }
 
-/// Null means not determined. With measured rotation only, known mass, and the mass centre determined by thrust, the
-/// ten parameters and the vehicle as one body are determined too.
+/// Null means not determined. Example: only rotation is measured, the mass is known, and thrust determines the mass
+/// centre. Then the ten parameters and the vehicle as one body are determined too.
 #[test]
 fn regress_what_follows_from_known_and_determined_numbers_is_not_null() {
     let examples = root().join("examples/cases");

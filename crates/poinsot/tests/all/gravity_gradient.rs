@@ -80,7 +80,7 @@ fn inertia(answer: &Estimate) -> Option<Matrix3> {
     Some(I)
 }
 
-/// Wheels hold the attitude of a body in N and absorb the gravity-gradient torque, known in closed form: on a circular
+/// Wheels hold the attitude of a body in N and absorb the gravity-gradient torque, known in closed form. On a circular
 /// orbit `u = p cos a + q sin a`, `a' = n`, and the integral of `h_w' = 3 n^2 u x I u` has sines and cosines of 2a.
 /// The body never rotates, yet four combinations of its inertia are determined: with the orbit normal w, `I_pq`,
 /// `I_pp - I_qq`, `I_pw` and `I_qw`. A multiple of the identity causes no torque, and neither does `I_ww`, because u
@@ -173,8 +173,8 @@ fn exact_held_attitude_shows_four_combinations() {
     assert_ne!(answer.status, Status::Converged);
 }
 
-/// Gravity is proportional to mass: a coasting body determines the ratios of its inertia but never their scale, with
-/// or without the gradient (equivalence principle). The gradient gives these ratios for a body that starts at rest,
+/// Gravity is proportional to mass: a coasting body determines the ratios of its inertia but never their scale
+/// (equivalence principle), even with the gradient. The gradient gives these ratios for a body that starts at rest,
 /// which in free fall determines nothing.
 #[test]
 fn exact_coasting_from_rest_shows_ratios_and_no_scale() {

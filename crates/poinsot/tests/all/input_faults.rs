@@ -212,8 +212,8 @@ fn exact_lags_of_20_ms_are_named_with_their_sensor() {
     }
 }
 
-/// A body with a wheel of constant speed under a constant torque in N, by classical fourth-order Runge-Kutta with
-/// steps of a millisecond: Euler's equation and `q' = q w / 2`, without code of the program.
+/// A body with a wheel of constant speed under a constant torque in N. It is integrated by fourth-order Runge-Kutta
+/// with steps of a millisecond: Euler's equation and `q' = q w / 2`, without code of the program.
 fn pushed(I: &Matrix3, h_w: &Vector3, T_N: &Vector3) -> Table {
     let inverse = I.try_inverse().unwrap();
     let slope = |q: &Quaternion<f64>, w: &Vector3| {

@@ -1,5 +1,5 @@
-//! Sec. IV: how often (35) holds over many trials, with the error matrices of each trial and with the limits of the
-//! command, and how conservative it is.
+//! Sec. IV: how often (35) holds over many trials, and how conservative it is. It uses the error matrices of each
+//! trial, and the limits of the command.
 
 use super::cramer_rao::cramer_rao;
 use super::experiment::{Experiment, Run, readings, unsymmetric};

@@ -1,4 +1,4 @@
-//! Both options, the linear method and the Cramer-Rao bound for the same draws: noise of 1 % of the largest velocity
+//! Both options, the linear method and the Cramer-Rao bound for the same draws. Noise is 1 % of the largest velocity
 //! components of trajectory 1 at 5 deg/s, ten samples at stops.
 
 use super::cramer_rao::cramer_rao;

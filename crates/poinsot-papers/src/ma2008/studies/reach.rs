@@ -254,8 +254,8 @@ fn ratio(context: &Context, sigma: Sigma, findings: &mut Findings) -> Result<(),
     Ok(())
 }
 
-/// Two runs through the same stops on different paths: the arm swings out and back between the stops, so joint
-/// torques, attitudes and velocities differ.
+/// Two runs through the same stops on different paths: the arm swings out and back between the stops. Joint torques,
+/// attitudes and velocities therefore differ.
 fn another_path(context: &Context, findings: &mut Findings) -> Result<(), StudyError> {
     let e = Experiment::of(context, 1, SPIN)?;
     let mut other = e.clone();

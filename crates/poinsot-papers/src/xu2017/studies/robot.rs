@@ -16,8 +16,8 @@ use rayon::prelude::*;
 pub const ALL: [&str; 7] = ["C1", "C2", "C3", "C4", "C5", "C6", "C7"];
 /// Runs of the joints.
 pub const ARM: [&str; 6] = ["C2", "C3", "C4", "C5", "C6", "C7"];
-/// Every fifth sample is used for swarms of many seeds: 0.25 s apart, so that firings of 5 s start and end on a
-/// sample. The runs are noise-free.
+/// Swarms of many seeds use every fifth sample: 0.25 s apart, so that firings of 5 s start and end on a sample. The
+/// runs are noise-free.
 pub const EVERY: usize = 5;
 /// Number of seeds of a swarm.
 pub const SEEDS: u64 = 20;

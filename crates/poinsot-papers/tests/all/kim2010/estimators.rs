@@ -27,8 +27,8 @@ impl Record {
     }
 }
 
-/// The paper's slew in closed form: from 3-2-1 Euler angles (10, 10, 10) deg about one axis to zero, with the angle of
-/// a damped oscillator (0.043 rad/s, 0.707) and zero total momentum.
+/// The paper's slew in closed form: from 3-2-1 Euler angles (10, 10, 10) deg about one axis to zero. The angle is a
+/// damped oscillator (0.043 rad/s, 0.707); the total momentum is zero.
 fn eigenaxis_slew() -> (Record, Vector3) {
     let ten = 10.0_f64.to_radians();
     let q = UnitQuaternion::from_euler_angles(ten, ten, ten);
@@ -112,8 +112,8 @@ fn paper_printed_conventional_products_follow_from_the_printed_moments() {
     near(&found, &[16.3578, 19.1201, 17.4000], 1.5e-4);
 }
 
-/// 350 s at 1 Hz with the noise of Table 1: the suggested products are produced by noise, and all six printed numbers
-/// are jointly likely.
+/// 350 s at 1 Hz with the noise of Table 1: noise produces the suggested products. All six printed numbers are jointly
+/// likely.
 #[test]
 fn stat_noise_alone_makes_the_suggested_products() {
     let (clean, _) = eigenaxis_slew();

@@ -92,8 +92,8 @@ fn stat_three_slews_from_noisy_sensors() {
     }
 }
 
-/// On one axis 15 printed numbers fix the sums, which give "considering pre-estimate" to the last printed digit: every
-/// product with the other product of its row from (15), all at once.
+/// On one axis 15 printed numbers fix the sums, which give "considering pre-estimate" to the last printed digit. Every
+/// product uses the other product of its row from (15), all at once.
 #[test]
 fn paper_pre_estimate_follows_from_the_other_columns() {
     let ten = 10.0_f64.to_radians();

@@ -72,8 +72,8 @@ fn prop_trials_are_independent_of_the_range() {
     assert_eq!(all[13], one[0]);
 }
 
-/// Sec. III.D with 3 % of each component's maximum: a few percent error of inertia on trajectory 1 with option 1, and
-/// much more on trajectory 2 with option 2.
+/// Sec. III.D with 3 % of each component's maximum: the error of inertia is a few percent on trajectory 1 with option
+/// 1. It is much larger on trajectory 2 with option 2.
 #[test]
 fn paper_three_percent_noise() {
     let median = |trajectory: usize, spin: [f64; 3], known: bool| -> f64 {

@@ -6,7 +6,7 @@ use nalgebra::{Matrix3, Vector3};
 /// Mass centre from the accelerometer, m, in body axes, by least squares over throws of one body.
 ///
 /// In free flight gravity acts at the mass centre, so the specific force at the sensor S is
-/// `f_S = w' x r + w x (w x r)` with `r = p_BcmS_B`; both sides use equally filtered signals.
+/// `f_S = w' x r + w x (w x r)` with `r = p_BcmS_B`; both use equally filtered signals.
 pub fn p_SBcm_B(throws: &[&Recording]) -> Option<Vector3<f64>> {
     let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
     for throw in throws {
