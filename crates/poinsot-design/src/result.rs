@@ -10,7 +10,7 @@ use poinsot_model::Model;
 /// One wanted number and its predicted sigma.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reach {
-    /// What is wanted.
+    /// Wanted number.
     pub want: Want,
     /// Predicted sigma; `None` if the manoeuvre does not determine the number.
     pub sigma: Option<f64>,
@@ -64,7 +64,7 @@ pub struct Relaxed {
 /// One wanted number over all trial flights.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VerifiedNumber {
-    /// What is wanted.
+    /// Name of the wanted number.
     pub name: String,
     /// RMS of the error over the sigma predicted for that flight.
     pub rms_ratio: f64,

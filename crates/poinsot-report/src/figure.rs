@@ -31,7 +31,7 @@ pub enum Picture {
 pub struct Figure {
     /// Letters, digits, `_` and `-` only.
     pub name: String,
-    /// What it shows.
+    /// Content.
     pub picture: Picture,
 }
 

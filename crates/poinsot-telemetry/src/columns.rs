@@ -114,7 +114,7 @@ impl Columns {
         std::mem::replace(self, next)
     }
 
-    /// Keeps only the rows for which `keep` says so.
+    /// Keeps the rows marked in `keep`.
     pub(crate) fn retain(&mut self, keep: &[bool]) {
         fn filter<T: Copy>(v: &mut Vec<T>, keep: &[bool]) {
             let mut keep = keep.iter();

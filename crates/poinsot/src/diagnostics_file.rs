@@ -29,7 +29,7 @@ pub(crate) fn diagnostics_file(d: &Diagnostics) -> DiagnosticsFile {
 
 /// One check of the residuals, or a possible cause of a misfit.
 pub(crate) struct Check {
-    /// What was tested.
+    /// Name of the test.
     pub test: String,
     /// Result.
     pub found: String,

@@ -13,7 +13,7 @@ const HEAD: &str = "\
 # Estimated from the data by differences of neighbouring samples. A data sheet is better.
 ";
 
-/// The tables to paste into a model; `None` if no channel shows noise.
+/// The tables to paste into a model; `None` if no channel has noise.
 pub(crate) fn proposed_sensors(inspection: &Inspection) -> Option<String> {
     let mut out = String::new();
     let mut owners: Vec<&str> = inspection.channels.iter().map(|c| owner(c).0).collect();

@@ -59,7 +59,7 @@ struct Units {
 }
 
 impl Units {
-    /// Value in these units of what is 1 in SI.
+    /// Factor from SI to these units.
     fn of(&self, mass: i32, length: i32, time: i32) -> f64 {
         self.kg.powi(-mass) * self.m.powi(-length) * self.s.powi(-time)
     }

@@ -82,8 +82,8 @@ fn exact_the_axis_named_closes_what_it_was_said_to_close() {
     }
 }
 
-/// Rotation does not determine mass and mass centre, whatever else is requested. Giving them resolves them; a rotation
-/// resolves the inertia about the mass centre without them.
+/// Rotation does not determine mass and mass centre, for any request. Giving them resolves them; a rotation resolves
+/// the inertia about the mass centre without them.
 #[test]
 fn regress_mass_and_mass_centre_that_do_not_show_need_no_pair() {
     let mut model = one_axis();
