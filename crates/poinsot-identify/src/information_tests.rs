@@ -215,10 +215,9 @@ fn finer(model: &Model, tree: &Tree, translation: bool, fine: usize) -> Segment 
             SensorKind::Attitude => {
                 SensorValue::Attitude(UnitQuaternion::from_scaled_axis(wave(k, phase)))
             }
-            SensorKind::Direction => SensorValue::Direction {
-                seen_B: wave(k, phase).normalize(),
-                reference_N: wave(k, 0.9 * phase).normalize(),
-            },
+            SensorKind::Direction => {
+                SensorValue::direction(wave(k, phase).normalize(), wave(k, 0.9 * phase).normalize())
+            }
             _ => SensorValue::Vector(wave(k, phase)),
         });
         let mut made = record(model, kind).at_every_time(values);

@@ -11,13 +11,15 @@ mod effects;
 pub(crate) use effects::Effects;
 
 use crate::fit::degrees_of_freedom::{MISFIT, fitted_numbers, known_covariance};
-use crate::fit::experiment::{DIFFERENCE, Experiment, Iterate, KeptColumns, body_slopes, slopes};
+use crate::fit::experiment::{
+    DIFFERENCE, Experiment, Iterate, KeptColumns, body_slopes, drop_old_columns, slopes,
+};
 use crate::fit::{Fitted, fit_from};
 use crate::likelihood::KnownColumns;
 use crate::problem::Problem;
 use crate::problem::parameters::{KnownUnknown, Parameters, Unknown, UnknownKind};
 use crate::problem::prior::{CONTRADICTED_SIGMAS, Conflict, LEAST_SHARE};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use poinsot_model::{Model, rounded};
 use std::sync::{Arc, Mutex};
 
@@ -28,6 +30,8 @@ pub(crate) const SILENT: f64 = 1.0e-3;
 const EXPLAINED: f64 = 0.5;
 /// Most iterations with known numbers among the unknowns.
 const TRIED: usize = 30;
+/// Most fits on from columns made anew: each moves the answer by a hundredth of the last one.
+const RENEWED: usize = 3;
 /// Fall of chi-square that a full step may still promise where the columns are differences.
 const CONVERGED_BELOW_BY_DIFFERENCES: f64 = 1.0e-3;
 
@@ -70,7 +74,7 @@ pub(crate) fn fit_known(experiment: &Experiment, fitted: &Fitted) -> Option<Know
     let hopeless = chi2 > MISFIT * dof && predicted_reduction(&start) < EXPLAINED * (chi2 - dof);
     let found = match hopeless {
         true => start.clone(),
-        false => fit_from(&wide, first, TRIED)?,
+        false => settled(&wide, first)?,
     };
     let done = found.converged || predicted_reduction(&found) < CONVERGED_BELOW_BY_DIFFERENCES;
     let (worst, per_number) = contradicted(&wide, &found);
@@ -94,6 +98,18 @@ pub(crate) fn fit_known(experiment: &Experiment, fitted: &Fitted) -> Option<Know
         contradiction: worst.filter(|_| !left && done),
         parameters,
     })
+}
+
+/// A fit that ends on columns made where it ends.
+fn settled(experiment: &Experiment, from: Iterate) -> Option<Fitted> {
+    let mut found = fit_from(experiment, from, TRIED)?;
+    for _ in 0..RENEWED {
+        if !found.converged || !drop_old_columns(experiment, &found.at) {
+            break;
+        }
+        found = fit_from(experiment, found.at, TRIED)?;
+    }
+    Some(found)
 }
 
 /// Chi-square, and its degrees of freedom.
@@ -196,24 +212,31 @@ fn shown(
 }
 
 /// The known number that the data contradict most, in the size of the residual that is left; and chi-square per number left.
+///
+/// Every number is tested as wrong alone (a score test): what correlates with it says by how much it may move.
 fn contradicted(experiment: &Experiment, fitted: &Fitted) -> (Option<Conflict>, f64) {
     let parameters = experiment.parameters;
     let (chi2, dof) = chi2_and_dof(experiment, fitted);
     let per_number = chi2 / dof;
-    let posterior = known_covariance(parameters, fitted);
+    let Some(weights) = parameters.known_covariance().cholesky() else {
+        return (None, per_number);
+    };
+    let weights = weights.inverse();
+    let pull = Pull::new(parameters, fitted, &weights);
     let places = parameters.known_places();
     let apart = places.iter().enumerate().filter_map(|(k, place)| {
         let unknown = &parameters.unknowns[*place];
         let sigma = unknown.kind.known()?.sigma;
-        let left = (1.0 - posterior[(k, k)] / (sigma * sigma)).max(LEAST_SHARE);
-        let change = fitted.at.x[*place] - unknown.nominal;
-        let z = change.abs() / (sigma * (left * per_number.max(1.0)).sqrt());
-        // The estimate from the data alone, without the declared uncertainty.
-        let alone = (
-            unknown.nominal + change / left,
-            posterior[(k, k)].max(0.0) / left,
-        );
-        Some((z, unknown, sigma, alone))
+        let known = pull.known[(k, k)].max(LEAST_SHARE * weights[(k, k)]);
+        let z = pull.score[k].abs() / (known * per_number.max(1.0)).sqrt();
+        // The estimate from the data and the other numbers, without the declared uncertainty of this one.
+        let variance = (1.0 / known - 1.0 / weights[(k, k)]).max(0.0);
+        Some((
+            z,
+            unknown,
+            sigma,
+            (unknown.nominal + pull.score[k] / known, variance),
+        ))
     });
     let worst = apart.max_by(|a, b| a.0.total_cmp(&b.0));
     let said = worst.filter(|w| w.0 > CONTRADICTED_SIGMAS).map(|(z, unknown, sigma, alone)| {
@@ -225,18 +248,34 @@ fn contradicted(experiment: &Experiment, fitted: &Fitted) -> (Option<Conflict>, 
                 "the data contradict the known number {}: model {nominal} ± {sigma} {unit}, estimated {alone} ± {own} {unit}, difference {z:.0} sigma; correct the number or its uncertainty",
                 unknown.name
             ),
-            ratio: 1.0 + pull(parameters, fitted, &posterior),
+            ratio: 1.0 + pull.square,
         }
     });
     (said, per_number)
 }
 
-/// Square of what the declared uncertainties have moved the known numbers by, in their sigmas after the data.
-fn pull(parameters: &Parameters, fitted: &Fitted, posterior: &DMatrix<f64>) -> f64 {
-    let change = |k: &usize| fitted.at.x[*k] - parameters.unknowns[*k].nominal;
-    let changes: Vec<f64> = parameters.known_places().iter().map(change).collect();
-    let changes = DMatrix::from_column_slice(changes.len(), 1, &changes);
-    let declared = parameters.known_covariance().cholesky();
-    let weighted = declared.map(|c| c.solve(&changes));
-    weighted.map_or(0.0, |w| (w.transpose() * posterior * &w)[(0, 0)])
+/// What pulls the known numbers away from their declared values.
+struct Pull {
+    /// Slope of half the data's chi-square over a shift of each declared value.
+    score: DVector<f64>,
+    /// What the data and the other numbers know of such shifts: the inverse of their covariance.
+    known: DMatrix<f64>,
+    /// Square of the moves, in sigmas after the data.
+    square: f64,
+}
+
+impl Pull {
+    /// `weights` is the inverse of the declared covariance.
+    fn new(parameters: &Parameters, fitted: &Fitted, weights: &DMatrix<f64>) -> Self {
+        let posterior = known_covariance(parameters, fitted);
+        let change = |k: &usize| fitted.at.x[*k] - parameters.unknowns[*k].nominal;
+        let places = parameters.known_places();
+        let changes = places.iter().map(change);
+        let score = weights * DVector::from_iterator(weights.nrows(), changes);
+        Self {
+            known: weights - weights * &posterior * weights,
+            square: score.dot(&(posterior * &score)),
+            score,
+        }
+    }
 }

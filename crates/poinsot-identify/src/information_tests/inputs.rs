@@ -146,10 +146,9 @@ fn dense(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> f64 {
                     SensorValue::Vector(x - was + error * larger)
                 }
                 (SensorValue::Vector(x), _) => match here.value {
-                    SensorValue::Direction { reference_N, .. } => SensorValue::Direction {
-                        seen_B: (x + error).normalize(),
-                        reference_N,
-                    },
+                    SensorValue::Direction { reference_N, .. } => {
+                        SensorValue::direction((x + error).normalize(), reference_N)
+                    }
                     _ => SensorValue::Vector(x + error * larger),
                 },
                 (other, _) => other,

@@ -6,7 +6,7 @@ use crate::problem::Problem;
 use crate::problem::parameters::{Equations, Parameters};
 use nalgebra::Vector3;
 use poinsot_dynamics::Tree;
-use poinsot_model::{EstimateSet, KnownNumber, Nuisance, Origin, parse_model};
+use poinsot_model::{EstimateSet, KnownNumber, Nuisance, Origin, SensorKind, parse_model};
 
 /// Step of a difference, in the uncertainty of a drawing.
 const STEP: f64 = 1.0e-3;
@@ -74,6 +74,91 @@ fn exact_columns_of_known_numbers_are_differences_of_predictions() {
             compared > numbers.iter().filter(|n| moves(n)).count() / 2,
             "{compared}"
         );
+    }
+}
+
+/// A record replaced by its predictions has the columns of the measured one: known numbers are compared with the other unknowns.
+#[test]
+fn exact_predicted_samples_have_the_columns_of_measured_ones() {
+    let model = parse_model(MODEL, "test").unwrap();
+    let tree = Tree::new(&model);
+    let segments = [segment(&model, &tree, true)];
+    let noise = noise(&tree);
+    let problem = Problem {
+        model: &model,
+        tree: &tree,
+        segments: &segments,
+        noise: &noise,
+        relative_accuracy: 1.0,
+    };
+    let parameters = Parameters::new(&model, &tree, Equations::Momentum, true).unwrap();
+    let mut experiment = Experiment::new(&problem, &parameters);
+    experiment.keep_rows = true;
+    let at = experiment.nominal_point();
+    let predicted = PredictedExperiment::new(&experiment, &at).unwrap();
+    let there = predicted.problem(&problem);
+    let other = experiment.of_vehicle(&there, predicted.parameters());
+    let [own, other] = [&experiment, &other].map(|e| e.evaluate(&at, true).unwrap());
+    let rows = own[0].kept.rows.iter().zip(&other[0].kept.rows);
+    let mut compared = 0;
+    for (a, b) in rows.filter(|(a, _)| a.channel.is_some()) {
+        for (a, b) in a.rows.iter().zip(&b.rows) {
+            // The last one is the residual.
+            for (x, y) in a.iter().zip(b).take(a.len() - 1) {
+                assert!((x - y).abs() < 1.0e-9 * (1.0 + x.abs()), "{x} {y}");
+                compared += usize::from(*x != 0.0);
+            }
+        }
+    }
+    assert!(compared > 100);
+}
+
+/// Where nothing is known of translation, no column of a mass or a mass centre is left: the slope of a parallel-axis part is
+/// exact, not one of a step.
+#[test]
+fn regress_a_mass_centre_that_no_sample_shows_has_no_column() {
+    let mut model = parse_model(MODEL, "test").unwrap();
+    model.bodies.truncate(1);
+    (model.joints, model.thrusters, model.sensors) = (Vec::new(), Vec::new(), Vec::new());
+    (model.wheels[0].body, model.environment) = (0, Default::default());
+    (model.wheels[0].estimate, model.wheels[0].misalignment) = (false, Nuisance::Known);
+    model.bodies[0].estimate = EstimateSet {
+        inertia: true,
+        ..EstimateSet::default()
+    };
+    let tree = Tree::new(&model);
+    let mut segment = segment(&model, &tree, false);
+    segment.firings.clear();
+    segment.observations.orbit.clear();
+    let kinds = [SensorKind::Gyro, SensorKind::Attitude];
+    segment
+        .observations
+        .sensors
+        .retain(|s| kinds.contains(&s.kind));
+    let (segments, noise) = ([segment], noise(&tree));
+    let problem = Problem {
+        model: &model,
+        tree: &tree,
+        segments: &segments,
+        noise: &noise,
+        relative_accuracy: 1.0,
+    };
+    let parameters = Parameters::new(&model, &tree, Equations::Momentum, false).unwrap();
+    let experiment = Experiment::new(&problem, &parameters);
+    let predicted = PredictedExperiment::new(&experiment, &experiment.nominal_point()).unwrap();
+    for number in [
+        KnownNumber::Mass(0),
+        KnownNumber::MassCentre(0),
+        KnownNumber::SpinInertia(0),
+    ] {
+        let sigma = number.absolute(&model, 0, number.usual_sigma(Origin::Cad));
+        let columns = predicted
+            .slopes(&experiment, &[(number, 0, STEP * sigma)])
+            .unwrap();
+        let all = columns.iter().flatten().flatten().flatten();
+        let length = all.map(|v| v.norm_squared()).sum::<f64>().sqrt() * sigma;
+        let moves = number == KnownNumber::SpinInertia(0);
+        assert!((length > 1.0e-6) == moves, "{number:?}: {length:.1e}");
     }
 }
 

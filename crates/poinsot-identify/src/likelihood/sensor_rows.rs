@@ -214,8 +214,8 @@ fn difference(
         errors: changed(&predicted.errors),
         gains: changed(&predicted.gains),
     };
-    if let SensorValue::Direction { seen_B, .. } = &sample.value {
-        new.turn(&across(seen_B));
+    if let SensorValue::Direction { normal_B, .. } = &sample.value {
+        new.turn(&across(normal_B));
     }
     new
 }

@@ -371,12 +371,17 @@ impl<'a> Recorder<'a> {
                 one.channel
                     .push(t, &own, &xyzw(&expected, Some(own)), &residual);
             }
-            (SensorValue::Direction { seen_B, .. }, _) => {
+            (
+                SensorValue::Direction {
+                    seen_B, normal_B, ..
+                },
+                _,
+            ) => {
                 one.channel.push(
                     t,
                     &three(&seen_B),
                     &three(&reading),
-                    &(across(&seen_B) * (seen_B - reading)),
+                    &(across(&normal_B) * (seen_B - reading)),
                 );
             }
             (SensorValue::Vector(measured), _) => {

@@ -57,7 +57,21 @@ pub enum SensorValue {
         seen_B: Vector3,
         /// Known.
         reference_N: Vector3,
+        /// Normal of the plane in which residuals lie: the measured direction. It stays where `seen_B` is replaced by a
+        /// prediction, so that the sensitivities of both have the same axes.
+        normal_B: Vector3,
     },
+}
+
+impl SensorValue {
+    /// Direction of a vector known in N, as measured; both of length one.
+    pub fn direction(seen_B: Vector3, reference_N: Vector3) -> Self {
+        Self::Direction {
+            seen_B,
+            reference_N,
+            normal_B: seen_B,
+        }
+    }
 }
 
 /// One sample of a sensor.

@@ -101,9 +101,11 @@ fn reread(segments: &mut [Segment], number: KnownNumber, component: usize, chang
                             SensorValue::Direction {
                                 seen_B,
                                 reference_N,
+                                normal_B,
                             } => SensorValue::Direction {
                                 seen_B: turn * seen_B,
                                 reference_N,
+                                normal_B,
                             },
                             other => other,
                         };

@@ -146,16 +146,15 @@ fn listed(found: &Identified, mutation: &Mutation) -> bool {
     name.is_some_and(|name| effects.iter().any(|e| e.name == name))
 }
 
-/// Set by the mutator alone: by the size of the mistake in its declared uncertainty, and by what it leaves of samples without
-/// noise where known numbers are exact.
+/// Set before the trial: by the size of the mistake in its declared uncertainty, and by the chi-square that samples without
+/// noise leave. Known numbers have their declared uncertainty there: what it explains, no data can show.
 fn class(mutation: &Mutation) -> Result<Class, String> {
     if let Some(class) = mutation.class_by_size() {
         return Ok(class);
     }
     let mut tables: Vec<Table> = mutation.vehicle.study.exact.clone();
     let mut rng = ChaCha8Rng::seed_from_u64(SEED);
-    let mut model = mutation.apply(&mut tables, &mut rng);
-    model.knowledge.uncertain.clear();
+    let model = mutation.apply(&mut tables, &mut rng);
     let Ok(found) = identify_tables(model, tables, &Question::default()) else {
         // It is refused on reading.
         return Ok(Class::Visible);

@@ -50,9 +50,11 @@ pub(crate) fn take_predictions(
                         SensorValue::Direction {
                             seen_B,
                             reference_N,
+                            normal_B,
                         } => SensorValue::Direction {
-                            seen_B: (seen_B - across(&seen_B).transpose() * row.raw).normalize(),
+                            seen_B: seen_B - across(&normal_B).transpose() * row.raw,
                             reference_N,
+                            normal_B,
                         },
                     };
                 }
