@@ -79,16 +79,15 @@ fn restrict(
         experiment,
     )?;
     solution.spectrum = own;
-    solution.settle();
-    let (starts, fit) = segments(
-        problem,
-        &solution.parameters,
-        &solution.reduced,
-        &solution.x,
-    );
-    solution.starts = starts;
-    solution.fit = fit;
+    settle(problem, solution);
     Ok(())
+}
+
+/// Takes the numbers from the spectrum, and the segments from the numbers.
+fn settle(problem: &Problem, solution: &mut Solution) {
+    solution.settle();
+    let (parameters, reduced) = (&solution.parameters, &solution.reduced);
+    (solution.starts, solution.fit) = segments(problem, parameters, reduced, &solution.x);
 }
 
 /// The numerical linear solution.
@@ -293,15 +292,7 @@ fn conclude(
         wheels_smooth: false,
         regressor_noise: block_noise,
     };
-    solution.settle();
-    let (starts, fit) = segments(
-        problem,
-        &solution.parameters,
-        &solution.reduced,
-        &solution.x,
-    );
-    solution.starts = starts;
-    solution.fit = fit;
+    settle(problem, &mut solution);
     Ok(solution)
 }
 

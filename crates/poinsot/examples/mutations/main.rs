@@ -78,7 +78,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     for t in done
         .iter()
-        .filter(|t| !t.confident && t.class == Class::Harmless)
+        .filter(|t| !t.confident && matches!(t.class, Class::Harmless | Class::Covered))
     {
         println!("\n{} {}: {}: {}", t.number, t.vehicle, t.mistake, t.said);
     }

@@ -141,8 +141,8 @@ pub fn calibrate(throws: &mut Throws) -> Result<(), Fault> {
         }
     }
     let again = fits(throws, false)?;
-    let (bias, covariance) = Device::of_bias(&again.iter().collect::<Vec<_>>())
-        .ok_or("the accelerometer is not seen")?;
+    let levers: Vec<_> = again.iter().map(|f| &f.lever).collect();
+    let (bias, covariance) = Device::of_bias(&levers).ok_or("the accelerometer is not seen")?;
     throws.device.bias = bias;
     throws.device.bias_covariance = covariance;
     Ok(())

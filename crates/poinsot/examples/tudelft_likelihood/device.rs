@@ -2,7 +2,6 @@
 //! bias. They are determined by the calibration throws, without the objects.
 
 use super::Fault;
-use super::likelihood::Fitted;
 use super::throws::recording::Recording;
 use nalgebra::{Matrix3, SVector, Vector3};
 use poinsot_model::Model;
@@ -101,11 +100,11 @@ impl Device {
     }
 
     /// The bias common to these throws, and its covariance from the scatter between them.
-    pub fn of_bias(fits: &[&Fitted]) -> Option<(Vector3<f64>, Matrix3<f64>)> {
+    pub fn of_bias(throws: &[&Lever]) -> Option<(Vector3<f64>, Matrix3<f64>)> {
         let (mut information, mut sum) = (Matrix3::zeros(), Vector3::zeros());
-        let each: Vec<(Matrix3<f64>, Vector3<f64>)> = fits
+        let each: Vec<(Matrix3<f64>, Vector3<f64>)> = throws
             .iter()
-            .map(|f| f.lever.of_bias())
+            .map(|lever| lever.of_bias())
             .collect::<Option<_>>()?;
         for (own, right) in &each {
             information += own;
