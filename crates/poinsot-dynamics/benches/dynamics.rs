@@ -8,18 +8,22 @@
 mod least_time;
 mod xu_arm;
 
-use least_time::{measure, processor_seconds};
+use least_time::{measure, measure_batch, processor_seconds};
 use poinsot_dynamics::*;
 use poinsot_spatial::{UnitQuaternion, Vector3};
 use std::hint::black_box;
-use xu_arm::RING;
+use xu_arm::{BATCH, RING, Rows};
 
 /// Length of the simulation, s, and how often it is repeated.
 const SECONDS: f64 = 20.0;
 const REPEATS: usize = 40;
 
+/// Constant joint torques, the same in the peers, N m.
+const TORQUES: [f64; 6] = [1.0, -0.8, 0.6, 0.1, -0.05, 0.02];
+
 fn main() {
     kernels();
+    batches();
     let tolerance = |relative| Tolerance {
         relative,
         ..Tolerance::default()
@@ -56,7 +60,7 @@ fn kernels() {
     };
     let mut dynamics = ForwardDynamics::new(&tree);
     let mut found = [0.0; 6];
-    let inputs = [1.0, -0.8, 0.6, 0.1, -0.05, 0.02].map(JointInput::Force);
+    let inputs = TORQUES.map(JointInput::Force);
     let mut forward = |s: &xu_arm::State| {
         kinematics.place(&tree, &s.q);
         kinematics.set_velocities(&tree, &s.v, &s.w, &s.rates);
@@ -94,6 +98,51 @@ fn kernels() {
         let (p, k, a) = (&parameters, &kinematics, &accelerations);
         black_box(inverse.solve(&tree, p, k, a, &[], &mut found));
     });
+}
+
+/// Many vehicles side by side: forward dynamics, and one step of 10 ms under the torques of the simulation.
+fn batches() {
+    let (tree, parameters, rows) = (xu_arm::tree(), xu_arm::parameters(), Rows::new());
+    let forces = TORQUES.repeat(BATCH);
+    let wrench = vec![0.0; 6 * BATCH];
+    let mut found = vec![0.0; 12 * BATCH];
+    measure_batch("batch_forward_dynamics", BATCH, || {
+        let (states, out) = (rows.states(), &mut found);
+        let done = batch::forward_dynamics(&tree, &parameters, states, &forces, &wrench, out);
+        black_box(done.is_ok());
+    });
+    let plan = DrivenPlan {
+        joints: xu_arm::drives(),
+        wheels: Vec::new(),
+        firings: Vec::new(),
+    };
+    let motors: Vec<ForceProfile> = plan.joints.iter().filter_map(motor).cloned().collect();
+    let vehicle = Driven::from_parts(
+        tree.clone(),
+        parameters.clone(),
+        Vec::new(),
+        Vec::new(),
+        &plan,
+    );
+    let Ok(start) = vehicle.and_then(|v| v.state(&xu_arm::start(), 0.0)) else {
+        return;
+    };
+    let mut states = start.repeat(BATCH);
+    let steps = batch::Steps {
+        start: 0.0,
+        step: 0.01,
+        count: 1,
+    };
+    measure_batch("batch_rk4_10ms_step", BATCH, || {
+        black_box(batch::integrate(&tree, &parameters, &motors, steps, &mut states).is_ok());
+    });
+}
+
+fn motor(joint: &JointDrive) -> Option<&ForceProfile> {
+    match joint {
+        JointDrive::Force { motor, .. } => Some(motor),
+        JointDrive::Motion(_) => None,
+    }
 }
 
 /// Where the simulation ended, as far as the peers print it.

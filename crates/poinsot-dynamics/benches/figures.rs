@@ -8,11 +8,11 @@
 mod least_time;
 mod xu_arm;
 
-use least_time::measure;
-use poinsot_dynamics::{Kinematics, Tree, composite, momentum, momentum_regressor};
+use least_time::{measure, measure_batch};
+use poinsot_dynamics::{Kinematics, Tree, batch, composite, momentum, momentum_regressor};
 use poinsot_spatial::{InertialParameters, Vector6};
 use std::hint::black_box;
-use xu_arm::{COLUMNS, RING, State};
+use xu_arm::{BATCH, COLUMNS, RING, Rows, State};
 
 fn main() {
     let tree = xu_arm::tree();
@@ -62,6 +62,20 @@ fn main() {
         let s = black_box(&states[next()]);
         kinematics.place(&tree, &s.q);
         black_box(composite(&parameters, &kinematics));
+    });
+    batches(&tree, &parameters);
+}
+
+/// Many states side by side, into memory that is used again.
+fn batches(tree: &Tree, parameters: &[InertialParameters]) {
+    let rows = Rows::new();
+    let mut Y = vec![0.0; BATCH * COLUMNS * 6];
+    measure_batch("batch_momentum_regressor_6x70", BATCH, || {
+        black_box(batch::momentum_regressor(tree, rows.states(), &mut Y).is_ok());
+    });
+    let mut out = vec![0.0; BATCH * 6];
+    measure_batch("batch_momentum", BATCH, || {
+        black_box(batch::momentum(tree, parameters, rows.states(), &mut out).is_ok());
     });
 }
 

@@ -113,6 +113,16 @@ impl<'p> Driven<'p> {
         &self.tree
     }
 
+    /// The state at time `t`, s: `q_NB` (scalar last), `p_NoScm`, `l_S`, `h_SScm` in N, momenta of torque-driven wheels,
+    /// positions and then rates of the driven joints.
+    ///
+    /// # Errors
+    /// The vehicle has no inertia.
+    pub fn state(&self, start: &Start, t: f64) -> Result<Vec<f64>, MotionError> {
+        let stretches = SmoothIntervals::new(self.plan.breaks());
+        Ok(DrivenStage::new(self, stretches.of(t).0).start(start, t)?)
+    }
+
     /// Moves the vehicle from `start` (at the first of `times`; joints start as their drives define) through every
     /// time, s, and hands each sample to `sink`.
     ///

@@ -16,6 +16,7 @@
 //! w_host x a h_w)`. One with prescribed speed leaves `Js` in the host, with the reaction `-(a Js Omega' + w_host x a
 //! Js Omega)`.
 
+use crate::algebra::V3;
 use crate::forward_dynamics::{ForwardDynamics, JointInput};
 use crate::gravity_gradient::tidal_wrench;
 use crate::integrate::{Flow, Halt};
@@ -24,6 +25,7 @@ use crate::joint_drive::JointDrive;
 use crate::momentum::Twist;
 use crate::orbit::{Orbit, orbit_state};
 use crate::plan::{Start, StartVelocity};
+use crate::rates_momentum::RatesMomentum;
 use crate::stage::{ANGULAR, LINEAR, MotionSample, POSITION, WHEELS, attitude, vector};
 use crate::symmetric::Symmetric;
 use crate::thrust::{Firing, Nozzle, thrust_levels};
@@ -101,6 +103,7 @@ pub(crate) struct DrivenStage<'s> {
     /// Axial momentum not included in the host, N m s.
     wheel_momentum: Vec<f64>,
     dynamics: ForwardDynamics,
+    carried: RatesMomentum,
     inverse: InverseDynamics,
     /// On each body about its origin, in base axes.
     outside: Vec<Wrench>,
@@ -125,11 +128,12 @@ impl<'s> DrivenStage<'s> {
             wheel_input: vec![0.0; wheels],
             wheel_momentum: vec![0.0; wheels],
             dynamics: ForwardDynamics::new(tree),
+            carried: RatesMomentum::new(tree),
             inverse: InverseDynamics::new(tree),
             outside: vec![Wrench::ZERO; tree.bodies()],
             total: Wrench::ZERO,
             c: Vector3::zeros(),
-            inertia: Symmetric::default(),
+            inertia: Symmetric::new([0.0; 6]),
             sample: DrivenSample {
                 motion,
                 motor_force: vec![0.0; dof],
@@ -224,16 +228,18 @@ impl<'s> DrivenStage<'s> {
         let vehicle = self.vehicle;
         let motion = &mut self.sample.motion;
         let (whole, l_c, h_c) = self
-            .dynamics
-            .momentum_of_rates(&vehicle.tree, &motion.rates);
-        self.c = whole.p_BoScm_B();
-        self.inertia = Symmetric::of(&whole.I_SScm_B());
-        let mut h = h - (h_c - self.c.cross(&l_c));
+            .carried
+            .of(&vehicle.tree, &self.dynamics, &motion.rates);
+        let c = whole.centre();
+        self.c = c.stored();
+        self.inertia = whole.about_centre(&c);
+        let mut h = V3::of(h) - (h_c - c.cross(&l_c));
         for (rotor, h_w) in vehicle.tree.rotors.iter().zip(&self.wheel_momentum) {
-            h -= motion.kinematics.R[rotor.body] * rotor.axis_B * *h_w;
+            h -= V3::of(&(motion.kinematics.R[rotor.body] * rotor.axis_B)) * *h_w;
         }
         let w = self.inertia.solve(&h).ok_or(Halt::Singular { time: t })?;
-        let v = (l - l_c) / vehicle.mass - w.cross(&self.c);
+        let v = ((V3::of(l) - l_c) / vehicle.mass - w.cross(&c)).stored();
+        let w = w.stored();
         motion
             .kinematics
             .set_velocities(&vehicle.tree, &v, &w, &motion.rates);
@@ -339,7 +345,10 @@ impl<'s> DrivenStage<'s> {
                 let v = start.R_NB.inverse() * v_NBo_N;
                 let (dv, dw) = (v - rest.v, w_NB_B - rest.w);
                 let l = (dv + dw.cross(&self.c)) * vehicle.mass;
-                (start.R_NB * l, start.R_NB * self.inertia.times(&dw))
+                (
+                    start.R_NB * l,
+                    start.R_NB * self.inertia.times(&V3::of(&dw)).stored(),
+                )
             }
         };
         let p = start.p_NoBo_N + start.R_NB * self.c;
@@ -400,7 +409,7 @@ impl<'s> DrivenStage<'s> {
     pub fn scale(&self) -> Vec<f64> {
         let mut scale = vec![1.0; LINEAR];
         scale.resize(ANGULAR, 0.01 * self.vehicle.mass);
-        let trace = self.inertia.xx + self.inertia.yy + self.inertia.zz;
+        let trace = self.inertia.trace();
         scale.resize(WHEELS, 0.01 * trace / 3.0);
         let vehicle = self.vehicle;
         for (wheel, js) in vehicle.plan.wheels.iter().zip(&vehicle.spin_inertia) {

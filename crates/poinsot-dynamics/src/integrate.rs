@@ -163,15 +163,15 @@ pub(crate) fn finite(y: &[f64], end: f64) -> Result<(), Halt> {
 }
 
 /// An ordinary differential equation on a plain vector.
-pub trait Flow {
+pub trait Flow<T = f64> {
     /// Writes the derivative of `y` at `t`.
     ///
     /// # Errors
     /// The derivative does not exist.
-    fn derivative(&mut self, t: f64, y: &[f64], dy: &mut [f64]) -> Result<(), Halt>;
+    fn derivative(&mut self, t: f64, y: &[T], dy: &mut [T]) -> Result<(), Halt>;
 
     /// Brings an accepted state back to its manifold (unit quaternions).
-    fn project(&self, y: &mut [f64]);
+    fn project(&self, y: &mut [T]);
 }
 
 /// Scratch and step size of the integrator.

@@ -1,74 +1,93 @@
 //! Position, attitude and velocity of every body relative to the base.
 
-use crate::tree::{Motion, Tree, product};
+use crate::algebra::{M3, Real, V3};
+use crate::tree::{Motion, Tree};
 use alloc::vec;
 use alloc::vec::Vec;
-use poinsot_spatial::{Matrix3, Vector3};
+use nalgebra::{Matrix3, Vector3};
 
 /// Placement and velocity of every body, all in base axes. Scratch: filled by
 /// [`Kinematics::place`] and [`Kinematics::set_velocities`].
 #[derive(Debug, Clone)]
-pub struct Kinematics {
+pub struct Kinematics<T = f64> {
     /// `R_BBi`: from body i to the base.
-    pub R: Vec<Matrix3>,
+    pub R: Vec<Matrix3<T>>,
     /// `p_BoBio_B`: origin of body i from the base's origin, m.
-    pub p: Vec<Vector3>,
+    pub p: Vec<Vector3<T>>,
     /// `v_NBio_B`: inertial velocity of body i's origin, in base axes, m/s.
-    pub v: Vec<Vector3>,
+    pub v: Vec<Vector3<T>>,
     /// `w_NBi_B`: inertial angular velocity of body i, in base axes, rad/s.
-    pub w: Vec<Vector3>,
+    pub w: Vec<Vector3<T>>,
 }
 
 impl Kinematics {
     /// Scratch for a tree, placed at joint positions zero and at rest.
     pub fn new(tree: &Tree) -> Self {
-        let n = tree.bodies();
-        let mut kinematics = Self {
-            R: vec![Matrix3::identity(); n],
-            p: vec![Vector3::zeros(); n],
-            v: vec![Vector3::zeros(); n],
-            w: vec![Vector3::zeros(); n],
-        };
+        let mut kinematics = Self::over(tree, 0.0);
         kinematics.place(tree, &vec![0.0; tree.dof()]);
         kinematics
     }
+}
+
+impl<T: Real> Kinematics<T> {
+    /// Scratch for a tree over the numbers of `zero`; only the base is placed.
+    #[inline(always)]
+    pub(crate) fn over(tree: &Tree, zero: T) -> Self {
+        let n = tree.bodies();
+        let one = M3::of(&nalgebra::Matrix3::identity())
+            .0
+            .map(|c| c.spread(zero));
+        let nothing = V3::all(zero).stored();
+        Self {
+            R: vec![M3(one).stored(); n],
+            p: vec![nothing; n],
+            v: vec![nothing; n],
+            w: vec![nothing; n],
+        }
+    }
 
     /// Places every body for joint positions `q` (rad or m, one per coordinate of the tree).
-    #[inline]
-    pub fn place(&mut self, tree: &Tree, q: &[f64]) {
+    #[inline(always)]
+    pub fn place(&mut self, tree: &Tree, q: &[T]) {
         for (i, link) in tree.links.iter().enumerate().skip(1) {
-            let (R_BP, p_BoPo) = (&self.R[link.parent], &self.p[link.parent]);
-            let (R_BC, p_PoCo_P) = match link.motion {
-                Motion::Revolute(k) => (link.turned(R_BP, q[k]), link.p_PoCo_P),
-                Motion::Prismatic(k) => (
-                    product(R_BP, &link.R_PC_zero),
-                    link.p_PoCo_P + link.axis_P * q[k],
-                ),
-                Motion::Fixed | Motion::Free => (product(R_BP, &link.R_PC_zero), link.p_PoCo_P),
+            let R_BP = M3::of(&self.R[link.parent]);
+            let p_PoCo_P = V3::of(&link.p_PoCo_P);
+            let p_PoCo_B = match link.motion {
+                Motion::Prismatic(k) => {
+                    let slide = V3::of(&link.axis_P).spread(q[k]) * q[k];
+                    R_BP.times(&(p_PoCo_P.spread(q[k]) + slide))
+                }
+                _ => R_BP.times(&p_PoCo_P),
             };
-            self.p[i] = p_BoPo + R_BP * p_PoCo_P;
-            self.R[i] = R_BC;
+            self.p[i] = (V3::of(&self.p[link.parent]) + p_PoCo_B).stored();
+            self.R[i] = match link.motion {
+                Motion::Revolute(k) => link.turned(&R_BP, q[k]).stored(),
+                _ => R_BP.product(&M3::of(&link.R_PC_zero)).stored(),
+            };
         }
     }
 
     /// Velocities of every body for the base twist (`v_NBo_B` m/s, `w_NB_B` rad/s) and joint rates
     /// (rad/s or m/s), at the placement of the last [`Self::place`].
-    #[inline]
-    pub fn set_velocities(&mut self, tree: &Tree, v: &Vector3, w: &Vector3, rates: &[f64]) {
-        self.v[0] = *v;
-        self.w[0] = *w;
+    #[inline(always)]
+    pub fn set_velocities(&mut self, tree: &Tree, v: &Vector3<T>, w: &Vector3<T>, rates: &[T]) {
+        self.v[0] = V3::of(v).stored();
+        self.w[0] = V3::of(w).stored();
         for (i, link) in tree.links.iter().enumerate().skip(1) {
             let parent = link.parent;
-            let w_P = self.w[parent];
-            let mut v_C = self.v[parent] + w_P.cross(&(self.p[i] - self.p[parent]));
+            let w_P = V3::of(&self.w[parent]);
+            let p_PoCo = V3::of(&self.p[i]) - V3::of(&self.p[parent]);
+            let mut v_C = V3::of(&self.v[parent]) + w_P.cross(&p_PoCo);
             let mut w_C = w_P;
-            match link.motion {
-                Motion::Revolute(k) => w_C += link.axis_B(&self.R[i]) * rates[k],
-                Motion::Prismatic(k) => v_C += link.axis_B(&self.R[i]) * rates[k],
-                Motion::Fixed | Motion::Free => {}
+            if let Motion::Revolute(k) | Motion::Prismatic(k) = link.motion {
+                let moved = link.axis_in_base(&M3::of(&self.R[i])) * rates[k];
+                match link.motion {
+                    Motion::Revolute(_) => w_C += moved,
+                    _ => v_C += moved,
+                }
             }
-            self.v[i] = v_C;
-            self.w[i] = w_C;
+            self.v[i] = v_C.stored();
+            self.w[i] = w_C.stored();
         }
     }
 }

@@ -12,8 +12,12 @@
 extern crate alloc;
 
 mod acceleration;
+mod algebra;
+mod articulated;
 #[cfg(feature = "std")]
 mod attitude_control;
+#[cfg(feature = "std")]
+pub mod batch;
 #[cfg(feature = "std")]
 mod dop853;
 #[cfg(feature = "std")]
@@ -24,7 +28,10 @@ mod driven;
 mod driven_stage;
 mod energy;
 mod forward_dynamics;
+#[cfg(feature = "std")]
+mod free_motion;
 mod gravity_gradient;
+mod inertial;
 #[cfg(feature = "std")]
 mod integrate;
 mod inverse_dynamics;
@@ -35,6 +42,8 @@ mod joint_drive;
 mod joint_motion;
 mod joint_slopes;
 mod kinematics;
+#[cfg(feature = "std")]
+mod lanes;
 mod mass_matrix;
 mod momentum;
 mod orbit;
@@ -45,6 +54,8 @@ mod plan;
 #[cfg(feature = "std")]
 mod prescribed;
 mod rate_regressor;
+#[cfg(feature = "std")]
+mod rates_momentum;
 #[cfg(feature = "std")]
 mod reaction_wheel;
 mod regressor;
@@ -64,6 +75,7 @@ mod vehicle;
 mod wheel_motion;
 
 pub use acceleration::Accelerations;
+pub use algebra::Real;
 #[cfg(feature = "std")]
 pub use attitude_control::{
     AttitudeControl, ControlError, ControlledVehicle, Target, WheelDrive, WheelUse,

@@ -1,6 +1,8 @@
 //! Momentum of the system about the base origin, the inverse map to the base twist, and the shift
 //! between the base and the inertial frame.
 
+use crate::algebra::{M3, Real, V3};
+use crate::inertial::Inertial;
 use crate::kinematics::Kinematics;
 use crate::tree::Tree;
 use poinsot_spatial::{
@@ -36,23 +38,50 @@ pub fn body_momentum(
     v: &Vector3,
     w: &Vector3,
 ) -> (Vector3, Vector3) {
-    let mc = R * parameters.mc_B;
-    let l = v * parameters.mass + w.cross(&mc);
-    let h = R * (parameters.I_BBo_B * (R.transpose() * w)) + mc.cross(v) + p.cross(&l);
-    (l, h)
+    let body = Inertial::of(parameters);
+    let (p, v, w) = (V3::of(p), V3::of(v), V3::of(w));
+    let (l, h) = of_body(&body, &M3::of(R), &p, &v, &w);
+    (l.stored(), h.stored())
+}
+
+/// The same over any numbers.
+#[inline(always)]
+fn of_body<T: Real>(
+    body: &Inertial<T>,
+    R: &M3<T>,
+    p: &V3<T>,
+    v: &V3<T>,
+    w: &V3<T>,
+) -> (V3<T>, V3<T>) {
+    let mc = R.times(&body.mc);
+    let l = *v * body.mass + w.cross(&mc);
+    let own = R.times(&body.I.times(&R.transpose_times(w)));
+    (l, own + mc.cross(v) + p.cross(&l))
 }
 
 /// Momentum `[l; h]` of all bodies about the base origin in B (without wheels), at the kinematics given.
 #[inline]
 pub fn momentum(parameters: &[InertialParameters], kinematics: &Kinematics) -> Vector6 {
-    let (mut l, mut h) = (Vector3::zeros(), Vector3::zeros());
-    for (i, body) in parameters.iter().enumerate() {
+    let (l, h) = of_bodies(parameters.iter().map(Inertial::of), kinematics, 0.0);
+    Vector6::new(l.x, l.y, l.z, h.x, h.y, h.z)
+}
+
+/// The same over any numbers.
+#[inline(always)]
+pub(crate) fn of_bodies<T: Real>(
+    bodies: impl Iterator<Item = Inertial<T>>,
+    kinematics: &Kinematics<T>,
+    zero: T,
+) -> (V3<T>, V3<T>) {
+    let (mut l, mut h) = (V3::all(zero), V3::all(zero));
+    for (i, body) in bodies.enumerate() {
         let k = kinematics;
-        let (dl, dh) = body_momentum(body, &k.R[i], &k.p[i], &k.v[i], &k.w[i]);
+        let (p, v, w) = (V3::of(&k.p[i]), V3::of(&k.v[i]), V3::of(&k.w[i]));
+        let (dl, dh) = of_body(&body, &M3::of(&k.R[i]), &p, &v, &w);
         l += dl;
         h += dh;
     }
-    Vector6::new(l.x, l.y, l.z, h.x, h.y, h.z)
+    (l, h)
 }
 
 /// Angular momentum of the wheels relative to their hosts, `sum Js Omega a`, in B, N m s.

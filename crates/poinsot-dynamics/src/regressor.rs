@@ -1,8 +1,9 @@
 //! The momentum regressor: the 6 x 10(n+1) matrix of linear identification.
 
+use crate::algebra::{M3, Real, V3};
 use crate::kinematics::Kinematics;
 use crate::tree::Tree;
-use poinsot_spatial::{Matrix3, Vector3};
+use nalgebra::{Matrix3, Vector3};
 
 /// Fills `Y` with `[l; h] = Y pi`: column `10 i + k` holds the momentum about `Bo` in B (linear first)
 /// of one unit of parameter k of body i, parameters in the order of `poinsot_spatial::PARAMETER_NAMES`.
@@ -23,19 +24,24 @@ pub fn momentum_regressor(kinematics: &Kinematics, Y: &mut [[f64; 6]]) {
 }
 
 /// The ten columns of one body.
-#[inline]
-fn body_columns(R: &Matrix3, p: &Vector3, v: &Vector3, w: &Vector3, columns: &mut [[f64; 6]; 10]) {
-    // Mass: a point at the body's origin.
-    columns[0] = stack(v, &p.cross(v));
-    let axes = [0, 1, 2].map(|k| Vector3::new(R[(0, k)], R[(1, k)], R[(2, k)]));
-    // First moments: l = w x e, h = e x v + p x l for each body axis e.
-    for (k, e) in axes.iter().enumerate() {
-        let l = w.cross(e);
-        columns[1 + k] = stack(&l, &(e.cross(v) + p.cross(&l)));
-    }
+#[inline(always)]
+pub(crate) fn body_columns<T: Real>(
+    R: &Matrix3<T>,
+    p: &Vector3<T>,
+    v: &Vector3<T>,
+    w: &Vector3<T>,
+    columns: &mut [[T; 6]; 10],
+) {
+    let (R, p) = (M3::of(R), V3::of(p));
+    let (v, w) = (V3::of(v), V3::of(w));
+    let [x, y, z] = R.0;
     // Tensor elements: h = e_a (e_b . w) + e_b (e_a . w).
-    let [x, y, z] = axes;
-    let [wx, wy, wz] = [x.dot(w), y.dot(w), z.dot(w)];
+    let [wx, wy, wz] = [x.dot(&w), y.dot(&w), z.dot(&w)];
+    // Mass: a point at the body's origin.
+    columns[0] = stack(&v, &p.cross(&v));
+    columns[1] = first_moment(&x, &p, &v, &w);
+    columns[2] = first_moment(&y, &p, &v, &w);
+    columns[3] = first_moment(&z, &p, &v, &w);
     columns[4] = angular(&(x * wx));
     columns[5] = angular(&(x * wy + y * wx));
     columns[6] = angular(&(y * wy));
@@ -44,22 +50,29 @@ fn body_columns(R: &Matrix3, p: &Vector3, v: &Vector3, w: &Vector3, columns: &mu
     columns[9] = angular(&(z * wz));
 }
 
+/// First moment about a body axis e: `l = w x e`, `h = e x v + p x l`.
+#[inline(always)]
+fn first_moment<T: Real>(e: &V3<T>, p: &V3<T>, v: &V3<T>, w: &V3<T>) -> [T; 6] {
+    let l = w.cross(e);
+    stack(&l, &(e.cross(v) + p.cross(&l)))
+}
+
 /// Fills one column per wheel: the momentum `[0; Omega a]` in B of one unit of spin inertia at the
 /// relative speeds given, rad/s.
 #[inline]
 pub fn wheel_regressor(tree: &Tree, kinematics: &Kinematics, speed: &[f64], Y: &mut [[f64; 6]]) {
     for ((rotor, omega), column) in tree.rotors.iter().zip(speed).zip(Y.iter_mut()) {
         let h = kinematics.R[rotor.body] * rotor.axis_B * *omega;
-        *column = angular(&h);
+        *column = angular(&V3::of(&h));
     }
 }
 
-#[inline]
-fn stack(l: &Vector3, h: &Vector3) -> [f64; 6] {
+#[inline(always)]
+fn stack<T: Real>(l: &V3<T>, h: &V3<T>) -> [T; 6] {
     [l.x, l.y, l.z, h.x, h.y, h.z]
 }
 
-#[inline]
-fn angular(h: &Vector3) -> [f64; 6] {
-    [0.0, 0.0, 0.0, h.x, h.y, h.z]
+#[inline(always)]
+fn angular<T: Real>(h: &V3<T>) -> [T; 6] {
+    stack(&V3::all(h.x.all(0.0)), h)
 }

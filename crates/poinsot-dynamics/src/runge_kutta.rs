@@ -1,20 +1,21 @@
 //! The classical fourth-order Runge-Kutta rule at a fixed step.
 
+use crate::algebra::Real;
 use crate::integrate::{Flow, Halt, equal_steps, finite};
 
 /// Scratch of the rule.
 #[derive(Debug, Clone)]
-pub struct RungeKutta4 {
-    stages: [Vec<f64>; 4],
-    trial: Vec<f64>,
+pub struct RungeKutta4<T = f64> {
+    stages: [Vec<T>; 4],
+    trial: Vec<T>,
 }
 
-impl RungeKutta4 {
-    /// Scratch for a state of `n` numbers.
-    pub fn new(n: usize) -> Self {
+impl<T: Real> RungeKutta4<T> {
+    /// Scratch for a state like `y`.
+    pub fn like(y: &[T]) -> Self {
         Self {
-            stages: std::array::from_fn(|_| vec![0.0; n]),
-            trial: vec![0.0; n],
+            stages: std::array::from_fn(|_| y.to_vec()),
+            trial: y.to_vec(),
         }
     }
 
@@ -22,13 +23,13 @@ impl RungeKutta4 {
     ///
     /// # Errors
     /// The derivative fails.
-    #[inline]
+    #[inline(always)]
     pub fn step(
         &mut self,
-        flow: &mut impl Flow,
+        flow: &mut impl Flow<T>,
         t: f64,
         h: f64,
-        y: &mut [f64],
+        y: &mut [T],
     ) -> Result<(), Halt> {
         let [k1, k2, k3, k4] = &mut self.stages;
         flow.derivative(t, y, k1)?;
@@ -40,10 +41,17 @@ impl RungeKutta4 {
         flow.derivative(t + h, &self.trial, k4)?;
         let slopes = k1.iter().zip(k2.iter()).zip(k3.iter().zip(k4.iter()));
         for (y, ((k1, k2), (k3, k4))) in y.iter_mut().zip(slopes) {
-            *y += h / 6.0 * (k1 + 2.0 * (k2 + k3) + k4);
+            *y = *y + (*k1 + (*k2 + *k3) * 2.0 + *k4) * (h / 6.0);
         }
         flow.project(y);
         Ok(())
+    }
+}
+
+impl RungeKutta4 {
+    /// Scratch for a state of `n` numbers.
+    pub fn new(n: usize) -> Self {
+        Self::like(&vec![0.0; n])
     }
 
     /// From `start` to exactly `end` in equal steps of at most `step` seconds.
@@ -68,9 +76,9 @@ impl RungeKutta4 {
     }
 }
 
-#[inline]
-fn shift(trial: &mut [f64], y: &[f64], h: f64, k: &[f64]) {
+#[inline(always)]
+fn shift<T: Real>(trial: &mut [T], y: &[T], h: f64, k: &[T]) {
     for (trial, (y, k)) in trial.iter_mut().zip(y.iter().zip(k)) {
-        *trial = y + h * k;
+        *trial = *y + *k * h;
     }
 }

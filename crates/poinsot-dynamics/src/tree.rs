@@ -1,8 +1,7 @@
 //! The kinematic constants of a vehicle, laid out for the kernels.
 
+use crate::algebra::{M3, Real, V3};
 use alloc::vec::Vec;
-#[cfg(not(feature = "std"))]
-use nalgebra::ComplexField;
 use poinsot_spatial::{Matrix3, Vector3, skew};
 
 /// How a body moves relative to its parent.
@@ -112,18 +111,21 @@ impl Link {
     }
 
     /// `R_BC` at a joint angle, rad, where the parent stands at `R_BP`.
-    #[inline]
-    pub(crate) fn turned(&self, R_BP: &Matrix3, angle: f64) -> Matrix3 {
-        let (sin, cos) = angle.sin_cos();
+    #[inline(always)]
+    pub(crate) fn turned<T: Real>(&self, R_BP: &M3<T>, angle: T) -> M3<T> {
+        let (sin, cos) = angle.sine_cosine();
+        let at_zero = M3::of(&self.R_PC_zero);
         match self.along {
             // About a coordinate axis the turn mixes the two other columns.
-            Some(AxisDirection::X) => turn::<1, 2>(product(R_BP, &self.R_PC_zero), sin, cos),
-            Some(AxisDirection::Y) => turn::<2, 0>(product(R_BP, &self.R_PC_zero), sin, cos),
-            Some(AxisDirection::Z) => turn::<0, 1>(product(R_BP, &self.R_PC_zero), sin, cos),
+            Some(AxisDirection::X) => turn::<T, 1, 2>(R_BP.product(&at_zero), sin, cos),
+            Some(AxisDirection::Y) => turn::<T, 2, 0>(R_BP.product(&at_zero), sin, cos),
+            Some(AxisDirection::Z) => turn::<T, 0, 1>(R_BP.product(&at_zero), sin, cos),
             // Rodrigues.
             None => {
                 let [first, second] = &self.rodrigues;
-                product(R_BP, &(self.R_PC_zero + first * sin + second * (1.0 - cos)))
+                let first = M3::of(first).spread(sin) * sin;
+                let second = M3::of(second).spread(sin) * (sin.all(1.0) - cos);
+                R_BP.product(&(at_zero.spread(sin) + first + second))
             }
         }
     }
@@ -131,38 +133,29 @@ impl Link {
     /// Joint axis in the base where this body stands at `R_BC`.
     #[inline]
     pub fn axis_B(&self, R_BC: &Matrix3) -> Vector3 {
+        self.axis_in_base(&M3::of(R_BC)).stored()
+    }
+
+    /// The same over any numbers.
+    #[inline(always)]
+    pub(crate) fn axis_in_base<T: Real>(&self, R_BC: &M3<T>) -> V3<T> {
         match self.along {
-            Some(AxisDirection::X) => R_BC.column(0).into_owned(),
-            Some(AxisDirection::Y) => R_BC.column(1).into_owned(),
-            Some(AxisDirection::Z) => R_BC.column(2).into_owned(),
-            None => R_BC * self.axis_C,
+            Some(AxisDirection::X) => R_BC.0[0],
+            Some(AxisDirection::Y) => R_BC.0[1],
+            Some(AxisDirection::Z) => R_BC.0[2],
+            None => R_BC.times(&V3::of(&self.axis_C)),
         }
     }
 }
 
 /// Columns `I`, `J` turned towards each other: `R` times the turn about the third axis.
-#[inline]
-fn turn<const I: usize, const J: usize>(mut R: Matrix3, sin: f64, cos: f64) -> Matrix3 {
-    for row in 0..3 {
-        let (a, b) = (R[(row, I)], R[(row, J)]);
-        R[(row, I)] = a * cos + b * sin;
-        R[(row, J)] = b * cos - a * sin;
-    }
-    R
-}
-
-/// `A B`, spelled out.
-#[inline]
-pub(crate) fn product(A: &Matrix3, B: &Matrix3) -> Matrix3 {
-    let column = |j| {
-        let (x, y, z) = (B[(0, j)], B[(1, j)], B[(2, j)]);
-        [
-            A.m11 * x + A.m12 * y + A.m13 * z,
-            A.m21 * x + A.m22 * y + A.m23 * z,
-            A.m31 * x + A.m32 * y + A.m33 * z,
-        ]
-    };
-    Matrix3::from([column(0), column(1), column(2)])
+#[inline(always)]
+fn turn<T: Real, const I: usize, const J: usize>(R: M3<T>, sin: T, cos: T) -> M3<T> {
+    let (a, b) = (R.0[I], R.0[J]);
+    let mut turned = R;
+    turned.0[I] = a * cos + b * sin;
+    turned.0[J] = b * cos - a * sin;
+    turned
 }
 
 impl Tree {
@@ -200,7 +193,7 @@ mod tests {
                 let angle = 0.31 * f64::from(k);
                 let turn = *nalgebra::Rotation3::new(axis * angle).matrix();
                 let expected = R_BP * R_PC_zero * turn;
-                let found = link.turned(&R_BP, angle);
+                let found = link.turned(&M3::of(&R_BP), angle).stored();
                 assert!((found - expected).amax() < 1.0e-15, "{axis} {angle}");
                 let of_axis = link.axis_B(&found) - R_BP * link.axis_P;
                 assert!(of_axis.amax() < 1.0e-15, "{axis} {angle}");

@@ -6,10 +6,11 @@ use crate::arrays::rows;
 use crate::fault::Fault;
 use crate::model::CoreModel;
 use numpy::{PyReadonlyArrayDyn, PyReadwriteArrayDyn};
+use poinsot_dynamics::batch::{self, BatchError};
 use poinsot_dynamics::{
-    Driven, DrivenPlan, ForceProfile, ForwardDynamics, Integrator, JointDrive, JointInput,
-    Kinematics, MassMatrix, PiecewisePolynomial, SpringDamper, Start, StartVelocity, Tolerance,
-    Tree, WheelMotion, generalise_jacobian, joint_jacobian, point_of_body,
+    Driven, DrivenPlan, ForceProfile, Integrator, JointDrive, Kinematics, MassMatrix,
+    PiecewisePolynomial, SpringDamper, Start, StartVelocity, Tolerance, Tree, WheelMotion,
+    generalise_jacobian, joint_jacobian, point_of_body,
 };
 use poinsot_spatial::{InertialParameters, UnitQuaternion, Vector3, Vector6};
 use pyo3::prelude::*;
@@ -22,33 +23,27 @@ const SHARE: usize = 1 << 11;
 type Input<'py> = PyReadonlyArrayDyn<'py, f64>;
 type Output<'py> = PyReadwriteArrayDyn<'py, f64>;
 
-/// Fills `width` numbers of `out` per state by `one(scratch, state, row)`, which may refuse a state.
-fn fill<S>(
+/// Fills `width` numbers of `out` per state by `work(first, rows)`, which may refuse a state.
+fn fill(
     py: Python<'_>,
     out: &mut [f64],
     width: usize,
-    scratch: impl Fn() -> S + Sync,
-    one: impl Fn(&mut S, usize, &mut [f64]) -> Result<(), Fault> + Sync,
+    work: impl Fn(usize, &mut [f64]) -> Result<(), Fault> + Sync,
 ) -> PyResult<()> {
     let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
     for (block, part) in out.chunks_mut(BLOCK * width).enumerate() {
-        let (scratch, one) = (&scratch, &one);
+        let work = &work;
         py.detach(|| {
             let states = part.len() / width.max(1);
             let share = states.div_ceil(cores).max(SHARE);
-            let work = |k: usize, rows: &mut [f64]| {
-                let mut scratch = scratch();
-                let first = block * BLOCK + k * share;
-                let mut rows = rows.chunks_exact_mut(width).enumerate();
-                rows.try_for_each(|(i, row)| one(&mut scratch, first + i, row))
-            };
+            let first = block * BLOCK;
             if states <= share {
-                return work(0, part);
+                return work(first, part);
             }
             std::thread::scope(|scope| {
                 let pieces = part.chunks_mut(share * width).enumerate();
                 let threads: Vec<_> = pieces
-                    .map(|(k, rows)| scope.spawn(move || work(k, rows)))
+                    .map(|(k, rows)| scope.spawn(move || work(first + k * share, rows)))
                     .collect();
                 let ended = threads.into_iter().map(|t| t.join().unwrap_or(Ok(())));
                 ended.collect::<Result<Vec<()>, Fault>>().map(|_| ())
@@ -57,6 +52,21 @@ fn fill<S>(
         py.check_signals()?;
     }
     Ok(())
+}
+
+/// [`fill`] with one state a call: `one(scratch, state, row)`.
+fn fill_each<S>(
+    py: Python<'_>,
+    out: &mut [f64],
+    width: usize,
+    scratch: impl Fn() -> S + Sync,
+    one: impl Fn(&mut S, usize, &mut [f64]) -> Result<(), Fault> + Sync,
+) -> PyResult<()> {
+    fill(py, out, width, |first, rows| {
+        let mut scratch = scratch();
+        let mut rows = rows.chunks_exact_mut(width).enumerate();
+        rows.try_for_each(|(k, row)| one(&mut scratch, first + k, row))
+    })
 }
 
 /// The contiguous numbers of an output.
@@ -112,29 +122,31 @@ impl<'a> States<'a> {
         })
     }
 
-    fn q(&self, k: usize) -> &[f64] {
+    /// `count` states from `first` on.
+    fn part(&self, first: usize, count: usize) -> batch::States<'a> {
         let n = self.tree.dof();
-        self.q.get(k * n..(k + 1) * n).unwrap_or_default()
+        batch::States {
+            q: of_states(self.q, n, first, count),
+            rates: of_states(self.dq, n, first, count),
+            twist: of_states(self.V, 6, first, count),
+        }
     }
+}
 
-    fn dq(&self, k: usize) -> &[f64] {
-        let n = self.tree.dof();
-        self.dq.get(k * n..(k + 1) * n).unwrap_or_default()
-    }
+/// The rows of `count` states from `first` on; fewer where there are no more.
+fn of_states(all: &[f64], width: usize, first: usize, count: usize) -> &[f64] {
+    let rest = all.get(first * width..).unwrap_or_default();
+    rest.get(..count * width).unwrap_or(rest)
+}
 
-    fn twist(&self, k: usize) -> (Vector3, Vector3) {
-        let V = self.V.get(6 * k..6 * k + 6).unwrap_or(&[0.0; 6]);
-        (
-            Vector3::from_column_slice(&V[..3]),
-            Vector3::from_column_slice(&V[3..]),
-        )
-    }
-
-    /// Places the bodies and gives them their velocities.
-    fn move_to(&self, kinematics: &mut Kinematics, k: usize) {
-        let (v, w) = self.twist(k);
-        kinematics.place(self.tree, self.q(k));
-        kinematics.set_velocities(self.tree, &v, &w, self.dq(k));
+/// The argument or the state that a batch from state `first` on refuses.
+fn refused(first: usize, error: BatchError) -> Fault {
+    match error {
+        BatchError::Singular(k, why) => singular(first + k, &why.to_string()),
+        BatchError::Halted(k, why) => singular(first + k, &why.to_string()),
+        BatchError::Length(name, found, _) => {
+            Fault::argument(name, found.to_string(), error.to_string())
+        }
     }
 }
 
@@ -150,18 +162,10 @@ pub fn momentum_regressor(
 ) -> PyResult<()> {
     let states = States::new(model, &q, &dq, &V)?;
     let width = 60 * states.tree.bodies();
-    let scratch = || Kinematics::new(states.tree);
-    fill(
-        py,
-        output(&mut out)?,
-        width,
-        scratch,
-        |kinematics, k, row| {
-            states.move_to(kinematics, k);
-            poinsot_dynamics::momentum_regressor(kinematics, row.as_chunks_mut::<6>().0);
-            Ok(())
-        },
-    )
+    fill(py, output(&mut out)?, width, |first, rows| {
+        let part = states.part(first, rows.len() / width);
+        batch::momentum_regressor(states.tree, part, rows).map_err(|e| refused(first, e))
+    })
 }
 
 /// `out`: `(n, 6)`.
@@ -178,12 +182,9 @@ pub fn momentum(
 ) -> PyResult<()> {
     let states = States::new(model, &q, &dq, &V)?;
     let bodies = bodies(model, parameters.as_ref())?;
-    let scratch = || Kinematics::new(states.tree);
-    fill(py, output(&mut out)?, 6, scratch, |kinematics, k, row| {
-        states.move_to(kinematics, k);
-        let momentum = poinsot_dynamics::momentum(&bodies, kinematics);
-        row.copy_from_slice(momentum.as_slice());
-        Ok(())
+    fill(py, output(&mut out)?, 6, |first, rows| {
+        let part = states.part(first, rows.len() / 6);
+        batch::momentum(states.tree, &bodies, part, rows).map_err(|e| refused(first, e))
     })
 }
 
@@ -202,7 +203,7 @@ pub fn mass_matrix(
     let bodies = bodies(model, parameters.as_ref())?;
     let (dof, size) = (tree.dof(), 6 + tree.dof());
     let scratch = || (Kinematics::new(tree), MassMatrix::new(tree));
-    fill(
+    fill_each(
         py,
         output(&mut out)?,
         size * size,
@@ -253,7 +254,7 @@ pub fn jacobian(
         let columns = vec![Vector6::zeros(); dof];
         (Kinematics::new(tree), MassMatrix::new(tree), columns)
     };
-    fill(
+    fill_each(
         py,
         output(&mut out)?,
         width,
@@ -308,40 +309,19 @@ pub fn forward_dynamics(
     parameters: Option<Input<'_>>,
 ) -> PyResult<()> {
     let states = States::new(model, &q, &dq, &V)?;
-    let (tree, dof) = (states.tree, states.tree.dof());
+    let dof = states.tree.dof();
     let tau = rows("tau", &tau, dof)?;
     let wrench = rows("wrench", &wrench, 6)?;
     let bodies = bodies(model, parameters.as_ref())?;
-    let scratch = || {
-        let inputs = vec![JointInput::Force(0.0); dof];
-        (Kinematics::new(tree), ForwardDynamics::new(tree), inputs)
-    };
-    fill(
-        py,
-        output(&mut out)?,
-        6 + dof,
-        scratch,
-        |(kinematics, dynamics, inputs), k, row| {
-            states.move_to(kinematics, k);
-            for (input, force) in inputs.iter_mut().zip(&tau[k * dof..]) {
-                *input = JointInput::Force(*force);
-            }
-            dynamics.set_bodies(tree, &bodies, kinematics);
-            let w = &wrench[6 * k..6 * k + 6];
-            let (force, torque) = (
-                Vector3::from_column_slice(&w[..3]),
-                Vector3::from_column_slice(&w[3..]),
-            );
-            dynamics.add_wrench(0, &force, &torque);
-            let (base, joints) = row.split_at_mut(6);
-            let solved = dynamics.solve(tree, kinematics, states.dq(k), inputs, joints);
-            solved.map_err(|e| singular(k, &e.to_string()))?;
-            let (a, alpha) = dynamics.acceleration(0);
-            base[..3].copy_from_slice(a.as_slice());
-            base[3..].copy_from_slice(alpha.as_slice());
-            Ok(())
-        },
-    )
+    let width = 6 + dof;
+    fill(py, output(&mut out)?, width, |first, rows| {
+        let count = rows.len() / width;
+        let part = states.part(first, count);
+        let tau = of_states(tau, dof, first, count);
+        let wrench = of_states(wrench, 6, first, count);
+        batch::forward_dynamics(states.tree, &bodies, part, tau, wrench, rows)
+            .map_err(|e| refused(first, e))
+    })
 }
 
 /// Motion under constant joint torques: rows of `out`, one per state, hold `times` times
@@ -370,7 +350,7 @@ pub fn integrate(
     let spin: Vec<f64> = model.model.wheels.iter().map(|w| w.spin_inertia).collect();
     let one_time = 2 * dof + 13;
     let width = one_time * times.len();
-    fill(
+    fill_each(
         py,
         output(&mut out)?,
         width,

@@ -14,7 +14,16 @@ pub fn processor_seconds() -> f64 {
 }
 
 /// Prints least and median time of one call, or runs `POINSOT_BENCH_COUNT=<name>:<calls>` alone.
-pub fn measure(name: &str, mut kernel: impl FnMut()) {
+pub fn measure(name: &str, kernel: impl FnMut()) {
+    timed(name, CALLS, 1, kernel);
+}
+
+/// The same for a call over many states: time of one state.
+pub fn measure_batch(name: &str, states: usize, kernel: impl FnMut()) {
+    timed(name, 1, states, kernel);
+}
+
+fn timed(name: &str, calls_per_batch: usize, states: usize, mut kernel: impl FnMut()) {
     if let Ok(count) = std::env::var("POINSOT_BENCH_COUNT") {
         if let Some((wanted, calls)) = count.split_once(':')
             && wanted == name
@@ -28,10 +37,10 @@ pub fn measure(name: &str, mut kernel: impl FnMut()) {
     let mut times: Vec<f64> = (0..BATCHES)
         .map(|_| {
             let start = processor_seconds();
-            for _ in 0..CALLS {
+            for _ in 0..calls_per_batch {
                 kernel();
             }
-            (processor_seconds() - start) / CALLS as f64 * 1e9
+            (processor_seconds() - start) / (calls_per_batch * states) as f64 * 1e9
         })
         .collect();
     times.sort_by(f64::total_cmp);

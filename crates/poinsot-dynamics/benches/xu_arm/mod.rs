@@ -131,6 +131,39 @@ pub fn states() -> Vec<State> {
     (0..RING).map(|_| stream.state()).collect()
 }
 
+/// States of a batch.
+pub const BATCH: usize = 4096;
+
+/// Rows of joint positions, joint rates and base twists of a batch.
+pub struct Rows {
+    pub q: Vec<f64>,
+    pub rates: Vec<f64>,
+    pub twist: Vec<f64>,
+}
+
+impl Rows {
+    /// The first states of the stream.
+    pub fn new() -> Self {
+        let mut stream = Stream(1);
+        let states: Vec<State> = (0..BATCH).map(|_| stream.state()).collect();
+        let twist = |s: &State| [s.v.x, s.v.y, s.v.z, s.w.x, s.w.y, s.w.z];
+        Self {
+            q: states.iter().flat_map(|s| s.q).collect(),
+            rates: states.iter().flat_map(|s| s.rates).collect(),
+            twist: states.iter().flat_map(twist).collect(),
+        }
+    }
+
+    /// As the kernels take them.
+    pub fn states(&self) -> poinsot_dynamics::batch::States<'_> {
+        poinsot_dynamics::batch::States {
+            q: &self.q,
+            rates: &self.rates,
+            twist: &self.twist,
+        }
+    }
+}
+
 /// States in the ring.
 pub const RING: usize = 64;
 

@@ -1,6 +1,7 @@
 //! The integration tests of this crate, linked as one binary.
 #![allow(clippy::panic, clippy::unwrap_used, non_snake_case)]
 
+mod batch;
 mod exact_closed_forms;
 mod exact_driven;
 mod exact_gravity_gradient;

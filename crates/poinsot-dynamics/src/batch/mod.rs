@@ -1,0 +1,166 @@
+//! Kernels over many states of one tree, several side by side in vector registers.
+//!
+//! Arrays hold one state a row, without gaps. As many states go through one recursion as the processor's vectors hold:
+//! eight, four or two. Every state gives the same bits in any batch, at any place, on any number of threads and with any
+//! number of lanes; only sines and cosines differ from the kernels of one state, in the last bit.
+
+mod error;
+mod kernels;
+mod motion;
+mod rows;
+
+use crate::kinematics::Kinematics;
+use crate::lanes::Lanes;
+use crate::tree::Tree;
+use error::expect;
+use kernels::{Dynamics, Kernel, Momentum, Regressor};
+use poinsot_spatial::InertialParameters;
+use pulp::{Arch, Simd, WithSimd};
+use rows::{Group, PER_BODY, Rows, TWIST};
+
+pub use error::BatchError;
+pub use motion::{Steps, integrate};
+
+/// Joint positions (rad or m), joint rates and base twists (linear part first) of many states.
+#[derive(Debug, Clone, Copy)]
+pub struct States<'a> {
+    /// One per joint coordinate and state.
+    pub q: &'a [f64],
+    /// One per joint coordinate and state.
+    pub rates: &'a [f64],
+    /// `v_NBo_B` m/s, `w_NB_B` rad/s: six per state.
+    pub twist: &'a [f64],
+}
+
+impl States<'_> {
+    /// Number of states, if all arrays have it.
+    fn count(&self, tree: &Tree) -> Result<usize, BatchError> {
+        let count = self.twist.len() / TWIST;
+        expect("V", self.twist.len(), count * TWIST)?;
+        expect("q", self.q.len(), count * tree.dof())?;
+        expect("dq", self.rates.len(), count * tree.dof())?;
+        Ok(count)
+    }
+}
+
+/// Fills `Y`, `(states, 10 bodies, 6)`: the columns of [`crate::momentum_regressor`].
+///
+/// # Errors
+/// An array has the wrong length.
+pub fn momentum_regressor(tree: &Tree, states: States, Y: &mut [f64]) -> Result<(), BatchError> {
+    let width = PER_BODY * tree.bodies();
+    expect("out", Y.len(), states.count(tree)? * width)?;
+    run(tree, states, Regressor, width, Y)
+}
+
+/// Fills `out`, `(states, 6)`, by [`crate::momentum`]: the same bodies in all states.
+///
+/// # Errors
+/// An array has the wrong length.
+pub fn momentum(
+    tree: &Tree,
+    bodies: &[InertialParameters],
+    states: States,
+    out: &mut [f64],
+) -> Result<(), BatchError> {
+    expect("bodies", bodies.len(), tree.bodies())?;
+    expect("out", out.len(), states.count(tree)? * TWIST)?;
+    run(tree, states, Momentum { bodies }, TWIST, out)
+}
+
+/// Fills `out`, `(states, 6 + joint coordinates)`: acceleration of the base origin, angular acceleration of the base,
+/// joint accelerations ([`crate::ForwardDynamics::solve`]).
+///
+/// `forces` holds one per joint coordinate and state, N m or N, `wrench` the force and torque on the base about its
+/// origin in base axes, six per state. `bodies` are those of the vehicle, or those of one vehicle per state.
+///
+/// # Errors
+/// An array has the wrong length, or a vehicle has no inertia about a joint or of the whole.
+pub fn forward_dynamics(
+    tree: &Tree,
+    bodies: &[InertialParameters],
+    states: States,
+    forces: &[f64],
+    wrench: &[f64],
+    out: &mut [f64],
+) -> Result<(), BatchError> {
+    let (count, width) = (states.count(tree)?, TWIST + tree.dof());
+    expect("tau", forces.len(), count * tree.dof())?;
+    expect("wrench", wrench.len(), count * TWIST)?;
+    expect("out", out.len(), count * width)?;
+    if bodies.len() != tree.bodies() {
+        expect("bodies", bodies.len(), count * tree.bodies())?;
+    }
+    let kernel = Dynamics {
+        bodies,
+        forces,
+        wrench,
+    };
+    run(tree, states, kernel, width, out)
+}
+
+/// The states of one call, compiled for every instruction set that the machine may have.
+struct Run<'a, K> {
+    tree: &'a Tree,
+    states: States<'a>,
+    kernel: K,
+    width: usize,
+    out: &'a mut [f64],
+}
+
+fn run<K: Kernel>(
+    tree: &Tree,
+    states: States,
+    kernel: K,
+    width: usize,
+    out: &mut [f64],
+) -> Result<(), BatchError> {
+    Arch::new().dispatch(Run {
+        tree,
+        states,
+        kernel,
+        width,
+        out,
+    })
+}
+
+impl<K: Kernel> WithSimd for Run<'_, K> {
+    type Output = Result<(), BatchError>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let Self {
+            tree,
+            states,
+            kernel,
+            width,
+            out,
+        } = self;
+        let zero = Lanes::new(simd, 0.0);
+        let mut kinematics = Kinematics::over(tree, zero);
+        let mut scratch = kernel.scratch(tree, zero);
+        let mut q = vec![zero; tree.dof()];
+        let mut rates = q.clone();
+        let order = Lanes::order(simd);
+        for (k, of) in out.chunks_mut(Lanes::<S>::COUNT * width).enumerate() {
+            let group = Group {
+                tree,
+                simd,
+                first: k * Lanes::<S>::COUNT,
+                count: of.len() / width,
+            };
+            let at = group.rows(states.q, tree.dof());
+            let moving = group.rows(states.rates, tree.dof());
+            for (j, (q, rate)) in q.iter_mut().zip(&mut rates).enumerate() {
+                *q = at.number(simd, j);
+                *rate = moving.number(simd, j);
+            }
+            kinematics.place(tree, &q);
+            let [v, w] = group.rows(states.twist, TWIST).pair(simd);
+            kinematics.set_velocities(tree, &v, &w, &rates);
+            let mut rows = Rows::new(of, width, order);
+            kernel.fill(&mut scratch, &kinematics, &rates, &group, &mut rows)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,104 @@
+//! Free motion of many vehicles of one tree under the same motors.
+
+use super::error::{BatchError, expect};
+use super::kernels::spread;
+use super::rows::{Group, Rows};
+use crate::free_motion::{FreeMotion, JOINTS};
+use crate::joint_drive::ForceProfile;
+use crate::lanes::Lanes;
+use crate::runge_kutta::RungeKutta4;
+use crate::tree::Tree;
+use poinsot_spatial::InertialParameters;
+use pulp::{Arch, Simd, WithSimd};
+
+/// Equal steps of one motion. Jumps of a motor force lie between two of them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Steps {
+    /// Time of the first state, s.
+    pub start: f64,
+    /// Length, s.
+    pub step: f64,
+    /// Number.
+    pub count: u32,
+}
+
+/// Moves every vehicle by equal steps of the classical fourth-order Runge-Kutta rule, in free fall without wheels.
+///
+/// A row of `states` is that of [`crate::Driven::state`]: attitude, mass centre, momenta, joints. `motors` drive the
+/// joint coordinates of all vehicles; `bodies` are those of all vehicles, or those of each.
+///
+/// # Errors
+/// An array has the wrong length, or a vehicle has no inertia about a joint or of the whole.
+pub fn integrate(
+    tree: &Tree,
+    bodies: &[InertialParameters],
+    motors: &[ForceProfile],
+    steps: Steps,
+    states: &mut [f64],
+) -> Result<(), BatchError> {
+    let width = JOINTS + 2 * tree.dof();
+    let count = states.len() / width;
+    expect("states", states.len(), count * width)?;
+    expect("motors", motors.len(), tree.dof())?;
+    if bodies.len() != tree.bodies() {
+        expect("bodies", bodies.len(), count * tree.bodies())?;
+    }
+    Arch::new().dispatch(Moving {
+        tree,
+        bodies,
+        motors,
+        steps,
+        states,
+    })
+}
+
+struct Moving<'a> {
+    tree: &'a Tree,
+    bodies: &'a [InertialParameters],
+    motors: &'a [ForceProfile],
+    steps: Steps,
+    states: &'a mut [f64],
+}
+
+impl WithSimd for Moving<'_> {
+    type Output = Result<(), BatchError>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let Self {
+            tree,
+            bodies,
+            motors,
+            steps,
+            states,
+        } = self;
+        let width = JOINTS + 2 * tree.dof();
+        let zero = Lanes::new(simd, 0.0);
+        let mut y = vec![zero; width];
+        let mut rule = RungeKutta4::like(&y);
+        let mut flow = FreeMotion::new(tree, spread(tree, bodies, zero), motors, zero);
+        let order = Lanes::order(simd);
+        for (k, of) in states.chunks_mut(Lanes::<S>::COUNT * width).enumerate() {
+            let mut group = Group {
+                tree,
+                simd,
+                first: k * Lanes::<S>::COUNT,
+                count: of.len() / width,
+            };
+            group.gather(bodies, &mut flow.bodies);
+            let first = std::mem::take(&mut group.first);
+            let rows = group.rows(of, width);
+            for (k, y) in y.iter_mut().enumerate() {
+                *y = rows.number(simd, k);
+            }
+            for step in 0..steps.count {
+                let t = steps.start + f64::from(step) * steps.step;
+                flow.within = t + 0.5 * steps.step;
+                let moved = rule.step(&mut flow, t, steps.step, &mut y);
+                moved.map_err(|halt| BatchError::Halted(first, halt))?;
+            }
+            Rows::new(of, width, order).put_all(&y);
+        }
+        Ok(())
+    }
+}

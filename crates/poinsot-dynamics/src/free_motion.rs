@@ -1,0 +1,133 @@
+//! Free motion of one vehicle, or of several side by side, under joint forces alone.
+//!
+//! The state and the equations are those of `driven_stage.rs` without wheels, thrust and gravity:
+//! `y = [ q_NB (xyzw), p_NoScm, l_S, h_SScm, q, q' ]` in N.
+
+use crate::algebra::{M3, Real, V3};
+use crate::forward_dynamics::{ForwardDynamics, JointInput};
+use crate::inertial::Inertial;
+use crate::integrate::{Flow, Halt};
+use crate::joint_drive::ForceProfile;
+use crate::kinematics::Kinematics;
+use crate::rates_momentum::RatesMomentum;
+use crate::stage::{ANGULAR, LINEAR, POSITION, WHEELS};
+use crate::tree::Tree;
+
+/// Numbers of a state before the joints.
+pub(crate) const JOINTS: usize = WHEELS;
+
+/// Vehicles with the same motors, and the scratch for them.
+pub(crate) struct FreeMotion<'a, T> {
+    pub tree: &'a Tree,
+    /// Of every body of the vehicles.
+    pub bodies: Vec<Inertial<T>>,
+    pub motors: &'a [ForceProfile],
+    /// A time inside the smooth stretch of the motors.
+    pub within: f64,
+    kinematics: Kinematics<T>,
+    dynamics: ForwardDynamics<T>,
+    carried: RatesMomentum<T>,
+    inputs: Vec<JointInput<T>>,
+    /// Time of `inputs`; NaN before the first.
+    read_at: f64,
+}
+
+impl<'a, T: Real> FreeMotion<'a, T> {
+    #[inline(always)]
+    pub fn new(
+        tree: &'a Tree,
+        bodies: Vec<Inertial<T>>,
+        motors: &'a [ForceProfile],
+        zero: T,
+    ) -> Self {
+        Self {
+            tree,
+            bodies,
+            motors,
+            within: 0.0,
+            kinematics: Kinematics::over(tree, zero),
+            dynamics: ForwardDynamics::over(tree, zero),
+            carried: RatesMomentum::new(tree),
+            inputs: vec![JointInput::Force(zero); tree.dof()],
+            read_at: f64::NAN,
+        }
+    }
+}
+
+#[inline(always)]
+fn vector<T: Real>(y: &[T], at: usize) -> V3<T> {
+    V3::new(y[at], y[at + 1], y[at + 2])
+}
+
+#[inline(always)]
+fn norm<T: Real>(q: &[T]) -> T {
+    (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]).root()
+}
+
+/// `R_NB` of a unit quaternion, scalar last.
+#[inline(always)]
+fn rotation<T: Real>([i, j, k, w]: [T; 4]) -> M3<T> {
+    let (ii, jj, kk, ww) = (i * i, j * j, k * k, w * w);
+    let (ij, ik, jk) = (i * j * 2.0, i * k * 2.0, j * k * 2.0);
+    let (wi, wj, wk) = (w * i * 2.0, w * j * 2.0, w * k * 2.0);
+    M3([
+        V3::new(ww + ii - jj - kk, wk + ij, ik - wj),
+        V3::new(ij - wk, ww - ii + jj - kk, wi + jk),
+        V3::new(wj + ik, jk - wi, ww - ii - jj + kk),
+    ])
+}
+
+impl<T: Real> Flow<T> for FreeMotion<'_, T> {
+    #[inline(always)]
+    fn derivative(&mut self, t: f64, y: &[T], dy: &mut [T]) -> Result<(), Halt> {
+        let (tree, dof) = (self.tree, self.tree.dof());
+        let singular = Halt::Singular { time: t };
+        if self.read_at != t {
+            self.read_at = t;
+            for (input, motor) in self.inputs.iter_mut().zip(self.motors) {
+                *input = JointInput::Force(y[0].all(motor.at(t, self.within)));
+            }
+        }
+        let size = norm(y);
+        let [i, j, k, w] = [y[0] / size, y[1] / size, y[2] / size, y[3] / size];
+        let R_NB = rotation([i, j, k, w]);
+        let (q, rates) = (&y[JOINTS..JOINTS + dof], &y[JOINTS + dof..JOINTS + 2 * dof]);
+        self.kinematics.place(tree, q);
+        self.dynamics
+            .set_inertias(tree, self.bodies.iter().copied(), &self.kinematics);
+        let (whole, l_c, h_c) = self.carried.of(tree, &self.dynamics, rates);
+        let c = whole.centre();
+        let l = R_NB.transpose_times(&vector(y, LINEAR));
+        let h = R_NB.transpose_times(&vector(y, ANGULAR));
+        let about_centre = whole.about_centre(&c);
+        let turning = about_centre.solve(&(h - (h_c - c.cross(&l_c))));
+        let w_NB = turning.ok_or(singular)?;
+        let v = (l - l_c) / whole.mass - w_NB.cross(&c);
+        self.kinematics
+            .set_velocities(tree, &v.stored(), &w_NB.stored(), rates);
+        let found = &mut dy[JOINTS + dof..JOINTS + 2 * dof];
+        self.dynamics
+            .solve(tree, &self.kinematics, rates, &self.inputs, found)
+            .map_err(|_| singular)?;
+        dy[JOINTS..JOINTS + dof].copy_from_slice(rates);
+        // q' = q (0, w) / 2
+        let V3 { x, y: r, z } = w_NB * w.all(0.5);
+        dy[0] = w * x + j * z - k * r;
+        dy[1] = w * r + k * x - i * z;
+        dy[2] = w * z + i * r - j * x;
+        dy[3] = -(i * x) - j * r - k * z;
+        let velocity = vector(y, LINEAR) / whole.mass;
+        [dy[POSITION], dy[POSITION + 1], dy[POSITION + 2]] = [velocity.x, velocity.y, velocity.z];
+        // No force from outside: both momenta are constant.
+        dy[LINEAR..JOINTS].fill(w.all(0.0));
+        Ok(())
+    }
+
+    #[inline(always)]
+    fn project(&self, y: &mut [T]) {
+        let size = norm(y);
+        for q in &mut y[..POSITION] {
+            *q = *q / size;
+        }
+    }
+}

@@ -1,0 +1,92 @@
+//! Momentum of the joint rates while the base is at rest, by one recursion over the bodies.
+
+use crate::algebra::{Real, V3};
+use crate::forward_dynamics::ForwardDynamics;
+use crate::inertial::Inertial;
+use crate::symmetric::Symmetric;
+use crate::tree::{Motion, Tree};
+
+/// A body with all it carries, about its origin, and their momentum while the base is at rest.
+#[derive(Debug, Clone, Copy)]
+struct Subtree<T> {
+    inertia: Inertial<T>,
+    l: V3<T>,
+    h: V3<T>,
+}
+
+/// Scratch of the recursion.
+#[derive(Debug, Clone)]
+pub(crate) struct RatesMomentum<T = f64> {
+    subtrees: Vec<Subtree<T>>,
+}
+
+impl<T: Real> RatesMomentum<T> {
+    /// Scratch for a tree.
+    pub fn new(tree: &Tree) -> Self {
+        Self {
+            subtrees: Vec::with_capacity(tree.bodies()),
+        }
+    }
+
+    /// The vehicle as one rigid body, and the momentum `l`, `h` about `Bo` in B (N s, N m s) of the joint rates (rad/s or
+    /// m/s), with the bodies of the dynamics before a solution. The same numbers as [`crate::composite`] and
+    /// [`crate::momentum`].
+    #[inline(always)]
+    pub fn of(
+        &mut self,
+        tree: &Tree,
+        dynamics: &ForwardDynamics<T>,
+        rates: &[T],
+    ) -> (Inertial<T>, V3<T>, V3<T>) {
+        self.subtrees.clear();
+        for i in 0..tree.links.len() {
+            let (inertia, ..) = dynamics.body(i);
+            let l = V3::all(inertia.mass.all(0.0));
+            self.subtrees.push(Subtree { inertia, l, h: l });
+        }
+        for (i, link) in tree.links.iter().enumerate().skip(1).rev() {
+            let (_, axis, r) = dynamics.body(i);
+            let mut subtree = self.subtrees[i];
+            let Inertial { mass, mc, I } = &subtree.inertia;
+            match link.motion {
+                Motion::Revolute(k) => {
+                    let turn = axis * rates[k];
+                    subtree.l += turn.cross(mc);
+                    subtree.h += I.times(&turn);
+                }
+                Motion::Prismatic(k) => {
+                    let slide = axis * rates[k];
+                    subtree.l += slide * *mass;
+                    subtree.h += mc.cross(&slide);
+                }
+                Motion::Fixed | Motion::Free => {}
+            }
+            self.subtrees[link.parent].carry(&subtree, &r);
+        }
+        let base = &self.subtrees[0];
+        (base.inertia, base.l, base.h)
+    }
+}
+
+impl<T: Real> Subtree<T> {
+    /// Adds the inertia and momentum of a child with all it carries, moved from `Co` to `Po` over `r = p_PoCo`.
+    #[inline(always)]
+    fn carry(&mut self, child: &Self, r: &V3<T>) {
+        let Inertial { mass, mc, I } = child.inertia;
+        let g = mc + *r * mass;
+        let d = r.dot(&mc) + r.dot(&g);
+        self.inertia.mass = self.inertia.mass + mass;
+        self.inertia.mc += g;
+        self.inertia.I += I;
+        self.inertia.I += Symmetric {
+            xx: d - r.x * g.x - mc.x * r.x,
+            xy: -r.x * g.y - mc.x * r.y,
+            yy: d - r.y * g.y - mc.y * r.y,
+            xz: -r.x * g.z - mc.x * r.z,
+            yz: -r.y * g.z - mc.y * r.z,
+            zz: d - r.z * g.z - mc.z * r.z,
+        };
+        self.l += child.l;
+        self.h += child.h + r.cross(&child.l);
+    }
+}
