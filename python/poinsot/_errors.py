@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from typing import NamedTuple
+from importlib import import_module
+from typing import Any, NamedTuple
 
 from . import _core
 
@@ -111,3 +112,11 @@ def of(exit_code: int, message: str) -> PoinsotError:
     kinds: dict[int, type[PoinsotError]] = {2: InputError, 3: ResourceError}
     text = _OPTION.sub(lambda option: option.group(1).replace("-", "_") + "=", message)
     return kinds.get(exit_code, InternalError)(text)
+
+
+def need(package: str, extra: str) -> Any:
+    """Import a package that an extra brings."""
+    try:
+        return import_module(package)
+    except ImportError:
+        raise InputError(f"E0001 {package}: this package is missing; pip install 'poinsot[{extra}]'") from None

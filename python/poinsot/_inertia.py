@@ -16,6 +16,13 @@ Array = NDArray[np.float64]
 _TOLERANCE = 1e-12
 
 
+def rotation_matrix(wxyz: ArrayLike) -> Array:
+    """Rotation of a unit quaternion with the scalar first."""
+    w, x, y, z = np.asarray(wxyz, dtype=np.float64)
+    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    return np.asarray(np.eye(3) + 2.0 * (w * cross + cross @ cross))
+
+
 @dataclass(frozen=True)
 class Inertia:
     """Mass, mass centre and central inertia of a rigid body.
@@ -91,14 +98,7 @@ class Inertia:
         MuJoCo stores principal moments with the rotation of their axes (``body_iquat``, scalar first).
         """
         k = model.body(body).id
-        w, x, y, z = model.body_iquat[k]
-        turn = np.array(
-            [
-                [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-                [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-                [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-            ]
-        )
+        turn = rotation_matrix(model.body_iquat[k])
         return cls(float(model.body_mass[k]), model.body_ipos[k], turn @ np.diag(model.body_inertia[k]) @ turn.T)
 
     def pseudo_inertia(self) -> Array:
