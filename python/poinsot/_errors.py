@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import os
 import re
+from collections.abc import Callable
 from importlib import import_module
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 from . import _core
+
+T = TypeVar("T")
 
 _CODE = re.compile(r"^(E\d{4}) ")
 # Options of the command are keyword arguments here: --relative-accuracy is relative_accuracy=.
@@ -120,3 +124,17 @@ def need(package: str, extra: str) -> Any:
         return import_module(package)
     except ImportError:
         raise InputError(f"E0001 {package}: this package is missing; pip install 'poinsot[{extra}]'") from None
+
+
+def read_by(path: str | os.PathLike[str], read: Callable[[], T], *, missing: str = "E0201", broken: str = "E0202") -> T:
+    """Call the reader of another package; what it raises becomes an InputError of one of two codes."""
+    if not os.path.exists(path):
+        raise InputError(f"{missing} {os.fspath(path)}: there is no such file; check the path")
+    try:
+        return read()
+    except PoinsotError:
+        raise
+    # Readers of other packages raise exceptions of any type.
+    except Exception as error:
+        message = " ".join(str(error).split()) or type(error).__name__
+        raise InputError(f"{broken} {os.fspath(path)}: it cannot be read ({message}); correct the file") from error

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ._errors import InputError, need
+from ._errors import InputError, need, read_by
 from ._inertia import Inertia, rotation_matrix
 
 Array = NDArray[np.float64]
@@ -23,11 +23,8 @@ _UNIT_WXYZ = np.array([1.0, 0.0, 0.0, 0.0])
 
 def compiled(path: PathLike) -> Any:
     """Compile a file of MJCF (or a URDF file, which MuJoCo reads too)."""
-    try:
-        return need("mujoco", "mujoco").MjModel.from_xml_path(os.fspath(path))
-    except ValueError as error:
-        message = " ".join(str(error).split())
-        raise InputError(f"E0101 {os.fspath(path)}: MuJoCo does not compile it ({message}); correct the file") from None
+    mujoco = need("mujoco", "mujoco")
+    return read_by(path, lambda: mujoco.MjModel.from_xml_path(os.fspath(path)), missing="E0101", broken="E0101")
 
 
 def base_of(model: Any, base: int | str | None, *, welded: bool) -> int:

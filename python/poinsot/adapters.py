@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._errors import InputError, need
+from ._errors import InputError, need, read_by
 from ._model import Model
 from ._mujoco import base_of, bodies_of, moving_joints, tables
 from ._telemetry import Telemetry
@@ -245,7 +245,8 @@ def read_mat(path: PathLike, *, time_s: str, **names: Any) -> Telemetry:
     **names
         Arguments of :meth:`Telemetry.from_arrays`, with the names of variables in place of arrays.
     """
-    variables = need("scipy.io", "mat").loadmat(path)
+    io = need("scipy.io", "mat")
+    variables = read_by(path, lambda: io.loadmat(path))
 
     def read(name: str) -> Any:
         if name not in variables:
@@ -269,7 +270,7 @@ def read_hdf5(path: PathLike, *, time_s: str, **names: Any) -> Telemetry:
         Arguments of :meth:`Telemetry.from_arrays`, with the paths of datasets in place of arrays.
     """
     h5py = need("h5py", "hdf5")
-    with h5py.File(path, "r") as file:
+    with read_by(path, lambda: h5py.File(path, "r")) as file:
 
         def read(name: str) -> Any:
             if name not in file:
@@ -300,14 +301,18 @@ def read_rosbag(path: PathLike, *, imu: str | None = None, attitude: str | None 
     wanted = [t for t in (imu, attitude, joints) if t is not None]
     store = need("rosbags.typesys", "ros")
     types = store.get_typestore(store.Stores.ROS2_HUMBLE)
-    with highlevel.AnyReader([Path(path)], default_typestore=types) as reader:
-        connections = [c for c in reader.connections if c.topic in wanted]
-        missing = set(wanted) - {c.topic for c in connections}
-        if missing or not wanted:
-            there = ", ".join(sorted({c.topic for c in reader.connections}))
-            raise InputError(f"E0001 {os.fspath(path)}: no topic '{', '.join(sorted(missing))}'; use one of {there}")
-        for connection, _, raw in reader.messages(connections=connections):
-            stamps.setdefault(connection.topic, []).append(reader.deserialize(raw, connection.msgtype))
+
+    def read() -> None:
+        with highlevel.AnyReader([Path(path)], default_typestore=types) as reader:
+            connections = [c for c in reader.connections if c.topic in wanted]
+            missing = set(wanted) - {c.topic for c in connections}
+            if missing or not wanted:
+                there = ", ".join(sorted({c.topic for c in reader.connections}))
+                raise InputError(f"E0001 {os.fspath(path)}: no topic '{', '.join(sorted(missing))}'; use one of {there}")
+            for connection, _, raw in reader.messages(connections=connections):
+                stamps.setdefault(connection.topic, []).append(reader.deserialize(raw, connection.msgtype))
+
+    read_by(path, read)
     return _of_ros(stamps, imu, attitude, joints)
 
 
@@ -349,13 +354,17 @@ def read_mcap(path: PathLike, topics: Mapping[str, Mapping[str, str]]) -> Teleme
     """
     reader = need("mcap.reader", "ros")
     rows: dict[str, list[tuple[int, Any]]] = {topic: [] for topic in topics}
-    with open(path, "rb") as file:
-        for _, channel, message in reader.make_reader(file).iter_messages(topics=list(topics)):
-            if channel.message_encoding != "json":
-                raise InputError(
-                    f"E0001 {os.fspath(path)}: topic '{channel.topic}' is encoded as {channel.message_encoding}; use read_rosbag"
-                )
-            rows[channel.topic].append((message.log_time, json.loads(message.data)))
+
+    def read() -> None:
+        with open(path, "rb") as file:
+            for _, channel, message in reader.make_reader(file).iter_messages(topics=list(topics)):
+                if channel.message_encoding != "json":
+                    raise InputError(
+                        f"E0001 {os.fspath(path)}: topic '{channel.topic}' is encoded as {channel.message_encoding}; use read_rosbag"
+                    )
+                rows[channel.topic].append((message.log_time, json.loads(message.data)))
+
+    read_by(path, read)
 
     def field(message: Any, way: str) -> float:
         for key in way.split("."):
@@ -394,7 +403,8 @@ def read_ulog(path: PathLike) -> Telemetry:
     Times are those of the measurement (``timestamp_sample``), in older logs those of the publication. The angular velocity
     of ``sensor_combined`` includes the bias of the gyro.
     """
-    log = need("pyulog", "ulog").ULog(os.fspath(path))
+    pyulog = need("pyulog", "ulog")
+    log = read_by(path, lambda: pyulog.ULog(os.fspath(path)))
     topics = {d.name: d.data for d in log.data_list if d.multi_id == 0}
 
     def times(data: Mapping[str, Any]) -> Array:

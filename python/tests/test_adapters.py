@@ -53,31 +53,37 @@ def test_exact_hdf5_of_h5py(samples, tmp_path):
         adapters.read_hdf5(tmp_path / "run.h5", time_s="imu/t", omega_rad_s="gyro")
 
 
-def test_exact_bag_of_rosbags(samples, tmp_path):
-    rosbag2 = pytest.importorskip("rosbags.rosbag2")
+@pytest.mark.parametrize("version", [1, 2])
+def test_exact_bag_of_rosbags(samples, tmp_path, version):
+    """Bags of ROS 1 and ROS 2."""
+    rosbag = pytest.importorskip(f"rosbags.rosbag{version}")
     from rosbags.typesys import Stores, get_typestore
 
-    store = get_typestore(Stores.ROS2_HUMBLE)
+    store = get_typestore(Stores.ROS1_NOETIC if version == 1 else Stores.ROS2_HUMBLE)
+    serialize = store.serialize_ros1 if version == 1 else store.serialize_cdr
     t = store.types
     vector, quaternion = t["geometry_msgs/msg/Vector3"], t["geometry_msgs/msg/Quaternion"]
-    with rosbag2.Writer(tmp_path / "bag", version=9) as writer:
+    # A message of ROS 1 has a counter in its header.
+    counter = [0] if version == 1 else []
+    path = tmp_path / ("run.bag" if version == 1 else "run")
+    with rosbag.Writer(path, **({} if version == 1 else {"version": 9})) as writer:
         imu = writer.add_connection("/imu", "sensor_msgs/msg/Imu", typestore=store)
         joints = writer.add_connection("/joints", "sensor_msgs/msg/JointState", typestore=store)
         for k, time in enumerate(samples["time_s"]):
             ns = 1_773_512_340_000_000_000 + round(time * 1e9)
-            header = t["std_msgs/msg/Header"](t["builtin_interfaces/msg/Time"](ns // 10**9, ns % 10**9), "base")
+            header = t["std_msgs/msg/Header"](*counter, t["builtin_interfaces/msg/Time"](ns // 10**9, ns % 10**9), "base")
             message = t["sensor_msgs/msg/Imu"](
                 header, quaternion(*samples["q_xyzw"][k]), np.zeros(9), vector(*samples["omega_rad_s"][k]), np.zeros(9),
                 vector(0.0, 0.0, 0.0), np.zeros(9),
             )  # fmt: skip
-            writer.write(imu, ns, store.serialize_cdr(message, "sensor_msgs/msg/Imu"))
+            writer.write(imu, ns, serialize(message, "sensor_msgs/msg/Imu"))
             arm = t["sensor_msgs/msg/JointState"](header, ["elbow"], np.array([0.1 * k]), np.array([2.0]), np.zeros(1))
-            writer.write(joints, ns, store.serialize_cdr(arm, "sensor_msgs/msg/JointState"))
-    record = adapters.read_rosbag(tmp_path / "bag", imu="/imu", attitude="/imu", joints="/joints")
+            writer.write(joints, ns, serialize(arm, "sensor_msgs/msg/JointState"))
+    record = adapters.read_rosbag(path, imu="/imu", attitude="/imu", joints="/joints")
     _check(record, samples)
     assert record["elbow_rad"][1][3] == pytest.approx(0.3) and record["elbow_rad_s"][1][3] == 2.0
     with pytest.raises(pn.InputError, match="/imu"):
-        adapters.read_rosbag(tmp_path / "bag", imu="/gyro")
+        adapters.read_rosbag(path, imu="/gyro")
 
 
 def test_exact_mcap(samples, tmp_path):
@@ -144,6 +150,29 @@ def test_exact_px4_times_are_those_of_the_measurement(root):
         assert np.abs(time_s - data[topic]["timestamp_sample"] * 1e-6).max() < 1e-9
         # PX4 normalises in single precision.
         assert np.abs(values - data[topic][field]).max() < 2 * np.finfo(np.float32).eps
+
+
+@pytest.mark.parametrize(
+    ("package", "read"),
+    [
+        ("scipy.io", lambda path: adapters.read_mat(path, time_s="t")),
+        ("h5py", lambda path: adapters.read_hdf5(path, time_s="t")),
+        ("rosbags.highlevel", lambda path: adapters.read_rosbag(path, imu="/imu")),
+        ("mcap.reader", lambda path: adapters.read_mcap(path, {"/imu": {"omega_x": "x"}})),
+        ("pyulog", adapters.read_ulog),
+        ("mujoco", pn.Model.from_mjcf),
+    ],
+)
+def test_errors_of_readers_of_other_packages(tmp_path, package, read):
+    """A file that is missing, empty or of another kind is an error of Poinsot with its path."""
+    pytest.importorskip(package)
+    for name, content in (("missing.bag", None), ("empty.bag", b""), ("other.bag", b"time_s,omega_x\n0.0,0.1\n" * 50)):
+        path = tmp_path / name
+        if content is not None:
+            path.write_bytes(content)
+        with pytest.raises(pn.InputError) as refused:
+            read(path)
+        assert refused.value.place == str(path) and refused.value.advice, name
 
 
 def test_exact_mrp_and_its_shadow_are_one_attitude():
@@ -289,7 +318,7 @@ EQUALITY = '<equality><joint name="coupling" joint1="pan" joint2="tilt"/></equal
         (("", ""), "gimbal", "base 'gimbal'.*not free; add"),
         (("", ""), "satellite", "base 'satellite'.*use one of debris, bus"),
         (("<freejoint/>", ""), None, "no body has a free joint; add"),
-        (("</body>", ""), "bus", "inspector.xml: MuJoCo does not compile it .*; correct the file"),
+        (("</body>", ""), "bus", "E0101 .*inspector.xml: it cannot be read .*; correct the file"),
     ],
 )
 def test_errors_of_mjcf_name_what_has_no_model(tmp_path, change, base, named):
