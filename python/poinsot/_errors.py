@@ -138,3 +138,12 @@ def read_by(path: str | os.PathLike[str], read: Callable[[], T], *, missing: str
     except Exception as error:
         message = " ".join(str(error).split()) or type(error).__name__
         raise InputError(f"{broken} {os.fspath(path)}: it cannot be read ({message}); correct the file") from error
+
+
+def write_text(path: str | os.PathLike[str], text: str) -> None:
+    """Write a file, with the line ends of the text."""
+    try:
+        with open(path, "w", encoding="utf-8", newline="") as file:
+            file.write(text)
+    except OSError as error:
+        raise ResourceError(f"E0002 {os.fspath(path)}: cannot be written: {error.strerror}; correct the path or the permission") from error

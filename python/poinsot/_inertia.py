@@ -78,7 +78,14 @@ class Inertia:
 
     @classmethod
     def from_dynamic_parameters(cls, parameters: ArrayLike) -> Inertia:
-        """Make the body of its ten parameters; the inverse of :meth:`to_dynamic_parameters`."""
+        """Make the body of its ten parameters; the inverse of :meth:`to_dynamic_parameters`.
+
+        Parameters
+        ----------
+        parameters
+            Shape (10,): m, mc_x, mc_y, mc_z, I_xx, I_xy, I_yy, I_xz, I_yz, I_zz about the origin of the body's frame; kg, kg m,
+            kg m2.
+        """
         p = np.array(parameters, dtype=np.float64)
         if p.shape != (10,) or not p[0] > 0.0:
             raise InputError(f"E0001 parameters: shape {p.shape} or a mass that is not positive; give ten numbers")
@@ -88,14 +95,27 @@ class Inertia:
 
     @classmethod
     def from_pinocchio(cls, inertia: Any) -> Inertia:
-        """Take over a ``pinocchio.Inertia``: mass, lever, inertia about the mass centre."""
+        """Take over an inertia of Pinocchio.
+
+        Parameters
+        ----------
+        inertia
+            A ``pinocchio.Inertia``: mass, lever, inertia about the mass centre.
+        """
         return cls(inertia.mass, inertia.lever, inertia.inertia)
 
     @classmethod
     def from_mujoco(cls, model: Any, body: int | str) -> Inertia:
-        """Take over a body of a ``mujoco.MjModel``, in the axes of the body's frame.
+        """Take over a body of MuJoCo, in the axes of the body's frame.
 
         MuJoCo stores principal moments with the rotation of their axes (``body_iquat``, scalar first).
+
+        Parameters
+        ----------
+        model
+            A ``mujoco.MjModel``.
+        body
+            Name or number of the body.
         """
         k = model.body(body).id
         turn = rotation_matrix(model.body_iquat[k])

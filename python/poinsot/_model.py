@@ -58,7 +58,13 @@ class Model:
 
     @classmethod
     def from_urdf(cls, path: PathLike) -> Model:
-        """Read a robot from URDF. Sensors and unknowns are still to be added, see :meth:`to_dict`."""
+        """Read a robot from URDF. Sensors and unknowns are still to be added, see :meth:`to_dict`.
+
+        Parameters
+        ----------
+        path
+            The file. Its root link is the base.
+        """
         return cls(CoreModel.from_urdf(path))
 
     @classmethod
@@ -84,7 +90,15 @@ class Model:
 
     @classmethod
     def from_text(cls, text: str, name: str | None = None) -> Model:
-        """Read the text of a model file; messages call it `name`."""
+        """Read the text of a model file.
+
+        Parameters
+        ----------
+        text
+            TOML, ``poinsot.model/1``.
+        name
+            What messages call it.
+        """
         return cls(CoreModel.from_text(text, name))
 
     @classmethod
@@ -107,7 +121,13 @@ class Model:
         return self._core.to_toml()
 
     def write(self, path: PathLike) -> None:
-        """Write the model file. An earlier file stays until the new one is complete."""
+        """Write the model file. An earlier file stays until the new one is complete.
+
+        Parameters
+        ----------
+        path
+            The file.
+        """
         self._core.write(path)
 
     def check(self) -> dict[str, Any]:
@@ -116,7 +136,13 @@ class Model:
         return found
 
     def with_map(self, path: PathLike) -> Model:
-        """Return the vehicle with the ``[telemetry]`` table of another file."""
+        """Return the vehicle with the ``[telemetry]`` table of another file.
+
+        Parameters
+        ----------
+        path
+            A map or a model file.
+        """
         return Model(self._core.with_map(path))
 
     @property

@@ -150,7 +150,13 @@ class MujocoLog:
         self._rows: list[tuple[float, Array, Array]] = []
 
     def record(self, data: Any) -> None:
-        """Take a sample."""
+        """Take a sample.
+
+        Parameters
+        ----------
+        data
+            The ``mujoco.MjData`` of the model.
+        """
         self._rows.append((float(data.time), np.array(data.qpos), np.array(data.qvel)))
 
     def telemetry(
