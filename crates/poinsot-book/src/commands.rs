@@ -1,4 +1,4 @@
-//! The page of commands, from the words of the command line.
+//! Generates the page of commands from the definition of the command line.
 
 use clap::{Arg, Command, CommandFactory};
 use poinsot_cli::arguments::Arguments;
@@ -88,7 +88,7 @@ fn section(verb: &Command, out: &mut String) {
     }
 }
 
-/// An argument as it is written on the command line.
+/// An argument as written on the command line.
 fn words(a: &Arg) -> String {
     let takes = a.get_num_args().is_some_and(|n| n.takes_values());
     let value = a
@@ -103,7 +103,7 @@ fn words(a: &Arg) -> String {
     }
 }
 
-/// Text for a cell of a table.
+/// Escapes text for a table cell.
 pub(crate) fn cell(text: &str) -> String {
     let one = text.split_whitespace().collect::<Vec<_>>().join(" ");
     one.replace('|', "\\|").replace('<', "&lt;")

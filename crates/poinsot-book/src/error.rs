@@ -1,25 +1,25 @@
-//! What can go wrong with the book.
+//! Errors of building the book.
 
 use std::path::{Path, PathBuf};
 
-/// Why the book cannot be made.
+/// Why the book cannot be built.
 #[derive(Debug, thiserror::Error)]
 pub enum BookError {
-    /// The disk.
+    /// Error of the operating system.
     #[error("{}: {source}", path.display())]
     Io {
         /// File or folder.
         path: PathBuf,
-        /// What the system said.
+        /// The error.
         source: std::io::Error,
     },
-    /// A generated page is not what the program says today.
+    /// A generated page is out of date.
     #[error(
         "{}: out of date; run: cargo run --release -p poinsot-book -- generate",
         .0.display()
     )]
     Stale(PathBuf),
-    /// A formula.
+    /// An invalid formula.
     #[error("{page}: formula `{formula}`: {why}")]
     Formula {
         /// Page.
@@ -29,10 +29,10 @@ pub enum BookError {
         /// What is wrong with it.
         why: String,
     },
-    /// Links.
+    /// Broken links.
     #[error("broken links:\n  {}", .0.join("\n  "))]
     Links(Vec<String>),
-    /// A link to a file that is not in the repository.
+    /// A link to a file missing in the repository.
     #[error("{page}: link to '{target}', which is not there")]
     Missing {
         /// Page.
@@ -40,24 +40,24 @@ pub enum BookError {
         /// As written.
         target: String,
     },
-    /// The program refused an example.
+    /// An example failed.
     #[error("{example}: {source}")]
     Example {
         /// Name.
         example: String,
-        /// Why.
+        /// Error of the program.
         source: Box<poinsot::Error>,
     },
-    /// A page has two headings of one name, so that links to it are ambiguous, or no heading.
+    /// A page without heading, or with two equal headings, so that links to it are ambiguous.
     #[error("{0}: a page begins with one heading of the first level")]
     Heading(String),
-    /// mdBook.
+    /// Error of mdBook.
     #[error("mdbook: {0}")]
     Book(String),
 }
 
 impl BookError {
-    /// For `map_err` on what touches a path.
+    /// For `map_err` of operations on a path.
     pub fn io(path: &Path) -> impl Fn(std::io::Error) -> Self {
         move |source| Self::Io {
             path: path.to_owned(),

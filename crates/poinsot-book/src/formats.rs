@@ -1,4 +1,4 @@
-//! Pages of formats: keys of the model file, the case file and the results, from their schemas.
+//! Generates the pages of formats: keys of model file, case file and results, from their schemas.
 
 use crate::commands::{GENERATED, cell};
 use serde_json::{Map, Value};
@@ -91,7 +91,7 @@ pub fn results_page() -> String {
     out
 }
 
-/// Formats that stand on other pages.
+/// Formats documented on other pages.
 const OTHER_PAGES: [&str; 3] = ["model", "map", "case"];
 
 fn model(out: &mut String) {
@@ -117,7 +117,7 @@ fn schema_tables(name: &str, heading: &str, out: &mut String) {
     }
 }
 
-/// A part of a schema that has a name.
+/// A named part of a schema.
 fn definition(name: &str, part: &Value, out: &mut String) {
     if part.get("properties").is_some() {
         table(&title(name), part, out);
@@ -131,7 +131,7 @@ fn definition(name: &str, part: &Value, out: &mut String) {
     }
 }
 
-/// `BodyFile` is written "body", `Axes_for_NumberFile` "axes of number".
+/// Title of a type: `BodyFile` gives "body", `Axes_for_NumberFile` gives "axes of number".
 fn title(name: &str) -> String {
     let mut out = String::new();
     for c in name.replace("File", "").replace("_for_", " of ").chars() {
@@ -176,7 +176,7 @@ fn table(heading: &str, part: &Value, out: &mut String) {
     }
 }
 
-/// What a value of the schema may be, in words.
+/// Possible values of a schema entry, as text.
 fn kind(value: &Value) -> String {
     if let Some(target) = value.get("$ref").and_then(Value::as_str) {
         let name = title(target.rsplit('/').next().unwrap_or(target));

@@ -1,8 +1,7 @@
 //! The book in `docs/`: pages generated from the program, formulas as MathML, one folder of HTML that loads
 //! nothing from a network.
 //!
-//! mdBook is used as a library: its version stands in `Cargo.lock`, it is built once with the tests, and
-//! no second program has to be installed.
+//! mdBook is used as a library: its version is fixed in `Cargo.lock`, and no second program has to be installed.
 
 #![allow(non_snake_case)]
 

@@ -1,4 +1,4 @@
-//! Every link of the built book leads somewhere, and nothing is loaded from a network.
+//! Checks that every link of the built book has a target, and that nothing is loaded from a network.
 
 use crate::error::BookError;
 use crate::repository::normal;
@@ -6,7 +6,7 @@ use scraper::{Html, Selector};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-/// Elements that load something, and the attribute that says what.
+/// Elements that load a resource, and their attribute.
 const LOADING: [(&str, &str); 6] = [
     ("img", "src"),
     ("script", "src"),
@@ -16,31 +16,31 @@ const LOADING: [(&str, &str); 6] = [
     ("object", "data"),
 ];
 
-/// A page as far as links go.
+/// Links and anchors of a page.
 struct Page {
-    /// What it links to, as written; true where that is loaded.
+    /// Link targets as written; true for loaded resources.
     links: BTreeSet<(String, bool)>,
     /// Anchors.
     anchors: BTreeSet<String>,
-    /// Pictures without words for those who cannot see them.
+    /// Images without alternative text.
     wordless: Vec<String>,
 }
 
-/// Pages and links found.
+/// Number of pages and links.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Checked {
     /// HTML files.
     pub pages: usize,
-    /// Links between them and to figures.
+    /// Links between pages and to figures.
     pub inside: usize,
-    /// Links to the outside, which are not followed.
+    /// External links, which are not followed.
     pub outside: usize,
 }
 
 /// Checks the links of a folder of HTML.
 ///
 /// # Errors
-/// Broken links, or something that is loaded from a network.
+/// Broken links, or resources loaded from a network.
 pub fn check(folder: &Path) -> Result<Checked, BookError> {
     let mut pages = BTreeMap::new();
     read(folder, Path::new(""), &mut pages)?;
@@ -128,7 +128,7 @@ fn page(text: &str) -> Page {
     let mut links = BTreeSet::new();
     for (element, attribute) in LOADING {
         for found in select(element) {
-            // rel="canonical" and the like load nothing, but mdBook writes none of them.
+            // rel="canonical" and similar load nothing, but mdBook does not write them.
             links.extend(found.attr(attribute).map(|a| (a.to_owned(), true)));
         }
     }

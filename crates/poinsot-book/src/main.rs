@@ -1,4 +1,4 @@
-//! Makes the book: `build` it, `generate` its pages from the program, `check` both.
+//! Command line of the book: `build` it, `generate` its pages from the program, `check` both.
 
 use clap::{Parser, Subcommand};
 use poinsot_book::{BookError, links, pages, repository, site};

@@ -1,4 +1,4 @@
-//! Formulas: `$...$` and `$$...$$` in LaTeX become MathML, which browsers draw without any script.
+//! Formulas: LaTeX in `$...$` and `$$...$$` becomes MathML, which browsers render without scripts.
 
 use crate::error::BookError;
 use pulldown_latex::config::{DisplayMode, RenderConfig};
@@ -8,7 +8,7 @@ use pulldown_latex::{Parser, Storage};
 /// One formula as a `<math>` element on one line.
 ///
 /// # Errors
-/// It is not LaTeX, or not of the part that is understood.
+/// The formula is invalid or unsupported LaTeX.
 pub fn mathml(page: &str, formula: &str, display: bool) -> Result<String, BookError> {
     let fault = |why: String| BookError::Formula {
         page: page.to_owned(),
@@ -16,7 +16,7 @@ pub fn mathml(page: &str, formula: &str, display: bool) -> Result<String, BookEr
         why,
     };
     let storage = Storage::new();
-    // Read once for its errors: the writer would draw them into the formula.
+    // Parse once for errors, which the writer would put into the formula.
     for event in Parser::new(formula, &storage) {
         event.map_err(|e| fault(e.to_string()))?;
     }
@@ -33,7 +33,7 @@ pub fn mathml(page: &str, formula: &str, display: bool) -> Result<String, BookEr
     let mut out = String::new();
     push_mathml(&mut out, Parser::new(formula, &storage), config)
         .map_err(|e| fault(e.to_string()))?;
-    // A blank line would end the element for Markdown.
+    // A blank line would end the element in Markdown.
     Ok(out.lines().map(str::trim).collect::<Vec<_>>().join(" "))
 }
 

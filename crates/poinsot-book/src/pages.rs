@@ -1,4 +1,4 @@
-//! The generated pages, and whether what is committed is what the program says today.
+//! The generated pages, and the check that the committed ones are current.
 
 use crate::error::BookError;
 use crate::repository::{ROOT_PAGES, root};
@@ -8,7 +8,7 @@ use std::path::PathBuf;
 /// Path and text of every generated page.
 ///
 /// # Errors
-/// The program refuses an example.
+/// An example fails.
 pub fn generated() -> Result<Vec<(PathBuf, String)>, BookError> {
     let docs = root().join("docs");
     let mut pages = vec![
@@ -26,10 +26,10 @@ pub fn generated() -> Result<Vec<(PathBuf, String)>, BookError> {
     Ok(pages)
 }
 
-/// Writes the pages that changed. Returns them.
+/// Writes the changed pages and returns their paths.
 ///
 /// # Errors
-/// The disk refuses.
+/// Writing fails.
 pub fn generate() -> Result<Vec<PathBuf>, BookError> {
     let mut changed = Vec::new();
     for (path, text) in generated()? {
@@ -41,7 +41,7 @@ pub fn generate() -> Result<Vec<PathBuf>, BookError> {
     Ok(changed)
 }
 
-/// Compares instead of writing.
+/// Compares the committed pages instead of writing.
 ///
 /// # Errors
 /// The first page that is out of date.

@@ -1,4 +1,4 @@
-//! Where the files of the repository are.
+//! Paths of the repository.
 
 use std::path::{Path, PathBuf};
 
@@ -8,7 +8,7 @@ pub fn root() -> PathBuf {
     here.ancestors().nth(2).unwrap_or(here).to_owned()
 }
 
-/// Pages of the book whose text is a file at the root of the repository: file, page.
+/// Pages of the book whose text is a file in the repository root: file, page.
 pub const ROOT_PAGES: [(&str, &str); 5] = [
     ("NOTATION.md", "reference/notation.md"),
     ("DESIGN.md", "explanation/design.md"),
@@ -17,7 +17,7 @@ pub const ROOT_PAGES: [(&str, &str); 5] = [
     ("CHANGELOG.md", "changelog.md"),
 ];
 
-/// The folder from which links on a page of the book count, relative to the root of the repository.
+/// The folder to which links on a page are relative, from the repository root.
 pub fn base_of(page: &Path) -> PathBuf {
     let included = ROOT_PAGES.iter().any(|(_, p)| Path::new(p) == page);
     if included {
@@ -26,7 +26,7 @@ pub fn base_of(page: &Path) -> PathBuf {
     Path::new("docs").join(page.parent().unwrap_or(Path::new("")))
 }
 
-/// A path without `.` and `..`; `None` where it leaves the repository.
+/// A path without `.` and `..`; `None` if it leaves the repository.
 pub fn normal(path: &Path) -> Option<PathBuf> {
     use std::path::Component;
     let mut out = PathBuf::new();

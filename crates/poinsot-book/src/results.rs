@@ -1,14 +1,14 @@
-//! Answers to the shipped examples, and the truth of their simulation.
+//! Answers to the shipped examples, with the true values.
 
 use crate::error::BookError;
 use crate::repository::root;
 use poinsot::{IdentifyRequest, estimate_file, identify};
 use poinsot_formats::{EstimateFile, TruthFile, read_truth};
 
-/// One shipped record, or several of one vehicle.
+/// One shipped record, or several records of one vehicle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Example {
-    /// Name in the tables.
+    /// Name in tables.
     pub name: &'static str,
     /// Model, from `examples`.
     pub model: &'static str,
@@ -85,16 +85,16 @@ pub const EXAMPLES: [Example; 9] = [
 ];
 
 impl Example {
-    /// The example of this name; the first where there is none.
+    /// The example of this name; the first if there is none.
     pub fn named(name: &str) -> Self {
         let found = EXAMPLES.iter().find(|e| e.name == name);
         *found.unwrap_or(&EXAMPLES[0])
     }
 
-    /// The answer as `estimate.json` holds it.
+    /// The answer as `estimate.json`.
     ///
     /// # Errors
-    /// The program refuses the question.
+    /// The identification fails.
     pub fn answer(&self) -> Result<EstimateFile, BookError> {
         let examples = root().join("examples");
         let identified = identify(
@@ -111,10 +111,10 @@ impl Example {
         Ok(estimate_file(&identified))
     }
 
-    /// `truth.json` beside the first record.
+    /// `truth.json` next to the first record.
     ///
     /// # Errors
-    /// It is not there or no truth.
+    /// The file is missing or invalid.
     pub fn truth(&self) -> Result<TruthFile, BookError> {
         let first = self.telemetry.first().copied().unwrap_or_default();
         let path = root()
@@ -125,7 +125,7 @@ impl Example {
     }
 }
 
-/// One number of an answer with its sigma and the truth.
+/// One number of an answer with its sigma and true value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Compared {
     /// 0 mass, 1 mass centre, 2 inertia.
@@ -138,7 +138,7 @@ pub struct Compared {
     pub truth: f64,
 }
 
-/// All numbers of an answer that the data determine, against the truth.
+/// All determined numbers of an answer, with the true values.
 pub fn compare(answer: &EstimateFile, truth: &TruthFile) -> Vec<Compared> {
     let mut out = Vec::new();
     for (name, body) in &answer.bodies {

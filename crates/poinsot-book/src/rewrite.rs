@@ -1,5 +1,5 @@
-//! Markdown of a page before mdBook sees it: formulas to MathML, links to files that are not in the book to
-//! the path of the file.
+//! Rewrites the Markdown of a page for mdBook: formulas to MathML, and links to files outside the book to the file's
+//! path.
 
 use crate::error::BookError;
 use crate::math::mathml;
@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 /// The text of a page, `page` relative to the book's folder.
 ///
 /// # Errors
-/// A formula is faulty; a link leads to a file that is not there.
+/// A formula is invalid, or a linked file is missing.
 pub fn rewrite(page: &Path, text: &str) -> Result<String, BookError> {
     let name = page.display().to_string();
     let options = Options::ENABLE_TABLES
@@ -23,7 +23,7 @@ pub fn rewrite(page: &Path, text: &str) -> Result<String, BookError> {
     let mut changes: Vec<(Range<usize>, String)> = Vec::new();
     for (event, range) in Parser::new_ext(text, options).into_offset_iter() {
         match event {
-            // Two dollars with code between them, as in a shell's ${name}, are no formula.
+            // Dollars around code, as in a shell's ${name}, are not a formula.
             Event::InlineMath(words) if words.contains('`') => {}
             Event::InlineMath(formula) => changes.push((range, mathml(&name, &formula, false)?)),
             Event::DisplayMath(formula) => changes.push((range, mathml(&name, &formula, true)?)),
@@ -50,7 +50,7 @@ pub fn rewrite(page: &Path, text: &str) -> Result<String, BookError> {
     Ok(out)
 }
 
-/// A fenced block whose code begins at the left edge: snippets come out of the middle of a function.
+/// A fenced block without common indentation: snippets come from inside functions.
 fn flush_left(block: &str) -> String {
     let last = block.trim_end().lines().count().saturating_sub(1);
     let code = |k: usize, line: &str| k > 0 && k < last && !line.trim().is_empty();
@@ -70,7 +70,7 @@ fn flush_left(block: &str) -> String {
     out
 }
 
-/// A link as it shall stand in the book; `None` where it may stay.
+/// The link in the book; `None` if it is unchanged.
 fn link(page: &Path, written: &str, target: &str) -> Result<Option<String>, BookError> {
     if target.starts_with('#') || target.contains("://") || target.starts_with("mailto:") {
         return Ok(None);
@@ -102,7 +102,7 @@ fn link(page: &Path, written: &str, target: &str) -> Result<Option<String>, Book
     })
 }
 
-/// The page or figure of the book that shows a file of the repository.
+/// The page or figure of the book for a file of the repository.
 fn place_in_book(file: &Path) -> Option<PathBuf> {
     let page = ROOT_PAGES.iter().find(|(f, _)| Path::new(f) == file);
     match page {
@@ -114,7 +114,7 @@ fn place_in_book(file: &Path) -> Option<PathBuf> {
     }
 }
 
-/// A path of the book as seen from a page.
+/// A path of the book relative to a page.
 fn from(page: &Path, target: &Path) -> String {
     let depth = page.components().count().saturating_sub(1);
     let mut out = "../".repeat(depth);

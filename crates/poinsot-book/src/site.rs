@@ -1,4 +1,4 @@
-//! From Markdown to a folder of HTML.
+//! Builds HTML from Markdown.
 
 use crate::error::BookError;
 use crate::repository::root;
@@ -11,7 +11,7 @@ use mdbook_driver::errors::Error;
 use mdbook_preprocessor::{Preprocessor, PreprocessorContext};
 use std::path::Path;
 
-/// Formulas and links.
+/// Preprocessor for formulas and links.
 struct Rewriting;
 
 impl Preprocessor for Rewriting {
@@ -39,7 +39,7 @@ impl Preprocessor for Rewriting {
 /// Builds the book into a folder.
 ///
 /// # Errors
-/// A page, formula or link is faulty; the disk refuses.
+/// A page, formula or link is invalid, or writing fails.
 pub fn build(into: &Path) -> Result<(), BookError> {
     let root = root();
     let fault = |e: Error| BookError::Book(format!("{e:#}"));

@@ -1,16 +1,16 @@
-//! The table of contents: `docs/SUMMARY.md`, and every page of a folder under the chapter that names the folder.
+//! Table of contents: `docs/SUMMARY.md`, and every page of a folder below the chapter of the folder.
 
 use crate::error::BookError;
 use crate::repository::root;
 use std::path::Path;
 
-/// Chapters that hold all pages of a folder: page, folder.
+/// Chapters with all pages of a folder: page, folder.
 const FOLDERS: [(&str, &str); 2] = [("methods.md", "methods"), ("validation.md", "validation")];
 
-/// `SUMMARY.md` with the pages of the folders added, so that a new method needs no line there.
+/// `SUMMARY.md` plus the pages of the folders, so that a new method needs no line in it.
 ///
 /// # Errors
-/// The disk refuses; a page has no heading.
+/// Reading fails, or a page has no heading.
 pub fn summary() -> Result<String, BookError> {
     let docs = root().join("docs");
     let path = docs.join("SUMMARY.md");

@@ -1,4 +1,4 @@
-//! Momentum of the recorded trees against Pinocchio and MuJoCo.
+//! Momentum of the recorded trees, compared with Pinocchio and MuJoCo.
 
 use crate::error::BookError;
 use poinsot_dynamics::{Kinematics, Link, Motion, Tree, momentum};
@@ -6,24 +6,24 @@ use poinsot_spatial::{InertialParameters, MassProperties, Matrix3, Vector3};
 use poinsot_testkit::momentum_sum::{KitJoint, body_motion};
 use poinsot_testkit::trees::{TreeCase, load_trees, trees_path};
 
-/// Worst relative differences over all trees.
+/// Largest relative differences over all trees.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Worst {
-    /// Trees.
+    /// Number of trees.
     pub trees: usize,
-    /// Bodies of all trees.
+    /// Number of bodies of all trees.
     pub bodies: usize,
-    /// Against Pinocchio: linear, angular momentum about the base origin, relative to the sum of the
-    /// magnitudes of their terms.
+    /// Pinocchio: linear momentum, and angular momentum about the base origin, relative to the sum of the magnitudes
+    /// of their terms.
     pub pinocchio: [f64; 2],
-    /// Against MuJoCo: linear, angular momentum about the mass centre, likewise.
+    /// MuJoCo: linear momentum, and angular momentum about the mass centre, relative likewise.
     pub mujoco: [f64; 2],
 }
 
-/// Computes them.
+/// Computes the differences.
 ///
 /// # Errors
-/// The fixture is not there.
+/// The fixture is missing.
 pub fn worst() -> Result<Worst, BookError> {
     let cases = load_trees().map_err(BookError::io(&trees_path()))?;
     let mut worst = Worst::default();

@@ -1,4 +1,4 @@
-//! The page of validation: tables computed from fixtures and from answers to the examples.
+//! Generates the page of validation: tables from fixtures and from answers to the examples.
 
 use crate::commands::GENERATED;
 use crate::error::BookError;
@@ -12,7 +12,7 @@ const NINETY_FIVE: f64 = 1.959_964;
 /// The page `validation.md`.
 ///
 /// # Errors
-/// A fixture is missing, or the program refuses an example.
+/// A fixture is missing, or an example fails.
 pub fn page() -> Result<String, BookError> {
     let mut out = "# Validation\n\n".to_owned();
     out.push_str(GENERATED);
@@ -47,7 +47,7 @@ fn momentum(out: &mut String) -> Result<(), BookError> {
     Ok(())
 }
 
-/// Round-off differs between processors: its power of ten, rounded up.
+/// Round-off differs between processors, so only its power of ten is given, rounded up.
 fn below(x: f64) -> String {
     format!("below 1e{}", x.max(1.0e-300).log10().ceil())
 }
@@ -91,7 +91,7 @@ fn row(example: &Example) -> Result<String, BookError> {
     ))
 }
 
-/// Worst error of one kind; relative for mass and inertia.
+/// Largest error of one kind; relative for mass and inertia.
 fn worst(all: &[Compared], kind: usize, factor: f64) -> String {
     let of_kind = all.iter().filter(|c| c.kind == kind);
     let largest = of_kind.clone().map(|c| c.truth.abs()).fold(0.0, f64::max);

@@ -1,5 +1,5 @@
-//! The page of verdicts: every word and colour of an answer with the condition that sets it, and every cause that the
-//! diagnosis can name.
+//! Generates the page of verdicts: each verdict with its colour and condition, and every cause that the diagnosis can
+//! name.
 
 use crate::commands::GENERATED;
 use poinsot::verdict::VERDICTS;

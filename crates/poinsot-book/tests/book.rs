@@ -1,4 +1,4 @@
-//! The book as it is committed: generated pages are current, it builds, and no link is broken.
+//! The committed book: generated pages are current, it builds, and no link is broken.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use poinsot_book::{links, pages, site};
@@ -17,7 +17,8 @@ fn cli_the_book_builds_and_its_links_lead_somewhere() {
     let found = links::check(folder.path()).unwrap();
     assert!(found.pages > 15, "{found:?}");
     let page = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
-    // Formulas are drawn without a script, snippets are there, methods came without a line in SUMMARY.md.
+    // Formulas are rendered without a script, snippets are included, and methods are listed without a line in
+    // SUMMARY.md.
     let state = page("explanation/state.html");
     assert!(state.contains("<math display=\"block\"") || state.contains("display=\"block\""));
     assert!(!state.contains("$$"));

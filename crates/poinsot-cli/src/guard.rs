@@ -1,16 +1,16 @@
-//! A fault of the program becomes one line and exit code 4.
+//! Turns a panic into a one-line error and exit code 4.
 
 use crate::verbs::Failure;
 use std::panic::{AssertUnwindSafe, PanicHookInfo, catch_unwind, set_hook};
 use std::sync::Mutex;
 
-/// In the message of a library's panic where the system gives no memory.
+/// Text in a library's panic message after a failed allocation.
 const NO_MEMORY: &str = "AllocError";
 
-/// Message and place of the last panic.
+/// Message and source location of the last panic.
 static LAST: Mutex<String> = Mutex::new(String::new());
 
-/// Runs a verb; a panic inside becomes a failure. Panics that are caught deeper (the Parquet decoder's) print
+/// Runs a verb; a panic inside becomes a failure. Panics caught deeper (by the Parquet decoder) print
 /// nothing.
 ///
 /// # Errors
@@ -39,7 +39,7 @@ fn remember(info: &PanicHookInfo<'_>) {
         .collect::<Vec<_>>()
         .join(" ");
     let place = info.location().map_or(String::new(), |l| {
-        // The path on the machine that compiled it says nothing here.
+        // The last three path components are enough; the rest is the path on the build machine.
         let parts: Vec<&str> = l.file().rsplit(['/', '\\']).take(3).collect();
         let parts: Vec<&str> = parts.into_iter().rev().collect();
         format!(" ({}:{})", parts.join("/"), l.line())

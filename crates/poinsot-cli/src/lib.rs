@@ -1,5 +1,5 @@
-//! The command `poinsot`: arguments in, one verb, exit code out. The program, its man pages, the book and the Python
-//! package share it.
+//! The command `poinsot`: parses arguments, runs one command, returns the exit code. Used by the program, the
+//! manual pages, the book and the Python package.
 
 pub mod arguments;
 mod guard;
@@ -17,8 +17,8 @@ use clap::{CommandFactory, FromArgMatches};
 use progress::Progress;
 use std::ffi::OsString;
 
-/// Runs the command with these words, the name of the program first, and gives its exit code. For the start of a
-/// program: it takes over signals, panics and the threads of the process.
+/// Runs the command line `words` (program name first) and returns the exit code. Call it once at program
+/// start: it installs handlers for signals and panics and configures the thread pool.
 pub fn run(words: Vec<OsString>) -> u8 {
     signals::install();
     verbs::remember(&words);

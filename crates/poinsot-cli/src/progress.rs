@@ -1,5 +1,5 @@
-//! A bar on standard error with the time left, for whatever takes longer than two seconds; only on a
-//! terminal. The crates below report what they do as events of `tracing` under one target.
+//! Progress bar on standard error, with the remaining time, for work longer than two seconds; only on a
+//! terminal. Library crates report progress as `tracing` events of one target.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
@@ -10,9 +10,9 @@ use tracing::field::{Field, Visit};
 use tracing::span::{Attributes, Id, Record};
 use tracing::{Event, Metadata, Subscriber};
 
-/// Where the crates below report.
+/// `tracing` target of progress events.
 const TARGET: &str = "poinsot::progress";
-/// Nothing is shown before.
+/// Delay before the bar appears.
 const PATIENCE: Duration = Duration::from_secs(2);
 
 /// The progress bar, or nothing without a terminal.
@@ -22,7 +22,7 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// Begins to listen.
+    /// Starts to listen for progress events.
     pub fn start(quiet: bool) -> Self {
         let done = Arc::new(AtomicBool::new(false));
         if quiet || !std::io::stderr().is_terminal() {
@@ -36,7 +36,7 @@ impl Progress {
             return Self { bar: None, done };
         }
         let (shown, over) = (bar.clone(), done.clone());
-        // Without the thread there is no bar.
+        // Without the thread no bar is shown.
         let _ = std::thread::Builder::new().spawn(move || {
             std::thread::sleep(PATIENCE);
             if !over.load(Ordering::Acquire) {
@@ -50,7 +50,7 @@ impl Progress {
         }
     }
 
-    /// Takes the bar off the screen.
+    /// Removes the bar from the screen.
     pub fn clear(&self) {
         self.done.store(true, Ordering::Release);
         if let Some(bar) = &self.bar {
@@ -65,12 +65,12 @@ fn style(template: &str) -> ProgressStyle {
         .progress_chars("━╸─")
 }
 
-/// No end known.
+/// Style of a bar without a known total.
 fn open() -> ProgressStyle {
     style("{spinner} {msg}, {elapsed}")
 }
 
-/// The end is known, or a bound of it.
+/// Style of a bar with a known total, or with an upper bound of it.
 fn closed(bound: bool) -> ProgressStyle {
     style(if bound {
         "{spinner} {msg} {pos} of at most {len} {bar:24} at most {eta} left"
@@ -79,7 +79,7 @@ fn closed(bound: bool) -> ProgressStyle {
     })
 }
 
-/// One report of progress.
+/// One progress event.
 #[derive(Default)]
 struct Step {
     stage: String,

@@ -1,19 +1,19 @@
-//! Signals: an interruption leaves no draft behind; a limit of file size or memory is exit code 3.
+//! Signals: an interruption removes drafts; reaching a file-size or memory limit gives exit code 3.
 
-/// Exit code where the system refuses.
+/// Exit code for errors of the operating system.
 #[cfg(unix)]
 const ENVIRONMENT: i32 = 3;
 
-/// Installs what is done on signals.
+/// Installs the signal handlers.
 #[cfg(unix)]
 pub fn install() {
     use signal_hook::consts::{SIGABRT, SIGHUP, SIGINT, SIGTERM};
     use std::sync::Arc;
     use std::sync::atomic::AtomicBool;
 
-    // Caught, so that the write fails with its own error.
+    // With SIGXFSZ caught, the write returns an error instead of ending the process.
     let _ = signal_hook::flag::register(libc::SIGXFSZ, Arc::new(AtomicBool::new(false)));
-    // Rust aborts where the system gives no memory, after a line that says so: no fault of the program.
+    // Rust aborts after a failed allocation and prints a line about it; the program is not at fault.
     let always = Arc::new(AtomicBool::new(true));
     let _ = signal_hook::flag::register_conditional_shutdown(SIGABRT, ENVIRONMENT, always);
     let ignored = ignored_signals();
@@ -22,14 +22,14 @@ pub fn install() {
         .filter(|signal| ignored & (1 << (signal - 1)) == 0)
         .collect();
     let (ready, is_ready) = std::sync::mpsc::channel::<()>();
-    // Without the thread the signals do what they always do.
+    // Without the thread, signals keep their default action.
     let _ = std::thread::Builder::new().spawn(move || {
         let Ok(mut signals) = signal_hook::iterator::Signals::new(caught) else {
             return;
         };
         drop(ready);
         for signal in signals.forever() {
-            // A search ends with what it has; the next interruption ends the program.
+            // A running search stops and returns its best result; the next interruption ends the program.
             if signal == SIGINT && poinsot_design::interrupt::request() {
                 continue;
             }
@@ -37,16 +37,16 @@ pub fn install() {
             let _ = signal_hook::low_level::emulate_default_handler(signal);
         }
     });
-    // Nothing is drafted before an interruption is caught.
+    // Wait until the handler is installed, before any draft is written.
     let _ = is_ready.recv();
 }
 
-/// Nothing to install.
+/// Other systems: no signal handlers.
 #[cfg(not(unix))]
 pub fn install() {}
 
-/// Signals that the parent asked to ignore (`nohup`, a job in the background), one bit each, as Linux says.
-/// Elsewhere nobody can be asked without unsafe code: none.
+/// Signals that the parent process ignores (`nohup`, background job), as the bit mask of /proc on Linux. Zero
+/// elsewhere: the query needs unsafe code.
 #[cfg(unix)]
 fn ignored_signals() -> u64 {
     let status = poinsot_files::read_text("/proc/self/status".as_ref(), 1 << 20);

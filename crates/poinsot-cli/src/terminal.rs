@@ -1,15 +1,14 @@
-//! What the terminal can show: its width and colours. Where the output goes to a file or another program it
-//! is plain and as wide as it needs.
+//! Width and colours of the terminal. Output to a file or another program is plain and unwrapped.
 
 use anstream::{AutoStream, ColorChoice};
 use poinsot_files::error_line;
 use poinsot_report::{Document, TextStyle};
 use std::io::{IsTerminal, Write};
 
-/// Exit code of a command that cannot be understood.
+/// Exit code of an invalid command line.
 const USAGE: u8 = 2;
 
-/// How a document is printed on standard output. `NO_COLOR`, `CLICOLOR` and `CLICOLOR_FORCE` are honoured.
+/// Print style of a document on standard output. Honours `NO_COLOR`, `CLICOLOR` and `CLICOLOR_FORCE`.
 pub fn style() -> TextStyle {
     let out = std::io::stdout();
     TextStyle {
@@ -22,12 +21,12 @@ fn width() -> Option<u16> {
     terminal_size::terminal_size().map(|(width, _)| width.0)
 }
 
-/// A document as it is printed.
+/// The document as text in the style of [`style`].
 pub fn document_text(document: &Document) -> String {
     document.text(&style())
 }
 
-/// Prints what clap says: help as it is, a refusal with its lines short and safe to show.
+/// Prints a message of clap: help unchanged, errors with shortened and escaped lines. Returns the exit code.
 pub fn usage_exit(usage: &clap::Error) -> u8 {
     if !usage.use_stderr() {
         usage.exit();
@@ -38,7 +37,8 @@ pub fn usage_exit(usage: &clap::Error) -> u8 {
     USAGE
 }
 
-/// The lines of an error, each short and safe to show, with its code marked where standard error shows colours.
+/// Lines of an error, shortened and escaped; the error code is highlighted where standard error supports
+/// colours.
 pub fn error_text(message: &str) -> String {
     let lines = message.lines().map(error_line);
     let lines: Vec<String> = match AutoStream::choice(&std::io::stderr()) {

@@ -1,9 +1,10 @@
-//! Names offered by help and completions that the verb itself checks, so that its error says what to use instead.
+//! Names shown in help and completions. The command checks the value itself, so that its error lists the
+//! valid names.
 
 use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
 use poinsot::export::Target;
 
-/// Offers names, takes any.
+/// Value parser that offers names and accepts any word.
 #[derive(Clone)]
 pub struct Words(Vec<PossibleValue>);
 
@@ -23,20 +24,20 @@ impl Words {
         Self::plain(poinsot::methods::methods().iter().map(|m| m.name))
     }
 
-    /// Papers with studies.
+    /// Papers that have studies.
     pub fn papers() -> Self {
         let mut papers: Vec<&'static str> = poinsot::study::studies().map(|s| s.0).collect();
         papers.dedup();
         Self::plain(papers.into_iter())
     }
 
-    /// Studies of any paper.
+    /// Studies of all papers.
     pub fn studies() -> Self {
         let all = poinsot::study::studies().map(|s| s.1.name);
         Self::plain(all.chain([poinsot::study::ALL]))
     }
 
-    /// Variants of any method.
+    /// Variants of all methods.
     pub fn variants() -> Self {
         let methods = poinsot::methods::methods();
         let all = methods.iter().flat_map(|m| &m.variants).map(|v| v.name);

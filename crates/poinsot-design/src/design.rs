@@ -1,4 +1,4 @@
-//! A design from case to manoeuvre.
+//! From a case to a designed manoeuvre.
 
 use crate::interrupt::Listening;
 use crate::mover::Target;
@@ -19,46 +19,47 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
-/// Steps of a search that goes on after a small change.
+/// Steps of a search that continues after a small change.
 pub(crate) const FEW_STEPS: usize = 8;
-/// Times that are tried for the shortest one.
+/// Largest number of durations tried for the shortest one.
 const TIMES: usize = 12;
-/// Parts of the evaluations of a shortest time: two searches, and two divisions of the time.
+/// Divisor of the evaluations when the shortest duration is sought: two searches, and two bisections of the duration.
 const TIME_PARTS: usize = 4;
-/// Share of the shortest time that may be left.
+/// Relative accuracy of the shortest duration.
 const TIME_LEFT: f64 = 0.01;
-/// How the logarithm of a sigma falls with that of the time, before two times are known: faster than the mean of
+/// Assumed exponent of the decrease of sigma with duration, until two durations are known. It exceeds the 1/2 of
 /// independent samples, because slower motion also reaches further.
 const FALL: f64 = 1.5;
-/// By how much a shortest time reaches what is wanted: thinned rows and limits that are left to the end cost as much.
+/// Margin on the logarithm of the ratio while the shortest duration is sought. Thinned rows and limits checked at the
+/// end can cost as much.
 const SURE: f64 = 0.01;
-/// Part of the evaluations of a robust design, each of which flies all its vehicles.
+/// Divisor of the evaluations of a robust design, each of which flies all its vehicles.
 const ROBUST_PART: usize = 16;
 
-/// A question to `design`.
+/// Arguments of `design`.
 #[derive(Debug, Clone, Default)]
 pub struct DesignRequest {
     /// The case.
     pub case: PathBuf,
-    /// Ends the search after this many minutes with what it has.
+    /// Stop the search after this many minutes with the best manoeuvre so far.
     pub minutes: Option<f64>,
-    /// Trial flights of the manoeuvre; none with 0.
+    /// Number of trial flights of the manoeuvre.
     pub verify: u64,
-    /// Kind of limit, tighter and looser, that a front of the largest ratio is wanted of.
+    /// Kind of limit whose front (largest ratio with the limit tighter and looser) is computed.
     pub front: Option<String>,
 }
 
 /// Designs the manoeuvre of a case file.
 ///
 /// # Errors
-/// Case or model are refused, or no manoeuvre within the limits can be computed.
+/// Case or model are invalid, or no manoeuvre within the limits can be computed.
 pub fn design(request: &DesignRequest) -> Result<Designed, Error> {
     let case = read_case(&request.case).map_err(SimulateError::from)?;
     let model = read_model(&case.model)?;
     design_case(&case, model, request)
 }
 
-/// What stays the same over all searches.
+/// Inputs that are equal for all searches.
 pub(crate) struct Asked<'c> {
     pub case: &'c Case,
     pub model: &'c Model,
@@ -69,7 +70,7 @@ pub(crate) struct Asked<'c> {
     deadline: Option<Instant>,
 }
 
-/// The same in memory.
+/// Designs the manoeuvre of a case in memory.
 ///
 /// # Errors
 /// As [`design`].
@@ -119,7 +120,7 @@ pub fn design_case(case: &Case, model: Model, request: &DesignRequest) -> Result
     Ok(designed)
 }
 
-/// The manoeuvre as a case, read from the text that is written.
+/// The manoeuvre as a case, parsed from the text that is written.
 fn manoeuvre_of(designed: &Designed) -> Result<Case, Error> {
     let path = Path::new(&designed.case).with_file_name("case.toml");
     let case = parse_case(&path, designed.manoeuvre.clone()).map_err(SimulateError::from)?;
@@ -201,7 +202,7 @@ impl<'c> Asked<'c> {
         Question::new(self.case, self.model.clone(), what, watch, self.deadline)
     }
 
-    /// Sigmas of the manoeuvre that the case itself holds; `None` where it moves nothing that is designed.
+    /// Sigmas of the manoeuvre in the case itself; `None` if it moves no designed joint, wheel or thruster.
     fn reference(&self, question: &Question) -> Option<Vec<f64>> {
         let hold = Plan::hold(self.model);
         let plan = &question.scenario.plan;
@@ -222,7 +223,7 @@ impl<'c> Asked<'c> {
         Some((0..self.wants.len()).map(sigma).collect())
     }
 
-    /// The best manoeuvre of the nominal vehicle, in its time.
+    /// The best manoeuvre of the nominal vehicle, at fixed or shortest duration.
     fn nominal(&self, question: &Question, space: Space) -> Result<(Space, Found), Error> {
         let plain;
         let question = match self.design.robust {
@@ -246,7 +247,7 @@ impl<'c> Asked<'c> {
             _ => self.design.evaluations,
         };
         let Some(found) = search(question, &space, &given, part) else {
-            // Why the vehicle cannot fly at all, in the words of the simulation.
+            // Return the error of the simulation if the vehicle cannot fly even at rest.
             let rest = vec![0.0; space.len()];
             if let Some(scenario) = question.scenario(&space, &rest) {
                 question.fly(self.model, scenario)?;
@@ -262,7 +263,8 @@ impl<'c> Asked<'c> {
         match self.design.objective {
             Objective::ShortestTime if found.reached.values.merit() <= -SURE => {
                 let (space, found) = self.shortest(question, space, found);
-                // The best in the longest time need not lie near the best in the shortest: once more, in that time.
+                // The best manoeuvre of the shortest duration may be far from that of the longest: search again at
+                // that duration.
                 let given = [found.reached.x.clone()];
                 let merit = |f: &Found| f.reached.values.merit();
                 match search(question, &space, &given, part) {
@@ -276,8 +278,7 @@ impl<'c> Asked<'c> {
         }
     }
 
-    /// The shortest time in which everything is reached: bracketed, then divided where a straight line in logarithms
-    /// crosses.
+    /// Shortest duration that reaches every wanted sigma: bracketed, then divided by the secant rule in logarithms.
     fn shortest(&self, question: &Question, space: Space, found: Found) -> (Space, Found) {
         let part = self.design.evaluations / (TIME_PARTS * TIMES);
         let (mut best, mut found) = (space, found);
@@ -374,7 +375,7 @@ fn word(objective: Objective) -> &'static str {
     }
 }
 
-/// A duration of whole samples.
+/// Duration rounded up to whole samples.
 fn rounded_up(duration: f64, rate_hz: f64) -> f64 {
     (duration * rate_hz - 1.0e-9).ceil() / rate_hz
 }

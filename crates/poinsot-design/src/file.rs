@@ -1,4 +1,4 @@
-//! A design as `design.json` (`poinsot.design/1`), and as a document made of it.
+//! A design as `design.json` (`poinsot.design/1`) and as a document.
 
 use crate::result::{Designed, Relaxed};
 use crate::text::sentence;
@@ -9,7 +9,7 @@ use poinsot_formats::{
 };
 use poinsot_report::Document;
 
-/// The design as its file.
+/// Converts a design to its file.
 pub fn design_file(designed: &Designed) -> DesignFile {
     let wants = designed.wants.iter().map(|r| DesignedNumberFile {
         name: r.want.name.clone(),
@@ -82,7 +82,7 @@ pub fn design_file(designed: &Designed) -> DesignFile {
     }
 }
 
-/// The design as a document.
+/// Converts a design to a document.
 pub fn design_document(designed: &Designed) -> Document {
     poinsot::design_document(&design_file(designed))
 }

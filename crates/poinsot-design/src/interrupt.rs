@@ -1,22 +1,22 @@
-//! An interruption that ends the search and keeps what it has.
+//! Interruption of a search, which then returns its best result.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
 static LISTENING: AtomicBool = AtomicBool::new(false);
 static REQUESTED: AtomicBool = AtomicBool::new(false);
 
-/// Asks a running search to stop. Gives `false` where none runs, or one was asked already: the caller then ends the
-/// program.
+/// Asks the running search to stop. Returns `false` if no search runs or one was already asked; the caller then ends
+/// the program.
 pub fn request() -> bool {
     LISTENING.load(Ordering::SeqCst) && !REQUESTED.swap(true, Ordering::SeqCst)
 }
 
-/// Whether the search was asked to stop.
+/// Whether an interruption was requested.
 pub(crate) fn is_requested() -> bool {
     REQUESTED.load(Ordering::Relaxed)
 }
 
-/// Listens from here to its end.
+/// While it exists, interruptions are directed to the search.
 pub(crate) struct Listening;
 
 impl Listening {

@@ -1,11 +1,12 @@
-//! The verb `design`: the manoeuvre that tells what you want to know, within limits.
+//! The verb `design`: designs a manoeuvre that reaches wanted sigmas within limits.
 //!
-//! A case says what is wanted (`[[want]]`), what may move (`[design]`) and what no manoeuvre may exceed (`[limits]`). Each
-//! candidate is flown by the nominal vehicle and asked for its Fisher information, as `predict` does; a search over the
-//! free numbers of the manoeuvre (random starts, then sequential quadratic programming) makes the largest ratio of sigma
-//! to wanted sigma as small as the limits allow.
+//! A case holds the wanted sigmas (`[[want]]`), the free motion (`[design]`) and the limits (`[limits]`). Each
+//! candidate is simulated with the nominal vehicle, and its Fisher information is computed as in `predict`. The search
+//! minimises the largest ratio of sigma to wanted sigma over the free numbers, by random starts and sequential
+//! quadratic programming.
 //!
-//! This crate stands on `poinsot`: a design simulates, predicts and identifies, and no verb needs a design.
+//! This crate depends on `poinsot`, because a design simulates, predicts and identifies. No other command needs a
+//! design.
 #![allow(non_snake_case)]
 
 mod design;

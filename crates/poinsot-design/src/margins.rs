@@ -1,4 +1,4 @@
-//! How far a manoeuvre uses its limits, and the margins that the vehicles of the prior need.
+//! Use of the limits by a manoeuvre, and the margins needed by the vehicles of the prior.
 
 use crate::design::{Asked, FEW_STEPS};
 use crate::mover::{Order, Target};
@@ -13,20 +13,20 @@ use poinsot_model::Model;
 use poinsot_solve::Reached;
 use rayon::prelude::*;
 
-/// Vehicles of the prior that must hold the limits that depend on them: where all do, 99 % of the prior does with a
-/// probability of 95 % (`0.99^300 = 0.05`).
+/// Vehicles of the prior that must hold the limits that depend on the vehicle. If all do, 99 % of the prior does with
+/// probability 95 % (`0.99^300 = 0.05`).
 const VEHICLES: u64 = 300;
-/// Rounds in which margins for these vehicles are found.
+/// Largest number of rounds that adjust the margins.
 const MARGIN_ROUNDS: usize = 3;
-/// Shares of a manoeuvre that are tried where a limit is broken by what the search does not resolve.
+/// Factors on a manoeuvre, tried where a limit is exceeded by less than the search resolves.
 const SHARES: [f64; 7] = [1.0, 0.9995, 0.998, 0.995, 0.99, 0.98, 0.95];
-/// By what part of itself a limit may be exceeded: the error of the integration.
+/// Tolerance on a limit, relative: the integration error.
 const HELD: f64 = 1.0e-6;
-/// Streams of random numbers of the vehicles that check margins; those below belong to robust designs.
+/// First random stream of the vehicles that check margins; lower streams belong to robust designs.
 const MARGIN_STREAM: u64 = 1 << 32;
 
 impl Asked<'_> {
-    /// Searches on with margins until the vehicles of the prior hold the limits that depend on them.
+    /// Repeats the search with larger margins until the vehicles of the prior hold the limits.
     pub fn leave_margins(&self, question: &mut Question, space: &Space, reached: &mut Reached) {
         for _ in 0..MARGIN_ROUNDS {
             let Some(excess) = self.excess(question, space, &reached.x) else {
@@ -56,7 +56,7 @@ impl Asked<'_> {
         }
     }
 
-    /// The manoeuvre, or the nearest one on the way from it to rest that holds every limit on the fine grid.
+    /// The manoeuvre, or its largest fraction in [`SHARES`] that holds every limit on the fine grid.
     pub fn held(&self, question: &Question, space: &Space, x: Vec<f64>) -> Result<Vec<f64>, Error> {
         for share in SHARES {
             let nearer: Vec<f64> = x.iter().map(|x| share * x).collect();
@@ -68,8 +68,7 @@ impl Asked<'_> {
         Ok(x)
     }
 
-    /// By how much the motion goes further, for each watched limit, between the rows of a candidate and with the
-    /// vehicles of the prior.
+    /// Excess of each watched limit: between the rows of a candidate, and for the vehicles of the prior.
     fn excess(&self, question: &Question, space: &Space, x: &[f64]) -> Option<Vec<(f64, f64)>> {
         let scenario = question.scenario(space, x)?;
         let worst = |model: &Model| -> Option<Vec<f64>> {
@@ -99,7 +98,8 @@ impl Asked<'_> {
         Some(between.into_iter().zip(most).collect())
     }
 
-    /// Value that comes closest to each watched limit, and how far it is beyond, on a grid finer than the case's rows.
+    /// For each watched limit: the value nearest to it and its relative excess, on a grid finer than the rows of the
+    /// case.
     fn fine(
         &self,
         question: &Question,
@@ -116,7 +116,7 @@ impl Asked<'_> {
         Ok(Some(course.worst(&question.watch)))
     }
 
-    /// How far every limit is used, on a finer grid than the search's.
+    /// Use of every limit, on a finer grid than in the search.
     pub fn uses(
         &self,
         question: &Question,
@@ -132,7 +132,7 @@ impl Asked<'_> {
         }
         if let Some(worst) = self.fine(question, space, x)? {
             let margins = question.watch.watched.iter().zip(&question.prior_margins);
-            // A plume has no value where its thruster never fires.
+            // A plume has no value if its thruster never fires.
             let known = margins
                 .zip(worst)
                 .filter(|(_, (value, _))| value.is_finite());

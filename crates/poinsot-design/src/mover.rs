@@ -1,17 +1,17 @@
-//! One joint or wheel with its free numbers: how they make its motion, and the points whose limits bound it.
+//! One joint or wheel: its motion as a function of its free numbers, and the points at which limits are checked.
 
 use poinsot::case::{Form, Moved};
 use poinsot_dynamics::{Fourier, Jet, JointMotion, PiecewisePolynomial};
 use std::f64::consts::{PI, TAU};
 
-/// Points of a Fourier series for each of its harmonics: its limits lose 0.12 %.
+/// Points per harmonic of a Fourier series; this tightens its limits by 0.12 %.
 const POINTS: usize = 64;
-/// Parts of a cubic piece whose hulls are taken.
+/// Pieces into which a cubic is divided for its Bezier hull.
 const PARTS: usize = 2;
-/// Where a rest-to-rest quintic has its largest acceleration: `s = (3 - sqrt 3) / 6`.
+/// Place of the largest acceleration of a rest-to-rest quintic: `s = (3 - sqrt 3) / 6`.
 const QUINTIC_PEAK: f64 = 0.211_324_865_405_187_1;
 
-/// What a mover moves.
+/// What a mover drives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Target {
     /// Joint coordinate.
@@ -22,7 +22,7 @@ pub enum Target {
     Thruster(usize),
 }
 
-/// What a linear limit is of.
+/// Derivative that a linear limit bounds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Order {
     /// Joint position or wheel speed.
@@ -36,9 +36,9 @@ pub enum Order {
 /// One joint or wheel with its free numbers.
 #[derive(Debug, Clone)]
 pub struct Mover {
-    /// What it moves.
+    /// Joint, wheel or thruster.
     pub target: Target,
-    /// How.
+    /// Form of the motion.
     pub form: Form,
     /// Whether it is a prismatic joint.
     pub slides: bool,
@@ -46,9 +46,9 @@ pub struct Mover {
     pub start: f64,
     /// Index of its first free number.
     pub first: usize,
-    /// What one of each free number is worth, rad, m or rad/s.
+    /// Scale of each free number, rad, m or rad/s.
     pub units: Vec<f64>,
-    /// Lowest and highest value, largest rate and acceleration; infinite without a limit.
+    /// Lowest and highest value, largest rate and acceleration; infinite if unlimited.
     pub bounds: [(f64, f64); 3],
 }
 
@@ -63,7 +63,7 @@ pub enum Command {
     Slews(Vec<f64>, Vec<f64>),
 }
 
-/// Centre of a range; the start where it has only one end.
+/// Centre of a range; the start if one end is infinite.
 pub fn middle((low, high): (f64, f64), start: f64) -> f64 {
     match low.is_finite() && high.is_finite() {
         true => 0.5 * (low + high),
@@ -89,7 +89,7 @@ impl Mover {
         }
         let room = f64::min(high - moved.start, moved.start - low);
         let bound = |w: f64| room.min(bounds[1].1 / w).min(bounds[2].1 / (w * w));
-        // Free numbers of nodes are worth what a slow swing over the duration may reach.
+        // Scale of nodes: the amplitude that one slow swing over the duration can reach.
         let swing = bound(4.0 / duration);
         let form = moved.form;
         let units = match form {
@@ -121,7 +121,7 @@ impl Mover {
         })
     }
 
-    /// The motion of free numbers of this mover.
+    /// The motion that the free numbers give.
     pub fn command(&self, x: &[f64], duration: f64) -> Command {
         let value: Vec<f64> = x.iter().zip(&self.units).map(|(x, u)| x * u).collect();
         let nodes = |count: usize, returns: bool| {
@@ -170,7 +170,7 @@ impl Mover {
         }
     }
 
-    /// Values whose limits bound the whole motion.
+    /// Values whose limits bound the whole motion, with their order.
     pub fn points(&self, command: &Command) -> Vec<(Order, f64)> {
         let mut out = Vec::new();
         match command {
@@ -221,7 +221,7 @@ impl Mover {
         }
     }
 
-    /// Share of a limit that the points may use so that the motion between them holds it.
+    /// Fraction of a limit allowed at the points, so that the motion between them holds it.
     pub fn shrink(&self) -> f64 {
         match self.form {
             Form::Fourier { harmonics, .. } => (PI * harmonics as f64 / self.grid() as f64).cos(),
@@ -229,7 +229,7 @@ impl Mover {
         }
     }
 
-    /// Free numbers nearest to a motion, by least squares at many times.
+    /// Free numbers that approximate a motion best, by least squares over many times.
     pub fn fitted(&self, motion: &JointMotion, duration: f64) -> Option<Vec<f64>> {
         const TIMES: usize = 400;
         let n = self.units.len();
@@ -273,7 +273,7 @@ fn push_jet(out: &mut Vec<(Order, f64)>, jet: &Jet) {
     out.push((Order::Acceleration, jet.acceleration));
 }
 
-/// Bezier points of a cubic with these ends, of its rate and of its acceleration.
+/// Bezier points of a cubic given by its end states, and of its first two derivatives.
 fn hull(out: &mut Vec<(Order, f64)>, from: &Jet, to: &Jet, h: f64) {
     push_jet(out, from);
     push_jet(out, to);
@@ -283,7 +283,7 @@ fn hull(out: &mut Vec<(Order, f64)>, from: &Jet, to: &Jet, h: f64) {
 }
 
 impl Command {
-    /// As motion of a joint.
+    /// The command as motion of a joint.
     pub fn joint(&self) -> Option<JointMotion> {
         match self {
             Self::Fourier(f) => Some(JointMotion::Fourier(f.clone())),
@@ -291,7 +291,7 @@ impl Command {
         }
     }
 
-    /// As polynomials; `None` for a Fourier series.
+    /// The command as polynomials; `None` for a Fourier series.
     pub fn profile(&self) -> Option<PiecewisePolynomial> {
         match self {
             Self::Fourier(_) => None,

@@ -1,4 +1,4 @@
-//! What another limit or time would give: one step where something wanted is not reached, and a front on request.
+//! Effect of a relaxed limit or longer duration, computed if a wanted sigma is not reached, and the front on request.
 
 use crate::design::{Asked, FEW_STEPS};
 use crate::result::{LimitUse, Relaxed};
@@ -7,13 +7,13 @@ use crate::shape::Space;
 use poinsot::Error;
 use poinsot::case::{Design, Limits, Objective};
 
-/// Factor on a limit that is relaxed.
+/// Factor on a relaxed limit.
 const RELAXED: f64 = 1.25;
-/// Factors on the limit of a front, outwards from the limit of the case on both sides.
+/// Factors on the limit of a front, starting next to the case's limit on each side.
 const FRONT: [&[f64]; 2] = [&[0.8, 0.65, 0.5], &[1.25, 1.5, 2.0]];
 
 impl Asked<'_> {
-    /// What each kind of active limit would give if it were relaxed, and a longer time.
+    /// Largest ratio with each kind of active limit relaxed, and with a longer duration.
     pub fn relaxed(&self, space: &Space, x: &[f64], uses: &[LimitUse]) -> Vec<Relaxed> {
         let is_active = |group: &&Group| {
             let own = |u: &LimitUse| group.starts.iter().any(|start| u.what.starts_with(start));
@@ -26,7 +26,7 @@ impl Asked<'_> {
     /// The group of limits of a front.
     ///
     /// # Errors
-    /// There is none of this name.
+    /// No group has this name.
     pub fn group(what: &str) -> Result<&'static Group, Error> {
         let found = GROUPS.iter().find(|g| g.words.replace(' ', "-") == what);
         found.ok_or_else(|| {
@@ -39,8 +39,7 @@ impl Asked<'_> {
         })
     }
 
-    /// The largest ratio with one kind of limit tighter and looser than in the case: each point is searched from its
-    /// neighbour.
+    /// Largest ratio with one kind of limit tighter and looser than in the case. Each point starts from its neighbour.
     pub fn front(&self, group: &Group, space: &Space, x: &[f64], ratio: f64) -> Vec<Relaxed> {
         let mut all = vec![Relaxed {
             what: group.words.to_owned(),
@@ -61,7 +60,7 @@ impl Asked<'_> {
         all
     }
 
-    /// What a limit gives with a factor, and the free numbers of the manoeuvre; `None` where no manoeuvre holds it.
+    /// Largest ratio with a limit scaled by a factor, and the free numbers; `None` if no manoeuvre holds the limits.
     fn with(
         &self,
         group: &Group,
@@ -92,13 +91,13 @@ impl Asked<'_> {
     }
 }
 
-/// How far a limit may be broken by a manoeuvre that is only compared: the search is ended early.
+/// Allowed violation of a limit in a comparison, because its search stops early.
 const BROKEN: f64 = 0.01;
 
 /// Limits that are relaxed together.
 pub(crate) struct Group {
     words: &'static str,
-    /// How the names of their uses start; the duration has none.
+    /// Prefixes of the names of their uses; none for the duration.
     starts: &'static [&'static str],
     relax: fn(&mut Limits, f64),
 }

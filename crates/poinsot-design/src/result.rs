@@ -1,4 +1,4 @@
-//! What a design gives.
+//! Result of a design.
 
 use crate::mover::Command;
 use poinsot::case::Want;
@@ -7,14 +7,14 @@ use poinsot::trials::Band;
 use poinsot_dynamics::Firing;
 use poinsot_model::Model;
 
-/// One wanted number and what the manoeuvre gives of it.
+/// One wanted number and its predicted sigma.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reach {
-    /// What is wanted.
+    /// Wanted number.
     pub want: Want,
-    /// Predicted sigma; `None` where the manoeuvre does not show the number.
+    /// Predicted sigma; `None` if the manoeuvre does not determine the number.
     pub sigma: Option<f64>,
-    /// Predicted sigma of the manoeuvre that the case itself holds, where it holds one.
+    /// Predicted sigma of the manoeuvre in the case itself, if it has one.
     pub reference: Option<f64>,
 }
 
@@ -25,10 +25,10 @@ impl Reach {
     }
 }
 
-/// How far one limit is used.
+/// Use of one limit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LimitUse {
-    /// What is limited.
+    /// Limited quantity.
     pub what: String,
     /// Unit.
     pub unit: &'static str,
@@ -36,102 +36,102 @@ pub struct LimitUse {
     pub value: f64,
     /// The limit.
     pub limit: f64,
-    /// Room as a share of the limit; negative where it is broken.
+    /// Margin relative to the limit; negative if the limit is exceeded.
     pub margin: f64,
 }
 
-/// Room below which a limit counts as active.
+/// Margin below which a limit counts as active.
 pub const ACTIVE: f64 = 0.01;
 
 impl LimitUse {
-    /// Whether the limit holds the manoeuvre back.
+    /// Whether the limit is active.
     pub fn is_active(&self) -> bool {
         self.margin < ACTIVE
     }
 }
 
-/// What one limit relaxed would give.
+/// Effect of one relaxed limit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Relaxed {
-    /// Which limits.
+    /// Kind of limit.
     pub what: String,
     /// Factor on the limit.
     pub factor: f64,
-    /// Largest ratio then.
+    /// Largest ratio with it.
     pub ratio: f64,
 }
 
-/// One wanted number over all flights.
+/// One wanted number over all trial flights.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VerifiedNumber {
-    /// What is wanted.
+    /// Name of the wanted number.
     pub name: String,
-    /// Root mean square of error over the predicted sigma of that flight.
+    /// RMS of the error over the sigma predicted for that flight.
     pub rms_ratio: f64,
-    /// Its 99.9 % band.
+    /// 99.9 % band of that RMS.
     pub band: Band,
-    /// Flights that determined it.
+    /// Number of flights that determined it.
     pub flights: u64,
 }
 
-/// What trial flights show.
+/// Result of the trial flights.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Verification {
-    /// Flights.
+    /// Number of flights.
     pub flights: u64,
-    /// Flights without an answer to everything that is wanted, and why.
+    /// Flights that did not determine all wanted numbers, with the reason.
     pub failed: Vec<String>,
-    /// In the order of what is wanted.
+    /// In the order of the wanted numbers.
     pub numbers: Vec<VerifiedNumber>,
-    /// Flights in which a limit was broken.
+    /// Number of flights that exceeded a limit.
     pub limits_broken: u64,
 }
 
 impl Verification {
-    /// Whether every ratio lies in its band, no flight failed, and at most one in a hundred broke a limit.
+    /// Whether every ratio lies in its band, no flight failed, and at most 1 % exceeded a limit.
     pub fn agrees(&self) -> bool {
         let held = self.numbers.iter().all(|n| n.band.holds(n.rms_ratio));
-        // Margins are for 99 % of the prior.
+        // Margins cover 99 % of the prior.
         held && self.failed.is_empty() && 100 * self.limits_broken <= self.flights
     }
 }
 
-/// The manoeuvre with what it gives.
+/// A designed manoeuvre with its results.
 #[derive(Debug, Clone)]
 pub struct Designed {
     /// The vehicle.
     pub model: Model,
     /// Path of the case.
     pub case: String,
-    /// The case as a file that flies the manoeuvre, with its model at `model.toml` beside it.
+    /// Case file that flies the manoeuvre, with its model in `model.toml` beside it.
     pub manoeuvre: String,
-    /// Name of every mover with its command.
+    /// Command of every mover, with its name.
     pub commands: Vec<(String, Command)>,
-    /// Name of the thruster of every designed firing, with the firing.
+    /// Designed firings, with the name of the thruster.
     pub firings: Vec<(String, Firing)>,
     /// Duration of the manoeuvre, s.
     pub duration_s: f64,
-    /// Word for what was minimised.
+    /// Name of the objective.
     pub objective: &'static str,
-    /// What is wanted.
+    /// Wanted numbers with their predicted sigmas.
     pub wants: Vec<Reach>,
-    /// How far every limit is used.
+    /// Use of every limit.
     pub limits: Vec<LimitUse>,
-    /// What relaxed limits would give, where something is not reached.
+    /// Effect of relaxed limits, if a wanted sigma is not reached.
     pub relaxed: Vec<Relaxed>,
-    /// What one kind of limit, tighter and looser, would give; empty where nobody asked.
+    /// The front of one kind of limit; empty if not requested.
     pub front: Vec<Relaxed>,
-    /// Sigmas of what is wanted with the record ended earlier.
+    /// Sigmas of the wanted numbers for shorter records.
     pub against_duration: Vec<Ended>,
-    /// Evaluations of manoeuvres.
+    /// Number of manoeuvres evaluated.
     pub evaluations: usize,
-    /// Logarithm of the largest ratio at the end of every start.
+    /// Logarithm of the largest ratio for every start.
     pub starts: Vec<f64>,
-    /// Whether no step of the search promised more than its tolerance.
+    /// Whether the predicted improvement of the last step was below the tolerance.
     pub settled: bool,
-    /// Conditional value at risk of the logarithm of the largest ratio, of a robust design.
+    /// Conditional value at risk of the logarithm of the largest ratio, for a robust design.
     pub robust: Option<f64>,
-    /// Trial flights, where they were asked for.
+    /// Trial flights, if requested.
     pub verification: Option<Verification>,
 }
 
@@ -149,22 +149,22 @@ impl Designed {
         self.wants.iter().map(Reach::ratio).fold(0.0, f64::max)
     }
 
-    /// Whether every wanted sigma is reached and no limit is broken.
+    /// Whether every wanted sigma is reached and no limit is exceeded.
     pub fn is_reached(&self) -> bool {
         self.worst_ratio() <= 1.0 + ROUNDED && self.broken().next().is_none()
     }
 
-    /// Limits that are broken.
+    /// Exceeded limits.
     pub fn broken(&self) -> impl Iterator<Item = &LimitUse> {
         self.limits.iter().filter(|l| l.margin < -ROUNDED)
     }
 
-    /// Whether everything wanted is reached and trial flights agree.
+    /// Whether every wanted sigma is reached and the trial flights agree.
     pub fn passes(&self) -> bool {
         let agrees = self.verification.as_ref().is_none_or(Verification::agrees);
         self.is_reached() && agrees
     }
 }
 
-/// What the loose integration of the search may change.
+/// Relative change allowed for the loose integration of the search.
 const ROUNDED: f64 = 1.0e-4;

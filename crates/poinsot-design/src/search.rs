@@ -1,4 +1,4 @@
-//! From random manoeuvres to the best one: many starts, a few steps each, then all steps for the most promising.
+//! Multistart search: many random manoeuvres, a few steps each, then all steps for the best.
 
 use crate::shape::Space;
 use crate::trial::{Program, Question};
@@ -10,13 +10,13 @@ use rayon::prelude::*;
 
 /// Random manoeuvres for each start of the search.
 const RANDOM: usize = 24;
-/// Steps before the worse half of the starts is left out.
+/// Steps before the worse half of the starts is dropped.
 const FIRST_STEPS: usize = 4;
-/// Steps of the one that is followed to its end.
+/// Steps of the last remaining start.
 const LAST_STEPS: usize = 60;
-/// Share of the limits that random manoeuvres use.
+/// Fraction of the limits that random manoeuvres use.
 const STRETCH: f64 = 0.97;
-/// A step that lowers the logarithm of the ratio by less ends the search: a tenth of a percent.
+/// The search stops when a step lowers the logarithm of the ratio by less (0.1 %).
 const TOLERANCE: f64 = 1.0e-3;
 /// First trust region, in free numbers.
 const DELTA: f64 = 0.3;
@@ -26,12 +26,12 @@ const DELTA: f64 = 0.3;
 pub struct Found {
     /// Free numbers and their values.
     pub reached: Reached,
-    /// The worst objective of every start after its first steps, from the best of each round.
+    /// Objective of every start after its first steps, best first in each round.
     pub starts: Vec<f64>,
 }
 
-/// Searches the whole space; `given` are manoeuvres to start from beside random ones. What is left of the evaluations when
-/// one search has settled goes into the next one, from other random manoeuvres.
+/// Searches the whole space from the manoeuvres `given` and random ones. Remaining evaluations go to further rounds
+/// with new random manoeuvres.
 pub fn search(
     question: &Question,
     space: &Space,
@@ -61,8 +61,7 @@ pub fn search(
     }
 }
 
-/// Random manoeuvres, a few steps from the best of them, half of those left out, and so on until one is left: that one is
-/// followed to its end.
+/// One round: a few steps from each of the best random manoeuvres, the worse half dropped, until one is left.
 fn round(
     program: &Program,
     rng: &mut ChaCha8Rng,
@@ -98,7 +97,7 @@ fn round(
     Some(Found { reached, starts })
 }
 
-/// Searches from the best of many random manoeuvres; what the case itself holds is always among them.
+/// Starting points: the best of many random manoeuvres, and always those given.
 fn begun(
     program: &Program,
     rng: &mut ChaCha8Rng,
@@ -125,7 +124,7 @@ fn begun(
     all.into_iter().map(|(_, s)| s).take(wanted).collect()
 }
 
-/// Goes on from one manoeuvre in a space that is a little different.
+/// Continues from one manoeuvre in a slightly changed space.
 pub fn refine(
     question: &Question,
     space: &Space,
@@ -151,7 +150,7 @@ fn options(evaluations: usize, steps: usize) -> MinimaxOptions {
     }
 }
 
-/// Part by part, so that an interruption keeps what is done.
+/// Evaluates in chunks, so that an interruption keeps the completed ones.
 fn in_parts(program: &Program, pool: &[Vec<f64>]) -> Vec<Option<Values>> {
     pool.chunks(16)
         .flat_map(|part| program.values(part))

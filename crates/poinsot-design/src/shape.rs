@@ -1,9 +1,9 @@
-//! The free numbers of a manoeuvre: how they make motions of joints and wheels, and the linear limits on them.
+//! The free numbers of a manoeuvre: the motions of joints and wheels that they give, and their linear limits.
 //!
-//! Every form is linear in its free numbers, so every limit of a commanded position, rate or acceleration is linear too.
-//! Limits hold between points as well: a cubic lies in the hull of its Bezier points, a rest-to-rest quintic has its
-//! peaks at known times, and a trigonometric polynomial of degree K is at most `1 / cos(pi K / N)` times its largest
-//! value at N equidistant points (Ehlich and Zeller 1964).
+//! Every form is linear in its free numbers, so every limit of a commanded position, rate or acceleration is linear
+//! too. Limits hold between points as well. A cubic lies in the hull of its Bezier points, and a rest-to-rest quintic
+//! has its peaks at known times. A trigonometric polynomial of degree K is at most `1 / cos(pi K / N)` times its
+//! largest value at N equidistant points (Ehlich and Zeller 1964).
 
 use crate::mover::{Command, Mover, Order, Target, middle};
 use crate::valves::Valves;
@@ -11,35 +11,35 @@ use poinsot::case::{Design, Limits, Scenario};
 use poinsot_dynamics::{JointDrive, JointMotion, WheelMotion};
 use poinsot_solve::{Polytope, Side};
 
-/// Largest share of a linear limit that a manoeuvre uses.
+/// Largest use of a linear limit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Use {
     /// Index of the mover.
     pub mover: usize,
-    /// Of what.
+    /// Limited derivative.
     pub order: Order,
-    /// Value that comes closest to its limit.
+    /// Value nearest to its limit.
     pub value: f64,
-    /// That limit.
+    /// The limit.
     pub limit: f64,
 }
 
-/// All free numbers of a manoeuvre of a duration.
+/// All free numbers of a manoeuvre of fixed duration.
 #[derive(Debug, Clone)]
 pub struct Space {
     /// Duration, s.
     pub duration: f64,
     /// Joints, then wheels.
     pub movers: Vec<Mover>,
-    /// Thrusters; their free numbers follow those of the movers.
+    /// Thrusters; their free numbers follow those of the joints and wheels.
     pub valves: Valves,
     /// Limits on the free numbers.
     pub polytope: Polytope,
-    /// What each of the first sides is of; those of the valves follow.
+    /// Meaning of each of the first sides; those of the thrusters follow.
     of_side: Vec<SideOf>,
 }
 
-/// What a side of the polytope is of: the commanded value is `scale` times the side and `offset`.
+/// Meaning of a side of the polytope: commanded value = `scale` times the side plus `offset`.
 #[derive(Debug, Clone, Copy)]
 struct SideOf {
     mover: usize,
@@ -49,8 +49,7 @@ struct SideOf {
 }
 
 impl Space {
-    /// The free numbers of a design. A mover that no limit bounds, or that starts outside its limits, is an error in
-    /// words.
+    /// Creates the free numbers of a design. An error names a mover that is unbounded or starts outside its limits.
     pub fn new(design: &Design, limits: &Limits, duration: f64) -> Result<Self, (Target, String)> {
         let mut movers = Vec::new();
         let mut first = 0;
@@ -84,7 +83,7 @@ impl Space {
         Ok(space)
     }
 
-    /// How many numbers are free.
+    /// Number of free numbers.
     pub fn len(&self) -> usize {
         self.movers.iter().map(|m| m.units.len()).sum::<usize>() + self.valves.len()
     }
@@ -95,14 +94,14 @@ impl Space {
         self.movers.iter().map(of).collect()
     }
 
-    /// Puts the motions into a scenario.
+    /// Writes the motions into a scenario.
     pub fn place(&self, x: &[f64], scenario: &mut Scenario) -> Option<()> {
         let plan = &mut scenario.plan;
         for (mover, command) in self.movers.iter().zip(self.commands(x)) {
             match mover.target {
                 Target::Joint(k) => {
                     let motion = command.joint()?;
-                    // Where torques move other joints, the driven plan is what is flown.
+                    // If joint torques also move other joints, the motion is in the driven plan.
                     if let Some(driven) = &mut scenario.driven {
                         *driven.joints.get_mut(k)? = JointDrive::Motion(motion.clone());
                     }
@@ -123,7 +122,7 @@ impl Space {
         Some(())
     }
 
-    /// The uses of all linear limits, the largest of each mover and order.
+    /// Use of all linear limits: the largest for each mover and order.
     pub fn uses(&self, x: &[f64]) -> Vec<Use> {
         let mut all: Vec<Use> = Vec::new();
         for (side, of) in self.polytope.sides.iter().zip(&self.of_side) {
@@ -151,8 +150,7 @@ impl Space {
         all
     }
 
-    /// The free numbers whose commands come closest to given motions, and drawn towards rest until they are within
-    /// the limits.
+    /// Free numbers whose commands approximate given motions, scaled towards rest until within the limits.
     pub fn nearest(&self, scenario: &Scenario) -> Vec<f64> {
         let mut x = vec![0.0; self.len()];
         for mover in &self.movers {
@@ -172,24 +170,26 @@ impl Space {
         self.drawn_inside(x)
     }
 
-    /// Free numbers that are stretched together: those of each mover, lengths and begins of the firings of each thruster.
+    /// Blocks of free numbers scaled together: those of each mover, and durations and starts of the firings of each
+    /// thruster.
     fn blocks(&self) -> Vec<Vec<usize>> {
         let of = |m: &Mover| (m.first..m.first + m.units.len()).collect();
         let movers = self.movers.iter().map(of);
         movers.chain(self.valves.blocks()).collect()
     }
 
-    /// The point itself, or the part of the way from rest to it that lies within the limits; each block for itself.
+    /// The point, or the largest fraction of it within the limits, block by block.
     pub fn drawn_inside(&self, x: Vec<f64>) -> Vec<f64> {
         self.scaled(&x, |reach| reach.min(1.0))
     }
 
-    /// The direction stretched until each block, by itself, uses `share` of its limits.
+    /// Scales the direction until each block uses `share` of its limits.
     pub fn stretched(&self, direction: &[f64], share: f64) -> Vec<f64> {
         self.scaled(direction, |reach| share * reach)
     }
 
-    /// The direction with each block scaled by what `factor` makes of how far it may go beside the blocks before it.
+    /// Scales each block by `factor(reach)`, where `reach` is the largest factor within the limits, given the earlier
+    /// blocks.
     fn scaled(&self, direction: &[f64], factor: impl Fn(f64) -> f64) -> Vec<f64> {
         let mut x = vec![0.0; direction.len()];
         let mut own = x.clone();
@@ -276,8 +276,8 @@ mod tests {
         space
     }
 
-    /// Motions stretched to their limits, sampled a hundred times as densely: no limit is broken anywhere, and the
-    /// hull gives away little.
+    /// Motions scaled to their limits and sampled 100 times as densely hold every limit, and the hull is not much too
+    /// tight.
     #[test]
     fn prop_limits_hold_between_the_points_for_every_form() {
         let both = |x: f64| (-x, x);

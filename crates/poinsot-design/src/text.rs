@@ -3,7 +3,7 @@
 use crate::result::Designed;
 use poinsot_report::significant;
 
-/// The answer in one sentence.
+/// The result in one sentence.
 pub(crate) fn sentence(designed: &Designed) -> String {
     let seconds = significant(designed.duration_s, 4);
     let of = format!(

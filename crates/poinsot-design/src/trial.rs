@@ -1,4 +1,4 @@
-//! One candidate manoeuvre: flown by the nominal vehicle, or by vehicles of the prior; its information and its limits.
+//! One candidate manoeuvre, flown by the nominal vehicle or by vehicles of the prior: its information and limits.
 
 use crate::shape::Space;
 use crate::vehicles::drawn;
@@ -16,52 +16,52 @@ use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
-/// Integration error of candidates: far below what moves a sigma.
+/// Integration tolerance of candidates; its effect on sigmas is negligible.
 const TOLERANCE: f64 = 1.0e-8;
-/// Rows of a candidate for each cycle of its fastest free motion, and at least: the others repeat what these say.
+/// Rows of a candidate per cycle of its fastest free motion, and the fewest rows. More rows add little information.
 const ROWS_A_CYCLE: f64 = 20.0;
 const LEAST_ROWS: f64 = 75.0;
-/// Vehicles of the prior that a robust design looks at.
+/// Number of vehicles of the prior in a robust design.
 const SCENARIOS: u64 = 64;
-/// Share of the worst scenarios whose mean a robust design minimises.
+/// Fraction of the worst scenarios whose mean a robust design minimises.
 const TAIL: f64 = 0.1;
 
-/// What a manoeuvre is judged by.
+/// The design problem by which a manoeuvre is evaluated.
 pub struct Question {
-    /// The case with a loose tolerance.
+    /// The case, with a loose integration tolerance.
     pub case: Case,
-    /// The vehicle at its nominal numbers.
+    /// The nominal vehicle.
     pub model: Model,
-    /// The case bound to it, with the motions that are not designed.
+    /// The scenario of the case, with the motions that are not designed.
     pub scenario: Scenario,
-    /// What is wanted.
+    /// Wanted numbers.
     pub wants: Vec<Want>,
-    /// What may move, and the objective.
+    /// Free motion and objective.
     pub design: Design,
     /// Limits on the motion.
     pub watch: Watch,
-    /// Added to how far each watched limit is broken: the margin for the vehicles of the prior.
+    /// Margin added to the excess of each watched limit.
     pub margins: Vec<f64>,
-    /// The part of it that the vehicles of the prior need; the rest is for what lies between the rows.
+    /// Part of the margin for the vehicles of the prior; the rest covers values between rows.
     pub prior_margins: Vec<f64>,
     /// Vehicles of a robust design; empty otherwise.
     vehicles: Vec<Model>,
-    /// When to stop.
+    /// Time at which the search stops.
     pub deadline: Option<Instant>,
-    /// Evaluations so far.
+    /// Number of evaluations so far.
     pub evaluations: AtomicUsize,
 }
 
-/// What one flight shows.
+/// Result of one flight.
 pub struct Flight {
-    /// Covariance of what is wanted.
+    /// Covariance of the wanted numbers.
     pub covariance: DMatrix<f64>,
-    /// Course of the watched values.
+    /// History of the watched values.
     pub course: Course,
 }
 
 impl Question {
-    /// The question of a case; `deadline` ends the search.
+    /// Creates the design problem of a case; `deadline` ends the search.
     pub fn new(
         case: &Case,
         model: Model,
@@ -95,7 +95,7 @@ impl Question {
         })
     }
 
-    /// The scenario of free numbers.
+    /// The scenario with these free numbers.
     pub fn scenario(&self, space: &Space, x: &[f64]) -> Option<Scenario> {
         let mut scenario = self.scenario.clone();
         let mut case = self.case.clone();
@@ -106,13 +106,13 @@ impl Question {
         Some(scenario)
     }
 
-    /// Flies a scenario with a vehicle and asks what it tells.
+    /// Simulates a scenario with a vehicle and computes the covariance.
     ///
     /// # Errors
-    /// The motion cannot be computed, or a sensor that is needed is missing.
+    /// The motion cannot be computed, or a required sensor is missing.
     pub fn fly(&self, model: &Model, scenario: Scenario) -> Result<Flight, Error> {
         let mut course = Course::default();
-        // Every row stands for as many of the case.
+        // Each row has the weight of the rows of the case that it replaces.
         let step = match scenario.times.as_slice() {
             [first, second, ..] => second - first,
             _ => 1.0 / self.case.rate_hz,
@@ -144,7 +144,7 @@ impl Question {
         })
     }
 
-    /// The watched values alone, with the torques of the joint motors.
+    /// Simulates the watched values only, with joint motor torques.
     ///
     /// # Errors
     /// The motion cannot be computed.
@@ -178,7 +178,7 @@ impl Question {
         (0..self.wants.len()).map(of).collect()
     }
 
-    /// Values of the minimax program at free numbers.
+    /// Objectives and limits of the minimax program at these free numbers.
     pub fn values(&self, space: &Space, x: &[f64]) -> Option<Values> {
         self.evaluations.fetch_add(1, Ordering::Relaxed);
         let scenario = self.scenario(space, x)?;
@@ -202,8 +202,8 @@ impl Question {
     }
 }
 
-/// How many rows of the case each row of a candidate stands for. Noise with a memory says more in few rows than a row
-/// alone: there all rows are used.
+/// Number of rows of the case per row of a candidate. All rows are used with correlated noise, where the information
+/// does not scale with the number of rows.
 fn thinned(case: &Case, model: &Model, design: &Design) -> f64 {
     let remembers = model.sensors.iter().any(|s| s.correlation_s > 0.0);
     if remembers || model.environment.random_torque.is_some() {
@@ -224,7 +224,7 @@ fn thinned(case: &Case, model: &Model, design: &Design) -> f64 {
     (case.duration_s * case.rate_hz / rows).floor().max(1.0)
 }
 
-/// Mean of the worst share: the conditional value at risk (Rockafellar and Uryasev 2000).
+/// Mean of the worst fraction: conditional value at risk (Rockafellar and Uryasev 2000).
 pub fn tail_mean(mut all: Vec<f64>) -> f64 {
     all.sort_by(|a, b| b.total_cmp(a));
     let share = TAIL * all.len() as f64;
@@ -234,9 +234,9 @@ pub fn tail_mean(mut all: Vec<f64>) -> f64 {
     (sum + part * all.get(whole).copied().unwrap_or(0.0)) / share.max(f64::MIN_POSITIVE)
 }
 
-/// The question in one space of free numbers.
+/// The design problem in one space of free numbers.
 pub struct Program<'q> {
-    /// What is asked.
+    /// Design problem.
     pub question: &'q Question,
     /// The free numbers.
     pub space: &'q Space,

@@ -1,7 +1,7 @@
-//! Firings whose times are free: when each thruster switches on and off.
+//! Firings with free switch-on time and duration.
 //!
-//! Both times are linear in the free numbers, so the order of the firings of one thruster, their shortest length, the pause
-//! between them and the impulse are linear limits. Which thruster fires first stays free.
+//! Both times are linear in the free numbers. Order, shortest duration, pause and impulse of the firings of one
+//! thruster are therefore linear limits. The order between thrusters is free.
 
 use crate::mover::Target;
 use crate::result::LimitUse;
@@ -9,9 +9,10 @@ use poinsot::case::{Design, Fired, ImpulseLimit, Limits, ThrusterLimit};
 use poinsot_dynamics::Firing;
 use poinsot_solve::Side;
 
-/// Where firings begin before the search, between the shortest and the longest that fit: short ones keep the body slow.
+/// Duration of firings before the search, as a fraction between the shortest and longest allowed: short firings keep
+/// rates low.
 const REST: f64 = 0.25;
-/// Free numbers of one firing: when it begins, and how long it is.
+/// Free numbers of one firing: start and duration.
 const EACH: usize = 2;
 
 /// One thruster with the free numbers of its firings.
@@ -21,15 +22,15 @@ pub struct Valve {
     limit: ThrusterLimit,
     /// Index of its first free number.
     first: usize,
-    /// Begin of every firing at rest, s.
+    /// Start of every firing at zero free numbers, s.
     on: Vec<f64>,
-    /// Length of every firing at rest, s.
+    /// Duration of every firing at zero free numbers, s.
     length: f64,
-    /// What one of the two free numbers of a firing is worth, s.
+    /// Scale of the two free numbers of a firing, s.
     units: [f64; EACH],
 }
 
-/// All thrusters that a design fires.
+/// All thrusters of a design.
 #[derive(Debug, Clone, Default)]
 pub struct Valves {
     list: Vec<Valve>,
@@ -37,7 +38,7 @@ pub struct Valves {
 }
 
 impl Valves {
-    /// Firings at equal distances, a part of their longest length each; free numbers from `first` on.
+    /// Equally spaced firings with a fraction of their longest duration; free numbers start at `first`.
     pub fn new(
         design: &Design,
         limits: &Limits,
@@ -75,22 +76,22 @@ impl Valves {
         })
     }
 
-    /// How many numbers are free.
+    /// Number of free numbers.
     pub fn len(&self) -> usize {
         self.list.iter().map(|v| EACH * v.fired.firings).sum()
     }
 
-    /// Whether this design times the firings of a thruster.
+    /// Whether the design times the firings of this thruster.
     pub fn times(&self, thruster: usize) -> bool {
         self.list.iter().any(|v| v.fired.index == thruster)
     }
 
-    /// The firings of free numbers.
+    /// The firings that the free numbers give.
     pub fn firings(&self, x: &[f64]) -> Vec<Firing> {
         self.list.iter().flat_map(|v| v.firings(x)).collect()
     }
 
-    /// Free numbers that are stretched together: the lengths of each thruster, then its begins.
+    /// Blocks of free numbers scaled together: for each thruster the durations, then the starts.
     pub fn blocks(&self) -> Vec<Vec<usize>> {
         let of = |v: &Valve, part: usize| (0..v.fired.firings).map(|k| v.at(k, part)).collect();
         let lengths = self.list.iter().map(|v| of(v, 1));
@@ -119,7 +120,7 @@ impl Valves {
         sides
     }
 
-    /// Puts the free numbers of given firings where a thruster has as many as it may fire.
+    /// Sets the free numbers to given firings, for thrusters with the declared number of firings.
     pub fn take(&self, given: &[Firing], x: &mut [f64]) {
         for v in &self.list {
             let mut own: Vec<&Firing> = given
@@ -137,7 +138,7 @@ impl Valves {
         }
     }
 
-    /// How far firings use their limits; `name` gives that of a thruster.
+    /// Use of the limits by the firings; `name` maps a thruster to its name.
     pub fn uses<'n>(&self, x: &[f64], name: impl Fn(usize) -> &'n str) -> Vec<LimitUse> {
         let mut all = Vec::new();
         for v in &self.list {
@@ -184,7 +185,7 @@ impl Valves {
 }
 
 impl Valve {
-    /// Index of a free number of a firing: 0 its begin, 1 its length.
+    /// Index of a free number of a firing: part 0 is its start, part 1 its duration.
     fn at(&self, firing: usize, part: usize) -> usize {
         self.first + EACH * firing + part
     }
@@ -202,7 +203,7 @@ impl Valve {
         (0..self.fired.firings).map(of).collect()
     }
 
-    /// Within the time, in order with pauses, none too short; in parts of the unit of a begin.
+    /// Limits: within the record, ordered with pauses, none too short; in units of a start.
     fn sides(&self, duration: f64) -> Vec<Side> {
         let last = self.fired.firings - 1;
         let [slot, grow] = self.units;
@@ -237,7 +238,7 @@ impl Valve {
     }
 }
 
-/// The length of every firing that uses up the smallest budget of a thruster.
+/// Duration of each firing that exhausts the smallest budget of a thruster.
 fn longest_affordable(thruster: usize, design: &Design, limits: &Limits) -> f64 {
     let of = |limit: &ImpulseLimit| {
         let own = design.thrusters.iter().filter(|f| limit.holds(f.index));
@@ -293,8 +294,8 @@ mod tests {
         }
     }
 
-    /// Random numbers stretched until a side is met: firings in order, long enough, apart, and within the budget, and
-    /// each of these limits is met by some.
+    /// Random numbers scaled to the limits: firings are ordered, long enough, separated and within budget. Each limit
+    /// is reached by some.
     #[test]
     fn prop_firings_inside_the_sides_hold_every_limit() {
         let valves = two_thrusters();
@@ -332,7 +333,7 @@ mod tests {
             least.iter().all(|l| *l > -1.0e-9),
             "a limit is broken: {least:?}"
         );
-        // Random firings come close to every limit of a valve; all of the impulse is spent by long ones alone.
+        // Random firings approach every limit of a thruster; only long ones use the whole impulse.
         assert!(
             least[..3].iter().all(|l| *l < 0.5) && least[3] < 5.0,
             "no firing comes near a limit: {least:?}"

@@ -8,10 +8,10 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// Draws of one body until it is physical, before the nominal body is taken.
+/// Draws of one body before the nominal body is used instead of an unphysical one.
 const DRAWS: usize = 1000;
 
-/// Whether any mass property that is estimated has a prior: without one every draw is the nominal vehicle.
+/// Whether any estimated mass property has a prior; otherwise every draw is the nominal vehicle.
 pub fn has_prior(model: &Model) -> bool {
     let bodies = model.bodies.iter();
     bodies
@@ -19,7 +19,7 @@ pub fn has_prior(model: &Model) -> bool {
         .any(|b| b.prior.is_some())
 }
 
-/// The vehicle of a number: the same bits for equal seed and number.
+/// Vehicle number `number` of a seed; the result is deterministic.
 pub fn drawn(model: &Model, seed: u64, number: u64) -> Model {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     rng.set_stream(number);
@@ -56,7 +56,7 @@ pub fn drawn(model: &Model, seed: u64, number: u64) -> Model {
     vehicle
 }
 
-/// Positive mass and moments that some distribution of positive mass has.
+/// Positive mass, and principal moments that a mass distribution can have.
 fn is_physical(body: &MassProperties) -> bool {
     let moments = |I: Matrix3| SymmetricEigen::new(I).eigenvalues;
     body.mass > 0.0 && body.check_physical(0.0).is_ok() && moments(body.I_BBcm_B).min() > 0.0

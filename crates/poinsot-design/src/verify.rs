@@ -1,5 +1,5 @@
-//! Trial flights of a designed manoeuvre: a vehicle of the prior and sensor noise of its own each time, identified from
-//! the nominal numbers, and its error beside the sigma that was predicted for it.
+//! Trial flights of a designed manoeuvre. Each has a vehicle of the prior and new sensor noise; its error is compared
+//! with the predicted sigma.
 
 use crate::result::{Designed, Verification, VerifiedNumber};
 use crate::trial::Question;
@@ -14,15 +14,15 @@ use poinsot_identify::Estimate;
 use poinsot_model::Model;
 use rayon::prelude::*;
 
-/// Streams of the vehicles of trial flights.
+/// First random stream of trial flights.
 const FLIGHT_STREAM: u64 = 1 << 33;
-/// How far a limit may be exceeded by round-off.
+/// Tolerance on a limit, relative: round-off.
 const ROUNDED: f64 = 2.0e-6;
 
-/// One flight: error over predicted sigma of everything that is wanted, and whether a limit was broken.
+/// One flight: error over predicted sigma of every wanted number, and whether a limit was exceeded.
 type Outcome = Result<(Vec<f64>, bool), String>;
 
-/// Flies a manoeuvre many times.
+/// Runs the trial flights of a manoeuvre.
 ///
 /// # Errors
 /// The case does not fit its model.
@@ -87,7 +87,7 @@ fn flight(case: &Case, model: &Model, question: &Question, wants: &[&Want], k: u
     Ok((ratios?, worst.iter().any(|w| w.1 > ROUNDED)))
 }
 
-/// The prior says how vehicles differ; it is no measurement of this one.
+/// Removes priors: they describe the population of vehicles, not this vehicle.
 fn without_priors(model: &Model) -> Model {
     let mut model = model.clone();
     model.bodies.iter_mut().for_each(|b| b.prior = None);

@@ -1,19 +1,19 @@
-//! Limits that only the motion of the vehicle shows: body rate, torques, pointing, distances.
+//! Limits that need a simulation of the vehicle: body rate, torques, pointing, distances.
 //!
-//! Between two samples a value may rise above both by an eighth of its second difference; that much is added.
+//! One eighth of the second difference is added to each value: the most by which it can rise between samples.
 
 use poinsot::case::{Capsule, Case, Limits, ThrusterLimit};
 use poinsot_dynamics::MotionSample;
 use poinsot_model::Model;
 use poinsot_spatial::Vector3;
 
-/// Parts of the manoeuvre whose largest values are limited one by one: the search sees where a limit is broken.
+/// Parts of the manoeuvre whose largest values are limited separately, so that the search locates a violation.
 const WINDOWS: usize = 12;
 
-/// Samples of the final check for each one of the case.
+/// Samples of the final check per sample of the case.
 const FINE: f64 = 5.0;
 
-/// Times on which limits are checked in the end.
+/// Times of the final check of the limits.
 pub(crate) fn fine_times(case: &Case) -> Vec<f64> {
     let mut fine = case.clone();
     fine.rate_hz *= FINE;
@@ -23,7 +23,7 @@ pub(crate) fn fine_times(case: &Case) -> Vec<f64> {
 /// A limit on the motion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Watched {
-    /// What is limited, in words.
+    /// Limited quantity.
     pub what: String,
     /// Unit of value and limit.
     pub unit: &'static str,
@@ -37,7 +37,7 @@ enum Kind {
     BodyRate,
     WheelTorque(usize),
     JointEffort(usize),
-    /// Cone, and whether the axis must stay in it.
+    /// Cone index, and whether the axis must stay inside.
     Cone(usize, bool),
     /// Two capsules.
     Distance(usize, usize),
@@ -58,7 +58,7 @@ struct Plume {
 /// All limits on the motion of a vehicle.
 #[derive(Debug, Clone)]
 pub struct Watch {
-    /// In the order of the values.
+    /// Limits, in the order of the values.
     pub watched: Vec<Watched>,
     limits: Limits,
     /// One per thruster.
@@ -66,7 +66,7 @@ pub struct Watch {
 }
 
 impl Watch {
-    /// The limits that a model and a case have.
+    /// Creates the limits declared in model and case.
     pub fn new(model: &Model, limits: &Limits, joint_names: &[String]) -> Self {
         let mut watched = Vec::new();
         let mut push = |what: String, unit, limit: f64, kind| {
@@ -134,13 +134,13 @@ impl Watch {
         }
     }
 
-    /// Whether torques of joint motors are limited: they cost a run of their own.
+    /// Whether joint motor torques are limited; they need a separate computation.
     pub fn needs_efforts(&self) -> bool {
         let effort = |w: &Watched| matches!(w.kind, Kind::JointEffort(_));
         self.watched.iter().any(effort)
     }
 
-    /// The limited values at one instant, in their units; joint torques are zero where they are not known.
+    /// Limited values at one instant, in their units; motor torques of zero if not computed.
     pub fn values(&self, sample: &MotionSample, motor: &[f64]) -> Vec<f64> {
         let of = |w: &Watched| match w.kind {
             Kind::BodyRate => sample.w_NB_B.norm(),
@@ -167,7 +167,7 @@ impl Watch {
         between_segments(&in_base(a), &in_base(b)) - a.radius - b.radius
     }
 
-    /// How far a capsule lies outside the plume of a thruster, m; infinite while the thruster does not fire.
+    /// Distance of a capsule from the plume of a thruster, m; infinite while the thruster is off.
     fn outside_plume(&self, sample: &MotionSample, k: usize, c: usize) -> f64 {
         let fires = sample.thrust.get(k).is_some_and(|f| *f != 0.0);
         let (Some(plume), true) = (&self.plumes[k], fires) else {
@@ -181,20 +181,20 @@ impl Watch {
         outside_cone(&axis, plume.half_angle, &ends) - capsule.radius
     }
 
-    /// How far a value is beyond its limit, as a share of the limit: at most zero where it holds.
+    /// Relative excess of a value over its limit; not positive if the limit holds.
     pub fn beyond(&self, k: usize, value: f64) -> f64 {
         let w = &self.watched[k];
         match w.kind {
             Kind::Cone(_, false) => w.limit - value,
             Kind::Cone(_, true) => value - w.limit,
-            // In metres: a clearance may be zero.
+            // Absolute, in metres: the clearance may be zero.
             Kind::Distance(..) | Kind::Plume(..) => w.limit - value,
             _ => value / w.limit - 1.0,
         }
     }
 }
 
-/// The course of the limited values.
+/// History of the limited values.
 #[derive(Debug, Clone, Default)]
 pub struct Course {
     /// One list of values per limit.
@@ -202,7 +202,7 @@ pub struct Course {
 }
 
 impl Course {
-    /// One more instant.
+    /// Appends the values of one instant.
     pub fn push(&mut self, values: Vec<f64>) {
         self.values.resize_with(values.len(), Vec::new);
         for (list, x) in self.values.iter_mut().zip(values) {
@@ -210,14 +210,14 @@ impl Course {
         }
     }
 
-    /// How far each limit is broken in each window; at most zero where it holds.
+    /// Relative excess of each limit in each window; not positive if it holds.
     pub fn windows(&self, watch: &Watch) -> Vec<f64> {
         let mut out = Vec::new();
         for (k, list) in self.values.iter().enumerate() {
             let beyond: Vec<f64> = list.iter().map(|x| watch.beyond(k, *x)).collect();
             let peaks = with_bends(&beyond);
             let size = peaks.len().div_ceil(WINDOWS).max(1);
-            // Finite, also of a thruster that never fires.
+            // A finite value also for a thruster that never fires.
             let largest = |part: &[f64]| part.iter().fold(-1.0, |a: f64, b| a.max(*b));
             out.extend((0..WINDOWS).map(|w| match peaks.get(w * size..) {
                 Some(rest) if !rest.is_empty() => largest(&rest[..size.min(rest.len())]),
@@ -227,7 +227,7 @@ impl Course {
         out
     }
 
-    /// The value of each limit that comes closest to it or is furthest beyond, and how far it is beyond.
+    /// For each limit: the value nearest to it or furthest beyond, and its relative excess.
     pub fn worst(&self, watch: &Watch) -> Vec<(f64, f64)> {
         let of = |(k, list): (usize, &Vec<f64>)| {
             let beyond: Vec<f64> = list.iter().map(|x| watch.beyond(k, *x)).collect();
@@ -239,20 +239,20 @@ impl Course {
     }
 }
 
-/// Windows of each limit.
+/// Number of windows of each limit.
 pub const WINDOWS_EACH: usize = WINDOWS;
 
-/// Values with what they may rise by between two samples.
+/// Values plus their largest rise between samples.
 fn with_bends(y: &[f64]) -> Vec<f64> {
     let bend = |i: usize| match (i.checked_sub(1).and_then(|j| y.get(j)), y.get(i + 1)) {
-        // A firing begins or ends between two samples: no bend.
+        // At the start or end of a firing no curvature is defined.
         (Some(a), Some(b)) if a.is_finite() && b.is_finite() => (a - 2.0 * y[i] + b).abs() / 8.0,
         _ => 0.0,
     };
     (0..y.len()).map(|i| y[i] + bend(i)).collect()
 }
 
-/// Whether two bodies may collide: neither the same nor joined by a joint.
+/// Whether two bodies can collide: different and not joined by a joint.
 fn are_apart(model: &Model, a: usize, b: usize) -> bool {
     let joined = |j: &poinsot_model::Joint| {
         (j.parent == a && j.child == b) || (j.parent == b && j.child == a)
@@ -269,11 +269,11 @@ fn plume((thruster, limit): (&poinsot_model::Thruster, &ThrusterLimit)) -> Optio
     })
 }
 
-/// Steps of the search along a segment: its length is divided by `1.5` in each.
+/// Steps of the search along a segment; each divides its length by 1.5.
 const THIRDS: usize = 60;
 
-/// Least of `r cos(a) - z sin(a)` over a segment, `z` along the axis of a cone with its tip at the origin and `r` across:
-/// the distance from the cone of half angle `a` beside it, and less than it behind its tip. Convex along the segment.
+/// Least `r cos(a) - z sin(a)` over a segment, `z` along the axis of a cone with its tip at the origin and `r` across.
+/// It is the distance from a cone of half angle `a`, and less than it behind the tip. Convex along the segment.
 fn outside_cone(axis: &Vector3, half_angle: f64, ends: &[Vector3; 2]) -> f64 {
     let at = |s: f64| {
         let p = ends[0] + (ends[1] - ends[0]) * s;
@@ -291,7 +291,7 @@ fn outside_cone(axis: &Vector3, half_angle: f64, ends: &[Vector3; 2]) -> f64 {
     at(0.5 * (from + to)).min(at(0.0)).min(at(1.0))
 }
 
-/// Least distance of two segments (Ericson 2005, 5.1.9).
+/// Distance of two segments (Ericson 2005, 5.1.9).
 fn between_segments(a: &[Vector3; 2], b: &[Vector3; 2]) -> f64 {
     let (u, v, w) = (a[1] - a[0], b[1] - b[0], a[0] - b[0]);
     let (uu, uv, vv) = (u.dot(&u), u.dot(&v), v.dot(&v));
@@ -310,7 +310,7 @@ fn between_segments(a: &[Vector3; 2], b: &[Vector3; 2]) -> f64 {
     };
     let t = share(uv * s + vw, vv);
     s = share(uv * t - uw, uu);
-    // Once more: the first end may have been clamped.
+    // Repeat: the first parameter may have been clamped.
     let t = share(uv * s + vw, vv);
     (w + u * s - v * t).norm()
 }
@@ -320,7 +320,7 @@ mod tests {
     use super::*;
     use rand::{RngExt, SeedableRng};
 
-    /// Against points of the cone and of the segment on fine grids; where the tip is nearest the value is less.
+    /// Compared with fine grids on cone and segment; where the tip is nearest, the value is a lower bound.
     #[test]
     fn prop_a_segment_is_outside_a_cone_by_its_distance_from_the_surface() {
         let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(4);
@@ -348,7 +348,7 @@ mod tests {
         }
     }
 
-    /// Against the least of a fine grid over both segments, parallel and degenerate ones included.
+    /// Compared with a fine grid over both segments, including parallel and degenerate ones.
     #[test]
     fn prop_the_distance_of_two_segments_is_the_least_of_all_pairs_of_points() {
         let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(3);

@@ -13,10 +13,10 @@ use poinsot_model::{JointKind, Model};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-/// Largest model file that is copied.
+/// Largest model file that is copied, bytes.
 const LARGEST_MODEL: u64 = 16 << 20;
 
-/// The case with the designed motions in place of its own; `model.toml` lies beside it.
+/// The case with the designed motions replacing its own; `model.toml` lies beside it.
 pub(crate) fn manoeuvre_text(
     case: &Case,
     space: &Space,
@@ -62,7 +62,6 @@ pub(crate) fn manoeuvre_text(
     ))
 }
 
-/// Files that the case names are found from anywhere.
 fn absolute_files(file: &mut CaseFile, case: &Path) {
     let folder = case.parent().unwrap_or(Path::new(""));
     for name in file.files_mut() {
@@ -110,7 +109,7 @@ fn joint_motion(name: &str, command: &Command, slides: bool) -> JointMotionFile 
     motion
 }
 
-/// Wheels follow nodes: the format has no harmonics for them.
+/// Wheels follow nodes: the format has no harmonics for wheels.
 fn wheel_motion(name: &str, command: &Command) -> WheelMotionFile {
     let nodes = match command {
         Command::Spline(time, values) | Command::Slews(time, values) => Some((time, values)),
@@ -126,7 +125,7 @@ fn wheel_motion(name: &str, command: &Command) -> WheelMotionFile {
     }
 }
 
-/// Commands of every joint and wheel at the rate of the case, with standard names.
+/// Commands of every joint and wheel at the sample rate of the case, with standard column names.
 fn commands_csv(designed: &Designed, times: &[f64]) -> String {
     let mut header = vec!["time_s".to_owned()];
     for (name, _) in &designed.commands {
@@ -162,7 +161,7 @@ fn commands_csv(designed: &Designed, times: &[f64]) -> String {
     text
 }
 
-/// When every designed thruster switches on and off.
+/// Switching times of every designed thruster.
 fn firings_csv(designed: &Designed) -> String {
     let mut text = "thruster,on_s,off_s,force_N\n".to_owned();
     for (name, f) in &designed.firings {
@@ -180,20 +179,20 @@ fn unit_of(model: &Model, name: &str) -> Option<&'static str> {
     })
 }
 
-/// The manoeuvre as a case, as it will lie in a folder.
+/// The manoeuvre as a case in a folder.
 ///
 /// # Errors
-/// The case is refused, which is a fault of this program.
+/// The case is invalid, which is a bug.
 pub fn manoeuvre_case(designed: &Designed, folder: &Path) -> Result<Case, Error> {
     let path = folder.join("case.toml");
     Ok(parse_case(&path, designed.manoeuvre.clone()).map_err(SimulateError::from)?)
 }
 
-/// Writes `case.toml`, `model.toml`, `commands.csv`, `firings.csv` of a design that fires, and `design.json` into a folder,
-/// all or none. Gives their paths.
+/// Writes `case.toml`, `model.toml`, `commands.csv`, `firings.csv` of a design that fires, and `design.json` into a
+/// folder, all or none. Returns their paths.
 ///
 /// # Errors
-/// The model cannot be read any more, or the disk refuses; earlier files stay then.
+/// The model cannot be read, or writing fails; earlier files are then kept.
 pub fn write_design(
     folder: &Path,
     designed: &Designed,
@@ -217,7 +216,7 @@ pub fn write_design(
     if !designed.firings.is_empty() {
         files.push(("firings.csv".into(), firings_csv(designed).into_bytes()));
     }
-    // The answer last: where it stands, the others do.
+    // The result comes last: if it exists, the other files do too.
     files.push(("design.json".into(), json.into_bytes()));
     write_files(folder, &files)
 }

@@ -1,4 +1,4 @@
-//! Designs judged from outside: by `predict`, by the motion they fly, by other manoeuvres and by their errors.
+//! Designs compared with `predict`, with their motion, with other manoeuvres and with errors of trial flights.
 #![allow(clippy::unwrap_used, non_snake_case)]
 
 use poinsot::case::{Case, parse_case, read_case};
@@ -14,7 +14,7 @@ fn example(name: &str) -> PathBuf {
         .join(name)
 }
 
-/// An example with its `[design]` changed.
+/// An example with a changed `[design]`.
 fn changed(name: &str, from: &str, to: &str) -> (Case, Model) {
     let text = std::fs::read_to_string(example(name)).unwrap();
     assert!(text.contains(from), "{from}");
@@ -63,7 +63,7 @@ type = "attitude"
 noise_rad = 5.0e-5
 "#;
 
-/// A case for the box: `limits` are added, everything wanted to `relative`.
+/// A case for the box with these limits and all numbers wanted to `relative`.
 fn boxed(limits: &str, relative: f64) -> (Case, Model) {
     let text = format!(
         r#"
@@ -101,14 +101,14 @@ fn paper_xus_target_is_told_twice_as_well_within_the_same_peak_angles_and_rates(
         "seed = 1\nstarts = 2\nevaluations = 1500\n",
     );
     let found = designed(&case, &model);
-    // Wanted is about half of what the motion of the case gives.
+    // The wanted sigmas are about half of those of the case's own motion.
     for reach in &found.wants {
         let reference = reach.reference.unwrap();
         assert!(reach.sigma.unwrap() < 0.56 * reference, "{reach:?}");
     }
     assert!(found.limits.iter().all(|l| l.margin > -1.0e-6));
     assert!(found.limits.iter().any(|l| l.is_active()));
-    // The motion itself, 20 times as densely as it is sampled: 40 points a period let another optimiser exceed the rates
+    // The motion, 20 times as dense as it is sampled. With 40 points per period another optimiser exceeded the rates
     // by 2.7 %.
     let case = poinsot_design::manoeuvre_case(&found, Path::new("")).unwrap();
     let mut scenario = case.bind(&model).unwrap();
@@ -188,7 +188,7 @@ fn prop_vehicles_of_the_prior_hold_the_limits_that_depend_on_them() {
         .unwrap();
         broken += u32::from(largest > 1.0);
     }
-    // 99 % of the prior: of 300 at most 9 with a probability of 99.7 %.
+    // 99 % of the prior: of 300, at most 9 with a probability of 99.7 %.
     assert!(broken <= 9, "{broken}");
     let body = found.limits.iter().find(|l| l.what == "body rate").unwrap();
     assert!(body.value < 0.04 && body.value > 0.03, "{body:?}");
@@ -225,14 +225,14 @@ fn prop_what_cannot_be_reached_says_which_limit_holds_it_back_and_what_more_woul
         ratio("wheel speeds"),
         ratio("duration"),
     );
-    // More of a limit never tells less, and more time tells much more.
+    // A wider limit is never worse, and more time is much better.
     assert!(
         faster <= worst && longer < 0.95 * worst,
         "{worst} {faster} {longer}"
     );
 }
 
-/// The firings of the written case, per thruster in order.
+/// The firings of the written case, per thruster, in order.
 fn fired(found: &Designed, model: &Model) -> Vec<Vec<(f64, f64)>> {
     let case = poinsot_design::manoeuvre_case(found, Path::new("")).unwrap();
     let firings = case.bind(model).unwrap().plan.firings;
@@ -274,7 +274,7 @@ fn prop_designed_firings_hold_their_limits_and_tell_more_than_those_of_the_case(
     }
     assert!(impulse <= 680.0 * (1.0 + 1e-9), "{impulse}");
     assert!(found.limits.iter().all(|l| l.margin > -1e-6));
-    // The record of the manoeuvre holds the switching times: an identification is told what was flown.
+    // The record has the switching times, so that an identification uses the actual firings.
     let flown = poinsot_design::manoeuvre_case(&found, Path::new("")).unwrap();
     let prediction = predict_case(&flown, model.clone(), 1.0).unwrap();
     for reach in &found.wants {
@@ -282,7 +282,7 @@ fn prop_designed_firings_hold_their_limits_and_tell_more_than_those_of_the_case(
     }
 }
 
-/// A link that hangs into the plume of a thruster at the start.
+/// A link that is in the plume of a thruster at the start.
 const PLUME: &str = r#"
 schema = "poinsot.model/1"
 exact = true
@@ -371,7 +371,7 @@ force_N = 4.0
         plume.value >= 0.05 - 1e-6 && plume.margin >= -1e-6,
         "{plume:?}"
     );
-    // Where it starts the link crosses the axis of the plume 0.2 m behind the nozzle.
+    // At the start the link crosses the axis of the plume 0.2 m behind the nozzle.
     let own = fired(&found, &model);
     let flown = poinsot_design::manoeuvre_case(&found, Path::new("")).unwrap();
     let mut scenario = flown.bind(&model).unwrap();
@@ -382,7 +382,7 @@ force_N = 4.0
             .any(|f| f.0 <= sample.time && sample.time < f.1);
         for k in 0..=20 {
             let along = -0.6 * f64::from(k) / 20.0;
-            // The point of the link in base axes, from the nozzle.
+            // The point of the link relative to the nozzle, in base axes.
             let (s, c) = sample.q[0].sin_cos();
             let (x, y) = (-0.7 - along * s + 0.5, 0.3 + along * c);
             let inside = -x > 0.0 && y.abs() < -x * 0.3_f64.tan();

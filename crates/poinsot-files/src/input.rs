@@ -1,4 +1,4 @@
-//! The one way to open an input: a regular file, read up to a limit.
+//! Opens inputs: regular files only, read up to a size limit.
 
 use std::fs::{File, Metadata, OpenOptions};
 use std::io::{self, ErrorKind, Read};
@@ -7,13 +7,13 @@ use std::path::Path;
 /// Why an input cannot be read.
 #[derive(Debug)]
 pub enum InputError {
-    /// No file of this name, as the operating system says it.
+    /// File not found, with the error of the operating system.
     Missing(io::Error),
     /// A folder.
     Folder,
     /// A pipe, a device or a socket: reading it may never end.
     NotRegular,
-    /// More bytes than the limit.
+    /// File larger than the limit.
     TooLarge {
         /// The limit, bytes.
         limit: u64,
@@ -23,17 +23,17 @@ pub enum InputError {
         /// First byte that is not UTF-8, from zero.
         byte: usize,
     },
-    /// The operating system refused.
+    /// Error of the operating system.
     System(io::Error),
 }
 
 impl InputError {
-    /// Whether the surroundings (disk, permission) failed and not the choice of the file.
+    /// Whether the environment (disk, permission) failed, not the choice of file.
     pub fn is_environment(&self) -> bool {
         matches!(self, Self::System(_))
     }
 
-    /// What to do about it.
+    /// Advice to the user.
     pub fn remedy(&self) -> &'static str {
         match self {
             Self::Missing(_) => "check the path",
@@ -64,7 +64,7 @@ impl std::error::Error for InputError {}
 impl From<io::Error> for InputError {
     fn from(source: io::Error) -> Self {
         match source.kind() {
-            // "a.csv/b": a file where a folder was expected.
+            // "a.csv/b", where "a.csv" is a file.
             ErrorKind::NotFound | ErrorKind::NotADirectory | ErrorKind::InvalidFilename => {
                 Self::Missing(source)
             }
@@ -77,7 +77,7 @@ impl From<io::Error> for InputError {
 /// Opens a regular file for reading.
 ///
 /// # Errors
-/// There is no such file, it is not a regular file, or the system refuses.
+/// The file is missing, not a regular file, or cannot be opened.
 pub fn open(path: &Path) -> Result<(File, Metadata), InputError> {
     check_kind(&std::fs::metadata(path)?)?;
     let mut options = OpenOptions::new();
@@ -85,7 +85,7 @@ pub fn open(path: &Path) -> Result<(File, Metadata), InputError> {
     #[cfg(unix)]
     {
         use std::os::unix::fs::OpenOptionsExt;
-        // A pipe that took the file's place since would be waited for.
+        // Without O_NONBLOCK, opening a pipe that has replaced the file would block.
         options.custom_flags(libc::O_NONBLOCK);
     }
     let file = options.open(path)?;
@@ -112,7 +112,7 @@ pub fn read(path: &Path, limit: u64) -> Result<Vec<u8>, InputError> {
         return Err(InputError::TooLarge { limit });
     }
     let mut bytes = Vec::new();
-    // The file may grow while it is read, and some systems' files declare no size.
+    // The file may grow while it is read, and some system files declare no size.
     file.take(limit + 1).read_to_end(&mut bytes)?;
     match bytes.len() as u64 > limit {
         true => Err(InputError::TooLarge { limit }),
@@ -130,7 +130,7 @@ pub fn read_text(path: &Path, limit: u64) -> Result<String, InputError> {
     })
 }
 
-/// All of standard input in a file without a name: it is read once and can be looked at several times.
+/// Copies standard input to an unnamed temporary file, so that it can be read several times.
 ///
 /// # Errors
 /// Standard input cannot be read, or the disk is full.
@@ -147,7 +147,7 @@ pub fn standard_input() -> std::io::Result<File> {
     Ok(file)
 }
 
-/// All of a stream in a file without a name.
+/// Copies a stream to an unnamed temporary file.
 ///
 /// # Errors
 /// The stream cannot be read, or the disk is full.
@@ -182,7 +182,7 @@ mod tests {
     fn regress_devices_and_files_without_a_size_do_not_fill_the_memory() {
         let zero = read(Path::new("/dev/zero"), 1 << 20);
         assert!(matches!(zero, Err(InputError::NotRegular)));
-        // A regular file of declared size 0 that holds more.
+        // A regular file of declared size 0 that has content.
         let long = read(Path::new("/proc/self/status"), 16);
         assert!(matches!(long, Err(InputError::TooLarge { limit: 16 })));
     }

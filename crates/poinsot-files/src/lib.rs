@@ -1,5 +1,5 @@
-//! Files in and out. Every input is opened by [`open`]; every output is put in place by a [`Stage`]; text from
-//! files is shown by [`escaped`] and [`error_line`].
+//! File input and output. Inputs are opened by [`open`], outputs are put in place by a [`Stage`], and text from files
+//! is printed by [`escaped`] and [`error_line`].
 
 mod input;
 mod plain;

@@ -1,21 +1,21 @@
-//! Text from outside made safe to show: nothing that a terminal or browser obeys, and lines that a person reads.
+//! Escapes text from outside, so that no terminal or browser interprets it, and shortens long lines.
 
 use std::borrow::Cow;
 
 /// Longest line of an error, characters.
 pub const LONGEST_LINE: usize = 300;
 
-/// Shortest length to which a quoted value or a word is cut, characters.
+/// Length to which quoted values and words are shortened at most, characters.
 const SHORTEST_RUN: usize = 24;
 
-/// Most runs that are cut before the line's middle is.
+/// Largest number of runs that are shortened before the middle of the line is cut.
 const MOST_RUNS: usize = 8;
 
-/// Mark of what was left out.
+/// Mark for omitted text.
 const CUT: &str = "...";
 
-/// Whether a terminal or a browser obeys the character instead of showing it: control characters, marks that
-/// change the direction of text (Unicode UAX 9), separators of lines.
+/// Whether a terminal or a browser interprets the character: control characters, marks of text direction (Unicode UAX
+/// 9), line separators.
 pub fn is_unprintable(c: char) -> bool {
     c.is_control()
         || matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
@@ -26,12 +26,11 @@ pub fn escaped(text: &str) -> Cow<'_, str> {
     escaped_except(text, |_| false)
 }
 
-/// The same for text of many lines: line ends and tabs stay.
+/// Escapes text of several lines; line ends and tabs are kept.
 pub fn escaped_lines(text: &str) -> Cow<'_, str> {
     escaped_except(text, |c| matches!(c, '\n' | '\t'))
 }
 
-/// The same; characters in `kept` stay.
 fn escaped_except(text: &str, kept: impl Fn(char) -> bool) -> Cow<'_, str> {
     let bad = |c: char| is_unprintable(c) && !kept(c);
     if !text.contains(bad) {
@@ -47,7 +46,7 @@ fn escaped_except(text: &str, kept: impl Fn(char) -> bool) -> Cow<'_, str> {
     out.into()
 }
 
-/// The start of a text, escaped: at most `limit` of its characters.
+/// Start of a text, escaped: at most `limit` characters.
 pub fn excerpt(text: &str, limit: usize) -> String {
     match text.char_indices().nth(limit) {
         None => escaped(text).into_owned(),
@@ -55,8 +54,8 @@ pub fn excerpt(text: &str, limit: usize) -> String {
     }
 }
 
-/// JSON text in which unprintable characters inside strings stand as `\u....`: the same document. Line ends and
-/// tabs between its tokens stay.
+/// JSON text with unprintable characters in strings as `\u....`; the document is unchanged. Line ends and tabs between
+/// tokens are kept.
 pub fn json_escaped(text: &str) -> Cow<'_, str> {
     let bad = |c: char| is_unprintable(c) && !matches!(c, '\n' | '\t' | '\r');
     if !text.contains(bad) {
@@ -65,7 +64,7 @@ pub fn json_escaped(text: &str) -> Cow<'_, str> {
     let mut out = String::with_capacity(text.len() + 16);
     for c in text.chars() {
         match bad(c) {
-            // All of them lie below U+10000: one unit of UTF-16.
+            // All unprintable characters lie below U+10000: one UTF-16 unit.
             true => out.push_str(&format!("\\u{:04x}", u32::from(c))),
             false => out.push(c),
         }
@@ -73,10 +72,10 @@ pub fn json_escaped(text: &str) -> Cow<'_, str> {
     out.into()
 }
 
-/// One line of an error: escaped, and at most [`LONGEST_LINE`] characters. The longest values and words are
-/// shortened first, so that code, place and advice stay; then the middle.
+/// One line of an error: escaped, at most [`LONGEST_LINE`] characters. The longest values and words are shortened
+/// first, then the middle, so that code, place and advice remain.
 pub fn error_line(text: &str) -> String {
-    // Tabs are harmless in a line.
+    // Tabs are harmless in one line.
     let mut line = escaped_except(text, |c| c == '\t').into_owned();
     for _ in 0..MOST_RUNS {
         if line.chars().count() <= LONGEST_LINE {
@@ -90,7 +89,7 @@ pub fn error_line(text: &str) -> String {
     if line.chars().count() <= LONGEST_LINE {
         return line;
     }
-    // The advice, behind the last semicolon, stays whole where it leaves room for code and place.
+    // The advice, after the last semicolon, is kept whole if code and place still fit.
     let most = LONGEST_LINE * 2 / 3;
     let advice = line.rfind("; ").and_then(|at| line.get(at..));
     let tail = advice
@@ -100,7 +99,7 @@ pub fn error_line(text: &str) -> String {
     cut_middle(&line, LONGEST_LINE - tail - CUT.len(), tail)
 }
 
-/// The line with its longest run cut: by as much as the line is too long, or as far as runs are cut.
+/// Shortens the longest run by the excess length of the line, at most to [`SHORTEST_RUN`].
 fn shortened(line: &str) -> Option<String> {
     let excess = line.chars().count().saturating_sub(LONGEST_LINE);
     let (start, end, length) = runs(line)
@@ -118,7 +117,7 @@ fn shortened(line: &str) -> Option<String> {
     Some(format!("{}{run}{}", line.get(..start)?, line.get(end..)?))
 }
 
-/// Byte ranges of what stands between quotes or brackets on one line, and of words outside of them.
+/// Byte ranges of quoted or bracketed text on one line, and of words outside them.
 fn runs(line: &str) -> impl Iterator<Item = (usize, usize)> + '_ {
     let mut at = 0;
     std::iter::from_fn(move || {
@@ -140,7 +139,7 @@ fn runs(line: &str) -> impl Iterator<Item = (usize, usize)> + '_ {
     })
 }
 
-/// The first `head` and the last `tail` characters with the mark between them.
+/// The first `head` and last `tail` characters with the mark between them.
 fn cut_middle(text: &str, head: usize, tail: usize) -> String {
     let count = text.chars().count();
     let start: String = text.chars().take(head).collect();

@@ -1,8 +1,8 @@
-//! Files of one answer, made in one hidden folder beside their places and put in place together or not at all.
+//! Writes the files of one result all or none: drafts in a hidden folder, then put in place together.
 //!
-//! The hidden folder (`.poinsot-XXXXXX`) holds the drafts, the earlier files while they are replaced, and a locked
-//! file that says that its process is alive. It is removed at the end, by [`remove_stages`] on a signal, and by the
-//! next stage of the same folder where its process was killed.
+//! The hidden folder (`.poinsot-XXXXXX`) holds the drafts, the earlier files during replacement, and a lock file of
+//! the running process. It is removed at the end, and by [`remove_stages`] on a signal. After a killed process, the
+//! next stage in the same folder removes it.
 
 use std::collections::BTreeSet;
 use std::fs::{self, File};
@@ -12,16 +12,16 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, SystemTime};
 use tempfile::TempDir;
 
-/// Begin of the name of the hidden folder.
+/// Prefix of the hidden folder's name.
 const PREFIX: &str = ".poinsot-";
 
-/// The file in it whose lock its process holds.
+/// Lock file in the hidden folder, locked by its process.
 const LOCK: &str = "lock";
 
-/// A hidden folder younger than this may not have its lock yet.
+/// A younger hidden folder may not have its lock yet.
 const FRESH: Duration = Duration::from_secs(60);
 
-/// How often a folder that is being filled is removed.
+/// Attempts to remove a folder that another thread still fills.
 const TRIES: usize = 10;
 
 /// Hidden folders of this process; locked while files are put in place, so that an interruption waits.
@@ -31,27 +31,27 @@ fn open_stages() -> MutexGuard<'static, BTreeSet<PathBuf>> {
     OPEN.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Removes what stages of this process have drafted, once files that are being put in place are there. No stage
-/// goes on afterwards: for the end of the process.
+/// Removes the drafts of this process after a running commit has finished. Call it only at the end of the process:
+/// stages cannot continue.
 pub fn remove_stages() {
     let open = open_stages();
     for folder in open.iter() {
-        // Another thread may be drafting: what it adds in between is removed by the next try.
+        // Another thread may still add drafts; the next attempt removes them.
         let _ = (0..TRIES).any(|_| fs::remove_dir_all(folder).is_ok());
     }
     std::mem::forget(open);
 }
 
-/// Why files cannot be put in place. No target has changed, unless `kept` says otherwise.
+/// Why files cannot be put in place. No target has changed, unless `kept` is set.
 #[derive(Debug)]
 pub struct StageError {
-    /// The file as it was to be called.
+    /// Target path of the file.
     pub path: PathBuf,
-    /// What was tried.
+    /// Failed operation.
     pub what: &'static str,
-    /// The answer of the operating system.
+    /// Error of the operating system.
     pub source: io::Error,
-    /// Where earlier files lie that could not be put back.
+    /// Folder of earlier files that could not be restored.
     pub kept: Option<PathBuf>,
 }
 
@@ -66,7 +66,6 @@ impl StageError {
     }
 }
 
-/// A draft and its place.
 struct Draft {
     target: PathBuf,
     draft: PathBuf,
@@ -76,17 +75,17 @@ struct Draft {
 pub struct Stage {
     folder: PathBuf,
     drafts: Vec<Draft>,
-    /// Folders that did not exist before, outermost first.
+    /// Folders created by this stage, outermost first.
     made: Vec<PathBuf>,
     lock: Option<File>,
     hidden: Option<TempDir>,
 }
 
 impl Stage {
-    /// Makes the folder where it is missing, removes what killed runs have left in it, and opens a hidden folder.
+    /// Creates the folder if missing, removes hidden folders of killed processes, and creates a new one.
     ///
     /// # Errors
-    /// The disk refuses.
+    /// Writing fails.
     pub fn new(folder: &Path) -> Result<Self, StageError> {
         let mut made = Vec::new();
         let opened = make_folders(folder, &mut made)
@@ -110,15 +109,15 @@ impl Stage {
         }
     }
 
-    /// The place of a file; `name` is its path below the folder.
+    /// Target path of a file; `name` is relative to the folder.
     pub fn target(&self, name: &Path) -> PathBuf {
         self.folder.join(name)
     }
 
-    /// Drafts a file; `name` is its path below the folder.
+    /// Drafts a file; `name` is relative to the folder.
     ///
     /// # Errors
-    /// The disk refuses.
+    /// Writing fails.
     pub fn add(&mut self, name: &Path, bytes: &[u8]) -> Result<(), StageError> {
         let target = self.target(name);
         self.fill(name, |file| {
@@ -127,10 +126,10 @@ impl Stage {
         })
     }
 
-    /// Drafts a file that `write` fills, on disk.
+    /// Drafts a file that `write` fills.
     ///
     /// # Errors
-    /// As `write`, or the disk refuses.
+    /// As `write`, or writing fails.
     pub fn fill<E: From<StageError>>(
         &mut self,
         name: &Path,
@@ -153,9 +152,9 @@ impl Stage {
     /// Puts all drafts in place in the order in which they were added. Returns their paths.
     ///
     /// # Errors
-    /// A file cannot be put in place: then all places are as they were.
+    /// A file cannot be put in place; all targets are then unchanged.
     pub fn commit(mut self) -> Result<Vec<PathBuf>, StageError> {
-        // Until the end: an interruption waits.
+        // Locked until the end, so that an interruption waits.
         let open = open_stages();
         let earlier = match self.earlier_files() {
             Ok(earlier) => earlier,
@@ -181,7 +180,7 @@ impl Stage {
         Ok(self.drafts.iter().map(|d| d.target.clone()).collect())
     }
 
-    /// Checks every place, makes its folder and keeps the file that stands there. One entry a draft.
+    /// Checks every target, creates its folder and keeps a copy of the earlier file. One entry per draft.
     fn earlier_files(&mut self) -> Result<Vec<Option<PathBuf>>, StageError> {
         let mut earlier = Vec::with_capacity(self.drafts.len());
         for (k, draft) in self.drafts.iter().enumerate() {
@@ -197,7 +196,7 @@ impl Stage {
         Ok(earlier)
     }
 
-    /// Undoes the first `done` replacements; whether all are undone.
+    /// Undoes the first `done` replacements. Returns whether all are undone.
     fn roll_back(&self, done: usize, earlier: &[Option<PathBuf>]) -> bool {
         let mut whole = true;
         for (draft, kept) in self.drafts.iter().zip(earlier).take(done).rev() {
@@ -209,7 +208,7 @@ impl Stage {
         whole
     }
 
-    /// Renames last only once their folders are on disk; some systems cannot flush folders.
+    /// Flushes folders, so that renames survive a power loss; some systems do not support it.
     fn flush_folders(&self) {
         let folders: BTreeSet<&Path> = self.drafts.iter().map(|d| folder_of(&d.target)).collect();
         for folder in folders {
@@ -222,10 +221,10 @@ impl Stage {
 
 impl Drop for Stage {
     fn drop(&mut self) {
-        // Some systems remove no open file.
+        // Some systems cannot remove an open file.
         self.lock = None;
         if let Some(hidden) = self.hidden.take() {
-            // An interruption waits: what is not removed here is removed by it.
+            // An interruption waits here, and removes what this code could not.
             let mut open = open_stages();
             open.remove(hidden.path());
             let _ = hidden.close();
@@ -234,21 +233,20 @@ impl Drop for Stage {
     }
 }
 
-/// A copy of the file that stands there, so that its place is never empty; whether there is one.
+/// Copies the earlier file, so that the target is never missing. Returns whether there was one.
 fn keep(target: &Path, kept: &Path) -> io::Result<bool> {
     match fs::hard_link(target, kept) {
         Ok(()) => Ok(true),
         Err(e) if e.kind() == ErrorKind::NotFound => Ok(false),
-        // Not every file system has links.
+        // Some file systems have no hard links.
         Err(_) => fs::copy(target, kept).map(|_| true),
     }
 }
 
-/// Whether a file can be put in a place: nothing stands there, or a regular file, and no file where its folders
-/// should be.
+/// Checks that a target is free or a regular file, and that no file has the name of one of its folders.
 ///
 /// # Errors
-/// What stands in the way.
+/// The obstacle.
 pub fn check_target(target: &Path) -> Result<(), StageError> {
     let refuse = |kind: ErrorKind| {
         Err(StageError::new(
@@ -274,7 +272,7 @@ pub fn check_target(target: &Path) -> Result<(), StageError> {
     }
 }
 
-/// Whether two paths name one file that exists.
+/// Whether two paths name the same existing file.
 pub fn is_same_file(a: &Path, b: &Path) -> bool {
     let (Ok(found), Ok(other)) = (fs::metadata(a), fs::metadata(b)) else {
         return false;
@@ -299,7 +297,7 @@ pub fn folder_of(path: &Path) -> &Path {
     }
 }
 
-/// Makes a folder and those above it; adds the new ones to `made`.
+/// Creates a folder and its parents; appends the new ones to `made`.
 fn make_folders(folder: &Path, made: &mut Vec<PathBuf>) -> io::Result<()> {
     let missing: Vec<&Path> = folder
         .ancestors()
@@ -308,7 +306,7 @@ fn make_folders(folder: &Path, made: &mut Vec<PathBuf>) -> io::Result<()> {
     for folder in missing.into_iter().rev() {
         match fs::create_dir(folder) {
             Ok(()) => made.push(folder.to_owned()),
-            // Another process was faster.
+            // Another process created it first.
             Err(e) if e.kind() == ErrorKind::AlreadyExists && folder.is_dir() => {}
             Err(e) => return Err(e),
         }
@@ -319,7 +317,7 @@ fn make_folders(folder: &Path, made: &mut Vec<PathBuf>) -> io::Result<()> {
     }
 }
 
-/// Removes new folders again, as far as they are empty.
+/// Removes created folders that are still empty.
 fn remove_folders(made: &[PathBuf]) {
     for folder in made.iter().rev() {
         let _ = fs::remove_dir(folder);
@@ -334,12 +332,12 @@ fn open_hidden(folder: &Path) -> io::Result<(TempDir, File)> {
     let lock = File::create(hidden.path().join(LOCK)).inspect_err(|_| {
         open_stages().remove(hidden.path());
     })?;
-    // Where the file system has no locks, nothing is swept either.
+    // Without file locks on the file system, no stale folder is removed either.
     let _ = lock.lock();
     Ok((hidden, lock))
 }
 
-/// Removes hidden folders whose process is gone.
+/// Removes hidden folders of ended processes.
 fn sweep(folder: &Path) {
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         let ours = entry.file_name().to_string_lossy().starts_with(PREFIX);
@@ -349,7 +347,7 @@ fn sweep(folder: &Path) {
     }
 }
 
-/// Whether a hidden folder is nobody's: not fresh, with nothing in it but what a stage makes, its lock free.
+/// Whether a hidden folder is stale: not fresh, its lock free, and holding only files of a stage.
 fn is_stale(hidden: &Path) -> bool {
     let Ok(found) = fs::symlink_metadata(hidden) else {
         return false;
@@ -374,7 +372,7 @@ fn is_stale(hidden: &Path) -> bool {
     }
     match File::open(hidden.join(LOCK)) {
         Ok(lock) => lock.try_lock().is_ok(),
-        // Killed before it made its lock.
+        // The process was killed before it created its lock.
         Err(_) => names.is_empty(),
     }
 }

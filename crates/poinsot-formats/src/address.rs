@@ -1,15 +1,16 @@
 //! The address of a number, the same in result files, case files, plans, flags and Python: `bus.com_m.x`,
 //! `bus.inertia_kg_m2.xx`, `gyro.bias_rad_s.x`, `wheel1.spin_inertia_kg_m2`, `thruster1.scale`.
 //!
-//! An address is the name of a body, joint, wheel, thruster or sensor, then a quantity with its unit, then a component. In
-//! a case or model file it may also be a way of keys (`output.rate_hz`, `body.arm.mass_kg`, `firing.0.on_s`).
-//! The estimator calls a number by owner, quantity and component alone (`bus.com_x`), with the unit beside the name.
+//! An address is the name of a body, joint, wheel, thruster or sensor, then a quantity with its unit, then a
+//! component. In a case or model file it may also be a path of keys (`output.rate_hz`, `body.arm.mass_kg`,
+//! `firing.0.on_s`). The estimator's names have owner, quantity and component (`bus.com_x`), with the unit kept
+//! separately.
 
-/// Last steps of an address.
+/// Components, the last step of an address.
 const COMPONENTS: [&str; 11] = ["x", "y", "z", "xx", "yy", "zz", "xy", "xz", "yz", "1", "2"];
 
-/// Mass properties: the estimator's word, and the key in files. The first word of a key is the one that combinations of
-/// parameters use.
+/// Mass properties: the estimator's name, and the key in files. Combinations of parameters use the first word of the
+/// key.
 const MASS_PROPERTIES: [(&str, &str); 8] = [
     ("m", "mass_kg"),
     ("mass", "mass_kg"),
@@ -21,7 +22,7 @@ const MASS_PROPERTIES: [(&str, &str); 8] = [
     ("spin_inertia", "spin_inertia_kg_m2"),
 ];
 
-/// The address of a number with the name and unit that the estimator gives it.
+/// The address of a number, from the estimator's name and unit.
 pub fn address(name: &str, unit: &str) -> String {
     let (owner, what) = name.rsplit_once('.').unwrap_or(("", name));
     let (quantity, component) = match what.rsplit_once('_') {
@@ -49,12 +50,12 @@ pub fn address(name: &str, unit: &str) -> String {
     out
 }
 
-/// An address: the one parser of addresses. Its steps are separated by dots; names may hold dots too.
+/// An address. Its steps are separated by dots; names may contain dots too.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Address<'a>(&'a str);
 
 impl<'a> Address<'a> {
-    /// Takes an address.
+    /// Wraps the text of an address.
     pub fn parse(text: &'a str) -> Self {
         Self(text)
     }
@@ -74,7 +75,7 @@ impl<'a> Address<'a> {
         self.steps().next().unwrap_or_default()
     }
 
-    /// Every name that it may begin with, the longest first, with the address below it.
+    /// Every possible owner name, longest first, with the rest of the address.
     pub fn owners(self) -> impl Iterator<Item = (&'a str, Self)> {
         let dots = self.0.rmatch_indices('.');
         dots.map(move |(at, _)| (&self.0[..at], Self(&self.0[at + 1..])))
@@ -93,7 +94,7 @@ impl<'a> Address<'a> {
         text.rsplit_once('.').map_or(text, |p| p.1)
     }
 
-    /// Component; `None` of a scalar, or of all components.
+    /// Component; `None` for a scalar or for all components.
     pub fn component(self) -> Option<&'a str> {
         let last = self.0.rsplit_once('.')?.1;
         COMPONENTS.contains(&last).then_some(last)
@@ -105,13 +106,13 @@ impl<'a> Address<'a> {
     }
 }
 
-/// The element of a list of numbers that a step names: x, y, z, w, or a number from zero.
+/// Index of a list element named by a step: x, y, z, w, or an integer from zero.
 pub fn element(step: &str) -> Option<usize> {
     let axis = ["x", "y", "z", "w"].iter().position(|a| *a == step);
     axis.or_else(|| step.parse().ok())
 }
 
-/// The estimator's name of an unknown mass property, from its address; the inverse of [`address`].
+/// The estimator's name of an unknown mass property; the inverse of [`address`].
 pub fn unknown_name(address: &str) -> String {
     let parts = Address::parse(address);
     let (owner, quantity) = (parts.owner(), parts.quantity());

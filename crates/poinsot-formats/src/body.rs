@@ -80,7 +80,7 @@ impl BodyFile {
         numbers(&self.mass_kg, &self.com_m, &self.inertia_kg_m2)
     }
 
-    /// The same by address, for a body of this name, with the unit in ASCII.
+    /// The same numbers by address, for a body of this name, with ASCII units.
     pub fn addressed(&self, body: &str) -> Vec<(String, &'static str, NumberFile)> {
         let mut all = vec![(format!("{body}.mass_kg"), "kg", self.mass_kg.clone())];
         for (axis, number) in self.com_m.named() {

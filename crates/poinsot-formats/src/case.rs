@@ -1,4 +1,4 @@
-//! The case file (`poinsot.case/2`, TOML) as written: shape only, nothing checked. [`CaseFile::parse`] reads it,
+//! The case file (`poinsot.case/2`, TOML): structure only, values are not checked. [`CaseFile::parse`] reads it,
 //! [`CaseFile::text`] writes it.
 
 use crate::toml_file::{ShapeFault, parse_toml};
@@ -11,16 +11,16 @@ use toml::Spanned;
 
 /// Name and version of the format.
 pub const CASE: &str = "poinsot.case/2";
-/// The version before it, without motions of wheels from files; it is read the same way.
+/// The previous version, without wheel motions from files; it is read the same way.
 pub const CASE_BEFORE: &str = "poinsot.case/1";
 
-/// A value with its place in the file.
+/// A value with its position in the file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct Placed<T>(Spanned<T>);
 
 impl<T> From<T> for Placed<T> {
-    /// A value that is not yet in a file.
+    /// A value without a position.
     fn from(value: T) -> Self {
         Self(Spanned::new(0..0, value))
     }
@@ -38,7 +38,7 @@ impl<T> Placed<T> {
         self.0.get_ref()
     }
 
-    /// Its bytes in the file.
+    /// Byte range in the file.
     pub fn span(&self) -> Range<usize> {
         self.0.span()
     }
@@ -111,7 +111,7 @@ impl CaseFile {
     /// Reads the text of a case.
     ///
     /// # Errors
-    /// It is not TOML, or keys are unknown, missing or of another type.
+    /// The text is not TOML, or keys are unknown, missing or of a wrong type.
     pub fn parse(text: &str) -> Result<Self, Vec<ShapeFault>> {
         parse_toml(text)
     }
@@ -119,19 +119,19 @@ impl CaseFile {
     /// The text of the case, without default values.
     ///
     /// # Errors
-    /// A number is larger than TOML holds.
+    /// A number is too large for TOML.
     pub fn text(&self) -> Result<String, toml::ser::Error> {
         toml::to_string(self)
     }
 
-    /// Every file that it names, except the model.
+    /// Every file named in the case, except the model.
     pub fn files(&self) -> impl Iterator<Item = &Placed<String>> {
         let torques = self.joint_torque.iter().map(|t| &t.file);
         let wheels = self.wheel_motion.iter().map(|w| &w.file);
         torques.chain(wheels).flatten()
     }
 
-    /// The same, to be changed.
+    /// The same files, mutable.
     pub fn files_mut(&mut self) -> impl Iterator<Item = &mut Placed<String>> {
         let torques = self.joint_torque.iter_mut().map(|t| &mut t.file);
         let wheels = self.wheel_motion.iter_mut().map(|w| &mut w.file);
@@ -139,7 +139,7 @@ impl CaseFile {
     }
 }
 
-/// Whether a value is the default of its key.
+/// Whether a value equals its default.
 fn is_usual<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
 }

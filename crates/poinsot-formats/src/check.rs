@@ -1,9 +1,9 @@
-//! Whether an answer contradicts itself: what its schema does not say.
+//! Consistency of a result file, beyond its schema.
 
 use crate::body::BodyFile;
 use crate::estimate::EstimateFile;
 
-/// Words of the status of an answer.
+/// Valid values of the status of a result.
 const STATUS: [&str; 5] = [
     "converged",
     "partial",
@@ -11,9 +11,9 @@ const STATUS: [&str; 5] = [
     "iteration_limit",
     "rejected",
 ];
-/// Words of the source of a number.
+/// Valid values of the source of a number.
 const SOURCES: [&str; 3] = ["data", "prior", "known"];
-/// Relative difference of two numbers that are one number: they are written with all digits.
+/// Relative tolerance for two numbers that must be equal; they are written with all digits.
 const SAME: f64 = 1.0e-9;
 
 /// One contradiction.
@@ -27,7 +27,7 @@ pub struct Contradiction {
     pub problem: String,
 }
 
-/// Contradictions in an answer; empty without any.
+/// Contradictions in a result; empty if consistent.
 pub fn contradictions(file: &EstimateFile) -> Vec<Contradiction> {
     let mut found = Vec::new();
     let mut say = |key: String, value: String, problem: &str| {
@@ -84,7 +84,7 @@ fn numbers(name: &str, body: &BodyFile, say: &mut impl FnMut(String, String, &st
     }
 }
 
-/// Principal moments have the trace of the tensor and ascend.
+/// The sum of the principal moments equals the trace of the tensor, and they are in ascending order.
 fn moments(key: &str, body: &BodyFile, say: &mut impl FnMut(String, String, &str)) {
     let Some(principal) = &body.principal else {
         return;
@@ -104,7 +104,7 @@ fn moments(key: &str, body: &BodyFile, say: &mut impl FnMut(String, String, &str
     }
 }
 
-/// The matrix is square and symmetric, its diagonal the squares of the sigmas of the bodies.
+/// The matrix is square and symmetric, and its diagonal equals the squared sigmas of the bodies.
 fn covariance(file: &EstimateFile, say: &mut impl FnMut(String, String, &str)) {
     let covariance = &file.covariance;
     let (names, matrix) = (&covariance.names, &covariance.matrix);

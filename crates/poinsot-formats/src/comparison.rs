@@ -1,4 +1,4 @@
-//! `compare --json`: several answers of one vehicle side by side.
+//! `compare --json`: several results of one vehicle side by side.
 
 use indexmap::IndexMap;
 use schemars::JsonSchema;
@@ -31,7 +31,7 @@ pub struct ComparisonFile {
 }
 
 impl ComparisonFile {
-    /// Whether all answers agree, by reliable p-values.
+    /// Whether all results agree, by p-values that are reliable.
     pub fn passes(&self) -> bool {
         self.verdict == "agree" && self.doubts.is_empty()
     }

@@ -1,4 +1,4 @@
-//! `DIR/design.json`: a designed manoeuvre and what it gives.
+//! `DIR/design.json`: a designed manoeuvre and its predicted accuracy.
 
 use crate::prediction::AgainstDurationFile;
 use schemars::JsonSchema;

@@ -1,4 +1,4 @@
-//! `estimate.json`, the answer of `identify`.
+//! `estimate.json`, the result of `identify`.
 
 use crate::body::BodyFile;
 use crate::diagnostics::DiagnosticsFile;
@@ -124,7 +124,7 @@ pub struct ReferenceFile {
 }
 
 impl ReferenceFile {
-    /// The conventions of this program, for a vehicle with this base.
+    /// The conventions of the program, for a vehicle with this base.
     pub fn of_base(base: &str) -> Self {
         Self {
             units: "SI".to_owned(),
@@ -369,7 +369,7 @@ impl EstimateFile {
         ["rejected", "iteration_limit"].contains(&self.status.as_str())
     }
 
-    /// Method with its variant, in words.
+    /// Method and variant as text.
     pub fn method_in_words(&self) -> String {
         let method = self.method.replace('_', " ");
         match &self.variant {

@@ -1,4 +1,4 @@
-//! Files as types: every file has one type, which writes it, reads it and gives its JSON Schema.
+//! One type per file format: it writes the file, reads it and gives its JSON Schema.
 //!
 //! ```
 //! use poinsot_formats::{Elements, NumberFile};
@@ -95,7 +95,7 @@ fn of<T: JsonSchema>() -> Value {
     schema_for!(T).to_value()
 }
 
-/// Every format of a result.
+/// All formats.
 const FORMATS: [Format; 17] = [
     ("estimate", of::<EstimateFile>),
     ("truth", of::<TruthFile>),

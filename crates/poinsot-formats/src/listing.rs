@@ -1,4 +1,4 @@
-//! Answers of the verbs that list or report: methods, units, error codes, studies, files written, errors.
+//! Results of the commands that list or report: methods, units, error codes, studies, written files, errors.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -13,7 +13,7 @@ pub const CODES: &str = "poinsot.codes/1";
 pub const STUDIES: &str = "poinsot.studies/1";
 /// Name and version of `study PAPER NAME --json`.
 pub const FINDINGS: &str = "poinsot.findings/1";
-/// Name and version of what `--json` says where the answer is files.
+/// Name and version of `--json` for commands that write files.
 pub const WRITTEN: &str = "poinsot.written/1";
 /// Name and version of an error under `--json`.
 pub const ERROR: &str = "poinsot.error/1";
@@ -266,7 +266,7 @@ impl WrittenFile {
 }
 
 impl FaultFile {
-    /// From a line as it is printed: `CODE place: problem; advice`.
+    /// Parses a printed line: `CODE place: problem; advice`.
     pub fn of_line(line: &str) -> Self {
         let (code, rest) = match line.split_once(' ') {
             Some((code, rest)) if code.starts_with('E') && code.len() == 5 => (code, rest),

@@ -1,4 +1,4 @@
-//! Numbers of an answer: scalar, vector in body axes, symmetric tensor with named elements.
+//! Numbers of a result: scalar, vector in body axes, symmetric tensor with named elements.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -62,13 +62,13 @@ pub struct Elements<T> {
     pub yz: T,
 }
 
-/// A vector of an answer.
+/// A vector of a result.
 pub type VectorFile = Axes<NumberFile>;
-/// A symmetric tensor of an answer.
+/// A symmetric tensor of a result.
 pub type TensorFile = Elements<NumberFile>;
 
 impl NumberFile {
-    /// Whether the model gives it as known.
+    /// Whether the model declares it as known.
     pub fn is_known(&self) -> bool {
         self.source.as_deref() == Some("known")
     }
@@ -85,7 +85,7 @@ impl<T> Axes<T> {
         [("x", &self.x), ("y", &self.y), ("z", &self.z)]
     }
 
-    /// Another value for each component.
+    /// Maps each component.
     pub fn map<U>(&self, mut value: impl FnMut(&T) -> U) -> [U; 3] {
         self.named().map(|(_, t)| value(t))
     }
@@ -123,7 +123,7 @@ impl<T> Elements<T> {
         }
     }
 
-    /// From rows and columns of a symmetric matrix, counted from zero.
+    /// From the elements of a symmetric matrix by row and column, counted from zero.
     pub fn of_matrix(mut element: impl FnMut(usize, usize) -> T) -> Self {
         Self::by_name(|name| {
             let [row, column] = [0, 1].map(|k| usize::from(name.as_bytes()[k] - b'x'));
@@ -131,7 +131,7 @@ impl<T> Elements<T> {
         })
     }
 
-    /// Another value for each element, row by row of the symmetric matrix.
+    /// Maps each element; returns the rows of the symmetric matrix.
     pub fn rows<U>(&self, mut value: impl FnMut(&T) -> U) -> [[U; 3]; 3] {
         let Self {
             xx,
@@ -145,7 +145,7 @@ impl<T> Elements<T> {
     }
 }
 
-/// JSON has no infinity and no NaN: such a number is null.
+/// The number, or null if infinite or NaN, which JSON cannot hold.
 pub fn finite(x: f64) -> Option<f64> {
     x.is_finite().then_some(x)
 }

@@ -1,4 +1,4 @@
-//! The plan of a campaign (`poinsot.plan/1`, TOML): experiments, methods, numbers that vary, numbers that are drawn.
+//! The plan of a campaign (`poinsot.plan/1`, TOML): experiments, methods, varied numbers, random numbers.
 
 use crate::toml_file::{ShapeFault, parse_toml};
 use schemars::JsonSchema;
@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 /// Name and version of the format.
 pub const PLAN: &str = "poinsot.plan/1";
 
-/// Replicates of a sampling where the plan names none, and the fewest it may have: bands come from their scatter.
+/// Default and least number of replicates of a sampling; bands are computed from their scatter.
 pub const REPLICATES: u64 = 20;
 
 /// A campaign: every combination of experiments, varied numbers and methods, with trials of each.
@@ -51,7 +51,7 @@ impl PlanFile {
     /// Reads the text of a plan.
     ///
     /// # Errors
-    /// It is not TOML, or keys are unknown, missing or of another type.
+    /// The text is not TOML, or keys are unknown, missing or of a wrong type.
     pub fn parse(text: &str) -> Result<Self, Vec<ShapeFault>> {
         parse_toml(text)
     }
@@ -59,7 +59,7 @@ impl PlanFile {
     /// The text of the plan.
     ///
     /// # Errors
-    /// A number is larger than TOML holds.
+    /// A number is too large for TOML.
     pub fn text(&self) -> Result<String, toml::ser::Error> {
         toml::to_string(self)
     }

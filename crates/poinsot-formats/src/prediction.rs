@@ -1,4 +1,4 @@
-//! `predict --json`: the accuracy that a case allows, before there is telemetry.
+//! `predict --json`: the predicted accuracy of a case.
 
 use crate::body::MassFile;
 use crate::estimate::{CovarianceFile, IdentifiabilityFile, ReferenceFile};

@@ -1,4 +1,4 @@
-//! The one reader of result files, from disk or from memory.
+//! Reader of result files, from disk or from memory.
 
 use crate::estimate::{ESTIMATE, EstimateFile};
 use crate::truth::{TRUTH, TruthFile};
@@ -11,29 +11,29 @@ use std::path::{Path, PathBuf};
 /// A result file that cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum FormatError {
-    /// There is no such file.
+    /// File not found.
     #[error("there is no such file; give the folder of identify --out")]
     Missing {
         /// Path.
         path: PathBuf,
     },
-    /// The system refuses it.
+    /// Error of the operating system.
     #[error("{source}")]
     Io {
         /// Path.
         path: PathBuf,
-        /// Why.
+        /// The error.
         source: std::io::Error,
     },
-    /// It is another format.
+    /// The file has another format.
     #[error("{}; give the folder of identify --out", schema_found(found))]
     Schema {
         /// Path.
         path: PathBuf,
-        /// Schema found; empty without one.
+        /// Schema found; empty if absent.
         found: String,
     },
-    /// It has another shape.
+    /// The file does not match the structure of its format.
     #[error("{why}; give an estimate.json as identify writes it")]
     Shape {
         /// Path.
@@ -49,10 +49,10 @@ fn schema_found(found: &str) -> String {
         found => format!("its schema is \"{found}\", not {ESTIMATE}"),
     }
 }
-/// Largest file that is read, bytes.
+/// Size limit of a file, bytes.
 pub const LARGEST_RESULT: u64 = 256 << 20;
 
-/// A format that is read, with the version before it.
+/// A format and its previous version.
 trait Versioned: DeserializeOwned {
     const SCHEMA: &'static str;
     const EARLIER: &'static str;
@@ -75,7 +75,7 @@ impl Versioned for TruthFile {
     }
 }
 
-/// Reads `estimate.json`, or the folder that holds it; gives the path of the file too.
+/// Reads `estimate.json`, or the folder that holds it; returns also the path of the file.
 ///
 /// # Errors
 /// The file is missing, unreadable, of another format or damaged.
@@ -88,10 +88,10 @@ pub fn read_estimate(path: &Path) -> Result<(PathBuf, EstimateFile), FormatError
     Ok((path, file))
 }
 
-/// Reads the bytes of an `estimate.json`; messages call it `path`.
+/// Reads the bytes of an `estimate.json`; errors name it `path`.
 ///
 /// # Errors
-/// It is of another format or damaged.
+/// The file has another format or is damaged.
 pub fn parse_estimate(path: &Path, bytes: &[u8]) -> Result<EstimateFile, FormatError> {
     parse(path, bytes)
 }
@@ -129,7 +129,7 @@ fn parse<T: Versioned>(path: &Path, bytes: &[u8]) -> Result<T, FormatError> {
     let mut value: Value = serde_json::from_slice(bytes).map_err(shape)?;
     let found = value.get("schema").and_then(Value::as_str).unwrap_or("");
     if found == T::SCHEMA {
-        // From the text once more: only then does an error have line and column.
+        // Parse the text again: only then does the error have line and column.
         return serde_json::from_slice(bytes).map_err(shape);
     }
     if found != T::EARLIER {

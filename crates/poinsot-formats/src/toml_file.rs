@@ -1,21 +1,21 @@
-//! From TOML to a typed file, with everything that is wrong with its shape and not the first fault alone.
+//! Parses TOML into a typed file and reports all faults of its structure, not only the first.
 
 use serde::de::DeserializeOwned;
 use std::ops::Range;
 use toml::de::{DeTable, DeValue, Error};
 use toml::{Deserializer, Spanned};
 
-/// Largest number of faults reported for one file.
+/// Largest number of faults reported per file.
 const MOST: usize = 20;
 
 /// One fault of the structure of a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ShapeFault {
-    /// Its bytes in the file.
+    /// Byte range in the file.
     pub span: Range<usize>,
     /// What is wrong.
     pub problem: String,
-    /// Of an unknown key or word: what stands there, and what may stand there.
+    /// For an unknown key or word: the text read, and the valid ones.
     pub unknown: Option<(String, Vec<String>)>,
 }
 
@@ -36,10 +36,10 @@ impl ShapeFault {
     }
 }
 
-/// Reads a file. What does not fit is noted and taken out, until the rest fits.
+/// Reads a file. A key that does not fit is recorded and removed, and the rest is parsed again.
 ///
 /// # Errors
-/// Everything that does not fit; a text that is no TOML has one fault, and a key that is missing at the top ends the list.
+/// All faults found. Invalid TOML gives one fault, and a missing top-level key ends the list.
 pub fn parse_toml<T: DeserializeOwned>(text: &str) -> Result<T, Vec<ShapeFault>> {
     let mut table = DeTable::parse(text).map_err(|e| vec![ShapeFault::of(&e)])?;
     let mut faults = Vec::new();
@@ -52,7 +52,7 @@ pub fn parse_toml<T: DeserializeOwned>(text: &str) -> Result<T, Vec<ShapeFault>>
         };
         let fault = ShapeFault::of(&error);
         let missing = fault.problem.strip_prefix("missing field");
-        // A key that was taken out is there: its table is of no more use, the rest is.
+        // The missing key was removed before, so its table cannot be parsed; remove the table.
         let known = missing.is_some_and(|m| taken.iter().any(|t| m.contains(&format!("`{t}`"))));
         let key = take_out(table.get_mut(), &fault.span);
         if !known {
@@ -65,7 +65,7 @@ pub fn parse_toml<T: DeserializeOwned>(text: &str) -> Result<T, Vec<ShapeFault>>
     }
 }
 
-/// Takes out the innermost key that stands at these bytes or whose value does, or the table of a list; gives its name.
+/// Removes the innermost key, or table of a list, whose key or value has these bytes. Returns its name.
 fn take_out(table: &mut DeTable<'_>, at: &Range<usize>) -> Option<String> {
     let inner = table.iter_mut().find_map(|(_, v)| within(v.get_mut(), at));
     if inner.is_some() {

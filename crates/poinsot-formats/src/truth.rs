@@ -1,4 +1,4 @@
-//! `truth.json`: what an identification of simulated telemetry should find.
+//! `truth.json`: the true values of simulated telemetry.
 
 use crate::body::{BarycentricFile, MassFile, PrincipalFile};
 use crate::estimate::{MomentumFile, ReferenceFile};

@@ -1,11 +1,11 @@
-//! Earlier versions of result files, brought to the shape of today before they are read.
+//! Converts earlier versions of result files to the current structure before they are parsed.
 
 use crate::address::address;
 use crate::estimate::ReferenceFile;
 use crate::number::{Axes, Elements};
 use serde_json::{Map, Value};
 
-/// Endings of names of nuisances in version 1, the longer before those that they end in.
+/// Name suffixes of nuisance parameters in version 1; longer ones before those that they end in.
 const UNITS_1: [(&str, &str); 10] = [
     ("_kg_m2", "kg m2"),
     ("_rad_s2", "rad/s2"),
@@ -19,7 +19,8 @@ const UNITS_1: [(&str, &str); 10] = [
     ("_N", "N"),
 ];
 
-/// `estimate/1`: vectors and tensors were tables of value, sigma, nominal and source; names had no unit, or had it last.
+/// `estimate/1`: vectors and tensors were tables of value, sigma, nominal and source; names had no unit, or a unit
+/// suffix.
 pub(crate) fn estimate_1(file: &mut Value) {
     let bodies = file.get_mut("bodies").and_then(Value::as_object_mut);
     let base = bodies.as_ref().and_then(|b| b.keys().next().cloned());
@@ -36,7 +37,7 @@ pub(crate) fn estimate_1(file: &mut Value) {
     }
 }
 
-/// `truth/1`: as `estimate/1`, of values alone. The errors of sensors, by the unit of each, are not read.
+/// `truth/1`: as `estimate/1`, with values only. Sensor errors, listed by unit, are dropped.
 pub(crate) fn truth_1(file: &mut Value) {
     let bodies = file.get_mut("bodies").and_then(Value::as_object_mut);
     for body in bodies.into_iter().flat_map(Map::values_mut) {
@@ -45,7 +46,7 @@ pub(crate) fn truth_1(file: &mut Value) {
     list(file, "system").for_each(body_1);
     list(file, "momentum").for_each(momentum_1);
     if let Some(file) = file.as_object_mut() {
-        // A file of version 1 holds null where a case without samples has no start.
+        // Version 1 has null if a case without samples has no start.
         file.retain(|_, value| !value.is_null());
         file.remove("noise");
     }
@@ -103,7 +104,7 @@ fn elements(quantity: Option<&mut Value>, names: &[&str]) {
     *quantity = all.into();
 }
 
-/// `gyro.bias_x_rad_s` is `gyro.bias_rad_s.x`.
+/// Converts `gyro.bias_x_rad_s` to `gyro.bias_rad_s.x`.
 fn nuisance_1(name: &str) -> String {
     let unit = UNITS_1.iter().find(|(end, _)| name.ends_with(end));
     match unit {
@@ -120,7 +121,7 @@ fn rename(table: Option<&mut Value>, name: impl Fn(&str) -> String) {
     *table = old.into_iter().map(|(key, v)| (name(&key), v)).collect();
 }
 
-/// Names of the covariance, of combinations and of known numbers.
+/// Converts names in the covariance, in combinations and in known numbers.
 fn addresses_1(file: &mut Value) {
     let mut known: Vec<(String, String)> = Vec::new();
     if let Some(covariance) = file.get_mut("covariance") {

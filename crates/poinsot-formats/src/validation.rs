@@ -1,4 +1,4 @@
-//! `validation.json`: the motion of a model or an estimate against another model or telemetry.
+//! `validation.json`: comparison of the motion of a model or estimate with another model or telemetry.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -55,7 +55,7 @@ pub struct EstimateRefFile {
     pub covariance_trustworthy: bool,
 }
 
-/// Default for older files.
+/// Default for files of earlier versions.
 fn relied_on() -> bool {
     true
 }

@@ -1,10 +1,10 @@
-//! Files of version 1 read as files of today.
+//! Files of version 1 are read as the current version.
 #![allow(clippy::unwrap_used)]
 
 use poinsot_formats::{parse_estimate, read_truth};
 use std::path::Path;
 
-/// An answer as version 1 wrote it: two wheels on one body, the mass known, one bias undetermined.
+/// An answer in version 1: two wheels on one body, known mass, one undetermined bias.
 const ESTIMATE_1: &str = r#"{
   "schema": "poinsot.estimate/1", "poinsot": "0.1.0", "method": "maximum_likelihood", "variant": null,
   "status": "partial", "iterations": 4, "model": "sat",
@@ -77,7 +77,7 @@ fn exact_an_estimate_of_version_1_keeps_every_number_under_its_address() {
     assert_eq!(known.sensitivities[0].number, "wheel1.axis_rad.1");
     assert_eq!(known.sensitivities[0].change[rows[0]], 0.1);
     assert_eq!(file.reference.base, "bus");
-    // What is written again is version 2, and reads as the same.
+    // Written again it is version 2, and reads as equal.
     let text = serde_json::to_string_pretty(&file).unwrap();
     assert!(text.contains("poinsot.estimate/2") && !text.contains("\"variant\""));
     let again = parse_estimate(Path::new("estimate.json"), text.as_bytes()).unwrap();

@@ -1,12 +1,11 @@
-//! Small arbitrary problems into `identify`.
+//! Runs small arbitrary problems through `identify`.
 
 use crate::small_problem::SmallProblem;
 use arbitrary::Unstructured;
 use poinsot::{Detail, Identified, Question, estimate_document, estimate_file, identify_tables};
 use poinsot_model::parse_model;
 
-/// A small vehicle with a short record, both arbitrary. Whatever comes out, every number has a sigma, and both are
-/// finite.
+/// A small vehicle with a short record, both arbitrary. Every resulting number must be finite and have a finite sigma.
 pub fn identify(bytes: &[u8]) {
     let Ok(problem) = SmallProblem::new(&mut Unstructured::new(bytes)) else {
         return;

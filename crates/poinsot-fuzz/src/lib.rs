@@ -1,7 +1,7 @@
-//! Arbitrary bytes into every reader, and small arbitrary problems into `identify`.
+//! Runs arbitrary bytes through every reader, and small arbitrary problems through `identify`.
 //!
-//! Each target takes bytes and panics when something is wrong: a panic on the way, or an answer that breaks its
-//! promises. libFuzzer calls them from `fuzz/`; `tests/corpus.rs` replays the committed corpus and its mutations.
+//! Each target takes bytes. It panics if the program panics or a result violates its invariants. libFuzzer calls them
+//! from `fuzz/`; `tests/corpus.rs` replays the committed corpus and its mutations.
 #![allow(non_snake_case)]
 
 mod identify;
@@ -17,10 +17,10 @@ pub use mutate::Mutator;
 pub use telemetry::{csv, parquet};
 pub use urdf::urdf;
 
-/// A target: it panics when something is wrong.
+/// A target; it panics on a fault.
 pub type Target = fn(&[u8]);
 
-/// All targets by the names of their corpora.
+/// All targets, by the names of their corpora.
 pub const TARGETS: [(&str, Target); 5] = [
     ("csv", csv),
     ("parquet", parquet),

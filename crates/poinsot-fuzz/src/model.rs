@@ -3,7 +3,7 @@
 use poinsot_dynamics::Tree;
 use poinsot_model::{Model, describe, parse_model, write_model};
 
-/// Bytes as a model file. A file that is taken must survive being written and read again.
+/// Bytes as a model file. An accepted file must survive writing and reading.
 pub fn model(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else {
         return;
@@ -17,7 +17,7 @@ pub fn model(bytes: &[u8]) {
     }
 }
 
-/// What holds of every model that a reader has taken.
+/// Invariants of every accepted model.
 pub(crate) fn check_model(model: &Model) {
     let tree = Tree::new(model);
     assert_eq!(tree.bodies(), model.bodies.len());

@@ -1,6 +1,6 @@
 //! Deterministic mutations of corpus files, for the tests; the fuzzer has its own.
 
-/// Pieces that readers take seriously.
+/// Tokens significant to readers.
 const TOKENS: [&[u8]; 28] = [
     b",",
     b"\n",
@@ -32,21 +32,21 @@ const TOKENS: [&[u8]; 28] = [
     b"0.1",
 ];
 
-/// Longest input made.
+/// Largest input, bytes.
 const LONGEST: usize = 1 << 16;
 
-/// Makes new inputs of old ones; the same seed makes the same inputs.
+/// Makes new inputs from old ones, deterministically for a seed.
 pub struct Mutator {
     state: u64,
 }
 
 impl Mutator {
-    /// A start, different for each target.
+    /// Creates a generator; use a different seed for each target.
     pub fn new(seed: u64) -> Self {
         Self { state: seed }
     }
 
-    /// The next number of SplitMix64 (Steele, Lea, Flood 2014).
+    /// Next number of SplitMix64 (Steele, Lea, Flood 2014).
     fn next(&mut self) -> u64 {
         self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.state;
@@ -55,12 +55,12 @@ impl Mutator {
         z ^ (z >> 31)
     }
 
-    /// Below `n`; 0 where `n` is 0.
+    /// A number below `n`; 0 if `n` is 0.
     fn below(&mut self, n: usize) -> usize {
         usize::try_from(self.next() % n.max(1) as u64).unwrap_or(0)
     }
 
-    /// One of the corpus, changed in one to eight places.
+    /// An input of the corpus, changed in one to eight places.
     pub fn input(&mut self, corpus: &[Vec<u8>]) -> Vec<u8> {
         let pick = self.below(corpus.len());
         let mut bytes = corpus.get(pick).cloned().unwrap_or_default();

@@ -5,14 +5,14 @@ use poinsot_telemetry::{Channel, Table};
 use std::fmt::Write;
 use std::sync::Arc;
 
-/// Most samples of the record.
+/// Largest number of samples.
 const SAMPLES: usize = 24;
 
 /// A model file and its telemetry.
 pub struct SmallProblem {
-    /// Text of the model file; it need not be a valid one.
+    /// Text of the model file, which may be invalid.
     pub model: String,
-    /// What was measured: finite, at increasing times, attitudes of unit length, as the readers promise.
+    /// Measurements as from the readers: finite, at increasing times, attitudes of unit norm.
     pub table: Table,
     /// Method of `identify`.
     pub method: &'static str,
@@ -22,7 +22,7 @@ pub struct SmallProblem {
 
 impl SmallProblem {
     /// # Errors
-    /// There are too few bytes.
+    /// Too few bytes.
     pub fn new(u: &mut Unstructured) -> Result<Self> {
         let mut methods = vec![
             ("linear", None),
@@ -65,7 +65,7 @@ impl SmallProblem {
     }
 }
 
-/// Mostly of the size asked for, sometimes an edge.
+/// Usually of this size, sometimes a limiting value.
 fn number(u: &mut Unstructured, size: f64) -> Result<f64> {
     const EDGES: [f64; 9] = [
         0.0,
@@ -85,7 +85,7 @@ fn number(u: &mut Unstructured, size: f64) -> Result<f64> {
     Ok(size * (1.0 + 0.3 * f64::from(step) / 32768.0))
 }
 
-/// Either sign.
+/// A number of either sign.
 fn signed(u: &mut Unstructured, size: f64) -> Result<f64> {
     let x = number(u, size)?;
     Ok(if u.arbitrary()? { x } else { -x })
@@ -206,7 +206,7 @@ fn record(u: &mut Unstructured, columns: &[&str]) -> Result<Table> {
     Ok(table)
 }
 
-/// Attitudes become what the readers hand out: of unit length, or no channels at all.
+/// Normalises attitudes as the readers do, or removes their channels.
 fn normalise(table: &mut Table) {
     let at = |name: &str| table.channels.iter().position(|c| c.name == name);
     let parts = ["q_x", "q_y", "q_z", "q_w"].map(at);

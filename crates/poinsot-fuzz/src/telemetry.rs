@@ -6,7 +6,7 @@ use std::path::Path;
 use tempfile::TempDir;
 
 thread_local! {
-    /// One folder for all files of a thread; the same names again and again.
+    /// One folder for all files of a thread; file names are reused.
     static FOLDER: Option<TempDir> = TempDir::new().ok();
 }
 
@@ -62,7 +62,7 @@ fn check(path: &Path, options: &ReadOptions) {
     }
 }
 
-/// What the reader promises of every channel.
+/// Invariants of every channel of a reader.
 fn check_table(table: &Table) {
     for channel in &table.channels {
         let name = &channel.name;

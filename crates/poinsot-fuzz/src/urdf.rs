@@ -3,7 +3,7 @@
 use crate::model::check_model;
 use poinsot_model::{BodyProperties, parse_urdf, patch_urdf};
 
-/// Bytes as a URDF file. A file that is taken must make a sound model, and take its own inertials back.
+/// Bytes as a URDF file. An accepted file must give a valid model, and its mass properties can be written back.
 pub fn urdf(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else {
         return;

@@ -1,13 +1,13 @@
-//! The committed corpus and deterministic mutations of it through every target.
+//! Runs the committed corpus and deterministic mutations of it through every target.
 //!
-//! `POINSOT_FUZZ_SECONDS=60` mutates that long per target instead, and prints how many inputs that made.
+//! `POINSOT_FUZZ_SECONDS=60` mutates for that time per target instead, and prints the number of inputs.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use poinsot_fuzz::{Mutator, TARGETS};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// Longest time a single small input may take.
+/// Time limit of a single small input.
 const LONGEST: Duration = Duration::from_secs(10);
 
 fn corpus(name: &str) -> Vec<Vec<u8>> {

@@ -1,5 +1,5 @@
-//! From the file as written to a checked [`Model`]. Every table has its own check; each reports all it
-//! finds and leaves out what it refuses.
+//! Checks a file and converts it to a [`Model`]. Every table has its own check, which reports all findings and drops
+//! invalid entries.
 
 use crate::check_body::{check_bodies, check_massless, check_together};
 use crate::check_joint::check_joints;
@@ -15,10 +15,10 @@ use crate::knowledge::Knowledge;
 use crate::vehicle::Model;
 use std::collections::HashMap;
 
-/// More bodies than this are refused.
+/// Largest number of bodies.
 pub(crate) const MOST_BODIES: usize = 10_000;
 
-/// Checks the raw model. The answer means something only if there are no findings.
+/// Checks the file. The result is valid only without findings.
 pub(crate) fn check_model(file: &ModelFile, findings: &mut Findings<'_, '_>) -> Option<Model> {
     let bodies = file.body.as_deref().unwrap_or(&[]);
     if !check_count(file, findings) {
@@ -70,7 +70,7 @@ pub(crate) fn check_model(file: &ModelFile, findings: &mut Findings<'_, '_>) -> 
         notes: Vec::new(),
     };
     model.knowledge = check_known(file, &model, findings);
-    // These read the whole tree, which exists only if every body and joint was accepted.
+    // These checks need the whole tree, so every body and joint must be valid.
     if model.bodies.len() == bodies.len() && model.joints.len() == joint_files.len() {
         check_massless(&model, &order, findings);
         check_together(&model, &order, findings);
@@ -78,7 +78,7 @@ pub(crate) fn check_model(file: &ModelFile, findings: &mut Findings<'_, '_>) -> 
     Some(model)
 }
 
-/// Whether there are bodies, and not too many.
+/// Whether the number of bodies is allowed.
 fn check_count(file: &ModelFile, findings: &mut Findings<'_, '_>) -> bool {
     let top = Key::top("body");
     match file.body.as_deref() {
@@ -100,8 +100,8 @@ fn check_count(file: &ModelFile, findings: &mut Findings<'_, '_>) -> bool {
     false
 }
 
-/// Place of each named body in the order of the model, in which parents stand before children; beyond all for one that hangs on
-/// nothing, of which something is said elsewhere.
+/// Index of each named body in model order, in which parents come before children. A body without parent, reported
+/// elsewhere, has an index beyond all.
 fn places<'f>(bodies: &'f [BodyFile], order: &[usize]) -> HashMap<&'f str, usize> {
     let mut place = vec![usize::MAX; bodies.len()];
     for (k, body) in order.iter().enumerate() {

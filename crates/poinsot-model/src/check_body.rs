@@ -1,4 +1,4 @@
-//! Mass properties: those of real bodies, and enough of them that every motion is determined.
+//! Mass properties: physical, and sufficient to determine every motion.
 
 use crate::check_rest::positive;
 use crate::file::{BodyFile, EstimateFile, InertiaFile, Parameter};
@@ -7,14 +7,13 @@ use crate::number::{list, short};
 use crate::vehicle::{Body, EstimateSet, JointKind, Model, Prior};
 use poinsot_spatial::{MassProperties, Matrix3, Unphysical, Vector3};
 
-/// Relative to the largest principal moment: a number typed with seven digits may break the triangle
-/// inequality by this much.
+/// Tolerance of the triangle inequality, relative to the largest principal moment: covers rounding to seven digits.
 pub(crate) const PHYSICAL_TOLERANCE: f64 = 1e-6;
 
-/// Smallest mass that is taken for one, kg: a nanogram.
+/// Smallest mass accepted, kg: a nanogram.
 const SMALLEST_MASS: f64 = 1e-12;
 
-/// One body per entry of the file, in its order; a stand-in where it was refused.
+/// Checks the bodies in file order; an invalid one is replaced by a default.
 pub(crate) fn check_bodies(bodies: &[BodyFile], findings: &mut Findings<'_, '_>) -> Vec<Body> {
     bodies
         .iter()
@@ -33,7 +32,7 @@ fn check_body(k: usize, file: &BodyFile, findings: &mut Findings<'_, '_>) -> Bod
     }
     Body {
         name: file.name.clone().unwrap_or_default(),
-        // A refused body counts as one with mass, so that nothing more is said about what it moves with.
+        // An invalid body counts as massive, to avoid errors about joints that move it.
         nominal: match nominal {
             Some(nominal) if findings.count() == before => nominal,
             _ => MassProperties {
@@ -250,7 +249,7 @@ fn check_prior(
     })
 }
 
-/// Mass of the subtree of each body, itself included.
+/// Mass of the subtree of each body, including the body.
 fn carried_mass(model: &Model) -> Vec<f64> {
     let mut carried: Vec<f64> = model.bodies.iter().map(|b| b.nominal.mass).collect();
     for (k, body) in model.bodies.iter().enumerate().rev() {
@@ -266,7 +265,7 @@ fn carried_mass(model: &Model) -> Vec<f64> {
     carried
 }
 
-/// Refuses what moves without mass: a joint rate that no momentum depends on.
+/// Reports joints that move no mass: momentum does not depend on their rate.
 pub(crate) fn check_massless(model: &Model, order: &[usize], findings: &mut Findings<'_, '_>) {
     let carried = carried_mass(model);
     let key = |k: usize| {
@@ -287,7 +286,7 @@ pub(crate) fn check_massless(model: &Model, order: &[usize], findings: &mut Find
             continue;
         };
         let weightless = carried.get(k) == Some(&0.0);
-        // Of a chain without mass only the part next to something with mass is reported.
+        // For a massless chain only the joint next to a massive body is reported.
         let held = carried.get(joint.parent).is_some_and(|m| *m > 0.0);
         let moves = joint.kind != JointKind::Fixed || moving_part(model, &carried, k);
         if weightless && held && moves {
@@ -304,7 +303,7 @@ pub(crate) fn check_massless(model: &Model, order: &[usize], findings: &mut Find
     }
 }
 
-/// Whether a moving joint lies in the massless part that hangs on body `root` by a fixed joint.
+/// Whether the massless part fixed to body `root` contains a moving joint.
 fn moving_part(model: &Model, carried: &[f64], root: usize) -> bool {
     if carried.get(root) != Some(&0.0) {
         return false;
@@ -329,7 +328,7 @@ fn moving_part(model: &Model, carried: &[f64], root: usize) -> bool {
     false
 }
 
-/// Notes bodies that are rigidly connected and both unknown: only their sum shows.
+/// Adds a note for rigidly connected unknown bodies: only their sum is identifiable.
 pub(crate) fn check_together(model: &Model, order: &[usize], findings: &mut Findings<'_, '_>) {
     for (k, body) in model.bodies.iter().enumerate() {
         let Some(joint) = body.joint.and_then(|j| model.joints.get(j)) else {

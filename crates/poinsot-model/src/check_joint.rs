@@ -1,4 +1,4 @@
-//! Joints with unit axes and proper rotations.
+//! Checks joints: unit axes and proper rotations.
 
 use crate::check_rotation::{check_axis, check_rotation};
 use crate::file::{JointFile, JointType, SpringDamperFile};
@@ -123,7 +123,7 @@ fn check_locked_at(
     wanted.unwrap_or(0.0)
 }
 
-/// Spring and damper in the units of the joint's type. What is refused reads as zero.
+/// Spring and damper in the units of the joint type; zero if invalid.
 fn check_spring_damper(
     file: &SpringDamperFile,
     kind: JointKind,

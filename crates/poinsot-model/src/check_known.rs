@@ -1,4 +1,4 @@
-//! How well the known numbers are known: declared number by number, by source, or as exact.
+//! Uncertainty of the known numbers: declared per number, by source, or exact.
 
 use crate::check_sensor::kind_of;
 use crate::file::{ModelFile, SourceFile};
@@ -6,12 +6,12 @@ use crate::finding::{Findings, Key};
 use crate::knowledge::{Knowledge, KnownNumber, Origin, Uncertain};
 use crate::vehicle::Model;
 
-/// What one table declares.
+/// Uncertainty declared in one table.
 #[derive(Default)]
 struct Declared {
     exact: Option<bool>,
     source: Option<SourceFile>,
-    /// Key and value of each uncertainty of the table.
+    /// Uncertainty keys of the table, with values.
     sigmas: Vec<(&'static str, Option<f64>)>,
 }
 
@@ -49,7 +49,7 @@ pub(crate) fn check_known(
             out.uncertain.push(Uncertain { number, sigma });
             continue;
         }
-        // A table speaks for itself before the model does.
+        // A table's own declaration precedes that of the model.
         let own = declared.exact.is_some() || declared.source.is_some();
         let (exact, source) = match own {
             true => (declared.exact, declared.source),
@@ -84,7 +84,7 @@ pub(crate) fn check_known(
     out
 }
 
-/// Place of a number among the uncertainties of its table.
+/// Index of a number among the uncertainties of its table.
 fn slot_of(number: KnownNumber) -> usize {
     match number {
         KnownNumber::MassCentre(_)
@@ -96,7 +96,7 @@ fn slot_of(number: KnownNumber) -> usize {
     }
 }
 
-/// The table of a number in the file, by its name, and what it declares.
+/// The table of a number in the file, by its name, and its declaration.
 fn declared(file: &ModelFile, model: &Model, number: KnownNumber) -> Option<(Key, Declared)> {
     match number {
         KnownNumber::Mass(k) | KnownNumber::MassCentre(k) | KnownNumber::Inertia(k) => {
@@ -138,7 +138,7 @@ fn declared(file: &ModelFile, model: &Model, number: KnownNumber) -> Option<(Key
         KnownNumber::Mounting(k) => {
             let sensor = model.sensors.get(k)?;
             let list = file.sensor.as_deref()?;
-            // Names of sensors are unique within their type alone.
+            // Names of sensors are unique only within a type.
             let at = list.iter().position(|t| {
                 t.name.as_deref() == Some(sensor.name.as_str())
                     && t.kind.is_some_and(|kind| kind_of(kind) == sensor.kind)

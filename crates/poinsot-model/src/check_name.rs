@@ -1,4 +1,4 @@
-//! Names: printable, unique, and no two things that would read one telemetry column.
+//! Checks names: printable, unique, and no two parts with the same telemetry column.
 
 use crate::check_sensor::kind_of;
 use crate::file::{JointType, ModelFile, NuisanceFile, NuisanceWord, SensorFile, SensorType};
@@ -51,7 +51,7 @@ fn spelling(table: &str, index: Option<usize>, name: &str, findings: &mut Findin
     }
 }
 
-/// What is wrong with the spelling of a name, in a model file as in a URDF.
+/// Fault in the spelling of a name in a model file or URDF.
 pub(crate) fn misspelt(name: &str) -> Option<&'static str> {
     if name.trim().is_empty() {
         Some("the name is empty")
@@ -88,8 +88,8 @@ fn duplicate(table: &str, index: usize, problem: &str, findings: &mut Findings<'
     findings.refuse("E0110", &key, problem.to_owned(), "rename one of them");
 }
 
-/// Sensors of different kinds may share a name, as gyro and accelerometer of one unit do, while no unknown error of both has one
-/// address (`imu.scale.x`).
+/// Sensors of different kinds may share a name (as gyro and accelerometer of one unit do), unless unknown errors of
+/// both get the same address (`imu.scale.x`).
 fn sensors_unique(file: &ModelFile, findings: &mut Findings<'_, '_>) {
     let mut seen: HashMap<(SensorType, &str), usize> = HashMap::new();
     for (index, sensor) in file.sensor.as_deref().unwrap_or(&[]).iter().enumerate() {
@@ -116,12 +116,12 @@ fn sensors_unique(file: &ModelFile, findings: &mut Findings<'_, '_>) {
     }
 }
 
-/// An error that both sensors leave unknown and that has one unit in both.
+/// An error unknown in both sensors, with the same unit.
 fn shared_error(one: &SensorFile, other: &SensorFile) -> Option<&'static str> {
     let declared = |error: &Option<NuisanceFile>| {
         !matches!(error, None | Some(NuisanceFile::Word(NuisanceWord::None)))
     };
-    // Offsets of joints bear the names of the joints.
+    // Joint offsets are named after the joints.
     let vector = |s: &SensorFile| s.kind.map(kind_of).filter(|k| !k.is_scalar());
     let units = [one, other].map(|s| vector(s).map(|k| k.units()));
     let same_bias = units[0].is_some() && units[0] == units[1];
@@ -148,7 +148,8 @@ fn shared_error(one: &SensorFile, other: &SensorFile) -> Option<&'static str> {
         .map(|(error, ..)| error)
 }
 
-/// A wheel and a revolute joint of one name share `<name>_rad_s`; a thruster and a prismatic joint `<name>_N`.
+/// A wheel and a revolute joint with equal names share `<name>_rad_s`; a thruster and a prismatic joint share
+/// `<name>_N`.
 fn columns_unique(file: &ModelFile, findings: &mut Findings<'_, '_>) {
     let mut joints: HashMap<(&str, &str), usize> = HashMap::new();
     for (index, joint) in file.joint.as_deref().unwrap_or(&[]).iter().enumerate() {

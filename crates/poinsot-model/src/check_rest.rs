@@ -1,4 +1,4 @@
-//! Wheels, thrusters, momentum, environment, and the nuisance parameters they share with sensors.
+//! Checks wheels, thrusters, momentum, environment, and nuisance parameters common to these and to sensors.
 
 use crate::check_rotation::check_axis;
 use crate::check_tree::unknown_name;
@@ -14,7 +14,7 @@ use crate::vehicle::{
 use poinsot_spatial::Vector3;
 use std::f64::consts::{PI, TAU};
 
-/// A number above zero; `None` where it was refused.
+/// A positive number; `None` if invalid.
 pub(crate) fn positive(
     value: f64,
     key: &Key,
@@ -34,7 +34,7 @@ pub(crate) fn positive(
     None
 }
 
-/// A nuisance parameter whose prior is given in the unit of `unit_key`, for example `sigma_rad`.
+/// A nuisance parameter with its prior in the unit of `unit_key`, for example `sigma_rad`.
 pub(crate) fn check_nuisance(
     file: Option<&NuisanceFile>,
     key: &Key,
@@ -158,7 +158,7 @@ pub(crate) fn check_thrusters(
     thrusters
 }
 
-/// The body that something sits on.
+/// Index of the host body.
 pub(crate) fn check_host(
     name: Option<&str>,
     key: &Key,
@@ -190,7 +190,7 @@ pub(crate) fn check_momentum(file: Option<&MomentumFile>) -> Momentum {
     }
 }
 
-/// Elements of the reference orbit; `None` where they were refused.
+/// Elements of the reference orbit; `None` if invalid.
 fn check_orbit(
     file: &OrbitFile,
     gradient: bool,

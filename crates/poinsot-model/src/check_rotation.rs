@@ -1,15 +1,15 @@
-//! Axes of length one and proper rotations.
+//! Checks unit axes and proper rotations.
 
 use crate::finding::{Findings, Key};
 use crate::number::{list, short};
 use poinsot_spatial::{Matrix3, Vector3};
 
-/// Deviations up to this are rounding of the last digits and are not worth a note.
+/// Smaller deviations are rounding, and give no note.
 const ROUNDING: f64 = 1e-9;
-/// Largest |R'R - 1| of a rotation matrix: printed with seven digits.
+/// Largest |R'R - 1| of a rotation matrix, for seven printed digits.
 const ORTHONORMAL: f64 = 1e-6;
 
-/// A unit vector from three numbers; `None` where it was refused.
+/// A unit vector from three numbers; `None` if invalid.
 pub(crate) fn check_axis(
     axis: &[f64; 3],
     key: &Key,
@@ -27,7 +27,7 @@ pub(crate) fn check_axis(
         );
         return None;
     }
-    // Kept to the last bit where it is a unit vector already, so that a written model reads back equal.
+    // A unit vector is kept unchanged, so that a written model reads back equal.
     if (given.norm_squared() - 1.0).abs() <= 8.0 * f64::EPSILON {
         return Some(given);
     }
@@ -42,7 +42,7 @@ pub(crate) fn check_axis(
     Some(scaled / scaled.norm())
 }
 
-/// A rotation from a quaternion or a matrix, identity where neither is given.
+/// A rotation from a quaternion or a matrix; identity if neither is given.
 pub(crate) fn check_rotation(
     xyzw: Option<&[f64; 4]>,
     matrix: Option<&[[f64; 3]; 3]>,
@@ -146,7 +146,7 @@ fn check_matrix(
             format!("R'R differs from 1 by {}; orthonormalised", short(given)),
         );
     }
-    // Newton's iteration for the nearest rotation (Higham 1986); quadratic, so three steps end at round-off.
+    // Newton iteration for the nearest rotation (Higham 1986); quadratic convergence, so three steps suffice.
     for _ in 0..4 {
         if error(&rotation) <= 1e-14 {
             break;

@@ -1,4 +1,4 @@
-//! Sensors: noise in the unit of the channel, and what each sensor reads.
+//! Checks sensors: noise in the unit of the channel, and measured quantities.
 
 use crate::check_rest::{check_host, check_nuisance, positive};
 use crate::check_rotation::check_rotation;
@@ -10,10 +10,10 @@ use crate::vehicle::{Nuisance, Sensor, SensorKind};
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
 use std::collections::HashMap;
 
-/// Units a channel may have: the end of its keys.
+/// Valid units of a channel, as key suffixes.
 const UNITS: [&str; 6] = ["rad", "rad_s", "m", "m_s", "m_s2", "N"];
 
-/// Whether a key of a sensor fits the word of its type; keys without a unit always do.
+/// Whether a key is valid for a sensor type; keys without a unit always are.
 pub(crate) fn key_fits(word: &str, key: &str) -> bool {
     let unit = key
         .strip_prefix("noise_")
@@ -25,7 +25,7 @@ pub(crate) fn key_fits(word: &str, key: &str) -> bool {
     }
 }
 
-/// What a sensor of joints, wheels or thrusters can read, with the unit it is read in.
+/// Parts that a sensor of joints, wheels or thrusters can measure, with units.
 struct Readable<'a> {
     kind: SensorKind,
     /// Table of the file.
@@ -80,7 +80,7 @@ pub(crate) fn check_sensors(
     sensors
 }
 
-/// Smallest noise that is taken for one.
+/// Smallest noise accepted.
 const SMALLEST_NOISE: f64 = 1e-100;
 
 pub(crate) fn kind_of(file: SensorType) -> SensorKind {
@@ -143,7 +143,7 @@ fn check_sensor(
             "the sensor has no effect: the model has nothing that it could measure; remove it, or add what it measures".to_owned(),
         );
     }
-    // A joint sensor without declared noise takes the unit of the joints it reads.
+    // A joint sensor without declared noise has the unit of its joints.
     let unit = unit
         .or_else(|| {
             let readable = readable.iter().find(|r| r.kind == kind)?;
@@ -214,7 +214,7 @@ fn quantisation_of(file: &SensorFile, unit: &str) -> Option<f64> {
     }
 }
 
-/// The unit that the keys of this sensor declare; keys in a unit that its type cannot have are refused.
+/// The unit declared by the keys of this sensor; units not allowed for its type are rejected.
 fn check_unit(
     file: &SensorFile,
     kind: SensorKind,
@@ -255,7 +255,7 @@ fn check_unit(
     declared
 }
 
-/// Sensors of joints, wheels and thrusters have no axes and no place.
+/// Sensors of joints, wheels and thrusters have no axes and no position.
 fn refuse_axes(file: &SensorFile, kind: SensorKind, key: &Key, findings: &mut Findings<'_, '_>) {
     for (name, given) in [
         ("misalignment", file.misalignment.is_some()),
@@ -311,7 +311,7 @@ fn check_correlation(
     positive(time, &here, "E0118", "a correlation time", findings)
 }
 
-/// The vector whose direction is measured, made one long.
+/// The vector whose direction is measured, normalised.
 fn check_reference(
     file: &SensorFile,
     kind: SensorKind,
@@ -395,7 +395,7 @@ fn check_of(
     of
 }
 
-/// Covariance of one sample from one sigma, three, or the symmetric square root of the covariance.
+/// Covariance of one sample from one sigma, three sigmas, or the symmetric square root of the covariance.
 fn check_noise(
     file: &SensorFile,
     kind: SensorKind,
@@ -462,7 +462,7 @@ fn check_noise(
     }
 }
 
-/// A positive sigma whose square is a number: one that vanishes would make the sensor vanish.
+/// A positive sigma whose square does not underflow to zero.
 fn noise_sigma(sigma: f64, key: &Key, findings: &mut Findings<'_, '_>) -> Option<f64> {
     let sigma = positive(sigma, key, "E0118", "the noise", findings)?;
     if sigma >= SMALLEST_NOISE {

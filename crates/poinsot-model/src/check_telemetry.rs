@@ -1,4 +1,4 @@
-//! Which column holds which channel.
+//! Checks the map from columns to channels.
 
 use crate::file::{
     AttitudeFile, ColumnFile, ExportFile, FrameFile, JointType, ModelFile, OrbitColumnsFile,
@@ -13,13 +13,13 @@ use poinsot_telemetry::{
 };
 use std::collections::{BTreeMap, HashSet};
 
-/// Longest text of a fault; names in it come from the file.
+/// Longest text of a fault, which may contain names of the file.
 const LONGEST: usize = 400;
 
-/// A header below more lines than this is a mistake.
+/// Largest header row number.
 const MOST_LINES: f64 = 1e6;
 
-/// Checks the map; the channel names only where the vehicle is known.
+/// Checks the map; channel names are checked only if the vehicle is known.
 pub(crate) fn check_telemetry(
     file: Option<&TelemetryFile>,
     model: Option<&ModelFile>,
@@ -55,7 +55,7 @@ pub(crate) fn check_telemetry(
     map
 }
 
-/// The keys that hold for all files or for those of one name.
+/// Keys for all files, or for files of one name.
 struct Part<'a> {
     delimiter: &'a Option<String>,
     comment: &'a Option<String>,
@@ -149,7 +149,7 @@ fn checked(
     }
 }
 
-/// Columns and texts by which rows are chosen.
+/// Columns and texts of row filters.
 fn chosen(rows: &Option<BTreeMap<String, String>>) -> Vec<(String, String)> {
     let rows = rows.iter().flatten();
     rows.map(|(c, t)| (c.clone(), t.clone())).collect()
@@ -310,7 +310,7 @@ fn check_attitude(
     })
 }
 
-/// Every channel this vehicle can have.
+/// All possible channels of this vehicle.
 fn channels(model: &ModelFile) -> HashSet<String> {
     let mut known: HashSet<String> = vector_channels().into_iter().collect();
     let mut add = |name: Option<&str>, ends: &[&str]| {
@@ -341,12 +341,12 @@ fn channels(model: &ModelFile) -> HashSet<String> {
         .flatten()
         .filter_map(|s| s.name.as_deref())
         .collect();
-    // Names of sensors are checked by prefix; a marker keeps them apart from channels.
+    // Sensor names are checked by prefix; the suffix distinguishes them from channels.
     known.extend(sensors.iter().map(|name| format!("{name}.")));
     known
 }
 
-/// Whether the vehicle can have this channel.
+/// Checks that the vehicle can have this channel.
 fn check_channel(
     channel: &str,
     known: &HashSet<String>,

@@ -1,4 +1,5 @@
-//! The joints form one tree with the base as root. No recursion: chains of thousands of links are fine.
+//! Checks that the joints form one tree with the base as root. Without recursion, so chains of thousands of links are
+//! allowed.
 
 use crate::file::{BodyFile, JointFile};
 use crate::finding::{Findings, Key};
@@ -7,14 +8,14 @@ use poinsot_files::excerpt;
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
 
-/// Names shown of a cycle.
+/// Number of names listed for a cycle.
 const SHOWN: usize = 12;
 
-/// The tree of bodies in indices of the file.
+/// The tree, in file indices.
 pub(crate) struct Tree {
-    /// Bodies, the base first, parents before children, otherwise in the order of the file.
+    /// Bodies: base first, parents before children, otherwise in file order.
     pub order: Vec<usize>,
-    /// The joint that carries each body.
+    /// The joint whose child is this body.
     pub carried_by: Vec<Option<usize>>,
 }
 
@@ -34,7 +35,7 @@ pub(crate) fn check_tree(
         .collect();
     let mut carried_by: Vec<Option<usize>> = vec![None; bodies.len()];
     let mut parent_of: Vec<Option<usize>> = vec![None; bodies.len()];
-    // A joint that could not be read may carry any body: then nothing is said about bodies without one.
+    // An unreadable joint may have any child, so bodies without a joint are not reported.
     let mut complete = true;
     for (k, joint) in joints.iter().enumerate() {
         let key = Key::entry("joint", k, joint.name.as_deref());
@@ -93,7 +94,7 @@ pub(crate) fn check_tree(
     }
 }
 
-/// What is wrong with a joint's child, and what to do; `first` is the name of a joint that carries it already.
+/// Fault and remedy of a joint's child; `first` is the name of another joint with the same child.
 fn wrong_child(
     child: usize,
     parent: Option<usize>,
@@ -120,7 +121,7 @@ fn wrong_child(
     })
 }
 
-/// Follows every body to its root once; what comes back to itself is a cycle.
+/// Follows every body to its root once; a path that returns to itself is a cycle.
 fn report_cycles<'n>(
     parent_of: &[Option<usize>],
     carried_by: &[Option<usize>],
@@ -128,7 +129,7 @@ fn report_cycles<'n>(
     name_of: &impl Fn(usize) -> &'n str,
     findings: &mut Findings<'_, '_>,
 ) {
-    // Zero: not visited. Otherwise the walk that visited it.
+    // Zero: not visited. Otherwise the number of the walk that visited it.
     let mut visited = vec![0_usize; parent_of.len()];
     for start in 0..parent_of.len() {
         let walk = start + 1;
@@ -151,7 +152,7 @@ fn report_cycles<'n>(
             cycle.push(body);
             at = parent_of.get(body).copied().flatten();
         }
-        // From parent to child, beginning with the body that stands first in the file.
+        // From parent to child, starting with the first body in the file.
         cycle.reverse();
         let lowest = cycle
             .iter()
@@ -180,7 +181,7 @@ fn report_cycles<'n>(
     }
 }
 
-/// Parents before children, otherwise in the order of the file; bodies in a cycle are left out.
+/// Parents before children, otherwise in file order; bodies in a cycle are dropped.
 fn topological(parent_of: &[Option<usize>]) -> Vec<usize> {
     let mut children: Vec<Vec<usize>> = vec![Vec::new(); parent_of.len()];
     let mut ready = BinaryHeap::new();
@@ -204,7 +205,7 @@ fn topological(parent_of: &[Option<usize>]) -> Vec<usize> {
     order
 }
 
-/// A reference to something that the file does not have.
+/// Reports a reference to an unknown name.
 pub(crate) fn unknown_name(
     key: &Key,
     kind: &str,
@@ -212,7 +213,7 @@ pub(crate) fn unknown_name(
     names: &[&str],
     findings: &mut Findings<'_, '_>,
 ) {
-    // The search for a near name is skipped where a file is wrong all over.
+    // In a file with many faults no similar name is searched.
     let near = if findings.count() < 50 {
         suggest::nearest(name, names)
     } else {

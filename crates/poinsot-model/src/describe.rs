@@ -1,4 +1,4 @@
-//! A vehicle in words and tables: what `poinsot check` prints.
+//! Describes a vehicle as text and tables, for `poinsot check`.
 
 use crate::number::{list, short};
 use crate::vehicle::{JointKind, Model, MomentumKnowledge, Nuisance, SensorKind, printed_unit};
@@ -297,7 +297,7 @@ fn rotation_about(axis: &Vector3, angle: f64) -> Matrix3 {
     Matrix3::identity() + k * angle.sin() + k * k * (1.0 - angle.cos())
 }
 
-/// One line per body, drawn without recursion: a chain may have thousands of links.
+/// One line per body, without recursion: a chain may have thousands of links.
 fn tree(model: &Model) -> Vec<String> {
     let mut children: Vec<Vec<usize>> = vec![Vec::new(); model.bodies.len()];
     for (k, body) in model.bodies.iter().enumerate() {
@@ -319,7 +319,7 @@ fn tree(model: &Model) -> Vec<String> {
         let by = joint.map_or_else(String::new, |j| {
             format!("  ({}, {})", j.name, joint_word(j.kind))
         });
-        // Deep chains stay at the left edge: the depth is written instead.
+        // Deep chains are not indented; their depth is printed instead.
         let indent = match depth {
             0 => String::new(),
             1..=20 => format!("{}+- ", "   ".repeat(depth - 1)),

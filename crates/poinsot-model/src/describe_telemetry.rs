@@ -1,4 +1,4 @@
-//! Surroundings and telemetry in words.
+//! Describes environment and telemetry map as text.
 
 use crate::number::short;
 use crate::vehicle::{Environment, Orbit};
@@ -6,7 +6,7 @@ use poinsot_telemetry::{
     AttitudeForm, AttitudeMap, ColumnMap, FileMap, Order, Sense, TelemetryMap, TimeFormat, TimeMap,
 };
 
-/// One line for each force and torque of the surroundings that acts.
+/// One line per active force or torque of the environment.
 pub(crate) fn environment(around: &Environment) -> Vec<String> {
     let Some(gm) = around.point_mass_gm else {
         return vec!["free fall: no gravity gradient".to_owned()];
@@ -46,7 +46,7 @@ fn orbit_words(orbit: &Orbit, gm: f64) -> String {
     )
 }
 
-/// One line for each thing that the map says.
+/// One line per entry of the map.
 pub fn telemetry(map: &TelemetryMap) -> Vec<String> {
     let mut lines = file("", &map.all);
     for (name, own) in &map.files {

@@ -1,10 +1,10 @@
-//! The text of a file with its parsed tree: where a key stands and what was read there.
+//! The text of a file with its parsed tree: positions and values of keys.
 
 use poinsot_files::excerpt;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// One step on the way to a value.
+/// One step of a key path.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Step {
     /// Into a table.
@@ -13,19 +13,19 @@ pub(crate) enum Step {
     Index(usize),
 }
 
-/// The way to a value from the top of the file.
+/// Path to a value from the top of the file.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(crate) struct KeyPath(pub Vec<Step>);
 
 impl KeyPath {
-    /// One table deeper.
+    /// The path extended by a key.
     pub fn key(&self, key: &str) -> Self {
         let mut path = self.clone();
         path.0.push(Step::Key(key.to_owned()));
         path
     }
 
-    /// One list deeper.
+    /// The path extended by an index.
     pub fn index(&self, index: usize) -> Self {
         let mut path = self.clone();
         path.0.push(Step::Index(index));
@@ -48,17 +48,17 @@ impl std::fmt::Display for KeyPath {
 
 /// A parsed file.
 pub(crate) struct Document<'i> {
-    /// Name of the file, for messages.
+    /// File name in messages.
     pub file: String,
-    /// Its text.
+    /// Text.
     pub text: &'i str,
-    /// Its tree.
+    /// Parsed tree.
     pub table: DeTable<'i>,
     line_starts: Vec<usize>,
 }
 
 impl<'i> Document<'i> {
-    /// Parses the text; the tree holds what could be read where there are syntax errors.
+    /// Parses the text; after syntax errors the tree holds the readable part.
     pub fn new(text: &'i str, file: &str) -> (Self, Vec<toml::de::Error>) {
         let (table, errors) = DeTable::parse_recoverable(text);
         let line_starts = std::iter::once(0)
@@ -85,8 +85,8 @@ impl<'i> Document<'i> {
         (line.max(1), before.chars().count() + 1)
     }
 
-    /// First byte of the value at a path and the value as written; where there is no such key, the
-    /// nearest table above it and no value.
+    /// Offset and text of the value at a path; for a missing key, those of the nearest table above it, without a
+    /// value.
     pub fn place(&self, path: &KeyPath) -> (usize, String) {
         let mut span = 0..0;
         let mut node: Option<&Spanned<DeValue<'_>>> = None;
@@ -113,7 +113,7 @@ impl<'i> Document<'i> {
         )
     }
 
-    /// The value as written, on one line and cut to a readable length; nothing for a whole section.
+    /// The value as written, on one line and shortened; empty for a whole section.
     pub fn excerpt(&self, value: &Spanned<DeValue<'_>>) -> String {
         let text = self.text.get(value.span()).unwrap_or("");
         let section = match value.get_ref() {
@@ -124,7 +124,7 @@ impl<'i> Document<'i> {
         if section {
             return String::new();
         }
-        // Blanks are joined before the text is cut to the length that is shown.
+        // Blanks are joined before the text is shortened.
         let start: String = text.chars().take(400).collect();
         let words: Vec<&str> = start.split_whitespace().collect();
         excerpt(&words.join(" "), 80)

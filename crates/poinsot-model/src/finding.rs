@@ -1,28 +1,28 @@
-//! What is wrong with a model file, each finding with its place, and all of them at once.
+//! Faults of a model file with their positions, reported together.
 
 use crate::document::{Document, KeyPath};
 use poinsot_files::excerpt;
 use std::fmt;
 
-/// Findings shown; the rest is counted.
+/// Number of findings listed; the rest is counted.
 const SHOWN: usize = 20;
 
-/// One thing that is wrong.
+/// One fault.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Finding {
     /// Stable code, `E0101` and up; see `poinsot explain`.
     pub code: &'static str,
     /// File as given.
     pub file: String,
-    /// Line, from one; zero where the file could not be read.
+    /// Line, from one; zero if the file could not be read.
     pub line: usize,
     /// Column in characters, from one.
     pub column: usize,
-    /// Way to the key, for example `body[2].inertia_kg_m2.xx`; list positions count from zero.
+    /// Key path, for example `body[2].inertia_kg_m2.xx`; list indices start at zero.
     pub key: String,
-    /// What the entry calls itself, for example `body "link2"`; empty where it has no name.
+    /// Name of the entry, for example `body "link2"`; empty if it has none.
     pub subject: String,
-    /// The value as written; empty where there is none.
+    /// The value as written; empty if there is none.
     pub value: String,
     /// What is wrong.
     pub problem: String,
@@ -51,14 +51,14 @@ impl fmt::Display for Finding {
     }
 }
 
-/// A model file that was refused: its findings sorted by place, at most 20, the others counted.
+/// An invalid model file: at most 20 findings sorted by position; others are counted.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ModelError {
     /// The findings, never empty.
     pub findings: Vec<Finding>,
-    /// How many more there are.
+    /// Number of further findings.
     pub omitted: usize,
-    /// Whether the surroundings (disk, permission) failed and not the file.
+    /// Whether the environment (disk, permission) failed, not the file.
     pub environment: bool,
 }
 
@@ -80,7 +80,7 @@ impl fmt::Display for ModelError {
 impl std::error::Error for ModelError {}
 
 impl ModelError {
-    /// A file that could not be read at all.
+    /// Error for a file that cannot be read.
     pub(crate) fn unreadable(file: &str, problem: String, remedy: &str, environment: bool) -> Self {
         Self {
             findings: vec![Finding {
@@ -100,7 +100,7 @@ impl ModelError {
     }
 }
 
-/// A key with the name of the entry it belongs to.
+/// A key with the name of its entry.
 #[derive(Debug, Clone)]
 pub(crate) struct Key {
     pub path: KeyPath,
@@ -127,7 +127,7 @@ impl Key {
         }
     }
 
-    /// A key of this entry; dots lead deeper.
+    /// A key of this entry; dots separate nested keys.
     pub fn at(&self, keys: &str) -> Self {
         let mut path = self.path.clone();
         for key in keys.split('.') {
@@ -148,11 +148,11 @@ impl Key {
     }
 }
 
-/// Collects findings and notes while a document is checked.
+/// Collects findings and notes during the checks.
 pub(crate) struct Findings<'d, 'i> {
     pub document: &'d Document<'i>,
     findings: Vec<Finding>,
-    /// Line and text; notes are sorted by place in the end.
+    /// Line and text; notes are finally sorted by position.
     notes: Vec<(usize, String)>,
 }
 
@@ -165,7 +165,7 @@ impl<'d, 'i> Findings<'d, 'i> {
         }
     }
 
-    /// Refuses the value of a key.
+    /// Reports a fault of the value at a key.
     pub fn refuse(
         &mut self,
         code: &'static str,
@@ -177,7 +177,7 @@ impl<'d, 'i> Findings<'d, 'i> {
         self.push(code, key, byte, value, problem, remedy.into());
     }
 
-    /// Refuses bytes of the file, for example a key rather than its value.
+    /// Reports a fault at a byte range, for example at a key instead of its value.
     pub fn push(
         &mut self,
         code: &'static str,
@@ -201,7 +201,7 @@ impl<'d, 'i> Findings<'d, 'i> {
         });
     }
 
-    /// Lists something remarkable that is no error.
+    /// Adds a note that is not an error.
     pub fn note(&mut self, key: &Key, text: String) {
         let (line, _) = self.document.line_column(self.document.place(&key.path).0);
         let subject = match key.subject.as_str() {
@@ -212,13 +212,12 @@ impl<'d, 'i> Findings<'d, 'i> {
             .push((line, format!("line {line}: {}{subject}: {text}", key.path)));
     }
 
-    /// Reports a key that should be there, at the entry that lacks it.
+    /// Reports a missing key at its entry.
     pub fn missing(&mut self, key: &Key, problem: &str, remedy: &str) {
         self.refuse("E0106", key, problem.to_owned(), remedy);
     }
 
-    /// Whether a finding stands at this key, below it, or at another spelling of it: then it is not
-    /// really missing.
+    /// Whether a finding exists at this key, below it, or at another spelling of it; the key is then not missing.
     pub fn has_near(&self, key: &Key) -> bool {
         let path = key.path.to_string();
         let table = path.rsplit_once('.').map_or("", |(table, _)| table);
@@ -233,12 +232,12 @@ impl<'d, 'i> Findings<'d, 'i> {
         })
     }
 
-    /// Findings so far.
+    /// Number of findings so far.
     pub fn count(&self) -> usize {
         self.findings.len()
     }
 
-    /// The notes, or the refusal.
+    /// Returns the notes, or the error.
     pub fn finish(mut self) -> Result<Vec<String>, ModelError> {
         if !self.findings.is_empty() {
             return Err(self.into_error());
@@ -247,7 +246,7 @@ impl<'d, 'i> Findings<'d, 'i> {
         Ok(self.notes.into_iter().map(|(_, text)| text).collect())
     }
 
-    /// The refusal.
+    /// The error.
     pub fn into_error(mut self) -> ModelError {
         self.findings
             .sort_by(|a, b| (a.line, a.column, a.code).cmp(&(b.line, b.column, b.code)));

@@ -1,4 +1,4 @@
-//! From the checked model to the plain numbers of `poinsot-dynamics`.
+//! Converts the checked model to the types of `poinsot-dynamics`.
 
 use crate::vehicle::{JointKind, Model};
 use poinsot_dynamics::{Gravity, Link, Motion, Nozzle, Rotor, Tree, Vehicle};
@@ -51,7 +51,7 @@ impl From<&Model> for Tree {
     }
 }
 
-/// The vehicle with its nominal numbers as the truth.
+/// The vehicle with its nominal numbers as true values.
 impl From<&Model> for Vehicle {
     fn from(model: &Model) -> Self {
         let tree = Tree::new(model);

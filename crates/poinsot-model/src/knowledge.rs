@@ -1,11 +1,11 @@
 //! Uncertainty of the known numbers.
 //!
-//! One table gives the uncertainty by where a number comes from, a drawing unless the model says otherwise; a model file may
-//! declare another one, or none at all (`exact = true`). The figures are engineering judgement; each has its reason beside it.
+//! One table gives the uncertainty by the source of a number; the default source is a drawing. A model file may
+//! declare another uncertainty, or none (`exact = true`). The figures are engineering judgement, each with its reason.
 
 use poinsot_spatial::Vector3;
 
-/// Where the numbers of a table come from.
+/// Source of the numbers of a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Origin {
     /// A drawing or a computer model.
@@ -16,7 +16,7 @@ pub enum Origin {
 }
 
 impl Origin {
-    /// The word of the model file.
+    /// Name in the model file.
     pub fn word(self) -> &'static str {
         match self {
             Self::Cad => "cad",
@@ -25,7 +25,7 @@ impl Origin {
     }
 }
 
-/// One number, or one vector or tensor, of the model; the index is that of its table in the model.
+/// One known number, vector or tensor of the model; the index is that in its table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum KnownNumber {
     /// Mass of a body; uncertainty relative.
@@ -36,66 +36,66 @@ pub enum KnownNumber {
     Inertia(usize),
     /// Spin inertia of a wheel; uncertainty relative.
     SpinInertia(usize),
-    /// Spin axis of a wheel: turns about its two tilt axes, rad.
+    /// Spin axis of a wheel: rotations about its two tilt axes, rad.
     WheelAxis(usize),
     /// Origin of a joint in its parent, m.
     JointOrigin(usize),
-    /// Axis of a joint: turns about the two directions across it, rad.
+    /// Axis of a joint: rotations about the two directions across it, rad.
     JointAxis(usize),
     /// Force of a thruster; uncertainty relative.
     Force(usize),
-    /// Direction of a thruster's force: turns about the two directions across it, rad.
+    /// Direction of a thruster's force: rotations about the two directions across it, rad.
     ForceDirection(usize),
     /// Position of a thruster, m.
     ForcePosition(usize),
-    /// Orientation of a sensor against the body's axes, rad.
+    /// Orientation of a sensor relative to body axes, rad.
     Mounting(usize),
 }
 
-/// Uncertainty of one known number: the same for each of its components.
+/// Uncertainty of one known number, equal for its components.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Uncertain {
-    /// Which number.
+    /// The number.
     pub number: KnownNumber,
     /// One sigma, in the unit of [`KnownNumber`]; above zero.
     pub sigma: f64,
 }
 
-/// How well the known numbers of a model are known. The default: all of them exactly.
+/// Uncertainty of the known numbers of a model. Default: all are exact.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Knowledge {
-    /// Uncertain numbers; every other one is exact.
+    /// Uncertain numbers; all others are exact.
     pub uncertain: Vec<Uncertain>,
-    /// Whether some table has no source, so that its known numbers are assumed to come from a drawing.
+    /// Whether a table has no source, so that its known numbers are assumed to come from a drawing.
     pub assumed: bool,
-    /// How far an answer may be from nominal: a factor of masses and principal moments, and as many radii of gyration of a
-    /// mass centre; `None`: [`NOMINAL_WITHIN`].
+    /// Allowed deviation of an estimate from nominal: a factor for masses and principal moments, a multiple of the
+    /// radius of gyration for a mass centre; `None`: [`NOMINAL_WITHIN`].
     pub nominal_within: Option<f64>,
 }
 
-/// How far an answer may be from nominal unless the model says otherwise. Who knows a vehicle well enough to name its bodies
-/// knows their masses within a factor of three.
+/// Default allowed factor between estimate and nominal: the masses of a modelled vehicle are known within a factor of
+/// three.
 pub const NOMINAL_WITHIN: f64 = 3.0;
 
-/// Correlation of two spin inertias of wheels with the same nominal one: they come from one drawing or one test stand.
+/// Correlation of two spin inertias with equal nominal values: they come from one drawing or test stand.
 pub const LIKE_WHEELS: f64 = 0.7;
 
 impl KnownNumber {
-    /// One sigma by where the number comes from.
+    /// Default sigma by source.
     pub fn usual_sigma(self, origin: Origin) -> f64 {
         let [measured, cad] = match self {
-            // A balance resolves 0.1 %. Drawings miss harness, glue and paint: 3 % (ECSS-E-ST-10C and AIAA S-120A ask for a
-            // growth allowance of 2 to 5 % on designed parts).
+            // A balance resolves 0.1 %. Drawings omit harness, glue and paint: 3 % (ECSS-E-ST-10C and AIAA S-120A
+            // require a growth allowance of 2 to 5 % on designed parts).
             Self::Mass(_) => [1.0e-3, 0.03],
-            // A three-point table finds 1 mm; the mass missing from a drawing sits off the centre.
+            // A three-point table resolves 1 mm; mass missing in a drawing is off centre.
             Self::MassCentre(_) => [1.0e-3, 5.0e-3],
-            // A torsion pendulum is good to 1 to 2 %; inertia errs by mass and by its distribution.
+            // A torsion pendulum is accurate to 1 to 2 %; drawings err in mass and its distribution.
             Self::Inertia(_) => [0.015, 0.10],
-            // A run-down or pendulum test of a rotor; a rotor is one turned part.
+            // Run-down or pendulum test of the rotor; a rotor is one machined part.
             Self::SpinInertia(_) => [3.0e-3, 0.02],
-            // Alignment by a mirror; machined brackets.
+            // Mirror alignment; machined brackets.
             Self::WheelAxis(_) => [0.5e-3, 3.0e-3],
-            // Laser tracker; tolerances of machining.
+            // Laser tracker; machining tolerances.
             Self::JointOrigin(_) => [1.0e-4, 5.0e-4],
             Self::JointAxis(_) => [2.0e-4, 1.0e-3],
             // Thrust stand; data sheet.
@@ -111,7 +111,7 @@ impl KnownNumber {
         }
     }
 
-    /// How many components it has.
+    /// Number of components.
     pub fn components(self) -> usize {
         match self {
             Self::Mass(_) | Self::SpinInertia(_) | Self::Force(_) => 1,
@@ -122,7 +122,7 @@ impl KnownNumber {
     }
 }
 
-/// The two directions across a unit vector: the coordinate axis most across it, made square to it, and the one that
+/// Two directions across a unit vector: the coordinate axis most perpendicular to it, orthogonalised, and the one that
 /// completes the triad.
 pub fn across(a: &Vector3) -> [Vector3; 2] {
     let least = (0..3).fold(

@@ -1,11 +1,11 @@
-//! The known numbers of a model: their names, values and small changes.
+//! The known numbers of a model: names, values and small changes.
 
 use crate::knowledge::{KnownNumber, Origin, Uncertain, across};
 use crate::vehicle::{Model, Nuisance, SensorKind};
 use poinsot_spatial::{Matrix3, TENSOR, Vector3, tensor_name};
 
 impl KnownNumber {
-    /// Name of a component, as results write it.
+    /// Name of a component in results.
     pub fn name(self, model: &Model, component: usize) -> String {
         let of = |list: Option<&str>, what: &str| format!("{}.{what}", list.unwrap_or("?"));
         let body = |k: usize| model.bodies.get(k).map(|b| b.name.as_str());
@@ -43,7 +43,7 @@ impl KnownNumber {
         }
     }
 
-    /// Value of a component in the model; zero for small turns, one for a factor.
+    /// Value of a component in the model; zero for small rotations, one for a factor.
     pub fn value(self, model: &Model, component: usize) -> f64 {
         let value = || match self {
             Self::Mass(k) => Some(model.bodies.get(k)?.nominal.mass),
@@ -58,7 +58,7 @@ impl KnownNumber {
         value().unwrap_or(0.0)
     }
 
-    /// One sigma of a component in its unit, of an uncertainty as declared.
+    /// Sigma of a component in its unit, from the declared uncertainty.
     pub fn absolute(self, model: &Model, component: usize, sigma: f64) -> f64 {
         match self {
             Self::Mass(_) | Self::SpinInertia(_) => sigma * self.value(model, 0).abs(),
@@ -74,7 +74,7 @@ impl KnownNumber {
         }
     }
 
-    /// Whether the model takes it as known: it is neither estimated nor given an error of its own.
+    /// Whether the number is known: neither estimated nor with its own error parameter.
     pub fn is_known(self, model: &Model) -> bool {
         let known = || match self {
             Self::Mass(k) => model
@@ -111,8 +111,9 @@ impl KnownNumber {
         known().unwrap_or(false)
     }
 
-    /// Changes a component of the model by `change`, in its unit. Turns are about the directions across the axes of `nominal`.
-    /// Force and mounting are no numbers of the model: they act on what is read, and the model stays as it is.
+    /// Changes a component of the model by `change`, in its unit. Rotations are about the directions across the axes
+    /// of `nominal`. Force and mounting are not numbers of the model: they act on measurements, and the model is
+    /// unchanged.
     pub fn shift(self, nominal: &Model, model: &mut Model, component: usize, change: f64) {
         match self {
             Self::Mass(k) => {
@@ -170,13 +171,13 @@ impl KnownNumber {
     }
 }
 
-/// A unit vector after a small turn about one of the directions across the nominal one.
+/// A unit vector after a small rotation about one of the directions across the nominal one.
 fn turned(a: &Vector3, nominal: &Vector3, component: usize, angle: f64) -> Vector3 {
     (a + across(nominal)[component % 2].cross(nominal) * angle).normalize()
 }
 
-/// The sensor whose axes are those of its body: a body has no other marks. The first gyro, else the first tracker, else
-/// the first accelerometer.
+/// The sensor that defines the axes of its body: the first gyro, otherwise the first star tracker, otherwise the first
+/// accelerometer.
 fn reference_of(model: &Model, body: usize) -> Option<usize> {
     let kinds = [
         SensorKind::Gyro,
@@ -191,7 +192,7 @@ fn reference_of(model: &Model, body: usize) -> Option<usize> {
 }
 
 impl Model {
-    /// Every number that a model holds beside its names, whether it is asked for or known.
+    /// Every number of a model, requested or known.
     pub fn known_numbers(&self) -> Vec<KnownNumber> {
         let mut all = Vec::new();
         for k in 0..self.bodies.len() {
@@ -220,7 +221,7 @@ impl Model {
         all
     }
 
-    /// The same model with every known number uncertain as the table says for one origin.
+    /// The model with every known number uncertain by the defaults of one source.
     pub fn with_usual_uncertainty(mut self, origin: Origin) -> Self {
         let usual = |number: KnownNumber| Uncertain {
             number,

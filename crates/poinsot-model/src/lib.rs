@@ -1,8 +1,7 @@
 //! The vehicle: a tree of rigid bodies with joints, wheels, thrusters and sensors, read and checked.
 //!
-//! [`read_model`] makes a [`Model`] of a `poinsot.model/1` file, or a [`ModelError`] that lists all that
-//! is wrong with it. The file as written (`file`) and the checked vehicle are two layers: what does not
-//! fit the schema never reaches the second.
+//! [`read_model`] reads a `poinsot.model/1` file into a [`Model`], or returns a [`ModelError`] with all faults. The
+//! raw file (`file`) and the checked vehicle are separate types: invalid data never reach the vehicle.
 #![allow(non_snake_case)]
 
 mod check;

@@ -1,9 +1,9 @@
-//! The text of a model file.
+//! Reads the text of a model file.
 
 use crate::finding::ModelError;
 use std::path::Path;
 
-/// Largest model file, bytes.
+/// Size limit of a model file, bytes.
 const LARGEST: u64 = 16 * 1024 * 1024;
 
 /// The text of a model file, TOML or URDF.

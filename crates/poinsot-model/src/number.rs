@@ -1,12 +1,12 @@
-//! Numbers in messages as a person writes them, without noise.
+//! Numbers in messages.
 
 /// `x` with at most six significant digits.
 pub(crate) fn short(x: f64) -> String {
     rounded(x, 6)
 }
 
-/// `x` with at most so many significant digits, none of them a trailing zero; powers of ten only where it is
-/// tiny or huge: 0, 1.5, 0.0004113, 2e-7.
+/// `x` with at most `digits` significant digits and no trailing zeros. Exponents only for tiny or huge values: 0, 1.5,
+/// 0.0004113, 2e-7.
 pub fn rounded(x: f64, digits: usize) -> String {
     let text = format!("{x:.*e}", digits.saturating_sub(1));
     let x: f64 = text.parse().unwrap_or(x);

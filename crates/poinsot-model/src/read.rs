@@ -1,4 +1,4 @@
-//! From a path to a [`Model`]: limits, syntax, version, shape, meaning.
+//! Reads a file into a [`Model`]: limits, syntax, version, structure, meaning.
 
 use crate::check::check_model;
 use crate::check_telemetry::check_telemetry;
@@ -14,13 +14,13 @@ use serde::Deserialize;
 use std::path::Path;
 use toml::de::DeValue;
 
-/// Version of the format this program reads.
+/// Version of the format.
 pub const MODEL_SCHEMA: &str = "poinsot.model/1";
 
-/// Reads and checks a vehicle (`poinsot.model/1`, TOML; or URDF, by the name's end).
+/// Reads and checks a vehicle (`poinsot.model/1`, TOML; or URDF, by file suffix).
 ///
 /// # Errors
-/// Everything that is wrong with the file, each with line and column.
+/// All faults of the file, each with line and column.
 pub fn read_model(path: impl AsRef<Path>) -> Result<Model, ModelError> {
     let path = path.as_ref();
     if path
@@ -33,7 +33,7 @@ pub fn read_model(path: impl AsRef<Path>) -> Result<Model, ModelError> {
     parse_model(&text, &path.display().to_string())
 }
 
-/// Checks a vehicle given as text; `file` names it in messages.
+/// Checks a vehicle given as text; `file` is its name in messages.
 ///
 /// # Errors
 /// As [`read_model`].
@@ -68,17 +68,17 @@ pub fn parse_model(text: &str, file: &str) -> Result<Model, ModelError> {
     }
 }
 
-/// Reads a file that holds the `[telemetry]` table alone (`--map`).
+/// Reads a file with only a `[telemetry]` table (`--map`).
 ///
 /// # Errors
-/// Everything that is wrong with the file, each with line and column.
+/// All faults of the file, each with line and column.
 pub fn read_telemetry_map(path: impl AsRef<Path>) -> Result<TelemetryMap, ModelError> {
     let path = path.as_ref();
     let text = read_model_text(path)?;
     parse_telemetry_map(&text, &path.display().to_string())
 }
 
-/// Checks a `[telemetry]` table given as text; `file` names it in messages.
+/// Checks a `[telemetry]` table given as text; `file` is its name in messages.
 ///
 /// # Errors
 /// As [`read_telemetry_map`].
@@ -124,7 +124,7 @@ fn report_syntax(errors: Vec<toml::de::Error>, findings: &mut Findings<'_, '_>) 
     }
 }
 
-/// The raw type refuses what the shape let through: a fault of this program, still no panic.
+/// A fault that the structure check missed: a bug, reported without panic.
 fn report_misfit(error: &toml::de::Error, findings: &mut Findings<'_, '_>) {
     if findings.count() == 0 {
         let text = error.message().to_owned();
@@ -147,7 +147,7 @@ fn refuse_file(code: &'static str, problem: &str, remedy: &str, findings: &mut F
     );
 }
 
-/// Refuses an empty file and one that says it is written in another format.
+/// Reports an empty file, or a file of another format.
 fn check_version(findings: &mut Findings<'_, '_>) {
     let table = &findings.document.table;
     if findings.document.text.trim().is_empty() {

@@ -1,5 +1,5 @@
-//! JSON Schema of the model file, made from the raw types: it documents the format and drives the
-//! check of a file's shape, so that the two cannot drift apart.
+//! JSON Schema of the model file, generated from the raw types. It documents the format and drives the structure
+//! check, so that both agree.
 
 use crate::file::{ModelFile, TelemetryMapFile};
 use serde_json::Value;
@@ -15,7 +15,7 @@ pub(crate) fn model_schema_ref() -> &'static Value {
     SCHEMA.get_or_init(|| without_null(schemars::schema_for!(ModelFile).to_value()))
 }
 
-/// The schema of a file that holds the `[telemetry]` table alone.
+/// The schema of a file with only a `[telemetry]` table.
 pub fn telemetry_map_schema() -> Value {
     telemetry_map_schema_ref().clone()
 }
@@ -25,7 +25,7 @@ pub(crate) fn telemetry_map_schema_ref() -> &'static Value {
     SCHEMA.get_or_init(|| without_null(schemars::schema_for!(TelemetryMapFile).to_value()))
 }
 
-/// TOML has no null: an optional key is a key that may be missing.
+/// TOML has no null: an optional key may be missing.
 pub fn without_null(value: Value) -> Value {
     match value {
         Value::Array(items) => Value::Array(items.into_iter().map(without_null).collect()),

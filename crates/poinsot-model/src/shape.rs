@@ -1,5 +1,5 @@
-//! A parsed file against the schema: unknown keys, missing keys, wrong types and words, numbers that
-//! are not finite. What fits is handed on, what does not is left out, so that one mistake hides no other.
+//! Checks a parsed file against the schema: unknown keys, missing keys, wrong types and words, numbers that are not
+//! finite. Invalid parts are dropped, so that one fault does not hide others.
 
 use crate::check_sensor::key_fits;
 use crate::document::KeyPath;
@@ -11,10 +11,10 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 use toml::{Table, Value};
 
-/// Larger numbers mean nothing in SI for a spacecraft, and their squares overflow.
+/// Larger numbers are meaningless in SI for a spacecraft, and their squares overflow.
 pub(crate) const LARGEST: f64 = 1e30;
 
-/// Checks the whole file; the answer holds what fits the schema.
+/// Checks the whole file; returns the valid part.
 pub(crate) fn check_shape(root: &Schema, findings: &mut Findings<'_, '_>) -> Table {
     let document = findings.document;
     let mut shape = Shape { root, findings };
@@ -31,7 +31,7 @@ struct Shape<'s, 'f, 'd, 'i> {
 }
 
 impl<'s> Shape<'s, '_, '_, '_> {
-    /// The schema itself or what it refers to.
+    /// The schema, or the one it refers to.
     fn resolve(&self, schema: &'s Schema) -> &'s Schema {
         schema
             .get("$ref")
@@ -40,7 +40,7 @@ impl<'s> Shape<'s, '_, '_, '_> {
             .unwrap_or(schema)
     }
 
-    /// The alternatives a value may have, flattened.
+    /// The alternatives of a value, flattened.
     fn alternatives(&self, schema: &'s Schema, found: &mut Vec<&'s Schema>, depth: usize) {
         let schema = self.resolve(schema);
         let inner = schema.get("anyOf").or_else(|| schema.get("oneOf"));
@@ -90,7 +90,7 @@ impl<'s> Shape<'s, '_, '_, '_> {
         }
         let required = schema.get("required").and_then(Schema::as_array);
         for name in required.into_iter().flatten().filter_map(Schema::as_str) {
-            // A key that is there in another spelling has been reported already.
+            // A key with another spelling has been reported already.
             if !table.contains_key(name) && !replaced.contains(&name) {
                 let about = known
                     .and_then(|known| known.get(name))
@@ -166,7 +166,7 @@ impl<'s> Shape<'s, '_, '_, '_> {
         value: &Spanned<DeValue<'_>>,
         key: &Key,
     ) -> Option<Value> {
-        // Numbers or rows of numbers: the first element tells which is meant.
+        // Numbers or rows of numbers: the first element decides.
         let first = items.first();
         let nested = first.is_some_and(|first| first.get_ref().is_array());
         let lists = alternatives.iter().copied();
@@ -302,7 +302,7 @@ impl<'s> Shape<'s, '_, '_, '_> {
         None
     }
 
-    /// What may stand here, in words.
+    /// Expected values, as text.
     fn expected(&self, alternatives: &[&'s Schema]) -> String {
         let mut texts: Vec<String> = Vec::new();
         let words = words(alternatives);
@@ -361,7 +361,7 @@ impl<'s> Shape<'s, '_, '_, '_> {
     }
 }
 
-/// What an entry of a list of tables calls itself.
+/// Name of an entry in a list of tables.
 fn subject_of(list: &KeyPath, table: &DeTable<'_>) -> String {
     match table.get("name").and_then(|name| name.get_ref().as_str()) {
         Some(name) => format!("{list} \"{}\"", excerpt(name, 60)),

@@ -1,6 +1,6 @@
-//! The key or name that was probably meant.
+//! Suggests the key or name that was probably meant.
 
-/// Units that keys of the format end in, longest first.
+/// Units that end keys of the format, longest first.
 const UNITS: [&str; 19] = [
     "_N_m_s_per_rad",
     "_N_m_per_rad",
@@ -23,10 +23,10 @@ const UNITS: [&str; 19] = [
     "_N",
 ];
 
-/// Forms rather than units: two ways to write a rotation.
+/// Suffixes of form, not unit: two ways to write a rotation.
 const FORMS: [&str; 2] = ["_xyzw", "_matrix"];
 
-/// What a key may end in instead of the right unit.
+/// Suffixes used instead of the correct unit.
 const UNIT_PARTS: [&str; 58] = [
     "kg",
     "g",
@@ -88,7 +88,7 @@ const UNIT_PARTS: [&str; 58] = [
     "radians",
 ];
 
-/// The closest candidate, if it is close enough to be a slip of the finger.
+/// The closest candidate, if it is close enough for a typing error.
 pub(crate) fn nearest<'a>(word: &str, candidates: &[&'a str]) -> Option<&'a str> {
     if word.chars().count() > 64 {
         return None;
@@ -106,7 +106,7 @@ pub(crate) fn nearest<'a>(word: &str, candidates: &[&'a str]) -> Option<&'a str>
         .map(|(_, c)| c)
 }
 
-/// Whether two words differ by a slip of the finger at most.
+/// Whether two words differ by at most a typing error.
 pub(crate) fn similar(a: &str, b: &str) -> bool {
     nearest(a, &[b]).is_some()
 }
@@ -116,7 +116,7 @@ fn stem(key: &str) -> Option<&str> {
     UNITS.iter().find_map(|unit| key.strip_suffix(unit))
 }
 
-/// The known keys that an unknown one is a spelling of with no unit or another unit.
+/// Known keys that equal an unknown one up to a missing or different unit.
 fn other_units<'a>(key: &str, known: &[&'a str]) -> Vec<&'a str> {
     known
         .iter()
@@ -136,7 +136,7 @@ fn other_units<'a>(key: &str, known: &[&'a str]) -> Vec<&'a str> {
         .collect()
 }
 
-/// The known keys that an unknown one stands for.
+/// Known keys that an unknown one probably means.
 pub(crate) fn meant<'a>(key: &str, known: &[&'a str]) -> Vec<&'a str> {
     let units = other_units(key, known);
     if units.is_empty() {
@@ -146,7 +146,7 @@ pub(crate) fn meant<'a>(key: &str, known: &[&'a str]) -> Vec<&'a str> {
     }
 }
 
-/// Code, problem and remedy for a key that the format does not have.
+/// Code, problem and remedy for an unknown key.
 pub(crate) fn unknown_key(key: &str, known: &[&str]) -> (&'static str, String, String) {
     let units = other_units(key, known);
     if let Some(first) = units.first() {

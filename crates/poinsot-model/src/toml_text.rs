@@ -1,4 +1,4 @@
-//! Pieces of TOML text.
+//! Fragments of TOML text.
 
 use std::fmt::Write;
 
@@ -27,7 +27,7 @@ pub(crate) fn quoted(text: &str) -> String {
     out
 }
 
-/// The shortest digits that read back to the same number.
+/// Shortest text that reads back to the same number.
 pub(crate) fn number(x: f64) -> String {
     format!("{x:?}")
 }

@@ -1,4 +1,4 @@
-//! The vehicle as the rest of the program sees it: checked, in SI, names resolved to indices.
+//! The checked vehicle: in SI, names resolved to indices.
 
 use crate::knowledge::{Knowledge, across};
 pub use poinsot_dynamics::{Axes, Nuisance, Orbit, Sensor, SensorKind, printed_unit};
@@ -10,7 +10,7 @@ use poinsot_telemetry::TelemetryMap;
 pub struct Model {
     /// Name of the vehicle.
     pub name: String,
-    /// Bodies; the first is the base and every parent stands before its children.
+    /// Bodies; the first is the base, and parents come before children.
     pub bodies: Vec<Body>,
     /// Joints in the order of the file; each belongs to one child body.
     pub joints: Vec<Joint>,
@@ -20,15 +20,15 @@ pub struct Model {
     pub thrusters: Vec<Thruster>,
     /// Sensors with their declared noise.
     pub sensors: Vec<Sensor>,
-    /// What is known of the initial momentum.
+    /// Knowledge of the initial momentum.
     pub momentum: Momentum,
-    /// Forces of the surroundings.
+    /// Forces and torques of the environment.
     pub environment: Environment,
-    /// How columns of a telemetry file become channels.
+    /// Map from telemetry columns to channels.
     pub telemetry: TelemetryMap,
-    /// How well the known numbers are known.
+    /// Uncertainty of the known numbers.
     pub knowledge: Knowledge,
-    /// What the reader changed or found remarkable, in plain words; never an error.
+    /// Changes and notes of the reader; never an error.
     pub notes: Vec<String>,
 }
 
@@ -37,13 +37,13 @@ pub struct Model {
 pub struct Body {
     /// Name, unique among bodies.
     pub name: String,
-    /// Mass properties as given: true where known, nominal where unknown.
+    /// Mass properties: true if known, nominal if unknown.
     pub nominal: MassProperties,
     /// Which of them are unknown.
     pub estimate: EstimateSet,
     /// One-sigma prior of the nominal values, if declared.
     pub prior: Option<Prior>,
-    /// Index into [`Model::joints`] of the joint that carries this body; `None` for the base.
+    /// Index into [`Model::joints`] of the joint whose child is this body; `None` for the base.
     pub joint: Option<usize>,
 }
 
@@ -81,16 +81,16 @@ pub struct Prior {
     pub com: Option<f64>,
     /// Sigma of each element of the central inertia, kg m2.
     pub inertia: Option<f64>,
-    /// Relative sigma of the entropic prior, which keeps the body physical; no unit.
+    /// Relative sigma of the entropic prior, which keeps the body physical; dimensionless.
     pub entropic: Option<f64>,
 }
 
 /// Kind of a joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum JointKind {
-    /// Turns about its axis; position in rad.
+    /// Rotation about its axis; position in rad.
     Revolute,
-    /// Slides along its axis; position in m.
+    /// Translation along its axis; position in m.
     Prismatic,
     /// Rigid.
     Fixed,
@@ -107,16 +107,15 @@ pub struct Joint {
     pub parent: usize,
     /// Index of the child body.
     pub child: usize,
-    /// Position of the child's origin from the parent's at joint position zero, in P, m.
+    /// Position of the child's origin relative to the parent's at joint position zero, in P, m.
     pub p_PoCo_P: Vector3,
-    /// Rotation that takes components in C to components in P at joint position zero.
+    /// Rotation from C to P at joint position zero.
     pub R_PC_zero: Matrix3,
-    /// Unit axis in C (the same components in P before `R_PC_zero` turns them); zero for a fixed joint.
+    /// Unit axis in C (the same components in P before `R_PC_zero` is applied); zero for a fixed joint.
     pub axis_C: Vector3,
-    /// Position where telemetry has no column for the joint, rad or m.
+    /// Position if telemetry has no column for the joint, rad or m.
     pub locked_at: f64,
-    /// Spring and damper, where the joint has them. Only forward dynamics uses them: identification needs the
-    /// joint's motion and not what causes it.
+    /// Spring and damper, if any. Only forward dynamics uses them; identification uses the measured joint motion.
     pub spring_damper: Option<SpringDamper>,
 }
 
@@ -127,7 +126,7 @@ pub struct SpringDamper {
     pub stiffness: f64,
     /// Damping, N m s/rad or N s/m.
     pub damping: f64,
-    /// Joint position at which the spring pulls nothing, rad or m.
+    /// Joint position without spring force, rad or m.
     pub rest: f64,
 }
 
@@ -139,7 +138,7 @@ impl SpringDamper {
     }
 }
 
-/// An axisymmetric rotor on a body, whose inertia contains the rotor as if locked.
+/// An axisymmetric rotor on a body; the body's inertia includes the locked rotor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Wheel {
     /// Name, unique among wheels.
@@ -152,15 +151,13 @@ pub struct Wheel {
     pub spin_inertia: f64,
     /// Whether the spin inertia is unknown.
     pub estimate: bool,
-    /// Whether the spin axis is tilted by small unknown angles, rad, about the two directions of
-    /// [`Self::tilt_axes`].
+    /// Unknown small tilt angles of the spin axis, rad, about the two directions of [`Self::tilt_axes`].
     pub misalignment: Nuisance,
 }
 
 impl Wheel {
-    /// The two directions across the spin axis about which it may be tilted, in the host's axes: the coordinate
-    /// axis that lies most across it, made square to it, and the one that completes `axis, first, second` to a
-    /// right-handed triad.
+    /// The two tilt directions across the spin axis, in host axes: the coordinate axis most perpendicular to it,
+    /// orthogonalised, and the one that completes `axis, first, second` to a right-handed triad.
     pub fn tilt_axes(&self) -> [Vector3; 2] {
         across(&self.axis_B)
     }
@@ -173,15 +170,15 @@ pub struct Thruster {
     pub name: String,
     /// Index of the host body.
     pub body: usize,
-    /// Position of the nozzle from the body's origin, in B, m.
+    /// Position of the nozzle relative to the body's origin, in B, m.
     pub p_BoT_B: Vector3,
     /// Unit direction of the force on the body, in B.
     pub direction_B: Vector3,
-    /// What is known of the factor between declared and true thrust.
+    /// Knowledge of the factor between declared and true thrust.
     pub scale: Nuisance,
 }
 
-/// What is known of a momentum vector at the first sample, in N.
+/// Knowledge of a momentum vector at the first sample, in N.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum MomentumKnowledge {
     /// Unknown.
@@ -191,7 +188,7 @@ pub enum MomentumKnowledge {
     Known(Vector3),
 }
 
-/// What is known of the initial momentum.
+/// Knowledge of the initial momentum.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Momentum {
     /// Linear momentum, N s.
@@ -200,14 +197,14 @@ pub struct Momentum {
     pub angular: MomentumKnowledge,
 }
 
-/// Forces of the surroundings.
+/// Forces and torques of the environment.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Environment {
     /// Gravitational parameter of the attracting body, m3/s2; `None` = free fall.
     pub point_mass_gm: Option<f64>,
     /// Whether gravity-gradient torque acts.
     pub gravity_gradient: bool,
-    /// The reference orbit, where the file gives its elements; telemetry may give its positions instead.
+    /// Reference orbit, if the file has its elements; telemetry may have its positions instead.
     pub orbit: Option<Orbit>,
     /// Whether a constant disturbance torque in body axes is unknown.
     pub disturbance_torque: Nuisance,
@@ -215,22 +212,22 @@ pub struct Environment {
     pub disturbance_torque_inertial: Nuisance,
     /// Random torque about the mass centre, if declared.
     pub random_torque: Option<RandomTorque>,
-    /// Whether a drag torque `-c |w| w` is unknown, one coefficient c an axis of the base, kg m2.
+    /// Whether a drag torque `-c |w| w` is unknown, with one coefficient c per axis of the base, kg m2.
     pub drag_torque: Nuisance,
 }
 
-/// A random torque about the mass centre, alike about every axis of N: a Gauss-Markov process.
+/// A random torque about the mass centre, with equal statistics about every axis of N: a Gauss-Markov process.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[allow(non_snake_case)]
 pub struct RandomTorque {
     /// One sigma about each axis, N m.
     pub sigma_N_m: f64,
-    /// Time after which it has forgotten itself to 1/e, s.
+    /// Correlation time (decay to 1/e), s.
     pub correlation_s: f64,
 }
 
 impl Model {
-    /// Unit of a sensor's readings as it ends a key: `rad_s`.
+    /// Unit of a sensor as a key suffix: `rad_s`.
     pub fn unit_of(&self, sensor: &Sensor) -> &'static str {
         let read = sensor.of.first().and_then(|j| self.joints.get(*j));
         sensor

@@ -1,4 +1,4 @@
-//! A checked vehicle as a `poinsot.model/1` file that reads back equal.
+//! Writes a checked vehicle as a `poinsot.model/1` file that reads back equal.
 
 use crate::knowledge::{KnownNumber, Origin};
 use crate::toml_text::{line, number, quoted, section};
@@ -13,8 +13,8 @@ type Sigmas = HashMap<KnownNumber, f64>;
 
 /// The text of a model file. Numbers are written with all their digits; `notes` are not written.
 ///
-/// A noise that differs from axis to axis in turned axes goes through a square root and reads back to
-/// round-off; everything else reads back to the last bit.
+/// Anisotropic noise in rotated axes is written as a square root and reads back to round-off; everything else reads
+/// back exactly.
 pub fn write_model(model: &Model) -> String {
     let mut out = String::new();
     line(&mut out, "schema", quoted(crate::MODEL_SCHEMA));
@@ -94,7 +94,7 @@ pub fn write_model(model: &Model) -> String {
     out
 }
 
-/// Uncertainties of one table that are not those of a drawing.
+/// Uncertainties of one table that differ from those of a drawing.
 fn uncertainty(out: &mut String, known: &Sigmas, numbers: &[(&str, KnownNumber)]) {
     if known.is_empty() {
         return;
@@ -347,7 +347,7 @@ fn body_name(model: &Model, body: usize) -> String {
     quoted(model.bodies.get(body).map_or("", |b| b.name.as_str()))
 }
 
-/// Name of the joint, wheel or thruster that a sensor reads.
+/// Name of the joint, wheel or thruster measured by a sensor.
 fn read_name(model: &Model, kind: SensorKind, k: usize) -> String {
     let name = match kind {
         SensorKind::WheelSpeed => model.wheels.get(k).map(|w| w.name.as_str()),

@@ -1,4 +1,4 @@
-//! The `[telemetry]` table back to a file that reads equal.
+//! Writes the `[telemetry]` table so that it reads back equal.
 
 use crate::toml_text::{line, number, quoted, section};
 use poinsot_telemetry::{

@@ -1,7 +1,7 @@
 //! Particle swarm of Xu 2017 on the cost (37): 50 particles, 600 samples of the locked robot under thrust.
 //!
-//! Prints `name,value,unit`: least time of an evaluation of all particles and of a whole iteration, and how many
-//! iterations reach which accuracy.
+//! Prints `name,value,unit`: least time of an evaluation of all particles and of a whole iteration, and the accuracy
+//! over iterations.
 #![allow(non_snake_case)]
 
 use poinsot_papers::xu2017::swarm::{Objective, Range, Swarm, fly};
@@ -22,7 +22,7 @@ fn truth() -> MassProperties {
     }
 }
 
-/// Twelve thrusters of 2 N, 5 s each, read at 10 Hz; rates by the fourth-order Runge-Kutta rule at 1 ms.
+/// Twelve thrusters of 2 N, 5 s each, sampled at 10 Hz; rates by fourth-order Runge-Kutta at 1 ms.
 fn samples(body: &MassProperties) -> Vec<Push> {
     #[rustfmt::skip]
     let thrusters: [[f64; 6]; 12] = [
@@ -95,7 +95,7 @@ fn main() {
             seed: round,
             ..Swarm::default()
         };
-        // From one iteration to the next: the least of all is the one that nothing interrupted.
+        // Time of one iteration: the least of all has no interruption.
         let mut before = Instant::now();
         fly(&swarm, &range, &objective, |_, _, _| {
             let now = Instant::now();
@@ -107,7 +107,7 @@ fn main() {
     accuracy(&body, &rows, &range, &objective);
 }
 
-/// Iterations to several errors, and the linear solution.
+/// Iterations to reach several errors, and the linear solution.
 fn accuracy(body: &MassProperties, rows: &[SingleRow], range: &Range, objective: &SingleObjective) {
     let x = particle(body);
     let error = |y: &[f64; 10]| {

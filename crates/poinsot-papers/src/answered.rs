@@ -1,11 +1,11 @@
-//! The vehicle to predict with, and bodies as one.
+//! Bodies of an answer for predictions, and their sum.
 
 use poinsot_dynamics::{Kinematics, composite};
 use poinsot_identify::{Estimate, Number, tensor_name};
 use poinsot_model::Model;
 use poinsot_spatial::{InertialParameters, MassProperties, Matrix3, Vector3};
 
-/// The bodies as a published method states them: determined numbers, else the numbers the method prints, else nominal.
+/// Bodies by a published method: its determined numbers, otherwise the numbers that it prints, otherwise nominal ones.
 pub fn answered(model: &Model, estimate: &Estimate) -> Vec<MassProperties> {
     let printed = |name: &str| {
         let report = estimate.method_report.as_ref()?;
@@ -34,7 +34,7 @@ pub fn answered(model: &Model, estimate: &Estimate) -> Vec<MassProperties> {
         .collect()
 }
 
-/// All bodies as one about the base origin, where they stand.
+/// All bodies summed about the base origin, in the given configuration.
 pub(crate) fn as_one(bodies: &[InertialParameters], kinematics: &Kinematics) -> InertialParameters {
     let c = composite(bodies, kinematics);
     InertialParameters {

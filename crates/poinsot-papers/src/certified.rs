@@ -1,9 +1,9 @@
-//! The numbers of a published method in the answer that certifies them.
+//! Certifies the numbers of a published method by a method with uncertainty.
 //!
-//! The papers say nothing of what the data leave undetermined, and nothing of uncertainty. A method of the ladder on the
-//! same data says both, and what it certifies may stand in the answer. Sigma of a number is `sqrt(sigma^2 + difference^2)`
-//! with the certificate's sigma and the difference of both answers: the error of an estimator is that of an efficient one
-//! plus an independent difference (Hausman 1978).
+//! The papers give neither uncertainty nor undetermined directions. A method of this project (the certificate)
+//! computes both from the same data; only certified numbers enter the answer. Sigma is `sqrt(sigma^2 + difference^2)`,
+//! with the certificate's sigma and the difference between both estimates. The error of an estimator is that of an
+//! efficient one plus an independent difference (Hausman 1978).
 
 use crate::answered::as_one;
 use poinsot_dynamics::Kinematics;
@@ -13,13 +13,13 @@ use poinsot_identify::{
 use poinsot_spatial::{InertialParameters, MassProperties, PARAMETER_NAMES};
 use std::collections::HashMap;
 
-/// A number that differs from the certificate's by more than this share of its natural unit, or than the accuracy asked
-/// for, and by more than [`APART_SIGMAS`] is evidence against the answer.
+/// Difference from the certificate, relative to the natural unit, that counts as evidence against the answer. A smaller
+/// requested accuracy replaces it. The difference must also exceed [`APART_SIGMAS`].
 const APART: f64 = 0.01;
-/// Sigmas of the certificate.
+/// Difference from the certificate in its sigmas.
 const APART_SIGMAS: f64 = 5.0;
 
-/// Puts the numbers of `bodies` where `estimate` certifies them; none with `withheld`.
+/// Replaces certified numbers of `estimate` by those of `bodies`; none with `withheld`.
 pub(crate) fn put(
     problem: &Problem,
     estimate: &mut Estimate,
@@ -81,7 +81,8 @@ pub(crate) fn put(
     }
 }
 
-/// The number that is furthest from the certificate's, in natural units, of those that differ beyond its sigma.
+/// The number with the largest difference from the certificate, in natural units, among those that differ
+/// significantly.
 fn apart(
     certified: &BodyEstimate,
     found: &BodyEstimate,
@@ -101,7 +102,7 @@ fn apart(
     gaps.max_by(|a, b| a.0.total_cmp(&b.0))
 }
 
-/// The ten numbers of a body by their names in the covariance.
+/// The ten numbers of a body, by their names in the covariance.
 fn numbers(body: &BodyEstimate) -> Vec<(String, &Number)> {
     let com = (0..3).map(|k| (format!("com_{}", axis_name(k)), &body.com[k]));
     let inertia = (0..6).map(|k| (format!("inertia_{}", tensor_name(k)), &body.inertia[k]));
@@ -109,7 +110,7 @@ fn numbers(body: &BodyEstimate) -> Vec<(String, &Number)> {
     mass.chain(com).chain(inertia).collect()
 }
 
-/// Certified values by the names of the covariance.
+/// Certified values, by their names in the covariance.
 fn certified(estimate: &Estimate) -> HashMap<String, f64> {
     let of = |b: &BodyEstimate| {
         let all = numbers(b).into_iter();
@@ -119,7 +120,7 @@ fn certified(estimate: &Estimate) -> HashMap<String, f64> {
     estimate.bodies.iter().flat_map(of).collect()
 }
 
-/// Every number of every body by the names of the unknowns and of the covariance.
+/// Every number of every body, by its names as unknown and in the covariance.
 fn values(problem: &Problem, bodies: &[InertialParameters]) -> HashMap<String, f64> {
     let mut all = HashMap::new();
     for (body, pi) in problem.model.bodies.iter().zip(bodies) {

@@ -1,19 +1,19 @@
-//! Why a published method gives no estimate.
+//! Errors of published methods.
 
 /// Why a method gives no estimate.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum MethodError {
-    /// No such variant.
+    /// Unknown variant.
     #[error("E0001 --variant '{variant}': {method} has no such variant; use one of {}", known.join(", "))]
     Variant {
         /// Method.
         method: &'static str,
         /// Variant as given.
         variant: String,
-        /// Its variants.
+        /// Valid variants.
         known: Vec<&'static str>,
     },
-    /// A setting that the method does not have, or a value that it does not take.
+    /// An unknown setting, or an invalid value.
     #[error("E0001 --set '{text}': {why}")]
     Setting {
         /// As given.
@@ -21,13 +21,13 @@ pub enum MethodError {
         /// What is wrong and what to do.
         why: String,
     },
-    /// The method's own reason, with its code.
+    /// Error text of the method, with its code.
     #[error("{0}")]
     Refused(String),
 }
 
 impl MethodError {
-    /// From the error of a method.
+    /// Wraps the error of a method.
     pub fn refused(error: impl std::error::Error) -> Self {
         Self::Refused(error.to_string())
     }

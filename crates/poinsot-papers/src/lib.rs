@@ -1,8 +1,8 @@
-//! Published methods of identification, one folder a paper: reproduced as printed where that is right, measured against
+//! Published methods of identification, one folder per paper: reproduced as printed where correct, and compared with
 //! [`poinsot_identify`].
 //!
-//! [`METHODS`] is the registration of all of them. The command line, `poinsot methods`, help, error codes and tests read
-//! that list; no other crate names a paper. [`studies`] are what a paper states, computed again.
+//! [`METHODS`] registers all methods. The command line, `poinsot methods`, help, error codes and tests use this list;
+//! no other crate names a paper. [`studies`] recompute the statements of a paper.
 //!
 //! ```
 //! for method in poinsot_papers::METHODS {

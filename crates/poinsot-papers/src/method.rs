@@ -1,4 +1,4 @@
-//! What every published method is to the rest of the program.
+//! Interface of published methods.
 
 use crate::error::MethodError;
 use crate::setting::{SettingText, Settings};
@@ -10,12 +10,12 @@ pub trait Method: Sync {
     /// Name, variants, paper and error codes.
     fn about(&self) -> About;
 
-    /// Identifies; the first variant of [`About::variants`] where none is named. The settings are checked already:
-    /// see [`crate::identify_by`].
+    /// Identifies by the named variant, or by the first of [`About::variants`]. Settings are already checked, see
+    /// [`crate::identify_by`].
     ///
     /// # Errors
-    /// The variant is unknown, a setting has no sense, or the problem does not suit the method. What the data do not
-    /// determine is part of the estimate.
+    /// The variant is unknown, a setting is invalid, or the problem does not suit the method. Undetermined numbers are
+    /// part of the estimate, not an error.
     fn identify(
         &self,
         problem: &Problem,
@@ -23,44 +23,44 @@ pub trait Method: Sync {
         settings: &Settings,
     ) -> Result<Estimate, MethodError>;
 
-    /// The studies of its paper, see [`crate::study`].
+    /// Studies of its paper, see [`crate::study`].
     fn studies(&self) -> &'static [Study];
 }
 
 /// Code, meaning, usual cause, remedy.
 pub type Explained = (&'static str, &'static str, &'static str, &'static str);
 
-/// A method in words.
+/// Description of a method.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct About {
     /// Name on the command line: author and year.
     pub name: &'static str,
-    /// What it estimates from what, in one line.
+    /// Summary in one line.
     pub summary: &'static str,
-    /// Where it was published.
+    /// Citation.
     pub citation: &'static str,
-    /// How many equations, tables and figures the paper numbers: its page has a row for each.
+    /// Number of numbered equations, tables and figures in the paper; its page has a row for each.
     pub numbered: [usize; 3],
     /// Variants; the first is the default.
     pub variants: Vec<VariantText>,
-    /// Settings that `--set` takes.
+    /// Settings for `--set`.
     pub settings: &'static [SettingText],
-    /// Whether it uses measured accelerations, which no other method reads.
+    /// Whether it uses measured accelerations, which no other method does.
     pub reads_accelerations: bool,
-    /// The error codes that it alone gives.
+    /// Its own error codes.
     pub codes: &'static [Explained],
 }
 
-/// A variant in words.
+/// Description of a variant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct VariantText {
     /// Name on the command line.
     pub name: &'static str,
-    /// What it does, in one line.
+    /// Summary in one line.
     pub summary: &'static str,
 }
 
-/// Variants of a method with their names, which are unique, and summaries; the first is the default.
+/// Variants of a method with their unique names and summaries; the first is the default.
 pub trait Named: Copy + 'static {
     /// Every variant and its summary.
     const ALL: &'static [(Self, &'static str)];
@@ -68,7 +68,7 @@ pub trait Named: Copy + 'static {
     /// Name on the command line.
     fn name(self) -> &'static str;
 
-    /// All variants in words.
+    /// Descriptions of all variants.
     fn texts() -> Vec<VariantText> {
         let text = |&(variant, summary): &(Self, &'static str)| VariantText {
             name: variant.name(),
@@ -77,7 +77,7 @@ pub trait Named: Copy + 'static {
         Self::ALL.iter().map(text).collect()
     }
 
-    /// The variant of this name, the default where none is given.
+    /// The variant of this name, or the default without a name.
     fn named(method: &'static str, name: Option<&str>) -> Result<Self, MethodError> {
         let mut all = Self::ALL.iter().map(|(variant, _)| *variant);
         let found = match name {

@@ -1,4 +1,4 @@
-//! The registration of all published methods: no other file of the program names one.
+//! Registration of all published methods; no other file of the program names one.
 
 use crate::error::MethodError;
 use crate::kim2010::Kim2010;

@@ -2,23 +2,23 @@
 
 use crate::error::MethodError;
 
-/// A setting in words.
+/// Description of a setting.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SettingText {
     /// Key after `--set`.
     pub key: &'static str,
-    /// What it is, in one line.
+    /// Summary in one line.
     pub summary: &'static str,
-    /// Value where it is not set.
+    /// Default value.
     pub default: &'static str,
 }
 
-/// Settings of a method as given; keys of others are refused by [`Settings::check`].
+/// Settings of a method as given; unknown keys are rejected by [`Settings::check`].
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Settings(Vec<(String, String)>);
 
 impl Settings {
-    /// From `key=value` texts.
+    /// Parses `key=value` texts.
     ///
     /// # Errors
     /// A text without `=`, or a key given twice.
@@ -41,10 +41,10 @@ impl Settings {
         Ok(Self(all))
     }
 
-    /// Refuses keys that a method does not have.
+    /// Returns an error for unknown keys.
     ///
     /// # Errors
-    /// The first such key, with those that the method has.
+    /// The first unknown key, with the valid ones.
     pub fn check(&self, method: &str, known: &[SettingText]) -> Result<(), MethodError> {
         let has = |key: &str| known.iter().any(|s| s.key == key);
         let Some((key, value)) = self.0.iter().find(|(key, _)| !has(key)) else {
@@ -71,10 +71,10 @@ impl Settings {
         found.map(|(_, value)| value.as_str())
     }
 
-    /// A number within limits; `None` where it is not set.
+    /// A number within limits; `None` if not set.
     ///
     /// # Errors
-    /// The value is no number, or outside the limits.
+    /// The value is not a number, or outside the limits.
     pub fn number(&self, key: &str, least: f64, most: f64) -> Result<Option<f64>, MethodError> {
         let Some(text) = self.text(key) else {
             return Ok(None);
@@ -88,10 +88,10 @@ impl Settings {
         }
     }
 
-    /// A whole number within limits; `None` where it is not set.
+    /// An integer within limits; `None` if not set.
     ///
     /// # Errors
-    /// As [`Self::number`], or the number is not whole.
+    /// As [`Self::number`], or the number is not an integer.
     pub fn count(&self, key: &str, least: u32, most: u32) -> Result<Option<u32>, MethodError> {
         let found = self.number(key, f64::from(least), f64::from(most))?;
         match found {

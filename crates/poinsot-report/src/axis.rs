@@ -1,6 +1,6 @@
-//! Axes: round ticks, and a power of ten taken out of the numbers into the unit.
+//! Axis ticks and the power of ten in the unit.
 
-/// Round numbers inside a range, about `wanted` of them.
+/// Round numbers within a range, about `wanted` of them.
 pub(crate) fn ticks(from: f64, to: f64, wanted: usize) -> Vec<f64> {
     let span = to - from;
     if !(span > 0.0 && span.is_finite()) {
@@ -14,7 +14,7 @@ pub(crate) fn ticks(from: f64, to: f64, wanted: usize) -> Vec<f64> {
         .collect()
 }
 
-/// 1, 2 or 5 times a power of ten, the nearest to `raw`.
+/// 1, 2 or 5 times a power of ten, nearest to `raw`.
 fn round_step(raw: f64) -> f64 {
     let power = 10.0_f64.powf(raw.log10().floor());
     let factor = raw / power;
@@ -27,7 +27,7 @@ fn round_step(raw: f64) -> f64 {
     round * power
 }
 
-/// Tick as text with the decimals that its step needs.
+/// Text of a tick, with the decimals that the step needs.
 pub(crate) fn tick_text(tick: f64, all: &[f64]) -> String {
     let step = match all {
         [a, b, ..] => (b - a).abs(),
@@ -42,7 +42,7 @@ pub(crate) fn tick_text(tick: f64, all: &[f64]) -> String {
     format!("{tick:.decimals$}")
 }
 
-/// Power of ten, a multiple of three, that brings numbers of this size near one.
+/// Exponent of ten, a multiple of three, that scales numbers of this size near one.
 pub(crate) fn exponent(size: f64) -> i32 {
     if !(size > 0.0 && size.is_finite()) || (0.01..1.0e4).contains(&size) {
         return 0;
@@ -50,7 +50,7 @@ pub(crate) fn exponent(size: f64) -> i32 {
     3 * (size.log10() / 3.0).floor() as i32
 }
 
-/// Unit with the power of ten in front of it.
+/// Unit with a power of ten.
 pub(crate) fn unit_text(unit: &str, exponent: i32) -> String {
     let unit = match unit {
         "1" => "",

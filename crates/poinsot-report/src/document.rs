@@ -1,21 +1,21 @@
 //! The parts of a document.
 
-/// How good what is said is.
+/// Quality of a statement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Tone {
-    /// Neither.
+    /// Neutral.
     #[default]
     Plain,
     /// As hoped.
     Good,
-    /// To be looked at.
+    /// Needs attention.
     Fair,
-    /// Not to be used.
+    /// Not usable.
     Bad,
 }
 
 impl Tone {
-    /// Name on a page.
+    /// Name in HTML.
     pub fn name(self) -> &'static str {
         match self {
             Self::Plain => "off",
@@ -29,7 +29,7 @@ impl Tone {
 /// A verdict and the sections that support it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Document {
-    /// The answer in one sentence.
+    /// The result in one sentence.
     pub verdict: String,
     /// Colour of the verdict.
     pub tone: Tone,
@@ -46,11 +46,11 @@ pub struct Section {
     pub tone: Tone,
     /// Content.
     pub content: Content,
-    /// A remark under the content.
+    /// Remark below the content.
     pub note: Option<String>,
 }
 
-/// What a section holds.
+/// Content of a section.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Content {
     /// Rows of cells.
@@ -78,7 +78,7 @@ impl Document {
         }
     }
 
-    /// The document with a colour of its verdict.
+    /// Sets the colour of the verdict.
     pub fn toned(mut self, tone: Tone) -> Self {
         self.tone = tone;
         self
@@ -101,7 +101,7 @@ impl Section {
         }
     }
 
-    /// The section with a colour of its title.
+    /// Sets the colour of the title.
     pub fn toned(mut self, tone: Tone) -> Self {
         self.tone = tone;
         self

@@ -1,6 +1,6 @@
-//! Why a page cannot be put together.
+//! Error of building a page.
 
-/// A fault of a template or of the data handed to it.
+/// Fault of a template or of its data.
 #[derive(Debug, thiserror::Error)]
 pub enum PageError {
     /// A template does not render.
@@ -8,7 +8,7 @@ pub enum PageError {
     Template {
         /// Name of the template.
         name: String,
-        /// What the engine says.
+        /// Error of the template engine.
         source: minijinja::Error,
     },
     /// Data that cannot be written as JSON.

@@ -1,5 +1,5 @@
-//! A picture of the page as a file of its own: SVG with its style inside, or PNG. Equal pictures give
-//! equal bytes: nothing depends on time, machine or installed fonts.
+//! A figure of the page as a separate file: SVG with its style, or PNG. Output is deterministic: independent of time,
+//! machine and installed fonts.
 
 use crate::error::PageError;
 use crate::markup::{Html, escape};
@@ -10,37 +10,37 @@ use crate::series::Plot;
 use std::fmt::Write;
 
 const STYLE: &str = include_str!("../assets/figure.css");
-/// Height of the title and of a row of the legend, px.
+/// Height of the title and of each legend row, px.
 const TITLE: f64 = 26.0;
 const ROW: f64 = 17.0;
-/// Width of a letter of the legend, px: near enough to break its rows.
+/// Approximate width of a legend letter, px, for breaking rows.
 const LETTER: f64 = 6.6;
 const EDGE: f64 = 12.0;
 
-/// What a figure shows.
+/// Content of a figure.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Picture {
     /// Curves.
     Plot(Box<Plot>),
-    /// A picture in space.
+    /// Scene in space.
     Scene(Box<Scene>),
 }
 
-/// A picture with the name of its file.
+/// A picture with its file name.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figure {
     /// Letters, digits, `_` and `-` only.
     pub name: String,
-    /// What it shows.
+    /// Content.
     pub picture: Picture,
 }
 
-/// A format of a file.
+/// File format of a figure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FigureFormat {
     /// Scalable.
     Svg,
-    /// Pixels, twice as many as the SVG has units.
+    /// Pixels, twice the resolution of the SVG.
     Png,
 }
 
@@ -55,7 +55,7 @@ impl FigureFormat {
 }
 
 impl Figure {
-    /// A figure of a plot; letters of the name that no file system should meet become `_`.
+    /// A figure of a plot; letters that are not safe in file names become `_`.
     pub fn plot(name: &str, plot: Plot) -> Self {
         Self {
             name: file_name(name),
@@ -71,7 +71,7 @@ impl Figure {
         }
     }
 
-    /// As it stands on the page.
+    /// HTML on the page.
     ///
     /// # Errors
     /// Its numbers have no JSON form.
@@ -86,7 +86,7 @@ impl Figure {
         matches!(&self.picture, Picture::Plot(p) if p.half)
     }
 
-    /// Several as they stand on the page; halves side by side.
+    /// HTML of several figures; half-width ones are side by side.
     ///
     /// # Errors
     /// As [`Self::html`].
@@ -106,10 +106,10 @@ impl Figure {
         Ok(Html::join(&parts))
     }
 
-    /// The file in a format; `None` where there is nothing to draw.
+    /// The file in a format; `None` if there is nothing to draw.
     ///
     /// # Errors
-    /// The picture cannot be turned into pixels.
+    /// The SVG cannot be rendered.
     pub fn file(&self, format: FigureFormat) -> Result<Option<Vec<u8>>, PageError> {
         let Some(svg) = self.svg() else {
             return Ok(None);
@@ -120,7 +120,7 @@ impl Figure {
         }))
     }
 
-    /// The stand-alone SVG; `None` where there is nothing to draw.
+    /// The stand-alone SVG; `None` if there is nothing to draw.
     pub fn svg(&self) -> Option<String> {
         let (title, note, legend, drawing) = match &self.picture {
             Picture::Plot(p) => (&p.title, &p.note, p.legend(), p.drawing()?),
@@ -144,7 +144,7 @@ impl Figure {
     }
 }
 
-/// Rows of a legend, and its elements.
+/// Number of rows of a legend, and its elements.
 fn keys(legend: &[(&str, &str, usize)], width: f64) -> (usize, String) {
     let mut out = String::new();
     let (mut x, mut row) = (EDGE, 0);
@@ -192,7 +192,6 @@ fn pixels(_: &str) -> Result<Vec<u8>, PageError> {
     Err(PageError::Figure(why.to_owned()))
 }
 
-/// A name as a file may have it.
 fn file_name(name: &str) -> String {
     let plain: String = name
         .chars()

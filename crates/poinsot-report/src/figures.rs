@@ -1,9 +1,9 @@
-//! Numbers with no more figures than they deserve.
+//! Numbers as text with the significant figures that their sigma supports.
 
-/// Most decimals shown: a double holds no more.
+/// Largest number of decimals, the precision of a double.
 const MOST: i32 = 12;
 
-/// A number with this many significant figures, without an exponent where that stays short.
+/// A number with this many significant figures, without exponent if that is short.
 pub fn significant(x: f64, figures: i32) -> String {
     if x == 0.0 {
         return "0".to_owned();
@@ -42,7 +42,7 @@ pub fn number_with_sigma(value: Option<f64>, sigma: Option<f64>) -> (String, Str
     }
 }
 
-/// A probability as text: two decimals; below one in a hundred two significant figures, so that no small one reads as zero.
+/// A probability as text: two decimals, or two significant figures below 0.01, so that none reads as zero.
 pub fn probability(p: f64) -> String {
     if p >= 0.01 {
         format!("{p:.2}")
@@ -51,7 +51,7 @@ pub fn probability(p: f64) -> String {
     }
 }
 
-/// Text of a number without the sign of a value that rounds to zero.
+/// Removes the sign of a value that rounds to zero.
 fn unsigned_zero(text: String) -> String {
     match text.strip_prefix('-') {
         Some(zero) if zero.chars().all(|c| c == '0' || c == '.') => zero.to_owned(),

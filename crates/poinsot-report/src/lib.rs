@@ -1,4 +1,4 @@
-//! Document, section, table, plot, page: numbers laid out for a reader. Knows numbers, not spacecraft.
+//! Documents, tables, plots and pages of numbers. This crate knows nothing about spacecraft.
 
 mod axis;
 mod document;

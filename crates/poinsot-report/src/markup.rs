@@ -1,4 +1,4 @@
-//! Text from files into HTML: everything is escaped unless this program made it.
+//! Escapes text from files for HTML; only HTML made by this program is inserted unescaped.
 
 use crate::error::PageError;
 use minijinja::{AutoEscape, Environment, Value, escape_formatter};
@@ -15,12 +15,12 @@ impl Html {
         &self.0
     }
 
-    /// For a template: placed as it is.
+    /// For a template: inserted unescaped.
     pub fn value(&self) -> Value {
         Value::from_safe_string(self.0.clone())
     }
 
-    /// Side by side.
+    /// Two columns.
     pub fn pair(parts: &[Self]) -> Self {
         Self(format!("<div class=\"pair\">{}</div>", Self::join(parts).0))
     }
@@ -54,8 +54,8 @@ pub fn render(name: &str, template: &str, context: impl Serialize) -> Result<Htm
         .map_err(fault)
 }
 
-/// Text for element content and quoted attributes. Characters that a browser obeys instead of showing them stand
-/// as escapes (`\u{202e}`); line ends and tabs stay.
+/// Escapes text for element content and quoted attributes. Unprintable characters become escapes (`\u{202e}`); line
+/// ends and tabs are kept.
 pub fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
@@ -73,7 +73,7 @@ pub fn escape(text: &str) -> String {
     out
 }
 
-/// JSON for a `<script type="application/json">`: nothing in it can end the element.
+/// JSON for a `<script type="application/json">`: no text in it can close the element.
 ///
 /// # Errors
 /// The value has no JSON form.

@@ -1,4 +1,4 @@
-//! The first screen of a page: the answer in a word and a sentence, what to do, and the evidence for it.
+//! The first screen of a page: verdict, action and evidence.
 
 use crate::document::Tone;
 use crate::error::PageError;
@@ -13,15 +13,15 @@ const TEMPLATE: &str = include_str!("../templates/opening.html");
 pub struct Opening {
     /// Colour of the word.
     pub tone: Tone,
-    /// The answer in a word.
+    /// Verdict in one word.
     pub word: String,
-    /// The answer in a sentence with its numbers.
+    /// Verdict in one sentence with its numbers.
     pub sentence: String,
-    /// What to do next, where something is needed.
+    /// Recommended action, if any.
     pub action: Option<String>,
     /// Questions about the evidence.
     pub lights: Vec<Light>,
-    /// What shows the answer best: beside the words, on a phone below them.
+    /// Main figure, beside the text; below it on a phone.
     pub beside: Html,
 }
 
@@ -36,12 +36,12 @@ pub struct Light {
     pub tone: Tone,
     /// Answer in a word.
     pub word: String,
-    /// What was found.
+    /// Finding.
     pub found: String,
 }
 
 impl Opening {
-    /// As the first part of a page.
+    /// The first part of a page.
     ///
     /// # Errors
     /// The template is faulty.

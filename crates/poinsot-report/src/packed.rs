@@ -1,5 +1,5 @@
-//! The samples of a plot over time as `curves.js` reads them: times as 32-bit floats after the first, values as
-//! 16-bit steps between the least and the greatest. A screen of 4,000 lines shows one step in sixteen.
+//! Samples of a time plot in the format of `curves.js`: times as 32-bit floats relative to the first, values as 16-bit
+//! steps between minimum and maximum. A screen of 4,000 lines shows one step in sixteen.
 
 use crate::markup::{escape, island};
 use crate::series::{Mark, Plot, Series};
@@ -7,9 +7,9 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;
 
-/// The step that stands for a value that is not finite.
+/// Code of a value that is not finite.
 const NONE: u16 = u16::MAX;
-/// The last step that stands for a value.
+/// Largest code of a finite value.
 const LAST: f64 = 65_534.0;
 
 #[derive(Serialize)]
@@ -21,7 +21,7 @@ struct Curves<'a> {
     height: f64,
     levels: &'a [(f64, String)],
     series: Vec<Packed<'a>>,
-    /// Half the height of a band about zero; null for none.
+    /// Half-height of a band about zero, or null.
     band: Option<f64>,
 }
 
@@ -30,7 +30,7 @@ struct Packed<'a> {
     name: &'a str,
     mark: &'a str,
     colour: usize,
-    /// Place in the series whose times are the same; null where it has its own.
+    /// Index of a series with the same times, or null.
     same: Option<usize>,
     start: f64,
     x: String,
@@ -39,7 +39,7 @@ struct Packed<'a> {
     y: String,
 }
 
-/// Samples and a place to draw them; nothing where they have no JSON form.
+/// Samples and an element for the plot; empty if they have no JSON form.
 pub(crate) fn packed(plot: &Plot) -> String {
     let lines: Vec<&Series> = plot
         .series

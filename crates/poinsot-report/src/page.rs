@@ -1,5 +1,4 @@
-//! One self-contained page: no network, and a content security policy that names its own style and
-//! scripts by hash.
+//! A self-contained page: no network access, and a content security policy with the hashes of its style and scripts.
 
 use crate::document::{Content, Document, Section, Table};
 use crate::error::PageError;
@@ -17,7 +16,7 @@ const STYLE: &str = concat!(
     "\n",
     include_str!("../assets/style.css")
 );
-/// Scripts with the mark in the page that asks for each; the first is for every page.
+/// Scripts, each with the text in the page that requires it; the first is always included.
 const SCRIPTS: [(&str, &str); 4] = [
     ("", include_str!("../assets/page.js")),
     (CURVES, include_str!("../assets/uplot/uPlot.iife.min.js")),
@@ -35,7 +34,7 @@ pub struct Part {
     pub title: &'static str,
     /// Content.
     pub body: Html,
-    /// The pictures in it, for files of their own.
+    /// Its figures, for separate files.
     pub figures: Vec<Figure>,
 }
 
@@ -72,7 +71,7 @@ impl Part {
 pub struct Page {
     /// Title.
     pub title: String,
-    /// Line above the footer's words.
+    /// Line above the footer text.
     pub subtitle: String,
     /// Line at the end.
     pub footer: String,
@@ -81,7 +80,7 @@ pub struct Page {
 }
 
 impl Page {
-    /// The whole file.
+    /// The HTML file.
     ///
     /// # Errors
     /// The page's template is faulty.
@@ -118,7 +117,7 @@ impl Page {
     }
 }
 
-/// Whether no cell of a column begins as a number does.
+/// Whether no cell of a column starts like a number.
 fn is_text(table: &Table, column: usize) -> bool {
     let numeric =
         |cell: &String| cell.starts_with(|c: char| c.is_ascii_digit() || "+-±".contains(c));

@@ -5,7 +5,7 @@ use resvg::tiny_skia::{Color, Pixmap, Transform};
 use resvg::usvg::{Options, Tree};
 use std::sync::Arc;
 
-/// Pixels of a PNG for one of the SVG.
+/// PNG pixels per SVG unit.
 const ZOOM: f32 = 2.0;
 
 /// The picture as PNG.
@@ -18,7 +18,7 @@ pub(crate) fn pixels(svg: &str) -> Result<Vec<u8>, PageError> {
         font_family: "DejaVu Sans".to_owned(),
         ..Options::default()
     };
-    // The font travels with the program: what is installed does not matter.
+    // The font is embedded, so the result does not depend on installed fonts.
     let fonts = Arc::make_mut(&mut options.fontdb);
     fonts.load_font_data(dejavu::sans::regular().to_vec());
     fonts.load_font_data(dejavu::sans::bold().to_vec());

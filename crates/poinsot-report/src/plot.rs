@@ -1,4 +1,4 @@
-//! A plot as SVG; a plot over time stands on the page as packed samples that `curves.js` draws.
+//! A plot as SVG. A time plot is stored on the page as packed samples that `curves.js` draws.
 
 use crate::axis::{exponent, superscript, tick_text, ticks, unit_text};
 use crate::markup::{Html, escape};
@@ -7,14 +7,14 @@ use crate::series::{Axis, Mark, Plot, Series};
 use std::fmt::Write;
 
 const WIDTH: f64 = 860.0;
-/// Width of a letter of a name on an axis with its space, px.
+/// Width of a letter of an axis name, including spacing, px.
 const LETTER: f64 = 8.5;
 const LEFT: f64 = 76.0;
 const RIGHT: f64 = 14.0;
 const TOP: f64 = 8.0;
 const BOTTOM: f64 = 44.0;
 
-/// The data range and how it maps onto the field.
+/// Data range and its mapping to the plot area.
 struct Frame {
     x: [f64; 2],
     y: [f64; 2],
@@ -92,12 +92,12 @@ impl Frame {
         })
     }
 
-    /// Share of the width, from the left.
+    /// Horizontal position, as a fraction from the left.
     fn share_x(&self, x: f64) -> f64 {
         (x - self.x[0]) / (self.x[1] - self.x[0])
     }
 
-    /// Share of the height, from above.
+    /// Vertical position, as a fraction from the top.
     fn share_y(&self, y: f64) -> f64 {
         let y = if self.log { y.log10() } else { y * self.scale };
         (self.y[1] - y) / (self.y[1] - self.y[0])
@@ -105,7 +105,7 @@ impl Frame {
 }
 
 impl Plot {
-    /// The plot as a figure; a word instead where there is nothing to draw.
+    /// The plot as a figure; a note if there is nothing to draw.
     pub fn html(&self) -> Html {
         let mut out = String::new();
         let class = match (self.group.is_empty(), self.half) {
@@ -150,7 +150,7 @@ impl Plot {
         [width, height]
     }
 
-    /// The plot without its legend: size and elements. An inner SVG clips the curves.
+    /// The plot without legend: size and elements. A nested SVG clips the curves.
     pub(crate) fn drawing(&self) -> Option<([f64; 2], String)> {
         let frame = Frame::new(self)?;
         let [width, height] = self.size();
@@ -173,7 +173,7 @@ impl Plot {
         Some(([width, height], out))
     }
 
-    /// Name, mark and colour of what the legend shows.
+    /// Name, mark and colour of each legend entry.
     pub(crate) fn legend(&self) -> Vec<(&str, &'static str, usize)> {
         let named = self.series.iter().filter(|s| !s.name.is_empty());
         named
@@ -181,7 +181,7 @@ impl Plot {
             .collect()
     }
 
-    /// Words of the levels, the frame, and the words of the axes.
+    /// Draws the labels of levels, the frame and the axis labels.
     fn draw_frame(&self, frame: &Frame, [width, height]: [f64; 2], out: &mut String) {
         let (w, h) = (width - LEFT - RIGHT, height - TOP - BOTTOM);
         for (level, word) in self.levels.iter().filter(|l| !l.1.is_empty()) {
@@ -223,7 +223,7 @@ impl Plot {
         );
     }
 
-    /// What all names begin with, to the last point in it: said once, on the axis.
+    /// Common prefix of all names up to its last dot; it is written once on the axis.
     fn common_prefix(&self) -> &str {
         let Some((first, others)) = self.names.split_first() else {
             return "";

@@ -1,6 +1,6 @@
-//! A turnable picture in space: lit ellipsoids, curves, arrows, and a body that rolls on a plane.
+//! A rotatable 3D scene: shaded ellipsoids, curves, arrows, and a body rolling on a plane.
 //!
-//! On paper and without WebGL2 a still SVG; `space.js` draws the same numbers.
+//! In print and without WebGL2 it is a static SVG; `space.js` draws the same numbers.
 
 use crate::error::PageError;
 use crate::markup::{Html, escape, island};
@@ -13,14 +13,14 @@ pub type Point = [f64; 3];
 
 const WIDTH: f64 = 860.0;
 const HEIGHT: f64 = 480.0;
-/// The still looks from here: azimuth and elevation, rad.
+/// View direction of the static picture: azimuth and elevation, rad.
 const YAW: f64 = -0.9;
 const PITCH: f64 = 0.42;
 
 /// An ellipsoid.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Ellipsoid {
-    /// Name in the legend; empty for none.
+    /// Name in the legend, or empty.
     pub name: String,
     /// Centre.
     pub centre: Point,
@@ -28,67 +28,67 @@ pub struct Ellipsoid {
     pub axes: [Point; 3],
     /// Colour, 0 to 7.
     pub colour: usize,
-    /// Drawn translucent: a ghost.
+    /// Drawn translucent.
     pub faint: bool,
 }
 
-/// A curve; `None` breaks it.
+/// A curve; `None` is a gap.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Curve {
-    /// Name in the legend; empty for none.
+    /// Name in the legend, or empty.
     pub name: String,
     /// Points.
     pub points: Vec<Option<Point>>,
     /// Colour, 0 to 7.
     pub colour: usize,
-    /// Place in time of each point, 0 to 1: coloured by it instead.
+    /// Time of each point as a fraction, 0 to 1; if given, it sets the colour.
     pub shares: Option<Vec<f64>>,
 }
 
-/// An arrow with a word at its tip.
+/// An arrow with a label at its tip.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Arrow {
-    /// Foot.
+    /// Start.
     pub from: Point,
     /// Tip.
     pub to: Point,
-    /// Word.
+    /// Label.
     pub label: String,
     /// Colour, 0 to 7.
     pub colour: usize,
 }
 
-/// A marked point with a word beside it.
+/// A marked point with a label.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Spot {
-    /// Place.
+    /// Position.
     pub at: Point,
-    /// Word.
+    /// Label.
     pub label: String,
     /// Colour, 0 to 7.
     pub colour: usize,
 }
 
-/// Everything above belongs to a body that turns; a plane touches it at the pole.
+/// All items above are fixed to a rotating body; a plane touches the body at the pole.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Rolling {
     /// Times, s.
     pub time_s: Vec<f64>,
-    /// Attitude of the body in the space of the picture, scalar last.
+    /// Attitude of the body in scene axes, scalar last.
     pub q_xyzw: Vec<[f64; 4]>,
-    /// Where the plane touches, in body axes; `None` where that is not defined.
+    /// Point of contact with the plane, in body axes; `None` if undefined.
     pub pole: Vec<Option<Point>>,
     /// Normal of the plane in body axes, unit.
     pub normal: Vec<Point>,
-    /// What the plane is called.
+    /// Name of the plane.
     pub plane: String,
-    /// Whether the plane is invariable: then it lies still in space, with the herpolhode on it.
+    /// Whether the plane is invariable, so that it is fixed in space and carries the herpolhode.
     pub free: bool,
-    /// The plots over the same time.
+    /// Group of plots over the same time.
     pub group: String,
 }
 
-/// A picture in space.
+/// A 3D scene.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Scene {
     /// Title.
@@ -101,37 +101,37 @@ pub struct Scene {
     pub arrows: Vec<Arrow>,
     /// Marked points.
     pub spots: Vec<Spot>,
-    /// The motion, where there is one.
+    /// Motion, if any.
     pub rolling: Option<Rolling>,
-    /// Bodies that move in joints; without it everything is one body.
+    /// Bodies connected by joints; without it, all items belong to one body.
     pub tree: Option<Tree>,
-    /// Shapes that the first ellipsoid takes one after the other.
+    /// Sequence of shapes of the first ellipsoid.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub morph: Option<Morph>,
-    /// A remark under the picture.
+    /// Remark below the figure.
     #[serde(skip)]
     pub note: String,
 }
 
-/// Shapes of one ellipsoid about the origin, in a closed round.
+/// Closed sequence of shapes of one ellipsoid about the origin.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Morph {
     /// Semi-axes of each shape.
     pub axes: Vec<[Point; 3]>,
-    /// What is said of each shape.
+    /// Description of each shape.
     pub words: Vec<String>,
 }
 
-/// Bodies that move in joints, drawn where they stand at the first time.
+/// Bodies connected by joints, drawn in their pose at the first time.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Tree {
     /// Times, s.
     pub time_s: Vec<f64>,
-    /// The plots over the same time.
+    /// Group of plots over the same time.
     pub group: String,
     /// Number of bodies.
     pub bodies: usize,
-    /// Joints, those of a parent before those of its children.
+    /// Joints; a parent's before its children's.
     pub joints: Vec<Hinge>,
     /// Body of each ellipsoid.
     pub ellipsoids: Vec<usize>,
@@ -143,24 +143,24 @@ pub struct Tree {
     pub spots: Vec<usize>,
 }
 
-/// A joint as drawn at the first time.
+/// A joint in its pose at the first time.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Hinge {
-    /// Body that carries it.
+    /// Parent body.
     pub parent: usize,
-    /// Body that it moves.
+    /// Child body.
     pub child: usize,
-    /// A point of its axis.
+    /// A point on its axis.
     pub origin: Point,
     /// Unit axis.
     pub axis: Point,
-    /// Whether it slides instead of turning.
+    /// Whether the joint is prismatic.
     pub slides: bool,
-    /// Positions less the first one, rad or m; none for a joint that does not move.
+    /// Displacement from the first position, rad or m; empty for a fixed joint.
     pub moved: Vec<f64>,
 }
 
-/// What `space.js` reads.
+/// Data for `space.js`.
 #[derive(Serialize)]
 struct Island<'a> {
     #[serde(flatten)]
@@ -170,7 +170,7 @@ struct Island<'a> {
 }
 
 impl Scene {
-    /// The picture as a figure: still, data, and a place for the canvas.
+    /// The scene as a figure: static picture, data and canvas element.
     ///
     /// # Errors
     /// The numbers have no JSON form.
@@ -204,14 +204,14 @@ impl Scene {
         Ok(Html(out))
     }
 
-    /// The still picture for a file of its own: size and elements.
+    /// The static picture for a separate file: size and elements.
     pub(crate) fn drawing(&self) -> ([f64; 2], String) {
         let mut out = String::new();
         self.draw(&mut out);
         ([WIDTH, HEIGHT], out)
     }
 
-    /// Name, mark and colour of what the legend shows.
+    /// Name, mark and colour of each legend entry.
     pub(crate) fn legend(&self) -> Vec<(&str, &'static str, usize)> {
         let named = self.ellipsoids.iter().map(|e| {
             let kind = if e.faint { "bars" } else { "solid" };
@@ -259,7 +259,7 @@ impl Scene {
                 corner(-1.0, 1.0)
             );
         }
-        // A path on the body is hidden where the body is before it.
+        // A path on the body is hidden behind the body.
         let body = self.rolling.as_ref().and_then(|_| self.ellipsoids.first());
         for c in &self.curves {
             let (d, colour) = (view.front(&c.points, body), c.colour);
@@ -293,7 +293,7 @@ impl Scene {
         }
     }
 
-    /// Half the size of what is drawn about the origin of the view.
+    /// Half the size of the drawing about the origin of the view.
     fn extent(&self) -> f64 {
         let (low, high) = self.bounds();
         let half = (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max) / 2.0;
@@ -339,7 +339,7 @@ impl Scene {
 }
 
 impl Rolling {
-    /// The instant shown on paper: the middle of what is defined.
+    /// The instant of the static picture: the middle of the defined ones.
     fn still(&self) -> Option<(Point, Point)> {
         let defined: Vec<(Point, Point)> = self
             .pole
@@ -424,7 +424,7 @@ impl View {
         d
     }
 
-    /// The part of a line that an ellipsoid on which it lies does not hide; all of it without one.
+    /// The part of a line on an ellipsoid that faces the viewer; the whole line without ellipsoid.
     fn front(&self, line: &[Option<Point>], body: Option<&Ellipsoid>) -> String {
         let Some(body) = body else {
             return self.path(line);
@@ -441,7 +441,7 @@ impl View {
         self.path(&shown)
     }
 
-    /// The edge of an ellipsoid as seen: in each direction of the picture its farthest point.
+    /// Outline of an ellipsoid: its farthest point in each direction of the picture plane.
     fn outline(&self, e: &Ellipsoid) -> Vec<Option<Point>> {
         (0..72)
             .map(|k| {

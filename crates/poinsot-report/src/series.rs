@@ -1,24 +1,24 @@
-//! What a plot shows: axes and series.
+//! Axes and series of a plot.
 
-/// How a series is drawn.
+/// Drawing style of a series.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Mark {
-    /// Points joined.
+    /// Joined points.
     Line,
-    /// Points joined, dashed.
+    /// Joined points, dashed.
     Dashed,
-    /// Points alone.
+    /// Separate points.
     Dots,
-    /// Points alone, large.
+    /// Separate points, large.
     Points,
-    /// Bars from the floor of the plot, one unit wide times the spacing.
+    /// Bars from the bottom of the plot, one unit wide times the spacing.
     Bars,
     /// A filled outline, see [`Series::band`].
     Band,
 }
 
 impl Mark {
-    /// How the legend shows it.
+    /// Legend symbol.
     pub(crate) fn key(self) -> &'static str {
         match self {
             Self::Line => "line",
@@ -32,22 +32,22 @@ impl Mark {
 /// One series.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
-    /// Name in the legend; empty for none.
+    /// Name in the legend, or empty.
     pub name: String,
     /// Mark.
     pub mark: Mark,
     /// Colour, 0 to 7.
     pub colour: usize,
-    /// Points; one that is not finite breaks the line.
+    /// Points; a value that is not finite is a gap.
     pub points: Vec<(f64, f64)>,
 }
 
-/// What an axis shows.
+/// Quantity of an axis.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Axis {
     /// Quantity.
     pub label: String,
-    /// Unit; `1` or empty for none.
+    /// Unit; `1` or empty if dimensionless.
     pub unit: String,
 }
 
@@ -62,23 +62,23 @@ pub struct Plot {
     pub y: Axis,
     /// Logarithmic vertical axis.
     pub log: bool,
-    /// Whether the horizontal axis counts things.
+    /// Whether the horizontal axis counts items.
     pub whole: bool,
-    /// Words at 1, 2, 3 ... instead of numbers on the horizontal axis.
+    /// Labels at 1, 2, 3 ... instead of numbers on the horizontal axis.
     pub names: Vec<String>,
-    /// Whether zero belongs to the picture.
+    /// Whether the range includes zero.
     pub from_zero: bool,
     /// Series.
     pub series: Vec<Series>,
-    /// Horizontal lines across, with a word each.
+    /// Labelled horizontal lines.
     pub levels: Vec<(f64, String)>,
-    /// Drawn on the page by `curves.js`; plots of one group share zoom and cursor. Empty for a still plot.
+    /// Plots of one group share zoom and cursor, drawn by `curves.js`. Empty for a static plot.
     pub group: String,
     /// Height, px.
     pub height: f64,
-    /// Half as wide as others.
+    /// Half width.
     pub half: bool,
-    /// A remark under the plot.
+    /// Remark below the plot.
     pub note: String,
 }
 
@@ -93,7 +93,7 @@ impl Axis {
 }
 
 impl Series {
-    /// The band between two curves over the same places.
+    /// Band between two curves over the same abscissae.
     pub fn band(name: &str, colour: usize, x: &[f64], low: &[f64], high: &[f64]) -> Self {
         let edge =
             |y: &[f64]| -> Vec<(f64, f64)> { x.iter().copied().zip(y.iter().copied()).collect() };

@@ -1,4 +1,4 @@
-//! A document for the terminal.
+//! A document as terminal text.
 
 use crate::document::{Content, Document, Section, Table, Tone};
 use anstyle::{AnsiColor, Effects, Style};
@@ -7,17 +7,17 @@ use comfy_table::{CellAlignment, ContentArrangement};
 use poinsot_files::escaped;
 use std::fmt;
 
-/// Width of tables where the terminal does not say one.
+/// Width of tables if the terminal width is unknown.
 const WIDTH: u16 = 110;
-/// Narrower than this nothing can be laid out.
+/// Least width of a table.
 const NARROWEST: u16 = 40;
-/// Words that a reader must not overlook in a table.
+/// Cell text that is highlighted.
 const OPEN: &str = "not identifiable";
 
-/// How a document is printed.
+/// Print style of a document.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct TextStyle {
-    /// Columns of the terminal; sentences are broken there. `None`: one sentence, one line.
+    /// Terminal width at which sentences are wrapped. `None`: one line per sentence.
     pub width: Option<u16>,
     /// Whether colours may be used.
     pub colour: bool,
@@ -88,7 +88,7 @@ fn content(section: &Section, style: &TextStyle) -> String {
 
 fn layout(table: &Table, style: &TextStyle) -> Vec<String> {
     let mut out = comfy_table::Table::new();
-    // One column for the blank before each line.
+    // One column less for the leading blank of each line.
     let width = style.width.map_or(WIDTH, |w| w.clamp(NARROWEST, WIDTH) - 1);
     out.load_style(NOTHING)
         .set_content_arrangement(ContentArrangement::Dynamic)
@@ -105,8 +105,7 @@ fn layout(table: &Table, style: &TextStyle) -> Vec<String> {
         .collect()
 }
 
-/// A sentence behind an indent, broken at the width of the terminal; later lines are indented as the words
-/// of the first.
+/// Wraps a sentence at the terminal width; later lines are indented to the first word.
 fn wrapped(text: &str, indent: &str, style: &TextStyle) -> String {
     let Some(width) = style.width else {
         return format!("{indent}{text}");
@@ -140,7 +139,7 @@ fn painted(text: &str, paint: Style, style: &TextStyle) -> String {
     }
 }
 
-/// A line of an error with its code, `E0104`, in bold red.
+/// Error line with its code, such as `E0104`, in bold red.
 pub fn marked_code(line: &str) -> String {
     let is_code = |w: &str| {
         w.strip_prefix('E')
@@ -176,7 +175,7 @@ mod tests {
         document
     }
 
-    /// Without what colours add.
+    /// Text without colour codes.
     fn bare(text: &str) -> String {
         let mut out = String::new();
         let mut inside = false;

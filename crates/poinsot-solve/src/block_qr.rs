@@ -1,18 +1,17 @@
-//! Triangular factor of a tall matrix that is never held: blocks of rows go in, `R` comes out.
+//! Triangular factor of a tall matrix that is never stored: blocks of rows are added, and `R` is the result.
 //!
-//! Householder QR of `[R; block]`, block after block (sequential TSQR; Demmel, Grigori, Hoemmen,
-//! Langou 2012). Memory does not grow with the number of rows. The normal equations are never formed:
-//! they would square the condition number.
+//! Householder QR of `[R; block]`, block after block (sequential TSQR; Demmel, Grigori, Hoemmen, Langou 2012). Memory
+//! does not depend on the number of rows. Normal equations are avoided, because they square the condition number.
 //!
-//! Three of the six rows of a momentum regressor are linear momentum, which no moment or product of
-//! inertia changes: 42 of 70 columns of an arm are zero there. Such rows get a narrow triangle of their
-//! own, which joins the wide one at the end: nearly half of the arithmetic goes.
+//! Three of the six rows of a momentum regressor are linear momentum, which does not depend on inertia. For an arm, 42
+//! of their 70 columns are zero. These rows have a separate narrow triangle, which is merged at the end. This saves
+//! nearly half of the arithmetic.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::qr::no_pivoting::factor;
 use faer::{Mat, MatMut, Par};
 
-/// Rows taken before the triangle is updated: large against the columns, small against the cache.
+/// Rows collected before the triangle is updated: many compared with the columns, few compared with the cache.
 const BLOCK_ROWS: usize = 1008;
 /// Householder vectors applied together.
 const REFLECTORS: usize = 16;
@@ -25,20 +24,20 @@ pub struct BlockQr {
     rows: usize,
 }
 
-/// A triangle and, below it, the rows still to be folded in.
+/// A triangle and, below it, rows not yet included.
 struct Stack {
     matrix: Mat<f64>,
-    /// Rows of the triangle: none before the first fold. Zeros above the other rows cost two digits: what
-    /// no row of an arm's drift shows came out as 1e-13 of the longest column instead of 1e-15.
+    /// Rows of the triangle: none before the first update. Zeros above the other rows would cost two digits:
+    /// unobservable directions of an arm's drift gave 1e-13 of the longest column instead of 1e-15.
     triangle: usize,
     pending: usize,
     coefficients: Mat<f64>,
     memory: MemBuffer,
 }
 
-/// The linear rows, over the columns that are not zero in them.
+/// The linear rows, restricted to their nonzero columns.
 struct Narrow {
-    /// Whether each column of the whole is among them.
+    /// Whether each column of the whole is included.
     holds: Vec<bool>,
     stack: Stack,
 }
@@ -65,8 +64,8 @@ impl BlockQr {
         self.rows += rows;
     }
 
-    /// Adds six rows given as columns of six: the layout of a momentum regressor, linear part first.
-    /// Columns that are missing count as zero.
+    /// Adds six rows given as columns of six elements, as in a momentum regressor, linear part first. Missing columns
+    /// count as zero.
     #[inline]
     pub fn push_six(&mut self, columns: &[[f64; 6]]) {
         let columns = columns.get(..self.columns).unwrap_or(columns);
@@ -89,7 +88,7 @@ impl BlockQr {
         self.rows += 6;
     }
 
-    /// Makes the narrow triangle hold every column that is not zero in these linear rows.
+    /// Extends the narrow triangle to every nonzero column of these linear rows.
     #[cold]
     fn widen(&mut self, columns: &[[f64; 6]]) {
         let mut holds: Vec<bool> = columns.iter().map(linear_part).collect();
@@ -107,7 +106,7 @@ impl BlockQr {
         });
     }
 
-    /// Folds the narrow triangle into the wide one.
+    /// Merges the narrow triangle into the wide one.
     fn join(&mut self) {
         let Some(mut narrow) = self.linear.take() else {
             return;
@@ -127,7 +126,7 @@ impl BlockQr {
         }
     }
 
-    /// Folds another factor of the same columns in.
+    /// Merges another factor of the same columns.
     pub fn merge(&mut self, other: &Triangle) {
         let r = &other.r;
         self.push(r.nrows(), |i, j| r[(i, j)]);
@@ -156,7 +155,7 @@ impl Narrow {
     }
 }
 
-/// Whether a column has anything in its linear rows (NaN is something).
+/// Whether the linear rows of a column are nonzero (NaN counts as nonzero).
 #[inline]
 fn linear_part(column: &[f64; 6]) -> bool {
     column[..3] != [0.0; 3]
@@ -177,7 +176,7 @@ impl Stack {
         }
     }
 
-    /// The place of the next rows, after a fold where the block is full.
+    /// Index of the next rows, after an update if the block is full.
     #[inline]
     fn room(&mut self, rows: usize) -> usize {
         if self.pending + rows > BLOCK_ROWS {
@@ -202,7 +201,7 @@ impl Stack {
             self.pending = 0;
             return;
         }
-        // Fewer rows than columns: the rest of the first triangle is still zero.
+        // With fewer rows than columns, the rest of the first triangle is still zero.
         let rows = (self.triangle + self.pending).max(columns);
         let block: MatMut<f64> = self.matrix.as_mut().subrows_mut(0, rows);
         factor::qr_in_place(
@@ -212,8 +211,8 @@ impl Stack {
             MemStack::new(&mut self.memory),
             Default::default(),
         );
-        // Below the diagonal stand the Householder vectors: clear them in the triangle; the rows below
-        // are written over before they are read.
+        // Householder vectors are stored below the diagonal: clear them in the triangle. The rows below are
+        // overwritten before they are used.
         for j in 0..columns {
             self.matrix.col_as_slice_mut(j)[j + 1..columns].fill(0.0);
         }
@@ -222,12 +221,12 @@ impl Stack {
     }
 }
 
-/// An upper-triangular factor and the number of rows it stands for.
+/// An upper-triangular factor and the number of rows behind it.
 #[derive(Debug, Clone)]
 pub struct Triangle {
     /// The factor, square.
     pub r: Mat<f64>,
-    /// Rows of the matrix it came from.
+    /// Number of rows of the matrix.
     pub rows: usize,
 }
 
@@ -235,7 +234,7 @@ pub struct Triangle {
 mod tests {
     use super::*;
 
-    /// Six-row samples with a reproducible pattern; linear rows only in the columns chosen.
+    /// Six-row samples with a deterministic pattern; linear rows only in the chosen columns.
     fn sample(k: usize, columns: usize, linear: impl Fn(usize) -> bool) -> Vec<[f64; 6]> {
         let value = |r: usize, j: usize| ((k * 61 + r * 17 + j * 29 + k * j * 7) as f64).sin();
         (0..columns)
@@ -251,7 +250,7 @@ mod tests {
             .collect()
     }
 
-    /// `R^T R` must be the sum of the outer products of the rows that went in.
+    /// `R^T R` must equal the sum of the outer products of the rows.
     fn check(columns: usize, samples: &[Vec<[f64; 6]>]) {
         let mut qr = BlockQr::new(columns);
         for s in samples {

@@ -1,4 +1,4 @@
-//! Numbers of twice the precision: an unevaluated sum of two doubles, about 31 digits.
+//! Double-double numbers: an unevaluated sum of two doubles, about 31 digits.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -7,7 +7,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 pub struct DoubleDouble {
     /// The number, rounded.
     pub hi: f64,
-    /// What rounding left off.
+    /// The rounding error.
     pub lo: f64,
 }
 
@@ -22,7 +22,7 @@ impl DoubleDouble {
         }
     }
 
-    /// `a b` without error: a fused multiply-add rounds once, so it gives what the product left off.
+    /// `a b` without error: a fused multiply-add gives the rounding error of the product.
     pub fn product(a: f64, b: f64) -> Self {
         let hi = a * b;
         Self {
@@ -92,7 +92,7 @@ mod tests {
     fn exact_a_sum_and_a_product_lose_nothing() {
         let s = DoubleDouble::sum(1.0e16, 1.0 / 3.0);
         assert_eq!((s.hi - 1.0e16) + s.lo, 1.0 / 3.0);
-        // (2^27 + 1)^2 = 2^54 + 2^28 + 1: one bit too long for a double.
+        // (2^27 + 1)^2 = 2^54 + 2^28 + 1: one bit too many for a double.
         let p = DoubleDouble::product(134_217_729.0, 134_217_729.0);
         assert_eq!((p.hi, p.lo), (18_014_398_777_917_440.0, 1.0));
     }

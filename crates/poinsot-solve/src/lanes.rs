@@ -1,11 +1,11 @@
-//! Eight numbers side by side, in plain arrays that the compiler turns into vector instructions.
+//! Eight numbers in plain arrays, which the compiler converts to vector instructions.
 //!
-//! Loops by index and no closures: a closure does not inherit the instruction set of its caller.
+//! Index loops instead of closures: a closure does not inherit the instruction set of its caller.
 #![allow(clippy::needless_range_loop)]
 
 use std::ops::{Add, Div, Mul, Sub};
 
-/// Numbers side by side.
+/// Number of lanes.
 pub const LANES: usize = 8;
 
 /// Eight numbers.
@@ -23,7 +23,7 @@ impl V {
         Self([x; LANES])
     }
 
-    /// `self + a b` with one rounding; where the machine has no such instruction it is slow, not wrong.
+    /// `self + a b` with one rounding; correct but slow without such an instruction.
     #[inline(always)]
     pub fn plus(self, a: Self, b: Self) -> Self {
         let mut out = self.0;

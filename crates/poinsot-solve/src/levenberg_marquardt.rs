@@ -6,7 +6,7 @@
 /// Smallest accepted ratio of actual to predicted reduction.
 const LEAST_GAIN: f64 = 1.0e-3;
 /// Largest acceleration ratio of an accepted step. Transtrum and Sethna 2012 recommend 0.75, less for hard problems:
-/// between 0.15 and 0.25 all 54 certified problems of NIST end at the certified answer.
+/// between 0.15 and 0.25 all 54 problems of NIST converge to the certified answer.
 const LARGEST_ACCELERATION_RATIO: f64 = 0.25;
 /// Largest number of attempts to find a step.
 const ATTEMPTS: usize = 30;
@@ -22,10 +22,10 @@ pub trait LeastSquares {
     /// Residuals and sensitivities at an iterate, in the form that the steps need.
     type Rows;
 
-    /// The cost; `None` where the model does not hold.
+    /// The cost; `None` if the model is not defined.
     fn cost(&self, at: &Self::Iterate) -> Option<f64>;
 
-    /// The linearisation at an iterate; `None` where the model does not hold.
+    /// The linearisation at an iterate; `None` if the model is not defined.
     fn linearise(&self, at: &Self::Iterate) -> Option<Linearised<Self::Rows>>;
 
     /// Whether the full step is negligible.
@@ -50,7 +50,7 @@ pub trait LeastSquares {
 /// A least-squares problem linearised at an iterate.
 #[derive(Debug, Clone)]
 pub struct Linearised<Rows> {
-    /// Cost at the point.
+    /// Cost at the iterate.
     pub cost: f64,
     /// Round-off difference of two evaluations of the cost.
     pub round_off: f64,
@@ -94,23 +94,23 @@ pub enum End {
 /// Where and why the iteration ended.
 #[derive(Debug, Clone)]
 pub struct Minimum<Iterate, Rows> {
-    /// The best point found.
+    /// The best iterate.
     pub at: Iterate,
-    /// The problem there.
+    /// The linearisation there.
     pub here: Linearised<Rows>,
-    /// Steps taken.
+    /// Number of steps.
     pub iterations: usize,
-    /// Why no more were taken.
+    /// Reason of the end.
     pub end: End,
 }
 
 /// Minimises from a point whose linearisation is known, in at most `limit` iterations (Levenberg 1944,
 /// Marquardt 1963).
 ///
-/// Steps are plain Gauss-Newton while those bring what they promise. One that does not gets damping added
-/// to the squared singular values, from the square of the weakest on: it holds back weak directions first.
-/// Damping grows faster with every failure and falls with the gain of the last step (Madsen, Nielsen and
-/// Tingleff 2004, algorithm 3.16).
+/// Steps are Gauss-Newton steps as long as these give the predicted reduction. Otherwise damping is added to the
+/// squared singular values, starting at the smallest squared, so that weak directions are damped first. Damping grows
+/// faster with every failure and decreases with the gain of the last step (Madsen, Nielsen and Tingleff 2004,
+/// algorithm 3.16).
 pub fn levenberg_marquardt<P: LeastSquares>(
     problem: &P,
     mut at: P::Iterate,
@@ -194,8 +194,8 @@ fn forecast(promises: &[f64], more: usize) -> Option<f64> {
     Some(now * (now / before).powf(more as f64 / PACE as f64))
 }
 
-/// One step: where it leads, the problem there, and the share of the promise that came true. `None`
-/// where too little did, where the model bends too much to be believed, or does not hold.
+/// Tries a step: returns the iterate, its linearisation, and the ratio of actual to predicted reduction. `None` if the
+/// ratio is too small, the nonlinearity too large, or the model undefined.
 fn attempt<P: LeastSquares>(
     problem: &P,
     here: &Linearised<P::Rows>,
@@ -203,7 +203,7 @@ fn attempt<P: LeastSquares>(
     damping: f64,
 ) -> Option<(P::Iterate, Linearised<P::Rows>, f64)> {
     if damping == 0.0 {
-        // A full step is rarely refused: its cost comes with the linearisation that follows.
+        // A full step is rarely rejected, so its linearisation is computed together with its cost.
         let there = problem.linearise(&step.to)?;
         let gain = (here.cost - there.cost + here.slack) / (step.predicted_reduction + here.slack);
         let believed = step.acceleration_ratio <= LARGEST_ACCELERATION_RATIO && gain >= LEAST_GAIN;
@@ -221,7 +221,7 @@ mod tests {
     use super::*;
     use std::cell::Cell;
 
-    /// A step leads to `pace` times the distance from the minimum; or nowhere, whatever the damping.
+    /// A step to `pace` times the distance from the minimum, or never a lower cost for any damping.
     struct Slow {
         pace: f64,
         moves: bool,
@@ -289,7 +289,7 @@ mod tests {
     fn unit_a_fit_that_would_not_arrive_in_time_is_given_up() {
         let (slow, _) = minimum(0.9, true);
         assert_eq!((slow.end, slow.iterations), (End::TooSlow, PACE));
-        // 0.8^(2 * 42) < 1e-8: it arrives.
+        // 0.8^(2 * 42) < 1e-8: it converges.
         let (steady, _) = minimum(0.8, true);
         assert_eq!((steady.end, steady.iterations), (End::Converged, 42));
     }

@@ -1,15 +1,15 @@
-//! Least squares, without a word about spacecraft: this crate imports no other crate of the workspace.
+//! Least squares, independent of spacecraft: this crate imports no other crate of the workspace.
 //!
 //! | subject | item |
 //! |---|---|
-//! | triangle of a tall matrix that is never held | [`BlockQr`], [`Triangle`] |
+//! | triangle of a tall matrix that is never stored | [`BlockQr`], [`Triangle`] |
 //! | identifiable directions, sigma, covariance | [`Spectrum`] |
 //! | nonlinear least squares | [`levenberg_marquardt()`], [`LeastSquares`] |
-//! | linear least squares to the last digit | [`refine()`], [`DoubleDouble`] |
+//! | linear least squares in double-double precision | [`refine()`], [`DoubleDouble`] |
 //! | shortest vector over positive semidefinite blocks | [`semidefinite`] |
-//! | smallest largest of several functions within linear limits | [`minimax()`], [`Polytope`] |
+//! | minimax of several functions within linear limits | [`minimax()`], [`Polytope`] |
 //! | smoothing spline through noisy samples | [`smooth_curve`] |
-//! | eight numbers side by side | [`lanes`] |
+//! | eight numbers in parallel | [`lanes`] |
 //!
 //! # Example
 //! A line `y = a + b t` through 1,000 samples of sigma 0.1. Rows are divided by sigma, folded into a triangle, and the

@@ -1,11 +1,11 @@
-//! The smallest largest of several smooth functions, within linear and smooth limits: sequential quadratic
-//! programming with a trust region (Nocedal and Wright 2006, ch. 18; minimax form: Madsen and Schjaer-Jacobsen 1978).
+//! Minimax of several smooth functions within linear and smooth limits: sequential quadratic programming with a trust
+//! region (Nocedal and Wright 2006, ch. 18; minimax form: Madsen and Schjaer-Jacobsen 1978).
 //!
 //! Every step solves, by the interior-point solver Clarabel (Goulart and Chen 2024),
 //!
 //! `min t + mu s + d^T B d / 2`, `f_i + J_i d <= t`, `g_j + G_j d <= s`, `s >= 0`, `x + d` in the polytope, `|d| <= delta`
 //!
-//! with differences for the slopes and damped BFGS for B. The linear limits hold at every point that is tried.
+//! with finite differences for the Jacobians and damped BFGS for B. The linear limits hold at every evaluated point.
 
 mod quadratic;
 
@@ -13,15 +13,15 @@ use crate::polytope::Polytope;
 use nalgebra::{DMatrix, DVector};
 use quadratic::{Jacobian, Step, quadratic};
 
-/// Step of the differences, in units of the unknowns.
+/// Step of the finite differences, in units of the unknowns.
 const DIFFERENCE: f64 = 1.0e-5;
-/// Penalty of a violated limit: more than any multiplier of a sensible limit.
+/// Penalty of a violated limit: larger than the multiplier of any sensible limit.
 const PRICE: f64 = 20.0;
-/// Share of the predicted fall from which a step is taken.
+/// Least ratio of actual to predicted reduction of an accepted step.
 const TAKEN: f64 = 0.05;
-/// Share from which the trust region grows.
+/// Ratio above which the trust region grows.
 const GOOD: f64 = 0.7;
-/// Curvature of B before anything is known of it.
+/// Initial curvature of B.
 const CURVATURE: f64 = 1.0e-3;
 
 /// Values of all functions at one point.
@@ -29,7 +29,7 @@ const CURVATURE: f64 = 1.0e-3;
 pub struct Values {
     /// The largest of these is minimised.
     pub objectives: Vec<f64>,
-    /// Each is to be at most zero.
+    /// Each must be at most zero.
     pub limits: Vec<f64>,
 }
 
@@ -39,12 +39,12 @@ impl Values {
         largest(&self.objectives)
     }
 
-    /// How far the worst limit is broken; zero where none is.
+    /// Largest violation of a limit; zero if all hold.
     pub fn broken(&self) -> f64 {
         largest(&self.limits).max(0.0)
     }
 
-    /// Objective and price of broken limits.
+    /// Largest objective plus penalty.
     pub fn merit(&self) -> f64 {
         self.worst() + PRICE * self.broken()
     }
@@ -56,10 +56,10 @@ fn largest(all: &[f64]) -> f64 {
 
 /// The functions of a minimax program.
 pub trait Minimax {
-    /// Values at each point, in their order; `None` where they do not exist. Points may be evaluated side by side.
+    /// Values at each point, in order; `None` if undefined. Points may be evaluated in parallel.
     fn values(&self, points: &[Vec<f64>]) -> Vec<Option<Values>>;
 
-    /// Whether the search is to stop and give what it has.
+    /// Whether the search should stop with its present result.
     fn stop(&self) -> bool {
         false
     }
@@ -68,17 +68,17 @@ pub trait Minimax {
 /// Options of the search.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MinimaxOptions {
-    /// Most evaluations.
+    /// Largest number of evaluations.
     pub evaluations: usize,
-    /// Most steps.
+    /// Largest number of steps.
     pub steps: usize,
-    /// First size of the trust region, in units of the unknowns.
+    /// Initial size of the trust region, in units of the unknowns.
     pub delta: f64,
     /// The search ends below this predicted reduction.
     pub tolerance: f64,
 }
 
-/// Where the search ended.
+/// Result of the search.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reached {
     /// The unknowns.
@@ -91,7 +91,7 @@ pub struct Reached {
     pub settled: bool,
 }
 
-/// Searches from a point inside the polytope; `None` where the functions do not exist there.
+/// Searches from a point inside the polytope; `None` if the functions are undefined there.
 pub fn minimax(
     program: &impl Minimax,
     polytope: &Polytope,
@@ -104,20 +104,20 @@ pub fn minimax(
     Some(search.reached)
 }
 
-/// A search that can be continued where it stopped, with what it knows of slopes and curvature.
+/// A search that can be continued, with its Jacobians and curvature.
 pub struct MinimaxSearch {
-    /// Where it is.
+    /// Present result.
     pub reached: Reached,
     slopes: Option<Jacobian>,
     B: DMatrix<f64>,
-    /// Whether B holds more than a guess.
+    /// Whether B holds more than its initial value.
     is_known: bool,
     /// Size of the trust region; `None` before the first step.
     delta: Option<f64>,
 }
 
 impl MinimaxSearch {
-    /// At a point inside the polytope with its values.
+    /// Starts at a point inside the polytope with its values.
     pub fn begin(x: Vec<f64>, values: Values) -> Self {
         let n = x.len();
         Self {
@@ -134,8 +134,8 @@ impl MinimaxSearch {
         }
     }
 
-    /// Goes on until a limit of the options is met or no step promises more than the tolerance. Evaluations and steps
-    /// count from here.
+    /// Continues until a limit of the options is reached or the predicted reduction is below the tolerance.
+    /// Evaluations and steps are counted from here.
     pub fn advance(
         &mut self,
         program: &impl Minimax,
@@ -193,7 +193,7 @@ impl MinimaxSearch {
     }
 }
 
-/// The point after a step, drawn back inside where the solver's round-off left the polytope.
+/// The point after a step, moved back inside if the solver's round-off left the polytope.
 fn tried(
     program: &impl Minimax,
     polytope: &Polytope,
@@ -206,7 +206,7 @@ fn tried(
     values.merit().is_finite().then_some((at, values))
 }
 
-/// One-sided differences. A function that does not exist beside the point ends the search.
+/// One-sided differences. A function undefined next to the point ends the search.
 fn slopes(program: &impl Minimax, reached: &mut Reached) -> Option<Jacobian> {
     let n = reached.x.len();
     let beside: Vec<Vec<f64>> = (0..n)
@@ -234,7 +234,7 @@ fn slopes(program: &impl Minimax, reached: &mut Reached) -> Option<Jacobian> {
     finite.then_some(Jacobian { objectives, limits })
 }
 
-/// Change of the slope of the Lagrangian.
+/// Change of the gradient of the Lagrangian.
 fn bent(step: &Step, before: &Jacobian, after: &Jacobian) -> DVector<f64> {
     let (objectives, limits) = &step.multipliers;
     (&after.objectives - &before.objectives).transpose() * objectives

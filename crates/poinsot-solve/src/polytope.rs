@@ -14,7 +14,7 @@ pub struct Side {
 /// All linear limits together.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Polytope {
-    /// In any order.
+    /// Sides, in any order.
     pub sides: Vec<Side>,
 }
 
@@ -24,7 +24,7 @@ impl Side {
         self.a.iter().map(|(j, a)| a * x[*j]).sum()
     }
 
-    /// How far `x` may go along `d`: the largest `alpha >= 0` with `x + alpha d` within this side.
+    /// The largest `alpha >= 0` with `x + alpha d` within this side.
     fn reach(&self, x: &[f64], d: &[f64]) -> f64 {
         let (value, slope) = (self.at(x), self.at(d));
         let room = match slope {
@@ -37,13 +37,13 @@ impl Side {
 }
 
 impl Polytope {
-    /// How far `x` may go along `d` within all sides; `x` lies inside.
+    /// The largest `alpha >= 0` with `x + alpha d` within all sides; `x` is inside.
     pub fn reach(&self, x: &[f64], d: &[f64]) -> f64 {
         let reaches = self.sides.iter().map(|s| s.reach(x, d));
         reaches.fold(f64::INFINITY, f64::min)
     }
 
-    /// Whether `x` lies inside, but for round-off `slack` in units of the sides.
+    /// Whether `x` is inside, with tolerance `slack` in units of the sides.
     pub fn holds(&self, x: &[f64], slack: f64) -> bool {
         let inside = |s: &Side| {
             let value = s.at(x);

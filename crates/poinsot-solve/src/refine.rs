@@ -1,15 +1,15 @@
-//! Linear least squares, refined until the answer is that of the rows and not of the factorisation.
+//! Linear least squares with iterative refinement, so that errors of the factorisation vanish.
 //!
-//! The triangle of `[A | b]` in double precision gives a first answer. What is left of the normal
-//! equations, `A^T (b - A x)`, is then computed in twice the precision, and corrected through the same
-//! triangle, `R^T R dx = A^T (b - A x)` (Bjorck 1987, seminormal equations with refinement). The residual
-//! is formed anew from x each time, so one double-precision triangle is enough while the condition number,
-//! columns scaled to one length, is below about 1e15.
+//! The triangle of `[A | b]` in double precision gives a first answer. The residual of the normal equations,
+//! `A^T (b - A x)`, is then computed in double-double precision, and corrected with the same triangle,
+//! `R^T R dx = A^T (b - A x)` (Bjorck 1987, seminormal equations with refinement). The residual is recomputed from x
+//! each time. One double-precision triangle therefore suffices for a condition number (of equally scaled columns)
+//! below about 1e15.
 
 use crate::block_qr::Triangle;
 use crate::double_double::DoubleDouble;
 
-/// Most corrections.
+/// Largest number of corrections.
 const CORRECTIONS: usize = 30;
 
 /// A refined answer.
@@ -19,18 +19,18 @@ pub struct Refined {
     pub x: Vec<DoubleDouble>,
     /// Residual sum of squares.
     pub rss: f64,
-    /// Largest relative size of the last correction; large where refinement does not converge.
+    /// Largest relative size of the last correction; large if refinement does not converge.
     pub last: f64,
 }
 
-/// Solves the triangle of `[A | b]`: the answer of plain double precision.
+/// Solves the triangle of `[A | b]` in double precision.
 pub fn solve_triangle(triangle: &Triangle) -> Vec<f64> {
     let n = triangle.r.ncols().saturating_sub(1);
     let rhs: Vec<f64> = (0..n).map(|i| triangle.r[(i, n)]).collect();
     back_substituted(triangle, rhs)
 }
 
-/// Refines the answer of a triangle; `value(i, j)` are the rows of `[A | b]` that it came from.
+/// Refines the answer of a triangle; `value(i, j)` are the rows of `[A | b]` behind it.
 pub fn refine(triangle: &Triangle, value: impl Fn(usize, usize) -> DoubleDouble) -> Refined {
     let n = triangle.r.ncols().saturating_sub(1);
     let mut x: Vec<DoubleDouble> = solve_triangle(triangle)

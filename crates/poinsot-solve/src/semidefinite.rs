@@ -1,15 +1,15 @@
-//! The shortest vector over positive semidefinite blocks, by a barrier.
+//! The shortest vector subject to positive semidefinite blocks, by a barrier method.
 //!
-//! Wanted is the u of least length for which every block `S(u) = C + sum_j u_j B_j` is positive semidefinite. The
-//! problem is convex and its answer unique. The barrier makes it smooth:
+//! It finds the u of least norm for which every block `S(u) = C + sum_j u_j B_j` is positive semidefinite. The problem
+//! is convex and its solution unique. The barrier makes it smooth:
 //!
 //! ```text
 //! F(u) = |u|^2 - mu sum log det S(u),      mu -> 0
 //! ```
 //!
-//! `F / mu` is self-concordant, so Newton's step, damped by its own decrement, always stays inside and lowers F
-//! (Boyd and Vandenberghe 2004, sections 9.6 and 11.6); longer ones are tried first. What remains above the smallest cost is mu times the rows of all
-//! blocks.
+//! `F / mu` is self-concordant, so a Newton step damped by its decrement stays inside and lowers F (Boyd and
+//! Vandenberghe 2004, sections 9.6 and 11.6). Longer steps are tried first. The suboptimality is mu times the rows of
+//! all blocks.
 
 use nalgebra::{DMatrix, DVector, Matrix4, SymmetricEigen};
 
@@ -21,24 +21,24 @@ pub struct Block {
     pub slopes: Vec<Matrix4<f64>>,
 }
 
-/// Barrier at which the answer is near enough: costs are chi-squares.
+/// Final barrier parameter; costs are chi-squares.
 const FINAL: f64 = 1.0e-8;
-/// Smallest eigenvalue of a block, of order one, that round-off leaves a meaning.
+/// Smallest eigenvalue of a block of order one that is above round-off.
 const LEAST: f64 = 1.0e-12;
-/// Factor of the barrier from one stretch to the next.
+/// Factor of the barrier parameter between stages.
 const SHRINK: f64 = 0.1;
 /// Decrement below which full steps converge quadratically.
 const NEAR: f64 = 0.25;
-/// Decrement of an answer.
+/// Decrement at convergence.
 const SETTLED: f64 = 1.0e-3;
-/// Most steps: fourteen decades take about eighty with one block, more with many.
+/// Limit on steps: fourteen decades take about eighty with one block, more with many.
 const STEPS: usize = 2000;
-/// Share of the decrease that the slope promises which a longer step must bring.
+/// Required fraction of the linearly predicted decrease for a longer step.
 const GAIN: f64 = 0.1;
 /// Independent elements of a symmetric block.
 const ELEMENTS: usize = 10;
 
-/// The shortest vector, from a start strictly inside; `None` where the start is not, or no answer is reached.
+/// The shortest vector, from a start strictly inside; `None` if the start is not inside, or without convergence.
 pub fn shortest(blocks: &[Block], start: &[f64]) -> Option<Vec<f64>> {
     let mut u = DVector::from_column_slice(start);
     let mut here = Whitened::at(blocks, &u)?;
@@ -54,7 +54,7 @@ pub fn shortest(blocks: &[Block], start: &[f64]) -> Option<Vec<f64>> {
             continue;
         }
         let Some((next, there)) = here.advance(blocks, &u, &step, decrement, mu) else {
-            // Only round-off leads out: as near as numbers allow at the end, no answer before.
+            // Only round-off leads outside: accept the point in the final stage, fail in earlier ones.
             return last.then(|| u.as_slice().to_vec());
         };
         (u, here) = (next, there);
@@ -62,10 +62,10 @@ pub fn shortest(blocks: &[Block], start: &[f64]) -> Option<Vec<f64>> {
     None
 }
 
-/// All blocks at one u, in the coordinates in which each is the identity.
+/// All blocks at one u, in coordinates in which each is the identity.
 struct Whitened {
-    /// Ten rows a block, one column a component of u: elements of the whitened slopes, those off the diagonal
-    /// times the root of two, so that products of rows are traces.
+    /// Ten rows per block, one column per component of u: elements of the whitened slopes. Off-diagonal elements have
+    /// the factor sqrt(2), so that products of rows are traces.
     slopes: DMatrix<f64>,
     /// The identity in the same elements.
     identity: DVector<f64>,
@@ -115,7 +115,7 @@ impl Whitened {
         Some(out)
     }
 
-    /// The longest of a few steps that lowers `F / mu` enough, the damped one at the last.
+    /// The longest of a few steps that lowers `F / mu` enough; the last one tried is the damped step.
     fn advance(
         &self,
         blocks: &[Block],
@@ -135,7 +135,7 @@ impl Whitened {
             {
                 return Some((next, there));
             }
-            // Round-off hides the decrease of a small step: near the centre a full one is right.
+            // Round-off hides the decrease of a small step: near the centre the full step is correct.
             if decrement < NEAR {
                 break;
             }
@@ -149,8 +149,8 @@ impl Whitened {
     /// Newton's step of `F` and its decrement.
     ///
     /// With N the whitened slopes and e the identity, gradient and Hessian of F are `2 u - mu N^T e` and
-    /// `2 + mu N^T N`. The step ends at `N^T q` with `(N N^T + 2 / mu) q = e + N u`: the small system, whose
-    /// rows are as unequal as the eigenvalues of the blocks, which Cholesky's method does not mind.
+    /// `2 + mu N^T N`. The step ends at `N^T q` with `(N N^T + 2 / mu) q = e + N u`. The rows of this small system
+    /// differ in size as the eigenvalues of the blocks do, which does not harm Cholesky factorisation.
     fn newton(&self, u: &DVector<f64>, mu: f64) -> Option<(DVector<f64>, f64)> {
         let N = &self.slopes;
         let mut normal = N * N.transpose();
@@ -164,7 +164,7 @@ impl Whitened {
     }
 }
 
-/// Elements of a symmetric matrix, those off the diagonal times the root of two.
+/// Elements of a symmetric matrix; off-diagonal ones have the factor sqrt(2).
 fn elements(m: &Matrix4<f64>) -> [f64; ELEMENTS] {
     let mut out = [0.0; ELEMENTS];
     let mut k = 0;
@@ -203,7 +203,7 @@ mod tests {
         moved.fold(block.constant, |S, (B, x)| S + B * *x)
     }
 
-    /// Two conditions on a diagonal, worked out by hand: `u1 >= 1`, `u2 >= -1`; shortest is (1, 0).
+    /// Two conditions on a diagonal, solved by hand: `u1 >= 1`, `u2 >= -1`; the shortest is (1, 0).
     #[test]
     fn unit_a_corner() {
         let slope = |k: usize| {
@@ -231,9 +231,9 @@ mod tests {
         assert_eq!(shortest(&[block], &[0.5]), None);
     }
 
-    /// The conditions of Karush, Kuhn and Tucker, sufficient for a convex problem: `2 u_j = sum tr(L_b B_bj)` with
-    /// multipliers `L_b` that are positive semidefinite and vanish where the block does not. They are found from u
-    /// alone: least squares over the null spaces of the blocks.
+    /// Karush-Kuhn-Tucker conditions, sufficient for a convex problem: `2 u_j = sum tr(L_b B_bj)` with positive
+    /// semidefinite multipliers `L_b` that vanish where the block does not. They are computed from u alone, by least
+    /// squares over the null spaces of the blocks.
     #[test]
     fn exact_no_vector_inside_is_shorter() {
         let mut state = 11;
@@ -242,7 +242,7 @@ mod tests {
             let (n, count) = (6, 2);
             let blocks: Vec<Block> = (0..count)
                 .map(|_| Block {
-                    // Zero is outside by one or two eigenvalues, the start inside.
+                    // Zero is outside by one or two eigenvalues, the start is inside.
                     constant: {
                         let S = symmetric(&mut state);
                         S * 2.0 + Matrix4::identity() * 0.3
@@ -260,7 +260,7 @@ mod tests {
             let Some(u) = shortest(&blocks, &start) else {
                 continue;
             };
-            // Columns: null vectors of the blocks, in pairs.
+            // Columns: pairs of null vectors of the blocks.
             let mut columns: Vec<Vec<f64>> = Vec::new();
             let mut sizes = Vec::new();
             for block in &blocks {

@@ -1,19 +1,19 @@
 //! A smoothing spline of fifth degree through noisy joint or wheel samples.
 //!
-//! The third derivative is taken as white noise of an intensity that the readings tell by their likelihood; the curve
-//! is then the posterior mean, a spline whose pieces are quintics (Wahba 1978, Wecker and Ansley 1983). With the state
-//! `[q, q', q'']` it is a Kalman filter and the smoother of de Jong 1989 behind it (Durbin and Koopman 2012, section
-//! 4.4), linear in the readings and on any grid. Noise enters by its ratios alone, its size is fitted: readings without
-//! noise are interpolated, whatever was declared.
+//! The third derivative is modelled as white noise, whose intensity maximises the likelihood of the samples. The curve
+//! is the posterior mean, a quintic spline (Wahba 1978, Wecker and Ansley 1983). With the state `[q, q', q'']` it is
+//! computed by a Kalman filter and the smoother of de Jong 1989 (Durbin and Koopman 2012, section 4.4). The result is
+//! linear in the samples, on any grid. Only ratios of noise are used, its size is fitted: noise-free samples are
+//! interpolated for any declared noise.
 
 use nalgebra::{Matrix3, RowVector3, Vector3};
 
-/// Most readings that the intensity is fitted to; longer records are judged by stretches of them.
+/// Largest number of samples for fitting the intensity; longer records use parts.
 const JUDGED: usize = 20_000;
 const STRETCHES: usize = 20;
-/// Decades of the intensity, over the noise of a reading, that are tried.
+/// Decades of the intensity that are tried, relative to the noise of a sample.
 const DECADES: std::ops::RangeInclusive<i32> = -16..=12;
-/// Size of what is not known at the start, over that of noise and intensity.
+/// Size of the unknown initial state, relative to noise and intensity.
 const DIFFUSE: f64 = 1.0e8;
 
 /// One sample: value and variance.
@@ -27,7 +27,7 @@ pub struct Reading {
     pub slope: Option<(f64, f64)>,
 }
 
-/// A curve with two continuous derivatives; beyond its ends it goes on as a parabola.
+/// A curve with two continuous derivatives; beyond its ends it is a parabola.
 #[derive(Debug, Clone, Default)]
 pub struct SmoothCurve {
     time_s: Vec<f64>,
@@ -36,7 +36,7 @@ pub struct SmoothCurve {
 }
 
 impl SmoothCurve {
-    /// `None` where there are fewer than four readings, or none that changes.
+    /// `None` with fewer than four samples, or if none changes.
     pub fn new(readings: &[Reading]) -> Option<Self> {
         let unit = Unit::of(readings)?;
         let scaled: Vec<Reading> = readings.iter().map(|r| unit.scaled(r)).collect();
@@ -53,7 +53,7 @@ impl SmoothCurve {
         })
     }
 
-    /// Value, slope and second derivative at a time.
+    /// Value, first and second derivative at a time.
     pub fn at(&self, t: f64) -> Vector3<f64> {
         let after = self.time_s.partition_point(|x| *x <= t);
         let (Some(first), Some(last)) = (self.state.first(), self.state.last()) else {
@@ -75,14 +75,14 @@ impl SmoothCurve {
     }
 }
 
-/// A state after a time without jerk.
+/// A state after a time, without jerk.
 fn moved(s: &Vector3<f64>, t: f64) -> Vector3<f64> {
     Vector3::new(s[0] + t * (s[1] + 0.5 * t * s[2]), s[1] + t * s[2], s[2])
 }
 
-/// The quintic between two states h apart, with its derivatives, at t after the first.
+/// Quintic between two states separated by h, with its derivatives, at t after the first.
 fn quintic(a: &Vector3<f64>, b: &Vector3<f64>, h: f64, t: f64) -> Vector3<f64> {
-    // What the parabola of the first state misses at the second, over powers of h.
+    // Error of the parabola of the first state at the second, divided by powers of h.
     let gap = b - moved(a, h);
     let (d0, d1, d2) = (gap[0], gap[1] * h, gap[2] * h * h);
     let c3 = 10.0 * d0 - 4.0 * d1 + 0.5 * d2;
@@ -97,7 +97,7 @@ fn quintic(a: &Vector3<f64>, b: &Vector3<f64>, h: f64, t: f64) -> Vector3<f64> {
         )
 }
 
-/// Units in which step and noise are of order one.
+/// Units in which time step and noise are of order one.
 struct Unit {
     time: f64,
     start: f64,
@@ -141,7 +141,7 @@ impl Unit {
     }
 }
 
-/// Filter update by one scalar sample: innovation over its variance, its variance, gain, and what was read.
+/// Filter update by one scalar sample: normalised innovation, its variance, gain, and measured component.
 #[derive(Clone, Copy)]
 struct Update {
     reading: usize,
@@ -151,7 +151,7 @@ struct Update {
     read: RowVector3<f64>,
 }
 
-/// Prediction of the state at one reading, before it is used.
+/// Prediction of the state at one sample, before its update.
 #[derive(Clone, Copy)]
 struct Predicted {
     state: Vector3<f64>,
@@ -162,14 +162,14 @@ fn transition(h: f64) -> Matrix3<f64> {
     Matrix3::new(1.0, h, 0.5 * h * h, 0.0, 1.0, h, 0.0, 0.0, 1.0)
 }
 
-/// Covariance that white jerk of unit intensity adds over a time.
+/// Covariance added by white jerk of unit intensity over a time.
 fn added(h: f64) -> Matrix3<f64> {
     let (h2, h3) = (h * h, h * h * h);
     let (a, b, c, d) = (h3 * h2 / 20.0, h2 * h2 / 8.0, h3 / 6.0, h3 / 3.0);
     Matrix3::new(a, b, c, b, d, 0.5 * h2, c, 0.5 * h2, h)
 }
 
-/// The filter over some readings; `each` sees every prediction and the updates that follow it.
+/// The filter over samples; `each` receives every prediction and the following updates.
 fn filter(
     readings: &[Reading],
     intensity: f64,
@@ -179,7 +179,7 @@ fn filter(
     let (Some(first), size) = (readings.first(), DIFFUSE * (1.0 + intensity)) else {
         return;
     };
-    // A wheel's angle is read nowhere: it begins at zero.
+    // The angle of a wheel is not measured: it starts at zero.
     let angle = if first.value.is_some() { size } else { 0.0 };
     let mut state = Vector3::new(
         first.value.map_or(0.0, |v| v.0),
@@ -209,7 +209,7 @@ fn filter(
             let gain = column / variance;
             let innovation = value - state[component];
             state += gain * innovation;
-            // Joseph's form: it stays positive where readings are all but exact.
+            // Joseph form: it stays positive for almost exact samples.
             let left = Matrix3::identity() - gain * z;
             P = left * P * left.transpose() + gain * gain.transpose() * noise;
             updates(Update {
@@ -223,7 +223,7 @@ fn filter(
     }
 }
 
-/// `-2 ln` of the likelihood of an intensity, the size of the noise fitted.
+/// `-2 ln` of the likelihood of an intensity, with fitted noise size.
 fn deviance(stretches: &[&[Reading]], intensity: f64) -> f64 {
     let (mut sum, mut log_det, mut count) = (0.0, 0.0, 0.0);
     for readings in stretches {
@@ -233,7 +233,7 @@ fn deviance(stretches: &[&[Reading]], intensity: f64) -> f64 {
             intensity,
             |_| {},
             |u| {
-                // The first three tell where it starts.
+                // The first three determine the initial state.
                 seen += 1;
                 if seen > 3 {
                     sum += u.innovation * u.innovation / u.variance;
@@ -246,7 +246,7 @@ fn deviance(stretches: &[&[Reading]], intensity: f64) -> f64 {
     count * (sum / count).max(f64::MIN_POSITIVE).ln() + log_det
 }
 
-/// The intensity of the highest likelihood: by decades, then between them.
+/// The intensity of highest likelihood: by decades, then between them.
 fn most_likely(readings: &[Reading]) -> Option<f64> {
     let n = readings.len();
     let stretches: Vec<&[Reading]> = if n <= JUDGED {
@@ -279,7 +279,7 @@ fn most_likely(readings: &[Reading]) -> Option<f64> {
     best.1.is_finite().then(|| 10.0_f64.powf(best.0))
 }
 
-/// States at all readings, each by all of them.
+/// States at all samples, from all samples.
 fn smoothed(readings: &[Reading], intensity: f64) -> Option<Vec<Vector3<f64>>> {
     let mut predicted = Vec::with_capacity(readings.len());
     let mut updates = Vec::with_capacity(2 * readings.len());
@@ -310,7 +310,7 @@ mod tests {
     use super::*;
     use nalgebra::{DMatrix, DVector};
 
-    /// Numbers without a pattern, normal enough (Irwin and Hall).
+    /// Pseudo-random numbers, approximately normal (Irwin-Hall).
     fn noise(k: usize) -> f64 {
         let one =
             |i: usize| ((i as f64 * 12.9898 + k as f64 * 78.233).sin() * 43_758.545_3).fract();
@@ -333,7 +333,7 @@ mod tests {
         (0..60).map(of).collect()
     }
 
-    /// The same least squares solved in one piece: readings, and jerk between them, each in its own noise.
+    /// The same least-squares problem solved in one piece: samples, and jerk between them, each weighted by its noise.
     #[test]
     fn exact_smoothed_states_are_the_least_squares_of_all_readings() {
         let list = readings(0.01);
@@ -362,7 +362,7 @@ mod tests {
         let states = smoothed(&list, intensity).unwrap();
         for (k, s) in states.iter().enumerate() {
             for i in 0..3 {
-                // What is diffuse at the start is 1e8, not infinite.
+                // The diffuse initial variance is 1e8, not infinite.
                 let gap = (s[i] - whole[3 * k + i]).abs();
                 assert!(gap < 1.0e-6, "{k} {i}: {gap:e}");
             }
@@ -384,7 +384,7 @@ mod tests {
         }
     }
 
-    /// The curve and its derivatives hang together, and go on smoothly over knots and ends.
+    /// The curve and its derivatives are consistent and continuous over knots and ends.
     #[test]
     fn exact_derivatives_are_the_slopes_of_the_curve() {
         let curve = SmoothCurve::new(&readings(0.01)).unwrap();
@@ -403,7 +403,7 @@ mod tests {
         }
     }
 
-    /// The second derivative of a noisy motion errs by a small part of what differences of the readings err.
+    /// The second derivative of a noisy motion has a small fraction of the error of finite differences.
     #[test]
     fn stat_noise_is_smoothed_as_far_as_the_motion_allows() {
         let (h, sigma) = (0.05, 1.0e-3);

@@ -2,9 +2,9 @@
 
 use faer::Mat;
 
-/// Largest share of a gradient along undetermined directions for a determined number.
+/// Largest fraction of a gradient along undetermined directions for a determined number.
 const TOUCH: f64 = 1.0e-4;
-/// Largest share of measurement noise in a direction's squared length for an identified direction.
+/// Largest fraction of measurement noise in a direction's squared length for an identified direction.
 const NOISE_SHARE: f64 = 0.5;
 
 /// The spectrum of the problem with nuisance parameters projected out.
@@ -12,17 +12,17 @@ const NOISE_SHARE: f64 = 0.5;
 pub struct Spectrum {
     /// Natural unit of each unknown.
     pub natural: Vec<f64>,
-    /// Singular values, descending: one over the sigma of each direction in natural units.
+    /// Singular values, descending: reciprocal sigmas of the directions in natural units.
     pub singular: Vec<f64>,
     /// Directions, one column each, in natural units.
     pub directions: Mat<f64>,
-    /// Where each direction shows in the rows, one column each.
+    /// Left singular vectors: each direction in the rows, one column each.
     pub left: Mat<f64>,
-    /// Squared length that noise in the regressor alone gives to each direction.
+    /// Expected squared length of each direction from noise in the regressor.
     pub noise: Vec<f64>,
-    /// How many leading directions are identified.
+    /// Number of identified leading directions.
     pub rank: usize,
-    /// How many exceed round-off.
+    /// Number of directions above round-off.
     pub structural_rank: usize,
     /// Sigma of every direction that the experiment allows, natural units, in the order of `directions`.
     pub certificate: Vec<f64>,
@@ -30,7 +30,7 @@ pub struct Spectrum {
     pub bias: Vec<f64>,
 }
 
-/// A direction that could not be decomposed: the matrix holds NaN or infinity.
+/// The matrix holds NaN or infinity and cannot be decomposed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error(
     "E0410 the equations hold a number that is not finite; check units and magnitudes of the telemetry"
@@ -38,10 +38,10 @@ pub struct Spectrum {
 pub struct NotFinite;
 
 impl Spectrum {
-    /// Decomposes the triangle `R` (n x n, whitened) for the natural units given.
+    /// Decomposes the triangle `R` (n x n, whitened) in the given natural units.
     ///
-    /// `size` is the length of the longest column, natural units, before anything was projected out: it sets
-    /// the round-off. `regressor_noise` is `E[dA^T dA]` of the unknowns, row by row, in their own units.
+    /// `size` is the length of the longest column, natural units, before any projection; it sets the round-off level.
+    /// `regressor_noise` is `E[dA^T dA]` of the unknowns, row by row, in their own units.
     ///
     /// # Errors
     /// The triangle holds NaN or infinity.
@@ -103,7 +103,7 @@ impl Spectrum {
         })
     }
 
-    /// The same with only those directions identified that are known to this accuracy, one sigma in natural units.
+    /// Identifies only those directions with a sigma below this accuracy, in natural units.
     pub fn judged(self, relative_accuracy: f64) -> Self {
         let known = |k: &usize| {
             let square = self.singular[*k] * self.singular[*k];
@@ -126,7 +126,7 @@ impl Spectrum {
         }
     }
 
-    /// Of a problem without unknown mass properties.
+    /// The spectrum of a problem without unknown mass properties.
     fn empty() -> Self {
         Self {
             natural: Vec::new(),
@@ -180,8 +180,8 @@ impl Spectrum {
         Ok(out)
     }
 
-    /// Least-squares step in natural units for the right-hand side `d - R x_nominal`: only identified
-    /// directions move.
+    /// Least-squares step in natural units for the right-hand side `d - R x_nominal`; only identified directions
+    /// change.
     pub fn solve(&self, rhs: &[f64]) -> Vec<f64> {
         self.damped(rhs, 0.0)
     }
@@ -209,7 +209,7 @@ impl Spectrum {
             .sum()
     }
 
-    /// Smallest singular value of the identified directions; infinite where there is none.
+    /// Smallest singular value of the identified directions; infinite if there is none.
     pub fn smallest_singular_value(&self) -> f64 {
         let identified = self.singular.iter().take(self.rank);
         identified.fold(f64::INFINITY, |a, b| a.min(*b))
@@ -247,7 +247,7 @@ impl Spectrum {
 
     /// Sigma of a number with this gradient over the unknowns; `None` if it is undetermined.
     ///
-    /// The sigma holds the declared noise and the bias that noise in the regressor causes.
+    /// The sigma includes the declared noise and the bias from noise in the regressor.
     pub fn sigma(&self, gradient: &[f64]) -> Option<f64> {
         let g = self.natural_gradient(gradient);
         let length = norm(&g);
@@ -261,7 +261,7 @@ impl Spectrum {
             .map(|k| (self.along(&g, k) / self.singular[k]).powi(2))
             .sum();
         let bias: f64 = g.iter().zip(&self.bias).map(|(a, b)| a * b).sum();
-        // The small part along undetermined directions is as uncertain as the nominal values.
+        // The small component along undetermined directions has the uncertainty of the nominal values.
         let open = self.touch(&g);
         Some(
             (noise + bias * bias + open * open * f64::from(u8::from(open > 1.0e-9 * length)))

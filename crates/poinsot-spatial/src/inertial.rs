@@ -1,4 +1,4 @@
-//! The ten inertial parameters of a rigid body: the one place that fixes their order, point and axes.
+//! The ten inertial parameters of a rigid body: the only definition of their order, point and axes.
 
 use crate::{Matrix3, Vector3};
 #[cfg(not(feature = "std"))]
@@ -20,7 +20,7 @@ pub fn tensor_name(k: usize) -> &'static str {
     TENSOR_NAMES.get(k % 6).copied().unwrap_or_default()
 }
 
-/// Place of an element in the order of [`TENSOR`] by its name, in whichever order its letters stand.
+/// Index of an element in the order of [`TENSOR`] by its name, with its letters in either order.
 pub fn tensor_index(name: &str) -> usize {
     let same = |n: &&str| n.bytes().eq(name.bytes()) || n.bytes().rev().eq(name.bytes());
     TENSOR_NAMES.iter().position(same).unwrap_or_default()
@@ -39,7 +39,7 @@ pub struct InertialParameters {
     pub I_BBo_B: Matrix3,
 }
 
-/// Mass, centre of mass and central inertia of body B: what an engineer reads.
+/// Mass, centre of mass and central inertia of body B, the form used in engineering.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MassProperties {
     /// Mass, kg.
@@ -50,14 +50,14 @@ pub struct MassProperties {
     pub I_BBcm_B: Matrix3,
 }
 
-/// Why a set of mass properties belongs to no distribution of positive mass.
+/// Why mass properties are unphysical: no distribution of positive mass has them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Unphysical {
     /// A number is NaN or infinite.
     NotFinite,
     /// The mass is negative, kg.
     NegativeMass(f64),
-    /// The mass is zero while the first moment or the inertia is not.
+    /// The mass is zero, but the first moment or the inertia is not.
     MasslessWithInertia,
     /// The smallest principal moment of the central inertia is negative, kg m2.
     Indefinite([f64; 3]),
@@ -65,10 +65,11 @@ pub enum Unphysical {
     Triangle([f64; 3]),
 }
 
-/// `m (c.c 1 - c c^T)`: what a point mass at `c` adds to an inertia tensor (parallel-axis theorem), kg m2.
+/// `m (c.c 1 - c c^T)`: contribution of a point mass at `c` to an inertia tensor (parallel-axis theorem), kg m2.
 #[inline]
 pub fn parallel_axis(mass: f64, c: &Vector3) -> Matrix3 {
-    // Element by element: with -C target-cpu=x86-64-v3, LLVM 22 makes z z of y z when it vectorises `c * c.transpose()`.
+    // Element by element: with -C target-cpu=x86-64-v3, LLVM 22 makes a wrong element of `c * c.transpose()` when it
+    // vectorises (z z from y z).
     let (x, y, z) = (c.x, c.y, c.z);
     let (xy, xz, yz) = (-mass * (x * y), -mass * (x * z), -mass * (y * z));
     Matrix3::new(
@@ -118,7 +119,7 @@ pub fn tensor_regressor(w: &Vector3) -> Matrix3x6<f64> {
 }
 
 impl InertialParameters {
-    /// Nothing: a body without mass.
+    /// A body without mass and inertia.
     pub const ZERO: Self = Self {
         mass: 0.0,
         mc_B: Vector3::new(0.0, 0.0, 0.0),
@@ -141,7 +142,7 @@ impl InertialParameters {
         }
     }
 
-    /// Mass, mass centre and central inertia; `None` where the mass is not positive.
+    /// Mass, mass centre and central inertia; `None` if the mass is not positive.
     pub fn mass_properties(&self) -> Option<MassProperties> {
         if self.mass.is_nan() || self.mass <= 0.0 {
             return None;
@@ -190,7 +191,7 @@ impl MassProperties {
     /// Radius of gyration, m: root mean square distance of the mass from its centre,
     /// `sqrt(tr(I_BBcm) / 2 m)`; zero for a massless body.
     ///
-    /// With the mass it makes the natural units m, m L, m L^2 in which identifiability is judged.
+    /// With the mass it gives the natural units m, m L, m L^2 of identifiability.
     pub fn radius_of_gyration(&self) -> f64 {
         if self.mass > 0.0 {
             (self.I_BBcm_B.trace().max(0.0) / (2.0 * self.mass)).sqrt()
@@ -201,8 +202,8 @@ impl MassProperties {
 
     /// Whether some distribution of positive mass has these properties.
     ///
-    /// `tolerance` is relative to the largest principal moment: printed tables of slender bodies break
-    /// the triangle inequality by their rounding.
+    /// `tolerance` is relative to the largest principal moment: rounding in printed tables of slender bodies violates
+    /// the triangle inequality.
     ///
     /// # Errors
     /// The first condition that fails.

@@ -1,8 +1,8 @@
 //! Rotation, twist, momentum, inertia and inertial parameters of one rigid body.
 //!
-//! Names follow Drake's monogram notation, written out in `NOTATION.md`: `p_BoBcm_B` is the position
-//! of `Bcm` from `Bo` in the axes of B, `R_NB` takes components in B to components in N. Everything is
-//! SI. Twists and wrenches are six-vectors with the **linear part first**.
+//! Names follow Drake's monogram notation, written out in `NOTATION.md`: `p_BoBcm_B` is the position of `Bcm` from
+//! `Bo` in the axes of B, `R_NB` rotates components from B to N. Everything is SI. Twists and wrenches are six-vectors
+//! with the **linear part first**.
 #![cfg_attr(not(feature = "std"), no_std)]
 #![allow(non_snake_case)]
 
@@ -15,13 +15,13 @@ pub use inertial::{
 };
 pub use skew::skew;
 
-/// A column of three numbers.
+/// A vector of three numbers.
 pub type Vector3 = nalgebra::Vector3<f64>;
 /// A 3 x 3 matrix.
 pub type Matrix3 = nalgebra::Matrix3<f64>;
 /// A twist `[v; w]` or a momentum `[l; h]`: linear part first.
 pub type Vector6 = nalgebra::Vector6<f64>;
-/// A 6 x 6 matrix that acts on twists.
+/// A 6 x 6 matrix acting on twists.
 pub type Matrix6 = nalgebra::Matrix6<f64>;
 /// An attitude: `R_NB` as a unit quaternion, Hamilton, body to inertial.
 pub type UnitQuaternion = nalgebra::UnitQuaternion<f64>;

@@ -1,10 +1,9 @@
-//! The parallel-axis theorem as the library is linked by others: in tests inside the crate the compiler may make other
-//! instructions of it.
+//! The parallel-axis theorem of the linked library: within the crate the compiler may generate other instructions.
 #![allow(clippy::unwrap_used, non_snake_case)]
 
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
 
-/// The bodies of the arm of Xu 2017 with the sums of the parallel-axis theorem written out, element by element.
+/// The bodies of the arm of Xu 2017, with the sums of the parallel-axis theorem element by element.
 #[test]
 fn exact_parallel_axis_is_the_sum_over_the_elements() {
     // Mass, mass centre, and xx, yy, zz, xy, xz, yz about it.
@@ -45,7 +44,7 @@ fn exact_parallel_axis_is_the_sum_over_the_elements() {
             [2.35004, 2.62444, 1.3769, -0.06762, 0.01274, 0.04998],
         ),
     ];
-    // Not to be worked out by the compiler.
+    // Prevents evaluation at compile time.
     for (mass, c, [xx, yy, zz, xy, xz, yz]) in std::hint::black_box(arm) {
         let central = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
         let body = MassProperties {

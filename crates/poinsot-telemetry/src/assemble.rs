@@ -1,4 +1,4 @@
-//! From the columns of one file to channels of the table.
+//! Converts the columns of one file to channels of the table.
 
 use crate::columns::Columns;
 use crate::conversion::Conversion;
@@ -10,7 +10,7 @@ use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Where each channel was found first.
+/// First place of each channel.
 pub(crate) type Found = HashMap<String, Place>;
 
 /// Adds the channels of one file.
@@ -61,7 +61,7 @@ pub(crate) fn add(
     Ok(())
 }
 
-/// Infinite cells are refused; NaN cells are listed.
+/// Rejects infinite cells and lists NaN cells.
 fn check_cells(
     path: &Path,
     plan: &Plan,
@@ -155,8 +155,8 @@ fn position(channels: &[PlannedChannel], sensor: &str, component: usize) -> Opti
         .position(|c| c.name.sensor == sensor && c.name.quantity == Quantity::Attitude(component))
 }
 
-/// Pulses as thrust that holds from a sample to the next: each begins at the time of its row and lasts as long as its cell
-/// says, s. One that begins before the one before has ended prolongs it.
+/// Converts pulses to a thrust held between samples. A pulse starts at the time of its row and lasts for the cell's
+/// duration, s; overlapping pulses are merged.
 fn pulses(
     place: &Place,
     rows: &[u64],
@@ -195,7 +195,7 @@ fn pulses(
     Ok((times, levels))
 }
 
-/// The samples that are there, with a time base shared among columns with the same gaps.
+/// Removes missing samples; columns with the same gaps share one time base.
 fn without_gaps(
     whole: &Arc<[f64]>,
     values: Vec<f64>,

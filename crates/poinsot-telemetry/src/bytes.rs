@@ -1,4 +1,4 @@
-//! The bytes of a file as they stream by: hashed, and refused where they are not text.
+//! Byte stream of a file: hashed, and rejected if it is not text.
 
 use crate::TelemetryError;
 use crate::error::Place;
@@ -9,10 +9,10 @@ use std::fs::{File, Metadata};
 use std::io::{self, Read, Seek};
 use std::path::Path;
 
-/// Longest line that is read; a file without line ends would otherwise fill the memory.
+/// Longest line accepted, bytes; a file without line ends would otherwise fill the memory.
 const MAX_LINE: usize = 16 << 20;
 
-/// Why the stream was stopped.
+/// Reason why reading stopped.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum ByteFault {
     #[error("byte {0} is NUL: the file is not text, or is UTF-16; save it as UTF-8")]
@@ -23,16 +23,15 @@ pub(crate) enum ByteFault {
     Line(u64),
 }
 
-/// The bytes of a source that were opened.
 pub(crate) struct Opened {
     pub file: File,
     pub len: u64,
-    /// What the file was like; `None` of a stream.
+    /// Metadata at opening; `None` for a stream.
     before: Option<Metadata>,
 }
 
 impl Opened {
-    /// A stream that was taken in.
+    /// Opens a stream that was copied to a file.
     pub(crate) fn stream(mut file: File) -> io::Result<Self> {
         file.rewind()?;
         Ok(Self {
@@ -42,7 +41,7 @@ impl Opened {
         })
     }
 
-    /// Whether its first bytes are those of Parquet.
+    /// Whether the file starts with the magic bytes of Parquet.
     pub(crate) fn is_parquet(&mut self) -> io::Result<bool> {
         let mut first = Vec::new();
         self.file.by_ref().take(4).read_to_end(&mut first)?;
@@ -76,7 +75,7 @@ pub(crate) fn open(path: &Path) -> Result<Opened, TelemetryError> {
     })
 }
 
-/// The file is still the one that was opened.
+/// Checks that the path still names the opened file.
 pub(crate) fn check_unchanged(path: &Path, opened: &Opened) -> Result<(), TelemetryError> {
     let same = opened.before.as_ref().is_none_or(|before| {
         let same = |now: Metadata| {
@@ -93,8 +92,8 @@ pub(crate) fn check_unchanged(path: &Path, opened: &Opened) -> Result<(), Teleme
     })
 }
 
-/// A reader that hashes what passes, stops at bytes that no text file has, and hands on every line end as `\n`,
-/// so that lines are counted alike.
+/// Reader that hashes the bytes and stops at bytes that are not text. It converts line ends to `\n`, so that line
+/// numbers are consistent.
 pub(crate) struct TextBytes<R> {
     inner: R,
     hash: Sha256,
@@ -102,12 +101,12 @@ pub(crate) struct TextBytes<R> {
     line: usize,
     after_cr: bool,
     last: u8,
-    /// Lines that are still to be left out.
+    /// Lines still to be skipped.
     skip: u64,
 }
 
 impl<R: Read> TextBytes<R> {
-    /// Without the first `skip` lines.
+    /// Creates a reader that skips the first `skip` lines.
     pub(crate) fn new(inner: R, skip: u64) -> Self {
         Self {
             inner,
@@ -120,7 +119,7 @@ impl<R: Read> TextBytes<R> {
         }
     }
 
-    /// Leaves out what belongs to the lines that are skipped; returns how many bytes are left.
+    /// Removes the skipped lines; returns the number of bytes left.
     fn without_head(&mut self, bytes: &mut [u8]) -> usize {
         let mut from = 0;
         while self.skip > 0 {
@@ -137,17 +136,17 @@ impl<R: Read> TextBytes<R> {
         bytes.len() - from
     }
 
-    /// SHA-256 of the bytes so far, hexadecimal.
+    /// SHA-256 of the bytes read so far, hexadecimal.
     pub(crate) fn sha256(&self) -> String {
         hex(self.hash.clone())
     }
 
-    /// Whether the last byte so far ends a line.
+    /// Whether the last byte read ends a line.
     pub(crate) fn ends_a_line(&self) -> bool {
         self.last == b'\n'
     }
 
-    /// Writes `\r` and `\r\n` as `\n` in place; returns how many bytes are left.
+    /// Converts `\r` and `\r\n` to `\n` in place; returns the number of bytes left.
     fn plain_line_ends(&mut self, bytes: &mut [u8]) -> usize {
         if !self.after_cr && !bytes.contains(&b'\r') {
             return bytes.len();

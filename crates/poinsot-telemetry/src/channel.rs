@@ -1,4 +1,4 @@
-//! One measured quantity with its own time base, and the table that holds them.
+//! A measured quantity with its time base, and the table of channels.
 
 use crate::Origin;
 use std::sync::Arc;
@@ -8,7 +8,7 @@ use std::sync::Arc;
 pub struct Channel {
     /// Standard name with SI meaning, for example `omega_x`, `joint1_rad`, `thr3_N`.
     pub name: String,
-    /// Name of the sensor where the column is written `<sensor>.omega_x`; empty otherwise.
+    /// Name of the sensor in a column `<sensor>.omega_x`; empty otherwise.
     pub sensor: String,
     /// SI unit of the values, for example `rad/s`.
     pub unit: String,
@@ -25,13 +25,13 @@ pub struct Channel {
 pub struct Table {
     /// Channels in the order they were found.
     pub channels: Vec<Channel>,
-    /// What was read, repaired and left out, in plain words.
+    /// What was read, repaired and dropped.
     pub repairs: Vec<String>,
     /// Unused columns.
     pub ignored: Vec<String>,
     /// The files, in the order given.
     pub sources: Vec<Source>,
-    /// What the times count from; `None` for a table that was not read from files.
+    /// Origin of the times; `None` for a table not read from files.
     pub origin: Option<Origin>,
 }
 
@@ -42,7 +42,7 @@ pub struct Source {
     pub path: String,
     /// SHA-256 of its bytes, lower-case hexadecimal.
     pub sha256: String,
-    /// Data rows read.
+    /// Number of data rows read.
     pub rows: usize,
     /// First and last time, s.
     pub time_s: [f64; 2],

@@ -1,4 +1,4 @@
-//! Standard column names: what they mean, in which unit and in which axes.
+//! Standard column names: quantity, unit and axes.
 
 use crate::Dimension;
 use serde::Serialize;
@@ -23,11 +23,11 @@ pub enum Quantity {
     VelocityIncrement(usize),
     /// `acc_x..`: specific force, body axes.
     SpecificForce(usize),
-    /// `direction_x..`: a direction seen from a body, body axes.
+    /// `direction_x..`: measured direction, body axes.
     Direction(usize),
-    /// `reference_x..`: the vector whose direction is seen, inertial axes.
+    /// `reference_x..`: the vector whose direction is measured, inertial axes.
     Reference(usize),
-    /// `orbit_x..`: position of the reference orbit from the attracting body, inertial axes.
+    /// `orbit_x..`: position relative to the attracting body on the reference orbit, inertial axes.
     OrbitPosition(usize),
     /// `<name>_rad`: angle of a joint.
     Angle,
@@ -47,31 +47,31 @@ pub enum Quantity {
     Force,
 }
 
-/// A column name taken apart.
+/// A parsed column name.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ChannelName {
     /// The standard name without its sensor, for example `omega_x` or `joint1_rad_s`.
     pub name: String,
-    /// The sensor where the column is `<sensor>.<name>`; empty otherwise.
+    /// Sensor of a column `<sensor>.<name>`; empty otherwise.
     pub sensor: String,
     /// The joint, wheel or thruster of a `<name>_<unit>` column; empty otherwise.
     pub subject: String,
-    /// What it measures.
+    /// Measured quantity.
     pub quantity: Quantity,
-    /// Its dimension; the values are in that dimension's SI unit.
+    /// Dimension; values are in its SI unit.
     pub dimension: Dimension,
     /// `body`, `inertial`, or empty for a scalar.
     pub frame: &'static str,
 }
 
 impl ChannelName {
-    /// The name as a column header: `<sensor>.<name>`, or `<name>`.
+    /// Column header: `<sensor>.<name>` or `<name>`.
     pub fn full(&self) -> String {
         full_name(&self.sensor, &self.name)
     }
 }
 
-/// `<sensor>.<name>`, or `<name>` where the sensor is not named.
+/// `<sensor>.<name>`, or `<name>` if the sensor is empty.
 pub fn full_name(sensor: &str, name: &str) -> String {
     if sensor.is_empty() {
         name.to_owned()
@@ -154,7 +154,7 @@ pub fn vector_channels() -> Vec<String> {
     std::iter::once("time_s".to_owned()).chain(all).collect()
 }
 
-/// What a column of this name holds; `None` where the name is not a standard one.
+/// Parses a column name; `None` if it is not a standard name.
 pub fn classify(column: &str) -> Option<ChannelName> {
     let (sensor, name) = match column.rsplit_once('.') {
         Some((sensor, name)) if !sensor.is_empty() => (sensor, name),

@@ -1,37 +1,37 @@
-//! The time of a row: seconds since the origin of the run.
+//! Converts the time of a row to seconds since the origin of the segment.
 
 use crate::instant::{ATTO, Calendar};
 use crate::number::{self, Cell, InvalidNumber};
 use crate::{Dimension, Origin, Scale, TimeFormat, TimeMap, Unit, parse_unit};
 
-/// Times beyond this count from an origin of the run: there a double resolves 2e-9 s.
+/// Larger times count from the origin of the segment; at this value a double resolves 2e-9 s.
 const COUNTED_S: f64 = 1e7;
 /// Seconds of a week.
 const WEEK_S: i128 = 604_800;
 
-/// What numbers count from.
+/// Epoch of numeric times.
 #[derive(Debug, Clone, PartialEq)]
 enum TimeOrigin {
     /// An unknown epoch.
     Own,
     /// 1970 January 1, with 86,400 s to every day.
     Unix,
-    /// An instant.
+    /// A given instant.
     At(i128),
 }
 
-/// Reads the times of one file.
+/// Converts the times of one file.
 #[derive(Debug, Clone)]
 pub(crate) struct Clock {
     format: TimeFormat,
     pub(crate) unit: Unit,
     since: TimeOrigin,
     calendar: Calendar,
-    /// What all files of the run count from, once the first row is read.
+    /// Common origin of all files, set by the first row.
     pub(crate) origin: Option<Origin>,
 }
 
-/// The clock that a map describes; else the key at fault, what is wrong and what to do.
+/// The clock described by a map; otherwise the faulty key, the fault and the remedy.
 pub(crate) fn check_time(map: &TimeMap) -> Result<Clock, (&'static str, String, String)> {
     let scale = map.scale;
     let counts = map.format == TimeFormat::Number;
@@ -97,14 +97,14 @@ pub(crate) fn check_time(map: &TimeMap) -> Result<Clock, (&'static str, String, 
     })
 }
 
-/// 1980 January 6, 0 h, of GPS time: 19 s of TAI later.
+/// 1980 January 6, 0 h GPS time, which is 19 s behind TAI.
 fn gps_epoch() -> i128 {
     let epoch = Calendar::new(Scale::Gps).instant(b"1980-01-06T00:00:00", false);
     epoch.unwrap_or_default()
 }
 
 impl Clock {
-    /// The clock of a column of numbers that count from an unknown epoch.
+    /// The clock for numbers with an unknown epoch.
     pub(crate) fn own(unit: Unit) -> Self {
         Self {
             format: TimeFormat::Number,
@@ -115,7 +115,7 @@ impl Clock {
         }
     }
 
-    /// The clock of a column of instants that a file stores as such, read as seconds since 1970 UTC.
+    /// The clock for a column of timestamps, converted to seconds since 1970 UTC.
     pub(crate) fn instants(self) -> Self {
         let Ok(mut unix) = check_time(&TimeMap {
             epoch: Some("unix".to_owned()),
@@ -127,7 +127,7 @@ impl Clock {
         unix
     }
 
-    /// Time of the row, s since the origin; the first row of a run sets the origin.
+    /// Time of the row, s since the origin, which the first row sets.
     pub(crate) fn seconds(
         &mut self,
         cell: &[u8],
@@ -172,7 +172,7 @@ impl Clock {
         Ok(Cell::Number(origin.seconds_to(at)))
     }
 
-    /// Seconds of a small number that counts from an unknown epoch; `None` where its decimals matter.
+    /// Seconds of a small number with an unknown epoch; `None` if its decimals matter.
     pub(crate) fn small(&mut self, number: f64) -> Option<f64> {
         let counts = self.format == TimeFormat::Number && self.since == TimeOrigin::Own;
         let seconds = self.unit.to_si(number);
@@ -184,7 +184,7 @@ impl Clock {
         Some(seconds)
     }
 
-    /// A count from an unknown epoch: as it stands where it is small.
+    /// Number with an unknown epoch; a small number is kept unchanged.
     fn own_seconds(&mut self, cell: &[u8]) -> Result<Cell, InvalidNumber> {
         let plain = number::parse(cell)?;
         let Cell::Number(x) = plain else {
@@ -215,7 +215,7 @@ impl Clock {
         }
     }
 
-    /// Attoseconds of a number in its unit.
+    /// Attoseconds of a number in the unit of the column.
     fn count(&self, cell: &[u8]) -> Result<i128, InvalidNumber> {
         number::parse(cell)?;
         let (factor, divisor) = (self.unit.factor as i128, self.unit.divisor as i128);

@@ -1,24 +1,24 @@
-//! What a reader hands on: the numbers of one file, column by column.
+//! Output of a reader: the numbers of one file by column.
 
 use crate::Origin;
 use crate::number::Cell;
 
-/// The columns of one file that were asked for, in SI, row by row as they stand there.
+/// The requested columns of one file, in SI, in file order.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Columns {
-    /// What the times count from.
+    /// Origin of the times.
     pub origin: Option<Origin>,
-    /// Time of each kept row, s; NaN where the cell was empty.
+    /// Time of each kept row, s; NaN for an empty cell.
     pub time_s: Vec<f64>,
-    /// Values of each planned channel, one per kept row; NaN = no sample.
+    /// Values of each planned channel, one per kept row; NaN for no sample.
     pub values: Vec<Vec<f64>>,
     /// Line (CSV) or row (Parquet) of each kept row, 1-based.
     pub rows: Vec<u64>,
-    /// Data rows read, kept or not.
+    /// Number of data rows read, kept or not.
     pub rows_read: usize,
-    /// Cells of each channel that held NaN, and the row of the first.
+    /// Number of NaN cells of each channel, and the row of the first.
     pub nan_cells: Vec<(u64, u64)>,
-    /// The first few distinct texts in the first filter column.
+    /// The first distinct texts in the first filter column.
     pub filter_seen: Vec<String>,
 }
 
@@ -31,7 +31,7 @@ impl Columns {
         }
     }
 
-    /// What has to be added to a time to give the file's own count, s.
+    /// Offset from a time to the file's own count, s.
     pub(crate) fn own_zero_s(&self) -> f64 {
         self.origin.map_or(0.0, |o| o.own_zero_s())
     }
@@ -55,7 +55,7 @@ impl Columns {
         }
     }
 
-    /// Takes back what was read of this row, whole or in part.
+    /// Removes the cells already read of this row.
     pub(crate) fn drop_row(&mut self, row: u64) {
         if self.rows.last() == Some(&row) {
             self.rows.pop();
@@ -67,7 +67,6 @@ impl Columns {
         }
     }
 
-    /// One row, whole.
     pub(crate) fn row(&self, k: usize) -> Self {
         Self {
             time_s: self.time_s.get(k).copied().into_iter().collect(),
@@ -82,7 +81,7 @@ impl Columns {
         }
     }
 
-    /// This row before the rows of another.
+    /// Appends the rows of `rest` to this row.
     pub(crate) fn followed_by(&self, mut rest: Self) -> Self {
         fn before<T: Copy>(first: &[T], rest: &mut Vec<T>) {
             rest.splice(0..0, first.iter().copied());
@@ -95,7 +94,7 @@ impl Columns {
         rest
     }
 
-    /// Leaves out the first row.
+    /// Removes the first row.
     pub(crate) fn drop_first(&mut self) {
         let mut keep = vec![true; self.rows.len()];
         if let Some(first) = keep.first_mut() {
@@ -104,7 +103,7 @@ impl Columns {
         self.retain(&keep);
     }
 
-    /// The rows so far; those that follow count on.
+    /// Takes the rows so far; later rows continue the count.
     pub(crate) fn split(&mut self) -> Self {
         let next = Self {
             origin: self.origin,
@@ -115,7 +114,7 @@ impl Columns {
         std::mem::replace(self, next)
     }
 
-    /// Keeps only the rows for which `keep` says so.
+    /// Keeps the rows marked in `keep`.
     pub(crate) fn retain(&mut self, keep: &[bool]) {
         fn filter<T: Copy>(v: &mut Vec<T>, keep: &[bool]) {
             let mut keep = keep.iter();
@@ -128,13 +127,13 @@ impl Columns {
         }
     }
 
-    /// What the first column to choose rows by holds, for messages.
+    /// Texts in the first filter column, for messages.
     pub(crate) fn seen(&self) -> String {
         let seen = self.filter_seen.iter().map(|s| format!("'{s}'"));
         seen.collect::<Vec<_>>().join(", ")
     }
 
-    /// Remembers what a filter column holds, for the error that finds no row.
+    /// Records a text of a filter column, for the error when no row matches.
     pub(crate) fn saw(&mut self, text: &str) {
         if self.filter_seen.len() < 5 && !self.filter_seen.iter().any(|s| s == text) {
             self.filter_seen.push(text.to_owned());

@@ -1,5 +1,5 @@
-//! Do attitude and gyro agree, and under which conventions: the body rates that follow from the quaternions are
-//! compared with the gyro under every reading of both.
+//! Tests the conventions of attitude and gyro: body rates derived from the quaternions are compared with the gyro
+//! under every combination of conventions.
 
 use crate::hypothesis::{Axes, DECLARED, GyroUnit, Hypothesis, Order, Sense};
 use crate::rate_pairs::Pairs;
@@ -52,19 +52,19 @@ pub struct ConventionTest {
     pub verdict: Verdict,
 }
 
-/// Residuals below this share of the rate are equal: the comparison of averages is not better than that.
+/// Residuals below this fraction of the rate count as equal: the resolution of averaged rates.
 const RESOLUTION: f64 = 1e-3;
-/// Turn, rad, below which attitudes differ by the rounding of their numbers.
+/// Rotation, rad, below which attitudes differ by round-off only.
 const ROUND_OFF: f64 = 1e-12;
-/// How much better another reading must fit to contradict the declared one.
+/// Factor by which another convention must fit better to contradict the declared one.
 const DECISIVE: f64 = 5.0;
-/// A reading whose residual exceeds this share of the rate explains nothing.
+/// Fraction of the rate above which the residual means that a convention does not fit.
 const EXPLAINED: f64 = 0.3;
 
 /// Compares an attitude (q_x, q_y, q_z, q_w) with a gyro (omega_x, omega_y, omega_z).
 ///
-/// `R_BS` takes components in the gyro's axes to the body's; `None` where they are the same.
-/// `None` if the channels of either do not share their times or overlap in fewer than 8 intervals.
+/// `R_BS` rotates components from gyro axes to body axes; `None` if they are equal. Returns `None` if the channels of
+/// one sensor have different times, or the sensors overlap in fewer than 8 intervals.
 #[allow(non_snake_case)]
 pub fn test_conventions(
     attitude: [&Channel; 4],
@@ -164,7 +164,7 @@ const READINGS: [(Order, Sense); 4] = [
     (Order::Wxyz, Sense::InertialToBody),
 ];
 
-/// Every attitude of the table against every gyro. A named sensor is compared with the unnamed ones and with its own.
+/// Tests every attitude against every gyro. A named sensor is compared with unnamed ones and with its own.
 pub fn convention_tests(table: &Table) -> Vec<ConventionTest> {
     let sensors = |name: &str| -> Vec<&str> {
         let of = table.channels.iter().filter(|c| c.name == name);
@@ -181,8 +181,8 @@ pub fn convention_tests(table: &Table) -> Vec<ConventionTest> {
     tests
 }
 
-/// The test of one attitude sensor against one gyro by name (empty: unnamed); `None` where channels are missing or
-/// cannot be compared. `R_BS` as in [`test_conventions`].
+/// Tests one attitude sensor against one gyro by name (empty: unnamed). `None` if channels are missing or cannot be
+/// compared. `R_BS` as in [`test_conventions`].
 #[allow(non_snake_case)]
 pub fn test_sensors(
     table: &Table,
@@ -200,13 +200,13 @@ pub fn test_sensors(
     )
 }
 
-/// Refuses a table in which attitude and gyro contradict the declared conventions decisively.
+/// Returns an error if attitude and gyro clearly contradict the declared conventions.
 ///
-/// Every gyro is taken to measure in body axes on the body of the attitude; where the vehicle mounts it otherwise,
-/// use [`test_sensors`] with its rotation and [`ConventionTest::check`].
+/// Assumes that every gyro measures in body axes on the body of the attitude. For other mountings use [`test_sensors`]
+/// with its rotation and [`ConventionTest::check`].
 ///
 /// # Errors
-/// [`TelemetryError::Convention`] names the reading that fits best.
+/// [`TelemetryError::Convention`] names the convention that fits best.
 pub fn check_conventions(table: &Table) -> Result<(), TelemetryError> {
     convention_tests(table)
         .iter()
@@ -215,7 +215,7 @@ pub fn check_conventions(table: &Table) -> Result<(), TelemetryError> {
 
 impl ConventionTest {
     /// # Errors
-    /// [`TelemetryError::Convention`] if the declared reading is contradicted.
+    /// [`TelemetryError::Convention`] if the declared convention is contradicted.
     pub fn check(&self) -> Result<(), TelemetryError> {
         if self.verdict != Verdict::DeclaredContradicted {
             return Ok(());

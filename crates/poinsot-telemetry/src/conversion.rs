@@ -1,24 +1,24 @@
-//! A cell as the file writes it, and what it is in SI.
+//! Conversion of a cell to SI.
 
 use crate::number::{self, Cell, InvalidNumber};
 use crate::{ColumnMap, Unit};
 use std::f64::consts::TAU;
 
-/// What makes a cell a value in SI.
+/// Rule that converts a cell to SI.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Conversion {
     /// A number in a unit.
     Unit(Unit),
     /// `factor * x + offset`, the factor and the offset in SI.
     Linear(f64, f64),
-    /// A flag, and its value where it is on.
+    /// A flag, and the value if it is on.
     Flag(f64),
-    /// How long a pulse of this force lasts, in a unit.
+    /// Duration of a pulse of this force, in a unit.
     Pulse(Unit, f64),
 }
 
 impl Conversion {
-    /// What a map of a column in a unit says.
+    /// The conversion declared in a column map.
     pub(crate) fn of(map: &ColumnMap, unit: Option<Unit>) -> Self {
         if let Some(force) = map.nominal_N {
             return unit.map_or(Self::Flag(force), |unit| Self::Pulse(unit, force));
@@ -36,7 +36,7 @@ impl Conversion {
         }
     }
 
-    /// Reads a cell of text.
+    /// Parses and converts the text of a cell.
     pub(crate) fn cell(&self, text: &[u8]) -> Result<Cell, InvalidNumber> {
         match self {
             Self::Flag(force) => Ok(match number::flag(text)? {
@@ -47,7 +47,7 @@ impl Conversion {
         }
     }
 
-    /// Converts what is read already.
+    /// Converts a parsed cell.
     pub(crate) fn number(&self, cell: Cell) -> Cell {
         let Cell::Number(x) = cell else { return cell };
         Cell::Number(match self {

@@ -1,4 +1,4 @@
-//! CSV with one header row, and what exports put around it.
+//! Reads CSV with one header row, and the text that exports put around it.
 
 use crate::bytes::{ByteFault, Opened, TextBytes, check_unchanged, sha256_of};
 use crate::clock::Clock;
@@ -86,7 +86,7 @@ pub(crate) fn read(
     let mut columns = Columns::with_channels(plan.channels.len());
     let mut last_row = 0;
     while next(path, &mut reader, &mut record)? {
-        // Rows are handed on only when another follows: the last one may yet have to be taken back.
+        // A row is passed on only when another follows, because the last one may have to be dropped.
         selection.check(path, &plan, &mut columns, rows, full.as_deref_mut())?;
         last_row = above + record.position().map_or(0, csv::Position::line);
         columns.rows_read += 1;
@@ -142,7 +142,7 @@ pub(crate) fn read(
     Ok((plan, columns, sha256))
 }
 
-/// One data row into the columns; on error the row may be there in part.
+/// Adds one data row to the columns; on error part of the row may have been added.
 fn take_row(
     path: &Path,
     plan: &Plan,
@@ -239,7 +239,7 @@ fn header_of(
     Ok(header)
 }
 
-/// Why the first row is no header, where it is a comment.
+/// Why the first row is not a header.
 fn no_header(header: &[String], comment: Option<u8>) -> Option<String> {
     let first = header.first()?.chars().next()?;
     let usual = matches!(first, '#' | '%' | '!');
@@ -266,7 +266,7 @@ fn refuse_utf16<R: Read + Seek>(path: &Path, file: &mut R) -> Result<(), Telemet
     Ok(())
 }
 
-/// The next record; `false` at the end of the file.
+/// Reads the next record; `false` at the end of the file.
 fn next<R: Read>(
     path: &Path,
     reader: &mut csv::Reader<R>,

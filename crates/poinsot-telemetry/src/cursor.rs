@@ -1,8 +1,8 @@
-//! Channels read side by side along the union of their times.
+//! Reads channels in parallel along the union of their times.
 
 use crate::Channel;
 
-/// A channel read along the union of times.
+/// One channel, read along the union of times.
 pub(crate) struct Cursor<'a> {
     channel: &'a Channel,
     next: usize,

@@ -1,4 +1,4 @@
-//! Columns that make channels together: attitudes in any form, positions in axes that turn with the Earth.
+//! Groups of columns that give channels together: attitudes in any form, positions in Earth-fixed axes.
 #![allow(non_snake_case)]
 
 use crate::columns::Columns;
@@ -10,13 +10,13 @@ use crate::{AttitudeForm, Sense, TelemetryError, classify, full_name, rounded};
 use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 use std::path::Path;
 
-/// Largest |R'R - 1| of a matrix that is taken for a rotation with rounded numbers.
+/// Largest |R'R - 1| of a rotation matrix with rounded elements.
 const ORTHONORMAL: f64 = 1e-2;
 
-/// Replaces the columns of every group by the channels that they make.
+/// Replaces the columns of every group by the derived channels.
 ///
 /// # Errors
-/// A matrix that is no rotation; axes of the Earth without dates.
+/// A matrix is not a rotation, or Earth-fixed axes are used without dates.
 pub(crate) fn derive(
     path: &Path,
     plan: &Plan,
@@ -90,7 +90,7 @@ pub(crate) fn derive(
     Ok(channels)
 }
 
-/// One row of a group; `None` where a cell is empty.
+/// One row of a group; `None` if a cell is empty.
 fn row<const N: usize>(parts: &[Vec<f64>], k: usize) -> Option<[f64; N]> {
     let mut out = [0.0; N];
     for (slot, part) in out.iter_mut().zip(parts) {
@@ -99,7 +99,7 @@ fn row<const N: usize>(parts: &[Vec<f64>], k: usize) -> Option<[f64; N]> {
     Some(out)
 }
 
-/// Components x, y, z, w of the rotation from body to inertial axes.
+/// Quaternion x, y, z, w of the rotation from body to inertial axes.
 fn attitude(
     path: &Path,
     column: &str,
@@ -146,12 +146,12 @@ fn from_matrix(cells: &[f64; 9]) -> Result<UnitQuaternion<f64>, String> {
             rounded(R.determinant(), 3)
         ));
     }
-    // Orthonormal to a rounding of its digits: the quaternion made unit is the nearest turn to first order.
+    // The matrix is orthonormal up to rounding, so the normalised quaternion is the nearest rotation to first order.
     let q = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(R));
     Ok(UnitQuaternion::new_normalize(q.into_inner()))
 }
 
-/// Turns one after the other, each about the axis as the turns before it left it.
+/// Intrinsic rotations about the given axes in order.
 fn euler(axes: [usize; 3], angles: [f64; 3]) -> UnitQuaternion<f64> {
     let turns = axes.into_iter().zip(angles).map(|(axis, angle)| {
         UnitQuaternion::from_axis_angle(
@@ -170,7 +170,7 @@ fn mrp(sigma: [f64; 3]) -> UnitQuaternion<f64> {
     UnitQuaternion::new_normalize(Quaternion::new((1.0 - s2) / (1.0 + s2), v.x, v.y, v.z))
 }
 
-/// Positions, and velocities, turned by the Earth rotation angle.
+/// Rotates positions and velocities by the Earth rotation angle.
 fn inertial(
     path: &Path,
     plan: &Plan,
@@ -194,7 +194,7 @@ fn inertial(
         let turned = |parts: &[Vec<f64>]| row::<3>(parts, k).map(|x| turn * Vector3::from(x));
         let nan = Vector3::repeat(f64::NAN);
         let r = turned(position).unwrap_or(nan);
-        // The axes carry with them what stands still in them.
+        // Velocity of the rotating axes at this position.
         let carried = Vector3::z() * EARTH_RATE;
         let v = turned(velocity).map_or(nan, |v| v + carried.cross(&r));
         let cells = r.iter().chain(v.iter());

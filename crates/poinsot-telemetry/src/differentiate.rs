@@ -8,11 +8,11 @@ const DEGREE: usize = 4;
 
 /// The derivative of a channel at its own samples.
 ///
-/// At each sample the slope of the quartic fitted by least squares to the `2 half_width + 1` samples around it
-/// (fewer or one-sided at the ends of a run; a gap longer than `max_gap_s`, default 3 median steps, ends a run).
-/// `half_width = 2` passes through all five samples: error `h^4 |x^(5)| / 30` at even steps, noise gain `0.95 / h`.
-/// A wider window keeps the order and lowers the noise as `half_width^-1.5`. Samples without a neighbour get no
-/// derivative. The name and the unit follow where the standard has them (`joint1_rad` to `joint1_rad_s`,
+/// It is the slope of the quartic fitted by least squares to the `2 half_width + 1` samples around each sample. At the
+/// ends of a run there are fewer samples, on one side. A gap longer than `max_gap_s` (default 3 median steps) ends a
+/// run. `half_width = 2` passes through all five samples: error `h^4 |x^(5)| / 30` at even steps, noise gain
+/// `0.95 / h`. A wider window keeps the order and lowers the noise as `half_width^-1.5`. A sample without neighbours
+/// gets no derivative. The result has the standard name and unit if they exist (`joint1_rad` to `joint1_rad_s`,
 /// `omega_x` to `domega_x`), otherwise `d/dt <name>`.
 pub fn differentiate(channel: &Channel, half_width: usize, max_gap_s: Option<f64>) -> Channel {
     let step = median_step(&channel.time_s).unwrap_or(0.0);
@@ -53,7 +53,7 @@ pub fn differentiate(channel: &Channel, half_width: usize, max_gap_s: Option<f64
     }
 }
 
-/// One past the last sample of the run that begins at `start`.
+/// End index (exclusive) of the run that starts at `start`.
 fn run_end(time_s: &[f64], start: usize, max_gap: f64) -> usize {
     let rest = time_s.get(start..).unwrap_or_default();
     rest.iter()
@@ -62,8 +62,8 @@ fn run_end(time_s: &[f64], start: usize, max_gap: f64) -> usize {
         .map_or(time_s.len(), |k| start + k + 1)
 }
 
-/// Slope at `at` of the polynomial of degree 4 (or less, for fewer samples) fitted to the samples, built from
-/// polynomials orthogonal on the samples' times (Forsythe 1957), so that no normal equations are solved.
+/// Slope at `at` of the polynomial of degree 4 (or less for few samples) fitted to the samples. Polynomials orthogonal
+/// on the sample times (Forsythe 1957) avoid normal equations.
 fn slope(times: &[f64], values: &[f64], at: f64) -> Option<f64> {
     let n = times.len();
     let scale = (times.last()? - times.first()?) / 2.0;
@@ -73,7 +73,7 @@ fn slope(times: &[f64], values: &[f64], at: f64) -> Option<f64> {
     let x: Vec<f64> = times.iter().map(|t| (t - at) / scale).collect();
     let mut before = vec![0.0; n];
     let mut here = vec![1.0; n];
-    // Value and slope at `at` of the last two polynomials.
+    // Value and slope at `at` of the last two orthogonal polynomials.
     let (mut p_before, mut d_before, mut p, mut d) = (0.0, 0.0, 1.0, 0.0);
     let mut norm_before = 1.0;
     let mut b = 0.0;

@@ -1,7 +1,7 @@
-//! Numbers in messages, as a person writes them.
+//! Numbers in messages.
 
-/// `x` with at most so many significant digits, none of them a trailing zero; powers of ten only where it is
-/// tiny or huge: 0, 1.5, 0.0004113, 2e-7.
+/// `x` with at most `digits` significant digits and no trailing zeros. Exponents only for tiny or huge values: 0, 1.5,
+/// 0.0004113, 2e-7.
 pub fn rounded(x: f64, digits: usize) -> String {
     let text = format!("{x:.*e}", digits.saturating_sub(1));
     let x: f64 = text.parse().unwrap_or(x);
@@ -11,7 +11,7 @@ pub fn rounded(x: f64, digits: usize) -> String {
     }
 }
 
-/// All digits that tell `x` from its neighbours, as a file would write them: 0.2, -9999, 1e30.
+/// Shortest text that reads back to `x`: 0.2, -9999, 1e30.
 pub fn as_read(x: f64) -> String {
     match x.abs() {
         0.0 => "0".to_owned(),

@@ -1,19 +1,19 @@
-//! What can be wrong with a telemetry file, each with a code that stays.
+//! Errors of telemetry files; their codes are stable.
 
 use crate::digits::rounded;
 use poinsot_files::{StageError, escaped};
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-/// Where in a file something was read: `run7.csv:1842 column 'omega_x'`, `run7.parquet row 12 column 'omega_x'`.
+/// Position in a file: `run7.csv:1842 column 'omega_x'`, `run7.parquet row 12 column 'omega_x'`.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Place {
-    /// The file as it was named.
+    /// Path as given.
     pub path: PathBuf,
-    /// Line of a CSV file (1 = header), or row of a Parquet file or of columns in memory (1 = first); 0 where it
-    /// concerns the whole file.
+    /// Line of a CSV file (1 = header), or row of a Parquet file or of columns in memory (1 = first); 0 for the whole
+    /// file.
     pub row: u64,
-    /// The column as the file writes it; empty where it concerns the whole row.
+    /// The column as named in the file; empty for the whole row.
     pub column: String,
 }
 
@@ -25,7 +25,7 @@ impl Place {
         }
     }
 
-    /// The same in a row.
+    /// The same place in another row.
     pub(crate) fn at(&self, row: u64) -> Self {
         Self {
             row,
@@ -71,20 +71,20 @@ impl fmt::Display for Place {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum TelemetryError {
-    /// The operating system refused.
+    /// Error of the operating system.
     #[error("E0201 {place}: {what}: {source}; {}", advice(source), place = path.display())]
     Io {
         /// The file.
         path: PathBuf,
-        /// What was attempted.
+        /// Attempted operation.
         what: &'static str,
-        /// The answer of the operating system.
+        /// The error.
         source: std::io::Error,
     },
     /// The bytes are not UTF-8 text, or not a file of a known kind.
     #[error("E0202 {place}: {}", escaped(why))]
     Format {
-        /// Where.
+        /// Place.
         place: Place,
         /// What is wrong and what to do.
         why: String,
@@ -92,7 +92,7 @@ pub enum TelemetryError {
     /// A cell is not a finite number.
     #[error("E0203 {place}: '{value}' {}", escaped(why))]
     Number {
-        /// Where.
+        /// Place.
         place: Place,
         /// The cell as read, shortened.
         value: String,
@@ -102,7 +102,7 @@ pub enum TelemetryError {
     /// A row has too many or too few fields.
     #[error("E0204 {place}: {actual} fields where the header has {expected}{hint}")]
     Ragged {
-        /// Where.
+        /// Place.
         place: Place,
         /// Fields in the row.
         actual: usize,
@@ -114,20 +114,20 @@ pub enum TelemetryError {
     /// The header names no column, or one twice, or looks like another format.
     #[error("E0205 {place}: {}", escaped(why))]
     Header {
-        /// Where.
+        /// Place.
         place: Place,
         /// What is wrong and what to do.
         why: String,
     },
-    /// The file stops inside its last row.
+    /// The file ends inside its last row.
     #[error(
         "E0206 {place}: the file ends inside this row ({}); use --recover to keep the rows before it",
         escaped(why)
     )]
     Truncated {
-        /// Where.
+        /// Place.
         place: Place,
-        /// How it shows.
+        /// Evidence.
         why: String,
     },
     /// No column holds the time.
@@ -135,13 +135,13 @@ pub enum TelemetryError {
     NoTime {
         /// The file.
         place: Place,
-        /// The mapping that would help; begins with a separator.
+        /// A suitable mapping; begins with a separator.
         hint: String,
     },
     /// Times are not strictly increasing, or a row has none.
     #[error("E0208 {place}: {}", escaped(why))]
     Time {
-        /// Where.
+        /// Place.
         place: Place,
         /// What is wrong and what to do.
         why: String,
@@ -162,7 +162,7 @@ pub enum TelemetryError {
         /// The likely unit, or empty.
         unit: &'static str,
     },
-    /// One channel comes from two places.
+    /// One channel is in two places.
     #[error(
         "E0210 channel '{channel}' is in {first} and again in {second}; leave one out, or name the sensors: '<sensor>.{}'",
         escaped(channel.rsplit('.').next().unwrap_or_default()),
@@ -171,12 +171,12 @@ pub enum TelemetryError {
     DuplicateChannel {
         /// The channel.
         channel: String,
-        /// Where it was found first.
+        /// First place.
         first: Box<Place>,
-        /// Where it was found again.
+        /// Second place.
         second: Box<Place>,
     },
-    /// A unit that is not in the table.
+    /// An unknown unit.
     #[error(
         "E0211 unit '{}' is not known; did you mean '{nearest}'? `poinsot units` lists all",
         escaped(unit)
@@ -187,7 +187,7 @@ pub enum TelemetryError {
         /// The nearest known unit.
         nearest: String,
     },
-    /// A map that cannot be followed.
+    /// An invalid map.
     #[error("{code} map of channel '{}': {}", escaped(channel), escaped(why))]
     Map {
         /// `E0210`, `E0211` or `E0212`: see `poinsot explain`.
@@ -197,7 +197,7 @@ pub enum TelemetryError {
         /// What is wrong and what to do.
         why: String,
     },
-    /// A row filter that finds no column or no row.
+    /// A row filter without column or without matching row.
     #[error(
         "E0213 where {} = '{}': {}",
         escaped(column),
@@ -207,7 +207,7 @@ pub enum TelemetryError {
     Filter {
         /// The column.
         column: String,
-        /// The text wanted.
+        /// The required text.
         text: String,
         /// What is wrong and what to do.
         why: String,
@@ -215,7 +215,7 @@ pub enum TelemetryError {
     /// A quaternion is not of unit norm, or lacks a component.
     #[error("E0214 {place}: {}", escaped(why))]
     Quaternion {
-        /// Where.
+        /// Place.
         place: Place,
         /// What is wrong and what to do.
         why: String,
@@ -235,22 +235,22 @@ pub enum TelemetryError {
         gyro: String,
         /// The declared convention.
         declared: String,
-        /// Root mean square of attitude rate minus gyro as declared, rad/s.
+        /// RMS of attitude rate minus gyro under the declared convention, rad/s.
         declared_residual: f64,
         /// The convention that fits best.
         best: String,
         /// Its residual, rad/s.
         best_residual: f64,
     },
-    /// The Parquet decoder refused the file.
+    /// Error of the Parquet decoder.
     #[error(
         "E0216 {place}: {}; write the file again, or convert it to CSV",
         escaped(why)
     )]
     Parquet {
-        /// Where.
+        /// Place.
         place: Place,
-        /// What the decoder said.
+        /// Message of the decoder.
         why: String,
     },
     /// The file has no rows.
@@ -259,18 +259,18 @@ pub enum TelemetryError {
         /// The file.
         place: Place,
     },
-    /// A repair would be needed and repairs are off.
+    /// A repair is needed, but `--strict` forbids it.
     #[error(
         "E0218 {place}: {}: --strict allows no repair; correct the file or leave out --strict",
         escaped(repair)
     )]
     Strict {
-        /// Where.
+        /// Place.
         place: Place,
-        /// The repair that was not made.
+        /// The required repair.
         repair: String,
     },
-    /// A check found something, and its policy is to refuse it.
+    /// A finding of a check whose policy is to refuse.
     #[error(
         "E0220 {file}: channel '{channel}': {check}: {what}; correct it, or accept it by --policy {check}={lenient} (without --strict)",
         channel = escaped(channel),
@@ -285,17 +285,17 @@ pub enum TelemetryError {
         check: &'static str,
         /// What was found.
         what: String,
-        /// A policy under which it is accepted.
+        /// A policy that accepts it.
         lenient: &'static str,
     },
-    /// More samples than fit into the memory that is allowed.
+    /// More samples than the memory limit allows.
     #[error(
         "E0221 {place}: up to {samples} samples in {channels} channels are requested, but {fit} fit into {mib} MiB of memory; use --every {every}, --time-s FROM,TO, or a larger --memory-mib"
     )]
     TooLarge {
         /// The file.
         place: Place,
-        /// Samples that are asked for, at most.
+        /// Upper bound of the requested samples.
         samples: u64,
         /// Samples that fit.
         fit: usize,
@@ -303,7 +303,7 @@ pub enum TelemetryError {
         channels: usize,
         /// The limit, MiB.
         mib: usize,
-        /// Every so many rows are few enough.
+        /// Row step that would fit.
         every: u64,
     },
     /// Channels that cannot be written.
@@ -317,7 +317,7 @@ pub enum TelemetryError {
 }
 
 impl TelemetryError {
-    /// The code of this kind of error, for `poinsot explain`.
+    /// Error code, for `poinsot explain`.
     pub fn code(&self) -> &'static str {
         match self {
             Self::Io { .. } => "E0201",
@@ -344,7 +344,7 @@ impl TelemetryError {
         }
     }
 
-    /// Whether the environment (disk, permission) is at fault and not the file's content.
+    /// Whether the environment (disk, permission) failed, not the content of the file.
     pub fn is_environment(&self) -> bool {
         matches!(self, Self::Io { source, .. } if source.kind() != std::io::ErrorKind::NotFound)
     }
@@ -360,7 +360,7 @@ impl From<StageError> for TelemetryError {
     }
 }
 
-/// What to do about an answer of the operating system.
+/// Advice for an error of the operating system.
 pub fn advice(source: &std::io::Error) -> &'static str {
     use std::io::ErrorKind as Kind;
     match source.kind() {
@@ -377,7 +377,7 @@ pub fn advice(source: &std::io::Error) -> &'static str {
     }
 }
 
-/// A cell as shown in an error: control characters escaped, at most 40 characters.
+/// A cell as shown in errors: control characters escaped, at most 40 characters.
 pub(crate) fn shown(cell: &[u8]) -> String {
     let text = String::from_utf8_lossy(cell);
     let mut short: String = text.chars().take(40).flat_map(char::escape_debug).collect();

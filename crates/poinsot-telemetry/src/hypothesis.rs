@@ -1,4 +1,4 @@
-//! One reading of attitude and gyro: order, sense, unit and axes.
+//! One hypothesis on the conventions of attitude and gyro: order, sense, unit and axes.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -57,7 +57,7 @@ impl GyroUnit {
         Self::TimeTakenForMilliseconds,
     ];
 
-    /// Factor that takes the table's number to the rate that attitude and times of the table give, rad/s.
+    /// Factor from the table's values to the rate in rad/s, given its attitude and times.
     pub fn factor(self) -> f64 {
         match self {
             Self::AsDeclared => 1.0,
@@ -133,7 +133,7 @@ pub struct Hypothesis {
 }
 
 impl Hypothesis {
-    /// How many things it changes in what was declared; a permutation counts more than a sign.
+    /// Number of changes from the declared convention; a permutation counts more than a sign.
     pub(crate) fn departures(&self) -> usize {
         let axes = self.gyro_axes.axis != Axes::IDENTITY.axis;
         let signs = self.gyro_axes.sign.iter().filter(|s| **s < 0).count();
@@ -144,7 +144,7 @@ impl Hypothesis {
             + signs * 3
     }
 
-    /// Whether this is what the table declares: xyzw, Hamilton, body to inertial; gyro in rad/s, body axes.
+    /// Whether this is the declared convention: xyzw, Hamilton, body to inertial; gyro in rad/s, body axes.
     pub fn is_declared(&self) -> bool {
         self.departures() == 0
     }
@@ -188,5 +188,5 @@ impl fmt::Display for Hypothesis {
     }
 }
 
-/// What a table declares.
+/// The declared convention.
 pub(crate) const DECLARED: &str = "xyzw, Hamilton, body to inertial, gyro in rad/s and body axes";

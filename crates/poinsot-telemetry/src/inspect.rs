@@ -1,4 +1,4 @@
-//! What a table holds, for an engineer who sees it for the first time.
+//! Summary of a table for an engineer who sees it for the first time.
 
 use crate::conventions::{ConventionTest, convention_tests};
 use crate::median::median_step;
@@ -80,7 +80,7 @@ pub struct ChannelSummary {
     pub noise_is_upper_bound: bool,
 }
 
-/// Looks at every channel of a table and at how attitude and gyro fit together. Never changes the table.
+/// Summarises every channel and tests attitude against gyro. The table is not changed.
 pub fn inspect(table: &Table) -> Inspection {
     let channels: Vec<ChannelSummary> = table.channels.iter().filter_map(summarise).collect();
     let span = channels.iter().map(|c| c.time_s).reduce(|a, b| {
@@ -138,7 +138,7 @@ fn summarise(channel: &Channel) -> Option<ChannelSummary> {
             .copied()
             .fold(f64::NEG_INFINITY, f64::max),
         constant: crate::noise::is_constant(&channel.values),
-        // Seen with the noise; sorting the values twice would cost as much as all else.
+        // Computed with the noise, because sorting the values twice would double the cost.
         quantum: match &noise {
             Some(seen) => seen.quantum,
             None => crate::noise::quantum(&channel.values),
@@ -149,10 +149,10 @@ fn summarise(channel: &Channel) -> Option<ChannelSummary> {
     })
 }
 
-/// Samples that a step leaves out where they follow each other by `usual`, s.
+/// Number of samples missing in a step, given the usual step, s.
 pub(crate) fn missing(step: f64, usual: f64) -> usize {
     let whole = (step / usual).round() - 1.0;
-    // Thrust and other events have no usual step.
+    // Thrust and other events have no regular step.
     if whole.is_finite() && whole > 0.0 {
         whole as usize
     } else {
@@ -160,7 +160,7 @@ pub(crate) fn missing(step: f64, usual: f64) -> usize {
     }
 }
 
-/// Fastest wheel that needs no question, rad/s (9550 rpm).
+/// Wheel speed above which the unit is questioned, rad/s (9550 rpm).
 const FAST_WHEEL: f64 = 1000.0;
 
 pub(crate) fn notes(channel: &ChannelSummary) -> Vec<String> {

@@ -1,4 +1,4 @@
-//! Inspection of files of any size: what does not fit into memory is looked at part by part, in one pass.
+//! Inspection of files of any size: large files are read in parts, in one pass.
 
 use crate::checks::{Finding, SHOWN};
 use crate::columns::Columns;
@@ -10,19 +10,19 @@ use crate::{
 };
 use std::path::{Path, PathBuf};
 
-/// Share of the memory allowed that one part may fill: looking at it takes more.
+/// Divisor of the memory limit for one part: its inspection needs more.
 const PART: usize = 4;
-/// Most lines of repairs that are kept.
+/// Largest number of repair lines kept.
 const LINES: usize = 100;
 
-/// Looks at files as [`inspect`] does, whatever their size.
+/// Inspects files of any size as [`inspect`] does.
 ///
-/// Files that do not fit into [`ReadOptions::memory_mib`] are read in parts: extremes, counts and gaps are those of
-/// the whole, noise is the mean square of the parts', rate and quantum are those of the first part. Attitude is then
-/// compared with the gyro of the same file, in the part that says most.
+/// Files larger than [`ReadOptions::memory_mib`] are read in parts. Extremes, counts and gaps are those of the whole
+/// file; noise is the RMS over the parts; rate and quantum are those of the first part. Attitude is compared with the
+/// gyro of the same file, in the part with the fastest motion.
 ///
 /// # Errors
-/// As [`read`](crate::read), but for the size.
+/// As [`read`](crate::read), except for the size.
 pub fn inspect_files<P: AsRef<Path>>(
     paths: &[P],
     options: &ReadOptions,
@@ -56,7 +56,7 @@ pub fn inspect_files<P: AsRef<Path>>(
     })
 }
 
-/// One file.
+/// Inspects one file.
 fn in_parts(
     path: &Path,
     options: &ReadOptions,
@@ -105,7 +105,7 @@ fn in_parts(
     Ok(all)
 }
 
-/// What was seen so far, and the row before the next part.
+/// Summary so far, and the last row before the next part.
 struct Parts<'a> {
     path: &'a Path,
     strict: bool,
@@ -114,14 +114,14 @@ struct Parts<'a> {
 }
 
 impl Parts<'_> {
-    /// Looks at one part; times must follow those of the part before.
+    /// Inspects one part; its times must follow those of the previous part.
     fn take(&mut self, plan: &Plan, part: Columns) -> Result<(), TelemetryError> {
         if part.rows.is_empty() {
             return Ok(());
         }
         let followed = self.last.take();
         let last = part.row(part.rows.len() - 1);
-        // With the last row before it: so times are compared, and a repeated row is found.
+        // Include the previous row, so that times are compared across parts and a repeated row is found.
         let mut columns = match &followed {
             Some(before) => before.followed_by(part),
             None => part,
@@ -156,7 +156,7 @@ impl Parts<'_> {
     }
 }
 
-/// Adds what a later part, or another file, shows.
+/// Merges the summary of a later part or another file.
 fn merge(all: &mut Inspection, part: Inspection) {
     for channel in part.channels {
         match all.channels.iter_mut().find(|c| c.name == channel.name) {
@@ -172,7 +172,7 @@ fn merge(all: &mut Inspection, part: Inspection) {
         let same =
             |t: &&mut crate::ConventionTest| (&t.attitude, &t.gyro) == (&test.attitude, &test.gyro);
         match all.conventions.iter_mut().find(same) {
-            // The fastest part tells readings apart best.
+            // The part with the fastest motion distinguishes the conventions best.
             Some(before) if test.rate_rad_s > before.rate_rad_s => *before = test,
             Some(_) => {}
             None => all.conventions.push(test),
@@ -202,7 +202,7 @@ fn merge(all: &mut Inspection, part: Inspection) {
     }
 }
 
-/// One channel over two stretches, the second after the first.
+/// Merges two consecutive stretches of one channel.
 fn join(before: &mut ChannelSummary, next: &ChannelSummary) {
     let between = next.time_s[0] - before.time_s[1];
     let gap = before.rate_hz.is_some_and(|hz| between > 3.0 / hz);
@@ -227,7 +227,7 @@ fn join(before: &mut ChannelSummary, next: &ChannelSummary) {
     before.samples += next.samples;
 }
 
-/// What is said of the whole.
+/// Completes the summary of the whole file.
 fn finished(mut all: Inspection) -> Inspection {
     all.notes = all.channels.iter().flat_map(notes).collect();
     all.notes.insert(

@@ -1,4 +1,4 @@
-//! Instants without loss: dates and counts become attoseconds of TAI, and seconds since a first sample.
+//! Exact instants: dates and counts become attoseconds of TAI, then seconds since a first sample.
 
 use crate::number::InvalidNumber;
 use hifitime::{Duration, Epoch, TimeScale};
@@ -9,10 +9,10 @@ use std::fmt;
 pub(crate) const ATTO: i128 = 1_000_000_000_000_000_000;
 /// Seconds in a day that has no leap second.
 const DAY: i64 = 86_400;
-/// Dates outside of these years are mistakes, or have no leap seconds that are known.
+/// Other years are mistakes, or have unknown leap seconds.
 const YEARS: std::ops::RangeInclusive<i64> = 1972..=2199;
 
-/// A scale of time.
+/// A time scale.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scale {
     /// Coordinated universal time, with leap seconds.
@@ -26,7 +26,7 @@ pub enum Scale {
 }
 
 impl Scale {
-    /// All, as they are written.
+    /// All scales with their names.
     pub const ALL: [(&'static str, Self); 4] = [
         ("UTC", Self::Utc),
         ("TAI", Self::Tai),
@@ -34,7 +34,7 @@ impl Scale {
         ("TT", Self::Tt),
     ];
 
-    /// As it is written.
+    /// Name of the scale.
     pub fn name(self) -> &'static str {
         let found = Self::ALL.iter().find(|(_, scale)| *scale == self);
         found.map_or("UTC", |(name, _)| name)
@@ -50,25 +50,25 @@ impl Scale {
     }
 }
 
-/// Turns of the Earth at 2000 January 1.5, and per day.
+/// Earth rotation in turns at 2000 January 1.5, and its rate in turns per day.
 const TURNS: [f64; 2] = [0.779_057_273_264_0, 1.002_737_811_911_354_5];
 /// Rate of the Earth rotation angle, rad/s.
 pub(crate) const EARTH_RATE: f64 = TURNS[1] * TAU / DAY as f64;
 
-/// What the times of a table count from.
+/// Origin of the times of a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Origin {
-    /// Attoseconds: of TAI since 1900 where the scale is known, else of the files' own count.
+    /// Attoseconds of TAI since 1900 if the scale is known, otherwise of the files' own count.
     pub(crate) at: i128,
-    /// Scale of the files' dates; `None` where files count seconds from an unknown epoch.
+    /// Scale of the files' dates; `None` if they count seconds from an unknown epoch.
     pub(crate) scale: Option<Scale>,
 }
 
 impl Origin {
-    /// The zero of the files' own count.
+    /// Zero of the files' own count.
     pub(crate) const OWN: Self = Self { at: 0, scale: None };
 
-    /// The instant of a date and time of day in a scale by its name, as [`Self::date`] writes them.
+    /// The instant of a date and time of day in a named scale, in the format of [`Self::date`].
     pub fn of_date(date: &str, scale: &str) -> Option<Self> {
         let (_, scale) = Scale::ALL.into_iter().find(|(name, _)| *name == scale)?;
         let at = Calendar::new(scale).instant(date.as_bytes(), false).ok()?;
@@ -76,7 +76,7 @@ impl Origin {
         Some(Self { at, scale })
     }
 
-    /// Seconds from this instant to another.
+    /// Seconds from this instant to `other`.
     pub fn until(&self, other: &Self) -> f64 {
         self.seconds_to(other.at)
     }
@@ -86,7 +86,7 @@ impl Origin {
         format!("{}e-18", at - self.at).parse().unwrap_or(f64::NAN)
     }
 
-    /// What has to be added to a time of the table to give the file's own count, s; zero for dates.
+    /// Offset from a time of the table to the file's own count, s; zero for dates.
     pub fn own_zero_s(&self) -> f64 {
         match self.scale {
             Some(_) => 0.0,
@@ -94,7 +94,7 @@ impl Origin {
         }
     }
 
-    /// Date, time and scale; `None` where the files do not say.
+    /// Date, time and scale; `None` if unknown.
     pub fn date(&self) -> Option<String> {
         let scale = self.scale?;
         let (year, month, day, h, m, s, nanos) = epoch(self.at).to_gregorian(scale.library());
@@ -104,10 +104,11 @@ impl Origin {
         Some(format!("{text} {}", scale.name()))
     }
 
-    /// The Earth rotation angle, rad, so many seconds later (IERS Conventions 2010, eq. 5.15). UTC stands for UT1.
+    /// Earth rotation angle, rad, `later_s` seconds after the origin (IERS Conventions 2010, eq. 5.15). UTC is used
+    /// for UT1.
     pub(crate) fn earth_rotation(&self, later_s: f64) -> f64 {
         let days = epoch(self.at).to_jde_utc_days() - 2_451_545.0 + later_s / DAY as f64;
-        // Whole days are whole turns of the first part of the rate.
+        // Whole days are whole turns of the integer part of the rate.
         let turns = TURNS[0] + days.fract() + (TURNS[1] - 1.0) * days;
         turns.fract() * TAU
     }
@@ -132,7 +133,7 @@ fn epoch(at: i128) -> Epoch {
     ))
 }
 
-/// The day so many days after 1970 January 1, as year, month, day (Howard Hinnant, `civil_from_days`).
+/// Year, month and day of a number of days after 1970 January 1 (Howard Hinnant, `civil_from_days`).
 fn civil(day: i64) -> (i64, u8, u8) {
     let z = day + 719_468;
     let era = z.div_euclid(146_097);
@@ -162,7 +163,7 @@ fn day_number(year: i64, month: i64, day: i64) -> i64 {
     era * 146_097 + of_era * 365 + of_era / 4 - of_era / 100 + of_year - 719_468
 }
 
-/// Midnights of a scale; the last one is kept, since most rows fall on one day.
+/// Midnights of a scale; the last one is cached because most rows are on one day.
 #[derive(Debug, Clone)]
 pub(crate) struct Calendar {
     scale: Scale,
@@ -183,7 +184,7 @@ impl Calendar {
         self.scale
     }
 
-    /// The instant at which a day begins.
+    /// The instant at which a day starts.
     fn midnight(&mut self, day: i64) -> Option<i128> {
         if let Some((_, at)) = self.last.filter(|(known, _)| *known == day) {
             return Some(at);
@@ -197,7 +198,7 @@ impl Calendar {
         Some(at)
     }
 
-    /// The instant of a count of seconds that gives every day 86,400 of them, from 1970 January 1.
+    /// The instant of a Unix time, in which every day has 86,400 s.
     pub(crate) fn unix(&mut self, atto: i128) -> Result<i128, InvalidNumber> {
         let day = atto.div_euclid(ATTO * i128::from(DAY));
         let rest = atto.rem_euclid(ATTO * i128::from(DAY));
@@ -208,7 +209,7 @@ impl Calendar {
         ))
     }
 
-    /// The instant of a text: date, `T` or blank, time of day, and a zone or none.
+    /// The instant of a text: date, `T` or blank, time of day, and optional zone.
     pub(crate) fn instant(&mut self, text: &[u8], ordinal: bool) -> Result<i128, InvalidNumber> {
         let mut rest = text;
         let year = digits(&mut rest, 4)?;
@@ -262,7 +263,7 @@ impl Calendar {
         let shifted = hour * 3600 + minute * 60 + second - 60 * zone_minutes;
         let (mut day, mut of_day) = (day + shifted.div_euclid(DAY), shifted.rem_euclid(DAY));
         if second == 60 {
-            // The leap second is the last one of a day in UTC.
+            // The leap second is the last second of a UTC day.
             (day, of_day) = (day - 1, of_day + DAY);
             let lasts = self.midnight(day).zip(self.midnight(day + 1));
             let leap = i128::from(DAY + 1) * ATTO;
@@ -278,7 +279,7 @@ impl Calendar {
     }
 }
 
-/// So many digits at the start of the text.
+/// Parses `n` digits at the start of the text.
 fn digits(text: &mut &[u8], n: usize) -> Result<i64, InvalidNumber> {
     let (head, rest) = text.split_at_checked(n).ok_or(NO_DATE)?;
     *text = rest;
@@ -294,7 +295,7 @@ fn one_of(text: &mut &[u8], separators: &[u8]) -> Result<(), InvalidNumber> {
     separators.contains(first).then_some(()).ok_or(NO_DATE)
 }
 
-/// Attoseconds after a point or comma; zero without.
+/// Attoseconds after a point or comma; zero if absent.
 fn fraction(text: &mut &[u8]) -> i128 {
     let Some((b'.' | b',', mut rest)) = text.split_first() else {
         return 0;
@@ -309,7 +310,7 @@ fn fraction(text: &mut &[u8]) -> i128 {
     sum
 }
 
-/// Minutes east of UTC: `Z`, nothing, `+01:00`, `+0100`, `+01`.
+/// Minutes east of UTC: `Z`, empty, `+01:00`, `+0100`, `+01`.
 fn zone(text: &[u8]) -> Result<i64, InvalidNumber> {
     let (sign, mut rest) = match text.split_first() {
         None | Some((b'Z' | b'z', [])) => return Ok(0),

@@ -1,8 +1,8 @@
 //! Channels of telemetry with unit, frame, sensor and time; read from CSV and Parquet.
 //!
-//! [`read`] makes a [`Table`] of the files of one segment: values in SI, times strictly increasing, a missing sample
-//! without entry. [`write()`] puts channels back. [`inspect`] says what a table holds and whether attitude and gyro
-//! fit the conventions that the names declare.
+//! [`read`] reads the files of one segment into a [`Table`]: values in SI, times strictly increasing, no entry for a
+//! missing sample. [`write()`] writes channels. [`inspect`] summarises a table and tests attitude and gyro against the
+//! declared conventions.
 
 mod assemble;
 mod bytes;

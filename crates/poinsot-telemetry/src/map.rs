@@ -1,23 +1,23 @@
-//! How the columns of exported files become channels: what a `[telemetry]` table says.
+//! The `[telemetry]` table: maps columns of exported files to channels.
 
 use crate::{Order, Scale, Sense};
 use std::path::Path;
 
-/// The map of all files of a run. Entries of [`Self::files`] are added to [`Self::all`] for the files whose names fit.
+/// The map of all files of a run. [`Self::files`] adds entries to [`Self::all`] for matching file names.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct TelemetryMap {
-    /// What holds for every file.
+    /// Map of every file.
     pub all: FileMap,
-    /// What holds for some files: a pattern of the file's name, in which `*` stands for any text, and the map.
+    /// Maps of some files: a pattern of the file name, in which `*` matches any text, and the map.
     pub files: Vec<(String, FileMap)>,
 }
 
-/// What one kind of file holds.
+/// Map of one kind of file.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct FileMap {
-    /// How the text is laid out.
+    /// Text layout.
     pub layout: Layout,
-    /// Column and meaning of the times; `None`: the column `time_s`, s.
+    /// Column and format of the times; `None`: the column `time_s`, s.
     pub time: Option<TimeMap>,
     /// Columns that are not standard names in SI.
     pub columns: Vec<ColumnMap>,
@@ -25,24 +25,24 @@ pub struct FileMap {
     pub attitude: Vec<AttitudeMap>,
     /// Position of the vehicle on its orbit.
     pub orbit: Option<OrbitMap>,
-    /// Rows are kept where each of these columns holds exactly this text.
+    /// Only rows in which each of these columns holds exactly this text are kept.
     pub row_filter: Vec<(String, String)>,
 }
 
-/// How the text of a CSV file is laid out; what is `None` is as usual.
+/// Text layout of a CSV file; `None` is the default.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Layout {
-    /// Character between fields; a comma.
+    /// Field separator; default: comma.
     pub delimiter: Option<u8>,
-    /// Lines that begin with this character are comments; no line is.
+    /// Lines that start with this character are comments; default: none.
     pub comment: Option<u8>,
-    /// Line of the header row, from 1; the lines before it are not read.
+    /// Line of the header row, from 1; earlier lines are skipped.
     pub header_row: Option<u64>,
-    /// Whether the row below the header names the units.
+    /// Whether the row below the header holds the units.
     pub units_row: Option<bool>,
 }
 
-/// A column that is not a standard name in SI, and the channel it holds: `sign * (scale * x + offset)` in its unit.
+/// A column that is not a standard name in SI, and its channel: `sign * (scale * x + offset)` in its unit.
 #[derive(Debug, Clone, PartialEq, Default)]
 #[allow(non_snake_case)]
 pub struct ColumnMap {
@@ -50,20 +50,20 @@ pub struct ColumnMap {
     pub channel: String,
     /// Column in the file.
     pub column: String,
-    /// Unit of that column as written, for example `deg/s`; `None`: that of the units row.
+    /// Unit of the column, for example `deg/s`; `None`: from the units row.
     pub unit: Option<String>,
     /// Factor of the values.
     pub scale: Option<f64>,
-    /// Added to the scaled values, in the unit of the column.
+    /// Offset of the scaled values, in the unit of the column.
     pub offset: Option<f64>,
     /// `1` or `-1`.
     pub sign: Option<f64>,
-    /// Values are counts (or counts per second), so many to one revolution; there is no unit then.
+    /// Values are counts (or counts per second), this many per revolution; no unit is given then.
     pub counts_per_revolution: Option<f64>,
-    /// The column is a flag, on or off; on stands for this force. With a unit of time the column says for how long the
-    /// thruster is on from the time of the row.
+    /// Force of a column that is an on/off flag. If the column's unit is a time, it is the firing duration from the
+    /// time of the row.
     pub nominal_N: Option<f64>,
-    /// The samples are those of the rows where each of these columns holds exactly this text; of all rows where there are none.
+    /// Only rows in which each of these columns holds exactly this text; empty for all rows.
     pub rows: Vec<(String, String)>,
 }
 
@@ -79,30 +79,30 @@ impl ColumnMap {
     }
 }
 
-/// What the times of a file are.
+/// Times of a file.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct TimeMap {
     /// Column of the time; of the seconds of the week for [`TimeFormat::GpsWeek`].
     pub column: String,
-    /// How it is written.
+    /// Format.
     pub format: TimeFormat,
     /// Column of the GPS week.
     pub week: Option<String>,
-    /// Unit of numbers; s without.
+    /// Unit of numbers; default: s.
     pub unit: Option<String>,
-    /// What numbers count from: `unix`, `gps`, or a date and time in [`Self::scale`]; `None`: unknown.
+    /// Epoch of numbers: `unix`, `gps`, or a date and time in [`Self::scale`]; `None`: unknown.
     pub epoch: Option<String>,
-    /// Time scale of dates; UTC without.
+    /// Time scale of dates; default: UTC.
     pub scale: Option<Scale>,
 }
 
-/// How times are written.
+/// Formats of times.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum TimeFormat {
     /// As numbers.
     #[default]
     Number,
-    /// `2026-03-14T18:19:00.25Z`: year, month, day; the zone may be missing.
+    /// `2026-03-14T18:19:00.25Z`: year, month, day; the zone is optional.
     Iso8601,
     /// `2026-073T18:19:00.25`: year and day of the year.
     DayOfYear,
@@ -110,36 +110,36 @@ pub enum TimeFormat {
     GpsWeek,
 }
 
-/// How an attitude is written.
+/// Form of an attitude.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AttitudeMap {
-    /// Sensor that measures it; empty where there is one.
+    /// Sensor; empty if there is only one.
     pub sensor: String,
     /// Form.
     pub form: AttitudeForm,
     /// Columns, in the order of the form.
     pub columns: Vec<String>,
-    /// What the rotation takes to what.
+    /// Direction of the rotation.
     pub sense: Sense,
-    /// Unit of Euler angles; `None`: that of the units row.
+    /// Unit of Euler angles; `None`: from the units row.
     pub unit: Option<String>,
 }
 
 /// Forms of an attitude.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AttitudeForm {
-    /// Four numbers of a Hamilton quaternion.
+    /// Hamilton quaternion.
     Quaternion(Order),
-    /// Nine numbers of a rotation matrix, row by row.
+    /// Rotation matrix, row by row.
     Matrix,
-    /// Three angles about these axes (0, 1, 2), each about the axis as the turns before it left it.
+    /// Intrinsic angles about these axes (0, 1, 2).
     Euler([usize; 3]),
     /// Modified Rodrigues parameters, `tan(angle / 4)` along the axis.
     Mrp,
 }
 
 impl AttitudeForm {
-    /// Columns that the form needs.
+    /// Number of columns of the form.
     pub fn width(self) -> usize {
         match self {
             Self::Quaternion(_) => 4,
@@ -149,23 +149,23 @@ impl AttitudeForm {
     }
 }
 
-/// Position of the vehicle from the centre of the attracting body.
+/// Position relative to the centre of the attracting body.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OrbitMap {
     /// Columns of x, y, z.
     pub position: [String; 3],
-    /// Unit; `None`: that of the units row.
+    /// Unit; `None`: from the units row.
     pub unit: Option<String>,
     /// Columns of the velocity in the same axes.
     pub velocity: Option<[String; 3]>,
-    /// Its unit; `None`: that of the units row.
+    /// Its unit; `None`: from the units row.
     pub velocity_unit: Option<String>,
-    /// Whether the axes turn with the Earth.
+    /// Whether the axes are Earth-fixed.
     pub earth_fixed: bool,
 }
 
 impl TelemetryMap {
-    /// Columns and a choice of rows for every file.
+    /// A map with columns and a row filter for every file.
     pub fn of(columns: Vec<ColumnMap>, row_filter: Vec<(String, String)>) -> Self {
         Self {
             all: FileMap {
@@ -177,7 +177,6 @@ impl TelemetryMap {
         }
     }
 
-    /// Everything that holds for one file.
     pub(crate) fn for_file(&self, path: &Path) -> FileMap {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let mut all = self.all.clone();
@@ -186,7 +185,7 @@ impl TelemetryMap {
         all
     }
 
-    /// The maps with a number for those of single files.
+    /// All maps, with an index for those of single files.
     pub(crate) fn maps(&self) -> impl Iterator<Item = (Option<usize>, &FileMap)> {
         let files = self.files.iter().enumerate();
         std::iter::once((None, &self.all)).chain(files.map(|(k, (_, map))| (Some(k), map)))
@@ -207,7 +206,7 @@ impl FileMap {
         self.row_filter.extend(more.row_filter.iter().cloned());
     }
 
-    /// The map in passes of which each reads a choice of rows: what holds for all rows first, then each choice with its columns.
+    /// Splits the map into passes with one row filter each: first the columns of all rows, then one pass per filter.
     pub(crate) fn passes(&self) -> Vec<Self> {
         let mut passes = vec![Self {
             columns: Vec::new(),
@@ -234,7 +233,7 @@ impl FileMap {
         passes
     }
 
-    /// Every column that the map names, with what it is for.
+    /// Every column named in the map, with its purpose.
     pub(crate) fn named(&self) -> Vec<(String, String)> {
         let own = self.columns.iter();
         let mut all: Vec<(String, String)> =
@@ -253,7 +252,7 @@ impl FileMap {
     }
 }
 
-/// Whether a name fits a pattern in which `*` stands for any text.
+/// Whether a name matches a pattern in which `*` matches any text.
 pub(crate) fn fits(pattern: &str, name: &str) -> bool {
     let mut parts = pattern.split('*');
     let first = parts.next().unwrap_or_default();

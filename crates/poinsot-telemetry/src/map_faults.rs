@@ -1,4 +1,4 @@
-//! What is wrong with a map by itself, before any file is read.
+//! Checks of a map before any file is read.
 
 use crate::clock::check_time;
 use crate::unit::{list, nearest_unit};
@@ -8,18 +8,18 @@ use crate::{
 };
 use std::collections::HashMap;
 
-/// A fault of a map, with the key that holds it.
+/// A fault of a map, with its key.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MapFault {
-    /// Code, of those of [`TelemetryError`].
+    /// Code of a [`TelemetryError`].
     pub code: &'static str,
-    /// The entry of [`TelemetryMap::files`]; `None` for what holds for every file.
+    /// Index in [`TelemetryMap::files`]; `None` for the map of every file.
     pub file: Option<usize>,
-    /// The keys below that entry that lead to the value.
+    /// Key path below that entry.
     pub keys: Vec<String>,
-    /// Position in a list of that value.
+    /// Index in a list.
     pub index: Option<usize>,
-    /// The channel that is mapped.
+    /// The mapped channel.
     pub channel: String,
     /// What is wrong.
     pub problem: String,
@@ -40,7 +40,7 @@ impl From<MapFault> for TelemetryError {
 /// Code, problem, remedy.
 type Wrong = (&'static str, String, String);
 
-/// Everything that is wrong with a map.
+/// All faults of a map.
 pub fn map_faults(map: &TelemetryMap) -> Vec<MapFault> {
     let mut faults = Vec::new();
     let all = &map.all;
@@ -94,11 +94,11 @@ pub fn map_faults(map: &TelemetryMap) -> Vec<MapFault> {
     faults
 }
 
-/// One column cannot hold two channels.
+/// Finds a column used for two channels.
 fn column_twice(map: &FileMap) -> Option<(Vec<String>, String, Wrong)> {
     let mut seen: HashMap<_, String> = HashMap::new();
     for (channel, column) in map.named() {
-        // Two channels may share a column where each has rows of its own.
+        // Two channels may share a column if each has its own row filter.
         let mut columns = map.columns.iter();
         let rows = columns.find(|c| c.channel == channel && c.column == column);
         let rows = rows.map(|c| c.rows.clone()).unwrap_or_default();
@@ -115,7 +115,7 @@ fn column_twice(map: &FileMap) -> Option<(Vec<String>, String, Wrong)> {
     None
 }
 
-/// The unit of this dimension.
+/// The unit, if it has this dimension.
 fn unit_of(text: &str, dimension: Dimension) -> Result<Unit, Wrong> {
     let remedy = format!("use one of: {}", list(dimension));
     match parse_unit(text) {
@@ -145,7 +145,8 @@ fn unit_of(text: &str, dimension: Dimension) -> Result<Unit, Wrong> {
     }
 }
 
-/// The standard name and unit of a map; else the key at fault and what is wrong. Without a unit it needs a units row.
+/// The standard name and unit of a column map; otherwise the faulty key and the fault. Without a unit it needs a units
+/// row.
 pub(crate) fn resolve(
     map: &ColumnMap,
     units_row: bool,

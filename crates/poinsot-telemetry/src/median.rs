@@ -10,7 +10,7 @@ pub fn median_step(time_s: &[f64]) -> Option<f64> {
     median(&mut steps)
 }
 
-/// Median (upper of the two middle values); reorders the slice. `None` where it is empty.
+/// Median (upper of the two middle values); reorders the slice. `None` if empty.
 pub(crate) fn median(values: &mut [f64]) -> Option<f64> {
     if values.is_empty() {
         return None;

@@ -1,4 +1,4 @@
-//! Columns that are in memory already: they take the way of a file, with its names, units, checks and limits.
+//! Columns in memory, treated as a file: names, units, checks and limits.
 
 use crate::bytes::{Opened, hex};
 use crate::columns::Columns;
@@ -16,14 +16,14 @@ use std::sync::Arc;
 /// Values of one column, one per row.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Values {
-    /// Numbers in the unit of the column; NaN where there is no sample.
+    /// Numbers in the unit of the column; NaN for no sample.
     Numbers(Vec<f64>),
-    /// Times as whole nanoseconds, which a double cannot hold.
+    /// Times in nanoseconds, which a double cannot represent.
     Nanoseconds(Vec<i64>),
 }
 
 impl Values {
-    /// How many there are.
+    /// Number of values.
     pub fn len(&self) -> usize {
         match self {
             Self::Numbers(values) => values.len(),
@@ -31,12 +31,11 @@ impl Values {
         }
     }
 
-    /// Whether there are none.
+    /// Whether there are no values.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// The value of a row as a file would write it.
     fn text(&self, row: usize) -> String {
         match self {
             Self::Numbers(values) => match values.get(row) {
@@ -52,16 +51,16 @@ impl Values {
     }
 }
 
-/// Columns with their names, as a file with one header row would hold them.
+/// Named columns, equivalent to a file with one header row.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct MemoryColumns {
-    /// What messages call them, for example `<arrays>`.
+    /// Name in messages, for example `<arrays>`.
     pub name: String,
     /// Name and values of each column.
     pub columns: Vec<(String, Values)>,
 }
 
-/// A stream that was taken in whole.
+/// A stream copied to a file.
 #[derive(Debug)]
 pub struct Spooled {
     name: PathBuf,
@@ -74,14 +73,14 @@ impl Spooled {
     }
 }
 
-/// One source of the telemetry of a segment.
+/// One telemetry source of a segment.
 #[derive(Debug, Clone)]
 pub enum Part {
     /// A file.
     File(PathBuf),
     /// Columns in memory.
     Memory(Arc<MemoryColumns>),
-    /// Bytes of a file that is not on the disk, or a stream.
+    /// Content of a file in memory, or a stream.
     Stream(Arc<Spooled>),
 }
 
@@ -97,7 +96,8 @@ impl PartialEq for Part {
 }
 
 impl Part {
-    /// A stream of CSV, packed or not, or of Parquet, read to its end; messages call it `name`, by which a map chooses.
+    /// Reads a stream of CSV (compressed or not) or Parquet to its end. `name` is used in messages and for file
+    /// patterns of a map.
     ///
     /// # Errors
     /// The stream cannot be read, or the disk is full.
@@ -108,7 +108,7 @@ impl Part {
         })))
     }
 
-    /// The same of bytes.
+    /// Reads bytes as [`Self::stream`] does.
     ///
     /// # Errors
     /// The disk is full.
@@ -116,7 +116,7 @@ impl Part {
         Self::stream(name, &mut bytes)
     }
 
-    /// The path, or the name in messages.
+    /// Path, or name in messages.
     pub fn path(&self) -> &Path {
         match self {
             Self::File(path) => path,
@@ -126,10 +126,10 @@ impl Part {
     }
 }
 
-/// Takes the planned columns.
+/// Reads the planned columns.
 ///
 /// # Errors
-/// A column is longer or shorter than the first, a time is no time, or there is more than fits.
+/// A column differs in length from the first, a time is invalid, or the memory limit is exceeded.
 pub(crate) fn read(
     memory: &MemoryColumns,
     options: &ReadOptions,
@@ -172,7 +172,7 @@ pub(crate) fn read(
     Ok((plan, columns, sha256_of_columns(memory)))
 }
 
-/// Rows of all columns.
+/// Number of rows, equal for all columns.
 fn check_lengths(path: &Path, memory: &MemoryColumns) -> Result<usize, TelemetryError> {
     let rows = memory.columns.first().map_or(0, |c| c.1.len());
     let first = memory.columns.first().map_or("", |c| c.0.as_str());
@@ -188,7 +188,7 @@ fn check_lengths(path: &Path, memory: &MemoryColumns) -> Result<usize, Telemetry
     }
 }
 
-/// Times of the rows that are chosen, and which rows those are.
+/// Times and indices of the selected rows.
 fn take_times(
     path: &Path,
     memory: &MemoryColumns,
@@ -244,7 +244,7 @@ fn take_times(
     Ok(kept)
 }
 
-/// SHA-256 of columns in memory: of every name and its values, little-endian.
+/// SHA-256 of all column names and values, little-endian.
 fn sha256_of_columns(memory: &MemoryColumns) -> String {
     let mut hash = Sha256::new();
     for (name, values) in &memory.columns {

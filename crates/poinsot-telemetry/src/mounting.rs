@@ -1,4 +1,4 @@
-//! Columns in a sensor's own axes become channels in the axes of its body.
+//! Rotates columns from sensor axes to body axes.
 #![allow(non_snake_case)]
 
 use crate::{Channel, Table};
@@ -6,21 +6,21 @@ use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// How a sensor stands on its body.
+/// Mounting of a sensor on its body.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mounting {
     /// Name of the sensor, as before the point in `imu2.omega_x`.
     pub sensor: String,
-    /// Whether columns without the name of a sensor are its own too.
+    /// Whether columns without a sensor name belong to it too.
     pub unnamed: bool,
-    /// What its columns are called before the axis: `omega`, `domega`, `acc`, or `q` for an attitude.
+    /// Column prefix: `omega`, `domega`, `acc`, or `q` for an attitude.
     pub prefix: &'static str,
-    /// Rotation that takes components in the sensor's axes to components in the body's, by rows.
+    /// Rotation from sensor axes to body axes, by rows.
     pub R_BS: [[f64; 3]; 3],
 }
 
 impl Mounting {
-    /// The way back, from body axes to the sensor's.
+    /// The inverse rotation, from body axes to sensor axes.
     #[must_use]
     pub fn inverse(&self) -> Self {
         let [[a, b, c], [d, e, f], [g, h, i]] = self.R_BS;
@@ -41,7 +41,7 @@ impl Mounting {
     }
 }
 
-/// Turns the channels of mounted sensors. A sample of a vector with a component missing is left out.
+/// Rotates the channels of mounted sensors. A vector sample with a missing component is dropped.
 pub fn mount(table: &mut Table, mountings: &[Mounting]) {
     for mounting in mountings {
         let axes: &[&str] = match mounting.prefix {
@@ -101,10 +101,10 @@ fn turn(channels: &mut [Channel], places: &[usize], mounting: &Mounting) {
     }
 }
 
-/// Times, and at each of them one value per channel.
+/// Times, and one value per channel at each.
 type Rows = (Arc<[f64]>, Vec<Vec<f64>>);
 
-/// The times at which every channel has a sample, and the samples.
+/// Times at which every channel has a sample, with the samples.
 fn complete_rows(channels: &[Channel], places: &[usize]) -> Option<Rows> {
     let all: Option<Vec<&Channel>> = places.iter().map(|k| channels.get(*k)).collect();
     let all = all?;

@@ -1,52 +1,51 @@
-//! How noisy a channel is, seen from its own samples.
+//! Estimates the noise of a channel from its samples.
 
 use crate::Channel;
 use crate::median::{median, median_step};
 use serde::Serialize;
 
-/// Order of the first differences that are looked at: they remove a parabola.
+/// First order of differences; it removes a parabola.
 const FIRST_ORDER: usize = 3;
-/// Order of the last: of a wave of 8 samples they leave 1e-4, and an outlier spoils 13 of them.
+/// Last order: a wave of 8 samples is reduced to 1e-4, and an outlier affects 13 differences.
 const LAST_ORDER: usize = 12;
-/// Steps of samples in a row differ by less than this share.
+/// Relative tolerance of equal sampling steps.
 const EVEN: f64 = 0.1;
 /// Median of the magnitude of a normal number over its sigma.
 const MEDIAN_OF_NORMAL: f64 = 0.6745;
-/// Efficiency of the median of magnitudes against the mean square, for normal numbers (Huber 1981, sec. 5.1).
+/// Efficiency of the median of magnitudes relative to the mean square, for normal numbers (Huber 1981, sec. 5.1).
 const MEDIAN_EFFICIENCY: f64 = 0.37;
-/// Units in the last place of the largest value below which a difference is a zero that was rounded.
+/// Differences below this multiple of the largest value are round-off.
 const ROUND_OFF: f64 = 16.0 * f64::EPSILON;
 
-/// The white noise seen in a channel.
+/// White noise of a channel.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct NoiseLevel {
     /// One sigma per sample in the channel's unit; zero for a constant channel.
     pub sigma: f64,
-    /// One sigma of `sigma` by chance, relative to it.
+    /// Standard error of `sigma`, relative.
     pub relative_error: f64,
-    /// Whether motion may still be part of it: the estimate falls up to the last order that there is.
+    /// Whether the estimate may include motion: it still decreases at the last order.
     pub upper_bound: bool,
-    /// Order of the differences that it comes from.
+    /// Order of the differences used.
     pub order: usize,
-    /// Differences it rests on.
+    /// Number of differences used.
     pub differences: usize,
     /// Whether all samples are equal.
     pub constant: bool,
-    /// Step between neighbouring values where all values are multiples of one step: the least significant bit,
-    /// or the last digit written.
+    /// Step of which all values are multiples: the least significant bit, or the last digit written.
     pub quantum: Option<f64>,
-    /// Whether more than half of the third differences vanish: the noise lies below the quantum. `sigma` is then
-    /// that of the quantisation, quantum over the root of 12, or zero where the channel only switches levels.
+    /// Whether more than half of the third differences vanish: the noise is below the quantum. `sigma` is then quantum
+    /// / sqrt(12), or zero if the channel only switches levels.
     pub below_quantum: bool,
 }
 
 /// Estimates white noise from differences of the samples.
 ///
-/// The variance of the differences of order `d` of white noise is `C(2d, d) sigma^2`. Motion of angular frequency `w` leaves
-/// about `sin^d(w h / 2)` of its amplitude in them, `h` the step: the estimate falls with the order until noise alone is
-/// left. So the order rises from 3 to 12 for as long as the estimate falls by more than its own scatter. The median of the
-/// magnitudes over 0.6745 is their sigma whatever a few outliers do. Samples in a row with steps within a tenth of each
-/// other are used. `None` where there are no four of them.
+/// The variance of the differences of order `d` of white noise is `C(2d, d) sigma^2`. Motion of angular frequency `w`
+/// is reduced to about `sin^d(w h / 2)` of its amplitude, where `h` is the step. The order is raised from 3 to 12
+/// while the estimate decreases by more than its standard error. Sigma is the median magnitude over 0.6745, which is
+/// robust against outliers. Only consecutive samples whose steps differ by less than 10 % are used; `None` if there
+/// are not four.
 pub fn noise_level(channel: &Channel) -> Option<NoiseLevel> {
     let step = median_step(&channel.time_s)?;
     let mut differences = Differences::new(channel, step);
@@ -90,10 +89,10 @@ pub fn noise_level(channel: &Channel) -> Option<NoiseLevel> {
     Some(level)
 }
 
-/// Differences of a channel of one order after the other.
+/// Differences of a channel, order by order.
 struct Differences {
     order: usize,
-    /// Each with whether all its samples lie in a row.
+    /// Differences, each with a flag for equal steps.
     values: Vec<(f64, bool)>,
 }
 
@@ -118,7 +117,7 @@ impl Differences {
         self.values = next.collect();
     }
 
-    /// Median magnitude, and of how many.
+    /// Median magnitude, and the number of differences.
     fn middle(&self) -> Option<(f64, usize)> {
         let whole = self.values.iter().filter(|v| v.1);
         let mut magnitudes: Vec<f64> = whole.map(|v| v.0.abs()).collect();
@@ -127,7 +126,7 @@ impl Differences {
     }
 }
 
-/// `C(2n, n)`: the sum of the squares of the binomial coefficients of order n.
+/// `C(2n, n)`, the sum of squares of the binomial coefficients of order n.
 fn central_binomial(n: usize) -> f64 {
     (1..=n).map(|k| (n + k) as f64 / k as f64).product()
 }
@@ -148,7 +147,7 @@ pub(crate) fn is_constant(values: &[f64]) -> bool {
         .is_none_or(|first| values.iter().all(|x| x == first))
 }
 
-/// The step of which all differences between values are multiples, if there is one.
+/// The common step of all values, if any.
 pub(crate) fn quantum(values: &[f64]) -> Option<f64> {
     let mut sorted = values.to_vec();
     sorted.sort_unstable_by(f64::total_cmp);
@@ -161,7 +160,7 @@ pub(crate) fn quantum(values: &[f64]) -> Option<f64> {
         .filter(|d| *d > round_off)
         .collect();
     let smallest = steps.iter().copied().min_by(f64::total_cmp)?;
-    // Two or three values always share a step; more are needed to call it one.
+    // Two or three values always have a common step.
     if steps.len() < 8 || smallest < 1e3 * round_off {
         return None;
     }

@@ -1,22 +1,22 @@
-//! One cell of text to one number, and what people write that is none.
+//! Parses one cell of text to a number; errors name common mistakes.
 
-/// What a cell holds.
+/// Content of a cell.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Cell {
     /// A finite number.
     Number(f64),
-    /// Nothing: no sample.
+    /// No sample.
     Empty,
-    /// The text NaN: no sample, but someone wrote it.
+    /// The text NaN: no sample.
     NotANumber,
 }
 
-/// Why a cell is no number, and how to write what was meant; `None` if that is unknown.
+/// Why a cell is not a number, and the remedy if known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct InvalidNumber(pub &'static str, pub Option<&'static str>);
 
 impl InvalidNumber {
-    /// To follow the value in an error line. A row without time means nothing, so a time cannot be left empty.
+    /// Text after the value in an error line. A time must not be empty, so other advice is given.
     pub(crate) fn text(self, is_time: bool) -> String {
         let Self(what, remedy) = self;
         let remedy = remedy.unwrap_or(match is_time {
@@ -30,7 +30,7 @@ impl InvalidNumber {
 /// Reads a cell. A finite text that overflows is an error, not infinity.
 ///
 /// # Errors
-/// What is wrong and what to do.
+/// The fault and its remedy.
 pub(crate) fn parse(cell: &[u8]) -> Result<Cell, InvalidNumber> {
     let cell = cell.trim_ascii();
     if cell.is_empty() {
@@ -51,7 +51,7 @@ pub(crate) fn parse(cell: &[u8]) -> Result<Cell, InvalidNumber> {
     }
 }
 
-/// A decimal number in units of 1e-18, cut there; `None` where it is none or does not fit.
+/// A decimal number in units of 1e-18, truncated; `None` if invalid or out of range.
 pub(crate) fn decimal(cell: &[u8]) -> Option<i128> {
     let text = std::str::from_utf8(cell).ok()?;
     let (mantissa, exponent) = match text.split_once(['e', 'E']) {
@@ -62,7 +62,7 @@ pub(crate) fn decimal(cell: &[u8]) -> Option<i128> {
     let digits = mantissa.trim_start_matches(['+', '-']);
     let (whole, fraction) = digits.split_once('.').unwrap_or((digits, ""));
     let (mut sum, mut count) = (0_i128, 0);
-    // Places after the point that are kept, down to 1e-18.
+    // Decimal places kept, down to 1e-18.
     let places = (18 + exponent).clamp(-40, 60);
     for byte in whole.bytes().chain(fraction.bytes()) {
         if !byte.is_ascii_digit() {
@@ -81,7 +81,6 @@ pub(crate) fn decimal(cell: &[u8]) -> Option<i128> {
     Some(if negative { -scaled } else { scaled })
 }
 
-/// A flag: whether it is on.
 pub(crate) fn flag(cell: &[u8]) -> Result<Option<bool>, InvalidNumber> {
     const WORDS: [(&str, bool); 10] = [
         ("1", true),

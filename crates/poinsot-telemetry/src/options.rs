@@ -1,47 +1,49 @@
-//! What is asked of telemetry files.
+//! Options of reading telemetry.
 
 use crate::{Mounting, Origin, TelemetryMap};
 use std::collections::BTreeSet;
 
-/// What is asked of the files of one segment.
+/// Options for the files of one segment.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ReadOptions {
-    /// What the files hold where it is not standard names in SI.
+    /// Map of columns that are not standard names in SI.
     pub map: TelemetryMap,
-    /// What the times count from; `None`: the first row read decides, see [`Table::origin`](crate::Table::origin).
+    /// Origin of the times; `None`: set by the first row, see [`Table::origin`](crate::Table::origin).
     pub origin: Option<Origin>,
-    /// Channels asked for: `omega_x` (of any sensor) or `imu2.omega_x`. `None` takes every column with a
-    /// standard name. Mapped columns count as asked for. All others are not parsed and listed in [`Table::ignored`](crate::Table::ignored).
+    /// Requested channels: `omega_x` (of any sensor) or `imu2.omega_x`. `None` takes every column with a standard
+    /// name. Mapped columns count as requested. Others are not parsed, and are listed in
+    /// [`Table::ignored`](crate::Table::ignored).
     pub wanted: Option<BTreeSet<String>>,
-    /// No repairs: what would be repaired is an error.
+    /// Treat every repair as an error.
     pub strict: bool,
-    /// Keep the whole rows of a file that ends inside a row.
+    /// Keep the complete rows of a file that ends inside a row.
     pub recover: bool,
     /// Encoding of CSV text.
     pub encoding: Encoding,
-    /// Rows with times outside of this are not kept, s.
+    /// Keep rows with times in this range, s.
     pub time_s: Option<[f64; 2]>,
-    /// Of the rows kept only each n-th; 0 and 1 keep all.
+    /// Keep every n-th of these rows; 0 and 1 keep all.
     pub every: usize,
-    /// Most memory for the samples of one file, MiB; 0 stands for [`MEMORY_MIB`].
+    /// Memory limit for the samples of one file, MiB; 0 means [`MEMORY_MIB`].
     pub memory_mib: usize,
-    /// Sensors whose columns are in axes of their own; the table is in those of their bodies.
+    /// Sensors whose columns are in sensor axes; the table is in body axes.
     pub mountings: Vec<Mounting>,
-    /// Refuse a table whose attitude and gyro contradict the declared conventions ([`check_conventions`](crate::check_conventions)).
+    /// Return an error if attitude and gyro contradict the declared conventions
+    /// ([`check_conventions`](crate::check_conventions)).
     pub check_conventions: bool,
-    /// Refuse a file that holds several runs, far apart: each is a segment of its own.
+    /// Return an error if a file holds several runs far apart: each must be its own segment.
     pub one_run: bool,
 }
 
-/// Usual limit of the memory for the samples of one file, MiB.
+/// Default memory limit for the samples of one file, MiB.
 pub const MEMORY_MIB: usize = 256;
 
-/// How the bytes of a CSV file are text.
+/// Encoding of a CSV file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Encoding {
     /// UTF-8, with or without byte order mark.
     #[default]
     Utf8,
-    /// ISO 8859-1, where each byte is one character.
+    /// ISO 8859-1: one byte per character.
     Latin1,
 }

@@ -1,4 +1,4 @@
-//! Files that are packed by gzip or Zstandard, and standard input.
+//! Files compressed with gzip or Zstandard, and standard input.
 
 use crate::TelemetryError;
 use crate::error::Place;
@@ -6,7 +6,7 @@ use std::fs::File;
 use std::io::{self, Read, Seek};
 use std::path::Path;
 
-/// How the bytes of a file are packed.
+/// Compression of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Packing {
     None,
@@ -15,7 +15,7 @@ pub(crate) enum Packing {
 }
 
 impl Packing {
-    /// By the first bytes; the file is left at its start.
+    /// Detects the compression from the first bytes, and rewinds the file.
     pub(crate) fn of(file: &mut File) -> io::Result<Self> {
         let mut first = Vec::new();
         file.by_ref().take(4).read_to_end(&mut first)?;
@@ -27,7 +27,7 @@ impl Packing {
         })
     }
 
-    /// What the file holds, unpacked as it is read.
+    /// Reader of the decompressed bytes.
     pub(crate) fn reader(self, mut file: File) -> io::Result<Box<dyn Read>> {
         file.rewind()?;
         Ok(match self {
@@ -45,7 +45,7 @@ impl Packing {
     }
 }
 
-/// The name without the ending of a packed file.
+/// The name without the suffix of the compression.
 pub(crate) fn unpacked_name(path: &Path) -> &Path {
     let ending = path
         .extension()
@@ -57,7 +57,7 @@ pub(crate) fn unpacked_name(path: &Path) -> &Path {
     }
 }
 
-/// A fault of the packed data, not of the disk.
+/// Converts a read error: damaged data give a format error, others an I/O error.
 pub(crate) fn damaged(path: &Path, source: io::Error) -> TelemetryError {
     use io::ErrorKind as Kind;
     match source.kind() {
@@ -75,7 +75,6 @@ pub(crate) fn damaged(path: &Path, source: io::Error) -> TelemetryError {
     }
 }
 
-/// Whether a path stands for standard input.
 pub(crate) fn is_standard_input(path: &Path) -> bool {
     path.as_os_str() == "-"
 }

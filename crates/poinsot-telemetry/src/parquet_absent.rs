@@ -1,4 +1,4 @@
-//! Parquet in a build without the feature `parquet`: refused.
+//! Parquet functions of a build without the feature `parquet`: they return an error.
 
 use crate::bytes::Opened;
 use crate::columns::Columns;
@@ -9,10 +9,10 @@ use crate::{Channel, ReadOptions, TelemetryError};
 use std::fs::File;
 use std::path::Path;
 
-/// Why.
+/// Error text.
 const ABSENT: &str = "this program was built without Parquet (feature `parquet`)";
 
-/// Refuses the file.
+/// Returns the error.
 pub(crate) fn read(
     path: &Path,
     _: &Opened,
@@ -26,7 +26,7 @@ pub(crate) fn read(
     })
 }
 
-/// Refuses to write.
+/// Returns the error.
 pub(crate) fn write_parquet(_: &mut File, _: &[f64], _: &[Channel]) -> Result<(), String> {
     Err(ABSENT.to_owned())
 }

@@ -1,4 +1,4 @@
-//! The bytes of a Parquet file for its decoder, which goes on asking at the end of the file.
+//! Byte source of a Parquet file; the decoder can read repeatedly at its end.
 
 use bytes::Bytes;
 use parquet::errors::Result;
@@ -6,11 +6,11 @@ use parquet::file::reader::{ChunkReader, Length};
 use std::fs::File;
 use std::io::{self, BufReader, Read};
 
-/// Reads at the end of the file that are answered by "nothing"; the next is an error.
+/// Allowed empty reads at the end of the file before an error is returned.
 const PATIENCE: u32 = 16;
 
-/// A file whose end is an error for those who do not heed it: the decoder skips a list of two thousand million
-/// elements in a damaged page header one by one, each of them a read of nothing.
+/// A file that returns an error after repeated reads at its end. Without it, a damaged page header with a list of 2e9
+/// elements makes the decoder skip them one by one.
 pub(crate) struct ParquetBytes(pub File);
 
 impl Length for ParquetBytes {
@@ -34,7 +34,7 @@ impl ChunkReader for ParquetBytes {
     }
 }
 
-/// Counts the reads that give nothing.
+/// Counts empty reads.
 pub(crate) struct UntilEnd<R> {
     inner: R,
     nothing: u32,

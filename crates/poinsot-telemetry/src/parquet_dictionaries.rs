@@ -1,4 +1,4 @@
-//! Dictionaries of a Parquet file against their bytes, before the decoder makes room for what their headers declare.
+//! Checks the declared sizes of Parquet dictionaries before the decoder allocates memory for them.
 
 use crate::parquet_bytes::ParquetBytes;
 use parquet::arrow::ProjectionMask;
@@ -10,11 +10,11 @@ use parquet::file::serialized_reader::SerializedPageReader;
 use std::fs::File;
 use std::sync::Arc;
 
-/// What is wrong with the first dictionary, among the columns chosen, that declares more values than its bytes can hold.
-/// Other pages are passed over by their headers.
+/// Describes the first dictionary in the selected columns that declares more values than its bytes can hold. Other
+/// pages are skipped by their headers.
 ///
 /// # Errors
-/// A page header cannot be read, or a dictionary not be unpacked.
+/// A page header cannot be read, or a dictionary cannot be decompressed.
 pub(crate) fn excess(
     file: File,
     metadata: &ParquetMetaData,
@@ -55,7 +55,7 @@ fn more(page: &Page, column: &ColumnChunkMetaData) -> Option<String> {
     })
 }
 
-/// Bytes of one value, at least.
+/// Least size of one value, bytes.
 fn width(column: &ColumnChunkMetaData) -> usize {
     match column.column_type() {
         Type::INT64 | Type::DOUBLE => 8,

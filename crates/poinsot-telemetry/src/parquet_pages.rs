@@ -1,7 +1,8 @@
-//! Checksums of Parquet pages (CRC-32 of the bytes as stored, field `crc` of the page header) and where they fail.
+//! Checksums of Parquet pages (CRC-32 of the bytes as stored, field `crc` of the page header) and the place of the
+//! first mismatch.
 //!
-//! The decoder neither says which pages have one nor which rows a bad page holds, so the page headers are read here:
-//! the format's `parquet.thrift` in Thrift's compact protocol.
+//! The decoder reports neither the pages with a checksum nor the rows of a bad page. The page headers are therefore
+//! parsed here (`parquet.thrift`, Thrift compact protocol).
 
 use crc32fast::Hasher;
 use parquet::arrow::ProjectionMask;
@@ -12,15 +13,15 @@ use std::io::{self, BufReader, Read, Seek, SeekFrom, Take};
 /// Deepest nesting in a page header; the format has 3.
 const DEPTH: usize = 8;
 
-/// Bytes hashed at a time.
+/// Bytes hashed per read.
 const CHUNK: usize = 1 << 16;
 
-/// What the pages of the chosen columns hold.
+/// Checksums of the selected columns.
 #[derive(Debug, Default)]
 pub(crate) struct Checksums {
-    /// Pages.
+    /// Number of pages.
     pub pages: usize,
-    /// Those with a checksum that was compared.
+    /// Number of pages with a checksum.
     pub compared: usize,
     /// The bad page with the earliest row.
     pub bad: Option<BadPage>,
@@ -29,17 +30,17 @@ pub(crate) struct Checksums {
 /// A page whose bytes do not match its checksum.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) struct BadPage {
-    /// First row that needs it, from zero.
+    /// First affected row, from zero.
     pub row: u64,
-    /// Its column.
+    /// Column.
     pub column: String,
 }
 
-/// Compares the checksums of all pages of the chosen columns. A header that cannot be read ends its column chunk: the
-/// decoder says what is wrong with it.
+/// Compares the checksums of all pages of the selected columns. A header that cannot be parsed ends its column chunk;
+/// the decoder reports the fault.
 ///
 /// # Errors
-/// The disk refuses.
+/// Reading fails.
 pub(crate) fn compare(
     mut file: File,
     metadata: &ParquetMetaData,
@@ -66,7 +67,7 @@ pub(crate) fn compare(
     Ok(found)
 }
 
-/// Compares the pages of a column chunk; the rows before the first bad one, if there is one.
+/// Compares the pages of a column chunk; returns the rows before the first bad page.
 fn compare_chunk(pages: &mut Pages, found: &mut Checksums) -> io::Result<Option<u64>> {
     let mut rows = 0;
     while pages.limit() > 0 {
@@ -90,7 +91,7 @@ fn compare_chunk(pages: &mut Pages, found: &mut Checksums) -> io::Result<Option<
 
 type Pages = Take<BufReader<File>>;
 
-/// CRC-32 of the next bytes; `None` where there are fewer.
+/// CRC-32 of the next bytes; `None` if there are fewer.
 fn hash(pages: &mut Pages, size: u64) -> io::Result<Option<u32>> {
     let mut hasher = Hasher::new();
     let mut buffer = vec![0; CHUNK];
@@ -107,18 +108,18 @@ fn hash(pages: &mut Pages, size: u64) -> io::Result<Option<u32>> {
     Ok(Some(hasher.finalize()))
 }
 
-/// What is needed of a page header.
+/// Required fields of a page header.
 #[derive(Default)]
 struct Header {
-    /// Bytes of the page as stored.
+    /// Stored size of the page, bytes.
     size: u64,
     crc: Option<u32>,
-    /// Rows of a flat column's data page; zero of a dictionary.
+    /// Rows of a data page of a flat column; zero for a dictionary.
     rows: u64,
 }
 
 impl Header {
-    /// `None` where the bytes are no page header.
+    /// `None` if the bytes are not a page header.
     fn read(pages: &mut Pages) -> io::Result<Option<Self>> {
         let mut header = Self::default();
         let read = fields(pages, |pages, id, kind| {
@@ -126,9 +127,9 @@ impl Header {
                 (3, I32) => {
                     header.size = u64::try_from(zigzag(pages)?).map_err(|_| HeaderError::No)?
                 }
-                // Stored as a signed number.
+                // The CRC is stored as a signed number.
                 (4, I32) => header.crc = Some(zigzag(pages)? as u32),
-                // Headers of data pages, version 1 and 2: the first field is the number of values.
+                // Headers of data pages, versions 1 and 2: the first field is the number of values.
                 (5 | 8, STRUCT) => fields(pages, |pages, id, kind| match (id, kind) {
                     (1, I32) => {
                         header.rows = u64::try_from(zigzag(pages)?).map_err(|_| HeaderError::No)?;
@@ -148,19 +149,19 @@ impl Header {
     }
 }
 
-/// Kinds of values of the compact protocol.
+/// Type codes of the compact protocol.
 const I32: u8 = 5;
 const STRUCT: u8 = 12;
 
-/// Why a header is not read.
+/// Why a header cannot be read.
 enum HeaderError {
-    /// The bytes are none.
+    /// Invalid bytes.
     No,
-    /// The disk refuses.
+    /// Reading failed.
     Disk(io::Error),
 }
 
-/// Reads the fields of a struct: `each` gets number and kind of a field and takes its value.
+/// Parses the fields of a struct; `each` receives id and type of a field and consumes its value.
 fn fields(
     pages: &mut Pages,
     mut each: impl FnMut(&mut Pages, i64, u8) -> Result<(), HeaderError>,
@@ -179,8 +180,8 @@ fn fields(
     }
 }
 
-/// Passes over a value. Every value but a flag, which stands in its field's head, takes at least a byte, so that the
-/// bytes of the chunk bound the work.
+/// Skips a value. Every value takes at least one byte, except a flag in a field header, so the size of the chunk
+/// bounds the work.
 fn skip(pages: &mut Pages, kind: u8, depth: usize) -> Result<(), HeaderError> {
     let depth = depth.checked_sub(1).ok_or(HeaderError::No)?;
     match kind {
@@ -220,7 +221,7 @@ fn skip(pages: &mut Pages, kind: u8, depth: usize) -> Result<(), HeaderError> {
     Ok(())
 }
 
-/// The same inside of a list, where a flag takes a byte.
+/// Skips an element of a list, where a flag takes one byte.
 fn skip_element(pages: &mut Pages, kind: u8, depth: usize) -> Result<(), HeaderError> {
     skip(pages, if kind <= 2 { 3 } else { kind }, depth)
 }
@@ -282,7 +283,7 @@ mod tests {
         file
     }
 
-    /// First byte and length of each page, with column and first row.
+    /// Offset and length of each page, with column and first row.
     fn pages(bytes: &[u8], metadata: &ParquetMetaData) -> Vec<(usize, usize, String, u64)> {
         let mut all = Vec::new();
         let mut first = 0;

@@ -1,6 +1,6 @@
-//! Parquet with the same names as CSV.
+//! Reads Parquet files with the same column names as CSV.
 //!
-//! The decoder is third-party code that panics on some damaged files: a panic becomes an error here.
+//! The third-party decoder panics on some damaged files; panics become errors here.
 
 use crate::bytes::{Opened, check_unchanged, sha256_of};
 use crate::clock::Clock;
@@ -77,7 +77,7 @@ fn decode(
         source,
     };
     let mut whole = file.try_clone().map_err(io)?;
-    // Without the embedded Arrow schema, strings and dictionaries of strings arrive as one plain type.
+    // Without the embedded Arrow schema, strings and dictionaries of strings have one plain type.
     let plain = ArrowReaderOptions::new().with_skip_arrow_metadata(true);
     let builder = ParquetRecordBatchReaderBuilder::try_new_with_options(ParquetBytes(file), plain)
         .map_err(|e| refused(path, e))?;
@@ -147,7 +147,7 @@ fn decode(
     Ok((plan, columns, sha256))
 }
 
-/// Rows before the first page whose checksum fails: all, unless `recover` allows fewer.
+/// Rows before the first page with a wrong checksum; an error without `recover`.
 fn sound_rows(
     path: &Path,
     sums: &Checksums,
@@ -185,7 +185,7 @@ fn sound_rows(
     Ok(declared)
 }
 
-/// Rows declared by the footer, after its sizes were compared with the file's.
+/// Rows declared in the footer, after its sizes were compared with the file's.
 fn plausible_rows(
     path: &Path,
     metadata: &ParquetMetaData,
@@ -308,7 +308,7 @@ fn unsupported(path: &Path, name: &str, array: &dyn Array) -> TelemetryError {
     }
 }
 
-/// A numeric column as cells; `None` where the type is not a number.
+/// A numeric column as cells; `None` for other types.
 fn numbers(array: &dyn Array) -> Option<Vec<Cell>> {
     match array.data_type() {
         DataType::Float64 => primitive::<Float64Type>(array, |x| x),
@@ -345,7 +345,7 @@ fn primitive<T: ArrowPrimitiveType>(
     Some(array.as_primitive_opt::<T>()?.iter().map(cell).collect())
 }
 
-/// Counts of a column of timestamps, and how many make a second.
+/// Counts of a timestamp column, and the counts per second.
 fn timestamps(array: &dyn Array, unit: TimeUnit) -> Option<(Vec<Option<i64>>, i64)> {
     fn counts<T: ArrowPrimitiveType<Native = i64>>(array: &dyn Array) -> Option<Vec<Option<i64>>> {
         Some(array.as_primitive_opt::<T>()?.iter().collect())
@@ -358,7 +358,7 @@ fn timestamps(array: &dyn Array, unit: TimeUnit) -> Option<(Vec<Option<i64>>, i6
     })
 }
 
-/// A count of parts of a second as decimal seconds, without loss.
+/// A count of fractional seconds as an exact decimal.
 fn decimal_seconds(count: i64, per_second: i64) -> String {
     let sign = if count < 0 { "-" } else { "" };
     let (count, per_second) = (count.unsigned_abs(), per_second.unsigned_abs());
@@ -370,7 +370,7 @@ fn decimal_seconds(count: i64, per_second: i64) -> String {
     }
 }
 
-/// A filter column as texts: strings as they are, numbers as they print, instants as seconds since 1970.
+/// A filter column as texts: strings unchanged, numbers formatted, timestamps as seconds since 1970.
 fn texts(array: &dyn Array) -> Option<Vec<Option<String>>> {
     let owned = |s: Option<&str>| s.map(str::to_owned);
     match array.data_type() {
@@ -382,7 +382,7 @@ fn texts(array: &dyn Array) -> Option<Vec<Option<String>>> {
             let text = |count: Option<i64>| count.map(|n| decimal_seconds(n, per_second));
             Some(counts.into_iter().map(text).collect())
         }
-        // A double does not hold every integer of 64 bits.
+        // A double cannot represent every 64-bit integer.
         DataType::Int64 => {
             let cells = array.as_primitive_opt::<Int64Type>()?.iter();
             Some(cells.map(|x| x.map(|x| x.to_string())).collect())

@@ -1,4 +1,4 @@
-//! Channels as Parquet: float64, Snappy.
+//! Writes channels as Parquet: float64, Snappy.
 
 use crate::cursor::cursors;
 use crate::{Channel, full_name};
@@ -10,10 +10,10 @@ use parquet::file::properties::WriterProperties;
 use std::fs::File;
 use std::sync::Arc;
 
-/// Rows written at a time.
+/// Rows per batch.
 const BATCH: usize = 65_536;
 
-/// Writes the channels at the times given; why not, in words.
+/// Writes the channels at the given times; an error is text.
 pub(crate) fn write_parquet(
     file: &mut File,
     times: &[f64],

@@ -1,4 +1,4 @@
-//! Which column of a file becomes which channel.
+//! Assigns the columns of a file to channels.
 
 use crate::clock::{Clock, check_time};
 use crate::conversion::Conversion;
@@ -19,11 +19,11 @@ pub(crate) struct PlannedChannel {
     pub column: String,
     pub name: ChannelName,
     pub conversion: Conversion,
-    /// Group and place in it, where several columns together make channels.
+    /// Group and index in it, if several columns give channels together.
     pub part: Option<(usize, usize)>,
 }
 
-/// What columns of a group make together.
+/// Result of a group of columns.
 #[derive(Debug, Clone)]
 pub(crate) enum Group {
     /// An attitude of a sensor.
@@ -32,11 +32,11 @@ pub(crate) enum Group {
         form: AttitudeForm,
         sense: Sense,
     },
-    /// A position, and a velocity, in axes that turn with the Earth.
+    /// A position and a velocity in Earth-fixed axes.
     EarthFixed,
 }
 
-/// What to take from one file.
+/// Columns to read from one file.
 #[derive(Debug, Clone)]
 pub(crate) struct Plan {
     pub time_index: usize,
@@ -45,31 +45,30 @@ pub(crate) struct Plan {
     pub clock: Clock,
     pub channels: Vec<PlannedChannel>,
     pub groups: Vec<Group>,
-    /// Column and text wanted there.
+    /// Filter columns with the required text.
     pub filter: Vec<(usize, String)>,
     pub ignored: Vec<String>,
-    /// Columns in the file, and how many.
+    /// Number of columns in the file.
     pub width: usize,
     missing_filters: Vec<String>,
     used: Vec<(String, String)>,
 }
 
 impl Plan {
-    /// Whether this file has a column of a channel, and every column to choose its rows by.
+    /// Whether this file has a column of a channel and every filter column.
     pub(crate) fn has_choice(&self) -> bool {
         !self.channels.is_empty() && self.missing_filters.is_empty()
     }
 
-    /// Columns to choose rows by that this file does not have.
+    /// Filter columns missing in this file.
     pub(crate) fn missing_filters(&self) -> &[String] {
         &self.missing_filters
     }
 }
 
-/// Column limit: no telemetry has more, a damaged header may.
+/// Limit on the number of columns; only a damaged header has more.
 const MAX_COLUMNS: usize = 65_536;
 
-/// The map is sound by itself.
 pub(crate) fn check_maps(options: &ReadOptions) -> Result<(), TelemetryError> {
     match map_faults(&options.map).into_iter().next() {
         Some(fault) => Err(fault.into()),
@@ -77,7 +76,7 @@ pub(crate) fn check_maps(options: &ReadOptions) -> Result<(), TelemetryError> {
     }
 }
 
-/// A header with the units below it, and what is taken so far.
+/// A header with its units row, and the columns assigned so far.
 struct Planner<'a> {
     path: &'a Path,
     header: &'a [String],
@@ -89,7 +88,7 @@ struct Planner<'a> {
 }
 
 impl Planner<'_> {
-    /// The place of a column, marked as used for a channel.
+    /// Index of a column, marked as used for a channel.
     fn find(&mut self, channel: &str, column: &str) -> Option<usize> {
         let index = self.header.iter().position(|h| h == column)?;
         self.used.push((channel.to_owned(), column.to_owned()));
@@ -105,7 +104,7 @@ impl Planner<'_> {
         }
     }
 
-    /// The unit of a column in the units row; `None` where there is no such row or its cell is empty.
+    /// The unit of a column in the units row; `None` without a row or for an empty cell.
     fn unit_below(&self, index: usize, name: &ChannelName) -> Result<Option<Unit>, TelemetryError> {
         let Some(text) = self.units.and_then(|u| u.get(index)) else {
             return Ok(None);
@@ -155,7 +154,7 @@ impl Planner<'_> {
         Ok(())
     }
 
-    /// One mapped column; the clock where it is the time.
+    /// Assigns one mapped column; returns the clock if it is the time.
     fn column(&mut self, map: &ColumnMap) -> Result<Option<(usize, Clock)>, TelemetryError> {
         let Some(index) = self.find(&map.channel, &map.column) else {
             return Ok(None);
@@ -187,7 +186,7 @@ impl Planner<'_> {
         Ok(None)
     }
 
-    /// The columns of a group, all of them or none.
+    /// The columns of a group, or none of them.
     fn columns(
         &mut self,
         channel: &str,
@@ -211,7 +210,7 @@ impl Planner<'_> {
         }
     }
 
-    /// The unit that a map names, else that of the units row, else SI.
+    /// The unit of the map, of the units row, or SI, in this order.
     fn unit(
         &self,
         named: Option<&str>,
@@ -252,7 +251,7 @@ impl Planner<'_> {
                 Order::Wxyz => [w, x, y, z],
             };
             for (index, name) in found.into_iter().zip(names) {
-                // The inverse rotation has the vector part reversed.
+                // The inverse rotation has the negative vector part.
                 let turned =
                     map.sense == Sense::InertialToBody && name.quantity != Quantity::Attitude(3);
                 let sign = if turned { -1.0 } else { 1.0 };
@@ -295,7 +294,7 @@ impl Planner<'_> {
         });
     }
 
-    /// An ephemeris: its position, and its velocity where somebody asks for velocities.
+    /// Assigns an ephemeris: position, and velocity if requested.
     fn orbit(&mut self, map: &FileMap, options: &ReadOptions) -> Result<(), TelemetryError> {
         let Some(orbit) = &map.orbit else {
             return Ok(());
@@ -317,7 +316,7 @@ impl Planner<'_> {
                 return Ok(());
             };
             if prefix == "v" && !asked {
-                // Listed among the unused columns.
+                // Listed as unused columns.
                 self.taken.retain(|index| !found.contains(index));
                 continue;
             }
@@ -339,7 +338,7 @@ impl Planner<'_> {
     }
 }
 
-/// What to take from a file with this header and, where the layout has one, this row of units.
+/// Assigns the columns of a file with this header and optional units row.
 pub(crate) fn build(
     path: &Path,
     header: &[String],
@@ -523,7 +522,7 @@ fn no_time(path: &Path, header: &[String]) -> TelemetryError {
     }
 }
 
-/// Columns that the map names and no file has had yet.
+/// Mapped columns not yet found in any file.
 pub(crate) struct Unused<'a> {
     options: &'a ReadOptions,
     used: HashSet<(String, String)>,
@@ -546,7 +545,7 @@ impl<'a> Unused<'a> {
             .extend(plan.channels.iter().map(|c| c.column.clone()));
     }
 
-    /// Columns with a choice of rows that is not read: gives how many.
+    /// Marks the columns of filters that are not read; returns their number.
     pub(crate) fn pass_over(&mut self, map: &FileMap) -> usize {
         let chosen = map.columns.iter().filter(|c| !c.rows.is_empty());
         let count = chosen.clone().count();
@@ -559,7 +558,7 @@ impl<'a> Unused<'a> {
         count
     }
 
-    /// Every column that the map names for these files must stand in one of them; says which entries fit no file.
+    /// Checks that every mapped column is in some file; reports map entries that match no file.
     pub(crate) fn check(
         &self,
         paths: &[PathBuf],

@@ -1,27 +1,27 @@
-//! Checks of attitude as it is read: unit norm, continuous sign.
+//! Checks of quaternions: unit norm, continuous sign.
 
 use crate::TelemetryError;
 use crate::error::Place;
 use crate::{as_read, rounded};
 use std::path::Path;
 
-/// Norms this close to one are left as they are, bit for bit: a few units in the last place.
+/// Norms this close to one are not changed: a few units in the last place.
 const EXACT: f64 = 1e-15;
-/// Largest deviation that is normalised without a word.
+/// Largest norm deviation normalised without a message.
 const SILENT: f64 = 1e-6;
-/// Largest deviation that is normalised as a rounding of the file.
+/// Largest norm deviation attributed to rounding in the file.
 const ROUNDING: f64 = 1e-3;
-/// Largest deviation that is normalised at all.
+/// Largest norm deviation accepted.
 const LIMIT: f64 = 5e-2;
 
-/// Four columns x, y, z, w of one attitude.
+/// Columns x, y, z, w of one attitude.
 pub(crate) type Components = [Vec<f64>; 4];
 
-/// Normalises the rows, turns incomplete and zero rows into gaps (NaN) and makes the sign continuous.
-/// Returns the repairs in words.
+/// Normalises the rows, turns incomplete and zero rows into gaps (NaN) and makes the sign continuous. Returns the
+/// repairs.
 ///
 /// # Errors
-/// The row whose norm is too far from one; under `strict` the first row that needs a repair.
+/// A row with a norm too far from one; with `strict`, the first row that needs a repair.
 pub(crate) fn tidy(
     path: &Path,
     column: &str,

@@ -1,14 +1,14 @@
-//! Body rates that follow from attitude, beside the mean of the gyro over the same interval.
+//! Body rates derived from attitude, and the mean gyro rate over the same interval.
 
 use crate::hypothesis::{Axes, Order, Sense};
 use crate::median::{median, median_step};
 use crate::resample::resample;
 use crate::{Channel, rotation};
 
-/// Turn per compared interval, rad: long enough to rise above noise, short enough for averages.
+/// Rotation per compared interval, rad: well above noise, small enough for averaging.
 const TURN: f64 = 0.1;
 
-/// Attitudes at both ends of intervals, their length, and the mean gyro rate between.
+/// Attitudes at both ends of intervals, their length, and the mean gyro rate in between.
 pub(crate) struct Pairs {
     pub turns: Vec<Interval>,
 }
@@ -20,7 +20,7 @@ pub(crate) struct Interval {
     gyro: [f64; 3],
 }
 
-/// Sums over the intervals, from which the residual of every unit and every choice of axes follows.
+/// Sums over the intervals, from which the residual of every unit and axis permutation follows.
 pub(crate) struct Sums {
     pub n: f64,
     pub aa: f64,
@@ -126,7 +126,7 @@ impl Pairs {
     }
 }
 
-/// Attitude samples per compared interval. The turn between two samples does not depend on how they are read.
+/// Attitude samples per compared interval. The rotation angle between samples does not depend on the convention.
 fn stride(q: &[[f64; 4]]) -> usize {
     let mut turns: Vec<f64> = q
         .iter()
@@ -143,8 +143,8 @@ fn stride(q: &[[f64; 4]]) -> usize {
     ((TURN / turn) as usize).clamp(1, most)
 }
 
-/// Integral of the gyro, linear between samples, from the start of its run to each time, with the number of the
-/// run; `None` outside its samples and in gaps.
+/// Integral of the gyro, linear between samples, from the start of a run to each time, with the index of the run.
+/// `None` outside its samples and in gaps.
 fn integrals(gyro: [&Channel; 3], times_s: &[f64]) -> Vec<Option<(usize, [f64; 3])>> {
     let [x, y, z] = gyro;
     let gap = 3.0 * median_step(&x.time_s).unwrap_or(0.0);

@@ -1,4 +1,4 @@
-//! From files to a table: the flow of reading.
+//! Reads files into a table.
 
 use crate::bytes::open;
 use crate::columns::Columns;
@@ -17,9 +17,9 @@ use std::path::{Path, PathBuf};
 
 /// Reads the files of one segment into one table.
 ///
-/// CSV (`.csv`, `.txt`, `.dat`; packed: `.csv.gz`, `.csv.zst`), Parquet (`.parquet`, `.pq`), or `-` for standard input. Each file keeps its own time base. Values are converted
-/// to SI; missing and NaN cells become missing samples; quaternions are normalised and made continuous in sign.
-/// Every repair is listed in [`Table::repairs`].
+/// Formats: CSV (`.csv`, `.txt`, `.dat`; compressed: `.csv.gz`, `.csv.zst`), Parquet (`.parquet`, `.pq`); `-` is
+/// standard input. Each file keeps its own time base. Values are converted to SI; empty and NaN cells become missing
+/// samples; quaternions are normalised and made continuous in sign. Every repair is listed in [`Table::repairs`].
 ///
 /// # Errors
 /// The first fault found, with its place; see [`TelemetryError`].
@@ -28,7 +28,7 @@ pub fn read<P: AsRef<Path>>(paths: &[P], options: &ReadOptions) -> Result<Table,
     read_parts(&paths.iter().map(file).collect::<Vec<_>>(), options)
 }
 
-/// Reads the parts of one segment into one table, files and columns in memory alike; see [`read()`].
+/// Reads the sources of one segment (files or columns in memory) into one table; see [`read()`].
 ///
 /// # Errors
 /// The first fault found, with its place; see [`TelemetryError`].
@@ -61,7 +61,7 @@ pub fn read_parts(parts: &[Part], options: &ReadOptions) -> Result<Table, Teleme
     Ok(table)
 }
 
-/// The table so far.
+/// The table during reading.
 struct Reading<'a> {
     options: &'a ReadOptions,
     table: Table,
@@ -70,7 +70,7 @@ struct Reading<'a> {
 }
 
 impl Reading<'_> {
-    /// What a part is read by: its own map.
+    /// Options of a source, with its own map.
     fn options(&self, map: FileMap) -> ReadOptions {
         ReadOptions {
             origin: self.table.origin.or(self.options.origin),
@@ -82,7 +82,7 @@ impl Reading<'_> {
         }
     }
 
-    /// Takes what the map says of all rows of a part.
+    /// Reads the columns without row filter of a source.
     fn all_rows(&mut self, part: &Part, map: FileMap) -> Result<(), TelemetryError> {
         let path = part.path();
         let options = self.options(map);
@@ -124,21 +124,21 @@ impl Reading<'_> {
                 columns.time_s.last().copied().unwrap_or_default(),
             ],
         });
-        // Where every channel has rows of its own, several rows may have one time.
+        // If every channel has its own row filter, several rows may have the same time.
         if plan.channels.is_empty() && !chosen.is_empty() {
             return Ok(());
         }
         self.add(path, &plan, columns, &options)
     }
 
-    /// Takes the channels of a choice of rows, which may hold none.
+    /// Reads the columns of one row filter, which may match no row.
     fn choice(&mut self, part: &Part, map: FileMap) -> Result<(), TelemetryError> {
         let path = part.path();
         let options = ReadOptions {
             wanted: Some(BTreeSet::new()),
             ..self.options(map)
         };
-        // What is said of the file itself was said when all rows were read.
+        // Repairs of the file were reported when all rows were read.
         let (plan, columns, _) = read_part(part, &options, &mut Vec::new())?;
         if !plan.has_choice() {
             return Ok(());
@@ -174,7 +174,7 @@ impl Reading<'_> {
     }
 }
 
-/// Reads a file whose rows may fill `1 / share` of the memory allowed and then go to `take`; gives the rest.
+/// Reads a file in parts of at most `1 / share` of the memory limit; full parts go to `take`, the rest is returned.
 pub(crate) fn read_file_in_parts(
     path: &Path,
     options: &ReadOptions,
@@ -206,7 +206,7 @@ fn read_part(
     }
 }
 
-/// Refuses a choice of rows or times that leaves none.
+/// Returns an error if the selection of rows or times is empty.
 fn check_any_row(
     path: &Path,
     plan: &Plan,
@@ -241,7 +241,7 @@ fn check_any_row(
     Ok(())
 }
 
-/// By the ending of its name; what has no name says so by its first bytes.
+/// Selects the decoder by file suffix, or by the first bytes if there is none.
 fn decode(
     path: &Path,
     stream: Option<&Spooled>,

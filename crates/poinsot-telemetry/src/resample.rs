@@ -1,14 +1,14 @@
-//! A channel at other times: never across a gap, never beyond its ends.
+//! Resamples a channel; never across a gap or beyond its ends.
 
 use crate::median::median_step;
 use crate::{Channel, rotation};
 
-/// Gaps longer than this many median steps are not bridged unless the caller says otherwise.
+/// Default gap limit in median steps.
 const DEFAULT_GAP: f64 = 3.0;
 
-/// Where a time falls in a time base.
+/// Position of a time in a time base.
 enum TimePosition {
-    /// On this sample.
+    /// At this sample.
     On(usize),
     /// Between this sample and the next.
     After(usize),
@@ -17,7 +17,7 @@ enum TimePosition {
 /// A time base with its tolerances.
 struct Base<'a> {
     time_s: &'a [f64],
-    /// Times this close to a sample are that sample, s.
+    /// Times this close to a sample count as equal, s.
     tolerance: f64,
     /// Steps longer than this are gaps, s.
     max_gap: f64,
@@ -52,11 +52,10 @@ impl<'a> Base<'a> {
     }
 }
 
-/// The channel at each of `times_s`: the sample where there is one, otherwise linear between its neighbours
-/// (error `h^2 |x''| / 8`).
+/// The channel at each of `times_s`: its sample, or linear interpolation between neighbours (error `h^2 |x''| / 8`).
 ///
-/// A time counts as a sample's within 1e-9 s or a millionth of the median step. `None` beyond the ends and in
-/// gaps longer than `max_gap_s` (default 3 median steps). SI, axes of the channel.
+/// Times within 1e-9 s or 1e-6 of the median step of a sample count as equal. `None` beyond the ends and in gaps
+/// longer than `max_gap_s` (default 3 median steps). Values are in SI and the axes of the channel.
 pub fn resample(channel: &Channel, times_s: &[f64], max_gap_s: Option<f64>) -> Vec<Option<f64>> {
     let base = Base::new(&channel.time_s, max_gap_s);
     let at = |&t: &f64| match base.locate(t)? {
@@ -70,8 +69,8 @@ pub fn resample(channel: &Channel, times_s: &[f64], max_gap_s: Option<f64>) -> V
     times_s.iter().map(at).collect()
 }
 
-/// Like [`resample`], but by the cubic that also meets the measured derivative at both neighbours
-/// (error `h^4 |x''''| / 384`). Where the derivative has no sample, linear.
+/// Like [`resample`], with cubic Hermite interpolation of values and measured derivatives (error `h^4 |x''''| / 384`).
+/// Linear where the derivative has no sample.
 pub fn resample_hermite(
     channel: &Channel,
     derivative: &Channel,
@@ -95,8 +94,8 @@ pub fn resample_hermite(
     times_s.iter().map(at).collect()
 }
 
-/// The value held since the last sample at or before each time: for thrust and commands.
-/// `None` before the first sample and more than `max_gap_s` after the last one before it (default: no limit).
+/// Zero-order hold, for thrust and commands: the last sample at or before each time. `None` before the first sample
+/// and more than `max_gap_s` after the last sample (default: no limit).
 pub fn hold(channel: &Channel, times_s: &[f64], max_gap_s: Option<f64>) -> Vec<Option<f64>> {
     let base = Base::new(&channel.time_s, max_gap_s);
     let limit = max_gap_s.unwrap_or(f64::INFINITY);
@@ -114,10 +113,10 @@ pub fn hold(channel: &Channel, times_s: &[f64], max_gap_s: Option<f64>) -> Vec<O
 
 /// Attitude at each of `times_s`, unit quaternions `[x, y, z, w]`, Hamilton, body to inertial.
 ///
-/// `attitude` are the channels q_x, q_y, q_z, q_w on one time base. Without `omega_body` (rad/s, body axes) the
-/// shortest turn at constant rate between neighbours (error of order `h^2`); with it, the cubic in the rotation
-/// vector of the interval that meets the body rates at both ends (order `h^4`). `None` as in [`resample`], and
-/// everywhere if the four channels do not share their times.
+/// `attitude` holds the channels q_x, q_y, q_z, q_w on one time base. Without `omega_body` (rad/s, body axes), the
+/// shortest rotation at constant rate (error of order `h^2`). With it, a cubic in the rotation vector that matches the
+/// body rates at both ends (order `h^4`). `None` as in [`resample`], and everywhere if the four channels have
+/// different times.
 pub fn resample_attitude(
     attitude: [&Channel; 4],
     omega_body: Option<[&Channel; 3]>,
@@ -168,7 +167,7 @@ pub fn resample_attitude(
     times_s.iter().map(at).collect()
 }
 
-/// The cubic on `u` in 0..1 with values `x0`, `x1` and slopes `d0`, `d1` (per unit of `u`) at its ends.
+/// Cubic on `u` in 0..1 with end values `x0`, `x1` and end slopes `d0`, `d1` (per unit of `u`).
 #[inline]
 fn hermite(x0: f64, x1: f64, d0: f64, d1: f64, u: f64) -> f64 {
     let dx = x1 - x0;

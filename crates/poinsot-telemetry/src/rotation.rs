@@ -6,12 +6,12 @@ fn unit([x, y, z, w]: [f64; 4]) -> UnitQuaternion<f64> {
     UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z))
 }
 
-/// The rotation vector, rad in body axes, that takes attitude `from` to attitude `to` by the shorter way.
+/// Shortest rotation vector from attitude `from` to attitude `to`, rad, body axes.
 pub(crate) fn turn_between(from: [f64; 4], to: [f64; 4]) -> [f64; 3] {
     (unit(from).inverse() * unit(to)).scaled_axis().into()
 }
 
-/// Attitude `from` turned by a rotation vector in its own body axes.
+/// Attitude `from` rotated by a rotation vector in its body axes.
 pub(crate) fn turned(from: [f64; 4], phi: [f64; 3]) -> [f64; 4] {
     let q = unit(from) * UnitQuaternion::from_scaled_axis(Vector3::from(phi));
     let q = q.into_inner();
@@ -19,14 +19,14 @@ pub(crate) fn turned(from: [f64; 4], phi: [f64; 3]) -> [f64; 4] {
     [q.i / norm, q.j / norm, q.k / norm, q.w / norm]
 }
 
-/// Rate of the rotation vector `phi` of a body that turns at `omega` (body axes):
-/// `phi' = omega + phi x omega / 2 + c phi x (phi x omega)`, `c = (1 - (a/2) cot(a/2)) / a^2`, `a = |phi|`
-/// (Bortz 1971, eq. 10).
+/// Rate of the rotation vector `phi` of a body rotating at `omega` (body axes):
+/// `phi' = omega + phi x omega / 2 + c phi x (phi x omega)`, `c = (1 - (a/2) cot(a/2)) / a^2`, `a = |phi|` (Bortz
+/// 1971, eq. 10).
 pub(crate) fn rotation_vector_rate(phi: [f64; 3], omega: [f64; 3]) -> [f64; 3] {
     let (phi, omega) = (Vector3::from(phi), Vector3::from(omega));
     let a2 = phi.norm_squared();
     let c = if a2 < 1e-4 {
-        // Series of the closed form, whose difference loses digits here; the next term is below 1e-16.
+        // Series of the closed form, which loses digits here; the next term is below 1e-16.
         1.0 / 12.0 + a2 / 720.0 + a2 * a2 / 30240.0
     } else {
         let half = 0.5 * a2.sqrt();

@@ -1,8 +1,8 @@
-//! Rows of any kind, one column a quantity, as Parquet or CSV.
+//! Writes rows with named columns as Parquet or CSV.
 
 use std::fs::File;
 
-/// A column with a name; all columns of a file have equal length.
+/// A named column; all columns of a file have equal length.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RowColumn {
     /// Name.
@@ -22,7 +22,7 @@ pub enum RowCells {
     Text(Vec<String>),
 }
 
-/// Ending of the files that [`write_rows`] writes: `parquet`, or `csv` where the program was built without Parquet.
+/// Suffix of files written by [`write_rows`]: `parquet`, or `csv` in a build without Parquet.
 pub const ROWS_EXTENSION: &str = if cfg!(feature = "parquet") {
     "parquet"
 } else {
@@ -32,7 +32,7 @@ pub const ROWS_EXTENSION: &str = if cfg!(feature = "parquet") {
 /// Writes rows in the format of [`ROWS_EXTENSION`].
 ///
 /// # Errors
-/// What the disk or the encoder says.
+/// Writing or encoding fails.
 pub fn write_rows(file: &mut File, columns: &[RowColumn]) -> std::io::Result<()> {
     encode(file, columns)
 }

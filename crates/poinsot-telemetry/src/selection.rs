@@ -1,4 +1,4 @@
-//! Which rows of a file are kept, and how many may be.
+//! Selection of rows, and the limit on their number.
 
 use crate::TelemetryError;
 use crate::columns::Columns;
@@ -8,7 +8,7 @@ use crate::size::{Limit, Rows};
 use std::path::Path;
 
 impl ReadOptions {
-    /// Which samples are kept, as the readers ask it.
+    /// Row selection for the readers.
     pub(crate) fn selection(&self) -> Selection {
         Selection {
             time_s: self.time_s.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]),
@@ -17,7 +17,7 @@ impl ReadOptions {
         }
     }
 
-    /// How much may be kept.
+    /// Limit on the samples kept.
     pub(crate) fn limit(&self) -> Limit {
         Limit {
             bytes: match self.memory_mib {
@@ -29,7 +29,7 @@ impl ReadOptions {
     }
 }
 
-/// Rows to keep, and how many may be kept.
+/// Rows to keep, and their limit.
 pub(crate) struct Selection {
     time_s: [f64; 2],
     limit: Limit,
@@ -37,7 +37,7 @@ pub(crate) struct Selection {
 }
 
 impl Selection {
-    /// Whether the row at this time is kept. A row without time is kept: it is an error later.
+    /// Whether to keep the row at this time. A row without time is kept; it gives an error later.
     pub(crate) fn keeps(&mut self, time_s: f64) -> bool {
         let [from, to] = self.time_s;
         if time_s < from || time_s > to {
@@ -47,7 +47,7 @@ impl Selection {
         (self.seen - 1).is_multiple_of(self.limit.every)
     }
 
-    /// Hands the rows kept to `full` where they fill the memory allowed; `rows` are those of the whole file.
+    /// Passes the kept rows to `full` when they reach the memory limit; `rows` is the number in the whole file.
     ///
     /// # Errors
     /// Returns an error if no consumer is set or the consumer fails.
@@ -73,5 +73,5 @@ impl Selection {
     }
 }
 
-/// Takes the rows read so far.
+/// Consumer of the rows read so far.
 pub(crate) type WhenFull<'a> = dyn FnMut(&Plan, Columns) -> Result<(), TelemetryError> + 'a;

@@ -1,4 +1,5 @@
-//! How many rows a file has, before it is read: what does not fit is refused at once, with a step that fits.
+//! Estimates the number of rows before reading. A file that is too large is rejected at once, with a row step that
+//! fits.
 
 use crate::error::Place;
 use crate::plan::Plan;
@@ -7,25 +8,25 @@ use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};
 use std::path::Path;
 
-/// Places at which lines are counted, and bytes counted there.
+/// Number of windows in which lines are counted, and their size in bytes.
 const WINDOWS: u64 = 16;
 const WINDOW: u64 = 1 << 16;
-/// By how much more rows than estimated are reckoned with.
+/// Safety factor on an estimated number of rows.
 const MARGIN: f64 = 1.05;
-/// An estimate beyond this multiple of what fits is believed before the rows are read.
+/// Ratio of estimate to limit above which a file is rejected before reading.
 const SURELY: f64 = 1.5;
 
-/// Rows of a file.
+/// Number of rows of a file.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Rows {
-    /// As a footer declares them, or counted.
+    /// Declared in a footer, or counted.
     Declared(u64),
-    /// From lines counted here and there.
+    /// Estimated from sampled windows.
     Estimated(u64),
 }
 
 impl Rows {
-    /// Lines of a text file, from their mean length in windows spread over it. The file is left at its start.
+    /// Lines of a text file, from their mean length in windows spread over it. Rewinds the file.
     pub(crate) fn of_text(file: &mut File, bytes: u64) -> io::Result<Self> {
         let step = (bytes / WINDOWS).max(WINDOW);
         let (mut read, mut lines) = (0_u64, 0_u64);
@@ -57,7 +58,7 @@ impl Rows {
         }
     }
 
-    /// Rows that will not be exceeded, or hardly.
+    /// Upper bound of the rows, with margin for an estimate.
     pub(crate) fn most(self) -> u64 {
         match self {
             Self::Declared(n) => n,
@@ -66,22 +67,22 @@ impl Rows {
     }
 }
 
-/// What may be kept of a file.
+/// Limit on the rows kept of a file.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Limit {
     /// Memory for samples, bytes.
     pub bytes: usize,
-    /// Of the rows chosen each n-th is kept.
+    /// Every n-th selected row is kept.
     pub every: usize,
 }
 
 impl Limit {
-    /// Samples that fit: per row a time, its place in the file, and a value in each channel.
+    /// Samples that fit: each row needs a time, a row number and one value per channel.
     pub(crate) fn samples(&self, channels: usize) -> usize {
         self.bytes / (8 * (channels + 2))
     }
 
-    /// Refuses before anything is read where every row is asked for and there are clearly too many.
+    /// Returns an error before reading if all rows are requested and clearly exceed the limit.
     ///
     /// # Errors
     /// [`TelemetryError::TooLarge`].
@@ -106,7 +107,7 @@ impl Limit {
         Err(self.refusal(path, plan, rows.most()))
     }
 
-    /// The error for so many rows to choose from; names the step with which they fit.
+    /// The error for this many selectable rows; names the row step that fits.
     pub(crate) fn refusal(&self, path: &Path, plan: &Plan, rows: u64) -> TelemetryError {
         let channels = plan.channels.len();
         let fit = self.samples(channels);

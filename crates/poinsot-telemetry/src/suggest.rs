@@ -1,4 +1,4 @@
-//! What an unknown column probably is: a proposal for the map, never applied.
+//! Proposes a map for an unknown column; it is never applied.
 
 use crate::{classify, parse_unit};
 use schemars::JsonSchema;
@@ -17,8 +17,8 @@ pub struct Suggestion {
     pub toml: String,
 }
 
-/// A standard channel for a column such as `wx [deg/s]`, `gyro_x_dps`, `rw1 (rpm)` or `t_ms`.
-/// `None` where the name says nothing, or is a standard name in SI already.
+/// A standard channel for a column such as `wx [deg/s]`, `gyro_x_dps`, `rw1 (rpm)` or `t_ms`. `None` if the name is
+/// unknown, or already a standard name in SI.
 pub fn suggest(column: &str) -> Option<Suggestion> {
     let (stem, unit) = split_unit(column);
     let channel = channel_of(&stem, unit.as_deref())?;
@@ -45,7 +45,7 @@ pub fn suggest(column: &str) -> Option<Suggestion> {
     })
 }
 
-/// Suffixes that name a unit, longest first, and the unit.
+/// Suffixes that name a unit, longest first, with the unit.
 const UNIT_SUFFIXES: [(&str, &str); 19] = [
     ("_rad_s2", "rad/s2"),
     ("_rad_s", "rad/s"),
@@ -68,7 +68,7 @@ const UNIT_SUFFIXES: [(&str, &str); 19] = [
     ("_m", "m"),
 ];
 
-/// The name without its unit, lower case with `_` for blanks, and the unit if one is known.
+/// The name without its unit, lower case with `_` for blanks, and the unit if known.
 fn split_unit(column: &str) -> (String, Option<String>) {
     for (open, close) in [('[', ']'), ('(', ')')] {
         if let Some((stem, rest)) = column.split_once(open)
@@ -96,7 +96,7 @@ fn plain(name: &str) -> String {
     name.trim().to_lowercase().replace([' ', '-', '.'], "_")
 }
 
-/// Stems of three-vectors as people write them, and the standard prefix.
+/// Common stems of vector columns, with the standard prefix.
 const VECTOR_STEMS: [(&str, &[&str]); 4] = [
     (
         "omega",

@@ -1,4 +1,4 @@
-//! Times of a file: present, strictly increasing, and in seconds.
+//! Checks the times of a file: present, strictly increasing, in seconds.
 
 use crate::TelemetryError;
 use crate::columns::Columns;
@@ -9,15 +9,15 @@ use crate::plan::{Plan, PlannedChannel};
 use crate::{as_read, rounded};
 use std::path::Path;
 
-/// Median steps outside this range, s, are taken for a wrong unit.
+/// Median steps outside this range, s, indicate a wrong unit.
 const PLAUSIBLE_STEP: std::ops::RangeInclusive<f64> = 1e-5..=1e5;
 
-/// A record whose gaps together exceed this many times what it covers holds several runs, where the longest gap is
-/// also this many median steps: the motion across is neither seen nor cheaply followed.
+/// A record holds several runs if its gaps exceed this multiple of the covered time, and the longest gap exceeds
+/// `APART_STEPS` median steps.
 const APART: f64 = 30.0;
 const APART_STEPS: f64 = 1e4;
 
-/// Drops rows that repeat the row before them; refuses everything else that is out of order.
+/// Drops rows that repeat the previous row; other disorder is an error.
 pub(crate) fn check(
     path: &Path,
     plan: &Plan,
@@ -86,7 +86,7 @@ pub(crate) fn check(
     check_step(path, plan, columns)
 }
 
-/// The first column in which two rows differ; two missing samples are equal.
+/// The first column in which two rows differ; two missing samples count as equal.
 fn difference<'a>(plan: &'a Plan, columns: &Columns, a: usize, b: usize) -> Option<&'a str> {
     plan.channels
         .iter()
@@ -98,7 +98,7 @@ fn difference<'a>(plan: &'a Plan, columns: &Columns, a: usize, b: usize) -> Opti
         .map(|(channel, _)| channel.column.as_str())
 }
 
-/// Refuses several runs in one file.
+/// Returns an error for several runs in one file.
 pub(crate) fn check_one_run(
     path: &Path,
     plan: &Plan,
@@ -108,7 +108,7 @@ pub(crate) fn check_one_run(
     let Some(median_s) = median_step(&columns.time_s) else {
         return Ok(());
     };
-    // Pulses come when they are needed.
+    // Pulses have no regular step.
     if plan.channels.iter().all(pulse) {
         return Ok(());
     }

@@ -1,10 +1,10 @@
-//! Units as they are written in headers and maps, and the factor that takes them to SI.
+//! Units in headers and maps, with their factors to SI.
 
 use crate::TelemetryError;
 use serde::Serialize;
 use std::f64::consts::PI;
 
-/// What kind of quantity a unit measures.
+/// Dimension of a unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Dimension {
@@ -33,7 +33,7 @@ pub enum Dimension {
 }
 
 impl Dimension {
-    /// The SI unit of this dimension as the program prints it, for example `rad/s`.
+    /// The SI unit, for example `rad/s`.
     pub fn si(self) -> &'static str {
         match self {
             Self::One => "1",
@@ -52,7 +52,7 @@ impl Dimension {
 }
 
 impl Dimension {
-    /// What it is in words, for example `angular velocity`.
+    /// Name, for example `angular velocity`.
     pub fn words(self) -> &'static str {
         match self {
             Self::One => "pure number",
@@ -70,17 +70,17 @@ impl Dimension {
     }
 }
 
-/// A known unit. A value `x` in this unit is `x * factor / divisor` in SI; a decimal prefix sits in
-/// the divisor, so that `1 ms` is the double nearest to 0.001.
+/// A known unit. A value `x` is `x * factor / divisor` in SI. A decimal prefix is in the divisor, so that `1 ms` is
+/// the double nearest to 0.001.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Unit {
-    /// As the program prints it, for example `deg/s`.
+    /// Printed symbol, for example `deg/s`.
     pub symbol: &'static str,
-    /// What it measures.
+    /// Dimension.
     pub dimension: Dimension,
-    /// Multiplies the value.
+    /// Factor.
     pub factor: f64,
-    /// Divides the product.
+    /// Divisor.
     pub divisor: f64,
 }
 
@@ -91,13 +91,13 @@ impl Unit {
         value * self.factor / self.divisor
     }
 
-    /// The value in this unit of an SI number.
+    /// An SI value in this unit.
     #[inline]
     pub fn from_si(&self, si: f64) -> f64 {
         si * self.divisor / self.factor
     }
 
-    /// Whether values in this unit are SI already.
+    /// Whether the unit is SI.
     pub fn is_si(&self) -> bool {
         self.factor == self.divisor
     }
@@ -164,7 +164,7 @@ const TABLE: &[Row] = &[
     ("mN s", Dimension::Impulse, 1.0, 1e3, &["mNs"]),
 ];
 
-/// The spelling without what carries no meaning: blanks, `^`, `*`, middle dots, one `.`; `²` is `2`, `µ` is `u`.
+/// Normalised spelling: without blanks, `^`, `*`, middle dots and one `.`; `²` is `2`, `µ` is `u`.
 fn plain(text: &str) -> String {
     text.chars()
         .filter_map(|c| match c {
@@ -176,7 +176,7 @@ fn plain(text: &str) -> String {
         .collect()
 }
 
-/// The unit written as `text`: blanks, `^`, `*` and `.` do not matter (`m/s^2`, `N*m`, `N m`), capitals do.
+/// Parses a unit: blanks, `^`, `*` and `.` are ignored (`m/s^2`, `N*m`, `N m`), case is not.
 ///
 /// # Errors
 /// [`TelemetryError::UnknownUnit`] names the nearest known unit.
@@ -216,8 +216,8 @@ pub(crate) fn list(dimension: Dimension) -> String {
     fitting.map(|row| row.0).collect::<Vec<_>>().join(", ")
 }
 
-/// The known unit, of one dimension where that is known, whose spelling takes the fewest edits; its printed
-/// symbol stands before an alias as near.
+/// The unit with the fewest edits, of this dimension if given; a printed symbol precedes an alias at the same
+/// distance.
 pub(crate) fn nearest_unit(text: &str, dimension: Option<Dimension>) -> &'static str {
     let wanted = plain(text).to_lowercase();
     let fitting = TABLE

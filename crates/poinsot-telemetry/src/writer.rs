@@ -1,4 +1,4 @@
-//! Channels to a CSV or Parquet file that is read back bit for bit.
+//! Writes channels to CSV or Parquet; reading them back gives the same bits.
 
 use crate::cursor::cursors;
 use crate::error::Place;
@@ -14,15 +14,15 @@ use std::io::{self, BufWriter, Write};
 use std::path::Path;
 use std::sync::Arc;
 
-/// Writes channels to `path`: CSV, or Parquet (float64, Snappy) where the name ends in `.parquet` or `.pq`.
+/// Writes channels to `path`: CSV, or Parquet (float64, Snappy) if the suffix is `.parquet` or `.pq`.
 ///
-/// One column `time_s` with the union of all times, one column per channel, an empty cell or null where a channel
-/// has no sample. CSV numbers are the shortest that read back to the same double. The file appears under its
-/// name only when it is complete and on disk; its folder is made where it is missing.
+/// One column `time_s` with the union of all times, one column per channel, an empty cell or null for a missing
+/// sample. CSV numbers are the shortest that read back to the same double. The file appears only when complete and on
+/// disk; its folder is created if missing.
 ///
 /// # Errors
-/// [`TelemetryError::Write`] for channels of one name, values that are not finite, or times that do not increase;
-/// [`TelemetryError::Io`] where the disk refuses.
+/// [`TelemetryError::Write`] for duplicate names, values that are not finite, or times that do not increase;
+/// [`TelemetryError::Io`] if writing fails.
 pub fn write(path: &Path, channels: &[Channel]) -> Result<(), TelemetryError> {
     let mut stage = Stage::new(folder_of(path))?;
     let name = path.file_name().unwrap_or_default();
@@ -31,7 +31,7 @@ pub fn write(path: &Path, channels: &[Channel]) -> Result<(), TelemetryError> {
     Ok(())
 }
 
-/// The same as one file of an answer: `name` is its path below the folder of `stage`.
+/// Writes channels as one file of a result; `name` is relative to the folder of `stage`.
 ///
 /// # Errors
 /// As [`write()`].
@@ -93,7 +93,7 @@ fn check(path: &Path, channels: &[Channel]) -> Result<(), TelemetryError> {
     Ok(())
 }
 
-/// All times at which some channel has a sample, increasing.
+/// All times at which some channel has a sample, ascending.
 fn union_of_times(channels: &[Channel]) -> Vec<f64> {
     let mut bases: Vec<&Arc<[f64]>> = Vec::new();
     for c in channels {
@@ -124,7 +124,7 @@ fn write_csv(file: &mut File, times: &[f64], channels: &[Channel]) -> io::Result
     out.write_all(b"\n")?;
     let mut cursors = cursors(channels);
     for &time in times {
-        // Debug is the shortest text that reads back to the same double, with an exponent where it is long.
+        // Debug gives the shortest text that reads back to the same double, with an exponent if it is long.
         write!(out, "{time:?}")?;
         for cursor in &mut cursors {
             match cursor.at(time) {

@@ -1,13 +1,13 @@
-//! How far two answers are apart.
+//! Measures of difference between two results.
 
 use crate::Matrix3;
 use nalgebra::{Dim, Matrix, RawStorage};
 
 /// `|a - b| / scale` in the Frobenius norm, for vectors and matrices of any one shape.
 ///
-/// `scale` is the size of the terms that make up the answer (not of the answer, which may cancel to
-/// zero); where it is zero the difference is returned as it is. NaN anywhere gives infinity, so that
-/// `apart(..) < tolerance` cannot pass on it.
+/// `scale` is the size of the terms of the result, not of the result itself, which may cancel to zero. With zero scale
+/// the absolute difference is returned. NaN anywhere gives infinity, so that `apart(..) < tolerance` cannot pass on
+/// it.
 pub fn apart<R, C, SA, SB>(a: &Matrix<f64, R, C, SA>, b: &Matrix<f64, R, C, SB>, scale: f64) -> f64
 where
     R: Dim,
@@ -47,10 +47,9 @@ fn relative(difference: f64, scale: f64) -> f64 {
     if ratio.is_nan() { f64::INFINITY } else { ratio }
 }
 
-/// The angle in rad, 0 to pi, of the turn that takes one attitude to the other.
+/// Rotation angle between two attitudes, rad, 0 to pi.
 ///
-/// From sine and cosine together, so that it is as accurate for 1e-15 rad as near pi.
-/// NaN anywhere gives infinity.
+/// It uses sine and cosine together, so it is accurate both for 1e-15 rad and near pi. NaN anywhere gives infinity.
 pub fn attitude_apart(R_NA: &Matrix3, R_NB: &Matrix3) -> f64 {
     let R_AB = R_NA.transpose() * R_NB;
     let twice_sine = ((R_AB[(2, 1)] - R_AB[(1, 2)]).powi(2)

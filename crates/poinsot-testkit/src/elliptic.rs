@@ -2,10 +2,10 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// One more than enough: the arithmetic-geometric mean doubles its digits at every step.
+/// Sufficient steps: the arithmetic-geometric mean doubles its digits at every step.
 const AGM_STEPS: usize = 16;
 
-/// A spread of 1e-300 to 1 is gone after about 1000 bits at two bits a step.
+/// Sufficient duplications: a spread of 1e-300 to 1 is about 1000 bits, and each step removes two.
 const DUPLICATIONS: usize = 600;
 
 /// The complete integral of the first kind, `K(m)`; infinite at `m = 1`.
@@ -37,8 +37,8 @@ pub fn incomplete_first(phi: f64, m: f64) -> f64 {
     }
 }
 
-/// `F` of the angle in -pi..pi with the given sine and cosine, by the complementary parameter: keeps the
-/// digits of a small cosine and a small `m1` that an angle and `m` would lose.
+/// `F` of the angle in -pi..pi with the given sine and cosine, by the complementary parameter. It keeps digits of a
+/// small cosine and small `m1` that angle and `m` would lose.
 pub(crate) fn first_by_sine_cosine(s: f64, c: f64, m1: f64) -> f64 {
     let within = s * carlson_rf(c * c, m1 * s * s + c * c, 1.0);
     if c < 0.0 {
@@ -53,7 +53,7 @@ fn carlson_rf(mut x: f64, mut y: f64, mut z: f64) -> f64 {
     for _ in 0..DUPLICATIONS {
         let mean = (x + y + z) / 3.0;
         let (dx, dy, dz) = (1.0 - x / mean, 1.0 - y / mean, 1.0 - z / mean);
-        // The remainder of the series is of the sixth order: below 1e-17.
+        // The remainder of the series is of sixth order: below 1e-17.
         if dx.abs().max(dy.abs()).max(dz.abs()) < 1.5e-3 {
             let e2 = dx * dy - dz * dz;
             let e3 = dx * dy * dz;
@@ -89,7 +89,7 @@ pub(crate) fn jacobi_by_complement(u: f64, m1: f64) -> [f64; 3] {
     if sin.abs() < 1e-100 {
         return [sin, cos, 1.0];
     }
-    // Up again: cotangent `c = cn / sn` (times the mean) and dn, no step of which cancels.
+    // Upwards: cotangent `c = cn / sn` (times the mean) and dn, without cancellation.
     let (mut c, mut dn) = (limit * cos / sin, 1.0);
     let mut previous = cos / sin;
     for k in (0..=last).rev() {
@@ -241,7 +241,7 @@ mod tests {
         ] {
             let found = jacobi(u, m);
             for (a, b) in found.iter().zip(expected) {
-                // SciPy itself is good to a few units in the last place times |u|.
+                // SciPy is accurate to a few units in the last place times |u|.
                 assert!((a - b).abs() < 1e-14, "{u} {m} {found:?}");
             }
         }

@@ -23,7 +23,7 @@ impl PlanSample {
     }
 }
 
-/// Knots that make no plan.
+/// Invalid knots.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct BadKnots;
 
@@ -44,7 +44,7 @@ fn check(times: &[f64], positions: &[f64]) -> Result<(), BadKnots> {
     }
 }
 
-/// The interval that holds `t`, or `None` before the first and after the last knot.
+/// The interval that contains `t`; `None` before the first and after the last knot.
 fn interval(times: &[f64], t: f64) -> Option<usize> {
     if t == times[times.len() - 1] {
         return Some(times.len() - 2);
@@ -61,7 +61,7 @@ fn held(times: &[f64], positions: &[f64], t: f64) -> PlanSample {
 /// held before the first and after the last.
 ///
 /// # Errors
-/// Fewer than two knots, times that do not rise, or lengths that differ.
+/// Fewer than two knots, times that do not increase, or lengths that differ.
 pub fn quintic_rest(times: &[f64], positions: &[f64], t: f64) -> Result<PlanSample, BadKnots> {
     check(times, positions)?;
     let Some(k) = interval(times, t) else {
@@ -90,11 +90,11 @@ impl ClampedSpline {
     /// The spline through the knots with the rates `end_rates` at its first and last knot.
     ///
     /// The accelerations at the knots solve the tridiagonal system
-    /// `h_{k-1} c_{k-1} + 2 (h_{k-1} + h_k) c_k + h_k c_{k+1} = 6 (s_k - s_{k-1})`, with `h` the spans
-    /// and `s` the secants, where the end rates stand for the secants outside (de Boor 1978, ch. IV).
+    /// `h_{k-1} c_{k-1} + 2 (h_{k-1} + h_k) c_k + h_k c_{k+1} = 6 (s_k - s_{k-1})`, with `h` the spans and `s` the
+    /// secants, where the end rates replace the secants outside (de Boor 1978, ch. IV).
     ///
     /// # Errors
-    /// Fewer than two knots, times that do not rise, or lengths that differ.
+    /// Fewer than two knots, times that do not increase, or lengths that differ.
     pub fn new(times: &[f64], positions: &[f64], end_rates: [f64; 2]) -> Result<Self, BadKnots> {
         check(times, positions)?;
         let n = times.len();

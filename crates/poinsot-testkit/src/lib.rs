@@ -1,9 +1,8 @@
-//! Judges for the tests of the other crates: closed-form motions, momentum by definition, recorded
-//! answers of independent engines, and measures of difference.
+//! References for the tests of the other crates: closed-form motions, momentum by definition, recorded results of
+//! independent programs, and measures of difference.
 //!
-//! Nothing here is shared with the engine: this crate imports none of the others, has its own plain
-//! types (`Kit...`) and walks a tree body by body in inertial axes, slowly. Names follow the
-//! monogram notation of the project (`p_BoBcm_B`, `R_NB`); everything is SI.
+//! This crate shares no code with the others: it has its own types (`Kit...`) and computes trees body by body in
+//! inertial axes. Names follow the monogram notation of the project (`p_BoBcm_B`, `R_NB`); everything is SI.
 #![allow(non_snake_case)]
 
 pub mod compare;
@@ -24,7 +23,7 @@ pub type Vector6 = nalgebra::Vector6<f64>;
 /// A 6 x 6 matrix that acts on twists.
 pub type Matrix6 = nalgebra::Matrix6<f64>;
 
-/// The turn by `rotation` (axis times angle, rad) as a matrix.
+/// Rotation matrix of the rotation vector `rotation` (axis times angle, rad).
 pub(crate) fn turn(rotation: Vector3) -> Matrix3 {
     nalgebra::Rotation3::new(rotation).into_inner()
 }

@@ -1,14 +1,14 @@
 //! Momentum and kinetic energy of a tree of bodies by definition.
 //!
-//! Every body is walked to the base on its own, in inertial axes: pose, then velocity, then the sum of
-//! `m v` and `r x m v + I w` over the bodies. Cost quadratic in the bodies; nothing is reused.
+//! The path of every body to the base is followed separately, in inertial axes: pose, velocity, then the sums of `m v`
+//! and `r x m v + I w`. The cost is quadratic in the number of bodies.
 //!
-//! A tree is a slice of [`KitBody`]; body 0 is the base, every other body comes after its parent. The
-//! child frame sits at `Trans(p_PoCo_P) R_PC_zero Rot(axis, q)` in its parent (prismatic:
+//! A tree is a slice of [`KitBody`]; body 0 is the base, every other body comes after its parent. The child frame has
+//! the pose `Trans(p_PoCo_P) R_PC_zero Rot(axis, q)` in its parent (prismatic:
 //! `Trans(p_PoCo_P + R_PC_zero axis q) R_PC_zero`).
 //!
-//! A [`KitWheel`] is an axisymmetric rotor whose mass and inertia are already part of its host body, as
-//! if it were locked; it adds `Js Omega a` with the speed `Omega` relative to the host.
+//! A [`KitWheel`] is an axisymmetric rotor; mass and inertia of the locked rotor are part of its host body. It adds
+//! `Js Omega a` with the speed `Omega` relative to the host.
 
 use crate::{Matrix3, Matrix6, Vector3, Vector6, turn};
 
@@ -17,15 +17,15 @@ use crate::{Matrix3, Matrix6, Vector3, Vector6, turn};
 pub enum KitJoint {
     /// The free base: no parent.
     Base,
-    /// Turns about the axis, rad.
+    /// Rotation about the axis, rad.
     Revolute,
-    /// Slides along the axis, m.
+    /// Translation along the axis, m.
     Prismatic,
-    /// Does not move and has no entry in `q`.
+    /// Rigid, without an entry in `q`.
     Fixed,
 }
 
-/// One rigid body C and the joint to its parent P.
+/// A rigid body C and the joint to its parent P.
 #[derive(Debug, Clone, PartialEq)]
 pub struct KitBody {
     /// Index of the parent, smaller than the body's own; ignored for the base.
@@ -57,7 +57,7 @@ pub struct KitWheel {
     pub spin_inertia: f64,
 }
 
-/// The moment at which the sums are taken.
+/// State for which the sums are computed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct KitState {
     /// Attitude of the base.
@@ -70,7 +70,7 @@ pub struct KitState {
     pub w_NB_B: Vector3,
     /// Joint positions, one for every revolute or prismatic joint in the order of the bodies.
     pub q: Vec<f64>,
-    /// Their rates.
+    /// Joint rates.
     pub qd: Vec<f64>,
     /// Wheel speeds relative to their hosts, rad/s, one per wheel.
     pub wheel_speeds: Vec<f64>,
@@ -112,16 +112,16 @@ pub struct SystemMomentum {
     pub scale_h: f64,
 }
 
-/// Position of the joint of body `index` in `q`, or `None` if it does not move.
+/// Index of the joint of body `index` in `q`, or `None` if it does not move.
 fn coordinate(bodies: &[KitBody], index: usize) -> Option<usize> {
     let moves = |body: &KitBody| matches!(body.joint, KitJoint::Revolute | KitJoint::Prismatic);
     moves(&bodies[index]).then(|| bodies[..index].iter().filter(|b| moves(b)).count())
 }
 
-/// Pose and velocity of body `index`, by walking up to the base.
+/// Pose and velocity of body `index`, from its path to the base.
 ///
 /// # Panics
-/// If an index, `q` or `qd` does not fit the bodies.
+/// If an index, `q` or `qd` does not match the bodies.
 pub fn body_motion(bodies: &[KitBody], state: &KitState, index: usize) -> BodyMotion {
     let body = &bodies[index];
     let (R_NC, p_NCo_N, v_NCo_N, w_NC_N);
@@ -137,7 +137,7 @@ pub fn body_motion(bodies: &[KitBody], state: &KitState, index: usize) -> BodyMo
             KitJoint::Prismatic => (0.0, q),
             _ => (q, 0.0),
         };
-        let R_NZ = parent.R_NC * body.R_PC_zero; // Z: C at joint zero; the turn leaves the axis alone
+        let R_NZ = parent.R_NC * body.R_PC_zero; // C at joint zero; the rotation leaves the axis unchanged
         let axis_N = R_NZ * body.axis_C;
         R_NC = R_NZ * turn(body.axis_C * angle);
         p_NCo_N = parent.p_NCo_N + parent.R_NC * body.p_PoCo_P + axis_N * slide;
@@ -161,7 +161,7 @@ pub fn body_motion(bodies: &[KitBody], state: &KitState, index: usize) -> BodyMo
     }
 }
 
-/// Angular momentum of one body about its own mass centre, in N: `R I R^T w`.
+/// Angular momentum of one body about its mass centre, in N: `R I R^T w`.
 fn spin_N(body: &KitBody, motion: &BodyMotion) -> Vector3 {
     motion.R_NC * (body.I_CCcm_C * (motion.R_NC.transpose() * motion.w_NC_N))
 }
@@ -199,7 +199,7 @@ pub fn angular_momentum_about(
     bodies_part + wheels_part
 }
 
-/// Mass, mass centre and both momenta of the system; `None` where it has no mass.
+/// Mass, mass centre and both momenta of the system; `None` without mass.
 pub fn system_momentum(
     bodies: &[KitBody],
     wheels: &[KitWheel],
@@ -215,8 +215,8 @@ pub fn system_momentum(
     let both = || bodies.iter().zip(&motions);
     let p_NScm_N = both().map(|(b, m)| b.mass * m.p_NCcm_N).sum::<Vector3>() / mass;
     let l_S_N = linear_momentum(bodies, state);
-    // About the mass centre the system's own velocity drops out of the sum, but not of its round-off:
-    // velocities are taken relative to that of the mass centre.
+    // The system velocity cancels in the sum about the mass centre, but leaves round-off. Velocities are therefore
+    // taken relative to the mass centre.
     let v_NScm_N = l_S_N / mass;
     let wheels_part = wheels
         .iter()
@@ -252,7 +252,7 @@ pub fn system_momentum(
     })
 }
 
-/// Momentum `[l; h]` about the base origin, in base axes: what a regressor of the engine predicts.
+/// Momentum `[l; h]` about the base origin, in base axes, for comparison with the regressor.
 pub fn momentum_about_base(bodies: &[KitBody], wheels: &[KitWheel], state: &KitState) -> Vector6 {
     let l_N = linear_momentum(bodies, state);
     let h_N = angular_momentum_about(bodies, wheels, state, &state.p_NBo_N);
@@ -332,7 +332,7 @@ mod tests {
 
     #[test]
     fn exact_wheel_is_a_spinning_axisymmetric_body() {
-        // The rotor as a body of its own on a revolute joint, off-centre and tilted ...
+        // The rotor as a separate body on a revolute joint, off-centre and tilted ...
         let tilt = turn(Vector3::new(0.7, 0.2, -0.4));
         let axis_C = Vector3::z();
         let rotor = KitBody {
@@ -351,7 +351,7 @@ mod tests {
             ..state()
         };
         let two = [base(10.0), rotor.clone()];
-        // ... and as a wheel on a fixed body that contains it locked.
+        // ... and as a wheel on a fixed body that includes the locked rotor.
         let locked = KitBody {
             joint: KitJoint::Fixed,
             ..rotor

@@ -1,4 +1,4 @@
-//! Free motions of one body in closed form.
+//! Torque-free motions of one body in closed form.
 //!
 //! All attitudes come from the conservation of angular momentum, never from integrating `R' = R [w]x`.
 
@@ -10,7 +10,7 @@ use nalgebra::SymmetricEigen;
 /// Attitude and angular velocity of body B in N.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spin {
-    /// Takes components in B to components in N.
+    /// Rotation from B to N.
     pub R_NB: Matrix3,
     /// Angular velocity, in B, rad/s.
     pub w_NB_B: Vector3,
@@ -18,19 +18,18 @@ pub struct Spin {
 
 /// The torque-free asymmetric top (Landau and Lifshitz, Mechanics, section 37; Jacobi 1849).
 ///
-/// Principal axes `a, b, c`: `b` carries the middle moment and `c` the one of the outer two about which
-/// the momentum circulates (the largest if `h^2 > 2 T I_b`, else the smallest). With
-/// `u = p t + u0` and parameter `m`,
+/// Principal axes `a, b, c`: `b` has the middle moment. `c` is the axis about which the momentum circulates: that of
+/// the largest moment if `h^2 > 2 T I_b`, otherwise that of the smallest. With `u = p t + u0` and parameter `m`,
 ///
 /// `w_a = A cn u`, `w_b = s A sqrt(k) sn u`, `w_c = C dn u`, `s = sign((I_c - I_a) C)`,
 /// `k = I_a (I_c - I_a) / (I_b (I_c - I_b))`.
 ///
-/// The momentum `h`, fixed in N, gives two Euler angles (3-1-3 about `c`): `h_B / h =
-/// (sin theta sin psi, sin theta cos psi, cos theta)`. The third is the integral of
-/// `phi' = h (I_a w_a^2 + I_b w_b^2) / (I_a^2 w_a^2 + I_b^2 w_b^2)`, which is periodic in `u` with
-/// period `2 K(m)`: whole periods are counted and the rest is summed by 16-point Gauss-Legendre
-/// quadrature, in panels shorter than the distance of the nearest singularity in the complex plane.
-/// Angular velocity and attitude are good to about `1e-15 (1 + p t)`, less near the separatrix `m = 1`.
+/// The momentum `h`, fixed in N, gives two Euler angles (3-1-3 about `c`):
+/// `h_B / h = (sin theta sin psi, sin theta cos psi, cos theta)`. The third is the integral of
+/// `phi' = h (I_a w_a^2 + I_b w_b^2) / (I_a^2 w_a^2 + I_b^2 w_b^2)`, which is periodic in `u` with period `2 K(m)`.
+/// Whole periods are counted, and the rest is integrated by 16-point Gauss-Legendre quadrature. Panels are shorter
+/// than the distance to the nearest complex singularity. Angular velocity and attitude are accurate to about
+/// `1e-15 (1 + p t)`, less near the separatrix `m = 1`.
 pub struct AsymmetricTop {
     /// Columns: a, b, c in B.
     R_BA: Matrix3,
@@ -47,18 +46,18 @@ pub struct AsymmetricTop {
     u0: f64,
     /// |h|, kg m2/s.
     h: f64,
-    /// Axes in which the momentum is the third: N from H.
+    /// Axes with the momentum along the third: rotation from H to N.
     R_NH: Matrix3,
     rule: GaussLegendre,
-    /// Growth of phi over the whole period of its rate, rad.
+    /// Increase of phi over one period of its rate, rad.
     phi_per_period: f64,
 }
 
 impl AsymmetricTop {
-    /// The top with the central inertia `I_BBcm_B` (any axes) that starts at `start`.
+    /// The top with the central inertia `I_BBcm_B` (any axes) with initial state `start`.
     ///
-    /// `None` where two principal moments are within 1e-9 of each other ([`AxisymmetricGyrostat`] is
-    /// the closed form there), a moment is not positive, or the body does not turn.
+    /// `None` where two principal moments are within 1e-9 of each other ([`AxisymmetricGyrostat`] is the closed form
+    /// there), a moment is not positive, or the body does not rotate.
     pub fn new(I_BBcm_B: &Matrix3, start: &Spin) -> Option<Self> {
         let eigen = SymmetricEigen::new(*I_BBcm_B);
         let mut order = [0, 1, 2];
@@ -72,7 +71,7 @@ impl AsymmetricTop {
         }
         let axes = order.map(|i| eigen.eigenvectors.column(i).into_owned());
         let w = axes.map(|axis| axis.dot(&start.w_NB_B));
-        // h^2 - 2 T I_b, with the middle terms cancelled by hand.
+        // h^2 - 2 T I_b, with the middle terms cancelled analytically.
         let about_largest =
             I[2] * (I[2] - I[1]) * w[2].powi(2) > I[0] * (I[1] - I[0]) * w[0].powi(2);
         let (a, c) = if about_largest { (0, 2) } else { (2, 0) };
@@ -119,12 +118,12 @@ impl AsymmetricTop {
         Some(top)
     }
 
-    /// Time after which `w_NB_B` up to the signs of `w_a`, `w_b` repeats, s; infinite on the separatrix.
+    /// Period of `w_NB_B` up to the signs of `w_a`, `w_b`, s; infinite on the separatrix.
     pub fn period(&self) -> f64 {
         2.0 * complete_first_by_complement(self.m1) / self.pace
     }
 
-    /// Attitude and angular velocity at time `t` (s, of either sign).
+    /// Attitude and angular velocity at time `t` (s, may be negative).
     pub fn at(&self, t: f64) -> Spin {
         let u = self.u0 + self.pace * t;
         let [sn, cn, dn] = jacobi_by_complement(u, self.m1);
@@ -142,7 +141,7 @@ impl AsymmetricTop {
         ((Ic - Ia) * self.C).signum()
     }
 
-    /// `R_x(theta) R_z(psi)`, in which the amplitude `A` divides out of psi: pure spin is no exception.
+    /// `R_x(theta) R_z(psi)`; the amplitude `A` cancels in psi, so pure spin needs no special case.
     fn nutation_and_spin(&self, u: f64) -> Matrix3 {
         let [Ia, Ib, Ic] = self.moments;
         let [sn, cn, dn] = jacobi_by_complement(u, self.m1);
@@ -176,7 +175,7 @@ impl AsymmetricTop {
     }
 
     fn phi(&self, t: f64) -> f64 {
-        let periods = (t / self.period()).trunc(); // towards zero: a short time costs no digits
+        let periods = (t / self.period()).trunc(); // towards zero, so that a short time loses no digits
         if periods == 0.0 {
             return self.phi_from_start(t);
         }
@@ -187,17 +186,17 @@ impl AsymmetricTop {
 /// The axisymmetric body with a wheel of constant relative speed along its symmetry axis `e`; without
 /// wheel momentum it is the symmetric top.
 ///
-/// The rate `s = e.w` is constant and `w = h_B / I_t + e (s - (I_s s + h_w) / I_t)`, so that the attitude
-/// is a turn about the fixed momentum times a turn about the symmetry axis:
-/// `R(t) = exp([h_N / I_t t]x) R(0) exp([e (s - (I_s s + h_w) / I_t) t]x)`
-/// (Hughes, Spacecraft Attitude Dynamics 1986, chapters 4 and 6).
+/// The rate `s = e.w` is constant and `w = h_B / I_t + e (s - (I_s s + h_w) / I_t)`. The attitude is a rotation about
+/// the fixed momentum times a rotation about the symmetry axis:
+/// `R(t) = exp([h_N / I_t t]x) R(0) exp([e (s - (I_s s + h_w) / I_t) t]x)` (Hughes, Spacecraft Attitude Dynamics 1986,
+/// chapters 4 and 6).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AxisymmetricGyrostat {
     /// Unit symmetry axis and spin axis of the wheel, in B.
     pub axis_B: Vector3,
     /// Central moment across the axis, kg m2.
     pub transverse: f64,
-    /// Central moment along the axis, kg m2; contains the rotor as if locked.
+    /// Central moment along the axis, kg m2, including the locked rotor.
     pub axial: f64,
     /// `Js Omega`, kg m2/s.
     pub wheel_momentum: f64,
@@ -210,7 +209,7 @@ impl AxisymmetricGyrostat {
         Matrix3::identity() * self.transverse + along * (self.axial - self.transverse)
     }
 
-    /// Attitude and angular velocity at time `t` (s, of either sign) after `start`.
+    /// Attitude and angular velocity at time `t` (s, may be negative) after `start`.
     pub fn at(&self, start: &Spin, t: f64) -> Spin {
         let rate = self.axis_B.dot(&start.w_NB_B);
         let h_B = self.inertia() * start.w_NB_B + self.axis_B * self.wheel_momentum;
@@ -224,18 +223,18 @@ impl AxisymmetricGyrostat {
     }
 }
 
-/// What a gyrostat of any shape keeps while no external torque acts.
+/// Invariants of a gyrostat of any shape without external torque.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GyrostatInvariants {
-    /// Angular momentum `R (I w + h_w)` in N, kg m2/s: kept whatever the wheels do.
+    /// Angular momentum `R (I w + h_w)` in N, kg m2/s: constant for any wheel motion.
     pub h_N: Vector3,
-    /// `w.I w / 2`, J, with the rotors as if locked: kept while the wheel speeds relative to the body are
-    /// held constant, because `I w' = -w x (I w + h_w)` has no part along `w`.
+    /// `w.I w / 2`, J, with locked rotors. It is constant at constant relative wheel speeds, because
+    /// `I w' = -w x (I w + h_w)` has no component along `w`.
     pub energy_at_held_speed: f64,
 }
 
-/// The invariants of a body with central inertia `I_BBcm_B` (rotors as if locked) and wheel momentum
-/// `h_w_B`, the sum of `Js Omega a`.
+/// The invariants of a body with central inertia `I_BBcm_B` (rotors locked) and wheel momentum `h_w_B`, the sum of
+/// `Js Omega a`.
 pub fn gyrostat_invariants(I_BBcm_B: &Matrix3, h_w_B: &Vector3, spin: &Spin) -> GyrostatInvariants {
     let bare = I_BBcm_B * spin.w_NB_B;
     GyrostatInvariants {
@@ -244,7 +243,7 @@ pub fn gyrostat_invariants(I_BBcm_B: &Matrix3, h_w_B: &Vector3, spin: &Spin) -> 
     }
 }
 
-/// `Js (Omega + a.w)`: the axial momentum of one rotor, kept while its bearing gives no torque.
+/// `Js (Omega + a.w)`: the axial momentum of one rotor, constant without bearing torque.
 pub fn rotor_axial_momentum(
     spin_inertia: f64,
     axis_B: &Vector3,
@@ -254,11 +253,11 @@ pub fn rotor_axial_momentum(
     spin_inertia * (speed + axis_B.dot(w_NB_B))
 }
 
-/// Attitude after a wheel has turned by `wheel_angle` (rad, relative to the body) from any speed profile,
-/// for a body whose total angular momentum, wheel included, is zero.
+/// Attitude after a wheel rotation by `wheel_angle` (rad, relative to the body) with any speed profile, for zero total
+/// angular momentum including the wheel.
 ///
-/// `I w + Js Omega a = 0` keeps `w` along the fixed direction `I^-1 a` of the body:
-/// `R = R(0) exp(-[I^-1 a]x Js wheel_angle)`. `None` where the inertia is singular.
+/// `I w + Js Omega a = 0` keeps `w` along the body-fixed direction `I^-1 a`:
+/// `R = R(0) exp(-[I^-1 a]x Js wheel_angle)`. `None` if the inertia is singular.
 pub fn zero_momentum_slew(
     I_BBcm_B: &Matrix3,
     axis_B: &Vector3,
@@ -270,8 +269,8 @@ pub fn zero_momentum_slew(
     Some(R_NB_0 * turn(-direction * (spin_inertia * wheel_angle)))
 }
 
-/// Position `p_NBo_N` (m) and velocity `v_NBo_B` (m/s, in B) of the frame origin of a free body whose mass
-/// centre moves uniformly from `p_NBcm_N_0` with `v_NBcm_N`, `t` seconds later with the attitude `spin`.
+/// Position `p_NBo_N` (m) and velocity `v_NBo_B` (m/s, in B) of the frame origin of a free body at time `t` with
+/// attitude `spin`. The mass centre moves uniformly from `p_NBcm_N_0` with `v_NBcm_N`.
 pub fn coasting_origin(
     p_NBcm_N_0: &Vector3,
     v_NBcm_N: &Vector3,
@@ -315,8 +314,8 @@ mod tests {
         moments.max() / moments.min()
     }
 
-    /// Time derivative of the motion by central differences of sixth order (Richardson twice),
-    /// compared with `R' = R [w]x` and `w' = -I^-1 (w x (I w + h_w))`.
+    /// Time derivative of the motion by sixth-order central differences (Richardson, twice), compared with
+    /// `R' = R [w]x` and `w' = -I^-1 (w x (I w + h_w))`.
     fn equation_of_motion_error(
         at: impl Fn(f64) -> Spin,
         I: &Matrix3,
@@ -465,7 +464,7 @@ mod tests {
         }
     }
 
-    /// Spins in both regimes, pure spins about every principal axis, and some close to pure.
+    /// Spins in both regimes, pure spins about every principal axis, and some nearly pure ones.
     fn spins(I: &Matrix3) -> Vec<[f64; 3]> {
         let eigen = SymmetricEigen::new(*I);
         let mut list = vec![

@@ -1,4 +1,4 @@
-//! Dynamics of the recorded trees: what Pinocchio and MuJoCo say of `fixtures/trees/dynamics.jsonl`.
+//! Dynamics of the recorded trees by Pinocchio and MuJoCo, from `fixtures/trees/dynamics.jsonl`.
 //!
 //! The layout of the file is in `fixtures/trees/README.md`.
 
@@ -7,11 +7,11 @@ use crate::trees::{TreeCase, load_trees, trees_path};
 use serde::Deserialize;
 use std::io;
 
-/// Mass of the bodies that have none in the trees, kg, and their inertia about each axis, kg m2.
+/// Mass, kg, and inertia about each axis, kg m2, given to massless bodies of the trees.
 const FILL: (f64, f64) = (1.0, 0.1);
 
-/// What is asked of one tree, and the answers. Vectors over the whole tree hold the base first, linear before
-/// angular part, then the joint coordinates; all in base axes, moments about the base origin.
+/// Inputs and results for one tree. Vectors over the whole tree hold the base first (linear before angular part), then
+/// the joint coordinates; all in base axes, moments about the base origin.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TreeDynamics {
@@ -19,33 +19,34 @@ pub struct TreeDynamics {
     pub wrench_Bo_B: [f64; 6],
     /// Force of each joint, N m or N.
     pub force: Vec<f64>,
-    /// Accelerations for inverse dynamics, and the vector that the mass matrix multiplies.
+    /// Accelerations for inverse dynamics, also the vector multiplied by the mass matrix.
     pub given: Vec<f64>,
     /// Load at the origin of the last body.
     pub load_B: [f64; 6],
-    /// By Pinocchio.
+    /// Results of Pinocchio.
     pub pinocchio: DynamicsAnswer,
-    /// By MuJoCo.
+    /// Results of MuJoCo.
     pub mujoco: ForwardAnswer,
 }
 
-/// What Pinocchio says.
+/// Results of Pinocchio.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DynamicsAnswer {
-    /// `aba`: inertial acceleration of the base origin, angular acceleration, joints, under wrench and forces.
+    /// `aba`: inertial acceleration of the base origin, angular acceleration, joint accelerations, for wrench and
+    /// forces.
     pub acceleration: Vec<f64>,
-    /// `rnea`: base wrench and joint forces that the given accelerations take.
+    /// `rnea`: base wrench and joint forces for the given accelerations.
     pub inverse: Vec<f64>,
     /// `crba`.
     pub mass_matrix_times_given: Vec<f64>,
-    /// Twist of the origin of the last body by its Jacobian.
+    /// Twist of the origin of the last body, by its Jacobian.
     pub tip_twist: [f64; 6],
-    /// The Jacobian's transpose times the load.
+    /// Transposed Jacobian times the load.
     pub tip_transpose_load: Vec<f64>,
 }
 
-/// What MuJoCo says.
+/// Results of MuJoCo.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ForwardAnswer {
@@ -53,10 +54,10 @@ pub struct ForwardAnswer {
     pub acceleration: Vec<f64>,
 }
 
-/// The recorded trees, every body with mass, with their dynamics.
+/// The recorded trees with their dynamics; every body has mass.
 ///
 /// # Errors
-/// A file is absent, or a line is not in the layout (the message names the line).
+/// A file is missing, or a line is invalid (the message names the line).
 pub fn load_tree_dynamics() -> io::Result<Vec<(TreeCase, TreeDynamics)>> {
     let text = std::fs::read_to_string(trees_path().with_file_name("dynamics.jsonl"))?;
     let answers: Vec<TreeDynamics> = text

@@ -1,4 +1,4 @@
-//! The recorded trees of `fixtures/trees` with the answers of Pinocchio and MuJoCo.
+//! The recorded trees of `fixtures/trees` with the results of Pinocchio and MuJoCo.
 //!
 //! The layout of the file is in `fixtures/trees/README.md`.
 
@@ -8,7 +8,7 @@ use serde::Deserialize;
 use std::io;
 use std::path::PathBuf;
 
-/// What one independent engine says about a tree; vectors in N.
+/// Results of one independent program for a tree; vectors in N.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct EngineMomentum {
@@ -24,7 +24,7 @@ pub struct EngineMomentum {
     pub kinetic_energy: f64,
 }
 
-/// What Pinocchio says, with the quantities that MuJoCo does not offer.
+/// Results of Pinocchio, with quantities that MuJoCo does not provide.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PinocchioAnswer {
@@ -66,11 +66,11 @@ pub struct TreeCase {
     pub bodies: Vec<KitBody>,
     /// Pose, twist and joints; no wheels.
     pub state: KitState,
-    /// The base attitude as recorded: Hamilton, scalar last, body to inertial.
+    /// Recorded base attitude: Hamilton, scalar last, body to inertial.
     pub q_NB_xyzw: [f64; 4],
-    /// The answer of Pinocchio.
+    /// Results of Pinocchio.
     pub pinocchio: PinocchioAnswer,
-    /// The answer of MuJoCo.
+    /// Results of MuJoCo.
     pub mujoco: EngineMomentum,
 }
 
@@ -152,14 +152,14 @@ impl TreeRecord {
     }
 }
 
-/// `R` of a unit quaternion, Hamilton, scalar last: `R u = u + 2 s (a x u) + 2 a x (a x u)`.
+/// Rotation matrix of a unit quaternion, Hamilton, scalar last: `R u = u + 2 s (a x u) + 2 a x (a x u)`.
 pub fn rotation_from_xyzw([x, y, z, w]: [f64; 4]) -> Matrix3 {
     let a = Vector3::new(x, y, z);
     let turned = |u: Vector3| u + 2.0 * w * a.cross(&u) + 2.0 * a.cross(&a.cross(&u));
     Matrix3::from_columns(&[Vector3::x(), Vector3::y(), Vector3::z()].map(turned))
 }
 
-/// Where the recorded trees are.
+/// Path of the recorded trees.
 pub fn trees_path() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/trees/trees.jsonl")
 }
@@ -167,7 +167,7 @@ pub fn trees_path() -> PathBuf {
 /// All recorded trees, in the order of the file.
 ///
 /// # Errors
-/// The file is absent, or a line is not in the layout (the message names the line).
+/// The file is missing, or a line is invalid (the message names the line).
 pub fn load_trees() -> io::Result<Vec<TreeCase>> {
     let text = std::fs::read_to_string(trees_path())?;
     text.lines()

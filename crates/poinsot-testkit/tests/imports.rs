@@ -1,22 +1,21 @@
-//! Imports between the modules of each crate, read from the sources: none may run in a circle.
+//! Imports between the modules of each crate, read from the sources: circles are not allowed.
 //!
-//! An import is a path that begins with `crate`, `super`, `self`, a child module or a name that a `use` brought in. It stands in a
-//! `use` or in an expression, and counts for the module that defines what it names, not for one that passes it on. In every folder
-//! its files and folders are compared as wholes. A file and the folder of its name (`motion.rs`, `motion/`) are one layer.
+//! An import is a path that starts with `crate`, `super`, `self`, a child module or an imported name, in a `use` or in
+//! an expression. It counts for the module that defines the item, not for one that re-exports it. In every folder,
+//! whole files and folders are compared. A file and the folder of its name (`motion.rs`, `motion/`) are one layer.
 #![allow(clippy::unwrap_used)]
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 
-/// From the root of a crate to a module, or further to an item of it.
+/// Path from the crate root to a module or item.
 type Name = Vec<String>;
-/// Each module's source.
 type Sources = BTreeMap<Name, String>;
-/// In each folder: which child imports which, and where it does.
+/// For each folder: which child imports which, and the places.
 type Imports = BTreeMap<Name, BTreeMap<String, BTreeMap<String, BTreeSet<String>>>>;
 
-/// How often a name may be passed on before the search ends.
+/// Limit on the length of a chain of re-exports.
 const PASSED_ON: usize = 16;
 
 #[test]
@@ -114,7 +113,7 @@ fn sources_in(folder: &Path) -> Sources {
     sources
 }
 
-/// The text before `#[cfg(test)] mod name {`; modules of tests in files of their own are added to `tests`.
+/// The text before `#[cfg(test)] mod name {`; test modules in separate files are added to `tests`.
 fn without_tests(text: &str, module: &Name, tests: &mut Vec<Name>) -> String {
     let mut kept = String::new();
     let mut is_test = false;
@@ -137,7 +136,7 @@ fn without_tests(text: &str, module: &Name, tests: &mut Vec<Name>) -> String {
     kept
 }
 
-/// The source without comments, texts and characters, line by line as before.
+/// The source without comments, strings and characters; lines are kept.
 fn plain(source: &str) -> String {
     let mut kept = String::new();
     let mut rest = source;
@@ -172,7 +171,7 @@ fn plain(source: &str) -> String {
     kept
 }
 
-/// Behind the closing quote of a text.
+/// Position after the closing quote of a string.
 fn end_of_text(text: &str) -> usize {
     let mut is_escaped = false;
     for (at, c) in text.char_indices().skip(1) {
@@ -184,13 +183,13 @@ fn end_of_text(text: &str) -> usize {
     text.len()
 }
 
-/// A path as written, with the line it stands on.
+/// A path as written, with its line.
 struct Written {
     path: Name,
     line: usize,
 }
 
-/// What a module names: all paths, and the names that `use` brings into it.
+/// Paths and imported names of a module.
 #[derive(Default)]
 struct Named {
     paths: Vec<Written>,
@@ -248,7 +247,7 @@ fn named_in(text: &str) -> Named {
     named
 }
 
-/// One branch of the tree of a `use`; returns where it ends.
+/// One branch of a `use` tree; returns its end.
 fn brought(tokens: &[Token<'_>], mut at: usize, before: &Name, named: &mut Named) -> usize {
     let token = |at: usize| tokens.get(at).map_or("", |token| token.0);
     if token(at) == "{" {
@@ -292,7 +291,7 @@ fn brought(tokens: &[Token<'_>], mut at: usize, before: &Name, named: &mut Named
     at + 1 + 2 * usize::from(renamed)
 }
 
-/// The module that defines what `path` names as seen from `module`, and whether the path ends at an item of it.
+/// The module that defines `path` seen from `module`, and whether the path ends at an item.
 fn defined_in(
     all: &BTreeMap<Name, Named>,
     module: &Name,
@@ -361,7 +360,7 @@ fn imports(sources: &Sources) -> Imports {
     imports
 }
 
-/// Each circle: its folder, its members, and the imports between them.
+/// Each circle: folder, members, and the imports between them.
 fn circles(imports: &Imports) -> Vec<(String, Vec<String>, Vec<String>)> {
     let mut found = Vec::new();
     for (folder, edges) in imports {
@@ -388,7 +387,7 @@ fn circles(imports: &Imports) -> Vec<(String, Vec<String>, Vec<String>)> {
     found
 }
 
-/// All that can be reached from a child along its imports.
+/// All children reachable from one along imports.
 fn reached(
     edges: &BTreeMap<String, BTreeMap<String, BTreeSet<String>>>,
     from: &str,

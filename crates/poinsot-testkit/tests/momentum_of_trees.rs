@@ -10,7 +10,7 @@ use poinsot_testkit::trees::{TreeCase, load_trees};
 
 const TOLERANCE: f64 = 1e-12;
 
-/// The largest of `differences` over all trees is below [`TOLERANCE`].
+/// The largest difference over all trees is below [`TOLERANCE`].
 fn all_trees_agree<const N: usize>(names: [&str; N], differences: impl Fn(&TreeCase) -> [f64; N]) {
     let trees = load_trees().unwrap();
     assert_eq!(trees.len(), 1000);

@@ -1,11 +1,11 @@
-//! Does the program notice what sloshes or flexes in a vehicle that is taken as rigid?
+//! Tests whether unmodelled slosh or flexibility is detected.
 //!
 //!     cargo run --release -p poinsot --example hidden_oscillator -- [TRIALS [JOINT MASS_KG|locked]]
 //!
-//! The truth has a pendulum, or a panel on a hinge, with spring and damper; the estimator's model does not. Each trial
-//! draws new sensor noise. A trial counts as detected when the answer is rejected, its covariance marked not
-//! trustworthy, and the line named lies within 5 % of the frequency at which the hidden joint itself swings in the
-//! exact motion. In the last rows the same hinge is locked: there nothing may be found.
+//! The true vehicle has a pendulum, or a panel on a hinge, with spring and damper; the model does not. Each trial
+//! draws new sensor noise. A trial counts as detected if the answer is rejected, its covariance is marked unreliable,
+//! and the reported line is within 5 % of the hidden joint's frequency in the exact motion. In the last rows the hinge
+//! is locked, and nothing may be reported.
 
 use poinsot::case::{Case, read_case};
 use poinsot::simulate::{SimulateError, simulate_case};
@@ -17,13 +17,13 @@ use rayon::prelude::*;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
-/// Case, hidden joint, and the masses of what swings, kg.
+/// Case, hidden joint, and masses of the moving body, kg.
 const HIDDEN: [(&str, &str, &[f64]); 2] = [
     ("slosh.toml", "slosh", &[0.75, 1.5, 3.0, 6.0]),
     ("hinged_panel.toml", "hinge", &[1.0, 2.0, 4.0]),
 ];
 
-/// What came of the trials of one set-up.
+/// Result of the trials of one set-up.
 #[derive(Default)]
 struct Count {
     rejected: usize,
@@ -75,7 +75,7 @@ fn row(name: &str, joint: &str, mass: Option<f64>, trials: u64) -> Result<(), Bo
     let child = truth.joints[at].child;
     if let Some(mass) = mass {
         let body = &mut truth.bodies[child].nominal;
-        // The same shape and stiffness per mass: the same frequency, less of it.
+        // Equal shape and stiffness per mass: equal frequency, smaller effect.
         let factor = mass / body.mass;
         body.mass = mass;
         body.I_BBcm_B *= factor;
@@ -107,7 +107,7 @@ fn row(name: &str, joint: &str, mass: Option<f64>, trials: u64) -> Result<(), Bo
     Ok(())
 }
 
-/// Frequency of the joint in the exact motion after the last torque, from its passages through the mean, Hz.
+/// Frequency of the joint in the exact motion after the last torque, from its crossings of the mean, Hz.
 fn swing(case: &Case, truth: &Model, joint: &str) -> Result<f64, Box<dyn Error>> {
     let mut exact = truth.clone();
     exact.sensors.clear();
@@ -164,7 +164,7 @@ fn run(
     Ok(count)
 }
 
-/// The frequency that a warning names, Hz.
+/// The frequency named in a warning, Hz.
 fn line(warning: &str) -> Option<f64> {
     let rest = warning.split("a line at ").nth(1)?;
     rest.split(' ').next()?.parse().ok()

@@ -2,11 +2,11 @@
 //!
 //!     cargo run --release -p poinsot --example physical_edge -- [TRIALS [FIRST_SEED [plate|disc]]]
 //!
-//! A nearly flat plate and a flat disc turn on three wheels; their thickness is far below what the data can
-//! tell. Each trial draws new noise and is solved twice: over all tensors and over physical ones. Beyond: the free answer
-//! is impossible. Held: the physical one says that it is at the limit of physical; it should exactly then. Covered: share of the
-//! 95 % intervals of the six elements of the tensor that hold the truth, in the trials that are held and in all; and that
-//! of the element that fares worst.
+//! A nearly flat plate and a flat disc rotate by three wheels; their thickness is far below the resolution of the
+//! data. Each trial draws new noise and is solved twice: over all tensors and over physical ones. Beyond: the
+//! unconstrained answer is unphysical. Held: the physical answer reports that it is at the physical limit, which must
+//! be equivalent. Covered: fraction of the 95 % intervals of the six tensor elements that hold the truth, in the held
+//! trials and in all, and that of the worst element.
 #![allow(clippy::unwrap_used, non_snake_case)]
 
 #[path = "../tests/all/vehicle/mod.rs"]
@@ -30,7 +30,6 @@ const SHAPES: [(&str, [f64; 3]); 2] = [
     ("disc", [6.0, 6.0, 0.0]),
 ];
 
-/// What came of one trial.
 struct Trial {
     settled: bool,
     rejected: bool,
@@ -67,7 +66,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The tensor with these second moments, turned away from the axes of the body.
+/// The tensor with these second moments, rotated relative to body axes.
 fn tensor(second: [f64; 3]) -> Matrix3 {
     let axes = turned(Vector3::new(0.3, -0.5, 0.2));
     let second = Vector3::from(second);
@@ -88,7 +87,7 @@ fn row(name: &str, truth: &Model, word: &str, seeds: std::ops::Range<u64>) {
     flight.rate_hz *= 2.0;
     flight.duration_s *= 0.5;
     let clean = fly(truth, &flight);
-    // What is nominal lies well inside.
+    // The nominal body is well inside the physical set.
     let mut model = truth.clone();
     model.bodies[0].nominal.I_BBcm_B += Matrix3::identity() * 0.5;
     let trials: Vec<Trial> = seeds
@@ -129,7 +128,7 @@ fn trial(model: &Model, table: &Table, I: &Matrix3) -> Trial {
     Trial {
         settled: kept.status != Status::IterationLimit && free.status != Status::IterationLimit,
         rejected: kept.status == Status::Rejected,
-        // Far beyond, the free answer is rejected and its numbers withheld.
+        // Far outside, the unconstrained answer is rejected and its numbers are withheld.
         beyond: free.bodies[0].physically_consistent == Some(false)
             || free
                 .warnings
@@ -149,7 +148,7 @@ fn trial(model: &Model, table: &Table, I: &Matrix3) -> Trial {
     }
 }
 
-/// Per cent of the intervals that hold the truth: of all elements and of the worst.
+/// Percentage of the intervals that hold the truth: of all elements and of the worst.
 fn coverage<'a>(trials: impl Iterator<Item = &'a Trial>) -> (f64, f64) {
     let mut sums = [0_usize; 6];
     let mut n = 0;

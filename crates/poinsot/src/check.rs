@@ -1,4 +1,4 @@
-//! The verb `check`: checks and describes a model, map, case, plan or answer.
+//! The command `check`: checks and describes a model, map, case, plan or result.
 
 use crate::campaign::read_plan;
 use crate::case::{CaseError, CaseFault, CaseText, counted, describe_case, shaped_case};
@@ -14,9 +14,9 @@ use serde::Serialize;
 use std::fmt;
 use std::path::Path;
 
-/// Largest file that is checked, bytes: the largest result that is read.
+/// Size limit of a file, bytes: that of a result.
 const LARGEST: u64 = poinsot_formats::LARGEST_RESULT;
-/// Largest number of reported contradictions of one file.
+/// Number of contradictions reported per file.
 const SHOWN: usize = 10;
 
 /// Description of a file.
@@ -43,10 +43,10 @@ impl fmt::Display for Described {
     }
 }
 
-/// Checks and describes a file. The key `schema` tells its kind; a file with a `[telemetry]` table alone is a map.
+/// Checks and describes a file. The key `schema` gives its format; a file with only a `[telemetry]` table is a map.
 ///
 /// # Errors
-/// All faults of it and of its files.
+/// All faults of the file and of the files that it names.
 pub fn check(path: &Path) -> Result<StatedFile<Described>, Error> {
     let content = described(path)?;
     Ok(StatedFile {
@@ -87,7 +87,7 @@ fn described(path: &Path) -> Result<Described, Error> {
     Ok(Described::Model(Box::new(describe(&read_model(path)?))))
 }
 
-/// A case with its model: everything that `simulate`, `predict` and `design` would refuse.
+/// Describes a case with its model; errors are all faults that `simulate`, `predict` and `design` would report.
 fn case(path: &Path, text: String) -> Result<Vec<String>, Error> {
     let (case, faults) = shaped_case(path, text).map_err(SimulateError::from)?;
     let model = read_model(&case.model)?;

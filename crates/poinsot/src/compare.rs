@@ -1,8 +1,8 @@
-//! The verb `compare`: consistency of several answers of one vehicle.
+//! The command `compare`: consistency of several results of one vehicle.
 //!
-//! With `x_i` the numbers of answer i and `C_i` their covariance, the differences `x_i - x_1` have covariance
-//! `C_1 + delta_ij C_i` if the answers are independent and the vehicle did not change; their square in that metric is
-//! chi-square distributed (Rao 1973, 8b). Answers that agree are pooled by information.
+//! Let result i have numbers `x_i` with covariance `C_i`. If the results are independent and the vehicle did not
+//! change, the differences `x_i - x_1` have covariance `C_1 + delta_ij C_i`. Their squared Mahalanobis norm is then
+//! chi-square distributed (Rao 1973, 8b). Consistent results are averaged with information weights.
 
 mod statistics;
 mod text;
@@ -20,23 +20,23 @@ use statistics::{Answers, pooled, test};
 use std::collections::HashSet;
 use std::path::PathBuf;
 
-/// Probability, over all numbers compared, below which the answers differ.
+/// Significance level of the joint test over all compared numbers.
 const SIGNIFICANT: f64 = 0.01;
 
-/// Probability that independent answers of one vehicle agree as well by chance, below which they are said to share telemetry.
+/// If independent results would agree this well with a smaller probability, they are assumed to share telemetry.
 const TOO_GOOD: f64 = 1.0e-3;
 
-/// Figures of a time in words.
+/// Significant figures of a time in messages.
 const DIGITS: i32 = 4;
 
-/// The question.
+/// Arguments of `compare`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct CompareRequest {
     /// Folders of `identify --out`, or their `estimate.json`; two or more.
     pub answers: Vec<PathBuf>,
 }
 
-/// Compares answers of one vehicle.
+/// Compares results of one vehicle.
 ///
 /// # Errors
 /// Fewer than two answers, files that cannot be read, or answers of different vehicles.
@@ -49,7 +49,7 @@ pub fn compare(request: &CompareRequest) -> Result<ComparisonFile, Error> {
     compare_estimates(&answers)
 }
 
-/// The same with answers in memory, each with its name.
+/// Compares results in memory, each with its name.
 ///
 /// # Errors
 /// Fewer than two answers, or answers of different vehicles.
@@ -114,7 +114,7 @@ fn too_few(found: usize) -> Error {
     }
 }
 
-/// A result file that cannot be read, as an error of this program.
+/// Converts an error of reading a result file.
 pub fn format_error(error: FormatError) -> Error {
     let why = error.to_string();
     match error {
@@ -153,7 +153,7 @@ fn number(common: &Answers, k: usize, mean: Option<(f64, f64)>) -> ComparedNumbe
     }
 }
 
-/// All numbers together, then the groups of each body.
+/// Tests of all numbers together, and of the groups of each body.
 fn tests(common: &Answers) -> Vec<JointTestFile> {
     let all: Vec<usize> = (0..common.names.len()).collect();
     if all.is_empty() {
@@ -176,7 +176,7 @@ fn tests(common: &Answers) -> Vec<JointTestFile> {
         .collect()
 }
 
-/// `bus.inertia_kg_m2.xy` belongs to the inertia of bus.
+/// Group of an address: `bus.inertia_kg_m2.xy` belongs to the inertia of bus.
 fn group(address: &str) -> String {
     let parts = Address::parse(address);
     let what = match parts.quantity() {
@@ -188,7 +188,7 @@ fn group(address: &str) -> String {
     format!("{what} of {}", parts.owner())
 }
 
-/// Numbers that some answer asked for and not all determine, and numbers that were known with different values.
+/// Numbers requested in some result but not determined in all, and known numbers with different values.
 fn not_compared(files: &[&EstimateFile], common: &Answers) -> Vec<String> {
     let mut out = Vec::new();
     let compared: HashSet<&str> = common.names.iter().map(String::as_str).collect();
@@ -240,16 +240,16 @@ fn not_compared(files: &[&EstimateFile], common: &Answers) -> Vec<String> {
 /// Why two records are assumed to overlap in time.
 #[derive(Clone, Copy, PartialEq)]
 enum Shared {
-    /// Both have one content.
+    /// Both have the same content.
     Content,
     /// Both have dates.
     Dates,
-    /// Neither has a date, and they begin at different counts: their clocks may be one.
+    /// Neither has a date, and they start at different counts: they may have a common clock.
     Counts,
 }
 
-/// The longest time that a record of one answer shares with a record of the other. Records without a date and with
-/// equal first counts are no evidence: counts often restart with every record.
+/// The longest time shared by a record of each result. Records without a date and with equal first counts are no
+/// evidence, because counts often restart with every record.
 fn overlap(one: &EstimateFile, other: &EstimateFile) -> Option<(f64, Shared)> {
     let origin = |file: &EstimateFile| {
         let epoch = file.epoch.as_ref()?;
@@ -264,7 +264,7 @@ fn overlap(one: &EstimateFile, other: &EstimateFile) -> Option<(f64, Shared)> {
     pairs
         .filter_map(|(a, b)| {
             let same = a.sha256 == b.sha256;
-            // One file by a date and without: its times cannot be compared, its length can.
+            // If one of two equal files has no date, the times cannot be compared, only the durations.
             let unknown = same.then(|| a.time_s[0] - b.time_s[0]);
             let [from, to] = b.time_s.map(|t| Some(t + shift.or(unknown)?));
             let (from, to) = (from?, to?);
@@ -280,7 +280,7 @@ fn overlap(one: &EstimateFile, other: &EstimateFile) -> Option<(f64, Shared)> {
         .max_by(|x, y| x.0.total_cmp(&y.0))
 }
 
-/// Why the answers are not independent or not reliable.
+/// Why the results are not independent or not reliable.
 fn doubts(files: &[&EstimateFile], agreement: Option<f64>) -> Vec<String> {
     let mut out = Vec::new();
     for (i, file) in (1..).zip(files) {

@@ -1,4 +1,4 @@
-//! The evidence for and against the fit: in the result file, in the terminal, on the page.
+//! Evidence about the fit, for the result file, the terminal and the page.
 
 use poinsot_formats::{
     ChannelFile, DiagnosticsFile, DriftFile, FindingFile, HeldOutFile, LagFile, LineFile,
@@ -7,10 +7,10 @@ use poinsot_formats::{
 use poinsot_identify::{Diagnostics, HeldOut, MomentumDrift};
 use poinsot_report::{Tone, probability, significant};
 
-/// p-value below which a drift or a lag is reported.
+/// p-value below which drift or lag is reported.
 pub(crate) const SIGNIFICANT: f64 = 1.0e-4;
 
-/// The tests of the residuals as in the result file.
+/// Tests of the residuals for the result file.
 pub(crate) fn diagnostics_file(d: &Diagnostics) -> DiagnosticsFile {
     DiagnosticsFile {
         chi2: finite(d.chi2),
@@ -27,9 +27,9 @@ pub(crate) fn diagnostics_file(d: &Diagnostics) -> DiagnosticsFile {
     }
 }
 
-/// One check of the residuals, or a cause of what they show.
+/// One check of the residuals, or a possible cause of a misfit.
 pub(crate) struct Check {
-    /// What was tested.
+    /// Name of the test.
     pub test: String,
     /// Result.
     pub found: String,
@@ -53,7 +53,7 @@ impl Check {
     }
 }
 
-/// Causes listed beside the checks; the result file has all.
+/// Number of causes listed next to the checks; the result file has all.
 const CAUSES: usize = 3;
 
 /// Every check of the residuals.
@@ -89,7 +89,7 @@ pub(crate) fn causes(d: &DiagnosticsFile) -> Vec<Check> {
     d.suspects.iter().take(CAUSES).map(one).collect()
 }
 
-/// The size of the residual against the declared noise.
+/// Verdict on the residual size relative to the declared noise.
 pub(crate) fn chi_square_verdict(d: &DiagnosticsFile) -> Verdict {
     match d.excess_sigmas {
         Some(x) if x > 6.0 => (Tone::Bad, "larger than declared"),
@@ -174,7 +174,7 @@ fn finding(f: &poinsot_identify::Finding) -> FindingFile {
     }
 }
 
-/// The shape of a sensor's residual in time.
+/// Verdict on the time series of a sensor's residual.
 pub(crate) fn residual_verdict(c: &ChannelFile) -> Verdict {
     match (c.outlier_share > 1.0e-3 && c.outliers > 1, c.whiteness_p) {
         (true, _) => (Tone::Bad, "outliers"),
@@ -196,7 +196,7 @@ fn residual(name: &str, c: &ChannelFile) -> Check {
     )
 }
 
-/// The end of every record against its prediction.
+/// Verdict on the prediction of the last part of every record.
 pub(crate) fn held_out_verdict(h: &HeldOutFile) -> Verdict {
     match h.p < SIGNIFICANT {
         true => (Tone::Bad, "no"),
@@ -258,7 +258,7 @@ fn lag_row(l: &LagFile) -> Check {
     )
 }
 
-/// Word for a small p-value.
+/// Verdict for a p-value.
 fn seen(p: f64, word: &'static str) -> Verdict {
     match p < SIGNIFICANT {
         true => (Tone::Bad, word),

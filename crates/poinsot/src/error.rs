@@ -1,4 +1,4 @@
-//! Errors of the verbs.
+//! Errors of the commands.
 
 mod bind;
 mod case;
@@ -18,18 +18,18 @@ use poinsot_report::PageError;
 use poinsot_telemetry::{TelemetryError, advice};
 use std::path::{Path, PathBuf};
 
-/// Cause of an error.
+/// Origin of an error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ErrorKind {
-    /// In the arguments, model or telemetry.
+    /// Arguments, model or telemetry.
     Input,
-    /// In the operating system: disk, permission, a limit.
+    /// Operating system: disk, permission, a limit.
     System,
-    /// In this program.
+    /// The program itself.
     Internal,
 }
 
-/// Error of a verb.
+/// Error of a command.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// The model file.
@@ -38,7 +38,7 @@ pub enum Error {
     /// A telemetry file.
     #[error(transparent)]
     Telemetry(#[from] TelemetryError),
-    /// Model and telemetry do not fit.
+    /// Model and telemetry do not match.
     #[error(transparent)]
     Bind(#[from] BindError),
     /// A simulation.
@@ -57,7 +57,7 @@ pub enum Error {
         /// What is wrong and what to do.
         why: String,
     },
-    /// The question itself.
+    /// Invalid arguments, model or telemetry for an estimator.
     #[error(transparent)]
     Problem(#[from] ProblemError),
     /// A published method.
@@ -79,15 +79,15 @@ pub enum Error {
     /// Standard output.
     #[error("E0003 standard output: {source}; free space, or write to another place")]
     Output {
-        /// What the system said.
+        /// Error of the system.
         source: std::io::Error,
     },
-    /// A fault of this program.
+    /// A bug.
     #[error(
         "E0009 internal error: {what}: this is a bug in poinsot; please report it with the command and, if possible, the input"
     )]
     Internal {
-        /// Message and place of the panic.
+        /// Message and source location of the panic.
         what: String,
     },
     /// The files of a report.
@@ -103,32 +103,32 @@ pub enum Error {
     Io {
         /// Path.
         path: PathBuf,
-        /// What was tried.
+        /// Attempted operation.
         what: &'static str,
-        /// What the system said.
+        /// Error of the system.
         source: std::io::Error,
     },
-    /// No thread to work with.
+    /// No thread can be started.
     #[error(
         "E0005 the system cannot start a thread: {why}; raise the limit of processes or memory (ulimit -u, ulimit -v), or end other programs"
     )]
     Threads {
-        /// What the system said.
+        /// Error of the system.
         why: String,
     },
-    /// No memory to work with.
+    /// Out of memory.
     #[error(
         "E0006 out of memory; raise the limit (ulimit -v), take fewer rows by --every, or end other programs"
     )]
     Memory,
-    /// Files were put in place in part, and the earlier ones cannot be put back.
+    /// Files were partly put in place, and the earlier ones cannot be restored.
     #[error("E0004 {}: only a part of the answer is in place: {source}; move the earlier files back from {}", path.display(), kept.display())]
     Kept {
         /// The file that could not be put in place.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the system.
         source: std::io::Error,
-        /// The folder with the earlier files.
+        /// Folder with the earlier files.
         kept: PathBuf,
     },
 }
@@ -149,7 +149,7 @@ impl From<StageError> for Error {
 }
 
 impl Error {
-    /// Where the cause lies.
+    /// Origin of the error.
     pub fn kind(&self) -> ErrorKind {
         let system = match self {
             Self::Internal { .. } => return ErrorKind::Internal,
@@ -171,7 +171,7 @@ impl Error {
     }
 }
 
-/// A file of `identify` that cannot be read.
+/// An input file of `identify` that cannot be read.
 pub(crate) fn unreadable(path: &Path, error: InputError) -> Error {
     match error {
         InputError::System(source) => Error::Io {
@@ -190,7 +190,7 @@ pub(crate) fn unreadable(path: &Path, error: InputError) -> Error {
     }
 }
 
-/// A page or figure that cannot be made of sound files.
+/// A page or figure that cannot be built from valid files.
 pub(crate) fn no_page(error: &PageError) -> String {
     format!("{error}; report this bug in poinsot, if possible with the folder")
 }

@@ -1,4 +1,4 @@
-//! From an answer to the result file, `poinsot.estimate/2`.
+//! Converts an estimate to the result file, `poinsot.estimate/2`.
 
 use crate::diagnostics_file::diagnostics_file;
 use crate::identify::Identified;
@@ -15,7 +15,7 @@ use poinsot_identify::{
 use poinsot_model::{Joint, JointKind, Model};
 use poinsot_telemetry::checks::Finding;
 
-/// The answer as the machine-readable result.
+/// The estimate as result file.
 pub fn estimate_file(identified: &Identified) -> EstimateFile {
     let e = &identified.estimate;
     EstimateFile {
@@ -62,7 +62,6 @@ fn rows(e: &Estimate) -> impl Iterator<Item = String> + '_ {
     rows.map(|(name, unit)| address(name, unit))
 }
 
-/// The covariance of all determined numbers.
 pub(crate) fn covariance(e: &Estimate) -> CovarianceFile {
     CovarianceFile {
         names: rows(e).collect(),
@@ -71,7 +70,7 @@ pub(crate) fn covariance(e: &Estimate) -> CovarianceFile {
     }
 }
 
-/// Origin of all times; without dates, the files' own count.
+/// Origin of all times; the files' own count if they have no dates.
 fn epoch(identified: &Identified) -> EpochFile {
     let date = identified.origin.and_then(|origin| origin.date());
     let parts = date.as_deref().and_then(|date| date.split_once(' '));
@@ -129,7 +128,6 @@ fn number(n: &Number) -> NumberFile {
     }
 }
 
-/// Key of a moving joint's position.
 pub(crate) fn position_key(joint: &Joint) -> String {
     let unit = match joint.kind {
         JointKind::Prismatic => "m",
@@ -194,7 +192,7 @@ fn known_numbers(e: &Estimate) -> KnownNumbersFile {
     }
 }
 
-/// Identifiable and undetermined combinations, as in the result file.
+/// Identifiable and undetermined combinations for the result file.
 pub(crate) fn identifiability(i: &Identifiability) -> IdentifiabilityFile {
     let coefficients = |list: &[(String, f64)]| {
         let named = list.iter().map(|(name, c)| (address(name, ""), *c));
@@ -280,7 +278,7 @@ fn check(f: &Finding) -> CheckFile {
     }
 }
 
-/// Names of the axes, for tables.
+/// Names of components, for tables.
 pub(crate) fn component(prefix: &str, k: usize) -> String {
     format!("{prefix}_{}", axis_name(k))
 }

@@ -1,4 +1,4 @@
-//! The answer as an engineer reads it in a terminal.
+//! The result as a terminal document.
 
 use crate::diagnostics_file::{Check, causes, checks};
 use crate::estimate_file::{component, estimate_file, inertia_entries};
@@ -12,7 +12,7 @@ use poinsot_report::{Document, Section, Table, Tone, number_with_sigma, probabil
 /// Text for known numbers without a declared uncertainty.
 pub(crate) const ASSUMED: &str = "Assumed: known numbers without a declared source come from a drawing (source = \"cad\"). Write source = \"measured\", source = \"cad\" or exact = true in the model.";
 
-/// Detail of the printed answer.
+/// Detail of the printed result.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Detail {
     /// The summary.
@@ -22,11 +22,11 @@ pub enum Detail {
     Everything,
 }
 
-/// Combinations listed in the terminal; the file has all.
+/// Number of combinations listed in the terminal; the file has all.
 const LISTED: usize = 12;
 
-/// The answer as a document: sentence, mass properties, what is not determined, failed checks, what to do. With every
-/// detail also the fit, and the checks that passed.
+/// The result as a document: sentence, mass properties, undetermined numbers, failed checks, remedies. With full
+/// detail also the fit and the passed checks.
 pub fn estimate_document(identified: &Identified, detail: Detail) -> Document {
     let e = &identified.estimate;
     let file = estimate_file(identified);
@@ -87,7 +87,7 @@ pub fn estimate_document(identified: &Identified, detail: Detail) -> Document {
     document
 }
 
-/// Mass properties of every body that was asked for, of the whole vehicle, and what was estimated besides.
+/// Mass properties of every requested body and of the whole vehicle, and other estimated numbers.
 fn numbers(document: &mut Document, e: &Estimate) {
     for body in e.bodies.iter().filter(|b| b.asked) {
         document.push(body_section(body, e.status));
@@ -119,7 +119,7 @@ fn numbers(document: &mut Document, e: &Estimate) {
     document.push(Section::table("also estimated", table));
 }
 
-/// What the data do not determine, what is determined instead, and the warnings.
+/// Undetermined numbers, determined combinations, and warnings.
 fn evidence(document: &mut Document, e: &Estimate, file: &EstimateFile) {
     if e.status == Status::Rejected {
         document.push(Section::list("why it is rejected", e.warnings.clone()).toned(Tone::Bad));
@@ -137,7 +137,7 @@ fn evidence(document: &mut Document, e: &Estimate, file: &EstimateFile) {
     }
 }
 
-/// Results of a published method in its own terms.
+/// Results of a published method, with the method's names.
 fn method_report(e: &Estimate) -> Option<Section> {
     let report = e.method_report.as_ref()?;
     let mut table = Table::new(&["", "value", "nominal", "unit"]);
@@ -162,7 +162,7 @@ fn method_report(e: &Estimate) -> Option<Section> {
     Some(section)
 }
 
-/// Sensitivity to known numbers, or that all of them are exact.
+/// Sensitivity to known numbers, or a note that all are exact.
 fn known(e: &Estimate) -> Option<Section> {
     let exact = || {
         let line = "all exact, as the model declares".to_owned();
@@ -189,7 +189,6 @@ fn check_table(title: &str, checks: &[&Check]) -> Section {
     Section::table(title, table)
 }
 
-/// Value and sigma of a number; words where there is none.
 fn value_and_sigma(n: &Number, status: Status) -> (String, String) {
     if n.value.is_none() && matches!(status, Status::Rejected | Status::IterationLimit) {
         return ("withheld".to_owned(), String::new());
@@ -245,7 +244,7 @@ fn body_section(body: &BodyEstimate, status: Status) -> Section {
     section
 }
 
-/// Difference from nominal in sigmas, or in percent if the sigma is far smaller.
+/// Difference from nominal in sigmas, or in percent if the sigma is much smaller.
 fn difference(n: &Number) -> String {
     let Some(value) = n.value else {
         return String::new();
@@ -258,7 +257,7 @@ fn difference(n: &Number) -> String {
     }
 }
 
-/// One line a direction; below those with one reason the reason, and below those with one remedy the remedy.
+/// One line per direction; equal reasons and equal remedies are merged below.
 pub(crate) fn open_sentences(open: &[UndeterminedFile]) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for alike in open.chunk_by(|a, b| a.reason == b.reason) {
@@ -271,7 +270,7 @@ pub(crate) fn open_sentences(open: &[UndeterminedFile]) -> Vec<String> {
     lines
 }
 
-/// Combinations and functions that the data determine, without numbers that the tables above have.
+/// Determined combinations and functions, except single numbers already in the tables above.
 fn determined(e: &Estimate) -> Option<Section> {
     let tabled = |c: &&DeterminedCombination| match &c.coefficients[..] {
         [(name, _)] => name.ends_with(".m") || name.contains(".I_BBcm_"),
@@ -299,7 +298,7 @@ fn determined(e: &Estimate) -> Option<Section> {
     Some(section)
 }
 
-/// Known numbers and the number of the answer whose variance each has most of.
+/// For each known number, the result number with its largest share of variance.
 fn sensitivities(e: &Estimate) -> Option<Section> {
     let known = &e.known_numbers;
     let stated = known.effects.iter().filter_map(|n| Some((n, n.largest()?)));

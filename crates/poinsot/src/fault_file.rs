@@ -1,4 +1,4 @@
-//! An error as data: code, place, value, problem and advice of everything that is wrong.
+//! An error as data: code, place, value, problem and advice of every fault.
 
 use crate::case::{CaseError, CaseFault};
 use crate::error::Error;
@@ -55,7 +55,7 @@ fn fault(code: &str, place: String, value: &str, (problem, advice): (&str, &str)
     }
 }
 
-/// File, line and column where there are any, and key.
+/// File, line and column if any, and key.
 fn place(file: &str, line: usize, column: Option<usize>, key: &str) -> String {
     let mut place = file.to_owned();
     for number in [(line > 0).then_some(line), column].into_iter().flatten() {

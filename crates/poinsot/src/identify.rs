@@ -1,4 +1,4 @@
-//! The verb `identify`: model and telemetry in, mass properties out.
+//! The command `identify`: model and telemetry to mass properties.
 
 use crate::bind::{BindError, Bound, acceleration_channels, bind, mountings, wanted_channels};
 use crate::digest::sha256;
@@ -18,13 +18,13 @@ use poinsot_telemetry::checks::{self, Check, Finding, Policies, Policy};
 use poinsot_telemetry::{Encoding, Origin, Part, ReadOptions, Source, Table, read_parts};
 use std::path::{Path, PathBuf};
 
-/// One-sigma accuracy in natural units that counts as identified by default (docs/reference/interface.md).
+/// Default one-sigma accuracy in natural units that counts as identified (docs/reference/interface.md).
 const RELATIVE_ACCURACY: f64 = 1.0;
 
-/// Share of samples that may be left out before the answer counts as not acceptable.
+/// Fraction of dropped samples above which the result is not acceptable.
 const ALLOWED_LOSS: f64 = 0.2;
 
-/// Most points of a curve kept for the report, and of the curves of all segments together.
+/// Most points of one curve kept for the report, and of the curves of all segments together.
 const CURVE_POINTS: (usize, usize) = (1500, 3000);
 
 /// Options of the identification.
@@ -32,17 +32,17 @@ const CURVE_POINTS: (usize, usize) = (1500, 3000);
 pub struct Question {
     /// Name of a method, see [`crate::methods::methods`].
     pub method: String,
-    /// One of its variants.
+    /// Variant of the method.
     pub variant: Option<String>,
     /// Settings of a published method, `key=value`, see [`crate::methods::methods`].
     pub settings: Vec<String>,
     /// One-sigma accuracy in natural units that counts as identified.
     pub relative_accuracy: f64,
-    /// Coordinates of the steps of a maximum-likelihood fit.
+    /// Coordinates of a maximum-likelihood fit.
     pub coordinates: Coordinates,
-    /// No repairs; every check but the one for gaps refuses what it finds.
+    /// No repairs; every check refuses its findings, except the check for gaps.
     pub strict: bool,
-    /// Changes of the checks' policies, `check=policy`.
+    /// Changes of check policies, `check=policy`.
     pub policies: Vec<String>,
 }
 
@@ -70,10 +70,10 @@ impl Default for Question {
     }
 }
 
-/// How telemetry files are read, beyond the model's own map.
+/// Options of reading telemetry files, in addition to the model's map.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Reading {
-    /// File that the model came from, named in the answer; `None` for a model in memory.
+    /// Path of the model, recorded in the result; `None` for a model in memory.
     pub model: Option<PathBuf>,
     /// File with a `[telemetry]` table that replaces the model's.
     pub map: Option<PathBuf>,
@@ -81,11 +81,11 @@ pub struct Reading {
     pub recover: bool,
     /// Encoding of CSV text.
     pub encoding: Encoding,
-    /// Rows outside of these times are left out, s.
+    /// Keep rows with times in this range, s.
     pub time_s: Option<[f64; 2]>,
-    /// Each n-th row is taken; 0 and 1 take all.
+    /// Keep every n-th row; 0 and 1 keep all.
     pub every: usize,
-    /// Most memory for the samples of a file, MiB; 0: the usual limit.
+    /// Memory limit for the samples of a file, MiB; 0: default.
     pub memory_mib: usize,
 }
 
@@ -96,14 +96,14 @@ pub struct IdentifyRequest {
     pub model: PathBuf,
     /// Files of each segment.
     pub segments: Vec<Vec<PathBuf>>,
-    /// How the files are read.
+    /// Options of reading.
     pub reading: Reading,
     /// Options.
     pub question: Question,
 }
 
 impl IdentifyRequest {
-    /// Default request for a model and telemetry, one segment a file.
+    /// Default request for a model and telemetry, one segment per file.
     pub fn new<P: Into<PathBuf>>(
         model: impl Into<PathBuf>,
         telemetry: impl IntoIterator<Item = P>,
@@ -115,7 +115,7 @@ impl IdentifyRequest {
         }
     }
 
-    /// The same with a method.
+    /// Sets the method.
     #[must_use]
     pub fn by(mut self, method: &str) -> Self {
         method.clone_into(&mut self.question.method);
@@ -123,35 +123,34 @@ impl IdentifyRequest {
     }
 }
 
-/// The answer with its sources.
+/// The result with its inputs.
 pub struct Identified {
     /// The vehicle.
     pub model: Model,
     /// The estimate.
     pub estimate: Estimate,
-    /// What the estimate predicts beside what was measured, one per segment; empty where the vehicle
-    /// cannot move as estimated.
+    /// Predicted and measured values, one entry per segment; empty if the estimated vehicle cannot be simulated.
     pub predictions: Vec<Prediction>,
     /// Files of each segment.
     pub inputs: Vec<Vec<Source>>,
-    /// Files of the model and of the map of the telemetry.
+    /// Files of the model and of the telemetry map.
     pub files: ModelFiles,
     /// Origin of all times; `None` for tables in memory.
     pub origin: Option<Origin>,
     /// Assumptions and repairs.
     pub repairs: Vec<String>,
-    /// Columns that were not used.
+    /// Unused columns.
     pub ignored: Vec<String>,
     /// Findings of the telemetry checks.
     pub findings: Vec<Finding>,
 }
 
-/// The model file and the map of the telemetry.
+/// The model file and the telemetry map.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ModelFiles {
-    /// Of the model.
+    /// Model.
     pub model: Option<ModelInputFile>,
-    /// Of the map.
+    /// Map.
     pub map: Option<ModelInputFile>,
 }
 
@@ -184,7 +183,7 @@ impl Identified {
 /// Identifies the unknown mass properties of a vehicle from files.
 ///
 /// # Errors
-/// Invalid arguments, model or telemetry. What the data do not determine is part of the answer.
+/// Invalid arguments, model or telemetry. Undetermined numbers are part of the result, not an error.
 pub fn identify(request: &IdentifyRequest) -> Result<Identified, Error> {
     check_method(&request.question)?;
     policies(&request.question)?;
@@ -199,7 +198,7 @@ pub fn identify(request: &IdentifyRequest) -> Result<Identified, Error> {
     identify_records(model, &records, &reading, &request.question)
 }
 
-/// The same with a model and records that need not be files, one list of parts per segment.
+/// Identifies from a model and records of files or memory, one list of sources per segment.
 ///
 /// # Errors
 /// As [`identify`].
@@ -223,7 +222,7 @@ pub fn identify_records(
     Ok(identified)
 }
 
-/// The tables of all records as the model asks for them, and the model with the map that was used.
+/// Reads the tables of all records for the model, and returns the model with the map used.
 fn read_records(
     mut model: Model,
     records: &[Vec<Part>],
@@ -251,7 +250,7 @@ fn read_records(
     for (done, parts) in records.iter().enumerate() {
         step("reading segments", done, records.len());
         let table = read_parts(parts, &options)?;
-        // All segments count from one instant.
+        // All segments use the origin of the first.
         options.origin = table.origin;
         tables.push(table);
     }
@@ -293,7 +292,8 @@ pub fn gated(
     })
 }
 
-/// Several `--telemetry` are several segments: a channel that one of them lacks may stand in the file of another.
+/// Adds to a missing-channel error that several `--telemetry` are several segments, so the channel may be in another
+/// file.
 fn join_files(error: Error, segments: usize) -> Error {
     match error {
         Error::Bind(BindError::Missing { file, channel, why }) if segments > 1 => {
@@ -305,10 +305,10 @@ fn join_files(error: Error, segments: usize) -> Error {
     }
 }
 
-/// Identifies from tables in memory, one per segment. Files go through here too, so the checks are the same.
+/// Identifies from tables in memory, one per segment. Files use this function too, so the checks are the same.
 ///
 /// # Errors
-/// As [`identify`]; a check found something that its policy refuses.
+/// As [`identify`]; a check has a finding that its policy refuses.
 pub fn identify_tables(
     model: Model,
     mut tables: Vec<Table>,
@@ -373,7 +373,7 @@ fn refuse_twice(tables: &[Table]) -> Result<(), Error> {
         })
     };
     let mut seen: Vec<&Source> = Vec::new();
-    // A source without a hash is no file.
+    // A source without a hash is not a file.
     let files = tables.iter().flat_map(|t| &t.sources);
     for source in files.filter(|s| !s.sha256.is_empty()) {
         if let Some(first) = seen.iter().find(|s| s.sha256 == source.sha256) {
@@ -381,7 +381,7 @@ fn refuse_twice(tables: &[Table]) -> Result<(), Error> {
         }
         seen.push(source);
     }
-    // Tables that come from memory have no files to compare.
+    // Tables in memory have no files to compare.
     let same = |a: &Table, b: &Table| !a.channels.is_empty() && a.channels == b.channels;
     for (k, table) in tables.iter().enumerate() {
         if let Some(first) = tables[..k].iter().position(|other| same(other, table)) {
@@ -411,7 +411,7 @@ fn table_label(table: &Table) -> String {
     names.join(",")
 }
 
-/// Checks of the telemetry that need the answer.
+/// Checks of the telemetry that need the result.
 fn against_model(
     identified: &mut Identified,
     by_the_fit: Vec<Finding>,
@@ -433,7 +433,7 @@ fn against_model(
     Ok(())
 }
 
-/// The answer to tables that were checked.
+/// The result for checked tables.
 fn answer(model: Model, tables: Vec<Table>, question: &Question) -> Result<Identified, Error> {
     let tree = Tree::new(&model);
     let bound = bind(&model, &tree, &tables)?;
@@ -535,7 +535,7 @@ fn refuse_gravity(model: &Model, question: &Question) -> Result<(), Error> {
     })
 }
 
-/// The estimate of a method without curves for a report; `diagnose` searches what would explain a misfit.
+/// The estimate of a method, without curves for a report; `diagnose` searches for causes of a misfit.
 pub(crate) fn estimate_by(
     problem: &Problem,
     question: &Question,
@@ -602,7 +602,7 @@ fn variant_error(question: &Question, known: &[&str]) -> Error {
     }
 }
 
-/// Options for reading telemetry that a model asks for.
+/// Options of reading telemetry for a model.
 pub fn read_options(model: &Model, map: &TelemetryMap, strict: bool, recover: bool) -> ReadOptions {
     ReadOptions {
         map: map.clone(),

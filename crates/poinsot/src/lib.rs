@@ -1,4 +1,4 @@
-//! One function per verb, shared by the command line, Python and the tests.
+//! One function per command, shared by the command line, Python and the tests.
 #![allow(non_snake_case)]
 
 pub mod bind;

@@ -1,4 +1,4 @@
-//! The verb `methods`: the values of `identify --method` and `--variant`.
+//! The command `methods`: values of `identify --method` and `--variant`.
 
 use poinsot_formats::{ListedMethodFile, ListedSettingFile, METHODS, MethodsFile, VariantFile};
 pub use poinsot_papers::{SettingText, VariantText};
@@ -8,13 +8,13 @@ pub use poinsot_papers::{SettingText, VariantText};
 pub struct MethodText {
     /// Name on the command line.
     pub name: &'static str,
-    /// What it does, in one line.
+    /// Summary in one line.
     pub summary: &'static str,
-    /// Where it was published; `None` for the methods of this project.
+    /// Citation; `None` for the methods of this project.
     pub paper: Option<&'static str>,
     /// Variants; the first is the default.
     pub variants: Vec<VariantText>,
-    /// What `--set` takes.
+    /// Settings for `--set`.
     pub settings: &'static [SettingText],
 }
 
@@ -42,7 +42,7 @@ pub fn methods_file(listed: &[MethodText]) -> MethodsFile {
     }
 }
 
-/// Methods of this project: name, what they do, whether they take a loss.
+/// Methods of this project: name, summary, whether they take a loss function.
 const OWN: [(&str, &str, bool); 3] = [
     (
         "auto",
@@ -61,7 +61,7 @@ const OWN: [(&str, &str, bool); 3] = [
     ),
 ];
 
-/// Losses of a measurement, the variants of maximum likelihood.
+/// Loss functions: the variants of maximum likelihood.
 const LOSSES: [(&str, &str); 3] = [
     ("gaussian", "squares"),
     (
@@ -101,7 +101,7 @@ pub fn methods() -> Vec<MethodText> {
     own.into_iter().chain(published).collect()
 }
 
-/// Whether a method is one of this project.
+/// Whether a method is one of this project's.
 pub(crate) fn is_own(name: &str) -> bool {
     OWN.iter().any(|own| own.0 == name)
 }

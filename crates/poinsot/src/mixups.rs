@@ -1,4 +1,4 @@
-//! Unit errors without a contradiction in the telemetry: detected by the size of the answer, or by a fit in another
+//! Unit errors that telemetry alone does not contradict: detected by the size of the result, or by a fit in another
 //! unit.
 
 use crate::bind::bind;
@@ -31,23 +31,23 @@ const FACTORS: [(f64, &str); 10] = [
     (1.0e4, "kg cm2 for kg m2 in the model"),
     (1.0e-4, "kg m2 for kg cm2 in the model"),
 ];
-/// Factors that put body rates right, and the mistake.
+/// Factors that correct body rates, and the mistake.
 const RATES: [(f64, &str); 2] = [
     (PI / 180.0, "body rates in deg/s used as rad/s"),
     (PI / 30.0, "body rates in rpm used as rad/s"),
 ];
-/// Chi-square per degree of freedom up to which a record fits.
+/// Chi-square per degree of freedom below which a record fits.
 const FITS: f64 = 10.0;
-/// Share of the rates' own chi-square that may be left.
+/// Largest residual chi-square relative to that of the rates themselves.
 const UNEXPLAINED: f64 = 0.01;
-/// Turn per reading, rad, from which a fit is slow, and from which it takes minutes.
+/// Rotation per sample, rad, above which a fit is slow, and above which it takes minutes.
 const FAST: f64 = 0.03;
 const FAR: f64 = 0.3;
-/// How far the mean factor may be off, relative.
+/// Tolerance of the mean factor, relative.
 const MEAN: f64 = 0.15;
-/// How far the factor of one axis may be off the mean, relative.
+/// Tolerance of the factor of one axis about the mean, relative.
 const SPREAD: f64 = 0.4;
-/// A unit error from the ratio of estimated to nominal inertia.
+/// Detects a unit error from the ratio of estimated to nominal inertia.
 pub(crate) fn units(estimate: &Estimate) -> Vec<Finding> {
     if estimate.status == Status::Rejected {
         return Vec::new();
@@ -59,7 +59,7 @@ pub(crate) fn units(estimate: &Estimate) -> Vec<Finding> {
     };
     let mut all = Vec::new();
     for body in estimate.bodies.iter().filter(|b| b.asked) {
-        // xx, yy, zz in the order of the ten parameters.
+        // Indices of xx, yy, zz among the inertia elements.
         let Some([x, y, z]) = [0, 2, 5]
             .map(|k| factor_of(k, body))
             .into_iter()
@@ -85,8 +85,8 @@ pub(crate) fn units(estimate: &Estimate) -> Vec<Finding> {
     all
 }
 
-/// A record without attitude that contradicts the model, and fits once its body rates are read along other axes or in
-/// another unit. With an attitude the reader compares the two itself.
+/// Detects exchanged axes or a wrong unit of body rates, if a record without attitude contradicts the model. Records
+/// with attitude are tested on reading.
 pub(crate) fn rates(problem: &Problem, tables: &[Table], estimate: &Estimate) -> Option<Finding> {
     let answered = !matches!(estimate.status, Status::Rejected | Status::IterationLimit);
     let has_attitude = |t: &Table| t.channels.iter().any(|c| c.name == "q_w");
@@ -101,7 +101,7 @@ pub(crate) fn rates(problem: &Problem, tables: &[Table], estimate: &Estimate) ->
         .map(|(factor, words)| (scaled(tables, *factor), (*words).to_owned()));
     let mut all: Vec<(Vec<Table>, String)> = exchanged.chain(scaled).collect();
     if turn_per_reading(tables) > FAST {
-        // Motions this fast are slow to integrate, in any axes.
+        // Fast motion is slow to integrate in any axes: test units first.
         all.rotate_left(ORDERS.len());
     }
     let mut all = all.into_iter();
@@ -110,8 +110,8 @@ pub(crate) fn rates(problem: &Problem, tables: &[Table], estimate: &Estimate) ->
     Some(finding(Check::Units, "omega", text))
 }
 
-/// A record without attitude that turns far between its readings, and fits as soon as its times are milliseconds.
-/// Tested before the fit, which would take minutes.
+/// Detects times in milliseconds: a record without attitude with large rotation between samples that fits after
+/// conversion. Tested before the fit, which would take minutes.
 pub(crate) fn times(model: &Model, tables: &[Table]) -> Option<Finding> {
     let has_attitude = |t: &Table| t.channels.iter().any(|c| c.name == "q_w");
     let turn = turn_per_reading(tables);
@@ -135,7 +135,7 @@ pub(crate) fn times(model: &Model, tables: &[Table]) -> Option<Finding> {
     fits(&problem, &other)?.then(|| finding(Check::Units, "time_s", text))
 }
 
-/// Typical turn from one reading of the gyro to the next, rad; the largest of all tables.
+/// Typical rotation between gyro samples, rad; the largest of all tables.
 fn turn_per_reading(tables: &[Table]) -> f64 {
     let of = |table: &Table| {
         let rates = table
@@ -152,7 +152,7 @@ fn turn_per_reading(tables: &[Table]) -> f64 {
     tables.iter().map(of).fold(0.0, f64::max)
 }
 
-/// Columns that stand where x, y, z belong: two exchanged, or all three.
+/// Column orders other than x, y, z: two exchanged, or all three.
 const ORDERS: [[usize; 3]; 5] = [[1, 0, 2], [0, 2, 1], [2, 1, 0], [1, 2, 0], [2, 0, 1]];
 const RATE_COLUMNS: [&str; 3] = ["omega_x", "omega_y", "omega_z"];
 
@@ -161,7 +161,7 @@ fn along(order: [usize; 3]) -> String {
     format!("body rates with x, y, z in the columns {read}")
 }
 
-/// The tables with their body rates taken from other columns.
+/// The tables with body rates from other columns.
 fn read_along(tables: &[Table], order: [usize; 3]) -> Vec<Table> {
     let mut all = tables.to_vec();
     for table in &mut all {
@@ -179,7 +179,7 @@ fn inverse(order: [usize; 3]) -> [usize; 3] {
     [0, 1, 2].map(|k| order.iter().position(|o| *o == k).unwrap_or(k))
 }
 
-/// The tables with their body rates times a factor.
+/// The tables with body rates multiplied by a factor.
 fn scaled(tables: &[Table], factor: f64) -> Vec<Table> {
     let mut all = tables.to_vec();
     let channels = all.iter_mut().flat_map(|t| &mut t.channels);
@@ -189,8 +189,8 @@ fn scaled(tables: &[Table], factor: f64) -> Vec<Table> {
     all
 }
 
-/// Whether the model explains these tables: chi-square is small, and small beside that of the rates themselves. Rates
-/// that sink in the declared noise fit any model. `None` where the question cannot even be asked.
+/// Whether the model explains these tables: chi-square is small, also compared with that of the rates themselves.
+/// Rates below the declared noise fit any model. `None` if the problem is invalid.
 fn fits(problem: &Problem, tables: &[Table]) -> Option<bool> {
     let bound = bind(problem.model, problem.tree, tables).ok()?;
     let other = Problem {
@@ -211,7 +211,7 @@ fn fits(problem: &Problem, tables: &[Table]) -> Option<bool> {
     Some(answered && determined && left < FITS && explained)
 }
 
-/// Mean square of the body rates over that of their noise, per number.
+/// Mean square of the body rates relative to their noise variance, per number.
 fn rates_over_noise(problem: &Problem) -> Option<f64> {
     let weight = problem.noise.gyro.try_inverse()?;
     let rates = || problem.segments.iter().flat_map(|s| s.observations.rates());

@@ -1,30 +1,30 @@
-//! Telemetered motor torque of wheels against their speed: two measurements of one quantity, of which the fit uses the
-//! speed.
+//! Compares the measured motor torque of wheels with their speed; the fit uses only the speed.
 
 use nalgebra::{DMatrix, DVector};
 use poinsot_model::{Model, Wheel};
 use poinsot_telemetry::checks::{Check, Finding, Policy};
 use poinsot_telemetry::{Channel, Table, resample};
 
-/// Sigma of the scale of an uncalibrated torque: a current times a nominal constant.
+/// Sigma of the scale of an uncalibrated torque (current times nominal constant).
 const SCALE: f64 = 0.05;
-/// Sigmas from which the two contradict each other.
+/// Significance, in sigmas, of a contradiction.
 const CONTRADICTED: f64 = 5.0;
-/// Readings of the speed over which one change is taken: its noise is then small beside the change.
+/// Samples over which one speed change is taken, so that its noise is comparatively small.
 const WINDOW: usize = 10;
-/// Unknowns: scale, offset, two kinds of friction.
+/// Unknowns: scale, offset, Coulomb and viscous friction.
 const UNKNOWNS: usize = 4;
-/// Changes needed for the unknowns and a scatter.
+/// Fewest changes: enough for the unknowns and a scatter.
 const FEWEST: usize = 3 * UNKNOWNS;
-/// Share of the identity that keeps columns apart which are alike: a wheel that keeps its sense.
+/// Regularisation, relative, for columns that are nearly parallel: a wheel that never reverses.
 const APART: f64 = 1.0e-9;
 
 /// Wheels whose speed change contradicts their motor torque.
 ///
-/// `Js dOmega = s int tau dt - b dt - c0 int sign(Omega) dt - c1 int Omega dt` over windows: scale and offset of the torque, Coulomb
-/// and viscous friction. What the body's own turn adds to the axial speed is left out: it is below a thousandth.
+/// `Js dOmega = s int tau dt - b dt - c0 int sign(Omega) dt - c1 int Omega dt` over windows: scale and offset of the
+/// torque, Coulomb and viscous friction. The contribution of body rotation to the axial speed is neglected: below
+/// 1e-3.
 pub(crate) fn contradictions(model: &Model, tables: &[Table]) -> Vec<Finding> {
-    // A spin inertia that is asked for comes from the body's reaction.
+    // A requested spin inertia is determined by the body's reaction.
     let known = model.wheels.iter().filter(|w| !w.estimate);
     known.filter_map(|w| contradiction(w, tables)).collect()
 }
@@ -52,7 +52,7 @@ fn contradiction(wheel: &Wheel, tables: &[Table]) -> Option<Finding> {
     })
 }
 
-/// Change of a wheel's speed over a window, and integrals over it: torque, one, sense of rotation, speed.
+/// Change of a wheel's speed over a window, and integrals of torque, one, sign of speed, and speed.
 struct Change {
     speed: f64,
     of: [f64; UNKNOWNS],
@@ -83,7 +83,7 @@ fn changes(speed: &Channel, torque: &Channel) -> Vec<Change> {
     pairs.filter_map(one).collect()
 }
 
-/// A channel's integral over time by the trapezium, from its first sample.
+/// Time integral of a channel by the trapezoid rule, from its first sample.
 fn integral(channel: &Channel) -> Channel {
     let mut sum = 0.0;
     let mut values = vec![0.0];
@@ -99,7 +99,7 @@ fn integral(channel: &Channel) -> Channel {
     }
 }
 
-/// Scale of the speed's change over the torque's, and its sigma by the scatter; `None` where the torque does not tell.
+/// Scale between speed change and torque, and its sigma from the scatter; `None` if the torque does not determine it.
 fn scale(changes: &[Change], spin_inertia: f64) -> Option<(f64, f64)> {
     if changes.len() < FEWEST {
         return None;
@@ -110,7 +110,7 @@ fn scale(changes: &[Change], spin_inertia: f64) -> Option<(f64, f64)> {
     );
     let sizes: [f64; UNKNOWNS] =
         std::array::from_fn(|k| changes.iter().map(|c| c.of[k].abs()).fold(0.0, f64::max));
-    // Columns of unit size; a column of zeros has no effect.
+    // Scale columns to unit size; a zero column is harmless.
     let size = |k: usize| if sizes[k] > 0.0 { sizes[k] } else { 1.0 };
     let A = DMatrix::from_fn(changes.len(), UNKNOWNS, |i, k| changes[i].of[k] / size(k));
     let normal = A.tr_mul(&A) + DMatrix::identity(UNKNOWNS, UNKNOWNS) * APART;

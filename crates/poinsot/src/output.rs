@@ -8,21 +8,21 @@ use crate::written::{OutputFile, json, write_file, write_files};
 use poinsot_report::FigureFormat;
 use std::path::{Path, PathBuf};
 
-/// Writes `estimate.json` into a folder, which is made if it is not there. Returns the path.
+/// Writes `estimate.json` into a folder, which is created if missing. Returns the path.
 ///
 /// # Errors
-/// The disk refuses; an earlier file stays then.
+/// Writing fails; an earlier file is then kept.
 pub fn write_estimate(folder: &Path, identified: &Identified) -> Result<PathBuf, Error> {
     let path = folder.join("estimate.json");
     write_file(&path, estimate_text(folder, identified)?.as_bytes())?;
     Ok(path)
 }
 
-/// Writes `estimate.json`, `report_data.json`, if asked `report.html`, and its figures in the formats given: all of
-/// them or none. Returns the paths that a user asked for.
+/// Writes `estimate.json` and `report_data.json`, on request `report.html` and its figures in the given formats: all
+/// or none. Returns the requested paths.
 ///
 /// # Errors
-/// The disk refuses, or no page can be made of the answer; earlier files stay then.
+/// Writing fails, or the page cannot be built; earlier files are then kept.
 pub fn write_result(
     folder: &Path,
     identified: &Identified,
@@ -53,16 +53,16 @@ pub fn write_result(
         .collect();
     let mut files: Vec<OutputFile> = vec![("report_data.json".into(), data.into_bytes())];
     files.extend(shown);
-    // The answer last: where it stands, the others do.
+    // The result comes last: if it exists, the other files do too.
     files.push(("estimate.json".into(), estimate.into_bytes()));
     write_files(folder, &files)?;
     Ok(asked)
 }
 
-/// The text of `estimate.json` as it is written into a folder.
+/// The text of `estimate.json` for a folder.
 ///
 /// # Errors
-/// The answer cannot be written as JSON.
+/// The result cannot be written as JSON.
 pub fn estimate_text(folder: &Path, identified: &Identified) -> Result<String, Error> {
     json(
         folder,

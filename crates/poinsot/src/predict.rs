@@ -1,7 +1,7 @@
-//! The verb `predict`: the accuracy of a planned manoeuvre before it is flown.
+//! The command `predict`: the accuracy of a planned manoeuvre before it is flown.
 //!
-//! The case is simulated with perfect sensors, the readings' sensitivities are taken at the truth, and the
-//! declared noise turns them into the Cramer-Rao bound. No telemetry, no estimator.
+//! The case is simulated with ideal sensors, and the measurements are linearised at the true values. With the declared
+//! noise this gives the Cramer-Rao bound. Neither telemetry nor an estimator is used.
 
 mod file;
 mod lengths;
@@ -30,29 +30,28 @@ use std::path::{Path, PathBuf};
 
 /// Predicted accuracy of a case.
 pub struct Prediction {
-    /// The vehicle; its numbers are taken as the truth.
+    /// The vehicle; its numbers are the true values.
     pub model: Model,
     /// Path of the case.
     pub case: String,
     /// Duration of the manoeuvre, s.
     pub duration_s: f64,
-    /// The bound: values are the truth, sigmas are the bound.
+    /// The bound: values are the true ones, sigmas are the bound.
     pub bound: Estimate,
     /// Wanted and predicted sigmas.
     pub wants: Vec<Met>,
-    /// What was assumed.
+    /// Assumptions.
     pub assumptions: Vec<String>,
     /// Largest values of the motion at its samples.
     pub peaks: Vec<Peak>,
-    /// Numbers whose sigmas were followed over the duration.
+    /// Numbers whose sigmas were computed for shorter records.
     pub followed: Vec<Want>,
-    /// Their sigmas with the record ended earlier; empty where nobody asked.
+    /// Sigmas for shorter records; empty if not requested.
     pub against_duration: Vec<Ended>,
 }
 
 impl Prediction {
-    /// Whether the case reaches its wanted sigmas; of a case without `[[want]]` whether every requested number is
-    /// determined.
+    /// Whether the case reaches its wanted sigmas; without `[[want]]`, whether every requested number is determined.
     pub fn passes(&self) -> bool {
         match self.wants.is_empty() {
             true => self.bound.passes(),
@@ -60,10 +59,10 @@ impl Prediction {
         }
     }
 
-    /// Adds the sigmas with the record ended earlier: of what the case wants, or of every number that is estimated.
+    /// Adds sigmas for shorter records: of the wanted numbers, or of every estimated number.
     ///
     /// # Errors
-    /// The case cannot be read or simulated any more.
+    /// The case cannot be read or simulated.
     pub fn follow_durations(&mut self, relative_accuracy: f64) -> Result<(), Error> {
         let case = read_case(Path::new(&self.case)).map_err(SimulateError::from)?;
         let wants = self.wants.iter().map(|m| m.want.clone());
@@ -77,17 +76,17 @@ impl Prediction {
     }
 }
 
-/// Predicts the accuracy that a case will give.
+/// Predicts the accuracy of a case.
 ///
 /// # Errors
-/// Case or model are refused, the motion cannot be computed, or a sensor that is needed is missing.
+/// Case or model are invalid, the motion cannot be computed, or a required sensor is missing.
 pub fn predict(case: &Path, relative_accuracy: f64) -> Result<Prediction, Error> {
     let case = read_case(case).map_err(SimulateError::from)?;
     let model = read_model(&case.model)?;
     predict_case(&case, model, relative_accuracy)
 }
 
-/// Predicts several cases side by side, in their order; with the sigmas of shorter records where `durations` is set.
+/// Predicts several cases in order; with `durations`, also sigmas for shorter records.
 ///
 /// # Errors
 /// As [`predict`], of the first case that fails.
@@ -107,7 +106,7 @@ pub fn predict_all(
     all.into_iter().collect()
 }
 
-/// The same in memory.
+/// Predicts the accuracy of a case in memory.
 ///
 /// # Errors
 /// As [`predict`].
@@ -158,7 +157,7 @@ pub fn predict_case(
     })
 }
 
-/// A joint that nothing commands is known only where a sensor reads it.
+/// A joint without command must have a sensor.
 fn refuse_unread(scenario: &Scenario, model: &Model) -> Result<(), Error> {
     let free = free_joints(model, scenario);
     match free.into_iter().find(|joint| !is_read(model, joint)) {

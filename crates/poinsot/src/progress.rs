@@ -1,6 +1,6 @@
-//! Progress of a verb: events of `tracing` under one target. Without a listener they cost a comparison.
+//! Progress of a command as `tracing` events of one target; negligible cost without a listener.
 
-/// One of a number of steps is done; `total` 0 where the number is not known.
+/// Reports one finished step; `total` is 0 if unknown.
 pub(crate) fn step(stage: &str, done: usize, total: usize) {
     tracing::info!(
         target: "poinsot::progress",

@@ -14,14 +14,14 @@ use std::fmt::Write;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-/// Bytes and lines of a file that are looked at.
+/// Bytes and lines of a file that are inspected.
 const BYTES: u64 = 1 << 18;
 const LINES: usize = 200;
-/// Numbers that are seconds since 1970 between 2001 and 2096, in s, ms, us, ns.
+/// Range of numbers that are seconds since 1970 in 2001 to 2096, also in ms, us, ns.
 const UNIX: (f64, f64) = (1.0e9, 4.0e9);
 const UNIX_UNITS: [(&str, f64); 4] = [("s", 1.0), ("ms", 1.0e3), ("us", 1.0e6), ("ns", 1.0e9)];
 
-/// The first lines of a file, taken apart.
+/// The parsed first lines of a file.
 struct FileHead {
     comment: Option<char>,
     delimiter: char,
@@ -31,11 +31,11 @@ struct FileHead {
     first: Vec<String>,
 }
 
-/// Content of the files of one segment. The map is that of `map`, else of `model`; where neither describes a column, a
-/// `[telemetry]` table is proposed, and files that cannot be read as they are are read by it.
+/// Inspects the files of one segment, with the map of `map` or of `model`. Without a map, a `[telemetry]` table is
+/// proposed; files that cannot be read otherwise are read with it.
 ///
 /// # Errors
-/// Model or map are refused, or the files cannot be read either way.
+/// Model or map are invalid, or the files cannot be read with the proposal either.
 pub fn inspect(
     files: &[PathBuf],
     options: &ReadOptions,
@@ -100,7 +100,7 @@ impl std::fmt::Display for InspectionAnswer {
     }
 }
 
-/// The same as a file.
+/// The inspection as a file.
 pub fn inspection_file(content: InspectionAnswer) -> StatedFile<InspectionAnswer> {
     StatedFile {
         schema: INSPECTION,
@@ -108,7 +108,7 @@ pub fn inspection_file(content: InspectionAnswer) -> StatedFile<InspectionAnswer
     }
 }
 
-/// A table to paste; lines that are unsure say so. `None` where the file is no text, or has standard names in SI.
+/// A table to paste; uncertain lines are marked. `None` if the file is not text, or has standard names in SI.
 pub fn proposed_map(paths: &[impl AsRef<Path>]) -> Option<String> {
     let tables: Vec<String> = paths.iter().filter_map(|p| proposed(p.as_ref())).collect();
     (!tables.is_empty()).then(|| tables.join("\n"))
@@ -145,7 +145,7 @@ impl FileHead {
             .filter(|(_, line)| !is_comment(line) && !line.trim().is_empty())
             .map(|(k, line)| (k + 1, *line))
             .collect();
-        // The last whole line tells how many fields a row has.
+        // The last complete line gives the number of fields.
         let last = body.get(body.len().checked_sub(2)?)?.1;
         let fields = |delimiter: char| last.matches(delimiter).count();
         let delimiter = [',', ';', '\t', '|']
@@ -175,7 +175,7 @@ impl FileHead {
         if units.is_some() {
             row = rows.next()?;
         }
-        // Comments are skipped wherever they stand; other lines above the header are counted.
+        // Comments are skipped anywhere; other lines above the header are counted.
         let above = lines.iter().take(line.saturating_sub(1));
         let plain_above = above.filter(|l| !is_comment(l)).count();
         Some(Self {
@@ -375,7 +375,7 @@ impl FileHead {
     }
 }
 
-/// The format of a date, where the cell looks like one.
+/// The format of a date, if the cell looks like one.
 fn date_format(cell: &str) -> Option<&'static str> {
     let shape: String = cell
         .chars()

@@ -1,19 +1,19 @@
-//! `[[sensor]]` tables with the noise that the data show: a place to begin where no data sheet is at hand.
+//! Proposes `[[sensor]]` tables with the noise observed in the data, if no data sheet is available.
 
 use poinsot_model::SensorKind;
 use poinsot_telemetry::{ChannelSummary, Inspection, rounded};
 use std::fmt::Write;
 
-/// Figures of an estimated noise.
+/// Significant figures of an estimated noise.
 const DIGITS: usize = 2;
-/// Where rounding alone explains the scatter, that is its step over the root of 12 within this share.
+/// Relative tolerance within which rounding alone (step / sqrt(12)) explains the scatter.
 const ROUNDING: f64 = 1.0e-6;
 
 const HEAD: &str = "\
 # Estimated from the data by differences of neighbouring samples. A data sheet is better.
 ";
 
-/// The tables to paste into a model; `None` where no channel shows noise.
+/// The tables to paste into a model; `None` if no channel has noise.
 pub(crate) fn proposed_sensors(inspection: &Inspection) -> Option<String> {
     let mut out = String::new();
     let mut owners: Vec<&str> = inspection.channels.iter().map(|c| owner(c).0).collect();
@@ -48,7 +48,7 @@ pub(crate) fn proposed_sensors(inspection: &Inspection) -> Option<String> {
     (!out.is_empty()).then(|| format!("{HEAD}{}", out.trim_end()))
 }
 
-/// Sensor, empty without one, and channel.
+/// Sensor (may be empty) and channel.
 fn owner(channel: &ChannelSummary) -> (&str, &str) {
     channel
         .name
@@ -56,7 +56,7 @@ fn owner(channel: &ChannelSummary) -> (&str, &str) {
         .unwrap_or(("", channel.name.as_str()))
 }
 
-/// The line of a sensor: noise, or the step where rounding explains it.
+/// The line of a sensor: noise, or the rounding step if it explains the scatter.
 fn noise(channels: &[&ChannelSummary], kind: SensorKind) -> Option<String> {
     let unit = kind.unit(false);
     let sigmas: Vec<f64> = channels.iter().filter_map(|c| c.noise).collect();
@@ -71,7 +71,8 @@ fn noise(channels: &[&ChannelSummary], kind: SensorKind) -> Option<String> {
         .collect();
     let largest = steps.iter().copied().fold(0.0, f64::max);
     let error = error(channels);
-    // Four components of a quaternion hold half of each of three small angles, those of a unit vector two angles.
+    // Variance per component: a quaternion's four components hold half of each of three small angles, a unit vector's
+    // three hold two angles.
     let share = match kind {
         SensorKind::Attitude => Some(2.0),
         SensorKind::Direction => Some(1.0),
@@ -98,7 +99,7 @@ fn noise(channels: &[&ChannelSummary], kind: SensorKind) -> Option<String> {
     ))
 }
 
-/// How far the noise may be off.
+/// Relative error of the estimated noise.
 fn error(channels: &[&ChannelSummary]) -> String {
     if channels.iter().any(|c| c.noise_is_upper_bound) {
         return "an upper bound: it includes motion between the samples".to_owned();

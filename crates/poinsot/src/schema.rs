@@ -10,7 +10,7 @@ use serde_json::Value;
 /// Name of a format, and its JSON Schema.
 type Format = (&'static str, fn() -> Value);
 
-/// Formats of the model file and of a file with its `[telemetry]` table alone, and of answers of other floors.
+/// Formats of the model file, of a separate `[telemetry]` table, and of results of other crates.
 const OTHERS: [Format; 4] = [
     ("model", poinsot_model::model_schema),
     ("map", poinsot_model::telemetry_map_schema),
@@ -22,7 +22,7 @@ fn of<T: JsonSchema>() -> Value {
     schema_for!(StatedFile<T>).to_value()
 }
 
-/// Formats that are written in TOML.
+/// Formats stored as TOML.
 const TOML: [&str; 2] = ["case", "plan"];
 
 /// Names of all formats.
@@ -34,7 +34,7 @@ pub fn schema_names() -> impl Iterator<Item = &'static str> {
 /// JSON Schema (2020-12) of a file format.
 ///
 /// # Errors
-/// There is no format of this name.
+/// The format is unknown.
 pub fn schema(name: &str) -> Result<Value, Error> {
     if let Some((_, schema)) = OTHERS.into_iter().find(|(n, _)| *n == name) {
         return Ok(schema());

@@ -1,4 +1,4 @@
-//! `poinsot simulate`: a case with a model becomes telemetry and the truth behind it.
+//! The command `simulate`: a case with a model gives telemetry and the true values.
 
 mod record;
 mod truth;
@@ -25,19 +25,19 @@ use std::path::{Path, PathBuf};
 use truth::Drawn;
 pub(crate) use truth::mass as true_mass;
 
-/// Samples between two reports of progress.
+/// Samples between two progress reports.
 const REPORTED: usize = 500;
 
-/// Telemetry with the truth behind it.
+/// Telemetry with its true values.
 #[derive(Debug, Clone)]
 pub struct Simulation {
-    /// What the sensors report; exact where the model has no sensor for a channel.
+    /// Sensor output; exact values for channels without a sensor.
     pub table: Table,
     /// The document `truth.json`.
     pub truth: TruthFile,
 }
 
-/// The files of a simulation.
+/// Files written by a simulation.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Written {
     /// `telemetry.csv` or `telemetry.parquet`.
@@ -50,11 +50,11 @@ pub struct Written {
     pub channels: usize,
 }
 
-/// Runs the case file and writes telemetry and truth into `out`, which is made if it does not exist.
-/// Nothing stands under a final name unless both are complete.
+/// Runs the case file and writes telemetry and truth into `out`, which is created if missing. Either both files are
+/// written, or none.
 ///
 /// # Errors
-/// Case or model are refused, the motion cannot be computed, or the disk refuses.
+/// Case or model are invalid, the motion cannot be computed, or writing fails.
 pub fn simulate(case_path: &Path, out: &Path) -> Result<Written, Error> {
     let case = read_case(case_path).map_err(SimulateError::from)?;
     let name = match case.format {
@@ -66,7 +66,7 @@ pub fn simulate(case_path: &Path, out: &Path) -> Result<Written, Error> {
     check_outputs("--out", &outputs, &[case_path, &case.model])?;
     let model = read_model(&case.model)?;
     let mut simulation = simulate_case(&case, &model)?;
-    // Files are in the axes of the sensors, tables in those of the bodies.
+    // Files are in sensor axes, tables in body axes.
     let back: Vec<Mounting> = mountings(&model).iter().map(Mounting::inverse).collect();
     mount(&mut simulation.table, &back);
     let channels = &simulation.table.channels;
@@ -83,7 +83,7 @@ pub fn simulate(case_path: &Path, out: &Path) -> Result<Written, Error> {
     })
 }
 
-/// Runs a case in memory; the model's nominal numbers are the truth.
+/// Runs a case in memory; the nominal numbers of the model are the true values.
 ///
 /// # Errors
 /// The case does not fit the model, or the motion cannot be computed.
@@ -91,7 +91,7 @@ pub fn simulate_case(case: &Case, model: &Model) -> Result<Simulation, SimulateE
     simulate_trial(case, model, 0)
 }
 
-/// The same with the noise of one of many trials: equal seed and trial give equal bits.
+/// Runs a case with the noise of one trial; equal seed and trial give equal bits.
 ///
 /// # Errors
 /// As [`simulate_case`].
@@ -121,13 +121,13 @@ pub fn simulate_trial(case: &Case, model: &Model, trial: u64) -> Result<Simulati
 /// Ideal measurements.
 #[derive(Debug, Clone)]
 pub struct Exact {
-    /// Only what some sensor measures, and the motion of joints, wheels and thrusters.
+    /// Measured channels, and the motion of joints, wheels and thrusters.
     pub table: Table,
-    /// Bias that the case gives each sensor of the model; it is not in the table.
+    /// Bias of each sensor given in the case; it is not applied to the table.
     pub biases: Vec<Option<Vec<f64>>>,
 }
 
-/// Ideal measurements, each at its own times and place, and the biases of the case.
+/// Ideal measurements at the times and positions of the sensors, and the biases of the case.
 ///
 /// # Errors
 /// As [`simulate_case`].
@@ -135,7 +135,7 @@ pub fn simulate_exact(case: &Case, model: &Model) -> Result<Exact, SimulateError
     simulate_exact_watched(case, model, case.bind(model)?, |_| {})
 }
 
-/// The same of a bound case with a report of progress; `watch` sees every sample.
+/// Ideal measurements of a bound case with progress reports; `watch` receives every sample.
 pub(crate) fn simulate_exact_watched(
     case: &Case,
     model: &Model,
@@ -152,8 +152,7 @@ pub(crate) fn simulate_exact_watched(
     })
 }
 
-/// The same of a scenario that was changed; `watch` sees every instant with the torques of the joint motors, where
-/// they are known.
+/// Ideal measurements of a modified scenario; `watch` receives every instant with the joint motor torques, if known.
 ///
 /// # Errors
 /// As [`simulate_case`].
@@ -173,7 +172,7 @@ pub fn simulate_exact_of(
     })?;
     let mut table = recorder.table(&scenario);
     keep_measured(model, &mut table);
-    // Motion by torques and springs is not commanded: only a sensor measures it.
+    // Motion by torques and springs is not commanded, so it needs a sensor.
     for joint in free_joints(model, &scenario) {
         if !is_read(model, joint) {
             let own = joint_channels(joint);
@@ -183,8 +182,7 @@ pub fn simulate_exact_of(
     Ok(Exact { table, biases })
 }
 
-/// Leaves out what no sensor of the model measures: an experiment does not measure the whole motion. Joints, wheels and
-/// thrusters are commanded and stay.
+/// Drops channels that no sensor of the model measures. Commanded channels of joints, wheels and thrusters remain.
 pub(crate) fn keep_measured(model: &Model, table: &mut Table) {
     let blind: Vec<String> = SensorKind::ALL
         .into_iter()
@@ -194,8 +192,8 @@ pub(crate) fn keep_measured(model: &Model, table: &mut Table) {
     table.channels.retain(|c| !blind.contains(&c.name));
 }
 
-/// Ideal measurements of a vehicle with other mass properties than the model's, at the times of the scenario, with
-/// every other channel of the exact motion.
+/// Ideal measurements of a vehicle with other mass properties, at the times of the scenario. All other channels are of
+/// the exact motion.
 pub(crate) fn perfect_table(
     case: &Case,
     model: &Model,
@@ -225,7 +223,7 @@ fn without_errors(model: &Model) -> Model {
     perfect
 }
 
-/// A run: what was read, the first instant, and how far a controller used the wheels.
+/// Result of a run: channels, first instant, and use of the wheels by a controller.
 struct Recorded {
     recorder: Recorder,
     first: Option<MotionSample>,
@@ -260,9 +258,8 @@ fn record(
     })
 }
 
-/// Moves the vehicle through the times of the scenario and hands over every sample with the torques of the
-/// joint motors, where they are known. `bodies` replace the model's mass properties; no controller then, and the
-/// torques of the motors are known.
+/// Simulates the scenario and passes on every sample with the joint motor torques, if known. `bodies` replace the
+/// model's mass properties; then no controller is allowed, and motor torques are known.
 ///
 /// # Errors
 /// As [`simulate_case`].
@@ -318,7 +315,7 @@ pub fn run(
     Ok(Vec::new())
 }
 
-/// Refuses a driven joint without outboard inertia, by name.
+/// Checks that every driven joint has outboard inertia; the error names the joint.
 fn free_to_move(
     model: &Model,
     parameters: &[InertialParameters],
@@ -351,12 +348,12 @@ fn free_to_move(
                 joint: joint.map_or_else(String::new, |j| j.name.clone()),
             })
         }
-        // A base without inertia is refused where the motion begins.
+        // A base without inertia gives an error at the start of the motion.
         Ok(()) | Err(Singular::Base) => Ok(()),
     }
 }
 
-/// Joints of the model that torques or springs move in a case, in its order.
+/// Joints moved by torques or springs in a case, in model order.
 pub(crate) fn free_joints<'m>(model: &'m Model, scenario: &Scenario) -> Vec<&'m Joint> {
     let tree = Tree::new(model);
     let drives = scenario.driven.iter().flat_map(|plan| &plan.joints);
@@ -368,7 +365,7 @@ pub(crate) fn free_joints<'m>(model: &'m Model, scenario: &Scenario) -> Vec<&'m 
         .collect()
 }
 
-/// Whether a position sensor of the model reads this joint.
+/// Whether a position sensor of the model measures this joint.
 pub(crate) fn is_read(model: &Model, joint: &Joint) -> bool {
     let at = model.joint(&joint.name);
     let mut sensors = model.sensors_of(SensorKind::JointPosition);
@@ -380,7 +377,7 @@ pub(crate) fn stream(trial: u64, sensor: usize) -> u64 {
     (trial << 16) | (sensor as u64 & 0xffff)
 }
 
-/// Rate of a sensor in a scenario, relative to the rows.
+/// Rows of the scenario per sample of a sensor.
 fn every(scenario: &Scenario, sensor: usize) -> usize {
     scenario.sensors.get(sensor).map_or(1, |s| s.every)
 }

@@ -1,7 +1,7 @@
-//! The verb `study`: reproduction of the results of papers.
+//! The command `study`: reproduces the results of papers.
 //!
-//! The studies are those of [`poinsot_papers::study`]. They simulate and identify through [`Tools`], which is made of the
-//! verbs of this crate here.
+//! The studies are defined in [`poinsot_papers::study`]. They simulate and identify through [`Tools`], implemented
+//! here by the commands of this crate.
 
 use crate::Error;
 use crate::bind::{acceleration_channels, bind};
@@ -26,10 +26,10 @@ use poinsot_spatial::InertialParameters;
 use poinsot_telemetry::{Table, read};
 use std::path::{Path, PathBuf};
 
-/// Accuracy of a determined number in a bound: the default of `--relative-accuracy`.
+/// Accuracy limit of a determined number: the default of `--relative-accuracy`.
 const ACCURACY: f64 = 1.0;
 
-/// The tools of this crate.
+/// Implementation of the tools.
 pub struct Verbs;
 
 fn parsed(case: &CaseText) -> Result<Case, Error> {
@@ -115,10 +115,10 @@ impl Tools for Verbs {
     }
 }
 
-/// The studies asked for: of one paper or of all, one or all of its studies.
+/// The requested studies: of one or all papers, one or all studies.
 ///
 /// # Errors
-/// There is no such paper or study; the message lists those that there are.
+/// The paper or study is unknown; the message lists the known ones.
 pub fn find(
     paper: Option<&str>,
     name: Option<&str>,
@@ -148,13 +148,13 @@ pub fn find(
     Ok(found)
 }
 
-/// The word for every study of a paper.
+/// Name of all studies of a paper.
 pub const ALL: &str = "all";
 
 /// Runs a study with the folder of examples.
 ///
 /// # Errors
-/// The examples are not there, or a tool refuses them.
+/// The examples are missing, or a tool fails.
 pub fn run(study: &Study, examples: &Path) -> Result<Findings, Error> {
     if !examples.join("cases").is_dir() {
         return Err(Error::Usage {
@@ -170,7 +170,7 @@ pub fn run(study: &Study, examples: &Path) -> Result<Findings, Error> {
     (study.run)(&context).map_err(told)
 }
 
-/// The error of a tool as it was given; anything else is a fault of the study.
+/// An error of a tool is returned unchanged; any other is a bug of the study.
 fn told(error: StudyError) -> Error {
     let error = match error.downcast::<Error>() {
         Ok(error) => return *error,
@@ -188,7 +188,7 @@ fn told(error: StudyError) -> Error {
     }
 }
 
-/// The findings as a document: tables, then the numbers of the paper's page.
+/// The findings as a document: tables, then the numbers for the paper's page.
 pub fn document(paper: &str, study: &Study, findings: &Findings) -> Document {
     let mut document = Document::new(format!("{paper} {}: {}", study.name, study.summary));
     for table in &findings.tables {
@@ -210,7 +210,7 @@ pub fn document(paper: &str, study: &Study, findings: &Findings) -> Document {
     document
 }
 
-/// The findings as a file: numbers with all their digits, null where there is none.
+/// The findings as a file: numbers with all digits, null if missing.
 pub fn findings_file(paper: &str, study: &Study, findings: &Findings) -> StudyFindingsFile {
     let cell = |cell: &Cell| match cell {
         Cell::Word(text) => FoundCellFile::Word(text.clone()),
@@ -240,7 +240,7 @@ pub fn findings_file(paper: &str, study: &Study, findings: &Findings) -> StudyFi
     }
 }
 
-/// A table as CSV: numbers with all their digits; two numbers of a cell joined by their word.
+/// A table as CSV: numbers with all digits; two numbers of a cell are joined by their separator.
 pub fn csv(table: &FoundTable) -> String {
     let quoted = |text: &str| match text.contains([',', '"', '\n']) {
         true => format!("\"{}\"", text.replace('"', "\"\"")),
@@ -271,10 +271,10 @@ pub fn csv(table: &FoundTable) -> String {
     out
 }
 
-/// Files of the findings: every table as CSV, every figure in the formats given.
+/// Files of the findings: tables as CSV, figures in the given formats.
 ///
 /// # Errors
-/// A figure cannot be turned into pixels.
+/// A figure cannot be rendered.
 pub fn files(
     study: &Study,
     findings: &Findings,
@@ -298,7 +298,7 @@ pub fn files(
     Ok(files)
 }
 
-/// Papers with their studies; of one paper where it is named.
+/// Papers with their studies; one paper if named.
 pub fn studies_file(paper: Option<&str>) -> StudiesFile {
     let study = |s: &Study| StudyFile {
         name: s.name.to_owned(),

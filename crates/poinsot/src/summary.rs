@@ -1,15 +1,15 @@
-//! The answer in one sentence of at most twenty words, and what to do: the same in the terminal and on the page.
+//! The result in one sentence of at most twenty words, and the next action, for terminal and page.
 
 use crate::trials::sigmas_of_interval;
 use poinsot_formats::{BodyFile, EstimateFile, NumberFile, UndeterminedFile};
 use poinsot_report::significant;
 
-/// Chi-square per degree of freedom above which a rejection is said by it.
+/// Chi-square per degree of freedom above which it is given as the reason of a rejection.
 const MISFIT: f64 = 1.2;
-/// Numbers from here on are written with a power of ten.
+/// Larger numbers are written with a power of ten.
 const LARGE: f64 = 1.0e4;
 
-/// The answer with its numbers.
+/// The result with its numbers.
 pub(crate) fn sentence(e: &EstimateFile) -> String {
     let i = &e.identifiability;
     match e.status.as_str() {
@@ -46,7 +46,7 @@ pub(crate) fn sentence(e: &EstimateFile) -> String {
     }
 }
 
-/// What to do next; `None` where nothing is needed.
+/// The next action; `None` if none is needed.
 pub(crate) fn action(e: &EstimateFile) -> Option<String> {
     let first = |all: &[String]| all.first().cloned();
     let found = match e.status.as_str() {
@@ -70,7 +70,8 @@ pub(crate) fn action(e: &EstimateFile) -> Option<String> {
     Some(format!("{head}{}.", letters.as_str()))
 }
 
-/// The direction whose remedy serves most directions, the first of equal ones; figures in brackets differ between them.
+/// The direction whose remedy resolves most directions, the first if equal; numbers in brackets are ignored in the
+/// comparison.
 fn serves_most(open: &[UndeterminedFile]) -> Option<&UndeterminedFile> {
     let head = |o: &UndeterminedFile| o.remedy.split(" (").next().map(str::to_owned);
     let count = |o: &&UndeterminedFile| open.iter().filter(|p| head(p) == head(o)).count();
@@ -83,7 +84,7 @@ pub(crate) fn largest_chi2(e: &EstimateFile) -> f64 {
     all.fold(0.0, f64::max)
 }
 
-/// Numbers of a kind that were asked for, with their widest 95 % half width.
+/// Requested numbers of one kind, with their widest 95 % half width.
 struct Kind {
     count: usize,
     widest: Option<f64>,
@@ -155,7 +156,7 @@ fn determined(e: &EstimateFile) -> String {
     }
 }
 
-/// How many of the requested numbers are determined alone.
+/// Number of requested numbers that are determined individually.
 fn single(e: &EstimateFile) -> String {
     let asked: Vec<NumberFile> = e
         .bodies
@@ -170,7 +171,7 @@ fn single(e: &EstimateFile) -> String {
     }
 }
 
-/// Two figures, whatever the size.
+/// Rounds to two significant figures.
 fn rounded(x: f64) -> String {
     if x < LARGE {
         significant(x, 2)

@@ -1,4 +1,4 @@
-//! The verb `sweep`: one case, numbers that vary, methods side by side; a plan of one case on the engine of `campaign`.
+//! The command `sweep`: one case with varied numbers and several methods, run as a campaign of one case.
 
 use crate::error::Error;
 use poinsot_formats::{
@@ -7,18 +7,18 @@ use poinsot_formats::{
 };
 use std::collections::BTreeMap;
 
-/// A sweep as it is asked for.
+/// Arguments of `sweep`.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct SweepRequest {
-    /// Case, or nothing with a record.
+    /// Case; empty for a record.
     pub case: String,
-    /// Model as the identification knows it; that of the case where it is not given.
+    /// Nominal model; default: the model of the case.
     pub model: Option<String>,
     /// `ADDRESS=VALUES`: a list `1,2,5`, or a range `from:to:count` with equal differences, or `from:to:count:log`.
     pub vary: Vec<String>,
     /// `NAME`, or `NAME/VARIANT`.
     pub methods: Vec<String>,
-    /// `KEY=VALUE`, for every published method that has the key; or `METHOD.KEY=VALUE`.
+    /// `KEY=VALUE` for every published method with this key, or `METHOD.KEY=VALUE`.
     pub settings: Vec<String>,
     /// Trials of every point.
     pub trials: u64,
@@ -29,7 +29,7 @@ pub struct SweepRequest {
 /// The plan of a sweep.
 ///
 /// # Errors
-/// A word that is no list, range or setting.
+/// A text is not a list, range or setting.
 pub fn sweep_plan(request: &SweepRequest) -> Result<PlanFile, Error> {
     let vary = request.vary.iter().map(|text| vary(text));
     let mut methods: Vec<MethodFile> = request.methods.iter().map(|m| method(m)).collect();
@@ -105,7 +105,7 @@ fn method(text: &str) -> MethodFile {
     }
 }
 
-/// Gives a setting to every method that has it; to one alone where it is named.
+/// Sets a value for every method that has the key, or for the named method.
 fn set(text: &str, methods: &mut [MethodFile]) -> Result<(), Error> {
     let wanted = "write KEY=VALUE, or METHOD.KEY=VALUE for one of several methods";
     let (key, value) = text

@@ -1,11 +1,11 @@
-//! The threads that share the work of a verb.
+//! Thread pool of a command.
 
 use crate::error::Error;
 use std::sync::mpsc::channel;
 use std::thread::{Builder, JoinHandle};
 
-/// Starts the threads: one a core, or fewer where `RAYON_NUM_THREADS` asks for fewer or the system starts no more.
-/// For the start of a program; libraries use what is there.
+/// Starts the thread pool: one thread per core, or fewer if `RAYON_NUM_THREADS` or the system limits them. For program
+/// start only; libraries use the existing pool.
 ///
 /// # Errors
 /// The system starts no thread at all.
@@ -21,7 +21,7 @@ pub fn start_threads() -> Result<(), Error> {
         .map_err(|e| Error::Threads { why: e.to_string() })
 }
 
-/// How many threads of these can run at the same time.
+/// Number of these threads that can run at the same time.
 fn startable(wanted: usize) -> Result<usize, Error> {
     let mut waiting = Vec::new();
     let mut started: Vec<JoinHandle<()>> = Vec::new();

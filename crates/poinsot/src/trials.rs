@@ -1,7 +1,7 @@
-//! Monte Carlo: one exact motion, many draws of the sensors' noise, one identification each.
+//! Monte Carlo: one exact motion, many draws of sensor noise, one identification each.
 //!
-//! The random stream of a sensor is the number of the trial, so every trial can be repeated alone; trials
-//! run in parallel and are reduced in their order: the same bits on any number of threads.
+//! The trial number selects the random stream of a sensor, so every trial can be repeated separately. Trials run in
+//! parallel and are reduced in order, so the result does not depend on the number of threads.
 
 mod band;
 mod interval;
@@ -37,30 +37,30 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// An experiment to be repeated.
+/// A repeatable experiment.
 #[derive(Debug, Clone)]
 pub struct Study {
-    /// What perfect sensors read, one table per segment.
+    /// Measurements of ideal sensors, one table per segment.
     pub exact: Vec<Table>,
-    /// The vehicle as the identification knows it: nominal numbers, what is unknown, sensors with noise.
+    /// The nominal model of the identification: nominal numbers, unknowns, sensors with declared noise.
     pub model: Model,
-    /// The sensors as they really are: those of the model unless a study asks what a wrong declaration does.
+    /// The true sensors: those of the model, unless a study tests a wrong declaration.
     pub sensors: Vec<Sensor>,
     /// True mass properties, one per body.
     pub truth: Vec<MassProperties>,
-    /// True bias of each sensor of the model in its own axes; `None`: zero, or drawn from its prior.
+    /// True bias of each sensor in sensor axes; `None`: zero, or drawn from its prior.
     pub biases: Vec<Option<Vec<f64>>>,
     /// Method with its variant and settings.
     pub question: Question,
-    /// Whether maximum likelihood says what would explain a misfit; it changes no number.
+    /// Whether maximum likelihood searches for causes of a misfit; the numbers do not change.
     pub diagnose: bool,
-    /// Seed of all noise.
+    /// Seed of all random numbers.
     pub seed: u64,
-    /// Whether each trial draws where the steps of rounding sensors lie. Without it a motion that repeats
-    /// exactly is rounded alike every time, and scatter between experiments shows as bias.
+    /// Whether each trial draws the phase of rounding steps. Otherwise an exactly repeating motion is rounded equally
+    /// in every trial, and scatter between experiments appears as bias.
     pub draw_phase: bool,
-    /// Share of the declared step within which each trial draws the true one of a rounding sensor: a motion passes the
-    /// steps in another rhythm every time, as motions do that are not copies of each other.
+    /// Relative range around the declared rounding step from which each trial draws the true step. The motion then
+    /// passes the steps differently in each trial, as in experiments that are not exact copies.
     pub step_spread: f64,
 }
 
@@ -71,18 +71,18 @@ pub struct TrialNumber {
     pub name: String,
     /// Estimate.
     pub value: f64,
-    /// Estimate less truth.
+    /// Estimate minus truth.
     pub error: f64,
-    /// One sigma as stated; NaN of a method that states none.
+    /// Stated sigma; NaN if the method has none.
     pub sigma: f64,
 }
 
-/// What one trial gave.
+/// Result of one trial.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Answer {
     /// Status of the estimate.
     pub status: Status,
-    /// Why the answer is not to be relied on.
+    /// Why the result is not reliable.
     pub doubts: Vec<String>,
     /// Iterations taken.
     pub iterations: usize,
@@ -90,23 +90,23 @@ pub struct Answer {
     pub chi2_per_dof: f64,
     /// Chi-square per number of each kind of sensor, mean over the segments.
     pub channels: Vec<(String, f64)>,
-    /// Every number that the trial determined and whose truth is known.
+    /// Every determined number with known truth.
     pub numbers: Vec<TrialNumber>,
-    /// Normalised squared error of all determined mass properties together, and how many they are.
+    /// Normalised squared error of all determined mass properties, and their number.
     pub nees: Option<(f64, usize)>,
 }
 
-/// One trial. A failed one is data: it says why.
+/// One trial. A failed trial has its reason.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trial {
     /// Number.
     pub number: u64,
-    /// What came of it.
+    /// Result, or the reason of the failure.
     pub outcome: Result<Answer, String>,
 }
 
 impl Study {
-    /// The experiment of a case, whose model holds the truth; `model` is what the identification knows.
+    /// The experiment of a case; `truth` is the true model, `model` the nominal one.
     ///
     /// # Errors
     /// The case does not fit the model or cannot be simulated.
@@ -126,7 +126,7 @@ impl Study {
         })
     }
 
-    /// The experiment behind noise-free tables.
+    /// The experiment of noise-free tables.
     pub fn of_tables(mut exact: Vec<Table>, truth: &Model, model: Model) -> Self {
         for table in &mut exact {
             keep_measured(&model, table);
@@ -145,14 +145,14 @@ impl Study {
         }
     }
 
-    /// What the sensors of the model read in one trial, and the bias that each had.
+    /// Measurements in one trial, and the bias of each sensor.
     pub fn draw(&self, trial: u64) -> (Vec<Table>, Vec<Vec<f64>>) {
         let tree = Tree::new(&self.model);
         let mut tables = self.exact.clone();
         let mut biases = vec![Vec::new(); self.sensors.len()];
         for (segment, table) in tables.iter_mut().enumerate() {
             for (i, sensor) in self.sensors.iter().enumerate() {
-                // One bias for all segments: it belongs to the sensor, not to the record.
+                // One bias for all segments, because it belongs to the sensor.
                 let given = match (segment, self.biases.get(i)) {
                     (0, given) => given.and_then(|b| b.as_deref()),
                     _ => biases.get(i).map(Vec::as_slice),
@@ -173,7 +173,7 @@ impl Study {
         (tables, biases)
     }
 
-    /// One trial.
+    /// Runs one trial.
     pub fn trial(&self, number: u64) -> Trial {
         let (tables, biases) = self.draw(number);
         let truth = self.true_numbers(&biases);
@@ -183,10 +183,10 @@ impl Study {
         Trial { number, outcome }
     }
 
-    /// What a method gives for readings that [`Self::draw`] drew, beside the truth behind them.
+    /// Applies a method to measurements from [`Self::draw`] and compares the result with the truth.
     ///
     /// # Errors
-    /// The method gives no answer.
+    /// The method fails.
     pub fn answer(
         &self,
         tables: &[Table],
@@ -207,7 +207,7 @@ impl Study {
         Ok(judged(&estimate_by(&problem, question, diagnose)?, truth))
     }
 
-    /// Trials in the order of their numbers, in parallel.
+    /// Runs trials in parallel; the results are in order of their numbers.
     pub fn run(&self, trials: Range<u64>) -> Vec<Trial> {
         let total = usize::try_from(trials.end.saturating_sub(trials.start)).unwrap_or(usize::MAX);
         let done = AtomicUsize::new(0);
@@ -219,10 +219,10 @@ impl Study {
         trials.into_par_iter().map(run).collect()
     }
 
-    /// The Cramer-Rao bound of the experiment at the truth.
+    /// The Cramer-Rao bound of the experiment at the true values.
     ///
     /// # Errors
-    /// The question cannot be asked.
+    /// Invalid model or telemetry.
     pub fn bound(&self) -> Result<Estimate, Error> {
         let model = self.true_model();
         let tree = Tree::new(&model);
@@ -236,7 +236,7 @@ impl Study {
         })?)
     }
 
-    /// The model with the truth as its nominal numbers.
+    /// The model with the true numbers as nominal ones.
     pub fn true_model(&self) -> Model {
         let mut model = self.model.clone();
         for (body, truth) in model.bodies.iter_mut().zip(&self.truth) {
@@ -245,7 +245,7 @@ impl Study {
         model
     }
 
-    /// The truth of mass properties and of the biases that [`Self::draw`] drew, by the addresses of an answer.
+    /// True mass properties and the biases from [`Self::draw`], by address.
     pub fn true_numbers(&self, biases: &[Vec<f64>]) -> HashMap<String, f64> {
         let mut all = HashMap::new();
         for (body, truth) in self.model.bodies.iter().zip(&self.truth) {
@@ -284,7 +284,7 @@ impl Study {
     }
 }
 
-/// An answer beside the truth: true numbers by the addresses of an answer, as of [`Study::true_numbers`].
+/// Compares an estimate with true numbers by address, as from [`Study::true_numbers`].
 pub fn judged(estimate: &Estimate, truth: &HashMap<String, f64>) -> Answer {
     let numbers: Vec<TrialNumber> = estimated_numbers(estimate)
         .into_iter()
@@ -317,7 +317,7 @@ pub fn judged(estimate: &Estimate, truth: &HashMap<String, f64>) -> Answer {
     }
 }
 
-/// Puts the errors of a sensor on the channels that it reads; a channel that the table lacks has none.
+/// Applies the errors of a sensor to its channels; missing channels are ignored.
 fn disturb(table: &mut Table, sensor: &str, channels: &[String], instrument: &mut Instrument) {
     let find = |table: &Table, name: &String| {
         let own = |own: &str| {
@@ -348,7 +348,7 @@ fn disturb(table: &mut Table, sensor: &str, channels: &[String], instrument: &mu
     }
 }
 
-/// Every number that data determine: address, value, sigma (NaN of a method that states none).
+/// Every number determined by data: address, value, sigma (NaN if the method states none).
 pub(crate) fn estimated_numbers(estimate: &Estimate) -> Vec<(String, f64, f64)> {
     let mut list = Vec::new();
     for body in estimate.bodies.iter().filter(|b| b.asked) {
@@ -387,8 +387,8 @@ pub(crate) fn numbers_of(
     mass.chain(com).chain(inertia)
 }
 
-/// `e^T C^-1 e` over the mass properties in the stated covariance; `None` where it is singular (numbers that hang
-/// together) or a truth is missing.
+/// `e^T C^-1 e` over the mass properties with the stated covariance; `None` if it is singular or a true value is
+/// missing.
 fn nees(estimate: &Estimate, numbers: &[TrialNumber]) -> Option<(f64, usize)> {
     let is_mass = |name: &str| estimate.nuisance.iter().all(|n| n.name != name);
     let all = estimate.covariance_names.iter().enumerate();

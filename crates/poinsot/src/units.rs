@@ -1,4 +1,4 @@
-//! The verb `units`: the units of a telemetry map.
+//! The command `units`: units of a telemetry map.
 
 use poinsot_formats::{UNITS, UnitFile, UnitsFile};
 use poinsot_telemetry::units;

@@ -1,8 +1,8 @@
-//! The verb `validate`: compares the motion of a model or an estimate with another model or with telemetry.
+//! The command `validate`: compares the motion of a model or an estimate with another model or with telemetry.
 //!
-//! Three questions. Against a model, in a case: both move under the same torques, wheels and thrust. Against
-//! telemetry, in a case: the motion that the case gives beside the readings. Against telemetry alone: what
-//! the vehicle predicts for a record that was held back, driven by its measured joints, wheels and thrust.
+//! Three comparisons. With a model, in a case: both vehicles move under the same torques, wheels and thrust. With
+//! telemetry, in a case: the simulated motion and the measurements. With telemetry only: the prediction of a held-back
+//! record, driven by its measured joints, wheels and thrust.
 
 mod compared;
 mod estimate;
@@ -32,15 +32,15 @@ use poinsot_model::{Model, read_model, read_telemetry_map};
 use poinsot_telemetry::read;
 use std::path::PathBuf;
 
-/// Mean square in sigmas above which a difference is more than the declared noise.
+/// Mean square in sigmas above which a difference exceeds the declared noise.
 const MISFIT: f64 = 1.5;
 
-/// The question.
+/// Arguments of `validate`.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ValidateRequest {
-    /// Model; that of the case where it is not given.
+    /// Model; default: the model of the case.
     pub model: Option<PathBuf>,
-    /// Estimate of this model (folder or file), whose numbers replace the nominal ones.
+    /// Estimate of this model (folder or file); its numbers replace the nominal ones.
     pub estimate: Option<PathBuf>,
     /// Another model (`.toml`), or telemetry files joined by commas.
     pub against: String,
@@ -58,7 +58,7 @@ pub struct ValidateRequest {
     pub recover: bool,
 }
 
-/// What was asked.
+/// Kind of comparison.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Against {
     /// Another model in a case.
@@ -72,11 +72,11 @@ pub enum Against {
 /// Verdict.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
-    /// Compared; nothing says what would be acceptable.
+    /// Compared without limits or declared noise.
     Compared,
-    /// Within the limits given, or within the declared noise.
+    /// Within the given limits, or within the declared noise.
     Agrees,
-    /// Beyond them.
+    /// Beyond the limits or the noise.
     Differs,
     /// The motion depends on undetermined numbers.
     Undetermined,
@@ -97,40 +97,40 @@ impl Verdict {
 /// Completion of an estimate with undetermined numbers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Completed {
-    /// Numbers the estimate determines, and those it leaves open.
+    /// Number of determined numbers.
     pub determined: usize,
-    /// Open directions.
+    /// Number of unobservable directions.
     pub open: usize,
-    /// How far the completed numbers lie from the nominal ones, natural units.
+    /// Distance of the completed numbers from the nominal ones, natural units.
     pub distance: f64,
     /// Sensitivity of the prediction to the unobservable directions.
     pub effect: OpenEffect,
 }
 
-/// The answer.
+/// Result of a validation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Validation {
-    /// What was asked.
+    /// Kind of comparison.
     pub kind: Against,
     /// Verdict.
     pub verdict: Verdict,
     /// Path of the model.
     pub model: String,
-    /// Path of the estimate, with its status.
+    /// Path and status of the estimate.
     pub estimate: Option<(String, String)>,
     /// Whether the estimate is reliable; true for a model.
     pub relied_on: bool,
-    /// What it was compared with.
+    /// Path of the other side.
     pub against: String,
     /// Path of the case.
     pub case: Option<String>,
-    /// One per quantity.
+    /// One entry per quantity.
     pub compared: Vec<Compared>,
     /// Chi-square per degree of freedom of held-back telemetry.
     pub chi2_per_dof: Option<f64>,
-    /// Completion of undetermined numbers.
+    /// How undetermined numbers were completed.
     pub completed: Option<Completed>,
-    /// Limits given, m and rad.
+    /// Given limits, m and rad.
     pub limits: (Option<f64>, Option<f64>),
     /// Warnings.
     pub warnings: Vec<String>,
@@ -149,7 +149,7 @@ impl Validation {
 /// Compares the motion of a model or an estimate with another model or with telemetry.
 ///
 /// # Errors
-/// The question cannot be asked: files, names, or a motion that cannot be computed.
+/// Invalid files or names, or a motion that cannot be computed.
 pub fn validate(request: &ValidateRequest) -> Result<Validation, Error> {
     check(request)?;
     let case = request.case.as_deref().map(read_case).transpose();
@@ -202,7 +202,7 @@ pub fn validate(request: &ValidateRequest) -> Result<Validation, Error> {
     Ok(validation)
 }
 
-/// The question with everything read.
+/// The request with all inputs read.
 struct Asked<'a> {
     request: &'a ValidateRequest,
     mover: &'a Mover,
@@ -305,7 +305,7 @@ impl Asked<'_> {
     }
 }
 
-/// Whether every position and angle stays within the limits given.
+/// Whether every position and angle stays within the given limits.
 fn within(compared: &[Compared], request: &ValidateRequest) -> Verdict {
     let mut verdict = Verdict::Compared;
     for one in compared {
@@ -315,7 +315,7 @@ fn within(compared: &[Compared], request: &ValidateRequest) -> Verdict {
             _ => None,
         };
         let Some(limit) = limit else { continue };
-        // NaN is beyond every limit.
+        // NaN exceeds every limit.
         if one.largest > limit || one.largest.is_nan() {
             return Verdict::Differs;
         }

@@ -1,19 +1,19 @@
-//! The verdict in words: one table for the terminal, the page and the book.
+//! The verdicts: one table for terminal, page and book.
 
 use poinsot_report::Tone;
 
-/// State of an answer; the names are those of `estimate.json`.
+/// State of a result; the names are those of `estimate.json`.
 pub struct Standing<'a> {
     /// Name of the status.
     pub status: &'a str,
-    /// Whether the method states a reliable uncertainty.
+    /// Whether the uncertainty of the method is reliable.
     pub covariance_trustworthy: bool,
-    /// Evidence against the answer.
+    /// Evidence against the result.
     pub doubts: &'a [String],
 }
 
 impl Standing<'_> {
-    /// The row of [`VERDICTS`] that holds.
+    /// The first matching row of [`VERDICTS`].
     fn verdict(&self) -> &'static Verdict {
         let mut rows = VERDICTS.iter();
         rows.find(|v| v.status == self.status && (v.holds)(self))
@@ -27,11 +27,11 @@ impl Standing<'_> {
     }
 }
 
-/// One verdict: word and colour of an answer, with the condition that sets them.
+/// One verdict: word and colour of a result, with its condition.
 pub struct Verdict {
     /// Name of the status in `estimate.json`.
     pub status: &'static str,
-    /// What else must hold, in words.
+    /// Additional condition, as text.
     pub condition: &'static str,
     holds: fn(&Standing) -> bool,
     /// Colour.
@@ -42,7 +42,7 @@ pub struct Verdict {
     pub passes: bool,
 }
 
-/// Every verdict; of those of a status the first whose condition holds.
+/// All verdicts; for a status, the first whose condition holds applies.
 pub static VERDICTS: [Verdict; 9] = [
     verdict(
         "converged",
@@ -85,7 +85,7 @@ pub static VERDICTS: [Verdict; 9] = [
     ),
 ];
 
-/// Of a status that no answer of this program has.
+/// For a status unknown to this program.
 const UNKNOWN: Verdict = verdict("", ALWAYS, (Tone::Bad, "Unknown status"), false);
 
 type Condition = (&'static str, fn(&Standing) -> bool);

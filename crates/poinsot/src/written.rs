@@ -1,13 +1,13 @@
-//! Files of one answer appear under their names together, when all are complete and on disk. Every verb writes here.
+//! Writes the files of a result together, when all are complete and on disk. Used by every command.
 
 use crate::error::Error;
 use poinsot_files::{Stage, check_target, folder_of, is_same_file, json_escaped};
 use std::path::{Path, PathBuf};
 
-/// A file of an answer: its path below the answer's folder, and its bytes.
+/// A file of a result: path relative to the folder, and bytes.
 pub type OutputFile = (PathBuf, Vec<u8>);
 
-/// A document as JSON, with a last line end, for a file of a folder.
+/// A document as JSON with a final line end.
 pub(crate) fn json(folder: &Path, text: serde_json::Result<String>) -> Result<String, Error> {
     let text = text.map_err(|e| Error::Io {
         path: folder.to_owned(),
@@ -17,10 +17,10 @@ pub(crate) fn json(folder: &Path, text: serde_json::Result<String>) -> Result<St
     Ok(json_escaped(&text).into_owned() + "\n")
 }
 
-/// Writes one file: the earlier one stays until the new one is complete and on disk.
+/// Writes one file; the earlier one is kept until the new one is complete and on disk.
 ///
 /// # Errors
-/// The disk refuses; an earlier file stays then.
+/// Writing fails; an earlier file is then kept.
 pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     let Some(name) = path.file_name() else {
         return Err(Error::Io {
@@ -33,11 +33,10 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     Ok(())
 }
 
-/// Writes the files of one answer below a folder, which is made if it is not there: all of them or none. Returns
-/// their paths.
+/// Writes the files of one result into a folder, which is created if missing: all or none. Returns their paths.
 ///
 /// # Errors
-/// The disk refuses; earlier files stay then.
+/// Writing fails; earlier files are then kept.
 pub fn write_files(folder: &Path, files: &[(PathBuf, Vec<u8>)]) -> Result<Vec<PathBuf>, Error> {
     let mut stage = Stage::new(folder)?;
     for (name, bytes) in files {
@@ -46,11 +45,11 @@ pub fn write_files(folder: &Path, files: &[(PathBuf, Vec<u8>)]) -> Result<Vec<Pa
     Ok(stage.commit()?)
 }
 
-/// Checks, before a verb works, that its answer can be put in place: no output is an input, and nothing but an
-/// earlier file stands where one goes.
+/// Checks before a command starts that its result can be written. No output may be an input, and every target must be
+/// free or a regular file.
 ///
 /// # Errors
-/// The option with the file that is in the way.
+/// The option and the conflicting file.
 pub fn check_outputs(
     option: &'static str,
     outputs: &[PathBuf],

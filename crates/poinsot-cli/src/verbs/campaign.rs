@@ -11,7 +11,7 @@ use poinsot_formats::{CampaignFile, WrittenFile};
 use std::path::Path;
 use std::process::Command;
 
-/// How often the shards of a process that crashed are tried again.
+/// Number of restarts for the shards of a crashed process.
 const TRIES: usize = 3;
 
 pub fn run(arguments: &Campaign) -> Outcome {
@@ -61,7 +61,7 @@ pub fn run(arguments: &Campaign) -> Outcome {
     shown(arguments.json, arguments.quiet, &plan, &ran)
 }
 
-/// Prints what a campaign or a sweep gave; its exit code.
+/// Prints the result of a campaign or sweep and returns the exit code.
 pub fn shown(json: bool, quiet: bool, plan: &Plan, ran: &CampaignRun) -> Outcome {
     if !quiet {
         for (shard, why) in ran.damaged.iter().take(10) {
@@ -93,7 +93,7 @@ pub fn shown(json: bool, quiet: bool, plan: &Plan, ran: &CampaignRun) -> Outcome
     Ok(exit_of(ran.passes()))
 }
 
-/// The statistics so far, on standard error.
+/// Prints intermediate statistics on standard error.
 fn print_far(so_far: &CampaignFile) {
     for cell in &so_far.cells {
         for method in &cell.methods {
@@ -122,7 +122,7 @@ fn emit(arguments: &Campaign, plan: &Plan, out: &Path) -> Outcome {
     Ok(0)
 }
 
-/// Runs the shards in processes of their own, so that one that is killed takes no other with it, and starts it again.
+/// Runs the shards in separate processes and restarts those that crash.
 fn supervised(
     arguments: &Campaign,
     plan: &Plan,
@@ -169,7 +169,7 @@ fn supervised(
         })?;
         match ended.code() {
             Some(0) => {}
-            // It has said itself why: its input or the disk.
+            // The process has already printed its error (input or disk).
             Some(code @ (2 | 3)) => failed = Some(code),
             _ => {
                 let of_share = (0..plan.shards()).filter(|s| s % processes == share - 1);
@@ -199,7 +199,7 @@ fn supervised(
     }
 }
 
-/// Threads that this process would use.
+/// Number of threads of this process.
 fn rayon_threads() -> u64 {
     let cores = std::thread::available_parallelism().map_or(1, |n| n.get() as u64);
     let asked = std::env::var("RAYON_NUM_THREADS").ok();

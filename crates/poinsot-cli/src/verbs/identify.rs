@@ -10,7 +10,7 @@ use poinsot::{
 };
 use std::path::Path;
 
-/// Usual limit of the memory for the samples of one file, MiB.
+/// Default memory limit for the samples of one file, MiB.
 const IDENTIFY_MIB: usize = 64;
 
 pub fn run(arguments: &Identify) -> Outcome {
@@ -72,7 +72,7 @@ pub fn run(arguments: &Identify) -> Outcome {
     Ok(exit_of(identified.passes()))
 }
 
-/// The places of the answer, before an hour is spent on it.
+/// Checks the output paths before the computation starts.
 fn check_places(
     arguments: &Identify,
     folder: &Path,

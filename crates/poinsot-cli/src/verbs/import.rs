@@ -9,7 +9,7 @@ pub fn run(arguments: &Import) -> Outcome {
     check_outputs("-o", arguments.out.as_slice(), &[&arguments.urdf])?;
     let model = read_urdf(&arguments.urdf).model.map_err(Failure::from)?;
     let text = write_model(&model);
-    // What is written must be read again: names and numbers meet the rules of the model file too.
+    // Validate the output: names and numbers must also meet the rules of the model file.
     parse_model(&text, &arguments.urdf.display().to_string()).map_err(Failure::from)?;
     match &arguments.out {
         Some(path) => {

@@ -21,7 +21,7 @@ pub fn run(arguments: &Man) -> Outcome {
 
 fn page(command: &Command, name: &str) -> (PathBuf, Vec<u8>) {
     let mut text = Vec::new();
-    // Writing into memory does not fail.
+    // Writing to memory cannot fail.
     let _ = clap_mangen::Man::new(command.clone().name(name.to_owned())).render(&mut text);
     (format!("{name}.1").into(), text)
 }

@@ -29,7 +29,7 @@ pub fn run(arguments: &Methods) -> Outcome {
     Ok(0)
 }
 
-/// The method, its paper, its variants with the default first.
+/// Text of a method: paper and variants, default variant first.
 fn text(method: &MethodText) -> String {
     let mut out = format!("{}: {}\n", method.name, method.summary);
     if let Some(paper) = method.paper {

@@ -30,16 +30,16 @@ use poinsot_formats::{ERROR, ErrorFile, FaultFile, WrittenFile};
 use poinsot_report::{Document, FigureFormat};
 use std::io::IsTerminal;
 
-/// Why a verb failed, ready for the terminal.
+/// Error of a command, with its text for the terminal.
 pub struct Failure {
-    /// One line or several findings, each with its code.
+    /// One or several error lines, each with its code.
     pub message: String,
-    /// The same as data.
+    /// The same error for `--json`.
     pub file: ErrorFile,
 }
 
 impl Failure {
-    /// From lines as they are printed.
+    /// Creates a failure from printed lines.
     pub fn of_lines(message: String, exit_code: u8) -> Self {
         let file = ErrorFile {
             schema: ERROR.to_owned(),
@@ -50,10 +50,10 @@ impl Failure {
     }
 }
 
-/// Exit code of an answer.
+/// Exit code of a command, or its failure.
 pub type Outcome = Result<u8, Failure>;
 
-/// Exit code of an answer (docs/reference/interface.md): 0 where it passes, 1 where it does not.
+/// Exit code of a result (docs/reference/interface.md): 0 if it passes, 1 otherwise.
 pub fn exit_of(passes: bool) -> u8 {
     u8::from(!passes)
 }
@@ -77,26 +77,26 @@ impl<E: Into<poinsot::Error>> From<E> for Failure {
     }
 }
 
-/// The words of the command line, for the record of an answer.
+/// Command line, recorded in results.
 static WORDS: OnceLock<Vec<String>> = OnceLock::new();
 
-/// Keeps the words of the command line; its first is the program.
+/// Stores the command line; the first word is replaced by the program's name.
 pub fn remember(words: &[std::ffi::OsString]) {
     let words = words
         .iter()
         .skip(1)
         .map(|w| w.to_string_lossy().into_owned());
     let command = std::iter::once("poinsot".to_owned()).chain(words).collect();
-    // Kept once: a process runs one command.
+    // Set once: a process runs one command.
     let _ = WORDS.set(command);
 }
 
-/// The words of the command line.
+/// The stored command line.
 pub fn command_line() -> &'static [String] {
     WORDS.get().map_or(&[], Vec::as_slice)
 }
 
-/// The step through the rows of telemetry.
+/// Row step of telemetry (`--every`).
 pub fn step(rows: &crate::arguments::Rows) -> Result<usize, Failure> {
     match rows.every {
         0 => Err(Failure::from(poinsot::Error::Usage {
@@ -108,13 +108,13 @@ pub fn step(rows: &crate::arguments::Rows) -> Result<usize, Failure> {
     }
 }
 
-/// One line on standard error; a closed one is ignored.
+/// Prints one line on standard error; a closed stream is ignored.
 pub fn note(line: &str) {
     use std::io::Write;
     let _ = writeln!(std::io::stderr(), "{}", error_line(line));
 }
 
-/// Says which files were written: on standard error, or as JSON on standard output.
+/// Lists the written files: on standard error, or as JSON on standard output.
 pub fn written(paths: &[std::path::PathBuf], json: bool, quiet: bool) {
     if json {
         print_json(&WrittenFile::of(paths));
@@ -125,7 +125,7 @@ pub fn written(paths: &[std::path::PathBuf], json: bool, quiet: bool) {
     }
 }
 
-/// Formats of figures, each once.
+/// Requested figure formats without duplicates.
 pub fn formats(wanted: &[FigureFile]) -> Vec<FigureFormat> {
     let mut out = Vec::new();
     for format in wanted {
@@ -140,15 +140,15 @@ pub fn formats(wanted: &[FigureFile]) -> Vec<FigureFormat> {
     out
 }
 
-/// Why standard output could not be written, if it could not.
+/// First error of writing to standard output.
 static REFUSED: Mutex<Option<std::io::Error>> = Mutex::new(None);
 
-/// Prints to standard output; a closed pipe is not an error, anything else is one in the end.
+/// Prints to standard output. A closed pipe is ignored; other errors are returned by [`printed`].
 pub fn print(text: &str) {
     print_styled(&escaped_lines(text));
 }
 
-/// Prints a file's content: byte by byte where it goes to a file or a program, as text on a terminal.
+/// Prints the content of a file: unchanged into a file or pipe, escaped on a terminal.
 pub fn print_file(content: &str) {
     match std::io::stdout().is_terminal() {
         true => print(content),
@@ -156,7 +156,7 @@ pub fn print_file(content: &str) {
     }
 }
 
-/// The same for a document, whose text from files is made harmless before it is coloured.
+/// Prints a document; text from files is escaped before colours are added.
 pub fn print_document(document: &Document) {
     print_styled(&crate::terminal::document_text(document));
 }
@@ -173,7 +173,7 @@ fn print_styled(text: &str) {
     }
 }
 
-/// The exit code, unless standard output was refused.
+/// Returns the exit code, or the error of an earlier write to standard output.
 pub fn printed(code: u8) -> Outcome {
     match REFUSED.lock().ok().and_then(|mut refused| refused.take()) {
         None => Ok(code),

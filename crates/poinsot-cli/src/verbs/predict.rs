@@ -44,7 +44,7 @@ fn pretty(file: &PredictionFile) -> Vec<u8> {
     text.into_bytes()
 }
 
-/// Where the prediction of every case goes: into the folder itself, or into one of the name of the case.
+/// Output folder of each case: the folder itself for one case, otherwise a subfolder named after the case.
 fn places(folder: &Path, cases: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
     if cases.len() == 1 {
         return Ok(vec![folder.join(NAME)]);

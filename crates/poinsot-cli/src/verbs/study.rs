@@ -27,7 +27,7 @@ pub fn run(arguments: &Study) -> Outcome {
         }
         if let Some(folder) = &arguments.out {
             let paths = write_files(folder, &files(study, &findings, &formats(&figures))?)?;
-            // With --json the standard output is the findings.
+            // With --json, the written files are not listed.
             written(&paths, false, arguments.quiet || arguments.json);
         }
     }
@@ -40,7 +40,6 @@ pub fn run(arguments: &Study) -> Outcome {
     Ok(0)
 }
 
-/// The papers with their studies.
 fn list(arguments: &Study) {
     let all = studies_file(arguments.paper.as_deref());
     if arguments.json {

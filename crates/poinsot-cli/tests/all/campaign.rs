@@ -1,6 +1,6 @@
-//! `poinsot campaign` and `poinsot sweep` as a user and a scheduler run them: killed, out of disk, in shares.
+//! `poinsot campaign` and `poinsot sweep` run by a user and a scheduler: killed, out of disk, in shares.
 //!
-//! `POINSOT_KILLS=200` kills that many processes (docs/validation/shards.md); a few otherwise.
+//! `POINSOT_KILLS=200` kills that many processes (docs/validation/shards.md); otherwise a few.
 #![cfg(target_os = "linux")]
 
 use serde_json::Value;
@@ -9,7 +9,6 @@ use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
-/// Kills where nothing else is asked.
 const KILLS: u64 = 8;
 
 fn repository(path: &str) -> PathBuf {
@@ -53,7 +52,7 @@ fn succeeded(output: &Output) {
     assert!(output.status.success(), "{}: {said}", output.status);
 }
 
-/// The result without what differs between runs: time.
+/// The result without times, which differ between runs.
 fn result(out: &Path) -> Value {
     let text = std::fs::read_to_string(out.join("campaign.json")).unwrap();
     let mut value: Value = serde_json::from_str(&text).unwrap();
@@ -84,7 +83,7 @@ fn cli_workers_that_are_killed_lose_nothing_and_count_nothing_twice() {
         .ok()
         .and_then(|n| n.parse().ok())
         .unwrap_or(KILLS);
-    // About one shard in two is finished between kills, so that there is work to the last.
+    // About one shard in two is finished between kills, so that work remains until the last.
     let bench = bench((kills * 4).max(32), 4);
     let bench = bench.path();
     let whole = undisturbed(bench);
@@ -115,7 +114,7 @@ fn cli_workers_that_are_killed_lose_nothing_and_count_nothing_twice() {
         )
         .spawn()
         .unwrap();
-        // Multiples of the golden ratio: spread over the time of two shards, the same in every run.
+        // Multiples of the golden ratio: spread over the duration of two shards, equal in every run.
         let share = (k as f64 * 0.618_033_988_75).fract();
         std::thread::sleep(Duration::from_millis(
             (share * 1.5 * two_shards as f64) as u64,
@@ -139,10 +138,11 @@ fn cli_workers_that_are_killed_lose_nothing_and_count_nothing_twice() {
         ],
     ));
     assert_eq!(result(&bench.join("killed")), whole);
-    // A draft of the last process killed may be too fresh to be swept: the next run does it (poinsot-files, stage).
+    // The draft of the last killed process may be too recent to be removed; the next run removes it (poinsot-files,
+    // stage).
 }
 
-/// Children of a process, by the system's list.
+/// Child processes, from the system's list.
 fn children(parent: u32) -> Vec<u32> {
     let text = std::fs::read_to_string(format!("/proc/{parent}/task/{parent}/children"));
     text.unwrap_or_default()
@@ -201,7 +201,7 @@ fn cli_a_driver_that_is_killed_is_resumed() {
     std::thread::sleep(Duration::from_millis(300));
     let orphans = children(driver.id());
     kill(&mut driver);
-    // The orphans go on and write the same shards as the next driver: nothing counts twice.
+    // The orphaned processes write the same shards as the next driver: nothing is counted twice.
     succeeded(&run(
         bench,
         &[
@@ -226,7 +226,7 @@ fn cli_a_full_disk_ends_with_exit_code_3_and_is_resumed() {
     let bench = bench(16, 4);
     let bench = bench.path();
     let whole = undisturbed(bench);
-    // No file may grow beyond 8 blocks of 512 bytes: the rows do.
+    // No file may exceed 8 blocks of 512 bytes; the rows do.
     let script = format!(
         "ulimit -f 8; exec '{}' campaign plan.toml --out full",
         env!("CARGO_BIN_EXE_poinsot")
@@ -291,8 +291,8 @@ fn cli_shares_are_merged_to_the_bits_of_one_run() {
     assert_eq!(result(&bench.join("a")), whole);
 }
 
-/// The scripts of an array, run by a stand-in for `sbatch` that runs every task at once, and read by shellcheck where it is
-/// installed.
+/// The scripts of an array, run by a substitute for `sbatch` that runs every task at once, and checked by shellcheck
+/// if installed.
 #[test]
 fn cli_scripts_for_slurm_run_the_campaign() {
     let bench = bench(16, 4);
@@ -339,7 +339,7 @@ fn cli_scripts_for_slurm_run_the_campaign() {
     assert_eq!(result(&bench.join("it's")), whole);
 }
 
-/// Stands for `sbatch`: every task of an array one after the other, twice the second, as after a requeue.
+/// Substitute for `sbatch`: runs the tasks of an array one after the other, the second twice, as after a requeue.
 const SBATCH: &str = r#"#!/bin/sh
 set -eu
 for script in "$@"; do :; done
@@ -405,7 +405,7 @@ fn cli_until_stops_at_a_complete_look() {
          [[method]]\nname = \"linear\"\n\n[sampling]\nkind = \"latin_hypercube\"\npoints = 2\nreplicates = 200\n\n\
          [[vary]]\nnumber = \"noise\"\nfrom = 0.5\nto = 2.0\n";
     std::fs::write(bench.join("plan.toml"), plan).unwrap();
-    // Twenty replicates of two trials are the first look, and enough for so wide an interval.
+    // Twenty replicates of two trials are the first test, and suffice for such a wide interval.
     let words = [
         "campaign",
         "plan.toml",

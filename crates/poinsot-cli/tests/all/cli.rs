@@ -1,4 +1,4 @@
-//! The command as a user meets it: exit codes, files, streams, messages.
+//! The command line: exit codes, files, streams, messages.
 
 use assert_cmd::Command;
 use serde_json::Value;
@@ -33,7 +33,7 @@ fn stdout(output: &Output) -> String {
     String::from_utf8(output.stdout.clone()).unwrap()
 }
 
-/// Arguments of an identification by the closed form.
+/// Arguments of an identification by the linear method.
 fn identify(model: &str, telemetry: &str, more: &[&str]) -> Vec<String> {
     let mut list = vec![
         "identify",
@@ -75,7 +75,7 @@ impl Satellite {
         self.path("telemetry.csv").display().to_string()
     }
 
-    /// The telemetry with every row changed: cells by name in, the same out.
+    /// The telemetry with every row changed by a function of its cells by name.
     fn changed(&self, name: &str, change: impl Fn(&mut Vec<String>, &mut Vec<String>)) -> String {
         let text = std::fs::read_to_string(self.telemetry()).unwrap();
         let cells = |row: &str| row.split(',').map(str::to_owned).collect::<Vec<_>>();
@@ -119,7 +119,7 @@ fn cli_exit_0_and_the_file_where_all_is_determined() {
     assert_eq!(code(&done), 0, "{}", stderr(&done));
     assert!(stdout(&done).contains("base"));
     assert!(stderr(&done).contains("estimate.json"));
-    // The result and what a report needs beside it; nothing half-written.
+    // The result and the data of a report; no incomplete file.
     let names: Vec<_> = std::fs::read_dir(&out).unwrap().collect();
     assert_eq!(names.len(), 2);
     let text = std::fs::read_to_string(out.join("estimate.json")).unwrap();
@@ -132,7 +132,7 @@ fn cli_exit_0_and_the_file_where_all_is_determined() {
     assert_eq!(file["bodies"]["link1"]["mass_kg"]["source"], "known");
 }
 
-/// Every key of the result that scripts rely on (docs/reference/interface.md).
+/// Every key of the result used by scripts (docs/reference/interface.md).
 fn check_layout(file: &Value) {
     let keys = |at: &Value, wanted: &[&str]| {
         for key in wanted {
@@ -322,7 +322,7 @@ fn cli_exit_3_where_nothing_can_be_written_and_nothing_is_left() {
     let done = poinsot(identify(&model, &telemetry, &["--out", &below]));
     assert_eq!(code(&done), 3, "{}", stderr(&done));
     assert!(stderr(&done).contains("a_file"));
-    // A folder where the result should stand: the draft must not be left beside it.
+    // A folder in place of the result: no draft may remain.
     let taken = folder.path().join("taken");
     std::fs::create_dir_all(taken.join("estimate.json")).unwrap();
     let place = taken.display().to_string();
@@ -530,7 +530,7 @@ fn cli_check_schema_and_inspect_read_all_examples() {
     }
 }
 
-/// Identifies what a shipped case simulates, from the model given, and compares with `truth.json`.
+/// Identifies the simulation of a shipped case with the given model, and compares with `truth.json`.
 fn round_trip(case: &str, model: &str, body: &str) {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().display().to_string();

@@ -1,4 +1,4 @@
-//! Exports of an answer: what is written, what is refused, and what other programs read.
+//! Exports of an answer: output, refusals, and reading by other programs.
 //!
 //! MuJoCo, Drake and Basilisk read their files in `python/tests/test_export.py`.
 
@@ -24,7 +24,7 @@ fn error(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-/// Simulated telemetry and its answer in `out`; with a date where `epoch` says so.
+/// Simulated telemetry and its answer in `out`; with a date if `epoch` gives one.
 fn answer(folder: &Path, epoch: &str) -> Value {
     let case = examples().join("cases/stsat3_spin.toml");
     let model = std::fs::read_to_string(examples().join("stsat3/model.toml")).unwrap();
@@ -55,13 +55,13 @@ const DATE: &str =
 fn exported(folder: &Path, to: &str) -> String {
     let done = poinsot(folder, &["export", "out", "--to", to]);
     assert_eq!(done.status.code(), Some(0), "{}", error(&done));
-    // What has no field in the format is named, and the file is whole without it.
+    // Numbers without a field in the format are listed; the file is complete without them.
     let no_field = error(&done).contains("mass centre: an A");
     assert_eq!(no_field, ["apm", "acm"].contains(&to), "{}", error(&done));
     String::from_utf8(done.stdout).unwrap()
 }
 
-/// Another library reads inertia, mass and date of the messages.
+/// Another library reads inertia, mass and date from the messages.
 #[test]
 fn xval_ccsds_ndm_reads_both_messages() {
     let folder = tempfile::tempdir().unwrap();
@@ -85,7 +85,7 @@ fn xval_ccsds_ndm_reads_both_messages() {
     assert_eq!(found.map(|m| m.unwrap().value), expected);
 }
 
-/// Nothing but numbers changes in a model file, comments stay, and it holds the answer.
+/// Only numbers change in a model file, comments remain, and the file has the answer.
 #[test]
 fn cli_model_changes_its_numbers_and_no_other_byte() {
     let folder = tempfile::tempdir().unwrap();
@@ -114,7 +114,7 @@ fn cli_model_changes_its_numbers_and_no_other_byte() {
     assert_eq!(done.status.code(), Some(0), "{}", error(&done));
 }
 
-/// Formats that change a file need it, the others refuse it, and a message of CCSDS needs a date.
+/// Formats that patch a file need it, others reject it, and a CCSDS message needs a date.
 #[test]
 fn cli_what_is_missing_is_said() {
     let folder = tempfile::tempdir().unwrap();
@@ -142,7 +142,7 @@ fn cli_what_is_missing_is_said() {
     }
 }
 
-/// A number that is not determined is never written: the file's numbers stay, or the export is refused.
+/// An undetermined number is never written: the file's numbers remain, or the export is refused.
 #[test]
 fn cli_what_is_not_determined_is_not_exported() {
     let folder = tempfile::tempdir().unwrap();

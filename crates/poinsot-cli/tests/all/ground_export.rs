@@ -1,4 +1,4 @@
-//! Telemetry as ground stations export it: four files of a satellite of 312 kg, one model file, one map.
+//! Telemetry in the formats of ground stations: four files of a satellite of 312 kg, one model file, one map.
 
 use assert_cmd::Command;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
@@ -16,7 +16,7 @@ const RADIUS_M: f64 = 6.921e6;
 const INCLINATION_RAD: f64 = 1.7;
 const ANOMALY_RAD: f64 = 0.6;
 
-/// Bodies, wheels and thrusters; mass centre and inertia of the bus are put in.
+/// Bodies, wheels and thrusters; mass centre and inertia of the bus are parameters.
 fn vehicle(com: &str, inertia: &str) -> String {
     let mut text = format!(
         r#"schema = "poinsot.model/1"
@@ -158,7 +158,7 @@ name = "gyro"
 bias_rad_s = [2.0e-4, -1.5e-4, 1.0e-4]
 "#;
 
-/// What the engineer writes: nominal numbers, sensors as they are mounted, and the map.
+/// The engineer's model: nominal numbers, mounted sensors, and the map.
 fn model() -> String {
     let nominal = vehicle("[0.0, 0.0, 0.0]", "{ xx = 75.0, yy = 72.0, zz = 100.0 }");
     format!(
@@ -262,7 +262,8 @@ impl Sheet {
     }
 }
 
-/// Date and time of day of a moment after the first sample, to the millisecond, so many seconds ahead of UTC.
+/// Date and time of day, to the millisecond, `after_s` seconds after the first sample in a scale `ahead_s` seconds
+/// ahead of UTC.
 fn date(after_s: f64, ahead_s: i64) -> String {
     let ms = (after_s * 1000.0).round() as i64 + 1000 * (ahead_s + 18 * 3600 + 19 * 60);
     let (s, ms) = (ms.div_euclid(1000), ms.rem_euclid(1000));
@@ -274,7 +275,7 @@ fn date(after_s: f64, ahead_s: i64) -> String {
     )
 }
 
-/// Position on the orbit in axes that turn with the Earth, km. ERA by the IERS Conventions 2010, eq. 5.15.
+/// Position on the orbit in Earth-fixed axes, km. Earth rotation angle by IERS Conventions 2010, eq. 5.15.
 fn earth_fixed_km(after_s: f64) -> Vector3<f64> {
     let angle = ANOMALY_RAD + (GM / RADIUS_M.powi(3)).sqrt() * after_s;
     let (s, c) = INCLINATION_RAD.sin_cos();
@@ -289,7 +290,7 @@ fn write_exports(folder: &Path, sheet: &Sheet) {
     let mut aocs = "# MCS export v4.2\n# spacecraft: SAT312\nUTC;GYR_X;GYR_Y;GYR_Z;RW1;RW2;RW3;RW4;MODE\n-;deg/s;deg/s;[deg/s];rpm;rpm;rpm;rpm;-\n".to_owned();
     let mut tracker = "TIME,Q0,Q1,Q2,Q3,VALID\n".to_owned();
     let mut thrusters = "WEEK,TOW,THR_A,THR_B,THR_C,THR_D\n".to_owned();
-    // The tracker's x axis is the body's y axis.
+    // The star tracker's x axis is the body's y axis.
     let q_BS = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), TAU / 4.0);
     for k in 0..sheet.rows.len() {
         let t = sheet.get(k, "time_s");
@@ -327,7 +328,7 @@ fn write_exports(folder: &Path, sheet: &Sheet) {
     for k in -4..18 {
         let after = f64::from(k) * 10.0;
         let r = earth_fixed_km(after);
-        // Relative to the axes of the Earth.
+        // Relative to Earth-fixed axes.
         let v = (earth_fixed_km(after + 1.0) - earth_fixed_km(after - 1.0)) / 2.0;
         let _ = writeln!(
             orbit,
@@ -446,7 +447,7 @@ fn cli_the_same_answer_from_unix_gps_iso_and_relative_times() {
     std::fs::write(folder.join("model.toml"), model()).unwrap();
     let plain = std::fs::read_to_string(folder.join("sim/telemetry.csv")).unwrap();
     let orbit = "orbit = { position = [\"orbit_x\", \"orbit_y\", \"orbit_z\"], unit = \"m\" }";
-    // The simulated tracker is not turned.
+    // The simulated star tracker is in body axes.
     let straight = model().replace(
         "[[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]",
         "[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]",
@@ -578,7 +579,7 @@ fn cli_inspect_without_a_map_proposes_one() {
         "units_row = true",
         "time = { column = \"UTC\", format = \"iso8601\" }",
         "wheel1_rad_s = { column = \"RW1\" }",
-        // Read as proposed.
+        // Read with the proposed map.
         "omega_x",
     ] {
         assert!(said.contains(line), "{line}\n{said}");

@@ -1,8 +1,9 @@
-//! The papers' pages: complete, every command exists and runs, and every cell that a study gives is what it gives now.
+//! The papers' pages: they are complete, every command exists and runs, and every cell of a study agrees with its
+//! present result.
 //!
-//! A table of a page that a study makes stands below `<!-- study NAME.TABLE -->`. The last table of a page has a row for
-//! every equation, table, figure, claim and use; where its command is a study, the study says its number.
-//! `POINSOT_BLESS=1` writes these cells, and the figures that the pages show, anew.
+//! A table made by a study is below `<!-- study NAME.TABLE -->`. The last table of a page has a row for every
+//! equation, table, figure, claim and use. If its command is a study, the study gives the number. `POINSOT_BLESS=1`
+//! rewrites these cells and the figures of the pages.
 
 use clap::CommandFactory;
 use poinsot::study::{Findings, Study, run, studies};
@@ -12,7 +13,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Papers by name, and how many equations, tables and figures each numbers.
+/// Papers by name, with their numbers of equations, tables and figures.
 fn papers() -> impl Iterator<Item = (&'static str, [usize; 3])> {
     let abouts = METHODS.iter().map(|m| m.about());
     abouts.map(|a| (a.name, a.numbered))
@@ -26,10 +27,10 @@ fn page(paper: &str) -> PathBuf {
     repository().join(format!("docs/methods/{paper}.md"))
 }
 
-/// What runs each night: of the tables' commands the tests of whole crates, and this file.
+/// Nightly job: of the commands in the tables it has the tests of whole crates, and this file.
 const NIGHTLY: &str = include_str!("../../../../.github/workflows/nightly.yml");
 
-/// Where the last table of every page begins.
+/// Start of the last table of every page.
 const LAST_TABLE: &str = "Every equation, table, figure";
 
 /// The cells of a row of a table.
@@ -57,7 +58,7 @@ fn rows_of(paper: &str) -> Vec<[String; 3]> {
     rows(&std::fs::read_to_string(page(paper)).unwrap())
 }
 
-/// Numbers after `from`, as `1`, `1, 2`, `1-3`, with the brackets of equations taken off.
+/// Numbers after `from`, as `1`, `1, 2`, `1-3`, without the brackets of equations.
 fn numbers(list: &str) -> BTreeSet<usize> {
     let mut found = BTreeSet::new();
     for part in list.split(',') {
@@ -77,7 +78,7 @@ fn numbers(list: &str) -> BTreeSet<usize> {
     found
 }
 
-/// The part of a cell that lists numbers: digits, brackets, commas and dashes at its start.
+/// The start of a cell that lists numbers: digits, brackets, commas and dashes.
 fn head(cell: &str) -> &str {
     let end = cell.find(|c: char| !"()0123456789,- ".contains(c));
     cell[..end.unwrap_or(cell.len())]
@@ -110,7 +111,6 @@ fn paper_tables_name_every_equation_table_and_figure() {
     }
 }
 
-/// Every command of a cell.
 fn commands(cell: &str) -> Vec<&str> {
     cell.split('`').skip(1).step_by(2).collect()
 }
@@ -124,7 +124,7 @@ fn files(folder: &Path) -> Vec<PathBuf> {
         .collect()
 }
 
-/// Whether a crate has a test whose name begins so, or a module of tests of this name.
+/// Whether a crate has a test with this prefix, or a test module of this name.
 fn has_test(package: &str, name: &str) -> bool {
     let folder = repository().join("crates").join(package).join("tests");
     let mut files = files(&folder).into_iter();
@@ -174,7 +174,7 @@ fn study(paper: &str, name: &str) -> Option<&'static Study> {
         .map(|s| s.1)
 }
 
-/// Text and numbers of a cell, a number with the size of one unit of its last digit.
+/// Text and numbers of a cell, each number with one unit of its last digit.
 fn parts(cell: &str) -> (String, Vec<(f64, f64)>) {
     let (mut words, mut numbers) = (String::new(), Vec::new());
     let bytes = cell.as_bytes();
@@ -219,12 +219,12 @@ fn parts(cell: &str) -> (String, Vec<(f64, f64)>) {
     (words, numbers)
 }
 
-/// Below this a number is the round-off of this machine; another machine has another.
+/// Smaller numbers are round-off and depend on the machine.
 const ROUND_OFF: f64 = 1.0e-7;
-/// How far the round-off of two machines may be apart.
+/// Allowed ratio of the round-off of two machines.
 const MACHINES: f64 = 100.0;
 
-/// Whether a cell of a page is what a study says: the same words, and numbers equal within one unit of the last digit.
+/// Whether a cell of a page agrees with a study: equal words, and numbers equal within one unit of the last digit.
 fn agrees(page: &str, said: &str) -> bool {
     let ((words, ours), (other_words, theirs)) = (parts(page), parts(said));
     let near = |(a, b): (&(f64, f64), &(f64, f64))| {
@@ -245,14 +245,14 @@ fn unit_cells_agree_by_words_and_digits() {
     assert!(agrees("401.5 +- 7.7", "401.5 +- 7.6") && !agrees("1 of 6", "3 of 6"));
 }
 
-/// Where the table below a mark stands in a page.
+/// Position of the table below a mark.
 fn below(text: &str, mark: &str) -> Option<std::ops::Range<usize>> {
     let start = text.find(mark)? + mark.len() + 1;
     let lines = text[start..].lines().take_while(|l| l.starts_with('|'));
     Some(start..start + lines.map(|l| l.len() + 1).sum::<usize>())
 }
 
-/// Compares a page with the findings of a study, or writes the page anew. Returns what differs.
+/// Compares a page with the findings of a study, or rewrites the page. Returns the differences.
 fn compared(text: &mut String, name: &str, findings: &Findings, bless: bool) -> Vec<String> {
     let mut wrong = Vec::new();
     for table in &findings.tables {
@@ -283,7 +283,7 @@ fn compared(text: &mut String, name: &str, findings: &Findings, bless: bool) -> 
     wrong
 }
 
-/// The same for the numbers of the last table.
+/// Compares or rewrites the numbers of the last table.
 fn statements(text: &mut String, name: &str, findings: &Findings, bless: bool) -> Vec<String> {
     let mut wrong = Vec::new();
     let own = |command: &str| {
@@ -320,7 +320,7 @@ fn statements(text: &mut String, name: &str, findings: &Findings, bless: bool) -
     wrong
 }
 
-/// Every study of a kind: its page has what it says now.
+/// Every page agrees with the present findings of its quick or slow studies.
 fn pages_are_what_studies_say(quick: bool) {
     let bless = std::env::var_os("POINSOT_BLESS").is_some();
     let only = std::env::var("POINSOT_STUDY").ok();
@@ -358,7 +358,7 @@ fn paper_pages_have_what_the_slow_studies_say() {
     pages_are_what_studies_say(false);
 }
 
-/// Every mark of a page names a table of a study that there is; every table stands below a mark once.
+/// Every mark of a page names a table of an existing study; every table is below exactly one mark.
 #[test]
 fn paper_marks_of_the_pages_name_studies() {
     for (paper, _) in papers() {
@@ -376,7 +376,7 @@ fn paper_marks_of_the_pages_name_studies() {
     }
 }
 
-/// The commands `poinsot` of the tables answer; a paper's question that is not wholly answered ends with 1.
+/// The `poinsot` commands of the tables succeed; exit code 1 is allowed if not all numbers are determined.
 #[test]
 fn cli_poinsot_commands_of_the_papers_tables_answer() {
     let mut done = BTreeSet::new();

@@ -1,4 +1,4 @@
-//! `poinsot report` and `identify --report` from outside.
+//! `poinsot report` and `identify --report`, run as commands.
 
 use assert_cmd::Command;
 use std::path::Path;
@@ -57,7 +57,7 @@ fn cli_a_folder_without_an_answer_is_refused() {
     assert!(!folder.path().join("report.html").exists());
 }
 
-/// What other verbs gave, from their files alone: the same page with the answer first.
+/// Results of other commands, from their files only: the same page layout, verdict first.
 #[test]
 fn cli_results_of_other_verbs_have_the_same_page() {
     let folder = tempfile::tempdir().unwrap();

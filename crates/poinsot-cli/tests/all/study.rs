@@ -1,9 +1,9 @@
-//! The verb `study` as a user calls it.
+//! The command `study`.
 
 use assert_cmd::Command;
 use std::path::Path;
 
-/// Exit code, standard output, standard error; run in the project's folder.
+/// Exit code, standard output, standard error of a run in the project's folder.
 fn study(arguments: &[&str]) -> (i32, String, String) {
     let mut command = Command::cargo_bin("poinsot").unwrap();
     let project = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");

@@ -29,7 +29,7 @@ fn example(path: &str) -> String {
     examples.join(path).display().to_string()
 }
 
-/// Every verb that gives an answer, as a question that it can answer.
+/// Every command that gives a result, with valid arguments.
 fn questions(folder: &Path) -> Vec<Vec<String>> {
     let out = folder.join("answer").display().to_string();
     let simulated = folder.join("simulated").display().to_string();
@@ -84,7 +84,7 @@ fn cli_quiet_prints_nothing_and_json_prints_json() {
     }
 }
 
-/// A verb whose only output is a document for another program needs neither.
+/// A command whose only output is a document for another program needs neither.
 #[test]
 fn cli_every_verb_knows_json_and_quiet() {
     let documents = ["schema", "completions", "help"];

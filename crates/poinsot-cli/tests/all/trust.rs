@@ -1,4 +1,4 @@
-//! What the command says and returns where an answer is not to be relied on, and what it refuses.
+//! Messages and exit codes for unreliable answers, and refusals.
 
 use assert_cmd::Command;
 use serde_json::Value;
@@ -19,7 +19,7 @@ fn identify(model: &Path, more: &[&str]) -> Output {
     command.args(more).output().unwrap()
 }
 
-/// Terminal, file and page say the same, and the exit code says it to scripts.
+/// Terminal, file and page agree, and scripts get it from the exit code.
 #[test]
 fn cli_exit_1_and_one_verdict_everywhere_where_a_prior_contradicts_the_data() {
     let folder = tempfile::tempdir().unwrap();
@@ -65,7 +65,7 @@ fn cli_every_0_is_refused() {
     assert_eq!(done.status.code(), Some(2));
 }
 
-/// Twice the readings would make every sigma smaller by the root of two.
+/// Duplicate samples would make every sigma smaller by the root of two.
 #[test]
 fn cli_the_same_telemetry_twice_is_refused_under_any_name() {
     let folder = tempfile::tempdir().unwrap();

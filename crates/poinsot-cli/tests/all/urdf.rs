@@ -1,10 +1,10 @@
-//! From URDF to a model, and from an answer back into the same file.
+//! From URDF to a model, and from an answer back to the same file.
 
 use serde_json::Value;
 use std::path::Path;
 use std::process::{Command, Output};
 
-/// A satellite as ROS describes it, with what nobody may touch: comments, blanks, line ends, other tags.
+/// A satellite as URDF, with parts that must not change: comments, blanks, line ends, other tags.
 const ROBOT: &str = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\r\n<!-- made by hand -->\n<robot  name='stsat3' >\n\t<link name=\"spacecraft\">\n    <visual><geometry><box size=\"1 1 1\"/></geometry></visual>\n    <inertial>\n      <!-- from CAD -->\n      <mass value = \"150.0\" />\n      <inertia  ixx=\"15.0\" ixy=\"0.0\"  ixz='0.0'\n        iyy=\"16.0\" iyz=\"0.0\" izz=\"21.0\"/>\n    </inertial></link>\n  <gazebo reference=\"spacecraft\"/>\n</robot>\n<!-- end -->";
 
 fn poinsot(folder: &Path, arguments: &[&str]) -> Output {
@@ -21,14 +21,14 @@ fn good(output: &Output) -> String {
     error
 }
 
-/// Simulated telemetry of STSAT-3 and the answer of `identify` for it in `out`.
+/// Simulated telemetry of STSAT-3, and the answer of `identify` in `out`.
 fn answer(folder: &Path, robot: &str) -> Value {
     let cases = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/cases");
     let case = cases.join("stsat3_spin.toml").display().to_string();
     good(&poinsot(folder, &["simulate", &case, "--out", "sim"]));
     std::fs::write(folder.join("r.urdf"), robot).unwrap();
     good(&poinsot(folder, &["import", "r.urdf", "-o", "m.toml"]));
-    // The robot's file knows its bodies; wheels and sensors come from the engineer.
+    // The URDF has the bodies; wheels and sensors are added.
     let truth = std::fs::read_to_string(cases.join("stsat3_truth.toml")).unwrap();
     let equipment = truth.find("[[wheel]]").unwrap();
     let imported = std::fs::read_to_string(folder.join("m.toml")).unwrap();
@@ -85,7 +85,7 @@ fn cli_export_changes_the_numbers_and_no_other_byte() {
         let new = format!("i{key}={quote}{:?}{quote}", inertia(&estimate, key));
         expected = expected.replacen(old, &new, 1);
     }
-    // The file gives no origin, so the mass centre is put in.
+    // The file has no origin, so the mass centre is added.
     expected = expected.replacen("<inertial>", "<inertial><origin xyz=\"0.0 0.0 0.0\"/>", 1);
     let new = std::fs::read_to_string(folder.path().join("new.urdf")).unwrap();
     assert_eq!(new, expected);

@@ -1,4 +1,4 @@
-//! `poinsot validate` and driven joints as a user meets them: exit codes, streams, files.
+//! `poinsot validate` and driven joints on the command line: exit codes, streams, files.
 
 use assert_cmd::Command;
 use serde_json::Value;
@@ -112,7 +112,7 @@ fn cli_a_driven_case_is_simulated_and_a_singular_one_refused() {
     );
     assert_eq!(csv.lines().count(), 202);
 
-    // All mass of the hand in its joint, and no inertia: nothing resists the last joint.
+    // All mass of the hand in its joint, without inertia: the mass matrix is singular.
     let model = std::fs::read_to_string(example("cases/xu2017_truth.toml")).unwrap();
     let (before, hand) = model.split_once("name = \"B6\"").unwrap();
     let (_, rest) = hand.split_once("[[").unwrap();

@@ -30,7 +30,7 @@ fn passive(spring: SpringDamper, initial_position: f64, initial_rate: f64) -> Jo
     }
 }
 
-/// A base with bodies hinged to it one after the other.
+/// A base with a chain of hinged bodies.
 fn chain(hinges: &[(Vector3, Vector3)]) -> Tree {
     let mut links = vec![Link::base()];
     for (k, (p, axis)) in hinges.iter().enumerate() {
@@ -76,7 +76,7 @@ fn exact_torque_free_asymmetric_top() {
         wheels: Vec::new(),
         firings: Vec::new(),
     };
-    // The mass centre is not the origin: the top turns about it all the same.
+    // The mass centre is not the origin; the rotation does not depend on it.
     let bodies = vec![body(120.0, [0.3, -0.2, 0.5], moments)];
     let vehicle = Driven::from_parts(chain(&[]), bodies, Vec::new(), Vec::new(), &plan).unwrap();
     for w in [
@@ -94,15 +94,15 @@ fn exact_torque_free_asymmetric_top() {
         for sample in samples(&vehicle, &turning(w, Vector3::zeros()), &times, PRECISE) {
             let exact = top.at(sample.motion.time);
             let found = attitude_apart(&sample.motion.R_NB, &exact.R_NB);
-            // 1.3e-11 for the first, which passes by its middle axis, where errors grow.
+            // 1.3e-11 for the first, which passes its middle axis, where errors grow.
             assert!(found < 5e-11, "{w}: {found:e}");
             assert!((sample.motion.w_NB_B - exact.w_NB_B).amax() < 5e-11);
         }
     }
 }
 
-/// A symmetric top with a torque-driven wheel on its axis: the transverse rate turns at
-/// `((I_c - I_a) w_c + h_w) / I_a` in body axes, with `w_c`, `h_w` straight lines in time.
+/// A symmetric top with a torque-driven wheel on its axis. The transverse rate rotates with
+/// `((I_c - I_a) w_c + h_w) / I_a` in body axes, where `w_c` and `h_w` are linear in time.
 #[test]
 fn exact_symmetric_gyrostat_with_a_driven_wheel() {
     let (Ia, Ic, js, torque) = (40.0, 25.0, 0.3, 0.02);
@@ -145,8 +145,8 @@ fn exact_symmetric_gyrostat_with_a_driven_wheel() {
     }
 }
 
-/// Two bodies that share a hinge through both mass centres, spring between them, no momentum: the relative angle
-/// is the damped oscillator of the reduced inertia, and the base turns by the share of the other's inertia.
+/// Two bodies with a hinge through both mass centres, a spring between them, and zero momentum. The relative angle is
+/// the damped oscillator of the reduced inertia; the base rotates by the other body's share of inertia.
 #[test]
 fn exact_two_body_hinge_with_spring_and_damper() {
     let (I0, I1) = (30.0, 4.0);
@@ -183,8 +183,8 @@ fn exact_two_body_hinge_with_spring_and_damper() {
     }
 }
 
-/// A hinge away from the mass centres, constant torque, plane motion from rest: the mass centre stays, the
-/// angular momentum stays zero, and the work of the torque is the kinetic energy.
+/// A hinge away from the mass centres, constant torque, plane motion from rest. The mass centre is at rest, the
+/// angular momentum zero, and the work of the torque equals the kinetic energy.
 #[test]
 fn exact_work_of_a_hinge_torque_is_kinetic_energy() {
     let torque = 0.7;
@@ -217,8 +217,8 @@ fn exact_work_of_a_hinge_torque_is_kinetic_energy() {
     assert!(all[20].motion.q[0] > 2.0);
 }
 
-/// A tumbling three-body chain with springs and no damper keeps its energy, and momentum to the last bit but
-/// round-off; with a damper the energy falls.
+/// A tumbling three-body chain with springs and without damper conserves energy, and momentum to round-off; with a
+/// damper the energy decreases.
 #[test]
 fn prop_energy_and_momentum_of_a_springy_chain() {
     let bodies = vec![
@@ -272,8 +272,8 @@ fn prop_energy_and_momentum_of_a_springy_chain() {
     assert!(after < 0.95 * before, "{before} {after}");
 }
 
-/// Base parameters move like the vehicle they came from: what a revolute joint does not feel (mass, first moment
-/// along the axis, a line inertia on it) moves to the parent unseen.
+/// Base parameters give the same motion as the original vehicle. The part of a body that a revolute joint does not
+/// affect (mass, first moment along the axis, line inertia on it) is transferred to the parent.
 #[test]
 fn exact_base_parameters_move_alike() {
     let plan = DrivenPlan {
@@ -292,7 +292,7 @@ fn exact_base_parameters_move_alike() {
         let mass = moved[i].mass;
         let (R, p) = (tree.links[i].R_PC_zero, tree.links[i].p_PoCo_P);
         moved[i].mass = 0.0;
-        // A point on the axis at the child's origin: seen from the parent it is fixed there.
+        // A point on the axis at the child's origin is fixed in the parent.
         assert!((R * tree.links[i].axis_C - tree.links[i].axis_P).norm() < 1e-15);
         let parent = &mut moved[tree.links[i].parent];
         parent.mass += mass;

@@ -83,7 +83,7 @@ fn exact_forward_dynamics_inverts_inverse_dynamics() {
     }
 }
 
-/// The recorded end after 20 s by Pinocchio 4.1.0 (`aba`, classical Runge-Kutta in the quaternion, steps of
+/// The recorded final state after 20 s by Pinocchio 4.1.0 (`aba`, classical Runge-Kutta in the quaternion, steps of
 /// 0.1 ms): position of the base, attitude xyzw, joints; base twist in base axes, joint rates.
 const PINOCCHIO_AT_20_S: [f64; 25] = [
     0.22190338592341882,
@@ -113,7 +113,7 @@ const PINOCCHIO_AT_20_S: [f64; 25] = [
     0.08469069802870594,
 ];
 
-/// Largest difference from the recorded end: joints and attitude, rad; position, m; the rest per second.
+/// Largest difference from the recorded final state: joints and attitude, rad; position, m; rates per second.
 fn apart(found: &MotionSample) -> f64 {
     let v = found.R_NB.inverse() * found.v_NBo_N;
     let w = &found.w_NB_B;

@@ -10,7 +10,7 @@ use poinsot_testkit::momentum_sum::*;
 
 const GM: f64 = 3.986004418e14;
 
-/// `K` of modulus k by the arithmetic-geometric mean of 1 and `sqrt(1 - k^2)`, which is given (Gauss).
+/// `K` of modulus k by the arithmetic-geometric mean of 1 and `sqrt(1 - k^2)`, which is the argument (Gauss).
 fn complete_elliptic(complement: f64) -> f64 {
     let (mut a, mut b) = (1.0, complement);
     for _ in 0..8 {
@@ -49,8 +49,8 @@ fn satellite(moments: Vector3) -> (Model, f64) {
     (model, (GM / a.powi(3)).sqrt())
 }
 
-/// Pitch libration about the local vertical is a pendulum: with k = (I_y - I_x)/I_z (x radial, y along track)
-/// `theta'' = -(3/2) n^2 k sin 2 theta`, so from rest at theta0 its quarter period is `K(sin theta0) / (n sqrt(3 k))`
+/// Pitch libration about the local vertical is a pendulum: with k = (I_y - I_x)/I_z (x radial, y along track),
+/// `theta'' = -(3/2) n^2 k sin 2 theta`. From rest at theta0 its quarter period is `K(sin theta0) / (n sqrt(3 k))`
 /// (Hughes 1986, sec. 9.1).
 #[test]
 fn exact_libration_takes_the_period_of_a_pendulum() {
@@ -79,7 +79,7 @@ fn exact_libration_takes_the_period_of_a_pendulum() {
             .unwrap();
         for (angle, expected) in angles.iter().zip([1.0, 0.0, -1.0, 0.0, 1.0]) {
             let error = angle - expected * theta0;
-            // The integrator works to 1e-12 of a radian.
+            // The integrator's tolerance is 1e-12 rad.
             assert!(
                 error.abs() < 1.0e-9 * theta0 + 1.0e-11,
                 "{theta0}: {error:e}"
@@ -88,8 +88,8 @@ fn exact_libration_takes_the_period_of_a_pendulum() {
     }
 }
 
-/// On a circular orbit `w.I w / 2 - n h_z + (3/2) n^2 u.I u` is constant (Hughes 1986, sec. 9.2: the Hamiltonian in
-/// orbiting axes), however the body tumbles.
+/// On a circular orbit `w.I w / 2 - n h_z + (3/2) n^2 u.I u` is constant for any tumbling (Hughes 1986, sec. 9.2: the
+/// Hamiltonian in orbiting axes).
 #[test]
 fn exact_tumbling_keeps_the_hamiltonian_of_orbiting_axes() {
     let moments = Vector3::new(2.0, 6.0, 5.0);
@@ -114,7 +114,7 @@ fn exact_tumbling_keeps_the_hamiltonian_of_orbiting_axes() {
             let u = s.R_NB.inverse() * s.p_orbit_N.normalize();
             values.push(0.5 * w.dot(&(I * w)) - n * s.h_SScm_N.z + 1.5 * n * n * u.dot(&(I * u)));
             momenta.push(s.h_SScm_N);
-            // What the accelerometer's equations say of the turn is what the torque does.
+            // The angular acceleration in the accelerometer's equations agrees with the torque.
             let T = gravity_gradient_torque(GM, &(s.R_NB.inverse() * s.p_orbit_N), &I);
             let alpha = s.body.alpha[0];
             assert!((I * alpha + w.cross(&(I * w)) - T).norm() < 1.0e-12 * T.norm().max(1.0e-6));
@@ -128,13 +128,13 @@ fn exact_tumbling_keeps_the_hamiltonian_of_orbiting_axes() {
             (v - values[0]) / scale
         );
     }
-    // The momentum itself is far from constant.
+    // The momentum itself changes much.
     let moved = (momenta[59] - momenta[0]).norm() / momenta[0].norm();
     assert!(moved > 0.1, "{moved}");
 }
 
-/// A mass that slides freely along the orbit normal swings through the orbital plane once an orbit: `s'' = -n^2 s` (Hill,
-/// Clohessy and Wiltshire 1960), whatever the two masses. In the field both hang upright, so nothing turns.
+/// A mass on a slider along the orbit normal oscillates through the orbital plane once per orbit, for any two masses:
+/// `s'' = -n^2 s` (Hill, Clohessy and Wiltshire 1960). In the field both are in equilibrium, so nothing rotates.
 #[test]
 fn exact_a_free_slider_along_the_orbit_normal_swings_once_an_orbit() {
     let body = |parent, joint, mass| KitBody {
@@ -186,7 +186,7 @@ fn exact_a_free_slider_along_the_orbit_normal_swings_once_an_orbit() {
         .unwrap();
 }
 
-/// Wrenches on the single bodies move the vehicle as the torque on the whole does, and a joint that is led feels them.
+/// Wrenches on the single bodies have the same effect as the torque on the whole vehicle, and load prescribed joints.
 #[test]
 fn exact_driven_and_prescribed_motion_agree_in_the_field() {
     let inertia = |x, y, z| Matrix3::from_diagonal(&Vector3::new(x, y, z));

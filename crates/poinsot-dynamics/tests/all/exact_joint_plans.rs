@@ -1,4 +1,4 @@
-//! Joint motions against their separately coded twins.
+//! Joint motions against an independent implementation.
 
 use poinsot_dynamics::{Fourier, Jet, JointMotion};
 use poinsot_testkit::joint_plans::{ClampedSpline, PlanSample, fourier, quintic_rest};
@@ -6,7 +6,7 @@ use poinsot_testkit::joint_plans::{ClampedSpline, PlanSample, fourier, quintic_r
 const TIMES: [f64; 5] = [0.5, 1.5, 2.0, 4.0, 7.0];
 const POSITIONS: [f64; 5] = [0.3, -0.4, 1.1, 0.2, 0.9];
 
-/// Inside the pieces, at the nodes and outside; at a node the limit from the right.
+/// Times within the pieces, at the nodes and outside; at a node the limit from the right.
 fn instants() -> impl Iterator<Item = (f64, f64)> {
     (0..=400).map(|k| {
         let t = 0.02 * f64::from(k);
@@ -41,7 +41,7 @@ fn exact_quintic_rest() {
 fn exact_cubic_clamped() {
     let ours = JointMotion::cubic_clamped(&TIMES, &POSITIONS).unwrap();
     let theirs = ClampedSpline::new(&TIMES, &POSITIONS, [0.0, 0.0]).unwrap();
-    // Its end has an acceleration, which the limit from the right has not.
+    // The last node has an acceleration, but its limit from the right has none.
     for (t, within) in instants().filter(|(t, _)| (t - 7.0).abs() > 1e-3) {
         close(ours.at(t, within), theirs.at(t), t);
     }

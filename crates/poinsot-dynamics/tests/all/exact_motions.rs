@@ -12,7 +12,7 @@ fn bus() -> Matrix3 {
     Matrix3::new(30.0, 0.26, 0.37, 0.26, 28.0, -0.29, 0.37, -0.29, 32.0)
 }
 
-/// One body whose mass centre is not its origin.
+/// One body whose mass centre is not at its origin.
 fn body(inertia: Matrix3) -> KitBody {
     KitBody {
         parent: 0,
@@ -175,9 +175,9 @@ fn exact_axisymmetric_gyrostat() {
 fn exact_zero_momentum_slew_by_wheel_speed_and_by_wheel_torque() {
     let (axis, js) = (Vector3::new(0.6, 0.0, 0.8), 0.02);
     let model = setup::model(&[body(bus())], &[wheel(axis, js)]);
-    // Speed ramps to 200 rad/s in 10 s and stays: 1000 rad, then 200 rad/s.
+    // Speed rises to 200 rad/s in 10 s and then stays constant: 1000 rad, then 200 rad/s.
     let ramp = PiecewisePolynomial::linear(&[0.0, 10.0], &[0.0, 200.0]).unwrap();
-    // The torque that does the same: the body's rate along the axis is -a.I^-1 a Js Omega.
+    // The equivalent torque: the body's rate along the axis is -a.I^-1 a Js Omega.
     let compliance = axis.dot(&(bus().try_inverse().unwrap() * axis));
     let torque = js * (1.0 - js * compliance) * 20.0;
     let push = PiecewisePolynomial::steps(&[0.0, 10.0], &[torque, 0.0]).unwrap();

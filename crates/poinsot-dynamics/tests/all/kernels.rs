@@ -9,13 +9,13 @@ use poinsot_testkit::trees::{TreeCase, load_trees};
 
 const TOLERANCE: f64 = 1e-12;
 
-/// A recorded tree in the engine's terms, at its recorded state.
+/// A recorded tree as a `Tree`, at its recorded state.
 struct Ready {
     case: TreeCase,
     tree: Tree,
     parameters: Vec<InertialParameters>,
     kinematics: Kinematics,
-    /// Sums of the magnitudes of the terms: linear, angular about the base origin.
+    /// Sums of term magnitudes: linear, angular about the base origin.
     scale: [f64; 2],
 }
 
@@ -52,7 +52,7 @@ fn scale(case: &TreeCase) -> [f64; 2] {
     scale
 }
 
-/// Largest relative difference, linear and angular part each in their own scale.
+/// Largest relative difference of the linear and angular part, each with its own scale.
 fn apart(a: &Vector6, b: &Vector6, scale: [f64; 2]) -> f64 {
     let d = a - b;
     let l = d.fixed_rows::<3>(0).norm() / scale[0];
@@ -105,7 +105,7 @@ fn xval_pinocchio_locked_inertia() {
     over_trees("locked inertia", |r| {
         let ours = composite(&r.parameters, &r.kinematics).locked_inertia();
         let theirs = r.case.pinocchio.locked_inertia();
-        // Blocks of different units, each in its own size.
+        // Blocks of different units, each relative to its own size.
         let blocks = [(0, 0), (0, 3), (3, 0), (3, 3)].map(|at| {
             let theirs = theirs.fixed_view::<3, 3>(at.0, at.1);
             (ours.fixed_view::<3, 3>(at.0, at.1) - theirs).norm() / theirs.norm().max(1e-300)
@@ -186,7 +186,7 @@ fn exact_twist_from_momentum_is_the_inverse() {
             &half(&joints, 3),
         )
         .unwrap();
-        // Round-off grows with the condition of the composite and the offset of its mass centre.
+        // Round-off grows with the condition number of the composite and the offset of its mass centre.
         let moments = h.I_SScm_B().symmetric_eigenvalues();
         let amplify = (h.I_SBo_B.norm() / moments.min()).max(1.0);
         let speed = 1.0 + s.v_NBo_B.norm() + s.w_NB_B.norm();
@@ -224,7 +224,7 @@ fn wheel(host: usize, axis: [f64; 3], spin_inertia: f64) -> KitWheel {
     }
 }
 
-/// Momentum with wheels and first moment at one setting of the joints.
+/// Momentum with wheels, and first moment, for one set of joint positions.
 fn moved(r: &Ready, kinematics: &mut Kinematics, q: &[f64], rates: &[f64]) -> (Vector6, Vector3) {
     let s = &r.case.state;
     kinematics.place(&r.tree, q);
@@ -255,7 +255,7 @@ fn exact_joint_slopes_are_differences_of_the_momentum() {
             let (further, back) = (at(step, 0.0), at(-step, 0.0));
             let (faster, slower) = (at(0.0, step), at(0.0, -step));
             let (half, scale) = (0.5 / step, [r.scale[0], r.scale[1] + 12.0]);
-            // Measured: 1e-8 of the size of the momentum, the error of the differences.
+            // Measured: 1e-8 of the momentum, the error of the finite differences.
             let close = |a: &Vector6, b: &Vector6| apart(a, b, scale) < 1.0e-6;
             assert!(
                 close(&slope.position, &((further.0 - back.0) * half)),

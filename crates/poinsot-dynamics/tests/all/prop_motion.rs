@@ -1,4 +1,4 @@
-//! What every simulated motion must obey, judged by momentum by definition and by differences.
+//! Properties of every simulated motion, checked by momentum by definition and by finite differences.
 
 use crate::setup;
 
@@ -8,8 +8,8 @@ use poinsot_spatial::{UnitQuaternion, Vector3};
 use poinsot_testkit::momentum_sum::*;
 use poinsot_testkit::trees::load_trees;
 
-/// A recorded tree under everything at once: every joint on harmonics, one wheel with a speed profile and
-/// one driven by a torque, one thruster on the last body.
+/// A recorded tree with harmonic motion of every joint. It has one wheel with a speed profile, one driven by a torque,
+/// and one thruster on the last body.
 struct Busy {
     bodies: Vec<KitBody>,
     wheels: Vec<KitWheel>,
@@ -80,7 +80,7 @@ fn busy(index: usize, firings: Vec<Firing>) -> Busy {
     }
 }
 
-/// Recorded trees with at least six bodies and a heavy base, whose wheels fit them.
+/// Recorded trees with at least six bodies and a heavy base, suitable for the wheels.
 fn choices() -> Vec<usize> {
     load_trees()
         .unwrap()
@@ -124,7 +124,7 @@ fn prop_momentum_conserved_and_mass_centre_straight_over_1e5_steps() {
     assert!(worst[2] < 1e-9, "{worst:?}");
 }
 
-/// Five points of central differences of fourth order around `t`.
+/// Five points of the fourth-order central difference around `t`.
 fn around(t: f64, step: f64) -> [f64; 5] {
     [-2.0, -1.0, 0.0, 1.0, 2.0].map(|k| t + k * step)
 }
@@ -170,7 +170,7 @@ fn prop_accelerations_are_the_slopes_of_velocities() {
         let size = a.norm() + alpha.norm();
         assert!((slope(&v_N, step) - a).norm() < 1e-9 * size, "{index}");
         assert!((slope(&w_N, step) - alpha).norm() < 1e-9 * size, "{index}");
-        // h_w' is the motor torque for a driven wheel and for one with prescribed speed.
+        // h_w' is the motor torque, both for a driven wheel and for prescribed speed.
         let motor = slope(&rotor, step);
         assert!((motor.x - torque[0]).abs() < 1e-9, "{index}");
         assert!((motor.y - torque[1]).abs() < 1e-9, "{index}");
@@ -178,7 +178,7 @@ fn prop_accelerations_are_the_slopes_of_velocities() {
     }
 }
 
-/// `Js (Omega + a.w_host)` of both wheels, hosts' rates by definition.
+/// `Js (Omega + a.w_host)` of both wheels, with host rates by definition.
 fn axial_momenta(b: &Busy, s: &MotionSample) -> Vector3 {
     let state = setup::state(s);
     let h = |i: usize| {
@@ -266,7 +266,7 @@ fn unit_questions_that_cannot_be_asked_are_errors() {
     assert_eq!(run(&b, &[f64::NAN]), Err(MotionError::Times(0)));
     b.model.environment.gravity_gradient = true;
     b.model.environment.point_mass_gm = Some(3.986004418e14);
-    // An orbit is missing.
+    // The orbit is missing.
     assert!(matches!(run(&b, &[0.0]), Err(MotionError::Gravity(_))));
     b.model.environment = Environment::default();
     b.plan.joints.pop();
@@ -277,7 +277,7 @@ fn unit_questions_that_cannot_be_asked_are_errors() {
         .iter_mut()
         .for_each(|body| body.nominal.mass = 0.0);
     assert_eq!(run(&b, &[0.0]), Err(MotionError::NoMass));
-    // A point mass alone has no inertia about itself.
+    // A point mass has no inertia about itself.
     let mut b = busy(choices()[0], Vec::new());
     for (i, body) in b.model.bodies.iter_mut().enumerate() {
         body.nominal = poinsot_spatial::MassProperties {

@@ -1,4 +1,4 @@
-//! Sensors at work: declared against found statistics.
+//! Simulated sensors: observed statistics against declared ones.
 
 use crate::setup;
 
@@ -28,7 +28,7 @@ fn sensor(kind: SensorKind) -> Sensor {
     }
 }
 
-/// One instant of a spinning base with a turning link.
+/// One instant of a spinning base with a rotating link.
 fn instant() -> (Tree, MotionSample) {
     let body = |joint, mass| KitBody {
         parent: 0,
@@ -86,7 +86,7 @@ fn mean_and_covariance(x: &[Vector3]) -> (Vector3, Matrix3) {
     (mean, x.iter().map(squares).sum::<Matrix3>() / (n - 1.0))
 }
 
-/// Every entry within five standard errors (Gaussian: variance of a sample covariance).
+/// Every entry is within five standard errors (Gaussian: variance of a sample covariance).
 fn same_covariance(found: &Matrix3, declared: &Matrix3) {
     for r in 0..3 {
         for c in 0..3 {
@@ -123,7 +123,7 @@ fn stat_vector_noise_has_the_declared_mean_and_covariance_in_the_sensor_axes() {
             .iter()
             .map(|x| x - truth)
             .collect();
-        // Position and velocity err in inertial axes.
+        // Position and velocity errors are in inertial axes.
         let turn = match kind {
             SensorKind::Gyro | SensorKind::Accelerometer => R_BS,
             _ => Matrix3::identity(),
@@ -216,7 +216,7 @@ fn exact_silent_sensors_read_the_truth() {
     let k = &sample.kinematics;
     let R_NL = sample.R_NB.to_rotation_matrix().into_inner() * k.R[1];
     let axis = Vector3::new(0.6, 0.0, 0.8);
-    // The link's rate is the base's, seen from the link, plus the joint's.
+    // The link's rate is the base's rate in link axes plus the joint rate.
     let R_BL: Matrix3 = k.R[1];
     let w = R_BL.transpose() * sample.w_NB_B + axis * sample.rates[0];
     assert!((Vector3::from_column_slice(&read(SensorKind::Gyro, &[])) - w).norm() < 1e-15);
@@ -226,6 +226,6 @@ fn exact_silent_sensors_read_the_truth() {
     let q = read(SensorKind::Attitude, &[]);
     let q = UnitQuaternion::new_normalize(nalgebra::Quaternion::new(q[3], q[0], q[1], q[2]));
     assert!((q.to_rotation_matrix().into_inner() - R_NL).norm() < 1e-14);
-    // A velocity increment needs a beginning.
+    // A velocity increment needs a previous sample.
     assert!(read(SensorKind::VelocityIncrement, &[]).is_empty());
 }

@@ -38,7 +38,7 @@ fn records() -> Vec<Record> {
         .collect()
 }
 
-/// The base's acceleration from the momentum equation without force from outside, then the sensor's.
+/// The base acceleration from the momentum equation without external force, then the accelerometer's.
 #[test]
 fn xval_accelerometer_is_that_of_mujoco() {
     let trees = load_trees().unwrap();
@@ -66,7 +66,7 @@ fn xval_accelerometer_is_that_of_mujoco() {
         let A = -H.cholesky().unwrap().solve(&b);
         let (a, alpha) = (A.fixed_rows::<3>(0).into(), A.fixed_rows::<3>(3).into());
         body.add_base(&kinematics, &a, &alpha);
-        // Nothing acts from outside: the columns of the regressor must cancel at the truth.
+        // Without external forces the regressor times the true parameters is zero.
         let mut balance = Vector6::zeros();
         let mut size = 0.0;
         for (i, pi) in bodies.iter().enumerate() {

@@ -27,7 +27,7 @@ fn matrix(value: &serde_json::Value) -> Matrix3 {
     Matrix3::from_row_slice(&numbers(value))
 }
 
-/// The controller of the recorded run closes our loop; every row is compared.
+/// The controller of the recorded run in our closed loop; every row is compared.
 fn basilisk(run: &str) -> [f64; 4] {
     let recorded = Run::load(&format!("stsat3/{run}"));
     let source = &recorded.source["controller"];
@@ -73,7 +73,7 @@ fn basilisk(run: &str) -> [f64; 4] {
             worst[1] = worst[1].max((s.w_NB_B - recorded.vector("omega", row)).norm());
             for k in 0..3 {
                 worst[2] = worst[2].max((s.wheel_speed[k] - column(k, "rad_s")[row]).abs());
-                // The last recorded torque belongs to a period that was not flown.
+                // The last recorded torque belongs to a period that was not simulated.
                 if row + 1 < times.len() {
                     worst[3] = worst[3].max((s.wheel_torque[k] - column(k, "Nm")[row]).abs());
                 }
@@ -110,7 +110,7 @@ fn seconds(end: u32) -> Vec<f64> {
     (0..=end).map(f64::from).collect()
 }
 
-/// Largest share of the rates off the axis of the first slew.
+/// Largest ratio of off-axis rates in the first slew.
 fn leak(control: &AttitudeControl) -> f64 {
     let model = stsat3();
     let n = ten_degrees().R_NB.axis().unwrap();
@@ -126,7 +126,7 @@ fn leak(control: &AttitudeControl) -> f64 {
     off / along
 }
 
-/// With `u` of (1a) the paper's law is an eigen-axis slew of the pendulum
+/// With `u` of (1a) the paper's control law gives an eigen-axis slew with the pendulum equation
 /// `theta'' = -2 wn^2 sin(theta / 2) - 2 zeta wn theta'`.
 #[test]
 fn exact_paper_loop_is_a_pendulum_about_one_axis() {
@@ -158,8 +158,8 @@ fn exact_paper_loop_is_a_pendulum_about_one_axis() {
     assert!(worst < 1e-9, "{worst:e}");
 }
 
-/// Why the recorded run leaves the axis by 2e-6: its motor torque differs from the `u` of (1a) by `Js w'`.
-/// Holding the torque over 0.1 s keeps the axis.
+/// Why the recorded run deviates from the axis by 2e-6: its motor torque differs from the `u` of (1a) by `Js w'`.
+/// Constant torque over 0.1 s keeps the axis.
 #[test]
 fn prop_motor_torque_leaves_the_axis() {
     let model = stsat3();
@@ -250,8 +250,8 @@ fn prop_limited_pyramid_with_friction_conserves_momentum_and_arrives() {
     }
 }
 
-/// A controller that asks for nothing leaves the vehicle to thrust and gravity gradient, as a plan without motor torque
-/// does: two programs for one motion.
+/// A controller with zero command gives the same motion under thrust and gravity gradient as a plan without motor
+/// torque: two code paths, one motion.
 #[test]
 fn exact_thrust_and_gravity_act_under_a_controller() {
     let mut model = stsat3();
@@ -337,7 +337,7 @@ fn exact_thrust_and_gravity_act_under_a_controller() {
             }
         })
         .unwrap();
-    // Both act: without them the momentum would not change.
+    // Both act: otherwise the momentum would not change.
     let (first, last) = (&wanted[0], &wanted[60]);
     assert!((first.h_SScm_N - last.h_SScm_N).norm() > 1.0);
 }

@@ -7,8 +7,8 @@ use poinsot_spatial::{InertialParameters, Vector3, Vector6};
 use poinsot_testkit::tree_dynamics::{TreeDynamics, load_tree_dynamics};
 use poinsot_testkit::trees::TreeCase;
 
-/// Relative to the largest component. The two engines differ by 4e-12 in the worst acceleration (median
-/// 3e-15), and by 8e-15 in everything else.
+/// Relative to the largest component. The two references differ by 4e-12 in the worst acceleration (median 3e-15), and
+/// by 8e-15 elsewhere.
 const TOLERANCE: f64 = 1e-11;
 
 struct Ready {
@@ -53,7 +53,7 @@ fn apart(ours: &[f64], theirs: &[f64]) -> f64 {
     assert_eq!(ours.len(), theirs.len());
     let size = theirs.iter().fold(1e-300, |m: f64, x| m.max(x.abs()));
     let differences = ours.iter().zip(theirs).map(|(a, b)| (a - b).abs() / size);
-    // NaN must not pass for small.
+    // NaN must not count as small.
     differences.fold(
         0.0,
         |m: f64, d| if d.is_nan() { f64::INFINITY } else { m.max(d) },
@@ -165,8 +165,8 @@ fn xval_pinocchio_jacobian_of_the_last_body() {
     });
 }
 
-/// With the base twist that leaves no momentum, the generalised Jacobian gives the twist of the last body; and
-/// joint accelerations prescribed as those found by free joints change nothing.
+/// With the base twist of zero momentum, the generalised Jacobian gives the twist of the last body. Prescribing the
+/// joint accelerations of free joints changes nothing.
 #[test]
 fn exact_generalised_jacobian_moves_the_tip_without_momentum() {
     for (i, (case, _)) in load_tree_dynamics()
@@ -243,7 +243,7 @@ fn exact_prescribed_joints_move_like_those_that_a_force_drives_there() {
         let wrench = &asked.wrench_Bo_B;
         dynamics.add_wrench(0, &vector(wrench), &vector(&wrench[3..]));
         let answer = &asked.pinocchio.acceleration;
-        // Every second joint is told to do what the recorded forces make it do.
+        // Every second joint is prescribed to move as under the recorded forces.
         let inputs: Vec<_> = asked
             .force
             .iter()

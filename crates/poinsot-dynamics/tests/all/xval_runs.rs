@@ -1,4 +1,4 @@
-//! Whole runs against MuJoCo and Basilisk: same plan and same start, every row compared.
+//! Whole runs against MuJoCo and Basilisk: equal plan and start, every row compared.
 
 use crate::setup;
 
@@ -20,7 +20,7 @@ struct Worst {
     joint_rate_rad_s: f64,
 }
 
-/// Largest differences over the rows before `until` and over those after it.
+/// Largest differences over the rows before `until` and after it.
 fn follow(
     run: &Run,
     model: &Model,
@@ -160,8 +160,8 @@ fn xu2017_one_joint(run: &str) {
         60.0,
     );
     judge(run, &moving);
-    // The plan stops with a jump in acceleration, over which the recorded run took one fixed step: from
-    // then on its joint departs from the plan, and the base cannot depart by more.
+    // The plan ends with a jump in acceleration, over which the recorded run took one fixed step. Afterwards its joint
+    // deviates from the plan, and the base cannot deviate by more.
     println!("{run} after 60 s: {after:?}");
     assert!(after.joint_rad < 2e-6, "{after:?}");
     assert!(after.attitude_rad < after.joint_rad, "{after:?}");
@@ -196,7 +196,7 @@ fn xval_mujoco_xu2017_C1_thrusters() {
     judge("C1", &worst);
 }
 
-/// Wheels driven by the recorded motor torques, each held for one row, from the recorded start.
+/// Wheels driven by the recorded motor torques, each constant for one row, from the recorded start.
 fn stsat3(run: &str) {
     let recorded = Run::load(&format!("stsat3/{run}"));
     let model = &recorded.model;

@@ -64,9 +64,20 @@ fn of_sensor(name: &str, fitted: &Fitted) -> ChannelDiagnosis {
     }
 }
 
-/// Ljung and Box 1978: `Q = n (n + 2) sum r_k^2 / (n - k)` over ten lags, summed over the axes, against
-/// chi-square. `None` for records too short or without residual.
+/// Probability of so much correlation by chance. `None` for records too short or without residual.
 pub(crate) fn whiteness(white: &[Vector3], numbers: usize) -> Option<f64> {
+    let (q, dof) = ljung_box(white, numbers)?;
+    Some(ChiSquared::new(dof).ok()?.sf(q))
+}
+
+/// Share of the variance that earlier samples predict.
+pub(super) fn predictable(white: &[Vector3], numbers: usize) -> Option<f64> {
+    let (q, dof) = ljung_box(white, numbers)?;
+    Some((q / dof - 1.0) * WHITENESS_LAGS as f64 / white.len() as f64)
+}
+
+/// Ljung and Box 1978: `Q = n (n + 2) sum r_k^2 / (n - k)` over ten lags, summed over the axes, and its degrees of freedom.
+fn ljung_box(white: &[Vector3], numbers: usize) -> Option<(f64, f64)> {
     let n = white.len();
     if n < 4 * WHITENESS_LAGS {
         return None;
@@ -85,6 +96,5 @@ pub(crate) fn whiteness(white: &[Vector3], numbers: usize) -> Option<f64> {
             q += n as f64 * (n as f64 + 2.0) * r * r / (n - lag) as f64;
         }
     }
-    let chi2 = ChiSquared::new((numbers * WHITENESS_LAGS) as f64).ok()?;
-    Some(chi2.sf(q))
+    Some((q, (numbers * WHITENESS_LAGS) as f64))
 }

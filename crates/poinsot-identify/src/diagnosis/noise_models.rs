@@ -6,16 +6,16 @@
 use super::EXCESS;
 use super::candidate::Candidate;
 use super::candidates::sensors_read;
-use super::channels::whiteness;
+use super::channels::predictable;
 use super::suspects::Scored;
 use super::table::Table;
-use super::types::{COLOURED, ChannelDiagnosis, FaultKind, Suspect};
+use super::types::{ChannelDiagnosis, FaultKind, Suspect};
 use crate::fit::Fitted;
 use crate::fit::experiment::Experiment;
 use crate::problem::parameters::{Unknown, UnknownKind};
 use crate::problem::segment::{SensorRecord, SensorValue};
 use poinsot_dynamics::SensorError;
-use poinsot_spatial::Vector3;
+use poinsot_spatial::{Matrix3, Vector3};
 
 /// Shares of outliers that are reported: if most samples are outliers, the model is wrong.
 const OUTLIERS: [f64; 2] = [1.0e-3, 0.2];
@@ -25,6 +25,9 @@ const MEDIAN_SCATTER: f64 = 1.5;
 const ROUNDING: f64 = 0.5;
 /// Part of a step by which a rounded value may lie off its multiple.
 const OFF_STEP: f64 = 1.0e-3;
+/// Share of a residual's variance that earlier samples may predict where its times scatter: the filter of noisy inputs passes
+/// some of the scatter on. A motion that the model lacks is predicted by half and more.
+const PREDICTABLE: f64 = 0.1;
 /// Values of the variance that are tried, per decade, and decades about the one that doubles the noise.
 const TRIED: (i32, i32) = (8, 4);
 
@@ -172,34 +175,28 @@ fn jitters(experiment: &Experiment, candidates: &[Candidate], table: &Table) -> 
         let Some(place) = unknowns.iter().position(|u| u.kind == lag) else {
             continue;
         };
-        // Residuals beside their changes with time.
-        let mut pairs: Vec<(Vector3, Vector3)> = Vec::new();
-        for rows in &table.segments {
-            let Some(index) = rows.names.iter().position(|n| *n == name) else {
-                continue;
-            };
-            let measured = rows.of.iter().enumerate().filter(|(_, of)| of.0 == index);
-            pairs.extend(measured.map(|(m, _)| {
-                let three = |k: usize| Vector3::from_fn(|i, _| rows.rows[3 * m + i][k]);
-                let residual = three(rows.rows[3 * m].len() - 1);
-                (residual, three(rows.initial_columns + place))
-            }));
-        }
+        let pairs = table.residuals_beside(&name, place);
         let numbers = model.sensors[sensor].kind.numbers();
-        if let Some((decrease, sigma)) = scatter(&pairs, numbers) {
+        let (decrease, variance) = scatter(&pairs);
+        let white = |variance: f64| {
+            let left = table.refitted(&name, |slope| less_along(slope, variance), place);
+            predictable(&left, numbers).is_none_or(|share| share < PREDICTABLE)
+        };
+        if decrease > 0.0 && white(variance) {
             let what = format!(
                 "jitter of the sample times of the {}",
                 name.replace('_', " ")
             );
-            let values = vec![(format!("{name}.jitter"), sigma, "s")];
+            let values = vec![(format!("{name}.jitter"), variance.sqrt(), "s")];
             list.push(scored(what, FaultKind::TimeJitter, (decrease, 1), values));
         }
     }
     list
 }
 
-/// The fall of `-2 ln L` with the best sigma of the times, and that sigma; `None` where the residual is not white with it.
-fn scatter(pairs: &[(Vector3, Vector3)], numbers: usize) -> Option<(f64, f64)> {
+/// The fall of `-2 ln L` with the best variance of the times, and that variance. Pairs are whitened residuals beside their
+/// changes with time.
+fn scatter(pairs: &[(Vector3, Vector3)]) -> (f64, f64) {
     let squares = pairs.iter().map(|p| p.1.norm_squared());
     let mean = squares.sum::<f64>() / pairs.len().max(1) as f64;
     let along = |(residual, slope): &(Vector3, Vector3)| {
@@ -223,13 +220,13 @@ fn scatter(pairs: &[(Vector3, Vector3)], numbers: usize) -> Option<(f64, f64)> {
     };
     let variances = tried.map(|k| 10.0_f64.powf(f64::from(k) / f64::from(per_decade)) / mean);
     let all = variances.map(|v| (fall(v), v));
-    let (best, variance) = all.max_by(|a, b| a.0.total_cmp(&b.0))?;
-    let scaled = |(residual, slope): &(Vector3, Vector3)| {
-        let square = slope.norm_squared().max(f64::MIN_POSITIVE);
-        let shrunk = 1.0 - 1.0 / (1.0 + variance * square).sqrt();
-        residual - slope * (residual.dot(slope) / square * shrunk)
-    };
-    let scaled: Vec<Vector3> = pairs.iter().map(scaled).collect();
-    let white = whiteness(&scaled, numbers).is_none_or(|p| p > COLOURED);
-    (best > 0.0 && white).then_some((best, variance.sqrt()))
+    let best = all.max_by(|a, b| a.0.total_cmp(&b.0));
+    best.unwrap_or((0.0, 0.0))
+}
+
+/// Whitens a residual whose time has a variance: shrinks its part along the change with time.
+fn less_along(slope: &Vector3, variance: f64) -> Matrix3 {
+    let square = slope.norm_squared().max(f64::MIN_POSITIVE);
+    let shrunk = 1.0 - 1.0 / (1.0 + variance * square).sqrt();
+    Matrix3::identity() - slope * slope.transpose() * (shrunk / square)
 }

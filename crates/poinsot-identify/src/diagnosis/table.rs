@@ -8,10 +8,12 @@ use super::changes::differences;
 use super::projected::Projected;
 use crate::fit::Fitted;
 use crate::fit::experiment::{Experiment, Iterate, PredictionSlopes};
+use crate::fit::triangle::conditional_estimate;
 use crate::likelihood::{Evaluated, Transition};
 use crate::problem::parameters::{Unknown, UnknownKind};
 use poinsot_dynamics::SensorError;
 use poinsot_solve::{BlockQr, Triangle};
+use poinsot_spatial::{Matrix3, Vector3};
 
 /// Largest number of values in the rows: 64 MiB.
 const NUMBERS: usize = 8_000_000;
@@ -28,6 +30,24 @@ pub(super) struct SegmentRows {
     /// How the state at grid times moves with the start.
     pub transitions: Vec<Transition>,
     pub names: Vec<String>,
+}
+
+impl SegmentRows {
+    /// First row, residual and column of an unknown, for each measurement of a sensor.
+    fn measurements(
+        &self,
+        sensor: &str,
+        unknown: usize,
+    ) -> impl Iterator<Item = (usize, Vector3, Vector3)> {
+        let index = self.names.iter().position(|n| n == sensor);
+        let measured = self.of.iter().enumerate();
+        let own = measured.filter(move |(_, of)| Some(of.0) == index);
+        own.map(move |(m, _)| {
+            let three = |k: usize| Vector3::from_fn(|i, _| self.rows[3 * m + i][k]);
+            let residual = three(self.rows[3 * m].len() - 1);
+            (3 * m, residual, three(self.initial_columns + unknown))
+        })
+    }
 }
 
 /// The experiment at the answer with the columns of all candidates.
@@ -163,6 +183,61 @@ impl Table {
                 }
             }
         }
+    }
+
+    /// Residuals of a sensor beside the columns of an unknown, fitted or not.
+    pub fn residuals_beside(&self, sensor: &str, unknown: usize) -> Vec<(Vector3, Vector3)> {
+        let own = self
+            .segments
+            .iter()
+            .flat_map(|s| s.measurements(sensor, unknown));
+        own.map(|(_, residual, slope)| (residual, slope)).collect()
+    }
+
+    /// Residuals of a sensor after a fit, to first order, with another weight of its rows: a matrix of the column of an unknown.
+    ///
+    /// Where noise is uneven, the plain fit leaves errors of the large part in the small one, which are not white.
+    pub fn refitted(
+        &self,
+        sensor: &str,
+        weight: impl Fn(&Vector3) -> Matrix3,
+        unknown: usize,
+    ) -> Vec<Vector3> {
+        let mut stacked = BlockQr::new(self.base + 1);
+        let mut weighted = Vec::new();
+        for segment in &self.segments {
+            let fitted = segment.initial_columns + self.base;
+            let mut rows = segment.rows.clone();
+            for (first, _, slope) in segment.measurements(sensor, unknown) {
+                let W = weight(&slope);
+                let own: [Vec<f64>; 3] = std::array::from_fn(|axis| {
+                    let value = |j: usize| (0..3).map(|k| W[(axis, k)] * rows[first + k][j]).sum();
+                    (0..rows[first].len()).map(value).collect()
+                });
+                rows[first..first + 3].clone_from_slice(&own);
+            }
+            let mut qr = BlockQr::new(fitted + 1);
+            qr.push(rows.len(), |i, j| match j == fitted {
+                true => rows[i].last().copied().unwrap_or(0.0),
+                false => rows[i][j],
+            });
+            let (r, h) = (qr.finish().r, segment.initial_columns);
+            stacked.push(r.nrows().saturating_sub(h), |i, j| r[(h + i, h + j)]);
+            weighted.push((segment, rows, r));
+        }
+        let shared = conditional_estimate(&stacked.finish().r, self.base, &[]).mean;
+        let mut left = Vec::new();
+        for (segment, rows, r) in weighted {
+            let mut all = conditional_estimate(&r, segment.initial_columns, &shared).mean;
+            all.extend(&shared);
+            let of_row = |row: &Vec<f64>| {
+                let told: f64 = row.iter().zip(&all).map(|(a, x)| a * x).sum();
+                row.last().copied().unwrap_or(0.0) - told
+            };
+            let own = segment.measurements(sensor, unknown);
+            left.extend(own.map(|(first, ..)| Vector3::from_fn(|i, _| of_row(&rows[first + i]))));
+        }
+        left
     }
 
     /// Triangle of the shared unknowns and the candidates; with a segment given they act in that segment alone.

@@ -8,8 +8,8 @@ pub(crate) mod as_predicted;
 mod known_columns;
 
 pub(crate) use known_columns::{
-    DIFFERENCE, KeptColumns, PredictedExperiment, PredictionSlopes, Shift, body_slopes, slope,
-    slopes,
+    DIFFERENCE, KeptColumns, PredictedExperiment, PredictionSlopes, Shift, body_slopes,
+    drop_old_columns, slope, slopes,
 };
 
 use crate::fit::coordinates::Coordinates;

@@ -11,7 +11,9 @@ mod effects;
 pub(crate) use effects::Effects;
 
 use crate::fit::degrees_of_freedom::{MISFIT, fitted_numbers, known_covariance};
-use crate::fit::experiment::{DIFFERENCE, Experiment, Iterate, KeptColumns, body_slopes, slopes};
+use crate::fit::experiment::{
+    DIFFERENCE, Experiment, Iterate, KeptColumns, body_slopes, drop_old_columns, slopes,
+};
 use crate::fit::{Fitted, fit_from};
 use crate::likelihood::KnownColumns;
 use crate::problem::Problem;
@@ -28,6 +30,8 @@ pub(crate) const SILENT: f64 = 1.0e-3;
 const EXPLAINED: f64 = 0.5;
 /// Most iterations with known numbers among the unknowns.
 const TRIED: usize = 30;
+/// Most fits on from columns made anew: each moves the answer by a hundredth of the last one.
+const RENEWED: usize = 3;
 /// Fall of chi-square that a full step may still promise where the columns are differences.
 const CONVERGED_BELOW_BY_DIFFERENCES: f64 = 1.0e-3;
 
@@ -70,7 +74,7 @@ pub(crate) fn fit_known(experiment: &Experiment, fitted: &Fitted) -> Option<Know
     let hopeless = chi2 > MISFIT * dof && predicted_reduction(&start) < EXPLAINED * (chi2 - dof);
     let found = match hopeless {
         true => start.clone(),
-        false => fit_from(&wide, first, TRIED)?,
+        false => settled(&wide, first)?,
     };
     let done = found.converged || predicted_reduction(&found) < CONVERGED_BELOW_BY_DIFFERENCES;
     let (worst, per_number) = contradicted(&wide, &found);
@@ -94,6 +98,18 @@ pub(crate) fn fit_known(experiment: &Experiment, fitted: &Fitted) -> Option<Know
         contradiction: worst.filter(|_| !left && done),
         parameters,
     })
+}
+
+/// A fit that ends on columns made where it ends.
+fn settled(experiment: &Experiment, from: Iterate) -> Option<Fitted> {
+    let mut found = fit_from(experiment, from, TRIED)?;
+    for _ in 0..RENEWED {
+        if !found.converged || !drop_old_columns(experiment, &found.at) {
+            break;
+        }
+        found = fit_from(experiment, found.at, TRIED)?;
+    }
+    Some(found)
 }
 
 /// Chi-square, and its degrees of freedom.

@@ -1,4 +1,4 @@
-//! A fit whose nominal numbers are far off, with no linear start: a few readings lead near, all readings end it.
+//! A fit with large nominal errors and no linear start: a coarse fit to few samples, then a fit to all.
 
 use crate::two_bodies;
 
@@ -13,7 +13,7 @@ use two_bodies::{VEHICLE, tumble};
 
 const ROWS: usize = 2000;
 
-/// Noise of unit variance without a pattern that matters here.
+/// Pseudo-random noise of unit variance.
 fn scatter(k: usize) -> f64 {
     let uniform = ((12.9898 * (k as f64 + 1.0)).sin() * 43758.5453).fract();
     uniform * 3.0_f64.sqrt()
@@ -98,7 +98,7 @@ fn prop_a_far_start_ends_where_a_near_one_does() {
     far.bodies[1].nominal.p_BoBcm_B *= -1.0;
     let found = solved(&far, &tree, &segment);
     assert_eq!(found.status, Status::Converged);
-    // On all readings; the way there was made on a few.
+    // Iterations on all samples; the approach was made on few samples.
     assert!(found.iterations <= 3, "{} iterations", found.iterations);
     let (ours, theirs) = (&found.bodies[1], &expected.bodies[1]);
     let numbers = |body: &poinsot_identify::BodyEstimate| {

@@ -1,4 +1,4 @@
-//! The same bits on any number of threads.
+//! Results are bitwise equal for any number of threads.
 
 use crate::two_bodies;
 
@@ -11,7 +11,7 @@ use poinsot_model::{Model, SensorKind, parse_model};
 use poinsot_spatial::{Matrix3, Vector3};
 use two_bodies::{VEHICLE, tumble};
 
-/// Numbers between -1 and 1 without a pattern.
+/// Pseudo-random numbers between -1 and 1.
 fn scatter(k: usize) -> f64 {
     (12.9898 * (k as f64 + 1.0)).sin() * (78.233 * (k as f64 + 2.0)).cos()
 }
@@ -61,7 +61,6 @@ fn segment(model: &Model, at: usize, rows: usize) -> Segment {
     }
 }
 
-/// Every number of an answer as its bits.
 fn bits(estimate: &Estimate) -> Vec<u64> {
     let mut all: Vec<f64> = Vec::new();
     let mut see = |n: &Number| all.extend([n.value, n.sigma].map(|x| x.unwrap_or(f64::NAN)));
@@ -92,7 +91,7 @@ fn bits(estimate: &Estimate) -> Vec<u64> {
 fn exact_the_same_bits_on_1_2_3_and_8_threads() {
     let model = parse_model(VEHICLE, "vehicle.toml").unwrap();
     let tree = Tree::new(&model);
-    // The linear rung works in chunks of 1024 samples; the fit segment by segment.
+    // The linear method works in chunks of 1024 samples, the fit segment by segment.
     let segments: Vec<Segment> = [2600, 1100, 300]
         .into_iter()
         .enumerate()

@@ -1,7 +1,7 @@
-//! The model file as written: one raw type per table, nothing checked beyond its shape.
+//! The raw model file: one type per table, checked for structure only.
 //!
-//! Every field is optional here, also where the schema requires it: the shape is checked first and
-//! every finding reported, and what is broken is left out so that the rest can still be checked.
+//! Every field is optional here, even if the schema requires it. The structure is checked first, and invalid parts are
+//! dropped, so that the rest can still be checked.
 
 mod body;
 mod environment;

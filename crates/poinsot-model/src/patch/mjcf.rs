@@ -6,7 +6,7 @@ use crate::patch::xml::child;
 use poinsot_spatial::MassProperties;
 use roxmltree::{Document, Node};
 
-/// Attributes that turn the axes of an `<inertial>`, or state a diagonal tensor: a full tensor excludes them.
+/// Attributes that rotate the axes of an `<inertial>` or give a diagonal tensor: excluded by a full tensor.
 const AXES: [&str; 6] = [
     "quat",
     "axisangle",
@@ -15,14 +15,14 @@ const AXES: [&str; 6] = [
     "euler",
     "diaginertia",
 ];
-/// Settings of `<compiler>` by which MuJoCo changes the inertias that a file states, and values that leave them.
+/// Settings of `<compiler>` by which MuJoCo changes given inertias, with the values that do not.
 const OVERRIDES: [(&str, &[&str]); 3] = [
     ("inertiafromgeom", &["auto", "false"]),
     ("balanceinertia", &["false"]),
     ("settotalmass", &["-1"]),
 ];
 
-/// Puts mass properties into the text of an MJCF file, in the axes of each body.
+/// Writes mass properties into the text of an MJCF file, in the axes of each body.
 ///
 /// # Errors
 /// The text is not XML, or its `<compiler>` changes inertias after reading.

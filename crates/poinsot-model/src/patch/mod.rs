@@ -1,4 +1,4 @@
-//! Mass properties put into files of other programs; every byte that states none stays as it is.
+//! Writes mass properties into files of other programs; all other bytes stay unchanged.
 
 mod mjcf;
 mod model_file;
@@ -27,9 +27,9 @@ pub struct BodyProperties {
 pub struct Patched {
     /// The text.
     pub text: String,
-    /// Bodies of which the file has none, or several, of this name.
+    /// Bodies that the file does not have, or has several times.
     pub missing: Vec<String>,
 }
 
-/// A function that puts mass properties into a text. The error says in words why the text cannot be used.
+/// A function that writes mass properties into a text. The error is a message.
 pub type Patch = fn(&str, &[BodyProperties]) -> Result<Patched, String>;

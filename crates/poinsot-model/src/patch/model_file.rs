@@ -1,10 +1,10 @@
-//! The model file of Poinsot: comments, order and every other key stay.
+//! The model file of Poinsot: comments, order and all other keys stay unchanged.
 
 use super::{BodyProperties, Patched};
 use poinsot_spatial::MassProperties;
 use toml_edit::{Array, DocumentMut, InlineTable, Item, Table, Value};
 
-/// Tensor elements with their places.
+/// Tensor elements with their indices.
 const ELEMENTS: [(&str, (usize, usize)); 6] = [
     ("xx", (0, 0)),
     ("yy", (1, 1)),
@@ -14,7 +14,7 @@ const ELEMENTS: [(&str, (usize, usize)); 6] = [
     ("yz", (1, 2)),
 ];
 
-/// Puts mass properties into the text of a model file.
+/// Writes mass properties into the text of a model file.
 ///
 /// # Errors
 /// The text is not TOML, or has no `[[body]]`.
@@ -57,7 +57,7 @@ fn edit_body(table: &mut Table, new: &MassProperties) {
     }
 }
 
-/// Sets a value; blanks and comments around an old one stay.
+/// Sets a value; blanks and comments around the old one are kept.
 fn set(entry: toml_edit::Entry<'_>, mut new: Value) {
     match entry {
         toml_edit::Entry::Occupied(mut old) => {

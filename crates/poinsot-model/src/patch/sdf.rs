@@ -5,7 +5,7 @@ use super::{BodyProperties, Patched};
 use poinsot_spatial::MassProperties;
 use roxmltree::Node;
 
-/// Tensor elements with their places.
+/// Tensor elements with their indices.
 const ELEMENTS: [(&str, (usize, usize)); 6] = [
     ("ixx", (0, 0)),
     ("ixy", (0, 1)),
@@ -15,7 +15,7 @@ const ELEMENTS: [(&str, (usize, usize)); 6] = [
     ("izz", (2, 2)),
 ];
 
-/// Puts mass properties into the text of an SDF file. The axes of an `<inertial>` become those of its link.
+/// Writes mass properties into the text of an SDF file. The axes of an `<inertial>` become those of its link.
 ///
 /// # Errors
 /// The text is not XML.

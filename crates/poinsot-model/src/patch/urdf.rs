@@ -6,10 +6,10 @@ use crate::urdf::{ELEMENTS, rotation};
 use poinsot_spatial::MassProperties;
 use roxmltree::Node;
 
-/// Puts mass properties into the text of a URDF file that was read without error before.
+/// Writes mass properties into the text of a valid URDF file.
 ///
-/// The axes of an `<inertial>` (its `rpy`) stay; the tensor is turned into them. What is missing (`<inertial>`,
-/// `<origin>`, an element) is added.
+/// The axes of an `<inertial>` (its `rpy`) are kept; the tensor is rotated to them. Missing elements (`<inertial>`,
+/// `<origin>`) are added.
 ///
 /// # Errors
 /// The text is not XML.

@@ -1,10 +1,10 @@
-//! Changes of an XML text that leave every other byte as it is.
+//! Edits of an XML text that leave all other bytes unchanged.
 
 use crate::urdf::excess;
 use roxmltree::{Document, Node};
 use std::ops::Range;
 
-/// Reads an XML text after its limits were checked.
+/// Parses an XML text after checking its limits.
 pub(super) fn document(text: &str) -> Result<Document<'_>, String> {
     if let Some(excess) = excess(text) {
         let line = 1 + text.as_bytes()[..excess.byte.min(text.len())]
@@ -26,7 +26,7 @@ pub(super) fn child<'a, 'i>(node: Node<'a, 'i>, name: &str) -> Option<Node<'a, '
         .find(|n| n.is_element() && n.tag_name().name() == name)
 }
 
-/// The element of a tag and a `name`, anywhere in the document; `None` without one, or where there are several.
+/// The element with this tag and `name`, anywhere in the document; `None` if there is none or several.
 pub(super) fn named<'a, 'i>(
     document: &'a Document<'i>,
     tag: &str,
@@ -39,7 +39,7 @@ pub(super) fn named<'a, 'i>(
     found.next().is_none().then_some(first)
 }
 
-/// Changes of a text, collected and then made at once.
+/// Edits of a text, collected and then applied together.
 pub(super) struct Edits<'t> {
     text: &'t str,
     edits: Vec<(Range<usize>, String)>,
@@ -64,7 +64,7 @@ impl<'t> Edits<'t> {
         }
     }
 
-    /// Takes an attribute out, with the blank before it.
+    /// Removes an attribute and the preceding blank.
     pub fn remove(&mut self, node: Node<'_, '_>, name: &str) {
         if let Some(attribute) = node.attribute_node(name) {
             let range = attribute.range();
@@ -80,7 +80,7 @@ impl<'t> Edits<'t> {
         self.edits.push((node.range(), element));
     }
 
-    /// Puts an element first inside of another, whose tag may close itself.
+    /// Inserts an element as first child of another, which may be self-closing.
     pub fn insert_inside(&mut self, node: Node<'_, '_>, element: &str) {
         let range = node.range();
         if let Some(first) = node.first_child() {
@@ -100,7 +100,7 @@ impl<'t> Edits<'t> {
         }
     }
 
-    /// The text with all changes.
+    /// The text with all edits.
     pub fn finish(mut self) -> String {
         self.edits.sort_by_key(|e| e.0.start);
         let mut out = String::with_capacity(self.text.len() + 256);

@@ -1,4 +1,4 @@
-//! From checked links and joints to a [`Model`].
+//! Converts checked links and joints to a [`Model`].
 
 use super::Remark;
 use super::inertial::rotation;
@@ -11,7 +11,7 @@ use poinsot_spatial::{MassProperties, Matrix3, Vector3};
 use poinsot_telemetry::TelemetryMap;
 use std::collections::HashMap;
 
-/// The vehicle; `None` where an error was found.
+/// The vehicle; `None` after an error.
 pub(super) fn model(
     robot: &Robot,
     order: &Order,
@@ -80,7 +80,7 @@ pub(super) fn model(
         momentum: Momentum::default(),
         environment: Environment::default(),
         telemetry: TelemetryMap::default(),
-        // A robot description says nothing of how good its numbers are.
+        // A URDF gives no uncertainty of its numbers.
         knowledge: Knowledge {
             assumed: true,
             ..Knowledge::default()

@@ -1,4 +1,4 @@
-//! Mass properties as written: those of real bodies, in the link's own axes.
+//! Checks the mass properties of links and converts them to link axes.
 
 use super::raw::{Inertial, Kind, Link, Robot};
 use super::tree::Order;
@@ -26,14 +26,14 @@ pub(crate) fn rotation([roll, pitch, yaw]: [f64; 3]) -> Matrix3 {
     )
 }
 
-/// Mass properties of every link in its own frame; zero where it has none.
+/// Mass properties of every link in its own frame; zero if it has none.
 pub(super) fn check(
     robot: &Robot,
     order: &Order,
     remarks: &mut Vec<Remark>,
 ) -> Vec<MassProperties> {
     let all: Vec<MassProperties> = robot.links.iter().map(|l| one(l, remarks)).collect();
-    // Where a number could not be read, what moves without mass is not known.
+    // With unreadable numbers, massless moving links cannot be determined.
     if !remarks.iter().any(|r| r.code == Some("E0107")) {
         moving_without_mass(robot, order, &all, remarks);
     }
@@ -53,7 +53,7 @@ fn one(link: &Link, remarks: &mut Vec<Remark>) -> MassProperties {
     let [xx, xy, xz, yy, yz, zz] = inertial.elements;
     let tensor = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
     let turn = rotation(inertial.rpy);
-    // Symmetric to the last bit, as a model file writes it.
+    // Exactly symmetric, as in a model file.
     let turned = turn * tensor * turn.transpose();
     let found = MassProperties {
         mass: inertial.mass,
@@ -72,7 +72,7 @@ fn one(link: &Link, remarks: &mut Vec<Remark>) -> MassProperties {
         let problem = "the inertia is 1 kg m2 about every axis; is it a placeholder?".to_owned();
         judge.push(UrdfDefect::Placeholder, None, problem, "");
     }
-    // The moments do not depend on the axes; those as written round least.
+    // Moments do not depend on the axes; the original axes have the least rounding.
     let (moments, _) = MassProperties {
         I_BBcm_B: tensor,
         ..found
@@ -83,12 +83,11 @@ fn one(link: &Link, remarks: &mut Vec<Remark>) -> MassProperties {
     found
 }
 
-/// Radii of gyration that a link in metres and kilograms has, m.
+/// Plausible radii of gyration of a link in metres and kilograms, m.
 const GYRATION: [f64; 2] = [1.0e-3, 5.0];
-/// Moment that counts as zero beside the largest.
+/// Moments below this fraction of the largest count as zero.
 const ZERO_MOMENT: f64 = 1.0e-12;
 
-/// What is said of the numbers of one link.
 struct Remarks<'a> {
     link: &'a Link,
     remarks: &'a mut Vec<Remark>,
@@ -114,7 +113,7 @@ impl Remarks<'_> {
         });
     }
 
-    /// Whether its mass goes with its inertia.
+    /// Whether the link has mass, or neither mass nor inertia.
     fn has_mass(&mut self, inertial: &Inertial) -> bool {
         if inertial.mass < 0.0 {
             let problem = format!("the mass is negative: {} kg", short(inertial.mass));
@@ -137,7 +136,7 @@ impl Remarks<'_> {
         true
     }
 
-    /// Units of mass and inertia that do not go together.
+    /// Inconsistent units of mass and inertia.
     fn gyration(&mut self, mass: f64, moments: &[f64; 3]) {
         let largest = largest(moments);
         if mass <= 0.0 || largest == 0.0 {
@@ -154,7 +153,7 @@ impl Remarks<'_> {
         self.push(defect, None, problem, "");
     }
 
-    /// Principal moments that no body has.
+    /// Unphysical principal moments.
     fn moments(&mut self, moments: &[f64; 3]) {
         let [a, b, c] = *moments;
         let zero = ZERO_MOMENT * largest(moments);
@@ -182,7 +181,7 @@ fn largest(moments: &[f64; 3]) -> f64 {
     moments.iter().fold(0.0_f64, |m, x| m.max(x.abs()))
 }
 
-/// Refuses what moves without mass: a joint rate that no momentum depends on.
+/// Reports joints that move no mass: momentum does not depend on their rate.
 fn moving_without_mass(
     robot: &Robot,
     order: &Order,

@@ -1,21 +1,22 @@
-//! What no robot needs and what would make the XML reader slow: refused by one pass over the text, before a tree is
-//! built. The reader's time grows with depth times namespaces and with the square of an element's attributes.
+//! Limits that protect the XML reader, checked in one pass before a tree is built. The reader's time grows with depth
+//! times namespaces, and with the square of an element's attributes.
 
-/// Deepest nesting of elements; URDF itself needs 6.
+/// Limit on the nesting of elements; URDF needs 6.
 const DEPTH: usize = 64;
-/// Most attributes of an element, declarations of namespaces among them; URDF itself needs 6.
+/// Limit on the attributes of an element, including namespace declarations; URDF needs 6.
 const ATTRIBUTES: usize = 64;
-/// Most declarations of namespaces in a file.
+/// Limit on the namespace declarations of a file.
 const NAMESPACES: usize = 64;
 
-/// What is beyond a limit, and the byte where it is.
+/// The exceeded limit, and its byte offset.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Excess {
     pub byte: usize,
     pub problem: String,
 }
 
-/// The first excess of a text. Text that is not well-formed gives none, or one: the XML reader refuses it anyway.
+/// The first exceeded limit of a text. For malformed text the result is arbitrary, because the XML reader rejects it
+/// anyway.
 pub(crate) fn excess(text: &str) -> Option<Excess> {
     let (mut depth, mut namespaces, mut at) = (0_usize, 0_usize, 0_usize);
     let over = |byte, count: &str, limit| {
@@ -52,11 +53,11 @@ pub(crate) fn excess(text: &str) -> Option<Excess> {
     None
 }
 
-/// What begins with `<`.
+/// Markup that starts with `<`.
 enum Skip {
-    /// A comment, CDATA, an instruction or a declaration, up to this byte.
+    /// Comment, CDATA, processing instruction or declaration that ends at this byte.
     Past(usize),
-    /// An end tag, up to this byte.
+    /// End tag that ends at this byte.
     Close(usize),
     /// A start tag.
     Open,
@@ -80,7 +81,6 @@ fn skipped(text: &str, start: usize) -> Skip {
     }
 }
 
-/// A start tag.
 struct Tag {
     end: usize,
     attributes: usize,
@@ -117,7 +117,7 @@ fn tag(text: &str, start: usize) -> Tag {
             }
             b' ' | b'\t' | b'\r' | b'\n' => {
                 at += 1;
-                // Blanks may stand before the equals sign.
+                // Blanks may precede the equals sign.
                 if bytes.get(at).is_some_and(|b| b.is_ascii_alphabetic()) {
                     word = at;
                 }
@@ -137,7 +137,7 @@ fn find(text: &str, from: usize, what: &str) -> Option<usize> {
     text.get(from..)?.find(what).map(|at| from + at)
 }
 
-/// The byte behind the next `what`, or the end.
+/// Offset after the next `what`, or the end of the text.
 fn past(text: &str, from: usize, what: &str) -> usize {
     find(text, from, what).map_or(text.len(), |at| at + what.len())
 }
@@ -193,7 +193,7 @@ mod tests {
         }
     }
 
-    /// 79 kB took 8 s, 100,000 attributes 16 s, before the limits.
+    /// Before the limits, 79 kB took 8 s and 100,000 attributes 16 s.
     #[test]
     fn regress_nested_namespaces_and_many_attributes_are_refused_at_once() {
         let nested: String = (0..4000).map(|k| format!("<a xmlns:n{k}=\"u\">")).collect();

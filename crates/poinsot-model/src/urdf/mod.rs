@@ -1,6 +1,6 @@
 //! URDF, the robot description of ROS, read into a [`Model`].
 //!
-//! No recursion on what the file holds, no DTD, no file is opened that it names.
+//! No recursion over the file's content, no DTD, and files named in it are not opened.
 
 mod build;
 mod inertial;
@@ -18,7 +18,7 @@ use crate::vehicle::Model;
 use poinsot_files::excerpt;
 use std::path::Path;
 
-/// Findings shown; the rest is counted.
+/// Number of findings listed; the rest is counted.
 const SHOWN: usize = 20;
 
 /// A kind of remark on a URDF file.
@@ -30,9 +30,9 @@ pub enum UrdfDefect {
     NotRobot,
     /// Unexpanded xacro.
     Xacro,
-    /// Two links or two joints of one name, or one without.
+    /// Two links or two joints with equal names, or one without.
     Names,
-    /// A joint names a link that is not there.
+    /// A joint names an unknown link.
     MissingLink,
     /// A link with two parents.
     TwoParents,
@@ -40,60 +40,60 @@ pub enum UrdfDefect {
     Roots,
     /// A link without `inertial`.
     NoInertial,
-    /// A number that cannot be read, or one that is missing.
+    /// An unreadable or missing number.
     Number,
-    /// Mass zero.
+    /// Zero mass.
     ZeroMass,
-    /// Inertia zero in all elements.
+    /// All inertia elements are zero.
     ZeroInertia,
-    /// Identity as inertia.
+    /// Identity matrix as inertia.
     Placeholder,
-    /// A principal moment below zero.
+    /// A negative principal moment.
     Indefinite,
-    /// A principal moment of zero.
+    /// A zero principal moment.
     Singular,
-    /// A principal moment above the sum of the others.
+    /// A principal moment larger than the sum of the others.
     Triangle,
     /// Radius of gyration above 5 m.
     LargeGyration,
     /// A radius of gyration below 1 mm.
     SmallGyration,
-    /// Something moves that has no mass and carries none.
+    /// A joint moves no mass.
     MovesMassless,
     /// A moving joint without axis.
     NoAxis,
-    /// An axis of length zero.
+    /// A zero axis.
     ZeroAxis,
     /// An axis that is not of unit length.
     AxisLength,
     /// A joint that mimics another.
     Mimic,
-    /// A joint type that is not read.
+    /// An unsupported joint type.
     JointType,
-    /// Elements that were not read.
+    /// Ignored elements.
     Ignored,
 }
 
-/// A remark with its place.
+/// A remark with its position.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Remark {
     pub defect: UrdfDefect,
-    /// Code of an error; `None` for a note.
+    /// Error code; `None` for a note.
     pub code: Option<&'static str>,
     pub byte: usize,
-    /// Where: `link "arm"`, `joint "elbow"`.
+    /// Subject: `link "arm"`, `joint "elbow"`.
     pub subject: String,
     pub value: String,
     pub problem: String,
     pub remedy: String,
 }
 
-/// What a URDF file holds.
+/// Content of a URDF file.
 #[derive(Debug, Clone)]
 pub struct Urdf {
-    /// The vehicle, or what keeps the file from being one.
+    /// The vehicle, or the error.
     pub model: Result<Model, ModelError>,
-    /// Every kind of remark on the file, each once.
+    /// Every kind of remark on the file, without duplicates.
     pub defects: Vec<UrdfDefect>,
 }
 
@@ -109,7 +109,7 @@ pub fn read_urdf(path: impl AsRef<Path>) -> Urdf {
     }
 }
 
-/// Reads URDF text; `file` names it in messages.
+/// Reads URDF text; `file` is its name in messages.
 pub fn parse_urdf(text: &str, file: &str) -> Urdf {
     let mut remarks = Vec::new();
     let model = raw::read(text, &mut remarks).and_then(|robot| {

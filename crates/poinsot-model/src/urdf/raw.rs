@@ -1,4 +1,4 @@
-//! The file as written: links and joints with their numbers and places.
+//! The raw file: links and joints with their numbers and positions.
 
 use super::limits::excess;
 use super::{Remark, UrdfDefect};
@@ -8,17 +8,15 @@ use poinsot_files::excerpt;
 use roxmltree::{Document, Node, ParsingOptions};
 use std::collections::BTreeMap;
 
-/// Most XML nodes of a file.
+/// Limit on the XML nodes of a file.
 const NODES: u32 = 1_000_000;
 
-/// A robot as written.
 pub(super) struct Robot {
     pub name: String,
     pub links: Vec<Link>,
     pub joints: Vec<Joint>,
 }
 
-/// A link.
 pub(super) struct Link {
     pub name: String,
     pub byte: usize,
@@ -42,7 +40,6 @@ pub(super) enum Kind {
     Fixed,
 }
 
-/// A joint.
 pub(super) struct Joint {
     pub name: String,
     pub byte: usize,
@@ -57,7 +54,7 @@ pub(super) struct Joint {
 /// Names of the elements of an inertia in the order of [`Inertial::elements`].
 pub(crate) const ELEMENTS: [&str; 6] = ["ixx", "ixy", "ixz", "iyy", "iyz", "izz"];
 
-/// Reads the text; `None` where there is no robot in it.
+/// Parses the text; `None` if it contains no robot.
 pub(super) fn read(text: &str, remarks: &mut Vec<Remark>) -> Option<Robot> {
     if let Some(excess) = excess(text) {
         remarks.push(Remark {
@@ -102,7 +99,7 @@ pub(super) fn read(text: &str, remarks: &mut Vec<Remark>) -> Option<Robot> {
     find_xacro(&document, remarks);
     let mut reader = Reader { remarks };
     let mut robot = Robot {
-        // A title: one that no model file could hold is left out.
+        // A title that a model file cannot hold is dropped.
         name: root
             .attribute("name")
             .filter(|name| misspelt(name).is_none())
@@ -182,7 +179,7 @@ fn not_xml(text: &str, error: &roxmltree::Error) -> Remark {
     }
 }
 
-/// xacro tags anywhere, or `${...}` and `$(...)` where names and numbers stand.
+/// Finds xacro tags anywhere, or `${...}` and `$(...)` in names and numbers.
 fn find_xacro(document: &Document<'_>, remarks: &mut Vec<Remark>) {
     let is_tag = |n: &Node<'_, '_>| {
         let name = n.tag_name();
@@ -324,7 +321,7 @@ impl Reader<'_> {
         Some((xyz?, rpy?))
     }
 
-    /// Exactly `N` finite numbers, separated by blanks.
+    /// Parses exactly `N` finite numbers separated by blanks.
     fn numbers<const N: usize>(
         &mut self,
         node: Node<'_, '_>,
@@ -432,7 +429,7 @@ impl Reader<'_> {
         })
     }
 
-    /// Unit axis of a moving joint; x where none is given, as URDF says.
+    /// Unit axis of a moving joint; default x, as URDF defines.
     fn axis(&mut self, node: Node<'_, '_>, subject: &str, kind: Kind) -> Option<[f64; 3]> {
         if kind == Kind::Fixed {
             return None;

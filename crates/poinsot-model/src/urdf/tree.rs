@@ -1,4 +1,4 @@
-//! The links make one tree. Names are unique among links and among joints.
+//! Checks that the links form one tree, and that link and joint names are unique.
 
 use super::raw::{Joint, Robot};
 use super::{Remark, UrdfDefect};
@@ -7,11 +7,11 @@ use crate::check_name::misspelt;
 use poinsot_files::excerpt;
 use std::collections::{HashMap, HashSet};
 
-/// The tree in indices of the file.
+/// The tree, in file indices.
 pub(super) struct Order {
-    /// Links, the root first, parents before children.
+    /// Links: root first, parents before children.
     pub links: Vec<usize>,
-    /// The joint that carries each link.
+    /// The joint whose child is this link.
     pub carried_by: Vec<Option<usize>>,
 }
 
@@ -40,22 +40,22 @@ pub(super) fn check(robot: &Robot, remarks: &mut Vec<Remark>) -> Order {
     Order { links, carried_by }
 }
 
-/// Defect, code and place of a remark.
+/// Defect, code and position of a remark.
 type Place = (UrdfDefect, &'static str, usize);
 
 /// Too many links.
 const WHOLE: Place = (UrdfDefect::Roots, "E0119", 0);
-/// Links that do not hang on one base.
+/// Links that are not connected to one base.
 const NO_TREE: Place = (UrdfDefect::Roots, "E0112", 0);
 
-/// Names of this many links stand in a message.
+/// Number of link names listed in a message.
 const LISTED: usize = 8;
 /// Characters of a name in a message.
 const NAME: usize = 60;
 
 struct Tree<'a> {
     robot: &'a Robot,
-    /// The first link of each name.
+    /// The first link with each name.
     index: HashMap<&'a str, usize>,
     remarks: &'a mut Vec<Remark>,
 }
@@ -87,7 +87,7 @@ impl<'a> Tree<'a> {
         self.push(place, "robot".to_owned(), problem, remedy);
     }
 
-    /// Links and joints have names that a model file can have, each once.
+    /// Checks that link and joint names are valid and unique.
     fn check_names(&mut self) {
         let links = self.robot.links.iter().map(|l| (l.name.as_str(), l.byte));
         let joints = self.robot.joints.iter().map(|j| (j.name.as_str(), j.byte));
@@ -112,7 +112,7 @@ impl<'a> Tree<'a> {
         }
     }
 
-    /// The joint that carries each link, and the children of each.
+    /// The joint whose child is each link, and the children of each link.
     fn attach(&mut self) -> (Vec<Option<usize>>, Vec<Vec<usize>>) {
         let robot = self.robot;
         let mut carried_by: Vec<Option<usize>> = vec![None; robot.links.len()];
@@ -154,13 +154,13 @@ impl<'a> Tree<'a> {
         found
     }
 
-    /// Whether a link is the first of its name: a second one has no parent because of that name.
+    /// Whether a link is the first with its name; a duplicate has no parent for that reason.
     fn is_first(&self, k: usize) -> bool {
         let link = self.robot.links.get(k);
         link.and_then(|l| self.index.get(l.name.as_str())) == Some(&k)
     }
 
-    /// Links that hang on nothing; anything but one is refused.
+    /// Links without parent; exactly one is allowed.
     fn roots(&mut self, carried_by: &[Option<usize>]) -> Vec<usize> {
         let roots: Vec<usize> = (0..self.robot.links.len())
             .filter(|&k| carried_by.get(k) == Some(&None) && self.is_first(k))

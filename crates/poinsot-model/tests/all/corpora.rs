@@ -1,4 +1,5 @@
-//! Robots and XML files that nobody here wrote: loaded or the right error, and the defects of an independent scan.
+//! Robots and XML files of other authors: loaded or rejected with the right error, and the defects of an independent
+//! scan.
 
 use poinsot_model::{UrdfDefect, parse_model, parse_urdf, read_urdf, write_model};
 use serde_json::Value;
@@ -34,7 +35,7 @@ fn all_files(folder: &Path) -> Vec<PathBuf> {
     files
 }
 
-/// Names of the scan, and what we call it.
+/// Names of the scan, with ours.
 const NAMES: [(&str, UrdfDefect); 13] = [
     ("link without <inertial>", UrdfDefect::NoInertial),
     ("violates triangle inequality", UrdfDefect::Triangle),
@@ -84,7 +85,7 @@ fn xval_real_robots_have_the_defects_of_the_scan() {
         match &urdf.model {
             Ok(model) => {
                 loaded += 1;
-                // What is loaded can be written and read again.
+                // A loaded model can be written and read again.
                 parse_model(&write_model(model), "m.toml")
                     .unwrap_or_else(|e| panic!("{}: {e}", path.display()));
             }

@@ -25,13 +25,14 @@ fn exact_products_of_inertia_are_tensor_elements() {
 #[test]
 fn exact_a_quarter_turn_about_z_swaps_the_axes() {
     let read = link("0 0 1.5707963267948966").unwrap();
-    // x of the tensor's axes is y of the link, y is -x: xx and yy swap, xy changes sign, (xz, yz) turns as a vector.
+    // The tensor's x axis is the link's y, its y the link's -x: xx and yy are exchanged, xy changes sign, (xz, yz)
+    // rotates as a vector.
     let I = Matrix3::new(2.5, -0.1, -0.2, -0.1, 2.0, 0.3, -0.2, 0.3, 1.5);
     assert!((read.I_BBcm_B - I).norm() < 1e-15, "{}", read.I_BBcm_B);
     assert_eq!(read.p_BoBcm_B, Vector3::new(0.1, -0.2, 0.3));
 }
 
-/// Found by fuzzing: a turned tensor was asymmetric in its last bit and did not read back from a model file.
+/// Found by fuzzing: a rotated tensor was asymmetric in its last bit and did not read back from a model file.
 #[test]
 fn regress_a_turned_tensor_is_symmetric_to_the_last_bit() {
     for k in 0..100 {
@@ -46,7 +47,8 @@ fn regress_a_turned_tensor_is_symmetric_to_the_last_bit() {
     }
 }
 
-/// Found by libFuzzer: a name with a blank before it was read from a URDF and refused in the model file made of it.
+/// Found by libFuzzer: a name with a leading blank was read from a URDF and rejected in the model file written from
+/// it.
 #[test]
 fn regress_names_that_no_model_file_takes_are_refused() {
     let robot = |title: &str, link: &str, joint: &str| {
@@ -70,13 +72,14 @@ fn regress_names_that_no_model_file_takes_are_refused() {
         "{mark}"
     );
     assert!(!mark.contains('\u{202e}'));
-    // The title alone is no reason to refuse a robot.
+    // The title alone does not make a robot invalid.
     let model = robot(" arm", "tool", "j").unwrap();
     assert_eq!(model.name, "robot");
     poinsot_model::parse_model(&poinsot_model::write_model(&model), "m.toml").unwrap();
 }
 
-/// Found by libFuzzer: a number beyond the limit of the model file was read from a URDF and refused in what was made of it.
+/// Found by libFuzzer: a number beyond the limit of the model file was read from a URDF and rejected in the model file
+/// written from it.
 #[test]
 fn regress_numbers_that_no_model_file_takes_are_refused() {
     let text = r#"<robot name="r"><link name="base"><inertial><origin xyz="2.2e103 0 0"/><mass value="30"/>

@@ -1,5 +1,5 @@
-//! The paper's estimators as answers to a [`Problem`]: the linear method certifies (see [`crate::certified`]); what it
-//! does not certify stands only in the report of the method.
+//! The paper's estimators as answers to a [`Problem`]. The linear method certifies (see [`crate::certified`]); numbers
+//! that it does not certify are only in the report of the method.
 
 use super::sums::{Kim2010Error, Manoeuvre, NAMES, StartRate, Sums, wheel_momentum};
 use super::suspicions::suspicions;
@@ -13,25 +13,25 @@ use poinsot_identify::{
 use poinsot_model::Model;
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
 
-/// A direction counts as seen where its one sigma is below this share of the nominal value, or below what
-/// was asked for. Stricter than elsewhere: the estimators state no sigma of their own.
+/// A direction is identifiable if its sigma is below this fraction of nominal or below the requested accuracy.
+/// Stricter than elsewhere, because the estimators have no sigma of their own.
 const CERTIFIED: f64 = 0.1;
-/// Rates at the first sample below this many sigma of the gyro are rest.
+/// Rates at the first sample below this many gyro sigmas count as zero.
 const REST: f64 = 5.0;
 
-/// Why a problem cannot be put to the paper's estimators.
+/// Why the paper's estimators cannot be used.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Kim2010ProblemError {
-    /// No problem for any method.
+    /// Error of any method.
     #[error(transparent)]
     Problem(#[from] ProblemError),
-    /// The estimators cannot divide.
+    /// A division by zero in the estimators.
     #[error(transparent)]
     Method(#[from] Kim2010Error),
-    /// Another kind of vehicle or experiment.
+    /// Unsuitable vehicle or experiment.
     #[error("E0425 kim2010 is for one rigid body with wheels and no external torque: {what}")]
     Unsuited {
-        /// What does not fit, and what to do.
+        /// The obstacle and the remedy.
         what: String,
     },
 }
@@ -39,7 +39,7 @@ pub enum Kim2010ProblemError {
 /// Identifies the inertia of one body with wheels by one of the paper's estimators.
 ///
 /// # Errors
-/// The question cannot be asked. What the data leave open is an answer, not an error.
+/// Invalid model or telemetry. Undetermined numbers are part of the answer, not an error.
 pub fn identify(problem: &Problem, variant: Variant) -> Result<Estimate, Kim2010ProblemError> {
     check(problem)?;
     let mut estimate = linear(&Problem {
@@ -67,7 +67,7 @@ pub fn identify(problem: &Problem, variant: Variant) -> Result<Estimate, Kim2010
     let moments = sums.conventional()?.elements;
     let suspected = suspicions(problem, &moments, &estimate);
     estimate.warnings.extend(suspected);
-    // No tensor has a negative moment, and none the certificate may stand on one.
+    // Withhold all numbers if the certificate has a negative moment of inertia.
     let impossible = (0..3).any(|k| moments[(k, k)] <= 0.0)
         || estimate.bodies[0].physically_consistent == Some(false);
     let numbers = |names: &[&str], values: &[f64], prefix: &str| -> Vec<NamedNumber> {
@@ -132,7 +132,7 @@ fn check(problem: &Problem) -> Result<(), Kim2010ProblemError> {
     Ok(())
 }
 
-/// The sums of all segments, and whether every one starts at rest.
+/// The sums of all segments, and whether every segment starts at rest.
 fn sums(problem: &Problem) -> Result<(Sums, bool), Kim2010Error> {
     let sigma = problem.noise.gyro.trace().sqrt();
     let rest = |s: &Segment| {
@@ -172,7 +172,7 @@ fn momenta(problem: &Problem, segment: &Segment) -> Vec<Vector3> {
         .collect()
 }
 
-/// What one estimator says.
+/// Result of one estimator.
 struct Found {
     tensor: Matrix3,
     printed: [f64; 6],

@@ -1,41 +1,41 @@
-//! The announced iteration of (14)-(16).
+//! The iteration of (14)-(16) that the paper announces.
 
 use super::sums::{Answer, Kim2010Error, ROUND_OFF, Sums, averaged, symmetric};
 use faer::Mat;
 
-/// Sweeps of the iteration.
+/// Largest number of sweeps.
 const SWEEPS: usize = 100_000;
-/// Change of an element in one sweep, relative to the largest, at which the iteration has settled.
+/// Change of an element in one sweep, relative to the largest, at which the iteration has converged.
 const SETTLED: f64 = 1.0e-13;
 
-/// The iteration, with what it does in the long run.
+/// Result of the iteration and its convergence.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Iterated {
-    /// Where it stands after the last sweep.
+    /// Values after the last sweep.
     pub answer: Answer,
-    /// Whether it settled.
+    /// Whether it converged.
     pub converged: bool,
-    /// Sweeps made.
+    /// Number of sweeps.
     pub sweeps: usize,
-    /// Largest modulus of the eigenvalues of one sweep: below one it converges, from any start.
+    /// Spectral radius of one sweep: below one it converges from any start.
     pub spectral_radius: f64,
-    /// Number of independent directions in which any value is a fixed point.
+    /// Number of independent directions of fixed points.
     pub free_directions: usize,
-    /// The fixed point, where there is exactly one.
+    /// The fixed point, if unique.
     pub fixed_point: Option<[f64; 6]>,
 }
 
 impl Sums {
-    /// One sweep of the iteration: (14), (15), (16), each with the elements of the sweep before on the
-    /// right-hand side. From zero the first sweep is [`Self::suggested`].
+    /// One sweep: (14), (15), (16), each with the elements of the previous sweep on the right-hand side. From zero,
+    /// the first sweep is [`Self::suggested`].
     fn sweep(&self, x: &[f64; 6]) -> Result<[f64; 6], Kim2010Error> {
         let I = self.moments(&symmetric(x))?;
         Ok(averaged(self.products(&I)).printed)
     }
 
-    /// Repeats (14)-(16) from zero until nothing changes.
+    /// Repeats (14)-(16) from zero to convergence.
     ///
-    /// A sweep is affine, `x <- B x + b`: its fixed points and its rate come from B.
+    /// A sweep is affine, `x <- B x + b`: B gives its fixed points and rate.
     ///
     /// # Errors
     /// Not finite.
@@ -87,7 +87,7 @@ impl Sums {
     }
 }
 
-/// The point with `x = B x + b`, and the number of directions along which it may move.
+/// The solution of `x = B x + b`, and the dimension of its solution set.
 fn fixed_point(B: &[[f64; 6]; 6], b: &[f64; 6]) -> Result<(Option<[f64; 6]>, usize), Kim2010Error> {
     let A = Mat::from_fn(6, 6, |i, j| f64::from(u8::from(i == j)) - B[i][j]);
     let svd = A.svd().map_err(|_| Kim2010Error::NotFinite)?;

@@ -8,17 +8,17 @@
 //! | omega | `w_NB_B` | angular velocity, body axes, rad/s |
 //! | C, I_rw, omega_rw | [`wheel_momentum`] | allocation matrix (any number of wheels), spin inertia, speed relative to the body |
 //! | P | `R_NB` transposed | inertial to body; q1, q2, q3, q4 = q_x, q_y, q_z, q_w (6) |
-//! | Q | `Q` | change of wheel momentum as the body saw it (8) |
+//! | Q | `Q` | change of wheel momentum relative to the body (8) |
 //! | omega_x' omega_y ... | `G` | sums of products of rates |
 //! | omega_y' Q_x ... | `K` | sums of products of Q and rates |
 //!
 //! **Assumed:** one rigid body; no external torque; wheel momentum and attitude known without error; rates
 //! zero at the start (here optional, [`StartRate`]); products of inertia small beside the moments.
 //!
-//! **Cannot identify:** anything but `I n` while the rates keep one direction `n`, as in the paper's own
-//! manoeuvre: three of six numbers. The four estimators print six numbers all the same: the three others
-//! are the minimum norm, the neglected products, or what noise leaves in `G`. None of the four is
-//! consistent with noisy rates. See `docs/methods/kim2010.md`.
+//! **Cannot identify:** more than `I n` (three of six numbers) if the rates have a constant direction `n`, as in the
+//! paper's own manoeuvre. The four estimators still print six numbers. The other three come from the minimum norm, the
+//! neglected products, or noise in `G`. None of the four is consistent with noisy rates. See
+//! `docs/methods/kim2010.md`.
 //!
 //! All of them are linear in the same two sums. With `M_k = P(t_k) P(0)^-1` and wheel momentum `h`
 //!
@@ -52,7 +52,7 @@ use crate::setting::Settings;
 use crate::study::Study;
 use poinsot_identify::{Estimate, Problem};
 
-/// This method in the list of methods.
+/// Registration of the method.
 pub struct Kim2010;
 
 impl Method for Kim2010 {

@@ -1,26 +1,26 @@
-//! The sums that hold all an estimator needs, and the estimators (2)-(16) on them.
+//! The sums that all estimators use, and the estimators (2)-(16).
 
 use faer::Mat;
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
 
-/// Element order of every list of six numbers here: that of the paper's tables.
+/// Order of the six elements, as in the paper's tables.
 pub const ELEMENTS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)];
-/// Names of the six, tensor elements.
+/// Names of the six elements.
 pub const NAMES: [&str; 6] = ["xx", "yy", "zz", "xy", "yz", "zx"];
 
-/// Share of the largest singular value of `G` below which a direction of the rates is round-off.
+/// Singular values of `G` below this fraction of the largest are round-off.
 pub(super) const ROUND_OFF: f64 = 1.0e-10;
-/// What to assume of the rates at the first sample.
+/// Assumption on the rates at the first sample.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum StartRate {
-    /// Zero, as the paper does after (7): the noise of the first sample does not enter.
+    /// Zero, as the paper assumes after (7): the noise of the first sample has no effect.
     #[default]
     Rest,
-    /// As measured: `I w(0)` stays in (7).
+    /// As measured: `I w(0)` remains in (7).
     Measured,
 }
 
-/// One stretch of telemetry at common times.
+/// One segment of telemetry on common times.
 #[derive(Debug, Clone, Copy)]
 pub struct Manoeuvre<'a> {
     /// Attitude of the body.
@@ -33,7 +33,7 @@ pub struct Manoeuvre<'a> {
     pub start: StartRate,
 }
 
-/// Why there is no answer.
+/// Why no estimate exists.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum Kim2010Error {
     /// Arrays of different lengths.
@@ -44,7 +44,7 @@ pub enum Kim2010Error {
     /// Fewer than three samples.
     #[error("E0421 kim2010: fewer than three samples; give a longer record")]
     TooFew,
-    /// An axis without rotation: (14) divides by zero.
+    /// No rotation about an axis: (14) divides by zero.
     #[error(
         "E0422 kim2010: the body never turns about its {axis} axis, and (14) divides by the rate about it; use a manoeuvre that turns about all three axes"
     )]
@@ -52,25 +52,25 @@ pub enum Kim2010Error {
         /// Axis.
         axis: char,
     },
-    /// Wheels that never change their momentum: z = 0 in (2).
+    /// Wheel momentum never changes: z = 0 in (2).
     #[error(
         "E0423 kim2010: the wheel momentum never changes: Q = 0 (8), and the scale of the inertia is undetermined; check the wheel columns"
     )]
     NoWheelMotion,
-    /// Not a number.
+    /// Values that are not finite.
     #[error(
         "E0424 kim2010: the telemetry holds numbers that are not finite or overflow; check units and magnitudes"
     )]
     NotFinite,
 }
 
-/// The answer of one estimator.
+/// Result of one estimator.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Answer {
-    /// The nine elements as they were computed, before pairs are averaged (16).
+    /// The nine elements before pairs are averaged (16).
     pub elements: Matrix3,
-    /// The six numbers that the paper's tables print: pairs averaged, save for the batch fit, where
-    /// they are the elements xy, yz, zx themselves.
+    /// The six numbers of the paper's tables: pairs averaged, except for the batch fit, which prints the elements xy,
+    /// yz, zx.
     pub printed: [f64; 6],
 }
 
@@ -83,7 +83,7 @@ pub fn wheel_momentum(axes: &[Vector3], spin_inertia: &[f64], speed: &[f64]) -> 
     wheels.map(|((a, js), speed)| a * (js * speed)).sum()
 }
 
-/// The sums that hold all an estimator needs of any number of manoeuvres.
+/// The sums over any number of manoeuvres.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sums {
     /// `sum w w^T`.
@@ -92,15 +92,15 @@ pub struct Sums {
     pub K: Matrix3,
     /// `sum (M e_i w_0j) w^T` for each element (i, j) of I: the start momentum `M I w_0`.
     start: [[Matrix3; 3]; 3],
-    /// Samples.
+    /// Number of samples.
     pub samples: usize,
 }
 
 impl Sums {
-    /// Adds up manoeuvres.
+    /// Sums over manoeuvres.
     ///
     /// # Errors
-    /// The estimators could not divide by these sums.
+    /// The estimators would divide by zero.
     pub fn of(manoeuvres: &[Manoeuvre]) -> Result<Self, Kim2010Error> {
         let mut sums = Self {
             G: Matrix3::zeros(),
@@ -115,10 +115,10 @@ impl Sums {
         Ok(sums)
     }
 
-    /// The sums themselves, of a record that starts at rest: `sum w w^T` and `sum Q w^T`.
+    /// Wraps the sums `sum w w^T` and `sum Q w^T` of a record that starts at rest.
     ///
     /// # Errors
-    /// The estimators could not divide by these sums.
+    /// The estimators would divide by zero.
     pub fn at_rest(G: Matrix3, K: Matrix3, samples: usize) -> Result<Self, Kim2010Error> {
         let sums = Self {
             G,
@@ -139,7 +139,7 @@ impl Sums {
         else {
             return Ok(());
         };
-        // With `sum M_k e_i w_k^T` for the three i, the nine sums of `start` follow.
+        // The nine sums of `start` follow from `sum M_k e_i w_k^T` for the three i.
         let mut turned = [Matrix3::zeros(); 3];
         for ((R, w), h) in m.R_NB.iter().zip(m.w_NB_B).zip(m.h_W_B) {
             let M = (R.inverse() * R_0).to_rotation_matrix().into_inner();
@@ -180,7 +180,7 @@ impl Sums {
         Ok(())
     }
 
-    /// Correlation of the residual of (11) with the rates, `E(I)` above.
+    /// `E(I)` as defined above: residual of (11) correlated with the rates.
     pub fn residual(&self, I: &Matrix3) -> Matrix3 {
         let mut E = self.K - I * self.G;
         for (i, row) in self.start.iter().enumerate() {
@@ -191,8 +191,8 @@ impl Sums {
         E
     }
 
-    /// The elements listed, from as many elements of `E(I) = 0`; the others stay as in `given`. Where the
-    /// equations are dependent the smallest change from `given`. Also returns their rank.
+    /// Solves for the listed elements from as many equations of `E(I) = 0`; others stay as in `given`. Dependent
+    /// equations give the smallest change from `given`. Returns the rank too.
     fn solve(
         &self,
         elements: &[(usize, usize)],
@@ -223,8 +223,8 @@ impl Sums {
         Ok((I, rank))
     }
 
-    /// The nine-element fit (2)-(4), and its rank: nine where the manoeuvre turns about three independent
-    /// axes. Below that `H^T H` in (3) has no inverse and the solution of smallest norm is returned.
+    /// The nine-element fit (2)-(4), and its rank, which is nine for rotation about three independent axes. For lower
+    /// rank `H^T H` in (3) is singular, and the minimum-norm solution is returned.
     ///
     /// # Errors
     /// Not finite.
@@ -235,7 +235,7 @@ impl Sums {
         Ok((Answer { elements, printed }, rank))
     }
 
-    /// Moments of inertia (14), products neglected. With rates at the start the three share `I w_0`.
+    /// Moments of inertia (14), products neglected. With initial rates, the three equations share `I w_0`.
     pub(super) fn moments(&self, products: &Matrix3) -> Result<Matrix3, Kim2010Error> {
         let (I, rank) = self.solve(&ELEMENTS[..3], products)?;
         if rank < 3 {
@@ -244,7 +244,7 @@ impl Sums {
         Ok(I)
     }
 
-    /// Each element alone (8)-(10): the equations of a one-axis manoeuvre, whatever the manoeuvre was.
+    /// Each element separately (8)-(10): the equations of a one-axis manoeuvre, applied to any manoeuvre.
     ///
     /// # Errors
     /// Not finite.
@@ -257,7 +257,7 @@ impl Sums {
         Ok(averaged(I))
     }
 
-    /// Products from the moments alone: (14), (15), (16).
+    /// Products from the moments only: (14), (15), (16).
     ///
     /// # Errors
     /// Not finite.
@@ -276,11 +276,11 @@ impl Sums {
         found
     }
 
-    /// "Considering pre-estimate": every product with the other product of its row as (15) gives it, all at
-    /// once. `I_xz` stays as (15b) gives it, the paper's own example of a product that uses no other.
+    /// "Considering pre-estimate": every product uses the other product of its row from (15), all at once. `I_xz`
+    /// remains as in (15b), the paper's example of a product that uses no other.
     ///
-    /// The text does not state this reading. It is the one that reproduces the printed column from the sums
-    /// that the other columns of Table 2 fix (`docs/methods/kim2010.md`).
+    /// The paper does not state this interpretation. It reproduces the printed column from the sums fixed by the other
+    /// columns of Table 2 (`docs/methods/kim2010.md`).
     ///
     /// # Errors
     /// Not finite.
@@ -297,9 +297,9 @@ impl Sums {
         Ok(averaged(I))
     }
 
-    /// A sequential reading of "considering pre-estimate": products found one after the other in `order`,
-    /// each with the other product of its row where that (or its mirror image) was found before. No order
-    /// reproduces the printed column; kept for comparison.
+    /// A sequential interpretation of "considering pre-estimate": products are computed in `order`. Each uses the
+    /// other product of its row if that (or its transpose) is already computed. No order reproduces the printed
+    /// column; kept for comparison.
     ///
     /// # Errors
     /// Not finite.
@@ -309,7 +309,7 @@ impl Sums {
     ) -> Result<Answer, Kim2010Error> {
         let mut I = self.moments(&Matrix3::zeros())?;
         let moments = I;
-        // The tensor is symmetric: of a pair the element found first stands for both.
+        // By symmetry, the element of a pair computed first is used for both.
         let mut found: [Option<f64>; 3] = [None; 3];
         let pair = |i: usize, j: usize| 3 - i - j;
         for &(i, j) in order {
@@ -329,7 +329,7 @@ impl Sums {
 /// Off-diagonal elements in the order of (15).
 const PRODUCTS: [(usize, usize); 6] = [(0, 1), (0, 2), (1, 0), (1, 2), (2, 0), (2, 1)];
 
-/// Column by column: the order in which the one-axis manoeuvres of the conventional method find them.
+/// Column by column: the order in the one-axis manoeuvres of the conventional method.
 pub const VISITED: [(usize, usize); 6] = [(1, 0), (2, 0), (0, 1), (2, 1), (0, 2), (1, 2)];
 
 fn diagonal(I: &Matrix3) -> Matrix3 {

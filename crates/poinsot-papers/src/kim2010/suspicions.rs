@@ -1,17 +1,17 @@
-//! What is often wrong with wheels and tachometers, said in words.
+//! Warnings about wheels and tachometers.
 
 use poinsot_identify::{Estimate, Problem, Segment, linear};
 use poinsot_model::Model;
 use poinsot_spatial::{Matrix3, Vector3};
 
-/// Samples in a row at one speed that look like a limit.
+/// Consecutive samples at one speed that indicate a limit.
 const PLATEAU: usize = 10;
-/// Chi-square per degree of freedom above which a flipped wheel is looked for.
+/// Chi-square per degree of freedom above which wheel signs are tested.
 const MISFIT: f64 = 4.0;
-/// A wheel axis with more than this component along an axis serves that axis.
+/// Least axis component of a wheel that counts for an axis.
 const SERVES: f64 = 0.5;
 
-/// Warnings about wheels: too few, still, saturated, with a flipped sign.
+/// Warnings about wheels: too few, not moving, saturated, or with a flipped sign.
 pub(super) fn suspicions(problem: &Problem, I: &Matrix3, certificate: &Estimate) -> Vec<String> {
     let model = problem.model;
     let mut list = Vec::new();
@@ -66,7 +66,7 @@ fn speeds<'s>(segment: &'s Segment, model: &Model, k: usize) -> impl Iterator<It
         .copied()
 }
 
-/// Speeds closer than this are the same, rad/s.
+/// Speed differences below this are negligible, rad/s.
 fn still(problem: &Problem, k: usize) -> f64 {
     let variance = problem.noise.wheel_speed.get(k).copied().unwrap_or(0.0);
     6.0 * variance.sqrt() + 1e-9
@@ -80,7 +80,7 @@ fn range(segment: &Segment, model: &Model, k: usize) -> f64 {
     high - low
 }
 
-/// The largest speed, where the wheel stays there for a while between start and end.
+/// The largest speed, if the wheel stays there for some time between start and end.
 fn plateau(segment: &Segment, model: &Model, k: usize, same: f64) -> Option<(f64, usize)> {
     let all: Vec<f64> = speeds(segment, model, k).map(f64::abs).collect();
     let (first, last) = (*all.first()?, *all.last()?);
@@ -90,7 +90,7 @@ fn plateau(segment: &Segment, model: &Model, k: usize, same: f64) -> Option<(f64
     }
     let (mut longest, mut run) = (0, 0);
     for x in &all {
-        // A smooth maximum is flat too, but only over a few samples of a slew that is sampled well.
+        // A smooth maximum is flat too, but only for a few samples of a well sampled slew.
         run = if top - x <= 1e-6 * top + same / 6.0 {
             run + 1
         } else {
@@ -101,7 +101,7 @@ fn plateau(segment: &Segment, model: &Model, k: usize, same: f64) -> Option<(f64
     (longest >= PLATEAU).then_some((top, longest))
 }
 
-/// A wheel with the wrong sign: a negative moment, or a misfit that one flip removes.
+/// A wheel with the wrong sign, indicated by a negative moment or by a misfit that one sign change removes.
 fn flipped(problem: &Problem, I: &Matrix3, certificate: &Estimate) -> Vec<String> {
     let model = problem.model;
     let mut list = Vec::new();

@@ -1,19 +1,19 @@
-//! The names of the estimators.
+//! Names of the estimators.
 
 use crate::method::Named;
 
 /// The five estimators.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Variant {
-    /// Nine elements at once, (2)-(4).
+    /// Nine elements together, (2)-(4).
     Batch,
-    /// Every element alone, (8)-(10), (14).
+    /// Each element separately, (8)-(10), (14).
     Conventional,
-    /// Products from the moments and the other product of the row as (15) gives it.
+    /// Products from the moments and the other product of the row, (15).
     PreEstimate,
-    /// Products from the moments alone, (14)-(16).
+    /// Products from the moments only, (14)-(16).
     Suggested,
-    /// (14)-(16) repeated: the paper's announced future work.
+    /// (14)-(16) iterated: announced in the paper as future work.
     Iterated,
 }
 

@@ -1,4 +1,4 @@
-//! From model and telemetry to the answer: both steps, what they determine, sigma and words.
+//! From model and telemetry to the answer: both steps, identifiability, sigmas and notes.
 
 use super::arm::{Raw, Vehicle};
 use super::both::{NoisySolution, solve_both};
@@ -19,13 +19,13 @@ use poinsot_identify::{
 };
 use poinsot_spatial::{InertialParameters, MassProperties};
 
-/// Above which a model that explains little, or a given momentum that explains less than none, is refused.
+/// Ratio above which the answer is rejected: the model explains little, or the given momentum explains less than none.
 const REJECT: f64 = 9.0;
 
 /// Identifies the base of a vehicle by its arm.
 ///
 /// # Errors
-/// The question cannot be put to this method. What the data leave open is an answer.
+/// The method cannot be applied. Undetermined numbers are part of the answer, not an error.
 pub fn identify(problem: &Problem, variant: Variant) -> Result<Estimate, Ma2008Error> {
     let given = check(problem, variant)?;
     let mut vehicle = Vehicle::new(problem.model, problem.tree);

@@ -1,14 +1,14 @@
 //! The arm as one body, Sec. II.C: mass centre, inertia and momentum from joint positions and rates.
 //!
-//! (25)-(28) with the corrections of the method's page; the recursions (26), (28) over the tree, any
-//! branching, revolute and (beyond the paper) prismatic joints, are `Kinematics::place` and
-//! `Kinematics::set_velocities`.
+//! (25)-(28) with the corrections of the method's page; the recursions (26), (28) over the tree are
+//! `Kinematics::place` and `Kinematics::set_velocities`. They allow any branching and, beyond the paper, prismatic
+//! joints.
 
 use poinsot_dynamics::{Kinematics, Tree, wheel_momentum};
 use poinsot_model::Model;
 use poinsot_spatial::{MassProperties, Matrix3, UnitQuaternion, Vector3, parallel_axis};
 
-/// The arm at one instant, everything in base axes and relative to the base.
+/// The arm at one instant, relative to the base, in base axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Arm {
     /// Mass m_R, kg.
@@ -19,12 +19,12 @@ pub struct Arm {
     pub I_R: Matrix3,
     /// Velocity of the arm's mass centre relative to the base, m/s.
     pub u: Vector3,
-    /// Angular momentum of the motion relative to the base about the arm's mass centre, wheels of the
-    /// whole vehicle included, N m s.
+    /// Angular momentum of the motion relative to the base, about the arm's mass centre, including all wheels of the
+    /// vehicle, N m s.
     pub h_R: Vector3,
 }
 
-/// One sample: base motion and the arm as it stands.
+/// One sample: base motion and arm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reading {
     /// Rotation from base axes to N.
@@ -37,7 +37,7 @@ pub struct Reading {
     pub arm: Arm,
 }
 
-/// One sample as the sensors give it.
+/// One sample of the sensors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Raw {
     /// Attitude of the base.
@@ -54,7 +54,7 @@ pub struct Raw {
     pub wheel_speed: Vec<f64>,
 }
 
-/// What is known of the vehicle: its kinematics and all bodies but the base.
+/// Known data of the vehicle: kinematics and all bodies except the base.
 #[derive(Debug, Clone)]
 pub struct Vehicle<'a> {
     tree: &'a Tree,
@@ -64,7 +64,7 @@ pub struct Vehicle<'a> {
 }
 
 impl<'a> Vehicle<'a> {
-    /// The arm of a model; the base's numbers are not used.
+    /// Creates the arm of a model; the numbers of the base are not used.
     pub fn new(model: &Model, tree: &'a Tree) -> Self {
         Self {
             links: model.bodies.iter().map(|b| b.nominal).collect(),
@@ -116,7 +116,7 @@ impl<'a> Vehicle<'a> {
         }
     }
 
-    /// One sample in the form the two steps take.
+    /// Converts a sample to the form used by both steps.
     pub fn reading(&mut self, raw: &Raw) -> Reading {
         Reading {
             R_NB: raw.R_NB.to_rotation_matrix().into_inner(),

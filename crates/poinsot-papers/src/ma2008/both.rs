@@ -1,4 +1,4 @@
-//! Both steps on data of a model: solution, what is determined, residuals.
+//! Both steps for the data of a model: solution, identifiability, residuals.
 
 use super::arm::{Raw, Reading, Vehicle};
 use super::bounds::{Bound, stated_angular, stated_linear};
@@ -15,26 +15,26 @@ use nalgebra::{SMatrix, SVector};
 use poinsot_identify::Problem;
 use poinsot_spatial::{MassProperties, elements};
 
-/// Share of a direction's squared length that may be noise before it is not believed.
+/// Fraction of a direction's squared regressor that may be noise; above it the direction is not used.
 const NOISE_SHARE: f64 = 0.5;
 
-/// Both steps with what the declared noise does to them.
+/// Both steps with the effect of the declared noise.
 pub(super) struct NoisySolution {
     pub(super) x: SVector<f64, 4>,
     pub(super) linear: Directions<4>,
     pub(super) angular: Option<(SVector<f64, 6>, Directions<6>)>,
     pub(super) influence: Influence,
-    /// Worse of the two steps' residuals per degree of freedom, in declared variances.
+    /// Larger of the two steps' residuals per degree of freedom, relative to the declared variance.
     pub(super) chi2: f64,
-    /// Per segment, mean of both steps.
+    /// Mean of both steps for each segment.
     pub(super) chi2_segment: Vec<f64>,
-    /// Share of the right-hand sides explained.
+    /// Explained fraction of the right-hand sides.
     pub(super) explained: f64,
     pub(super) bounds: Vec<Bound>,
     pub(super) arm_mass: f64,
 }
 
-/// What both steps share.
+/// Common data of both steps.
 struct Work<'a> {
     problem: &'a Problem<'a>,
     setting: Setting<'a>,
@@ -74,7 +74,7 @@ pub(super) fn solve_both(
         base,
     };
     let mut solved = work.step1(vehicle)?;
-    // Step 2, where step 1 is complete.
+    // Step 2 needs a complete step 1.
     if solved.linear.usable == [true; 4] && solved.x[0] > 0.0 {
         work.step2(vehicle, &mut solved)?;
     }
@@ -186,7 +186,7 @@ fn up6(y: &SVector<f64, 6>) -> SVector<f64, 7> {
     SVector::from_iterator(y.iter().copied().chain([1.0]))
 }
 
-/// Singular values below this are differences of rounded numbers.
+/// Round-off level of the singular values, which come from differences of rounded numbers.
 fn round_off<const N: usize, const W: usize>(
     rows: impl Iterator<Item = SMatrix<f64, 3, W>>,
     natural: &[f64; N],
@@ -201,8 +201,8 @@ fn round_off<const N: usize, const W: usize>(
     64.0 * f64::EPSILON * square.sqrt()
 }
 
-/// Keeps the directions whose sigma is below the wanted accuracy and whose signal exceeds the noise in
-/// the regressor; tells whether any was dropped.
+/// Keeps the directions with sigma below the wanted accuracy and signal above the noise in the regressor. Returns
+/// whether any was dropped.
 fn believe<const N: usize>(
     directions: &mut Directions<N>,
     variance: &[f64; N],
@@ -219,8 +219,8 @@ fn believe<const N: usize>(
     before != directions.usable
 }
 
-/// What the declared noise leaves as residual: `E ||e||^2` less the part that the fit takes up,
-/// `E ||A dx||^2`; `at` is where the step's directions stand in the covariance.
+/// Expected residual under the declared noise: `E ||e||^2` minus the fitted part `E ||A dx||^2`. `at` is the index of
+/// the step's directions in the covariance.
 fn expected<const N: usize>(all: f64, effect: &Influence, d: &Directions<N>, at: usize) -> f64 {
     let fitted: f64 = (0..N)
         .filter(|&j| d.usable[j])
@@ -229,7 +229,7 @@ fn expected<const N: usize>(all: f64, effect: &Influence, d: &Directions<N>, at:
     (all - fitted).max(f64::MIN_POSITIVE)
 }
 
-/// Residual of every segment in expected residuals.
+/// Residual of every segment relative to the expected residual.
 fn shares<const W: usize>(
     readings: &[Vec<Reading>],
     known: bool,

@@ -1,7 +1,7 @@
 //! Sec. IV: first-order upper bounds of the identification error, (29)-(45), for both steps and options.
 //!
-//! Misprint in the paper: row 2 of (39) is `dv(2) + dw(3) rho(1) - dw(1) rho(3)`. Step 2 as printed takes
-//! mass and mass centre as exact: (45) has no term for the error of step 1.
+//! Misprint in the paper: row 2 of (39) is `dv(2) + dw(3) rho(1) - dw(1) rho(3)`. Step 2 as printed assumes exact mass
+//! and mass centre: (45) has no term for the error of step 1.
 
 use super::arm::Reading;
 use super::equations::{AngularRows, LinearRows};
@@ -10,8 +10,8 @@ use super::solve::Step;
 use nalgebra::SMatrix;
 use poinsot_spatial::{Vector3, skew, tensor_regressor};
 
-/// Size of an error that its root mean square exceeds times this with a probability below 0.1 %: a sum of squares of
-/// normal numbers with mean m stays below `m (1 + sqrt(2 t))^2` but for `exp(-t)` (Laurent and Massart 2000).
+/// An error exceeds this multiple of its RMS with a probability below 0.1 %. A sum of squares of normal numbers with
+/// mean m exceeds `m (1 + sqrt(2 t))^2` with probability at most `exp(-t)` (Laurent and Massart 2000).
 const LIMIT: f64 = 4.717;
 
 /// The bound for one step.
@@ -19,7 +19,7 @@ const LIMIT: f64 = 4.717;
 pub struct Bound {
     /// `||A||`, the largest singular value.
     pub norm: f64,
-    /// `||A^+||`, one over the smallest.
+    /// `||A^+||`, the reciprocal of the smallest singular value.
     pub inverse_norm: f64,
     /// Condition number, (37).
     pub condition: f64,
@@ -33,7 +33,7 @@ pub struct Bound {
     pub relative: f64,
 }
 
-/// (35) and (36) at a solved step for errors of the sizes given.
+/// (35) and (36) for a solved step and given error sizes.
 pub fn bound<const N: usize>(step: &Step<N>, epsilon_A: f64, epsilon_b: f64) -> Bound {
     let (norm, smallest) = (step.singular[0], step.singular[N - 1]);
     let inverse_norm = 1.0 / smallest;
@@ -59,8 +59,7 @@ pub fn bound<const N: usize>(step: &Step<N>, epsilon_A: f64, epsilon_b: f64) -> 
     }
 }
 
-/// `[dA | -db]` of step 1 for errors of velocity and angular velocity in base axes, (39) and (41), turned
-/// to N.
+/// `[dA | -db]` of step 1 for errors of velocity and angular velocity in base axes, (39) and (41), rotated to N.
 pub fn linear_error(s: &Reading, dv: &Vector3, dw: &Vector3) -> LinearRows {
     let mut rows = LinearRows::zeros();
     rows.set_column(0, &(s.R_NB * (dv + dw.cross(&s.arm.rho_R))));
@@ -70,7 +69,7 @@ pub fn linear_error(s: &Reading, dv: &Vector3, dw: &Vector3) -> LinearRows {
     rows
 }
 
-/// `[dB | -dc]` of step 2 for an error of the angular velocity, (43) and (45), turned to N.
+/// `[dB | -dc]` of step 2 for an error of the angular velocity, (43) and (45), rotated to N.
 pub fn angular_error(s: &Reading, m_S: f64, rho_S: &Vector3, dw: &Vector3) -> AngularRows {
     let mu = s.arm.mass * m_S / (m_S + s.arm.mass);
     let d = rho_S - s.arm.rho_R;
@@ -82,26 +81,26 @@ pub fn angular_error(s: &Reading, m_S: f64, rho_S: &Vector3, dw: &Vector3) -> An
     rows
 }
 
-/// The bound of step 1 for errors of a size that the declared noise exceeds with a probability below 0.1 %.
+/// The bound of step 1 for an error size that the declared noise exceeds with a probability below 0.1 %.
 pub fn stated_linear(step: &Step<4>, effect: &Influence) -> Bound {
     let noise = &effect.linear;
     bound(step, limit(noise.epsilon_A), limit(noise.epsilon_b))
 }
 
-/// The same of step 2, whose right-hand side moves with the error of step 1, too.
+/// The same bound for step 2, including the effect of the error of step 1 on its right-hand side.
 pub fn stated_angular(step: &Step<6>, effect: &Influence) -> Bound {
     let noise = &effect.angular;
     let right = limit(noise.epsilon_b) + limit(effect.passed_on);
     bound(step, limit(noise.epsilon_A), right)
 }
 
-/// The limit of a size with this mean square.
+/// Upper limit of an error with this mean square.
 fn limit(mean_square: f64) -> f64 {
     LIMIT * mean_square.sqrt()
 }
 
-/// Frobenius norm of the first N columns and length of the last, over all rows: `(||dA||, ||db||)`. The norm is never
-/// below the spectral one, so (35) remains an upper bound.
+/// Frobenius norm of the first N columns and norm of the last, over all rows: `(||dA||, ||db||)`. It is at least the
+/// spectral norm, so (35) remains an upper bound.
 pub fn sizes<const N: usize, const W: usize>(rows: &[SMatrix<f64, 3, W>]) -> (f64, f64) {
     const { assert!(W == N + 1) }
     let square = |r: &SMatrix<f64, 3, W>| r.fixed_columns::<N>(0).norm_squared();

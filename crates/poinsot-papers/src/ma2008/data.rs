@@ -1,4 +1,4 @@
-//! What the method reads of a problem: what it needs, and its samples.
+//! Input of the method from a problem: requirements and samples.
 
 use super::arm::Raw;
 use super::equations::Given;
@@ -9,12 +9,12 @@ use poinsot_identify::{Problem, Segment};
 use poinsot_model::{EstimateSet, MomentumKnowledge};
 use poinsot_spatial::Matrix3;
 
-/// Which option of both steps.
+/// Option for both steps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Variant {
-    /// Option 1 for the linear, the angular momentum or both, as the model gives them.
+    /// Option 1 for linear momentum, angular momentum or both, as given in the model.
     KnownMomentum,
-    /// Option 2: both are eliminated by increments.
+    /// Option 2: both momenta are eliminated by differences.
     UnknownMomentum,
 }
 
@@ -38,7 +38,7 @@ impl Named for Variant {
     }
 }
 
-/// The momentum that the variant takes as known, or why the method cannot be used.
+/// The momentum that the variant takes as known, or why the method cannot be applied.
 pub(super) fn check(problem: &Problem, variant: Variant) -> Result<Given, Ma2008Error> {
     let model = problem.model;
     if let Some(body) = model.bodies.iter().skip(1).find(|b| b.estimate.any()) {
@@ -94,7 +94,7 @@ pub(super) fn check(problem: &Problem, variant: Variant) -> Result<Given, Ma2008
     }
 }
 
-/// Samples of a segment, and the covariance that one interval adds where the velocity is summed from increments.
+/// Samples of a segment, and the covariance per interval if velocity is summed from increments.
 pub(super) fn raws(
     problem: &Problem,
     segment: &Segment,

@@ -5,27 +5,26 @@ use super::solve::{Step, solve};
 use nalgebra::SMatrix;
 use poinsot_spatial::{Matrix3, Vector3, skew, tensor, tensor_regressor};
 
-/// Step 1 of one sample in N: columns `[a, Omega | v]` of (13), so that momentum is
-/// `m_S (a m_R/m_S + Omega rho_S + v)`.
+/// Step 1 of one sample in N: columns `[a, Omega | v]` of (13); momentum is `m_S (a m_R/m_S + Omega rho_S + v)`.
 pub type LinearRows = SMatrix<f64, 3, 5>;
-/// Step 2 of one sample in N: columns `[B | g]` of (20), so that angular momentum is `B y + g`.
+/// Step 2 of one sample in N: columns `[B | g]` of (20); angular momentum is `B y + g`.
 pub type AngularRows = SMatrix<f64, 3, 7>;
 
-/// Momentum of the system where it is known, in N.
+/// Known momentum of the system, in N.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Known {
     /// Linear, N s.
     pub p_C_N: Vector3,
-    /// Angular about the system's mass centre, N m s.
+    /// Angular, about the system's mass centre, N m s.
     pub h_C_N: Vector3,
 }
 
-/// Momentum as far as it is known, in N: option 1 of a step takes its part, option 2 does without.
+/// Known parts of the momentum, in N: option 1 of a step uses its part, option 2 does not.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Given {
     /// Linear, N s.
     pub p_C_N: Option<Vector3>,
-    /// Angular about the system's mass centre, N m s.
+    /// Angular, about the system's mass centre, N m s.
     pub h_C_N: Option<Vector3>,
 }
 
@@ -38,12 +37,12 @@ impl From<Option<Known>> for Given {
     }
 }
 
-/// Both steps solved.
+/// Solution of both steps.
 #[derive(Debug, Clone)]
 pub struct TwoStep {
     /// Step 1 in `x = [m_R/m_S, rho_S]`.
     pub linear: Step<4>,
-    /// Step 2 in `y`, [`poinsot_spatial::elements`] of the tensor; `None` where step 1 is rank-deficient.
+    /// Step 2 in `y`, [`poinsot_spatial::elements`] of the tensor; `None` if step 1 is rank-deficient.
     pub angular: Option<Step<6>>,
     /// Mass of the arm, kg.
     pub arm_mass: f64,
@@ -60,20 +59,20 @@ impl TwoStep {
         self.linear.x.fixed_rows::<3>(1).into_owned()
     }
 
-    /// Central inertia of the base, kg m2, once step 2 is solved.
+    /// Central inertia of the base, kg m2, if step 2 is solved.
     pub fn I_S(&self) -> Option<Matrix3> {
         self.angular.as_ref().map(|step| tensor(step.x.into()))
     }
 }
 
-/// Both steps on segments that share the base; each has its own momentum, known or not.
+/// Solves both steps for segments with a common base; each segment has its own momentum, known or unknown.
 ///
-/// With known momentum (options 1) the rows are those of (13) and (20), else (options 2) the difference
-/// of every sample to the first of its segment.
+/// With known momentum (option 1) the rows are those of (13) and (20). Otherwise (option 2) they are differences from
+/// the first sample of the segment.
 pub fn two_step(segments: &[Vec<Reading>], known: Option<Known>) -> TwoStep {
     let given = Given::from(known);
     let arm_mass = segments.iter().flatten().next().map_or(0.0, |s| s.arm.mass);
-    // Step 1: A x = b, (11)-(13) or (15)-(17). The natural scale of x is not known yet: equal columns.
+    // Step 1: A x = b, (11)-(13) or (15)-(17). The natural scale of x is unknown here, so columns are scaled equally.
     let rows = differences(
         segments,
         linear_rows,
@@ -96,7 +95,7 @@ pub fn two_step(segments: &[Vec<Reading>], known: Option<Known>) -> TwoStep {
     answer
 }
 
-/// Rows of step 1, (10) and (13), with the arm's own motion: `a = v + w x rho_R + u`.
+/// Rows of step 1, (10) and (13), including the arm's motion: `a = v + w x rho_R + u`.
 #[inline]
 pub fn linear_rows(s: &Reading) -> LinearRows {
     let (w, arm) = (&s.w_NB_B, &s.arm);
@@ -109,8 +108,7 @@ pub fn linear_rows(s: &Reading) -> LinearRows {
     rows
 }
 
-/// Rows of step 2, (20), with the arm's own motion:
-/// `g = I_R w + h_R + mu d x (w x d + u)`, `d = rho_R - rho_S`.
+/// Rows of step 2, (20), including the arm's motion: `g = I_R w + h_R + mu d x (w x d + u)`, `d = rho_R - rho_S`.
 #[inline]
 pub fn angular_rows(s: &Reading, m_S: f64, rho_S: &Vector3) -> AngularRows {
     let (w, arm) = (&s.w_NB_B, &s.arm);
@@ -124,22 +122,22 @@ pub fn angular_rows(s: &Reading, m_S: f64, rho_S: &Vector3) -> AngularRows {
     rows
 }
 
-/// What known linear momentum takes off the rows of step 1: `p_C(0)/m_R` off `a`, (13).
+/// Subtrahend of step 1 for known linear momentum: `p_C(0)/m_R` from `a`, (13).
 pub fn linear_known(p_C_N: &Vector3, arm_mass: f64) -> LinearRows {
     let mut rows = LinearRows::zeros();
     rows.set_column(0, &(p_C_N / arm_mass));
     rows
 }
 
-/// What known angular momentum takes off the rows of step 2, (20).
+/// Subtrahend of step 2 for known angular momentum, (20).
 pub fn angular_known(h_C_N: &Vector3) -> AngularRows {
     let mut rows = AngularRows::zeros();
     rows.set_column(6, h_C_N);
     rows
 }
 
-/// The rows of all samples less the known momentum (option 1), or less the first of the segment
-/// (option 2, whose own difference is left out).
+/// The rows of all samples minus the known momentum (option 1), or minus the first row of the segment (option 2,
+/// without the first row).
 pub fn differences<const W: usize>(
     segments: &[Vec<Reading>],
     rows: impl Fn(&Reading) -> SMatrix<f64, 3, W>,

@@ -1,6 +1,6 @@
-//! Why a question cannot be put to this method, each in one line with its remedy.
+//! Errors of this method, each one line with its remedy.
 
-/// Why the question cannot be put to this method.
+/// Why the method cannot be applied.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Ma2008Error {
     /// Unknown arm.
@@ -11,7 +11,7 @@ pub enum Ma2008Error {
         /// Body.
         body: String,
     },
-    /// Base not wholly unknown.
+    /// Base partly known.
     #[error(
         "E0522 body '{body}': estimate: ma2008 identifies mass, mass centre and inertia of the base together; write estimate = true, or use --method auto"
     )]
@@ -27,7 +27,7 @@ pub enum Ma2008Error {
         /// Base.
         base: String,
     },
-    /// Neither part of the momentum known.
+    /// No part of the momentum known.
     #[error(
         "E0524 [momentum] linear_N_s and angular_N_m_s are both \"estimate\": variant known-momentum needs one of them or both in N (N s; N m s about the system mass centre at the first sample); give it, or use --variant unknown-momentum"
     )]

@@ -1,29 +1,29 @@
-//! Relative velocity from an accelerometer or from velocity increments, as Sec. II.B names it for option 2.
+//! Relative velocity from an accelerometer or velocity increments, as in Sec. II.B for option 2.
 //!
-//! Summed from the first sample it is the velocity of the base origin in N but for a constant, which the
-//! increments of option 2 eliminate. The error of every interval stays in all later samples.
+//! The sum from the first sample is the velocity of the base origin in N up to a constant, which option 2 eliminates.
+//! The error of each interval remains in all later samples.
 
 use poinsot_identify::{Segment, SensorRecord, SensorSample, SensorValue};
 use poinsot_model::SensorKind;
 use poinsot_spatial::{Matrix3, Vector3};
 
-/// Times closer than this are one, s.
+/// Time differences below this are zero, s.
 const SAME: f64 = 1.0e-9;
 
-/// Velocity of the base origin in N but for a constant, m/s; `None` at samples without a reading.
+/// Velocity of the base origin in N up to a constant, m/s; `None` without a sample.
 pub(super) struct Relative {
     pub velocity: Vec<Option<Vector3>>,
-    /// Covariance of the error that one interval adds, in N, m2/s2.
+    /// Error covariance per interval, in N, m2/s2.
     pub step: Matrix3,
 }
 
-/// The sum over the first instrument of the base; `None` without one.
+/// Integrates the first accelerometer of the base; `None` without one.
 pub(super) fn relative(segment: &Segment) -> Option<Relative> {
     let kinds = [SensorKind::Accelerometer, SensorKind::VelocityIncrement];
     let own = |r: &&SensorRecord| kinds.contains(&r.kind) && r.body == 0 && r.samples.len() > 1;
     let instrument = segment.observations.sensors.iter().find(own)?;
     let s = &segment.samples;
-    // Sample of each grid time.
+    // Sample at each grid time.
     let samples: Vec<Option<usize>> = segment
         .observations
         .time_s
@@ -35,7 +35,7 @@ pub(super) fn relative(segment: &Segment) -> Option<Relative> {
     let mut sum = Vector3::zeros();
     let mut last: Option<usize> = None;
     let mut set = |k: usize, sum: &Vector3| {
-        // From the instrument to the base origin.
+        // Lever arm from the sensor to the base origin.
         let arm = s.R_NB[k] * s.w_NB_B[k].cross(&instrument.p_BoS_B);
         velocity[k] = Some(sum - arm);
     };
@@ -55,7 +55,7 @@ pub(super) fn relative(segment: &Segment) -> Option<Relative> {
         let (Some(start), Some(end)) = (sample(from), sample(reading.to)) else {
             break;
         };
-        // A gap: what follows has another constant.
+        // After a gap the constant is different.
         if last.is_some_and(|l| l != start) {
             break;
         }
@@ -77,7 +77,6 @@ pub(super) fn relative(segment: &Segment) -> Option<Relative> {
     Some(Relative { velocity, step })
 }
 
-/// Value of a sample of an instrument at a point.
 fn vector(sample: &SensorSample) -> Vector3 {
     match sample.value {
         SensorValue::Vector(x) => x,
@@ -85,7 +84,7 @@ fn vector(sample: &SensorSample) -> Vector3 {
     }
 }
 
-/// The sample of a time.
+/// Index of the sample at a time.
 fn at(times: &[f64], t: f64) -> Option<usize> {
     let k = times.partition_point(|own| *own < t - SAME);
     times

@@ -1,10 +1,9 @@
-//! What declared noise does to both steps, to first order.
+//! First-order effect of the declared noise on both steps.
 //!
-//! With `T = [A | -b]` the perturbed rows give `A dx = -dT (x, 1)`, so every noise source j of sample k
-//! moves the answer by `dx = -(A^T A)^-1 Abar_k^T e_kj`, `e_kj = dT_kj (x, 1)`. `Abar_k` is `A_k`, but in
-//! option 2 the first sample of a segment stands in every row of it: `Abar_0 = -sum A_k`. Step 2 inherits
-//! the error of step 1 through `C = d(B y + g)/dx`. `dT_kj` is half the difference of the rows at plus
-//! and minus one sigma.
+//! With `T = [A | -b]` the perturbed rows give `A dx = -dT (x, 1)`. Noise source j of sample k therefore changes the
+//! solution by `dx = -(A^T A)^-1 Abar_k^T e_kj`, `e_kj = dT_kj (x, 1)`. `Abar_k` is `A_k`, except for the first sample
+//! of a segment in option 2, which is in every row: `Abar_0 = -sum A_k`. The error of step 1 enters step 2 through
+//! `C = d(B y + g)/dx`. `dT_kj` is computed by central differences of one sigma.
 
 use super::arm::{Raw, Reading, Vehicle};
 use super::equations::{AngularRows, Given, LinearRows, angular_known, linear_known, linear_rows};
@@ -16,15 +15,15 @@ use poinsot_spatial::Vector3;
 /// First-order effect of the declared noise on one step.
 #[derive(Debug, Clone)]
 pub struct StepNoise<const N: usize> {
-    /// `E[dA^T dA]` of what the data really show of the noise.
+    /// `E[dA^T dA]` of the noise that is present in the data.
     pub regressor: SMatrix<f64, N, N>,
-    /// `E[dA^T e]` of the same: the right-hand side of the bias.
+    /// `E[dA^T e]` of that noise: the right-hand side of the bias.
     pub bias: SVector<f64, N>,
     /// `E ||dA||_F^2` of the declared noise.
     pub epsilon_A: f64,
     /// `E ||db||^2`.
     pub epsilon_b: f64,
-    /// `E ||e||^2`: what the declared noise leaves as residual, degrees of freedom apart.
+    /// `E ||e||^2`: expected residual under the declared noise, before degrees of freedom.
     pub residual: f64,
 }
 
@@ -66,29 +65,29 @@ pub struct Influence {
     pub angular: StepNoise<6>,
     /// Mean momentum of every segment in N: linear, angular about the system mass centre.
     pub momentum: Vec<(Vector3, Vector3)>,
-    /// `B^T C` over all rows: how an error of step 1 enters step 2.
+    /// `B^T C` over all rows: effect of an error of step 1 on step 2.
     pub coupling: SMatrix<f64, 6, 4>,
-    /// What the error of step 1 adds to `E ||e||^2` of step 2.
+    /// Contribution of the error of step 1 to `E ||e||^2` of step 2.
     pub inherited: f64,
-    /// `E ||C dx||^2`: size of the right-hand side of step 2 that the error of step 1 moves.
+    /// `E ||C dx||^2`: effect of the error of step 1 on the right-hand side of step 2.
     pub passed_on: f64,
 }
 
-/// The question: data of every segment, what is known, noise sources with the share of their variance
-/// that the data show.
+/// Input: data of every segment, known momentum, and noise sources with the fraction of their variance present in the
+/// data.
 pub struct Setting<'a> {
     /// Segments.
     pub segments: &'a [Vec<Raw>],
-    /// Momentum as far as it is known (option 1 of each step).
+    /// Known momentum (option 1 of each step).
     pub known: Given,
     /// Noise sources of one sample.
     pub sources: &'a [(Source, f64)],
 }
 
-/// Samples per segment whose noise is followed; others count by weight.
+/// Samples per segment whose noise is propagated; others are included by weight.
 const FOLLOWED: usize = 400;
 
-/// Follows every noise source through both steps.
+/// Propagates every noise source through both steps.
 pub fn influence(vehicle: &mut Vehicle, setting: &Setting, solution: &Solution) -> Influence {
     let both = Both::new(vehicle.arm_mass(), setting.known, solution);
     // First pass: sums over samples that the first sample and the momentum need.
@@ -101,7 +100,7 @@ pub fn influence(vehicle: &mut Vehicle, setting: &Setting, solution: &Solution) 
         .collect();
     let momentum = sums.iter().map(|s| both.momentum(s)).collect();
     let mut out = Influence::new(6 * sums.len(), coupling, momentum);
-    // Second pass: every source of every followed sample.
+    // Second pass: every source of every propagated sample.
     for (at, (segment, own)) in setting.segments.iter().zip(&sums).enumerate() {
         let stride = segment.len().div_ceil(FOLLOWED).max(1);
         let followed = (segment.len().saturating_sub(1)).div_ceil(stride).max(1) as f64;
@@ -155,24 +154,24 @@ struct Both<'a> {
     m_S: f64,
 }
 
-/// What an error of one sample meets: the rows in which it stands.
+/// Rows affected by an error of one sample.
 struct SampleRows {
     A: SMatrix<f64, 3, 4>,
     B: SMatrix<f64, 3, 6>,
     C: SMatrix<f64, 3, 4>,
-    /// Rows of step 1 of all later samples, and how many these are.
+    /// Rows of step 1 of all later samples, and their number.
     later: (SMatrix<f64, 3, 4>, f64),
-    /// In how many rows of each step the error stands, followed samples standing for others.
+    /// Number of rows of each step affected by the error, weighted for omitted samples.
     in_rows: [f64; 2],
     weight: f64,
     first: bool,
 }
 
-/// One sigma of one source of one sample, as it enters the rows of both steps.
+/// One-sigma error of one source of one sample in the rows of both steps.
 struct RowError {
     d1: LinearRows,
     d2: AngularRows,
-    /// It stays in the rows of all later samples.
+    /// Whether it remains in the rows of all later samples.
     stays: bool,
 }
 
@@ -196,7 +195,8 @@ impl<'a> Both<'a> {
         }
     }
 
-    /// Rows of both steps of a sample, and the slope of step 2 over the answer of step 1; zero where step 2 is not solved.
+    /// Rows of both steps of a sample, and the derivative of step 2 with respect to the solution of step 1. The latter
+    /// is zero if step 2 is not solved.
     fn rows(&self, reading: &Reading) -> (LinearRows, AngularRows, SMatrix<f64, 3, 4>) {
         let linear = linear_rows(reading);
         match self.solution.angular {
@@ -262,7 +262,7 @@ impl<'a> Both<'a> {
     ) -> Option<SampleRows> {
         let (r1, r2, rc) = sums.first?;
         let (t1, t2, c) = self.rows(&vehicle.reading(raw));
-        // In option 2 the first sample stands in all rows of its segment.
+        // In option 2 the first sample is in all rows of its segment.
         let in_all = [self.known.p_C_N, self.known.h_C_N].map(|known| k == 0 && known.is_none());
         let A = match in_all[0] {
             true => -sums.A,
@@ -307,7 +307,7 @@ impl<'a> Both<'a> {
         })
     }
 
-    /// Adds what one error does to the answers of both steps and to the momentum of each segment.
+    /// Adds the effect of one error on the solutions of both steps and on the momentum of each segment.
     fn follow(
         &self,
         out: &mut Influence,
@@ -356,7 +356,7 @@ impl<'a> Both<'a> {
 #[derive(Default)]
 struct SegmentSums {
     A: SMatrix<f64, 3, 4>,
-    /// Sum of `A` before each sample.
+    /// Sum of `A` over the samples before each sample.
     before: Vec<SMatrix<f64, 3, 4>>,
     B: SMatrix<f64, 3, 6>,
     C: SMatrix<f64, 3, 4>,

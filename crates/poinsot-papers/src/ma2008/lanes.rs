@@ -1,11 +1,11 @@
-//! Linear systems and normal numbers for eight trials side by side.
+//! Linear systems and normal numbers for eight trials in parallel.
 //!
-//! Loops by index and no closures: a closure does not inherit the instruction set of its caller.
+//! Index loops instead of closures: a closure does not inherit the instruction set of its caller.
 #![allow(clippy::needless_range_loop)]
 
 pub(super) use poinsot_solve::lanes::{LANES, V};
 
-/// Solves a symmetric system by `L D L^T`; only the lower triangle is read.
+/// Solves a symmetric system by `L D L^T`; only the lower triangle is used.
 #[inline(always)]
 pub fn solve<const N: usize>(mut A: [[V; N]; N], mut b: [V; N]) -> [V; N] {
     let mut inverse = [V::ZERO; N];
@@ -29,7 +29,7 @@ pub fn solve<const N: usize>(mut A: [[V; N]; N], mut b: [V; N]) -> [V; N] {
     b
 }
 
-/// Bytes of randomness that one pair of normals takes.
+/// Random bytes for one pair of normal numbers.
 pub const PAIR: usize = 8 * LANES;
 
 /// Two independent standard normal numbers per lane (Box and Muller 1958) from 64 random bits each: 32
@@ -41,7 +41,7 @@ pub fn normals(bytes: &[u8; PAIR]) -> (V, V) {
     for k in 0..LANES {
         words[k] = u64::from_le_bytes(chunks[k]);
     }
-    // A uniform number in (0, 1): 32 bits below the leading one of [1, 2), half a step up, less one.
+    // A uniform number in (0, 1): 32 bits below the leading one of [1, 2), plus half a step, minus one.
     let mut radius = [0.0; LANES];
     let mut turn = [0.0; LANES];
     for k in 0..LANES {
@@ -60,16 +60,16 @@ pub fn normals(bytes: &[u8; PAIR]) -> (V, V) {
 
 const ONE: u64 = 0x3ff0_0000_0000_0000;
 
-/// Natural logarithm of numbers in (0, 1): exponent, and the series of `2 artanh((m-1)/(m+1))` for a
-/// mantissa in [0.707, 1.414); relative error below 1e-14.
+/// Natural logarithm for (0, 1): exponent, and the series of `2 artanh((m-1)/(m+1))` for a mantissa in [0.707, 1.414).
+/// Relative error below 1e-14.
 #[inline(always)]
 fn logarithm(x: V) -> V {
     let mut out = [0.0; LANES];
     for k in 0..LANES {
-        // Adding this moves the boundary between exponents from 1 to sqrt(1/2).
+        // This addition moves the boundary between exponents from 1 to sqrt(1/2).
         let bits = x.0[k].to_bits() + (ONE - 0x3fe6_a09e_667f_3bcd);
         let m = f64::from_bits((bits & 0x000f_ffff_ffff_ffff) + 0x3fe6_a09e_667f_3bcd);
-        // The exponent as a number, without an integer conversion: 2^52 + e less 2^52 + 1023.
+        // The exponent as a double without integer conversion: 2^52 + e minus 2^52 + 1023.
         let e = f64::from_bits(0x4330_0000_0000_0000 | (bits >> 52))
             - (4_503_599_627_370_496.0 + 1023.0);
         let s = (m - 1.0) / (m + 1.0);
@@ -89,7 +89,7 @@ fn logarithm(x: V) -> V {
 fn sine_cosine_of_turn(t: V) -> (V, V) {
     let (mut sin, mut cos) = ([0.0; LANES], [0.0; LANES]);
     for k in 0..LANES {
-        // A quarter of the angle lies in [-pi/4, pi/4]; two doublings bring it back.
+        // A quarter of the angle is in [-pi/4, pi/4]; the angle is doubled twice.
         let a = t.0[k] * std::f64::consts::FRAC_PI_2;
         let z = a * a;
         let mut s = 1.0 / 6_227_020_800.0;
@@ -102,7 +102,7 @@ fn sine_cosine_of_turn(t: V) -> (V, V) {
             c1 = f64::mul_add(c1, z, 1.0 / c);
         }
         let c1 = c1 * z;
-        // c1 = 1 - cos a, kept small for accuracy.
+        // c1 = 1 - cos a keeps accuracy for small angles.
         let c = 1.0 - c1;
         let (s2, c2) = (2.0 * s * c, 1.0 - 2.0 * s * s);
         sin[k] = 2.0 * s2 * c2;

@@ -1,9 +1,9 @@
 //! Ou Ma, Hung Dang, Khanh Pham, "On-Orbit Identification of Inertia Properties of Spacecraft Using a
 //! Robotic Arm", Journal of Guidance, Control, and Dynamics 31(6), 2008, doi 10.2514/1.35188.
 //!
-//! An arm of known inertia moves, the velocities of the spacecraft body change, and the conservation of
-//! momentum gives the mass properties of the body: first mass and mass centre from the linear momentum,
-//! then the inertia tensor from the angular one. Each step is an unweighted linear least-squares problem.
+//! An arm of known inertia moves and changes the velocities of the spacecraft body. Conservation of linear momentum
+//! gives mass and mass centre; conservation of angular momentum then gives the inertia tensor. Each step is an
+//! unweighted linear least-squares problem.
 //!
 //! | paper | here | meaning |
 //! |---|---|---|
@@ -19,21 +19,20 @@
 //! measured; the arm is known; the base is wholly unknown.
 //!
 //! **Differences from the print** (see `docs/methods/ma2008.md`).
-//! - (7)-(9) hold in axes that do not turn; `rho_S`, `I_S` are constant in axes that do. The rows here
-//!   are the body-axes rows of (13), (20) with `R_k^T p_C(0)`, turned to N by `R_k = R_NB`: least squares
-//!   does not see the turn, and the increments of option 2 become exact,
-//!   `A_k = R_k [a_k, [w_k]x] - R_0 [a_0, [w_0]x]`. (14), (17), (21), (24) as printed hold in no frame
-//!   once the base turns; [`printed`] keeps them for comparison.
+//! - (7)-(9) hold in inertial axes; `rho_S`, `I_S` are constant in body axes. The rows here are the body-axes rows of
+//!   (13), (20) with `R_k^T p_C(0)`, rotated to N by `R_k = R_NB`. Least squares is invariant under this rotation, and
+//!   the increments of option 2 become exact: `A_k = R_k [a_k, [w_k]x] - R_0 [a_0, [w_0]x]`. (14), (17), (21), (24) as
+//!   printed hold in no frame if the base rotates; [`printed`] keeps them for comparison.
 //! - (25)-(26) take `I_R` about the origin of `F_S`; (2), (9), (20), (24) need it about the arm's own
 //!   mass centre.
 //! - Sec. II.B obtains relative velocities by integrating an accelerometer. Without a velocity channel option 2
 //!   takes velocity increments or specific force of an instrument of the base, summed from the first sample.
-//! - (8)-(9) leave out the arm's momentum relative to the base, so they hold for stopped joints only. It
-//!   is included here, with `u = p_R/m_R` and `h_R` about the arm's mass centre: every sample counts.
+//! - (8)-(9) omit the arm's momentum relative to the base, so they hold for stopped joints only. It is included here,
+//!   with `u = p_R/m_R` and `h_R` about the arm's mass centre, so every sample is used.
 //!
-//! **What it cannot identify.** Nothing without motion. Without any turn of the base only the mass, and
-//! that only with known non-zero momentum or moving joints. With stopped joints and no spin nothing of the
-//! inertia. It knows no bias of a sensor, and noise in the regressor biases it.
+//! **What it cannot identify.** Without motion, nothing is identifiable. Without rotation of the base only the mass
+//! is, and only with known non-zero momentum or moving joints. With stopped joints and no spin the inertia is not
+//! identifiable. Sensor biases are not modelled, and noise in the regressor causes a bias.
 
 mod answer;
 mod arm;
@@ -75,7 +74,7 @@ use crate::setting::Settings;
 use crate::study::Study;
 use poinsot_identify::{Estimate, Problem};
 
-/// This method in the list of methods.
+/// Registration of the method.
 pub struct Ma2008;
 
 impl Method for Ma2008 {

@@ -1,8 +1,7 @@
 //! The increments of option 2 exactly as printed, (14)-(17) and (21)-(24): for comparison only.
 //!
-//! They subtract velocities of different samples without turning them to common axes, so they hold only
-//! while the base does not turn, or where `rho_S = 0` and `I_S` is a multiple of the unit tensor. They
-//! also take the joints as stopped.
+//! They subtract velocities of different samples without rotation to common axes. They hold only if the base does not
+//! rotate, or if `rho_S = 0` and `I_S` is a multiple of the unit tensor. They also assume stopped joints.
 
 use super::arm::Reading;
 use super::equations::TwoStep;
@@ -10,16 +9,16 @@ use super::solve::{Step, solve};
 use nalgebra::SMatrix;
 use poinsot_spatial::{Matrix3, Vector3, parallel_axis, skew, tensor_regressor};
 
-/// In which axes the printed vectors are read; the paper does not say.
+/// Assumed axes of the printed vectors; the paper does not define them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PrintedAxes {
     /// All in body axes.
     Body,
-    /// All in N: right where `rho_S = 0` and `I_S` is a multiple of the unit tensor.
+    /// All in N: correct if `rho_S = 0` and `I_S` is a multiple of the unit tensor.
     Inertial,
 }
 
-/// One sample in the axes asked for.
+/// One sample in the assumed axes.
 struct Turned {
     v: Vector3,
     w: Vector3,
@@ -40,7 +39,7 @@ fn turned(s: &Reading, axes: PrintedAxes) -> Turned {
     }
 }
 
-/// Option 2 of both steps with the increments as printed, on one segment; `None` without a sample.
+/// Option 2 of both steps with the increments as printed, for one segment; `None` without samples.
 pub fn two_step_printed(segment: &[Reading], axes: PrintedAxes) -> Option<TwoStep> {
     let arm_mass = segment.first()?.arm.mass;
     let samples: Vec<Turned> = segment.iter().map(|s| turned(s, axes)).collect();
@@ -62,7 +61,7 @@ pub fn two_step_printed(segment: &[Reading], axes: PrintedAxes) -> Option<TwoSte
         angular: None,
         arm_mass,
     };
-    // (24) with T_k the parallel-axis tensor of a unit mass at rho_S - rho_Rk.
+    // (24), with T_k the parallel-axis tensor of a unit mass at rho_S - rho_Rk.
     let (m_S, rho_S) = (answer.mass(), answer.rho_S());
     let mu = m_S * arm_mass / (m_S + arm_mass);
     let locked = |s: &Turned| -> Matrix3 { s.I_R + parallel_axis(mu, &(rho_S - s.rho_R)) };

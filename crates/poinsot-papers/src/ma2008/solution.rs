@@ -1,11 +1,11 @@
-//! A solved step: its directions in natural units, and the rows of step 2 at it.
+//! A solved step in directions of natural units, and the rows of step 2 at the solution.
 
 use super::arm::Reading;
 use super::equations::{AngularRows, angular_rows};
 use super::solve::{Step, decompose};
 use nalgebra::{SMatrix, SVector};
 
-/// A solved step as directions in natural units.
+/// A solved step in directions of natural units.
 #[derive(Debug, Clone)]
 pub struct Directions<const N: usize> {
     /// Natural unit of each unknown.
@@ -14,14 +14,14 @@ pub struct Directions<const N: usize> {
     pub singular: [f64; N],
     /// Directions, one column each.
     pub V: SMatrix<f64, N, N>,
-    /// Where each shows in the rotated right-hand side.
+    /// Left singular vectors: the directions in the rotated right-hand side.
     pub U: SMatrix<f64, N, N>,
-    /// Which of them may be used.
+    /// Whether each direction may be used.
     pub usable: [bool; N],
 }
 
 impl<const N: usize> Directions<N> {
-    /// Directions of a step; those below `round_off` are not usable. `None` where numbers overflow.
+    /// Directions of a step; those below `round_off` are not usable. `None` if numbers overflow.
     pub fn new(step: &Step<N>, natural: [f64; N], round_off: f64) -> Option<Self> {
         let (singular, V, U) = decompose(&step.triangle, &natural)?;
         let floor = (32.0 * N as f64 * f64::EPSILON * singular[0]).max(round_off);
@@ -46,13 +46,13 @@ impl<const N: usize> Directions<N> {
         })
     }
 
-    /// A move along the directions in the units of the unknowns.
+    /// A step along the directions, in units of the unknowns.
     pub fn in_units(&self, along: &SVector<f64, N>) -> SVector<f64, N> {
         let z = self.V * along;
         SVector::from_fn(|i, _| z[i] * self.natural[i])
     }
 
-    /// Least-squares solution that leaves `nominal` only along usable directions.
+    /// Least-squares solution that differs from `nominal` only along usable directions.
     pub fn solve(&self, step: &Step<N>, nominal: &SVector<f64, N>) -> SVector<f64, N> {
         let rest = step.rotated - step.triangle * nominal;
         let along = SVector::<f64, N>::from_fn(|j, _| {
@@ -66,17 +66,17 @@ impl<const N: usize> Directions<N> {
     }
 }
 
-/// Both solved steps as the influence needs them.
+/// Both solved steps, for the noise propagation.
 pub struct Solution<'a> {
     /// Step 1.
     pub x: SVector<f64, 4>,
     /// Its directions.
     pub linear: &'a Directions<4>,
-    /// Step 2, where step 1 is complete.
+    /// Step 2, if step 1 is complete.
     pub angular: Option<(SVector<f64, 6>, &'a Directions<6>)>,
 }
 
-/// Rows of step 2 at the answer of step 1, and their slope over it.
+/// Rows of step 2 at the solution of step 1, and their derivative.
 pub(super) struct AtSolution {
     pub(super) arm_mass: f64,
     pub(super) x: SVector<f64, 4>,
@@ -96,7 +96,7 @@ impl AtSolution {
         )
     }
 
-    /// `C = d(B y + g)/dx` by central differences; exact but for the last digits, `g` is nearly quadratic.
+    /// `C = d(B y + g)/dx` by central differences; nearly exact, because `g` is almost quadratic.
     pub(super) fn slope(&self, reading: &Reading) -> SMatrix<f64, 3, 4> {
         let mut C = SMatrix::<f64, 3, 4>::zeros();
         for j in 0..4 {

@@ -1,7 +1,7 @@
-//! Unweighted least squares of one step, with what its matrix determines.
+//! Unweighted least squares of one step, with the rank of its matrix.
 //!
-//! Householder QR in blocks, then the singular values of the triangle with columns in natural units;
-//! the normal equations, which would square the condition number, are not formed.
+//! Blockwise Householder QR, then the singular values of the triangle with columns in natural units. Normal equations
+//! are avoided, because they square the condition number.
 
 use faer::Mat;
 use nalgebra::{SMatrix, SVector};
@@ -10,19 +10,19 @@ use poinsot_solve::BlockQr;
 /// The least-squares solution of `T (x, 1) = 0`, `T = [A | -b]`.
 #[derive(Debug, Clone)]
 pub struct Step<const N: usize> {
-    /// Solution; along directions that are not determined it does not move from zero.
+    /// Solution; zero along directions that are not determined.
     pub x: SVector<f64, N>,
-    /// Singular values of `A` as it stands, descending.
+    /// Singular values of the unscaled `A`, descending.
     pub singular: [f64; N],
-    /// How many of them exceed round-off.
+    /// Number of singular values above round-off.
     pub structural_rank: usize,
     /// `||A x - b||^2`.
     pub residual: f64,
     /// `||b||^2`.
     pub rhs: f64,
-    /// Equations.
+    /// Number of equations.
     pub rows: usize,
-    /// Triangle of `A` and the right-hand side it goes with.
+    /// Triangle of `A`.
     pub triangle: SMatrix<f64, N, N>,
     /// `Q^T b`.
     pub rotated: SVector<f64, N>,
@@ -58,7 +58,7 @@ pub fn solve<const N: usize, const W: usize>(rows: &[SMatrix<f64, 3, W>]) -> Ste
         .count();
     let mut x = SVector::<f64, N>::zeros();
     if structural_rank == N {
-        // The triangle itself is the accurate way where nothing is lost.
+        // At full rank, back substitution is the most accurate.
         x = triangle.solve_upper_triangular(&rhs).unwrap_or(x);
     } else {
         for (k, s) in singular.iter().enumerate().take(structural_rank) {
@@ -80,8 +80,7 @@ pub fn solve<const N: usize, const W: usize>(rows: &[SMatrix<f64, 3, W>]) -> Ste
 
 type Decomposed<const N: usize> = ([f64; N], SMatrix<f64, N, N>, SMatrix<f64, N, N>);
 
-/// Singular values, right and left directions of a triangle with columns scaled; `None` where it holds
-/// NaN or infinity.
+/// Singular values, right and left directions of a triangle with scaled columns; `None` if it holds NaN or infinity.
 pub(super) fn decompose<const N: usize>(
     triangle: &SMatrix<f64, N, N>,
     natural: &[f64; N],

@@ -8,19 +8,19 @@ use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
 /// One independent error of one sample, one sigma.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Source {
-    /// Of the angular velocity, in B, rad/s.
+    /// Angular velocity, in B, rad/s.
     Rate(Vector3),
-    /// Of the velocity, in N, m/s.
+    /// Velocity, in N, m/s.
     Velocity(Vector3),
-    /// Of the change of velocity since the sample before, in N, m/s: it stays in all later samples.
+    /// Change of velocity since the previous sample, in N, m/s; it remains in all later samples.
     VelocityStep(Vector3),
-    /// Of the attitude, a small rotation in B, rad.
+    /// Attitude: a small rotation in B, rad.
     Attitude(Vector3),
-    /// Of a joint's position, rad or m.
+    /// Position of a joint, rad or m.
     JointPosition(usize, f64),
-    /// Of a joint's rate.
+    /// Rate of a joint.
     JointRate(usize, f64),
-    /// Of a wheel's speed, rad/s.
+    /// Speed of a wheel, rad/s.
     WheelSpeed(usize, f64),
 }
 
@@ -44,10 +44,10 @@ impl Source {
     }
 }
 
-/// Independent one-sigma errors of one sample, with the share of their variance that the data show.
+/// Independent one-sigma errors of one sample, with the fraction of their variance present in the data.
 ///
-/// `velocity` tells whether a segment measures it; `step` is the covariance of velocity increments, whose noise is taken
-/// as really there.
+/// `velocity`: whether the segment measures velocity. `step`: covariance of velocity increments, whose noise is
+/// assumed to be fully present.
 pub(super) fn sources(noise: &Noise, velocity: bool, step: Option<Matrix3>) -> Vec<(Source, f64)> {
     let axes = |covariance: &Matrix3| -> Vec<Vector3> {
         let e = SymmetricEigen::new(*covariance);

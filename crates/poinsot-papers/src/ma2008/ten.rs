@@ -1,4 +1,4 @@
-//! The ten numbers of the base with their covariance, and which of them are undetermined.
+//! The ten parameters of the base with their covariance and identifiability.
 
 use super::both::NoisySolution;
 use super::solution::Directions;
@@ -6,12 +6,12 @@ use nalgebra::{SMatrix, SVector};
 use poinsot_identify::Number;
 use poinsot_spatial::{MassProperties, Vector3, tensor};
 
-/// Chi-square per degree of freedom above which the declared noise cannot be right.
+/// Chi-square per degree of freedom above which the declared noise is inconsistent.
 pub(super) const MISFIT: f64 = 1.5;
-/// A number with a larger share of undetermined directions is not answered.
+/// Largest component along undetermined directions of a number that is reported.
 const TOUCH: f64 = 1.0e-4;
 
-/// The ten numbers `u = [m, com, elements of I]` with covariance and what is open of them.
+/// The ten numbers `u = [m, com, elements of I]` with covariance and undetermined elements.
 pub(super) struct Ten {
     pub(super) value: [f64; 10],
     pub(super) covariance: SMatrix<f64, 10, 10>,
@@ -26,7 +26,7 @@ impl Ten {
         let m = solved.arm_mass / x[0];
         let mut value = [0.0; 10];
         value[..4].copy_from_slice(&[m, x[1], x[2], x[3]]);
-        // From directions to u: columns of the map.
+        // Map from directions to u, by columns.
         let effect = &solved.influence;
         let mut map = SMatrix::<f64, 10, 10>::zeros();
         let d = SVector::<f64, 4>::new(-m / x[0], 1.0, 1.0, 1.0);
@@ -65,7 +65,7 @@ impl Ten {
         }
     }
 
-    /// A function of the ten numbers; open where it changes with an open one.
+    /// A function of the ten numbers; undetermined if it depends on an undetermined one.
     pub(super) fn number(&self, nominal: f64, f: impl Fn(&[f64; 10]) -> f64) -> Number {
         let mut gradient = SVector::<f64, 10>::zeros();
         for k in 0..10 {

@@ -1,9 +1,8 @@
-//! Many noisy trials of both steps: eight trials side by side in the lanes of one arithmetic.
+//! Many noisy trials of both steps, eight in parallel in vector lanes.
 //!
-//! The samples are fixed; every trial adds noise to the six velocities of each and solves step 1 and
-//! step 2 by normal equations, whose sums fit in registers (the conditions met here, 4 to 1000, leave ten
-//! and more digits). Trial t is lane `t % 8` of group `t / 8`; group g takes ChaCha8 stream g, so a trial
-//! does not depend on how many others run.
+//! Every trial adds noise to the six velocities of fixed samples and solves both steps by normal equations, whose sums
+//! fit in registers. Condition numbers of 4 to 1000 leave at least ten digits. Trial t is lane `t % 8` of group
+//! `t / 8`. Group g uses ChaCha8 stream g, so a trial does not depend on the number of trials.
 #![allow(clippy::needless_range_loop)]
 
 use super::arm::Reading;
@@ -26,7 +25,7 @@ pub struct Trials {
     sigma_w: [f64; 3],
 }
 
-/// One sample as scalars: everything that the noise does not touch.
+/// Constants of one sample that do not depend on the noise.
 #[derive(Debug, Clone, Copy)]
 struct Fixed {
     R: [[f64; 3]; 3],
@@ -41,7 +40,7 @@ struct Fixed {
     h: [f64; 3],
 }
 
-/// One group of trials, compiled for every instruction set that the machine may have.
+/// One group of trials, compiled for several instruction sets.
 struct Group<'a> {
     trials: &'a Trials,
     bytes: &'a [u8],
@@ -63,8 +62,8 @@ impl WithSimd for Group<'_> {
 }
 
 impl Trials {
-    /// Trials of option 1 (`known`) or option 2 on one segment, with one sigma of each component of
-    /// velocity, m/s, and angular velocity, rad/s, in base axes.
+    /// Creates trials of option 1 (`known`) or option 2 for one segment. Sigmas are per component of velocity, m/s,
+    /// and angular velocity, rad/s, in base axes.
     pub fn new(
         samples: &[Reading],
         known: Option<Known>,
@@ -99,7 +98,7 @@ impl Trials {
         }
     }
 
-    /// Runs the groups of eight trials in `groups` and hands each to `sink`.
+    /// Runs the groups of eight trials in `groups` and passes each to `sink`.
     pub fn run(&self, seed: u64, groups: std::ops::Range<u64>, mut sink: impl FnMut(&Results)) {
         let mut noisy = vec![[V::ZERO; 6]; self.samples.len()];
         let mut bytes = vec![0_u8; 3 * PAIR * self.samples.len()];
@@ -118,7 +117,7 @@ impl Trials {
         }
     }
 
-    /// Velocities with noise: six normal numbers per sample and lane.
+    /// Noisy velocities: six normal numbers per sample and lane.
     #[inline(always)]
     fn draw(&self, bytes: &[u8], noisy: &mut [[V; 6]]) {
         let pairs = bytes.as_chunks::<PAIR>().0;
@@ -132,7 +131,7 @@ impl Trials {
         }
     }
 
-    /// Options 1 in base axes, (13) and (20): the normal equations are sums of `w w^T`, `a`, `w x a`.
+    /// Option 1 in base axes, (13) and (20): the normal equations are sums of `w w^T`, `a`, `w x a`.
     #[inline(always)]
     fn option1(&self, noisy: &[[V; 6]]) -> Results {
         let m_R = V::all(self.arm_mass);
@@ -191,7 +190,7 @@ impl Trials {
         pack(m, &c, &y)
     }
 
-    /// Options 2: rows turned to N, less those of the first sample.
+    /// Option 2: rows rotated to N, minus those of the first sample.
     #[inline(always)]
     fn option2(&self, noisy: &[[V; 6]]) -> Results {
         let m_R = V::all(self.arm_mass);
@@ -314,7 +313,6 @@ fn tensor_normal(W: &[V; 6]) -> [[V; 6]; 6] {
     ]
 }
 
-/// Adds `B^T y`.
 #[inline(always)]
 fn add_tensor_rhs(r: &mut [V; 6], w: &[V; 3], y: &[V; 3]) {
     r[0] = r[0].plus(w[0], y[0]);

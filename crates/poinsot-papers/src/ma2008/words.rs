@@ -1,4 +1,4 @@
-//! What is determined and what is open, and the warnings, in words.
+//! Texts about determined and undetermined directions, and warnings.
 
 use super::both::NoisySolution;
 use super::solution::Directions;
@@ -9,7 +9,7 @@ use poinsot_identify::{
 };
 use poinsot_model::{Nuisance, SensorKind};
 
-/// Ratio of arm mass to base mass that the paper studied.
+/// Range of the ratio of arm mass to base mass in the paper.
 const STUDIED: [f64; 2] = [0.005, 0.5];
 
 pub(super) fn identifiability(
@@ -80,7 +80,7 @@ pub(super) fn identifiability(
     found
 }
 
-/// Rank, sigmas, determined and open directions of one step.
+/// Rank, sigmas, determined and undetermined directions of one step.
 pub(super) fn describe<const N: usize>(
     found: &mut Identifiability,
     d: &Directions<N>,
@@ -102,7 +102,7 @@ pub(super) fn describe<const N: usize>(
     });
     for j in 0..N {
         let sign = |i: usize| if at + i == 0 { -1.0 } else { 1.0 };
-        // Sigma along the direction: its own diagonal of the covariance in natural units.
+        // Sigma along the direction: its diagonal element of the covariance in natural units.
         let v: [f64; N] = std::array::from_fn(|i| sign(i) * d.V[(i, j)]);
         let variance: f64 = (0..N)
             .flat_map(|i| (0..N).map(move |k| (i, k)))
@@ -122,7 +122,7 @@ pub(super) fn describe<const N: usize>(
         }
         let lead = (0..N).fold(0, |a, b| if v[b].abs() > v[a].abs() { b } else { a });
         let scale = natural[lead] / v[lead];
-        // A determined combination weighs parameters, an open one moves them.
+        // A determined combination has weights of the parameters, an undetermined one changes of them.
         let weigh = |i: usize| match usable {
             true => v[i] / natural[i] * scale,
             false => v[i] * natural[i],

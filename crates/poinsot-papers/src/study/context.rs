@@ -1,4 +1,4 @@
-//! What a study is given: the folder of examples, and the tools of the crate above.
+//! Input of a study: the examples, and the tools of the `poinsot` crate.
 
 use poinsot_dynamics::Tree;
 use poinsot_identify::{Estimate, Noise, Segment};
@@ -7,13 +7,13 @@ use poinsot_spatial::InertialParameters;
 use poinsot_telemetry::Table;
 use std::path::{Path, PathBuf};
 
-/// Why a study gives no findings: an error of a tool, as the tool gave it.
+/// Error of a study: the error of a tool, unchanged.
 pub type StudyError = Box<dyn std::error::Error + Send + Sync>;
 
-/// A case file that a study may change before it is run.
+/// A case file that a study may modify.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct CaseText {
-    /// Where it stands; the model's path is relative to it.
+    /// Path; the model's path is relative to it.
     pub path: PathBuf,
     /// Its text.
     pub text: String,
@@ -26,13 +26,13 @@ pub struct Difference {
     pub name: String,
     /// Times, s.
     pub time_s: Vec<f64>,
-    /// One row a component.
+    /// One row per component.
     pub rows: Vec<Vec<f64>>,
-    /// Largest length over time.
+    /// Largest norm over time.
     pub largest: f64,
 }
 
-/// What studies use of the crate above this one.
+/// Functions of the `poinsot` crate used by studies.
 pub trait Tools: Sync {
     /// Reads and checks a case file.
     ///
@@ -40,25 +40,25 @@ pub trait Tools: Sync {
     /// The file cannot be read or is not a case.
     fn case(&self, path: &Path) -> Result<CaseText, StudyError>;
 
-    /// The vehicle of a case, as its model file has it.
+    /// The model of a case.
     ///
     /// # Errors
     /// The model file cannot be read.
     fn vehicle(&self, case: &CaseText) -> Result<Model, StudyError>;
 
-    /// Telemetry of one trial of a case flown by this vehicle.
+    /// Simulates one trial of a case with this vehicle.
     ///
     /// # Errors
     /// The case does not fit the vehicle.
     fn simulate(&self, case: &CaseText, vehicle: &Model, trial: u64) -> Result<Table, StudyError>;
 
-    /// Telemetry of one file in the names of a model, measured accelerations included.
+    /// Reads the telemetry of one file for a model, including measured accelerations.
     ///
     /// # Errors
     /// The file cannot be read.
     fn read(&self, model: &Model, file: &Path) -> Result<Table, StudyError>;
 
-    /// Samples and noise of telemetry.
+    /// Binds telemetry to a model: samples and noise.
     ///
     /// # Errors
     /// Model and telemetry do not fit.
@@ -69,7 +69,7 @@ pub trait Tools: Sync {
         tables: &[Table],
     ) -> Result<(Vec<Segment>, Noise), StudyError>;
 
-    /// The estimate of a method, as the command `identify` gives it.
+    /// The estimate of a method, as from the command `identify`.
     ///
     /// # Errors
     /// The telemetry does not suit the method.
@@ -81,16 +81,16 @@ pub trait Tools: Sync {
         variant: Option<&str>,
     ) -> Result<Estimate, StudyError>;
 
-    /// The Cramer-Rao bound of a case flown by this vehicle, as the command `predict` gives it.
+    /// The Cramer-Rao bound of a case with this vehicle, as from the command `predict`.
     ///
     /// # Errors
     /// The case does not fit the vehicle.
     fn bound(&self, case: &CaseText, vehicle: &Model) -> Result<Estimate, StudyError>;
 
-    /// Motion of two sets of bodies, one per body of the case's vehicle, under the actuation of a case.
+    /// Differences of motion between two sets of bodies under the actuation of a case.
     ///
     /// # Errors
-    /// One of them cannot move.
+    /// One of them cannot be simulated.
     fn differences(
         &self,
         case: &CaseText,
@@ -99,7 +99,7 @@ pub trait Tools: Sync {
     ) -> Result<Vec<Difference>, StudyError>;
 }
 
-/// What a study is given.
+/// Input of a study.
 #[derive(Clone, Copy)]
 pub struct Context<'a> {
     /// The folder `examples` of the project.
@@ -127,7 +127,7 @@ impl Context<'_> {
 }
 
 impl CaseText {
-    /// The same case with parts of its text replaced.
+    /// Replaces parts of the text of the case.
     #[must_use]
     pub fn with(mut self, changes: &[(&str, &str)]) -> Self {
         for (from, to) in changes {

@@ -1,24 +1,24 @@
-//! Tables, figures and numbers of a page, as data.
+//! Results of a study: tables, figures and numbers for a page.
 
 use poinsot_report::{Figure, Plot, significant};
 
-/// What a study found.
+/// Results of a study.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Findings {
     /// Tables in reading order.
     pub tables: Vec<Table>,
     /// Figures.
     pub figures: Vec<Figure>,
-    /// Statements of the paper with their numbers, as the last table of the paper's page has them.
+    /// Statements of the paper with their numbers, for the last table of the paper's page.
     pub statements: Vec<(String, String)>,
 }
 
-/// A table; a cell holds a word, or one or two numbers.
+/// A table; a cell holds text, or one or two numbers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
-    /// Name of its file, and of its place on the paper's page.
+    /// Name of its file and of its place on the page.
     pub name: String,
-    /// Title with what the numbers mean and their units.
+    /// Title with meaning and units of the numbers.
     pub title: String,
     /// Column titles.
     pub head: Vec<String>,
@@ -26,18 +26,18 @@ pub struct Table {
     pub rows: Vec<Vec<Cell>>,
 }
 
-/// A cell. A number that is not finite is one that cannot be given.
+/// A cell. A value that is not finite means "not available".
 #[derive(Debug, Clone, PartialEq)]
 pub enum Cell {
     /// Text.
     Word(String),
     /// A number.
     Number(f64, Digits),
-    /// Two numbers with what stands between them.
+    /// Two numbers with a separator.
     Pair(f64, &'static str, f64, Digits),
 }
 
-/// How many digits of a number are shown.
+/// Number of digits shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Digits {
     /// Significant figures.
@@ -46,7 +46,7 @@ pub enum Digits {
     Decimals(usize),
 }
 
-/// A cell of text.
+/// A text cell.
 pub fn word(text: impl Into<String>) -> Cell {
     Cell::Word(text.into())
 }
@@ -61,7 +61,7 @@ pub fn decimals(x: f64, count: usize) -> Cell {
     Cell::Number(x, Digits::Decimals(count))
 }
 
-/// A share in percent with significant figures; the column says the unit.
+/// A fraction in percent, with significant figures; the column has the unit.
 pub fn percent(share: f64, count: i32) -> Cell {
     figures(100.0 * share, count)
 }
@@ -79,7 +79,7 @@ impl Digits {
     }
 }
 
-/// Without the digits before the point that the figures do not cover.
+/// Rounds digits before the point beyond the significant figures.
 fn rounded(x: f64, count: i32) -> f64 {
     let unit = 10.0_f64.powi(x.abs().max(1.0).log10().floor() as i32 + 1 - count);
     if unit > 1.0 {
@@ -90,7 +90,7 @@ fn rounded(x: f64, count: i32) -> f64 {
 }
 
 impl Cell {
-    /// As read by a person; a dash where there is no number.
+    /// Cell text; a dash if not available.
     pub fn text(&self) -> String {
         match self {
             Self::Word(text) => text.clone(),
@@ -103,7 +103,7 @@ impl Cell {
 }
 
 impl Table {
-    /// An empty table; column titles as `a | b`.
+    /// An empty table; column titles are given as `a | b`.
     pub fn new(name: impl Into<String>, title: &str, head: &str) -> Self {
         Self {
             name: name.into(),
@@ -113,14 +113,14 @@ impl Table {
         }
     }
 
-    /// Adds a row: its title, then cells.
+    /// Adds a row: title and cells.
     pub fn row(&mut self, title: impl Into<String>, cells: impl IntoIterator<Item = Cell>) {
         let mut row = vec![word(title)];
         row.extend(cells);
         self.rows.push(row);
     }
 
-    /// As the page has it.
+    /// Markdown of the table, as on the page.
     pub fn markdown(&self) -> String {
         let line = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
         let mut out = line(&self.head).replace("|  |", "| |");
@@ -134,19 +134,19 @@ impl Table {
 }
 
 impl Findings {
-    /// Findings of one table.
+    /// Results with one table.
     pub fn of(table: Table) -> Self {
         let mut findings = Self::default();
         findings.tables.push(table);
         findings
     }
 
-    /// Adds a figure of curves.
+    /// Adds a plot.
     pub fn plot(&mut self, name: &str, plot: Plot) {
         self.figures.push(Figure::plot(name, plot));
     }
 
-    /// Says the number of a statement of the page's last table.
+    /// Adds the number of a statement of the page's last table.
     pub fn state(&mut self, statement: &str, number: impl Into<String>) {
         self.statements.push((statement.to_owned(), number.into()));
     }

@@ -1,8 +1,8 @@
-//! Studies of the papers: what a paper states, computed again, as tables, figures and the numbers of its page.
+//! Studies recompute the statements of a paper as tables, figures and numbers of its page.
 //!
-//! A study is one function of a [`Context`]. Its paper lists it in [`crate::Method::studies`]; the command line, the tests
-//! and the pages read that list. Simulation and identification belong to the crate above, so a study calls them
-//! through [`Tools`], which the verb hands in.
+//! A study is a function of a [`Context`], listed in [`crate::Method::studies`]. The command line, the tests and the
+//! pages use that list. Simulation and identification are in the `poinsot` crate, so a study calls them through
+//! [`Tools`].
 
 mod context;
 mod findings;
@@ -11,7 +11,7 @@ pub mod statistics;
 pub use context::{CaseText, Context, Difference, StudyError, Tools};
 pub use findings::{Cell, Digits, Findings, Table, decimals, figures, percent, word};
 
-/// What a study does with its context.
+/// Function of a study.
 pub type Run = fn(&Context) -> Result<Findings, StudyError>;
 
 /// A study of a paper.
@@ -19,16 +19,16 @@ pub type Run = fn(&Context) -> Result<Findings, StudyError>;
 pub struct Study {
     /// Name on the command line, unique within the paper.
     pub name: &'static str,
-    /// What it computes, in one line.
+    /// Summary in one line.
     pub summary: &'static str,
-    /// Whether it ends within seconds.
+    /// Whether it takes only seconds.
     pub quick: bool,
-    /// The study itself.
+    /// Function.
     pub run: Run,
 }
 
 impl Study {
-    /// One that ends within seconds.
+    /// A study that takes seconds.
     pub const fn quick(name: &'static str, summary: &'static str, run: Run) -> Self {
         Self {
             name,
@@ -38,7 +38,7 @@ impl Study {
         }
     }
 
-    /// One that takes minutes.
+    /// A study that takes minutes.
     pub const fn slow(name: &'static str, summary: &'static str, run: Run) -> Self {
         Self {
             quick: false,

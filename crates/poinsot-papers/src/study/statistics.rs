@@ -1,33 +1,33 @@
-//! Noise of trials and what many trials say.
+//! Random numbers for trials, and statistics.
 
 use poinsot_spatial::Vector3;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// Normal numbers of mean zero and sigma one.
+/// Standard normal numbers.
 pub struct Normals(ChaCha8Rng);
 
 impl Normals {
-    /// One stream of a seed: equal arguments give equal numbers.
+    /// One stream of a seed; deterministic.
     pub fn new(seed: u64, stream: u64) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(stream);
         Self(rng)
     }
 
-    /// The next one.
+    /// Next number.
     pub fn number(&mut self) -> f64 {
         StandardNormal.sample(&mut self.0)
     }
 
-    /// The next three.
+    /// Next three numbers.
     pub fn vector(&mut self) -> Vector3 {
         Vector3::from_fn(|_, _| self.number())
     }
 }
 
-/// The value below which a share of the values lies, linear between order statistics.
+/// Quantile, linear between order statistics.
 pub fn quantile(values: impl IntoIterator<Item = f64>, share: f64) -> f64 {
     let mut sorted: Vec<f64> = values.into_iter().collect();
     sorted.sort_by(f64::total_cmp);
@@ -40,12 +40,12 @@ pub fn quantile(values: impl IntoIterator<Item = f64>, share: f64) -> f64 {
     }
 }
 
-/// Half of the values lie below.
+/// Median.
 pub fn median(values: impl IntoIterator<Item = f64>) -> f64 {
     quantile(values, 0.5)
 }
 
-/// Root of the mean square.
+/// Root mean square.
 pub fn rms(values: impl IntoIterator<Item = f64>) -> f64 {
     let (sum, count) = values
         .into_iter()

@@ -1,15 +1,15 @@
-//! Why a question cannot be put to this method, each in one line with its remedy.
+//! Errors of this method, each one line with its remedy.
 
 use poinsot_identify::ProblemError;
 use poinsot_model::rounded;
 
-/// Why the question cannot be put to this method.
+/// Why the method cannot be applied.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Xu2017Error {
-    /// No problem for any method.
+    /// Error of any method.
     #[error(transparent)]
     Problem(#[from] ProblemError),
-    /// Wheels.
+    /// The model has wheels.
     #[error(
         "E0531 wheel '{wheel}': xu2017 knows no momentum wheels; take it out of the model if it stands still, or use --method auto"
     )]
@@ -17,7 +17,7 @@ pub enum Xu2017Error {
         /// Wheel.
         wheel: String,
     },
-    /// Part of a body known, other than mass and mass centre together.
+    /// A body partly known, other than mass and mass centre together.
     #[error(
         "E0532 body '{body}': estimate: xu2017 takes a body as known, as unknown (estimate = true), or with known mass and mass centre (estimate = [\"inertia\"]); change it, or use --method auto"
     )]
@@ -25,7 +25,7 @@ pub enum Xu2017Error {
         /// Body.
         body: String,
     },
-    /// No thrust and nothing known that sets the scale.
+    /// Neither thrust nor a known body sets the scale.
     #[error(
         "E0533 no thruster fires with the joints locked, and no body fixes the scale of the momentum equations (35); add a segment with thrust, take estimate out of the base or the arm, or use --method auto"
     )]
@@ -37,10 +37,10 @@ pub enum Xu2017Error {
     NoVelocity {
         /// Segment.
         label: String,
-        /// What for.
+        /// Purpose of the velocity.
         what: &'static str,
     },
-    /// Several joints move while several bodies are unknown.
+    /// Several joints move and several bodies are unknown.
     #[error(
         "E0535 segment '{label}': joints {joints} move together: xu2017 unlocks one joint at a time unless a single body is unknown; split the motion, or use --method auto"
     )]
@@ -60,7 +60,7 @@ pub enum Xu2017Error {
         /// Joint.
         joint: String,
     },
-    /// Another configuration.
+    /// A joint is locked in another configuration.
     #[error(
         "E0537 segment '{label}': joint '{joint}' is locked at {}, elsewhere at {} (rad or m): (43)-(46) need one normal configuration in all segments; bring the joint back, or use --method auto",
         rounded(*found, 6),
@@ -76,7 +76,7 @@ pub enum Xu2017Error {
         /// Position elsewhere.
         expected: f64,
     },
-    /// The swarm's objective takes zero momentum.
+    /// The swarm's objective assumes zero momentum.
     #[error(
         "E0538 segment '{label}': the vehicle moves at {} rad/s and {} m/s at the first sample: the objective (52) assumes zero momentum, so variant {variant} must start at rest; use --variant linear, which takes the momentum as unknown",
         rounded(*rate, 2),
@@ -92,7 +92,7 @@ pub enum Xu2017Error {
         /// Variant.
         variant: &'static str,
     },
-    /// Nothing to do.
+    /// No usable segment.
     #[error(
         "E0539 no segment has thrust with the joints locked, and in none does a joint move: xu2017 has nothing to work on; fire thrusters or drive a joint, or use --method auto"
     )]

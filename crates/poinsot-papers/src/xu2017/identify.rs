@@ -1,7 +1,7 @@
-//! The paper's sequence as an answer to a [`Problem`]: certificate first, then its own numbers.
+//! The paper's sequence as an answer to a [`Problem`]: certificate, then the numbers of the paper.
 //!
-//! The linear method of the ladder, which sees all segments at once and weighs them by their noise, certifies the numbers
-//! (see [`crate::certified`]).
+//! The linear method, which uses all segments together, weighted by noise, certifies the numbers (see
+//! [`crate::certified`]).
 
 use super::error::Xu2017Error;
 use super::sequence::{Found, Searched, Solver, StepReport, sequence};
@@ -17,7 +17,7 @@ use poinsot_identify::{
 /// Identifies the bodies of a robot by the paper's sequence.
 ///
 /// # Errors
-/// The question cannot be put to this method. What the data leave open is an answer.
+/// The method cannot be applied. Undetermined numbers are part of the answer, not an error.
 pub fn identify(problem: &Problem, variant: Variant) -> Result<Estimate, Xu2017Error> {
     let solver = Solver {
         kind: variant.solver,
@@ -26,7 +26,7 @@ pub fn identify(problem: &Problem, variant: Variant) -> Result<Estimate, Xu2017E
     identify_with(problem, variant, &solver)
 }
 
-/// The same with a swarm of one's own.
+/// Identifies with a given swarm.
 ///
 /// # Errors
 /// As [`identify`].
@@ -35,7 +35,7 @@ pub fn identify_with(
     variant: Variant,
     solver: &Solver,
 ) -> Result<Estimate, Xu2017Error> {
-    // The paper's own checks come first: their messages name what it needs.
+    // The paper's checks come first, because their messages name its requirements.
     let found = sequence(problem, variant.order, solver)?;
     let mut estimate = certificate(problem)?;
     estimate.method = "xu2017".to_owned();
@@ -57,8 +57,8 @@ pub fn identify_with(
     Ok(estimate)
 }
 
-/// What the data determine, and how well: the linear method, or maximum likelihood where the thrust segments show
-/// attitude alone and the linear method cannot write its equations.
+/// The certificate: the linear method, or maximum likelihood if thrust segments have attitude only, for which the
+/// linear method has no equations.
 fn certificate(problem: &Problem) -> Result<Estimate, Xu2017Error> {
     match linear(problem) {
         Err(ProblemError::Parameters(ParametersError::RotationOfTree { .. })) => {
@@ -78,7 +78,7 @@ fn iterations(found: &Found) -> usize {
     flown.max(1)
 }
 
-/// What one step found, in the method's own terms.
+/// Result of one step, with the method's names.
 fn numbers(step: &StepReport) -> Vec<NamedNumber> {
     let plain = |name: &str, unit: &'static str, value: f64| NamedNumber {
         name: format!("{}: {name}", step.name),
@@ -116,7 +116,7 @@ fn numbers(step: &StepReport) -> Vec<NamedNumber> {
 }
 
 impl Kind {
-    /// In words.
+    /// Name.
     pub(super) fn words(self) -> &'static str {
         match self {
             Self::Linear => "linear solution",

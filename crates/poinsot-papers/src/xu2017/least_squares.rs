@@ -1,12 +1,12 @@
-//! Least squares over ten unknowns and the momentum that goes before them, by the block triangle.
+//! Least squares over ten unknowns and the preceding momentum, by block triangularisation.
 
 use faer::Mat;
 use poinsot_solve::BlockQr;
 
-/// Singular values below this share of the largest are rounding.
+/// Singular values below this fraction of the largest are round-off.
 const ROUND_OFF: f64 = 1.0e-13;
 
-/// Rows of `[head | unknowns | right-hand side]`.
+/// Rows of `[momentum | unknowns | right-hand side]`.
 pub(super) struct Rows {
     qr: BlockQr,
     head: usize,
@@ -24,7 +24,7 @@ impl Rows {
         }
     }
 
-    /// Adds `left x = right`; what `left` has beyond the columns is not read.
+    /// Adds the row `left x = right`; elements of `left` beyond the columns are ignored.
     pub fn push(&mut self, left: &[f64], right: f64) {
         let n = self.head + self.unknowns;
         self.columns[..n].copy_from_slice(&left[..n]);
@@ -34,16 +34,16 @@ impl Rows {
     }
 }
 
-/// A solution with what it rests on.
+/// A solution with its rank and singular values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Answer<T> {
     /// The solution.
     pub value: T,
     /// Singular values in natural units, descending.
     pub singular: Vec<f64>,
-    /// How many directions were moved from the nominal values.
+    /// Number of directions that differ from nominal.
     pub rank: usize,
-    /// Largest of all numbers in the equations was finite.
+    /// Whether all numbers in the equations were finite.
     pub finite: bool,
 }
 
@@ -58,8 +58,7 @@ impl<T> Answer<T> {
     }
 }
 
-/// The solution that moves the nominal values least, in natural units. `seen` holds the directions that may
-/// move at all, one column each.
+/// The solution nearest to nominal, in natural units. The columns of `seen` are the directions that may change.
 pub(super) fn answer(
     rows: Rows,
     natural: &[f64],
@@ -89,7 +88,7 @@ pub(super) fn answer(
     let floor = ROUND_OFF * singular.first().copied().unwrap_or(0.0);
     let rank = singular.iter().filter(|s| **s > floor).count();
     let directions = seen * svd.V();
-    // The second pass takes off the round-off of the first.
+    // The second pass removes the round-off of the first.
     for _ in 0..2 {
         let left: Vec<f64> = (0..n)
             .map(|i| {
@@ -112,7 +111,7 @@ pub(super) fn answer(
     }
 }
 
-/// The directions that rows of any motion show, and those that they do not, natural units, one column each.
+/// The identifiable and the unobservable directions of rows of arbitrary motion, natural units, one column each.
 pub(super) fn shown_and_hidden<const N: usize>(
     rows: &[[f64; N]],
     natural: &[f64],
@@ -127,12 +126,12 @@ pub(super) fn shown_and_hidden<const N: usize>(
     Some((columns(0, k), columns(k, N)))
 }
 
-/// The directions that rows of any motion show.
+/// The identifiable directions of rows of arbitrary motion.
 pub(super) fn shown<const N: usize>(rows: &[[f64; N]], natural: &[f64]) -> Option<Mat<f64>> {
     shown_and_hidden(rows, natural).map(|d| d.0)
 }
 
-/// The smallest `x` that comes nearest to `A x = b`.
+/// Minimum-norm least-squares solution of `A x = b`.
 pub(super) fn smallest(A: &Mat<f64>, b: &[f64]) -> Option<Vec<f64>> {
     let svd = A.thin_svd().ok()?;
     let floor = 1.0e-9 * svd.S()[0];

@@ -1,34 +1,33 @@
 //! W. Xu, Z. Hu, Y. Zhang, B. Liang, "On-orbit identifying the inertia parameters of space robotic systems
 //! using simple equivalent dynamics", Acta Astronautica (2017). Numbers in brackets are the paper's equations.
 //!
-//! With all joints locked the robot is one rigid body: thrusters push it, and (35) gives its mass, mass centre
-//! and inertia. With one joint unlocked it is two bodies: momentum is conserved, and (49) gives one of them,
-//! the other following from the first step by (43)-(46). Joint after joint, 1..n or n..1, gives every body.
+//! With all joints locked the robot is one rigid body: from thrust, (35) gives its mass, mass centre and inertia. With
+//! one joint unlocked it is two bodies: momentum is conserved, and (49) gives one of them. The other follows from the
+//! first step by (43)-(46). Repeated for every joint, 1..n or n..1, this gives every body.
 //!
 //! | paper | here | meaning |
 //! |---|---|---|
 //! | `M`, `I_eq`, `r_cm` | [`Single`] | mass, central inertia, mass centre of the locked robot, base axes |
-//! | `r_s`, `v_s'` | `p_BoS_B`, `a_NS_B` | place of the accelerometer, what it reads |
-//! | `r_i`, `f_i` | `T_B`, `F_B` | place and force of the thrusters; here their sums `sum r x f`, `sum f` |
-//! | `g`, `h` of (36) | [`SingleRow`] | what (35) leaves |
+//! | `r_s`, `v_s'` | `p_BoS_B`, `a_NS_B` | position of the accelerometer, its measurement |
+//! | `r_i`, `f_i` | `T_B`, `F_B` | position and force of the thrusters; here their sums `sum r x f`, `sum f` |
+//! | `g`, `h` of (36) | [`SingleRow`] | residuals of (35) |
 //! | `B~0`, `B~1` | `inner`, `outer` | base side and tip side of the unlocked joint |
 //! | `m~`, `I~`, `a~` | [`InertialParameters`] | of each side, about the origin of its own frame |
 //! | `g`, `h` of (50), (51) | [`MomentumRow`] | momentum of both sides |
 //! | `X`, `P_i`, `P_g`, `V`, `w`, `c1`, `c2` | [`swarm`] | particle swarm |
 //!
-//! **Assumptions.** Joints not unlocked stay in one ("normal") configuration; thrust is known; momentum is zero
-//! while joints move (the linear solution also takes it as unknown); no wheels.
+//! **Assumptions.** Locked joints stay in one ("normal") configuration; thrust is known; momentum is zero while joints
+//! move (the linear solution can also treat it as unknown); no wheels.
 //!
-//! **What it cannot identify.** The paper claims every number of every body. From motion, momentum and thrust a
-//! tree of n revolute joints shows `10 + 7 n` combinations: 52 of 70 for the paper's robot. Each two-body step
-//! leaves three of its ten numbers unseen: a mass on the joint axis, a first moment along it and a line inertia
-//! on it move to the other side without a trace. What a search returns for them is a point of its own range.
-//! See `docs/methods/xu2017.md`.
+//! **What it cannot identify.** The paper claims every number of every body. Motion, momentum and thrust of a tree
+//! with n revolute joints determine `10 + 7 n` combinations: 52 of 70 for the paper's robot. Each two-body step leaves
+//! three of its ten numbers unobservable: mass on the joint axis, first moment along it, and line inertia on it can be
+//! attributed to either side. A search returns an arbitrary point of its range for them. See `docs/methods/xu2017.md`.
 //!
-//! **Misprints followed in the corrected form:** (29), (30) `r_s` is the thruster's place `r_i`; (34) lacks the
+//! **Misprints followed in the corrected form:** (29), (30) `r_s` is the thruster's position `r_i`; (34) lacks the
 //! sensor's acceleration and has the signs of (35) reversed; (42) is
-//! `p0 = (M r_g - m0 A0 a0 - m1 (A0 l0 + A1 a1)) / (m0 + m1)`; (50) is `m0 v0 + m1 v1`; (59) holds Iyy in row 2;
-//! (68) forgets `m1 = M - m0`, so that `dP/dm0 = v0 - v1`.
+//! `p0 = (M r_g - m0 A0 a0 - m1 (A0 l0 + A1 a1)) / (m0 + m1)`; (50) is `m0 v0 + m1 v1`; (59) holds Iyy in row 2; (68)
+//! omits `m1 = M - m0`, so that `dP/dm0 = v0 - v1`.
 
 mod codes;
 mod error;
@@ -62,21 +61,21 @@ use nalgebra::SMatrix;
 use poinsot_identify::{Estimate, Problem};
 use poinsot_spatial::{InertialParameters, MassProperties, Matrix3, Vector3};
 
-/// Which solver and which order; the names of the command line.
+/// Solver and joint order, as named on the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Variant {
     /// Linear solution or particle swarm.
     pub solver: Kind,
-    /// Joints from the base to the tip or back.
+    /// Joints from base to tip, or reverse.
     pub order: Order,
 }
 
 /// Linear solution or particle swarm.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
-    /// The residuals of (35) and (49) solved by linear least squares.
+    /// Linear least squares on the residuals of (35) and (49).
     Linear,
-    /// The paper's particle swarm on (37) and (52).
+    /// The paper's particle swarm for (37) and (52).
     Swarm,
 }
 
@@ -116,7 +115,7 @@ impl Named for Variant {
     }
 }
 
-/// This method in the list of methods.
+/// Registration of the method.
 pub struct Xu2017;
 
 impl Method for Xu2017 {
@@ -188,7 +187,7 @@ fn natural(body: &MassProperties) -> [f64; 10] {
     })
 }
 
-/// Sum of bodies about one origin, in one set of axes.
+/// Sum of two bodies about one origin, in one set of axes.
 fn sum(a: &InertialParameters, b: &InertialParameters, sign: f64) -> InertialParameters {
     InertialParameters {
         mass: a.mass + sign * b.mass,

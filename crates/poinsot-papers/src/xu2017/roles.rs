@@ -1,20 +1,19 @@
-//! What every segment is for: thrust on the locked robot, or one joint in motion; and what is known.
+//! Role of every segment (thrust on the locked robot, or one joint in motion), and the known bodies.
 
 use super::error::Xu2017Error;
 use super::single_body::Part;
 use poinsot_identify::{Problem, Segment};
 use poinsot_model::EstimateSet;
 
-/// A joint that moves by less than this and a few sigma is locked, rad or m.
+/// Motion below this, or below a few sigmas, means locked, rad or m.
 const STILL: f64 = 1.0e-6;
-/// Sigmas of the encoder that are no motion.
+/// Encoder sigmas below which a joint is not moving.
 const SIGMAS: f64 = 8.0;
 
-/// The roles of all segments.
 pub(super) struct Roles {
     /// Segments with thrust and all joints locked.
     pub single: Vec<usize>,
-    /// Per joint coordinate, the segments in which it alone moves.
+    /// For each joint coordinate, the segments in which only it moves.
     pub of_joint: Vec<Vec<usize>>,
     /// Segments in which several joints move.
     pub together: Vec<usize>,
@@ -24,7 +23,7 @@ pub(super) struct Roles {
     pub unknown: Vec<bool>,
     /// Bodies of known mass and mass centre and unknown tensor.
     pub tensor_alone: Vec<bool>,
-    /// What is asked of the equivalent single body.
+    /// Requested part of the equivalent single body.
     pub part: Part,
 }
 
@@ -93,7 +92,7 @@ pub(super) fn roles(problem: &Problem) -> Result<Roles, Xu2017Error> {
 }
 
 impl Roles {
-    /// Segments in which any joint moves.
+    /// Number of segments in which a joint moves.
     pub fn moving_segments(&self) -> usize {
         self.together.len() + self.of_joint.iter().map(Vec::len).sum::<usize>()
     }
@@ -106,8 +105,8 @@ pub(super) const TENSOR_ALONE: EstimateSet = EstimateSet {
     inertia: true,
 };
 
-/// Every body is known, unknown, or unknown in its tensor alone; of the whole the tensor alone is asked where
-/// that holds for all unknown bodies.
+/// Classifies each body as known, unknown, or unknown in its tensor only. For the whole only the tensor is requested
+/// if that holds for all unknown bodies.
 fn part(problem: &Problem) -> Result<Part, Xu2017Error> {
     let asked = || problem.model.bodies.iter().filter(|b| b.estimate.any());
     if asked().count() > 0 && asked().all(|b| b.estimate == TENSOR_ALONE) {
@@ -149,8 +148,8 @@ fn moves(problem: &Problem, segment: &Segment, joint: usize) -> bool {
     high - low > tolerance(problem, joint)
 }
 
-/// Where every joint stands while it is locked; where it never is, its first position. One configuration is
-/// needed where several bodies are unknown.
+/// Position of every joint while locked; its first position if it is never locked. With several unknown bodies, only
+/// one configuration is allowed.
 fn normal(
     problem: &Problem,
     moving: &[Vec<usize>],
@@ -179,7 +178,6 @@ fn normal(
         .collect()
 }
 
-/// Name of a joint coordinate.
 pub(super) fn joint_name(problem: &Problem, coordinate: usize) -> String {
     let at = problem.tree.coordinates.get(coordinate);
     at.and_then(|&k| problem.model.joints.get(k))

@@ -1,4 +1,4 @@
-//! Sec. 5.6: how momentum changes with each parameter, (63)-(75), and which joint path makes that large.
+//! Sec. 5.6: sensitivity of momentum to each parameter, (63)-(75), and the joint path that maximises it.
 
 use super::least_squares::shown;
 use super::two_body::{MomentumRow, TwoBodyReading, equations, rows, transported_back};
@@ -9,13 +9,13 @@ use nalgebra::SMatrix;
 use poinsot_dynamics::{Kinematics, Tree, composite, momentum, twist_from_momentum};
 use poinsot_spatial::{InertialParameters, Matrix3, Vector3};
 
-/// (68), corrected: with `m1 = M - m0` momentum changes with `m0` by `v0 - v1`.
+/// (68), corrected: with `m1 = M - m0` the derivative of momentum with respect to `m0` is `v0 - v1`.
 pub fn mass_coefficient(v0: &Vector3, v1: &Vector3) -> Vector3 {
     v0 - v1
 }
 
-/// (72): `K_1..K_18` as three rows of six, columns xx, xy, xz, yy, yz, zz, for a body turned by `A0` that turns
-/// at `w0` (both in N). They are the partial derivatives (73) of `A0 I A0^T w0`.
+/// (72): `K_1..K_18` as three rows of six, columns xx, xy, xz, yy, yz, zz. The body has attitude `A0` and angular
+/// velocity `w0` (both in N). They are the partial derivatives (73) of `A0 I A0^T w0`.
 pub fn tensor_coefficients(A0: &Matrix3, w0: &Vector3) -> SMatrix<f64, 3, 6> {
     let S = A0.transpose() * w0;
     SMatrix::from_fn(|i, k| {
@@ -31,35 +31,34 @@ pub fn tensor_coefficients(A0: &Matrix3, w0: &Vector3) -> SMatrix<f64, 3, 6> {
     })
 }
 
-/// (75): bounds of the coefficients for an angular rate of at most `rate`, columns as in
-/// [`tensor_coefficients`].
+/// (75): bounds of the coefficients for an angular rate up to `rate`, columns as in [`tensor_coefficients`].
 pub fn tensor_bounds(rate: f64) -> [f64; 6] {
     [rate, 2.0 * rate, 2.0 * rate, rate, 2.0 * rate, rate]
 }
 
-/// What a joint path shows of the base side of its joint when the robot starts at rest.
+/// Sensitivity of a joint path to the base side of its joint, for a robot that starts at rest.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PathSensitivity {
-    /// Root mean square of the change of `[P; H]` per natural unit of each of the ten barycentric parameters,
-    /// N s or N m s.
+    /// RMS derivative of `[P; H]` with respect to each of the ten barycentric parameters in natural units, N s or N m
+    /// s.
     pub coefficients: [f64; 10],
-    /// Singular values of the whole, natural units, of the directions that the joint can show at all.
+    /// Singular values in natural units, of the directions that the joint can excite.
     pub singular: Vec<f64>,
     /// Largest angular rate of the base, rad/s.
     pub largest_rate: f64,
 }
 
 impl PathSensitivity {
-    /// The weakest direction: what a choice among paths should make large.
+    /// The smallest singular value: to be maximised among paths.
     pub fn weakest(&self) -> f64 {
         self.singular.last().copied().unwrap_or(0.0)
     }
 }
 
-/// Sensitivity of a path of one joint, positions and rates at the samples, all other joints in the normal
-/// configuration, momentum zero; the robot's numbers are nominal.
+/// Sensitivity of a path of one joint, given positions and rates at the samples. All other joints are in the normal
+/// configuration; momentum is zero; the robot is nominal.
 ///
-/// `None` where the robot has no mass.
+/// `None` if the robot has no mass.
 pub fn path_sensitivity(
     tree: &Tree,
     bodies: &[InertialParameters],
@@ -133,7 +132,7 @@ fn summary(list: &[MomentumRow], natural: &[f64; 10], largest_rate: f64) -> Path
 mod tests {
     use super::*;
 
-    /// (72)-(73) against a difference of `A0 I A0^T w0`, and (74)-(75) for every attitude.
+    /// (72)-(73) against a finite difference of `A0 I A0^T w0`, and (74)-(75) for random attitudes.
     #[test]
     fn exact_coefficients_are_derivatives_and_stay_in_their_bounds() {
         let I = Matrix3::new(30.0, 0.26, 0.37, 0.26, 28.0, -0.29, 0.37, -0.29, 32.0);

@@ -1,4 +1,4 @@
-//! Sec. 3.1: the locked robot first, then joint after joint, 1..n or n..1, with the bookkeeping of (43)-(46).
+//! Sec. 3.1: the locked robot, then each joint, 1..n or n..1, with the composition rules (43)-(46).
 
 mod bodies;
 mod known;
@@ -24,24 +24,23 @@ pub use report::{Found, Searched, StepReport};
 /// Sigmas that count as rest.
 const REST: f64 = 5.0;
 
-/// Joints from the base to the tip, or back.
+/// Joints from base to tip, or reverse.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Order {
-    /// 1..n: the base side is searched, as in (62).
+    /// 1..n: solves for the base side, as in (62).
     Outward,
-    /// n..1: the tip side is searched.
+    /// n..1: solves for the tip side.
     Inward,
 }
 
-/// How a step is solved.
+/// Solver of a step.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Solver {
     /// Linear solution or swarm.
     pub kind: Kind,
     /// The swarm.
     pub swarm: Swarm,
-    /// Half-width of the search range as a share of the nominal mass, moments of inertia and radius of
-    /// gyration.
+    /// Half-width of the search range relative to nominal mass, moments of inertia and radius of gyration.
     pub share: f64,
 }
 
@@ -55,7 +54,7 @@ impl Default for Solver {
     }
 }
 
-/// Everything that the steps share.
+/// Common data of the steps.
 struct Work<'a> {
     problem: &'a Problem<'a>,
     roles: Roles,
@@ -63,7 +62,7 @@ struct Work<'a> {
     order: Order,
     /// Placement in the normal configuration.
     normal: Kinematics,
-    /// Whether the mass of the whole is known or was seen in translation.
+    /// Whether the total mass is known or determined from translation.
     weighed: bool,
     found: Found,
 }
@@ -71,7 +70,7 @@ struct Work<'a> {
 /// Identifies every unknown body of a problem.
 ///
 /// # Errors
-/// The question cannot be put to this method.
+/// The method cannot be applied.
 pub fn sequence(problem: &Problem, order: Order, solver: &Solver) -> Result<Found, Xu2017Error> {
     let roles = roles(problem)?;
     let mut normal = Kinematics::new(problem.tree);
@@ -97,7 +96,7 @@ pub fn sequence(problem: &Problem, order: Order, solver: &Solver) -> Result<Foun
         .filter(|&b| work.roles.unknown[b])
         .collect();
     match (unknown.as_slice(), work.roles.moving_segments()) {
-        // Fourth use: everything else is known, so the body follows from any motion.
+        // Fourth use: all else is known, so any motion determines the body.
         ([one], 1..) => work.one_body(*one)?,
         (_, 0) => {
             work.single_body()?;
@@ -173,7 +172,7 @@ impl Work<'_> {
         Ok(())
     }
 
-    /// All two-body steps; the tip side of every joint that moves, in the frame of its body.
+    /// All two-body steps; returns the tip side of every moving joint, in the frame of its body.
     fn joints(&mut self) -> Result<Vec<Option<InertialParameters>>, Xu2017Error> {
         let dof = self.problem.tree.dof();
         let mut outers = vec![None; dof];
@@ -184,7 +183,7 @@ impl Work<'_> {
             order.reverse();
         }
         if self.found.total.is_none() {
-            // Third use: one side of some joint is known and sets the scale.
+            // Third use: a known side of some joint sets the scale.
             let first = order.iter().position(|&j| {
                 let child = self.child(j);
                 self.known(|b| self.carries(child, b)) || self.known(|b| !self.carries(child, b))
@@ -200,7 +199,7 @@ impl Work<'_> {
         Ok(outers)
     }
 
-    /// The linear solution, or the swarm's beside it.
+    /// Returns the linear solution, or runs the swarm and keeps both.
     fn finish(
         &mut self,
         part: Searched,
@@ -244,7 +243,7 @@ impl Work<'_> {
         Ok(found)
     }
 
-    /// Momentum that the noise of the velocity stands for; accelerations declare none.
+    /// Momentum equivalent to the velocity noise; accelerations have no declared noise.
     fn cost_noise(&self) -> f64 {
         let accelerations = self.found.form == Some(Form::Acceleration);
         let segments = self.problem.segments.iter();
@@ -261,7 +260,7 @@ impl Work<'_> {
         given.linear != zero || given.angular != zero
     }
 
-    /// The swarm's objective takes momentum as zero: the vehicle must start at rest.
+    /// The swarm's objective assumes zero momentum: checks that the vehicle starts at rest.
     fn check_rest(&mut self, segments: impl Iterator<Item = usize>) -> Result<(), Xu2017Error> {
         if !self.momentum_is_free() {
             return Ok(());
@@ -310,7 +309,7 @@ fn properties_of(pi: &InertialParameters) -> Result<Single, Xu2017Error> {
     ))
 }
 
-/// Mass, mass centre and tensor even where the mass is not positive: the cost of an odd solution is asked for.
+/// Mass properties, NaN if the mass is not positive: the cost of such a solution is still computed.
 fn properties_or_nan(pi: &InertialParameters) -> MassProperties {
     pi.mass_properties().unwrap_or(MassProperties {
         mass: pi.mass,

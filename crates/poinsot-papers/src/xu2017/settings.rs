@@ -1,4 +1,4 @@
-//! Settings of the swarm: the paper prints none of them.
+//! Settings of the swarm; the paper prints none.
 
 use super::Kind;
 use super::sequence::Solver;
@@ -6,10 +6,10 @@ use super::swarm::Swarm;
 use crate::error::MethodError;
 use crate::setting::{SettingText, Settings};
 
-/// Most particles and iterations: a cost that no computer pays is a slip of the pen.
+/// Largest number of particles or iterations; a larger value is a typing error.
 const MOST: u32 = 10_000_000;
 
-/// What `--set` takes.
+/// Settings for `--set`.
 pub(super) const SETTINGS: &[SettingText] = &[
     SettingText {
         key: "particles",
@@ -53,7 +53,7 @@ pub(super) const SETTINGS: &[SettingText] = &[
     },
 ];
 
-/// The solver of a variant with its settings.
+/// Solver of a variant with its settings.
 pub(super) fn solver(kind: Kind, settings: &Settings) -> Result<Solver, MethodError> {
     let usual = Solver::default();
     let Swarm {
@@ -87,7 +87,7 @@ pub(super) fn solver(kind: Kind, settings: &Settings) -> Result<Solver, MethodEr
     })
 }
 
-/// One number, or the first and the last.
+/// One weight, or the first and the last.
 fn inertia(text: &str) -> Result<[f64; 2], MethodError> {
     let number = |t: &str| {
         t.trim()

@@ -1,4 +1,4 @@
-//! The equivalent single body: all joints locked, thrusters fire, (27)-(37).
+//! The equivalent single body: all joints locked, thrusters firing, (27)-(37).
 
 use super::least_squares::{Answer, Rows, answer};
 use super::swarm::{Mean, Particle};
@@ -27,38 +27,38 @@ pub struct Push {
     pub T_B: Vector3,
 }
 
-/// (36) of one sample, or its integral, with the unknowns taken out:
-/// `g = G y + B c - A`, `h = M (D + E c) - J`, y the tensor in the order of (61), c the mass centre.
+/// (36) of one sample, or its time integral, separated from the unknowns: `g = G y + B c - A`, `h = M (D + E c) - J`.
+/// Here y is the tensor in the order of (61) and c the mass centre.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SingleRow {
-    /// What the tensor adds to the moment.
+    /// Coefficient of the tensor in the moment.
     pub G: SMatrix<f64, 3, 6>,
-    /// What the mass centre adds to the moment.
+    /// Coefficient of the mass centre in the moment.
     pub B: Matrix3,
-    /// Moment of the thrust about the base origin.
+    /// Moment of thrust about the base origin.
     pub A: Vector3,
-    /// Motion of the base origin; `None` where translation is not seen.
+    /// Motion of the base origin; `None` if translation is not measured.
     pub D: Option<Vector3>,
-    /// What the mass centre adds to the motion.
+    /// Coefficient of the mass centre in the motion.
     pub E: Matrix3,
-    /// Force of the thrust.
+    /// Force of thrust.
     pub J: Vector3,
 }
 
-/// Where the rows come from.
+/// Form of the equations.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Form {
     /// (35) as printed: angular acceleration and accelerometer.
     Acceleration,
-    /// (35) integrated from the first sample: rates, velocity, attitude. Needs no acceleration.
+    /// (35) integrated from the first sample: rates, velocity, attitude; no acceleration needed.
     Momentum,
 }
 
-/// Rows of (36), one a sample.
+/// Rows of (36), one per sample.
 pub fn accelerations(samples: &[Push]) -> Vec<SingleRow> {
     let of = |s: &Push| {
         let w = skew(&s.w_NB_B);
-        // w' x and w x (w x) together: what turns a place into an acceleration, (32).
+        // w' x and w x (w x): maps a position to an acceleration, (32).
         let E = skew(&s.dw_NB_B) + w * w;
         SingleRow {
             // I w' + w x I w, (28).
@@ -75,10 +75,10 @@ pub fn accelerations(samples: &[Push]) -> Vec<SingleRow> {
     samples.iter().map(of).collect()
 }
 
-/// Rows of (36) integrated over time from the first sample, in N: the change of momentum less the impulse.
+/// Rows of (36) integrated over time from the first sample, in N: change of momentum minus impulse.
 ///
-/// Per sample: attitude, velocity of the base origin in N where it is seen, angular velocity in B, and the
-/// impulses `integral R f`, `integral R (r x f)`, `integral R [f]x` since the first sample.
+/// Per sample: attitude, velocity of the base origin in N if measured, angular velocity in B, and the impulses
+/// `integral R f`, `integral R (r x f)`, `integral R [f]x` since the first sample.
 pub fn momenta(
     R_NB: &[UnitQuaternion],
     v_NBo_N: Option<&[Vector3]>,
@@ -100,7 +100,7 @@ pub fn momenta(
         .collect()
 }
 
-/// What is known of the locked robot beforehand.
+/// Known part of the locked robot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Part {
     /// Nothing.
@@ -111,9 +111,8 @@ pub enum Part {
 
 /// The linear solution of (35): with the force equation divided by M it is linear in `I_cm`, `r_cm`, `1/M`.
 ///
-/// In the momentum form the momentum of the first sample is a further unknown, so that its noise does not stand
-/// in every row. Directions that these rows do not show keep the values of `nominal`. One list of rows per
-/// segment.
+/// In the momentum form the momentum of the first sample is an additional unknown, so that its noise does not affect
+/// every row. Unobservable directions keep the values of `nominal`. One list of rows per segment.
 pub fn solve_single(
     segments: &[Vec<SingleRow>],
     form: Form,
@@ -192,14 +191,14 @@ pub fn solve_single(
     })
 }
 
-/// The cost (37), mean over the samples, for many particles at once: eight samples side by side.
+/// The cost (37), averaged over the samples, for many particles; eight samples in parallel.
 pub struct SingleObjective {
     chunks: Vec<[V; 45]>,
     samples: usize,
 }
 
 impl SingleObjective {
-    /// From the rows of [`accelerations`] or [`momenta`].
+    /// From rows of [`accelerations`] or [`momenta`].
     pub fn new(rows: &[SingleRow]) -> Self {
         let chunks = rows.chunks(LANES).map(|chunk| {
             let mut lanes = [V::ZERO; 45];

@@ -1,8 +1,8 @@
 //! Particle swarm of Sec. 4, (53)-(58).
 //!
-//! The paper prints neither swarm size nor weights nor ranges; [`Swarm::default`] says ours. Every particle has
-//! random numbers of its own (ChaCha8, stream = particle) and all particles of an iteration see the best of the
-//! one before, so that the answer has the same bits on any number of threads.
+//! The paper prints neither swarm size nor weights nor ranges; [`Swarm::default`] has ours. Every particle has its own
+//! random stream (ChaCha8, stream = particle), and each iteration uses the best position of the previous one. The
+//! result is therefore identical for any number of threads.
 
 use poinsot_solve::lanes::V;
 use pulp::{Arch, Simd, WithSimd};
@@ -13,34 +13,34 @@ use rayon::prelude::*;
 /// Position of a particle, (53): the ten numbers of (61) or (62).
 pub type Particle = [f64; 10];
 
-/// Particles that one task evaluates.
+/// Particles evaluated by one task.
 const BLOCK: usize = 10;
-/// Work (particles times samples) above which an iteration is spread over threads.
+/// Work (particles times samples) above which an iteration is distributed over threads.
 const WORTH: usize = 200_000;
-/// A coordinate nearer to its bound than this share of the range lies on it.
+/// A coordinate closer to its bound than this fraction of the range is on it.
 const ON_BOUND: f64 = 1.0e-9;
 
-/// Something to minimise.
+/// Objective function.
 pub trait Objective: Sync {
     /// Cost of every particle.
     fn costs(&self, particles: &[Particle], out: &mut [f64]);
-    /// Samples behind one cost.
+    /// Number of samples behind one cost.
     fn samples(&self) -> usize;
 }
 
-/// An objective that is a mean over samples, several of them side by side.
+/// An objective that is a mean over samples, several in parallel.
 pub trait Mean: Sync {
-    /// Samples side by side.
+    /// Samples evaluated in parallel.
     type Chunk;
-    /// A particle as its cost reads it.
+    /// A particle in the form used by the cost.
     type Body: Copy;
     /// All samples.
     fn chunks(&self) -> &[Self::Chunk];
-    /// How many there are.
+    /// Number of samples.
     fn count(&self) -> usize;
-    /// What the cost reads of a particle.
+    /// Converts a particle for the cost.
     fn body(&self, x: &Particle) -> Self::Body;
-    /// Cost of one particle in the samples of a chunk.
+    /// Cost of one particle for a chunk of samples.
     fn cost(chunk: &Self::Chunk, body: &Self::Body) -> V;
 }
 
@@ -58,14 +58,14 @@ impl<M: Mean> Objective for M {
     }
 }
 
-/// The costs of a block of particles, compiled for the instructions that the machine has.
+/// Costs of a block of particles, compiled for several instruction sets.
 struct Costs<'a, M> {
     objective: &'a M,
     particles: &'a [Particle],
     out: &'a mut [f64],
 }
 
-/// Particles whose sums stay in the nearest cache.
+/// Particles whose sums fit in the L1 cache.
 const NEAR: usize = 64;
 
 impl<M: Mean> WithSimd for Costs<'_, M> {
@@ -81,7 +81,7 @@ impl<M: Mean> WithSimd for Costs<'_, M> {
             for (x, body) in particles.iter().zip(bodies.iter_mut()) {
                 *body = of.body(x);
             }
-            // One chunk of samples stays in the nearest cache while all particles pass.
+            // One chunk of samples stays in the cache while all particles are evaluated.
             for chunk in of.chunks() {
                 for (body, total) in bodies.iter().zip(sums.iter_mut()).take(particles.len()) {
                     *total = *total + M::cost(chunk, body);
@@ -94,18 +94,18 @@ impl<M: Mean> WithSimd for Costs<'_, M> {
     }
 }
 
-/// How the swarm flies.
+/// Parameters of the swarm.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Swarm {
     /// Particles, `n_p`.
     pub particles: usize,
-    /// Most iterations, `N_max`.
+    /// Largest number of iterations, `N_max`.
     pub iterations: usize,
-    /// Weight `w` of the old velocity at the first and the last iteration; linear between.
+    /// Weight `w` of the old velocity at the first and the last iteration; linear in between.
     pub weight: [f64; 2],
     /// `c1` and `c2`.
     pub attraction: [f64; 2],
-    /// Stop after so many iterations without a better best.
+    /// Stop after this many iterations without improvement.
     pub patience: usize,
     /// Seed.
     pub seed: u64,
@@ -124,7 +124,7 @@ impl Default for Swarm {
     }
 }
 
-/// Box that holds the particles. A coordinate with equal bounds is known.
+/// Box constraints on the particles. A coordinate with equal bounds is known.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Range {
     /// Lower bounds.
@@ -134,7 +134,7 @@ pub struct Range {
 }
 
 impl Range {
-    /// `centre` less and plus `half`.
+    /// `centre` minus and plus `half`.
     pub fn around(centre: &Particle, half: &Particle) -> Self {
         Self {
             low: std::array::from_fn(|d| centre[d] - half[d]),
@@ -146,12 +146,12 @@ impl Range {
         self.high[d] - self.low[d]
     }
 
-    /// Whether a position lies inside.
+    /// Whether a position is inside.
     pub fn holds(&self, x: &Particle) -> bool {
         (0..10).all(|d| x[d] >= self.low[d] && x[d] <= self.high[d])
     }
 
-    /// Coordinates that lie on a bound of the range.
+    /// Coordinates on a bound of the range.
     pub fn touched(&self, x: &Particle) -> Vec<usize> {
         let near = |d: &usize| {
             let gap = (x[*d] - self.low[*d]).min(self.high[*d] - x[*d]);
@@ -161,7 +161,7 @@ impl Range {
     }
 }
 
-/// Where the swarm ended.
+/// Result of the swarm.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Flight {
     /// Best position, (55).
@@ -184,13 +184,13 @@ impl Dice {
         Self(rng)
     }
 
-    /// Evenly in [0, 1).
+    /// Uniform in [0, 1).
     fn unit(&mut self) -> f64 {
         (self.0.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
     }
 }
 
-/// Minimises within a range; `watch` sees the best position after every iteration.
+/// Minimises within a range; `watch` receives the best position after every iteration.
 pub fn fly(
     swarm: &Swarm,
     range: &Range,
@@ -252,7 +252,7 @@ pub fn fly(
     }
 }
 
-/// (57) and (58), held inside the range.
+/// (57) and (58), clamped to the range.
 #[inline]
 fn step(
     x: &mut Particle,
@@ -285,7 +285,7 @@ fn evaluate(objective: &dyn Objective, x: &[Particle], cost: &mut [f64]) {
     }
 }
 
-/// Index of the least cost; the first of equals.
+/// Index of the least cost; the first if several are equal.
 fn least(cost: &[f64]) -> usize {
     let better = |a: usize, b: usize| if cost[b] < cost[a] { b } else { a };
     (0..cost.len()).fold(0, better)
@@ -295,9 +295,8 @@ fn least(cost: &[f64]) -> usize {
 mod tests {
     use super::*;
 
-    /// Distances along the axes, summed as the paper sums lengths of residuals: beside a distance of 0.5 that the range
-    /// forbids to shrink, another is seen down to 1e-16. In the root of one sum of squares it would be lost below
-    /// 1e-8.
+    /// Distances along the axes, summed as the paper sums norms of residuals. Next to a distance of 0.5 fixed by the
+    /// range, another one is resolved to 1e-16. The root of a sum of squares resolves only 1e-8.
     struct Bowl(Particle);
 
     impl Objective for Bowl {

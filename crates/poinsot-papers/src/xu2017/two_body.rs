@@ -1,7 +1,7 @@
 //! The equivalent two-body system: one joint moves, momentum is conserved, (38)-(52).
 //!
-//! Momentum is linear in the barycentric parameters of both sides; the other side follows from the one that is
-//! searched by (43), (44), (46). So every sample becomes rows in ten numbers: [`rows`].
+//! Momentum is linear in the barycentric parameters of both sides; the other side follows from the searched one by
+//! (43), (44), (46). Every sample therefore gives rows in ten numbers: [`rows`].
 
 use super::properties;
 use super::swarm::{Mean, Particle};
@@ -10,10 +10,10 @@ use poinsot_dynamics::{Kinematics, body_momentum};
 use poinsot_solve::lanes::{LANES, V};
 use poinsot_spatial::{InertialParameters, Matrix3, UnitQuaternion, Vector3, parallel_axis};
 
-/// Where a side's frame is and how it moves, (38), in base axes.
+/// Frame and motion of a side, (38), in base axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Side {
-    /// `A~`: from the side's frame to the base.
+    /// `A~`: rotation from the side's frame to the base.
     pub R: Matrix3,
     /// Origin of the frame from the base origin, m.
     pub p: Vector3,
@@ -46,13 +46,13 @@ pub struct TwoBodyReading {
     pub inner: Side,
     /// Tip side: the frame of the body behind the joint.
     pub outer: Side,
-    /// Linear momentum, angular momentum and first moment about the base origin of bodies that are known on
-    /// their own, in base axes.
+    /// Linear momentum, angular momentum and first moment of separately known bodies, about the base origin, in base
+    /// axes.
     pub rest: [Vector3; 3],
 }
 
 impl TwoBodyReading {
-    /// Both sides of the joint before a body, N at the base origin and along its axes.
+    /// Both sides of the joint before a body, with N at the base origin and along its axes.
     pub(super) fn in_base(kinematics: &Kinematics, outer: usize) -> Self {
         Self {
             R_NB: UnitQuaternion::identity(),
@@ -64,12 +64,12 @@ impl TwoBodyReading {
     }
 }
 
-/// Momentum of one sample in the ten numbers `x` of one body, about the base origin in base axes.
+/// Momentum of one sample as a function of the ten numbers `x` of one body, about the base origin in base axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MomentumRow {
-    /// Linear, first moment and angular without the body: `[l; s; h]`.
+    /// Without the body: linear momentum, first moment, angular momentum, `[l; s; h]`.
     pub constant: SVector<f64, 9>,
-    /// What its ten parameters add.
+    /// Derivative with respect to its ten parameters.
     pub slope: SMatrix<f64, 9, 10>,
     /// Attitude.
     pub R_NB: UnitQuaternion,
@@ -129,8 +129,8 @@ pub(super) fn equations(list: &[MomentumRow]) -> Vec<[f64; 10]> {
     list.iter().flat_map(of).collect()
 }
 
-/// Parameters about the origin of one frame from those about the origin of another that stands at `p`, turned
-/// by `R`: the parallel-axis theorem of (44) before the mass is divided out.
+/// Transforms parameters to another frame; their own frame has position `p` and rotation `R` in it. This is the
+/// parallel-axis theorem of (44) before division by the mass.
 pub fn transported(body: &InertialParameters, R: &Matrix3, p: &Vector3) -> InertialParameters {
     let mc = R * body.mc_B;
     let cross = Matrix3::identity() * (2.0 * p.dot(&mc)) - p * mc.transpose() - mc * p.transpose();
@@ -147,22 +147,22 @@ pub fn transported_back(body: &InertialParameters, R: &Matrix3, p: &Vector3) -> 
     transported(body, &inverse, &-(inverse * p))
 }
 
-/// What the mass of the whole is where a row is evaluated.
+/// Total mass at an evaluated row.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Whole {
-    /// Mass without the searched body, or of the whole where that is given, kg.
+    /// Mass without the searched body, or the given total mass, kg.
     pub constant: f64,
-    /// 1 where the searched body adds its own mass, else 0.
+    /// 1 if the searched body adds its mass, otherwise 0.
     pub slope: f64,
 }
 
 const L: usize = 9;
 const SLOPES: usize = 12 + 12 + 30;
 
-/// The cost (52), mean over the samples, for many particles at once: eight samples side by side.
+/// The cost (52), averaged over the samples, for many particles; eight samples in parallel.
 ///
-/// `H` of (51) is taken about the origin of the inertial frame, which is the system's mass centre; (42) puts
-/// the base there, so `H = h - (s/M) x l` in base axes.
+/// `H` of (51) is taken about the origin of the inertial frame, which is the system's mass centre. (42) locates the
+/// base there, so `H = h - (s/M) x l` in base axes.
 pub struct TwoBodyObjective {
     chunks: Vec<[V; L + SLOPES]>,
     samples: usize,
@@ -170,7 +170,7 @@ pub struct TwoBodyObjective {
 }
 
 impl TwoBodyObjective {
-    /// From rows about zero momentum; `total` is the mass of the whole where it is known.
+    /// From rows with zero momentum; `total` is the total mass, if known.
     pub fn new(rows: &[MomentumRow], total: Option<f64>, rest: f64) -> Self {
         let whole = Whole {
             constant: total.unwrap_or(rest),
@@ -179,7 +179,7 @@ impl TwoBodyObjective {
         let chunks = rows.chunks(LANES).map(|chunk| {
             let mut lanes = [V::ZERO; L + SLOPES];
             for (k, row) in chunk.iter().enumerate() {
-                // No tensor shows in linear momentum and first moment: four columns, then ten.
+                // The tensor does not enter linear momentum and first moment: four columns, then ten.
                 let upper = row.slope.fixed_view::<6, 4>(0, 0);
                 let lower = row.slope.fixed_view::<3, 10>(6, 0);
                 let all = row.constant.iter().chain(upper.iter()).chain(lower.iter());
@@ -199,7 +199,7 @@ impl TwoBodyObjective {
 
 impl Mean for TwoBodyObjective {
     type Chunk = [V; L + SLOPES];
-    /// Ten parameters, one over the mass of the whole.
+    /// Ten parameters, and the reciprocal of the total mass.
     type Body = ([V; 10], V);
 
     fn chunks(&self) -> &[[V; L + SLOPES]] {

@@ -1,4 +1,4 @@
-//! What to say beside the numbers: thrust that shows nothing, joints that stand, ranges that exclude.
+//! Warnings: uninformative thrust, joints that do not move, ranges that exclude the solution.
 
 use super::roles::{joint_name, roles};
 use super::sequence::{Found, StepReport};
@@ -8,7 +8,7 @@ use poinsot_dynamics::Kinematics;
 use poinsot_identify::{Estimate, Problem};
 use poinsot_model::{Nuisance, SensorKind};
 
-/// A lever arm below this share of the radius of gyration is no lever.
+/// Lever arms below this fraction of the radius of gyration are zero.
 const NO_LEVER: f64 = 1.0e-6;
 
 /// Names of the ten coordinates of a particle, with units.
@@ -25,7 +25,7 @@ const COORDINATES: [(&str, &str); 10] = [
     ("mass centre z", "m"),
 ];
 
-/// What the report of the method says first.
+/// First notes of the report.
 pub(super) fn notes(variant: Variant, found: &Found, estimate: &Estimate) -> String {
     let order = match variant.order {
         Order::Outward => "joints 1..n, base side searched",
@@ -113,7 +113,7 @@ fn thrust(problem: &Problem, found: &Found) -> Vec<String> {
     list
 }
 
-/// What the model declares unknown and the paper takes as exact.
+/// Declared unknowns that the paper assumes exact.
 fn declared(problem: &Problem, found: &Found) -> Vec<String> {
     let model = problem.model;
     let mut list = Vec::new();
@@ -133,7 +133,7 @@ fn declared(problem: &Problem, found: &Found) -> Vec<String> {
     list
 }
 
-/// Joints that never move though something on both sides is unknown.
+/// Joints that never move although both sides have unknown bodies.
 fn standing(problem: &Problem) -> Vec<String> {
     let Ok(roles) = roles(problem) else {
         return Vec::new();
@@ -157,7 +157,7 @@ fn standing(problem: &Problem) -> Vec<String> {
         .collect()
 }
 
-/// A swarm on the bounds of its range, or not arrived.
+/// A swarm on the bounds of its range, or not converged.
 fn search(step: &StepReport, share: f64) -> Option<String> {
     let (flight, range) = step.flight.as_ref()?;
     let touched: Vec<String> = flight

@@ -1,12 +1,12 @@
-//! Published methods on vehicles that their papers never had: an arm that branches with a prismatic joint, four wheels in a
-//! pyramid. Each answers with numbers that hold, withholds them, or refuses and says what it needs.
+//! Published methods on vehicles not in their papers: a branched arm with a prismatic joint, four wheels in a pyramid.
+//! Each gives correct numbers, withholds them, or refuses and names its requirements.
 
 use poinsot::campaign::{CampaignRequest, campaign, made_plan};
 use poinsot::sweep::{SweepRequest, sweep_plan};
 use poinsot_formats::{CampaignFile, MethodResultFile};
 use std::path::Path;
 
-/// Trials of a point: a method that is wrong misses most of them.
+/// Trials per point; a wrong method fails in most of them.
 const TRIALS: u64 = 12;
 
 fn sweep(case: &str, methods: &[&str], settings: &[&str]) -> CampaignFile {
@@ -32,13 +32,13 @@ fn sweep(case: &str, methods: &[&str], settings: &[&str]) -> CampaignFile {
     campaign(&plan, &request).unwrap().result.unwrap()
 }
 
-/// Every cell's result of one method.
+/// Result of one method in every cell.
 fn of<'r>(result: &'r CampaignFile, method: &str) -> Vec<&'r MethodResultFile> {
     let all = result.cells.iter().flat_map(|c| &c.methods);
     all.filter(|m| m.method == method).collect()
 }
 
-/// Share of intervals that hold the truth, over all numbers that were given in all cells, and how many there are.
+/// Coverage over all numbers of all cells, and their count.
 fn held(result: &CampaignFile, method: &str) -> (f64, u64) {
     let numbers = of(result, method)
         .into_iter()
@@ -51,7 +51,7 @@ fn held(result: &CampaignFile, method: &str) -> (f64, u64) {
     (held / count.max(1) as f64, count)
 }
 
-/// Refused in every trial, with this code.
+/// Refused in every trial with this code.
 #[track_caller]
 fn refused(result: &CampaignFile, method: &str, code: &str) {
     for m in of(result, method) {
@@ -65,7 +65,7 @@ fn stat_methods_on_a_branched_arm_with_a_prismatic_joint() {
     let methods = ["auto", "ma2008", "kim2010", "xu2017/linear"];
     let result = sweep("branched_arm.toml", &methods, &[]);
     refused(&result, "kim2010", "E0425");
-    // Ten numbers in each trial of both cells, by maximum likelihood, within the bound.
+    // Ten numbers per trial in both cells by maximum likelihood, within the bound.
     let (share, count) = held(&result, "auto");
     assert_eq!(count, 2 * 10 * TRIALS);
     assert!(share > 0.88, "{share}");
@@ -73,7 +73,7 @@ fn stat_methods_on_a_branched_arm_with_a_prismatic_joint() {
         let (share, count) = held(&result, method);
         println!("{method}: {count} numbers, {share:.3} of the intervals hold");
         assert!(count > 0 && share > 0.9, "{method}: {share} of {count}");
-        // Neither beats the bound.
+        // No method beats the bound.
         for m in of(&result, method) {
             for (name, n) in &m.numbers {
                 let ratio = n.rmse_over_bound.high.unwrap_or(f64::INFINITY);
@@ -98,8 +98,8 @@ fn stat_methods_on_a_pyramid_of_four_wheels() {
     refused(&result, "xu2017 linear", "E053");
     let (share, count) = held(&result, "auto");
     assert!(count > 0 && share > 0.85, "auto: {share} of {count}");
-    // Sigma holds the difference to the certified answer. The nine-element estimator is near the bound; the conventional and
-    // the suggested one are far off, and say so.
+    // Sigma includes the difference from the certified answer. The nine-element estimator is near the bound; the
+    // conventional and suggested ones are not, and their sigmas show it.
     for (m, cell) in of(&result, "kim2010 batch").into_iter().zip(&result.cells) {
         for (name, n) in &m.numbers {
             let ratio = n.rmse_over_bound.value.unwrap();
@@ -120,7 +120,7 @@ fn stat_methods_on_a_pyramid_of_four_wheels() {
     }
 }
 
-/// The range of the swarm decides whether it can find a body whose nominal mass is far off: a setting of the sweep.
+/// The range of the swarm decides whether it finds a body with a large nominal error: a setting of the sweep.
 #[test]
 fn exact_settings_of_a_sweep_reach_the_method() {
     let result = |settings: &[&str]| sweep("pyramid.toml", &["auto", "xu2017"], settings);

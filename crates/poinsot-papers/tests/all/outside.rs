@@ -1,4 +1,4 @@
-//! Studies of the papers against code that is not ours: `fixtures/papers`, NumPy alone.
+//! Studies of the papers against an independent implementation: `fixtures/papers`, NumPy only.
 
 use crate::kim2010::{fly, identify};
 use crate::xu2017::{linear_null, truth};
@@ -25,7 +25,7 @@ fn study(paper: &str, name: &str) -> Findings {
     run(study, &repository().join("examples")).unwrap()
 }
 
-/// The numbers of the row whose first cell is `row`.
+/// The numbers of the row with this first cell.
 fn row(findings: &Findings, table: &str, row: &str) -> Vec<f64> {
     let table = findings.tables.iter().find(|t| t.name == table).unwrap();
     let cells = table.rows.iter().find(|r| r[0].text() == row).unwrap();
@@ -36,7 +36,7 @@ fn row(findings: &Findings, table: &str, row: &str) -> Vec<f64> {
     cells[1..].iter().filter_map(number).collect()
 }
 
-/// Every number within a share of the other's.
+/// Every number agrees within a relative tolerance.
 fn near(label: &str, ours: &[f64], theirs: &[f64], share: f64) {
     assert_eq!(ours.len(), theirs.len(), "{label}");
     for (a, b) in ours.iter().zip(theirs) {
@@ -80,7 +80,7 @@ fn xval_offset_and_bias_in_both_options() {
     }
 }
 
-/// Errors of the tensor at 3 % noise in four readings; the medians of 200 trials scatter.
+/// Errors of the tensor at 3 % noise in four interpretations; medians of 200 trials scatter.
 #[test]
 fn xval_four_readings_of_three_per_cent() {
     let (theirs, ours) = (outside("ma2008.json"), study("ma2008", "readings"));
@@ -97,7 +97,7 @@ fn xval_four_readings_of_three_per_cent() {
     }
 }
 
-/// Bounds of mass and tensor against span of the motion, moving joints and mass ratio.
+/// Bounds of mass and tensor against span of motion, moving joints and mass ratio.
 #[test]
 fn xval_bounds_of_the_claims() {
     let (theirs, ours) = (outside("ma2008.json"), study("ma2008", "reach"));
@@ -121,7 +121,7 @@ fn xval_bounds_of_the_claims() {
     }
 }
 
-/// (75) is loose by two in the products; all joints at once against one.
+/// (75) overestimates the products by a factor of two; all joints together against one.
 #[test]
 fn xval_looseness_of_75_and_all_joints_at_once() {
     let theirs = outside("xu2017.json");
@@ -148,7 +148,7 @@ fn xval_looseness_of_75_and_all_joints_at_once() {
     }
 }
 
-/// Every number within a distance of the other.
+/// Every number agrees within an absolute tolerance.
 fn close(label: &str, ours: &[f64], theirs: &[f64], distance: f64) {
     assert_eq!(ours.len(), theirs.len(), "{label}");
     for (a, b) in ours.iter().zip(theirs) {
@@ -159,11 +159,11 @@ fn close(label: &str, ours: &[f64], theirs: &[f64], distance: f64) {
     }
 }
 
-/// The columns of Table 2 without noise, on the one slew and on three of 17 deg.
+/// The columns of Table 2 without noise, for one slew and for three of 17 deg.
 #[test]
 fn xval_columns_of_table_2() {
     let (theirs, ours) = (outside("kim2010.json"), study("kim2010", "table2"));
-    // In the study's table the printed numbers stand between the columns.
+    // In the study's table the printed numbers are between the columns.
     for (column, at) in [("batch", 1), ("conventional", 3), ("suggested", 5)] {
         let found = NAMES.map(|name| row(&ours, "columns", name)[at]);
         close(column, &found, &numbers(&theirs["one"][column]), 1.0e-4);
@@ -178,7 +178,7 @@ fn xval_columns_of_table_2() {
     }
 }
 
-/// The column "considering pre-estimate" and the length of the record, from the other columns of Table 2.
+/// The column "considering pre-estimate" and the record length, from the other columns of Table 2.
 #[test]
 fn xval_inversion_of_table_2() {
     let (theirs, ours) = (outside("kim2010.json"), study("kim2010", "pre-estimate"));
@@ -195,7 +195,8 @@ fn xval_inversion_of_table_2() {
     );
 }
 
-/// What the momentum determines of 70 numbers, and how much of the error of Tables 6 to 12 lies outside it.
+/// The number of combinations determined by momentum (of 70 numbers), and the unobservable part of the errors in
+/// Tables 6 to 12.
 #[test]
 fn xval_52_of_70_and_the_error_of_tables_6_to_12() {
     let theirs = &outside("xu2017.json")["determined"];

@@ -1,4 +1,4 @@
-//! The step of the minimax search: a quadratic program of linearised functions within the sides that it may meet.
+//! The step of the minimax search: a quadratic program of linearised functions within the sides that it can reach.
 
 use super::{PRICE, Reached};
 use crate::polytope::{Polytope, Side};
@@ -6,11 +6,11 @@ use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
 use nalgebra::{DMatrix, DVector};
 
-/// Limits further below zero than this do not enter a step.
+/// Limits further below zero are not included in a step.
 const FAR: f64 = -0.7;
-/// Part of the longest step towards a side within which the side is a row of the first quadratic program.
+/// A side is a row of the first quadratic program if it is within this fraction of the longest step.
 const LIKELY: f64 = 0.3;
-/// Part of the room to a side that a step may not use up, for the round-off of the solver.
+/// Fraction of the distance to a side that a step must keep, for the solver's round-off.
 const INSIDE: f64 = 1.0e-9;
 
 /// Jacobian of all functions at one point, one row per function.
@@ -19,10 +19,10 @@ pub struct Jacobian {
     pub limits: DMatrix<f64>,
 }
 
-/// What a quadratic program gives.
+/// Solution of a quadratic program.
 pub struct Step {
     pub d: DVector<f64>,
-    /// Merit that the linearised functions have after the step.
+    /// Merit of the linearised functions after the step.
     pub merit: f64,
     /// Multipliers of objectives and limits.
     pub multipliers: (DVector<f64>, DVector<f64>),
@@ -51,12 +51,12 @@ impl Rows {
     }
 }
 
-/// A side of the polytope that a step within the trust region may meet: `factor a^T d <= bound`.
+/// A side of the polytope within reach of the trust region: `factor a^T d <= bound`.
 struct Near<'p> {
     side: &'p Side,
     factor: f64,
     bound: f64,
-    /// Whether it is a row of the quadratic program: the others are only checked.
+    /// Whether it is a row of the quadratic program; others are only checked.
     is_row: bool,
 }
 
@@ -66,7 +66,7 @@ impl Near<'_> {
     }
 }
 
-/// The sides that a step may meet; rows are those of which it needs less than a part of its length.
+/// The sides within reach of a step; those within a fraction of its length are rows.
 fn near_sides<'p>(polytope: &'p Polytope, x: &[f64], delta: f64) -> Vec<Near<'p>> {
     let mut near = Vec::new();
     for side in &polytope.sides {
@@ -86,7 +86,8 @@ fn near_sides<'p>(polytope: &'p Polytope, x: &[f64], delta: f64) -> Vec<Near<'p>
     near
 }
 
-/// The step of the linearised functions. Of many sides few are met: rows are added until the step breaks none.
+/// The step of the linearised functions. Only few of many sides are active, so rows are added until the step violates
+/// none.
 pub fn quadratic(
     at: &Reached,
     slopes: &Jacobian,

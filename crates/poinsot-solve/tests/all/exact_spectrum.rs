@@ -1,4 +1,4 @@
-//! Sigmas of two-unknown problems that can be inverted by hand.
+//! Sigmas of problems with two unknowns, inverted by hand.
 
 use faer::Mat;
 use poinsot_solve::Spectrum;
@@ -8,7 +8,7 @@ fn spectrum(R: [[f64; 2]; 2], natural: [f64; 2]) -> Spectrum {
     Spectrum::new(&R, &natural, &[0.0; 4], 1.0, 10.0).unwrap()
 }
 
-/// `R^T R` is [4 2; 2 17], its inverse [17 -2; -2 4] / 64; natural units must not show.
+/// `R^T R` is [4 2; 2 17], its inverse [17 -2; -2 4] / 64; the result must not depend on natural units.
 #[test]
 fn exact_sigma_and_covariance_of_two_unknowns() {
     for natural in [[1.0, 1.0], [3.0, 0.5]] {
@@ -24,7 +24,7 @@ fn exact_sigma_and_covariance_of_two_unknowns() {
     }
 }
 
-/// One equation, x + y = d with unit noise: the sum has sigma 1, neither unknown has any.
+/// One equation, x + y = d with unit noise: the sum has sigma 1, the unknowns have none.
 #[test]
 fn exact_no_sigma_for_what_touches_an_open_direction() {
     let s = spectrum([[1.0, 1.0], [0.0, 0.0]], [1.0, 1.0]);

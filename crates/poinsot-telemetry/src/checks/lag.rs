@@ -1,4 +1,4 @@
-//! Attitude and gyro shifted in time against each other.
+//! Time shift between attitude and gyro.
 
 use super::{Check, Finding, Found, Policy};
 use crate::hypothesis::{Axes, Order, Sense};
@@ -6,16 +6,16 @@ use crate::rate_pairs::Pairs;
 use crate::{Channel, Table, full_name, median_step, rounded};
 use std::sync::Arc;
 
-/// Longest lag that is looked for, s, and in samples of the slower channel.
+/// Longest lag tested, s.
 const LONGEST_S: f64 = 1.0;
 /// Trials on each side of zero.
 const TRIALS: i32 = 20;
 /// Samples of each channel that are used.
 const MOST: usize = 20_000;
-/// The residual must fall below this share of that without lag.
+/// The residual at the lag must be below this fraction of the residual without lag.
 const DECISIVE: f64 = 0.7;
 
-/// The shift of the gyro's times at which its integral fits the attitude best.
+/// The shift of the gyro's times that fits its integral best to the attitude.
 pub(super) fn find(table: &Table) -> Option<Found> {
     let of = |name: &str| table.channels.iter().find(|c| c.name == name).map(short);
     let q = [of("q_x")?, of("q_y")?, of("q_z")?, of("q_w")?];
@@ -46,7 +46,7 @@ pub(super) fn find(table: &Table) -> Option<Found> {
         .min_by(|a, b| a.1.1.total_cmp(&b.1.1))?
         .0;
     let (mut lag, mut least) = *trials.get(best)?;
-    // The square of the residual is a parabola near its least value.
+    // Near its minimum the squared residual is a parabola.
     if let (Some(a), Some(c)) = (
         best.checked_sub(1).and_then(|k| trials.get(k)),
         trials.get(best + 1),

@@ -1,6 +1,6 @@
-//! What can be wrong inside a table that reads without a fault: one file per check, each with a named policy.
+//! Checks of a valid table, one file per check, each with a named policy.
 //!
-//! A check only looks. What is done about a finding is its [`Policy`]; [`apply`] does it and says so.
+//! A check changes nothing. The [`Policy`] decides about its finding; [`apply`] carries it out and reports it.
 
 mod lag;
 mod outlier;
@@ -13,7 +13,7 @@ use crate::{Channel, Dimension, Table, TelemetryError, full_name, median_step};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// Places shown of one finding; the rest is counted.
+/// Number of times listed per finding.
 pub const SHOWN: usize = 20;
 
 /// A check of telemetry.
@@ -70,7 +70,7 @@ impl Policy {
 }
 
 impl Check {
-    /// Every check, in the order in which they are made.
+    /// Every check, in order of execution.
     pub const ALL: [Self; 9] = [
         Self::Gap,
         Self::Placeholder,
@@ -98,7 +98,7 @@ impl Check {
         }
     }
 
-    /// Policies that mean something for this check, the usual one first.
+    /// Valid policies of this check, default first.
     pub fn policies(self) -> &'static [Policy] {
         match self {
             Self::Held | Self::Stuck | Self::Saturation | Self::Outlier => {
@@ -119,10 +119,10 @@ pub struct Policies {
 }
 
 impl Policies {
-    /// The usual policies with changes `check=policy`; `strict` makes every finding an error.
+    /// The default policies with changes `check=policy`; with `strict`, every finding is an error.
     ///
     /// # Errors
-    /// What is wrong with a change and what may be written.
+    /// The invalid change and the valid words.
     pub fn new<S: AsRef<str>>(changes: &[S], strict: bool) -> Result<Self, String> {
         let mut chosen = Vec::new();
         for change in changes {
@@ -150,7 +150,7 @@ impl Policies {
         Ok(Self { chosen, strict })
     }
 
-    /// The policy of a check; the last change counts.
+    /// The policy of a check; the last change wins.
     pub fn of(&self, check: Check) -> Policy {
         if self.strict && check != Check::Gap {
             return Policy::Refuse;
@@ -182,15 +182,15 @@ pub struct Finding {
     pub policy: Policy,
 }
 
-/// A finding with the samples it means.
+/// A finding with its samples.
 struct Found {
     finding: Finding,
-    /// Channels, and times to leave out under [`Policy::Exclude`].
+    /// Channels, and the times removed under [`Policy::Exclude`].
     channels: Vec<usize>,
     times_s: Vec<f64>,
 }
 
-/// Looks at a table, follows the policies and returns what was found; `label` names the table in errors.
+/// Checks a table, applies the policies and returns the findings; `label` names the table in errors.
 ///
 /// # Errors
 /// [`TelemetryError::Check`] for the first finding whose policy is [`Policy::Refuse`].
@@ -225,7 +225,7 @@ pub fn apply(
     Ok(all)
 }
 
-/// The error of a finding that is not accepted.
+/// The error for a finding whose policy is to refuse.
 pub fn refused(label: &str, finding: &Finding) -> TelemetryError {
     TelemetryError::Check {
         file: label.to_owned(),
@@ -241,7 +241,7 @@ pub fn refused(label: &str, finding: &Finding) -> TelemetryError {
     }
 }
 
-/// Looks at a table and changes nothing. Placeholders are looked for in single channels too.
+/// Checks a table without changing it. Placeholders are also searched in single channels.
 pub fn findings(table: &Table) -> Vec<Finding> {
     let mut all: Vec<Finding> = Check::ALL
         .into_iter()
@@ -276,10 +276,10 @@ fn look(table: &Table, check: Check) -> Vec<Found> {
     }
 }
 
-/// Samples of a channel that are at fault, and what is wrong with them.
+/// A check of one channel: indices of faulty samples, and text.
 type Find = fn(&Channel) -> Option<(Vec<usize>, String)>;
 
-/// A check that looks at one channel of a vector sensor at a time: indices of samples and words.
+/// Runs a check on each channel of each vector sensor.
 fn per_channel(table: &Table, check: Check, find: Find) -> Vec<Found> {
     let mut all = Vec::new();
     for sensor in runs::sensors(table).iter().filter(|s| !s.is_attitude) {
@@ -321,7 +321,7 @@ fn found(
     }
 }
 
-/// Leaves out the samples of all channels of the sensor at the times found.
+/// Removes the samples of all channels of the sensor at the times found.
 fn exclude(table: &mut Table, found: &Found) {
     for &k in &found.channels {
         let Some(channel) = table.channels.get_mut(k) else {
@@ -343,7 +343,7 @@ fn exclude(table: &mut Table, found: &Found) {
 }
 
 fn gaps(channel: &Channel) -> Option<Found> {
-    // Thrust and torque hold from a sample to the next, whenever that comes.
+    // Thrust and torque hold until the next sample; they have no regular step.
     if [Dimension::Force.si(), Dimension::Torque.si()].contains(&channel.unit.as_str()) {
         return None;
     }

@@ -1,20 +1,19 @@
-//! Readings far from their neighbours.
+//! Samples far from their neighbours.
 
 use crate::Channel;
 use crate::median::median;
 use crate::rounded;
 
-/// Distance from the median of five, in robust sigmas, from which a reading is an outlier.
+/// Distance from the median of five, in robust sigmas, above which a sample is an outlier.
 const FAR: f64 = 12.0;
-/// Share of the channel's own spread below which no difference counts.
+/// Fraction of the channel's spread below which a difference is ignored.
 const FLOOR: f64 = 0.02;
 
-/// Samples far from the median of the five around them (Hampel's identifier) and from the cubic through the
-/// other four: a turning point of smooth motion is far from the first only, a neighbour of a spike from the
-/// second only.
+/// Samples far from the median of five (Hampel identifier) and from the cubic through the other four. A turning point
+/// of smooth motion is far only from the median, a neighbour of a spike only from the cubic.
 pub(super) fn find(channel: &Channel) -> Option<(Vec<usize>, String)> {
     let values = &channel.values;
-    // A thruster's pulse in an accelerometer is real.
+    // The pulse of a thruster in an accelerometer is real.
     if values.len() < 16 || channel.name.starts_with("acc_") {
         return None;
     }
@@ -54,8 +53,8 @@ pub(super) fn find(channel: &Channel) -> Option<(Vec<usize>, String)> {
     })
 }
 
-/// Whether the middle of five stands out from both sides alike. The kink that a wheel or thruster makes in a rate
-/// or velocity stands out from one, the peak of a reversal no more than its own flanks rise.
+/// Whether the middle of five samples differs from both neighbours alike. A kink by a wheel or thruster differs from
+/// one side only. A reversal differs no more than its flanks rise.
 fn stands_alone(w: &[f64; 5]) -> bool {
     let height = (w[2] - 0.5 * (w[1] + w[3])).abs();
     let step = (w[3] - w[1]).abs();

@@ -1,9 +1,9 @@
-//! Values that stand for "no sample".
+//! Values that mean "no sample".
 
 use crate::Channel;
 use crate::median::median;
 
-/// A value that repeats in at least 1 % of the samples, more than 20 robust sigmas from the median.
+/// Finds a value that repeats in at least 1 % of the samples, more than 20 robust sigmas from the median.
 pub(super) fn find(channel: &Channel) -> Option<(Vec<usize>, String)> {
     let values = &channel.values;
     let mut sorted = values.clone();

@@ -1,4 +1,4 @@
-//! Sensors of several channels, and runs of equal readings.
+//! Sensors with several channels, and runs of equal samples.
 
 use crate::median::median;
 use crate::{Channel, Table, classify};
@@ -8,13 +8,13 @@ use crate::{Quantity, full_name};
 pub(super) struct Sensor {
     /// Indices into the table.
     pub channels: Vec<usize>,
-    /// Four numbers of a quaternion.
+    /// Whether the sensor is a quaternion.
     pub is_attitude: bool,
-    /// For messages: `omega_x..z`.
+    /// Name in messages: `omega_x..z`.
     pub name: String,
 }
 
-/// Gyros, attitudes, velocities, positions and accelerometers. Joints, wheels and thrusters may rest.
+/// Gyros, attitudes, velocities, positions and accelerometers. Joints, wheels and thrusters may be at rest.
 pub(super) fn sensors(table: &Table) -> Vec<Sensor> {
     let mut list = Vec::new();
     for (first, rest) in [
@@ -52,7 +52,7 @@ pub(super) fn sensors(table: &Table) -> Vec<Sensor> {
     list
 }
 
-/// Runs of samples for which `same(k)` says that sample k repeats the one before: first index and length.
+/// Runs of samples in which `same(k)` holds (sample k equals sample k-1): first index and length.
 pub(super) fn runs(samples: usize, same: impl Fn(usize) -> bool) -> Vec<(usize, usize)> {
     let mut list = Vec::new();
     let mut start = 0;
@@ -72,8 +72,8 @@ pub(super) fn repeats(channel: &Channel, k: usize) -> bool {
     k > 0 && at(k) == at(k - 1)
 }
 
-/// Noise in every reading: third differences as large as white noise of the first differences makes them.
-/// Smooth motion between the samples makes them smaller.
+/// Whether every sample has noise: third differences are as large as white noise in the first differences implies.
+/// Smooth motion makes them smaller.
 pub(super) fn noise_is_visible(values: &[f64]) -> bool {
     let mut first: Vec<f64> = values.windows(2).map(|w| (w[1] - w[0]).abs()).collect();
     let mut third: Vec<f64> = values

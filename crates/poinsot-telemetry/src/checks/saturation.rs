@@ -1,14 +1,14 @@
-//! Readings cut at the end of a range.
+//! Samples clipped at the end of a range.
 
 use super::runs::{noise_is_visible, repeats, runs};
 use crate::Channel;
 
-/// Readings in a row at one end of the range.
+/// Consecutive samples at one end of the range.
 const PLATEAU: usize = 3;
-/// Readings at the end of the range in all.
+/// Total number of samples at the end of the range.
 const ALL: usize = 6;
 
-/// Samples at the largest or smallest value that stand there in runs, where nothing else repeats.
+/// Runs of samples at the largest or smallest value, if no other value repeats.
 pub(super) fn find(channel: &Channel) -> Option<(Vec<usize>, String)> {
     let values = &channel.values;
     let largest = values.iter().copied().reduce(f64::max)?;

@@ -1,12 +1,12 @@
-//! Readings that repeat exactly: a sensor that hangs, and one that is recorded faster than it reads.
+//! Samples that repeat exactly: a stuck sensor, or one sampled faster than it measures.
 
 use super::runs::{Sensor, noise_is_visible, repeats, runs};
 use super::{Check, Finding, Found, Policy, SHOWN};
 use crate::{Channel, Table};
 
-/// Equal readings in a row that a noisy sensor does not give.
+/// Number of equal consecutive samples that excludes chance in a noisy sensor.
 const LONG: usize = 8;
-/// Share of readings that repeat by chance in a sensor that is not quantised coarsely.
+/// Fraction of samples that may repeat by chance in a sensor without coarse quantisation.
 const CHANCE: f64 = 0.02;
 
 pub(super) fn find(table: &Table, sensor: &Sensor, check: Check) -> Option<Found> {
@@ -41,7 +41,7 @@ pub(super) fn find(table: &Table, sensor: &Sensor, check: Check) -> Option<Found
     })
 }
 
-/// All numbers of the sensor repeat in runs of one length: the column is faster than the sensor.
+/// All channels of the sensor repeat in runs of one length: the column is sampled faster than the sensor.
 fn slow(all: &[(usize, usize)], samples: usize) -> Option<(Vec<usize>, String)> {
     let repeated = samples - all.len();
     let share = repeated as f64 / samples as f64;
@@ -64,7 +64,7 @@ fn slow(all: &[(usize, usize)], samples: usize) -> Option<(Vec<usize>, String)> 
     ))
 }
 
-/// One channel repeats a number exactly, though its readings are noisy elsewhere.
+/// One channel repeats a value exactly, but is noisy elsewhere.
 fn hangs(channels: &[&Channel], samples: usize, sensor: &Sensor) -> Option<(Vec<usize>, String)> {
     let mut stuck: Vec<usize> = Vec::new();
     let mut names: Vec<String> = Vec::new();
@@ -78,7 +78,7 @@ fn hangs(channels: &[&Channel], samples: usize, sensor: &Sensor) -> Option<(Vec<
             .flat_map(|&(k, n)| channel.values.get(k..k + n).unwrap_or_default())
             .copied()
             .collect();
-        // A quaternion is the same in all four numbers or is not stuck.
+        // A quaternion is stuck only if all four components repeat.
         let noisy = free.len() >= 16
             && (outside as f64) < CHANCE * free.len() as f64
             && noise_is_visible(&free);

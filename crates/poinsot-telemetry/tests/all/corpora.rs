@@ -1,4 +1,4 @@
-//! Files that crashed other readers: a table or one line of error, in time.
+//! Files that crashed other readers: the result is a table or one error line, within a time limit.
 
 use poinsot_telemetry::{ColumnMap, ReadOptions, read};
 use std::path::{Path, PathBuf};
@@ -26,7 +26,7 @@ fn files(folder: &Path) -> Vec<PathBuf> {
     list
 }
 
-/// Reads a file under a name that says its kind, every column as time in turn until one is a number.
+/// Reads a file under a name with the suffix of its kind, trying every column as time.
 fn outcome(path: &Path, kind: &str) -> Result<usize, String> {
     let folder = tempfile::tempdir().unwrap();
     let copy = folder.path().join(format!("x.{kind}"));
@@ -37,7 +37,7 @@ fn outcome(path: &Path, kind: &str) -> Result<usize, String> {
     if let Err(error) = &answer
         && error.code() == "E0207"
     {
-        // No column is called time_s: take the first that the message names.
+        // No column is called time_s: use the first column named in the message.
         let text = error.to_string();
         let name = text
             .split(" among [")

@@ -1,8 +1,8 @@
-//! Faults of drawn size on three vehicles: is each noticed, and named rightly?
+//! Faults of random size on three vehicles: whether each is detected and named correctly.
 //!
-//! The smallest size that shows at five sigma is that at which a fit to samples without noise leaves a chi-square of 25: the
-//! square of what the fault does to the predictions clear of all that is fitted. A trial draws its size between once and ten
-//! times that.
+//! The smallest size detectable at five sigma leaves a chi-square of 25 in a fit to samples without noise. This is the
+//! squared effect of the fault on the predictions, projected clear of all fitted numbers. A trial draws its size
+//! between once and ten times that.
 
 use super::planted::{Said, diagnosed};
 use nalgebra::{Quaternion, UnitQuaternion};
@@ -23,14 +23,14 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Chi-square at which a fault shows at five sigma.
+/// Chi-square of a fault detectable at five sigma.
 const NOTICEABLE: f64 = 25.0;
-/// Largest size, in the smallest that shows.
+/// Largest size, relative to the smallest detectable one.
 const LARGEST: f64 = 10.0;
 /// Gravitational parameter of the Earth, m3/s2.
 const EARTH: f64 = 3.986_004_418e14;
 
-/// What is planted in.
+/// Vehicle of a fault.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Craft {
     /// One rigid body with three wheels and thrusters, 80 s.
@@ -61,7 +61,7 @@ impl Craft {
         }
     }
 
-    /// The experiment where the true vehicle is changed, and begins as `from` is replaced by `to` in the case.
+    /// The experiment with a modified true vehicle; `from` is replaced by `to` in the case.
     fn study(
         self,
         change: impl Fn(&mut Model),
@@ -95,61 +95,60 @@ impl Craft {
 /// Rate of the satellite's record, 1/s.
 const RATE_HZ: f64 = 10.0;
 
-/// How a fault gets into the record.
+/// How a fault is introduced.
 #[derive(Clone, Copy)]
 pub enum Way {
-    /// Into the true vehicle.
+    /// In the true vehicle.
     Vehicle(fn(&mut Model, f64)),
-    /// Into what sensors would read without noise.
+    /// In the ideal measurements.
     Exact(fn(&mut Table, f64)),
-    /// Into what they read.
+    /// In the noisy measurements.
     Read(fn(&mut Table, f64, &mut ChaCha8Rng)),
-    /// The second half is that of a motion that began otherwise.
+    /// The second half has the motion of another initial state.
     Joined,
     /// A wheel that stores momentum.
     Stored,
 }
 
-/// A fault on one vehicle.
 pub struct Fault {
     pub words: &'static str,
     pub craft: Craft,
-    /// What it may be called; nothing where no alarm is wanted.
+    /// Correct names; empty if no alarm is wanted.
     pub names: &'static [FaultKind],
-    /// What the sentence must contain.
+    /// Text required in the sentence.
     pub culprit: &'static str,
-    /// A size at which it is small, with its unit; drawn unless `fixed`.
+    /// A small size, with its unit; random unless `fixed`.
     pub size: (f64, &'static str),
     pub fixed: bool,
     pub way: Way,
 }
 
-/// What came of the trials of one fault.
+/// Result of the trials of one fault.
 pub struct Tally {
-    /// The smallest size that shows at five sigma.
+    /// Smallest size detectable at five sigma.
     pub noticeable: f64,
     pub trials: u64,
     pub noticed: usize,
-    /// Named rightly, alone or beside what the data cannot tell from it; and alone.
+    /// Named correctly, alone or with causes that the data cannot distinguish; then, alone.
     pub named: usize,
     pub alone: usize,
-    /// Something else was named.
+    /// Another cause was named.
     pub wrong: usize,
-    /// The same of sizes from twice the smallest.
+    /// The same counts for at least twice the smallest size.
     pub large: (usize, usize),
     pub firsts: BTreeMap<String, usize>,
-    /// Longest and mean processor time of a fit with its diagnosis, s; exact with one thread.
+    /// Largest and mean CPU time of a fit with its diagnosis, s; exact with one thread.
     pub seconds: (f64, f64),
 }
 
-/// Processor time of this thread, s; zero where the system does not say.
+/// CPU time of this thread, s; zero if unknown.
 fn processor_s() -> f64 {
     let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
     let nanoseconds = text.split(' ').next().and_then(|n| n.parse::<f64>().ok());
     nanoseconds.unwrap_or(0.0) * 1.0e-9
 }
 
-/// Processor time of a fit without its diagnosis, and with it, s.
+/// CPU time of a fit without its diagnosis, and with it, s.
 pub fn times(craft: Craft) -> Result<[f64; 2], Error> {
     let study = craft.study(|_| {}, None)?;
     let (tables, biases) = study.draw(0);
@@ -240,7 +239,7 @@ fn noticeable(fault: &Fault) -> Result<f64, Error> {
     Ok(small * (NOTICEABLE / chi2).sqrt())
 }
 
-/// The experiment with a fault of some size in the vehicle or in what perfect sensors read.
+/// The experiment with a fault of this size in the vehicle or in the ideal measurements.
 fn study_at(fault: &Fault, size: f64) -> Result<Study, Error> {
     let plain = |_: &mut Model| {};
     match fault.way {
@@ -285,7 +284,7 @@ fn each(table: &mut Table, prefix: &str, mut change: impl FnMut(f64, &mut f64)) 
     }
 }
 
-/// Every attitude from a time on turned in the axes of the body.
+/// Rotates every attitude after a time, in body axes.
 fn turn(table: &mut Table, from_s: f64, angle: Vector3) {
     let at = |name: &str| table.channels.iter().position(|c| c.name == name);
     let (Some(x), Some(y), Some(z), Some(w)) = (at("q_x"), at("q_y"), at("q_z"), at("q_w")) else {
@@ -309,7 +308,7 @@ fn turn(table: &mut Table, from_s: f64, angle: Vector3) {
     }
 }
 
-/// Positions and velocities with the acceleration of a tide of this strength, 1/s2.
+/// Adds the acceleration of a tide of this strength, 1/s2, to positions and velocities.
 fn tide(table: &mut Table, strength: f64) {
     for (axis, factor) in [("x", 2.0), ("y", -1.0), ("z", -1.0)] {
         let name = format!("r_{axis}");
@@ -338,7 +337,7 @@ fn tide(table: &mut Table, strength: f64) {
     }
 }
 
-/// Readings at times that scatter by a share of the interval.
+/// Samples at times with an error relative to the interval.
 fn jitter(table: &mut Table, share: f64, rng: &mut ChaCha8Rng) {
     let channels = table.channels.iter_mut();
     let gyro: Vec<_> = channels.filter(|c| c.name.starts_with("omega_")).collect();
@@ -355,7 +354,7 @@ fn jitter(table: &mut Table, share: f64, rng: &mut ChaCha8Rng) {
     }
 }
 
-/// The link behind its drive by half the play.
+/// Moves the link behind its drive by half the backlash.
 fn backlash(table: &mut Table, play: f64) {
     let rate = table
         .channels
@@ -371,7 +370,7 @@ fn backlash(table: &mut Table, play: f64) {
     }
 }
 
-/// Every fault on every vehicle that can have it.
+/// Every fault on every applicable vehicle.
 pub fn faults() -> Vec<Fault> {
     const DRAWN: bool = false;
     const FIXED: bool = true;
@@ -417,7 +416,7 @@ pub fn faults() -> Vec<Fault> {
         .collect()
 }
 
-/// Words, names, culprit, size, whether it is fixed, way.
+/// Description, names, required text, size, whether it is fixed, way.
 type Row = (
     &'static str,
     &'static [FaultKind],
@@ -441,7 +440,7 @@ fn turned(angle: f64) -> Vector3 {
     Vector3::new(0.6, -0.5, 0.62) * angle
 }
 
-/// Thrust as read within some time, N.
+/// Sets the measured thrust within a time range, N.
 fn thrust(table: &mut Table, within_s: Range<f64>, force: f64) {
     each(table, "thr2_N", |s, x| {
         if within_s.contains(&s) {
@@ -464,7 +463,7 @@ fn gravity_gradient(m: &mut Model, share: f64) {
     });
 }
 
-/// Vehicles without a fault; of the satellite the last has stored momentum.
+/// Vehicles without a fault; the last satellite has stored momentum.
 pub fn clean() -> Vec<Fault> {
     let fault = |words, craft, way| Fault {
         words,

@@ -63,7 +63,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The table of faults of drawn size, and of vehicles without a fault.
+/// The table of faults of random size, and of vehicles without a fault.
 fn of_drawn_size(trials: u64, clean: u64, only: Option<usize>) -> Result<(), Box<dyn Error>> {
     println!(
         "| planted | vehicle | noticeable at 5 sigma | trials | noticed | named rightly | alone | wrongly | rightly from twice the smallest | mean, longest s | first named |"

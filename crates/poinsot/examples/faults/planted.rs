@@ -1,4 +1,4 @@
-//! One experiment, one fault at a time: is it noticed, and is it called by its name?
+//! One experiment, one fault at a time: whether it is detected and named correctly.
 
 use poinsot::Error;
 use poinsot::bind::bind;
@@ -16,16 +16,15 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Readings kept: every fifth of 50 Hz.
+/// Samples kept: every fifth of 50 Hz.
 const STRIDE: usize = 5;
-/// A lag of one of the samples at 50 Hz.
+/// A lag of one sample at 50 Hz.
 const LATE: usize = 1;
-/// The same, s.
+/// The lag, s.
 const LATE_S: f64 = 0.02;
 /// Size of an outlier, in sigmas of the gyro.
 const OUTLIER: f64 = 20.0;
 
-/// A fault that is planted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Planted {
     Nothing,
@@ -47,7 +46,7 @@ pub enum Planted {
 }
 
 impl Planted {
-    /// All of them.
+    /// All faults.
     pub const ALL: [Self; 16] = [
         Self::Nothing,
         Self::GyroScale,
@@ -67,7 +66,7 @@ impl Planted {
         Self::Panel,
     ];
 
-    /// In words.
+    /// Description.
     pub fn words(self) -> &'static str {
         match self {
             Self::Nothing => "none",
@@ -94,7 +93,7 @@ impl Planted {
         matches!(self, Self::Pendulum | Self::Panel)
     }
 
-    /// What the diagnosis should call it.
+    /// Correct name in the diagnosis.
     pub fn fault(self) -> Option<FaultKind> {
         match self {
             Self::Nothing => None,
@@ -114,7 +113,7 @@ impl Planted {
         }
     }
 
-    /// What the sentence must contain beside the kind: the sensor or actuator at fault.
+    /// Text required in the sentence besides the kind: the faulty sensor or actuator.
     fn culprit(self) -> &'static str {
         match self {
             Self::WheelSign | Self::WheelsInDegrees => "wheel2",
@@ -131,23 +130,21 @@ impl Planted {
     }
 }
 
-/// Outcome of one trial.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Outcome {
-    /// Anything was said.
+    /// Whether anything was reported.
     pub detected: bool,
-    /// The first thing said names fault and culprit.
+    /// Whether the first finding names fault and part.
     pub named: bool,
-    /// Name of the first thing said.
+    /// Name of the first finding.
     pub first: String,
-    /// The answer is refused, or says itself that it is not to be relied on.
+    /// Whether the answer is refused or marked unreliable.
     pub doubted: bool,
 }
 
-/// One thing that is said.
+/// One finding.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Said {
-    /// What it may be.
     pub names: Vec<String>,
     pub text: String,
 }
@@ -166,12 +163,12 @@ pub struct Row {
     pub detected: usize,
     pub named: usize,
     pub doubted: usize,
-    /// How often each name came first.
+    /// Number of times each name came first.
     pub firsts: BTreeMap<String, usize>,
 }
 
-/// The experiment: truth and sensors of `examples/cases/faults.toml`, nominal numbers some percent off. What is not
-/// rigid has a case of its own, and is identified as `rigid_bus.toml`.
+/// The experiment: truth and sensors of `examples/cases/faults.toml`, nominal errors of a few percent. A vehicle that
+/// is not rigid has its own case, and is identified as `rigid_bus.toml`.
 pub fn experiment(planted: Planted) -> Result<Study, Error> {
     let cases = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/cases");
     let name = match planted {
@@ -195,7 +192,7 @@ pub fn experiment(planted: Planted) -> Result<Study, Error> {
         Planted::PositionLag => Some(SensorKind::Position),
         _ => None,
     };
-    // 20 ms of this motion are below the noise of the sensors as they are: nobody could notice them.
+    // 20 ms of this motion are below the original noise of the sensors, so they could not be detected.
     for sensor in model.sensors.iter_mut().filter(|s| Some(s.kind) == sharp) {
         sensor.noise_covariance = sensor.noise_covariance.map(|c| c * 0.01);
     }
@@ -223,7 +220,7 @@ pub fn row(study: &Study, planted: Planted, trials: u64) -> Row {
     }
 }
 
-/// The experiment with a fault in what the sensors would read without noise, or in the sensors.
+/// The experiment with a fault in the ideal measurements, or in the sensors.
 fn plant(study: &Study, planted: Planted) -> Study {
     let mut study = study.clone();
     let table = &mut study.exact[0];
@@ -245,7 +242,7 @@ fn plant(study: &Study, planted: Planted) -> Study {
         Planted::WheelsInDegrees => {
             scale(table, |c| c.name == "wheel2_rad_s", 1.0_f64.to_degrees())
         }
-        // Telemetry tells less than the thruster gave.
+        // Telemetry shows less than the actual thrust.
         Planted::Thruster => scale(table, |c| c.name == "thr2_N", 1.0 / 1.1),
         Planted::GyroLag => delay(table, gyro),
         Planted::TrackerLag => late_s(table, attitude),
@@ -278,7 +275,7 @@ fn scale(table: &mut Table, wanted: impl Fn(&Channel) -> bool, factor: f64) {
     }
 }
 
-/// Every reading is that of 20 ms before.
+/// Delays every sample by 20 ms.
 fn delay(table: &mut Table, wanted: impl Fn(&Channel) -> bool) {
     for channel in table.channels.iter_mut().filter(|c| wanted(c)) {
         let times: Vec<f64> = channel.time_s[LATE..].to_vec();
@@ -287,7 +284,7 @@ fn delay(table: &mut Table, wanted: impl Fn(&Channel) -> bool) {
     }
 }
 
-/// The same for sensors slower than that: their clock is 20 ms late.
+/// Delays the times of slower sensors by 20 ms.
 fn late_s(table: &mut Table, wanted: impl Fn(&Channel) -> bool) {
     for channel in table.channels.iter_mut().filter(|c| wanted(c)) {
         channel.time_s = channel.time_s.iter().map(|t| t + LATE_S).collect();
@@ -352,12 +349,12 @@ fn outcome(study: &Study, planted: Planted, trial: u64) -> Outcome {
     }
 }
 
-/// What a user is told, by the check on reading or by the diagnosis of the fit, and whether the answer is doubted.
+/// Findings reported to a user, on reading or by the diagnosis, and whether the answer is marked unreliable.
 pub fn diagnosed(study: &Study, tables: &[Table]) -> Result<(Vec<Said>, bool), String> {
     for table in tables {
         if let Err(refusal) = check_conventions(table) {
             let text = refusal.to_string();
-            // The check names the reading that fits best.
+            // The check names the convention that fits best.
             let name = if text.contains("deg/s") {
                 FaultKind::Units.name()
             } else {
@@ -388,7 +385,7 @@ pub fn diagnosed(study: &Study, tables: &[Table]) -> Result<(Vec<Said>, bool), S
     Ok((said.collect(), doubted))
 }
 
-/// Three of a hundred gyro readings off by twenty sigma in a random direction.
+/// Adds twenty sigma in a random direction to three of a hundred gyro samples.
 fn spoil(table: &mut Table, study: &Study, trial: u64) {
     let mut rng = ChaCha8Rng::seed_from_u64(study.seed ^ 0x5eed);
     rng.set_stream(trial);

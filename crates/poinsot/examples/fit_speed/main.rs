@@ -1,9 +1,9 @@
-//! How long a fit takes: beside MuJoCo's toolbox on its own problem, and over the number of samples.
+//! Time of a fit: compared with MuJoCo's toolbox on its own problem, and over the number of samples.
 //!
 //!     cargo run --release -p poinsot --example fit_speed -- payload telemetry.csv
 //!     cargo run --release -p poinsot --example fit_speed -- growth 100000
 //!
-//! Prints `name,value,unit`. `scripts/bench-fit` runs both with the peer.
+//! Prints `name,value,unit`. `scripts/bench-fit` runs both with MuJoCo.
 #![allow(non_snake_case)]
 
 use poinsot::bind::bind;
@@ -20,7 +20,7 @@ use std::time::Instant;
 
 /// Mass, mass centre, xx yy zz xy xz yz of the payload (`benches/peers/mujoco_sysid.py`).
 const PAYLOAD: [f64; 10] = [60.0, 0.20, 0.05, -0.08, 6.0, 7.0, 8.0, 0.3, -0.2, 0.4];
-/// Fits of which the fastest counts, and over which processor time is averaged.
+/// Number of fits; the fastest counts, and CPU time is averaged.
 const FITS: usize = 10;
 /// Elements of a tensor in the order of `PAYLOAD`.
 const ORDER: [&str; 6] = ["xx", "yy", "zz", "xy", "xz", "yz"];
@@ -38,7 +38,7 @@ fn repository() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
-/// From readings in memory to the estimate: binding, linear start where there is one, fit, diagnosis.
+/// From samples in memory to the estimate: binding, linear start if possible, fit, diagnosis.
 fn estimate(model: &Model, tables: &[Table]) -> Result<(Estimate, f64), Box<dyn Error>> {
     let began = Instant::now();
     let tree = Tree::new(model);
@@ -93,7 +93,7 @@ fn payload(telemetry: &Path) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The experiment of `examples/cases/faults.toml` with as many gyro samples as wanted.
+/// The experiment of `examples/cases/faults.toml` with this number of gyro samples.
 fn growth(samples: usize) -> Result<(), Box<dyn Error>> {
     let path = repository().join("examples/cases/faults.toml");
     let mut case = read_case(&path)?;
@@ -120,7 +120,7 @@ fn growth(samples: usize) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Processor time of this program so far, all threads, s: `/proc/self/stat` counts hundredths.
+/// CPU time of this program so far, all threads, s: `/proc/self/stat` has hundredths.
 fn processor() -> Option<f64> {
     let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
     let after_name = stat.rsplit(')').next()?;
@@ -130,7 +130,7 @@ fn processor() -> Option<f64> {
     Some((user + system) / 100.0)
 }
 
-/// A figure of `/proc/self/status`, MiB.
+/// A value of `/proc/self/status`, MiB.
 fn memory(key: &str) -> Option<f64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find(|l| l.starts_with(key))?;

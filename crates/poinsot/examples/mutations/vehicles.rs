@@ -1,4 +1,4 @@
-//! Shipped experiments that mistakes are planted in.
+//! Shipped experiments in which mistakes are planted.
 
 use poinsot::Error;
 use poinsot::case::read_case;
@@ -31,10 +31,10 @@ const CASES: [(&str, &str); 8] = [
     ("grasped target", "examples/cases/xu2017_table13.toml"),
 ];
 
-/// Samples a second of a record, at most: the satellites are simulated at up to 50.
+/// Highest sample rate of a record, Hz: the satellites are simulated at up to 50.
 const RATE_HZ: f64 = 10.0;
 
-/// All of them; nominal numbers some percent off, known ones within the uncertainty of a drawing.
+/// All vehicles, with nominal errors of a few percent and known numbers within the uncertainty of a drawing.
 pub fn vehicles() -> Result<Vec<Vehicle>, Error> {
     CASES.into_iter().map(vehicle).collect()
 }

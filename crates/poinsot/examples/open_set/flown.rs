@@ -1,4 +1,4 @@
-//! Random vehicles of which only attitude and rate are measured, and what an answer says of them beside the truth.
+//! Random vehicles with only attitude and rate measured: answers compared with the truth.
 
 use crate::vehicle::{
     Dice, Flight, ask, fly, moving, noisy, rotation_only, sensors, tree, with_wheels,
@@ -11,14 +11,14 @@ use poinsot_spatial::InertialParameters;
 
 /// Noise of attitude (rad) and rate (rad/s), one sigma.
 pub const NOISE: f64 = 1.0e-5;
-/// By how much every nominal number is off at most.
+/// Largest relative error of the nominal numbers.
 const OFF: f64 = 0.2;
 /// Joints of the vehicles, one letter each (r revolute); all carry three wheels.
 pub const JOINTS: [&str; 12] = [
     "", "r", "rr", "r", "rr", "r", "rr", "r", "rr", "r", "rr", "r",
 ];
 
-/// Vehicle `k` as it is, and its answer from 1,000 rows in two records.
+/// True vehicle `k`, and its answer from 1,000 rows in two records.
 pub fn flown(k: usize) -> (Model, Identified) {
     let seed = 1_000 + k as u64;
     let mut truth = with_wheels(tree(seed, JOINTS[k % JOINTS.len()]));
@@ -38,7 +38,7 @@ pub fn flown(k: usize) -> (Model, Identified) {
     (truth, answer)
 }
 
-/// The vehicle as an engineer knows it beforehand: every number off by up to 20 %.
+/// The nominal vehicle: every number with an error of up to 20 %.
 fn nominal(truth: &Model, seed: u64) -> Model {
     let mut dice = Dice::new(seed ^ 0x0ff);
     let mut model = truth.clone();
@@ -53,7 +53,7 @@ fn nominal(truth: &Model, seed: u64) -> Model {
     model
 }
 
-/// How far each printed linear combination is from the truth, in its sigma.
+/// Error of each printed linear combination, in its sigma.
 pub fn combinations(truth: &Model, answer: &Identified) -> Vec<f64> {
     let of = |name: &str| {
         let mut bodies = truth.bodies.iter();
@@ -73,7 +73,7 @@ pub fn combinations(truth: &Model, answer: &Identified) -> Vec<f64> {
     .collect()
 }
 
-/// A barycentric parameter by the name that it bears in an answer.
+/// A barycentric parameter by its name in an answer.
 fn parameter(pi: &InertialParameters, name: &str) -> f64 {
     match name.split_once('_') {
         None => pi.mass,
@@ -88,7 +88,7 @@ fn at(element: &str) -> (usize, usize) {
     (axis(0), axis(1))
 }
 
-/// How far each printed function that is no combination is from the truth, in its sigma.
+/// Error of each printed nonlinear function, in its sigma.
 pub fn functions(truth: &Model, answer: &Identified) -> Vec<f64> {
     let pi: Vec<InertialParameters> = truth
         .bodies
@@ -119,7 +119,7 @@ pub fn functions(truth: &Model, answer: &Identified) -> Vec<f64> {
         .collect()
 }
 
-/// How far the mass properties of the whole are from the truth at the joint positions that the answer names, in sigma.
+/// Errors of the mass properties of the whole, at the joint positions of the answer, in sigma.
 pub fn system(truth: &Model, answer: &Identified) -> Vec<f64> {
     let Some((found, position)) = &answer.estimate.system else {
         return Vec::new();
@@ -138,7 +138,7 @@ pub fn system(truth: &Model, answer: &Identified) -> Vec<f64> {
         .collect()
 }
 
-/// The largest of some numbers, signs left out; zero of none.
+/// The largest absolute value; zero if empty.
 pub fn worst(all: &[f64]) -> f64 {
     all.iter().fold(0.0, |a, b| f64::max(a, b.abs()))
 }

@@ -13,14 +13,14 @@ use poinsot_model::{Model, Nuisance, RandomTorque, parse_model};
 use poinsot_spatial::parallel_axis;
 use std::path::Path;
 
-/// Readings averaged into one: 4 kHz becomes 1 kHz.
+/// Averaged samples: 4 kHz becomes 1 kHz.
 const TOGETHER: usize = 4;
 
-/// How well a box is built, rad: ten times what comes out, so that the start of the fit alone needs it.
+/// Prior sigma of the box's angles, rad: ten times the result, so it only helps the start of the fit.
 const BUILT: Nuisance = Nuisance::Prior(0.03);
 
-/// What is declared of the disturbances of a group: the most likely of those that `--choose` prints, the gyro's
-/// sigma as its residual there.
+/// Declared disturbances of a group: the most likely of those printed by `--choose`, with its residual as sigma of the
+/// gyro.
 pub fn declared(group: &str, device: &Device) -> Declared {
     let known = |sigma: f64| match sigma > 0.0 {
         true => Nuisance::Prior(sigma),
@@ -52,7 +52,7 @@ pub fn declared(group: &str, device: &Device) -> Declared {
 pub struct Throws {
     /// Whether the throws of one body are also fitted as segments of one problem.
     pub as_segments: bool,
-    /// What all throws share.
+    /// Calibration common to all throws.
     pub device: Device,
     pub model: Model,
     truth: Truth,
@@ -105,8 +105,8 @@ pub fn prepare(folder: &Path, as_segments: bool) -> Result<Throws, Fault> {
     })
 }
 
-/// The box from its calibration throws, each by itself: gyro axes and wheel axis unknown, then the accelerometer's
-/// bias along the motions that fit. Readings and model are corrected with them.
+/// Calibrates the box from each calibration throw separately: gyro axes and wheel axis, then the accelerometer's bias
+/// along the fitted motions. Samples and model are corrected.
 pub fn calibrate(throws: &mut Throws) -> Result<(), Fault> {
     let fits = |throws: &Throws, unknown: bool| -> Result<Vec<Fitted>, Fault> {
         let mut list = Vec::new();
@@ -164,11 +164,11 @@ fn averaged(raw: &Recording) -> Recording {
 /// One answer for an object.
 pub struct Answer {
     pub name: String,
-    /// Principal moments less the known ones, %.
+    /// Principal moments minus the known ones, %.
     pub error: [f64; 3],
-    /// One sigma of the same, %.
+    /// Their sigma, %.
     pub sigma: [f64; 3],
-    /// The paper's measure: length of the error of the three moments over their length, %.
+    /// The paper's measure: norm of the error of the three moments over their norm, %.
     pub published: f64,
 }
 
@@ -184,7 +184,7 @@ pub struct Object {
     pub name: String,
     pub throws: Vec<Answer>,
     pub together: Answer,
-    /// Factor on every sigma of a fit: the throws scatter by so much more than their fits say.
+    /// Factor on every sigma of a fit: ratio of the observed scatter of throws to the stated one.
     pub scatter: f64,
 }
 
@@ -208,14 +208,14 @@ impl Object {
         self.errors().fold(0.0, f64::max)
     }
 
-    /// Share of intervals that hold.
+    /// Fraction of intervals that hold the truth.
     pub fn held(&self) -> f64 {
         let all: Vec<bool> = self.throws.iter().flat_map(Answer::held).collect();
         all.iter().filter(|h| **h).count() as f64 / all.len().max(1) as f64
     }
 }
 
-/// Everything found.
+/// All results.
 pub struct Found {
     pub J: f64,
     pub J_sigma: f64,
@@ -232,8 +232,8 @@ struct Body {
     p_cov: Matrix3<f64>,
 }
 
-/// Calibrates on box and block, identifies the objects. The known inertia of the objects is used for the errors
-/// alone.
+/// Calibrates with box and block, identifies the objects. The known inertia of the objects is used only for the
+/// errors.
 pub fn identify(throws: &Throws) -> Result<Found, Fault> {
     let boxes = bodies(throws, "device_only", &throws.alone)?;
     let (box_fits, the_box) = (boxes.each, boxes.together);
@@ -245,7 +245,7 @@ pub fn identify(throws: &Throws) -> Result<Found, Fault> {
     };
     let known = &throws.truth.proof_body;
     let J = chain.spin(&block, known);
-    // What the throws repeat to is the uncertainty of their mean: it holds whatever the declared noise.
+    // The observed scatter of the throws gives the uncertainty of their mean, for any declared noise.
     let each: Vec<f64> = proof_fits.iter().map(|b| chain.spin(b, known)).collect();
     let boxes: Vec<f64> = box_fits
         .iter()
@@ -290,16 +290,16 @@ pub fn identify(throws: &Throws) -> Result<Found, Fault> {
     })
 }
 
-/// What the throws of one body give.
+/// Result of the throws of one body.
 struct Bodies {
     each: Vec<Body>,
     together: Body,
-    /// By what the throws scatter more than their fits say, at least one.
+    /// Ratio of observed to stated scatter of the throws, at least one.
     scatter: f64,
 }
 
-/// Throw by throw, and all together: as segments of one problem where that is asked for, else the mean of the throws
-/// weighed with their covariances.
+/// Each throw separately, and all together: as segments of one problem if requested, otherwise the covariance-weighted
+/// mean.
 fn bodies(throws: &Throws, group: &str, own: &[Recording]) -> Result<Bodies, Fault> {
     let declared = declared(group, &throws.device);
     let one = |t: &Recording| fit(&throws.model, &[t], &declared);
@@ -319,7 +319,7 @@ fn bodies(throws: &Throws, group: &str, own: &[Recording]) -> Result<Bodies, Fau
         .ok_or("the mass centre is not seen")?
         / n;
     let biased = by_bias * device.bias_covariance * by_bias.transpose();
-    // The accelerometer's errors are vibration: how well the mass centre is known shows in how it repeats.
+    // The accelerometer's errors are vibration, so the uncertainty of the mass centre is its observed scatter.
     let spread = centres
         .iter()
         .map(|p| (p - centre) * (p - centre).transpose())
@@ -333,7 +333,7 @@ fn bodies(throws: &Throws, group: &str, own: &[Recording]) -> Result<Bodies, Fau
         }
         false => (mean.I, mean.covariance),
     };
-    // Throws that scatter more than they say have larger sigmas, each of them.
+    // If the throws scatter more than stated, each sigma is increased.
     let body = |(f, p): (&Fitted, &Vector3<f64>)| Body {
         I: f.I_over_J,
         p: *p,
@@ -353,12 +353,12 @@ fn bodies(throws: &Throws, group: &str, own: &[Recording]) -> Result<Bodies, Fau
     })
 }
 
-/// Mean of the tensors weighed with their covariances.
+/// Covariance-weighted mean of the tensors.
 struct Mean {
     I: Matrix3<f64>,
     /// Widened by `birge`.
     covariance: Covariance,
-    /// By what the throws scatter more than they say (Birge 1932), at least one.
+    /// Ratio of observed to stated scatter of the throws (Birge 1932), at least one.
     birge: f64,
 }
 
@@ -402,7 +402,7 @@ struct Chain<'a> {
 }
 
 impl Chain<'_> {
-    /// J from box and known block by the traces, which no turn of the box on the block changes:
+    /// J from box and known block by the traces, which do not depend on the orientation of the box:
     /// `J tr(I_c/J - I_b/J) = tr I_o + tr I_parallel`.
     fn spin(&self, both: &Body, block: &Known) -> f64 {
         let apart = self.apart(&self.the_box.p, &both.p, block.mass);
@@ -424,7 +424,7 @@ impl Chain<'_> {
         )
     }
 
-    /// One sigma of the principal moments, %, to first order in everything that went in.
+    /// Sigma of the principal moments, %, to first order in all inputs.
     fn sigma(&self, both: &Body, known: &Known, (J, J_sigma): (f64, f64)) -> [f64; 3] {
         let I = self.object(both, known.mass, J);
         let eigen = I.symmetric_eigen();

@@ -1,5 +1,5 @@
-//! What all throws of the box share: axes of the gyro that are not square, a tilted wheel, a late tachometer, a bias
-//! of the accelerometer. The calibration throws tell; the objects take no part.
+//! Numbers common to all throws of the box: nonorthogonal gyro axes, a tilted wheel, tachometer lag, accelerometer
+//! bias. They are determined by the calibration throws, without the objects.
 
 use super::Fault;
 use super::likelihood::Fitted;
@@ -39,7 +39,7 @@ impl Lever {
         self.n += 1.0;
     }
 
-    /// Information of one throw on the bias, its own lever free, and the right side.
+    /// Information of one throw on the bias with its own free lever arm, and the right-hand side.
     fn of_bias(&self) -> Option<(Matrix3<f64>, Vector3<f64>)> {
         let inverse = self.AA.try_inverse()?;
         let project = self.A * inverse;
@@ -49,29 +49,29 @@ impl Lever {
         ))
     }
 
-    /// Mass centre from the sensor, body axes, m, with a bias of the accelerometer taken off.
+    /// Mass centre relative to the sensor, body axes, m, after subtracting an accelerometer bias.
     pub fn p_Sc_B(&self, bias: &Vector3<f64>) -> Option<Vector3<f64>> {
         Some(-(self.AA.try_inverse()? * (self.Af - self.A.transpose() * bias)))
     }
 
-    /// Its slope over the bias.
+    /// Its derivative with respect to the bias.
     pub fn slope(&self) -> Option<Matrix3<f64>> {
         Some(self.AA.try_inverse()? * self.A.transpose())
     }
 }
 
-/// The box as the calibration throws show it.
+/// Calibration of the box.
 #[derive(Debug, Clone)]
 pub struct Device {
     pub numbers: Numbers,
     pub numbers_sigma: Numbers,
-    /// Bias of the accelerometer, m/s2, and its covariance from how the throws repeat.
+    /// Bias of the accelerometer, m/s2, and its covariance from the scatter between throws.
     pub bias: Vector3<f64>,
     pub bias_covariance: Matrix3<f64>,
 }
 
 impl Device {
-    /// The box as assumed: square axes, no bias.
+    /// The ideal box: orthogonal axes, no bias.
     pub fn ideal() -> Self {
         Self {
             numbers: Numbers::zeros(),
@@ -81,8 +81,8 @@ impl Device {
         }
     }
 
-    /// The numbers of the box from several throws, each weighed with its own sigma; where throws differ by more than they say
-    /// the sigma is widened (Birge 1932).
+    /// Numbers of the box from several throws, weighted by their sigmas; sigma is widened if throws scatter more than
+    /// stated (Birge 1932).
     pub fn of_numbers(found: &[(Numbers, Numbers)]) -> (Numbers, Numbers) {
         let weight = |sigma: f64| 1.0 / (sigma * sigma);
         let mean = Numbers::from_fn(|k, _| {
@@ -100,7 +100,7 @@ impl Device {
         (mean, sigma)
     }
 
-    /// The bias that all these throws share, and its covariance from its scatter between them.
+    /// The bias common to these throws, and its covariance from the scatter between them.
     pub fn of_bias(fits: &[&Fitted]) -> Option<(Vector3<f64>, Matrix3<f64>)> {
         let (mut information, mut sum) = (Matrix3::zeros(), Vector3::zeros());
         let each: Vec<(Matrix3<f64>, Vector3<f64>)> = fits
@@ -122,7 +122,7 @@ impl Device {
         Some((mean, inverse * scatter * inverse * share))
     }
 
-    /// The readings of a gyro with square axes and of a tachometer that is not late.
+    /// Samples corrected for gyro axes and tachometer lag.
     pub fn corrected(&self, throw: &Recording) -> Result<Recording, Fault> {
         let [yz, xz, xy] = [self.numbers[0], self.numbers[1], self.numbers[2]];
         let map = Matrix3::new(1.0, xy, xz, xy, 1.0, yz, xz, yz, 1.0);
@@ -143,7 +143,7 @@ impl Device {
         Ok(out)
     }
 
-    /// The model with its wheel tilted.
+    /// The model with the tilted wheel.
     pub fn tilted(&self, model: &Model) -> Model {
         let mut out = model.clone();
         for wheel in &mut out.wheels {

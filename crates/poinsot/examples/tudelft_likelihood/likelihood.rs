@@ -1,4 +1,4 @@
-//! One body from its throws, by maximum likelihood: raw gyro, raw wheel speed, a random torque of the air.
+//! One body from its throws, by maximum likelihood: raw gyro, raw wheel speed, random aerodynamic torque.
 
 use super::Fault;
 use super::device::{Lever, NUMBERS, Numbers};
@@ -13,44 +13,43 @@ use poinsot_model::{Model, Nuisance, RandomTorque, Sensor, SensorKind};
 /// Covariance of the six tensor elements in the order of [`TENSOR`].
 pub type Covariance = SMatrix<f64, 6, 6>;
 
-/// What is declared of the disturbances and of the box.
+/// Declared disturbances and box parameters.
 #[derive(Debug, Clone, Copy)]
 pub struct Declared {
-    /// Axes of the gyro that are not square to each other, rad.
+    /// Nonorthogonality of the gyro axes, rad.
     pub gyro_axes: Nuisance,
     /// Tilt of the wheel's axis, rad.
     pub wheel_axis: Nuisance,
     /// Lag of the tachometer, s.
     pub wheel_lag: Nuisance,
-    /// Constant torque of the air in inertial axes, N m (J = 1e-6); of single throws alone.
+    /// Constant aerodynamic torque in inertial axes, N m (J = 1e-6); for single throws only.
     pub steady: Nuisance,
     /// Coefficients of the drag torque `-c |w| w`, kg m2 (J = 1e-6).
     pub drag: Nuisance,
-    /// White noise of the gyro, one sigma an axis, rad/s.
+    /// White noise of the gyro, sigma per axis, rad/s.
     pub gyro: Vector3<f64>,
-    /// Correlation time of that noise, s; zero where it is white.
+    /// Correlation time of that noise, s; zero if white.
     pub gyro_correlation_s: f64,
-    /// Random torque of the air.
     pub torque: RandomTorque,
 }
 
-/// The answer of one problem, in units of the wheel's spin inertia J.
+/// Estimate of one problem, in units of the wheel's spin inertia J.
 #[derive(Debug, Clone)]
 pub struct Fitted {
     pub I_over_J: Matrix3<f64>,
     pub covariance: Covariance,
     /// `-2 ln` of the restricted likelihood.
     pub deviance: f64,
-    /// Root mean square of the gyro's residual, rad/s.
+    /// RMS of the gyro's residual, rad/s.
     pub residual: Vector3<f64>,
-    /// What the accelerometer says of the mass centre along the fitted motion.
+    /// Accelerometer data on the mass centre along the fitted motion.
     pub lever: Lever,
-    /// What was found of the box, with one sigma, where it was asked for.
+    /// Estimated box parameters with sigmas, if requested.
     pub device: Option<(Numbers, Numbers)>,
 }
 
-/// Fits throws of one body as segments: the body is shared, each has its own momentum and random torque. What is
-/// unknown of the box is fitted from the answer with the box as assumed: the linear start cannot see it.
+/// Fits throws of one body as segments: the body is common, each throw has its own momentum and random torque. Unknown
+/// box parameters are fitted from the solution with nominal ones, because the linear start cannot determine them.
 pub fn fit(model: &Model, throws: &[&Recording], declared: &Declared) -> Result<Fitted, Fault> {
     let sure = Declared {
         gyro_axes: Nuisance::Known,
@@ -175,7 +174,7 @@ fn residual(predictions: &[Prediction]) -> Vector3<f64> {
     })
 }
 
-/// Raw readings of the accelerometer along the fitted motion: nothing is filtered, the regressors have no noise.
+/// Raw samples of the accelerometer along the fitted motion: unfiltered, with noise-free regressors.
 fn lever(throws: &[&Recording], predictions: &[Prediction]) -> Option<Lever> {
     let mut lever = Lever::default();
     for (throw, predicted) in throws.iter().zip(predictions) {

@@ -1,11 +1,11 @@
-//! Inertia of two objects from single throws by hand, by maximum likelihood on raw readings.
+//! Inertia of two objects from single throws by hand, by maximum likelihood with raw samples.
 //!
 //!     cargo run --release -p poinsot --example tudelft_likelihood -- ../shared/data/real/tudelft_throw [--choose | --segments | --ideal-box]
 //!
-//! `--segments` fits all throws of a body as one problem besides, which takes minutes.
-//! `--ideal-box` takes gyro, tachometer, wheel and accelerometer of the box as perfect.
-//! `--choose` prints the likelihood of other declarations of the disturbances, calibration throws and objects by
-//! themselves; the known inertia of the objects takes no part. See `examples/tudelft_throw/README.md`.
+//! `--segments` also fits all throws of a body as one problem, which takes minutes. `--ideal-box` assumes ideal gyro,
+//! tachometer, wheel and accelerometer of the box. `--choose` prints the likelihood of other declarations of the
+//! disturbances, separately for calibration throws and objects; the known inertia of the objects is not used. See
+//! `examples/tudelft_throw/README.md`.
 #![allow(non_snake_case)]
 
 mod chain;
@@ -54,7 +54,7 @@ fn main() -> Result<(), Fault> {
     Ok(())
 }
 
-/// What the calibration throws say of the box.
+/// Prints the calibration of the box.
 fn print_box(throws: &Throws) {
     let d = &throws.device;
     println!(
@@ -106,8 +106,8 @@ fn print_answer(a: &Answer) {
     println!("  {:8} {}  {}  {}", a.name, part(0), part(1), part(2));
 }
 
-/// Restricted likelihood of other declarations, summed over throws of each group. The gyro's sigma is the root mean
-/// square of the residual that the declaration leaves, found in two rounds.
+/// Restricted likelihood of other declarations, summed over the throws of each group. Sigma of the gyro is the RMS
+/// residual of the declaration, found in two rounds.
 fn choose(throws: &Throws) -> Result<(), Fault> {
     println!(
         "group, steady torque N m, drag kg m2, random torque N m (J = 1e-6), its correlation s: -2 ln L, gyro rad/s"
@@ -147,7 +147,7 @@ fn choose(throws: &Throws) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Steady torque, drag, random torque, its correlation.
+/// Constant torque, drag, random torque, its correlation time.
 const DECLARATIONS: [(f64, f64, f64, f64); 5] = [
     (0.0, 0.0, 3.0e-5, 0.1),
     (0.0, 0.0, 1.0e-4, 0.1),

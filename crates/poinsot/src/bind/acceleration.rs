@@ -7,14 +7,14 @@ use poinsot_model::{Model, SensorKind};
 use poinsot_spatial::Vector3;
 use poinsot_telemetry::Channel;
 
-/// Channels of accelerations: `domega` and the accelerometer's.
+/// Channels of accelerations: `domega` and those of the accelerometer.
 pub fn acceleration_channels() -> impl Iterator<Item = String> {
     ["domega", "acc"]
         .into_iter()
         .flat_map(|name| ["x", "y", "z"].map(|k| format!("{name}_{k}")))
 }
 
-/// Angular acceleration at every sample, and the accelerometer's reading where it has one at every sample.
+/// Angular acceleration at every sample, and specific force if the accelerometer has a value at every sample.
 ///
 /// Nothing is interpolated: thrust switches between samples.
 pub(super) fn accelerations(

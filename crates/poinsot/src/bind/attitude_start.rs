@@ -6,12 +6,13 @@ use poinsot_model::{Model, SensorKind};
 use poinsot_spatial::skew;
 use poinsot_telemetry::Table;
 
-/// First interval, s; each is twice the previous one. A gyro bias of 1e-3 rad/s turns by 0.03 rad in it.
+/// First interval, s; each is twice the previous one. A gyro bias of 1e-3 rad/s rotates the attitude by 0.03 rad in
+/// it.
 const FIRST_S: f64 = 30.0;
-/// Steps in each interval: bias and initial attitude are nearly linear in it.
+/// Gauss-Newton steps per interval; bias and initial attitude are nearly linear in it.
 const STEPS: usize = 3;
-/// Prior sigma of a direction, of the attitude and of the gyro, rad, rad and rad/s: they fix what the directions do not
-/// determine.
+/// Prior sigma of a direction, of the attitude and of the gyro bias, rad, rad and rad/s. The priors fix what the
+/// directions do not determine.
 const DIRECTION: f64 = 1.0e-2;
 const ATTITUDE: f64 = 1.0;
 const BIAS: f64 = 5.0e-2;
@@ -29,10 +30,11 @@ pub(super) fn base_directions(model: &Model, table: &Table) -> Vec<Direction> {
     on_base.flat_map(|c| c.directions(model)).collect()
 }
 
-/// Attitudes at the gyro's times that fit directions best, with one bias of the gyro for all.
+/// Attitudes at the gyro's times that fit directions best, with one common gyro bias.
 ///
-/// The start is Davenport's solution of Wahba's problem on the first stretch (Wahba 1965, Markley and Crassidis 2014,
-/// section 5.3); start and bias then go by Gauss and Newton over growing intervals, so that the drift stays small.
+/// The initial attitude is Davenport's solution of Wahba's problem on the first interval (Wahba 1965, Markley and
+/// Crassidis 2014, section 5.3). Attitude and bias are then refined by Gauss-Newton over growing intervals, so that
+/// the drift stays small.
 pub(super) fn attitudes(
     times: &[f64],
     rate: &[Option<Vector3<f64>>],
@@ -72,8 +74,8 @@ pub(super) fn attitudes(
     Q
 }
 
-/// Attitude from body rates: per step the rotation vector of the fourth-order Magnus expansion for a
-/// rate linear in time, `h (w0 + w1)/2 + h^2 (w0 x w1)/12` (Iserles et al. 2000, eq. 4.16).
+/// Attitude from body rates. Each step uses the rotation vector of the fourth-order Magnus expansion for a rate linear
+/// in time, `h (w0 + w1)/2 + h^2 (w0 x w1)/12` (Iserles et al. 2000, eq. 4.16).
 pub(super) fn integrate_rate(
     times: &[f64],
     rate: &[Option<Vector3<f64>>],
@@ -97,13 +99,14 @@ pub(super) fn integrate_rate(
     out
 }
 
-/// The attitude at a time, or the next one.
+/// The attitude at a time, or at the next sample.
 fn at(times: &[f64], Q: &Attitudes, t: f64) -> Option<(usize, UnitQuaternion<f64>)> {
     let k = times.partition_point(|x| *x < t);
     Some((k, (*Q.get(k)?)?))
 }
 
-/// The turn `R` for which `R Q(t) seen` fits the known directions best; the identity without directions.
+/// The rotation `R` for which `R Q(t)` maps the measured directions best to the known ones; identity without
+/// directions.
 fn start<'a>(
     times: &[f64],
     Q: &Attitudes,
@@ -136,10 +139,10 @@ fn start<'a>(
     UnitQuaternion::from_quaternion(Quaternion::new(q[3], q[0], q[1], q[2]))
 }
 
-/// A step of the start, in N, and of the bias.
+/// A Gauss-Newton step of the initial attitude, in N, and of the bias.
 ///
-/// With `A = R Q`, a turn `d` of the start in N changes the direction seen, `A^T n`, by `A^T (n x d)`; a bias `b` turns `Q` by
-/// `-int Q b dt` in the axes of the start.
+/// With `A = R Q`, a rotation `d` of the initial attitude in N changes the measured direction `A^T n` by
+/// `A^T (n x d)`. A bias `b` rotates `Q` by `-int Q b dt` in the axes of the initial attitude.
 fn step<'a>(
     times: &[f64],
     (R, Q, bias): (&UnitQuaternion<f64>, &Attitudes, &Vector3<f64>),

@@ -11,12 +11,12 @@ use std::collections::BTreeSet;
 pub(super) struct Channels<'a> {
     pub table: &'a Table,
     pub label: &'a str,
-    /// The sensors from which aligned samples come.
+    /// Sensors that provide the aligned samples.
     pub leading: &'a BaseSensors,
 }
 
-/// The three channels of a vector sensor, with where it sits. Tables are in body or inertial axes: columns of a
-/// sensor that is turned on its body were turned as they were read.
+/// The three channels of a vector sensor, and its position. Columns of a rotated sensor were rotated to body axes on
+/// reading.
 pub(super) struct VectorChannels<'a> {
     pub axes: [&'a Channel; 3],
     pub p_BoS_B: Vector3,
@@ -30,7 +30,7 @@ impl VectorChannels<'_> {
 }
 
 impl<'a> Channels<'a> {
-    /// A channel of the sensor named, or of no sensor.
+    /// A channel of the named sensor, or without a sensor name.
     pub fn find(&self, sensor: Option<&str>, name: &str) -> Option<&'a Channel> {
         sensor
             .and_then(|s| self.table.sensor_channel(s, name))
@@ -42,7 +42,7 @@ impl<'a> Channels<'a> {
         self.leading.columns(model, self.table, kind)
     }
 
-    /// The same of a sensor with three axes.
+    /// The columns of the leading three-axis sensor of a kind.
     pub fn vector(&self, model: &Model, kind: SensorKind) -> Option<VectorChannels<'a>> {
         let sensor = self.leading.sensor(model, kind);
         let axes: [&Channel; 3] = self.leading(model, kind)?.try_into().ok()?;
@@ -52,7 +52,7 @@ impl<'a> Channels<'a> {
         })
     }
 
-    /// The gyro: the clock of the linear method.
+    /// The gyro, whose times are those of the linear method.
     pub fn gyro(&self, model: &Model) -> Result<VectorChannels<'a>, BindError> {
         let gyro = self.vector(model, SensorKind::Gyro);
         gyro.filter(|g| !g.time_s().is_empty())
@@ -68,9 +68,9 @@ impl<'a> Channels<'a> {
     }
 }
 
-/// Names of all channels that a model can use; translation and specific force only where the model has a sensor for it.
+/// Names of all channels that a model can use; translation and specific force only if the model has a sensor for them.
 pub fn wanted_channels(model: &Model) -> BTreeSet<String> {
-    // Translation and the like count only where a sensor declares how well they are known.
+    // Translation and similar channels need a sensor with declared noise.
     let always = [SensorKind::Gyro, SensorKind::Attitude];
     let used = SensorKind::with_axes()
         .filter(|kind| always.contains(kind) || model.sensors_of(*kind).next().is_some());

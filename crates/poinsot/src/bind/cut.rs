@@ -1,4 +1,4 @@
-//! A record is cut at gaps of its inputs: the motion of wheels, joints and thrusters is unknown there.
+//! Cuts a record at gaps of its inputs, where the motion of wheels, joints and thrusters is unknown.
 //!
 //! Gaps of base sensors are allowed, since the equation of motion propagates the state. Each piece is a segment with a
 //! separate initial state, and shares the bodies.
@@ -11,7 +11,7 @@ use poinsot_telemetry::{Channel, Table, median_step};
 use std::borrow::Cow;
 use std::sync::Arc;
 
-/// Steps of a channel beyond which its readings have a gap, as in resampling.
+/// Steps above this multiple of the median step are gaps, as in resampling.
 const GAP: f64 = 3.0;
 
 /// Joint, wheel and thrust channels that drive the motion.
@@ -23,7 +23,7 @@ pub(super) fn input_channels<'a>(
     let joints = tree.coordinates.iter().flat_map(|&at| {
         let joint = &model.joints[at];
         let (position, rate) = joint_columns(&joint.name, joint.kind);
-        // A rate without a position is not used, and a locked joint has none.
+        // A rate without a position is not used; a locked joint needs none.
         let position = channels.find(None, &position);
         let position = position.filter(|q| !is_locked(model, at, q));
         let rate = position.and_then(|_| channels.find(None, &rate));
@@ -34,7 +34,7 @@ pub(super) fn input_channels<'a>(
     joints.chain(wheels).flatten().collect()
 }
 
-/// The pieces of a table between the gaps of its inputs, with the gaps, s: the table itself where there are none.
+/// The pieces of a table between the gaps of its inputs, and the gaps, s; the table itself without gaps.
 pub(super) fn pieces<'a>(
     model: &Model,
     tree: &Tree,
@@ -42,7 +42,7 @@ pub(super) fn pieces<'a>(
     clock: &[f64],
 ) -> (Vec<Cow<'a, Table>>, Vec<(f64, f64)>) {
     let mut inputs = input_channels(model, tree, channels);
-    // Thrust read with the gyro is missing where the gyro is; valve times on their own are no samples.
+    // Thrust sampled with the gyro has the gyro's gaps; valve switching times are not samples.
     let thrust = model.thrusters.iter();
     let thrust = thrust.filter_map(|t| channels.find(None, &format!("{}_N", t.name)));
     inputs.extend(thrust.filter(|c| *c.time_s == *clock));
@@ -61,14 +61,14 @@ pub(super) fn pieces<'a>(
     (pieces.map(Cow::Owned).collect(), gaps)
 }
 
-/// Where a channel has no sample for more than three of its steps: the samples before and after.
+/// Gaps of a channel: the times of the samples before and after.
 fn gaps(time_s: &[f64]) -> Vec<(f64, f64)> {
     let longest = GAP * median_step(time_s).unwrap_or(f64::INFINITY);
     let pairs = time_s.windows(2).filter(|w| w[1] - w[0] > longest);
     pairs.map(|w| (w[0], w[1])).collect()
 }
 
-/// Gaps in order of time, those that overlap as one.
+/// Gaps in order of time; overlapping ones are merged.
 fn merged(mut gaps: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     gaps.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut all: Vec<(f64, f64)> = Vec::new();
@@ -81,19 +81,19 @@ fn merged(mut gaps: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     all
 }
 
-/// The samples of a table up to a time.
+/// The samples of a table up to this time.
 pub(crate) fn cut_at(table: &Table, end_s: f64) -> Table {
     piece(table, f64::NEG_INFINITY, end_s)
 }
 
 /// The samples of a table between two times, both included.
 fn piece(table: &Table, from: f64, to: f64) -> Table {
-    // Times of the channel before: whole, and cut.
+    // Times of the previous channel: whole, and cut.
     let mut last: Option<[Arc<[f64]>; 2]> = None;
     let mut cut = |whole: &Channel| {
         let first = whole.time_s.partition_point(|t| *t < from);
         let past = whole.time_s.partition_point(|t| *t <= to).max(first);
-        // Channels of one file share their times.
+        // Channels of one file share their time array.
         let shared = last.as_ref().filter(|s| Arc::ptr_eq(&s[0], &whole.time_s));
         let time_s = shared.map_or_else(|| whole.time_s[first..past].into(), |s| s[1].clone());
         last = Some([whole.time_s.clone(), time_s.clone()]);
@@ -119,7 +119,7 @@ fn piece(table: &Table, from: f64, to: f64) -> Table {
     }
 }
 
-/// A thrust says when it changes: what it was before the start still holds there.
+/// Thrust is sampled when it changes, so the value before the start of the piece still holds there.
 fn held(mut channel: Channel, from: f64, value: f64) -> Channel {
     if channel.time_s.first().is_none_or(|t| *t > from) {
         let later = channel.time_s.iter().copied();

@@ -1,4 +1,4 @@
-//! Sensor errors that can be estimated; any other is refused, not ignored.
+//! Sensor errors that can be estimated; others give an error.
 
 use super::BindError;
 use poinsot_identify::ErrorGroup;
@@ -14,7 +14,7 @@ fn known(kind: SensorKind) -> Vec<&'static str> {
 }
 
 /// # Errors
-/// The first fault that is declared unknown and that no method estimates.
+/// The first sensor error that is declared unknown and that no method estimates.
 pub(super) fn check_faults(model: &Model) -> Result<(), BindError> {
     for sensor in &model.sensors {
         let kind = sensor.kind;

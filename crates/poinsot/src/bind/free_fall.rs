@@ -1,8 +1,8 @@
-//! Positions and velocities on an orbit, as receivers and ephemerides give them, relative to free fall.
+//! Converts orbital positions and velocities (from receivers and ephemerides) to values relative to free fall.
 //!
-//! N is in free fall with the vehicle: its origin is `G(t)` with `G'' = g(r(t))`, the gravity where the vehicle is.
-//! Then `r - G` obeys `m (r - G)'' = F` with the forces of the vehicle alone, tide included, on any orbit and for any
-//! time. Noise of `r` enters `G` as noise times the gradient of gravity, 1e-6 1/s2 in low orbit, and can be neglected.
+//! N falls freely with the vehicle: its origin is `G(t)` with `G'' = g(r(t))`, the gravity at the vehicle. Then
+//! `m (r - G)'' = F` holds with the vehicle's own forces, including tides, on any orbit and for any time. Noise of `r`
+//! enters `G` multiplied by the gravity gradient, 1e-6 1/s2 in low orbit, and is negligible.
 
 use super::BindError;
 use nalgebra::Vector3;
@@ -13,25 +13,25 @@ use std::sync::Arc;
 
 type Vector = Vector3<f64>;
 
-/// Distance beyond which positions are those of an orbit, m.
+/// Distance above which positions are orbital, m.
 pub(super) const ORBITAL: f64 = 1.0e5;
 /// Gravitational parameter of the Earth, m3/s2, its equatorial radius, m, and its oblateness (Petit and Luzum 2010,
 /// IERS Conventions, table 1.1).
 const EARTH_GM: f64 = 3.986_004_418e14;
 const EARTH_RADIUS: f64 = 6_378_136.6;
 const EARTH_J2: f64 = 1.082_635_9e-3;
-/// Relative difference of a gravitational parameter from that of the Earth.
+/// Relative tolerance for a gravitational parameter of the Earth.
 const SAME_BODY: f64 = 1.0e-3;
-/// Gravity of the harmonics above J2 in low orbit, m/s2: four times J3 times 9 m/s2.
+/// Gravity of the neglected harmonics above J2 in low orbit, m/s2: four times J3 times 9 m/s2.
 const NEGLECTED: f64 = 1.0e-4;
 /// Samples each side of the polynomial that differentiates gravity.
 const HALF_WIDTH: usize = 2;
 const AXES: [&str; 3] = ["x", "y", "z"];
 
-/// The tables with positions and velocities relative to free fall where they are those of an orbit.
+/// Converts orbital positions and velocities of the tables to values relative to free fall.
 ///
 /// # Errors
-/// The linear momentum is given, which has no meaning in axes that fall with the vehicle.
+/// The linear momentum is given, which is not defined in freely falling axes.
 pub(super) fn relative<'t>(
     model: &Model,
     tables: &'t [Table],
@@ -55,11 +55,10 @@ pub(super) fn relative<'t>(
     Ok(out)
 }
 
-/// The free fall of one table.
 struct FreeFall {
-    /// Position from the attracting body in N, as measured.
+    /// Measured position relative to the attracting body, in N.
     position: [Channel; 3],
-    /// Position and velocity of the origin of N at the times of the position.
+    /// Position and velocity of the origin of N at the times of the position samples.
     origin: [Channel; 3],
     velocity: [Channel; 3],
     oblate: bool,
@@ -81,7 +80,7 @@ fn at(channels: &[Channel; 3], k: usize) -> Option<Vector> {
     Some(Vector::new(x?, y?, z?))
 }
 
-/// Gravity at a position from the centre of the attracting body, m/s2; with J2 of the Earth about the axis z of N.
+/// Gravity at a position relative to the attracting body, m/s2; with J2 of the Earth about axis z of N.
 fn gravity(gm: f64, oblate: bool, r: &Vector) -> Vector {
     let d = r.norm();
     let point = -r * (gm / d.powi(3));
@@ -122,7 +121,7 @@ impl FreeFall {
         Some(fall)
     }
 
-    /// Gives the origin the start that leaves the least of the position on one axis.
+    /// Chooses the initial position and velocity of the origin that minimise the relative position on one axis.
     fn start(&mut self, k: usize, times: &[f64]) {
         let n = times.len() as f64;
         let rest: Vec<f64> = self.position[k]
@@ -149,7 +148,7 @@ impl FreeFall {
         let times = &self.position[0].time_s;
         let span = times.last().unwrap_or(&0.0) - times.first().unwrap_or(&0.0);
         let field = match self.oblate {
-            // A constant acceleration less the straight line that the start takes up.
+            // Displacement by a constant acceleration, minus the straight line fitted by the initial state.
             true => format!(
                 "a point mass and J2 of the Earth; higher harmonics are neglected, {NEGLECTED:e} m/s2, {} m over the record",
                 rounded(NEGLECTED * span * span / 12.0, 2)
@@ -159,7 +158,7 @@ impl FreeFall {
         format!("positions are relative to free fall in the gravity of {field}")
     }
 
-    /// Replaces positions and velocities, and keeps the orbit for the gravity gradient.
+    /// Replaces positions and velocities; the orbit is kept for the gravity gradient.
     fn apply(&self, model: &Model, table: &mut Table) {
         if three(table, "orbit").is_none() {
             for (axis, channel) in AXES.iter().zip(&self.position) {
@@ -199,7 +198,7 @@ impl FreeFall {
     }
 }
 
-/// Position and velocity of what falls with this acceleration from rest: cubic between samples, with slopes from five.
+/// Position and velocity from rest under this acceleration: cubic between samples, with slopes from five samples.
 fn fall_of(pull: &Channel) -> (Vec<f64>, Vec<f64>) {
     let jerk = differentiate(pull, HALF_WIDTH, None);
     let jerks = resample_hermite(&jerk, &jerk, &pull.time_s, None);

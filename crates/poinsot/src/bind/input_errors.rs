@@ -1,10 +1,10 @@
 //! Correlation in time of joint and wheel errors.
 //!
-//! The error of a rounded sample is up to half a step. Where the quantity moves by a share `d` of a step from one
-//! sample to the next, two errors correlate by `1 - 6 d + 6 d^2` (the mean over the phase of the product of two
-//! sawtooth errors), so the error of a quantity that moves by more than a fifth of a step is new at each sample. In a
-//! run of `n` equal samples `d` is at most `1 / n`: a quantity at rest and one that drifts by a whole step during the
-//! run are indistinguishable.
+//! The error of a rounded sample is up to half a step. If the quantity changes by a fraction `d` of a step per sample,
+//! the correlation of two errors is `1 - 6 d + 6 d^2` by the mean over the phase of the product of two sawtooth
+//! errors. Errors are treated as independent if the change exceeds a fifth of a step. In a run of `n` equal samples
+//! `d` is at most `1 / n`. A quantity at rest and one that drifts by a whole step during the run are
+//! indistinguishable.
 
 use super::channels::{Channels, joint_columns};
 use poinsot_dynamics::Tree;
@@ -12,12 +12,12 @@ use poinsot_identify::InputErrors;
 use poinsot_model::{Model, Sensor, SensorKind};
 use poinsot_telemetry::{Channel, median_step};
 
-/// White noise, in steps, from which rounding errors are independent even at rest.
+/// White noise, in steps, above which rounding errors are independent even at rest.
 const DITHER: f64 = 0.25;
-/// Share of a step within which two readings are one.
+/// Fraction of a step within which two samples count as equal.
 const ONE_LEVEL: f64 = 0.9;
 
-/// Errors of every joint's position on the grid of a segment.
+/// Errors of every joint position on the grid of a segment.
 pub(super) fn joint_errors(
     model: &Model,
     tree: &Tree,
@@ -35,7 +35,7 @@ pub(super) fn joint_errors(
     tree.coordinates.iter().map(of).collect()
 }
 
-/// Errors of every wheel's speed on the grid of a segment.
+/// Errors of every wheel speed on the grid of a segment.
 pub(super) fn wheel_errors(model: &Model, channels: &Channels, grid: &[f64]) -> Vec<InputErrors> {
     let of = |(at, wheel): (usize, &poinsot_model::Wheel)| {
         let sensor = sensor(model, SensorKind::WheelSpeed, at);
@@ -46,7 +46,7 @@ pub(super) fn wheel_errors(model: &Model, channels: &Channels, grid: &[f64]) -> 
     model.wheels.iter().enumerate().map(of).collect()
 }
 
-/// Joints whose rate is differentiated from positions that are read at all grid times and no others.
+/// Joints whose rate is differentiated from positions sampled exactly at the grid times.
 pub(super) fn derived_rates(
     model: &Model,
     tree: &Tree,
@@ -68,7 +68,7 @@ pub(super) fn derived_rates(
     tree.coordinates.iter().map(of).collect()
 }
 
-/// Whether some joint or wheel is not read at all grid times.
+/// Whether some joint or wheel has no sample at some grid times.
 pub(super) fn between_readings(
     model: &Model,
     tree: &Tree,
@@ -99,7 +99,7 @@ fn read_at(channel: &Channel, grid: &[f64]) -> bool {
     })
 }
 
-/// Whether a joint's rounded reading never changes: it is locked, and does not move.
+/// Whether the rounded position of a joint never changes: the joint is locked.
 pub(super) fn is_locked(model: &Model, joint: usize, position: &Channel) -> bool {
     sensor(model, SensorKind::JointPosition, joint)
         .and_then(rounding)
@@ -110,7 +110,7 @@ fn sensor(model: &Model, kind: SensorKind, of: usize) -> Option<&Sensor> {
     model.sensors_of(kind).find(|s| s.of.contains(&of))
 }
 
-/// The step of a sensor whose noise does not blur it.
+/// Rounding step of a sensor whose noise does not hide it.
 fn rounding(sensor: &Sensor) -> Option<f64> {
     let step = sensor.quantisation;
     let sigma = sensor.noise_covariance.map_or(0.0, |c| c[(0, 0)].sqrt());
@@ -139,7 +139,7 @@ fn errors(channel: &Channel, sensor: Option<&Sensor>, grid: &[f64]) -> InputErro
             let h = w[1] - w[0];
             match stays.peek() {
                 Some(s) if s.0 <= w[0] + tolerance => s.2.powf((h / between).min(1.0)),
-                // Values between the readings share their errors: so much memory keeps the noise per second.
+                // Interpolated values share errors; this correlation keeps the noise per second.
                 _ => ((between - h) / (between + h)).max(0.0),
             }
         })
@@ -159,7 +159,7 @@ fn memory_of_run(length: usize) -> Option<f64> {
     (length >= 5 && correlation > 0.0).then_some(correlation)
 }
 
-/// First and last sample of every stretch of equal readings.
+/// First and last index of each run of equal samples.
 fn runs(values: &[f64], step: f64) -> Vec<(usize, usize)> {
     let mut found = Vec::new();
     let mut from = 0;
@@ -189,7 +189,7 @@ mod tests {
 
     #[test]
     fn exact_correlation_of_rounding_errors_is_the_bernoulli_polynomial() {
-        // Mean over the phase of the product of two sawtooth errors a share d of a step apart.
+        // Mean over the phase of the product of two sawtooth errors separated by a fraction d of a step.
         let error = |x: f64| x - x.round();
         for d in [0.05, 0.1, 0.2] {
             let n = 100_000;

@@ -1,4 +1,4 @@
-//! Names become indices: a table of channels and a model become samples on one time base.
+//! Binds a table of channels to a model: names become indices, and samples get one time base.
 //!
 //! Every assumption and repair is reported; an unknown name is an error.
 
@@ -39,16 +39,16 @@ pub struct Bound {
     pub segments: Vec<Segment>,
     /// Declared noise.
     pub noise: Noise,
-    /// Assumptions and repairs, in words.
+    /// Assumptions and repairs.
     pub repairs: Vec<String>,
-    /// Largest share of samples left out of a segment.
+    /// Largest fraction of samples dropped from a segment.
     pub dropped: f64,
 }
 
 /// Binds the tables of all segments to the model.
 ///
 /// # Errors
-/// A channel or a noise that is needed is missing.
+/// A required channel or noise is missing.
 pub fn bind(model: &Model, tree: &Tree, tables: &[Table]) -> Result<Bound, BindError> {
     faults::check_faults(model)?;
     let mut repairs = Vec::new();
@@ -74,13 +74,13 @@ pub fn bind(model: &Model, tree: &Tree, tables: &[Table]) -> Result<Bound, BindE
     })
 }
 
-/// Name of a segment in messages: its files.
+/// Name of a segment in messages: its file names.
 fn file_label(table: &Table) -> String {
     let names: Vec<&str> = table.sources.iter().map(|s| s.path.as_str()).collect();
     names.join(",")
 }
 
-/// The segments of a table, cut at the gaps of its inputs, and the share of samples left out.
+/// The segments of a table, cut at the gaps of its inputs, and the fraction of samples dropped.
 fn bind_table(
     model: &Model,
     tree: &Tree,
@@ -141,7 +141,7 @@ fn bind_table(
     Ok((segments, lost as f64 / whole.len() as f64))
 }
 
-/// Gaps that are named one by one.
+/// Number of gaps listed individually.
 const SHOWN: usize = 3;
 
 fn told_gaps(label: &str, gaps: &[(f64, f64)], pieces: usize) -> String {
@@ -156,7 +156,7 @@ fn told_gaps(label: &str, gaps: &[(f64, f64)], pieces: usize) -> String {
     )
 }
 
-/// One piece, and how many of its gyro samples are complete; no segment of fewer than two.
+/// One piece, and the number of its complete gyro samples; no segment with fewer than two.
 fn bind_piece(
     model: &Model,
     tree: &Tree,
@@ -187,7 +187,7 @@ fn bind_piece(
 }
 
 /// # Errors
-/// Momentum, velocity or position are given in N while no attitude is measured.
+/// Momentum, velocity or position are given in N, but no attitude is measured.
 fn needs_attitude(model: &Model, channels: &channels::Channels) -> Result<(), BindError> {
     let seen = [SensorKind::Attitude, SensorKind::Direction];
     if seen

@@ -10,12 +10,12 @@ use poinsot_identify::{Samples, Translation};
 use poinsot_model::{Model, SensorKind};
 use poinsot_telemetry::{Channel, differentiate, resample, resample_attitude, resample_hermite};
 
-/// Samples each side of the polynomial that differentiates a channel without a rate.
+/// Half-width of the polynomial that differentiates a channel without rate, in samples.
 const HALF_WIDTH: usize = 2;
 
 type Column = Vec<Option<f64>>;
 
-/// Channels at the gyro's times; `None` where there is no sample.
+/// Channels at the gyro's times; `None` without a sample.
 pub(super) struct Aligned {
     time_s: Vec<f64>,
     rate: Vec<Option<Vector3<f64>>>,
@@ -80,7 +80,7 @@ impl Aligned {
             && columns.iter().all(|c| c.iter().all(|x| x[k].is_some()))
     }
 
-    /// The samples at the times picked; positions from the place of the first one.
+    /// The samples at these times; positions are relative to the first one.
     pub fn take(&self, picked: &[usize], tree: &Tree) -> Samples {
         let rows = |columns: &[Column]| -> Vec<f64> {
             picked
@@ -160,7 +160,7 @@ fn attitude(
 
 type Positions = (Vec<Option<Vector3<f64>>>, Vec<Option<Vector3<f64>>>);
 
-/// Position and velocity of the base origin in N, corrected for the place of the sensors.
+/// Position and velocity of the base origin in N, corrected for the sensor positions.
 fn translation(
     model: &Model,
     channels: &Channels,
@@ -228,7 +228,7 @@ fn refuse_orbital(label: &str, r: &VectorChannels) -> Result<(), BindError> {
     Ok(())
 }
 
-/// Position from velocity by the trapezium with its end correction from central slopes.
+/// Position from velocity by the trapezoid rule with end correction from central slopes.
 fn integrate_velocity(
     times: &[f64],
     velocity: &[Option<Vector3<f64>>],
@@ -316,7 +316,7 @@ fn joint(
     }
 }
 
-/// Rate of a joint from its positions.
+/// Rate of a joint, differentiated from its positions.
 pub(super) fn derived_rate(position: &Channel) -> Channel {
     differentiate(position, HALF_WIDTH, None)
 }

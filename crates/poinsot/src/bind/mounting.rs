@@ -1,10 +1,10 @@
-//! Which columns are in the axes of a sensor that is turned on its body.
+//! Sensors whose columns are in sensor axes rotated from body axes.
 
 use poinsot_model::{Axes, Model, SensorKind};
 use poinsot_spatial::Matrix3;
 use poinsot_telemetry::Mounting;
 
-/// Every sensor of the model that is turned on its body.
+/// Mountings of all rotated sensors of the model.
 pub fn mountings(model: &Model) -> Vec<Mounting> {
     let of_columns = |(kind, prefix): (SensorKind, &'static str)| {
         let alone = model.sensors_of(kind).nth(1).is_none();
@@ -22,7 +22,7 @@ pub fn mountings(model: &Model) -> Vec<Mounting> {
     let in_own_axes = SensorKind::with_axes().filter(|kind| kind.axes() == Axes::Sensor);
     let prefixed = in_own_axes.flat_map(|kind| {
         let prefix = kind.columns().first().and_then(|c| c.strip_suffix("_x"));
-        // Angular accelerations have no sensor of their own.
+        // Angular acceleration has no sensor type and uses the gyro's mounting.
         let more = (kind == SensorKind::Gyro).then_some("domega");
         prefix.into_iter().chain(more).map(move |p| (kind, p))
     });

@@ -1,4 +1,4 @@
-//! Declared noise of the sensors, and its observed share in the data.
+//! Declared noise of the sensors, and the fraction of it observed in the data.
 
 use super::BindError;
 use super::sensors::{BaseSensors, covariance};
@@ -8,13 +8,13 @@ use poinsot_model::{Model, SensorKind};
 use poinsot_spatial::Matrix3;
 use poinsot_telemetry::{Channel, Table, median_step, noise_level};
 
-/// Sigma of a derivative, from the quartic through five samples, per sigma and time step of the samples.
+/// Sigma of a derivative by the quartic through five samples, relative to the sample sigma over the time step.
 const DIFFERENCE: f64 = 0.95;
 
-/// Noise of every measurement of the momentum equations, from the model's sensors.
+/// Noise of every measurement in the momentum equations, from the sensors of the model.
 ///
 /// # Errors
-/// The gyro or a velocity that is measured declares no noise.
+/// The gyro or a measured velocity has no declared noise.
 pub(super) fn declared_noise(
     model: &Model,
     tree: &Tree,
@@ -74,7 +74,7 @@ pub(super) fn declared_noise(
     Ok(noise)
 }
 
-/// Covariance of a leading sensor in body axes, quantisation included.
+/// Covariance of a leading sensor in body axes, including quantisation.
 fn vector(model: &Model, leading: &BaseSensors, kind: SensorKind) -> Option<Matrix3> {
     let sensor = leading.sensor(model, kind)?;
     let covariance = covariance(sensor)?;
@@ -113,7 +113,7 @@ fn velocity<'t>(
     Ok(Matrix3::identity())
 }
 
-/// A joint without a column is given, not read; one with positions alone has a rate that is as noisy as its
+/// A joint without a column is given, so without noise. With positions only, the noise of the rate is that of
 /// differences.
 fn silence_given(model: &Model, tree: &Tree, tables: &[Table], noise: &mut Noise) {
     for (k, &at) in tree.coordinates.iter().enumerate() {
@@ -134,7 +134,7 @@ fn silence_given(model: &Model, tree: &Tree, tables: &[Table], noise: &mut Noise
     }
 }
 
-/// Seen over declared variance, at most one: the largest over the axes and segments.
+/// Observed over declared variance, at most one: the largest over axes and segments.
 fn seen(tables: &[Vec<&Channel>], declared: &Matrix3) -> f64 {
     let mut worst: f64 = 0.0;
     for columns in tables {

@@ -1,4 +1,4 @@
-//! Every sensor and input at its own times, on the union of them: for maximum likelihood.
+//! Every sensor and input at its own times, on the union of all times: for maximum likelihood.
 
 use super::channels::{Channels, VectorChannels, joint_columns};
 use super::cut::input_channels;
@@ -11,13 +11,13 @@ use poinsot_identify::{Firing, Observations, Samples};
 use poinsot_model::{Model, SensorKind};
 use poinsot_telemetry::{Channel, differentiate, resample, resample_hermite};
 
-/// Samples each side of the polynomial that gives a wheel's slope.
+/// Half-width of the polynomial that differentiates wheel speeds, in samples.
 const HALF_WIDTH: usize = 2;
 
-/// Readings of all sensors between the first and the last aligned sample.
+/// Samples of all sensors between the first and the last aligned sample.
 ///
-/// Joints and wheels are inputs: every reading of theirs is on the grid, and they are interpolated to its other times.
-/// A time at which an input is missing is left out.
+/// Joints and wheels are inputs: all their samples are on the grid, and they are interpolated to the other grid times.
+/// Times without an input are dropped.
 pub(super) fn observe(
     model: &Model,
     tree: &Tree,
@@ -80,7 +80,7 @@ pub(super) fn observe(
     }
 }
 
-/// Times of channels, those that are read together once.
+/// Distinct time bases of channels.
 fn clocks<'a>(channels: &[&'a Channel]) -> Vec<&'a [f64]> {
     let mut all: Vec<&[f64]> = Vec::new();
     for channel in channels {
@@ -91,7 +91,7 @@ fn clocks<'a>(channels: &[&'a Channel]) -> Vec<&'a [f64]> {
     all
 }
 
-/// Place of the base origin at the first sample, as the position sensor saw it.
+/// Position of the base origin at the first sample, from the position sensor.
 fn first_position(r: &VectorChannels, samples: &Samples) -> Vector3<f64> {
     let (Some(t), Some(R)) = (samples.time_s.first(), samples.R_NB.first()) else {
         return Vector3::zeros();
@@ -99,7 +99,7 @@ fn first_position(r: &VectorChannels, samples: &Samples) -> Vector3<f64> {
     own_or_between(&r.axes, *t).map_or_else(Vector3::zeros, |p| p - R * r.p_BoS_B)
 }
 
-/// The first position that any sensor measured: near enough where none is on the base.
+/// The first position measured by any sensor; an approximation if none is on the base.
 fn first_value(sensors: &[SensorColumns]) -> Vector3<f64> {
     let position = sensors.iter().find(|s| s.kind == SensorKind::Position);
     let at = |s: &SensorColumns, k: usize| s.parts[k].values.first().copied().unwrap_or(0.0);
@@ -113,7 +113,7 @@ fn own_or_between(axes: &[&Channel; 3], t: f64) -> Option<Vector3<f64>> {
     Some(Vector3::new(at(axes[0])?, at(axes[1])?, at(axes[2])?))
 }
 
-/// The samples of a channel that fall on grid times; `None` elsewhere.
+/// The samples of a channel at grid times; `None` elsewhere.
 fn own_values(channel: &Channel, grid: &[f64]) -> Vec<Option<f64>> {
     let mut at = 0;
     grid.iter()
@@ -129,7 +129,7 @@ fn own_values(channel: &Channel, grid: &[f64]) -> Vec<Option<f64>> {
         .collect()
 }
 
-/// Wheel speeds on a smooth curve through their readings; empty where all are read at every grid time.
+/// Wheel speeds interpolated by cubic Hermite polynomials; empty if all are sampled at every grid time.
 fn smooth_wheels(model: &Model, channels: &Channels, grid: &[f64]) -> Vec<f64> {
     let wheels = model.wheels.iter();
     let wheels = wheels.filter_map(|w| channels.find(None, &format!("{}_rad_s", w.name)));
@@ -148,7 +148,7 @@ fn smooth_wheels(model: &Model, channels: &Channels, grid: &[f64]) -> Vec<f64> {
     (0..grid.len()).flat_map(row).collect()
 }
 
-/// Joint positions, joint rates, wheel speeds at the grid's times, one column each.
+/// Joint positions, joint rates and wheel speeds at the grid times, one column each.
 fn inputs(model: &Model, tree: &Tree, channels: &Channels, grid: &[f64]) -> Vec<Vec<Option<f64>>> {
     let mut positions = Vec::new();
     let mut rates = Vec::new();

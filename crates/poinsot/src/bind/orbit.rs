@@ -1,4 +1,4 @@
-//! The reference orbit at the grid's times: from telemetry, else from the model's elements.
+//! The reference orbit at the grid times: from telemetry, or from the elements in the model.
 
 use super::BindError;
 use super::channels::Channels;
@@ -7,10 +7,10 @@ use poinsot_dynamics::orbit_state;
 use poinsot_model::{Model, SensorKind};
 use poinsot_telemetry::{differentiate, resample, resample_hermite};
 
-/// Position and velocity in N, m and m/s, at one time; `None` where telemetry has none there.
+/// Position and velocity in N, m and m/s, at one time; `None` if telemetry has no value there.
 type OrbitPoint = Option<(Vector3<f64>, Vector3<f64>)>;
 
-/// Samples each side of the polynomial that differentiates the positions.
+/// Half-width of the polynomial that differentiates positions, in samples.
 const HALF_WIDTH: usize = 2;
 
 /// The orbit at every time of the grid; empty without gravity gradient.
@@ -45,10 +45,10 @@ pub(super) fn orbit_at(model: &Model, channels: &Channels, grid: &[f64]) -> Vec<
         .collect()
 }
 
-/// Says where the orbit comes from, and refuses a gravity gradient without one.
+/// Reports the source of the orbit; a gravity gradient needs one.
 ///
 /// # Errors
-/// Neither columns nor elements.
+/// Neither columns nor elements are given.
 pub(super) fn check_orbit(
     model: &Model,
     channels: &Channels,

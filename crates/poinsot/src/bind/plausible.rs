@@ -1,11 +1,11 @@
-//! Plausibility limits against placeholders and wrong units, which would dominate the answer and the computing time.
+//! Plausibility limits against placeholders and wrong units, which would dominate the result and the computing time.
 
 use super::BindError;
 use super::channels::Channels;
 use poinsot_telemetry::{Channel, median_step, rounded};
 use std::f64::consts::PI;
 
-/// Largest numbers that are taken for readings, by the end of the channel's name.
+/// Largest plausible values, by suffix of the channel name.
 const LARGEST: [(&str, f64, &str); 6] = [
     ("_rad_s", 1.0e5, "rad/s"),
     ("_m_s", 1.0e4, "m/s"),
@@ -15,10 +15,10 @@ const LARGEST: [(&str, f64, &str); 6] = [
     ("_N", 1.0e8, "N"),
 ];
 
-/// Refuses samples beyond plausible limits.
+/// Returns an error for samples beyond plausible limits.
 ///
 /// # Errors
-/// The first of them with its channel and time.
+/// The first such sample, with channel and time.
 pub(super) fn check(channels: &Channels) -> Result<(), BindError> {
     for channel in &channels.table.channels {
         let fault = match channel.name.as_str() {

@@ -1,4 +1,4 @@
-//! Sensors of three axes: their columns and samples on the grid. Any number of a kind, on any body.
+//! Three-axis sensors: their columns and samples on the grid. Any number of each kind, on any body.
 
 use super::BindError;
 use crate::channel_names::{XYZ, names};
@@ -8,23 +8,22 @@ use poinsot_model::{Model, Nuisance, Sensor, SensorKind};
 use poinsot_spatial::Matrix3;
 use poinsot_telemetry::{Channel, Table, full_name, median_step, resample};
 
-/// Times closer than this are one time, s.
+/// Times closer than this are equal, s.
 pub(super) const SAME: f64 = 1.0e-9;
 
-/// Longest interval of an increment, over the usual one; beyond it the sample before is missing.
+/// Longest interval of an increment relative to the usual one; if it is longer, the previous sample is missing.
 const WHOLE_INTERVAL: f64 = 1.5;
 
-/// Columns of the vector in N whose direction a sensor sees.
+/// Columns of the vector in N whose direction a sensor measures.
 pub(super) const REFERENCE: &str = "reference";
 
-/// The columns of one sensor in one table.
 pub(super) struct SensorColumns<'a> {
-    /// Index in the model; `None` for an attitude that no sensor declares.
+    /// Index in the model; `None` for an undeclared attitude sensor.
     pub sensor: Option<usize>,
     pub kind: SensorKind,
-    /// Three axes, or the four numbers of a quaternion.
+    /// Three axes, or four quaternion components.
     pub parts: Vec<&'a Channel>,
-    /// Where the telemetry says whose direction is seen: its three axes in N.
+    /// Reference vector in N, if telemetry has it.
     reference: Option<[&'a Channel; 3]>,
     /// Times at which every part has a sample, s.
     time_s: Vec<f64>,
@@ -32,7 +31,7 @@ pub(super) struct SensorColumns<'a> {
     at: Vec<[usize; 4]>,
 }
 
-/// The columns of a sensor; those without a sensor's name belong to the only sensor of its kind that has none of its own.
+/// The columns of a sensor. Columns without a sensor name belong to the only sensor of the kind without own columns.
 pub(super) fn columns_of<'a>(
     model: &Model,
     table: &'a Table,
@@ -81,7 +80,7 @@ fn names_of(model: &Model, kind: SensorKind) -> Vec<String> {
     names(model, kind, &[])
 }
 
-/// Sensors of a kind that have no columns of their own name.
+/// Sensors of a kind without columns of their own name.
 fn without_own<'a>(
     model: &'a Model,
     table: &'a Table,
@@ -93,7 +92,7 @@ fn without_own<'a>(
         .map(|(k, _)| k)
 }
 
-/// Every sensor that a table has columns of, in an order that their declaration does not change.
+/// Every sensor with columns in a table, in an order independent of declaration order.
 pub(super) fn sensor_columns<'a>(model: &Model, table: &'a Table) -> Vec<SensorColumns<'a>> {
     let mut all = Vec::new();
     for kind in SensorKind::with_axes() {
@@ -115,7 +114,7 @@ pub(super) fn sensor_columns<'a>(model: &Model, table: &'a Table) -> Vec<SensorC
 }
 
 impl<'a> SensorColumns<'a> {
-    /// A cell without a sample in one part leaves out the whole sample.
+    /// A missing component drops the whole sample.
     fn new(sensor: Option<usize>, kind: SensorKind, parts: Vec<&'a Channel>) -> Self {
         let (mut time_s, mut at) = (Vec::new(), Vec::new());
         let mut next = [0; 4];
@@ -144,7 +143,7 @@ impl<'a> SensorColumns<'a> {
         }
     }
 
-    /// Times of the samples and of the beginnings of their intervals, s.
+    /// Times of the samples and of the starts of their intervals, s.
     pub fn times(&self) -> Vec<f64> {
         let own = self.time_s.iter().copied();
         match self.kind {
@@ -153,7 +152,7 @@ impl<'a> SensorColumns<'a> {
         }
     }
 
-    /// Where the interval of each sample begins: at the sample before, or one step back where that is missing.
+    /// Start of the interval of each sample: the previous sample, or one step back if that is missing.
     fn starts(&self) -> Vec<f64> {
         let t = &self.time_s;
         let step = median_step(t).unwrap_or_default();
@@ -167,7 +166,7 @@ impl<'a> SensorColumns<'a> {
             .collect()
     }
 
-    /// The samples whose times lie on the grid; positions from `origin`.
+    /// The samples at grid times; positions relative to `origin`.
     pub fn record(&self, model: &Model, grid: &[f64], origin: &Vector3<f64>) -> SensorRecord {
         let at = |t: f64| {
             let k = grid.partition_point(|g| *g < t - SAME);
@@ -195,7 +194,7 @@ impl<'a> SensorColumns<'a> {
             correlation_s: declared.map_or(0.0, |s| s.correlation_s),
             samples: samples.collect(),
             name: declared.map_or_else(|| self.kind.word().to_owned(), |s| label(model, s)),
-            // Sensors with samples in body axes have errors in their own axes.
+            // Samples are in body axes, but sensor errors are in sensor axes.
             ..SensorRecord::of_base(
                 self.kind,
                 match declared {
@@ -206,7 +205,7 @@ impl<'a> SensorColumns<'a> {
         }
     }
 
-    /// Directions seen from the base, each with its time and the vector in N.
+    /// Directions measured on the base, each with its time and the vector in N.
     pub fn directions(&self, model: &Model) -> Vec<(f64, Vector3<f64>, Vector3<f64>)> {
         let declared = self.sensor.map(|k| &model.sensors[k]);
         let references = declared.map(|s| self.references(s)).unwrap_or_default();
@@ -223,7 +222,7 @@ impl<'a> SensorColumns<'a> {
         seen.collect()
     }
 
-    /// The vector in N whose direction each sample is, of length one; empty for other kinds.
+    /// The unit vector in N of each direction sample; empty for other kinds.
     fn references(&self, sensor: &Sensor) -> Vec<Option<Vector3<f64>>> {
         let unit = |v: Vector3<f64>| v.try_normalize(0.0);
         match (self.kind, sensor.reference_N, self.reference) {
@@ -261,7 +260,7 @@ impl<'a> SensorColumns<'a> {
     }
 }
 
-/// Name of a sensor in results: the word of its kind, with its own name where it shares the kind.
+/// Name of a sensor in results: its kind, followed by its name if several share the kind.
 fn label(model: &Model, sensor: &Sensor) -> String {
     match model.sensors_of(sensor.kind).nth(1) {
         None => sensor.kind.word().to_owned(),
@@ -269,7 +268,7 @@ fn label(model: &Model, sensor: &Sensor) -> String {
     }
 }
 
-/// Declared covariance of the samples of a sensor, rounding included; `None` where neither is declared.
+/// Declared covariance of a sensor's samples including rounding; `None` if neither is declared.
 pub(super) fn covariance(sensor: &Sensor) -> Option<Matrix3> {
     let step = sensor.quantisation * sensor.quantisation / 12.0;
     match sensor.noise_covariance {
@@ -278,13 +277,13 @@ pub(super) fn covariance(sensor: &Sensor) -> Option<Matrix3> {
     }
 }
 
-/// The sensors of the base from which the aligned samples of the linear method come: one of each kind.
+/// The base sensors used for the aligned samples of the linear method, one of each kind.
 pub(super) struct BaseSensors {
     of: Vec<(SensorKind, usize)>,
 }
 
 impl BaseSensors {
-    /// Of each kind the sensor that is read in most tables, and of those the one that tells most: samples over variance.
+    /// For each kind, the sensor present in most tables, then the one with the most samples per variance.
     pub fn new(model: &Model, tables: &[Table]) -> Self {
         let worth = |k: usize| {
             let lengths = tables.iter().filter_map(|t| columns_of(model, t, k));
@@ -310,7 +309,7 @@ impl BaseSensors {
         self.of.iter().find(|l| l.0 == kind).map(|l| l.1)
     }
 
-    /// Its columns, or those of none where the model declares no such sensor.
+    /// Its columns; columns without a sensor name if the model declares no such sensor.
     pub fn columns<'a>(
         &self,
         model: &Model,
@@ -329,11 +328,11 @@ impl BaseSensors {
     }
 }
 
-/// Says which sensors are not used and which columns belong to none, and with which sensors the fit starts.
+/// Reports unused sensors, columns without a sensor, and the sensors with which the fit starts.
 ///
 /// # Errors
-/// Columns that name no sensor where several could have written them; columns of a sensor whose noise is not declared;
-/// an error asked of a sensor without columns.
+/// Columns without a sensor name that several sensors could have written; columns of a sensor without declared noise;
+/// an unknown error of a sensor without columns.
 pub(super) fn check_sensors(
     model: &Model,
     tables: &[Table],
@@ -364,7 +363,7 @@ pub(super) fn check_sensors(
         for sensor in &with_columns {
             refuse_noiseless(sensor, with_columns.len())?;
         }
-        // Without any gyro its columns are what is missing: that is said elsewhere.
+        // A missing gyro is reported elsewhere.
         let needed = kind != SensorKind::Gyro || !with_columns.is_empty();
         if let Some(sensor) = all.iter().find(|s| needed && asks(s) && !read(s)) {
             return Err(BindError::Unsupported {
@@ -430,7 +429,7 @@ fn refuse_without_reference(model: &Model, table: &Table, label: &str) -> Result
     Ok(())
 }
 
-/// The initial state is measured on the base: rate, attitude, and position or velocity where there is any.
+/// The initial state must be measured on the base: rate, attitude, and position or velocity if used.
 fn refuse_links_alone(model: &Model, read: &impl Fn(&Sensor) -> bool) -> Result<(), BindError> {
     let groups: [&[SensorKind]; 3] = [
         &[SensorKind::Gyro],
@@ -472,7 +471,7 @@ fn unread(model: &Model, table: &Table, label: &str, repairs: &mut Vec<String>) 
     }
 }
 
-/// Columns that name a sensor which the model lacks, or none where every sensor has its own, are not used.
+/// Columns of an undeclared sensor are not used, nor columns without a sensor name if every sensor has its own.
 fn ownerless(model: &Model, table: &Table, label: &str, repairs: &mut Vec<String>) {
     for kind in SensorKind::with_axes() {
         let first = &names_of(model, kind)[0];
@@ -494,7 +493,7 @@ fn ownerless(model: &Model, table: &Table, label: &str, repairs: &mut Vec<String
     }
 }
 
-/// Attitude and position of the only sensor may be taken as exact; any other sensor needs its noise.
+/// Attitude and position may be exact if there is only one sensor; other sensors need declared noise.
 fn refuse_noiseless(sensor: &Sensor, of_its_kind: usize) -> Result<(), BindError> {
     if covariance(sensor).is_some() {
         return Ok(());
@@ -517,7 +516,7 @@ fn refuse_noiseless(sensor: &Sensor, of_its_kind: usize) -> Result<(), BindError
     Err(BindError::NoNoise { kind, key })
 }
 
-/// Whether anything of a sensor is declared unknown.
+/// Whether any error of a sensor is declared unknown.
 fn asks(sensor: &Sensor) -> bool {
     let groups = ErrorGroup::of(sensor.kind).iter();
     groups

@@ -1,10 +1,10 @@
-//! Thrust columns as firings: a value holds from its sample to the next.
+//! Converts thrust columns to firings: a value holds until the next sample.
 
 use super::channels::Channels;
 use poinsot_identify::{Firing, Samples};
 use poinsot_model::Model;
 
-/// Firings of every thruster that has a column; one without is off.
+/// Firings of every thruster with a column; others are off.
 pub(super) fn firings(
     model: &Model,
     channels: &Channels,
@@ -24,7 +24,7 @@ pub(super) fn firings(
                 continue;
             }
             let mut end_s = start_s;
-            // Equal values that follow each other are one firing.
+            // Consecutive equal values are one firing.
             while let Some(&(&next, &value)) = pairs.peek() {
                 end_s = next;
                 if value != force {

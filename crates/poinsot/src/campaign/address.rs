@@ -1,26 +1,27 @@
 //! Addresses of numbers in a case or model file: `body.arm.mass_kg`, `bus.inertia_kg_m2.xx`, `output.rate_hz`,
 //! `joint_motion.joint1.sine_rad.0`; and `noise` or `gyro.noise`, a factor on declared noise and rounding steps.
 //!
-//! The grammar is that of `poinsot_formats::Address`. The steps of an address are keys. In a list of tables a step is the name of an element (its `name`, `joint`, `wheel`
-//! or `thruster`) or its number from zero; in a list of numbers it is a number from zero, or x, y, z, w. An address may
-//! begin with the name of a body, joint, wheel, thruster or sensor, as addresses of results do (`bus.com_m.x`,
-//! `gyro.bias_rad_s.x`): where several parts have that name, the one with the key.
+//! The grammar is that of `poinsot_formats::Address`. The steps of an address are keys. In a list of tables a step is
+//! the name of an element (its `name`, `joint`, `wheel` or `thruster`) or its number from zero. In a list of numbers
+//! it is a number from zero, or x, y, z, w. An address may begin with the name of a body, joint, wheel, thruster or
+//! sensor, as in results (`bus.com_m.x`, `gyro.bias_rad_s.x`). If several parts have that name, the one with the key
+//! is meant.
 
 use crate::case::did_you_mean;
 use poinsot_formats::{Address, element as number_of};
 use std::borrow::Cow;
 use toml::{Table, Value};
 
-/// Lists of the model whose elements may begin an address.
+/// Lists of the model whose element names may start an address.
 const NAMED: [&str; 5] = ["body", "joint", "wheel", "thruster", "sensor"];
 /// Keys that name an element of a list.
 const NAMES: [&str; 4] = ["name", "joint", "wheel", "thruster"];
-/// The last step of an address of declared noise.
+/// Last step of an address of declared noise.
 const NOISE: &str = "noise";
-/// Keys of a sensor that its noise scales.
+/// Prefixes of the sensor keys that the noise factor scales.
 const NOISY: [&str; 2] = ["noise_", "quantisation_"];
 
-/// In which files a number changes.
+/// Files in which a number changes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct FileSelector {
     pub truth: bool,
@@ -30,21 +31,21 @@ pub(crate) struct FileSelector {
 /// The files of an experiment as tables.
 #[derive(Debug, Clone)]
 pub(crate) struct Documents {
-    /// The case, where the experiment is simulated.
+    /// The case, if the experiment is simulated.
     pub case: Option<Table>,
-    /// The model with the true numbers; `None` for a model that is not TOML.
+    /// The model with the true numbers; `None` if the model is not TOML.
     pub truth: Option<Table>,
-    /// The model as the identification knows it.
+    /// The nominal model of the identification.
     pub nominal: Option<Table>,
 }
 
-/// New value of a number from its index in the address and its value in the file.
+/// New value of a number, from its index in the address and its value in the file.
 pub(crate) type Edit<'a> = &'a dyn Fn(usize, f64) -> f64;
 
 /// Changes the numbers at an address.
 ///
 /// # Errors
-/// The address names no number; in words: what is wrong, what to do.
+/// The address names no number; the texts are fault and remedy.
 pub(crate) fn edit(
     documents: &mut Documents,
     address: &str,
@@ -81,7 +82,7 @@ pub(crate) fn edit(
     Ok(())
 }
 
-/// The keys that lead to an address in the case: its own, or those of what it says of a sensor, `gyro.bias_rad_s.x`.
+/// Key path of an address in the case: its own, or that of a sensor output, `gyro.bias_rad_s.x`.
 fn way_in_case<'a>(case: &Table, address: Address<'a>) -> Option<KeyPath<'a>> {
     if case.contains_key(address.first()) && !matches!(address.first(), "schema" | "model") {
         return Some(way(&[], address));
@@ -92,7 +93,7 @@ fn way_in_case<'a>(case: &Table, address: Address<'a>) -> Option<KeyPath<'a>> {
     Some(way(&["output", "sensor", &at.to_string()], rest))
 }
 
-/// Keys from the top of a file down.
+/// Key path from the top of a file.
 type KeyPath<'a> = Vec<Cow<'a, str>>;
 
 fn way<'a>(to: &[&str], rest: Address<'a>) -> KeyPath<'a> {
@@ -100,7 +101,7 @@ fn way<'a>(to: &[&str], rest: Address<'a>) -> KeyPath<'a> {
     to.chain(rest.steps().map(Cow::Borrowed)).collect()
 }
 
-/// The element of a list that an address begins with, and the address below it. Names may hold dots.
+/// The list element named at the start of an address, and the rest of the address. Names may contain dots.
 fn owned<'a>(list: Option<&Value>, address: Address<'a>) -> Option<(usize, Address<'a>)> {
     let mut owners = address.owners();
     owners.find_map(|(name, rest)| Some((element(list, name)?, rest)))
@@ -127,7 +128,7 @@ fn edit_model(
             Some((list, at, rest))
         })
         .collect();
-    // A body and its joint may share a name: the key tells which is meant.
+    // A body and its joint may share a name: the key decides.
     let has = |(list, at, rest): &(&str, usize, Address<'_>)| {
         let item = model.get(*list).and_then(|l| l.get(*at));
         item.is_some_and(|item| item.get(rest.first()).is_some())
@@ -183,7 +184,7 @@ fn known_at_top(model: &Table, case: Option<&Table>) -> Vec<String> {
     known
 }
 
-/// Index of an element of a list by its name or number; the first of several firings of one thruster is no answer.
+/// Index of a list element by name or number; several firings of one thruster are ambiguous.
 fn element(list: Option<&Value>, step: &str) -> Option<usize> {
     let items = list?.as_array()?;
     if let Ok(at) = step.parse::<usize>() {
@@ -302,7 +303,7 @@ fn scale_noise(
     }
 }
 
-/// Changes every number of a value: one, a list, a table, or lists in a list.
+/// Changes every number of a value: a number, a list, a table, or nested lists.
 fn change_leaves(value: &mut Value, change: Edit<'_>) -> Result<(), (String, String)> {
     let mut count = 0;
     visit(value, &mut count, change);
@@ -318,7 +319,7 @@ fn visit(value: &mut Value, count: &mut usize, change: Edit<'_>) {
         Value::Integer(old) => {
             let new = change(*count, *old as f64);
             *count += 1;
-            // A seed or a count stays whole.
+            // A seed or a count stays an integer.
             *value = match new.fract() == 0.0 && new.abs() < 1.0e15 {
                 true => Value::Integer(new as i64),
                 false => Value::Float(new),
@@ -334,7 +335,7 @@ fn visit(value: &mut Value, count: &mut usize, change: Edit<'_>) {
     }
 }
 
-/// How many numbers an address names.
+/// Number of numbers that an address names.
 ///
 /// # Errors
 /// As [`edit`].

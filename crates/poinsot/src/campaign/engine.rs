@@ -1,7 +1,8 @@
 //! Shards on all cores of one machine.
 //!
-//! Every worker takes the next trial, whichever shard it belongs to, and the one that finishes the last trial of a shard
-//! writes it. A worker has a thread of its own for what a fit would share, so that no trial waits for another.
+//! Each worker takes the next trial of any shard; the worker that finishes the last trial of a shard writes the shard.
+//! Each worker has its own single-thread pool for the parallel parts of a fit. Trials therefore do not wait for each
+//! other.
 
 use super::faults::PlanText;
 use super::plan::{Plan, Shard};
@@ -14,13 +15,13 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
-/// Data shared by the trials of a cell, made by the first of them.
+/// Data shared by the trials of a cell, computed by the first trial.
 type Shared = Arc<OnceLock<Result<Prepared, String>>>;
 
-/// Numbers of shards that are damaged, with the reason.
+/// Numbers of damaged shards, with the reason.
 pub type Damaged = Vec<(u64, String)>;
 
-/// A shard whose trials are being run.
+/// A shard whose trials are running.
 struct Active {
     shard: Shard,
     prepared: Shared,
@@ -32,14 +33,14 @@ struct Active {
 struct Queue {
     shards: VecDeque<u64>,
     current: Option<(Arc<Active>, u64)>,
-    /// What the last cell's trials share, for the next shard of the same cell.
+    /// Shared data of the last cell, for the next shard of the same cell.
     last: Option<(u64, Shared)>,
 }
 
 /// Runs shards into the folder of a campaign; `watch` is called after each.
 ///
 /// # Errors
-/// The disk refuses, or an experiment cannot be simulated. Shards that were finished stay.
+/// Writing fails, or an experiment cannot be simulated. Finished shards are kept.
 pub fn run_shards(
     plan: &Plan,
     out: &Path,
@@ -52,7 +53,7 @@ pub fn run_shards(
     })
 }
 
-/// Runs shards on all cores and hands over each as it is finished.
+/// Runs shards on all cores and passes on each finished one.
 pub(super) fn run_each(
     plan: &Plan,
     shards: &[u64],
@@ -88,7 +89,7 @@ pub(super) fn run_each(
     }
 }
 
-/// One shard in memory, on this thread.
+/// Runs one shard in memory, on this thread.
 ///
 /// # Errors
 /// An experiment cannot be simulated.
@@ -103,10 +104,10 @@ pub fn run_shard(plan: &Plan, shard: u64) -> Result<ShardResult, Error> {
     Ok(ShardResult::new(plan, &shard, &prepared.bound(), &done))
 }
 
-/// Of these shards, those that are not there yet, and those that are damaged with the reason.
+/// Missing shards among these, and damaged ones with the reason.
 ///
 /// # Errors
-/// The disk refuses.
+/// Reading fails.
 pub fn missing_shards(
     plan: &Plan,
     out: &Path,
@@ -132,7 +133,7 @@ fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// The next trial, and the shard that it belongs to.
+/// The next trial, and its shard.
 fn next(plan: &Plan, queue: &Mutex<Queue>) -> Option<(Arc<Active>, u64)> {
     let mut queue = locked(queue);
     let queue = &mut *queue;
@@ -145,7 +146,7 @@ fn next(plan: &Plan, queue: &Mutex<Queue>) -> Option<(Arc<Active>, u64)> {
         }
         let shard = plan.shard(queue.shards.pop_front()?);
         let kept = queue.last.take().filter(|(cell, _)| {
-            // Points of a sampling are those of one shard.
+            // The points of a sampling belong to one shard.
             *cell == shard.cell && plan.sampling.is_none()
         });
         let prepared = kept.map_or_else(Arc::default, |(_, prepared)| prepared);
@@ -162,13 +163,13 @@ fn next(plan: &Plan, queue: &Mutex<Queue>) -> Option<(Arc<Active>, u64)> {
     }
 }
 
-/// Runs a trial; the shard where it was its last.
+/// Runs a trial; returns the shard after its last trial.
 fn run_one(plan: &Plan, active: &Active, trial: u64) -> Result<Option<ShardResult>, Error> {
     let shard = &active.shard;
     let prepare = || Prepared::new(plan, shard).map_err(|e| e.to_string());
     let prepared = active.prepared.get_or_init(prepare);
     let prepared = prepared.as_ref().map_err(|why| {
-        // The first lines of an error name file and remedy themselves.
+        // The error already names file and remedy.
         let text = PlanText::new(Path::new(&plan.name), String::new());
         let what = format!("cell {} cannot be simulated: {why}", shard.cell);
         Error::File(crate::case::CaseError {
@@ -190,7 +191,7 @@ fn run_one(plan: &Plan, active: &Active, trial: u64) -> Result<Option<ShardResul
     )))
 }
 
-/// Calls `work` on as many threads as there are cores; the parallel parts of a fit stay on the thread of its trial.
+/// Calls `work` on one thread per core; the parallel parts of a fit stay on the thread of its trial.
 fn on_all_cores(work: &(dyn Fn() + Sync)) -> Result<(), Error> {
     let threads = rayon::current_num_threads();
     let pools = (0..threads)
@@ -201,7 +202,7 @@ fn on_all_cores(work: &(dyn Fn() + Sync)) -> Result<(), Error> {
         .collect::<Result<Vec<_>, _>>()?;
     std::thread::scope(|scope| {
         for pool in &pools {
-            // `install` waits, and so needs a thread to wait on.
+            // `install` blocks, so it needs its own thread.
             scope.spawn(move || pool.install(work));
         }
     });

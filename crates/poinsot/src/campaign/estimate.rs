@@ -7,29 +7,29 @@ use crate::error::Error;
 use poinsot_report::{Document, Section, Table, significant};
 use poinsot_telemetry::RowCells;
 
-/// Trials that are measured in a cell; the first warms the processor and is not counted.
+/// Trials measured per cell; the first is a warm-up and not counted.
 const MEASURED: u64 = 4;
-/// Cells that are measured: the first and the last, and one between.
+/// Number of cells measured: the first, the last, and one in between.
 const CELLS: u64 = 3;
 /// Numbers of trials with a reported cost, in addition to the plan's.
 const PRICED: [u64; 2] = [1_000_000, 1_000_000_000];
-/// Shards take this long, s, so that a scheduler has little to do and little is lost with one.
+/// Target duration of a shard, s: long enough for a scheduler, short enough to lose little.
 const SHARD_S: [f64; 2] = [10.0, 120.0];
 
 /// Cost of the trials of a plan.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CampaignCost {
-    /// Processor time of one trial by all methods, s, mean over the cells that were measured.
+    /// CPU time of one trial by all methods, s, averaged over the measured cells.
     pub seconds: f64,
-    /// Bytes of the rows of one trial, as they are before compression.
+    /// Uncompressed bytes of the rows of one trial.
     pub bytes: f64,
-    /// Largest memory of the process, bytes, where the system tells it.
+    /// Peak memory of the process, bytes, if the system reports it.
     pub memory: Option<u64>,
-    /// Trials of all cells of the plan.
+    /// Trials of all cells.
     pub trials: u64,
-    /// Trials of a shard for 10 to 120 s.
+    /// Trials per shard for 10 to 120 s.
     pub block: (u64, u64),
-    /// Those that the plan has.
+    /// Trials per shard in the plan.
     pub planned_block: u64,
 }
 
@@ -72,7 +72,7 @@ pub fn campaign_cost(plan: &Plan) -> Result<CampaignCost, Error> {
     })
 }
 
-/// Bytes of the rows: eight a number. Repeated words are held once, and the frame of a file is no part of a row.
+/// Bytes of the rows: eight per number. Repeated words are stored once, and the file header is not counted.
 fn bytes_of(result: &ShardResult) -> f64 {
     let cells = |c: &poinsot_telemetry::RowColumn| match &c.cells {
         RowCells::Number(x) => x.iter().flatten().count(),
@@ -82,7 +82,7 @@ fn bytes_of(result: &ShardResult) -> f64 {
     8.0 * result.rows.iter().map(cells).sum::<usize>() as f64
 }
 
-/// Largest resident memory of this process so far, bytes.
+/// Peak resident memory of this process, bytes.
 fn memory() -> Option<u64> {
     let status = poinsot_files::read_text("/proc/self/status".as_ref(), 1 << 20).ok()?;
     let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"))?;

@@ -14,24 +14,23 @@ use poinsot_telemetry::{Channel, Table, read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// All changes of a cell or trial, put in by [`Apply`].
+/// All changes of a cell or trial, applied by [`Apply`].
 pub(crate) type Changes<'a> = dyn Fn(&mut Apply<'_>) -> Result<(), (String, String)> + 'a;
 
-/// Puts one change into the files.
+/// Applies one change to the files.
 pub(crate) type Apply<'a> =
     dyn FnMut(&str, FileSelector, Edit<'_>) -> Result<(), (String, String)> + 'a;
 
-/// Seed of a record where the plan gives none.
+/// Default seed of a record.
 const SEED: u64 = 1;
 
-/// A file as read, and as a table where it is TOML.
+/// A file as read, and as a table if it is TOML.
 #[derive(Debug, Clone)]
 struct Source {
     path: PathBuf,
     text: String,
 }
 
-/// An experiment with its files.
 pub(crate) struct Experiment {
     pub name: String,
     pub documents: Documents,
@@ -46,7 +45,7 @@ pub(crate) struct Experiment {
     seed: Option<u64>,
 }
 
-/// The files of an experiment at one point, read.
+/// The files of an experiment at one point, parsed.
 pub(crate) struct FilesAt {
     pub case: Option<Case>,
     pub truth: Model,
@@ -54,7 +53,7 @@ pub(crate) struct FilesAt {
 }
 
 impl Experiment {
-    /// Reads the files of an experiment; `None` where a fault was noted.
+    /// Reads the files of an experiment; `None` if a fault was recorded.
     ///
     /// # Errors
     /// A file cannot be read.
@@ -149,10 +148,10 @@ impl Experiment {
         }))
     }
 
-    /// The files with changes, each parsed and checked.
+    /// Applies changes to the files, then parses and checks them.
     ///
     /// # Errors
-    /// A change makes a file that is refused.
+    /// A changed file is invalid.
     pub fn files(&self, changes: &Changes<'_>) -> Result<FilesAt, Error> {
         let mut documents = self.documents.clone();
         let mut changed = false;
@@ -190,14 +189,14 @@ impl Experiment {
         })
     }
 
-    /// Names of the mass properties of every body that the identification is asked for.
+    /// Requested mass properties of all bodies.
     pub fn asked(&self) -> Vec<String> {
         let of = |b: &Body| mass_names(&b.name);
         let asked = self.bodies.iter().filter(|b| b.estimate.any());
         asked.flat_map(of).collect()
     }
 
-    /// The experiment to be repeated.
+    /// The repeatable experiment.
     ///
     /// # Errors
     /// The case does not fit the model, or cannot be simulated.
@@ -221,7 +220,7 @@ impl Experiment {
                 study
             }
         };
-        // Noise and rounding are the true ones; what else a sensor declares is what the identification knows.
+        // Noise and rounding are the true ones; other declared errors are those of the nominal model.
         for sensor in &mut study.sensors {
             let same = |t: &&Sensor| t.name == sensor.name && t.kind == sensor.kind;
             if let Some(t) = truth.sensors.iter().find(same) {
@@ -259,7 +258,7 @@ impl Source {
     fn with(&self, table: &toml::Table) -> Self {
         Self {
             path: self.path.clone(),
-            // A table that was read is written again.
+            // A changed table is written as text again.
             text: toml::to_string(table).unwrap_or_default(),
         }
     }

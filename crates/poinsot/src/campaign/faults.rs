@@ -1,4 +1,4 @@
-//! Faults of a plan, each with its line.
+//! Faults of a plan with line numbers.
 
 use crate::case::{CaseError, CaseFault, CaseText};
 use crate::error::Error;
@@ -7,7 +7,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use toml::de::{DeTable, DeValue};
 
-/// The text of a plan and its faults. A plan that a program made has no text: its faults have no line.
+/// The text of a plan and its faults. A plan made by a program has no text, so its faults have no line.
 pub(crate) struct PlanText {
     pub path: PathBuf,
     text: CaseText,
@@ -26,10 +26,10 @@ impl PlanText {
         }
     }
 
-    /// The file as written.
+    /// Parses the file.
     ///
     /// # Errors
-    /// No TOML, unknown keys, or values of another kind.
+    /// Invalid TOML, unknown keys, or values of a wrong type.
     pub fn parse(&self) -> Result<PlanFile, Error> {
         PlanFile::parse(&self.text.text).map_err(|faults| {
             let remedy = "correct it here; `poinsot schema plan` prints all keys";
@@ -41,7 +41,7 @@ impl PlanText {
         })
     }
 
-    /// A fault at a key; a step that is a number counts in a list.
+    /// A fault at a key; a numeric step is a list index.
     pub fn fault(
         &self,
         code: &'static str,
@@ -60,7 +60,7 @@ impl PlanText {
         fault
     }
 
-    /// Adds a fault.
+    /// Records a fault.
     pub fn refuse(
         &mut self,
         code: &'static str,
@@ -72,10 +72,10 @@ impl PlanText {
         self.faults.push(fault);
     }
 
-    /// Refuses the plan where anything was noted.
+    /// Returns an error if any fault was recorded.
     ///
     /// # Errors
-    /// Everything that was noted.
+    /// All recorded faults.
     pub fn finish(&mut self) -> Result<(), Error> {
         match std::mem::take(&mut self.faults) {
             faults if faults.is_empty() => Ok(()),
@@ -86,7 +86,7 @@ impl PlanText {
         }
     }
 
-    /// Where the value of a key stands, or the nearest table above it; and whether it is there.
+    /// Position of a key's value or of the nearest table above it, and whether the key exists.
     fn span(&self, at: &[&str]) -> (Range<usize>, bool) {
         let (table, _) = DeTable::parse_recoverable(&self.text.text);
         let table = table.into_inner();

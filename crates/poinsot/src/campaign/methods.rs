@@ -4,7 +4,6 @@ use super::faults::PlanText;
 use crate::identify::{Question, check_method};
 use poinsot_formats::{MethodFile, SettingFile};
 
-/// A method of a plan.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct MethodChoice {
     /// Name, variant and settings in one line.
@@ -14,7 +13,7 @@ pub(crate) struct MethodChoice {
 }
 
 impl MethodChoice {
-    /// The methods of a plan; `auto` where it names none.
+    /// The methods of a plan; default `auto`.
     pub fn all(files: &[MethodFile], text: &mut PlanText) -> Vec<Self> {
         let usual = [MethodFile {
             name: Question::default().method,
@@ -27,7 +26,7 @@ impl MethodChoice {
             let at = k.to_string();
             if let Err(error) = check_method(&choice.question) {
                 let said = error.to_string();
-                // The words without their code and option: the plan's own follow.
+                // The text without code and option, which the plan adds itself.
                 let what = said
                     .split_once(": ")
                     .map_or(said.as_str(), |(_, rest)| rest);

@@ -1,9 +1,8 @@
-//! The verb `campaign`: many trials of many experiments, from one core to a cluster.
+//! The command `campaign`: many trials of many experiments, from one core to a cluster.
 //!
-//! A [`Plan`] names experiments, methods, numbers that vary and numbers that are drawn. Its trials fall into numbered
-//! shards. A shard is a function of the plan and its number alone: it can run anywhere, is written atomically, and can
-//! be repeated. [`fold_shards`] adds shards up by their numbers, so that the sums of a campaign have the same bits
-//! however often it was interrupted.
+//! A [`Plan`] has experiments, methods, varied numbers and random numbers. Its trials are divided into numbered
+//! shards. A shard depends only on the plan and its number: it can run anywhere, is written atomically, and can be
+//! repeated. [`fold_shards`] adds shards in the order of their numbers, so that interruptions do not change the sums.
 //!
 //! ```no_run
 //! use poinsot::campaign::{fold_shards, missing_shards, read_plan, run_shards};

@@ -64,7 +64,7 @@ fn held(result: &CampaignFile) -> Light {
     }
 }
 
-/// The address that varies most, where one takes at least two values.
+/// The address with the most values, if one has at least two.
 fn axis_of(result: &CampaignFile) -> Option<String> {
     let first = result.cells.first()?;
     let count = |address: &str| {
@@ -81,7 +81,7 @@ fn axis_of(result: &CampaignFile) -> Option<String> {
     (count(most) > 1).then(|| most.clone())
 }
 
-/// Coverage and efficiency of every number, one mark a method.
+/// Coverage and efficiency of every number, one mark per method.
 fn fixed(result: &CampaignFile) -> Vec<Figure> {
     let mut names: Vec<String> = Vec::new();
     for name in result
@@ -106,7 +106,7 @@ fn fixed(result: &CampaignFile) -> Vec<Figure> {
                 for (k, name) in names.iter().enumerate() {
                     if let Some(n) = method.numbers.get(name) {
                         let (x, factor) = of(n);
-                        // Marks of several methods stand beside each other.
+                        // Marks of several methods are offset horizontally.
                         let at = (k + 1) as f64 + 0.08 * colour as f64;
                         points.push((at, x, factor));
                     }
@@ -150,7 +150,7 @@ fn fixed(result: &CampaignFile) -> Vec<Figure> {
     ]
 }
 
-/// Marks with bars between the ends of their intervals.
+/// Adds marks with interval bars.
 fn push_banded(
     series: &mut Vec<Series>,
     label: &str,
@@ -172,7 +172,7 @@ fn push_banded(
     series.push(Series::new("", Mark::Line, colour, &bar_x, &bar_y));
 }
 
-/// Error and bound of every number along the axis that varies, one line a method and set of the other numbers.
+/// Error and bound of every number over the varied number, one line per method and set of other numbers.
 fn swept(result: &CampaignFile, address: &str) -> Vec<Figure> {
     let mut names: Vec<&String> = Vec::new();
     for name in result

@@ -1,7 +1,7 @@
-//! Methods on the same trials: exact McNemar test of coverage, paired bootstrap of errors.
+//! Compares methods on the same trials: exact McNemar test of coverage, paired bootstrap of errors.
 //!
-//! The bootstrap draws every trial a Poisson(1) number of times (Chamandy, Muralidharan, Najmi, Naidu 2012): its sums add
-//! up, so that shards need not be held together.
+//! The bootstrap draws every trial a Poisson(1) number of times (Chamandy, Muralidharan, Najmi, Naidu 2012). Its sums
+//! are additive, so shards can be processed separately.
 
 use crate::trials::{Answer, Interval, sigmas_of_interval};
 use poinsot_formats::{BandedFile, PairNumberFile, finite};
@@ -12,7 +12,7 @@ use statrs::distribution::{Binomial, DiscreteCDF};
 
 /// Resamples of the bootstrap.
 const RESAMPLES: usize = 200;
-/// Seed of its weights.
+/// Seed of the bootstrap weights.
 const WEIGHTS: u64 = 0x3c6e_f372_fe94_f82b;
 
 /// One number by two methods.
@@ -21,34 +21,34 @@ const WEIGHTS: u64 = 0x3c6e_f372_fe94_f82b;
 pub struct PairNumberSums {
     /// Name.
     pub name: String,
-    /// Trials that both determined.
+    /// Trials in which both determined it.
     pub trials: u64,
-    /// Of these, trials in which both stated a sigma.
+    /// Trials in which both also stated a sigma.
     pub stated: u64,
-    /// Trials whose interval holds the truth by the first method alone, and by the other alone.
+    /// Trials whose interval holds the truth only by the first method, and only by the other.
     pub alone: (u64, u64),
     /// Sums of squared errors.
     pub squares: (f64, f64),
-    /// The same in every resample.
+    /// The same sums in every resample.
     pub resampled: Vec<(f64, f64)>,
 }
 
-/// A method beside the first.
+/// A method compared with the first.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PairSums {
-    /// One entry a number.
+    /// One entry per number.
     pub numbers: Vec<PairNumberSums>,
 }
 
-/// How often each resample draws a trial.
+/// Weight of a trial in each resample.
 fn weights(trial: u64) -> Vec<f64> {
     let mut rng = ChaCha8Rng::seed_from_u64(WEIGHTS);
     rng.set_stream(trial);
     (0..RESAMPLES)
         .map(|_| {
             let u = super::sampling::unit(&mut rng);
-            // Inversion: P(0) = 1/e, P(k) = P(k - 1) / k.
+            // Inversion method: P(0) = 1/e, P(k) = P(k - 1) / k.
             let (mut k, mut p) = (0.0, (-1.0_f64).exp());
             let mut sum = p;
             while u > sum && p > f64::MIN_POSITIVE {
@@ -62,7 +62,7 @@ fn weights(trial: u64) -> Vec<f64> {
 }
 
 impl PairSums {
-    /// One more trial that both methods answered.
+    /// Adds a trial that both methods answered.
     pub fn add(&mut self, trial: u64, first: &Answer, other: &Answer) {
         let weights = weights(trial);
         let reach = sigmas_of_interval();
@@ -89,7 +89,7 @@ impl PairSums {
         }
     }
 
-    /// Puts the sums of other trials beside these.
+    /// Adds the sums of other trials.
     pub fn merge(&mut self, other: &Self) {
         for theirs in &other.numbers {
             let ours = self.number(&theirs.name);
@@ -121,7 +121,7 @@ impl PairSums {
 }
 
 impl PairNumberSums {
-    /// The comparison; `outside` is the probability outside its interval.
+    /// The comparison as a file; `outside` is the probability outside its interval.
     pub fn file(&self, outside: f64) -> PairNumberFile {
         let ratio = |(a, b): (f64, f64)| (b / a).sqrt();
         let mut resampled: Vec<f64> = self.resampled.iter().map(|s| ratio(*s)).collect();
@@ -147,7 +147,8 @@ impl PairNumberSums {
     }
 }
 
-/// Two-sided exact McNemar test (McNemar 1947): trials that only one method holds fall to either with probability one half.
+/// Two-sided exact McNemar test (McNemar 1947): under the null hypothesis each discordant trial favours either method
+/// with probability 1/2.
 fn mcnemar((first, other): (u64, u64)) -> f64 {
     let n = first + other;
     match Binomial::new(0.5, n) {
@@ -156,7 +157,7 @@ fn mcnemar((first, other): (u64, u64)) -> f64 {
     }
 }
 
-/// An interval as the file has it.
+/// An interval in the format of the file.
 pub(super) fn banded(interval: Interval) -> BandedFile {
     BandedFile {
         value: finite(interval.value),
@@ -198,7 +199,7 @@ mod tests {
         }
     }
 
-    /// Errors of equal law, the other's doubled: the interval holds 2 and not 1; equal sums by halves.
+    /// The other method's errors are doubled: the interval holds 2, not 1. Equal distributions: it holds 1.
     #[test]
     fn stat_the_paired_bootstrap_holds_the_ratio_of_errors() {
         let mut rng = ChaCha8Rng::seed_from_u64(3);

@@ -1,7 +1,7 @@
-//! A plan as it is run: its file read and checked, its cells, trials and shards counted.
+//! A checked plan with its cells, trials and shards.
 //!
-//! A cell is one experiment at one point of the grid. A shard is a block of trials of one cell; shards are numbered block
-//! by block, so that all cells have their first trials before any has its second block.
+//! A cell is one experiment at one point of the grid. A shard is a block of trials of one cell. Shards are numbered
+//! block by block: the first blocks of all cells come before the second ones.
 
 use super::address::{FileSelector, count};
 use super::experiment::{Apply, Experiment, FilesAt};
@@ -21,20 +21,20 @@ use std::path::Path;
 
 /// Largest plan file, bytes.
 const LARGEST: u64 = 16 << 20;
-/// Trials of a shard where the plan does not say.
+/// Default number of trials of a shard.
 const TRIALS_PER_SHARD: u64 = 100;
-/// Trials where the plan does not say.
+/// Default number of trials.
 const TRIALS: u64 = 1000;
-/// The number of a trial is a random stream of 48 bits.
+/// Limit on trials: the trial number selects a random stream of 48 bits.
 const MOST_TRIALS: u64 = 1 << 48;
-/// Most cells of a grid.
+/// Largest number of cells of a grid.
 const MOST_CELLS: u64 = 1_000_000;
-/// Most points of one replicate of a sampling.
+/// Largest number of points in one replicate of a sampling.
 const MOST_POINTS: u64 = 1 << 20;
-/// Dimensions that the sequence of Sobol has.
+/// Dimensions of the Sobol sequence.
 const SOBOL_DIMENSIONS: usize = 256;
 
-/// A number of the grid.
+/// A number varied on the grid.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct GridAxis {
     pub number: String,
@@ -42,7 +42,7 @@ pub(crate) struct GridAxis {
     pub values: Vec<f64>,
 }
 
-/// A number that a sampling chooses.
+/// A number varied by a sampling.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct SampledAxis {
     pub number: String,
@@ -51,21 +51,21 @@ pub(crate) struct SampledAxis {
     pub log: bool,
 }
 
-/// A set of points, repeated.
+/// A point set with replicates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Sampling {
     pub kind: SamplingKind,
     pub points: u64,
 }
 
-/// A plan that can be run.
+/// A checked plan.
 pub struct Plan {
     /// The file.
     pub file: PlanFile,
     /// Name of the campaign.
     pub name: String,
-    /// SHA-256 of everything that decides what a trial is: the plan without its name and number of trials, every file
-    /// that it names, and the version of the program.
+    /// SHA-256 of all inputs of a trial: the plan without name and number of trials, its files, and the program
+    /// version.
     pub digest: String,
     /// Trials of every cell.
     pub trials: u64,
@@ -106,7 +106,7 @@ pub fn read_plan(path: &Path) -> Result<Plan, Error> {
     parse_plan(path, text)
 }
 
-/// Reads the text of a plan; `path` serves messages and finds the files that the plan names.
+/// Reads the text of a plan; `path` is used in messages and to locate the plan's files.
 ///
 /// # Errors
 /// As [`read_plan`].
@@ -116,7 +116,7 @@ pub fn parse_plan(path: &Path, text: String) -> Result<Plan, Error> {
     plan_of(file, text)
 }
 
-/// A plan made by a program; `folder` is where its files are looked for.
+/// A plan made by a program; its files are located in `folder`.
 ///
 /// # Errors
 /// As [`read_plan`].
@@ -178,7 +178,7 @@ fn plan_of(file: PlanFile, mut text: PlanText) -> Result<Plan, Error> {
         );
     }
     text.finish()?;
-    // Every point of the grid is checked before the first trial.
+    // Check every point of the grid before the first trial.
     for cell in 0..plan.cells() {
         let experiment = plan.experiment(cell);
         let files = plan.files_at(experiment, cell)?;
@@ -263,7 +263,7 @@ pub(super) fn of(given: Option<OfFile>, usual: OfFile) -> FileSelector {
     }
 }
 
-/// One `[[vary]]`: values, a range with a count, or a range that is sampled.
+/// One `[[vary]]`: values, a range with a count, or a sampled range.
 fn axis(
     vary: &VaryFile,
     k: usize,
@@ -344,7 +344,7 @@ fn axis(
     }
 }
 
-/// Values of a range, its ends to the last bit.
+/// Values of a range, with exact ends.
 fn range(from: f64, to: f64, count: u64, log: bool) -> Vec<f64> {
     let last = count - 1;
     let at = |k: u64| match k {
@@ -355,7 +355,7 @@ fn range(from: f64, to: f64, count: u64, log: bool) -> Vec<f64> {
     (0..count).map(at).collect()
 }
 
-/// A share of the way from one end to the other.
+/// Interpolates between the ends, linearly or logarithmically.
 pub(super) fn between(from: f64, to: f64, share: f64, log: bool) -> f64 {
     match log {
         true => (from.ln() + share * (to.ln() - from.ln())).exp(),
@@ -363,7 +363,7 @@ pub(super) fn between(from: f64, to: f64, share: f64, log: bool) -> f64 {
     }
 }
 
-/// Every address names numbers in every experiment, and every change fits them.
+/// Checks that every address names numbers in every experiment, and that every change is valid.
 fn check_addresses(plan: &Plan, text: &mut PlanText) {
     let mut all: Vec<(&str, usize, &str, FileSelector, Option<usize>)> = Vec::new();
     for (k, vary) in plan.file.vary.iter().enumerate() {
@@ -471,10 +471,10 @@ struct Digested<'a> {
 }
 
 impl Plan {
-    /// Changes how many trials every cell has; what a trial is stays, and so do shards that were run.
+    /// Changes the number of trials per cell; trials and finished shards are not affected.
     ///
     /// # Errors
-    /// The plan is a sampling, whose replicates are whole.
+    /// The plan is a sampling, whose replicates cannot be divided.
     pub fn set_trials(&mut self, trials: u64) -> Result<(), Error> {
         if self
             .sampling
@@ -499,12 +499,12 @@ impl Plan {
         points.fold(self.experiments.len() as u64, u64::saturating_mul)
     }
 
-    /// Shards of the whole plan.
+    /// Number of shards of the plan.
     pub fn shards(&self) -> u64 {
         self.shards_up_to(self.trials)
     }
 
-    /// Shards that hold the trials below a number, in every cell.
+    /// Number of shards that hold the trials below this number in every cell.
     pub fn shards_up_to(&self, trials: u64) -> u64 {
         trials.div_ceil(self.block) * self.cells()
     }
@@ -520,13 +520,12 @@ impl Plan {
         }
     }
 
-    /// The experiment of a cell.
     pub(crate) fn experiment(&self, cell: u64) -> &Experiment {
         let points = self.cells() / self.experiments.len() as u64;
         &self.experiments[(cell / points) as usize]
     }
 
-    /// Varied numbers of a cell by address.
+    /// Varied numbers of a cell, by address.
     pub fn point(&self, cell: u64) -> Vec<(&str, f64)> {
         let points = self.cells() / self.experiments.len() as u64;
         let mut rest = cell % points;
@@ -540,7 +539,7 @@ impl Plan {
         all
     }
 
-    /// The experiment of a cell as a study of its own; draws and samplings are left out.
+    /// The experiment of a cell as a separate study, without draws and samplings.
     ///
     /// # Errors
     /// It cannot be simulated.
@@ -554,20 +553,20 @@ impl Plan {
         self.methods.iter().map(|m| m.label.as_str()).collect()
     }
 
-    /// Whether every trial has a truth of its own.
+    /// Whether every trial has its own true values.
     pub(crate) fn draws(&self) -> bool {
         !self.file.draw.is_empty() || self.sampling.is_some()
     }
 
-    /// The files of an experiment with all changes of a cell.
+    /// The files of an experiment with the changes of a cell.
     ///
     /// # Errors
-    /// A change makes a file that is refused.
+    /// A changed file is invalid.
     pub(crate) fn files_at(&self, experiment: &Experiment, cell: u64) -> Result<FilesAt, Error> {
         experiment.files(&|apply| self.fixed(cell, apply))
     }
 
-    /// Changes that hold in every trial of a cell.
+    /// Changes common to all trials of a cell.
     pub(crate) fn fixed(&self, cell: u64, apply: &mut Apply<'_>) -> Result<(), (String, String)> {
         for change in &self.file.change {
             let of = of(change.of, OfFile::Both);

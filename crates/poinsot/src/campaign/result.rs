@@ -1,4 +1,4 @@
-//! From the sums of shards to statistics with intervals.
+//! Statistics with intervals from the sums of shards.
 
 use super::pairs::{PairSums, banded};
 use super::plan::Plan;
@@ -14,26 +14,25 @@ use std::path::Path;
 
 /// Probability outside an interval of the result.
 pub const OUTSIDE: f64 = 0.05;
-/// Missing shards that are listed.
+/// Number of missing shards listed.
 const LISTED: usize = 100;
-/// Failed trials that the result names.
+/// Number of failed trials listed.
 const NAMED: usize = 10;
 
-/// Sums of one cell, folded in the order of the shards.
+/// Sums of one cell, added in the order of the shards.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct CellSums {
-    /// One a method.
+    /// One entry per method.
     pub methods: Vec<Sums>,
     /// Every method compared with the first.
     pub pairs: Vec<PairSums>,
-    /// Processor time by each method, s.
+    /// CPU time of each method, s.
     pub seconds: Vec<f64>,
-    /// Per method and number, over the replicates of a sampling: scatter of coverage and of squared errors.
+    /// Per method and number: scatter of coverage and of squared errors over the replicates of a sampling.
     replicates: Vec<IndexMap<String, Replicates>>,
 }
 
-/// Statistics of replicates: count, sums and sums of squares of share of intervals that hold, and of mean square over
-/// bound.
+/// Statistics over replicates: count, sums and sums of squares of the coverage and of the mean square over the bound.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Replicates {
     count: u64,
@@ -85,7 +84,7 @@ impl Replicates {
         plus(&mut self.square, n.square / yardstick);
     }
 
-    /// The mean of a statistic with Student's interval over the replicates.
+    /// Mean of a statistic with Student's interval over the replicates.
     fn interval(&self, (sum, squares): (f64, f64), value: f64, outside: f64) -> Interval {
         let n = self.count as f64;
         let mean = sum / n;
@@ -95,18 +94,18 @@ impl Replicates {
     }
 }
 
-/// The shards of a plan, folded by number.
+/// The shards of a plan, added in the order of their numbers.
 pub struct Folded {
-    /// One a cell.
+    /// One entry per cell.
     pub cells: Vec<CellSums>,
-    /// Shards that are missing, or damaged with the reason.
+    /// Missing shards, and damaged ones with the reason.
     pub missing: Vec<(u64, String)>,
 }
 
-/// Folds the shards with trials below `trials` by their numbers, in memory that does not grow with them.
+/// Adds the shards with trials below `trials` in order; the memory does not depend on their number.
 ///
 /// # Errors
-/// The disk refuses, or a shard holds a trial of another.
+/// Reading fails, or two shards hold the same trial.
 pub fn fold_shards(plan: &Plan, out: &Path, trials: u64) -> Result<Folded, Error> {
     let mut folded = Folded {
         cells: vec![CellSums::default(); plan.cells() as usize],
@@ -127,10 +126,10 @@ pub fn fold_shards(plan: &Plan, out: &Path, trials: u64) -> Result<Folded, Error
     Ok(folded)
 }
 
-/// Folds the sums of shards that come from elsewhere, in the order of their numbers.
+/// Adds the sums of given shards in the order of their numbers.
 ///
 /// # Errors
-/// A shard is of another plan or given twice; in words.
+/// A shard belongs to another plan or is given twice.
 pub fn fold_sums(plan: &Plan, shards: &[ShardSums]) -> Result<Folded, String> {
     let mut folded = Folded {
         cells: vec![CellSums::default(); plan.cells() as usize],
@@ -161,7 +160,7 @@ impl Folded {
         folded.map_err(|why| format!("shard {}: {why}", sums.shard))
     }
 
-    /// The statistics of the trials below a number.
+    /// The statistics of the trials below this number.
     pub fn result(&self, plan: &Plan, trials: u64) -> CampaignFile {
         let cells = self.cells.iter().enumerate();
         let cells = cells.filter(|(_, sums)| !sums.methods.is_empty());
@@ -181,15 +180,15 @@ impl Folded {
         }
     }
 
-    /// Half the width of the widest interval of coverage, of any number by any method in any cell; infinite where no trial
-    /// stated an interval.
+    /// Half-width of the widest coverage interval over all numbers, methods and cells; infinite if no trial stated an
+    /// interval.
     pub fn widest_coverage(&self, outside: f64) -> f64 {
         let mut widest = f64::NAN;
         for cell in &self.cells {
             for (k, sums) in cell.methods.iter().enumerate() {
                 for n in sums.numbers.iter().filter(|n| n.trials > 0) {
                     let (answered, all) = coverage(cell, k, n, sums.trials, outside);
-                    // NaN, where a method states no interval, is no width.
+                    // NaN means that a method states no interval.
                     widest = widest.max(answered.half()).max(all.half());
                 }
             }
@@ -217,7 +216,7 @@ fn coverage(
     }
     let answered = Interval::share(n.held, stated, outside);
     let all = Interval::share(n.held, trials, outside);
-    // Replicates that are all alike have no scatter, and no interval has no width.
+    // Equal replicates have no scatter; an interval of zero width is not used.
     let wide = |own: Interval, wilson: Interval| match own.half() > 0.0 {
         true => own,
         false => wilson,

@@ -1,4 +1,4 @@
-//! A campaign from its plan to its result: what is missing is run, shards are folded, the result is written.
+//! Runs a campaign: missing shards are run, all shards are added, and the result is written.
 
 use super::engine::{missing_shards, run_each, run_shards};
 use super::page::campaign_page;
@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Largest file of rows that is copied between folders, bytes.
+/// Size limit of a copied file of rows, bytes.
 const LARGEST_ROWS: u64 = 1 << 34;
 /// Interval of `--follow`: at least this, and ten times its computing time.
 const FOLLOWED: Duration = Duration::from_secs(5);
@@ -23,27 +23,27 @@ const FOLLOWED: Duration = Duration::from_secs(5);
 pub struct CampaignRequest<'a> {
     /// Folder of the campaign.
     pub out: PathBuf,
-    /// Share i of n, from one: every n-th shard. Nothing is merged then.
+    /// Share i of n, from one: every n-th shard, without merging.
     pub share: Option<(u64, u64)>,
-    /// Run what is missing.
+    /// Run only missing shards.
     pub resume: bool,
-    /// Stop where no interval of coverage is wider than twice this.
+    /// Stop when the half-width of every coverage interval is below this.
     pub until: Option<f64>,
-    /// Shown the statistics so far, while it runs.
+    /// Receives intermediate statistics.
     pub follow: Option<&'a (dyn Fn(&CampaignFile) + Sync)>,
 }
 
-/// A campaign that was run.
+/// A finished campaign.
 pub struct CampaignRun {
     /// Statistics with intervals; `None` for one share of the shards.
     pub result: Option<CampaignFile>,
-    /// The sums behind them.
+    /// The sums of the shards.
     pub folded: Option<Folded>,
-    /// Shards that were run now.
+    /// Number of shards run now.
     pub shards: u64,
-    /// Shards that were damaged and run again, with the reason.
+    /// Damaged shards that were run again, with the reason.
     pub damaged: Vec<(u64, String)>,
-    /// Whether `until` was reached; `None` where it was not asked for.
+    /// Whether `until` was reached; `None` if not requested.
     pub reached: Option<bool>,
     /// Files of the result.
     pub written: Vec<PathBuf>,
@@ -71,7 +71,7 @@ pub fn campaign_in_memory(plan: &Plan) -> Result<CampaignRun, Error> {
     let all: Mutex<Vec<ShardSums>> = Mutex::new(Vec::new());
     let shards: Vec<u64> = (0..plan.shards()).collect();
     run_each(plan, &shards, &|result| {
-        // Through their text, so that the bits are those of a campaign with files.
+        // Written as text and parsed, so that the result is identical to that of a campaign with files.
         let sums = ShardSums::parse(&result.sums.text()).map_err(damaged)?;
         all.lock()
             .unwrap_or_else(PoisonError::into_inner)
@@ -93,8 +93,8 @@ pub fn campaign_in_memory(plan: &Plan) -> Result<CampaignRun, Error> {
 /// Runs a plan into a folder.
 ///
 /// # Errors
-/// The folder holds shards of another plan, or shards where nothing was to be resumed; the disk refuses; an experiment
-/// cannot be simulated.
+/// The folder holds shards of another plan, or of this plan without `resume`; writing fails; an experiment cannot be
+/// simulated.
 pub fn campaign(plan: &Plan, request: &CampaignRequest<'_>) -> Result<CampaignRun, Error> {
     refuse_other_plans(plan, &request.out)?;
     let mut ran = CampaignRun {
@@ -144,10 +144,10 @@ pub fn campaign(plan: &Plan, request: &CampaignRequest<'_>) -> Result<CampaignRu
     Ok(ran)
 }
 
-/// Merges the shards in a folder and in others into the folder's result.
+/// Merges the shards of this folder and of others into a result in this folder.
 ///
 /// # Errors
-/// A shard is missing, damaged or there twice with different sums, unless the result may be `partial`; or the disk refuses.
+/// A shard is missing (unless `partial`), damaged, or present twice with different sums; or writing fails.
 pub fn merge_campaign(
     plan: &Plan,
     out: &Path,
@@ -182,7 +182,6 @@ pub fn merge_campaign(
     Ok(ran)
 }
 
-/// Runs those of the shards that are not there.
 fn run_missing(
     plan: &Plan,
     request: &CampaignRequest<'_>,
@@ -193,7 +192,7 @@ fn run_missing(
     let wanted: Vec<u64> = shards.collect();
     let (missing, damaged) = missing_shards(plan, &request.out, wanted.iter().copied())?;
     let there = wanted.len() - missing.len();
-    // Shards of an earlier look are this run's own.
+    // On later passes, existing shards belong to this run.
     if there > 0 && !request.resume && ran.shards == 0 {
         return Err(Error::Shards {
             code: "E0602",
@@ -251,7 +250,7 @@ fn finish(
     Ok(())
 }
 
-/// Shards of different plans must not be mixed.
+/// Checks that the folder has no shards of another plan.
 fn refuse_other_plans(plan: &Plan, out: &Path) -> Result<(), Error> {
     let short = |path: &Path| {
         let name = path.file_name()?.to_str()?;
@@ -283,7 +282,7 @@ fn refuse_other_plans(plan: &Plan, out: &Path) -> Result<(), Error> {
     }
 }
 
-/// Brings shards from other folders; one that is there twice must have the same sums.
+/// Copies shards from other folders; duplicates must have the same sums.
 fn gather(plan: &Plan, out: &Path, from: &[PathBuf]) -> Result<(), Error> {
     for folder in from {
         for number in 0..plan.shards() {

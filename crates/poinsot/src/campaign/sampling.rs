@@ -1,4 +1,4 @@
-//! Points in the unit cube, and what every trial draws: each a function of seed and trial alone.
+//! Points in the unit cube, and the random numbers of every trial, as functions of seed and trial.
 
 use super::plan::Sampling;
 use poinsot_formats::SamplingKind;
@@ -6,16 +6,16 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// Seeds of streams that must not meet those of the sensors: SHA-256 constants of the fractional parts of primes' roots.
+/// Seeds of streams separate from those of the sensors: constants of SHA-256.
 const DRAWS: u64 = 0x6a09_e667_f3bc_c908;
 const POINTS: u64 = 0xbb67_ae85_84ca_a73b;
 
-/// Evenly in [0, 1).
+/// Uniform in [0, 1).
 pub(super) fn unit(rng: &mut ChaCha8Rng) -> f64 {
     (rng.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
 }
 
-/// The points of one replicate, one row a trial.
+/// The points of one replicate, one row per trial.
 pub(super) fn points(
     sampling: Sampling,
     dimensions: usize,
@@ -30,7 +30,7 @@ pub(super) fn points(
         SamplingKind::LatinHypercube => {
             for d in 0..dimensions {
                 let mut order: Vec<usize> = (0..n).collect();
-                // Fisher and Yates; the bias of a remainder is below n / 2^64.
+                // Fisher-Yates shuffle; the modulo bias is below n / 2^64.
                 for k in (1..n).rev() {
                     order.swap(k, (rng.next_u64() % (k as u64 + 1)) as usize);
                 }
@@ -76,7 +76,7 @@ impl Deviates {
         x
     }
 
-    /// Evenly in [0, 1), for the k-th number of the address.
+    /// Uniform in [0, 1), for the k-th number of the address.
     pub fn unit(self, k: usize) -> f64 {
         let mut rng = self.stream();
         let mut x = 0.0;
@@ -107,8 +107,8 @@ mod tests {
         assert_eq!(rows, sampled(SamplingKind::LatinHypercube, 50, 4));
     }
 
-    /// A (t, m, s)-net has one point in every slice of each axis; the mean of a smooth function is far nearer than by
-    /// independent points (1/12 variance a number: 0.018 for 256 of them).
+    /// A (t, m, s)-net has one point in every slice of each axis. The mean of a smooth function is much closer than
+    /// with independent points (variance 1/12 per number: 0.018 for 256 points).
     #[test]
     fn prop_scrambled_sobol_points_are_balanced() {
         let rows = sampled(SamplingKind::Sobol, 256, 0);

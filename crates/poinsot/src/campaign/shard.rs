@@ -1,4 +1,4 @@
-//! A finished shard: sums for the merge, and rows for other programs, as separate files.
+//! A finished shard: sums for merging, and rows for other programs, in separate files.
 
 use super::pairs::PairSums;
 use super::plan::{Plan, Shard};
@@ -14,13 +14,13 @@ use std::path::{Path, PathBuf};
 
 /// Schema of the file.
 const SCHEMA: &str = "poinsot.shard/1";
-/// Largest file of sums that is read, bytes.
+/// Size limit of a file of sums, bytes.
 const LARGEST: u64 = 256 << 20;
-/// Letters of the digest in names of files.
+/// Digits of the digest in file names.
 const SHORT: usize = 12;
-/// Shards of one folder.
+/// Number of shards per folder.
 const IN_FOLDER: u64 = 1000;
-/// What stands before the checksum, which ends the file.
+/// Text before the checksum at the end of the file.
 const SEAL: &str = ",\"sha256\":\"";
 
 /// Sums of a shard.
@@ -35,23 +35,23 @@ pub struct ShardSums {
     pub shard: u64,
     /// Cell.
     pub cell: u64,
-    /// First trial, and one past the last.
+    /// First trial, and end of the range (exclusive).
     pub trials: (u64, u64),
-    /// One a method.
+    /// One entry per method.
     pub methods: Vec<Sums>,
     /// Every method compared with the first.
     pub pairs: Vec<PairSums>,
-    /// Processor time by each method, s. It differs from run to run.
+    /// CPU time of each method, s; not reproducible.
     pub seconds: Vec<f64>,
     /// Size of the file of rows.
     pub rows_bytes: u64,
 }
 
-/// A shard that was run.
+/// A finished shard.
 pub struct ShardResult {
     /// Its sums.
     pub sums: ShardSums,
-    /// One row a trial and method.
+    /// One row per trial and method.
     pub rows: Vec<RowColumn>,
 }
 
@@ -99,10 +99,10 @@ impl ShardResult {
         }
     }
 
-    /// Writes both files into the folder of a campaign; the sums last: where they stand, the rows do.
+    /// Writes both files into the folder of a campaign. The sums come last: if they exist, the rows do too.
     ///
     /// # Errors
-    /// The disk refuses; nothing of the shard stands there then.
+    /// Writing fails; no file of the shard is left.
     pub fn write(&mut self, out: &Path) -> Result<(), Error> {
         let sums = sums_path(out, &self.sums.digest, self.sums.shard);
         let mut stage = Stage::new(poinsot_files::folder_of(&sums))?;
@@ -126,7 +126,6 @@ impl ShardResult {
     }
 }
 
-/// Place of a shard's sums.
 pub(super) fn sums_path(out: &Path, digest: &str, shard: u64) -> PathBuf {
     let short = digest.get(..SHORT).unwrap_or(digest);
     out.join("shards")
@@ -134,13 +133,12 @@ pub(super) fn sums_path(out: &Path, digest: &str, shard: u64) -> PathBuf {
         .join(format!("{short}_{shard:09}.json"))
 }
 
-/// Place of a shard's rows.
 pub(super) fn rows_path(sums: &Path) -> PathBuf {
     sums.with_extension(ROWS_EXTENSION)
 }
 
 impl ShardSums {
-    /// The file: JSON that ends with the SHA-256 of what precedes it.
+    /// JSON that ends with the SHA-256 of the preceding text.
     pub fn text(&self) -> String {
         let whole = serde_json::to_string(self).unwrap_or_default();
         let open = whole.trim_end_matches('}');
@@ -150,7 +148,7 @@ impl ShardSums {
     /// Reads the text of [`Self::text`].
     ///
     /// # Errors
-    /// It is cut, changed or of another format; in words.
+    /// The text is truncated, changed or of another format.
     pub fn parse(text: &str) -> Result<Self, String> {
         let damaged = "it is cut or was changed";
         let (open, seal) = text.rsplit_once(SEAL).ok_or(damaged)?;
@@ -169,7 +167,7 @@ impl ShardSums {
 pub(super) enum Found {
     /// Nothing.
     Missing,
-    /// No shard of this plan, with the reason.
+    /// Not a valid shard of this plan, with the reason.
     Damaged(String),
     /// The shard.
     Whole(Box<ShardSums>),
@@ -178,7 +176,7 @@ pub(super) enum Found {
 /// Looks for a shard in the folder of a campaign.
 ///
 /// # Errors
-/// The disk refuses.
+/// Reading fails.
 pub(super) fn find(plan: &Plan, out: &Path, shard: &Shard) -> Result<Found, Error> {
     let path = sums_path(out, &plan.digest, shard.number);
     let text = match read_text(&path, LARGEST) {
@@ -198,7 +196,7 @@ pub(super) fn find(plan: &Plan, out: &Path, shard: &Shard) -> Result<Found, Erro
         Ok(sums) if sums.digest != plan.digest || sums.shard != shard.number => {
             Found::Damaged("it is of another plan or another shard".to_owned())
         }
-        // A plan whose trials end elsewhere has another last shard.
+        // A plan with another number of trials may have a different last shard.
         Ok(sums) if sums.trials != (shard.trials.start, shard.trials.end) => Found::Missing,
         Ok(sums) => match std::fs::metadata(rows_path(&path)) {
             Ok(rows) if rows.len() == sums.rows_bytes => Found::Whole(Box::new(sums)),
@@ -212,7 +210,7 @@ pub(super) fn find(plan: &Plan, out: &Path, shard: &Shard) -> Result<Found, Erro
     })
 }
 
-/// Rows of a shard, one a trial and method.
+/// Rows of a shard, one per trial and method.
 fn rows(plan: &Plan, shard: &Shard, done: &[Done]) -> Vec<RowColumn> {
     let experiment = &plan.experiment(shard.cell).name;
     let labels = plan.method_labels();
@@ -300,7 +298,7 @@ fn rows(plan: &Plan, shard: &Shard, done: &[Done]) -> Vec<RowColumn> {
     columns
 }
 
-/// Names in the order of the first trial that has them.
+/// Names in the order of first appearance.
 fn names(done: &[Done], of: impl Fn(&Done) -> Vec<&String>) -> Vec<String> {
     let mut all: Vec<String> = Vec::new();
     for name in done.iter().flat_map(of) {
@@ -311,8 +309,8 @@ fn names(done: &[Done], of: impl Fn(&Done) -> Vec<&String>) -> Vec<String> {
     all
 }
 
-/// Numbers that have columns: those of every body that is asked for, whether a trial of this shard determined them or
-/// not, then biases and other nuisances by name. All shards of a cell have the same first columns.
+/// Numbers with columns: requested numbers of every body, whether determined or not, then biases and other nuisance
+/// parameters. All shards of a cell have the same first columns.
 fn asked(plan: &Plan, shard: &Shard, done: &[Done]) -> Vec<String> {
     let mut all = plan.experiment(shard.cell).asked();
     let known: BTreeSet<String> = all.iter().cloned().collect();

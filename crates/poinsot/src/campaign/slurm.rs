@@ -1,12 +1,13 @@
-//! Scripts for Slurm: an array of tasks, one share of the shards each, and a merge when all have ended well.
+//! Slurm scripts: an array of tasks, one share of the shards each, and a merge after all tasks have succeeded.
 
 use super::plan::Plan;
 use crate::written::OutputFile;
 
-/// Most tasks of an array; Slurm's default is 1001.
+/// Largest number of tasks in an array; Slurm's default limit is 1001.
 const MOST_TASKS: u64 = 1000;
 
-/// `campaign.sbatch`, `merge.sbatch` and `submit.sh` for a plan and its folder, as they are named on the command line.
+/// `campaign.sbatch`, `merge.sbatch` and `submit.sh` for a plan and its folder, with paths as given on the command
+/// line.
 pub fn slurm_scripts(plan: &Plan, plan_path: &str, out: &str) -> Vec<OutputFile> {
     let tasks = plan.shards().clamp(1, MOST_TASKS);
     let (plan_path, out) = (quoted(plan_path), quoted(out));
@@ -35,7 +36,7 @@ pub fn slurm_scripts(plan: &Plan, plan_path: &str, out: &str) -> Vec<OutputFile>
     .collect()
 }
 
-/// A word that a shell takes as it is.
+/// A word quoted for the shell.
 fn quoted(word: &str) -> String {
     format!("'{}'", word.replace('\'', "'\\''"))
 }

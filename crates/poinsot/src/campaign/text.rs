@@ -1,4 +1,4 @@
-//! The result of a campaign as an engineer reads it in a terminal.
+//! The result of a campaign as a terminal document.
 
 use super::plan::Plan;
 use super::result::Folded;
@@ -6,10 +6,10 @@ use crate::trials::{statistics_document, statistics_of};
 use poinsot_formats::{BandedFile, CampaignFile, CellFile, MethodResultFile};
 use poinsot_report::{Document, Section, Table, Tone, significant};
 
-/// Cells times methods up to which each has tables of its own.
+/// Largest number of cells times methods with separate tables.
 const DETAILED: usize = 3;
 
-/// The result, and of a small campaign the statistics of each method against their bands.
+/// The result; for a small campaign also the statistics of each method with their bands.
 pub fn campaign_document(plan: &Plan, folded: &Folded, result: &CampaignFile) -> Vec<Document> {
     let mut documents = Vec::new();
     let methods = plan.method_labels();
@@ -130,7 +130,7 @@ fn all(result: &CampaignFile) -> impl Iterator<Item = (usize, &CellFile, &Method
     cells.flat_map(|(k, c)| c.methods.iter().map(move |m| (k, c, m)))
 }
 
-/// Labels of the rows of a table.
+/// Labels of the rows.
 fn prefix(result: &CampaignFile, cell: &CellFile, method: &MethodResultFile) -> String {
     let mut words = Vec::new();
     if result.cells.iter().any(|c| c.experiment != cell.experiment) {
@@ -146,7 +146,7 @@ fn prefix(result: &CampaignFile, cell: &CellFile, method: &MethodResultFile) -> 
     }
 }
 
-/// A varied number as short as it reads back near enough for a table.
+/// A varied number with few digits.
 pub(super) fn short(x: f64) -> String {
     let plain = x.to_string();
     match plain.len() {

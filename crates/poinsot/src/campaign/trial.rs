@@ -13,31 +13,31 @@ use std::time::Duration;
 
 /// Data shared by all trials of a shard.
 pub(super) struct Prepared {
-    /// The experiment and its bound, where every trial has the same truth.
+    /// The experiment and its bound, if all trials have the same true values.
     shared: Option<(Study, Bound)>,
-    /// Points of the sampling, one a trial.
+    /// Points of the sampling, one per trial.
     points: Vec<Vec<f64>>,
 }
 
-/// Sigmas of the Cramer-Rao bound by name; empty where the experiment has none.
+/// Sigmas of the Cramer-Rao bound by name; empty if it does not exist.
 pub(super) type Bound = Vec<(String, f64)>;
 
 /// One trial by every method.
 pub(super) struct Done {
-    /// Numbers that were varied by a sampling or drawn, by address.
+    /// Random or sampled numbers, by address.
     pub drawn: Vec<(String, f64)>,
     /// True numbers, by name.
     pub truth: Vec<(String, f64)>,
-    /// The bound of this trial, where it has a truth of its own.
+    /// The bound of this trial, if it has its own true values.
     pub bound: Option<Bound>,
-    /// One a method.
+    /// One entry per method.
     pub trials: Vec<Trial>,
-    /// Processor time of each method, with its share of the drawing, s.
+    /// CPU time of each method including its part of the simulation, s.
     pub seconds: Vec<f64>,
 }
 
 impl Prepared {
-    /// What the trials of a shard need.
+    /// Prepares the data shared by the trials of a shard.
     ///
     /// # Errors
     /// The experiment cannot be simulated.
@@ -66,12 +66,12 @@ impl Prepared {
         })
     }
 
-    /// The bound that holds for every trial.
+    /// The bound common to all trials.
     pub fn bound(&self) -> Bound {
         self.shared.as_ref().map_or_else(Vec::new, |s| s.1.clone())
     }
 
-    /// One trial. Failures are part of the result.
+    /// Runs one trial. Failures are part of the result.
     pub fn run(&self, plan: &Plan, shard: &Shard, number: u64) -> Done {
         let start = processor_time();
         let drawn = RefCell::new(Vec::new());
@@ -115,7 +115,7 @@ impl Prepared {
         done
     }
 
-    /// The experiment of a trial that has a truth of its own.
+    /// The experiment of a trial with its own true values.
     fn own_study(
         &self,
         plan: &Plan,
@@ -140,7 +140,7 @@ impl Prepared {
                 };
                 let note = |name: String, value| {
                     let mut all = drawn.borrow_mut();
-                    // The second of two files draws the same deviates about its own numbers.
+                    // Both files use the same deviates, each about its own numbers.
                     if all.iter().all(|(other, _)| *other != name) {
                         all.push((name, value));
                     }
@@ -166,7 +166,7 @@ fn drawn_value(draw: &DrawFile, deviates: Deviates, at: usize, old: f64) -> f64 
     }
 }
 
-/// Seed of points and draws; that of the sensors' noise is the experiment's where the plan has none.
+/// Seed of points and draws. Sensor noise uses the seed of the experiment if the plan has none.
 fn seed(plan: &Plan) -> u64 {
     plan.file.seed.unwrap_or(0)
 }
@@ -177,7 +177,7 @@ fn bound_of(study: &Study) -> Bound {
     numbers.into_iter().map(|(name, _, s)| (name, s)).collect()
 }
 
-/// A method that panics is a failed trial, and named.
+/// Runs a method; a panic counts as a failed trial.
 fn guarded(
     study: &Study,
     tables: &[poinsot_telemetry::Table],
@@ -198,14 +198,14 @@ fn guarded(
 /// Prefix of the reason of a crashed trial.
 pub(super) const CRASHED: &str = "crashed:";
 
-/// Processor time of this thread.
+/// CPU time of this thread.
 #[cfg(unix)]
 fn processor_time() -> Duration {
     let t = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
     Duration::new(t.tv_sec.max(0) as u64, t.tv_nsec as u32)
 }
 
-/// Wall-clock time, if processor time is not available.
+/// Wall-clock time, if CPU time is not available.
 #[cfg(not(unix))]
 fn processor_time() -> Duration {
     use std::sync::OnceLock;

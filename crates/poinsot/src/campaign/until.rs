@@ -5,8 +5,8 @@ use super::plan::Plan;
 /// Trials at the first test; each further test has twice as many.
 const FIRST_LOOK: u64 = 1000;
 
-/// Numbers of trials at the tests: 1000, 2000, 4000 and so on, or 20, 40, 80 and so on replicates of a sampling, each
-/// up to whole shards, and all of them at the end.
+/// Trial numbers of the tests: 1000, 2000, 4000 and so on; with a sampling 20, 40, 80 and so on replicates. They are
+/// rounded up to whole shards, and the last test is at the end.
 pub fn looks(plan: &Plan) -> Vec<u64> {
     let first = match plan.sampling {
         Some(s) => s.points * poinsot_formats::REPLICATES,
@@ -25,8 +25,7 @@ pub fn looks(plan: &Plan) -> Vec<u64> {
     all
 }
 
-/// Probability outside the interval of one test, where it may be outside with `outside` in all of them together
-/// (Bonferroni).
+/// Probability outside the interval of one test, so that it is `outside` for all tests together (Bonferroni).
 pub fn outside_at_each(outside: f64, looks: usize) -> f64 {
     outside / looks.max(1) as f64
 }

@@ -6,7 +6,7 @@ use super::torques::Build;
 use poinsot_dynamics::{Firing, PiecewisePolynomial, WheelMotion};
 use poinsot_formats::case::{FiringFile, Placed, WheelMotionFile};
 
-/// Ends of the names of columns of wheels.
+/// Suffix of wheel speed columns.
 const SPEED: &str = "_rad_s";
 const TORQUE: &str = "_Nm";
 

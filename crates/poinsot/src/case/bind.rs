@@ -1,4 +1,4 @@
-//! A case with a model: names become indices, and the first instant an initial state.
+//! Binds a case to a model: names become indices, and the first instant an initial state.
 
 use super::control::Control;
 use super::planner::Planner;
@@ -11,12 +11,12 @@ use poinsot_model::Model;
 use poinsot_spatial::{UnitQuaternion, Vector3};
 use poinsot_telemetry::rounded;
 
-/// A case bound to a model: everything a simulation needs.
+/// A case bound to a model: all inputs of a simulation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scenario {
     /// Motion of joints and wheels, firings.
     pub plan: Plan,
-    /// Drives of the vehicle if torques or springs move some joint; replaces the plan.
+    /// Drives of the vehicle, if torques or springs move a joint; it replaces the plan.
     pub driven: Option<DrivenPlan>,
     /// Attitude feedback that drives the wheels instead of the plan.
     pub control: Option<Control>,
@@ -24,9 +24,9 @@ pub struct Scenario {
     pub start: Start,
     /// Times of the rows, s.
     pub times: Vec<f64>,
-    /// Whether channels that no sensor reads are left out.
+    /// Whether channels without a sensor are omitted.
     pub sensors_only: bool,
-    /// One per sensor of the model.
+    /// One entry per sensor of the model.
     pub sensors: Vec<SensorOutput>,
 }
 
@@ -39,7 +39,8 @@ impl Case {
         self.bind_open(model, &[])
     }
 
-    /// The same where someone else says how some wheels turn: they rest unless the case moves them.
+    /// Binds a case in which the motion of some wheels is given elsewhere: they are at rest unless the case moves
+    /// them.
     ///
     /// # Errors
     /// As [`Self::bind`].
@@ -134,7 +135,7 @@ fn attitude(planner: &mut Planner, initial: &InitialFile) -> UnitQuaternion {
     };
     let [x, y, z, w] = *given.get_ref();
     let q = Quaternion::new(w, x, y, z);
-    // Printed quaternions are rounded; anything further off is another mistake.
+    // Printed quaternions are rounded; a larger deviation is another mistake.
     if !q.norm().is_finite() || (q.norm() - 1.0).abs() > 1e-3 {
         let problem = format!("norm {} is not 1", rounded(q.norm(), 6));
         let remedy = "give a unit quaternion, scalar last, body to inertial";

@@ -10,19 +10,19 @@ use poinsot_spatial::{InertialParameters, Matrix3, UnitQuaternion};
 use poinsot_telemetry::rounded;
 use std::ops::Range;
 
-/// A controller with the wheels that serve it.
+/// A controller with its wheels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Control {
-    /// The law.
+    /// Control law.
     pub law: AttitudeControl,
-    /// One per wheel of the model.
+    /// One entry per wheel of the model.
     pub limits: Vec<WheelLimits>,
     /// Speed of each wheel at the start, rad/s.
     pub wheel_speed: Vec<f64>,
 }
 
 impl Planner<'_> {
-    /// The controller of a case; the plan then holds joints locked and no motion of wheels.
+    /// The controller of a case; the plan then holds locked joints and no wheel motion.
     pub fn control(&mut self, file: &CaseFile) -> Option<(Control, Plan)> {
         let given = file.control.as_ref()?;
         let also = [
@@ -105,7 +105,7 @@ impl Planner<'_> {
         }
     }
 
-    /// Attitudes to hold, each from its time on.
+    /// Attitudes to hold, each from its start time.
     fn targets(&mut self, file: &ControlFile) -> Vec<Target> {
         let mut targets: Vec<Target> = Vec::new();
         for (i, target) in file.target.iter().enumerate() {
@@ -141,7 +141,7 @@ impl Planner<'_> {
         targets
     }
 
-    /// Limits and first speed of every wheel, rad/s.
+    /// Limits and initial speed of every wheel, rad/s.
     fn wheels(&mut self, file: &ControlFile) -> (Vec<WheelLimits>, Vec<f64>) {
         let wheels = self.model.wheels.len();
         let mut limits = vec![WheelLimits::default(); wheels];
@@ -175,8 +175,8 @@ impl Planner<'_> {
         (limits, wheel_speed)
     }
 
-    /// Gains as given, or those of Table 1 of Kim, Choi, Oh 2010: `2 wn^2 I` and `2 zeta wn I` with the
-    /// inertia of the model.
+    /// Gains as given, or as in Table 1 of Kim, Choi, Oh 2010: `2 wn^2 I` and `2 zeta wn I` with the inertia of the
+    /// model.
     fn gains(&mut self, file: &ControlFile, span: Range<usize>) -> (Matrix3, Matrix3) {
         let finite =
             |x: &Option<Placed<f64>>| x.as_ref().map(|x| *x.get_ref()).filter(|x| *x > 0.0);
@@ -201,7 +201,7 @@ impl Planner<'_> {
         }
     }
 
-    /// Inertia of the vehicle about its mass centre, joints and wheels locked.
+    /// Inertia of the vehicle about its mass centre, with joints and wheels locked.
     fn locked_inertia(&self) -> Matrix3 {
         let tree = Tree::new(self.model);
         let joints = tree

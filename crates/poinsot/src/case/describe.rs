@@ -1,17 +1,17 @@
-//! A case in words.
+//! Describes a case as text.
 
 use super::{Case, CaseError, CaseFault, refuse};
 use poinsot_formats::case::{CaseFile, InitialFile, JointTorqueFile, Placed, WheelMotionFile};
 use poinsot_model::Model;
 use poinsot_telemetry::rounded;
 
-/// Digits of numbers in words.
+/// Significant digits.
 const DIGITS: usize = 6;
 
-/// What a case does with a model, one statement a line; `faults` are those that show without the model.
+/// Describes a case with a model, one statement per line; `faults` are those found without the model.
 ///
 /// # Errors
-/// Everything that `simulate`, `predict` and `design` would refuse, in the order of the file.
+/// All faults that `simulate`, `predict` and `design` would report, in file order.
 pub(crate) fn describe_case(
     case: &Case,
     model: &Model,
@@ -20,7 +20,7 @@ pub(crate) fn describe_case(
     let wants = kept(case.wants(model), &mut faults);
     kept(case.limits(model), &mut faults);
     let design = kept(case.design(model), &mut faults);
-    // A wheel that the design turns needs no motion of the case.
+    // A wheel moved by the design needs no motion in the case.
     let open: Vec<usize> = match &design {
         Some(design) => design
             .iter()
@@ -70,12 +70,12 @@ pub(crate) fn describe_case(
     Ok(lines)
 }
 
-/// What was read; its faults join the others.
+/// The value read; its faults are added to `faults`.
 fn kept<T>(read: Result<T, CaseError>, faults: &mut Vec<CaseFault>) -> Option<T> {
     read.map_err(|error| faults.extend(error.faults)).ok()
 }
 
-/// A number of things.
+/// A count with its noun.
 pub(crate) fn counted(n: u64, what: &str) -> String {
     format!("{n} {what}{}", if n == 1 { "" } else { "s" })
 }

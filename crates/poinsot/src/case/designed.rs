@@ -1,4 +1,4 @@
-//! `[design]`: free motions and objective.
+//! `[design]`: free motion and objective.
 
 use super::planner::Planner;
 use super::thrusters::Fired;
@@ -8,79 +8,79 @@ use poinsot_formats::case::{DesignFile, DesignJointFile, DesignWheelFile, Object
 use poinsot_model::{JointKind, Model};
 use std::ops::Range;
 
-/// Evaluations of a manoeuvre unless the case says otherwise.
+/// Default number of evaluated manoeuvres.
 const EVALUATIONS: usize = 5000;
-/// Starts of the search unless the case says otherwise.
+/// Default number of starts of the search.
 const STARTS: usize = 8;
-/// Most free numbers of one joint or wheel: more only follow the noise of the search.
+/// Largest number of free numbers per joint or wheel.
 const MOST: usize = 64;
 
 /// Form of motion of one joint or wheel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Form {
-    /// `sum_k a_k sin(2 pi k f t) + b_k cos(2 pi k f t)` about where the joint is locked.
+    /// `sum_k a_k sin(2 pi k f t) + b_k cos(2 pi k f t)` about the locked position.
     Fourier {
         /// Harmonics.
         harmonics: usize,
-        /// Base frequency f, Hz; one period over the duration where it is not given.
+        /// Base frequency f, Hz; default: one period over the duration.
         base_frequency_hz: Option<f64>,
-        /// Starts where the joint is locked, without rate and acceleration.
+        /// Starts at the locked position with zero rate and acceleration.
         at_rest: bool,
     },
     /// A cubic spline through equally spaced nodes, at rest at both ends.
     Spline {
         /// Nodes, both ends included.
         nodes: usize,
-        /// Ends where it starts.
+        /// Whether the motion ends at its start.
         returns: bool,
     },
-    /// Rest-to-rest quintics of equal length.
+    /// Rest-to-rest quintics of equal duration.
     Slews {
-        /// How many.
+        /// Number of slews.
         slews: usize,
-        /// Ends where it starts.
+        /// Whether the motion ends at its start.
         returns: bool,
     },
 }
 
-/// One joint coordinate or wheel that a design moves.
+/// One joint coordinate or wheel moved by a design.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Moved {
     /// Index of the joint coordinate or wheel.
     pub index: usize,
     /// Whether it is a prismatic joint.
     pub slides: bool,
-    /// How.
+    /// Form of motion.
     pub form: Form,
-    /// Where it starts: joint position, or wheel speed.
+    /// Initial joint position or wheel speed.
     pub start: f64,
 }
 
-/// Free motions and objective of a design.
+/// Free motion and objective of a design.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Design {
-    /// What is minimised.
+    /// Objective to be minimised.
     pub objective: Objective,
-    /// Whether the vehicles of the prior count and not the nominal one alone.
+    /// Whether vehicles of the prior are included, not only the nominal one.
     pub robust: bool,
-    /// Whether declared priors of mass properties count in the sigmas.
+    /// Whether declared priors of mass properties are included in the sigmas.
     pub priors: bool,
-    /// Most evaluations of a manoeuvre.
+    /// Largest number of evaluated manoeuvres.
     pub evaluations: usize,
     /// Starts of the search.
     pub starts: usize,
     /// Seed of the search.
     pub seed: u64,
-    /// Joints that it moves.
+    /// Joints moved by the design.
     pub joints: Vec<Moved>,
-    /// Wheels that it turns.
+    /// Wheels moved by the design.
     pub wheels: Vec<Moved>,
-    /// Thrusters whose firings it times.
+    /// Thrusters whose firings the design times.
     pub thrusters: Vec<Fired>,
 }
 
 impl Case {
-    /// What a design of this case may move; `None` without `[design]`.
+    /// The free motion of this case; `None` without `[design]`.
     ///
     /// # Errors
     /// All faults with this model.

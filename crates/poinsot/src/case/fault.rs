@@ -1,11 +1,11 @@
-//! Faults of a case file at their place in its text.
+//! Faults of a case file with line numbers.
 
 use crate::error::CaseFault;
 use poinsot_formats::ShapeFault;
 use std::ops::Range;
 use std::path::PathBuf;
 
-/// Name and text of a case file: turns spans into lines.
+/// Name and text of a case file; converts byte ranges to lines.
 #[derive(Debug, Clone)]
 pub(crate) struct CaseText {
     pub path: PathBuf,
@@ -13,7 +13,7 @@ pub(crate) struct CaseText {
 }
 
 impl CaseText {
-    /// A fault at the bytes of a value.
+    /// A fault at the byte range of a value.
     pub fn fault(
         &self,
         code: &'static str,
@@ -34,7 +34,7 @@ impl CaseText {
         }
     }
 
-    /// A fault of the shape of the file; `remedy` is for those that no name mends.
+    /// A fault of the file's structure; `remedy` is used if no similar name is known.
     pub fn shape(&self, code: &'static str, fault: &ShapeFault, remedy: &str) -> CaseFault {
         let remedy = match &fault.unknown {
             Some((name, known)) => did_you_mean(name, known.iter().map(String::as_str)),
@@ -47,7 +47,7 @@ impl CaseText {
     }
 }
 
-/// A value on one line, cut to a readable length; nothing for a whole section.
+/// A value on one line, shortened; empty for a whole section.
 fn excerpt(text: &str) -> String {
     if text.contains("[[") || text.contains('=') {
         return String::new();
@@ -60,7 +60,7 @@ fn excerpt(text: &str) -> String {
     short
 }
 
-/// The nearest of the known names, as a remedy.
+/// Suggests the nearest known name as remedy.
 pub(crate) fn did_you_mean<'n>(name: &str, known: impl Iterator<Item = &'n str>) -> String {
     let known: Vec<&str> = known.collect();
     let nearest = known

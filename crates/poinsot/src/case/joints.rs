@@ -7,7 +7,7 @@ use poinsot_formats::case::{JointMotionFile, Placed};
 use poinsot_model::JointKind;
 
 impl Planner<'_> {
-    /// The joint coordinate that a table moves.
+    /// The joint coordinate of a table.
     pub(super) fn joint(
         &mut self,
         tree: &Tree,

@@ -10,7 +10,7 @@ use poinsot_model::{JointKind, Model};
 use poinsot_spatial::Vector3;
 use std::ops::Range;
 
-/// Limits of one joint coordinate, rad or m and their derivatives; infinite where there is none.
+/// Limits of one joint coordinate, rad or m and derivatives; infinite if unlimited.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointLimit {
     /// Lowest and highest position.
@@ -23,10 +23,10 @@ pub struct JointLimit {
     pub effort: f64,
 }
 
-/// Limits of one wheel; infinite where there is none.
+/// Limits of one wheel; infinite if unlimited.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WheelLimit {
-    /// Largest speed relative to the host, rad/s: also from the stored momentum.
+    /// Largest speed relative to the host, rad/s, which can follow from stored momentum.
     pub speed: f64,
     /// Largest torque of the motor, N m.
     pub torque: f64,
@@ -43,11 +43,11 @@ pub struct Cone {
     pub direction_N: Vector3,
     /// Half angle of the cone, rad.
     pub half_angle: f64,
-    /// Whether the axis must stay in the cone, not out of it.
+    /// Whether the axis must stay inside the cone, not outside.
     pub keep_in: bool,
 }
 
-/// A capsule about a part of a body.
+/// A capsule around part of a body.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Capsule {
     /// Index of the body.
@@ -58,29 +58,29 @@ pub struct Capsule {
     pub radius: f64,
 }
 
-/// Everything that limits a manoeuvre.
+/// All limits of a manoeuvre.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Limits {
-    /// One per joint coordinate.
+    /// One entry per joint coordinate.
     pub joints: Vec<JointLimit>,
-    /// One per wheel.
+    /// One entry per wheel.
     pub wheels: Vec<WheelLimit>,
-    /// One per thruster.
+    /// One entry per thruster.
     pub thrusters: Vec<ThrusterLimit>,
-    /// What thrusters may spend together.
+    /// Common budgets of several thrusters.
     pub impulses: Vec<ImpulseLimit>,
-    /// Largest angular rate of the base, rad/s; infinite without.
+    /// Largest angular rate of the base, rad/s; infinite if unlimited.
     pub body_rate: f64,
-    /// Pointing.
+    /// Pointing limits.
     pub cones: Vec<Cone>,
-    /// Shapes of the bodies; two of the same body or of neighbours are not compared.
+    /// Shapes of the bodies; shapes of the same body or of neighbours are not compared.
     pub capsules: Vec<Capsule>,
-    /// Least distance of two shapes, m.
+    /// Least distance between two shapes, m.
     pub clearance: f64,
 }
 
 impl Case {
-    /// The limits of a design, for a model.
+    /// The limits of a design for a model.
     ///
     /// # Errors
     /// All faults with this model.
@@ -151,7 +151,7 @@ impl Planner<'_> {
         }
     }
 
-    /// A positive limit; infinite where none is given.
+    /// A positive limit; infinite if not given.
     pub(super) fn limit(&mut self, key: &str, given: Option<&Placed<f64>>) -> f64 {
         let Some(x) = given else {
             return f64::INFINITY;
@@ -168,7 +168,7 @@ impl Planner<'_> {
         *x.get_ref()
     }
 
-    /// Joint coordinates of a list of names; all where there is no list.
+    /// Joint coordinates of a list of names; all without a list.
     pub(super) fn joints_of(
         &mut self,
         tree: &Tree,

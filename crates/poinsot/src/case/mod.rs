@@ -1,7 +1,7 @@
 //! The case file `poinsot.case/2`: the motion of a vehicle, its duration, and the output.
 //!
-//! Reading checks what needs no vehicle; [`Case::bind`] resolves names against a model, so that one case
-//! can be run with several models.
+//! Reading checks everything that is independent of the model. [`Case::bind`] resolves names against a model, so that
+//! one case can run with several models.
 
 mod actuators;
 mod bind;
@@ -38,22 +38,22 @@ use poinsot_telemetry::rounded;
 use std::path::{Path, PathBuf};
 
 const LARGEST_FILE: u64 = 16 << 20;
-/// Largest file of torques, bytes.
+/// Size limit of a file of torques, bytes.
 const LARGEST_TORQUE_FILE: u64 = 1 << 30;
 const MOST_ROWS: f64 = 1e7;
 
-/// A case that was read; names are not yet resolved.
+/// A parsed case; names are not yet resolved.
 #[derive(Debug, Clone)]
 pub struct Case {
-    /// The model file, relative to the case file's folder where it is not absolute.
+    /// Model file, relative to the folder of the case.
     pub model: PathBuf,
     /// Duration, s.
     pub duration_s: f64,
     /// Rows per second.
     pub rate_hz: f64,
-    /// Kind of telemetry file.
+    /// Format of the telemetry file.
     pub format: Format,
-    /// Seed of all noise.
+    /// Seed of all random numbers.
     pub seed: u64,
     /// Accuracy of the integrator.
     pub tolerance: Tolerance,
@@ -81,7 +81,7 @@ pub fn read_case(path: &Path) -> Result<Case, CaseError> {
     parse_case(path, text)
 }
 
-/// Reads the text of a case file; `path` serves messages and finds the model.
+/// Reads the text of a case file; `path` is used in messages and to locate the model.
 ///
 /// # Errors
 /// All faults without a model.
@@ -92,7 +92,7 @@ pub fn parse_case(path: &Path, text: String) -> Result<Case, CaseError> {
     }
 }
 
-/// The same of a case whose keys and types are right, with the faults that show without the model.
+/// Reads a case with valid structure; returns also the faults found without the model.
 pub(crate) fn shaped_case(path: &Path, text: String) -> Result<(Case, Vec<CaseFault>), CaseError> {
     let text = CaseText {
         path: path.to_owned(),
@@ -162,7 +162,7 @@ impl Case {
         &self.text.path
     }
 
-    /// The case as written.
+    /// The case file.
     pub fn file(&self) -> &CaseFile {
         &self.file
     }
@@ -172,7 +172,7 @@ impl Case {
         &self.text.text
     }
 
-    /// SHA-256 of every file that the case reads beside its model.
+    /// SHA-256 of every file read by the case, except the model.
     ///
     /// # Errors
     /// A file cannot be read.
@@ -189,14 +189,14 @@ impl Case {
             .collect()
     }
 
-    /// Times of the rows, s: `k / rate_hz` up to the duration.
+    /// Times of the samples, s: `k / rate_hz` up to the duration.
     pub fn times(&self) -> Vec<f64> {
-        // A duration of whole periods must not lose its last row to round-off.
+        // With whole periods the last sample must not be lost to round-off.
         let rows = (self.duration_s * self.rate_hz * (1.0 + 1e-12)).floor();
         (0..=rows as u64).map(|k| k as f64 / self.rate_hz).collect()
     }
 
-    /// Collects what is wrong with the case for a model.
+    /// Collects the plan and the faults of the case for a model.
     fn planner<'c>(&'c self, model: &'c Model) -> Planner<'c> {
         Planner {
             text: &self.text,

@@ -1,4 +1,4 @@
-//! The plan of a case for a model, with its faults.
+//! Builds the plan of a case for a model and collects faults.
 
 use super::fault::{CaseText, did_you_mean};
 use crate::error::CaseFault;
@@ -10,11 +10,10 @@ use std::ops::Range;
 /// Times and values.
 pub(super) type Nodes<'f> = (&'f Placed<Vec<f64>>, &'f Placed<Vec<f64>>);
 
-/// Collects the plan and what is wrong with it.
 pub(super) struct Planner<'c> {
     pub text: &'c CaseText,
     pub model: &'c Model,
-    /// Wheels that need no motion of the case.
+    /// Wheels that need no motion in the case.
     pub open_wheels: &'c [usize],
     pub faults: Vec<CaseFault>,
 }
@@ -32,8 +31,7 @@ impl Planner<'_> {
         self.faults.push(fault);
     }
 
-    /// The plan of a case, and which joint coordinates it moves; joints without motion stay where the model
-    /// locks them.
+    /// The plan of a case, and the joint coordinates that it moves; other joints keep their locked position.
     pub fn plan(
         &mut self,
         joints: &[JointMotionFile],
@@ -123,7 +121,6 @@ impl Planner<'_> {
     }
 }
 
-/// Remedy for invalid nodes.
 pub(super) fn node_remedy(error: &NodeError) -> &'static str {
     match error {
         NodeError::Empty => "give at least one",

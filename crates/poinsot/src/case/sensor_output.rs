@@ -1,4 +1,4 @@
-//! Own rate and errors of the sensors in a case.
+//! Sample rate and errors of the sensors in a case.
 
 use super::fault::did_you_mean;
 use super::planner::Planner;
@@ -7,18 +7,18 @@ use poinsot_formats::case::{OutputFile, Placed, SensorOutputFile};
 use poinsot_identify::ErrorGroup;
 use poinsot_model::Sensor;
 
-/// Rate and errors of one sensor.
+/// Sample rate and errors of one sensor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SensorOutput {
-    /// It reads every so many rows.
+    /// Rows per sample.
     pub every: usize,
-    /// Bias in the sensor's axes, where the case gives one; else drawn or zero.
+    /// Bias in sensor axes, if given; otherwise random or zero.
     pub bias: Option<Vec<f64>>,
-    /// Scale, misalignment, nonorthogonality and lag, in the sensor's axes.
+    /// Scale, misalignment, nonorthogonality and lag, in sensor axes.
     pub errors: Vec<(SensorError, f64)>,
 }
 
-/// One per sensor of the model.
+/// One entry per sensor of the model.
 pub(super) fn sensor_outputs(planner: &mut Planner, output: &OutputFile) -> Vec<SensorOutput> {
     let model = planner.model;
     let mut outputs = vec![
@@ -79,7 +79,7 @@ pub(super) fn sensor_outputs(planner: &mut Planner, output: &OutputFile) -> Vec<
     outputs
 }
 
-/// Errors that a sensor of this kind can have; others are refused.
+/// Errors given for a sensor; those not defined for its kind are faults.
 fn errors(
     planner: &mut Planner,
     table: &SensorOutputFile,

@@ -1,4 +1,4 @@
-//! `[[design.thruster]]` and `[[limits.thruster]]`: firings whose times are free, and what bounds them.
+//! `[[design.thruster]]` and `[[limits.thruster]]`: firings with free times, and their limits.
 
 use super::fault::did_you_mean;
 use super::planner::Planner;
@@ -11,9 +11,9 @@ use std::f64::consts::FRAC_PI_2;
 pub struct Fired {
     /// Index of the thruster.
     pub index: usize,
-    /// How many firings.
+    /// Number of firings.
     pub firings: usize,
-    /// Force of each, N.
+    /// Force of each firing, N.
     pub force: f64,
 }
 
@@ -28,16 +28,16 @@ pub struct ThrusterLimit {
     pub plume: Option<f64>,
 }
 
-/// The impulse that some thrusters have together.
+/// Impulse budget of several thrusters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ImpulseLimit {
     /// Indices of the thrusters.
     pub thrusters: Vec<usize>,
-    /// N s.
+    /// Budget, N s.
     pub impulse: f64,
-    /// What firings that are not designed spend of it, N s.
+    /// Impulse of firings that are not designed, N s.
     pub spent: f64,
-    /// Exhaust velocity, m/s, where the limit was given as propellant.
+    /// Exhaust velocity, m/s, if the budget is given as propellant.
     pub exhaust: Option<f64>,
 }
 
@@ -169,7 +169,7 @@ impl Planner<'_> {
 }
 
 impl ImpulseLimit {
-    /// Whether a thruster spends of it.
+    /// Whether a thruster uses this budget.
     pub fn holds(&self, thruster: usize) -> bool {
         self.thrusters.contains(&thruster)
     }

@@ -18,7 +18,7 @@ struct MotorSettings {
     rate: Option<f64>,
 }
 
-/// The forms of a motor in the units of one type of joint, with their keys.
+/// Motor forms in the units of one joint type, with their keys.
 struct Forms<'f> {
     constant: (&'static str, Option<&'f Placed<f64>>),
     amplitude: (&'static str, Option<&'f Placed<f64>>),
@@ -35,12 +35,12 @@ impl Forms<'_> {
     }
 }
 
-/// From times and values to a profile.
+/// Creates a profile from times and values.
 pub(super) type Build = fn(&[f64], &[f64]) -> Result<PiecewisePolynomial, NodeError>;
 
 impl Planner<'_> {
-    /// What drives every joint coordinate; `None` where all motion is prescribed. A joint with a motor, or with a
-    /// spring and no prescribed motion, is free; `led` marks those with a motion.
+    /// Drives of all joint coordinates; `None` if all motion is prescribed. A joint with a motor, or with a spring and
+    /// no prescribed motion, is free; `led` marks joints with prescribed motion.
     pub(super) fn drives(
         &mut self,
         torques: &[JointTorqueFile],
@@ -110,7 +110,7 @@ impl Planner<'_> {
                         rest: s.rest,
                         damping: s.damping,
                     }),
-                    // A spring that nothing has disturbed rests.
+                    // A spring without initial conditions starts at rest.
                     initial_position: own
                         .position
                         .unwrap_or_else(|| spring.map_or(joint.locked_at, |s| s.rest)),
@@ -161,7 +161,7 @@ impl Planner<'_> {
         (position, rate)
     }
 
-    /// The motor of one table: exactly one of constant, sinusoid, table and file.
+    /// The motor of one table: exactly one of constant, sinusoid, table or file.
     fn motor(&mut self, table: &JointTorqueFile, joint: &Joint, key: &str) -> Option<ForceProfile> {
         let turning = Forms {
             constant: ("constant_N_m", table.constant_N_m.as_ref()),
@@ -225,7 +225,7 @@ impl Planner<'_> {
         }
     }
 
-    /// Refuses keys that belong to another form of motor.
+    /// Rejects keys of another motor form.
     fn only(&mut self, table: &JointTorqueFile, key: &str, forms: &[&str]) -> Option<()> {
         let keys: [(&str, Option<Range<usize>>, &str); 5] = [
             (
@@ -285,7 +285,7 @@ impl Planner<'_> {
         })
     }
 
-    /// Interpolation of the torque between nodes: constant (as of a digital controller) or linear.
+    /// Interpolation between nodes: constant (as from a digital controller) or linear.
     fn interpolation(&mut self, table: &JointTorqueFile, key: &str) -> Option<Build> {
         match &table.interpolation {
             None => Some(PiecewisePolynomial::steps),
@@ -329,7 +329,7 @@ impl Planner<'_> {
         Some(ForceProfile::Nodes(profile.starting_from(0.0)))
     }
 
-    /// A column of a telemetry file beside the case; its name ends in one of `units`.
+    /// A column of a telemetry file next to the case; its name ends in one of `units`.
     pub(super) fn column(
         &mut self,
         file: &Placed<String>,

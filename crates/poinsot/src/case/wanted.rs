@@ -1,4 +1,4 @@
-//! `[[want]]`: numbers or combinations of the bodies with the sigma that is wanted of each.
+//! `[[want]]`: numbers or combinations of body numbers, with their wanted sigmas.
 
 use super::fault::did_you_mean;
 use super::planner::Planner;
@@ -9,20 +9,20 @@ use poinsot_identify::{TENSOR, WantedNumber, WantedTerm, axis_name, tensor_name}
 use poinsot_model::Model;
 use std::ops::Range;
 
-/// A number, or a combination of numbers, with its wanted sigma.
+/// A number or combination with its wanted sigma.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Want {
-    /// As in the case: `target.mass_kg`, `target.inertia_kg_m2.xx`, or a sum of such with factors.
+    /// As in the case: `target.mass_kg`, `target.inertia_kg_m2.xx`, or a weighted sum.
     pub name: String,
     /// Unit of the sigma.
     pub unit: &'static str,
-    /// What it is made of.
+    /// Its terms.
     pub terms: Vec<WantedTerm>,
-    /// Wanted sigma, one sigma, in the unit.
+    /// Wanted one-sigma uncertainty, in the unit.
     pub sigma: f64,
 }
 
-/// Numbers of a body by the end of their address.
+/// Groups of body numbers, by the end of their address.
 const GROUPS: [(&str, &str); 3] = [
     ("mass_kg", "kg"),
     ("com_m", "m"),
@@ -30,7 +30,7 @@ const GROUPS: [(&str, &str); 3] = [
 ];
 
 impl Case {
-    /// What is wanted of the numbers of a model; empty where the case wants nothing.
+    /// Wanted numbers of a model; empty without `[[want]]`.
     ///
     /// # Errors
     /// All faults with this model.
@@ -106,7 +106,7 @@ impl Planner<'_> {
         None
     }
 
-    /// Reference of `relative`: the mass; the mean principal moment of the body.
+    /// Reference of `relative`: the mass, or the mean principal moment of the body.
     fn scale(&mut self, terms: &[WantedTerm], span: Range<usize>, key: &str) -> Option<f64> {
         if let [term] = terms {
             let nominal = &self.model.bodies[term.body].nominal;
@@ -171,7 +171,7 @@ impl Planner<'_> {
         }
     }
 
-    /// The single numbers behind an address: `bus.mass_kg`, `bus.com_m.x`, `bus.com_m` (all three), ...
+    /// The numbers of an address: `bus.mass_kg`, `bus.com_m.x`, `bus.com_m` (all three), ...
     fn numbers(
         &mut self,
         address: &str,
@@ -208,7 +208,7 @@ impl Planner<'_> {
     }
 }
 
-/// Every number that the model estimates; none is wanted to any accuracy.
+/// Every number estimated in the model, with infinite wanted sigma.
 pub fn estimated_numbers(model: &Model) -> Vec<Want> {
     let known = known_addresses(model).into_iter();
     let estimated = known.filter(|(_, _, term)| is_estimated(model, term));

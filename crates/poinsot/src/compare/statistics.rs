@@ -1,14 +1,14 @@
-//! Tests and means of numbers that several answers determine.
+//! Tests and means of numbers determined by several results.
 
 use nalgebra::{DMatrix, DVector};
 use poinsot_formats::EstimateFile;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 use std::collections::HashMap;
 
-/// Relative size of an eigenvalue of a correlation matrix below which its direction counts as exact round-off.
+/// Eigenvalues of a correlation matrix below this fraction of the largest are round-off.
 const ROUND_OFF: f64 = 1.0e-12;
 
-/// What all answers determine, with each answer's covariance of it.
+/// Numbers determined by all results, with the covariance of each.
 pub(super) struct Answers {
     pub names: Vec<String>,
     pub units: Vec<String>,
@@ -17,7 +17,7 @@ pub(super) struct Answers {
 }
 
 impl Answers {
-    /// Mass properties in the covariance of every answer, in the order of the first.
+    /// Mass properties in the covariance of every result, in the order of the first.
     pub fn common(files: &[&EstimateFile]) -> Self {
         let values: Vec<HashMap<String, f64>> = files.iter().map(|f| values(f)).collect();
         let places: Vec<HashMap<&str, usize>> = files
@@ -67,7 +67,7 @@ impl Answers {
     }
 }
 
-/// Determined mass properties by the names of the covariance.
+/// Determined mass properties, by their names in the covariance.
 fn values(file: &EstimateFile) -> HashMap<String, f64> {
     let bodies = file.bodies.iter();
     bodies
@@ -76,7 +76,7 @@ fn values(file: &EstimateFile) -> HashMap<String, f64> {
         .collect()
 }
 
-/// Chi-square, degrees of freedom and probability of the differences of some numbers.
+/// Chi-square, degrees of freedom and p-value of the differences of some numbers.
 pub(super) fn test(answers: &Answers, of: &[usize]) -> (f64, usize, f64) {
     let (k, others) = (of.len(), answers.values.len().saturating_sub(1));
     let n = k * others;
@@ -91,7 +91,7 @@ pub(super) fn test(answers: &Answers, of: &[usize]) -> (f64, usize, f64) {
         };
         c(0, r % k, q % k) + own
     });
-    // In units of sigma: numbers of very different size meet here.
+    // Scale by sigma, because the numbers differ by orders of magnitude.
     let sigma = DVector::from_fn(n, |r, _| s[(r, r)].sqrt());
     let correlation = DMatrix::from_fn(n, n, |r, q| s[(r, q)] / (sigma[r] * sigma[q]));
     let z = d.component_div(&sigma);
@@ -112,7 +112,7 @@ pub(super) fn test(answers: &Answers, of: &[usize]) -> (f64, usize, f64) {
     (chi2, dof, p)
 }
 
-/// Mean weighted by information, with sigma; `None` where a covariance has no inverse.
+/// Information-weighted mean with sigma; `None` if a covariance is singular.
 pub(super) fn pooled(answers: &Answers) -> Option<Vec<(f64, f64)>> {
     let n = answers.names.len();
     let first = answers.covariances.first()?;

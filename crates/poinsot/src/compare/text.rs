@@ -1,4 +1,4 @@
-//! A comparison in words.
+//! A comparison as text.
 
 use poinsot_formats::{ComparedNumberFile, ComparisonFile};
 use poinsot_report::{Document, Section, Table, number_with_sigma, probability, significant};

@@ -1,18 +1,18 @@
-//! Why telemetry and model do not fit together.
+//! Errors of binding telemetry to a model.
 
 use poinsot_telemetry::{as_read, rounded};
 
-/// Why telemetry and model do not fit together.
+/// Why telemetry cannot be bound to a model.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum BindError {
-    /// A required channel.
+    /// A missing channel.
     #[error("E0301 {file}: no channel '{channel}': {why}")]
     Missing {
         /// File or files of the segment.
         file: String,
         /// Channel.
         channel: String,
-        /// Why it is needed and what to do.
+        /// Purpose and remedy.
         why: String,
     },
     /// A sensor without declared noise.
@@ -74,15 +74,15 @@ pub enum BindError {
     NoAttitude {
         /// File or files of the segment.
         file: String,
-        /// What is given in N.
+        /// Quantity given in N.
         what: String,
-        /// What else to do.
+        /// Alternative remedy.
         remedy: &'static str,
     },
-    /// Something the linear method cannot use.
+    /// A feature that the linear method does not support.
     #[error("E0305 model: {what}")]
     Unsupported {
-        /// What and what to do.
+        /// Feature and remedy.
         what: String,
     },
 }

@@ -1,15 +1,15 @@
-//! What is wrong with a case file, each fault with its place.
+//! Faults of a case file, with their positions.
 
 use std::fmt;
 
-/// One thing that is wrong.
+/// One fault.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct CaseFault {
     /// Stable code, see `poinsot explain`.
     pub code: &'static str,
     /// File as given.
     pub file: String,
-    /// Line, from one; zero where the file could not be read.
+    /// Line, from one; zero if the file could not be read.
     pub line: usize,
     /// Key, for example `joint_motion[2].time_s`.
     pub key: String,
@@ -39,10 +39,10 @@ impl fmt::Display for CaseFault {
     }
 }
 
-/// A case file that was refused.
+/// An invalid case file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct CaseError {
-    /// The faults in the order of the checks, never empty.
+    /// Faults in the order of the checks, never empty.
     pub faults: Vec<CaseFault>,
     /// Whether the system (disk, permission) failed, not the file.
     pub environment: bool,

@@ -8,10 +8,10 @@ use std::path::PathBuf;
 /// Error of a simulation.
 #[derive(Debug, thiserror::Error)]
 pub enum SimulateError {
-    /// The case file was refused.
+    /// Invalid case file.
     #[error(transparent)]
     Case(#[from] CaseError),
-    /// The model file was refused.
+    /// Invalid model file.
     #[error(transparent)]
     Model(#[from] ModelError),
     /// A driven joint without outboard inertia: the mass matrix is singular.
@@ -30,7 +30,7 @@ pub enum SimulateError {
     Motion {
         /// The case file.
         file: PathBuf,
-        /// Why.
+        /// Reason.
         error: ControlError,
     },
 }

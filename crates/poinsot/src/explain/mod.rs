@@ -1,4 +1,4 @@
-//! Every error code with its meaning, usual cause and remedy: one registry for all crates.
+//! Every error code with meaning, usual cause and remedy: one registry for all crates.
 //!
 //! A test compares it with the codes in the sources; another prints every message.
 
@@ -9,17 +9,17 @@ use poinsot_formats::{CODES, CodeFile, CodesFile};
 use poinsot_papers::Explained as Entry;
 use std::fmt;
 
-/// A code that stays.
+/// A stable error code.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ErrorCode {
-    /// `E` and four digits; the first two say where: 00 command, 01 model, 02 telemetry, 03 model and telemetry
-    /// together, 04 and 05 methods and simulation, 06 results.
+    /// `E` and four digits. The first two give the area: 00 command, 01 model, 02 telemetry, 03 binding, 04 and 05
+    /// methods and simulation, 06 results.
     pub code: &'static str,
     /// Meaning.
     pub meaning: &'static str,
-    /// What usually causes it.
+    /// Usual cause.
     pub cause: &'static str,
-    /// What to do.
+    /// Remedy.
     pub remedy: &'static str,
 }
 
@@ -63,7 +63,7 @@ pub fn codes_file(codes: &[ErrorCode]) -> CodesFile {
     }
 }
 
-/// The entry of a code, in any case, with or without its `E`.
+/// Looks up a code, ignoring case, with or without `E`.
 pub fn explain(code: &str) -> Option<ErrorCode> {
     let digits = code.trim().trim_start_matches(['E', 'e']);
     let wanted = format!("E{digits:0>4}");

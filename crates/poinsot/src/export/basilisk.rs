@@ -5,7 +5,7 @@ use crate::error::Error;
 use poinsot_spatial::MassProperties;
 use std::fmt::Write as _;
 
-/// A module with the numbers of every determined body, and a function that puts one of them into a hub.
+/// A module with the numbers of every determined body, and a function that copies one body into a hub.
 pub(super) fn text(source: &Source) -> Result<Exported, Error> {
     let (bodies, left_out) = source.bodies();
     let Some(first) = bodies.first() else {

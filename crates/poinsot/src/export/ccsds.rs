@@ -9,7 +9,7 @@ use std::time::SystemTime;
 
 /// The body frame of the message.
 const FRAME: &str = "SC_BODY_1";
-/// What the standard asks for where the international designator is not stated.
+/// Required text if the international designator is not given.
 const UNKNOWN: &str = "UNKNOWN";
 const ORIGINATOR: &str = "POINSOT";
 
@@ -145,7 +145,7 @@ fn header(kind: &str) -> String {
     )
 }
 
-/// Text that the notation allows: printable ASCII on one line.
+/// Text allowed by the notation: printable ASCII on one line.
 fn keyword_value(text: &str) -> String {
     text.chars()
         .map(|c| if matches!(c, ' '..='~') { c } else { '?' })

@@ -1,7 +1,6 @@
-//! The verb `export`: the answer of `identify` in the file of another program.
+//! The command `export`: writes the result of `identify` into the file of another program.
 //!
-//! A number that is not determined is never written: a body keeps the numbers of the file and is named, or the export is
-//! refused.
+//! An undetermined number is never written: the body keeps the numbers of the file and is listed, or the export fails.
 
 mod basilisk;
 mod ccsds;
@@ -19,7 +18,7 @@ use poinsot_spatial::{MassProperties, Matrix3, Vector3};
 use std::path::Path;
 use std::str::FromStr;
 
-/// Kinds of file that [`export`] makes.
+/// Formats of [`export`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Target {
     /// Model file of Poinsot, patched.
@@ -36,14 +35,14 @@ pub enum Target {
     Apm,
     /// CCSDS attitude comprehensive message (504.0-B-2), KVN.
     Acm,
-    /// Table, one row a number.
+    /// Table, one row per number.
     Csv,
     /// On-board table with covariance, JSON.
     Onboard,
 }
 
 impl Target {
-    /// All of them.
+    /// All formats.
     pub const ALL: [Self; 9] = [
         Self::Model,
         Self::Urdf,
@@ -56,7 +55,7 @@ impl Target {
         Self::Onboard,
     ];
 
-    /// Name in commands.
+    /// Name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Model => "model",
@@ -71,7 +70,7 @@ impl Target {
         }
     }
 
-    /// What it is, in one line of help.
+    /// One line of help.
     pub fn about(self) -> &'static str {
         match self {
             Self::Model => "Model file of Poinsot, changed in place",
@@ -86,7 +85,7 @@ impl Target {
         }
     }
 
-    /// How numbers get into a file that is there; `None` for a new file.
+    /// How an existing file is patched; `None` for a new file.
     fn patch(self) -> Option<Patch> {
         match self {
             Self::Model => Some(patch_model),
@@ -112,7 +111,7 @@ impl FromStr for Target {
     }
 }
 
-/// A file with what was identified.
+/// An exported file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Exported {
     /// The text.
@@ -123,16 +122,16 @@ pub struct Exported {
     pub no_field: Vec<String>,
 }
 
-/// Exports `folder/estimate.json`. `onto` is the file that the vehicle came from, for formats that are patched.
+/// Exports `folder/estimate.json`. `onto` is the source file of the vehicle, for formats that are patched.
 ///
 /// # Errors
-/// The files cannot be read, `onto` is missing or not wanted, or nothing is determined.
+/// The files cannot be read, `onto` is missing or not allowed, or nothing is determined.
 pub fn export(folder: &Path, to: Target, onto: Option<&Path>) -> Result<Exported, Error> {
     let (path, estimate) = read_estimate(&folder.join("estimate.json")).map_err(format_error)?;
     export_estimate(&estimate, &path, to, onto)
 }
 
-/// The same with an estimate in memory; messages call it `path`.
+/// Exports an estimate in memory; errors name it `path`.
 ///
 /// # Errors
 /// As [`export`].
@@ -165,7 +164,7 @@ pub fn export_estimate(
     }
 }
 
-/// What is exported, and what messages call it.
+/// Estimate to be exported, and its name in messages.
 struct Source<'a> {
     estimate: &'a EstimateFile,
     path: &'a Path,
@@ -179,7 +178,7 @@ impl Source<'_> {
         }
     }
 
-    /// Bodies that were asked for: those determined, and a line for each of the others.
+    /// Requested bodies: the determined ones, and a line for each of the others.
     fn bodies(&self) -> (Vec<BodyProperties>, Vec<String>) {
         let (mut determined, mut left_out) = (Vec::new(), Vec::new());
         let asked = self.estimate.bodies.iter().filter(|(_, b)| b.is_asked());
@@ -197,7 +196,7 @@ impl Source<'_> {
         (determined, left_out)
     }
 
-    /// The error where no body can be exported.
+    /// The error if no body can be exported.
     fn nothing(&self, left_out: &[String], also: &str) -> Error {
         self.fault(format!(
             "no body can be exported ({}); identify with more data{also}",
@@ -205,7 +204,7 @@ impl Source<'_> {
         ))
     }
 
-    /// Lines that say where the numbers come from.
+    /// Comment lines about the origin of the numbers.
     fn origin(&self) -> Vec<String> {
         let e = self.estimate;
         let inputs = e

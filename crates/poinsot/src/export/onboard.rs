@@ -1,4 +1,4 @@
-//! Numbers and covariance for on-board software: determined numbers alone.
+//! Numbers and covariance for on-board software: determined numbers only.
 
 use super::{Exported, Source};
 use crate::error::Error;

@@ -1,4 +1,4 @@
-//! A table of all numbers, one row each; what is not determined has empty cells.
+//! A table of all numbers, one row each; undetermined numbers have empty cells.
 
 use super::{Exported, Source};
 use crate::error::Error;

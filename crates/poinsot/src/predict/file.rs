@@ -9,7 +9,7 @@ use poinsot_formats::{
 };
 use poinsot_identify::{BodyEstimate, Number, tensor_index};
 
-/// The prediction as a file: sigma and source of every number; null where it is not identifiable.
+/// The prediction as a file: sigma and source of every number; null if not identifiable.
 pub fn prediction_file(prediction: &Prediction) -> PredictionFile {
     let bound = &prediction.bound;
     let bodies = bound.bodies.iter().filter(|b| b.asked);

@@ -1,4 +1,4 @@
-//! What a shorter record of the same motion tells.
+//! Accuracy of shorter records of the same motion.
 
 use super::wanted_sigma;
 use crate::bind::{bind, cut_at};
@@ -11,19 +11,19 @@ use poinsot_identify::{Problem, cramer_rao};
 use poinsot_model::Model;
 use rayon::prelude::*;
 
-/// Parts of the duration after which the record is ended.
+/// Number of equally spaced ends of the record.
 const PARTS: u32 = 12;
 
-/// Sigmas of some numbers with the record ended at one time.
+/// Sigmas for a record that ends at this time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ended {
     /// End of the record, s.
     pub end_s: f64,
-    /// One per number; `None` where it is not identifiable.
+    /// One entry per number; `None` if not identifiable.
     pub sigmas: Vec<Option<f64>>,
 }
 
-/// Sigmas of what is wanted with the record of a case ended after each twelfth of its time.
+/// Sigmas of the wanted numbers for records that end after each twelfth of the duration.
 ///
 /// # Errors
 /// The case cannot be simulated.
@@ -38,7 +38,7 @@ pub fn against_duration(
     let of = |part: u32| {
         let end_s = case.duration_s * f64::from(part) / f64::from(PARTS);
         let bound = bind(model, &tree, &[cut_at(&exact, end_s)]).ok();
-        // A record of too few samples tells nothing.
+        // A record with too few samples determines nothing.
         let estimate = bound.and_then(|bound| {
             cramer_rao(&Problem {
                 model,
@@ -58,7 +58,7 @@ pub fn against_duration(
     Ok((1..=PARTS).into_par_iter().map(of).collect())
 }
 
-/// The same as a file.
+/// The sigmas for shorter records as a file.
 pub fn against_duration_file<'w>(
     ended: &[Ended],
     wants: impl Iterator<Item = &'w Want>,

@@ -1,11 +1,11 @@
-//! The largest values of a motion: what a manoeuvre asks of the vehicle.
+//! Largest values of a motion: the demands of a manoeuvre on the vehicle.
 
 use crate::case::Scenario;
 use poinsot_dynamics::{MotionSample, Tree};
 use poinsot_model::{JointKind, Model};
 use poinsot_spatial::UnitQuaternion;
 
-/// The largest magnitude of something over the samples.
+/// Largest magnitude of a quantity over the samples.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Peak {
     /// For example "rate of joint1".
@@ -16,7 +16,7 @@ pub struct Peak {
     pub value: f64,
 }
 
-/// Collects peaks sample by sample, in one order.
+/// Collects peaks sample by sample, in a fixed order.
 #[derive(Debug, Clone, Default)]
 pub struct Peaks {
     first: Option<UnitQuaternion>,
@@ -24,7 +24,7 @@ pub struct Peaks {
 }
 
 impl Peaks {
-    /// One more sample.
+    /// Adds a sample.
     pub fn take(&mut self, sample: &MotionSample) {
         let first = self.first.get_or_insert(sample.R_NB);
         let base = [sample.w_NB_B.norm(), first.angle_to(&sample.R_NB)];
@@ -48,7 +48,7 @@ impl Peaks {
         }
     }
 
-    /// The peaks with their names, and the impulse of every thruster that fires.
+    /// The peaks with names, and the impulse of every firing thruster.
     pub fn named(&self, model: &Model, scenario: &Scenario) -> Vec<Peak> {
         let mut names: Vec<(String, &'static str)> = vec![
             ("body rate".to_owned(), "rad/s"),

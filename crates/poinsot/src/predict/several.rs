@@ -1,12 +1,12 @@
-//! Several cases side by side.
+//! Comparison of several cases.
 
 use super::text::{FIGURES, predicted_sigma};
 use poinsot_formats::PredictionFile;
 use poinsot_report::{Document, Section, Table, Tone, significant};
 use std::path::Path;
 
-/// Sigmas of several cases in one table: of what they want, or of every number that one of them determines; and the
-/// largest values of their motions.
+/// Sigmas of several cases in one table: of their wanted numbers, or of every number that one of them determines. Also
+/// the peaks of their motions.
 pub fn several_document(predictions: &[PredictionFile]) -> Document {
     let name = |p: &PredictionFile| {
         let stem = Path::new(&p.case).file_stem();
@@ -42,7 +42,7 @@ pub fn several_document(predictions: &[PredictionFile]) -> Document {
 
 type Row = (String, String, Option<f64>);
 
-/// Rows by name in the order in which they first appear.
+/// Rows by name, in order of first appearance.
 fn table(title: &str, names: &[String], columns: Vec<Vec<Row>>) -> Section {
     let mut header: Vec<&str> = vec![""];
     header.extend(names.iter().map(String::as_str));

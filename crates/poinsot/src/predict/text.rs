@@ -1,4 +1,4 @@
-//! A prediction in words: one sentence first, then the numbers behind it.
+//! A prediction as text: one sentence, then the numbers.
 
 use super::Prediction;
 use crate::estimate_file::{component, inertia_entries};
@@ -11,9 +11,9 @@ use poinsot_formats::{
 use poinsot_identify::{BodyEstimate, Number, Source, Status};
 use poinsot_report::{Document, Section, Table, Tone, significant};
 
-/// Combinations listed in the terminal; the file has all.
+/// Number of combinations listed in the terminal; the file has all.
 const LISTED: usize = 12;
-/// Figures of a predicted sigma.
+/// Significant figures of a predicted sigma.
 pub(super) const FIGURES: i32 = 2;
 
 /// The prediction as a document.
@@ -66,7 +66,7 @@ pub(crate) fn accuracy(prediction: &PredictionFile) -> Document {
     document
 }
 
-/// The largest values of the motion.
+/// Table of the peaks of the motion.
 pub(crate) fn peaks(prediction: &PredictionFile) -> Section {
     let mut table = Table::new(&["", "largest", "unit"]);
     for p in &prediction.peaks {
@@ -79,10 +79,10 @@ pub(crate) fn peaks(prediction: &PredictionFile) -> Section {
     Section::table("largest values at the samples", table)
 }
 
-/// Quarters of the time that a table shows; the page has every end.
+/// Number of record ends shown in a table; the page has all.
 const QUARTERS: usize = 4;
 
-/// Sigmas with the record ended earlier, one row a number.
+/// Sigmas for shorter records, one row per number.
 pub(crate) fn durations(found: &AgainstDurationFile) -> Section {
     let ends = found.end_s.len();
     let shown: Vec<usize> = (1..=QUARTERS)
@@ -122,7 +122,7 @@ fn wanted(wants: &[WantedFile]) -> Section {
     Section::table("wanted", table)
 }
 
-/// Combinations that are determined where single numbers are not.
+/// Determined combinations, if single numbers are not determined.
 fn instead(found: &IdentifiabilityFile) -> Section {
     let mut table = Table::new(&["combination", "1 sigma", "unit"]);
     for c in found.identifiable.iter().take(LISTED) {
@@ -150,7 +150,6 @@ fn is_shown(body: &MassFile<PredictedNumberFile>) -> bool {
         .any(|n| predicted_sigma(&n.2).is_some())
 }
 
-/// The predicted sigma.
 pub(crate) fn predicted_sigma(n: &PredictedNumberFile) -> Option<f64> {
     let source = n.source.as_deref();
     n.sigma.filter(|_| source.is_some_and(|s| s != "known"))
@@ -215,7 +214,7 @@ pub(super) fn sentence(prediction: &Prediction) -> String {
     )
 }
 
-/// The vehicle as one body, where it has more than one and any of its numbers will be determined.
+/// The vehicle as one body, if it has several and any number will be determined.
 fn whole(prediction: &Prediction) -> Option<&(BodyEstimate, Vec<f64>)> {
     let whole = prediction.bound.system.as_ref();
     whole.filter(|(b, _)| prediction.bound.bodies.len() > 1 && tells(b))
@@ -226,7 +225,7 @@ fn tells(body: &BodyEstimate) -> bool {
     numbers_of(body).any(|(_, n)| sigma(n).is_some())
 }
 
-/// A duration without needless decimals.
+/// A duration without unnecessary decimals.
 fn duration(s: f64) -> String {
     let (value, unit) = if s < 120.0 {
         (s, "s")
@@ -269,7 +268,7 @@ fn of_body(body: &BodyEstimate) -> String {
             Source::Open => open.push(format!("I{name}")),
             Source::Known => {}
             _ if moment => told.push(format!("I{name} to {}", relative(n, n.nominal))),
-            // A product may be zero: judged against the largest moment.
+            // A product of inertia may be zero, so it is compared with the largest moment.
             _ => told.push(format!(
                 "I{name} to {} of the largest moment",
                 relative(n, largest)
@@ -298,7 +297,7 @@ fn relative(n: &Number, scale: f64) -> String {
     }
 }
 
-/// A length in the unit that keeps the number short.
+/// A length in a unit that keeps the number short.
 fn length(m: f64) -> String {
     let (factor, unit) = match m {
         m if m >= 1.0 => (1.0, "m"),

@@ -8,20 +8,20 @@ use poinsot_identify::{
 /// A wanted number with its predicted sigma.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Met {
-    /// What is wanted.
+    /// Wanted number.
     pub want: Want,
-    /// Predicted sigma; `None` where the number is not identifiable.
+    /// Predicted sigma; `None` if not identifiable.
     pub sigma: Option<f64>,
 }
 
 impl Met {
-    /// Whether the predicted sigma is at most the wanted one.
+    /// Whether the predicted sigma reaches the wanted one.
     pub fn is_met(&self) -> bool {
         self.sigma.is_some_and(|s| s <= self.want.sigma)
     }
 }
 
-/// Sigma of what is wanted under the covariance of an estimate or a bound.
+/// Sigma of a wanted number under the covariance of an estimate or bound.
 pub fn wanted_sigma(estimate: &Estimate, want: &Want) -> Option<f64> {
     let mut parts: Vec<(usize, f64)> = Vec::new();
     for term in &want.terms {

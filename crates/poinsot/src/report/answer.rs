@@ -1,4 +1,4 @@
-//! First screen: status, one sentence, one action, the tensor, three lights, and the numbers to take away.
+//! First screen: status, one sentence, one action, the tensor, three lights, and the numbers to copy.
 
 use super::Answer;
 use super::export::exports;
@@ -10,7 +10,7 @@ use minijinja::{Value, context};
 use poinsot_formats::{BodyFile, NumberFile};
 use poinsot_report::{Opening, PageError, Part, island, render};
 
-/// Half widths of 95 % intervals over the largest inertia at which the shade grows lighter.
+/// Half widths of 95 % intervals, relative to the largest inertia, at which the shade becomes lighter.
 const SHADES: [f64; 4] = [1.0e-4, 1.0e-3, 1.0e-2, 1.0e-1];
 
 pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
@@ -42,7 +42,7 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
     .part()
 }
 
-/// Bodies that were asked for and the whole vehicle: the one with most of its tensor determined first.
+/// Requested bodies and the whole vehicle; the one with most determined tensor elements is first.
 fn shown(answer: &Answer) -> Vec<(&str, &BodyFile)> {
     let e = &answer.estimate;
     let asked = e.bodies.iter().filter(|b| b.1.is_asked());
@@ -63,7 +63,7 @@ fn matrix(b: &BodyFile, withheld: bool) -> Vec<Value> {
     let numbers = b.inertia_kg_m2.named().map(|n| n.1);
     let size = |n: &&NumberFile| n.value.unwrap_or(n.nominal).abs();
     let largest = numbers.iter().map(size).fold(0.0, f64::max);
-    // The place of each entry among xx, yy, zz, xy, xz, yz.
+    // Index of each entry among xx, yy, zz, xy, xz, yz.
     [("x", [0, 3, 4]), ("y", [3, 1, 5]), ("z", [4, 5, 2])]
         .map(|(axis, row)| {
             let cells: Vec<Value> = row

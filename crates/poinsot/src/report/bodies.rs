@@ -1,4 +1,4 @@
-//! The numbers: one table a body, folded.
+//! The numbers: one folded table per body.
 
 use super::Answer;
 use super::numbers::{brief, difference, half_width, plain, plus_minus, value};
@@ -7,9 +7,9 @@ use minijinja::{Value, context};
 use poinsot_formats::{BodyFile, NumberFile, VectorFile};
 use poinsot_report::{PageError, Part, render};
 
-/// Size of a bar, px.
+/// Width of a bar, px.
 const WIDE: f64 = 120.0;
-/// Least width of a bar, px: a thinner one is not seen.
+/// Least width of a visible bar, px.
 const THIN: f64 = 3.0;
 
 pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
@@ -41,7 +41,7 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
         .filter(|_| !withheld)
         .map(|(k, m)| {
             let mut rows = axes(&m.linear_N_s, "P", "N s");
-            // Nothing measures translation: the linear momentum is not listed.
+            // Without measured translation, linear momentum is not listed.
             rows.retain(|_| (0..3).any(|k| m.linear_N_s.number(k).source.is_some()));
             rows.extend(axes(&m.angular_N_m_s, "h", "N m s"));
             context! { label => e.fit.get(k).map(|f| f.segment.clone()).unwrap_or_default(), rows }
@@ -89,7 +89,7 @@ fn table(name: &str, body: &BodyFile, truth: [Option<f64>; 10], withheld: bool) 
     }
 }
 
-/// How many 95 % intervals hold the truth; `None` where there is none to judge.
+/// Number of 95 % intervals that hold the truth; `None` if there is none to compare.
 fn within(
     numbers: &[(String, &'static str, NumberFile)],
     truth: &[Option<f64>; 10],
@@ -123,7 +123,7 @@ fn row(name: &str, unit: &str, n: &NumberFile, truth: Option<f64>, withheld: boo
     }
 }
 
-/// The interval between nominal value and estimate: places and widths in px.
+/// The interval between nominal value and estimate: positions and widths in px.
 fn bar(n: &NumberFile, truth: Option<f64>) -> Option<Value> {
     let (v, half) = (n.value?, half_width(n.sigma)?);
     let marks = [Some(n.nominal), Some(v - half), Some(v + half), truth];

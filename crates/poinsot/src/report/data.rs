@@ -11,7 +11,7 @@ use poinsot_spatial::{MassProperties, Matrix3};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// The name of the format.
+/// Name of the format.
 pub const REPORT_SCHEMA: &str = "poinsot.report_data/1";
 
 /// The file `report_data.json`.
@@ -23,13 +23,13 @@ pub struct ReportData {
     pub poinsot: String,
     /// The command line.
     pub command: Vec<String>,
-    /// SHA-256 of the input files, as in `estimate.json`: the two files belong together.
+    /// SHA-256 of the input files, equal to those in `estimate.json`; they identify matching files.
     pub inputs: Vec<String>,
     /// The vehicle at the first sample.
     pub vehicle: Vehicle,
     /// Curves, one per segment.
     pub segments: Vec<Segment>,
-    /// Bodies and whole vehicle of a `truth.json` beside the telemetry.
+    /// True values from a `truth.json` next to the telemetry.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub truth: Option<TrueNumbers>,
 }
@@ -39,27 +39,27 @@ pub struct ReportData {
 pub struct TrueNumbers {
     /// Bodies by name.
     pub bodies: IndexMap<String, TrueBodyFile>,
-    /// The whole vehicle at the first sample. Absent where it is not known.
+    /// The whole vehicle at the first sample, if known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub system: Option<TrueBodyFile>,
 }
 
-/// The vehicle as drawn, all in base axes from the base origin, m.
+/// The drawn vehicle: positions relative to the base origin, in base axes, m.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Vehicle {
     /// Bodies.
     pub bodies: Vec<DrawnBody>,
     /// Joints.
     pub joints: Vec<DrawnJoint>,
-    /// Wheels: name, place, unit axis.
+    /// Wheels: name, position, unit axis.
     pub wheels: Vec<Pointer>,
-    /// Thrusters: name, place, unit direction of the force.
+    /// Thrusters: name, position, unit direction of the force.
     pub thrusters: Vec<Pointer>,
-    /// Sensors in words.
+    /// Sensors.
     pub sensors: Vec<DrawnSensor>,
 }
 
-/// A body with the best numbers known of it.
+/// A body with the best known numbers.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct DrawnBody {
     /// Name.
@@ -70,7 +70,7 @@ pub struct DrawnBody {
     pub rotation: [[f64; 3]; 3],
     /// Mass, kg.
     pub mass_kg: f64,
-    /// Mass centre from the body's origin in body axes, m.
+    /// Mass centre relative to the body's origin, in body axes, m.
     pub com_m: [f64; 3],
     /// Central inertia in body axes: xx, xy, yy, xz, yz, zz, kg m2.
     pub inertia_kg_m2: [f64; 6],
@@ -89,20 +89,20 @@ pub struct DrawnJoint {
     pub parent: String,
     /// Child body.
     pub child: String,
-    /// Place.
+    /// Position.
     pub origin_m: [f64; 3],
     /// Unit axis.
     pub axis: [f64; 3],
 }
 
-/// A named place with a direction.
+/// A named position with a direction.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Pointer {
     /// Name.
     pub name: String,
     /// Body.
     pub body: String,
-    /// Place.
+    /// Position.
     pub at_m: [f64; 3],
     /// Unit vector.
     pub direction: [f64; 3],
@@ -119,7 +119,7 @@ pub struct DrawnSensor {
     pub body: String,
     /// One sigma of the first axis, SI.
     pub sigma: Option<f64>,
-    /// Least significant bit, SI; zero where not quantised.
+    /// Least significant bit, SI; zero without quantisation.
     pub quantisation: f64,
 }
 
@@ -146,7 +146,7 @@ pub struct Segment {
     pub firings: Vec<(String, f64, f64, f64)>,
 }
 
-/// A named row of numbers at the times of the motion.
+/// A named list of values at the times of the motion.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Row {
     /// Name.
@@ -174,10 +174,10 @@ pub struct Channel {
     pub autocorrelation: Vec<Vec<f64>>,
 }
 
-/// Most firings kept of a segment.
+/// Largest number of firings kept per segment.
 const FIRINGS: usize = 2000;
 
-/// Report data of an answer in addition to `estimate.json`.
+/// Report data of a result, in addition to `estimate.json`.
 pub fn report_data(identified: &Identified, command: &[String]) -> ReportData {
     ReportData {
         schema: REPORT_SCHEMA.to_owned(),
@@ -199,7 +199,7 @@ pub fn report_data(identified: &Identified, command: &[String]) -> ReportData {
     }
 }
 
-/// A `truth.json` of a simulation beside the first telemetry file.
+/// A `truth.json` of a simulation next to the first telemetry file.
 fn truth(identified: &Identified) -> Option<TrueNumbers> {
     let first = Path::new(&identified.inputs.first()?.first()?.path);
     if !first.is_file() {
@@ -213,8 +213,7 @@ fn truth(identified: &Identified) -> Option<TrueNumbers> {
     })
 }
 
-/// The composite of the true bodies at the joint positions of the estimated one; `None` where a body's
-/// truth is not said.
+/// The composite of the true bodies at the estimated joint positions; `None` if a true body is unknown.
 fn true_system(
     identified: &Identified,
     bodies: &IndexMap<String, TrueBodyFile>,
@@ -416,7 +415,7 @@ fn channel(c: &PredictedChannel) -> Channel {
     }
 }
 
-/// Times to the nanosecond, which is what tells two samples apart.
+/// Times rounded to the nanosecond, which still separates samples.
 fn times(row: &[f64]) -> Vec<f64> {
     let nanosecond = |t: &f64| format!("{t:.9}").parse().unwrap_or(*t);
     row.iter().map(nanosecond).collect()
@@ -426,7 +425,7 @@ fn rounded(row: &[f64]) -> Vec<f64> {
     row.iter().copied().map(round).collect()
 }
 
-/// Nine digits: enough for a plot, a third of the bytes.
+/// Rounds to nine digits: enough for a plot, at a third of the bytes.
 fn round(x: f64) -> f64 {
     format!("{x:.8e}").parse().unwrap_or(x)
 }

@@ -1,16 +1,17 @@
-//! Curves reduced to what a page may hold: of every stretch the samples with the least and the greatest residual.
+//! Reduces curves to the size limit of a page: from every stretch the samples with least and greatest residual are
+//! kept.
 
 use super::data::{Channel, ReportData, Segment};
 
-/// Most numbers of all curves of a page, which makes about half a megabyte.
+/// Largest number of values of all curves of a page: about half a megabyte.
 const NUMBERS: usize = 180_000;
-/// Fewest points that a curve keeps.
+/// Fewest points kept of a curve.
 const FEWEST: usize = 60;
 
-/// How much of every curve is kept.
+/// Fraction of every curve that is kept.
 pub(super) struct Envelope {
     share: f64,
-    /// Samples in the files over those of `report_data.json`.
+    /// Number of samples in the files per sample of `report_data.json`.
     thinned: usize,
 }
 
@@ -32,7 +33,7 @@ impl Envelope {
         }
     }
 
-    /// What the page says of it.
+    /// Note for the page.
     pub fn words(&self) -> Option<String> {
         let mut out = String::new();
         if self.thinned > 1 {
@@ -54,7 +55,7 @@ impl Envelope {
         ((self.share * samples as f64) as usize).max(FEWEST)
     }
 
-    /// Places of the samples kept, in order.
+    /// Indices of the kept samples, in order.
     pub fn keep(&self, c: &Channel) -> Vec<usize> {
         let (n, most) = (c.time_s.len(), self.most(c.time_s.len()));
         if n <= most {
@@ -75,7 +76,7 @@ impl Envelope {
         kept
     }
 
-    /// Distance between the samples kept of a smooth curve.
+    /// Step between the kept samples of a smooth curve.
     pub fn stride(&self, samples: usize) -> usize {
         samples.div_ceil(self.most(samples)).max(1)
     }

@@ -1,11 +1,11 @@
-//! The numbers to paste elsewhere: TOML for a model file, CSV for a sheet, JSON for a program.
+//! Numbers for copying: TOML for a model file, CSV for a spreadsheet, JSON for a program.
 
 use super::numbers::half_width;
 use indexmap::IndexMap;
 use poinsot_formats::{BodyFile, EstimateFile, NumberFile};
 use serde::Serialize;
 
-/// A text with the name of its file.
+/// A text with its file name.
 #[derive(Serialize)]
 pub(super) struct Export {
     label: &'static str,
@@ -39,7 +39,7 @@ pub(super) fn exports(e: &EstimateFile) -> [Export; 3] {
     ]
 }
 
-/// The value, or of a known number what the model says.
+/// The value; for a known number, that of the model.
 fn best(n: &NumberFile) -> Option<f64> {
     if n.is_known() {
         Some(n.nominal)
@@ -48,7 +48,7 @@ fn best(n: &NumberFile) -> Option<f64> {
     }
 }
 
-/// A body as a model file has it; what is not determined is left out.
+/// A body in the format of a model file, without undetermined numbers.
 fn toml(name: &str, b: &BodyFile) -> String {
     let mut out = format!("[[body]]\nname = {}\n", toml::Value::from(name));
     let centre = [0, 1, 2].map(|k| best(&b.com_m.number(k)));
@@ -91,7 +91,7 @@ fn csv(name: &str, b: &BodyFile) -> String {
         .collect()
 }
 
-/// One number of the JSON text; `null` where it is not determined.
+/// One number of the JSON text; `null` if not determined.
 #[derive(Serialize)]
 struct Entry {
     unit: String,

@@ -1,4 +1,4 @@
-//! What was flown: the manoeuvre on one time line, and the vehicle from the model.
+//! The manoeuvre on one time axis, and the vehicle of the model.
 
 use super::Answer;
 use super::data::{Row, Segment};
@@ -110,7 +110,7 @@ fn figures(at: usize, s: &Segment, envelope: &Envelope) -> Vec<Figure> {
         .collect()
 }
 
-/// Angular velocity of the base as predicted.
+/// Predicted angular velocity of the base.
 fn rates(s: &Segment, kept: &[usize], time: &[f64], group: &str) -> Option<Plot> {
     let axis = |k: usize| -> Vec<f64> {
         let rate = |i: &usize| s.omega_rad_s.get(*i).map_or(f64::NAN, |w| w[k]);
@@ -157,7 +157,7 @@ fn rows_plot(
     })
 }
 
-/// Thrust as steps, one series a thruster.
+/// Thrust as steps, one series per thruster.
 fn thrust(s: &Segment, group: &str) -> Option<Plot> {
     let (first, last) = (*s.time_s.first()?, *s.time_s.last()?);
     let mut names: Vec<&str> = s.firings.iter().map(|f| f.0.as_str()).collect();

@@ -1,10 +1,10 @@
-//! Sensitivity of the estimate to the numbers taken as known.
+//! Sensitivity of the estimate to known numbers.
 
 use super::Answer;
 use minijinja::{Value, context};
 use poinsot_report::{PageError, Part, render, significant};
 
-/// Known numbers listed; the result file has all.
+/// Number of known numbers listed; the result file has all.
 const LISTED: usize = 40;
 
 pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {

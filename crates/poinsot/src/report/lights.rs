@@ -1,4 +1,4 @@
-//! Three questions about the evidence, each with a link to it. None is answered for a rejected model.
+//! Three questions about the evidence, each with a link. None is answered for a rejected model.
 
 use super::Answer;
 use crate::diagnostics_file::{
@@ -8,7 +8,7 @@ use poinsot_formats::DiagnosticsFile;
 use poinsot_identify::FaultKind;
 use poinsot_report::{Light, Tone, probability};
 
-/// Tone, word, and what was found.
+/// Tone, word, and finding.
 type Found = (Tone, &'static str, String);
 
 pub(super) fn lights(answer: &Answer) -> Vec<Light> {
@@ -67,7 +67,7 @@ fn rigid(d: &DiagnosticsFile) -> Found {
         );
         return (Tone::Bad, "no", found);
     }
-    // The size of the noise is the question before.
+    // The size of the noise belongs to the previous question.
     let of_noise =
         [FaultKind::NoiseOverstated, FaultKind::NoiseUnderstated].map(|kind| kind.name());
     let mut findings = d.findings.iter();

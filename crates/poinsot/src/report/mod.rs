@@ -1,5 +1,4 @@
-//! The answer as a page: `estimate.json` and `report_data.json` become one HTML file. One file and one
-//! template per section.
+//! The HTML report, from `estimate.json` and `report_data.json`. One file and one template per section.
 
 mod answer;
 mod bodies;
@@ -42,12 +41,12 @@ pub(crate) struct Answer {
     pub truth: Truth,
 }
 
-/// Writes `report.html` beside a result: that of `identify` in a folder, compared with `earlier` answers, or that of another verb,
-/// given as its file or its folder. Writes every figure of the page as a file of its own into `figures` below it too, in each
-/// format given. All of them or none. Returns their paths.
+/// Writes `report.html` next to a result: a folder of `identify`, compared with `earlier` results, or a file or folder
+/// of another command. Also writes every figure into the folder `figures` in each given format. Writes all files or
+/// none. Returns their paths.
 ///
 /// # Errors
-/// A file is missing, of another format, or of another run.
+/// A file is missing, has another format, or belongs to another run.
 pub fn write_report(
     result: &Path,
     earlier: &[PathBuf],
@@ -93,7 +92,7 @@ pub fn write_report(
     write_files(folder, &files)
 }
 
-/// The page of the two files of `identify`, as bytes.
+/// The page for the two files of `identify`, as bytes.
 pub(crate) fn page_of(folder: &Path, estimate: &[u8], data: &[u8]) -> Result<Page, Error> {
     let estimate = parse_estimate(&folder.join("estimate.json"), estimate).map_err(format_error)?;
     let data: ReportData = parse(&folder.join("report_data.json"), data)?;
@@ -110,7 +109,7 @@ fn parse<T: serde::de::DeserializeOwned>(path: &Path, bytes: &[u8]) -> Result<T,
     })
 }
 
-/// Every figure of the page as a file of its own: one SVG, PNG or both each.
+/// Every figure of the page as separate files: SVG, PNG or both.
 pub(crate) fn figure_files(
     folder: &Path,
     page: &Page,
@@ -131,10 +130,10 @@ pub(crate) fn figure_files(
     Ok(files)
 }
 
-/// The page as text.
+/// The page as HTML text.
 ///
 /// # Errors
-/// The documents have another format or do not belong together; in words.
+/// The documents have another format or do not match.
 pub fn report_html(estimate: EstimateFile, data: ReportData) -> Result<String, String> {
     report_page(estimate, data)?
         .html()

@@ -6,10 +6,11 @@ use poinsot_report::{Morph, Point};
 use poinsot_spatial::{Matrix3, Vector3, parallel_axis};
 use std::collections::HashMap;
 
-/// Elements as [`matrix`] takes them.
+/// Elements in the order of [`matrix`].
 const ELEMENTS: [&str; 6] = ["xx", "yy", "zz", "xy", "xz", "yz"];
 
-/// The shapes in a closed round, from the answer along every direction both ways; `None` where no direction moves this body's tensor.
+/// Closed sequence of shapes: from the estimate along every unobservable direction, both ways. `None` if no direction
+/// changes this body's tensor.
 pub(super) fn morph(e: &EstimateFile, name: &str, body: &BodyFile) -> Option<Morph> {
     let walks = e.identifiability.not_identifiable.iter().map(|o| &o.walk);
     let all: Vec<Vec<Matrix3>> = walks
@@ -39,13 +40,13 @@ pub(super) fn morph(e: &EstimateFile, name: &str, body: &BodyFile) -> Option<Mor
     Some(out)
 }
 
-/// Places from the middle to the last, back to the first, and to the middle again.
+/// Indices from the middle to the last, back to the first, and to the middle.
 fn round(count: usize) -> impl Iterator<Item = usize> {
     let middle = count / 2;
     (middle..count).chain((0..count - 1).rev()).chain(1..middle)
 }
 
-/// The two shapes farthest from the answer, for a still picture.
+/// The two shapes farthest from the estimate, for a static picture.
 pub(super) fn ends(morph: &Morph) -> [[Point; 3]; 2] {
     let far = |axes: &[Point; 3]| -> f64 {
         let pairs = axes.iter().flatten().zip(morph.axes[0].iter().flatten());
@@ -58,7 +59,7 @@ pub(super) fn ends(morph: &Morph) -> [[Point; 3]; 2] {
     })
 }
 
-/// The tensor about the mass centre at every point of a walk.
+/// Tensor about the mass centre at every point of a walk along a direction.
 fn tensors(walk: &HashMap<String, &[f64]>, name: &str, body: &BodyFile) -> Option<Vec<Matrix3>> {
     let count = walk.values().next()?.len();
     let given = |n: &NumberFile| {
@@ -93,7 +94,7 @@ fn tensors(walk: &HashMap<String, &[f64]>, name: &str, body: &BodyFile) -> Optio
     (0..count).map(tensor).collect()
 }
 
-/// Whether the tensor is another one at the ends.
+/// Whether the tensor differs at the ends.
 fn moves(tensors: &[Matrix3]) -> bool {
     let [Some(first), Some(last)] = [tensors.first(), tensors.last()] else {
         return false;

@@ -11,13 +11,13 @@ pub(super) fn value(value: Option<f64>, sigma: Option<f64>) -> String {
     }
 }
 
-/// Half width of the 95 % interval; `None` where there is none.
+/// Half width of the 95 % interval; `None` without sigma.
 pub(super) fn half_width(sigma: Option<f64>) -> Option<f64> {
     let sigma = sigma.filter(|s| *s > 0.0 && s.is_finite())?;
     Some(ninety_five() * sigma)
 }
 
-/// Sigmas each side of a 95 % interval.
+/// Half width of a 95 % interval in sigmas.
 pub(super) fn ninety_five() -> f64 {
     sigmas_of_interval()
 }
@@ -29,7 +29,7 @@ pub(super) fn plus_minus(sigma: Option<f64>) -> String {
     })
 }
 
-/// A difference with its sign, with the digits of its sigma.
+/// A signed difference, with the digits of its sigma.
 pub(super) fn difference(gap: f64, sigma: Option<f64>) -> String {
     let text = unsigned_zero(number_with_sigma(Some(gap), sigma).0);
     if text.starts_with('-') || gap <= 0.0 || is_zero(&text) {
@@ -49,7 +49,7 @@ pub(super) fn short(x: f64) -> String {
     trimmed(significant(x, 5))
 }
 
-/// A nominal value with no more figures than help; composites have as many as a double holds.
+/// A nominal value without unnecessary digits; composites have as many as a double holds.
 pub(super) fn brief(x: f64) -> String {
     let all = plain(x);
     if all.len() <= 9 {
@@ -66,7 +66,7 @@ fn trimmed(text: String) -> String {
     }
 }
 
-/// A rounded number that shows only zeros has no sign.
+/// Removes the sign of a number that rounds to zero.
 fn unsigned_zero(text: String) -> String {
     if is_zero(&text) {
         return text.replace('-', "");

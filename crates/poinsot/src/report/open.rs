@@ -7,17 +7,17 @@ use minijinja::{Value, context};
 use poinsot_formats::{IdentifiabilityFile, UndeterminedFile, unknown_name};
 use poinsot_report::{PageError, Part, render, significant};
 
-/// Combinations listed; the result file has all.
+/// Number of combinations listed; the result file has all.
 const LISTED: usize = 80;
-/// Remedies shown before the fold.
+/// Number of remedies not folded.
 const SHOWN: usize = 6;
-/// Terms of a combination that are typeset; the rest are counted.
+/// Number of typeset terms of a combination; the rest is counted.
 const TERMS: usize = 8;
-/// Most parameters that are columns of a table.
+/// Largest number of parameters as table columns.
 const COLUMNS: usize = 12;
-/// Shades of a cell beside the lightest.
+/// Number of cell shades above the lightest.
 const SHADES: f64 = 4.0;
-/// Coefficients nearer to one than this are not written; terms smaller than it, of the largest, neither.
+/// Coefficients this close to one are not written; smaller terms, relative to the largest, are dropped.
 const SMALL: f64 = 1.0e-3;
 
 pub(super) fn part(answer: &Answer) -> Result<Option<Part>, PageError> {
@@ -28,12 +28,12 @@ pub(super) fn part(answer: &Answer) -> Result<Option<Part>, PageError> {
     }
 }
 
-/// The same of any result; `several` bodies are named with each parameter.
+/// The section for any result; with `several` bodies, the body is named for each parameter.
 pub(super) fn of(i: &IdentifiabilityFile, several: bool) -> Result<Option<Part>, PageError> {
     if i.not_identifiable.is_empty() {
         return Ok(None);
     }
-    // One remedy often serves many directions: one row for them.
+    // One row per remedy, which often resolves several directions.
     let mut remedies: IndexMap<(&str, &str), (&str, Vec<Value>)> = IndexMap::new();
     for open in &i.not_identifiable {
         let (remedy, then) = without_detail(&open.remedy);
@@ -42,7 +42,7 @@ pub(super) fn of(i: &IdentifiabilityFile, several: bool) -> Result<Option<Part>,
         row.0 = then;
         row.1.push(algebra(&open.coefficients, several));
     }
-    // The remedy that resolves most is first.
+    // The remedy that resolves most directions comes first.
     remedies.sort_by(|_, a, _, b| b.1.len().cmp(&a.1.len()));
     let rows: Vec<Value> = remedies
         .into_iter()
@@ -79,13 +79,13 @@ pub(super) fn of(i: &IdentifiabilityFile, several: bool) -> Result<Option<Part>,
     }))
 }
 
-/// A sentence and the figures in brackets at its end.
+/// Splits a sentence from the numbers in brackets at its end.
 fn without_detail(text: &str) -> (&str, &str) {
     let open = text.trim_end().strip_suffix(')');
     open.and_then(|t| t.rsplit_once(" (")).unwrap_or((text, ""))
 }
 
-/// A combination as terms to typeset, largest first.
+/// Typeset terms of a combination, largest first.
 fn algebra(coefficients: &IndexMap<String, f64>, several: bool) -> Value {
     let mut terms: Vec<(&String, f64)> = coefficients.iter().map(|(n, k)| (n, *k)).collect();
     terms.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
@@ -109,12 +109,12 @@ fn algebra(coefficients: &IndexMap<String, f64>, several: bool) -> Value {
     context! { shown, more => terms.len().saturating_sub(TERMS) }
 }
 
-/// A parameter with its factor, to typeset.
+/// A typeset parameter with its factor.
 fn term(sign: &str, factor: Option<f64>, address: &str, several: bool) -> Value {
     let name = unknown_name(address);
     let (body, symbol) = name.rsplit_once('.').unwrap_or(("", &name));
     let (letter, index) = symbol.split_once('_').unwrap_or((symbol, ""));
-    // About the mass centre is the usual point; the frame origin is named.
+    // The mass centre is the default point; the frame origin is named.
     let index = index.replace("BBcm_", "").replace("BBo_", "Bo ");
     context! {
         sign, letter, index,
@@ -123,8 +123,8 @@ fn term(sign: &str, factor: Option<f64>, address: &str, several: bool) -> Value 
     }
 }
 
-/// Open directions over parameters: the share of each parameter in the largest of the row. `None` where the parameters are too
-/// many for a page.
+/// Unobservable directions as rows over parameters: each coefficient relative to the largest of the row. `None` with
+/// too many parameters for a page.
 fn matrix(open: &[UndeterminedFile], several: bool) -> Option<Value> {
     let mut names: Vec<&String> = Vec::new();
     for name in open.iter().flat_map(|o| o.coefficients.keys()) {

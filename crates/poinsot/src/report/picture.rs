@@ -1,6 +1,6 @@
 //! Poinsot's picture (Poinsot 1834). The inertia ellipsoid `x . I x = const` touches, at the pole
-//! `x = w sqrt(const / w . I w)`, a plane whose normal is `I w`. Moving freely the plane is invariable and the ellipsoid
-//! rolls on it; the pole draws the polhode on the ellipsoid and the herpolhode on the plane.
+//! `x = w sqrt(const / w . I w)`, a plane whose normal is `I w`. In torque-free motion the plane is invariable and the
+//! ellipsoid rolls on it. The pole traces the polhode on the ellipsoid and the herpolhode on the plane.
 
 use super::Answer;
 use super::morph::{ends, morph};
@@ -14,11 +14,11 @@ use poinsot_formats::BodyFile;
 use poinsot_report::{Arrow, Ellipsoid, Figure, PageError, Part, Scene, Spot, render, significant};
 use poinsot_spatial::Matrix3;
 
-/// Share of a semi-axis that a line covers: a thinner interval is not drawn.
+/// Line width relative to a semi-axis: a thinner interval is not drawn.
 const LINE: f64 = 0.004;
-/// Ellipsoids drawn from the covariance.
+/// Number of ellipsoids drawn from the covariance.
 const GHOSTS: usize = 6;
-/// Length of a body axis; the mean semi-axis is one.
+/// Length of a body axis relative to the mean semi-axis.
 const AXIS: f64 = 1.4;
 
 pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
@@ -59,7 +59,7 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
     })
 }
 
-/// The whole vehicle where there are several bodies, else the body.
+/// The whole vehicle if there are several bodies, otherwise the body.
 fn chosen(answer: &Answer) -> Option<(&str, &BodyFile)> {
     let e = &answer.estimate;
     match e.system.first().filter(|_| e.bodies.len() > 1) {
@@ -68,7 +68,7 @@ fn chosen(answer: &Answer) -> Option<(&str, &BodyFile)> {
     }
 }
 
-/// The tensor, where all six elements are determined.
+/// The tensor, if all six elements are determined.
 fn tensor_of(body: &BodyFile) -> Option<Matrix3> {
     let numbers = body.inertia_kg_m2.named();
     let mut six = [0.0; 6];
@@ -82,7 +82,7 @@ fn tensor_of(body: &BodyFile) -> Option<Matrix3> {
     Some(matrix(&six))
 }
 
-/// Sigmas of the six elements, and their covariance where the result file has it.
+/// Sigmas of the six elements, and their covariance if the result file has it.
 type Spread = ([f64; 6], Option<[[f64; 6]; 6]>);
 
 fn spread(answer: &Answer, name: &str, body: &BodyFile) -> Option<Spread> {
@@ -110,7 +110,7 @@ fn spread(answer: &Answer, name: &str, body: &BodyFile) -> Option<Spread> {
     Some((sigmas, full.then_some(six)))
 }
 
-/// Principal moments with intervals, for the table of numbers; `None` where the tensor is not determined.
+/// Principal moments with intervals, for the table of numbers; `None` if the tensor is not determined.
 pub(super) fn moments(answer: &Answer) -> Option<Value> {
     let (name, body) = chosen(answer)?;
     let I = tensor_of(body)?;
@@ -133,7 +133,7 @@ pub(super) fn moments(answer: &Answer) -> Option<Value> {
 
 fn scene(answer: &Answer, name: &str, body: &BodyFile, I: &Matrix3) -> Option<Scene> {
     let (moments, axes) = principal(I)?;
-    // Semi-axes near one: the ellipsoid of a body with this mean moment is the unit sphere.
+    // Scaled so that a body with three equal moments of this mean is the unit sphere.
     let size = (moments.iter().sum::<f64>() / 3.0).sqrt();
     let mut scene = Scene {
         title: format!("inertia ellipsoid of {name}"),
@@ -168,7 +168,7 @@ fn scene(answer: &Answer, name: &str, body: &BodyFile, I: &Matrix3) -> Option<Sc
     Some(scene)
 }
 
-/// The shapes that an undetermined tensor may have.
+/// Possible shapes of an undetermined tensor.
 fn shapes(answer: &Answer, name: &str, body: &BodyFile) -> Option<Scene> {
     let morph = morph(&answer.estimate, name, body)?;
     let mut scene = Scene {
@@ -214,13 +214,13 @@ fn ellipsoid(name: &str, axes: [[f64; 3]; 3], faint: bool) -> Ellipsoid {
     }
 }
 
-/// Ellipsoids drawn from the covariance, or words if they are thinner than a line.
+/// Adds ellipsoids drawn from the covariance; returns a note if they are thinner than a line.
 fn uncertainty(scene: &mut Scene, spread: Option<Spread>, I: &Matrix3, size: f64) -> String {
     let (Some((sigmas, covariance)), Some((moments, axes))) = (spread, principal(I)) else {
         return String::new();
     };
     let along = principal_sigmas(&axes, &sigmas, covariance.as_ref());
-    // A semi-axis goes with the inverse square root of its moment.
+    // A semi-axis is proportional to the inverse square root of its moment.
     let share = |k: usize| half_width(Some(along[k])).map_or(0.0, |half| 0.5 * half / moments[k]);
     let widest = (0..3).map(share).fold(0.0, f64::max);
     if widest <= 0.0 {
@@ -246,7 +246,7 @@ fn uncertainty(scene: &mut Scene, spread: Option<Spread>, I: &Matrix3, size: f64
     format!("95 % interval of the semi-axes: {percent} % at most. ")
 }
 
-/// Tensors drawn from the covariance: each two sigma from the estimate along one column of its Cholesky factor.
+/// Tensors at two sigmas from the estimate along each column of the Cholesky factor of the covariance.
 fn drawn_from(I: &Matrix3, covariance: &[[f64; 6]; 6]) -> Vec<Matrix3> {
     let c = nalgebra::Matrix6::from_fn(|i, j| covariance[i][j]);
     let Some(factor) = Cholesky::new(c).map(|c| c.l()) else {

@@ -6,15 +6,15 @@ use nalgebra::{Quaternion, UnitQuaternion};
 use poinsot_report::{Curve, Point, Rolling, Scene};
 use poinsot_spatial::{Matrix3, Vector3};
 
-/// Most instants kept.
+/// Largest number of instants kept.
 const INSTANTS: usize = 600;
-/// Share of the fastest rate below which a pole is not drawn.
+/// Rates below this fraction of the largest have no drawn pole.
 const SLOW: f64 = 0.03;
-/// Change of momentum per energy below which a motion counts as free.
+/// Largest change of momentum relative to energy for torque-free motion.
 const FREE: f64 = 0.02;
-/// Angle between successive poles, rad, from which the samples do not tell the path.
+/// Angle between successive poles, rad, above which the path between them is unknown.
 const UNTOLD: f64 = 0.35;
-/// Angle between successive points of the polhode, rad.
+/// Angle between successive points of the drawn polhode, rad.
 const FINE: f64 = 0.03;
 
 pub(super) struct Poles {
@@ -56,13 +56,13 @@ impl Poles {
         Some(poles)
     }
 
-    /// Where a direction meets the ellipsoid.
+    /// Intersection of a direction with the ellipsoid.
     fn on_surface(&self, direction: &Vector3) -> Option<Vector3> {
         let energy = direction.dot(&(self.tensor * direction));
         (energy > 0.0).then(|| direction * (self.size / energy.sqrt()))
     }
 
-    /// Least and greatest distance of the plane from the centre, relative to their mean: zero where free.
+    /// Least and greatest distance of the plane from the centre, relative to their mean: zero in torque-free motion.
     fn spread(&self) -> f64 {
         let distances = || {
             let all = self.pole.iter().zip(&self.normal);
@@ -80,13 +80,12 @@ impl Poles {
         all.filter_map(|((p, q), n)| p.map(|_| q * n))
     }
 
-    /// How far the normal strays in space from its mean, rad.
+    /// Largest angle between the normal in space and its mean, rad.
     fn stray(&self, mean: &Vector3) -> f64 {
         self.in_space().map(|n| n.angle(mean)).fold(0.0, f64::max)
     }
 
-    /// The polhode with its places in time: great arcs between poles on the surface, broken where two poles are too
-    /// far apart for the samples to tell the path.
+    /// The polhode with its times as fractions: great arcs between poles, broken where the path is unknown.
     fn polhode(&self) -> (Vec<Option<Point>>, Vec<f64>) {
         let (mut points, mut shares) = (Vec::new(), Vec::new());
         let last = (self.pole.len().max(2) - 1) as f64;
@@ -115,7 +114,7 @@ impl Poles {
         (points, shares)
     }
 
-    /// Adds polhode and motion; returns words on them.
+    /// Adds polhode and motion; returns a note.
     pub fn add_to(&self, scene: &mut Scene, record: usize) -> String {
         let mean = unit(&self.in_space().sum());
         let free = self.spread() < FREE && self.stray(&mean) < FREE;
@@ -175,12 +174,12 @@ impl Poles {
     }
 }
 
-/// Five figures are enough for a picture.
+/// Rounds to five digits, enough for a picture.
 fn short(x: f64) -> f64 {
     (x * 1.0e5).round() / 1.0e5
 }
 
-/// The tip of a unit vector, for tests and labels.
+/// Components of a unit vector.
 fn unit(v: &Vector3) -> Vector3 {
     if v.norm() > 0.0 {
         v.normalize()
@@ -218,7 +217,7 @@ mod tests {
             let p = Vector3::from(*p);
             assert!((p.dot(&(I * p)) - 1.0).abs() < 1.0e-4);
         }
-        // Before the first point, and at the jump of 2.5 rad.
+        // Breaks before the first point, and at the jump of 2.5 rad.
         assert_eq!(points.iter().filter(|p| p.is_none()).count(), 2);
         for pair in points.windows(2) {
             if let [Some(a), Some(b)] = pair {

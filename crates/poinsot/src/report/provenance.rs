@@ -1,4 +1,4 @@
-//! Warnings, repairs, and where everything comes from.
+//! Warnings, repairs, and the origin of the result.
 
 use super::{Answer, repairs};
 use minijinja::{Value, context};
@@ -42,7 +42,7 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
     })
 }
 
-/// The command line with quotes where a shell needs them.
+/// The command line, quoted for a shell.
 fn command(words: &[String]) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_./,=:+@%".contains(c);
     words

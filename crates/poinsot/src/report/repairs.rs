@@ -1,15 +1,14 @@
-//! Repairs as a table: what was done, in which record, to which parts. Equal repairs of several parts or records are
-//! merged.
+//! Table of repairs: what, in which record, for which parts. Equal repairs of several parts or records are merged.
 
 use super::Answer;
 use super::data::Vehicle;
 use indexmap::IndexMap;
 use minijinja::{Value, context};
 
-/// Stands for the name of the part.
+/// Placeholder for the name of a part.
 const PART: &str = "…";
 
-/// Rows of repair, records, parts.
+/// Rows of repair, records and parts.
 pub(super) fn rows(answer: &Answer) -> Vec<Value> {
     let labels: Vec<&str> = answer
         .estimate
@@ -25,7 +24,7 @@ pub(super) fn rows(answer: &Answer) -> Vec<Value> {
         let what = part.map_or_else(|| what.to_owned(), |n| what.replace(n, PART));
         rows.entry((what, label)).or_default().extend(part);
     }
-    // Records with the same parts stand in one row.
+    // Records with the same parts share a row.
     let mut merged: IndexMap<(String, Vec<&str>), Vec<&str>> = IndexMap::new();
     for ((what, label), parts) in rows {
         let records = merged.entry((what, parts)).or_default();
@@ -44,7 +43,7 @@ pub(super) fn rows(answer: &Answer) -> Vec<Value> {
     merged.into_iter().map(row).collect()
 }
 
-/// The record that a repair begins with, and the rest.
+/// The record named at the start of a repair, and the rest.
 fn split<'a>(repair: &'a str, labels: &[&'a str]) -> (&'a str, &'a str) {
     let found = labels.iter().find_map(|label| {
         let rest = repair.strip_prefix(label)?.strip_prefix(": ")?;
@@ -53,13 +52,13 @@ fn split<'a>(repair: &'a str, labels: &[&'a str]) -> (&'a str, &'a str) {
     found.unwrap_or(("", repair.trim_start_matches(": ")))
 }
 
-/// Whether a text speaks of a part: its name does not go on with a letter or a digit.
+/// Whether a text contains a part's name as a whole word.
 fn holds(text: &str, name: &str) -> bool {
     let goes_on = |at: usize| text[at + name.len()..].starts_with(char::is_alphanumeric);
     text.match_indices(name).any(|(at, _)| !goes_on(at)) && !name.is_empty()
 }
 
-/// Names of joints, wheels, thrusters and sensors, the longest first.
+/// Names of joints, wheels, thrusters and sensors, longest first.
 fn names(vehicle: &Vehicle) -> Vec<&str> {
     let joints = vehicle.joints.iter().map(|j| j.name.as_str());
     let pointers = vehicle.wheels.iter().chain(&vehicle.thrusters);

@@ -10,8 +10,8 @@ pub(super) fn matrix(t: &[f64; 6]) -> Matrix3 {
     Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
 }
 
-/// Principal moments, ascending, and right-handed axes that point to the side of their largest component, the first turned
-/// where handedness asks for it; `None` where one moment is not positive.
+/// Principal moments, ascending, and right-handed axes. The largest component of each axis is positive; the first axis
+/// is reversed if needed. `None` if a moment is not positive.
 pub(super) fn principal(I: &Matrix3) -> Option<([f64; 3], [Vector3; 3])> {
     if !I.iter().all(|x| x.is_finite()) {
         return None;
@@ -34,14 +34,14 @@ pub(super) fn principal(I: &Matrix3) -> Option<([f64; 3], [Vector3; 3])> {
     (moments[0] > 0.0).then_some((moments, axes))
 }
 
-/// Semi-axes of `x . I x = size^2`; `None` where there is no such ellipsoid.
+/// Semi-axes of `x . I x = size^2`; `None` if I is not positive definite.
 pub(super) fn inertia_ellipsoid(I: &Matrix3, size: f64) -> Option<[Point; 3]> {
     let (moments, axes) = principal(I)?;
     Some([0, 1, 2].map(|k| (axes[k] * (size / moments[k].sqrt())).into()))
 }
 
-/// Sigma of each principal moment, to first order: `e . dI e` over the covariance of the six elements, or
-/// over their sigmas alone, which then bound it.
+/// First-order sigma of each principal moment: `e . dI e` with the covariance of the six elements. Without covariance
+/// the sigmas give an upper bound.
 pub(super) fn principal_sigmas(
     axes: &[Vector3; 3],
     sigmas: &[f64; 6],
@@ -87,7 +87,7 @@ mod tests {
 
     #[test]
     fn unit_homogeneous_ellipsoid_gives_its_axes_back() {
-        // m/5 (b2 + c2) and so on for semi-axes 1, 2, 3 and mass 5.
+        // m/5 (b2 + c2) and permutations, for semi-axes 1, 2, 3 and mass 5.
         let I = Matrix3::from_diagonal(&Vector3::new(13.0, 10.0, 5.0));
         let axes = equivalent_ellipsoid(5.0, &I).unwrap();
         let mut lengths = axes.map(|a| a.iter().map(|x| x * x).sum::<f64>().sqrt());

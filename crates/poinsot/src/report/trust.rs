@@ -1,4 +1,4 @@
-//! Trust: the tests of the residuals, and one row a sensor with its curves. Green is folded, red is open.
+//! Tests of the residuals, and one row per sensor with its curves. Green is folded, red is open.
 
 use super::Answer;
 use super::data::Channel;
@@ -13,11 +13,11 @@ use poinsot_report::{
     Axis, Figure, Mark, PageError, Part, Plot, Series, probability, render, significant,
 };
 
-/// Half the reach of the histogram, sigmas.
+/// Half-range of the histogram, sigmas.
 const REACH: f64 = 4.0;
-/// Chi-square per number within which a residual has the size of the declared noise.
+/// Chi-square per number for which a residual has the size of the declared noise.
 const AS_DECLARED: std::ops::RangeInclusive<f64> = 0.5..=1.2;
-/// Sigmas of the band about a residual.
+/// Half-width of the band about a residual, sigmas.
 pub(super) const BAND: f64 = 2.0;
 const ARCSEC_PER_RAD: f64 = 180.0 * 3600.0 / std::f64::consts::PI;
 
@@ -77,7 +77,6 @@ fn is_bad(row: &Value) -> bool {
         .is_ok_and(|t| t.as_str() == Some("bad"))
 }
 
-/// Tone and word of a sensor's residual.
 fn sensor_verdict(s: &SensorFitFile) -> (&'static str, &'static str) {
     let correlated = s.whiteness_p.is_some_and(|p| p < SIGNIFICANT);
     match s.chi2_per_number {
@@ -89,7 +88,7 @@ fn sensor_verdict(s: &SensorFitFile) -> (&'static str, &'static str) {
     }
 }
 
-/// The worst of its sensors.
+/// Worst verdict among its sensors.
 fn record_verdict(fit: &SegmentFitFile) -> Value {
     let all = || fit.channels.values().map(sensor_verdict);
     let worst = ["bad", "fair", "good"]
@@ -111,7 +110,7 @@ fn sensor_row(name: &str, s: &SensorFitFile, figures: &Value) -> Value {
     }
 }
 
-/// The declared sigma that chi-square is counted in.
+/// Declared sigma used in chi-square.
 fn declared(s: &SensorFitFile) -> Option<f64> {
     let chi2 = s.chi2_per_number.filter(|c| *c > 0.0)?;
     Some(s.rms? / chi2.sqrt())
@@ -122,7 +121,7 @@ fn kind(name: &str) -> &str {
     name.split('.').next().unwrap_or(name)
 }
 
-/// Factor and unit in which a residual is shown.
+/// Display factor and unit of a residual.
 fn shown_unit<'a>(name: &str, unit: &'a str) -> (f64, &'a str) {
     match (kind(name), unit) {
         ("attitude", "rad") => (ARCSEC_PER_RAD, "arcsec"),
@@ -209,7 +208,7 @@ fn curves(record: usize, c: &Channel, kept: &[usize]) -> Plot {
     }
 }
 
-/// The plots of a record share cursor and zoom.
+/// Group of the plots of a record, which share cursor and zoom.
 pub(super) fn group(record: usize) -> String {
     format!("record{}", record + 1)
 }
@@ -254,7 +253,7 @@ fn residuals(record: usize, c: &Channel, declared: Option<f64>, kept: &[usize]) 
     }
 }
 
-/// Whitened residuals of all axes against normal quantiles, at the edges of the histogram's bars.
+/// Whitened residuals of all axes against normal quantiles, at the edges of the histogram bins.
 fn quantiles(c: &Channel) -> Option<Plot> {
     let mut counts = vec![0_u64; HISTOGRAM_BARS];
     for row in &c.histogram {

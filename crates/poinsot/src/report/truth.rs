@@ -1,9 +1,9 @@
-//! The truth of a simulation, where it lies beside the telemetry.
+//! True values of a simulation, if they lie next to the telemetry.
 
 use super::data::TrueNumbers;
 use poinsot_formats::TrueBodyFile;
 
-/// True numbers by body.
+/// True values by body.
 pub(crate) struct Truth(Option<TrueNumbers>);
 
 impl Truth {
@@ -16,12 +16,12 @@ impl Truth {
         self.0.is_some()
     }
 
-    /// The ten numbers in the order of a body's table; `None` where the truth does not say.
+    /// The ten true values in the order of a body's table; `None` if unknown.
     pub fn body(&self, name: &str) -> [Option<f64>; 10] {
         ten(self.0.as_ref().and_then(|t| t.bodies.get(name)))
     }
 
-    /// The same of the whole vehicle.
+    /// The ten true values of the whole vehicle.
     pub fn system(&self) -> [Option<f64>; 10] {
         ten(self.0.as_ref().and_then(|t| t.system.as_ref()))
     }

@@ -1,4 +1,4 @@
-//! The vehicle drawn from the model, moving in its joints, and where the suspected part is.
+//! The vehicle drawn from the model, with moving joints; a suspected part is marked.
 
 use super::Answer;
 use super::data::{DrawnBody, DrawnJoint, Pointer, Segment, Vehicle};
@@ -7,7 +7,7 @@ use super::trust::group;
 use poinsot_report::{Arrow, Curve, Ellipsoid, Figure, Hinge, Point, Scene, Spot, Tree};
 use poinsot_spatial::{Matrix3, Vector3};
 
-/// Name and colour of a body, by its result.
+/// Legend text and colour of a body, by its status.
 const DETERMINED: (&str, usize) = ("determined", 0);
 const OPEN: (&str, usize) = ("not all determined", 4);
 const KNOWN: (&str, usize) = ("known", 6);
@@ -16,11 +16,11 @@ const SUSPECT: (&str, usize) = ("suspected", 1);
 const JOINT: usize = 3;
 const WHEEL: usize = 2;
 const THRUSTER: usize = 7;
-/// Lengths of arrows over the largest semi-axis: a wheel's is seen from behind the body.
+/// Lengths of arrows relative to the largest semi-axis; a wheel's arrow extends beyond the body.
 const WHEEL_REACH: f64 = 1.6;
 const THRUSTER_REACH: f64 = 0.4;
 const JOINT_REACH: f64 = 0.15;
-/// Most instants of the motion in the joints.
+/// Largest number of instants of the joint motion.
 const INSTANTS: usize = 300;
 
 /// The vehicle as a figure.
@@ -28,7 +28,7 @@ pub(super) fn drawn(answer: &Answer) -> Figure {
     Figure::scene("vehicle", scene(answer, &[]))
 }
 
-/// The vehicle with what the diagnostics suspect first marked.
+/// The vehicle, with the first suspect of the diagnostics marked.
 pub(super) fn suspected(answer: &Answer) -> Scene {
     let d = answer.estimate.diagnostics.iter();
     let names: Vec<&str> = d
@@ -38,7 +38,7 @@ pub(super) fn suspected(answer: &Answer) -> Scene {
     scene(answer, names.get(..1).unwrap_or(&[]))
 }
 
-/// Whether a suspect's name, such as `wheel wheel2`, speaks of a part.
+/// Whether a suspect, such as `wheel wheel2`, is this part.
 fn named(suspect: &str, part: &str) -> bool {
     let cut = |c: char| !(c.is_alphanumeric() || c == '_' || c == '-');
     suspect == part || suspect.split(cut).any(|word| word == part)
@@ -84,7 +84,7 @@ impl<'a> Builder<'a> {
         self.suspects.iter().any(|s| named(s, name))
     }
 
-    /// Place of a body among the bodies; the base where there is none of the name.
+    /// Index of a body; the base if the name is unknown.
     fn body(&self, name: &str) -> usize {
         let place = self.vehicle.bodies.iter().position(|b| b.name == name);
         place.unwrap_or(0)
@@ -151,7 +151,7 @@ impl<'a> Builder<'a> {
             if j.kind != "fixed" {
                 let reach = vector(&j.axis) * (JOINT_REACH * self.size);
                 self.arrow(child, &j.origin_m, &(-reach), "", JOINT);
-                // Joints in one place share a word.
+                // Joints at one position share a label.
                 let here = |o: &&DrawnJoint| o.origin_m == j.origin_m;
                 let together: Vec<&str> = vehicle
                     .joints
@@ -191,7 +191,7 @@ impl<'a> Builder<'a> {
         });
     }
 
-    /// The motion in the joints during the first record that has one.
+    /// The joint motion during the first record with motion.
     fn moving(&mut self) {
         let segments = &self.answer.data.segments;
         let Some(record) = segments.iter().position(|s| !s.joints.is_empty()) else {
@@ -215,7 +215,7 @@ impl<'a> Builder<'a> {
     }
 }
 
-/// Positions of a joint less the first one, to a tenth of a milliradian.
+/// Positions of a joint relative to the first, rounded to 0.1 mrad.
 fn moved(s: &Segment, joint: &str, stride: usize) -> Vec<f64> {
     let row = s.joints.iter().find(|r| r.name == joint);
     let values = row.map_or(&[][..], |r| &r.values);

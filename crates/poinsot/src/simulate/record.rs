@@ -1,4 +1,4 @@
-//! From samples of the motion to channels of telemetry.
+//! Converts samples of the motion to telemetry channels.
 
 use super::{every, stream};
 use crate::case::Scenario;
@@ -13,24 +13,24 @@ use poinsot_telemetry::{Channel, Table, classify};
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
-/// Where the numbers of a group of channels come from.
+/// Source of a group of channels.
 enum Reader {
-    /// A sensor of the model with its errors.
+    /// A sensor with its errors.
     Sensor(Box<Instrument>),
     /// The exact motion.
     Exact(fn(&MotionSample, &mut Vec<f64>)),
-    /// Motor torque of these joint coordinates.
+    /// Motor torques of these joint coordinates.
     Motor(Vec<usize>),
 }
 
-/// Channels that are read together.
+/// Channels sampled together.
 struct Group {
     /// Index and name of the sensor.
     sensor: Option<(usize, String)>,
     names: Vec<String>,
     every: usize,
     reader: Reader,
-    /// The first row that gave a reading.
+    /// Row of the first sample.
     first: Option<usize>,
     values: Vec<Vec<f64>>,
 }
@@ -38,16 +38,16 @@ struct Group {
 /// Collects telemetry row by row.
 pub(super) struct Recorder {
     groups: Vec<Group>,
-    /// Exact channels that are written; `None`: all.
+    /// Exact channels to write; `None`: all.
     commanded: Option<HashSet<String>>,
-    /// Names of the channels of thrust, one per thruster.
+    /// Names of the thrust channels, one per thruster.
     thrust: Vec<String>,
     row: usize,
     reading: Vec<f64>,
 }
 
 impl Recorder {
-    /// All sensors of the model, and exact channels for what no sensor reads.
+    /// Creates groups for all sensors, and exact channels for everything without a sensor.
     pub fn new(model: &Model, scenario: &Scenario, tree: &Tree, seed: u64, trial: u64) -> Self {
         let mut groups = Vec::new();
         for (i, sensor) in model.sensors.iter().enumerate() {
@@ -84,7 +84,7 @@ impl Recorder {
             groups.push(Group::new(None, efforts, 1, Reader::Motor(motors)));
         }
         let thrusters: Vec<usize> = (0..model.thrusters.len()).collect();
-        // A scalar that some sensor reads is dropped from its exact group afterwards.
+        // Scalars with a sensor are removed from their exact group later.
         Self {
             groups,
             commanded,
@@ -94,7 +94,7 @@ impl Recorder {
         }
     }
 
-    /// One row; `motor` holds the torque of every joint coordinate's motor where they are known.
+    /// Adds a row; `motor` holds the motor torque of every joint coordinate, if known.
     pub fn take(&mut self, sample: &MotionSample, motor: &[f64]) {
         for group in &mut self.groups {
             if !self.row.is_multiple_of(group.every) {
@@ -121,7 +121,7 @@ impl Recorder {
         self.row += 1;
     }
 
-    /// The bias that a sensor had.
+    /// True bias of a sensor.
     pub fn bias(&self, sensor: usize) -> &[f64] {
         let of = |g: &&Group| g.sensor.as_ref().is_some_and(|(i, _)| *i == sensor);
         match self.groups.iter().find(of).map(|g| &g.reader) {
@@ -130,7 +130,7 @@ impl Recorder {
         }
     }
 
-    /// An error other than the bias that a sensor had, in its axes.
+    /// True value of a sensor error other than bias, in sensor axes.
     pub fn error(&self, sensor: usize, error: SensorError) -> f64 {
         let of = |g: &&Group| g.sensor.as_ref().is_some_and(|(i, _)| *i == sensor);
         match self.groups.iter().find(of).map(|g| &g.reader) {
@@ -139,7 +139,7 @@ impl Recorder {
         }
     }
 
-    /// The table; where two sensors read one channel both carry their name.
+    /// The table; if two sensors write one channel, both get their names.
     pub fn table(self, scenario: &Scenario) -> Table {
         let mut readers: HashMap<&str, usize> = HashMap::new();
         let by_sensor = self.groups.iter().filter(|g| g.sensor.is_some());
@@ -154,7 +154,7 @@ impl Recorder {
         let mut channels = Vec::new();
         for group in self.groups {
             let (first, every) = (group.first.unwrap_or(0), group.every);
-            // A delayed sensor writes its earlier sample.
+            // A delayed sensor writes an earlier sample.
             let lag_s = match &group.reader {
                 Reader::Sensor(instrument) => instrument.lag_s(),
                 _ => 0.0,
@@ -190,10 +190,10 @@ impl Recorder {
     }
 }
 
-/// How far a switch may lie beside a row, s, and count as on it: round-off of the times.
+/// Tolerance within which a switch is at a row, s: round-off of the times.
 const ON_ROW: f64 = 1.0e-9;
 
-/// The rows of a thruster with the instants between them at which it switches: a value holds until the next.
+/// The rows of a thruster with its switching times in between: a value holds until the next.
 fn with_switches(
     scenario: &Scenario,
     thruster: usize,
@@ -259,7 +259,6 @@ fn channel(name: String, sensor: String, time_s: Arc<[f64]>, values: Vec<f64>) -
     }
 }
 
-/// Every channel that a joint may have.
 pub(crate) fn joint_channels(joint: &Joint) -> Vec<String> {
     let (unit, effort) = match joint.kind {
         JointKind::Prismatic => ("m", "N"),
@@ -273,8 +272,8 @@ pub(crate) fn joint_channels(joint: &Joint) -> Vec<String> {
     channels
 }
 
-/// Joint coordinates with a motor and their channels; none where all motion is prescribed, as nobody then
-/// asked what it takes.
+/// Joint coordinates with a motor, and their channels; none if all motion is prescribed, because motor torque is then
+/// unknown.
 fn motor_channels(model: &Model, scenario: &Scenario, tree: &Tree) -> (Vec<usize>, Vec<String>) {
     let drives = scenario.driven.iter().flat_map(|plan| &plan.joints);
     let with_motor = drives.enumerate().filter(|(_, drive)| match drive {
@@ -288,7 +287,7 @@ fn motor_channels(model: &Model, scenario: &Scenario, tree: &Tree) -> (Vec<usize
         .unzip()
 }
 
-/// Channels of what is commanded: thrust, torques of motors, and prescribed motions that no sensor reads.
+/// Commanded channels: thrust, motor torques, and prescribed motions without a sensor.
 fn commanded(
     model: &Model,
     scenario: &Scenario,
@@ -327,7 +326,7 @@ fn commanded(
 
 type Exact = (Vec<String>, fn(&MotionSample, &mut Vec<f64>));
 
-/// Every channel of the exact motion, of the base's origin.
+/// All channels of the exact motion of the base origin.
 fn exact_channels(model: &Model, tree: &Tree) -> Vec<Exact> {
     let all = |n: usize| (0..n).collect::<Vec<_>>();
     let (joints, wheel_list) = (&tree.coordinates, all(model.wheels.len()));

@@ -1,4 +1,4 @@
-//! `truth.json`: the true values of an identification.
+//! `truth.json`: the true values for an identification.
 
 use super::record::Recorder;
 use super::{every, stream};
@@ -20,11 +20,11 @@ pub(super) struct Drawn<'a> {
     pub case: &'a Case,
     pub model: &'a Model,
     pub scenario: &'a Scenario,
-    /// The first instant; `None` of a case without samples.
+    /// The first instant; `None` without samples.
     pub first: Option<&'a MotionSample>,
     pub recorder: &'a Recorder,
     pub trial: u64,
-    /// How far a controller used the wheels; empty without one.
+    /// Use of the wheels by a controller; empty without one.
     pub used: &'a [WheelUse],
 }
 
@@ -59,7 +59,7 @@ impl Drawn<'_> {
         }
     }
 
-    /// Spin inertias and the errors of sensors that are not zero.
+    /// Spin inertias and the nonzero errors of sensors.
     fn nuisance(&self) -> IndexMap<String, TrueNumberFile> {
         let mut out = IndexMap::new();
         let mut put = |name: String, unit: &str, value: f64| {
@@ -125,7 +125,6 @@ fn tensor(i: &Matrix3) -> Elements<TrueNumberFile> {
     Elements::of_matrix(|r, c| number(i[(r, c)]))
 }
 
-/// Mass, mass centre and inertia.
 pub(crate) fn mass(p: &MassProperties) -> MassFile<TrueNumberFile> {
     MassFile {
         mass_kg: number(p.mass),
@@ -158,7 +157,6 @@ fn body(properties: &MassProperties) -> TrueBodyFile {
     }
 }
 
-/// Joints that move.
 fn moving(model: &Model) -> impl Iterator<Item = &Joint> {
     let joints = model.joints.iter();
     joints.filter(|j| j.kind != JointKind::Fixed)
@@ -190,7 +188,7 @@ fn initial(model: &Model, s: &MotionSample) -> InitialFile {
     }
 }
 
-/// The whole as one body at the first sample, about the base's origin and in its axes.
+/// The vehicle as one body at the first sample, about the base origin and in base axes.
 fn system(model: &Model, s: &MotionSample) -> TrueBodyFile {
     let bodies = model.bodies.iter();
     let parameters: Vec<_> = bodies.map(|b| b.nominal.parameters()).collect();

@@ -1,10 +1,10 @@
-//! Bands of the statistics of many trials for a correct uncertainty.
+//! Bands for statistics of many trials under a correct uncertainty.
 
 use statrs::distribution::{Binomial, ChiSquared, ContinuousCDF, DiscreteCDF, Normal};
 
 /// Probability outside every band: 99.9 % bands.
 const OUTSIDE: f64 = 1.0e-3;
-/// Probability inside a stated 95 % interval.
+/// Nominal coverage of a 95 % interval.
 const STATED: f64 = 0.95;
 
 /// Both ends of a 99.9 % band.
@@ -17,12 +17,12 @@ pub struct Band {
 }
 
 impl Band {
-    /// Whether a statistic lies inside.
+    /// Whether a statistic is inside.
     pub fn holds(&self, x: f64) -> bool {
         self.low <= x && x <= self.high
     }
 
-    /// Of the mean of chi-square per degree of freedom over `numbers` squares of unit normals.
+    /// Band of the mean of `numbers` squared unit normals (chi-square per degree of freedom).
     pub fn of_mean_square(numbers: u64) -> Self {
         let whole = Self {
             low: 0.0,
@@ -35,7 +35,7 @@ impl Band {
         })
     }
 
-    /// Of a root mean square over `numbers` unit normals.
+    /// Band of the RMS of `numbers` unit normals.
     pub fn of_rms(numbers: u64) -> Self {
         let square = Self::of_mean_square(numbers);
         Self {
@@ -44,7 +44,7 @@ impl Band {
         }
     }
 
-    /// Of the share of `numbers` 95 % intervals that hold the truth.
+    /// Band of the coverage of `numbers` 95 % intervals.
     pub fn of_coverage(numbers: u64) -> Self {
         let whole = Self {
             low: 0.0,
@@ -57,7 +57,7 @@ impl Band {
         })
     }
 
-    /// Of the absolute mean of `numbers` unit normals.
+    /// Band of the absolute mean of `numbers` unit normals.
     pub fn of_bias(numbers: u64) -> Self {
         Self {
             low: 0.0,
@@ -66,7 +66,7 @@ impl Band {
     }
 }
 
-/// Sigmas each side of a 95 % interval.
+/// Half-width of a 95 % interval in sigmas.
 pub(crate) fn sigmas_of_interval() -> f64 {
     normal_quantile(0.5 * (1.0 + STATED))
 }

@@ -1,10 +1,10 @@
 //! Confidence intervals of statistics of many trials.
 //!
-//! Wilson (1927) for shares; Student's t for means; chi-square for mean squares of normals.
+//! Wilson (1927) for proportions; Student's t for means; chi-square for mean squares of normals.
 
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal, StudentsT};
 
-/// A value with the ends of its interval.
+/// A value with its interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Interval {
     /// Value.
@@ -16,7 +16,7 @@ pub struct Interval {
 }
 
 impl Interval {
-    /// A share: `count` of `of`, with this probability outside.
+    /// A proportion: `count` of `of`; `outside` is the probability outside.
     pub fn share(count: u64, of: u64, outside: f64) -> Self {
         if of == 0 {
             return Self::unknown(f64::NAN, 0.0, 1.0);
@@ -33,7 +33,7 @@ impl Interval {
         }
     }
 
-    /// A mean of `trials` numbers with this scatter.
+    /// A mean of `trials` numbers with standard deviation `scatter`.
     pub fn mean(mean: f64, scatter: f64, trials: u64, outside: f64) -> Self {
         let degrees = trials.saturating_sub(1) as f64;
         let Ok(student) = StudentsT::new(0.0, 1.0, degrees.max(f64::MIN_POSITIVE)) else {
@@ -50,7 +50,7 @@ impl Interval {
         }
     }
 
-    /// A mean of squares of normals with these degrees of freedom.
+    /// A mean of squared normals with these degrees of freedom.
     pub fn mean_square(mean: f64, degrees: u64, outside: f64) -> Self {
         let n = degrees as f64;
         match ChiSquared::new(n) {
@@ -63,17 +63,17 @@ impl Interval {
         }
     }
 
-    /// The root of a mean square.
+    /// The square root.
     pub fn root(self) -> Self {
         self.map(f64::sqrt)
     }
 
-    /// Divided by a positive number.
+    /// Divides by a positive number.
     pub fn over(self, divisor: f64) -> Self {
         self.map(|x| x / divisor)
     }
 
-    /// Half of its width.
+    /// Half-width.
     pub fn half(&self) -> f64 {
         0.5 * (self.high - self.low)
     }

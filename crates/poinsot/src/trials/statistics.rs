@@ -12,9 +12,9 @@ pub struct ParameterStatistics {
     pub name: String,
     /// Trials that determined it.
     pub trials: u64,
-    /// Sigma of the Cramer-Rao bound at the truth; `None` if it is not identifiable.
+    /// Sigma of the Cramer-Rao bound at the true values; `None` if not identifiable.
     pub bound: Option<f64>,
-    /// Root mean square of the stated sigmas; NaN where none is stated.
+    /// RMS of the stated sigmas; NaN if none is stated.
     pub stated: f64,
     /// Mean error.
     pub bias: f64,
@@ -22,12 +22,12 @@ pub struct ParameterStatistics {
     pub rmse: f64,
     /// Standard deviation of the error.
     pub spread: f64,
-    /// Share of stated 95 % intervals that hold the truth; NaN where none is stated.
+    /// Fraction of stated 95 % intervals that hold the truth; NaN if none is stated.
     pub coverage: f64,
 }
 
 impl ParameterStatistics {
-    /// The reference: the bound, or the stated sigma without a bound.
+    /// The reference sigma: the bound, or the stated sigma without a bound.
     pub fn sigma(&self) -> f64 {
         self.bound.unwrap_or(self.stated)
     }
@@ -38,32 +38,32 @@ impl ParameterStatistics {
 pub struct Statistics {
     /// Trials run.
     pub trials: u64,
-    /// The first trials without an answer or whose iteration did not settle: number and why.
+    /// The first failed or not converged trials: number and reason.
     pub failed: Vec<(u64, String)>,
-    /// How many there are.
+    /// Number of failed trials.
     pub failures: u64,
     /// Trials by status.
     pub statuses: Vec<(String, u64)>,
     /// One entry per number.
     pub parameters: Vec<ParameterStatistics>,
-    /// Mean normalised squared error per degree of freedom, and the degrees of freedom in all.
+    /// Mean normalised squared error per degree of freedom, and total degrees of freedom.
     pub nees: Option<(f64, u64)>,
     /// Mean of chi-square per degree of freedom.
     pub chi2_per_dof: f64,
     /// Mean chi-square per number of each kind of sensor.
     pub channels: Vec<(String, f64)>,
-    /// Mean and most iterations.
+    /// Mean and largest number of iterations.
     pub iterations: (f64, usize),
 }
 
-/// Reduces trials in their order. A failed trial counts as failed; its numbers, if it gave any, count too.
+/// Reduces trials in order. A failed trial is counted; its numbers, if any, are included.
 pub fn statistics(trials: &[Trial], bound: Option<&Estimate>) -> Statistics {
     let mut sums = Sums::new("", bound);
     trials.iter().for_each(|trial| sums.add(trial));
     statistics_of(&sums)
 }
 
-/// The statistics of summed trials.
+/// Statistics of summed trials.
 pub fn statistics_of(sums: &Sums) -> Statistics {
     let count = sums.answers.max(1) as f64;
     let (square, dof) = sums.nees;
@@ -71,7 +71,7 @@ pub fn statistics_of(sums: &Sums) -> Statistics {
     Statistics {
         trials: sums.trials,
         failed: sums.failed.clone(),
-        // Files of earlier versions count them by their list alone.
+        // Files of earlier versions have only the list.
         failures: sums.failures.max(sums.failed.len() as u64),
         statuses: sums.statuses.clone(),
         parameters: seen.map(of_parameter).collect(),
@@ -107,14 +107,14 @@ fn of_parameter(sums: &NumberSums) -> ParameterStatistics {
 }
 
 impl Statistics {
-    /// Everything that lies outside its 99.9 % band, in words. Empty where the stated uncertainty is right.
+    /// Statistics outside their 99.9 % bands. Empty if the stated uncertainty is correct.
     pub fn faults(&self) -> Vec<String> {
         let mut list = Vec::new();
         for (trial, why) in &self.failed {
             list.push(format!("trial {trial} failed: {why}"));
         }
         let mut judge = |name: &str, what: &str, x: f64, band: Band| {
-            // A number that a method does not state is no failure.
+            // A number that a method does not state is not a failure.
             if !x.is_nan() && !band.holds(x) {
                 list.push(format!(
                     "{name}: {what} {x:.4} outside [{:.4}, {:.4}]",
@@ -140,10 +140,9 @@ impl Statistics {
         list
     }
 
-    /// Everything that misses what is asked of 10^4 trials: RMSE at most 1.05 times the bound, bias below a
-    /// tenth of a sigma, 94 to 96 % of the 95 % intervals hold, NEES in its 99.9 % band, spread within 5 % of what was
-    /// predicted, no failed trial. With fewer
-    /// trials each limit is widened to its 99.9 % band.
+    /// Violations of the requirements for 10^4 trials. RMSE is at most 1.05 times the bound, bias below 0.1 sigma,
+    /// coverage of 95 % intervals 94 to 96 %. NEES is in its 99.9 % band, spread within 5 % of the prediction, and no
+    /// trial failed. With fewer trials each limit is widened to its 99.9 % band.
     pub fn misses(&self) -> Vec<String> {
         let mut list: Vec<String> = Vec::new();
         if !self.failed.is_empty() {
@@ -189,7 +188,7 @@ impl Statistics {
         list
     }
 
-    /// Largest relative gap between the predicted sigma and the spread that was reached.
+    /// Largest relative difference between predicted sigma and observed spread.
     pub fn worst_prediction(&self) -> Option<(&str, f64)> {
         self.parameters
             .iter()

@@ -1,7 +1,6 @@
 //! Mergeable sums over many trials.
 //!
-//! A campaign can be run in pieces on several machines; each writes its sums as JSON, and `Sums::merge` puts them
-//! together.
+//! A campaign can run in pieces on several machines; each writes its sums as JSON, and `Sums::merge` adds them.
 
 use super::band::sigmas_of_interval;
 use super::{Trial, TrialNumber, estimated_numbers};
@@ -15,7 +14,7 @@ use std::path::Path;
 /// Schema of the file.
 pub const SUMS_SCHEMA: &str = "poinsot.trials/1";
 
-/// Failed trials that are kept by number; all are counted.
+/// Number of failed trials listed; all are counted.
 const NAMED_FAILURES: usize = 100;
 
 /// Sums over one number of the answers.
@@ -24,10 +23,9 @@ const NAMED_FAILURES: usize = 100;
 pub struct NumberSums {
     /// Name, for example `base.mass`; SI units throughout.
     pub name: String,
-    /// Sigma of the Cramer-Rao bound where it is the same in every trial; absent where the bound says that the number is
-    /// not identifiable.
+    /// Sigma of the Cramer-Rao bound if equal in every trial; absent if the number is not identifiable.
     pub bound: Option<f64>,
-    /// Where the truth differs between trials: trials with a bound, and the sum of its squares.
+    /// If the truth differs between trials: trials with a bound, and the sum of its squares.
     #[serde(default)]
     pub bounds: (u64, f64),
     /// Trials that determined it.
@@ -36,7 +34,7 @@ pub struct NumberSums {
     pub error: f64,
     /// Sum of their squares.
     pub square: f64,
-    /// Of these, trials whose method states no sigma.
+    /// Trials among these without a stated sigma.
     #[serde(default)]
     pub unstated: u64,
     /// Sum of the stated variances.
@@ -51,47 +49,47 @@ pub struct NumberSums {
 pub struct Sums {
     /// `poinsot.trials/1`.
     pub schema: String,
-    /// Name of the set-up, and what else makes it this one (options).
+    /// Name and options of the set-up.
     pub setup: String,
-    /// First trial and one past the last of every piece, in order.
+    /// Trial range of every piece (end exclusive), in order.
     pub ranges: Vec<(u64, u64)>,
     /// Trials run.
     pub trials: u64,
-    /// Trials that gave an answer.
+    /// Trials with a result.
     pub answers: u64,
-    /// The first trials without an answer or whose iteration did not settle: number and why.
+    /// The first failed or not converged trials: number and reason.
     pub failed: Vec<(u64, String)>,
-    /// How many there are.
+    /// Number of failed trials.
     #[serde(default)]
     pub failures: u64,
-    /// Answers with a doubt.
+    /// Results that are not reliable.
     #[serde(default)]
     pub doubted: u64,
     /// Trials by status.
     pub statuses: Vec<(String, u64)>,
     /// One entry per number.
     pub numbers: Vec<NumberSums>,
-    /// Sum of the normalised squared errors, and their degrees of freedom.
+    /// Sum of the normalised squared errors, and of their degrees of freedom.
     pub nees: (f64, u64),
     /// Sum of chi-square per degree of freedom.
     pub chi2_per_dof: f64,
     /// Sum of chi-square per number of each kind of sensor.
     pub channels: Vec<(String, f64)>,
-    /// Sum of the iterations, and the most.
+    /// Sum and maximum of the iterations.
     pub iterations: (u64, u64),
-    /// Processor time of the trials, s.
+    /// CPU time of the trials, s.
     pub seconds: f64,
 }
 
 impl Sums {
-    /// Nothing yet; `bound` gives the yardstick of every number.
+    /// Empty sums; `bound` gives the reference sigma of every number.
     pub fn new(setup: &str, bound: Option<&Estimate>) -> Self {
         let bounds = bound.map(estimated_numbers).unwrap_or_default();
         let named: Vec<(String, f64)> = bounds.into_iter().map(|(n, _, s)| (n, s)).collect();
         Self::with_bound(setup, &named)
     }
 
-    /// The same with the sigmas of the bound by name.
+    /// Empty sums with the bound's sigmas by name.
     pub fn with_bound(setup: &str, bound: &[(String, f64)]) -> Self {
         let number = |(name, sigma): &(String, f64)| NumberSums {
             name: name.clone(),
@@ -110,7 +108,7 @@ impl Sums {
         }
     }
 
-    /// One more trial. A failed one counts as failed; its numbers, if it gave any, count too.
+    /// Adds a trial. A failed trial is counted; its numbers, if any, are included.
     pub fn add(&mut self, trial: &Trial) {
         self.trials += 1;
         match self.ranges.last_mut() {
@@ -127,7 +125,7 @@ impl Sums {
         self.doubted += u64::from(!answer.doubts.is_empty());
         self.answers += 1;
         *entry(&mut self.statuses, answer.status.name()) += 1;
-        // Numbers that are not finite were not computed and would hide the others.
+        // Values that are not finite would hide the others.
         for (name, chi2) in answer.channels.iter().filter(|c| c.1.is_finite()) {
             *entry(&mut self.channels, name) += chi2;
         }
@@ -163,7 +161,7 @@ impl Sums {
         }
     }
 
-    /// The bound of one trial, where every trial has a truth of its own.
+    /// Adds the bound of one trial, if every trial has its own true values.
     pub fn add_bound(&mut self, bound: &[(String, f64)]) {
         for (name, sigma) in bound.iter().filter(|b| b.1.is_finite()) {
             let sums = self.number(name);
@@ -183,10 +181,10 @@ impl Sums {
         &mut self.numbers[at]
     }
 
-    /// Puts another piece of the same campaign beside this one.
+    /// Adds another piece of the same campaign.
     ///
     /// # Errors
-    /// The pieces are of different set-ups or hold the same trial; in words.
+    /// The pieces have different set-ups or contain the same trial.
     pub fn merge(&mut self, other: &Self) -> Result<(), String> {
         if self.setup != other.setup {
             return Err(format!("'{}' is not '{}'", other.setup, self.setup));
@@ -234,7 +232,7 @@ impl Sums {
         Ok(())
     }
 
-    /// Reads a file that [`Self::write`] wrote.
+    /// Reads a file of [`Self::write`].
     ///
     /// # Errors
     /// The file cannot be read or is of another schema.
@@ -255,10 +253,10 @@ impl Sums {
         }
     }
 
-    /// Writes the sums as JSON; the file appears whole or not at all.
+    /// Writes the sums as JSON, atomically.
     ///
     /// # Errors
-    /// The disk refuses.
+    /// Writing fails.
     pub fn write(&self, path: &Path) -> Result<(), Error> {
         let text = serde_json::to_string_pretty(self).map_err(|e| Error::Io {
             path: path.to_owned(),
@@ -269,7 +267,7 @@ impl Sums {
     }
 }
 
-/// Ranges in order, those that touch as one.
+/// Sorted ranges; adjacent ones are joined.
 fn joined(ranges: &[(u64, u64)]) -> Vec<(u64, u64)> {
     let mut all: Vec<(u64, u64)> = Vec::new();
     for &(first, past) in ranges {
@@ -355,7 +353,7 @@ mod tests {
         let path = folder.path().join("sums.json");
         sums(0..20).write(&path).unwrap();
         let (mut read, made) = (Sums::read(&path).unwrap(), sums(0..20));
-        // The reader of numbers may miss the last bit.
+        // Parsing may change the last bit.
         let gap = read.numbers[0].square - made.numbers[0].square;
         assert!(gap.abs() < 1.0e-14);
         read.numbers[0].square = made.numbers[0].square;

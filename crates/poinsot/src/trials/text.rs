@@ -1,12 +1,12 @@
-//! Statistics of many trials as an engineer reads them in a terminal.
+//! Statistics of many trials as a terminal document.
 
 use super::{Band, Statistics};
 use poinsot_report::{Document, Section, Table, significant};
 
-/// Failed trials listed; the rest is counted.
+/// Number of failed trials listed.
 const LISTED: usize = 10;
 
-/// The statistics as a document; an exclamation mark stands at what lies outside its 99.9 % band.
+/// The statistics as a document; values outside their 99.9 % band have an exclamation mark.
 pub fn statistics_document(title: &str, s: &Statistics) -> Document {
     let faults = s.faults();
     let word = if faults.is_empty() {
@@ -86,7 +86,7 @@ fn numbers(s: &Statistics) -> Section {
     section
 }
 
-/// What holds of all numbers together.
+/// Statistics common to all numbers.
 fn together(s: &Statistics) -> Vec<String> {
     let mut lines = Vec::new();
     if let Some((mean, dof)) = s.nees {

@@ -1,12 +1,12 @@
-//! One quantity from two sources over time, and how far they are apart.
+//! One quantity from two sources over time, and its difference.
 
-/// Names and rows of numbers, one row a component.
+/// Names and values, one row per component.
 pub type Rows = (Vec<String>, Vec<Vec<f64>>);
 
 /// One quantity from two sources.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Compared {
-    /// For example `base position`, `joint joint1`, `gyro`.
+    /// Name, for example `base position`, `joint joint1`, `gyro`.
     pub name: String,
     /// Unit of the difference.
     pub unit: &'static str,
@@ -14,37 +14,37 @@ pub struct Compared {
     pub time_s: Vec<f64>,
     /// Names of the components of both sides.
     pub components: Vec<String>,
-    /// Of the model, one row a component.
+    /// Values of the model, one row per component.
     pub model: Vec<Vec<f64>>,
-    /// Of the other side.
+    /// Values of the other side.
     pub against: Vec<Vec<f64>>,
-    /// Names of the components of the difference; of an attitude the small rotation in base axes.
+    /// Names of the components of the difference; for an attitude, a small rotation in base axes.
     pub difference_components: Vec<String>,
-    /// Model less the other side, one row a component.
+    /// Model minus other side, one row per component.
     pub difference: Vec<Vec<f64>>,
-    /// Largest length of the difference.
+    /// Largest norm of the difference.
     pub largest: f64,
-    /// When, s.
+    /// Its time, s.
     pub largest_at_s: f64,
-    /// Root mean square of its length.
+    /// RMS norm.
     pub rms: f64,
-    /// The difference in the declared noise of the sensor, where one declares it.
+    /// The difference in units of the declared noise, if any.
     pub sigmas: Option<Sigmas>,
 }
 
 /// A difference in units of the declared noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sigmas {
-    /// Root mean square of a component.
+    /// RMS of a component.
     pub rms: f64,
     /// Largest component.
     pub largest: f64,
-    /// Probability of so much correlation in time if the difference were white; `None` where not computed.
+    /// p-value of the whiteness test of the difference; `None` if not computed.
     pub whiteness_p: Option<f64>,
 }
 
 impl Compared {
-    /// A quantity with its statistics; `sides` are names, model and other side, `difference` names and rows.
+    /// A quantity with its statistics; `sides` holds names, model and other side, `difference` names and rows.
     pub fn new(
         name: &str,
         unit: &'static str,
@@ -63,7 +63,7 @@ impl Compared {
                 .map(|x| x * x)
                 .sum();
             square += own;
-            // NaN must not appear as agreement.
+            // NaN must not count as agreement.
             if own.sqrt() > largest.0 || own.is_nan() {
                 largest = (own.sqrt(), *time);
             }

@@ -1,4 +1,4 @@
-//! From `estimate.json` to a vehicle for simulation.
+//! Converts `estimate.json` to a vehicle for simulation.
 
 use super::{Mover, ValidateError};
 use crate::error::Error;
@@ -11,26 +11,26 @@ use poinsot_model::Model;
 use poinsot_spatial::{InertialParameters, Matrix3, Vector3};
 use std::path::{Path, PathBuf};
 
-/// Largest relative difference between a nominal number of the model and of the estimate.
+/// Relative tolerance between nominal numbers of model and estimate.
 const SAME: f64 = 1.0e-9;
 
-/// An estimate as a vehicle, with the completion of undetermined numbers.
+/// An estimated vehicle, with the completion of undetermined numbers.
 #[derive(Debug, Clone)]
 pub struct EstimatedVehicle {
     /// The vehicle.
     pub mover: Mover,
-    /// How open numbers were completed; `None` where the estimate gives every number.
+    /// Completion of undetermined numbers; `None` if all are determined.
     pub completion: Option<Completion>,
     /// Status of the estimate.
     pub status: String,
-    /// Whether its covariance is trustworthy.
+    /// Whether its covariance is reliable.
     pub trustworthy: bool,
 }
 
-/// Reads `estimate.json` (or the folder that holds it) as a vehicle of the model that it was made with.
+/// Reads `estimate.json` (or its folder) as a vehicle; `model` is the model of the identification.
 ///
 /// # Errors
-/// It cannot be read, is no estimate of this model, or has no determined numbers.
+/// The file cannot be read, belongs to another model, or has no determined numbers.
 pub fn read_estimate(path: &Path, model: &Model) -> Result<EstimatedVehicle, Error> {
     let (file, read) = estimate_of(path)?;
     let refuse = |why: String| ValidateError::Estimate {
@@ -58,7 +58,6 @@ pub fn read_estimate(path: &Path, model: &Model) -> Result<EstimatedVehicle, Err
     })
 }
 
-/// The result file and its path.
 fn estimate_of(path: &Path) -> Result<(PathBuf, EstimateFile), Error> {
     poinsot_formats::read_estimate(path).map_err(|e| match e {
         FormatError::Io { path, source } => Error::Io {
@@ -75,10 +74,10 @@ fn estimate_of(path: &Path) -> Result<(PathBuf, EstimateFile), Error> {
     })
 }
 
-/// The same of an estimate in memory.
+/// Converts an estimate in memory.
 ///
 /// # Errors
-/// The estimate holds nothing to predict with.
+/// The estimate has no numbers for a prediction.
 pub fn of_estimate(estimate: &Estimate, model: &Model) -> Result<EstimatedVehicle, Error> {
     let completion = complete(
         model,
@@ -98,7 +97,7 @@ pub fn of_estimate(estimate: &Estimate, model: &Model) -> Result<EstimatedVehicl
     })
 }
 
-/// Bodies and nominal numbers must be those of the model.
+/// Checks that bodies and nominal numbers are those of the model.
 fn same_model(read: &EstimateFile, model: &Model) -> Result<(), String> {
     if read.bodies.len() != model.bodies.len() {
         return Err(format!(
@@ -131,7 +130,7 @@ fn same_model(read: &EstimateFile, model: &Model) -> Result<(), String> {
     Ok(())
 }
 
-/// Every number of every body, where the estimate gives them all.
+/// The vehicle, if the estimate determines every number of every body.
 fn whole(read: &EstimateFile, model: &Model) -> Option<CompletedVehicle> {
     let bodies = model.bodies.iter();
     let bodies = bodies.map(|b| values(&read.bodies.get(&b.name)?.barycentric));
@@ -181,7 +180,7 @@ fn completed(
 }
 
 fn nominal(b: &BarycentricFile) -> [f64; 10] {
-    // Every number of the file has a nominal value.
+    // Every number in the file has a nominal value.
     let all = ten(b, |n| Some(n.nominal));
     all.map_or([f64::NAN; 10], |p| p.to_array())
 }

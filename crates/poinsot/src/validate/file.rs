@@ -10,7 +10,7 @@ use poinsot_formats::{
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-/// The machine-readable result.
+/// The result file.
 pub fn validation_file(validation: &Validation) -> ValidationFile {
     let kind = match validation.kind {
         Against::Model => "model",
@@ -75,8 +75,8 @@ fn completed(c: &Completed) -> CompletedFile {
     }
 }
 
-/// The histories, one number of one side a row: `quantity,component,unit,time_s,model,against,difference`.
-/// An attitude's quaternions have no difference of their own; its rotation vector has no sides.
+/// The histories, one number per row: `quantity,component,unit,time_s,model,against,difference`. Quaternions have no
+/// difference; rotation vectors have no values of the two sides.
 pub fn validation_csv(validation: &Validation) -> String {
     let mut text = String::from("quantity,component,unit,time_s,model,against,difference\n");
     for c in &validation.compared {
@@ -113,10 +113,10 @@ fn quoted(text: &str) -> String {
     }
 }
 
-/// Writes `validation.json` and `histories.csv` into a folder, which is made if it is not there.
+/// Writes `validation.json` and `histories.csv` into a folder, which is created if missing.
 ///
 /// # Errors
-/// The disk refuses.
+/// Writing fails.
 pub fn write_validation(folder: &Path, validation: &Validation) -> Result<Vec<PathBuf>, Error> {
     let text = serde_json::to_string_pretty(&validation_file(validation));
     let text = json(folder, text)?;

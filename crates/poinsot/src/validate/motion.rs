@@ -1,4 +1,4 @@
-//! Two vehicles under the same torques, wheels and thrust (Xu et al. 2017, sec. 5.5).
+//! Motion of two vehicles under the same torques, wheels and thrust (Xu et al. 2017, sec. 5.5).
 
 use super::compared::Compared;
 use super::{Mover, ValidateError};
@@ -18,7 +18,7 @@ pub struct Path {
     pub p_NoBo_N: Vec<Vector3>,
     /// `R_NB`.
     pub R_NB: Vec<UnitQuaternion>,
-    /// Joints that move.
+    /// Moving joints.
     pub joints: Vec<JointPath>,
 }
 
@@ -33,7 +33,7 @@ pub struct JointPath {
     pub position: Vec<f64>,
 }
 
-/// Moves a vehicle through a case.
+/// Simulates a vehicle in a case.
 ///
 /// # Errors
 /// The case does not fit the vehicle, has a controller, or the motion cannot be computed.
@@ -76,7 +76,7 @@ pub fn path(case: &Case, mover: &Mover) -> Result<Path, Error> {
     Ok(path)
 }
 
-/// The case for a vehicle, with the forces of its thrusters.
+/// The scenario of a vehicle in a case, with its thruster forces.
 pub(super) fn scenario(case: &Case, mover: &Mover) -> Result<Scenario, Error> {
     let mut scenario = case.bind(&mover.model).map_err(SimulateError::from)?;
     if scenario.control.is_some() {
@@ -93,7 +93,7 @@ pub(super) fn scenario(case: &Case, mover: &Mover) -> Result<Scenario, Error> {
     Ok(scenario)
 }
 
-/// What two vehicles do in a case: base position, base attitude and every joint that both have, over time.
+/// Compares two vehicles in a case: base position, base attitude and every common joint over time.
 ///
 /// # Errors
 /// As [`path`].
@@ -101,7 +101,7 @@ pub fn compare_motion(case: &Case, model: &Mover, against: &Mover) -> Result<Vec
     Ok(compare_paths(&path(case, model)?, &path(case, against)?))
 }
 
-/// The same of paths at the same times.
+/// Compares two paths at the same times.
 pub fn compare_paths(model: &Path, against: &Path) -> Vec<Compared> {
     let xyz = |name: &str| {
         ["x", "y", "z"]
@@ -120,7 +120,7 @@ pub fn compare_paths(model: &Path, against: &Path) -> Vec<Compared> {
         (xyz("r"), rows(&off)),
     ));
     let pairs = || model.R_NB.iter().zip(&against.R_NB);
-    // The small rotation from the second attitude to the first, in base axes.
+    // Small rotation from the second attitude to the first, in base axes.
     let turn: Vec<Vector3> = pairs().map(|(a, b)| turn(b, a)).collect();
     let quaternions = |q: &[UnitQuaternion]| {
         let component = |k| q.iter().map(|q| q.coords[k]).collect();
@@ -157,8 +157,8 @@ pub fn compare_paths(model: &Path, against: &Path) -> Vec<Compared> {
     list
 }
 
-/// The rotation vector that takes attitude `from` to attitude `to`, in the axes of `from`, rad; exact for
-/// the smallest turns, where the scalar part of a quaternion tells nothing.
+/// Rotation vector from attitude `from` to attitude `to`, in the axes of `from`, rad. Accurate for tiny rotations,
+/// where the scalar part of a quaternion is useless.
 pub(super) fn turn(from: &UnitQuaternion, to: &UnitQuaternion) -> Vector3 {
     let q = from.inverse() * to;
     let (v, w) = (q.imag(), q.w);

@@ -4,7 +4,7 @@ use poinsot_identify::CompletedVehicle;
 use poinsot_model::Model;
 use poinsot_spatial::InertialParameters;
 
-/// A vehicle with inertial parameters of its own. They need not be physical.
+/// A vehicle with its own inertial parameters, which may be unphysical.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mover {
     /// Tree, wheels, thrusters, sensors.
@@ -16,7 +16,7 @@ pub struct Mover {
 }
 
 impl Mover {
-    /// The vehicle with the numbers of its model.
+    /// The vehicle with the nominal numbers of its model.
     pub fn of_model(model: Model) -> Self {
         let bodies = model.bodies.iter();
         Self {
@@ -26,7 +26,7 @@ impl Mover {
         }
     }
 
-    /// The vehicle of a model with what an estimate found.
+    /// The vehicle of a model with the numbers of an estimate.
     pub fn of_estimate(model: &Model, found: &CompletedVehicle) -> Self {
         let mut mover = Self::of_model(model.clone());
         mover.bodies.clone_from(&found.bodies);

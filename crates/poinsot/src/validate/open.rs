@@ -1,6 +1,6 @@
 //! Test whether the prediction depends on undetermined numbers.
 //!
-//! The data determine combinations, and the motion should depend on these alone. The completed numbers are varied along
+//! The data determine combinations, and the motion should depend on these only. The completed numbers are varied along
 //! every unobservable direction, and the change of the prediction is measured.
 
 use super::Mover;
@@ -14,7 +14,7 @@ use poinsot_telemetry::Table;
 
 /// Variation of each unobservable direction, in natural units of its unique parameter.
 const MOVED: f64 = 0.1;
-/// Share of the motion that is more than the round-off of large numbers that cancel.
+/// Relative change of the motion that exceeds round-off by cancellation.
 const MATTERS: f64 = 1.0e-6;
 /// Significant change of chi-square per degree of freedom.
 const MATTERS_CHI2: f64 = 1.0e-3;
@@ -22,22 +22,22 @@ const MATTERS_CHI2: f64 = 1.0e-3;
 /// Sensitivity of the prediction to the unobservable directions.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct OpenEffect {
-    /// How far each was moved, natural units of its own parameter.
+    /// Variation of each direction, in natural units of its own parameter.
     pub moved: f64,
     /// Largest change of each quantity: name, unit, change.
     pub changes: Vec<(String, &'static str, f64)>,
-    /// Parameters whose direction the prediction depends on, the strongest first.
+    /// Parameters whose direction changes the prediction, strongest first.
     pub dependent: Vec<String>,
 }
 
 impl OpenEffect {
-    /// Whether the prediction is not determined.
+    /// Whether the prediction depends on undetermined numbers.
     pub fn matters(&self) -> bool {
         !self.dependent.is_empty()
     }
 }
 
-/// Moves the vehicle along every unobservable direction of its completion; `own` is its motion as completed.
+/// Varies the vehicle along every unobservable direction of its completion; `own` is the motion without variation.
 ///
 /// # Errors
 /// A motion cannot be computed.
@@ -55,7 +55,7 @@ pub fn motion_effect(
     let mut dependent: Vec<(f64, String)> = Vec::new();
     for direction in &completion.open {
         let moved = Mover::of_estimate(model, &completion.moved(direction, MOVED));
-        // A vehicle without a motion counts as changed.
+        // A vehicle that cannot be simulated counts as changed.
         let Ok(other) = path(case, &moved) else {
             dependent.push((f64::INFINITY, completion.name(direction).to_owned()));
             continue;
@@ -82,8 +82,7 @@ pub fn motion_effect(
     Ok(effect)
 }
 
-/// How far each quantity of a path gets from where it starts, and at least 1e-3 m or rad: a quantity at rest depends on
-/// nothing.
+/// Largest displacement of each quantity of a path from its start, at least 1e-3 m or rad.
 fn travel(path: &Path) -> Vec<f64> {
     let still = Path {
         p_NoBo_N: path.p_NoBo_N.iter().map(|_| path.p_NoBo_N[0]).collect(),
@@ -102,10 +101,10 @@ fn travel(path: &Path) -> Vec<f64> {
     moved.iter().map(|c| c.largest.max(1.0e-3)).collect()
 }
 
-/// The same of held-back telemetry: how chi-square per degree of freedom changes.
+/// Change of chi-square per degree of freedom of held-back telemetry along every unobservable direction.
 ///
 /// # Errors
-/// Model and telemetry do not fit together.
+/// Model and telemetry do not match.
 pub fn held_back_effect(
     model: &Model,
     completion: &Completion,

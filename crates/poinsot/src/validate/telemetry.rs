@@ -1,4 +1,4 @@
-//! A vehicle against telemetry: its motion in a case, or a record that was held back.
+//! Compares a vehicle with telemetry: its motion in a case, or a held-back record.
 
 use super::compared::{Compared, Sigmas};
 use super::motion::{scenario, turn};
@@ -18,13 +18,13 @@ use poinsot_spatial::{UnitQuaternion, Vector3};
 use poinsot_telemetry::{Channel, Table};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-/// Most points of a curve of held-back telemetry.
+/// Largest number of points of a curve of held-back telemetry.
 const POINTS: usize = 100_000;
 
-/// The motion of a vehicle in a case beside the readings of telemetry, at the times of the readings.
+/// Compares the motion of a vehicle in a case with telemetry, at the times of the samples.
 ///
 /// # Errors
-/// The case does not fit the vehicle or cannot be computed, or the telemetry has no reading in its time.
+/// The case does not fit the vehicle or cannot be computed, or the telemetry has no sample within its duration.
 pub fn compare_with_telemetry(
     case: &Case,
     mover: &Mover,
@@ -38,7 +38,7 @@ pub fn compare_with_telemetry(
         .flat_map(|c| c.time_s.iter().copied())
         .collect();
     times.retain(inside);
-    // The motion begins at zero, whenever the first reading is.
+    // The motion starts at zero, even if the first sample is later.
     times.push(0.0);
     times.sort_by(f64::total_cmp);
     times.dedup();
@@ -57,7 +57,7 @@ pub fn compare_with_telemetry(
     Ok(list)
 }
 
-/// Channels that are compared together.
+/// Channels compared together.
 struct Group<'m> {
     name: String,
     unit: &'static str,
@@ -65,10 +65,10 @@ struct Group<'m> {
     sensor: Option<&'m Sensor>,
 }
 
-/// What a base and its joints may be measured by.
+/// Possible measurements of base and joints.
 fn groups(model: &Model) -> Vec<Group<'_>> {
     let mut list: Vec<Group> = SensorKind::with_axes()
-        // Increments have no value at a time.
+        // An increment has no value at an instant.
         .filter(|kind| *kind != SensorKind::VelocityIncrement)
         .map(|kind| Group {
             name: kind.word().to_owned(),
@@ -98,13 +98,13 @@ fn groups(model: &Model) -> Vec<Group<'_>> {
     list
 }
 
-/// A channel of the sensor, or without a sensor.
+/// A channel of the sensor, or one without a sensor name.
 fn find<'t>(table: &'t Table, sensor: Option<&Sensor>, name: &str) -> Option<&'t Channel> {
     let own = sensor.and_then(|s| table.sensor_channel(&s.name, name));
     own.or_else(|| table.channel(name))
 }
 
-/// Values at the wanted times; both ascending, every wanted time is there.
+/// Values at the wanted times; both lists ascend, and every wanted time exists.
 fn at(channel: &Channel, wanted: &[f64]) -> Vec<f64> {
     let index = |t: &f64| channel.time_s.partition_point(|own| own < t);
     let value = |i: usize| channel.values.get(i).copied().unwrap_or(f64::NAN);
@@ -171,7 +171,7 @@ impl Group<'_> {
         Some(compared)
     }
 
-    /// In the declared noise with that of rounding, axis by axis.
+    /// Differences in units of the declared noise including rounding, per axis.
     fn sigmas(&self, difference: &[Vec<f64>]) -> Option<Sigmas> {
         let sensor = self.sensor?;
         let covariance = sensor.noise_covariance.unwrap_or_default();
@@ -207,30 +207,30 @@ fn quaternion(rows: &[Vec<f64>], k: usize) -> UnitQuaternion {
     UnitQuaternion::new_normalize(Quaternion::new(part(3), part(0), part(1), part(2)))
 }
 
-/// Chi-square per degree of freedom of noise a tenth larger than declared: the usual accuracy of a declaration.
+/// Chi-square per degree of freedom of noise 10 % larger than declared, the usual accuracy of a declaration.
 const ALLOWED: f64 = 1.21;
-/// Probability by chance from which a misfit counts.
+/// p-value below which a misfit counts.
 const BY_CHANCE: f64 = 1.0e-6;
 
-/// Findings of the comparison with held-back telemetry.
+/// Results of the comparison with held-back telemetry.
 pub struct HeldBackFindings {
-    /// One per quantity and segment.
+    /// One entry per quantity and segment.
     pub compared: Vec<Compared>,
-    /// Chi-square per degree of freedom, the worst over the segments.
+    /// Chi-square per degree of freedom, largest over the segments.
     pub chi2_per_dof: f64,
-    /// Whether that of any segment is more than noise of so many numbers explains.
+    /// Whether the chi-square of a segment is significantly larger than noise explains.
     pub beyond_noise: bool,
-    /// What the residuals say, and whether the start of the record could be fitted.
+    /// Findings of the residuals, and whether the initial state could be fitted.
     pub warnings: Vec<String>,
-    /// What was assumed in reading.
+    /// Assumptions of reading and binding.
     pub repairs: Vec<String>,
 }
 
-/// Telemetry beside what the vehicle predicts for it; pose, momentum and declared nuisances of the record are
-/// fitted, nothing of the vehicle is.
+/// Compares telemetry with the prediction of the vehicle. Pose, momentum and declared nuisance parameters of the
+/// record are fitted, but no number of the vehicle.
 ///
 /// # Errors
-/// Model and telemetry do not fit together.
+/// Model and telemetry do not match.
 pub fn compare_held_back(mover: &Mover, tables: &[Table]) -> Result<HeldBackFindings, Error> {
     let (found, bound) = look(mover, tables, Some(POINTS))?;
     let mut warnings = found.findings.clone();
@@ -251,12 +251,12 @@ pub fn compare_held_back(mover: &Mover, tables: &[Table]) -> Result<HeldBackFind
     })
 }
 
-/// Chi-square per degree of freedom alone, the worst over the segments.
+/// Chi-square per degree of freedom only, largest over the segments.
 pub(super) fn held_back_chi2(mover: &Mover, tables: &[Table]) -> Result<f64, Error> {
     Ok(worst(&look(mover, tables, None)?.0))
 }
 
-/// Whether a segment fits worse than noise a tenth larger than declared, and than one record in a million does by chance.
+/// Whether a segment fits worse than noise 10 % larger than declared, with a p-value below 1e-6.
 fn beyond_noise(fit: &SegmentFit) -> bool {
     let octaves = fit.channels.iter().flat_map(|c| &c.octaves);
     let numbers = octaves.map(|o| o.numbers).sum::<usize>() as f64;
@@ -265,13 +265,13 @@ fn beyond_noise(fit: &SegmentFit) -> bool {
     fit.chi2_per_dof.is_nan() || fit.chi2_per_dof > ALLOWED && chance < BY_CHANCE
 }
 
-/// Infinite where the start of a record could not be fitted.
+/// Infinite if the initial state of a record could not be fitted.
 fn worst(found: &HeldBack) -> f64 {
     let chi2 = found.fit.iter().map(|f| f.chi2_per_dof).fold(0.0, f64::max);
     if found.converged { chi2 } else { f64::INFINITY }
 }
 
-/// The comparison, and what was assumed in binding.
+/// The comparison, with the assumptions of binding.
 fn look(
     mover: &Mover,
     tables: &[Table],
@@ -327,7 +327,7 @@ fn of_segment(
         .collect()
 }
 
-/// The report's curves are measured less predicted; here the model comes first.
+/// Report curves are measured minus predicted; here the sign is reversed.
 fn of_curves(curves: &PredictedChannel) -> Compared {
     let own = |names: &[&str]| {
         names

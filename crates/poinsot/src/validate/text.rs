@@ -1,11 +1,11 @@
-//! A validation in words: one sentence first, then the numbers behind it.
+//! A validation as text: one sentence, then the numbers.
 
 use poinsot_formats::{ComparedQuantityFile, CompletedFile, ValidationFile};
 use poinsot_report::{Document, Section, Table, Tone, probability, significant};
 
-/// Figures of a difference.
+/// Significant figures of a difference.
 const FIGURES: i32 = 3;
-/// Names listed in a sentence.
+/// Number of names listed in a sentence.
 const LISTED: usize = 6;
 
 /// The validation as a document.

@@ -1,4 +1,4 @@
-//! Noise of joints and wheels as an accelerometer and velocity increments feel it.
+//! Effect of joint and wheel noise on an accelerometer and on velocity increments.
 //!
 //! `POINSOT_TRIALS` sets the number of trials.
 
@@ -12,11 +12,12 @@ use poinsot_spatial::Vector3;
 use points::{add_point, with_point};
 use vehicle::*;
 
-/// Two noisy joints, three rounded tachometers, an instrument on the last link whose sigma is about what they add.
+/// Two noisy joints, three rounded tachometers, and a sensor on the last link whose sigma is about equal to their
+/// effect.
 struct Case {
     kind: SensorKind,
     sigma: f64,
-    /// Whether joint rates are read, not differentiated.
+    /// Whether joint rates are measured, not differentiated.
     rates: bool,
 }
 
@@ -117,7 +118,7 @@ fn stat_velocity_increments_with_noisy_joint_rates_and_rounded_tachometers_are_c
     });
 }
 
-/// The other way round: noise that is there and not declared shows in chi-square.
+/// The reverse: undeclared noise is visible in chi-square.
 #[test]
 fn stat_an_accelerometer_shows_joint_noise_that_nobody_declared() {
     let case = Case {

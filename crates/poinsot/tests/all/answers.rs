@@ -1,4 +1,4 @@
-//! Noise-free questions with a known answer: momentum, wheels, thrusters, subsets, repairs, units.
+//! Noise-free problems with a known answer: momentum, wheels, thrusters, subsets, repairs, units.
 
 mod telemetry;
 
@@ -14,7 +14,7 @@ use vehicle::*;
 
 const METHODS: [&str; 2] = ["linear", "maximum_likelihood"];
 
-/// Drifts and tumbles with a given momentum, about the mass centre.
+/// Adds drift and rotation that give this momentum about the mass centre.
 fn with_momentum(flight: Flight, l_S_N: Vector3, h_SScm_N: Vector3) -> Flight {
     Flight {
         start: Start {
@@ -52,7 +52,7 @@ fn assert_found(answer: &Identified, truth: &Model, tolerance: f64, what: &str) 
     }
 }
 
-/// Round-off for the closed form; the interpolation of joint motion between samples for the fit.
+/// Round-off for the linear method; interpolation of joint motion for the fit.
 fn tolerance(method: &str) -> f64 {
     match method {
         "linear" => 1.0e-9,
@@ -60,9 +60,9 @@ fn tolerance(method: &str) -> f64 {
     }
 }
 
-/// Thrust turns with the attitude, which is interpolated between samples: fourth order in their distance.
+/// Thrust rotates with the attitude, which is interpolated: fourth order in the sample distance.
 const THRUST: f64 = 1.0e-6;
-/// The fit takes wheel speeds as linear between samples: second order in their distance.
+/// The fit interpolates wheel speeds linearly: second order in the sample distance.
 const WHEELS: f64 = 2.0e-4;
 
 #[test]
@@ -183,7 +183,8 @@ fn exact_spin_inertia_without_a_scale_is_null() {
     }
 }
 
-/// Free of forces, a drifting body moves the same whatever its mass (FINDINGS: with wheels 9, never the mass).
+/// Without forces, the motion of a drifting body does not depend on its mass (FINDINGS: with wheels 9, never the
+/// mass).
 #[test]
 fn exact_wheels_never_show_the_mass() {
     for noise in [1.0e-5, 1.0e-7] {
@@ -198,7 +199,7 @@ fn exact_wheels_never_show_the_mass() {
     }
 }
 
-/// How wheels turn between readings at 10 Hz must not be mistaken for a wrong model.
+/// Wheel motion between samples at 10 Hz must not reject a correct model.
 #[test]
 fn stat_wheels_read_at_10_hz_do_not_reject_a_right_model() {
     let mut truth = with_wheels(known_arm(28));

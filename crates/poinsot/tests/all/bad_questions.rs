@@ -1,4 +1,4 @@
-//! The same question in other units, and questions that lack what they need: equal answers, honest ones, or an error.
+//! A problem in other units, and incomplete problems: equal answers, correct sigmas, or an error.
 
 use poinsot::case::{Case, parse_case, read_case};
 use poinsot::simulate::simulate_case;
@@ -23,7 +23,7 @@ fn request(method: &str) -> Question {
     Question::by(method)
 }
 
-/// The readings of the sensors that the model declares: a program that reads a file takes no others.
+/// Samples of the declared sensors only, as when a file is read.
 fn flown(case: &Case, model: &Model) -> Table {
     let mut table = simulate_case(case, model).unwrap().table;
     for (kind, prefix) in [(SensorKind::Position, "r_"), (SensorKind::Velocity, "v_")] {
@@ -34,7 +34,7 @@ fn flown(case: &Case, model: &Model) -> Table {
     table
 }
 
-/// A case of the examples, simulated; nominal numbers off the truth by a few percent.
+/// A simulated example case, with nominal errors of a few percent.
 fn simulated(case: &str) -> (Model, Table) {
     let case = read_case(&example(case)).unwrap();
     let mut model = read_model(&case.model).unwrap();
@@ -59,7 +59,7 @@ struct Units {
 }
 
 impl Units {
-    /// Number in these units of what is 1 in SI.
+    /// Factor from SI to these units.
     fn of(&self, mass: i32, length: i32, time: i32) -> f64 {
         self.kg.powi(-mass) * self.m.powi(-length) * self.s.powi(-time)
     }
@@ -122,7 +122,7 @@ impl Units {
     }
 }
 
-/// The ten numbers of a body with the factor that takes SI to the units.
+/// The ten numbers of a body, with the factors from SI to the units.
 fn numbers(body: &BodyEstimate, units: Units) -> Vec<(Number, f64)> {
     let mut list = vec![(body.mass, units.of(1, 0, 0))];
     list.extend(body.com.map(|n| (n, units.of(0, 1, 0))));
@@ -192,8 +192,8 @@ fn prop_other_units_of_mass_length_and_time_give_the_same_answer() {
     }
 }
 
-/// One rigid body, momentum free, no attitude sensor: N is then the body's own axes at the start. The answer says
-/// so and is as good as with any other start.
+/// One rigid body, unknown momentum, no attitude sensor: N is the body frame at the start. The answer states it and
+/// does not depend on the initial attitude.
 #[test]
 fn prop_without_attitude_the_answer_does_not_depend_on_where_the_body_pointed() {
     let text = std::fs::read_to_string(example("cases/stsat3_spin.toml")).unwrap();
@@ -202,7 +202,7 @@ fn prop_without_attitude_the_answer_does_not_depend_on_where_the_body_pointed() 
         "[0.1, -0.2, 0.05, 0.9733961166965892]",
         "[0.0, 0.0, 0.0, 1.0]",
     ] {
-        // The same motion in body axes, seen from another N.
+        // The same motion in body axes, with another N.
         let changed = text.replace("[0.1, -0.2, 0.05, 0.9733961166965892]", q);
         let case = parse_case(&example("cases/stsat3_spin.toml"), changed).unwrap();
         let model = read_model(&case.model).unwrap();
@@ -230,7 +230,7 @@ fn prop_without_attitude_the_answer_does_not_depend_on_where_the_body_pointed() 
     }
 }
 
-/// Momentum given in N means nothing where no attitude says how the body stands to N.
+/// Momentum given in N is undefined if no attitude relates the body to N.
 #[test]
 fn cli_known_momentum_without_attitude_is_no_confident_wrong_number() {
     let case = read_case(&example("cases/stsat3_spin.toml")).unwrap();

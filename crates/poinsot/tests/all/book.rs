@@ -1,4 +1,4 @@
-//! The snippets of the book: what a page shows is compiled and run here.
+//! The snippets of the book, compiled and run as tests.
 
 use crate::shared::examples;
 
@@ -27,7 +27,7 @@ fn exact_book_state() {
     let mut kinematics = Kinematics::new(&tree);
     kinematics.place(&tree, &q);
 
-    // What the joints alone carry, the base at rest: c(q, q').
+    // Momentum of the joint motion with the base at rest: c(q, q').
     kinematics.set_velocities(&tree, &Vector3::zeros(), &Vector3::zeros(), &rates);
     let c = momentum(&bodies, &kinematics);
 
@@ -121,7 +121,7 @@ fn stat_book_information() {
         let prediction = predict(&examples.join("cases").join(case), 1.0).unwrap();
         prediction.bound.identifiability.rank
     };
-    // One slew about one axis shows three of the six inertia numbers, three slews show all.
+    // One slew about one axis determines three of the six inertia numbers, three slews determine all.
     assert_eq!(rank("stsat3_kim2010.toml"), 3);
     assert_eq!(rank("stsat3_three_slews.toml"), 6);
     // ANCHOR_END: information

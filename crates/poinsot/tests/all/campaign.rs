@@ -1,4 +1,4 @@
-//! Campaigns: the same sums however they are run, errors of plans in words, the engine against plain trials.
+//! Campaigns: sums independent of the way of running, error texts of plans, the engine against plain trials.
 
 use poinsot::Error;
 use poinsot::campaign::{
@@ -50,7 +50,7 @@ fn request(out: &Path, resume: bool) -> CampaignRequest<'static> {
     }
 }
 
-/// The result without what differs between runs: time.
+/// The result without times, which differ between runs.
 fn timeless(mut result: CampaignFile) -> CampaignFile {
     for method in result.cells.iter_mut().flat_map(|c| &mut c.methods) {
         method.seconds_per_trial = None;
@@ -73,7 +73,7 @@ fn exact_sums_are_the_same_however_a_campaign_is_run() {
     assert_eq!(whole.cells[1].at["noise"], 3.0);
     assert_eq!(whole.cells[0].methods[0].trials, 12);
 
-    // Three threads, and two shares in folders of their own, the second first.
+    // Three threads, and two shares in separate folders, the second first.
     let threads = tempfile::tempdir().unwrap();
     let three = on(3, || campaign(&plan, &request(threads.path(), false))).unwrap();
     assert_eq!(timeless(three.result.unwrap()), whole);
@@ -94,7 +94,7 @@ fn exact_sums_are_the_same_however_a_campaign_is_run() {
     let memory = campaign_in_memory(&plan).unwrap().result.unwrap();
     assert_eq!(timeless(memory), whole);
 
-    // One by one, given in any order, through the text of their sums.
+    // Separately, in any order, through the text of their sums.
     let mut sums: Vec<ShardSums> = (0..plan.shards())
         .map(|s| ShardSums::parse(&run_shard(&plan, s).unwrap().sums.text()).unwrap())
         .collect();
@@ -193,7 +193,7 @@ fn exact_a_changed_plan_is_refused_and_more_trials_are_not() {
             );
         }
     }
-    // Sixteen trials: the three blocks of each cell stay, a fourth is run.
+    // Sixteen trials: the three blocks of each cell remain, a fourth is run.
     let more = plan(&PLAN.replace("trials = 12", "trials = 16"));
     let ran = campaign(&more, &request(out, true)).unwrap();
     assert_eq!(ran.shards, 2);
@@ -223,7 +223,7 @@ fn exact_a_shard_twice_with_other_sums_is_refused() {
     );
 }
 
-/// A draw of the truth: the estimate follows it, and the bound is that of each trial.
+/// Random true values: the estimate follows them, and the bound is that of each trial.
 #[test]
 fn stat_trials_that_draw_their_truth_are_calibrated() {
     let text = PLAN
@@ -236,7 +236,7 @@ fn stat_trials_that_draw_their_truth_are_calibrated() {
     let result = ran.result.unwrap();
     let mass = &result.cells[0].methods[0].numbers["bus.mass_kg"];
     assert_eq!(mass.trials, 60);
-    // The masses differ by 50 kg, the errors by the bound.
+    // The masses differ by 50 kg, the errors only by the bound.
     assert!(mass.rmse.value.unwrap() < 1.5 * mass.bound.unwrap());
     assert!(mass.coverage_all.low.unwrap() < 0.95 && 0.95 < mass.coverage_all.high.unwrap());
     assert!(
@@ -279,7 +279,8 @@ scale = "log"
         let (low, high) = (n.coverage_all.low.unwrap(), n.coverage_all.high.unwrap());
         assert!(low <= share && share <= high && high - low > 0.01, "{name}");
         let wilson = Interval::share((40.0 * share).round() as u64, 40, 0.05);
-        // Student over 20 replicates of 2 trials is no Wilson interval of 40, which stands where they are all alike.
+        // Student's interval over 20 replicates of 2 trials differs from a Wilson interval of 40, used if all
+        // replicates are equal.
         scattered += usize::from((low - wilson.low).abs() > 1.0e-9);
         assert!(share < 1.0 || (low - wilson.low).abs() < 1.0e-9, "{name}");
     }
@@ -294,7 +295,7 @@ fn exact_looks_double_from_a_thousand_to_the_whole() {
     assert_eq!(looks(&plan(&text)), [1200, 2100, 4200, 8100, 9000]);
 }
 
-/// Everything that is wrong is said at once, each with its line, and every code is explained.
+/// All faults are reported together, each with its line, and every code is explained.
 #[test]
 fn unit_a_plan_that_cannot_be_run_says_why() {
     let refused = |from: &str, to: &str| -> String {
@@ -370,7 +371,7 @@ fn exact_a_plan_of_a_program_is_that_of_a_file() {
     assert_eq!(made.digest, plan(PLAN).digest);
 }
 
-/// The disk refuses in the middle: what was finished stays, and the rest is run afterwards.
+/// Writing fails in the middle: finished shards remain, and the rest is run later.
 #[cfg(unix)]
 #[test]
 fn exact_a_folder_that_cannot_be_written_loses_nothing() {
@@ -383,7 +384,7 @@ fn exact_a_folder_that_cannot_be_written_loses_nothing() {
             .result
             .unwrap(),
     );
-    // A file stands where the folder of shards belongs.
+    // A file in place of the folder of shards.
     std::fs::rename(out.join("shards"), out.join("kept")).unwrap();
     std::fs::write(out.join("shards"), "").unwrap();
     let Err(error) = campaign(&plan, &request(out, true)) else {

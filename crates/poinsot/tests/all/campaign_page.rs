@@ -1,4 +1,4 @@
-//! The published campaign is what its recorded sums say.
+//! The published campaign agrees with its recorded sums.
 
 use poinsot::trials::{Sums, statistics_document, statistics_of};
 use std::path::{Path, PathBuf};
@@ -36,7 +36,7 @@ fn regress_the_page_of_the_campaign_shows_the_recorded_sums() {
             "{}\n{table}",
             file.display()
         );
-        // What misses its aim is said on the page.
+        // A missed requirement is on the page.
         for miss in statistics.misses() {
             assert!(page.contains(&format!("missed: {miss}")), "{miss}");
         }

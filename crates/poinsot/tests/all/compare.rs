@@ -1,17 +1,17 @@
-//! Answers of one vehicle side by side.
+//! Comparison of answers of one vehicle.
 
 use crate::shared::stsat3;
 use poinsot::compare::{CompareRequest, compare, comparison_document};
 use poinsot::{EstimateFile, IdentifyRequest, estimate_file, identify};
 use poinsot_formats::ComparisonFile;
 
-/// The first or the second half of the shipped slews: two nights of one satellite.
+/// The first or second half of the shipped slews: two nights of one satellite.
 fn night(half: [f64; 2]) -> EstimateFile {
     let telemetry = stsat3().join("multiaxis/telemetry_noisy.csv");
     let mut request = IdentifyRequest::new(stsat3().join("model.toml"), [telemetry]);
     request.reading.time_s = Some(half);
     let mut file = estimate_file(&identify(&request).unwrap());
-    // Each night has a file of its own.
+    // Each night has its own file.
     file.inputs[0].sha256 = format!("{half:?}");
     file
 }
@@ -91,7 +91,7 @@ fn cli_answers_of_different_vehicles_are_refused() {
     assert!(error.contains("at least two answers"), "{error}");
 }
 
-/// The same hours in another export have another hash; their dates tell.
+/// The same period in another export has another hash; the dates reveal it.
 #[test]
 fn regress_overlapping_records_of_other_hashes_are_named() {
     let dated = |at: &str, sha256: &str| {
@@ -111,11 +111,11 @@ fn regress_overlapping_records_of_other_hashes_are_named() {
     );
     let apart = ask(&[&first, &dated("2026-03-14T18:04:01", "b")]);
     assert_eq!(apart.doubts.len(), 1, "{:?}", apart.doubts);
-    // Without overlap the numbers themselves tell: here both answers are one.
+    // Without overlap in time the numbers reveal it: here both answers are identical.
     assert!(apart.doubts[0].contains("agree better than independent answers"));
 }
 
-/// Without dates a common count tells; two halves of one file do not overlap.
+/// Without dates an overlap in counts reveals it; two halves of one file do not overlap.
 #[test]
 fn regress_records_without_dates_are_compared_by_their_counts() {
     let (first, second) = (night([0.0, 240.0]), night([180.0, 420.0]));

@@ -1,4 +1,4 @@
-//! How many numbers the data can show, for trees of generic geometry (the counts of FINDINGS).
+//! Number of identifiable combinations for trees of generic geometry (the counts of FINDINGS).
 
 use crate::vehicle;
 
@@ -9,7 +9,7 @@ use poinsot_model::{Model, Momentum, MomentumKnowledge};
 use poinsot_spatial::Vector3;
 use vehicle::*;
 
-/// Rank above round-off and rank for a declared noise of 1e-9, both of which must be the count.
+/// The rank above round-off, and the rank for a declared noise of 1e-9, must both equal the count.
 fn check(what: &str, answer: &Identified, count: usize) {
     let found = &answer.estimate.identifiability;
     let s = &found.sigmas_natural;
@@ -25,11 +25,11 @@ fn check(what: &str, answer: &Identified, count: usize) {
     assert_eq!(found.structural_rank, count, "{what}: structural rank");
     assert_eq!(found.rank, count, "{what}: rank");
     assert_eq!(found.open.len(), found.parameters - count, "{what}");
-    // Round-off alone, far below where rank is decided: 3e3 at least.
+    // The next direction is round-off: sigma of at least 3e3, far above the rank decision.
     let hidden = s.get(count).is_none_or(|sigma| *sigma > 500.0);
     assert!(hidden, "{what}: {:.1e}", edge(count));
-    // Between samples joints and wheels are interpolated, which noise of 1e-9 may take for a wrong model. A curved open set
-    // has fewer combinations that hold, and the rank at its other points.
+    // Joints and wheels are interpolated between samples, which with noise of 1e-9 may reject the model. A curved set
+    // of equal prediction has fewer invariant combinations than the rank.
     if answer.estimate.status != Status::Rejected {
         let linear = found
             .determined
@@ -169,7 +169,7 @@ fn paper_zero_momentum_hides_the_scale_too() {
     }
 }
 
-/// Gyro and attitude alone; the nominal numbers are the truth: it is the count that is asked for.
+/// Gyro and attitude only; nominal numbers are the true ones, because only the count is tested.
 fn from_rotation(model: &Model, flights: &[Flight]) -> Identified {
     let tables = flights
         .iter()

@@ -1,4 +1,4 @@
-//! A problem evaluated at any value of its unknowns, by one who uses nothing else of the estimator.
+//! Evaluation of a problem at any value of its unknowns, without the rest of the estimator.
 
 use crate::nutation;
 
@@ -34,7 +34,7 @@ fn problem<'a>(record: &'a (Model, Tree, Vec<Segment>, Noise)) -> Problem<'a> {
     }
 }
 
-/// Gauss and Newton's steps from the nominal numbers.
+/// Gauss-Newton steps from the nominal numbers.
 fn fitted(evaluator: &Evaluator) -> Vec<f64> {
     let mut x = evaluator.nominal();
     for _ in 0..8 {
@@ -49,7 +49,7 @@ fn fitted(evaluator: &Evaluator) -> Vec<f64> {
 fn exact_jacobian_is_the_slope_of_the_residuals_and_of_the_likelihood() {
     let record = record();
     let evaluator = Evaluator::new(&problem(&record)).unwrap();
-    // Close to the fit: slopes of an attitude hold to first order in its residual.
+    // Near the fit: derivatives of an attitude hold to first order in its residual.
     let mut x = fitted(&evaluator);
     x[0] += 3.0e-5;
     x[1] -= 2.0e-5;
@@ -108,7 +108,8 @@ fn exact_gauss_and_newton_on_an_evaluation_end_where_the_fit_does() {
     assert!((squares / here.residuals.len() as f64 - 1.0).abs() < 0.2);
 }
 
-/// Heavy wheels, one sample a radian of nutation: relative speeds bend by a hundred times what the sensors see.
+/// Heavy wheels, one sample per radian of nutation: the curvature of relative speeds is a hundred times the sensor
+/// noise.
 #[test]
 fn exact_rotors_under_constant_torque_drive_the_motion_between_samples() {
     let mut heavy = bus();
@@ -183,7 +184,7 @@ fn unit_short_and_ragged_arrays_are_errors_with_a_code() {
         let error = evaluator.at(&vec![0.1; length]).unwrap_err().to_string();
         assert!(error.starts_with("E0411 values of the unknowns"), "{error}");
     }
-    // No vehicle has such an inertia.
+    // An unphysical inertia.
     let mut x = evaluator.nominal();
     *x.last_mut().unwrap() = -20.0;
     assert!(

@@ -1,4 +1,4 @@
-//! Whether the diagnosis notices planted faults and names them. The full table: `docs/validation/faults.md`.
+//! Whether the diagnosis detects planted faults and names them. Full table: `docs/validation/faults.md`.
 
 use crate::{drawn, planted};
 
@@ -16,7 +16,7 @@ fn assert_named(planted: Planted, trials: u64) {
     );
 }
 
-/// How often it errs is counted by `cargo run --release -p poinsot --example faults -- --clean 1000`.
+/// The rate of false alarms is measured by `cargo run --release -p poinsot --example faults -- --clean 1000`.
 #[test]
 fn stat_nothing_is_said_where_nothing_is_wrong() {
     let row = row(&experiment(Planted::Nothing).unwrap(), Planted::Nothing, 40);
@@ -69,7 +69,7 @@ fn stat_pendulum_of_two_percent_is_named_as_not_rigid() {
     assert_named(Planted::Pendulum, 2);
 }
 
-/// The named fault of drawn size on a vehicle, in a few trials: every one of at least twice the noticeable size is named.
+/// A fault of random size on a vehicle, in a few trials: each of at least twice the noticeable size is named.
 #[track_caller]
 fn assert_drawn(words: &str, craft: drawn::Craft) {
     let all = drawn::faults();
@@ -125,7 +125,7 @@ fn stat_rounding_is_named() {
     assert_drawn("rounded gyro", drawn::Craft::Arm);
 }
 
-/// The whole thousand: `cargo run --release -p poinsot --example faults -- --drawn 0 --clean 250`.
+/// The full thousand: `cargo run --release -p poinsot --example faults -- --drawn 0 --clean 250`.
 #[test]
 fn stat_nothing_is_said_of_three_vehicles_without_a_fault() {
     for fault in drawn::clean() {

@@ -1,4 +1,4 @@
-//! The formats of results: one type writes, reads and describes each, and nothing else knows their shape.
+//! Formats of results: each has one type that writes, reads and describes it, and no other code knows its structure.
 
 use poinsot::predict::{predict, prediction_file};
 use poinsot::{IdentifyRequest, estimate_file, identify};
@@ -33,7 +33,7 @@ fn exact_results_read_back_as_they_were() {
     assert_eq!(read, file);
 }
 
-/// Every number of a prediction stands under the name that it has in an estimate.
+/// Every number of a prediction has the name that it has in an estimate.
 #[test]
 fn exact_predict_and_identify_use_the_same_names() {
     let examples = root().join("examples");
@@ -66,7 +66,7 @@ fn sources(folder: &Path, out: &mut Vec<PathBuf>) {
     }
 }
 
-/// The text of every source file of the crates, without the tests in it, by its path below `crates`.
+/// The text of every source file of the crates without its tests, by path below `crates`.
 fn code() -> Vec<(String, String)> {
     let crates = root().join("crates");
     let mut paths = Vec::new();
@@ -86,8 +86,8 @@ fn code() -> Vec<(String, String)> {
     paths.into_iter().map(read).collect()
 }
 
-/// A result is a type of `poinsot-formats`: no other crate builds JSON by hand or looks into it by key. What is left are
-/// JSON Schemas, which have no type.
+/// A result is a type of `poinsot-formats`: no other crate builds JSON by hand or reads it by key. JSON Schemas are
+/// excepted, because they have no type.
 #[test]
 fn unit_json_is_untyped_in_the_formats_crate_alone() {
     const SCHEMAS: [&str; 5] = [
@@ -109,8 +109,8 @@ fn unit_json_is_untyped_in_the_formats_crate_alone() {
     assert!(found.is_empty(), "untyped JSON: {found:?}");
 }
 
-/// The order of the ten parameters lives beside `InertialParameters::to_array` and `from_array` alone; who needs an element
-/// asks by name (`tensor_index`), and no list of places, pairs or names in that order is written by hand.
+/// The order of the ten parameters is defined only next to `InertialParameters::to_array` and `from_array`. Other code
+/// finds an element by name (`tensor_index`), and no list of indices, pairs or names in that order is written by hand.
 #[test]
 fn unit_no_permutation_of_the_tensor_is_written_by_hand() {
     let found: Vec<String> = code()
@@ -133,7 +133,7 @@ fn unit_no_permutation_of_the_tensor_is_written_by_hand() {
     assert!(found.is_empty(), "an order by hand: {found:?}");
 }
 
-/// A library knows whether an answer passes and what kind of error there is; the number that a shell sees is the command's.
+/// A library reports whether a result passes and the kind of error; exit codes belong to the command line.
 #[test]
 fn unit_exit_codes_are_known_to_the_command_line_alone() {
     let outside = |name: &str| {
@@ -149,7 +149,7 @@ fn unit_exit_codes_are_known_to_the_command_line_alone() {
     assert!(found.is_empty(), "exit codes: {found:?}");
 }
 
-/// Addresses are taken apart by `poinsot_formats::Address` and nowhere else: no file that knows it splits text at dots.
+/// Only `poinsot_formats::Address` parses addresses: no file that uses it splits text at dots.
 #[test]
 fn unit_addresses_have_one_parser() {
     let found: Vec<String> = code()
@@ -162,7 +162,8 @@ fn unit_addresses_have_one_parser() {
     assert!(found.is_empty(), "addresses by hand: {found:?}");
 }
 
-/// Cases and plans are types with one reader and one writer: what is written reads back equal, and `check` says the same of it.
+/// Cases and plans are types with one reader and one writer: written files read back equal, and `check` gives the same
+/// description.
 #[test]
 fn exact_cases_and_plans_read_back_as_they_were() {
     use poinsot_formats::{PlanFile, case::CaseFile};
@@ -191,7 +192,7 @@ fn exact_cases_and_plans_read_back_as_they_were() {
     }
 }
 
-/// Every fault of a case is told at once: of its shape, of its numbers, and of what the model does not have.
+/// All faults of a case are reported together: of its structure, of its numbers, and of names unknown in the model.
 #[test]
 fn cli_check_tells_every_fault_of_a_case() {
     let folder = tempfile::tempdir().unwrap();
@@ -221,7 +222,7 @@ fn cli_check_tells_every_fault_of_a_case() {
     }
 }
 
-/// Every shipped case and plan fits the schema that `poinsot schema` prints: no key is unknown to it, none has null.
+/// Every shipped case and plan matches the schema of `poinsot schema`: no unknown keys, no null.
 #[test]
 fn unit_schemas_of_cases_and_plans_know_every_key() {
     for (name, folder) in [("case", "cases"), ("plan", "campaigns")] {
@@ -282,7 +283,7 @@ fn cli_every_kind_of_file_is_checked_and_said_in_words() {
         said.contains("6 of 6 requested numbers are determined"),
         "{said}"
     );
-    // A number that was changed by hand no longer fits the covariance, nor the principal moments.
+    // A number changed by hand is inconsistent with the covariance and the principal moments.
     let xx = &mut file.bodies["spacecraft"].inertia_kg_m2.xx;
     xx.sigma = xx.sigma.map(|s| -2.0 * s);
     xx.value = xx.value.map(|v| v + 1.0);
@@ -300,8 +301,8 @@ fn cli_every_kind_of_file_is_checked_and_said_in_words() {
     assert_eq!(refused.kind(), poinsot::ErrorKind::Input);
 }
 
-/// Null means: not determined. Where only rotation is measured, mass known and thrust shows the mass centre, the ten
-/// parameters and the vehicle as one body are determined too.
+/// Null means not determined. Example: only rotation is measured, the mass is known, and thrust determines the mass
+/// centre. Then the ten parameters and the vehicle as one body are determined too.
 #[test]
 fn regress_what_follows_from_known_and_determined_numbers_is_not_null() {
     let examples = root().join("examples/cases");
@@ -340,7 +341,8 @@ fn regress_what_follows_from_known_and_determined_numbers_is_not_null() {
     assert!((mc.value.unwrap() - 500.0 * com.value.unwrap()).abs() < 1e-9);
     assert!((mc.sigma.unwrap() / com.sigma.unwrap() - 500.0).abs() < 1e-6);
     assert_eq!(ten(whole), ten(bus));
-    // With the mass asked for and not shown, ten numbers are asked and nine determined; what hangs on the mass is null.
+    // With the mass requested but not determined, ten numbers are requested and nine determined; those that depend on
+    // the mass are null.
     model.bodies[0].estimate.mass = true;
     let file = estimate_file(&poinsot::identify_tables(model, vec![table], &question).unwrap());
     assert_eq!(
@@ -350,7 +352,7 @@ fn regress_what_follows_from_known_and_determined_numbers_is_not_null() {
     assert!(ten(&file.bodies["bus"]).iter().all(|n| n.value.is_none()));
 }
 
-/// One grammar of addresses: what a covariance calls a number is what `--vary` and `[[want]]` take.
+/// One grammar of addresses: names in a covariance are valid for `--vary` and `[[want]]`.
 #[test]
 fn exact_names_of_results_are_addresses_of_plans() {
     use poinsot_formats::Address;
@@ -369,7 +371,7 @@ fn exact_names_of_results_are_addresses_of_plans() {
             ..Default::default()
         };
         let plan = poinsot::sweep::sweep_plan(&request).unwrap();
-        // An impossible body is refused later: the address itself is known.
+        // An unphysical body is rejected later: the address itself is valid.
         let error = poinsot::campaign::made_plan(plan, Path::new("")).err();
         let said = error.map_or(String::new(), |e| e.to_string());
         assert!(!said.contains("E0542"), "{name}: {said}");

@@ -1,4 +1,4 @@
-//! Readings of wheels that stop for a while, or come at other times than those of the base's sensors.
+//! Wheel samples with gaps, or at other times than those of the base sensors.
 
 use poinsot::identify::{identify, read_options};
 use poinsot::{Identified, IdentifyRequest, Question, identify_tables};
@@ -80,7 +80,7 @@ fn regress_wheels_that_are_not_read_for_a_while_cut_the_record() {
     assert!(answer.estimate.covariance_trustworthy);
 }
 
-/// The equation of motion carries the state across a pause of the gyro and the star tracker; the wheels go on.
+/// The equation of motion propagates the state across a gap of gyro and star tracker; wheel samples continue.
 #[test]
 fn regress_a_pause_of_the_base_sensors_cuts_nothing() {
     let (model, mut table) = record();
@@ -101,7 +101,7 @@ fn regress_wheel_readings_between_those_of_the_gyro_count() {
     assert!(answer.estimate.covariance_trustworthy);
 }
 
-/// What the wheels do between their readings moves the answer by sigmas, and no residual shows it.
+/// Wheel motion between samples changes the answer by sigmas without a visible residual.
 #[test]
 fn regress_wheels_read_too_seldom_are_not_trusted() {
     let (model, table) = record();
@@ -121,7 +121,7 @@ fn regress_wheels_read_too_seldom_are_not_trusted() {
     }
 }
 
-/// Rows that were left out on purpose are known to have held something.
+/// Rows skipped by --every are known to have existed.
 #[test]
 fn regress_thinned_rows_are_not_trusted() {
     let asked = |every: usize| {
@@ -140,7 +140,7 @@ fn regress_thinned_rows_are_not_trusted() {
     assert!(thinned.estimate.warnings.iter().any(told));
 }
 
-/// An accuracy that is asked for judges the answer; the fit is the same.
+/// The requested accuracy affects the verdict, not the fit.
 #[test]
 fn regress_a_strict_accuracy_leaves_the_fit_as_it_is() {
     let (model, table) = record();
@@ -153,7 +153,7 @@ fn regress_a_strict_accuracy_leaves_the_fit_as_it_is() {
     };
     let (plain, strict) = (asked(1.0), asked(1.0e-6));
     let chi2 = |answer: &Identified| answer.estimate.fit[0].chi2_per_dof;
-    // The starts differ, the ends do not.
+    // Different starts, equal ends.
     assert!((chi2(&plain) - chi2(&strict)).abs() < 1.0e-9);
     assert_eq!(plain.estimate.identifiability.rank, 6);
     assert!(strict.estimate.identifiability.rank < 6);

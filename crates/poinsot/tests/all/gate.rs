@@ -1,4 +1,4 @@
-//! Files and tables in memory go through one gate: the same answer to the last bit, the same faults found.
+//! Files and tables in memory pass the same checks: bitwise equal answers, equal faults.
 
 use crate::shared::stsat3;
 use poinsot::identify::read_options;
@@ -36,7 +36,7 @@ fn stick(table: &mut Table, name: &str) {
     channel.values[700..1000].fill(value);
 }
 
-/// Answer or refusal in words, without the names of files.
+/// Answer or error text, without file names.
 fn told(answer: Result<poinsot::Identified, poinsot::Error>, file: &str) -> String {
     match answer {
         Ok(identified) => {
@@ -52,7 +52,7 @@ fn told(answer: Result<poinsot::Identified, poinsot::Error>, file: &str) -> Stri
     }
 }
 
-/// Puts a fault into a table.
+/// Introduces a fault into a table.
 type Plant = fn(&mut Table);
 
 #[test]
@@ -108,7 +108,7 @@ fn regress_one_record_twice_in_memory_is_refused() {
     );
 }
 
-/// One record through every door: file, bytes, stream, columns in memory.
+/// One record by every way of input: file, bytes, stream, columns in memory.
 #[test]
 fn exact_every_door_gives_the_same_bits() {
     let path = stsat3().join("multiaxis/telemetry_noisy.csv");

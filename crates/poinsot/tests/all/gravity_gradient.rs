@@ -1,4 +1,4 @@
-//! The gravity gradient as a source of information: no thruster, no slew.
+//! The gravity gradient as information: no thruster, no slew.
 
 use crate::vehicle;
 
@@ -29,14 +29,14 @@ fn in_orbit(mut model: Model) -> Model {
     model.environment.point_mass_gm = Some(GM);
     model.environment.gravity_gradient = true;
     model.environment.orbit = Some(low_orbit());
-    // As good as instruments are: with less noise round-off of the integration would count as signal.
+    // Realistic noise: with less, round-off of the integration would count as signal.
     model.sensors = [SensorKind::Gyro, SensorKind::Attitude]
         .map(|kind| sensor(kind, 1.0e-6))
         .to_vec();
     model
 }
 
-/// One rigid body of which the inertia is asked.
+/// One rigid body with unknown inertia.
 fn satellite(seed: u64) -> Model {
     let mut model = tree(seed, "");
     model.bodies[0].estimate = EstimateSet {
@@ -80,10 +80,11 @@ fn inertia(answer: &Estimate) -> Option<Matrix3> {
     Some(I)
 }
 
-/// Wheels hold the attitude of a body in N. They take up the gravity-gradient torque, which is known in closed
-/// form: on a circular orbit `u = p cos a + q sin a`, `a' = n`, and `h_w' = 3 n^2 u x I u` integrates to sines and
-/// cosines of 2a. The body never turns, and yet its inertia shows: with w the orbit's normal, `I_pq`, `I_pp - I_qq`,
-/// `I_pw` and `I_qw`. A multiple of the identity has no hold on gravity, nor has `I_ww`: u stays in the plane.
+/// Wheels hold the attitude of a body in N and absorb the gravity-gradient torque, known in closed form. On a circular
+/// orbit `u = p cos a + q sin a`, `a' = n`, and the integral of `h_w' = 3 n^2 u x I u` has sines and cosines of 2a.
+/// The body never rotates, yet four combinations of its inertia are determined: with the orbit normal w, `I_pq`,
+/// `I_pp - I_qq`, `I_pw` and `I_qw`. A multiple of the identity causes no torque, and neither does `I_ww`, because u
+/// stays in the plane.
 #[test]
 fn exact_held_attitude_shows_four_combinations() {
     let mut truth = in_orbit(satellite(7));
@@ -148,7 +149,7 @@ fn exact_held_attitude_shows_four_combinations() {
         "{:?}",
         found.sigmas_natural
     );
-    // Differences of moments and products are determined; each against the truth.
+    // Differences of moments and products are determined; each is compared with the truth.
     for c in &found.determined {
         let expected: f64 = c
             .coefficients
@@ -165,16 +166,16 @@ fn exact_held_attitude_shows_four_combinations() {
         println!("{}: {:.9} of {expected:.9}", c.text, c.value);
         assert!((c.value - expected).abs() < 1.0e-5 * I.trace());
     }
-    // In free fall nothing happens that an inertia could show in.
+    // In free fall nothing depends on the inertia.
     let mut free = off_nominal(&truth, 0.1);
     free.environment = Default::default();
     let answer = ask(&free, vec![table], "auto").estimate;
     assert_ne!(answer.status, Status::Converged);
 }
 
-/// Gravity is proportional to mass: a coasting body shows the ratios of its inertia and never their scale, with
-/// the gradient as without it (the equivalence principle). What the gradient gives is the ratios of a body that
-/// starts at rest, which in free fall would show nothing at all.
+/// Gravity is proportional to mass: a coasting body determines the ratios of its inertia but never their scale
+/// (equivalence principle), even with the gradient. The gradient gives these ratios for a body that starts at rest,
+/// which in free fall determines nothing.
 #[test]
 fn exact_coasting_from_rest_shows_ratios_and_no_scale() {
     let truth = in_orbit(satellite(8));
@@ -193,7 +194,7 @@ fn exact_coasting_from_rest_shows_ratios_and_no_scale() {
     assert_eq!(answer.identifiability.rank, 0);
 }
 
-/// A wheel of known momentum gives the scale; the orbit comes from elements or from columns.
+/// A wheel of known momentum sets the scale; the orbit is given by elements or columns.
 #[test]
 fn exact_tumble_with_a_wheel_gives_the_whole_tensor() {
     let truth = in_orbit(with_wheels(satellite(9)));
@@ -230,13 +231,13 @@ fn exact_tumble_with_a_wheel_gives_the_whole_tensor() {
     println!("by columns: {:.1e}", error(&answer.estimate));
     assert!(error(&answer.estimate) < 1.0e-7);
 
-    // Without the gradient the model cannot explain the motion, and says so.
+    // Without the gradient the model is rejected.
     let mut without_gradient = model.clone();
     without_gradient.environment = Default::default();
     let wrong = ask(&without_gradient, vec![table.clone()], "auto").estimate;
     assert!(!wrong.covariance_trustworthy, "{:?}", wrong.warnings);
 
-    // Neither columns nor elements: an error, not a guess.
+    // Neither columns nor elements: an error.
     let blind = without(table.clone(), &["orbit_"]);
     let text = match identify_tables(by_columns, vec![blind], &request("auto")) {
         Err(error) => error.to_string(),

@@ -1,4 +1,4 @@
-//! The end of every record against the prediction of a fit without it.
+//! The last part of every record against the prediction of a fit without it.
 
 use crate::shared::{examples, stsat3};
 use poinsot::{Identified, IdentifyRequest, identify};
@@ -20,7 +20,8 @@ fn chi2(identified: &Identified) -> f64 {
     identified.estimate.diagnostics.as_ref().unwrap().chi2
 }
 
-/// The judge fits the kept rows again: chi-square of all rows less theirs is what the first order must give. Measured: 1.3e-10 of it.
+/// Reference: the kept rows are fitted again. The chi-square of all rows minus theirs is what the first-order
+/// statistic must give. Measured: 1.3e-10 relative.
 #[test]
 fn exact_the_held_out_rows_cost_what_a_fit_without_them_saves() {
     let telemetry = stsat3().join("multiaxis/telemetry_noisy.csv");
@@ -43,7 +44,7 @@ fn exact_the_held_out_rows_cost_what_a_fit_without_them_saves() {
     assert!(found.p > 1e-3, "{found:?}");
 }
 
-/// A vehicle that changes before its record ends: the gyro's scale stands for any such change.
+/// A vehicle that changes before the record ends, represented by a change of gyro scale.
 #[test]
 fn stat_an_end_that_does_not_follow_from_the_beginning_is_not_predicted() {
     let text = std::fs::read_to_string(stsat3().join("multiaxis/telemetry_noisy.csv")).unwrap();

@@ -1,11 +1,11 @@
-//! The shipped telemetry, made by MuJoCo and Basilisk, against its truth.
+//! The shipped telemetry, made by MuJoCo and Basilisk, against its true values.
 
 use crate::shared::{examples, identified};
 use poinsot_identify::{Estimate, Source, Status};
 use serde_json::Value;
 use std::collections::BTreeMap;
 
-/// The ten barycentric parameters of every body of a truth file, by the names of the result.
+/// The ten barycentric parameters of every body of a truth file, by their names in the result.
 fn truth(path: &str) -> BTreeMap<String, f64> {
     let text = std::fs::read_to_string(examples().join(path)).unwrap();
     let file: Value = serde_json::from_str(&text).unwrap();
@@ -37,7 +37,7 @@ fn truth(path: &str) -> BTreeMap<String, f64> {
     all
 }
 
-/// Largest error of the numbers that the result gives for a body, relative to the scale of its kind.
+/// Largest error of a body's numbers in the result, relative to the scale of their kind.
 fn worst_error(estimate: &Estimate, truth: &BTreeMap<String, f64>, body: &str) -> f64 {
     let b = estimate.bodies.iter().find(|b| b.name == body).unwrap();
     let m = truth[&format!("{body}.m")];
@@ -58,7 +58,7 @@ fn worst_error(estimate: &Estimate, truth: &BTreeMap<String, f64>, body: &str) -
     worst
 }
 
-/// Largest error over sigma of the numbers that the data determine.
+/// Largest error in sigmas of the determined numbers.
 fn worst_sigmas(estimate: &Estimate, truth: &BTreeMap<String, f64>) -> f64 {
     let mut worst: f64 = 0.0;
     for b in &estimate.bodies {
@@ -115,7 +115,7 @@ fn paper_kim2010_published_manoeuvre_shows_three_of_six() {
             let body = &answer.estimate.bodies[0];
             assert!(body.inertia.iter().all(|n| n.value.is_none()));
             assert!(found.open[0].reason.contains("one axis only"));
-            // I n is observable: with I = row sums the paper calls diagonal (FINDINGS kim2010, 2).
+            // I n is determined: with I = row sums, which the paper calls diagonal (FINDINGS kim2010, 2).
             for c in &found.determined {
                 let expected = [14.150, 17.520, 20.730]
                     .into_iter()
@@ -168,7 +168,7 @@ fn xval_mujoco_xu2017_as_one_problem_shows_52_of_70() {
     }
     println!("worst relative error of 52 combinations {worst:.1e}");
     assert!(worst < 1.0e-7, "{worst:.1e}");
-    // What the open directions move must not be given a number (FINDINGS xu2017, 1).
+    // A number that changes along unobservable directions must not be given (FINDINGS xu2017, 1).
     for body in &answer.estimate.bodies {
         assert!(body.mass.value.is_none(), "{}", body.name);
     }
@@ -181,7 +181,7 @@ fn xval_mujoco_xu2017_as_one_problem_shows_52_of_70() {
     }
 }
 
-/// A first moment or an inertia that is truly zero is judged against the size of its body.
+/// A first moment or inertia that is zero is compared with the size of its body.
 fn natural_scale(name: &str) -> f64 {
     if name.contains(".I_") { 0.1 } else { 1.0 }
 }

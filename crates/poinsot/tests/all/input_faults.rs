@@ -1,4 +1,4 @@
-//! Faults of what drives the vehicle, planted and found: offsets, lags, tilted wheels, torques fixed in N.
+//! Planted and recovered errors of inputs: offsets, lags, tilted wheels, torques constant in N.
 
 use crate::vehicle;
 
@@ -29,7 +29,7 @@ fn shift(table: &mut Table, prefix: &str, by: f64) {
     }
 }
 
-/// A sensor of joints, wheels or thrusters that takes its readings as exact but for the faults asked.
+/// A sensor of joints, wheels or thrusters that is exact except for the given errors.
 fn reader(kind: SensorKind, of: Vec<usize>) -> poinsot_model::Sensor {
     let mut sensor = sensor(kind, 1.0);
     sensor.noise_covariance = None;
@@ -81,7 +81,7 @@ fn exact_tilted_wheels_come_back() {
         ..moving(&truth, 6)
     };
     let table = fly(&truth, &flight);
-    // Declared: against noise read off exact rates, the error of the path of the wheels between readings is large.
+    // Declared noise, because the interpolation error of wheels is large compared with exact rates.
     let mut asked = off_nominal(&model, 0.03);
     asked.sensors = sensors(1.0e-5);
     for wheel in &mut asked.wheels {
@@ -95,7 +95,7 @@ fn exact_tilted_wheels_come_back() {
             assert!(error.abs() < 1.0e-5, "{error:e}");
         }
     }
-    // A rigid body without thrusters keeps its mass to itself; the wheels give the scale of its inertia.
+    // The mass of a rigid body without thrusters is not identifiable; the wheels set the scale of its inertia.
     let body = &answer.estimate.bodies[0];
     let I = truth.bodies[0].nominal.I_BBcm_B;
     for (k, element) in poinsot_identify::TENSOR.into_iter().enumerate() {
@@ -104,7 +104,7 @@ fn exact_tilted_wheels_come_back() {
     }
 }
 
-/// Scale errors and axes that are not square to each other, planted in the readings of a gyro, come back.
+/// Planted scale errors and nonorthogonality of a gyro are recovered.
 #[test]
 fn exact_a_gyro_whose_axes_are_not_square_comes_back() {
     let mut truth = with_wheels(known_arm(17));
@@ -145,7 +145,7 @@ fn exact_a_gyro_whose_axes_are_not_square_comes_back() {
     assert!(worst_error(&answer, &truth, 0) < 1.0e-5);
 }
 
-/// An arm whose joints and wheels, and what else is asked, are read by declared sensors, and how it moves.
+/// An arm with declared sensors for joints, wheels and `more`, and its motion.
 fn read_everywhere(noise: f64, more: &[SensorKind]) -> (Model, Table) {
     let mut truth = with_thrusters(with_wheels(known_arm(13)));
     truth.sensors = sensors(noise);
@@ -162,7 +162,7 @@ fn read_everywhere(noise: f64, more: &[SensorKind]) -> (Model, Table) {
     (truth, table)
 }
 
-/// Every sensor reads 2 ms late, thrusters act 5 ms late; what is left over is of second order in the lag.
+/// Every sensor is 2 ms late, thrusters act 5 ms late; the remaining error is second order in the lag.
 #[test]
 fn exact_lags_of_all_sensors_come_back() {
     let lag = 2.0e-3;
@@ -190,7 +190,7 @@ fn exact_lags_of_all_sensors_come_back() {
     }
 }
 
-/// A lag of 20 ms that nobody declared: the diagnosis names it first, with the sensor that has it.
+/// An undeclared lag of 20 ms: the diagnosis names it first, with its sensor.
 #[test]
 fn exact_lags_of_20_ms_are_named_with_their_sensor() {
     let (truth, clean) = read_everywhere(1.0e-4, &[]);
@@ -212,8 +212,8 @@ fn exact_lags_of_20_ms_are_named_with_their_sensor() {
     }
 }
 
-/// A body with a wheel of constant speed under a constant torque in N, by the classical fourth-order Runge-Kutta
-/// method in steps of a millisecond: Euler's equation and `q' = q w / 2`, and nothing of the program.
+/// A body with a wheel of constant speed under a constant torque in N. It is integrated by fourth-order Runge-Kutta
+/// with steps of a millisecond: Euler's equation and `q' = q w / 2`, without code of the program.
 fn pushed(I: &Matrix3, h_w: &Vector3, T_N: &Vector3) -> Table {
     let inverse = I.try_inverse().unwrap();
     let slope = |q: &Quaternion<f64>, w: &Vector3| {

@@ -1,4 +1,4 @@
-//! Known numbers are known within an uncertainty: what is wrong by so much neither bends an answer unseen nor raises an alarm.
+//! Known numbers have an uncertainty: an error within it neither biases an answer undetected nor causes an alarm.
 #![allow(clippy::print_stdout)]
 
 use crate::vehicle;
@@ -14,7 +14,7 @@ use vehicle::*;
 /// One sigma of every sensor, SI.
 const SIGMA: f64 = 1.0e-4;
 
-/// A base that is asked for, with a known arm, three wheels and three thrusters.
+/// An unknown base with a known arm, three wheels and three thrusters.
 fn arm(seed: u64) -> Model {
     let mut model = with_thrusters(with_wheels(tree(seed, "r")));
     model.sensors = sensors(SIGMA);
@@ -22,7 +22,7 @@ fn arm(seed: u64) -> Model {
     model
 }
 
-/// The ten numbers of the base: error over sigma.
+/// Errors of the base's ten numbers in sigmas.
 fn errors(answer: &Identified, truth: &Model) -> Vec<f64> {
     let base = &answer.estimate.bodies[0];
     let given = &truth.bodies[0].nominal;
@@ -39,8 +39,9 @@ fn largest(errors: &[f64]) -> f64 {
     errors.iter().fold(0.0, |a, z| f64::max(a, z.abs()))
 }
 
-/// The arm link 0.3 % too light, its joint 0.5 mm aside, wheels with 1 % more inertia than the model has: with exact known
-/// numbers the answer errs by many of its sigmas; within the uncertainties of a drawing it holds, without an alarm.
+/// The arm link 0.3 % too light, its joint displaced by 0.5 mm, wheels with 1 % more inertia than in the model. With
+/// exact known numbers the answer errs by many sigmas; with the uncertainties of a drawing it is covered, without an
+/// alarm.
 #[test]
 fn stat_wrong_known_numbers_are_covered_and_raise_no_alarm() {
     let exact = arm(11);
@@ -81,20 +82,20 @@ fn stat_wrong_known_numbers_are_covered_and_raise_no_alarm() {
         assert!(z < 4.0, "{what}: {z}");
         let known = &covered.estimate.known_numbers;
         assert!(!known.exact && !known.effects.is_empty());
-        // Every sigma holds what the known numbers add.
+        // Every sigma includes the contribution of the known numbers.
         let rows = covered.estimate.covariance_names.len();
         for k in 0..rows {
             let data = known.sigma_data[k].unwrap();
             assert!(covered.estimate.covariance[k][k].sqrt() >= 0.999 * data);
         }
-        // No known number explains more than all, however much numbers that err together cancel.
+        // No known number explains more than the total, even if correlated contributions cancel.
         for share in known.effects.iter().flat_map(|e| e.shares.iter().flatten()) {
             assert!((0.0..1.0 + 1.0e-6).contains(share), "{what}: {share}");
         }
     }
 }
 
-/// Where one known number alone is uncertain, its share of a variance is what an exact one takes off.
+/// If one known number is uncertain, its share of a variance is the reduction by an exact one.
 #[test]
 fn exact_the_share_of_one_known_number_is_what_an_exact_one_saves() {
     let exact = arm(11);
@@ -121,7 +122,7 @@ fn exact_the_share_of_one_known_number_is_what_an_exact_one_saves() {
     assert!(most > 0.1, "{most}");
 }
 
-/// Known numbers drawn from their uncertainties, those of like wheels correlated.
+/// Known numbers drawn from their uncertainties, correlated for equal wheels.
 fn drawn(model: &Model, dice: &mut Dice) -> Vec<(Uncertain, usize, f64)> {
     let common = dice.normal();
     let mut all = Vec::new();
@@ -144,7 +145,7 @@ fn drawn(model: &Model, dice: &mut Dice) -> Vec<(Uncertain, usize, f64)> {
     all
 }
 
-/// What a vehicle whose known numbers are `changes` off the model flies and reads.
+/// Simulated measurements of a vehicle whose known numbers differ from the model by `changes`.
 fn flown(model: &Model, changes: &[(Uncertain, usize, f64)], seed: u64) -> (Model, Table) {
     let mut truth = model.clone();
     for (u, component, change) in changes {
@@ -183,7 +184,7 @@ fn flown(model: &Model, changes: &[(Uncertain, usize, f64)], seed: u64) -> (Mode
     (truth, table)
 }
 
-/// Squared error of all numbers in their covariance, over their count; and how many intervals of 95 % hold.
+/// Squared Mahalanobis error per number, and the number of 95 % intervals that hold.
 fn judged(answer: &Identified, truth: &Model) -> (f64, usize) {
     let z = errors(answer, truth);
     let e = &answer.estimate;
@@ -194,9 +195,9 @@ fn judged(answer: &Identified, truth: &Model) -> (f64, usize) {
     (square / 10.0, z.iter().filter(|z| z.abs() < 1.96).count())
 }
 
-/// With everything exact and the truth that of the model, and with known numbers drawn from their uncertainties: the same
-/// limits. `POINSOT_TRIALS` sets the number of trials. Where sensors are so good that the uncertainties of drawings are
-/// thousands of times their noise, the fit does not always settle: then the numbers are withheld, and counted.
+/// With exact known numbers, and with known numbers drawn from their uncertainties: equal limits. `POINSOT_TRIALS`
+/// sets the number of trials. If sensor noise is thousands of times below the uncertainty of drawings, some fits do
+/// not converge; their numbers are withheld, and counted.
 #[test]
 fn stat_intervals_hold_with_exact_and_with_uncertain_known_numbers() {
     let trials = std::env::var("POINSOT_TRIALS").ok();

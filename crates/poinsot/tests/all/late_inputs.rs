@@ -1,4 +1,4 @@
-//! Joints and wheels that read late, with the noise of real instruments: the lag comes back, and so do the bodies.
+//! Delayed joint and wheel samples with realistic noise: lag and bodies are recovered.
 
 use crate::shared::examples;
 use poinsot::case::parse_case;
@@ -18,7 +18,7 @@ fn model(path: &str, late: SensorKind) -> Model {
     model
 }
 
-/// Every n-th row; the channels named read what they read so many rows before.
+/// Every n-th row; the named channels are delayed by `rows` rows.
 fn late(table: &Table, prefix: &str, rows: usize, every: usize) -> Table {
     let mut table = table.clone();
     for c in &mut table.channels {
@@ -40,8 +40,8 @@ fn sigmas_off(number: &Number, truth: f64) -> f64 {
     (number.value.unwrap() - truth) / number.sigma.unwrap()
 }
 
-/// The lag and every number of the body asked that the data determine lie within four sigma, chi-square is right, and
-/// the answer is trusted.
+/// The lag and every determined number of the body are within four sigma, chi-square is correct, and the answer is
+/// reliable.
 fn is_right(answer: &Identified, lag: &str, lag_s: f64, truth: &str, body: &str) {
     let e = &answer.estimate;
     let found = e.nuisance.iter().find(|n| n.name == lag).unwrap();
@@ -68,7 +68,8 @@ fn is_right(answer: &Identified, lag: &str, lag_s: f64, truth: &str, body: &str)
     assert!(d.suspects.is_empty(), "{:?}", d.suspects);
 }
 
-/// Rounded encoders: by differences of their readings a lag of 5 ms came out as 1.7 ms, 131 sigma off, and was trusted.
+/// Rounded encoders: with differentiated samples a lag of 5 ms was estimated as 1.7 ms, 131 sigma off, without a
+/// warning.
 #[test]
 fn stat_noisy_joints_that_read_late_show_their_lag() {
     let path = examples().join("cases/ma2008_traj1.toml");
@@ -84,8 +85,8 @@ fn stat_noisy_joints_that_read_late_show_their_lag() {
     }
 }
 
-/// Torques that are held between the readings, speeds in steps of 0.05 rad/s: of first order in the lag, 300 ms moved
-/// `I_zz` by 15 sigma.
+/// Torques constant between samples, speeds in steps of 0.05 rad/s. First order in the lag, 300 ms changed `I_zz` by
+/// 15 sigma.
 #[test]
 fn stat_wheels_that_read_late_show_their_lag() {
     let folder = examples().join("stsat3/multiaxis");
@@ -97,7 +98,7 @@ fn stat_wheels_that_read_late_show_their_lag() {
         let truth = "stsat3/multiaxis/truth.json";
         is_right(&answer, "tachometers.lag", lag_s, truth, "spacecraft");
     }
-    // 10 s of 470 s are beyond the last reading.
+    // 10 s of 470 s are after the last sample.
     let answer = ask(&model, late(&whole, "wheel", 100, 1)).estimate;
     assert!(!answer.covariance_trustworthy);
     let said = answer
@@ -107,7 +108,7 @@ fn stat_wheels_that_read_late_show_their_lag() {
     assert!(said, "{:?}", answer.warnings);
 }
 
-/// What the diagnosis says first of a record with a fault that nobody declared.
+/// First suspect of the diagnosis for a record with an undeclared fault.
 fn first_suspect(model: &Model, table: Table) -> (String, f64) {
     let answer = ask(model, table);
     let found = answer.estimate.diagnostics.unwrap();
@@ -117,7 +118,7 @@ fn first_suspect(model: &Model, table: Table) -> (String, f64) {
     (first.name.clone(), first.values[0].1)
 }
 
-/// Undeclared, 100 ms of the joints were called an attitude that reads 93 ms early, and an offset of a joint flexing.
+/// Undeclared, a joint lag of 100 ms was called an attitude lead of 93 ms, and a joint offset flexibility.
 #[test]
 fn stat_late_joints_and_a_joint_off_its_reading_are_named() {
     let path = examples().join("cases/ma2008_traj1.toml");
@@ -135,7 +136,7 @@ fn stat_late_joints_and_a_joint_off_its_reading_are_named() {
     assert!((offset - 0.01).abs() < 1.0e-4, "{offset}");
 }
 
-/// Undeclared, it was called an attitude that reads 91 ms early.
+/// Undeclared, it was called an attitude lead of 91 ms.
 #[test]
 fn stat_thrust_that_is_read_late_is_named() {
     let path = examples().join("cases/tug_thrusters.toml");

@@ -1,4 +1,4 @@
-//! Position and velocity on an orbit, as a receiver gives them: no reference orbit, no gap, one segment.
+//! Position and velocity on an orbit, as from a receiver: no reference orbit, no gap, one segment.
 
 use poinsot::case::parse_case;
 use poinsot::simulate::simulate_case;
@@ -12,7 +12,7 @@ const GM: f64 = 3.986_004_418e14;
 const RADIUS: f64 = 6_378_136.6;
 const J2: f64 = 1.082_635_9e-3;
 
-/// Slope of the potential of a point mass and J2 by differences: the definition, not the formula of the program.
+/// Gradient of the potential of a point mass with J2 by differences: the definition, not the program's formula.
 fn gravity(r: &Vector3) -> Vector3 {
     let potential = |r: Vector3| {
         let (d, s) = (r.norm(), r.z / r.norm());
@@ -35,7 +35,7 @@ fn vector(table: &Table, prefix: &str, k: usize) -> Vector3 {
     Vector3::new(axis("x"), axis("y"), axis("z"))
 }
 
-/// Puts a motion in free fall on an orbit: what is added to the position falls where the vehicle is, `z'' = g(x + z)`.
+/// Adds an orbit in free fall to a motion: the added position obeys `z'' = g(x + z)`, the gravity at the vehicle.
 fn on_orbit(table: &mut Table) {
     let times = table.channel("r_x").unwrap().time_s.clone();
     let mut z = Vector3::new(6.2e6, -2.0e6, 2.3e6);
@@ -45,7 +45,7 @@ fn on_orbit(table: &mut Table) {
         let h = times[k] - times[k - 1];
         let (a, b) = (vector(table, "r", k - 1), vector(table, "r", k));
         let fall = |s: f64, z: Vector3| gravity(&(z + a * (1.0 - s) + b * s));
-        // Runge and Kutta's fourth order.
+        // Fourth-order Runge-Kutta.
         let (w1, g1) = (w, fall(0.0, z));
         let (w2, g2) = (w + g1 * (h / 2.0), fall(0.5, z + w1 * (h / 2.0)));
         let (w3, g3) = (w + g2 * (h / 2.0), fall(0.5, z + w2 * (h / 2.0)));
@@ -75,7 +75,7 @@ fn flown() -> (Model, Table) {
     let text = text.replace("duration_s = 120.0", "duration_s = 600.0");
     let case = parse_case(&path, text.replace("rate_hz = 10", "rate_hz = 4")).unwrap();
     let mut model = read_model(&case.model).unwrap();
-    // A receiver with phase measurements.
+    // A receiver with carrier-phase measurements.
     for sensor in &mut model.sensors {
         if sensor.kind == SensorKind::Position {
             sensor.noise_covariance = Some(poinsot_spatial::Matrix3::identity() * 0.02 * 0.02);

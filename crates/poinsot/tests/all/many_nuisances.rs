@@ -1,4 +1,4 @@
-//! Fits with many numbers of the instruments free, straight from nominal values.
+//! Fits with many unknown sensor errors, directly from nominal values.
 
 use crate::vehicle;
 
@@ -8,8 +8,8 @@ use poinsot_model::{Nuisance, SensorKind};
 use poinsot_spatial::{Vector3, skew};
 use vehicle::*;
 
-/// Gyro bias, scale and misalignment, all wheel axes, two of three thrusters and the body itself, all off: what comes
-/// back, how many iterations it took, and the largest error of the body.
+/// Gyro bias, scale and misalignment, all wheel axes, two of three thrusters and the body are wrong. Returns status,
+/// iterations, and the largest error of the body.
 fn fitted(size: f64, seed: u64) -> (Status, usize, f64) {
     let mut dice = Dice::new(seed);
     let mut model = with_thrusters(with_wheels(known_arm(13)));

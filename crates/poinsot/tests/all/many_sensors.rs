@@ -1,4 +1,4 @@
-//! Any number of sensors of a kind, on any body: gyros and star trackers of different quality on one tug, and on an arm.
+//! Several sensors of a kind on any body: gyros and star trackers of different quality on a tug and on its arm.
 
 use crate::shared::undiagnosed;
 use poinsot::bind::{BindError, Bound, bind};
@@ -12,7 +12,7 @@ use poinsot_telemetry::{Channel, Table};
 use poinsot_testkit::Vector3;
 use std::path::Path;
 
-/// A tug with an arm; the true numbers.
+/// A tug with an arm and its true numbers.
 const VEHICLE: &str = r#"
 schema = "poinsot.model/1"
 exact = true
@@ -91,7 +91,7 @@ const SUNLIGHT: Declared = (
     2.0e-4,
     "reference_N = [3.0, -1.0, 2.0]\n",
 );
-/// Turned on its body, and off by a little.
+/// Rotated on its body, with a small error.
 const FIELD: Declared = (
     "field",
     "direction",
@@ -137,7 +137,7 @@ fn written_case(text: &str) -> Case {
     parse_case(&folder.join("arm.toml"), text.to_owned()).unwrap()
 }
 
-/// The same motion without exact columns beside the sensors'.
+/// The motion with sensor columns only, without exact ones.
 fn sensed() -> Case {
     written_case(&CASE.replace("seed = 7", "seed = 7\nsensors_only = true"))
 }
@@ -187,7 +187,7 @@ fn numbers(estimate: &Estimate) -> Vec<(f64, f64)> {
     all.map(pair).collect()
 }
 
-/// What the sensors of a vehicle read, and the joint.
+/// Samples of the sensors of a vehicle, and the joint.
 fn written(model: &Model) -> Table {
     let mut table = simulate_trial(&case(), model, 0).unwrap().table;
     let unread = |c: &Channel| match c.name.split_once('_') {
@@ -199,7 +199,7 @@ fn written(model: &Model) -> Table {
     table
 }
 
-/// Largest gap of values, in sigmas, and of sigmas, relative.
+/// Largest difference of values, in sigmas, and of sigmas, relative.
 fn gaps(ours: &[(f64, f64)], theirs: &[(f64, f64)]) -> (f64, f64) {
     let pairs = || ours.iter().zip(theirs);
     let value = pairs().map(|(a, b)| (a.0 - b.0).abs() / b.1);
@@ -212,7 +212,7 @@ fn columns<'t>(table: &'t Table, sensor: &str) -> Vec<&'t Channel> {
     own.filter(|c| c.sensor == sensor).collect()
 }
 
-/// Two gyros at the same times tell what one tells that reads their weighted mean.
+/// Two gyros at equal times are equivalent to one gyro with their weighted mean.
 #[test]
 fn exact_two_gyros_are_one_that_reads_their_weighted_mean() {
     let both = model(&[COARSE, STAR, SPEED, FINE]);
@@ -247,7 +247,7 @@ fn exact_order_of_declaration_changes_nothing_and_sigma_is_the_bound_of_all() {
     let (_, sigma) = gaps(&numbers(&found), &bound_of(&first));
     println!("bound: sigmas {sigma:.1e}");
     assert!(sigma < 5.0e-3, "{sigma:e}");
-    // The coarse ones take nothing away.
+    // The coarse ones reduce no information.
     let mut few = table.clone();
     few.channels
         .retain(|c| ![COARSE.0, SUN.0].contains(&&*c.sensor));
@@ -267,7 +267,7 @@ fn exact_order_of_declaration_changes_nothing_and_sigma_is_the_bound_of_all() {
     assert_eq!(names, expected);
 }
 
-/// Gyro and tracker on a link: what they tell is right, and makes sigma smaller.
+/// Gyro and star tracker on a link: their information is consistent, and reduces sigma.
 #[test]
 fn exact_sensors_on_a_link_tell_of_the_base() {
     let sensors = [FINE, STAR, SPEED, ON_ARM, ARM_STAR];
@@ -370,7 +370,7 @@ fn regress_a_sensor_without_data_and_data_without_sensor_are_said() {
     assert!(refused.contains("'coarse' declares no noise"), "{refused}");
 }
 
-/// A direction is the vector in N, turned by the attitude that the same run writes.
+/// A direction is the reference vector rotated by the attitude of the same run.
 #[test]
 fn exact_a_direction_is_the_turned_reference() {
     let mut quiet = model(&[STAR, SUNLIGHT]);
@@ -379,7 +379,7 @@ fn exact_a_direction_is_the_turned_reference() {
         .iter_mut()
         .for_each(|s| s.noise_covariance = None);
     let table = simulate_trial(&case(), &quiet, 0).unwrap().table;
-    // The only one of a kind writes columns without a name.
+    // The only sensor of a kind writes columns without a name.
     let axis = |name: String| &table.channel(&name).unwrap().values;
     let seen = ["x", "y", "z"].map(|k| axis(format!("direction_{k}")));
     let q = ["x", "y", "z", "w"].map(|k| axis(format!("q_{k}")));
@@ -387,7 +387,7 @@ fn exact_a_direction_is_the_turned_reference() {
     for k in 0..seen[0].len() {
         let [x, y, z, w] = q.map(|c| c[k]);
         let vector = Vector3::new(x, y, z);
-        // Rodrigues with the conjugate: from N to the body.
+        // Rotation with the conjugate quaternion: from N to the body.
         let turned = reference - 2.0 * w * vector.cross(&reference)
             + 2.0 * vector.cross(&vector.cross(&reference));
         let gap = turned - Vector3::new(seen[0][k], seen[1][k], seen[2][k]);
@@ -395,7 +395,7 @@ fn exact_a_direction_is_the_turned_reference() {
     }
 }
 
-/// No tracker: two directions, one of a turned sensor that is off by an unknown vector, and a third on the arm.
+/// No star tracker: two directions, one from a rotated sensor with unknown errors, and a third on the arm.
 #[test]
 fn stat_directions_without_a_tracker_are_calibrated() {
     let model = model(&[FINE, SUNLIGHT, FIELD, ARM_SUN, SPEED]);
@@ -408,7 +408,8 @@ fn stat_directions_without_a_tracker_are_calibrated() {
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
-/// Three directions at right angles weigh as much as a tracker: each tells two of three turns, so together twice all.
+/// Three orthogonal directions are equivalent to a star tracker: each determines two of three angles, so together they
+/// have twice the information.
 #[test]
 fn exact_three_directions_are_a_tracker_of_half_the_variance() {
     let axes = ["[1.0, 0.0, 0.0]", "[0.0, 2.0, 0.0]", "[0.0, 0.0, -3.0]"]
@@ -432,7 +433,7 @@ fn exact_three_directions_are_a_tracker_of_half_the_variance() {
     assert!(sigma < 1.0e-3, "{sigma:e}");
 }
 
-/// The vector in N as columns that change in time gives the same answer, bit by bit, as one that stands in the model.
+/// A reference vector in N given by columns that vary in time gives the same answer, bit by bit, as one in the model.
 #[test]
 fn exact_a_reference_in_columns_is_that_of_the_model() {
     let declared = model(&[FINE, SUNLIGHT, FIELD, SPEED]);
@@ -463,7 +464,7 @@ fn exact_a_reference_in_columns_is_that_of_the_model() {
     assert!(lost.contains("sunlight.reference_x"), "{lost}");
 }
 
-/// Columns of a direction and of its reference have names of their own.
+/// Columns of a direction and of its reference can have other names.
 #[test]
 fn regress_columns_of_directions_can_be_mapped() {
     let one = |name: &str, column: &str| {

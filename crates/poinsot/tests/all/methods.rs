@@ -11,7 +11,7 @@ const VEHICLES: [(&str, &str); 3] = [
     ("ma2008/model.toml", "ma2008/traj1/telemetry.parquet"),
     ("xu2017/model.toml", "xu2017/C1/telemetry.parquet"),
 ];
-/// Every so many rows: the question is whether there is an answer, not how good it is.
+/// Row step: only the existence of an answer is tested, not its quality.
 const EVERY: usize = 8;
 
 #[test]
@@ -43,7 +43,7 @@ fn prop_every_published_variant_answers_or_is_refused_with_a_code() {
             }
         }
     }
-    // Each method answers for the vehicle of its own paper.
+    // Each method must work for the vehicle of its own paper.
     for method in methods().iter().filter(|m| m.paper.is_some()) {
         assert!(
             answered.iter().any(|a| a.0 == method.name),

@@ -1,4 +1,4 @@
-//! Records without attitude whose columns or times are not what they are called.
+//! Records without attitude with exchanged columns or wrong time units.
 
 use crate::shared::stsat3;
 use poinsot::{Error, Identified, IdentifyRequest, Question, identify, identify_tables};
@@ -9,7 +9,7 @@ fn model() -> Model {
     read_model(stsat3().join("model.toml")).unwrap()
 }
 
-/// The first minutes of three slews, gyro and wheels alone.
+/// The first minutes of three slews, gyro and wheels only.
 fn gyro_and_wheels() -> Table {
     let files = [stsat3().join("multiaxis/telemetry_noisy.csv")];
     let mut table = read(&files, &ReadOptions::default()).unwrap();
@@ -30,7 +30,7 @@ fn rename(table: &mut Table, from: &str, to: &str) {
     to.clone_into(&mut channel.unwrap().name);
 }
 
-/// They were called deg/s: rates divided by 57 sink in the declared noise, where everything fits.
+/// They were called deg/s: rates divided by 57 are below the declared noise, where everything fits.
 #[test]
 fn stat_exchanged_gyro_axes_are_named_as_such() {
     let mut table = gyro_and_wheels();
@@ -42,7 +42,7 @@ fn stat_exchanged_gyro_axes_are_named_as_such() {
     assert!(said.contains(right), "{said}");
 }
 
-/// A model that no reading of the rates makes right: nothing is said of their unit.
+/// A model that no interpretation of the rates makes right: no unit error is reported.
 #[test]
 fn stat_a_wrong_wheel_axis_is_not_called_a_unit() {
     let mut model = model();
@@ -53,7 +53,7 @@ fn stat_a_wrong_wheel_axis_is_not_called_a_unit() {
     assert!(said.is_empty(), "{said:?}");
 }
 
-/// Times a thousand times too large: the fit ran for minutes and said nothing of time.
+/// Times too large by a factor of 1000: the fit ran for minutes without naming the time.
 #[test]
 fn stat_times_in_milliseconds_are_refused_before_the_fit() {
     let mut table = gyro_and_wheels();

@@ -1,4 +1,4 @@
-//! Motor torque in the telemetry against the speed of the wheel.
+//! Motor torque in telemetry against wheel speed.
 
 use crate::shared::stsat3;
 use poinsot::case::parse_case;
@@ -39,7 +39,7 @@ fn scaled(mut table: Table, wanted: &str, factor: f64) -> Table {
     table
 }
 
-/// All speeds halved halve the inertia, and nothing but the torque shows it.
+/// Halved speeds halve the inertia; only the torque reveals it.
 #[test]
 fn regress_speeds_that_the_torque_contradicts_are_doubted() {
     let found = answer(scaled(
@@ -77,7 +77,7 @@ fn regress_torque_that_agrees_says_nothing() {
         let found = answer(record(name));
         assert!(said(&found).is_empty(), "{name}: {:?}", said(&found));
     }
-    // Torques are known to five in a hundred, and a constant one may be friction.
+    // Torques are known to 5 %, and a constant one may be friction.
     let mut table = scaled(record("multiaxis/telemetry_noisy.csv"), "_Nm", 1.1);
     for channel in table
         .channels
@@ -89,7 +89,7 @@ fn regress_torque_that_agrees_says_nothing() {
     assert!(said(&answer(table)).is_empty());
 }
 
-/// Wheels with friction under attitude control: the motor works against it.
+/// Wheels with friction under attitude control: the motor compensates it.
 #[test]
 fn exact_friction_is_no_contradiction() {
     let folder = stsat3().join("../cases");

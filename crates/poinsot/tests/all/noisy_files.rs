@@ -1,4 +1,4 @@
-//! The shipped noisy records, raw joints and wheels included, against their truth and the bounds of the experiment.
+//! The shipped noisy records, with noisy joints and wheels, against the true values and the bounds.
 
 use crate::shared::examples;
 use poinsot::{Identified, IdentifyRequest, identify};
@@ -36,7 +36,7 @@ fn truth(path: &str, body: &str) -> MassProperties {
     }
 }
 
-/// Largest error over sigma of the numbers that the data determine, and how many they are.
+/// Largest error in sigmas of the determined numbers, and their count.
 fn worst(body: &BodyEstimate, truth: &MassProperties) -> (f64, usize) {
     let elements = [(0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2)];
     let inertia = elements.map(|at| truth.I_BBcm_B[at]);
@@ -81,7 +81,7 @@ fn assert_ma2008(run_name: &str, file: &str, bounds: [f64; 3]) {
     println!("{run_name}: worst error {sigmas:.2} sigma, sigmas {own:?}, chi-square {chi2:.4}");
     assert_eq!(count, 10);
     assert!(sigmas < 4.0);
-    // 99.9 % of chi-square per degree of freedom of 1800 x 12 numbers lies within 0.032 of one.
+    // 99.9 % of chi-square per degree of freedom of 1800 x 12 numbers is within 0.032 of one.
     assert!((chi2 - 1.0).abs() < 0.035);
     for (sigma, bound) in own.iter().zip(bounds) {
         assert!(*sigma <= bound, "{own:?} {bounds:?}");
@@ -93,7 +93,7 @@ fn stat_ma2008_trajectory_1_with_raw_joints() {
     assert_ma2008("traj1", "telemetry_noisy.csv", [0.06, 3.0e-6, 2.5e-3]);
 }
 
-// Their own Cramer-Rao bounds, rounded up; a spin about one axis shows less than the two of traj2b.
+// The Cramer-Rao bounds of this record, rounded up; a spin about one axis determines less than the two of traj2b.
 #[test]
 fn stat_ma2008_trajectory_2_with_raw_joints() {
     assert_ma2008("traj2", "telemetry_noisy.parquet", [0.063, 4.6e-5, 0.142]);
@@ -176,7 +176,7 @@ fn stat_xu2017_noisy_together_shows_52_combinations_within_four_sigma() {
 #[test]
 fn stat_xu2017_noisy_with_a_prior_gives_all_seventy_and_their_source() {
     let text = std::fs::read_to_string(examples().join("xu2017/model_noisy.toml")).unwrap();
-    // Nominal numbers are 2 to 6 % and up to 5 mm off: a prior of about that.
+    // Nominal numbers have errors of 2 to 6 % and up to 5 mm: the prior is about that.
     let (mut with, mut mass, mut inertia) = (String::new(), 0.0, 0.0_f64);
     let numbers = |line: &str| -> Vec<f64> {
         let words = line.split([' ', ',']);

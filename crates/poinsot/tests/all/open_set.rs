@@ -1,5 +1,5 @@
-//! What is determined where only rotation is measured: printed numbers against the truth, and what stays the same along
-//! walks of equal prediction.
+//! Determined numbers from rotation measurements only: printed numbers against the truth, and invariants along sets of
+//! equal prediction.
 
 use crate::flown::{combinations, flown, functions, system, worst};
 use crate::remedies::{one_axis, spinning};
@@ -13,11 +13,12 @@ use poinsot_testkit::momentum_sum::{
     KitBody, KitJoint, KitState, body_motion, kinetic_energy, system_momentum,
 };
 
-/// Largest error of a printed number, sigmas: over 300 numbers a right sigma exceeds it once in 50 runs, and a record of
-/// fixed seeds never.
+/// Largest error of a printed number, sigmas. Over 300 numbers a correct sigma exceeds it once in 50 runs; these
+/// records have fixed seeds.
 const MOST: f64 = 4.0;
 
-/// Twelve vehicles of one to three bodies. Before there were walks, combinations missed the truth by up to 3,495 sigma.
+/// Twelve vehicles of one to three bodies. Before walks along sets of equal prediction, combinations missed the truth
+/// by up to 3,495 sigma.
 #[test]
 fn stat_no_number_that_is_printed_is_further_from_the_truth_than_four_sigma() {
     for k in 0..12 {
@@ -49,7 +50,7 @@ fn stat_no_number_that_is_printed_is_further_from_the_truth_than_four_sigma() {
     }
 }
 
-/// What the page shows moving: every point of every walk, the start of the record fitted again.
+/// The animation of the page: every point of every walk, with the initial state fitted again.
 #[test]
 fn exact_chi_square_is_the_same_at_every_point_of_a_walk() {
     let model = one_axis();
@@ -98,7 +99,7 @@ fn place_of(evaluator: &Evaluator, name: &str) -> usize {
     all.position(|u| u.name == name).unwrap()
 }
 
-/// Log-likelihood with every unknown fitted but those held.
+/// Log-likelihood with all unknowns fitted except those held.
 fn fitted_beside(evaluator: &Evaluator, mut x: Vec<f64>, held: &[usize]) -> f64 {
     for _ in 0..6 {
         let here = evaluator.at(&x).unwrap();
@@ -116,7 +117,7 @@ const NAMES: [&str; 10] = [
     "I_BBo_zz",
 ];
 
-/// Place of a parameter among those of all bodies.
+/// Index of a parameter among those of all bodies.
 fn place(model: &Model, name: &str) -> usize {
     let (body, number) = name.split_once('.').unwrap();
     let body = model.bodies.iter().position(|b| b.name == body).unwrap();
@@ -157,7 +158,7 @@ fn functions_at(tree: &Tree, x: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// Largest change of any of some numbers along all walks.
+/// Largest change of these numbers along all walks.
 fn moved(walks: &[Vec<Vec<f64>>], of: impl Fn(&[f64]) -> Vec<f64>) -> Vec<f64> {
     let mut largest = Vec::new();
     for walk in walks {
@@ -187,7 +188,7 @@ fn exact_augmented_inertias_stay_along_a_walk_and_linear_combinations_do_not() {
     println!("K and D move by {largest:.1e} of the largest");
     assert!(largest < 1.0e-9, "{largest:.1e}");
 
-    // The combinations of the linearisation: what the open directions at the answer leave.
+    // Combinations of the linearisation: invariants along unobservable directions at the estimate.
     let n = 10 * truth.bodies.len();
     let natural: Vec<f64> = truth
         .bodies
@@ -219,7 +220,7 @@ fn exact_augmented_inertias_stay_along_a_walk_and_linear_combinations_do_not() {
     assert!(2 * moving > far.len());
 }
 
-/// The same tree for the judge.
+/// The tree in the types of the test kit.
 fn kit(model: &Model) -> Vec<KitBody> {
     let bodies = model.bodies.iter();
     bodies
@@ -245,7 +246,7 @@ fn kit(model: &Model) -> Vec<KitBody> {
         .collect()
 }
 
-/// Kinetic energy about the mass centre from augmented inertias and couplings against the sum over the bodies.
+/// Kinetic energy about the mass centre from augmented inertias and couplings, against the sum over the bodies.
 #[test]
 fn exact_augmented_inertias_and_couplings_hold_the_energy_of_rotation() {
     for (seed, joints, fixed) in [

@@ -1,4 +1,4 @@
-//! Physical consistency: every unknown body stays one of positive mass.
+//! Physical consistency: every unknown body keeps a positive mass density.
 
 use crate::vehicle;
 
@@ -17,7 +17,7 @@ fn ask_in(model: &Model, table: &Table, coordinates: Coordinates) -> Identified 
     identify_tables(model.clone(), vec![table.clone()], &request).unwrap()
 }
 
-/// A body that turns on wheels, with an inertia of its own.
+/// A body that rotates by its wheels, with this inertia.
 fn turning(I: Matrix3, estimate: EstimateSet, sigma: f64) -> Model {
     let mut model = with_wheels(tree(21, ""));
     model.bodies[0].nominal.I_BBcm_B = I;
@@ -26,7 +26,7 @@ fn turning(I: Matrix3, estimate: EstimateSet, sigma: f64) -> Model {
     model
 }
 
-/// With good data the coordinates make no difference: numbers and covariance agree to the settling of the fit.
+/// With good data the coordinates have no effect: numbers and covariance agree within the convergence tolerance.
 #[test]
 fn exact_coordinates_make_no_difference_with_good_data() {
     for estimate in [
@@ -73,16 +73,16 @@ fn exact_coordinates_make_no_difference_with_good_data() {
     }
 }
 
-/// The tensor of a body with these second moments along its principal axes, kg m2, turned away from the axes of B.
+/// The tensor of a body with these second moments along its principal axes, kg m2, rotated relative to B.
 fn tensor(second: [f64; 3]) -> Matrix3 {
     let axes = turned(Vector3::new(0.3, -0.5, 0.2));
     let second = Vector3::from(second);
     axes * Matrix3::from_diagonal(&second.map(|s| second.sum() - s)) * axes.transpose()
 }
 
-/// Bodies whose thickness is far below what the data can tell: linear steps end beyond them in about half of the
-/// trials, physical ones never do, all settle, and those say that they are at the limit of physical whose free answer is
-/// impossible, and no other. `--example physical_edge` does the same with more trials, and counts intervals.
+/// Bodies whose thickness is far below the resolution of the data. Linear steps end unphysical in about half of the
+/// trials, physical ones never. All fits converge. The warning of the physical limit appears exactly if the
+/// unconstrained answer is unphysical. `--example physical_edge` runs more trials and counts intervals.
 fn stays_physical(second: [f64; 3], trials: u64, expected: std::ops::RangeInclusive<u32>) {
     let I = tensor(second);
     let inertia = EstimateSet {
@@ -96,7 +96,7 @@ fn stays_physical(second: [f64; 3], trials: u64, expected: std::ops::RangeInclus
         let truth = turning(I, estimate, sigma);
         let flight = moving(&truth, 9);
         let clean = fly(&truth, &flight);
-        // What is nominal lies well inside.
+        // The nominal body is well inside the physical set.
         let mut model = truth.clone();
         model.bodies[0].nominal.I_BBcm_B += Matrix3::identity() * 0.5;
         for seed in 0..trials {
@@ -133,7 +133,7 @@ fn stays_physical(second: [f64; 3], trials: u64, expected: std::ops::RangeInclus
             {
                 let (value, sigma) = (a.value.unwrap(), a.sigma.unwrap());
                 if beyond {
-                    // At the edge the numbers stay within what the data allow, and sigma is no smaller.
+                    // At the limit the numbers remain consistent with the data, and sigma is not smaller.
                     let error = value - I[poinsot_identify::TENSOR[k]];
                     assert!(error.abs() < 5.0 * sigma, "seed {seed} {k}: {error:e}");
                     assert!(sigma > 0.9 * b.sigma.unwrap(), "seed {seed} {k}: {sigma:e}");
@@ -158,7 +158,7 @@ fn stat_a_flat_disc_stays_physical() {
     stays_physical([6.0, 6.0, 0.0], 10, 2..=18);
 }
 
-/// Data that contradict every physical body are not made to fit one: the answer is withheld, as before.
+/// Data that contradict every physical body are not fitted by one: the answer is withheld.
 #[test]
 fn unit_data_beyond_every_body_are_rejected() {
     let I = Matrix3::from_diagonal(&Vector3::new(5.0, 6.0, 14.0));

@@ -1,4 +1,4 @@
-//! Accelerometers and velocity increments from the model to the answer.
+//! Accelerometers and velocity increments, from model to answer.
 
 use crate::points;
 use crate::vehicle;
@@ -13,8 +13,8 @@ use points::{add_point, push, with_point};
 use std::sync::Arc;
 use vehicle::*;
 
-/// A coasting body and what its accelerometer reads, in closed form: `f = alpha x r + w x (w x r)` from the mass
-/// centre, with the torque-free top for `w` and Euler's equation for `alpha`.
+/// A coasting body and its accelerometer in closed form: `f = alpha x r + w x (w x r)` relative to the mass centre,
+/// with the torque-free top for `w` and Euler's equation for `alpha`.
 fn coasting(model: &Model, place: Vector3) -> Table {
     let body = model.bodies[0].nominal;
     let I = body.I_BBcm_B;
@@ -72,7 +72,7 @@ fn exact_coasting_accelerometer_shows_the_mass_centre() {
         assert_eq!(n.source, Source::Data);
         assert!(error.abs() < 1.0e-8);
     }
-    // Nothing of known size acts: mass and inertia stay open, and are not guessed.
+    // No known force or momentum: mass and inertia are undetermined, and not guessed.
     assert_eq!(answer.status, Status::Partial);
     assert_eq!(answer.bodies[0].mass.value, None);
     assert!(answer.bodies[0].inertia.iter().all(|n| n.value.is_none()));
@@ -86,7 +86,7 @@ fn exact_coasting_accelerometer_shows_the_mass_centre() {
     assert!(answer.bodies[0].com.iter().all(|n| n.value.is_none()));
 }
 
-/// Thrusters of known force, a sensor at a point: everything that position and velocity would show.
+/// Thrusters of known force and a sensor at a point: as informative as position and velocity.
 fn replaces_position_and_velocity(at: (SensorKind, usize, Vector3), noise: f64, seed: u64) {
     let truth = with_point(with_thrusters(known_arm(seed)), at, noise);
     let flight = Flight {
@@ -119,7 +119,7 @@ fn exact_velocity_increments_replace_velocity() {
     replaces_position_and_velocity(at, 1.0e-7, 6);
 }
 
-/// Bias, scale, misalignment and lag planted in the readings come back.
+/// Planted bias, scale, misalignment and lag are recovered.
 #[test]
 fn exact_faults_of_an_accelerometer_come_back() {
     let at = (SensorKind::Accelerometer, 0, Vector3::new(0.3, 0.2, -0.4));

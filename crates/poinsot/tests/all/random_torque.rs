@@ -1,4 +1,4 @@
-//! A random torque of the surroundings is a state of the filter.
+//! A random external torque as a state of the filter.
 
 use poinsot::identify::read_options;
 use poinsot::{Identified, Question, identify_tables};
@@ -30,14 +30,14 @@ fn numbers(answer: &Identified) -> (Vec<[f64; 2]>, f64) {
     (pairs.to_vec(), deviance)
 }
 
-/// One that never forgets is an unknown constant torque with a prior: the same answer, sigma and likelihood.
+/// With infinite correlation time it is an unknown constant torque with a prior: equal answer, sigma and likelihood.
 #[test]
 fn exact_a_random_torque_that_never_forgets_is_a_constant_with_a_prior() {
     let (mut model, table) = record();
     let sigma_N_m = 3.0e-6;
     model.environment.random_torque = Some(RandomTorque {
         sigma_N_m,
-        // In 240 s it wanders by 2e-11 N m; the data show 2e-9 N m.
+        // In 240 s it changes by 2e-11 N m; the data resolve 2e-9 N m.
         correlation_s: 1.0e13,
     });
     let (process, own) = numbers(&answer(&model, &table));
@@ -46,7 +46,7 @@ fn exact_a_random_torque_that_never_forgets_is_a_constant_with_a_prior() {
     model.environment.disturbance_torque_inertial = Nuisance::Prior(sigma_N_m);
     let (constant, other) = numbers(&answer(&model, &table));
     println!("deviance {own:.4} {other:.4}, without {plain:.4}");
-    // Of a difference of 44; the process is linear about no torque at all.
+    // The total difference is 44; the process is linearised about zero torque.
     assert!((own - other).abs() < 0.2, "deviance {own} {other}");
     assert!(plain - own > 20.0 || own - plain > 20.0);
     for (a, (b, c)) in process.iter().zip(constant.iter().zip(&without)) {
@@ -63,8 +63,8 @@ fn exact_a_random_torque_that_never_forgets_is_a_constant_with_a_prior() {
     assert!(moved, "so small a torque tests nothing");
 }
 
-/// A torque that soon forgets averages out, so it costs less accuracy than one that lasts. Prints how long both take:
-/// with one unknown a stretch the first took half an hour.
+/// A torque with short correlation time averages out, so it costs less accuracy than a long one. Prints both run
+/// times: with one unknown per interval the first took half an hour.
 #[test]
 fn regress_a_torque_that_soon_forgets_is_a_state_like_one_that_lasts() {
     let (mut model, table) = record();

@@ -1,5 +1,4 @@
-//! Measurements of real bodies and satellites, which are not part of the repository; without them each
-//! test passes.
+//! Measurements of real bodies and satellites that are not in the repository; without them each test passes.
 
 use crate::throws;
 
@@ -35,7 +34,7 @@ fn ask(model: &str, files: Vec<PathBuf>, method: &str) -> Identified {
     .unwrap()
 }
 
-/// No inertia entry, principal moment or sigma is a number.
+/// No inertia element, principal moment or sigma is given.
 fn assert_no_inertia(identified: &Identified, body: &str) {
     let file = estimate_file(identified);
     let body = &file.bodies[body];
@@ -47,7 +46,7 @@ fn assert_no_inertia(identified: &Identified, body: &str) {
     assert!(barycentric.iter().all(|(_, n)| n.value.is_none()));
 }
 
-/// The known moments come from scales, ruler and CAD; Blaha et al. publish a mean error of 2 %.
+/// The known moments are from scales, ruler and CAD; Blaha et al. publish a mean error of 2 %.
 #[test]
 fn xval_thrown_objects_within_two_percent_on_average() {
     let Some(folder) = shared("tudelft_throw") else {
@@ -77,7 +76,7 @@ fn xval_thrown_objects_within_two_percent_on_average() {
     }
 }
 
-/// The calibration repeats from throw to throw; a slip in a filter, an axis or a lag would show here.
+/// The calibration is repeatable from throw to throw; a mistake in a filter, an axis or a lag would change it.
 #[test]
 fn regress_calibration_throws_repeat() {
     let Some(folder) = shared("tudelft_throw") else {
@@ -122,7 +121,7 @@ fn xval_lomonosov_gives_no_number() {
     }
 }
 
-/// A satellite at rest with its wheels at rest shows nothing.
+/// A satellite at rest with wheels at rest determines nothing.
 #[test]
 fn regress_rest_is_not_identifiable() {
     let folder = tempfile::tempdir().unwrap();

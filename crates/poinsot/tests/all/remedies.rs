@@ -1,4 +1,4 @@
-//! What single change would help: what is said must come true when it is done.
+//! Remedies by a single change: a stated effect must occur when the change is made.
 
 use crate::vehicle;
 
@@ -14,7 +14,7 @@ fn say(answer: &Estimate) {
     }
 }
 
-/// A body with one wheel along z, whose inertia is asked.
+/// A body with one wheel along z and unknown inertia.
 pub fn one_axis() -> Model {
     let mut model = tree(31, "");
     model.bodies[0].nominal.I_BBcm_B = Matrix3::from_diagonal(&Vector3::new(5.0, 6.0, 7.0));
@@ -46,7 +46,7 @@ pub fn spinning(model: &Model, w_NB_B: Vector3) -> Flight {
     flight
 }
 
-/// A spin along the wheel shows what it can; a turn about another axis is named, and does what was said of it.
+/// A spin along the wheel determines some numbers; the stated rotation about another axis determines the stated ones.
 #[test]
 fn exact_the_axis_named_closes_what_it_was_said_to_close() {
     let model = one_axis();
@@ -82,8 +82,8 @@ fn exact_the_axis_named_closes_what_it_was_said_to_close() {
     }
 }
 
-/// Of a rotation mass and mass centre do not show, whatever else is asked: giving them resolves them, and a turn resolves the
-/// inertia about the mass centre without them.
+/// Rotation does not determine mass and mass centre, for any request. Giving them resolves them; a rotation resolves
+/// the inertia about the mass centre without them.
 #[test]
 fn regress_mass_and_mass_centre_that_do_not_show_need_no_pair() {
     let mut model = one_axis();
@@ -95,7 +95,7 @@ fn regress_mass_and_mass_centre_that_do_not_show_need_no_pair() {
         let (name, _) = &open.coefficients[0];
         let wanted: &[&str] = match name.rsplit_once('.').unwrap().1 {
             "m" => &["fix the mass of"],
-            // It turns about a point off the mass centre, which an accelerometer feels.
+            // It rotates about a point off the mass centre, which an accelerometer measures.
             "com_x" | "com_y" | "com_z" => &["fix the mass centre of", "add an accelerometer"],
             _ => &["record "],
         };
@@ -104,7 +104,7 @@ fn regress_mass_and_mass_centre_that_do_not_show_need_no_pair() {
     }
 }
 
-/// Nothing of known size acts on a coasting body: a known force would give its scale.
+/// No known force acts on a coasting body: a known force would set its scale.
 #[test]
 fn exact_a_known_force_closes_the_scale() {
     let mut model = tree(32, "");
@@ -123,7 +123,7 @@ fn exact_a_known_force_closes_the_scale() {
     );
 }
 
-/// A mass on a joint's axis moves between the bodies whatever one does: only a number that is given helps.
+/// Mass on a joint's axis can be attributed to either body in any motion: only giving a number helps.
 #[test]
 fn exact_only_a_number_given_parts_the_bodies_of_a_joint() {
     let mut model = with_thrusters(tree(33, "r"));

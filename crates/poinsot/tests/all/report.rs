@@ -1,4 +1,4 @@
-//! The page: complete in itself, deaf to hostile names, true to the fit.
+//! The page: self-contained, safe against hostile names, consistent with the fit.
 
 use crate::shared::identified;
 use poinsot::report::{ReportData, report_data, report_html};
@@ -6,7 +6,7 @@ use poinsot::{EstimateFile, Identified, estimate_file};
 use scraper::{Html, Node, Selector};
 use serde_json::Value;
 
-/// Most bytes of the page of a shipped example.
+/// Size limit of the page of a shipped example, bytes.
 const LIMIT: usize = 1_000_000;
 
 fn ma2008() -> Identified {
@@ -32,7 +32,7 @@ fn page(identified: &Identified) -> String {
     report_html(typed(&estimate), data).unwrap()
 }
 
-/// Elements with the names of their attributes, in order: what a hostile text must not change.
+/// Elements with their attribute names, in order; a hostile text must not change them.
 fn skeleton(html: &str) -> Vec<String> {
     Html::parse_document(html)
         .tree
@@ -49,7 +49,7 @@ fn skeleton(html: &str) -> Vec<String> {
         .collect()
 }
 
-/// Puts a text in place of every name and message, keeping what is one thing in one thing.
+/// Replaces every name and message by a text; equal names stay equal.
 fn rename(value: &mut Value, from: &str, to: &str) {
     match value {
         Value::String(s) => *s = s.replace(from, to),
@@ -127,7 +127,7 @@ fn unit_page_is_complete_and_names_no_address() {
         assert!(a.attr("href").unwrap().starts_with('#'));
     }
     let mut rest = html.clone();
-    // The name of a vocabulary and of uPlot's origin, never fetched.
+    // An XML namespace and uPlot's home page, never fetched.
     rest = rest.replace("http://www.w3.org/2000/svg", "");
     rest = rest.replace("/*! https://github.com/leeoniya/uPlot (v1.6.32) */", "");
     for word in [
@@ -205,7 +205,7 @@ fn unit_every_plot_has_units_or_none_to_have() {
     }
 }
 
-/// At most twenty words that hold a number, the same in the terminal and on the page.
+/// At most twenty words including a number, equal in terminal and page.
 #[test]
 fn unit_the_answer_is_one_short_sentence_with_a_number() {
     let open = identified(
@@ -251,7 +251,7 @@ fn unit_files_of_different_runs_are_refused() {
     assert!(why.contains("different runs"), "{why}");
 }
 
-/// The curves against the fit, which takes its residuals by another way.
+/// The curves against the fit, which computes its residuals separately.
 #[test]
 fn exact_curves_show_the_residual_that_was_fitted() {
     let identified = ma2008();
@@ -275,7 +275,7 @@ fn exact_curves_show_the_residual_that_was_fitted() {
         let counted: u64 = channel.histogram.iter().flatten().sum();
         assert_eq!(counted, 3 * channel.samples as u64, "{}", channel.name);
     }
-    // No torque acts: the predicted momentum is constant.
+    // Without torque the predicted momentum is constant.
     for row in &prediction.momentum.predicted {
         let worst = row.iter().map(|h| (h - row[0]).abs()).fold(0.0, f64::max);
         assert!(worst < 1.0e-6, "{worst}");

@@ -1,4 +1,4 @@
-//! What many tests of this crate start from.
+//! Common helpers of the tests of this crate.
 
 use poinsot::{Identified, IdentifyRequest, identify};
 use poinsot_identify::{Estimate, FitOptions, Problem, maximum_likelihood_with};
@@ -20,7 +20,7 @@ pub fn identified(model: &str, telemetry: &[&str], method: &str) -> Identified {
     identify(&IdentifyRequest::new(examples().join(model), files).by(method)).unwrap()
 }
 
-/// The estimate without a look at what would explain a misfit, which takes longer than the fit.
+/// The estimate without a search for causes of a misfit, which takes longer than the fit.
 pub fn undiagnosed(problem: &Problem) -> Estimate {
     let options = FitOptions {
         undiagnosed: true,

@@ -18,7 +18,7 @@ fn load(name: &str) -> (Case, Model) {
     (case, model)
 }
 
-/// The same vehicle with perfect sensors everywhere.
+/// The vehicle with ideal sensors for all channels.
 fn exact(mut model: Model) -> Model {
     model.sensors.clear();
     model
@@ -36,7 +36,7 @@ fn rows<const N: usize>(table: &Table, names: [&str; N]) -> Vec<[f64; N]> {
         .collect()
 }
 
-/// Largest differences of attitude and of the other channels that both tables hold.
+/// Largest differences of attitude and of the other common channels.
 fn compare(ours: &Table, theirs: &Table) -> [f64; 2] {
     let q = ["q_x", "q_y", "q_z", "q_w"];
     let pairs = rows(ours, q).into_iter().zip(rows(theirs, q));
@@ -69,7 +69,7 @@ fn xval_mujoco_example_cases() {
         ("xu2017_c1.toml", "xu2017/C1", [-0.30, 0.10, 0.25]),
     ] {
         let (case, mut model) = load(name);
-        // The accelerometer of the recorded thruster run does not sit at the origin.
+        // The accelerometer of the recorded thruster run is not at the origin.
         let mut accelerometer = model.sensors.swap_remove(0);
         accelerometer.kind = SensorKind::Accelerometer;
         accelerometer.noise_covariance = None;
@@ -83,7 +83,7 @@ fn xval_mujoco_example_cases() {
     }
 }
 
-/// The recorded closed loops, from the controller that their truth names.
+/// The recorded closed loops, with the controller named in their truth file.
 #[test]
 fn xval_basilisk_control_in_a_case() {
     for run in ["paper", "bias", "multiaxis"] {
@@ -134,7 +134,7 @@ fn xval_basilisk_control_in_a_case() {
         ];
         let (ours_rows, mut theirs_rows) = (rows(&ours.table, names), rows(&theirs, names));
         assert_eq!(ours_rows.len(), theirs_rows.len());
-        // The last recorded torque belongs to a period that was not flown.
+        // The last recorded torque belongs to a period that was not simulated.
         theirs_rows.pop();
         for (k, (a, b)) in ours_rows.iter().zip(&theirs_rows).enumerate() {
             let sign = (0..4).map(|i| a[i] * b[i]).sum::<f64>().signum();
@@ -198,7 +198,7 @@ fn unit_faults_of_a_controller_are_named() {
             assert!(text.contains(part), "{body}\n-> {text}\nlacks {part}");
         }
     }
-    // Two wheels cannot point three axes.
+    // Two wheels cannot control three axes.
     let case = parse_case(
         &examples().join("cases/x.toml"),
         format!("{head}{good}{tail}"),
@@ -280,7 +280,7 @@ fn momenta(model: &Model, table: &Table) -> Vec<SystemMomentum> {
         .collect()
 }
 
-/// Largest relative change of the momenta and largest departure of the mass centre from its line, m.
+/// Largest relative change of the momenta, and largest deviation of the mass centre from its line, m.
 fn conservation(model: &Model, table: &Table) -> [f64; 3] {
     let sums = momenta(model, table);
     let times = &table.channel("q_x").unwrap().time_s;
@@ -357,7 +357,7 @@ fn exact_files_hold_what_memory_holds_and_repeat_bit_for_bit() {
         assert_eq!(back.channels.len(), memory.table.channels.len());
         for channel in &memory.table.channels {
             let found = back.sensor_channel(&channel.sensor, &channel.name).unwrap();
-            // Reading makes quaternions exactly unit.
+            // Reading normalises quaternions.
             let slack = if channel.name.starts_with("q_") {
                 1e-15
             } else {
@@ -385,7 +385,7 @@ fn exact_files_hold_what_memory_holds_and_repeat_bit_for_bit() {
         let again = simulate(&path, &out).unwrap();
         assert_eq!(bytes, std::fs::read(&again.telemetry).unwrap());
     }
-    // Nothing else is left in the folder.
+    // No other file is in the folder.
     let mut left: Vec<_> = std::fs::read_dir(&out)
         .unwrap()
         .map(|e| e.unwrap().file_name())
@@ -411,7 +411,7 @@ fn exact_truth_states_momentum_and_errors() {
     }
     let bias = ["x", "y", "z"].map(|axis| truth.nuisance[&format!("gyro.bias_rad_s.{axis}")].value);
     assert_eq!(bias, [2e-5, -1.5e-5, 1e-5]);
-    // The noise of the file is the noise of the model, about the bias of the case.
+    // The noise in the file is that of the model, about the bias of the case.
     let names = ["omega_x", "omega_y", "omega_z"];
     let pairs = rows(&simulation.table, names)
         .into_iter()
@@ -438,7 +438,7 @@ fn exact_trials_differ_in_noise_only() {
     assert_ne!(gyro(&a), gyro(&b));
     let exact = |s: &poinsot::simulate::Simulation| s.table.channel("r_x").unwrap().values.clone();
     assert_eq!(exact(&a), exact(&b));
-    // The star tracker has its own rate; its columns are empty in between.
+    // The star tracker has its own rate; its columns are empty in other rows.
     let tracker = a.table.channel("q_w").unwrap();
     assert_eq!(tracker.values.len(), 241);
     assert_eq!(tracker.time_s[1], 0.5);
@@ -464,7 +464,7 @@ fn exact_two_sensors_of_one_type_carry_their_names() {
     let dv = table.channel("dv_x").unwrap();
     assert_eq!(dv.values.len() + 1, a.values.len());
     assert_eq!(dv.time_s[0], a.time_s[1]);
-    // Increments add up to the change of velocity: at most twice the point's speed.
+    // The increments sum to the change of velocity: at most twice the point's speed.
     let sum: f64 = dv.values.iter().sum();
     assert!(sum.abs() < 2.0 * 0.5 * 0.1 && sum != 0.0, "{sum}");
 }
@@ -497,7 +497,7 @@ fn exact_harmonics_of_a_case_reach_the_channels() {
 const HEAD: &str = "schema = \"poinsot.case/1\"\nmodel = \"ma2008_truth.toml\"\nduration_s = 1.0\n";
 const TAIL: &str = "\n[output]\nrate_hz = 10\n";
 
-/// What is wrong with a case: one line per fault.
+/// Faults of a case: one line per fault.
 fn fault(head: &str, body: &str, tail: &str) -> String {
     let path = examples().join("cases/test.toml");
     let parsed = parse_case(&path, format!("{head}{body}{tail}"));
@@ -652,13 +652,13 @@ fn unit_failure_leaves_nothing() {
     assert!(!out.exists());
     let missing = simulate(&folder.path().join("none.toml"), &out).unwrap_err();
     assert!(missing.to_string().contains("E0501"), "{missing}");
-    // A file where the folder should be.
+    // A file in place of the folder.
     std::fs::write(&out, "").unwrap();
     let blocked = simulate(&examples().join("cases/stsat3_spin.toml"), &out).unwrap_err();
     assert_eq!(blocked.kind(), poinsot::ErrorKind::System, "{blocked}");
 }
 
-/// `sensors_only` leaves out what an experiment does not know: the motion. What is commanded is known.
+/// `sensors_only` omits what an experiment does not measure: the motion. Commands are known.
 #[test]
 fn regress_commands_are_written_beside_sensors() {
     let text = std::fs::read_to_string(examples().join("cases/tug_thrusters.toml")).unwrap();
@@ -672,7 +672,7 @@ fn regress_commands_are_written_beside_sensors() {
     let whole = whole.unwrap();
     assert_eq!(only.bound.identifiability.rank, 10);
     assert_eq!(only.bound.covariance, whole.bound.covariance);
-    // Torques of motors are commands, motions that they cause are not.
+    // Motor torques are commands; the motion they cause is not.
     for (name, there, absent) in [
         (
             "hinged_panel.toml",
@@ -688,7 +688,7 @@ fn regress_commands_are_written_beside_sensors() {
     }
 }
 
-/// A firing that begins and ends between two rows is written with its own times: the impulse of the record is exact.
+/// A firing that starts and ends between two rows is written with its own times: the impulse of the record is exact.
 #[test]
 fn exact_a_firing_between_rows_keeps_its_times() {
     let (on, off) = (2.031, 7.987);
@@ -712,7 +712,7 @@ fn exact_a_firing_between_rows_keeps_its_times() {
     assert_eq!(others.time_s.len(), case.times().len());
 }
 
-/// Speeds and torques of wheels from a file move the vehicle as the same table in the case does.
+/// Wheel speeds and torques from a file give the same motion as the same table in the case.
 #[test]
 fn exact_wheel_profiles_from_a_file() {
     let folder = tempfile::tempdir().unwrap();
@@ -764,7 +764,7 @@ fn exact_wheel_profiles_from_a_file() {
     );
 }
 
-/// Feedback by the wheels holds the attitude while thrusters fire in a gravity field.
+/// Feedback by wheels holds the attitude under thrust and in a gravity field.
 #[test]
 fn prop_control_holds_against_thrust_and_gravity() {
     let (case, _) = load("stsat3_kim2010.toml");

@@ -1,4 +1,4 @@
-//! Whether the stated uncertainty is the true one: small campaigns against 99.9 % bands.
+//! Calibration of the stated uncertainty: small campaigns against 99.9 % bands.
 //!
 //! The full campaign is `poinsot campaign examples/campaigns/NAME.toml --out DIR`.
 
@@ -17,7 +17,7 @@ use poinsot_model::SensorKind;
 use setups::study;
 use std::path::{Path, PathBuf};
 
-/// Trials of set-ups whose trials are short; the published campaign has 10,000.
+/// Trials of set-ups with short trials; the published campaign has 10,000.
 const FAST: u64 = 300;
 
 fn judge(study: &Study, trials: u64) -> Statistics {
@@ -35,7 +35,7 @@ fn assert_consistent(study: &Study, trials: u64) {
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
-/// Rounding of a sensor taken as white noise of the same variance, and that much coarser, as declared.
+/// Replaces the rounding of a sensor by white noise of equal variance, and declares it coarser by this factor.
 fn white(study: &mut Study, name: &str, factor: f64) {
     let of_study = study.sensors.iter_mut().chain(&mut study.model.sensors);
     for sensor in of_study.filter(|s| s.name == name) {
@@ -47,7 +47,7 @@ fn white(study: &mut Study, name: &str, factor: f64) {
 
 #[test]
 fn stat_ma_trajectory_1_with_coarse_white_encoders_is_consistent_and_reaches_the_bound() {
-    // Without noise of the inputs in the attitude NEES is 1.84.
+    // Without input noise in the attitude, NEES is 1.84.
     let mut study = study("ma_traj1", 10);
     white(&mut study, "encoders", 16.0);
     assert_consistent(&study, 150);
@@ -63,7 +63,7 @@ fn stat_ma_trajectory_2_is_consistent_and_reaches_the_bound() {
     assert_consistent(&study("ma_traj2", 5), 150);
 }
 
-// Every sample: the torque is held between two of them, and no other path of the wheels is as good.
+// Every sample: the torque is constant between samples, so no other interpolation of the wheels is as accurate.
 #[test]
 fn stat_stsat3_with_rounded_tachometers_is_consistent_and_reaches_the_bound() {
     assert_consistent(&study("stsat3_multiaxis", 1), 60);
@@ -86,7 +86,8 @@ fn stat_tug_with_thrusters_is_consistent_and_reaches_the_bound() {
     assert_consistent(&study("tug_thrusters", 5), FAST);
 }
 
-/// Readings as declared: nothing speaks against the answer. How often it errs: `poinsot campaign examples/campaigns/trust.toml`.
+/// Correctly declared samples: nothing is inconsistent with the model. Rate of false alarms:
+/// `poinsot campaign examples/campaigns/trust.toml`.
 #[test]
 fn stat_no_honest_trial_is_doubted() {
     for (name, stride) in [
@@ -142,8 +143,8 @@ fn stat_a_wrong_declaration_is_caught() {
     assert!((result.chi2_per_dof - 1.5).abs() < 0.05);
 }
 
-/// Errors of mass properties and nuisances together in the metric of the whole stated covariance: its mean is their
-/// number where variances and correlations are right.
+/// Squared Mahalanobis error of mass properties and nuisances together: its mean equals their number if variances and
+/// correlations are right.
 #[test]
 fn stat_covariance_of_mass_properties_and_nuisances_together_is_that_of_the_errors() {
     let study = study("tug_thrusters", 10);
@@ -220,8 +221,8 @@ fn linear_answer(study: &Study, trial: u64) -> Option<Estimate> {
     .ok()
 }
 
-/// Noise of measured positions accumulates in `p x F dt`: the inertia errs by up to 80 of the sigmas that the rows alone
-/// would give. Such numbers are withheld, however often the sensors read.
+/// Noise of measured positions accumulates in `p x F dt`: the inertia has errors up to 80 sigmas of the rows alone.
+/// Such numbers are withheld at any sample rate.
 #[test]
 fn stat_the_linear_method_under_thrust_withholds_what_it_cannot_judge() {
     for stride in [1, 5, 10] {
@@ -236,7 +237,7 @@ fn stat_the_linear_method_under_thrust_withholds_what_it_cannot_judge() {
     }
 }
 
-/// Without noise there is nothing to add up.
+/// Without noise nothing accumulates.
 #[test]
 fn exact_the_linear_method_under_thrust_answers_noise_free_records() {
     let mut study = study("tug_thrusters", 1);
@@ -276,7 +277,7 @@ fn example(path: &str) -> PathBuf {
         .join(path)
 }
 
-/// A second implementation, written apart from this one, gave these bounds for the shipped run and exact wheels.
+/// An independent implementation gave these bounds for the shipped run with exact wheels.
 #[test]
 fn xval_stsat3_bound_is_that_of_an_independent_computation() {
     let mut study = study("stsat3_multiaxis", 1);

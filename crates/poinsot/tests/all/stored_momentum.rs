@@ -1,7 +1,7 @@
-//! Whether answers are right where stored momentum makes the bus nutate between its samples.
+//! Calibration of answers if stored momentum makes the bus nutate between its samples.
 //!
-//! `POINSOT_SEEDS=200 cargo nextest run --release -p poinsot stored_momentum::` runs the table in full
-//! (docs/validation/stored_momentum.md), with `POINSOT_STORED=9,18` the settings of these momenta alone.
+//! `POINSOT_SEEDS=200 cargo nextest run --release -p poinsot stored_momentum::` runs the full table
+//! (docs/validation/stored_momentum.md); `POINSOT_STORED=9,18` selects settings by momentum.
 
 use crate::nutation;
 
@@ -10,27 +10,27 @@ use poinsot::trials::Answer;
 use poinsot_identify::Status;
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 
-/// Seeds of every setting where nothing else is asked.
+/// Default number of seeds per setting.
 const SEEDS: u64 = 4;
-/// Chance that a right estimator fails anywhere in the table.
+/// Probability that a correct estimator fails anywhere in the table.
 const FALSE_ALARM: f64 = 1.0e-3;
 /// Numbers of an answer: the inertia of the bus.
 const NUMBERS: usize = 6;
 
-/// Chance left to each test: six means, NEES and coverage in every setting, two-sided.
+/// Probability per test: six means, NEES and coverage in every setting, two-sided.
 fn tail() -> f64 {
     FALSE_ALARM / (2 * (NUMBERS + 2) * table().len()) as f64
 }
 
-/// What the seeds of one setting show.
+/// Statistics over the seeds of one setting.
 struct Shown {
     cell: Cell,
     seeds: usize,
     not_converged: usize,
     mean_z: Vec<f64>,
     nees: f64,
-    /// Share of 95 % intervals that hold the truth, with its standard error between seeds: the six numbers of one seed
-    /// depend on each other.
+    /// Fraction of 95 % intervals that hold the truth, with its standard error between seeds: the six numbers of one
+    /// seed are correlated.
     coverage: (f64, f64),
 }
 
@@ -82,7 +82,7 @@ impl Shown {
         if !(band[0]..=band[1]).contains(&self.nees) {
             list.push(format!("NEES {:.2}, asked {band:.2?}", self.nees));
         }
-        // Between few seeds the scatter is not known well enough to judge by.
+        // With few seeds the standard error is too uncertain for a test.
         let (share, sigma) = self.coverage;
         if self.seeds >= 100 && (share - 0.95).abs() > normal * sigma {
             list.push(format!("coverage {share:.4} +- {sigma:.4}"));

@@ -1,4 +1,4 @@
-//! Joints driven by torques and springs, from the case file to telemetry and to what an identification says of it.
+//! Joints driven by torques and springs: from the case file to telemetry and identification.
 
 use crate::shared::examples;
 use poinsot::case::{Case, parse_case, read_case};
@@ -17,7 +17,7 @@ fn load(name: &str) -> (Case, Model) {
     (case, model)
 }
 
-/// A bus with an arm on a hinge, a sliding mass on a spring, a rod that spins about itself, and a plate.
+/// A bus with a hinged arm, a sliding mass on a spring, a rod that spins about its axis, and a plate.
 const MODEL: &str = r#"schema = "poinsot.model/1"
 exact = true
 [[body]]
@@ -100,12 +100,12 @@ fn apart(a: &[f64], b: &[f64]) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// A tank on a spring beside a free bus: one oscillator of the reduced mass, nothing turns (its line of motion
-/// passes through no mass centre, so the check is on the relative motion of a vehicle that cannot turn).
+/// A tank on a spring in a free bus: one oscillator of the reduced mass, without rotation. Its line of motion passes
+/// through no mass centre, so the relative motion of a vehicle that cannot rotate is tested.
 #[test]
 fn exact_a_sliding_mass_oscillates_with_the_reduced_mass() {
     let mut model = model();
-    // All mass centres on the line of the slide: nothing turns.
+    // All mass centres are on the line of the slide: no rotation.
     for body in &mut model.bodies {
         body.nominal.p_BoBcm_B = Default::default();
     }
@@ -123,7 +123,7 @@ fn exact_a_sliding_mass_oscillates_with_the_reduced_mass() {
         let expected = 0.125 + 0.1 * (omega * t).cos();
         assert!((q - expected).abs() < 1e-12, "{t}: {:e}", q - expected);
     }
-    // The bus gives way by its share, and a passive joint has no motor to report.
+    // The bus moves by its share, and a passive joint has no motor channel.
     let bus = column(&table, "r_y");
     for (r, q) in bus.iter().zip(q) {
         assert!((r + 5.0 / 115.0 * (q - 0.225)).abs() < 1e-12);
@@ -141,7 +141,7 @@ fn exact_a_spring_that_nothing_disturbs_rests() {
     assert_eq!(apart(column(&table, "elbow_rad"), &vec![0.25; 201]), 0.0);
 }
 
-/// The torque that leads the elbow along a Fourier series, given back as a constant, a table or a file.
+/// The torque of a prescribed Fourier motion of the elbow, applied as a constant, a table or a file.
 #[test]
 fn exact_the_torque_that_a_motion_takes_gives_the_motion_back() {
     let led = "[[joint_motion]]\njoint = \"elbow\"\ninterpolation = \"fourier\"\nbase_frequency_hz = 0.5\n\
@@ -167,7 +167,7 @@ fn exact_the_torque_that_a_motion_takes_gives_the_motion_back() {
         "[[initial.joint]]\njoint = \"elbow\"\nposition_rad = {:?}\nrate_rad_s = {:?}\n",
         start.0, start.1
     );
-    // The same start of the base: it turns against the elbow at once.
+    // The base starts with its rotation opposite to the elbow.
     let first_of = |name: &str| column(&first, name)[0];
     let base = format!(
         "[initial]\nomega_rad_s = {:?}\nv_m_s = {:?}\n",
@@ -190,11 +190,11 @@ fn exact_the_torque_that_a_motion_takes_gives_the_motion_back() {
         for name in ["elbow_rad", "omega_z", "slide_m", "q_z", "r_x"] {
             let off = apart(column(&again, name), column(&first, name));
             println!("{name} {off:.1e}");
-            // Straight lines between samples of 0.5 ms; 7.4e-7 was measured.
+            // Linear interpolation between samples of 0.5 ms; measured: 7.4e-7.
             assert!(off < 3e-6, "{name}: {off:e}");
         }
     }
-    // Held between samples it is first order.
+    // Zero-order hold is first order.
     let held = fast(
         &format!(
             "{base}{initial}{}",
@@ -207,7 +207,7 @@ fn exact_the_torque_that_a_motion_takes_gives_the_motion_back() {
     assert!((1e-5..1e-2).contains(&off), "{off:e}");
 }
 
-/// Each form of a motor against the same torque written as a sinusoid or a table.
+/// Each motor form against the same torque as a sinusoid or table.
 #[test]
 fn exact_forms_of_a_motor_agree() {
     let model = model();
@@ -230,14 +230,14 @@ fn exact_forms_of_a_motor_agree() {
             );
         }
     }
-    // Before its first node a table gives nothing.
+    // Before its first node a table is zero.
     let late = run("time_s = [1.0]\ntorque_N_m = [0.5]");
     assert_eq!(column(&late, "elbow_rad")[100], 0.25);
     assert!(column(&late, "elbow_rad")[200] > 0.26);
     assert_eq!(column(&late, "elbow_Nm")[..100], [0.0; 100]);
 }
 
-/// Frequency of a hinge with a spring in a free vehicle: kinetic energy with both momenta at zero.
+/// Frequency of a hinge with spring in a free vehicle: kinetic energy with both momenta zero.
 fn free_frequency_hz(model: &Model, joint: &str) -> f64 {
     let joint = &model.joints[model.joint(joint).unwrap()];
     let to_kit = |m: &[f64]| Vector3::new(m[0], m[1], m[2]);
@@ -270,7 +270,7 @@ fn identify(table: Table) -> Identified {
     identify_tables(model, vec![table], &request).unwrap()
 }
 
-/// What sloshes or flexes unseen rejects the rigid model, by a line at the frequency of the closed form.
+/// Unmodelled slosh or flexibility rejects the rigid model, by a spectral line at the closed-form frequency.
 #[test]
 fn exact_a_hidden_oscillator_is_rejected_by_its_line() {
     for (name, joint) in [("slosh.toml", "slosh"), ("hinged_panel.toml", "hinge")] {
@@ -304,7 +304,7 @@ fn exact_a_hidden_oscillator_is_rejected_by_its_line() {
     }
 }
 
-/// The same vehicle with its hinge locked is a rigid body, and nothing is said against it.
+/// With a locked hinge the vehicle is rigid, and the model is not rejected.
 #[test]
 fn exact_a_locked_hinge_is_not_rejected() {
     let (case, mut model) = load("slosh.toml");
@@ -315,7 +315,7 @@ fn exact_a_locked_hinge_is_not_rejected() {
     assert!(e.covariance_trustworthy);
 }
 
-/// The swinging itself: the angle in the exact motion passes its mean at the closed form's rate.
+/// The oscillation itself: the angle in the exact motion crosses its mean at the closed-form frequency.
 #[test]
 fn exact_a_free_pendulum_swings_at_the_closed_form() {
     for (name, joint) in [("slosh.toml", "slosh"), ("hinged_panel.toml", "hinge")] {
@@ -366,7 +366,7 @@ fn unit_a_joint_that_nothing_resists_is_refused_by_name() {
     );
 }
 
-/// What is written in a case, and the whole message.
+/// Text in a case, and the complete message.
 const REFUSALS: &[(&str, &str)] = &[
     (
         "[[joint_torque]]\njoint = \"elbw\"\nconstant_N_m = 1.0",
@@ -491,7 +491,7 @@ fn unit_a_missing_torque_file_is_named() {
     );
 }
 
-/// Beside [control] joints are locked: what would move by itself is refused and not silently held.
+/// With [control] all joints are locked: a joint that would move freely is refused, not silently locked.
 #[test]
 fn unit_control_refuses_what_would_move_by_itself() {
     let (case, mut truth) = load("stsat3_three_slews.toml");

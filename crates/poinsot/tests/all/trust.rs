@@ -1,4 +1,4 @@
-//! What an answer says of itself where readings, clock or priors are wrong, and where nothing is.
+//! Reliability of answers with wrong samples, clock or priors, and with correct ones.
 
 use poinsot::{Detail, Identified, IdentifyRequest, estimate_document, estimate_file, identify};
 use poinsot_identify::{FaultKind, Status};
@@ -17,7 +17,7 @@ fn run(model: &Path, telemetry: &Path) -> Identified {
     identify(&IdentifyRequest::new(model, [telemetry])).unwrap()
 }
 
-/// A record as text, one cell for each column and row.
+/// A record as text cells by column and row.
 struct Record {
     folder: tempfile::TempDir,
     header: Vec<String>,
@@ -63,7 +63,7 @@ impl Record {
 
 const STSAT3: &str = "stsat3/multiaxis/telemetry_noisy.csv";
 
-/// Largest error of the inertia in stated sigmas; 0 where it is withheld.
+/// Largest error of the inertia in stated sigmas; 0 if withheld.
 fn worst(answer: &Identified, truth: &str, body: &str) -> f64 {
     let truth: Value =
         serde_json::from_str(&std::fs::read_to_string(example(truth)).unwrap()).unwrap();
@@ -101,7 +101,7 @@ fn stat_an_honest_record_is_trusted() {
     assert!(worst(&answer, "stsat3/multiaxis/truth.json", "spacecraft") < 4.0);
 }
 
-/// Chi-square of all readings is 1.3 and 1.8; the answers were off by 18 and 14 of the sigmas stated then.
+/// Chi-square over all samples is 1.3 and 1.8; the answers were off by 18 and 14 of the sigmas stated then.
 #[test]
 fn stat_few_attitudes_with_ten_times_the_noise_are_seen_among_many_rates() {
     for keep in [250, 100] {
@@ -137,7 +137,7 @@ fn stat_few_attitudes_with_ten_times_the_noise_are_seen_among_many_rates() {
     }
 }
 
-/// No widened sigma holds an inertia that is 1 % off; the suspect says what is wrong.
+/// No widened sigma covers an inertia error of 1 %; the suspect names the cause.
 #[test]
 fn stat_a_clock_one_percent_fast_is_not_trusted() {
     let mut record = Record::of(STSAT3);
@@ -147,7 +147,7 @@ fn stat_a_clock_one_percent_fast_is_not_trusted() {
     assert!(answer.estimate.fit[0].chi2_per_dof < 1.5);
 }
 
-/// The record is cut where time jumps; an answer that comes in spite of it holds, or is not to be relied on.
+/// The record is cut at the jump of time; an answer is correct or marked unreliable.
 #[test]
 fn stat_a_clock_that_jumps_gives_no_confident_wrong_number() {
     let mut record = Record::of(STSAT3);
@@ -158,7 +158,7 @@ fn stat_a_clock_that_jumps_gives_no_confident_wrong_number() {
     assert!(!answer.passes() || z < 4.0, "{z}");
 }
 
-/// However the gap is bridged: what is stated holds, or is not to be relied on, and by no more than a few sigma.
+/// For any interpolation of the gap: the answer is correct or marked unreliable, with an error of a few sigma.
 #[test]
 fn stat_a_gap_in_the_wheels_is_bridged_well_or_said() {
     for from in [100.0, 170.0] {
@@ -178,7 +178,7 @@ fn stat_a_gap_in_the_wheels_is_bridged_well_or_said() {
     }
 }
 
-/// All joints 100 ms late: chi-square of 204 a number, which was answered with exit code 0.
+/// All joints 100 ms late: chi-square of 204 per number, formerly with exit code 0.
 #[test]
 fn stat_joints_that_read_late_are_rejected_and_nuisances_withheld() {
     let mut record = Record::of("ma2008/traj1/telemetry_noisy.csv");
@@ -209,7 +209,8 @@ fn with_prior(folder: &Path, sigma: f64) -> PathBuf {
     model
 }
 
-/// The nominal inertia is 7 % off: 217 sigma of the one prior, 2,170 of the other. The suspect was a wheel.
+/// The nominal inertia has an error of 7 %: 217 sigma of the one prior, 2,170 of the other. A wheel was suspected
+/// formerly.
 #[test]
 fn stat_a_prior_that_the_data_contradict_is_the_first_thing_said() {
     for sigma in [0.05, 0.005, 0.0005, 1.0e-6] {
@@ -241,7 +242,7 @@ fn stat_a_prior_that_the_data_bear_out_is_trusted() {
     }
 }
 
-/// A bias of 1e-4 rad/s, which the data show to 3e-6, declared as 1e-5.
+/// A bias of 1e-4 rad/s, which the data determine to 3e-6, declared as 1e-5.
 #[test]
 fn stat_a_calibration_that_the_data_contradict_is_named() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! Uncertainty in closed form: what a prior adds, what a misfit widens, and that every sample counts.
+//! Uncertainty in closed form: effect of a prior, of a misfit, and of every sample.
 
 use crate::vehicle;
 
@@ -11,14 +11,14 @@ use vehicle::*;
 
 const METHODS: [&str; 2] = ["linear", "maximum_likelihood"];
 
-/// One body that thrusters push: all ten numbers show.
+/// One body with thrusters: all ten numbers are identifiable.
 fn pushed(seed: u64, sigma: f64) -> Model {
     let mut model = with_thrusters(tree(seed, ""));
     model.sensors = sensors(sigma);
     model
 }
 
-/// A tumbling flight with so many samples in a second.
+/// A tumbling flight with this sample rate.
 fn flown(model: &Model, seed: u64, rate_hz: f64) -> Table {
     let flight = Flight {
         rate_hz,
@@ -39,7 +39,7 @@ fn covariance(answer: &Identified) -> DMatrix<f64> {
     DMatrix::from_fn(10, 10, |i, j| rows[i][j])
 }
 
-/// Gaussian knowledge adds as information: `C' = (C^-1 + D^-1)^-1`, and the answer moves to the weighted mean.
+/// Gaussian knowledge adds as information: `C' = (C^-1 + D^-1)^-1`, and the answer is the weighted mean.
 #[test]
 fn exact_a_prior_adds_its_information_once() {
     let truth = pushed(31, 1.0e-3);
@@ -59,7 +59,7 @@ fn exact_a_prior_adds_its_information_once() {
         1..4 => sigmas[1],
         _ => sigmas[4],
     };
-    // In units of each sigma, where the matrices are well conditioned.
+    // In units of each sigma, for well-conditioned matrices.
     let unit = |k: usize| sigmas[k];
     let scaled = DMatrix::from_fn(10, 10, |i, j| C[(i, j)] / (unit(i) * unit(j)));
     let D = DMatrix::from_fn(10, 10, |i, j| {
@@ -68,7 +68,7 @@ fn exact_a_prior_adds_its_information_once() {
     let expected = (scaled.try_inverse().unwrap() + &D).try_inverse().unwrap();
     let mut asked = truth.clone();
     asked.bodies[0].prior = Some(prior);
-    // The prior says one sigma more mass than there is.
+    // The prior mass is one sigma too large.
     asked.bodies[0].nominal.mass += sigmas[0];
     let held = ask(&asked, vec![table], "maximum_likelihood");
     let with = covariance(&held);
@@ -79,7 +79,7 @@ fn exact_a_prior_adds_its_information_once() {
             assert!(off < 1.0e-3, "{i} {j}: {found} {}", expected[(i, j)]);
         }
     }
-    // Minimum of both squares: the truth moves by C' D^-1 times what the prior claims.
+    // Minimum of the sum of both squares: the answer moves by C' D^-1 times the error of the prior.
     for (i, (found, free)) in ten(&held).iter().zip(ten(&free)).enumerate() {
         let moved = (found.value.unwrap() - free.value.unwrap()) / unit(i);
         let off = (moved - expected[(i, 0)] * D[(0, 0)]).abs();
@@ -87,8 +87,8 @@ fn exact_a_prior_adds_its_information_once() {
     }
 }
 
-/// Sigmas of a declared noise that is ten times too large are those of the experiment; of one that is too small, they
-/// and the covariance are widened by the root of chi-square over the degrees of freedom, or by the sensor that shows more.
+/// If the declared noise is ten times too large, sigmas are those of the experiment. If it is too small, sigmas and
+/// covariance are widened by the root of chi-square per degree of freedom, or by the worst sensor.
 #[test]
 fn exact_sigmas_widen_by_chi_square_or_the_worst_sensor() {
     let declared = 1.0e-3;
@@ -122,7 +122,7 @@ fn exact_sigmas_widen_by_chi_square_or_the_worst_sensor() {
     }
 }
 
-/// Twice the declared noise, twice the sigma, on data that know nothing of noise.
+/// Doubled declared noise doubles sigma, on noise-free data.
 #[test]
 fn exact_sigma_is_proportional_to_the_declared_noise() {
     let table = flown(&pushed(33, 1.0), 33, 5.0);
@@ -131,14 +131,14 @@ fn exact_sigma_is_proportional_to_the_declared_noise() {
             .map(|sigma| ten(&ask(&pushed(33, sigma), vec![table.clone()], method)));
         for (a, b) in one.iter().zip(&two) {
             let ratio = b.sigma.unwrap() / a.sigma.unwrap();
-            // The linear method adds what noise in the regressor biases: 2e-4 here.
+            // The linear method adds the bias from noise in the regressor: 2e-4 here.
             let own = if method == "linear" { 1.0e-3 } else { 1.0e-6 };
             assert!((ratio - 2.0).abs() < own, "{method}: {ratio}");
         }
     }
 }
 
-/// A change of any one reading moves the answer: first and last, and at both sides of the blocks of 1,024.
+/// A change of any sample changes the answer: first and last, and on both sides of the blocks of 1,024.
 #[test]
 fn prop_every_sample_counts() {
     let model = pushed(34, 1.0e-4);

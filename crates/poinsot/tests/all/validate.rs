@@ -1,4 +1,4 @@
-//! Two vehicles under the same torques, and vehicles against telemetry.
+//! Two vehicles under equal torques, and vehicles against telemetry.
 
 use crate::shared::examples;
 use poinsot::case::{Case, parse_case, read_case};
@@ -40,8 +40,8 @@ fn load(name: &str) -> (Case, Model) {
     (case, model)
 }
 
-/// Xu et al. 2017, section 5.5: 3.31e-5 m, 5.56e-4 rad and 7.96e-4 rad after 2 s under the torques of Table 13. Of the
-/// combinations that C1 to C7 determine, 18 of 70 numbers open.
+/// Xu et al. 2017, section 5.5: 3.31e-5 m, 5.56e-4 rad and 7.96e-4 rad after 2 s under the torques of Table 13.
+/// Combinations determined by C1 to C7, with 18 of 70 numbers undetermined.
 #[test]
 fn paper_xu2017_base_parameters_move_like_the_truth() {
     let folder = tempfile::tempdir().unwrap();
@@ -51,14 +51,14 @@ fn paper_xu2017_base_parameters_move_like_the_truth() {
     assert_eq!(found.compared.len(), 8);
     for one in &found.compared {
         println!("{}: {:.1e} {}", one.name, one.largest, one.unit);
-        // 2e-13 was measured.
+        // Measured: 2e-13.
         assert!(one.largest < 1e-11, "{}: {:e}", one.name, one.largest);
     }
     let completed = found.completed.as_ref().unwrap();
     assert_eq!((completed.determined, completed.open), (52, 18));
     assert!(completed.distance > 0.05);
     assert!(!completed.effect.matters());
-    // The joints really moved, and the nominal vehicle moves otherwise, about as far off as the paper's.
+    // The joints really move, and the nominal vehicle deviates about as much as the paper's.
     let joint =
         |v: &Validation, name: &str| v.compared.iter().find(|c| c.name == name).unwrap().clone();
     let reach = joint(&found, "joint joint1").model[0]
@@ -77,7 +77,8 @@ fn paper_xu2017_base_parameters_move_like_the_truth() {
     assert!(joint(&nominal, "joint joint1").largest > 1e-4);
 }
 
-/// The same from the estimate in memory, and an estimate without C1, whose scale is open: not determined.
+/// From the estimate in memory, and from an estimate without C1, whose scale is undetermined: the motion is not
+/// determined.
 #[test]
 fn exact_without_thrust_the_motion_under_torques_is_not_determined() {
     let folder = tempfile::tempdir().unwrap();
@@ -96,12 +97,12 @@ fn exact_without_thrust_the_motion_under_torques_is_not_determined() {
         words.contains("the motion depends on undetermined numbers"),
         "{words}"
     );
-    // A given total mass closes the scale.
+    // A given total mass sets the scale.
     let memory = of_estimate(&identified.estimate, &identified.model).unwrap();
     assert_eq!(memory.completion.unwrap().open.len(), 19);
 }
 
-/// A record that was not used: the estimate of the six slews predicts the paper's slew, the nominal numbers do not.
+/// A held-back record: the estimate from the six slews predicts the paper's slew, the nominal numbers do not.
 #[test]
 fn stat_held_back_telemetry_agrees_with_a_good_estimate_only() {
     let folder = tempfile::tempdir().unwrap();
@@ -157,11 +158,11 @@ fn stat_held_back_telemetry_agrees_with_a_good_estimate_only() {
     assert!(nominal.chi2_per_dof.unwrap() > 100.0);
 }
 
-/// The right vehicle under the torques of the case agrees with its noisy readings; a rigid one does not.
+/// The true vehicle under the torques of the case agrees with its noisy measurements; a rigid one does not.
 #[test]
 fn stat_a_case_against_its_telemetry() {
     let (mut case, model) = load("slosh.toml");
-    // Twice the readings of the example, so that the mean square is sharp.
+    // Twice the sample rate of the example, for an accurate mean square.
     case.rate_hz = 10.0;
     for trial in 0..3 {
         let table = simulate_trial(&case, &model, trial).unwrap().table;
@@ -184,7 +185,7 @@ fn stat_a_case_against_its_telemetry() {
     }
 }
 
-/// A heavier hand: every quantity departs from where both begin, and the file holds both sides.
+/// A heavier hand: every quantity deviates from the common start, and the file has both sides.
 #[test]
 fn exact_histories_and_their_file() {
     let (case, model) = load("xu2017_table13.toml");
@@ -208,7 +209,7 @@ fn exact_histories_and_their_file() {
             c.largest
         );
     }
-    // A rotation vector that the two quaternions give independently, to first order.
+    // A rotation vector computed independently from the two quaternions, to first order.
     let attitude = &compared[1];
     let (a, b) = (&attitude.model, &attitude.against);
     for k in 0..201 {
@@ -237,7 +238,7 @@ fn exact_histories_and_their_file() {
         lines[0],
         "quantity,component,unit,time_s,model,against,difference"
     );
-    // Three of position, four quaternions and three turns, six joints.
+    // Three of position, four of quaternions and three of rotation, six of joints.
     assert_eq!(lines.len(), 1 + 16 * 201);
     let last = lines
         .iter()
@@ -317,7 +318,7 @@ fn unit_refusals() {
         refused(&with("rejected.json")),
         "E0701 rejected.json: this estimate cannot be simulated: its status is rejected: it has no numbers to predict with; give an estimate with status converged or partial"
     );
-    // Usage.
+    // Usage errors.
     assert_eq!(
         refused(&ValidateRequest {
             case: None,
@@ -366,7 +367,7 @@ fn unit_refusals() {
     );
 }
 
-/// Prescribed joints under another mass distribution: the base answers, and the joints agree exactly.
+/// Prescribed joints with other mass properties: the base moves differently, the joints agree exactly.
 #[test]
 fn exact_led_joints_agree_whatever_the_vehicle() {
     let (_, model) = load("xu2017_table13.toml");

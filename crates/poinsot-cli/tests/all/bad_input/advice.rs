@@ -1,6 +1,6 @@
-//! Every error line ends in what to do.
+//! Every error line ends with what to do.
 
-/// With what advice begins.
+/// Verbs that start the advice.
 const WORDS: &[&str] = &[
     "accept",
     "add",
@@ -60,10 +60,10 @@ const WORDS: &[&str] = &[
     "write",
 ];
 
-/// Words that may stand before the verb.
+/// Words allowed before the verb.
 const BEFORE: &[&str] = &["please ", "if need be ", "its unit is likely "];
 
-/// What stands after a semicolon, or for E0218 after its colon, begins with a verb that asks the reader to act.
+/// The text after a semicolon, or for E0218 after its colon, starts with an imperative.
 pub fn says_what_to_do(line: &str) -> bool {
     line.match_indices("; ")
         .map(|(at, _)| line.get(at + 2..).unwrap_or_default())

@@ -1,4 +1,4 @@
-//! A folder with a good model and good telemetry, one thing of which a row spoils.
+//! A folder with a valid model and telemetry, in which each row changes one thing.
 
 use assert_cmd::Command;
 use std::collections::BTreeSet;
@@ -49,7 +49,7 @@ linear_N_s = "estimate"
 angular_N_m_s = "estimate"
 "#;
 
-/// It turns by its wheels while the whole spins slowly.
+/// The wheels rotate it while the whole vehicle spins slowly.
 pub const CASE: &str = r#"schema = "poinsot.case/1"
 model = "truth.toml"
 duration_s = 100.0
@@ -83,7 +83,7 @@ rate_hz = 5
 seed = 3
 "#;
 
-/// The same with the true inertia.
+/// The model with the true inertia.
 pub fn truth() -> String {
     MODEL.replace(
         "xx = 15.0, yy = 16.0, zz = 21.0, xy = 0.0, xz = 0.0, yz = 0.0",
@@ -91,7 +91,7 @@ pub fn truth() -> String {
     )
 }
 
-/// The columns that the satellite's question needs.
+/// The columns that the satellite needs.
 const COLUMNS: [&str; 11] = [
     "time_s",
     "omega_x",
@@ -153,7 +153,7 @@ impl Sheet {
         self.rows[row][self.column(name)].parse().unwrap()
     }
 
-    /// Changes all numbers of the columns whose names begin so.
+    /// Changes all numbers of the columns with this prefix.
     pub fn map(&mut self, prefix: &str, change: impl Fn(usize, f64) -> f64) {
         let columns: Vec<usize> = (0..self.header.len())
             .filter(|&k| self.header[k].starts_with(prefix))
@@ -176,7 +176,7 @@ impl Sheet {
     }
 }
 
-/// The good telemetry, simulated once.
+/// The valid telemetry, simulated once.
 pub fn sheet() -> Sheet {
     static TEXT: OnceLock<String> = OnceLock::new();
     let text = TEXT.get_or_init(|| {
@@ -190,7 +190,7 @@ pub fn sheet() -> Sheet {
     Sheet::parse(text)
 }
 
-/// What a run printed.
+/// Output of a run.
 pub struct Done {
     pub exit: i32,
     pub stdout: String,
@@ -237,7 +237,7 @@ impl Bench {
 
     /// Runs the program in the folder.
     pub fn run(&self, arguments: &[&str]) -> Done {
-        // Processor time is limited, not the time on the wall: a machine may be busy.
+        // Limit CPU time, not wall-clock time: the machine may be busy.
         let output = Command::new("sh")
             .args([
                 "-c",

@@ -1,4 +1,4 @@
-//! Codes that the list of faults does not reach: each is provoked once.
+//! Codes not reached by the list of faults: each is provoked once.
 
 use crate::bad_input::bench::{Bench, CASE, MODEL, truth};
 use crate::bad_input::row::{Row, row};
@@ -65,7 +65,7 @@ fn arm(b: &Bench, mass: &str, more: &str) {
 /// A column and its values as a function of time.
 pub type Column = (&'static str, fn(f64) -> f64);
 
-/// A robot of three bodies without wheels, what is to be estimated of each, and columns as functions of time.
+/// A robot of three bodies without wheels, with the `estimate` of each body and columns as functions of time.
 pub fn robot(b: &Bench, estimate: [&str; 3], more: &str, columns: &[Column]) {
     let (head, _) = MODEL.split_once("[[wheel]]").unwrap();
     let (_, tail) = MODEL.split_once("[[sensor]]").unwrap();
@@ -173,7 +173,7 @@ fn plan(b: &Bench, from: &str, to: &str) {
     b.write("plan.toml", PLAN.replacen(from, to, 1));
 }
 
-/// What keeps a campaign from being run.
+/// Faults that prevent a campaign.
 fn campaigns() -> Vec<Row> {
     let of = |id, fault, spoil: fn(&Bench), says| row(id, fault, spoil, 2, says).run(CAMPAIGN);
     vec![
@@ -405,8 +405,8 @@ fn cases() -> Vec<Row> {
     ]
 }
 
-/// Messages that no input makes the command print, and why: a fault of the program, and guards of the library for
-/// those who call it with numbers that did not pass the program's own checks.
+/// Messages that no input of the command can cause, with the reason: bugs, and checks of the library for callers whose
+/// numbers the command would have rejected.
 pub fn of_the_library() -> Vec<(&'static str, String, &'static str)> {
     use poinsot_identify::{EvaluationError, ProblemError};
     use poinsot_papers::{kim2010, ma2008::Ma2008Error, xu2017::Xu2017Error};

@@ -1,4 +1,4 @@
-//! The tables of the documentation, made of what was printed.
+//! The tables of the documentation, generated from the printed messages.
 
 use crate::bad_input::row::Printed;
 use poinsot::explain::ErrorCode;
@@ -120,7 +120,7 @@ pub fn errors(
     out
 }
 
-/// Compares with the committed file, digits aside: numbers of an answer may change with the estimator.
+/// Compares with the committed file without digits, because numbers may change with the estimator.
 pub fn compare(path: &str, text: &str) {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../..")

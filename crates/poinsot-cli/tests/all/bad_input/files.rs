@@ -25,7 +25,7 @@ fn header(b: &Bench, change: impl Fn(&str) -> String) {
     b.write("t.csv", format!("{}\n{rest}", change(first)));
 }
 
-/// The good telemetry as Parquet.
+/// The valid telemetry as Parquet.
 fn parquet(b: &Bench) -> Vec<u8> {
     let table = poinsot_telemetry::read(
         &[b.path("t.csv")],
@@ -50,7 +50,7 @@ pub fn rows() -> Vec<Row> {
     all
 }
 
-/// The telemetry, long, and written to for as long as the program reads: its content stays, its time of change does not.
+/// Long telemetry whose modification time changes while the program reads; its content does not.
 fn touched(b: &Bench) {
     let mut text = sheet().text();
     for k in 0..100_000 {
@@ -60,7 +60,7 @@ fn touched(b: &Bench) {
     let path = b.path("t.csv");
     std::thread::spawn(move || {
         let mut time = std::time::SystemTime::UNIX_EPOCH;
-        // Until the folder is gone.
+        // Until the folder is removed.
         while let Ok(file) = std::fs::File::options().append(true).open(&path) {
             time += std::time::Duration::from_secs(1);
             if file.set_modified(time).is_err() {
@@ -70,7 +70,7 @@ fn touched(b: &Bench) {
     });
 }
 
-/// A pipe that nobody writes to.
+/// A pipe without writer.
 fn pipe(b: &Bench, name: &str) {
     let made = std::process::Command::new("mkfifo")
         .arg(b.path(name))
@@ -78,7 +78,7 @@ fn pipe(b: &Bench, name: &str) {
     assert!(made.is_ok_and(|s| s.success()));
 }
 
-/// A file with page checksums; one byte of a page is changed.
+/// A file with page checksums and one changed byte.
 fn bad_page(b: &Bench) {
     let data = std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../poinsot-telemetry/tests/data/checksums_v1.parquet");
@@ -90,7 +90,7 @@ fn bad_page(b: &Bench) {
 /// In a page of `omega_x` in the second half of the rows.
 const BAD_BYTE: usize = 8000;
 
-/// A file of the fuzzing corpus.
+/// A file of the fuzz corpus.
 fn corpus(b: &Bench, name: &str) {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz/corpus/parquet");
     b.write("t.parquet", std::fs::read(folder.join(name)).unwrap());

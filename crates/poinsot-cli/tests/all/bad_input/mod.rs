@@ -1,6 +1,6 @@
-//! Every fault of the list: what the program prints, its exit code, what it leaves behind.
+//! Every fault of the list: printed message, exit code, files left.
 //!
-//! `POINSOT_BLESS=1` writes `docs/validation/bad_input.md` and `docs/reference/errors.md` anew from what is printed.
+//! `POINSOT_BLESS=1` rewrites `docs/validation/bad_input.md` and `docs/reference/errors.md` from the printed messages.
 
 mod advice;
 mod bench;
@@ -18,7 +18,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Runs the rows on a few threads; what was printed, in order.
+/// Runs the rows on a few threads; returns the output in order.
 fn run(rows: &[Row]) -> Vec<Printed> {
     let next = AtomicUsize::new(0);
     let done: Mutex<BTreeMap<usize, (Vec<String>, Printed)>> = Mutex::new(BTreeMap::new());
@@ -91,7 +91,7 @@ fn cli_every_fault_of_the_list_and_every_code() {
     );
 }
 
-/// The first whole message of each code, and why no input makes the command print it where that is so.
+/// The first complete message of each code, or the reason why no input causes it.
 fn messages(printed: &[Printed]) -> BTreeMap<String, (String, Option<&'static str>)> {
     let mut all = BTreeMap::new();
     for line in printed
@@ -111,7 +111,7 @@ fn messages(printed: &[Printed]) -> BTreeMap<String, (String, Option<&'static st
         assert!(message.starts_with(code), "{message}");
         all.entry(code.to_owned()).or_insert((message, Some(why)));
     }
-    // Needs a full device for standard output: tests/all/environment.rs.
+    // Needs standard output on a full device: tests/all/environment.rs.
     all.entry("E0003".to_owned()).or_insert((
         "E0003 standard output: No space left on device (os error 28); free space, or write to another place".to_owned(),
         None,
@@ -119,7 +119,7 @@ fn messages(printed: &[Printed]) -> BTreeMap<String, (String, Option<&'static st
     all
 }
 
-/// Every source file of the crates, without its tests.
+/// Every source file of the crates, without tests.
 fn sources() -> Vec<(std::path::PathBuf, String)> {
     let crates = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let mut found = Vec::new();
@@ -147,7 +147,6 @@ fn sources() -> Vec<(std::path::PathBuf, String)> {
     found
 }
 
-/// Codes in the sources of all crates.
 fn codes_in_sources() -> BTreeSet<String> {
     let mut found = BTreeSet::new();
     for (path, code) in sources() {
@@ -164,7 +163,7 @@ fn codes_in_sources() -> BTreeSet<String> {
     found
 }
 
-/// What opens, makes or replaces a file past `poinsot-files`.
+/// Functions that access files without `poinsot-files`.
 const PAST_THE_GATE: &[&str] = &[
     "fs::read(",
     "fs::read_to_string(",
@@ -178,7 +177,7 @@ const PAST_THE_GATE: &[&str] = &[
     "tempdir",
 ];
 
-/// Crates that no user's input reaches, and the gate.
+/// Crates without user input, and `poinsot-files` itself.
 const NOT_THE_PROGRAM: &[&str] = &[
     "poinsot-files",
     "poinsot-book",

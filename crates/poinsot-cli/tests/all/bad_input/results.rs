@@ -1,4 +1,4 @@
-//! 2b: what can be wrong with an answer.
+//! 2b: faults of a result file.
 
 use crate::bad_input::row::{Row, row};
 

@@ -1,10 +1,10 @@
-//! One row of the table: a fault, what is run, what must be printed.
+//! One row of the table: a fault, a command, and the expected output.
 
 use crate::bad_input::advice::says_what_to_do;
 use crate::bad_input::bench::{Bench, Done};
 use poinsot_files::{LONGEST_LINE, is_unprintable};
 
-/// The usual question.
+/// The default command.
 pub const IDENTIFY: &[&str] = &[
     "identify",
     "--model",
@@ -15,27 +15,25 @@ pub const IDENTIFY: &[&str] = &[
     "out",
 ];
 
-/// A fault and what the program must do about it.
+/// A fault and the expected reaction.
 pub struct Row {
-    /// Number of the list of faults, or the code.
+    /// Number in the list of faults, or the code.
     pub id: &'static str,
-    /// The fault in words.
     pub fault: &'static str,
-    /// Spoils the folder.
+    /// Introduces the fault.
     pub spoil: fn(&Bench),
     /// The command.
     pub run: &'static [&'static str],
-    /// What follows the command.
+    /// Further arguments.
     pub more: &'static [&'static str],
-    /// Exit code.
     pub exit: i32,
-    /// All of these stand in the output.
+    /// Texts that must be in the output.
     pub says: &'static [&'static str],
-    /// None of these does.
+    /// Texts that must not be in the output.
     pub never: &'static [&'static str],
 }
 
-/// The usual question about spoilt files.
+/// The default command with faulty files.
 pub const fn row(
     id: &'static str,
     fault: &'static str,
@@ -71,7 +69,7 @@ impl Row {
         self
     }
 
-    /// Runs the row; what is wrong with the outcome, and what was printed.
+    /// Runs the row; returns the deviations and the output.
     pub fn check(&self) -> (Vec<String>, Printed) {
         let bench = Bench::good();
         (self.spoil)(&bench);
@@ -93,7 +91,7 @@ impl Row {
             wrong.push(format!("exit {} instead of {}", done.exit, self.exit));
         }
         let all = format!("{}{}", done.stdout, done.stderr);
-        // A table breaks lines where a terminal would.
+        // Tables wrap lines as in a terminal.
         let flat = all.split_whitespace().collect::<Vec<_>>().join(" ");
         for text in self.says {
             if !flat.contains(text) {
@@ -153,7 +151,7 @@ impl Row {
     }
 }
 
-/// What a row printed, for the document.
+/// Output of a row, for the document.
 pub struct Printed {
     pub id: &'static str,
     pub fault: &'static str,

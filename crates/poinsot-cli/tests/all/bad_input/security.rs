@@ -1,9 +1,9 @@
-//! 2e: what an attacker would write.
+//! 2e: hostile input.
 
 use crate::bad_input::models::{ROBOT, urdf};
 use crate::bad_input::row::{Row, row};
 
-/// A value that no line can hold.
+/// A value longer than any line.
 const LONG: &str = match std::str::from_utf8(&[b'x'; 2000]) {
     Ok(text) => text,
     Err(_) => "",

@@ -1,4 +1,4 @@
-//! Disk full, errors of the disk, a kill at every call that changes a file, closed and full standard output.
+//! Full disk, disk errors, a kill at every call that changes a file, closed and full standard output.
 #![cfg(target_os = "linux")]
 
 use std::path::{Path, PathBuf};
@@ -19,7 +19,7 @@ fn stderr(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-/// The library that makes the n-th call fail; `None` where there is no C compiler.
+/// The library that makes the n-th call fail; `None` without a C compiler.
 fn shim(folder: &Path) -> Option<PathBuf> {
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/all/environment/faults.c");
     let library = folder.join("faults.so");
@@ -32,13 +32,13 @@ fn shim(folder: &Path) -> Option<PathBuf> {
     compiled.is_ok_and(|s| s.success()).then_some(library)
 }
 
-/// A verb that writes, and its files.
+/// A command that writes, and its files.
 struct Question {
     arguments: Vec<String>,
     files: &'static [&'static str],
 }
 
-/// The first rows of a record: the calls that write are the same, and each run is short.
+/// The first rows of a record: the same write calls, with short runs.
 fn short_record() -> String {
     static FOLDER: std::sync::OnceLock<tempfile::TempDir> = std::sync::OnceLock::new();
     let folder = FOLDER.get_or_init(|| {
@@ -78,7 +78,7 @@ fn simulate() -> Question {
     }
 }
 
-/// The bytes that a good run writes, the name of its folder aside.
+/// The bytes written by a run without failure, independent of the folder's name.
 fn good(question: &Question, folder: &Path) -> Vec<Vec<u8>> {
     let done = run(question, folder, |_| {});
     assert!(
@@ -95,7 +95,7 @@ fn good(question: &Question, folder: &Path) -> Vec<Vec<u8>> {
 fn run(question: &Question, folder: &Path, change: impl FnOnce(&mut Command)) -> Output {
     let arguments: Vec<&str> = question.arguments.iter().map(String::as_str).collect();
     let mut command = poinsot(&arguments);
-    // A relative name: the command line stands in the result.
+    // A relative name, because the command line is in the result.
     command.args(["--out", "out"]).current_dir(folder);
     command.env("RAYON_NUM_THREADS", "1");
     change(&mut command);
@@ -107,20 +107,19 @@ fn contents(question: &Question, folder: &Path) -> Vec<Option<Vec<u8>>> {
     question.files.iter().map(read).collect()
 }
 
-/// What stands in every place before a run, where something does.
+/// Content of every target before a run, if any.
 const EARLIER: &[u8] = b"an earlier answer";
 
-/// How a call fails.
 #[derive(Clone, Copy)]
 struct Failure {
     how: &'static str,
-    /// Only one call, or all that follow too.
+    /// Whether only one call fails, or all later ones too.
     once: bool,
-    /// Whether an earlier answer stands there.
+    /// Whether an earlier result exists.
     earlier: bool,
 }
 
-/// Fails every call; afterwards each file is whole, as before or not there, and the exit code is honest.
+/// Fails every call in turn. Afterwards each file is complete, unchanged or absent, and the exit code is correct.
 fn at_every_call(question: &Question, failure: Failure) {
     let workshop = tempfile::tempdir().unwrap();
     let Some(shim) = shim(workshop.path()) else {
@@ -176,7 +175,7 @@ fn at_every_call(question: &Question, failure: Failure) {
     assert!(calls >= 8, "only {calls} calls were seen");
 }
 
-/// Hidden folders that a run left.
+/// Hidden folders left by a run.
 fn left(folder: &Path) -> Vec<PathBuf> {
     std::fs::read_dir(folder.join("out"))
         .into_iter()
@@ -190,7 +189,7 @@ fn left(folder: &Path) -> Vec<PathBuf> {
         .collect()
 }
 
-/// What a run left behind.
+/// State after a run.
 struct After {
     here: Vec<Option<Vec<u8>>>,
     left: Vec<PathBuf>,
@@ -226,7 +225,7 @@ impl After {
         match failure.how {
             "kill" => {
                 assert_eq!(code, None, "{place}");
-                // The answer is put in place last: where it stands, the others do.
+                // The result is put in place last: if it exists, the others do too.
                 let answer = self.here[0].as_deref() == Some(whole[0].as_slice());
                 let answer = answer && question.files[0] == "estimate.json";
                 assert!(!answer || self.is(whole), "{place}");
@@ -242,11 +241,11 @@ impl After {
                 assert!(self.is_unchanged(before), "files of a failed run: {place}");
             }
             "enospc" | "eio" => {
-                // The call did not matter: flushing a folder, which not every system can.
+                // The call was optional: flushing a folder, which some systems do not support.
                 assert!(code.is_some_and(|c| c <= 1), "{place}");
                 assert!(self.is(whole), "{place}");
             }
-            // Interrupted: before, or after all was in place.
+            // Interrupted before the commit, or after all files were in place.
             _ => {
                 assert!(code.is_none_or(|c| c <= 1), "{place}");
                 assert!(self.is_unchanged(before) || self.is(whole), "{place}");
@@ -255,7 +254,7 @@ impl After {
         assert!(self.left.is_empty(), "a temporary file stays: {place}");
     }
 
-    /// Every earlier file stands in its place or lies in the folder that the message names.
+    /// Every earlier file is in its place, or in the folder named in the message.
     fn check_kept(&self) {
         let kept: Vec<PathBuf> = std::fs::read_dir(&self.left[0])
             .unwrap()
@@ -316,7 +315,7 @@ fn regress_an_interruption_at_any_call_leaves_nothing_behind() {
     at_every_call(&identify(), failure("term", true, true));
 }
 
-/// A program that was told to ignore a signal goes on.
+/// A program told to ignore a signal continues.
 #[test]
 fn cli_nohup_is_obeyed() {
     let folder = tempfile::tempdir().unwrap();
@@ -346,7 +345,7 @@ fn cli_nohup_is_obeyed() {
     );
 }
 
-/// What stands in the way is found before anything is replaced.
+/// An obstacle is found before anything is replaced.
 #[test]
 fn regress_what_stands_in_the_way_keeps_the_earlier_answer() {
     let question = identify();
@@ -444,7 +443,7 @@ fn regress_little_memory_is_an_error_of_the_environment() {
             .output()
             .unwrap();
         let code = done.status.code();
-        // 127: not even the program fits.
+        // 127: the program itself does not fit.
         assert!(
             matches!(code, Some(0 | 1 | 3 | 127)),
             "{mib} MiB: {:?} {}",
@@ -513,7 +512,7 @@ fn cli_closed_standard_error_is_no_error_either() {
     assert_eq!(child.wait().unwrap().code(), Some(2));
 }
 
-/// Notes after an answer that is written: nobody reads them, and the answer stands.
+/// Notes after the result is written: a closed stream is ignored, and the result is kept.
 #[test]
 fn regress_notes_on_a_closed_standard_error_are_no_fault() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! Models from recorded trees and from the truth of recorded runs; recorded telemetry.
+//! Models of recorded trees and of the true vehicles of recorded runs; recorded telemetry.
 #![allow(dead_code)]
 
 use parquet::file::reader::{FileReader, SerializedFileReader};
@@ -11,7 +11,7 @@ use serde_json::Value;
 use std::collections::HashMap;
 use std::path::Path;
 
-/// A vehicle without sensors, from bodies of the test kit.
+/// A vehicle without sensors, from test kit bodies.
 pub fn model(bodies: &[KitBody], wheels: &[KitWheel]) -> Model {
     let mut model = Model {
         name: "test".into(),
@@ -71,7 +71,7 @@ pub fn model(bodies: &[KitBody], wheels: &[KitWheel]) -> Model {
     model
 }
 
-/// What the test kit needs to sum the momentum of a sample.
+/// State for the test kit's momentum sums.
 pub fn state(sample: &MotionSample) -> KitState {
     let R_NB = sample.R_NB.to_rotation_matrix().into_inner();
     KitState {
@@ -96,7 +96,7 @@ pub fn vector(value: &Value) -> Vector3 {
     Vector3::from_column_slice(&numbers(value))
 }
 
-/// The model of a recorded run with the numbers of its `truth.json` in place of the nominal ones.
+/// The model of a recorded run with the true numbers of its `truth.json`.
 fn true_model(folder: &Path, truth: &Value) -> Model {
     let file = folder.parent().unwrap().join("model.toml");
     let mut model = read_model(file).unwrap();
@@ -125,7 +125,7 @@ fn true_model(folder: &Path, truth: &Value) -> Model {
     model
 }
 
-/// A recorded run: its vehicle, how it was made, and its noise-free telemetry by column.
+/// A recorded run: vehicle, origin, and noise-free telemetry by column.
 pub struct Run {
     pub model: Model,
     pub source: Value,

@@ -19,25 +19,44 @@ use std::sync::{Arc, Mutex};
 /// Step of a difference, sigmas of the number. One sigma may be 10^5 times the noise of all readings together; the bend over
 /// a step and its round-off must both stay far below the noise.
 pub(crate) const DIFFERENCE: f64 = 1.0e-5;
-/// Sigmas by which a known number may have moved since its columns were made. One sigma changes a column by a tenth at most
-/// (inertia from a drawing), so columns this old move no answer by more than a hundredth of its sigma.
+/// Sigmas by which a known number may move during a fit before its columns are made again. One sigma changes a column by a
+/// tenth at most (inertia from a drawing), so a step on columns this old is right to a hundredth.
 const FRESH: f64 = 0.1;
+/// The same where a fit ends. Columns 10^4 times the noise may cancel in a combination that the data do not show; what is left
+/// of them by their age must be small beside a prior.
+const FRESH_AT_THE_END: f64 = 1.0e-4;
 
 /// Columns with the values of the known numbers where they were made, sigmas.
 pub(crate) type KeptColumns = Arc<Mutex<Option<(Vec<f64>, Arc<KnownColumns>)>>>;
 
-/// Columns of the known numbers at a value of all unknowns: those kept, where the numbers have hardly moved.
-pub(crate) fn columns_at(experiment: &Experiment, at: &Iterate) -> Option<Arc<KnownColumns>> {
+/// Values of the known numbers, sigmas.
+fn values(experiment: &Experiment, at: &Iterate) -> Vec<f64> {
     let unknowns = &experiment.parameters.unknowns;
     let places = experiment.parameters.known_places();
     let value = |p: &usize| at.x[*p] / unknowns[*p].natural;
-    let here: Vec<f64> = places.iter().map(value).collect();
-    let close = |old: &[f64]| {
-        let mut pairs = old.iter().zip(&here);
-        old.len() == here.len() && pairs.all(|(a, b)| (a - b).abs() < FRESH)
+    places.iter().map(value).collect()
+}
+
+fn close(old: &[f64], here: &[f64], limit: f64) -> bool {
+    let mut pairs = old.iter().zip(here);
+    old.len() == here.len() && pairs.all(|(a, b)| (a - b).abs() < limit)
+}
+
+/// Drops the kept columns if they are too old for an answer at a value of all unknowns; whether they were.
+pub(crate) fn drop_old_columns(experiment: &Experiment, at: &Iterate) -> bool {
+    let here = values(experiment, at);
+    let Ok(mut kept) = experiment.kept.lock() else {
+        return false;
     };
+    let too_old = |(old, _): &mut (Vec<f64>, _)| !close(old, &here, FRESH_AT_THE_END);
+    kept.take_if(too_old).is_some()
+}
+
+/// Columns of the known numbers at a value of all unknowns: those kept, where the numbers have hardly moved.
+pub(crate) fn columns_at(experiment: &Experiment, at: &Iterate) -> Option<Arc<KnownColumns>> {
+    let here = values(experiment, at);
     let mut kept = experiment.kept.lock().ok()?;
-    if let Some((_, columns)) = kept.as_ref().filter(|(old, _)| close(old)) {
+    if let Some((_, columns)) = kept.as_ref().filter(|(old, _)| close(old, &here, FRESH)) {
         return Some(Arc::clone(columns));
     }
     let columns = Arc::new(slopes(experiment, at)?);

@@ -1,4 +1,4 @@
-//! Two bodies, both unknown, that tumble while the joint between them moves.
+//! Two unknown bodies that tumble while the joint between them moves.
 
 use poinsot_dynamics::{
     Fourier, JointMotion, MotionSample, Plan, Prescribed, Start, StartVelocity, Tolerance,
@@ -39,7 +39,7 @@ type = "gyro"
 noise_rad_s = 1e-5
 "#;
 
-/// The motion number `at`, sample by sample.
+/// Motion number `at`, sample by sample.
 pub fn tumble(model: &Model, at: usize, times: &[f64], see: impl FnMut(&MotionSample)) {
     let mut plan = Plan::hold(model);
     plan.joints[0] = JointMotion::Fourier(Fourier {

@@ -33,7 +33,7 @@ fn unit_a_chain_of_ten_thousand_links_is_read_described_and_written() {
     for k in 1..10_000 {
         text += &body(&format!("b{k}"), 1.0);
     }
-    // From the tip to the base: the order of the file must not matter.
+    // From the tip to the base: the result must not depend on file order.
     for k in (1..10_000).rev() {
         text += &joint(
             &format!("j{k}"),

@@ -1,4 +1,4 @@
-//! The telemetry map in its own file, and the model in words.
+//! The telemetry map in a separate file, and the description of a model.
 
 use super::keys::full;
 use super::{HEAD, accepted, body, joint};
@@ -41,7 +41,7 @@ fn exact_a_description_names_what_is_there_and_what_is_unknown() {
     assert!(text.contains("imu: bias (prior sigma 0.001)"));
     let json = serde_json::to_value(&description).unwrap();
     assert_eq!(json["sensors"][2]["of"][0], "turn");
-    // Two bodies of 1 kg at z = 0.1 and z = 1.1: the mass centre lies between.
+    // Two bodies of 1 kg at z = 0.1 and z = 1.1: the mass centre is in the middle.
     let pair = accepted(&format!(
         "{HEAD}{}{}{}",
         body("a", 1.0),

@@ -96,7 +96,7 @@ columns.omega_y = { column = "wy", scale = 2.0, offset = 0.5 }
     text
 }
 
-/// Equal but for noise matrices, which go through a square root, and notes.
+/// Equal except for notes and noise matrices, which are written as a square root.
 pub fn assert_reads_back(model: &Model) {
     let written = write_model(model);
     let mut back = parse_model(&written, "back.toml").unwrap_or_else(|e| panic!("{e}\n{written}"));
@@ -138,7 +138,7 @@ fn exact_every_key_is_read() {
     assert_eq!(model.joints[0].spring_damper, None);
     assert_eq!(model.joints[2].spring_damper, Some(SpringDamper::default()));
     assert_eq!(model.joints[2].kind, JointKind::Prismatic);
-    // A quarter turn about z: the child's x is the parent's y.
+    // A rotation by 90 deg about z: the child's x is the parent's y.
     assert_eq!(model.joints[2].R_PC_zero.column(0).y, 1.0);
     assert!((model.wheels[0].axis_B.norm() - 1.0).abs() < 1e-15);
     assert_eq!(model.thrusters[0].scale, Nuisance::Prior(0.05));
@@ -148,7 +148,7 @@ fn exact_every_key_is_read() {
     assert_eq!(gyro.bias, Nuisance::Prior(1e-3));
     assert_eq!(gyro.scale, Nuisance::Estimate);
     assert_eq!(gyro.lag, Nuisance::Prior(0.1));
-    // Turned by 2 atan(0.6 / 0.8) about z.
+    // Rotation by 2 atan(0.6 / 0.8) about z.
     assert!((gyro.R_BS[(1, 0)] - 0.96).abs() < 1e-15);
     let covariance = model.sensors[1].noise_covariance.unwrap();
     assert!((covariance[(0, 1)] - 4e-6).abs() < 1e-20, "S S, not S");
@@ -187,7 +187,6 @@ fn exact_a_written_model_reads_back() {
     }
 }
 
-/// Everything in a model that may be known, unknown or known roughly.
 fn nuisances(model: &mut Model) -> Vec<&mut Nuisance> {
     let mut all = Vec::new();
     for sensor in &mut model.sensors {

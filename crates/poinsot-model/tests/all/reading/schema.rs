@@ -1,4 +1,4 @@
-//! The shipped examples, and the schema that describes them.
+//! The shipped examples and their schema.
 
 use super::examples;
 use super::keys::full;
@@ -37,7 +37,7 @@ fn exact_schema_has_every_key_of_the_examples() {
     }
 }
 
-/// Walks a file beside the schema, independently of the reader.
+/// Checks a file against the schema, independently of the reader.
 fn assert_keys(root: &serde_json::Value, schema: &serde_json::Value, value: &toml::Value) {
     let mut alternatives = vec![schema];
     let mut k = 0;
@@ -100,7 +100,7 @@ fn unit_every_quantity_in_the_schema_is_described_with_its_unit() {
                 ("_N_per_m", "N/m"),
                 ("_N_m_s_per_rad", "N m s/rad"),
             ] {
-                // A stiffness in N/m is no length.
+                // A stiffness in N/m is not a length.
                 if key.ends_with(suffix) && (suffix.contains("per") || !key.contains("_per_")) {
                     let text = property["description"].as_str().unwrap();
                     assert!(text.contains(unit), "{key}: {text}");

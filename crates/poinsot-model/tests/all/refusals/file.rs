@@ -1,4 +1,4 @@
-//! Refusals of the file as a whole, of momentum, surroundings and the telemetry table.
+//! Refusals of the file as a whole, of momentum, environment and the telemetry table.
 
 use crate::refusals::Case;
 

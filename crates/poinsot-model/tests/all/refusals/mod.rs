@@ -1,4 +1,4 @@
-//! Every refusal with its whole message: a user reads nothing else.
+//! Every refusal with its complete message.
 
 mod bodies;
 mod file;
@@ -49,7 +49,7 @@ type = "joint_position"
 quantisation_rad = 2.4e-5
 "#;
 
-/// What is replaced in [`GOOD`] by what, and the message.
+/// Replaced text in [`GOOD`], new text, and the message.
 type Case = (&'static str, &'static str, &'static str);
 
 /// All cases, by subject.

@@ -1,4 +1,4 @@
-//! Tables 2 and 3 and Fig. 1 to 4 among noisy records of several rates and lengths.
+//! Tables 2 and 3 and Fig. 1 to 4 compared with noisy records of several rates and lengths.
 
 use super::one_axis::titles;
 use super::printed::{COLUMNS, PRINTED, TRUE};
@@ -9,10 +9,10 @@ use crate::study::{Cell, Context, Findings, StudyError, Table, decimals, figures
 use poinsot_report::{Axis, Mark, Plot, Series};
 use poinsot_spatial::Vector3;
 
-/// Rows skipped for 10, 5, 2, 1 and 0.5 Hz.
+/// Row steps for 10, 5, 2, 1 and 0.5 Hz.
 const STEPS: [usize; 5] = [1, 2, 5, 10, 20];
 const LENGTHS: [usize; 7] = [60, 100, 200, 300, 350, 400, 600];
-/// Where the band of trials begins and ends.
+/// Quantiles of the band of trials.
 const BAND: [f64; 2] = [0.05, 0.95];
 
 /// All records of one rate and length.
@@ -40,7 +40,7 @@ impl Records {
         (0..6).filter(|k| self.holds_printed(column, *k)).count()
     }
 
-    /// Of the suggested column.
+    /// Chi-square of the suggested column.
     fn chi_square(&self) -> f64 {
         let suggested: Vec<Vec<f64>> = self.trials.iter().map(|t| t[3].to_vec()).collect();
         chi_square(&suggested, 3, 0)
@@ -122,7 +122,7 @@ fn distances(all: &[Records]) -> Table {
     table
 }
 
-/// Table 3 beside the records of one rate.
+/// Table 3 and the records of one rate.
 fn errors(records: &Records) -> Table {
     let (name, title) = match records.step {
         10 => ("table3_1hz", "1 Hz"),
@@ -140,7 +140,7 @@ fn errors(records: &Records) -> Table {
     table
 }
 
-/// Every number of every rate and length.
+/// Bands of every number for every rate and length.
 fn band(all: &[Records]) -> Table {
     let mut table = Table::new(
         "bands",
@@ -177,7 +177,7 @@ fn histories(slew: &Slew, findings: &mut Findings) {
         let time: Vec<f64> = rows.iter().map(|k| slew.time[*k]).collect();
         let curve = |axis: usize| {
             let values: Vec<f64> = rows.iter().map(|k| value(*k)[axis]).collect();
-            // Two of the three lie on each other: the last is dashed.
+            // Two of the three curves coincide: the last is dashed.
             let mark = if axis == 2 { Mark::Dashed } else { Mark::Line };
             Series::new(names[axis], mark, axis, &time, &values)
         };
@@ -210,7 +210,7 @@ fn histories(slew: &Slew, findings: &mut Findings) {
     );
 }
 
-/// Fig. 3 and 4, and what noise leaves at other rates.
+/// Fig. 3 and 4, and the effect of noise at other rates.
 fn draw(slew: &Slew, all: &[Records], findings: &mut Findings) -> Result<(), StudyError> {
     let lengths: Vec<usize> = (2..=30).map(|k| 20 * k).collect();
     let mut suggested: Vec<Vec<[f64; 6]>> = Vec::new();
@@ -269,7 +269,7 @@ fn truth_and_printed(k: usize) -> [Series; 2] {
     ]
 }
 
-/// A plot over the length of the record.
+/// A plot over the record length.
 fn evolution(title: &str, series: Vec<Series>) -> Plot {
     Plot {
         title: title.to_owned(),

@@ -1,7 +1,7 @@
-//! What Table 2 says of the record behind it.
+//! Infers the record of the paper from Table 2.
 //!
-//! On one axis `K = sum Q w^T = g k^T` with `g = I n` known. `G` and `k` hold eight unknowns but for a common
-//! scale; every column but one depends on them alone. Gauss and Newton fit them to the 15 other printed numbers.
+//! On one axis `K = sum Q w^T = g k^T` with `g = I n` known. `G` and `k` hold eight unknowns, up to a common scale,
+//! which determine every column but one. Gauss-Newton fits them to the 15 other printed numbers.
 
 use crate::kim2010::{Kim2010Error, Sums};
 use nalgebra::{SMatrix, SVector};
@@ -9,7 +9,7 @@ use poinsot_spatial::{Matrix3, Vector3};
 
 /// Half a unit of the last printed digit, kg m2.
 pub const HALF_DIGIT: f64 = 0.5e-4;
-/// Step of the differences, of unknowns that are near one.
+/// Step of the finite differences; the unknowns are of order one.
 const STEP: f64 = 1.0e-7;
 const ITERATIONS: usize = 20;
 
@@ -20,7 +20,7 @@ type Printed = SVector<f64, 15>;
 pub struct Fixed {
     /// `sum w w^T`, in units of `sum s^2`.
     pub G: Matrix3,
-    /// `sum s w`, the same.
+    /// `sum s w`, in the same units.
     pub k: Vector3,
     /// With `K = g k^T`.
     pub sums: Sums,
@@ -28,8 +28,8 @@ pub struct Fixed {
     pub worst: f64,
 }
 
-/// Fits the eight unknowns: axis `n`, momentum direction `g = I n`, Table 2 in the order batch, conventional,
-/// pre-estimate (not used), suggested.
+/// Fits the eight unknowns. `n` is the axis, `g = I n` the momentum direction; `table` is Table 2 in the order batch,
+/// conventional, pre-estimate (not used), suggested.
 pub fn invert(n: &Vector3, g: &Vector3, table: &[[f64; 6]; 4]) -> Result<Fixed, Kim2010Error> {
     let wanted = Printed::from_iterator(
         table[0]
@@ -60,11 +60,11 @@ pub fn invert(n: &Vector3, g: &Vector3, table: &[[f64; 6]; 4]) -> Result<Fixed, 
     Ok(Fixed { G, k, sums, worst })
 }
 
-/// `G`, `k` and the sums of eight relative deviations from the noise-free record.
+/// `G`, `k` and the sums from the eight relative deviations from the noise-free record.
 fn build(u: &Unknowns, n: &Vector3, g: &Vector3) -> Result<(Matrix3, Vector3, Sums), Kim2010Error> {
     let G = Matrix3::from_fn(|i, j| {
         let at = if i == j { i } else { 2 + i + j };
-        // The ridge of a record of 350 s: without one G has no inverse to start from.
+        // The ridge of a record of 350 s; without it the initial G is singular.
         let ridge = if i == j { 2.7e-3 } else { 0.0 };
         n[i] * n[j] * (1.0 + u[at]) + ridge
     });
@@ -72,7 +72,7 @@ fn build(u: &Unknowns, n: &Vector3, g: &Vector3) -> Result<(Matrix3, Vector3, Su
     Ok((G, k, Sums::at_rest(G, g * k.transpose(), 350)?))
 }
 
-/// The 15 numbers: batch 6, conventional 6, products of suggested.
+/// The 15 numbers: batch (6), conventional (6), products of suggested (3).
 fn columns(sums: &Sums) -> Result<Printed, Kim2010Error> {
     let (batch, conventional) = (sums.batch()?.0.printed, sums.conventional()?.printed);
     let suggested = sums.suggested()?.printed;
@@ -85,21 +85,21 @@ fn columns(sums: &Sums) -> Result<Printed, Kim2010Error> {
     ))
 }
 
-/// What the sums say of noise, all in units of `sum s^2`.
+/// Noise inferred from the sums, in units of `sum s^2`.
 pub struct Noise {
     /// Mean of the two residual sums of squares across the axis: `N sigma^2`.
     pub mean: f64,
-    /// Residual sums that scatter about zero with sigma `mean / sqrt(N)`: half the difference of the two
-    /// squares, and three sums of products.
+    /// Sums with mean zero and sigma `mean / sqrt(N)`: half the difference of the two squares, and three sums of
+    /// products.
     pub scatter: [f64; 4],
     /// Sums of `s` times noise across the axis, each with sigma `sigma / sqrt(sum s^2)`.
     pub across: [f64; 2],
-    /// The same along the axis: the common shift of all rates against `Q`.
+    /// The same along the axis: the common offset of all rates from `Q`.
     pub along: f64,
 }
 
 impl Noise {
-    /// Takes the record's own motion off the sums.
+    /// Subtracts the noise-free motion from the sums.
     pub fn of(fixed: &Fixed, n: &Vector3) -> Self {
         let a = n.cross(&Vector3::z()).normalize();
         let axes = Matrix3::from_columns(&[a, n.cross(&a), *n]);
@@ -125,8 +125,8 @@ impl Noise {
         self.mean * integral / (sigma * sigma)
     }
 
-    /// At a rate, Hz: sum of the six squared normalised numbers of `scatter` and `across`, and the common
-    /// shift in sigmas.
+    /// For a rate, Hz: the sum of the six squared normalised numbers of `scatter` and `across`, and the common offset
+    /// in sigmas.
     pub fn at(&self, rate: f64, sigma: f64, integral: f64) -> (f64, f64) {
         let samples = self.length(sigma, integral) * rate;
         let (of_sums, of_shift) = (self.mean / samples.sqrt(), sigma / (integral * rate).sqrt());

@@ -1,4 +1,4 @@
-//! One slew and three slews about different axes in the paper's time, with the sensors of the shipped model.
+//! One slew, and three slews about different axes in the same duration, with the sensors of the shipped model.
 
 use super::printed::{COLUMNS, PRINTED, TRUE};
 use crate::kim2010::{ELEMENTS, Kim2010, NAMES};
@@ -8,7 +8,7 @@ use crate::study::{Cell, Context, Findings, StudyError, Table, decimals, figures
 use poinsot_identify::{Estimate, tensor_index, tensor_name};
 use poinsot_report::{Axis, Mark, Plot, Series};
 
-/// Trials with other noise.
+/// Noise trials.
 const TRIALS: u64 = 20;
 /// Name of the tables, title, case file.
 const CASES: [(&str, [&str; 2], &str); 3] = [
@@ -29,15 +29,15 @@ const CASES: [(&str, [&str; 2], &str); 3] = [
     ),
 ];
 
-/// What one method says, elements in the order of the paper's tables.
+/// Result of one method, elements in the order of the paper's tables.
 struct Answer {
     name: String,
     noisy: bool,
-    /// Mean over the trials, kg m2; NaN where the method withholds the number.
+    /// Mean over the trials, kg m2; NaN if the method withholds the number.
     mean: [f64; 6],
-    /// Root mean square error over the trials, share of the element.
+    /// RMS error over the trials, relative to the element.
     error: [f64; 6],
-    /// Sigma that the method states (mean), share of the element; NaN for the paper's.
+    /// Mean of the method's sigma, relative to the element; NaN for the paper's estimators.
     sigma: [f64; 6],
 }
 
@@ -96,7 +96,7 @@ fn state(case: &str, answers: &[Answer], findings: &mut Findings) {
     }
 }
 
-/// Every column of Table 2, the iteration, the linear method and maximum likelihood on one case.
+/// Every column of Table 2, the iteration, the linear method and maximum likelihood for one case.
 fn answers(context: &Context, case: &str) -> Result<Vec<Answer>, StudyError> {
     let own = Kim2010.about().name;
     let mut list = Vec::new();
@@ -125,7 +125,7 @@ fn answer(
     let I = vehicle.bodies[0].nominal.I_BBcm_B;
     let wanted = ELEMENTS.map(|e| I[e]);
     if !noisy {
-        // Perfect instruments: the channels are those of the exact motion.
+        // Without sensors, the channels are the exact motion.
         vehicle.sensors.clear();
         case = case.with(&[("sensors_only = true", "sensors_only = false")]);
     }
@@ -155,7 +155,7 @@ fn answer(
     })
 }
 
-/// The six numbers as the method prints them, with the sigma that it states.
+/// The six numbers of a method with their sigmas.
 fn numbers(estimate: &Estimate) -> [(f64, f64); 6] {
     std::array::from_fn(|k| {
         let printed = estimate.method_report.iter().flat_map(|r| &r.numbers);
@@ -200,7 +200,7 @@ fn errors(name: &'static str, title: &str, answers: &[Answer]) -> Table {
     table
 }
 
-/// Errors with a second and third axis beside the printed ones.
+/// Errors with a second and third axis, and the printed ones.
 fn second_axis(answers: &[Answer]) -> Plot {
     let places = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0];
     let printed: [f64; 6] = std::array::from_fn(|k| 100.0 * (PRINTED[3][k] / TRUE[k] - 1.0).abs());

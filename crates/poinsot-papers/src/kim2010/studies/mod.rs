@@ -1,5 +1,5 @@
-//! Tables 2 and 3 and figures 1 to 4, what the printed numbers say of the record behind them, and the four columns on
-//! slews about several axes.
+//! Tables 2 and 3, figures 1 to 4, the record inferred from the printed numbers, and the four columns for slews about
+//! several axes.
 
 mod bands;
 pub mod inversion;

@@ -1,4 +1,4 @@
-//! What each column is on a slew about one axis, and what the printed numbers say of the record.
+//! Each column for a slew about one axis, and the record inferred from the printed numbers.
 
 use super::inversion::{Noise, invert};
 use super::printed::{COLUMNS, PRINTED, SIGMA, TRUE};
@@ -8,11 +8,11 @@ use crate::study::statistics::largest;
 use crate::study::{Context, Findings, StudyError, Table, decimals, figures, word};
 use poinsot_spatial::{Matrix3, Vector3};
 
-/// `N sigma^2 / sum s^2` that stands for little noise.
+/// `N sigma^2 / sum s^2` in the limit of low noise.
 const SMALL_RIDGE: f64 = 1.0e-5;
 
-/// The direction of the rates, how far they leave it, and what follows for the conventional products: on one axis
-/// `Q = I n s`, so `sum Q_x w_y / sum Q_y w_y = (I n)_x / (I n)_y` whatever the noise of the rates.
+/// Direction of the rates, deviation from it, and the ratio of the conventional products. On one axis `Q = I n s`, so
+/// `sum Q_x w_y / sum Q_y w_y = (I n)_x / (I n)_y` for any noise of the rates.
 pub fn axis(context: &Context) -> Result<Findings, StudyError> {
     let slew = Slew::of(context)?;
     let n = slew.normal();
@@ -44,7 +44,7 @@ pub fn axis(context: &Context) -> Result<Findings, StudyError> {
     Ok(findings)
 }
 
-/// What each column is without noise.
+/// Each column without noise.
 pub fn table2(context: &Context) -> Result<Findings, StudyError> {
     let found = columns(&Slew::of(context)?.sums(PAPER.0, PAPER.1, &[])?)?;
     let mut table = Table::new(
@@ -73,7 +73,7 @@ pub fn table2(context: &Context) -> Result<Findings, StudyError> {
     Ok(findings)
 }
 
-/// The column "Considering pre-estimate" from the sums that the other columns fix, and the record behind them.
+/// The column "Considering pre-estimate" from the sums fixed by the other columns, and the inferred record.
 pub fn pre_estimate(context: &Context) -> Result<Findings, StudyError> {
     let slew = Slew::of(context)?;
     let n = slew.normal();
@@ -94,7 +94,7 @@ pub fn pre_estimate(context: &Context) -> Result<Findings, StudyError> {
         "one after the other, column by column [1]",
         ordered[3..].iter().map(|x| decimals(*x, 4)),
     );
-    // Integral of s^2: the slew is over long before the record.
+    // Integral of s^2 over the slew, which ends long before the record.
     let squares: f64 = slew.w.iter().map(|w| w.dot(&n).powi(2)).sum();
     let integral = squares / RATE as f64;
     let noise = Noise::of(&fixed, &n);
@@ -130,13 +130,13 @@ pub fn pre_estimate(context: &Context) -> Result<Findings, StudyError> {
     Ok(findings)
 }
 
-/// The sequential readings of "considering pre-estimate", in every order of the six products: chi-square of its three
-/// printed products at 350 s and 1 Hz; the reading with all at once beside them.
+/// The sequential interpretations of "considering pre-estimate" in every order of the six products: chi-square of the
+/// three printed products at 350 s and 1 Hz. Compared with the interpretation that computes all at once.
 pub fn orders(context: &Context) -> Result<Findings, StudyError> {
     let slew = Slew::of(context)?;
     let sums = slew.noisy(PAPER.1, &[PAPER.0])?.swap_remove(0);
     let one = &sums[0];
-    // First answer and order of each reading that differs from those before.
+    // First result and order of each distinct interpretation.
     let mut tried: Vec<([f64; 6], Order)> = Vec::new();
     let (mut order, mut count) = (VISITED, 0);
     permutations(&mut order, 0, &mut |order| {
@@ -175,7 +175,7 @@ pub fn orders(context: &Context) -> Result<Findings, StudyError> {
     Ok(Findings::of(table))
 }
 
-/// Rows and columns of the six products, in the order in which they are computed.
+/// Rows and columns of the six products, in computation order.
 type Order = [(usize, usize); 6];
 type Visit<'v> = &'v mut dyn FnMut(&Order) -> Result<(), Kim2010Error>;
 
@@ -191,7 +191,7 @@ fn permutations(order: &mut Order, from: usize, visit: Visit) -> Result<(), Kim2
     Ok(())
 }
 
-/// The announced iteration on the paper's slew, and the symmetric fit beside its fixed point.
+/// The announced iteration for the paper's slew, compared with the symmetric fit.
 pub fn iteration(context: &Context) -> Result<Findings, StudyError> {
     let slew = Slew::of(context)?;
     let mut table = Table::new(
@@ -216,7 +216,7 @@ pub fn iteration(context: &Context) -> Result<Findings, StudyError> {
         table.row(name.clone(), cells.into_iter().chain([decimals(free, 0)]));
         ends.row(name, it.answer.printed.map(|x| decimals(x, 2)));
     }
-    // The limit of little noise: a ridge that does not matter beside the motion.
+    // Limit of low noise: a ridge that is negligible compared with the motion.
     let n = slew.normal();
     let g = slew.I * n;
     let G = n * n.transpose() + Matrix3::identity() * SMALL_RIDGE;
@@ -233,13 +233,13 @@ pub fn iteration(context: &Context) -> Result<Findings, StudyError> {
     Ok(findings)
 }
 
-/// The symmetric tensor of smallest Frobenius norm with `I n = g`: what least squares tends to as noise, which adds
+/// The symmetric tensor of least Frobenius norm with `I n = g`. Least squares tends to it as noise, which adds
 /// `N sigma^2 |I|^2` to the sum of squares, goes to zero.
 fn symmetric_fit(n: &Vector3, g: &Vector3) -> Matrix3 {
     g * n.transpose() + n * g.transpose() - n * n.transpose() * g.dot(n)
 }
 
-/// Titles of a table with a column for each of the paper's.
+/// Column titles, one for each column of the paper.
 pub(super) fn titles() -> String {
     format!(" | {}", COLUMNS.join(" | "))
 }

@@ -1,6 +1,6 @@
-//! What the paper prints, elements in the order xx, yy, zz, xy, yz, zx.
+//! Numbers printed in the paper, elements in the order xx, yy, zz, xy, yz, zx.
 
-/// Columns of Table 2, by their variant.
+/// Columns of Table 2, by variant.
 pub const COLUMNS: [&str; 4] = ["batch", "conventional", "pre-estimate", "suggested"];
 /// Table 2, kg m2.
 pub const PRINTED: [[f64; 6]; 4] = [

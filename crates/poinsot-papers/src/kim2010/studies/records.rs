@@ -1,4 +1,4 @@
-//! The paper's slew from its case file without noise, and records of it with noise.
+//! The paper's slew, simulated from its case without noise, and noisy records of it.
 
 use super::printed::{PRINTED, SIGMA};
 use crate::kim2010::{Kim2010Error, Manoeuvre, StartRate, Sums, wheel_momentum};
@@ -10,12 +10,12 @@ use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
 pub const RATE: usize = 10;
 /// Length of the longest record, s.
 const LENGTH: usize = 600;
-/// Records with noise.
+/// Number of noisy records.
 pub const SEEDS: u64 = 200;
-/// Length of the paper's record, s, and the step to 1 Hz, of the noise-free tables.
+/// Length of the paper's record, s, and the row step to 1 Hz, for noise-free tables.
 pub const PAPER: (usize, usize) = (350, 10);
 
-/// A record without noise.
+/// A noise-free record.
 pub struct Slew {
     /// Times, s.
     pub time: Vec<f64>,
@@ -32,7 +32,7 @@ pub struct Slew {
 }
 
 impl Slew {
-    /// The slew of the paper's case.
+    /// Simulates the case of the paper.
     pub fn of(context: &Context) -> Result<Self, StudyError> {
         let case = context.case("stsat3_kim2010.toml")?.with(&[
             ("duration_s = 350.0", &format!("duration_s = {LENGTH}")),
@@ -76,13 +76,13 @@ impl Slew {
         })
     }
 
-    /// The axis of the slew.
+    /// Axis of the slew.
     pub fn normal(&self) -> Vector3 {
         self.R_NB[0].axis().map_or(self.w[0], |a| a.into_inner())
     }
 
-    /// The sums of the paper's estimators for the first `seconds`, every `step`-th row, with `noise` (one vector per
-    /// sample) on the rates.
+    /// The sums of the paper's estimators over the first `seconds`, every `step`-th row; `noise` (one vector per
+    /// sample) is added to the rates.
     pub fn sums(
         &self,
         seconds: usize,
@@ -103,7 +103,7 @@ impl Slew {
         }])
     }
 
-    /// The sums of every noisy record for each length, all of one rate: longer records continue shorter ones.
+    /// The sums of every noisy record for each length at one rate; longer records extend shorter ones.
     pub fn noisy(&self, step: usize, lengths: &[usize]) -> Result<Vec<Vec<Sums>>, Kim2010Error> {
         let longest = lengths.iter().max().copied().unwrap_or(0) * RATE / step + 1;
         let mut all: Vec<Vec<Sums>> = lengths.iter().map(|_| Vec::new()).collect();
@@ -117,7 +117,7 @@ impl Slew {
     }
 }
 
-/// Noise of one record, one vector per sample.
+/// Noise of one record.
 pub fn noise(seed: u64, samples: usize) -> Vec<Vector3> {
     let mut normals = Normals::new(seed, 0);
     (0..samples).map(|_| normals.vector() * SIGMA).collect()
@@ -133,7 +133,7 @@ pub fn columns(sums: &Sums) -> Result<[[f64; 6]; 4], Kim2010Error> {
     ])
 }
 
-/// Squared distance of printed numbers of a column, from an element on, from the mean of trials in their covariance.
+/// Squared Mahalanobis distance of a column's printed numbers (elements from `from` on) to the mean of the trials.
 pub fn chi_square(trials: &[Vec<f64>], column: usize, from: usize) -> f64 {
     let printed = &PRINTED[column][from..];
     let (n, p) = (trials.len() as f64, printed.len());

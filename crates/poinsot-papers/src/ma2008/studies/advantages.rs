@@ -1,4 +1,4 @@
-//! The advantages that Sec. II.B states for option 2: less bias, and relative velocities from accelerometers.
+//! The advantages of option 2 stated in Sec. II.B: less bias, and relative velocities from accelerometers.
 
 use super::experiment::{Experiment, readings, unsymmetric};
 use super::noise::OPTIONS;
@@ -8,7 +8,7 @@ use crate::study::{Context, Findings, StudyError, Table, decimals, percent, word
 use poinsot_model::Model;
 use poinsot_spatial::Vector3;
 
-/// Ten stopped samples of trajectory 1 at 5 deg/s, base origin at rest.
+/// Ten samples at stops of trajectory 1 at 5 deg/s, base origin at rest.
 pub fn offset_experiment(table1: &Model, full_tensor: bool) -> Experiment {
     let e = Experiment::new(table1, 1, [0.0, 0.0, 5.0]);
     if full_tensor {
@@ -18,8 +18,7 @@ pub fn offset_experiment(table1: &Model, full_tensor: bool) -> Experiment {
     }
 }
 
-/// Mass (kg) and error of the tensor (share of its norm) of both options, on exact data with an error added to each
-/// sample.
+/// Mass (kg) and relative error of the tensor for both options, for exact data with an error added to each sample.
 ///
 /// # Errors
 /// The motion cannot be computed.

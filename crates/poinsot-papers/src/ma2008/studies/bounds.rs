@@ -1,5 +1,5 @@
-//! Sec. IV: how often (35) holds over many trials, with the error matrices of each and with the limits that the command
-//! states, and how loose it is.
+//! Sec. IV: how often (35) holds over many trials, and how conservative it is. It uses the error matrices of each
+//! trial, and the limits of the command.
 
 use super::cramer_rao::cramer_rao;
 use super::experiment::{Experiment, Run, readings, unsymmetric};
@@ -26,9 +26,9 @@ struct Trial {
     error: [f64; 2],
     /// (35) with the error matrices of the trial.
     bound: [f64; 2],
-    /// The same of step 2, with the error that it inherits from step 1.
+    /// The same for step 2, including the error of step 1.
     inherited: f64,
-    /// (35) as the command states it: the trial's data, limits of the declared noise.
+    /// (35) as printed by the command: the trial's data, limits of the declared noise.
     stated: [f64; 2],
 }
 
@@ -61,7 +61,7 @@ pub fn run(context: &Context) -> Result<Findings, StudyError> {
                 loose.row(title.clone(), looseness(&found));
                 let best = cramer_rao(&e, &run, sigma, known);
                 let x = two_step(&[readings(&e.model, &run.raws)], known.then_some(run.known));
-                // Of the vectors x and y that (35) bounds.
+                // Errors of the vectors x and y that (35) bounds.
                 let best = [
                     (x.linear.x[0] * best[0]).hypot(best[1]),
                     best[2] * e.truth().I_BBcm_B.norm(),
@@ -83,7 +83,7 @@ pub fn run(context: &Context) -> Result<Findings, StudyError> {
     Ok(findings)
 }
 
-/// Smallest and largest number of some columns.
+/// Smallest and largest number of these columns.
 fn range(table: &Table, columns: &[usize]) -> [f64; 2] {
     let cells = table
         .rows
@@ -139,7 +139,7 @@ fn trials(e: &Experiment, run: &Run, sigma: Sigma, known: bool) -> Result<Vec<Tr
     Ok((0..TRIALS).into_par_iter().filter_map(one).collect())
 }
 
-/// What noise of this sigma does to both steps, as the command follows it.
+/// Effect of noise of this sigma on both steps, as propagated by the command.
 fn declared(
     e: &Experiment,
     run: &Run,
@@ -183,7 +183,7 @@ fn trial(
 ) -> Option<Trial> {
     let (step2, found2): (&Step<6>, &Step<6>) = (truth.angular.as_ref()?, found.angular.as_ref()?);
     let (m, c) = (truth.mass(), truth.rho_S());
-    // (39), (41), (43), (45) of this trial, differenced as the option asks.
+    // (39), (41), (43), (45) of this trial, with the differences of the option.
     let pairs = || {
         let both = exact.iter().zip(noisy);
         both.map(|(a, b)| (a, b.v_NBo_B - a.v_NBo_B, b.w_NB_B - a.w_NB_B))
@@ -201,7 +201,7 @@ fn trial(
         known,
     );
     let ((a1, b1), (a2, b2)) = (sizes::<4, 5>(&d1), sizes::<6, 7>(&d2));
-    // Beyond the paper: the right-hand side of step 2 moves with the answer of step 1, too.
+    // Beyond the paper: the right-hand side of step 2 depends on the solution of step 1.
     let shifted = |m, c: Vector3| {
         let rows = move |s: &Reading| angular_rows(s, m, &c);
         differences(&[exact.to_vec()], rows, None)

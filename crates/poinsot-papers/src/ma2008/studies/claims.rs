@@ -6,7 +6,7 @@ use super::noise::{OPTIONS, Scaling, Sigma, medians};
 use crate::ma2008::two_step;
 use crate::study::{Cell, Context, Findings, StudyError, Table, figures, percent, word};
 
-/// Singular values of step 2 closer than this are those of rows without that direction.
+/// Condition number of step 2 above which the tensor is not determined.
 const DETERMINED: f64 = 1.0e12;
 
 /// The study.
@@ -118,7 +118,7 @@ fn axes(context: &Context, sigma: Sigma, findings: &mut Findings) -> Result<(), 
     Ok(())
 }
 
-/// The momentum may be unknown, at a price in noise; mass and mass centre less sensitive; 3 % noise.
+/// The momentum may be unknown at the cost of more noise; mass and mass centre are less sensitive; 3 % noise.
 fn starts(context: &Context, findings: &mut Findings) -> Result<(), StudyError> {
     let head = "example, start | option 1 | bound | option 2 | bound";
     let title = |what: &str| format!("3 % of each maximum: median error and bound, {what}");

@@ -1,5 +1,5 @@
-//! Both options, the linear method and the bound on the same draws: noise of 1 % of the largest components of the ten
-//! stopped samples of trajectory 1 at 5 deg/s.
+//! Both options, the linear method and the Cramer-Rao bound for the same draws. Noise is 1 % of the largest velocity
+//! components of trajectory 1 at 5 deg/s, ten samples at stops.
 
 use super::cramer_rao::cramer_rao;
 use super::experiment::{Experiment, Run, unsymmetric};
@@ -15,11 +15,11 @@ use poinsot_identify::{
 use poinsot_model::{MomentumKnowledge, SensorKind};
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
 
-/// Trials of the linear method where a run has 200 samples.
+/// Trials of the linear method for runs with 200 samples.
 const FEW: u64 = 30;
-/// Everything counts as identified: the comparison is of errors.
+/// Accuracy limit at which everything counts as identified, because only errors are compared.
 const ANY_ACCURACY: f64 = 1.0e6;
-/// Sigma of the attitude, rad: as good as exact.
+/// Sigma of the attitude, rad; practically exact.
 const EXACT: f64 = 1.0e-7;
 
 /// The study.
@@ -72,7 +72,7 @@ pub fn run(context: &Context) -> Result<Findings, StudyError> {
         };
         for (k, table) in tables.iter_mut().enumerate() {
             let scale = if k == 1 { 1000.0 } else { 100.0 };
-            // An estimate of what the velocities do not determine is no number to compare: its bound is infinite.
+            // An undetermined number is not compared: its bound is infinite.
             let bounded = |(column, c): (usize, &[f64; 3])| match columns[4 + column % 2][k] {
                 bound if bound.is_finite() => figures(scale * c[k], 2),
                 _ => figures(f64::NAN, 2),
@@ -92,7 +92,7 @@ pub fn run(context: &Context) -> Result<Findings, StudyError> {
     Ok(findings)
 }
 
-/// A run as the linear method takes it: also with the exact position of the base, which the two steps do not use.
+/// A run for the linear method, with the exact position of the base, which the two steps do not use.
 fn segment(run: &Run, raws: &[Raw], noise: &Noise) -> Segment {
     let of = |kind, covariance, value: fn(&Raw) -> SensorValue| {
         SensorRecord::of_base(kind, covariance).at_every_time(raws.iter().map(value))
@@ -135,7 +135,7 @@ fn segment(run: &Run, raws: &[Raw], noise: &Noise) -> Segment {
     }
 }
 
-/// Noise of the two velocities, all else exact.
+/// Noise of the two velocities; all else is exact.
 fn noise(sigma: Sigma) -> Noise {
     let square = |s: Vector3| Matrix3::from_diagonal(&s.component_mul(&s));
     Noise {
@@ -153,7 +153,7 @@ fn noise(sigma: Sigma) -> Noise {
     }
 }
 
-/// The linear method on one draw.
+/// The linear method for one draw.
 fn answer(e: &Experiment, run: &Run, raws: &[Raw], sigma: Sigma, known: bool) -> Option<Estimate> {
     let mut model = e.model.clone();
     if known {
@@ -172,7 +172,7 @@ fn answer(e: &Experiment, run: &Run, raws: &[Raw], sigma: Sigma, known: bool) ->
     .ok()
 }
 
-/// Mass properties of an answer, where complete.
+/// Mass properties of an answer, if complete.
 fn properties(e: &Estimate) -> Option<MassProperties> {
     let b = e.bodies.first()?;
     let mut I = Matrix3::zeros();

@@ -1,4 +1,4 @@
-//! The Cramer-Rao bound of what the two steps see.
+//! The Cramer-Rao bound for the data of the two steps.
 
 use super::experiment::{Experiment, Run, readings};
 use super::noise::Sigma;
@@ -7,17 +7,17 @@ use nalgebra::DMatrix;
 use poinsot_identify::TENSOR;
 use poinsot_spatial::{Matrix6, Vector3, Vector6, elements};
 
-/// Steps of the differences, in units of the unknowns.
+/// Step of the finite differences, in units of the unknowns.
 const STEP: f64 = 1.0e-5;
-/// Eigenvalues of the scaled information below this share of the largest are zero.
+/// Eigenvalues of the scaled information below this fraction of the largest are zero.
 const ZERO: f64 = 1.0e-13;
-/// Size of a column of the information, over the largest, that is round-off.
+/// Columns of the information below this fraction of the largest are round-off.
 const NONE: f64 = 1.0e-10;
 
 type Vector5 = nalgebra::SVector<f64, 5>;
 type Vector7 = nalgebra::SVector<f64, 7>;
 
-/// The ten unknowns, and six more where the momentum is unknown, with their units.
+/// The ten unknowns, and six more for unknown momentum, with their units.
 struct Unknowns {
     theta: Vec<f64>,
     unit: Vec<f64>,
@@ -53,7 +53,7 @@ impl Unknowns {
         }
     }
 
-    /// The six equations of a sample, zero at the truth.
+    /// The six equations of a sample, zero for the true values.
     fn equations(&self, s: &Reading, t: &[f64]) -> Vector6 {
         let x = Vector5::new(t[0], t[1], t[2], t[3], 1.0);
         let y = Vector7::from_iterator(t[4..10].iter().copied().chain([1.0]));
@@ -71,7 +71,7 @@ impl Unknowns {
         Vector6::new(l.x, l.y, l.z, h.x, h.y, h.z)
     }
 
-    /// Information of one sample: `D^T S^-1 D`; `None` where a velocity is exact.
+    /// Information of one sample: `D^T S^-1 D`; `None` if a velocity is exact.
     fn information(&self, s: &Reading, sigma: Sigma) -> Option<DMatrix<f64>> {
         let mut S = Matrix6::zeros();
         for k in 0..3 {
@@ -102,8 +102,8 @@ impl Unknowns {
     }
 }
 
-/// Cramer-Rao bound of what the two steps see (velocities with noise, attitude and joints exact, no position), as
-/// root-mean-square errors: mass (share), mass centre (m), tensor (share of its norm).
+/// Cramer-Rao bound for noisy velocities, exact attitude and joints, and no position. RMS errors: mass (relative),
+/// mass centre (m), tensor (relative to its norm).
 ///
 /// Six equations `g = 0` and six noisy velocities per sample: with `g` differentiated over the unknowns (`D`) and over
 /// the velocities (`S = sum e e^T`), the information is `sum D^T S^-1 D`. Unknown momentum adds six unknowns.
@@ -117,10 +117,11 @@ pub fn cramer_rao(e: &Experiment, run: &Run, sigma: Sigma, known: bool) -> [f64;
             None => return [f64::INFINITY; 3],
         }
     }
-    // In units of the unknowns, then equal diagonals: with orbital velocity the columns differ by many powers of ten.
+    // Scale to units of the unknowns, then to equal diagonals: with orbital velocity the columns differ by many powers
+    // of ten.
     let size: Vec<f64> = (0..n).map(|i| information[(i, i)].sqrt()).collect();
     let largest = size.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
-    // A column of round-off is none.
+    // A column of round-off is zero.
     let size: Vec<f64> = size
         .into_iter()
         .map(|s| if s > NONE * largest { s } else { f64::INFINITY })
@@ -144,7 +145,7 @@ pub fn cramer_rao(e: &Experiment, run: &Run, sigma: Sigma, known: bool) -> [f64;
         }
         (0..n).map(share).sum::<f64>() / (size[i] * size[i])
     };
-    // A product stands in the tensor twice.
+    // A product of inertia is in the tensor twice.
     let times = |(i, j)| if i == j { 1.0 } else { 2.0 };
     let elements = TENSOR.into_iter().enumerate();
     let tensor: f64 = elements.map(|(k, e)| times(e) * variance(4 + k)).sum();

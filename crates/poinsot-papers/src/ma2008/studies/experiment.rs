@@ -6,10 +6,10 @@ use poinsot_dynamics::{JointMotion, Plan, Prescribed, Start, StartVelocity, Tole
 use poinsot_model::Model;
 use poinsot_spatial::{MassProperties, Matrix3, UnitQuaternion, Vector3};
 
-/// Mass of the arm of Table 1 over that of the base.
+/// Mass of the arm of Table 1 relative to the base.
 const ARM: f64 = 93.184 / 1000.0;
 
-/// A base that hides nothing: offset mass centre, full tensor.
+/// A base with offset mass centre and full tensor.
 pub fn unsymmetric() -> MassProperties {
     MassProperties {
         mass: 1000.0,
@@ -33,11 +33,11 @@ pub struct Experiment {
     pub times: Vec<f64>,
     /// Whether the arm stops at every sample.
     pub stops: bool,
-    /// How far joint 2 swings out and back between stops, deg.
+    /// Amplitude of joint 2 between stops, deg.
     pub detour_deg: f64,
 }
 
-/// Trajectory 1: stretch up, swing down to the top plane, turn about joint 1. Trajectory 2: stretch up and fold back.
+/// Trajectory 1: stretch up, swing down to the top plane, rotate joint 1. Trajectory 2: stretch up and fold back.
 fn knots(trajectory: usize) -> Vec<(f64, [f64; 6])> {
     let home = [0.0; 6];
     let (up, down) = (
@@ -64,7 +64,7 @@ fn knots(trajectory: usize) -> Vec<(f64, [f64; 6])> {
     }
 }
 
-/// The same stops with a swing out by `angle` half-way between each two.
+/// The same stops with a swing by `angle` half-way between them.
 fn detour(stops: &[f64], place: &[f64], angle: f64) -> (Vec<f64>, Vec<f64>) {
     let mut out = (Vec::new(), Vec::new());
     for (k, (stop, at)) in stops.iter().zip(place).enumerate() {
@@ -78,7 +78,7 @@ fn detour(stops: &[f64], place: &[f64], angle: f64) -> (Vec<f64>, Vec<f64>) {
     out
 }
 
-/// What the run gives: samples and the true momentum.
+/// Result of a run: samples and the true momentum.
 pub struct Run {
     /// Times, s.
     pub times: Vec<f64>,
@@ -91,7 +91,7 @@ pub struct Run {
 }
 
 impl Experiment {
-    /// The base at rest on trajectory 1 or 2, ten stopped samples.
+    /// The base at rest on trajectory 1 or 2, ten samples at stops.
     pub fn new(table1: &Model, trajectory: usize, spin_deg_s: [f64; 3]) -> Self {
         Self {
             model: table1.clone(),
@@ -129,21 +129,21 @@ impl Experiment {
         }
     }
 
-    /// With another base.
+    /// Replaces the base.
     #[must_use]
     pub fn with_base(mut self, base: MassProperties) -> Self {
         self.model.bodies[0].nominal = base;
         self
     }
 
-    /// With an arm of this share of the base's mass: masses and inertias times one factor.
+    /// Scales masses and inertias of the arm to this fraction of the base's mass.
     #[must_use]
     pub fn with_ratio(mut self, ratio: f64) -> Self {
         scale_arm(&mut self.model, ratio);
         self
     }
 
-    /// With samples equally spaced over the moving part of the trajectory, the arm stopped at each or not.
+    /// Samples equally spaced over the moving part of the trajectory, with or without stops.
     #[must_use]
     pub fn sampled(mut self, samples: usize, stops: bool) -> Self {
         let (a, b) = (self.knots[1].0, self.knots[self.knots.len() - 2].0);
@@ -153,7 +153,7 @@ impl Experiment {
         self
     }
 
-    /// Drifting along all axes, m/s along x.
+    /// Adds a drift along all axes, with `speed` along x, m/s.
     #[must_use]
     pub fn drifting(mut self, speed: f64) -> Self {
         self.velocity = [speed, -0.5 * speed, 0.25 * speed];
@@ -167,7 +167,7 @@ impl Experiment {
         if !self.stops {
             return Ok(smooth);
         }
-        // Through the same configurations, but at rest at every sample.
+        // The same configurations, but at rest at every sample.
         let mut stops = time;
         stops.extend(&self.times);
         stops.sort_by(f64::total_cmp);
@@ -179,7 +179,7 @@ impl Experiment {
         Ok(JointMotion::quintic_rest(&stops, &place)?)
     }
 
-    /// Runs it; the start is at time zero, the samples where asked.
+    /// Simulates the experiment from time zero.
     ///
     /// # Errors
     /// The motion cannot be computed.
@@ -237,14 +237,14 @@ impl Experiment {
     }
 }
 
-/// Samples in the form that the two steps take.
+/// Converts samples to the form used by both steps.
 pub fn readings(model: &Model, raws: &[Raw]) -> Vec<Reading> {
     let tree = Tree::new(model);
     let mut vehicle = Vehicle::new(model, &tree);
     raws.iter().map(|r| vehicle.reading(r)).collect()
 }
 
-/// Gives the arm this share of the base's mass: masses and inertias times one factor.
+/// Scales masses and inertias of the arm to this fraction of the base's mass.
 pub fn scale_arm(model: &mut Model, ratio: f64) {
     for body in &mut model.bodies[1..] {
         body.nominal.mass *= ratio / ARM;

@@ -1,4 +1,5 @@
-//! The paper's figures, the claims of its Sec. II to V, its bounds, and both options beside the methods of this project.
+//! The paper's figures, the claims of its Sec. II to V, its bounds, and both options compared with the methods of this
+//! project.
 
 mod advantages;
 mod bounds;

@@ -8,9 +8,9 @@ use poinsot_spatial::{MassProperties, Vector3};
 
 /// Trials of one cell.
 pub const SEEDS: u64 = 200;
-/// Seed of all trials; each is a stream of it.
+/// Seed of all trials; each uses its own stream.
 const SEED: u64 = 2008;
-/// Knowledge of the momentum: option 1, then option 2.
+/// Whether the momentum is known: option 1, then option 2.
 pub const OPTIONS: [bool; 2] = [true, false];
 
 /// One sigma of each velocity component: linear in N, m/s; angular in B, rad/s.
@@ -22,17 +22,17 @@ pub struct Sigma {
     pub w: Vector3,
 }
 
-/// How "a percentage of the maximum velocity value" is read.
+/// Interpretation of "a percentage of the maximum velocity value".
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scaling {
-    /// Of each component's own maximum.
+    /// Of the maximum of each component.
     Component,
-    /// Of the largest linear, and the largest angular, component.
+    /// Of the largest linear and the largest angular component.
     Largest,
 }
 
 impl Scaling {
-    /// In words.
+    /// Name.
     pub fn name(self) -> &'static str {
         match self {
             Self::Component => "each component's own maximum",
@@ -42,7 +42,7 @@ impl Scaling {
 }
 
 impl Sigma {
-    /// A share of the maxima of a run.
+    /// A fraction of the maxima of a run.
     pub fn of(run: &Run, share: f64, scaling: Scaling) -> Self {
         let most = |of: &dyn Fn(&Raw) -> Vector3| {
             let all = run.raws.iter();
@@ -61,7 +61,7 @@ impl Sigma {
         }
     }
 
-    /// The same noise for all: 1 % of the largest components of trajectory 1 at 5 deg/s.
+    /// A fixed noise: 1 % of the largest components of trajectory 1 at 5 deg/s.
     ///
     /// # Errors
     /// The model cannot be read.
@@ -83,7 +83,7 @@ pub fn draw(raws: &[Raw], sigma: Sigma, seed: u64) -> Vec<Raw> {
     raws.iter().map(moved).collect()
 }
 
-/// Errors of one answer: mass (share), mass centre (m), tensor (share of its norm). Infinite where there is none.
+/// Errors of one answer: mass (relative), mass centre (m), tensor (relative to its norm). Infinite without an answer.
 pub type Errors = [f64; 3];
 
 /// Errors of an answer.
@@ -100,7 +100,7 @@ pub fn errors(found: Option<MassProperties>, truth: &MassProperties) -> Errors {
     errors.map(|e| if e.is_nan() { f64::INFINITY } else { e })
 }
 
-/// The two steps as mass properties.
+/// Solution of the two steps as mass properties.
 pub fn solved(samples: &[Reading], known: Option<Known>) -> Option<MassProperties> {
     let answer = two_step(&[samples.to_vec()], known);
     Some(MassProperties {
@@ -110,7 +110,7 @@ pub fn solved(samples: &[Reading], known: Option<Known>) -> Option<MassPropertie
     })
 }
 
-/// Largest of the three errors on exact data.
+/// Largest of the three errors for exact data.
 pub fn worst(e: &Experiment, run: &Run, known: bool) -> f64 {
     let samples = readings(&e.model, &run.raws);
     largest(errors(

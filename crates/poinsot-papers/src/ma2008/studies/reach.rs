@@ -1,4 +1,4 @@
-//! Claims of Sec. III and V on the motion: span, number of joints, path and internal torque, mass ratio.
+//! Claims of Sec. III and V on the motion: span, number of joints, path, internal torque, mass ratio.
 
 use super::cramer_rao::cramer_rao;
 use super::experiment::{Experiment, Run, readings, scale_arm};
@@ -10,16 +10,15 @@ use poinsot_identify::{Number, tensor_index};
 use poinsot_model::Model;
 
 const HEAD: &str = "mass, known | tensor, known | mass, unknown | tensor, unknown";
-/// Parts of the whole span of the joint angles.
+/// Fractions of the full span of the joint angles.
 const SPANS: [f64; 3] = [1.0, 0.5, 0.25];
 /// Arm mass over base mass.
 const RATIOS: [f64; 6] = [0.005, 0.02, 0.05, 0.1, 0.2, 0.5];
-/// Stops of which the ten with the largest velocities are taken.
+/// Number of stops, of which the ten with the largest velocities are used.
 const STOPS: usize = 40;
 /// Trajectory 1 with a spin about z, deg/s.
 const SPIN: [f64; 3] = [0.0, 0.0, 5.0];
 
-/// With all joint angles times a factor.
 fn scaled(mut e: Experiment, factor: f64) -> Experiment {
     for knot in &mut e.knots {
         knot.1.iter_mut().for_each(|q| *q *= factor);
@@ -27,7 +26,7 @@ fn scaled(mut e: Experiment, factor: f64) -> Experiment {
     e
 }
 
-/// With only these joints in motion.
+/// Fixes all other joints.
 fn only(mut e: Experiment, moves: &[usize]) -> Experiment {
     let first = e.knots[0].1;
     for knot in &mut e.knots {
@@ -38,7 +37,7 @@ fn only(mut e: Experiment, moves: &[usize]) -> Experiment {
     e
 }
 
-/// Trajectory 1 with the wrist turning, too.
+/// Trajectory 1 with additional rotation of the wrist.
 fn with_wrist(mut e: Experiment) -> Experiment {
     for (k, knot) in e.knots.iter_mut().enumerate() {
         for j in 3..6 {
@@ -48,7 +47,7 @@ fn with_wrist(mut e: Experiment) -> Experiment {
     e
 }
 
-/// Bounds of mass and tensor in percent, momentum known and unknown.
+/// Bounds of mass and tensor in percent, with momentum known and unknown.
 fn bounds(e: &Experiment, sigma: Sigma) -> Result<[Cell; 4], StudyError> {
     Ok(bounds_of(e, &e.run()?, sigma))
 }
@@ -76,7 +75,7 @@ pub fn run(context: &Context) -> Result<Findings, StudyError> {
     Ok(findings)
 }
 
-/// Ten of many stops: equally spaced, and those with the largest velocities, each component over its maximum.
+/// Ten of many stops: equally spaced, and those with the largest velocities relative to each component's maximum.
 fn large_velocities(
     context: &Context,
     sigma: Sigma,
@@ -110,7 +109,7 @@ fn large_velocities(
     Ok(())
 }
 
-/// The command `predict` on the shipped case at 2 Hz: all its sensors, momentum unknown, joints moving.
+/// `predict` for the shipped case at 2 Hz: all sensors, momentum unknown, joints moving.
 fn predicted(context: &Context, findings: &mut Findings) -> Result<(), StudyError> {
     let case = context.case("ma2008_traj1.toml")?;
     let case = case.with(&[("rate_hz = 20", "rate_hz = 2")]);
@@ -136,7 +135,7 @@ fn predicted(context: &Context, findings: &mut Findings) -> Result<(), StudyErro
     Ok(())
 }
 
-/// A case with the positions of its joints times a factor.
+/// A case with scaled joint positions.
 fn swung(case: &CaseText, factor: f64) -> CaseText {
     let line = |line: &str| {
         let list = line.strip_prefix("position_rad = [");
@@ -221,7 +220,7 @@ fn joints(context: &Context, sigma: Sigma, findings: &mut Findings) -> Result<()
     Ok(())
 }
 
-/// The bounds, and beside them the tensor of the two steps with the same fixed noise.
+/// The bounds, and the tensor of the two steps with the same fixed noise.
 fn ratio(context: &Context, sigma: Sigma, findings: &mut Findings) -> Result<(), StudyError> {
     for (name, title, drift) in [
         (
@@ -255,8 +254,8 @@ fn ratio(context: &Context, sigma: Sigma, findings: &mut Findings) -> Result<(),
     Ok(())
 }
 
-/// Two runs through the same stops by other paths: the arm swings out and back between the stops, so joint torques,
-/// attitudes and velocities differ.
+/// Two runs through the same stops on different paths: the arm swings out and back between the stops. Joint torques,
+/// attitudes and velocities therefore differ.
 fn another_path(context: &Context, findings: &mut Findings) -> Result<(), StudyError> {
     let e = Experiment::of(context, 1, SPIN)?;
     let mut other = e.clone();

@@ -1,4 +1,4 @@
-//! Exact data in both options, and the paper's histories.
+//! Exact data with both options, and the paper's histories.
 
 use super::experiment::{self, Experiment, unsymmetric};
 use super::noise::{OPTIONS, worst};
@@ -7,7 +7,7 @@ use crate::ma2008::printed::{PrintedAxes, two_step_printed};
 use crate::study::{Context, Findings, StudyError, Table, decimals, figures, word};
 use poinsot_report::{Axis, Mark, Plot, Series};
 
-/// Errors on exact data: both trajectories, both options, printed option 2 beside them.
+/// Errors for exact data: both trajectories, both options, and option 2 as printed.
 pub fn exact(context: &Context) -> Result<Findings, StudyError> {
     let mut table = Table::new(
         "exact",

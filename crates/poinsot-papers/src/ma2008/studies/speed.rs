@@ -6,7 +6,7 @@ use crate::ma2008::Trials;
 use crate::study::{Context, Findings, StudyError, Table, figures};
 use std::time::Instant;
 
-/// Groups of eight trials of one measurement, and measurements: the best counts.
+/// Groups of eight trials per measurement, and number of measurements; the fastest is reported.
 const GROUPS: u64 = 2_000;
 const ROUNDS: u64 = 100;
 /// Noise of all velocities, m/s and rad/s.

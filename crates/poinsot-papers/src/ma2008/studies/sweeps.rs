@@ -1,4 +1,4 @@
-//! Errors against mass ratio and noise, and the readings of the noise.
+//! Errors against mass ratio and noise, and the interpretations of the noise.
 
 use super::experiment::Experiment;
 use super::noise::{Errors, OPTIONS, SEEDS, Scaling, Sigma, medians, trials};
@@ -6,7 +6,7 @@ use crate::study::statistics::{largest, quantile};
 use crate::study::{Cell, Context, Findings, StudyError, Table, figures, percent, word};
 use poinsot_report::{Axis, Mark, Plot, Series};
 
-/// Title, name of files and unit of each error, and its factor.
+/// Title, file name, unit and factor of each error.
 const ERRORS: [(&str, &str, &str, f64); 3] = [
     ("mass error", "mass", "%", 100.0),
     ("mass centre error", "mass_centre", "m", 1.0),
@@ -40,7 +40,7 @@ fn cells(errors: &Errors) -> [Cell; 3] {
     ]
 }
 
-/// One curve of a sweep: its name and table, and three errors with their bands at each place.
+/// One curve of a sweep: name, table, and three errors with their bands at each point.
 struct Curve {
     name: String,
     table: Table,
@@ -59,7 +59,7 @@ impl Curve {
         }
     }
 
-    /// Adds the trials of one place; gives their medians.
+    /// Adds the trials of one point; returns their medians.
     fn push(&mut self, place: String, found: &[Errors]) -> Errors {
         let of = |k: usize, q: f64| quantile(found.iter().map(|e| e[k]), q);
         let medians = std::array::from_fn(|k| of(k, 0.5));
@@ -71,7 +71,7 @@ impl Curve {
     }
 }
 
-/// Tables of the curves, and one plot an error: medians of all curves, bands of those of option 1.
+/// Tables of the curves, and one plot per error: medians of all curves, bands of option 1.
 fn show(
     figure: usize,
     x: &Axis,
@@ -113,7 +113,7 @@ fn show(
     findings.tables.extend(curves.into_iter().map(|c| c.table));
 }
 
-/// A ratio as text; one decimal is enough for all of them.
+/// A ratio in percent with one decimal, which suffices here.
 fn in_percent(ratio: f64) -> String {
     format!("{}", (1000.0 * ratio).round() / 10.0)
 }
@@ -186,8 +186,8 @@ pub fn noise(context: &Context) -> Result<Findings, StudyError> {
     Ok(findings)
 }
 
-/// Five readings of "a percentage of the maximum velocity value": own or largest component, option 1 or 2, and a
-/// share of the velocity with the orbital one in it.
+/// Five interpretations of "a percentage of the maximum velocity value": each component or the largest, option 1 or 2,
+/// and a percentage that includes the orbital velocity.
 fn reading(
     context: &Context,
     n: usize,
@@ -201,7 +201,7 @@ fn reading(
     Ok(OPTIONS.map(|known| medians(&e, &run, sigma, known)))
 }
 
-/// Errors of both examples in five readings of the noise.
+/// Errors of both examples in five interpretations of the noise.
 pub fn readings(context: &Context) -> Result<Findings, StudyError> {
     let mut readings = Table::new(
         "readings",

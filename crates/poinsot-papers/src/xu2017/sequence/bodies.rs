@@ -1,4 +1,4 @@
-//! Parts of the robot: who carries whom, and bodies from the whole and the tip sides.
+//! Composition of the robot from its parts, and bodies from the whole and the tip sides.
 
 use super::super::swarm::{Particle, Range};
 use super::super::two_body::transported;
@@ -7,8 +7,8 @@ use super::{Searched, Work};
 use poinsot_spatial::{InertialParameters, MassProperties};
 
 impl Work<'_> {
-    /// Bodies from the whole and the tip sides: what a part carries beyond itself is taken off, (43)-(46).
-    /// Bodies that no moving joint parts are one; the first unknown of them takes the difference.
+    /// Bodies from the whole and the tip sides: the parts further out are subtracted, (43)-(46). Bodies not separated
+    /// by a moving joint count as one; the first unknown of them takes the difference.
     pub(super) fn share_out(&mut self, outers: &[Option<InertialParameters>]) {
         let Some(total) = self.found.total else {
             return;
@@ -39,7 +39,7 @@ impl Work<'_> {
         }
     }
 
-    /// The body at the root of what each body is rigidly part of.
+    /// For each body, the root of the rigid part it belongs to.
     pub(super) fn roots(&self, outers: &[Option<InertialParameters>]) -> Vec<usize> {
         let mut root: Vec<usize> = vec![0; self.problem.model.bodies.len()];
         for b in 1..root.len() {
@@ -49,8 +49,7 @@ impl Work<'_> {
         root
     }
 
-    /// Parameters of something fixed to body `from`, about and along the frame of body `to`, in the normal
-    /// configuration.
+    /// Transforms parameters from the frame of body `from` to the frame of body `to`, in the normal configuration.
     pub(super) fn moved(
         &self,
         what: &InertialParameters,
@@ -66,7 +65,7 @@ impl Work<'_> {
         )
     }
 
-    /// Nominal bodies as one, in the frame of body `frame`.
+    /// Sum of the nominal bodies, in the frame of body `frame`.
     pub(super) fn composite(
         &self,
         frame: usize,

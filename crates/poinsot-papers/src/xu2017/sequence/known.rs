@@ -1,4 +1,4 @@
-//! Bodies of known mass and mass centre: what no motion of a joint shows is moved across it until they have them.
+//! Bodies with known mass and mass centre: unobservable parts are transferred across joints to meet these values.
 
 use super::super::least_squares::{shown_and_hidden, smallest};
 use super::super::two_body::{equations, rows, transported};
@@ -7,7 +7,7 @@ use super::Work;
 use faer::Mat;
 use poinsot_spatial::InertialParameters;
 
-/// Something that may move across a joint unseen: what the child gains, what the parent side gains.
+/// An unobservable transfer across a joint: gain of the child, gain of the parent side.
 struct Transfer {
     child: usize,
     parent: usize,
@@ -15,7 +15,7 @@ struct Transfer {
 }
 
 impl Work<'_> {
-    /// Moves as little as gives every body of known mass and mass centre those, natural units.
+    /// Applies the smallest transfers, in natural units, that give these bodies their known mass and mass centre.
     pub(super) fn keep_known(&mut self, outers: &[Option<InertialParameters>]) {
         let roots = self.roots(outers);
         let alone = |b: usize| roots.iter().filter(|r| **r == roots[b]).count() == 1;
@@ -59,7 +59,7 @@ impl Work<'_> {
         }
     }
 
-    /// Every direction that some joint hides, between bodies that are unknown on both sides.
+    /// Every unobservable direction of a joint with unknown bodies on both sides.
     fn transfers(&self, outers: &[Option<InertialParameters>], roots: &[usize]) -> Vec<Transfer> {
         let takes =
             |root: usize| (0..roots.len()).find(|&b| roots[b] == root && self.roles.unknown[b]);

@@ -1,7 +1,8 @@
-//! The mass of the whole where thrust shows no translation: the second use of the Conclusion as printed.
+//! The total mass if thrust segments have no translation: the second use of the Conclusion as printed.
 //!
-//! Attitude alone gives tensor and mass centre of the locked robot. The whole is then affine in its mass, and so is
-//! the momentum of a moving joint: ten numbers of one side and the mass are eleven unknowns of one linear problem.
+//! Attitude determines tensor and mass centre of the locked robot. The parameters of the whole, and so the momentum of
+//! a moving joint, are then affine in the total mass. The ten numbers of one side and the mass are eleven unknowns of
+//! a linear problem.
 
 use super::super::error::Xu2017Error;
 use super::super::least_squares::{Rows, answer, shown};
@@ -12,11 +13,11 @@ use super::{Work, properties_of};
 use nalgebra::SVector;
 use poinsot_spatial::{InertialParameters, MassProperties};
 
-/// Change of the whole's mass of which a column is the effect, kg.
+/// Change of the total mass for one unit of a column, kg.
 const UNIT: f64 = 1.0;
 
 impl Work<'_> {
-    /// Sets the mass of the whole from the motion of one joint.
+    /// Determines the total mass from the motion of one joint.
     pub(super) fn weigh(&mut self, joint: usize) -> Result<(), Xu2017Error> {
         let total = self.found.total.ok_or(Xu2017Error::NoScale)?;
         let whole = properties_of(&total)?;
@@ -43,7 +44,7 @@ impl Work<'_> {
             });
             for (row, heavier) in lists[0].iter().zip(&lists[1]) {
                 let column = (heavier.constant - row.constant) / UNIT;
-                // The unknown is the mass itself, so its nominal part leaves the constant.
+                // The unknown is the mass itself, so its nominal part is removed from the constant.
                 let mut row = *row;
                 row.constant -= column * whole.mass;
                 push(&mut system, &row, &[column], free.then_some(6 * k), heads);
@@ -58,7 +59,7 @@ impl Work<'_> {
         Ok(())
     }
 
-    /// Base side `x` and what is left of a whole behind the joint of `child`.
+    /// Base side `x`, and the remainder of the whole behind the joint of `child`.
     fn beside(
         &self,
         child: usize,

@@ -1,4 +1,4 @@
-//! What each step reads: thrust and accelerations, impulses, both sides of a joint.
+//! Inputs of each step: thrust and accelerations, impulses, both sides of a joint.
 
 use super::super::error::Xu2017Error;
 use super::super::single_body::{Push, SingleRow, momenta};
@@ -9,7 +9,7 @@ use poinsot_identify::{Segment, thrust_impulses};
 use poinsot_spatial::Vector3;
 
 impl Work<'_> {
-    /// Samples of (35): thrust in base axes with the accelerations.
+    /// Samples of (35): thrust with accelerations, in base axes.
     pub(super) fn pushes(&self, segment: &Segment) -> Vec<Push> {
         let Some(measured) = &segment.accelerations else {
             return Vec::new();
@@ -61,7 +61,7 @@ impl Work<'_> {
         momenta(&s.R_NB, velocity, &s.w_NB_B, &since)
     }
 
-    /// Readings of the segments in which a joint moves alone.
+    /// Samples of the segments in which only this joint moves.
     pub(super) fn readings(
         &self,
         joint: usize,
@@ -71,8 +71,8 @@ impl Work<'_> {
         self.roles.of_joint[joint].iter().map(of).collect()
     }
 
-    /// Both sides at every sample: with `alone` all other joints stand in the normal configuration; without,
-    /// every joint moves and all bodies but `body` are known.
+    /// Both sides at every sample. With `alone`, all other joints are in the normal configuration. Otherwise every
+    /// joint may move, and all bodies except `body` are known.
     pub(super) fn measured(
         &self,
         at: usize,

@@ -1,16 +1,16 @@
-//! How the steps went and what they found.
+//! Report of the steps and their results.
 
 use super::super::particle;
 use super::super::single_body::Form;
 use super::super::swarm::{Flight, Range};
 use poinsot_spatial::{InertialParameters, MassProperties};
 
-/// A swarm whose cost stays above this share of its first best has not arrived.
+/// A swarm whose cost stays above this fraction of its first best has not converged.
 const ARRIVED: f64 = 1.0e-6;
-/// Share of the cost that the declared noise leaves, below which costs say the same.
+/// Fraction of the noise cost below which cost differences are negligible.
 const UNSEEN: f64 = 0.1;
 
-/// What a step works on.
+/// Part identified by a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Searched {
     /// The locked robot.
@@ -23,12 +23,12 @@ pub enum Searched {
     Body(usize),
 }
 
-/// How one step went.
+/// Report of one step.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StepReport {
-    /// What was searched.
+    /// Identified part.
     pub part: Searched,
-    /// In words.
+    /// Name.
     pub name: String,
     /// Result: mass, mass centre and central inertia in its own frame.
     pub found: MassProperties,
@@ -36,26 +36,25 @@ pub struct StepReport {
     pub linear: MassProperties,
     /// Cost (37) or (52) of the linear solution, mean over the samples.
     pub cost_linear: f64,
-    /// Cost that the declared noise of the velocity alone leaves; zero where it is not seen.
+    /// Expected cost from the declared velocity noise; zero without measured velocity.
     pub cost_noise: f64,
-    /// Directions that the linear solution moved, of those asked for.
+    /// Number of directions determined by the linear solution.
     pub rank: usize,
-    /// Condition of these directions in natural units.
+    /// Condition number of these directions in natural units.
     pub condition: f64,
-    /// The swarm's flight and range.
+    /// Result and range of the swarm.
     pub flight: Option<(Flight, Range)>,
 }
 
 impl StepReport {
-    /// Whether the swarm stands on a bound of its range and misses what the data say, which lies outside.
+    /// Whether the swarm stopped on a bound of its range and the linear solution lies outside.
     pub fn excluded(&self) -> bool {
         let stuck =
             |f: &(Flight, Range)| !f.0.on_bound.is_empty() && !f.1.holds(&particle(&self.linear));
         self.flight.as_ref().is_some_and(stuck) && !self.arrived()
     }
 
-    /// Whether the swarm's cost came down to that of the linear solution, as far as the declared noise lets one
-    /// tell.
+    /// Whether the swarm's cost reached that of the linear solution, within the declared noise.
     pub fn arrived(&self) -> bool {
         self.flight.as_ref().is_none_or(|(flight, _)| {
             let first = flight.history.first().copied().unwrap_or(0.0);
@@ -65,7 +64,7 @@ impl StepReport {
     }
 }
 
-/// All bodies, and how they were found.
+/// All bodies, with the steps.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Found {
     /// Barycentric parameters of every body about its own origin.
@@ -76,8 +75,8 @@ pub struct Found {
     pub normal: Vec<f64>,
     /// Steps in the order taken.
     pub steps: Vec<StepReport>,
-    /// Which form of (35) was used.
+    /// Form of (35) used.
     pub form: Option<Form>,
-    /// What had to be assumed.
+    /// Assumptions made.
     pub notes: Vec<String>,
 }

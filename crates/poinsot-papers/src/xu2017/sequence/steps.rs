@@ -13,11 +13,11 @@ use poinsot_spatial::{InertialParameters, Vector3};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// Random motions that say what a joint can show at all.
+/// Number of random motions that define the identifiable directions of a joint.
 const MOTIONS: usize = 40;
 
 impl Work<'_> {
-    /// A joint with one side known: the other side, and with it the whole.
+    /// A joint with one side known: solves for the other side, and so for the whole.
     pub(super) fn beside_known(&mut self, joint: usize) -> Result<InertialParameters, Xu2017Error> {
         let child = self.child(joint);
         let inner_known = self.known(|b| !self.carries(child, b));
@@ -40,7 +40,7 @@ impl Work<'_> {
         Ok(outer)
     }
 
-    /// A joint of a robot whose whole is known: one side is searched, the other is the rest, (43)-(46).
+    /// A joint of a robot with known whole: solves for one side; the other is the difference, (43)-(46).
     pub(super) fn split(&mut self, joint: usize) -> Result<InertialParameters, Xu2017Error> {
         let child = self.child(joint);
         let total = self.found.total.ok_or(Xu2017Error::NoScale)?;
@@ -50,7 +50,7 @@ impl Work<'_> {
             return Ok(rest(&self.composite(0, |b| !self.carries(child, b))));
         }
         let readings = self.readings(joint)?;
-        // The whole is subtracted in `compose`, so that rows are affine in the searched side.
+        // `compose` subtracts the searched side from the whole, so rows are affine in it.
         match self.order {
             Order::Outward => {
                 let nominal = self.composite(0, |b| !self.carries(child, b));
@@ -69,7 +69,7 @@ impl Work<'_> {
         }
     }
 
-    /// One unknown body, all others known, any joints in motion.
+    /// One unknown body, with any joints in motion.
     pub(super) fn one_body(&mut self, body: usize) -> Result<(), Xu2017Error> {
         let segments = self.roles.of_joint.iter().flatten();
         let mut list: Vec<usize> = segments.chain(&self.roles.together).copied().collect();
@@ -92,7 +92,7 @@ impl Work<'_> {
         Ok(())
     }
 
-    /// Solves (49) for one side, by the swarm or linearly. Readings per segment.
+    /// Solves (49) for one side, by the swarm or linearly. Samples are listed per segment.
     fn two_body(
         &mut self,
         part: Searched,
@@ -132,7 +132,7 @@ impl Work<'_> {
         let barycentric = linear.value;
         let as_properties = linear.map(|x| properties_or_nan(&x));
         let found = self.finish(part, name, as_properties, &objective, range)?;
-        // Straight from the solution, without the detour over the mass centre.
+        // The linear parameters directly, without conversion to a mass centre.
         Ok(if self.solver.kind == Kind::Linear {
             barycentric
         } else {
@@ -140,7 +140,7 @@ impl Work<'_> {
         })
     }
 
-    /// Directions that some motion of the joint shows: three of ten are hidden for a revolute one.
+    /// Directions that some motion of the joint can excite; a revolute joint leaves three of ten unobservable.
     fn seen(
         &self,
         part: Searched,
@@ -175,8 +175,8 @@ impl Work<'_> {
     }
 }
 
-/// The six equations of a sample in N: momentum about the inertial origin, zero or that of the segment. `extra`
-/// are columns of further unknowns.
+/// The six equations of a sample in N: momentum about the inertial origin is zero, or that of the segment. `extra`
+/// holds columns of further unknowns.
 pub(super) fn push(
     system: &mut Rows,
     row: &MomentumRow,

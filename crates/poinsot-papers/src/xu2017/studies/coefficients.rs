@@ -1,4 +1,4 @@
-//! Sec. 5.6 as printed: (63)-(75) along the runs, and how tight the bounds (75) are.
+//! Sec. 5.6 as printed: (63)-(75) for the runs, and how tight the bounds (75) are.
 
 use super::robot::{ARM, Robot};
 use crate::study::statistics::{Normals, largest};
@@ -9,11 +9,11 @@ use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
 
 /// The paper's largest angular rate of the base, rad/s (74).
 pub const RATE: f64 = 0.03;
-/// Draws of attitude and direction of the rate.
+/// Random draws of attitude and direction of the rate.
 const DRAWS: usize = 200_000;
 const COLUMNS: &str = " | xx | xy | xz | yy | yz | zz";
 
-/// Largest of each of the eighteen coefficients, row by row, over random attitudes and directions of a rate.
+/// Maximum of each of the eighteen coefficients, row by row, over random attitudes and rate directions.
 pub fn largest_coefficients(rate: f64, draws: usize) -> [[f64; 6]; 3] {
     let mut normals = Normals::new(75, 0);
     let mut most = [[0.0_f64; 6]; 3];
@@ -33,7 +33,7 @@ pub fn largest_coefficients(rate: f64, draws: usize) -> [[f64; 6]; 3] {
     most
 }
 
-/// How far `K` times the elements is from `A I A^T w`, share.
+/// Relative difference between `K` times the elements and `A I A^T w`.
 fn difference(A: &Matrix3, w: &Vector3, I: &Matrix3) -> f64 {
     let elements = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].map(|e| I[e]);
     let K = tensor_coefficients(A, w) * nalgebra::SVector::<f64, 6>::from(elements);

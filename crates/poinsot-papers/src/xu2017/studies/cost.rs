@@ -1,4 +1,4 @@
-//! Fig. 9 and 10: best cost against iterations; beside it the accuracy, and the linear solution.
+//! Fig. 9 and 10: best cost against iterations, with the accuracy and the linear solution.
 
 use super::robot::{Data, Robot, SEEDS};
 use crate::study::statistics::{largest, quantile};
@@ -7,11 +7,11 @@ use crate::xu2017::swarm::Swarm;
 use crate::xu2017::{Found, Order, Searched, particle};
 use poinsot_report::{Axis, Mark, Plot, Series};
 
-/// Iterations of the figures; no flight stops earlier.
+/// Iterations of the figures; no run stops earlier.
 const ITERATIONS: usize = 2500;
 /// Points of a curve: every tenth iteration.
 const STEP: usize = 10;
-/// Share of the nominal values on both sides.
+/// Half-width of the range relative to the nominal values.
 const RANGE: f64 = 0.5;
 
 /// The study.
@@ -97,7 +97,7 @@ fn plot(title: &str, histories: &[&[f64]], linear: f64) -> Plot {
     }
 }
 
-/// The swarm's accuracy against iterations, beside the linear solution.
+/// Accuracy of the swarm against iterations, and the linear solution.
 fn accuracy(robot: &Robot, data: &Data) -> Result<Table, StudyError> {
     let x = particle(&robot.whole());
     let error = |found: &Found| {

@@ -1,5 +1,5 @@
-//! Tables 4 and 6 to 13, Fig. 9 to 13, the five uses of the Conclusion, one joint beside all joints, and the sensitivities
-//! of Sec. 5.6.
+//! Tables 4 and 6 to 13, Fig. 9 to 13, the five uses of the Conclusion, and the sensitivities of Sec. 5.6. One joint
+//! is compared with all joints.
 
 mod coefficients;
 mod cost;

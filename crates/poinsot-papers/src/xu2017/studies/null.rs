@@ -1,17 +1,17 @@
-//! Which part of an error no motion can show: projection on the open directions, in natural units.
+//! Unobservable part of an error: projection on the unobservable directions, in natural units.
 
 use crate::xu2017::natural;
 use poinsot_identify::{Estimate, tensor_name};
 use poinsot_spatial::{InertialParameters, MassProperties, PARAMETER_NAMES};
 
-/// Orthonormal open directions of all ten parameters of all bodies, natural units.
+/// Orthonormal unobservable directions of all ten parameters of all bodies, natural units.
 pub struct Null {
     natural: Vec<f64>,
     directions: Vec<Vec<f64>>,
 }
 
 impl Null {
-    /// From the open combinations of an answer on all data; natural units of the true bodies.
+    /// From the undetermined combinations of an estimate from all data; natural units of the true bodies.
     pub fn new(estimate: &Estimate, truth: &[MassProperties]) -> Self {
         let names: Vec<String> = estimate
             .bodies
@@ -33,7 +33,7 @@ impl Null {
                     d[at] = c / natural[at];
                 }
             }
-            // Gram and Schmidt, twice for round-off.
+            // Gram-Schmidt, twice against round-off.
             for _ in 0..2 {
                 for before in &directions {
                     let share = dot(&d, before);
@@ -50,12 +50,12 @@ impl Null {
         }
     }
 
-    /// Number of open directions.
+    /// Number of unobservable directions.
     pub fn count(&self) -> usize {
         self.directions.len()
     }
 
-    /// Squared scaled error, and the share of it along open directions.
+    /// Squared scaled error, and its fraction along unobservable directions.
     pub fn share(&self, found: &[InertialParameters], truth: &[InertialParameters]) -> (f64, f64) {
         let error = self.error(found, truth);
         let whole = dot(&error, &error);
@@ -63,7 +63,7 @@ impl Null {
         (whole, inside / whole)
     }
 
-    /// Size of the error that the data can show, natural units, root of the sum of squares.
+    /// RSS of the observable error, natural units.
     pub fn visible(&self, found: &[InertialParameters], truth: &[InertialParameters]) -> f64 {
         let mut error = self.error(found, truth);
         for d in self.directions.iter().chain(&self.directions) {

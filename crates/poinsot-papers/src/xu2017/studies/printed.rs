@@ -1,4 +1,4 @@
-//! What the paper prints: Tables 4 and 6 to 12. Mass, inertia xx, yy, zz, xy, xz, yz, mass centre x, y, z.
+//! Numbers printed in the paper: Tables 4 and 6 to 12. Mass, inertia xx, yy, zz, xy, xz, yz, mass centre x, y, z.
 
 use crate::xu2017::properties;
 use poinsot_spatial::InertialParameters;
@@ -17,7 +17,7 @@ pub const NAMES: [&str; 10] = [
     "com_z, m",
 ];
 
-/// Table 4, printed relative errors in per cent; the mass row is lost in our copy of the paper.
+/// Table 4, printed relative errors in percent; the mass row is missing in our copy of the paper.
 pub const TABLE4_ERRORS: [f64; 10] = [
     f64::NAN,
     6.57e-14,

@@ -1,4 +1,4 @@
-//! The robot of the paper and its seven runs, as the shipped example has them.
+//! The robot of the paper and its seven runs, from the shipped example.
 
 use crate::answered::as_one;
 use crate::method::Method;
@@ -12,14 +12,14 @@ use poinsot_spatial::{InertialParameters, MassProperties};
 use poinsot_telemetry::Table;
 use rayon::prelude::*;
 
-/// Every run: thrust with the joints locked, then one joint each.
+/// All runs: thrust with locked joints, then one joint each.
 pub const ALL: [&str; 7] = ["C1", "C2", "C3", "C4", "C5", "C6", "C7"];
-/// The runs of the joints.
+/// Runs of the joints.
 pub const ARM: [&str; 6] = ["C2", "C3", "C4", "C5", "C6", "C7"];
-/// Samples taken for the swarms of many seeds: every fifth, 0.25 s apart, so that the firings of 5 s still begin and
-/// end on a sample. The runs are free of noise.
+/// Swarms of many seeds use every fifth sample: 0.25 s apart, so that firings of 5 s start and end on a sample. The
+/// runs are noise-free.
 pub const EVERY: usize = 5;
-/// Seeds of a swarm.
+/// Number of seeds of a swarm.
 pub const SEEDS: u64 = 20;
 
 /// Model, tree and bound telemetry.
@@ -34,7 +34,7 @@ pub struct Data {
 }
 
 impl Data {
-    /// Of one table per run.
+    /// Binds one table per run.
     ///
     /// # Errors
     /// Model and telemetry do not fit.
@@ -49,7 +49,7 @@ impl Data {
         })
     }
 
-    /// As a problem.
+    /// The data as a problem.
     pub fn problem(&self) -> Problem<'_> {
         Problem {
             model: &self.model,
@@ -60,7 +60,7 @@ impl Data {
         }
     }
 
-    /// The paper's sequence by the linear solution.
+    /// The paper's sequence with the linear solver.
     ///
     /// # Errors
     /// The runs do not suit the method.
@@ -68,7 +68,7 @@ impl Data {
         sequence(&self.problem(), order, &Solver::default())
     }
 
-    /// The paper's sequence by swarms of [`SEEDS`] seeds, range a share of the nominal values.
+    /// The paper's sequence with swarms of [`SEEDS`] seeds; the range is relative to nominal.
     ///
     /// # Errors
     /// The runs do not suit the method.
@@ -90,7 +90,7 @@ impl Data {
     }
 }
 
-/// The robot: its nominal model, 2 to 6 % off, and its true bodies.
+/// The robot: nominal model, with errors of 2 to 6 %, and true bodies.
 pub struct Robot<'a> {
     context: Context<'a>,
     /// The nominal model.
@@ -100,7 +100,7 @@ pub struct Robot<'a> {
 }
 
 impl<'a> Robot<'a> {
-    /// Of the shipped examples.
+    /// Loads the shipped examples.
     ///
     /// # Errors
     /// The models cannot be read.
@@ -117,7 +117,7 @@ impl<'a> Robot<'a> {
         })
     }
 
-    /// The runs named, each one segment.
+    /// The named runs, one segment each.
     ///
     /// # Errors
     /// A run cannot be read.
@@ -130,7 +130,7 @@ impl<'a> Robot<'a> {
         names.iter().map(run).collect()
     }
 
-    /// The nominal model with the runs named.
+    /// The nominal model with the named runs.
     ///
     /// # Errors
     /// As [`Self::runs`].
@@ -149,7 +149,7 @@ impl<'a> Robot<'a> {
         whole(&Tree::new(&self.model), &self.truth)
     }
 
-    /// The model with the true numbers as nominal ones, every body unknown.
+    /// The model with true numbers as nominal values, every body unknown.
     pub fn centred(&self) -> Model {
         let mut model = self.model.clone();
         for (body, right) in model.bodies.iter_mut().zip(self.properties()) {
@@ -158,7 +158,7 @@ impl<'a> Robot<'a> {
         model
     }
 
-    /// The centred model with every [`EVERY`]th sample of the runs named.
+    /// The centred model with every [`EVERY`]th sample of the named runs.
     ///
     /// # Errors
     /// As [`Self::runs`].
@@ -168,7 +168,7 @@ impl<'a> Robot<'a> {
         Data::new(&self.context, model, &tables)
     }
 
-    /// The nominal model with all but some bodies known exactly.
+    /// The nominal model with all bodies known exactly, except these.
     pub fn known_but(&self, unknown: &[usize]) -> Model {
         let mut model = self.model.clone();
         for (b, (body, right)) in model.bodies.iter_mut().zip(self.properties()).enumerate() {
@@ -193,7 +193,7 @@ impl<'a> Robot<'a> {
         model
     }
 
-    /// The robot as one body: what the equivalent single body is about.
+    /// The robot as one body, for the equivalent single body.
     pub fn one_body(&self, inertia_only: bool) -> Model {
         let mut model = self.model.clone();
         let nominal: Vec<_> = model
@@ -218,10 +218,10 @@ impl<'a> Robot<'a> {
         model
     }
 
-    /// What the paper's method answers.
+    /// The answer of the paper's method.
     ///
     /// # Errors
-    /// The runs do not suit it.
+    /// The runs do not suit the method.
     pub fn ask(
         &self,
         model: &Model,
@@ -235,13 +235,13 @@ impl<'a> Robot<'a> {
     }
 }
 
-/// Mass properties of bodies; zero where a body of negative mass has none.
+/// Mass properties of bodies; zero for a body of negative mass.
 pub fn properties(bodies: &[InertialParameters]) -> Vec<MassProperties> {
     let of = |b: &InertialParameters| b.mass_properties().unwrap_or(MassProperties::ZERO);
     bodies.iter().map(of).collect()
 }
 
-/// All bodies as one in the normal configuration.
+/// Sum of all bodies in the normal configuration.
 pub fn whole(tree: &Tree, bodies: &[InertialParameters]) -> MassProperties {
     let mut kinematics = Kinematics::new(tree);
     kinematics.place(tree, &vec![0.0; tree.dof()]);
@@ -258,7 +258,7 @@ pub fn thinned(mut tables: Vec<Table>, every: usize) -> Vec<Table> {
     tables
 }
 
-/// Attitude and rates alone.
+/// Removes translation: attitude and rates remain.
 pub fn without_translation(tables: &mut [Table]) {
     for table in tables {
         table
@@ -267,7 +267,7 @@ pub fn without_translation(tables: &mut [Table]) {
     }
 }
 
-/// Largest error of the numbers given, relative to mass, size and inertia; and how many there are.
+/// Largest error of the given numbers, relative to mass, size and inertia, and their number.
 pub fn errors(found: &BodyEstimate, truth: &MassProperties) -> (f64, usize) {
     let L = truth.radius_of_gyration();
     let scale = truth.mass * L * L;

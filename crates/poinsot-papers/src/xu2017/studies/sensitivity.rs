@@ -1,11 +1,11 @@
-//! Sec. 5.6: sensitivity of candidate paths of each joint, and the one to take.
+//! Sec. 5.6: sensitivity of candidate paths of each joint, and the best one.
 
 use super::robot::Robot;
 use crate::study::{Context, Findings, StudyError, Table, figures};
 use crate::xu2017::sensitivity::path_sensitivity;
 use poinsot_dynamics::Tree;
 
-/// Candidate paths: amplitude, deg, and period, s. The second is near the paper's.
+/// Candidate paths: amplitude, deg, and period, s. The second is close to the paper's.
 const PATHS: [(f64, f64); 5] = [
     (15.0, 60.0),
     (30.0, 60.0),
@@ -15,7 +15,7 @@ const PATHS: [(f64, f64); 5] = [
 ];
 const SAMPLES: u32 = 600;
 
-/// Angle and rate along one period of a sine.
+/// Angle and rate over one period of a sine.
 fn path(degrees: f64, period: f64) -> Vec<(f64, f64)> {
     let (a, w) = (degrees.to_radians(), std::f64::consts::TAU / period);
     let at = |k| {

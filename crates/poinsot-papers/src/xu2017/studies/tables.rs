@@ -1,4 +1,4 @@
-//! Tables 4 and 6 to 12: paper, swarm, linear, side by side, with what is identifiable.
+//! Tables 4 and 6 to 12: paper, swarm and linear solution compared, with identifiability.
 
 use super::null::Null;
 use super::printed::{IDENTIFIED, NAMES, TABLE4_ERRORS, printed_bodies};
@@ -10,7 +10,8 @@ use crate::xu2017::{Found, Kind, Order, StepReport, Variant, identify, particle}
 use poinsot_identify::{Estimate, linear, tensor_index};
 use poinsot_spatial::InertialParameters;
 
-/// Search ranges of the swarm, share of the true values, on which they are centred: as kind as a range can be.
+/// Half-widths of the swarm's search ranges, relative to the true values. The ranges are centred on the true values:
+/// the most favourable choice.
 const SHARES: [f64; 3] = [0.05, 0.2, 0.5];
 const BODY_TABLES: [&str; 7] = [
     "table6", "table7", "table8", "table9", "table10", "table11", "table12",
@@ -43,7 +44,7 @@ pub fn run(context: &Context) -> Result<Findings, StudyError> {
     Ok(findings)
 }
 
-/// What the runs determine.
+/// Combinations determined by the runs.
 fn identifiable(robot: &Robot, answer: &Estimate, null: &Null) -> Table {
     let found = &answer.identifiability;
     let sigma = |k: usize| found.sigmas_natural.get(k).copied().unwrap_or(f64::NAN);
@@ -122,7 +123,7 @@ fn bodies(
         let estimate = &answer.bodies[b];
         for k in 0..10 {
             let spread = |list: &[Found]| {
-                // A body of negative mass has no mass centre; its mass stands in the first row.
+                // A body of negative mass has no mass centre; its mass is in the first row.
                 let number = |f: &Found| match k {
                     0 => Some(f.bodies[b].mass),
                     _ => Some(particle(&f.bodies[b].mass_properties()?)[k]),
@@ -148,7 +149,7 @@ fn bodies(
     Ok(tables)
 }
 
-/// Error in what the data determine.
+/// Error in the identifiable directions.
 fn visible(
     robot: &Robot,
     null: &Null,
@@ -172,7 +173,7 @@ fn visible(
     table
 }
 
-/// How the masses that a swarm returns follow its search range.
+/// Dependence of the swarm's masses on its search range.
 fn masses(robot: &Robot, flown: &[Vec<Found>]) -> Table {
     let title = format!("Masses that the swarm returns, kg: mean and scatter over {SEEDS} seeds");
     let head = "range | B0 | B1 | B2 | B3 | B4 | B5 | B6 | arrived";

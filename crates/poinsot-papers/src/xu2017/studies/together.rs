@@ -1,4 +1,4 @@
-//! A grasped target: one joint at a time, as the paper moves them, beside all joints at once.
+//! A grasped target: one joint at a time, as in the paper, compared with all joints together.
 
 use super::robot::{ALL, Data, Robot, errors};
 use crate::method::Method;
@@ -14,7 +14,7 @@ use poinsot_spatial::MassProperties;
 /// Draws of noise.
 const TRIALS: u64 = 20;
 const CASE: &str = "xu2017_target_all_joints.toml";
-/// The last joint turned by +-30 deg once in 60 s.
+/// The last joint rotates by +-30 deg once in 60 s.
 const ALONE: &str = r#"
 [[joint_motion]]
 joint = "joint6"
@@ -34,7 +34,7 @@ const MOTIONS: [&str; 4] = [
 /// The target.
 const TARGET: usize = 6;
 
-/// Both motions of the arm with the target, from rest, then drifting and turning as the shipped case.
+/// Both motions of the arm with the target: from rest, and with drift and rotation as in the shipped case.
 ///
 /// # Errors
 /// The shipped case cannot be read or has other parts.
@@ -61,7 +61,7 @@ pub fn cases(context: &Context) -> Result<[CaseText; 4], StudyError> {
     ])
 }
 
-/// Condition of the ten numbers of the target in the method's own equations.
+/// Condition number of the target's ten numbers in the method's equations.
 pub fn condition(e: &Estimate) -> f64 {
     let numbers = e.method_report.iter().flat_map(|r| &r.numbers);
     let found = numbers
@@ -70,7 +70,7 @@ pub fn condition(e: &Estimate) -> f64 {
     found.and_then(|n| n.number.value).unwrap_or(f64::NAN)
 }
 
-/// Errors of mass (share), mass centre (m), tensor (kg m2, largest element).
+/// Errors of mass (relative), mass centre (m), tensor (kg m2, largest element).
 fn parts(b: &BodyEstimate, t: &MassProperties) -> [f64; 3] {
     let off = |n: &Number, x: f64| n.value.map_or(f64::INFINITY, |v| (v - x).abs());
     let tensor = b.inertia.iter().zip(TENSOR);
@@ -86,7 +86,7 @@ fn parts(b: &BodyEstimate, t: &MassProperties) -> [f64; 3] {
     ]
 }
 
-/// The vehicle with nominal numbers of the target that are 20 to 30 % off.
+/// The vehicle with errors of 20 to 30 % in the target's nominal numbers.
 fn off(vehicle: &Model) -> Model {
     let mut model = vehicle.clone();
     let target = &mut model.bodies[TARGET].nominal;
@@ -96,10 +96,10 @@ fn off(vehicle: &Model) -> Model {
     model
 }
 
-/// The target alone unknown: one answer, of a trial with noise or without noise, and the truth.
+/// One answer with only the target unknown, with or without noise, and the truth.
 ///
 /// # Errors
-/// The case cannot be flown, or does not suit the method.
+/// The case cannot be simulated, or does not suit the method.
 pub fn answer(
     context: &Context,
     case: &CaseText,
@@ -119,7 +119,7 @@ pub fn answer(
     Ok((found, vehicle.bodies[TARGET].nominal))
 }
 
-/// One joint beside all joints.
+/// One joint compared with all joints.
 pub fn run(context: &Context) -> Result<Findings, StudyError> {
     let own = Xu2017.about().name;
     let mut exact = Table::new(
@@ -161,7 +161,7 @@ pub fn run(context: &Context) -> Result<Findings, StudyError> {
     Ok(findings)
 }
 
-/// Every body unknown: what the least determined of the 52 combinations is known to.
+/// Every body unknown: sigma of the least determined of the 52 combinations.
 fn every_body(context: &Context) -> Result<Table, StudyError> {
     let robot = Robot::new(context)?;
     let mut table = Table::new(
@@ -185,7 +185,7 @@ fn every_body(context: &Context) -> Result<Table, StudyError> {
     Ok(table)
 }
 
-/// The grasped target with all joints in motion, drifting and turning, number by number.
+/// The grasped target with all joints moving, drift and rotation: results by number.
 pub fn target(context: &Context) -> Result<Findings, StudyError> {
     let own = Xu2017.about().name;
     let case = context.case(CASE)?;

@@ -1,4 +1,4 @@
-//! The five uses of the Conclusion, noise-free.
+//! The five uses of the Conclusion, without noise.
 
 use super::robot::{ALL, ARM, Robot, errors, without_translation};
 use crate::study::{Cell, Context, Findings, StudyError, Table, figures, word};
@@ -46,7 +46,7 @@ fn combinations(e: &Estimate) -> String {
     format!("{} of {}", found.determined.len(), found.parameters)
 }
 
-/// Title, how many were found, largest error.
+/// Title, numbers determined, largest error.
 type Used = (&'static str, String, f64);
 
 fn uses(robot: &Robot, variant: &str) -> Result<Vec<Used>, StudyError> {

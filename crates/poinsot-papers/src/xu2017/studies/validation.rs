@@ -1,4 +1,4 @@
-//! Sec. 5.5: the torques of Table 13 into the true and the identified robot; Fig. 12 and 13.
+//! Sec. 5.5: the torques of Table 13 applied to the true and the identified robot; Fig. 12 and 13.
 
 use super::printed::{VALIDATION, printed_bodies};
 use super::robot::{ALL, Robot, SEEDS};
@@ -9,12 +9,12 @@ use crate::xu2017::swarm::Swarm;
 use poinsot_report::{Axis, Mark, Plot, Series};
 use poinsot_spatial::InertialParameters;
 
-/// Range of the swarm, share of the true values.
+/// Half-width of the swarm's range, relative to the true values.
 const RANGE: f64 = 0.5;
-/// Differences below are round-off; a logarithmic axis does not show them.
+/// Smaller differences are round-off, and are not shown on a logarithmic axis.
 const ROUND_OFF: f64 = 1.0e-17;
 
-/// Largest difference of base position, attitude and joint angles.
+/// Largest differences of base position, attitude and joint angles.
 fn three(list: &[Difference]) -> [f64; 3] {
     let of = |prefix: &str| {
         let those = list.iter().filter(|d| d.name.starts_with(prefix));
@@ -122,7 +122,7 @@ fn masses(robot: &Robot, worst: &[InertialParameters]) -> Table {
     masses
 }
 
-/// Length of the difference over time, logarithmic.
+/// Norm of the difference over time, logarithmic.
 fn plot(title: &str, unit: &str, prefix: &str, sources: &[(&str, &Vec<Difference>)]) -> Plot {
     let mut series = Vec::new();
     for (colour, (name, list)) in sources.iter().enumerate() {

@@ -27,8 +27,8 @@ impl Record {
     }
 }
 
-/// The paper's slew, in closed form: from 3-2-1 Euler angles (10, 10, 10) deg about one axis to zero, the
-/// angle falling like a damped oscillator (0.043 rad/s, 0.707), all momentum zero.
+/// The paper's slew in closed form: from 3-2-1 Euler angles (10, 10, 10) deg about one axis to zero. The angle is a
+/// damped oscillator (0.043 rad/s, 0.707); the total momentum is zero.
 fn eigenaxis_slew() -> (Record, Vector3) {
     let ten = 10.0_f64.to_radians();
     let q = UnitQuaternion::from_euler_angles(ten, ten, ten);
@@ -49,7 +49,7 @@ fn eigenaxis_slew() -> (Record, Vector3) {
     (record, n.into_inner())
 }
 
-/// Three turns of different frequency one after the other, `R = Rz Ry Rx`, momentum `H_N` constant.
+/// Three rotations of different frequency in sequence, `R = Rz Ry Rx`, with constant momentum `H_N`.
 fn tumble(I: &Matrix3, H_N: Vector3) -> Record {
     let mut record = Record::default();
     for k in 0..=400 {
@@ -100,8 +100,8 @@ fn paper_conventional_returns_row_sums_without_noise() {
     near(&found.printed[3..], &[16.377, 19.137, 17.440], 5e-4);
 }
 
-/// Whatever the noise of the rates, `Q = I n s` ties the conventional products to the moments. The printed
-/// ones obey that to the last digit: proof that the paper's own run kept to one axis.
+/// For any noise of the rates, `Q = I n s` relates the conventional products to the moments. The printed ones obey it
+/// to the last digit: the paper's own run was about one axis.
 #[test]
 fn paper_printed_conventional_products_follow_from_the_printed_moments() {
     let (_, n) = eigenaxis_slew();
@@ -112,8 +112,8 @@ fn paper_printed_conventional_products_follow_from_the_printed_moments() {
     near(&found, &[16.3578, 19.1201, 17.4000], 1.5e-4);
 }
 
-/// 350 s at 1 Hz with the noise of Table 1: the suggested products are what noise leaves, and all six
-/// printed numbers are likely together.
+/// 350 s at 1 Hz with the noise of Table 1: noise produces the suggested products. All six printed numbers are jointly
+/// likely.
 #[test]
 fn stat_noise_alone_makes_the_suggested_products() {
     let (clean, _) = eigenaxis_slew();
@@ -148,7 +148,7 @@ fn stat_noise_alone_makes_the_suggested_products() {
     assert!(chi2 < 16.8, "{chi2}: beyond 99 %");
     for k in 3..6 {
         let sigma = covariance[(k, k)].sqrt();
-        // Zero is many sigma away, the print is not.
+        // Zero is many sigmas away, the printed value is not.
         assert!(
             mean[k] > 8.0 * sigma && gap[k].abs() < 2.0 * sigma,
             "{k}: {mean:?}"
@@ -211,7 +211,7 @@ fn exact_batch_and_iteration_on_a_rich_manoeuvre_with_spinning_start() {
     );
     near(&iterated.answer.printed, &TRUE, 1e-9);
     near(&iterated.fixed_point.unwrap(), &TRUE, 1e-9);
-    // The paper's assumption of rest is wrong here, and shows.
+    // The paper's assumption of rest is violated here, with a visible effect.
     let (at_rest, _) = record.sums(StartRate::Rest).unwrap().batch().unwrap();
     assert!((at_rest.elements - I).norm() > 0.1);
 }
@@ -251,7 +251,7 @@ fn exact_first_sweep_of_the_iteration_is_the_suggested_method() {
     let I = symmetric(&TRUE);
     let record = tumble(&I, Vector3::zeros());
     let sums = record.sums(StartRate::Measured).unwrap();
-    // One sweep by hand: E vanishes on the diagonal, and every product is E / G.
+    // One sweep by hand: the diagonal of E is zero, and every product is E / G.
     let suggested = sums.suggested().unwrap();
     let moments = Matrix3::from_diagonal(&suggested.elements.diagonal());
     let E = sums.residual(&moments);

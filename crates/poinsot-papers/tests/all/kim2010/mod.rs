@@ -1,4 +1,4 @@
-//! The spacecraft of Kim, Choi and Oh with one slew and with three, from their case files.
+//! The spacecraft of Kim, Choi and Oh with one and with three slews, from their case files.
 
 mod estimators;
 mod wheels;
@@ -15,14 +15,14 @@ use poinsot_spatial::UnitQuaternion;
 use poinsot_telemetry::Table;
 use std::path::{Path, PathBuf};
 
-/// xx, xy, yy, xz, yz, zz: the order of an answer.
+/// xx, xy, yy, xz, yz, zz, as in an answer.
 const TRUE: [f64; 6] = [13.916, 0.085, 16.954, 0.133, 0.5896, 19.894];
 
 fn examples() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples")
 }
 
-/// Gyro, attitude and wheel speeds, as the sensors of the model read them or exact.
+/// Gyro, attitude and wheel speeds, with the model's sensors or exact.
 pub(crate) fn fly(name: &str, noisy: bool) -> Table {
     let path = examples().join("cases").join(name);
     let mut text = std::fs::read_to_string(&path).unwrap();
@@ -87,13 +87,13 @@ fn stat_three_slews_from_noisy_sensors() {
             (value - wanted).abs() < 4.0 * sigma,
             "{wanted}: {value} {sigma}"
         );
-        // Rounded tachometers drive the prediction, and count.
+        // Rounded tachometers drive the prediction, so they contribute to sigma.
         assert!(sigma < 1.3e-4, "{wanted}: {sigma}");
     }
 }
 
-/// On one axis 15 printed numbers fix the sums, and from them "considering pre-estimate" follows to the last
-/// printed digit: every product with the other product of its row as (15) gives it, all at once.
+/// On one axis 15 printed numbers fix the sums, which give "considering pre-estimate" to the last printed digit. Every
+/// product uses the other product of its row from (15), all at once.
 #[test]
 fn paper_pre_estimate_follows_from_the_other_columns() {
     let ten = 10.0_f64.to_radians();
@@ -109,15 +109,15 @@ fn paper_pre_estimate_follows_from_the_other_columns() {
         let gap = (found[k] - printed::PRINTED[2][k]).abs();
         assert!(gap < inversion::HALF_DIGIT, "{k}: {found:?}");
     }
-    // No order of products found one after the other comes near.
+    // No sequential order of products is close.
     let ordered = [(1, 0), (2, 0), (0, 1), (2, 1), (0, 2), (1, 2)];
     let ordered = fixed.sums.pre_estimate_in_order(&ordered).unwrap().printed;
     assert!((ordered[3] - printed::PRINTED[2][3]).abs() > 0.01);
-    // 349 s whatever the rate; the integral of s^2 is that of the closed form of the slew.
+    // 349 s for any rate; the integral of s^2 is that of the slew's closed form.
     let noise = Noise::of(&fixed, &n);
     let length = noise.length(printed::SIGMA, 1.302_83e-3);
     assert!((length - 349.0).abs() < 1.0, "{length}");
-    // Scatter wants 2 Hz or more, the common shift 1 Hz or less.
+    // The scatter requires 2 Hz or more, the common offset 1 Hz or less.
     let at = |rate| noise.at(rate, printed::SIGMA, 1.302_83e-3);
     assert!(at(1.0).0 < 1.2 && at(5.0).0 > 4.0);
     assert!(at(1.0).1 > -3.0 && at(2.0).1 < -3.5);

@@ -1,4 +1,4 @@
-//! The method on files as a user gives them: certificate first, wheels that are wrong are named.
+//! The method on user files: certificate first, and faulty wheels are named.
 
 use super::examples;
 use poinsot::{Detail, Identified, IdentifyRequest, estimate_document, estimate_file};
@@ -11,7 +11,7 @@ fn answer(model: &Path, telemetry: &Path, variant: &str) -> Result<Identified, p
     poinsot::identify(&request)
 }
 
-/// 0 where the answer passes, 1 where it does not, 2 for an error; JSON, and the error.
+/// Exit code (0 passed, 1 not passed, 2 error), JSON and error text.
 fn identify(model: &Path, telemetry: &Path, variant: &str) -> (u8, Value, String) {
     match answer(model, telemetry, variant) {
         Ok(found) => {
@@ -121,7 +121,7 @@ fn unit_baselines_print_beside_a_certificate_of_three_of_six() {
     );
 }
 
-/// Basilisk's noise-free run: diagonals are the row sums, suggested products zero.
+/// Basilisk's noise-free run: the diagonals are the row sums, the suggested products zero.
 #[test]
 fn xval_basilisk_paper_run_gives_the_row_sums() {
     let data = examples().join("stsat3/paper/telemetry.parquet");
@@ -143,8 +143,8 @@ fn xval_basilisk_paper_run_gives_the_row_sums() {
     }
 }
 
-/// Basilisk's six slews with spinning wheels: batch and iteration reach the truth, the approximations of the paper do not,
-/// and their sigma and exit code say so.
+/// Basilisk's six slews with spinning wheels: batch and iteration reach the true values. The paper's approximations do
+/// not, and their sigma and exit code show it.
 #[test]
 fn xval_basilisk_rich_run_of_every_variant() {
     let data = examples().join("stsat3/multiaxis/telemetry.parquet");

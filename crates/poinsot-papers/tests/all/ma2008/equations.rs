@@ -14,7 +14,8 @@ fn exact_both_trajectories_all_options_both_bases() {
         for base in [table1().bodies[0].nominal, unsymmetric()] {
             for (stops, orbital) in [(true, 0.0), (false, 0.0), (true, 7500.0)] {
                 let mut e = flown(trajectory, spin).with_base(base);
-                // One axis of spin, one of arm motion, stopped: nearly open (the paper's own condition).
+                // Spin and arm motion about one axis each, with stops: nearly unobservable (the paper's own
+                // condition).
                 if !stops || spin == [0.0, 1.0, 0.0] {
                     e = e.sampled(40, false);
                 }
@@ -23,7 +24,7 @@ fn exact_both_trajectories_all_options_both_bases() {
                 let samples = vec![readings(&e.model, &raws)];
                 for option in [Some(known), None] {
                     let found = error(&two_step(&samples, option), &base);
-                    // With orbital velocity a number of 7500 m/s holds the 0.02 m/s that matter.
+                    // With orbital velocity, 7500 m/s contains the relevant 0.02 m/s.
                     let limit = if orbital > 0.0 { 1.0e-7 } else { 1.0e-9 };
                     assert!(
                         found < limit,
@@ -36,7 +37,7 @@ fn exact_both_trajectories_all_options_both_bases() {
     }
 }
 
-/// The rows of both steps give the momentum that the definition gives, for any arm that turns or slides.
+/// The rows of both steps give the momentum by definition, for any revolute or prismatic arm.
 #[test]
 fn exact_rows_are_momentum_by_definition() {
     let mut rng = ChaCha8Rng::seed_from_u64(25);
@@ -81,8 +82,8 @@ fn exact_rows_are_momentum_by_definition() {
     }
 }
 
-/// (14), (17), (21), (24) as printed, read in N: right on the symmetric base of Table 1, worthless on
-/// another; read in body axes worthless on both.
+/// (14), (17), (21), (24) as printed, interpreted in N: correct for the symmetric base of Table 1, wrong for another.
+/// Interpreted in body axes they are wrong for both.
 #[test]
 fn paper_printed_increments_hold_for_the_symmetric_base_only() {
     for base in [table1().bodies[0].nominal, unsymmetric()] {
@@ -103,7 +104,7 @@ fn paper_printed_increments_hold_for_the_symmetric_base_only() {
     }
 }
 
-/// (39), (41) with row 2 corrected, (43), (45): the difference of the rows of perturbed velocities.
+/// (39), (41) with corrected row 2, (43), (45): differences of rows for perturbed velocities.
 #[test]
 fn exact_error_matrices_are_differences_of_rows() {
     let mut rng = ChaCha8Rng::seed_from_u64(39);
@@ -124,7 +125,7 @@ fn exact_error_matrices_are_differences_of_rows() {
     }
 }
 
-/// (36) is (35) divided by the length of the solution.
+/// (36) is (35) divided by the norm of the solution.
 #[test]
 fn exact_relative_bound_is_absolute_bound_over_solution() {
     let e = flown(1, [0.0, 0.0, 1.0]).with_base(unsymmetric());

@@ -1,4 +1,4 @@
-//! Stated sigmas, what stays open, questions that are refused.
+//! Stated sigmas, undetermined numbers, refusals.
 
 use super::*;
 
@@ -7,7 +7,7 @@ const VELOCITY: f64 = 2.0e-5;
 const ATTITUDE: f64 = 5.0e-5;
 const JOINT_RATE: f64 = 2.0e-5;
 
-/// The stated sigma is the scatter: chi-square of the ten numbers over 300 trials, both options.
+/// The stated sigma equals the scatter: chi-square of the ten numbers over 300 trials, both options.
 #[test]
 fn stat_sigmas_are_calibrated() {
     let e = flown(1, [1.0, 2.0, 5.0])
@@ -78,7 +78,7 @@ fn stat_sigmas_are_calibrated() {
 
 #[test]
 fn prop_what_motion_does_not_show_is_open() {
-    // Nothing moves.
+    // No motion.
     let still = flown(1, [0.0; 3]);
     let one = still.run().unwrap().raws[0].clone();
     let answer = ask(
@@ -92,7 +92,7 @@ fn prop_what_motion_does_not_show_is_open() {
     assert!(answer.bodies[0].mass.value.is_none());
     assert_eq!(answer.identifiability.rank, 0);
     assert!(!answer.identifiability.open.is_empty());
-    // At zero momentum with the arm stopped nothing moves either.
+    // At zero momentum with stopped arm there is no motion either.
     let Run { raws, known, .. } = still.run().unwrap();
     assert!(raws.iter().all(|r| r.w_NB_B.norm() < 1.0e-12));
     let mut model = still.model.clone();
@@ -100,7 +100,7 @@ fn prop_what_motion_does_not_show_is_open() {
     model.momentum.angular = MomentumKnowledge::Known(known.h_C_N);
     let answer = ask(&model, &raws, Variant::KnownMomentum, 0.0).unwrap();
     assert_eq!(answer.status, Status::NotIdentifiable);
-    // Known linear momentum without spin: the mass alone.
+    // Known linear momentum without spin: only the mass.
     let mut drifting = flown(1, [0.0; 3]);
     drifting.velocity = [0.02, -0.01, 0.005];
     let Run { raws, known, .. } = drifting.run().unwrap();
@@ -113,7 +113,7 @@ fn prop_what_motion_does_not_show_is_open() {
     assert!((base.mass.value.unwrap() - 1000.0).abs() < 1.0e-8);
     assert!(base.com.iter().all(|n| n.value.is_none()));
     assert!(base.inertia.iter().all(|n| n.value.is_none()));
-    // Moving samples at rest: everything, without spin.
+    // Samples during arm motion without spin: all numbers.
     let moving = flown(1, [0.0; 3]).sampled(200, false);
     let answer = ask(
         &moving.model,
@@ -128,7 +128,7 @@ fn prop_what_motion_does_not_show_is_open() {
         "{:?}",
         answer.identifiability
     );
-    // A spin about the one axis about which an arm in the plane of symmetry moves, stopped.
+    // A spin about the axis of the arm's motion in the plane of symmetry, with stops.
     let mut one_axis = flown(2, [0.0, 1.0, 0.0]);
     one_axis.model.joints[0].p_PoCo_P.y = 0.0;
     let answer = ask(
@@ -146,7 +146,7 @@ fn prop_what_motion_does_not_show_is_open() {
     );
 }
 
-/// Linear momentum known and angular not, and the reverse: option 1 of one step, option 2 of the other.
+/// Known linear and unknown angular momentum, and the reverse: option 1 of one step, option 2 of the other.
 #[test]
 fn exact_mixed_momentum_gives_the_truth() {
     let mut e = flown(1, [0.0, 1.0, 5.0]).with_base(unsymmetric());
@@ -242,7 +242,7 @@ fn prop_bad_questions_are_refused_in_one_line() {
         .unwrap_err()
         .to_string();
     assert!(error.starts_with("E0528"), "{error}");
-    // An arm heavier than the paper studied is answered with a warning.
+    // An arm heavier than those studied in the paper gives an answer with a warning.
     let heavy = flown(1, [0.0, 0.0, 5.0]).with_ratio(8.0 * 0.093184);
     let answer = ask(&heavy.model, &heavy.run().unwrap().raws, free, 0.0).unwrap();
     assert_eq!(answer.status, Status::Converged);
@@ -253,7 +253,7 @@ fn prop_bad_questions_are_refused_in_one_line() {
     );
 }
 
-/// A segment of raw samples as the estimators take it.
+/// A segment of raw samples for the estimators.
 fn segment(raws: &[ma2008::Raw]) -> Segment {
     Segment {
         label: "test".to_owned(),

@@ -46,7 +46,7 @@ fn xval_mujoco_runs_give_the_truth() {
     }
 }
 
-/// Momentum at the first sample of a recorded run, from its stated start and the true model.
+/// Momentum at the first sample of a recorded run, from its stated initial state and the true model.
 fn start_momentum(run: &str) -> Known {
     let text =
         std::fs::read_to_string(examples().join("ma2008").join(run).join("truth.json")).unwrap();
@@ -132,7 +132,7 @@ fn prop_two_segments_share_the_base() {
     assert!(error(&two_step(&data, None), &unsymmetric()) < 1.0e-9);
 }
 
-/// Every shipped case, with perfect sensors, from simulation through telemetry to the truth.
+/// Every shipped case with ideal sensors: the identification gives the true values.
 #[test]
 fn exact_shipped_cases_give_the_truth() {
     let folder = examples().join("ma2008");
@@ -148,7 +148,7 @@ fn exact_shipped_cases_give_the_truth() {
         let found = identify_tables(model, vec![table], &asked).unwrap();
         let e = &found.estimate;
         let orbital = path.to_string_lossy().contains("orbital");
-        // With 7500 m/s in the velocity the 0.02 m/s that matter have five digits less.
+        // With 7500 m/s, the relevant 0.02 m/s have five digits less.
         let limit = if orbital { 1.0e-7 } else { 1.0e-9 };
         assert_eq!(e.status, Status::Converged, "{path:?}");
         let mass = e.bodies[0].mass.value.unwrap();

@@ -5,8 +5,8 @@ use poinsot_model::{Sensor, SensorKind};
 use poinsot_papers::ma2008::studies::{both, offset_experiment};
 use poinsot_telemetry::{Channel, Table};
 
-/// A constant offset of the velocity in N, as integrating an accelerometer leaves it: option 1 fails, option 2 does
-/// not see it. Measured: option 1 -94 kg at 1 m/s, 1525 kg at 1 mm/s.
+/// A constant velocity offset in N, as from integrating an accelerometer: option 1 fails, option 2 is not affected.
+/// Measured: option 1 -94 kg at 1 m/s, 1525 kg at 1 mm/s.
 #[test]
 fn paper_option_2_does_not_see_a_velocity_offset() {
     for full in [false, true] {
@@ -20,8 +20,8 @@ fn paper_option_2_does_not_see_a_velocity_offset() {
     }
 }
 
-/// A constant of the gyro does not cancel, `R_k b` is not `R_0 b`: option 2 is no better. Measured at 1e-4 rad/s, rms
-/// of three axes: 0.20 and 0.33 %.
+/// A constant gyro bias does not cancel, because `R_k b` differs from `R_0 b`: option 2 is no better. Measured at 1e-4
+/// rad/s, RMS over three axes: 0.20 and 0.33 %.
 #[test]
 fn paper_option_2_is_no_better_with_a_gyro_bias() {
     let e = offset_experiment(&table1(), false);
@@ -38,7 +38,7 @@ fn paper_option_2_is_no_better_with_a_gyro_bias() {
 
 const PLACE: [f64; 3] = [0.3, -0.2, 0.4];
 
-/// The model with an instrument of velocity increments in place of its velocity sensor.
+/// The model with a sensor of velocity increments instead of its velocity sensor.
 fn with_increments(mut model: Model, sigma: f64) -> Model {
     let at = model
         .sensors
@@ -55,7 +55,7 @@ fn with_increments(mut model: Model, sigma: f64) -> Model {
     model
 }
 
-/// A table without position, and with the velocity as increments of a point of the base, each with an error.
+/// A table without position, and with velocity increments of a point of the base, each with an error.
 fn as_increments(mut table: Table, mut error: impl FnMut() -> Vector3) -> Table {
     let values = |name: &str| table.channel(name).unwrap().values.clone();
     let three = |names: [&str; 3]| names.map(values);
@@ -147,7 +147,8 @@ fn exact_velocity_increments_give_the_truth() {
     assert!(error.contains("E0525") && error.contains("dv_x"), "{error}");
 }
 
-/// The error of every increment stays in all later samples, and sigma knows it. All other noise is declared small.
+/// The error of every increment remains in all later samples, and sigma includes it. All other noise is declared
+/// small.
 #[test]
 fn stat_sigma_of_increments_is_calibrated() {
     let sigma = 1.0e-6;

@@ -44,7 +44,7 @@ fn flown(trajectory: usize, spin_deg_s: [f64; 3]) -> Experiment {
     Experiment::new(&table1(), trajectory, spin_deg_s)
 }
 
-/// Largest relative error: mass, mass centre over 1 m, tensor over its norm.
+/// Largest error: mass relative, mass centre over 1 m, tensor relative to its norm.
 fn error(answer: &TwoStep, truth: &MassProperties) -> f64 {
     let I = answer
         .I_S()
@@ -67,7 +67,7 @@ fn vector(rng: &mut ChaCha8Rng) -> Vector3 {
     Vector3::from_fn(|_, _| normal(rng))
 }
 
-/// The same samples with noise on both velocities, a share of the largest component of each.
+/// The samples with noise on both velocities, as a fraction of the largest component of each.
 fn noisy(samples: &[Reading], share: f64, rng: &mut ChaCha8Rng) -> Vec<Reading> {
     let largest =
         |of: &dyn Fn(&Reading) -> Vector3| samples.iter().map(|s| of(s).amax()).fold(0.0, f64::max);

@@ -2,14 +2,14 @@
 
 use super::*;
 
-/// The kernel of trials against the two steps by QR, and its scatter against the two steps' own.
+/// The kernel of trials against the two steps by QR, and their scatter.
 #[test]
 fn exact_kernel_of_trials_agrees_with_two_step() {
     let e = flown(1, [1.0, 2.0, 5.0]).with_base(unsymmetric());
     let run = e.run().unwrap();
     let samples = readings(&e.model, &run.raws);
     for known in [Some(run.known), None] {
-        // Without noise: the truth.
+        // Without noise: the true values.
         let quiet = ma2008::Trials::new(&samples, known, [0.0; 3], [0.0; 3]);
         quiet.run(1, 0..1, |r| {
             let t = e.truth();
@@ -22,7 +22,7 @@ fn exact_kernel_of_trials_agrees_with_two_step() {
                 );
             }
         });
-        // With noise: the same scatter of mass and one moment as the two steps themselves.
+        // With noise: mass and one moment scatter as with the two steps.
         let sigma = 2.0e-5;
         let kernel = ma2008::Trials::new(&samples, known, [sigma; 3], [sigma; 3]);
         let (mut ours, mut n) = ([0.0; 2], 0.0);
@@ -55,7 +55,7 @@ fn exact_kernel_of_trials_agrees_with_two_step() {
     }
 }
 
-/// A trial does not depend on how many others run.
+/// A trial does not depend on the number of trials.
 #[test]
 fn prop_trials_are_independent_of_the_range() {
     let e = flown(1, [0.0, 0.0, 5.0]);
@@ -72,8 +72,8 @@ fn prop_trials_are_independent_of_the_range() {
     assert_eq!(all[13], one[0]);
 }
 
-/// Sec. III.D with 3 % of each component's maximum: inertia of a few percent on trajectory 1, option 1;
-/// and far worse with option 2 on trajectory 2.
+/// Sec. III.D with 3 % of each component's maximum: the error of inertia is a few percent on trajectory 1 with option
+/// 1. It is much larger on trajectory 2 with option 2.
 #[test]
 fn paper_three_percent_noise() {
     let median = |trajectory: usize, spin: [f64; 3], known: bool| -> f64 {
@@ -114,7 +114,7 @@ fn paper_three_percent_noise() {
     assert!(second > 0.2, "{second}");
 }
 
-/// (35) with the error matrices of each trial holds in (nearly) every one and is loose by a factor of a few.
+/// (35) with the error matrices of each trial holds in nearly every trial, and overestimates by a factor of a few.
 #[test]
 fn stat_first_order_bound_holds() {
     let e = flown(1, [0.0, 0.0, 1.0]).with_base(unsymmetric());

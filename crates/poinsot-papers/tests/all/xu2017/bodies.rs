@@ -1,8 +1,8 @@
-//! The equivalent single body and the two-body steps, by linear solution and swarm.
+//! The equivalent single body and the two-body steps, by linear solver and swarm.
 
 use super::*;
 
-/// The paper prints 1e-11 to 1e-14 per cent.
+/// The paper prints 1e-11 to 1e-14 percent.
 #[test]
 fn exact_single_body_from_accelerations_to_1e_10() {
     let (nominal, table) = own_single_body();
@@ -76,13 +76,13 @@ fn xval_mujoco_two_body_runs_in_both_orders_to_1e_7() {
         println!("{variant}: {worst:.1e}");
         assert!(worst < 1.0e-7, "{worst:e}");
         assert!(e.bodies.iter().all(|b| b.mass.value.is_none()));
-        // Both orders and the ladder agree, so sigma is not widened.
+        // Both orders agree with the certificate, so sigma is not widened.
         assert!(e.identifiability.determined.iter().all(|c| c.sigma > 0.0));
     }
 }
 
-/// The swarm as a user calls it: its distance from the linear solution is inside its sigma, and the same call
-/// gives the same bits.
+/// The swarm as a user calls it: its distance from the linear solution is within its sigma, and the result is
+/// reproducible.
 #[test]
 fn exact_swarm_answers_within_its_sigma() {
     let all = properties(&truth());

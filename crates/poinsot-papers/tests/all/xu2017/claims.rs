@@ -1,19 +1,19 @@
-//! What the paper says of its own numbers.
+//! The paper's claims about its own numbers.
 
 use super::*;
 
-/// (75): six of the nine elements of the tensor, the products, have bounds that are loose by two.
+/// (75): the bounds of the products, six of the nine tensor elements, are too large by a factor of two.
 #[test]
 fn paper_bounds_75_are_loose_by_two_in_the_products() {
     for row in largest_coefficients(RATE, 20_000) {
         for (k, most) in row.into_iter().enumerate() {
-            // By Cauchy and Schwarz none exceeds the rate; all come near it.
+            // By the Cauchy-Schwarz inequality none exceeds the rate; all come close to it.
             assert!((0.0290..=0.0300 + 1.0e-12).contains(&most), "{k}: {most}");
         }
     }
 }
 
-/// 94 % of the squared scaled error of Tables 6 to 12 lies where no data can show it.
+/// 94 % of the squared scaled error of Tables 6 to 12 is in unobservable directions.
 #[test]
 fn paper_its_own_error_lies_in_the_open_directions() {
     let (null, true_bodies) = (linear_null(), truth());
@@ -25,7 +25,7 @@ fn paper_its_own_error_lies_in_the_open_directions() {
     assert!((mass - 475.91).abs() < 0.01);
 }
 
-/// The mass that a swarm returns for the base follows its search range; what the data show does not.
+/// The mass that a swarm returns for the base depends on its search range; identifiable combinations do not.
 #[test]
 fn paper_masses_of_the_swarm_follow_its_range() {
     let example = robot().centred();
@@ -52,8 +52,8 @@ fn paper_masses_of_the_swarm_follow_its_range() {
     assert!(wide > 3.0 * narrow && (1.0..=8.0).contains(&narrow));
 }
 
-/// Table 13: the linear answers have other masses and move as the true robot does (the paper: 3e-5 m, 6e-4 and
-/// 8e-4 rad). Measured: 2.4e-15 m, 6e-13 rad.
+/// Table 13: the linear answers have other masses, but the motion of the true robot (the paper: 3e-5 m, 6e-4 and 8e-4
+/// rad). Measured: 2.4e-15 m, 6e-13 rad.
 #[test]
 fn exact_the_52_are_enough_for_motion() {
     let case = read_case(&examples().join("cases/xu2017_table13.toml")).unwrap();
@@ -67,7 +67,7 @@ fn exact_the_52_are_enough_for_motion() {
         for c in compare_motion(&case, &other, &right).unwrap() {
             assert!(c.largest < 1.0e-9, "{order:?} {}: {:e}", c.name, c.largest);
         }
-        // The same with one seen number wrong by a per cent does not pass.
+        // With an error of 1 % in one identifiable number the comparison fails.
         other.bodies[6].mass *= 1.01;
         let off = compare_motion(&case, &other, &right).unwrap();
         assert!(off.iter().any(|c| c.largest > 1.0e-6));

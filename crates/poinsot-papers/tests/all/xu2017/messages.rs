@@ -1,4 +1,4 @@
-//! Refusals and warnings, in words.
+//! Texts of refusals and warnings.
 
 use super::*;
 
@@ -17,7 +17,7 @@ fn warned(found: &Identified, words: &str) -> String {
         .clone()
 }
 
-/// Whole messages.
+/// Complete messages.
 #[test]
 fn unit_refusals_say_what_to_do() {
     let m = model("xu2017/model.toml");
@@ -127,7 +127,7 @@ fn unit_a_thruster_that_never_fires_is_named() {
     tables[0]
         .channels
         .retain(|c| c.name != "thr9_N" && c.name != "thr10_N");
-    // Its firings are gone, so the samples after them contradict the rest: keep those before.
+    // Without its firings, later samples would contradict the rest: keep earlier ones only.
     for c in &mut tables[0].channels {
         let n = c.time_s.iter().filter(|t| **t < 45.0).count();
         c.time_s = c.time_s.iter().copied().take(n).collect();
@@ -189,7 +189,7 @@ fn unit_a_joint_that_does_not_move_makes_one_body_of_two() {
     assert!(worst < 1.0e-6, "{worst:e}");
 }
 
-/// Nominal numbers so far off that the range around them excludes the answer.
+/// Nominal numbers so wrong that the range around them excludes the solution.
 #[test]
 fn unit_a_search_range_that_excludes_the_answer_is_reported() {
     let mut single = robot().one_body(false);
@@ -204,10 +204,10 @@ fn unit_a_search_range_that_excludes_the_answer_is_reported() {
     let e = &found.estimate;
     assert_eq!((e.status, found.passes()), (Status::IterationLimit, false));
     assert!(e.bodies[0].mass.value.is_none() && e.identifiability.determined.is_empty());
-    // The linear solution needs no range.
+    // The linear solver needs no range.
     let e = ask(&single, tables.clone(), "linear").estimate;
     assert!((e.bodies[0].mass.value.unwrap() / 476.0 - 1.0).abs() < 1.0e-6);
-    // Three times off on either side, a wider range holds the answer.
+    // With factors of three to either side, a wider range contains the solution.
     for nominal in [total().mass / 3.0, 3.0 * total().mass] {
         single.bodies[0].nominal.mass = nominal;
         let question = Question {

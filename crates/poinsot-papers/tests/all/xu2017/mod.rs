@@ -31,7 +31,7 @@ fn examples() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples")
 }
 
-/// What the studies are given.
+/// Input of the studies.
 fn context() -> Context<'static> {
     static EXAMPLES: LazyLock<PathBuf> = LazyLock::new(examples);
     Context {
@@ -71,7 +71,7 @@ fn ask(model: &Model, tables: Vec<Table>, variant: &str) -> Identified {
     identify_tables(model.clone(), tables, &request("xu2017", Some(variant))).unwrap()
 }
 
-/// Our own run of C1, which logs angular acceleration and specific force as the paper's simulation did.
+/// Our own run of C1, with angular acceleration and specific force as in the paper's simulation.
 fn own_single_body() -> (Model, Table) {
     let case = read_case(&examples().join("cases/xu2017_c1.toml")).unwrap();
     let mut exact = read_model(&case.model).unwrap();
@@ -91,7 +91,7 @@ fn total() -> MassProperties {
     robot().whole()
 }
 
-/// Largest error of the 52 combinations in natural units of the leading terms.
+/// Largest error of the 52 combinations, in natural units of the leading terms.
 fn worst_combination(e: &Estimate, found_truth: &[InertialParameters]) -> f64 {
     let value = |name: &str| {
         let (body, what) = name.split_once('.').unwrap();
@@ -102,7 +102,7 @@ fn worst_combination(e: &Estimate, found_truth: &[InertialParameters]) -> f64 {
         ];
         let p = found_truth[b].mass_properties().unwrap();
         if let Some(element) = what.strip_prefix("I_BBcm_") {
-            // The tensor of a body of known mass and mass centre.
+            // The tensor of a body with known mass and mass centre.
             let at = (0..6).find(|&k| poinsot_identify::tensor_name(k) == element);
             let inertia = p.I_BBcm_B[poinsot_identify::TENSOR[at.unwrap()]];
             return (inertia, p.mass * p.radius_of_gyration().powi(2));
@@ -131,7 +131,7 @@ fn worst_combination(e: &Estimate, found_truth: &[InertialParameters]) -> f64 {
     worst
 }
 
-/// What the runs C1 to C7 leave undetermined.
+/// Unobservable directions of the runs C1 to C7.
 pub(crate) fn linear_null() -> Null {
     let full = robot().data(&ALL).unwrap();
     Null::new(&linear(&full.problem()).unwrap(), &properties(&truth()))

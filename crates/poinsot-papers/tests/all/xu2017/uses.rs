@@ -1,13 +1,13 @@
-//! The five uses of the Conclusion, and all joints at once.
+//! The five uses of the Conclusion, and all joints together.
 
 use super::*;
 
-/// The five uses of the Conclusion, noise-free.
+/// The five uses of the Conclusion, without noise.
 #[test]
 fn paper_uses_2_to_5() {
     let all = properties(&truth());
     let known = |unknown: &[usize]| robot().known_but(unknown);
-    // 2: mass and mass centre known, attitude alone.
+    // 2: known mass and mass centre, attitude only.
     let single = robot().one_body(true);
     let mut turning = runs(&single, &["C1"]);
     without_translation(&mut turning);
@@ -15,7 +15,7 @@ fn paper_uses_2_to_5() {
     let (worst, n) = errors(&e.bodies[0], &total());
     println!("use 2: {worst:.1e}");
     assert!(n == 10 && worst < 1.0e-7 && e.status == Status::Converged);
-    // 3: base known.
+    // 3: known base.
     let m = known(&[1, 2, 3, 4, 5, 6]);
     for variant in ["linear", "linear-inward"] {
         let e = ask(&m, runs(&m, &ARM), variant).estimate;
@@ -27,7 +27,7 @@ fn paper_uses_2_to_5() {
         assert_eq!(e.identifiability.determined.len(), 45);
         assert!(worst < 1.0e-6, "{worst:e}");
     }
-    // 3: arm known; 4: target; both 5: no thrust, no acceleration.
+    // 3: known arm; 4: target; both 5: no thrust, no acceleration.
     for (body, files) in [(0, &ARM[..]), (6, &ARM[5..])] {
         let m = known(&[body]);
         let e = ask(&m, runs(&m, files), "linear").estimate;
@@ -38,8 +38,8 @@ fn paper_uses_2_to_5() {
     }
 }
 
-/// The second use as printed, "mass and centroid position of any system body": with those of one body known, attitude
-/// alone in the thrust segment and one joint after the other give all combinations, in both orders.
+/// The second use as printed, "mass and centroid position of any system body". With those of one body known, attitude
+/// only in the thrust segment, and one joint after the other, all combinations are determined in both orders.
 #[test]
 fn paper_use_2_as_printed() {
     let mut found = Vec::new();
@@ -66,14 +66,14 @@ fn paper_use_2_as_printed() {
         assert_eq!(e.identifiability.parameters, 66);
         found.push((n, worst, mass));
     }
-    // Every fifth sample: two of the 50 are then above the accuracy asked for.
+    // With every fifth sample, two of the 50 exceed the requested accuracy.
     for (n, worst, mass) in found {
         assert!(n >= 46 && worst < 1.0e-5, "{n} {worst:e}");
         assert!(mass < 1.0e-6, "{mass:e}");
     }
 }
 
-/// All joints at once: the target's numbers in better condition than with one joint.
+/// All joints together: the target's numbers have a better condition number than with one joint.
 #[test]
 fn paper_all_joints_at_once_beside_one() {
     let cases = together::cases(&context()).unwrap();
@@ -88,7 +88,7 @@ fn paper_all_joints_at_once_beside_one() {
     assert!(all.1 < one.1);
 }
 
-/// Noise as in the simulated data: ten of ten, inside four of its own sigmas, and sigma is useful.
+/// Noise as in the simulated data: all ten numbers are within four sigmas, and sigma is useful.
 #[test]
 fn stat_grasped_target_with_all_joints_moving() {
     let case = read_case(&examples().join("cases/xu2017_target_all_joints.toml")).unwrap();

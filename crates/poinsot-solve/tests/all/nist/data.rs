@@ -1,10 +1,10 @@
-//! A set as NIST publishes it: data, certified answer, starting values.
+//! A data set of NIST: data, certified answer, starting values.
 
 use std::path::Path;
 
-/// One data set; numbers stay text until it is known how precisely they are needed.
+/// One data set; numbers are kept as text until their precision is chosen.
 pub struct Data {
-    /// Starting values of the parameters: two for a nonlinear set, none for a linear one.
+    /// Starting values of the parameters: two sets for a nonlinear problem, none for a linear one.
     pub starts: Vec<Vec<f64>>,
     pub certified: Vec<f64>,
     /// Certified standard deviations of the parameters.
@@ -51,8 +51,8 @@ fn numbers<'a>(words: impl Iterator<Item = &'a str>) -> Vec<f64> {
     words.map(|w| w.parse().unwrap()).collect()
 }
 
-/// Correct significant digits (the log relative error of NIST), at most `cap`, which is what the
-/// certified value is printed to; absolute where that is zero.
+/// Correct significant digits (log relative error of NIST), at most `cap`, the printed digits of the certified value;
+/// absolute if it is zero.
 pub fn digits(value: f64, certified: f64, cap: f64) -> f64 {
     let scale = if certified == 0.0 { 1.0 } else { certified };
     let error = ((value - certified) / scale).abs();
@@ -62,7 +62,7 @@ pub fn digits(value: f64, certified: f64, cap: f64) -> f64 {
     (-error.log10()).clamp(0.0, cap)
 }
 
-/// The smallest of some digits.
+/// The smallest number of digits.
 pub fn fewest(digits: impl IntoIterator<Item = f64>) -> f64 {
     digits.into_iter().fold(f64::INFINITY, f64::min)
 }

@@ -3,7 +3,7 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// Most parameters of any set.
+/// Largest number of parameters.
 pub const MOST: usize = 9;
 
 #[derive(Clone, Copy)]

@@ -1,4 +1,4 @@
-//! The 11 linear sets, through the factorisation that the linear method uses.
+//! The 11 linear sets, solved by the factorisation of the linear method.
 
 use crate::nist::data::Data;
 use poinsot_solve::{BlockQr, DoubleDouble, Refined, Triangle, refine, solve_triangle};
@@ -8,11 +8,10 @@ use poinsot_solve::{BlockQr, DoubleDouble, Refined, Triangle, refine, solve_tria
 pub enum Columns {
     /// `x^first ..= x^last` of one predictor.
     Powers(usize, usize),
-    /// One, then the predictors.
+    /// A constant, then the predictors.
     Plain,
 }
 
-/// Every linear set with its columns.
 pub const SETS: [(&str, Columns); 11] = [
     ("Norris", Columns::Powers(0, 1)),
     ("Pontius", Columns::Powers(0, 2)),
@@ -29,7 +28,7 @@ pub const SETS: [(&str, Columns); 11] = [
 
 /// The rows of a set and their triangle.
 pub struct Rows {
-    /// Columns, then the response, from the decimals of NIST.
+    /// Columns, then the response, from NIST's decimals.
     rows: Vec<Vec<DoubleDouble>>,
     triangle: Triangle,
 }
@@ -50,16 +49,16 @@ impl Rows {
         solve_triangle(&self.triangle)
     }
 
-    /// The answer after refinement with residuals in twice the precision.
+    /// The answer refined with residuals in double-double precision.
     pub fn refine(&self) -> Refined {
         refine(&self.triangle, |i, j| self.rows[i][j])
     }
 
-    /// Standard deviations, by the inverse of the triangle, for a residual sum of squares.
+    /// Standard deviations from the inverse triangle and the residual sum of squares.
     pub fn sigma(&self, rss: f64) -> Vec<f64> {
         let n = self.rows[0].len() - 1;
         let variance = rss / (self.rows.len() - n) as f64;
-        // Rows of the inverse are columns of that of the transpose.
+        // Rows of the inverse are columns of the transposed inverse.
         let r = &self.triangle.r;
         let inverse_row = |i: usize| {
             let mut row = vec![0.0; n];
@@ -89,7 +88,7 @@ fn row(columns: Columns, words: &[String]) -> Vec<DoubleDouble> {
     row
 }
 
-/// A decimal number to 31 digits.
+/// Parses a decimal number to 31 digits.
 fn decimal(word: &str) -> DoubleDouble {
     let (mantissa, exponent) = word.split_once(['E', 'e']).unwrap_or((word, "0"));
     let (whole, fraction) = mantissa.split_once('.').unwrap_or((mantissa, ""));

@@ -1,5 +1,5 @@
-//! NIST Statistical Reference Datasets (public domain): certified least-squares problems, through the
-//! loop and the factorisation that the estimators use. `docs/validation/nist.md` has the tables.
+//! NIST Statistical Reference Datasets (public domain): certified least-squares problems, solved by the loop and the
+//! factorisation of the estimators. `docs/validation/nist.md` has the tables.
 
 mod data;
 mod dual;
@@ -12,7 +12,7 @@ use linear::{Rows, SETS};
 use models::MODELS;
 use nonlinear::Regression;
 
-/// Digits to which NIST prints nonlinear and linear answers.
+/// Digits of NIST's nonlinear and linear answers.
 const PRINTED_NONLINEAR: f64 = 11.0;
 const PRINTED_LINEAR: f64 = 15.0;
 

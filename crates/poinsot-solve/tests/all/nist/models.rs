@@ -1,4 +1,4 @@
-//! The 27 nonlinear models, as NIST prints them.
+//! The 27 nonlinear models, as printed by NIST.
 
 use crate::nist::dual::Dual;
 use std::f64::consts::PI;
@@ -37,7 +37,7 @@ pub const MODELS: [(&str, Model); 27] = [
     ("Bennett5", bennett5),
 ];
 
-/// Nelson models the logarithm of the response.
+/// The model Nelson uses the logarithm of the response.
 pub fn response(name: &str, y: f64) -> f64 {
     if name == "Nelson" { y.ln() } else { y }
 }

@@ -1,4 +1,4 @@
-//! A nonlinear set as a problem for the loop that fits the momentum state.
+//! A nonlinear set as a problem for Levenberg-Marquardt.
 
 use crate::nist::data::Data;
 use crate::nist::dual::Dual;
@@ -7,33 +7,31 @@ use poinsot_solve::{
     BlockQr, LeastSquares, Linearised, Minimum, Spectrum, Step, levenberg_marquardt,
 };
 
-/// Settled when the full step changes no parameter by more than this share.
+/// Converged if the full step changes every parameter by less, relative.
 const SETTLED: f64 = 1.0e-14;
-/// Most iterations.
 const ITERATIONS: usize = 3000;
-/// A unit may grow by this factor per iteration. More 1978 lets none grow, Marquardt 1963 all: the first
-/// forgets nothing of a bad start, the second follows a parameter that has lost its effect to infinity.
-/// From 1.1 to 3 all 54 fits succeed.
+/// Largest growth of a unit per iteration. More 1978 allows none, Marquardt 1963 any: the first never forgets a bad
+/// start, the second follows an ineffective parameter to infinity. From 1.1 to 3 all 54 fits succeed.
 const UNIT_GROWTH: f64 = 2.0;
-/// Share of a step over which its curvature is measured (Transtrum and Sethna 2012, section 3).
+/// Fraction of a step over which its curvature is measured (Transtrum and Sethna 2012, section 3).
 const PROBE: f64 = 0.1;
 /// Round-off of a residual, in units in the last place of the response.
 const ULPS: f64 = 16.0;
 
-/// A model and the data it is fitted to.
+/// A model and its data.
 pub struct Regression {
     model: Model,
     /// Response and predictors.
     rows: Vec<(f64, Vec<f64>)>,
 }
 
-/// Parameters, and the unit of each that the last step was taken in.
+/// Parameters, and their units in the last step.
 pub struct Iterate {
     pub b: Vec<f64>,
     unit: Vec<f64>,
 }
 
-/// Residuals with gradients; their triangle decomposed in units; the right-hand side of that.
+/// Residuals with gradients, their triangle decomposed in units, and its right-hand side.
 pub struct Linearisation {
     residuals: Vec<Dual>,
     spectrum: Spectrum,
@@ -102,7 +100,7 @@ impl LeastSquares for Regression {
         let unit = |j: usize| {
             let column = (0..=j).map(|i| r[(i, j)].powi(2)).sum::<f64>().sqrt();
             let limit = UNIT_GROWTH * at.unit[j];
-            // A column of zeros has no unit of its own.
+            // A column of zeros has no own unit.
             f64::min(
                 1.0 / column,
                 if limit.is_finite() {
@@ -148,7 +146,7 @@ impl LeastSquares for Regression {
         let n = at.b.len();
         let first = spectrum.damped(rhs, damping);
         let mut second = vec![0.0; n];
-        // Where the step itself is round-off, so is its curvature.
+        // If the step is round-off, its curvature is too.
         if here.predicted_reduction > here.round_off {
             let curvature = self.curvature(&at.b, residuals, &in_units(&first, spectrum));
             let r = triangle(n, residuals, |i| 0.5 * curvature[i]);

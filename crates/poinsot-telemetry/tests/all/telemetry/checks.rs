@@ -1,16 +1,16 @@
-//! What the checks find, what they leave alone, and what their policies do.
+//! Findings of the checks, absence of false findings, and effects of policies.
 
 use crate::telemetry::read_text;
 use poinsot_telemetry::checks::{Check, Policies, apply, findings};
 use poinsot_telemetry::{ReadOptions, Table};
 
-/// Noise without pattern between -1 and 1.
+/// Pseudo-random noise between -1 and 1.
 fn noise(k: usize) -> f64 {
     let x = (k as f64 * 12.9898 + 4.1).sin() * 43758.5453;
     2.0 * (x - x.floor()) - 1.0
 }
 
-/// A gyro that swings about x with noise about all axes.
+/// A gyro with an oscillation about x and noise about all axes.
 fn gyro(change: impl Fn(usize, [f64; 3]) -> [f64; 3]) -> Table {
     let mut text = String::from("time_s,omega_x,omega_y,omega_z\n");
     for k in 0..400 {
@@ -40,7 +40,7 @@ fn exact_a_good_gyro_has_no_finding() {
 
 #[test]
 fn exact_smooth_motion_without_noise_has_no_finding() {
-    // Coarse: twenty samples a swing.
+    // Coarse: twenty samples per oscillation.
     let table = gyro(|k, _| {
         let t = k as f64;
         [
@@ -50,7 +50,7 @@ fn exact_smooth_motion_without_noise_has_no_finding() {
         ]
     });
     assert_eq!(names(&table), []);
-    // At rest, then a step that stays: no outlier, nothing stuck.
+    // At rest, then a lasting step: neither outlier nor stuck.
     let table = gyro(|k, _| {
         if k < 200 {
             [0.0, 0.0, 0.1]
@@ -83,7 +83,7 @@ fn exact_policies_do_what_they_say() {
     let mut table = faulty();
     let found = apply(&mut table, "t.csv", &policies(&[], false)).unwrap();
     assert_eq!(found.len(), 1);
-    // All axes of the sensor lose the sample, and the repairs say so.
+    // All axes of the sensor lose the sample, and the repairs list it.
     assert!(table.channels.iter().all(|c| c.values.len() == 392));
     assert!(
         table

@@ -1,4 +1,4 @@
-//! A tumbling body told under every wrong convention: each must be found and named.
+//! A tumbling body under every wrong convention: each must be detected and named.
 
 use crate::telemetry::Folder;
 use poinsot_telemetry::{
@@ -9,7 +9,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 
-/// Torque-free tumble of a body with moments 1, 2, 3 kg m2, integrated by fine Runge-Kutta steps: (q xyzw, omega).
+/// Torque-free tumbling of a body with moments 1, 2, 3 kg m2, integrated by small Runge-Kutta steps: (q xyzw, omega).
 fn tumble(n: usize, dt: f64, rate: f64) -> Vec<([f64; 4], [f64; 3])> {
     let derivative = |s: [f64; 7]| {
         let [x, y, z, w, a, b, c] = s;
@@ -100,7 +100,8 @@ fn exact_the_declared_convention_fits_and_only_it() {
     assert_eq!(test.verdict, Verdict::DeclaredFits);
     assert!(test.best.is_declared(), "{test}");
     assert!(test.as_good.is_empty());
-    // Scalar first and inverse gives the same rates in axes turned by 180 deg about (1, 0, 1): no data tell.
+    // Scalar first and inverse gives equal rates in axes rotated by 180 deg about (1, 0, 1): data cannot distinguish
+    // them.
     assert_eq!(
         test.twin.unwrap().to_string(),
         "quaternion scalar first (wxyz), quaternion inertial to body (or body to inertial in JPL algebra), body rates = gyro (z, -y, x)"
@@ -231,7 +232,7 @@ fn unit_a_spin_about_one_axis_says_what_it_cannot_tell() {
 #[test]
 fn unit_a_turned_gyro_fits_with_its_mounting() {
     let mut rows = tumble(400, 0.05, 0.2);
-    // The gyro is turned by 90 deg about z: its x axis lies along body y.
+    // The gyro is rotated by 90 deg about z: its x axis is along body y.
     rows.iter_mut().for_each(|(_, w)| *w = [w[1], -w[0], w[2]]);
     let table = table(&rows, 0.05);
     assert!(check_conventions(&table).is_err());
@@ -265,7 +266,7 @@ fn unit_the_gyro_is_not_averaged_across_its_gaps() {
     assert_eq!(gapped.verdict, Verdict::DeclaredFits);
 }
 
-/// Times a thousand times too large make the rates of the attitude a thousandth of the gyro's.
+/// Times too large by a factor of 1000 reduce the attitude rates to 1/1000 of the gyro's.
 #[test]
 fn exact_times_in_another_unit_are_told_by_their_factor() {
     let rows = tumble(400, 0.05, 0.2);

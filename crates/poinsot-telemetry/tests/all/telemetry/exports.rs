@@ -1,4 +1,4 @@
-//! Files as ground stations export them: layout, times, units row, packed bytes.
+//! Files exported by ground stations: layout, times, units row, compression.
 
 use crate::telemetry::{Folder, read_text};
 use poinsot_telemetry::{
@@ -59,7 +59,7 @@ fn exact_layout_units_row_and_dates() {
     );
     let date = table.origin.and_then(|o| o.date());
     assert_eq!(date.as_deref(), Some("2026-03-14T18:19:00.5 UTC"));
-    // Lines are counted in the file, not from the header.
+    // Lines are counted from the start of the file, not from the header.
     let broken = text.replace("-90", "x");
     assert!(
         read_text(broken, &options)
@@ -101,7 +101,7 @@ fn exact_files_with_clocks_of_their_own_share_one_origin() {
     options.map.files = vec![("tracker*".to_owned(), own)];
     let table = read(&[&gyro, &tracker], &options).unwrap();
     assert_eq!(*table.channel("q_z").unwrap().time_s, [0.1, 0.3]);
-    // tan(90 deg / 4), the other way round: minus a quarter turn about z.
+    // tan(90 deg / 4), inverted: a rotation by -90 deg about z.
     let z = table.channel("q_z").unwrap().values[1];
     assert!((z + (PI / 4.0).sin()).abs() < 1e-15, "{z}");
     let unused = ReadOptions {
@@ -138,8 +138,8 @@ fn exact_positions_in_axes_of_the_earth() {
     assert_eq!(at("orbit_z"), 1.0e5);
 }
 
-/// The velocity relative to axes that turn with the Earth is the slope of the position in them: the derivative of a circular
-/// orbit in closed form, by central differences, becomes the inertial velocity again.
+/// The velocity relative to Earth-fixed axes is the derivative of the Earth-fixed position. For a circular orbit in
+/// closed form it must convert back to the inertial velocity.
 #[test]
 fn exact_velocities_in_axes_of_the_earth() {
     let (radius, inclination, motion) = (7.0e6_f64, 1.7_f64, 1.078e-3_f64);
@@ -184,7 +184,8 @@ fn exact_velocities_in_axes_of_the_earth() {
         let values = &table.channel(name).unwrap().values;
         for (row, value) in values.iter().enumerate() {
             let wanted = inertial(10.0 * row as f64).1[k];
-            // Differences over 0.1 s are off by 4e-6 m/s, the date by 2e-5 s times the acceleration; the axes carry 500 m/s.
+            // Differences over 0.1 s have errors of 4e-6 m/s, the date 2e-5 s times the acceleration; the axes move
+            // with 500 m/s.
             assert!(
                 (value - wanted).abs() < 1.0e-3,
                 "{name}: {value}, not {wanted}"
@@ -235,7 +236,7 @@ fn exact_pulse_tables_hold_the_nominal_force_for_their_duration() {
     });
     let table = read_text(text, &options).unwrap();
     let thrust = table.channel("thr1_N").unwrap();
-    // The pulse of 4 s begins before that of 3 s has ended.
+    // The pulse of 4 s starts before the end of the pulse of 3 s.
     assert_eq!(thrust.time_s.as_ref(), [1.0, 1.25, 3.0, 5.0]);
     assert_eq!(thrust.values, [0.9, 0.0, 0.9, 0.0]);
     let off = table.channel("thr2_N").unwrap();
@@ -251,7 +252,7 @@ fn exact_pulse_tables_hold_the_nominal_force_for_their_duration() {
     );
 }
 
-/// One table of pulses for all thrusters, two of them at one time, and one column for the values of several channels.
+/// One table of pulses for all thrusters, two of them at one time, and one column for several channels.
 #[test]
 fn exact_a_column_that_names_the_channel_chooses_its_rows() {
     let text = "time_s,DURATION,THRUSTER\n1,250,A\n1,500,B\n3,1500,A\n";
@@ -320,7 +321,7 @@ fn exact_bytes_and_streams_are_the_table_of_the_same_file() {
     let options = ReadOptions::default();
     let file = read(&[&path], &options).unwrap();
     let part = poinsot_telemetry::Part::bytes("rates.csv", text.as_bytes()).unwrap();
-    // A stream can be looked at several times.
+    // A stream can be read several times.
     for _ in 0..2 {
         let table = poinsot_telemetry::read_parts(std::slice::from_ref(&part), &options).unwrap();
         assert_eq!(table.channels, file.channels);
@@ -338,7 +339,7 @@ fn exact_bytes_and_streams_are_the_table_of_the_same_file() {
 #[test]
 fn unit_scattered_losses_are_counted_and_noise_is_proposed() {
     let mut text = "time_s,omega_x\n".to_owned();
-    // Every tenth row is lost, and five rows in a row once.
+    // Every tenth row is lost, and once five consecutive rows.
     for k in (0..200).filter(|k| k % 10 != 9 && !(100..105).contains(k)) {
         text.push_str(&format!(
             "{},{}\n",
@@ -348,6 +349,6 @@ fn unit_scattered_losses_are_counted_and_noise_is_proposed() {
     }
     let table = read_text(&text, &ReadOptions::default()).unwrap();
     let found = poinsot_telemetry::inspect(&table);
-    // The last row is lost at the end: nothing shows it.
+    // The last row is lost at the end and cannot be detected.
     assert_eq!((found.channels[0].lost, found.channels[0].gaps), (24, 1));
 }

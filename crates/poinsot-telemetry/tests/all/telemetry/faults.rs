@@ -1,4 +1,4 @@
-//! Every fault of a CSV file, with the whole line that the user sees.
+//! Every fault of a CSV file, with the complete error line.
 
 use crate::telemetry::{Folder, read_text};
 use poinsot_telemetry::{ColumnMap, ReadOptions, TelemetryMap, read};
@@ -308,7 +308,7 @@ fn unit_files_that_are_none() {
 }
 
 proptest::proptest! {
-    /// Whatever the bytes: a table or one line of error, never a panic.
+    /// Arbitrary bytes give a table or one error line, never a panic.
     #[test]
     fn prop_any_bytes_are_answered(
         noise in proptest::collection::vec(proptest::prelude::any::<u8>(), 0..200),
@@ -323,7 +323,7 @@ proptest::proptest! {
         let _ = read_text(&text, &options);
     }
 
-    /// Cells drawn from what people write.
+    /// Cells drawn from common texts.
     #[test]
     fn prop_any_rows_are_answered(
         cells in proptest::collection::vec(
@@ -344,7 +344,7 @@ proptest::proptest! {
     }
 }
 
-/// Found by fuzzing: line ends in a quoted column name broke the message into lines.
+/// Found by fuzzing: a line end in a quoted column name split the message.
 #[test]
 fn regress_a_column_name_with_a_line_end_stays_in_one_line() {
     assert_eq!(
@@ -353,7 +353,7 @@ fn regress_a_column_name_with_a_line_end_stays_in_one_line() {
     );
 }
 
-/// Found by libFuzzer: a name with a line end that stands twice.
+/// Found by libFuzzer: a duplicate column name with a line end.
 #[test]
 fn regress_a_column_name_with_a_line_end_that_stands_twice_stays_in_one_line() {
     assert_eq!(

@@ -1,4 +1,4 @@
-//! What the inspection of a table says.
+//! Inspection of a table.
 
 use crate::telemetry::{Folder, read_text};
 use poinsot_telemetry::{
@@ -50,7 +50,7 @@ fn unit_an_inspection_lists_rates_gaps_and_proposals() {
     assert_eq!(json["channels"][0]["name"], "omega_x");
 }
 
-/// A long record: noise on a slow swing, gaps of two lengths, one of them between two parts of 1 MiB.
+/// A long record: noise on a slow oscillation, gaps of two lengths, one of them between two parts of 1 MiB.
 fn long() -> Table {
     let (mut t, mut state) = (0.0, 1_u64);
     let mut times = Vec::new();
@@ -125,7 +125,7 @@ fn unit_time_that_goes_back_between_two_parts_is_refused() {
     write(&path, &long().channels).unwrap();
     let text = std::fs::read_to_string(&path).unwrap();
     let (head, rows) = text.split_once('\n').unwrap();
-    // The same rows again: somewhere a part begins with a time of long ago.
+    // The same rows again: some part starts with a much earlier time.
     let path = folder.file("twice.csv", format!("{head}\n{rows}{rows}"));
     let small = ReadOptions {
         memory_mib: 1,
@@ -136,8 +136,8 @@ fn unit_time_that_goes_back_between_two_parts_is_refused() {
     assert!(error.contains("time goes back"), "{error}");
 }
 
-/// Two parts of 1 MiB are 2 x 21,846 rows of four channels. The last row without a line end is taken back even
-/// where it fills a part to the brim, and so is one cut inside right after it.
+/// Two parts of 1 MiB are 2 x 21,846 rows of four channels. An incomplete last row is dropped even if it fills a part
+/// exactly, and so is one truncated right after it.
 #[test]
 fn regress_a_last_row_on_the_border_of_a_part_is_taken_back() {
     let folder = Folder::new();
@@ -164,8 +164,8 @@ fn regress_a_last_row_on_the_border_of_a_part_is_taken_back() {
     }
 }
 
-/// The step that a refusal names fits, and of a file that declares its rows no smaller one does. All rows asked for:
-/// refused from the size alone, though the last row is no row at all.
+/// The row step named in a refusal fits; for a file that declares its rows no smaller step does. If all rows are
+/// requested, the file is refused by its size alone, even with an invalid last row.
 #[test]
 fn exact_the_step_that_a_refusal_names_fits() {
     let folder = Folder::new();
@@ -181,7 +181,7 @@ fn exact_the_step_that_a_refusal_names_fits() {
             let Err(TelemetryError::TooLarge { fit, every, .. }) = read(&[&path], &small) else {
                 panic!("not refused");
             };
-            // 6 numbers of 8 bytes: two more than channels.
+            // 6 numbers of 8 bytes: channels plus two.
             assert_eq!(fit, (1 << 20) / 48);
             let thin = |every: u64| {
                 let every = usize::try_from(every).unwrap();

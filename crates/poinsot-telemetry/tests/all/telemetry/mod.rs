@@ -1,4 +1,4 @@
-//! Reading, writing, resampling and judging telemetry, from outside the crate.
+//! Reading, writing, resampling and checking telemetry through the public interface.
 
 mod checks;
 mod conventions;
@@ -16,7 +16,7 @@ use poinsot_telemetry::{ReadOptions, Table, TelemetryError, read};
 use std::path::PathBuf;
 use tempfile::TempDir;
 
-/// A folder of files that is gone after the test.
+/// A temporary folder of files.
 struct Folder(TempDir);
 
 impl Folder {
@@ -34,7 +34,7 @@ impl Folder {
         path
     }
 
-    /// The whole message of an error, with the folder's own path taken out.
+    /// The complete message of an error, without the folder's path.
     fn message(&self, error: &TelemetryError) -> String {
         let folder = format!("{}/", self.0.path().display());
         error.to_string().replace(&folder, "")

@@ -1,4 +1,4 @@
-//! The noise seen against the noise drawn.
+//! Estimated noise against simulated noise.
 
 use poinsot_telemetry::{Channel, noise_level};
 use rand::SeedableRng;
@@ -20,7 +20,7 @@ fn channel(n: usize, f: impl FnMut(usize) -> f64) -> Channel {
 fn stat_white_noise_on_slow_motion_is_seen() {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let normal = Normal::new(0.0, 1e-4).unwrap();
-    // A median of 20000 correlated differences scatters by about 1.5 %.
+    // The median of 20000 correlated differences scatters by about 1.5 %.
     let c = channel(20_000, |k| {
         (k as f64 * 1e-3).sin() + normal.sample(&mut rng)
     });
@@ -40,8 +40,8 @@ fn stat_a_tenth_of_outliers_hardly_matters() {
     assert!((level.sigma / 1e-4 - 1.0).abs() < 0.15, "{level:?}");
 }
 
-/// A tracker of 50 microrad that reads a turn of 0.1 rad/s twice a second, and a wave of nine samples: third differences
-/// see the motion, differences of the order that is chosen see the noise, and it is within three of the stated errors.
+/// A star tracker of 50 microrad with a rotation of 0.1 rad/s sampled twice a second, and a wave of nine samples.
+/// Third differences include the motion, differences of the chosen order only noise, within three stated errors.
 #[test]
 fn stat_noise_is_seen_below_fast_motion() {
     let sigma = 5.0e-5;
@@ -58,13 +58,13 @@ fn stat_noise_is_seen_below_fast_motion() {
         );
         assert!(level.relative_error < 0.12, "{level:?}");
     }
-    // Two samples and a half to a wave: no difference tells it from noise, and the answer says so or is above it.
+    // Two and a half samples per wave: no difference separates it from noise, and the result is marked or larger.
     let mut rng = ChaCha8Rng::seed_from_u64(7);
     let level = noise_level(&channel(600, |k| {
         (2.5 * k as f64).sin() + normal.sample(&mut rng)
     }));
     assert!(level.unwrap().sigma > 1.0e3 * sigma);
-    // The stated error is that of many records.
+    // The stated error agrees with the scatter over many records.
     let scatter: f64 = (0..200)
         .map(|seed| {
             let mut rng = ChaCha8Rng::seed_from_u64(1000 + seed);
@@ -87,11 +87,11 @@ fn exact_constant_and_quantised_channels() {
     let level = noise_level(&channel(5000, |_| quantised(normal.sample(&mut rng)))).unwrap();
     assert!((level.quantum.unwrap() / lsb - 1.0).abs() < 1e-9);
     assert!((level.sigma / 1e-4 - 1.0).abs() < 0.15, "{level:?}");
-    // Noise below the last bit: what is left is the quantisation itself.
+    // Noise below the last bit: the quantisation remains.
     let slow = noise_level(&channel(5000, |k| quantised(k as f64 * 1e-7))).unwrap();
     assert!(slow.below_quantum);
     assert!((slow.sigma * 12.0_f64.sqrt() / lsb - 1.0).abs() < 1e-6);
-    // Levels that are switched carry no visible noise.
+    // Switched levels have no observable noise.
     let thruster = noise_level(&channel(5000, |k| if k % 50 < 7 { 2.0 } else { 0.0 })).unwrap();
     assert!(thruster.below_quantum && thruster.sigma == 0.0);
     assert!(noise_level(&channel(3, |k| k as f64)).is_none());

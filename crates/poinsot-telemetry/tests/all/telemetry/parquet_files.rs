@@ -1,4 +1,4 @@
-//! Parquet as other programs write it, and damaged.
+//! Parquet files of other programs, and damaged ones.
 
 use crate::telemetry::Folder;
 use arrow_array::types::Int8Type;
@@ -136,7 +136,7 @@ fn unit_faults_name_file_row_and_column() {
     );
 }
 
-/// Every truncation and many single-byte damages: an error or a table, never a panic.
+/// Every truncation and many single-byte changes: an error or a table, never a panic.
 #[test]
 fn prop_damaged_files_are_refused_cleanly() {
     let folder = Folder::new();
@@ -155,13 +155,13 @@ fn prop_damaged_files_are_refused_cleanly() {
     }
 }
 
-/// Found by libFuzzer: a page header that declares a list without end was skipped one read of nothing at a time.
+/// Found by libFuzzer: a page header with an endless list was skipped by one empty read at a time.
 #[test]
 fn regress_a_list_without_end_in_a_page_header_is_refused_at_once() {
     let corpus = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz/corpus/parquet");
     let error = read(&[corpus.join("endless.parquet")], &ReadOptions::default()).unwrap_err();
     assert_eq!(error.code(), "E0216", "{error}");
-    // Said by the guard after a few reads of nothing; without it the decoder goes on to another error.
+    // Reported by the guard after a few empty reads; without it the decoder ends with another error.
     let error = error.to_string();
     assert!(
         error.contains("the file ends inside a page header"),
@@ -169,7 +169,7 @@ fn regress_a_list_without_end_in_a_page_header_is_refused_at_once() {
     );
 }
 
-/// Found by libFuzzer: the decoder made room for the 15 GB that the header of a dictionary declares.
+/// Found by libFuzzer: the decoder allocated the 15 GB declared in the header of a dictionary.
 #[test]
 fn regress_a_dictionary_that_declares_more_than_it_holds_is_refused() {
     let corpus = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz/corpus/parquet");
@@ -183,8 +183,8 @@ fn regress_a_dictionary_that_declares_more_than_it_holds_is_refused() {
     );
 }
 
-/// 400 rows in two groups, pages of some 64 rows, a dictionary in `omega_y`; made by pyarrow 26 with
-/// `write_page_checksum=True, row_group_size=200, data_page_size=512, write_batch_size=64`, data pages of version 1
+/// 400 rows in two groups, pages of about 64 rows, a dictionary in `omega_y`. Made by pyarrow 26 with
+/// `write_page_checksum=True, row_group_size=200, data_page_size=512, write_batch_size=64`; data pages of versions 1
 /// and 2.
 fn with_checksums(version: &str) -> Vec<u8> {
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data");
@@ -203,13 +203,13 @@ fn xval_checksums_of_another_writer_are_compared_and_reported() {
         let said = said.unwrap_or_else(|| panic!("{version}: {:?}", table.repairs));
         let words: Vec<&str> = said.split(' ').collect();
         let count = |k: usize| words[k].parse::<usize>().unwrap();
-        // At least a page of each of four columns in two groups.
+        // At least one page for each of four columns in two groups.
         assert!(count(3) >= 8 && count(3) == count(5), "{said}");
     }
 }
 
-/// One byte changed anywhere before the footer: where a checksum tells it, the file is refused, and what --recover
-/// keeps is as it was.
+/// One changed byte anywhere before the footer: if a checksum detects it, the file is refused, and --recover keeps
+/// only correct rows.
 #[test]
 fn regress_a_changed_page_is_refused_and_the_rows_before_it_are_kept() {
     let folder = Folder::new();
@@ -253,7 +253,7 @@ fn regress_a_changed_page_is_refused_and_the_rows_before_it_are_kept() {
     }
 }
 
-/// What pandas and Spark write as times: instants since 1970, with and without a zone.
+/// Timestamps of pandas and Spark: instants since 1970, with and without a zone.
 #[test]
 fn exact_columns_of_timestamps_are_times_with_a_date() {
     let folder = Folder::new();

@@ -1,4 +1,4 @@
-//! Files of real and simulated spacecraft that are not part of the repository; without them each test passes.
+//! Files of real and simulated spacecraft that are not in the repository; without them each test passes.
 
 use poinsot_telemetry::{
     ColumnMap, ReadOptions, TelemetryMap, Verdict, convention_tests, inspect, read, test_sensors,

@@ -1,4 +1,4 @@
-//! Interpolation and differentiation against known functions: the error must fall at the stated order.
+//! Interpolation and differentiation against known functions: the error must have the stated order.
 
 use poinsot_telemetry::{
     Channel, differentiate, hold, resample, resample_attitude, resample_hermite,
@@ -21,7 +21,7 @@ fn grid(h: f64) -> Vec<f64> {
         .collect()
 }
 
-/// Error at step h over error at step h/2, as a power of two.
+/// Ratio of the errors at steps h and h/2, as a power of two.
 fn order(error: impl Fn(f64) -> f64) -> f64 {
     (error(0.05) / error(0.025)).log2()
 }
@@ -105,7 +105,7 @@ fn unit_no_value_in_gaps_or_beyond_the_ends() {
     assert_eq!(resample(&x, &at[4..5], Some(1.0)).len(), 1);
     assert!(resample(&x, &at[4..5], Some(1.0))[0].is_some());
     assert_eq!(resample_hermite(&x, &x, &at[4..5], None), [None]);
-    // Slopes do not use samples across the gap: a jump there leaves them alone.
+    // Derivatives do not use samples across the gap: a jump there has no effect.
     let step = channel("j_rad", &t, |t| if t > 1.5 { t + 100.0 } else { t });
     assert!(
         differentiate(&step, 2, None)
@@ -140,7 +140,7 @@ fn exact_attitude_between_samples() {
         let w = [0, 1, 2].map(|k| channel("omega", &t, |t| coning(t).1[k]));
         let rates = with_rates.then(|| [&w[0], &w[1], &w[2]]);
         let found = resample_attitude([&q[0], &q[1], &q[2], &q[3]], rates, &m, None);
-        // Vector part of the turn from the true attitude to the found one: half the angle.
+        // Vector part of the rotation from the true to the computed attitude: half the angle.
         let errors = found.iter().zip(&m).map(|(q, t)| {
             let ([a, b, c, d], [x, y, z, w]) = (coning(*t).0, q.unwrap());
             let v = [

@@ -1,4 +1,4 @@
-//! What is written is read back bit for bit.
+//! Written channels read back bit by bit.
 
 use crate::telemetry::Folder;
 use poinsot_telemetry::{Channel, ReadOptions, TelemetryError, parse_unit, read, write};
@@ -72,7 +72,7 @@ fn unit_nothing_appears_under_the_name_when_writing_fails() {
         let error = write(&path, channels).unwrap_err();
         assert_eq!(folder.message(&error), message);
     }
-    // A file where its folder should be.
+    // A file in place of a folder.
     std::fs::write(folder.path("file"), "").unwrap();
     let error = write(&folder.path("file/a.csv"), &nan[..0]).unwrap_err();
     assert!(matches!(error, TelemetryError::Io { .. }));

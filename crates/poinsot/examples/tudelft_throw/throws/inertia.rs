@@ -10,13 +10,13 @@ use poinsot_model::{Model, SensorKind};
 use poinsot_telemetry::{Channel, Source, Table};
 use std::sync::Arc;
 
-/// Error of the momentum balance within one window, one sigma, N m s: about what the residuals show.
+/// Error of the momentum balance within one window, sigma, N m s: about equal to the residuals.
 const MOMENTUM_SIGMA: f64 = 1.0e-5;
 
-/// Central inertia over the wheel's spin inertia J, body axes, rotor as if locked.
+/// Central inertia over the wheel's spin inertia J, body axes, locked rotor.
 ///
-/// Every window of every throw is a segment with its own momentum; the body is shared. The second pass
-/// weighs with the first one's answer.
+/// Every window of every throw is a segment with its own momentum; the body is common. The second pass uses weights
+/// from the first result.
 pub fn inertia_over_J(
     model: &Model,
     throws: &[&Recording],
@@ -32,8 +32,8 @@ pub fn inertia_over_J(
     Ok(model.bodies[0].nominal.I_BBcm_B / model.wheels[0].spin_inertia)
 }
 
-/// Declares the gyro noise that makes the error of `I w` the same about every axis: what disturbs a
-/// throw is a torque (drag, the wheel's vibration), far above the white noise of the gyro.
+/// Declares the gyro noise for which the error of `I w` is equal about every axis. A throw is disturbed by torques
+/// (drag, vibration of the wheel), far above the white noise of the gyro.
 fn weigh_torque(model: &mut Model) -> Result<(), Fault> {
     let inverse = model.bodies[0]
         .nominal
@@ -70,9 +70,9 @@ fn identify(model: &Model, tables: &[Table]) -> Result<Matrix3<f64>, Fault> {
     Ok(tensor)
 }
 
-/// A throw cut into windows that overlap by half.
+/// Divides a throw into windows that overlap by half.
 ///
-/// Within one window the momentum is taken as constant; from window to window drag may change it.
+/// The momentum is assumed constant within a window; drag may change it between windows.
 fn windows(throw: &Recording, settings: &Settings) -> Vec<Table> {
     let length = ((settings.window_s * throw.rate_hz) as usize).clamp(2, throw.time_s.len());
     (0..=throw.time_s.len() - length)
@@ -81,7 +81,7 @@ fn windows(throw: &Recording, settings: &Settings) -> Vec<Table> {
         .collect()
 }
 
-/// The readings of a stretch of a throw.
+/// The samples of a part of a throw.
 pub fn table(throw: &Recording, from: usize, to: usize) -> Table {
     let time_s: Arc<[f64]> = throw.time_s[from..to].into();
     let channel = |name: &str, frame: &str, values: Vec<f64>| Channel {

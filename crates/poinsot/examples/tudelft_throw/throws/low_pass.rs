@@ -8,8 +8,8 @@ struct Section {
 
 /// Passes each signal below `cut_off_hz` without delay; samples at the even rate `rate_hz`.
 ///
-/// The gain of both runs together is `1 / (1 + (f / cut_off)^4)`. The ends are continued by the signal
-/// turned about its last point over three periods of the cut-off, and each run starts settled.
+/// The gain of both runs together is `1 / (1 + (f / cut_off)^4)`. The ends are extended by point reflection over three
+/// periods of the cut-off, and each run starts in steady state.
 pub fn low_pass(signal: &[f64], rate_hz: f64, cut_off_hz: f64) -> Vec<f64> {
     let section = butterworth(cut_off_hz / rate_hz);
     let wanted = (3.0 * rate_hz / cut_off_hz) as usize;
@@ -36,7 +36,7 @@ fn butterworth(ratio: f64) -> Section {
     }
 }
 
-/// The signal with `pad` samples at each end that mirror it through its end points.
+/// The signal extended by `pad` samples at each end by point reflection.
 fn continued(signal: &[f64], pad: usize) -> Vec<f64> {
     let (Some(first), Some(last)) = (signal.first(), signal.last()) else {
         return Vec::new();
@@ -49,7 +49,7 @@ fn continued(signal: &[f64], pad: usize) -> Vec<f64> {
     before.chain(signal.iter().copied()).chain(after).collect()
 }
 
-/// One run in place (transposed direct form II), from the state that a constant first sample leaves.
+/// One run in place (transposed direct form II), from the steady state of the first sample.
 fn run(section: &Section, signal: &mut [f64]) {
     let (b, a) = (section.b, section.a);
     let first = signal.first().copied().unwrap_or(0.0);

@@ -1,12 +1,12 @@
-//! Where the mass centre lies, seen by the accelerometer.
+//! Position of the mass centre from the accelerometer.
 
 use super::recording::Recording;
 use nalgebra::{Matrix3, Vector3};
 
 /// Mass centre from the accelerometer, m, in body axes, by least squares over throws of one body.
 ///
-/// In free flight gravity acts at the mass centre alone, so the specific force at the sensor S is
-/// `f_S = w' x r + w x (w x r)` with `r = p_BcmS_B`; both sides come from signals filtered alike.
+/// In free flight gravity acts at the mass centre, so the specific force at the sensor S is
+/// `f_S = w' x r + w x (w x r)` with `r = p_BcmS_B`; both use equally filtered signals.
 pub fn p_SBcm_B(throws: &[&Recording]) -> Option<Vector3<f64>> {
     let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
     for throw in throws {

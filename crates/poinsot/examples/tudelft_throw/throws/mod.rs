@@ -23,14 +23,14 @@ pub type Fault = Box<dyn std::error::Error>;
 /// The model file of the box.
 pub const MODEL: &str = include_str!("../../../../../examples/tudelft_throw/model.toml");
 
-/// The choices of the evaluation; README.md of the example says why these.
+/// Settings of the evaluation; the example's README.md gives the reasons.
 #[derive(Debug, Clone, Copy)]
 pub struct Settings {
     /// Cut-off of the low-pass filter, Hz; infinite for none.
     pub cut_off_hz: f64,
     /// Length of the windows within which momentum is constant, s.
     pub window_s: f64,
-    /// Samples before this time after the start of the wheel are left out, s.
+    /// Samples up to this time after the start of the wheel are dropped, s.
     pub start_s: f64,
 }
 
@@ -44,7 +44,7 @@ impl Default for Settings {
     }
 }
 
-/// Box and wheel as the calibration throws give them.
+/// Calibration of box and wheel.
 #[derive(Debug, Clone)]
 pub struct Calibration {
     /// Names and principal moments over J of the box, throw by throw.
@@ -57,7 +57,7 @@ pub struct Calibration {
     pub proof_throws: Vec<(String, f64)>,
     /// J from all throws of the proof body, kg m2.
     pub J: f64,
-    /// Principal moments of the proof body with that J, less the known ones, in %: a check of shape.
+    /// Principal moments of the proof body with that J, minus the known ones, %: a check of shape.
     pub proof_error: [f64; 3],
 }
 
@@ -68,7 +68,7 @@ pub struct Answer {
     pub name: String,
     /// Principal moments about its mass centre, ascending, kg m2.
     pub moments: [f64; 3],
-    /// The same less the known ones, %.
+    /// Their difference from the known ones, %.
     pub error: [f64; 3],
     /// Mass centre of box and object from the accelerometer, body axes, m.
     pub p_Sc_B: Vector3<f64>,
@@ -77,13 +77,11 @@ pub struct Answer {
 /// All answers for one object.
 #[derive(Debug, Clone)]
 pub struct Object {
-    /// Name.
     pub name: String,
     /// Known principal moments, ascending, kg m2.
     pub known: [f64; 3],
-    /// Throw by throw.
     pub throws: Vec<Answer>,
-    /// Throws that do not determine it, with the reason.
+    /// Throws that do not determine it, with reasons.
     pub undetermined: Vec<(String, String)>,
     /// All other throws as segments of one problem.
     pub together: Answer,
@@ -106,18 +104,16 @@ impl Object {
     }
 }
 
-/// Everything found.
+/// All results.
 #[derive(Debug, Clone)]
 pub struct Findings {
-    /// Calibration.
     pub calibration: Calibration,
-    /// Objects.
     pub objects: Vec<Object>,
 }
 
 /// Calibrates on `device_only` and `proof_body`, identifies `config_empty` and `config_a`.
 ///
-/// The known inertia of the objects is used for the errors alone.
+/// The known inertia of the objects is used only for the errors.
 pub fn evaluate(folder: &Path, settings: &Settings) -> Result<Findings, Fault> {
     let model = parse_model(MODEL, "model.toml")?;
     let truth = read_truth(folder)?;
@@ -148,14 +144,14 @@ pub fn evaluate(folder: &Path, settings: &Settings) -> Result<Findings, Fault> {
     })
 }
 
-/// What all identifications share.
+/// Common data of all identifications.
 struct Bench<'a> {
     model: &'a Model,
     settings: &'a Settings,
     box_mass: f64,
 }
 
-/// What one body's throws give without a scale.
+/// Result of one body's throws, without scale.
 struct Unscaled {
     I_over_J: Matrix3<f64>,
     p_S_B: Vector3<f64>,
@@ -241,14 +237,14 @@ impl Bench<'_> {
         })
     }
 
-    /// J from box and known block: the traces, which no turn of the box on the block changes,
+    /// J from box and known block by the traces, which do not depend on the orientation of the box:
     /// `J tr(I_c/J - I_b/J) = tr I_o + tr I_parallel`.
     fn spin_inertia(&self, the_box: &Unscaled, both: &Unscaled, block: &Known) -> f64 {
         let apart = self.apart(the_box, both, block.mass);
         (block.I_cm + apart).trace() / (both.I_over_J - the_box.I_over_J).trace()
     }
 
-    /// Object = both less box: `I_o = J (I_c/J - I_b/J) - I_parallel`, about its mass centre.
+    /// Object = both minus box: `I_o = J (I_c/J - I_b/J) - I_parallel`, about its mass centre.
     fn remainder(&self, the_box: &Unscaled, both: &Unscaled, mass: f64, J: f64) -> Matrix3<f64> {
         (both.I_over_J - the_box.I_over_J) * J - self.apart(the_box, both, mass)
     }

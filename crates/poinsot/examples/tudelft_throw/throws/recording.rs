@@ -1,4 +1,4 @@
-//! One throw: the rows of one log, less the gyro bias, low-pass filtered.
+//! One throw: the rows of one log, minus the gyro bias, low-pass filtered.
 
 use super::low_pass::low_pass;
 use super::{Fault, Settings};
@@ -7,26 +7,24 @@ use poinsot_model::{Model, TelemetryMap};
 use poinsot_telemetry::{ColumnMap, ReadOptions, read};
 use std::path::Path;
 
-/// Gyro scatter above which a box was not at rest before its throw, rad/s.
+/// Gyro scatter above which the box was moving before its throw, rad/s.
 const AT_REST: f64 = 0.05;
-/// Every fourth filtered sample is kept, about 1 kHz: twelve times what a cut-off of 40 Hz can need.
+/// Every fourth filtered sample is kept, about 1 kHz: twelve times the Nyquist rate of a cut-off of 40 Hz.
 const KEEP: usize = 4;
 
-/// What `logs.csv` says of one log.
+/// Entry of `logs.csv` for one log.
 #[derive(Debug, Clone)]
 pub struct Log {
     /// Group: `device_only`, `proof_body`, `config_empty`, `config_a`.
     pub group: String,
-    /// Name.
     pub name: String,
     /// Gyro bias in B, rad/s.
     pub gyro_bias_B: Vector3<f64>,
 }
 
-/// One throw in the air, in body axes, evenly sampled.
+/// One throw in the air, in body axes, at constant sample rate.
 #[derive(Debug, Clone)]
 pub struct Recording {
-    /// Name of the log.
     pub name: String,
     /// Times from the start of the wheel, s.
     pub time_s: Vec<f64>,
@@ -40,8 +38,8 @@ pub struct Recording {
     pub wheel_rad_s: Vec<f64>,
 }
 
-/// Reads `logs.csv`. The bias is the mean of the gyro before the throw; of a box that was moving then
-/// (LOG00132) it is the median of the others.
+/// Reads `logs.csv`. The bias is the mean of the gyro before the throw. For a box that was moving then (LOG00132) it
+/// is the median of the others.
 pub fn read_logs(folder: &Path) -> Result<Vec<Log>, Fault> {
     let path = folder.join("logs.csv");
     let text = std::fs::read_to_string(&path)?;
@@ -69,7 +67,7 @@ pub fn read_logs(folder: &Path) -> Result<Vec<Log>, Fault> {
         .collect())
 }
 
-/// `source/group,log,...,"[mean]","[deviation]","[..]"`, and whether the box was at rest.
+/// Parses `source/group,log,...,"[mean]","[deviation]","[..]"`; returns also whether the box was at rest.
 fn log_row(line: &str) -> Option<(Log, bool)> {
     let mut quoted = line.split('"');
     let mut plain = quoted.next()?.split(',');
@@ -94,13 +92,13 @@ fn vector(text: &str) -> Option<Vector3<f64>> {
     (numbers.len() == 3).then(|| Vector3::from_row_slice(&numbers))
 }
 
-/// Middle value; zero of nothing.
+/// Median; zero if empty.
 pub fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied().unwrap_or(0.0)
 }
 
-/// Reads one log with the columns of the model, and accelerometer channels beside them.
+/// Reads one log with the columns of the model, and the accelerometer channels.
 pub fn read_recording(
     folder: &Path,
     model: &Model,
@@ -117,9 +115,9 @@ pub fn read_recording(
     let table = read(&[folder.join("throws.parquet")], &options)?;
     let first = table.channel("omega_x").ok_or("no gyro")?;
     let rate_hz = 1.0 / poinsot_telemetry::median_step(&first.time_s).ok_or("no samples")?;
-    // The filter sees what comes before the start, so that its own start-up lies outside.
+    // The filter includes samples before the start, so that its transient is outside.
     let from = first.time_s.partition_point(|t| *t < settings.start_s);
-    // Without a filter every reading is kept.
+    // Without a filter every sample is kept.
     let (cut_off, keep) = match settings.cut_off_hz.is_finite() {
         true => (Some(settings.cut_off_hz), KEEP),
         false => (None, 1),

@@ -1,14 +1,14 @@
-//! The weighed masses and the inertia from geometry: `truth.json`.
+//! Weighed masses, and inertia from geometry: `truth.json`.
 
 use super::Fault;
 use nalgebra::Matrix3;
 use serde_json::Value;
 use std::path::Path;
 
-/// A body whose mass and inertia are known.
+/// A body with known mass and inertia.
 #[derive(Debug, Clone)]
 pub struct Known {
-    /// Name, as that of its group of throws.
+    /// Name, equal to its group of throws.
     pub name: String,
     /// Mass, kg.
     pub mass: f64,
@@ -20,13 +20,12 @@ pub struct Known {
 pub struct Truth {
     /// Mass of the measuring box, kg.
     pub box_mass: f64,
-    /// The homogeneous block that fixes the scale.
+    /// The homogeneous block that sets the scale.
     pub proof_body: Known,
-    /// The objects to be identified, the light one first.
+    /// The objects to be identified, lightest first.
     pub objects: Vec<Known>,
 }
 
-/// Reads the file.
 pub fn read_truth(folder: &Path) -> Result<Truth, Fault> {
     let file: Value = serde_json::from_str(&std::fs::read_to_string(folder.join("truth.json"))?)?;
     let objects = file["objects"].as_object();

@@ -1,4 +1,4 @@
-//! Several answers of one vehicle side by side.
+//! Several results of one vehicle side by side.
 
 use super::{ROWS, Shown, answer, light};
 use crate::compare::comparison_document;
@@ -50,7 +50,7 @@ pub(super) fn result(c: &ComparisonFile) -> Shown {
     }
 }
 
-/// Every difference in its own sigma.
+/// Every difference in units of its sigma.
 fn changes(c: &ComparisonFile) -> Option<Figure> {
     let numbers = || c.numbers.iter().take(ROWS);
     let x: Vec<f64> = numbers().zip(1..).map(|(_, k)| f64::from(k)).collect();

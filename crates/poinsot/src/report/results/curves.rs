@@ -1,4 +1,4 @@
-//! Curves from the tables beside a result: differences of a validation, commands of a design.
+//! Curves from the tables next to a result: differences of a validation, commands of a design.
 
 use crate::report::data::{Channel, ReportData, Segment};
 use crate::report::envelope::Envelope;
@@ -8,9 +8,9 @@ use poinsot_formats::{AgainstDurationFile, LARGEST_RESULT, ValidationFile};
 use poinsot_report::{Axis, Figure, Mark, Plot, Series};
 use std::path::Path;
 
-/// Plots of one page share cursor and zoom.
+/// Plots of one group share cursor and zoom.
 const GROUP: &str = "record1";
-/// Endings of the columns of commands with quantity and unit, the longest first.
+/// Suffixes of command columns with quantity and unit, longest first.
 const COMMANDS: [(&str, &str, &str); 7] = [
     ("_rad_s2", "joint acceleration", "rad/s²"),
     ("_m_s2", "joint acceleration", "m/s²"),
@@ -21,7 +21,7 @@ const COMMANDS: [(&str, &str, &str); 7] = [
     ("_N", "thrust", "N"),
 ];
 
-/// Rows of a table; none where the file is not there or no table.
+/// Rows of a table; empty if the file is missing or invalid.
 fn rows(path: &Path) -> Vec<csv::StringRecord> {
     let Ok(bytes) = poinsot_files::read(path, LARGEST_RESULT) else {
         return Vec::new();
@@ -37,7 +37,7 @@ fn number(row: &csv::StringRecord, column: usize) -> f64 {
     text.parse().unwrap_or(f64::NAN)
 }
 
-/// The differences in `histories.csv`, one plot a quantity, with the band of the declared noise where there is one.
+/// The differences in `histories.csv`, one plot per quantity, with the band of the declared noise if any.
 pub(super) fn differences(path: &Path, validation: &ValidationFile) -> Vec<Figure> {
     let mut channels: IndexMap<String, Channel> = IndexMap::new();
     for row in rows(path).iter().skip(1) {
@@ -97,7 +97,7 @@ pub(super) fn differences(path: &Path, validation: &ValidationFile) -> Vec<Figur
     channels.iter().map(figure).collect()
 }
 
-/// The commands in `commands.csv`, one plot a quantity.
+/// The commands in `commands.csv`, one plot per quantity.
 pub(super) fn commands(path: &Path) -> Vec<Figure> {
     let table = rows(path);
     let Some((head, rows)) = table.split_first() else {
@@ -129,7 +129,7 @@ pub(super) fn commands(path: &Path) -> Vec<Figure> {
         .collect()
 }
 
-/// Sigmas with the record ended earlier, over the wanted ones or those of the whole record; `None` without two points.
+/// Sigmas for shorter records, relative to the wanted ones or to those of the whole record; `None` without two points.
 pub(super) fn against_duration(found: &AgainstDurationFile) -> Option<Figure> {
     let wanted = found.numbers.iter().any(|n| n.wanted_sigma.is_some());
     let mut series = Vec::new();

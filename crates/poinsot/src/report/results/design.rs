@@ -9,9 +9,9 @@ use poinsot_report::{
 };
 use std::path::Path;
 
-/// Figures of a sigma.
+/// Significant figures of a sigma.
 const FIGURES: i32 = 2;
-/// Share of a limit by which rounding may pass it.
+/// Round-off tolerance of a limit, relative.
 const ROUNDED: f64 = 1.0e-4;
 
 /// The design as a document.
@@ -174,7 +174,7 @@ pub(super) fn result(design: &DesignFile, folder: &Path) -> Shown {
     }
 }
 
-/// The commands, the sigmas against the duration, and the front.
+/// The commands, the sigmas for shorter records, and the front.
 fn figures(design: &DesignFile, folder: &Path) -> Vec<Figure> {
     let mut all = commands(&folder.join("commands.csv"));
     all.extend(design.against_duration.iter().filter_map(against_duration));

@@ -1,5 +1,5 @@
-//! Pages of the results of `validate`, `predict`, `compare`, `design` and `campaign`: the page of an answer with their own sections,
-//! made from their files alone.
+//! Pages for the results of `validate`, `predict`, `compare`, `design` and `campaign`: the layout of `identify` with
+//! their own sections.
 
 mod comparison;
 mod curves;
@@ -20,7 +20,7 @@ use poinsot_report::{
 use serde::Deserialize;
 use std::path::Path;
 
-/// Names under which the results lie in a folder, in the order in which they are looked for.
+/// File names of results in a folder, in order of search.
 pub(super) const NAMES: [&str; 5] = [
     "validation.json",
     "prediction.json",
@@ -29,31 +29,31 @@ pub(super) const NAMES: [&str; 5] = [
     "campaign.json",
 ];
 
-/// Most rows of the figure on the first screen.
+/// Largest number of rows of the figure on the first screen.
 const ROWS: usize = 24;
-/// Largest over smallest ratio from which their axis is logarithmic.
+/// Ratio of largest to smallest value above which the axis is logarithmic.
 const DECADE: f64 = 10.0;
 
-/// A result as its page shows it.
+/// Content of a result page.
 struct Shown {
     title: String,
     /// Version of the program that wrote it.
     poinsot: String,
     opening: Opening,
-    /// Beside the opening.
+    /// Figure next to the verdict.
     beside: Option<Figure>,
     document: Document,
-    /// A section of curves with its title.
+    /// Section of curves, with its title.
     curves: (&'static str, Vec<Figure>),
-    /// What is not determined.
+    /// Undetermined combinations.
     open: Option<IdentifiabilityFile>,
     /// Whether the vehicle has several bodies.
     several: bool,
-    /// What it was made of: kind and path.
+    /// Inputs: kind and path.
     inputs: Vec<(&'static str, String)>,
 }
 
-/// What every result file has.
+/// Fields common to all result files.
 #[derive(Deserialize)]
 struct Named {
     schema: String,
@@ -62,7 +62,7 @@ struct Named {
 /// The page of a result file.
 ///
 /// # Errors
-/// It is of no format that has a page, or damaged.
+/// The format has no page, or the file is damaged.
 pub(super) fn result_page(path: &Path, bytes: &[u8]) -> Result<Page, Error> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let shown = match super::parse::<Named>(path, bytes)?.schema.as_str() {
@@ -145,7 +145,7 @@ fn page(shown: Shown) -> Result<Page, PageError> {
     })
 }
 
-/// Ratios about one: marks of each kind, one place a row. `None` without a finite ratio.
+/// Ratios relative to one: marks of each kind, one position per row. `None` without a finite ratio.
 fn ratio_figure<'a>(
     kinds: &[&str],
     rows: impl Iterator<Item = (&'a str, Vec<f64>)>,
@@ -182,7 +182,7 @@ fn ratio_figure<'a>(
     })
 }
 
-/// Tone and word of yes and no.
+/// Tone and word for yes or no.
 fn answer(holds: bool) -> (Tone, String) {
     match holds {
         true => (Tone::Good, "yes".to_owned()),

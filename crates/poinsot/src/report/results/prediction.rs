@@ -1,4 +1,4 @@
-//! The accuracy that a case allows.
+//! Page of a prediction.
 
 use super::curves::against_duration;
 use super::{Shown, answer, light, ratio_figure};
@@ -73,7 +73,7 @@ pub(super) fn result(p: &PredictionFile) -> Shown {
     }
 }
 
-/// Predicted sigmas as shares of the largest number of their kind.
+/// Predicted sigmas relative to the largest number of their kind.
 fn shares(p: &PredictionFile) -> Option<Figure> {
     let mut series = Vec::new();
     for (k, (name, body)) in p.bodies.iter().enumerate() {

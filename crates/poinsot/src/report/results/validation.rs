@@ -1,4 +1,4 @@
-//! The motion of a model or an estimate against another.
+//! Page of a validation.
 
 use super::curves::differences;
 use super::{Shown, answer, light, ratio_figure};
@@ -80,7 +80,7 @@ fn largest_difference_sentence(v: &ValidationFile, largest: Option<f64>) -> Stri
     }
 }
 
-/// The differences of every sensor in its declared noise.
+/// The differences of every sensor, in units of its declared noise.
 fn in_sigmas(v: &ValidationFile) -> Option<Figure> {
     let all = v.compared.iter();
     let rows = all.filter_map(|c| Some((c.quantity.as_str(), vec![c.sigmas.as_ref()?.rms])));

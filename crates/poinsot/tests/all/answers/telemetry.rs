@@ -1,4 +1,4 @@
-//! The same answer from other units, mountings, files and times, and from telemetry that lacks something.
+//! Equal answers from other units, mountings, files and times, and from incomplete telemetry.
 
 use super::*;
 use crate::shared::examples;
@@ -6,7 +6,7 @@ use poinsot::{IdentifyRequest, identify};
 use poinsot_telemetry::{Channel, Source as File};
 use std::path::PathBuf;
 
-/// The same vehicle in other units: one new kg is `kg` old ones smaller, and so on.
+/// The vehicle in other units: one new kg is `kg` old ones smaller, and so on.
 struct Units {
     kg: f64,
     m: f64,
@@ -125,7 +125,7 @@ fn exact_gyro_bias_is_found() {
         assert!((found.value.unwrap() - b).abs() < 1.0e-7);
         assert_eq!(found.source, Source::Data);
     }
-    // The linear rows take the bias to first order at the nominal numbers: exact where these are the truth.
+    // The linear rows are first order in the bias at the nominal numbers: exact if these are the true ones.
     asked.bodies = truth.bodies.clone();
     let answer = ask(&asked, vec![table], "linear");
     for (axis, b) in ["x", "y", "z"].into_iter().zip(bias) {
@@ -135,7 +135,7 @@ fn exact_gyro_bias_is_found() {
     }
 }
 
-/// Readings of position and velocity far from the base's origin, each at its own place.
+/// Position and velocity sensors far from the base origin, at different places.
 #[test]
 fn exact_sensors_may_sit_anywhere_on_the_base() {
     let mut truth = known_arm(28);
@@ -199,7 +199,8 @@ fn exact_an_attitude_that_nobody_measured_is_not_taken_for_the_identity() {
     let (flight, ..) = drifting(&truth, 26);
     let table = without(fly(&truth, &flight), &["q_"]);
     for method in METHODS {
-        // Velocity in N says little without the attitude: a refusal, a rejection or the truth will do.
+        // Velocity in N is hardly informative without attitude: a refusal, a rejection or the true values are
+        // accepted.
         let asked = off_nominal(&truth, 0.1);
         let Ok(answer) = identify_tables(asked, vec![table.clone()], &request(method)) else {
             continue;
@@ -253,7 +254,7 @@ fn exact_two_files_of_one_segment_are_one_file() {
     let text =
         std::fs::read_to_string(examples().join("stsat3/multiaxis/telemetry_noisy.csv")).unwrap();
     let folder = tempfile::tempdir().unwrap();
-    // Columns 0 to 7 are time, attitude, gyro; then come the wheels.
+    // Columns 0 to 7 are time, attitude and gyro; then the wheels.
     let part = |name: &str, keep: &dyn Fn(usize) -> bool| {
         let rows: Vec<String> = text
             .lines()
@@ -284,7 +285,7 @@ fn exact_two_files_of_one_segment_are_one_file() {
     assert_eq!(one.estimate.covariance, two.estimate.covariance);
 }
 
-/// A file that only one sensor wrote, at its own times, between those of the others.
+/// A file of one sensor with its own times, between those of the others.
 #[test]
 fn exact_attitude_at_times_of_its_own() {
     let truth = known_arm(25);
@@ -294,7 +295,7 @@ fn exact_attitude_at_times_of_its_own() {
         ..flight.clone()
     };
     let fine = fly(&truth, &fast);
-    // Attitude at 4 Hz, a sixtieth of a second beside the other sensors at 20 Hz.
+    // Attitude at 4 Hz, shifted by 1/60 s from the other sensors at 20 Hz.
     let shift = |c: &Channel, from: usize, every: usize| Channel {
         time_s: c.time_s.iter().copied().skip(from).step_by(every).collect(),
         values: c.values.iter().copied().skip(from).step_by(every).collect(),

@@ -1,8 +1,8 @@
-//! Test problem: a rigid bus with stored momentum, which nutates faster than it turns.
+//! Test problem: a rigid bus with stored momentum, with nutation faster than its rotation.
 //!
 //! Bus of 15, 18 and 20 kg m2 with three wheels (`examples/cases/rigid_bus.toml`), one of which stores the momentum h.
-//! Records come from `simulate`, whose integrator controls its own error. Motor torques are constant between whole
-//! seconds and wheel speeds are known exactly, so nothing but the propagation of the estimator can spoil an answer.
+//! Records are made by `simulate`, whose integrator controls its error. Motor torques are constant between whole
+//! seconds and wheel speeds are exact, so only the propagation of the estimator can cause errors.
 #![allow(dead_code)]
 
 use poinsot::case::parse_case;
@@ -17,7 +17,7 @@ const BUS: &str = include_str!("../../../../../examples/cases/rigid_bus.toml");
 pub struct Cell {
     /// Momentum stored in wheel 1, N m s.
     pub stored_N_m_s: f64,
-    /// Samples a second of every sensor.
+    /// Samples per second of every sensor.
     pub rate_hz: f64,
 }
 
@@ -88,7 +88,7 @@ pub fn study(cell: Cell) -> Study {
     study_of(cell, bus())
 }
 
-/// The same with another bus.
+/// The experiment of one setting with another bus.
 pub fn study_of(cell: Cell, bus: Model) -> Study {
     let text = case(cell, bus.wheels[0].spin_inertia);
     let case = parse_case(Path::new("nutation.toml"), text).unwrap();

@@ -1,4 +1,4 @@
-//! Instruments at points of bodies: their readings, and their place in a model.
+//! Sensors at points of bodies: their samples and their position in a model.
 
 use crate::vehicle::{Flight, sensor};
 use poinsot_dynamics::{MotionSample, Prescribed, Tolerance, vector_reading};
@@ -7,7 +7,7 @@ use poinsot_spatial::Vector3;
 use poinsot_telemetry::{Channel, Table};
 use std::sync::Arc;
 
-/// Adds the readings of an instrument at a point of a body; of increments from the second time on.
+/// Adds the samples of a sensor at a point of a body; increments start at the second time.
 pub fn add_point(
     table: &mut Table,
     model: &Model,

@@ -1,4 +1,4 @@
-//! Wheels whose torque changes between tachometer samples: whether the stated uncertainty is the true one
+//! Wheels whose torque changes between tachometer samples: calibration of the stated uncertainty
 //! (docs/validation/pyramid.md).
 
 mod satellite;
@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use satellite::{Case, PLAIN, TRUTH};
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 
-/// Normalised errors of one seed, their square in the stated covariance, and whether the answer is doubted.
+/// Normalised errors of one seed, their squared Mahalanobis norm, and whether the answer is marked unreliable.
 struct Score {
     z: [f64; 6],
     nees: f64,
@@ -127,9 +127,9 @@ fn cases() -> Vec<(&'static str, Case)> {
     ]
 }
 
-/// No cell is overconfident: mean NEES and mean errors of the answers that are not doubted, at 0.1 % for the table.
+/// No cell is overconfident: mean NEES and mean errors of the reliable answers, at 0.1 % for the table.
 ///
-/// One seed a case here; `POINSOT_SEEDS=200` runs the long form, `POINSOT_CASE=slews` some of the cases.
+/// One seed per case here; `POINSOT_SEEDS=200` runs the long form, `POINSOT_CASE=slews` selects cases.
 #[test]
 fn stat_wheels_between_samples_are_honest_or_doubted() {
     let given = |name: &str| std::env::var(name).ok();
@@ -139,7 +139,7 @@ fn stat_wheels_between_samples_are_honest_or_doubted() {
         .into_iter()
         .filter(|c| c.0.contains(&only))
         .collect();
-    // NEES and six errors a case.
+    // NEES and six errors per case.
     let chance = 1.0e-3 / (7 * cases.len()) as f64;
     for (name, case) in &cases {
         let scores = trial(name, case, 0..seeds);

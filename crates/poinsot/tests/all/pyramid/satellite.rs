@@ -1,7 +1,7 @@
 //! A satellite with four wheels in a pyramid, whose torque commands change every half second.
 //!
-//! Between commands the torque on each wheel is constant, so its axial momentum `Js (Omega + a . w)` is a straight line
-//! and exact. The body follows by Runge-Kutta in steps of at most 20 ms.
+//! Between commands the torque on each wheel is constant, so its axial momentum `Js (Omega + a . w)` is linear in time
+//! and exact. The body is integrated by Runge-Kutta with steps of at most 20 ms.
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use poinsot_model::{Model, parse_model};
@@ -20,12 +20,12 @@ const GYRO: f64 = 1.0e-5;
 const TRACKER: f64 = 2.0e-5;
 pub const TACHOMETER: f64 = 0.05;
 
-/// What is measured, and how the wheels are commanded.
+/// Measurements and wheel commands.
 #[derive(Debug, Clone, Copy)]
 pub struct Case {
-    /// Times a second at which the tachometers are read.
+    /// Tachometer samples per second.
     pub tachometer_hz: f64,
-    /// Share of its step by which each tachometer time is off.
+    /// Error of each tachometer time, relative to the step.
     pub jitter: f64,
     /// Six rest-to-rest slews, or sums of sines.
     pub slews: bool,
@@ -45,7 +45,7 @@ pub const PLAIN: Case = Case {
     duration_s: 200.0,
 };
 
-/// Axes of the wheels, one a column.
+/// Axes of the wheels, one per column.
 fn axes() -> [Vector3<f64>; 4] {
     let (c, s) = (0.8, 0.6);
     let all = [(c, 0.0), (0.0, c), (-c, 0.0), (0.0, -c)];
@@ -154,7 +154,7 @@ fn commands(case: &Case, random: &mut ChaCha8Rng, count: usize) -> Vec<[f64; 4]>
 
 struct Body {
     inertia: Matrix3<f64>,
-    /// Of the vehicle, in N.
+    /// Momentum of the vehicle, in N.
     momentum: Vector3<f64>,
     inverse: Matrix3<f64>,
 }
@@ -312,7 +312,7 @@ fn stepped(
     t: f64,
     dt: f64,
 ) -> UnitQuaternion<f64> {
-    // An event that falls on a command lies at the end of the interval before it.
+    // An event at a command time belongs to the end of the previous interval.
     let [a, m, b] = [0.0, 0.5, 1.0].map(|s| speeds(t + s * dt));
     let turned = |w: &Vector3<f64>, dt: f64| R * UnitQuaternion::from_scaled_axis(w * dt);
     let k1 = body.rate(R, &a);

@@ -1,4 +1,4 @@
-//! Vehicles of generic geometry, their noise-free motion in memory, and the question put to them.
+//! Vehicles of generic geometry, their noise-free motion in memory, and their identification.
 #![allow(dead_code)]
 
 use nalgebra::{Rotation3, UnitQuaternion};
@@ -15,10 +15,10 @@ use poinsot_spatial::{MassProperties, Matrix3, Vector3};
 use poinsot_telemetry::{Channel, Source, Table};
 use std::sync::Arc;
 
-/// Declared noise of all sensors, SI: small, so that every direction above round-off counts.
+/// Declared noise of all sensors, SI: small, so that every direction above round-off is identifiable.
 pub const NOISE: f64 = 1.0e-9;
 
-/// Reproducible numbers (Steele, Lea and Flood 2014, SplitMix64).
+/// Deterministic random numbers (Steele, Lea and Flood 2014, SplitMix64).
 pub struct Dice(u64);
 
 impl Dice {
@@ -34,12 +34,12 @@ impl Dice {
         z ^ (z >> 31)
     }
 
-    /// Evenly between two bounds.
+    /// Uniform between two bounds.
     pub fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * (self.next() >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// Each component between plus and minus `size`.
+    /// Components uniform between plus and minus `size`.
     pub fn vector(&mut self, size: f64) -> Vector3 {
         Vector3::from_fn(|_, _| self.between(-size, size))
     }
@@ -50,7 +50,7 @@ impl Dice {
         radius * (std::f64::consts::TAU * self.between(0.0, 1.0)).cos()
     }
 
-    /// A direction, away from every coordinate axis.
+    /// A unit vector away from every coordinate axis.
     pub fn direction(&mut self) -> Vector3 {
         loop {
             let v = self.vector(1.0);
@@ -83,7 +83,7 @@ fn properties(dice: &mut Dice, mass: f64, size: f64) -> MassProperties {
     }
 }
 
-/// A tree with one joint per letter: r revolute, p prismatic. All bodies unknown; parents at random.
+/// A tree with one joint per letter: r revolute, p prismatic. All bodies are unknown; parents are random.
 pub fn tree(seed: u64, joints: &str) -> Model {
     let mut dice = Dice::new(seed);
     let base = properties(&mut dice, 30.0, 0.8);
@@ -170,7 +170,7 @@ pub fn sensor(kind: SensorKind, sigma: f64) -> Sensor {
     }
 }
 
-/// Three wheels on the base, skew to each other and to the axes.
+/// Three wheels on the base, not aligned with each other or the axes.
 pub fn with_wheels(mut model: Model) -> Model {
     let mut dice = Dice::new(77);
     for k in 0..3 {
@@ -186,7 +186,7 @@ pub fn with_wheels(mut model: Model) -> Model {
     model
 }
 
-/// Three thrusters on the base that push and turn.
+/// Three thrusters on the base with force and moment.
 pub fn with_thrusters(mut model: Model) -> Model {
     let mut dice = Dice::new(99);
     for k in 0..3 {
@@ -201,7 +201,7 @@ pub fn with_thrusters(mut model: Model) -> Model {
     model
 }
 
-/// What one segment does.
+/// Motion in one segment.
 #[derive(Clone)]
 pub struct Flight {
     pub plan: Plan,
@@ -210,14 +210,14 @@ pub struct Flight {
     pub rate_hz: f64,
 }
 
-/// How a joint moves in a flight.
+/// Motion of a joint in a flight.
 #[derive(Clone, Copy, PartialEq)]
 pub enum Drive {
     Moves,
     Stands(f64),
 }
 
-/// A tumbling flight: joints as said, wheels along splines, thrusters one after the other.
+/// A tumbling flight: joints as given, wheels along splines, thrusters one after the other.
 pub fn flight(model: &Model, seed: u64, drives: &[Drive]) -> Flight {
     let mut dice = Dice::new(seed ^ 0x5eed);
     let duration_s = 20.0;
@@ -275,7 +275,7 @@ pub fn moving(model: &Model, seed: u64) -> Flight {
     flight(model, seed, &vec![Drive::Moves; model.joints.len()])
 }
 
-/// Perfect readings of a flight: attitude, rate, position, velocity, joints, wheels, thrusters.
+/// Exact measurements of a flight: attitude, rate, position, velocity, joints, wheels, thrusters.
 pub fn fly(model: &Model, flight: &Flight) -> Table {
     let rows = (flight.duration_s * flight.rate_hz).round() as usize;
     let times: Vec<f64> = (0..=rows).map(|k| k as f64 / flight.rate_hz).collect();
@@ -331,7 +331,7 @@ pub fn fly(model: &Model, flight: &Flight) -> Table {
     }
 }
 
-/// The table without the channels whose names begin so.
+/// The table without channels with these prefixes.
 pub fn without(mut table: Table, prefixes: &[&str]) -> Table {
     table
         .channels
@@ -344,7 +344,7 @@ pub fn rotation_only(table: Table) -> Table {
     without(table, &["r_", "v_"])
 }
 
-/// The same vehicle with nominal numbers off by a few per cent: what an engineer starts from.
+/// The vehicle with nominal errors of a few percent.
 pub fn off_nominal(model: &Model, share: f64) -> Model {
     let mut dice = Dice::new(4711);
     let mut off = model.clone();
@@ -373,7 +373,7 @@ pub fn ask(model: &Model, tables: Vec<Table>, method: &str) -> Identified {
     identify_tables(model.clone(), tables, &request(method)).unwrap()
 }
 
-/// Largest error of all ten numbers of a body, relative to its mass, size and inertia.
+/// Largest error of a body's ten numbers, relative to its mass, size and inertia.
 pub fn worst_error(answer: &Identified, truth: &Model, body: usize) -> f64 {
     let found = &answer.estimate.bodies[body];
     let true_body = &truth.bodies[body].nominal;
@@ -396,12 +396,12 @@ pub fn turned(v: Vector3) -> Matrix3 {
     Rotation3::new(v).into_inner()
 }
 
-/// One channel of a table, to be changed.
+/// One channel of a table, mutable.
 pub fn channel<'a>(table: &'a mut Table, name: &str) -> &'a mut Channel {
     table.channels.iter_mut().find(|c| c.name == name).unwrap()
 }
 
-/// Keeps every n-th sample of the channels whose names begin so.
+/// Keeps every n-th sample of channels with this prefix.
 pub fn thinned(mut table: Table, prefix: &str, every: usize) -> Table {
     for c in &mut table.channels {
         if c.name.starts_with(prefix) {
@@ -412,7 +412,7 @@ pub fn thinned(mut table: Table, prefix: &str, every: usize) -> Table {
     table
 }
 
-/// Adds white noise of one sigma to gyro, position and velocity, and turns the attitude by as much.
+/// Adds white noise of one sigma to gyro, position and velocity, and a rotation of the same size to the attitude.
 pub fn noisy(mut table: Table, seed: u64, sigma: f64) -> Table {
     let mut dice = Dice::new(seed);
     for name in [
@@ -438,7 +438,7 @@ pub fn noisy(mut table: Table, seed: u64, sigma: f64) -> Table {
     table
 }
 
-/// A base to be found that carries known links: one revolute arm of two.
+/// An unknown base with known links: an arm of two revolute joints.
 pub fn known_arm(seed: u64) -> Model {
     let mut model = tree(seed, "rr");
     for body in &mut model.bodies[1..] {

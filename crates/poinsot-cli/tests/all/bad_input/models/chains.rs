@@ -1,10 +1,10 @@
-//! Chains of very many links.
+//! Chains of thousands of links.
 
 use super::urdf;
 use crate::bad_input::bench::Bench;
 use crate::bad_input::row::{Row, row};
 
-/// The links of a chain, each but the first followed by the joint on which it hangs, from the one before.
+/// Joins the links of a chain; each link is followed by the joint to the previous one.
 fn linked(
     n: usize,
     link: impl Fn(usize) -> String,
@@ -15,7 +15,6 @@ fn linked(
         .collect()
 }
 
-/// A chain as URDF.
 pub fn chain(n: usize) -> String {
     let links = linked(
         n,
@@ -33,7 +32,7 @@ pub fn chain(n: usize) -> String {
     format!("<robot name=\"chain\">{links}</robot>")
 }
 
-/// The same chain as a model: a base with sensors and 999 links, whose joints stand still.
+/// The same chain as a model: a base with sensors and 999 links with joints at rest.
 fn long_arm(b: &Bench, known: &str, base: &str, link: &str) {
     let links = linked(
         1000,

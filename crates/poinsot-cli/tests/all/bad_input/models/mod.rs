@@ -9,7 +9,7 @@ mod xml;
 use crate::bad_input::bench::Bench;
 use crate::bad_input::row::{Row, row};
 
-/// Two links on a turning joint.
+/// Two links with a revolute joint.
 pub const ROBOT: &str = r#"<?xml version="1.0"?>
 <robot name="arm">
   <link name="base">

@@ -1,4 +1,4 @@
-//! T1: what stands in the cells.
+//! T1: content of the cells.
 
 use crate::bad_input::row::{Row, row};
 

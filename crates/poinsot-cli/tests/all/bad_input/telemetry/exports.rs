@@ -1,14 +1,13 @@
-//! Exports of ground stations, and maps that do not describe them.
+//! Exports of ground stations, and maps that do not match them.
 
 use crate::bad_input::bench::{Bench, CASE, MODEL};
 use crate::bad_input::row::{Row, row};
 
-/// The model with a map.
 fn map(b: &Bench, table: &str) {
     b.write("m.toml", format!("{MODEL}\n[telemetry]\n{table}\n"));
 }
 
-/// The telemetry with dates in place of times: seconds after 2026-03-14, 18 h UTC.
+/// The telemetry with dates as times: seconds after 2026-03-14, 18 h UTC.
 fn dates(b: &Bench, date: impl Fn(usize, f64) -> String) {
     b.spoil(|s| {
         for k in 0..s.rows.len() {

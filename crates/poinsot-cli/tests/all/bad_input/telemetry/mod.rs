@@ -1,4 +1,4 @@
-//! 2a: what can be wrong inside of telemetry.
+//! 2a: faults within telemetry.
 
 mod cells;
 mod exports;
@@ -13,7 +13,7 @@ use crate::bad_input::row::Row;
 const QUATERNION: [&str; 4] = ["q_x", "q_y", "q_z", "q_w"];
 
 fn noise(k: usize) -> f64 {
-    // A fixed sequence without pattern, between -1 and 1.
+    // A fixed pseudo-random sequence between -1 and 1.
     let x = (k as f64 * 12.9898 + 4.1).sin() * 43758.5453;
     2.0 * (x - x.floor()) - 1.0
 }

@@ -1,4 +1,4 @@
-//! T16 to T21: motion that shows too little, or what the model does not have.
+//! T16 to T21: uninformative motion, or motion not in the model.
 
 use super::QUATERNION;
 use crate::bad_input::bench::Bench;
@@ -56,7 +56,7 @@ fn collinear(b: &Bench) {
     assert_eq!(done.exit, 0, "{}", done.stderr);
 }
 
-/// A link whose ten numbers are asked for, on a joint that stands still and has no column.
+/// A link with ten unknown numbers on a joint at rest without a column.
 fn locked_link(b: &Bench) {
     let model = |estimate: &str| {
         crate::bad_input::bench::truth().replace("estimate = [\"inertia\"]\n", "")
@@ -74,7 +74,7 @@ fn locked_link(b: &Bench) {
     let done = b.run(&["simulate", "case.toml", "--out", "sim"]);
     assert_eq!(done.exit, 0, "{}", done.stderr);
     let text = std::fs::read_to_string(b.path("sim/telemetry.csv")).unwrap();
-    // The joint's columns under names that nobody asks for.
+    // The joint's columns under unused names.
     b.write(
         "sim/telemetry.csv",
         text.replacen(",j_rad", ",old_j_rad", 3),

@@ -1,4 +1,4 @@
-//! T12 to T15: sensors and actuators that fail.
+//! T12 to T15: failing sensors and actuators.
 
 use super::{QUATERNION, noise};
 use crate::bad_input::row::{Row, row};
@@ -204,7 +204,7 @@ pub fn rows() -> Vec<Row> {
             "noise that hangs together over 5 s",
             |b| {
                 b.spoil(|s| {
-                    // Sums of the noise with weights that fall by exp(-0.2 s / 5 s) a sample.
+                    // Correlated noise: weights decay by exp(-0.2 s / 5 s) per sample.
                     for (k, axis) in ["omega_x", "omega_y", "omega_z"].into_iter().enumerate() {
                         let mut drift = 0.0;
                         for n in 0..s.rows.len() {

@@ -4,7 +4,7 @@ use super::{angle, noise, rpm, swap};
 use crate::bad_input::bench::Bench;
 use crate::bad_input::row::{Row, row};
 
-/// The gyro in another unit, and no attitude to compare it with.
+/// The gyro in another unit, without attitude to compare with.
 fn gyro_alone(b: &Bench, unit: fn(f64) -> f64) {
     b.spoil(|s| {
         s.without("q_");
@@ -12,7 +12,7 @@ fn gyro_alone(b: &Bench, unit: fn(f64) -> f64) {
     });
 }
 
-/// An accelerometer half a metre from the mass centre, read in units of 9.80665 m/s2.
+/// An accelerometer half a metre from the mass centre, in units of 9.80665 m/s2.
 fn accelerometer_in_g(b: &Bench) {
     let sensor = "\n[[sensor]]\nname = \"acc\"\ntype = \"accelerometer\"\nposition_m = [0.5, 0.3, 0.2]\nnoise_m_s2 = 1e-6\n";
     b.write("m.toml", crate::bad_input::bench::MODEL.to_owned() + sensor);
