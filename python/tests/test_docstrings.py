@@ -12,7 +12,8 @@ def _public():
     """Functions, classes, methods and properties by their path."""
     for module in (pn, adapters, dynamics, plot):
         here = module.__name__
-        names = module.__all__ if module is pn else [n for n, v in vars(module).items() if getattr(v, "__module__", "") == here]
+        own = [n for n, v in vars(module).items() if getattr(v, "__module__", "") == here]
+        names = getattr(module, "__all__", own)
         for name in names:
             value = getattr(module, name)
             if name.startswith("_") or not callable(value):
