@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _core
-from ._errors import InputError
+from ._errors import InputError, write_text
 
 Array = NDArray[np.float64]
 PathLike = str | os.PathLike[str]
@@ -326,10 +326,15 @@ class Answer:
         return dict(json.loads(self._text))
 
     def to_json(self, path: PathLike | None = None) -> str:
-        """Return the text of ``estimate.json``, byte by byte as the command writes it; write it to `path` if given."""
+        """Return the text of ``estimate.json``, byte by byte as the command writes it.
+
+        Parameters
+        ----------
+        path
+            File to write.
+        """
         if path is not None:
-            with open(path, "w", encoding="utf-8", newline="") as file:
-                file.write(self._text)
+            write_text(path, self._text)
         return self._text
 
     def write(self, folder: PathLike, *, report: bool = False, figures: tuple[str, ...] = ()) -> list[str]:
@@ -347,11 +352,16 @@ class Answer:
         return [str(p) for p in self._core.write(folder, report, list(figures))]
 
     def report(self, path: PathLike | None = None) -> str:
-        """Return the report, one HTML page that needs no network; write it to `path` if given."""
+        """Return the report, one HTML page that needs no network.
+
+        Parameters
+        ----------
+        path
+            File to write.
+        """
         page = self._core.html()
         if path is not None:
-            with open(path, "w", encoding="utf-8") as file:
-                file.write(page)
+            write_text(path, page)
         return page
 
     def export(self, to: str, path: PathLike | None = None, *, onto: PathLike | None = None) -> str:
@@ -376,8 +386,7 @@ class Answer:
         for line in left_out:
             warnings.warn(line, stacklevel=2)
         if path is not None:
-            with open(path, "w", encoding="utf-8", newline="") as file:
-                file.write(text)
+            write_text(path, text)
         return text
 
     def plot(self, kind: str = "all", **options: Any) -> Any:

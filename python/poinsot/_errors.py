@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import os
 import re
-from typing import NamedTuple
+from collections.abc import Callable
+from importlib import import_module
+from typing import Any, NamedTuple, TypeVar
 
 from . import _core
+
+T = TypeVar("T")
 
 _CODE = re.compile(r"^(E\d{4}) ")
 # Options of the command are keyword arguments here: --relative-accuracy is relative_accuracy=.
@@ -111,3 +116,34 @@ def of(exit_code: int, message: str) -> PoinsotError:
     kinds: dict[int, type[PoinsotError]] = {2: InputError, 3: ResourceError}
     text = _OPTION.sub(lambda option: option.group(1).replace("-", "_") + "=", message)
     return kinds.get(exit_code, InternalError)(text)
+
+
+def need(package: str, extra: str) -> Any:
+    """Import a package that an extra brings."""
+    try:
+        return import_module(package)
+    except ImportError:
+        raise InputError(f"E0001 {package}: this package is missing; pip install 'poinsot[{extra}]'") from None
+
+
+def read_by(path: str | os.PathLike[str], read: Callable[[], T], *, missing: str = "E0201", broken: str = "E0202") -> T:
+    """Call the reader of another package; what it raises becomes an InputError of one of two codes."""
+    if not os.path.exists(path):
+        raise InputError(f"{missing} {os.fspath(path)}: there is no such file; check the path")
+    try:
+        return read()
+    except PoinsotError:
+        raise
+    # Readers of other packages raise exceptions of any type.
+    except Exception as error:
+        message = " ".join(str(error).split()) or type(error).__name__
+        raise InputError(f"{broken} {os.fspath(path)}: it cannot be read ({message}); correct the file") from error
+
+
+def write_text(path: str | os.PathLike[str], text: str) -> None:
+    """Write a file, with the line ends of the text."""
+    try:
+        with open(path, "w", encoding="utf-8", newline="") as file:
+            file.write(text)
+    except OSError as error:
+        raise ResourceError(f"E0002 {os.fspath(path)}: cannot be written: {error.strerror}; correct the path or the permission") from error

@@ -16,6 +16,13 @@ Array = NDArray[np.float64]
 _TOLERANCE = 1e-12
 
 
+def rotation_matrix(wxyz: ArrayLike) -> Array:
+    """Rotation of a unit quaternion with the scalar first."""
+    w, x, y, z = np.asarray(wxyz, dtype=np.float64)
+    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    return np.asarray(np.eye(3) + 2.0 * (w * cross + cross @ cross))
+
+
 @dataclass(frozen=True)
 class Inertia:
     """Mass, mass centre and central inertia of a rigid body.
@@ -71,7 +78,14 @@ class Inertia:
 
     @classmethod
     def from_dynamic_parameters(cls, parameters: ArrayLike) -> Inertia:
-        """Make the body of its ten parameters; the inverse of :meth:`to_dynamic_parameters`."""
+        """Make the body of its ten parameters; the inverse of :meth:`to_dynamic_parameters`.
+
+        Parameters
+        ----------
+        parameters
+            Shape (10,): m, mc_x, mc_y, mc_z, I_xx, I_xy, I_yy, I_xz, I_yz, I_zz about the origin of the body's frame; kg, kg m,
+            kg m2.
+        """
         p = np.array(parameters, dtype=np.float64)
         if p.shape != (10,) or not p[0] > 0.0:
             raise InputError(f"E0001 parameters: shape {p.shape} or a mass that is not positive; give ten numbers")
@@ -81,24 +95,30 @@ class Inertia:
 
     @classmethod
     def from_pinocchio(cls, inertia: Any) -> Inertia:
-        """Take over a ``pinocchio.Inertia``: mass, lever, inertia about the mass centre."""
+        """Take over an inertia of Pinocchio.
+
+        Parameters
+        ----------
+        inertia
+            A ``pinocchio.Inertia``: mass, lever, inertia about the mass centre.
+        """
         return cls(inertia.mass, inertia.lever, inertia.inertia)
 
     @classmethod
     def from_mujoco(cls, model: Any, body: int | str) -> Inertia:
-        """Take over a body of a ``mujoco.MjModel``, in the axes of the body's frame.
+        """Take over a body of MuJoCo, in the axes of the body's frame.
 
         MuJoCo stores principal moments with the rotation of their axes (``body_iquat``, scalar first).
+
+        Parameters
+        ----------
+        model
+            A ``mujoco.MjModel``.
+        body
+            Name or number of the body.
         """
         k = model.body(body).id
-        w, x, y, z = model.body_iquat[k]
-        turn = np.array(
-            [
-                [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-                [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-                [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-            ]
-        )
+        turn = rotation_matrix(model.body_iquat[k])
         return cls(float(model.body_mass[k]), model.body_ipos[k], turn @ np.diag(model.body_inertia[k]) @ turn.T)
 
     def pseudo_inertia(self) -> Array:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from . import _mujoco
 from ._core import Model as CoreModel
 
 PathLike = str | os.PathLike[str]
@@ -18,7 +19,7 @@ PathLike = str | os.PathLike[str]
 class Model:
     """A checked vehicle: bodies, joints, wheels, thrusters, sensors, and what of them is unknown.
 
-    Use :meth:`read`, :meth:`from_urdf`, :meth:`from_text` or :meth:`from_dict`. To change a model, change its
+    Use :meth:`read`, :meth:`from_urdf`, :meth:`from_mjcf`, :meth:`from_text` or :meth:`from_dict`. To change a model, change its
     dictionary and make a model of it; every way goes through the same checks.
 
     Examples
@@ -57,12 +58,47 @@ class Model:
 
     @classmethod
     def from_urdf(cls, path: PathLike) -> Model:
-        """Read a robot from URDF. Sensors and unknowns are still to be added, see :meth:`to_dict`."""
+        """Read a robot from URDF. Sensors and unknowns are still to be added, see :meth:`to_dict`.
+
+        Parameters
+        ----------
+        path
+            The file. Its root link is the base.
+        """
         return cls(CoreModel.from_urdf(path))
 
     @classmethod
+    def from_mjcf(cls, path: PathLike, *, base: str | None = None) -> Model:
+        """Read a robot from MJCF, compiled by MuJoCo (``pip install 'poinsot[mujoco]'``).
+
+        Sensors and unknowns are still to be added, see :meth:`to_dict`. :func:`poinsot.adapters.model_from_mujoco` says
+        what is taken over and takes a model that is compiled already.
+
+        Parameters
+        ----------
+        path
+            The file.
+        base
+            Body that floats; the first one with a free joint by default. A base welded to the world may be named too.
+
+        Raises
+        ------
+        InputError
+            MuJoCo does not compile the file, or the robot has a ball joint or an active equality constraint.
+        """
+        return cls.from_dict(_mujoco.tables(_mujoco.compiled(path), base))
+
+    @classmethod
     def from_text(cls, text: str, name: str | None = None) -> Model:
-        """Read the text of a model file; messages call it `name`."""
+        """Read the text of a model file.
+
+        Parameters
+        ----------
+        text
+            TOML, ``poinsot.model/1``.
+        name
+            What messages call it.
+        """
         return cls(CoreModel.from_text(text, name))
 
     @classmethod
@@ -85,7 +121,13 @@ class Model:
         return self._core.to_toml()
 
     def write(self, path: PathLike) -> None:
-        """Write the model file. An earlier file stays until the new one is complete."""
+        """Write the model file. An earlier file stays until the new one is complete.
+
+        Parameters
+        ----------
+        path
+            The file.
+        """
         self._core.write(path)
 
     def check(self) -> dict[str, Any]:
@@ -94,7 +136,13 @@ class Model:
         return found
 
     def with_map(self, path: PathLike) -> Model:
-        """Return the vehicle with the ``[telemetry]`` table of another file."""
+        """Return the vehicle with the ``[telemetry]`` table of another file.
+
+        Parameters
+        ----------
+        path
+            A map or a model file.
+        """
         return Model(self._core.with_map(path))
 
     @property

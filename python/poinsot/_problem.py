@@ -115,11 +115,23 @@ class Problem:
         return self._last[1]
 
     def residual(self, theta: ArrayLike) -> Array:
-        """Return the whitened residuals, shape (m,): the function of :func:`scipy.optimize.least_squares`."""
+        """Return the whitened residuals, shape (m,): the function of :func:`scipy.optimize.least_squares`.
+
+        Parameters
+        ----------
+        theta
+            Values of the unknowns, shape (n,), in the order and units of :attr:`names`.
+        """
         return self.evaluate(theta).residual
 
     def jacobian(self, theta: ArrayLike) -> Array:
-        """Return the Jacobian, shape (m, n): the `jac` of :func:`scipy.optimize.least_squares`."""
+        """Return the Jacobian, shape (m, n): the `jac` of :func:`scipy.optimize.least_squares`.
+
+        Parameters
+        ----------
+        theta
+            Values of the unknowns, shape (n,), in the order and units of :attr:`names`.
+        """
         return self.evaluate(theta).jacobian
 
     def __repr__(self) -> str:

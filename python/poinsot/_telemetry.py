@@ -251,7 +251,13 @@ class Telemetry:
 
     @classmethod
     def join(cls, *records: Telemetry) -> Telemetry:
-        """Return one segment of several records, each with its own time base."""
+        """Return one segment of several records.
+
+        Parameters
+        ----------
+        *records
+            Each keeps its own time base.
+        """
         if not records:
             raise _refuse("records", "no record", "give at least one")
         return cls(CoreRecord.join([r._core for r in records]))

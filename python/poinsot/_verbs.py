@@ -451,7 +451,15 @@ def compare(answers: Iterable[Answer | PathLike]) -> Document:
 
 
 def export(answer: Answer, to: str, path: PathLike | None = None, *, onto: PathLike | None = None) -> str:
-    """Write the numbers of an answer into the file of another program; see :meth:`Answer.export`."""
+    """Write the numbers of an answer into the file of another program.
+
+    Parameters
+    ----------
+    answer
+        The answer.
+    to, path, onto
+        As in :meth:`Answer.export`.
+    """
     return answer.export(to, path, onto=onto)
 
 

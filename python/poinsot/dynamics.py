@@ -47,6 +47,11 @@ __all__ = [
 def parameter_names(vehicle: Model) -> tuple[str, ...]:
     """Return the names of the columns of :func:`momentum_regressor`: ``"<body>.<parameter>"``.
 
+    Parameters
+    ----------
+    vehicle
+        The vehicle.
+
     Examples
     --------
     >>> import poinsot as pn

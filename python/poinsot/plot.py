@@ -177,7 +177,15 @@ def undetermined(answer: _Drawn) -> Figure:
 
 
 def draw(answer: _Drawn, kind: str = "all", **options: Any) -> Figure:
-    """Draw a kind of figure; see :meth:`poinsot.Answer.plot`."""
+    """Draw a kind of figure.
+
+    Parameters
+    ----------
+    answer
+        The answer.
+    kind, **options
+        As in :meth:`poinsot.Answer.plot`.
+    """
     kinds: dict[str, Callable[..., Figure]] = {"tensor": tensor, "ellipsoid": ellipsoid, "residuals": residuals, "undetermined": undetermined}
     if kind in kinds:
         return kinds[kind](answer, **options)

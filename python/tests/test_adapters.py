@@ -1,7 +1,8 @@
 """Telemetry of other programs, each from a file or recorder that the program made."""
 
+import hashlib
 import json
-import struct
+import urllib.request
 
 import numpy as np
 import pytest
@@ -52,31 +53,37 @@ def test_exact_hdf5_of_h5py(samples, tmp_path):
         adapters.read_hdf5(tmp_path / "run.h5", time_s="imu/t", omega_rad_s="gyro")
 
 
-def test_exact_bag_of_rosbags(samples, tmp_path):
-    rosbag2 = pytest.importorskip("rosbags.rosbag2")
+@pytest.mark.parametrize("version", [1, 2])
+def test_exact_bag_of_rosbags(samples, tmp_path, version):
+    """Bags of ROS 1 and ROS 2."""
+    rosbag = pytest.importorskip(f"rosbags.rosbag{version}")
     from rosbags.typesys import Stores, get_typestore
 
-    store = get_typestore(Stores.ROS2_HUMBLE)
+    store = get_typestore(Stores.ROS1_NOETIC if version == 1 else Stores.ROS2_HUMBLE)
+    serialize = store.serialize_ros1 if version == 1 else store.serialize_cdr
     t = store.types
     vector, quaternion = t["geometry_msgs/msg/Vector3"], t["geometry_msgs/msg/Quaternion"]
-    with rosbag2.Writer(tmp_path / "bag", version=9) as writer:
+    # A message of ROS 1 has a counter in its header.
+    counter = [0] if version == 1 else []
+    path = tmp_path / ("run.bag" if version == 1 else "run")
+    with rosbag.Writer(path, **({} if version == 1 else {"version": 9})) as writer:
         imu = writer.add_connection("/imu", "sensor_msgs/msg/Imu", typestore=store)
         joints = writer.add_connection("/joints", "sensor_msgs/msg/JointState", typestore=store)
         for k, time in enumerate(samples["time_s"]):
             ns = 1_773_512_340_000_000_000 + round(time * 1e9)
-            header = t["std_msgs/msg/Header"](t["builtin_interfaces/msg/Time"](ns // 10**9, ns % 10**9), "base")
+            header = t["std_msgs/msg/Header"](*counter, t["builtin_interfaces/msg/Time"](ns // 10**9, ns % 10**9), "base")
             message = t["sensor_msgs/msg/Imu"](
                 header, quaternion(*samples["q_xyzw"][k]), np.zeros(9), vector(*samples["omega_rad_s"][k]), np.zeros(9),
                 vector(0.0, 0.0, 0.0), np.zeros(9),
             )  # fmt: skip
-            writer.write(imu, ns, store.serialize_cdr(message, "sensor_msgs/msg/Imu"))
+            writer.write(imu, ns, serialize(message, "sensor_msgs/msg/Imu"))
             arm = t["sensor_msgs/msg/JointState"](header, ["elbow"], np.array([0.1 * k]), np.array([2.0]), np.zeros(1))
-            writer.write(joints, ns, store.serialize_cdr(arm, "sensor_msgs/msg/JointState"))
-    record = adapters.read_rosbag(tmp_path / "bag", imu="/imu", attitude="/imu", joints="/joints")
+            writer.write(joints, ns, serialize(arm, "sensor_msgs/msg/JointState"))
+    record = adapters.read_rosbag(path, imu="/imu", attitude="/imu", joints="/joints")
     _check(record, samples)
     assert record["elbow_rad"][1][3] == pytest.approx(0.3) and record["elbow_rad_s"][1][3] == 2.0
     with pytest.raises(pn.InputError, match="/imu"):
-        adapters.read_rosbag(tmp_path / "bag", imu="/gyro")
+        adapters.read_rosbag(path, imu="/gyro")
 
 
 def test_exact_mcap(samples, tmp_path):
@@ -95,30 +102,77 @@ def test_exact_mcap(samples, tmp_path):
     _check(adapters.read_mcap(tmp_path / "run.mcap", {"/imu": columns}), samples)
 
 
-def _ulog(samples) -> bytes:
-    """A log as PX4 writes it (ULog file format, version 1): PX4 itself is not on PyPI."""
-
-    def message(kind: bytes, payload: bytes) -> bytes:
-        return struct.pack("<HB", len(payload), kind[0]) + payload
-
-    out = bytes([0x55, 0x4C, 0x6F, 0x67, 0x01, 0x12, 0x35, 0x01]) + struct.pack("<Q", 0)
-    out += message(b"B", bytes(40))
-    out += message(b"F", b"vehicle_angular_velocity:uint64_t timestamp;float[3] xyz;")
-    out += message(b"F", b"vehicle_attitude:uint64_t timestamp;float[4] q;")
-    out += message(b"A", struct.pack("<BH", 0, 0) + b"vehicle_angular_velocity")
-    out += message(b"A", struct.pack("<BH", 0, 1) + b"vehicle_attitude")
-    for k, time in enumerate(samples["time_s"]):
-        us = 5_000_000 + round(time * 1e6)
-        x, y, z, w = samples["q_xyzw"][k]
-        out += message(b"D", struct.pack("<HQ3f", 0, us, *samples["omega_rad_s"][k]))
-        out += message(b"D", struct.pack("<HQ4f", 1, us, w, x, y, z))
-    return out
+# Logs of PX4, published with the reader pyulog under the BSD licence: a flight of 2016, and a simulation of 2021.
+PX4_LOGS = "https://raw.githubusercontent.com/PX4/pyulog/3cf17793f14709713ab297d3743314c658874068/test/"
+PX4_SHA256 = {
+    "sample.ulg": "81952e6059bc095717e7911c010e07f85749d6b04d332a5ffc51575a3fd0a558",
+    "sample_logging_tagged_and_default_params.ulg": "32f564608d46caf5a4cbb1cb0cd0dc839fb9512b06c6d1384fb96ec3d6c9173d",
+}
 
 
-def test_exact_ulog(samples, tmp_path):
+def _px4_log(root, name):
+    """A log of PX4, kept in target/px4 once it has been fetched."""
     pytest.importorskip("pyulog")
-    (tmp_path / "log.ulg").write_bytes(_ulog(samples))
-    _check(adapters.read_ulog(tmp_path / "log.ulg"), samples, tolerance=1e-6)
+    path = root / "target/px4" / name
+    if not path.exists():
+        try:
+            content = urllib.request.urlopen(PX4_LOGS + name, timeout=30).read()
+        except OSError as error:
+            pytest.skip(f"{PX4_LOGS + name} cannot be reached ({error})")
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(content)
+    assert hashlib.sha256(path.read_bytes()).hexdigest() == PX4_SHA256[name]
+    return path
+
+
+def test_xval_attitude_of_a_px4_flight_turns_as_its_gyro(root):
+    """Rates from the attitudes of a flight against the gyro: a wrong order, axis or frame has no correlation."""
+    record = adapters.read_ulog(_px4_log(root, "sample.ulg"))
+    times, rate_times = record["q_x"][0], record["omega_x"][0]
+    assert times.size == 6461 and rate_times.size == 17070
+    q = np.column_stack([record[f"q_{a}"][1] for a in "xyzw"])
+    v, w = q[:, :3], q[:, 3:]
+    turn = w[:-1] * v[1:] - w[1:] * v[:-1] - np.cross(v[:-1], v[1:])
+    rate = 2.0 * turn * np.sign(np.sum(q[1:] * q[:-1], axis=1, keepdims=True)) / np.diff(times)[:, None]
+    gyro = np.column_stack([np.interp(0.5 * (times[1:] + times[:-1]), rate_times, record[f"omega_{a}"][1]) for a in "xyz"])
+    for axis in range(3):
+        assert np.corrcoef(rate[:, axis], gyro[:, axis])[0, 1] > 0.95
+
+
+def test_exact_px4_times_are_those_of_the_measurement(root):
+    """The fields of a newer log, sample by sample."""
+    pyulog = pytest.importorskip("pyulog")
+    path = _px4_log(root, "sample_logging_tagged_and_default_params.ulg")
+    record = adapters.read_ulog(path)
+    data = {d.name: d.data for d in pyulog.ULog(str(path)).data_list if d.multi_id == 0}
+    for topic, channel, field in (("vehicle_angular_velocity", "omega_y", "xyz[1]"), ("vehicle_attitude", "q_w", "q[0]")):
+        time_s, values = record[channel]
+        assert np.abs(time_s - data[topic]["timestamp_sample"] * 1e-6).max() < 1e-9
+        # PX4 normalises in single precision.
+        assert np.abs(values - data[topic][field]).max() < 2 * np.finfo(np.float32).eps
+
+
+@pytest.mark.parametrize(
+    ("package", "read"),
+    [
+        ("scipy.io", lambda path: adapters.read_mat(path, time_s="t")),
+        ("h5py", lambda path: adapters.read_hdf5(path, time_s="t")),
+        ("rosbags.highlevel", lambda path: adapters.read_rosbag(path, imu="/imu")),
+        ("mcap.reader", lambda path: adapters.read_mcap(path, {"/imu": {"omega_x": "x"}})),
+        ("pyulog", adapters.read_ulog),
+        ("mujoco", pn.Model.from_mjcf),
+    ],
+)
+def test_errors_of_readers_of_other_packages(tmp_path, package, read):
+    """A file that is missing, empty or of another kind is an error of Poinsot with its path."""
+    pytest.importorskip(package)
+    for name, content in (("missing.bag", None), ("empty.bag", b""), ("other.bag", b"time_s,omega_x\n0.0,0.1\n" * 50)):
+        path = tmp_path / name
+        if content is not None:
+            path.write_bytes(content)
+        with pytest.raises(pn.InputError) as refused:
+            read(path)
+        assert refused.value.place == str(path) and refused.value.advice, name
 
 
 def test_exact_mrp_and_its_shadow_are_one_attitude():
@@ -203,18 +257,85 @@ XML = """<mujoco><option gravity="0 0 0" timestep="0.002" integrator="RK4"><flag
 </worldbody><actuator><motor joint="shoulder"/><motor joint="elbow"/></actuator></mujoco>"""
 
 
-def test_xval_model_of_mujoco_has_its_mass_matrix():
+# Hinges and slides off the origins of their bodies, several in a body, references, welded bodies, a body without a name, a
+# second object that is no part of the vehicle.
+TREE = """<mujoco model="inspector"><compiler angle="radian"/><worldbody>
+  <body name="debris" pos="9 0 0"><freejoint/><geom size="0.1" mass="3"/></body>
+  <body name="bus"><freejoint/><inertial pos="0.02 -0.01 0.03" mass="60" fullinertia="4 5 6 0.1 0.2 -0.3"/>
+    <body name="mast" pos="0 0 0.4" quat="0.6 0.2 -0.3 0.4"><inertial pos="0 0 0.1" mass="1" fullinertia="0.02 0.02 0.01 0 0 0"/>
+      <body name="gimbal" pos="0.1 0.2 0.3" quat="0.9 0.3 0.1 -0.2">
+        <joint name="pan" axis="0 0 1" pos="0.05 -0.1 0.02" ref="0.4"/>
+        <joint name="reach" type="slide" axis="1 2 0" pos="0.3 0.1 0" ref="-0.2"/>
+        <joint name="tilt" axis="0 1 1" pos="0.02 0.07 -0.03" ref="-0.7"/>
+        <inertial pos="0.4 0.05 0" mass="6" fullinertia="0.1 0.4 0.45 0 0.01 0"/>
+        <body pos="0.8 0 0.1"><joint axis="0 1 0.3" pos="0 0.1 0"/><inertial pos="0.3 0 0" mass="4" fullinertia="0.05 0.2 0.22 0 0 0"/>
+          <body name="camera" pos="0.2 0 0" quat="0 1 0 0"><inertial pos="0 0 0.1" mass="0.5" diaginertia="0.01 0.01 0.01"/></body>
+        </body></body></body>
+    <body name="boom" pos="-0.5 0 0"><joint name="extension" type="slide" axis="-1 0 0" pos="0.1 0 0"/>
+      <inertial pos="-0.4 0 0" mass="2" fullinertia="0.01 0.2 0.2 0 0 0"/></body>
+  </body></worldbody>BELOW</mujoco>"""
+
+
+def test_xval_mjcf_has_mass_centre_and_mass_matrix_of_mujoco(tmp_path):
+    """Total mass, mass centre and joint-space inertia at random configurations."""
     mujoco = pytest.importorskip("mujoco")
-    model = mujoco.MjModel.from_xml_string(XML)
-    vehicle = adapters.model_from_mujoco(model)
-    assert vehicle.bodies == ("bus", "mast", "upper", "lower") and vehicle.coordinates == ("shoulder", "elbow")
-    data = mujoco.MjData(model)
-    data.qpos[7:] = [0.7, -1.1]
-    mujoco.mj_forward(model, data)
-    theirs = np.zeros((model.nv, model.nv))
-    mujoco.mj_fullM(model, theirs, data.qM) if hasattr(data, "qM") else mujoco.mj_fullM(model, data, theirs)
-    ours = pn.dynamics.mass_matrix(vehicle, [0.7, -1.1])
-    assert np.abs(ours - theirs).max() < 1e-9 * np.abs(theirs).max()
+    path = tmp_path / "inspector.xml"
+    path.write_text(TREE.replace("BELOW", ""))
+    vehicle, model = pn.Model.from_mjcf(path, base="bus"), mujoco.MjModel.from_xml_path(str(path))
+    assert vehicle.name == "inspector"
+    assert vehicle.bodies == ("bus", "mast", "gimbal_pan", "gimbal_reach", "gimbal", "body5", "camera", "boom")
+    assert vehicle.coordinates == ("pan", "reach", "tilt", "body5_joint", "extension")
+    assert adapters.model_from_mujoco(model, base="bus").to_dict() == vehicle.to_dict()
+    data, base = mujoco.MjData(model), model.body("bus").id
+    first = int(model.jnt_qposadr[model.body_jntadr[base]])
+    dofs = np.arange(model.nv)[int(model.jnt_dofadr[model.body_jntadr[base]]) :]
+    for q in np.random.default_rng(11).uniform(-2.0, 2.0, (20, len(vehicle.coordinates))):
+        data.qpos[first + 7 :] = q
+        mujoco.mj_forward(model, data)
+        theirs = _mass_matrix(mujoco, model, data)[np.ix_(dofs, dofs)]
+        ours = pn.dynamics.mass_matrix(vehicle, q)
+        assert np.abs(ours - theirs).max() < 1e-12 * np.abs(theirs).max()
+        mass = model.body_subtreemass[base]
+        com = np.array([ours[1, 5], ours[2, 3], ours[0, 4]]) / mass
+        assert abs(ours[0, 0] - mass) < 1e-12 * mass and np.abs(com - data.subtree_com[base]).max() < 1e-12
+
+
+def _mass_matrix(mujoco, model, data):
+    full = np.zeros((model.nv, model.nv))
+    # The arguments changed in MuJoCo 4.
+    mujoco.mj_fullM(model, full, data.qM) if hasattr(data, "qM") else mujoco.mj_fullM(model, data, full)
+    return full
+
+
+EQUALITY = '<equality><joint name="coupling" joint1="pan" joint2="tilt"/></equality>'
+
+
+@pytest.mark.parametrize(
+    ("change", "base", "named"),
+    [
+        (("BELOW", EQUALITY), "bus", "equality 'coupling'.* joint constraint; remove it"),
+        (('name="extension" type="slide" axis="-1 0 0"', 'name="socket" type="ball"'), "bus", "joint 'socket'.*ball joint; replace"),
+        (("", ""), "gimbal", "base 'gimbal'.*not free; add"),
+        (("", ""), "satellite", "base 'satellite'.*use one of debris, bus"),
+        (("<freejoint/>", ""), None, "no body has a free joint; add"),
+        (("</body>", ""), "bus", "E0101 .*inspector.xml: it cannot be read .*; correct the file"),
+    ],
+)
+def test_errors_of_mjcf_name_what_has_no_model(tmp_path, change, base, named):
+    pytest.importorskip("mujoco")
+    path = tmp_path / "inspector.xml"
+    path.write_text(TREE.replace(*change).replace("BELOW", ""))
+    with pytest.raises(pn.InputError, match=named):
+        pn.Model.from_mjcf(path, base=base)
+
+
+def test_exact_mjcf_of_a_robot_on_a_fixed_base_floats_by_name(tmp_path):
+    """An arm for a table: its foot is welded to the world, and named as the base."""
+    pytest.importorskip("mujoco")
+    path = tmp_path / "arm.xml"
+    path.write_text(TREE.replace("<freejoint/>", "").replace("BELOW", EQUALITY.replace("<joint ", '<joint active="false" ')))
+    vehicle = pn.Model.from_mjcf(path, base="bus")
+    assert vehicle.bodies[0] == "bus" and vehicle.check()["mass_kg"] == 73.5
 
 
 def test_xval_robot_of_mujoco_is_identified():

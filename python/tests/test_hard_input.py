@@ -145,6 +145,11 @@ def test_exact_errors_hold_code_place_and_advice(tmp_path):
     with pytest.raises(pn.ResourceError) as refused_write:
         pn.Model.read(STSAT3).write(tmp_path / "file" / "x.toml")
     assert refused_write.value.code and isinstance(refused_write.value, OSError)
+    answer = pn.identify(STSAT3, MULTIAXIS)
+    for write in (answer.to_json, answer.report, lambda path: answer.export("csv", path)):
+        with pytest.raises(pn.ResourceError, match="E0002") as refused_write:
+            write(tmp_path / "file" / "x")
+        assert refused_write.value.place == str(tmp_path / "file" / "x")
     for wrong in ({"name": object()}, {"body": {1: 2}}, {}, {"x": float("nan")}):
         with pytest.raises(pn.InputError):
             pn.Model.from_dict(wrong)

@@ -60,14 +60,11 @@ def test_exact_bits_of_the_command(path, command, tmp_path):
     assert of_bytes.to_json() == written
     record = pn.Telemetry.from_arrays(time_s=_table(path)["time_s"], columns=_table(path) | {"time_s": _table(path)["time_s"]})
     of_arrays, wanted = pn.identify(model, record).to_dict(), json.loads(written)
+    # Records are named by their files.
+    wanted = json.loads(json.dumps(wanted).replace(str(path), "<arrays>"))
     for document in (of_arrays, wanted):
         for entry in document["inputs"]:
-            del entry["path"], entry["sha256"]
-        for entry in document["fit"]:
-            del entry["segment"]
-        # Where a finding stands is said by the name of the file.
-        for key in ("repairs", "warnings", "momentum"):
-            document[key] = json.loads(json.dumps(document[key]).replace(str(path), "<arrays>"))
+            del entry["sha256"]
     of_arrays["repairs"] = [r for r in of_arrays["repairs"] if "checksums" not in r]
     wanted["repairs"] = [r for r in wanted["repairs"] if "checksums" not in r]
     assert of_arrays == wanted
