@@ -26,8 +26,8 @@ pub(crate) const SILENT: f64 = 1.0e-3;
 /// Share of a misfit that known numbers must explain, to first order, before a fit moves them: of another vehicle or another
 /// unit they explain little.
 const EXPLAINED: f64 = 0.5;
-/// Most iterations with known numbers among the unknowns.
-const TRIED: usize = 30;
+/// Most iterations with known numbers among the unknowns: where they are within a few sigmas, six are enough.
+const TRIED: usize = 12;
 /// Fall of chi-square that a full step may still promise where the columns are differences.
 const CONVERGED_BELOW_BY_DIFFERENCES: f64 = 1.0e-3;
 
