@@ -43,6 +43,8 @@ const UNEXPLAINED: f64 = 0.01;
 /// Rotation per sample, rad, above which a fit is slow, and above which it takes minutes.
 const FAST: f64 = 0.03;
 const FAR: f64 = 0.3;
+/// Share of a record that another reading of it must fit before the whole is tried.
+const BEGINNING: f64 = 0.125;
 /// Tolerance of the mean factor, relative.
 const MEAN: f64 = 0.15;
 /// Tolerance of the factor of one axis about the mean, relative.
@@ -105,7 +107,11 @@ pub(crate) fn rates(problem: &Problem, tables: &[Table], estimate: &Estimate) ->
         all.rotate_left(ORDERS.len());
     }
     let mut all = all.into_iter();
-    let (_, words) = all.find(|(other, _)| fits(problem, other).unwrap_or(false))?;
+    let explained = |other: &[Table]| {
+        let begins = left(problem, &beginning(other)).is_none_or(|left| left < FITS);
+        begins && fits(problem, other).unwrap_or(false)
+    };
+    let (_, words) = all.find(|(other, _)| explained(other))?;
     let text = format!("the data contradict the model; they fit with {words}");
     Some(finding(Check::Units, "omega", text))
 }
@@ -189,9 +195,27 @@ fn scaled(tables: &[Table], factor: f64) -> Vec<Table> {
     all
 }
 
-/// Whether the model explains these tables: chi-square is small, also compared with that of the rates themselves.
-/// Rates below the declared noise fit any model. `None` if the problem is invalid.
-fn fits(problem: &Problem, tables: &[Table]) -> Option<bool> {
+/// The first samples of every column.
+fn beginning(tables: &[Table]) -> Vec<Table> {
+    let mut all = tables.to_vec();
+    for channel in all.iter_mut().flat_map(|t| &mut t.channels) {
+        let (Some(first), Some(last)) = (channel.time_s.first(), channel.time_s.last()) else {
+            continue;
+        };
+        let end = first + BEGINNING * (last - first);
+        let kept = channel.time_s.partition_point(|t| *t <= end);
+        channel.values.truncate(kept);
+        channel.time_s = channel.time_s.iter().copied().take(kept).collect();
+    }
+    all
+}
+
+/// A fit to these tables. `None` if the problem is invalid.
+fn fit<T>(
+    problem: &Problem,
+    tables: &[Table],
+    ask: impl FnOnce(&Problem, &Estimate) -> Option<T>,
+) -> Option<T> {
     let bound = bind(problem.model, problem.tree, tables).ok()?;
     let other = Problem {
         segments: &bound.segments,
@@ -202,13 +226,30 @@ fn fits(problem: &Problem, tables: &[Table]) -> Option<bool> {
         undiagnosed: true,
         ..FitOptions::default()
     };
-    let found = maximum_likelihood_with(&other, options).ok()?;
-    let answered = matches!(found.status, Status::Converged | Status::Partial);
-    let mut asked = found.bodies.iter().filter(|b| b.asked);
-    let determined = asked.any(|b| b.inertia.iter().any(|n| n.value.is_some()));
-    let left = found.fit.iter().map(|f| f.chi2_per_dof).fold(0.0, f64::max);
-    let explained = left < UNEXPLAINED * rates_over_noise(&other)?;
-    Some(answered && determined && left < FITS && explained)
+    ask(&other, &maximum_likelihood_with(&other, options).ok()?)
+}
+
+/// Largest chi-square per degree of freedom of a segment.
+fn largest(found: &Estimate) -> f64 {
+    found.fit.iter().map(|f| f.chi2_per_dof).fold(0.0, f64::max)
+}
+
+/// What a fit to these tables leaves.
+fn left(problem: &Problem, tables: &[Table]) -> Option<f64> {
+    fit(problem, tables, |_, found| Some(largest(found)))
+}
+
+/// Whether the model explains these tables: chi-square is small, also compared with that of the rates themselves.
+/// Rates below the declared noise fit any model. `None` if the problem is invalid.
+fn fits(problem: &Problem, tables: &[Table]) -> Option<bool> {
+    fit(problem, tables, |other, found| {
+        let answered = matches!(found.status, Status::Converged | Status::Partial);
+        let mut asked = found.bodies.iter().filter(|b| b.asked);
+        let determined = asked.any(|b| b.inertia.iter().any(|n| n.value.is_some()));
+        let left = largest(found);
+        let explained = left < UNEXPLAINED * rates_over_noise(other)?;
+        Some(answered && determined && left < FITS && explained)
+    })
 }
 
 /// Mean square of the body rates relative to their noise variance, per number.

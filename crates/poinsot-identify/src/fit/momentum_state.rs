@@ -44,7 +44,7 @@ pub(crate) fn fit(
             if let Some(found) = back.filter(|f| f.converged) {
                 return Ok(found);
             }
-        } else if found.crept && bodies.contain(&found.at.x) {
+        } else if found.crept {
             // The limit is not the reason for the missing convergence.
             return Ok(found);
         }
