@@ -17,7 +17,7 @@ use poinsot_formats::{
 };
 use serde::Serialize;
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Largest plan file, bytes.
 const LARGEST: u64 = 16 << 20;
@@ -71,6 +71,8 @@ pub struct Plan {
     pub trials: u64,
     /// Trials of one shard.
     pub block: u64,
+    /// Folder from which the plan names its files.
+    pub folder: PathBuf,
     pub(crate) experiments: Vec<Experiment>,
     pub(crate) methods: Vec<MethodChoice>,
     pub(crate) grid: Vec<GridAxis>,
@@ -160,6 +162,7 @@ fn plan_of(file: PlanFile, mut text: PlanText) -> Result<Plan, Error> {
         digest: digest(&file, &experiments),
         trials,
         block,
+        folder,
         file,
         experiments,
         methods,
@@ -491,6 +494,12 @@ impl Plan {
         }
         self.trials = trials.clamp(1, MOST_TRIALS);
         Ok(())
+    }
+
+    /// Every file that the plan names, and the files that those name.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        let paths = self.experiments.iter().flat_map(|e| &e.paths);
+        paths.map(PathBuf::as_path)
     }
 
     /// Experiments times points of the grid.

@@ -43,10 +43,8 @@ fn plan(text: &str) -> Plan {
 fn request(out: &Path, resume: bool) -> CampaignRequest<'static> {
     CampaignRequest {
         out: out.to_owned(),
-        share: None,
         resume,
-        until: None,
-        follow: None,
+        ..CampaignRequest::default()
     }
 }
 
