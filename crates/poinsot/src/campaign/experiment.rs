@@ -204,6 +204,12 @@ impl Experiment {
         asked.flat_map(of).collect()
     }
 
+    /// Mass properties of the first body.
+    pub fn first(&self) -> Vec<String> {
+        let first = self.bodies.first();
+        first.map_or_else(Vec::new, |b| mass_names(&b.name))
+    }
+
     /// The repeatable experiment.
     ///
     /// # Errors

@@ -129,6 +129,7 @@ pub fn made_plan(file: PlanFile, folder: &Path) -> Result<Plan, Error> {
 
 fn plan_of(file: PlanFile, mut text: PlanText) -> Result<Plan, Error> {
     check_counts(&file, &mut text);
+    check_kernels(&file, &mut text);
     let methods = MethodChoice::all(&file.method, &mut text);
     let sampling = sampling(&file, &mut text);
     let (mut grid, mut sampled) = (Vec::new(), Vec::new());
@@ -190,6 +191,17 @@ fn plan_of(file: PlanFile, mut text: PlanText) -> Result<Plan, Error> {
         }
     }
     Ok(plan)
+}
+
+fn check_kernels(file: &PlanFile, text: &mut PlanText) {
+    let own_truth = !file.draw.is_empty() || file.sampling.is_some();
+    for (k, _) in file.method.iter().enumerate().filter(|(_, m)| m.kernel) {
+        if own_truth {
+            let what = "a kernel repeats the same true numbers, and this plan draws them";
+            let at = k.to_string();
+            text.refuse("E0541", &["method", &at, "kernel"], what, "take it out");
+        }
+    }
 }
 
 fn check_counts(file: &PlanFile, text: &mut PlanText) {
