@@ -7,6 +7,7 @@ use crate::digest::sha256;
 use crate::error::Error;
 use crate::trials::{Answer, Sums, TrialNumber};
 use poinsot_files::{InputError, Stage, read_text};
+use poinsot_formats::finite;
 use poinsot_telemetry::{ROWS_EXTENSION, RowCells, RowColumn, write_rows};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
@@ -258,7 +259,7 @@ fn rows(plan: &Plan, shard: &Shard, done: &[Done]) -> Vec<RowColumn> {
             answer(d, m).map(|a| a.iterations as f64)
         }),
         number("chi2_per_dof".to_owned(), &|d, m| {
-            answer(d, m).map(|a| a.chi2_per_dof)
+            answer(d, m).and_then(|a| finite(a.chi2_per_dof))
         }),
         number("nees".to_owned(), &|d, m| answer(d, m)?.nees.map(|n| n.0)),
         number("nees_dof".to_owned(), &|d, m| {
