@@ -27,6 +27,7 @@ pub(crate) use steps::{Fineness, Grid, Steps};
 pub(crate) use variation::{Matrix6x12, pose_change};
 pub(crate) use vehicle::{Running, Vehicle, parabola_slope, slope_weights, tilted};
 
+use crate::problem::parameters::UnknownKind;
 use crate::problem::segment::{Observations, Segment};
 use chord::{Chord, ColumnChord};
 use grid::{TURN, gyration};
@@ -382,12 +383,15 @@ impl<'a> Motion<'a> {
             .map(|&(at, declared)| {
                 let thruster = &self.vehicle.thrusters[at];
                 let R_BT = &kinematics.R[thruster.body];
-                let unit_B = R_BT * thruster.direction_B * declared;
                 let p_BoT_B = kinematics.p[thruster.body] + R_BT * thruster.p_BoT_B;
+                let thrust = declared * self.vehicle.thrust_factor[at];
                 Force {
                     thruster: at,
-                    F_B: unit_B * self.vehicle.thrust_factor[at],
-                    per_scale_B: unit_B,
+                    R_BT: *R_BT,
+                    thrust,
+                    declared,
+                    direction_T: thruster.direction_B,
+                    F_B: R_BT * thruster.direction_B * thrust,
                     arm_B: p_BoT_B - centre.c,
                 }
             })
@@ -411,9 +415,32 @@ impl<'a> Motion<'a> {
 /// One thruster at one instant, in B; the arm is from the system's mass centre.
 struct Force {
     thruster: usize,
+    /// Axes of the body that holds it.
+    R_BT: Matrix3,
+    thrust: f64,
+    /// Thrust before its factor.
+    declared: f64,
+    direction_T: Vector3,
     F_B: Vector3,
-    per_scale_B: Vector3,
     arm_B: Vector3,
+}
+
+impl Force {
+    /// Change of the force and of its torque about the mass centre with an unknown of the thruster.
+    fn change(&self, kind: &UnknownKind) -> (Vector3, Vector3) {
+        let none = Vector3::zeros();
+        let (dF, dp) = match kind {
+            kind if kind.thruster() != Some(self.thruster) => (none, none),
+            UnknownKind::ThrusterScale(_) => (self.R_BT * self.direction_T * self.declared, none),
+            UnknownKind::ThrusterPlace {
+                direction_B,
+                p_BoT_B,
+                ..
+            } => (self.R_BT * direction_B * self.thrust, self.R_BT * p_BoT_B),
+            _ => (none, none),
+        };
+        (dF, self.arm_B.cross(&dF) + dp.cross(&self.F_B))
+    }
 }
 
 /// Rate that an angular momentum along a direction gives, linear momentum held.

@@ -10,6 +10,9 @@ const LEAST_GAIN: f64 = 1.0e-3;
 const LARGEST_ACCELERATION_RATIO: f64 = 0.25;
 /// Largest number of attempts to find a step.
 const ATTEMPTS: usize = 30;
+/// Full steps in a row that may raise the cost, while the model at the end of each promises that the next makes up for it
+/// (a watchdog: Chamberlain et al. 1982). Along a narrow curved valley full steps leave it and come back.
+const AHEAD: usize = 3;
 /// Relative difference of predicted reductions below which two steps are equal.
 const SAME: f64 = 1.0e-12;
 /// Iterations before the convergence rate is estimated.
@@ -203,17 +206,41 @@ fn attempt<P: LeastSquares>(
     damping: f64,
 ) -> Option<(P::Iterate, Linearised<P::Rows>, f64)> {
     if damping == 0.0 {
-        // A full step is rarely rejected, so its linearisation is computed together with its cost.
-        let there = problem.linearise(&step.to)?;
-        let gain = (here.cost - there.cost + here.slack) / (step.predicted_reduction + here.slack);
-        let believed = step.acceleration_ratio <= LARGEST_ACCELERATION_RATIO && gain >= LEAST_GAIN;
-        return believed.then_some((step.to, there, gain));
+        return full_steps(problem, here, step);
     }
     let cost = problem.cost(&step.to)?;
     let gain = (here.cost - cost + here.slack) / (step.predicted_reduction + here.slack);
     let believed = step.acceleration_ratio <= LARGEST_ACCELERATION_RATIO && gain >= LEAST_GAIN;
     let there = believed.then(|| problem.linearise(&step.to)).flatten()?;
     Some((step.to, there, gain))
+}
+
+/// The full step, or the first of a few in a row that lowers the cost enough.
+fn full_steps<P: LeastSquares>(
+    problem: &P,
+    here: &Linearised<P::Rows>,
+    step: Step<P::Iterate>,
+) -> Option<(P::Iterate, Linearised<P::Rows>, f64)> {
+    let wanted = step.predicted_reduction + here.slack;
+    let gain = |cost: f64| (here.cost - cost + here.slack) / wanted;
+    let mut step = step;
+    for _ in 0..=AHEAD {
+        if step.acceleration_ratio > LARGEST_ACCELERATION_RATIO {
+            return None;
+        }
+        // A full step is rarely rejected, so its linearisation is computed together with its cost.
+        let there = problem.linearise(&step.to)?;
+        if gain(there.cost) >= LEAST_GAIN {
+            let gain = gain(there.cost);
+            return Some((step.to, there, gain));
+        }
+        let promised = gain(there.cost - there.predicted_reduction) >= LEAST_GAIN;
+        if !promised {
+            return None;
+        }
+        step = problem.step(&step.to, &there, 0.0);
+    }
+    None
 }
 
 #[cfg(test)]
@@ -292,6 +319,60 @@ mod tests {
         // 0.8^(2 * 42) < 1e-8: it converges.
         let (steady, _) = minimum(0.8, true);
         assert_eq!((steady.end, steady.iterations), (End::Converged, 42));
+    }
+
+    /// Residuals `steep (y - x^2)` and `1 - x`: a full step from the valley's floor raises the cost `steep^2` times, the next
+    /// one ends at the minimum (Rosenbrock 1960, steeper).
+    struct Valley {
+        steep: f64,
+    }
+
+    impl LeastSquares for Valley {
+        type Iterate = [f64; 2];
+        type Rows = ();
+
+        fn cost(&self, [x, y]: &[f64; 2]) -> Option<f64> {
+            Some((self.steep * (y - x * x)).powi(2) + (1.0 - x).powi(2))
+        }
+
+        fn linearise(&self, at: &[f64; 2]) -> Option<Linearised<()>> {
+            let cost = self.cost(at)?;
+            Some(Linearised {
+                cost,
+                round_off: 1.0e-12,
+                slack: 1.0e-12,
+                predicted_reduction: cost,
+                smallest_singular_value: 1.0,
+                rows: (),
+            })
+        }
+
+        fn converged(&self, _: &[f64; 2], here: &Linearised<()>) -> bool {
+            here.predicted_reduction < SETTLED
+        }
+
+        fn step(&self, [x, _]: &[f64; 2], here: &Linearised<()>, damping: f64) -> Step<[f64; 2]> {
+            // Both residuals vanish after the full step, to first order; damping shortens it along the floor.
+            let dx = (1.0 - x) / (1.0 + damping);
+            Step {
+                to: [x + dx, x * x + 2.0 * x * dx],
+                predicted_reduction: here.cost,
+                acceleration_ratio: 0.0,
+            }
+        }
+    }
+
+    #[test]
+    fn exact_full_steps_cross_a_curved_valley() {
+        let valley = Valley { steep: 1.0e4 };
+        let start = [-1.0, 1.0];
+        let Some(here) = valley.linearise(&start) else {
+            panic!("the valley has a cost everywhere");
+        };
+        let minimum = levenberg_marquardt(&valley, start, here, 60);
+        assert_eq!((minimum.end, minimum.iterations), (End::Converged, 1));
+        let [x, y] = minimum.at;
+        assert!((x - 1.0).abs() + (y - 1.0).abs() < 1.0e-12);
     }
 
     #[test]

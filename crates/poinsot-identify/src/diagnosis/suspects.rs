@@ -66,19 +66,23 @@ pub(super) fn suspects(
     significant(&mut list);
     rank(&mut list, of);
     if of.misfit && of.affordable {
-        let mut tried = 0;
-        for one in &mut list {
-            let Some(candidate) = one.at.map(|at| &candidates[at]) else {
-                continue;
-            };
-            // An early sensor may mean a late input, so that is always tested.
-            if tried >= FITTED && !candidate.delays_inputs() {
-                continue;
-            }
-            tried += 1;
+        let fit = |one: &mut Scored, candidate: &Candidate| {
             if let Some((decrease, values)) = in_earnest(experiment, fitted, candidate) {
                 one.suspect = suspect(candidate, decrease, &values);
             }
+        };
+        let candidate = |one: &Scored| one.at.map(|at| &candidates[at]);
+        let mut of_columns = list
+            .iter_mut()
+            .filter_map(|one| Some((candidate(one)?, one)));
+        let mut early = false;
+        for (candidate, one) in of_columns.by_ref().take(FITTED) {
+            fit(one, candidate);
+            early |= one.early_s() > 0.0;
+        }
+        // An early sensor may mean a late input.
+        for (candidate, one) in of_columns.filter(|(c, _)| early && c.delays_inputs()) {
+            fit(one, candidate);
         }
         significant(&mut list);
         rank(&mut list, of);

@@ -11,9 +11,7 @@ mod effects;
 pub(crate) use effects::Effects;
 
 use crate::fit::degrees_of_freedom::{MISFIT, fitted_numbers, known_covariance};
-use crate::fit::experiment::{
-    DIFFERENCE, Experiment, Iterate, KeptColumns, body_slopes, drop_old_columns, slopes,
-};
+use crate::fit::experiment::{DIFFERENCE, Experiment, Iterate, KeptColumns, body_slopes, slopes};
 use crate::fit::{Fitted, fit_from};
 use crate::likelihood::KnownColumns;
 use crate::problem::Problem;
@@ -28,10 +26,8 @@ pub(crate) const SILENT: f64 = 1.0e-3;
 /// Share of a misfit that known numbers must explain, to first order, before a fit moves them: of another vehicle or another
 /// unit they explain little.
 const EXPLAINED: f64 = 0.5;
-/// Most iterations with known numbers among the unknowns.
-const TRIED: usize = 30;
-/// Most fits on from columns made anew: each moves the answer by a hundredth of the last one.
-const RENEWED: usize = 3;
+/// Most iterations with known numbers among the unknowns: where they are within a few sigmas, six are enough.
+const TRIED: usize = 12;
 /// Fall of chi-square that a full step may still promise where the columns are differences.
 const CONVERGED_BELOW_BY_DIFFERENCES: f64 = 1.0e-3;
 
@@ -58,9 +54,6 @@ impl KnownFit {
 
 /// Fits on with the known numbers within their uncertainty; `None` where all of them are exact, or nothing depends on them.
 pub(crate) fn fit_known(experiment: &Experiment, fitted: &Fitted) -> Option<KnownFit> {
-    if !fitted.converged {
-        return None;
-    }
     let problem = experiment.problem;
     let all = unknowns(problem.model);
     let (all, columns) = shown(experiment, &fitted.at, all)?;
@@ -74,12 +67,15 @@ pub(crate) fn fit_known(experiment: &Experiment, fitted: &Fitted) -> Option<Know
     let hopeless = chi2 > MISFIT * dof && predicted_reduction(&start) < EXPLAINED * (chi2 - dof);
     let found = match hopeless {
         true => start.clone(),
-        false => settled(&wide, first)?,
+        false => fit_from(&wide, first, TRIED)?,
     };
     let done = found.converged || predicted_reduction(&found) < CONVERGED_BELOW_BY_DIFFERENCES;
     let (worst, per_number) = contradicted(&wide, &found);
     // A misfit beyond the uncertainty of known numbers needs another cause.
     let left = hopeless || per_number > MISFIT && (worst.is_some() || !done);
+    if left && !fitted.converged {
+        return None;
+    }
     let fitted = match left {
         true => Fitted {
             converged: true,
@@ -98,18 +94,6 @@ pub(crate) fn fit_known(experiment: &Experiment, fitted: &Fitted) -> Option<Know
         contradiction: worst.filter(|_| !left && done),
         parameters,
     })
-}
-
-/// A fit that ends on columns made where it ends.
-fn settled(experiment: &Experiment, from: Iterate) -> Option<Fitted> {
-    let mut found = fit_from(experiment, from, TRIED)?;
-    for _ in 0..RENEWED {
-        if !found.converged || !drop_old_columns(experiment, &found.at) {
-            break;
-        }
-        found = fit_from(experiment, found.at, TRIED)?;
-    }
-    Some(found)
 }
 
 /// Chi-square, and its degrees of freedom.

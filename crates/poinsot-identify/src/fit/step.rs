@@ -4,7 +4,7 @@
 //! directions do not move.
 
 use crate::fit::coordinates::{Coordinates, PhysicalBodies};
-use crate::fit::experiment::{Experiment, Iterate};
+use crate::fit::experiment::{Experiment, Iterate, drop_old_columns};
 use crate::fit::triangle::{SharedTriangle, conditional_estimate};
 use crate::likelihood::Evaluated;
 use crate::problem::ProblemError;
@@ -16,6 +16,9 @@ use poinsot_spatial::Vector3;
 pub(crate) const ITERATIONS: usize = 60;
 /// Converged when the next step would reduce chi-square by less than this: steps of a ten-thousandth of a sigma.
 const CONVERGED_BELOW: f64 = 1.0e-8;
+/// Fall of chi-square by a full step below which columns of known numbers are made where they are used: a step of one
+/// sigma, with columns older than it, may lead away from the answer.
+const NEAR: f64 = 1.0;
 /// Share of chi-square by which two evaluations may differ.
 const ROUND_OFF: f64 = 1.0e-12;
 /// Allowed increase of the cost over a step if input noise makes the covariance depend on the unknowns. The
@@ -76,8 +79,10 @@ impl LeastSquares for Experiment<'_> {
     }
 
     fn linearise(&self, at: &Iterate) -> Option<Linearised<Linearisation>> {
-        let evaluated = self.evaluate(at, true)?;
-        linearised(self, at, evaluated).ok()
+        let linearised = || linearised(self, at, self.evaluate(at, true)?).ok();
+        let here = linearised()?;
+        let renewed = here.predicted_reduction < NEAR && drop_old_columns(self, at);
+        if renewed { linearised() } else { Some(here) }
     }
 
     fn converged(&self, at: &Iterate, here: &Linearised<Linearisation>) -> bool {

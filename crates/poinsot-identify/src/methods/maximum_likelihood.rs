@@ -96,7 +96,7 @@ pub(crate) fn solve(problem: &Problem, options: FitOptions) -> Result<FinishedFi
     let mut assumptions = Vec::new();
     let mut shift = 0.0;
     if !problem.model.wheels.is_empty() {
-        let between = choose_wheel_interpolation(&mut experiment, start.as_ref(), fitted);
+        let between = choose_wheel_interpolation(&mut experiment, fitted);
         fitted = between.fitted;
         shift = between.shift;
         assumptions.push(
@@ -230,14 +230,10 @@ struct WheelInterpolation {
 
 /// Wheel speed between samples is linear (constant torque) or smooth: the data decide. The difference of both answers
 /// shows whether the wheels are sampled often enough.
-fn choose_wheel_interpolation(
-    experiment: &mut Experiment,
-    linear: Option<&Iterate>,
-    held: Fitted,
-) -> WheelInterpolation {
+fn choose_wheel_interpolation(experiment: &mut Experiment, held: Fitted) -> WheelInterpolation {
     let cost = experiment.cost_of(&held);
     experiment.wheels_smooth = true;
-    let (smooth, shift) = smooth_wheel_fit(experiment, linear, &held, cost);
+    let (smooth, shift) = smooth_wheel_fit(experiment, &held, cost);
     match smooth {
         Some(fitted) => {
             experiment.wheels_smooth = false;
@@ -281,23 +277,17 @@ fn sparse_wheel_shift(experiment: &Experiment, fitted: &Fitted) -> f64 {
     here.map_or(0.0, |here| here.rows.mass_shift())
 }
 
-/// The fit with smooth wheel speeds, where it is better than the other; and the length of its first step. From a
-/// converged other fit, one linearisation shows whether this one can be better.
-fn smooth_wheel_fit(
-    experiment: &Experiment,
-    linear: Option<&Iterate>,
-    other: &Fitted,
-    held: f64,
-) -> (Option<Fitted>, f64) {
+/// The fit with smooth wheel speeds, where it is better than the other; and the length of its first step. One linearisation
+/// at the end of the other shows whether this one can be better.
+fn smooth_wheel_fit(experiment: &Experiment, other: &Fitted, held: f64) -> (Option<Fitted>, f64) {
     let better = |found: &Fitted| experiment.cost_of(found) < held;
-    if !other.converged {
-        let found = fit(experiment, linear, ITERATIONS).ok();
-        return (found.filter(better), 0.0);
-    }
     let Some(here) = experiment.linearise(&other.at) else {
         return (None, 0.0);
     };
-    let shift = here.rows.mass_shift();
+    let shift = match other.converged {
+        true => here.rows.mass_shift(),
+        false => 0.0,
+    };
     let promising = here.cost - here.predicted_reduction < held;
     let found = promising.then(|| fit_on(experiment, other.at.clone(), here, ITERATIONS));
     (found.flatten().filter(better), shift)

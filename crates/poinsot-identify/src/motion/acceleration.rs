@@ -229,12 +229,10 @@ impl Motion<'_> {
             j.checked_sub(self.initial_columns),
         );
         let mut wrench = stack(&Vector3::zeros(), &torque);
-        if let Some(UnknownKind::ThrusterScale(at)) = kind {
+        if let Some(kind) = kind.filter(|k| k.thruster().is_some()) {
             for f in self.forces(&inputs.thrust, &instant.centre) {
-                if f.thruster == *at {
-                    let arm = f.arm_B + instant.centre.c;
-                    wrench += stack(&f.per_scale_B, &arm.cross(&f.per_scale_B));
-                }
+                let (dF, dT) = f.change(kind);
+                wrench += stack(&dF, &(dT + instant.centre.c.cross(&dF)));
             }
         }
         let mut own = slopes.balance * lower(twist);

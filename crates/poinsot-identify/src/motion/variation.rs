@@ -371,10 +371,9 @@ impl Motion<'_> {
             let mut dT = self.environment_torque_change(state, centre, (w, &dw), &still, Some(u));
             for force in &forces {
                 dT -= self.mass_centre_change(u, centre).cross(&force.F_B);
-                if *kind == UnknownKind::ThrusterScale(force.thruster) {
-                    dF += force.per_scale_B;
-                    dT += force.arm_B.cross(&force.per_scale_B);
-                }
+                let change = force.change(kind);
+                dF += change.0;
+                dT += change.1;
             }
             for change in outside.iter().filter(|c| c.unknown == u) {
                 dF += change.F_B;

@@ -187,6 +187,13 @@ impl PredictedExperiment {
             }
             KnownNumber::WheelAxis(k) => (UnknownKind::WheelTilt(k, component), 0.0),
             KnownNumber::Force(k) => (UnknownKind::ThrusterScale(k), 0.0),
+            KnownNumber::ForceDirection(k) | KnownNumber::ForcePosition(k) => {
+                let model = self.problem(experiment.problem).model;
+                (
+                    thruster_slopes((model, experiment.problem.model), k, shift)?,
+                    0.0,
+                )
+            }
             _ => return None,
         };
         Some(Unknown {
@@ -270,6 +277,26 @@ pub(crate) fn slope(
     let segment =
         |(a, b): (&Evaluated, &Evaluated)| a.channels.iter().zip(&b.channels).map(sensor).collect();
     here.iter().zip(there).map(segment).collect()
+}
+
+/// How a known number moves a thruster. Turns are about directions of the `nominal` vehicle.
+fn thruster_slopes(
+    (model, nominal): (&Model, &Model),
+    thruster: usize,
+    (number, component, step): Shift,
+) -> Option<UnknownKind> {
+    let moved = |change: f64| {
+        let mut there = model.clone();
+        number.shift(nominal, &mut there, component, change);
+        let t = there.thrusters.get(thruster)?;
+        Some((t.direction_B, t.p_BoT_B))
+    };
+    let (behind, ahead) = (moved(-step)?, moved(step)?);
+    Some(UnknownKind::ThrusterPlace {
+        thruster,
+        direction_B: (ahead.0 - behind.0) / (2.0 * step),
+        p_BoT_B: (ahead.1 - behind.1) / (2.0 * step),
+    })
 }
 
 /// Slopes of the barycentric parameters over a known number, at a value of the unknowns: index `10 body + k` and slope. Turns

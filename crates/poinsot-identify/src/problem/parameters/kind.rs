@@ -2,6 +2,7 @@
 
 use poinsot_dynamics::SensorError;
 use poinsot_model::KnownNumber;
+use poinsot_spatial::Vector3;
 
 /// What an unknown is.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,6 +17,15 @@ pub enum UnknownKind {
     SpinInertia(usize),
     /// Factor of a thruster, less one.
     ThrusterScale(usize),
+    /// Direction and position of a thruster, with their slopes in the axes of its body. Tested only.
+    ThrusterPlace {
+        /// Index in the model's thrusters.
+        thruster: usize,
+        /// Slope of the unit direction.
+        direction_B: Vector3,
+        /// Slope of the position, m.
+        p_BoT_B: Vector3,
+    },
     /// An error of a sensor with three axes.
     Sensor {
         /// Index in the model's sensors.
@@ -70,7 +80,8 @@ impl UnknownKind {
     pub fn is_nuisance(&self) -> bool {
         matches!(
             self,
-            Self::Sensor { .. }
+            Self::ThrusterPlace { .. }
+                | Self::Sensor { .. }
                 | Self::DisturbanceTorque(_)
                 | Self::InertialTorque(_)
                 | Self::DragTorque(_)
@@ -95,6 +106,14 @@ impl UnknownKind {
         }
     }
 
+    /// The thruster whose force or place it changes.
+    pub(crate) fn thruster(&self) -> Option<usize> {
+        match self {
+            Self::ThrusterScale(thruster) | Self::ThrusterPlace { thruster, .. } => Some(*thruster),
+            _ => None,
+        }
+    }
+
     /// Whether it is a force or torque from outside.
     pub(crate) fn is_external_wrench(&self) -> bool {
         matches!(
@@ -112,7 +131,11 @@ impl UnknownKind {
     pub(crate) fn is_only_tested(&self) -> bool {
         matches!(
             self,
-            Self::InertialForce(_) | Self::GravityGradient(_) | Self::Tide(_) | Self::Changed
+            Self::ThrusterPlace { .. }
+                | Self::InertialForce(_)
+                | Self::GravityGradient(_)
+                | Self::Tide(_)
+                | Self::Changed
         )
     }
 
