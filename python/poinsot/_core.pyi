@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 __all__ = [
     "Answer",
     "Model",
+    "Plan",
     "Problem",
     "Record",
     "after_fork",
-    "campaign",
     "command",
     "compare",
     "design",
@@ -29,7 +29,6 @@ __all__ = [
     "predict",
     "simulate",
     "study",
-    "sweep",
     "units",
     "validate",
     "version",
@@ -113,6 +112,36 @@ class Problem:
     def repairs(self) -> list[str]: ...
     def evaluate(self, theta: _Array) -> dict[str, Any]: ...
 
+@final
+class Plan:
+    @staticmethod
+    def read(path: _Path, trials: int | None = None) -> Plan: ...
+    @staticmethod
+    def of_sweep(
+        case: _Path,
+        vary: Sequence[str],
+        methods: Sequence[str],
+        settings: Sequence[str],
+        trials: int,
+        model: _Path | None = None,
+        seed: int | None = None,
+    ) -> Plan: ...
+    @property
+    def digest(self) -> str: ...
+    @property
+    def trials(self) -> int: ...
+    def text(self) -> str: ...
+    def files(self) -> tuple[_Path, list[_Path]]: ...
+    def run(self, out: _Path, shards: Sequence[int], threads: int | None = None, progress: _Progress = None) -> None: ...
+    def campaign(
+        self,
+        out: _Path | None = None,
+        resume: bool = False,
+        until: float | None = None,
+        engine: Callable[[list[int]], None] | None = None,
+        progress: _Progress = None,
+    ) -> tuple[str, str, int]: ...
+
 def identify(model: Model, records: Sequence[Record], options: dict[str, Any], progress: _Progress = None) -> Answer: ...
 def inspect(
     paths: Sequence[_Path],
@@ -140,26 +169,6 @@ def validate(
 ) -> tuple[str, str, int]: ...
 def design(
     case: _Path, out: _Path | None = None, minutes: float | None = None, verify: int = 0, progress: _Progress = None
-) -> tuple[str, str, int]: ...
-def campaign(
-    plan: _Path,
-    out: _Path | None = None,
-    trials: int | None = None,
-    resume: bool = False,
-    until: float | None = None,
-    progress: _Progress = None,
-) -> tuple[str, str, int]: ...
-def sweep(
-    case: _Path,
-    vary: Sequence[str],
-    methods: Sequence[str],
-    settings: Sequence[str],
-    trials: int,
-    model: _Path | None = None,
-    seed: int | None = None,
-    out: _Path | None = None,
-    resume: bool = False,
-    progress: _Progress = None,
 ) -> tuple[str, str, int]: ...
 def study(paper: str, name: str, examples: _Path, progress: _Progress = None) -> tuple[str, str, int]: ...
 def compare(answers: Sequence[Answer | _Path]) -> tuple[str, str, int]: ...

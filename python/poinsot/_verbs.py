@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from importlib import import_module
 from typing import Any, TypeAlias
 
-from . import _core
+from . import _cluster, _core
 from ._answer import Answer
 from ._errors import InputError
 from ._model import Model
@@ -351,22 +351,26 @@ def campaign(
     trials: int | None = None,
     resume: bool = False,
     until: float | None = None,
+    client: Any = None,
     progress: Progress = None,
 ) -> Document:
-    """Run the simulated trials of a plan on all cores of this machine and return their statistics.
+    """Run the simulated trials of a plan, on all cores of this machine or on a cluster, and return their statistics.
 
     Parameters
     ----------
     plan
         Plan file (TOML, ``poinsot.plan/1``).
     out
-        Folder for shards, ``campaign.json`` and ``campaign.html``; in memory without.
+        Folder for shards, ``campaign.json`` and ``campaign.html``; in memory without. A URL as ``s3://bucket/run`` is
+        a folder of an object store (fsspec).
     trials
         Trials of each experiment, in place of the number in the plan.
     resume
         Run the shards that are missing in ``out``.
     until
         Stop when no confidence interval of coverage is wider than twice this share; needs ``out``.
+    client
+        Client of Dask (``dask.distributed.Client``) whose workers run the shards. The result has the same bits.
     progress
         As of :func:`identify`.
 
@@ -379,7 +383,14 @@ def campaign(
     """
     if until is not None and out is None:
         raise InputError("E0001 until: it needs a folder for the shards; give out=")
-    return Document(*_core.campaign(plan, out, trials, resume, until, _reporter(progress)))
+    return _campaign(_core.Plan.read(plan, trials), out, resume, until, client, progress)
+
+
+def _campaign(
+    plan: _core.Plan, out: PathLike | None, resume: bool, until: float | None, client: Any, progress: Progress
+) -> Document:
+    place = None if out is None else os.fspath(out)
+    return Document(*_cluster.campaign(plan, place, resume, until, client, _reporter(progress)))
 
 
 def sweep(
@@ -393,6 +404,7 @@ def sweep(
     seed: int | None = None,
     out: PathLike | None = None,
     resume: bool = False,
+    client: Any = None,
     progress: Progress = None,
 ) -> Document:
     """Repeat simulated trials of one case over numbers that vary, with one or several methods.
@@ -413,15 +425,12 @@ def sweep(
         Model as the identification knows it; that of the case without.
     seed
         Seed of the trials.
-    out, resume, progress
+    out, resume, client, progress
         As of :func:`campaign`.
     """
     numbers = [f"{name}={','.join(repr(float(v)) for v in values)}" for name, values in vary.items()]
-    return Document(
-        *_core.sweep(
-            case, numbers, list(methods), list(settings), trials, model, seed, out, resume, _reporter(progress)
-        )
-    )
+    plan = _core.Plan.of_sweep(case, numbers, list(methods), list(settings), trials, model, seed)
+    return _campaign(plan, out, resume, None, client, progress)
 
 
 def study(paper: str, name: str, *, examples: PathLike = "examples", progress: Progress = None) -> Document:

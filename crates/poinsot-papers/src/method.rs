@@ -4,6 +4,7 @@ use crate::error::MethodError;
 use crate::setting::{SettingText, Settings};
 use crate::study::Study;
 use poinsot_identify::{Estimate, Problem};
+use poinsot_spatial::MassProperties;
 
 /// A published method.
 pub trait Method: Sync {
@@ -23,8 +24,23 @@ pub trait Method: Sync {
         settings: &Settings,
     ) -> Result<Estimate, MethodError>;
 
+    /// The kernel of this problem, whose samples have no noise; `None` if the method has none for it.
+    ///
+    /// # Errors
+    /// As [`Self::identify`].
+    fn kernel(&self, _: &Problem, _: Option<&str>) -> Result<Option<Box<dyn Kernel>>, MethodError> {
+        Ok(None)
+    }
+
     /// Studies of its paper, see [`crate::study`].
     fn studies(&self) -> &'static [Study];
+}
+
+/// Trials that a method draws and solves itself. They are much cheaper than a draw and [`Method::identify`], have the
+/// noise that the kernel documents, and state no sigma.
+pub trait Kernel: Send + Sync {
+    /// Estimate of the first body in one trial, which depends on seed and number alone.
+    fn trial(&self, seed: u64, number: u64) -> MassProperties;
 }
 
 /// Code, meaning, usual cause, remedy.

@@ -4,6 +4,7 @@
 
 mod answer;
 mod arrays;
+mod campaigns;
 mod command;
 mod dynamics;
 mod fault;
@@ -23,6 +24,8 @@ mod _core {
     #[pymodule_export]
     use crate::answer::{CoreAnswer, identify};
     #[pymodule_export]
+    use crate::campaigns::CorePlan;
+    #[pymodule_export]
     use crate::command::command;
     #[pymodule_export]
     use crate::dynamics::{
@@ -37,7 +40,7 @@ mod _core {
     #[pymodule_export]
     use crate::run::after_fork;
     #[pymodule_export]
-    use crate::searches::{campaign, design, study, sweep};
+    use crate::searches::{design, study};
     #[pymodule_export]
     use crate::verbs::{
         compare, error_codes, explain, inspect, methods, predict, simulate, units, validate,

@@ -5,7 +5,6 @@ use poinsot_formats::{
     Address, ExperimentFile, MethodFile, PLAN, PlanFile, SamplingFile, ScaleFile, SettingFile,
     VaryFile,
 };
-use std::collections::BTreeMap;
 
 /// Arguments of `sweep`.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -100,8 +99,7 @@ fn method(text: &str) -> MethodFile {
     MethodFile {
         name: name.to_owned(),
         variant,
-        set: BTreeMap::new(),
-        diagnose: false,
+        ..MethodFile::default()
     }
 }
 

@@ -30,6 +30,7 @@ use poinsot_identify::{
     BodyEstimate, Estimate, Problem, Source, Status, TENSOR, axis_name, cramer_rao, tensor_name,
 };
 use poinsot_model::{Axes, JointKind, Model, Sensor, SensorKind};
+use poinsot_papers::{Kernel, method};
 use poinsot_spatial::MassProperties;
 use poinsot_telemetry::Table;
 use rayon::prelude::*;
@@ -207,6 +208,30 @@ impl Study {
         Ok(judged(&estimate_by(&problem, question, diagnose)?, truth))
     }
 
+    /// The kernel of a published method for this experiment, which draws and solves trials itself.
+    ///
+    /// # Errors
+    /// The method has no kernel for it.
+    pub fn kernel(&self, question: &Question) -> Result<Box<dyn Kernel>, Error> {
+        let tree = Tree::new(&self.model);
+        let bound = bind(&self.model, &tree, &self.exact)?;
+        let problem = Problem {
+            model: &self.model,
+            tree: &tree,
+            segments: &bound.segments,
+            noise: &bound.noise,
+            relative_accuracy: question.relative_accuracy,
+        };
+        let own = method(&question.method);
+        let own = own.map(|m| m.kernel(&problem, question.variant.as_deref()));
+        own.transpose()?.flatten().ok_or_else(|| Error::Usage {
+            option: "kernel",
+            value: question.method.clone(),
+            why: "this method has no kernel for this experiment; take kernel out of the plan"
+                .to_owned(),
+        })
+    }
+
     /// Runs trials in parallel; the results are in order of their numbers.
     pub fn run(&self, trials: Range<u64>) -> Vec<Trial> {
         let total = usize::try_from(trials.end.saturating_sub(trials.start)).unwrap_or(usize::MAX);
@@ -249,10 +274,7 @@ impl Study {
     pub fn true_numbers(&self, biases: &[Vec<f64>]) -> HashMap<String, f64> {
         let mut all = HashMap::new();
         for (body, truth) in self.model.bodies.iter().zip(&self.truth) {
-            let centre = truth.p_BoBcm_B.iter().copied();
-            let inertia = TENSOR.into_iter().map(|at| truth.I_BBcm_B[at]);
-            let values = std::iter::once(truth.mass).chain(centre).chain(inertia);
-            all.extend(mass_names(&body.name).into_iter().zip(values));
+            all.extend(mass_names(&body.name).into_iter().zip(values(truth)));
         }
         for (sensor, bias) in self.sensors.iter().zip(biases) {
             let turned = match (sensor.kind.axes(), sensor.kind) {
@@ -281,6 +303,31 @@ impl Study {
             }
         }
         all
+    }
+}
+
+/// Compares the estimate of a kernel with true numbers by address; `names` as of [`mass_names`].
+pub(crate) fn judged_body(
+    body: &MassProperties,
+    names: &[String],
+    truth: &HashMap<String, f64>,
+) -> Answer {
+    let number = |(name, value): (&String, f64)| {
+        Some(TrialNumber {
+            error: value - truth.get(name)?,
+            value,
+            sigma: f64::NAN,
+            name: name.clone(),
+        })
+    };
+    Answer {
+        status: Status::Converged,
+        doubts: Vec::new(),
+        iterations: 1,
+        chi2_per_dof: f64::NAN,
+        channels: Vec::new(),
+        nees: None,
+        numbers: names.iter().zip(values(body)).filter_map(number).collect(),
     }
 }
 
@@ -366,6 +413,13 @@ pub(crate) fn estimated_numbers(estimate: &Estimate) -> Vec<(String, f64, f64)> 
         }
     }
     list
+}
+
+/// Mass, mass centre and central inertia in the order of [`mass_names`].
+fn values(body: &MassProperties) -> impl Iterator<Item = f64> {
+    let centre = body.p_BoBcm_B.iter().copied();
+    let inertia = TENSOR.into_iter().map(|at| body.I_BBcm_B[at]);
+    std::iter::once(body.mass).chain(centre).chain(inertia)
 }
 
 /// Addresses of mass, mass centre and central inertia of a body.

@@ -54,6 +54,7 @@ pub fn run(arguments: &Campaign) -> Outcome {
                     resume: arguments.resume || arguments.processes.is_some(),
                     until: arguments.until,
                     follow: arguments.follow.then_some(&follow),
+                    engine: None,
                 },
             )?
         }

@@ -29,10 +29,8 @@ pub fn run(arguments: &Sweep) -> Outcome {
                 &plan,
                 &CampaignRequest {
                     out: out.clone(),
-                    share: None,
                     resume: arguments.resume,
-                    until: None,
-                    follow: None,
+                    ..CampaignRequest::default()
                 },
             )?
         }

@@ -44,6 +44,7 @@ mod equations;
 mod error;
 mod increments;
 mod influence;
+mod kernel;
 mod lanes;
 pub mod printed;
 mod solution;
@@ -69,7 +70,7 @@ pub use sources::Source as NoiseSource;
 pub use trials::{Results, Trials};
 
 use crate::error::MethodError;
-use crate::method::{About, Method, Named};
+use crate::method::{About, Kernel, Method, Named};
 use crate::setting::Settings;
 use crate::study::Study;
 use poinsot_identify::{Estimate, Problem};
@@ -99,6 +100,16 @@ impl Method for Ma2008 {
     ) -> Result<Estimate, MethodError> {
         let variant = Variant::named(self.about().name, variant)?;
         identify(problem, variant).map_err(MethodError::refused)
+    }
+
+    fn kernel(
+        &self,
+        problem: &Problem,
+        variant: Option<&str>,
+    ) -> Result<Option<Box<dyn Kernel>>, MethodError> {
+        let variant = Variant::named(self.about().name, variant)?;
+        let kernel = kernel::kernel(problem, variant).map_err(MethodError::refused)?;
+        Ok(kernel.map(|k| Box::new(k) as Box<dyn Kernel>))
     }
 
     fn studies(&self) -> &'static [Study] {

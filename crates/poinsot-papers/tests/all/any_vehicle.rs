@@ -24,10 +24,7 @@ fn sweep(case: &str, methods: &[&str], settings: &[&str]) -> CampaignFile {
     let folder = tempfile::tempdir().unwrap();
     let request = CampaignRequest {
         out: folder.path().to_owned(),
-        share: None,
-        resume: false,
-        until: None,
-        follow: None,
+        ..CampaignRequest::default()
     };
     campaign(&plan, &request).unwrap().result.unwrap()
 }

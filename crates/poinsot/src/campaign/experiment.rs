@@ -36,6 +36,8 @@ pub(crate) struct Experiment {
     pub documents: Documents,
     /// SHA-256 of every file.
     pub hashes: Vec<String>,
+    /// Paths of the files.
+    pub paths: Vec<PathBuf>,
     case: Option<Source>,
     record: Option<Arc<[Table]>>,
     truth: Source,
@@ -101,9 +103,12 @@ impl Experiment {
             sha256(truth.text.as_bytes()),
             sha256(nominal.text.as_bytes()),
         ];
+        let mut paths = vec![truth.path.clone(), nominal.path.clone()];
         let record = match &file.record {
             Some(record) => {
-                let tables = read_record(&folder.join(record), &nominal.read()?, file.every)?;
+                let record = folder.join(record);
+                let tables = read_record(&record, &nominal.read()?, file.every)?;
+                paths.push(record);
                 let sources = tables.iter().flat_map(|t| &t.sources);
                 hashes.extend(sources.map(|s| s.sha256.clone()));
                 check_biases(file, &nominal.read()?, &mut refuse);
@@ -115,6 +120,8 @@ impl Experiment {
             Some(case) => {
                 hashes.push(sha256(case.text().as_bytes()));
                 hashes.extend(case.inputs_sha256()?);
+                paths.push(case.path().to_owned());
+                paths.extend(case.inputs());
                 Some(Source {
                     path: case.path().to_owned(),
                     text: case.text().to_owned(),
@@ -138,6 +145,7 @@ impl Experiment {
                 nominal: nominal.table(),
             },
             hashes,
+            paths,
             case,
             record,
             bodies: nominal.read()?.bodies,
@@ -194,6 +202,12 @@ impl Experiment {
         let of = |b: &Body| mass_names(&b.name);
         let asked = self.bodies.iter().filter(|b| b.estimate.any());
         asked.flat_map(of).collect()
+    }
+
+    /// Mass properties of the first body.
+    pub fn first(&self) -> Vec<String> {
+        let first = self.bodies.first();
+        first.map_or_else(Vec::new, |b| mass_names(&b.name))
     }
 
     /// The repeatable experiment.

@@ -10,6 +10,7 @@ pub(crate) struct MethodChoice {
     pub label: String,
     pub question: Question,
     pub diagnose: bool,
+    pub kernel: bool,
 }
 
 impl MethodChoice {
@@ -52,8 +53,9 @@ impl MethodChoice {
             })
             .collect();
         let variant = file.variant.as_ref().map(|v| format!(" {v}"));
+        let kernel = if file.kernel { " kernel" } else { "" };
         let label = format!(
-            "{}{}{}",
+            "{}{}{kernel}{}",
             file.name,
             variant.unwrap_or_default(),
             settings.iter().map(|s| format!(" {s}")).collect::<String>()
@@ -61,6 +63,7 @@ impl MethodChoice {
         Self {
             label,
             diagnose: file.diagnose,
+            kernel: file.kernel,
             question: Question {
                 variant: file.variant.clone(),
                 settings,

@@ -42,7 +42,7 @@ pub use estimate::{CampaignCost, campaign_cost, cost_document};
 pub use pairs::{PairNumberSums, PairSums};
 pub use plan::{Plan, Shard, made_plan, parse_plan, read_plan};
 pub use result::{CellSums, Folded, OUTSIDE, fold_shards, fold_sums};
-pub use run::{CampaignRequest, CampaignRun, campaign, campaign_in_memory, merge_campaign};
+pub use run::{CampaignRequest, CampaignRun, Engine, campaign, campaign_in_memory, merge_campaign};
 pub use shard::{ShardResult, ShardSums};
 pub use slurm::slurm_scripts;
 pub use text::campaign_document;

@@ -17,7 +17,7 @@ use poinsot_formats::{
 };
 use serde::Serialize;
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Largest plan file, bytes.
 const LARGEST: u64 = 16 << 20;
@@ -71,6 +71,8 @@ pub struct Plan {
     pub trials: u64,
     /// Trials of one shard.
     pub block: u64,
+    /// Folder from which the plan names its files.
+    pub folder: PathBuf,
     pub(crate) experiments: Vec<Experiment>,
     pub(crate) methods: Vec<MethodChoice>,
     pub(crate) grid: Vec<GridAxis>,
@@ -127,6 +129,7 @@ pub fn made_plan(file: PlanFile, folder: &Path) -> Result<Plan, Error> {
 
 fn plan_of(file: PlanFile, mut text: PlanText) -> Result<Plan, Error> {
     check_counts(&file, &mut text);
+    check_kernels(&file, &mut text);
     let methods = MethodChoice::all(&file.method, &mut text);
     let sampling = sampling(&file, &mut text);
     let (mut grid, mut sampled) = (Vec::new(), Vec::new());
@@ -160,6 +163,7 @@ fn plan_of(file: PlanFile, mut text: PlanText) -> Result<Plan, Error> {
         digest: digest(&file, &experiments),
         trials,
         block,
+        folder,
         file,
         experiments,
         methods,
@@ -187,6 +191,17 @@ fn plan_of(file: PlanFile, mut text: PlanText) -> Result<Plan, Error> {
         }
     }
     Ok(plan)
+}
+
+fn check_kernels(file: &PlanFile, text: &mut PlanText) {
+    let own_truth = !file.draw.is_empty() || file.sampling.is_some();
+    for (k, _) in file.method.iter().enumerate().filter(|(_, m)| m.kernel) {
+        if own_truth {
+            let what = "a kernel repeats the same true numbers, and this plan draws them";
+            let at = k.to_string();
+            text.refuse("E0541", &["method", &at, "kernel"], what, "take it out");
+        }
+    }
 }
 
 fn check_counts(file: &PlanFile, text: &mut PlanText) {
@@ -491,6 +506,12 @@ impl Plan {
         }
         self.trials = trials.clamp(1, MOST_TRIALS);
         Ok(())
+    }
+
+    /// Every file that the plan names, and the files that those name.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        let paths = self.experiments.iter().flat_map(|e| &e.paths);
+        paths.map(PathBuf::as_path)
     }
 
     /// Experiments times points of the grid.

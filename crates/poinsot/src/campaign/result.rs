@@ -271,7 +271,8 @@ fn method_file(label: &str, k: usize, cell: &CellSums) -> MethodResultFile {
             .nees
             .map(|(mean, dof)| banded(Interval::mean_square(mean, dof, OUTSIDE))),
         nees_dof: statistics.nees.map_or(0, |n| n.1),
-        chi2_per_dof: finite(statistics.chi2_per_dof).filter(|_| sums.answers > 0),
+        // Exactly zero where no answer has residuals: a kernel states none.
+        chi2_per_dof: finite(statistics.chi2_per_dof).filter(|chi2| *chi2 > 0.0),
         iterations: (statistics.iterations.0, statistics.iterations.1 as u64),
         seconds_per_trial: finite(cell.seconds[k] / sums.trials as f64),
         misses: statistics.misses(),

@@ -19,7 +19,11 @@ const LARGEST_ROWS: u64 = 1 << 34;
 /// Interval of `--follow`: at least this, and ten times its computing time.
 const FOLLOWED: Duration = Duration::from_secs(5);
 
+/// Runs shards into the folder of a campaign and returns when they are there.
+pub type Engine<'a> = dyn Fn(&[u64]) -> Result<(), Error> + Sync + 'a;
+
 /// Request of a campaign.
+#[derive(Default)]
 pub struct CampaignRequest<'a> {
     /// Folder of the campaign.
     pub out: PathBuf,
@@ -31,6 +35,8 @@ pub struct CampaignRequest<'a> {
     pub until: Option<f64>,
     /// Receives intermediate statistics.
     pub follow: Option<&'a (dyn Fn(&CampaignFile) + Sync)>,
+    /// What runs the shards; without one, all cores of this machine.
+    pub engine: Option<&'a Engine<'a>>,
 }
 
 /// A finished campaign.
@@ -221,7 +227,10 @@ fn run_missing(
         }
         *last = (Instant::now(), FOLLOWED.max(10 * now.elapsed()));
     };
-    run_shards(plan, &request.out, &missing, &watch)
+    match request.engine {
+        Some(engine) => engine(&missing),
+        None => run_shards(plan, &request.out, &missing, &watch),
+    }
 }
 
 fn finish(

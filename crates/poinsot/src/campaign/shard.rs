@@ -5,8 +5,9 @@ use super::plan::{Plan, Shard};
 use super::trial::{Bound, Done};
 use crate::digest::sha256;
 use crate::error::Error;
-use crate::trials::{Sums, TrialNumber};
+use crate::trials::{Answer, Sums, TrialNumber};
 use poinsot_files::{InputError, Stage, read_text};
+use poinsot_formats::finite;
 use poinsot_telemetry::{ROWS_EXTENSION, RowCells, RowColumn, write_rows};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
@@ -230,7 +231,9 @@ fn rows(plan: &Plan, shard: &Shard, done: &[Done]) -> Vec<RowColumn> {
         name,
         cells: RowCells::Number(all().map(|(d, m)| f(d, m)).collect()),
     };
-    let answer = |d: &Done, m: usize| d.trials[m].outcome.clone();
+    fn answer(d: &Done, m: usize) -> Option<&Answer> {
+        d.trials[m].outcome.as_ref().ok()
+    }
     let mut columns = vec![
         text("experiment", &|_, _| experiment.clone()),
         count("trial", &|d, m| d.trials[m].number),
@@ -253,16 +256,14 @@ fn rows(plan: &Plan, shard: &Shard, done: &[Done]) -> Vec<RowColumn> {
         count("seed", &|_, _| plan.file.seed.unwrap_or(0)),
         number("seconds".to_owned(), &|d, m| Some(d.seconds[m])),
         number("iterations".to_owned(), &|d, m| {
-            answer(d, m).ok().map(|a| a.iterations as f64)
+            answer(d, m).map(|a| a.iterations as f64)
         }),
         number("chi2_per_dof".to_owned(), &|d, m| {
-            answer(d, m).ok().map(|a| a.chi2_per_dof)
+            answer(d, m).and_then(|a| finite(a.chi2_per_dof))
         }),
-        number("nees".to_owned(), &|d, m| {
-            answer(d, m).ok()?.nees.map(|n| n.0)
-        }),
+        number("nees".to_owned(), &|d, m| answer(d, m)?.nees.map(|n| n.0)),
         number("nees_dof".to_owned(), &|d, m| {
-            answer(d, m).ok()?.nees.map(|n| n.1 as f64)
+            answer(d, m)?.nees.map(|n| n.1 as f64)
         }),
     ];
     for (address, value) in plan.point(shard.cell) {
@@ -277,10 +278,9 @@ fn rows(plan: &Plan, shard: &Shard, done: &[Done]) -> Vec<RowColumn> {
             named(&d.drawn, &name)
         }));
     }
-    let estimated = |d: &Done, m: usize, name: &str| -> Option<TrialNumber> {
-        let answer = d.trials[m].outcome.as_ref().ok()?;
-        answer.numbers.iter().find(|n| n.name == name).cloned()
-    };
+    fn estimated<'d>(d: &'d Done, m: usize, name: &str) -> Option<&'d TrialNumber> {
+        answer(d, m)?.numbers.iter().find(|n| n.name == name)
+    }
     for name in asked(plan, shard, done) {
         columns.push(number(format!("truth.{name}"), &|d, _| {
             named(&d.truth, &name)
@@ -316,8 +316,9 @@ fn asked(plan: &Plan, shard: &Shard, done: &[Done]) -> Vec<String> {
     let known: BTreeSet<String> = all.iter().cloned().collect();
     let outcomes = done.iter().flat_map(|d| &d.trials).flat_map(|t| &t.outcome);
     let others: BTreeSet<String> = outcomes
-        .flat_map(|a| a.numbers.iter().map(|n| n.name.clone()))
-        .filter(|n| !known.contains(n))
+        .flat_map(|a| a.numbers.iter().map(|n| &n.name))
+        .filter(|n| !known.contains(*n))
+        .cloned()
         .collect();
     all.extend(others);
     all

@@ -199,7 +199,7 @@ fn rates(result: &CampaignFile) -> Section {
             m.chi2_per_dof.map_or("-".to_owned(), |c| format!("{c:.3}")),
             format!("{:.1}", m.iterations.0),
             m.seconds_per_trial
-                .map_or("-".to_owned(), |s| format!("{:.1}", 1.0e3 * s)),
+                .map_or("-".to_owned(), |s| significant(1.0e3 * s, 3)),
         ]);
     }
     let mut section = Section::table("every method", table);

@@ -5,24 +5,41 @@ use super::methods::MethodChoice;
 use super::plan::{Plan, Shard, between, of};
 use super::sampling::{Deviates, points};
 use crate::error::Error;
-use crate::trials::{Study, Trial, estimated_numbers};
+use crate::trials::{Study, Trial, estimated_numbers, judged_body};
 use poinsot_formats::{DrawFile, OfFile};
+use poinsot_papers::Kernel;
 use std::cell::RefCell;
+use std::collections::HashMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Duration;
 
 /// Data shared by all trials of a shard.
 pub(super) struct Prepared {
-    /// The experiment and its bound, if all trials have the same true values.
-    shared: Option<(Study, Bound)>,
+    /// The experiment, if all trials have the same true values.
+    shared: Option<Shared>,
     /// Points of the sampling, one per trial.
     points: Vec<Vec<f64>>,
+    /// Numbers with columns, whether determined or not.
+    asked: Vec<String>,
+    /// Those of the first body, which a kernel estimates.
+    first: Vec<String>,
+}
+
+/// An experiment that all trials repeat.
+struct Shared {
+    study: Study,
+    bound: Bound,
+    /// One entry per method: its own kernel, if the plan asks for it.
+    kernels: Vec<Option<Box<dyn Kernel>>>,
+    /// True numbers without the biases that trials draw.
+    truth: HashMap<String, f64>,
 }
 
 /// Sigmas of the Cramer-Rao bound by name; empty if it does not exist.
 pub(super) type Bound = Vec<(String, f64)>;
 
 /// One trial by every method.
+#[derive(Default)]
 pub(super) struct Done {
     /// Random or sampled numbers, by address.
     pub drawn: Vec<(String, f64)>,
@@ -51,33 +68,49 @@ impl Prepared {
             ),
             None => Vec::new(),
         };
-        if plan.draws() {
-            return Ok(Self {
-                shared: None,
-                points,
-            });
-        }
         let experiment = plan.experiment(shard.cell);
-        let study = experiment.study(plan.files_at(experiment, shard.cell)?)?;
-        let bound = bound_of(&study);
+        let asked = experiment.asked();
+        let shared = match plan.draws() {
+            true => None,
+            false => {
+                let study = experiment.study(plan.files_at(experiment, shard.cell)?)?;
+                let kernel = |m: &MethodChoice| m.kernel.then(|| study.kernel(&m.question));
+                let kernels = plan.methods.iter().map(|m| kernel(m).transpose());
+                Some(Shared {
+                    bound: bound_of(&study),
+                    kernels: kernels.collect::<Result<_, _>>()?,
+                    truth: study.true_numbers(&[]),
+                    study,
+                })
+            }
+        };
         Ok(Self {
-            shared: Some((study, bound)),
+            shared,
             points,
+            asked,
+            first: experiment.first(),
         })
     }
 
     /// The bound common to all trials.
     pub fn bound(&self) -> Bound {
-        self.shared.as_ref().map_or_else(Vec::new, |s| s.1.clone())
+        self.shared
+            .as_ref()
+            .map_or_else(Vec::new, |s| s.bound.clone())
     }
 
     /// Runs one trial. Failures are part of the result.
     pub fn run(&self, plan: &Plan, shard: &Shard, number: u64) -> Done {
+        if let Some(shared) = &self.shared
+            && shared.kernels.iter().all(Option::is_some)
+        {
+            return self.solved(shared, number);
+        }
         let start = processor_time();
         let drawn = RefCell::new(Vec::new());
         let own;
         let (study, bound) = match &self.shared {
-            Some((study, _)) => (Ok(study), None),
+            Some(shared) => (Ok(&shared.study), None),
             None => {
                 own = self.own_study(plan, shard, number, &drawn);
                 let bound = own.as_ref().ok().map(bound_of);
@@ -86,10 +119,8 @@ impl Prepared {
         };
         let mut done = Done {
             drawn: drawn.take(),
-            truth: Vec::new(),
             bound,
-            trials: Vec::new(),
-            seconds: Vec::new(),
+            ..Done::default()
         };
         let (study, tables, truth) = match study {
             Ok(study) => {
@@ -103,15 +134,45 @@ impl Prepared {
                 return done;
             }
         };
-        done.truth = truth.iter().map(|(n, x)| (n.clone(), *x)).collect();
-        done.truth.sort_by(|a, b| a.0.cmp(&b.0));
         let share = since(start) / plan.methods.len() as f64;
-        for choice in &plan.methods {
+        for (k, choice) in plan.methods.iter().enumerate() {
             let start = processor_time();
-            let outcome = guarded(study, &tables, &truth, choice);
+            let shared = self.shared.as_ref();
+            let outcome = match shared.and_then(|s| s.kernels[k].as_ref()) {
+                Some(kernel) => {
+                    let body = kernel.trial(study.seed, number);
+                    Ok(judged_body(&body, &self.first, &truth))
+                }
+                None => guarded(study, &tables, &truth, choice),
+            };
             done.trials.push(Trial { number, outcome });
             done.seconds.push(since(start) + share);
         }
+        self.with_truth(done, &truth)
+    }
+
+    /// A trial by kernels alone: no telemetry is drawn.
+    fn solved(&self, shared: &Shared, number: u64) -> Done {
+        let mut done = Done::default();
+        for kernel in shared.kernels.iter().flatten() {
+            let start = processor_time();
+            let body = kernel.trial(shared.study.seed, number);
+            let outcome = Ok(judged_body(&body, &self.first, &shared.truth));
+            done.trials.push(Trial { number, outcome });
+            done.seconds.push(since(start));
+        }
+        self.with_truth(done, &shared.truth)
+    }
+
+    /// Keeps the true numbers that have columns.
+    fn with_truth(&self, mut done: Done, truth: &HashMap<String, f64>) -> Done {
+        let answers = done.trials.iter().flat_map(|t| &t.outcome);
+        let determined = answers.flat_map(|a| a.numbers.iter().map(|n| &n.name));
+        let mut names: Vec<&String> = self.asked.iter().chain(determined).collect();
+        names.sort_unstable();
+        names.dedup();
+        let value = |name: &String| Some((name.clone(), *truth.get(name)?));
+        done.truth = names.into_iter().filter_map(value).collect();
         done
     }
 
@@ -181,7 +242,7 @@ fn bound_of(study: &Study) -> Bound {
 fn guarded(
     study: &Study,
     tables: &[poinsot_telemetry::Table],
-    truth: &std::collections::HashMap<String, f64>,
+    truth: &HashMap<String, f64>,
     choice: &MethodChoice,
 ) -> Result<crate::trials::Answer, String> {
     let run = || study.answer(tables, truth, &choice.question, choice.diagnose);

@@ -172,16 +172,21 @@ impl Case {
         &self.text.text
     }
 
-    /// SHA-256 of every file read by the case, except the model.
+    /// Every file read by the case, except the model.
+    pub fn inputs(&self) -> Vec<PathBuf> {
+        let folder = self.text.path.parent().unwrap_or(Path::new(""));
+        let files = self.file.files();
+        files.map(|file| folder.join(file.get_ref())).collect()
+    }
+
+    /// SHA-256 of every file of [`Self::inputs`].
     ///
     /// # Errors
     /// A file cannot be read.
     pub fn inputs_sha256(&self) -> Result<Vec<String>, crate::error::Error> {
-        let folder = self.text.path.parent().unwrap_or(Path::new(""));
-        let files = self.file.files();
-        files
-            .map(|file| {
-                let path = folder.join(file.get_ref());
+        self.inputs()
+            .into_iter()
+            .map(|path| {
                 let bytes = poinsot_files::read(&path, LARGEST_TORQUE_FILE);
                 let bytes = bytes.map_err(|e| crate::error::unreadable(&path, e))?;
                 Ok(crate::digest::sha256(&bytes))
