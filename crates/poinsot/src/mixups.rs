@@ -195,17 +195,22 @@ fn scaled(tables: &[Table], factor: f64) -> Vec<Table> {
     all
 }
 
-/// The first samples of every column.
+/// The first samples of every column, up to one time for all columns of a table.
 fn beginning(tables: &[Table]) -> Vec<Table> {
     let mut all = tables.to_vec();
-    for channel in all.iter_mut().flat_map(|t| &mut t.channels) {
-        let (Some(first), Some(last)) = (channel.time_s.first(), channel.time_s.last()) else {
+    for table in &mut all {
+        let ends = |c: &Channel| Some((*c.time_s.first()?, *c.time_s.last()?));
+        let all = table.channels.iter().filter_map(ends);
+        let whole = all.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
+        let Some((first, last)) = whole else {
             continue;
         };
         let end = first + BEGINNING * (last - first);
-        let kept = channel.time_s.partition_point(|t| *t <= end);
-        channel.values.truncate(kept);
-        channel.time_s = channel.time_s.iter().copied().take(kept).collect();
+        for channel in &mut table.channels {
+            let kept = channel.time_s.partition_point(|t| *t <= end);
+            channel.values.truncate(kept);
+            channel.time_s = channel.time_s.iter().copied().take(kept).collect();
+        }
     }
     all
 }

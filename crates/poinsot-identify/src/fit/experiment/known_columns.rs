@@ -1,7 +1,7 @@
 //! Sensitivities of the predictions to known numbers.
 //!
-//! Masses, mass centres, inertias, rotors and thrust have analytic sensitivities: one evaluation gives all their
-//! columns. Joints, mountings and thruster positions need one difference each.
+//! Masses, mass centres, inertias, rotors and thrusters have analytic sensitivities: one evaluation gives all their
+//! columns. Joints and mountings need one difference each.
 
 use super::as_predicted::take_predictions;
 use super::{Experiment, Iterate};
