@@ -7,9 +7,11 @@ worker that does not see that place returns the bytes, and the driver puts them 
 from __future__ import annotations
 
 import os
+import re
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path, PurePosixPath
 from secrets import token_hex
 from tempfile import TemporaryDirectory
@@ -22,11 +24,11 @@ from ._errors import InputError, PoinsotError, ResourceError, need
 _TASK_S = 10.0
 # Tasks of each thread at least, so that threads that finish first wait for less than a quarter of the time.
 _TASKS_OF_THREAD = 4
-# Tasks that the scheduler holds at most. Its memory stays constant, and clusters that grow with the queue do so.
+# Tasks that the scheduler holds, or one a thread if that is more. Its memory stays constant, and clusters that grow with the queue do so.
 _QUEUED = 1000
 # Repetitions of a task that fails. A task whose workers die is repeated by Dask's own `allowed-failures`.
 _RETRIES = 3
-# Time between two looks at an interruption, s; a tenth of the 0.2 s within which Ctrl-C acts.
+# Time between two checks for an interruption, s; a tenth of the 0.2 s within which Ctrl-C acts.
 _POLL_S = 0.02
 # File that shows a worker whether it sees the place of the results.
 _TOKEN = ".poinsot-driver"
@@ -80,20 +82,35 @@ class Bucket:
     """A folder of an object store. The merge reads a mirror: sums whole, rows as empty files of the same size."""
 
     def __init__(self, url: str, mirror: str | None = None) -> None:
-        fs, root = need("fsspec", "fsspec").core.url_to_fs(url)
-        self._fs, self._root = fs, root.rstrip("/")
+        core = need("fsspec", "fsspec").core
         self.folder = mirror or ""
+        # Without the user and the password that a URL may hold.
+        self._shown = re.sub("//[^/@]*@", "//", url)
+        with self._faults():
+            fs, root = core.url_to_fs(url, auto_mkdir=True) if url.startswith("file:") else core.url_to_fs(url)
+            self._fs, self._root = fs, root.rstrip("/")
+
+    @contextmanager
+    def _faults(self) -> Iterator[None]:
+        """Errors of any object store, of any type, with a code."""
+        try:
+            yield
+        except FileNotFoundError:
+            raise
+        except Exception as error:
+            what = " ".join(str(error).split()) or type(error).__name__
+            raise ResourceError(f"E0002 {self._shown}: {what}; correct the address or the permission") from error
 
     def put(self, name: str, data: bytes) -> None:
         """Write an object."""
-        path = f"{self._root}/{name}"
-        self._fs.makedirs(path.rpartition("/")[0], exist_ok=True)
-        self._fs.pipe_file(path, data)
+        with self._faults():
+            self._fs.pipe_file(f"{self._root}/{name}", data)
 
     def get(self, name: str) -> bytes | None:
         """Bytes of an object, None where there is none."""
         try:
-            data: bytes = self._fs.cat_file(f"{self._root}/{name}")
+            with self._faults():
+                data: bytes = self._fs.cat_file(f"{self._root}/{name}")
         except FileNotFoundError:
             return None
         return data
@@ -110,9 +127,11 @@ class Bucket:
 
     def pull(self) -> None:
         """Mirror the shards of an earlier run."""
-        # Listings of an earlier look are of no use.
-        self._fs.invalidate_cache()
-        for path, about in self._fs.find(f"{self._root}/shards", detail=True).items():
+        with self._faults():
+            # Cached listings are out of date.
+            self._fs.invalidate_cache()
+            found = self._fs.find(f"{self._root}/shards", detail=True)
+        for path, about in found.items():
             name = "shards/" + str(PurePosixPath(path)).rpartition("/shards/")[2]
             data = self.get(name) if name.endswith(".json") else None
             self.note(name, about["size"] if data is None else data)
@@ -135,12 +154,13 @@ class Inputs(NamedTuple):
     def of(cls, plan: _core.Plan) -> Inputs:
         """Collect the files; a plan names them relative to its own folder."""
         base, paths = plan.files()
+        text = plan.text()
         base = os.path.abspath(base)
         whole = sorted({os.path.abspath(p) for p in paths})
         root = os.path.commonpath([base, *map(os.path.dirname, whole)])
         name = PurePosixPath(Path(base).relative_to(root).as_posix(), f"{plan.digest}.toml")
         files = {Path(p).relative_to(root).as_posix(): Path(p).read_bytes() for p in whole}
-        return cls(plan.digest, plan.trials, str(name), files | {str(name): plan.text().encode()})
+        return cls(plan.digest, plan.trials, str(name), files | {str(name): text.encode()})
 
 
 # Plans of this process, with the folders of their files.
@@ -155,7 +175,10 @@ def _plan(inputs: Inputs) -> _core.Plan:
             folder = TemporaryDirectory(prefix="poinsot-")
             for name, data in inputs.files.items():
                 Folder(folder.name).put(name, data)
-            plan = _core.Plan.read(os.path.join(folder.name, inputs.plan), inputs.trials)
+            try:
+                plan = _core.Plan.read(os.path.join(folder.name, inputs.plan), inputs.trials)
+            except PoinsotError as error:
+                raise type(error)(f"{error}; this is a worker: files of the plan are sent where it names them relative to itself") from None
             if plan.digest != inputs.digest:
                 raise InputError(
                     f"E0602 {inputs.plan}: this worker reads plan {plan.digest[:12]}, the driver {inputs.digest[:12]}; "
@@ -176,18 +199,25 @@ def _shards(plan: _core.Plan, shards: Sequence[int], threads: int | None, progre
 def task(inputs: Inputs, shards: Sequence[int], out: str, token: bytes) -> tuple[float, bool, Found]:
     """Run shards on one thread of a worker: their time, whether they are in place, and their files."""
     plan = _plan(inputs)
+    store = _seen(out, token)
     begun = time.perf_counter()
     files = _shards(plan, shards, 1)
     seconds = time.perf_counter() - begun
-    found: Found = dict(files)
-    store = _store(out)
-    there = store.get(_TOKEN) == token
-    if there:
-        for name, data in files.items():
-            store.put(name, data)
-        # The driver merges sums alone.
-        found = {name: data if name.endswith(".json") else len(data) for name, data in files.items()}
-    return (seconds, there, found)
+    if store is None:
+        return (seconds, False, dict(files))
+    for name, data in files.items():
+        store.put(name, data)
+    # The driver merges sums alone.
+    return (seconds, True, {name: data if name.endswith(".json") else len(data) for name, data in files.items()})
+
+
+def _seen(out: str, token: bytes) -> Folder | Bucket | None:
+    """The place of the results where this worker sees it; it may lack the library, the credentials or the network."""
+    try:
+        store = _store(out)
+        return store if store.get(_TOKEN) == token else None
+    except PoinsotError:
+        return None
 
 
 class Engine:
@@ -198,6 +228,8 @@ class Engine:
         self._report = progress or (lambda stage, done, total: None)
         self._stopped = threading.Event()
         self._failure: BaseException | None = None
+        # Raised by the caller's own `progress`.
+        self._refused: BaseException | None = None
 
     def __call__(self, shards: list[int]) -> None:
         """Called by the campaign beside the calling thread."""
@@ -209,9 +241,16 @@ class Engine:
                         self._store.put(name, data)
                     self._store.note(name, data)
                 done += count
-                self._report("shards", done, len(shards))
+                self._show(done, len(shards))
         except BaseException as error:
             self._failure = error
+            raise
+
+    def _show(self, done: int, total: int) -> None:
+        try:
+            self._report("shards", done, total)
+        except BaseException as error:
+            self._refused = error
             raise
 
     def run(self, resume: bool, until: float | None) -> tuple[str, str, int]:
@@ -220,6 +259,8 @@ class Engine:
             return self._plan.campaign(self._store.folder, resume, until, self)
         except PoinsotError as error:
             failure = self._failure
+            if self._refused is not None:
+                raise self._refused from None
             if isinstance(failure, PoinsotError):
                 raise failure from None
             if failure is not None:
@@ -247,13 +288,15 @@ class Engine:
         distributed, client = need("distributed", "dask"), self._client
         token = token_hex(16).encode()
         self._store.put(_TOKEN, token)
-        # A task, not scattered data: it is computed again where the worker that holds it is lost.
-        inputs = client.submit(Inputs, *Inputs.of(self._plan), retries=_RETRIES)
+        # A task, not scattered data: it is computed again where the worker that holds it is lost. Of its own key: a campaign
+        # that ends must not cancel another one of the same plan.
+        inputs = client.submit(Inputs, *Inputs.of(self._plan), pure=False, retries=_RETRIES)
         waiting: dict[Any, int] = {}
         finished = distributed.as_completed(loop=client.loop)
+        threads = max(1, sum(client.nthreads().values()))
         # The first tasks have one shard each, and say how long it takes.
-        at, size, room, timed = 0, 1, max(1, sum(client.nthreads().values())), False
-        largest = max(1, len(shards) // (room * _TASKS_OF_THREAD))
+        at, size, room = 0, 1, threads
+        largest = max(1, len(shards) // (threads * _TASKS_OF_THREAD))
         try:
             while at < len(shards) or waiting:
                 while at < len(shards) and len(waiting) < room:
@@ -265,9 +308,9 @@ class Engine:
                 for future in self._next(finished):
                     seconds, there, found = future.result()
                     count = waiting.pop(future)
-                    if not timed:
-                        timed, room = True, max(room, _QUEUED)
-                        size = min(largest, max(1, int(_TASK_S / seconds)))
+                    room = max(threads, _QUEUED)
+                    # Shards of other cells take other times: at most twice as many as the last task.
+                    size = min(largest, max(1, int(_TASK_S * count / seconds)), 2 * count)
                     yield count, there, found
         finally:
             client.cancel([inputs, *waiting])

@@ -20,6 +20,8 @@ fsspec = pytest.importorskip("fsspec", reason="fsspec is missing: pip install 'p
 
 # Longest wait for a process to start, a shard to be written, a campaign to end, s.
 PATIENCE_S = 120.0
+# Time between two checks, s: well below that of a shard.
+POLL_S = 0.02
 TRIALS, BLOCK, CELLS = 12, 1, 2
 PLAN = f"""schema = "poinsot.plan/1"
 name = "small"
@@ -65,7 +67,7 @@ def wait(until, what: str) -> None:
     begun = time.monotonic()
     while not until():
         assert time.monotonic() - begun < PATIENCE_S, f"no {what}"
-        time.sleep(0.02)
+        time.sleep(POLL_S)
 
 
 def end(*processes: subprocess.Popen) -> None:
@@ -147,6 +149,19 @@ def test_exact_workers_give_the_bits_of_one_machine(plan, whole, cluster, tmp_pa
         assert untimed(ours) == untimed(pn.sweep(case, {"noise": [1, 2]}, **(swept | {"client": None})))
 
 
+def test_exact_an_error_of_the_callers_progress_is_his_own(plan, cluster, tmp_path):
+    def refuse(stage: str, done: int, total: int) -> None:
+        raise LookupError("mine")
+
+    with cluster.client() as client, pytest.raises(LookupError, match="mine"):
+        pn.campaign(plan, out=tmp_path / "out", client=client, progress=refuse)
+
+
+def test_unit_an_address_without_a_store_is_an_error_of_ours(plan):
+    with pytest.raises(pn.ResourceError, match="E0002 nowhere://host/run: "):
+        pn.campaign(plan, out="nowhere://user:secret@host/run")
+
+
 def test_exact_a_killed_worker_loses_nothing(plan, whole, cluster, tmp_path):
     def kill(stage: str, done: int, total: int) -> None:
         if cluster.workers[0].poll() is None and done * 4 >= total:
@@ -212,4 +227,5 @@ def test_exact_an_interrupted_driver_cancels_its_tasks(plan, whole, cluster, tmp
     said = driver.communicate(timeout=PATIENCE_S)[1]
     assert driver.returncode != 0 and "KeyboardInterrupt" in said
     with cluster.client() as client:
+        wait(lambda: client.run_on_scheduler(lambda dask_scheduler: len(dask_scheduler.tasks)) == 0, "end of the tasks")
         assert untimed(pn.campaign(plan, out=out, client=client, resume=True)) == whole

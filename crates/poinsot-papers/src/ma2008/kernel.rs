@@ -13,7 +13,7 @@ use crate::method::Kernel;
 use poinsot_identify::Problem;
 use poinsot_spatial::{MassProperties, Matrix3, Vector3, tensor};
 
-/// The kernel of a problem; `None` unless it has one segment, equal noise on the axes of gyro and of velocity, and both
+/// The kernel of a problem whose samples determine the whole base; `None` unless it has one segment, equal noise on the axes of gyro and of velocity, and both
 /// momenta known or none.
 ///
 /// # Errors

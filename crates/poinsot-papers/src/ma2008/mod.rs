@@ -73,7 +73,7 @@ use crate::error::MethodError;
 use crate::method::{About, Kernel, Method, Named};
 use crate::setting::Settings;
 use crate::study::Study;
-use poinsot_identify::{Estimate, Problem};
+use poinsot_identify::{Estimate, Problem, Status};
 
 /// Registration of the method.
 pub struct Ma2008;
@@ -108,6 +108,11 @@ impl Method for Ma2008 {
         variant: Option<&str>,
     ) -> Result<Option<Box<dyn Kernel>>, MethodError> {
         let variant = Variant::named(self.about().name, variant)?;
+        let exact = identify(problem, variant).map_err(MethodError::refused)?;
+        // A kernel does not test what the samples determine.
+        if exact.status != Status::Converged {
+            return Ok(None);
+        }
         let kernel = kernel::kernel(problem, variant).map_err(MethodError::refused)?;
         Ok(kernel.map(|k| Box::new(k) as Box<dyn Kernel>))
     }

@@ -173,7 +173,7 @@ fn run_one(plan: &Plan, active: &Active, trial: u64) -> Result<Option<ShardResul
         let text = PlanText::new(Path::new(&plan.name), String::new());
         let what = format!("cell {} cannot be simulated: {why}", shard.cell);
         Error::File(crate::case::CaseError {
-            faults: vec![text.fault("E0541", &[], what, "correct case or model")],
+            faults: vec![text.fault("E0541", &[], what, "correct case, model or plan")],
             environment: false,
         })
     })?;

@@ -195,12 +195,21 @@ fn plan_of(file: PlanFile, mut text: PlanText) -> Result<Plan, Error> {
 
 fn check_kernels(file: &PlanFile, text: &mut PlanText) {
     let own_truth = !file.draw.is_empty() || file.sampling.is_some();
+    let others = file.method.iter().any(|m| !m.kernel);
     for (k, _) in file.method.iter().enumerate().filter(|(_, m)| m.kernel) {
-        if own_truth {
-            let what = "a kernel repeats the same true numbers, and this plan draws them";
-            let at = k.to_string();
-            text.refuse("E0541", &["method", &at, "kernel"], what, "take it out");
-        }
+        let (what, remedy) = match (own_truth, others) {
+            (true, _) => (
+                "a kernel repeats the same true numbers, and this plan draws them",
+                "take it out",
+            ),
+            (_, true) => (
+                "a kernel draws its own noise, so that other methods do not have the same trials",
+                "write a plan for the other methods",
+            ),
+            _ => continue,
+        };
+        let at = k.to_string();
+        text.refuse("E0541", &["method", &at, "kernel"], what, remedy);
     }
 }
 

@@ -228,8 +228,28 @@ fn run_missing(
         *last = (Instant::now(), FOLLOWED.max(10 * now.elapsed()));
     };
     match request.engine {
-        Some(engine) => engine(&missing),
+        Some(engine) => {
+            engine(&missing)?;
+            arrived(plan, &request.out, &missing)
+        }
         None => run_shards(plan, &request.out, &missing, &watch),
+    }
+}
+
+/// Checks that the shards of an engine are in the folder.
+fn arrived(plan: &Plan, out: &Path, shards: &[u64]) -> Result<(), Error> {
+    let (missing, _) = missing_shards(plan, out, shards.iter().copied())?;
+    match missing.first() {
+        None => Ok(()),
+        Some(number) => Err(Error::Shards {
+            code: "E0603",
+            path: sums_path(out, &plan.digest, *number),
+            why: format!(
+                "{} of {} shards that workers have run are not readable here; run the campaign again with resume",
+                missing.len(),
+                shards.len()
+            ),
+        }),
     }
 }
 

@@ -29,8 +29,8 @@ pub(super) struct Prepared {
 struct Shared {
     study: Study,
     bound: Bound,
-    /// One entry per method: its own kernel, if the plan asks for it.
-    kernels: Vec<Option<Box<dyn Kernel>>>,
+    /// Kernels of all methods, or none.
+    kernels: Vec<Box<dyn Kernel>>,
     /// True numbers without the biases that trials draw.
     truth: HashMap<String, f64>,
 }
@@ -74,8 +74,8 @@ impl Prepared {
             true => None,
             false => {
                 let study = experiment.study(plan.files_at(experiment, shard.cell)?)?;
-                let kernel = |m: &MethodChoice| m.kernel.then(|| study.kernel(&m.question));
-                let kernels = plan.methods.iter().map(|m| kernel(m).transpose());
+                let kernels = plan.methods.iter().filter(|m| m.kernel);
+                let kernels = kernels.map(|m| study.kernel(&m.question));
                 Some(Shared {
                     bound: bound_of(&study),
                     kernels: kernels.collect::<Result<_, _>>()?,
@@ -102,7 +102,7 @@ impl Prepared {
     /// Runs one trial. Failures are part of the result.
     pub fn run(&self, plan: &Plan, shard: &Shard, number: u64) -> Done {
         if let Some(shared) = &self.shared
-            && shared.kernels.iter().all(Option::is_some)
+            && !shared.kernels.is_empty()
         {
             return self.solved(shared, number);
         }
@@ -135,16 +135,9 @@ impl Prepared {
             }
         };
         let share = since(start) / plan.methods.len() as f64;
-        for (k, choice) in plan.methods.iter().enumerate() {
+        for choice in &plan.methods {
             let start = processor_time();
-            let shared = self.shared.as_ref();
-            let outcome = match shared.and_then(|s| s.kernels[k].as_ref()) {
-                Some(kernel) => {
-                    let body = kernel.trial(study.seed, number);
-                    Ok(judged_body(&body, &self.first, &truth))
-                }
-                None => guarded(study, &tables, &truth, choice),
-            };
+            let outcome = guarded(study, &tables, &truth, choice);
             done.trials.push(Trial { number, outcome });
             done.seconds.push(since(start) + share);
         }
@@ -154,7 +147,7 @@ impl Prepared {
     /// A trial by kernels alone: no telemetry is drawn.
     fn solved(&self, shared: &Shared, number: u64) -> Done {
         let mut done = Done::default();
-        for kernel in shared.kernels.iter().flatten() {
+        for kernel in &shared.kernels {
             let start = processor_time();
             let body = kernel.trial(shared.study.seed, number);
             let outcome = Ok(judged_body(&body, &self.first, &shared.truth));
