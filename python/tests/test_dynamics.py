@@ -115,14 +115,25 @@ def test_exact_leading_axes_broadcast(vehicle, states):
     assert (into == pn.dynamics.momentum_regressor(vehicle, q, dq, V)).all()
 
 
-def test_exact_threads_give_the_bits_of_one(vehicle):
+@pytest.mark.parametrize(
+    ("n", "kernel"),
+    [
+        (70_000, lambda m, q, dq, V, tau: pn.dynamics.momentum(m, q, dq, V)),
+        (6_000, lambda m, q, dq, V, tau: pn.dynamics.momentum_regressor(m, q, dq, V)),
+        (6_000, lambda m, q, dq, V, tau: np.concatenate(pn.dynamics.forward_dynamics(m, q, dq, V, tau), axis=-1)),
+        (6_000, lambda m, q, dq, V, tau: pn.dynamics.mass_matrix(m, q)),
+        (6_000, lambda m, q, dq, V, tau: pn.dynamics.jacobian(m, m.bodies[-1], q)),
+    ],
+    ids=["momentum", "momentum_regressor", "forward_dynamics", "mass_matrix", "jacobian"],
+)
+def test_exact_threads_and_lanes_give_the_bits_of_one_state(vehicle, n, kernel):
+    """Many states, on all cores and side by side, against calls with one state."""
     rng = np.random.default_rng(1)
-    n, dof = 70_000, len(vehicle.coordinates)
-    q, dq, V = rng.normal(size=(n, dof)), rng.normal(size=(n, dof)), rng.normal(size=(n, 6))
-    whole = pn.dynamics.momentum(vehicle, q, dq, V)
-    some = rng.integers(0, n, 200)
-    for k in some:
-        assert (whole[k] == pn.dynamics.momentum(vehicle, q[k], dq[k], V[k])).all()
+    dof = len(vehicle.coordinates)
+    given = [rng.normal(size=(n, width)) for width in (dof, dof, 6, dof)]
+    whole = kernel(vehicle, *given)
+    for k in rng.integers(0, n, 200):
+        assert (whole[k] == kernel(vehicle, *(x[k] for x in given))).all()
 
 
 def test_exact_generalised_jacobian_needs_no_momentum(vehicle, states):

@@ -1,7 +1,7 @@
 //! Position, attitude and velocity of every body relative to the base.
 
 use crate::algebra::{M3, Real, V3};
-use crate::tree::{Motion, Tree};
+use crate::tree::{Link, Motion, Tree};
 use alloc::vec;
 use alloc::vec::Vec;
 use nalgebra::{Matrix3, Vector3};
@@ -50,21 +50,27 @@ impl<T: Real> Kinematics<T> {
     #[inline(always)]
     pub fn place(&mut self, tree: &Tree, q: &[T]) {
         for (i, link) in tree.links.iter().enumerate().skip(1) {
-            let R_BP = M3::of(&self.R[link.parent]);
-            let p_PoCo_P = V3::of(&link.p_PoCo_P);
-            let p_PoCo_B = match link.motion {
-                Motion::Prismatic(k) => {
-                    let slide = V3::of(&link.axis_P).spread(q[k]) * q[k];
-                    R_BP.times(&(p_PoCo_P.spread(q[k]) + slide))
-                }
-                _ => R_BP.times(&p_PoCo_P),
-            };
-            self.p[i] = (V3::of(&self.p[link.parent]) + p_PoCo_B).stored();
-            self.R[i] = match link.motion {
-                Motion::Revolute(k) => link.turned(&R_BP, q[k]).stored(),
-                _ => R_BP.product(&M3::of(&link.R_PC_zero)).stored(),
-            };
+            self.place_body(i, link, q);
         }
+    }
+
+    /// Places body `i`, whose parent is placed.
+    #[inline(always)]
+    pub(crate) fn place_body(&mut self, i: usize, link: &Link, q: &[T]) {
+        let R_BP = M3::of(&self.R[link.parent]);
+        let p_PoCo_P = V3::of(&link.p_PoCo_P);
+        let p_PoCo_B = match link.motion {
+            Motion::Prismatic(k) => {
+                let slide = V3::of(&link.axis_P).spread(q[k]) * q[k];
+                R_BP.times(&(p_PoCo_P.spread(q[k]) + slide))
+            }
+            _ => R_BP.times(&p_PoCo_P),
+        };
+        self.p[i] = (V3::of(&self.p[link.parent]) + p_PoCo_B).stored();
+        self.R[i] = match link.motion {
+            Motion::Revolute(k) => link.turned(&R_BP, q[k]).stored(),
+            _ => R_BP.product(&M3::of(&link.R_PC_zero)).stored(),
+        };
     }
 
     /// Velocities of every body for the base twist (`v_NBo_B` m/s, `w_NB_B` rad/s) and joint rates
@@ -74,20 +80,26 @@ impl<T: Real> Kinematics<T> {
         self.v[0] = V3::of(v).stored();
         self.w[0] = V3::of(w).stored();
         for (i, link) in tree.links.iter().enumerate().skip(1) {
-            let parent = link.parent;
-            let w_P = V3::of(&self.w[parent]);
-            let p_PoCo = V3::of(&self.p[i]) - V3::of(&self.p[parent]);
-            let mut v_C = V3::of(&self.v[parent]) + w_P.cross(&p_PoCo);
-            let mut w_C = w_P;
-            if let Motion::Revolute(k) | Motion::Prismatic(k) = link.motion {
-                let moved = link.axis_in_base(&M3::of(&self.R[i])) * rates[k];
-                match link.motion {
-                    Motion::Revolute(_) => w_C += moved,
-                    _ => v_C += moved,
-                }
-            }
-            self.v[i] = v_C.stored();
-            self.w[i] = w_C.stored();
+            self.move_body(i, link, rates);
         }
+    }
+
+    /// Velocities of body `i`, which is placed, from those of its parent.
+    #[inline(always)]
+    pub(crate) fn move_body(&mut self, i: usize, link: &Link, rates: &[T]) {
+        let parent = link.parent;
+        let w_P = V3::of(&self.w[parent]);
+        let p_PoCo = V3::of(&self.p[i]) - V3::of(&self.p[parent]);
+        let mut v_C = V3::of(&self.v[parent]) + w_P.cross(&p_PoCo);
+        let mut w_C = w_P;
+        if let Motion::Revolute(k) | Motion::Prismatic(k) = link.motion {
+            let moved = link.axis_in_base(&M3::of(&self.R[i])) * rates[k];
+            match link.motion {
+                Motion::Revolute(_) => w_C += moved,
+                _ => v_C += moved,
+            }
+        }
+        self.v[i] = v_C.stored();
+        self.w[i] = w_C.stored();
     }
 }

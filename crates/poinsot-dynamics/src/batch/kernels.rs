@@ -20,6 +20,10 @@ pub(super) trait Kernel {
 
     fn scratch<S: Simd>(&self, tree: &Tree, zero: Lanes<S>) -> Self::Scratch<S>;
 
+    /// Puts what body `i` gives as soon as it is placed and moves.
+    #[inline(always)]
+    fn body<S: Simd>(&self, _i: usize, _kinematics: &Kinematics<Lanes<S>>, _rows: &mut Rows) {}
+
     /// Fills the rows of the group. The kinematics are placed and move.
     fn fill<S: Simd>(
         &self,
@@ -39,22 +43,24 @@ impl Kernel for Regressor {
     fn scratch<S: Simd>(&self, _: &Tree, _: Lanes<S>) {}
 
     #[inline(always)]
+    fn body<S: Simd>(&self, i: usize, kinematics: &Kinematics<Lanes<S>>, rows: &mut Rows) {
+        let k = kinematics;
+        let mut columns = [[k.v[i].x.all(0.0); TWIST]; COLUMNS];
+        body_columns(&k.R[i], &k.p[i], &k.v[i], &k.w[i], &mut columns);
+        if let Some(numbers) = columns.as_flattened().first_chunk::<PER_BODY>() {
+            rows.put(PER_BODY * i, numbers);
+        }
+    }
+
+    #[inline(always)]
     fn fill<S: Simd>(
         &self,
         (): &mut (),
-        kinematics: &Kinematics<Lanes<S>>,
+        _: &Kinematics<Lanes<S>>,
         _: &[Lanes<S>],
-        group: &Group<S>,
-        rows: &mut Rows,
+        _: &Group<S>,
+        _: &mut Rows,
     ) -> Result<(), BatchError> {
-        for i in 0..group.tree.bodies() {
-            let k = kinematics;
-            let mut columns = [[Lanes::new(group.simd, 0.0); TWIST]; COLUMNS];
-            body_columns(&k.R[i], &k.p[i], &k.v[i], &k.w[i], &mut columns);
-            if let Some(numbers) = columns.as_flattened().first_chunk::<PER_BODY>() {
-                rows.put(PER_BODY * i, numbers);
-            }
-        }
         Ok(())
     }
 }

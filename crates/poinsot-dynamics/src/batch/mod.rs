@@ -155,10 +155,15 @@ impl<K: Kernel> WithSimd for Run<'_, K> {
                 *q = at.number(simd, j);
                 *rate = moving.number(simd, j);
             }
-            kinematics.place(tree, &q);
-            let [v, w] = group.rows(states.twist, TWIST).pair(simd);
-            kinematics.set_velocities(tree, &v, &w, &rates);
+            [kinematics.v[0], kinematics.w[0]] = group.rows(states.twist, TWIST).pair(simd);
             let mut rows = Rows::new(of, width, order);
+            for (i, link) in tree.links.iter().enumerate() {
+                if i > 0 {
+                    kinematics.place_body(i, link, &q);
+                    kinematics.move_body(i, link, &rates);
+                }
+                kernel.body(i, &kinematics, &mut rows);
+            }
             kernel.fill(&mut scratch, &kinematics, &rates, &group, &mut rows)?;
         }
         Ok(())

@@ -57,9 +57,17 @@ impl MeasurementJacobian {
         }
     }
 
-    /// Change of the reading with a change of state and base twist.
-    fn along(&self, column: &Column, twist: &Vector6) -> Vector3 {
-        self.pose * column.fixed_rows::<6>(0) + self.twist * twist
+    /// Changes of the reading with changes of state and base twist. Most kinds depend on one of the two alone.
+    fn along<'a>(&self, changes: impl Iterator<Item = (&'a Column, &'a Vector6)>) -> Vec<Vector3> {
+        let nothing = SMatrix::<f64, 3, 6>::zeros();
+        let (pose, twist) = (&self.pose, &self.twist);
+        match (*pose == nothing, *twist == nothing) {
+            (true, _) => changes.map(|(_, V)| twist * V).collect(),
+            (_, true) => changes.map(|(x, _)| pose * x.fixed_rows::<6>(0)).collect(),
+            _ => changes
+                .map(|(x, V)| pose * x.fixed_rows::<6>(0) + twist * V)
+                .collect(),
+        }
     }
 }
 
@@ -170,14 +178,8 @@ pub(crate) fn predict(
     else {
         return accelerometer::predict(record, motion, (state, k), instant, inputs);
     };
-    let along = |(column, twist): (&Column, &Vector6)| slopes.along(column, twist);
-    let mut columns: Vec<Vector3> = motion.sensitivities().map(along).collect();
-    let mut errors: Vec<Vector3> = inputs
-        .columns
-        .iter()
-        .zip(&inputs.twists)
-        .map(along)
-        .collect();
+    let mut columns = slopes.along(motion.sensitivities());
+    let mut errors = slopes.along(inputs.columns.iter().zip(&inputs.twists));
     let gains = inputs.rate_gain.iter().map(|gain| slopes.twist * gain);
     let mut gains: Vec<Vector3> = gains.collect();
     if !slopes.joints.is_empty() {
