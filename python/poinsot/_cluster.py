@@ -22,7 +22,7 @@ from ._errors import InputError, PoinsotError, ResourceError, need
 
 # Aim for the time of a task, s: the shortest of the 10 to 120 s that a scheduler handles well loses least in a crash.
 _TASK_S = 10.0
-# Tasks of each thread at least, so that threads that finish first wait for less than a quarter of the time.
+# Tasks of each thread, at least, in the shards that are left.
 _TASKS_OF_THREAD = 4
 # Tasks that the scheduler holds, or one a thread if that is more. Its memory stays constant, and clusters that grow with the queue do so.
 _QUEUED = 1000
@@ -296,11 +296,11 @@ class Engine:
         threads = max(1, sum(client.nthreads().values()))
         # The first tasks have one shard each, and say how long it takes.
         at, size, room = 0, 1, threads
-        largest = max(1, len(shards) // (threads * _TASKS_OF_THREAD))
         try:
             while at < len(shards) or waiting:
                 while at < len(shards) and len(waiting) < room:
-                    some = shards[at : at + size]
+                    # Smaller towards the end, so that no worker waits long for another (Polychronopoulos and Kuck 1987).
+                    some = shards[at : at + min(size, max(1, (len(shards) - at) // (threads * _TASKS_OF_THREAD)))]
                     future = client.submit(task, inputs, some, self._out, token, pure=False, retries=_RETRIES)
                     waiting[future] = len(some)
                     finished.add(future)
@@ -310,7 +310,7 @@ class Engine:
                     count = waiting.pop(future)
                     room = max(threads, _QUEUED)
                     # Shards of other cells take other times: at most twice as many as the last task.
-                    size = min(largest, max(1, int(_TASK_S * count / seconds)), 2 * count)
+                    size = min(max(1, int(_TASK_S * count / seconds)), 2 * count)
                     yield count, there, found
         finally:
             client.cancel([inputs, *waiting])
