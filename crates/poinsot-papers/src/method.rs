@@ -5,6 +5,7 @@ use crate::setting::{SettingText, Settings};
 use crate::study::Study;
 use poinsot_identify::{Estimate, Problem};
 use poinsot_spatial::MassProperties;
+use std::ops::Range;
 
 /// A published method.
 pub trait Method: Sync {
@@ -39,8 +40,8 @@ pub trait Method: Sync {
 /// Trials that a method draws and solves itself. They are much cheaper than a draw and [`Method::identify`], have the
 /// noise that the kernel documents, and state no sigma.
 pub trait Kernel: Send + Sync {
-    /// Estimate of the first body in one trial, which depends on seed and number alone.
-    fn trial(&self, seed: u64, number: u64) -> MassProperties;
+    /// Estimates of the first body in these trials, one per number and in order; each depends on seed and number alone.
+    fn trials(&self, seed: u64, numbers: Range<u64>) -> Vec<MassProperties>;
 }
 
 /// Code, meaning, usual cause, remedy.

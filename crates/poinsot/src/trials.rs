@@ -13,6 +13,7 @@ pub use band::Band;
 pub(crate) use band::{normal_quantile, sigmas_of_interval};
 pub use interval::Interval;
 pub use statistics::{ParameterStatistics, Statistics, statistics, statistics_of};
+pub(crate) use sums::position;
 pub use sums::{NumberSums, SUMS_SCHEMA, Sums};
 pub use text::statistics_document;
 

@@ -12,6 +12,7 @@ use super::trials::Trials;
 use crate::method::Kernel;
 use poinsot_identify::Problem;
 use poinsot_spatial::{MassProperties, Matrix3, Vector3, tensor};
+use std::ops::Range;
 
 /// The kernel of a problem whose samples determine the whole base; `None` unless it has one segment, equal noise on the axes of gyro and of velocity, and both
 /// momenta known or none.
@@ -47,18 +48,29 @@ pub(super) fn kernel(problem: &Problem, variant: Variant) -> Result<Option<Trial
     Ok(Some(Trials::new(&samples, known, v, w)))
 }
 
+/// The body of the ten numbers of a trial.
+fn body([mass, x, y, z, inertia @ ..]: [f64; 10]) -> MassProperties {
+    MassProperties {
+        mass,
+        p_BoBcm_B: Vector3::new(x, y, z),
+        I_BBcm_B: tensor(inertia),
+    }
+}
+
 impl Kernel for Trials {
-    fn trial(&self, seed: u64, number: u64) -> MassProperties {
-        let (group, lane) = (number / LANES as u64, (number % LANES as u64) as usize);
-        let mut row = [0.0; 10];
-        self.run(seed, group..group + 1, |results| {
-            row = results.map(|of_lanes| of_lanes[lane]);
+    fn trials(&self, seed: u64, numbers: Range<u64>) -> Vec<MassProperties> {
+        let lanes = LANES as u64;
+        let groups = numbers.start / lanes..numbers.end.div_ceil(lanes);
+        let mut number = groups.start * lanes;
+        let mut bodies = Vec::new();
+        self.run(seed, groups, |results| {
+            for lane in 0..LANES {
+                if numbers.contains(&number) {
+                    bodies.push(body(results.map(|of_lanes| of_lanes[lane])));
+                }
+                number += 1;
+            }
         });
-        let [mass, x, y, z, inertia @ ..] = row;
-        MassProperties {
-            mass,
-            p_BoBcm_B: Vector3::new(x, y, z),
-            I_BBcm_B: tensor(inertia),
-        }
+        bodies
     }
 }

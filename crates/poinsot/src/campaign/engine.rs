@@ -1,16 +1,17 @@
 //! Shards on all cores of one machine.
 //!
-//! Each worker takes the next trial of any shard; the worker that finishes the last trial of a shard writes the shard.
+//! Each worker takes the next trials of any shard; the worker that finishes the last ones of a shard writes the shard.
 //! Each worker has its own single-thread pool for the parallel parts of a fit. Trials therefore do not wait for each
 //! other.
 
 use super::faults::PlanText;
 use super::plan::{Plan, Shard};
 use super::shard::{Found, ShardResult, find};
-use super::trial::{Done, Prepared};
+use super::trial::{Done, Prepared, at_once};
 use crate::error::Error;
 use crate::progress::step;
 use std::collections::VecDeque;
+use std::ops::Range;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
@@ -70,11 +71,16 @@ pub(super) fn run_each(
     let (stop, count) = (AtomicBool::new(false), AtomicUsize::new(0));
     let work = || {
         while !stop.load(Ordering::Relaxed) {
-            let Some((active, trial)) = next(plan, &queue) else {
+            let Some((active, trials)) = next(plan, &queue) else {
                 return;
             };
-            let finished = run_one(plan, &active, trial);
-            step("trials", count.fetch_add(1, Ordering::Relaxed) + 1, total);
+            let many = (trials.end - trials.start) as usize;
+            let finished = run_some(plan, &active, trials);
+            step(
+                "trials",
+                count.fetch_add(many, Ordering::Relaxed) + many,
+                total,
+            );
             let taken = finished.and_then(|result| result.map_or(Ok(()), take));
             if let Err(error) = taken {
                 stop.store(true, Ordering::Relaxed);
@@ -96,11 +102,7 @@ pub(super) fn run_each(
 pub fn run_shard(plan: &Plan, shard: u64) -> Result<ShardResult, Error> {
     let shard = plan.shard(shard);
     let prepared = Prepared::new(plan, &shard)?;
-    let done: Vec<Done> = shard
-        .trials
-        .clone()
-        .map(|n| prepared.run(plan, &shard, n))
-        .collect();
+    let done = prepared.run(plan, &shard, shard.trials.clone());
     Ok(ShardResult::new(plan, &shard, &prepared.bound(), &done))
 }
 
@@ -133,16 +135,17 @@ fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// The next trial, and its shard.
-fn next(plan: &Plan, queue: &Mutex<Queue>) -> Option<(Arc<Active>, u64)> {
+/// The next trials, and their shard.
+fn next(plan: &Plan, queue: &Mutex<Queue>) -> Option<(Arc<Active>, Range<u64>)> {
     let mut queue = locked(queue);
     let queue = &mut *queue;
     loop {
         if let Some((active, at)) = &mut queue.current
             && *at < active.shard.trials.end
         {
-            *at += 1;
-            return Some((Arc::clone(active), *at - 1));
+            let first = *at;
+            *at = active.shard.trials.end.min(first + at_once(plan));
+            return Some((Arc::clone(active), first..*at));
         }
         let shard = plan.shard(queue.shards.pop_front()?);
         let kept = queue.last.take().filter(|(cell, _)| {
@@ -163,8 +166,12 @@ fn next(plan: &Plan, queue: &Mutex<Queue>) -> Option<(Arc<Active>, u64)> {
     }
 }
 
-/// Runs a trial; returns the shard after its last trial.
-fn run_one(plan: &Plan, active: &Active, trial: u64) -> Result<Option<ShardResult>, Error> {
+/// Runs trials; returns the shard after its last ones.
+fn run_some(
+    plan: &Plan,
+    active: &Active,
+    trials: Range<u64>,
+) -> Result<Option<ShardResult>, Error> {
     let shard = &active.shard;
     let prepare = || Prepared::new(plan, shard).map_err(|e| e.to_string());
     let prepared = active.prepared.get_or_init(prepare);
@@ -177,9 +184,13 @@ fn run_one(plan: &Plan, active: &Active, trial: u64) -> Result<Option<ShardResul
             environment: false,
         })
     })?;
-    let done = prepared.run(plan, shard, trial);
-    locked(&active.done)[(trial - shard.trials.start) as usize] = Some(done);
-    if active.left.fetch_sub(1, Ordering::AcqRel) > 1 {
+    let first = (trials.start - shard.trials.start) as usize;
+    let done = prepared.run(plan, shard, trials);
+    let many = done.len();
+    for (place, one) in locked(&active.done)[first..].iter_mut().zip(done) {
+        *place = Some(one);
+    }
+    if active.left.fetch_sub(many, Ordering::AcqRel) > many {
         return Ok(None);
     }
     let done: Vec<Done> = locked(&active.done).drain(..).flatten().collect();
@@ -191,14 +202,17 @@ fn run_one(plan: &Plan, active: &Active, trial: u64) -> Result<Option<ShardResul
     )))
 }
 
+/// A pool of one thread, which runs the parallel parts of a fit one after the other.
+pub(super) fn one_thread() -> Result<rayon::ThreadPool, Error> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
+    pool.map_err(|e| Error::Threads { why: e.to_string() })
+}
+
 /// Calls `work` on one thread per core; the parallel parts of a fit stay on the thread of its trial.
 fn on_all_cores(work: &(dyn Fn() + Sync)) -> Result<(), Error> {
     let threads = rayon::current_num_threads();
     let pools = (0..threads)
-        .map(|_| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
-            pool.map_err(|e| Error::Threads { why: e.to_string() })
-        })
+        .map(|_| one_thread())
         .collect::<Result<Vec<_>, _>>()?;
     std::thread::scope(|scope| {
         for pool in &pools {

@@ -1,13 +1,14 @@
 //! Cost of a campaign, from measured trials.
 
+use super::engine::one_thread;
 use super::plan::{Plan, Shard};
 use super::shard::ShardResult;
-use super::trial::{Done, Prepared};
+use super::trial::{Prepared, at_once};
 use crate::error::Error;
 use poinsot_report::{Document, Section, Table, significant};
 use poinsot_telemetry::RowCells;
 
-/// Trials measured per cell; the first is a warm-up and not counted.
+/// Least number of trials measured per cell. The first is a warm-up and not counted; kernels measure a block of trials.
 const MEASURED: u64 = 4;
 /// Number of cells measured: the first, the last, and one in between.
 const CELLS: u64 = 3;
@@ -33,25 +34,30 @@ pub struct CampaignCost {
     pub planned_block: u64,
 }
 
-/// Runs a few trials on this thread and measures them.
+/// Runs a few trials on one thread and measures them.
 ///
 /// # Errors
 /// An experiment cannot be simulated.
 pub fn campaign_cost(plan: &Plan) -> Result<CampaignCost, Error> {
+    // A trial of a campaign has one thread; the time of others would not be counted.
+    one_thread()?.install(|| measured_cost(plan))
+}
+
+fn measured_cost(plan: &Plan) -> Result<CampaignCost, Error> {
     let cells = plan.cells();
     let mut chosen: Vec<u64> = (0..CELLS).map(|k| k * (cells - 1) / (CELLS - 1)).collect();
     chosen.dedup();
     let (mut seconds, mut count, mut bytes) = (0.0, 0.0, 0.0_f64);
     for cell in chosen {
         let whole = plan.shard(cell);
-        let past = whole.trials.end.min(whole.trials.start + MEASURED);
+        let measured = MEASURED.max(at_once(plan));
+        let past = whole.trials.end.min(whole.trials.start + measured);
         let shard = Shard {
             trials: whole.trials.start..past,
             ..whole
         };
         let prepared = Prepared::new(plan, &shard)?;
-        let trials = shard.trials.clone();
-        let done: Vec<Done> = trials.map(|n| prepared.run(plan, &shard, n)).collect();
+        let done = prepared.run(plan, &shard, shard.trials.clone());
         let warm = if done.len() > 1 { 1 } else { 0 };
         for trial in &done[warm..] {
             seconds += trial.seconds.iter().sum::<f64>();

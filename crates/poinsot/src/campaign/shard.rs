@@ -5,11 +5,12 @@ use super::plan::{Plan, Shard};
 use super::trial::{Bound, Done};
 use crate::digest::sha256;
 use crate::error::Error;
-use crate::trials::{Answer, Sums, TrialNumber};
+use crate::trials::{Answer, Sums, position};
 use poinsot_files::{InputError, Stage, read_text};
 use poinsot_formats::finite;
 use poinsot_telemetry::{ROWS_EXTENSION, RowCells, RowColumn, write_rows};
 use serde::{Deserialize, Serialize};
+use std::cell::Cell;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
@@ -269,33 +270,42 @@ fn rows(plan: &Plan, shard: &Shard, done: &[Done]) -> Vec<RowColumn> {
     for (address, value) in plan.point(shard.cell) {
         columns.push(number(format!("at.{address}"), &|_, _| Some(value)));
     }
+    // A number has the same place in most trials.
+    let place = Cell::new(0);
     let named = |list: &[(String, f64)], name: &str| {
-        let found = list.iter().find(|(n, _)| n == name);
-        found.map(|(_, x)| *x)
+        found(list, &place, |(n, _)| n == name).map(|(_, x)| *x)
     };
     for name in names(done, |d| d.drawn.iter().map(|(n, _)| n).collect()) {
         columns.push(number(format!("drawn.{name}"), &|d, _| {
             named(&d.drawn, &name)
         }));
     }
-    fn estimated<'d>(d: &'d Done, m: usize, name: &str) -> Option<&'d TrialNumber> {
-        answer(d, m)?.numbers.iter().find(|n| n.name == name)
-    }
+    let estimated = |d: &Done, m: usize, name: &str| {
+        let numbers = &answer(d, m)?.numbers;
+        let n = found(numbers, &place, |n| n.name == name)?;
+        Some([n.value, n.sigma, n.error / n.sigma])
+    };
     for name in asked(plan, shard, done) {
         columns.push(number(format!("truth.{name}"), &|d, _| {
             named(&d.truth, &name)
         }));
         columns.push(number(format!("estimate.{name}"), &|d, m| {
-            estimated(d, m, &name).map(|n| n.value)
+            estimated(d, m, &name).map(|n| n[0])
         }));
         columns.push(number(format!("sigma.{name}"), &|d, m| {
-            estimated(d, m, &name).map(|n| n.sigma)
+            estimated(d, m, &name).map(|n| n[1])
         }));
         columns.push(number(format!("z.{name}"), &|d, m| {
-            estimated(d, m, &name).map(|n| n.error / n.sigma)
+            estimated(d, m, &name).map(|n| n[2])
         }));
     }
     columns
+}
+
+/// The item that is meant; `place` is where the last one was.
+fn found<'a, T>(list: &'a [T], place: &Cell<usize>, is: impl Fn(&T) -> bool) -> Option<&'a T> {
+    place.set(position(list, place.get(), is)?);
+    list.get(place.get())
 }
 
 /// Names in the order of first appearance.

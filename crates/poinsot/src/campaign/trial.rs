@@ -10,8 +10,21 @@ use poinsot_formats::{DrawFile, OfFile};
 use poinsot_papers::Kernel;
 use std::cell::RefCell;
 use std::collections::HashMap;
+use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
 use std::time::Duration;
+
+/// Trials by kernels that a thread takes at once: half a millisecond, long beside the wait for the queue.
+const TOGETHER: u64 = 256;
+
+/// Number of trials that a thread takes at once.
+pub(super) fn at_once(plan: &Plan) -> u64 {
+    match plan.methods.iter().all(|m| m.kernel) {
+        true => TOGETHER,
+        false => 1,
+    }
+}
 
 /// Data shared by all trials of a shard.
 pub(super) struct Prepared {
@@ -33,10 +46,15 @@ struct Shared {
     kernels: Vec<Box<dyn Kernel>>,
     /// True numbers without the biases that trials draw.
     truth: HashMap<String, f64>,
+    /// Those with columns, in trials by kernels.
+    columns: TrueNumbers,
 }
 
 /// Sigmas of the Cramer-Rao bound by name; empty if it does not exist.
 pub(super) type Bound = Vec<(String, f64)>;
+
+/// True numbers with columns, by name.
+pub(super) type TrueNumbers = Arc<[(String, f64)]>;
 
 /// One trial by every method.
 #[derive(Default)]
@@ -44,12 +62,12 @@ pub(super) struct Done {
     /// Random or sampled numbers, by address.
     pub drawn: Vec<(String, f64)>,
     /// True numbers, by name.
-    pub truth: Vec<(String, f64)>,
+    pub truth: TrueNumbers,
     /// The bound of this trial, if it has its own true values.
     pub bound: Option<Bound>,
     /// One entry per method.
     pub trials: Vec<Trial>,
-    /// CPU time of each method including its part of the simulation, s.
+    /// CPU time of each method including its part of the simulation, s; by a kernel, the mean of a block of trials.
     pub seconds: Vec<f64>,
 }
 
@@ -69,17 +87,19 @@ impl Prepared {
             None => Vec::new(),
         };
         let experiment = plan.experiment(shard.cell);
-        let asked = experiment.asked();
+        let (asked, first) = (experiment.asked(), experiment.first());
         let shared = match plan.draws() {
             true => None,
             false => {
                 let study = experiment.study(plan.files_at(experiment, shard.cell)?)?;
                 let kernels = plan.methods.iter().filter(|m| m.kernel);
                 let kernels = kernels.map(|m| study.kernel(&m.question));
+                let truth = study.true_numbers(&[]);
                 Some(Shared {
                     bound: bound_of(&study),
                     kernels: kernels.collect::<Result<_, _>>()?,
-                    truth: study.true_numbers(&[]),
+                    columns: with_columns(asked.iter().chain(&first), &truth),
+                    truth,
                     study,
                 })
             }
@@ -88,7 +108,7 @@ impl Prepared {
             shared,
             points,
             asked,
-            first: experiment.first(),
+            first,
         })
     }
 
@@ -99,13 +119,15 @@ impl Prepared {
             .map_or_else(Vec::new, |s| s.bound.clone())
     }
 
-    /// Runs one trial. Failures are part of the result.
-    pub fn run(&self, plan: &Plan, shard: &Shard, number: u64) -> Done {
-        if let Some(shared) = &self.shared
-            && !shared.kernels.is_empty()
-        {
-            return self.solved(shared, number);
+    /// Runs trials. Failures are part of the result.
+    pub fn run(&self, plan: &Plan, shard: &Shard, numbers: Range<u64>) -> Vec<Done> {
+        match &self.shared {
+            Some(shared) if !shared.kernels.is_empty() => self.solved(shared, numbers),
+            _ => numbers.map(|n| self.run_one(plan, shard, n)).collect(),
         }
+    }
+
+    fn run_one(&self, plan: &Plan, shard: &Shard, number: u64) -> Done {
         let start = processor_time();
         let drawn = RefCell::new(Vec::new());
         let own;
@@ -141,32 +163,30 @@ impl Prepared {
             done.trials.push(Trial { number, outcome });
             done.seconds.push(since(start) + share);
         }
-        self.with_truth(done, &truth)
-    }
-
-    /// A trial by kernels alone: no telemetry is drawn.
-    fn solved(&self, shared: &Shared, number: u64) -> Done {
-        let mut done = Done::default();
-        for kernel in &shared.kernels {
-            let start = processor_time();
-            let body = kernel.trial(shared.study.seed, number);
-            let outcome = Ok(judged_body(&body, &self.first, &shared.truth));
-            done.trials.push(Trial { number, outcome });
-            done.seconds.push(since(start));
-        }
-        self.with_truth(done, &shared.truth)
-    }
-
-    /// Keeps the true numbers that have columns.
-    fn with_truth(&self, mut done: Done, truth: &HashMap<String, f64>) -> Done {
         let answers = done.trials.iter().flat_map(|t| &t.outcome);
         let determined = answers.flat_map(|a| a.numbers.iter().map(|n| &n.name));
-        let mut names: Vec<&String> = self.asked.iter().chain(determined).collect();
-        names.sort_unstable();
-        names.dedup();
-        let value = |name: &String| Some((name.clone(), *truth.get(name)?));
-        done.truth = names.into_iter().filter_map(value).collect();
+        done.truth = with_columns(self.asked.iter().chain(determined), &truth);
         done
+    }
+
+    /// Trials by kernels alone: no telemetry is drawn.
+    fn solved(&self, shared: &Shared, numbers: Range<u64>) -> Vec<Done> {
+        let done = |_| Done {
+            truth: Arc::clone(&shared.columns),
+            ..Done::default()
+        };
+        let mut all: Vec<Done> = numbers.clone().map(done).collect();
+        for kernel in &shared.kernels {
+            let start = processor_time();
+            let bodies = kernel.trials(shared.study.seed, numbers.clone());
+            for ((done, body), number) in all.iter_mut().zip(&bodies).zip(numbers.clone()) {
+                let outcome = Ok(judged_body(body, &self.first, &shared.truth));
+                done.trials.push(Trial { number, outcome });
+            }
+            let share = since(start) / bodies.len().max(1) as f64;
+            all.iter_mut().for_each(|done| done.seconds.push(share));
+        }
+        all
     }
 
     /// The experiment of a trial with its own true values.
@@ -209,6 +229,18 @@ impl Prepared {
         };
         experiment.study(experiment.files(&changes)?)
     }
+}
+
+/// The true numbers of these names, each once and in order.
+fn with_columns<'a>(
+    names: impl Iterator<Item = &'a String>,
+    truth: &HashMap<String, f64>,
+) -> TrueNumbers {
+    let mut names: Vec<&String> = names.collect();
+    names.sort_unstable();
+    names.dedup();
+    let value = |name: &String| Some((name.clone(), *truth.get(name)?));
+    names.into_iter().filter_map(value).collect()
 }
 
 fn drawn_value(draw: &DrawFile, deviates: Deviates, at: usize, old: f64) -> f64 {

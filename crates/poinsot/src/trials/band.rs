@@ -7,6 +7,9 @@ const OUTSIDE: f64 = 1.0e-3;
 /// Nominal coverage of a 95 % interval.
 const STATED: f64 = 0.95;
 
+/// Intervals from which a binomial is normal to a hundredth of its sigma; `statrs` fails for some numbers beyond 10^9.
+const NORMAL: u64 = 1_000_000;
+
 /// Both ends of a 99.9 % band.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Band {
@@ -51,6 +54,13 @@ impl Band {
             high: 1.0,
         };
         let n = numbers as f64;
+        if numbers >= NORMAL {
+            let half = normal_quantile(1.0 - 0.5 * OUTSIDE) * (STATED * (1.0 - STATED) / n).sqrt();
+            return Self {
+                low: STATED - half,
+                high: STATED + half,
+            };
+        }
         Binomial::new(STATED, numbers).map_or(whole, |binomial| Self {
             low: binomial.inverse_cdf(0.5 * OUTSIDE) as f64 / n,
             high: binomial.inverse_cdf(1.0 - 0.5 * OUTSIDE) as f64 / n,
@@ -89,5 +99,13 @@ mod tests {
         let coverage = Band::of_coverage(1000);
         assert!(coverage.holds(0.93) && !coverage.holds(0.92) && !coverage.holds(0.98));
         assert!((Band::of_bias(100).high - 0.32905).abs() < 1.0e-4);
+        let [below, above] = [NORMAL - 1, NORMAL].map(Band::of_coverage);
+        let sigma = (STATED * (1.0 - STATED) / NORMAL as f64).sqrt();
+        assert!(
+            (below.low - above.low)
+                .abs()
+                .max((below.high - above.high).abs())
+                < 0.01 * sigma
+        );
     }
 }

@@ -3,7 +3,7 @@
 //! A campaign can run in pieces on several machines; each writes its sums as JSON, and `Sums::merge` adds them.
 
 use super::band::sigmas_of_interval;
-use super::{Trial, TrialNumber, estimated_numbers};
+use super::{Trial, estimated_numbers};
 use crate::error::Error;
 use crate::written::write_file;
 use poinsot_formats::LARGEST_RESULT;
@@ -139,9 +139,11 @@ impl Sums {
             self.nees.1 += dof as u64;
         }
         let reach = sigmas_of_interval();
-        let finite = |n: &&TrialNumber| n.error.is_finite();
-        for number in answer.numbers.iter().filter(finite) {
-            let sums = self.number(&number.name);
+        for (place, number) in answer.numbers.iter().enumerate() {
+            if !number.error.is_finite() {
+                continue;
+            }
+            let sums = self.number(place, &number.name);
             sums.trials += 1;
             sums.error += number.error;
             sums.square += number.error * number.error;
@@ -163,14 +165,18 @@ impl Sums {
 
     /// Adds the bound of one trial, if every trial has its own true values.
     pub fn add_bound(&mut self, bound: &[(String, f64)]) {
-        for (name, sigma) in bound.iter().filter(|b| b.1.is_finite()) {
-            let sums = self.number(name);
+        for (place, (name, sigma)) in bound.iter().enumerate() {
+            if !sigma.is_finite() {
+                continue;
+            }
+            let sums = self.number(place, name);
             sums.bounds = (sums.bounds.0 + 1, sums.bounds.1 + sigma * sigma);
         }
     }
 
-    fn number(&mut self, name: &str) -> &mut NumberSums {
-        let at = self.numbers.iter().position(|n| n.name == name);
+    /// The sums of a name, which is looked for at `place` first.
+    fn number(&mut self, place: usize, name: &str) -> &mut NumberSums {
+        let at = position(&self.numbers, place, |n| n.name == name);
         let at = at.unwrap_or_else(|| {
             self.numbers.push(NumberSums {
                 name: name.to_owned(),
@@ -215,8 +221,8 @@ impl Sums {
         self.iterations.1 = self.iterations.1.max(other.iterations.1);
         self.nees = (self.nees.0 + other.nees.0, self.nees.1 + other.nees.1);
         self.seconds += other.seconds;
-        for theirs in &other.numbers {
-            let ours = self.number(&theirs.name);
+        for (place, theirs) in other.numbers.iter().enumerate() {
+            let ours = self.number(place, &theirs.name);
             ours.bound = ours.bound.or(theirs.bound);
             ours.bounds = (
                 ours.bounds.0 + theirs.bounds.0,
@@ -267,6 +273,14 @@ impl Sums {
     }
 }
 
+/// The position of the item that is meant, which most often is `place`.
+pub(crate) fn position<T>(list: &[T], place: usize, is: impl Fn(&T) -> bool) -> Option<usize> {
+    match list.get(place) {
+        Some(item) if is(item) => Some(place),
+        _ => list.iter().position(is),
+    }
+}
+
 /// Sorted ranges; adjacent ones are joined.
 fn joined(ranges: &[(u64, u64)]) -> Vec<(u64, u64)> {
     let mut all: Vec<(u64, u64)> = Vec::new();
@@ -291,7 +305,7 @@ fn entry<'a, T: Default>(list: &'a mut Vec<(String, T)>, name: &str) -> &'a mut 
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
-    use super::super::{Answer, statistics_of};
+    use super::super::{Answer, TrialNumber, statistics_of};
     use super::*;
 
     fn trial(number: u64) -> Trial {

@@ -61,7 +61,10 @@ fn numbers(s: &Statistics) -> Section {
         table.push(vec![
             p.name.clone(),
             p.bound.map_or("open".to_owned(), |b| significant(b, 3)),
-            format!("{:.3}", p.stated / sigma),
+            match p.stated.is_finite() {
+                true => format!("{:.3}", p.stated / sigma),
+                false => "-".to_owned(),
+            },
             marked(format!("{rmse:.3}"), rmse, Band::of_rms(n)),
             marked(format!("{bias:.3}"), bias, Band::of_bias(n)),
             marked(
@@ -98,10 +101,13 @@ fn together(s: &Statistics) -> Vec<String> {
             if band.holds(mean) { "" } else { " !" }
         ));
     }
-    lines.push(format!(
-        "chi-square per degree of freedom {:.4}",
-        s.chi2_per_dof
-    ));
+    // A kernel has no residuals.
+    if s.chi2_per_dof > 0.0 {
+        lines.push(format!(
+            "chi-square per degree of freedom {:.4}",
+            s.chi2_per_dof
+        ));
+    }
     for (name, chi2) in &s.channels {
         lines.push(format!("  {name} {chi2:.4}"));
     }
