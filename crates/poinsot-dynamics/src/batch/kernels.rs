@@ -25,14 +25,17 @@ pub(super) trait Kernel {
     fn body<S: Simd>(&self, _i: usize, _kinematics: &Kinematics<Lanes<S>>, _rows: &mut Rows) {}
 
     /// Fills the rows of the group. The kinematics are placed and move.
+    #[inline(always)]
     fn fill<S: Simd>(
         &self,
-        scratch: &mut Self::Scratch<S>,
-        kinematics: &Kinematics<Lanes<S>>,
-        rates: &[Lanes<S>],
-        group: &Group<S>,
-        rows: &mut Rows,
-    ) -> Result<(), BatchError>;
+        _scratch: &mut Self::Scratch<S>,
+        _kinematics: &Kinematics<Lanes<S>>,
+        _rates: &[Lanes<S>],
+        _group: &Group<S>,
+        _rows: &mut Rows,
+    ) -> Result<(), BatchError> {
+        Ok(())
+    }
 }
 
 pub(super) struct Regressor;
@@ -43,25 +46,12 @@ impl Kernel for Regressor {
     fn scratch<S: Simd>(&self, _: &Tree, _: Lanes<S>) {}
 
     #[inline(always)]
-    fn body<S: Simd>(&self, i: usize, kinematics: &Kinematics<Lanes<S>>, rows: &mut Rows) {
-        let k = kinematics;
+    fn body<S: Simd>(&self, i: usize, k: &Kinematics<Lanes<S>>, rows: &mut Rows) {
         let mut columns = [[k.v[i].x.all(0.0); TWIST]; COLUMNS];
         body_columns(&k.R[i], &k.p[i], &k.v[i], &k.w[i], &mut columns);
         if let Some(numbers) = columns.as_flattened().first_chunk::<PER_BODY>() {
             rows.put(PER_BODY * i, numbers);
         }
-    }
-
-    #[inline(always)]
-    fn fill<S: Simd>(
-        &self,
-        (): &mut (),
-        _: &Kinematics<Lanes<S>>,
-        _: &[Lanes<S>],
-        _: &Group<S>,
-        _: &mut Rows,
-    ) -> Result<(), BatchError> {
-        Ok(())
     }
 }
 
