@@ -67,7 +67,6 @@ fn numbers(c: &ComparisonFile) -> Section {
     if pooled {
         head.extend(["pooled", "1 sigma"].map(str::to_owned));
     }
-    head.push("unit".to_owned());
     let head: Vec<&str> = head.iter().map(String::as_str).collect();
     let mut table = Table::new(&head);
     for (name, n) in &c.numbers {
@@ -93,7 +92,6 @@ fn row(name: &str, n: &ComparedNumberFile, pooled: bool) -> Vec<String> {
     if pooled {
         pair(n.pooled, n.pooled_sigma, &mut row);
     }
-    row.push(n.unit.clone());
     row
 }
 
