@@ -268,17 +268,35 @@ def simulate(case: PathLike, *, out: PathLike | None = None, progress: Progress 
     return Simulation(Telemetry(record), json.loads(truth))
 
 
-def predict(case: PathLike, *, relative_accuracy: float = 1.0, progress: Progress = None) -> Document:
+def predict(
+    case: PathLike | Sequence[PathLike],
+    *,
+    relative_accuracy: float = 1.0,
+    durations: bool = False,
+    out: PathLike | None = None,
+    progress: Progress = None,
+) -> Document:
     """Say how accurate a planned manoeuvre will be, before it is flown (Cramer-Rao bound).
 
     Parameters
     ----------
     case
-        Case file; the numbers of its model are taken as the truth.
+        Case file; the numbers of its model are taken as the truth. Of several files the document has one entry each,
+        under the path as given.
+    durations
+        Sigmas for shorter records, too.
+    out
+        Folder for ``prediction.json``; of several cases each has its own folder there.
     relative_accuracy, progress
         As of :func:`identify`.
     """
-    return Document(*_core.predict(case, float(relative_accuracy), _reporter(progress)))
+    cases = [case] if isinstance(case, (str, os.PathLike)) else list(case)
+    if not cases:
+        raise InputError("E0001 case: there is no case; give one path or more")
+    printed, text, exit_code = _core.predict(cases, float(relative_accuracy), durations, out, _reporter(progress))
+    found = json.loads(printed)
+    whole = found[0] if len(found) == 1 else {os.fspath(path): values for path, values in zip(cases, found)}
+    return Document(json.dumps(whole), text, exit_code)
 
 
 def validate(
@@ -324,6 +342,7 @@ def design(
     out: PathLike | None = None,
     minutes: float | None = None,
     verify: int = 0,
+    front: str | None = None,
     progress: Progress = None,
 ) -> Document:
     """Search the manoeuvre that gives the wanted accuracy within the limits of a case.
@@ -338,10 +357,12 @@ def design(
         Ends the search after this time with the best manoeuvre so far.
     verify
         Number of simulated flights whose errors are compared with the predicted sigmas.
+    front
+        Kind of limit, as ``"duration"``: the accuracy is also given with this limit tighter and looser.
     progress
         As of :func:`identify`.
     """
-    return Document(*_core.design(case, out, minutes, verify, _reporter(progress)))
+    return Document(*_core.design(case, out, minutes, verify, front, _reporter(progress)))
 
 
 def campaign(

@@ -47,6 +47,21 @@ def test_exact_predict(command):
     assert dict(document) == json.loads(done.stdout) and document.exit_code == done.returncode
 
 
+def test_exact_predict_of_several_cases(command, tmp_path):
+    """One entry a case, and the files of the command."""
+    cases = [CASE, "examples/cases/stsat3_kim2010.toml"]
+    document = pn.predict(cases, durations=True, out=tmp_path / "a")
+    done = command("predict", *cases, "--durations", "--out", tmp_path / "b", "--json")
+    assert [document[case] for case in cases] == json.loads(done.stdout) and document.exit_code == done.returncode
+    for case in cases:
+        name = Path(case).stem + "/prediction.json"
+        assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()
+    with pytest.raises(pn.InputError, match="same file name"):
+        pn.predict([CASE, CASE], out=tmp_path / "c")
+    with pytest.raises(pn.InputError, match="no case"):
+        pn.predict([])
+
+
 def test_exact_validate(command, tmp_path):
     pn.identify(STSAT3, MULTIAXIS).write(tmp_path)
     document = pn.validate(MULTIAXIS, model=STSAT3, estimate=tmp_path)
@@ -161,6 +176,9 @@ def test_exact_design(command, tmp_path):
     document = pn.design(case, out=tmp_path / "out")
     assert (tmp_path / "out" / "commands.csv").exists()
     same(document, command, "design", case)
+    fronted = pn.design(case, front="duration")
+    same(fronted, command, "design", case, "--front", "duration")
+    assert fronted["front"] and not document.get("front")
 
 
 def test_exact_campaign_and_sweep(command, tmp_path):

@@ -12,13 +12,14 @@ use std::path::PathBuf;
 
 /// `poinsot design`.
 #[pyfunction]
-#[pyo3(signature = (case, out=None, minutes=None, verify=0, progress=None))]
+#[pyo3(signature = (case, out=None, minutes=None, verify=0, front=None, progress=None))]
 pub fn design(
     py: Python<'_>,
     case: PathBuf,
     out: Option<PathBuf>,
     minutes: Option<f64>,
     verify: u64,
+    front: Option<String>,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Printed> {
     run(py, progress.as_ref(), move || {
@@ -26,7 +27,7 @@ pub fn design(
             case: case.clone(),
             minutes,
             verify,
-            front: None,
+            front,
         })?;
         if let Some(folder) = &out {
             let model = read_case(&case).map_err(SimulateError::from)?.model;

@@ -7,11 +7,14 @@ use crate::run::run;
 use poinsot::bind::mountings;
 use poinsot::case::read_case;
 use poinsot::compare::{compare_estimates, comparison_document};
-use poinsot::predict::{prediction_document, prediction_file};
+use poinsot::predict::{
+    Prediction, predict_all, prediction_document, prediction_file, prediction_paths,
+    several_document, write_predictions,
+};
 use poinsot::simulate::{SimulateError, simulate_case};
 use poinsot::validate::{ValidateRequest, validation_document, validation_file, write_validation};
 use poinsot::{estimate_file, inspection_file};
-use poinsot_formats::{EstimateFile, read_estimate};
+use poinsot_formats::{EstimateFile, PredictionFile, read_estimate};
 use poinsot_model::read_model;
 use poinsot_report::{Document, TextStyle};
 use poinsot_telemetry::{MEMORY_MIB, Mounting, ReadOptions, mount};
@@ -110,21 +113,27 @@ fn text_of(path: &std::path::Path) -> Result<String, Fault> {
 
 /// `poinsot predict`.
 #[pyfunction]
-#[pyo3(signature = (case, relative_accuracy=1.0, progress=None))]
+#[pyo3(signature = (cases, relative_accuracy=1.0, durations=false, out=None, progress=None))]
 pub fn predict(
     py: Python<'_>,
-    case: PathBuf,
+    cases: Vec<PathBuf>,
     relative_accuracy: f64,
+    durations: bool,
+    out: Option<PathBuf>,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Printed> {
     run(py, progress.as_ref(), move || {
-        let found = poinsot::predict::predict(&case, relative_accuracy)?;
-        let file = prediction_file(&found);
-        Ok((
-            json(&file)?,
-            text(&prediction_document(&file)),
-            poinsot_cli::exit_of(found.passes()),
-        ))
+        let paths = out.map(|folder| prediction_paths(&folder, &cases));
+        let paths = paths.transpose()?.unwrap_or_default();
+        let all = predict_all(&cases, relative_accuracy, durations)?;
+        write_predictions(&paths, &all)?;
+        let files: Vec<PredictionFile> = all.iter().map(prediction_file).collect();
+        let document = match files.as_slice() {
+            [one] => prediction_document(one),
+            several => several_document(several),
+        };
+        let passes = all.iter().all(Prediction::passes);
+        Ok((json(&files)?, text(&document), poinsot_cli::exit_of(passes)))
     })
 }
 

@@ -9,6 +9,7 @@ mod peaks;
 mod several;
 mod text;
 mod wanted;
+mod written;
 
 pub use file::prediction_file;
 pub use lengths::{Ended, against_duration, against_duration_file};
@@ -17,6 +18,7 @@ pub use several::several_document;
 pub use text::prediction_document;
 pub(crate) use text::{accuracy, durations, peaks, predicted_sigma};
 pub use wanted::{Met, covariance_name, wanted_sigma};
+pub use written::{prediction_paths, write_predictions};
 
 use crate::bind::{BindError, bind};
 use crate::case::{Case, Scenario, Want, estimated_numbers, read_case};

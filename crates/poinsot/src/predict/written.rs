@@ -1,0 +1,48 @@
+//! Files of predictions.
+
+use super::{Prediction, prediction_file};
+use crate::error::Error;
+use crate::written::{check_outputs, write_file};
+use std::path::{Path, PathBuf};
+
+/// Name of the file of a prediction.
+const NAME: &str = "prediction.json";
+
+/// Paths of the predictions of some cases: in the folder itself for one case, otherwise in a subfolder named after each.
+///
+/// # Errors
+/// Two cases have the same file name, or a path cannot be written to.
+pub fn prediction_paths(folder: &Path, cases: &[PathBuf]) -> Result<Vec<PathBuf>, Error> {
+    let mut all: Vec<PathBuf> = Vec::new();
+    for case in cases {
+        let place = match cases {
+            [_] => folder.join(NAME),
+            _ => folder.join(case.file_stem().unwrap_or_default()).join(NAME),
+        };
+        if all.contains(&place) {
+            return Err(Error::Usage {
+                option: "CASE",
+                value: case.display().to_string(),
+                why: "another case has the same file name, and so the same folder below --out; predict them one by one".to_owned(),
+            });
+        }
+        all.push(place);
+    }
+    let inputs: Vec<&Path> = cases.iter().map(PathBuf::as_path).collect();
+    check_outputs("--out", &all, &inputs)?;
+    Ok(all)
+}
+
+/// Writes predictions to the paths of [`prediction_paths`].
+///
+/// # Errors
+/// Writing fails.
+pub fn write_predictions(paths: &[PathBuf], all: &[Prediction]) -> Result<(), Error> {
+    for (path, prediction) in paths.iter().zip(all) {
+        let mut text =
+            serde_json::to_string_pretty(&prediction_file(prediction)).unwrap_or_default();
+        text.push('\n');
+        write_file(path, text.as_bytes())?;
+    }
+    Ok(())
+}
