@@ -10,7 +10,7 @@ import os
 import re
 import threading
 import time
-from collections.abc import Callable, Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from contextlib import contextmanager
 from pathlib import Path, PurePosixPath
 from secrets import token_hex
@@ -245,6 +245,9 @@ class Engine:
         except BaseException as error:
             self._failure = error
             raise
+        finally:
+            # Cancels the tasks while the client is there.
+            results.close()
 
     def _show(self, done: int, total: int) -> None:
         try:
@@ -275,7 +278,7 @@ class Engine:
         if self._stopped.is_set():
             raise KeyboardInterrupt
 
-    def _here(self, shards: list[int]) -> Iterator[tuple[int, bool, Found]]:
+    def _here(self, shards: list[int]) -> Generator[tuple[int, bool, Found]]:
         at, size = 0, os.cpu_count() or 1
         while at < len(shards):
             begun = time.perf_counter()
@@ -284,7 +287,7 @@ class Engine:
             at += len(some)
             size = max(1, int(len(some) * _TASK_S / (time.perf_counter() - begun)))
 
-    def _tasks(self, shards: list[int]) -> Iterator[tuple[int, bool, Found]]:
+    def _tasks(self, shards: list[int]) -> Generator[tuple[int, bool, Found]]:
         distributed, client = need("distributed", "dask"), self._client
         token = token_hex(16).encode()
         self._store.put(_TOKEN, token)
