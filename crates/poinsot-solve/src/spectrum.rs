@@ -1,6 +1,7 @@
 //! Identifiability: the spectrum of the whitened sensitivity in natural units.
 
 use faer::Mat;
+use std::ops::Range;
 
 /// Largest fraction of a gradient along undetermined directions for a determined number.
 const TOUCH: f64 = 1.0e-4;
@@ -22,12 +23,16 @@ pub struct Spectrum {
     pub noise: Vec<f64>,
     /// Number of identified leading directions.
     pub rank: usize,
+    /// Number of those among them, the first ones, that are as accurate as asked.
+    pub accurate: usize,
     /// Number of directions above round-off.
     pub structural_rank: usize,
-    /// Sigma of every direction that the experiment allows, natural units, in the order of `directions`.
-    pub certificate: Vec<f64>,
     /// Bias of linear least squares from noise in the regressor, per unknown in natural units.
     pub bias: Vec<f64>,
+    /// Sigma, natural units for a gradient of length one, from which on a number counts as undetermined.
+    accuracy: f64,
+    /// What the experiment allows, where this is an estimator within it: it decides what is determined.
+    experiment: Option<Box<Spectrum>>,
 }
 
 /// The matrix holds NaN or infinity and cannot be decomposed.
@@ -87,43 +92,54 @@ impl Spectrum {
             noise: order.iter().map(|&k| noise[k]).collect(),
             directions: Mat::from_fn(n, n, |i, j| directions[(i, order[j])]),
             left: Mat::from_fn(n, n, |i, j| left[(i, order[j])]),
-            certificate: order
-                .iter()
-                .map(|&k| {
-                    if singular[k] > 0.0 {
-                        1.0 / singular[k]
-                    } else {
-                        f64::INFINITY
-                    }
-                })
-                .collect(),
             rank,
+            accurate: rank,
             structural_rank,
             bias: vec![0.0; n],
+            accuracy: f64::INFINITY,
+            experiment: None,
         })
     }
 
-    /// Identifies only those directions with a sigma below this accuracy, in natural units.
-    pub fn judged(self, relative_accuracy: f64) -> Self {
-        let known = |k: &usize| {
+    /// Asks for this accuracy, in natural units, of every number and direction. What is less accurate stays identified: a
+    /// number across such a direction may itself be accurate.
+    pub fn judged(mut self, relative_accuracy: f64) -> Self {
+        if let Some(experiment) = self.experiment.take() {
+            let judged = experiment.judged(relative_accuracy);
+            self.experiment = Some(Box::new(judged));
+            return self;
+        }
+        let accurate = |k: &usize| {
             let square = self.singular[*k] * self.singular[*k];
-            *k < self.rank && 1.0 / (square - self.noise[*k]).sqrt() < relative_accuracy
+            1.0 / (square - self.noise[*k]).sqrt() < relative_accuracy
         };
         let n = self.natural.len();
-        let (mut order, open): (Vec<usize>, Vec<usize>) = (0..n).partition(known);
-        let rank = order.len();
-        order.extend(open);
+        let (mut order, rest): (Vec<usize>, Vec<usize>) = (0..self.rank).partition(accurate);
+        let accurate = order.len();
+        order.extend(rest);
+        order.extend(self.rank..n);
         let picked = |all: &[f64]| order.iter().map(|&k| all[k]).collect();
         let columns = |all: &Mat<f64>| Mat::from_fn(n, n, |i, j| all[(i, order[j])]);
         Self {
             singular: picked(&self.singular),
             noise: picked(&self.noise),
-            certificate: picked(&self.certificate),
             directions: columns(&self.directions),
             left: columns(&self.left),
-            rank,
+            accurate,
+            accuracy: relative_accuracy,
             ..self
         }
+    }
+
+    /// What the experiment allows: itself, save for an estimator within it.
+    pub fn experiment(&self) -> &Spectrum {
+        self.experiment.as_deref().unwrap_or(self)
+    }
+
+    /// Sigma of every direction, natural units, in the order of `directions`.
+    pub fn sigmas(&self) -> Vec<f64> {
+        let sigma = |s: &f64| if *s > 0.0 { 1.0 / s } else { f64::INFINITY };
+        self.singular.iter().map(sigma).collect()
     }
 
     /// The spectrum of a problem without unknown mass properties.
@@ -135,9 +151,11 @@ impl Spectrum {
             left: Mat::zeros(0, 0),
             noise: Vec::new(),
             rank: 0,
+            accurate: 0,
             structural_rank: 0,
-            certificate: Vec::new(),
             bias: Vec::new(),
+            accuracy: f64::INFINITY,
+            experiment: None,
         }
     }
 
@@ -162,6 +180,9 @@ impl Spectrum {
         let svd = seen.thin_svd().map_err(|_| NotFinite)?;
         let turned = &inside * svd.V();
         let mut out = experiment.clone();
+        out.experiment = Some(Box::new(experiment.experiment().clone()));
+        out.accuracy = f64::INFINITY;
+        out.accurate = r;
         out.left = Mat::from_fn(n, n, |i, j| if j < r { svd.U()[(i, j)] } else { 0.0 });
         out.directions = Mat::from_fn(n, n, |i, j| {
             if j < r {
@@ -257,9 +278,11 @@ impl Spectrum {
         if self.touch(&g) > TOUCH * length {
             return None;
         }
-        let noise: f64 = (0..self.rank)
-            .map(|k| (self.along(&g, k) / self.singular[k]).powi(2))
-            .sum();
+        let allowed = self.experiment();
+        if allowed.variance(&g).sqrt() >= allowed.accuracy * length {
+            return None;
+        }
+        let noise = self.variance(&g);
         let bias: f64 = g.iter().zip(&self.bias).map(|(a, b)| a * b).sum();
         // The small component along undetermined directions has the uncertainty of the nominal values.
         let open = self.touch(&g);
@@ -284,8 +307,23 @@ impl Spectrum {
 
     /// Directions that are not identified, one column each, in natural units.
     pub fn unobservable_directions(&self) -> Mat<f64> {
-        let n = self.natural.len();
-        Mat::from_fn(n, n - self.rank, |i, j| self.directions[(i, self.rank + j)])
+        self.columns(self.rank..self.natural.len())
+    }
+
+    /// Directions that are identified, but less accurately than asked, one column each, in natural units.
+    pub fn inaccurate_directions(&self) -> Mat<f64> {
+        self.columns(self.accurate..self.rank)
+    }
+
+    fn columns(&self, range: Range<usize>) -> Mat<f64> {
+        let at = |i, j| self.directions[(i, range.start + j)];
+        Mat::from_fn(self.natural.len(), range.len(), at)
+    }
+
+    /// Variance along the identified directions of a number with this gradient in natural units.
+    fn variance(&self, g: &[f64]) -> f64 {
+        let along = |k: usize| (self.along(g, k) / self.singular[k]).powi(2);
+        (0..self.rank).map(along).sum()
     }
 
     fn natural_gradient(&self, gradient: &[f64]) -> Vec<f64> {

@@ -36,7 +36,7 @@ pub struct Question {
     pub variant: Option<String>,
     /// Settings of a published method, `key=value`, see [`crate::methods::methods`].
     pub settings: Vec<String>,
-    /// One-sigma accuracy in natural units that counts as identified.
+    /// One-sigma accuracy in natural units of a number that counts as determined.
     pub relative_accuracy: f64,
     /// Coordinates of a maximum-likelihood fit.
     pub coordinates: Coordinates,

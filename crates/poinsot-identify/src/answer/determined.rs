@@ -53,11 +53,12 @@ pub(crate) fn combinations(
     all.iter().filter_map(one).collect()
 }
 
-/// Orthonormal basis of the unobservable directions and of all changes along their paths, natural units.
+/// Orthonormal basis of the unobservable and the inaccurate directions and of all changes along their paths, natural
+/// units.
 fn unusable(solution: &Solution) -> Mat<f64> {
-    let spectrum = solution.of_data();
-    let (n, r) = (spectrum.natural.len(), spectrum.rank);
-    let open = spectrum.unobservable_directions();
+    let allowed = solution.of_data().experiment();
+    let (n, r) = (allowed.natural.len(), allowed.accurate);
+    let open = Mat::from_fn(n, n - r, |i, k| allowed.directions[(i, r + k)]);
     let curved = solution
         .unobservable_set
         .walks
@@ -69,9 +70,9 @@ fn unusable(solution: &Solution) -> Mat<f64> {
     }
     // Displacements along the determined directions, in sigmas.
     let moved = Mat::from_fn(r, points.len(), |k, p| {
-        let step = |i: usize| (points[p][i] - solution.x[i]) / spectrum.natural[i];
-        let along = (0..n).map(|i| step(i) * spectrum.directions[(i, k)]);
-        spectrum.singular[k] * along.sum::<f64>()
+        let step = |i: usize| (points[p][i] - solution.x[i]) / allowed.natural[i];
+        let along = (0..n).map(|i| step(i) * allowed.directions[(i, k)]);
+        allowed.singular[k] * along.sum::<f64>()
     });
     let Ok(svd) = moved.thin_svd() else {
         return open;
@@ -82,8 +83,8 @@ fn unusable(solution: &Solution) -> Mat<f64> {
     for j in also {
         let mut w = vec![0.0; n];
         for (i, w) in w.iter_mut().enumerate() {
-            let terms = (0..r)
-                .map(|k| spectrum.directions[(i, k)] * svd.U()[(k, j)] / spectrum.singular[k]);
+            let terms =
+                (0..r).map(|k| allowed.directions[(i, k)] * svd.U()[(k, j)] / allowed.singular[k]);
             *w = terms.sum();
         }
         // Twice is enough (Parlett 1980).

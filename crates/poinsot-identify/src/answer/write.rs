@@ -217,18 +217,20 @@ fn identifiability(
     let mut determined = determined::combinations(solution, estimator);
     determined.extend(determined::functions(problem, solution, estimator));
     let absent = naming::absent(&solution.parameters);
+    let allowed = spectrum.experiment();
     let mut open = naming::unobservable_directions(problem, solution);
     if solution.data_alone.is_none() {
         let walks = open.iter_mut().zip(&solution.unobservable_set.walks);
         walks.for_each(|(open, walk)| open.walk = naming::values_along_path(solution, walk));
     }
+    open.extend(naming::inaccurate_directions(problem, solution));
     let numbers: usize = absent.iter().map(|c| c.coefficients.len()).sum();
     open.extend(absent);
     Identifiability {
         parameters: m + numbers,
-        rank: spectrum.rank,
+        rank: allowed.accurate,
         structural_rank: spectrum.structural_rank,
-        sigmas_natural: spectrum.certificate.clone(),
+        sigmas_natural: allowed.sigmas(),
         ranks: solution.unobservable_set.ranks(),
         determined,
         open,

@@ -73,6 +73,34 @@ pub(crate) fn unobservable_directions(
     found
 }
 
+/// Names every direction that the data identify less accurately than asked.
+pub(crate) fn inaccurate_directions(
+    problem: &Problem,
+    solution: &Solution,
+) -> Vec<UnobservableCombination> {
+    let allowed = solution.of_data().experiment();
+    let directions = allowed.inaccurate_directions();
+    if directions.ncols() == 0 {
+        return Vec::new();
+    }
+    let asked = problem.relative_accuracy;
+    let worst = allowed.sigmas()[allowed.accurate..allowed.rank]
+        .iter()
+        .fold(0.0, |a, b| f64::max(a, *b));
+    let one = |combination: &Combination| UnobservableCombination {
+        text: format!(
+            "{} is determined less accurately than asked",
+            sentence(solution, combination)
+        ),
+        reason: format!(
+            "in these directions one sigma is up to {worst:.1e} of nominal; {asked:e} is asked for"
+        ),
+        ..in_numbers(problem, solution, combination)
+    };
+    let found = split(&directions, &allowed.natural, &weights(solution)).open;
+    found.iter().map(one).collect()
+}
+
 /// Requested numbers that do not enter the equations of rotation: mass, and without thrust the mass centre.
 pub(crate) fn absent(parameters: &Parameters) -> Vec<UnobservableCombination> {
     if parameters.equations != Equations::Rotation {
@@ -419,12 +447,9 @@ fn poor_motion(problem: &Problem, solution: &Solution) -> (String, String) {
     if axis.max() < -axis.min() {
         axis = -axis;
     }
-    let weak = solution
-        .of_data()
-        .certificate
-        .get(solution.of_data().rank)
-        .copied()
-        .unwrap_or(f64::INFINITY);
+    let allowed = solution.of_data().experiment();
+    let weak = allowed.sigmas().get(allowed.rank).copied();
+    let weak = weak.unwrap_or(f64::INFINITY);
     if rms[0] <= 3.0 * noise {
         return (
             format!(

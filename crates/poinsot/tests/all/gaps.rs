@@ -163,4 +163,30 @@ fn regress_a_strict_accuracy_leaves_the_fit_as_it_is() {
     };
     assert_eq!((open(&plain), open(&strict)), (0, 6));
     assert!(strict.estimate.covariance_trustworthy);
+    // Between the sigmas of the numbers: each is printed or not by its own.
+    let sigmas = |answer: &Identified| answer.estimate.bodies[0].inertia.map(|n| n.sigma);
+    let all = sigmas(&plain).map(Option::unwrap);
+    // Of the natural scale: in the middle between the third and the fourth of them.
+    let mut sorted = all;
+    sorted.sort_by(f64::total_cmp);
+    let nominal = &model.bodies[0].nominal;
+    let scale = nominal.mass * nominal.radius_of_gyration().powi(2);
+    let between = asked((sorted[2] * sorted[3]).sqrt() / scale);
+    let kept = sigmas(&between).iter().flatten().count();
+    assert!((1..6).contains(&kept), "{:?}", sigmas(&between));
+    for (strict, plain) in sigmas(&between).iter().zip(all) {
+        assert!(strict.is_none_or(|s| (s / plain - 1.0).abs() < 1.0e-9));
+    }
+    let (found, open) = (
+        between.estimate.identifiability,
+        &between.estimate.bodies[0],
+    );
+    assert_eq!(found.rank + found.open.len(), 6);
+    assert!(
+        found
+            .open
+            .iter()
+            .all(|o| o.text.ends_with("less accurately than asked"))
+    );
+    assert!(open.inertia.iter().any(|n| n.value.is_none()));
 }
