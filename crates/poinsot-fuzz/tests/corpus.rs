@@ -4,22 +4,37 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use poinsot_fuzz::{Mutator, TARGETS};
+use std::io::Read;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
 /// Time limit of a single small input.
 const LONGEST: Duration = Duration::from_secs(10);
 
+/// The inputs written by hand, then those that libFuzzer found.
 fn corpus(name: &str) -> Vec<Vec<u8>> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../../fuzz/corpus")
-        .join(name);
-    let mut paths: Vec<_> = std::fs::read_dir(folder)
-        .unwrap()
-        .map(|e| e.unwrap().path())
-        .collect();
+    let fuzz = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz");
+    let folder = std::fs::read_dir(fuzz.join("corpus").join(name)).unwrap();
+    let mut paths: Vec<_> = folder.map(|e| e.unwrap().path()).collect();
     paths.sort();
-    paths.iter().map(|p| std::fs::read(p).unwrap()).collect()
+    let written = paths.iter().map(|p| std::fs::read(p).unwrap());
+    written.chain(found(&fuzz, name)).collect()
+}
+
+/// Of a target for which anything was found.
+fn found(fuzz: &Path, name: &str) -> Vec<Vec<u8>> {
+    let path = fuzz.join("found").join(name).with_extension("tar");
+    let Ok(file) = std::fs::File::open(path) else {
+        return Vec::new();
+    };
+    let mut archive = tar::Archive::new(file);
+    let bytes = |mut entry: tar::Entry<_>| {
+        let mut bytes = Vec::new();
+        entry.read_to_end(&mut bytes).unwrap();
+        bytes
+    };
+    let entries = archive.entries().unwrap();
+    entries.map(|entry| bytes(entry.unwrap())).collect()
 }
 
 fn replay(name: &str, mutations: u64) {
