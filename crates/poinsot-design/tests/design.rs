@@ -4,6 +4,7 @@
 use poinsot::case::{Case, parse_case, read_case};
 use poinsot::predict::{predict_case, wanted_sigma};
 use poinsot::simulate::run;
+use poinsot::write_report;
 use poinsot_design::{DesignRequest, Designed, design_case, drawn, write_design};
 use poinsot_model::{Model, parse_model, read_model};
 use std::path::{Path, PathBuf};
@@ -154,6 +155,27 @@ fn exact_what_a_design_says_is_what_predict_says_of_the_file_it_writes() {
         serde_json::from_slice(&std::fs::read(out.join("design.json")).unwrap()).unwrap();
     assert_eq!(json["schema"], "poinsot.design/1");
     assert_eq!(json["wants"].as_array().unwrap().len(), 6);
+    // The page shows the vehicle as it turns: by as much as is predicted, one instant a sample.
+    write_report(&out, &[], &[]).unwrap();
+    let page = std::fs::read_to_string(out.join("report.html")).unwrap();
+    let data = page.split("class=\"scene-data\">").nth(1).unwrap();
+    let scene: serde_json::Value =
+        serde_json::from_str(data.split("</script>").next().unwrap()).unwrap();
+    let turns = scene["tree"]["base_q_xyzw"].as_array().unwrap();
+    assert_eq!(turns.len(), 161);
+    assert_eq!(turns[0], serde_json::json!([0.0, 0.0, 0.0, 1.0]));
+    let angle = |q: &serde_json::Value| {
+        let v = [0, 1, 2].map(|k| q[k].as_f64().unwrap().powi(2));
+        2.0 * v
+            .iter()
+            .sum::<f64>()
+            .sqrt()
+            .atan2(q[3].as_f64().unwrap().abs())
+    };
+    let largest = turns.iter().map(angle).fold(0.0, f64::max);
+    let peak = prediction.peaks.iter().find(|p| p.what.starts_with("turn"));
+    assert!((largest - peak.unwrap().value).abs() < 5.0e-4, "{largest}");
+    assert!(largest > 0.1);
 }
 
 #[test]

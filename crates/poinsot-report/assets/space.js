@@ -276,10 +276,11 @@
     }
     // Turn and shift of every body since the first time: joints one after the other, from the root outwards.
     poses(own) {
-      const tree = this.data.tree, all = [{ q: own, p: [0, 0, 0] }];
+      const tree = this.data.tree, k = this.frame, moves = tree && tree.base_q_xyzw.length;
+      const all = [moves ? { q: tree.base_q_xyzw[k], p: tree.base_shift[k] } : { q: own, p: [0, 0, 0] }];
       if (!tree) return all;
       for (const j of tree.joints) {
-        const at = all[j.parent] || all[0], by = j.moved.length ? j.moved[this.frame] : 0;
+        const at = all[j.parent] || all[0], by = j.moved.length ? j.moved[k] : 0;
         const q = j.slides ? STILL : about(j.axis, by);
         const p = j.slides ? add([0, 0, 0], j.axis, by) : add(j.origin, turn(q, j.origin), -1);
         all[j.child] = { q: times(at.q, q), p: add(at.p, turn(at.q, p)) };

@@ -129,6 +129,10 @@ pub struct Tree {
     pub time_s: Vec<f64>,
     /// Group of plots over the same time.
     pub group: String,
+    /// Attitude of the base since the first time, scalar last; empty if it rests.
+    pub base_q_xyzw: Vec<[f64; 4]>,
+    /// Displacement of the origin of the base since the first time, in its axes of then.
+    pub base_shift: Vec<Point>,
     /// Number of bodies.
     pub bodies: usize,
     /// Joints; a parent's before its children's.

@@ -1,5 +1,6 @@
 //! Report data in addition to `estimate.json`: curves, vehicle geometry, truth, command line.
 
+use super::placed::{placed, rows};
 use crate::identify::Identified;
 use crate::simulate::true_mass;
 use indexmap::IndexMap;
@@ -264,75 +265,9 @@ fn vehicle(identified: &Identified) -> Vehicle {
     if let Some(q) = position.filter(|q| q.len() == tree.dof()) {
         kinematics.place(&tree, &q);
     }
-    let name = |body: usize| {
-        model
-            .bodies
-            .get(body)
-            .map(|b| b.name.clone())
-            .unwrap_or_default()
-    };
-    let point = |body: usize, p: &poinsot_spatial::Vector3| -> [f64; 3] {
-        (kinematics.p[body] + kinematics.R[body] * p).into()
-    };
-    let turned =
-        |body: usize, a: &poinsot_spatial::Vector3| -> [f64; 3] { (kinematics.R[body] * a).into() };
-    Vehicle {
-        bodies: identified
-            .estimate
-            .bodies
-            .iter()
-            .enumerate()
-            .map(|(at, b)| drawn_body(b, kinematics.p[at].into(), &kinematics.R[at]))
-            .collect(),
-        joints: model
-            .joints
-            .iter()
-            .map(|j| DrawnJoint {
-                name: j.name.clone(),
-                kind: match j.kind {
-                    JointKind::Revolute => "revolute",
-                    JointKind::Prismatic => "prismatic",
-                    JointKind::Fixed => "fixed",
-                }
-                .to_owned(),
-                parent: name(j.parent),
-                child: name(j.child),
-                origin_m: kinematics.p[j.child].into(),
-                axis: turned(j.child, &j.axis_C),
-            })
-            .collect(),
-        wheels: model
-            .wheels
-            .iter()
-            .map(|w| Pointer {
-                name: w.name.clone(),
-                body: name(w.body),
-                at_m: point(w.body, &poinsot_spatial::Vector3::zeros()),
-                direction: turned(w.body, &w.axis_B),
-            })
-            .collect(),
-        thrusters: model
-            .thrusters
-            .iter()
-            .map(|t| Pointer {
-                name: t.name.clone(),
-                body: name(t.body),
-                at_m: point(t.body, &t.p_BoT_B),
-                direction: turned(t.body, &t.direction_B),
-            })
-            .collect(),
-        sensors: model
-            .sensors
-            .iter()
-            .map(|s| DrawnSensor {
-                name: s.name.clone(),
-                kind: s.kind.word().to_owned(),
-                body: name(s.body),
-                sigma: s.noise_covariance.map(|c| c[(0, 0)].sqrt()),
-                quantisation: s.quantisation,
-            })
-            .collect(),
-    }
+    let bodies = identified.estimate.bodies.iter().enumerate();
+    let bodies = bodies.map(|(at, b)| drawn_body(b, kinematics.p[at].into(), &kinematics.R[at]));
+    placed(model, &kinematics, bodies.collect())
 }
 
 fn drawn_body(b: &BodyEstimate, origin_m: [f64; 3], R: &Matrix3) -> DrawnBody {
@@ -340,7 +275,7 @@ fn drawn_body(b: &BodyEstimate, origin_m: [f64; 3], R: &Matrix3) -> DrawnBody {
     DrawnBody {
         name: b.name.clone(),
         origin_m,
-        rotation: [0, 1, 2].map(|i| [0, 1, 2].map(|j| R[(i, j)])),
+        rotation: rows(R),
         mass_kg: best(&b.mass),
         com_m: [0, 1, 2].map(|k| best(&b.com[k])),
         inertia_kg_m2: std::array::from_fn(|k| best(&b.inertia[k])),

@@ -12,6 +12,7 @@ mod morph;
 mod numbers;
 mod open;
 mod picture;
+mod placed;
 mod poles;
 mod provenance;
 mod repairs;

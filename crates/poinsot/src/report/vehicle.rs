@@ -1,7 +1,7 @@
 //! The vehicle drawn from the model, with moving joints; a suspected part is marked.
 
 use super::Answer;
-use super::data::{DrawnBody, DrawnJoint, Pointer, Segment, Vehicle};
+use super::data::{DrawnBody, DrawnJoint, Pointer, Vehicle};
 use super::tensor::{equivalent_ellipsoid, matrix};
 use super::trust::group;
 use poinsot_report::{Arrow, Curve, Ellipsoid, Figure, Hinge, Point, Scene, Spot, Tree};
@@ -11,6 +11,7 @@ use poinsot_spatial::{Matrix3, Vector3};
 const DETERMINED: (&str, usize) = ("determined", 0);
 const OPEN: (&str, usize) = ("not all determined", 4);
 const KNOWN: (&str, usize) = ("known", 6);
+const WANTED: (&str, usize) = ("to be determined", 0);
 const WITHHELD: (&str, usize) = ("withheld", 6);
 const SUSPECT: (&str, usize) = ("suspected", 1);
 const JOINT: usize = 3;
@@ -23,9 +24,9 @@ const JOINT_REACH: f64 = 0.15;
 /// Largest number of instants of the joint motion.
 const INSTANTS: usize = 300;
 
-/// The vehicle as a figure.
+/// The vehicle of an answer as a figure.
 pub(super) fn drawn(answer: &Answer) -> Figure {
-    Figure::scene("vehicle", scene(answer, &[]))
+    Figure::scene("vehicle", of_answer(answer, &[]))
 }
 
 /// The vehicle, with the first suspect of the diagnostics marked.
@@ -35,7 +36,17 @@ pub(super) fn suspected(answer: &Answer) -> Scene {
         .flat_map(|d| &d.suspects)
         .map(|s| s.name.as_str())
         .collect();
-    scene(answer, names.get(..1).unwrap_or(&[]))
+    of_answer(answer, names.get(..1).unwrap_or(&[]))
+}
+
+/// The vehicle as it moves during a manoeuvre.
+pub(super) fn flying(vehicle: &Vehicle, motion: Motion) -> Figure {
+    let role = |b: &DrawnBody| if b.estimated { WANTED } else { KNOWN };
+    let words = "A body is drawn as the homogeneous ellipsoid with its nominal mass and inertia. Lines connect frame origins and joints. The mass centre of the whole rests.";
+    let mut scene = Builder::new(vehicle, &role, &[]).scene(Some(motion));
+    scene.title = "the vehicle during the manoeuvre, axes of the base at the start, m".to_owned();
+    scene.note = words.to_owned();
+    Figure::scene("manoeuvre", scene)
 }
 
 /// Whether a suspect, such as `wheel wheel2`, is this part.
@@ -44,31 +55,58 @@ fn named(suspect: &str, part: &str) -> bool {
     suspect == part || suspect.split(cut).any(|word| word == part)
 }
 
-fn scene(answer: &Answer, suspects: &[&str]) -> Scene {
-    let mut builder = Builder {
-        answer,
-        vehicle: &answer.data.vehicle,
-        suspects,
-        size: 0.0,
-        tree: Tree::default(),
-        scene: Scene {
-            title: "the vehicle, axes of the base, m".to_owned(),
-            note: "A body is drawn as the homogeneous ellipsoid with its mass and inertia: estimated where determined, else nominal. Lines connect frame origins and joints."
-                .to_owned(),
-            ..Scene::default()
-        },
-    };
-    builder.bodies();
-    builder.joints();
-    builder.pointers(&builder.vehicle.wheels, WHEEL, WHEEL_REACH);
-    builder.pointers(&builder.vehicle.thrusters, THRUSTER, THRUSTER_REACH);
-    builder.moving();
-    builder.scene
+fn of_answer(answer: &Answer, suspects: &[&str]) -> Scene {
+    let role = |b: &DrawnBody| role(answer, b);
+    let mut scene = Builder::new(&answer.data.vehicle, &role, suspects).scene(joint_motion(answer));
+    scene.title = "the vehicle, axes of the base, m".to_owned();
+    scene.note = "A body is drawn as the homogeneous ellipsoid with its mass and inertia: estimated where determined, else nominal. Lines connect frame origins and joints."
+        .to_owned();
+    scene
+}
+
+fn role(answer: &Answer, b: &DrawnBody) -> (&'static str, usize) {
+    let found = answer.estimate.bodies.get(&b.name);
+    let all = || found.iter().flat_map(|b| b.numbers()).map(|n| n.2);
+    match b.estimated {
+        false => KNOWN,
+        true if answer.estimate.is_withheld() => WITHHELD,
+        true if all().all(|n| n.is_known() || n.value.is_some()) => DETERMINED,
+        true => OPEN,
+    }
+}
+
+/// Instants of a motion.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Motion {
+    /// Times, s.
+    pub time_s: Vec<f64>,
+    /// Positions of every joint that moves, rad or m.
+    pub joints: Vec<(String, Vec<f64>)>,
+    /// Attitude of the base since the first instant, and its place relative to the mass centre of the whole; empty where
+    /// the picture is in axes of the base.
+    pub base: Vec<([f64; 4], Point)>,
+    /// Group of plots over the same time.
+    pub group: String,
+}
+
+/// The joint motion during the first record with motion.
+fn joint_motion(answer: &Answer) -> Option<Motion> {
+    let segments = &answer.data.segments;
+    let record = segments.iter().position(|s| !s.joints.is_empty())?;
+    let s = &segments[record];
+    let rows = s.joints.iter();
+    Some(Motion {
+        time_s: s.time_s.clone(),
+        joints: rows.map(|r| (r.name.clone(), r.values.clone())).collect(),
+        base: Vec::new(),
+        group: group(record),
+    })
 }
 
 struct Builder<'a> {
-    answer: &'a Answer,
     vehicle: &'a Vehicle,
+    /// Legend text and colour of a body.
+    role: &'a dyn Fn(&DrawnBody) -> (&'static str, usize),
     suspects: &'a [&'a str],
     size: f64,
     tree: Tree,
@@ -80,6 +118,32 @@ fn vector(at: &Point) -> Vector3 {
 }
 
 impl<'a> Builder<'a> {
+    fn new(
+        vehicle: &'a Vehicle,
+        role: &'a dyn Fn(&DrawnBody) -> (&'static str, usize),
+        suspects: &'a [&'a str],
+    ) -> Self {
+        Self {
+            vehicle,
+            role,
+            suspects,
+            size: 0.0,
+            tree: Tree::default(),
+            scene: Scene::default(),
+        }
+    }
+
+    fn scene(mut self, motion: Option<Motion>) -> Scene {
+        self.bodies();
+        self.joints();
+        self.pointers(&self.vehicle.wheels, WHEEL, WHEEL_REACH);
+        self.pointers(&self.vehicle.thrusters, THRUSTER, THRUSTER_REACH);
+        if let Some(motion) = motion {
+            self.moving(&motion);
+        }
+        self.scene
+    }
+
     fn is_suspect(&self, name: &str) -> bool {
         self.suspects.iter().any(|s| named(s, name))
     }
@@ -91,14 +155,9 @@ impl<'a> Builder<'a> {
     }
 
     fn role(&self, b: &DrawnBody) -> (&'static str, usize) {
-        let found = self.answer.estimate.bodies.get(&b.name);
-        let all = || found.iter().flat_map(|b| b.numbers()).map(|n| n.2);
-        match (self.is_suspect(&b.name), b.estimated) {
-            (true, _) => SUSPECT,
-            (false, false) => KNOWN,
-            (false, true) if self.answer.estimate.is_withheld() => WITHHELD,
-            (false, true) if all().all(|n| n.is_known() || n.value.is_some()) => DETERMINED,
-            (false, true) => OPEN,
+        match self.is_suspect(&b.name) {
+            true => SUSPECT,
+            false => (self.role)(b),
         }
     }
 
@@ -191,35 +250,39 @@ impl<'a> Builder<'a> {
         });
     }
 
-    /// The joint motion during the first record with motion.
-    fn moving(&mut self) {
-        let segments = &self.answer.data.segments;
-        let Some(record) = segments.iter().position(|s| !s.joints.is_empty()) else {
-            return;
-        };
-        let s = &segments[record];
-        let stride = s.time_s.len().div_ceil(INSTANTS).max(1);
+    fn moving(&mut self, motion: &Motion) {
+        let stride = motion.time_s.len().div_ceil(INSTANTS).max(1);
         let hinge = |j: &DrawnJoint| Hinge {
             parent: self.body(&j.parent),
             child: self.body(&j.child),
             origin: j.origin_m,
             axis: j.axis,
             slides: j.kind == "prismatic",
-            moved: moved(s, &j.name, stride),
+            moved: moved(motion, &j.name, stride),
         };
         self.tree.joints = self.vehicle.joints.iter().map(hinge).collect();
-        self.tree.time_s = s.time_s.iter().copied().step_by(stride).collect();
+        self.tree.time_s = motion.time_s.iter().copied().step_by(stride).collect();
         self.tree.bodies = self.vehicle.bodies.len();
-        self.tree.group = group(record);
+        self.tree.group = motion.group.clone();
+        let base = motion.base.iter().step_by(stride);
+        self.tree.base_q_xyzw = base.clone().map(|b| b.0.map(short)).collect();
+        let first = motion.base.first().map_or([0.0; 3], |b| b.1);
+        let shift = |b: &([f64; 4], Point)| [0, 1, 2].map(|k| short(b.1[k] - first[k]));
+        self.tree.base_shift = base.map(shift).collect();
         self.scene.tree = Some(std::mem::take(&mut self.tree));
     }
 }
 
-/// Positions of a joint relative to the first, rounded to 0.1 mrad.
-fn moved(s: &Segment, joint: &str, stride: usize) -> Vec<f64> {
-    let row = s.joints.iter().find(|r| r.name == joint);
-    let values = row.map_or(&[][..], |r| &r.values);
+/// Positions of a joint relative to the first.
+fn moved(motion: &Motion, joint: &str, stride: usize) -> Vec<f64> {
+    let row = motion.joints.iter().find(|r| r.0 == joint);
+    let values = row.map_or(&[][..], |r| &r.1);
     let first = values.first().copied().unwrap_or(0.0);
-    let short = |x: &f64| ((x - first) * 1.0e4).round() / 1.0e4;
-    values.iter().step_by(stride).map(short).collect()
+    let since = |x: &f64| short(x - first);
+    values.iter().step_by(stride).map(since).collect()
+}
+
+/// Rounded to 0.1 mrad or 0.1 mm, less than a picture shows.
+fn short(x: f64) -> f64 {
+    (x * 1.0e4).round() / 1.0e4
 }

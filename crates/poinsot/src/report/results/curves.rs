@@ -9,7 +9,7 @@ use poinsot_report::{Axis, Figure, Mark, Plot, Series};
 use std::path::Path;
 
 /// Plots of one group share cursor and zoom.
-const GROUP: &str = "record1";
+pub(super) const GROUP: &str = "record1";
 /// Suffixes of command columns with quantity and unit, longest first.
 const COMMANDS: [(&str, &str, &str); 7] = [
     ("_rad_s2", "joint acceleration", "rad/s²"),

@@ -1,12 +1,20 @@
 //! A designed manoeuvre: result, active limits, and motion.
 
-use super::curves::{against_duration, commands};
+use super::curves::{GROUP, against_duration, commands};
 use super::{Shown, ratio_figure};
+use crate::case::read_case;
 use crate::predict::durations;
+use crate::report::data::Vehicle;
+use crate::report::placed::nominal;
+use crate::report::vehicle::{Motion, flying};
+use crate::simulate::simulate_exact_watched;
+use poinsot_dynamics::Tree;
 use poinsot_formats::{DesignFile, DesignVerificationFile, RelaxedFile};
+use poinsot_model::read_model;
 use poinsot_report::{
     Axis, Document, Figure, Light, Mark, Opening, Plot, Section, Series, Table, Tone, significant,
 };
+use poinsot_spatial::UnitQuaternion;
 use std::path::Path;
 
 /// Significant figures of a sigma.
@@ -174,9 +182,38 @@ pub(super) fn result(design: &DesignFile, folder: &Path) -> Shown {
     }
 }
 
-/// The commands, the sigmas for shorter records, and the front.
+/// The vehicle as it flies the written case; `None` if the case or its model cannot be read any more.
+fn flown(folder: &Path) -> Option<Figure> {
+    let case = read_case(&folder.join("case.toml")).ok()?;
+    let model = read_model(&case.model).ok()?;
+    let scenario = case.bind(&model).ok()?;
+    let coordinates = Tree::new(&model).coordinates;
+    let names = coordinates.iter().map(|k| model.joints[*k].name.clone());
+    let mut motion = Motion {
+        joints: names.map(|name| (name, Vec::new())).collect(),
+        group: GROUP.to_owned(),
+        ..Motion::default()
+    };
+    let mut first: Option<(UnitQuaternion, Vehicle)> = None;
+    simulate_exact_watched(&case, &model, scenario, |sample| {
+        let start = || (sample.R_NB, nominal(&model, &sample.kinematics));
+        let R_BN = first.get_or_insert_with(start).0.inverse();
+        let turn = (R_BN * sample.R_NB).coords;
+        let place = R_BN * (sample.p_NoBo_N - sample.p_NoScm_N);
+        motion.time_s.push(sample.time);
+        motion.base.push((turn.into(), place.into()));
+        for ((_, values), q) in motion.joints.iter_mut().zip(&sample.q) {
+            values.push(*q);
+        }
+    })
+    .ok()?;
+    Some(flying(&first?.1, motion))
+}
+
+/// The vehicle, the commands, the sigmas for shorter records, and the front.
 fn figures(design: &DesignFile, folder: &Path) -> Vec<Figure> {
-    let mut all = commands(&folder.join("commands.csv"));
+    let mut all: Vec<Figure> = flown(folder).into_iter().collect();
+    all.extend(commands(&folder.join("commands.csv")));
     all.extend(design.against_duration.iter().filter_map(against_duration));
     if let Some(first) = design.front.first() {
         let point = |r: &RelaxedFile| (r.factor, r.worst_ratio);

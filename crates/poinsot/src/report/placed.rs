@@ -1,0 +1,84 @@
+//! The vehicle of a model as it is drawn, with the joints where the kinematics place them.
+
+use super::data::{DrawnBody, DrawnJoint, DrawnSensor, Pointer, Vehicle};
+use poinsot_dynamics::Kinematics;
+use poinsot_model::{JointKind, Model};
+use poinsot_spatial::{MassProperties, Matrix3, Vector3};
+
+/// Elements of a tensor in the order of [`DrawnBody`].
+const ELEMENTS: [(usize, usize); 6] = [(0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2)];
+
+/// With the nominal numbers of every body.
+pub(super) fn nominal(model: &Model, kinematics: &Kinematics) -> Vehicle {
+    let bodies = model.bodies.iter().enumerate().map(|(at, body)| {
+        let MassProperties {
+            mass,
+            p_BoBcm_B,
+            I_BBcm_B,
+        } = body.nominal;
+        DrawnBody {
+            name: body.name.clone(),
+            origin_m: kinematics.p[at].into(),
+            rotation: rows(&kinematics.R[at]),
+            mass_kg: mass,
+            com_m: p_BoBcm_B.into(),
+            inertia_kg_m2: ELEMENTS.map(|at| I_BBcm_B[at]),
+            estimated: body.estimate.any(),
+        }
+    });
+    placed(model, kinematics, bodies.collect())
+}
+
+pub(super) fn rows(R: &Matrix3) -> [[f64; 3]; 3] {
+    [0, 1, 2].map(|i| [0, 1, 2].map(|j| R[(i, j)]))
+}
+
+/// With these bodies.
+pub(super) fn placed(model: &Model, kinematics: &Kinematics, bodies: Vec<DrawnBody>) -> Vehicle {
+    let name = |body: usize| {
+        let found = model.bodies.get(body).map(|b| b.name.clone());
+        found.unwrap_or_default()
+    };
+    let at = |body: usize, p: &Vector3| (kinematics.p[body] + kinematics.R[body] * p).into();
+    let turned = |body: usize, a: &Vector3| (kinematics.R[body] * a).into();
+    let pointer = |name_of: &str, body: usize, p: &Vector3, along: &Vector3| Pointer {
+        name: name_of.to_owned(),
+        body: name(body),
+        at_m: at(body, p),
+        direction: turned(body, along),
+    };
+    let joints = model.joints.iter().map(|j| DrawnJoint {
+        name: j.name.clone(),
+        kind: kind(j.kind).to_owned(),
+        parent: name(j.parent),
+        child: name(j.child),
+        origin_m: kinematics.p[j.child].into(),
+        axis: turned(j.child, &j.axis_C),
+    });
+    let wheels = model.wheels.iter();
+    let wheels = wheels.map(|w| pointer(&w.name, w.body, &Vector3::zeros(), &w.axis_B));
+    let thrusters = model.thrusters.iter();
+    let thrusters = thrusters.map(|t| pointer(&t.name, t.body, &t.p_BoT_B, &t.direction_B));
+    let sensors = model.sensors.iter().map(|s| DrawnSensor {
+        name: s.name.clone(),
+        kind: s.kind.word().to_owned(),
+        body: name(s.body),
+        sigma: s.noise_covariance.map(|c| c[(0, 0)].sqrt()),
+        quantisation: s.quantisation,
+    });
+    Vehicle {
+        bodies,
+        joints: joints.collect(),
+        wheels: wheels.collect(),
+        thrusters: thrusters.collect(),
+        sensors: sensors.collect(),
+    }
+}
+
+fn kind(kind: JointKind) -> &'static str {
+    match kind {
+        JointKind::Revolute => "revolute",
+        JointKind::Prismatic => "prismatic",
+        JointKind::Fixed => "fixed",
+    }
+}
