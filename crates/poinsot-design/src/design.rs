@@ -1,7 +1,7 @@
 //! From a case to a designed manoeuvre.
 
 use crate::interrupt::Listening;
-use crate::mover::Target;
+use crate::mover::{Command, Target};
 use crate::result::{Designed, Reach};
 use crate::search::{Found, refine, search};
 use crate::shape::Space;
@@ -13,7 +13,7 @@ use poinsot::Error;
 use poinsot::case::{Case, Design, Limits, Objective, Want, parse_case, read_case};
 use poinsot::predict::{against_duration, predict_case, wanted_sigma};
 use poinsot::simulate::SimulateError;
-use poinsot_dynamics::{Plan, Tree};
+use poinsot_dynamics::{Firing, Plan, Tree};
 use poinsot_model::{Model, read_model};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
@@ -33,8 +33,13 @@ const FALL: f64 = 1.5;
 /// Margin on the logarithm of the ratio while the shortest duration is sought. Thinned rows and limits checked at the
 /// end can cost as much.
 const SURE: f64 = 0.01;
+/// Largest number of times that a whole prediction lengthens the shortest manoeuvre.
+const PREDICTIONS: usize = 4;
 /// Divisor of the evaluations of a robust design, each of which flies all its vehicles.
 const ROBUST_PART: usize = 16;
+
+/// Commands, firings, and the manoeuvre as the text of a case.
+type Written = (Vec<(String, Command)>, Vec<(String, Firing)>, String);
 
 /// Arguments of `design`.
 #[derive(Debug, Clone, Default)]
@@ -81,12 +86,14 @@ pub fn design_case(case: &Case, model: Model, request: &DesignRequest) -> Result
     let question = asked.question(asked.design.clone(), &asked.limits)?;
     let space = asked.space(&asked.limits, case.duration_s)?;
     let reference = asked.reference(&question);
-    let (space, mut found) = asked.nominal(&question, space)?;
+    let (space, mut found, surcharge) = asked.nominal(&question, space)?;
     let mut evaluations = question.evaluations.load(Ordering::Relaxed);
     let mut question = question;
+    question.surcharge.clone_from(&surcharge);
     let mut robust = None;
     if asked.design.robust {
-        let own = asked.question(asked.design.clone(), &asked.limits)?;
+        let mut own = asked.question(asked.design.clone(), &asked.limits)?;
+        own.surcharge = surcharge;
         let budget = asked.design.evaluations / ROBUST_PART;
         if let Some(better) = refine(&own, &space, &found.reached.x, budget) {
             robust = Some(better.values.worst());
@@ -223,8 +230,12 @@ impl<'c> Asked<'c> {
         Some((0..self.wants.len()).map(sigma).collect())
     }
 
-    /// The best manoeuvre of the nominal vehicle, at fixed or shortest duration.
-    fn nominal(&self, question: &Question, space: Space) -> Result<(Space, Found), Error> {
+    /// The best manoeuvre of the nominal vehicle, at fixed or shortest duration, and the surcharge of its prediction.
+    fn nominal(
+        &self,
+        question: &Question,
+        space: Space,
+    ) -> Result<(Space, Found, Vec<f64>), Error> {
         let plain;
         let question = match self.design.robust {
             true => {
@@ -267,15 +278,91 @@ impl<'c> Asked<'c> {
                 // that duration.
                 let given = [found.reached.x.clone()];
                 let merit = |f: &Found| f.reached.values.merit();
-                match search(question, &space, &given, part) {
+                let (space, found) = match search(question, &space, &given, part) {
                     Some(again) if merit(&again) < merit(&found) => {
-                        Ok(self.shortest(question, space, again))
+                        self.shortest(question, space, again)
                     }
-                    _ => Ok((space, found)),
-                }
+                    _ => (space, found),
+                };
+                self.as_predicted(question, space, found)
             }
-            _ => Ok((space, found)),
+            _ => Ok((space, found, question.surcharge.clone())),
         }
+    }
+
+    /// A longer manoeuvre, where the whole prediction of this one misses a wanted sigma that its candidate reached.
+    fn as_predicted(
+        &self,
+        question: &Question,
+        mut space: Space,
+        mut found: Found,
+    ) -> Result<(Space, Found, Vec<f64>), Error> {
+        let mut own = self.question(question.design.clone(), &self.limits)?;
+        let mut reached = space.duration;
+        for _ in 0..PREDICTIONS {
+            let predicted = self.predicted_ratios(&space, &found.reached.x)?;
+            let missed = predicted.iter().fold(f64::NEG_INFINITY, |a, b| a.max(*b));
+            if missed.is_nan() || missed <= 0.0 {
+                break;
+            }
+            let candidate = found.reached.values.objectives.iter();
+            let differences = predicted.iter().zip(candidate).map(|(p, c)| p - c);
+            let sums = own.surcharge.iter().zip(differences).map(|(s, d)| s + d);
+            own.surcharge = sums.collect();
+            reached = rounded_up(reached * ((missed + SURE) / FALL).exp(), self.case.rate_hz);
+            let Ok(longer) = self.space(&self.limits, reached) else {
+                break;
+            };
+            let part = (self.design.evaluations / (TIME_PARTS * TIMES)).max(8 * longer.len());
+            let Some(better) = refine(&own, &longer, &found.reached.x, part) else {
+                break;
+            };
+            let is_enough = better.values.merit() <= -SURE;
+            (space, found.reached) = (longer, better);
+            if is_enough {
+                (space, found) = self.shortest(&own, space, found);
+                reached = space.duration;
+            }
+        }
+        let spent = own.evaluations.load(Ordering::Relaxed);
+        question.evaluations.fetch_add(spent, Ordering::Relaxed);
+        Ok((space, found, own.surcharge))
+    }
+
+    /// Logarithm of predicted over wanted sigma of every wanted number.
+    fn predicted_ratios(&self, space: &Space, x: &[f64]) -> Result<Vec<f64>, Error> {
+        let (.., text) = self.written(space, x)?;
+        let path = self.case.path().with_file_name("case.toml");
+        let case = parse_case(&path, text).map_err(SimulateError::from)?;
+        let prediction = predict_case(&case, self.vehicle(), 1.0)?;
+        let ratio = |want: &Want| {
+            let sigma = wanted_sigma(&prediction.bound, want);
+            sigma.map_or(f64::INFINITY, |s| s / want.sigma).ln()
+        };
+        Ok(self.wants.iter().map(ratio).collect())
+    }
+
+    /// The vehicle as a prediction has it.
+    fn vehicle(&self) -> Model {
+        let mut vehicle = self.model.clone();
+        if !self.design.priors {
+            vehicle.bodies.iter_mut().for_each(|b| b.prior = None);
+        }
+        vehicle
+    }
+
+    /// Commands, firings, and the manoeuvre as the text of a case.
+    fn written(&self, space: &Space, x: &[f64]) -> Result<Written, Error> {
+        let commands = space.movers.iter().zip(space.commands(x));
+        let commands: Vec<_> = commands
+            .map(|(m, c)| (self.name(m.target).to_owned(), c))
+            .collect();
+        let firings = space.valves.firings(x).into_iter();
+        let firings: Vec<_> = firings
+            .map(|f| (self.name(Target::Thruster(f.thruster)).to_owned(), f))
+            .collect();
+        let manoeuvre = manoeuvre_text(self.case, space, &commands, &firings)?;
+        Ok((commands, firings, manoeuvre))
     }
 
     /// Shortest duration that reaches every wanted sigma: bracketed, then divided by the secant rule in logarithms.
@@ -322,15 +409,7 @@ impl<'c> Asked<'c> {
         (x, found): (&[f64], &Found),
         reference: Option<Vec<f64>>,
     ) -> Result<Designed, Error> {
-        let commands = space.movers.iter().zip(space.commands(x));
-        let commands: Vec<_> = commands
-            .map(|(m, c)| (self.name(m.target).to_owned(), c))
-            .collect();
-        let firings = space.valves.firings(x).into_iter();
-        let firings: Vec<_> = firings
-            .map(|f| (self.name(Target::Thruster(f.thruster)).to_owned(), f))
-            .collect();
-        let manoeuvre = manoeuvre_text(self.case, space, &commands, &firings)?;
+        let (commands, firings, manoeuvre) = self.written(space, x)?;
         let mut designed = Designed {
             model: self.model.clone(),
             case: self.case.path().display().to_string(),
@@ -351,10 +430,7 @@ impl<'c> Asked<'c> {
             verification: None,
         };
         let case = manoeuvre_of(&designed)?;
-        let mut vehicle = self.model.clone();
-        if !self.design.priors {
-            vehicle.bodies.iter_mut().for_each(|b| b.prior = None);
-        }
+        let vehicle = self.vehicle();
         designed.against_duration = against_duration(&case, &vehicle, &self.wants, 1.0)?;
         let prediction = predict_case(&case, vehicle, 1.0)?;
         let reaches = self.wants.iter().enumerate().map(|(i, want)| Reach {

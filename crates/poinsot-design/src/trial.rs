@@ -44,6 +44,9 @@ pub struct Question {
     pub margins: Vec<f64>,
     /// Part of the margin for the vehicles of the prior; the rest covers values between rows.
     pub prior_margins: Vec<f64>,
+    /// What the whole prediction adds to each objective of a candidate, which has fewer rows and one motion of the wheels
+    /// between them.
+    pub surcharge: Vec<f64>,
     /// Vehicles of a robust design; empty otherwise.
     vehicles: Vec<Model>,
     /// Time at which the search stops.
@@ -85,6 +88,7 @@ impl Question {
             scenario,
             margins: vec![0.0; watch.watched.len()],
             prior_margins: vec![0.0; watch.watched.len()],
+            surcharge: vec![0.0; wants.len()],
             model,
             wants,
             design,
@@ -174,7 +178,7 @@ impl Question {
                 .map_or(f64::INFINITY, |c| c.ln_determinant());
             return vec![0.5 * log / n as f64];
         }
-        let of = |i: usize| 0.5 * covariance[(i, i)].ln() - wanted(i).ln();
+        let of = |i: usize| 0.5 * covariance[(i, i)].ln() - wanted(i).ln() + self.surcharge[i];
         (0..self.wants.len()).map(of).collect()
     }
 

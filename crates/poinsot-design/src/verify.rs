@@ -69,7 +69,7 @@ fn flight(case: &Case, model: &Model, question: &Question, wants: &[&Want], k: u
     let truth = drawn(model, question.design.seed, FLIGHT_STREAM + k);
     let mut study = Study::of_case(case, &truth, without_priors(model)).map_err(words)?;
     study.diagnose = false;
-    let predicted = study.bound().map_err(words)?;
+    let predicted = study.predicted().map_err(words)?;
     let answer = study.trial(k).outcome?;
     let ratio = |want: &&Want| {
         let sigma = wanted_sigma(&predicted, want);

@@ -31,7 +31,7 @@ pub use evaluation::wanted::{Information, WantedNumber, WantedTerm};
 pub use evaluation::{EvaluatedUnknown, Evaluation, EvaluationError, Evaluator, SensorResiduals};
 pub use fit::coordinates::{Coordinates, FitOptions};
 pub use likelihood::impulse::{Impulse, Impulses, thrust_impulses};
-pub use methods::cramer_rao::cramer_rao;
+pub use methods::cramer_rao::{cramer_rao, predicted_covariance};
 pub use methods::linear::linear;
 pub use methods::maximum_likelihood::{SENSITIVE, maximum_likelihood, maximum_likelihood_with};
 pub use poinsot_solve::{NotFinite, Spectrum};

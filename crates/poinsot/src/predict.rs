@@ -25,7 +25,7 @@ use crate::case::{Case, Scenario, Want, estimated_numbers, read_case};
 use crate::error::Error;
 use crate::simulate::{SimulateError, free_joints, is_read, simulate_exact_watched};
 use poinsot_dynamics::Tree;
-use poinsot_identify::{Estimate, Problem, cramer_rao};
+use poinsot_identify::{Estimate, Problem, predicted_covariance};
 use poinsot_model::{Model, read_model};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
@@ -131,7 +131,7 @@ pub fn predict_case(
     let exact = simulate_exact_watched(case, &model, scenario.clone(), |s| peaks.take(s))?;
     let tree = Tree::new(&model);
     let bound = bind(&model, &tree, &[exact.table])?;
-    let estimate = cramer_rao(&Problem {
+    let estimate = predicted_covariance(&Problem {
         model: &model,
         tree: &tree,
         segments: &bound.segments,

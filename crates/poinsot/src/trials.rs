@@ -28,7 +28,8 @@ use nalgebra::{DMatrix, DVector};
 use poinsot_dynamics::{Instrument, Tree};
 use poinsot_formats::address;
 use poinsot_identify::{
-    BodyEstimate, Estimate, Problem, Source, Status, TENSOR, axis_name, cramer_rao, tensor_name,
+    BodyEstimate, Estimate, Problem, ProblemError, Source, Status, TENSOR, axis_name, cramer_rao,
+    predicted_covariance, tensor_name,
 };
 use poinsot_model::{Axes, JointKind, Model, Sensor, SensorKind};
 use poinsot_papers::{Kernel, method};
@@ -250,10 +251,25 @@ impl Study {
     /// # Errors
     /// Invalid model or telemetry.
     pub fn bound(&self) -> Result<Estimate, Error> {
+        self.of_exact(cramer_rao)
+    }
+
+    /// What `predict` says of the experiment at the true values.
+    ///
+    /// # Errors
+    /// Invalid model or telemetry.
+    pub fn predicted(&self) -> Result<Estimate, Error> {
+        self.of_exact(predicted_covariance)
+    }
+
+    fn of_exact(
+        &self,
+        method: impl Fn(&Problem) -> Result<Estimate, ProblemError>,
+    ) -> Result<Estimate, Error> {
         let model = self.true_model();
         let tree = Tree::new(&model);
         let bound = bind(&model, &tree, &self.exact)?;
-        Ok(cramer_rao(&Problem {
+        Ok(method(&Problem {
             model: &model,
             tree: &tree,
             segments: &bound.segments,

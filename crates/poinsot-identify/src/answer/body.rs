@@ -1,6 +1,7 @@
 //! Mass properties with sigma and source, for each body and for the whole vehicle.
 
 use crate::fit::triangle::{ConditionalEstimate, conditional_estimate};
+use crate::fit::wheel_motion::OtherWheelMotion;
 use crate::problem::parameters::{Equations, TENSOR, UnknownKind, rotation_properties};
 use crate::problem::quantity::{Quantity, TenParameters};
 use crate::solution::estimate::{BodyEstimate, Number, Principal, Source};
@@ -24,6 +25,7 @@ pub(crate) struct QuantityEstimator<'a> {
     rejected: bool,
     /// Nuisances as functions of the mass properties, and their conditional covariance.
     nuisances: ConditionalEstimate,
+    other_wheel_motion: Option<&'a OtherWheelMotion>,
 }
 
 impl<'a> QuantityEstimator<'a> {
@@ -35,6 +37,7 @@ impl<'a> QuantityEstimator<'a> {
             unobservable_set: &solution.unobservable_set,
             inflation,
             rejected,
+            other_wheel_motion: solution.other_wheel_motion.as_ref(),
             nuisances: conditional_estimate(
                 &solution.shared.r,
                 solution.shared.nuisances,
@@ -43,7 +46,8 @@ impl<'a> QuantityEstimator<'a> {
         }
     }
 
-    /// A gradient over all unknowns as one over the mass properties, and the variance that the known numbers in it add.
+    /// A gradient over all unknowns as one over the mass properties, and the variance that the known numbers in it and the
+    /// choice between two wheel motions add.
     fn folded(&self, gradient: &[f64]) -> (Vec<f64>, f64) {
         let m = self.spectrum.natural.len();
         let (used, behind) = gradient.split_at(m.min(gradient.len()));
@@ -56,6 +60,10 @@ impl<'a> QuantityEstimator<'a> {
             for (j, b) in behind.iter().enumerate().filter(|(_, b)| **b != 0.0) {
                 own += a * b * self.nuisances.covariance[(i, j)];
             }
+        }
+        if let Some(other) = self.other_wheel_motion {
+            let change = other.change(gradient);
+            own += other.covariance(change, change);
         }
         (used, own)
     }

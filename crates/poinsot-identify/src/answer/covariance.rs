@@ -109,22 +109,32 @@ pub(crate) fn covariance(solution: &Solution, rows: &[Row], scale: f64) -> Vec<V
         &solution.x[..solution.shared.mass],
     )
     .covariance;
+    let other = solution.other_wheel_motion.as_ref();
+    let change = |row: &Row| match (other, row.nuisance) {
+        (None, _) => 0.0,
+        (Some(other), None) => other.change(&row.gradient),
+        (Some(other), Some(k)) => other.step[solution.shared.mass + k],
+    };
+    let changes: Vec<f64> = rows.iter().map(change).collect();
     let image = |g: &[f64]| -> Vec<f64> {
         (0..m)
             .map(|i| (0..m).map(|j| c[(i, j)] * g[j]).sum())
             .collect()
     };
     rows.iter()
-        .map(|a| {
+        .zip(&changes)
+        .map(|(a, moved_a)| {
             let image = image(&a.gradient);
             rows.iter()
-                .map(|b| {
+                .zip(&changes)
+                .map(|(b, moved_b)| {
                     let carried: f64 = b.gradient.iter().zip(&image).map(|(x, y)| x * y).sum();
                     let own = match (a.nuisance, b.nuisance) {
                         (Some(i), Some(j)) => own[(i, j)],
                         _ => 0.0,
                     };
-                    scale * (carried + own)
+                    let chosen = other.map_or(0.0, |o| o.covariance(*moved_a, *moved_b));
+                    scale * (carried + own + chosen)
                 })
                 .collect()
         })

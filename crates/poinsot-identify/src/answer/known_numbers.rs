@@ -25,7 +25,14 @@ pub(crate) fn known_numbers(model: &Model, solution: &Solution, rows: &[Row]) ->
     let asked = |row: &Row| row.nuisance.is_none();
     let sigma = |row: &Row| known.exact.sigma(&row.gradient).filter(|_| asked(row));
     out.sigma_data = rows.iter().map(sigma).collect();
-    let total = |row: &Row| solution.spectrum.sigma(&row.gradient).unwrap_or(0.0);
+    let total = |row: &Row| {
+        let sigma = solution.spectrum.sigma(&row.gradient).unwrap_or(0.0);
+        let chosen = solution.other_wheel_motion.as_ref().map_or(0.0, |o| {
+            let change = o.change(&row.gradient);
+            o.covariance(change, change)
+        });
+        (sigma * sigma + chosen).sqrt()
+    };
     let totals: Vec<f64> = rows.iter().map(total).collect();
     for (k, place) in known.places.iter().enumerate() {
         let unknown = &solution.parameters.unknowns[*place];

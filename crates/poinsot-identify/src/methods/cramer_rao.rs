@@ -2,8 +2,9 @@
 
 use crate::answer;
 use crate::diagnosis::Diagnostics;
-use crate::fit::experiment::Experiment;
+use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::fit;
+use crate::fit::wheel_motion::{OtherWheelMotion, expected_other};
 use crate::methods::maximum_likelihood::{conclude, proportional};
 use crate::problem::{Problem, ProblemError};
 use crate::solution::estimate::Estimate;
@@ -17,12 +18,29 @@ use crate::solution::estimate::Estimate;
 /// # Errors
 /// The model or the data are not valid for the method.
 pub fn cramer_rao(problem: &Problem) -> Result<Estimate, ProblemError> {
+    bound(problem, |_, _| None)
+}
+
+/// The sigmas that an identification of such measurements will state: the bound, and where they can hardly tell what the
+/// wheels do between samples, the mean square of what the choice adds.
+///
+/// # Errors
+/// As [`cramer_rao`].
+pub fn predicted_covariance(problem: &Problem) -> Result<Estimate, ProblemError> {
+    bound(problem, expected_other)
+}
+
+fn bound(
+    problem: &Problem,
+    other: impl Fn(&Experiment, &Iterate) -> Option<OtherWheelMotion>,
+) -> Result<Estimate, ProblemError> {
     problem.check_samples()?;
     problem.check_observations()?;
     let parameters = problem.likelihood_parameters()?;
     let experiment = Experiment::new(problem, &parameters);
     let mut at_truth = fit(&experiment, None, 0)?;
     at_truth.converged = true;
+    let other = other(&experiment, &at_truth.at);
     // A bound has no misfit: interpolation errors of wheel motion are not noise.
     for segment in &mut at_truth.evaluated {
         segment.chi2 = 0.0;
@@ -32,5 +50,6 @@ pub fn cramer_rao(problem: &Problem) -> Result<Estimate, ProblemError> {
     let explained = (!proportional(problem)).then_some(1.0);
     let mut solution = conclude(&experiment, at_truth, explained, Diagnostics::default());
     solution.method = "cramer_rao";
+    solution.other_wheel_motion = other;
     Ok(answer::write_with_remedies(problem, &solution))
 }

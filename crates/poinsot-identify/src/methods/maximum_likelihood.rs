@@ -16,7 +16,8 @@ use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::known_numbers::{Effects, fit_known};
 use crate::fit::step_error::{StepError, within_steps};
 use crate::fit::triangle::conditional_estimate;
-use crate::fit::{Fitted, ITERATIONS, chi2, fit, fit_on};
+use crate::fit::wheel_motion::{OtherWheelMotion, choose_wheel_motion};
+use crate::fit::{Fitted, ITERATIONS, chi2, fit};
 use crate::likelihood::{
     ChannelResidual, Evaluated, InitialState, InitialStateColumns, MeasuredMotion,
 };
@@ -32,11 +33,14 @@ use crate::solution::estimate::{ChannelFit, Estimate, SegmentFit};
 use crate::solution::solved::{Solution, StartOfSegment, VectorQuantity};
 use crate::solution::unobservable_set::UnobservableSet;
 use poinsot_model::{EstimateSet, MomentumKnowledge};
-use poinsot_solve::{LeastSquares, Spectrum};
+use poinsot_solve::Spectrum;
 use poinsot_spatial::Vector3;
 
 /// Shift of the answer by another wheel motion between samples, sigmas, from which the answer is sensitive to it.
 pub const SENSITIVE: f64 = 1.0;
+
+/// Share of the variance from which the choice between two wheel motions is said.
+const SAID: f64 = 0.02;
 
 /// Identifies by maximum likelihood, started from the linear solution where there is one.
 ///
@@ -94,18 +98,11 @@ pub(crate) fn solve(problem: &Problem, options: FitOptions) -> Result<FinishedFi
     let start = linear.as_ref().map(|solution| solution.point(&experiment));
     let mut fitted = fit(&experiment, start.as_ref(), ITERATIONS)?;
     let mut assumptions = Vec::new();
-    let mut shift = 0.0;
+    let (mut shift, mut other) = (0.0, None);
     if !problem.model.wheels.is_empty() {
-        let between = choose_wheel_interpolation(&mut experiment, fitted);
-        fitted = between.fitted;
-        shift = between.shift;
-        assumptions.push(
-            match experiment.wheels_smooth {
-                true => "wheel speed smooth between samples",
-                false => "wheel torque constant between samples (zero-order hold)",
-            }
-            .to_owned(),
-        );
+        let between = choose_wheel_motion(&mut experiment, fitted);
+        (fitted, shift, other) = (between.fitted, between.shift, between.other);
+        assumptions.push(assumed(experiment.wheels_smooth, other.as_ref()));
     }
     let (fitted, step_error) = within_steps(&mut experiment, fitted, ITERATIONS);
     let explained = match &linear {
@@ -137,12 +134,31 @@ pub(crate) fn solve(problem: &Problem, options: FitOptions) -> Result<FinishedFi
     };
     solution.assumptions = assumptions;
     solution.wheels_smooth = experiment.wheels_smooth;
+    solution.other_wheel_motion = other.map(|o| o.among(&parameters, &solution.parameters));
     note(problem, &mut solution, shift, step_error);
     Ok(FinishedFit {
         solution,
         at,
         shifted,
     })
+}
+
+/// The wheel motion that is assumed between samples, and what the choice adds to the sigmas.
+fn assumed(smooth: bool, other: Option<&OtherWheelMotion>) -> String {
+    let words = [
+        "wheel torque constant between samples (zero-order hold)",
+        "wheel speed smooth between samples",
+    ];
+    let own = words[usize::from(smooth)];
+    let added = |o: &OtherWheelMotion| o.covariance(o.shift, o.shift);
+    match other.filter(|o| added(o) > SAID) {
+        None => own.to_owned(),
+        Some(o) => format!(
+            "{own}, {:.0} % probable; the other way would move the answer by {:.1} sigma, which the sigmas include",
+            100.0 * (1.0 - o.probability),
+            o.shift
+        ),
+    }
 }
 
 /// Sensitivities and approximations of the answer; `shift` is that of another wheel motion between samples.
@@ -221,78 +237,6 @@ fn wheel_warning(shift: f64, smooth: bool, seldom: bool) -> Option<String> {
     ))
 }
 
-/// The better of two interpolations of wheel speed between samples.
-struct WheelInterpolation {
-    fitted: Fitted,
-    /// Change of the mass properties with the other interpolation, sigmas.
-    shift: f64,
-}
-
-/// Wheel speed between samples is linear (constant torque) or smooth: the data decide. The difference of both answers
-/// shows whether the wheels are sampled often enough.
-fn choose_wheel_interpolation(experiment: &mut Experiment, held: Fitted) -> WheelInterpolation {
-    let cost = experiment.cost_of(&held);
-    experiment.wheels_smooth = true;
-    let (smooth, shift) = smooth_wheel_fit(experiment, &held, cost);
-    match smooth {
-        Some(fitted) => {
-            experiment.wheels_smooth = false;
-            let other = experiment.linearise(&fitted.at);
-            experiment.wheels_smooth = true;
-            let shift = other.map_or(0.0, |here| here.rows.mass_shift());
-            let shift = shift.max(sparse_wheel_shift(experiment, &fitted));
-            WheelInterpolation { fitted, shift }
-        }
-        None => {
-            experiment.wheels_smooth = false;
-            let shift = shift.max(sparse_wheel_shift(experiment, &held));
-            WheelInterpolation {
-                fitted: held,
-                shift,
-            }
-        }
-    }
-}
-
-/// Change of the answer if sparsely sampled wheels have smooth instead of linear speeds between samples.
-fn sparse_wheel_shift(experiment: &Experiment, fitted: &Fitted) -> f64 {
-    let mut segments = experiment.problem.segments.iter();
-    if !fitted.converged || segments.all(|s| s.observations.smooth_wheel_speed.is_empty()) {
-        return 0.0;
-    }
-    let mut segments = experiment.problem.segments.to_vec();
-    for segment in &mut segments {
-        let o = &mut segment.observations;
-        if o.smooth_wheel_speed.len() == o.wheel_speed.len() {
-            o.wheel_speed = std::mem::take(&mut o.smooth_wheel_speed);
-        }
-    }
-    let problem = Problem {
-        segments: &segments,
-        ..*experiment.problem
-    };
-    let mut other = experiment.with_problem(&problem);
-    other.wheels_smooth = true;
-    let here = other.linearise(&fitted.at);
-    here.map_or(0.0, |here| here.rows.mass_shift())
-}
-
-/// The fit with smooth wheel speeds, where it is better than the other; and the length of its first step. One linearisation
-/// at the end of the other shows whether this one can be better.
-fn smooth_wheel_fit(experiment: &Experiment, other: &Fitted, held: f64) -> (Option<Fitted>, f64) {
-    let better = |found: &Fitted| experiment.cost_of(found) < held;
-    let Some(here) = experiment.linearise(&other.at) else {
-        return (None, 0.0);
-    };
-    let shift = match other.converged {
-        true => here.rows.mass_shift(),
-        false => 0.0,
-    };
-    let promising = here.cost - here.predicted_reduction < held;
-    let found = promising.then(|| fit_on(experiment, other.at.clone(), here, ITERATIONS));
-    (found.flatten().filter(better), shift)
-}
-
 /// Whether every momentum in the data is proportional to the unknowns: then their scale is undetermined.
 pub(crate) fn proportional(problem: &Problem) -> bool {
     let model = problem.model;
@@ -364,6 +308,7 @@ pub(crate) fn conclude(
         diagnostics: Some(found),
         assumptions: Vec::new(),
         wheels_smooth: false,
+        other_wheel_motion: None,
         sensitive_to: Vec::new(),
         regressor_noise: Vec::new(),
         reduced: Vec::new(),

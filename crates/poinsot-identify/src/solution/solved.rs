@@ -4,6 +4,7 @@ use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::known_numbers::Effects;
 use crate::fit::step::BoundaryBodies;
 use crate::fit::triangle::{ConditionalEstimate, SharedTriangle};
+use crate::fit::wheel_motion::OtherWheelMotion;
 use crate::likelihood::rows::StartMomentum;
 use crate::likelihood::{InitialState, MeasuredMotion};
 use crate::problem::parameters::Parameters;
@@ -97,6 +98,8 @@ pub(crate) struct Solution {
     pub warnings: Vec<String>,
     /// Whether wheel speeds are assumed smooth between samples.
     pub wheels_smooth: bool,
+    /// What they may do instead.
+    pub other_wheel_motion: Option<OtherWheelMotion>,
     /// What was assumed of the inputs.
     pub assumptions: Vec<String>,
     /// Bodies at an active limit of physical mass properties.

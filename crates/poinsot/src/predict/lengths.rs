@@ -7,7 +7,7 @@ use crate::error::Error;
 use crate::simulate::simulate_exact;
 use poinsot_dynamics::Tree;
 use poinsot_formats::{AgainstDurationFile, SigmasFile, finite};
-use poinsot_identify::{Problem, cramer_rao};
+use poinsot_identify::{Problem, predicted_covariance};
 use poinsot_model::Model;
 use rayon::prelude::*;
 
@@ -40,7 +40,7 @@ pub fn against_duration(
         let bound = bind(model, &tree, &[cut_at(&exact, end_s)]).ok();
         // A record with too few samples determines nothing.
         let estimate = bound.and_then(|bound| {
-            cramer_rao(&Problem {
+            predicted_covariance(&Problem {
                 model,
                 tree: &tree,
                 segments: &bound.segments,

@@ -75,3 +75,4 @@ mod trust;
 mod uncertainty;
 mod validate;
 mod vehicle;
+mod wheel_motion;

@@ -1,0 +1,202 @@
+//! What wheels do between their samples: two hypotheses, and what the answer owes to the choice.
+//!
+//! The torque of a wheel is constant between samples, or its speed is smooth. Which of them is the better one is decided by
+//! the data. Where they can hardly tell, the answer may be that of the wrong one: its second moment about the truth is
+//! `C + p d d^T`, with p the probability of the other hypothesis and d the way from this answer to the other one. p is
+//! `1 / (1 + exp(D / 2))` with D the difference of -2 ln L at both minima, where both were as probable before the data.
+
+use crate::fit::experiment::{Experiment, Iterate};
+use crate::fit::momentum_state::{Fitted, fit_on};
+use crate::fit::step::{ITERATIONS, Linearisation, moved};
+use crate::problem::Problem;
+use crate::problem::parameters::Parameters;
+use poinsot_solve::{LeastSquares, Linearised};
+use statrs::distribution::{ContinuousCDF, Normal};
+
+/// The hypothesis that the answer does not assume.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct OtherWheelMotion {
+    /// How probable it is.
+    pub probability: f64,
+    /// Way from the answer to the one with it, over all unknowns.
+    pub step: Vec<f64>,
+    /// Its length in the mass properties, sigmas.
+    pub shift: f64,
+}
+
+impl OtherWheelMotion {
+    /// What the choice adds to the covariance of two numbers, of which these are the changes along the step.
+    pub fn covariance(&self, a: f64, b: f64) -> f64 {
+        self.probability * a * b
+    }
+
+    /// Change along the step of a number with this gradient.
+    pub fn change(&self, gradient: &[f64]) -> f64 {
+        gradient.iter().zip(&self.step).map(|(g, s)| g * s).sum()
+    }
+
+    /// The same in a wider set of unknowns: those that are new do not change.
+    pub fn among(mut self, own: &Parameters, all: &Parameters) -> Self {
+        let step = |name: &str| {
+            let mut pairs = own.unknowns.iter().zip(&self.step);
+            pairs.find(|(u, _)| u.name == name).map_or(0.0, |p| *p.1)
+        };
+        self.step = all.unknowns.iter().map(|u| step(&u.name)).collect();
+        self
+    }
+}
+
+/// The better of the two hypotheses.
+pub(crate) struct WheelMotion {
+    pub fitted: Fitted,
+    /// Change of the mass properties with the other hypothesis, sigmas.
+    pub shift: f64,
+    /// `None` where a fit did not converge.
+    pub other: Option<OtherWheelMotion>,
+}
+
+/// The data decide between both hypotheses. The difference of both answers shows whether the wheels are sampled often enough.
+pub(crate) fn choose_wheel_motion(experiment: &mut Experiment, held: Fitted) -> WheelMotion {
+    let cost = experiment.cost_of(&held);
+    experiment.wheels_smooth = true;
+    let Some(smooth) = experiment.linearise(&held.at) else {
+        experiment.wheels_smooth = false;
+        return WheelMotion {
+            shift: sparse_wheel_shift(experiment, &held),
+            fitted: held,
+            other: None,
+        };
+    };
+    // One linearisation at the end of the first shows whether the second can be better.
+    let promising = least(&smooth) < cost;
+    let other = held
+        .converged
+        .then(|| other(experiment, &held, cost, &smooth));
+    let better = |found: &Fitted| experiment.cost_of(found) < cost;
+    let found = promising.then(|| fit_on(experiment, held.at.clone(), smooth, ITERATIONS));
+    let Some(fitted) = found.flatten().filter(better) else {
+        experiment.wheels_smooth = false;
+        return WheelMotion {
+            shift: shift_of(&other).max(sparse_wheel_shift(experiment, &held)),
+            fitted: held,
+            other,
+        };
+    };
+    let cost = experiment.cost_of(&fitted);
+    experiment.wheels_smooth = false;
+    let there = experiment.linearise(&fitted.at);
+    experiment.wheels_smooth = true;
+    let other = there.map(|there| self::other(experiment, &fitted, cost, &there));
+    WheelMotion {
+        shift: shift_of(&other).max(sparse_wheel_shift(experiment, &fitted)),
+        other: other.filter(|_| fitted.converged),
+        fitted,
+    }
+}
+
+fn shift_of(other: &Option<OtherWheelMotion>) -> f64 {
+    other.as_ref().map_or(0.0, |o| o.shift)
+}
+
+/// -2 ln L at the end of a full step.
+fn least(here: &Linearised<Linearisation>) -> f64 {
+    here.cost - here.predicted_reduction
+}
+
+/// The other hypothesis, linearised where the fit with the assumed one ended at this cost.
+fn other(
+    experiment: &Experiment,
+    fitted: &Fitted,
+    cost: f64,
+    there: &Linearised<Linearisation>,
+) -> OtherWheelMotion {
+    // Where the residual is larger than declared, so is its difference.
+    let rows: usize = fitted.evaluated.iter().map(|e| e.rows).sum();
+    let chi2: f64 = fitted.evaluated.iter().map(|e| e.chi2).sum();
+    let misfit = (chi2 / rows.max(1) as f64).max(1.0);
+    let worse = (least(there) - cost).max(0.0) / misfit;
+    OtherWheelMotion {
+        probability: 1.0 / (1.0 + (0.5 * worse).exp()),
+        step: step(experiment, &fitted.at, &there.rows),
+        shift: there.rows.mass_shift(),
+    }
+}
+
+/// The full step in all unknowns.
+fn step(experiment: &Experiment, at: &Iterate, there: &Linearisation) -> Vec<f64> {
+    let mass = there.spectrum.damped(&there.shared.rhs(), 0.0);
+    let end = moved(experiment, at, there.parts(), &mass);
+    end.x.iter().zip(&at.x).map(|(a, b)| a - b).collect()
+}
+
+/// What a prediction expects of the choice: measurements without noise, of a vehicle with these unknowns. The difference
+/// of -2 ln L of noisy ones then scatters about its value D here with a sigma of 2 sqrt(D).
+pub(crate) fn expected_other(experiment: &Experiment, at: &Iterate) -> Option<OtherWheelMotion> {
+    if experiment.problem.model.wheels.is_empty() {
+        return None;
+    }
+    let mut both = experiment.of_vehicle(experiment.problem, experiment.parameters);
+    let [held, smooth] = [false, true].map(|smooth| {
+        both.wheels_smooth = smooth;
+        both.linearise(at)
+    });
+    let (held, smooth) = (held?, smooth?);
+    let difference = least(&held) - least(&smooth);
+    let far = (0.5 * difference.abs().sqrt()).min(f64::MAX);
+    let [a, b] = [&held, &smooth].map(|h| step(&both, at, &h.rows));
+    Some(OtherWheelMotion {
+        probability: Normal::standard().cdf(-far),
+        step: a.iter().zip(&b).map(|(a, b)| a - b).collect(),
+        shift: held.rows.mass_shift().max(smooth.rows.mass_shift()),
+    })
+}
+
+/// Change of the answer if sparsely sampled wheels have smooth instead of linear speeds between samples.
+fn sparse_wheel_shift(experiment: &Experiment, fitted: &Fitted) -> f64 {
+    let mut segments = experiment.problem.segments.iter();
+    if !fitted.converged || segments.all(|s| s.observations.smooth_wheel_speed.is_empty()) {
+        return 0.0;
+    }
+    let mut segments = experiment.problem.segments.to_vec();
+    for segment in &mut segments {
+        let o = &mut segment.observations;
+        if o.smooth_wheel_speed.len() == o.wheel_speed.len() {
+            o.wheel_speed = std::mem::take(&mut o.smooth_wheel_speed);
+        }
+    }
+    let problem = Problem {
+        segments: &segments,
+        ..*experiment.problem
+    };
+    let mut other = experiment.with_problem(&problem);
+    other.wheels_smooth = true;
+    let here = other.linearise(&fitted.at);
+    here.map_or(0.0, |here| here.rows.mass_shift())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// By noise, the difference of -2 ln L scatters about D with a sigma of 2 sqrt(D). The probability that an answer states
+    /// for the hypothesis which it did not choose is, in the mean, how often the wrong one is chosen: what a prediction states.
+    #[test]
+    fn exact_the_mean_stated_probability_is_how_often_the_choice_is_wrong() {
+        let normal = Normal::standard();
+        for far in [0.01, 0.3, 1.0, 2.5, 5.0] {
+            let density = |z: f64| (-0.5 * z * z).exp() / (2.0 * std::f64::consts::PI).sqrt();
+            let stated = |z: f64| {
+                let difference = far * far + 2.0 * far * z;
+                density(z) / (1.0 + (0.5 * difference.abs()).exp())
+            };
+            let (step, count) = (1.0e-4, 100_000);
+            let sum: f64 = (-count..=count).map(|k| stated(f64::from(k) * step)).sum();
+            let wrong = normal.cdf(-0.5 * far);
+            assert!(
+                (sum * step - wrong).abs() < 1.0e-6,
+                "{far}: {} {wrong}",
+                sum * step
+            );
+        }
+    }
+}
