@@ -11,6 +11,7 @@ use crate::fit::experiment::{Experiment, Iterate, PredictionSlopes};
 use crate::fit::triangle::conditional_estimate;
 use crate::likelihood::{Evaluated, Transition};
 use crate::problem::parameters::{Unknown, UnknownKind};
+use crate::problem::segment::{InputErrors, Noise, Observations};
 use poinsot_dynamics::SensorError;
 use poinsot_solve::{BlockQr, Triangle};
 use poinsot_spatial::{Matrix3, Vector3};
@@ -47,6 +48,117 @@ impl SegmentRows {
             let residual = three(self.rows[3 * m].len() - 1);
             (3 * m, residual, three(self.initial_columns + unknown))
         })
+    }
+}
+
+impl SegmentRows {
+    /// Gives every measurement the columns of a delay from the nearest earlier and later ones of its sensor that share no
+    /// error of the inputs with it.
+    ///
+    /// A delay moves a prediction by its slope over time. Between noisy samples of wheels or joints the slope has the noise
+    /// that the residual has, and agrees with it without any delay; the slope of other samples does not (an instrumental
+    /// variable, Reiersol 1945).
+    fn take_slopes_from_others(&mut self, unknowns: &[usize], reach: &Reach) {
+        let columns: Vec<usize> = unknowns.iter().map(|k| self.initial_columns + k).collect();
+        for sensor in 0..self.names.len() {
+            let all = (0..self.of.len()).filter(|m| self.of[*m].0 == sensor);
+            let all: Vec<usize> = all.collect();
+            let own = |m: &usize| -> Vec<f64> {
+                let three = &self.rows[3 * m..3 * m + 3];
+                let row = |row: &Vec<f64>| columns.iter().map(|c| row[*c]).collect::<Vec<_>>();
+                three.iter().flat_map(row).collect()
+            };
+            let before: Vec<Vec<f64>> = all.iter().map(own).collect();
+            let time = |i: usize| self.of[all[i]].1;
+            let others = |i: usize| {
+                let (first, last) = reach.around(time(i));
+                let earlier = (0..i).rev().find(|j| time(*j) < first);
+                let later = (i + 1..all.len()).find(|j| time(*j) > last);
+                [earlier, later]
+            };
+            let taken: Vec<Vec<f64>> = (0..all.len())
+                .map(|i| {
+                    let found: Vec<usize> = others(i).into_iter().flatten().collect();
+                    let mean = |k: usize| {
+                        let sum: f64 = found.iter().map(|j| before[*j][k]).sum();
+                        sum / found.len().max(1) as f64
+                    };
+                    (0..3 * columns.len()).map(mean).collect()
+                })
+                .collect();
+            for (m, values) in all.iter().zip(taken) {
+                for (row, values) in self.rows[3 * m..3 * m + 3]
+                    .iter_mut()
+                    .zip(values.chunks_exact(columns.len().max(1)))
+                {
+                    for (c, value) in columns.iter().zip(values) {
+                        row[*c] = *value;
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Correlation of two errors of an input below which they count as two.
+const SHARED: f64 = 0.1;
+
+/// How far the error of an input sample reaches over the grid.
+struct Reach {
+    /// First and last grid time at which any input's error is that of a sample that a slope at this time uses.
+    around: Vec<(usize, usize)>,
+}
+
+impl Reach {
+    /// `None` where no input is noisy.
+    fn of(noise: &Noise, o: &Observations) -> Option<Self> {
+        let noisy = |all: &[f64], k: usize| all.get(k).is_some_and(|v| *v > 0.0);
+        let joints = o.joint_errors.iter().enumerate();
+        let joints = joints
+            .filter(|(k, _)| noisy(&noise.joint_position, *k) || noisy(&noise.joint_rate, *k));
+        let wheels = o.wheel_errors.iter().enumerate();
+        let wheels = wheels.filter(|(k, _)| noisy(&noise.wheel_speed, *k));
+        let moves = |e: &&InputErrors| !matches!(e, InputErrors::None | InputErrors::Locked);
+        let errors = joints.chain(wheels).map(|(_, e)| e).filter(moves);
+        let errors: Vec<&InputErrors> = errors.collect();
+        let listed = o.joint_errors.len() + o.wheel_errors.len();
+        let all = [&noise.joint_position, &noise.joint_rate, &noise.wheel_speed];
+        let any = all.into_iter().flatten().any(|v| *v > 0.0);
+        if !any || (errors.is_empty() && listed > 0) {
+            return None;
+        }
+        let last = o.time_s.len().saturating_sub(1);
+        // Past the samples beside a time, once; past those of its slope, twice.
+        let forward = |k: usize| {
+            let end = |e: &&InputErrors| {
+                let (mut at, mut kept) = (k, 1.0);
+                while at < last && kept > SHARED {
+                    kept *= e.memory(at);
+                    at += 1;
+                }
+                at
+            };
+            errors.iter().map(end).max().unwrap_or((k + 1).min(last))
+        };
+        let back = |k: usize| {
+            let end = |e: &&InputErrors| {
+                let (mut at, mut kept) = (k, 1.0);
+                while at > 0 && kept > SHARED {
+                    at -= 1;
+                    kept *= e.memory(at);
+                }
+                at
+            };
+            errors.iter().map(end).min().unwrap_or(k.saturating_sub(1))
+        };
+        let around = |k: usize| (back(back(k)), forward(forward(k)));
+        Some(Self {
+            around: (0..=last).map(around).collect(),
+        })
+    }
+
+    fn around(&self, k: usize) -> (usize, usize) {
+        self.around.get(k).copied().unwrap_or((k, k))
     }
 }
 
@@ -109,6 +221,14 @@ impl Table {
             let changes: Vec<Change> = candidates.iter().flat_map(changes_of).collect();
             let made = differences(experiment, &fitted.at, &changes)?;
             table.derive(experiment, candidates, &kinds, &made);
+            let late = (base..kinds.len()).filter(|k| kinds[*k].is_delay());
+            let late: Vec<usize> = late.collect();
+            let segments = experiment.problem.segments.iter();
+            for (own, segment) in table.segments.iter_mut().zip(segments) {
+                if let Some(reach) = Reach::of(experiment.problem.noise, &segment.observations) {
+                    own.take_slopes_from_others(&late, &reach);
+                }
+            }
             table.stacked = table.stack(experiment, &fitted.at, None);
         }
         table.evaluated = evaluated;

@@ -139,6 +139,12 @@ impl UnknownKind {
         )
     }
 
+    /// Whether it delays the readings of a sensor, or the samples of joints or wheels.
+    pub(crate) fn is_delay(&self) -> bool {
+        let own = matches!(self, Self::Sensor { error, .. } if *error == SensorError::Lag);
+        own || self.delays_inputs()
+    }
+
     /// Whether it shifts the samples of joints or wheels in time.
     pub(crate) fn delays_inputs(&self) -> bool {
         matches!(self, Self::JointLag(_) | Self::WheelLag(_))
