@@ -28,7 +28,8 @@ pub struct TrueNumberFile {
 pub struct PredictedNumberFile {
     /// Value in the model, assumed true.
     pub nominal: f64,
-    /// Smallest one sigma that an unbiased estimator reaches (Cramer-Rao); null where the number is not identifiable.
+    /// One sigma of the answer: the Cramer-Rao bound, and with wheels what the choice of their motion between samples adds; null
+    /// where the number is not identifiable.
     pub sigma: Option<f64>,
     /// "data", "prior" or "known"; null where the number is not identifiable.
     pub source: Option<String>,

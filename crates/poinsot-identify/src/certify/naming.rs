@@ -93,7 +93,7 @@ pub(crate) fn inaccurate_directions(
             sentence(solution, combination)
         ),
         reason: format!(
-            "in these directions one sigma is up to {worst:.1e} of nominal; {asked:e} is asked for"
+            "in these directions one sigma is up to {worst:.1e} of nominal, beyond the requested {asked:e}"
         ),
         ..in_numbers(problem, solution, combination)
     };
