@@ -53,9 +53,9 @@ impl SegmentRows {
 
 impl SegmentRows {
     /// Gives every measurement the columns of a delay from the nearest earlier and later ones of its sensor that share no
-    /// error of the inputs with it.
+    /// error of the wheels with it.
     ///
-    /// A delay moves a prediction by its slope over time. Between noisy samples of wheels or joints the slope has the noise
+    /// A delay moves a prediction by its slope over time. Between noisy samples of a wheel the slope has the noise
     /// that the residual has, and agrees with it without any delay; the slope of other samples does not (an instrumental
     /// variable, Reiersol 1945).
     fn take_slopes_from_others(&mut self, unknowns: &[usize], reach: &Reach) {
@@ -103,28 +103,21 @@ impl SegmentRows {
 /// Correlation of two errors of an input below which they count as two.
 const SHARED: f64 = 0.1;
 
-/// How far the error of an input sample reaches over the grid.
+/// How far the error of a wheel's sample reaches over the grid.
 struct Reach {
-    /// First and last grid time at which any input's error is that of a sample that a slope at this time uses.
+    /// First and last grid time at which any wheel's error is that of a sample that a slope at this time uses.
     around: Vec<(usize, usize)>,
 }
 
 impl Reach {
-    /// `None` where no input is noisy.
+    /// `None` where no wheel is noisy. Joints have rates of their own, whose noise is small beside their motion.
     fn of(noise: &Noise, o: &Observations) -> Option<Self> {
-        let noisy = |all: &[f64], k: usize| all.get(k).is_some_and(|v| *v > 0.0);
-        let joints = o.joint_errors.iter().enumerate();
-        let joints = joints
-            .filter(|(k, _)| noisy(&noise.joint_position, *k) || noisy(&noise.joint_rate, *k));
-        let wheels = o.wheel_errors.iter().enumerate();
-        let wheels = wheels.filter(|(k, _)| noisy(&noise.wheel_speed, *k));
+        let noisy = noise.wheel_speed.iter().enumerate();
+        let noisy = noisy.filter(|(_, variance)| **variance > 0.0);
+        let error = |k: usize| o.wheel_errors.get(k).unwrap_or(&InputErrors::Independent);
         let moves = |e: &&InputErrors| !matches!(e, InputErrors::None | InputErrors::Locked);
-        let errors = joints.chain(wheels).map(|(_, e)| e).filter(moves);
-        let errors: Vec<&InputErrors> = errors.collect();
-        let listed = o.joint_errors.len() + o.wheel_errors.len();
-        let all = [&noise.joint_position, &noise.joint_rate, &noise.wheel_speed];
-        let any = all.into_iter().flatten().any(|v| *v > 0.0);
-        if !any || (errors.is_empty() && listed > 0) {
+        let errors: Vec<&InputErrors> = noisy.map(|(k, _)| error(k)).filter(moves).collect();
+        if errors.is_empty() {
             return None;
         }
         let last = o.time_s.len().saturating_sub(1);
@@ -138,7 +131,7 @@ impl Reach {
                 }
                 at
             };
-            errors.iter().map(end).max().unwrap_or((k + 1).min(last))
+            errors.iter().map(end).max().unwrap_or(k)
         };
         let back = |k: usize| {
             let end = |e: &&InputErrors| {
@@ -149,7 +142,7 @@ impl Reach {
                 }
                 at
             };
-            errors.iter().map(end).min().unwrap_or(k.saturating_sub(1))
+            errors.iter().map(end).min().unwrap_or(k)
         };
         let around = |k: usize| (back(back(k)), forward(forward(k)));
         Some(Self {

@@ -22,6 +22,8 @@ pub(crate) struct OtherWheelMotion {
     pub step: Vec<f64>,
     /// Its length in the mass properties, sigmas.
     pub shift: f64,
+    /// What it adds to the variance along the step, relative to that of noise as large as the residual.
+    pub added: f64,
 }
 
 impl OtherWheelMotion {
@@ -115,10 +117,13 @@ fn other(
     let chi2: f64 = fitted.evaluated.iter().map(|e| e.chi2).sum();
     let misfit = (chi2 / rows.max(1) as f64).max(1.0);
     let worse = (least(there) - cost).max(0.0) / misfit;
+    let probability = 1.0 / (1.0 + (0.5 * worse).exp());
+    let shift = there.rows.mass_shift();
     OtherWheelMotion {
-        probability: 1.0 / (1.0 + (0.5 * worse).exp()),
+        probability,
         step: step(experiment, &fitted.at, &there.rows),
-        shift: there.rows.mass_shift(),
+        shift,
+        added: probability * shift * shift / misfit,
     }
 }
 
@@ -144,10 +149,13 @@ pub(crate) fn expected_other(experiment: &Experiment, at: &Iterate) -> Option<Ot
     let difference = least(&held) - least(&smooth);
     let far = (0.5 * difference.abs().sqrt()).min(f64::MAX);
     let [a, b] = [&held, &smooth].map(|h| step(&both, at, &h.rows));
+    let probability = Normal::standard().cdf(-far);
+    let shift = held.rows.mass_shift().max(smooth.rows.mass_shift());
     Some(OtherWheelMotion {
-        probability: Normal::standard().cdf(-far),
+        probability,
         step: a.iter().zip(&b).map(|(a, b)| a - b).collect(),
-        shift: held.rows.mass_shift().max(smooth.rows.mass_shift()),
+        shift,
+        added: probability * shift * shift,
     })
 }
 

@@ -150,8 +150,7 @@ fn assumed(smooth: bool, other: Option<&OtherWheelMotion>) -> String {
         "wheel speed smooth between samples",
     ];
     let own = words[usize::from(smooth)];
-    let added = |o: &OtherWheelMotion| o.covariance(o.shift, o.shift);
-    match other.filter(|o| added(o) > SAID) {
+    match other.filter(|o| o.added > SAID) {
         None => own.to_owned(),
         Some(o) => format!(
             "{own}, {:.0} % probable; the other way would move the answer by {:.1} sigma, which the sigmas include",

@@ -1,6 +1,6 @@
 //! Report data in addition to `estimate.json`: curves, vehicle geometry, truth, command line.
 
-use super::placed::{placed, rows};
+use super::placed::{DrawnBody, Vehicle, placed, rows};
 use crate::identify::Identified;
 use crate::simulate::true_mass;
 use indexmap::IndexMap;
@@ -43,85 +43,6 @@ pub struct TrueNumbers {
     /// The whole vehicle at the first sample, if known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub system: Option<TrueBodyFile>,
-}
-
-/// The drawn vehicle: positions relative to the base origin, in base axes, m.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct Vehicle {
-    /// Bodies.
-    pub bodies: Vec<DrawnBody>,
-    /// Joints.
-    pub joints: Vec<DrawnJoint>,
-    /// Wheels: name, position, unit axis.
-    pub wheels: Vec<Pointer>,
-    /// Thrusters: name, position, unit direction of the force.
-    pub thrusters: Vec<Pointer>,
-    /// Sensors.
-    pub sensors: Vec<DrawnSensor>,
-}
-
-/// A body with the best known numbers.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct DrawnBody {
-    /// Name.
-    pub name: String,
-    /// Origin.
-    pub origin_m: [f64; 3],
-    /// Rows of the rotation from body to base axes.
-    pub rotation: [[f64; 3]; 3],
-    /// Mass, kg.
-    pub mass_kg: f64,
-    /// Mass centre relative to the body's origin, in body axes, m.
-    pub com_m: [f64; 3],
-    /// Central inertia in body axes: xx, xy, yy, xz, yz, zz, kg m2.
-    pub inertia_kg_m2: [f64; 6],
-    /// Whether it was estimated.
-    pub estimated: bool,
-}
-
-/// A joint.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct DrawnJoint {
-    /// Name.
-    pub name: String,
-    /// Kind.
-    pub kind: String,
-    /// Parent body.
-    pub parent: String,
-    /// Child body.
-    pub child: String,
-    /// Position.
-    pub origin_m: [f64; 3],
-    /// Unit axis.
-    pub axis: [f64; 3],
-}
-
-/// A named position with a direction.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct Pointer {
-    /// Name.
-    pub name: String,
-    /// Body.
-    pub body: String,
-    /// Position.
-    pub at_m: [f64; 3],
-    /// Unit vector.
-    pub direction: [f64; 3],
-}
-
-/// A sensor with its declared noise.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct DrawnSensor {
-    /// Name.
-    pub name: String,
-    /// Kind.
-    pub kind: String,
-    /// Body.
-    pub body: String,
-    /// One sigma of the first axis, SI.
-    pub sigma: Option<f64>,
-    /// Least significant bit, SI; zero without quantisation.
-    pub quantisation: f64,
 }
 
 /// One segment.

@@ -1,7 +1,7 @@
 //! Table of repairs: what, in which record, for which parts. Equal repairs of several parts or records are merged.
 
 use super::Answer;
-use super::data::Vehicle;
+use super::placed::Vehicle;
 use indexmap::IndexMap;
 use minijinja::{Value, context};
 

@@ -1,7 +1,7 @@
 //! The vehicle drawn from the model, with moving joints; a suspected part is marked.
 
 use super::Answer;
-use super::data::{DrawnBody, DrawnJoint, Pointer, Vehicle};
+use super::placed::{DrawnBody, DrawnJoint, Pointer, Vehicle};
 use super::tensor::{equivalent_ellipsoid, matrix};
 use super::trust::group;
 use poinsot_report::{Arrow, Curve, Ellipsoid, Figure, Hinge, Point, Scene, Spot, Tree};

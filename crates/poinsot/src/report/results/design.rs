@@ -4,8 +4,8 @@ use super::curves::{GROUP, against_duration, commands};
 use super::{Shown, ratio_figure};
 use crate::case::read_case;
 use crate::predict::durations;
-use crate::report::data::Vehicle;
-use crate::report::placed::nominal;
+use crate::report::placed::{Vehicle, nominal};
+
 use crate::report::vehicle::{Motion, flying};
 use crate::simulate::simulate_exact_watched;
 use poinsot_dynamics::Tree;
