@@ -129,9 +129,13 @@ pub fn design_case(case: &Case, model: Model, request: &DesignRequest) -> Result
 
 /// The manoeuvre as a case, parsed from the text that is written.
 fn manoeuvre_of(designed: &Designed) -> Result<Case, Error> {
-    let path = Path::new(&designed.case).with_file_name("case.toml");
-    let case = parse_case(&path, designed.manoeuvre.clone()).map_err(SimulateError::from)?;
-    Ok(case)
+    parsed(Path::new(&designed.case), designed.manoeuvre.clone())
+}
+
+/// The text of a case as if it lay beside the one that asks for the design.
+fn parsed(asked: &Path, text: String) -> Result<Case, Error> {
+    let path = asked.with_file_name("case.toml");
+    Ok(parse_case(&path, text).map_err(SimulateError::from)?)
 }
 
 impl<'c> Asked<'c> {
@@ -332,8 +336,7 @@ impl<'c> Asked<'c> {
     /// Logarithm of predicted over wanted sigma of every wanted number.
     fn predicted_ratios(&self, space: &Space, x: &[f64]) -> Result<Vec<f64>, Error> {
         let (.., text) = self.written(space, x)?;
-        let path = self.case.path().with_file_name("case.toml");
-        let case = parse_case(&path, text).map_err(SimulateError::from)?;
+        let case = parsed(self.case.path(), text)?;
         let prediction = predict_case(&case, self.vehicle(), 1.0)?;
         let ratio = |want: &Want| {
             let sigma = wanted_sigma(&prediction.bound, want);

@@ -21,12 +21,13 @@ fn corpus(name: &str) -> Vec<Vec<u8>> {
     written.chain(found(&fuzz, name)).collect()
 }
 
-/// Of a target for which anything was found.
+/// The fuzzer's inputs of a target; for `identify` it has kept none.
 fn found(fuzz: &Path, name: &str) -> Vec<Vec<u8>> {
-    let path = fuzz.join("found").join(name).with_extension("tar");
-    let Ok(file) = std::fs::File::open(path) else {
+    if name == "identify" {
         return Vec::new();
-    };
+    }
+    let path = fuzz.join("found").join(name).with_extension("tar");
+    let file = std::fs::File::open(path).unwrap();
     let mut archive = tar::Archive::new(file);
     let bytes = |mut entry: tar::Entry<_>| {
         let mut bytes = Vec::new();

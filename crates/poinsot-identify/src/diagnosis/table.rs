@@ -69,12 +69,12 @@ impl SegmentRows {
                 three.iter().flat_map(row).collect()
             };
             let before: Vec<Vec<f64>> = all.iter().map(own).collect();
-            let time = |i: usize| self.of[all[i]].1;
+            let times: Vec<usize> = all.iter().map(|m| self.of[*m].1).collect();
             let others = |i: usize| {
-                let (first, last) = reach.around(time(i));
-                let earlier = (0..i).rev().find(|j| time(*j) < first);
-                let later = (i + 1..all.len()).find(|j| time(*j) > last);
-                [earlier, later]
+                let (first, last) = reach.around(times[i]);
+                let earlier = times.partition_point(|t| *t < first).checked_sub(1);
+                let later = times.partition_point(|t| *t <= last);
+                [earlier, (later < times.len()).then_some(later)]
             };
             let taken: Vec<Vec<f64>> = (0..all.len())
                 .map(|i| {
@@ -103,6 +103,16 @@ impl SegmentRows {
 /// Correlation of two errors of an input below which they count as two.
 const SHARED: f64 = 0.1;
 
+/// Logarithm of how far the correlation of an error falls from the first grid time to each.
+fn decay(error: &InputErrors, last: usize) -> Vec<f64> {
+    let mut sum = 0.0;
+    let further = (0..last).map(|k| {
+        sum -= error.memory(k).max(f64::MIN_POSITIVE).ln();
+        sum
+    });
+    std::iter::once(0.0).chain(further).collect()
+}
+
 /// How far the error of a wheel's sample reaches over the grid.
 struct Reach {
     /// First and last grid time at which any wheel's error is that of a sample that a slope at this time uses.
@@ -121,29 +131,17 @@ impl Reach {
             return None;
         }
         let last = o.time_s.len().saturating_sub(1);
-        // Past the samples beside a time, once; past those of its slope, twice.
+        let decays: Vec<Vec<f64>> = errors.iter().map(|e| decay(e, last)).collect();
+        let apart = -SHARED.ln();
         let forward = |k: usize| {
-            let end = |e: &&InputErrors| {
-                let (mut at, mut kept) = (k, 1.0);
-                while at < last && kept > SHARED {
-                    kept *= e.memory(at);
-                    at += 1;
-                }
-                at
-            };
-            errors.iter().map(end).max().unwrap_or(k)
+            let end = |d: &Vec<f64>| d.partition_point(|x| *x < d[k] + apart).min(last);
+            decays.iter().map(end).max().unwrap_or(k)
         };
         let back = |k: usize| {
-            let end = |e: &&InputErrors| {
-                let (mut at, mut kept) = (k, 1.0);
-                while at > 0 && kept > SHARED {
-                    at -= 1;
-                    kept *= e.memory(at);
-                }
-                at
-            };
-            errors.iter().map(end).min().unwrap_or(k)
+            let end = |d: &Vec<f64>| d.partition_point(|x| *x <= d[k] - apart).saturating_sub(1);
+            decays.iter().map(end).min().unwrap_or(k)
         };
+        // Past the samples beside a time, once; past those of its slope, twice.
         let around = |k: usize| (back(back(k)), forward(forward(k)));
         Some(Self {
             around: (0..=last).map(around).collect(),

@@ -20,9 +20,9 @@ pub(crate) struct OtherWheelMotion {
     pub probability: f64,
     /// Way from the answer to the one with it, over all unknowns.
     pub step: Vec<f64>,
-    /// Its length in the mass properties, sigmas.
+    /// Its length in the mass properties, sigmas; an answer says it, a prediction does not.
     pub shift: f64,
-    /// What it adds to the variance along the step, relative to that of noise as large as the residual.
+    /// What it adds to the variance along the step, relative to that of noise as large as the residual; for an answer.
     pub added: f64,
 }
 
@@ -149,13 +149,10 @@ pub(crate) fn expected_other(experiment: &Experiment, at: &Iterate) -> Option<Ot
     let difference = least(&held) - least(&smooth);
     let far = (0.5 * difference.abs().sqrt()).min(f64::MAX);
     let [a, b] = [&held, &smooth].map(|h| step(&both, at, &h.rows));
-    let probability = Normal::standard().cdf(-far);
-    let shift = held.rows.mass_shift().max(smooth.rows.mass_shift());
     Some(OtherWheelMotion {
-        probability,
+        probability: Normal::standard().cdf(-far),
         step: a.iter().zip(&b).map(|(a, b)| a - b).collect(),
-        shift,
-        added: probability * shift * shift,
+        ..OtherWheelMotion::default()
     })
 }
 
