@@ -281,6 +281,7 @@ fn finer(model: &Model, tree: &Tree, translation: bool, fine: usize) -> Segment 
                 .map(|k| 20.0 + 15.0 * h * k as f64)
                 .collect(),
             smooth_wheel_speed: Vec::new(),
+            straight_wheels: Vec::new(),
             joint_errors: Vec::new(),
             wheel_errors: Vec::new(),
             derived_rates: Vec::new(),

@@ -78,6 +78,7 @@ fn at_times(segment: &Segment, kept: &[usize]) -> Segment {
         joint_rate: rows(&o.joint_rate, dof),
         wheel_speed: rows(&o.wheel_speed, wheels),
         smooth_wheel_speed: Vec::new(),
+        straight_wheels: o.straight_wheels.clone(),
         joint_errors: o.joint_errors.iter().map(|e| errors(e, kept)).collect(),
         wheel_errors: o.wheel_errors.iter().map(|e| errors(e, kept)).collect(),
         // Rates were made on the finer grid and keep what they are.

@@ -130,7 +130,7 @@ impl Motion<'_> {
                 .collect(),
             wheels: self.input_state.wheels.clone(),
             wheel_rates: (0..wheels)
-                .map(|j| match v.wheels_smooth {
+                .map(|j| match o.is_smooth(j, v.wheels_smooth) {
                     true => wheel_slope(o, wheels, j, k),
                     // A torque constant from here on.
                     false => {

@@ -265,7 +265,7 @@ fn fill_inputs(
             o.wheel_speed[(k + 1) * wheels + j],
         );
         input_state.wheels[j] = a + at * (b - a);
-        if vehicle.wheels_smooth {
+        if o.is_smooth(j, vehicle.wheels_smooth) {
             let (left, right) = (
                 wheel_slope(o, wheels, j, k),
                 wheel_slope(o, wheels, j, k + 1),

@@ -187,6 +187,9 @@ pub struct Observations {
     /// Wheel speeds as a smooth curve through their readings has them, where some are not read at every time; empty
     /// otherwise. `wheel_speed` then runs straight between readings.
     pub smooth_wheel_speed: Vec<f64>,
+    /// Wheels whose speed is known to run straight from grid time to grid time, since their motor torque was measured; no
+    /// wheel where the list is shorter.
+    pub straight_wheels: Vec<bool>,
     /// Error correlation of each joint's position; independent if the list is shorter.
     pub joint_errors: Vec<InputErrors>,
     /// The same for each wheel's speed.
@@ -211,6 +214,11 @@ impl Observations {
             && self.joint_position.len() == n * dof
             && self.joint_rate.len() == n * dof
             && self.wheel_speed.len() == n * wheels
+    }
+
+    /// Whether the speed of a wheel is smooth at the grid times, where the speeds of wheels are.
+    pub(crate) fn is_smooth(&self, wheel: usize, wheels_smooth: bool) -> bool {
+        wheels_smooth && self.straight_wheels.get(wheel) != Some(&true)
     }
 
     /// Sensors of a kind that have samples.

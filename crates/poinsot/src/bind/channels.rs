@@ -1,6 +1,7 @@
 //! Finding the channels of a sensor in a table.
 
 use super::BindError;
+use super::driven_wheels::DrivenWheels;
 use super::sensors::{BaseSensors, REFERENCE};
 use poinsot_model::{JointKind, Model, SensorKind};
 use poinsot_spatial::Vector3;
@@ -13,6 +14,8 @@ pub(super) struct Channels<'a> {
     pub label: &'a str,
     /// Sensors that provide the aligned samples.
     pub leading: &'a BaseSensors,
+    /// Wheels whose measured torque drives them between tachometer samples.
+    pub driven: &'a DrivenWheels,
 }
 
 /// The three channels of a vector sensor, and its position. Columns of a rotated sensor were rotated to body axes on

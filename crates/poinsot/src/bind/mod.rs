@@ -6,6 +6,7 @@ mod acceleration;
 mod attitude_start;
 mod channels;
 mod cut;
+mod driven_wheels;
 mod faults;
 mod free_fall;
 mod input_errors;
@@ -25,6 +26,7 @@ pub use mounting::mountings;
 
 pub use crate::error::BindError;
 
+use driven_wheels::DrivenWheels;
 use noise::declared_noise;
 use poinsot_dynamics::Tree;
 use poinsot_identify::{Noise, Samples, Segment};
@@ -56,14 +58,20 @@ pub fn bind(model: &Model, tree: &Tree, tables: &[Table]) -> Result<Bound, BindE
     let tables = tables.as_ref();
     let leading = BaseSensors::new(model, tables);
     sensors::check_sensors(model, tables, &leading, &mut repairs)?;
+    let driven = DrivenWheels::new(model, tables);
+    repairs.extend(driven.told(model));
     let mut segments = Vec::with_capacity(tables.len());
     let mut dropped: f64 = 0.0;
     for table in tables {
-        let (pieces, lost) = bind_table(model, tree, (table, &leading), &mut repairs)?;
+        let from = (table, &leading, &driven);
+        let (pieces, lost) = bind_table(model, tree, from, &mut repairs)?;
         dropped = dropped.max(lost);
         segments.extend(pieces);
     }
-    let noise = declared_noise(model, tree, (tables, &leading), &mut repairs)?;
+    let mut noise = declared_noise(model, tree, (tables, &leading), &mut repairs)?;
+    for (wheel, variance) in noise.wheel_speed.iter_mut().enumerate() {
+        *variance += driven.added(wheel, *variance);
+    }
     let mut told = HashSet::new();
     repairs.retain(|text| told.insert(text.clone()));
     Ok(Bound {
@@ -84,7 +92,7 @@ fn file_label(table: &Table) -> String {
 fn bind_table(
     model: &Model,
     tree: &Tree,
-    (table, leading): (&Table, &BaseSensors),
+    (table, leading, driven): (&Table, &BaseSensors, &DrivenWheels),
     repairs: &mut Vec<String>,
 ) -> Result<(Vec<Segment>, f64), BindError> {
     let label = file_label(table);
@@ -92,6 +100,7 @@ fn bind_table(
         table,
         label: &label,
         leading,
+        driven,
     };
     plausible::check(&channels)?;
     let gyro = channels.gyro(model)?;
@@ -106,6 +115,7 @@ fn bind_table(
             table,
             label: &label,
             leading,
+            driven,
         };
         let (segment, found) = bind_piece(model, tree, &own, repairs)?;
         most = most.max(found);

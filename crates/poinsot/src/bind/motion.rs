@@ -3,6 +3,7 @@
 use super::BindError;
 use super::attitude_start::{attitudes, base_directions, integrate_rate};
 use super::channels::{Channels, VectorChannels, joint_columns};
+use super::driven_wheels::speed_at;
 use super::free_fall::ORBITAL;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use poinsot_dynamics::Tree;
@@ -46,7 +47,7 @@ pub(super) fn align(
         joint_rate.push(rate);
     }
     let mut wheel_speed = Vec::new();
-    for wheel in &model.wheels {
+    for (k, wheel) in model.wheels.iter().enumerate() {
         let name = format!("{}_rad_s", wheel.name);
         let channel = channels.find(None, &name).ok_or_else(|| {
             channels.missing(
@@ -54,7 +55,10 @@ pub(super) fn align(
                 "the momentum of a wheel has no default; add the column, or take the wheel out of the model",
             )
         })?;
-        wheel_speed.push(resample(channel, times, None));
+        wheel_speed.push(match channels.driven.speed(model, channels, k) {
+            Some(speed) => speed_at(&speed, channel, times),
+            None => vec![None; times.len()],
+        });
     }
     Ok(Aligned {
         time_s: times.to_vec(),

@@ -81,7 +81,8 @@ fn vector(model: &Model, leading: &BaseSensors, kind: SensorKind) -> Option<Matr
     Some(sensor.R_BS * covariance * sensor.R_BS.transpose())
 }
 
-fn scalar(model: &Model, kind: SensorKind, of: usize) -> f64 {
+/// Declared variance of a sensor of one number, zero without.
+pub(super) fn scalar(model: &Model, kind: SensorKind, of: usize) -> f64 {
     model
         .sensors_of(kind)
         .find(|s| s.of.contains(&of))

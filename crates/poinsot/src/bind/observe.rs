@@ -2,6 +2,7 @@
 
 use super::channels::{Channels, VectorChannels, joint_columns};
 use super::cut::input_channels;
+use super::driven_wheels::speed_at;
 use super::input_errors::{between_readings, derived_rates, is_locked, joint_errors, wheel_errors};
 use super::orbit::orbit_at;
 use super::sensors::{SAME, SensorColumns, sensor_columns};
@@ -10,6 +11,7 @@ use poinsot_dynamics::Tree;
 use poinsot_identify::{Firing, Observations, Samples};
 use poinsot_model::{Model, SensorKind};
 use poinsot_telemetry::{Channel, differentiate, resample, resample_hermite};
+use std::borrow::Cow;
 
 /// Half-width of the polynomial that differentiates wheel speeds, in samples.
 const HALF_WIDTH: usize = 2;
@@ -30,7 +32,10 @@ pub(super) fn observe(
         (Some(a), Some(b)) => (*a, *b),
         _ => return Observations::default(),
     };
-    let driven = clocks(&input_channels(model, tree, channels));
+    let wheels = wheel_speeds(model, channels);
+    let mut driven = input_channels(model, tree, channels);
+    driven.extend(wheels.iter().flatten().map(|w| &*w.speed));
+    let driven = clocks(&driven);
     let mut time_s: Vec<f64> = sensors
         .iter()
         .flat_map(|s| s.times())
@@ -40,7 +45,7 @@ pub(super) fn observe(
         .collect();
     time_s.sort_by(f64::total_cmp);
     time_s.dedup_by(|a, b| *a - *b < SAME);
-    let inputs = inputs(model, tree, channels, &time_s);
+    let inputs = inputs(model, tree, channels, &wheels, &time_s);
     let orbit = orbit_at(model, channels, &time_s);
     let complete: Vec<usize> = (0..time_s.len())
         .filter(|&k| inputs.iter().all(|c| c[k].is_some()))
@@ -71,7 +76,11 @@ pub(super) fn observe(
         joint_position: rows(0, dof),
         joint_rate: rows(dof, 2 * dof),
         wheel_speed: rows(2 * dof, inputs.len()),
-        smooth_wheel_speed: smooth_wheels(model, channels, &time_s),
+        smooth_wheel_speed: smooth_wheels(&wheels, &time_s),
+        straight_wheels: wheels
+            .iter()
+            .map(|w| w.as_ref().is_some_and(|w| w.driven))
+            .collect(),
         joint_errors: joint_errors(model, tree, channels, &time_s),
         wheel_errors: wheel_errors(model, channels, &time_s),
         derived_rates: derived_rates(model, tree, channels, &time_s),
@@ -129,27 +138,51 @@ fn own_values(channel: &Channel, grid: &[f64]) -> Vec<Option<f64>> {
         .collect()
 }
 
-/// Wheel speeds interpolated by cubic Hermite polynomials; empty if all are sampled at every grid time.
-fn smooth_wheels(model: &Model, channels: &Channels, grid: &[f64]) -> Vec<f64> {
-    let wheels = model.wheels.iter();
-    let wheels = wheels.filter_map(|w| channels.find(None, &format!("{}_rad_s", w.name)));
-    let wheels: Vec<&Channel> = wheels.collect();
-    if wheels
-        .iter()
-        .all(|c| own_values(c, grid).iter().all(Option::is_some))
-    {
+/// A wheel's tachometer, and its speed: at the tachometer's samples, and at those of its motor torque where that drives it.
+struct WheelSpeed<'a> {
+    tachometer: &'a Channel,
+    speed: Cow<'a, Channel>,
+    driven: bool,
+}
+
+fn wheel_speeds<'a>(model: &Model, channels: &Channels<'a>) -> Vec<Option<WheelSpeed<'a>>> {
+    let of = |(k, wheel): (usize, &poinsot_model::Wheel)| {
+        Some(WheelSpeed {
+            tachometer: channels.find(None, &format!("{}_rad_s", wheel.name))?,
+            speed: channels.driven.speed(model, channels, k)?,
+            driven: channels.driven.drives(k),
+        })
+    };
+    model.wheels.iter().enumerate().map(of).collect()
+}
+
+/// Wheel speeds interpolated by cubic Hermite polynomials, but where the torque drives them; empty if all are sampled at
+/// every grid time.
+fn smooth_wheels(wheels: &[Option<WheelSpeed>], grid: &[f64]) -> Vec<f64> {
+    let wheels = || wheels.iter().flatten();
+    if wheels().all(|w| own_values(w.tachometer, grid).iter().all(Option::is_some)) {
         return Vec::new();
     }
-    let columns: Vec<Vec<Option<f64>>> = wheels
-        .iter()
-        .map(|c| resample_hermite(c, &differentiate(c, HALF_WIDTH, None), grid, None))
-        .collect();
+    let column = |w: &WheelSpeed| {
+        let c = w.tachometer;
+        match w.driven {
+            true => speed_at(&w.speed, c, grid),
+            false => resample_hermite(c, &differentiate(c, HALF_WIDTH, None), grid, None),
+        }
+    };
+    let columns: Vec<Vec<Option<f64>>> = wheels().map(column).collect();
     let row = |k: usize| columns.iter().map(move |c| c[k].unwrap_or(0.0));
     (0..grid.len()).flat_map(row).collect()
 }
 
 /// Joint positions, joint rates and wheel speeds at the grid times, one column each.
-fn inputs(model: &Model, tree: &Tree, channels: &Channels, grid: &[f64]) -> Vec<Vec<Option<f64>>> {
+fn inputs(
+    model: &Model,
+    tree: &Tree,
+    channels: &Channels,
+    wheels: &[Option<WheelSpeed>],
+    grid: &[f64],
+) -> Vec<Vec<Option<f64>>> {
     let mut positions = Vec::new();
     let mut rates = Vec::new();
     for &at in &tree.coordinates {
@@ -179,10 +212,9 @@ fn inputs(model: &Model, tree: &Tree, channels: &Channels, grid: &[f64]) -> Vec<
             }
         }
     }
-    let wheels = model.wheels.iter().map(|w| {
-        channels
-            .find(None, &format!("{}_rad_s", w.name))
-            .map_or_else(|| vec![None; grid.len()], |c| resample(c, grid, None))
+    let wheels = wheels.iter().map(|w| match w {
+        Some(w) => speed_at(&w.speed, w.tachometer, grid),
+        None => vec![None; grid.len()],
     });
     positions.into_iter().chain(rates).chain(wheels).collect()
 }

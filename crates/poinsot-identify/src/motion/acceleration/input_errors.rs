@@ -112,9 +112,10 @@ impl ForceAround<'_, '_> {
     }
 
     /// Grid times and weights of the readings that make up the slope of a wheel's speed.
-    pub fn wheel_weights(&self) -> Vec<(usize, f64)> {
-        let t = &self.motion.observations.time_s;
-        if self.motion.vehicle.wheels_smooth {
+    pub fn wheel_weights(&self, wheel: usize) -> Vec<(usize, f64)> {
+        let o = self.motion.observations;
+        let t = &o.time_s;
+        if o.is_smooth(wheel, self.motion.vehicle.wheels_smooth) {
             return slope_weights(t, self.k);
         }
         let i = self.k.min(t.len().saturating_sub(2));

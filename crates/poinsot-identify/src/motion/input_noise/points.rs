@@ -143,7 +143,7 @@ impl InputNoise {
                 Input::Wheel(j) => {
                     slopes[here] += around.wheel_speed(j);
                     let acceleration = around.wheel_acceleration(j);
-                    for (i, w) in around.wheel_weights() {
+                    for (i, w) in around.wheel_weights(j) {
                         let after = i as isize - k as isize;
                         slopes[self.place(c, after)] += acceleration * w;
                     }

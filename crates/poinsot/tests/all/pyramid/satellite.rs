@@ -34,7 +34,23 @@ pub struct Case {
     /// First and last second of a gap in the first wheel's column.
     pub gap: Option<(f64, f64)>,
     pub duration_s: f64,
+    pub torque: Torque,
 }
+
+/// Columns of the motor torque.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Torque {
+    Absent,
+    /// Commands with their times.
+    Commanded,
+    /// Measured at a clock of its own, so often a second.
+    Measured(u32),
+}
+
+/// Error of the torque's scale, its offset in N m, and its noise in N m where it is measured.
+const SCALE: f64 = 1.03;
+const OFFSET: f64 = 2.0e-3;
+const TORQUE: f64 = 2.0e-4;
 
 pub const PLAIN: Case = Case {
     tachometer_hz: 2.0,
@@ -43,6 +59,7 @@ pub const PLAIN: Case = Case {
     rounding: 0.0,
     gap: None,
     duration_s: 200.0,
+    torque: Torque::Absent,
 };
 
 /// Axes of the wheels, one per column.
@@ -266,21 +283,11 @@ pub fn table(case: &Case, seed: u64) -> Table {
         rates[i].1
     };
     let mut channels = Vec::new();
-    let mut add = |name: String, time_s: &[f64], values: Vec<f64>| {
-        channels.push(Channel {
-            name,
-            sensor: String::new(),
-            unit: String::new(),
-            frame: String::new(),
-            time_s: time_s.into(),
-            values,
-        });
-    };
     for (axis, values) in ["x", "y", "z"].iter().zip(omega) {
-        add(format!("omega_{axis}"), &gyro, values);
+        add(&mut channels, format!("omega_{axis}"), &gyro, values);
     }
     for (axis, values) in ["x", "y", "z", "w"].iter().zip(q) {
-        add(format!("q_{axis}"), &tracker, values);
+        add(&mut channels, format!("q_{axis}"), &tracker, values);
     }
     for w in 0..4 {
         let kept: Vec<f64> = tachometer
@@ -297,12 +304,56 @@ pub fn table(case: &Case, seed: u64) -> Table {
             }
         };
         let values = kept.iter().map(read).collect();
-        add(format!("wheel{}_rad_s", w + 1), &kept, values);
+        add(
+            &mut channels,
+            format!("wheel{}_rad_s", w + 1),
+            &kept,
+            values,
+        );
+    }
+    let (start, step) = match case.torque {
+        Torque::Absent => (0.0, f64::INFINITY),
+        Torque::Commanded => (COMMAND - phase, COMMAND),
+        Torque::Measured(hz) => {
+            let step = 1.0 / f64::from(hz);
+            (step * random.random_range(0.0..1.0), step)
+        }
+    };
+    let read: Vec<f64> = (0..)
+        .map(|k| start + f64::from(k) * step)
+        .take_while(|t| *t <= case.duration_s)
+        .collect();
+    for w in 0..4 {
+        if case.torque == Torque::Absent {
+            break;
+        }
+        let noise = match case.torque {
+            Torque::Measured(_) => TORQUE,
+            _ => 0.0,
+        };
+        let value = |t: &f64| {
+            // At its own time a command is the new one.
+            let at = ((t + phase) / COMMAND + 1.0e-9) as usize;
+            SCALE * torques[at][w] + OFFSET + noise * normal(&mut random)
+        };
+        let values = read.iter().map(value).collect();
+        add(&mut channels, format!("wheel{}_Nm", w + 1), &read, values);
     }
     Table {
         channels,
         ..Table::default()
     }
+}
+
+fn add(channels: &mut Vec<Channel>, name: String, time_s: &[f64], values: Vec<f64>) {
+    channels.push(Channel {
+        name,
+        sensor: String::new(),
+        unit: String::new(),
+        frame: String::new(),
+        time_s: time_s.into(),
+        values,
+    });
 }
 
 fn stepped(
