@@ -80,7 +80,7 @@ pub use mounting::{Mounting, mount};
 pub use noise::{NoiseLevel, noise_level};
 pub use options::{Encoding, MEMORY_MIB, ReadOptions};
 pub use read::{read, read_parts};
-pub use resample::{hold, resample, resample_attitude, resample_hermite};
+pub use resample::{GAP, hold, resample, resample_attitude, resample_hermite};
 pub use rows::{ROWS_EXTENSION, RowCells, RowColumn, write_rows};
 pub use suggest::{Suggestion, suggest};
 pub use unit::{Dimension, STANDARD_GRAVITY, Unit, parse_unit, units};

@@ -3,8 +3,8 @@
 use crate::median::median_step;
 use crate::{Channel, rotation};
 
-/// Default gap limit in median steps.
-const DEFAULT_GAP: f64 = 3.0;
+/// Steps above this multiple of the median step are gaps.
+pub const GAP: f64 = 3.0;
 
 /// Position of a time in a time base.
 enum TimePosition {
@@ -29,7 +29,7 @@ impl<'a> Base<'a> {
         Self {
             time_s,
             tolerance: (1e-6 * step).max(1e-9),
-            max_gap: max_gap_s.unwrap_or(DEFAULT_GAP * step),
+            max_gap: max_gap_s.unwrap_or(GAP * step),
         }
     }
 

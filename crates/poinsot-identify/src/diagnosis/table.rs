@@ -11,7 +11,7 @@ use crate::fit::experiment::{Experiment, Iterate, PredictionSlopes};
 use crate::fit::triangle::conditional_estimate;
 use crate::likelihood::{Evaluated, Transition};
 use crate::problem::parameters::{Unknown, UnknownKind};
-use crate::problem::segment::{InputErrors, Noise, Observations};
+use crate::problem::segment::{BetweenReadings, InputErrors, Noise, Observations};
 use poinsot_dynamics::SensorError;
 use poinsot_solve::{BlockQr, Triangle};
 use poinsot_spatial::{Matrix3, Vector3};
@@ -105,6 +105,11 @@ const SHARED: f64 = 0.1;
 
 /// Logarithm of how far the correlation of an error falls from the first grid time to each.
 fn decay(error: &InputErrors, last: usize) -> Vec<f64> {
+    if let InputErrors::Interpolated(places) = error {
+        // Two errors that are two readings apart have none in common.
+        let further = |p: &BetweenReadings| -SHARED.ln() * 0.5 * (p.reading as f64 + p.share);
+        return places.iter().map(further).collect();
+    }
     let mut sum = 0.0;
     let further = (0..last).map(|k| {
         sum -= error.memory(k).max(f64::MIN_POSITIVE).ln();

@@ -134,8 +134,12 @@ fn picked<T: Clone>(all: &[T], kept: &[usize]) -> Vec<T> {
 
 /// What is left of a correlation after the grid times in between.
 fn errors(errors: &InputErrors, kept: &[usize]) -> InputErrors {
-    if !matches!(errors, InputErrors::Kept(_)) {
-        return errors.clone();
+    match errors {
+        InputErrors::Kept(_) => {}
+        InputErrors::Interpolated(places) => {
+            return InputErrors::Interpolated(picked(places, kept));
+        }
+        _ => return errors.clone(),
     }
     let between = |w: &[usize]| (w[0]..w[1]).map(|k| errors.memory(k)).product();
     let mut left: Vec<f64> = kept.windows(2).map(between).collect();

@@ -8,7 +8,7 @@ use crate::motion::Vehicle;
 use crate::problem::Problem;
 use crate::problem::parameters::{Equations, Parameters};
 use crate::problem::segment::{
-    InputErrors, Noise, Observations, Segment, SensorRecord, SensorValue,
+    BetweenReadings, InputErrors, Noise, Observations, Segment, SensorRecord, SensorValue,
 };
 use crate::sensors::ideal_measurement;
 use nalgebra::{UnitQuaternion, Vector3};
@@ -206,8 +206,7 @@ fn dense(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> f64 {
         let G: Vec<_> = (0..samples).map(slope).collect();
         for i in 0..samples {
             for j in 0..samples {
-                let between = i.min(j)..i.max(j);
-                let correlation: f64 = between.map(|k| errors.memory(k)).product();
+                let correlation = correlation(&errors, i, j);
                 C += &G[i] * G[j].transpose() * (variance * correlation);
             }
         }
@@ -223,6 +222,34 @@ fn dense(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> f64 {
     );
     let gap = (found.chi2 / expected - 1.0).abs();
     gap.max(((found.cost - found.chi2) / log_det - 1.0).abs())
+}
+
+/// Correlation of the errors at two grid times, for unit variance of a reading.
+fn correlation(errors: &InputErrors, i: usize, j: usize) -> f64 {
+    let InputErrors::Interpolated(places) = errors else {
+        return (i.min(j)..i.max(j)).map(|k| errors.memory(k)).product();
+    };
+    let shares = |k: usize| {
+        let BetweenReadings { reading, share } = places[k];
+        [(reading, 1.0 - share), (reading + 1, share)]
+    };
+    let pairs = shares(i)
+        .into_iter()
+        .flat_map(|a| shares(j).map(|b| (a, b)));
+    let common = pairs.filter(|(a, b)| a.0 == b.0);
+    common.map(|(a, b)| a.1 * b.1).sum()
+}
+
+/// Readings every so many grid times.
+fn interpolated(every: f64) -> InputErrors {
+    let place = |k: usize| {
+        let at = 0.4 + k as f64 / every;
+        BetweenReadings {
+            reading: at as usize,
+            share: at.fract(),
+        }
+    };
+    InputErrors::Interpolated((0..200).map(place).collect())
 }
 
 /// Joint rates as slopes of quartics through five positions, by Lagrange's formula in another form than the filter's.
@@ -254,8 +281,10 @@ fn exact_chi2_with_noise_in_the_inputs_is_that_of_the_dense_covariance() {
         let coarse = dense(case(2), white(), InputErrors::Independent);
         let fine = dense(case(4), white(), InputErrors::Independent);
         let lasting = dense(case(4), [InputErrors::Locked, kept(0.7)], kept(0.9));
+        let between = [2.5, 7.0].map(|every| dense(case(4), white(), interpolated(every)));
         // Measured: 6e-4, 2e-4 and 3e-4.
         assert!(fine < 5.0e-4 && lasting < 1.0e-3, "{fine:e} {lasting:e}");
+        assert!(between.iter().all(|gap| *gap < 5.0e-4), "{between:?}");
         // The trapezium over a step is of second order.
         assert!(fine < 0.5 * coarse, "{coarse:e} {fine:e}");
     }
@@ -276,6 +305,8 @@ fn exact_chi2_of_instruments_at_points_with_noise_in_the_inputs_is_that_of_the_d
         };
         let fresh = dense(case, white(), InputErrors::Independent);
         let lasting = dense(case, [kept(0.5), kept(0.7)], kept(0.9));
+        let between = dense(case, white(), interpolated(2.5));
         assert!(fresh < 2.0e-4 && lasting < 2.0e-4, "{fresh:e} {lasting:e}");
+        assert!(between < 2.0e-4, "{between:e}");
     }
 }

@@ -142,6 +142,10 @@ fn typical_step(o: &Observations, picked: &[usize]) -> Option<f64> {
 fn readings(o: &Observations, errors: Option<&InputErrors>) -> Vec<usize> {
     let t = &o.time_s;
     let all = 0..t.len();
+    if let Some(InputErrors::Interpolated(places)) = errors {
+        let read = |k: &usize| places.get(*k).is_some_and(|p| p.share == 0.0);
+        return all.filter(read).collect();
+    }
     let (true, Some(InputErrors::Kept(memory))) = (o.between_readings, errors) else {
         return all.collect();
     };

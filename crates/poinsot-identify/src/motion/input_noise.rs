@@ -60,6 +60,8 @@ pub(crate) struct InputNoise {
     step: Option<random_torque::Step>,
     inputs: Vec<(Input, f64)>,
     memory: Vec<InputErrors>,
+    /// Share of each error in its input at every grid time; one where the list is empty.
+    shares: Vec<Vec<f64>>,
     /// Components of `s` that inputs can reach.
     active: Vec<usize>,
     /// Number of these and of the components of the random torque, which follow them.
@@ -79,6 +81,22 @@ pub(crate) struct InputNoise {
     /// Change of the twist with each joint rate.
     pub rate_gain: Vec<Vector6>,
     filter: Filter,
+}
+
+/// The errors of an input that come and go by themselves, with their shares in it: two of readings where it is interpolated.
+fn separate(errors: InputErrors) -> Vec<(InputErrors, Vec<f64>)> {
+    let InputErrors::Interpolated(places) = errors else {
+        return vec![(errors, Vec::new())];
+    };
+    let of = |slot: usize| {
+        let held: Vec<(usize, f64)> = places.iter().map(|p| p.slot(slot)).collect();
+        let stays = |w: &[(usize, f64)]| f64::from(u8::from(w[0].0 == w[1].0));
+        let mut memory: Vec<f64> = held.windows(2).map(stays).collect();
+        memory.push(0.0);
+        let shares = held.into_iter().map(|h| h.1).collect();
+        (InputErrors::Kept(memory), shares)
+    };
+    vec![of(0), of(1)]
 }
 
 impl InputNoise {
@@ -110,12 +128,15 @@ impl InputNoise {
         let joints = joints.map(|(k, v)| (Input::Joint(k), *v, o.joint_errors.get(k)));
         let wheels = wheels.map(|(k, v)| (Input::Wheel(k), *v, o.wheel_errors.get(k)));
         let rates = rates.map(|(k, v)| (Input::Rate(k), *v, None));
-        let (mut inputs, mut memory) = (Vec::new(), Vec::new());
+        let (mut inputs, mut memory, mut shares) = (Vec::new(), Vec::new(), Vec::new());
         for (input, variance, errors) in joints.chain(wheels).chain(rates) {
             let errors = errors.cloned().unwrap_or_default();
             if variance > 0.0 && errors != InputErrors::None {
-                inputs.push((input, variance));
-                memory.push(errors);
+                for (errors, share) in separate(errors) {
+                    inputs.push((input, variance));
+                    memory.push(errors);
+                    shares.push(share);
+                }
             }
         }
         let torque = random_torque.is_some();
@@ -154,8 +175,14 @@ impl InputNoise {
             before: None,
             inputs,
             memory,
+            shares,
             active,
         }
+    }
+
+    /// Share of an error in its input at grid time k.
+    fn share(&self, input: usize, k: usize) -> f64 {
+        self.shares[input].get(k).copied().unwrap_or(1.0)
     }
 
     /// Whether it is idle: no input noise and no random torque.
@@ -241,7 +268,10 @@ impl InputNoise {
                     change.fixed_rows_mut::<3>(3).copy_from(&h);
                     (-(instant.inverse_inertia * change), self.rate_gain[*j])
                 }
-                Input::Wheel(w) => (motion.wheel_gain(instant, *w), Vector6::zeros()),
+                Input::Wheel(w) => {
+                    let gain = motion.wheel_gain(instant, *w) * self.share(c, k);
+                    (gain, Vector6::zeros())
+                }
                 Input::Rate(j) => {
                     // Positions alone drive: an interval's mean rate is that of its ends.
                     at_once.push(Vector6::zeros());

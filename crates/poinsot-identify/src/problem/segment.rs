@@ -286,13 +286,34 @@ pub enum InputErrors {
     /// Correlation of the error at each grid time with that at the next: one while a rounded reading stays, between
     /// zero and one on a grid finer than the readings.
     Kept(Vec<f64>),
+    /// Independent errors of readings, and straight lines between them, one row per grid time.
+    Interpolated(Vec<BetweenReadings>),
+}
+
+/// Place of a grid time among the readings of an input.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BetweenReadings {
+    /// Number of the last reading.
+    pub reading: usize,
+    /// Share of the way from it to the next one: zero at the reading, below one.
+    pub share: f64,
+}
+
+impl BetweenReadings {
+    /// The reading whose error is in this slot of two, and its weight: neighbours take turns.
+    pub(crate) fn slot(&self, slot: usize) -> (usize, f64) {
+        match self.reading % 2 == slot {
+            true => (self.reading, 1.0 - self.share),
+            false => (self.reading + 1, self.share),
+        }
+    }
 }
 
 impl InputErrors {
-    /// Correlation of the error at grid time k with that at the next.
+    /// Correlation of the error at grid time k with that at the next; zero where two errors share a reading.
     pub(crate) fn memory(&self, k: usize) -> f64 {
         match self {
-            Self::Independent | Self::None => 0.0,
+            Self::Independent | Self::None | Self::Interpolated(_) => 0.0,
             Self::Locked => 1.0,
             Self::Kept(all) => all.get(k).copied().unwrap_or(0.0),
         }

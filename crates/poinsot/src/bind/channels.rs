@@ -1,11 +1,12 @@
 //! Finding the channels of a sensor in a table.
 
 use super::BindError;
-use super::driven_wheels::DrivenWheels;
+use super::driven_wheels::{DrivenWheels, speed_column, torque_column};
 use super::sensors::{BaseSensors, REFERENCE};
 use poinsot_model::{JointKind, Model, SensorKind};
 use poinsot_spatial::Vector3;
 use poinsot_telemetry::{Channel, Table};
+use std::borrow::Cow;
 use std::collections::BTreeSet;
 
 /// A table with its name for messages.
@@ -60,6 +61,14 @@ impl<'a> Channels<'a> {
         let gyro = self.vector(model, SensorKind::Gyro);
         gyro.filter(|g| !g.time_s().is_empty())
             .ok_or_else(|| self.missing("omega_x omega_y omega_z", "every method starts from measured body rates; add a gyro, or map its columns in [telemetry.columns]"))
+    }
+
+    /// Tachometer of a wheel, and its speed at that and where its measured torque bends it.
+    pub fn wheel(&self, model: &Model, wheel: usize) -> Option<(&'a Channel, Cow<'a, Channel>)> {
+        let name = &model.wheels.get(wheel)?.name;
+        let tachometer = self.find(None, &speed_column(name))?;
+        let torque = self.find(None, &torque_column(name));
+        Some((tachometer, self.driven.speed(wheel, tachometer, torque)))
     }
 
     pub fn missing(&self, channel: &str, why: &str) -> BindError {

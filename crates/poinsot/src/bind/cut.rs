@@ -7,12 +7,9 @@ use super::channels::{Channels, joint_columns};
 use super::input_errors::is_locked;
 use poinsot_dynamics::Tree;
 use poinsot_model::Model;
-use poinsot_telemetry::{Channel, Table, median_step};
+use poinsot_telemetry::{Channel, GAP, Table, median_step};
 use std::borrow::Cow;
 use std::sync::Arc;
-
-/// Steps above this multiple of the median step are gaps, as in resampling.
-const GAP: f64 = 3.0;
 
 /// Joint, wheel and thrust channels that drive the motion.
 pub(super) fn input_channels<'a>(

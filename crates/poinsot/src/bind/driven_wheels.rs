@@ -8,14 +8,10 @@
 //! after, with the torque held from sample to sample, with straight lines through its samples, and without it. What
 //! scatters beyond the noise of the tachometer is the error of the bridge and is added to that noise.
 
-use super::channels::Channels;
-use super::noise::scalar;
-use poinsot_model::{Model, SensorKind};
-use poinsot_telemetry::{Channel, Table, median_step, resample};
+use poinsot_model::Model;
+use poinsot_telemetry::{Channel, GAP, Table, median_step, resample};
 use std::borrow::Cow;
 
-/// Steps above this multiple of the median step are gaps, as in resampling.
-const GAP: f64 = 3.0;
 /// Fewest predicted tachometer samples that decide.
 const FEWEST: usize = 10;
 /// Deviation from a straight line, in sigmas of the bridge's error, from which a torque sample becomes a grid time.
@@ -47,15 +43,15 @@ pub(super) struct DrivenWheels {
 }
 
 impl DrivenWheels {
-    pub fn new(model: &Model, tables: &[Table]) -> Self {
-        let of = model.wheels.iter().enumerate().map(|(k, wheel)| {
-            let [speed, torque] = names(&wheel.name);
+    /// `noise` holds the variance of each wheel's tachometer.
+    pub fn new(model: &Model, tables: &[Table], noise: &[f64]) -> Self {
+        let of = model.wheels.iter().zip(noise).map(|(wheel, noise)| {
             let read = tables.iter().filter_map(|t| {
-                let (speed, torque) = (t.channel(&speed)?, t.channel(&torque)?);
+                let speed = t.channel(&speed_column(&wheel.name))?;
+                let torque = t.channel(&torque_column(&wheel.name))?;
                 (*speed.time_s != *torque.time_s).then_some((speed, torque))
             });
-            let noise = scalar(model, SensorKind::WheelSpeed, k);
-            drive(&read.collect::<Vec<_>>(), noise)
+            drive(&read.collect::<Vec<_>>(), *noise)
         });
         Self { of: of.collect() }
     }
@@ -74,20 +70,18 @@ impl DrivenWheels {
     /// Speed of a wheel at its tachometer samples and, where its torque is used, at the samples of that between them.
     pub fn speed<'a>(
         &self,
-        model: &Model,
-        channels: &Channels<'a>,
         wheel: usize,
-    ) -> Option<Cow<'a, Channel>> {
-        let [speed, torque] = names(&model.wheels[wheel].name);
-        let speed = channels.find(None, &speed)?;
+        tachometer: &'a Channel,
+        torque: Option<&Channel>,
+    ) -> Cow<'a, Channel> {
         let drive = self.of.get(wheel).copied().flatten();
-        let bridged = drive.zip(channels.find(None, &torque));
-        Some(match bridged {
+        match drive.zip(torque) {
             Some((drive, torque)) => {
-                Cow::Owned(bridge(speed, &Impulse::new(torque, drive.motion), &drive))
+                let impulse = Impulse::new(torque, drive.motion);
+                Cow::Owned(bridge(tachometer, &impulse, &drive))
             }
-            None => Cow::Borrowed(speed),
-        })
+            None => Cow::Borrowed(tachometer),
+        }
     }
 
     /// What is said of it.
@@ -115,9 +109,14 @@ impl DrivenWheels {
     }
 }
 
-/// Columns of a wheel's speed and motor torque.
-fn names(wheel: &str) -> [String; 2] {
-    ["rad_s", "Nm"].map(|unit| format!("{wheel}_{unit}"))
+/// Column of a wheel's speed.
+pub(super) fn speed_column(wheel: &str) -> String {
+    format!("{wheel}_rad_s")
+}
+
+/// Column of a wheel's motor torque.
+pub(super) fn torque_column(wheel: &str) -> String {
+    format!("{wheel}_Nm")
 }
 
 /// Speed of a wheel at these times; nothing in gaps of its tachometer.

@@ -8,7 +8,7 @@
 
 use super::channels::{Channels, joint_columns};
 use poinsot_dynamics::Tree;
-use poinsot_identify::InputErrors;
+use poinsot_identify::{BetweenReadings, InputErrors};
 use poinsot_model::{Model, Sensor, SensorKind};
 use poinsot_telemetry::{Channel, median_step};
 
@@ -41,7 +41,7 @@ pub(super) fn wheel_errors(model: &Model, channels: &Channels, grid: &[f64]) -> 
         let sensor = sensor(model, SensorKind::WheelSpeed, at);
         channels
             .find(None, &format!("{}_rad_s", wheel.name))
-            .map_or(InputErrors::None, |c| errors(c, sensor, grid))
+            .map_or(InputErrors::None, |c| of_wheel(c, sensor, grid))
     };
     model.wheels.iter().enumerate().map(of).collect()
 }
@@ -117,20 +117,52 @@ fn rounding(sensor: &Sensor) -> Option<f64> {
     (step > 0.0 && sigma < DITHER * step).then_some(step)
 }
 
-fn errors(channel: &Channel, sensor: Option<&Sensor>, grid: &[f64]) -> InputErrors {
+/// A wheel runs straight between its samples, or as its torque drives it from both of them: where no error stays from sample
+/// to sample, those in between are known exactly.
+fn of_wheel(channel: &Channel, sensor: Option<&Sensor>, grid: &[f64]) -> InputErrors {
+    let fresh = stays(channel, &runs_of(channel, sensor)).is_empty();
+    match fresh && !read_at(channel, grid) {
+        true => InputErrors::Interpolated(places(&channel.time_s, grid)),
+        false => errors(channel, sensor, grid),
+    }
+}
+
+/// Where the grid times lie among samples.
+fn places(samples: &[f64], grid: &[f64]) -> Vec<BetweenReadings> {
+    let tolerance = 1.0e-6 * median_step(samples).unwrap_or(0.0);
+    let place = |t: &f64| {
+        let after = samples.partition_point(|s| *s <= t + tolerance);
+        let reading = after.saturating_sub(1);
+        let past = samples.get(reading).map_or(0.0, |s| t - s);
+        let step = samples.get(after).map_or(0.0, |s| s - samples[reading]);
+        let share = if past > tolerance { past / step } else { 0.0 };
+        BetweenReadings { reading, share }
+    };
+    grid.iter().map(place).collect()
+}
+
+/// Runs of equal samples of a rounding sensor.
+fn runs_of(channel: &Channel, sensor: Option<&Sensor>) -> Vec<(usize, usize)> {
     let step = sensor.and_then(rounding);
-    let runs = step.map_or_else(Vec::new, |step| runs(&channel.values, step));
+    step.map_or_else(Vec::new, |step| runs(&channel.values, step))
+}
+
+/// Times between which the errors of a run are correlated, and the correlation of neighbours.
+fn stays(channel: &Channel, runs: &[(usize, usize)]) -> Vec<(f64, f64, f64)> {
+    let stay = |&(from, to): &(usize, usize)| {
+        let memory = memory_of_run(to - from + 1)?;
+        Some((channel.time_s[from], channel.time_s[to], memory))
+    };
+    runs.iter().filter_map(stay).collect()
+}
+
+fn errors(channel: &Channel, sensor: Option<&Sensor>, grid: &[f64]) -> InputErrors {
+    let runs = runs_of(channel, sensor);
     if runs.len() == 1 {
         return InputErrors::Locked;
     }
     let between = median_step(&channel.time_s).unwrap_or(0.0);
-    let mut stays = runs
-        .iter()
-        .filter_map(|&(from, to)| {
-            let memory = memory_of_run(to - from + 1)?;
-            Some((channel.time_s[from], channel.time_s[to], memory))
-        })
-        .peekable();
+    let mut stays = stays(channel, &runs).into_iter().peekable();
     let tolerance = 1.0e-6 * between;
     let mut memory: Vec<f64> = grid
         .windows(2)
@@ -185,6 +217,14 @@ mod tests {
         assert_eq!(runs(&[], 1.0), []);
         assert_eq!(memory_of_run(3), None);
         assert!((memory_of_run(10).unwrap_or(0.0) - 0.46).abs() < 1.0e-12);
+    }
+
+    #[test]
+    fn unit_places_of_grid_times_among_samples() {
+        let found = places(&[-0.5, 0.5, 1.5], &[0.0, 0.5, 0.75, 1.5]);
+        let expected = [(0, 0.5), (1, 0.0), (1, 0.25), (2, 0.0)];
+        let pairs: Vec<(usize, f64)> = found.iter().map(|p| (p.reading, p.share)).collect();
+        assert_eq!(pairs, expected);
     }
 
     #[test]

@@ -58,7 +58,9 @@ pub fn bind(model: &Model, tree: &Tree, tables: &[Table]) -> Result<Bound, BindE
     let tables = tables.as_ref();
     let leading = BaseSensors::new(model, tables);
     sensors::check_sensors(model, tables, &leading, &mut repairs)?;
-    let driven = DrivenWheels::new(model, tables);
+    let of_wheel = |k| noise::scalar(model, SensorKind::WheelSpeed, k);
+    let tachometers: Vec<f64> = (0..model.wheels.len()).map(of_wheel).collect();
+    let driven = DrivenWheels::new(model, tables, &tachometers);
     repairs.extend(driven.told(model));
     let mut segments = Vec::with_capacity(tables.len());
     let mut dropped: f64 = 0.0;

@@ -3,7 +3,7 @@
 use super::BindError;
 use super::attitude_start::{attitudes, base_directions, integrate_rate};
 use super::channels::{Channels, VectorChannels, joint_columns};
-use super::driven_wheels::speed_at;
+use super::driven_wheels::{speed_at, speed_column};
 use super::free_fall::ORBITAL;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use poinsot_dynamics::Tree;
@@ -48,17 +48,13 @@ pub(super) fn align(
     }
     let mut wheel_speed = Vec::new();
     for (k, wheel) in model.wheels.iter().enumerate() {
-        let name = format!("{}_rad_s", wheel.name);
-        let channel = channels.find(None, &name).ok_or_else(|| {
+        let (tachometer, speed) = channels.wheel(model, k).ok_or_else(|| {
             channels.missing(
-                &name,
+                &speed_column(&wheel.name),
                 "the momentum of a wheel has no default; add the column, or take the wheel out of the model",
             )
         })?;
-        wheel_speed.push(match channels.driven.speed(model, channels, k) {
-            Some(speed) => speed_at(&speed, channel, times),
-            None => vec![None; times.len()],
-        });
+        wheel_speed.push(speed_at(&speed, tachometer, times));
     }
     Ok(Aligned {
         time_s: times.to_vec(),

@@ -146,14 +146,15 @@ struct WheelSpeed<'a> {
 }
 
 fn wheel_speeds<'a>(model: &Model, channels: &Channels<'a>) -> Vec<Option<WheelSpeed<'a>>> {
-    let of = |(k, wheel): (usize, &poinsot_model::Wheel)| {
+    let of = |k: usize| {
+        let (tachometer, speed) = channels.wheel(model, k)?;
         Some(WheelSpeed {
-            tachometer: channels.find(None, &format!("{}_rad_s", wheel.name))?,
-            speed: channels.driven.speed(model, channels, k)?,
+            tachometer,
+            speed,
             driven: channels.driven.drives(k),
         })
     };
-    model.wheels.iter().enumerate().map(of).collect()
+    (0..model.wheels.len()).map(of).collect()
 }
 
 /// Wheel speeds interpolated by cubic Hermite polynomials, but where the torque drives them; empty if all are sampled at

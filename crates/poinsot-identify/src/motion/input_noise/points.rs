@@ -141,11 +141,11 @@ impl InputNoise {
                     }
                 }
                 Input::Wheel(j) => {
-                    slopes[here] += around.wheel_speed(j);
+                    slopes[here] += around.wheel_speed(j) * self.share(c, k);
                     let acceleration = around.wheel_acceleration(j);
                     for (i, w) in around.wheel_weights(j) {
                         let after = i as isize - k as isize;
-                        slopes[self.place(c, after)] += acceleration * w;
+                        slopes[self.place(c, after)] += acceleration * (w * self.share(c, i));
                     }
                 }
             }

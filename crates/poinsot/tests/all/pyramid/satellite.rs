@@ -323,18 +323,16 @@ pub fn table(case: &Case, seed: u64) -> Table {
         .map(|k| start + f64::from(k) * step)
         .take_while(|t| *t <= case.duration_s)
         .collect();
-    for w in 0..4 {
-        if case.torque == Torque::Absent {
-            break;
-        }
-        let noise = match case.torque {
-            Torque::Measured(_) => TORQUE,
-            _ => 0.0,
-        };
+    let noise = match case.torque {
+        Torque::Measured(_) => TORQUE,
+        _ => 0.0,
+    };
+    let wheels = if case.torque == Torque::Absent { 0 } else { 4 };
+    for w in 0..wheels {
         let value = |t: &f64| {
             // At its own time a command is the new one.
-            let at = ((t + phase) / COMMAND + 1.0e-9) as usize;
-            SCALE * torques[at][w] + OFFSET + noise * normal(&mut random)
+            let now = torques[((t + phase) / COMMAND + 1.0e-9) as usize];
+            SCALE * now[w] + OFFSET + noise * normal(&mut random)
         };
         let values = read.iter().map(value).collect();
         add(&mut channels, format!("wheel{}_Nm", w + 1), &read, values);
