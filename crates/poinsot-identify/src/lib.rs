@@ -47,8 +47,8 @@ pub use problem::parameters::{
     axis_name, tensor_index, tensor_name,
 };
 pub use problem::segment::{
-    Accelerations, BetweenReadings, Firing, InputErrors, Noise, Observations, Samples, Segment,
-    SensorRecord, SensorSample, SensorValue, Translation,
+    Accelerations, BetweenReadings, Firing, InputErrors, Noise, Observations, RoundingError,
+    Samples, Segment, SensorRecord, SensorSample, SensorValue, Translation,
 };
 pub use problem::{Problem, ProblemError};
 pub use solution::estimate::{

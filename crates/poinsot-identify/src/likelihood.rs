@@ -41,6 +41,8 @@ pub(crate) struct Setting<'a> {
     pub loss: Loss,
     /// Whether wheel speeds are smooth between samples.
     pub wheels_smooth: bool,
+    /// Share of a rounding step by which a quantity at rest moves while its reading stays.
+    pub rest_motion: f64,
     /// Random torque of the environment, where one is declared.
     pub random_torque: Option<RandomTorque>,
     /// Curves along which lags shift the inputs, one per segment; empty where no lag is unknown.
@@ -212,7 +214,8 @@ fn evaluate_driven(
     compare.carry(carried);
     let forced = !segment.firings.is_empty() || vehicle.has_environment_torque();
     let noise = (setting.noise, setting.random_torque);
-    compare.inputs = InputNoise::new(noise, segment, forced, compare.followed());
+    let record = (segment, setting.rest_motion);
+    compare.inputs = InputNoise::new(noise, record, forced, compare.followed());
     if compare.inputs.tracks_rates() {
         compare.joint_rate.fill(0.0);
     }

@@ -135,7 +135,7 @@ fn picked<T: Clone>(all: &[T], kept: &[usize]) -> Vec<T> {
 /// What is left of a correlation after the grid times in between.
 fn errors(errors: &InputErrors, kept: &[usize]) -> InputErrors {
     match errors {
-        InputErrors::Kept(_) => {}
+        InputErrors::Kept(_) | InputErrors::Rounded(_) => {}
         InputErrors::Interpolated(places) => {
             return InputErrors::Interpolated(picked(places, kept));
         }

@@ -50,6 +50,8 @@ pub(crate) struct Experiment<'a> {
     pub coordinates: Coordinates,
     /// Whether wheel speeds are smooth between samples.
     pub wheels_smooth: bool,
+    /// Share of a rounding step by which a quantity at rest moves while its reading stays.
+    pub rest_motion: f64,
     /// How finely the motion is propagated.
     pub fineness: Fineness,
     /// Columns of the known numbers, where they are unknowns.
@@ -97,6 +99,7 @@ impl<'a> Experiment<'a> {
             loss: Loss::Gaussian,
             coordinates: Coordinates::default(),
             wheels_smooth: false,
+            rest_motion: 1.0,
             fineness: Fineness::default(),
             known: None,
             kept: KeptColumns::default(),
@@ -118,6 +121,7 @@ impl<'a> Experiment<'a> {
             loss: self.loss,
             coordinates: self.coordinates,
             wheels_smooth: self.wheels_smooth,
+            rest_motion: self.rest_motion,
             fineness: self.fineness,
             known: self.known.clone(),
             kept: Arc::clone(&self.kept),
@@ -163,6 +167,7 @@ impl<'a> Experiment<'a> {
             noise: self.problem.noise,
             loss: self.loss,
             wheels_smooth: self.wheels_smooth,
+            rest_motion: self.rest_motion,
             random_torque: self.problem.model.environment.random_torque,
             curves: self.curves(),
             grids: self.grids(),

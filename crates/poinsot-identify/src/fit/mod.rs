@@ -6,6 +6,7 @@ pub(crate) mod degrees_of_freedom;
 pub(crate) mod experiment;
 pub(crate) mod known_numbers;
 pub(crate) mod momentum_state;
+pub(crate) mod rest_motion;
 pub(crate) mod step;
 pub(crate) mod step_error;
 pub(crate) mod triangle;

@@ -4,6 +4,7 @@ use crate::answer;
 use crate::diagnosis::Diagnostics;
 use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::fit;
+use crate::fit::rest_motion::choose_rest_motion;
 use crate::fit::wheel_motion::{OtherWheelMotion, expected_other};
 use crate::methods::maximum_likelihood::{conclude, proportional};
 use crate::problem::{Problem, ProblemError};
@@ -37,8 +38,11 @@ fn bound(
     problem.check_samples()?;
     problem.check_observations()?;
     let parameters = problem.likelihood_parameters()?;
-    let experiment = Experiment::new(problem, &parameters);
+    let mut experiment = Experiment::new(problem, &parameters);
     let mut at_truth = fit(&experiment, None, 0)?;
+    if choose_rest_motion(&mut experiment, &at_truth) {
+        at_truth = fit(&experiment, None, 0)?;
+    }
     at_truth.converged = true;
     let other = other(&experiment, &at_truth.at);
     // A bound has no misfit: interpolation errors of wheel motion are not noise.

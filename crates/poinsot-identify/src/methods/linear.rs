@@ -290,6 +290,7 @@ fn conclude(
         diagnostics: None,
         assumptions: Vec::new(),
         wheels_smooth: false,
+        rest_motion: 1.0,
         other_wheel_motion: None,
         regressor_noise: block_noise,
     };

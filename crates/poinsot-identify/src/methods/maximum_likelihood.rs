@@ -14,6 +14,7 @@ use crate::fit::coordinates::FitOptions;
 use crate::fit::degrees_of_freedom::fitted_numbers;
 use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::known_numbers::{Effects, fit_known};
+use crate::fit::rest_motion::{refit_with_rest_motion, rest_assumed};
 use crate::fit::step_error::{StepError, within_steps};
 use crate::fit::triangle::conditional_estimate;
 use crate::fit::wheel_motion::{OtherWheelMotion, choose_wheel_motion};
@@ -96,8 +97,9 @@ pub(crate) fn solve(problem: &Problem, options: FitOptions) -> Result<FinishedFi
     experiment.loss = options.loss;
     experiment.coordinates = options.coordinates;
     let start = linear.as_ref().map(|solution| solution.point(&experiment));
-    let mut fitted = fit(&experiment, start.as_ref(), ITERATIONS)?;
-    let mut assumptions = Vec::new();
+    let fitted = fit(&experiment, start.as_ref(), ITERATIONS)?;
+    let mut fitted = refit_with_rest_motion(&mut experiment, fitted, ITERATIONS);
+    let mut assumptions: Vec<String> = rest_assumed(&experiment).into_iter().collect();
     let (mut shift, mut other) = (0.0, None);
     if !problem.model.wheels.is_empty() {
         let between = choose_wheel_motion(&mut experiment, fitted);
@@ -134,6 +136,7 @@ pub(crate) fn solve(problem: &Problem, options: FitOptions) -> Result<FinishedFi
     };
     solution.assumptions = assumptions;
     solution.wheels_smooth = experiment.wheels_smooth;
+    solution.rest_motion = experiment.rest_motion;
     solution.other_wheel_motion = other.map(|o| o.among(&parameters, &solution.parameters));
     note(problem, &mut solution, shift, step_error);
     Ok(FinishedFit {
@@ -307,6 +310,7 @@ pub(crate) fn conclude(
         diagnostics: Some(found),
         assumptions: Vec::new(),
         wheels_smooth: false,
+        rest_motion: experiment.rest_motion,
         other_wheel_motion: None,
         sensitive_to: Vec::new(),
         regressor_noise: Vec::new(),

@@ -146,14 +146,15 @@ fn readings(o: &Observations, errors: Option<&InputErrors>) -> Vec<usize> {
         let read = |k: &usize| places.get(*k).is_some_and(|p| p.share == 0.0);
         return all.filter(read).collect();
     }
-    let (true, Some(InputErrors::Kept(memory))) = (o.between_readings, errors) else {
+    let Some(errors) = errors.filter(|e| o.between_readings && e.lasts()) else {
         return all.collect();
     };
+    let memory = (0..t.len()).map(|k| errors.memory(k));
     // A grid of step h between readings H apart has the memory (H - h) / (H + h).
     let mut apart: Vec<f64> = t
         .windows(2)
         .zip(memory)
-        .filter(|(_, a)| **a < 1.0)
+        .filter(|(_, a)| *a < 1.0)
         .map(|(w, a)| (w[1] - w[0]) * (1.0 + a) / (1.0 - a))
         .collect();
     apart.sort_by(f64::total_cmp);

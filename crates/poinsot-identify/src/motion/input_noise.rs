@@ -103,7 +103,7 @@ impl InputNoise {
     /// `followed` is the number of sequences that go through the filter: sensitivities and residual.
     pub fn new(
         (noise, random_torque): (&Noise, Option<RandomTorque>),
-        segment: &Segment,
+        (segment, rest_motion): (&Segment, f64),
         forced: bool,
         followed: usize,
     ) -> Self {
@@ -130,7 +130,8 @@ impl InputNoise {
         let rates = rates.map(|(k, v)| (Input::Rate(k), *v, None));
         let (mut inputs, mut memory, mut shares) = (Vec::new(), Vec::new(), Vec::new());
         for (input, variance, errors) in joints.chain(wheels).chain(rates) {
-            let errors = errors.cloned().unwrap_or_default();
+            let errors = errors.map(|e| e.with_rest_motion(rest_motion));
+            let errors = errors.unwrap_or_default();
             if variance > 0.0 && errors != InputErrors::None {
                 for (errors, share) in separate(errors) {
                     inputs.push((input, variance));

@@ -103,6 +103,7 @@ pub fn maximum_likelihood_predicted(
     let moved = shifted.as_ref().map(|c| c.problem(problem));
     let mut experiment = Experiment::new(moved.as_ref().unwrap_or(problem), &solution.parameters);
     experiment.wheels_smooth = solution.wheels_smooth;
+    experiment.rest_motion = solution.rest_motion;
     let predictions = predict(&experiment, &at, points);
     Ok((answer::write_with_remedies(problem, &solution), predictions))
 }

@@ -6,6 +6,7 @@
 use crate::diagnosis::diagnose;
 use crate::fit::degrees_of_freedom::fitted_numbers;
 use crate::fit::experiment::Experiment;
+use crate::fit::rest_motion::refit_with_rest_motion;
 use crate::fit::{ITERATIONS, fit};
 use crate::methods::maximum_likelihood::segment_fits;
 use crate::prediction::completion::CompletedVehicle;
@@ -52,7 +53,8 @@ pub fn held_back(
     let parameters = Parameters::without_mass(&model, problem.tree, &vehicle.bodies);
     let mut experiment = Experiment::new(&problem, &parameters);
     experiment.loss = Loss::Gaussian;
-    let mut fitted = fit(&experiment, None, ITERATIONS)?;
+    let fitted = fit(&experiment, None, ITERATIONS)?;
+    let mut fitted = refit_with_rest_motion(&mut experiment, fitted, ITERATIONS);
     if !model.wheels.is_empty() {
         // As in an identification: the data decide the wheel interpolation.
         experiment.wheels_smooth = true;

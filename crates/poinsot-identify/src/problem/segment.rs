@@ -286,8 +286,32 @@ pub enum InputErrors {
     /// Correlation of the error at each grid time with that at the next: one while a rounded reading stays, between
     /// zero and one on a grid finer than the readings.
     Kept(Vec<f64>),
+    /// Of rounded readings, some of which stay over many samples, one row per grid time.
+    Rounded(Vec<RoundingError>),
     /// Independent errors of readings, and straight lines between them, one row per grid time.
     Interpolated(Vec<BetweenReadings>),
+}
+
+/// Correlation of the error of a rounded reading at a grid time with that at the next one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RoundingError {
+    /// Where the quantity moves evenly by a step while its reading stays.
+    pub moving: f64,
+    /// Where it rests, and moves only as it stops and starts.
+    pub resting: f64,
+    /// Whether it may be at rest here.
+    pub rests: bool,
+}
+
+impl RoundingError {
+    /// Correlation if a quantity at rest moves by this share of a step while its reading stays: at one it moves all along.
+    fn memory(&self, rest_motion: f64) -> f64 {
+        match (rest_motion < 1.0, self.rests) {
+            (false, _) => self.moving,
+            (true, false) => self.resting,
+            (true, true) => 1.0 - rest_motion * rest_motion * (1.0 - self.moving),
+        }
+    }
 }
 
 /// Place of a grid time among the readings of an input.
@@ -316,7 +340,26 @@ impl InputErrors {
             Self::Independent | Self::None | Self::Interpolated(_) => 0.0,
             Self::Locked => 1.0,
             Self::Kept(all) => all.get(k).copied().unwrap_or(0.0),
+            Self::Rounded(all) => all.get(k).map_or(0.0, |e| e.moving),
         }
+    }
+
+    /// The errors if quantities at rest move by this share of a step while their readings stay.
+    pub(crate) fn with_rest_motion(&self, share: f64) -> Self {
+        match self {
+            Self::Rounded(all) => Self::Kept(all.iter().map(|e| e.memory(share)).collect()),
+            other => other.clone(),
+        }
+    }
+
+    /// Whether errors at neighbouring grid times are correlated.
+    pub(crate) fn lasts(&self) -> bool {
+        matches!(self, Self::Kept(_) | Self::Rounded(_))
+    }
+
+    /// Whether a quantity may be at rest somewhere.
+    pub(crate) fn may_rest(&self) -> bool {
+        matches!(self, Self::Rounded(all) if all.iter().any(|e| e.rests))
     }
 }
 

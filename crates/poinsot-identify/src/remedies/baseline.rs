@@ -29,6 +29,7 @@ pub(super) struct Baseline<'a> {
     pub initial_state: InitialState,
     pub measured_motion: MeasuredMotion,
     pub wheels_smooth: bool,
+    pub rest_motion: f64,
     pub spin: Vec<f64>,
 }
 
@@ -60,6 +61,7 @@ impl<'a> Baseline<'a> {
             spin: experiment.nominal_spin.clone(),
             measured_motion: experiment.measured_motion,
             wheels_smooth: solution.wheels_smooth,
+            rest_motion: solution.rest_motion,
             problem,
             parameters,
             x,

@@ -251,6 +251,7 @@ impl Baseline<'_> {
             noise: &trial.noise,
             loss: Loss::Gaussian,
             wheels_smooth: self.wheels_smooth,
+            rest_motion: self.rest_motion,
             random_torque: self.problem.model.environment.random_torque,
             curves: &curves,
             grids: &[],

@@ -98,6 +98,8 @@ pub(crate) struct Solution {
     pub warnings: Vec<String>,
     /// Whether wheel speeds are assumed smooth between samples.
     pub wheels_smooth: bool,
+    /// Share of a rounding step by which a quantity at rest moves while its reading stays.
+    pub rest_motion: f64,
     /// What they may do instead.
     pub other_wheel_motion: Option<OtherWheelMotion>,
     /// What was assumed of the inputs.

@@ -4,11 +4,12 @@
 //! the correlation of two errors is `1 - 6 d + 6 d^2` by the mean over the phase of the product of two sawtooth
 //! errors. Errors are treated as independent if the change exceeds a fifth of a step. In a run of `n` equal samples
 //! `d` is at most `1 / n`. A quantity at rest and one that drifts by a whole step during the run are
-//! indistinguishable.
+//! indistinguishable by the run alone. A joint may be at rest where the runs beside it are much
+//! shorter; the fit decides by the likelihood.
 
 use super::channels::{Channels, joint_columns};
 use poinsot_dynamics::Tree;
-use poinsot_identify::{BetweenReadings, InputErrors};
+use poinsot_identify::{BetweenReadings, InputErrors, RoundingError};
 use poinsot_model::{Model, Sensor, SensorKind};
 use poinsot_telemetry::{Channel, median_step};
 
@@ -16,6 +17,11 @@ use poinsot_telemetry::{Channel, median_step};
 const DITHER: f64 = 0.25;
 /// Fraction of a step within which two samples count as equal.
 const ONE_LEVEL: f64 = 0.9;
+/// Correlation of neighbouring errors below which all are independent.
+const UNCORRELATED: f64 = 1.0e-3;
+/// Samples that a motion from rest takes to leave its first level, over those that it stays on the next one: for a start with
+/// the third power of time from the far edge of the level, `1 / (2^(1/3) - 1)`. Starts with constant acceleration take fewer.
+const STARTS: f64 = 3.85;
 
 /// Errors of every joint position on the grid of a segment.
 pub(super) fn joint_errors(
@@ -30,7 +36,7 @@ pub(super) fn joint_errors(
         let sensor = sensor(model, SensorKind::JointPosition, at);
         channels
             .find(None, &position)
-            .map_or(InputErrors::None, |c| errors(c, sensor, grid))
+            .map_or(InputErrors::None, |c| errors(c, sensor, grid, true))
     };
     tree.coordinates.iter().map(of).collect()
 }
@@ -123,7 +129,8 @@ fn of_wheel(channel: &Channel, sensor: Option<&Sensor>, grid: &[f64]) -> InputEr
     let fresh = stays(channel, &runs_of(channel, sensor)).is_empty();
     match fresh && !read_at(channel, grid) {
         true => InputErrors::Interpolated(places(&channel.time_s, grid)),
-        false => errors(channel, sensor, grid),
+        // Without torque a wheel keeps its speed in inertial space, not that against a body which turns.
+        false => errors(channel, sensor, grid, false),
     }
 }
 
@@ -147,16 +154,45 @@ fn runs_of(channel: &Channel, sensor: Option<&Sensor>) -> Vec<(usize, usize)> {
     step.map_or_else(Vec::new, |step| runs(&channel.values, step))
 }
 
-/// Times between which the errors of a run are correlated, and the correlation of neighbours.
-fn stays(channel: &Channel, runs: &[(usize, usize)]) -> Vec<(f64, f64, f64)> {
-    let stay = |&(from, to): &(usize, usize)| {
-        let memory = memory_of_run(to - from + 1)?;
-        Some((channel.time_s[from], channel.time_s[to], memory))
-    };
-    runs.iter().filter_map(stay).collect()
+/// A run of equal samples whose errors are correlated.
+struct Stay {
+    from_s: f64,
+    to_s: f64,
+    /// Correlation of neighbours if the quantity moves by a step during the run.
+    moving: f64,
+    /// Where it may be at rest, s, and the correlation of neighbours before and after.
+    rest: Option<(f64, f64)>,
+    ends: [f64; 2],
 }
 
-fn errors(channel: &Channel, sensor: Option<&Sensor>, grid: &[f64]) -> InputErrors {
+/// The longer runs of a rounded channel. A quantity may be at rest in a run that is much longer than those
+/// beside it.
+fn stays(channel: &Channel, runs: &[(usize, usize)]) -> Vec<Stay> {
+    let t = &channel.time_s;
+    let length = |r: Option<usize>| {
+        let run = r.and_then(|r| runs.get(r));
+        run.map_or(0, |(from, to)| to - from + 1)
+    };
+    let stay = |(r, &(from, to)): (usize, &(usize, usize))| {
+        let own = to - from + 1;
+        let moving = memory_of_run(own)?;
+        // It stops and starts at the ends, if a run is beside them.
+        let ends = [length(r.checked_sub(1)), length(Some(r + 1))];
+        let ends = ends.map(|beside| (STARTS * beside as f64).ceil() as usize);
+        let rests = ends[0] + ends[1] < own;
+        Some(Stay {
+            from_s: t[from],
+            to_s: t[to],
+            moving,
+            rest: rests.then(|| (t[from + ends[0]], t[to - ends[1]])),
+            ends: ends.map(|n| memory_of_run(n).unwrap_or(0.0)),
+        })
+    };
+    runs.iter().enumerate().filter_map(stay).collect()
+}
+
+/// `brakes` says whether the quantity may be held still.
+fn errors(channel: &Channel, sensor: Option<&Sensor>, grid: &[f64], brakes: bool) -> InputErrors {
     let runs = runs_of(channel, sensor);
     if runs.len() == 1 {
         return InputErrors::Locked;
@@ -164,23 +200,46 @@ fn errors(channel: &Channel, sensor: Option<&Sensor>, grid: &[f64]) -> InputErro
     let between = median_step(&channel.time_s).unwrap_or(0.0);
     let mut stays = stays(channel, &runs).into_iter().peekable();
     let tolerance = 1.0e-6 * between;
-    let mut memory: Vec<f64> = grid
+    let mut memory: Vec<RoundingError> = grid
         .windows(2)
         .map(|w| {
-            while stays.next_if(|s| s.1 < w[1] - tolerance).is_some() {}
+            while stays.next_if(|s| s.to_s < w[1] - tolerance).is_some() {}
             let h = w[1] - w[0];
-            match stays.peek() {
-                Some(s) if s.0 <= w[0] + tolerance => s.2.powf((h / between).min(1.0)),
+            let Some(s) = stays.peek().filter(|s| s.from_s <= w[0] + tolerance) else {
                 // Interpolated values share errors; this correlation keeps the noise per second.
-                _ => ((between - h) / (between + h)).max(0.0),
+                let shared = ((between - h) / (between + h)).max(0.0);
+                return correlated(shared);
+            };
+            let over = |memory: f64| memory.powf((h / between).min(1.0));
+            let moving = over(s.moving);
+            let Some((from, to)) = s.rest.filter(|_| brakes) else {
+                return correlated(moving);
+            };
+            let [before, after] = s.ends.map(over);
+            RoundingError {
+                moving,
+                resting: if w[0] < from - tolerance {
+                    before
+                } else {
+                    after
+                },
+                rests: w[0] >= from - tolerance && w[1] <= to + tolerance,
             }
         })
         .collect();
-    memory.push(0.0);
-    if memory.iter().all(|a| *a < 1.0e-3) {
-        InputErrors::Independent
-    } else {
-        InputErrors::Kept(memory)
+    memory.push(correlated(0.0));
+    match memory.iter().all(|e| e.moving < UNCORRELATED && !e.rests) {
+        true => InputErrors::Independent,
+        false => InputErrors::Rounded(memory),
+    }
+}
+
+/// A correlation that no rest changes.
+fn correlated(memory: f64) -> RoundingError {
+    RoundingError {
+        moving: memory,
+        resting: memory,
+        rests: false,
     }
 }
 
@@ -217,6 +276,39 @@ mod tests {
         assert_eq!(runs(&[], 1.0), []);
         assert_eq!(memory_of_run(3), None);
         assert!((memory_of_run(10).unwrap_or(0.0) - 0.46).abs() < 1.0e-12);
+    }
+
+    /// Starts from the far edge of a level: with constant acceleration and with the third power of time.
+    #[test]
+    fn exact_a_motion_from_rest_leaves_its_level_within_the_ends() {
+        for power in [2.0_f64, 3.0] {
+            let first = 1.0;
+            let next = 2.0_f64.powf(1.0 / power) - 1.0;
+            assert!(STARTS * next >= first - 1.0e-3, "{power}");
+        }
+    }
+
+    #[test]
+    fn unit_only_a_run_much_longer_than_its_neighbours_may_be_at_rest() {
+        let rests = |lengths: &[usize]| -> Vec<bool> {
+            let levels = lengths.iter().enumerate();
+            let values: Vec<f64> = levels.flat_map(|(k, n)| vec![k as f64; *n]).collect();
+            let channel = Channel {
+                name: "q".to_owned(),
+                sensor: String::new(),
+                unit: String::new(),
+                frame: String::new(),
+                time_s: (0..values.len()).map(|k| k as f64).collect(),
+                values,
+            };
+            let runs = runs(&channel.values, 1.0);
+            let all = stays(&channel, &runs);
+            all.iter().map(|s| s.rest.is_some()).collect()
+        };
+        assert_eq!(rests(&[20, 20, 20, 20]), [false; 4]);
+        assert_eq!(rests(&[100, 8, 6, 60]), [true, false, false, true]);
+        // A turn at constant acceleration.
+        assert_eq!(rests(&[10, 14, 48, 14, 10]), [false; 5]);
     }
 
     #[test]
