@@ -4,23 +4,24 @@ use super::{Filter, Input, InputNoise};
 use crate::motion::slope_weights;
 use crate::motion::{BodyPoint, Instant, Motion, State};
 use crate::problem::Problem;
-use crate::problem::segment::{Observations, SensorRecord};
+use crate::problem::segment::{InputErrors, Observations, SensorRecord};
 use poinsot_model::SensorKind;
 use poinsot_spatial::Vector3;
 
 /// Positions in a derived rate, and the distance of the outermost from an acceleration that uses it.
 const STENCIL: usize = 5;
 
-/// Where the noise of the inputs at instruments at points is only roughly right: samples between two joint or wheel
-/// samples have another error correlation than the filter assumes.
+/// Where the noise of the inputs at instruments at points is only roughly right: samples between two of a joint, or of a wheel
+/// whose rounding errors last, have another error correlation than the filter assumes.
 pub(crate) fn approximate(problem: &Problem) -> Option<String> {
     let noise = problem.noise;
-    let inputs = [&noise.joint_position, &noise.joint_rate, &noise.wheel_speed];
-    let noisy = inputs.into_iter().flatten().any(|v| *v > 0.0);
+    let mut joints = noise.joint_position.iter().chain(&noise.joint_rate);
+    let noisy = joints.any(|v| *v > 0.0);
     let mut segments = problem.segments.iter().map(|s| &s.observations);
-    let between = segments.any(|o| o.between_readings && o.reads_points());
-    (noisy && between).then(|| {
-        "accelerometer or velocity-increment samples fall between joint or wheel samples, which are interpolated; their noise contribution is approximate. Samples at equal times are exact"
+    let rough = |o: &Observations| noisy || o.wheel_errors.iter().any(InputErrors::lasts);
+    let between = segments.any(|o| o.between_readings && o.reads_points() && rough(o));
+    between.then(|| {
+        "accelerometer or velocity-increment samples fall between joint or rounded wheel samples, which are interpolated; their noise contribution is approximate. Samples at equal times are exact"
             .to_owned()
     })
 }
