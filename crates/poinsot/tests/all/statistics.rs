@@ -7,13 +7,14 @@ use crate::shared::undiagnosed;
 
 use nalgebra::Matrix3;
 use poinsot::bind::bind;
+use poinsot::case::parse_case;
 use poinsot::predict::{predict, prediction_document, prediction_file};
 use poinsot::trials::{Band, Statistics, Study, statistics, statistics_document};
 use poinsot_dynamics::Tree;
 use poinsot_identify::{
     Estimate, FitOptions, Problem, Status, TENSOR, linear, maximum_likelihood_with,
 };
-use poinsot_model::SensorKind;
+use poinsot_model::{SensorKind, read_model};
 use setups::study;
 use std::path::{Path, PathBuf};
 
@@ -56,6 +57,31 @@ fn stat_ma_trajectory_1_with_coarse_white_encoders_is_consistent_and_reaches_the
 #[test]
 fn stat_ma_trajectory_1_with_rounded_encoders_is_consistent_and_reaches_the_bound() {
     assert_consistent(&study("ma_traj1", 4), 120);
+}
+
+/// A joint that drifts by half a rounding step, or by an eighth, in 75 s: its readings are those of one at rest, or change
+/// once.
+#[test]
+fn stat_a_joint_that_drifts_by_less_than_a_step_is_consistent() {
+    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
+    let path = examples.join("cases/ma2008_traj1.toml");
+    let text = std::fs::read_to_string(&path).unwrap();
+    let end = "2.6179938779914944, 2.6179938779914944]";
+    let rest = format!("position_rad = [0.0, 0.0, 0.0, 0.0, {end}");
+    assert!(text.contains(&rest));
+    let nominal = read_model(&examples.join("ma2008/model_noisy.toml")).unwrap();
+    for drift in [1.2e-5, 3.0e-6] {
+        let [a, b] = [5.0, 45.0].map(|t| drift * t / 75.0);
+        let moved = format!("position_rad = [0.0, {a:e}, {b:e}, {drift:e}, {end}");
+        let mut case = parse_case(&path, text.replace(&rest, &moved)).unwrap();
+        case.rate_hz /= 4.0;
+        let truth = read_model(&case.model).unwrap();
+        let study = Study {
+            diagnose: false,
+            ..Study::of_case(&case, &truth, nominal.clone()).unwrap()
+        };
+        assert_consistent(&study, 60);
+    }
 }
 
 #[test]
