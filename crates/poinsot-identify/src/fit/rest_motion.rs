@@ -60,5 +60,6 @@ pub(crate) fn rest_assumed(experiment: &Experiment) -> Option<String> {
         1.0 => "by up to a step".to_owned(),
         _ => format!("by {share} of a step"),
     };
-    may_rest(experiment).then(|| format!("joints whose rounded readings stay move {how} meanwhile"))
+    may_rest(experiment)
+        .then(|| format!("joints whose rounded samples stay equal move {how} meanwhile"))
 }
