@@ -69,7 +69,7 @@ fn stat_a_joint_that_drifts_by_less_than_a_step_is_consistent() {
     let end = "2.6179938779914944, 2.6179938779914944]";
     let rest = format!("position_rad = [0.0, 0.0, 0.0, 0.0, {end}");
     assert!(text.contains(&rest));
-    let nominal = read_model(&examples.join("ma2008/model_noisy.toml")).unwrap();
+    let nominal = read_model(examples.join("ma2008/model_noisy.toml")).unwrap();
     for drift in [1.2e-5, 3.0e-6] {
         let [a, b] = [5.0, 45.0].map(|t| drift * t / 75.0);
         let moved = format!("position_rad = [0.0, {a:e}, {b:e}, {drift:e}, {end}");
