@@ -137,7 +137,7 @@ fn step(experiment: &Experiment, at: &Iterate, there: &Linearisation) -> Vec<f64
 /// What a prediction expects of the choice: measurements without noise, of a vehicle with these unknowns. The difference
 /// of -2 ln L of noisy ones then scatters about its value D here with a sigma of 2 sqrt(D).
 pub(crate) fn expected_other(experiment: &Experiment, at: &Iterate) -> Option<OtherWheelMotion> {
-    if experiment.problem.model.wheels.is_empty() {
+    if !experiment.problem.assumes_wheel_motion() {
         return None;
     }
     let mut both = experiment.of_vehicle(experiment.problem, experiment.parameters);

@@ -101,7 +101,7 @@ pub(crate) fn solve(problem: &Problem, options: FitOptions) -> Result<FinishedFi
     let mut fitted = refit_with_rest_motion(&mut experiment, fitted, ITERATIONS);
     let mut assumptions: Vec<String> = rest_assumed(&experiment).into_iter().collect();
     let (mut shift, mut other) = (0.0, None);
-    if !problem.model.wheels.is_empty() {
+    if problem.assumes_wheel_motion() {
         let between = choose_wheel_motion(&mut experiment, fitted);
         (fitted, shift, other) = (between.fitted, between.shift, between.other);
         assumptions.push(assumed(experiment.wheels_smooth, other.as_ref()));

@@ -55,7 +55,7 @@ pub fn held_back(
     experiment.loss = Loss::Gaussian;
     let fitted = fit(&experiment, None, ITERATIONS)?;
     let mut fitted = refit_with_rest_motion(&mut experiment, fitted, ITERATIONS);
-    if !model.wheels.is_empty() {
+    if problem.assumes_wheel_motion() {
         // As in an identification: the data decide the wheel interpolation.
         experiment.wheels_smooth = true;
         let smooth = fit(&experiment, None, ITERATIONS)?;

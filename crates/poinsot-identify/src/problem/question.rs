@@ -1,7 +1,7 @@
 //! The problem of an estimator.
 
 use crate::problem::parameters::{Equations, MOST_NUMBERS, Parameters, ParametersError};
-use crate::problem::segment::{Noise, Segment};
+use crate::problem::segment::{Noise, Observations, Segment};
 use poinsot_dynamics::Tree;
 use poinsot_model::Model;
 use poinsot_solve::NotFinite;
@@ -53,6 +53,13 @@ impl Problem<'_> {
         self.segments
             .iter()
             .all(|s| s.samples.translation.is_some())
+    }
+
+    /// Whether the motion of some wheel between grid times is not known from its torque.
+    pub(crate) fn assumes_wheel_motion(&self) -> bool {
+        let wheels = self.model.wheels.len();
+        let unknown = |o: &Observations| (0..wheels).any(|w| o.is_smooth(w, true));
+        self.segments.iter().any(|s| unknown(&s.observations))
     }
 
     /// Whether an instrument at a point (accelerometer, velocity increments) has readings.
