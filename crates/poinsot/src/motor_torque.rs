@@ -1,4 +1,5 @@
-//! Compares the measured motor torque of wheels with their speed; the fit uses only the speed.
+//! Compares the measured motor torque of wheels with their speed. The fit follows the torque between tachometer samples
+//! whatever its scale, so a wrong scale, unit or sign is told here.
 
 use nalgebra::{DMatrix, DVector};
 use poinsot_model::{Model, Wheel};
