@@ -16,8 +16,6 @@ const WINDOW: usize = 10;
 const UNKNOWNS: usize = 4;
 /// Fewest changes: enough for the unknowns and a scatter.
 const FEWEST: usize = 3 * UNKNOWNS;
-/// Regularisation, relative, for columns that are nearly parallel: a wheel that never reverses.
-const APART: f64 = 1.0e-9;
 
 /// Wheels whose speed change contradicts their motor torque.
 ///
@@ -111,15 +109,49 @@ fn scale(changes: &[Change], spin_inertia: f64) -> Option<(f64, f64)> {
     );
     let sizes: [f64; UNKNOWNS] =
         std::array::from_fn(|k| changes.iter().map(|c| c.of[k].abs()).fold(0.0, f64::max));
-    // Scale columns to unit size; a zero column is harmless.
+    // Scale columns to unit size. The torque comes last: what the others leave of it counts, however parallel they are.
     let size = |k: usize| if sizes[k] > 0.0 { sizes[k] } else { 1.0 };
-    let A = DMatrix::from_fn(changes.len(), UNKNOWNS, |i, k| changes[i].of[k] / size(k));
-    let normal = A.tr_mul(&A) + DMatrix::identity(UNKNOWNS, UNKNOWNS) * APART;
-    let inverse = normal.try_inverse()?;
-    let x = &inverse * A.tr_mul(&y);
-    let left = (&y - &A * &x).norm_squared();
+    let torque = UNKNOWNS - 1;
+    let column = |k: usize| (k + 1) % UNKNOWNS;
+    let A = DMatrix::from_fn(changes.len(), UNKNOWNS, |i, k| {
+        changes[i].of[column(k)] / size(column(k))
+    });
+    let qr = A.qr();
+    let along = qr.q().tr_mul(&y);
+    let own = qr.r()[(torque, torque)];
+    let left = (y.norm_squared() - along.norm_squared()).max(0.0);
     let variance = left / (changes.len() - UNKNOWNS) as f64;
-    let sigma = (variance * inverse[(0, 0)]).max(0.0).sqrt();
-    let (scale, sigma) = (x[0] / size(0), sigma / size(0));
+    let scale = along[torque] / (own * size(0));
+    let sigma = variance.sqrt() / (own * size(0)).abs();
     (sizes[0] > 0.0 && scale.is_finite() && sigma.is_finite()).then_some((scale, sigma))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Time, sense and angle of a wheel at constant speed are parallel: the noise of its tachometer is no scale.
+    #[test]
+    fn unit_a_wheel_at_constant_speed_contradicts_no_torque() {
+        let changes: Vec<Change> = (0..15)
+            .map(|k| {
+                let k = f64::from(k);
+                Change {
+                    speed: 0.05 * (3.1 * k).sin(),
+                    of: [
+                        1.0e-6 * (1.7 * k).sin(),
+                        20.0,
+                        20.0,
+                        3000.0 + 0.01 * k.cos(),
+                    ],
+                }
+            })
+            .collect();
+        let (found, sigma) = scale(&changes, 0.045).unwrap();
+        assert!(sigma > 100.0, "{sigma}");
+        assert!(
+            (found - 1.0).abs() < CONTRADICTED * sigma,
+            "{found} {sigma}"
+        );
+    }
 }
