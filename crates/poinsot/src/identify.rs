@@ -468,7 +468,7 @@ fn answer(model: Model, tables: Vec<Table>, question: &Question) -> Result<Ident
         }
     };
     known_as_exact(&model, &mut estimate);
-    let mut findings = motor_torque::contradictions(&model, &tables);
+    let mut findings = motor_torque::contradictions((&model, &tree), &tables, &bound);
     if is_own(&question.method) {
         findings.extend(mixups::rates(&problem, &tables, &estimate));
     }

@@ -1,8 +1,12 @@
 //! Compares the measured motor torque of wheels with their speed. The fit follows the torque between tachometer samples
 //! whatever its scale, so a wrong scale, unit or sign is told here.
 
+use crate::bind::Bound;
 use nalgebra::{DMatrix, DVector};
+use poinsot_dynamics::{Kinematics, Tree};
+use poinsot_identify::{Samples, Segment};
 use poinsot_model::{Model, Wheel};
+use poinsot_spatial::Vector3;
 use poinsot_telemetry::checks::{Check, Finding, Policy};
 use poinsot_telemetry::{Channel, Table, resample};
 
@@ -19,22 +23,36 @@ const FEWEST: usize = 3 * UNKNOWNS;
 
 /// Wheels whose speed change contradicts their motor torque.
 ///
-/// `Js dOmega = s int tau dt - b dt - c0 int sign(Omega) dt - c1 int Omega dt` over windows: scale and offset of the
-/// torque, Coulomb and viscous friction. The contribution of body rotation to the axial speed is neglected: below
-/// 1e-3.
-pub(crate) fn contradictions(model: &Model, tables: &[Table]) -> Vec<Finding> {
+/// `Js d(Omega + a . w) = s int tau dt - b dt - c0 int sign(Omega) dt - c1 int Omega dt` over windows, with the measured
+/// rate `w` of the host: scale and offset of the torque, Coulomb and viscous friction.
+pub(crate) fn contradictions(
+    (model, tree): (&Model, &Tree),
+    tables: &[Table],
+    bound: &Bound,
+) -> Vec<Finding> {
     // A requested spin inertia is determined by the body's reaction.
     let known = model.wheels.iter().filter(|w| !w.estimate);
-    known.filter_map(|w| contradiction(w, tables)).collect()
+    known
+        .filter_map(|w| contradiction((w, tree), tables, bound))
+        .collect()
 }
 
-fn contradiction(wheel: &Wheel, tables: &[Table]) -> Option<Finding> {
+fn contradiction(
+    (wheel, tree): (&Wheel, &Tree),
+    tables: &[Table],
+    bound: &Bound,
+) -> Option<Finding> {
     let speed = format!("{}_rad_s", wheel.name);
     let torque = format!("{}_Nm", wheel.name);
-    let read = tables
-        .iter()
-        .filter_map(|t| Some((t.channel(&speed)?, t.channel(&torque)?)));
-    let changes: Vec<Change> = read.flat_map(|(w, t)| changes(w, t)).collect();
+    let mut segments = bound.segments.as_slice();
+    let mut changes = Vec::new();
+    for (table, pieces) in tables.iter().zip(&bound.pieces) {
+        let (own, others) = segments.split_at(*pieces);
+        segments = others;
+        if let Some((w, t)) = table.channel(&speed).zip(table.channel(&torque)) {
+            changes.extend(windows(w, t, &host_rate(wheel, tree, own, w)));
+        }
+    }
     let (scale, sigma) = scale(&changes, wheel.spin_inertia)?;
     let sigma = sigma.hypot(SCALE);
     ((scale - 1.0).abs() > CONTRADICTED * sigma).then(|| Finding {
@@ -51,13 +69,40 @@ fn contradiction(wheel: &Wheel, tables: &[Table]) -> Option<Finding> {
     })
 }
 
-/// Change of a wheel's speed over a window, and integrals of torque, one, sign of speed, and speed.
+/// Rate of a wheel's host about its axis, rad/s, at the times of the wheel's tachometer.
+fn host_rate(
+    wheel: &Wheel,
+    tree: &Tree,
+    segments: &[Segment],
+    tachometer: &Channel,
+) -> Vec<Option<f64>> {
+    let mut kinematics = Kinematics::new(tree);
+    let mut rate = |samples: &Samples, k: usize| {
+        let row = k * tree.dof()..(k + 1) * tree.dof();
+        kinematics.place(tree, &samples.joint_position[row.clone()]);
+        let (w, rates) = (&samples.w_NB_B[k], &samples.joint_rate[row]);
+        kinematics.set_velocities(tree, &Vector3::zeros(), w, rates);
+        let axis = kinematics.R[wheel.body] * wheel.axis_B;
+        axis.dot(&kinematics.w[wheel.body])
+    };
+    let samples = segments.iter().map(|s| &s.samples);
+    let times = samples.clone().flat_map(|s| &s.time_s).copied();
+    let rates = samples.flat_map(|s| (0..s.time_s.len()).map(move |k| (s, k)));
+    let host = Channel {
+        time_s: times.collect(),
+        values: rates.map(|(s, k)| rate(s, k)).collect(),
+        ..tachometer.clone()
+    };
+    resample(&host, &tachometer.time_s, None)
+}
+
+/// Change of a wheel's axial speed over a window, and integrals of torque, one, sign of speed, and speed.
 struct Change {
     speed: f64,
     of: [f64; UNKNOWNS],
 }
 
-fn changes(speed: &Channel, torque: &Channel) -> Vec<Change> {
+fn windows(speed: &Channel, torque: &Channel, host: &[Option<f64>]) -> Vec<Change> {
     let at = |channel: &Channel| resample(&integral(channel), &speed.time_s, None);
     let sense = Channel {
         values: speed.values.iter().map(|x| x.signum()).collect(),
@@ -70,7 +115,7 @@ fn changes(speed: &Channel, torque: &Channel) -> Vec<Change> {
         let [a, b] = *pair else { return None };
         let between = |column: &[Option<f64>]| Some((*column.get(b)?)? - (*column.get(a)?)?);
         Some(Change {
-            speed: speed.values[b] - speed.values[a],
+            speed: speed.values[b] - speed.values[a] + between(host)?,
             of: [
                 between(&impulse)?,
                 speed.time_s[b] - speed.time_s[a],

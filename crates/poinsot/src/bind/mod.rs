@@ -39,6 +39,8 @@ use std::collections::HashSet;
 pub struct Bound {
     /// Segments in the order given.
     pub segments: Vec<Segment>,
+    /// Number of segments of each table.
+    pub pieces: Vec<usize>,
     /// Declared noise.
     pub noise: Noise,
     /// Assumptions and repairs.
@@ -63,12 +65,14 @@ pub fn bind(model: &Model, tree: &Tree, tables: &[Table]) -> Result<Bound, BindE
     let driven = DrivenWheels::new(model, tables, &tachometers);
     repairs.extend(driven.told(model));
     let mut segments = Vec::with_capacity(tables.len());
+    let mut pieces = Vec::with_capacity(tables.len());
     let mut dropped: f64 = 0.0;
     for table in tables {
         let from = (table, &leading, &driven);
-        let (pieces, lost) = bind_table(model, tree, from, &mut repairs)?;
+        let (own, lost) = bind_table(model, tree, from, &mut repairs)?;
         dropped = dropped.max(lost);
-        segments.extend(pieces);
+        pieces.push(own.len());
+        segments.extend(own);
     }
     let mut noise = declared_noise(model, tree, (tables, &leading), &mut repairs)?;
     for (wheel, variance) in noise.wheel_speed.iter_mut().enumerate() {
@@ -78,6 +82,7 @@ pub fn bind(model: &Model, tree: &Tree, tables: &[Table]) -> Result<Bound, BindE
     repairs.retain(|text| told.insert(text.clone()));
     Ok(Bound {
         segments,
+        pieces,
         noise,
         repairs,
         dropped,
