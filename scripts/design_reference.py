@@ -24,6 +24,7 @@ POINTS = 64  # for each harmonic; the limit is shrunk by cos(pi / 64), so it hol
 HULL = 2  # parts of a cubic piece whose Bezier points are bounded
 STEP = 1.0e-5  # of differences, in units of the free numbers
 BATCH = 64  # cases of one call
+BOX = 1.3  # no free number within the limits is larger: 4 / pi for a coefficient of a bounded motion, 1 for a node
 UNKNOWN = 10.0  # logarithm of the ratio of what a manoeuvre does not show
 
 
@@ -261,7 +262,8 @@ def slsqp_best(case, count, seed):
     one = np.eye(n + 1)[-1]
     try:
         options = {"maxiter": 300, "ftol": 1.0e-6}
-        minimize(lambda z: z[-1], first, jac=lambda z: one, constraints=limits, method="SLSQP", options=options)
+        bounds = [(-BOX, BOX)] * n + [(None, None)]
+        minimize(lambda z: z[-1], first, jac=lambda z: one, bounds=bounds, constraints=limits, method="SLSQP", options=options)
     except StopIteration:
         pass
     return last if known.best[1] is None else known.best[1]
@@ -365,7 +367,8 @@ def ipopt_best(case, count, seed):
     solver = ca.nlpsol("solver", "ipopt", {"x": z, "f": z[n], "g": g}, options)
     low = np.hstack([np.full(m, -np.inf), np.full(len(rows), -1.0)])
     high = np.hstack([np.zeros(m), np.ones(len(rows))])
-    end = solver(x0=np.append(start, first[0].max()), lbg=low, ubg=high)
+    box = np.append(np.full(n, BOX), np.inf)
+    end = solver(x0=np.append(start, first[0].max()), lbx=-box, ubx=box, lbg=low, ubg=high)
     end = case.inside(np.array(end["x"]).ravel()[:n])
     return min([end] + [p for p in [known.best[1]] if p is not None], key=lambda x: case.feasible(x)[0])
 

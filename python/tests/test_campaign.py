@@ -193,9 +193,11 @@ def test_exact_a_killed_scheduler_is_named_and_resumed(plan, whole, cluster, tmp
 
 
 DRIVER = """
-import sys
+import signal, sys
 import poinsot as pn
 from distributed import Client
+# A shell has its background jobs ignore the signal, and Python then leaves it ignored.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 plan, out, scheduler = sys.argv[1:]
 pn.campaign(plan, out=out, client=Client(scheduler_file=scheduler))
 """

@@ -218,7 +218,9 @@ def test_exact_fork(arrays, plain):
 
 
 INTERRUPTED = """
-import sys, time, poinsot as pn
+import signal, sys, time, poinsot as pn
+# A shell has its background jobs ignore the signal, and Python then leaves it ignored.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 print("ready", flush=True)
 try:
     while True:

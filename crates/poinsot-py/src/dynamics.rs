@@ -30,16 +30,17 @@ fn fill(
     width: usize,
     work: impl Fn(usize, &mut [f64]) -> Result<(), Fault> + Sync,
 ) -> PyResult<()> {
-    let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
     for (block, part) in out.chunks_mut(BLOCK * width).enumerate() {
         let work = &work;
         py.detach(|| {
             let states = part.len() / width.max(1);
-            let share = states.div_ceil(cores).max(SHARE);
             let first = block * BLOCK;
-            if states <= share {
+            if states <= SHARE {
                 return work(first, part);
             }
+            // Asked only here: it reads files of the system, as long as some hundred states take.
+            let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
+            let share = states.div_ceil(cores).max(SHARE);
             std::thread::scope(|scope| {
                 let pieces = part.chunks_mut(share * width).enumerate();
                 let threads: Vec<_> = pieces
