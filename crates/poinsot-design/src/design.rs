@@ -374,9 +374,10 @@ impl<'c> Asked<'c> {
         let (mut best, mut found) = (space, found);
         let mut long = (best.duration.ln(), found.reached.values.worst() + SURE);
         let mut short: Option<(f64, f64)> = None;
+        let expected = |long: (f64, f64)| long.0 + (long.1 / FALL).clamp(-1.0, -TIME_LEFT);
         for _ in 0..TIMES {
             let next = match short {
-                None => long.0 + (long.1 / FALL).clamp(-1.0, -TIME_LEFT),
+                None => expected(long),
                 Some(short) => {
                     let share = (short.1 / (short.1 - long.1)).clamp(0.1, 0.9);
                     short.0 + share * (long.0 - short.0)
@@ -398,6 +399,8 @@ impl<'c> Asked<'c> {
                 true => {
                     long = (time, reached.values.worst() + SURE);
                     (best, found.reached) = (space, reached);
+                    // This manoeuvre is much better: the shorter one failed by its search, not by its duration.
+                    short = short.filter(|s| s.0 < expected(long));
                 }
                 false => short = Some((time, reached.values.merit() + SURE)),
             }

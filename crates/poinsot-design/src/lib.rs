@@ -2,8 +2,8 @@
 //!
 //! A case holds the wanted sigmas (`[[want]]`), the free motion (`[design]`) and the limits (`[limits]`). Each
 //! candidate is simulated with the nominal vehicle, and its Fisher information is computed as in `predict`. The search
-//! minimises the largest ratio of sigma to wanted sigma over the free numbers, by random starts and sequential
-//! quadratic programming.
+//! minimises the largest ratio of sigma to wanted sigma over the free numbers, by random starts, hops from the best of
+//! them, and sequential quadratic programming.
 //!
 //! This crate depends on `poinsot`, because a design simulates, predicts and identifies. No other command needs a
 //! design.

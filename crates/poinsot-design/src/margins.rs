@@ -79,7 +79,8 @@ impl Asked<'_> {
         let fine = self.fine(question, space, x).ok()??;
         let mut between = vec![0.0_f64; nominal.len()];
         for ((b, fine), nominal) in between.iter_mut().zip(&fine).zip(&nominal) {
-            *b = (fine.1 - nominal).max(0.0);
+            // The last steps had other rows, which may have missed what these exceed.
+            *b = (fine.1 - nominal.min(0.0)).max(0.0);
         }
         if !has_prior(self.model) {
             return Some(between.into_iter().map(|b| (b, 0.0)).collect());

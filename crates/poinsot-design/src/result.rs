@@ -125,7 +125,7 @@ pub struct Designed {
     pub against_duration: Vec<Ended>,
     /// Number of manoeuvres evaluated.
     pub evaluations: usize,
-    /// Logarithm of the largest ratio for every start.
+    /// Logarithm of the largest ratio for every start and hop.
     pub starts: Vec<f64>,
     /// Whether the predicted improvement of the last step was below the tolerance.
     pub settled: bool,

@@ -1,4 +1,5 @@
-//! Multistart search: many random manoeuvres, a few steps each, then all steps for the best.
+//! The search: a few steps from the best of many random manoeuvres, the worse half dropped until one is left; then hops
+//! from the best one (Wales and Doye 1997, basin hopping), which keep part of what makes it good.
 
 use crate::shape::Space;
 use crate::trial::{Program, Question};
@@ -10,10 +11,22 @@ use rayon::prelude::*;
 
 /// Random manoeuvres for each start of the search.
 const RANDOM: usize = 24;
-/// Steps before the worse half of the starts is dropped.
-const FIRST_STEPS: usize = 4;
-/// Steps of the last remaining start.
-const LAST_STEPS: usize = 60;
+/// Steps before the worse half of the starts is dropped, and before a hop is judged.
+const FIRST_STEPS: usize = 6;
+/// Steps of the last remaining start; more than any search has made.
+const LAST_STEPS: usize = 500;
+/// Length of a hop, standard deviation of each free number. Shorter ones fall back, longer ones are as good as new starts.
+const HOP: f64 = 0.8;
+/// Manoeuvres tried at the end of a hop; the best is followed.
+const HOP_POINTS: usize = 8;
+/// A hop is followed while a step lowers the logarithm of the ratio by more (1 %).
+const HOP_TOLERANCE: f64 = 0.01;
+/// A hop is dropped that after its first steps is worse than the best by more, and by half of it after twice as many.
+const HOPELESS: f64 = 0.3;
+/// Evaluations for each free number that are kept for the last steps of the best manoeuvre.
+const POLISH: usize = 8;
+/// Rows of a candidate in these last steps, relative to those of the search.
+const POLISH_ROWS: f64 = 2.0;
 /// Fraction of the limits that random manoeuvres use.
 const STRETCH: f64 = 0.97;
 /// The search stops when a step lowers the logarithm of the ratio by less (0.1 %).
@@ -26,39 +39,83 @@ const DELTA: f64 = 0.3;
 pub struct Found {
     /// Free numbers and their values.
     pub reached: Reached,
-    /// Objective of every start after its first steps, best first in each round.
+    /// Objective of every start after its first steps, best first, then of every hop.
     pub starts: Vec<f64>,
 }
 
-/// Searches the whole space from the manoeuvres `given` and random ones. Remaining evaluations go to further rounds
-/// with new random manoeuvres.
+/// Searches the whole space from the manoeuvres `given` and random ones, then by hops until the evaluations are used.
 pub fn search(
     question: &Question,
     space: &Space,
     given: &[Vec<f64>],
     evaluations: usize,
 ) -> Option<Found> {
-    let program = Program { question, space };
+    let program = Program::new(question, space);
     let mut rng = ChaCha8Rng::seed_from_u64(question.design.seed);
-    let mut best: Option<Found> = None;
-    let mut left = evaluations;
-    let mut given = given.to_vec();
-    loop {
-        let Some(found) = round(&program, &mut rng, std::mem::take(&mut given), &mut left) else {
-            return best;
+    let polish = POLISH * space.len();
+    let mut left = evaluations.saturating_sub(polish);
+    let mut best = round(&program, &mut rng, given.to_vec(), &mut left)?;
+    while left > HOP_POINTS + 2 * space.len() && !program.stop() {
+        let Some(hopped) = hop(&program, &mut rng, &best.reached, &mut left) else {
+            break;
         };
-        let better = |b: &Found| found.reached.values.merit() < b.reached.values.merit();
-        let mut starts = best.as_ref().map_or_else(Vec::new, |b| b.starts.clone());
-        starts.extend(&found.starts);
-        match &mut best {
-            Some(b) if !better(b) => b.starts = starts,
-            _ => best = Some(Found { starts, ..found }),
-        }
-        let least = question.design.starts * FIRST_STEPS * space.len();
-        if left < least || program.stop() {
-            return best;
+        best.starts.push(hopped.values.worst());
+        if hopped.values.merit() < best.reached.values.merit() {
+            best.reached = hopped;
         }
     }
+    if let Some(polished) = polished(&program, &best.reached, polish + left) {
+        best.reached = polished;
+    }
+    Some(best)
+}
+
+/// A hop from the best manoeuvre: the best of some manoeuvres around it, followed while it may become better.
+fn hop(
+    program: &Program,
+    rng: &mut ChaCha8Rng,
+    best: &Reached,
+    left: &mut usize,
+) -> Option<Reached> {
+    let mut normal = || -> f64 { StandardNormal.sample(rng) };
+    let around = |_| best.x.iter().map(|x| x + HOP * normal()).collect();
+    let pool: Vec<Vec<f64>> = (0..HOP_POINTS).map(around).collect();
+    let inside = pool.into_iter().map(|x| program.space.drawn_inside(x));
+    let mut search = evaluated(program, inside.collect(), left)
+        .into_iter()
+        .next()?;
+    for round in 1.. {
+        let before = search.reached.evaluations;
+        let follow = MinimaxOptions {
+            tolerance: HOP_TOLERANCE,
+            ..options(*left, FIRST_STEPS)
+        };
+        search.advance(program, &program.space.polytope, follow);
+        let spent = search.reached.evaluations - before;
+        *left = left.saturating_sub(spent);
+        let behind = search.reached.values.merit() - best.values.merit();
+        if spent == 0 || search.reached.settled || behind > HOPELESS / f64::from(round) {
+            break;
+        }
+    }
+    Some(search.reached)
+}
+
+/// The last steps of the best manoeuvre, on more rows; nothing where it becomes worse.
+fn polished(program: &Program, best: &Reached, evaluations: usize) -> Option<Reached> {
+    let fine = Program {
+        rows: POLISH_ROWS,
+        ..*program
+    };
+    let first = fine.values(std::slice::from_ref(&best.x)).pop()??;
+    let worst = first.merit();
+    let mut search = MinimaxSearch::begin(best.x.clone(), first);
+    search.advance(
+        &fine,
+        &program.space.polytope,
+        options(evaluations, LAST_STEPS),
+    );
+    (search.reached.values.merit() <= worst).then_some(search.reached)
 }
 
 /// One round: a few steps from each of the best random manoeuvres, the worse half dropped, until one is left.
@@ -113,15 +170,22 @@ fn begun(
         let direction: Vec<f64> = (0..space.len()).map(|_| normal()).collect();
         pool.push(space.stretched(&direction, STRETCH));
     }
+    let random = pool.split_off(of_case);
+    let mut all = evaluated(program, pool, left);
+    all.extend(evaluated(program, random, left));
+    all.truncate(wanted);
+    all
+}
+
+/// A search from each of these manoeuvres that can be flown, the best first.
+fn evaluated(program: &Program, pool: Vec<Vec<f64>>, left: &mut usize) -> Vec<MinimaxSearch> {
     *left = left.saturating_sub(pool.len());
     let values = in_parts(program, &pool);
-    let evaluated = pool.into_iter().zip(values).enumerate();
-    let mut all: Vec<(bool, MinimaxSearch)> = evaluated
-        .filter_map(|(i, (x, values))| Some((i >= of_case, MinimaxSearch::begin(x, values?))))
-        .collect();
+    let begun = |(x, values): (Vec<f64>, Option<Values>)| Some(MinimaxSearch::begin(x, values?));
+    let mut all: Vec<MinimaxSearch> = pool.into_iter().zip(values).filter_map(begun).collect();
     let merit = |s: &MinimaxSearch| s.reached.values.merit();
-    all.sort_by(|a, b| a.0.cmp(&b.0).then(merit(&a.1).total_cmp(&merit(&b.1))));
-    all.into_iter().map(|(_, s)| s).take(wanted).collect()
+    all.sort_by(|a, b| merit(a).total_cmp(&merit(b)));
+    all
 }
 
 /// Continues from one manoeuvre in a slightly changed space.
@@ -131,7 +195,7 @@ pub fn refine(
     from: &[f64],
     evaluations: usize,
 ) -> Option<Reached> {
-    let program = Program { question, space };
+    let program = Program::new(question, space);
     let from = space.drawn_inside(from.to_vec());
     minimax(
         &program,

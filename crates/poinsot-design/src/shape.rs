@@ -11,6 +11,9 @@ use poinsot::case::{Design, Limits, Scenario};
 use poinsot_dynamics::{JointDrive, JointMotion, WheelMotion};
 use poinsot_solve::{Polytope, Side};
 
+/// Excess of a side, in its units, that is round-off.
+const ROUND_OFF: f64 = 1.0e-9;
+
 /// Largest use of a linear limit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Use {
@@ -180,6 +183,9 @@ impl Space {
 
     /// The point, or the largest fraction of it within the limits, block by block.
     pub fn drawn_inside(&self, x: Vec<f64>) -> Vec<f64> {
+        if self.polytope.holds(&x, ROUND_OFF) {
+            return x;
+        }
         self.scaled(&x, |reach| reach.min(1.0))
     }
 

@@ -101,10 +101,14 @@ impl Question {
 
     /// The scenario with these free numbers.
     pub fn scenario(&self, space: &Space, x: &[f64]) -> Option<Scenario> {
+        self.candidate((space, 1.0), x)
+    }
+
+    fn candidate(&self, (space, rows): (&Space, f64), x: &[f64]) -> Option<Scenario> {
         let mut scenario = self.scenario.clone();
         let mut case = self.case.clone();
         case.duration_s = space.duration;
-        case.rate_hz /= thinned(&case, &self.model, &self.design);
+        case.rate_hz /= thinned(&case, &self.model, &self.design, rows);
         scenario.times = case.times();
         space.place(x, &mut scenario)?;
         Some(scenario)
@@ -183,9 +187,9 @@ impl Question {
     }
 
     /// Objectives and limits of the minimax program at these free numbers.
-    pub fn values(&self, space: &Space, x: &[f64]) -> Option<Values> {
+    pub fn values(&self, (space, rows): (&Space, f64), x: &[f64]) -> Option<Values> {
         self.evaluations.fetch_add(1, Ordering::Relaxed);
-        let scenario = self.scenario(space, x)?;
+        let scenario = self.candidate((space, rows), x)?;
         let flight = self.fly(&self.model, scenario.clone()).ok()?;
         let mut objectives = self.objectives(&flight.covariance);
         if !self.vehicles.is_empty() {
@@ -206,9 +210,9 @@ impl Question {
     }
 }
 
-/// Number of rows of the case per row of a candidate. All rows are used with correlated noise, where the information
+/// Number of rows of the case per row of a candidate with this share of the usual rows. All rows are used with correlated noise, where the information
 /// does not scale with the number of rows.
-fn thinned(case: &Case, model: &Model, design: &Design) -> f64 {
+fn thinned(case: &Case, model: &Model, design: &Design, share: f64) -> f64 {
     let remembers = model.sensors.iter().any(|s| s.correlation_s > 0.0);
     if remembers || model.environment.random_torque.is_some() {
         return 1.0;
@@ -225,7 +229,9 @@ fn thinned(case: &Case, model: &Model, design: &Design) -> f64 {
     });
     let firings = design.thrusters.iter().map(|t| t.firings as f64);
     let rows = LEAST_ROWS.max(ROWS_A_CYCLE * cycles.chain(firings).fold(0.0, f64::max));
-    (case.duration_s * case.rate_hz / rows).floor().max(1.0)
+    (case.duration_s * case.rate_hz / (share * rows))
+        .floor()
+        .max(1.0)
 }
 
 /// Mean of the worst fraction: conditional value at risk (Rockafellar and Uryasev 2000).
@@ -244,13 +250,26 @@ pub struct Program<'q> {
     pub question: &'q Question,
     /// The free numbers.
     pub space: &'q Space,
+    /// Rows of a candidate, relative to the usual number.
+    pub rows: f64,
+}
+
+impl<'q> Program<'q> {
+    /// With the usual number of rows.
+    pub fn new(question: &'q Question, space: &'q Space) -> Self {
+        Self {
+            question,
+            space,
+            rows: 1.0,
+        }
+    }
 }
 
 impl Minimax for Program<'_> {
     fn values(&self, points: &[Vec<f64>]) -> Vec<Option<Values>> {
         let one = |x: &Vec<f64>| match self.stop() {
             true => None,
-            false => self.question.values(self.space, x),
+            false => self.question.values((self.space, self.rows), x),
         };
         points.par_iter().map(one).collect()
     }

@@ -99,7 +99,7 @@ pub struct RelaxedFile {
 pub struct SearchFile {
     /// Evaluations of manoeuvres.
     pub evaluations: usize,
-    /// Logarithm of the largest ratio at the end of every start, after its first steps.
+    /// Logarithm of the largest ratio of every start, after its first steps, and of every hop.
     pub starts: Vec<f64>,
     /// Whether the next step would gain less than 0.1 %.
     pub settled: bool,

@@ -5,7 +5,9 @@
 //!
 //! `min t + mu s + d^T B d / 2`, `f_i + J_i d <= t`, `g_j + G_j d <= s`, `s >= 0`, `x + d` in the polytope, `|d| <= delta`
 //!
-//! with finite differences for the Jacobians and damped BFGS for B. The linear limits hold at every evaluated point.
+//! with damped BFGS for B. The linear limits hold at every evaluated point. The Jacobians begin as finite differences and
+//! follow the steps by Broyden's update (1965), which costs nothing; differences are taken again where they explain a
+//! step badly, and before the search ends.
 
 mod quadratic;
 
@@ -21,6 +23,9 @@ const PRICE: f64 = 20.0;
 const TAKEN: f64 = 0.05;
 /// Ratio above which the trust region grows.
 const GOOD: f64 = 0.7;
+/// Ratio above which the Jacobians follow a step without new differences, and the most steps in a row.
+const EXPLAINED: f64 = 0.5;
+const FOLLOWED: usize = 10;
 /// Initial curvature of B.
 const CURVATURE: f64 = 1.0e-3;
 
@@ -109,6 +114,8 @@ pub struct MinimaxSearch {
     /// Present result.
     pub reached: Reached,
     slopes: Option<Jacobian>,
+    /// Steps that the Jacobians have followed since their differences.
+    followed: usize,
     B: DMatrix<f64>,
     /// Whether B holds more than its initial value.
     is_known: bool,
@@ -128,6 +135,7 @@ impl MinimaxSearch {
                 settled: false,
             },
             slopes: None,
+            followed: 0,
             B: DMatrix::identity(n, n) * CURVATURE,
             is_known: false,
             delta: None,
@@ -152,6 +160,7 @@ impl MinimaxSearch {
             }
             if self.slopes.is_none() {
                 self.slopes = slopes(program, &mut self.reached);
+                self.followed = 0;
             }
             let reached = &mut self.reached;
             let Some(slopes) = &self.slopes else {
@@ -162,6 +171,10 @@ impl MinimaxSearch {
             };
             let promised = reached.values.merit() - step.merit;
             if promised < options.tolerance {
+                if self.followed > 0 {
+                    self.slopes = None;
+                    continue;
+                }
                 reached.settled = true;
                 break;
             }
@@ -172,17 +185,24 @@ impl MinimaxSearch {
             };
             let fall = reached.values.merit() - values.merit();
             let length = step.d.amax();
+            if fall < TAKEN * promised && self.followed > 0 {
+                self.slopes = None;
+                continue;
+            }
             if fall < TAKEN * promised {
                 delta = 0.4 * length.min(delta);
                 reached.settled = delta < DIFFERENCE;
                 continue;
             }
             let moved = DVector::from_vec(x.clone()) - DVector::from_vec(reached.x.clone());
+            let explained = fall > EXPLAINED * promised && self.followed < FOLLOWED;
+            let followed = explained.then(|| slopes.following(&moved, &reached.values, &values));
             (reached.x, reached.values) = (x, values);
             if fall > GOOD * promised && length > 0.9 * delta {
                 delta = (2.0 * delta).min(1.0);
             }
-            let next = self::slopes(program, reached);
+            self.followed = followed.as_ref().map_or(0, |_| self.followed + 1);
+            let next = followed.or_else(|| self::slopes(program, reached));
             if let Some(next) = &next {
                 let bend = bent(&step, slopes, next);
                 update(&mut self.B, &moved, &bend, &mut self.is_known);

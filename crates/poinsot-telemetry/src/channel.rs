@@ -58,6 +58,6 @@ impl Table {
     pub fn sensor_channel(&self, sensor: &str, name: &str) -> Option<&Channel> {
         self.channels
             .iter()
-            .find(|c| c.sensor == sensor && c.name == name)
+            .find(|c| c.name == name && c.sensor == sensor)
     }
 }

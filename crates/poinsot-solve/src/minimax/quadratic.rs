@@ -1,6 +1,6 @@
 //! The step of the minimax search: a quadratic program of linearised functions within the sides that it can reach.
 
-use super::{PRICE, Reached};
+use super::{PRICE, Reached, Values};
 use crate::polytope::{Polytope, Side};
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
@@ -17,6 +17,21 @@ const INSIDE: f64 = 1.0e-9;
 pub struct Jacobian {
     pub objectives: DMatrix<f64>,
     pub limits: DMatrix<f64>,
+}
+
+impl Jacobian {
+    /// The nearest Jacobian that explains a step: `J + (f - f0 - J d) d^T / d^T d`.
+    pub fn following(&self, d: &DVector<f64>, before: &Values, after: &Values) -> Self {
+        let share = d.transpose() / d.norm_squared();
+        let next = |J: &DMatrix<f64>, before: &[f64], after: &[f64]| {
+            let change = after.iter().zip(before).map(|(a, b)| a - b);
+            J + (DVector::from_iterator(after.len(), change) - J * d) * &share
+        };
+        Self {
+            objectives: next(&self.objectives, &before.objectives, &after.objectives),
+            limits: next(&self.limits, &before.limits, &after.limits),
+        }
+    }
 }
 
 /// Solution of a quadratic program.

@@ -31,36 +31,41 @@ pub(super) struct SensorColumns<'a> {
     at: Vec<[usize; 4]>,
 }
 
-/// The columns of a sensor. Columns without a sensor name belong to the only sensor of the kind without own columns.
+/// The columns of a sensor with the times of their samples.
 pub(super) fn columns_of<'a>(
     model: &Model,
     table: &'a Table,
     sensor: usize,
 ) -> Option<SensorColumns<'a>> {
     let of = &model.sensors[sensor];
-    let own = named(model, table, of.kind, &of.name);
-    let parts = match own {
-        Some(parts) => parts,
-        None => {
-            let mut nameless = without_own(model, table, of.kind);
-            match (nameless.next(), nameless.next()) {
-                (Some(only), None) if only == sensor => named(model, table, of.kind, "")?,
-                _ => return None,
-            }
-        }
-    };
+    let parts = parts_of(model, table, sensor)?;
     let axis = |axis: &str| {
         let name = format!("{REFERENCE}_{axis}");
         let own = table.sensor_channel(&of.name, &name);
         own.or_else(|| table.sensor_channel("", &name))
     };
-    let axes = XYZ.map(axis);
-    Some(SensorColumns {
-        reference: match (of.kind, axes) {
-            (SensorKind::Direction, [Some(x), Some(y), Some(z)]) => Some([x, y, z]),
+    let reference = match of.kind {
+        SensorKind::Direction => match XYZ.map(axis) {
+            [Some(x), Some(y), Some(z)] => Some([x, y, z]),
             _ => None,
         },
+        _ => None,
+    };
+    Some(SensorColumns {
+        reference,
         ..SensorColumns::new(Some(sensor), of.kind, parts)
+    })
+}
+
+/// The columns of a sensor. Columns without a sensor name belong to the only sensor of the kind without own columns.
+fn parts_of<'a>(model: &Model, table: &'a Table, sensor: usize) -> Option<Vec<&'a Channel>> {
+    let of = &model.sensors[sensor];
+    named(model, table, of.kind, &of.name).or_else(|| {
+        let mut nameless = without_own(model, table, of.kind);
+        match (nameless.next(), nameless.next()) {
+            (Some(only), None) if only == sensor => named(model, table, of.kind, ""),
+            _ => None,
+        }
     })
 }
 
@@ -317,7 +322,7 @@ impl BaseSensors {
         kind: SensorKind,
     ) -> Option<Vec<&'a Channel>> {
         match self.index(kind) {
-            Some(sensor) => columns_of(model, table, sensor).map(|c| c.parts),
+            Some(sensor) => parts_of(model, table, sensor),
             None if model.sensors_of(kind).next().is_none() => named(model, table, kind, ""),
             None => None,
         }
@@ -348,13 +353,12 @@ pub(super) fn check_sensors(
         unread(model, table, &label, repairs);
         ownerless(model, table, &label, repairs);
     }
+    let has_columns: Vec<bool> = (0..model.sensors.len())
+        .map(|k| tables.iter().any(|t| parts_of(model, t, k).is_some()))
+        .collect();
     let read = |s: &Sensor| {
-        let at = model
-            .sensors
-            .iter()
-            .position(|other| std::ptr::eq(s, other));
-        let mut tables = tables.iter();
-        at.is_some_and(|k| tables.any(|t| columns_of(model, t, k).is_some()))
+        let mut all = model.sensors.iter().zip(&has_columns);
+        all.any(|(other, has)| std::ptr::eq(s, other) && *has)
     };
     refuse_links_alone(model, &read)?;
     for kind in SensorKind::with_axes() {
@@ -460,7 +464,7 @@ fn refuse_links_alone(model: &Model, read: &impl Fn(&Sensor) -> bool) -> Result<
 /// A declared sensor without columns is not used.
 fn unread(model: &Model, table: &Table, label: &str, repairs: &mut Vec<String>) {
     for (k, sensor) in model.sensors.iter().enumerate() {
-        if !sensor.kind.is_scalar() && columns_of(model, table, k).is_none() {
+        if !sensor.kind.is_scalar() && parts_of(model, table, k).is_none() {
             repairs.push(format!(
                 "{label}: no columns '{}' of the {} '{}': the sensor is not used",
                 names_of(model, sensor.kind).join(" "),

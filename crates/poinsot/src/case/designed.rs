@@ -11,7 +11,7 @@ use std::ops::Range;
 /// Default number of evaluated manoeuvres.
 const EVALUATIONS: usize = 5000;
 /// Default number of starts of the search.
-const STARTS: usize = 8;
+const STARTS: usize = 4;
 /// Largest number of free numbers per joint or wheel.
 const MOST: usize = 64;
 
