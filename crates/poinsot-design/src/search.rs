@@ -23,8 +23,9 @@ const HOP_POINTS: usize = 8;
 const HOP_TOLERANCE: f64 = 0.01;
 /// A hop is dropped that after its first steps is worse than the best by more, and by half of it after twice as many.
 const HOPELESS: f64 = 0.3;
-/// Evaluations for each free number that are kept for the last steps of the best manoeuvre.
+/// Evaluations for each free number that are kept for the last steps of the best manoeuvre, and the largest share of all.
 const POLISH: usize = 8;
+const POLISH_SHARE: usize = 4;
 /// Rows of a candidate in these last steps, relative to those of the search.
 const POLISH_ROWS: f64 = 2.0;
 /// Fraction of the limits that random manoeuvres use.
@@ -52,7 +53,7 @@ pub fn search(
 ) -> Option<Found> {
     let program = Program::new(question, space);
     let mut rng = ChaCha8Rng::seed_from_u64(question.design.seed);
-    let polish = POLISH * space.len();
+    let polish = (POLISH * space.len()).min(evaluations / POLISH_SHARE);
     let mut left = evaluations.saturating_sub(polish);
     let mut best = round(&program, &mut rng, given.to_vec(), &mut left)?;
     while left > HOP_POINTS + 2 * space.len() && !program.stop() {
