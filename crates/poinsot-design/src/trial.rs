@@ -210,8 +210,8 @@ impl Question {
     }
 }
 
-/// Number of rows of the case per row of a candidate with this share of the usual rows. All rows are used with correlated noise, where the information
-/// does not scale with the number of rows.
+/// Number of rows of the case per row of a candidate with this share of the usual rows. All rows are used with correlated
+/// noise, where the information does not scale with the number of rows.
 fn thinned(case: &Case, model: &Model, design: &Design, share: f64) -> f64 {
     let remembers = model.sensors.iter().any(|s| s.correlation_s > 0.0);
     if remembers || model.environment.random_torque.is_some() {
