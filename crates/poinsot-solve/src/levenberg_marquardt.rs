@@ -31,6 +31,19 @@ pub trait LeastSquares {
     /// The linearisation at an iterate; `None` if the model is not defined.
     fn linearise(&self, at: &Self::Iterate) -> Option<Linearised<Self::Rows>>;
 
+    /// The linearisation after a full step with the derivatives of its start; `None` where they have to be computed at its
+    /// end. `left` is the reduction of the cost that the next step would still bring, if steps shorten as the last two did.
+    fn carried(
+        &self,
+        at: &Self::Iterate,
+        here: &Linearised<Self::Rows>,
+        step: &Step<Self::Iterate>,
+        left: f64,
+    ) -> Option<Linearised<Self::Rows>> {
+        let _ = (at, here, step, left);
+        None
+    }
+
     /// Whether the full step is negligible.
     fn converged(&self, at: &Self::Iterate, here: &Linearised<Self::Rows>) -> bool;
 
@@ -123,6 +136,8 @@ pub fn levenberg_marquardt<P: LeastSquares>(
     let mut damping = 0.0;
     let mut iterations = 0;
     let mut promises = vec![here.predicted_reduction];
+    // Predicted reduction of the full step that led here.
+    let mut full = None;
     let end = loop {
         if problem.converged(&at, &here) {
             break End::Converged;
@@ -150,8 +165,9 @@ pub fn levenberg_marquardt<P: LeastSquares>(
                 break;
             }
             refused = Some(step.predicted_reduction);
-            accepted = attempt(problem, &here, step, damping);
+            accepted = attempt(problem, (&at, &here, full), step, damping);
             if accepted.is_some() {
+                full = (damping == 0.0).then_some(here.predicted_reduction);
                 break;
             }
             damping = f64::max(growth * damping, felt);
@@ -201,12 +217,12 @@ fn forecast(promises: &[f64], more: usize) -> Option<f64> {
 /// ratio is too small, the nonlinearity too large, or the model undefined.
 fn attempt<P: LeastSquares>(
     problem: &P,
-    here: &Linearised<P::Rows>,
+    (at, here, before): (&P::Iterate, &Linearised<P::Rows>, Option<f64>),
     step: Step<P::Iterate>,
     damping: f64,
 ) -> Option<(P::Iterate, Linearised<P::Rows>, f64)> {
     if damping == 0.0 {
-        return full_steps(problem, here, step);
+        return full_steps(problem, (at, here, before), step);
     }
     let cost = problem.cost(&step.to)?;
     let gain = (here.cost - cost + here.slack) / (step.predicted_reduction + here.slack);
@@ -218,11 +234,18 @@ fn attempt<P: LeastSquares>(
 /// The full step, or the first of a few in a row that lowers the cost enough.
 fn full_steps<P: LeastSquares>(
     problem: &P,
-    here: &Linearised<P::Rows>,
+    (at, here, before): (&P::Iterate, &Linearised<P::Rows>, Option<f64>),
     step: Step<P::Iterate>,
 ) -> Option<(P::Iterate, Linearised<P::Rows>, f64)> {
     let wanted = step.predicted_reduction + here.slack;
     let gain = |cost: f64| (here.cost - cost + here.slack) / wanted;
+    let shortened = before.map_or(1.0, |before| step.predicted_reduction / before);
+    let left = step.predicted_reduction * shortened.min(1.0);
+    let carried = problem.carried(at, here, &step, left);
+    if let Some(there) = carried.filter(|there| gain(there.cost) >= LEAST_GAIN) {
+        let gain = gain(there.cost);
+        return Some((step.to, there, gain));
+    }
     let mut step = step;
     for _ in 0..=AHEAD {
         if step.acceleration_ratio > LARGEST_ACCELERATION_RATIO {
@@ -373,6 +396,78 @@ mod tests {
         assert_eq!((minimum.end, minimum.iterations), (End::Converged, 1));
         let [x, y] = minimum.at;
         assert!((x - 1.0).abs() + (y - 1.0).abs() < 1.0e-12);
+    }
+
+    /// Residual `exp(x) - 2`: steps shorten faster and faster.
+    struct Bend {
+        derivatives: Cell<usize>,
+        serves_below: f64,
+    }
+
+    impl Bend {
+        fn at(&self, x: f64, slope: f64) -> Linearised<f64> {
+            let cost = (x.exp() - 2.0).powi(2);
+            Linearised {
+                cost,
+                round_off: 1.0e-15,
+                slack: 1.0e-15,
+                predicted_reduction: cost,
+                smallest_singular_value: slope,
+                rows: slope,
+            }
+        }
+    }
+
+    impl LeastSquares for Bend {
+        type Iterate = f64;
+        type Rows = f64;
+
+        fn cost(&self, x: &f64) -> Option<f64> {
+            Some((x.exp() - 2.0).powi(2))
+        }
+
+        fn linearise(&self, x: &f64) -> Option<Linearised<f64>> {
+            self.derivatives.set(self.derivatives.get() + 1);
+            Some(self.at(*x, x.exp()))
+        }
+
+        fn carried(
+            &self,
+            _: &f64,
+            here: &Linearised<f64>,
+            step: &Step<f64>,
+            left: f64,
+        ) -> Option<Linearised<f64>> {
+            (left < self.serves_below).then(|| self.at(step.to, here.rows))
+        }
+
+        fn converged(&self, _: &f64, here: &Linearised<f64>) -> bool {
+            here.predicted_reduction < SETTLED
+        }
+
+        fn step(&self, x: &f64, here: &Linearised<f64>, _: f64) -> Step<f64> {
+            Step {
+                to: x - (x.exp() - 2.0) / here.rows,
+                predicted_reduction: here.cost,
+                acceleration_ratio: 0.0,
+            }
+        }
+    }
+
+    #[test]
+    fn exact_earlier_derivatives_serve_where_little_is_left() {
+        let [all, fewer] = [0.0, 1.0e-3].map(|serves_below| {
+            let problem = Bend {
+                derivatives: Cell::new(0),
+                serves_below,
+            };
+            let here = problem.linearise(&1.0).expect("defined everywhere");
+            let minimum = levenberg_marquardt(&problem, 1.0, here, 60);
+            assert_eq!(minimum.end, End::Converged);
+            assert!((minimum.at - 2.0_f64.ln()).abs() < SETTLED.sqrt());
+            problem.derivatives.get()
+        });
+        assert_eq!((all, fewer), (4, 2));
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! A first fit to a few samples.
 //!
-//! If nominal numbers are wrong by many sigmas, the first steps need not be exact: a subset of the samples leads as
-//! close, in a fraction of the time. The fit itself uses all samples.
+//! The first steps need not be exact: a subset of the samples leads as close, in a fraction of the time. The fit itself
+//! uses all samples.
 
 use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::step::{ITERATIONS, is_close};
@@ -18,9 +18,9 @@ const STRIDE: usize = 16;
 /// Smallest reduction of the grid for a coarse fit.
 const WORTH: usize = 4;
 
-/// End of a fit to a few samples from a far point; `None` where the point is close, or the record too short or of a
-/// kind that cannot be thinned.
-pub(crate) fn coarse_fit(experiment: &Experiment, from: &Iterate) -> Option<Iterate> {
+/// End of a fit to a few samples from the best of some points; `None` where it is not close, or the record too
+/// short or of a kind that cannot be thinned.
+pub(crate) fn coarse_fit(experiment: &Experiment, from: &[Iterate]) -> Option<Iterate> {
     let whole = experiment.problem.segments;
     let segments = whole
         .iter()
@@ -36,9 +36,18 @@ pub(crate) fn coarse_fit(experiment: &Experiment, from: &Iterate) -> Option<Iter
         ..*experiment.problem
     };
     let few = experiment.with_problem(&problem);
-    let here = few.linearise(from)?;
-    let far = !is_close(&here);
-    far.then(|| levenberg_marquardt(&few, from.clone(), here, ITERATIONS).at)
+    let costs = from.iter().map(|point| (point, few.cost(point)));
+    let best = costs.min_by(|a, b| order(a.1).total_cmp(&order(b.1)))?.0;
+    let here = few.linearise(best)?;
+    let end = levenberg_marquardt(&few, best.clone(), here, ITERATIONS);
+    // Few samples also tell less of what drives the vehicle: all of them decide where these are not met.
+    let close = is_close(&end.here) || experiment.is_close(&end.at);
+    close.then_some(end.at)
+}
+
+/// A point without a motion comes last.
+fn order(cost: Option<f64>) -> f64 {
+    cost.filter(|c| !c.is_nan()).unwrap_or(f64::INFINITY)
 }
 
 /// A segment with a share of its readings, at least `few` of each sensor; `None` with instruments whose readings span intervals of the grid.

@@ -12,5 +12,5 @@ pub(crate) mod step_error;
 pub(crate) mod triangle;
 pub(crate) mod wheel_motion;
 
-pub(crate) use momentum_state::{Fitted, chi2, fit, fit_from, fit_on, fit_starts};
+pub(crate) use momentum_state::{Fitted, chi2, fit, fit_from, fit_near, fit_on, fit_starts};
 pub(crate) use step::ITERATIONS;

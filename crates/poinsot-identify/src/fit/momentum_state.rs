@@ -19,20 +19,19 @@ use poinsot_solve::{End, LeastSquares, Linearised, Minimum, Spectrum, levenberg_
 /// Share of chi-square that may be left where no step lowers it: round-off, not a failure.
 const NEGLIGIBLE_PROMISE: f64 = 1.0e-4;
 
-/// Fits from the better of the linear solution and the nominal numbers, in at most `limit` iterations.
+/// Fits from the better of the linear solution and the nominal numbers.
 ///
 /// The bodies are free at first: near the physical limit and far from the answer the equations are more nonlinear than
 /// beyond it. An unphysical result is then moved back at the least cost and fitted within the limit.
 pub(crate) fn fit(
     experiment: &Experiment,
     linear: Option<&Iterate>,
-    limit: usize,
 ) -> Result<Fitted, ProblemError> {
     let bodies = physical_bodies(experiment, experiment.parameters.mass_unknowns);
-    if let Some(bodies) = bodies.as_ref().filter(|_| limit >= ITERATIONS) {
+    if let Some(bodies) = bodies.as_ref() {
         let mut free = experiment.with_parameters(experiment.parameters);
         free.coordinates = Coordinates::Linear;
-        let found = fit_within(&free, linear, Some(bodies), limit)?;
+        let found = fit_within(&free, linear, Some(bodies))?;
         if found.converged {
             let Some(bodies) = bodies.clone().separable(&found.spectrum) else {
                 return Ok(found);
@@ -40,7 +39,7 @@ pub(crate) fn fit(
             if bodies.contain(&found.at.x) {
                 return Ok(found);
             }
-            let back = brought_back(experiment, &found, &bodies, limit);
+            let back = brought_back(experiment, &found, &bodies);
             if let Some(found) = back.filter(|f| f.converged) {
                 return Ok(found);
             }
@@ -49,7 +48,7 @@ pub(crate) fn fit(
             return Ok(found);
         }
     }
-    fit_within(experiment, linear, bodies.as_ref(), limit)
+    fit_within(experiment, linear, bodies.as_ref())
 }
 
 /// Fits on from the step that leads back to physical bodies at the least cost.
@@ -57,7 +56,6 @@ fn brought_back(
     experiment: &Experiment,
     beyond: &Fitted,
     bodies: &PhysicalBodies,
-    limit: usize,
 ) -> Option<Fitted> {
     let rhs = beyond.shared.rhs();
     let (step, _) = bodies.step(&beyond.spectrum, &rhs, 0.0, &beyond.at.x);
@@ -68,7 +66,7 @@ fn brought_back(
         (&beyond.evaluated, shared, natural),
         &step,
     );
-    fit_from(experiment, at, limit)
+    fit_from(experiment, at, ITERATIONS)
 }
 
 /// Fits in the coordinates of the experiment, from starts at which the bodies are physical.
@@ -76,7 +74,6 @@ fn fit_within(
     experiment: &Experiment,
     linear: Option<&Iterate>,
     bodies: Option<&PhysicalBodies>,
-    limit: usize,
 ) -> Result<Fitted, ProblemError> {
     let mut best: Option<Fitted> = None;
     for start in starting_points(experiment, linear, bodies) {
@@ -84,15 +81,26 @@ fn fit_within(
         let Some(here) = start.here.or_else(|| experiment.linearise(&at)) else {
             continue;
         };
-        let found = fitted(experiment, levenberg_marquardt(experiment, at, here, limit))?;
+        let found = fitted(
+            experiment,
+            levenberg_marquardt(experiment, at, here, ITERATIONS),
+        )?;
         let converged = found.converged;
         best = best.filter(|b| b.converged || !converged).or(Some(found));
         // A far start can change the identified directions during the iteration: try the other start.
-        if converged || limit < ITERATIONS {
+        if converged {
             break;
         }
     }
     best.ok_or(ProblemError::NoMotion)
+}
+
+/// Fits from near a point, where the bodies are physical, in at most `limit` iterations.
+pub(crate) fn fit_near(experiment: &Experiment, mut at: Iterate, limit: usize) -> Option<Fitted> {
+    if let Some(bodies) = physical_bodies(experiment, experiment.parameters.mass_unknowns) {
+        bodies.start(&mut at.x);
+    }
+    fit_from(experiment, at, limit)
 }
 
 /// Fits from a point, in at most `limit` iterations; `None` where the vehicle cannot move there.
@@ -114,81 +122,53 @@ pub(crate) fn fit_on(
 /// A point to start from, with the problem there where it is known already.
 struct Start {
     point: Iterate,
-    cost: f64,
     here: Option<Linearised<Linearisation>>,
 }
 
-impl Start {
-    fn known(point: Iterate, here: Linearised<Linearisation>) -> Self {
-        Self {
-            point,
-            cost: here.cost,
-            here: Some(here),
-        }
-    }
-
-    fn is_close(&self) -> bool {
-        self.here.as_ref().is_some_and(is_close)
-    }
-}
-
-/// The linear solution and the nominal numbers, the better one first; before them where a few readings lead from
-/// the better one, if that is close.
+/// Where a few readings lead, if that is close; then the linear solution and the nominal numbers, the better one first
+/// where the few did not lead close.
 fn starting_points(
     experiment: &Experiment,
     linear: Option<&Iterate>,
     bodies: Option<&PhysicalBodies>,
 ) -> Vec<Start> {
-    let mut found: Vec<Start> = Vec::new();
-    let point = linear.cloned().map(|mut point| {
+    let within = |mut point: Iterate| {
         if let Some(bodies) = bodies {
             bodies.start(&mut point.x);
         }
         point
-    });
-    if let Some(point) = point
-        && let Some(here) = experiment.linearise(&point)
-    {
-        found.push(Start::known(point, here));
-    }
-    let mut close = found.iter().any(Start::is_close);
-    let point = experiment.nominal_point();
-    if !close {
-        let worse = |cost: f64| experiment.cost(&point).is_none_or(|own| own > cost);
-        let from = match found.first() {
-            Some(linear) if worse(linear.cost) => &linear.point,
-            _ => &point,
-        };
-        let start = approached(experiment, from, bodies);
-        close = start.is_some();
-        found.extend(start);
-    }
-    let cost = if close {
-        Some(f64::INFINITY)
-    } else {
-        experiment.cost(&point)
     };
-    found.extend(cost.map(|cost| Start {
-        point,
-        cost,
-        here: None,
-    }));
-    found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-    found
-}
-
-/// Where a few readings lead from a point; `None` where that is not close either.
-fn approached(
-    experiment: &Experiment,
-    from: &Iterate,
-    bodies: Option<&PhysicalBodies>,
-) -> Option<Start> {
-    let mut point = coarse_fit(experiment, from)?;
-    if let Some(bodies) = bodies.filter(|b| !b.contain(&point.x)) {
-        bodies.start(&mut point.x);
+    let unseen = |point| Start { point, here: None };
+    let linear = linear.cloned().map(within);
+    let nominal = experiment.nominal_point();
+    let far: Vec<Iterate> = linear.iter().chain([&nominal]).cloned().collect();
+    let outside = |point: &Iterate| bodies.is_some_and(|b| !b.contain(&point.x));
+    let physical = |point| {
+        if outside(&point) {
+            within(point)
+        } else {
+            point
+        }
+    };
+    if let Some(point) = coarse_fit(experiment, &far).map(physical)
+        && let Some(here) = experiment.linearise(&point).filter(is_close)
+    {
+        let here = Some(here);
+        let first = [Start { point, here }].into_iter();
+        return first.chain(far.into_iter().map(unseen)).collect();
     }
-    let here = experiment.linearise(&point)?;
-    Some(Start::known(point, here)).filter(Start::is_close)
+    let Some(point) = linear else {
+        return vec![unseen(nominal)];
+    };
+    let here = experiment.linearise(&point);
+    let worse = |cost: f64| experiment.cost(&nominal).is_none_or(|own| own > cost);
+    let better = |here: &Linearised<Linearisation>| is_close(here) || worse(here.cost);
+    let linear_first = here.as_ref().is_some_and(better);
+    let mut starts = vec![Start { point, here }, unseen(nominal)];
+    if !linear_first {
+        starts.reverse();
+    }
+    starts
 }
 
 /// Pose, momentum and biases that fit best at the nominal mass properties, which are held.

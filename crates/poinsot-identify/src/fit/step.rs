@@ -9,13 +9,16 @@ use crate::fit::triangle::{SharedTriangle, conditional_estimate};
 use crate::likelihood::Evaluated;
 use crate::problem::ProblemError;
 use nalgebra::UnitQuaternion;
-use poinsot_solve::{LeastSquares, Linearised, Spectrum, Step};
+use poinsot_solve::{LeastSquares, Linearised, Spectrum, Step, Triangle};
 use poinsot_spatial::Vector3;
 
 /// Most iterations of a fit.
 pub(crate) const ITERATIONS: usize = 60;
 /// Converged when the next step would reduce chi-square by less than this: steps of a ten-thousandth of a sigma.
 const CONVERGED_BELOW: f64 = 1.0e-8;
+/// Reduction of chi-square that may be left where the derivatives of an earlier iterate serve: a step of a thousandth of a
+/// sigma.
+const LEFT: f64 = 1.0e-6;
 /// Fall of chi-square by a full step below which columns of known numbers are made where they are used: a step of one
 /// sigma, with columns older than it, may lead away from the answer.
 const NEAR: f64 = 1.0;
@@ -85,6 +88,26 @@ impl LeastSquares for Experiment<'_> {
         if renewed { linearised() } else { Some(here) }
     }
 
+    fn carried(
+        &self,
+        at: &Iterate,
+        here: &Linearised<Linearisation>,
+        step: &Step<Iterate>,
+        left: f64,
+    ) -> Option<Linearised<Linearisation>> {
+        if left > LEFT || self.keep_rows {
+            return None;
+        }
+        let mut there = self.evaluate(&step.to, false)?;
+        let dx: Vec<f64> = step.to.x.iter().zip(&at.x).map(|(a, b)| a - b).collect();
+        let segments = there.iter_mut().zip(&here.rows.evaluated);
+        for ((there, here), unknown) in segments.zip(&self.unknown) {
+            let triangle = here.triangle.as_ref()?;
+            there.triangle = Some(after_step(triangle, unknown.count(), &dx));
+        }
+        linearised(self, &step.to, there).ok()
+    }
+
     fn converged(&self, at: &Iterate, here: &Linearised<Linearisation>) -> bool {
         let linearisation = &here.rows;
         let plain = linearisation
@@ -118,6 +141,16 @@ impl LeastSquares for Experiment<'_> {
 }
 
 impl Experiment<'_> {
+    /// Whether chi-square is of the size of its expectation, without derivatives.
+    pub fn is_close(&self, at: &Iterate) -> bool {
+        let evaluated = self.evaluate(at, false);
+        let is = |evaluated: Vec<Evaluated>| {
+            let cost = self.chi2(at, &evaluated);
+            cost.is_some_and(|cost| close(cost, &evaluated))
+        };
+        evaluated.is_some_and(is)
+    }
+
     fn covariance_moves(&self) -> f64 {
         let noise = self.problem.noise;
         let inputs = [&noise.joint_position, &noise.joint_rate, &noise.wheel_speed];
@@ -186,6 +219,19 @@ fn mass_step(
         Some(bodies) if linearisation.leaves(x, &step) => bodies.step(spectrum, rhs, damping, x),
         _ => (step, spectrum.decrease(rhs, damping)),
     }
+}
+
+/// The triangle of a segment after a step of the shared unknowns, which the start of the segment follows: the residual is
+/// that of the linear model.
+fn after_step(triangle: &Triangle, initial_columns: usize, dx: &[f64]) -> Triangle {
+    let start = conditional_estimate(&triangle.r, initial_columns, dx).mean;
+    let step: Vec<f64> = start.iter().chain(dx).copied().collect();
+    let mut after = triangle.clone();
+    for i in 0..step.len() {
+        let change = (i..step.len()).map(|j| triangle.r[(i, j)] * step[j]);
+        after.r[(i, step.len())] -= change.sum::<f64>();
+    }
+    after
 }
 
 /// The mass unknowns after a step in natural units.
@@ -325,6 +371,10 @@ pub(crate) fn physical_bodies(
 
 /// Whether chi-square at an iterate is of the size of its expectation.
 pub(crate) fn is_close(here: &Linearised<Linearisation>) -> bool {
-    let rows: usize = here.rows.evaluated.iter().map(|e| e.rows).sum();
-    here.cost < CLOSE_BELOW * rows as f64
+    close(here.cost, &here.rows.evaluated)
+}
+
+fn close(cost: f64, evaluated: &[Evaluated]) -> bool {
+    let rows: usize = evaluated.iter().map(|e| e.rows).sum();
+    cost < CLOSE_BELOW * rows as f64
 }

@@ -3,7 +3,7 @@
 use crate::answer;
 use crate::diagnosis::Diagnostics;
 use crate::fit::experiment::{Experiment, Iterate};
-use crate::fit::fit;
+use crate::fit::fit_from;
 use crate::fit::rest_motion::choose_rest_motion;
 use crate::fit::wheel_motion::{OtherWheelMotion, expected_other};
 use crate::methods::maximum_likelihood::{conclude, proportional};
@@ -39,9 +39,13 @@ fn bound(
     problem.check_observations()?;
     let parameters = problem.likelihood_parameters()?;
     let mut experiment = Experiment::new(problem, &parameters);
-    let mut at_truth = fit(&experiment, None, 0)?;
+    let evaluated = |experiment: &Experiment| {
+        let at_truth = fit_from(experiment, experiment.nominal_point(), 0);
+        at_truth.ok_or(ProblemError::NoMotion)
+    };
+    let mut at_truth = evaluated(&experiment)?;
     if choose_rest_motion(&mut experiment, &at_truth) {
-        at_truth = fit(&experiment, None, 0)?;
+        at_truth = evaluated(&experiment)?;
     }
     at_truth.converged = true;
     let other = other(&experiment, &at_truth.at);

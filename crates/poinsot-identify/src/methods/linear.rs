@@ -8,7 +8,7 @@
 use crate::answer;
 use crate::certify::continuation::linear_set;
 use crate::fit::experiment::Experiment;
-use crate::fit::fit;
+use crate::fit::fit_near;
 use crate::fit::triangle::{SharedTriangle, conditional_estimate};
 use crate::likelihood::impulse;
 use crate::likelihood::rows::{RowSetting, Rows, StartMomentum};
@@ -53,11 +53,7 @@ pub fn linear(problem: &Problem) -> Result<Estimate, ProblemError> {
     // times the rows' spectrum is used.
     let observed = problem.segments.iter().all(|s| problem.is_observed(s));
     if observed
-        && let Ok(fitted) = fit(
-            &experiment,
-            Some(&solution.point(&experiment)),
-            CERTIFICATE_STEPS,
-        )
+        && let Some(fitted) = fit_near(&experiment, solution.point(&experiment), CERTIFICATE_STEPS)
     {
         let judged = fitted.spectrum.judged(problem.relative_accuracy);
         restrict(problem, &mut solution, &judged)?;

@@ -97,7 +97,7 @@ pub(crate) fn solve(problem: &Problem, options: FitOptions) -> Result<FinishedFi
     experiment.loss = options.loss;
     experiment.coordinates = options.coordinates;
     let start = linear.as_ref().map(|solution| solution.point(&experiment));
-    let fitted = fit(&experiment, start.as_ref(), ITERATIONS)?;
+    let fitted = fit(&experiment, start.as_ref())?;
     let mut fitted = refit_with_rest_motion(&mut experiment, fitted, ITERATIONS);
     let mut assumptions: Vec<String> = rest_assumed(&experiment).into_iter().collect();
     let (mut shift, mut other) = (0.0, None);

@@ -53,12 +53,12 @@ pub fn held_back(
     let parameters = Parameters::without_mass(&model, problem.tree, &vehicle.bodies);
     let mut experiment = Experiment::new(&problem, &parameters);
     experiment.loss = Loss::Gaussian;
-    let fitted = fit(&experiment, None, ITERATIONS)?;
+    let fitted = fit(&experiment, None)?;
     let mut fitted = refit_with_rest_motion(&mut experiment, fitted, ITERATIONS);
     if problem.assumes_wheel_motion() {
         // As in an identification: the data decide the wheel interpolation.
         experiment.wheels_smooth = true;
-        let smooth = fit(&experiment, None, ITERATIONS)?;
+        let smooth = fit(&experiment, None)?;
         if experiment.cost_of(&smooth) < experiment.cost_of(&fitted) {
             fitted = smooth;
         } else {
