@@ -6,7 +6,7 @@ use crate::shape::Space;
 use poinsot::case::{Case, parse_case};
 use poinsot::simulate::SimulateError;
 use poinsot::{Error, write_files};
-use poinsot_dynamics::{Firing, thrust_levels};
+use poinsot_dynamics::{Firing, thrust_held};
 use poinsot_files::read_text;
 use poinsot_formats::case::{CaseFile, FiringFile, JointMotionFile, LimitsFile, WheelMotionFile};
 use poinsot_model::{JointKind, Model};
@@ -152,7 +152,7 @@ fn commands_csv(designed: &Designed, times: &[f64]) -> String {
                 Some(_) => write!(text, ",{},{},{}", jet.value, jet.rate, jet.acceleration),
             };
         }
-        thrust_levels(&firings, t, &mut levels);
+        thrust_held(&firings, t, &mut levels);
         for k in &thrusters {
             let _ = write!(text, ",{}", levels[*k]);
         }

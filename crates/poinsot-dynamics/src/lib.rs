@@ -123,7 +123,7 @@ pub use sensor_errors::{SensorError, SensorErrors};
 pub use sensors::{Instrument, vector_reading};
 #[cfg(feature = "std")]
 pub use stage::{MotionSample, Prescribed};
-pub use thrust::{Firing, Nozzle, thrust_levels, thrust_wrench};
+pub use thrust::{Firing, Nozzle, SAME_TIME, thrust_held, thrust_levels, thrust_wrench};
 pub use tree::{Link, Motion, Rotor, Tree};
 pub use vehicle::{Gravity, Vehicle};
 #[cfg(feature = "std")]

@@ -39,6 +39,14 @@ pub fn thrust_levels(firings: &[Firing], within: f64, levels: &mut [f64]) {
     }
 }
 
+/// Times closer than this are one, s: round-off of the times of samples and switches.
+pub const SAME_TIME: f64 = 1.0e-9;
+
+/// Fills the thrust of every thruster, N, that a table of held values has at a time: a switch at that time is done.
+pub fn thrust_held(firings: &[Firing], time: f64, levels: &mut [f64]) {
+    thrust_levels(firings, time + SAME_TIME, levels);
+}
+
 /// Force and torque about the base origin of all thrusters, in base axes, N and N m; point and direction
 /// turn with the joints.
 #[inline]

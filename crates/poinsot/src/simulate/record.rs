@@ -4,8 +4,8 @@ use super::{every, stream};
 use crate::case::Scenario;
 use crate::channel_names::{XYZ, names, wheels};
 use poinsot_dynamics::{
-    Firing, ForceProfile, Instrument, JointDrive, MotionSample, SensorError, Tree, WheelDrive,
-    WheelMotion, thrust_levels, vector_reading,
+    Firing, ForceProfile, Instrument, JointDrive, MotionSample, SAME_TIME, SensorError, Tree,
+    WheelDrive, WheelMotion, thrust_held, vector_reading,
 };
 use poinsot_model::{Joint, JointKind, Model, SensorKind};
 use poinsot_spatial::Vector3;
@@ -174,7 +174,7 @@ impl Recorder {
                 }
                 let thruster = self.thrust.iter().position(|n| exact && *n == name);
                 if let Some(k) = thruster {
-                    let (time_s, values) = with_switches(scenario, k, base, values);
+                    let (time_s, values) = with_switches(scenario, k, base);
                     channels.push(channel(name, String::new(), time_s, values));
                     continue;
                 }
@@ -190,15 +190,12 @@ impl Recorder {
     }
 }
 
-/// Tolerance within which a switch is at a row, s: round-off of the times.
-const ON_ROW: f64 = 1.0e-9;
-
-/// The rows of a thruster with its switching times in between: a value holds until the next.
+/// The rows of a thruster with its switching times in between: a value holds until the next. A switch at a row, to round-off
+/// of their times, counts as done there.
 fn with_switches(
     scenario: &Scenario,
     thruster: usize,
     rows: &Arc<[f64]>,
-    values: Vec<f64>,
 ) -> (Arc<[f64]>, Vec<f64>) {
     let firings: &[Firing] = match &scenario.driven {
         Some(plan) => &plan.firings,
@@ -207,24 +204,26 @@ fn with_switches(
     let own = firings.iter().filter(|f| f.thruster == thruster);
     let is_between = |t: &f64| {
         let next = rows.partition_point(|row| row < t);
-        let apart = |row: Option<&f64>| row.is_some_and(|row| (row - t).abs() > ON_ROW);
+        let apart = |row: Option<&f64>| row.is_some_and(|row| (row - t).abs() > SAME_TIME);
         apart(rows.get(next)) && apart(next.checked_sub(1).and_then(|k| rows.get(k)))
     };
     let between = own.flat_map(|f| [f.on, f.off]).filter(is_between);
     let mut times: Vec<f64> = between.collect();
-    if times.is_empty() {
-        return (rows.clone(), values);
-    }
-    times.extend(rows.iter());
-    times.sort_by(f64::total_cmp);
-    times.dedup();
+    let times = if times.is_empty() {
+        rows.clone()
+    } else {
+        times.extend(rows.iter());
+        times.sort_by(f64::total_cmp);
+        times.dedup();
+        times.into()
+    };
     let mut levels = vec![0.0; thruster + 1];
     let mut level = |t: &f64| {
-        thrust_levels(firings, *t, &mut levels);
+        thrust_held(firings, *t, &mut levels);
         levels[thruster]
     };
     let values = times.iter().map(&mut level).collect();
-    (times.into(), values)
+    (times, values)
 }
 
 impl Group {
