@@ -29,7 +29,7 @@
 //! let r = Mat::from_fn(2, 2, |i, j| triangle.r[(i, j)]);
 //! let rhs: Vec<f64> = (0..2).map(|i| triangle.r[(i, 2)]).collect();
 //! // Natural units of one, no noise in the regressor, round-off judged against a column of length 1e4.
-//! let spectrum = Spectrum::new(&r, &[1.0, 1.0], &[0.0; 4], 1.0e4, 1.0)?;
+//! let spectrum = Spectrum::new(&r, &[1.0, 1.0], None, 1.0e4, 1.0)?;
 //! let x = spectrum.solve(&rhs);
 //! assert!((x[0] - a).abs() < 1e-12 && (x[1] - b).abs() < 1e-12);
 //! // Known in closed form: for t uniform on [0, 1], sigma of the slope is sigma * sqrt(12 / samples).

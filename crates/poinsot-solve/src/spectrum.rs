@@ -46,14 +46,14 @@ impl Spectrum {
     /// Decomposes the triangle `R` (n x n, whitened) in the given natural units.
     ///
     /// `size` is the length of the longest column, natural units, before any projection; it sets the round-off level.
-    /// `regressor_noise` is `E[dA^T dA]` of the unknowns, row by row, in their own units.
+    /// `regressor_noise` is `E[dA^T dA]` of the unknowns, row by row, in their own units; `None` where it is zero.
     ///
     /// # Errors
     /// The triangle holds NaN or infinity.
     pub fn new(
         R: &Mat<f64>,
         natural: &[f64],
-        regressor_noise: &[f64],
+        regressor_noise: Option<&[f64]>,
         size: f64,
         relative_accuracy: f64,
     ) -> Result<Self, NotFinite> {
@@ -68,12 +68,7 @@ impl Spectrum {
         let svd = scaled.svd().map_err(|_| NotFinite)?;
         let singular: Vec<f64> = (0..n).map(|k| svd.S()[k]).collect();
         let (directions, left) = (svd.V().to_owned(), svd.U().to_owned());
-        let noise_z = Mat::from_fn(n, n, |i, j| {
-            regressor_noise[i * n + j] * natural[i] * natural[j]
-        });
-        let noise: Vec<f64> = (0..n)
-            .map(|k| quadratic(&noise_z, &directions, k))
-            .collect();
+        let noise = noise_along(regressor_noise, natural, &directions, n);
         let round_off =
             32.0 * n as f64 * f64::EPSILON * size.max(singular.first().copied().unwrap_or(0.0));
         let structural_rank = singular.iter().filter(|s| **s > round_off).count();
@@ -165,7 +160,7 @@ impl Spectrum {
     /// The triangle holds NaN or infinity.
     pub fn within(
         R: &Mat<f64>,
-        regressor_noise: &[f64],
+        regressor_noise: Option<&[f64]>,
         experiment: &Spectrum,
     ) -> Result<Self, NotFinite> {
         let n = experiment.natural.len();
@@ -191,12 +186,10 @@ impl Spectrum {
                 experiment.directions[(i, j)]
             }
         });
-        let noise_z = Mat::from_fn(n, n, |i, j| {
-            regressor_noise[i * n + j] * natural[i] * natural[j]
-        });
-        for k in 0..r {
+        let noise = noise_along(regressor_noise, natural, &out.directions, r);
+        for (k, noise) in noise.into_iter().enumerate() {
             out.singular[k] = svd.S()[k];
-            out.noise[k] = quadratic(&noise_z, &out.directions, k);
+            out.noise[k] = noise;
         }
         Ok(out)
     }
@@ -347,6 +340,23 @@ impl Spectrum {
             .sum::<f64>()
             .sqrt()
     }
+}
+
+/// Noise of a regressor along the first directions, in natural units.
+fn noise_along(
+    regressor_noise: Option<&[f64]>,
+    natural: &[f64],
+    directions: &Mat<f64>,
+    count: usize,
+) -> Vec<f64> {
+    let Some(own) = regressor_noise else {
+        return vec![0.0; count];
+    };
+    let n = natural.len();
+    let scaled = Mat::from_fn(n, n, |i, j| own[i * n + j] * natural[i] * natural[j]);
+    (0..count)
+        .map(|k| quadratic(&scaled, directions, k))
+        .collect()
 }
 
 fn quadratic(m: &Mat<f64>, v: &Mat<f64>, k: usize) -> f64 {

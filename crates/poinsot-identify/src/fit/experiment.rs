@@ -320,8 +320,7 @@ impl<'a> Experiment<'a> {
             return Ok((self.spectrum(shared, evaluated)?, None));
         }
         let exact = self.spectrum(&SharedTriangle::exact(self.parameters, stacked), evaluated)?;
-        let nothing = vec![0.0; shared.mass * shared.mass];
-        let own = Spectrum::within(&shared.block(), &nothing, &exact)?;
+        let own = Spectrum::within(&shared.block(), None, &exact)?;
         Ok((own, Some(exact)))
     }
 
@@ -340,7 +339,7 @@ impl<'a> Experiment<'a> {
         Spectrum::new(
             &shared.block(),
             &natural,
-            &vec![0.0; m * m],
+            None,
             self.longest_column(evaluated),
             self.problem.relative_accuracy.max(MOVED),
         )

@@ -186,8 +186,7 @@ impl Experiment<'_> {
             return None;
         }
         let held = shared.damped(&units, damping);
-        let nothing = vec![0.0; shared.mass * shared.mass];
-        let spectrum = Spectrum::within(&held.block(), &nothing, &linearisation.spectrum).ok()?;
+        let spectrum = Spectrum::within(&held.block(), None, &linearisation.spectrum).ok()?;
         let (step, _) = mass_step(&at.x, linearisation, (&spectrum, &held.rhs()), damping);
         let natural = &spectrum.natural;
         let mass: Vec<f64> = step.iter().zip(natural).map(|(z, unit)| z * unit).collect();

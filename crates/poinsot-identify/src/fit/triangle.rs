@@ -173,9 +173,8 @@ mod tests {
         };
         let (damping, units, natural) = (0.7, [0.5, 2.0, 0.1], [1.0, 3.0, 0.2, 1.5]);
         let held = shared.damped(&units, damping);
-        let nothing = [0.0; 16];
-        let open = Spectrum::new(&shared.block(), &natural, &nothing, 1.0, 1.0e9).unwrap();
-        let spectrum = Spectrum::within(&held.block(), &nothing, &open).unwrap();
+        let open = Spectrum::new(&shared.block(), &natural, None, 1.0, 1.0e9).unwrap();
+        let spectrum = Spectrum::within(&held.block(), None, &open).unwrap();
         let scaled = spectrum.damped(&held.rhs(), damping);
         let x: Vec<f64> = scaled
             .iter()

@@ -71,7 +71,7 @@ fn restrict(
 ) -> Result<(), ProblemError> {
     let own = Spectrum::within(
         &solution.shared.block(),
-        &solution.regressor_noise,
+        Some(&solution.regressor_noise),
         experiment,
     )?;
     solution.spectrum = own;
@@ -259,7 +259,7 @@ fn conclude(
         .collect();
     let size = longest_column(&parameters, &reduced);
     let accuracy = problem.relative_accuracy;
-    let spectrum = Spectrum::new(&block, &natural, &block_noise, size, accuracy)?;
+    let spectrum = Spectrum::new(&block, &natural, Some(&block_noise), size, accuracy)?;
     let mut solution = Solution {
         known: None,
         method: "linear",

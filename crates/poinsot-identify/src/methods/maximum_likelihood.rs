@@ -281,8 +281,7 @@ pub(crate) fn conclude(
     // The fit uses all information; identifiability is evaluated afterwards with exact known numbers.
     let judged = |spectrum: Spectrum| spectrum.judged(experiment.problem.relative_accuracy);
     let known = Effects::new(experiment, &fitted).ok().flatten();
-    let nothing = vec![0.0; fitted.shared.mass * fitted.shared.mass];
-    let within = |k: &Effects| Spectrum::within(&fitted.shared.block(), &nothing, &k.exact).ok();
+    let within = |k: &Effects| Spectrum::within(&fitted.shared.block(), None, &k.exact).ok();
     let spectrum = known.as_ref().and_then(within);
     let spectrum = spectrum.unwrap_or_else(|| judged(fitted.spectrum.clone()));
     Solution {

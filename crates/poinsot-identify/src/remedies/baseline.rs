@@ -105,7 +105,7 @@ impl<'a> Baseline<'a> {
         Spectrum::new(
             &shared.block(),
             natural,
-            &vec![0.0; natural.len() * natural.len()],
+            None,
             size,
             self.problem.relative_accuracy,
         )

@@ -12,6 +12,7 @@ use crate::solution::estimate::UnobservableCombination;
 use crate::solution::solved::Solution;
 use baseline::Baseline;
 use poinsot_solve::Spectrum;
+use std::collections::BTreeMap;
 
 /// Share of a direction's square that must be identified for it to count as resolved.
 const CLOSED: f64 = 0.99;
@@ -91,7 +92,7 @@ pub(crate) fn try_changes(
         && solution.data_alone.is_none()
         && solution.converged
         && !open.is_empty();
-    let Some(tried) = can.then(|| Tried::new(problem, solution, open)).flatten() else {
+    let Some(mut tried) = can.then(|| Tried::new(problem, solution, open)).flatten() else {
         return;
     };
     for (k, direction) in open.iter_mut().enumerate() {
@@ -106,6 +107,8 @@ struct Tried<'a> {
     baseline: Baseline<'a>,
     directions: Vec<Vec<f64>>,
     changes: Vec<(Change, Effect)>,
+    /// Effects of the pairs that were tried, by their places among the changes.
+    pairs: BTreeMap<[usize; 2], Option<Effect>>,
 }
 
 impl<'a> Tried<'a> {
@@ -128,41 +131,48 @@ impl<'a> Tried<'a> {
             baseline,
             directions,
             changes,
+            pairs: BTreeMap::new(),
         })
     }
 
     /// The best change for one direction in words; the best pair if no single change helps.
-    fn sentence(&self, k: usize) -> Option<String> {
-        let effects = || self.changes.iter().map(|c| &c.1);
-        if let Some(best) = best(effects(), k) {
+    fn sentence(&mut self, k: usize) -> Option<String> {
+        let effects = self.changes.iter().map(|c| &c.1);
+        if let Some(best) = best(effects, k) {
             return Some(best.words(k));
         }
-        let mut most: Vec<&(Change, Effect)> = self.changes.iter().collect();
-        most.sort_by(|a, b| b.1.seen[k].0.total_cmp(&a.1.seen[k].0));
+        let share = |i: usize| self.changes[i].1.seen[k].0;
+        let mut most: Vec<usize> = (0..self.changes.len()).collect();
+        most.sort_by(|a, b| share(*b).total_cmp(&share(*a)));
         most.truncate(PAIRED);
-        let first = most.first()?;
+        let first = &self.changes[*most.first()?].1;
         let pairs = most.iter().enumerate().flat_map(|(i, a)| {
             let others = most[i + 1..].iter();
-            others.map(move |b| [&a.0, &b.0])
+            others.map(move |b| [*a, *b])
         });
-        let pairs: Vec<Effect> = pairs
-            .filter_map(|pair| Effect::of(&self.baseline, &pair, &self.directions))
-            .collect();
-        if let Some(best) = best(pairs.iter(), k) {
+        for pair in pairs.clone() {
+            // The best changes of one direction are often those of another.
+            self.pairs.entry(pair).or_insert_with(|| {
+                let changes = pair.map(|i| &self.changes[i].0);
+                Effect::of(&self.baseline, &changes, &self.directions)
+            });
+        }
+        let tried: Vec<&Effect> = pairs.filter_map(|p| self.pairs.get(&p)?.as_ref()).collect();
+        if let Some(best) = best(tried.iter().copied(), k) {
             return Some(format!("only together: {}", best.words(k)));
         }
-        let count = self.changes.len();
-        Some(match first.1.seen[k].0 > NOTHING {
+        let none = format!(
+            "none of {} changes and {} pairs resolves it",
+            self.changes.len(),
+            tried.len()
+        );
+        Some(match first.seen[k].0 > NOTHING {
             true => format!(
-                "none of {count} changes and {} pairs resolves it; the best is: {} ({:.0} % of it)",
-                pairs.len(),
-                first.1.text,
-                100.0 * first.1.seen[k].0
+                "{none}; the best is: {} ({:.0} % of it)",
+                first.text,
+                100.0 * first.seen[k].0
             ),
-            false => format!(
-                "none of {count} changes and {} pairs resolves it",
-                pairs.len()
-            ),
+            false => none,
         })
     }
 }

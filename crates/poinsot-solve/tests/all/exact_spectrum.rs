@@ -5,7 +5,7 @@ use poinsot_solve::Spectrum;
 
 fn spectrum(R: [[f64; 2]; 2], natural: [f64; 2]) -> Spectrum {
     let R = Mat::from_fn(2, 2, |i, j| R[i][j]);
-    Spectrum::new(&R, &natural, &[0.0; 4], 1.0, 10.0).unwrap()
+    Spectrum::new(&R, &natural, None, 1.0, 10.0).unwrap()
 }
 
 /// `R^T R` is [4 2; 2 17], its inverse [17 -2; -2 4] / 64; the result must not depend on natural units.
@@ -48,7 +48,7 @@ fn exact_an_accuracy_judges_each_number_by_its_own_sigma() {
     assert_eq!(s.unobservable_directions().ncols(), 0);
     // The same for an estimator that loses information: the experiment decides, the sigma is its own.
     let R = Mat::from_fn(2, 2, |i, j| 0.1 * R[i][j]);
-    let own = Spectrum::within(&R, &[0.0; 4], &s).unwrap();
+    let own = Spectrum::within(&R, None, &s).unwrap();
     assert!((own.sigma(&[1.0, 0.0]).unwrap() - 10.0 * sigma([1.0, 0.0])).abs() < 1e-13);
     assert_eq!(own.sigma(&[0.0, 1.0]), None);
 }

@@ -111,7 +111,7 @@ impl LeastSquares for Regression {
             )
         };
         let natural: Vec<f64> = (0..n).map(unit).collect();
-        let spectrum = Spectrum::new(&r, &natural, &vec![0.0; n * n], 0.0, f64::INFINITY).ok()?;
+        let spectrum = Spectrum::new(&r, &natural, None, 0.0, f64::INFINITY).ok()?;
         let rhs: Vec<f64> = (0..n).map(|i| r[(i, n)]).collect();
         let cost = square(&residuals);
         let response: f64 = self.rows.iter().map(|(y, _)| y * y).sum();
