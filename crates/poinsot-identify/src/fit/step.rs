@@ -95,7 +95,8 @@ impl LeastSquares for Experiment<'_> {
         step: &Step<Iterate>,
         left: f64,
     ) -> Option<Linearised<Linearisation>> {
-        if left > LEFT || self.keep_rows {
+        // Columns of known numbers have to be as new at an answer as where derivatives are computed there.
+        if left > LEFT || self.keep_rows || drop_old_columns(self, &step.to) {
             return None;
         }
         let mut there = self.evaluate(&step.to, false)?;
