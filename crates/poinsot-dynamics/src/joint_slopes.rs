@@ -1,4 +1,4 @@
-//! Derivatives of the momentum over all joints in one pass from the tips to the base.
+//! Derivatives of the momentum over all joints, and over other motions of a subtree, in one pass from the tips to the base.
 //!
 //! Everything is at fixed base twist, about the base origin `Bo`, in base axes. The subtree of joint j moves rigidly
 //! with it: the part of its momentum that is the parent's motion changes with the subtree's mass, first moment and
@@ -8,6 +8,44 @@ use crate::kinematics::Kinematics;
 use crate::tree::{Motion, Tree};
 use alloc::vec::Vec;
 use poinsot_spatial::{InertialParameters, Matrix3, Vector3, Vector6, parallel_axis, skew};
+
+/// A motion of a body with all that it carries: that of a joint, or of a joint that the vehicle does not have.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SubtreeMotion {
+    /// First body that moves.
+    pub link: usize,
+    /// Body that the direction is fixed in: the parent of `link`, or `link` itself.
+    pub frame: usize,
+    /// Direction in the axes of `frame`. Slopes are linear in its length.
+    pub axis: Vector3,
+    /// Whether the motion is a rotation about the origin of `link`; otherwise a translation.
+    pub turns: bool,
+}
+
+impl SubtreeMotion {
+    /// The motion of a joint coordinate; `None` if the vehicle has no such coordinate.
+    pub fn of_joint(tree: &Tree, coordinate: usize) -> Option<Self> {
+        let turns = |motion: Motion| match motion {
+            Motion::Revolute(k) => (k == coordinate).then_some(true),
+            Motion::Prismatic(k) => (k == coordinate).then_some(false),
+            Motion::Fixed | Motion::Free => None,
+        };
+        let mut links = tree.links.iter().enumerate();
+        links.find_map(|(i, link)| {
+            Some(Self {
+                link: i,
+                frame: link.parent,
+                axis: link.axis_P,
+                turns: turns(link.motion)?,
+            })
+        })
+    }
+
+    /// Its direction in the base.
+    pub fn axis_B(&self, kinematics: &Kinematics) -> Vector3 {
+        kinematics.R[self.frame] * self.axis
+    }
+}
 
 /// Slopes over one joint coordinate, linear part first.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -79,6 +117,13 @@ impl JointSlopes {
             self.subtrees[link.parent].add(&whole);
         }
     }
+
+    /// Slopes over a motion at the state of the last [`JointSlopes::fill`].
+    pub fn along(&self, kinematics: &Kinematics, motion: &SubtreeMotion) -> JointSlope {
+        let axis = motion.axis_B(kinematics);
+        let whole = &self.subtrees[motion.link];
+        whole.slope(kinematics, motion.link, motion.frame, &axis, motion.turns)
+    }
 }
 
 fn alone(body: &InertialParameters, kinematics: &Kinematics, i: usize) -> Subtree {
@@ -115,14 +160,14 @@ impl Subtree {
         &self,
         kinematics: &Kinematics,
         body: usize,
-        parent: usize,
+        frame: usize,
         axis: &Vector3,
         turns: bool,
     ) -> JointSlope {
         let p = kinematics.p[body];
-        let w = kinematics.w[parent];
-        // The parent's motion at the joint, and the subtree about it.
-        let v = kinematics.v[parent] + w.cross(&(p - kinematics.p[parent]));
+        let w = kinematics.w[frame];
+        // The motion of the frame at the joint, and the subtree about it.
+        let v = kinematics.v[frame] + w.cross(&(p - kinematics.p[frame]));
         let mc = self.mc - p * self.mass;
         let inertia = self.inertia - moved(self.mass, &p, &mc);
         let (rate_l, rate_h, dl, dh, first_moment);

@@ -97,7 +97,7 @@ pub use jacobian::{base_jacobian, generalise_jacobian, joint_jacobian, point_of_
 pub use joint_drive::{ForceProfile, JointDrive, SpringDamper};
 #[cfg(feature = "std")]
 pub use joint_motion::{Fourier, JointMotion};
-pub use joint_slopes::{JointSlope, JointSlopes};
+pub use joint_slopes::{JointSlope, JointSlopes, SubtreeMotion};
 pub use kinematics::Kinematics;
 pub use mass_matrix::MassMatrix;
 pub use momentum::{

@@ -19,6 +19,7 @@ mod point_kinematics;
 mod steps;
 mod variation;
 mod vehicle;
+mod virtual_joints;
 
 pub(crate) use acceleration::BodyPoint;
 pub(crate) use environment::GRADIENT;
@@ -123,7 +124,6 @@ pub(crate) struct Motion<'a> {
     /// The current inputs, and those in the middle of a step.
     input_state: InputState,
     middle: InputState,
-    still: Kinematics,
     regressor: Vec<[f64; 6]>,
     wheel_columns: Vec<[f64; 6]>,
     /// Sensitivity columns: initial state first, then unknowns; empty where only the motion is wanted.
@@ -212,7 +212,6 @@ impl<'a> Motion<'a> {
             gyration: gyration(&composite(&vehicle.bodies, &Kinematics::new(tree))),
             input_state: InputState::new(tree),
             middle: InputState::new(tree),
-            still: Kinematics::new(tree),
             regressor: vec![[0.0; 6]; 10 * tree.bodies()],
             wheel_columns: vec![[0.0; 6]; tree.rotors.len()],
             thrust: thrust_by_interval(segment),

@@ -13,14 +13,15 @@
 
 mod input_errors;
 
-use super::inputs::thruster_at;
+use super::inputs::{JOINT_STEP, thruster_at};
 use super::vehicle::{parabola_slope, wheel_slope};
+use super::virtual_joints::moved_trees;
 use super::{Instant, Motion, State};
 use crate::problem::parameters::UnknownKind;
 use crate::problem::segment::Observations;
 use nalgebra::SMatrix;
 use poinsot_dynamics::{
-    Accelerations, Kinematics, Twist, composite, momentum_rate_column, wheel_rate,
+    Accelerations, Kinematics, Tree, Twist, composite, momentum_rate_column, wheel_rate,
 };
 use poinsot_spatial::{Matrix3, Vector3, Vector6};
 
@@ -76,7 +77,7 @@ impl Motion<'_> {
             body: Accelerations::new(v.tree),
         };
         let wrench = self.wrench(state, &inputs.thrust, instant);
-        let free = self.rate_without_base(&mut moving, &inputs, &instant.twist);
+        let free = self.rate_without_base(&mut moving, (v.tree, &inputs), &instant.twist);
         let base = instant.inverse_inertia * (wrench - free);
         moving
             .body
@@ -156,21 +157,26 @@ impl Motion<'_> {
     }
 
     /// `b`: places and moves `moving` at the twist given, the base not accelerating.
-    fn rate_without_base(&self, moving: &mut Moving, inputs: &Inputs, twist: &Twist) -> Vector6 {
+    fn rate_without_base(
+        &self,
+        moving: &mut Moving,
+        (tree, inputs): (&Tree, &Inputs),
+        twist: &Twist,
+    ) -> Vector6 {
         let v = self.vehicle;
-        moving.kinematics.place(v.tree, &inputs.q);
+        moving.kinematics.place(tree, &inputs.q);
         moving
             .kinematics
-            .set_velocities(v.tree, &twist.v, &twist.w, &inputs.rates);
+            .set_velocities(tree, &twist.v, &twist.w, &inputs.rates);
         moving.body.set_without_base(
-            v.tree,
+            tree,
             &moving.kinematics,
             &inputs.rates,
             &inputs.accelerations,
         );
         let (force, mut torque) = moving.body.momentum_rate(&v.bodies, &moving.kinematics);
         torque += wheel_rate(
-            v.tree,
+            tree,
             &moving.kinematics,
             &v.spin,
             &inputs.wheels,
@@ -193,7 +199,7 @@ impl Motion<'_> {
             for half in [0.5_f64, -0.5] {
                 let mut turned = *twist;
                 turned.w[axis] += half.signum();
-                let b = self.rate_without_base(&mut moving, inputs, &turned) * half;
+                let b = self.rate_without_base(&mut moving, (tree, inputs), &turned) * half;
                 let sum = slopes.balance.column(axis) + b;
                 slopes.balance.set_column(axis, &sum);
                 for ((body, p), slope) in points.iter().zip(&mut slopes.force_B) {
@@ -275,11 +281,12 @@ impl Motion<'_> {
         forces: &mut [PointForce],
     ) {
         for change in &self.input_state.changes {
+            let real = |joint: usize| joint < self.vehicle.tree.dof();
             let mut there = [inputs.clone(), inputs.clone()];
             // Quadratic in rates and speeds, so that a step of one is exact; a small one over positions.
             let mut weigh = Vec::new();
-            if let Some((joint, dq, drate)) = change.joint {
-                weigh.push((dq, 1.0e-5_f64, Some(joint), None, None));
+            if let Some((joint, dq, drate)) = change.joint.filter(|c| real(c.0)) {
+                weigh.push((dq, JOINT_STEP, Some(joint), None, None));
                 weigh.push((drate, 1.0, None, Some(joint), None));
             }
             if let Some((wheel, dspeed)) = change.wheel {
@@ -301,16 +308,47 @@ impl Motion<'_> {
                         end.wheels[w] += sign * step;
                     }
                 }
-                let (balance, own) = self.input_slopes(state, &there, step, instant, base, points);
-                let shift = instant.inverse_inertia * balance;
-                for ((force, (body, p)), own) in forces.iter_mut().zip(points).zip(&own) {
-                    let R = self.input_state.kinematics.R[*body];
-                    let r = self.input_state.kinematics.p[*body] + R * p;
-                    let in_B = upper(&shift) + lower(&shift).cross(&r);
-                    force.columns[self.initial_columns + change.unknown] +=
-                        (own - R.transpose() * in_B) * share;
-                }
+                let ends = there.each_ref().map(|inputs| (self.vehicle.tree, inputs));
+                self.add_change(
+                    (change.unknown, share),
+                    (state, instant),
+                    (ends, step),
+                    (base, points),
+                    forces,
+                );
             }
+        }
+        for (unknown, kind) in self.vehicle.kinds.iter().enumerate() {
+            let Some(trees) = moved_trees(self.vehicle.tree, kind) else {
+                continue;
+            };
+            let ends = trees.each_ref().map(|tree| (tree, inputs));
+            self.add_change(
+                (unknown, 1.0),
+                (state, instant),
+                (ends, JOINT_STEP),
+                (base, points),
+                forces,
+            );
+        }
+    }
+
+    /// Adds the direct effect of one unknown: a share of the slope between two ends.
+    fn add_change(
+        &self,
+        (unknown, share): (usize, f64),
+        (state, instant): (&State, &Instant),
+        (ends, step): ([(&Tree, &Inputs); 2], f64),
+        (base, points): (&Vector6, &[BodyPoint]),
+        forces: &mut [PointForce],
+    ) {
+        let (balance, own) = self.input_slopes(state, ends, step, instant, base, points);
+        let shift = instant.inverse_inertia * balance;
+        for ((force, (body, p)), own) in forces.iter_mut().zip(points).zip(&own) {
+            let R = self.input_state.kinematics.R[*body];
+            let r = self.input_state.kinematics.p[*body] + R * p;
+            let in_B = upper(&shift) + lower(&shift).cross(&r);
+            force.columns[self.initial_columns + unknown] += (own - R.transpose() * in_B) * share;
         }
     }
 
@@ -319,7 +357,7 @@ impl Motion<'_> {
     fn input_slopes(
         &self,
         state: &State,
-        ends: &[Inputs; 2],
+        ends: [(&Tree, &Inputs); 2],
         step: f64,
         instant: &Instant,
         base: &Vector6,
@@ -332,14 +370,14 @@ impl Motion<'_> {
         };
         let mut balance = Vector6::zeros();
         let mut own = vec![Vector3::zeros(); points.len()];
-        for (there, weight) in ends.iter().zip([0.5 / step, -0.5 / step]) {
-            self.rate_without_base(&mut moving, there, &instant.twist);
+        for ((tree, there), weight) in ends.into_iter().zip([0.5 / step, -0.5 / step]) {
+            self.rate_without_base(&mut moving, (tree, there), &instant.twist);
             moving
                 .body
                 .add_base(&moving.kinematics, &upper(base), &lower(base));
             let (force, mut torque) = moving.body.momentum_rate(&v.bodies, &moving.kinematics);
             torque += wheel_rate(
-                v.tree,
+                tree,
                 &moving.kinematics,
                 &v.spin,
                 &there.wheels,

@@ -19,7 +19,6 @@ use super::variation::Variation;
 use super::{Column, EvaluatedState, Motion, State, along};
 use crate::problem::parameters::UnknownKind;
 use nalgebra::{DMatrix, DVector};
-use poinsot_dynamics::{Link, Motion as Joint};
 use poinsot_spatial::Vector3;
 use std::sync::Arc;
 
@@ -150,7 +149,7 @@ impl Motion<'_> {
     }
 
     /// Effect of unknowns on `a . w_host` at the current velocities and a fixed base rate: tilts of the axis, and
-    /// faults of the joints before the host, `(e x a) . w` and `a . e` with the joint's axis e and its body's rate w.
+    /// faults of the joints before the host, `(e x a) . w` and `a . e` with the joint's axis e and the rate w of the body that holds it.
     pub(super) fn axial_changes(&self) -> Vec<AxialChange> {
         let (v, kinematics) = (self.vehicle, &self.input_state.kinematics);
         let tilts = v.kinds.iter().enumerate().filter_map(|(unknown, kind)| {
@@ -171,8 +170,7 @@ impl Motion<'_> {
             let Some((joint, dq, drate)) = change.joint else {
                 continue;
             };
-            let turns = |link: &Link| link.motion == Joint::Revolute(joint);
-            let Some(at) = v.tree.links.iter().position(turns) else {
+            let Some(motion) = v.joint_motions.get(joint).filter(|m| m.turns) else {
                 continue;
             };
             for (wheel, (rotor, a)) in v.tree.rotors.iter().zip(self.axes()).enumerate() {
@@ -180,7 +178,7 @@ impl Motion<'_> {
                 all.push(AxialChange {
                     unknown: change.unknown,
                     wheel,
-                    turn: e.cross(&a).dot(&kinematics.w[at]) * dq + a.dot(&e) * drate,
+                    turn: e.cross(&a).dot(&kinematics.w[motion.frame]) * dq + a.dot(&e) * drate,
                 });
             }
         }

@@ -2,7 +2,7 @@
 
 use super::{Instant, Motion, State, matrix};
 use nalgebra::SMatrix;
-use poinsot_dynamics::{JointSlopes, Motion as Joint};
+use poinsot_dynamics::JointSlopes;
 use poinsot_spatial::{Matrix3, Vector3, skew};
 
 impl Motion<'_> {
@@ -150,19 +150,14 @@ impl Motion<'_> {
     /// How a body turns with a joint position and how a point of it at the base's origin would move, in B; zero for
     /// bodies before the joint.
     pub(super) fn turned_by(&self, body: usize, joint: usize) -> (Vector3, Vector3) {
-        let links = &self.vehicle.tree.links;
-        let mut at = body;
-        while at != 0 {
-            let link = &links[at];
-            let axis = link.axis_B(&self.input_state.kinematics.R[at]);
-            match link.motion {
-                Joint::Revolute(k) if k == joint => {
-                    return (axis, self.input_state.kinematics.p[at].cross(&axis));
-                }
-                Joint::Prismatic(k) if k == joint => return (Vector3::zeros(), axis),
-                _ => at = link.parent,
-            }
+        let Some(motion) = self.carrying(joint, body) else {
+            return (Vector3::zeros(), Vector3::zeros());
+        };
+        let kinematics = &self.input_state.kinematics;
+        let axis = motion.axis_B(kinematics);
+        match motion.turns {
+            true => (axis, kinematics.p[motion.link].cross(&axis)),
+            false => (Vector3::zeros(), axis),
         }
-        (Vector3::zeros(), Vector3::zeros())
     }
 }

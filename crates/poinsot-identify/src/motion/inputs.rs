@@ -1,10 +1,10 @@
 //! Corrected joint and wheel motion, and the effect of the sensor errors.
 
 use super::vehicle::{Vehicle, wheel_slope};
-use super::{EvaluatedState, InputState, Instant, MassCentre, Motion, State, matrix, pose_change};
+use super::{EvaluatedState, InputState, Instant, Motion, State, matrix, pose_change};
 use crate::problem::parameters::UnknownKind;
 use crate::problem::segment::Observations;
-use poinsot_dynamics::{Kinematics, composite};
+use poinsot_dynamics::Kinematics;
 use poinsot_spatial::{Vector3, Vector6};
 use std::sync::Arc;
 
@@ -16,7 +16,7 @@ pub(super) const JOINT_STEP: f64 = 1.0e-5;
 pub(super) struct InputChange {
     /// Index of the unknown.
     pub unknown: usize,
-    /// Joint coordinate, with the change of its position and rate.
+    /// Joint coordinate, the virtual ones behind the real ones, with the change of its position and rate.
     pub joint: Option<(usize, f64, f64)>,
     /// Wheel, with the change of its speed.
     pub wheel: Option<(usize, f64)>,
@@ -85,6 +85,16 @@ impl Motion<'_> {
                         });
                     }
                 }
+                UnknownKind::JointPlace { .. } => {
+                    let virtual_joints = self.vehicle.virtual_joints.iter().enumerate();
+                    for (i, joint) in virtual_joints.filter(|(_, j)| j.unknown == unknown) {
+                        let (q, rate) = match joint.along {
+                            Some(k) => (input_state.q[k], input_state.rates[k]),
+                            None => (1.0, 0.0),
+                        };
+                        moved(self.vehicle.tree.dof() + i, q, rate);
+                    }
+                }
                 _ => {}
             }
         }
@@ -114,6 +124,10 @@ impl Motion<'_> {
         if self.input_state.changes.iter().any(|c| c.joint.is_some()) {
             let mut slopes = std::mem::take(&mut self.input_state.joint_slopes);
             self.joint_slopes(instant, &mut slopes);
+            for joint in &self.vehicle.virtual_joints {
+                let slope = slopes.along(&self.input_state.kinematics, &joint.motion);
+                slopes.of.push(slope);
+            }
             self.input_state.joint_slopes = slopes;
         }
     }
@@ -142,44 +156,27 @@ impl Motion<'_> {
 
     /// Effect of joint position errors on the external force and torque.
     pub(super) fn outside_changes(
-        &mut self,
+        &self,
         state: &State,
+        instant: &Instant,
         k: usize,
-        centre: &MassCentre,
-        w: &Vector3,
     ) -> Vec<OutsideChange> {
         let calm = self.thrust[k].is_empty() && self.vehicle.gm.is_none();
         if calm {
             return Vec::new();
         }
-        let mut list = Vec::new();
-        for change in &self.input_state.changes {
-            let Some((joint, dq, _)) = change.joint else {
-                continue;
-            };
-            let (mut F_B, mut T_B) = (Vector3::zeros(), Vector3::zeros());
-            let mut q = self.input_state.q.clone();
-            for weight in [0.5 / JOINT_STEP, -0.5 / JOINT_STEP] {
-                q[joint] = self.input_state.q[joint] + JOINT_STEP * weight.signum();
-                self.still.place(self.vehicle.tree, &q);
-                let whole = composite(&self.vehicle.bodies, &self.still);
-                let mut there = *centre;
-                there.c = whole.p_BoScm_B();
-                there.I_SScm_B = whole.I_SScm_B();
-                T_B += self.environment_torque(state, w, &there) * weight;
-                for (at, declared) in &self.thrust[k] {
-                    let (F, arm) = thruster_at(self.vehicle, &self.still, *at, *declared, &there.c);
-                    F_B += F * weight;
-                    T_B += arm.cross(&F) * weight;
-                }
-            }
-            list.push(OutsideChange {
+        let of_joint = |change: &InputChange| {
+            let (joint, dq, _) = change.joint?;
+            let first_moment = &self.input_state.joint_slopes.of[joint].first_moment;
+            let (F_B, T_B) = self.wrench_change(state, instant, k, joint, first_moment);
+            Some(OutsideChange {
                 unknown: change.unknown,
                 F_B: F_B * dq,
                 T_B: T_B * dq,
-            });
-        }
-        list
+            })
+        };
+        let changes = self.input_state.changes.iter();
+        changes.filter_map(of_joint).collect()
     }
 }
 

@@ -1,7 +1,7 @@
 //! Position and velocity of a point of a body, with their derivatives over the joints.
 
 use super::{Column, Motion};
-use poinsot_dynamics::{Motion as Joint, Twist};
+use poinsot_dynamics::Twist;
 use poinsot_spatial::{Matrix3, Vector3, Vector6};
 
 /// A point P fixed in body i, seen from the base; all in base axes.
@@ -14,13 +14,13 @@ pub(crate) struct PointKinematics {
     pub v: Vector3,
     /// `w_NBi_B`, rad/s.
     pub w: Vector3,
-    /// The joints between base and body.
+    /// The joints between base and body, virtual ones behind them.
     pub joints: Vec<JointEffect>,
 }
 
 /// Slopes of a place over one joint, the base twist held.
 pub(crate) struct JointEffect {
-    /// Joint coordinate.
+    /// Joint coordinate; the virtual ones follow the real ones.
     pub joint: usize,
     /// Turn of the body and shift of the point over the joint's position; also `w` and `v` over its rate.
     pub turn: Vector3,
@@ -53,35 +53,36 @@ impl Motion<'_> {
             w: placed.w[body],
             joints: Vec::new(),
         };
-        let mut at = body;
-        while at != 0 {
-            let link = &tree.links[at];
-            let axis = link.axis_B(&placed.R[at]);
-            let w = placed.w[at];
-            // All beyond the joint turns or shifts as one; what moves relative to the joint's own body turns with it.
-            let arm = place.r - placed.p[at];
-            let effect = match link.motion {
-                Joint::Revolute(joint) => Some(JointEffect {
-                    joint,
-                    turn: axis,
-                    shift: axis.cross(&arm),
-                    w: axis.cross(&(place.w - w)),
-                    v: w.cross(&axis.cross(&arm))
-                        + axis.cross(&(place.v - placed.v[at] - w.cross(&arm))),
-                }),
-                Joint::Prismatic(joint) => Some(JointEffect {
-                    joint,
-                    turn: Vector3::zeros(),
-                    shift: axis,
-                    w: Vector3::zeros(),
-                    v: w.cross(&axis),
-                }),
-                Joint::Fixed | Joint::Free => None,
-            };
-            place.joints.extend(effect);
-            at = link.parent;
-        }
+        let joints = 0..self.vehicle.joint_motions.len();
+        let effects = joints.filter_map(|joint| self.effect(joint, body, &place));
+        place.joints = effects.collect();
         place
+    }
+
+    /// Slopes of a place over a joint; `None` if the joint does not carry the body.
+    fn effect(&self, joint: usize, body: usize, place: &PointKinematics) -> Option<JointEffect> {
+        let motion = self.carrying(joint, body)?;
+        let placed = &self.input_state.kinematics;
+        let (axis, w) = (motion.axis_B(placed), placed.w[motion.frame]);
+        if !motion.turns {
+            return Some(JointEffect {
+                joint,
+                turn: Vector3::zeros(),
+                shift: axis,
+                w: Vector3::zeros(),
+                v: w.cross(&axis),
+            });
+        }
+        // All beyond the joint turns as one. What moves relative to the frame turns with it.
+        let arm = place.r - placed.p[motion.link];
+        let v = placed.v[motion.frame] + w.cross(&(place.r - placed.p[motion.frame]));
+        Some(JointEffect {
+            joint,
+            turn: axis,
+            shift: axis.cross(&arm),
+            w: axis.cross(&(place.w - w)),
+            v: w.cross(&axis.cross(&arm)) + axis.cross(&(place.v - v)),
+        })
     }
 
     /// Change of state and base twist with every sensitivity column, at the instant of the last [`Motion::velocity`].

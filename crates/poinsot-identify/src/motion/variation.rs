@@ -357,7 +357,7 @@ impl Motion<'_> {
         if !acts && !self.vehicle.has_unknown_wrench {
             return None;
         }
-        let outside = self.outside_changes(state, k, &instant.centre, &instant.twist.w);
+        let outside = self.outside_changes(state, instant, k);
         let forces = self.thrust_now(instant, k);
         let (centre, w) = (&instant.centre, &instant.twist.w);
         let (R, still) = (matrix(&state.R_NB), Vector3::zeros());

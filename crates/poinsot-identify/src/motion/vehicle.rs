@@ -1,10 +1,11 @@
 //! The vehicle at one value of the unknowns, with its inputs between samples.
 
 use super::steps::Steps;
+use super::virtual_joints::{VirtualJoint, virtual_joints};
 use crate::motion::input_curves::InputCurves;
 use crate::problem::parameters::{Parameters, UnknownKind};
 use crate::problem::segment::{Firing, Observations, Segment};
-use poinsot_dynamics::Tree;
+use poinsot_dynamics::{SubtreeMotion, Tree};
 use poinsot_model::Thruster;
 use poinsot_spatial::{InertialParameters, Vector3};
 use std::borrow::Cow;
@@ -36,6 +37,10 @@ pub(crate) struct Vehicle<'a> {
     pub noisy_joints: Vec<bool>,
     /// Unknowns that change joint and wheel motion.
     pub input_faults: Vec<InputFault>,
+    /// Motion of each joint coordinate, then of the virtual joints.
+    pub joint_motions: Vec<SubtreeMotion>,
+    /// Joints that do not move, by which unknowns displace subtrees.
+    pub virtual_joints: Vec<VirtualJoint>,
     /// Curves along which lags shift the inputs, where any is unknown.
     pub curves: Option<&'a InputCurves>,
     /// Slope of its wheel's axis over each unknown that is a tilt; zero for all others.
@@ -62,6 +67,11 @@ impl<'a> Vehicle<'a> {
         nominal_spin: &[f64],
         x: &[f64],
     ) -> Self {
+        let virtual_joints = virtual_joints(tree, parameters);
+        let real = (0..tree.dof()).filter_map(|k| SubtreeMotion::of_joint(tree, k));
+        let joint_motions = real
+            .chain(virtual_joints.iter().map(|j| j.motion))
+            .collect();
         let mut spin = nominal_spin.to_vec();
         let mut thrust_factor = vec![1.0; thrusters.len()];
         let (mut torque_B, mut torque_N) = (Vector3::zeros(), Vector3::zeros());
@@ -105,6 +115,8 @@ impl<'a> Vehicle<'a> {
                     value: *value,
                 })
                 .collect(),
+            joint_motions,
+            virtual_joints,
             curves: None,
             tilt_slopes: tilt_slopes(parameters, x),
             late_thrusters: parameters

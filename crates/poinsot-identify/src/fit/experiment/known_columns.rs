@@ -1,7 +1,7 @@
 //! Sensitivities of the predictions to known numbers.
 //!
-//! Masses, mass centres, inertias, rotors and thrusters have analytic sensitivities: one evaluation gives all their
-//! columns. Joints and mountings need one difference each.
+//! Bodies, joints, rotors and thrusters have analytic sensitivities: one evaluation gives all their columns. Mountings need
+//! one difference each.
 
 use super::as_predicted::take_predictions;
 use super::{Experiment, Iterate};
@@ -194,6 +194,13 @@ impl PredictedExperiment {
                     0.0,
                 )
             }
+            KnownNumber::JointOrigin(k) | KnownNumber::JointAxis(k) => {
+                let model = self.problem(experiment.problem).model;
+                (
+                    joint_slopes((model, experiment.problem.model), k, shift)?,
+                    0.0,
+                )
+            }
             _ => return None,
         };
         Some(Unknown {
@@ -296,6 +303,26 @@ fn thruster_slopes(
         thruster,
         direction_B: (ahead.0 - behind.0) / (2.0 * step),
         p_BoT_B: (ahead.1 - behind.1) / (2.0 * step),
+    })
+}
+
+/// How a known number moves a joint. Turns are about directions of the `nominal` vehicle.
+fn joint_slopes(
+    (model, nominal): (&Model, &Model),
+    joint: usize,
+    (number, component, step): Shift,
+) -> Option<UnknownKind> {
+    let moved = |change: f64| {
+        let mut there = model.clone();
+        number.shift(nominal, &mut there, component, change);
+        let j = there.joints.get(joint)?;
+        Some((j.p_PoCo_P, j.axis_C))
+    };
+    let (behind, ahead) = (moved(-step)?, moved(step)?);
+    Some(UnknownKind::JointPlace {
+        link: model.joints.get(joint)?.child,
+        p_PoCo_P: (ahead.0 - behind.0) / (2.0 * step),
+        axis_C: (ahead.1 - behind.1) / (2.0 * step),
     })
 }
 

@@ -38,7 +38,7 @@ impl<'a> Motion<'a> {
             body: Accelerations::new(tree),
         };
         let wrench = self.wrench(state, &inputs.thrust, instant);
-        let free = self.rate_without_base(&mut moving, &inputs, &instant.twist);
+        let free = self.rate_without_base(&mut moving, (tree, &inputs), &instant.twist);
         let R = moving.kinematics.R[point.0];
         ForceAround {
             slopes: self.rate_slopes(&inputs, &instant.twist, &[*point]),
@@ -128,9 +128,10 @@ impl ForceAround<'_, '_> {
         for (end, sign) in ends.iter_mut().zip([1.0, -1.0]) {
             change(end, sign * step);
         }
+        let tree = self.motion.vehicle.tree;
         let (balance, own) = self.motion.input_slopes(
             &self.state,
-            &ends,
+            ends.each_ref().map(|inputs| (tree, inputs)),
             step,
             &self.instant,
             &self.base,

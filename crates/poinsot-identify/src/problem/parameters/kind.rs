@@ -26,6 +26,15 @@ pub enum UnknownKind {
         /// Slope of the position, m.
         p_BoT_B: Vector3,
     },
+    /// Origin and axis of a joint, with their slopes. Tested only.
+    JointPlace {
+        /// The body that the joint carries.
+        link: usize,
+        /// Slope of the origin in the parent, m.
+        p_PoCo_P: Vector3,
+        /// Slope of the unit axis in the body.
+        axis_C: Vector3,
+    },
     /// An error of a sensor with three axes.
     Sensor {
         /// Index in the model's sensors.
@@ -81,6 +90,7 @@ impl UnknownKind {
         matches!(
             self,
             Self::ThrusterPlace { .. }
+                | Self::JointPlace { .. }
                 | Self::Sensor { .. }
                 | Self::DisturbanceTorque(_)
                 | Self::InertialTorque(_)
@@ -132,6 +142,7 @@ impl UnknownKind {
         matches!(
             self,
             Self::ThrusterPlace { .. }
+                | Self::JointPlace { .. }
                 | Self::InertialForce(_)
                 | Self::GravityGradient(_)
                 | Self::Tide(_)
@@ -154,7 +165,7 @@ impl UnknownKind {
     pub(crate) fn shifts_inputs(&self) -> bool {
         matches!(
             self,
-            Self::JointOffset(_) | Self::JointLag(_) | Self::WheelLag(_)
+            Self::JointOffset(_) | Self::JointLag(_) | Self::WheelLag(_) | Self::JointPlace { .. }
         )
     }
 }
