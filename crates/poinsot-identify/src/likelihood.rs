@@ -51,7 +51,7 @@ pub(crate) struct Setting<'a> {
     pub grids: &'a [Grid],
     pub factor: u32,
     pub bends: bool,
-    /// Whether every whitened row is kept beside the triangle.
+    /// Whether every whitened row is kept, and no triangle is made.
     pub keep_rows: bool,
     /// How the known numbers move the predictions, where that is asked.
     pub known: Option<&'a KnownColumns>,
@@ -197,6 +197,7 @@ fn evaluate_driven(
         setting.nominal_spin,
         x,
     );
+    vehicle.segment = index;
     vehicle.wheels_smooth = setting.wheels_smooth;
     vehicle.curves = setting.curves.get(index);
     vehicle.steps = setting.steps(index);
@@ -238,6 +239,8 @@ struct SegmentComparison<'a> {
     /// One for each sensor of the segment.
     cursors: Vec<SensorCursor>,
     initial_columns: usize,
+    with_sensitivities: bool,
+    /// `None` without sensitivities, and where the rows are kept.
     qr: Option<BlockQr>,
     rows: usize,
     inputs: InputNoise,
@@ -268,7 +271,9 @@ impl<'a> SegmentComparison<'a> {
             segment,
             cursors: SensorCursor::all(sensors, setting.parameters, x, initial_columns),
             initial_columns,
-            qr: with_sensitivities.then(|| BlockQr::new(initial_columns + x.len() + 1)),
+            with_sensitivities,
+            qr: (with_sensitivities && !setting.keep_rows)
+                .then(|| BlockQr::new(initial_columns + x.len() + 1)),
             rows: 0,
             inputs: InputNoise::default(),
             joint_rate: joint_rate_noise(setting.noise, segment),
@@ -296,9 +301,9 @@ impl<'a> SegmentComparison<'a> {
 
     /// Sequences that go through the filter of the inputs: sensitivities and the residual.
     fn followed(&self) -> usize {
-        match self.qr {
-            Some(_) => self.initial_columns + self.setting.parameters.len() + 1,
-            None => 1,
+        match self.with_sensitivities {
+            true => self.initial_columns + self.setting.parameters.len() + 1,
+            false => 1,
         }
     }
 
@@ -315,7 +320,7 @@ impl<'a> SegmentComparison<'a> {
         if errs || self.joint_rate.iter().any(|v| *v > 0.0) {
             self.inputs.propagate_to(motion, state, &instant, k);
         }
-        if due && self.setting.keep_rows && self.qr.is_some() {
+        if due && self.setting.keep_rows && self.with_sensitivities {
             let start = motion.columns[..self.initial_columns].to_vec();
             self.kept.transitions.push(Transition {
                 at: k,
@@ -364,7 +369,7 @@ impl<'a> SegmentComparison<'a> {
         let inverse_root = root.solve_lower_triangular(&Matrix3::identity())?;
         self.inputs
             .take(slopes, &correlation, &inverse_root, &mut rows);
-        if let Some(carried) = self.carried.as_ref().filter(|_| self.qr.is_some()) {
+        if let Some(carried) = self.carried.as_ref().filter(|_| self.with_sensitivities) {
             let reading = self.cursors[i].channel.white.len();
             rows = carried.widened(&rows, (i, reading), (self.initial_columns, weight.sqrt()));
         }

@@ -39,7 +39,7 @@ use poinsot_spatial::{Matrix3, Matrix6, UnitQuaternion, Vector3, Vector6, parall
 use std::borrow::Cow;
 use std::sync::Arc;
 use variation::Variation;
-use vehicle::thrust_by_interval;
+use vehicle::{Thrust, thrust_by_interval};
 
 /// A column of the state's sensitivity.
 pub(crate) type Column = SVector<f64, 12>;
@@ -120,7 +120,9 @@ pub(crate) struct Motion<'a> {
     gyration: f64,
     observations: &'a Observations,
     /// Thrust in the interval after each grid time.
-    thrust: Vec<Vec<(usize, f64)>>,
+    thrust: Vec<Vec<Thrust>>,
+    /// Displacement of each joint coordinate at grid time k over its play: row k; empty where no play is an unknown.
+    play: Vec<f64>,
     /// The current inputs, and those in the middle of a step.
     input_state: InputState,
     middle: InputState,
@@ -215,6 +217,7 @@ impl<'a> Motion<'a> {
             regressor: vec![[0.0; 6]; 10 * tree.bodies()],
             wheel_columns: vec![[0.0; 6]; tree.rotors.len()],
             thrust: thrust_by_interval(segment),
+            play: inputs::play(vehicle, o),
             steps_left: steps_allowed(o),
             observations: o,
             initial_columns,
@@ -375,17 +378,19 @@ impl<'a> Motion<'a> {
     }
 
     /// Thrusters with their arms from the system's mass centre.
-    fn forces(&self, thrust: &[(usize, f64)], centre: &MassCentre) -> Vec<Force> {
+    fn forces(&self, thrust: &[Thrust], centre: &MassCentre) -> Vec<Force> {
         let kinematics = &self.input_state.kinematics;
         thrust
             .iter()
-            .map(|&(at, declared)| {
+            .map(|now| {
+                let (at, declared) = (now.thruster, now.force);
                 let thruster = &self.vehicle.thrusters[at];
                 let R_BT = &kinematics.R[thruster.body];
                 let p_BoT_B = kinematics.p[thruster.body] + R_BT * thruster.p_BoT_B;
                 let thrust = declared * self.vehicle.thrust_factor[at];
                 Force {
                     thruster: at,
+                    firing: (self.vehicle.segment, now.firing),
                     R_BT: *R_BT,
                     thrust,
                     declared,
@@ -414,6 +419,8 @@ impl<'a> Motion<'a> {
 /// One thruster at one instant, in B; the arm is from the system's mass centre.
 struct Force {
     thruster: usize,
+    /// Segment, and firing in it.
+    firing: (usize, usize),
     /// Axes of the body that holds it.
     R_BT: Matrix3,
     thrust: f64,
@@ -431,6 +438,9 @@ impl Force {
         let (dF, dp) = match kind {
             kind if kind.thruster() != Some(self.thruster) => (none, none),
             UnknownKind::ThrusterScale(_) => (self.R_BT * self.direction_T * self.declared, none),
+            UnknownKind::Firing {
+                segment, firing, ..
+            } if self.firing == (*segment, *firing) => (self.F_B, none),
             UnknownKind::ThrusterPlace {
                 direction_B,
                 p_BoT_B,

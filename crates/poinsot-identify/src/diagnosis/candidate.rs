@@ -2,7 +2,6 @@
 
 use super::types::FaultKind;
 use crate::problem::parameters::{Unknown, UnknownKind, axis_name};
-use poinsot_model::KnownNumber;
 
 /// Candidate faults of one kind.
 pub(super) struct Candidate {
@@ -18,10 +17,18 @@ pub(super) struct Candidate {
 pub(super) enum Columns {
     /// The unknowns have slopes of their own.
     Slopes,
-    /// Differences of whole evaluations, one for each unknown.
-    Changes(Vec<Change>),
+    /// Those of an unknown that moves the predictions alike, one for each. Not tried where the record is too long to be held.
+    Twins(Vec<Twin>),
     /// Those of the errors of a sensor, times the time since the start of the record.
     Ramp { sensor: usize },
+}
+
+/// An unknown that moves the predictions as a number of a candidate does.
+#[derive(Debug, Clone)]
+pub(super) struct Twin {
+    pub unknown: Unknown,
+    /// Size of the number whose effect has to show in the predictions.
+    pub sigma: f64,
 }
 
 impl Candidate {
@@ -52,15 +59,4 @@ pub(super) fn triple(
     (0..3)
         .map(|k| unknown(kind(k), format!("{prefix}_{}", axis_name(k)), unit))
         .collect()
-}
-
-/// One change of the problem.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Change {
-    /// A component of a known number.
-    Known(KnownNumber, usize),
-    /// The force of one firing in a segment, as a share of it.
-    Firing(usize, usize),
-    /// Play of a joint coordinate: its link is half of it behind its drive.
-    Play(usize),
 }

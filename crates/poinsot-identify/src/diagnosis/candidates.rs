@@ -5,7 +5,7 @@ use super::candidate::{Candidate, Columns, unknown};
 use super::changes::changes;
 use super::environment::environment_candidates;
 use super::types::FaultKind;
-use crate::fit::experiment::Experiment;
+use crate::fit::experiment::{Experiment, Iterate};
 use crate::likelihood::MeasuredMotion;
 use crate::problem::Problem;
 use crate::problem::parameters::{ErrorGroup, UnknownKind, axis_name};
@@ -13,8 +13,8 @@ use crate::problem::segment::InputErrors;
 use poinsot_dynamics::SensorError;
 use poinsot_model::{JointKind, KnownNumber, Model, SensorKind};
 
-/// Candidates that the fit did not have; those with slopes of their own first.
-pub(super) fn candidates(experiment: &Experiment) -> Vec<Candidate> {
+/// Candidates that the fit did not have at its answer; those with slopes of their own first, those made of others last.
+pub(super) fn candidates(experiment: &Experiment, at: &Iterate) -> Vec<Candidate> {
     let mut list = of_sensors(experiment);
     list.extend(of_late_readings(experiment));
     list.extend(of_offsets(experiment));
@@ -37,8 +37,8 @@ pub(super) fn candidates(experiment: &Experiment) -> Vec<Candidate> {
         number.is_some_and(|n| all.any(|k| k.number == n))
     };
     list.retain(|c| !c.unknowns.iter().any(|u| known(&u.kind)));
+    list.extend(changes(experiment, at));
     list.extend(of_drifts(experiment));
-    list.extend(changes(experiment));
     list
 }
 

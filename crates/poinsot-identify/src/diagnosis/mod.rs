@@ -109,7 +109,7 @@ fn weighed(
     out: &mut Diagnostics,
     mistake: Option<Suspect>,
 ) {
-    let mut candidates = candidates(experiment);
+    let mut candidates = candidates(experiment, &fitted.at);
     let table = Table::new(experiment, fitted, &mut candidates);
     let about = (candidates.as_slice(), table.as_ref());
     let mut others =

@@ -3,11 +3,11 @@
 //! A row is `[start of the segment | fitted unknowns | candidates | residual]`. A record too long to be held keeps the
 //! triangle of the candidates that have slopes of their own; the others are not tried there.
 
-use super::candidate::{Candidate, Change, Columns};
-use super::changes::differences;
+use super::candidate::{Candidate, Columns, Twin};
 use super::projected::Projected;
 use crate::fit::Fitted;
-use crate::fit::experiment::{Experiment, Iterate, PredictionSlopes};
+use crate::fit::experiment::{Experiment, Iterate};
+use crate::fit::known_numbers::SILENT;
 use crate::fit::triangle::conditional_estimate;
 use crate::likelihood::{Evaluated, Transition};
 use crate::problem::parameters::{Unknown, UnknownKind};
@@ -180,23 +180,20 @@ impl Table {
     ) -> Option<Self> {
         let base = experiment.parameters.len();
         let slopes = |c: &Candidate| matches!(c.columns, Columns::Slopes);
-        let own: Vec<Unknown> = candidates
-            .iter()
-            .filter(|c| slopes(c))
-            .flat_map(|c| c.unknowns.clone())
-            .collect();
         let all: usize = candidates.iter().map(|c| c.unknowns.len()).sum();
         let rows: usize = fitted.evaluated.iter().map(|e| e.rows).sum();
         let held = rows * (base + all) < NUMBERS;
         if !held {
             candidates.retain(slopes);
         }
+        let own: Vec<Twin> = candidates.iter().flat_map(own_columns).collect();
         let mut extended = experiment.parameters.clone();
-        extended.unknowns.extend(own.iter().cloned());
+        let unknowns = own.iter().map(|t| t.unknown.clone());
+        extended.unknowns.extend(unknowns);
         let mut wide = experiment.with_parameters(&extended);
         wide.keep_rows = held;
         let mut x = fitted.at.x.clone();
-        x.extend(own.iter().map(|u| u.nominal));
+        x.extend(own.iter().map(|t| t.unknown.nominal));
         let at = Iterate {
             x,
             initial_states: fitted.at.initial_states.clone(),
@@ -207,16 +204,18 @@ impl Table {
             initial_states: experiment.unknown.iter().map(|u| u.count()).collect(),
             segments: Vec::new(),
             unknowns: candidates.iter().flat_map(|c| c.unknowns.clone()).collect(),
-            stacked: wide.stack(&at, &evaluated, true),
+            stacked: match held {
+                true => BlockQr::new(1).finish(),
+                false => wide.stack(&at, &evaluated, true),
+            },
             evaluated: Vec::new(),
         };
         if held {
             table.hold(experiment, &mut evaluated);
+            table.silence(&own);
             let kinds: Vec<UnknownKind> =
                 extended.unknowns.iter().map(|u| u.kind.clone()).collect();
-            let changes: Vec<Change> = candidates.iter().flat_map(changes_of).collect();
-            let made = differences(experiment, &fitted.at, &changes)?;
-            table.derive(experiment, candidates, &kinds, &made);
+            table.derive(experiment, candidates, &kinds);
             let late = (base..kinds.len()).filter(|k| kinds[*k].is_delay());
             let late: Vec<usize> = late.collect();
             let segments = experiment.problem.segments.iter();
@@ -251,51 +250,48 @@ impl Table {
         }
     }
 
-    /// Puts the columns that are made of others, or of differences, between the candidates and the residual.
-    fn derive(
-        &mut self,
-        experiment: &Experiment,
-        candidates: &[Candidate],
-        kinds: &[UnknownKind],
-        made: &[PredictionSlopes],
-    ) {
-        for (s, own) in self.segments.iter_mut().enumerate() {
-            let t = &experiment.problem.segments[s].observations.time_s;
-            let mut next = vec![0; own.names.len()];
-            for (m, (sensor, at)) in own.of.iter().enumerate() {
-                let sample = next.get(*sensor).copied().unwrap_or(0);
-                if let Some(next) = next.get_mut(*sensor) {
-                    *next += 1;
+    /// Clears columns that do not show in the predictions: one of round-off explains any residual with a huge number.
+    fn silence(&mut self, own: &[Twin]) {
+        for (k, twin) in own.iter().enumerate() {
+            let at = |one: &SegmentRows| one.initial_columns + self.base + k;
+            let squares = self.segments.iter().flat_map(|one| {
+                let place = at(one);
+                one.rows.iter().map(move |row| row[place].powi(2))
+            });
+            let length = squares.sum::<f64>().sqrt();
+            if length > 0.0 && length * twin.sigma <= SILENT {
+                for one in &mut self.segments {
+                    let place = one.initial_columns + self.base + k;
+                    one.rows.iter_mut().for_each(|row| row[place] = 0.0);
                 }
-                for axis in 0..3 {
-                    let row = &mut own.rows[3 * m + axis];
-                    let residual = row.pop().unwrap_or(0.0);
-                    let mut change = made.iter();
-                    for candidate in candidates {
-                        match &candidate.columns {
-                            Columns::Slopes => {}
-                            Columns::Changes(list) => row.extend(list.iter().map(|_| {
-                                let slope = change
-                                    .next()
-                                    .and_then(|d| d.get(s)?.get(*sensor)?.get(sample));
-                                slope.map_or(0.0, |v| v[axis])
-                            })),
-                            Columns::Ramp { sensor } => {
-                                let bias = |k: usize| UnknownKind::Sensor {
-                                    sensor: *sensor,
-                                    error: SensorError::Bias(k),
-                                };
-                                let place =
-                                    |k: usize| kinds.iter().position(|kind| *kind == bias(k));
-                                let value = |k: usize| {
-                                    place(k).map_or(0.0, |p| row[own.initial_columns + p])
-                                };
-                                let drift: [f64; 3] = std::array::from_fn(value);
-                                row.extend(drift.map(|d| d * (t[*at] - t[0])));
-                            }
-                        }
+            }
+        }
+    }
+
+    /// Puts the columns that are made of others between the candidates and the residual.
+    fn derive(&mut self, experiment: &Experiment, candidates: &[Candidate], kinds: &[UnknownKind]) {
+        let drifts = candidates.iter().filter_map(|c| match c.columns {
+            Columns::Ramp { sensor } => Some(sensor),
+            _ => None,
+        });
+        for sensor in drifts {
+            let bias = |axis: usize| UnknownKind::Sensor {
+                sensor,
+                error: SensorError::Bias(axis),
+            };
+            let place = |axis: usize| kinds.iter().position(|kind| *kind == bias(axis));
+            let places = [0, 1, 2].map(place);
+            for (own, segment) in self.segments.iter_mut().zip(experiment.problem.segments) {
+                let t = &segment.observations.time_s;
+                for (three, (_, at)) in own.rows.chunks_exact_mut(3).zip(&own.of) {
+                    for row in three {
+                        let residual = row.pop().unwrap_or(0.0);
+                        let value =
+                            |p: Option<usize>| p.map_or(0.0, |p| row[own.initial_columns + p]);
+                        let drift = places.map(value).map(|d| d * (t[*at] - t[0]));
+                        row.extend(drift);
+                        row.push(residual);
                     }
-                    row.push(residual);
                 }
             }
         }
@@ -416,9 +412,15 @@ impl Table {
     }
 }
 
-fn changes_of(candidate: &Candidate) -> Vec<Change> {
+/// What the evaluation itself gives columns to.
+fn own_columns(candidate: &Candidate) -> Vec<Twin> {
+    let itself = |unknown: &Unknown| Twin {
+        unknown: unknown.clone(),
+        sigma: f64::INFINITY,
+    };
     match &candidate.columns {
-        Columns::Changes(list) => list.clone(),
-        _ => Vec::new(),
+        Columns::Slopes => candidate.unknowns.iter().map(itself).collect(),
+        Columns::Twins(twins) => twins.clone(),
+        Columns::Ramp { .. } => Vec::new(),
     }
 }

@@ -5,11 +5,10 @@
 //! estimator: this module knows none.
 
 pub(crate) mod as_predicted;
-mod known_columns;
+pub(crate) mod known_columns;
 
 pub(crate) use known_columns::{
-    DIFFERENCE, KeptColumns, PredictedExperiment, PredictionSlopes, Shift, body_slopes,
-    drop_old_columns, slope, slopes,
+    DIFFERENCE, KeptColumns, MovedVehicle, body_slopes, drop_old_columns, slopes, twin,
 };
 
 use crate::fit::coordinates::Coordinates;
@@ -58,7 +57,7 @@ pub(crate) struct Experiment<'a> {
     pub known: Option<Arc<KnownColumns>>,
     /// The last of them that were made.
     pub kept: KeptColumns,
-    /// Whether evaluations keep every whitened row.
+    /// Whether evaluations keep every whitened row instead of a triangle.
     pub keep_rows: bool,
     /// Integration steps, one grid per segment, chosen once for the nominal vehicle.
     grids: Arc<OnceLock<Vec<Grid>>>,

@@ -1,15 +1,76 @@
 //! Columns of known numbers by the variational equation against differences of whole evaluations.
 
 use super::{MODEL, noise, segment};
-use crate::fit::experiment::{Experiment, PredictedExperiment, Shift};
+use crate::fit::experiment::as_predicted::take_predictions;
+use crate::fit::experiment::known_columns::{MovedVehicle, PredictionSlopes, Shift};
+use crate::fit::experiment::{Experiment, Iterate};
+use crate::likelihood::{ChannelResidual, Evaluated};
 use crate::problem::Problem;
-use crate::problem::parameters::{Equations, Parameters};
+use crate::problem::parameters::{Equations, Parameters, Unknown, UnknownKind};
+use crate::problem::segment::Segment;
+use crate::problem::shifted_vehicle::ShiftedVehicle;
 use nalgebra::Vector3;
 use poinsot_dynamics::Tree;
 use poinsot_model::{EstimateSet, KnownNumber, Nuisance, Origin, SensorKind, parse_model};
 
 /// Step of a difference, in the uncertainty of a drawing.
 const STEP: f64 = 1.0e-3;
+
+/// Slope of every whitened prediction between two evaluations of the same samples.
+fn slope(here: &[Evaluated], there: &[Evaluated], step: f64) -> PredictionSlopes {
+    let slope = |(a, b): (&Vector3<f64>, &Vector3<f64>)| (a - b) / step;
+    let sensor = |(a, b): (&ChannelResidual, &ChannelResidual)| {
+        a.white.iter().zip(&b.white).map(slope).collect()
+    };
+    let segment =
+        |(a, b): (&Evaluated, &Evaluated)| a.channels.iter().zip(&b.channels).map(sensor).collect();
+    here.iter().zip(there).map(segment).collect()
+}
+
+/// Samples that equal the predictions: with noisy inputs the whitening depends on the vehicle, and its change times a residual
+/// is no derivative.
+fn predicted(experiment: &Experiment, at: &Iterate) -> Vec<Segment> {
+    let mut segments = experiment.problem.segments.to_vec();
+    take_predictions(experiment, at, &mut segments).unwrap();
+    segments
+}
+
+/// Slopes over known numbers by differences of whole evaluations.
+fn by_difference(
+    experiment: &Experiment,
+    at: &Iterate,
+    numbers: &[Shift],
+) -> Vec<PredictionSlopes> {
+    let segments = predicted(experiment, at);
+    let there = Problem {
+        segments: &segments,
+        ..*experiment.problem
+    };
+    let own = experiment.of_vehicle(&there, experiment.parameters);
+    let here = own.evaluate(at, false).unwrap();
+    let beside = |shift: &Shift| {
+        let model = experiment.problem.model;
+        let vehicle = ShiftedVehicle::from(&there, model, experiment.parameters, &[*shift]);
+        let vehicle = vehicle.unwrap();
+        let beside = vehicle.problem(&there);
+        let other = experiment.of_vehicle(&beside, &vehicle.parameters);
+        slope(&here, &other.evaluate(at, false).unwrap(), shift.2)
+    };
+    numbers.iter().map(beside).collect()
+}
+
+fn flat(all: &[Vec<Vec<Vector3<f64>>>]) -> Vec<f64> {
+    let numbers = all.iter().flatten().flatten();
+    numbers.flat_map(|v| v.iter().copied()).collect()
+}
+
+/// Largest difference of two columns, and the size of the second.
+fn gap(own: &[f64], other: &[f64]) -> (f64, f64) {
+    assert_eq!(own.len(), other.len());
+    let size = other.iter().fold(0.0, |a: f64, x| a.max(x.abs()));
+    let pairs = own.iter().zip(other);
+    (pairs.fold(0.0, |a: f64, (x, y)| a.max((x - y).abs())), size)
+}
 
 #[test]
 fn exact_columns_of_known_numbers_are_differences_of_predictions() {
@@ -32,7 +93,8 @@ fn exact_columns_of_known_numbers_are_differences_of_predictions() {
         };
         let parameters = Parameters::new(&model, &tree, Equations::Momentum, true).unwrap();
         let experiment = Experiment::new(&problem, &parameters);
-        let predicted = PredictedExperiment::new(&experiment, &experiment.nominal_point()).unwrap();
+        let at = experiment.nominal_point();
+        let moved = MovedVehicle::new(&experiment, &at).unwrap();
         let known = model.known_numbers().into_iter();
         let numbers: Vec<Shift> = known
             .filter(|n| n.is_known(&model))
@@ -42,23 +104,11 @@ fn exact_columns_of_known_numbers_are_differences_of_predictions() {
                 (n, c, STEP * sigma)
             })
             .collect();
-        let columns = predicted.slopes(&experiment, &numbers).unwrap();
-        let differences = predicted.by_difference(&experiment, &numbers).unwrap();
+        let columns = moved.slopes(&experiment, &numbers).unwrap();
+        let differences = by_difference(&experiment, &at, &numbers);
         let mut compared = 0;
         for ((shift, own), other) in numbers.iter().zip(&columns).zip(&differences) {
-            let flat = |all: &[Vec<Vec<Vector3<f64>>>]| -> Vec<f64> {
-                let numbers = all
-                    .iter()
-                    .flatten()
-                    .flatten()
-                    .flat_map(|v| v.iter().copied());
-                numbers.collect()
-            };
-            let (own, other) = (flat(own), flat(other));
-            assert_eq!(own.len(), other.len(), "{shift:?}");
-            let size = other.iter().fold(0.0, |a: f64, x| a.max(x.abs()));
-            let pairs = own.iter().zip(&other);
-            let gap = pairs.fold(0.0, |a: f64, (x, y)| a.max((x - y).abs()));
+            let (gap, size) = gap(&flat(own), &flat(other));
             let name = shift.0.name(&model, shift.1);
             // The bend over a step and its round-off.
             let floor = 1.0e-9 / shift.2;
@@ -69,10 +119,101 @@ fn exact_columns_of_known_numbers_are_differences_of_predictions() {
             compared += usize::from(size > 1.0e3 * floor);
         }
         // A mass, mass centre and inertia at the least, a rotor and a thrust move the predictions.
-        let moves = |n: &Shift| !matches!(n.0, KnownNumber::Mounting(_));
+        assert!(compared > numbers.len() / 2, "{compared}");
+    }
+}
+
+/// Another force of one firing, and play of a joint.
+#[test]
+fn exact_columns_of_firings_and_play_are_differences_of_predictions() {
+    let mut model = parse_model(MODEL, "test").unwrap();
+    // Where the link changes sides its acceleration is that of the curve of the samples.
+    let point = [SensorKind::Accelerometer, SensorKind::VelocityIncrement];
+    model.sensors.retain(|s| !point.contains(&s.kind));
+    let tree = Tree::new(&model);
+    let mut segment = segment(&model, &tree, true);
+    let kinds = |kind: &SensorKind| !point.contains(kind);
+    segment.observations.sensors.retain(|s| kinds(&s.kind));
+    let (segments, noise) = ([segment.clone(), segment], noise(&tree));
+    let problem = Problem {
+        model: &model,
+        tree: &tree,
+        segments: &segments,
+        noise: &noise,
+        relative_accuracy: 1.0,
+    };
+    let parameters = Parameters::new(&model, &tree, Equations::Momentum, true).unwrap();
+    let experiment = Experiment::new(&problem, &parameters);
+    let at = experiment.nominal_point();
+    let firing = |k: usize| UnknownKind::Firing {
+        segment: 1,
+        firing: k,
+        thruster: segments[1].firings[k].thruster,
+    };
+    let firings = (0..segments[1].firings.len()).map(firing);
+    let play = (0..tree.dof()).map(UnknownKind::JointPlay);
+    let kinds: Vec<UnknownKind> = firings.chain(play).collect();
+    let mut wide = parameters.clone();
+    let mut there = at.clone();
+    for kind in &kinds {
+        there.x.push(0.0);
+        wide.unknowns.push(Unknown {
+            kind: kind.clone(),
+            name: String::new(),
+            unit: "",
+            nominal: 0.0,
+            natural: 1.0,
+        });
+    }
+    let mut extended = experiment.with_parameters(&wide);
+    extended.keep_rows = true;
+    let evaluated = extended.evaluate(&there, true).unwrap();
+    let samples = predicted(&experiment, &at);
+    let step = 1.0e-6;
+    let residuals = |segments: &[Segment]| {
+        let problem = Problem {
+            segments,
+            ..problem
+        };
+        experiment
+            .of_vehicle(&problem, &parameters)
+            .evaluate(&at, false)
+            .unwrap()
+    };
+    let here = residuals(&samples);
+    for (k, kind) in kinds.iter().enumerate() {
+        let mut changed = samples.clone();
+        match kind {
+            UnknownKind::Firing { firing, .. } => changed[1].firings[*firing].force *= 1.0 + step,
+            UnknownKind::JointPlay(joint) => {
+                for o in changed.iter_mut().map(|s| &mut s.observations) {
+                    let mut side = 0.0;
+                    let rates = o.joint_rate.chunks_exact(tree.dof());
+                    for (rates, q) in rates.zip(o.joint_position.chunks_exact_mut(tree.dof())) {
+                        if rates[*joint] != 0.0 {
+                            side = rates[*joint].signum();
+                        }
+                        q[*joint] -= 0.5 * step * side;
+                    }
+                }
+            }
+            _ => unreachable!(),
+        }
+        let other = flat(&slope(&here, &residuals(&changed), step));
+        let mut own = Vec::new();
+        for (one, start) in evaluated.iter().zip(&extended.unknown) {
+            let place = start.count() + parameters.len() + k;
+            for channel in &one.channels {
+                let rows = one.kept.of(Some(&channel.name));
+                own.extend(
+                    rows.flat_map(|row| row.rows.iter().map(|r| r[place]).collect::<Vec<_>>()),
+                );
+            }
+        }
+        let (gap, size) = gap(&own, &other);
         assert!(
-            compared > numbers.iter().filter(|n| moves(n)).count() / 2,
-            "{compared}"
+            size > 0.1 && gap < 1.0e-4 * size,
+            "{kind:?}: {gap:.3e} of {size:.3e}"
         );
     }
 }
@@ -95,9 +236,12 @@ fn exact_predicted_samples_have_the_columns_of_measured_ones() {
     let mut experiment = Experiment::new(&problem, &parameters);
     experiment.keep_rows = true;
     let at = experiment.nominal_point();
-    let predicted = PredictedExperiment::new(&experiment, &at).unwrap();
-    let there = predicted.problem(&problem);
-    let other = experiment.of_vehicle(&there, predicted.parameters());
+    let segments = predicted(&experiment, &at);
+    let there = Problem {
+        segments: &segments,
+        ..problem
+    };
+    let other = experiment.of_vehicle(&there, &parameters);
     let [own, other] = [&experiment, &other].map(|e| e.evaluate(&at, true).unwrap());
     let rows = own[0].kept.rows.iter().zip(&other[0].kept.rows);
     let mut compared = 0;
@@ -145,14 +289,14 @@ fn regress_a_mass_centre_that_no_sample_shows_has_no_column() {
     };
     let parameters = Parameters::new(&model, &tree, Equations::Momentum, false).unwrap();
     let experiment = Experiment::new(&problem, &parameters);
-    let predicted = PredictedExperiment::new(&experiment, &experiment.nominal_point()).unwrap();
+    let moved = MovedVehicle::new(&experiment, &experiment.nominal_point()).unwrap();
     for number in [
         KnownNumber::Mass(0),
         KnownNumber::MassCentre(0),
         KnownNumber::SpinInertia(0),
     ] {
         let sigma = number.absolute(&model, 0, number.usual_sigma(Origin::Cad));
-        let columns = predicted
+        let columns = moved
             .slopes(&experiment, &[(number, 0, STEP * sigma)])
             .unwrap();
         let all = columns.iter().flatten().flatten().flatten();

@@ -77,7 +77,7 @@ pub fn thrust_impulses(tree: &Tree, thrusters: &[Thruster], segment: &Segment) -
             break;
         }
         let (from, to) = (segment.samples.time_s[k], segment.samples.time_s[k + 1]);
-        for firing in running.between(from, to) {
+        for (_, firing) in running.between(from, to) {
             if firing.start_s >= to {
                 continue;
             }

@@ -159,9 +159,9 @@ impl SegmentComparison<'_> {
         let cursor = &self.cursors[i];
         let mut new = difference(cursor, sample, predicted, rate);
         let residual = new.residual;
-        let mut rows = match self.qr {
-            Some(_) => std::mem::take(&mut new.columns),
-            None => Vec::new(),
+        let mut rows = match self.with_sensitivities {
+            true => std::mem::take(&mut new.columns),
+            false => Vec::new(),
         };
         rows.push(residual);
         self.coloured(i, sample.to, &mut rows, &mut new.errors);

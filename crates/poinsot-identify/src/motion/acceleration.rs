@@ -13,9 +13,9 @@
 
 mod input_errors;
 
-use super::inputs::{JOINT_STEP, thruster_at};
-use super::vehicle::{parabola_slope, wheel_slope};
-use super::virtual_joints::moved_trees;
+use super::inputs::thruster_at;
+use super::vehicle::{Thrust, parabola_slope, wheel_slope};
+use super::virtual_joints::{JOINT_STEP, moved_trees};
 use super::{Instant, Motion, State};
 use crate::problem::parameters::UnknownKind;
 use crate::problem::segment::Observations;
@@ -43,7 +43,7 @@ struct Inputs {
     accelerations: Vec<f64>,
     wheels: Vec<f64>,
     wheel_rates: Vec<f64>,
-    thrust: Vec<(usize, f64)>,
+    thrust: Vec<Thrust>,
 }
 
 /// Scratch: placement and accelerations together.
@@ -146,7 +146,7 @@ impl Motion<'_> {
     }
 
     /// Force and torque about Bo of thrusters and surroundings, in B.
-    fn wrench(&self, state: &State, thrust: &[(usize, f64)], instant: &Instant) -> Vector6 {
+    fn wrench(&self, state: &State, thrust: &[Thrust], instant: &Instant) -> Vector6 {
         let mut force = Vector3::zeros();
         let mut torque = self.environment_torque(state, &instant.twist.w, &instant.centre);
         for f in self.forces(thrust, &instant.centre) {
@@ -406,9 +406,9 @@ impl Motion<'_> {
         there.I_SScm_B = whole.I_SScm_B();
         let torque = self.environment_torque(state, &instant.twist.w, &there);
         let mut sum = stack(&Vector3::zeros(), &torque);
-        for (at, declared) in &inputs.thrust {
+        for thrust in &inputs.thrust {
             let origin = Vector3::zeros();
-            let (F, arm) = thruster_at(self.vehicle, kinematics, *at, *declared, &origin);
+            let (F, arm) = thruster_at(self.vehicle, kinematics, thrust, &origin);
             sum += stack(&F, &arm.cross(&F));
         }
         sum

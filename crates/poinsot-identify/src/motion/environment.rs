@@ -197,13 +197,12 @@ impl Motion<'_> {
         for (unknown, thrusters, lag) in late {
             let mut jump = (Vector3::zeros(), Vector3::zeros());
             for (interval, sign) in [(before, 1.0), (k, -1.0)] {
-                for (at, declared) in &self.thrust[interval] {
-                    if thrusters.contains(at) {
+                for thrust in &self.thrust[interval] {
+                    if thrusters.contains(&thrust.thruster) {
                         let (F, arm) = super::inputs::thruster_at(
                             self.vehicle,
                             &self.input_state.kinematics,
-                            *at,
-                            *declared,
+                            thrust,
                             &c,
                         );
                         jump.0 += R * F * sign;

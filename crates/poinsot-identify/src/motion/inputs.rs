@@ -1,15 +1,12 @@
 //! Corrected joint and wheel motion, and the effect of the sensor errors.
 
-use super::vehicle::{Vehicle, wheel_slope};
+use super::vehicle::{Thrust, Vehicle, wheel_slope};
 use super::{EvaluatedState, InputState, Instant, Motion, State, matrix, pose_change};
 use crate::problem::parameters::UnknownKind;
 use crate::problem::segment::Observations;
 use poinsot_dynamics::Kinematics;
 use poinsot_spatial::{Vector3, Vector6};
 use std::sync::Arc;
-
-/// Step of the differences over a joint's position, rad or m.
-pub(super) const JOINT_STEP: f64 = 1.0e-5;
 
 /// Effect of one unknown on the inputs at an instant, per unit of it.
 #[derive(Debug, Clone, Copy, Default)]
@@ -84,6 +81,10 @@ impl Motion<'_> {
                             wheel: Some((w, rate)),
                         });
                     }
+                }
+                UnknownKind::JointPlay(j) => {
+                    let (q, rate) = play_between(self.observations, &self.play, *j, (k, at));
+                    moved(*j, q, rate);
                 }
                 UnknownKind::JointPlace { .. } => {
                     let virtual_joints = self.vehicle.virtual_joints.iter().enumerate();
@@ -202,17 +203,50 @@ fn straight(o: &Observations, wheel: usize, (k, t): (usize, f64), lag_s: f64) ->
     (there - here, slope)
 }
 
+/// Displacement of each joint at each grid time per unit of its play, where one is an unknown: the link is half the play
+/// behind its drive.
+pub(super) fn play(vehicle: &Vehicle, o: &Observations) -> Vec<f64> {
+    let mut kinds = vehicle.kinds.iter();
+    if !kinds.any(|kind| matches!(kind, UnknownKind::JointPlay(_))) {
+        return Vec::new();
+    }
+    let dof = vehicle.tree.dof();
+    let mut now = vec![0.0; dof];
+    let mut all = Vec::with_capacity(o.joint_rate.len());
+    for rates in o.joint_rate.chunks_exact(dof) {
+        for (side, rate) in now.iter_mut().zip(rates) {
+            // At rest the link stays on the side where it came to rest.
+            if *rate != 0.0 {
+                *side = -0.5 * rate.signum();
+            }
+        }
+        all.extend_from_slice(&now);
+    }
+    all
+}
+
+/// The same for position and rate at a share of the interval after grid time k, on the cubic of [`fill_inputs`].
+fn play_between(o: &Observations, play: &[f64], joint: usize, (k, at): (usize, f64)) -> (f64, f64) {
+    let t = &o.time_s;
+    let dof = play.len() / t.len().max(1);
+    let (a, Some(next)) = (play[k * dof + joint], t.get(k + 1)) else {
+        return (play[k * dof + joint], 0.0);
+    };
+    let change = play[(k + 1) * dof + joint] - a;
+    let rate = change * 6.0 * at * (1.0 - at) / (next - t[k]);
+    (a + change * at * at * (3.0 - 2.0 * at), rate)
+}
+
 /// Force of a thruster at a placement, and its arm from the point c, in B.
 pub(super) fn thruster_at(
     vehicle: &Vehicle,
     kinematics: &Kinematics,
-    at: usize,
-    declared: f64,
+    thrust: &Thrust,
     c: &Vector3,
 ) -> (Vector3, Vector3) {
-    let thruster = &vehicle.thrusters[at];
+    let thruster = &vehicle.thrusters[thrust.thruster];
     let (R, p) = (&kinematics.R[thruster.body], &kinematics.p[thruster.body]);
-    let F = R * thruster.direction_B * (declared * vehicle.thrust_factor[at]);
+    let F = R * thruster.direction_B * (thrust.force * vehicle.thrust_factor[thrust.thruster]);
     (F, p + R * thruster.p_BoT_B - c)
 }
 

@@ -14,6 +14,8 @@ use std::borrow::Cow;
 pub(crate) struct Vehicle<'a> {
     pub tree: &'a Tree,
     pub thrusters: &'a [Thruster],
+    /// Index of the segment that it is in.
+    pub segment: usize,
     pub bodies: Vec<InertialParameters>,
     pub spin: Vec<f64>,
     /// Factor on each thruster's declared force.
@@ -89,6 +91,7 @@ impl<'a> Vehicle<'a> {
         Self {
             tree,
             thrusters,
+            segment: 0,
             bodies: parameters.bodies(x),
             spin,
             thrust_factor,
@@ -237,8 +240,18 @@ pub(crate) fn slope_weights(t: &[f64], i: usize) -> Vec<(usize, f64)> {
     (from..t.len().min(i + 2)).map(|j| (j, weight(j))).collect()
 }
 
+/// A thruster that fires.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Thrust {
+    pub thruster: usize,
+    /// Declared force, N.
+    pub force: f64,
+    /// Index of the firing in its segment.
+    pub firing: usize,
+}
+
 /// Thrusters that fire in the interval after each grid time (the grid holds all edges of firings).
-pub(crate) fn thrust_by_interval(segment: &Segment) -> Vec<Vec<(usize, f64)>> {
+pub(crate) fn thrust_by_interval(segment: &Segment) -> Vec<Vec<Thrust>> {
     let t = &segment.observations.time_s;
     let mut running = Running::new(&segment.firings);
     (0..t.len())
@@ -248,21 +261,27 @@ pub(crate) fn thrust_by_interval(segment: &Segment) -> Vec<Vec<(usize, f64)>> {
             };
             let middle = 0.5 * (t[k] + end);
             let firings = running.between(middle, middle);
-            firings.iter().map(|f| (f.thruster, f.force)).collect()
+            let thrust = |(firing, f): &(usize, &Firing)| Thrust {
+                thruster: f.thruster,
+                force: f.force,
+                firing: *firing,
+            };
+            firings.iter().map(thrust).collect()
         })
         .collect()
 }
 
-/// Firings over intervals that follow each other: sorted once, each is begun and ended once.
+/// Firings with their indices, over intervals that follow each other: sorted once, each is begun and ended once.
 pub(crate) struct Running<'a> {
-    waiting: std::iter::Peekable<std::vec::IntoIter<&'a Firing>>,
-    now: Vec<&'a Firing>,
+    waiting: std::iter::Peekable<std::vec::IntoIter<(usize, &'a Firing)>>,
+    now: Vec<(usize, &'a Firing)>,
 }
 
 impl<'a> Running<'a> {
     pub fn new(firings: &'a [Firing]) -> Self {
-        let mut sorted: Vec<&Firing> = firings.iter().filter(|f| f.force != 0.0).collect();
-        sorted.sort_by(|a, b| a.start_s.total_cmp(&b.start_s));
+        let all = firings.iter().enumerate();
+        let mut sorted: Vec<(usize, &Firing)> = all.filter(|(_, f)| f.force != 0.0).collect();
+        sorted.sort_by(|a, b| a.1.start_s.total_cmp(&b.1.start_s));
         Self {
             waiting: sorted.into_iter().peekable(),
             now: Vec::new(),
@@ -270,11 +289,11 @@ impl<'a> Running<'a> {
     }
 
     /// Those that start at `last` at the latest and end after `first`; neither time may fall from call to call.
-    pub fn between(&mut self, first: f64, last: f64) -> &[&'a Firing] {
-        while let Some(next) = self.waiting.next_if(|f| f.start_s <= last) {
+    pub fn between(&mut self, first: f64, last: f64) -> &[(usize, &'a Firing)] {
+        while let Some(next) = self.waiting.next_if(|f| f.1.start_s <= last) {
             self.now.push(next);
         }
-        self.now.retain(|f| f.end_s > first);
+        self.now.retain(|f| f.1.end_s > first);
         &self.now
     }
 }
@@ -301,7 +320,7 @@ mod tests {
             let mut found: Vec<usize> = running
                 .between(middle, middle)
                 .iter()
-                .map(|f| f.thruster)
+                .map(|f| f.1.thruster)
                 .collect();
             found.sort_unstable();
             let scanned = firings

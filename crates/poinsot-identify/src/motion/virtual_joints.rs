@@ -2,10 +2,12 @@
 //! in its place would.
 
 use super::Motion;
-use super::inputs::JOINT_STEP;
 use crate::problem::parameters::{Parameters, UnknownKind};
 use poinsot_dynamics::{Link, Motion as Joint, SubtreeMotion, Tree};
 use poinsot_spatial::Vector3;
+
+/// Step of the differences over a joint's position, origin or axis, rad or m.
+pub(super) const JOINT_STEP: f64 = 1.0e-5;
 
 /// A joint that does not move, with the unknown that displaces it.
 pub(crate) struct VirtualJoint {

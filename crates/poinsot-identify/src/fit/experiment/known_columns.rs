@@ -1,19 +1,16 @@
 //! Sensitivities of the predictions to known numbers.
 //!
-//! Bodies, joints, rotors and thrusters have analytic sensitivities: one evaluation gives all their columns. Mountings need
-//! one difference each.
+//! One evaluation with sensitivities gives the columns of all of them.
 
-use super::as_predicted::take_predictions;
 use super::{Experiment, Iterate};
-use crate::likelihood::{ChannelResidual, Evaluated, KeptRow, KnownColumns};
+use crate::likelihood::{Evaluated, InitialStateColumns, KeptRow, KnownColumns};
 use crate::problem::Problem;
 use crate::problem::loss::Loss;
 use crate::problem::parameters::{Parameters, Unknown, UnknownKind};
-use crate::problem::segment::Segment;
 use crate::problem::shifted_vehicle::ShiftedVehicle;
-use poinsot_model::{KnownNumber, Model};
+use poinsot_dynamics::SensorError;
+use poinsot_model::{KnownNumber, Model, SensorKind};
 use poinsot_spatial::{InertialParameters, Vector3};
-use rayon::prelude::*;
 use std::sync::{Arc, Mutex};
 
 /// Step of a difference, sigmas of the number. One sigma may be 10^5 times the noise of all readings together; the bend over
@@ -64,17 +61,18 @@ pub(crate) fn columns_at(experiment: &Experiment, at: &Iterate) -> Option<Arc<Kn
     Some(columns)
 }
 
-/// Slopes of all whitened predictions over the known numbers among the unknowns, at a value of all of them.
+/// Slopes of all whitened predictions over the known numbers among the unknowns, at a value of all of them: those of an
+/// unknown that moves the predictions alike.
 pub(crate) fn slopes(experiment: &Experiment, at: &Iterate) -> Option<KnownColumns> {
-    let predicted = PredictedExperiment::new(experiment, at)?;
+    let moved = MovedVehicle::new(experiment, at)?;
     let unknowns = &experiment.parameters.unknowns;
     let known = unknowns.iter().filter_map(|u| u.kind.known());
     let numbers: Vec<Shift> = known
         .map(|k| (k.number, k.component, DIFFERENCE * k.sigma))
         .collect();
-    let mut by_number = predicted.slopes(experiment, &numbers)?;
+    let mut by_number = moved.slopes(experiment, &numbers)?;
     let mut out = KnownColumns::default();
-    for (s, segment) in predicted.segments.iter().enumerate() {
+    for (s, segment) in experiment.problem.segments.iter().enumerate() {
         let sensors = &segment.observations.sensors;
         let names = sensors.iter().map(|r| r.name.clone());
         out.sensors.push(names.collect());
@@ -94,51 +92,37 @@ pub(crate) fn slopes(experiment: &Experiment, at: &Iterate) -> Option<KnownColum
 /// How the whitened predictions move with one number: by segment, sensor and sample. Empty for a number that cannot be moved.
 pub(crate) type PredictionSlopes = Vec<Vec<Vec<Vector3>>>;
 
-/// A component of a known number with a step for its difference.
+/// A component of a known number with a step for the difference of what it moves in the vehicle.
 pub(crate) type Shift = (KnownNumber, usize, f64);
 
-/// An experiment whose samples equal its predictions at a value of all unknowns. Differences of residuals are then
-/// differences of predictions: with noisy inputs the whitening depends on the vehicle, and its change times a residual
-/// is no derivative.
-pub(crate) struct PredictedExperiment {
+/// The vehicle where a value of all unknowns has its known numbers, with the other unknowns.
+pub(crate) struct MovedVehicle {
     vehicle: ShiftedVehicle,
-    segments: Vec<Segment>,
     /// The other unknowns.
     pub base: Iterate,
 }
 
-impl PredictedExperiment {
+impl MovedVehicle {
     pub fn new(experiment: &Experiment, at: &Iterate) -> Option<Self> {
         let (own, kept) = experiment.parameters.without_known();
-        let base = Iterate {
-            x: kept.iter().map(|k| at.x[*k]).collect(),
-            initial_states: at.initial_states.clone(),
-        };
         let unknowns = experiment.parameters.unknowns.iter().zip(&at.x);
         let moved = unknowns.filter_map(|(u, x)| {
             let known = u.kind.known()?;
             Some((known.number, known.component, x - u.nominal))
         });
         let moved: Vec<Shift> = moved.collect();
-        let vehicle = ShiftedVehicle::new(experiment.problem, &own, &moved)?;
-        let there = vehicle.problem(experiment.problem);
-        let mut segments = there.segments.to_vec();
-        let own = experiment.of_vehicle(&there, &vehicle.parameters);
-        take_predictions(&own, &base, &mut segments)?;
-        drop(own);
         Some(Self {
-            vehicle,
-            segments,
-            base,
+            vehicle: ShiftedVehicle::new(experiment.problem, &own, &moved)?,
+            base: Iterate {
+                x: kept.iter().map(|k| at.x[*k]).collect(),
+                initial_states: at.initial_states.clone(),
+            },
         })
     }
 
     /// The question asked of it.
     pub fn problem<'a>(&'a self, problem: &Problem<'a>) -> Problem<'a> {
-        Problem {
-            segments: &self.segments,
-            ..self.vehicle.problem(problem)
-        }
+        self.vehicle.problem(problem)
     }
 
     /// Its unknowns: those of the fit without the known numbers.
@@ -146,144 +130,95 @@ impl PredictedExperiment {
         &self.vehicle.parameters
     }
 
-    /// Slopes over components of known numbers: what has a twin among the unknowns by the variational equation, the others by
-    /// differences.
+    /// Slopes over components of known numbers: one evaluation with its sensitivities.
     pub fn slopes(
         &self,
         experiment: &Experiment,
         numbers: &[Shift],
     ) -> Option<Vec<PredictionSlopes>> {
-        let twins = numbers.iter().map(|n| self.twin(experiment, *n));
-        let twins: Vec<Option<Unknown>> = twins.collect();
-        let all = numbers.iter().zip(&twins);
-        let others: Vec<Shift> = all.filter(|(_, t)| t.is_none()).map(|(n, _)| *n).collect();
-        let own: Vec<Unknown> = twins.iter().flatten().cloned().collect();
-        let mut own = self.by_sensitivity(experiment, &own)?.into_iter();
-        let mut others = self.by_difference(experiment, &others)?.into_iter();
-        let take = |twin: &Option<Unknown>| match twin {
-            Some(_) => own.next(),
-            None => others.next(),
-        };
-        let all = twins.iter().map(take);
-        Some(all.map(Option::unwrap_or_default).collect())
-    }
-
-    /// The unknown that moves the predictions as a known number does.
-    fn twin(&self, experiment: &Experiment, shift: Shift) -> Option<Unknown> {
-        let (number, component, _) = shift;
-        let (kind, nominal) = match number {
-            KnownNumber::Mass(_) | KnownNumber::MassCentre(_) | KnownNumber::Inertia(_) => {
-                let there = self.problem(experiment.problem);
-                let nominal = experiment.problem.model;
-                let slopes = body_slopes((&there, nominal), self.parameters(), &self.base.x, shift);
-                (UnknownKind::Barycentric(slopes?), 0.0)
-            }
-            KnownNumber::SpinInertia(k) => {
-                let there = self.problem(experiment.problem);
-                (
-                    UnknownKind::SpinInertia(k),
-                    there.model.wheels.get(k)?.spin_inertia,
-                )
-            }
-            KnownNumber::WheelAxis(k) => (UnknownKind::WheelTilt(k, component), 0.0),
-            KnownNumber::Force(k) => (UnknownKind::ThrusterScale(k), 0.0),
-            KnownNumber::ForceDirection(k) | KnownNumber::ForcePosition(k) => {
-                let model = self.problem(experiment.problem).model;
-                (
-                    thruster_slopes((model, experiment.problem.model), k, shift)?,
-                    0.0,
-                )
-            }
-            KnownNumber::JointOrigin(k) | KnownNumber::JointAxis(k) => {
-                let model = self.problem(experiment.problem).model;
-                (
-                    joint_slopes((model, experiment.problem.model), k, shift)?,
-                    0.0,
-                )
-            }
-            _ => return None,
-        };
-        Some(Unknown {
-            kind,
-            name: number.name(experiment.problem.model, component),
-            unit: number.unit(),
-            nominal,
-            natural: 1.0,
-        })
-    }
-
-    /// Slopes over more unknowns: one evaluation with its sensitivities.
-    fn by_sensitivity(
-        &self,
-        experiment: &Experiment,
-        unknowns: &[Unknown],
-    ) -> Option<Vec<PredictionSlopes>> {
-        if unknowns.is_empty() {
-            return Some(Vec::new());
-        }
         let there = self.problem(experiment.problem);
+        let nominal = experiment.problem.model;
+        let twin = |shift: &Shift| twin((&there, nominal), self.parameters(), &self.base.x, *shift);
+        let twins: Vec<Option<(Unknown, f64)>> = numbers.iter().map(twin).collect();
         let mut parameters = self.parameters().clone();
-        let base = parameters.len();
-        parameters.unknowns.extend(unknowns.iter().cloned());
+        let mut column = parameters.len();
         let mut at = self.base.clone();
-        at.x.extend(unknowns.iter().map(|u| u.nominal));
+        for (unknown, _) in twins.iter().flatten() {
+            at.x.push(unknown.nominal);
+            parameters.unknowns.push(unknown.clone());
+        }
         let mut wide = experiment.of_vehicle(&there, &parameters);
         (wide.keep_rows, wide.loss) = (true, Loss::Gaussian);
         let evaluated = wide.evaluate(&at, true)?;
-        let mut out: Vec<PredictionSlopes> = vec![Vec::new(); unknowns.len()];
-        for (one, start) in evaluated.iter().zip(&wide.unknown) {
-            let first = start.count() + base;
-            for (k, own) in out.iter_mut().enumerate() {
-                let slope = |row: &KeptRow| Vector3::from_fn(|axis, _| row.rows[axis][first + k]);
+        let slopes = |twin: &Option<(Unknown, f64)>| {
+            let Some((_, factor)) = twin else {
+                return Vec::new();
+            };
+            let of = |(one, start): (&Evaluated, &InitialStateColumns)| {
+                let place = start.count() + column;
+                let slope =
+                    |row: &KeptRow| Vector3::from_fn(|axis, _| row.rows[axis][place] * factor);
                 let channels = one.channels.iter();
-                own.push(
-                    channels
-                        .map(|c| one.kept.of(Some(&c.name)).map(slope).collect())
-                        .collect(),
-                );
-            }
-        }
-        Some(out)
-    }
-
-    /// Slopes by differences of whole evaluations.
-    pub(crate) fn by_difference(
-        &self,
-        experiment: &Experiment,
-        numbers: &[Shift],
-    ) -> Option<Vec<PredictionSlopes>> {
-        if numbers.is_empty() {
-            return Some(Vec::new());
-        }
-        let there = self.problem(experiment.problem);
-        let own = experiment.of_vehicle(&there, self.parameters());
-        let here = own.evaluate(&self.base, false)?;
-        let nominal = experiment.problem.model;
-        let beside = |shift: &Shift| {
-            let vehicle = ShiftedVehicle::from(&there, nominal, self.parameters(), &[*shift])?;
-            let beside = vehicle.problem(&there);
-            let other = experiment.of_vehicle(&beside, &vehicle.parameters);
-            slope(&here, &other.evaluate(&self.base, false)?, shift.2)
+                channels
+                    .map(|c| one.kept.of(Some(&c.name)).map(slope).collect())
+                    .collect()
+            };
+            let segments = evaluated.iter().zip(&wide.unknown).map(of).collect();
+            column += 1;
+            segments
         };
-        let all = numbers.par_iter();
-        Some(all.map(|n| beside(n).unwrap_or_default()).collect())
+        Some(twins.iter().map(slopes).collect())
     }
 }
 
-/// Slope of every whitened prediction between two evaluations of the same samples.
-pub(crate) fn slope(
-    here: &[Evaluated],
-    there: &[Evaluated],
-    step: f64,
-) -> Option<PredictionSlopes> {
-    let slope = |(a, b): (&Vector3, &Vector3)| (a - b) / step;
-    let sensor = |(a, b): (&ChannelResidual, &ChannelResidual)| {
-        let same = a.white.len() == b.white.len();
-        same.then(|| a.white.iter().zip(&b.white).map(slope).collect())
+/// The unknown that moves the predictions of a vehicle as a known number does, and by how much more. Turns are about
+/// directions of the `nominal` vehicle. `None` for a number that cannot be moved.
+pub(crate) fn twin(
+    (problem, nominal): (&Problem, &Model),
+    parameters: &Parameters,
+    x: &[f64],
+    shift: Shift,
+) -> Option<(Unknown, f64)> {
+    let (number, component, step) = shift;
+    if step == 0.0 {
+        return None;
+    }
+    let (mut at, mut factor) = (0.0, 1.0);
+    let kind = match number {
+        KnownNumber::Mass(_) | KnownNumber::MassCentre(_) | KnownNumber::Inertia(_) => {
+            UnknownKind::Barycentric(body_slopes((problem, nominal), parameters, x, shift)?)
+        }
+        KnownNumber::SpinInertia(k) => {
+            at = problem.model.wheels.get(k)?.spin_inertia;
+            UnknownKind::SpinInertia(k)
+        }
+        KnownNumber::WheelAxis(k) => UnknownKind::WheelTilt(k, component),
+        KnownNumber::Force(k) => UnknownKind::ThrusterScale(k),
+        KnownNumber::ForceDirection(k) | KnownNumber::ForcePosition(k) => {
+            thruster_slopes((problem.model, nominal), k, shift)?
+        }
+        KnownNumber::JointOrigin(k) | KnownNumber::JointAxis(k) => {
+            joint_slopes((problem.model, nominal), k, shift)?
+        }
+        KnownNumber::Mounting(sensor) => {
+            let attitude = problem.model.sensors.get(sensor)?.kind == SensorKind::Attitude;
+            let error = match attitude {
+                true => SensorError::Bias(component),
+                false => SensorError::Misalignment(component),
+            };
+            // A sensor whose axes are turned measures a vector turned back.
+            factor = if attitude { 1.0 } else { -1.0 };
+            UnknownKind::Sensor { sensor, error }
+        }
     };
-    let segment =
-        |(a, b): (&Evaluated, &Evaluated)| a.channels.iter().zip(&b.channels).map(sensor).collect();
-    here.iter().zip(there).map(segment).collect()
+    let unknown = Unknown {
+        kind,
+        name: number.name(nominal, component),
+        unit: number.unit(),
+        nominal: at,
+        natural: 1.0,
+    };
+    Some((unknown, factor))
 }
 
 /// How a known number moves a thruster. Turns are about directions of the `nominal` vehicle.

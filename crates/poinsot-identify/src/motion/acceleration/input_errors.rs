@@ -1,8 +1,8 @@
 //! Sensitivity of the specific force at a point to errors of state and inputs.
 
 use super::{BodyPoint, Inputs, Moving, RateSlopes, lower, stack, upper};
-use crate::motion::inputs::JOINT_STEP;
 use crate::motion::slope_weights;
+use crate::motion::virtual_joints::JOINT_STEP;
 use crate::motion::{Column, Instant, Motion, State, matrix};
 use poinsot_dynamics::{Accelerations, Kinematics};
 use poinsot_spatial::{Matrix3, Vector3, Vector6};

@@ -26,6 +26,17 @@ pub enum UnknownKind {
         /// Slope of the position, m.
         p_BoT_B: Vector3,
     },
+    /// Share of the force of one firing. Tested only.
+    Firing {
+        /// Index of the segment.
+        segment: usize,
+        /// Index of the firing in it.
+        firing: usize,
+        /// Index in the model's thrusters.
+        thruster: usize,
+    },
+    /// Play of a joint coordinate, rad or m: its link is half of it behind its drive. Tested only.
+    JointPlay(usize),
     /// Origin and axis of a joint, with their slopes. Tested only.
     JointPlace {
         /// The body that the joint carries.
@@ -65,7 +76,7 @@ pub enum UnknownKind {
     GravityGradient(usize),
     /// Component in N of the gradient of a tide, 1/s2, then of a constant acceleration, m/s2. Tested only.
     Tide(usize),
-    /// Another change of the problem. Tested only, by a difference.
+    /// A number whose column is made of others. Tested only.
     Changed,
     /// A known number of the model within its uncertainty.
     Known(KnownUnknown),
@@ -91,6 +102,8 @@ impl UnknownKind {
             self,
             Self::ThrusterPlace { .. }
                 | Self::JointPlace { .. }
+                | Self::JointPlay(_)
+                | Self::Firing { .. }
                 | Self::Sensor { .. }
                 | Self::DisturbanceTorque(_)
                 | Self::InertialTorque(_)
@@ -119,7 +132,9 @@ impl UnknownKind {
     /// The thruster whose force or place it changes.
     pub(crate) fn thruster(&self) -> Option<usize> {
         match self {
-            Self::ThrusterScale(thruster) | Self::ThrusterPlace { thruster, .. } => Some(*thruster),
+            Self::ThrusterScale(thruster)
+            | Self::ThrusterPlace { thruster, .. }
+            | Self::Firing { thruster, .. } => Some(*thruster),
             _ => None,
         }
     }
@@ -143,6 +158,8 @@ impl UnknownKind {
             self,
             Self::ThrusterPlace { .. }
                 | Self::JointPlace { .. }
+                | Self::JointPlay(_)
+                | Self::Firing { .. }
                 | Self::InertialForce(_)
                 | Self::GravityGradient(_)
                 | Self::Tide(_)
@@ -165,7 +182,11 @@ impl UnknownKind {
     pub(crate) fn shifts_inputs(&self) -> bool {
         matches!(
             self,
-            Self::JointOffset(_) | Self::JointLag(_) | Self::WheelLag(_) | Self::JointPlace { .. }
+            Self::JointOffset(_)
+                | Self::JointLag(_)
+                | Self::WheelLag(_)
+                | Self::JointPlay(_)
+                | Self::JointPlace { .. }
         )
     }
 }
