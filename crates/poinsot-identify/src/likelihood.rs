@@ -20,7 +20,7 @@ use crate::motion::{Steps, Vehicle, tilted};
 use crate::problem::loss::Loss;
 use crate::problem::parameters::Parameters;
 use crate::problem::segment::{InputErrors, Noise, Segment};
-use crate::sensors::IdealSeries;
+use crate::sensors::{IdealSeries, SpareVectors};
 use nalgebra::Cholesky;
 use parallel::compare_all;
 use poinsot_dynamics::Tree;
@@ -73,6 +73,8 @@ impl Setting<'_> {
 /// One sensor in one segment: whitened residuals.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct ChannelResidual {
+    /// Index among the records of the segment.
+    pub sensor: usize,
     /// As in its record.
     pub name: String,
     pub unit: &'static str,
@@ -109,9 +111,9 @@ pub(crate) struct KeptRows {
 
 impl KeptRows {
     /// Those of one sensor; of the priors of the start.
-    pub fn of<'a>(&'a self, channel: Option<&'a str>) -> impl Iterator<Item = &'a KeptRow> {
+    pub fn of(&self, sensor: Option<usize>) -> impl Iterator<Item = &KeptRow> {
         let rows = self.rows.iter();
-        rows.filter(move |r| r.channel.as_deref() == channel)
+        rows.filter(move |r| r.sensor == sensor)
     }
 }
 
@@ -128,8 +130,8 @@ pub(crate) struct Transition {
 /// Three numbers of one measurement.
 #[derive(Debug, Clone)]
 pub(crate) struct KeptRow {
-    /// Name of the sensor's record; `None` for a prior of the start.
-    pub channel: Option<String>,
+    /// Index of the sensor's record in the segment; `None` for a prior of the start.
+    pub sensor: Option<usize>,
     /// Grid time.
     pub at: usize,
     pub raw: Vector3,
@@ -220,6 +222,7 @@ fn evaluate_driven(
     if compare.inputs.tracks_rates() {
         compare.joint_rate.fill(0.0);
     }
+    compare.joint_rates = RateNoise::new(&compare.joint_rate);
     let late: Vec<bool> = compare.cursors.iter().map(|f| f.late).collect();
     compare.ideal = IdealSeries::new(&vehicle, segment, &state, &late)?;
     let samples = segment.observations.time_s.len();
@@ -246,6 +249,8 @@ struct SegmentComparison<'a> {
     inputs: InputNoise,
     /// Variance of each joint's rate in this segment.
     joint_rate: Vec<f64>,
+    joint_rates: RateNoise,
+    spare: SpareVectors,
     /// `ln det` of the covariance of all readings over that of the sensors alone, and a weak prior of the start.
     log_det: f64,
     ideal: IdealSeries,
@@ -277,6 +282,8 @@ impl<'a> SegmentComparison<'a> {
             rows: 0,
             inputs: InputNoise::default(),
             joint_rate: joint_rate_noise(setting.noise, segment),
+            joint_rates: RateNoise::default(),
+            spare: SpareVectors::default(),
             log_det: 0.0,
             ideal: IdealSeries::default(),
             kept: KeptRows::default(),
@@ -328,9 +335,9 @@ impl<'a> SegmentComparison<'a> {
                 start,
             });
         }
-        let mut joint_rates = RateNoise::new(&self.joint_rate);
+        self.joint_rates.begin();
         for i in 0..self.cursors.len() {
-            self.add_sensor_rows(i, motion, (state, k), &instant, &mut joint_rates);
+            self.add_sensor_rows(i, motion, (state, k), &instant);
         }
         Some(())
     }
@@ -346,13 +353,10 @@ impl<'a> SegmentComparison<'a> {
         slopes: &[Vector3],
         noise: &Matrix3,
         sensor: &Matrix3,
-        mut rows: Vec<Vector3>,
+        rows: &mut Vec<Vector3>,
     ) -> Option<Vector3> {
         let alone = Cholesky::new(*sensor)?.l();
-        let correlation = self.inputs.correlation(slopes);
-        // `M P M^T`.
-        let pairs = slopes.iter().zip(&correlation);
-        let spread = pairs.fold(Matrix3::zeros(), |sum, (a, b)| sum + a * b.transpose());
+        let spread = self.inputs.correlate(slopes);
         let mut root = Cholesky::new(noise + spread)?.l();
         self.log_det += 2.0
             * (0..3)
@@ -367,11 +371,13 @@ impl<'a> SegmentComparison<'a> {
             root = Cholesky::new(noise / weight + spread)?.l();
         }
         let inverse_root = root.solve_lower_triangular(&Matrix3::identity())?;
-        self.inputs
-            .take(slopes, &correlation, &inverse_root, &mut rows);
+        self.inputs.take(slopes, &inverse_root, rows);
         if let Some(carried) = self.carried.as_ref().filter(|_| self.with_sensitivities) {
             let reading = self.cursors[i].channel.white.len();
-            rows = carried.widened(&rows, (i, reading), (self.initial_columns, weight.sqrt()));
+            let mut wide = self.spare.take();
+            let place = (self.initial_columns, weight.sqrt());
+            carried.widen(rows, (i, reading), place, &mut wide);
+            self.spare.give_back(std::mem::replace(rows, wide));
         }
         if let Some(qr) = &mut self.qr {
             qr.push(3, |i, j| rows[j][i]);
@@ -405,7 +411,7 @@ impl<'a> SegmentComparison<'a> {
                 row
             };
             self.kept.rows.push(KeptRow {
-                channel: None,
+                sensor: None,
                 at: 0,
                 raw: residual * sigma,
                 white: residual,
@@ -424,7 +430,7 @@ impl<'a> SegmentComparison<'a> {
         if fresh.len() >= 3 {
             let log_det = fresh[0].1;
             self.kept.rows.push(KeptRow {
-                channel: Some(channel.name.clone()),
+                sensor: Some(i),
                 at: self.now,
                 raw: *residual,
                 white,

@@ -98,6 +98,40 @@ struct EvaluatedState {
     variation: Option<Arc<Variation>>,
 }
 
+/// Evaluations that are no longer needed: nothing is allocated from step to step.
+#[derive(Default)]
+struct Spare {
+    #[expect(clippy::vec_box, reason = "the boxes are what is kept")]
+    boxes: Vec<Box<EvaluatedState>>,
+    variations: Vec<Arc<Variation>>,
+}
+
+impl Spare {
+    fn retire(&mut self, mut evaluated: Box<EvaluatedState>) {
+        if let Some(mut variation) = evaluated.variation.take()
+            && Arc::get_mut(&mut variation).is_some()
+        {
+            self.variations.push(variation);
+        }
+        self.boxes.push(evaluated);
+    }
+
+    fn boxed(&mut self, evaluated: EvaluatedState) -> Box<EvaluatedState> {
+        match self.boxes.pop() {
+            Some(mut place) => {
+                *place = evaluated;
+                place
+            }
+            None => Box::new(evaluated),
+        }
+    }
+
+    /// One without another owner.
+    fn variation(&mut self) -> Arc<Variation> {
+        self.variations.pop().unwrap_or_default()
+    }
+}
+
 /// State of one propagation at a grid time without sensitivities, from which another one of the same segment can
 /// resume.
 pub(crate) struct PropagatedState {
@@ -135,6 +169,8 @@ pub(crate) struct Motion<'a> {
     initial_columns: usize,
     /// Boxed: it is large and moves at every step.
     evaluated: Option<Box<EvaluatedState>>,
+    /// What was evaluated before and may be overwritten.
+    spare: Spare,
 }
 
 /// Largest total rotation of a propagated motion, relative to the measured one.
@@ -225,6 +261,7 @@ impl<'a> Motion<'a> {
             columns,
             vehicle,
             evaluated: None,
+            spare: Spare::default(),
         }
     }
 
@@ -258,12 +295,12 @@ impl<'a> Motion<'a> {
     pub fn resume_from(&mut self, known: &PropagatedState, columns: &[Column], k: usize) {
         self.columns.copy_from_slice(columns);
         self.set_inputs(k, 0.0);
-        self.evaluated = Some(Box::new(EvaluatedState {
+        self.keep(EvaluatedState {
             at: (k, 0.0),
             state: known.state,
             instant: known.instant,
             variation: known.variation.clone(),
-        }));
+        });
     }
 
     /// Joint positions, joint rates and wheel speeds that the last evaluation of the velocity used.
@@ -276,7 +313,8 @@ impl<'a> Motion<'a> {
     fn evaluate_at_grid_time(&mut self, state: &State, k: usize) -> Option<()> {
         let moved = self.vehicle.input_faults.iter().any(|f| f.value != 0.0);
         let end = |at: (usize, f64)| !moved && at.1 == 1.0 && at.0 + 1 == k;
-        match self.evaluated.take().filter(|r| r.state == *state) {
+        match self.evaluated.take() {
+            Some(evaluated) if evaluated.state != *state => self.spare.retire(evaluated),
             Some(evaluated) if evaluated.at == (k, 0.0) => {
                 self.evaluated = Some(evaluated);
                 return Some(());
@@ -286,7 +324,8 @@ impl<'a> Motion<'a> {
                 self.evaluated = Some(evaluated);
                 return Some(());
             }
-            _ => {}
+            Some(evaluated) => self.spare.retire(evaluated),
+            None => {}
         }
         self.set_inputs(k, 0.0);
         self.evaluate_here((k, 0.0), state)
@@ -295,20 +334,41 @@ impl<'a> Motion<'a> {
     /// Evaluates a state at the current inputs.
     fn evaluate_here(&mut self, at: (usize, f64), state: &State) -> Option<()> {
         let instant = self.instant(state)?;
-        let variation =
-            (!self.columns.is_empty()).then(|| Arc::new(self.linearise(state, &instant)));
-        self.evaluated = Some(Box::new(EvaluatedState {
+        let variation = match self.columns.is_empty() {
+            true => None,
+            false => {
+                let mut variation = self.spare.variation();
+                match Arc::get_mut(&mut variation) {
+                    Some(own) => self.linearise(state, &instant, own),
+                    None => unreachable!("a spare one has no other owner"),
+                }
+                Some(variation)
+            }
+        };
+        self.keep(EvaluatedState {
             at,
             state: *state,
             instant,
             variation,
-        }));
+        });
         Some(())
+    }
+
+    /// Takes what was evaluated last.
+    fn keep(&mut self, evaluated: EvaluatedState) {
+        let old = self.evaluated.take();
+        let kept = self.spare.boxed(evaluated);
+        self.evaluated = Some(kept);
+        if let Some(old) = old {
+            self.spare.retire(old);
+        }
     }
 
     /// Sets the inputs at a share of the interval after grid time k.
     fn set_inputs(&mut self, k: usize, at: f64) {
-        self.evaluated = None;
+        if let Some(old) = self.evaluated.take() {
+            self.spare.retire(old);
+        }
         self.inputs(k, at);
         let (v, input_state) = (self.vehicle, &mut self.input_state);
         let zero = Vector3::zeros();
@@ -378,32 +438,29 @@ impl<'a> Motion<'a> {
     }
 
     /// Thrusters with their arms from the system's mass centre.
-    fn forces(&self, thrust: &[Thrust], centre: &MassCentre) -> Vec<Force> {
+    fn forces(&self, thrust: &[Thrust], centre: &MassCentre) -> impl Iterator<Item = Force> {
         let kinematics = &self.input_state.kinematics;
-        thrust
-            .iter()
-            .map(|now| {
-                let (at, declared) = (now.thruster, now.force);
-                let thruster = &self.vehicle.thrusters[at];
-                let R_BT = &kinematics.R[thruster.body];
-                let p_BoT_B = kinematics.p[thruster.body] + R_BT * thruster.p_BoT_B;
-                let thrust = declared * self.vehicle.thrust_factor[at];
-                Force {
-                    thruster: at,
-                    firing: (self.vehicle.segment, now.firing),
-                    R_BT: *R_BT,
-                    thrust,
-                    declared,
-                    direction_T: thruster.direction_B,
-                    F_B: R_BT * thruster.direction_B * thrust,
-                    arm_B: p_BoT_B - centre.c,
-                }
-            })
-            .collect()
+        thrust.iter().map(|now| {
+            let (at, declared) = (now.thruster, now.force);
+            let thruster = &self.vehicle.thrusters[at];
+            let R_BT = &kinematics.R[thruster.body];
+            let p_BoT_B = kinematics.p[thruster.body] + R_BT * thruster.p_BoT_B;
+            let thrust = declared * self.vehicle.thrust_factor[at];
+            Force {
+                thruster: at,
+                firing: (self.vehicle.segment, now.firing),
+                R_BT: *R_BT,
+                thrust,
+                declared,
+                direction_T: thruster.direction_B,
+                F_B: R_BT * thruster.direction_B * thrust,
+                arm_B: p_BoT_B - centre.c,
+            }
+        })
     }
 
     /// Those that fire in the interval after grid time k.
-    fn thrust_now(&self, instant: &Instant, k: usize) -> Vec<Force> {
+    fn thrust_now(&self, instant: &Instant, k: usize) -> impl Iterator<Item = Force> {
         let thrust = self.thrust.get(k).map_or(&[][..], Vec::as_slice);
         self.forces(thrust, &instant.centre)
     }

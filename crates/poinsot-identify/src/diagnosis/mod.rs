@@ -112,8 +112,7 @@ fn weighed(
     let mut candidates = candidates(experiment, &fitted.at);
     let table = Table::new(experiment, fitted, &mut candidates);
     let about = (candidates.as_slice(), table.as_ref());
-    let mut others =
-        noise_models::noise_models(experiment, fitted, &out.channels, about, of.misfit);
+    let mut others = noise_models::noise_models(experiment, fitted, &out.channels, about, of);
     if let Some(table) = &table {
         let projected = table.projected(experiment, fitted, None);
         others.extend(onset::onsets(

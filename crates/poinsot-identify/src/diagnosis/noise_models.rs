@@ -7,7 +7,7 @@ use super::EXCESS;
 use super::candidate::Candidate;
 use super::candidates::sensors_read;
 use super::channels::predictable;
-use super::suspects::Scored;
+use super::suspects::{Misfit, Scored};
 use super::table::Table;
 use super::types::{ChannelDiagnosis, FaultKind, Suspect};
 use crate::fit::Fitted;
@@ -37,17 +37,17 @@ pub(super) fn noise_models(
     fitted: &Fitted,
     channels: &[ChannelDiagnosis],
     (candidates, table): (&[Candidate], Option<&Table>),
-    misfit: bool,
+    of: Misfit,
 ) -> Vec<Scored> {
     let mut list = Vec::new();
     for channel in channels {
         list.extend(outliers(fitted, channel));
-        if misfit {
+        if of.misfit {
             list.extend(noise(experiment, channel));
         }
     }
     if let Some(table) = table {
-        list.extend(jitters(experiment, candidates, table));
+        list.extend(jitters(experiment, candidates, table, of.mean_square()));
     }
     list
 }
@@ -162,7 +162,12 @@ fn step(record: &SensorRecord) -> Option<f64> {
 }
 
 /// Jitter of sample times, by sensor: the residual is larger where the signal changes fast.
-fn jitters(experiment: &Experiment, candidates: &[Candidate], table: &Table) -> Vec<Scored> {
+fn jitters(
+    experiment: &Experiment,
+    candidates: &[Candidate],
+    table: &Table,
+    mean_square: f64,
+) -> Vec<Scored> {
     let own = candidates.iter().flat_map(|c| &c.unknowns);
     let unknowns: Vec<&Unknown> = experiment.parameters.unknowns.iter().chain(own).collect();
     let mut list = Vec::new();
@@ -182,13 +187,14 @@ fn jitters(experiment: &Experiment, candidates: &[Candidate], table: &Table) -> 
             let left = table.refitted(&name, |slope| less_along(slope, variance), place);
             predictable(&left, numbers).is_none_or(|share| share < PREDICTABLE)
         };
-        if decrease > 0.0 && white(variance) {
-            let what = format!(
-                "jitter of the sample times of the {}",
-                name.replace('_', " ")
-            );
-            let values = vec![(format!("{name}.jitter"), variance.sqrt(), "s")];
-            list.push(scored(what, FaultKind::TimeJitter, (decrease, 1), values));
+        let what = format!(
+            "jitter of the sample times of the {}",
+            name.replace('_', " ")
+        );
+        let values = vec![(format!("{name}.jitter"), variance.sqrt(), "s")];
+        let jitter = scored(what, FaultKind::TimeJitter, (decrease, 1), values);
+        if jitter.is_significant(mean_square) && white(variance) {
+            list.push(jitter);
         }
     }
     list

@@ -175,7 +175,7 @@ impl Scored {
         self.suspect.decrease / scale - self.numbers as f64 * samples.max(1.0).ln() - choice
     }
 
-    fn is_significant(&self, mean_square: f64) -> bool {
+    pub fn is_significant(&self, mean_square: f64) -> bool {
         let chance = ChiSquared::new(self.numbers.max(1) as f64);
         let score = self.suspect.decrease / mean_square;
         chance.is_ok_and(|c| c.sf(score) * (self.trials as f64) < CHANCE)

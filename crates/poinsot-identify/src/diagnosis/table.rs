@@ -234,18 +234,18 @@ impl Table {
     fn hold(&mut self, experiment: &Experiment, evaluated: &mut [Evaluated]) {
         for (one, unknown) in evaluated.iter_mut().zip(&experiment.unknown) {
             let kept = std::mem::take(&mut one.kept);
-            let names: Vec<String> = one.channels.iter().map(|c| c.name.clone()).collect();
+            let sensors: Vec<usize> = one.channels.iter().map(|c| c.sensor).collect();
             let mut own = SegmentRows {
                 initial_columns: unknown.count(),
                 transitions: kept.transitions,
                 ..SegmentRows::default()
             };
             for row in kept.rows {
-                let sensor = names.iter().position(|n| Some(n) == row.channel.as_ref());
+                let sensor = sensors.iter().position(|s| Some(*s) == row.sensor);
                 own.of.push((sensor.unwrap_or(usize::MAX), row.at));
                 own.rows.extend(row.rows);
             }
-            own.names = names;
+            own.names = one.channels.iter().map(|c| c.name.clone()).collect();
             self.segments.push(own);
         }
     }

@@ -276,7 +276,7 @@ impl<'a> Evaluator<'a> {
                     white: Vec::new(),
                     first_row: rows.residuals.len(),
                 };
-                for row in one.kept.of(Some(&channel.name)) {
+                for row in one.kept.of(Some(channel.sensor)) {
                     residuals.time_s.push(segment.observations.time_s[row.at]);
                     residuals.raw.push(row.raw);
                     residuals.white.push(row.white);

@@ -204,7 +204,7 @@ fn exact_columns_of_firings_and_play_are_differences_of_predictions() {
         for (one, start) in evaluated.iter().zip(&extended.unknown) {
             let place = start.count() + parameters.len() + k;
             for channel in &one.channels {
-                let rows = one.kept.of(Some(&channel.name));
+                let rows = one.kept.of(Some(channel.sensor));
                 own.extend(
                     rows.flat_map(|row| row.rows.iter().map(|r| r[place]).collect::<Vec<_>>()),
                 );
@@ -245,7 +245,7 @@ fn exact_predicted_samples_have_the_columns_of_measured_ones() {
     let [own, other] = [&experiment, &other].map(|e| e.evaluate(&at, true).unwrap());
     let rows = own[0].kept.rows.iter().zip(&other[0].kept.rows);
     let mut compared = 0;
-    for (a, b) in rows.filter(|(a, _)| a.channel.is_some()) {
+    for (a, b) in rows.filter(|(a, _)| a.sensor.is_some()) {
         for (a, b) in a.rows.iter().zip(&b.rows) {
             // The last one is the residual.
             for (x, y) in a.iter().zip(b).take(a.len() - 1) {

@@ -65,13 +65,14 @@ impl<'a> CarriedColumns<'a> {
 
     /// The rows of one reading with the columns of the known numbers in their places, all whitened; the residual last.
     /// `weight` is the root of what a robust loss leaves of the reading.
-    pub fn widened(
+    pub fn widen(
         &self,
         rows: &[Vector3],
         at: (usize, usize),
         (initial_columns, weight): (usize, f64),
-    ) -> Vec<Vector3> {
-        let mut out = vec![Vector3::zeros(); rows.len() + self.places.len()];
+        out: &mut Vec<Vector3>,
+    ) {
+        out.resize(rows.len() + self.places.len(), Vector3::zeros());
         let last = out.len() - 1;
         out[last] = rows.last().copied().unwrap_or_default();
         out[..initial_columns].copy_from_slice(&rows[..initial_columns]);
@@ -81,6 +82,5 @@ impl<'a> CarriedColumns<'a> {
         for (k, to) in self.places.iter().enumerate() {
             out[initial_columns + to] = self.slope(k, at) * weight;
         }
-        out
     }
 }

@@ -3,25 +3,44 @@
 //! The sensors of a grid time are taken one by one; the noise estimate of each is subtracted from the next. This is a
 //! Kalman filter (Kalman 1960) whose state lasts for one grid time.
 
-use nalgebra::{DMatrix, DVector, Matrix3xX};
 use poinsot_spatial::{Matrix3, Vector3};
 
 /// Estimate of the joint-rate noise from the sensors processed at a grid time.
+#[derive(Default)]
 pub(super) struct RateNoise {
-    /// Its covariance; empty without such noise.
-    covariance: DMatrix<f64>,
-    /// Its mean for every row and slope; empty before the first sensor.
-    means: Vec<DVector<f64>>,
+    variances: Vec<f64>,
+    /// Covariance, row by row; empty without such noise.
+    covariance: Vec<f64>,
+    /// Mean for every row and slope, one after the other; empty before the first sensor of a grid time.
+    means: Vec<f64>,
+    /// `P G^T`, and the gain.
+    toward: Vec<Vector3>,
+    gain: Vec<Vector3>,
 }
 
 impl RateNoise {
-    /// Before the first sensor; `variances` are those of the joint rates.
+    /// `variances` are those of the joint rates.
     pub fn new(variances: &[f64]) -> Self {
         let noisy = variances.iter().any(|v| *v > 0.0);
-        let all = DVector::from_column_slice(if noisy { variances } else { &[] });
+        let variances = if noisy {
+            variances.to_vec()
+        } else {
+            Vec::new()
+        };
         Self {
-            covariance: DMatrix::from_diagonal(&all),
-            means: Vec::new(),
+            covariance: vec![0.0; variances.len() * variances.len()],
+            variances,
+            ..Self::default()
+        }
+    }
+
+    /// Before the first sensor of a grid time.
+    pub fn begin(&mut self) {
+        let n = self.variances.len();
+        self.means.clear();
+        self.covariance.fill(0.0);
+        for (k, variance) in self.variances.iter().enumerate() {
+            self.covariance[k * n + k] = *variance;
         }
     }
 
@@ -34,25 +53,37 @@ impl RateNoise {
         rows: &mut [Vector3],
         slopes: &mut [Vector3],
     ) -> Matrix3 {
-        let n = self.covariance.nrows();
+        let n = self.variances.len();
         if n == 0 || gains.len() != n || gains.iter().all(|g| *g == Vector3::zeros()) {
             return Matrix3::zeros();
         }
-        let G = Matrix3xX::from_columns(gains);
-        let toward = &self.covariance * G.transpose();
-        let added: Matrix3 = &G * &toward;
-        if self.means.is_empty() {
-            self.means = vec![DVector::zeros(n); rows.len() + slopes.len()];
-        }
+        let along = |weights: &[f64]| {
+            let pairs = gains.iter().zip(weights);
+            pairs.fold(Vector3::zeros(), |sum, (g, w)| sum + g * *w)
+        };
+        self.toward.clear();
+        self.toward
+            .extend(self.covariance.chunks_exact(n).map(along));
+        let pairs = gains.iter().zip(&self.toward);
+        let added = pairs.fold(Matrix3::zeros(), |sum, (g, t)| sum + g * t.transpose());
+        self.means.resize((rows.len() + slopes.len()) * n, 0.0);
         let Some(inverse) = (sensor + added).try_inverse() else {
             return added;
         };
-        let gain = &toward * inverse;
-        for (row, mean) in rows.iter_mut().chain(slopes).zip(&mut self.means) {
-            *row -= &G * &*mean;
-            *mean += &gain * *row;
+        self.gain.clear();
+        self.gain.extend(self.toward.iter().map(|t| inverse * t));
+        let means = self.means.chunks_exact_mut(n);
+        for (row, mean) in rows.iter_mut().chain(slopes).zip(means) {
+            *row -= along(mean);
+            for (m, gain) in mean.iter_mut().zip(&self.gain) {
+                *m += gain.dot(row);
+            }
         }
-        self.covariance -= &gain * toward.transpose();
+        for (row, gain) in self.covariance.chunks_exact_mut(n).zip(&self.gain) {
+            for (p, toward) in row.iter_mut().zip(&self.toward) {
+                *p -= gain.dot(toward);
+            }
+        }
         added
     }
 }
@@ -87,6 +118,7 @@ mod tests {
         let solution = whole.clone().cholesky().unwrap().solve(&stacked);
         let expected = (stacked.dot(&solution), whole.determinant().ln());
         let mut noise = RateNoise::new(&variances);
+        noise.begin();
         let mut found = (0.0, 0.0);
         for k in 0..2 {
             let mut rows = [residuals[k]];

@@ -1,6 +1,5 @@
 //! Residuals of one sensor along a segment, with its errors and correlated noise.
 
-use super::rate_noise::RateNoise;
 use super::whitener::NoiseWhitener;
 use super::{ChannelResidual, SegmentComparison};
 use crate::motion::{Instant, Motion, State};
@@ -37,7 +36,7 @@ impl SensorCursor {
         initial_columns: usize,
     ) -> Vec<Self> {
         let mut increments = 0;
-        let one = |record: &SensorRecord| {
+        let one = |(sensor, record): (usize, &SensorRecord)| {
             let columns = parameters.unknowns.iter().enumerate();
             let unknown: Vec<(usize, SensorError)> = columns
                 .filter_map(|(u, unknown)| match unknown.kind {
@@ -57,6 +56,7 @@ impl SensorCursor {
                 increment,
                 whitener: NoiseWhitener::new(record.correlation_s),
                 channel: ChannelResidual {
+                    sensor,
                     name: record.name.clone(),
                     unit: printed_unit(record.kind.unit(false)),
                     numbers: record.kind.numbers(),
@@ -65,7 +65,7 @@ impl SensorCursor {
                 unknown,
             }
         };
-        records.iter().map(one).collect()
+        records.iter().enumerate().map(one).collect()
     }
 
     /// Whether the sensor has a sample, or an increment that begins, at grid time k.
@@ -104,7 +104,6 @@ impl SegmentComparison<'_> {
         motion: &mut Motion,
         (state, k): (&State, usize),
         instant: &Instant,
-        joint_rates: &mut RateNoise,
     ) {
         let record = &self.segment.observations.sensors[i];
         if !self.cursors[i].is_due(record, k) {
@@ -113,14 +112,16 @@ impl SegmentComparison<'_> {
         let next = record.samples.get(self.cursors[i].next);
         let here = next.filter(|s| s.to == k).copied();
         self.cursors[i].next += usize::from(here.is_some());
-        let Some(mut now) = predict(record, motion, (state, k), instant, &self.inputs) else {
+        let spare = &mut self.spare;
+        let predicted = predict(record, motion, (state, k), instant, &self.inputs, spare);
+        let Some(mut now) = predicted else {
             return;
         };
         if record.kind != SensorKind::VelocityIncrement {
             if let Some(sample) = here {
                 let own = self.ideal.rate(i, &self.segment.observations.time_s, k);
                 let rate = now.rate.unwrap_or(own);
-                self.compare(i, &sample, now, &rate, joint_rates);
+                self.compare(i, &sample, now, &rate);
             }
             return;
         }
@@ -140,7 +141,7 @@ impl SegmentComparison<'_> {
                 errors: self.inputs.less_kept(which, errors.clone()),
                 gains: Vec::new(),
             };
-            self.compare(i, &sample, increment, &rate, joint_rates);
+            self.compare(i, &sample, increment, &rate);
         }
         self.inputs.keep(which, &errors);
         self.cursors[i].began = Some((k, now));
@@ -153,22 +154,24 @@ impl SegmentComparison<'_> {
         sample: &SensorSample,
         predicted: PredictedMeasurement,
         rate: &Vector3,
-        joint_rates: &mut RateNoise,
     ) {
         let record = &self.segment.observations.sensors[i];
         let cursor = &self.cursors[i];
         let mut new = difference(cursor, sample, predicted, rate);
         let residual = new.residual;
-        let mut rows = match self.with_sensitivities {
-            true => std::mem::take(&mut new.columns),
-            false => Vec::new(),
-        };
+        let mut rows = std::mem::take(&mut new.columns);
         rows.push(residual);
         self.coloured(i, sample.to, &mut rows, &mut new.errors);
         let sensor = &record.covariance;
-        let common = joint_rates.take(&new.gains, sensor, &mut rows, &mut new.errors);
-        if let Some(white) = self.take(i, &new.errors, &(sensor + common), sensor, rows) {
+        let common = self
+            .joint_rates
+            .take(&new.gains, sensor, &mut rows, &mut new.errors);
+        let white = self.take(i, &new.errors, &(sensor + common), sensor, &mut rows);
+        if let Some(white) = white {
             self.note(i, &residual, white);
+        }
+        for list in [rows, new.errors, new.gains] {
+            self.spare.give_back(list);
         }
     }
 
@@ -200,20 +203,23 @@ fn difference(
         predicted.vector(),
         predicted.residual(&sample.value, errors, rate),
     );
-    let changed =
-        |all: &[Vector3]| -> Vec<Vector3> { all.iter().map(|d| errors.change(d)).collect() };
-    let mut columns: Vec<Vector3> = changed(&predicted.columns);
-    if !columns.is_empty() {
-        for (column, error) in &cursor.unknown {
-            columns[*column] += errors.slope(*error, &x, rate);
-        }
-    }
     let mut new = Difference {
         residual,
-        columns,
-        errors: changed(&predicted.errors),
-        gains: changed(&predicted.gains),
+        columns: predicted.columns,
+        errors: predicted.errors,
+        gains: predicted.gains,
     };
+    if errors.turn != Matrix3::zeros() {
+        let lists = [&mut new.columns, &mut new.errors, &mut new.gains];
+        for d in lists.into_iter().flatten() {
+            *d = errors.change(d);
+        }
+    }
+    if !new.columns.is_empty() {
+        for (column, error) in &cursor.unknown {
+            new.columns[*column] += errors.slope(*error, &x, rate);
+        }
+    }
     if let SensorValue::Direction { normal_B, .. } = &sample.value {
         new.turn(&across(normal_B));
     }

@@ -8,6 +8,7 @@ use super::variation::{ColumnForcing, StepEquation};
 use super::{Instant, Motion, State};
 use nalgebra::Quaternion;
 use poinsot_spatial::{UnitQuaternion, Vector3};
+use std::sync::Arc;
 
 /// Derivative of the state.
 #[derive(Clone, Copy)]
@@ -107,11 +108,15 @@ impl Motion<'_> {
             let half = moved(state, &halfway, dt);
             std::mem::swap(&mut self.input_state, &mut self.middle);
             let instant = self.instant(&half)?;
-            let in_middle = self.linearise(&half, &instant);
-            let push_in_middle = self.push(&half, &instant, &in_middle, k);
+            let mut variation = self.spare.variation();
+            if let Some(own) = Arc::get_mut(&mut variation) {
+                self.linearise(&half, &instant, own);
+            }
+            let in_middle = &*variation;
+            let push_in_middle = self.push(&half, &instant, in_middle, k);
             std::mem::swap(&mut self.input_state, &mut self.middle);
             let along = StepEquation {
-                variation: [at_start, &in_middle, at_end],
+                variation: [at_start, in_middle, at_end],
                 push: match (push_at_start, push_in_middle, push_at_end) {
                     (Some(start), Some(middle), Some(end)) => Some([start, middle, end]),
                     _ => None,
@@ -132,8 +137,10 @@ impl Motion<'_> {
                     along.carry(&mut chord.columns[j], drive, dt);
                 }
             }
+            self.spare.variations.push(variation);
             self.evaluated = Some(evaluated);
         }
+        self.spare.retire(start);
         Some(end)
     }
 

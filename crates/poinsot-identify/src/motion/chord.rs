@@ -75,12 +75,12 @@ impl Motion<'_> {
         let mut error = 1.0;
         for _ in 0..PASSES {
             self.set_inputs(k, 0.0);
-            self.evaluated = Some(Box::new(EvaluatedState {
+            self.keep(EvaluatedState {
                 at: (k, 0.0),
                 state: start.state,
                 instant: start.instant,
                 variation: None,
-            }));
+            });
             self.follow(k, steps)?;
             let w = self.evaluated.as_ref()?.instant.twist.w;
             let to = self.along_axes(&w);

@@ -27,10 +27,9 @@ pub(crate) use points::approximate;
 
 use crate::motion::{Column, Instant, Matrix6x12, Motion, State, matrix, pose_change};
 use crate::problem::segment::{InputErrors, Noise, Segment};
-use nalgebra::{SMatrix, SVector};
 use poinsot_dynamics::JointSlopes;
 use poinsot_model::RandomTorque;
-use poinsot_spatial::{Vector3, Vector6};
+use poinsot_spatial::{Matrix3, Vector3, Vector6};
 
 /// An input with noise.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -42,6 +41,7 @@ enum Input {
 }
 
 /// The equation of motion around the prediction at one grid time.
+#[derive(Default)]
 struct DynamicsJacobian {
     /// Upper half of `A`: the pose's.
     pose: Matrix6x12,
@@ -49,8 +49,18 @@ struct DynamicsJacobian {
     at_once: Vec<Vector6>,
     /// Upper half of `A L + D` per input.
     drive: Vec<Vector6>,
-    /// Lower halves of `A` and `D` in the interval that begins here, if an external force or torque acts.
-    push: Option<(Matrix6x12, Vec<Vector6>)>,
+    /// Lower halves of `A` and `D` in the interval that begins here; of `D` nothing where no external force or torque acts.
+    push: (Matrix6x12, Vec<Vector6>),
+}
+
+/// What one step computes and the next one overwrites.
+#[derive(Default)]
+struct StepScratch {
+    jacobian: DynamicsJacobian,
+    upper: Vec<f64>,
+    faded: Vec<f64>,
+    fresh: Vec<f64>,
+    vector: Vec<f64>,
 }
 
 /// The filter along one segment.
@@ -75,6 +85,7 @@ pub(crate) struct InputNoise {
     tracks_rates: bool,
     slopes: JointSlopes,
     before: Option<DynamicsJacobian>,
+    scratch: StepScratch,
     /// The errors as columns of state and twist, for the rows of the sensors: components of `s`, then inputs.
     pub columns: Vec<Column>,
     pub twists: Vec<Vector6>,
@@ -174,6 +185,7 @@ impl InputNoise {
             rate_gain: vec![Vector6::zeros(); noise.joint_rate.len()],
             slopes: JointSlopes::default(),
             before: None,
+            scratch: StepScratch::default(),
             inputs,
             memory,
             shares,
@@ -227,7 +239,10 @@ impl InputNoise {
         let now = self.slopes_at(motion, state, instant, &map, k);
         match self.before.take() {
             None => self.begin(&now),
-            Some(before) => self.carry(&before, &now, motion.step_s(k), k),
+            Some(before) => {
+                self.carry(&before, &now, motion.step_s(k), k);
+                self.scratch.jacobian = before;
+            }
         }
         for (i, &at) in self.active.iter().enumerate() {
             self.columns[i] = Column::zeros();
@@ -257,8 +272,15 @@ impl InputNoise {
         let R = matrix(&state.R_NB);
         self.twists.fill(Vector6::zeros());
         let pose = motion.pose_slopes(state, instant, map);
-        let mut at_once = Vec::with_capacity(self.inputs.len());
-        let mut drive = Vec::with_capacity(self.inputs.len());
+        let DynamicsJacobian {
+            mut at_once,
+            mut drive,
+            mut push,
+            ..
+        } = std::mem::take(&mut self.scratch.jacobian);
+        at_once.clear();
+        drive.clear();
+        push.1.clear();
         for (c, (input, _)) in self.inputs.iter().enumerate() {
             let (position, rate) = match input {
                 Input::Joint(j) => {
@@ -293,8 +315,9 @@ impl InputNoise {
             at_once.push(once);
             drive.push(slow);
         }
-        let push = (self.active.len() > 6 || self.active.contains(&9))
-            .then(|| self.push_slopes(motion, state, instant, map, k));
+        if self.active.len() > 6 || self.active.contains(&9) {
+            self.push_slopes(motion, state, instant, map, k, &mut push);
+        }
         DynamicsJacobian {
             pose,
             at_once,
@@ -311,9 +334,10 @@ impl InputNoise {
         instant: &Instant,
         map: &Matrix6x12,
         k: usize,
-    ) -> (Matrix6x12, Vec<Vector6>) {
+        (slopes, drives): &mut (Matrix6x12, Vec<Vector6>),
+    ) {
         let R = matrix(&state.R_NB);
-        let drives = self.inputs.iter().enumerate().map(|(c, (input, _))| {
+        drives.extend(self.inputs.iter().enumerate().map(|(c, (input, _))| {
             let (mut dF, mut dT) = (Vector3::zeros(), Vector3::zeros());
             if let Input::Joint(j) = input {
                 let first_moment = &self.slopes.of[*j].first_moment;
@@ -325,9 +349,8 @@ impl InputNoise {
             }
             let (dP, dh) = (R * dF, R * dT);
             Vector6::new(dP.x, dP.y, dP.z, dh.x, dh.y, dh.z)
-        });
-        let drives = drives.collect();
-        (motion.wrench_slopes(state, instant, map, k), drives)
+        }));
+        *slopes = motion.wrench_slopes(state, instant, map, k);
     }
 
     /// At the first grid time the state itself is unknown: `x = 0`, so `s = -L e`.
@@ -361,14 +384,24 @@ impl InputNoise {
         let n = self.lead;
         let (size, ahead) = (self.filter.size, self.reach > 0);
         let pose = (before.pose + now.pose) * 0.5;
-        let push = before.push.as_ref();
+        let (lower, pushed_by) = &before.push;
         let A = |row: usize, column: usize| match row.checked_sub(6) {
             None => pose[(row, column)],
-            Some(row) => push.map_or(0.0, |(lower, _)| lower[(row, column)]),
+            Some(row) => lower[(row, column)],
         };
+        let StepScratch {
+            mut upper,
+            mut faded,
+            mut fresh,
+            mut vector,
+            ..
+        } = std::mem::take(&mut self.scratch);
         // Rows of the active components; the errors of the inputs only fade.
-        let mut upper = vec![0.0; n * size];
-        let mut faded: Vec<f64> = self.memory.iter().map(|m| m.memory(k - 1)).collect();
+        upper.clear();
+        upper.resize(n * size, 0.0);
+        faded.clear();
+        faded.extend(self.memory.iter().map(|m| m.memory(k - 1)));
+        fresh.clear();
         for (i, &row) in self.active.iter().enumerate() {
             for (j, &column) in self.active.iter().enumerate() {
                 // Exponential to second order: h is a fraction of a turn.
@@ -378,13 +411,12 @@ impl InputNoise {
             }
         }
         let torque = self.torque_rows(&A, h, &mut upper);
-        let mut fresh = Vec::with_capacity(self.inputs.len() * self.active.len());
         for (c, a) in faded.iter().enumerate() {
             let turn = (now.at_once[c] - before.at_once[c]) * 0.5;
             let ends = [before, now].map(|s| {
                 let slow = s.drive[c] * (0.5 * h) - turn;
-                let pushed = push.map_or_else(Vector6::zeros, |(lower, drive)| {
-                    (lower.fixed_view::<6, 6>(0, 0) * s.at_once[c] + drive[c]) * (0.5 * h)
+                let pushed = pushed_by.get(c).map_or_else(Vector6::zeros, |drive| {
+                    (lower.fixed_view::<6, 6>(0, 0) * s.at_once[c] + drive) * (0.5 * h)
                 });
                 move |row: usize| if row < 6 { slow[row] } else { pushed[row - 6] }
             });
@@ -401,23 +433,36 @@ impl InputNoise {
         }
         if ahead {
             self.shift(&upper, k);
-            return self.renew(&torque);
+        } else {
+            // The errors at the beginning of an increment stay.
+            faded.resize(size - n, 1.0);
+            self.filter.advance(&upper, &faded);
+            self.innovate(&faded, &fresh, &mut vector);
         }
-        // The errors at the beginning of an increment stay.
-        faded.resize(size - n, 1.0);
-        self.filter.advance(&upper, &faded);
-        let mut vector = vec![0.0; size];
-        for (c, ((_, variance), a)) in self.inputs.iter().zip(&faded).enumerate() {
+        self.renew(&torque);
+        self.scratch = StepScratch {
+            upper,
+            faded,
+            fresh,
+            vector,
+            ..StepScratch::default()
+        };
+    }
+
+    /// Adds what is new in every error at this grid time, with what it does to the state at once.
+    fn innovate(&mut self, faded: &[f64], fresh: &[f64], vector: &mut Vec<f64>) {
+        let n = self.lead;
+        vector.resize(self.filter.size, 0.0);
+        for (c, ((_, variance), a)) in self.inputs.iter().zip(faded).enumerate() {
             let new = variance * (1.0 - a * a);
             if new > 0.0 {
                 vector.fill(0.0);
                 let reached = self.active.len();
                 vector[..reached].copy_from_slice(&fresh[c * reached..(c + 1) * reached]);
                 vector[n + c] = 1.0;
-                self.filter.add_outer(&vector, new);
+                self.filter.add_outer(vector, new);
             }
         }
-        self.renew(&torque);
     }
 
     /// Fills the columns of the random torque, and returns its innovations, one vector each.
@@ -460,30 +505,19 @@ impl InputNoise {
         torque.iter().for_each(|v| self.filter.add_outer(v, 1.0));
     }
 
-    /// Correlation of the current errors with samples, one row per error.
-    pub fn correlation<const M: usize>(&self, slopes: &[SVector<f64, M>]) -> Vec<SVector<f64, M>> {
-        let rows = self.filter.covariance.chunks_exact(self.filter.size.max(1));
-        rows.map(|row| weighted(row, slopes)).collect()
+    /// Covariance `M P M^T` that the current errors add to a sample with these slopes. [`InputNoise::take`] uses what it finds.
+    pub fn correlate(&mut self, slopes: &[Vector3]) -> Matrix3 {
+        self.filter.correlate(slopes)
     }
 
     /// A residual minus its prediction from earlier samples.
-    pub fn expected<const M: usize>(
-        &self,
-        slopes: &[SVector<f64, M>],
-        residual: SVector<f64, M>,
-    ) -> SVector<f64, M> {
+    pub fn expected(&self, slopes: &[Vector3], residual: Vector3) -> Vector3 {
         self.filter.innovation(slopes, residual)
     }
 
     /// Takes the readings of one sensor: see [`Filter::take`].
-    pub fn take<const M: usize>(
-        &mut self,
-        slopes: &[SVector<f64, M>],
-        correlation: &[SVector<f64, M>],
-        inverse_root: &SMatrix<f64, M, M>,
-        rows: &mut [SVector<f64, M>],
-    ) {
-        self.filter.take(slopes, correlation, inverse_root, rows);
+    pub fn take(&mut self, slopes: &[Vector3], inverse_root: &Matrix3, rows: &mut [Vector3]) {
+        self.filter.take(slopes, inverse_root, rows);
     }
 }
 
@@ -493,17 +527,34 @@ struct Filter {
     size: usize,
     /// Row by row.
     covariance: Vec<f64>,
+    /// One row for each error, with its mean for every sequence.
     means: Vec<f64>,
+    followed: usize,
     scratch: Vec<f64>,
+    /// New means.
+    next: Vec<f64>,
+    /// The sample in hand: correlation of the errors with it, gains, and its rows axis by axis.
+    correlation: Vec<Vector3>,
+    gains: Vec<Vector3>,
+    axes: [Vec<f64>; 3],
+}
+
+/// `to += from * factor`, element by element.
+fn add_scaled(to: &mut [f64], from: &[f64], factor: f64) {
+    to.iter_mut().zip(from).for_each(|(t, f)| *t += f * factor);
 }
 
 impl Filter {
     fn new(size: usize, followed: usize) -> Self {
         Self {
             size,
+            followed,
             covariance: vec![0.0; size * size],
             means: vec![0.0; size * followed],
             scratch: vec![0.0; size * size],
+            next: vec![0.0; size * followed],
+            axes: std::array::from_fn(|_| vec![0.0; followed]),
+            ..Self::default()
         }
     }
 
@@ -551,13 +602,19 @@ impl Filter {
             let own = &mut self.covariance[(n + i) * size + n..(n + i + 1) * size];
             own.iter_mut().zip(faded).for_each(|(p, b)| *p *= a * b);
         }
-        let next = &mut self.scratch[..n];
-        for mean in self.means.chunks_exact_mut(size) {
-            for (x, f) in next.iter_mut().zip(upper.chunks_exact(size)) {
-                *x = dot(f, mean);
+        let followed = self.followed.max(1);
+        let next = self.next.chunks_exact_mut(followed);
+        for (out, f) in next.zip(upper.chunks_exact(size)) {
+            out.fill(0.0);
+            let means = self.means.chunks_exact(followed);
+            for (mean, f) in means.zip(f).filter(|(_, f)| **f != 0.0) {
+                add_scaled(out, mean, *f);
             }
-            mean[..n].copy_from_slice(next);
-            mean[n..].iter_mut().zip(faded).for_each(|(m, a)| *m *= a);
+        }
+        let (first, rest) = self.means.split_at_mut(n * self.followed);
+        first.copy_from_slice(&self.next[..n * self.followed]);
+        for (mean, a) in rest.chunks_exact_mut(followed).zip(faded) {
+            mean.iter_mut().for_each(|m| *m *= a);
         }
     }
 
@@ -579,59 +636,75 @@ impl Filter {
                 self.covariance[j * size + i] = p;
             }
         }
-        let mut next = vec![0.0; size];
-        for mean in self.means.chunks_exact_mut(size) {
-            for (x, row) in next.iter_mut().zip(rows) {
-                *x = dot(row, mean);
+        let followed = self.followed.max(1);
+        for (out, row) in self.next.chunks_exact_mut(followed).zip(rows) {
+            out.fill(0.0);
+            for (k, f) in row {
+                add_scaled(out, &self.means[k * followed..(k + 1) * followed], *f);
             }
-            mean.copy_from_slice(&next);
         }
+        std::mem::swap(&mut self.means, &mut self.next);
+    }
+
+    /// Correlates the errors with a sample, and gives the covariance that they add to it.
+    fn correlate(&mut self, slopes: &[Vector3]) -> Matrix3 {
+        let rows = self.covariance.chunks_exact(self.size.max(1));
+        self.correlation.clear();
+        self.correlation
+            .extend(rows.map(|row| weighted(row, slopes)));
+        let pairs = slopes.iter().zip(&self.correlation);
+        pairs.fold(Matrix3::zeros(), |sum, (a, b)| sum + a * b.transpose())
     }
 
     /// The last sequence at a sample, minus its prediction.
-    fn innovation<const M: usize>(
-        &self,
-        slopes: &[SVector<f64, M>],
-        residual: SVector<f64, M>,
-    ) -> SVector<f64, M> {
-        let last = self.means.len().saturating_sub(self.size);
-        residual - weighted(&self.means[last..], slopes)
+    fn innovation(&self, slopes: &[Vector3], residual: Vector3) -> Vector3 {
+        let last = self.followed.saturating_sub(1);
+        let means = self.means.iter().skip(last).step_by(self.followed.max(1));
+        let pairs = means.zip(slopes);
+        residual - pairs.fold(Vector3::zeros(), |sum, (m, slope)| sum + slope * *m)
     }
 
     /// Whitens every row's innovation and updates the filter. `inverse_root` is `L^-1` of the covariance `L L^T` of the
     /// readings, noise of the sensor and of the inputs together.
-    fn take<const M: usize>(
-        &mut self,
-        slopes: &[SVector<f64, M>],
-        correlation: &[SVector<f64, M>],
-        inverse_root: &SMatrix<f64, M, M>,
-        rows: &mut [SVector<f64, M>],
-    ) {
+    fn take(&mut self, slopes: &[Vector3], inverse_root: &Matrix3, rows: &mut [Vector3]) {
         let n = self.size;
         if n == 0 {
             rows.iter_mut().for_each(|row| *row = inverse_root * *row);
             return;
         }
-        let gains = correlation.iter().map(|c| inverse_root * c);
-        let gains: Vec<SVector<f64, M>> = gains.collect();
-        for (mean, row) in self.means.chunks_exact_mut(n).zip(rows) {
-            for (m, slope) in mean.iter().zip(slopes) {
-                *row -= slope * *m;
-            }
-            *row = inverse_root * *row;
-            for (m, gain) in mean.iter_mut().zip(&gains) {
-                *m += gain.dot(row);
+        let followed = self.followed.max(1);
+        self.gains.clear();
+        self.gains
+            .extend(self.correlation.iter().map(|c| inverse_root * c));
+        for (k, axis) in self.axes.iter_mut().enumerate() {
+            axis.iter_mut().zip(&*rows).for_each(|(x, row)| *x = row[k]);
+            for (mean, slope) in self.means.chunks_exact(followed).zip(slopes) {
+                add_scaled(axis, mean, -slope[k]);
             }
         }
-        for (row, a) in self.covariance.chunks_exact_mut(n).zip(&gains) {
-            row.iter_mut().zip(&gains).for_each(|(p, b)| *p -= a.dot(b));
+        let [x, y, z] = &mut self.axes;
+        let axes = x.iter_mut().zip(y.iter_mut()).zip(z.iter_mut());
+        for (((x, y), z), row) in axes.zip(&mut *rows) {
+            *row = inverse_root * Vector3::new(*x, *y, *z);
+            (*x, *y, *z) = (row.x, row.y, row.z);
+        }
+        for (mean, gain) in self.means.chunks_exact_mut(followed).zip(&self.gains) {
+            let axes = x.iter().zip(y.iter()).zip(z.iter());
+            for (m, ((x, y), z)) in mean.iter_mut().zip(axes) {
+                *m += gain.x * x + gain.y * y + gain.z * z;
+            }
+        }
+        for (row, a) in self.covariance.chunks_exact_mut(n).zip(&self.gains) {
+            row.iter_mut()
+                .zip(&self.gains)
+                .for_each(|(p, b)| *p -= a.dot(b));
         }
     }
 }
 
-fn weighted<const M: usize>(weights: &[f64], slopes: &[SVector<f64, M>]) -> SVector<f64, M> {
+fn weighted(weights: &[f64], slopes: &[Vector3]) -> Vector3 {
     weights
         .iter()
         .zip(slopes)
-        .fold(SVector::zeros(), |sum, (w, slope)| sum + slope * *w)
+        .fold(Vector3::zeros(), |sum, (w, slope)| sum + slope * *w)
 }

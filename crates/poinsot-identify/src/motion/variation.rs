@@ -7,7 +7,7 @@
 //! for the column `x = [dphi_B, dp_N, dP_N, dh_N]` of unknown u. `A` and `b` are those of the pose by way of the twist,
 //! and those of the momentum if an external force or torque acts.
 
-use super::{Column, Instant, MassCentre, Motion, State, matrix};
+use super::{Column, Force, Instant, MassCentre, Motion, State, matrix};
 use crate::problem::parameters::UnknownKind;
 use nalgebra::SMatrix;
 use poinsot_dynamics::{momentum_regressor, wheel_regressor};
@@ -18,7 +18,7 @@ pub(crate) type Matrix6x12 = SMatrix<f64, 6, 12>;
 type Matrix6x3 = SMatrix<f64, 6, 3>;
 
 /// Change of the pose around one instant.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 pub(crate) struct Variation {
     /// `V_x`.
     pub map: Matrix6x12,
@@ -58,7 +58,7 @@ pub(super) struct MomentumVariation {
 }
 
 /// Six rows of `A`: no position enters.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 struct JacobianRows {
     attitude: Matrix6x3,
     momentum: Matrix6,
@@ -241,7 +241,7 @@ fn pose_slopes(R: &Matrix3, instant: &Instant, map: &Matrix6x12) -> Matrix6x12 {
 impl Motion<'_> {
     /// The variational equation of the pose at the inputs in hand: with `V = H^-1 (X [P; h] - c - c_w)`,
     /// `dV = H^-1 (d(X [P; h]) - Y(V) dpi)`.
-    pub(super) fn linearise(&mut self, state: &State, instant: &Instant) -> Variation {
+    pub(super) fn linearise(&mut self, state: &State, instant: &Instant, out: &mut Variation) {
         let (v, twist) = (self.vehicle, &instant.twist);
         let input_state = &mut self.input_state;
         for (speed, (axis, still)) in input_state.wheels.iter_mut().zip(&input_state.free) {
@@ -257,11 +257,14 @@ impl Motion<'_> {
             &input_state.wheels,
             &mut self.wheel_columns,
         );
-        let mut twists: Vec<Vector6> = (0..v.kinds.len())
-            .map(|u| self.twist_change(u, &instant.centre, &instant.inverse_inertia))
-            .collect();
+        let twists = &mut out.twists;
+        twists.clear();
+        twists.extend(
+            (0..v.kinds.len())
+                .map(|u| self.twist_change(u, &instant.centre, &instant.inverse_inertia)),
+        );
         self.fault_slopes(instant);
-        self.input_columns(instant, &mut twists);
+        self.input_columns(instant, twists);
         if !self.input_state.free.is_empty() {
             // The axial momentum is given: the host's rotation reduces the speed.
             for change in self.axial_changes() {
@@ -271,15 +274,15 @@ impl Motion<'_> {
 
         let map = self.map_at(state, instant);
         let R = matrix(&state.R_NB);
-        Variation {
-            pose: JacobianRows::new(&pose_slopes(&R, instant, &map)),
-            map,
-            drive: twists.iter().map(|twist| pose_change(&R, twist)).collect(),
-            twists,
-            chord: (0..self.input_state.free.len())
-                .map(|wheel| pose_change(&R, &self.wheel_gain(instant, wheel)))
-                .collect(),
-        }
+        out.pose = JacobianRows::new(&pose_slopes(&R, instant, &map));
+        out.map = map;
+        out.drive.clear();
+        let drive = out.twists.iter().map(|twist| pose_change(&R, twist));
+        out.drive.extend(drive);
+        out.chord.clear();
+        let wheels = 0..self.input_state.free.len();
+        out.chord
+            .extend(wheels.map(|wheel| pose_change(&R, &self.wheel_gain(instant, wheel))));
     }
 
     /// Slopes of the pose's rate over the state: the upper half of `A`; `map` is [`Self::state_map`].
@@ -358,7 +361,7 @@ impl Motion<'_> {
             return None;
         }
         let outside = self.outside_changes(state, instant, k);
-        let forces = self.thrust_now(instant, k);
+        let forces: Vec<Force> = self.thrust_now(instant, k).collect();
         let (centre, w) = (&instant.centre, &instant.twist.w);
         let (R, still) = (matrix(&state.R_NB), Vector3::zeros());
         let drive = |(u, twist): (usize, &Vector6)| {

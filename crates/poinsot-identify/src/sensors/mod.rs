@@ -38,7 +38,7 @@ pub(crate) struct MeasurementJacobian {
     pub pose: SMatrix<f64, 3, 6>,
     /// Over `[dv_NBo_B, dw_NB_B]`.
     pub twist: SMatrix<f64, 3, 6>,
-    /// Over joints, all else held: joint, slope over its position, slope over its rate.
+    /// Over joints, all else held: joint, slope over its position, slope over its rate; sorted by joint.
     pub joints: Vec<(usize, Vector3, Vector3)>,
 }
 
@@ -58,16 +58,35 @@ impl MeasurementJacobian {
     }
 
     /// Changes of the reading with changes of state and base twist. Most kinds depend on one of the two alone.
-    fn along<'a>(&self, changes: impl Iterator<Item = (&'a Column, &'a Vector6)>) -> Vec<Vector3> {
+    fn along<'a>(
+        &self,
+        changes: impl Iterator<Item = (&'a Column, &'a Vector6)>,
+        mut out: Vec<Vector3>,
+    ) -> Vec<Vector3> {
         let nothing = SMatrix::<f64, 3, 6>::zeros();
         let (pose, twist) = (&self.pose, &self.twist);
         match (*pose == nothing, *twist == nothing) {
-            (true, _) => changes.map(|(_, V)| twist * V).collect(),
-            (_, true) => changes.map(|(x, _)| pose * x.fixed_rows::<6>(0)).collect(),
-            _ => changes
-                .map(|(x, V)| pose * x.fixed_rows::<6>(0) + twist * V)
-                .collect(),
+            (true, _) => out.extend(changes.map(|(_, V)| twist * V)),
+            (_, true) => out.extend(changes.map(|(x, _)| pose * x.fixed_rows::<6>(0))),
+            _ => out.extend(changes.map(|(x, V)| pose * x.fixed_rows::<6>(0) + twist * V)),
         }
+        out
+    }
+}
+
+/// Lists that were used and may be filled anew.
+#[derive(Default)]
+pub(crate) struct SpareVectors(Vec<Vec<Vector3>>);
+
+impl SpareVectors {
+    /// An empty list.
+    pub fn take(&mut self) -> Vec<Vector3> {
+        self.0.pop().unwrap_or_default()
+    }
+
+    pub fn give_back(&mut self, mut list: Vec<Vector3>) {
+        list.clear();
+        self.0.push(list);
     }
 }
 
@@ -169,6 +188,7 @@ pub(crate) fn predict(
     (state, k): (&State, usize),
     instant: &Instant,
     inputs: &InputNoise,
+    spare: &mut SpareVectors,
 ) -> Option<PredictedMeasurement> {
     let Some(IdealMeasurement {
         value,
@@ -178,12 +198,15 @@ pub(crate) fn predict(
     else {
         return accelerometer::predict(record, motion, (state, k), instant, inputs);
     };
-    let mut columns = slopes.along(motion.sensitivities());
-    let mut errors = slopes.along(inputs.columns.iter().zip(&inputs.twists));
-    let gains = inputs.rate_gain.iter().map(|gain| slopes.twist * gain);
-    let mut gains: Vec<Vector3> = gains.collect();
+    let mut columns = slopes.along(motion.sensitivities(), spare.take());
+    let mut errors = slopes.along(inputs.columns.iter().zip(&inputs.twists), spare.take());
+    let mut gains = spare.take();
+    gains.extend(inputs.rate_gain.iter().map(|gain| slopes.twist * gain));
     if !slopes.joints.is_empty() {
-        let of = |joint: usize| slopes.joints.iter().find(|s| s.0 == joint);
+        let of = |joint: usize| {
+            let found = slopes.joints.binary_search_by_key(&joint, |s| s.0);
+            slopes.joints.get(found.ok()?)
+        };
         if !columns.is_empty() {
             for (column, joint, dq, drate) in motion.joint_changes() {
                 if let Some((_, position, rate)) = of(joint) {

@@ -38,8 +38,8 @@ pub(crate) fn take_predictions(
         let evaluated = own.evaluate(at, false)?;
         drop(own);
         for (segment, one) in segments.iter_mut().zip(&evaluated) {
-            for record in &mut segment.observations.sensors {
-                for row in one.kept.of(Some(&record.name)) {
+            for (sensor, record) in segment.observations.sensors.iter_mut().enumerate() {
+                for row in one.kept.of(Some(sensor)) {
                     let place = record.samples.binary_search_by_key(&row.at, |s| s.to);
                     let sample = record.samples.get_mut(place.ok()?)?;
                     sample.value = match sample.value {

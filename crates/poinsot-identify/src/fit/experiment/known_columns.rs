@@ -160,7 +160,7 @@ impl MovedVehicle {
                     |row: &KeptRow| Vector3::from_fn(|axis, _| row.rows[axis][place] * factor);
                 let channels = one.channels.iter();
                 channels
-                    .map(|c| one.kept.of(Some(&c.name)).map(slope).collect())
+                    .map(|c| one.kept.of(Some(c.sensor)).map(slope).collect())
                     .collect()
             };
             let segments = evaluated.iter().zip(&wide.unknown).map(of).collect();
