@@ -162,6 +162,20 @@ fn transition(h: f64) -> Matrix3<f64> {
     Matrix3::new(1.0, h, 0.5 * h * h, 0.0, 1.0, h, 0.0, 0.0, 1.0)
 }
 
+/// `F P F^T` with the [`transition`] F over a time.
+fn carried(P: &Matrix3<f64>, h: f64) -> Matrix3<f64> {
+    let g = 0.5 * h * h;
+    let row = |i: usize| {
+        let (b, c) = (P[(1, i)] + h * P[(2, i)], P[(2, i)]);
+        [P[(0, i)] + h * P[(1, i)] + g * c, b, c]
+    };
+    let [x, y, z] = [0, 1, 2].map(row);
+    // Rows of F P; P is symmetric.
+    let (aa, ab, ac) = (x[0] + h * y[0] + g * z[0], y[0] + h * z[0], z[0]);
+    let (bb, bc, cc) = (y[1] + h * z[1], z[1], z[2]);
+    Matrix3::new(aa, ab, ac, ab, bb, bc, ac, bc, cc)
+}
+
 /// Covariance added by white jerk of unit intensity over a time.
 fn added(h: f64) -> Matrix3<f64> {
     let (h2, h3) = (h * h, h * h * h);
@@ -191,9 +205,8 @@ fn filter(
     for (k, r) in readings.iter().enumerate() {
         let h = r.time_s - before;
         if h > 0.0 {
-            let F = transition(h);
-            state = F * state;
-            P = F * P * F.transpose() + added(h) * intensity;
+            state = moved(&state, h);
+            P = carried(&P, h) + added(h) * intensity;
         }
         before = r.time_s;
         predictions(Predicted {
@@ -210,8 +223,9 @@ fn filter(
             let innovation = value - state[component];
             state += gain * innovation;
             // Joseph form: it stays positive for almost exact samples.
-            let left = Matrix3::identity() - gain * z;
-            P = left * P * left.transpose() + gain * gain.transpose() * noise;
+            let less = P - gain * column.transpose();
+            let column: Vector3<f64> = less.column(component).into();
+            P = less - column * gain.transpose() + gain * gain.transpose() * noise;
             updates(Update {
                 reading: k,
                 innovation,
@@ -331,6 +345,14 @@ mod tests {
             }
         };
         (0..60).map(of).collect()
+    }
+
+    #[test]
+    fn exact_a_carried_covariance_is_that_of_the_transition() {
+        let A = Matrix3::new(2.0, 0.3, -0.1, 0.0, 1.5, 0.4, 0.0, 0.0, 0.7);
+        let P = A.transpose() * A;
+        let F = transition(0.37);
+        assert!((carried(&P, 0.37) - F * P * F.transpose()).amax() < 1.0e-14);
     }
 
     /// The same least-squares problem solved in one piece: samples, and jerk between them, each weighted by its noise.

@@ -8,7 +8,7 @@
 use super::candidate::Candidate;
 use super::candidates::sensors_read;
 use super::pulse::pulse;
-use super::score::{ProjectedRows, SHOWN, Score, explained, found, momentum_jump};
+use super::score::{ProjectedRows, SHOWN, Score, explained, found, momentum_jump, of_record};
 use super::suspects::Scored;
 use super::table::{SegmentRows, Table};
 use super::types::FaultKind;
@@ -29,15 +29,14 @@ const MARGIN: f64 = 0.02;
 struct Onset {
     name: &'static str,
     fault: FaultKind,
-    columns: OnsetKind,
+    /// Indices of its columns among those of all.
+    columns: std::ops::Range<usize>,
+    /// Whether the momentum alone changes at that time.
+    kick: bool,
 }
 
-enum OnsetKind {
-    /// Combinations of columns: places, each with its factor.
-    Rows(Vec<Vec<usize>>),
-    /// The momentum at that time.
-    Kick,
-}
+/// A column of an onset: the sum of some of the table.
+type Summed = Vec<usize>;
 
 /// The best onset of each fault; pulses only if there is a misfit.
 pub(super) fn onsets(
@@ -54,12 +53,14 @@ pub(super) fn onsets(
         return list;
     };
     for (s, rows) in table.segments.iter().enumerate() {
-        let label = &experiment.problem.segments[s].label;
+        let record = of_record(&experiment.problem.segments[s].label);
         let t = &experiment.problem.segments[s].observations.time_s;
         let clear = basis.clear(fitted, s, rows, experiment);
-        for onset in kinds(experiment, rows, &unknowns) {
-            if let Some((score, at, tried)) = best(&onset, rows, &clear, experiment, s) {
-                let name = format!("{} at {:.1} s of {label}", onset.name, t[at]);
+        let (columns, kinds) = kinds(experiment, rows, &unknowns);
+        let all = best(&kinds, &columns, (rows, &clear), experiment, s);
+        for (onset, best) in kinds.iter().zip(all) {
+            if let Some((score, at, tried)) = best {
+                let name = format!("{} at {:.1} s{record}", onset.name, t[at]);
                 list.push(found(name, onset.fault, &score, tried));
             }
         }
@@ -70,7 +71,12 @@ pub(super) fn onsets(
     list
 }
 
-fn kinds(experiment: &Experiment, rows: &SegmentRows, unknowns: &[&Unknown]) -> Vec<Onset> {
+/// The columns of all faults, and the faults.
+fn kinds(
+    experiment: &Experiment,
+    rows: &SegmentRows,
+    unknowns: &[&Unknown],
+) -> (Vec<Summed>, Vec<Onset>) {
     let initial_columns = rows.initial_columns;
     let place = |kind: &UnknownKind| {
         let found = unknowns.iter().position(|u| u.kind == *kind);
@@ -78,46 +84,52 @@ fn kinds(experiment: &Experiment, rows: &SegmentRows, unknowns: &[&Unknown]) -> 
     };
     let of = |sensor: usize, error| place(&UnknownKind::Sensor { sensor, error });
     let read = sensors_read(experiment.problem);
+    let mut columns: Vec<Summed> = (0..initial_columns).map(|k| vec![k]).collect();
     let mut list = vec![
         Onset {
             name: "the motion restarts",
             fault: FaultKind::JoinedRecord,
-            columns: OnsetKind::Rows((0..initial_columns).map(|k| vec![k]).collect()),
+            columns: 0..initial_columns,
+            kick: false,
         },
         Onset {
             name: "an impulse that is not in the telemetry (a missing or extra firing)",
             fault: FaultKind::Firing,
-            columns: OnsetKind::Kick,
+            columns: 0..initial_columns,
+            kick: true,
         },
     ];
-    let lags: Vec<usize> = read
+    let mut push = |name, fault, own: Vec<Summed>| {
+        let first = columns.len();
+        columns.extend(own);
+        list.push(Onset {
+            name,
+            fault,
+            columns: first..columns.len(),
+            kick: false,
+        });
+    };
+    let lags: Summed = read
         .iter()
         .filter_map(|(s, _)| of(*s, SensorError::Lag))
         .collect();
     if !lags.is_empty() {
-        list.push(Onset {
-            name: "a jump of the clock",
-            fault: FaultKind::ClockJump,
-            columns: OnsetKind::Rows(vec![lags]),
-        });
+        push("a jump of the clock", FaultKind::ClockJump, vec![lags]);
     }
     let model = experiment.problem.model;
     for (sensor, _) in read
         .iter()
         .filter(|r| model.sensors[r.0].kind == SensorKind::Attitude)
     {
-        let axes: Option<Vec<Vec<usize>>> = (0..3)
+        let axes: Option<Vec<Summed>> = (0..3)
             .map(|k| of(*sensor, SensorError::Bias(k)).map(|p| vec![p]))
             .collect();
         if let Some(axes) = axes {
-            list.push(Onset {
-                name: "a jump of the measured attitude",
-                fault: FaultKind::AttitudeJump,
-                columns: OnsetKind::Rows(axes),
-            });
+            let name = "a jump of the measured attitude";
+            push(name, FaultKind::AttitudeJump, axes);
         }
     }
-    list
+    (columns, list)
 }
 
 /// Triangle of all that was fitted.
@@ -199,71 +211,102 @@ fn solved(r: &DMatrix<f64>, row: &[f64]) -> DVector<f64> {
     let n = row.len();
     let largest = (0..n).fold(0.0_f64, |a, k| a.max(r[(k, k)].abs()));
     let mut x = DVector::zeros(n);
-    for j in 0..n {
-        let pivot = r[(j, j)];
+    for (j, column) in r.as_slice().chunks_exact(n.max(1)).enumerate() {
+        let pivot = column[j];
         if pivot.abs() > SHOWN * SHOWN * largest {
-            let before: f64 = (0..j).map(|i| x[i] * r[(i, j)]).sum();
+            let pairs = x.as_slice().iter().zip(&column[..j]);
+            let before: f64 = pairs.map(|(x, r)| x * r).sum();
             x[j] = (row[j] - before) / pivot;
         }
     }
     x
 }
 
-/// The time from which a fault explains most, and how many were tried.
+/// Products of the columns behind a time.
+struct Products {
+    /// With themselves, with the basis of all that was fitted, and with the residual.
+    square: DMatrix<f64>,
+    onto: DMatrix<f64>,
+    toward: DVector<f64>,
+    row: DVector<f64>,
+}
+
+impl Products {
+    fn new(columns: usize, basis: usize) -> Self {
+        Self {
+            square: DMatrix::zeros(columns, columns),
+            onto: DMatrix::zeros(basis, columns),
+            toward: DVector::zeros(columns),
+            row: DVector::zeros(columns),
+        }
+    }
+
+    fn add(&mut self, columns: &[Summed], row: &[f64], basis: &DVector<f64>, residual: f64) {
+        for (x, of) in self.row.iter_mut().zip(columns) {
+            *x = of.iter().map(|k| row[*k]).sum();
+        }
+        for (j, x) in self.row.iter().enumerate().filter(|(_, x)| **x != 0.0) {
+            self.square.column_mut(j).axpy(*x, &self.row, 1.0);
+            self.onto.column_mut(j).axpy(*x, basis, 1.0);
+            self.toward[j] += x * residual;
+        }
+    }
+}
+
+/// For each fault the time from which it explains most, and how many were tried.
 fn best(
-    onset: &Onset,
-    rows: &SegmentRows,
-    clear: &ProjectedRows,
+    kinds: &[Onset],
+    columns: &[Summed],
+    (rows, clear): (&SegmentRows, &ProjectedRows),
     experiment: &Experiment,
     segment: usize,
-) -> Option<(Score, usize, usize)> {
-    let columns: Vec<Vec<usize>> = match &onset.columns {
-        OnsetKind::Rows(columns) => columns.clone(),
-        OnsetKind::Kick => (0..rows.initial_columns).map(|k| vec![k]).collect(),
+) -> Vec<Option<(Score, usize, usize)>> {
+    let mut found: Vec<Option<(Score, usize, usize)>> = kinds.iter().map(|_| None).collect();
+    let Some(first) = clear.basis.first() else {
+        return found;
     };
-    let (m, p) = (columns.len(), clear.basis.first()?.len());
     let times = rows.transitions.len();
     let stride = times.div_ceil(TIMES).max(1);
     let margin = (MARGIN * times as f64).ceil() as usize;
-    let mut square = DMatrix::<f64>::zeros(m, m);
-    let mut onto = DMatrix::<f64>::zeros(p, m);
-    let mut toward = DVector::<f64>::zeros(m);
-    let (mut found, mut tried): (Option<(Score, usize)>, usize) = (None, 0);
+    let mut sums = Products::new(columns.len(), first.len());
     let mut next = rows.of.len();
+    let mut tried = vec![0; kinds.len()];
     for (place, transition) in rows.transitions.iter().enumerate().rev() {
-        let at = &transition.at;
-        while next > 0 && rows.of[next - 1].1 >= *at {
+        let at = transition.at;
+        while next > 0 && rows.of[next - 1].1 >= at {
             next -= 1;
             for i in 3 * next..3 * next + 3 {
-                let d = DVector::from_iterator(
-                    m,
-                    columns
-                        .iter()
-                        .map(|c| c.iter().map(|k| rows.rows[i][*k]).sum::<f64>()),
-                );
-                square.ger(1.0, &d, &d, 1.0);
-                onto.ger(1.0, &clear.basis[i], &d, 1.0);
-                toward.axpy(clear.residual[i], &d, 1.0);
+                sums.add(columns, &rows.rows[i], &clear.basis[i], clear.residual[i]);
             }
         }
         if place % stride != 0 || place < margin || place + margin >= times {
             continue;
         }
-        let left = &square - onto.tr_mul(&onto);
-        let score = match onset.columns {
-            OnsetKind::Rows(_) => explained(&left, &square, &toward),
-            OnsetKind::Kick => {
+        let left = &sums.square - sums.onto.tr_mul(&sums.onto);
+        for ((onset, found), tried) in kinds.iter().zip(&mut found).zip(&mut tried) {
+            let (first, m) = (onset.columns.start, onset.columns.len());
+            let part = |all: &DMatrix<f64>| all.view((first, first), (m, m)).into_owned();
+            let toward = sums.toward.rows(first, m).into_owned();
+            let (left, square) = (part(&left), part(&sums.square));
+            let score = if onset.kick {
                 let Some(kick) = momentum_jump(&transition.start, experiment, segment) else {
                     continue;
                 };
                 let of = |m: &DMatrix<f64>| kick.transpose() * m * &kick;
                 explained(&of(&left), &of(&square), &kick.tr_mul(&toward))
+            } else {
+                explained(&left, &square, &toward)
+            };
+            *tried += 1;
+            if found.as_ref().is_none_or(|f| score.decrease > f.0.decrease) {
+                *found = Some((score, at, 0));
             }
-        };
-        tried += 1;
-        if found.as_ref().is_none_or(|f| score.decrease > f.0.decrease) {
-            found = Some((score, *at));
         }
     }
-    found.map(|(score, at)| (score, at, tried.max(1)))
+    for (found, tried) in found.iter_mut().zip(tried) {
+        if let Some(found) = found {
+            found.2 = tried.max(1);
+        }
+    }
+    found
 }

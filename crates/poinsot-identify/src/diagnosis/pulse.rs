@@ -4,7 +4,7 @@
 //! to every time at hand, each row of a pulse is one product. Durations are tried by halves, then both ends of the best
 //! are moved.
 
-use super::score::{ProjectedRows, Score, explained, found, momentum_jump};
+use super::score::{ProjectedRows, Score, explained, found, momentum_jump, of_record};
 use super::suspects::Scored;
 use super::table::SegmentRows;
 use super::types::FaultKind;
@@ -34,7 +34,7 @@ pub(super) fn pulse(
     clear: &ProjectedRows,
     segment: usize,
 ) -> Option<Scored> {
-    let label = &experiment.problem.segments[segment].label;
+    let record = of_record(&experiment.problem.segments[segment].label);
     let t = &experiment.problem.segments[segment].observations.time_s;
     let pulses = Pulses::new(experiment, rows, clear, (segment, t))?;
     let last = rows.transitions.len() - 1;
@@ -80,7 +80,7 @@ pub(super) fn pulse(
         }
         None => "a force or torque that is missing from the telemetry or did not act".to_owned(),
     };
-    let name = format!("{who}, {:.1} to {:.1} s of {label},", at(from), at(to));
+    let name = format!("{who}, {:.1} to {:.1} s{record},", at(from), at(to));
     Some(found(name, FaultKind::Firing, &score, tried))
 }
 

@@ -22,6 +22,14 @@ pub(super) struct Score {
     pub values: DVector<f64>,
 }
 
+/// The record of a time in words; arrays have no name.
+pub(super) fn of_record(label: &str) -> String {
+    match label.is_empty() {
+        true => String::new(),
+        false => format!(" of {label}"),
+    }
+}
+
 /// A suspect with an onset, and the number of tested times.
 pub(super) fn found(name: String, fault: FaultKind, score: &Score, tried: usize) -> Scored {
     Scored {

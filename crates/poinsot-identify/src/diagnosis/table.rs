@@ -252,18 +252,25 @@ impl Table {
 
     /// Clears columns that do not show in the predictions: one of round-off explains any residual with a huge number.
     fn silence(&mut self, own: &[Twin]) {
-        for (k, twin) in own.iter().enumerate() {
-            let at = |one: &SegmentRows| one.initial_columns + self.base + k;
-            let squares = self.segments.iter().flat_map(|one| {
-                let place = at(one);
-                one.rows.iter().map(move |row| row[place].powi(2))
-            });
-            let length = squares.sum::<f64>().sqrt();
-            if length > 0.0 && length * twin.sigma <= SILENT {
-                for one in &mut self.segments {
-                    let place = one.initial_columns + self.base + k;
-                    one.rows.iter_mut().for_each(|row| row[place] = 0.0);
-                }
+        let mut squares = vec![0.0; own.len()];
+        let columns = |one: &SegmentRows| {
+            let first = one.initial_columns + self.base;
+            first..first + own.len()
+        };
+        for one in &self.segments {
+            for row in &one.rows {
+                let values = squares.iter_mut().zip(&row[columns(one)]);
+                values.for_each(|(sum, x)| *sum += x * x);
+            }
+        }
+        let lengths = squares.iter().zip(own);
+        let silent = lengths.map(|(square, twin)| square.sqrt() * twin.sigma <= SILENT);
+        let silent: Vec<bool> = silent.collect();
+        for one in &mut self.segments {
+            let columns = columns(one);
+            for row in one.rows.iter_mut().filter(|_| silent.contains(&true)) {
+                let values = row[columns.clone()].iter_mut().zip(&silent);
+                values.for_each(|(x, silent)| *x *= f64::from(u8::from(!silent)));
             }
         }
     }
