@@ -193,7 +193,7 @@ fn jitters(
         );
         let values = vec![(format!("{name}.jitter"), variance.sqrt(), "s")];
         let jitter = scored(what, FaultKind::TimeJitter, (decrease, 1), values);
-        if jitter.is_significant(mean_square) && white(variance) {
+        if jitter.is_significant(mean_square, 1) && white(variance) {
             list.push(jitter);
         }
     }

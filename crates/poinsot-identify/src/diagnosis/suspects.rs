@@ -10,8 +10,9 @@ use crate::motion::GRADIENT;
 use crate::problem::parameters::UnknownKind;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-/// p-value below which a candidate is named.
-const CHANCE: f64 = 1.0e-7;
+/// Chance that anything is named in a record without a fault. All hypotheses share it (Bonferroni): a lower one hides faults that
+/// five sigma show.
+const FALSE_ALARM: f64 = 1.0e-4;
 /// Number of candidates that are fitted fully.
 const FITTED: usize = 2;
 /// Sigmas beyond a physical bound from which a number is impossible.
@@ -60,8 +61,9 @@ pub(super) fn suspects(
     let mean_square = of.mean_square();
     let mut list = scores(candidates, projected, mean_square);
     list.extend(others);
+    let hypotheses = list.len();
     let significant = |list: &mut Vec<Scored>| {
-        list.retain(|one| one.is_significant(mean_square) && one.is_possible());
+        list.retain(|one| one.is_significant(mean_square, hypotheses) && one.is_possible());
     };
     significant(&mut list);
     rank(&mut list, of);
@@ -175,10 +177,12 @@ impl Scored {
         self.suspect.decrease / scale - self.numbers as f64 * samples.max(1.0).ln() - choice
     }
 
-    pub fn is_significant(&self, mean_square: f64) -> bool {
+    /// Whether chance explains it too rarely, as one of so many hypotheses.
+    pub fn is_significant(&self, mean_square: f64, hypotheses: usize) -> bool {
         let chance = ChiSquared::new(self.numbers.max(1) as f64);
         let score = self.suspect.decrease / mean_square;
-        chance.is_ok_and(|c| c.sf(score) * (self.trials as f64) < CHANCE)
+        let tried = (self.trials * hypotheses) as f64;
+        chance.is_ok_and(|c| c.sf(score) * tried < FALSE_ALARM)
     }
 
     /// Whether the numbers are physical: drag does not accelerate, and a rotor's inertia is positive unless its sign is
@@ -294,7 +298,7 @@ mod tests {
     #[test]
     fn regress_a_suspect_whose_fit_lowers_nothing_is_none() {
         let with = |decrease: f64| scored("drag", FaultKind::Drag, decrease, &[1.0]);
-        let named = |decrease: f64| with(decrease).is_significant(1.0);
+        let named = |decrease: f64| with(decrease).is_significant(1.0, 1);
         assert!(named(500.0) && !named(-0.3) && !named(f64::NAN));
     }
 
