@@ -80,7 +80,7 @@ pub fn rows() -> Vec<Row> {
             "gyro mapped as deg/s that is rad/s, no attitude",
             |b| gyro_alone(b, f64::to_radians),
             1,
-            &[": Partly determined. "],
+            &[": Partly determined, not reliable. "],
         )
         .never(&["every number"]),
         row(
