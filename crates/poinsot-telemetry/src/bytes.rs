@@ -1,8 +1,10 @@
 //! Byte stream of a file: hashed, and rejected if it is not text.
 
 use crate::TelemetryError;
+use crate::content_hash::ContentHash;
 use crate::error::Place;
 use crate::packing::is_standard_input;
+use memchr::{memchr, memrchr};
 use poinsot_files::{InputError, standard_input};
 use sha2::{Digest, Sha256};
 use std::fs::{File, Metadata};
@@ -96,7 +98,7 @@ pub(crate) fn check_unchanged(path: &Path, opened: &Opened) -> Result<(), Teleme
 /// numbers are consistent.
 pub(crate) struct TextBytes<R> {
     inner: R,
-    hash: Sha256,
+    hash: ContentHash,
     offset: u64,
     line: usize,
     after_cr: bool,
@@ -110,7 +112,7 @@ impl<R: Read> TextBytes<R> {
     pub(crate) fn new(inner: R, skip: u64) -> Self {
         Self {
             inner,
-            hash: Sha256::new(),
+            hash: ContentHash::new(),
             offset: 0,
             line: 0,
             after_cr: false,
@@ -124,7 +126,7 @@ impl<R: Read> TextBytes<R> {
         let mut from = 0;
         while self.skip > 0 {
             let rest = bytes.get(from..).unwrap_or_default();
-            match rest.iter().position(|&b| b == b'\n') {
+            match memchr(b'\n', rest) {
                 Some(at) => {
                     from += at + 1;
                     self.skip -= 1;
@@ -136,9 +138,10 @@ impl<R: Read> TextBytes<R> {
         bytes.len() - from
     }
 
-    /// SHA-256 of the bytes read so far, hexadecimal.
-    pub(crate) fn sha256(&self) -> String {
-        hex(self.hash.clone())
+    /// SHA-256 of the bytes read, hexadecimal.
+    pub(crate) fn sha256(self) -> io::Result<String> {
+        let failed = || io::Error::other("the thread that hashes the file ended");
+        self.hash.finish().ok_or_else(failed)
     }
 
     /// Whether the last byte read ends a line.
@@ -148,7 +151,7 @@ impl<R: Read> TextBytes<R> {
 
     /// Converts `\r` and `\r\n` to `\n` in place; returns the number of bytes left.
     fn plain_line_ends(&mut self, bytes: &mut [u8]) -> usize {
-        if !self.after_cr && !bytes.contains(&b'\r') {
+        if !self.after_cr && memchr(b'\r', bytes).is_none() {
             return bytes.len();
         }
         let mut kept = 0;
@@ -176,17 +179,17 @@ impl<R: Read> Read for TextBytes<R> {
             if n == 0 {
                 return Ok(0);
             }
-            if let Some(at) = read.iter().position(|&b| b == 0) {
+            if let Some(at) = memchr(0, read) {
                 return Err(io::Error::other(ByteFault::Nul(self.offset + at as u64)));
             }
-            self.hash.update(&*read);
+            self.hash.update(read);
             self.offset += n as u64;
             let mut kept = self.plain_line_ends(read);
             if self.skip > 0 {
                 kept = self.without_head(read.get_mut(..kept).unwrap_or_default());
             }
             let text = read.get(..kept).unwrap_or_default();
-            match text.iter().rposition(|&b| b == b'\n') {
+            match memrchr(b'\n', text) {
                 Some(at) => self.line = kept - at - 1,
                 None => self.line += kept,
             }

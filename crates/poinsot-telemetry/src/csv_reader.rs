@@ -138,7 +138,10 @@ pub(crate) fn read(
     }
     selection.check(path, &plan, &mut columns, rows, full)?;
     check_unchanged(path, opened)?;
-    let sha256 = packed_sha256.unwrap_or_else(|| reader.get_ref().sha256());
+    let sha256 = match packed_sha256 {
+        Some(packed) => packed,
+        None => reader.into_inner().sha256().map_err(io)?,
+    };
     Ok((plan, columns, sha256))
 }
 

@@ -11,6 +11,7 @@ mod channel_name;
 pub mod checks;
 mod clock;
 mod columns;
+mod content_hash;
 mod conventions;
 mod conversion;
 mod csv_reader;
