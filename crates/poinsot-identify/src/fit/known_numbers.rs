@@ -28,8 +28,8 @@ pub(crate) const SILENT: f64 = 1.0e-3;
 const EXPLAINED: f64 = 0.5;
 /// Most iterations with known numbers among the unknowns: where they are within a few sigmas, six are enough.
 const TRIED: usize = 12;
-/// Fall of chi-square that a full step may still promise where the columns are differences.
-const CONVERGED_BELOW_BY_DIFFERENCES: f64 = 1.0e-3;
+/// Fall of chi-square that a full step may still promise where columns are those of an iterate near it.
+const CONVERGED_BELOW_KEPT_COLUMNS: f64 = 1.0e-3;
 
 /// The fit with known numbers within their uncertainty.
 pub(crate) struct KnownFit {
@@ -69,7 +69,7 @@ pub(crate) fn fit_known(experiment: &Experiment, fitted: &Fitted) -> Option<Know
         true => start.clone(),
         false => fit_from(&wide, first, TRIED)?,
     };
-    let done = found.converged || predicted_reduction(&found) < CONVERGED_BELOW_BY_DIFFERENCES;
+    let done = found.converged || predicted_reduction(&found) < CONVERGED_BELOW_KEPT_COLUMNS;
     let (worst, per_number) = contradicted(&wide, &found);
     // A misfit beyond the uncertainty of known numbers needs another cause.
     let left = hopeless || per_number > MISFIT && (worst.is_some() || !done);

@@ -1,4 +1,4 @@
-//! Known numbers as unknowns: columns that differences of whole evaluations gave.
+//! Known numbers as unknowns: columns that another evaluation gave.
 
 use super::Setting;
 use crate::problem::segment::Segment;

@@ -13,8 +13,7 @@ use poinsot_model::{KnownNumber, Model, SensorKind};
 use poinsot_spatial::{InertialParameters, Vector3};
 use std::sync::{Arc, Mutex};
 
-/// Step of a difference, sigmas of the number. One sigma may be 10^5 times the noise of all readings together; the bend over
-/// a step and its round-off must both stay far below the noise.
+/// Step of the difference of what a number moves in the vehicle, sigmas of the number: what it moves is nearly linear in it.
 pub(crate) const DIFFERENCE: f64 = 1.0e-5;
 /// Sigmas by which a known number may move during a fit before its columns are made again. One sigma changes a column by a
 /// tenth at most (inertia from a drawing), so a step on columns this old is right to a hundredth.
