@@ -338,10 +338,8 @@ impl<'a> Motion<'a> {
             true => None,
             false => {
                 let mut variation = self.spare.variation();
-                match Arc::get_mut(&mut variation) {
-                    Some(own) => self.linearise(state, &instant, own),
-                    None => unreachable!("a spare one has no other owner"),
-                }
+                // A spare one has no other owner: nothing is copied.
+                self.linearise(state, &instant, Arc::make_mut(&mut variation));
                 Some(variation)
             }
         };

@@ -1,7 +1,7 @@
 //! Byte stream of a file: hashed, and rejected if it is not text.
 
 use crate::TelemetryError;
-use crate::content_hash::ContentHash;
+use crate::content_hash::{ContentHash, hex};
 use crate::error::Place;
 use crate::packing::is_standard_input;
 use memchr::{memchr, memrchr};
@@ -221,8 +221,4 @@ pub(crate) fn sha256_of(path: &Path, file: &mut File) -> Result<String, Telemetr
         }
         hash.update(buffer.get(..n).unwrap_or_default());
     }
-}
-
-pub(crate) fn hex(hash: Sha256) -> String {
-    hash.finalize().iter().map(|b| format!("{b:02x}")).collect()
 }

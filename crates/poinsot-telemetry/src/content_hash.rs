@@ -91,8 +91,13 @@ impl ContentHash {
                 beside.thread.join().ok()?
             }
         };
-        Some(hash.finalize().iter().map(|b| format!("{b:02x}")).collect())
+        Some(hex(hash))
     }
+}
+
+/// The digest, hexadecimal.
+pub(crate) fn hex(hash: Sha256) -> String {
+    hash.finalize().iter().map(|b| format!("{b:02x}")).collect()
 }
 
 #[cfg(test)]

@@ -1,7 +1,8 @@
 //! Columns in memory, treated as a file: names, units, checks and limits.
 
-use crate::bytes::{Opened, hex};
+use crate::bytes::Opened;
 use crate::columns::Columns;
+use crate::content_hash::hex;
 use crate::error::{Place, shown};
 use crate::number::Cell;
 use crate::plan::{self, Plan};

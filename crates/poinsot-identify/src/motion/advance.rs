@@ -109,9 +109,7 @@ impl Motion<'_> {
             std::mem::swap(&mut self.input_state, &mut self.middle);
             let instant = self.instant(&half)?;
             let mut variation = self.spare.variation();
-            if let Some(own) = Arc::get_mut(&mut variation) {
-                self.linearise(&half, &instant, own);
-            }
+            self.linearise(&half, &instant, Arc::make_mut(&mut variation));
             let in_middle = &*variation;
             let push_in_middle = self.push(&half, &instant, in_middle, k);
             std::mem::swap(&mut self.input_state, &mut self.middle);

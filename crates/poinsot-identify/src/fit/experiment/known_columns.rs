@@ -220,44 +220,45 @@ pub(crate) fn twin(
     Some((unknown, factor))
 }
 
-/// How a known number moves a thruster. Turns are about directions of the `nominal` vehicle.
-fn thruster_slopes(
-    (model, nominal): (&Model, &Model),
-    thruster: usize,
-    (number, component, step): Shift,
-) -> Option<UnknownKind> {
-    let moved = |change: f64| {
-        let mut there = model.clone();
-        number.shift(nominal, &mut there, component, change);
-        let t = there.thrusters.get(thruster)?;
-        Some((t.direction_B, t.p_BoT_B))
-    };
-    let (behind, ahead) = (moved(-step)?, moved(step)?);
+/// How a known number moves a thruster.
+fn thruster_slopes(models: (&Model, &Model), thruster: usize, shift: Shift) -> Option<UnknownKind> {
+    let [direction_B, p_BoT_B] = place_slopes(models, shift, |model| {
+        let t = model.thrusters.get(thruster)?;
+        Some([t.direction_B, t.p_BoT_B])
+    })?;
     Some(UnknownKind::ThrusterPlace {
         thruster,
-        direction_B: (ahead.0 - behind.0) / (2.0 * step),
-        p_BoT_B: (ahead.1 - behind.1) / (2.0 * step),
+        direction_B,
+        p_BoT_B,
     })
 }
 
-/// How a known number moves a joint. Turns are about directions of the `nominal` vehicle.
-fn joint_slopes(
+/// How a known number moves a joint.
+fn joint_slopes(models: (&Model, &Model), joint: usize, shift: Shift) -> Option<UnknownKind> {
+    let [p_PoCo_P, axis_C] = place_slopes(models, shift, |model| {
+        let j = model.joints.get(joint)?;
+        Some([j.p_PoCo_P, j.axis_C])
+    })?;
+    Some(UnknownKind::JointPlace {
+        link: models.0.joints.get(joint)?.child,
+        p_PoCo_P,
+        axis_C,
+    })
+}
+
+/// How a known number moves a position and a direction of a part. Turns are about directions of the `nominal` vehicle.
+fn place_slopes(
     (model, nominal): (&Model, &Model),
-    joint: usize,
     (number, component, step): Shift,
-) -> Option<UnknownKind> {
+    place: impl Fn(&Model) -> Option<[Vector3; 2]>,
+) -> Option<[Vector3; 2]> {
     let moved = |change: f64| {
         let mut there = model.clone();
         number.shift(nominal, &mut there, component, change);
-        let j = there.joints.get(joint)?;
-        Some((j.p_PoCo_P, j.axis_C))
+        place(&there)
     };
     let (behind, ahead) = (moved(-step)?, moved(step)?);
-    Some(UnknownKind::JointPlace {
-        link: model.joints.get(joint)?.child,
-        p_PoCo_P: (ahead.0 - behind.0) / (2.0 * step),
-        axis_C: (ahead.1 - behind.1) / (2.0 * step),
-    })
+    Some([0, 1].map(|k| (ahead[k] - behind[k]) / (2.0 * step)))
 }
 
 /// Slopes of the barycentric parameters over a known number, at a value of the unknowns: index `10 body + k` and slope. Turns
