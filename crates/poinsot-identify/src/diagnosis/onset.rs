@@ -18,7 +18,7 @@ use crate::problem::parameters::{Unknown, UnknownKind};
 use nalgebra::{DMatrix, DVector};
 use poinsot_dynamics::SensorError;
 use poinsot_model::SensorKind;
-use poinsot_solve::BlockQr;
+use poinsot_solve::{BlockQr, Triangle};
 
 /// Largest number of times tested in a segment.
 const TIMES: usize = 160;
@@ -49,13 +49,13 @@ pub(super) fn onsets(
     let own = candidates.iter().flat_map(|c| &c.unknowns);
     let unknowns: Vec<&Unknown> = experiment.parameters.unknowns.iter().chain(own).collect();
     let mut list = Vec::new();
-    let Some(basis) = Basis::new(experiment, fitted) else {
+    let Some(basis) = Basis::new(experiment, fitted, &table.stacked) else {
         return list;
     };
     for (s, rows) in table.segments.iter().enumerate() {
         let record = of_record(&experiment.problem.segments[s].label);
         let t = &experiment.problem.segments[s].observations.time_s;
-        let clear = basis.clear(fitted, s, rows, experiment);
+        let clear = basis.clear(rows, experiment);
         let (columns, kinds) = kinds(experiment, rows, &unknowns);
         let all = best(&kinds, &columns, (rows, &clear), experiment, s);
         for (onset, best) in kinds.iter().zip(all) {
@@ -141,7 +141,8 @@ struct Basis {
 }
 
 impl Basis {
-    fn new(experiment: &Experiment, fitted: &Fitted) -> Option<Self> {
+    /// `stacked` has the fitted unknowns first and the residual last.
+    fn new(experiment: &Experiment, fitted: &Fitted, stacked: &Triangle) -> Option<Self> {
         let parameters = experiment.parameters;
         let n = parameters.len();
         let nuisance = |k: &usize| parameters.unknowns[*k].kind.is_nuisance();
@@ -158,12 +159,11 @@ impl Basis {
                     spectrum.natural[k] * spectrum.directions[(k, j)];
             }
         }
-        let stacked = experiment.stack(&fitted.at, &fitted.evaluated, true);
         let r = &stacked.r;
         let mut qr = BlockQr::new(width + 1);
-        qr.push(r.nrows(), |i, j| match j < width {
+        qr.push(n.min(r.nrows()), |i, j| match j < width {
             true => (0..n).map(|k| r[(i, k)] * directions[(k, j)]).sum(),
-            false => r[(i, n)],
+            false => r[(i, r.ncols() - 1)],
         });
         let t = qr.finish().r;
         (t.nrows() >= width).then(|| Self {
@@ -173,19 +173,12 @@ impl Basis {
         })
     }
 
-    fn clear(
-        &self,
-        fitted: &Fitted,
-        segment: usize,
-        rows: &SegmentRows,
-        experiment: &Experiment,
-    ) -> ProjectedRows {
+    fn clear(&self, rows: &SegmentRows, experiment: &Experiment) -> ProjectedRows {
         let (h, n) = (rows.initial_columns, experiment.parameters.len());
-        let triangle = fitted.evaluated[segment].triangle.as_ref();
-        let part = |i: usize, j: usize| triangle.map_or(0.0, |t| t.r[(i, j)]);
-        let own = DMatrix::from_fn(h, h, part);
-        let carried = DMatrix::from_fn(h, n, |i, j| part(i, h + j)) * &self.directions;
-        let rhs = DVector::from_fn(h, |i, _| part(i, h + n));
+        let start = &rows.start_rows;
+        let own = start.columns(0, h).into_owned();
+        let carried = start.columns(h, n) * &self.directions;
+        let rhs = start.column(h + n).into_owned();
         let mut out = ProjectedRows {
             basis: Vec::with_capacity(rows.rows.len()),
             residual: Vec::with_capacity(rows.rows.len()),

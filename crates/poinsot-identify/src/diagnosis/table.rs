@@ -12,6 +12,7 @@ use crate::fit::triangle::conditional_estimate;
 use crate::likelihood::{Evaluated, Transition};
 use crate::problem::parameters::{Unknown, UnknownKind};
 use crate::problem::segment::{BetweenReadings, InputErrors, Noise, Observations};
+use nalgebra::DMatrix;
 use poinsot_dynamics::SensorError;
 use poinsot_solve::{BlockQr, Triangle};
 use poinsot_spatial::{Matrix3, Vector3};
@@ -28,6 +29,8 @@ pub(super) struct SegmentRows {
     pub of: Vec<(usize, usize)>,
     /// Three for each measurement.
     pub rows: Vec<Vec<f64>>,
+    /// First rows of the triangle of the columns `[start | fitted unknowns | residual]`: those that determine the start.
+    pub start_rows: DMatrix<f64>,
     /// How the state at grid times moves with the start.
     pub transitions: Vec<Transition>,
     pub names: Vec<String>,
@@ -168,7 +171,7 @@ pub(super) struct Table {
     pub base: usize,
     /// Empty where the record is too long.
     pub segments: Vec<SegmentRows>,
-    stacked: Triangle,
+    pub stacked: Triangle,
 }
 
 impl Table {
@@ -224,7 +227,11 @@ impl Table {
                     own.take_slopes_from_others(&late, &reach);
                 }
             }
-            table.stacked = table.stack(experiment, &fitted.at, None);
+            let (stacked, start_rows) = table.stack(experiment, &fitted.at, None);
+            table.stacked = stacked;
+            for (own, rows) in table.segments.iter_mut().zip(start_rows) {
+                own.start_rows = rows;
+            }
         }
         table.evaluated = evaluated;
         Some(table)
@@ -359,10 +366,17 @@ impl Table {
         left
     }
 
-    /// Triangle of the shared unknowns and the candidates; with a segment given they act in that segment alone.
-    fn stack(&self, experiment: &Experiment, at: &Iterate, only: Option<usize>) -> Triangle {
+    /// Triangle of the shared unknowns and the candidates, and the rows of each segment that determine its start; with a
+    /// segment given the candidates act in that segment alone.
+    fn stack(
+        &self,
+        experiment: &Experiment,
+        at: &Iterate,
+        only: Option<usize>,
+    ) -> (Triangle, Vec<DMatrix<f64>>) {
         let (base, all) = (self.base, self.unknowns.len());
         let mut stacked = BlockQr::new(base + all + 1);
+        let mut starts = Vec::with_capacity(self.segments.len());
         for (s, own) in self.segments.iter().enumerate() {
             let mut qr = BlockQr::new(own.initial_columns + base + all + 1);
             let candidate = own.initial_columns + base..own.initial_columns + base + all;
@@ -375,6 +389,12 @@ impl Table {
             let r = qr.finish().r;
             let h = own.initial_columns;
             stacked.push(r.nrows().saturating_sub(h), |i, j| r[(h + i, h + j)]);
+            let own = |i: usize, j: usize| match (i < r.nrows(), j < h + base) {
+                (true, true) => r[(i, j)],
+                (true, false) => r[(i, h + base + all)],
+                (false, _) => 0.0,
+            };
+            starts.push(DMatrix::from_fn(h, h + base + 1, own));
         }
         for row in experiment.prior_rows(at, true) {
             stacked.push(1, |_, j| match j {
@@ -383,7 +403,7 @@ impl Table {
                 _ => row.residual,
             });
         }
-        stacked.finish()
+        (stacked.finish(), starts)
     }
 
     /// Candidates clear of the fit; with a segment given they act in that segment alone.
@@ -400,7 +420,7 @@ impl Table {
             return of(&self.stacked);
         };
         if !self.segments.is_empty() {
-            return of(&self.stack(experiment, &fitted.at, Some(only)));
+            return of(&self.stack(experiment, &fitted.at, Some(only)).0);
         }
         let width = self.base + self.unknowns.len();
         let mut stacked = BlockQr::new(width + 1);
