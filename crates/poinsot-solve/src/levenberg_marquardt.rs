@@ -101,7 +101,7 @@ pub enum End {
     RoundOff,
     /// No step lowers the cost: a minimum to round-off, or a model that breaks down next to it.
     NoLowerCost,
-    /// It would not converge within the allowed iterations, and the problem accepts the rest.
+    /// It would not converge within the allowed iterations, and the problem accepts the rest; or its steps lead nowhere.
     TooSlow,
     /// The allowed number of iterations.
     IterationLimit,
@@ -136,6 +136,7 @@ pub fn levenberg_marquardt<P: LeastSquares>(
     let mut damping = 0.0;
     let mut iterations = 0;
     let mut promises = vec![here.predicted_reduction];
+    let mut costs = vec![here.cost];
     // Predicted reduction of the full step that led here.
     let mut full = None;
     let end = loop {
@@ -183,6 +184,10 @@ pub fn levenberg_marquardt<P: LeastSquares>(
         }
         (at, here) = (next, there);
         promises.push(here.predicted_reduction);
+        costs.push(here.cost);
+        if leads_nowhere(&costs, &promises, here.slack) {
+            break End::TooSlow;
+        }
         let forecast = forecast(&promises, limit - iterations);
         if forecast.is_some_and(|left| !problem.should_continue(&here, left)) {
             break End::TooSlow;
@@ -204,6 +209,15 @@ pub fn levenberg_marquardt<P: LeastSquares>(
 /// Whether steps with these predicted reductions are equal.
 fn same(a: f64, b: f64) -> bool {
     (a - b).abs() <= SAME * a.abs() || a.is_nan() && b.is_nan()
+}
+
+/// Whether slack alone let the last steps pass: together they lowered the cost by less, where each promised more.
+fn leads_nowhere(costs: &[f64], promises: &[f64], slack: f64) -> bool {
+    let Some(from) = costs.len().checked_sub(1 + PACE) else {
+        return false;
+    };
+    let fell = costs[from] - costs[costs.len() - 1];
+    fell < slack && promises[from..].iter().all(|p| *p > slack)
 }
 
 /// Predicted reduction of the full step after `more` iterations at the current convergence rate; `None` after too few.
@@ -333,6 +347,48 @@ mod tests {
         };
         let minimum = levenberg_marquardt(&problem, 1.0, here, 60);
         (minimum, problem.looks.get())
+    }
+
+    /// Steps that promise much and bring nothing: derivatives of another problem.
+    struct Nowhere;
+
+    impl LeastSquares for Nowhere {
+        type Iterate = f64;
+        type Rows = ();
+
+        fn cost(&self, _: &f64) -> Option<f64> {
+            Some(1.0e6)
+        }
+
+        fn linearise(&self, at: &f64) -> Option<Linearised<()>> {
+            Some(Linearised {
+                cost: self.cost(at)?,
+                round_off: 1.0e-6,
+                slack: 0.1,
+                predicted_reduction: 50.0,
+                smallest_singular_value: 1.0,
+                rows: (),
+            })
+        }
+
+        fn converged(&self, _: &f64, _: &Linearised<()>) -> bool {
+            false
+        }
+
+        fn step(&self, at: &f64, _: &Linearised<()>, damping: f64) -> Step<f64> {
+            Step {
+                to: *at,
+                predicted_reduction: 50.0 / (1.0 + damping),
+                acceleration_ratio: 0.0,
+            }
+        }
+    }
+
+    #[test]
+    fn unit_steps_that_only_slack_lets_pass_end_a_fit() {
+        let here = Nowhere.linearise(&0.0).expect("defined everywhere");
+        let end = levenberg_marquardt(&Nowhere, 0.0, here, 60);
+        assert_eq!((end.end, end.iterations), (End::TooSlow, PACE));
     }
 
     #[test]

@@ -23,9 +23,6 @@ use std::sync::{Arc, Mutex};
 
 /// Effect of one sigma of a number on all predictions together, in their noise, below which it is left out.
 pub(crate) const SILENT: f64 = 1.0e-3;
-/// Share of a misfit that known numbers must explain, to first order, before a fit moves them: of another vehicle or another
-/// unit they explain little.
-const EXPLAINED: f64 = 0.5;
 /// Most iterations with known numbers among the unknowns: where they are within a few sigmas, six are enough.
 const TRIED: usize = 12;
 /// Fall of chi-square that a full step may still promise where columns are those of an iterate near it.
@@ -63,16 +60,11 @@ pub(crate) fn fit_known(experiment: &Experiment, fitted: &Fitted) -> Option<Know
     wide.kept = Arc::new(Mutex::new(Some((nominal, Arc::new(columns)))));
     let first = behind(&fitted.at, &all);
     let start = fit_from(&wide, first.clone(), 0)?;
-    let (chi2, dof) = chi2_and_dof(&wide, &start);
-    let hopeless = chi2 > MISFIT * dof && predicted_reduction(&start) < EXPLAINED * (chi2 - dof);
-    let found = match hopeless {
-        true => start.clone(),
-        false => fit_from(&wide, first, TRIED)?,
-    };
+    let found = fit_from(&wide, first, TRIED)?;
     let done = found.converged || predicted_reduction(&found) < CONVERGED_BELOW_KEPT_COLUMNS;
     let (worst, per_number) = contradicted(&wide, &found);
     // A misfit beyond the uncertainty of known numbers needs another cause.
-    let left = hopeless || per_number > MISFIT && (worst.is_some() || !done);
+    let left = per_number > MISFIT && (worst.is_some() || !done);
     if left && !fitted.converged {
         return None;
     }
