@@ -9,6 +9,7 @@ use crate::fit::{Fitted, fit_from};
 use crate::motion::GRADIENT;
 use crate::problem::parameters::UnknownKind;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
+use statrs::function::gamma::ln_gamma;
 
 /// Chance that anything is named in a record without a fault. All hypotheses share it (Bonferroni): a lower one hides faults that
 /// five sigma show.
@@ -23,6 +24,10 @@ const AS_MUCH: f64 = 0.95;
 const TIED: f64 = 10.0;
 /// Largest eigenvalue of the tensor of a gravity gradient, 1/s2: `3 gm / r^3` of the Earth at its surface.
 const STEEPEST: f64 = 4.6e-6;
+/// Probability above which it is a number with all its digits.
+const REPRESENTED: f64 = 1.0e-280;
+/// Terms of the tail of a probability below that.
+const TERMS: i32 = 6;
 /// Iterations of such a fit.
 const SUSPECT_ITERATIONS: usize = 12;
 
@@ -95,7 +100,7 @@ pub(super) fn suspects(
     late_before_early(&mut list, TIED * mean_square);
     let best = list.first().map(|one| one.suspect.decrease);
     let left = of.left(best.unwrap_or(0.0));
-    let evidence: Vec<f64> = list.iter().map(|one| one.evidence(left, of.dof)).collect();
+    let evidence: Vec<f64> = list.iter().map(|one| one.evidence(left)).collect();
     let all = list.into_iter().zip(&evidence);
     all.map(|(one, own)| {
         let mut s = one.suspect;
@@ -137,10 +142,7 @@ fn scores(candidates: &[Candidate], projected: &Projected, mean_square: f64) -> 
 fn rank(list: &mut [Scored], of: Misfit) {
     let most = list.iter().map(|one| one.suspect.decrease);
     let left = of.left(most.fold(0.0, f64::max));
-    list.sort_by(|a, b| {
-        b.evidence(left, of.dof)
-            .total_cmp(&a.evidence(left, of.dof))
-    });
+    list.sort_by(|a, b| b.evidence(left).total_cmp(&a.evidence(left)));
 }
 
 /// Where a cause that was fitted explains hardly less than one that was only scored, it comes first: a score is of first
@@ -170,19 +172,18 @@ pub(super) struct Scored {
 }
 
 impl Scored {
-    /// Evidence for the fault (Schwarz 1978): the fall of `-2 ln L` on the scale of the residual, less what its numbers and
-    /// the choice among many may gain by chance.
-    fn evidence(&self, scale: f64, samples: f64) -> f64 {
-        let choice = 2.0 * (self.trials as f64).ln();
-        self.suspect.decrease / scale - self.numbers as f64 * samples.max(1.0).ln() - choice
+    /// Evidence for the fault, in units of -2 ln L: how rarely chance lowers a residual of this scale as much with as many
+    /// numbers, tried as often.
+    fn evidence(&self, scale: f64) -> f64 {
+        let numbers = self.numbers.max(1) as f64;
+        let tried = self.trials.max(1) as f64;
+        -2.0 * (ln_chance(self.suspect.decrease / scale, numbers) + tried.ln())
     }
 
     /// Whether chance explains it too rarely, as one of so many hypotheses.
     pub fn is_significant(&self, mean_square: f64, hypotheses: usize) -> bool {
-        let chance = ChiSquared::new(self.numbers.max(1) as f64);
-        let score = self.suspect.decrease / mean_square;
-        let tried = (self.trials * hypotheses) as f64;
-        chance.is_ok_and(|c| c.sf(score) * tried < FALSE_ALARM)
+        let chance = FALSE_ALARM / hypotheses.max(1) as f64;
+        self.evidence(mean_square) > -2.0 * chance.ln()
     }
 
     /// Whether the numbers are physical: drag does not accelerate, and a rotor's inertia is positive unless its sign is
@@ -291,9 +292,41 @@ fn in_earnest(
     Some((before - after, values))
 }
 
+/// Logarithm of the probability that a chi-square with so many degrees of freedom exceeds a value; zero where it is no number.
+fn ln_chance(chi2: f64, dof: f64) -> f64 {
+    let Ok(distribution) = ChiSquared::new(dof) else {
+        return 0.0;
+    };
+    if chi2.is_nan() || chi2 <= 0.0 {
+        return 0.0;
+    }
+    let chance = distribution.sf(chi2);
+    if chance > REPRESENTED {
+        return chance.ln();
+    }
+    // The tail far out (Abramowitz and Stegun 1964, 6.5.32).
+    let (a, x) = (0.5 * dof, 0.5 * chi2);
+    let terms = (1..TERMS).scan(1.0, |term, k| {
+        *term *= (a - f64::from(k)) / x;
+        Some(*term)
+    });
+    (a - 1.0) * x.ln() - x - ln_gamma(a) + (1.0 + terms.sum::<f64>()).ln()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn exact_the_tail_of_chi_square() {
+        // Two degrees of freedom: exp(-x / 2). Four: exp(-x / 2) (1 + x / 2).
+        for chi2 in [1.0_f64, 30.0, 1.0e3, 1.3e3, 1.4e3, 1.0e6] {
+            let half = 0.5 * chi2;
+            assert!((ln_chance(chi2, 2.0) + half).abs() < 1.0e-9 * half);
+            assert!((ln_chance(chi2, 4.0) + half - half.ln_1p()).abs() < 1.0e-9 * half);
+        }
+        assert!(ln_chance(f64::NAN, 3.0) == 0.0 && ln_chance(-1.0, 3.0) == 0.0);
+    }
 
     #[test]
     fn regress_a_suspect_whose_fit_lowers_nothing_is_none() {
