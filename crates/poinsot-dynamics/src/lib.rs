@@ -53,6 +53,7 @@ mod piecewise;
 mod plan;
 #[cfg(feature = "std")]
 mod prescribed;
+mod propellant;
 mod rate_regressor;
 #[cfg(feature = "std")]
 mod rates_momentum;
@@ -111,6 +112,7 @@ pub use piecewise::{Jet, NodeError, PiecewisePolynomial};
 pub use plan::{Plan, SmoothIntervals, Start, StartVelocity};
 #[cfg(feature = "std")]
 pub use prescribed::MotionError;
+pub use propellant::{Leaving, Propellant, point_mass};
 pub use rate_regressor::{momentum_rate_column, wheel_rate};
 #[cfg(feature = "std")]
 pub use reaction_wheel::WheelLimits;

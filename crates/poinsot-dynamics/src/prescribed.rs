@@ -22,6 +22,11 @@ pub enum MotionError {
     /// This form of gravity is not simulated.
     #[error("{0}")]
     Gravity(&'static str),
+    /// Propellant leaves only a vehicle whose motion is prescribed.
+    #[error(
+        "propellant use (specific_impulse_s) is simulated with prescribed joints and wheels alone, not under a controller, joint forces or another vehicle's bodies; take specific_impulse_s out of the thrusters that fire"
+    )]
+    Propellant,
     /// The plan does not fit the vehicle.
     #[error("the plan has {found} {what}, the model {expected}; give one for each of the model")]
     Plan {

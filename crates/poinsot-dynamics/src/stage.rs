@@ -27,6 +27,7 @@ use crate::kinematics::Kinematics;
 use crate::momentum::{Twist, composite, momentum};
 use crate::orbit::{Orbit, orbit_state};
 use crate::plan::{Plan, Start, StartVelocity};
+use crate::propellant::Leaving;
 use crate::thrust::{Nozzle, thrust_levels, thrust_wrench};
 use crate::tree::Tree;
 use crate::wheel_motion::WheelMotion;
@@ -138,6 +139,9 @@ pub(crate) struct Stage<'s> {
     vehicle: &'s Prescribed<'s>,
     /// A time inside the present smooth stretch.
     pub within: f64,
+    /// The bodies with the propellant that is left, and their mass.
+    parameters: Vec<InertialParameters>,
+    mass: f64,
     spins: Vec<Spin>,
     /// Motor torque of torque-driven wheels, N m; acceleration of the others, rad/s2.
     wheel_input: Vec<f64>,
@@ -155,6 +159,8 @@ impl<'s> Stage<'s> {
         Self {
             vehicle,
             within,
+            parameters: vehicle.parameters.clone(),
+            mass: vehicle.mass,
             spins: vec![Spin::Speed(0.0); wheels],
             wheel_input: vec![0.0; wheels],
             c: Vector3::zeros(),
@@ -193,6 +199,46 @@ impl<'s> Stage<'s> {
             };
         }
         thrust_levels(&plan.firings, self.within, &mut sample.thrust);
+        self.use_propellant(t);
+    }
+
+    /// Takes off what was used by `t`.
+    fn use_propellant(&mut self, t: f64) {
+        let vehicle = self.vehicle;
+        if vehicle.nozzles.iter().all(|n| n.propellant.is_none()) {
+            return;
+        }
+        self.parameters.clone_from(&vehicle.parameters);
+        for firing in &vehicle.plan.firings {
+            let nozzle = vehicle.nozzles.get(firing.thruster);
+            let Some((nozzle, propellant)) = nozzle.and_then(|n| Some((n, n.propellant?))) else {
+                continue;
+            };
+            let body = &mut self.parameters[nozzle.body];
+            *body = body.with_added(-firing.impulse_by(t), &propellant.loss());
+        }
+        self.mass = self.parameters.iter().map(|p| p.mass).sum();
+    }
+
+    /// What leaves with the propellant at the placement in hand: change of momentum, of angular momentum about the mass centre, and
+    /// first moment about it, each per second in B.
+    fn leaving(&self, twist: &Twist, l_S_B: &Vector3) -> [Vector3; 3] {
+        let k = &self.sample.kinematics;
+        let mut sum = [Vector3::zeros(); 3];
+        for (nozzle, level) in self.vehicle.nozzles.iter().zip(&self.sample.thrust) {
+            let Some(propellant) = nozzle.propellant.filter(|_| *level != 0.0) else {
+                continue;
+            };
+            let i = nozzle.body;
+            let (v, w) = (k.v[i] + twist.v + twist.w.cross(&k.p[i]), k.w[i] + twist.w);
+            let system = (&self.c, &(l_S_B / self.mass));
+            let out = Leaving::new(&propellant.loss(), (&k.R[i], &k.p[i]), (&v, &w), system);
+            let parts = [out.l_B, out.h_Scm_B, out.first_moment_B];
+            sum.iter_mut()
+                .zip(parts)
+                .for_each(|(s, x)| *s += x * *level);
+        }
+        sum
     }
 
     /// Places the bodies, and solves the momentum equations above for the base twist.
@@ -208,8 +254,8 @@ impl<'s> Stage<'s> {
         let zero = Vector3::zeros();
         kinematics.place(&vehicle.tree, &sample.q);
         kinematics.set_velocities(&vehicle.tree, &zero, &zero, &sample.rates);
-        let whole = composite(&vehicle.parameters, kinematics);
-        let joints = momentum(&vehicle.parameters, kinematics);
+        let whole = composite(&self.parameters, kinematics);
+        let joints = momentum(&self.parameters, kinematics);
         let (l_c, h_c) = (
             Vector3::new(joints[0], joints[1], joints[2]),
             Vector3::new(joints[3], joints[4], joints[5]),
@@ -232,7 +278,7 @@ impl<'s> Stage<'s> {
         }
         let factor = self.inertia.cholesky().ok_or(Halt::Singular { time: t })?;
         let w = factor.solve(&h);
-        let v = (to_base * l_S_N - l_c) / vehicle.mass - w.cross(&self.c);
+        let v = (to_base * l_S_N - l_c) / self.mass - w.cross(&self.c);
         Ok(Twist { v, w })
     }
 
@@ -261,7 +307,7 @@ impl<'s> Stage<'s> {
                 // Momentum is affine in the twist and vanishes at `rest`.
                 let v = start.R_NB.inverse() * v_NBo_N;
                 let (dv, dw) = (v - rest.v, w_NB_B - rest.w);
-                let l = (dv + dw.cross(&self.c)) * self.vehicle.mass;
+                let l = (dv + dw.cross(&self.c)) * self.mass;
                 let h = self.inertia * dw;
                 (start.R_NB * l, start.R_NB * h, Twist { v, w: *w_NB_B })
             }
@@ -336,7 +382,7 @@ impl<'s> Stage<'s> {
         let (tree, kinematics) = (&vehicle.tree, &sample.kinematics);
         let body = &mut sample.body;
         body.set_without_base(tree, kinematics, &sample.rates, &sample.accelerations);
-        let (l_rate, mut h_rate) = body.momentum_rate(&vehicle.parameters, kinematics);
+        let (l_rate, mut h_rate) = body.momentum_rate(&self.parameters, kinematics);
         for (i, rotor) in tree.rotors.iter().enumerate() {
             let a = kinematics.R[rotor.body] * rotor.axis_B;
             let (w, alpha) = (kinematics.w[rotor.body], body.alpha[rotor.body]);
@@ -358,7 +404,7 @@ impl<'s> Stage<'s> {
         let (f, n) = (force - l_rate, torque - h_rate);
         let factor = self.inertia.cholesky().ok_or(Halt::Singular { time: t })?;
         let alpha = factor.solve(&(n - self.c.cross(&f)));
-        let a = f / vehicle.mass - alpha.cross(&self.c);
+        let a = f / self.mass - alpha.cross(&self.c);
         body.add_base(kinematics, &a, &alpha);
         for (i, rotor) in tree.rotors.iter().enumerate() {
             sample.wheel_torque[i] = match self.spins[i] {
@@ -388,10 +434,11 @@ impl Flow for Stage<'_> {
             &self.sample.thrust,
         );
         let gradient_B = self.gradient_torque(t, &R_NB);
+        let [l_out, h_out, moment_out] = self.leaving(&twist, &(R_NB.inverse() * l));
         let blocks = [
-            l / self.vehicle.mass,
-            R_NB * force,
-            R_NB * (torque + gradient_B - self.c.cross(&force)),
+            (l - R_NB * moment_out) / self.mass,
+            R_NB * (force - l_out),
+            R_NB * (torque + gradient_B - self.c.cross(&force) - h_out),
         ];
         for (out, block) in dy[POSITION..WHEELS].chunks_exact_mut(3).zip(&blocks) {
             out.copy_from_slice(block.as_slice());

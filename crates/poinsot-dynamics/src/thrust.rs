@@ -1,6 +1,7 @@
 //! Thruster firings, and the force and torque they put on the vehicle.
 
 use crate::kinematics::Kinematics;
+use crate::propellant::Propellant;
 use poinsot_spatial::Vector3;
 
 /// One firing of one thruster.
@@ -25,6 +26,15 @@ pub struct Nozzle {
     pub p_BoT_B: Vector3,
     /// Unit direction of the force on the host, in the host.
     pub direction_B: Vector3,
+    /// What it uses up; `None`: nothing.
+    pub propellant: Option<Propellant>,
+}
+
+impl Firing {
+    /// Impulse up to a time, N s.
+    pub fn impulse_by(&self, time: f64) -> f64 {
+        self.force * (time.min(self.off) - self.on).max(0.0)
+    }
 }
 
 /// Fills the thrust of every thruster, N, on the smooth interval that holds `within`.

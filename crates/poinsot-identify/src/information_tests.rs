@@ -73,6 +73,8 @@ name = "jet"
 body = "arm"
 position_m = [0.1, 0.3, 0.0]
 force_direction = [0.0, 1.0, 0.0]
+specific_impulse_s = 10.0
+propellant_m = [0.05, -0.1, 0.02]
 scale = "estimate"
 
 [[sensor]]

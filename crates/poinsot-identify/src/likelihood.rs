@@ -15,8 +15,7 @@ pub(crate) use initial_state::{InitialState, InitialStateColumns, MeasuredMotion
 
 use crate::motion::input_curves::InputCurves;
 use crate::motion::input_noise::InputNoise;
-use crate::motion::{Column, Grid, Motion, State};
-use crate::motion::{Steps, Vehicle, tilted};
+use crate::motion::{Column, Grid, Motion, State, Steps, Vehicle, impulse_before, tilted};
 use crate::problem::loss::Loss;
 use crate::problem::parameters::Parameters;
 use crate::problem::segment::{InputErrors, Noise, Segment};
@@ -35,6 +34,8 @@ use sensor_rows::SensorCursor;
 pub(crate) struct Setting<'a> {
     pub tree: &'a Tree,
     pub thrusters: &'a [Thruster],
+    /// All records.
+    pub segments: &'a [Segment],
     pub parameters: &'a Parameters,
     pub nominal_spin: &'a [f64],
     pub noise: &'a Noise,
@@ -200,6 +201,9 @@ fn evaluate_driven(
         x,
     );
     vehicle.segment = index;
+    if vehicle.loses_mass() {
+        vehicle.impulse_before = impulse_before(setting.segments, segment, setting.thrusters.len());
+    }
     vehicle.wheels_smooth = setting.wheels_smooth;
     vehicle.curves = setting.curves.get(index);
     vehicle.steps = setting.steps(index);

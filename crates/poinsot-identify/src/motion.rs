@@ -15,6 +15,7 @@ pub(crate) mod input_curves;
 pub(crate) mod input_noise;
 mod input_slopes;
 mod inputs;
+mod mass_loss;
 mod point_kinematics;
 mod steps;
 mod variation;
@@ -23,19 +24,22 @@ mod virtual_joints;
 
 pub(crate) use acceleration::BodyPoint;
 pub(crate) use environment::GRADIENT;
+pub(crate) use mass_loss::impulse_before;
 pub(crate) use point_kinematics::{JointEffect, PointKinematics};
 pub(crate) use steps::{Fineness, Grid, Steps};
 pub(crate) use variation::{Matrix6x12, pose_change};
 pub(crate) use vehicle::{Running, Vehicle, parabola_slope, slope_weights, tilted};
 
 use crate::problem::parameters::UnknownKind;
-use crate::problem::segment::{Observations, Segment};
+use crate::problem::segment::{Firing, Observations, Segment};
 use chord::{Chord, ColumnChord};
 use grid::{TURN, gyration};
 use inputs::InputChange;
 use nalgebra::SVector;
-use poinsot_dynamics::{JointSlopes, Kinematics, Tree, Twist, composite, momentum, wheel_momentum};
-use poinsot_spatial::{Matrix3, Matrix6, UnitQuaternion, Vector3, Vector6, parallel_axis};
+use poinsot_dynamics::{JointSlopes, Kinematics, Twist, composite, momentum, wheel_momentum};
+use poinsot_spatial::{
+    InertialParameters, Matrix3, Matrix6, UnitQuaternion, Vector3, Vector6, parallel_axis,
+};
 use std::borrow::Cow;
 use std::sync::Arc;
 use variation::Variation;
@@ -67,6 +71,11 @@ struct InputState {
     /// Time, s.
     time_s: f64,
     kinematics: Kinematics,
+    /// The bodies with the propellant that is left.
+    bodies: Vec<InertialParameters>,
+    /// Impulse of each thruster so far, N s, and velocities of the bodies with the base still; empty where no mass is lost.
+    impulse: Vec<f64>,
+    velocities: Vec<(Vector3, Vector3)>,
     /// Axis of each wheel in B, and its speed if the base did not turn, where wheels run along a chord; empty elsewhere.
     free: Vec<(Vector3, f64)>,
     /// `None` where the parameters have no positive mass or inertia.
@@ -153,10 +162,13 @@ pub(crate) struct Motion<'a> {
     /// Radius of gyration, m.
     gyration: f64,
     observations: &'a Observations,
+    firings: &'a [Firing],
     /// Thrust in the interval after each grid time.
     thrust: Vec<Vec<Thrust>>,
     /// Displacement of each joint coordinate at grid time k over its play: row k; empty where no play is an unknown.
     play: Vec<f64>,
+    /// Impulse of each thruster up to grid time k: row k; empty where no mass is lost.
+    impulses: Vec<f64>,
     /// The current inputs, and those in the middle of a step.
     input_state: InputState,
     middle: InputState,
@@ -213,8 +225,12 @@ struct MassCentre {
 }
 
 impl InputState {
-    fn new(tree: &Tree) -> Self {
+    fn new(vehicle: &Vehicle) -> Self {
+        let tree = vehicle.tree;
         Self {
+            bodies: vehicle.bodies.clone(),
+            impulse: Vec::new(),
+            velocities: Vec::new(),
             q: vec![0.0; tree.dof()],
             rates: vec![0.0; tree.dof()],
             wheels: vec![0.0; tree.rotors.len()],
@@ -239,6 +255,7 @@ impl<'a> Motion<'a> {
     ) -> Self {
         let tree = vehicle.tree;
         let o = &segment.observations;
+        let thrust = thrust_by_interval(segment);
         let grid = match vehicle.steps.grid {
             Some(grid) => Cow::Borrowed(grid.steps.as_slice()),
             None => Cow::Owned(Grid::new(vehicle, o).steps),
@@ -248,11 +265,13 @@ impl<'a> Motion<'a> {
             chord: None,
             column_chord: None,
             gyration: gyration(&composite(&vehicle.bodies, &Kinematics::new(tree))),
-            input_state: InputState::new(tree),
-            middle: InputState::new(tree),
+            input_state: InputState::new(vehicle),
+            middle: InputState::new(vehicle),
             regressor: vec![[0.0; 6]; 10 * tree.bodies()],
             wheel_columns: vec![[0.0; 6]; tree.rotors.len()],
-            thrust: thrust_by_interval(segment),
+            firings: &segment.firings,
+            impulses: mass_loss::impulses(vehicle, &thrust, o),
+            thrust,
             play: inputs::play(vehicle, o),
             steps_left: steps_allowed(o),
             observations: o,
@@ -303,10 +322,10 @@ impl<'a> Motion<'a> {
         });
     }
 
-    /// Joint positions, joint rates and wheel speeds that the last evaluation of the velocity used.
-    pub fn used(&self) -> (&[f64], &[f64], &[f64]) {
-        let input_state = &self.input_state;
-        (&input_state.q, &input_state.rates, &input_state.wheels)
+    /// Joint positions, joint rates, wheel speeds and bodies that the last evaluation of the velocity used.
+    pub fn used(&self) -> (&[f64], &[f64], &[f64], &[InertialParameters]) {
+        let now = &self.input_state;
+        (&now.q, &now.rates, &now.wheels, &now.bodies)
     }
 
     /// Evaluates the state at grid time k; reuses the end of the previous interval if no sensor error moves the inputs.
@@ -374,8 +393,10 @@ impl<'a> Motion<'a> {
         input_state
             .kinematics
             .set_velocities(v.tree, &zero, &zero, &input_state.rates);
-        let joints = momentum(&v.bodies, &input_state.kinematics);
-        let whole = composite(&v.bodies, &input_state.kinematics);
+        self.use_propellant(k, at);
+        let input_state = &mut self.input_state;
+        let joints = momentum(&input_state.bodies, &input_state.kinematics);
+        let whole = composite(&input_state.bodies, &input_state.kinematics);
         let mut turning = whole;
         input_state.free.clear();
         if let Some(chord) = self.chord.as_ref().filter(|_| at > 0.0 && at < 1.0) {

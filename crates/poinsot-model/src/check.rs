@@ -53,6 +53,7 @@ pub(crate) fn check_model(file: &ModelFile, findings: &mut Findings<'_, '_>) -> 
         file.thruster.as_deref().unwrap_or(&[]),
         &resolve,
         &body_names,
+        &model_bodies,
         findings,
     );
     let sensors = check_sensors(file, &resolve, &body_names, findings);

@@ -9,7 +9,8 @@ use crate::file::{
 use crate::finding::{Findings, Key};
 use crate::number::short;
 use crate::vehicle::{
-    Body, Environment, Momentum, MomentumKnowledge, Nuisance, Orbit, RandomTorque, Thruster, Wheel,
+    Body, Environment, Momentum, MomentumKnowledge, Nuisance, Orbit, Propellant, RandomTorque,
+    Thruster, Wheel,
 };
 use poinsot_spatial::Vector3;
 use std::f64::consts::{PI, TAU};
@@ -127,6 +128,7 @@ pub(crate) fn check_thrusters(
     files: &[ThrusterFile],
     resolve: &impl Fn(&str) -> Option<usize>,
     body_names: &[&str],
+    bodies: &[Body],
     findings: &mut Findings<'_, '_>,
 ) -> Vec<Thruster> {
     let mut thrusters = Vec::new();
@@ -142,6 +144,8 @@ pub(crate) fn check_thrusters(
             )
         });
         let scale = check_nuisance(file.scale.as_ref(), &key.at("scale"), "sigma", findings);
+        let host = body.and_then(|body| bodies.get(body));
+        let propellant = check_propellant(file, &key, host, findings);
         let (Some(name), Some(body), Some(position), Some(direction)) =
             (&file.name, body, file.position_m, direction)
         else {
@@ -153,9 +157,37 @@ pub(crate) fn check_thrusters(
             p_BoT_B: Vector3::from(position),
             direction_B: direction,
             scale,
+            propellant,
         });
     }
     thrusters
+}
+
+/// What a thruster uses up, where a specific impulse is given.
+fn check_propellant(
+    file: &ThrusterFile,
+    key: &Key,
+    host: Option<&Body>,
+    findings: &mut Findings<'_, '_>,
+) -> Option<Propellant> {
+    let place = file.propellant_m.map(Vector3::from);
+    let Some(specific) = file.specific_impulse_s else {
+        if place.is_some() {
+            findings.refuse(
+                "E0106",
+                &key.at("specific_impulse_s"),
+                "required key missing beside propellant_m".to_owned(),
+                "give the specific impulse in s",
+            );
+        }
+        return None;
+    };
+    let here = key.at("specific_impulse_s");
+    let specific = positive(specific, &here, "E0108", "the specific impulse", findings)?;
+    Some(Propellant {
+        specific_impulse: specific,
+        p_BoF_B: place.or(host.map(|b| b.nominal.p_BoBcm_B))?,
+    })
 }
 
 /// Index of the host body.

@@ -106,6 +106,8 @@ pub struct ThrusterDescription {
     pub position_m: [f64; 3],
     /// Unit direction of the force on the body.
     pub force_direction: [f64; 3],
+    /// Specific impulse, s; null: no propellant is used up.
+    pub specific_impulse_s: Option<f64>,
 }
 
 /// One sensor.
@@ -174,6 +176,7 @@ pub fn describe(model: &Model) -> Description {
                 body: body_name(t.body),
                 position_m: t.p_BoT_B.into(),
                 force_direction: t.direction_B.into(),
+                specific_impulse_s: t.propellant.map(|p| p.specific_impulse),
             })
             .collect(),
         sensors: describe_sensors(model),

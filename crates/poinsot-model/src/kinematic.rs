@@ -60,6 +60,7 @@ impl From<&Model> for Vehicle {
             body: t.body,
             p_BoT_B: t.p_BoT_B,
             direction_B: t.direction_B,
+            propellant: t.propellant.map(|p| p.flow()),
         });
         let around = &model.environment;
         Self {

@@ -3,7 +3,7 @@
 use crate::knowledge::{Knowledge, across};
 pub use poinsot_dynamics::{Axes, Nuisance, Orbit, Sensor, SensorKind, printed_unit};
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
-use poinsot_telemetry::TelemetryMap;
+use poinsot_telemetry::{STANDARD_GRAVITY, TelemetryMap};
 
 /// A checked vehicle: a tree of bodies with joints, wheels, thrusters and sensors.
 #[derive(Debug, Clone, PartialEq)]
@@ -176,6 +176,27 @@ pub struct Thruster {
     pub direction_B: Vector3,
     /// Knowledge of the factor between declared and true thrust.
     pub scale: Nuisance,
+    /// Propellant that it uses up; `None`: its mass is neglected.
+    pub propellant: Option<Propellant>,
+}
+
+/// Propellant of a thruster.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Propellant {
+    /// Specific impulse, s.
+    pub specific_impulse: f64,
+    /// Where the propellant comes from, relative to the body's origin, in B, m.
+    pub p_BoF_B: Vector3,
+}
+
+impl Propellant {
+    /// What the thruster uses up, as the kernels take it.
+    pub fn flow(&self) -> poinsot_dynamics::Propellant {
+        poinsot_dynamics::Propellant {
+            used: 1.0 / (STANDARD_GRAVITY * self.specific_impulse),
+            p_BoF_B: self.p_BoF_B,
+        }
+    }
 }
 
 /// Knowledge of a momentum vector at the first sample, in N.

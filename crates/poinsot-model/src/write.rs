@@ -68,6 +68,11 @@ pub fn write_model(model: &Model) -> String {
         line(&mut out, "body", body_name(model, thruster.body));
         line(&mut out, "position_m", vector(&thruster.p_BoT_B));
         line(&mut out, "force_direction", vector(&thruster.direction_B));
+        if let Some(propellant) = &thruster.propellant {
+            let specific = propellant.specific_impulse;
+            line(&mut out, "specific_impulse_s", number(specific));
+            line(&mut out, "propellant_m", vector(&propellant.p_BoF_B));
+        }
         nuisance(&mut out, "scale", thruster.scale, "sigma");
         let numbers = [
             ("force", KnownNumber::Force(k)),

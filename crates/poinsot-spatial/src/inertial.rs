@@ -119,6 +119,16 @@ pub fn tensor_regressor(w: &Vector3) -> Matrix3x6<f64> {
 }
 
 impl InertialParameters {
+    /// These with a share of others added: all ten are linear in the distribution of mass.
+    #[must_use]
+    pub fn with_added(&self, share: f64, others: &Self) -> Self {
+        Self {
+            mass: self.mass + share * others.mass,
+            mc_B: self.mc_B + others.mc_B * share,
+            I_BBo_B: self.I_BBo_B + others.I_BBo_B * share,
+        }
+    }
+
     /// A body without mass and inertia.
     pub const ZERO: Self = Self {
         mass: 0.0,

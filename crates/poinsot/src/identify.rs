@@ -444,7 +444,7 @@ fn answer(model: Model, tables: Vec<Table>, question: &Question) -> Result<Ident
         noise: &bound.noise,
         relative_accuracy: question.relative_accuracy,
     };
-    refuse_gravity(&model, question)?;
+    refuse_unsupported(&model, question)?;
     let points = (CURVE_POINTS.1 / tables.len().max(1)).clamp(100, CURVE_POINTS.0);
     let (mut estimate, predictions) = match question.method.as_str() {
         "linear" => linear_predicted(&problem, points)?,
@@ -521,17 +521,23 @@ fn not_acceptable(estimate: &mut Estimate, share: f64, of: &str) {
     }
 }
 
-/// Only maximum likelihood supports the gravity gradient.
-fn refuse_gravity(model: &Model, question: &Question) -> Result<(), Error> {
-    if !model.environment.gravity_gradient
-        || matches!(question.method.as_str(), "auto" | "maximum_likelihood")
-    {
-        return Ok(());
-    }
+/// Only maximum likelihood supports the gravity gradient and bodies that lose mass.
+fn refuse_unsupported(model: &Model, question: &Question) -> Result<(), Error> {
+    let loses_mass = model.thrusters.iter().any(|t| t.propellant.is_some());
+    let [what, where_it_is] = match () {
+        () if matches!(question.method.as_str(), "auto" | "maximum_likelihood") => return Ok(()),
+        () if model.environment.gravity_gradient => {
+            ["a gravity gradient", "it out of [environment]"]
+        }
+        () if loses_mass => ["propellant use", "specific_impulse_s out of the thrusters"],
+        () => return Ok(()),
+    };
     Err(Error::Usage {
         option: "--method",
         value: question.method.clone(),
-        why: "the model has a gravity gradient, which this method does not support; use maximum_likelihood, or take it out of [environment]".to_owned(),
+        why: format!(
+            "the model has {what}, which this method does not support; use maximum_likelihood, or take {where_it_is}"
+        ),
     })
 }
 

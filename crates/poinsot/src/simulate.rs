@@ -12,7 +12,7 @@ use crate::progress::step;
 use crate::written::{check_outputs, json};
 use poinsot_dynamics::{
     ControlledVehicle, Driven, DrivenPlan, ForwardDynamics, Integrator, JointDrive, JointInput,
-    Kinematics, MotionSample, Prescribed, Singular, Tree, WheelUse,
+    Kinematics, MotionError, MotionSample, Prescribed, Singular, Tree, WheelUse,
 };
 use poinsot_files::Stage;
 use poinsot_formats::TruthFile;
@@ -288,6 +288,9 @@ pub fn run(
         }
         (driven, _) => driven.as_ref(),
     };
+    if (scenario.control.is_some() || driven.is_some()) && uses_propellant(model, scenario) {
+        return Err(motion(MotionError::Propellant.into()));
+    }
     match (&scenario.control, driven) {
         (None, None) => Prescribed::new(model, &scenario.plan, case.tolerance)
             .and_then(|vehicle| vehicle.run(start, times, |s| take(s, &[])))
@@ -313,6 +316,16 @@ pub fn run(
         }
     }
     Ok(Vec::new())
+}
+
+/// Whether a thruster that uses propellant fires.
+fn uses_propellant(model: &Model, scenario: &Scenario) -> bool {
+    let driven = scenario.driven.iter().flat_map(|plan| &plan.firings);
+    let mut firings = driven.chain(&scenario.plan.firings);
+    firings.any(|f| {
+        let thruster = model.thrusters.get(f.thruster);
+        thruster.is_some_and(|t| t.propellant.is_some())
+    })
 }
 
 /// Checks that every driven joint has outboard inertia; the error names the joint.

@@ -7,6 +7,7 @@ mod exact_driven;
 mod exact_gravity_gradient;
 mod exact_joint_plans;
 mod exact_motions;
+mod exact_propellant;
 mod kernels;
 mod prop_motion;
 mod setup;

@@ -20,6 +20,7 @@ pub(super) fn candidates(experiment: &Experiment, at: &Iterate) -> Vec<Candidate
     list.extend(of_offsets(experiment));
     list.extend(environment_candidates(experiment));
     list.extend(of_actuators(experiment));
+    list.extend(of_propellant(experiment));
     if experiment.measured_motion == MeasuredMotion::Rotation {
         list.retain(|c| {
             !c.unknowns
@@ -69,6 +70,40 @@ fn of_drifts(experiment: &Experiment) -> Vec<Candidate> {
             }
         })
         .collect()
+}
+
+/// Mass that bodies lose as their thrusters fire: how much, and by the place that it comes from.
+fn of_propellant(experiment: &Experiment) -> Vec<Candidate> {
+    let model = experiment.problem.model;
+    let firings = experiment.problem.segments.iter().flat_map(|s| &s.firings);
+    let mut hosts: Vec<usize> = firings
+        .filter(|f| f.force != 0.0)
+        .filter_map(|f| Some(model.thrusters.get(f.thruster)?.body))
+        .collect();
+    hosts.sort_unstable();
+    hosts.dedup();
+    let number = |body: usize, axis: Option<usize>| {
+        let name = &model.bodies[body].name;
+        let (what, unit) = match axis {
+            None => ("propellant_use".to_owned(), "kg/(N s)"),
+            Some(k) => (format!("propellant_moment_{}", axis_name(k)), "kg m/(N s)"),
+        };
+        let kind = UnknownKind::PropellantUse {
+            body,
+            p_BoF_B: model.bodies[body].nominal.p_BoBcm_B,
+            axis,
+        };
+        unknown(kind, format!("{name}.{what}"), unit)
+    };
+    let candidate = |body: usize| Candidate {
+        name: format!("the propellant that {} uses", model.bodies[body].name),
+        fault: FaultKind::PropellantUse,
+        unknowns: [None, Some(0), Some(1), Some(2)]
+            .map(|axis| number(body, axis))
+            .into(),
+        columns: Columns::Slopes,
+    };
+    hosts.into_iter().map(candidate).collect()
 }
 
 /// The number of the model that an unknown changes.

@@ -55,6 +55,7 @@ faults! {
     Thrust: "thrust", "thrust of one thruster", "; check its firings, or write scale = \"estimate\" for it";
     Firing: "firing", "a firing that is missing from the telemetry, or that did not happen",
         "; check the commands of all thrusters about that time";
+    PropellantUse: "propellant_use", "mass lost with the propellant", "; write specific_impulse_s for the thrusters";
     KnownNumber: "known_number", "a number that the model declares as known exactly", "; correct it, or declare its uncertainty";
     Torque: "torque", "constant torque in body axes", "; write disturbance_torque = \"estimate\" in [environment]";
     GravityGradient: "gravity_gradient", "torque of the gravity gradient",

@@ -208,6 +208,8 @@ impl Scored {
                 let mut each = values.zip(&self.sigmas).take(GRADIENT);
                 each.all(|(x, sigma)| x.abs() < STEEPEST + IMPOSSIBLE * sigma)
             }
+            // Mass is lost, not gained.
+            FaultKind::PropellantUse => value(0) > -IMPOSSIBLE * sigma(0),
             FaultKind::Thrust => near(value(0), -2.0) || value(0) > -1.0 - IMPOSSIBLE * sigma(0),
             _ => true,
         }

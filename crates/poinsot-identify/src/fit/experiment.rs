@@ -160,6 +160,7 @@ impl<'a> Experiment<'a> {
     pub fn setting(&self) -> Setting<'_> {
         Setting {
             tree: self.problem.tree,
+            segments: self.problem.segments,
             thrusters: &self.thrusters,
             parameters: self.parameters,
             nominal_spin: &self.nominal_spin,

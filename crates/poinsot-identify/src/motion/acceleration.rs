@@ -174,7 +174,9 @@ impl Motion<'_> {
             &inputs.rates,
             &inputs.accelerations,
         );
-        let (force, mut torque) = moving.body.momentum_rate(&v.bodies, &moving.kinematics);
+        let (force, mut torque) = moving
+            .body
+            .momentum_rate(&self.input_state.bodies, &moving.kinematics);
         torque += wheel_rate(
             tree,
             &moving.kinematics,
@@ -243,9 +245,11 @@ impl Motion<'_> {
         }
         let mut own = slopes.balance * lower(twist);
         if let Some(u) = j.checked_sub(self.initial_columns) {
+            let factor = self.slope_factor(u);
             for (at, slope) in &v.slopes[u] {
                 let (body, k) = (at / 10, at % 10);
-                own += momentum_rate_column(&moving.body, &moving.kinematics, body, k) * *slope;
+                let column = momentum_rate_column(&moving.body, &moving.kinematics, body, k);
+                own += column * (*slope * factor);
             }
             if let UnknownKind::SpinInertia(w) = &v.kinds[u] {
                 let mut unit = vec![0.0; v.spin.len()];
@@ -375,7 +379,9 @@ impl Motion<'_> {
             moving
                 .body
                 .add_base(&moving.kinematics, &upper(base), &lower(base));
-            let (force, mut torque) = moving.body.momentum_rate(&v.bodies, &moving.kinematics);
+            let (force, mut torque) = moving
+                .body
+                .momentum_rate(&self.input_state.bodies, &moving.kinematics);
             torque += wheel_rate(
                 tree,
                 &moving.kinematics,
@@ -400,7 +406,7 @@ impl Motion<'_> {
         inputs: &Inputs,
         instant: &Instant,
     ) -> Vector6 {
-        let whole = composite(&self.vehicle.bodies, kinematics);
+        let whole = composite(&self.input_state.bodies, kinematics);
         let mut there = instant.centre;
         there.c = whole.p_BoScm_B();
         there.I_SScm_B = whole.I_SScm_B();

@@ -156,6 +156,9 @@ impl Motion<'_> {
                 slope.P += state.R_NB * force.F_B;
                 torque += force.arm_B.cross(&force.F_B);
             }
+            let (l_out, h_out) = self.momentum_loss(instant, k);
+            slope.P -= state.R_NB * l_out;
+            torque -= h_out;
             slope.h = state.R_NB * torque;
         }
         slope

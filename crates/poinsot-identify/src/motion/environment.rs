@@ -140,6 +140,7 @@ impl Motion<'_> {
     fn inertia_change(&self, unknown: usize, centre: &MassCentre) -> Matrix3 {
         let mut sum = Matrix3::zeros();
         let c = &centre.c;
+        let factor = self.slope_factor(unknown);
         for (at, slope) in &self.vehicle.slopes[unknown] {
             let (body, k) = (at / 10, at % 10);
             let (R, p) = (
@@ -155,7 +156,7 @@ impl Motion<'_> {
             let cross =
                 Matrix3::identity() * (2.0 * d.dot(&mc)) - d * mc.transpose() - mc * d.transpose();
             let own = R * part.I_BBo_B * R.transpose() + parallel_axis(part.mass, &d) + cross;
-            sum += own * *slope;
+            sum += own * (*slope * factor);
         }
         sum
     }
@@ -191,7 +192,8 @@ impl Motion<'_> {
         let Some(before) = k.checked_sub(1).filter(|_| !late.is_empty()) else {
             return now;
         };
-        let whole = poinsot_dynamics::composite(&self.vehicle.bodies, &self.input_state.kinematics);
+        let whole =
+            poinsot_dynamics::composite(&self.input_state.bodies, &self.input_state.kinematics);
         let c = whole.p_BoScm_B();
         let R = super::matrix(&state.R_NB);
         for (unknown, thrusters, lag) in late {

@@ -21,7 +21,7 @@ impl Motion<'_> {
             .set_velocities(v.tree, &twist.v, &twist.w, &input_state.rates);
         slopes.fill(
             v.tree,
-            &v.bodies,
+            &self.input_state.bodies,
             &self.input_state.kinematics,
             &v.spin,
             &self.input_state.wheels,
@@ -73,6 +73,8 @@ impl Motion<'_> {
             F += force.F_B;
             T += force.arm_B.cross(&force.F_B);
         }
+        let loss = self.momentum_loss(instant, k);
+        (F, T) = (F - loss.0, T - loss.1);
         let mut slopes = SMatrix::<f64, 6, 12>::zeros();
         for j in 0..12 {
             let mut dphi = Vector3::zeros();
@@ -81,7 +83,15 @@ impl Motion<'_> {
             }
             let dw: Vector3 = map.fixed_view::<3, 1>(3, j).into();
             let change = self.environment_torque_change(state, centre, (&w, &dw), &dphi, None);
-            let (dP, dh) = (R * dphi.cross(&F), R * (dphi.cross(&T) + change));
+            let dl_B = match j {
+                0..3 => centre.l.cross(&dphi),
+                6..9 => R.row(j - 6).transpose(),
+                _ => Vector3::zeros(),
+            };
+            let dtwist = map.column(j).into();
+            let loss = self.momentum_loss_change(instant, k, (&dtwist, &dl_B));
+            let dP = R * (dphi.cross(&F) - loss.0);
+            let dh = R * (dphi.cross(&T) + change - loss.1);
             slopes.fixed_view_mut::<3, 1>(0, j).copy_from(&dP);
             slopes.fixed_view_mut::<3, 1>(3, j).copy_from(&dh);
         }
@@ -125,7 +135,7 @@ impl Motion<'_> {
     fn inertia_carried(&self, joint: usize, c: &Vector3) -> Matrix3 {
         let kinematics = &self.input_state.kinematics;
         let mut sum = Matrix3::zeros();
-        for (i, body) in self.vehicle.bodies.iter().enumerate() {
+        for (i, body) in self.input_state.bodies.iter().enumerate() {
             let (R, D) = (&kinematics.R[i], kinematics.p[i] - c);
             let mc = R * body.mc_B;
             // A first moment is a mass times a place that moves as its body's origin does, and turns.

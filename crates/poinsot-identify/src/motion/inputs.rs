@@ -167,13 +167,15 @@ impl Motion<'_> {
             return Vec::new();
         }
         let of_joint = |change: &InputChange| {
-            let (joint, dq, _) = change.joint?;
+            let (joint, dq, drate) = change.joint?;
             let first_moment = &self.input_state.joint_slopes.of[joint].first_moment;
             let (F_B, T_B) = self.wrench_change(state, instant, k, joint, first_moment);
+            let dc = first_moment / instant.centre.mass * dq;
+            let loss = self.joint_loss(instant, k, (joint, dq, drate), &dc);
             Some(OutsideChange {
                 unknown: change.unknown,
-                F_B: F_B * dq,
-                T_B: T_B * dq,
+                F_B: F_B * dq - loss.0,
+                T_B: T_B * dq - loss.1,
             })
         };
         let changes = self.input_state.changes.iter();

@@ -315,12 +315,12 @@ impl Motion<'_> {
                     * (v.spin[*w] * self.input_state.wheels[*w]);
                 Vector6::new(0.0, 0.0, 0.0, h.x, h.y, h.z)
             }
-            kind if kind.is_nuisance() => return Vector6::zeros(),
-            UnknownKind::ThrusterScale(_) => return Vector6::zeros(),
+            _ if v.slopes[unknown].is_empty() => return Vector6::zeros(),
             _ => {
                 let mut sum = Vector6::zeros();
+                let factor = self.slope_factor(unknown);
                 for (at, slope) in &v.slopes[unknown] {
-                    sum += Vector6::from(self.regressor[*at]) * *slope;
+                    sum += Vector6::from(self.regressor[*at]) * (*slope * factor);
                 }
                 let moved = self.mass_centre_change(unknown, centre).cross(&centre.l);
                 let angular = sum.fixed_rows::<3>(3) - moved;
@@ -334,6 +334,7 @@ impl Motion<'_> {
     /// Change of the system's mass centre in B with one unknown: `d(mc)/m - c dm/m`.
     fn mass_centre_change(&self, unknown: usize, centre: &MassCentre) -> Vector3 {
         let mut change = Vector3::zeros();
+        let factor = self.slope_factor(unknown);
         for &(at, slope) in &self.vehicle.slopes[unknown] {
             let (body, k) = (at / 10, at % 10);
             let step = match k {
@@ -343,7 +344,7 @@ impl Motion<'_> {
                     .into_owned(),
                 _ => continue,
             };
-            change += step * (slope / centre.mass);
+            change += step * (slope * factor / centre.mass);
         }
         change
     }
@@ -372,12 +373,15 @@ impl Motion<'_> {
             let dw: Vector3 = twist.fixed_rows::<3>(3).into();
             let mut dF = Vector3::zeros();
             let mut dT = self.environment_torque_change(state, centre, (w, &dw), &still, Some(u));
+            let dc = self.mass_centre_change(u, centre);
             for force in &forces {
-                dT -= self.mass_centre_change(u, centre).cross(&force.F_B);
+                dT -= dc.cross(&force.F_B);
                 let change = force.change(kind);
                 dF += change.0;
                 dT += change.1;
             }
+            let loss = self.momentum_loss_slope(instant, k, (u, twist), &dc);
+            (dF, dT) = (dF - loss.0, dT - loss.1);
             for change in outside.iter().filter(|c| c.unknown == u) {
                 dF += change.F_B;
                 dT += change.T_B;

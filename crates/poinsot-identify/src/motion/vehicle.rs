@@ -5,7 +5,7 @@ use super::virtual_joints::{VirtualJoint, virtual_joints};
 use crate::motion::input_curves::InputCurves;
 use crate::problem::parameters::{Parameters, UnknownKind};
 use crate::problem::segment::{Firing, Observations, Segment};
-use poinsot_dynamics::{SubtreeMotion, Tree};
+use poinsot_dynamics::{Propellant, SubtreeMotion, Tree};
 use poinsot_model::Thruster;
 use poinsot_spatial::{InertialParameters, Vector3};
 use std::borrow::Cow;
@@ -51,6 +51,10 @@ pub(crate) struct Vehicle<'a> {
     pub late_thrusters: Vec<(usize, Vec<usize>, f64)>,
     /// Gravitational parameter of the gravity gradient, where one acts.
     pub gm: Option<f64>,
+    /// Propellant of each thruster.
+    pub propellant: Vec<Option<Propellant>>,
+    /// Impulse of each thruster before the record, N s; empty: none.
+    pub impulse_before: Vec<f64>,
 }
 
 /// An unknown error of joint or wheel samples.
@@ -88,7 +92,7 @@ impl<'a> Vehicle<'a> {
                 _ => {}
             }
         }
-        Self {
+        let mut vehicle = Self {
             tree,
             thrusters,
             segment: 0,
@@ -133,7 +137,23 @@ impl<'a> Vehicle<'a> {
                 })
                 .collect(),
             gm: parameters.gm,
+            propellant: thrusters
+                .iter()
+                .map(|t| t.propellant.map(|p| p.flow()))
+                .collect(),
+            impulse_before: Vec::new(),
+        };
+        for unknown in 0..vehicle.kinds.len() {
+            if vehicle.slopes[unknown].is_empty() {
+                vehicle.slopes[unknown] = vehicle.loss_slopes(unknown);
+            }
         }
+        vehicle
+    }
+
+    /// Whether bodies lose mass as thrusters fire.
+    pub fn loses_mass(&self) -> bool {
+        self.propellant.iter().any(Option::is_some) || self.kinds.iter().any(|k| k.lost().is_some())
     }
 
     /// Whether external torques depend on attitude or motion.

@@ -9,7 +9,7 @@ use crate::fit::fit_starts;
 use crate::likelihood::{ChannelResidual, InitialState, start};
 use crate::methods::linear::{linear, solve_linear};
 use crate::methods::maximum_likelihood::{FinishedFit, solve};
-use crate::motion::{Instant, Motion, State};
+use crate::motion::{Instant, Motion, State, impulse_before};
 use crate::motion::{Vehicle, tilted};
 use crate::problem::parameters::{Equations, Parameters, ParametersError};
 use crate::problem::segment::{Firing, Segment, SensorRecord, SensorValue};
@@ -18,7 +18,7 @@ use crate::sensors::{IdealSeries, across, ideal_measurement, measurement_error, 
 use crate::solution::estimate::Estimate;
 use poinsot_dynamics::{Kinematics, SensorErrors, composite, momentum, wheel_momentum};
 use poinsot_model::{SensorKind, printed_unit};
-use poinsot_spatial::{MassProperties, UnitQuaternion, Vector3};
+use poinsot_spatial::{InertialParameters, MassProperties, UnitQuaternion, Vector3};
 
 /// Bars of a histogram of whitened residuals, from -4 to 4 sigma; what lies outside is in the last bars.
 pub const HISTOGRAM_BARS: usize = 32;
@@ -204,6 +204,10 @@ fn segment(
     vehicle.wheels_smooth = setting.wheels_smooth;
     vehicle.curves = setting.curves.get(at);
     vehicle.steps = setting.steps(at);
+    if vehicle.loses_mass() {
+        vehicle.impulse_before =
+            impulse_before(problem.segments, segment, problem.model.thrusters.len());
+    }
     let (mut state, _) = start(initial_state, experiment.unknown[at], x.len());
     let mut motion = Motion::new(&vehicle, segment, Vec::new(), 0);
     let late: Vec<bool> = segment
@@ -248,8 +252,8 @@ impl Decimator {
     }
 }
 
-/// Joint positions, joint rates and wheel speeds at an instant.
-type Inputs<'a> = (&'a [f64], &'a [f64], &'a [f64]);
+/// Joint positions, joint rates, wheel speeds and bodies at an instant.
+type Inputs<'a> = (&'a [f64], &'a [f64], &'a [f64], &'a [InertialParameters]);
 
 /// One sensor in the course of a segment.
 struct SensorCursor {
@@ -423,7 +427,7 @@ impl<'a> Recorder<'a> {
     /// Angular momentum about the mass centre does not depend on the velocity of the base.
     fn momentum_point(
         &mut self,
-        (vehicle, (q, rates, speed)): (&Vehicle, Inputs),
+        (vehicle, (q, rates, speed, bodies)): (&Vehicle, Inputs),
         state: &State,
         (measured, predicted): (&Vector3, &Vector3),
         k: usize,
@@ -434,10 +438,10 @@ impl<'a> Recorder<'a> {
         kinematics.place(vehicle.tree, q);
         let mut about_centre = |w: &Vector3| {
             kinematics.set_velocities(vehicle.tree, &Vector3::zeros(), w, rates);
-            let lh = momentum(&vehicle.bodies, kinematics);
+            let lh = momentum(bodies, kinematics);
             let l: Vector3 = lh.fixed_rows::<3>(0).into();
             let wheel = wheel_momentum(vehicle.tree, kinematics, &vehicle.spin, speed);
-            let c = composite(&vehicle.bodies, kinematics).p_BoScm_B();
+            let c = composite(bodies, kinematics).p_BoScm_B();
             state.R_NB * (lh.fixed_rows::<3>(3) + wheel - c.cross(&l))
         };
         let own = about_centre(&self.gyro.1.corrected(measured));

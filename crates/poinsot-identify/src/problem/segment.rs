@@ -44,6 +44,13 @@ pub struct Firing {
     pub force: f64,
 }
 
+impl Firing {
+    /// Impulse up to a time, N s.
+    pub(crate) fn impulse_by(&self, time_s: f64) -> f64 {
+        self.force * (time_s.min(self.end_s) - self.start_s).max(0.0)
+    }
+}
+
 /// One measured value, SI.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SensorValue {

@@ -211,6 +211,7 @@ impl Baseline<'_> {
                 p_BoT_B: Vector3::new(arm, 0.0, 0.0),
                 direction_B: Vector3::y(),
                 scale: Default::default(),
+                propellant: None,
             });
             push(
                 0,
@@ -244,6 +245,7 @@ impl Baseline<'_> {
         }
         let setting = Setting {
             known: None,
+            segments: self.problem.segments,
             tree: self.problem.tree,
             thrusters: &trial.thrusters,
             parameters: &self.parameters,

@@ -20,6 +20,10 @@ pub(crate) struct ThrusterFile {
     pub force_direction: Option<[f64; 3]>,
     /// Factor between declared and true thrust: "none" (default: exact), "estimate", or { sigma = x }.
     pub scale: Option<NuisanceFile>,
+    /// Specific impulse, s: the body loses mass as the thruster fires. Without it no mass is lost.
+    pub specific_impulse_s: Option<f64>,
+    /// Place in the body from which the propellant comes, m; without it the body's nominal mass centre. Needs specific_impulse_s.
+    pub propellant_m: Option<[f64; 3]>,
     /// Where the known numbers come from: "measured" or "cad", by default that of the
     /// whole model. It sets how uncertain they are.
     pub source: Option<SourceFile>,

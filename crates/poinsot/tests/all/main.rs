@@ -53,6 +53,7 @@ mod physical;
 mod planted;
 mod point_sensors;
 mod points;
+mod propellant;
 mod pyramid;
 mod random_torque;
 mod real_data;

@@ -1,8 +1,8 @@
 //! What an unknown can be.
 
-use poinsot_dynamics::SensorError;
+use poinsot_dynamics::{SensorError, point_mass};
 use poinsot_model::KnownNumber;
-use poinsot_spatial::Vector3;
+use poinsot_spatial::{InertialParameters, Vector3};
 
 /// What an unknown is.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,6 +34,16 @@ pub enum UnknownKind {
         firing: usize,
         /// Index in the model's thrusters.
         thruster: usize,
+    },
+    /// Mass that a body loses per impulse of its thrusters, kg/(N s): from a place of it, or per m of another place along an axis.
+    /// Tested only.
+    PropellantUse {
+        /// Index of the body.
+        body: usize,
+        /// The place, m.
+        p_BoF_B: Vector3,
+        /// The axis along which the place moves.
+        axis: Option<usize>,
     },
     /// Play of a joint coordinate, rad or m: its link is half of it behind its drive. Tested only.
     JointPlay(usize),
@@ -103,6 +113,7 @@ impl UnknownKind {
             Self::ThrusterPlace { .. }
                 | Self::JointPlace { .. }
                 | Self::JointPlay(_)
+                | Self::PropellantUse { .. }
                 | Self::Firing { .. }
                 | Self::Sensor { .. }
                 | Self::DisturbanceTorque(_)
@@ -139,6 +150,32 @@ impl UnknownKind {
         }
     }
 
+    /// What a body loses by it, per unit: the ten parameters of the body.
+    pub(crate) fn lost(&self) -> Option<(usize, InertialParameters)> {
+        let Self::PropellantUse {
+            body,
+            p_BoF_B,
+            axis,
+        } = self
+        else {
+            return None;
+        };
+        let here = point_mass(p_BoF_B);
+        let part = match axis {
+            None => here,
+            // The slope of a quadratic, from both sides of it.
+            Some(k) => {
+                let mut e = Vector3::zeros();
+                e[*k] = 1.0;
+                let ends = [p_BoF_B + e, p_BoF_B - e].map(|p| point_mass(&p));
+                InertialParameters::ZERO
+                    .with_added(0.5, &ends[0])
+                    .with_added(-0.5, &ends[1])
+            }
+        };
+        Some((*body, part))
+    }
+
     /// Whether it is a force or torque from outside.
     pub(crate) fn is_external_wrench(&self) -> bool {
         matches!(
@@ -159,6 +196,7 @@ impl UnknownKind {
             Self::ThrusterPlace { .. }
                 | Self::JointPlace { .. }
                 | Self::JointPlay(_)
+                | Self::PropellantUse { .. }
                 | Self::Firing { .. }
                 | Self::InertialForce(_)
                 | Self::GravityGradient(_)

@@ -196,6 +196,7 @@ pub fn with_thrusters(mut model: Model) -> Model {
             p_BoT_B: dice.vector(1.0),
             direction_B: dice.direction(),
             scale: Nuisance::Known,
+            propellant: None,
         });
     }
     model
