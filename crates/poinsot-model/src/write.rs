@@ -4,6 +4,7 @@ use crate::knowledge::{KnownNumber, Origin};
 use crate::toml_text::{line, number, quoted, section};
 use crate::vehicle::{
     Body, EstimateSet, Joint, JointKind, Model, MomentumKnowledge, Nuisance, Sensor, SensorKind,
+    Thruster, Wheel,
 };
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
 use std::collections::HashMap;
@@ -47,15 +48,7 @@ pub fn write_model(model: &Model) -> String {
         uncertainty(&mut out, &known, &numbers);
     }
     for (k, wheel) in model.wheels.iter().enumerate() {
-        section(&mut out, "[[wheel]]");
-        line(&mut out, "name", quoted(&wheel.name));
-        line(&mut out, "body", body_name(model, wheel.body));
-        line(&mut out, "axis", vector(&wheel.axis_B));
-        line(&mut out, "spin_inertia_kg_m2", number(wheel.spin_inertia));
-        if wheel.estimate {
-            line(&mut out, "estimate", "true".to_owned());
-        }
-        nuisance(&mut out, "misalignment", wheel.misalignment, "sigma_rad");
+        write_wheel(&mut out, model, wheel);
         let numbers = [
             ("spin_inertia", KnownNumber::SpinInertia(k)),
             ("axis_rad", KnownNumber::WheelAxis(k)),
@@ -63,17 +56,7 @@ pub fn write_model(model: &Model) -> String {
         uncertainty(&mut out, &known, &numbers);
     }
     for (k, thruster) in model.thrusters.iter().enumerate() {
-        section(&mut out, "[[thruster]]");
-        line(&mut out, "name", quoted(&thruster.name));
-        line(&mut out, "body", body_name(model, thruster.body));
-        line(&mut out, "position_m", vector(&thruster.p_BoT_B));
-        line(&mut out, "force_direction", vector(&thruster.direction_B));
-        if let Some(propellant) = &thruster.propellant {
-            let specific = propellant.specific_impulse;
-            line(&mut out, "specific_impulse_s", number(specific));
-            line(&mut out, "propellant_m", vector(&propellant.p_BoF_B));
-        }
-        nuisance(&mut out, "scale", thruster.scale, "sigma");
+        write_thruster(&mut out, model, thruster);
         let numbers = [
             ("force", KnownNumber::Force(k)),
             ("direction_rad", KnownNumber::ForceDirection(k)),
@@ -97,6 +80,32 @@ pub fn write_model(model: &Model) -> String {
     write_environment(&mut out, model);
     crate::write_telemetry::write_telemetry(&mut out, &model.telemetry);
     out
+}
+
+fn write_wheel(out: &mut String, model: &Model, wheel: &Wheel) {
+    section(out, "[[wheel]]");
+    line(out, "name", quoted(&wheel.name));
+    line(out, "body", body_name(model, wheel.body));
+    line(out, "axis", vector(&wheel.axis_B));
+    line(out, "spin_inertia_kg_m2", number(wheel.spin_inertia));
+    if wheel.estimate {
+        line(out, "estimate", "true".to_owned());
+    }
+    nuisance(out, "misalignment", wheel.misalignment, "sigma_rad");
+}
+
+fn write_thruster(out: &mut String, model: &Model, thruster: &Thruster) {
+    section(out, "[[thruster]]");
+    line(out, "name", quoted(&thruster.name));
+    line(out, "body", body_name(model, thruster.body));
+    line(out, "position_m", vector(&thruster.p_BoT_B));
+    line(out, "force_direction", vector(&thruster.direction_B));
+    if let Some(propellant) = &thruster.propellant {
+        let specific = propellant.specific_impulse;
+        line(out, "specific_impulse_s", number(specific));
+        line(out, "propellant_m", vector(&propellant.p_BoF_B));
+    }
+    nuisance(out, "scale", thruster.scale, "sigma");
 }
 
 /// Uncertainties of one table that differ from those of a drawing.

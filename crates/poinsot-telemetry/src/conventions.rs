@@ -111,19 +111,7 @@ pub fn test_conventions(
         .filter(|_| rate > 0.0)
         .map(|k| good.remove(k));
     let still = rate * pairs.longest_s() < ROUND_OFF;
-    let verdict = if still {
-        undecided("the attitude does not move")
-    } else if lowest > EXPLAINED * rate {
-        undecided(
-            "motion too small, or attitude and gyro too noisy: no convention explains the rates",
-        )
-    } else if level(&declared) >= DECISIVE * lowest {
-        Verdict::DeclaredContradicted
-    } else if level(&declared) <= 2.0 * lowest {
-        Verdict::DeclaredFits
-    } else {
-        undecided("another convention fits better, but not clearly")
-    };
+    let verdict = verdict(still, [lowest, level(&declared), rate]);
     let only =
         |test: &dyn Fn(&Hypothesis) -> bool| all.iter().copied().filter(|h| test(h)).collect();
     let as_declared = |h: &Hypothesis| h.gyro_axes == Axes::IDENTITY;
@@ -149,6 +137,23 @@ pub fn test_conventions(
         as_good: good.into_iter().skip(1).take(20).collect(),
         verdict,
     })
+}
+
+/// What the lowest residual and that of the declared convention say beside the rate, rad/s.
+fn verdict(still: bool, [lowest, declared, rate]: [f64; 3]) -> Verdict {
+    if still {
+        undecided("the attitude does not move")
+    } else if lowest > EXPLAINED * rate {
+        undecided(
+            "motion too small, or attitude and gyro too noisy: no convention explains the rates",
+        )
+    } else if declared >= DECISIVE * lowest {
+        Verdict::DeclaredContradicted
+    } else if declared <= 2.0 * lowest {
+        Verdict::DeclaredFits
+    } else {
+        undecided("another convention fits better, but not clearly")
+    }
 }
 
 fn undecided(reason: &str) -> Verdict {

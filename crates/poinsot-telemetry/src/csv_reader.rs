@@ -9,7 +9,7 @@ use crate::packing::{Packing, damaged};
 use crate::plan::{self, Plan};
 use crate::selection::{Selection, WhenFull};
 use crate::size::Rows;
-use crate::{Encoding, ReadOptions, TelemetryError};
+use crate::{Encoding, Layout, ReadOptions, TelemetryError};
 use csv::ByteRecord;
 use std::io::{Read, Seek};
 use std::path::Path;
@@ -27,25 +27,7 @@ pub(crate) fn read(
         what: "cannot be read",
         source,
     };
-    let mut file = opened.file.try_clone().map_err(io)?;
-    refuse_utf16(path, &mut file)?;
-    let packing = Packing::of(&mut file).map_err(io)?;
-    let rows = match packing {
-        Packing::None => Rows::of_text(&mut file, opened.len).map_err(io)?,
-        _ => {
-            let unpacked = packing.reader(file.try_clone().map_err(io)?);
-            let lines = unpacked.and_then(Rows::of_lines);
-            lines.map_err(|source| damaged(path, source))?
-        }
-    };
-    let packed_sha256 = match packing {
-        Packing::None => None,
-        _ => {
-            file.rewind().map_err(io)?;
-            Some(sha256_of(path, &mut file)?)
-        }
-    };
-    let unpacked = packing.reader(file).map_err(io)?;
+    let (unpacked, rows, packed_sha256) = unpacked(path, opened)?;
     let layout = options.map.for_file(path).layout;
     let above = layout.header_row.unwrap_or(1).saturating_sub(1);
     let mut reader = csv::ReaderBuilder::new()
@@ -56,27 +38,7 @@ pub(crate) fn read(
         .buffer_capacity(1 << 16)
         .from_reader(TextBytes::new(unpacked, above));
     let mut record = ByteRecord::new();
-    if !next(path, &mut reader, &mut record)? {
-        return Err(TelemetryError::Header {
-            place: Place::file(path),
-            why: "the file is empty; begin it with a header row".into(),
-        });
-    }
-    let header_line = above + record.position().map_or(1, csv::Position::line);
-    let header = header_of(path, header_line, &record, options.encoding)?;
-    if let Some(why) = no_header(&header, layout.comment) {
-        return Err(TelemetryError::Header {
-            place: Place::row(path, header_line),
-            why,
-        });
-    }
-    let units = match layout.units_row {
-        Some(true) if next(path, &mut reader, &mut record)? => {
-            let line = above + record.position().map_or(1, csv::Position::line);
-            Some(header_of(path, line, &record, options.encoding)?)
-        }
-        _ => None,
-    };
+    let (header, units) = headers(path, &mut reader, &mut record, (above, layout, options))?;
     let mut selection = options.selection();
     let plan = plan::build(path, &header, units.as_deref(), options)?;
     let mut clock = plan.clock.clone();
@@ -122,19 +84,8 @@ pub(crate) fn read(
         last_row = 0;
     }
     if last_row > 0 && !reader.get_ref().ends_a_line() {
-        if options.recover {
-            columns.rows_read -= 1;
-            columns.drop_row(last_row);
-            repairs.push(format!(
-                "{}: last row dropped: it has no line end, so its last number may be cut",
-                Place::row(path, last_row)
-            ));
-        } else {
-            repairs.push(format!(
-                "{}: the last row has no line end; assumed complete",
-                Place::row(path, last_row)
-            ));
-        }
+        let row = Place::row(path, last_row);
+        repairs.push(take_unended(&row, options.recover, last_row, &mut columns));
     }
     selection.check(path, &plan, &mut columns, rows, full)?;
     check_unchanged(path, opened)?;
@@ -143,6 +94,71 @@ pub(crate) fn read(
         None => reader.into_inner().sha256().map_err(io)?,
     };
     Ok((plan, columns, sha256))
+}
+
+/// The text of a file, its rows, and its hash where it is packed.
+type Unpacked = (Box<dyn Read>, Rows, Option<String>);
+
+fn unpacked(path: &Path, opened: &Opened) -> Result<Unpacked, TelemetryError> {
+    let io = |source| TelemetryError::Io {
+        path: path.to_owned(),
+        what: "cannot be read",
+        source,
+    };
+    let mut file = opened.file.try_clone().map_err(io)?;
+    refuse_utf16(path, &mut file)?;
+    let packing = Packing::of(&mut file).map_err(io)?;
+    if let Packing::None = packing {
+        let rows = Rows::of_text(&mut file, opened.len).map_err(io)?;
+        return Ok((packing.reader(file).map_err(io)?, rows, None));
+    }
+    let lines = packing.reader(file.try_clone().map_err(io)?);
+    let rows = lines.and_then(Rows::of_lines);
+    let rows = rows.map_err(|source| damaged(path, source))?;
+    file.rewind().map_err(io)?;
+    let sha256 = sha256_of(path, &mut file)?;
+    Ok((packing.reader(file).map_err(io)?, rows, Some(sha256)))
+}
+
+/// Header row, and the row of units where there is one.
+fn headers(
+    path: &Path,
+    reader: &mut csv::Reader<impl Read>,
+    record: &mut ByteRecord,
+    (above, layout, options): (u64, Layout, &ReadOptions),
+) -> Result<(Vec<String>, Option<Vec<String>>), TelemetryError> {
+    if !next(path, reader, record)? {
+        return Err(TelemetryError::Header {
+            place: Place::file(path),
+            why: "the file is empty; begin it with a header row".into(),
+        });
+    }
+    let header_line = above + record.position().map_or(1, csv::Position::line);
+    let header = header_of(path, header_line, record, options.encoding)?;
+    if let Some(why) = no_header(&header, layout.comment) {
+        return Err(TelemetryError::Header {
+            place: Place::row(path, header_line),
+            why,
+        });
+    }
+    let units = match layout.units_row {
+        Some(true) if next(path, reader, record)? => {
+            let line = above + record.position().map_or(1, csv::Position::line);
+            Some(header_of(path, line, record, options.encoding)?)
+        }
+        _ => None,
+    };
+    Ok((header, units))
+}
+
+/// Drops the last row, which has no line end, where files are recovered; what is to be said of it.
+fn take_unended(row: &Place, recover: bool, last_row: u64, columns: &mut Columns) -> String {
+    if !recover {
+        return format!("{row}: the last row has no line end; assumed complete");
+    }
+    columns.rows_read -= 1;
+    columns.drop_row(last_row);
+    format!("{row}: last row dropped: it has no line end, so its last number may be cut")
 }
 
 /// Adds one data row to the columns; on error part of the row may have been added.

@@ -145,12 +145,14 @@ fn unit_of(text: &str, dimension: Dimension) -> Result<Unit, Wrong> {
     }
 }
 
+/// Standard name of a column, and its unit where it is its own.
+type Resolved = (ChannelName, Option<Unit>);
+/// A faulty key, and the fault.
+type Refused = (&'static str, Wrong);
+
 /// The standard name and unit of a column map; otherwise the faulty key and the fault. Without a unit it needs a units
 /// row.
-pub(crate) fn resolve(
-    map: &ColumnMap,
-    units_row: bool,
-) -> Result<(ChannelName, Option<Unit>), (&'static str, Wrong)> {
+pub(crate) fn resolve(map: &ColumnMap, units_row: bool) -> Result<Resolved, Refused> {
     let fault =
         |key, problem: String, remedy: &str| Err((key, ("E0212", problem, remedy.to_owned())));
     let Some(name) = classify(&map.channel) else {
@@ -190,45 +192,10 @@ pub(crate) fn resolve(
         );
     }
     if map.nominal_N.is_some() {
-        if name.dimension != Dimension::Force {
-            return fault(
-                "nominal_N",
-                "only a thruster has a nominal force".to_owned(),
-                "map the column with its unit",
-            );
-        }
-        if changed || map.counts_per_revolution.is_some() {
-            return fault(
-                "nominal_N",
-                "a flag has no sign, scale or offset".to_owned(),
-                "remove them, or nominal_N",
-            );
-        }
-        let duration = map.unit.as_ref().map(|u| unit_of(u, Dimension::Time));
-        return match duration.transpose() {
-            Ok(unit) => Ok((name, unit)),
-            Err(wrong) => Err(("unit", wrong)),
-        };
+        return flag(map, name, changed);
     }
     if map.counts_per_revolution.is_some() {
-        if !matches!(
-            name.dimension,
-            Dimension::Angle | Dimension::AngularVelocity
-        ) {
-            return fault(
-                "counts_per_revolution",
-                "only an angle or its rate has counts per revolution".to_owned(),
-                "map the column with its unit",
-            );
-        }
-        if map.unit.is_some() {
-            return fault(
-                "unit",
-                "counts have no unit".to_owned(),
-                "remove unit or counts_per_revolution",
-            );
-        }
-        return Ok((name, None));
+        return counts(map, name);
     }
     let Some(unit) = &map.unit else {
         if units_row {
@@ -244,6 +211,59 @@ pub(crate) fn resolve(
         Ok(unit) => Ok((name, Some(unit))),
         Err(wrong) => Err(("unit", wrong)),
     }
+}
+
+/// The same for a column that says whether a thruster fires: its unit is that of a duration.
+fn flag(map: &ColumnMap, name: ChannelName, changed: bool) -> Result<Resolved, Refused> {
+    let fault = |problem: &str, remedy: &str| {
+        Err((
+            "nominal_N",
+            ("E0212", problem.to_owned(), remedy.to_owned()),
+        ))
+    };
+    if name.dimension != Dimension::Force {
+        return fault(
+            "only a thruster has a nominal force",
+            "map the column with its unit",
+        );
+    }
+    if changed || map.counts_per_revolution.is_some() {
+        return fault(
+            "a flag has no sign, scale or offset",
+            "remove them, or nominal_N",
+        );
+    }
+    let duration = map.unit.as_ref().map(|u| unit_of(u, Dimension::Time));
+    match duration.transpose() {
+        Ok(unit) => Ok((name, unit)),
+        Err(wrong) => Err(("unit", wrong)),
+    }
+}
+
+/// The same for a column of counts.
+fn counts(map: &ColumnMap, name: ChannelName) -> Result<Resolved, Refused> {
+    let fault = |key, problem: &str, remedy: &str| {
+        Err((key, ("E0212", problem.to_owned(), remedy.to_owned())))
+    };
+    let turns = matches!(
+        name.dimension,
+        Dimension::Angle | Dimension::AngularVelocity
+    );
+    if !turns {
+        return fault(
+            "counts_per_revolution",
+            "only an angle or its rate has counts per revolution",
+            "map the column with its unit",
+        );
+    }
+    if map.unit.is_some() {
+        return fault(
+            "unit",
+            "counts have no unit",
+            "remove unit or counts_per_revolution",
+        );
+    }
+    Ok((name, None))
 }
 
 fn attitude_fault(map: &AttitudeMap, units_row: bool) -> Option<Wrong> {

@@ -101,10 +101,7 @@ fn decode(
     }
     whole.rewind().map_err(io)?;
     let sha256 = sha256_of(path, &mut whole)?;
-    let mut roots: Vec<usize> = plan.channels.iter().map(|c| c.index).collect();
-    roots.push(plan.time_index);
-    roots.extend(plan.filter.iter().map(|f| f.0));
-    let mask = ProjectionMask::roots(builder.parquet_schema(), roots);
+    let mask = ProjectionMask::roots(builder.parquet_schema(), used(&plan));
     let pages = whole.try_clone().map_err(io)?;
     let excess = parquet_dictionaries::excess(pages, builder.metadata(), &mask);
     if let Some(why) = excess.map_err(|e| refused(path, e))? {
@@ -145,6 +142,14 @@ fn decode(
         ));
     }
     Ok((plan, columns, sha256))
+}
+
+/// Columns that are read.
+fn used(plan: &Plan) -> Vec<usize> {
+    let mut roots: Vec<usize> = plan.channels.iter().map(|c| c.index).collect();
+    roots.push(plan.time_index);
+    roots.extend(plan.filter.iter().map(|f| f.0));
+    roots
 }
 
 /// Rows before the first page with a wrong checksum; an error without `recover`.

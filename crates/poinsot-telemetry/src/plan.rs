@@ -336,7 +336,85 @@ impl Planner<'_> {
         }
         Ok(())
     }
+
+    /// The clock that the map names, with its column, and the column of the week.
+    fn mapped_time(
+        &mut self,
+        map: &FileMap,
+    ) -> Result<(PlannedTime, Option<usize>), TelemetryError> {
+        let Some(map) = &map.time else {
+            return Ok((None, None));
+        };
+        let Some(index) = self.find("time", &map.column) else {
+            return Ok((None, None));
+        };
+        let mut clock = check_time(map)
+            .map_err(|(_, problem, remedy)| self.fault("time", format!("{problem}; {remedy}")))?;
+        if let (None, TimeFormat::Number | TimeFormat::GpsWeek, Some(name)) =
+            (&map.unit, map.format, classify("time_s"))
+            && let Some(unit) = self.unit_below(index, &name)?
+        {
+            clock.unit = unit;
+        }
+        let Some(week) = &map.week else {
+            return Ok((Some((index, clock)), None));
+        };
+        let Some(week) = self.find("time", week) else {
+            let why = format!("there is no column '{week}'; correct its name");
+            return Err(self.fault("time", why));
+        };
+        Ok((Some((index, clock)), Some(week)))
+    }
+
+    /// Takes the columns that the map does not name by their own names; those that nothing asks for are returned. The first
+    /// `mapped` channels are those of the map.
+    fn rest(
+        &mut self,
+        (map, options): (&FileMap, &ReadOptions),
+        mapped: usize,
+        time: &mut PlannedTime,
+    ) -> Result<Vec<String>, TelemetryError> {
+        let mut ignored = Vec::new();
+        let filter_columns: HashSet<&str> = map.row_filter.iter().map(|f| f.0.as_str()).collect();
+        for (index, column) in self.header.iter().enumerate() {
+            if self.taken.contains(&index) {
+                continue;
+            }
+            let named = |all: &[PlannedChannel], name: &ChannelName| {
+                all.iter().take(mapped).any(|c| c.name == *name)
+            };
+            match classify(column) {
+                Some(name) if name.quantity == Quantity::Time => {
+                    if time.is_none() {
+                        let unit = self.unit(None, index, &name)?;
+                        *time = Some((index, Clock::own(unit)));
+                    } else {
+                        ignored.push(column.clone());
+                    }
+                }
+                Some(name) if is_wanted(&name, options) && !named(&self.channels, &name) => {
+                    let unit = self.unit(None, index, &name)?;
+                    self.channels.push(PlannedChannel {
+                        index,
+                        column: column.clone(),
+                        name,
+                        conversion: Conversion::Unit(unit),
+                        part: None,
+                    });
+                }
+                _ if filter_columns.contains(column.as_str()) => {}
+                _ if column.is_empty() => {
+                    ignored.push(format!("(column {} without name)", index + 1));
+                }
+                _ => ignored.push(column.clone()),
+            }
+        }
+        Ok(ignored)
+    }
 }
+
+/// Column and clock of the time, where they are known.
+type PlannedTime = Option<(usize, Clock)>;
 
 /// Assigns the columns of a file with this header and optional units row.
 pub(crate) fn build(
@@ -356,31 +434,7 @@ pub(crate) fn build(
         taken: HashSet::new(),
         used: Vec::new(),
     };
-    let mut time = None;
-    let mut week_index = None;
-    if let Some(map) = &map.time
-        && let Some(index) = planner.find("time", &map.column)
-    {
-        let clock = check_time(map);
-        let mut clock = clock.map_err(|(_, problem, remedy)| {
-            planner.fault("time", format!("{problem}; {remedy}"))
-        })?;
-        if let (None, TimeFormat::Number | TimeFormat::GpsWeek, Some(name)) =
-            (&map.unit, map.format, classify("time_s"))
-            && let Some(unit) = planner.unit_below(index, &name)?
-        {
-            clock.unit = unit;
-        }
-        if let Some(week) = &map.week {
-            week_index = Some(planner.find("time", week).ok_or_else(|| {
-                planner.fault(
-                    "time",
-                    format!("there is no column '{week}'; correct its name"),
-                )
-            })?);
-        }
-        time = Some((index, clock));
-    }
+    let (mut time, week_index) = planner.mapped_time(&map)?;
     for column in &map.columns {
         let found = planner.column(column)?;
         time = time.or(found);
@@ -390,39 +444,7 @@ pub(crate) fn build(
     }
     planner.orbit(&map, options)?;
     let mapped = planner.channels.len();
-    let mut ignored = Vec::new();
-    let filter_columns: HashSet<&str> = map.row_filter.iter().map(|f| f.0.as_str()).collect();
-    for (index, column) in header.iter().enumerate() {
-        if planner.taken.contains(&index) {
-            continue;
-        }
-        match classify(column) {
-            Some(name) if name.quantity == Quantity::Time => {
-                if time.is_none() {
-                    let unit = planner.unit(None, index, &name)?;
-                    time = Some((index, Clock::own(unit)));
-                } else {
-                    ignored.push(column.clone());
-                }
-            }
-            Some(name)
-                if is_wanted(&name, options)
-                    && !planner.channels.iter().take(mapped).any(|c| c.name == name) =>
-            {
-                let unit = planner.unit(None, index, &name)?;
-                planner.channels.push(PlannedChannel {
-                    index,
-                    column: column.clone(),
-                    name,
-                    conversion: Conversion::Unit(unit),
-                    part: None,
-                });
-            }
-            _ if filter_columns.contains(column.as_str()) => {}
-            _ if column.is_empty() => ignored.push(format!("(column {} without name)", index + 1)),
-            _ => ignored.push(column.clone()),
-        }
-    }
+    let ignored = planner.rest((&map, options), mapped, &mut time)?;
     let Some((time_index, mut clock)) = time else {
         return Err(no_time(path, header));
     };

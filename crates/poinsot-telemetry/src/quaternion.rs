@@ -30,11 +30,7 @@ pub(crate) fn tidy(
     strict: bool,
 ) -> Result<Vec<String>, TelemetryError> {
     let [x, y, z, w] = q;
-    let mut zero = 0_u64;
-    let mut partial = 0_u64;
-    let mut flips = 0_u64;
-    let mut worst = (0.0_f64, 0_u64);
-    let mut beyond_rounding = 0_u64;
+    let mut tally = Tally::default();
     let mut last: Option<[f64; 4]> = None;
     let cells = x.iter_mut().zip(y).zip(z).zip(w).zip(rows);
     for ((((x, y), z), w), &row) in cells {
@@ -42,8 +38,8 @@ pub(crate) fn tidy(
         let missing = here.iter().filter(|c| c.is_nan()).count();
         let norm = here.iter().map(|c| c * c).sum::<f64>().sqrt();
         if missing > 0 || norm == 0.0 {
-            zero += u64::from(missing == 0);
-            partial += u64::from((1..4).contains(&missing));
+            tally.zero += u64::from(missing == 0);
+            tally.partial += u64::from((1..4).contains(&missing));
             (*x, *y, *z, *w) = (f64::NAN, f64::NAN, f64::NAN, f64::NAN);
             continue;
         }
@@ -58,59 +54,82 @@ pub(crate) fn tidy(
                 ),
             });
         }
-        if deviation > worst.0 {
-            worst = (deviation, row);
+        if deviation > tally.worst.0 {
+            tally.worst = (deviation, row);
         }
-        beyond_rounding += u64::from(deviation > ROUNDING);
+        tally.beyond_rounding += u64::from(deviation > ROUNDING);
         let scale = if deviation > EXACT { 1.0 / norm } else { 1.0 };
         let along = last.map_or(1.0, |l| {
             l.iter().zip(&here).map(|(a, b)| a * b).sum::<f64>()
         });
         let sign = if along < 0.0 { -1.0 } else { 1.0 };
-        flips += u64::from(along < 0.0);
+        tally.flips += u64::from(along < 0.0);
         let tidy = here.map(|c| c * scale * sign);
         [*x, *y, *z, *w] = tidy;
         last = Some(tidy);
     }
     let file = Place::cell(path, 0, column);
-    let mut repairs = Vec::new();
-    if worst.0 > SILENT {
-        repairs.push(format!(
-            "quaternions normalised; the norm is off by up to {} (row {})",
-            rounded(worst.0, 3),
-            worst.1
-        ));
-    }
-    if beyond_rounding > 0 {
-        repairs.push(format!(
-            "warning: {beyond_rounding} quaternions are off unit norm by more than 1e-3, more than rounding explains; check where they come from"
-        ));
-    }
-    if zero > 0 {
-        repairs.push(format!(
-            "{zero} zero quaternions treated as missing samples"
-        ));
-    }
-    if partial > 0 {
-        repairs.push(format!(
-            "{partial} quaternions with missing components treated as missing samples"
-        ));
-    }
+    let mut repairs = tally.changes();
     if strict && let Some(repair) = repairs.first() {
         return Err(TelemetryError::Strict {
             place: file,
             repair: repair.clone(),
         });
     }
-    if flips > 0 {
+    if tally.flips > 0 {
         repairs.push(format!(
-            "{flips} changes of quaternion sign undone (the same attitude)"
+            "{} changes of quaternion sign undone (the same attitude)",
+            tally.flips
         ));
     }
     Ok(repairs
         .into_iter()
         .map(|r| format!("{file}: {r}"))
         .collect())
+}
+
+/// What was changed in the rows of one attitude.
+#[derive(Default)]
+struct Tally {
+    zero: u64,
+    partial: u64,
+    flips: u64,
+    /// Largest error of a norm, with its row.
+    worst: (f64, u64),
+    beyond_rounding: u64,
+}
+
+impl Tally {
+    /// Changes of the attitude itself, in words.
+    fn changes(&self) -> Vec<String> {
+        let mut repairs = Vec::new();
+        if self.worst.0 > SILENT {
+            repairs.push(format!(
+                "quaternions normalised; the norm is off by up to {} (row {})",
+                rounded(self.worst.0, 3),
+                self.worst.1
+            ));
+        }
+        if self.beyond_rounding > 0 {
+            repairs.push(format!(
+                "warning: {} quaternions are off unit norm by more than 1e-3, more than rounding explains; check where they come from",
+                self.beyond_rounding
+            ));
+        }
+        if self.zero > 0 {
+            repairs.push(format!(
+                "{} zero quaternions treated as missing samples",
+                self.zero
+            ));
+        }
+        if self.partial > 0 {
+            repairs.push(format!(
+                "{} quaternions with missing components treated as missing samples",
+                self.partial
+            ));
+        }
+        repairs
+    }
 }
 
 #[cfg(test)]

@@ -175,6 +175,27 @@ pub(super) fn sentence(terms: &[(String, f64)]) -> String {
     text
 }
 
+/// What a chi-square per degree of freedom says against the answer; `contradicted` is that without the declared momentum.
+fn misfit(chi2: f64, contradicted: Option<f64>, rejected: bool) -> Option<String> {
+    let times = chi2.sqrt();
+    if let Some(free) = contradicted {
+        return Some(format!(
+            "the declared momentum contradicts the data: residuals are {times:.1} times the declared noise with it and {:.1} times without; give linear_N_s and angular_N_m_s in N, angular about the system mass centre, at the first sample, or use --variant unknown-momentum",
+            free.sqrt()
+        ));
+    }
+    if rejected {
+        return Some(format!(
+            "rigid model rejected: residuals are {times:.1} times the declared noise and the model explains less than half of the data; check units, signs, joint axes, external forces"
+        ));
+    }
+    (chi2 > MISFIT).then(|| {
+        format!(
+            "residuals are {times:.1} times the declared noise: sigmas are widened by that factor and the covariance is not trustworthy"
+        )
+    })
+}
+
 pub(super) fn warnings(
     problem: &Problem,
     solved: &NoisySolution,
@@ -185,22 +206,7 @@ pub(super) fn warnings(
 ) -> Vec<String> {
     let mut list = Vec::new();
     let chi2 = solved.chi2;
-    if let Some(free) = contradicted {
-        list.push(format!(
-            "the declared momentum contradicts the data: residuals are {:.1} times the declared noise with it and {:.1} times without; give linear_N_s and angular_N_m_s in N, angular about the system mass centre, at the first sample, or use --variant unknown-momentum",
-            chi2.sqrt(), free.sqrt()
-        ));
-    } else if rejected {
-        list.push(format!(
-            "rigid model rejected: residuals are {:.1} times the declared noise and the model explains less than half of the data; check units, signs, joint axes, external forces",
-            chi2.sqrt()
-        ));
-    } else if chi2 > MISFIT {
-        list.push(format!(
-            "residuals are {:.1} times the declared noise: sigmas are widened by that factor and the covariance is not trustworthy",
-            chi2.sqrt()
-        ));
-    }
+    list.extend(misfit(chi2, contradicted, rejected));
     let ratio = solved.x[0];
     if !ten.open[0] && !(STUDIED[0]..=STUDIED[1]).contains(&ratio) {
         list.push(format!(

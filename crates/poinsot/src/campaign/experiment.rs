@@ -54,6 +54,32 @@ pub(crate) struct FilesAt {
     pub nominal: Model,
 }
 
+/// The case of an experiment, or none for a record; no answer if a fault was recorded.
+fn case_of(
+    file: &ExperimentFile,
+    folder: &Path,
+    refuse: &mut impl FnMut(&'static str, &str, &str),
+) -> Result<Option<Option<Case>>, Error> {
+    match (&file.case, &file.record) {
+        (Some(case), None) => {
+            let case = read_case(&folder.join(case)).map_err(SimulateError::from)?;
+            return Ok(Some(Some(case)));
+        }
+        (None, Some(_)) if file.truth.is_some() && file.model.is_some() => return Ok(Some(None)),
+        (None, Some(_)) => refuse(
+            "record",
+            "a record needs a model and a truth file",
+            "give model and truth",
+        ),
+        _ => refuse(
+            "case",
+            "exactly one of case and record is needed",
+            "give one of them",
+        ),
+    }
+    Ok(None)
+}
+
 impl Experiment {
     /// Reads the files of an experiment; `None` if a fault was recorded.
     ///
@@ -74,25 +100,8 @@ impl Experiment {
             text.refuse("E0541", &at, what, remedy);
         };
         check(file, &mut refuse);
-        let case = match (&file.case, &file.record) {
-            (Some(case), None) => Some(read_case(&folder.join(case)).map_err(SimulateError::from)?),
-            (None, Some(_)) if file.truth.is_some() && file.model.is_some() => None,
-            (None, Some(_)) => {
-                refuse(
-                    "record",
-                    "a record needs a model and a truth file",
-                    "give model and truth",
-                );
-                return Ok(None);
-            }
-            _ => {
-                refuse(
-                    "case",
-                    "exactly one of case and record is needed",
-                    "give one of them",
-                );
-                return Ok(None);
-            }
+        let Some(case) = case_of(file, folder, &mut refuse)? else {
+            return Ok(None);
         };
         let path = |name: &Option<String>| name.as_ref().map(|n| folder.join(n));
         let of_case = case.as_ref().map(|c| c.model.clone());

@@ -212,63 +212,94 @@ pub(super) fn find(plan: &Plan, out: &Path, shard: &Shard) -> Result<Found, Erro
     })
 }
 
+/// Makes columns with one cell per trial and method.
+struct Cells<'a> {
+    done: &'a [Done],
+    methods: usize,
+}
+
+impl Cells<'_> {
+    fn all(&self) -> impl Iterator<Item = (&Done, usize)> {
+        let of_trial = |d| (0..self.methods).map(move |m| (d, m));
+        self.done.iter().flat_map(of_trial)
+    }
+
+    fn text(&self, name: &str, f: impl Fn(&Done, usize) -> String) -> RowColumn {
+        RowColumn {
+            name: name.to_owned(),
+            cells: RowCells::Text(self.all().map(|(d, m)| f(d, m)).collect()),
+        }
+    }
+
+    fn count(&self, name: &str, f: impl Fn(&Done, usize) -> u64) -> RowColumn {
+        RowColumn {
+            name: name.to_owned(),
+            cells: RowCells::Count(self.all().map(|(d, m)| f(d, m)).collect()),
+        }
+    }
+
+    fn number(&self, name: String, f: impl Fn(&Done, usize) -> Option<f64>) -> RowColumn {
+        RowColumn {
+            name,
+            cells: RowCells::Number(self.all().map(|(d, m)| f(d, m)).collect()),
+        }
+    }
+}
+
+fn answer(d: &Done, m: usize) -> Option<&Answer> {
+    d.trials[m].outcome.as_ref().ok()
+}
+
 /// Rows of a shard, one per trial and method.
 fn rows(plan: &Plan, shard: &Shard, done: &[Done]) -> Vec<RowColumn> {
     let experiment = &plan.experiment(shard.cell).name;
     let labels = plan.method_labels();
-    let all = || {
-        let of_trial = |d| (0..labels.len()).map(move |m| (d, m));
-        done.iter().flat_map(of_trial)
+    let cells = Cells {
+        done,
+        methods: labels.len(),
     };
-    let text = |name: &str, f: &dyn Fn(&Done, usize) -> String| RowColumn {
-        name: name.to_owned(),
-        cells: RowCells::Text(all().map(|(d, m)| f(d, m)).collect()),
-    };
-    let count = |name: &str, f: &dyn Fn(&Done, usize) -> u64| RowColumn {
-        name: name.to_owned(),
-        cells: RowCells::Count(all().map(|(d, m)| f(d, m)).collect()),
-    };
-    let number = |name: String, f: &dyn Fn(&Done, usize) -> Option<f64>| RowColumn {
-        name,
-        cells: RowCells::Number(all().map(|(d, m)| f(d, m)).collect()),
-    };
-    fn answer(d: &Done, m: usize) -> Option<&Answer> {
-        d.trials[m].outcome.as_ref().ok()
-    }
     let mut columns = vec![
-        text("experiment", &|_, _| experiment.clone()),
-        count("trial", &|d, m| d.trials[m].number),
-        text("method", &|_, m| labels[m].to_owned()),
-        text("status", &|d, m| match &d.trials[m].outcome {
+        cells.text("experiment", |_, _| experiment.clone()),
+        cells.count("trial", |d, m| d.trials[m].number),
+        cells.text("method", |_, m| labels[m].to_owned()),
+        cells.text("status", |d, m| match &d.trials[m].outcome {
             Ok(a) => a.status.name().to_owned(),
             Err(why) if why.starts_with(super::trial::CRASHED) => "crashed".to_owned(),
             Err(_) => "refused".to_owned(),
         }),
-        count("passes", &|d, m| {
+        cells.count("passes", |d, m| {
             let outcome = d.trials[m].outcome.as_ref();
             u64::from(outcome.is_ok_and(|a| {
                 a.status == poinsot_identify::Status::Converged && a.doubts.is_empty()
             }))
         }),
-        text("why", &|d, m| match &d.trials[m].outcome {
+        cells.text("why", |d, m| match &d.trials[m].outcome {
             Ok(a) => a.doubts.join("; "),
             Err(why) => why.clone(),
         }),
-        count("seed", &|_, _| plan.file.seed.unwrap_or(0)),
-        number("seconds".to_owned(), &|d, m| Some(d.seconds[m])),
-        number("iterations".to_owned(), &|d, m| {
+        cells.count("seed", |_, _| plan.file.seed.unwrap_or(0)),
+        cells.number("seconds".to_owned(), |d, m| Some(d.seconds[m])),
+        cells.number("iterations".to_owned(), |d, m| {
             answer(d, m).map(|a| a.iterations as f64)
         }),
-        number("chi2_per_dof".to_owned(), &|d, m| {
+        cells.number("chi2_per_dof".to_owned(), |d, m| {
             answer(d, m).and_then(|a| finite(a.chi2_per_dof))
         }),
-        number("nees".to_owned(), &|d, m| answer(d, m)?.nees.map(|n| n.0)),
-        number("nees_dof".to_owned(), &|d, m| {
+        cells.number("nees".to_owned(), |d, m| answer(d, m)?.nees.map(|n| n.0)),
+        cells.number("nees_dof".to_owned(), |d, m| {
             answer(d, m)?.nees.map(|n| n.1 as f64)
         }),
     ];
+    columns.extend(number_columns(plan, shard, &cells));
+    columns
+}
+
+/// Where a shard is, what was drawn, and every number that an answer may have.
+fn number_columns(plan: &Plan, shard: &Shard, cells: &Cells) -> Vec<RowColumn> {
+    let done = cells.done;
+    let mut columns = Vec::new();
     for (address, value) in plan.point(shard.cell) {
-        columns.push(number(format!("at.{address}"), &|_, _| Some(value)));
+        columns.push(cells.number(format!("at.{address}"), |_, _| Some(value)));
     }
     // A number has the same place in most trials.
     let place = Cell::new(0);
@@ -276,9 +307,7 @@ fn rows(plan: &Plan, shard: &Shard, done: &[Done]) -> Vec<RowColumn> {
         found(list, &place, |(n, _)| n == name).map(|(_, x)| *x)
     };
     for name in names(done, |d| d.drawn.iter().map(|(n, _)| n).collect()) {
-        columns.push(number(format!("drawn.{name}"), &|d, _| {
-            named(&d.drawn, &name)
-        }));
+        columns.push(cells.number(format!("drawn.{name}"), |d, _| named(&d.drawn, &name)));
     }
     let estimated = |d: &Done, m: usize, name: &str| {
         let numbers = &answer(d, m)?.numbers;
@@ -286,16 +315,14 @@ fn rows(plan: &Plan, shard: &Shard, done: &[Done]) -> Vec<RowColumn> {
         Some([n.value, n.sigma, n.error / n.sigma])
     };
     for name in asked(plan, shard, done) {
-        columns.push(number(format!("truth.{name}"), &|d, _| {
-            named(&d.truth, &name)
-        }));
-        columns.push(number(format!("estimate.{name}"), &|d, m| {
+        columns.push(cells.number(format!("truth.{name}"), |d, _| named(&d.truth, &name)));
+        columns.push(cells.number(format!("estimate.{name}"), |d, m| {
             estimated(d, m, &name).map(|n| n[0])
         }));
-        columns.push(number(format!("sigma.{name}"), &|d, m| {
+        columns.push(cells.number(format!("sigma.{name}"), |d, m| {
             estimated(d, m, &name).map(|n| n[1])
         }));
-        columns.push(number(format!("z.{name}"), &|d, m| {
+        columns.push(cells.number(format!("z.{name}"), |d, m| {
             estimated(d, m, &name).map(|n| n[2])
         }));
     }
