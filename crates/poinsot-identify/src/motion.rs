@@ -43,7 +43,7 @@ use poinsot_spatial::{
 use std::borrow::Cow;
 use std::sync::Arc;
 use variation::Variation;
-use vehicle::{Thrust, thrust_by_interval};
+use vehicle::{Thrust, ThrustPlan};
 
 /// A column of the state's sensitivity.
 pub(crate) type Column = SVector<f64, 12>;
@@ -113,6 +113,10 @@ struct Spare {
     #[expect(clippy::vec_box, reason = "the boxes are what is kept")]
     boxes: Vec<Box<EvaluatedState>>,
     variations: Vec<Arc<Variation>>,
+    drives: Vec<Vec<Vector6>>,
+    forces: Vec<Force>,
+    chord: Chord,
+    column_chord: ColumnChord,
 }
 
 impl Spare {
@@ -133,6 +137,13 @@ impl Spare {
             }
             None => Box::new(evaluated),
         }
+    }
+
+    /// An empty list.
+    fn drive(&mut self) -> Vec<Vector6> {
+        let mut drive = self.drives.pop().unwrap_or_default();
+        drive.clear();
+        drive
     }
 
     /// One without another owner.
@@ -164,7 +175,7 @@ pub(crate) struct Motion<'a> {
     observations: &'a Observations,
     firings: &'a [Firing],
     /// Thrust in the interval after each grid time.
-    thrust: Vec<Vec<Thrust>>,
+    thrust: ThrustPlan,
     /// Displacement of each joint coordinate at grid time k over its play: row k; empty where no play is an unknown.
     play: Vec<f64>,
     /// Impulse of each thruster up to grid time k: row k; empty where no mass is lost.
@@ -255,7 +266,7 @@ impl<'a> Motion<'a> {
     ) -> Self {
         let tree = vehicle.tree;
         let o = &segment.observations;
-        let thrust = thrust_by_interval(segment);
+        let thrust = ThrustPlan::new(segment);
         let grid = match vehicle.steps.grid {
             Some(grid) => Cow::Borrowed(grid.steps.as_slice()),
             None => Cow::Owned(Grid::new(vehicle, o).steps),
@@ -480,8 +491,7 @@ impl<'a> Motion<'a> {
 
     /// Those that fire in the interval after grid time k.
     fn thrust_now(&self, instant: &Instant, k: usize) -> impl Iterator<Item = Force> {
-        let thrust = self.thrust.get(k).map_or(&[][..], Vec::as_slice);
-        self.forces(thrust, &instant.centre)
+        self.forces(self.thrust.at(k), &instant.centre)
     }
 
     /// Change of the base twist per unit of a wheel's speed at the instant given: `-H^-1 [0; Js a]`.

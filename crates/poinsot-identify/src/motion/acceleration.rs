@@ -111,7 +111,9 @@ impl Motion<'_> {
     /// Whether a thruster fires up to grid time k and the record ends there: its continuation is unknown.
     pub fn thrust_after_unknown(&self, k: usize) -> bool {
         let ends = k + 1 == self.observations.time_s.len();
-        ends && k.checked_sub(1).is_some_and(|b| !self.thrust[b].is_empty())
+        ends && k
+            .checked_sub(1)
+            .is_some_and(|b| !self.thrust.at(b).is_empty())
     }
 
     fn second_order_inputs(&self, k: usize) -> Inputs {
@@ -141,7 +143,7 @@ impl Motion<'_> {
                     }
                 })
                 .collect(),
-            thrust: self.thrust[k].clone(),
+            thrust: self.thrust.at(k).to_vec(),
         }
     }
 

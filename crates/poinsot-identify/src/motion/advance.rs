@@ -56,7 +56,9 @@ impl Motion<'_> {
         }
         let of_grid = self.grid.get(k).copied().unwrap_or(1);
         let steps = of_grid as usize * self.vehicle.steps.factor as usize;
-        self.chord = None;
+        if let Some(chord) = self.chord.take() {
+            self.spare.chord = chord;
+        }
         self.column_chord = None;
         if self.vehicle.steps.bends {
             self.find_chord(k, steps)?;
@@ -64,9 +66,11 @@ impl Motion<'_> {
         }
         let end = self.follow(k, steps)?;
         if let Some(chord) = self.column_chord.take() {
-            self.close_columns(&chord)?;
+            self.close_columns(chord)?;
         }
-        self.chord = None;
+        if let Some(chord) = self.chord.take() {
+            self.spare.chord = chord;
+        }
         Some(end)
     }
 
@@ -135,6 +139,8 @@ impl Motion<'_> {
                     along.carry(&mut chord.columns[j], drive, dt);
                 }
             }
+            let pushes = along.push.into_iter().flatten();
+            self.spare.drives.extend(pushes.map(|push| push.drive));
             self.spare.variations.push(variation);
             self.evaluated = Some(evaluated);
         }

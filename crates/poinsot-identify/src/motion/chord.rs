@@ -18,7 +18,7 @@
 use super::variation::Variation;
 use super::{Column, EvaluatedState, Motion, State, along};
 use crate::problem::parameters::UnknownKind;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 use poinsot_spatial::Vector3;
 use std::sync::Arc;
 
@@ -29,7 +29,7 @@ const PASSES: usize = 4;
 
 /// Deviation of each wheel's axial momentum per spin inertia from its speed, `a . w_host`, at both ends of an interval,
 /// rad/s.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Chord {
     from: Vec<f64>,
     to: Vec<f64>,
@@ -42,12 +42,18 @@ impl Chord {
     }
 }
 
-/// Wheel axes in B, and the rates of the columns about them, at the start of an interval.
+/// Rates of the columns about the wheel axes at the start of an interval.
+#[derive(Default)]
 pub(super) struct ColumnChord {
     /// One row per column, one entry per wheel.
-    from: Vec<Vec<f64>>,
+    from: Vec<f64>,
     /// Columns driven with `1 - s`, then with `s`, of every wheel.
     pub columns: Vec<Column>,
+    axes: WheelAxes,
+    /// What the ends of the columns do to themselves; then its inverse.
+    own: DMatrix<f64>,
+    rates: Vec<f64>,
+    to: Vec<f64>,
 }
 
 impl ColumnChord {
@@ -66,7 +72,8 @@ impl Motion<'_> {
     pub(super) fn find_chord(&mut self, k: usize, steps: usize) -> Option<()> {
         let start = self.evaluated.take()?;
         let columns = std::mem::take(&mut self.columns);
-        let from = self.along_axes(&start.instant.twist.w);
+        let mut chord = std::mem::take(&mut self.spare.chord);
+        self.along_axes(&start.instant.twist.w, &mut chord.from);
         let gain = self.axes().zip(&self.vehicle.spin).map(|(a, spin)| {
             let turn = along(&start.instant.inverse_inertia, &a);
             (spin * a.dot(&turn)).abs()
@@ -83,11 +90,13 @@ impl Motion<'_> {
             });
             self.follow(k, steps)?;
             let w = self.evaluated.as_ref()?.instant.twist.w;
-            let to = self.along_axes(&w);
-            self.chord = Some(Chord {
-                from: from.clone(),
-                to,
-            });
+            // Of the pass before.
+            let mut now = self
+                .chord
+                .take()
+                .unwrap_or_else(|| std::mem::take(&mut chord));
+            self.along_axes(&w, &mut now.to);
+            self.chord = Some(now);
             error *= gain;
             if error <= CLOSE {
                 break;
@@ -102,50 +111,73 @@ impl Motion<'_> {
     /// The sensitivities at the start of an interval whose chord is known.
     pub(super) fn open_columns(&mut self) -> Option<ColumnChord> {
         let variation = Arc::clone(self.evaluated.as_ref()?.variation.as_ref()?);
-        let turns = self.turns()?;
-        let columns = self.columns.iter().enumerate();
-        let turned = columns.map(|(j, column)| {
+        let mut chord = std::mem::take(&mut self.spare.column_chord);
+        self.turns(&mut chord.axes)?;
+        let wheels = chord.axes.axes.len();
+        chord.columns.clear();
+        chord.columns.resize(2 * wheels, Column::zeros());
+        chord.from.clear();
+        for (j, column) in self.columns.iter().enumerate() {
             let unknown = j.checked_sub(self.initial_columns);
-            turns.of(&variation, column, unknown)
-        });
-        Some(ColumnChord {
-            from: turned.collect(),
-            columns: vec![Column::zeros(); 2 * turns.axes.len()],
-        })
+            chord
+                .axes
+                .rates(&variation, column, unknown, &mut chord.rates);
+            chord.from.extend_from_slice(&chord.rates);
+        }
+        Some(chord)
     }
 
     /// Adds to every column at the end of the interval what the two ends of the chord do to it.
-    pub(super) fn close_columns(&mut self, chord: &ColumnChord) -> Option<()> {
+    pub(super) fn close_columns(&mut self, mut chord: ColumnChord) -> Option<()> {
         let variation = Arc::clone(self.evaluated.as_ref()?.variation.as_ref()?);
-        let turns = self.turns()?;
-        let wheels = turns.axes.len();
+        self.turns(&mut chord.axes)?;
+        let (axes, rates, to) = (&chord.axes, &mut chord.rates, &mut chord.to);
+        let wheels = axes.axes.len();
         let (first, last) = chord.columns.split_at(wheels);
-        let own: Vec<Vec<f64>> = last.iter().map(|x| turns.of(&variation, x, None)).collect();
-        let one = DMatrix::from_fn(wheels, wheels, |i, j| {
-            f64::from(u8::from(i == j)) - own[j][i]
-        });
-        let solver = one.lu();
-        for (j, (column, from)) in self.columns.iter_mut().zip(&chord.from).enumerate() {
+        if chord.own.nrows() != wheels {
+            chord.own = DMatrix::zeros(wheels, wheels);
+        }
+        for (j, x) in last.iter().enumerate() {
+            axes.rates(&variation, x, None, rates);
+            for (i, rate) in rates.iter().enumerate() {
+                chord.own[(i, j)] = f64::from(u8::from(i == j)) - rate;
+            }
+        }
+        if !chord.own.try_inverse_mut() {
+            return None;
+        }
+        let all = self.columns.iter_mut().zip(chord.from.chunks_exact(wheels));
+        for (j, (column, from)) in all.enumerate() {
             for (x, share) in first.iter().zip(from) {
                 *column += x * *share;
             }
-            let to = turns.of(&variation, column, j.checked_sub(self.initial_columns));
-            let to = solver.solve(&DVector::from_vec(to))?;
+            axes.rates(
+                &variation,
+                column,
+                j.checked_sub(self.initial_columns),
+                rates,
+            );
+            to.clear();
+            to.extend(chord.own.row_iter().map(|row| {
+                let parts = row.iter().zip(rates.iter());
+                parts.map(|(a, b)| a * b).sum::<f64>()
+            }));
             for (x, share) in last.iter().zip(to.iter()) {
                 *column += x * *share;
             }
         }
+        self.spare.column_chord = chord;
         Some(())
     }
 
-    /// Rates of the columns about the wheel axes at the evaluated state.
-    fn turns(&mut self) -> Option<WheelAxes> {
+    /// The wheel axes at the evaluated state.
+    fn turns(&mut self, axes: &mut WheelAxes) -> Option<()> {
         let w = self.evaluated.as_ref()?.instant.twist.w;
-        self.along_axes(&w);
-        Some(WheelAxes {
-            changes: self.axial_changes(),
-            axes: self.axes().collect(),
-        })
+        self.host_rates(&w);
+        axes.changes = self.axial_changes();
+        axes.axes.clear();
+        axes.axes.extend(self.axes());
+        Some(())
     }
 
     /// Effect of unknowns on `a . w_host` at the current velocities and a fixed base rate: tilts of the axis, and
@@ -192,16 +224,22 @@ impl Motion<'_> {
         rotors.map(move |rotor| R[rotor.body] * rotor.axis_B)
     }
 
-    /// `a . w_host` of every wheel at a rate of the base, rad/s.
-    fn along_axes(&mut self, w: &Vector3) -> Vec<f64> {
+    /// Velocities of the bodies at a rate of the base.
+    fn host_rates(&mut self, w: &Vector3) {
         let (tree, input_state) = (self.vehicle.tree, &mut self.input_state);
         let still = Vector3::zeros();
         input_state
             .kinematics
             .set_velocities(tree, &still, w, &input_state.rates);
+    }
+
+    /// `a . w_host` of every wheel at a rate of the base, rad/s.
+    fn along_axes(&mut self, w: &Vector3, out: &mut Vec<f64>) {
+        self.host_rates(w);
         let host = &self.input_state.kinematics.w;
-        let rotors = tree.rotors.iter().zip(self.axes());
-        rotors.map(|(rotor, a)| a.dot(&host[rotor.body])).collect()
+        let rotors = self.vehicle.tree.rotors.iter().zip(self.axes());
+        out.clear();
+        out.extend(rotors.map(|(rotor, a)| a.dot(&host[rotor.body])));
     }
 
     /// Steps through an interval from the point that is ready.
@@ -226,6 +264,7 @@ pub(super) struct AxialChange {
 }
 
 /// Axes of the wheels in B at one time.
+#[derive(Default)]
 struct WheelAxes {
     axes: Vec<Vector3>,
     changes: Vec<AxialChange>,
@@ -233,13 +272,19 @@ struct WheelAxes {
 
 impl WheelAxes {
     /// Change of `a . w_host` of every wheel with a column, wheel speeds held.
-    fn of(&self, variation: &Variation, column: &Column, unknown: Option<usize>) -> Vec<f64> {
+    fn rates(
+        &self,
+        variation: &Variation,
+        column: &Column,
+        unknown: Option<usize>,
+        out: &mut Vec<f64>,
+    ) {
         let twist = variation.twist(column, unknown);
         let dw: Vector3 = twist.fixed_rows::<3>(3).into();
-        let mut all: Vec<f64> = self.axes.iter().map(|a| a.dot(&dw)).collect();
+        out.clear();
+        out.extend(self.axes.iter().map(|a| a.dot(&dw)));
         for own in self.changes.iter().filter(|c| unknown == Some(c.unknown)) {
-            all[own.wheel] += own.turn;
+            out[own.wheel] += own.turn;
         }
-        all
     }
 }

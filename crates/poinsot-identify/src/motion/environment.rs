@@ -54,7 +54,7 @@ impl Motion<'_> {
 
     /// Whether an external force or torque acts in the interval after grid time k.
     pub(super) fn has_external_wrench(&self, k: usize) -> bool {
-        self.thrust.get(k).is_some_and(|t| !t.is_empty()) || self.in_environment()
+        !self.thrust.at(k).is_empty() || self.in_environment()
     }
 
     /// Whether an external torque acts.
@@ -199,7 +199,7 @@ impl Motion<'_> {
         for (unknown, thrusters, lag) in late {
             let mut jump = (Vector3::zeros(), Vector3::zeros());
             for (interval, sign) in [(before, 1.0), (k, -1.0)] {
-                for thrust in &self.thrust[interval] {
+                for thrust in self.thrust.at(interval) {
                     if thrusters.contains(&thrust.thruster) {
                         let (F, arm) = super::inputs::thruster_at(
                             self.vehicle,

@@ -162,7 +162,7 @@ impl Motion<'_> {
         instant: &Instant,
         k: usize,
     ) -> Vec<OutsideChange> {
-        let calm = self.thrust[k].is_empty() && self.vehicle.gm.is_none();
+        let calm = self.thrust.at(k).is_empty() && self.vehicle.gm.is_none();
         if calm {
             return Vec::new();
         }

@@ -5,7 +5,7 @@
 //! The mass properties of an answer are those at the start of the first record. What the records before have used is gone at the start
 //! of a later one.
 
-use super::vehicle::{Thrust, Vehicle};
+use super::vehicle::{Thrust, ThrustPlan, Vehicle};
 use super::{Instant, Motion};
 use crate::problem::parameters::UnknownKind;
 use crate::problem::segment::{Observations, Segment};
@@ -29,7 +29,7 @@ pub(crate) fn impulse_before(segments: &[Segment], own: &Segment, thrusters: usi
 }
 
 /// Impulse of every thruster up to each grid time, N s, one row each; empty where no mass is lost.
-pub(super) fn impulses(vehicle: &Vehicle, thrust: &[Vec<Thrust>], o: &Observations) -> Vec<f64> {
+pub(super) fn impulses(vehicle: &Vehicle, thrust: &ThrustPlan, o: &Observations) -> Vec<f64> {
     if !vehicle.loses_mass() {
         return Vec::new();
     }
@@ -37,8 +37,8 @@ pub(super) fn impulses(vehicle: &Vehicle, thrust: &[Vec<Thrust>], o: &Observatio
     let mut now = vehicle.impulse_before.clone();
     now.resize(thrusters, 0.0);
     let mut all = now.clone();
-    for (thrust, t) in thrust.iter().zip(o.time_s.windows(2)) {
-        for one in thrust {
+    for (k, t) in o.time_s.windows(2).enumerate() {
+        for one in thrust.at(k) {
             now[one.thruster] += one.force * (t[1] - t[0]);
         }
         all.extend_from_slice(&now);
@@ -163,8 +163,7 @@ impl Motion<'_> {
 
     /// Thrust now with what its propellant takes along.
     fn flows(&self, k: usize) -> impl Iterator<Item = (f64, Part)> {
-        let thrust = self.thrust.get(k).map_or(&[][..], Vec::as_slice);
-        thrust.iter().filter_map(|now| {
+        self.thrust.at(k).iter().filter_map(|now| {
             let propellant: &Propellant = self.vehicle.propellant.get(now.thruster)?.as_ref()?;
             let part = Part {
                 body: self.vehicle.thrusters[now.thruster].body,
@@ -225,8 +224,8 @@ impl Motion<'_> {
         }
         if let Some(part) = self.vehicle.lost(unknown) {
             let out = self.leaves(&part, instant);
-            let thrust = self.thrust.get(k).map_or(&[][..], Vec::as_slice);
-            let force: f64 = thrust.iter().map(|now| self.used_by(unknown, now)).sum();
+            let thrust = self.thrust.at(k).iter();
+            let force: f64 = thrust.map(|now| self.used_by(unknown, now)).sum();
             sum.0 += out.l_B * force;
             sum.1 += out.h_Scm_B * force;
         }

@@ -7,7 +7,7 @@
 //! for the column `x = [dphi_B, dp_N, dP_N, dh_N]` of unknown u. `A` and `b` are those of the pose by way of the twist,
 //! and those of the momentum if an external force or torque acts.
 
-use super::{Column, Force, Instant, MassCentre, Motion, State, matrix};
+use super::{Column, Instant, MassCentre, Motion, State, matrix};
 use crate::problem::parameters::UnknownKind;
 use nalgebra::SMatrix;
 use poinsot_dynamics::{momentum_regressor, wheel_regressor};
@@ -54,7 +54,7 @@ pub(super) struct MomentumVariation {
     /// `None` without a torque that rotates with the vehicle: unknown torques that are zero.
     momentum: Option<JacobianRows>,
     /// The lower half of `b`, per unknown.
-    drive: Vec<Vector6>,
+    pub(super) drive: Vec<Vector6>,
 }
 
 /// Six rows of `A`: no position enters.
@@ -362,7 +362,10 @@ impl Motion<'_> {
             return None;
         }
         let outside = self.outside_changes(state, instant, k);
-        let forces: Vec<Force> = self.thrust_now(instant, k).collect();
+        let mut forces = std::mem::take(&mut self.spare.forces);
+        forces.clear();
+        forces.extend(self.thrust_now(instant, k));
+        let mut drives = self.spare.drive();
         let (centre, w) = (&instant.centre, &instant.twist.w);
         let (R, still) = (matrix(&state.R_NB), Vector3::zeros());
         let drive = |(u, twist): (usize, &Vector6)| {
@@ -394,8 +397,10 @@ impl Motion<'_> {
             }
             Vector6::new(dP.x, dP.y, dP.z, dh.x, dh.y, dh.z)
         };
+        drives.extend(variation.twists.iter().enumerate().map(drive));
+        self.spare.forces = forces;
         Some(MomentumVariation {
-            drive: variation.twists.iter().enumerate().map(drive).collect(),
+            drive: drives,
             momentum: acts
                 .then(|| JacobianRows::new(&self.wrench_slopes(state, instant, &variation.map, k))),
         })

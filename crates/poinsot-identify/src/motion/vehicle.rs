@@ -111,31 +111,12 @@ impl<'a> Vehicle<'a> {
             wheels_smooth: false,
             steps: Steps::default(),
             noisy_joints: Vec::new(),
-            input_faults: parameters
-                .unknowns
-                .iter()
-                .zip(x)
-                .enumerate()
-                .filter(|(_, (u, _))| u.kind.shifts_inputs())
-                .map(|(unknown, (_, value))| InputFault {
-                    unknown,
-                    value: *value,
-                })
-                .collect(),
+            input_faults: input_faults(parameters, x),
             joint_motions,
             virtual_joints,
             curves: None,
             tilt_slopes: tilt_slopes(parameters, x),
-            late_thrusters: parameters
-                .unknowns
-                .iter()
-                .zip(x)
-                .enumerate()
-                .filter_map(|(unknown, (u, value))| match &u.kind {
-                    UnknownKind::ThrusterLag(list) => Some((unknown, list.clone(), *value)),
-                    _ => None,
-                })
-                .collect(),
+            late_thrusters: late_thrusters(parameters, x),
             gm: parameters.gm,
             propellant: thrusters
                 .iter()
@@ -187,6 +168,25 @@ impl<'a> Vehicle<'a> {
         }
         change
     }
+}
+
+fn input_faults(parameters: &Parameters, x: &[f64]) -> Vec<InputFault> {
+    let all = parameters.unknowns.iter().zip(x).enumerate();
+    all.filter(|(_, (u, _))| u.kind.shifts_inputs())
+        .map(|(unknown, (_, value))| InputFault {
+            unknown,
+            value: *value,
+        })
+        .collect()
+}
+
+fn late_thrusters(parameters: &Parameters, x: &[f64]) -> Vec<(usize, Vec<usize>, f64)> {
+    let all = parameters.unknowns.iter().zip(x).enumerate();
+    all.filter_map(|(unknown, (u, value))| match &u.kind {
+        UnknownKind::ThrusterLag(list) => Some((unknown, list.clone(), *value)),
+        _ => None,
+    })
+    .collect()
 }
 
 /// The tree with its wheels' axes tilted as the unknowns say: `a = (a0 + sum t_i e_i x a0)`, made a unit vector.
@@ -270,25 +270,45 @@ pub(crate) struct Thrust {
     pub firing: usize,
 }
 
-/// Thrusters that fire in the interval after each grid time (the grid holds all edges of firings).
-pub(crate) fn thrust_by_interval(segment: &Segment) -> Vec<Vec<Thrust>> {
-    let t = &segment.observations.time_s;
-    let mut running = Running::new(&segment.firings);
-    (0..t.len())
-        .map(|k| {
-            let Some(end) = t.get(k + 1) else {
-                return Vec::new();
-            };
-            let middle = 0.5 * (t[k] + end);
-            let firings = running.between(middle, middle);
+/// Thrusters that fire in the interval after each grid time, one list behind the other.
+pub(crate) struct ThrustPlan {
+    all: Vec<Thrust>,
+    /// Where the list of each interval ends.
+    ends: Vec<usize>,
+}
+
+impl ThrustPlan {
+    /// The grid holds all edges of firings.
+    pub fn new(segment: &Segment) -> Self {
+        let t = &segment.observations.time_s;
+        let mut running = Running::new(&segment.firings);
+        let mut plan = Self {
+            all: Vec::new(),
+            ends: Vec::with_capacity(t.len()),
+        };
+        for ends in t.windows(2) {
+            let middle = 0.5 * (ends[0] + ends[1]);
             let thrust = |(firing, f): &(usize, &Firing)| Thrust {
                 thruster: f.thruster,
                 force: f.force,
                 firing: *firing,
             };
-            firings.iter().map(thrust).collect()
-        })
-        .collect()
+            let now = running.between(middle, middle);
+            plan.all.extend(now.iter().map(thrust));
+            plan.ends.push(plan.all.len());
+        }
+        plan
+    }
+
+    /// Those in the interval after grid time k; none after the last.
+    pub fn at(&self, k: usize) -> &[Thrust] {
+        let end = self.ends.get(k).copied().unwrap_or(self.all.len());
+        let start = match k.checked_sub(1) {
+            Some(before) => self.ends.get(before).copied().unwrap_or(self.all.len()),
+            None => 0,
+        };
+        self.all.get(start..end).unwrap_or(&[])
+    }
 }
 
 /// Firings with their indices, over intervals that follow each other: sorted once, each is begun and ended once.
