@@ -523,20 +523,22 @@ fn not_acceptable(estimate: &mut Estimate, share: f64, of: &str) {
 
 /// Only maximum likelihood supports the gravity gradient and bodies that lose mass.
 fn refuse_unsupported(model: &Model, question: &Question) -> Result<(), Error> {
+    if matches!(question.method.as_str(), "auto" | "maximum_likelihood") {
+        return Ok(());
+    }
     let loses_mass = model.thrusters.iter().any(|t| t.propellant.is_some());
-    let [what, where_it_is] = match () {
-        () if matches!(question.method.as_str(), "auto" | "maximum_likelihood") => return Ok(()),
-        () if model.environment.gravity_gradient => {
-            ["a gravity gradient", "it out of [environment]"]
-        }
-        () if loses_mass => ["propellant use", "specific_impulse_s out of the thrusters"],
-        () => return Ok(()),
+    let [what, place] = if model.environment.gravity_gradient {
+        ["a gravity gradient", "it out of [environment]"]
+    } else if loses_mass {
+        ["propellant use", "specific_impulse_s out of the thrusters"]
+    } else {
+        return Ok(());
     };
     Err(Error::Usage {
         option: "--method",
         value: question.method.clone(),
         why: format!(
-            "the model has {what}, which this method does not support; use maximum_likelihood, or take {where_it_is}"
+            "the model has {what}, which this method does not support; use maximum_likelihood, or take {place}"
         ),
     })
 }
