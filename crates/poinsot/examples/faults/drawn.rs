@@ -2,7 +2,7 @@
 //!
 //! The smallest size detectable at five sigma leaves a chi-square of 25 in a fit to samples without noise. This is the
 //! squared effect of the fault on the predictions, projected clear of all fitted numbers. A trial draws its size
-//! between once and ten times that.
+//! between once and ten times that, each as likely.
 
 use super::planted::{Said, diagnosed};
 use nalgebra::{Quaternion, UnitQuaternion};
@@ -12,9 +12,9 @@ use poinsot::case::{parse_case, read_case};
 use poinsot::trials::Study;
 use poinsot_dynamics::Tree;
 use poinsot_identify::{FaultKind, Problem, maximum_likelihood};
-use poinsot_model::{Model, Orbit, read_model};
+use poinsot_model::{Model, Orbit, Propellant, read_model};
 use poinsot_spatial::Vector3;
-use poinsot_telemetry::Table;
+use poinsot_telemetry::{STANDARD_GRAVITY, Table};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -27,6 +27,8 @@ use std::sync::Arc;
 const NOTICEABLE: f64 = 25.0;
 /// Largest size, relative to the smallest detectable one.
 const LARGEST: f64 = 10.0;
+/// Share of a record before an attitude jumps.
+const JUMP: f64 = 0.46;
 /// Gravitational parameter of the Earth, m3/s2.
 const EARTH: f64 = 3.986_004_418e14;
 
@@ -168,7 +170,7 @@ pub fn tally(fault: &Fault, trials: u64) -> Result<Tally, Error> {
     let run = |trial: u64| -> Result<(f64, Vec<Said>, f64), Error> {
         let mut rng = ChaCha8Rng::seed_from_u64(0x000d_4a31);
         rng.set_stream(trial);
-        let factor = LARGEST.powf(rng.random::<f64>());
+        let factor = 1.0 + (LARGEST - 1.0) * rng.random::<f64>();
         let size = match fault.fixed || !noticeable.is_finite() {
             true => fault.size.0,
             false => noticeable * factor,
@@ -393,12 +395,14 @@ pub fn faults() -> Vec<Fault> {
         ("tracker misalignment", &[F::TrackerMisalignment], "attitude", (1.0e-4, "rad"), DRAWN, Exact(|t, e| turn(t, f64::NEG_INFINITY, turned(e)))),
         ("gyro bias drift", &[F::BiasDrift], "gyro", (1.0e-7, "rad/s2"), DRAWN, Exact(|t, e| each(t, "omega_y", |s, x| *x += e * s))),
         ("gyro scale", &[F::GyroScale], "gyro", (1.0e-4, "1"), DRAWN, Exact(|t, e| each(t, "omega_", |_, x| *x *= 1.0 + e))),
-        ("attitude jump", &[F::AttitudeJump], "attitude", (1.0e-5, "rad"), DRAWN, Exact(|t, e| turn(t, 37.0, turned(e)))),
+        ("attitude jump", &[F::AttitudeJump], "attitude", (1.0e-5, "rad"), DRAWN, Exact(|t, e| turn(t, halfway(t), turned(e)))),
         ("time jitter 20 %", &[F::TimeJitter], "gyro", (0.2, "of an interval"), FIXED, Read(jitter)),
         ("rounded gyro", &[F::Quantisation], "gyro", (3.0e-4, "rad/s"), FIXED, Read(|t, e, _| each(t, "omega_", |_, x| *x = (*x / e).round() * e))),
     ];
     #[rustfmt::skip]
-    let some: [(Row, Craft); 10] = [
+    let some: [(Row, Craft); 12] = [
+        (("early attitude jump", &[F::AttitudeJump], "attitude", (1.0e-5, "rad"), DRAWN, Exact(|t, e| turn(t, 37.0, turned(e)))), LowOrbit),
+        (("propellant use", &[F::PropellantUse], "bus", (1.0e-4, "kg/(N s)"), DRAWN, Vehicle(propellant)), Satellite),
         (("joined record", &[F::JoinedRecord], "", (1.0e-5, "rad/s"), DRAWN, Joined), Satellite),
         (("joined record", &[F::JoinedRecord], "", (1.0e-5, "rad/s"), DRAWN, Joined), Arm),
         (("tide", &[F::Tide], "", (1.0e-6, "1/s2"), DRAWN, Exact(tide)), Satellite),
@@ -430,6 +434,23 @@ fn tilt(m: &mut Model, angle: f64) {
     let a = m.wheels[1].axis_B;
     let across = Vector3::new(0.8, 0.1, 0.6).cross(&a).normalize();
     m.wheels[1].axis_B = (a + across * angle).normalize();
+}
+
+/// Mass that the thrusters use per impulse, from a tank beside the mass centre.
+fn propellant(m: &mut Model, used: f64) {
+    for thruster in &mut m.thrusters {
+        let c = m.bodies[thruster.body].nominal.p_BoBcm_B;
+        thruster.propellant = Some(Propellant {
+            specific_impulse: 1.0 / (STANDARD_GRAVITY * used),
+            p_BoF_B: c + Vector3::new(0.1, -0.2, 0.05),
+        });
+    }
+}
+
+/// Somewhat before half of a record, s.
+fn halfway(table: &Table) -> f64 {
+    let ends = table.channels.iter().filter_map(|c| c.time_s.last());
+    JUMP * ends.copied().fold(0.0, f64::max)
 }
 
 fn spin(m: &mut Model, share: f64) {

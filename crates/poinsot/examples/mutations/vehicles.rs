@@ -6,11 +6,20 @@ use poinsot::simulate::SimulateError;
 use poinsot::trials::Study;
 use poinsot_model::{Origin, read_model};
 use poinsot_spatial::Vector3;
+use poinsot_telemetry::Table;
 use std::path::Path;
 
 pub struct Vehicle {
     pub name: &'static str,
     pub study: Study,
+}
+
+impl Vehicle {
+    /// Times of all records.
+    pub fn rows(&self) -> usize {
+        let of_table = |table: &Table| table.channels.iter().map(|c| c.values.len()).max();
+        self.study.exact.iter().filter_map(of_table).sum()
+    }
 }
 
 /// Name and case of each.
