@@ -55,12 +55,20 @@ pub trait LeastSquares {
         damping: f64,
     ) -> Step<Self::Iterate>;
 
-    /// Whether to continue if, at the observed convergence rate, the full step would still reduce the cost by
-    /// `forecast` in the last allowed iteration.
-    fn should_continue(&self, here: &Linearised<Self::Rows>, forecast: f64) -> bool {
-        let _ = (here, forecast);
+    /// Whether to continue at this pace.
+    fn should_continue(&self, here: &Linearised<Self::Rows>, pace: Pace) -> bool {
+        let _ = (here, pace);
         true
     }
+}
+
+/// Convergence over the last iterations.
+#[derive(Debug, Clone, Copy)]
+pub struct Pace {
+    /// Mean reduction of the cost by an iteration.
+    pub fell: f64,
+    /// Predicted reduction of the cost by the full step in the last allowed iteration.
+    pub left: f64,
 }
 
 /// A least-squares problem linearised at an iterate.
@@ -188,8 +196,8 @@ pub fn levenberg_marquardt<P: LeastSquares>(
         if leads_nowhere(&costs, &promises, here.slack) {
             break End::TooSlow;
         }
-        let forecast = forecast(&promises, limit - iterations);
-        if forecast.is_some_and(|left| !problem.should_continue(&here, left)) {
+        let pace = pace(&costs, &promises, limit - iterations);
+        if pace.is_some_and(|pace| !problem.should_continue(&here, pace)) {
             break End::TooSlow;
         }
 
@@ -220,11 +228,14 @@ fn leads_nowhere(costs: &[f64], promises: &[f64], slack: f64) -> bool {
     fell < slack && promises[from..].iter().all(|p| *p > slack)
 }
 
-/// Predicted reduction of the full step after `more` iterations at the current convergence rate; `None` after too few.
-fn forecast(promises: &[f64], more: usize) -> Option<f64> {
-    let before = promises.get(promises.len().checked_sub(1 + PACE)?)?;
-    let now = promises.last()?;
-    Some(now * (now / before).powf(more as f64 / PACE as f64))
+/// The current convergence, with `more` iterations left; `None` after too few.
+fn pace(costs: &[f64], promises: &[f64], more: usize) -> Option<Pace> {
+    let from = promises.len().checked_sub(1 + PACE)?;
+    let (before, now) = (promises[from], *promises.last()?);
+    Some(Pace {
+        fell: (costs[from] - costs.last()?) / PACE as f64,
+        left: now * (now / before).powf(more as f64 / PACE as f64),
+    })
 }
 
 /// Tries a step: returns the iterate, its linearisation, and the ratio of actual to predicted reduction. `None` if the
@@ -318,8 +329,8 @@ mod tests {
             here.predicted_reduction < SETTLED
         }
 
-        fn should_continue(&self, _: &Linearised<()>, forecast: f64) -> bool {
-            forecast < SETTLED
+        fn should_continue(&self, _: &Linearised<()>, pace: Pace) -> bool {
+            pace.left < SETTLED
         }
 
         fn step(&self, at: &f64, _: &Linearised<()>, _: f64) -> Step<f64> {

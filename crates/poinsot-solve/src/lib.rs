@@ -52,7 +52,9 @@ mod spectrum;
 
 pub use block_qr::{BlockQr, Triangle};
 pub use double_double::DoubleDouble;
-pub use levenberg_marquardt::{End, LeastSquares, Linearised, Minimum, Step, levenberg_marquardt};
+pub use levenberg_marquardt::{
+    End, LeastSquares, Linearised, Minimum, Pace, Step, levenberg_marquardt,
+};
 pub use minimax::{Minimax, MinimaxOptions, MinimaxSearch, Reached, Values, minimax};
 pub use polytope::{Polytope, Side};
 pub use refine::{Refined, refine, solve_triangle};

@@ -9,7 +9,7 @@ use crate::fit::triangle::{SharedTriangle, conditional_estimate};
 use crate::likelihood::Evaluated;
 use crate::problem::ProblemError;
 use nalgebra::UnitQuaternion;
-use poinsot_solve::{LeastSquares, Linearised, Spectrum, Step, Triangle};
+use poinsot_solve::{LeastSquares, Linearised, Pace, Spectrum, Step, Triangle};
 use poinsot_spatial::Vector3;
 
 /// Most iterations of a fit.
@@ -29,7 +29,7 @@ const ROUND_OFF: f64 = 1.0e-12;
 const COVARIANCE: f64 = 0.1;
 /// Decrease of chi-square beyond the limit that exceeds the barrier's own error: a five-hundredth of a sigma.
 const SIGNIFICANT_DECREASE: f64 = 4.0e-6;
-/// Relative predicted reduction below which a fit with a far too large chi-square stops.
+/// Relative reduction of chi-square by an iteration, predicted or real, below which a fit with a far too large one stops.
 const TOO_SLOW: f64 = 1.0e-3;
 /// Chi-square per row below which no other start is tried.
 const CLOSE_BELOW: f64 = 10.0;
@@ -122,9 +122,10 @@ impl LeastSquares for Experiment<'_> {
         here.predicted_reduction < limit
     }
 
-    fn should_continue(&self, here: &Linearised<Linearisation>, forecast: f64) -> bool {
-        let too_slow = !is_close(here) && here.predicted_reduction < TOO_SLOW * here.cost;
-        !too_slow || forecast < CONVERGED_BELOW
+    fn should_continue(&self, here: &Linearised<Linearisation>, pace: Pace) -> bool {
+        let gain = f64::min(here.predicted_reduction, pace.fell);
+        let too_slow = !is_close(here) && gain < TOO_SLOW * here.cost;
+        !too_slow || pace.left < CONVERGED_BELOW
     }
 
     fn step(&self, at: &Iterate, here: &Linearised<Linearisation>, damping: f64) -> Step<Iterate> {

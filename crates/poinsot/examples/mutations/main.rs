@@ -14,7 +14,7 @@ mod vehicles;
 use mutation::{Class, Mutation};
 use poinsot::{Identified, Question, identify_tables};
 use poinsot_model::Model;
-use poinsot_telemetry::Table;
+use poinsot_telemetry::{Table, check_conventions};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -97,9 +97,9 @@ fn trial(all: &[Vehicle], number: u64) -> Result<Trial, String> {
     let (mut tables, biases) = vehicle.study.draw(number);
     let model = mutation.apply(&mut tables, &mut rng);
     let truth = vehicle.study.true_numbers(&biases);
-    let answer = identify_tables(model, tables, &Question::default());
+    let answer = as_read(model, tables);
     let (confident, worst, listed, said) = match &answer {
-        Err(error) => (false, 0.0, false, error.to_string()),
+        Err(refused) => (false, 0.0, false, refused.clone()),
         Ok(found) => {
             let errors = poinsot::trials::judged(&found.estimate, &truth);
             let z = errors
@@ -136,6 +136,14 @@ fn trial(all: &[Vehicle], number: u64) -> Result<Trial, String> {
     })
 }
 
+/// The answer of `identify`, with the check of files on reading; or why it is refused.
+fn as_read(model: Model, tables: Vec<Table>) -> Result<Identified, String> {
+    for table in &tables {
+        check_conventions(table).map_err(|e| e.to_string())?;
+    }
+    identify_tables(model, tables, &Question::default()).map_err(|e| e.to_string())
+}
+
 /// Processor time of this thread, s; zero if unknown. Exact with one thread.
 fn processor_s() -> f64 {
     let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
@@ -168,7 +176,7 @@ fn class(mutation: &Mutation) -> Result<Class, String> {
     let mut tables: Vec<Table> = mutation.vehicle.study.exact.clone();
     let mut rng = ChaCha8Rng::seed_from_u64(SEED);
     let model = mutation.apply(&mut tables, &mut rng);
-    let Ok(found) = identify_tables(model, tables, &Question::default()) else {
+    let Ok(found) = as_read(model, tables) else {
         // It is refused on reading.
         return Ok(Class::Visible);
     };
