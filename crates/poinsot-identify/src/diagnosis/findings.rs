@@ -142,6 +142,8 @@ mod tests {
             decrease,
             explains: 0.0,
             values: vec![("environment.drag_x".to_owned(), 1.0e-3, "kg m2")],
+            numbers: 3,
+            times: 1,
             fault: FaultKind::Drag,
             tied: true,
         };

@@ -286,7 +286,9 @@ fn named(mistake: &GrossError, decrease: f64, excess: f64) -> Suspect {
         name: format!("{before} {owner}{after}"),
         decrease,
         explains: (decrease / excess).clamp(0.0, 1.0),
+        numbers: values.len(),
         values,
+        times: 1,
         fault: mistake.kind.fault,
         tied: false,
     }

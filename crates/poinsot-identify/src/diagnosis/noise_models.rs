@@ -65,13 +65,13 @@ fn scored(
             decrease,
             explains: 0.0,
             values,
+            numbers,
+            times: 1,
             fault,
             tied: false,
         },
         sigmas: Vec::new(),
         nominal: Vec::new(),
-        numbers,
-        trials: 1,
     }
 }
 

@@ -39,13 +39,13 @@ pub(super) fn found(name: String, fault: FaultKind, score: &Score, tried: usize)
             decrease: score.decrease,
             explains: 0.0,
             values: Vec::new(),
+            numbers: score.numbers,
+            times: tried,
             fault,
             tied: false,
         },
         sigmas: Vec::new(),
         nominal: Vec::new(),
-        numbers: score.numbers,
-        trials: tried,
     }
 }
 

@@ -131,8 +131,6 @@ fn scores(candidates: &[Candidate], projected: &Projected, mean_square: f64) -> 
             suspect: suspect(candidate, score.decrease, &values),
             sigmas: (0..values.len()).map(sigma).collect(),
             nominal: candidate.unknowns.iter().map(|u| u.nominal).collect(),
-            numbers: group.len(),
-            trials: 1,
         });
     }
     list
@@ -166,17 +164,14 @@ pub(super) struct Scored {
     /// From the score, with the observed size of the residual.
     pub sigmas: Vec<f64>,
     pub nominal: Vec<f64>,
-    /// How many numbers it has, and how many of its kind were tried.
-    pub numbers: usize,
-    pub trials: usize,
 }
 
 impl Scored {
     /// Evidence for the fault, in units of -2 ln L: how rarely chance lowers a residual of this scale as much with as many
     /// numbers, tried as often.
     fn evidence(&self, scale: f64) -> f64 {
-        let numbers = self.numbers.max(1) as f64;
-        let tried = self.trials.max(1) as f64;
+        let numbers = self.suspect.numbers.max(1) as f64;
+        let tried = self.suspect.times.max(1) as f64;
         -2.0 * (ln_chance(self.suspect.decrease / scale, numbers) + tried.ln())
     }
 
@@ -253,6 +248,8 @@ fn suspect(candidate: &Candidate, decrease: f64, values: &[f64]) -> Suspect {
             .zip(values)
             .map(|(u, v)| (u.name.clone(), *v, u.unit))
             .collect(),
+        numbers: candidate.unknowns.len(),
+        times: 1,
         fault: candidate.fault,
         tied: false,
     }
@@ -345,13 +342,13 @@ mod tests {
                 decrease,
                 explains: 0.0,
                 values: values.iter().map(|v| (String::new(), *v, "")).collect(),
+                numbers: values.len(),
+                times: 1,
                 fault,
                 tied: false,
             },
             sigmas: vec![0.1; values.len()],
             nominal: vec![1.0; values.len()],
-            numbers: values.len(),
-            trials: 1,
         }
     }
 

@@ -121,6 +121,10 @@ pub struct Suspect {
     pub explains: f64,
     /// Name, value, unit of its numbers.
     pub values: Vec<(String, f64, &'static str)>,
+    /// How many numbers it has.
+    pub numbers: usize,
+    /// How many starts within the record were tried.
+    pub times: usize,
     /// Meaning.
     pub fault: FaultKind,
     /// Whether the data cannot tell it from the first suspect.

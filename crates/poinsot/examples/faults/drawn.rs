@@ -1,8 +1,9 @@
 //! Faults of random size on three vehicles: whether each is detected and named correctly.
 //!
-//! The smallest size detectable at five sigma leaves a chi-square of 25 in a fit to samples without noise. This is the
-//! squared effect of the fault on the predictions, projected clear of all fitted numbers. A trial draws its size
-//! between once and ten times that, each as likely.
+//! The chi-square that a fault leaves in a fit to samples without noise is its squared effect on the predictions,
+//! projected clear of all fitted numbers. The smallest size detectable at five sigma reaches the chance of five sigma in
+//! half of the records, with the numbers of its hypothesis and the times at which it is tried: 25 for one number. A
+//! trial draws its size between once and ten times that, each as likely.
 
 use super::planted::{Said, diagnosed};
 use nalgebra::{Quaternion, UnitQuaternion};
@@ -11,20 +12,23 @@ use poinsot::bind::bind;
 use poinsot::case::{parse_case, read_case};
 use poinsot::trials::Study;
 use poinsot_dynamics::Tree;
-use poinsot_identify::{FaultKind, Problem, maximum_likelihood};
+use poinsot_identify::{Diagnostics, FaultKind, Problem, Suspect, maximum_likelihood};
 use poinsot_model::{Model, Orbit, Propellant, read_model};
 use poinsot_spatial::Vector3;
 use poinsot_telemetry::{STANDARD_GRAVITY, Table};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
+use statrs::distribution::{ChiSquared, ContinuousCDF};
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Chi-square of a fault detectable at five sigma.
-const NOTICEABLE: f64 = 25.0;
+/// Chance of a deviation of five sigma, to either side.
+const FIVE_SIGMA: f64 = 5.733e-7;
+/// Chi-square from which the numbers of a hypothesis are sure to be printed.
+const PLAIN: f64 = 400.0;
 /// Largest size, relative to the smallest detectable one.
 const LARGEST: f64 = 10.0;
 /// Share of a record before an attitude jumps.
@@ -221,24 +225,39 @@ pub fn tally(fault: &Fault, trials: u64) -> Result<Tally, Error> {
     Ok(out)
 }
 
-/// The size that leaves a chi-square of 25 in samples without noise.
+/// The smallest size detectable at five sigma.
 fn noticeable(fault: &Fault) -> Result<f64, Error> {
     let (small, _) = fault.size;
     if matches!(fault.way, Way::Read(_)) || fault.names.is_empty() {
         return Ok(f64::NAN);
     }
-    let study = study_at(fault, small)?;
-    let tree = Tree::new(&study.model);
-    let bound = bind(&study.model, &tree, &study.exact)?;
-    let estimate = maximum_likelihood(&Problem {
-        model: &study.model,
-        tree: &tree,
-        segments: &bound.segments,
-        noise: &bound.noise,
-        relative_accuracy: 1.0,
-    })?;
-    let chi2 = estimate.diagnostics.map_or(f64::NAN, |d| d.chi2);
-    Ok(small * (NOTICEABLE / chi2).sqrt())
+    let left = |size: f64| -> Result<Diagnostics, Error> {
+        let study = study_at(fault, size)?;
+        let tree = Tree::new(&study.model);
+        let bound = bind(&study.model, &tree, &study.exact)?;
+        let estimate = maximum_likelihood(&Problem {
+            model: &study.model,
+            tree: &tree,
+            segments: &bound.segments,
+            noise: &bound.noise,
+            relative_accuracy: 1.0,
+        })?;
+        Ok(estimate.diagnostics.unwrap_or_default())
+    };
+    let chi2 = left(small)?.chi2;
+    let plain = left(small * (PLAIN / chi2).sqrt())?;
+    let is = |s: &&Suspect| fault.names.contains(&s.fault) && s.name.contains(fault.culprit);
+    let own = plain.suspects.iter().find(is);
+    let (numbers, times) = own.map_or((1, 1), |s| (s.numbers, s.times));
+    Ok(small * (detectable(numbers, times) / chi2).sqrt())
+}
+
+/// Chi-square without noise of a fault that reaches the chance of five sigma in half of the records.
+fn detectable(numbers: usize, times: usize) -> f64 {
+    let numbers = numbers as f64;
+    let chi2 = ChiSquared::new(numbers).map(|c| c.inverse_cdf(1.0 - FIVE_SIGMA / times as f64));
+    // Noise adds the degrees of freedom less one to the median, nearly.
+    chi2.map_or(f64::NAN, |chi2| chi2 - (numbers - 1.0))
 }
 
 /// The experiment with a fault of this size in the vehicle or in the ideal measurements.
