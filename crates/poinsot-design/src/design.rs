@@ -5,7 +5,7 @@ use crate::mover::{Command, Target};
 use crate::result::{Designed, Reach};
 use crate::search::{Found, refine, search};
 use crate::shape::Space;
-use crate::trial::Question;
+use crate::trial::{Question, Rows};
 use crate::verify::verify;
 use crate::watch::Watch;
 use crate::written::manoeuvre_text;
@@ -95,7 +95,7 @@ pub fn design_case(case: &Case, model: Model, request: &DesignRequest) -> Result
         let mut own = asked.question(asked.design.clone(), &asked.limits)?;
         own.surcharge = surcharge;
         let budget = asked.design.evaluations / ROBUST_PART;
-        if let Some(better) = refine(&own, &space, &found.reached.x, budget) {
+        if let Some(better) = refine(&own, (&space, Rows::Share(1.0)), &found.reached.x, budget) {
             robust = Some(better.values.worst());
             found.reached = better;
         }
@@ -229,7 +229,9 @@ impl<'c> Asked<'c> {
         if !moves {
             return None;
         }
-        let flight = question.fly(self.model, question.scenario.clone()).ok()?;
+        let flight = question
+            .fly(self.model, Rows::All, question.scenario.clone())
+            .ok()?;
         let sigma = |i: usize| flight.covariance[(i, i)].sqrt();
         Some((0..self.wants.len()).map(sigma).collect())
     }
@@ -265,7 +267,7 @@ impl<'c> Asked<'c> {
             // Return the error of the simulation if the vehicle cannot fly even at rest.
             let rest = vec![0.0; space.len()];
             if let Some(scenario) = question.scenario(&space, &rest) {
-                question.fly(self.model, scenario)?;
+                question.fly(self.model, Rows::Share(1.0), scenario)?;
             }
             return Err(Error::Usage {
                 option: "CASE",
@@ -318,7 +320,8 @@ impl<'c> Asked<'c> {
                 break;
             };
             let part = (self.design.evaluations / (TIME_PARTS * TIMES)).max(8 * longer.len());
-            let Some(better) = refine(&own, &longer, &found.reached.x, part) else {
+            let Some(better) = refine(&own, (&longer, Rows::Share(1.0)), &found.reached.x, part)
+            else {
                 break;
             };
             let is_enough = better.values.merit() <= -SURE;
@@ -391,7 +394,8 @@ impl<'c> Asked<'c> {
                 break;
             };
             let from = &found.reached.x;
-            let Some(reached) = refine(question, &space, from, part.max(8 * space.len())) else {
+            let usual = (&space, Rows::Share(1.0));
+            let Some(reached) = refine(question, usual, from, part.max(8 * space.len())) else {
                 break;
             };
             let time = space.duration.ln();

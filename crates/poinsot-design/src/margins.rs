@@ -3,7 +3,7 @@
 use crate::design::{Asked, FEW_STEPS};
 use crate::mover::{Order, Target};
 use crate::result::LimitUse;
-use crate::search::refine;
+use crate::search::{last_rows, refine};
 use crate::shape::{Space, Use};
 use crate::trial::Question;
 use crate::vehicles::{drawn, has_prior};
@@ -50,7 +50,8 @@ impl Asked<'_> {
                 *margin = margin.max(e);
             }
             let budget = FEW_STEPS * (space.len() + 2);
-            if let Some(better) = refine(question, space, &reached.x, budget) {
+            if let Some(better) = refine(question, (space, last_rows(question)), &reached.x, budget)
+            {
                 *reached = better;
             }
         }
@@ -70,7 +71,7 @@ impl Asked<'_> {
 
     /// Excess of each watched limit: between the rows of a candidate, and for the vehicles of the prior.
     fn excess(&self, question: &Question, space: &Space, x: &[f64]) -> Option<Vec<(f64, f64)>> {
-        let scenario = question.scenario(space, x)?;
+        let scenario = question.candidate((space, last_rows(question)), x)?;
         let worst = |model: &Model| -> Option<Vec<f64>> {
             let course = question.course(model, &scenario).ok()?;
             Some(course.worst(&question.watch).iter().map(|w| w.1).collect())

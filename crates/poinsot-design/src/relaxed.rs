@@ -4,6 +4,7 @@ use crate::design::{Asked, FEW_STEPS};
 use crate::result::{LimitUse, Relaxed};
 use crate::search::refine;
 use crate::shape::Space;
+use crate::trial::Rows;
 use poinsot::Error;
 use poinsot::case::{Design, Limits, Objective};
 
@@ -79,7 +80,7 @@ impl Asked<'_> {
         };
         let question = self.question(design, &limits).ok()?;
         let budget = FEW_STEPS * (space.len() + 2);
-        let reached = refine(&question, &space, from, budget)?;
+        let reached = refine(&question, (&space, Rows::Share(1.0)), from, budget)?;
         (reached.values.broken() <= BROKEN).then(|| {
             let point = Relaxed {
                 what: group.words.to_owned(),

@@ -2,7 +2,7 @@
 //! from the best one (Wales and Doye 1997, basin hopping), which keep part of what makes it good.
 
 use crate::shape::Space;
-use crate::trial::{Program, Question};
+use crate::trial::{Program, Question, Rows};
 use poinsot_solve::{Minimax, MinimaxOptions, MinimaxSearch, Reached, Values, minimax};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -23,15 +23,17 @@ const HOP_POINTS: usize = 8;
 const HOP_TOLERANCE: f64 = 0.01;
 /// A hop is dropped that after its first steps is worse than the best by more, and by half of it after twice as many.
 const HOPELESS: f64 = 0.3;
-/// Evaluations for each free number that are kept for the last steps of the best manoeuvre, and the largest share of all.
-const POLISH: usize = 8;
+/// Evaluations for each free number that are kept for the last steps, and the largest share of all.
+const POLISH: usize = 16;
 const POLISH_SHARE: usize = 4;
-/// Rows of a candidate in these last steps, relative to those of the search.
+/// Ends of the search of which the last steps are made.
+const POLISHED: usize = 4;
+/// Share of the usual rows in these last steps.
 const POLISH_ROWS: f64 = 2.0;
 /// Fraction of the limits that random manoeuvres use.
 const STRETCH: f64 = 0.97;
-/// The search stops when a step lowers the logarithm of the ratio by less (0.1 %).
-const TOLERANCE: f64 = 1.0e-3;
+/// The search stops when a step lowers the logarithm of the ratio by less.
+const TOLERANCE: f64 = 1.0e-5;
 /// First trust region, in free numbers.
 const DELTA: f64 = 0.3;
 
@@ -56,16 +58,18 @@ pub fn search(
     let polish = (POLISH * space.len()).min(evaluations / POLISH_SHARE);
     let mut left = evaluations.saturating_sub(polish);
     let mut best = round(&program, &mut rng, given.to_vec(), &mut left)?;
+    let mut ends = vec![best.reached.x.clone()];
     while left > HOP_POINTS + 2 * space.len() && !program.stop() {
         let Some(hopped) = hop(&program, &mut rng, &best.reached, &mut left) else {
             break;
         };
         best.starts.push(hopped.values.worst());
+        ends.push(hopped.x.clone());
         if hopped.values.merit() < best.reached.values.merit() {
             best.reached = hopped;
         }
     }
-    if let Some(polished) = polished(&program, &best.reached, polish + left) {
+    if let Some(polished) = polished(&program, ends, &best.reached.x, polish + left) {
         best.reached = polished;
     }
     Some(best)
@@ -102,31 +106,37 @@ fn hop(
     Some(search.reached)
 }
 
-/// The last steps of the best manoeuvre, on more rows; nothing where it becomes worse.
-fn polished(program: &Program, best: &Reached, evaluations: usize) -> Option<Reached> {
+/// The last steps, on more rows, of those ends of the search that are best there; nothing where all are worse than `best`.
+fn polished(
+    program: &Program,
+    ends: Vec<Vec<f64>>,
+    best: &[f64],
+    mut left: usize,
+) -> Option<Reached> {
     let fine = Program {
-        rows: POLISH_ROWS,
+        rows: last_rows(program.question),
         ..*program
     };
-    let first = fine.values(std::slice::from_ref(&best.x)).pop()??;
-    let worst = first.merit();
-    let mut search = MinimaxSearch::begin(best.x.clone(), first);
-    search.advance(
-        &fine,
-        &program.space.polytope,
-        options(evaluations, LAST_STEPS),
-    );
-    (search.reached.values.merit() <= worst).then_some(search.reached)
+    let worst = fine.values(&[best.to_vec()]).pop()??.merit();
+    let mut searches = evaluated(&fine, ends, &mut left);
+    searches.truncate(POLISHED);
+    let reached = halved(&fine, searches, &mut left)?.reached;
+    (reached.values.merit() <= worst).then_some(reached)
 }
 
-/// One round: a few steps from each of the best random manoeuvres, the worse half dropped, until one is left.
+/// The search from the best of the random manoeuvres and those given.
 fn round(
     program: &Program,
     rng: &mut ChaCha8Rng,
     given: Vec<Vec<f64>>,
     left: &mut usize,
 ) -> Option<Found> {
-    let mut ends = begun(program, rng, given, left);
+    let ends = begun(program, rng, given, left);
+    halved(program, ends, left)
+}
+
+/// A few steps of each search, the worse half dropped, until one is left.
+fn halved(program: &Program, mut ends: Vec<MinimaxSearch>, left: &mut usize) -> Option<Found> {
     let merit = |s: &MinimaxSearch| s.reached.values.merit();
     let mut starts = Vec::new();
     while !ends.is_empty() {
@@ -189,14 +199,25 @@ fn evaluated(program: &Program, pool: Vec<Vec<f64>>, left: &mut usize) -> Vec<Mi
     all
 }
 
+/// Rows of the last steps. What the choice of the motion of wheels between samples adds depends on all of them.
+pub fn last_rows(question: &Question) -> Rows {
+    match question.model.wheels.is_empty() {
+        true => Rows::Share(POLISH_ROWS),
+        false => Rows::All,
+    }
+}
+
 /// Continues from one manoeuvre in a slightly changed space.
 pub fn refine(
     question: &Question,
-    space: &Space,
+    (space, rows): (&Space, Rows),
     from: &[f64],
     evaluations: usize,
 ) -> Option<Reached> {
-    let program = Program::new(question, space);
+    let program = Program {
+        rows,
+        ..Program::new(question, space)
+    };
     let from = space.drawn_inside(from.to_vec());
     minimax(
         &program,

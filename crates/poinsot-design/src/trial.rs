@@ -44,8 +44,7 @@ pub struct Question {
     pub margins: Vec<f64>,
     /// Part of the margin for the vehicles of the prior; the rest covers values between rows.
     pub prior_margins: Vec<f64>,
-    /// What the whole prediction adds to each objective of a candidate, which has fewer rows and one motion of the wheels
-    /// between them.
+    /// What the whole prediction adds to each objective of a candidate with a share of the rows.
     pub surcharge: Vec<f64>,
     /// Vehicles of a robust design; empty otherwise.
     vehicles: Vec<Model>,
@@ -53,6 +52,16 @@ pub struct Question {
     pub deadline: Option<Instant>,
     /// Number of evaluations so far.
     pub evaluations: AtomicUsize,
+}
+
+/// The rows of a candidate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Rows {
+    /// A share of those that tell nearly all, each with the weight of the rows of the case that it replaces, and one motion
+    /// of the wheels between them.
+    Share(f64),
+    /// Those of the case, with what the choice of the motion of the wheels between them adds: the whole prediction.
+    All,
 }
 
 /// Result of one flight.
@@ -99,16 +108,19 @@ impl Question {
         })
     }
 
-    /// The scenario with these free numbers.
+    /// The scenario with these free numbers, on the usual rows.
     pub fn scenario(&self, space: &Space, x: &[f64]) -> Option<Scenario> {
-        self.candidate((space, 1.0), x)
+        self.candidate((space, Rows::Share(1.0)), x)
     }
 
-    fn candidate(&self, (space, rows): (&Space, f64), x: &[f64]) -> Option<Scenario> {
+    /// The same with these rows.
+    pub fn candidate(&self, (space, rows): (&Space, Rows), x: &[f64]) -> Option<Scenario> {
         let mut scenario = self.scenario.clone();
         let mut case = self.case.clone();
         case.duration_s = space.duration;
-        case.rate_hz /= thinned(&case, &self.model, &self.design, rows);
+        if let Rows::Share(share) = rows {
+            case.rate_hz /= thinned(&case, &self.model, &self.design, share);
+        }
         scenario.times = case.times();
         space.place(x, &mut scenario)?;
         Some(scenario)
@@ -118,7 +130,7 @@ impl Question {
     ///
     /// # Errors
     /// The motion cannot be computed, or a required sensor is missing.
-    pub fn fly(&self, model: &Model, scenario: Scenario) -> Result<Flight, Error> {
+    pub fn fly(&self, model: &Model, rows: Rows, scenario: Scenario) -> Result<Flight, Error> {
         let mut course = Course::default();
         // Each row has the weight of the rows of the case that it replaces.
         let step = match scenario.times.as_slice() {
@@ -144,7 +156,11 @@ impl Question {
             noise: &bound.noise,
             relative_accuracy: 1.0,
         };
-        let information = Information::of(&problem, self.design.priors)?;
+        let priors = self.design.priors;
+        let information = match rows {
+            Rows::Share(_) => Information::of(&problem, priors)?,
+            Rows::All => Information::of_either_wheel_motion(&problem, priors)?,
+        };
         let terms: Vec<Vec<WantedTerm>> = self.wants.iter().map(|w| w.terms.clone()).collect();
         Ok(Flight {
             covariance: information.covariance(&terms) / thinned,
@@ -171,7 +187,7 @@ impl Question {
     }
 
     /// Objectives of a covariance.
-    pub fn objectives(&self, covariance: &DMatrix<f64>) -> Vec<f64> {
+    pub fn objectives(&self, covariance: &DMatrix<f64>, rows: Rows) -> Vec<f64> {
         let wanted = |i: usize| self.wants[i].sigma;
         if self.design.objective == Objective::LogDet {
             let n = self.wants.len();
@@ -182,20 +198,24 @@ impl Question {
                 .map_or(f64::INFINITY, |c| c.ln_determinant());
             return vec![0.5 * log / n as f64];
         }
-        let of = |i: usize| 0.5 * covariance[(i, i)].ln() - wanted(i).ln() + self.surcharge[i];
+        let surcharge = |i: usize| match rows {
+            Rows::Share(_) => self.surcharge[i],
+            Rows::All => 0.0,
+        };
+        let of = |i: usize| 0.5 * covariance[(i, i)].ln() - wanted(i).ln() + surcharge(i);
         (0..self.wants.len()).map(of).collect()
     }
 
     /// Objectives and limits of the minimax program at these free numbers.
-    pub fn values(&self, (space, rows): (&Space, f64), x: &[f64]) -> Option<Values> {
+    pub fn values(&self, (space, rows): (&Space, Rows), x: &[f64]) -> Option<Values> {
         self.evaluations.fetch_add(1, Ordering::Relaxed);
         let scenario = self.candidate((space, rows), x)?;
-        let flight = self.fly(&self.model, scenario.clone()).ok()?;
-        let mut objectives = self.objectives(&flight.covariance);
+        let flight = self.fly(&self.model, rows, scenario.clone()).ok()?;
+        let mut objectives = self.objectives(&flight.covariance, rows);
         if !self.vehicles.is_empty() {
             let one = |m: &Model| {
-                let flight = self.fly(m, scenario.clone()).ok()?;
-                let worst = self.objectives(&flight.covariance);
+                let flight = self.fly(m, rows, scenario.clone()).ok()?;
+                let worst = self.objectives(&flight.covariance, rows);
                 Some(worst.iter().fold(f64::NEG_INFINITY, |a, b| a.max(*b)))
             };
             let all: Option<Vec<f64>> = self.vehicles.par_iter().map(one).collect();
@@ -250,8 +270,8 @@ pub struct Program<'q> {
     pub question: &'q Question,
     /// The free numbers.
     pub space: &'q Space,
-    /// Rows of a candidate, relative to the usual number.
-    pub rows: f64,
+    /// Rows of a candidate.
+    pub rows: Rows,
 }
 
 impl<'q> Program<'q> {
@@ -260,7 +280,7 @@ impl<'q> Program<'q> {
         Self {
             question,
             space,
-            rows: 1.0,
+            rows: Rows::Share(1.0),
         }
     }
 }

@@ -2,6 +2,7 @@
 //! of times.
 
 use crate::fit::experiment::Experiment;
+use crate::fit::wheel_motion::{OtherWheelMotion, expected_other};
 use crate::problem::parameters::{Equations, Parameters, UnknownKind};
 use crate::problem::quantity::TenParameters;
 use crate::problem::{Problem, ProblemError};
@@ -44,6 +45,8 @@ pub struct Information {
     x: Vec<f64>,
     /// Triangle of all shared unknowns, with the vague rows.
     r: DMatrix<f64>,
+    /// The other motion of the wheels between samples, where it counts.
+    other: Option<OtherWheelMotion>,
 }
 
 impl Information {
@@ -65,6 +68,24 @@ impl Information {
             r,
             x: point.x,
             parameters,
+            other: None,
+        })
+    }
+
+    /// The same with what it adds that such measurements can hardly tell what the wheels do between samples.
+    ///
+    /// # Errors
+    /// As [`Information::of`].
+    pub fn of_either_wheel_motion(
+        problem: &Problem,
+        with_priors: bool,
+    ) -> Result<Self, ProblemError> {
+        let information = Self::of(problem, with_priors)?;
+        let experiment = Experiment::new(problem, &information.parameters);
+        let other = expected_other(&experiment, &experiment.nominal_point());
+        Ok(Self {
+            other,
+            ..information
         })
     }
 
@@ -73,8 +94,11 @@ impl Information {
     pub fn covariance(&self, sums: &[Vec<WantedTerm>]) -> DMatrix<f64> {
         let n = self.parameters.len();
         let mut white = DMatrix::zeros(n, sums.len());
+        let mut changes = Vec::with_capacity(sums.len());
         for (k, sum) in sums.iter().enumerate() {
             let gradient = DVector::from_vec(self.gradient(sum));
+            let other = self.other.as_ref();
+            changes.push(other.map_or(0.0, |o| o.change(gradient.as_slice())));
             // sigma^2 = |R^-T g|^2.
             let column = self.r.tr_solve_upper_triangular(&gradient);
             white.set_column(
@@ -82,7 +106,12 @@ impl Information {
                 &column.unwrap_or_else(|| DVector::repeat(n, f64::INFINITY)),
             );
         }
-        white.transpose() * white
+        let mut covariance = white.transpose() * white;
+        if let Some(other) = &self.other {
+            let added = |i, j| other.covariance(changes[i], changes[j]);
+            covariance += DMatrix::from_fn(sums.len(), sums.len(), added);
+        }
+        covariance
     }
 
     fn gradient(&self, sum: &[WantedTerm]) -> Vec<f64> {
