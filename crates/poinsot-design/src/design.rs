@@ -2,7 +2,7 @@
 
 use crate::interrupt::Listening;
 use crate::mover::{Command, Target};
-use crate::result::{Designed, Reach};
+use crate::result::{Designed, LimitUse, Reach, Robust};
 use crate::search::{Found, refine, search};
 use crate::shape::Space;
 use crate::trial::{Question, Rows};
@@ -36,7 +36,7 @@ const SURE: f64 = 0.01;
 /// Largest number of times that a whole prediction lengthens the shortest manoeuvre.
 const PREDICTIONS: usize = 4;
 /// Divisor of the evaluations of a robust design, each of which flies all its vehicles.
-const ROBUST_PART: usize = 16;
+pub(crate) const ROBUST_PART: usize = 16;
 
 /// Commands, firings, and the manoeuvre as the text of a case.
 type Written = (Vec<(String, Command)>, Vec<(String, Firing)>, String);
@@ -83,42 +83,32 @@ pub fn design_case(case: &Case, model: Model, request: &DesignRequest) -> Result
     let asked = Asked::new(case, &model, request.minutes)?;
     let front = request.front.as_deref().map(Asked::group).transpose()?;
     let listening = Listening::begin();
-    let question = asked.question(asked.design.clone(), &asked.limits)?;
+    let mut question = asked.question(&asked.limits)?;
     let space = asked.space(&asked.limits, case.duration_s)?;
     let reference = asked.reference(&question);
-    let (space, mut found, surcharge) = asked.nominal(&question, space)?;
-    let mut evaluations = question.evaluations.load(Ordering::Relaxed);
-    let mut question = question;
-    question.surcharge.clone_from(&surcharge);
-    let mut robust = None;
+    let (space, mut found) = asked.nominal(&mut question, space)?;
+    asked.leave_margins(&mut question, &space, &mut found.reached)?;
+    let nominal = found.reached.x.clone();
     if asked.design.robust {
-        let mut own = asked.question(asked.design.clone(), &asked.limits)?;
-        own.surcharge = surcharge;
-        let budget = asked.design.evaluations / ROBUST_PART;
-        if let Some(better) = refine(&own, (&space, Rows::Share(1.0)), &found.reached.x, budget) {
-            robust = Some(better.values.worst());
-            found.reached = better;
-        }
-        evaluations += own.evaluations.load(Ordering::Relaxed);
-        question = own;
+        asked.for_the_prior(&mut question, &space, &mut found)?;
     }
-    if !question.watch.watched.is_empty() {
-        asked.leave_margins(&mut question, &space, &mut found.reached);
+    let drawn_inside = space.drawn_inside(found.reached.x.clone());
+    let (x, uses) = asked.held(&question, &space, drawn_inside)?;
+    let mut designed = asked.told(&space, (&x, &found), (uses, reference))?;
+    if asked.design.robust {
+        designed.robust = Some(Robust {
+            searched: found.reached.values.worst(),
+            others: question.over_others(&space, &x),
+            nominal: question.over_others(&space, &nominal),
+        });
     }
-    let x = asked.held(
-        &question,
-        &space,
-        space.drawn_inside(found.reached.x.clone()),
-    )?;
-    let mut designed = asked.told(&question, &space, (&x, &found), reference)?;
-    designed.robust = robust;
     if !designed.is_reached() && !crate::interrupt::is_requested() {
-        designed.relaxed = asked.relaxed(&space, &x, &designed.limits);
+        designed.relaxed = asked.relaxed(&question, &space, &x, &designed.limits);
     }
     if let Some(group) = front.filter(|_| !crate::interrupt::is_requested()) {
-        designed.front = asked.front(group, &space, &x, designed.worst_ratio());
+        designed.front = asked.front(group, (&question, &space), &x, designed.worst_ratio());
     }
-    designed.evaluations = evaluations.max(question.evaluations.load(Ordering::Relaxed));
+    designed.evaluations = question.evaluations.load(Ordering::Relaxed);
     drop(listening);
     if request.verify > 0 {
         let case = manoeuvre_of(&designed)?;
@@ -207,9 +197,10 @@ impl<'c> Asked<'c> {
         })
     }
 
-    pub fn question(&self, design: Design, limits: &Limits) -> Result<Question, Error> {
+    /// The design problem of the nominal vehicle.
+    pub fn question(&self, limits: &Limits) -> Result<Question, Error> {
         let watch = Watch::new(self.model, limits, &self.joint_names);
-        let what = (design, self.wants.clone());
+        let what = (self.design.clone(), self.wants.clone());
         Question::new(self.case, self.model.clone(), what, watch, self.deadline)
     }
 
@@ -236,24 +227,24 @@ impl<'c> Asked<'c> {
         Some((0..self.wants.len()).map(sigma).collect())
     }
 
-    /// The best manoeuvre of the nominal vehicle, at fixed or shortest duration, and the surcharge of its prediction.
-    fn nominal(
+    /// Continues with the worst tenth of the vehicles of the prior as the objective.
+    fn for_the_prior(
         &self,
-        question: &Question,
-        space: Space,
-    ) -> Result<(Space, Found, Vec<f64>), Error> {
-        let plain;
-        let question = match self.design.robust {
-            true => {
-                let design = Design {
-                    robust: false,
-                    ..self.design.clone()
-                };
-                plain = self.question(design, &self.limits)?;
-                &plain
-            }
-            false => question,
-        };
+        question: &mut Question,
+        space: &Space,
+        found: &mut Found,
+    ) -> Result<(), Error> {
+        question.vehicles = question.scenarios();
+        let rows = question.last_rows();
+        let budget = self.design.evaluations / ROBUST_PART;
+        if let Some(better) = refine(question, (space, rows), &found.reached.x, budget) {
+            found.reached = better;
+        }
+        self.leave_margins(question, space, &mut found.reached)
+    }
+
+    /// The best manoeuvre of the nominal vehicle, at fixed or shortest duration; its prediction sets the surcharge.
+    fn nominal(&self, question: &mut Question, space: Space) -> Result<(Space, Found), Error> {
         let own = space.nearest(&question.scenario);
         let given = match own.iter().any(|x| x.abs() > 1.0e-6) {
             true => vec![own],
@@ -292,18 +283,17 @@ impl<'c> Asked<'c> {
                 };
                 self.as_predicted(question, space, found)
             }
-            _ => Ok((space, found, question.surcharge.clone())),
+            _ => Ok((space, found)),
         }
     }
 
     /// A longer manoeuvre, where the whole prediction of this one misses a wanted sigma that its candidate reached.
     fn as_predicted(
         &self,
-        question: &Question,
+        question: &mut Question,
         mut space: Space,
         mut found: Found,
-    ) -> Result<(Space, Found, Vec<f64>), Error> {
-        let mut own = self.question(question.design.clone(), &self.limits)?;
+    ) -> Result<(Space, Found), Error> {
         let mut reached = space.duration;
         for _ in 0..PREDICTIONS {
             let predicted = self.predicted_ratios(&space, &found.reached.x)?;
@@ -313,27 +303,33 @@ impl<'c> Asked<'c> {
             }
             let candidate = found.reached.values.objectives.iter();
             let differences = predicted.iter().zip(candidate).map(|(p, c)| p - c);
-            let sums = own.surcharge.iter().zip(differences).map(|(s, d)| s + d);
-            own.surcharge = sums.collect();
+            let sums = question
+                .surcharge
+                .iter()
+                .zip(differences)
+                .map(|(s, d)| s + d);
+            question.surcharge = sums.collect();
             reached = rounded_up(reached * ((missed + SURE) / FALL).exp(), self.case.rate_hz);
             let Ok(longer) = self.space(&self.limits, reached) else {
                 break;
             };
             let part = (self.design.evaluations / (TIME_PARTS * TIMES)).max(8 * longer.len());
-            let Some(better) = refine(&own, (&longer, Rows::Share(1.0)), &found.reached.x, part)
-            else {
+            let Some(better) = refine(
+                question,
+                (&longer, Rows::Share(1.0)),
+                &found.reached.x,
+                part,
+            ) else {
                 break;
             };
             let is_enough = better.values.merit() <= -SURE;
             (space, found.reached) = (longer, better);
             if is_enough {
-                (space, found) = self.shortest(&own, space, found);
+                (space, found) = self.shortest(question, space, found);
                 reached = space.duration;
             }
         }
-        let spent = own.evaluations.load(Ordering::Relaxed);
-        question.evaluations.fetch_add(spent, Ordering::Relaxed);
-        Ok((space, found, own.surcharge))
+        Ok((space, found))
     }
 
     /// Logarithm of predicted over wanted sigma of every wanted number.
@@ -414,10 +410,9 @@ impl<'c> Asked<'c> {
 
     fn told(
         &self,
-        question: &Question,
         space: &Space,
         (x, found): (&[f64], &Found),
-        reference: Option<Vec<f64>>,
+        (limits, reference): (Vec<LimitUse>, Option<Vec<f64>>),
     ) -> Result<Designed, Error> {
         let (commands, firings, manoeuvre) = self.written(space, x)?;
         let mut designed = Designed {
@@ -429,7 +424,7 @@ impl<'c> Asked<'c> {
             duration_s: space.duration,
             objective: word(self.design.objective),
             wants: Vec::new(),
-            limits: self.uses(question, space, x)?,
+            limits,
             relaxed: Vec::new(),
             front: Vec::new(),
             against_duration: Vec::new(),

@@ -1,13 +1,13 @@
 //! Use of the limits by a manoeuvre, and the margins needed by the vehicles of the prior.
 
-use crate::design::{Asked, FEW_STEPS};
+use crate::design::{Asked, FEW_STEPS, ROBUST_PART};
 use crate::mover::{Order, Target};
 use crate::result::LimitUse;
-use crate::search::{last_rows, refine};
+use crate::search::{evaluated, refine};
 use crate::shape::{Space, Use};
-use crate::trial::Question;
+use crate::trial::{Critical, Program, Question};
 use crate::vehicles::{drawn, has_prior};
-use crate::watch::fine_times;
+use crate::watch::{WINDOWS_EACH, fine_times};
 use poinsot::Error;
 use poinsot_model::Model;
 use poinsot_solve::Reached;
@@ -16,109 +16,181 @@ use rayon::prelude::*;
 /// Vehicles of the prior that must hold the limits that depend on the vehicle. If all do, 99 % of the prior does with
 /// probability 95 % (`0.99^300 = 0.05`).
 const VEHICLES: u64 = 300;
-/// Largest number of rounds that adjust the margins.
-const MARGIN_ROUNDS: usize = 3;
-/// Factors on a manoeuvre, tried where a limit is exceeded by less than the search resolves.
-const SHARES: [f64; 7] = [1.0, 0.9995, 0.998, 0.995, 0.99, 0.98, 0.95];
+/// Largest number of rounds that each add the vehicles that exceed a limit most.
+const ROUNDS: usize = 8;
+/// Factors on a manoeuvre that exceeds a limit for some vehicle.
+const SHARES: [f64; 14] = [
+    1.0, 0.9995, 0.998, 0.995, 0.99, 0.98, 0.95, 0.9, 0.85, 0.8, 0.7, 0.6, 0.5, 0.4,
+];
 /// Tolerance on a limit, relative: the integration error.
 const HELD: f64 = 1.0e-6;
 /// First random stream of the vehicles that check margins; lower streams belong to robust designs.
 const MARGIN_STREAM: u64 = 1 << 32;
 
-impl Asked<'_> {
-    /// Repeats the search with larger margins until the vehicles of the prior hold the limits.
-    pub fn leave_margins(&self, question: &mut Question, space: &Space, reached: &mut Reached) {
-        for _ in 0..MARGIN_ROUNDS {
-            let Some(excess) = self.excess(question, space, &reached.x) else {
-                return;
-            };
-            let (between, prior): (Vec<f64>, Vec<f64>) = excess.into_iter().unzip();
-            question.prior_margins = prior;
-            let all: Vec<f64> = between
-                .iter()
-                .zip(&question.prior_margins)
-                .map(|(a, b)| a + b)
-                .collect();
-            let enough = all
-                .iter()
-                .zip(&question.margins)
-                .all(|(e, m)| *e <= *m + HELD);
-            if enough {
-                return;
-            }
-            for (margin, e) in question.margins.iter_mut().zip(all) {
-                *margin = margin.max(e);
-            }
-            let budget = FEW_STEPS * (space.len() + 2);
-            if let Some(better) = refine(question, (space, last_rows(question)), &reached.x, budget)
-            {
-                *reached = better;
-            }
-        }
+/// How far a manoeuvre goes towards one watched limit, relative to it; positive beyond.
+#[derive(Debug, Clone)]
+struct Nearest {
+    /// Value of the nominal vehicle that is nearest to the limit.
+    value: f64,
+    /// The nominal vehicle, on a grid finer than the rows.
+    nominal: f64,
+    /// What that grid shows beyond the rows.
+    between: f64,
+    /// In each part of the manoeuvre, the worst of the vehicles of the prior, and its number.
+    worst: [Option<(f64, u64)>; WINDOWS_EACH],
+}
+
+impl Nearest {
+    /// The largest, values between rows included.
+    fn beyond(&self) -> f64 {
+        let worst = self.worst.iter().flatten().map(|w| w.0 + self.between);
+        worst.fold(self.nominal, f64::max)
     }
 
-    /// The manoeuvre, or its largest fraction in [`SHARES`] that holds every limit on the fine grid.
-    pub fn held(&self, question: &Question, space: &Space, x: Vec<f64>) -> Result<Vec<f64>, Error> {
+    /// The vehicles that exceed the limit most in some part of the manoeuvre.
+    fn critical(&self) -> Vec<u64> {
+        let worst = self.worst.iter().flatten();
+        let beyond = worst.filter(|w| w.0 + self.between > HELD);
+        beyond.map(|w| w.1).collect()
+    }
+}
+
+impl Asked<'_> {
+    /// Repeats the search with the vehicles of the prior that exceed a limit most, until all hold the limits: cutting sets
+    /// (Mutapcic and Boyd 2009). A margin taken from one manoeuvre would be wrong for the next one.
+    ///
+    /// # Errors
+    /// A vehicle of the prior cannot fly the manoeuvre.
+    pub fn leave_margins(
+        &self,
+        question: &mut Question,
+        space: &Space,
+        reached: &mut Reached,
+    ) -> Result<(), Error> {
+        for _ in 0..ROUNDS {
+            if question.watch.watched.is_empty() || !self.tightened(question, space, &reached.x)? {
+                break;
+            }
+            let rows = question.last_rows();
+            let program = Program {
+                rows,
+                ..Program::new(question, space)
+            };
+            let shorter = SHARES.map(|share| reached.x.iter().map(|x| share * x).collect());
+            let part = match question.vehicles.is_empty() {
+                true => self.design.evaluations / ROUNDS,
+                false => self.design.evaluations / ROBUST_PART,
+            };
+            let mut budget = part.max(FEW_STEPS * (space.len() + 2));
+            let from = evaluated(&program, shorter.to_vec(), &mut budget);
+            let Some(from) = from.first().map(|search| &search.reached.x) else {
+                break;
+            };
+            let Some(better) = refine(question, (space, rows), from, budget) else {
+                break;
+            };
+            *reached = better;
+        }
+        Ok(())
+    }
+
+    /// Adds what this manoeuvre lacks to hold the limits: critical vehicles, and margins for values between rows and for what
+    /// the search did not resolve. Whether anything was added.
+    fn tightened(&self, question: &mut Question, space: &Space, x: &[f64]) -> Result<bool, Error> {
+        let nearest = self.nearest(question, space, x)?;
+        let is_beyond = |n: &Nearest| n.beyond() > HELD;
+        for (limit, found) in nearest.iter().enumerate().filter(|(_, n)| is_beyond(n)) {
+            let mut is_new = false;
+            for number in found.critical() {
+                let same = |c: &Critical| c.limit == limit && c.number == number;
+                if !question.critical.iter().any(same) {
+                    is_new = true;
+                    question.critical.push(Critical {
+                        model: self.of_prior(number),
+                        number,
+                        limit,
+                    });
+                }
+            }
+            let margin = &mut question.margins[limit];
+            *margin = match is_new || found.between > *margin {
+                true => margin.max(found.between),
+                false => *margin + found.beyond(),
+            };
+        }
+        Ok(nearest.iter().any(is_beyond))
+    }
+
+    /// The manoeuvre, or its largest fraction in [`SHARES`] that holds every limit on the fine grid, and its uses.
+    pub fn held(
+        &self,
+        question: &Question,
+        space: &Space,
+        x: Vec<f64>,
+    ) -> Result<(Vec<f64>, Vec<LimitUse>), Error> {
         for share in SHARES {
             let nearer: Vec<f64> = x.iter().map(|x| share * x).collect();
             let uses = self.uses(question, space, &nearer)?;
             if uses.iter().all(|u| u.margin >= -HELD) {
-                return Ok(nearer);
+                return Ok((nearer, uses));
             }
         }
-        Ok(x)
+        let uses = self.uses(question, space, &x)?;
+        Ok((x, uses))
     }
 
-    /// Excess of each watched limit: between the rows of a candidate, and for the vehicles of the prior.
-    fn excess(&self, question: &Question, space: &Space, x: &[f64]) -> Option<Vec<(f64, f64)>> {
-        let scenario = question.candidate((space, last_rows(question)), x)?;
-        let worst = |model: &Model| -> Option<Vec<f64>> {
-            let course = question.course(model, &scenario).ok()?;
-            Some(course.worst(&question.watch).iter().map(|w| w.1).collect())
-        };
-        let nominal = worst(self.model)?;
-        let fine = self.fine(question, space, x).ok()??;
-        let mut between = vec![0.0_f64; nominal.len()];
-        for ((b, fine), nominal) in between.iter_mut().zip(&fine).zip(&nominal) {
-            // The last steps had other rows, which may have missed what these exceed.
-            *b = (fine.1 - nominal.min(0.0)).max(0.0);
-        }
-        if !has_prior(self.model) {
-            return Some(between.into_iter().map(|b| (b, 0.0)).collect());
-        }
-        let seed = self.design.seed;
-        let all: Vec<Option<Vec<f64>>> = (0..VEHICLES)
-            .into_par_iter()
-            .map(|k| worst(&drawn(self.model, seed, MARGIN_STREAM + k)))
-            .collect();
-        let mut most = vec![0.0_f64; nominal.len()];
-        for one in all.into_iter().flatten() {
-            for ((most, x), nominal) in most.iter_mut().zip(one).zip(&nominal) {
-                *most = most.max(x - nominal);
-            }
-        }
-        Some(between.into_iter().zip(most).collect())
+    /// A vehicle that checks the limits.
+    fn of_prior(&self, number: u64) -> Model {
+        drawn(self.model, self.design.seed, MARGIN_STREAM + number)
     }
 
-    /// For each watched limit: the value nearest to it and its relative excess, on a grid finer than the rows of the
-    /// case.
-    fn fine(
+    /// How far the manoeuvre goes towards each watched limit.
+    fn nearest(
         &self,
         question: &Question,
         space: &Space,
         x: &[f64],
-    ) -> Result<Option<Vec<(f64, f64)>>, Error> {
+    ) -> Result<Vec<Nearest>, Error> {
+        let Some(scenario) = question.candidate((space, question.last_rows()), x) else {
+            return Ok(Vec::new());
+        };
         let mut case = self.case.clone();
         case.duration_s = space.duration;
-        let Some(mut scenario) = question.scenario(space, x) else {
-            return Ok(None);
+        let mut dense = scenario.clone();
+        dense.times = fine_times(&case);
+        let of = |scenario| -> Result<Vec<(f64, f64)>, Error> {
+            let course = question.course(self.model, scenario)?;
+            Ok(course.worst(&question.watch))
         };
-        scenario.times = fine_times(&case);
-        let course = question.course(self.model, &scenario)?;
-        Ok(Some(course.worst(&question.watch)))
+        let mut all: Vec<Nearest> = of(&dense)?
+            .into_iter()
+            .zip(of(&scenario)?)
+            .map(merged)
+            .collect();
+        let numbers = if has_prior(self.model) { VEHICLES } else { 0 };
+        let flights: Result<Vec<_>, Error> = (0..numbers)
+            .into_par_iter()
+            .map(|number| {
+                let course = question.course(&self.of_prior(number), &scenario)?;
+                Ok((number, course.windows(&question.watch)))
+            })
+            .collect();
+        for (number, flight) in flights? {
+            for (own, windows) in all.iter_mut().zip(flight.chunks(WINDOWS_EACH)) {
+                for (worst, beyond) in own.worst.iter_mut().zip(windows) {
+                    if worst.is_none_or(|w| *beyond > w.0) {
+                        *worst = Some((*beyond, number));
+                    }
+                }
+            }
+        }
+        Ok(all)
     }
 
-    /// Use of every limit, on a finer grid than in the search.
+    /// Use of every limit, by the vehicles of the prior as well, on a finer grid than in the search.
+    ///
+    /// # Errors
+    /// A vehicle cannot fly the manoeuvre.
     pub fn uses(
         &self,
         question: &Question,
@@ -132,22 +204,17 @@ impl Asked<'_> {
         if question.watch.watched.is_empty() {
             return Ok(all);
         }
-        if let Some(worst) = self.fine(question, space, x)? {
-            let margins = question.watch.watched.iter().zip(&question.prior_margins);
-            // A plume has no value if its thruster never fires.
-            let known = margins
-                .zip(worst)
-                .filter(|(_, (value, _))| value.is_finite());
-            for ((w, margin), (value, beyond)) in known {
-                all.push(LimitUse {
-                    what: w.what.clone(),
-                    unit: w.unit,
-                    value,
-                    limit: w.limit,
-                    margin: -(beyond + margin),
-                });
-            }
-        }
+        let watched = question.watch.watched.iter();
+        let nearest = self.nearest(question, space, x)?;
+        // A plume has no value if its thruster never fires.
+        let known = watched.zip(nearest).filter(|(_, n)| n.value.is_finite());
+        all.extend(known.map(|(w, n)| LimitUse {
+            what: w.what.clone(),
+            unit: w.unit,
+            value: n.value,
+            limit: w.limit,
+            margin: -n.beyond(),
+        }));
         Ok(all)
     }
 
@@ -175,6 +242,16 @@ impl Asked<'_> {
             margin: (u.limit - u.value).abs() / half
                 * if inside(u, low, high) { 1.0 } else { -1.0 },
         }
+    }
+}
+
+/// Value and excess of one limit on the fine grid and on the rows.
+fn merged((fine, rows): ((f64, f64), (f64, f64))) -> Nearest {
+    Nearest {
+        value: fine.0,
+        nominal: fine.1,
+        between: (fine.1 - rows.1).max(0.0),
+        worst: [None; WINDOWS_EACH],
     }
 }
 

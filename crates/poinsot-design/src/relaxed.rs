@@ -4,9 +4,9 @@ use crate::design::{Asked, FEW_STEPS};
 use crate::result::{LimitUse, Relaxed};
 use crate::search::refine;
 use crate::shape::Space;
-use crate::trial::Rows;
+use crate::trial::{Question, Rows};
 use poinsot::Error;
-use poinsot::case::{Design, Limits, Objective};
+use poinsot::case::{Limits, Objective};
 
 /// Factor on a relaxed limit.
 const RELAXED: f64 = 1.25;
@@ -15,12 +15,19 @@ const FRONT: [&[f64]; 2] = [&[0.8, 0.65, 0.5], &[1.25, 1.5, 2.0]];
 
 impl Asked<'_> {
     /// Largest ratio with each kind of active limit relaxed, and with a longer duration.
-    pub fn relaxed(&self, space: &Space, x: &[f64], uses: &[LimitUse]) -> Vec<Relaxed> {
+    pub fn relaxed(
+        &self,
+        question: &Question,
+        space: &Space,
+        x: &[f64],
+        uses: &[LimitUse],
+    ) -> Vec<Relaxed> {
         let is_active = |group: &&Group| {
             let own = |u: &LimitUse| group.starts.iter().any(|start| u.what.starts_with(start));
             group.starts.is_empty() || uses.iter().any(|u| u.is_active() && own(u))
         };
-        let of = |group: &Group| Some(self.with(group, RELAXED, space.duration, x)?.0);
+        let own = (question, space.duration);
+        let of = |group: &Group| Some(self.with(group, RELAXED, own, x)?.0);
         GROUPS.iter().filter(is_active).filter_map(of).collect()
     }
 
@@ -41,7 +48,14 @@ impl Asked<'_> {
     }
 
     /// Largest ratio with one kind of limit tighter and looser than in the case. Each point starts from its neighbour.
-    pub fn front(&self, group: &Group, space: &Space, x: &[f64], ratio: f64) -> Vec<Relaxed> {
+    pub fn front(
+        &self,
+        group: &Group,
+        (question, space): (&Question, &Space),
+        x: &[f64],
+        ratio: f64,
+    ) -> Vec<Relaxed> {
+        let own = (question, space.duration);
         let mut all = vec![Relaxed {
             what: group.words.to_owned(),
             factor: 1.0,
@@ -50,7 +64,7 @@ impl Asked<'_> {
         for factors in FRONT {
             let mut from = x.to_vec();
             for factor in factors {
-                let Some((point, next)) = self.with(group, *factor, space.duration, &from) else {
+                let Some((point, next)) = self.with(group, *factor, own, &from) else {
                     break;
                 };
                 all.push(point);
@@ -66,19 +80,18 @@ impl Asked<'_> {
         &self,
         group: &Group,
         factor: f64,
-        duration: f64,
+        (own, duration): (&Question, f64),
         from: &[f64],
     ) -> Option<(Relaxed, Vec<f64>)> {
         let mut limits = self.limits.clone();
         (group.relax)(&mut limits, factor);
         let of_time = if group.starts.is_empty() { factor } else { 1.0 };
         let space = Space::new(&self.design, &limits, of_time * duration).ok()?;
-        let design = Design {
-            robust: false,
-            objective: Objective::WorstRatio,
-            ..self.design.clone()
-        };
-        let question = self.question(design, &limits).ok()?;
+        let mut question = self.question(&limits).ok()?;
+        question.design.objective = Objective::WorstRatio;
+        // The limits have other values, but the same order.
+        question.margins.clone_from(&own.margins);
+        question.critical.clone_from(&own.critical);
         let budget = FEW_STEPS * (space.len() + 2);
         let reached = refine(&question, (&space, Rows::Share(1.0)), from, budget)?;
         (reached.values.broken() <= BROKEN).then(|| {

@@ -129,10 +129,21 @@ pub struct Designed {
     pub starts: Vec<f64>,
     /// Whether the predicted improvement of the last step was below the tolerance.
     pub settled: bool,
-    /// Conditional value at risk of the logarithm of the largest ratio, for a robust design.
-    pub robust: Option<f64>,
+    /// Objective of a robust design.
+    pub robust: Option<Robust>,
     /// Trial flights, if requested.
     pub verification: Option<Verification>,
+}
+
+/// Conditional value at risk of the logarithm of the largest ratio over vehicles of the prior.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Robust {
+    /// Over the vehicles of the search.
+    pub searched: f64,
+    /// Over a thousand others; `None` if one of them cannot fly the manoeuvre.
+    pub others: Option<f64>,
+    /// Over the same thousand with the best manoeuvre for the nominal vehicle.
+    pub nominal: Option<f64>,
 }
 
 impl Designed {

@@ -28,8 +28,6 @@ const POLISH: usize = 16;
 const POLISH_SHARE: usize = 4;
 /// Ends of the search of which the last steps are made.
 const POLISHED: usize = 4;
-/// Share of the usual rows in these last steps.
-const POLISH_ROWS: f64 = 2.0;
 /// Fraction of the limits that random manoeuvres use.
 const STRETCH: f64 = 0.97;
 /// The search stops when a step lowers the logarithm of the ratio by less.
@@ -114,7 +112,7 @@ fn polished(
     mut left: usize,
 ) -> Option<Reached> {
     let fine = Program {
-        rows: last_rows(program.question),
+        rows: program.question.last_rows(),
         ..*program
     };
     let worst = fine.values(&[best.to_vec()]).pop()??.merit();
@@ -189,7 +187,7 @@ fn begun(
 }
 
 /// A search from each of these manoeuvres that can be flown, the best first.
-fn evaluated(program: &Program, pool: Vec<Vec<f64>>, left: &mut usize) -> Vec<MinimaxSearch> {
+pub fn evaluated(program: &Program, pool: Vec<Vec<f64>>, left: &mut usize) -> Vec<MinimaxSearch> {
     *left = left.saturating_sub(pool.len());
     let values = in_parts(program, &pool);
     let begun = |(x, values): (Vec<f64>, Option<Values>)| Some(MinimaxSearch::begin(x, values?));
@@ -197,14 +195,6 @@ fn evaluated(program: &Program, pool: Vec<Vec<f64>>, left: &mut usize) -> Vec<Mi
     let merit = |s: &MinimaxSearch| s.reached.values.merit();
     all.sort_by(|a, b| merit(a).total_cmp(&merit(b)));
     all
-}
-
-/// Rows of the last steps. What the choice of the motion of wheels between samples adds depends on all of them.
-pub fn last_rows(question: &Question) -> Rows {
-    match question.model.wheels.is_empty() {
-        true => Rows::Share(POLISH_ROWS),
-        false => Rows::All,
-    }
 }
 
 /// Continues from one manoeuvre in a slightly changed space.

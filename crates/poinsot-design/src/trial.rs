@@ -23,6 +23,11 @@ const ROWS_A_CYCLE: f64 = 20.0;
 const LEAST_ROWS: f64 = 75.0;
 /// Number of vehicles of the prior in a robust design.
 const SCENARIOS: u64 = 64;
+/// Number of other vehicles by which a robust design is judged, and their first random stream.
+const OTHERS: u64 = 1000;
+const OTHERS_STREAM: u64 = 1 << 34;
+/// Share of the usual rows in the last steps, for vehicles without wheels.
+const POLISH_ROWS: f64 = 2.0;
 /// Fraction of the worst scenarios whose mean a robust design minimises.
 const TAIL: f64 = 0.1;
 
@@ -40,18 +45,29 @@ pub struct Question {
     pub design: Design,
     /// Limits on the motion.
     pub watch: Watch,
-    /// Margin added to the excess of each watched limit.
+    /// Margin added to the excess of each watched limit, for values between rows.
     pub margins: Vec<f64>,
-    /// Part of the margin for the vehicles of the prior; the rest covers values between rows.
-    pub prior_margins: Vec<f64>,
+    /// Vehicles of the prior that exceed a watched limit first. Each must hold it in every candidate.
+    pub critical: Vec<Critical>,
     /// What the whole prediction adds to each objective of a candidate with a share of the rows.
     pub surcharge: Vec<f64>,
-    /// Vehicles of a robust design; empty otherwise.
-    vehicles: Vec<Model>,
+    /// Vehicles whose worst tenth is the objective; empty if it is the nominal vehicle.
+    pub vehicles: Vec<Model>,
     /// Time at which the search stops.
     pub deadline: Option<Instant>,
     /// Number of evaluations so far.
     pub evaluations: AtomicUsize,
+}
+
+/// A vehicle of the prior and the watched limit that it must hold.
+#[derive(Debug, Clone)]
+pub struct Critical {
+    /// The vehicle.
+    pub model: Model,
+    /// Its number among the vehicles that check the limits.
+    pub number: u64,
+    /// Index of the limit.
+    pub limit: usize,
 }
 
 /// The rows of a candidate.
@@ -86,23 +102,17 @@ impl Question {
         let open: Vec<usize> = design.wheels.iter().map(|w| w.index).collect();
         let bound = case.bind_open(&model, &open);
         let scenario = bound.map_err(poinsot::simulate::SimulateError::from)?;
-        let vehicles = match design.robust {
-            true => (0..SCENARIOS)
-                .map(|k| drawn(&model, design.seed, k))
-                .collect(),
-            false => Vec::new(),
-        };
         Ok(Self {
             case,
             scenario,
             margins: vec![0.0; watch.watched.len()],
-            prior_margins: vec![0.0; watch.watched.len()],
+            critical: Vec::new(),
             surcharge: vec![0.0; wants.len()],
             model,
             wants,
             design,
             watch,
-            vehicles,
+            vehicles: Vec::new(),
             deadline,
             evaluations: AtomicUsize::new(0),
         })
@@ -206,6 +216,40 @@ impl Question {
         (0..self.wants.len()).map(of).collect()
     }
 
+    /// Worst tenth of these vehicles: mean of the logarithm of their largest ratios; `None` if one cannot fly.
+    fn over(&self, vehicles: &[Model], rows: Rows, scenario: &Scenario) -> Option<f64> {
+        let one = |m: &Model| {
+            let flight = self.fly(m, rows, scenario.clone()).ok()?;
+            let worst = self.objectives(&flight.covariance, rows);
+            Some(worst.iter().fold(f64::NEG_INFINITY, |a, b| a.max(*b)))
+        };
+        let all: Option<Vec<f64>> = vehicles.par_iter().map(one).collect();
+        Some(tail_mean(all?))
+    }
+
+    /// Vehicles of a robust design.
+    pub fn scenarios(&self) -> Vec<Model> {
+        let one = |k| drawn(&self.model, self.design.seed, k);
+        (0..SCENARIOS).map(one).collect()
+    }
+
+    /// The worst tenth of vehicles that no search has seen.
+    pub fn over_others(&self, space: &Space, x: &[f64]) -> Option<f64> {
+        let one = |k| drawn(&self.model, self.design.seed, OTHERS_STREAM + k);
+        let others: Vec<Model> = (0..OTHERS).map(one).collect();
+        let rows = Rows::Share(1.0);
+        self.over(&others, rows, &self.candidate((space, rows), x)?)
+    }
+
+    /// Rows of the last steps. What the choice of the motion of wheels between samples adds depends on all of them.
+    pub fn last_rows(&self) -> Rows {
+        match (self.vehicles.is_empty(), self.model.wheels.is_empty()) {
+            (false, _) => Rows::Share(1.0),
+            (true, true) => Rows::Share(POLISH_ROWS),
+            (true, false) => Rows::All,
+        }
+    }
+
     /// Objectives and limits of the minimax program at these free numbers.
     pub fn values(&self, (space, rows): (&Space, Rows), x: &[f64]) -> Option<Values> {
         self.evaluations.fetch_add(1, Ordering::Relaxed);
@@ -213,17 +257,18 @@ impl Question {
         let flight = self.fly(&self.model, rows, scenario.clone()).ok()?;
         let mut objectives = self.objectives(&flight.covariance, rows);
         if !self.vehicles.is_empty() {
-            let one = |m: &Model| {
-                let flight = self.fly(m, rows, scenario.clone()).ok()?;
-                let worst = self.objectives(&flight.covariance, rows);
-                Some(worst.iter().fold(f64::NEG_INFINITY, |a, b| a.max(*b)))
-            };
-            let all: Option<Vec<f64>> = self.vehicles.par_iter().map(one).collect();
-            objectives = vec![tail_mean(all?)];
+            objectives = vec![self.over(&self.vehicles, rows, &scenario)?];
         }
         let mut limits = flight.course.windows(&self.watch);
-        for (k, own) in limits.chunks_mut(WINDOWS_EACH).enumerate() {
-            own.iter_mut().for_each(|g| *g += self.margins[k]);
+        for critical in &self.critical {
+            let own = self.course(&critical.model, &scenario).ok()?;
+            let windows = own.windows(&self.watch);
+            limits.extend(windows.chunks(WINDOWS_EACH).nth(critical.limit)?);
+        }
+        let of_nominal = 0..self.watch.watched.len();
+        let of = of_nominal.chain(self.critical.iter().map(|c| c.limit));
+        for (own, limit) in limits.chunks_mut(WINDOWS_EACH).zip(of) {
+            own.iter_mut().for_each(|g| *g += self.margins[limit]);
         }
         let values = Values { objectives, limits };
         values.merit().is_finite().then_some(values)

@@ -66,6 +66,11 @@ noise_rad = 5.0e-5
 
 /// A case for the box with these limits and all numbers wanted to `relative`.
 fn boxed(limits: &str, relative: f64) -> (Case, Model) {
+    searched(limits, relative, "evaluations = 600")
+}
+
+/// The same with this search.
+fn searched(limits: &str, relative: f64, search: &str) -> (Case, Model) {
     let text = format!(
         r#"
 schema = "poinsot.case/1"
@@ -85,7 +90,7 @@ speed_rad_s = 150.0
 torque_N_m = 0.05
 [design]
 starts = 2
-evaluations = 600
+{search}
 [[design.wheel]]
 nodes = 7
 "#
@@ -214,6 +219,19 @@ fn prop_vehicles_of_the_prior_hold_the_limits_that_depend_on_them() {
     assert!(broken <= 9, "{broken}");
     let body = found.limits.iter().find(|l| l.what == "body rate").unwrap();
     assert!(body.value < 0.04 && body.value > 0.03, "{body:?}");
+}
+
+#[test]
+fn stat_a_robust_design_is_better_than_the_nominal_one_for_vehicles_that_it_has_not_seen() {
+    let search = "evaluations = 2400\nrobust = true";
+    let (case, mut model) = searched("body_rate_rad_s = 0.04", 1.0e-3, search);
+    model.bodies[0].prior.as_mut().unwrap().inertia = Some(0.3);
+    let found = designed(&case, &model);
+    let robust = found.robust.unwrap();
+    let (others, nominal) = (robust.others.unwrap(), robust.nominal.unwrap());
+    assert!(others < nominal, "{robust:?}");
+    // 64 vehicles of the search stand for a thousand others.
+    assert!((others - robust.searched).abs() < 0.1, "{robust:?}");
 }
 
 #[test]

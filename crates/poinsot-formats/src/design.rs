@@ -31,6 +31,12 @@ pub struct DesignFile {
     /// Mean of the worst tenth of ln(largest ratio) over the vehicles of the prior, of a robust design.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub robust_log_ratio: Option<f64>,
+    /// The same over a thousand other vehicles.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub robust_log_ratio_others: Option<f64>,
+    /// The same over these with the best manoeuvre for the nominal vehicle.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub nominal_log_ratio_others: Option<f64>,
     /// Wanted numbers, in the order of the case.
     pub wants: Vec<DesignedNumberFile>,
     /// Use of every limit.

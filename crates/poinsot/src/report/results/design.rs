@@ -47,7 +47,7 @@ pub fn design_document(design: &DesignFile) -> Document {
         document.push(flights(v));
     }
     let settled = match design.search.settled {
-        true => "the next step would gain less than 0.1 %",
+        true => "the next step would gain less than 0.001 %",
         false => "stopped before convergence: more evaluations or minutes may find a better one",
     };
     let mut lines = vec![format!(
@@ -59,6 +59,17 @@ pub fn design_document(design: &DesignFile) -> Document {
             "worst tenth of the vehicles of the prior: largest sigma {} of the wanted one",
             significant(robust.exp(), 3)
         ));
+        let others = [
+            design.robust_log_ratio_others,
+            design.nominal_log_ratio_others,
+        ];
+        if let [Some(own), Some(nominal)] = others {
+            lines.push(format!(
+                "worst tenth of a thousand others: {}; with the best manoeuvre for the nominal vehicle: {}",
+                significant(own.exp(), 3),
+                significant(nominal.exp(), 3)
+            ));
+        }
     }
     document.push(Section::list("search", lines));
     document
