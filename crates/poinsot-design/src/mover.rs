@@ -80,14 +80,18 @@ impl Mover {
         duration: f64,
     ) -> Result<Self, (Target, String)> {
         let (low, high) = bounds[0];
-        if !(low < moved.start && moved.start < high) {
+        let room = match moved.form {
+            // About its mean.
+            Form::Fourier { .. } => f64::min(high - moved.start, moved.start - low),
+            _ => 0.5 * (high - low),
+        };
+        if !(low <= moved.start && moved.start <= high && room > 0.0) {
             let why = format!(
                 "it starts at {}, outside its limits {low} to {high}; give [[limits.joint]] or [[limits.wheel]] that include its initial position",
                 moved.start
             );
             return Err((target, why));
         }
-        let room = f64::min(high - moved.start, moved.start - low);
         let bound = |w: f64| room.min(bounds[1].1 / w).min(bounds[2].1 / (w * w));
         // Scale of nodes: the amplitude that one slow swing over the duration can reach.
         let swing = bound(4.0 / duration);
@@ -119,6 +123,15 @@ impl Mover {
             units,
             bounds,
         })
+    }
+
+    /// The free numbers with every node in the middle of the range. A Fourier series stays about its start.
+    pub fn towards_middle(&self) -> Vec<f64> {
+        let far = match self.form {
+            Form::Fourier { .. } => 0.0,
+            _ => middle(self.bounds[0], self.start) - self.start,
+        };
+        self.units.iter().map(|unit| far / unit).collect()
     }
 
     /// The motion that the free numbers give.

@@ -38,6 +38,8 @@ pub struct Space {
     pub valves: Valves,
     /// Limits on the free numbers.
     pub polytope: Polytope,
+    /// Free numbers away from all limits. Zero, a mover at its start, may lie on one.
+    centre: Vec<f64>,
     /// Meaning of each of the first sides; those of the thrusters follow.
     of_side: Vec<SideOf>,
 }
@@ -77,12 +79,14 @@ impl Space {
             movers,
             valves: Valves::new(design, limits, first, duration)?,
             polytope: Polytope::default(),
+            centre: Vec::new(),
             of_side: Vec::new(),
         };
         for k in 0..space.movers.len() {
             space.add_sides(k);
         }
         space.polytope.sides.extend(space.valves.sides(duration));
+        space.find_centre();
         Ok(space)
     }
 
@@ -181,15 +185,16 @@ impl Space {
         movers.chain(self.valves.blocks()).collect()
     }
 
-    /// The point, or the largest fraction of it within the limits, block by block.
+    /// The point, or the nearest to it within the limits on the way from the centre, block by block.
     pub fn drawn_inside(&self, x: Vec<f64>) -> Vec<f64> {
         if self.polytope.holds(&x, ROUND_OFF) {
             return x;
         }
-        self.scaled(&x, |reach| reach.min(1.0))
+        let from_centre: Vec<f64> = x.iter().zip(&self.centre).map(|(x, c)| x - c).collect();
+        self.scaled(&from_centre, |reach| reach.min(1.0))
     }
 
-    /// Scales the direction until each block uses `share` of its limits.
+    /// Goes from the centre in a direction until each block uses `share` of its limits.
     pub fn stretched(&self, direction: &[f64], share: f64) -> Vec<f64> {
         self.scaled(direction, |reach| share * reach)
     }
@@ -197,17 +202,26 @@ impl Space {
     /// Scales each block by `factor(reach)`, where `reach` is the largest factor within the limits, given the earlier
     /// blocks.
     fn scaled(&self, direction: &[f64], factor: impl Fn(f64) -> f64) -> Vec<f64> {
-        let mut x = vec![0.0; direction.len()];
-        let mut own = x.clone();
+        let mut x = self.centre.clone();
+        let mut own = vec![0.0; direction.len()];
         for block in self.blocks() {
             block.iter().for_each(|j| own[*j] = direction[*j]);
             let by = factor(self.polytope.reach(&x, &own));
             for j in block {
-                x[j] = by * direction[j];
+                x[j] += by * direction[j];
                 own[j] = 0.0;
             }
         }
         x
+    }
+
+    /// Half of the way from the start towards the middle of each range that the limits allow.
+    fn find_centre(&mut self) {
+        self.centre = vec![0.0; self.len()];
+        let towards: Vec<f64> = self.movers.iter().flat_map(Mover::towards_middle).collect();
+        let mut direction = self.centre.clone();
+        direction[..towards.len()].copy_from_slice(&towards);
+        self.centre = self.scaled(&direction, |reach| 0.5 * reach.min(1.0));
     }
 
     fn add_sides(&mut self, k: usize) {
@@ -263,12 +277,12 @@ mod tests {
     use rand::RngExt;
     use rand::SeedableRng;
 
-    fn mover(form: Form, bounds: [(f64, f64); 3]) -> Space {
+    fn mover(form: Form, start: f64, bounds: [(f64, f64); 3]) -> Space {
         let moved = Moved {
             index: 0,
             slides: false,
             form,
-            start: 0.2,
+            start,
         };
         let mover = Mover::new(Target::Joint(0), &moved, bounds, 0, 40.0).unwrap();
         let mut space = Space {
@@ -276,9 +290,11 @@ mod tests {
             movers: vec![mover],
             valves: Valves::default(),
             polytope: Polytope::default(),
+            centre: Vec::new(),
             of_side: Vec::new(),
         };
         space.add_sides(0);
+        space.find_centre();
         space
     }
 
@@ -294,15 +310,17 @@ mod tests {
             at_rest,
         };
         let returns = true;
+        // The last start is on a limit.
         let forms = [
-            fourier(false),
-            fourier(true),
-            Form::Spline { nodes: 8, returns },
-            Form::Slews { slews: 4, returns },
+            (fourier(false), 0.2),
+            (fourier(true), 0.2),
+            (Form::Spline { nodes: 8, returns }, 0.2),
+            (Form::Slews { slews: 4, returns }, 0.2),
+            (Form::Spline { nodes: 8, returns }, 1.1),
         ];
         let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(22);
-        for form in forms {
-            let space = mover(form, bounds);
+        for (form, start) in forms {
+            let space = mover(form, start, bounds);
             let mut closest = 0.0_f64;
             for _ in 0..50 {
                 let d: Vec<f64> = (0..space.len())
@@ -333,7 +351,7 @@ mod tests {
             nodes: 7,
             returns: true,
         };
-        let space = mover(form, [both(2.0), both(1.0), both(1.0)]);
+        let space = mover(form, 0.2, [both(2.0), both(1.0), both(1.0)]);
         let x = space.stretched(&[0.4, -0.3, 0.2, 0.5, -0.1], 0.7);
         let motion = space.commands(&x)[0].joint().unwrap();
         let found = space.movers[0].fitted(&motion, 40.0).unwrap();
