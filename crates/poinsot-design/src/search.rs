@@ -23,17 +23,33 @@ const HOP_POINTS: usize = 8;
 const HOP_TOLERANCE: f64 = 0.01;
 /// A hop is dropped that after its first steps is worse than the best by more, and by half of it after twice as many.
 const HOPELESS: f64 = 0.3;
-/// Evaluations for each free number that are kept for the last steps, and the largest share of all.
-const POLISH: usize = 16;
-const POLISH_SHARE: usize = 4;
-/// Ends of the search of which the last steps are made.
-const POLISHED: usize = 4;
+/// The last steps of a search that has minimised nearly the same function, and of one that has not.
+const SAME: LastSteps = LastSteps {
+    each: 8,
+    share: 8,
+    ends: 2,
+};
+const OTHER: LastSteps = LastSteps {
+    each: 16,
+    share: 4,
+    ends: 4,
+};
 /// Fraction of the limits that random manoeuvres use.
 const STRETCH: f64 = 0.97;
 /// The search stops when a step lowers the logarithm of the ratio by less.
 const TOLERANCE: f64 = 1.0e-5;
 /// First trust region, in free numbers.
 const DELTA: f64 = 0.3;
+
+/// What is kept for the last steps.
+struct LastSteps {
+    /// Evaluations for each free number.
+    each: usize,
+    /// Divisor of all evaluations: no more than this part.
+    share: usize,
+    /// Ends of the search from which steps are made.
+    ends: usize,
+}
 
 /// The best manoeuvre of a search.
 #[derive(Debug, Clone)]
@@ -53,7 +69,8 @@ pub fn search(
 ) -> Option<Found> {
     let program = Program::new(question, space);
     let mut rng = ChaCha8Rng::seed_from_u64(question.design.seed);
-    let polish = (POLISH * space.len()).min(evaluations / POLISH_SHARE);
+    let last = last_steps(question);
+    let polish = (last.each * space.len()).min(evaluations / last.share);
     let mut left = evaluations.saturating_sub(polish);
     let mut best = round(&program, &mut rng, given.to_vec(), &mut left)?;
     let mut ends = vec![best.reached.x.clone()];
@@ -117,9 +134,16 @@ fn polished(
     };
     let worst = fine.values(&[best.to_vec()]).pop()??.merit();
     let mut searches = evaluated(&fine, ends, &mut left);
-    searches.truncate(POLISHED);
+    searches.truncate(last_steps(program.question).ends);
     let reached = halved(&fine, searches, &mut left)?.reached;
     (reached.values.merit() <= worst).then_some(reached)
+}
+
+fn last_steps(question: &Question) -> LastSteps {
+    match question.last_rows() {
+        Rows::Share(_) => SAME,
+        Rows::All => OTHER,
+    }
 }
 
 /// The search from the best of the random manoeuvres and those given.
