@@ -76,8 +76,11 @@ fn at_times(segment: &Segment, kept: &[usize]) -> Segment {
     let dof = o.joint_position.len() / o.time_s.len().max(1);
     let wheels = o.wheel_speed.len() / o.time_s.len().max(1);
     let rows = |all: &[f64], width: usize| -> Vec<f64> {
-        let row = |k: &usize| all[k * width..(k + 1) * width].to_vec();
-        kept.iter().flat_map(row).collect()
+        let mut rows = Vec::with_capacity(width * kept.len());
+        for k in kept {
+            rows.extend_from_slice(&all[k * width..(k + 1) * width]);
+        }
+        rows
     };
     let observations = Observations {
         time_s: picked(&o.time_s, kept),

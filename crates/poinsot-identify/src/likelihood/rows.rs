@@ -53,6 +53,8 @@ pub struct Rows<'a> {
     regressor: Vec<[f64; 6]>,
     wheels: Vec<[f64; 6]>,
     columns: Vec<[f64; 6]>,
+    /// Positions or rates of the joints.
+    joints: Vec<f64>,
 }
 
 impl<'a> Rows<'a> {
@@ -70,6 +72,7 @@ impl<'a> Rows<'a> {
             regressor: vec![[0.0; 6]; 10 * tree.bodies()],
             wheels: vec![[0.0; 6]; tree.rotors.len()],
             columns: Vec::with_capacity(start.columns() + setting.parameters.len() + 1),
+            joints: Vec::with_capacity(tree.dof()),
             setting,
             segment,
             impulses,
@@ -218,25 +221,27 @@ impl<'a> Rows<'a> {
         let dof = tree.dof();
         let rates = &s.joint_rate[k * dof..(k + 1) * dof];
         let (v, w) = (self.kinematics.v[0], self.kinematics.w[0]);
-        let mut unit_rates = vec![0.0; dof];
         for j in 0..dof {
             if noise.joint_rate[j] > 0.0 {
-                unit_rates[j] = 1.0;
+                self.joints.clear();
+                self.joints.resize(dof, 0.0);
+                self.joints[j] = 1.0;
                 self.unit.R.clone_from(&self.kinematics.R);
                 self.unit.p.clone_from(&self.kinematics.p);
                 let zero = Vector3::zeros();
-                self.unit.set_velocities(tree, &zero, &zero, &unit_rates);
-                unit_rates[j] = 0.0;
+                self.unit.set_velocities(tree, &zero, &zero, &self.joints);
                 let d = momentum(nominal, &self.unit);
                 C += d * d.transpose() * noise.joint_rate[j];
             }
             if noise.joint_position[j] > 0.0 {
-                let mut q = s.joint_position[k * dof..(k + 1) * dof].to_vec();
+                let at = &s.joint_position[k * dof..(k + 1) * dof];
+                self.joints.clear();
+                self.joints.extend_from_slice(at);
                 let step = 1.0e-5;
                 let mut ends = [Vector6::zeros(); 2];
                 for (end, sign) in ends.iter_mut().zip([1.0, -1.0]) {
-                    q[j] = s.joint_position[k * dof + j] + sign * step;
-                    self.unit.place(tree, &q);
+                    self.joints[j] = at[j] + sign * step;
+                    self.unit.place(tree, &self.joints);
                     self.unit.set_velocities(tree, &v, &w, rates);
                     *end = momentum(nominal, &self.unit);
                 }
@@ -357,33 +362,21 @@ impl<'a> Rows<'a> {
         let R = *self.segment.samples.R_NB[k].to_rotation_matrix().matrix();
         let velocity_B = R.transpose() * noise.velocity * R;
         let zero = Vector3::zeros();
+        self.joints.clear();
+        self.joints.resize(dof, 0.0);
         for (axis, e) in basis().iter().enumerate() {
             let variance = noise.gyro[(axis, axis)] * noise.seen_gyro;
-            self.add_one_source(
-                &covariance,
-                &zero,
-                e,
-                &vec![0.0; dof],
-                variance * weight,
-                sum,
-            );
+            self.add_one_source(&covariance, &zero, e, variance * weight, sum);
             if self.setting.parameters.equations == Equations::Momentum {
                 let variance = velocity_B[(axis, axis)] * noise.seen_velocity;
-                self.add_one_source(
-                    &covariance,
-                    e,
-                    &zero,
-                    &vec![0.0; dof],
-                    variance * weight,
-                    sum,
-                );
+                self.add_one_source(&covariance, e, &zero, variance * weight, sum);
             }
         }
         for j in 0..dof {
-            let mut rates = vec![0.0; dof];
-            rates[j] = 1.0;
+            self.joints[j] = 1.0;
             let variance = noise.joint_rate[j] * noise.seen_joint_rate;
-            self.add_one_source(&covariance, &zero, &zero, &rates, variance * weight, sum);
+            self.add_one_source(&covariance, &zero, &zero, variance * weight, sum);
+            self.joints[j] = 0.0;
         }
     }
 
@@ -392,7 +385,6 @@ impl<'a> Rows<'a> {
         covariance: &Matrix6,
         v: &Vector3,
         w: &Vector3,
-        rates: &[f64],
         variance: f64,
         sum: &mut [f64],
     ) {
@@ -402,7 +394,7 @@ impl<'a> Rows<'a> {
         let setting = self.setting;
         self.unit.R.clone_from(&self.kinematics.R);
         self.unit.p.clone_from(&self.kinematics.p);
-        self.unit.set_velocities(setting.tree, v, w, rates);
+        self.unit.set_velocities(setting.tree, v, w, &self.joints);
         momentum_regressor(&self.unit, &mut self.regressor);
         self.columns.clear();
         for unknown in &setting.parameters.unknowns {

@@ -54,13 +54,13 @@ impl Frequencies {
         let tree = vehicle.tree;
         let (dof, wheels) = (tree.dof(), tree.rotors.len());
         let mut kinematics = Kinematics::new(tree);
-        let mut place = |k: usize| {
+        let place = |kinematics: &mut Kinematics, k: usize| {
             if let Some(q) = o.joint_position.get(k * dof..(k + 1) * dof) {
                 kinematics.place(tree, q);
             }
-            (composite(&vehicle.bodies, &kinematics), kinematics.clone())
+            composite(&vehicle.bodies, kinematics)
         };
-        let (mut whole, mut placed) = place(0);
+        let mut whole = place(&mut kinematics, 0);
         let length = gyration(&whole);
         let base = measured_rate(o);
         let mut all = Self {
@@ -69,11 +69,11 @@ impl Frequencies {
         };
         for (k, w) in base.iter().enumerate() {
             if dof > 0 && wheels > 0 {
-                (whole, placed) = place(k);
+                whole = place(&mut kinematics, k);
             }
             let rates = o.joint_rate.get(k * dof..(k + 1) * dof).unwrap_or(&[]);
             let speeds = o.wheel_speed.get(k * wheels..(k + 1) * wheels);
-            let stored = speeds.map(|s| wheel_momentum(tree, &placed, &vehicle.spin, s));
+            let stored = speeds.map(|s| wheel_momentum(tree, &kinematics, &vehicle.spin, s));
             let nutation = stored.map_or(0.0, |h| nutation(&whole.I_SScm_B(), &h));
             let orbit = o.orbit.get(k).map_or(0.0, |(r, _)| {
                 let gm = vehicle.gm.unwrap_or_default();
