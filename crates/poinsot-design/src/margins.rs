@@ -14,8 +14,8 @@ use poinsot_solve::Reached;
 use rayon::prelude::*;
 
 /// Vehicles of the prior that must hold the limits that depend on the vehicle. The search adapts to those that it meets: with up
-/// to 13 vehicles on a limit at its end, 99 % of the prior holds it with probability 95 % (Campi and Garatti 2008).
-const VEHICLES: u64 = 2000;
+/// to 39 vehicles on a limit at its end, 99 % of the prior holds it with probability 95 % (Campi and Garatti 2008).
+const VEHICLES: u64 = 5000;
 /// Largest number of rounds that each add the vehicles that exceed a limit most.
 const ROUNDS: usize = 8;
 /// Factors on a manoeuvre that exceeds a limit for some vehicle.
