@@ -201,13 +201,11 @@ fn judged(answer: &Identified, truth: &Model) -> (f64, usize) {
 #[test]
 fn stat_intervals_hold_with_exact_and_with_uncertain_known_numbers() {
     let trials = std::env::var("POINSOT_TRIALS").ok();
-    let trials: u64 = trials.and_then(|n| n.parse().ok()).unwrap_or(2);
-    let may_withhold = |origin| {
-        if origin == Some(Origin::Cad) {
-            trials as usize
-        } else {
-            0
-        }
+    let trials: u64 = trials.and_then(|n| n.parse().ok()).unwrap_or(12);
+    // 27 of 400 trials with drawings.
+    let may_withhold = |origin| match origin {
+        Some(Origin::Cad) => 2 + trials / 10,
+        _ => 0,
     };
     for origin in [None, Some(Origin::Measured), Some(Origin::Cad)] {
         let exact = arm(11);
@@ -215,7 +213,7 @@ fn stat_intervals_hold_with_exact_and_with_uncertain_known_numbers() {
             None => exact.clone(),
             Some(origin) => exact.clone().with_usual_uncertainty(origin),
         };
-        let (mut sum, mut inside, mut answered, mut withheld, mut doubted) = (0.0, 0, 0, 0, 0);
+        let (mut sum, mut inside, mut answered, mut withheld, mut doubted) = (0.0, 0, 0, 0_u64, 0);
         for seed in 0..trials {
             let mut dice = Dice::new(1000 + seed);
             let changes = drawn(&model, &mut dice);
