@@ -5,7 +5,7 @@ use crate::mover::{Command, Target};
 use crate::result::{Designed, LimitUse, Reach, Robust};
 use crate::search::{Found, refine, search};
 use crate::shape::Space;
-use crate::trial::{Question, Rows};
+use crate::trial::{Deadline, Question, Rows};
 use crate::verify::verify;
 use crate::watch::Watch;
 use crate::written::manoeuvre_text;
@@ -17,7 +17,6 @@ use poinsot_dynamics::{Firing, Plan, Tree};
 use poinsot_model::{Model, read_model};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
-use std::time::{Duration, Instant};
 
 /// Steps of a search that continues after a small change.
 pub(crate) const FEW_STEPS: usize = 8;
@@ -72,7 +71,7 @@ pub(crate) struct Asked<'c> {
     wants: Vec<Want>,
     pub limits: Limits,
     joint_names: Vec<String>,
-    deadline: Option<Instant>,
+    deadline: Option<Deadline>,
 }
 
 /// Designs the manoeuvre of a case in memory.
@@ -175,7 +174,7 @@ impl<'c> Asked<'c> {
             design,
             wants,
             joint_names: names.collect(),
-            deadline: minutes.map(|m| Instant::now() + Duration::from_secs_f64(60.0 * m)),
+            deadline: minutes.map(Deadline::after),
             case,
             model,
         })

@@ -72,10 +72,7 @@ impl Asked<'_> {
                 break;
             }
             let rows = question.last_rows();
-            let program = Program {
-                rows,
-                ..Program::new(question, space)
-            };
+            let program = Program::last(question, space, rows);
             let shorter = SHARES.map(|share| reached.x.iter().map(|x| share * x).collect());
             let part = match question.vehicles.is_empty() {
                 true => self.design.evaluations / ROUNDS,

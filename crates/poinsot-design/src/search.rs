@@ -128,10 +128,8 @@ fn polished(
     best: &[f64],
     mut left: usize,
 ) -> Option<Reached> {
-    let fine = Program {
-        rows: program.question.last_rows(),
-        ..*program
-    };
+    let question = program.question;
+    let fine = Program::last(question, program.space, question.last_rows());
     let worst = fine.values(&[best.to_vec()]).pop()??.merit();
     let mut searches = evaluated(&fine, ends, &mut left);
     searches.truncate(last_steps(program.question).ends);
@@ -228,10 +226,7 @@ pub fn refine(
     from: &[f64],
     evaluations: usize,
 ) -> Option<Reached> {
-    let program = Program {
-        rows,
-        ..Program::new(question, space)
-    };
+    let program = Program::last(question, space, rows);
     let from = space.drawn_inside(from.to_vec());
     minimax(
         &program,

@@ -14,13 +14,15 @@ use poinsot_model::Model;
 use poinsot_solve::{Minimax, Values};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Integration tolerance of candidates; its effect on sigmas is negligible.
 const TOLERANCE: f64 = 1.0e-8;
 /// Rows of a candidate per cycle of its fastest free motion, and the fewest rows. More rows add little information.
 const ROWS_A_CYCLE: f64 = 20.0;
 const LEAST_ROWS: f64 = 75.0;
+/// Share of the time of a search until which it hops; the rest is for its last steps and for the vehicles of the prior.
+const HOPPING: f64 = 0.75;
 /// Number of vehicles of the prior in a robust design.
 const SCENARIOS: u64 = 64;
 /// Number of other vehicles by which a robust design is judged, and their first random stream.
@@ -53,10 +55,30 @@ pub struct Question {
     pub surcharge: Vec<f64>,
     /// Vehicles whose worst tenth is the objective; empty if it is the nominal vehicle.
     pub vehicles: Vec<Model>,
-    /// Time at which the search stops.
-    pub deadline: Option<Instant>,
+    /// Time at which the search stops, last steps included.
+    pub deadline: Option<Deadline>,
     /// Number of evaluations so far.
     pub evaluations: AtomicUsize,
+}
+
+/// When a search has to end.
+#[derive(Debug, Clone, Copy)]
+pub struct Deadline {
+    /// No hop is followed after this time.
+    pub of_hops: Instant,
+    /// No step is made after this time.
+    pub of_all: Instant,
+}
+
+impl Deadline {
+    /// From now on.
+    pub fn after(minutes: f64) -> Self {
+        let after = |minutes: f64| Instant::now() + Duration::from_secs_f64(60.0 * minutes);
+        Self {
+            of_hops: after(HOPPING * minutes),
+            of_all: after(minutes),
+        }
+    }
 }
 
 /// A vehicle of the prior and the watched limit that it must hold.
@@ -95,7 +117,7 @@ impl Question {
         model: Model,
         (design, wants): (Design, Vec<Want>),
         watch: Watch,
-        deadline: Option<Instant>,
+        deadline: Option<Deadline>,
     ) -> Result<Self, Error> {
         let mut case = case.clone();
         case.tolerance.relative = case.tolerance.relative.max(TOLERANCE);
@@ -317,15 +339,27 @@ pub struct Program<'q> {
     pub space: &'q Space,
     /// Rows of a candidate.
     pub rows: Rows,
+    /// Time at which it stops.
+    pub until: Option<Instant>,
 }
 
 impl<'q> Program<'q> {
-    /// With the usual number of rows.
+    /// With the usual number of rows, until the time for hops is over.
     pub fn new(question: &'q Question, space: &'q Space) -> Self {
         Self {
             question,
             space,
             rows: Rows::Share(1.0),
+            until: question.deadline.map(|d| d.of_hops),
+        }
+    }
+
+    /// The last steps, on these rows.
+    pub fn last(question: &'q Question, space: &'q Space, rows: Rows) -> Self {
+        Self {
+            rows,
+            until: question.deadline.map(|d| d.of_all),
+            ..Self::new(question, space)
         }
     }
 }
@@ -340,7 +374,7 @@ impl Minimax for Program<'_> {
     }
 
     fn stop(&self) -> bool {
-        let late = self.question.deadline.is_some_and(|d| Instant::now() >= d);
+        let late = self.until.is_some_and(|until| Instant::now() >= until);
         late || crate::interrupt::is_requested()
     }
 }
