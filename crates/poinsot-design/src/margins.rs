@@ -1,4 +1,4 @@
-//! Use of the limits by a manoeuvre, and the margins needed by the vehicles of the prior.
+//! Use of the limits by a manoeuvre, and the vehicles of the prior that must hold them.
 
 use crate::design::{Asked, FEW_STEPS, ROBUST_PART};
 use crate::mover::{Order, Target};

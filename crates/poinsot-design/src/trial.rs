@@ -47,7 +47,7 @@ pub struct Question {
     pub design: Design,
     /// Limits on the motion.
     pub watch: Watch,
-    /// Margin added to the excess of each watched limit, for values between rows.
+    /// Margin added to the excess of each watched limit, for values between rows and for what a search did not resolve.
     pub margins: Vec<f64>,
     /// Vehicles of the prior that exceed a watched limit first. Each must hold it in every candidate.
     pub critical: Vec<Critical>,

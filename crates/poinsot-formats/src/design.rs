@@ -83,7 +83,7 @@ pub struct LimitUseFile {
     pub value: f64,
     /// The limit.
     pub limit: f64,
-    /// Margin as a share of the limit (cones: rad, distances: m), after the margin for the vehicles of the prior.
+    /// Margin as a share of the limit (cones: rad, distances: m), the least of the nominal vehicle and those of the prior.
     pub margin: f64,
     /// Whether the limit is active.
     pub active: bool,
