@@ -5,6 +5,7 @@ use crate::estimate_file::{component, estimate_file, inertia_entries};
 use crate::identify::Identified;
 use crate::summary;
 use crate::verdict::Standing;
+use indexmap::IndexMap;
 use poinsot_formats::{EstimateFile, UndeterminedFile};
 use poinsot_identify::{BodyEstimate, DeterminedCombination, Estimate, Number, Source, Status};
 use poinsot_report::{Document, Section, Table, Tone, number_with_sigma, probability, significant};
@@ -257,13 +258,18 @@ fn difference(n: &Number) -> String {
     }
 }
 
-/// One line per direction; equal reasons and equal remedies are merged below.
+/// One line per direction; those of one remedy together, and each remedy and reason once below them.
 pub(crate) fn open_sentences(open: &[UndeterminedFile]) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for alike in open.chunk_by(|a, b| a.reason == b.reason) {
-        for group in alike.chunk_by(|a, b| a.remedy == b.remedy) {
-            lines.extend(group.iter().map(|item| item.combination.clone()));
-            lines.push(format!("    to resolve it: {}.", group[0].remedy));
+        let mut groups: IndexMap<&str, Vec<&str>> = IndexMap::new();
+        for item in alike {
+            let group = groups.entry(&item.remedy).or_default();
+            group.push(&item.combination);
+        }
+        for (remedy, combinations) in groups {
+            lines.extend(combinations.into_iter().map(str::to_owned));
+            lines.push(format!("    to resolve it: {remedy}."));
         }
         lines.push(format!("    why: {}.", alike[0].reason));
     }

@@ -1,6 +1,6 @@
 //! What the experiment determines already, and the information of one more record or number.
 
-use super::{Change, Effort, Row, percent};
+use super::{Action, Change, Effort, GIVEN, Row};
 use crate::fit::experiment::Experiment;
 use crate::fit::triangle::SharedTriangle;
 use crate::likelihood::{InitialState, MeasuredMotion};
@@ -15,9 +15,6 @@ use faer::Mat;
 use faer::linalg::solvers::DenseSolveCore;
 use poinsot_model::EstimateSet;
 use poinsot_solve::{BlockQr, Spectrum};
-
-/// Accuracy of a number that is given, natural units.
-const GIVEN: f64 = 1.0e-3;
 
 /// Information of the experiment, in barycentric unknowns.
 pub(super) struct Baseline<'a> {
@@ -129,26 +126,23 @@ impl<'a> Baseline<'a> {
             gradient.iter().map(|g| g / sigma).collect()
         };
         let mut list = Vec::new();
-        let mut add = |what: &str, rows: Vec<Row>| {
+        let mut add = |what: &'static str, rows: Vec<Row>| {
             list.push(Change {
-                text: format!(
-                    "fix {what} of {name} to a sigma of {} of nominal",
-                    percent(GIVEN)
-                ),
+                action: Action::Number(what, name.clone()),
                 effort: Effort::Number,
                 rows,
             });
         };
         if set.mass {
-            add("the mass", vec![row(ten.parameter(0).gradient, GIVEN * m)]);
+            add("mass", vec![row(ten.parameter(0).gradient, GIVEN * m)]);
         }
         if set.com {
             let rows = (0..3).map(|k| row(ten.mass_centre(k).gradient, GIVEN * l));
-            add("the mass centre", rows.collect());
+            add("mass centre", rows.collect());
         }
         if set.inertia {
             let rows = (0..6).map(|k| row(ten.central_inertia(k).gradient, GIVEN * m * l * l));
-            add("the inertia", rows.collect());
+            add("inertia", rows.collect());
         }
         list
     }

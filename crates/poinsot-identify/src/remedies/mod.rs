@@ -2,7 +2,8 @@
 //!
 //! One record with another motion, thrust, momentum or sensor, or one known number, is added to the experiment. The
 //! joint information is decomposed again, and a direction is resolved if it is then identified. Information needs the
-//! predicted motion and the noise, but no simulated samples. Pairs are tested if no single change resolves a direction.
+//! predicted motion and the noise, but no simulated samples. For what no single change resolves, changes are added
+//! one by one, each time the one that determines most, and those that turn out not to be needed are left out again.
 
 mod baseline;
 mod records;
@@ -12,14 +13,13 @@ use crate::solution::estimate::UnobservableCombination;
 use crate::solution::solved::Solution;
 use baseline::Baseline;
 use poinsot_solve::Spectrum;
-use std::collections::BTreeMap;
 
 /// Share of a direction's square that must be identified for it to count as resolved.
 const CLOSED: f64 = 0.99;
-/// Share of a direction's square below which a change has no effect on it.
-const NOTHING: f64 = 0.05;
-/// Changes of which pairs are tried for a direction.
-const PAIRED: usize = 8;
+/// Most changes of one remedy: a longer list is no advice.
+const TOGETHER: usize = 12;
+/// Accuracy of a number that is given, relative to the nominal mass, length and inertia.
+const GIVEN: f64 = 1.0e-3;
 
 /// A row of information: over all unknowns in the order of the parameters.
 type Row = Vec<f64>;
@@ -35,47 +35,100 @@ enum Effort {
     Number,
 }
 
+/// What is done.
+#[derive(Debug, Clone, PartialEq, Eq)]
+enum Action {
+    /// A record or a sensor, in words.
+    Record(String),
+    /// The mass, mass centre or inertia of a body is given.
+    Number(&'static str, String),
+}
+
 /// One change.
 struct Change {
-    text: String,
+    action: Action,
     effort: Effort,
     rows: Vec<Row>,
 }
 
-/// Effect of a change.
+/// Several changes in words.
+fn in_words(changes: &[&Change]) -> String {
+    let mut all: Vec<String> = Vec::new();
+    let mut numbers: Vec<(&str, Vec<&str>)> = Vec::new();
+    for change in changes {
+        match &change.action {
+            Action::Record(text) => all.push(text.clone()),
+            Action::Number(what, body) => match numbers.iter_mut().find(|n| n.0 == *what) {
+                Some((_, bodies)) => bodies.push(body),
+                None => numbers.push((what, vec![body])),
+            },
+        }
+    }
+    if !numbers.is_empty() {
+        let of = |(what, bodies): &(&str, Vec<&str>)| format!("the {what} of {}", listed(bodies));
+        let numbers: Vec<String> = numbers.iter().map(of).collect();
+        all.push(format!(
+            "fix {} to a sigma of {} of nominal",
+            listed(&numbers),
+            percent(GIVEN)
+        ));
+    }
+    all.join(", and ")
+}
+
+/// Words with commas, the last two with "and".
+fn listed<S: AsRef<str>>(words: &[S]) -> String {
+    let words: Vec<&str> = words.iter().map(AsRef::as_ref).collect();
+    match words.split_last() {
+        Some((last, first)) if !first.is_empty() => format!("{} and {last}", first.join(", ")),
+        _ => words.concat(),
+    }
+}
+
+/// Effect of one change, or of several together.
 struct Effect {
     text: String,
     effort: Effort,
+    /// Number of directions that are identified in addition.
+    gain: usize,
     /// Per unobservable direction: the identified share and its sigma, natural units.
     seen: Vec<(f64, f64)>,
 }
 
 impl Effect {
-    fn of(baseline: &Baseline, changes: &[&Change], directions: &[Vec<f64>]) -> Option<Self> {
+    fn of(
+        baseline: &Baseline,
+        rank: usize,
+        changes: &[&Change],
+        directions: &[Vec<f64>],
+    ) -> Option<Self> {
         let rows: Vec<&Row> = changes.iter().flat_map(|c| &c.rows).collect();
         let spectrum = baseline.spectrum(&rows)?;
-        let texts: Vec<&str> = changes.iter().map(|c| c.text.as_str()).collect();
         Some(Self {
+            gain: spectrum.rank.saturating_sub(rank),
             seen: directions.iter().map(|z| seen(&spectrum, z)).collect(),
-            text: texts.join(", and "),
+            text: in_words(changes),
             effort: changes.iter().map(|c| c.effort).max()?,
         })
     }
 
-    fn closed(&self) -> usize {
-        self.seen
-            .iter()
-            .filter(|(share, _)| *share > CLOSED)
-            .count()
+    fn closes(&self, k: usize) -> bool {
+        self.seen[k].0 > CLOSED
     }
 
-    /// The action with its gain for one direction.
-    fn words(&self, k: usize) -> String {
+    /// Largest sigma of a direction that it resolves, natural units.
+    fn largest_sigma(&self) -> f64 {
+        let closed = self.seen.iter().filter(|(share, _)| *share > CLOSED);
+        closed.map(|(_, sigma)| *sigma).fold(0.0, f64::max)
+    }
+
+    /// The action with its gain: the same words for every direction that it resolves.
+    fn words(&self) -> String {
         format!(
-            "{} (then sigma {} of nominal; resolves {} of {} unobservable directions)",
+            "{} (then sigma at most {} of nominal; resolves {} of {} unobservable directions)",
             self.text,
-            percent(self.seen[k].1),
-            self.closed(),
+            percent(self.largest_sigma()),
+            self.gain,
             self.seen.len()
         )
     }
@@ -96,19 +149,19 @@ pub(crate) fn try_changes(
         return;
     };
     for (k, direction) in open.iter_mut().enumerate() {
-        if let Some(text) = tried.sentence(k) {
-            direction.remedy = text;
-        }
+        direction.remedy = tried.sentence(k);
     }
 }
 
 /// Every change with its effect.
 struct Tried<'a> {
     baseline: Baseline<'a>,
+    /// Rank of the experiment as it is.
+    rank: usize,
     directions: Vec<Vec<f64>>,
     changes: Vec<(Change, Effect)>,
-    /// Effects of the pairs that were tried, by their places among the changes.
-    pairs: BTreeMap<[usize; 2], Option<Effect>>,
+    /// What is needed for the directions that no single change resolves, once it is known.
+    together: Option<Together>,
 }
 
 impl<'a> Tried<'a> {
@@ -118,72 +171,135 @@ impl<'a> Tried<'a> {
         open: &[UnobservableCombination],
     ) -> Option<Self> {
         let baseline = Baseline::new(problem, solution)?;
+        let rank = baseline.spectrum(&[])?.rank;
         let directions: Vec<Vec<f64>> = open.iter().map(|o| baseline.direction(o)).collect();
         let changes: Vec<(Change, Effect)> = baseline
             .changes()
             .into_iter()
             .filter_map(|change| {
-                let effect = Effect::of(&baseline, &[&change], &directions)?;
+                let effect = Effect::of(&baseline, rank, &[&change], &directions)?;
                 Some((change, effect))
             })
             .collect();
         (!changes.is_empty()).then_some(Self {
             baseline,
+            rank,
             directions,
             changes,
-            pairs: BTreeMap::new(),
+            together: None,
         })
     }
 
-    /// The best change for one direction in words; the best pair if no single change helps.
-    fn sentence(&mut self, k: usize) -> Option<String> {
+    /// The best change for one direction in words; the fewest together if no single one resolves it.
+    fn sentence(&mut self, k: usize) -> String {
         let effects = self.changes.iter().map(|c| &c.1);
         if let Some(best) = best(effects, k) {
-            return Some(best.words(k));
+            return best.words();
         }
-        let share = |i: usize| self.changes[i].1.seen[k].0;
-        let mut most: Vec<usize> = (0..self.changes.len()).collect();
-        most.sort_by(|a, b| share(*b).total_cmp(&share(*a)));
-        most.truncate(PAIRED);
-        let first = &self.changes[*most.first()?].1;
-        let pairs = most.iter().enumerate().flat_map(|(i, a)| {
-            let others = most[i + 1..].iter();
-            others.map(move |b| [*a, *b])
-        });
-        for pair in pairs.clone() {
-            // The best changes of one direction are often those of another.
-            self.pairs.entry(pair).or_insert_with(|| {
-                let changes = pair.map(|i| &self.changes[i].0);
-                Effect::of(&self.baseline, &changes, &self.directions)
-            });
-        }
-        let tried: Vec<&Effect> = pairs.filter_map(|p| self.pairs.get(&p)?.as_ref()).collect();
-        if let Some(best) = best(tried.iter().copied(), k) {
-            return Some(format!("only together: {}", best.words(k)));
-        }
-        let none = format!(
-            "none of {} changes and {} pairs resolves it",
-            self.changes.len(),
-            tried.len()
-        );
-        Some(match first.seen[k].0 > NOTHING {
-            true => format!(
-                "{none}; the best is: {} ({:.0} % of it)",
-                first.text,
-                100.0 * first.seen[k].0
+        let together = self.together.take().or_else(|| self.several());
+        let closes = together.as_ref().is_some_and(|t| t.effect.closes(k));
+        let sentence = match &together {
+            Some(together) if closes => together.words.clone(),
+            Some(together) => format!(
+                "none of {} changes resolves it, nor {} of them together",
+                self.changes.len(),
+                together.size
             ),
-            false => none,
+            None => format!("none of {} changes resolves it", self.changes.len()),
+        };
+        self.together = together;
+        sentence
+    }
+
+    /// Changes added one by one, those of least effort first, of these the one that determines most; without those that
+    /// the others make needless.
+    fn needed(&self) -> Vec<usize> {
+        let mut list: Vec<usize> = Vec::new();
+        while list.len() < TOGETHER {
+            let before = self.gain(&list);
+            let mut next: Option<(Effort, usize, usize)> = None;
+            for at in (0..self.changes.len()).filter(|at| !list.contains(at)) {
+                let effort = self.changes[at].0.effort;
+                if next.is_some_and(|(least, ..)| effort > least) {
+                    continue;
+                }
+                let with: Vec<usize> = list.iter().copied().chain([at]).collect();
+                let gain = self.gain(&with);
+                let better = next.is_none_or(|(least, most, _)| effort < least || gain > most);
+                if gain > before && better {
+                    next = Some((effort, gain, at));
+                }
+            }
+            match next {
+                Some((.., at)) => list.push(at),
+                None => break,
+            }
+        }
+        let most = self.gain(&list);
+        // The last ones take the most effort.
+        for place in (0..list.len()).rev() {
+            let mut without = list.clone();
+            without.remove(place);
+            if self.gain(&without) == most {
+                list = without;
+            }
+        }
+        list
+    }
+
+    /// What is needed, in words: the gain of each effort stands behind its changes.
+    fn several(&self) -> Option<Together> {
+        let list = self.needed();
+        let changes: Vec<&Change> = list.iter().map(|at| &self.changes[*at].0).collect();
+        let effect = Effect::of(&self.baseline, self.rank, &changes, &self.directions)?;
+        let mut parts = Vec::new();
+        let (mut size, mut resolved) = (0, 0);
+        for alike in changes.chunk_by(|a, b| a.effort == b.effort) {
+            size += alike.len();
+            let gain = self.gain(&list[..size]);
+            let told = match resolved {
+                0 => format!("of {} unobservable directions", self.directions.len()),
+                _ => "more".to_owned(),
+            };
+            let sigma = percent(effect.largest_sigma());
+            let sigma = match size == changes.len() {
+                true => format!("; then sigma at most {sigma} of nominal"),
+                false => String::new(),
+            };
+            let (text, more) = (in_words(alike), gain - resolved);
+            parts.push(format!("{text} (resolves {more} {told}{sigma})"));
+            resolved = gain;
+        }
+        Some(Together {
+            words: format!("only together: {}", parts.join(", and ")),
+            size,
+            effect,
         })
+    }
+
+    /// Number of directions that several changes identify in addition.
+    fn gain(&self, set: &[usize]) -> usize {
+        let changes = set.iter().flat_map(|at| &self.changes[*at].0.rows);
+        let rows: Vec<&Row> = changes.collect();
+        let spectrum = self.baseline.spectrum(&rows);
+        spectrum.map_or(0, |s| s.rank.saturating_sub(self.rank))
     }
 }
 
-/// The change that resolves a direction with the least effort; then the one that resolves most, then the most accurate.
+/// Several changes that determine all that can be determined.
+struct Together {
+    words: String,
+    size: usize,
+    effect: Effect,
+}
+
+/// The change that resolves a direction with the least effort; then the one that resolves most, then the most accurate in all
+/// that it resolves, so that directions share a remedy where they can.
 fn best<'e>(effects: impl Iterator<Item = &'e Effect>, k: usize) -> Option<&'e Effect> {
-    let closing = effects.filter(|e| e.seen[k].0 > CLOSED);
-    closing.min_by(|a, b| {
-        (a.effort, b.closed())
-            .cmp(&(b.effort, a.closed()))
-            .then(a.seen[k].1.total_cmp(&b.seen[k].1))
+    effects.filter(|e| e.closes(k)).min_by(|a, b| {
+        (a.effort, b.gain)
+            .cmp(&(b.effort, a.gain))
+            .then(a.largest_sigma().total_cmp(&b.largest_sigma()))
     })
 }
 

@@ -1,14 +1,14 @@
 //! Tested records: a rotation, a joint motion, a sensor, a thrust. Those within the vehicle's capability come first.
 
 use super::baseline::Baseline;
-use super::{Change, Effort, Row};
+use super::{Action, Change, Effort, Row};
 use crate::likelihood::{InitialState, InitialStateColumns, MeasuredMotion, Setting, evaluate};
 use crate::motion::input_curves::InputCurves;
 use crate::problem::loss::Loss;
 use crate::problem::parameters::axis_name;
 use crate::problem::segment::{Firing, Noise, Observations, Segment, SensorRecord, SensorValue};
 use poinsot_dynamics::{Kinematics, composite};
-use poinsot_model::{SensorKind, Thruster};
+use poinsot_model::{Joint, JointKind, SensorKind, Thruster};
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
 
 /// Samples of a record that is tried, and its longest duration, s; their noise is scaled to that of the record at
@@ -45,7 +45,11 @@ impl Baseline<'_> {
         let mut list = Vec::new();
         let mut add = |effort: Effort, text: String, trial: &Trial| {
             if let Some(rows) = self.rows_of(trial) {
-                list.push(Change { text, effort, rows });
+                list.push(Change {
+                    action: Action::Record(text),
+                    effort,
+                    rows,
+                });
             }
         };
         let model = self.problem.model;
@@ -107,30 +111,35 @@ impl Baseline<'_> {
         }
     }
 
-    /// An oscillating joint.
+    /// An oscillating joint; all of them, each at its own pace.
     fn joints(&self, trial: &Trial, add: &mut impl FnMut(String, &Trial)) {
-        let tree = self.problem.tree;
-        let dof = tree.dof();
-        let (size, turns) = SWING;
-        for (joint, at) in tree.coordinates.iter().enumerate().take(JOINTS) {
+        let coordinates = &self.problem.tree.coordinates;
+        let (size, _) = SWING;
+        let span = trial.span();
+        for (joint, at) in coordinates.iter().enumerate().take(JOINTS) {
             let mut moving = trial.clone();
-            let o = &mut moving.segment.observations;
-            let span = o.time_s.last().copied().unwrap_or(1.0) - o.time_s[0];
-            let pace = std::f64::consts::TAU * turns / span;
-            for (k, t) in o.time_s.iter().enumerate() {
-                let angle = pace * (t - o.time_s[0]);
-                o.joint_position[k * dof + joint] += size * angle.sin();
-                o.joint_rate[k * dof + joint] += size * pace * angle.cos();
-            }
+            moving.swing(joint, coordinates.len(), 1.0);
             let joint = &self.problem.model.joints[*at];
-            let unit = match joint.kind {
-                poinsot_model::JointKind::Prismatic => "m",
-                _ => "rad",
-            };
             let text = format!(
-                "record {:.0} s more with {} oscillating by {size} {unit}",
-                trial.span(),
-                joint.name
+                "record {span:.0} s more with {} oscillating by {size} {}",
+                joint.name,
+                unit(joint)
+            );
+            add(text, &moving);
+        }
+        if coordinates.len() > 1 {
+            let mut moving = trial.clone();
+            for joint in 0..coordinates.len() {
+                let pace = 1.0 + joint as f64 / coordinates.len() as f64;
+                moving.swing(joint, coordinates.len(), pace);
+            }
+            let joints = coordinates.iter().map(|at| &self.problem.model.joints[*at]);
+            let mut units: Vec<&str> = joints.map(unit).collect();
+            units.sort_unstable();
+            units.dedup();
+            let text = format!(
+                "record {span:.0} s more with all joints oscillating by {size} {}, each at its own pace",
+                units.join(" or ")
             );
             add(text, &moving);
         }
@@ -294,6 +303,26 @@ impl Trial {
     fn span(&self) -> f64 {
         let t = &self.segment.observations.time_s;
         t.last().copied().unwrap_or(0.0) - t.first().copied().unwrap_or(0.0)
+    }
+
+    /// One of the joints also oscillates, at a multiple of the usual pace.
+    fn swing(&mut self, joint: usize, joints: usize, pace: f64) {
+        let (size, turns) = SWING;
+        let pace = std::f64::consts::TAU * turns * pace / self.span().max(f64::MIN_POSITIVE);
+        let o = &mut self.segment.observations;
+        for (k, t) in o.time_s.iter().enumerate() {
+            let angle = pace * (t - o.time_s[0]);
+            o.joint_position[k * joints + joint] += size * angle.sin();
+            o.joint_rate[k * joints + joint] += size * pace * angle.cos();
+        }
+    }
+}
+
+/// Unit of a joint's motion.
+fn unit(joint: &Joint) -> &'static str {
+    match joint.kind {
+        JointKind::Prismatic => "m",
+        _ => "rad",
     }
 }
 

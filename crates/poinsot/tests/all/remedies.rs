@@ -4,7 +4,7 @@ use crate::vehicle;
 
 use poinsot_dynamics::{Start, StartVelocity, WheelMotion};
 use poinsot_identify::Estimate;
-use poinsot_model::{EstimateSet, Model, SensorKind};
+use poinsot_model::{EstimateSet, Model, Prior, SensorKind};
 use poinsot_spatial::{Matrix3, Vector3};
 use vehicle::*;
 
@@ -139,5 +139,68 @@ fn exact_only_a_number_given_parts_the_bodies_of_a_joint() {
             one.text,
             one.remedy
         );
+    }
+}
+
+/// An arm that stands: one record with both joints moving resolves as many directions as its remedy says, and with the
+/// numbers that the common remedy names nothing is left. An arm that nobody tuned for, and a prismatic joint.
+#[test]
+fn exact_an_arm_that_stands_is_told_the_motion_and_the_numbers_that_resolve_all() {
+    for (seed, joints) in [(34, "rr"), (38, "rp")] {
+        let mut model = with_thrusters(tree(seed, joints));
+        model.sensors = sensors(1.0e-5);
+        let still = flight(&model, 4, &[Drive::Stands(0.1), Drive::Stands(-0.2)]);
+        let still = fly(&model, &still);
+        let before = ask(&model, vec![still.clone()], "auto").estimate;
+        say(&before);
+        let open = &before.identifiability.open;
+        let together = open.iter().find(|o| o.remedy.starts_with("only together"));
+        let remedy = &together.unwrap().remedy;
+        let (motion, numbers) = remedy.split_once(" (resolves ").unwrap();
+        assert!(motion.contains("all joints oscillating"), "{remedy}");
+        let resolves: usize = numbers.split(' ').next().unwrap().parse().unwrap();
+
+        let more = fly(&model, &moving(&model, 5));
+        let both = vec![still.clone(), more.clone()];
+        let after = ask(&model, both.clone(), "auto").estimate;
+        let gained = after.identifiability.rank - before.identifiability.rank;
+        println!("{joints}: said to resolve {resolves}, gained {gained}");
+        assert_eq!(gained, resolves);
+
+        // What stands behind "the" up to the next one are the bodies of one kind of number: given as priors.
+        for part in numbers.split("the ").skip(1) {
+            let of = |what: &str, name: &str| {
+                let bodies = part
+                    .strip_prefix(what)
+                    .map(|t| t.split(" to a sigma").next());
+                bodies.flatten().is_some_and(|text| text.contains(name))
+            };
+            for body in &mut model.bodies {
+                let mut prior = body.prior.unwrap_or(Prior {
+                    mass: None,
+                    com: None,
+                    inertia: None,
+                    entropic: None,
+                });
+                let size = 1.0e-3 * body.nominal.mass;
+                if of("mass of ", &body.name) {
+                    prior.mass = Some(size);
+                }
+                if of("mass centre of ", &body.name) {
+                    prior.com = Some(1.0e-3);
+                }
+                if of("inertia of ", &body.name) {
+                    prior.inertia = Some(0.1 * size);
+                }
+                body.prior = Some(prior);
+            }
+        }
+        let known = ask(&model, both, "auto").estimate;
+        for body in &known.bodies {
+            let numbers = body.inertia.iter().chain([&body.mass]);
+            for n in numbers {
+                assert!(n.sigma.is_some(), "{joints}: {}", body.name);
+            }
+        }
     }
 }
