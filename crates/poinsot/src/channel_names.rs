@@ -29,6 +29,20 @@ pub(crate) fn names(model: &Model, kind: SensorKind, of: &[usize]) -> Vec<String
     }
 }
 
+/// Columns of all joints, wheels and thrusters of a model.
+pub(crate) fn of_parts(model: &Model) -> Vec<String> {
+    let all = |count: usize| (0..count).collect::<Vec<usize>>();
+    let kinds = [
+        (SensorKind::JointPosition, model.joints.len()),
+        (SensorKind::JointRate, model.joints.len()),
+        (SensorKind::WheelSpeed, model.wheels.len()),
+        (SensorKind::Thrust, model.thrusters.len()),
+    ];
+    let of = |(kind, count)| names(model, kind, &all(count));
+    let torques = wheels(model, &all(model.wheels.len()), "Nm");
+    kinds.into_iter().flat_map(of).chain(torques).collect()
+}
+
 pub(crate) fn wheels(model: &Model, of: &[usize], suffix: &str) -> Vec<String> {
     of.iter()
         .filter_map(|i| model.wheels.get(*i))

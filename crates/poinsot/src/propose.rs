@@ -1,6 +1,7 @@
 //! Proposes a `[telemetry]` table for a CSV file from its first lines.
 
 use crate::bind::mountings;
+use crate::channel_names;
 use crate::error::Error;
 use crate::propose_sensors::proposed_sensors;
 use poinsot_formats::{INSPECTION, StatedFile};
@@ -43,15 +44,17 @@ pub fn inspect(
     map: Option<&Path>,
 ) -> Result<InspectionAnswer, Error> {
     let mut options = options.clone();
+    let mut own = Vec::new();
     if let Some(model) = model.map(read_model).transpose()? {
         options.mountings = mountings(&model);
+        own = channel_names::of_parts(&model);
         options.map = model.telemetry;
     }
     if let Some(map) = map {
         options.map = read_telemetry_map(map)?;
     }
     let described = map.is_some() || options.map != TelemetryMap::default();
-    let proposed_map = (!described).then(|| proposed_map(files)).flatten();
+    let proposed_map = (!described).then(|| proposed_map(files, &own)).flatten();
     let inspection = match (inspect_files(files, &options), &proposed_map) {
         (Ok(inspection), _) => inspection,
         (Err(error), Some(map)) => {
@@ -108,13 +111,15 @@ pub fn inspection_file(content: InspectionAnswer) -> StatedFile<InspectionAnswer
     }
 }
 
-/// A table to paste; uncertain lines are marked. `None` if the file is not text, or has standard names in SI.
-pub fn proposed_map(paths: &[impl AsRef<Path>]) -> Option<String> {
-    let tables: Vec<String> = paths.iter().filter_map(|p| proposed(p.as_ref())).collect();
+/// A table to paste; uncertain lines are marked. `None` if the file is not text, or has standard names in SI. A column
+/// named in `own` is that of a joint, wheel or thruster of the model.
+pub fn proposed_map(paths: &[impl AsRef<Path>], own: &[String]) -> Option<String> {
+    let of = |path: &Path| proposed(path, own);
+    let tables: Vec<String> = paths.iter().filter_map(|p| of(p.as_ref())).collect();
     (!tables.is_empty()).then(|| tables.join("\n"))
 }
 
-fn proposed(path: &Path) -> Option<String> {
+fn proposed(path: &Path, own: &[String]) -> Option<String> {
     let mut bytes = Vec::new();
     let (file, _) = poinsot_files::open(path).ok()?;
     file.take(BYTES).read_to_end(&mut bytes).ok()?;
@@ -130,7 +135,7 @@ fn proposed(path: &Path) -> Option<String> {
     head.layout(&mut out);
     head.time(&mut out);
     head.attitude(&mut out);
-    head.columns(&mut out);
+    head.columns(own, &mut out);
     (out.len() > before).then_some(out)
 }
 
@@ -320,9 +325,10 @@ impl FileHead {
         }
     }
 
-    fn columns(&self, out: &mut String) {
+    fn columns(&self, own: &[String], out: &mut String) {
         let mut lines = String::new();
-        for (column, name) in self.header.iter().enumerate() {
+        let named = self.header.iter().enumerate();
+        for (column, name) in named.filter(|(_, name)| !own.contains(name)) {
             if let Some(line) = self.column(column, name) {
                 lines.push_str(&line);
             }
@@ -415,7 +421,7 @@ mod tests {
                     2026-03-14T18:19:00.0;0.1;0.2;0.3;100;0;1;0;0;0\n2026-03-14T18:19:01.0;0.1;0.2;0.3;100;0;1;0;0;0\n\
                     2026-03-14T18:19:02.0;0.1;0.2;0.3;100;0;1;0;0;0\n";
         std::fs::write(&path, text).unwrap();
-        let map = proposed_map(&[&path]).unwrap();
+        let map = proposed_map(&[&path], &[]).unwrap();
         let wanted = "[[telemetry.file]]\nname = \"aocs.csv\"\ncomment = \"#\"\ndelimiter = \";\"\nunits_row = true\n\
             time = { column = \"UTC\", format = \"iso8601\" }   # unsure: no zone is written, UTC is assumed\n\
             attitude = [{ quaternion = [\"Q0\", \"Q1\", \"Q2\", \"Q3\"], order = \"wxyz\", sense = \"body_to_inertial\" }]   # unsure: order and sense; `identify` compares them with the gyro\n\n\
@@ -426,6 +432,10 @@ mod tests {
         poinsot_model::parse_telemetry_map(&map, "proposed").unwrap();
         let plain = folder.path().join("plain.csv");
         std::fs::write(&plain, "time_s,omega_x\n0,1\n1,2\n2,3\n").unwrap();
-        assert_eq!(proposed_map(&[&plain]), None);
+        assert_eq!(proposed_map(&[&plain], &[]), None);
+        // A wheel of the model bears a name that often means a rate.
+        std::fs::write(&plain, "time_s,wx_rad_s\n0,1\n1,2\n2,3\n").unwrap();
+        assert!(proposed_map(&[&plain], &[]).unwrap().contains("omega_x"));
+        assert_eq!(proposed_map(&[&plain], &["wx_rad_s".to_owned()]), None);
     }
 }
