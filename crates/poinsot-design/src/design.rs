@@ -83,7 +83,9 @@ pub fn design_case(case: &Case, model: Model, request: &DesignRequest) -> Result
     let front = request.front.as_deref().map(Asked::group).transpose()?;
     let listening = Listening::begin();
     let mut question = asked.question(&asked.limits)?;
-    let space = asked.space(&asked.limits, case.duration_s)?;
+    let window = asked.design.window;
+    let designed = case.duration_s - window.begin() - window.rest(case.duration_s);
+    let space = asked.space(&asked.limits, designed)?;
     let reference = asked.reference(&question);
     let (space, mut found) = asked.nominal(&mut question, space)?;
     asked.leave_margins(&mut question, &space, &mut found.reached)?;
@@ -161,12 +163,14 @@ impl<'c> Asked<'c> {
             .iter()
             .map(|k| model.joints[*k].name.clone());
         let mut limits = case.limits(model).map_err(refused)?;
-        let open: Vec<usize> = design.wheels.iter().map(|w| w.index).collect();
-        let scenario = case.bind_open(model, &open).map_err(refused)?;
-        let designed = |k: usize| design.thrusters.iter().any(|f| f.index == k);
+        let scenario = case.bind_around(model, design.open()).map_err(refused)?;
+        let designed = |f: &Firing| {
+            let own = design.thrusters.iter().any(|t| t.index == f.thruster);
+            own && !design.window.keeps(f.on, f.off)
+        };
         for limit in &mut limits.impulses {
             let fired = scenario.plan.firings.iter();
-            let others = fired.filter(|f| limit.holds(f.thruster) && !designed(f.thruster));
+            let others = fired.filter(|f| limit.holds(f.thruster) && !designed(f));
             limit.spent = others.map(|f| f.force * (f.off - f.on)).sum();
         }
         Ok(Self {
@@ -189,7 +193,8 @@ impl<'c> Asked<'c> {
     }
 
     fn space(&self, limits: &Limits, duration: f64) -> Result<Space, Error> {
-        Space::new(&self.design, limits, duration).map_err(|(target, why)| Error::Usage {
+        let times = (duration, self.design.window.rest(self.case.duration_s));
+        Space::new(&self.design, limits, times).map_err(|(target, why)| Error::Usage {
             option: "CASE",
             value: self.case.path().display().to_string(),
             why: format!("{}: {why}", self.name(target)),
@@ -205,6 +210,9 @@ impl<'c> Asked<'c> {
 
     /// Sigmas of the manoeuvre in the case itself; `None` if it moves no designed joint, wheel or thruster.
     fn reference(&self, question: &Question) -> Option<Vec<f64>> {
+        if self.design.replaced.is_empty() {
+            return None;
+        }
         let hold = Plan::hold(self.model);
         let plan = &question.scenario.plan;
         let joints = self.design.joints.iter().map(|m| m.index);
@@ -356,13 +364,13 @@ impl<'c> Asked<'c> {
     fn written(&self, space: &Space, x: &[f64]) -> Result<Written, Error> {
         let commands = space.movers.iter().zip(space.commands(x));
         let commands: Vec<_> = commands
-            .map(|(m, c)| (self.name(m.target).to_owned(), c))
+            .map(|(m, c)| (self.name(m.target).to_owned(), c.delayed(space.from)))
             .collect();
         let firings = space.valves.firings(x).into_iter();
         let firings: Vec<_> = firings
             .map(|f| (self.name(Target::Thruster(f.thruster)).to_owned(), f))
             .collect();
-        let manoeuvre = manoeuvre_text(self.case, space, &commands, &firings)?;
+        let manoeuvre = manoeuvre_text((self.case, &self.design), space, &commands, &firings)?;
         Ok((commands, firings, manoeuvre))
     }
 
@@ -420,7 +428,7 @@ impl<'c> Asked<'c> {
             manoeuvre,
             commands,
             firings,
-            duration_s: space.duration,
+            duration_s: space.record(),
             objective: word(self.design.objective),
             wants: Vec::new(),
             limits,

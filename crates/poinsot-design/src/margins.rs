@@ -152,7 +152,7 @@ impl Asked<'_> {
             return Ok(Vec::new());
         };
         let mut case = self.case.clone();
-        case.duration_s = space.duration;
+        case.duration_s = space.record();
         let mut dense = scenario.clone();
         dense.times = fine_times(&case);
         let of = |scenario| -> Result<Vec<(f64, f64)>, Error> {

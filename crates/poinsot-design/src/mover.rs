@@ -8,6 +8,10 @@ use std::f64::consts::{PI, TAU};
 const POINTS: usize = 64;
 /// Pieces into which a cubic is divided for its Bezier hull.
 const PARTS: usize = 2;
+/// Points at which a piece of a motion that is flown first or next is checked.
+const PIECE: usize = 64;
+/// Relative excess of a limit that is round-off.
+const ROUND_OFF: f64 = 1.0e-9;
 /// Place of the largest acceleration of a rest-to-rest quintic: `s = (3 - sqrt 3) / 6`.
 const QUINTIC_PEAK: f64 = 0.211_324_865_405_187_1;
 
@@ -44,6 +48,10 @@ pub struct Mover {
     pub slides: bool,
     /// Value at the start.
     pub start: f64,
+    /// Value at the end, unless that is free.
+    pub end: Option<f64>,
+    /// What is flown first and next.
+    around: [Vec<PiecewisePolynomial>; 2],
     /// Index of its first free number.
     pub first: usize,
     /// Scale of each free number, rad, m or rad/s.
@@ -79,6 +87,12 @@ impl Mover {
         first: usize,
         duration: f64,
     ) -> Result<Self, (Target, String)> {
+        let around = [("first", &moved.before), ("next", &moved.after)];
+        for (when, profiles) in around {
+            if let Some(excess) = profiles.iter().find_map(|p| excess(p, bounds)) {
+                return Err((target, format!("what is flown {when} {excess}")));
+            }
+        }
         let (low, high) = bounds[0];
         let room = match moved.form {
             // About its mean.
@@ -107,8 +121,8 @@ impl Mover {
                     .collect();
                 one.iter().chain(&one).copied().collect()
             }
-            Form::Spline { nodes, returns } => vec![swing; nodes - 1 - usize::from(returns)],
-            Form::Slews { slews, returns } => vec![swing; slews - usize::from(returns)],
+            Form::Spline { nodes } => vec![swing; moved.free_nodes(nodes)],
+            Form::Slews { slews } => vec![swing; moved.free_nodes(slews + 1)],
         };
         if units.iter().any(|u| !u.is_finite()) {
             let why = "no limit bounds it: the amplitude is unlimited; give [[limits.joint]] or [[limits.wheel]]".to_owned();
@@ -119,6 +133,8 @@ impl Mover {
             form,
             slides: moved.slides,
             start: moved.start,
+            end: moved.end,
+            around: [moved.before.clone(), moved.after.clone()],
             first,
             units,
             bounds,
@@ -137,14 +153,13 @@ impl Mover {
     /// The motion that the free numbers give.
     pub fn command(&self, x: &[f64], duration: f64) -> Command {
         let value: Vec<f64> = x.iter().zip(&self.units).map(|(x, u)| x * u).collect();
-        let nodes = |count: usize, returns: bool| {
+        let nodes = |count: usize| {
             let step = duration / (count - 1) as f64;
             let time = (0..count).map(|k| k as f64 * step).collect();
             let inner = value.iter().map(|v| self.start + v);
-            let last = returns.then_some(self.start);
             let values = std::iter::once(self.start)
                 .chain(inner)
-                .chain(last)
+                .chain(self.end)
                 .collect();
             (time, values)
         };
@@ -172,12 +187,12 @@ impl Mover {
                     cosine,
                 })
             }
-            Form::Spline { nodes: n, returns } => {
-                let (time, values) = nodes(n, returns);
+            Form::Spline { nodes: n } => {
+                let (time, values) = nodes(n);
                 Command::Spline(time, values)
             }
-            Form::Slews { slews, returns } => {
-                let (time, values) = nodes(slews + 1, returns);
+            Form::Slews { slews } => {
+                let (time, values) = nodes(slews + 1);
                 Command::Slews(time, values)
             }
         }
@@ -242,13 +257,28 @@ impl Mover {
         }
     }
 
-    /// Free numbers that approximate a motion best, by least squares over many times.
-    pub fn fitted(&self, motion: &JointMotion, duration: f64) -> Option<Vec<f64>> {
+    /// The command with what is flown before and after it; it begins at `from`.
+    pub fn whole(&self, command: Command, from: f64) -> Option<JointMotion> {
+        let [before, after] = &self.around;
+        let command = match command.delayed(from).joint()? {
+            JointMotion::Nodes(profile) => profile,
+            series => return Some(series),
+        };
+        let parts = before.iter().chain([&command]).chain(after);
+        let mut all = PiecewisePolynomial::default();
+        for part in parts {
+            all = all.then(part).ok()?;
+        }
+        Some(JointMotion::Nodes(all))
+    }
+
+    /// Free numbers that approximate a motion from `from` on best, by least squares over many times.
+    pub fn fitted(&self, motion: &JointMotion, from: f64, duration: f64) -> Option<Vec<f64>> {
         const TIMES: usize = 400;
         let n = self.units.len();
         let sampled = |x: &[f64]| -> Option<nalgebra::DVector<f64>> {
             let own = self.command(x, duration).joint()?;
-            Some(values_of(&own, duration, TIMES))
+            Some(values_of(&own, (0.0, duration), TIMES))
         };
         let rest = sampled(&vec![0.0; n])?;
         let mut A = nalgebra::DMatrix::zeros(TIMES, n);
@@ -257,17 +287,46 @@ impl Mover {
             unit[j] = 1.0;
             A.set_column(j, &(sampled(&unit)? - &rest));
         }
-        let y = values_of(motion, duration, TIMES) - rest;
+        let y = values_of(motion, (from, duration), TIMES) - rest;
         let x = (A.transpose() * &A).cholesky()?.solve(&(A.transpose() * y));
         Some(x.iter().copied().collect())
     }
 }
 
-fn values_of(motion: &JointMotion, duration: f64, count: usize) -> nalgebra::DVector<f64> {
+fn values_of(
+    motion: &JointMotion,
+    (from, duration): (f64, f64),
+    count: usize,
+) -> nalgebra::DVector<f64> {
     nalgebra::DVector::from_fn(count, |i, _| {
-        let t = duration * (i as f64 + 0.5) / count as f64;
+        let t = from + duration * (i as f64 + 0.5) / count as f64;
         motion.at(t, t).value
     })
+}
+
+/// Where a motion of the case exceeds a limit, in words.
+fn excess(profile: &PiecewisePolynomial, bounds: [(f64, f64); 3]) -> Option<String> {
+    for pair in profile.nodes().windows(2) {
+        for i in 0..=PIECE {
+            let t = pair[0] + (pair[1] - pair[0]) * i as f64 / PIECE as f64;
+            let jet = profile.at(t, 0.5 * (pair[0] + pair[1]));
+            let values = [
+                ("value", jet.value),
+                ("rate", jet.rate),
+                ("acceleration", jet.acceleration),
+            ];
+            for ((what, value), (low, high)) in values.into_iter().zip(bounds) {
+                let most = high.abs().max(low.abs());
+                let slack = ROUND_OFF * if most.is_finite() { most } else { 0.0 };
+                if value < low - slack || value > high + slack {
+                    return Some(format!(
+                        "exceeds its limit at {t:.3} s: {what} {value}, limits {low} to {high}"
+                    ));
+                }
+            }
+        }
+    }
+    None
 }
 
 fn base_frequency(form: &Form, duration: f64) -> f64 {
@@ -296,6 +355,16 @@ fn hull(out: &mut Vec<(Order, f64)>, from: &Jet, to: &Jet, h: f64) {
 }
 
 impl Command {
+    /// The same command, later. A Fourier series fills its record.
+    pub fn delayed(self, by: f64) -> Self {
+        let later = |time: Vec<f64>| time.into_iter().map(|t| t + by).collect();
+        match self {
+            Self::Fourier(f) => Self::Fourier(f),
+            Self::Spline(time, values) => Self::Spline(later(time), values),
+            Self::Slews(time, values) => Self::Slews(later(time), values),
+        }
+    }
+
     /// The command as motion of a joint.
     pub fn joint(&self) -> Option<JointMotion> {
         match self {

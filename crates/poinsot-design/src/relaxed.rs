@@ -26,7 +26,7 @@ impl Asked<'_> {
             let own = |u: &LimitUse| group.starts.iter().any(|start| u.what.starts_with(start));
             group.starts.is_empty() || uses.iter().any(|u| u.is_active() && own(u))
         };
-        let own = (question, space.duration);
+        let own = (question, space);
         let of = |group: &Group| Some(self.with(group, RELAXED, own, x)?.0);
         GROUPS.iter().filter(is_active).filter_map(of).collect()
     }
@@ -55,7 +55,7 @@ impl Asked<'_> {
         x: &[f64],
         ratio: f64,
     ) -> Vec<Relaxed> {
-        let own = (question, space.duration);
+        let own = (question, space);
         let mut all = vec![Relaxed {
             what: group.words.to_owned(),
             factor: 1.0,
@@ -80,13 +80,18 @@ impl Asked<'_> {
         &self,
         group: &Group,
         factor: f64,
-        (own, duration): (&Question, f64),
+        (own, of_own): (&Question, &Space),
         from: &[f64],
     ) -> Option<(Relaxed, Vec<f64>)> {
         let mut limits = self.limits.clone();
         (group.relax)(&mut limits, factor);
         let of_time = if group.starts.is_empty() { factor } else { 1.0 };
-        let space = Space::new(&self.design, &limits, of_time * duration).ok()?;
+        // What is flown next has its time.
+        if group.starts.is_empty() && self.design.window.until.is_some() {
+            return None;
+        }
+        let times = (of_time * of_own.duration, of_own.rest);
+        let space = Space::new(&self.design, &limits, times).ok()?;
         let mut question = self.question(&limits).ok()?;
         question.design.objective = Objective::WorstRatio;
         // The limits have other values, but the same order.

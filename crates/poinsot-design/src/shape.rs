@@ -30,8 +30,12 @@ pub struct Use {
 /// All free numbers of a manoeuvre of fixed duration.
 #[derive(Debug, Clone)]
 pub struct Space {
-    /// Duration, s.
+    /// Begin of the designed part, s.
+    pub from: f64,
+    /// Its duration, s.
     pub duration: f64,
+    /// Time after it, s.
+    pub rest: f64,
     /// Joints, then wheels.
     pub movers: Vec<Mover>,
     /// Thrusters; their free numbers follow those of the joints and wheels.
@@ -54,8 +58,13 @@ struct SideOf {
 }
 
 impl Space {
-    /// Creates the free numbers of a design. An error names a mover that is unbounded or starts outside its limits.
-    pub fn new(design: &Design, limits: &Limits, duration: f64) -> Result<Self, (Target, String)> {
+    /// Creates the free numbers of a design of this duration, with `rest` after it. An error names a mover that is
+    /// unbounded or starts outside its limits.
+    pub fn new(
+        design: &Design,
+        limits: &Limits,
+        (duration, rest): (f64, f64),
+    ) -> Result<Self, (Target, String)> {
         let mut movers = Vec::new();
         let mut first = 0;
         for moved in &design.joints {
@@ -74,10 +83,14 @@ impl Space {
             movers.push(Mover::new(target, moved, bounds, first, duration)?);
             first += movers.last().map_or(0, |m| m.units.len());
         }
+        let from = design.window.begin();
+        let valves = Valves::new((design, limits), first, (from, from + duration))?;
         let mut space = Self {
+            from,
             duration,
+            rest,
             movers,
-            valves: Valves::new(design, limits, first, duration)?,
+            valves,
             polytope: Polytope::default(),
             centre: Vec::new(),
             of_side: Vec::new(),
@@ -85,7 +98,7 @@ impl Space {
         for k in 0..space.movers.len() {
             space.add_sides(k);
         }
-        space.polytope.sides.extend(space.valves.sides(duration));
+        space.polytope.sides.extend(space.valves.sides());
         space.find_centre();
         Ok(space)
     }
@@ -95,7 +108,12 @@ impl Space {
         self.movers.iter().map(|m| m.units.len()).sum::<usize>() + self.valves.len()
     }
 
-    /// The commanded motion of every mover.
+    /// Duration of the record, s.
+    pub fn record(&self) -> f64 {
+        self.from + self.duration + self.rest
+    }
+
+    /// The commanded motion of every mover, from the begin of the designed part.
     pub fn commands(&self, x: &[f64]) -> Vec<Command> {
         let of = |m: &Mover| m.command(&x[m.first..m.first + m.units.len()], self.duration);
         self.movers.iter().map(of).collect()
@@ -107,7 +125,7 @@ impl Space {
         for (mover, command) in self.movers.iter().zip(self.commands(x)) {
             match mover.target {
                 Target::Joint(k) => {
-                    let motion = command.joint()?;
+                    let motion = mover.whole(command, self.from)?;
                     // If joint torques also move other joints, the motion is in the driven plan.
                     if let Some(driven) = &mut scenario.driven {
                         *driven.joints.get_mut(k)? = JointDrive::Motion(motion.clone());
@@ -115,12 +133,15 @@ impl Space {
                     *plan.joints.get_mut(k)? = motion;
                 }
                 Target::Wheel(k) => {
-                    *plan.wheels.get_mut(k)? = WheelMotion::Speed(command.profile()?);
+                    let JointMotion::Nodes(speed) = mover.whole(command, self.from)? else {
+                        return None;
+                    };
+                    *plan.wheels.get_mut(k)? = WheelMotion::Speed(speed);
                 }
                 Target::Thruster(_) => {}
             }
         }
-        plan.firings.retain(|f| !self.valves.times(f.thruster));
+        plan.firings.retain(|f| !self.valves.replaces(f));
         plan.firings.extend(self.valves.firings(x));
         if let Some(driven) = &mut scenario.driven {
             driven.wheels.clone_from(&plan.wheels);
@@ -169,7 +190,9 @@ impl Space {
                 },
                 Target::Thruster(_) => None,
             };
-            if let Some(fitted) = own.and_then(|motion| mover.fitted(&motion, self.duration)) {
+            if let Some(fitted) =
+                own.and_then(|motion| mover.fitted(&motion, self.from, self.duration))
+            {
                 x[mover.first..mover.first + fitted.len()].copy_from_slice(&fitted);
             }
         }
@@ -283,10 +306,15 @@ mod tests {
             slides: false,
             form,
             start,
+            end: Some(start),
+            before: Vec::new(),
+            after: Vec::new(),
         };
         let mover = Mover::new(Target::Joint(0), &moved, bounds, 0, 40.0).unwrap();
         let mut space = Space {
+            from: 0.0,
             duration: 40.0,
+            rest: 0.0,
             movers: vec![mover],
             valves: Valves::default(),
             polytope: Polytope::default(),
@@ -309,14 +337,13 @@ mod tests {
             base_frequency_hz: None,
             at_rest,
         };
-        let returns = true;
         // The last start is on a limit.
         let forms = [
             (fourier(false), 0.2),
             (fourier(true), 0.2),
-            (Form::Spline { nodes: 8, returns }, 0.2),
-            (Form::Slews { slews: 4, returns }, 0.2),
-            (Form::Spline { nodes: 8, returns }, 1.1),
+            (Form::Spline { nodes: 8 }, 0.2),
+            (Form::Slews { slews: 4 }, 0.2),
+            (Form::Spline { nodes: 8 }, 1.1),
         ];
         let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(22);
         for (form, start) in forms {
@@ -347,14 +374,11 @@ mod tests {
     #[test]
     fn exact_a_manoeuvre_of_the_same_form_is_found_again() {
         let both = |x: f64| (-x, x);
-        let form = Form::Spline {
-            nodes: 7,
-            returns: true,
-        };
+        let form = Form::Spline { nodes: 7 };
         let space = mover(form, 0.2, [both(2.0), both(1.0), both(1.0)]);
         let x = space.stretched(&[0.4, -0.3, 0.2, 0.5, -0.1], 0.7);
         let motion = space.commands(&x)[0].joint().unwrap();
-        let found = space.movers[0].fitted(&motion, 40.0).unwrap();
+        let found = space.movers[0].fitted(&motion, 0.0, 40.0).unwrap();
         for (a, b) in x.iter().zip(found) {
             assert!((a - b).abs() < 1.0e-9);
         }

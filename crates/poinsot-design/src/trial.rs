@@ -121,8 +121,7 @@ impl Question {
     ) -> Result<Self, Error> {
         let mut case = case.clone();
         case.tolerance.relative = case.tolerance.relative.max(TOLERANCE);
-        let open: Vec<usize> = design.wheels.iter().map(|w| w.index).collect();
-        let bound = case.bind_open(&model, &open);
+        let bound = case.bind_around(&model, design.open());
         let scenario = bound.map_err(poinsot::simulate::SimulateError::from)?;
         Ok(Self {
             case,
@@ -149,9 +148,9 @@ impl Question {
     pub fn candidate(&self, (space, rows): (&Space, Rows), x: &[f64]) -> Option<Scenario> {
         let mut scenario = self.scenario.clone();
         let mut case = self.case.clone();
-        case.duration_s = space.duration;
+        case.duration_s = space.record();
         if let Rows::Share(share) = rows {
-            case.rate_hz /= thinned(&case, &self.model, &self.design, share);
+            case.rate_hz /= thinned((&case, space.duration), &self.model, &self.design, share);
         }
         scenario.times = case.times();
         space.place(x, &mut scenario)?;
@@ -299,7 +298,7 @@ impl Question {
 
 /// Number of rows of the case per row of a candidate with this share of the usual rows. All rows are used with correlated
 /// noise, where the information does not scale with the number of rows.
-fn thinned(case: &Case, model: &Model, design: &Design, share: f64) -> f64 {
+fn thinned((case, duration): (&Case, f64), model: &Model, design: &Design, share: f64) -> f64 {
     let remembers = model.sensors.iter().any(|s| s.correlation_s > 0.0);
     if remembers || model.environment.random_torque.is_some() {
         return 1.0;
@@ -310,15 +309,13 @@ fn thinned(case: &Case, model: &Model, design: &Design, share: f64) -> f64 {
             harmonics,
             base_frequency_hz,
             ..
-        } => harmonics as f64 * base_frequency_hz.map_or(1.0, |f| f * case.duration_s),
+        } => harmonics as f64 * base_frequency_hz.map_or(1.0, |f| f * duration),
         Form::Spline { nodes, .. } => 0.5 * nodes as f64,
         Form::Slews { slews, .. } => slews as f64,
     });
     let firings = design.thrusters.iter().map(|t| t.firings as f64);
     let rows = LEAST_ROWS.max(ROWS_A_CYCLE * cycles.chain(firings).fold(0.0, f64::max));
-    (case.duration_s * case.rate_hz / (share * rows))
-        .floor()
-        .max(1.0)
+    (duration * case.rate_hz / (share * rows)).floor().max(1.0)
 }
 
 /// Mean of the worst fraction: conditional value at risk (Rockafellar and Uryasev 2000).

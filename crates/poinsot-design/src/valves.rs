@@ -5,7 +5,7 @@
 
 use crate::mover::Target;
 use crate::result::LimitUse;
-use poinsot::case::{Design, Fired, ImpulseLimit, Limits, ThrusterLimit};
+use poinsot::case::{Design, Fired, ImpulseLimit, Limits, ThrusterLimit, Window};
 use poinsot_dynamics::Firing;
 use poinsot_solve::Side;
 
@@ -20,6 +20,8 @@ const EACH: usize = 2;
 pub struct Valve {
     fired: Fired,
     limit: ThrusterLimit,
+    /// Times between which it may fire, s.
+    free: (f64, f64),
     /// Index of its first free number.
     first: usize,
     /// Start of every firing at zero free numbers, s.
@@ -34,21 +36,25 @@ pub struct Valve {
 #[derive(Debug, Clone, Default)]
 pub struct Valves {
     list: Vec<Valve>,
+    window: Window,
     impulses: Vec<ImpulseLimit>,
 }
 
 impl Valves {
     /// Equally spaced firings with a fraction of their longest duration; free numbers start at `first`.
     pub fn new(
-        design: &Design,
-        limits: &Limits,
+        (design, limits): (&Design, &Limits),
         mut first: usize,
-        duration: f64,
+        (from, until): (f64, f64),
     ) -> Result<Self, (Target, String)> {
         let mut list = Vec::new();
         for fired in &design.thrusters {
             let limit = limits.thrusters[fired.index];
-            let slot = duration / fired.firings as f64;
+            let free = (
+                from.max(fired.last_off + limit.minimum_off),
+                until.min(fired.next_on - limit.minimum_off),
+            );
+            let slot = (free.1 - free.0) / fired.firings as f64;
             let room = slot - limit.minimum_off;
             let longest = room.min(longest_affordable(fired.index, design, limits));
             let length = limit.minimum_on + REST * (longest - limit.minimum_on);
@@ -59,10 +65,11 @@ impl Valves {
                 );
                 return Err((Target::Thruster(fired.index), why));
             }
-            let begin = |k: usize| k as f64 * slot + 0.5 * (slot - length);
+            let begin = |k: usize| free.0 + k as f64 * slot + 0.5 * (slot - length);
             list.push(Valve {
                 fired: *fired,
                 limit,
+                free,
                 first,
                 on: (0..fired.firings).map(begin).collect(),
                 length,
@@ -72,6 +79,7 @@ impl Valves {
         }
         Ok(Self {
             list,
+            window: design.window,
             impulses: limits.impulses.clone(),
         })
     }
@@ -81,9 +89,10 @@ impl Valves {
         self.list.iter().map(|v| EACH * v.fired.firings).sum()
     }
 
-    /// Whether the design times the firings of this thruster.
-    pub fn times(&self, thruster: usize) -> bool {
-        self.list.iter().any(|v| v.fired.index == thruster)
+    /// Whether the designed firings take the place of this one.
+    pub fn replaces(&self, firing: &Firing) -> bool {
+        let own = self.list.iter().any(|v| v.fired.index == firing.thruster);
+        own && !self.window.keeps(firing.on, firing.off)
     }
 
     /// The firings that the free numbers give.
@@ -99,8 +108,8 @@ impl Valves {
     }
 
     /// The linear limits.
-    pub fn sides(&self, duration: f64) -> Vec<Side> {
-        let mut sides: Vec<Side> = self.list.iter().flat_map(|v| v.sides(duration)).collect();
+    pub fn sides(&self) -> Vec<Side> {
+        let mut sides: Vec<Side> = self.list.iter().flat_map(Valve::sides).collect();
         for limit in &self.impulses {
             let mut a = Vec::new();
             let mut at_rest = limit.spent;
@@ -125,7 +134,7 @@ impl Valves {
         for v in &self.list {
             let mut own: Vec<&Firing> = given
                 .iter()
-                .filter(|f| f.thruster == v.fired.index)
+                .filter(|f| f.thruster == v.fired.index && self.replaces(f))
                 .collect();
             if own.len() != v.fired.firings {
                 continue;
@@ -204,7 +213,7 @@ impl Valve {
     }
 
     /// Limits: within the record, ordered with pauses, none too short; in units of a start.
-    fn sides(&self, duration: f64) -> Vec<Side> {
+    fn sides(&self) -> Vec<Side> {
         let last = self.fired.firings - 1;
         let [slot, grow] = self.units;
         let longer = grow / slot;
@@ -214,11 +223,14 @@ impl Valve {
             high: f64::INFINITY,
         };
         let mut sides = vec![
-            at_least(vec![(self.at(0, 0), 1.0)], -self.on[0] / slot),
+            at_least(
+                vec![(self.at(0, 0), 1.0)],
+                (self.free.0 - self.on[0]) / slot,
+            ),
             Side {
                 a: vec![(self.at(last, 0), 1.0), (self.at(last, 1), longer)],
                 low: f64::NEG_INFINITY,
-                high: (duration - self.on[last] - self.length) / slot,
+                high: (self.free.1 - self.on[last] - self.length) / slot,
             },
         ];
         for k in 0..self.fired.firings {
@@ -265,6 +277,8 @@ mod tests {
             index,
             firings,
             force,
+            last_off: f64::NEG_INFINITY,
+            next_on: f64::INFINITY,
         };
         let impulse = ImpulseLimit {
             thrusters: vec![0, 1],
@@ -280,6 +294,7 @@ mod tests {
             Some(Valve {
                 fired,
                 limit,
+                free: (0.0, 60.0),
                 first: own,
                 on: (0..fired.firings)
                     .map(|k| (k as f64 + 0.5) * slot)
@@ -290,6 +305,7 @@ mod tests {
         });
         Valves {
             list: list.collect(),
+            window: Window::default(),
             impulses: vec![impulse],
         }
     }
@@ -300,7 +316,7 @@ mod tests {
     fn prop_firings_inside_the_sides_hold_every_limit() {
         let valves = two_thrusters();
         let polytope = Polytope {
-            sides: valves.sides(60.0),
+            sides: valves.sides(),
         };
         let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(7);
         let mut least = [f64::INFINITY; 4];

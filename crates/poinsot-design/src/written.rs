@@ -3,10 +3,10 @@
 use crate::mover::{Command, Target};
 use crate::result::Designed;
 use crate::shape::Space;
-use poinsot::case::{Case, parse_case};
+use poinsot::case::{Case, Design, parse_case};
 use poinsot::simulate::SimulateError;
 use poinsot::{Error, write_files};
-use poinsot_dynamics::{Firing, thrust_held};
+use poinsot_dynamics::{Firing, Jet, Tree, WheelMotion, thrust_held};
 use poinsot_files::read_text;
 use poinsot_formats::case::{CaseFile, FiringFile, JointMotionFile, LimitsFile, WheelMotionFile};
 use poinsot_model::{JointKind, Model};
@@ -18,7 +18,7 @@ const LARGEST_MODEL: u64 = 16 << 20;
 
 /// The case with the designed motions replacing its own; `model.toml` lies beside it.
 pub(crate) fn manoeuvre_text(
-    case: &Case,
+    (case, design): (&Case, &Design),
     space: &Space,
     commands: &[(String, Command)],
     firings: &[(String, Firing)],
@@ -27,24 +27,21 @@ pub(crate) fn manoeuvre_text(
     file.design = None;
     file.limits = LimitsFile::default();
     file.model = "model.toml".to_owned().into();
-    file.duration_s = space.duration.into();
+    file.duration_s = space.record().into();
     absolute_files(&mut file, case.path());
+    leave_out(&mut file.joint_motion, &design.replaced.joint_motion);
+    leave_out(&mut file.wheel_motion, &design.replaced.wheel_motion);
+    leave_out(&mut file.firing, &design.replaced.firing);
     for ((name, command), mover) in commands.iter().zip(&space.movers) {
         match mover.target {
             Target::Joint(_) => {
-                file.joint_motion.retain(|m| m.joint.get_ref() != name);
-                file.joint_motion
-                    .push(joint_motion(name, command, mover.slides));
+                let motion = joint_motion(name, command, mover.slides);
+                file.joint_motion.push(motion);
             }
-            Target::Wheel(_) => {
-                file.wheel_motion.retain(|m| m.wheel.get_ref() != name);
-                file.wheel_motion.push(wheel_motion(name, command));
-            }
+            Target::Wheel(_) => file.wheel_motion.push(wheel_motion(name, command)),
             Target::Thruster(_) => {}
         }
     }
-    let is_timed = |f: &FiringFile| firings.iter().any(|(name, _)| name == f.thruster.get_ref());
-    file.firing.retain(|f| !is_timed(f));
     file.firing
         .extend(firings.iter().map(|(name, f)| FiringFile {
             thruster: name.clone().into(),
@@ -60,6 +57,12 @@ pub(crate) fn manoeuvre_text(
     Ok(format!(
         "# Designed by poinsot {program} for {from}.\n{text}"
     ))
+}
+
+/// The list without the tables at these places.
+fn leave_out<T>(list: &mut Vec<T>, places: &[usize]) {
+    let mut at = 0..list.len();
+    list.retain(|_| at.next().is_some_and(|k| !places.contains(&k)));
 }
 
 fn absolute_files(file: &mut CaseFile, case: &Path) {
@@ -125,8 +128,21 @@ fn wheel_motion(name: &str, command: &Command) -> WheelMotionFile {
     }
 }
 
-/// Commands of every joint and wheel at the sample rate of the case, with standard column names.
-fn commands_csv(designed: &Designed, times: &[f64]) -> String {
+/// Commands of every designed joint and wheel at the sample rate of the case, with standard column names.
+fn commands_csv(designed: &Designed, case: &Case) -> Result<String, Error> {
+    let model = &designed.model;
+    let plan = case.bind(model).map_err(SimulateError::from)?.plan;
+    let tree = Tree::new(model);
+    let jet = |name: &str, t: f64| {
+        let joint = model.joint(name);
+        let joint = tree.coordinates.iter().position(|k| Some(*k) == joint);
+        let wheel = model.wheel(name).map(|k| &plan.wheels[k]);
+        match (joint.map(|k| &plan.joints[k]), wheel) {
+            (Some(motion), _) => motion.at(t, t),
+            (None, Some(WheelMotion::Speed(speed))) => speed.at(t, t),
+            _ => Jet::default(),
+        }
+    };
     let mut header = vec!["time_s".to_owned()];
     for (name, _) in &designed.commands {
         match unit_of(&designed.model, name) {
@@ -140,25 +156,24 @@ fn commands_csv(designed: &Designed, times: &[f64]) -> String {
             .iter()
             .map(|k| format!("{}_N", designed.model.thrusters[*k].name)),
     );
-    let firings: Vec<Firing> = designed.firings.iter().map(|f| f.1).collect();
     let mut levels = vec![0.0; designed.model.thrusters.len()];
     let mut text = header.join(",") + "\n";
-    for &t in times {
+    for t in case.times() {
         let _ = write!(text, "{t}");
-        for (name, command) in &designed.commands {
-            let jet = command.joint().map(|m| m.at(t, t)).unwrap_or_default();
+        for (name, _) in &designed.commands {
+            let jet = jet(name, t);
             let _ = match unit_of(&designed.model, name) {
                 None => write!(text, ",{}", jet.value),
                 Some(_) => write!(text, ",{},{},{}", jet.value, jet.rate, jet.acceleration),
             };
         }
-        thrust_held(&firings, t, &mut levels);
+        thrust_held(&plan.firings, t, &mut levels);
         for k in &thrusters {
             let _ = write!(text, ",{}", levels[*k]);
         }
         text.push('\n');
     }
-    text
+    Ok(text)
 }
 
 /// Switching times of every designed thruster.
@@ -209,7 +224,7 @@ pub fn write_design(
         ("model.toml".into(), text.into_bytes()),
         (
             "commands.csv".into(),
-            commands_csv(designed, &case.times()).into_bytes(),
+            commands_csv(designed, &case)?.into_bytes(),
         ),
         ("case.toml".into(), designed.manoeuvre.clone().into_bytes()),
     ];

@@ -466,6 +466,177 @@ fn prop_a_front_falls_with_a_looser_limit_and_a_longer_record_tells_more() {
     assert!(error.contains("use one of joint-positions"), "{error}");
 }
 
+/// The clock ends a search that would go on, with a manoeuvre within all limits.
+#[test]
+fn prop_minutes_end_a_search_with_the_best_manoeuvre_so_far() {
+    let (case, model) = searched("", 1.0e-3, "evaluations = 1000000\n");
+    let request = DesignRequest {
+        minutes: Some(0.1),
+        ..DesignRequest::default()
+    };
+    let found = design_case(&case, model, &request).unwrap();
+    assert!(found.evaluations > 50 && found.evaluations < 1_000_000);
+    assert!(found.limits.iter().all(|l| l.margin > -1e-6));
+    assert!(found.worst_ratio().is_finite());
+    let none = DesignRequest {
+        minutes: Some(-1.0),
+        ..DesignRequest::default()
+    };
+    let (case, model) = boxed("", 1.0e-3);
+    let error = design_case(&case, model, &none).unwrap_err();
+    assert!(error.to_string().contains("--minutes"), "{error}");
+}
+
+/// A wheel that spins up first and down last, with the design between.
+const AROUND: &str = r#"
+[[wheel_motion]]
+wheel = "a"
+time_s = [50.0, 60.0]
+speed_rad_s = [60.0, 0.0]
+interpolation = "cubic_clamped"
+[[wheel_motion]]
+wheel = "a"
+time_s = [0.0, 6.0]
+speed_rad_s = [0.0, 40.0]
+interpolation = "cubic_clamped"
+"#;
+
+/// The box with a design from 10 to 50 s of a minute.
+fn between(first_and_next: &str, design: &str) -> (Case, Model) {
+    let text = format!(
+        "schema = \"poinsot.case/2\"\nmodel = \"box.toml\"\nduration_s = 60.0\n[initial]\nmomentum_zero = true\n\
+         [output]\nrate_hz = 4\n[[want]]\nnumber = \"box.inertia_kg_m2\"\nrelative = 1e-3\n[[limits.wheel]]\n\
+         speed_rad_s = 150.0\ntorque_N_m = 0.05\n{first_and_next}[design]\nstarts = 2\nevaluations = 600\n{design}"
+    );
+    let case = parse_case(Path::new("box_case.toml"), text).unwrap();
+    (case, parse_model(BOX, "box.toml").unwrap())
+}
+
+/// The design begins and ends where the motions of the case do, leaves them as they are, and counts what they tell.
+#[test]
+fn prop_a_design_between_two_motions_of_the_case_takes_them_up() {
+    let window = "from_s = 10.0\nuntil_s = 50.0\n[[design.wheel]]\nnodes = 7\n";
+    let (case, model) = between(AROUND, window);
+    let found = designed(&case, &model);
+    assert_eq!(found.duration_s, 60.0);
+    assert!(found.limits.iter().all(|l| l.margin > -1e-6));
+    let flown = poinsot_design::manoeuvre_case(&found, Path::new("")).unwrap();
+    let plan = flown.bind(&model).unwrap().plan;
+    let speed = |wheel: usize, t: f64| match &plan.wheels[wheel] {
+        poinsot_dynamics::WheelMotion::Speed(p) => p.at(t, t).value,
+        other => panic!("{other:?}"),
+    };
+    let spin = |s: f64| s * s * (3.0 - 2.0 * s);
+    for k in 0..=60 {
+        let t = f64::from(k);
+        let [a, b] = match t {
+            t if t <= 10.0 => [40.0 * spin((t / 6.0).min(1.0)), 0.0],
+            t if t >= 50.0 => [60.0 * (1.0 - spin((t - 50.0) / 10.0)), 0.0],
+            _ => continue,
+        };
+        assert!((speed(0, t) - a).abs() < 1e-9, "{t}");
+        assert!((speed(1, t) - b).abs() < 1e-9, "{t}");
+    }
+    assert!((20..40).any(|t| speed(1, f64::from(t)).abs() > 10.0));
+    let mut vehicle = model.clone();
+    vehicle.bodies[0].prior = None;
+    let prediction = predict_case(&flown, vehicle, 1.0).unwrap();
+    for reach in &found.wants {
+        assert_eq!(wanted_sigma(&prediction.bound, &reach.want), reach.sigma);
+    }
+    // The same forty seconds tell less without the others.
+    let (case, _) = searched("", 1.0e-3, "evaluations = 600\n");
+    let alone = designed(&case, &model);
+    assert!(found.worst_ratio() < alone.worst_ratio());
+}
+
+/// A thruster fires before and after the designed firings, which keep their pause to both.
+#[test]
+fn prop_designed_firings_leave_those_flown_first_and_next() {
+    let text = std::fs::read_to_string(example("tug_design.toml")).unwrap();
+    let (head, rest) = text.split_once("[design]").unwrap();
+    let mut file = poinsot_formats::case::CaseFile::parse(head).unwrap();
+    file.joint_motion.clear();
+    file.firing.truncate(1);
+    let (model, thruster) = {
+        let case = parse_case(&example("tug_design.toml"), text.clone()).unwrap();
+        let model = read_model(&case.model).unwrap();
+        (model, file.firing[0].thruster.clone())
+    };
+    let own = file.firing[0].clone();
+    file.firing.clear();
+    for (on, off) in [(1.0, 4.5), (112.0, 114.0)] {
+        file.firing.push(poinsot_formats::case::FiringFile {
+            on_s: on.into(),
+            off_s: off.into(),
+            ..own.clone()
+        });
+    }
+    let rest = rest.replace(
+        "seed = 1\n",
+        "seed = 1\nstarts = 1\nevaluations = 300\nfrom_s = 5.0\nuntil_s = 112.0\n",
+    );
+    let text = format!("{}\n[design]{rest}", file.text().unwrap());
+    let case = parse_case(&example("tug_design.toml"), text).unwrap();
+    let found = designed(&case, &model);
+    let k = model.thruster(thruster.get_ref()).unwrap();
+    for (at, own) in fired(&found, &model).iter().enumerate() {
+        for (on, off) in own {
+            assert!((1.0..112.0 + 2.0 + 1e-9).contains(off) && off - on >= 0.5 - 1e-9);
+            assert!(at == k || (*on >= 5.0 - 1e-9 && *off <= 112.0 + 1e-9));
+        }
+        for pair in own.windows(2) {
+            assert!(pair[1].0 - pair[0].1 >= 1.0 - 1e-9);
+        }
+    }
+    let own = &fired(&found, &model)[k];
+    assert_eq!((own[0], own[own.len() - 1]), ((1.0, 4.5), (112.0, 114.0)));
+    assert!(own.len() > 2);
+}
+
+#[test]
+fn cli_a_motion_that_does_not_fit_around_a_design_is_refused() {
+    let wheel = "[[design.wheel]]\nnodes = 7\n";
+    let window = "from_s = 10.0\nuntil_s = 50.0\n";
+    let cases = [
+        (AROUND, format!("from_s = 4.0\n{wheel}"), "goes on across"),
+        (AROUND, format!("until_s = 55.0\n{wheel}"), "goes on across"),
+        ("", format!("from_s = 70.0\n{wheel}"), "within the duration"),
+        (
+            "",
+            format!("from_s = 30.0\nuntil_s = 20.0\n{wheel}"),
+            "begin before it ends",
+        ),
+        (
+            "",
+            format!("objective = \"shortest_time\"\nuntil_s = 50.0\n{wheel}"),
+            "moves what is flown next",
+        ),
+        (
+            AROUND,
+            format!("{window}{wheel}start_speed_rad_s = 3.0\n"),
+            "already gives the speed",
+        ),
+        (
+            "[[wheel_motion]]\nwheel = \"b\"\ntime_s = [0.0, 8.0]\nspeed_rad_s = [0.0, 160.0]\n",
+            format!("{window}{wheel}"),
+            "what is flown first exceeds its limit",
+        ),
+        // Without a design between them the two do not meet.
+        (
+            AROUND,
+            "[[design.wheel]]\nwheels = [\"b\"]\nnodes = 7\n".to_owned(),
+            "it begins at 60",
+        ),
+    ];
+    for (motions, design, expected) in cases {
+        let (case, model) = between(motions, &design);
+        let error = design_case(&case, model, &DesignRequest::default()).unwrap_err();
+        assert!(error.to_string().contains(expected), "{expected}: {error}");
+        assert_eq!(error.kind(), poinsot::ErrorKind::Input);
+    }
+}
+
 #[test]
 fn cli_what_is_wrong_with_a_design_is_said_with_its_line() {
     let (_, model) = boxed("", 1.0e-3);

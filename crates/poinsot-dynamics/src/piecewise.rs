@@ -33,8 +33,8 @@ pub struct Jet {
     pub acceleration: f64,
 }
 
-/// A function of time that is a polynomial between nodes and constant outside them.
-#[derive(Debug, Clone, PartialEq)]
+/// A function of time that is a polynomial between nodes and constant outside them. Default: zero.
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct PiecewisePolynomial {
     nodes: Vec<f64>,
     /// Ascending coefficients in `s = (t - t_i) / (t_{i+1} - t_i)`.
@@ -101,6 +101,36 @@ impl PiecewisePolynomial {
     pub fn starting_from(mut self, before: f64) -> Self {
         self.before = before;
         self
+    }
+
+    /// This profile and then another; the last value is held until the other begins.
+    ///
+    /// # Errors
+    /// The other begins before this one has ended.
+    pub fn then(mut self, next: &Self) -> Result<Self, NodeError> {
+        let (Some(&end), Some(&begin)) = (self.nodes.last(), next.nodes.first()) else {
+            return Ok(if self.nodes.is_empty() {
+                next.clone()
+            } else {
+                self
+            });
+        };
+        if begin < end {
+            return Err(NodeError::NotIncreasing(self.nodes.len()));
+        }
+        if begin > end {
+            self.nodes.push(begin);
+            self.pieces.push([self.after, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        }
+        self.nodes.extend(&next.nodes[1..]);
+        self.pieces.extend(&next.pieces);
+        self.after = next.after;
+        Ok(self)
+    }
+
+    /// Values before the first and after the last node.
+    pub fn ends(&self) -> (f64, f64) {
+        (self.before, self.after)
     }
 
     /// The times at which some derivative jumps: integration restarts there.
@@ -263,6 +293,31 @@ mod tests {
                 assert!(((c.rate - a.rate) / (2.0 * h) - b.acceleration).abs() < 1e-5);
             }
         }
+    }
+
+    #[test]
+    fn exact_two_profiles_follow_each_other_with_a_rest_between() {
+        let [quintic, cubic, _] = profiles();
+        let later: Vec<f64> = T.iter().map(|t| t + 5.0).collect();
+        let second = PiecewisePolynomial::cubic_clamped(&later, &Y).unwrap();
+        let both = quintic.clone().then(&second).unwrap();
+        for k in 0..200 {
+            let t = -0.5 + 0.05 * f64::from(k);
+            let one = match t {
+                t if t < 4.0 => quintic.at(t, t),
+                t if t < 5.0 => quintic.at(9.0, 9.0),
+                t => cubic.at(t - 5.0, t - 5.0),
+            };
+            let jet = both.at(t, t);
+            assert!((jet.value - one.value).abs() < 1e-12, "{t}");
+            assert!((jet.rate - one.rate).abs() < 1e-11, "{t}");
+        }
+        assert_eq!(both.ends(), (Y[0], Y[3]));
+        // One that begins at once needs no node of its own.
+        let at_once: Vec<f64> = T.iter().map(|t| t + T[3]).collect();
+        let second = PiecewisePolynomial::linear(&at_once, &Y).unwrap();
+        assert_eq!(cubic.clone().then(&second).unwrap().nodes().len(), 7);
+        assert_eq!(second.then(&cubic), Err(NodeError::NotIncreasing(4)));
     }
 
     #[test]

@@ -76,10 +76,12 @@ pub struct CaseFile {
     /// Pose and velocity of the base, or momentum of the vehicle, at time 0. Default: at rest at the origin of N.
     #[serde(default, skip_serializing_if = "is_usual")]
     pub initial: InitialFile,
-    /// Prescribed motions of joints. A joint without motion, torque or spring stays locked.
+    /// Prescribed motions of joints; those of one joint follow each other. A joint without motion, torque or spring stays
+    /// locked.
     #[serde(default, skip_serializing_if = "is_usual")]
     pub joint_motion: Vec<JointMotionFile>,
-    /// Speeds or motor torques of wheels; one for each wheel unless `control` drives them.
+    /// Speeds or motor torques of wheels; at least one for each wheel unless `control` drives them. Speeds of one wheel
+    /// follow each other.
     #[serde(default, skip_serializing_if = "is_usual")]
     pub wheel_motion: Vec<WheelMotionFile>,
     /// Firings of thrusters.
@@ -646,6 +648,14 @@ pub struct DesignFile {
     /// Seed of the search. Default 0.
     #[serde(default, skip_serializing_if = "is_usual")]
     pub seed: u64,
+    /// Begin of the designed manoeuvre, s. Motions and firings of the case that end before it are flown first, and a
+    /// joint or wheel starts where they leave it. Default 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub from_s: Option<Placed<f64>>,
+    /// End of the designed manoeuvre, s. Motions and firings of the case that begin after it are flown next, and a joint
+    /// or wheel ends where they take it up. Default: the duration.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub until_s: Option<Placed<f64>>,
     /// Joints that may move.
     #[serde(default, skip_serializing_if = "is_usual")]
     pub joint: Vec<Placed<DesignJointFile>>,
@@ -694,7 +704,7 @@ pub struct DesignJointFile {
     /// Slews: how many.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub slews: Option<Placed<usize>>,
-    /// Whether the final position equals the initial one. Default true.
+    /// Whether the final position equals the initial one. Default true. A motion flown next sets the final one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub returns: Option<Placed<bool>>,
 }
@@ -708,10 +718,10 @@ pub struct DesignWheelFile {
     pub wheels: Option<Vec<Placed<String>>>,
     /// Nodes of the speed.
     pub nodes: Placed<usize>,
-    /// Speed at time 0, rad/s. Default 0.
+    /// Speed at the start, rad/s. Default: that of the motion flown first, else 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub start_speed_rad_s: Option<Placed<f64>>,
-    /// Whether the final speed equals the initial one. Default true.
+    /// Whether the final speed equals the initial one. Default true. A motion flown next sets the final one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub returns: Option<Placed<bool>>,
 }

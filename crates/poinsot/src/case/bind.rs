@@ -3,6 +3,7 @@
 use super::control::Control;
 use super::planner::Planner;
 use super::sensor_output::{SensorOutput, sensor_outputs};
+use super::window::Open;
 use super::{Case, CaseError, refuse};
 use nalgebra::Quaternion;
 use poinsot_dynamics::{DrivenPlan, Plan, Start, StartVelocity};
@@ -36,17 +37,16 @@ impl Case {
     /// # Errors
     /// All faults with this model.
     pub fn bind(&self, model: &Model) -> Result<Scenario, CaseError> {
-        self.bind_open(model, &[])
+        self.bind_around(model, Open::default())
     }
 
-    /// Binds a case in which the motion of some wheels is given elsewhere: they are at rest unless the case moves
-    /// them.
+    /// Binds a case of which a design fills a part: its wheels are at rest unless the case moves them.
     ///
     /// # Errors
     /// As [`Self::bind`].
-    pub fn bind_open(&self, model: &Model, open_wheels: &[usize]) -> Result<Scenario, CaseError> {
+    pub fn bind_around(&self, model: &Model, open: Open) -> Result<Scenario, CaseError> {
         let mut planner = self.planner(model);
-        planner.open_wheels = open_wheels;
+        planner.open = open;
         let file = &self.file;
         let output = file.output.span();
         let (control, plan, driven) = match planner.control(file) {

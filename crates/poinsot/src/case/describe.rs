@@ -1,6 +1,6 @@
 //! Describes a case as text.
 
-use super::{Case, CaseError, CaseFault, refuse};
+use super::{Case, CaseError, CaseFault, Design, Open, refuse};
 use poinsot_formats::case::{CaseFile, InitialFile, JointTorqueFile, Placed, WheelMotionFile};
 use poinsot_model::Model;
 use poinsot_telemetry::rounded;
@@ -21,15 +21,14 @@ pub(crate) fn describe_case(
     kept(case.limits(model), &mut faults);
     let design = kept(case.design(model), &mut faults);
     // A wheel moved by the design needs no motion in the case.
-    let open: Vec<usize> = match &design {
-        Some(design) => design
-            .iter()
-            .flat_map(|d| &d.wheels)
-            .map(|w| w.index)
-            .collect(),
-        None => (0..model.wheels.len()).collect(),
+    let open = match &design {
+        Some(design) => design.as_ref().map(Design::open).unwrap_or_default(),
+        None => Open {
+            wheels: (0..model.wheels.len()).collect(),
+            ..Open::default()
+        },
     };
-    let scenario = kept(case.bind_open(model, &open), &mut faults);
+    let scenario = kept(case.bind_around(model, open), &mut faults);
     let (Some(wants), Some(design), Some(scenario), []) =
         (wants, design, scenario, faults.as_slice())
     else {

@@ -2,9 +2,12 @@
 
 use super::planner::Planner;
 use super::thrusters::Fired;
+use super::window::{Replaced, Window};
 use super::{Case, CaseError, refuse};
-use poinsot_dynamics::Tree;
-use poinsot_formats::case::{DesignFile, DesignJointFile, DesignWheelFile, Objective, Placed};
+use poinsot_dynamics::{PiecewisePolynomial, Tree};
+use poinsot_formats::case::{
+    CaseFile, DesignFile, DesignJointFile, DesignWheelFile, Objective, Placed,
+};
 use poinsot_model::{JointKind, Model};
 use std::ops::Range;
 
@@ -31,20 +34,16 @@ pub enum Form {
     Spline {
         /// Nodes, both ends included.
         nodes: usize,
-        /// Whether the motion ends at its start.
-        returns: bool,
     },
     /// Rest-to-rest quintics of equal duration.
     Slews {
         /// Number of slews.
         slews: usize,
-        /// Whether the motion ends at its start.
-        returns: bool,
     },
 }
 
 /// One joint coordinate or wheel moved by a design.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Moved {
     /// Index of the joint coordinate or wheel.
     pub index: usize,
@@ -52,8 +51,14 @@ pub struct Moved {
     pub slides: bool,
     /// Form of motion.
     pub form: Form,
-    /// Initial joint position or wheel speed.
+    /// Joint position or wheel speed where the designed motion starts.
     pub start: f64,
+    /// The same where it ends, unless that is free. A Fourier series ends where it started.
+    pub end: Option<f64>,
+    /// Motions that are flown first, in order.
+    pub before: Vec<PiecewisePolynomial>,
+    /// Motions that are flown next, in order.
+    pub after: Vec<PiecewisePolynomial>,
 }
 
 /// Free motion and objective of a design.
@@ -71,12 +76,35 @@ pub struct Design {
     pub starts: usize,
     /// Seed of the search.
     pub seed: u64,
+    /// The part of the record that is designed.
+    pub window: Window,
+    /// What it replaces in the case.
+    pub replaced: Replaced,
     /// Joints moved by the design.
     pub joints: Vec<Moved>,
     /// Wheels moved by the design.
     pub wheels: Vec<Moved>,
     /// Thrusters whose firings the design times.
     pub thrusters: Vec<Fired>,
+}
+
+impl Moved {
+    fn new((index, slides): (usize, bool), form: Form, start: f64, returns: bool) -> Self {
+        Self {
+            index,
+            slides,
+            form,
+            start,
+            end: returns.then_some(start),
+            before: Vec::new(),
+            after: Vec::new(),
+        }
+    }
+
+    /// Number of free numbers whose values are those of the motion at its nodes.
+    pub fn free_nodes(&self, nodes: usize) -> usize {
+        nodes - 1 - usize::from(self.end.is_some())
+    }
 }
 
 impl Case {
@@ -99,7 +127,7 @@ impl Case {
                 "leave [control] out",
             );
         }
-        let design = planner.design(file.get_ref(), file.span());
+        let design = planner.design(&self.file, file.get_ref(), file.span());
         match planner.faults.is_empty() {
             true => Ok(Some(design)),
             false => Err(refuse(planner.faults)),
@@ -108,44 +136,54 @@ impl Case {
 }
 
 impl Planner<'_> {
-    fn design(&mut self, file: &DesignFile, span: Range<usize>) -> Design {
+    fn design(&mut self, case: &CaseFile, file: &DesignFile, span: Range<usize>) -> Design {
         let tree = Tree::new(self.model);
         let mut joints: Vec<Moved> = Vec::new();
         for (i, table) in file.joint.iter().enumerate() {
             let key = format!("design.joint[{i}]");
             let of = self.joints_of(&tree, table.get_ref().joints.as_deref(), &key);
-            let Some(form) = self.joint_form(table.get_ref(), table.span(), &key) else {
+            let Some((form, returns)) = self.joint_form(table.get_ref(), table.span(), &key) else {
                 continue;
             };
             for index in of {
                 let joint = &self.model.joints[tree.coordinates[index]];
-                let one = Moved {
-                    index,
-                    slides: joint.kind == JointKind::Prismatic,
-                    form,
-                    start: joint.locked_at,
-                };
+                let slides = joint.kind == JointKind::Prismatic;
+                let one = Moved::new((index, slides), form, joint.locked_at, returns);
                 self.add(&mut joints, one, table.span(), &key);
             }
         }
         let mut wheels: Vec<Moved> = Vec::new();
+        let mut started: Vec<(usize, String, Range<usize>)> = Vec::new();
         for (i, table) in file.wheel.iter().enumerate() {
             let key = format!("design.wheel[{i}]");
             let of = self.wheels_of(table.get_ref().wheels.as_deref(), &key);
-            let Some((form, start)) = self.wheel_form(table.get_ref(), &key) else {
+            let Some((form, start, returns)) = self.wheel_form(table.get_ref(), &key) else {
                 continue;
             };
+            let given = table.get_ref().start_speed_rad_s.as_ref();
+            let given = given.map(|x| (format!("{key}.start_speed_rad_s"), x.span()));
             for index in of {
-                let one = Moved {
-                    index,
-                    slides: false,
-                    form,
-                    start,
-                };
+                let one = Moved::new((index, false), form, start, returns);
                 self.add(&mut wheels, one, table.span(), &key);
+                started.extend(given.clone().map(|(key, span)| (index, key, span)));
             }
         }
-        let thrusters = self.fired(&file.thruster);
+        let mut thrusters = self.fired(&file.thruster);
+        let window = self.window(file, *case.duration_s.get_ref());
+        let mut replaced = self.surroundings(case, window, (&mut joints, &mut wheels));
+        replaced.firing = self.firings_around(&case.firing, window, &mut thrusters);
+        for moved in joints.iter_mut().chain(&mut wheels) {
+            self.take_up(moved, window, span.clone());
+        }
+        for (index, key, span) in started {
+            if wheels
+                .iter()
+                .any(|m| m.index == index && !m.before.is_empty())
+            {
+                let problem = "the motion flown first already gives the speed at the start";
+                self.refuse("E0507", &key, span, problem, "leave it out");
+            }
+        }
         let nothing = joints.is_empty() && wheels.is_empty() && thrusters.is_empty();
         if nothing && self.faults.is_empty() {
             let problem = "no joint, wheel or thruster is free to move";
@@ -159,6 +197,8 @@ impl Planner<'_> {
             evaluations: self.count(file.evaluations.as_ref(), EVALUATIONS, "design.evaluations"),
             starts: self.count(file.starts.as_ref(), STARTS, "design.starts"),
             seed: file.seed,
+            window,
+            replaced,
             joints,
             wheels,
             thrusters,
@@ -196,7 +236,7 @@ impl Planner<'_> {
         table: &DesignJointFile,
         span: Range<usize>,
         key: &str,
-    ) -> Option<Form> {
+    ) -> Option<(Form, bool)> {
         let returns = table.returns.as_ref().is_none_or(|x| *x.get_ref());
         let word = table.form.get_ref().as_str();
         let extra = |fourier: bool, nodes: bool, slews: bool| {
@@ -247,12 +287,12 @@ impl Planner<'_> {
             }
             "spline" => {
                 let nodes = self.needed(table.nodes.as_ref(), "nodes", 3, span, key)?;
-                (extra(false, true, false), Form::Spline { nodes, returns })
+                (extra(false, true, false), Form::Spline { nodes })
             }
             "slews" => {
                 let least = if returns { 2 } else { 1 };
                 let slews = self.needed(table.slews.as_ref(), "slews", least, span, key)?;
-                (extra(false, false, true), Form::Slews { slews, returns })
+                (extra(false, false, true), Form::Slews { slews })
             }
             _ => {
                 let remedy = super::did_you_mean(word, ["fourier", "spline", "slews"].into_iter());
@@ -265,7 +305,7 @@ impl Planner<'_> {
             let problem = format!("this key does not belong to form = \"{word}\"");
             self.refuse("E0507", key, span, problem, "leave it out");
         }
-        Some(form)
+        Some((form, returns))
     }
 
     pub(super) fn needed(
@@ -298,7 +338,7 @@ impl Planner<'_> {
         }
     }
 
-    fn wheel_form(&mut self, table: &DesignWheelFile, key: &str) -> Option<(Form, f64)> {
+    fn wheel_form(&mut self, table: &DesignWheelFile, key: &str) -> Option<(Form, f64, bool)> {
         let span = table.nodes.span();
         let nodes = self.needed(Some(&table.nodes), "nodes", 3, span, key)?;
         let start = table.start_speed_rad_s.as_ref();
@@ -313,7 +353,7 @@ impl Planner<'_> {
             );
         }
         let returns = table.returns.as_ref().is_none_or(|x| *x.get_ref());
-        let form = Form::Spline { nodes, returns };
-        Some((form, start.map_or(0.0, |x| *x.get_ref())))
+        let start = start.map_or(0.0, |x| *x.get_ref());
+        Some((Form::Spline { nodes }, start, returns))
     }
 }

@@ -16,6 +16,7 @@ mod sensor_output;
 mod thrusters;
 mod torques;
 mod wanted;
+mod window;
 
 pub use bind::Scenario;
 pub use control::Control;
@@ -25,6 +26,7 @@ pub use poinsot_formats::case::{Format, Objective};
 pub use sensor_output::SensorOutput;
 pub use thrusters::{Fired, ImpulseLimit, ThrusterLimit};
 pub use wanted::{Want, estimated_numbers};
+pub use window::{Open, Replaced, Window};
 
 pub use crate::error::{CaseError, CaseFault};
 pub(crate) use describe::{counted, describe_case};
@@ -206,7 +208,7 @@ impl Case {
         Planner {
             text: &self.text,
             model,
-            open_wheels: &[],
+            open: Open::default(),
             faults: Vec::new(),
         }
     }

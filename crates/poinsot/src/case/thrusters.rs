@@ -15,6 +15,10 @@ pub struct Fired {
     pub firings: usize,
     /// Force of each firing, N.
     pub force: f64,
+    /// When its last firing before the designed part ends, s.
+    pub last_off: f64,
+    /// When its first firing after the designed part begins, s.
+    pub next_on: f64,
 }
 
 /// Limits of one thruster.
@@ -84,6 +88,8 @@ impl Planner<'_> {
                     index,
                     firings,
                     force,
+                    last_off: f64::NEG_INFINITY,
+                    next_on: f64::INFINITY,
                 });
             }
         }
