@@ -13,6 +13,7 @@ mod joints;
 mod limits;
 mod planner;
 mod sensor_output;
+mod surroundings;
 mod thrusters;
 mod torques;
 mod wanted;
