@@ -23,6 +23,7 @@ mod vehicle;
 mod virtual_joints;
 
 pub(crate) use acceleration::BodyPoint;
+use acceleration::ForceScratch;
 pub(crate) use environment::GRADIENT;
 pub(crate) use mass_loss::impulse_before;
 pub(crate) use point_kinematics::{JointEffect, PointKinematics};
@@ -41,6 +42,7 @@ use poinsot_spatial::{
     InertialParameters, Matrix3, Matrix6, UnitQuaternion, Vector3, Vector6, parallel_axis,
 };
 use std::borrow::Cow;
+use std::cell::RefCell;
 use std::sync::Arc;
 use variation::Variation;
 use vehicle::{Thrust, ThrustPlan};
@@ -117,6 +119,7 @@ struct Spare {
     forces: Vec<Force>,
     chord: Chord,
     column_chord: ColumnChord,
+    effects: Vec<JointEffect>,
 }
 
 impl Spare {
@@ -194,6 +197,8 @@ pub(crate) struct Motion<'a> {
     evaluated: Option<Box<EvaluatedState>>,
     /// What was evaluated before and may be overwritten.
     spare: Spare,
+    /// Scratch of the specific force: only where an accelerometer is read.
+    force_scratch: RefCell<Option<Box<ForceScratch>>>,
 }
 
 /// Largest total rotation of a propagated motion, relative to the measured one.
@@ -292,6 +297,7 @@ impl<'a> Motion<'a> {
             vehicle,
             evaluated: None,
             spare: Spare::default(),
+            force_scratch: RefCell::new(None),
         }
     }
 

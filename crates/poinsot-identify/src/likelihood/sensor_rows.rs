@@ -128,22 +128,32 @@ impl SegmentComparison<'_> {
         let which = self.cursors[i].increment;
         let began = self.cursors[i].began.take();
         let errors = std::mem::take(&mut now.errors);
+        let spare = &mut self.spare;
         if let (Some(sample), Some((from, before))) = (here, &began)
             && sample.from == *from
         {
             let t = &self.segment.observations.time_s;
             let rate = self.ideal.rate(i, t, k) - self.ideal.rate(i, t, *from);
-            let columns = now.columns.iter().zip(&before.columns);
+            let (mut columns, mut less) = (spare.take(), spare.take());
+            let pairs = now.columns.iter().zip(&before.columns);
+            columns.extend(pairs.map(|(b, a)| b - a));
+            less.extend_from_slice(&errors);
+            self.inputs.less_kept(which, &mut less);
             let increment = PredictedMeasurement {
                 value: SensorValue::Vector(now.vector() - before.vector()),
                 rate: None,
-                columns: columns.map(|(b, a)| b - a).collect(),
-                errors: self.inputs.less_kept(which, errors.clone()),
-                gains: Vec::new(),
+                columns,
+                errors: less,
+                gains: spare.take(),
             };
             self.compare(i, &sample, increment, &rate);
         }
         self.inputs.keep(which, &errors);
+        self.spare.give_back(errors);
+        if let Some((_, before)) = began {
+            self.spare.give_back(before.columns);
+            self.spare.give_back(before.gains);
+        }
         self.cursors[i].began = Some((k, now));
     }
 
@@ -183,12 +193,14 @@ impl SegmentComparison<'_> {
             return;
         }
         let t = self.segment.observations.time_s[k];
-        let mut block: Vec<Vector3> = rows.iter().chain(slopes.iter()).copied().collect();
+        let mut block = self.spare.take();
+        block.extend(rows.iter().chain(slopes.iter()));
         let log_det = cursor.whitener.take(t, &mut block);
         cursor.channel.log_det += cursor.channel.numbers as f64 * log_det;
-        for (row, new) in rows.iter_mut().chain(slopes).zip(block) {
-            *row = new;
+        for (row, new) in rows.iter_mut().chain(slopes).zip(&block) {
+            *row = *new;
         }
+        self.spare.give_back(block);
     }
 }
 

@@ -11,13 +11,15 @@ pub(super) struct NoiseWhitener {
     correlation_s: f64,
     /// Time and block (sensitivities, residual, slopes over the inputs' errors) of the reading before.
     before: Option<(f64, Vec<Vector3>)>,
+    /// Memory for the next one.
+    own: Vec<Vector3>,
 }
 
 impl NoiseWhitener {
     pub fn new(correlation_s: f64) -> Self {
         Self {
             correlation_s,
-            before: None,
+            ..Self::default()
         }
     }
 
@@ -31,7 +33,9 @@ impl NoiseWhitener {
         if self.is_white() {
             return 0.0;
         }
-        let own = block.to_vec();
+        let mut own = std::mem::take(&mut self.own);
+        own.clear();
+        own.extend_from_slice(block);
         let mut log_det = 0.0;
         if let Some((earlier, before)) = &self.before {
             let a = (-(t - earlier) / self.correlation_s).exp();
@@ -41,7 +45,9 @@ impl NoiseWhitener {
             }
             log_det = new.ln();
         }
-        self.before = Some((t, own));
+        if let Some((_, old)) = self.before.replace((t, own)) {
+            self.own = old;
+        }
         log_det
     }
 }

@@ -14,7 +14,7 @@
 mod input_errors;
 
 use super::inputs::thruster_at;
-use super::vehicle::{Thrust, parabola_slope, wheel_slope};
+use super::vehicle::{Thrust, Vehicle, parabola_slope, wheel_slope};
 use super::virtual_joints::{JOINT_STEP, moved_trees};
 use super::{Instant, Motion, State};
 use crate::problem::parameters::UnknownKind;
@@ -24,19 +24,13 @@ use poinsot_dynamics::{
     Accelerations, Kinematics, Tree, Twist, composite, momentum_rate_column, wheel_rate,
 };
 use poinsot_spatial::{Matrix3, Vector3, Vector6};
+use std::cell::RefMut;
 
 /// A point fixed in a body: index of the body, place from its origin in its axes, m.
 pub(crate) type BodyPoint = (usize, Vector3);
 
-/// Specific force at a point in the axes of its body, m/s2.
-pub(crate) struct PointForce {
-    pub value: Vector3,
-    /// Its change with every sensitivity column.
-    pub columns: Vec<Vector3>,
-}
-
 /// Inputs at an instant, with second derivatives.
-#[derive(Clone)]
+#[derive(Default)]
 struct Inputs {
     q: Vec<f64>,
     rates: Vec<f64>,
@@ -46,66 +40,158 @@ struct Inputs {
     thrust: Vec<Thrust>,
 }
 
-/// Scratch: placement and accelerations together.
+impl Inputs {
+    /// The same values in the memory at hand.
+    fn copy(&mut self, from: &Self) {
+        self.q.clone_from(&from.q);
+        self.rates.clone_from(&from.rates);
+        self.accelerations.clone_from(&from.accelerations);
+        self.wheels.clone_from(&from.wheels);
+        self.wheel_rates.clone_from(&from.wheel_rates);
+        self.thrust.clone_from(&from.thrust);
+    }
+}
+
+/// Placement and accelerations together.
 struct Moving {
     kinematics: Kinematics,
     body: Accelerations,
+}
+
+impl Moving {
+    fn new(tree: &Tree) -> Self {
+        Self {
+            kinematics: Kinematics::new(tree),
+            body: Accelerations::new(tree),
+        }
+    }
+}
+
+/// What one sample computes and the next one overwrites.
+pub(crate) struct ForceScratch {
+    inputs: Inputs,
+    /// Where the bodies are, and where they are at other inputs.
+    here: Moving,
+    there: Moving,
+    ends: [Inputs; 2],
+    /// The trees at both ends of every unknown that displaces a joint.
+    trees: Vec<(usize, [Tree; 2])>,
+}
+
+impl ForceScratch {
+    pub fn new(vehicle: &Vehicle) -> Self {
+        let kinds = vehicle.kinds.iter().enumerate();
+        let trees = kinds.filter_map(|(u, kind)| Some((u, moved_trees(vehicle.tree, kind)?)));
+        Self {
+            inputs: Inputs::default(),
+            here: Moving::new(vehicle.tree),
+            there: Moving::new(vehicle.tree),
+            ends: Default::default(),
+            trees: trees.collect(),
+        }
+    }
+}
+
+/// The instant and the point of a slope.
+struct Around<'s> {
+    state: &'s State,
+    instant: &'s Instant,
+    /// Acceleration of the base.
+    base: &'s Vector6,
+    point: &'s BodyPoint,
+}
+
+/// An input that is changed.
+#[derive(Clone, Copy)]
+enum Moved {
+    Position(usize),
+    Rate(usize),
+    Acceleration(usize),
+    Wheel(usize),
+    WheelRate(usize),
+}
+
+impl Moved {
+    fn shift(self, inputs: &mut Inputs, by: f64) {
+        match self {
+            Self::Position(j) => inputs.q[j] += by,
+            Self::Rate(j) => inputs.rates[j] += by,
+            Self::Acceleration(j) => inputs.accelerations[j] += by,
+            Self::Wheel(w) => inputs.wheels[w] += by,
+            Self::WheelRate(w) => inputs.wheel_rates[w] += by,
+        }
+    }
 }
 
 /// Slopes over the components of `w`.
 struct RateSlopes {
     /// Of `b`.
     balance: SMatrix<f64, 6, 3>,
-    /// Of the force at each point, in B.
-    force_B: Vec<Matrix3>,
+    /// Of the force at the point, in B.
+    force_B: Matrix3,
 }
 
 impl Motion<'_> {
-    /// Specific force at points of the bodies at grid time k, just after switching there. Requires the instant that
-    /// [`Motion::velocity`] gave for the same time. N falls freely, so the specific force is the inertial acceleration.
+    /// Specific force at a point of a body at grid time k, just after switching there, in the axes of the body; its change
+    /// with every sensitivity column is added to `columns`. Requires the instant that [`Motion::velocity`] gave for the same
+    /// time. N falls freely, so the specific force is the inertial acceleration.
     pub fn specific_force(
-        &mut self,
-        state: &State,
-        k: usize,
+        &self,
+        (state, k): (&State, usize),
         instant: &Instant,
-        points: &[BodyPoint],
-    ) -> Vec<PointForce> {
+        point: &BodyPoint,
+        columns: &mut Vec<Vector3>,
+    ) -> Vector3 {
         let v = self.vehicle;
-        let inputs = self.second_order_inputs(k);
-        let mut moving = Moving {
-            kinematics: Kinematics::new(v.tree),
-            body: Accelerations::new(v.tree),
-        };
+        let mut scratch = self.force_scratch();
+        let ForceScratch {
+            inputs,
+            here,
+            there,
+            ends,
+            trees,
+        } = &mut *scratch;
+        self.set_second_order(k, inputs);
         let wrench = self.wrench(state, &inputs.thrust, instant);
-        let free = self.rate_without_base(&mut moving, (v.tree, &inputs), &instant.twist);
+        let free = self.rate_without_base(here, (v.tree, inputs), &instant.twist);
         let base = instant.inverse_inertia * (wrench - free);
-        moving
-            .body
-            .add_base(&moving.kinematics, &upper(&base), &lower(&base));
-        let mut forces: Vec<PointForce> = points
-            .iter()
-            .map(|(body, p)| PointForce {
-                value: moving.body.at_point(&moving.kinematics, *body, p),
-                columns: Vec::new(),
-            })
-            .collect();
-        if !self.columns.is_empty() {
-            let slopes = self.rate_slopes(&inputs, &instant.twist, points);
-            for j in 0..self.columns.len() {
-                let change = self.base_change(state, j, &inputs, instant, &slopes, &moving);
-                let dw = lower(&self.twist_columns[j]);
-                for ((force, (body, p)), slope) in
-                    forces.iter_mut().zip(points).zip(&slopes.force_B)
-                {
-                    let R = moving.kinematics.R[*body];
-                    let r = moving.kinematics.p[*body] + R * p;
-                    let in_B = upper(&change) + lower(&change).cross(&r) + slope * dw;
-                    force.columns.push(R.transpose() * in_B);
-                }
-            }
-            self.add_input_changes(&inputs, state, instant, (&base, points), &mut forces);
+        here.body
+            .add_base(&here.kinematics, &upper(&base), &lower(&base));
+        let (body, p) = point;
+        let value = here.body.at_point(&here.kinematics, *body, p);
+        if self.columns.is_empty() {
+            return value;
         }
-        forces
+        let slopes = self.rate_slopes(inputs, &instant.twist, point, there);
+        let R = here.kinematics.R[*body];
+        let r = here.kinematics.p[*body] + R * p;
+        columns.extend((0..self.columns.len()).map(|j| {
+            let change = self.base_change(state, j, inputs, instant, &slopes, here);
+            let dw = lower(&self.twist_columns[j]);
+            let in_B = upper(&change) + lower(&change).cross(&r) + slopes.force_B * dw;
+            R.transpose() * in_B
+        }));
+        let around = Around {
+            state,
+            instant,
+            base: &base,
+            point,
+        };
+        self.add_input_changes(&around, (inputs, ends), there, columns);
+        for (unknown, trees) in trees {
+            let ends = trees.each_ref().map(|tree| (tree, &*inputs));
+            self.add_change((*unknown, 1.0), &around, (ends, JOINT_STEP), there, columns);
+        }
+        value
+    }
+
+    /// The scratch of this motion, made at the first use.
+    fn force_scratch(&self) -> RefMut<'_, ForceScratch> {
+        let scratch = self.force_scratch.borrow_mut();
+        RefMut::map(scratch, |s| {
+            s.get_or_insert_with(|| Box::new(ForceScratch::new(self.vehicle)))
+                .as_mut()
+        })
     }
 
     /// Whether a thruster fires up to grid time k and the record ends there: its continuation is unknown.
@@ -116,35 +202,36 @@ impl Motion<'_> {
             .is_some_and(|b| !self.thrust.at(b).is_empty())
     }
 
-    fn second_order_inputs(&self, k: usize) -> Inputs {
+    fn set_second_order(&self, k: usize, inputs: &mut Inputs) {
         let (o, v) = (self.observations, self.vehicle);
         let dof = v.tree.dof();
         let wheels = v.tree.rotors.len();
         let last = o.time_s.len().saturating_sub(1);
-        Inputs {
-            q: self.input_state.q.clone(),
-            rates: self.input_state.rates.clone(),
-            accelerations: (0..dof)
-                .map(|j| match v.noisy_joints.get(j) {
-                    // A second difference of noisy positions is noise.
-                    Some(true) => parabola_slope(&o.time_s, |i| o.joint_rate[i * dof + j], k),
-                    _ => joint_acceleration(o, dof, j, k),
-                })
-                .collect(),
-            wheels: self.input_state.wheels.clone(),
-            wheel_rates: (0..wheels)
-                .map(|j| match o.is_smooth(j, v.wheels_smooth) {
-                    true => wheel_slope(o, wheels, j, k),
-                    // A torque constant from here on.
-                    false => {
-                        let i = k.min(last.saturating_sub(1));
-                        let speed = |i: usize| o.wheel_speed[i * wheels + j];
-                        (speed(i + 1) - speed(i)) / (o.time_s[i + 1] - o.time_s[i])
-                    }
-                })
-                .collect(),
-            thrust: self.thrust.at(k).to_vec(),
-        }
+        inputs.q.clone_from(&self.input_state.q);
+        inputs.rates.clone_from(&self.input_state.rates);
+        inputs.accelerations.clear();
+        inputs
+            .accelerations
+            .extend((0..dof).map(|j| match v.noisy_joints.get(j) {
+                // A second difference of noisy positions is noise.
+                Some(true) => parabola_slope(&o.time_s, |i| o.joint_rate[i * dof + j], k),
+                _ => joint_acceleration(o, dof, j, k),
+            }));
+        inputs.wheels.clone_from(&self.input_state.wheels);
+        inputs.wheel_rates.clear();
+        inputs.wheel_rates.extend((0..wheels).map(|j| {
+            match o.is_smooth(j, v.wheels_smooth) {
+                true => wheel_slope(o, wheels, j, k),
+                // A torque constant from here on.
+                false => {
+                    let i = k.min(last.saturating_sub(1));
+                    let speed = |i: usize| o.wheel_speed[i * wheels + j];
+                    (speed(i + 1) - speed(i)) / (o.time_s[i + 1] - o.time_s[i])
+                }
+            }
+        }));
+        inputs.thrust.clear();
+        inputs.thrust.extend_from_slice(self.thrust.at(k));
     }
 
     /// Force and torque about Bo of thrusters and surroundings, in B.
@@ -189,29 +276,29 @@ impl Motion<'_> {
         stack(&force, &torque)
     }
 
-    fn rate_slopes(&self, inputs: &Inputs, twist: &Twist, points: &[BodyPoint]) -> RateSlopes {
+    fn rate_slopes(
+        &self,
+        inputs: &Inputs,
+        twist: &Twist,
+        (body, p): &BodyPoint,
+        moving: &mut Moving,
+    ) -> RateSlopes {
         let tree = self.vehicle.tree;
-        let mut moving = Moving {
-            kinematics: Kinematics::new(tree),
-            body: Accelerations::new(tree),
-        };
         let mut slopes = RateSlopes {
             balance: SMatrix::zeros(),
-            force_B: vec![Matrix3::zeros(); points.len()],
+            force_B: Matrix3::zeros(),
         };
         for axis in 0..3 {
             for half in [0.5_f64, -0.5] {
                 let mut turned = *twist;
                 turned.w[axis] += half.signum();
-                let b = self.rate_without_base(&mut moving, (tree, inputs), &turned) * half;
+                let b = self.rate_without_base(moving, (tree, inputs), &turned) * half;
                 let sum = slopes.balance.column(axis) + b;
                 slopes.balance.set_column(axis, &sum);
-                for ((body, p), slope) in points.iter().zip(&mut slopes.force_B) {
-                    let R = moving.kinematics.R[*body];
-                    let f = R * moving.body.at_point(&moving.kinematics, *body, p) * half;
-                    let sum = slope.column(axis) + f;
-                    slope.set_column(axis, &sum);
-                }
+                let R = moving.kinematics.R[*body];
+                let f = R * moving.body.at_point(&moving.kinematics, *body, p) * half;
+                let sum = slopes.force_B.column(axis) + f;
+                slopes.force_B.set_column(axis, &sum);
             }
         }
         slopes
@@ -253,24 +340,22 @@ impl Motion<'_> {
                 let column = momentum_rate_column(&moving.body, &moving.kinematics, body, k);
                 own += column * (*slope * factor);
             }
-            if let UnknownKind::SpinInertia(w) = &v.kinds[u] {
-                let mut unit = vec![0.0; v.spin.len()];
-                unit[*w] = 1.0;
-                let rate = wheel_rate(
-                    v.tree,
-                    &moving.kinematics,
-                    &unit,
-                    &inputs.wheels,
-                    &inputs.wheel_rates,
-                );
-                own += stack(&Vector3::zeros(), &rate);
-            }
-            if let UnknownKind::WheelTilt(w, _) = &v.kinds[u] {
-                let host = v.tree.rotors[*w].body;
-                let d = moving.kinematics.R[host] * v.tilt_slopes[u];
-                let rate = d * inputs.wheel_rates[*w]
-                    + moving.kinematics.w[host].cross(&d) * inputs.wheels[*w];
-                own += stack(&Vector3::zeros(), &(rate * v.spin[*w]));
+            let of_wheel = |w: usize, d: &Vector3| {
+                let host = &moving.kinematics.w[v.tree.rotors[w].body];
+                let rate = d * inputs.wheel_rates[w] + host.cross(d) * inputs.wheels[w];
+                stack(&Vector3::zeros(), &rate)
+            };
+            match &v.kinds[u] {
+                UnknownKind::SpinInertia(w) => {
+                    let rotor = &v.tree.rotors[*w];
+                    own += of_wheel(*w, &(moving.kinematics.R[rotor.body] * rotor.axis_B));
+                }
+                UnknownKind::WheelTilt(w, _) => {
+                    let host = v.tree.rotors[*w].body;
+                    let d = moving.kinematics.R[host] * v.tilt_slopes[u];
+                    own += of_wheel(*w, &d) * v.spin[*w];
+                }
+                _ => {}
             }
         }
         instant.inverse_inertia * (wrench - own)
@@ -280,62 +365,30 @@ impl Motion<'_> {
     /// not shifted in time.
     fn add_input_changes(
         &self,
-        inputs: &Inputs,
-        state: &State,
-        instant: &Instant,
-        (base, points): (&Vector6, &[BodyPoint]),
-        forces: &mut [PointForce],
+        around: &Around,
+        (inputs, ends): (&Inputs, &mut [Inputs; 2]),
+        moving: &mut Moving,
+        columns: &mut [Vector3],
     ) {
+        let tree = self.vehicle.tree;
         for change in &self.input_state.changes {
-            let real = |joint: usize| joint < self.vehicle.tree.dof();
-            let mut there = [inputs.clone(), inputs.clone()];
+            let joint = change.joint.filter(|c| c.0 < tree.dof());
             // Quadratic in rates and speeds, so that a step of one is exact; a small one over positions.
-            let mut weigh = Vec::new();
-            if let Some((joint, dq, drate)) = change.joint.filter(|c| real(c.0)) {
-                weigh.push((dq, JOINT_STEP, Some(joint), None, None));
-                weigh.push((drate, 1.0, None, Some(joint), None));
-            }
-            if let Some((wheel, dspeed)) = change.wheel {
-                weigh.push((dspeed, 1.0, None, None, Some(wheel)));
-            }
-            for (share, step, position, rate, wheel) in weigh {
+            let position = joint.map(|(j, dq, _)| (dq, JOINT_STEP, Moved::Position(j)));
+            let rate = joint.map(|(j, _, drate)| (drate, 1.0, Moved::Rate(j)));
+            let wheel = change.wheel.map(|(w, speed)| (speed, 1.0, Moved::Wheel(w)));
+            for (share, step, moved) in [position, rate, wheel].into_iter().flatten() {
                 if share == 0.0 {
                     continue;
                 }
-                for (end, sign) in there.iter_mut().zip([1.0, -1.0]) {
-                    *end = inputs.clone();
-                    if let Some(j) = position {
-                        end.q[j] += sign * step;
-                    }
-                    if let Some(j) = rate {
-                        end.rates[j] += sign * step;
-                    }
-                    if let Some(w) = wheel {
-                        end.wheels[w] += sign * step;
-                    }
+                for (end, sign) in ends.iter_mut().zip([1.0, -1.0]) {
+                    end.copy(inputs);
+                    moved.shift(end, sign * step);
                 }
-                let ends = there.each_ref().map(|inputs| (self.vehicle.tree, inputs));
-                self.add_change(
-                    (change.unknown, share),
-                    (state, instant),
-                    (ends, step),
-                    (base, points),
-                    forces,
-                );
+                let both = ends.each_ref().map(|inputs| (tree, inputs));
+                let unknown = (change.unknown, share);
+                self.add_change(unknown, around, (both, step), moving, columns);
             }
-        }
-        for (unknown, kind) in self.vehicle.kinds.iter().enumerate() {
-            let Some(trees) = moved_trees(self.vehicle.tree, kind) else {
-                continue;
-            };
-            let ends = trees.each_ref().map(|tree| (tree, inputs));
-            self.add_change(
-                (unknown, 1.0),
-                (state, instant),
-                (ends, JOINT_STEP),
-                (base, points),
-                forces,
-            );
         }
     }
 
@@ -343,41 +396,29 @@ impl Motion<'_> {
     fn add_change(
         &self,
         (unknown, share): (usize, f64),
-        (state, instant): (&State, &Instant),
-        (ends, step): ([(&Tree, &Inputs); 2], f64),
-        (base, points): (&Vector6, &[BodyPoint]),
-        forces: &mut [PointForce],
+        around: &Around,
+        ends: ([(&Tree, &Inputs); 2], f64),
+        moving: &mut Moving,
+        columns: &mut [Vector3],
     ) {
-        let (balance, own) = self.input_slopes(state, ends, step, instant, base, points);
-        let shift = instant.inverse_inertia * balance;
-        for ((force, (body, p)), own) in forces.iter_mut().zip(points).zip(&own) {
-            let R = self.input_state.kinematics.R[*body];
-            let r = self.input_state.kinematics.p[*body] + R * p;
-            let in_B = upper(&shift) + lower(&shift).cross(&r);
-            force.columns[self.initial_columns + unknown] += (own - R.transpose() * in_B) * share;
-        }
+        let slope = self.input_slope(around, ends, moving);
+        columns[self.initial_columns + unknown] += slope * share;
     }
 
-    /// Slope of `H A + b - W`, and of the force at each point in its body, between two sets of inputs two
-    /// steps apart, twist and acceleration of the base held.
-    fn input_slopes(
+    /// Slope of the force at the point between two sets of inputs two steps apart, the twist of the base held.
+    fn input_slope(
         &self,
-        state: &State,
-        ends: [(&Tree, &Inputs); 2],
-        step: f64,
-        instant: &Instant,
-        base: &Vector6,
-        points: &[BodyPoint],
-    ) -> (Vector6, Vec<Vector3>) {
+        around: &Around,
+        (ends, step): ([(&Tree, &Inputs); 2], f64),
+        moving: &mut Moving,
+    ) -> Vector3 {
         let v = self.vehicle;
-        let mut moving = Moving {
-            kinematics: Kinematics::new(v.tree),
-            body: Accelerations::new(v.tree),
-        };
-        let mut balance = Vector6::zeros();
-        let mut own = vec![Vector3::zeros(); points.len()];
+        let (instant, base) = (around.instant, around.base);
+        let (body, p) = around.point;
+        // Of `H A + b - W`, and of the force with the acceleration of the base held.
+        let (mut balance, mut own) = (Vector6::zeros(), Vector3::zeros());
         for ((tree, there), weight) in ends.into_iter().zip([0.5 / step, -0.5 / step]) {
-            self.rate_without_base(&mut moving, (tree, there), &instant.twist);
+            self.rate_without_base(moving, (tree, there), &instant.twist);
             moving
                 .body
                 .add_base(&moving.kinematics, &upper(base), &lower(base));
@@ -391,13 +432,14 @@ impl Motion<'_> {
                 &there.wheels,
                 &there.wheel_rates,
             );
-            let outside = self.outside(state, &moving.kinematics, there, instant);
+            let outside = self.outside(around.state, &moving.kinematics, there, instant);
             balance += (stack(&force, &torque) - outside) * weight;
-            for ((body, p), own) in points.iter().zip(&mut own) {
-                *own += moving.body.at_point(&moving.kinematics, *body, p) * weight;
-            }
+            own += moving.body.at_point(&moving.kinematics, *body, p) * weight;
         }
-        (balance, own)
+        let shift = instant.inverse_inertia * balance;
+        let R = self.input_state.kinematics.R[*body];
+        let r = self.input_state.kinematics.p[*body] + R * p;
+        own - R.transpose() * (upper(&shift) + lower(&shift).cross(&r))
     }
 
     /// Force and torque about Bo from outside at a placement, in B.

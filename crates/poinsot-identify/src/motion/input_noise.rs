@@ -61,6 +61,43 @@ struct StepScratch {
     faded: Vec<f64>,
     fresh: Vec<f64>,
     vector: Vec<f64>,
+    torque: Vec<f64>,
+    rows: SparseRows,
+}
+
+/// Rows of a matrix by their elements that are not zero, one row behind the other.
+#[derive(Default)]
+struct SparseRows {
+    elements: Vec<(usize, f64)>,
+    /// Where each row ends.
+    ends: Vec<usize>,
+}
+
+impl SparseRows {
+    fn clear(&mut self) {
+        self.elements.clear();
+        self.ends.clear();
+    }
+
+    fn len(&self) -> usize {
+        self.ends.len()
+    }
+
+    fn push(&mut self, row: impl IntoIterator<Item = (usize, f64)>) {
+        self.elements.extend(row);
+        self.ends.push(self.elements.len());
+    }
+
+    fn push_dense(&mut self, row: &[f64]) {
+        let pairs = row.iter().copied().enumerate();
+        self.push(pairs.filter(|(_, f)| *f != 0.0));
+    }
+
+    fn iter(&self) -> impl Iterator<Item = &[(usize, f64)]> {
+        let begins = std::iter::once(0).chain(self.ends.iter().copied());
+        let places = begins.zip(&self.ends);
+        places.map(|(begin, end)| &self.elements[begin..*end])
+    }
 }
 
 /// The filter along one segment.
@@ -394,8 +431,11 @@ impl InputNoise {
             mut faded,
             mut fresh,
             mut vector,
-            ..
+            mut torque,
+            rows,
+            jacobian,
         } = std::mem::take(&mut self.scratch);
+        self.scratch.rows = rows;
         // Rows of the active components; the errors of the inputs only fade.
         upper.clear();
         upper.resize(n * size, 0.0);
@@ -410,7 +450,7 @@ impl InputNoise {
                 upper[i * size + j] = own + h * A(row, column) + 0.5 * h * h * through.sum::<f64>();
             }
         }
-        let torque = self.torque_rows(&A, h, &mut upper);
+        self.torque_rows(&A, h, &mut upper, &mut torque);
         for (c, a) in faded.iter().enumerate() {
             let turn = (now.at_once[c] - before.at_once[c]) * 0.5;
             let ends = [before, now].map(|s| {
@@ -445,7 +485,9 @@ impl InputNoise {
             faded,
             fresh,
             vector,
-            ..StepScratch::default()
+            torque,
+            rows: std::mem::take(&mut self.scratch.rows),
+            jacobian,
         };
     }
 
@@ -465,44 +507,48 @@ impl InputNoise {
         }
     }
 
-    /// Fills the columns of the random torque, and returns its innovations, one vector each.
+    /// Fills the columns of the random torque, and lists its innovations, one vector behind the other.
     fn torque_rows(
         &mut self,
         A: &impl Fn(usize, usize) -> f64,
         h: f64,
         upper: &mut [f64],
-    ) -> Vec<Vec<f64>> {
+        fresh: &mut Vec<f64>,
+    ) {
+        fresh.clear();
         let (Some(at), Some(torque)) = (self.torque_at(), &self.random_torque) else {
-            return Vec::new();
+            return;
         };
         let size = self.filter.size;
         let step = self.step.filter(|s| s.lasts(h));
         let step = step.unwrap_or_else(|| random_torque::Step::new(torque, h));
         self.step = Some(step);
-        let mut fresh = Vec::with_capacity(9);
         for axis in 0..3 {
             // Torque, momentum and its integral in the state: the integral turns the base.
-            let spread = |x: &nalgebra::Vector3<f64>| {
-                let mut vector = vec![0.0; size];
-                for (i, &row) in self.active.iter().enumerate() {
-                    let own = if row == 9 + axis { x[1] } else { 0.0 };
-                    vector[i] = own + A(row, 9 + axis) * x[2];
+            let on = |row: usize, x: &Vector3| {
+                let own = if row == 9 + axis { x[1] } else { 0.0 };
+                own + A(row, 9 + axis) * x[2]
+            };
+            for (i, &row) in self.active.iter().enumerate() {
+                upper[i * size + at + axis] = on(row, &step.kept);
+            }
+            upper[(at + axis) * size + at + axis] = step.kept[0];
+            for c in 0..3 {
+                let (begin, x) = (fresh.len(), step.fresh.column(c).into());
+                fresh.resize(begin + size, 0.0);
+                let vector = &mut fresh[begin..];
+                for (to, &row) in vector.iter_mut().zip(&self.active) {
+                    *to = on(row, &x);
                 }
                 vector[at + axis] = x[0];
-                vector
-            };
-            let kept = spread(&step.kept);
-            for (i, x) in kept.iter().enumerate().take(self.lead) {
-                upper[i * size + at + axis] = *x;
             }
-            fresh.extend((0..3).map(|c| spread(&step.fresh.column(c).into())));
         }
-        fresh
     }
 
     /// Innovation of the random torque.
-    fn renew(&mut self, torque: &[Vec<f64>]) {
-        torque.iter().for_each(|v| self.filter.add_outer(v, 1.0));
+    fn renew(&mut self, torque: &[f64]) {
+        let vectors = torque.chunks_exact(self.filter.size.max(1));
+        vectors.for_each(|v| self.filter.add_outer(v, 1.0));
     }
 
     /// Covariance `M P M^T` that the current errors add to a sample with these slopes. [`InputNoise::take`] uses what it finds.
@@ -619,7 +665,7 @@ impl Filter {
     }
 
     /// The same for any `F`, row by row in elements that are not zero.
-    fn map(&mut self, rows: &[Vec<(usize, f64)>]) {
+    fn map(&mut self, rows: &SparseRows) {
         let size = self.size;
         for (row, out) in rows.iter().zip(self.scratch.chunks_exact_mut(size)) {
             out.fill(0.0);
@@ -637,7 +683,7 @@ impl Filter {
             }
         }
         let followed = self.followed.max(1);
-        for (out, row) in self.next.chunks_exact_mut(followed).zip(rows) {
+        for (out, row) in self.next.chunks_exact_mut(followed).zip(rows.iter()) {
             out.fill(0.0);
             for (k, f) in row {
                 add_scaled(out, &self.means[k * followed..(k + 1) * followed], *f);

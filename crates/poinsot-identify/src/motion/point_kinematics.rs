@@ -42,6 +42,7 @@ impl Motion<'_> {
                 joints: Vec::new(),
             };
         }
+        let mut list = std::mem::take(&mut self.spare.effects);
         let (tree, input_state) = (self.vehicle.tree, &mut self.input_state);
         let placed = &mut input_state.kinematics;
         placed.set_velocities(tree, &twist.v, &twist.w, &input_state.rates);
@@ -54,9 +55,17 @@ impl Motion<'_> {
             joints: Vec::new(),
         };
         let joints = 0..self.vehicle.joint_motions.len();
-        let effects = joints.filter_map(|joint| self.effect(joint, body, &place));
-        place.joints = effects.collect();
+        list.extend(joints.filter_map(|joint| self.effect(joint, body, &place)));
+        place.joints = list;
         place
+    }
+
+    /// Keeps the memory of a place that is no longer needed.
+    pub fn leave(&mut self, place: PointKinematics) {
+        if place.joints.capacity() > 0 {
+            self.spare.effects = place.joints;
+            self.spare.effects.clear();
+        }
     }
 
     /// Slopes of a place over a joint; `None` if the joint does not carry the body.

@@ -253,11 +253,21 @@ pub(crate) fn parabola_slope(t: &[f64], value: impl Fn(usize) -> f64, i: usize) 
     }
 }
 
-/// Grid times and weights of the values that make up [`parabola_slope`].
-pub(crate) fn slope_weights(t: &[f64], i: usize) -> Vec<(usize, f64)> {
-    let from = i.saturating_sub(1);
+/// Grid times and weights of the values that make up [`parabola_slope`]; at an end one of the three has no weight.
+pub(crate) fn slope_weights(t: &[f64], i: usize) -> [(usize, f64); 3] {
     let weight = |j: usize| parabola_slope(t, |k| f64::from(u8::from(k == j)), i);
-    (from..t.len().min(i + 2)).map(|j| (j, weight(j))).collect()
+    let place = |j: usize| {
+        if j < t.len() {
+            (j, weight(j))
+        } else {
+            (i, 0.0)
+        }
+    };
+    let before = match i.checked_sub(1) {
+        Some(j) => place(j),
+        None => (i, 0.0),
+    };
+    [before, place(i), place(i + 1)]
 }
 
 /// A thruster that fires.

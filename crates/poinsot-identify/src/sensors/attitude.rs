@@ -1,12 +1,17 @@
 //! Attitude of a body in N: a star tracker. Its changes are small turns in the body's axes.
 
-use super::{IdealMeasurement, MeasurementJacobian, joints};
+use super::{IdealMeasurement, JointSlope, MeasurementJacobian, joints};
 use crate::motion::{PointKinematics, State};
 use crate::problem::segment::SensorValue;
 use nalgebra::{Rotation3, UnitQuaternion};
 use poinsot_spatial::{Matrix3, Vector3};
 
-pub(super) fn measure(place: &PointKinematics, state: &State, body: usize) -> IdealMeasurement {
+pub(super) fn measure(
+    place: &PointKinematics,
+    state: &State,
+    body: usize,
+    list: Vec<JointSlope>,
+) -> IdealMeasurement {
     let to_body = place.R.transpose();
     let R_NBi = match body {
         0 => state.R_NB,
@@ -20,7 +25,7 @@ pub(super) fn measure(place: &PointKinematics, state: &State, body: usize) -> Id
         value: SensorValue::Attitude(R_NBi),
         rate: Some(to_body * place.w),
         slopes: MeasurementJacobian {
-            joints: joints(place, |j| (to_body * j.turn, Vector3::zeros())),
+            joints: joints(place, list, |j| (to_body * j.turn, Vector3::zeros())),
             ..MeasurementJacobian::new([&to_body, &zero], [&zero, &zero])
         },
     }

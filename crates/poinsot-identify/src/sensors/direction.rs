@@ -1,6 +1,6 @@
 //! Direction of a vector known in N, seen from a body: sun sensor, magnetometer.
 
-use super::{IdealMeasurement, MeasurementJacobian, attitude};
+use super::{IdealMeasurement, JointSlope, MeasurementJacobian, attitude};
 use crate::motion::{PointKinematics, State};
 use crate::problem::segment::SensorValue;
 use nalgebra::SMatrix;
@@ -10,20 +10,22 @@ use poinsot_spatial::{Matrix3, Vector3, skew};
 pub(super) fn measure(
     place: &PointKinematics,
     state: &State,
-    body: usize,
-    reference_N: &Vector3,
+    (body, reference_N): (usize, &Vector3),
+    list: Vec<JointSlope>,
 ) -> Option<IdealMeasurement> {
     let IdealMeasurement {
         value: SensorValue::Attitude(R_NBi),
         rate: Some(w_NBi_Bi),
-        slopes,
-    } = attitude::measure(place, state, body)
+        mut slopes,
+    } = attitude::measure(place, state, body, list)
     else {
         return None;
     };
     let d = R_NBi.inverse() * reference_N;
     let turned = skew(&d);
-    let joints = slopes.joints.iter();
+    for (_, turn, rate) in &mut slopes.joints {
+        (*turn, *rate) = (turned * *turn, Vector3::zeros());
+    }
     Some(IdealMeasurement {
         value: SensorValue::Vector(d),
         // The reference is constant between two samples.
@@ -31,9 +33,7 @@ pub(super) fn measure(
         slopes: MeasurementJacobian {
             pose: turned * slopes.pose,
             twist: SMatrix::zeros(),
-            joints: joints
-                .map(|(joint, turn, _)| (*joint, turned * turn, Vector3::zeros()))
-                .collect(),
+            joints: slopes.joints,
         },
     })
 }

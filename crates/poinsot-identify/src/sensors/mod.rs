@@ -38,9 +38,12 @@ pub(crate) struct MeasurementJacobian {
     pub pose: SMatrix<f64, 3, 6>,
     /// Over `[dv_NBo_B, dw_NB_B]`.
     pub twist: SMatrix<f64, 3, 6>,
-    /// Over joints, all else held: joint, slope over its position, slope over its rate; sorted by joint.
-    pub joints: Vec<(usize, Vector3, Vector3)>,
+    /// Over joints, all else held; sorted by joint.
+    pub joints: Vec<JointSlope>,
 }
+
+/// Joint, slope over its position, slope over its rate.
+type JointSlope = (usize, Vector3, Vector3);
 
 impl MeasurementJacobian {
     fn new(pose: [&Matrix3; 2], twist: [&Matrix3; 2]) -> Self {
@@ -76,17 +79,27 @@ impl MeasurementJacobian {
 
 /// Lists that were used and may be filled anew.
 #[derive(Default)]
-pub(crate) struct SpareVectors(Vec<Vec<Vector3>>);
+pub(crate) struct SpareVectors {
+    lists: Vec<Vec<Vector3>>,
+    joints: Vec<JointSlope>,
+}
 
 impl SpareVectors {
     /// An empty list.
     pub fn take(&mut self) -> Vec<Vector3> {
-        self.0.pop().unwrap_or_default()
+        self.lists.pop().unwrap_or_default()
     }
 
     pub fn give_back(&mut self, mut list: Vec<Vector3>) {
         list.clear();
-        self.0.push(list);
+        self.lists.push(list);
+    }
+
+    /// An empty list of slopes over joints; there is one.
+    fn take_joints(&mut self) -> Vec<JointSlope> {
+        let mut joints = std::mem::take(&mut self.joints);
+        joints.clear();
+        joints
     }
 }
 
@@ -148,21 +161,27 @@ fn measure(
     motion: &mut Motion,
     (state, k): (&State, usize),
     instant: &Instant,
+    joints: Vec<JointSlope>,
 ) -> Option<IdealMeasurement> {
+    if record.kind == SensorKind::Accelerometer {
+        return None;
+    }
     let place = motion.place(&instant.twist, (record.body, &record.p_BoS_B));
     let R_NB = matrix(&state.R_NB);
-    match record.kind {
-        SensorKind::Gyro => Some(gyro::measure(&place)),
-        SensorKind::Attitude => Some(attitude::measure(&place, state, record.body)),
-        SensorKind::Direction => {
-            direction::measure(&place, state, record.body, &record.reference_N(k)?)
-        }
-        SensorKind::Position => Some(position::measure(&place, state, &R_NB)),
+    let seen = match record.kind {
+        SensorKind::Gyro => Some(gyro::measure(&place, joints)),
+        SensorKind::Attitude => Some(attitude::measure(&place, state, record.body, joints)),
+        SensorKind::Direction => record
+            .reference_N(k)
+            .and_then(|d_N| direction::measure(&place, state, (record.body, &d_N), joints)),
+        SensorKind::Position => Some(position::measure(&place, state, &R_NB, joints)),
         SensorKind::Velocity | SensorKind::VelocityIncrement => {
-            Some(velocity::measure(&place, &R_NB))
+            Some(velocity::measure(&place, &R_NB, joints))
         }
         _ => None,
-    }
+    };
+    motion.leave(place);
+    seen
 }
 
 /// Ideal measurement at grid time k, and its rate if the state determines it.
@@ -172,7 +191,7 @@ pub(crate) fn ideal_measurement(
     (state, k): (&State, usize),
     instant: &Instant,
 ) -> (SensorValue, Option<Vector3>) {
-    match measure(record, motion, (state, k), instant) {
+    match measure(record, motion, (state, k), instant, Vec::new()) {
         Some(seen) => (seen.value, seen.rate),
         None => {
             let force = accelerometer::value(record, motion, (state, k), instant);
@@ -194,9 +213,9 @@ pub(crate) fn predict(
         value,
         rate,
         slopes,
-    }) = measure(record, motion, (state, k), instant)
+    }) = measure(record, motion, (state, k), instant, spare.take_joints())
     else {
-        return accelerometer::predict(record, motion, (state, k), instant, inputs);
+        return accelerometer::predict(record, motion, (state, k), instant, inputs, spare);
     };
     let mut columns = slopes.along(motion.sensitivities(), spare.take());
     let mut errors = slopes.along(inputs.columns.iter().zip(&inputs.twists), spare.take());
@@ -225,6 +244,7 @@ pub(crate) fn predict(
             }
         }
     }
+    spare.joints = slopes.joints;
     Some(PredictedMeasurement {
         value,
         rate,
@@ -239,14 +259,15 @@ fn times_skew(M: &Matrix3, a: &Vector3) -> Matrix3 {
     M * poinsot_spatial::skew(a)
 }
 
-/// The joints' part of slopes.
+/// The joints' part of slopes, in an empty list.
 fn joints(
     place: &PointKinematics,
+    mut list: Vec<JointSlope>,
     of: impl Fn(&crate::motion::JointEffect) -> (Vector3, Vector3),
-) -> Vec<(usize, Vector3, Vector3)> {
-    let all = place.joints.iter().map(|joint| {
+) -> Vec<JointSlope> {
+    list.extend(place.joints.iter().map(|joint| {
         let (position, rate) = of(joint);
         (joint.joint, position, rate)
-    });
-    all.collect()
+    }));
+    list
 }

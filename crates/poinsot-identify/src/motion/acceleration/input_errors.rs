@@ -1,11 +1,11 @@
 //! Sensitivity of the specific force at a point to errors of state and inputs.
 
-use super::{BodyPoint, Inputs, Moving, RateSlopes, lower, stack, upper};
+use super::{Around, BodyPoint, ForceScratch, Moved, RateSlopes, lower, stack, upper};
 use crate::motion::slope_weights;
 use crate::motion::virtual_joints::JOINT_STEP;
 use crate::motion::{Column, Instant, Motion, State, matrix};
-use poinsot_dynamics::{Accelerations, Kinematics};
 use poinsot_spatial::{Matrix3, Vector3, Vector6};
+use std::cell::RefMut;
 
 /// The equation of the accelerations around one instant.
 pub(crate) struct ForceAround<'m, 'a> {
@@ -14,7 +14,7 @@ pub(crate) struct ForceAround<'m, 'a> {
     instant: Instant,
     k: usize,
     point: BodyPoint,
-    inputs: Inputs,
+    scratch: RefMut<'m, ForceScratch>,
     slopes: RateSlopes,
     /// Acceleration of the base.
     base: Vector6,
@@ -32,25 +32,28 @@ impl<'a> Motion<'a> {
         point: &BodyPoint,
     ) -> ForceAround<'_, 'a> {
         let tree = self.vehicle.tree;
-        let inputs = self.second_order_inputs(k);
-        let mut moving = Moving {
-            kinematics: Kinematics::new(tree),
-            body: Accelerations::new(tree),
-        };
+        let mut scratch = self.force_scratch();
+        let ForceScratch {
+            inputs,
+            here,
+            there,
+            ..
+        } = &mut *scratch;
+        self.set_second_order(k, inputs);
         let wrench = self.wrench(state, &inputs.thrust, instant);
-        let free = self.rate_without_base(&mut moving, (tree, &inputs), &instant.twist);
-        let R = moving.kinematics.R[point.0];
+        let free = self.rate_without_base(here, (tree, inputs), &instant.twist);
+        let R = here.kinematics.R[point.0];
         ForceAround {
-            slopes: self.rate_slopes(&inputs, &instant.twist, &[*point]),
+            slopes: self.rate_slopes(inputs, &instant.twist, point, there),
             base: instant.inverse_inertia * (wrench - free),
-            r: moving.kinematics.p[point.0] + R * point.1,
+            r: here.kinematics.p[point.0] + R * point.1,
             R,
             motion: self,
             state: *state,
             instant: *instant,
             k,
             point: *point,
-            inputs,
+            scratch,
         }
     }
 }
@@ -70,11 +73,7 @@ impl ForceAround<'_, '_> {
                 .environment_torque_change(&self.state, centre, (w, &dw), &dphi, None);
         let own = self.slopes.balance * dw;
         let base = self.instant.inverse_inertia * (stack(&Vector3::zeros(), &torque) - own);
-        let direct = self
-            .slopes
-            .force_B
-            .first()
-            .map_or_else(Vector3::zeros, |f| f * dw);
+        let direct = self.slopes.force_B * dw;
         self.R.transpose() * (upper(&base) + lower(&base).cross(&self.r) + direct)
     }
 
@@ -86,33 +85,33 @@ impl ForceAround<'_, '_> {
     }
 
     /// A joint's position, the twist held.
-    pub fn joint_position(&self, joint: usize) -> Vector3 {
+    pub fn joint_position(&mut self, joint: usize) -> Vector3 {
         // Over all else the equations are quadratic, and a step of one is exact.
-        self.input(JOINT_STEP, |inputs, step| inputs.q[joint] += step)
+        self.input(JOINT_STEP, Moved::Position(joint))
     }
 
     /// A joint's rate, the twist held.
-    pub fn joint_rate(&self, joint: usize) -> Vector3 {
-        self.input(1.0, |inputs, step| inputs.rates[joint] += step)
+    pub fn joint_rate(&mut self, joint: usize) -> Vector3 {
+        self.input(1.0, Moved::Rate(joint))
     }
 
     /// A joint's acceleration.
-    pub fn joint_acceleration(&self, joint: usize) -> Vector3 {
-        self.input(1.0, |inputs, step| inputs.accelerations[joint] += step)
+    pub fn joint_acceleration(&mut self, joint: usize) -> Vector3 {
+        self.input(1.0, Moved::Acceleration(joint))
     }
 
     /// A wheel's speed, the twist held.
-    pub fn wheel_speed(&self, wheel: usize) -> Vector3 {
-        self.input(1.0, |inputs, step| inputs.wheels[wheel] += step)
+    pub fn wheel_speed(&mut self, wheel: usize) -> Vector3 {
+        self.input(1.0, Moved::Wheel(wheel))
     }
 
     /// The slope of a wheel's speed.
-    pub fn wheel_acceleration(&self, wheel: usize) -> Vector3 {
-        self.input(1.0, |inputs, step| inputs.wheel_rates[wheel] += step)
+    pub fn wheel_acceleration(&mut self, wheel: usize) -> Vector3 {
+        self.input(1.0, Moved::WheelRate(wheel))
     }
 
     /// Grid times and weights of the readings that make up the slope of a wheel's speed.
-    pub fn wheel_weights(&self, wheel: usize) -> Vec<(usize, f64)> {
+    pub fn wheel_weights(&self, wheel: usize) -> [(usize, f64); 3] {
         let o = self.motion.observations;
         let t = &o.time_s;
         if o.is_smooth(wheel, self.motion.vehicle.wheels_smooth) {
@@ -120,25 +119,28 @@ impl ForceAround<'_, '_> {
         }
         let i = self.k.min(t.len().saturating_sub(2));
         let over = 1.0 / (t[i + 1] - t[i]);
-        vec![(i, -over), (i + 1, over)]
+        [(i, -over), (i + 1, over), (i, 0.0)]
     }
 
-    fn input(&self, step: f64, change: impl Fn(&mut Inputs, f64)) -> Vector3 {
-        let mut ends = [self.inputs.clone(), self.inputs.clone()];
+    fn input(&mut self, step: f64, moved: Moved) -> Vector3 {
+        let ForceScratch {
+            inputs,
+            there,
+            ends,
+            ..
+        } = &mut *self.scratch;
         for (end, sign) in ends.iter_mut().zip([1.0, -1.0]) {
-            change(end, sign * step);
+            end.copy(inputs);
+            moved.shift(end, sign * step);
         }
         let tree = self.motion.vehicle.tree;
-        let (balance, own) = self.motion.input_slopes(
-            &self.state,
-            ends.each_ref().map(|inputs| (tree, inputs)),
-            step,
-            &self.instant,
-            &self.base,
-            &[self.point],
-        );
-        let base = self.instant.inverse_inertia * balance;
-        let moved = self.R.transpose() * (upper(&base) + lower(&base).cross(&self.r));
-        own.first().map_or_else(Vector3::zeros, |own| own - moved)
+        let around = Around {
+            state: &self.state,
+            instant: &self.instant,
+            base: &self.base,
+            point: &self.point,
+        };
+        let ends = ends.each_ref().map(|inputs| (tree, inputs));
+        self.motion.input_slope(&around, (ends, step), there)
     }
 }

@@ -1,6 +1,6 @@
 //! Input errors in accelerometer samples, at several grid times together.
 
-use super::{Filter, Input, InputNoise};
+use super::{Filter, Input, InputNoise, SparseRows};
 use crate::motion::slope_weights;
 use crate::motion::{BodyPoint, Instant, Motion, State};
 use crate::problem::Problem;
@@ -43,7 +43,7 @@ pub(super) fn reach(o: &Observations, derived: &[bool]) -> usize {
 }
 
 /// Weights of the positions in the slope at grid time k of the polynomial through the five nearest.
-fn rate_weights(t: &[f64], k: usize) -> Vec<(usize, f64)> {
+fn rate_weights(t: &[f64], k: usize) -> [(usize, f64); STENCIL] {
     let width = STENCIL.min(t.len());
     let first = k.saturating_sub(STENCIL / 2).min(t.len() - width);
     let others = |i: usize| (first..first + width).filter(move |j| *j != i);
@@ -57,32 +57,37 @@ fn rate_weights(t: &[f64], k: usize) -> Vec<(usize, f64)> {
             .sum();
         slope / scale
     };
-    (first..first + width).map(|i| (i, weight(i))).collect()
+    // A record shorter than that has fewer.
+    std::array::from_fn(|i| match i < width {
+        true => (first + i, weight(first + i)),
+        false => (k, 0.0),
+    })
 }
 
 impl InputNoise {
     /// Moves the window one grid time on, to k: `upper` holds the rows of `s`.
     pub(super) fn shift(&mut self, upper: &[f64], k: usize) {
         let (size, inputs) = (self.filter.size, self.inputs.len());
-        let sparse = |row: &[f64]| -> Vec<(usize, f64)> {
-            let pairs = row.iter().copied().enumerate();
-            pairs.filter(|(_, f)| *f != 0.0).collect()
-        };
-        let mut rows: Vec<Vec<(usize, f64)>> = upper.chunks_exact(size).map(sparse).collect();
+        let mut rows = std::mem::take(&mut self.scratch.rows);
+        rows.clear();
+        upper
+            .chunks_exact(size)
+            .for_each(|row| rows.push_dense(row));
         let errors = 2 * self.reach * inputs;
-        rows.extend((0..errors).map(|_| Vec::new()));
-        let from = self.lead;
-        for (i, row) in rows.iter_mut().enumerate().skip(from) {
-            row.push((i + inputs, 1.0));
+        for i in rows.len()..self.lead + errors {
+            rows.push([(i + inputs, 1.0)]);
         }
         let reach = self.reach as isize;
         let last = k - 1 + self.reach;
         for c in 0..inputs {
-            rows.push(vec![(self.place(c, reach), self.memory[c].memory(last))]);
+            rows.push([(self.place(c, reach), self.memory[c].memory(last))]);
         }
         // The errors at the beginning of an increment stay.
-        rows.extend((rows.len()..size).map(|i| vec![(i, 1.0)]));
+        for i in rows.len()..size {
+            rows.push([(i, 1.0)]);
+        }
         self.filter.map(&rows);
+        self.scratch.rows = rows;
         for c in 0..inputs {
             let a = self.memory[c].memory(last);
             let at = self.place(c, reach);
@@ -92,43 +97,46 @@ impl InputNoise {
 
     /// Joints whose rate is made of positions: what it errs by, as change of the twist.
     pub(super) fn add_derived_rates(&mut self, k: usize) {
+        let mut twists = std::mem::take(&mut self.twists);
         for (at, weight, joint) in self.derived_errors(k, k) {
-            let gain = self.rate_gain[joint];
-            self.twists[at] += gain * weight;
+            twists[at] += self.rate_gain[joint] * weight;
         }
+        self.twists = twists;
     }
 
     /// Errors of positions in the derived rates at grid time `of`, seen from grid time k: place in the state, weight
     /// and joint.
-    fn derived_errors(&self, k: usize, of: usize) -> Vec<(usize, f64, usize)> {
-        let mut list = Vec::new();
-        for (c, (input, _)) in self.inputs.iter().enumerate() {
-            let Input::Joint(joint) = input else { continue };
-            if self.derived.get(*joint) == Some(&true) {
-                let weights = rate_weights(&self.time_s, of).into_iter();
-                list.extend(weights.map(|(i, w)| {
-                    let after = i as isize - k as isize;
-                    (self.place(c, after), w, *joint)
-                }));
-            }
-        }
-        list
+    fn derived_errors(
+        &self,
+        k: usize,
+        of: usize,
+    ) -> impl Iterator<Item = (usize, f64, usize)> + '_ {
+        let inputs = self.inputs.iter().enumerate();
+        let derived = inputs.filter_map(|(c, (input, _))| match input {
+            Input::Joint(joint) => (self.derived.get(*joint) == Some(&true)).then_some((c, *joint)),
+            _ => None,
+        });
+        derived.flat_map(move |(c, joint)| {
+            let weights = rate_weights(&self.time_s, of).into_iter();
+            weights.map(move |(i, w)| (self.place(c, i as isize - k as isize), w, joint))
+        })
     }
 
-    /// Change of the specific force at a point, in its body, with every error in the filter's state.
+    /// Change of the specific force at a point, in its body, with every error in the filter's state: added to a list.
     pub fn force_slopes(
         &self,
-        motion: &mut Motion,
+        motion: &Motion,
         (state, k): (&State, usize),
         instant: &Instant,
         point: &BodyPoint,
-    ) -> Vec<Vector3> {
+        slopes: &mut Vec<Vector3>,
+    ) {
         if self.is_silent() {
-            return Vec::new();
+            return;
         }
-        let around = motion.force_around((state, k), instant, point);
+        let mut around = motion.force_around((state, k), instant, point);
         let pairs = self.columns.iter().zip(&self.twists);
-        let mut slopes: Vec<Vector3> = pairs.map(|(x, twist)| around.state(x, twist)).collect();
+        slopes.extend(pairs.map(|(x, twist)| around.state(x, twist)));
         for (c, (input, _)) in self.inputs.iter().enumerate() {
             let here = self.place(c, 0);
             match *input {
@@ -154,57 +162,51 @@ impl InputNoise {
         if let Some(at) = self.torque_at() {
             (0..3).for_each(|axis| slopes[at + axis] += around.outside_torque(axis));
         }
-        if self.derived.contains(&true) {
-            let of = |joint: usize| match self.derived[joint] {
-                true => (around.joint_rate(joint), around.joint_acceleration(joint)),
-                false => (Vector3::zeros(), Vector3::zeros()),
-            };
-            let joints: Vec<(Vector3, Vector3)> = (0..self.derived.len()).map(of).collect();
-            for (at, weight, joint) in self.derived_errors(k, k) {
-                slopes[at] += joints[joint].0 * weight;
+        for joint in (0..self.derived.len()).filter(|j| self.derived[*j]) {
+            let (rate, acceleration) = (around.joint_rate(joint), around.joint_acceleration(joint));
+            let own = |all: &(usize, f64, usize)| all.2 == joint;
+            for (at, weight, _) in self.derived_errors(k, k).filter(own) {
+                slopes[at] += rate * weight;
             }
             for (i, share) in slope_weights(&self.time_s, k) {
-                for (at, weight, joint) in self.derived_errors(k, i) {
-                    slopes[at] += joints[joint].1 * (weight * share);
+                for (at, weight, _) in self.derived_errors(k, i).filter(own) {
+                    slopes[at] += acceleration * (weight * share);
                 }
             }
         }
-        slopes
     }
 
     /// Direct effect of errors on joints at grid time k: place in the filter's state, joint, change of its position and
     /// rate.
-    pub fn at_once(&self, k: usize) -> Vec<(usize, usize, f64, f64)> {
+    pub fn at_once(&self, k: usize) -> impl Iterator<Item = (usize, usize, f64, f64)> + '_ {
         let inputs = self.inputs.iter().enumerate();
-        let mut all: Vec<_> = inputs
-            .filter_map(|(c, (input, _))| match *input {
-                Input::Joint(j) => Some((self.place(c, 0), j, 1.0, 0.0)),
-                Input::Rate(j) => Some((self.place(c, 0), j, 0.0, 1.0)),
-                Input::Wheel(_) => None,
-            })
-            .collect();
-        let derived = self.derived_errors(k, k).into_iter();
-        all.extend(derived.map(|(at, weight, j)| (at, j, 0.0, weight)));
-        all
+        let all = inputs.filter_map(|(c, (input, _))| match *input {
+            Input::Joint(j) => Some((self.place(c, 0), j, 1.0, 0.0)),
+            Input::Rate(j) => Some((self.place(c, 0), j, 0.0, 1.0)),
+            Input::Wheel(_) => None,
+        });
+        let derived = self.derived_errors(k, k);
+        all.chain(derived.map(|(at, weight, j)| (at, j, 0.0, weight)))
     }
 
     /// Keeps the velocity error at the beginning of an increment until its end: in slot `which`.
     pub fn keep(&mut self, which: usize, slopes: &[Vector3]) {
         if !self.is_silent() {
             let at = self.kept(which);
-            self.filter.assign(at, slopes);
+            let mut rows = std::mem::take(&mut self.scratch.rows);
+            self.filter.assign(at, slopes, &mut rows);
+            self.scratch.rows = rows;
         }
     }
 
     /// Subtracts the kept slopes from those of the velocity at the end.
-    pub fn less_kept(&self, which: usize, mut slopes: Vec<Vector3>) -> Vec<Vector3> {
+    pub fn less_kept(&self, which: usize, slopes: &mut [Vector3]) {
         if !self.is_silent() {
             let at = self.kept(which);
             for (axis, slope) in slopes[at..at + 3].iter_mut().enumerate() {
                 slope[axis] -= 1.0;
             }
         }
-        slopes
     }
 
     fn kept(&self, which: usize) -> usize {
@@ -214,13 +216,18 @@ impl InputNoise {
 
 impl Filter {
     /// Makes three components from `at` on what the others say: `y = slopes . x`.
-    fn assign(&mut self, at: usize, slopes: &[Vector3]) {
-        let mut rows: Vec<Vec<(usize, f64)>> = (0..self.size).map(|i| vec![(i, 1.0)]).collect();
-        for (axis, row) in rows[at..at + 3].iter_mut().enumerate() {
-            let elements = slopes.iter().enumerate().map(|(i, s)| (i, s[axis]));
-            *row = elements.filter(|(_, f)| *f != 0.0).collect();
+    fn assign(&mut self, at: usize, slopes: &[Vector3], rows: &mut SparseRows) {
+        rows.clear();
+        for i in 0..self.size {
+            match i.checked_sub(at).filter(|axis| *axis < 3) {
+                Some(axis) => {
+                    let elements = slopes.iter().enumerate().map(|(i, s)| (i, s[axis]));
+                    rows.push(elements.filter(|(_, f)| *f != 0.0));
+                }
+                None => rows.push([(i, 1.0)]),
+            }
         }
-        self.map(&rows);
+        self.map(rows);
     }
 }
 

@@ -70,15 +70,11 @@ fn integrated(T: f64, h: f64) -> Matrix3<f64> {
     let near = h.min(FORGOTTEN * T);
     let pieces = (2.0 * near / T).ceil().max(1.0);
     let step = near / pieces;
-    let mut spans: Vec<(f64, f64)> = (0..pieces as usize)
-        .map(|i| (i as f64 * step, step))
-        .collect();
+    let spans = (0..pieces as usize).map(|i| (i as f64 * step, step));
     // Beyond, momentum is constant and its integral a line: one piece is exact.
-    if h > near {
-        spans.push((near, h - near));
-    }
+    let beyond = (h > near).then_some((near, h - near));
     let mut sum = Matrix3::zeros();
-    for (from, length) in spans {
+    for (from, length) in spans.chain(beyond) {
         for (node, weight) in GAUSS {
             let r = response(T, from + 0.5 * length * (1.0 + node));
             sum += r * r.transpose() * (0.5 * length * weight);
