@@ -75,7 +75,8 @@ impl Asked<'_> {
         all
     }
 
-    /// Largest ratio with a limit scaled by a factor, and the free numbers; `None` if no manoeuvre holds the limits.
+    /// Largest ratio with a limit scaled by a factor, and the free numbers in the units of the case's space, as are those
+    /// from which it starts; `None` if no manoeuvre holds the limits.
     fn with(
         &self,
         group: &Group,
@@ -98,14 +99,15 @@ impl Asked<'_> {
         question.margins.clone_from(&own.margins);
         question.critical.clone_from(&own.critical);
         let budget = FEW_STEPS * (space.len() + 2);
-        let reached = refine(&question, (&space, Rows::Share(1.0)), from, budget)?;
+        let from = of_own.converted(from, &space);
+        let reached = refine(&question, (&space, Rows::Share(1.0)), &from, budget)?;
         (reached.values.broken() <= BROKEN).then(|| {
             let point = Relaxed {
                 what: group.words.to_owned(),
                 factor,
                 ratio: reached.values.worst().exp(),
             };
-            (point, reached.x)
+            (point, space.converted(&reached.x, of_own))
         })
     }
 }

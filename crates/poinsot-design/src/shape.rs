@@ -119,6 +119,18 @@ impl Space {
         self.movers.iter().map(of).collect()
     }
 
+    /// The same motions of joints and wheels in free numbers of another space, whose units are those of its limits.
+    pub fn converted(&self, x: &[f64], to: &Self) -> Vec<f64> {
+        let mut all = x.to_vec();
+        for (own, other) in self.movers.iter().zip(&to.movers) {
+            let units = own.units.iter().zip(&other.units);
+            for (x, (from, to)) in all[own.first..].iter_mut().zip(units) {
+                *x *= from / to;
+            }
+        }
+        all
+    }
+
     /// Writes the motions into a scenario.
     pub fn place(&self, x: &[f64], scenario: &mut Scenario) -> Option<()> {
         let plan = &mut scenario.plan;

@@ -639,7 +639,7 @@ pub struct DesignFile {
     /// Whether declared priors of mass properties count in the sigmas.
     #[serde(default, skip_serializing_if = "is_usual")]
     pub priors: bool,
-    /// Largest number of manoeuvre evaluations.
+    /// Largest number of manoeuvre evaluations. Default 12000.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub evaluations: Option<Placed<usize>>,
     /// Starts of the search.

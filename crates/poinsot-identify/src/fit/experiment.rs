@@ -108,6 +108,16 @@ impl<'a> Experiment<'a> {
         }
     }
 
+    /// The same experiment with one integration step in place of so many.
+    pub fn coarse(mut self, steps: u32) -> Self {
+        let mut grids = self.grids().to_vec();
+        for step in grids.iter_mut().flat_map(|g| &mut g.steps) {
+            *step = step.div_ceil(steps);
+        }
+        self.grids = Arc::new(OnceLock::from(grids));
+        self
+    }
+
     /// The same experiment with more unknowns.
     pub fn with_parameters<'b>(&'b self, parameters: &'b Parameters) -> Experiment<'b> {
         Experiment {

@@ -12,7 +12,7 @@ use poinsot_model::{JointKind, Model};
 use std::ops::Range;
 
 /// Default number of evaluated manoeuvres.
-const EVALUATIONS: usize = 5000;
+const EVALUATIONS: usize = 12_000;
 /// Default number of starts of the search.
 const STARTS: usize = 4;
 /// Largest number of free numbers per joint or wheel.

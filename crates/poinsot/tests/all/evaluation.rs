@@ -1,15 +1,15 @@
 //! Evaluation of a problem at any value of its unknowns, without the rest of the estimator.
 
-use crate::nutation;
+use crate::{nutation, vehicle};
 
 use nutation::{Cell, bus, study, study_of};
 use poinsot::bind::bind;
 use poinsot_dynamics::{SensorKind, Tree};
 use poinsot_identify::{
-    Evaluator, Firing, Noise, Observations, Problem, Samples, Segment, SensorRecord, SensorValue,
-    maximum_likelihood,
+    Evaluator, Firing, Information, Noise, Observations, Problem, Samples, Segment, SensorRecord,
+    SensorValue, WantedNumber, WantedTerm, maximum_likelihood,
 };
-use poinsot_model::Model;
+use poinsot_model::{EstimateSet, Model};
 use poinsot_spatial::{UnitQuaternion, Vector3};
 
 /// One record of the nutating bus, bound.
@@ -276,4 +276,48 @@ fn stat_thrust_that_changes_every_sample_costs_time_linear_in_the_samples() {
             1.0e6 * spent / samples as f64
         );
     }
+}
+
+/// A rough evaluation has the sigmas of the whole one to 0.1 %: on rows far apart, with stored momentum and with moving
+/// joints.
+#[test]
+fn exact_rough_information_has_the_sigmas_of_the_whole() {
+    let close = |record: &(Model, Tree, Vec<Segment>, Noise), wanted: &[WantedNumber]| {
+        let problem = problem(record);
+        let of_base = |number: &WantedNumber| {
+            vec![WantedTerm {
+                body: 0,
+                number: *number,
+                factor: 1.0,
+            }]
+        };
+        let sums: Vec<Vec<WantedTerm>> = wanted.iter().map(of_base).collect();
+        let of = |i: Information| i.covariance(&sums).map_diagonal(f64::sqrt);
+        let whole = of(Information::of(&problem, false).unwrap());
+        let rough = of(Information::roughly(&problem, false).unwrap());
+        let ratio = rough.component_div(&whole);
+        println!("{:.7}", ratio.transpose());
+        let is_same = ratio.iter().all(|r| (r - 1.0).abs() < 1.0e-3);
+        // The steps differ, or nothing is tested.
+        assert!(is_same && ratio.iter().any(|r| *r != 1.0));
+    };
+    close(&record(), &[0, 1, 2, 3, 4, 5].map(WantedNumber::Inertia));
+    let mut arm = vehicle::with_thrusters(vehicle::tree(41, "rp"));
+    arm.bodies[1].estimate = EstimateSet::default();
+    arm.bodies[2].estimate = EstimateSet::default();
+    arm.sensors = vehicle::sensors(1.0e-4);
+    let mut flight = vehicle::moving(&arm, 6);
+    flight.rate_hz = 2.0;
+    let table = vehicle::fly(&arm, &flight);
+    let tree = Tree::new(&arm);
+    let bound = bind(&arm, &tree, &[table]).unwrap();
+    let record = (arm, tree, bound.segments, bound.noise);
+    close(
+        &record,
+        &[
+            WantedNumber::Mass,
+            WantedNumber::MassCentre(1),
+            WantedNumber::Inertia(0),
+        ],
+    );
 }
