@@ -258,9 +258,10 @@ fn difference(n: &Number) -> String {
     }
 }
 
-/// One line per direction; those of one remedy together, and each remedy and reason once below them.
+/// One line per direction; those of one remedy together, with the remedy and the reason once below them.
 pub(crate) fn open_sentences(open: &[UndeterminedFile]) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
+    let mut told: Vec<&str> = Vec::new();
     for alike in open.chunk_by(|a, b| a.reason == b.reason) {
         let mut groups: IndexMap<&str, Vec<&str>> = IndexMap::new();
         for item in alike {
@@ -269,7 +270,13 @@ pub(crate) fn open_sentences(open: &[UndeterminedFile]) -> Vec<String> {
         }
         for (remedy, combinations) in groups {
             lines.extend(combinations.into_iter().map(str::to_owned));
-            lines.push(format!("    to resolve it: {remedy}."));
+            // Several changes are told once: the list is long.
+            let words = match remedy.split_once(':') {
+                Some((together, _)) if told.contains(&remedy) => &format!("{together}, as above"),
+                _ => remedy,
+            };
+            lines.push(format!("    to resolve it: {words}."));
+            told.push(remedy);
         }
         lines.push(format!("    why: {}.", alike[0].reason));
     }

@@ -34,19 +34,23 @@ pub(super) fn of(i: &IdentifiabilityFile, several: bool) -> Result<Option<Part>,
         return Ok(None);
     }
     // One row per remedy, which often resolves several directions.
-    let mut remedies: IndexMap<(&str, &str), (&str, Vec<Value>)> = IndexMap::new();
+    let mut remedies: IndexMap<&str, (&str, Vec<&str>, Vec<Value>)> = IndexMap::new();
     for open in &i.not_identifiable {
         let (remedy, then) = without_detail(&open.remedy);
         let (reason, _) = without_detail(&open.reason);
-        let row = remedies.entry((remedy, reason)).or_default();
+        let row = remedies.entry(remedy).or_default();
         row.0 = then;
-        row.1.push(algebra(&open.coefficients, several));
+        if !row.1.contains(&reason) {
+            row.1.push(reason);
+        }
+        row.2.push(algebra(&open.coefficients, several));
     }
     // The remedy that resolves most directions comes first.
-    remedies.sort_by(|_, a, _, b| b.1.len().cmp(&a.1.len()));
+    remedies.sort_by(|_, a, _, b| b.2.len().cmp(&a.2.len()));
     let rows: Vec<Value> = remedies
         .into_iter()
-        .map(|((remedy, reason), (then, directions))| {
+        .map(|(remedy, (then, reasons, directions))| {
+            let reason = reasons.join("; ");
             context! { remedy, reason, then => then.strip_prefix("then ").unwrap_or(then), directions }
         })
         .collect();
