@@ -37,6 +37,8 @@ mod packing;
 #[cfg(feature = "parquet")]
 mod parquet_bytes;
 #[cfg(feature = "parquet")]
+mod parquet_column;
+#[cfg(feature = "parquet")]
 mod parquet_dictionaries;
 #[cfg(feature = "parquet")]
 mod parquet_pages;
@@ -50,6 +52,7 @@ mod rate_pairs;
 mod read;
 mod resample;
 mod rotation;
+mod row_columns;
 mod rows;
 mod selection;
 mod size;
@@ -82,7 +85,8 @@ pub use noise::{NoiseLevel, noise_level};
 pub use options::{Encoding, MEMORY_MIB, ReadOptions};
 pub use read::{read, read_parts};
 pub use resample::{GAP, hold, resample, resample_attitude, resample_hermite};
-pub use rows::{ROWS_EXTENSION, RowCells, RowColumn, write_rows};
+pub use row_columns::{RowCells, RowColumn};
+pub use rows::{ROWS_EXTENSION, write_rows};
 pub use suggest::{Suggestion, suggest};
 pub use unit::{Dimension, STANDARD_GRAVITY, Unit, parse_unit, units};
 pub use writer::{write, write_staged};

@@ -1,7 +1,6 @@
 //! Checks the declared sizes of Parquet dictionaries before the decoder allocates memory for them.
 
 use crate::parquet_bytes::ParquetBytes;
-use parquet::arrow::ProjectionMask;
 use parquet::basic::Type;
 use parquet::column::page::{Page, PageReader};
 use parquet::errors::Result;
@@ -18,13 +17,13 @@ use std::sync::Arc;
 pub(crate) fn excess(
     file: File,
     metadata: &ParquetMetaData,
-    columns: &ProjectionMask,
+    leaves: &[usize],
 ) -> Result<Option<String>> {
     let source = Arc::new(ParquetBytes(file));
     for group in metadata.row_groups() {
         let rows = usize::try_from(group.num_rows()).unwrap_or(0);
         let chosen = group.columns().iter().enumerate();
-        for (_, column) in chosen.filter(|(k, _)| columns.leaf_included(*k)) {
+        for (_, column) in chosen.filter(|(k, _)| leaves.contains(k)) {
             let mut pages = SerializedPageReader::new(source.clone(), column, rows, None)?;
             while let Some(page) = pages.peek_next_page()? {
                 if !page.is_dict {

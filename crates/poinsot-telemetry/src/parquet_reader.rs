@@ -8,23 +8,17 @@ use crate::columns::Columns;
 use crate::error::{Place, shown};
 use crate::number::Cell;
 use crate::parquet_bytes::ParquetBytes;
+use crate::parquet_column::{self, Cells, Column, Kind};
 use crate::parquet_dictionaries;
 use crate::parquet_pages::{self, Checksums};
 use crate::plan::{self, Plan};
 use crate::selection::{Selection, WhenFull};
 use crate::size::Rows;
 use crate::{ReadOptions, TelemetryError};
-use arrow_array::cast::AsArray;
-use arrow_array::types::{
-    Float32Type, Float64Type, Int8Type, Int16Type, Int32Type, Int64Type, TimestampMicrosecondType,
-    TimestampMillisecondType, TimestampNanosecondType, TimestampSecondType, UInt8Type, UInt16Type,
-    UInt32Type, UInt64Type,
-};
-use arrow_array::{Array, ArrowPrimitiveType, RecordBatch};
-use arrow_schema::{DataType, TimeUnit};
-use parquet::arrow::ProjectionMask;
-use parquet::arrow::arrow_reader::{ArrowReaderOptions, ParquetRecordBatchReaderBuilder};
+use parquet::column::reader::ColumnReader;
 use parquet::file::metadata::ParquetMetaData;
+use parquet::file::reader::{FileReader, RowGroupReader, SerializedFileReader};
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::Seek;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -77,61 +71,52 @@ fn decode(
         source,
     };
     let mut whole = file.try_clone().map_err(io)?;
-    // Without the embedded Arrow schema, strings and dictionaries of strings have one plain type.
-    let plain = ArrowReaderOptions::new().with_skip_arrow_metadata(true);
-    let builder = ParquetRecordBatchReaderBuilder::try_new_with_options(ParquetBytes(file), plain)
-        .map_err(|e| refused(path, e))?;
-    let declared = plausible_rows(path, builder.metadata(), bytes)?;
-    let header: Vec<String> = builder
-        .schema()
-        .fields()
-        .iter()
-        .map(|f| f.name().clone())
-        .collect();
+    let reader = SerializedFileReader::new(ParquetBytes(file)).map_err(|e| refused(path, e))?;
+    let metadata = reader.metadata();
+    let declared = plausible_rows(path, metadata, bytes)?;
+    let schema = metadata.file_metadata().schema_descr();
+    let roots = schema.root_schema().get_fields();
+    let header: Vec<String> = roots.iter().map(|f| f.name().to_owned()).collect();
     let plan = plan::build(path, &header, None, options)?;
-    let mut clock = plan.clock.clone();
-    let fields = builder.schema().fields();
-    let time = fields.get(plan.time_index).map(|f| f.data_type());
-    if matches!(time, Some(DataType::Timestamp(..))) {
-        clock = clock.instants();
-    }
     let rows = Rows::Declared(declared);
     if full.is_none() {
         options.limit().check_ahead(path, &plan, options, rows)?;
     }
     whole.rewind().map_err(io)?;
     let sha256 = sha256_of(path, &mut whole)?;
-    let mask = ProjectionMask::roots(builder.parquet_schema(), used(&plan));
+    let mut used = Used::new();
+    for root in used_roots(&plan) {
+        let name = header.get(root).map_or("", String::as_str);
+        let column = Column::of(schema, root).map_err(|kind| unsupported(path, name, &kind))?;
+        used.insert(root, column);
+    }
+    let leaves: Vec<usize> = used.values().map(|c| c.leaf).collect();
     let pages = whole.try_clone().map_err(io)?;
-    let excess = parquet_dictionaries::excess(pages, builder.metadata(), &mask);
+    let excess = parquet_dictionaries::excess(pages, metadata, &leaves);
     if let Some(why) = excess.map_err(|e| refused(path, e))? {
         return Err(refused(path, why));
     }
     let sums = whole.try_clone().map_err(io)?;
-    let sums = parquet_pages::compare(sums, builder.metadata(), &mask).map_err(io)?;
+    let sums = parquet_pages::compare(sums, metadata, &leaves).map_err(io)?;
     let sound = sound_rows(path, &sums, declared, options.recover, repairs)?;
-    let reader = builder
-        .with_projection(mask)
-        .with_batch_size(BATCH)
-        .with_limit(usize::try_from(sound).unwrap_or(usize::MAX))
-        .build()
-        .map_err(|e| refused(path, e))?;
-    let mut columns = Columns::with_channels(plan.channels.len());
-    let mut selection = options.selection();
-    for batch in reader {
-        let batch = batch.map_err(|e| refused(path, e))?;
-        take_batch(
-            path,
-            &plan,
-            &mut clock,
-            &header,
-            &batch,
-            &mut selection,
-            &mut columns,
-        )?;
-        let full = full.as_deref_mut();
-        selection.check(path, &plan, &mut columns, rows, full)?;
+    let mut taken = Taken::new(path, &plan, &used, options);
+    for k in 0..metadata.num_row_groups() {
+        let group = reader.get_row_group(k).map_err(|e| refused(path, e))?;
+        let group = Group::open(group.as_ref(), &used);
+        let mut group = group.map_err(|e| refused(path, e))?;
+        loop {
+            let left = sound - taken.columns.rows_read as u64;
+            let most = usize::try_from(left).map_or(BATCH, |n| n.min(BATCH));
+            let Some(batch) = group.next(most).map_err(|e| refused(path, e))? else {
+                break;
+            };
+            taken.batch(batch)?;
+            let full = full.as_deref_mut();
+            let columns = &mut taken.columns;
+            taken.selection.check(path, &plan, columns, rows, full)?;
+        }
     }
+    let columns = taken.columns;
     if columns.rows_read as u64 != sound {
         return Err(refused(
             path,
@@ -144,12 +129,59 @@ fn decode(
     Ok((plan, columns, sha256))
 }
 
-/// Columns that are read.
-fn used(plan: &Plan) -> Vec<usize> {
+/// The columns that are read, by their place in the header.
+type Used = BTreeMap<usize, Column>;
+
+fn used_roots(plan: &Plan) -> Vec<usize> {
     let mut roots: Vec<usize> = plan.channels.iter().map(|c| c.index).collect();
     roots.push(plan.time_index);
+    roots.extend(plan.week_index);
     roots.extend(plan.filter.iter().map(|f| f.0));
     roots
+}
+
+fn unsupported(path: &Path, name: &str, kind: &str) -> TelemetryError {
+    TelemetryError::Parquet {
+        place: Place::cell(path, 0, name),
+        why: format!(
+            "type {kind} is not supported; store numbers as float64, times as seconds or timestamps"
+        ),
+    }
+}
+
+/// Cells of some rows, by their column's place in the header.
+type Batch = BTreeMap<usize, Cells>;
+
+/// The used columns of one row group.
+struct Group {
+    readers: BTreeMap<usize, (ColumnReader, Kind)>,
+    left: usize,
+}
+
+impl Group {
+    fn open(group: &dyn RowGroupReader, used: &Used) -> parquet::errors::Result<Self> {
+        let mut readers = BTreeMap::new();
+        for (&root, column) in used {
+            let reader = group.get_column_reader(column.leaf)?;
+            readers.insert(root, (reader, column.kind));
+        }
+        let left = usize::try_from(group.metadata().num_rows()).unwrap_or(0);
+        Ok(Self { readers, left })
+    }
+
+    /// The next rows, at most so many; `None` where no row is left, or a column has fewer.
+    fn next(&mut self, most: usize) -> parquet::errors::Result<Option<Batch>> {
+        let most = most.min(self.left);
+        if most == 0 {
+            return Ok(None);
+        }
+        self.left -= most;
+        let mut batch = Batch::new();
+        for (root, (reader, kind)) in &mut self.readers {
+            batch.insert(*root, parquet_column::next(reader, *kind, most)?);
+        }
+        Ok(batch.values().all(|c| c.len() == most).then_some(batch))
+    }
 }
 
 /// Rows before the first page with a wrong checksum; an error without `recover`.
@@ -229,175 +261,107 @@ fn plausible_rows(
     Ok(rows)
 }
 
-fn take_batch(
-    path: &Path,
-    plan: &Plan,
-    clock: &mut Clock,
-    header: &[String],
-    batch: &RecordBatch,
-    selection: &mut Selection,
-    columns: &mut Columns,
-) -> Result<(), TelemetryError> {
-    let first = columns.rows_read as u64 + 1;
-    let column = |index: usize| -> Result<(&dyn Array, &str), TelemetryError> {
-        let name = header.get(index).map_or("", String::as_str);
-        let array = batch
-            .schema_ref()
-            .index_of(name)
-            .ok()
-            .and_then(|k| batch.columns().get(k))
-            .ok_or_else(|| refused(path, format!("column '{name}' is missing in a batch")))?;
-        Ok((array.as_ref(), name))
-    };
-    let mut keep = vec![true; batch.num_rows()];
-    for (k, (index, text)) in plan.filter.iter().enumerate() {
-        let (array, name) = column(*index)?;
-        let texts = texts(array).ok_or_else(|| unsupported(path, name, array))?;
-        for (keep, cell) in keep.iter_mut().zip(&texts) {
-            let cell = cell.as_deref().unwrap_or_default();
-            if k == 0 {
-                columns.saw(cell);
-            }
-            *keep &= cell == text;
+/// What was taken from the file so far.
+struct Taken<'a> {
+    path: &'a Path,
+    plan: &'a Plan,
+    used: &'a Used,
+    clock: Clock,
+    selection: Selection,
+    columns: Columns,
+}
+
+impl<'a> Taken<'a> {
+    fn new(path: &'a Path, plan: &'a Plan, used: &'a Used, options: &ReadOptions) -> Self {
+        let mut clock = plan.clock.clone();
+        let time = used.get(&plan.time_index).map(|c| c.kind);
+        if matches!(time, Some(Kind::Instant(_))) {
+            clock = clock.instants();
+        }
+        Self {
+            path,
+            plan,
+            used,
+            clock,
+            selection: options.selection(),
+            columns: Columns::with_channels(plan.channels.len()),
         }
     }
-    let cells = |index: usize| -> Result<Vec<Option<String>>, TelemetryError> {
-        let (array, name) = column(index)?;
-        texts(array).ok_or_else(|| unsupported(path, name, array))
-    };
-    let times = cells(plan.time_index)?;
-    let weeks = plan.week_index.map(cells).transpose()?;
-    for (k, (cell, keep)) in times.iter().zip(&mut keep).enumerate() {
-        let row = first + k as u64;
-        let week = weeks
-            .as_ref()
-            .map(|w| w.get(k).and_then(Option::as_deref).unwrap_or_default());
-        let text = cell.as_deref().unwrap_or_default();
-        let time = clock.seconds(text.as_bytes(), week.map(str::as_bytes));
-        let time = time.map_err(|why| TelemetryError::Number {
-            place: Place::cell(path, row, &plan.time_column),
-            value: shown(text.as_bytes()),
-            why: why.text(true),
-        })?;
-        let time_s = match time {
-            Cell::Number(x) => x,
-            Cell::Empty | Cell::NotANumber => f64::NAN,
-        };
-        columns.origin = clock.origin;
-        *keep = *keep && selection.keeps(time_s + columns.own_zero_s());
-        if *keep {
-            columns.rows.push(row);
-            columns.time_s.push(time_s);
-        }
-    }
-    for (k, channel) in plan.channels.iter().enumerate() {
-        let (array, name) = column(channel.index)?;
-        let cells = numbers(array).ok_or_else(|| unsupported(path, name, array))?;
-        for ((cell, keep), row) in cells.into_iter().zip(&keep).zip(first..) {
-            if *keep {
-                columns.push(k, row, channel.conversion.number(cell));
+
+    fn batch(&mut self, mut batch: Batch) -> Result<(), TelemetryError> {
+        let rows = batch.values().map(Cells::len).min().unwrap_or(0);
+        let first = self.columns.rows_read as u64 + 1;
+        // A column may serve several channels, and choose rows besides.
+        let mut numbers = BTreeMap::new();
+        for root in self.plan.channels.iter().map(|c| c.index) {
+            if let Some(cells) = batch.get(&root) {
+                let name = self.used.get(&root).map_or("", |c| c.name.as_str());
+                let cells = cells.numbers();
+                let cells = cells.map_err(|kind| unsupported(self.path, name, kind))?;
+                numbers.insert(root, cells);
             }
         }
-    }
-    columns.rows_read += batch.num_rows();
-    Ok(())
-}
-
-fn unsupported(path: &Path, name: &str, array: &dyn Array) -> TelemetryError {
-    TelemetryError::Parquet {
-        place: Place::cell(path, 0, name),
-        why: format!(
-            "type {} is not supported; store numbers as float64, times as seconds or timestamps",
-            array.data_type()
-        ),
-    }
-}
-
-/// A numeric column as cells; `None` for other types.
-fn numbers(array: &dyn Array) -> Option<Vec<Cell>> {
-    match array.data_type() {
-        DataType::Float64 => primitive::<Float64Type>(array, |x| x),
-        DataType::Float32 => primitive::<Float32Type>(array, f64::from),
-        DataType::Int8 => primitive::<Int8Type>(array, f64::from),
-        DataType::Int16 => primitive::<Int16Type>(array, f64::from),
-        DataType::Int32 => primitive::<Int32Type>(array, f64::from),
-        DataType::Int64 => primitive::<Int64Type>(array, |x| x as f64),
-        DataType::UInt8 => primitive::<UInt8Type>(array, f64::from),
-        DataType::UInt16 => primitive::<UInt16Type>(array, f64::from),
-        DataType::UInt32 => primitive::<UInt32Type>(array, f64::from),
-        DataType::UInt64 => primitive::<UInt64Type>(array, |x| x as f64),
-        DataType::Boolean => Some(
-            array
-                .as_boolean_opt()?
-                .iter()
-                .map(|b| b.map_or(Cell::Empty, |b| Cell::Number(f64::from(u8::from(b)))))
-                .collect(),
-        ),
-        DataType::Null => Some(vec![Cell::Empty; array.len()]),
-        _ => None,
-    }
-}
-
-fn primitive<T: ArrowPrimitiveType>(
-    array: &dyn Array,
-    value: impl Fn(T::Native) -> f64,
-) -> Option<Vec<Cell>> {
-    let cell = |x: Option<T::Native>| match x.map(&value) {
-        None => Cell::Empty,
-        Some(x) if x.is_nan() => Cell::NotANumber,
-        Some(x) => Cell::Number(x),
-    };
-    Some(array.as_primitive_opt::<T>()?.iter().map(cell).collect())
-}
-
-/// Counts of a timestamp column, and the counts per second.
-fn timestamps(array: &dyn Array, unit: TimeUnit) -> Option<(Vec<Option<i64>>, i64)> {
-    fn counts<T: ArrowPrimitiveType<Native = i64>>(array: &dyn Array) -> Option<Vec<Option<i64>>> {
-        Some(array.as_primitive_opt::<T>()?.iter().collect())
-    }
-    Some(match unit {
-        TimeUnit::Second => (counts::<TimestampSecondType>(array)?, 1),
-        TimeUnit::Millisecond => (counts::<TimestampMillisecondType>(array)?, 1_000),
-        TimeUnit::Microsecond => (counts::<TimestampMicrosecondType>(array)?, 1_000_000),
-        TimeUnit::Nanosecond => (counts::<TimestampNanosecondType>(array)?, 1_000_000_000),
-    })
-}
-
-/// A count of fractional seconds as an exact decimal.
-fn decimal_seconds(count: i64, per_second: i64) -> String {
-    let sign = if count < 0 { "-" } else { "" };
-    let (count, per_second) = (count.unsigned_abs(), per_second.unsigned_abs());
-    let digits = per_second.ilog10() as usize;
-    let (whole, part) = (count / per_second, count % per_second);
-    match digits {
-        0 => format!("{sign}{whole}"),
-        _ => format!("{sign}{whole}.{part:0digits$}"),
-    }
-}
-
-/// A filter column as texts: strings unchanged, numbers formatted, timestamps as seconds since 1970.
-fn texts(array: &dyn Array) -> Option<Vec<Option<String>>> {
-    let owned = |s: Option<&str>| s.map(str::to_owned);
-    match array.data_type() {
-        DataType::Utf8 => Some(array.as_string_opt::<i32>()?.iter().map(owned).collect()),
-        DataType::LargeUtf8 => Some(array.as_string_opt::<i64>()?.iter().map(owned).collect()),
-        DataType::Utf8View => Some(array.as_string_view_opt()?.iter().map(owned).collect()),
-        DataType::Timestamp(unit, _) => {
-            let (counts, per_second) = timestamps(array, *unit)?;
-            let text = |count: Option<i64>| count.map(|n| decimal_seconds(n, per_second));
-            Some(counts.into_iter().map(text).collect())
+        let filter = self.plan.filter.iter().map(|f| f.0);
+        let roots = filter
+            .chain(self.plan.week_index)
+            .chain([self.plan.time_index]);
+        let texts = roots.filter_map(|root| Some((root, batch.remove(&root)?.texts())));
+        let texts: BTreeMap<_, _> = texts.collect();
+        let keep = self.kept(rows, first, &texts)?;
+        for (k, channel) in self.plan.channels.iter().enumerate() {
+            let cells = numbers.get(&channel.index).into_iter().flatten();
+            for ((cell, keep), row) in cells.zip(&keep).zip(first..) {
+                if *keep {
+                    let cell = channel.conversion.number(*cell);
+                    self.columns.push(k, row, cell);
+                }
+            }
         }
-        // A double cannot represent every 64-bit integer.
-        DataType::Int64 => {
-            let cells = array.as_primitive_opt::<Int64Type>()?.iter();
-            Some(cells.map(|x| x.map(|x| x.to_string())).collect())
+        self.columns.rows_read += rows;
+        Ok(())
+    }
+
+    /// Which rows the filter and the times keep; the times of these are stored.
+    fn kept(
+        &mut self,
+        rows: usize,
+        first: u64,
+        texts: &BTreeMap<usize, Vec<Option<String>>>,
+    ) -> Result<Vec<bool>, TelemetryError> {
+        let cells = |root: usize| texts.get(&root).map_or(&[][..], Vec::as_slice);
+        let mut keep = vec![true; rows];
+        for (k, (root, text)) in self.plan.filter.iter().enumerate() {
+            for (keep, cell) in keep.iter_mut().zip(cells(*root)) {
+                let cell = cell.as_deref().unwrap_or_default();
+                if k == 0 {
+                    self.columns.saw(cell);
+                }
+                *keep &= cell == text;
+            }
         }
-        _ => {
-            let text = |cell| match cell {
-                Cell::Number(x) => Some(format!("{x}")),
-                Cell::Empty | Cell::NotANumber => None,
+        let weeks = self.plan.week_index.map(cells);
+        let times = cells(self.plan.time_index);
+        for (k, (cell, keep)) in times.iter().zip(&mut keep).enumerate() {
+            let row = first + k as u64;
+            let week = weeks.map(|w| w.get(k).and_then(Option::as_deref).unwrap_or_default());
+            let text = cell.as_deref().unwrap_or_default();
+            let time = self.clock.seconds(text.as_bytes(), week.map(str::as_bytes));
+            let time = time.map_err(|why| TelemetryError::Number {
+                place: Place::cell(self.path, row, &self.plan.time_column),
+                value: shown(text.as_bytes()),
+                why: why.text(true),
+            })?;
+            let time_s = match time {
+                Cell::Number(x) => x,
+                Cell::Empty | Cell::NotANumber => f64::NAN,
             };
-            Some(numbers(array)?.into_iter().map(text).collect())
+            self.columns.origin = self.clock.origin;
+            *keep = *keep && self.selection.keeps(time_s + self.columns.own_zero_s());
+            if *keep {
+                self.columns.rows.push(row);
+                self.columns.time_s.push(time_s);
+            }
         }
+        Ok(keep)
     }
 }

@@ -1,52 +1,130 @@
-//! Writes channels as Parquet: float64, Snappy.
+//! Writes columns as Parquet, compressed by Snappy.
 
 use crate::cursor::cursors;
+use crate::row_columns::{RowCells, RowColumn};
 use crate::{Channel, full_name};
-use arrow_array::{ArrayRef, Float64Array, RecordBatch};
-use arrow_schema::{DataType, Field, Schema};
-use parquet::arrow::ArrowWriter;
-use parquet::basic::Compression;
+use parquet::basic::{Compression, ConvertedType, LogicalType, Repetition, Type as Stored};
+use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int64Type};
+use parquet::errors::Result;
 use parquet::file::properties::WriterProperties;
+use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
+use parquet::schema::types::Type;
 use std::fs::File;
 use std::sync::Arc;
 
-/// Rows per batch.
-const BATCH: usize = 65_536;
+/// Rows of a row group: what other writers choose.
+const GROUP: usize = 1 << 20;
 
 /// Writes the channels at the given times; an error is text.
 pub(crate) fn write_parquet(
     file: &mut File,
     times: &[f64],
     channels: &[Channel],
-) -> Result<(), String> {
+) -> std::result::Result<(), String> {
     encode(file, times, channels).map_err(|e| e.to_string())
 }
 
-fn encode(
-    file: &mut File,
-    times: &[f64],
-    channels: &[Channel],
-) -> Result<(), parquet::errors::ParquetError> {
-    let mut fields = vec![Field::new("time_s", DataType::Float64, false)];
-    fields.extend(
-        channels
-            .iter()
-            .map(|c| Field::new(full_name(&c.sensor, &c.name), DataType::Float64, true)),
-    );
-    let schema = Arc::new(Schema::new(fields));
-    let properties = WriterProperties::builder()
-        .set_compression(Compression::SNAPPY)
-        .build();
-    let mut writer = ArrowWriter::try_new(file, Arc::clone(&schema), Some(properties))?;
+fn encode(file: &mut File, times: &[f64], channels: &[Channel]) -> Result<()> {
+    let mut fields = vec![number("time_s", Repetition::REQUIRED)?];
+    for channel in channels {
+        let name = full_name(&channel.sensor, &channel.name);
+        fields.push(number(&name, Repetition::OPTIONAL)?);
+    }
+    let mut writer = open(file, fields)?;
     let mut cursors = cursors(channels);
-    for times in times.chunks(BATCH) {
-        let mut arrays: Vec<ArrayRef> = vec![Arc::new(Float64Array::from(times.to_vec()))];
-        for cursor in &mut cursors {
-            let column: Float64Array = times.iter().map(|&t| cursor.at(t)).collect();
-            arrays.push(Arc::new(column));
+    for times in times.chunks(GROUP) {
+        let mut group = writer.next_row_group()?;
+        if let Some(mut column) = group.next_column()? {
+            column
+                .typed::<DoubleType>()
+                .write_batch(times, None, None)?;
+            column.close()?;
         }
-        writer.write(&RecordBatch::try_new(Arc::clone(&schema), arrays)?)?;
+        for cursor in &mut cursors {
+            if let Some(column) = group.next_column()? {
+                write_numbers(column, times.iter().map(|&t| cursor.at(t)))?;
+            }
+        }
+        group.close()?;
     }
     writer.close()?;
     Ok(())
+}
+
+/// Writes rows with named columns.
+pub(crate) fn write_rows(file: &mut File, columns: &[RowColumn]) -> Result<()> {
+    let fields = columns.iter().map(|c| match c.cells {
+        RowCells::Number(_) => number(&c.name, Repetition::OPTIONAL),
+        RowCells::Count(_) => primitive(&c.name, Stored::INT64, LogicalType::integer(64, false)),
+        RowCells::Text(_) => primitive(&c.name, Stored::BYTE_ARRAY, LogicalType::String),
+    });
+    let mut writer = open(file, fields.collect::<Result<_>>()?)?;
+    let mut group = writer.next_row_group()?;
+    for column in columns {
+        let Some(mut writer) = group.next_column()? else {
+            break;
+        };
+        match &column.cells {
+            RowCells::Number(cells) => {
+                write_numbers(writer, cells.iter().map(|x| x.filter(|x| !x.is_nan())))?;
+            }
+            RowCells::Count(cells) => {
+                let cells: Vec<i64> = cells.iter().map(|n| n.cast_signed()).collect();
+                writer
+                    .typed::<Int64Type>()
+                    .write_batch(&cells, None, None)?;
+                writer.close()?;
+            }
+            RowCells::Text(cells) => {
+                let cells: Vec<ByteArray> = cells.iter().map(|s| s.as_str().into()).collect();
+                writer
+                    .typed::<ByteArrayType>()
+                    .write_batch(&cells, None, None)?;
+                writer.close()?;
+            }
+        }
+    }
+    group.close()?;
+    writer.close()?;
+    Ok(())
+}
+
+fn open(file: &mut File, fields: Vec<Type>) -> Result<SerializedFileWriter<&mut File>> {
+    let schema = Type::group_type_builder("schema")
+        .with_fields(fields.into_iter().map(Arc::new).collect())
+        .build()?;
+    let properties = WriterProperties::builder()
+        .set_compression(Compression::SNAPPY)
+        .build();
+    SerializedFileWriter::new(file, Arc::new(schema), Arc::new(properties))
+}
+
+fn number(name: &str, repetition: Repetition) -> Result<Type> {
+    Type::primitive_type_builder(name, Stored::DOUBLE)
+        .with_repetition(repetition)
+        .build()
+}
+
+/// A column without empty cells.
+fn primitive(name: &str, stored: Stored, logical: LogicalType) -> Result<Type> {
+    Type::primitive_type_builder(name, stored)
+        .with_repetition(Repetition::REQUIRED)
+        .with_converted_type(ConvertedType::from(Some(logical.clone())))
+        .with_logical_type(Some(logical))
+        .build()
+}
+
+/// Numbers of which some cells are empty.
+fn write_numbers(
+    mut column: SerializedColumnWriter<'_>,
+    cells: impl Iterator<Item = Option<f64>>,
+) -> Result<()> {
+    let (mut levels, mut values) = (Vec::new(), Vec::new());
+    for cell in cells {
+        levels.push(i16::from(cell.is_some()));
+        values.extend(cell);
+    }
+    let writer = column.typed::<DoubleType>();
+    writer.write_batch(&values, Some(&levels), None)?;
+    column.close()
 }

@@ -1,19 +1,9 @@
 //! Files that crashed other readers: the result is a table or one error line, within a time limit.
 
 use poinsot_telemetry::{ColumnMap, ReadOptions, read};
+use poinsot_testkit::outside::outside;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-
-fn shared(path: &str) -> Option<PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../../../shared/corpora")
-        .join(path);
-    if path.exists() {
-        return Some(path);
-    }
-    eprintln!("skipped: no shared data");
-    None
-}
 
 fn files(folder: &Path) -> Vec<PathBuf> {
     let mut list: Vec<PathBuf> = std::fs::read_dir(folder)
@@ -66,13 +56,10 @@ fn count(files: &[PathBuf], kind: &str) -> (usize, usize) {
 }
 
 #[test]
+#[ignore = "needs POINSOT_DATA"]
 fn cli_parquet_files_of_fuzzers_and_of_bad_data() {
-    let (Some(arrow), Some(bad)) = (
-        shared("arrow_testing/data/parquet"),
-        shared("parquet_testing/bad_data"),
-    ) else {
-        return;
-    };
+    let arrow = outside("corpora/arrow_testing/data/parquet");
+    let bad = outside("corpora/parquet_testing/bad_data");
     let mut fuzzed = files(&arrow.join("fuzzing"));
     fuzzed.extend(files(&arrow.join("encoding-fuzzing")));
     let bad = files(&bad);
@@ -82,20 +69,18 @@ fn cli_parquet_files_of_fuzzers_and_of_bad_data() {
 }
 
 #[test]
+#[ignore = "needs POINSOT_DATA"]
 fn cli_csv_files_of_fuzzers() {
-    let Some(folder) = shared("arrow_testing/data/csv/fuzzing") else {
-        return;
-    };
+    let folder = outside("corpora/arrow_testing/data/csv/fuzzing");
     let all = files(&folder);
     assert!(all.len() >= 7);
     println!("(read, refused): {:?}", count(&all, "csv"));
 }
 
 #[test]
+#[ignore = "needs POINSOT_DATA"]
 fn cli_csv_spectrum() {
-    let Some(folder) = shared("csv_spectrum/csvs") else {
-        return;
-    };
+    let folder = outside("corpora/csv_spectrum/csvs");
     let all = files(&folder);
     assert_eq!(all.len(), 12);
     println!("(read, refused): {:?}", count(&all, "csv"));

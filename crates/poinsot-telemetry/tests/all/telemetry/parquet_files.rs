@@ -1,70 +1,13 @@
 //! Parquet files of other programs, and damaged ones.
 
 use crate::telemetry::Folder;
-use arrow_array::types::Int8Type;
-use arrow_array::{
-    ArrayRef, DictionaryArray, Float32Array, Int64Array, LargeStringArray, RecordBatch,
-    TimestampMicrosecondArray, TimestampNanosecondArray,
-};
-use arrow_array::{BooleanArray, Float64Array, StringArray};
-use parquet::arrow::ArrowWriter;
-use parquet::basic::{Compression, ZstdLevel};
-use parquet::file::properties::WriterProperties;
 use poinsot_telemetry::{ColumnMap, ReadOptions, TelemetryError, TelemetryMap, read};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
-fn store(path: &Path, columns: Vec<(&str, ArrayRef)>, compression: Compression) {
-    let batch = RecordBatch::try_from_iter(columns).unwrap();
-    let properties = WriterProperties::builder()
-        .set_compression(compression)
-        .build();
-    let file = std::fs::File::create(path).unwrap();
-    let mut writer = ArrowWriter::try_new(file, batch.schema(), Some(properties)).unwrap();
-    writer.write(&batch).unwrap();
-    writer.close().unwrap();
-}
-
-fn sample(folder: &Folder) -> PathBuf {
-    let path = folder.path("run.parquet");
-    let log: DictionaryArray<Int8Type> = ["a", "a", "b", "b", "b"].into_iter().collect();
-    store(
-        &path,
-        vec![
-            ("group", Arc::new(LargeStringArray::from(vec!["g"; 5]))),
-            ("log", Arc::new(log)),
-            (
-                "t_ns",
-                Arc::new(Int64Array::from(vec![
-                    0,
-                    100_000_000,
-                    0,
-                    100_000_000,
-                    200_000_000,
-                ])),
-            ),
-            (
-                "wx",
-                Arc::new(Float32Array::from(vec![1.0, 2.0, 0.1, f32::NAN, 5.0])),
-            ),
-            (
-                "wheel1_rad_s",
-                Arc::new(Float64Array::from(vec![
-                    None,
-                    Some(1.0),
-                    None,
-                    Some(2.0),
-                    Some(3.0),
-                ])),
-            ),
-            (
-                "thr1_N",
-                Arc::new(BooleanArray::from(vec![true, false, true, false, true])),
-            ),
-        ],
-        Compression::ZSTD(ZstdLevel::default()),
-    );
-    path
+/// A file of pyarrow: tests/data/columns.py.
+fn made(name: &str) -> PathBuf {
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data");
+    data.join(name)
 }
 
 fn options() -> ReadOptions {
@@ -80,10 +23,8 @@ fn options() -> ReadOptions {
 }
 
 #[test]
-fn exact_types_nulls_and_dictionaries() {
-    let folder = Folder::new();
-    let path = sample(&folder);
-    let table = read(&[&path], &options()).unwrap();
+fn xval_runs_of_another_writer_with_empty_cells_and_dictionaries() {
+    let table = read(&[made("runs.parquet")], &options()).unwrap();
     let x = table.channel("omega_x").unwrap();
     assert_eq!(x.values, [f64::from(0.1_f32), 5.0]);
     assert_eq!(x.time_s.as_ref(), [0.0, 0.2]);
@@ -91,56 +32,92 @@ fn exact_types_nulls_and_dictionaries() {
     assert_eq!(table.channel("thr1_N").unwrap().values, [1.0, 0.0, 1.0]);
     assert_eq!(table.repairs.len(), 1);
     assert!(table.repairs[0].ends_with(
-        "run.parquet row 4 column 'wx': 1 NaN cells treated as missing samples (this is the first)"
+        "runs.parquet row 4 column 'wx': 1 NaN cells treated as missing samples (this is the first)"
     ));
     assert!(table.ignored.is_empty());
 }
 
+/// The time and one column as rate of the gyro.
+fn rate(file: &str, time: &str, column: &str) -> Result<poinsot_telemetry::Table, String> {
+    let columns = vec![
+        ColumnMap::new("time_s", time, "s"),
+        ColumnMap::new("omega_x", column, "rad/s"),
+    ];
+    let options = ReadOptions {
+        map: TelemetryMap::of(columns, Vec::new()),
+        ..ReadOptions::default()
+    };
+    read(&[made(file)], &options).map_err(|e| e.to_string())
+}
+
 #[test]
-fn unit_faults_name_file_row_and_column() {
-    let folder = Folder::new();
-    let path = sample(&folder);
+fn xval_every_type_of_number_of_another_writer_is_read() {
+    let wanted: [(&str, [f64; 2]); 8] = [
+        ("int8", [-128.0, 127.0]),
+        ("int16", [-32_768.0, 32_767.0]),
+        ("int32", [-2_147_483_648.0, 2_147_483_647.0]),
+        ("int64", [-4_503_599_627_370_496.0, 4_503_599_627_370_496.0]),
+        ("uint8", [0.0, 255.0]),
+        ("uint16", [0.0, 65_535.0]),
+        ("uint32", [0.0, 4_294_967_295.0]),
+        ("uint64", [0.0, 9_223_372_036_854_775_808.0]),
+    ];
+    for (column, values) in wanted {
+        let table = rate("types.parquet", "ns", column).unwrap();
+        assert_eq!(table.channel("omega_x").unwrap().values, values, "{column}");
+    }
+    let table = rate("types.parquet", "ns", "nothing").unwrap();
+    assert!(table.channel("omega_x").is_none_or(|c| c.values.is_empty()));
+}
+
+#[test]
+fn unit_types_that_are_not_read_are_named() {
+    for (column, kind) in [
+        ("text", "text"),
+        ("us", "timestamp"),
+        ("bytes", "BYTE_ARRAY"),
+        ("date", "Date"),
+        ("time", "Time"),
+        ("decimal", "Decimal"),
+        ("half", "Float16"),
+        ("list", "list or structure"),
+        ("structure", "list or structure"),
+    ] {
+        let error = rate("types.parquet", "ns", column).unwrap_err();
+        let says = format!("types.parquet column '{column}': type {kind}");
+        assert!(error.contains(&says), "{error}");
+        assert!(error.ends_with(
+            " is not supported; store numbers as float64, times as seconds or timestamps; write the file again, or convert it to CSV"
+        ), "{error}");
+    }
+}
+
+#[test]
+fn unit_an_infinite_number_names_file_row_and_column() {
+    let error = rate("types.parquet", "ns", "infinite").unwrap_err();
+    assert!(error.contains(
+        "types.parquet row 2 column 'infinite': '-inf' is infinite; correct it, or leave the cell empty where there is no sample"
+    ), "{error}");
+}
+
+#[test]
+fn unit_a_time_that_goes_back_names_file_row_and_column() {
     let unfiltered = ReadOptions {
         map: TelemetryMap::of(options().map.all.columns, Vec::new()),
         ..options()
     };
-    let error = read(&[&path], &unfiltered).unwrap_err();
-    assert_eq!(
-        folder.message(&error),
-        "E0208 run.parquet row 3 column 't_ns': time goes back from 0.1 s (row 2) to 0 s; choose one run by [telemetry] where, or cut the file into segments"
-    );
-    let path = folder.path("text.parquet");
-    let text: ArrayRef = Arc::new(StringArray::from(vec!["1", "2"]));
-    let time: ArrayRef = Arc::new(Float64Array::from(vec![0.0, 1.0]));
-    store(
-        &path,
-        vec![("time_s", Arc::clone(&time)), ("omega_x", text)],
-        Compression::SNAPPY,
-    );
-    let error = read(&[&path], &ReadOptions::default()).unwrap_err();
-    assert_eq!(
-        folder.message(&error),
-        "E0216 text.parquet column 'omega_x': type Utf8 is not supported; store numbers as float64, times as seconds or timestamps; write the file again, or convert it to CSV"
-    );
-    let path = folder.path("inf.parquet");
-    let inf: ArrayRef = Arc::new(Float64Array::from(vec![0.0, f64::NEG_INFINITY]));
-    store(
-        &path,
-        vec![("time_s", time), ("omega_x", inf)],
-        Compression::SNAPPY,
-    );
-    let error = read(&[&path], &ReadOptions::default()).unwrap_err();
-    assert_eq!(
-        folder.message(&error),
-        "E0203 inf.parquet row 2 column 'omega_x': '-inf' is infinite; correct it, or leave the cell empty where there is no sample"
-    );
+    let error = read(&[made("runs.parquet")], &unfiltered).unwrap_err();
+    let error = error.to_string();
+    assert!(error.contains(
+        "runs.parquet row 3 column 't_ns': time goes back from 0.1 s (row 2) to 0 s; choose one run by [telemetry] where, or cut the file into segments"
+    ), "{error}");
 }
 
 /// Every truncation and many single-byte changes: an error or a table, never a panic.
 #[test]
 fn prop_damaged_files_are_refused_cleanly() {
     let folder = Folder::new();
-    let whole = std::fs::read(sample(&folder)).unwrap();
+    let whole = std::fs::read(made("runs.parquet")).unwrap();
     let path = folder.path("damaged.parquet");
     for cut in (0..whole.len()).step_by(7) {
         std::fs::write(&path, &whole[..cut]).unwrap();
@@ -187,8 +164,7 @@ fn regress_a_dictionary_that_declares_more_than_it_holds_is_refused() {
 /// `write_page_checksum=True, row_group_size=200, data_page_size=512, write_batch_size=64`; data pages of versions 1
 /// and 2.
 fn with_checksums(version: &str) -> Vec<u8> {
-    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data");
-    std::fs::read(data.join(format!("checksums_{version}.parquet"))).unwrap()
+    std::fs::read(made(&format!("checksums_{version}.parquet"))).unwrap()
 }
 
 #[test]
@@ -255,26 +231,16 @@ fn regress_a_changed_page_is_refused_and_the_rows_before_it_are_kept() {
 
 /// Timestamps of pandas and Spark: instants since 1970, with and without a zone.
 #[test]
-fn exact_columns_of_timestamps_are_times_with_a_date() {
-    let folder = Folder::new();
-    let start = 1_773_512_340_100_000_000_i64;
-    let nanoseconds = TimestampNanosecondArray::from(vec![start, start + 200_000_001]);
-    let microseconds = [start / 1000, start / 1000 + 200_000];
-    let zoned = TimestampMicrosecondArray::from(microseconds.to_vec()).with_timezone("UTC");
-    let times: [(&str, ArrayRef, f64); 2] = [
-        ("ns.parquet", Arc::new(nanoseconds), 0.200_000_001),
-        ("us.parquet", Arc::new(zoned), 0.2),
-    ];
-    for (name, time, second) in times {
-        let path = folder.path(name);
-        let rates: ArrayRef = Arc::new(Float64Array::from(vec![0.1, 0.2]));
-        store(
-            &path,
-            vec![("time_s", time), ("omega_x", rates)],
-            Compression::UNCOMPRESSED,
-        );
-        let table = read(&[&path], &ReadOptions::default()).unwrap();
-        assert_eq!(table.channels[0].time_s.as_ref(), [0.0, second], "{name}");
+fn xval_columns_of_timestamps_are_times_with_a_date() {
+    for (file, time, second) in [
+        ("types.parquet", "ns", 0.200_000_001),
+        ("types.parquet", "us", 0.2),
+        ("types.parquet", "ms", 0.2),
+        ("int96.parquet", "ns", 0.200_000_001),
+    ] {
+        let table = rate(file, time, "int8").unwrap();
+        let times = table.channels[0].time_s.as_ref();
+        assert_eq!(times, [0.0, second], "{file} {time}");
         let date = table.origin.and_then(|o| o.date());
         assert_eq!(date.as_deref(), Some("2026-03-14T18:19:00.1 UTC"));
     }

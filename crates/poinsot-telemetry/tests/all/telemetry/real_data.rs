@@ -1,20 +1,10 @@
-//! Files of real and simulated spacecraft that are not in the repository; without them each test passes.
+//! Files of real and simulated spacecraft that are not in the repository; they run by `scripts/test data`.
 
 use poinsot_telemetry::{
     ColumnMap, ReadOptions, TelemetryMap, Verdict, convention_tests, inspect, read, test_sensors,
     write,
 };
-use std::path::{Path, PathBuf};
-
-fn shared(path: &str) -> Option<PathBuf> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).ancestors().nth(3)?;
-    let path = root.join("shared/data").join(path);
-    if path.exists() {
-        return Some(path);
-    }
-    println!("skipped: no shared data");
-    None
-}
+use poinsot_testkit::outside::outside;
 
 fn map(lines: &[(&str, &str, &str)]) -> Vec<ColumnMap> {
     let map = |&(channel, column, unit): &(&str, &str, &str)| ColumnMap::new(channel, column, unit);
@@ -22,10 +12,9 @@ fn map(lines: &[(&str, &str, &str)]) -> Vec<ColumnMap> {
 }
 
 #[test]
+#[ignore = "needs POINSOT_DATA"]
 fn xval_a_throw_is_read_as_pyarrow_reads_it() {
-    let Some(path) = shared("real/tudelft_throw/throws.parquet") else {
-        return;
-    };
+    let path = outside("data/real/tudelft_throw/throws.parquet");
     let options = ReadOptions {
         map: TelemetryMap::of(
             map(&[
@@ -65,13 +54,10 @@ fn xval_a_throw_is_read_as_pyarrow_reads_it() {
 }
 
 #[test]
+#[ignore = "needs POINSOT_DATA"]
 fn xval_two_files_of_a_satellite_in_orbit() {
-    let (Some(rates), Some(wheels)) = (
-        shared("real/lomonosov_flight_wheels/attitude_rates.csv"),
-        shared("real/lomonosov_flight_wheels/wheels.csv"),
-    ) else {
-        return;
-    };
+    let rates = outside("data/real/lomonosov_flight_wheels/attitude_rates.csv");
+    let wheels = outside("data/real/lomonosov_flight_wheels/wheels.csv");
     let options = ReadOptions {
         map: TelemetryMap::of(
             map(&[
@@ -91,12 +77,11 @@ fn xval_two_files_of_a_satellite_in_orbit() {
 }
 
 #[test]
+#[ignore = "needs POINSOT_DATA"]
 fn xval_simulated_telemetry_has_the_declared_conventions() {
     for run in ["stsat3/multiaxis", "xu2017/C1", "xu2017/C4", "ma2008/traj1"] {
         for name in ["telemetry.parquet", "telemetry_noisy.csv"] {
-            let Some(path) = shared(&format!("ours/{run}/{name}")) else {
-                return;
-            };
+            let path = outside(&format!("data/ours/{run}/{name}"));
             let table = read(&[path], &ReadOptions::default()).unwrap();
             let test = test_sensors(&table, "", "", None).unwrap();
             assert!(test.check().is_ok(), "{run}/{name}: {test}");
@@ -108,10 +93,9 @@ fn xval_simulated_telemetry_has_the_declared_conventions() {
 }
 
 #[test]
+#[ignore = "needs POINSOT_DATA"]
 fn xval_a_table_survives_being_written_again() {
-    let Some(path) = shared("ours/xu2017/C1/telemetry.parquet") else {
-        return;
-    };
+    let path = outside("data/ours/xu2017/C1/telemetry.parquet");
     let table = read(&[path], &ReadOptions::default()).unwrap();
     let folder = tempfile::tempdir().unwrap();
     for name in ["again.csv", "again.parquet"] {
