@@ -227,7 +227,7 @@ def silhouette(axes):
 
 def unobservable(runs):
     """Elements of the tensor along one unobservable direction, and a combination that stays."""
-    answer = runs.json("identify", "--model", "examples/stsat3/model.toml", "--telemetry", "examples/stsat3/paper/telemetry_noisy.csv")
+    answer = runs.json("identify", "--model", "data/stsat3/model.toml", "--telemetry", "data/stsat3/paper/telemetry_noisy.csv")
     found = answer["identifiability"]
     walk = found["not_identifiable"][0]["walk"]
     kept = found["identifiable"][0]
@@ -252,7 +252,7 @@ def errors_in_variables(runs):
     factors = [1, 4, 16]
     methods = [("linear", "linear: noise in the regressor", LINES[1]), ("kim2010/batch", "kim2010/batch: noise in the regressor", LINES[2])]
     methods.append(("auto", "maximum likelihood: noise in the residual", LINES[0]))
-    words = ["sweep", "examples/cases/stsat3_three_slews.toml", "--vary", "noise=" + ",".join(map(str, factors)), "--trials", "6"]
+    words = ["sweep", "data/cases/stsat3_three_slews.toml", "--vary", "noise=" + ",".join(map(str, factors)), "--trials", "6"]
     answer = runs.json(*words, *(word for name, _, _ in methods for word in ("--method", name)))
     number = "spacecraft.inertia_kg_m2.xx"
     decades = [1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0, 10.0, 100.0]

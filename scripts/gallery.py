@@ -15,9 +15,9 @@ from program import add_option, program as built
 
 ROOT = Path(__file__).resolve().parent.parent
 OUT = ROOT / "target/gallery"
-STSAT3 = "examples/stsat3/model.toml"
-SIX_SLEWS = "examples/stsat3/multiaxis/telemetry_noisy.csv"
-ONE_SLEW = "examples/stsat3/paper/telemetry_noisy.csv"
+STSAT3 = "data/stsat3/model.toml"
+SIX_SLEWS = "data/stsat3/multiaxis/telemetry_noisy.csv"
+ONE_SLEW = "data/stsat3/paper/telemetry_noisy.csv"
 # A result that says "no" or "in part" is as good for a page as any.
 ANSWERED = (0, 1)
 
@@ -40,11 +40,11 @@ REPORTS = {
     ),
     "robot": (
         "A space robot of seven bodies: the base from one motion of its arm",
-        [identify("examples/ma2008/model_noisy.toml", "examples/ma2008/traj1/telemetry_noisy.csv")],
+        [identify("data/ma2008/model_noisy.toml", "data/ma2008/traj1/telemetry_noisy.csv")],
     ),
     "seven_records": (
         "An arm with all its bodies unknown, seven records without noise",
-        [identify("examples/xu2017/model.toml", *(f"examples/xu2017/C{k}/telemetry.parquet" for k in range(1, 8)))],
+        [identify("data/xu2017/model.toml", *(f"data/xu2017/C{k}/telemetry.parquet" for k in range(1, 8)))],
     ),
     "validation": (
         "An estimate predicts a record that it has not seen",
@@ -55,13 +55,13 @@ REPORTS = {
     ),
     "prediction": (
         "What a manoeuvre will tell before it is flown",
-        [["{out}/prediction.json", "predict", "examples/cases/stsat3_kim2010.toml", "--json"]],
+        [["{out}/prediction.json", "predict", "data/cases/stsat3_kim2010.toml", "--json"]],
     ),
     "comparison": (
         "Two answers of one satellite from two manoeuvres",
         [
             identify(STSAT3, SIX_SLEWS),
-            ["simulate", "examples/cases/stsat3_three_slews.toml", "--out", "{out}/three"],
+            ["simulate", "data/cases/stsat3_three_slews.toml", "--out", "{out}/three"],
             [*identify(STSAT3, "{out}/three/telemetry.csv")[:-1], "{out}/three"],
             ["{out}/comparison.json", "compare", "{out}", "{out}/three", "--json"],
         ],
@@ -69,14 +69,14 @@ REPORTS = {
     "design": (
         "A manoeuvre that reaches the wanted accuracy within the limits of its wheels",
         [
-            ["edit", "examples/cases/stsat3_truth.toml", "{out}/stsat3_truth.toml", "", ""],
-            ["edit", "examples/cases/stsat3_design.toml", "{out}/design.toml", "seed = 1\n", "seed = 1\nevaluations = 300\n"],
+            ["edit", "data/cases/stsat3_truth.toml", "{out}/stsat3_truth.toml", "", ""],
+            ["edit", "data/cases/stsat3_design.toml", "{out}/design.toml", "seed = 1\n", "seed = 1\nevaluations = 300\n"],
             ["design", "{out}/design.toml", "--out", "{out}/made"],
         ],
     ),
     "campaign": (
         "Twenty repetitions of an experiment with new noise",
-        [["campaign", "examples/campaigns/stsat3_multiaxis.toml", "--trials", "20", "--out", "{out}/made", "--resume"]],
+        [["campaign", "data/campaigns/stsat3_multiaxis.toml", "--trials", "20", "--out", "{out}/made", "--resume"]],
     ),
 }
 # Where the result lies, where it is not the folder of the report.

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Draws docs/picture.svg: what two manoeuvres of one satellite tell about its inertia tensor.
 
-Runs `identify` on examples/stsat3/paper (one slew) and examples/stsat3/multiaxis (six slews), and compares
+Runs `identify` on data/stsat3/paper (one slew) and data/stsat3/multiaxis (six slews), and compares
 the answers with truth.json. Needs Python and the Rust toolchain, nothing else.
 
     python3 scripts/picture.py                     build, identify, write docs/picture.svg
@@ -18,7 +18,7 @@ from html import escape
 
 from program import ROOT, add_option, program
 
-EXAMPLE = ROOT / "examples" / "stsat3"
+EXAMPLE = ROOT / "data" / "stsat3"
 PICTURE = ROOT / "docs" / "picture.svg"
 ENTRIES = ["xx", "yy", "zz", "xy", "xz", "yz"]
 RUNS = [("paper", "One slew"), ("multiaxis", "Six slews about different axes")]

@@ -1,4 +1,4 @@
-"""Screens of a page against references: mean brightness of cells, kept as small grey PNGs in fixtures/screens.
+"""Screens of a page against references: mean brightness of cells, kept as small grey PNGs in validation/screens.
 
 A reference is compared band by band, so that a small change is not lost in a long page. `planted` hides the lights of the first
 screen; a comparison that does not see that sees nothing.
@@ -9,7 +9,7 @@ import struct
 import zlib
 from pathlib import Path
 
-FOLDER = Path(__file__).resolve().parent.parent / "fixtures/screens"
+FOLDER = Path(__file__).resolve().parent.parent / "validation/screens"
 # View: width and height of the screen px, side of a cell px, dark, printed.
 VIEWS = {
     "desktop": (1400, 900, 20, False, False),

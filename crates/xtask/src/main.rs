@@ -1,0 +1,193 @@
+//! Maintenance commands of the project: checks of texts and pages, planted bugs, fuzzing, benchmarks, the book.
+
+mod bench;
+mod book;
+mod fault;
+mod first_command;
+mod fuzz;
+mod messages;
+mod outputs;
+mod pages;
+mod planted;
+mod repository;
+mod rust_text;
+mod size;
+mod words;
+
+use clap::{Parser, Subcommand};
+use fault::Fault;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Maintenance commands of the project. `scripts/NAME` runs the command NAME.
+#[derive(Debug, Parser)]
+#[command(name = "xtask")]
+struct Arguments {
+    #[command(subcommand)]
+    command: Task,
+}
+
+#[derive(Debug, Subcommand)]
+enum Task {
+    /// List every message of the program, or check their words and the length of their sentences.
+    ///
+    /// A message is a text of three words or more in the sources, outside tests: errors, warnings, evidence, remedies,
+    /// labels of tables and figures, explanations, help of the command line, and the templates of the report.
+    /// `{}` stands for a value.
+    Messages {
+        /// Check words of docs/words.txt, average and longest sentence.
+        #[arg(long)]
+        check: bool,
+    },
+    /// Plant bugs and show which tests notice: validation/planted/bugs.toml, one at a time, in a scratch copy.
+    ///
+    /// Runs all bugs that have no result yet, then writes docs/validation/planted.md. The copy is target/planted/tree:
+    /// the files of the working tree that git knows. Every bug is behind a switch that POINSOT_PLANTED turns on, so that
+    /// one build serves them all; the sources here are not touched. A test counts as a catch when it fails with the bug
+    /// on and passes with it off. Packages run one after another until one has caught the bug; of it the first failures
+    /// are listed. Exit code 1: a bug survived. 2: a bug has lost its place.
+    ///
+    /// PLANTED_TARGETS chooses the targets that are built, such as "--lib --bins --test all".
+    Planted {
+        /// Run these bugs again.
+        names: Vec<String>,
+        /// Run all bugs again.
+        #[arg(long, conflicts_with = "names")]
+        fresh: bool,
+        /// Check only that every bug still finds its place in the sources.
+        #[arg(long, conflicts_with_all = ["names", "fresh"])]
+        check: bool,
+    },
+    /// Run the commands that README, docs and examples quote, and fill in what they print.
+    ///
+    /// A line `<!-- output of: COMMAND -->` names a command; the block fenced by ```text after it is its standard output.
+    /// The block fenced by ```console after `<!-- run: COMMAND -->` shows the command too; `&&` begins a new line.
+    /// Between `<!-- lines of: COMMAND -->` and `<!-- end of lines -->` is every line of the output with the sentence of
+    /// docs/reference/output_lines.txt that explains it; a line without a sentence is an error. `poinsot` in a command is
+    /// the program built from this checkout; pipes work. Commands of a page run in the order of the page.
+    #[command(verbatim_doc_comment)]
+    Outputs {
+        /// Fail if a block is not what its command prints, instead of writing.
+        #[arg(long)]
+        check: bool,
+        /// Program to use; default: build it with cargo.
+        #[arg(long)]
+        poinsot: Option<PathBuf>,
+    },
+    /// Check the prose of all pages: words, sentence length, size, links, and, with a network, spelling and style.
+    ///
+    /// Installs proselint and codespell from PyPI into target/pages-venv. Checked is what a person reads as sentences.
+    /// Code, tables of numbers, formulas, file names and output of commands are not.
+    Pages {
+        /// Check without proselint and codespell.
+        #[arg(long)]
+        offline: bool,
+        /// Print the counts of every page.
+        #[arg(long)]
+        figures: bool,
+    },
+    /// Count lines of code of each crate, without comments, documentation, blank lines and inline tests. Needs tokei.
+    ///
+    /// Prints crate,source,tests: what lies in src without its tests, and those tests together with tests/.
+    Size {
+        /// One crate, file by file.
+        #[arg(value_name = "CRATE")]
+        name: Option<String>,
+    },
+    /// Run the first command of README.md as it is there: the first line that starts with `cargo run`.
+    ///
+    /// Alone the program has fewer features than with the tests, so that half of its dependencies are compiled again.
+    FirstCommand {
+        /// Use target/release/poinsot, which the tests have built.
+        #[arg(long)]
+        built: bool,
+    },
+    /// Fuzz every reader and `identify` with libFuzzer.
+    ///
+    /// The stable toolchain is enough; libFuzzer comes from crates.io and needs a C++ compiler. Findings are kept under
+    /// target/fuzz/artifacts; the exit code is then 1. New inputs go to target/fuzz/corpus; fuzz/corpus holds inputs
+    /// written by hand.
+    Fuzz {
+        /// Take what reaches new code, in inputs of at most 2 KiB, into the archives of fuzz/found.
+        #[arg(long)]
+        minimise: bool,
+        /// Seconds for each target.
+        #[arg(default_value_t = fuzz::SECONDS)]
+        seconds: u64,
+        /// Targets; default: all.
+        targets: Vec<String>,
+    },
+    /// Run benchmarks of the kernels on the arm of Xu et al. (2017), with the peers beside them where they are found.
+    ///
+    /// Prints name,value,unit, then the ratios. BENCHMARKS.md says how to install the peers.
+    ///
+    /// POINSOT_BENCH_PYTHON   Python with numpy and scipy (and, for Pinocchio, the wheel `pin`)
+    /// POINSOT_BENCH_EIGEN    folder of the Eigen headers (default /usr/include/eigen3)
+    /// POINSOT_BENCH_CORE     processor core to stay on (default 0)
+    #[command(verbatim_doc_comment)]
+    Bench {
+        /// Samples for NumPy (10^6 need 10 GB of memory and a minute), or `instructions`: ours counted by valgrind,
+        /// against benches/instructions.csv, exit code 1 beyond 15 %, or `record`: the same, written there.
+        #[arg(default_value_t = bench::SAMPLES.to_string())]
+        what: String,
+    },
+    /// Measure how long reading takes: eight of thirty columns, with the hash, beside pyarrow and polars on one thread.
+    ///
+    /// Prints name,value,unit, then the ratios. BENCHMARKS.md says what is compared. POINSOT_BENCH_PYTHON names a Python
+    /// with numpy, pyarrow and polars.
+    BenchRead {
+        /// Rows of the table.
+        #[arg(default_value_t = bench::read::ROWS)]
+        rows: u64,
+    },
+    /// Draw a flame graph of fits of the payload (BENCHMARKS.md, "A whole fit"), one thread.
+    ///
+    /// Needs perf, and inferno 0.12 on the path (cargo install inferno). POINSOT_BENCH_SYSID names a Python with
+    /// mujoco[sysid]==3.8.1, which writes the record.
+    FlameGraph {
+        /// SVG file to write.
+        out: PathBuf,
+    },
+    /// Build the program of the book with the features of the tests, and run it: `build`, `generate`, `check`.
+    Book {
+        /// Arguments of poinsot-book.
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+        arguments: Vec<String>,
+    },
+}
+
+fn main() -> ExitCode {
+    match run(Arguments::parse().command) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(fault) => {
+            if let Some(text) = fault.text() {
+                eprintln!("{text}");
+            }
+            ExitCode::from(fault.code())
+        }
+    }
+}
+
+fn run(task: Task) -> Result<(), Fault> {
+    match task {
+        Task::Messages { check } => messages::run(check),
+        Task::Planted {
+            names,
+            fresh,
+            check,
+        } => planted::run(&names, fresh, check),
+        Task::Outputs { check, poinsot } => outputs::run(check, poinsot),
+        Task::Pages { offline, figures } => pages::run(offline, figures),
+        Task::Size { name } => size::run(name.as_deref()),
+        Task::FirstCommand { built } => first_command::run(built),
+        Task::Fuzz {
+            minimise,
+            seconds,
+            targets,
+        } => fuzz::run(minimise, seconds, &targets),
+        Task::Bench { what } => bench::run(&what),
+        Task::BenchRead { rows } => bench::read::run(rows),
+        Task::FlameGraph { out } => bench::flame_graph::run(&out),
+        Task::Book { arguments } => book::run(&arguments),
+    }
+}
