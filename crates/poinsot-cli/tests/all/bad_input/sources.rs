@@ -1,0 +1,106 @@
+//! The registry of codes against the sources, and which crate opens files.
+
+use std::collections::BTreeSet;
+
+/// Every source file of the crates, without tests.
+fn sources() -> Vec<(std::path::PathBuf, String)> {
+    let crates = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let mut found = Vec::new();
+    let mut folders: Vec<_> = std::fs::read_dir(crates)
+        .unwrap()
+        .flatten()
+        .map(|e| e.path().join("src"))
+        .collect();
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+            let path = entry.path();
+            if path.is_dir() {
+                folders.push(path);
+                continue;
+            }
+            // Explanations, not uses.
+            if path.ends_with("codes.rs") {
+                continue;
+            }
+            let text = std::fs::read_to_string(&path).unwrap_or_default();
+            let code = text.split("#[cfg(test)]").next().unwrap_or_default();
+            found.push((path, code.to_owned()));
+        }
+    }
+    found
+}
+
+fn codes_in_sources() -> BTreeSet<String> {
+    let mut found = BTreeSet::new();
+    for (path, code) in sources() {
+        if path.components().any(|c| c.as_os_str() == "explain") {
+            continue;
+        }
+        for (at, _) in code.match_indices("\"E0") {
+            let word = code.get(at + 1..at + 6).unwrap_or_default();
+            if word.len() == 5 && word.bytes().skip(1).all(|b| b.is_ascii_digit()) {
+                found.insert(word.to_owned());
+            }
+        }
+    }
+    found
+}
+
+/// Functions that access files without `poinsot-files`.
+const PAST_THE_GATE: &[&str] = &[
+    "fs::read(",
+    "fs::read_to_string(",
+    "File::open(",
+    "OpenOptions",
+    "fs::write(",
+    "File::create",
+    "fs::rename(",
+    "fs::create_dir",
+    "NamedTempFile",
+    "tempdir",
+];
+
+/// Crates without user input, and `poinsot-files` itself.
+const NOT_THE_PROGRAM: &[&str] = &[
+    "poinsot-files",
+    "poinsot-book",
+    "poinsot-fuzz",
+    "poinsot-testkit",
+    "xtask",
+];
+
+#[test]
+fn exact_one_crate_opens_inputs_and_places_outputs() {
+    let mut past = Vec::new();
+    for (path, code) in sources() {
+        let name = path.display().to_string();
+        if NOT_THE_PROGRAM.iter().any(|c| name.contains(c)) {
+            continue;
+        }
+        past.extend(
+            PAST_THE_GATE
+                .iter()
+                .filter(|w| code.contains(**w))
+                .map(|w| format!("{name}: {w}")),
+        );
+    }
+    assert!(past.is_empty(), "{past:#?}");
+}
+
+#[test]
+fn exact_the_registry_holds_the_codes_of_the_sources() {
+    let registry: Vec<&str> = poinsot::explain::error_codes()
+        .iter()
+        .map(|c| c.code)
+        .collect();
+    let unique: BTreeSet<String> = registry.iter().map(|c| (*c).to_owned()).collect();
+    assert_eq!(unique.len(), registry.len(), "a code stands twice");
+    let sources = codes_in_sources();
+    let missing: Vec<_> = sources.difference(&unique).collect();
+    let unused: Vec<_> = unique.difference(&sources).collect();
+    assert!(missing.is_empty(), "not explained: {missing:?}");
+    assert!(
+        unused.is_empty(),
+        "explained, but nowhere in use: {unused:?}"
+    );
+}
