@@ -1,8 +1,8 @@
 """Mass, centre of mass and inertia of spacecraft and space robots, identified from telemetry.
 
 >>> import poinsot as pn
->>> vehicle = pn.Model.read("examples/stsat3/model.toml")
->>> record = pn.Telemetry.read("examples/stsat3/multiaxis/telemetry_noisy.csv")
+>>> vehicle = pn.Model.read("data/stsat3/model.toml")
+>>> record = pn.Telemetry.read("data/stsat3/multiaxis/telemetry_noisy.csv")
 >>> answer = pn.identify(vehicle, record)
 >>> answer.status
 'converged'

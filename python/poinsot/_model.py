@@ -25,7 +25,7 @@ class Model:
     Examples
     --------
     >>> import poinsot as pn
-    >>> vehicle = pn.Model.read("examples/stsat3/model.toml")
+    >>> vehicle = pn.Model.read("data/stsat3/model.toml")
     >>> vehicle.bodies
     ('spacecraft',)
     >>> values = vehicle.to_dict()

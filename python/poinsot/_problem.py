@@ -70,7 +70,7 @@ class Problem:
     Examples
     --------
     >>> import poinsot as pn
-    >>> problem = pn.Problem("examples/stsat3/model.toml", "examples/stsat3/multiaxis/telemetry_noisy.csv", every=10)
+    >>> problem = pn.Problem("data/stsat3/model.toml", "data/stsat3/multiaxis/telemetry_noisy.csv", every=10)
     >>> here = problem.evaluate(problem.x0)
     >>> here.jacobian.shape == (here.residual.size, len(problem.names))
     True

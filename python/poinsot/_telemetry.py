@@ -104,7 +104,7 @@ class Telemetry:
     --------
     >>> import numpy as np
     >>> import poinsot as pn
-    >>> record = pn.Telemetry.read("examples/stsat3/multiaxis/telemetry_noisy.csv")
+    >>> record = pn.Telemetry.read("data/stsat3/multiaxis/telemetry_noisy.csv")
     >>> time_s, rate = record["omega_x"]
     >>> same = pn.Telemetry.from_arrays(time_s=time_s, omega_rad_s=np.column_stack([record[f"omega_{a}"][1] for a in "xyz"]))
     >>> sorted(same)

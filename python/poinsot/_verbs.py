@@ -178,7 +178,7 @@ def identify(
     Examples
     --------
     >>> import poinsot as pn
-    >>> answer = pn.identify("examples/stsat3/model.toml", "examples/stsat3/multiaxis/telemetry_noisy.csv")
+    >>> answer = pn.identify("data/stsat3/model.toml", "data/stsat3/multiaxis/telemetry_noisy.csv")
     >>> answer.rank
     (6, 6)
     """
@@ -211,7 +211,7 @@ def check(vehicle: Model | PathLike) -> Document:
     Examples
     --------
     >>> import poinsot as pn
-    >>> pn.check("examples/stsat3/model.toml")["mass_kg"]
+    >>> pn.check("data/stsat3/model.toml")["mass_kg"]
     150.0
     """
     return Document(*as_model(vehicle)._core.check())
@@ -241,7 +241,7 @@ def inspect(
     Examples
     --------
     >>> import poinsot as pn
-    >>> found = pn.inspect("examples/stsat3/multiaxis/telemetry_noisy.csv")
+    >>> found = pn.inspect("data/stsat3/multiaxis/telemetry_noisy.csv")
     >>> found["sources"][0]["rows"]
     4801
     """
@@ -398,7 +398,7 @@ def campaign(
     Examples
     --------
     >>> import poinsot as pn
-    >>> found = pn.campaign("examples/campaigns/ma_traj1.toml", trials=4)
+    >>> found = pn.campaign("data/campaigns/ma_traj1.toml", trials=4)
     >>> [cell["methods"][0]["trials"] for cell in found["cells"]][0]
     4
     """
@@ -454,19 +454,19 @@ def sweep(
     return _campaign(plan, out, resume, None, client, progress)
 
 
-def study(paper: str, name: str, *, examples: PathLike = "examples", progress: Progress = None) -> Document:
+def study(paper: str, name: str, *, data: PathLike = "data", progress: Progress = None) -> Document:
     """Repeat one study of a published paper, for example ``study("kim2010", "table2")``.
 
     Parameters
     ----------
     paper, name
         Paper and study, as ``poinsot study`` lists them.
-    examples
-        Folder of the shipped examples.
+    data
+        Folder of the shipped data.
     progress
         As of :func:`identify`.
     """
-    return Document(*_core.study(paper, name, examples, _reporter(progress)))
+    return Document(*_core.study(paper, name, data, _reporter(progress)))
 
 
 def compare(answers: Iterable[Answer | PathLike]) -> Document:

@@ -55,7 +55,7 @@ def parameter_names(vehicle: Model) -> tuple[str, ...]:
     Examples
     --------
     >>> import poinsot as pn
-    >>> pn.dynamics.parameter_names(pn.Model.read("examples/stsat3/model.toml"))[:2]
+    >>> pn.dynamics.parameter_names(pn.Model.read("data/stsat3/model.toml"))[:2]
     ('spacecraft.m', 'spacecraft.mc_x')
     """
     return tuple(f"{body}.{name}" for body in vehicle.bodies for name in PARAMETERS)
@@ -124,7 +124,7 @@ def momentum_regressor(vehicle: Model, q: ArrayLike, dq: ArrayLike, V: ArrayLike
     --------
     >>> import numpy as np
     >>> import poinsot as pn
-    >>> vehicle = pn.Model.read("examples/stsat3/model.toml")
+    >>> vehicle = pn.Model.read("data/stsat3/model.toml")
     >>> V = np.array([0.0, 0.0, 0.0, 0.1, 0.0, 0.0])
     >>> Y = pn.dynamics.momentum_regressor(vehicle, [], [], V)
     >>> momentum = Y @ vehicle.parameters.ravel()

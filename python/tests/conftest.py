@@ -1,4 +1,4 @@
-"""Where the examples stand, and the command that the package is compared with."""
+"""Where the data stand, and the command that the package is compared with."""
 
 import os
 import subprocess

@@ -44,7 +44,7 @@ def plan(root, tmp_path_factory):
     folder = tmp_path_factory.mktemp("plan")
     (folder / "cases").mkdir()
     for name in ("tug_thrusters.toml", "tug_truth.toml"):
-        shutil.copy(root / "examples/cases" / name, folder / "cases" / name)
+        shutil.copy(root / "data/cases" / name, folder / "cases" / name)
     (folder / "plan.toml").write_text(PLAN)
     return folder / "plan.toml"
 

@@ -5,7 +5,7 @@ import pytest
 
 import poinsot as pn
 
-XU = "examples/xu2017/model.toml"
+XU = "data/xu2017/model.toml"
 
 
 @pytest.fixture(scope="module")

@@ -11,7 +11,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-CASE = "examples/cases/stsat3_spin.toml"
+CASE = "data/cases/stsat3_spin.toml"
 BODY = "spacecraft"
 
 SDF = """<?xml version="1.0"?>
@@ -48,7 +48,7 @@ def answer(command, tmp_path_factory):
     """A folder with telemetry of known date and the answer of `identify`."""
     folder = tmp_path_factory.mktemp("export")
     assert command("simulate", CASE, "--out", folder / "sim").returncode == 0
-    model = Path("examples/stsat3/model.toml").read_text()
+    model = Path("data/stsat3/model.toml").read_text()
     assert "[telemetry]" not in model
     (folder / "model.toml").write_text(model + '\n[telemetry]\ntime = { column = "time_s", epoch = "2026-03-14T18:19:00Z" }\n')
     done = command(

@@ -14,8 +14,8 @@ import pytest
 
 import poinsot as pn
 
-STSAT3 = "examples/stsat3/model.toml"
-MULTIAXIS = "examples/stsat3/multiaxis/telemetry_noisy.csv"
+STSAT3 = "data/stsat3/model.toml"
+MULTIAXIS = "data/stsat3/multiaxis/telemetry_noisy.csv"
 
 
 @pytest.fixture(scope="module")
@@ -167,7 +167,7 @@ def test_exact_wrong_options_are_refused(options):
 
 
 def test_exact_dynamics_refuses_wrong_shapes():
-    vehicle = pn.Model.read("examples/xu2017/model.toml")
+    vehicle = pn.Model.read("data/xu2017/model.toml")
     dof = len(vehicle.coordinates)
     good = np.zeros((4, dof)), np.zeros((4, dof)), np.zeros((4, 6))
     for k, wrong in [(0, np.zeros((4, dof + 1))), (2, np.zeros(5)), (1, np.zeros((3, dof))), (2, np.zeros((4, 6), complex)), (0, 1.0)]:
@@ -238,7 +238,7 @@ def test_exact_ctrl_c_within_a_fifth_of_a_second():
 
 def _interrupted_after(seconds: float) -> float:
     """Seconds from the signal to the exception, in the middle of fits."""
-    code = INTERRUPTED.format(model="examples/xu2017/model.toml", telemetry="examples/xu2017/C1/telemetry_noisy.parquet")
+    code = INTERRUPTED.format(model="data/xu2017/model.toml", telemetry="data/xu2017/C1/telemetry_noisy.parquet")
     with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True) as child:
         assert child.stdout.readline() == "ready\n"
         time.sleep(seconds)

@@ -8,12 +8,12 @@ import pytest
 
 import poinsot as pn
 
-STSAT3 = "examples/stsat3/model.toml"
-MULTIAXIS = "examples/stsat3/multiaxis/telemetry_noisy.csv"
-ONE_SLEW = "examples/stsat3/paper/telemetry_noisy.csv"
+STSAT3 = "data/stsat3/model.toml"
+MULTIAXIS = "data/stsat3/multiaxis/telemetry_noisy.csv"
+ONE_SLEW = "data/stsat3/paper/telemetry_noisy.csv"
 
-SHIPPED = sorted(Path("examples").glob("*/*/telemetry*")) or sorted(
-    (Path(__file__).resolve().parents[2] / "examples").glob("*/*/telemetry*")
+SHIPPED = sorted(Path("data").glob("*/*/telemetry*")) or sorted(
+    (Path(__file__).resolve().parents[2] / "data").glob("*/*/telemetry*")
 )
 QUICK = ("stsat3/multiaxis/telemetry_noisy.csv", "stsat3/paper/telemetry_noisy.csv")
 

@@ -6,13 +6,13 @@ import poinsot as pn
 
 pytestmark = pytest.mark.extra
 
-STSAT3 = "examples/stsat3/model.toml"
+STSAT3 = "data/stsat3/model.toml"
 
 
 @pytest.fixture(scope="module")
 def answers():
     pytest.importorskip("matplotlib")
-    return [pn.identify(STSAT3, f"examples/stsat3/{run}/telemetry_noisy.csv") for run in ("multiaxis", "paper")]
+    return [pn.identify(STSAT3, f"data/stsat3/{run}/telemetry_noisy.csv") for run in ("multiaxis", "paper")]
 
 
 @pytest.mark.parametrize("kind", ["tensor", "ellipsoid", "residuals", "undetermined", "all"])

@@ -5,8 +5,8 @@ import pytest
 
 import poinsot as pn
 
-STSAT3 = "examples/stsat3/model.toml"
-MULTIAXIS = "examples/stsat3/multiaxis/telemetry_noisy.csv"
+STSAT3 = "data/stsat3/model.toml"
+MULTIAXIS = "data/stsat3/multiaxis/telemetry_noisy.csv"
 
 
 @pytest.fixture(scope="module")

@@ -8,9 +8,9 @@ import pytest
 
 import poinsot as pn
 
-STSAT3 = "examples/stsat3/model.toml"
-MULTIAXIS = "examples/stsat3/multiaxis/telemetry_noisy.csv"
-CASE = "examples/cases/stsat3_spin.toml"
+STSAT3 = "data/stsat3/model.toml"
+MULTIAXIS = "data/stsat3/multiaxis/telemetry_noisy.csv"
+CASE = "data/cases/stsat3_spin.toml"
 
 
 def test_exact_check(command):
@@ -49,7 +49,7 @@ def test_exact_predict(command):
 
 def test_exact_predict_of_several_cases(command, tmp_path):
     """One entry a case, and the files of the command."""
-    cases = [CASE, "examples/cases/stsat3_kim2010.toml"]
+    cases = [CASE, "data/cases/stsat3_kim2010.toml"]
     document = pn.predict(cases, durations=True, out=tmp_path / "a")
     done = command("predict", *cases, "--durations", "--out", tmp_path / "b", "--json")
     assert [document[case] for case in cases] == json.loads(done.stdout) and document.exit_code == done.returncode
@@ -111,7 +111,7 @@ def test_exact_export(command, tmp_path):
 
 
 def test_exact_models_read_write_and_change(tmp_path):
-    vehicle = pn.Model.read("examples/xu2017/model.toml")
+    vehicle = pn.Model.read("data/xu2017/model.toml")
     vehicle.write(tmp_path / "again.toml")
     again = pn.Model.read(tmp_path / "again.toml")
     of_dict = pn.Model.from_dict(vehicle.to_dict())
@@ -189,11 +189,11 @@ def test_exact_campaign_and_sweep(command, tmp_path):
             return {k: untimed(v) for k, v in value.items() if "second" not in k and "time" not in k and k != "cpu_s"}
         return [untimed(v) for v in value] if isinstance(value, list) else value
 
-    plan = "examples/campaigns/ma_traj1.toml"
+    plan = "data/campaigns/ma_traj1.toml"
     document = pn.campaign(plan, trials=4)
     done = command("campaign", plan, "--trials", "4", "--out", tmp_path / "out", "--json")
     assert untimed(dict(document)) == untimed(json.loads(done.stdout)) and document.exit_code == done.returncode
-    case = "examples/cases/stsat3_spin.toml"
+    case = "data/cases/stsat3_spin.toml"
     document = pn.sweep(case, {"noise": [1, 2]}, trials=3)
     done = command("sweep", case, "--vary", "noise=1,2", "--trials", "3", "--json")
     assert untimed(dict(document)) == untimed(json.loads(done.stdout)) and document.exit_code == done.returncode
@@ -206,7 +206,7 @@ def test_paper_study(command):
 
 def test_errors_of_searches():
     with pytest.raises(pn.InputError, match="it needs a folder"):
-        pn.campaign("examples/campaigns/ma_traj1.toml", until=0.01)
+        pn.campaign("data/campaigns/ma_traj1.toml", until=0.01)
     with pytest.raises(pn.InputError, match="there is no such paper"):
         pn.study("kim2011", "table2")
     with pytest.raises(pn.InputError, match="it has no .design."):

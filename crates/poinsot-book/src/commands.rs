@@ -38,8 +38,7 @@ pub fn page() -> String {
 }
 
 /// First lines of every generated page.
-pub const GENERATED: &str =
-    "<!-- Made by `cargo run --release -p poinsot-book -- generate`; do not edit. -->\n\n";
+pub const GENERATED: &str = "<!-- Made by `scripts/book generate`; do not edit. -->\n\n";
 
 fn section(verb: &Command, out: &mut String) {
     let name = verb.get_name();

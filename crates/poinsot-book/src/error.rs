@@ -15,7 +15,7 @@ pub enum BookError {
     },
     /// A generated page is out of date.
     #[error(
-        "{}: out of date; run: cargo run --release -p poinsot-book -- generate",
+        "{}: out of date; run: scripts/book generate",
         .0.display()
     )]
     Stale(PathBuf),

@@ -28,7 +28,7 @@ pub fn case_page() -> String {
 const CASES: &str = "\
 A case file (TOML, `poinsot.case/2`) says what a vehicle does: `simulate` makes telemetry of it, `predict` its accuracy, \
 `design` a better manoeuvre, `validate` and `campaign` compare with it. An unknown key is an error, with the nearest known \
-key. Files of `poinsot.case/1` are read alike. [The cases](../../examples/cases/README.md) are examples.
+key. Files of `poinsot.case/1` are read alike. [The cases](../../data/cases/README.md) are examples.
 
 1. Write the case beside its model:
 

@@ -1,4 +1,4 @@
-//! Answers to the shipped examples, with the true values.
+//! Answers to the shipped data, with the true values.
 
 use crate::error::BookError;
 use crate::repository::root;
@@ -10,15 +10,15 @@ use poinsot_formats::{EstimateFile, TruthFile, read_truth};
 pub struct Example {
     /// Name in tables.
     pub name: &'static str,
-    /// Model, from `examples`.
+    /// Model, from `data`.
     pub model: &'static str,
-    /// Telemetry of every segment, from `examples`.
+    /// Telemetry of every segment, from `data`.
     pub telemetry: &'static [&'static str],
     /// Method.
     pub method: &'static str,
 }
 
-/// The examples of the validation page.
+/// The records of the validation page.
 pub const EXAMPLES: [Example; 9] = [
     Example {
         name: "stsat3, several axes",
@@ -96,11 +96,11 @@ impl Example {
     /// # Errors
     /// The identification fails.
     pub fn answer(&self) -> Result<EstimateFile, BookError> {
-        let examples = root().join("examples");
+        let shipped = root().join("data");
         let identified = identify(
             &IdentifyRequest::new(
-                examples.join(self.model),
-                self.telemetry.iter().map(|t| examples.join(t)),
+                shipped.join(self.model),
+                self.telemetry.iter().map(|t| shipped.join(t)),
             )
             .by(self.method),
         )
@@ -117,10 +117,7 @@ impl Example {
     /// The file is missing or invalid.
     pub fn truth(&self) -> Result<TruthFile, BookError> {
         let first = self.telemetry.first().copied().unwrap_or_default();
-        let path = root()
-            .join("examples")
-            .join(first)
-            .with_file_name("truth.json");
+        let path = root().join("data").join(first).with_file_name("truth.json");
         read_truth(&path).map_err(|e| BookError::io(&path)(std::io::Error::other(e)))
     }
 }

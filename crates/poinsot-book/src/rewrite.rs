@@ -162,8 +162,8 @@ mod tests {
             "[one](../methods/ma2008.md)"
         );
         assert_eq!(
-            on("start.md", "[model](../examples/stsat3/model.toml)"),
-            "model (`examples/stsat3/model.toml`)"
+            on("start.md", "[model](../data/stsat3/model.toml)"),
+            "model (`data/stsat3/model.toml`)"
         );
         assert_eq!(on("start.md", "[x](#there)"), "[x](#there)");
         assert!(rewrite(Path::new("start.md"), "[x](nowhere.md)").is_err());

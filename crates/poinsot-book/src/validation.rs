@@ -1,4 +1,4 @@
-//! Generates the page of validation: tables from fixtures and from answers to the examples.
+//! Generates the page of validation: tables from `validation` and from answers to the shipped data.
 
 use crate::commands::GENERATED;
 use crate::error::BookError;
@@ -32,7 +32,7 @@ fn momentum(out: &mut String) -> Result<(), BookError> {
         out,
         "\n## Momentum against two engines\n\n\
          {} random trees with {} bodies, revolute, prismatic and fixed joints, some bodies without mass; momentum from \
-         Pinocchio and MuJoCo is recorded in `fixtures/trees`. Largest difference, relative to the sum of the magnitudes \
+         Pinocchio and MuJoCo is recorded in `validation/trees`. Largest difference, relative to the sum of the magnitudes \
          of the terms:\n\n\
          | | linear momentum | angular momentum |\n|---|---|---|\n\
          | Pinocchio, about the base origin | {} | {} |\n\

@@ -89,7 +89,7 @@ pub enum Verb {
     Methods(Methods),
     /// Reproduce the tables, figures and claims of a published paper. Without a name, list the studies.
     ///
-    /// Exit code 0: computed. 2: no such study, or no folder of examples. 3: disk or permission.
+    /// Exit code 0: computed. 2: no such study, or no folder of data. 3: disk or permission.
     Study(Study),
     /// Print the JSON Schema of a file format.
     Schema(Schema),
@@ -293,9 +293,9 @@ pub struct Study {
     /// One of its studies, or `all`; without it, their list.
     #[arg(value_parser = Words::studies(), hide_possible_values = true)]
     pub name: Option<String>,
-    /// Folder of the project's examples.
-    #[arg(long, value_name = "DIR", default_value = "examples")]
-    pub examples: PathBuf,
+    /// Folder of the project's data.
+    #[arg(long, value_name = "DIR", default_value = "data", alias = "examples")]
+    pub data: PathBuf,
     /// Folder for every table as CSV and every figure; created if missing.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 fn example(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../../examples/cases")
+        .join("../../data/cases")
         .join(name)
 }
 

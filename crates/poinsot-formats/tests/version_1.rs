@@ -98,7 +98,7 @@ fn unit_another_format_is_refused_by_name() {
 #[test]
 fn exact_the_truth_of_a_shipped_record_reads() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let truth = read_truth(&root.join("examples/stsat3/multiaxis/truth.json")).unwrap();
+    let truth = read_truth(&root.join("data/stsat3/multiaxis/truth.json")).unwrap();
     let mass = &truth.bodies["spacecraft"].mass;
     assert_eq!(
         (mass.mass_kg.value, mass.inertia_kg_m2.yz.value),

@@ -43,18 +43,18 @@ pub fn design(
 
 /// `poinsot study` of one study of a paper, or of all.
 #[pyfunction]
-#[pyo3(signature = (paper, name, examples, progress=None))]
+#[pyo3(signature = (paper, name, data, progress=None))]
 pub fn study(
     py: Python<'_>,
     paper: String,
     name: String,
-    examples: PathBuf,
+    data: PathBuf,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Printed> {
     run(py, progress.as_ref(), move || {
         let (mut findings, mut words) = (Vec::new(), Vec::new());
         for (paper, study) in find(Some(&paper), Some(&name))? {
-            let found = run_study(study, &examples)?;
+            let found = run_study(study, &data)?;
             words.push(text(&document(paper, study, &found)));
             findings.push(findings_file(paper, study, &found));
         }

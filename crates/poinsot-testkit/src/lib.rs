@@ -9,6 +9,7 @@ pub mod compare;
 pub mod elliptic;
 pub mod joint_plans;
 pub mod momentum_sum;
+pub mod outside;
 mod quadrature;
 pub mod rigid_body;
 pub mod tree_dynamics;

@@ -1,6 +1,6 @@
-//! Dynamics of the recorded trees by Pinocchio and MuJoCo, from `fixtures/trees/dynamics.jsonl`.
+//! Dynamics of the recorded trees by Pinocchio and MuJoCo, from `validation/trees/dynamics.jsonl`.
 //!
-//! The layout of the file is in `fixtures/trees/README.md`.
+//! The layout of the file is in `validation/trees/README.md`.
 
 use crate::Matrix3;
 use crate::trees::{TreeCase, load_trees, trees_path};

@@ -1,6 +1,6 @@
-//! The recorded trees of `fixtures/trees` with the results of Pinocchio and MuJoCo.
+//! The recorded trees of `validation/trees` with the results of Pinocchio and MuJoCo.
 //!
-//! The layout of the file is in `fixtures/trees/README.md`.
+//! The layout of the file is in `validation/trees/README.md`.
 
 use crate::momentum_sum::{KitBody, KitJoint, KitState};
 use crate::{Matrix3, Matrix6, Vector3, Vector6};
@@ -161,7 +161,7 @@ pub fn rotation_from_xyzw([x, y, z, w]: [f64; 4]) -> Matrix3 {
 
 /// Path of the recorded trees.
 pub fn trees_path() -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/trees/trees.jsonl")
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../validation/trees/trees.jsonl")
 }
 
 /// All recorded trees, in the order of the file.

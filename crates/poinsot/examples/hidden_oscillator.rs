@@ -64,7 +64,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 fn folder() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/cases")
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/cases")
 }
 
 /// One set-up; without a mass the hinge is locked.

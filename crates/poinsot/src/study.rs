@@ -151,20 +151,20 @@ pub fn find(
 /// Name of all studies of a paper.
 pub const ALL: &str = "all";
 
-/// Runs a study with the folder of examples.
+/// Runs a study with the folder of shipped data.
 ///
 /// # Errors
-/// The examples are missing, or a tool fails.
-pub fn run(study: &Study, examples: &Path) -> Result<Findings, Error> {
-    if !examples.join("cases").is_dir() {
+/// The data are missing, or a tool fails.
+pub fn run(study: &Study, data: &Path) -> Result<Findings, Error> {
+    if !data.join("cases").is_dir() {
         return Err(Error::Usage {
-            option: "--examples",
-            value: examples.display().to_string(),
-            why: "this folder does not have the project's examples (no folder 'cases'); run in the project's folder, or give the path of its folder 'examples'".to_owned(),
+            option: "--data",
+            value: data.display().to_string(),
+            why: "this folder does not have the project's data (no folder 'cases'); run in the project's folder, or give the path of its folder 'data'".to_owned(),
         });
     }
     let context = Context {
-        examples,
+        data,
         tools: &Verbs,
     };
     (study.run)(&context).map_err(told)

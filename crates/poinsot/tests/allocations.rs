@@ -16,10 +16,10 @@ const RATES: [f64; 2] = [20.0, 80.0];
 const NONE: f64 = 0.1;
 /// Cases, and sensors and disturbances that are added to their vehicles.
 const CASES: [(&str, &str); 7] = [
-    ("examples/cases/faults.toml", ""),
-    ("examples/cases/stsat3_three_slews.toml", ""),
-    ("examples/cases/pyramid.toml", ""),
-    ("examples/cases/ma2008_traj1.toml", ""),
+    ("data/cases/faults.toml", ""),
+    ("data/cases/stsat3_three_slews.toml", ""),
+    ("data/cases/pyramid.toml", ""),
+    ("data/cases/ma2008_traj1.toml", ""),
     (ARM, ""),
     (ARM, ACCELEROMETERS),
     (ARM, ON_A_LINK),

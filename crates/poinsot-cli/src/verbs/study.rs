@@ -19,7 +19,7 @@ pub fn run(arguments: &Study) -> Outcome {
     };
     let mut answers = Vec::new();
     for (paper, study) in chosen {
-        let findings = run_study(study, &arguments.examples)?;
+        let findings = run_study(study, &arguments.data)?;
         if arguments.json {
             answers.push(findings_file(paper, study, &findings));
         } else if !arguments.quiet {

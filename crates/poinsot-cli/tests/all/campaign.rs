@@ -22,7 +22,7 @@ fn bench(trials: u64, block: u64) -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     for name in ["tug_thrusters.toml", "tug_truth.toml"] {
         std::fs::copy(
-            repository("examples/cases").join(name),
+            repository("data/cases").join(name),
             folder.path().join(name),
         )
         .unwrap();
@@ -399,7 +399,7 @@ fn cli_until_stops_at_a_complete_look() {
     let folder = tempfile::tempdir().unwrap();
     let bench = folder.path();
     for name in ["pyramid.toml", "pyramid_truth.toml"] {
-        std::fs::copy(repository("examples/cases").join(name), bench.join(name)).unwrap();
+        std::fs::copy(repository("data/cases").join(name), bench.join(name)).unwrap();
     }
     let plan = "schema = \"poinsot.plan/1\"\n\n[[experiment]]\ncase = \"pyramid.toml\"\nevery = 25\n\n\
          [[method]]\nname = \"linear\"\n\n[sampling]\nkind = \"latin_hypercube\"\npoints = 2\nreplicates = 200\n\n\

@@ -5,12 +5,12 @@ use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::Output;
 
-fn examples() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples")
+fn shipped() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data")
 }
 
 fn example(path: &str) -> String {
-    examples().join(path).display().to_string()
+    shipped().join(path).display().to_string()
 }
 
 fn poinsot<S: AsRef<std::ffi::OsStr>>(arguments: impl IntoIterator<Item = S>) -> Output {
@@ -48,7 +48,7 @@ fn identify(model: &str, telemetry: &str, more: &[&str]) -> Vec<String> {
     list.into_iter().map(str::to_owned).collect()
 }
 
-/// The spinning satellite of the examples, simulated: folder, model, telemetry.
+/// The spinning satellite of the shipped data, simulated: folder, model, telemetry.
 struct Satellite {
     folder: tempfile::TempDir,
     model: String,
@@ -499,7 +499,7 @@ fn files_below(folder: &Path, ending: &str, found: &mut Vec<PathBuf>) {
 #[test]
 fn cli_check_schema_and_inspect_read_all_examples() {
     let mut models = Vec::new();
-    files_below(&examples(), ".toml", &mut models);
+    files_below(&shipped(), ".toml", &mut models);
     models.retain(|p| {
         let text = std::fs::read_to_string(p).unwrap();
         text.contains("poinsot.model/1")

@@ -8,8 +8,8 @@ use serde_json::Value;
 use std::path::Path;
 use std::process::{Command, Output};
 
-fn examples() -> std::path::PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples")
+fn shipped() -> std::path::PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data")
 }
 
 fn poinsot(folder: &Path, arguments: &[&str]) -> Output {
@@ -26,8 +26,8 @@ fn error(output: &Output) -> String {
 
 /// Simulated telemetry and its answer in `out`; with a date if `epoch` gives one.
 fn answer(folder: &Path, epoch: &str) -> Value {
-    let case = examples().join("cases/stsat3_spin.toml");
-    let model = std::fs::read_to_string(examples().join("stsat3/model.toml")).unwrap();
+    let case = shipped().join("cases/stsat3_spin.toml");
+    let model = std::fs::read_to_string(shipped().join("stsat3/model.toml")).unwrap();
     assert!(!model.contains("[telemetry]"));
     std::fs::write(folder.join("m.toml"), model + epoch).unwrap();
     for arguments in [
@@ -146,8 +146,8 @@ fn cli_what_is_missing_is_said() {
 #[test]
 fn cli_what_is_not_determined_is_not_exported() {
     let folder = tempfile::tempdir().unwrap();
-    let telemetry = examples().join("stsat3/paper/telemetry_noisy.csv");
-    let model = examples().join("stsat3/model.toml");
+    let telemetry = shipped().join("stsat3/paper/telemetry_noisy.csv");
+    let model = shipped().join("stsat3/model.toml");
     let done = poinsot(
         folder.path(),
         &[

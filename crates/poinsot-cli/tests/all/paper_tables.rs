@@ -28,7 +28,7 @@ fn page(paper: &str) -> PathBuf {
 }
 
 /// Nightly job: of the commands in the tables it has the tests of whole crates, and this file.
-const NIGHTLY: &str = include_str!("../../../../.github/workflows/nightly.yml");
+const NIGHTLY: &str = include_str!("../../../../scripts/test");
 
 /// Start of the last table of every page.
 const LAST_TABLE: &str = "Every equation, table, figure";
@@ -152,7 +152,7 @@ fn cli_every_command_of_the_papers_tables_exists() {
                     ["poinsot", ..] => {
                         let parsed = Arguments::command().try_get_matches_from(&words);
                         assert!(parsed.is_ok(), "{command}: {}", parsed.unwrap_err());
-                        for path in words.iter().filter(|w| w.starts_with("examples/")) {
+                        for path in words.iter().filter(|w| w.starts_with("data/")) {
                             assert!(repository().join(path).exists(), "{command}: {path}");
                         }
                     }
@@ -329,7 +329,7 @@ fn pages_are_what_studies_say(quick: bool) {
         if only.as_ref().is_some_and(|o| o != study.name) {
             continue;
         }
-        let findings = run(study, &repository().join("examples")).unwrap();
+        let findings = run(study, &repository().join("data")).unwrap();
         assert!(!findings.tables.is_empty(), "{paper} {}", study.name);
         let mut text = std::fs::read_to_string(page(paper)).unwrap();
         wrong.extend(compared(&mut text, study.name, &findings, bless));

@@ -13,8 +13,8 @@ fn poinsot(arguments: &[&str]) -> Output {
 }
 
 fn example(path: &str) -> String {
-    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
-    examples.join(path).display().to_string()
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data");
+    shipped.join(path).display().to_string()
 }
 
 #[test]

@@ -71,7 +71,7 @@ fn cli_study_says_what_there_is_instead() {
         error.contains("'table9'") && error.contains("axis, table2"),
         "{error}"
     );
-    let (code, _, error) = study(&["kim2010", "axis", "--examples", "docs"]);
+    let (code, _, error) = study(&["kim2010", "axis", "--data", "docs"]);
     assert_eq!(code, 2);
-    assert!(error.starts_with("E0001 --examples 'docs'"), "{error}");
+    assert!(error.starts_with("E0001 --data 'docs'"), "{error}");
 }

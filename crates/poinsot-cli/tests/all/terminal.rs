@@ -25,8 +25,8 @@ fn text(bytes: &[u8]) -> String {
 }
 
 fn example(path: &str) -> String {
-    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
-    examples.join(path).display().to_string()
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data");
+    shipped.join(path).display().to_string()
 }
 
 /// Every command that gives a result, with valid arguments.

@@ -7,7 +7,7 @@ use std::process::Output;
 
 fn example(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../../examples/stsat3")
+        .join("../../data/stsat3")
         .join(path)
 }
 

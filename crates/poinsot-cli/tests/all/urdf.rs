@@ -23,7 +23,7 @@ fn good(output: &Output) -> String {
 
 /// Simulated telemetry of STSAT-3, and the answer of `identify` in `out`.
 fn answer(folder: &Path, robot: &str) -> Value {
-    let cases = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/cases");
+    let cases = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/cases");
     let case = cases.join("stsat3_spin.toml").display().to_string();
     good(&poinsot(folder, &["simulate", &case, "--out", "sim"]));
     std::fs::write(folder.join("r.urdf"), robot).unwrap();

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::Output;
 
 fn example(path: &str) -> String {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data");
     root.join(path).display().to_string()
 }
 

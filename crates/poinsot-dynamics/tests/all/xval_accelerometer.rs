@@ -1,4 +1,4 @@
-//! Accelerometers on driven trees against MuJoCo's sensor (fixtures/trees/accelerometer.py).
+//! Accelerometers on driven trees against MuJoCo's sensor (validation/trees/accelerometer.py).
 
 use crate::setup;
 
@@ -17,7 +17,7 @@ struct Record {
 fn records() -> Vec<Record> {
     let path = concat!(
         env!("CARGO_MANIFEST_DIR"),
-        "/../../fixtures/trees/accelerometer.jsonl"
+        "/../../validation/trees/accelerometer.jsonl"
     );
     let text = std::fs::read_to_string(path).unwrap();
     let numbers = |v: &serde_json::Value| -> Vec<f64> {

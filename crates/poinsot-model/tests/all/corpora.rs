@@ -2,21 +2,11 @@
 //! scan.
 
 use poinsot_model::{UrdfDefect, parse_model, parse_urdf, read_urdf, write_model};
+use poinsot_testkit::outside::outside;
 use serde_json::Value;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-
-fn shared(path: &str) -> Option<PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../../../shared/corpora")
-        .join(path);
-    if path.exists() {
-        return Some(path);
-    }
-    eprintln!("skipped: no shared data");
-    None
-}
 
 fn all_files(folder: &Path) -> Vec<PathBuf> {
     let mut files = Vec::new();
@@ -60,10 +50,9 @@ const MORE: [(&str, UrdfDefect); 2] = [
 ];
 
 #[test]
+#[ignore = "needs POINSOT_DATA"]
 fn xval_real_robots_have_the_defects_of_the_scan() {
-    let Some(folder) = shared("urdf_files_dataset") else {
-        return;
-    };
+    let folder = outside("corpora/urdf_files_dataset");
     let text = std::fs::read_to_string(folder.join("defects_found.json")).unwrap();
     let scan: Value = serde_json::from_str(&text).unwrap();
     let base = folder.join("all");
@@ -129,10 +118,9 @@ fn xval_real_robots_have_the_defects_of_the_scan() {
 }
 
 #[test]
+#[ignore = "needs POINSOT_DATA"]
 fn cli_xml_that_breaks_parsers_is_refused_in_time() {
-    let Some(folder) = shared("xml_roxmltree") else {
-        return;
-    };
+    let folder = outside("corpora/xml_roxmltree");
     let mut files = 0;
     for path in all_files(&folder)
         .iter()

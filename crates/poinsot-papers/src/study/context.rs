@@ -1,4 +1,4 @@
-//! Input of a study: the examples, and the tools of the `poinsot` crate.
+//! Input of a study: the shipped data, and the tools of the `poinsot` crate.
 
 use poinsot_dynamics::Tree;
 use poinsot_identify::{Estimate, Noise, Segment};
@@ -102,27 +102,27 @@ pub trait Tools: Sync {
 /// Input of a study.
 #[derive(Clone, Copy)]
 pub struct Context<'a> {
-    /// The folder `examples` of the project.
-    pub examples: &'a Path,
+    /// The folder `data` of the project.
+    pub data: &'a Path,
     /// The tools.
     pub tools: &'a dyn Tools,
 }
 
 impl Context<'_> {
-    /// A case of `examples/cases`.
+    /// A case of `data/cases`.
     ///
     /// # Errors
     /// The file cannot be read or is not a case.
     pub fn case(&self, name: &str) -> Result<CaseText, StudyError> {
-        self.tools.case(&self.examples.join("cases").join(name))
+        self.tools.case(&self.data.join("cases").join(name))
     }
 
-    /// A model of the examples.
+    /// A model of the shipped data.
     ///
     /// # Errors
     /// The file cannot be read.
     pub fn model(&self, path: &str) -> Result<Model, StudyError> {
-        Ok(read_model(self.examples.join(path))?)
+        Ok(read_model(self.data.join(path))?)
     }
 }
 

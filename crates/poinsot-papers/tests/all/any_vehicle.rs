@@ -19,7 +19,7 @@ fn sweep(case: &str, methods: &[&str], settings: &[&str]) -> CampaignFile {
         trials: TRIALS,
         ..SweepRequest::default()
     });
-    let cases = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/cases");
+    let cases = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/cases");
     let plan = made_plan(file.unwrap(), &cases).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let request = CampaignRequest {

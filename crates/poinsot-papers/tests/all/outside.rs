@@ -1,4 +1,4 @@
-//! Studies of the papers against an independent implementation: `fixtures/papers`, NumPy only.
+//! Studies of the papers against an independent implementation: `validation/papers`, NumPy only.
 
 use crate::kim2010::{fly, identify};
 use crate::xu2017::{linear_null, truth};
@@ -14,7 +14,7 @@ fn repository() -> PathBuf {
 }
 
 fn outside(name: &str) -> Value {
-    let path = repository().join("fixtures/papers").join(name);
+    let path = repository().join("validation/papers").join(name);
     serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
 }
 
@@ -22,7 +22,7 @@ fn study(paper: &str, name: &str) -> Findings {
     let (_, study) = studies()
         .find(|s| s.0 == paper && s.1.name == name)
         .unwrap();
-    run(study, &repository().join("examples")).unwrap()
+    run(study, &repository().join("data")).unwrap()
 }
 
 /// The numbers of the row with this first cell.
@@ -135,9 +135,9 @@ fn xval_looseness_of_75_and_all_joints_at_once() {
             0.005,
         );
     }
-    let examples = repository().join("examples");
+    let shipped = repository().join("data");
     let context = Context {
-        examples: &examples,
+        data: &shipped,
         tools: &Verbs,
     };
     let cases = together::cases(&context).unwrap();

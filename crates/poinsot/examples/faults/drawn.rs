@@ -61,7 +61,7 @@ impl Craft {
     fn path(self) -> PathBuf {
         let root = Path::new(env!("CARGO_MANIFEST_DIR"));
         match self {
-            Self::Satellite => root.join("../../examples/cases/faults.toml"),
+            Self::Satellite => root.join("../../data/cases/faults.toml"),
             Self::Arm => root.join("examples/faults/cases/two_link_arm.toml"),
             Self::LowOrbit => root.join("examples/faults/cases/low_orbit.toml"),
         }

@@ -167,10 +167,10 @@ pub struct Row {
     pub firsts: BTreeMap<String, usize>,
 }
 
-/// The experiment: truth and sensors of `examples/cases/faults.toml`, nominal errors of a few percent. A vehicle that
+/// The experiment: truth and sensors of `data/cases/faults.toml`, nominal errors of a few percent. A vehicle that
 /// is not rigid has its own case, and is identified as `rigid_bus.toml`.
 pub fn experiment(planted: Planted) -> Result<Study, Error> {
-    let cases = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/cases");
+    let cases = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/cases");
     let name = match planted {
         Planted::Pendulum => "slosh.toml",
         Planted::Panel => "hinged_panel.toml",

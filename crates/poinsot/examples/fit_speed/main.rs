@@ -103,9 +103,9 @@ fn payload(telemetry: &Path) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The experiment of `examples/cases/faults.toml` with this number of gyro samples.
+/// The experiment of `data/cases/faults.toml` with this number of gyro samples.
 fn growth(samples: usize) -> Result<(), Box<dyn Error>> {
-    let path = repository().join("examples/cases/faults.toml");
+    let path = repository().join("data/cases/faults.toml");
     let mut case = read_case(&path)?;
     case.rate_hz = samples as f64 / case.duration_s;
     let truth = read_model(&case.model)?;

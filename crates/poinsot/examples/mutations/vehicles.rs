@@ -24,7 +24,7 @@ impl Vehicle {
 
 /// Name and case of each.
 const CASES: [(&str, &str); 8] = [
-    ("satellite", "examples/cases/faults.toml"),
+    ("satellite", "data/cases/faults.toml"),
     (
         "two-link arm",
         "crates/poinsot/examples/faults/cases/two_link_arm.toml",
@@ -33,11 +33,11 @@ const CASES: [(&str, &str); 8] = [
         "low orbit",
         "crates/poinsot/examples/faults/cases/low_orbit.toml",
     ),
-    ("STSAT-3", "examples/cases/stsat3_three_slews.toml"),
-    ("pyramid", "examples/cases/pyramid.toml"),
-    ("tug", "examples/cases/tug_thrusters.toml"),
-    ("cubesat", "examples/cases/cubesat.toml"),
-    ("grasped target", "examples/cases/xu2017_table13.toml"),
+    ("STSAT-3", "data/cases/stsat3_three_slews.toml"),
+    ("pyramid", "data/cases/pyramid.toml"),
+    ("tug", "data/cases/tug_thrusters.toml"),
+    ("cubesat", "data/cases/cubesat.toml"),
+    ("grasped target", "data/cases/xu2017_table13.toml"),
 ];
 
 /// Highest sample rate of a record, Hz: the satellites are simulated at up to 50.

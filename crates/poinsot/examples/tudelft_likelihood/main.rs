@@ -5,7 +5,7 @@
 //! `--segments` also fits all throws of a body as one problem, which takes minutes. `--ideal-box` assumes ideal gyro,
 //! tachometer, wheel and accelerometer of the box. `--choose` prints the likelihood of other declarations of the
 //! disturbances, separately for calibration throws and objects; the known inertia of the objects is not used. See
-//! `examples/tudelft_throw/README.md`.
+//! `data/tudelft_throw/README.md`.
 #![allow(non_snake_case)]
 
 mod chain;

@@ -2,7 +2,7 @@
 //!
 //!     cargo run --release -p poinsot --example tudelft_throw -- ../shared/data/real/tudelft_throw
 //!
-//! Options: `--cut-off-hz 40`, `--window-s 0.05`, `--start-s 0.074`. See `examples/tudelft_throw/README.md`.
+//! Options: `--cut-off-hz 40`, `--window-s 0.05`, `--start-s 0.074`. See `data/tudelft_throw/README.md`.
 #![allow(non_snake_case)]
 
 mod throws;

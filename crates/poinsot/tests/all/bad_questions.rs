@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 fn example(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../../examples")
+        .join("../../data")
         .join(path)
 }
 

@@ -1,16 +1,16 @@
 //! The snippets of the book, compiled and run as tests.
 
-use crate::shared::examples;
+use crate::shared::shipped;
 
 #[test]
 fn exact_book_state() {
-    let examples = examples();
+    let shipped = shipped();
     // ANCHOR: state
     use poinsot_dynamics::{Kinematics, Tree, composite, momentum, twist_from_momentum};
     use poinsot_model::read_model;
     use poinsot_spatial::Vector3;
 
-    let model = read_model(examples.join("ma2008/model.toml")).unwrap();
+    let model = read_model(shipped.join("ma2008/model.toml")).unwrap();
     let tree = Tree::new(&model);
     let bodies: Vec<_> = model
         .bodies
@@ -52,13 +52,13 @@ fn exact_book_state() {
 
 #[test]
 fn exact_book_regressor() {
-    let examples = examples();
+    let shipped = shipped();
     // ANCHOR: regressor
     use poinsot_dynamics::{Kinematics, Tree, momentum, momentum_regressor};
     use poinsot_model::read_model;
     use poinsot_spatial::{Vector3, Vector6};
 
-    let model = read_model(examples.join("xu2017/model.toml")).unwrap();
+    let model = read_model(shipped.join("xu2017/model.toml")).unwrap();
     let tree = Tree::new(&model);
     let bodies: Vec<_> = model
         .bodies
@@ -92,14 +92,14 @@ fn exact_book_regressor() {
 
 #[test]
 fn stat_book_identify() {
-    let examples = examples();
+    let shipped = shipped();
     // ANCHOR: identify
     use poinsot::{IdentifyRequest, identify};
     use poinsot_identify::Status;
 
     let identified = identify(&IdentifyRequest::new(
-        examples.join("stsat3/model.toml"),
-        [examples.join("stsat3/multiaxis/telemetry_noisy.csv")],
+        shipped.join("stsat3/model.toml"),
+        [shipped.join("stsat3/multiaxis/telemetry_noisy.csv")],
     ))
     .unwrap();
 
@@ -113,12 +113,12 @@ fn stat_book_identify() {
 
 #[test]
 fn stat_book_information() {
-    let examples = examples();
+    let shipped = shipped();
     // ANCHOR: information
     use poinsot::predict::predict;
 
     let rank = |case: &str| {
-        let prediction = predict(&examples.join("cases").join(case), 1.0).unwrap();
+        let prediction = predict(&shipped.join("cases").join(case), 1.0).unwrap();
         prediction.bound.identifiability.rank
     };
     // One slew about one axis determines three of the six inertia numbers, three slews determine all.

@@ -11,7 +11,7 @@ use poinsot_formats::{CampaignFile, PlanFile};
 use std::path::{Path, PathBuf};
 
 fn cases() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/cases")
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/cases")
 }
 
 /// A rigid satellite with thrusters at a low rate: a trial takes a few milliseconds.

@@ -29,7 +29,7 @@ fn record(folder: &Path, name: &str, file: &Path) -> bool {
     if !out.exists() {
         return false;
     }
-    let plan = read_plan(&repository("examples/campaigns").join(format!("{name}.toml"))).unwrap();
+    let plan = read_plan(&repository("data/campaigns").join(format!("{name}.toml"))).unwrap();
     let result = std::fs::read_to_string(out.join("campaign.json")).unwrap();
     let result: CampaignFile = serde_json::from_str(&result).unwrap();
     let folded = fold_shards(&plan, &out, result.trials).unwrap();
@@ -49,12 +49,12 @@ fn record(folder: &Path, name: &str, file: &Path) -> bool {
 fn regress_the_page_of_the_campaign_shows_the_recorded_sums() {
     let made = std::env::var_os("POINSOT_CAMPAIGNS").map(PathBuf::from);
     let page = std::fs::read_to_string(repository("docs/validation/campaign.md")).unwrap();
-    let file = |name: &str| repository("fixtures/campaign").join(format!("{name}.json"));
+    let file = |name: &str| repository("validation/campaign").join(format!("{name}.json"));
     if let Some(made) = &made {
         let recorded = PUBLISHED.map(|name| record(made, name, &file(name)));
         assert!(recorded.contains(&true), "{}", made.display());
     }
-    let files = std::fs::read_dir(repository("fixtures/campaign")).unwrap();
+    let files = std::fs::read_dir(repository("validation/campaign")).unwrap();
     assert_eq!(files.count(), PUBLISHED.len());
     for name in PUBLISHED {
         let file = file(name);

@@ -6,12 +6,12 @@ use poinsot_model::{Model, read_model};
 use poinsot_telemetry::{Channel, Table, read};
 use std::path::{Path, PathBuf};
 
-/// True tensor of the record, xx xy yy xz yz zz (`examples/stsat3/multiaxis/truth.json`).
+/// True tensor of the record, xx xy yy xz yz zz (`data/stsat3/multiaxis/truth.json`).
 const TRUTH: [f64; 6] = [13.916, 0.085, 16.954, 0.133, 0.5896, 19.894];
 
 fn example(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../../examples/stsat3")
+        .join("../../data/stsat3")
         .join(path)
 }
 

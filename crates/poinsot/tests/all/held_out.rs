@@ -1,12 +1,12 @@
 //! The last part of every record against the prediction of a fit without it.
 
-use crate::shared::{examples, stsat3};
+use crate::shared::{shipped, stsat3};
 use poinsot::{Identified, IdentifyRequest, identify};
 use poinsot_identify::HeldOut;
 use std::path::Path;
 
 fn identified(telemetry: &Path, time_s: Option<[f64; 2]>) -> Identified {
-    let mut request = IdentifyRequest::new(examples().join("stsat3/model.toml"), [telemetry]);
+    let mut request = IdentifyRequest::new(shipped().join("stsat3/model.toml"), [telemetry]);
     request.reading.time_s = time_s;
     identify(&request).unwrap()
 }

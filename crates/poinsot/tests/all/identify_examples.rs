@@ -1,13 +1,13 @@
 //! The shipped telemetry, made by MuJoCo and Basilisk, against its true values.
 
-use crate::shared::{examples, identified};
+use crate::shared::{identified, shipped};
 use poinsot_identify::{Estimate, Source, Status};
 use serde_json::Value;
 use std::collections::BTreeMap;
 
 /// The ten barycentric parameters of every body of a truth file, by their names in the result.
 fn truth(path: &str) -> BTreeMap<String, f64> {
-    let text = std::fs::read_to_string(examples().join(path)).unwrap();
+    let text = std::fs::read_to_string(shipped().join(path)).unwrap();
     let file: Value = serde_json::from_str(&text).unwrap();
     let mut all = BTreeMap::new();
     for (name, body) in file["bodies"].as_object().unwrap() {

@@ -1,6 +1,6 @@
 //! Delayed joint and wheel samples with realistic noise: lag and bodies are recovered.
 
-use crate::shared::examples;
+use crate::shared::shipped;
 use poinsot::case::parse_case;
 use poinsot::simulate::simulate_case;
 use poinsot::{Identified, Question, identify_tables};
@@ -10,7 +10,7 @@ use poinsot_telemetry::{ReadOptions, Table, read};
 use serde_json::Value;
 
 fn model(path: &str, late: SensorKind) -> Model {
-    let mut model = read_model(examples().join(path)).unwrap();
+    let mut model = read_model(shipped().join(path)).unwrap();
     let sensors = model.sensors.iter_mut();
     for sensor in sensors.filter(|s| s.kind == late) {
         sensor.lag = Nuisance::Estimate;
@@ -51,7 +51,7 @@ fn is_right(answer: &Identified, lag: &str, lag_s: f64, truth: &str, body: &str)
         found.number.value
     );
     assert!(off.abs() < 4.0, "{lag}: {off} sigma off");
-    let text = std::fs::read_to_string(examples().join(truth)).unwrap();
+    let text = std::fs::read_to_string(shipped().join(truth)).unwrap();
     let file: Value = serde_json::from_str(&text).unwrap();
     let I = &file["bodies"][body]["inertia_kg_m2"]["value"];
     let own = e.bodies.iter().find(|b| b.name == body).unwrap();
@@ -72,7 +72,7 @@ fn is_right(answer: &Identified, lag: &str, lag_s: f64, truth: &str, body: &str)
 /// warning.
 #[test]
 fn stat_noisy_joints_that_read_late_show_their_lag() {
-    let path = examples().join("cases/ma2008_traj1.toml");
+    let path = shipped().join("cases/ma2008_traj1.toml");
     let text = std::fs::read_to_string(&path).unwrap();
     let text = text.replace("rate_hz = 20\n", "rate_hz = 200\n");
     let case = parse_case(&path, text).unwrap();
@@ -89,7 +89,7 @@ fn stat_noisy_joints_that_read_late_show_their_lag() {
 /// 15 sigma.
 #[test]
 fn stat_wheels_that_read_late_show_their_lag() {
-    let folder = examples().join("stsat3/multiaxis");
+    let folder = shipped().join("stsat3/multiaxis");
     let files = [folder.join("telemetry_noisy.csv")];
     let whole = read(&files, &ReadOptions::default()).unwrap();
     let model = model("stsat3/model.toml", SensorKind::WheelSpeed);
@@ -121,10 +121,10 @@ fn first_suspect(model: &Model, table: Table) -> (String, f64) {
 /// Undeclared, a joint lag of 100 ms was called an attitude lead of 93 ms, and a joint offset flexibility.
 #[test]
 fn stat_late_joints_and_a_joint_off_its_reading_are_named() {
-    let path = examples().join("cases/ma2008_traj1.toml");
+    let path = shipped().join("cases/ma2008_traj1.toml");
     let case = parse_case(&path, std::fs::read_to_string(&path).unwrap()).unwrap();
     let whole = simulate_case(&case, &read_model(&case.model).unwrap()).unwrap();
-    let model = read_model(examples().join("ma2008/model_noisy.toml")).unwrap();
+    let model = read_model(shipped().join("ma2008/model_noisy.toml")).unwrap();
     let (name, lag_s) = first_suspect(&model, late(&whole.table, "joint", 2, 1));
     assert_eq!(name, "a lag of the joints");
     assert!((lag_s - 0.1).abs() < 1.0e-3, "{lag_s}");
@@ -139,7 +139,7 @@ fn stat_late_joints_and_a_joint_off_its_reading_are_named() {
 /// Undeclared, it was called an attitude lead of 91 ms.
 #[test]
 fn stat_thrust_that_is_read_late_is_named() {
-    let path = examples().join("cases/tug_thrusters.toml");
+    let path = shipped().join("cases/tug_thrusters.toml");
     let case = parse_case(&path, std::fs::read_to_string(&path).unwrap()).unwrap();
     let model = read_model(&case.model).unwrap();
     let whole = simulate_case(&case, &model).unwrap();

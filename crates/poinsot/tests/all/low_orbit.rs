@@ -70,7 +70,7 @@ fn on_orbit(table: &mut Table) {
 
 fn flown() -> (Model, Table) {
     let path: PathBuf =
-        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/cases/tug_thrusters.toml");
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/cases/tug_thrusters.toml");
     let text = std::fs::read_to_string(&path).unwrap();
     let text = text.replace("duration_s = 120.0", "duration_s = 600.0");
     let case = parse_case(&path, text.replace("rate_hz = 10", "rate_hz = 4")).unwrap();

@@ -133,7 +133,7 @@ fn case() -> Case {
 }
 
 fn written_case(text: &str) -> Case {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/cases");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/cases");
     parse_case(&folder.join("arm.toml"), text.to_owned()).unwrap()
 }
 
@@ -484,7 +484,7 @@ fn regress_columns_of_directions_can_be_mapped() {
 /// from convergence.
 #[test]
 fn regress_directions_and_uncertain_known_numbers_converge() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/cases");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/cases");
     let case = poinsot::case::read_case(&folder.join("cubesat.toml")).unwrap();
     let truth = poinsot_model::read_model(&case.model).unwrap();
     let nominal = poinsot_model::read_model(folder.join("cubesat_model.toml")).unwrap();
@@ -504,7 +504,7 @@ fn regress_directions_and_uncertain_known_numbers_converge() {
 /// in the record, and from the identity the fit ended far off.
 #[test]
 fn stat_one_direction_and_a_biased_gyro_are_enough() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/cases");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/cases");
     let case = poinsot::case::read_case(&folder.join("cubesat.toml")).unwrap();
     let truth = poinsot_model::read_model(&case.model).unwrap();
     let mut nominal = poinsot_model::read_model(folder.join("cubesat_model.toml")).unwrap();

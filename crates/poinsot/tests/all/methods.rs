@@ -16,13 +16,12 @@ const EVERY: usize = 8;
 
 #[test]
 fn prop_every_published_variant_answers_or_is_refused_with_a_code() {
-    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data");
     let mut answered = Vec::new();
     for method in methods().iter().filter(|m| m.paper.is_some()) {
         for variant in &method.variants {
             for (model, record) in VEHICLES {
-                let mut request =
-                    IdentifyRequest::new(examples.join(model), [examples.join(record)]);
+                let mut request = IdentifyRequest::new(shipped.join(model), [shipped.join(record)]);
                 request.reading.every = EVERY;
                 request.question.method = method.name.to_owned();
                 request.question.variant = Some(variant.name.to_owned());

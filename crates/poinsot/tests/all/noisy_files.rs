@@ -1,6 +1,6 @@
 //! The shipped noisy records, with noisy joints and wheels, against the true values and the bounds.
 
-use crate::shared::examples;
+use crate::shared::shipped;
 use poinsot::{Identified, IdentifyRequest, identify};
 use poinsot_identify::{BodyEstimate, Source};
 use poinsot_spatial::MassProperties;
@@ -8,13 +8,13 @@ use serde_json::Value;
 use std::path::Path;
 
 fn run(model: &Path, telemetry: &[String]) -> Identified {
-    let telemetry = telemetry.iter().map(|t| examples().join(t));
+    let telemetry = telemetry.iter().map(|t| shipped().join(t));
     identify(&IdentifyRequest::new(model, telemetry)).unwrap()
 }
 
 /// True mass properties of a body: mass, mass centre, tensor xx xy yy xz yz zz.
 fn truth(path: &str, body: &str) -> MassProperties {
-    let text = std::fs::read_to_string(examples().join(path)).unwrap();
+    let text = std::fs::read_to_string(shipped().join(path)).unwrap();
     let file: Value = serde_json::from_str(&text).unwrap();
     let b = &file["bodies"][body];
     let c: Vec<f64> = serde_json::from_value(b["com_m"]["value"].clone()).unwrap();
@@ -61,7 +61,7 @@ fn worst(body: &BodyEstimate, truth: &MassProperties) -> (f64, usize) {
 #[track_caller]
 fn assert_ma2008(run_name: &str, file: &str, bounds: [f64; 3]) {
     let answer = run(
-        &examples().join("ma2008/model_noisy.toml"),
+        &shipped().join("ma2008/model_noisy.toml"),
         &[format!("ma2008/{run_name}/{file}")],
     );
     let base = &answer.estimate.bodies[0];
@@ -116,7 +116,7 @@ fn stat_ma2008_trajectory_1_with_a_moving_wrist_and_raw_joints() {
 #[test]
 fn stat_stsat3_with_bias_momentum_is_poor_and_says_so() {
     let answer = run(
-        &examples().join("stsat3/model.toml"),
+        &shipped().join("stsat3/model.toml"),
         &["stsat3/bias/telemetry_noisy.parquet".to_owned()],
     );
     let body = &answer.estimate.bodies[0];
@@ -136,7 +136,7 @@ fn xu2017() -> Vec<String> {
 
 #[test]
 fn stat_xu2017_noisy_together_shows_52_combinations_within_four_sigma() {
-    let answer = run(&examples().join("xu2017/model_noisy.toml"), &xu2017());
+    let answer = run(&shipped().join("xu2017/model_noisy.toml"), &xu2017());
     let found = &answer.estimate.identifiability;
     assert_eq!((found.parameters, found.rank), (70, 52));
     let pi: Vec<(String, MassProperties)> = answer
@@ -175,7 +175,7 @@ fn stat_xu2017_noisy_together_shows_52_combinations_within_four_sigma() {
 
 #[test]
 fn stat_xu2017_noisy_with_a_prior_gives_all_seventy_and_their_source() {
-    let text = std::fs::read_to_string(examples().join("xu2017/model_noisy.toml")).unwrap();
+    let text = std::fs::read_to_string(shipped().join("xu2017/model_noisy.toml")).unwrap();
     // Nominal numbers have errors of 2 to 6 % and up to 5 mm: the prior is about that.
     let (mut with, mut mass, mut inertia) = (String::new(), 0.0, 0.0_f64);
     let numbers = |line: &str| -> Vec<f64> {

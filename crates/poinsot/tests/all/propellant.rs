@@ -14,7 +14,7 @@ const WEAK: f64 = 12.0;
 
 fn satellite() -> (Case, Model) {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let mut case = read_case(&root.join("examples/cases/faults.toml")).unwrap();
+    let mut case = read_case(&root.join("data/cases/faults.toml")).unwrap();
     case.rate_hz = 10.0;
     let model = read_model(&case.model).unwrap();
     (case, model)

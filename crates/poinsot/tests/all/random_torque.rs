@@ -7,7 +7,7 @@ use poinsot_telemetry::{Table, read};
 use std::path::Path;
 
 fn record() -> (Model, Table) {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/stsat3");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/stsat3");
     let model = read_model(folder.join("model.toml")).unwrap();
     let options = read_options(&model, &model.telemetry, false, false);
     let table = read(&[folder.join("multiaxis/telemetry_noisy.csv")], &options).unwrap();

@@ -4,20 +4,20 @@ use poinsot::{Identified, IdentifyRequest, identify};
 use poinsot_identify::{Estimate, FitOptions, Problem, maximum_likelihood_with};
 use std::path::{Path, PathBuf};
 
-/// The folder of the shipped examples.
-pub fn examples() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples")
+/// The folder of the shipped data.
+pub fn shipped() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data")
 }
 
 /// The files of one satellite.
 pub fn stsat3() -> PathBuf {
-    examples().join("stsat3")
+    shipped().join("stsat3")
 }
 
 /// The answer to shipped telemetry.
 pub fn identified(model: &str, telemetry: &[&str], method: &str) -> Identified {
-    let files = telemetry.iter().map(|t| examples().join(t));
-    identify(&IdentifyRequest::new(examples().join(model), files).by(method)).unwrap()
+    let files = telemetry.iter().map(|t| shipped().join(t));
+    identify(&IdentifyRequest::new(shipped().join(model), files).by(method)).unwrap()
 }
 
 /// The estimate without a search for causes of a misfit, which takes longer than the fit.

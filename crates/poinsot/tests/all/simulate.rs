@@ -1,6 +1,6 @@
 //! From case files to telemetry.
 
-use crate::shared::examples;
+use crate::shared::shipped;
 use poinsot::case::{Case, parse_case, read_case};
 use poinsot::simulate::{simulate, simulate_case, simulate_trial};
 use poinsot_model::{JointKind, Model, SensorKind, read_model};
@@ -13,7 +13,7 @@ use poinsot_testkit::{Matrix3, Vector3};
 use std::path::Path;
 
 fn load(name: &str) -> (Case, Model) {
-    let case = read_case(&examples().join("cases").join(name)).unwrap();
+    let case = read_case(&shipped().join("cases").join(name)).unwrap();
     let model = read_model(&case.model).unwrap();
     (case, model)
 }
@@ -76,7 +76,7 @@ fn xval_mujoco_example_cases() {
         accelerometer.p_BoS_B = point.into();
         model.sensors = vec![accelerometer];
         let ours = simulate_case(&without_sensors(case), &model).unwrap().table;
-        let theirs = read_back(&examples().join(run).join("telemetry.parquet"));
+        let theirs = read_back(&shipped().join(run).join("telemetry.parquet"));
         let found = compare(&ours, &theirs);
         println!("{name}: attitude {:e} rad, others {:e}", found[0], found[1]);
         assert!(found[0] < 1e-11, "{found:?}");
@@ -87,7 +87,7 @@ fn xval_mujoco_example_cases() {
 #[test]
 fn xval_basilisk_control_in_a_case() {
     for run in ["paper", "bias", "multiaxis"] {
-        let folder = examples().join("stsat3").join(run);
+        let folder = shipped().join("stsat3").join(run);
         let text = std::fs::read_to_string(folder.join("truth.json")).unwrap();
         let source = serde_json::from_str::<serde_json::Value>(&text).unwrap()["source"].clone();
         let theirs = read_back(&folder.join("telemetry.parquet"));
@@ -114,7 +114,7 @@ fn xval_basilisk_control_in_a_case() {
             );
         }
         body += "[output]\nrate_hz = 10\n";
-        let case = parse_case(&examples().join("cases/x.toml"), body).unwrap();
+        let case = parse_case(&shipped().join("cases/x.toml"), body).unwrap();
         let model = exact(read_model(&case.model).unwrap());
         let ours = simulate_case(&case, &model).unwrap();
         let names = [
@@ -186,7 +186,7 @@ fn unit_faults_of_a_controller_are_named() {
         ),
     ] {
         let case = parse_case(
-            &examples().join("cases/x.toml"),
+            &shipped().join("cases/x.toml"),
             format!("{head}{body}{tail}"),
         );
         let case = case.unwrap();
@@ -200,7 +200,7 @@ fn unit_faults_of_a_controller_are_named() {
     }
     // Two wheels cannot control three axes.
     let case = parse_case(
-        &examples().join("cases/x.toml"),
+        &shipped().join("cases/x.toml"),
         format!("{head}{good}{tail}"),
     )
     .unwrap();
@@ -302,7 +302,7 @@ fn conservation(model: &Model, table: &Table) -> [f64; 3] {
 
 /// An example case at another rate, for a model without sensors.
 fn altered(name: &str, from: &str, to: &str) -> Case {
-    let path = examples().join("cases").join(name);
+    let path = shipped().join("cases").join(name);
     let text = std::fs::read_to_string(&path).unwrap();
     assert!(text.contains(from));
     let text = text
@@ -349,7 +349,7 @@ fn exact_files_hold_what_memory_holds_and_repeat_bit_for_bit() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("deep/er");
     for name in ["ma2008_traj1.toml", "stsat3_spin.toml", "xu2017_c1.toml"] {
-        let path = examples().join("cases").join(name);
+        let path = shipped().join("cases").join(name);
         let written = simulate(&path, &out).unwrap();
         let (case, model) = load(name);
         let memory = simulate_case(&case, &model).unwrap();
@@ -476,7 +476,7 @@ fn exact_harmonics_of_a_case_reach_the_channels() {
         "[[joint_motion]]\njoint = \"joint2\"\ninterpolation = \"fourier\"\n\
          base_frequency_hz = 0.25\noffset_rad = 0.3\nsine_rad = [0.1, -0.2]\ncosine_rad = [0.0, 0.05]\n"
     );
-    let case = parse_case(&examples().join("cases/test.toml"), text).unwrap();
+    let case = parse_case(&shipped().join("cases/test.toml"), text).unwrap();
     let model = exact(read_model(&case.model).unwrap());
     let table = simulate_case(&case, &model).unwrap().table;
     let names = ["joint2_rad", "joint2_rad_s", "joint2_rad_s2"];
@@ -499,9 +499,9 @@ const TAIL: &str = "\n[output]\nrate_hz = 10\n";
 
 /// Faults of a case: one line per fault.
 fn fault(head: &str, body: &str, tail: &str) -> String {
-    let path = examples().join("cases/test.toml");
+    let path = shipped().join("cases/test.toml");
     let parsed = parse_case(&path, format!("{head}{body}{tail}"));
-    let model = read_model(examples().join("cases/ma2008_truth.toml")).unwrap();
+    let model = read_model(shipped().join("cases/ma2008_truth.toml")).unwrap();
     match parsed.and_then(|case| case.bind(&model)) {
         Ok(_) => "accepted".into(),
         Err(e) => {
@@ -630,9 +630,9 @@ fn unit_faults_name_line_key_and_remedy() {
 
 #[test]
 fn unit_a_wheel_without_motion_is_refused() {
-    let path = examples().join("cases/test.toml");
+    let path = shipped().join("cases/test.toml");
     let case = parse_case(&path, format!("{HEAD}{TAIL}")).unwrap();
-    let model = read_model(examples().join("cases/stsat3_truth.toml")).unwrap();
+    let model = read_model(shipped().join("cases/stsat3_truth.toml")).unwrap();
     let text = case.bind(&model).unwrap_err().to_string();
     assert_eq!(text.lines().count(), 3);
     assert!(
@@ -654,20 +654,20 @@ fn unit_failure_leaves_nothing() {
     assert!(missing.to_string().contains("E0501"), "{missing}");
     // A file in place of the folder.
     std::fs::write(&out, "").unwrap();
-    let blocked = simulate(&examples().join("cases/stsat3_spin.toml"), &out).unwrap_err();
+    let blocked = simulate(&shipped().join("cases/stsat3_spin.toml"), &out).unwrap_err();
     assert_eq!(blocked.kind(), poinsot::ErrorKind::System, "{blocked}");
 }
 
 /// `sensors_only` omits what an experiment does not measure: the motion. Commands are known.
 #[test]
 fn regress_commands_are_written_beside_sensors() {
-    let text = std::fs::read_to_string(examples().join("cases/tug_thrusters.toml")).unwrap();
+    let text = std::fs::read_to_string(shipped().join("cases/tug_thrusters.toml")).unwrap();
     let text = text.replace("[output]\n", "[output]\nsensors_only = true\n");
-    let case = parse_case(&examples().join("cases/x.toml"), text).unwrap();
+    let case = parse_case(&shipped().join("cases/x.toml"), text).unwrap();
     let model = read_model(&case.model).unwrap();
     let table = simulate_case(&case, &model).unwrap().table;
     assert!(table.channel("thr12_N").is_some() && table.channel("acc_x").is_none());
-    let whole = poinsot::predict::predict(&examples().join("cases/tug_thrusters.toml"), 1.0);
+    let whole = poinsot::predict::predict(&shipped().join("cases/tug_thrusters.toml"), 1.0);
     let only = poinsot::predict::predict_case(&case, model, 1.0).unwrap();
     let whole = whole.unwrap();
     assert_eq!(only.bound.identifiability.rank, 10);
@@ -743,7 +743,7 @@ fn exact_wheel_profiles_from_a_file() {
         "time_s,wheel1_rad_s,spin_Nm\n0,10,0.002\n4,40,-0.001\n9,-20,0.0\n",
     )
     .unwrap();
-    let model = examples()
+    let model = shipped()
         .join("cases/stsat3_truth.toml")
         .canonicalize()
         .unwrap();

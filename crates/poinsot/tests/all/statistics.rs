@@ -1,6 +1,6 @@
 //! Calibration of the stated uncertainty: small campaigns against 99.9 % bands.
 //!
-//! The full campaign is `poinsot campaign examples/campaigns/NAME.toml --out DIR`.
+//! The full campaign is `poinsot campaign data/campaigns/NAME.toml --out DIR`.
 
 use crate::setups;
 use crate::shared::undiagnosed;
@@ -63,13 +63,13 @@ fn stat_ma_trajectory_1_with_rounded_encoders_is_consistent_and_reaches_the_boun
 /// once.
 #[test]
 fn stat_a_joint_that_drifts_by_less_than_a_step_is_consistent() {
-    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
-    let path = examples.join("cases/ma2008_traj1.toml");
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data");
+    let path = shipped.join("cases/ma2008_traj1.toml");
     let text = std::fs::read_to_string(&path).unwrap();
     let end = "2.6179938779914944, 2.6179938779914944]";
     let rest = format!("position_rad = [0.0, 0.0, 0.0, 0.0, {end}");
     assert!(text.contains(&rest));
-    let nominal = read_model(examples.join("ma2008/model_noisy.toml")).unwrap();
+    let nominal = read_model(shipped.join("ma2008/model_noisy.toml")).unwrap();
     for drift in [1.2e-5, 3.0e-6] {
         let [a, b] = [5.0, 45.0].map(|t| drift * t / 75.0);
         let moved = format!("position_rad = [0.0, {a:e}, {b:e}, {drift:e}, {end}");
@@ -113,7 +113,7 @@ fn stat_tug_with_thrusters_is_consistent_and_reaches_the_bound() {
 }
 
 /// Correctly declared samples: nothing is inconsistent with the model. Rate of false alarms:
-/// `poinsot campaign examples/campaigns/trust.toml`.
+/// `poinsot campaign data/campaigns/trust.toml`.
 #[test]
 fn stat_no_honest_trial_is_doubted() {
     for (name, stride) in [
@@ -299,7 +299,7 @@ fn stat_a_failed_trial_is_kept_and_named() {
 
 fn example(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../../examples")
+        .join("../../data")
         .join(path)
 }
 

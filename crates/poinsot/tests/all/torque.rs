@@ -1,6 +1,6 @@
 //! Joints driven by torques and springs: from the case file to telemetry and identification.
 
-use crate::shared::examples;
+use crate::shared::shipped;
 use poinsot::case::{Case, parse_case, read_case};
 use poinsot::predict::predict_case;
 use poinsot::simulate::simulate_case;
@@ -12,7 +12,7 @@ use poinsot_testkit::{Matrix3, Vector3};
 use std::path::Path;
 
 fn load(name: &str) -> (Case, Model) {
-    let case = read_case(&examples().join("cases").join(name)).unwrap();
+    let case = read_case(&shipped().join("cases").join(name)).unwrap();
     let model = read_model(&case.model).unwrap();
     (case, model)
 }
@@ -265,7 +265,7 @@ fn free_frequency_hz(model: &Model, joint: &str) -> f64 {
 }
 
 fn identify(table: Table) -> Identified {
-    let model = read_model(examples().join("cases/rigid_bus.toml")).unwrap();
+    let model = read_model(shipped().join("cases/rigid_bus.toml")).unwrap();
     let request = Question::default();
     identify_tables(model, vec![table], &request).unwrap()
 }

@@ -1,6 +1,6 @@
 //! Two vehicles under equal torques, and vehicles against telemetry.
 
-use crate::shared::examples;
+use crate::shared::shipped;
 use poinsot::case::{Case, parse_case, read_case};
 use poinsot::simulate::simulate_trial;
 use poinsot::validate::*;
@@ -9,9 +9,9 @@ use poinsot_model::{Model, read_model};
 use std::path::Path;
 
 fn xu(runs: std::ops::RangeInclusive<usize>) -> Identified {
-    let run = |k| vec![examples().join(format!("xu2017/C{k}/telemetry.parquet"))];
+    let run = |k| vec![shipped().join(format!("xu2017/C{k}/telemetry.parquet"))];
     identify(&IdentifyRequest {
-        model: examples().join("xu2017/model.toml"),
+        model: shipped().join("xu2017/model.toml"),
         segments: runs.map(run).collect(),
         question: Question::by("linear"),
         ..IdentifyRequest::default()
@@ -21,13 +21,13 @@ fn xu(runs: std::ops::RangeInclusive<usize>) -> Identified {
 
 fn table13(estimate: &Path) -> ValidateRequest {
     ValidateRequest {
-        model: Some(examples().join("xu2017/model.toml")),
+        model: Some(shipped().join("xu2017/model.toml")),
         estimate: Some(estimate.to_owned()),
-        against: examples()
+        against: shipped()
             .join("cases/xu2017_truth.toml")
             .display()
             .to_string(),
-        case: Some(examples().join("cases/xu2017_table13.toml")),
+        case: Some(shipped().join("cases/xu2017_table13.toml")),
         within_m: Some(1e-9),
         within_rad: Some(1e-9),
         ..ValidateRequest::default()
@@ -35,7 +35,7 @@ fn table13(estimate: &Path) -> ValidateRequest {
 }
 
 fn load(name: &str) -> (Case, Model) {
-    let case = read_case(&examples().join("cases").join(name)).unwrap();
+    let case = read_case(&shipped().join("cases").join(name)).unwrap();
     let model = read_model(&case.model).unwrap();
     (case, model)
 }
@@ -107,14 +107,14 @@ fn exact_without_thrust_the_motion_under_torques_is_not_determined() {
 fn stat_held_back_telemetry_agrees_with_a_good_estimate_only() {
     let folder = tempfile::tempdir().unwrap();
     let request = IdentifyRequest::new(
-        examples().join("stsat3/model.toml"),
-        [examples().join("stsat3/multiaxis/telemetry_noisy.csv")],
+        shipped().join("stsat3/model.toml"),
+        [shipped().join("stsat3/multiaxis/telemetry_noisy.csv")],
     );
     write_estimate(folder.path(), &identify(&request).unwrap()).unwrap();
     let held_back = ValidateRequest {
-        model: Some(examples().join("stsat3/model.toml")),
+        model: Some(shipped().join("stsat3/model.toml")),
         estimate: Some(folder.path().to_owned()),
-        against: examples()
+        against: shipped()
             .join("stsat3/paper/telemetry_noisy.csv")
             .display()
             .to_string(),
@@ -179,7 +179,7 @@ fn stat_a_case_against_its_telemetry() {
             );
             assert!(sigmas.largest < 5.5);
         }
-        let rigid = read_model(examples().join("cases/rigid_bus.toml")).unwrap();
+        let rigid = read_model(shipped().join("cases/rigid_bus.toml")).unwrap();
         let found = compare_with_telemetry(&case, &Mover::of_model(rigid), &table).unwrap();
         assert!(found.iter().all(|c| c.sigmas.unwrap().rms > 10.0));
     }
@@ -259,8 +259,8 @@ fn unit_refusals() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
     let write = |name: &str, text: &str| std::fs::write(at(name), text).unwrap();
-    let case = examples().join("cases/xu2017_table13.toml");
-    let own = examples()
+    let case = shipped().join("cases/xu2017_table13.toml");
+    let own = shipped()
         .join("cases/xu2017_truth.toml")
         .display()
         .to_string();
@@ -275,7 +275,7 @@ fn unit_refusals() {
         let text = error
             .to_string()
             .replace(&format!("{}/", folder.path().display()), "");
-        text.replace(&format!("{}/", examples().display()), "")
+        text.replace(&format!("{}/", shipped().display()), "")
     };
     let with = |estimate: &str| ValidateRequest {
         estimate: Some(at(estimate)),
@@ -298,7 +298,7 @@ fn unit_refusals() {
     write_estimate(folder.path(), &identified).unwrap();
     let slosh = ValidateRequest {
         estimate: Some(folder.path().to_owned()),
-        case: Some(examples().join("cases/slosh.toml")),
+        case: Some(shipped().join("cases/slosh.toml")),
         ..base.clone()
     };
     assert_eq!(
@@ -341,8 +341,8 @@ fn unit_refusals() {
         }),
         "E0001 --within-m 'NaN': the limit must be a number of at least zero"
     );
-    let control = examples().join("cases/stsat3_three_slews.toml");
-    let truth = examples()
+    let control = shipped().join("cases/stsat3_three_slews.toml");
+    let truth = shipped()
         .join("cases/stsat3_truth.toml")
         .display()
         .to_string();
@@ -374,7 +374,7 @@ fn exact_led_joints_agree_whatever_the_vehicle() {
     let text = "schema = \"poinsot.case/1\"\nmodel = \"xu2017_truth.toml\"\nduration_s = 2.0\n\
         [[joint_motion]]\njoint = \"joint2\"\ninterpolation = \"quintic_rest\"\ntime_s = [0.0, 2.0]\n\
         position_rad = [0.0, 1.0]\n[output]\nrate_hz = 20\n";
-    let case = parse_case(&examples().join("cases/x.toml"), text.to_owned()).unwrap();
+    let case = parse_case(&shipped().join("cases/x.toml"), text.to_owned()).unwrap();
     let truth = Mover::of_model(model);
     let mut other = truth.clone();
     other.bodies[3].mass *= 1.2;

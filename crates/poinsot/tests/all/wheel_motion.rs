@@ -19,7 +19,7 @@ const SPEEDS: [[f64; 9]; 3] = [
 ];
 
 fn model() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/cases/stsat3_truth.toml")
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/cases/stsat3_truth.toml")
 }
 
 /// STSAT-3 with wheel speeds that are smooth, or that have the same values at the samples and constant torque between them.

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
 fn example(path: &str) -> String {
-    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
-    examples.join(path).display().to_string()
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data");
+    shipped.join(path).display().to_string()
 }
 
 fn poinsot(arguments: &[&str]) -> Command {

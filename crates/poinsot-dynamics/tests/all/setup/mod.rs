@@ -134,7 +134,7 @@ pub struct Run {
 
 impl Run {
     pub fn load(run: &str) -> Self {
-        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data");
         let folder = root.join(run);
         let truth = std::fs::read_to_string(folder.join("truth.json")).unwrap();
         let truth: Value = serde_json::from_str(&truth).unwrap();

@@ -1,6 +1,6 @@
 //! Every key of the format, read and written.
 
-use super::{HEAD, accepted, body, examples, joint};
+use super::{HEAD, accepted, body, joint, shipped};
 use poinsot_model::{
     EstimateSet, JointKind, Model, MomentumKnowledge, Nuisance, RandomTorque, SpringDamper,
     parse_model, read_model, write_model,
@@ -182,7 +182,7 @@ fn exact_every_key_is_read() {
 #[test]
 fn exact_a_written_model_reads_back() {
     assert_reads_back(&accepted(&full()));
-    for path in examples() {
+    for path in shipped() {
         assert_reads_back(&read_model(path).unwrap());
     }
 }

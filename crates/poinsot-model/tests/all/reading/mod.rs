@@ -42,8 +42,8 @@ fn refused(text: &str) -> String {
     }
 }
 
-fn examples() -> Vec<PathBuf> {
-    let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../examples");
+fn shipped() -> Vec<PathBuf> {
+    let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../data");
     [
         "stsat3/model.toml",
         "ma2008/model.toml",

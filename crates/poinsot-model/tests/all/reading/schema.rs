@@ -1,22 +1,22 @@
 //! The shipped examples and their schema.
 
-use super::examples;
 use super::keys::full;
+use super::shipped;
 use poinsot_model::{EstimateSet, Nuisance, model_schema, read_model};
 
 #[test]
 fn exact_examples_load_without_notes() {
-    for path in examples() {
+    for path in shipped() {
         let model = read_model(&path).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(model.notes, Vec::<String>::new(), "{}", path.display());
     }
-    let xu = read_model(&examples()[3]).unwrap();
+    let xu = read_model(&shipped()[3]).unwrap();
     assert_eq!(
         (xu.bodies.len(), xu.joints.len(), xu.thrusters.len()),
         (7, 6, 12)
     );
     assert!(xu.bodies.iter().all(|b| b.estimate == EstimateSet::ALL));
-    let ma = read_model(&examples()[2]).unwrap();
+    let ma = read_model(&shipped()[2]).unwrap();
     assert_eq!(ma.sensors[0].bias, Nuisance::Estimate);
     assert_eq!(ma.bodies[4].nominal.mass, 0.0);
 }
@@ -26,7 +26,7 @@ fn exact_schema_has_every_key_of_the_examples() {
     let schema = model_schema();
     assert!(schema["properties"]["body"]["description"].is_string());
     assert!(!schema.to_string().contains("null"), "TOML has no null");
-    let mut texts: Vec<String> = examples()
+    let mut texts: Vec<String> = shipped()
         .iter()
         .map(|path| std::fs::read_to_string(path).unwrap())
         .collect();

@@ -120,7 +120,7 @@ fn predicted(context: &Context, findings: &mut Findings) -> Result<(), StudyErro
         let share = |n: &Number| n.sigma.map_or(f64::INFINITY, |s| s / n.nominal);
         Ok([&base.mass, &base.inertia[tensor_index("yy")]].map(|n| percent(share(n), 2)))
     };
-    let title = "Bounds of `predict examples/cases/ma2008_traj1.toml` at 2 Hz, %";
+    let title = "Bounds of `predict data/cases/ma2008_traj1.toml` at 2 Hz, %";
     let mut span = Table::new("predicted_span", title, "joint angles times | mass | I_yy");
     for factor in SPANS {
         span.row(format!("{factor}"), cells(&swung(&case, factor), &vehicle)?);

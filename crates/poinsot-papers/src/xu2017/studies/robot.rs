@@ -100,7 +100,7 @@ pub struct Robot<'a> {
 }
 
 impl<'a> Robot<'a> {
-    /// Loads the shipped examples.
+    /// Loads the shipped data.
     ///
     /// # Errors
     /// The models cannot be read.
@@ -122,7 +122,7 @@ impl<'a> Robot<'a> {
     /// # Errors
     /// A run cannot be read.
     pub fn runs(&self, model: &Model, names: &[&str]) -> Result<Vec<Table>, StudyError> {
-        let folder = self.context.examples.join("xu2017");
+        let folder = self.context.data.join("xu2017");
         let run = |name: &&str| {
             let path = folder.join(name).join("telemetry.parquet");
             self.context.tools.read(model, &path)

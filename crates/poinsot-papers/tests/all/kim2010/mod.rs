@@ -18,13 +18,13 @@ use std::path::{Path, PathBuf};
 /// xx, xy, yy, xz, yz, zz, as in an answer.
 const TRUE: [f64; 6] = [13.916, 0.085, 16.954, 0.133, 0.5896, 19.894];
 
-fn examples() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples")
+fn shipped() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data")
 }
 
 /// Gyro, attitude and wheel speeds, with the model's sensors or exact.
 pub(crate) fn fly(name: &str, noisy: bool) -> Table {
-    let path = examples().join("cases").join(name);
+    let path = shipped().join("cases").join(name);
     let mut text = std::fs::read_to_string(&path).unwrap();
     let mut model = read_model(read_case(&path).unwrap().model).unwrap();
     if !noisy {
@@ -41,7 +41,7 @@ pub(crate) fn fly(name: &str, noisy: bool) -> Table {
 }
 
 pub(crate) fn identify(table: Table, method: &str, variant: Option<&str>) -> Estimate {
-    let model = read_model(examples().join("stsat3/model.toml")).unwrap();
+    let model = read_model(shipped().join("stsat3/model.toml")).unwrap();
     let request = Question {
         variant: variant.map(str::to_owned),
         ..Question::by(method)

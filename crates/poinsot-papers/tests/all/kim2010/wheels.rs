@@ -1,6 +1,6 @@
 //! The method on user files: certificate first, and faulty wheels are named.
 
-use super::examples;
+use super::shipped;
 use poinsot::{Detail, Identified, IdentifyRequest, estimate_document, estimate_file};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -23,11 +23,11 @@ fn identify(model: &Path, telemetry: &Path, variant: &str) -> (u8, Value, String
 }
 
 fn stsat3() -> PathBuf {
-    examples().join("stsat3/model.toml")
+    shipped().join("stsat3/model.toml")
 }
 
 fn paper_noisy() -> PathBuf {
-    examples().join("stsat3/paper/telemetry_noisy.csv")
+    shipped().join("stsat3/paper/telemetry_noisy.csv")
 }
 
 fn number(json: &Value, name: &str) -> f64 {
@@ -124,7 +124,7 @@ fn unit_baselines_print_beside_a_certificate_of_three_of_six() {
 /// Basilisk's noise-free run: the diagonals are the row sums, the suggested products zero.
 #[test]
 fn xval_basilisk_paper_run_gives_the_row_sums() {
-    let data = examples().join("stsat3/paper/telemetry.parquet");
+    let data = shipped().join("stsat3/paper/telemetry.parquet");
     let (code, json, _) = identify(&stsat3(), &data, "suggested");
     assert_eq!(code, 1);
     for (name, wanted) in [
@@ -147,7 +147,7 @@ fn xval_basilisk_paper_run_gives_the_row_sums() {
 /// not, and their sigma and exit code show it.
 #[test]
 fn xval_basilisk_rich_run_of_every_variant() {
-    let data = examples().join("stsat3/multiaxis/telemetry.parquet");
+    let data = shipped().join("stsat3/multiaxis/telemetry.parquet");
     let wanted = [
         ("xx", 13.916),
         ("yy", 16.954),
@@ -262,8 +262,8 @@ fn unit_a_quaternion_in_the_wrong_order_is_named() {
 
 #[test]
 fn unit_what_the_method_cannot_do_is_refused() {
-    let model = examples().join("ma2008/model.toml");
-    let data = examples().join("ma2008/traj1/telemetry.parquet");
+    let model = shipped().join("ma2008/model.toml");
+    let data = shipped().join("ma2008/traj1/telemetry.parquet");
     let (code, _, error) = identify(&model, &data, "suggested");
     assert_eq!(code, 2);
     assert!(

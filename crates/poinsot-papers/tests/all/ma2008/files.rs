@@ -7,7 +7,7 @@ use poinsot_papers::Named;
 fn xval_mujoco_runs_give_the_truth() {
     let truth = table1().bodies[0].nominal;
     for run in ["traj1", "traj2", "traj2b", "traj1_wrist"] {
-        let folder = examples().join("ma2008");
+        let folder = shipped().join("ma2008");
         for variant in [Variant::UnknownMomentum, Variant::KnownMomentum] {
             let mut model = read_model(folder.join("model.toml")).unwrap();
             let options = read_options(&model, &model.telemetry, false, false);
@@ -49,7 +49,7 @@ fn xval_mujoco_runs_give_the_truth() {
 /// Momentum at the first sample of a recorded run, from its stated initial state and the true model.
 fn start_momentum(run: &str) -> Known {
     let text =
-        std::fs::read_to_string(examples().join("ma2008").join(run).join("truth.json")).unwrap();
+        std::fs::read_to_string(shipped().join("ma2008").join(run).join("truth.json")).unwrap();
     let truth: serde_json::Value = serde_json::from_str(&text).unwrap();
     let three = |key: &str| -> Vector3 {
         let v = &truth["source"]["initial"][key];
@@ -85,7 +85,7 @@ fn request(variant: Variant) -> Question {
 
 #[test]
 fn cli_method_and_variant_names() {
-    let folder = examples().join("ma2008");
+    let folder = shipped().join("ma2008");
     let request = |method: &str, variant: Option<&str>| {
         let telemetry = [folder.join("traj1/telemetry.parquet")];
         let mut request = IdentifyRequest::new(folder.join("model.toml"), telemetry).by(method);
@@ -135,7 +135,7 @@ fn prop_two_segments_share_the_base() {
 /// Every shipped case with ideal sensors: the identification gives the true values.
 #[test]
 fn exact_shipped_cases_give_the_truth() {
-    let folder = examples().join("ma2008");
+    let folder = shipped().join("ma2008");
     let mut count = 0;
     for entry in std::fs::read_dir(folder.join("cases")).unwrap() {
         let path = entry.unwrap().path();

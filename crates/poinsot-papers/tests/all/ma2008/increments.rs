@@ -97,7 +97,7 @@ fn as_increments(mut table: Table, mut error: impl FnMut() -> Vector3) -> Table 
 }
 
 fn flown_table() -> Table {
-    let case = read_case(&examples().join("ma2008/cases/traj1_spin5z.toml")).unwrap();
+    let case = read_case(&shipped().join("ma2008/cases/traj1_spin5z.toml")).unwrap();
     let mut truth = read_model(&case.model).unwrap();
     truth.sensors.clear();
     simulate_case(&case, &truth).unwrap().table
@@ -110,7 +110,7 @@ fn asked() -> Question {
 #[test]
 fn exact_velocity_increments_give_the_truth() {
     let model = with_increments(
-        read_model(examples().join("ma2008/model.toml")).unwrap(),
+        read_model(shipped().join("ma2008/model.toml")).unwrap(),
         1.0e-8,
     );
     let table = as_increments(flown_table(), Vector3::zeros);
@@ -152,7 +152,7 @@ fn exact_velocity_increments_give_the_truth() {
 #[test]
 fn stat_sigma_of_increments_is_calibrated() {
     let sigma = 1.0e-6;
-    let mut model = read_model(examples().join("ma2008/model.toml")).unwrap();
+    let mut model = read_model(shipped().join("ma2008/model.toml")).unwrap();
     for sensor in &mut model.sensors {
         sensor.noise_covariance = sensor.noise_covariance.map(|c| c * 1.0e-8);
         sensor.quantisation *= 1.0e-4;

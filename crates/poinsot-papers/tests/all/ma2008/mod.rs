@@ -29,14 +29,14 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use std::path::PathBuf;
 
-/// The folder of shipped examples.
-fn examples() -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../examples")
+/// The folder of shipped data.
+fn shipped() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../data")
 }
 
 /// The Table 1 system with its true numbers.
 fn table1() -> Model {
-    read_model(examples().join("cases/ma2008_truth.toml")).unwrap()
+    read_model(shipped().join("cases/ma2008_truth.toml")).unwrap()
 }
 
 /// The Table 1 system on one of the trajectories.

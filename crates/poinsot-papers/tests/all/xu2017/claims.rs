@@ -56,7 +56,7 @@ fn paper_masses_of_the_swarm_follow_its_range() {
 /// rad). Measured: 2.4e-15 m, 6e-13 rad.
 #[test]
 fn exact_the_52_are_enough_for_motion() {
-    let case = read_case(&examples().join("cases/xu2017_table13.toml")).unwrap();
+    let case = read_case(&shipped().join("cases/xu2017_table13.toml")).unwrap();
     let right = Mover::of_model(read_model(&case.model).unwrap());
     let full = robot().data(&ALL).unwrap();
     for order in [Order::Outward, Order::Inward] {

@@ -154,7 +154,7 @@ fn unit_thrust_through_the_mass_centre_shows_no_inertia() {
             thruster.direction_B = [Vector3::x(), Vector3::y(), Vector3::z()][k % 3];
         }
     }
-    let case = read_case(&examples().join("cases/xu2017_c1.toml")).unwrap();
+    let case = read_case(&shipped().join("cases/xu2017_c1.toml")).unwrap();
     let table = simulate_case(&case, &exact).unwrap().table;
     let found = ask(&single, vec![table], "linear");
     println!("{:?}", found.estimate.warnings);

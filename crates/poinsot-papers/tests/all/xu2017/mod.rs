@@ -27,15 +27,15 @@ use poinsot_telemetry::Table;
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
-fn examples() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples")
+fn shipped() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data")
 }
 
 /// Input of the studies.
 fn context() -> Context<'static> {
-    static EXAMPLES: LazyLock<PathBuf> = LazyLock::new(examples);
+    static SHIPPED: LazyLock<PathBuf> = LazyLock::new(shipped);
     Context {
-        examples: &EXAMPLES,
+        data: &SHIPPED,
         tools: &Verbs,
     }
 }
@@ -49,7 +49,7 @@ pub(crate) fn truth() -> Vec<InertialParameters> {
 }
 
 fn model(path: &str) -> Model {
-    read_model(examples().join(path)).unwrap()
+    read_model(shipped().join(path)).unwrap()
 }
 
 fn runs(model: &Model, names: &[&str]) -> Vec<Table> {
@@ -73,7 +73,7 @@ fn ask(model: &Model, tables: Vec<Table>, variant: &str) -> Identified {
 
 /// Our own run of C1, with angular acceleration and specific force as in the paper's simulation.
 fn own_single_body() -> (Model, Table) {
-    let case = read_case(&examples().join("cases/xu2017_c1.toml")).unwrap();
+    let case = read_case(&shipped().join("cases/xu2017_c1.toml")).unwrap();
     let mut exact = read_model(&case.model).unwrap();
     exact.sensors.clear();
     let table = simulate_case(&case, &exact).unwrap().table;

@@ -91,7 +91,7 @@ fn paper_all_joints_at_once_beside_one() {
 /// Noise as in the simulated data: all ten numbers are within four sigmas, and sigma is useful.
 #[test]
 fn stat_grasped_target_with_all_joints_moving() {
-    let case = read_case(&examples().join("cases/xu2017_target_all_joints.toml")).unwrap();
+    let case = read_case(&shipped().join("cases/xu2017_target_all_joints.toml")).unwrap();
     let vehicle = read_model(&case.model).unwrap();
     let t = vehicle.bodies[6].nominal;
     let table = simulate_case(&case, &vehicle).unwrap().table;

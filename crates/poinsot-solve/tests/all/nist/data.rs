@@ -17,7 +17,7 @@ pub struct Data {
 
 impl Data {
     pub fn read(name: &str) -> Data {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/nist");
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../validation/nist");
         let text = std::fs::read_to_string(folder.join(format!("{name}.txt"))).unwrap();
         let field = |key: &str| {
             let line = text.lines().find_map(|l| l.strip_prefix(key));

@@ -21,7 +21,7 @@ use truth::{Known, read_truth};
 pub type Fault = Box<dyn std::error::Error>;
 
 /// The model file of the box.
-pub const MODEL: &str = include_str!("../../../../../examples/tudelft_throw/model.toml");
+pub const MODEL: &str = include_str!("../../../../../data/tudelft_throw/model.toml");
 
 /// Settings of the evaluation; the example's README.md gives the reasons.
 #[derive(Debug, Clone, Copy)]

@@ -1,7 +1,7 @@
 //! Equal answers from other units, mountings, files and times, and from incomplete telemetry.
 
 use super::*;
-use crate::shared::examples;
+use crate::shared::shipped;
 use poinsot::{IdentifyRequest, identify};
 use poinsot_telemetry::{Channel, Source as File};
 use std::path::PathBuf;
@@ -252,7 +252,7 @@ fn exact_a_slow_star_tracker_gives_the_same_answer() {
 #[test]
 fn exact_two_files_of_one_segment_are_one_file() {
     let text =
-        std::fs::read_to_string(examples().join("stsat3/multiaxis/telemetry_noisy.csv")).unwrap();
+        std::fs::read_to_string(shipped().join("stsat3/multiaxis/telemetry_noisy.csv")).unwrap();
     let folder = tempfile::tempdir().unwrap();
     // Columns 0 to 7 are time, attitude and gyro; then the wheels.
     let part = |name: &str, keep: &dyn Fn(usize) -> bool| {
@@ -273,7 +273,7 @@ fn exact_two_files_of_one_segment_are_one_file() {
     let wheels = part("wheels.csv", &|k| k == 0 || k >= 8);
     let answer = |files: Vec<PathBuf>| {
         let request = IdentifyRequest {
-            model: examples().join("stsat3/model.toml"),
+            model: shipped().join("stsat3/model.toml"),
             segments: vec![files],
             ..IdentifyRequest::default()
         };

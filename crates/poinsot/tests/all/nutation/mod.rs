@@ -1,6 +1,6 @@
 //! Test problem: a rigid bus with stored momentum, with nutation faster than its rotation.
 //!
-//! Bus of 15, 18 and 20 kg m2 with three wheels (`examples/cases/rigid_bus.toml`), one of which stores the momentum h.
+//! Bus of 15, 18 and 20 kg m2 with three wheels (`data/cases/rigid_bus.toml`), one of which stores the momentum h.
 //! Records are made by `simulate`, whose integrator controls its error. Motor torques are constant between whole
 //! seconds and wheel speeds are exact, so only the propagation of the estimator can cause errors.
 #![allow(dead_code)]
@@ -10,7 +10,7 @@ use poinsot::trials::Study;
 use poinsot_model::{Model, SensorKind, parse_model};
 use std::path::Path;
 
-const BUS: &str = include_str!("../../../../../examples/cases/rigid_bus.toml");
+const BUS: &str = include_str!("../../../../../data/cases/rigid_bus.toml");
 
 /// One setting of the problem.
 #[derive(Debug, Clone, Copy, PartialEq)]
