@@ -2,8 +2,8 @@
 //! name.
 
 use crate::commands::GENERATED;
-use poinsot::verdict::VERDICTS;
 use poinsot_identify::FaultKind;
+use poinsot_report::VERDICTS;
 use std::fmt::Write;
 
 /// The page.

@@ -1,8 +1,8 @@
 //! Width and colours of the terminal. Output to a file or another program is plain and unwrapped.
 
 use anstream::{AutoStream, ColorChoice};
+use poinsot_figures::{Document, TextStyle};
 use poinsot_files::error_line;
-use poinsot_report::{Document, TextStyle};
 use std::io::{IsTerminal, Write};
 
 /// Exit code of an invalid command line.
@@ -43,7 +43,7 @@ pub fn error_text(message: &str) -> String {
     let lines = message.lines().map(error_line);
     let lines: Vec<String> = match AutoStream::choice(&std::io::stderr()) {
         ColorChoice::Never => lines.collect(),
-        _ => lines.map(|l| poinsot_report::marked_code(&l)).collect(),
+        _ => lines.map(|l| poinsot_figures::marked_code(&l)).collect(),
     };
     lines.join("\n")
 }

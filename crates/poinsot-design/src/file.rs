@@ -7,7 +7,6 @@ use poinsot_formats::{
     DESIGN, DesignFile, DesignVerificationFile, DesignedNumberFile, LimitUseFile, RelaxedFile,
     SearchFile, VerifiedNumberFile, finite,
 };
-use poinsot_report::Document;
 
 /// Converts a design to its file.
 pub fn design_file(designed: &Designed) -> DesignFile {
@@ -82,9 +81,4 @@ pub fn design_file(designed: &Designed) -> DesignFile {
                 .collect(),
         }),
     }
-}
-
-/// Converts a design to a document.
-pub fn design_document(designed: &Designed) -> Document {
-    poinsot::design_document(&design_file(designed))
 }

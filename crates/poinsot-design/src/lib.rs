@@ -27,7 +27,7 @@ mod watch;
 mod written;
 
 pub use design::{DesignRequest, design, design_case};
-pub use file::{design_document, design_file};
+pub use file::design_file;
 pub use result::{Designed, LimitUse, Reach, Relaxed, Robust, Verification, VerifiedNumber};
 pub use vehicles::{drawn, has_prior};
 

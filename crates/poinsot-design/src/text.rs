@@ -1,7 +1,7 @@
 //! A design in one sentence.
 
 use crate::result::Designed;
-use poinsot_report::significant;
+use poinsot_figures::significant;
 
 /// The result in one sentence.
 pub(crate) fn sentence(designed: &Designed) -> String {

@@ -100,6 +100,19 @@ impl<'a> Address<'a> {
         COMPONENTS.contains(&last).then_some(last)
     }
 
+    /// Owner, quantity and component, where the unit stands beside: `bus.inertia_xx`.
+    pub fn without_unit(self, unit: &str) -> String {
+        let end = format!("_{}", unit.replace(['/', ' '], "_"));
+        let quantity = self.quantity();
+        let quantity = quantity.strip_suffix(&end).unwrap_or(quantity);
+        let component = self.component().map(|c| format!("_{c}"));
+        let owner = match self.owner() {
+            "" => String::new(),
+            owner => format!("{owner}."),
+        };
+        format!("{owner}{quantity}{}", component.unwrap_or_default())
+    }
+
     fn without_component(self) -> &'a str {
         let component = self.component();
         component.map_or(self.0, |c| &self.0[..self.0.len() - c.len() - 1])
@@ -153,6 +166,21 @@ mod tests {
             ),
         ] {
             assert_eq!(address(name, unit), wanted);
+        }
+    }
+
+    #[test]
+    fn exact_an_address_without_its_unit_is_the_name() {
+        for (name, unit) in [
+            ("../x.inertia_xx", "kg m2"),
+            ("bus.mass", "kg"),
+            ("my.gyro.bias_z", "rad/s"),
+            ("gyro.scale_y", "1"),
+            ("wheel1.spin_inertia", "kg m2"),
+            ("orbit", "km"),
+        ] {
+            let address = address(name, unit);
+            assert_eq!(Address::parse(&address).without_unit(unit), name);
         }
     }
 

@@ -74,6 +74,16 @@ fn numbers<N: Clone>(
     all
 }
 
+impl BarycentricFile {
+    /// How many of the ten parameters the data determine.
+    pub fn determined(&self) -> usize {
+        let centre = self.mc_kg_m.named().map(|(_, n)| n);
+        let tensor = self.I_BBo_kg_m2.named().map(|(_, n)| n);
+        let all = std::iter::once(&self.m_kg).chain(centre).chain(tensor);
+        all.filter(|n| n.is_from_data()).count()
+    }
+}
+
 impl BodyFile {
     /// Mass, mass centre and inertia with name and unit.
     pub fn numbers(&self) -> Vec<(String, &'static str, NumberFile)> {

@@ -6,6 +6,8 @@ use serde::{Deserialize, Serialize};
 
 /// Name and version of the format.
 pub const COMPARISON: &str = "poinsot.comparison/1";
+/// p-value below which answers differ.
+pub const DIFFER_BELOW: f64 = 0.01;
 
 /// Several answers of one vehicle side by side.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -363,6 +363,23 @@ pub struct CheckFile {
     pub policy: String,
 }
 
+impl SensitivityFile {
+    /// The number of the answer that it changes most, with its share of that number's variance.
+    pub fn most_sensitive(&self) -> Option<(&str, f64)> {
+        let shares = self.variance_share.iter();
+        let largest = shares.max_by(|a, b| a.1.total_cmp(b.1))?;
+        Some((largest.0.as_str(), *largest.1))
+    }
+}
+
+impl CovarianceFile {
+    /// Unit of the number with this address.
+    pub fn unit_of(&self, address: &str) -> Option<&str> {
+        let at = self.names.iter().position(|name| name == address)?;
+        self.units.get(at).map(String::as_str)
+    }
+}
+
 impl EstimateFile {
     /// Whether numbers are withheld because the model contradicts the data or the fit did not converge.
     pub fn is_withheld(&self) -> bool {

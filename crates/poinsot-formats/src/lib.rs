@@ -26,6 +26,7 @@ mod onboard;
 mod plan;
 mod prediction;
 mod read;
+mod report_data;
 mod toml_file;
 mod truth;
 mod upgrade;
@@ -39,7 +40,7 @@ pub use campaign::{
 };
 pub use check::{Contradiction, contradictions};
 pub use comparison::{
-    COMPARISON, ComparedAnswerFile, ComparedNumberFile, ComparisonFile, JointTestFile,
+    COMPARISON, ComparedAnswerFile, ComparedNumberFile, ComparisonFile, DIFFER_BELOW, JointTestFile,
 };
 pub use design::{
     DESIGN, DesignFile, DesignVerificationFile, DesignedNumberFile, LimitUseFile, RelaxedFile,
@@ -62,7 +63,8 @@ pub use listing::{
     StudyFindingsFile, UNITS, UnitFile, UnitsFile, VariantFile, WRITTEN, WrittenFile,
 };
 pub use number::{
-    Axes, Elements, NumberFile, PredictedNumberFile, TensorFile, TrueNumberFile, VectorFile, finite,
+    Axes, Elements, HALF_WIDTH_95, NumberFile, PredictedNumberFile, TensorFile, TrueNumberFile,
+    VectorFile, finite,
 };
 pub use onboard::{ONBOARD, OnboardBodyFile, OnboardFile};
 pub use plan::{
@@ -73,6 +75,10 @@ pub use prediction::{
     AgainstDurationFile, PREDICTION, PeakFile, PredictionFile, SigmasFile, WantedFile,
 };
 pub use read::{FormatError, LARGEST_RESULT, parse_estimate, read_estimate, read_truth};
+pub use report_data::{
+    Channel, DrawnBody, DrawnJoint, DrawnSensor, Pointer, REPORT_DATA, ReportData, Row, Segment,
+    TrueNumbers, Vehicle,
+};
 pub use toml_file::ShapeFault;
 pub use truth::{
     InitialFile, JointStateFile, TRUTH, TrueBodyFile, TrueRunFile, TrueSensorFile, TruthFile,

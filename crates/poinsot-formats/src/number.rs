@@ -3,6 +3,9 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+/// Half-width of a stated 95 % interval in sigmas: the normal quantile of 0.975.
+pub const HALF_WIDTH_95: f64 = 1.959_963_984_540_054;
+
 /// One number of the answer. Value, sigma and source are null where the data do not determine it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct NumberFile {
@@ -72,6 +75,16 @@ impl NumberFile {
     /// Whether the model declares it as known.
     pub fn is_known(&self) -> bool {
         self.source.as_deref() == Some("known")
+    }
+
+    /// Whether the data determine it.
+    pub fn is_from_data(&self) -> bool {
+        self.source.as_deref() == Some("data")
+    }
+
+    /// Whether nothing determines it.
+    pub fn is_open(&self) -> bool {
+        self.source.is_none()
     }
 }
 

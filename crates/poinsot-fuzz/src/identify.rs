@@ -2,8 +2,9 @@
 
 use crate::small_problem::SmallProblem;
 use arbitrary::Unstructured;
-use poinsot::{Detail, Identified, Question, estimate_document, estimate_file, identify_tables};
+use poinsot::{Identified, Question, estimate_file, identify_tables};
 use poinsot_model::parse_model;
+use poinsot_report::{Detail, estimate_document};
 
 /// A small vehicle with a short record, both arbitrary. Every resulting number must be finite and have a finite sigma.
 pub fn identify(bytes: &[u8]) {
@@ -47,5 +48,5 @@ fn check(identified: &Identified) {
     let mut all = estimate.covariance.iter().flatten();
     assert!(all.all(|c| c.is_finite()), "a covariance is not finite");
     let _ = estimate_file(identified);
-    let _ = estimate_document(identified, Detail::Everything).to_string();
+    let _ = estimate_document(&estimate_file(identified), Detail::Everything).to_string();
 }

@@ -5,13 +5,14 @@ use crate::model::CoreModel;
 use crate::record::{CoreRecord, encoding};
 use crate::run::run;
 use numpy::{PyArray1, PyArray2};
-use poinsot::report::{report_data, report_html};
+use poinsot::report::report_data;
 use poinsot::{
-    Coordinates, Detail, Identified, Question, Reading, estimate_document, estimate_file,
-    estimate_text, identify_records, write_result,
+    Coordinates, Identified, Question, Reading, estimate_file, estimate_text, identify_records,
+    write_result,
 };
+use poinsot_figures::{FigureFormat, TextStyle};
 use poinsot_identify::PredictedChannel;
-use poinsot_report::{FigureFormat, TextStyle};
+use poinsot_report::{Detail, estimate_document, report_html};
 use poinsot_telemetry::Part;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -149,7 +150,7 @@ impl CoreAnswer {
             width,
             colour: false,
         };
-        estimate_document(&self.identified, Detail::Answer).text(&style)
+        estimate_document(&estimate_file(&self.identified), Detail::Answer).text(&style)
     }
 
     /// Exit code of the command.

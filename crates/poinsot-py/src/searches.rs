@@ -5,8 +5,9 @@ use crate::verbs::{Printed, json, text};
 use poinsot::case::read_case;
 use poinsot::simulate::SimulateError;
 use poinsot::study::{document, find, findings_file, run as run_study};
-use poinsot_design::{DesignRequest, design_document, design_file, write_design};
+use poinsot_design::{DesignRequest, design_file, write_design};
 use poinsot_formats::{FINDINGS, FindingsFile};
+use poinsot_report::design_document;
 use pyo3::prelude::*;
 use std::path::PathBuf;
 
@@ -35,7 +36,7 @@ pub fn design(
         }
         Ok((
             json(&design_file(&designed))?,
-            text(&design_document(&designed)),
+            text(&design_document(&design_file(&designed))),
             poinsot_cli::exit_of(designed.passes()),
         ))
     })

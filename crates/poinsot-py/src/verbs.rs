@@ -6,17 +6,19 @@ use crate::record::{CoreRecord, encoding, record_of};
 use crate::run::run;
 use poinsot::bind::mountings;
 use poinsot::case::read_case;
-use poinsot::compare::{compare_estimates, comparison_document};
+use poinsot::compare::compare_estimates;
 use poinsot::predict::{
-    Prediction, predict_all, prediction_document, prediction_file, prediction_paths,
-    several_document, write_predictions,
+    Prediction, predict_all, prediction_file, prediction_paths, write_predictions,
 };
 use poinsot::simulate::{SimulateError, simulate_case};
-use poinsot::validate::{ValidateRequest, validation_document, validation_file, write_validation};
+use poinsot::validate::{ValidateRequest, validation_file, write_validation};
 use poinsot::{estimate_file, inspection_file};
+use poinsot_figures::{Document, TextStyle};
 use poinsot_formats::{EstimateFile, PredictionFile, read_estimate};
 use poinsot_model::read_model;
-use poinsot_report::{Document, TextStyle};
+use poinsot_report::{
+    comparison_document, prediction_document, several_document, validation_document,
+};
 use poinsot_telemetry::{MEMORY_MIB, Mounting, ReadOptions, mount};
 use pyo3::prelude::*;
 use std::path::PathBuf;

@@ -1,28 +1,40 @@
-//! Documents, tables, plots and pages of numbers. This crate knows nothing about spacecraft.
+//! What a reader sees of every result: its document in the terminal and its page, from the result file alone.
+//!
+//! ```
+//! use poinsot_formats::PREDICTION;
+//! use poinsot_report::{RESULTS, VERDICTS, result_page};
+//!
+//! assert!(RESULTS.contains(&"prediction.json"));
+//! assert!(VERDICTS.iter().any(|v| v.word == "Determined" && v.passes));
+//! // A damaged file has no page, and the reason names what is missing.
+//! let damaged = format!(r#"{{"schema": "{PREDICTION}"}}"#);
+//! let why = result_page("prediction.json".as_ref(), damaged.as_bytes(), |_| None);
+//! assert!(why.is_err_and(|why| why.contains("missing field")));
+//! ```
+#![allow(non_snake_case)]
 
-mod axis;
-mod document;
-mod error;
-mod figure;
-mod figures;
-mod markup;
-mod opening;
-mod packed;
+mod campaign;
+mod checks;
+mod comparison;
+mod design;
+mod estimate;
 mod page;
-#[cfg(feature = "png")]
-mod pixels;
-mod plot;
-mod scene;
-mod series;
-mod text;
+mod prediction;
+mod several;
+mod summary;
+mod validation;
+mod verdict;
 
-pub use document::{Content, Document, Section, Table, Tone};
-pub use error::PageError;
-pub use figure::{Figure, FigureFormat, Picture};
-pub use figures::{number_with_sigma, probability, significant};
-pub use markup::{Html, escape, island, render};
-pub use opening::{Light, Opening};
-pub use page::{Page, Part};
-pub use scene::{Arrow, Curve, Ellipsoid, Hinge, Morph, Point, Rolling, Scene, Spot, Tree};
-pub use series::{Axis, Mark, Plot, Series};
-pub use text::{TextStyle, marked_code};
+pub use campaign::table_document;
+pub use comparison::comparison_document;
+pub use design::design_document;
+pub use estimate::{Detail, estimate_document};
+pub use page::lights::{NOT_RIGID, OF_NOISE};
+pub use page::{
+    Flown, Motion, RESULTS, campaign_page, comparison_part, no_page, parse_report_data,
+    report_html, report_page, result_page,
+};
+pub use prediction::prediction_document;
+pub use several::several_document;
+pub use validation::validation_document;
+pub use verdict::{Standing, VERDICTS, Verdict};

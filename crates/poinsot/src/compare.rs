@@ -5,23 +5,17 @@
 //! chi-square distributed (Rao 1973, 8b). Consistent results are averaged with information weights.
 
 mod statistics;
-mod text;
-
-pub use text::comparison_document;
 
 use crate::error::Error;
+use poinsot_figures::significant;
 use poinsot_formats::{
-    Address, COMPARISON, ComparedAnswerFile, ComparedNumberFile, ComparisonFile, EstimateFile,
-    FormatError, JointTestFile, read_estimate,
+    Address, COMPARISON, ComparedAnswerFile, ComparedNumberFile, ComparisonFile, DIFFER_BELOW,
+    EstimateFile, FormatError, JointTestFile, read_estimate,
 };
-use poinsot_report::significant;
 use poinsot_telemetry::Origin;
 use statistics::{Answers, pooled, test};
 use std::collections::HashSet;
 use std::path::PathBuf;
-
-/// Significance level of the joint test over all compared numbers.
-const SIGNIFICANT: f64 = 0.01;
 
 /// If independent results would agree this well with a smaller probability, they are assumed to share telemetry.
 const TOO_GOOD: f64 = 1.0e-3;
@@ -77,7 +71,7 @@ pub fn compare_estimates(answers: &[(PathBuf, EstimateFile)]) -> Result<Comparis
     let common = Answers::common(&files);
     let tests = tests(&common);
     let agreement = tests.first().map(|t| t.p);
-    let differ = agreement.is_some_and(|p| p < SIGNIFICANT);
+    let differ = agreement.is_some_and(|p| p < DIFFER_BELOW);
     let verdict = match (tests.is_empty(), differ) {
         (true, _) => "not_comparable",
         (false, true) => "differ",

@@ -14,7 +14,6 @@ use poinsot_files::{InputError, StageError};
 use poinsot_identify::ProblemError;
 use poinsot_model::ModelError;
 use poinsot_papers::MethodError;
-use poinsot_report::PageError;
 use poinsot_telemetry::{TelemetryError, advice};
 use std::path::{Path, PathBuf};
 
@@ -188,9 +187,4 @@ pub(crate) fn unreadable(path: &Path, error: InputError) -> Error {
             why: format!("{other}; {}", other.remedy()),
         },
     }
-}
-
-/// A page or figure that cannot be built from valid files.
-pub(crate) fn no_page(error: &PageError) -> String {
-    format!("{error}; report this bug in poinsot, if possible with the folder")
 }

@@ -11,7 +11,6 @@ mod diagnostics_file;
 mod digest;
 mod error;
 mod estimate_file;
-mod estimate_text;
 pub mod explain;
 pub mod export;
 mod fault_file;
@@ -28,18 +27,15 @@ pub mod report;
 mod schema;
 pub mod simulate;
 pub mod study;
-mod summary;
 pub mod sweep;
 mod threads;
 pub mod trials;
 mod units;
 pub mod validate;
-pub mod verdict;
 mod written;
 
 pub use error::{Error, ErrorKind};
 pub use estimate_file::estimate_file;
-pub use estimate_text::{Detail, estimate_document};
 pub use identify::{
     Gated, Identified, IdentifyRequest, Question, Reading, gated, identify, identify_records,
     identify_tables, segment_files,
@@ -48,7 +44,7 @@ pub use output::{estimate_text, write_estimate, write_result};
 pub use poinsot_formats::EstimateFile;
 pub use poinsot_identify::Coordinates;
 pub use propose::{InspectionAnswer, inspect, inspection_file, proposed_map};
-pub use report::{design_document, write_report};
+pub use report::write_report;
 pub use schema::{schema, schema_names};
 pub use threads::start_threads;
 pub use units::units_file;

@@ -1,11 +1,12 @@
 //! The files of an estimate.
 
-use crate::error::{Error, no_page};
+use crate::error::Error;
 use crate::estimate_file::estimate_file;
 use crate::identify::Identified;
 use crate::report::{figure_files, page_of, report_data};
 use crate::written::{OutputFile, json, write_file, write_files};
-use poinsot_report::FigureFormat;
+use poinsot_figures::FigureFormat;
+use poinsot_report::no_page;
 use std::path::{Path, PathBuf};
 
 /// Writes `estimate.json` into a folder, which is created if missing. Returns the path.

@@ -6,17 +6,13 @@
 mod file;
 mod lengths;
 mod peaks;
-mod several;
-mod text;
+mod sentence;
 mod wanted;
 mod written;
 
 pub use file::prediction_file;
 pub use lengths::{Ended, against_duration, against_duration_file};
 pub use peaks::{Peak, Peaks};
-pub use several::several_document;
-pub use text::prediction_document;
-pub(crate) use text::{accuracy, durations, peaks, predicted_sigma};
 pub use wanted::{Met, covariance_name, wanted_sigma};
 pub use written::{prediction_paths, write_predictions};
 

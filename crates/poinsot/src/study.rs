@@ -11,6 +11,7 @@ use crate::predict::predict_case;
 use crate::simulate::{SimulateError, simulate_trial};
 use crate::validate::{Mover, compare_motion};
 use poinsot_dynamics::Tree;
+use poinsot_figures::{Document, FigureFormat, Section, Table as TextTable};
 use poinsot_formats::{
     FoundCellFile, FoundTableFile, PaperFile, STUDIES, StatementFile, StudiesFile, StudyFile,
     StudyFindingsFile, finite,
@@ -21,7 +22,6 @@ pub use poinsot_papers::studies;
 use poinsot_papers::study::{CaseText, Difference, Tools};
 pub use poinsot_papers::study::{Cell, Context, Findings, Study, StudyError, Table as FoundTable};
 use poinsot_papers::{Method, MethodError};
-use poinsot_report::{Document, FigureFormat, Section, Table as TextTable};
 use poinsot_spatial::InertialParameters;
 use poinsot_telemetry::{Table, read};
 use std::path::{Path, PathBuf};
@@ -289,7 +289,7 @@ pub fn files(
         for format in formats {
             let bytes = figure.file(*format).map_err(|e| Error::Report {
                 path: PathBuf::from(&figure.name),
-                why: crate::error::no_page(&e),
+                why: poinsot_report::no_page(&e),
             })?;
             let name = format!("{}.{}", figure.name, format.extension());
             files.extend(bytes.map(|b| (PathBuf::from(name), b)));

@@ -10,7 +10,6 @@ mod sums;
 mod text;
 
 pub use band::Band;
-pub(crate) use band::{normal_quantile, sigmas_of_interval};
 pub use interval::Interval;
 pub use statistics::{ParameterStatistics, Statistics, statistics, statistics_of};
 pub(crate) use sums::position;

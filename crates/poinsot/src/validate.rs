@@ -11,7 +11,6 @@ mod motion;
 mod mover;
 mod open;
 mod telemetry;
-mod text;
 
 pub use compared::{Compared, Sigmas};
 pub use estimate::{EstimatedVehicle, of_estimate, read_estimate};
@@ -20,7 +19,6 @@ pub use motion::{JointPath, Path as MotionPath, compare_motion, compare_paths, p
 pub use mover::Mover;
 pub use open::{OpenEffect, held_back_effect, motion_effect};
 pub use telemetry::{HeldBackFindings, compare_held_back, compare_with_telemetry};
-pub use text::validation_document;
 
 use crate::case::{Case, read_case};
 use crate::error::Error;

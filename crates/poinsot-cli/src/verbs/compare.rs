@@ -2,7 +2,8 @@
 
 use super::{Outcome, exit_of, print_document, print_json};
 use crate::arguments::Compare;
-use poinsot::compare::{CompareRequest, compare, comparison_document};
+use poinsot::compare::{CompareRequest, compare};
+use poinsot_report::comparison_document;
 
 pub fn run(arguments: &Compare) -> Outcome {
     let comparison = compare(&CompareRequest {

@@ -5,7 +5,8 @@ use crate::arguments::Design;
 use poinsot::case::read_case;
 use poinsot::check_outputs;
 use poinsot::simulate::SimulateError;
-use poinsot_design::{DesignRequest, design, design_document, design_file, write_design};
+use poinsot_design::{DesignRequest, design, design_file, write_design};
+use poinsot_report::design_document;
 use std::path::Path;
 
 const FILES: [&str; 5] = [
@@ -37,7 +38,7 @@ pub fn run(arguments: &Design) -> Outcome {
     if arguments.json {
         print_json(&design_file(&designed));
     } else if !arguments.quiet {
-        print_document(&design_document(&designed));
+        print_document(&design_document(&design_file(&designed)));
     }
     for path in written.iter().filter(|_| !arguments.quiet) {
         note(&format!("written: {}", path.display()));

@@ -5,9 +5,10 @@ use super::{
 };
 use crate::arguments::Identify;
 use poinsot::{
-    Coordinates, Detail, IdentifyRequest, Question, Reading, check_outputs, estimate_document,
-    estimate_file, identify, segment_files, write_result,
+    Coordinates, IdentifyRequest, Question, Reading, check_outputs, estimate_file, identify,
+    segment_files, write_result,
 };
+use poinsot_report::{Detail, estimate_document};
 use std::path::Path;
 
 /// Default memory limit for the samples of one file, MiB.
@@ -64,7 +65,7 @@ pub fn run(arguments: &Identify) -> Outcome {
             true => Detail::Everything,
             false => Detail::Answer,
         };
-        print_document(&estimate_document(&identified, detail));
+        print_document(&estimate_document(&estimate_file(&identified), detail));
     }
     for path in written.iter().filter(|_| !arguments.quiet) {
         note(&format!("written: {}", path.display()));

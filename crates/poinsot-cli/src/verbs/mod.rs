@@ -25,9 +25,9 @@ use std::sync::{Mutex, OnceLock};
 
 use crate::arguments::FigureFile;
 use poinsot::ErrorKind;
+use poinsot_figures::{Document, FigureFormat};
 use poinsot_files::{error_line, escaped_lines, json_escaped};
 use poinsot_formats::{ERROR, ErrorFile, FaultFile, WrittenFile};
-use poinsot_report::{Document, FigureFormat};
 use std::io::IsTerminal;
 
 /// Error of a command, with its text for the terminal.

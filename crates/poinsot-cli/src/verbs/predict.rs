@@ -3,10 +3,10 @@
 use super::{Outcome, exit_of, note, print_document, print_json};
 use crate::arguments::Predict;
 use poinsot::predict::{
-    Prediction, predict_all, prediction_document, prediction_file, prediction_paths,
-    several_document, write_predictions,
+    Prediction, predict_all, prediction_file, prediction_paths, write_predictions,
 };
 use poinsot_formats::PredictionFile;
+use poinsot_report::{prediction_document, several_document};
 
 pub fn run(arguments: &Predict) -> Outcome {
     poinsot::start_threads()?;

@@ -2,10 +2,9 @@
 
 use super::{Outcome, exit_of, note, print_document, print_json};
 use crate::arguments::Validate;
-use poinsot::validate::{
-    ValidateRequest, validate, validation_document, validation_file, write_validation,
-};
+use poinsot::validate::{ValidateRequest, validate, validation_file, write_validation};
 use poinsot::{check_outputs, segment_files};
+use poinsot_report::validation_document;
 use std::path::Path;
 
 pub fn run(arguments: &Validate) -> Outcome {

@@ -1,6 +1,6 @@
 //! Results of a study: tables, figures and numbers for a page.
 
-use poinsot_report::{Figure, Plot, significant};
+use poinsot_figures::{Figure, Plot, significant};
 
 /// Results of a study.
 #[derive(Debug, Clone, Default, PartialEq)]

@@ -23,7 +23,6 @@ mod estimate;
 mod experiment;
 mod faults;
 mod methods;
-mod page;
 mod pairs;
 mod plan;
 mod result;
@@ -34,8 +33,6 @@ mod slurm;
 mod text;
 mod trial;
 mod until;
-
-pub(crate) use page::campaign_page;
 
 pub use engine::{Damaged, missing_shards, run_shard, run_shards};
 pub use estimate::{CampaignCost, campaign_cost, cost_document};

@@ -3,7 +3,7 @@
 //! The bootstrap draws every trial a Poisson(1) number of times (Chamandy, Muralidharan, Najmi, Naidu 2012). Its sums
 //! are additive, so shards can be processed separately.
 
-use crate::trials::{Answer, Interval, sigmas_of_interval};
+use crate::trials::{Answer, Interval};
 use poinsot_formats::{BandedFile, PairNumberFile, finite};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -65,7 +65,7 @@ impl PairSums {
     /// Adds a trial that both methods answered.
     pub fn add(&mut self, trial: u64, first: &Answer, other: &Answer) {
         let weights = weights(trial);
-        let reach = sigmas_of_interval();
+        let reach = poinsot_formats::HALF_WIDTH_95;
         for a in &first.numbers {
             let Some(b) = other.numbers.iter().find(|b| b.name == a.name) else {
                 continue;

@@ -1,15 +1,15 @@
 //! Runs a campaign: missing shards are run, all shards are added, and the result is written.
 
 use super::engine::{missing_shards, run_each, run_shards};
-use super::page::campaign_page;
 use super::plan::Plan;
 use super::result::{Folded, OUTSIDE, fold_shards, fold_sums};
 use super::shard::{Found, ShardSums, find, rows_path, sums_path};
 use super::until::{looks, outside_at_each};
-use crate::error::{Error, no_page};
+use crate::error::Error;
 use crate::written::write_files;
 use poinsot_files::{Stage, folder_of, json_escaped};
 use poinsot_formats::CampaignFile;
+use poinsot_report::{campaign_page, no_page};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};

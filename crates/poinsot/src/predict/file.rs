@@ -1,6 +1,6 @@
 //! The machine-readable prediction, `poinsot.prediction/2`.
 
-use super::text::sentence;
+use super::sentence::sentence;
 use super::{Prediction, against_duration_file};
 use crate::estimate_file::{covariance, identifiability, reference};
 use poinsot_formats::{

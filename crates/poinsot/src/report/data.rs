@@ -1,100 +1,18 @@
-//! Report data in addition to `estimate.json`: curves, vehicle geometry, truth, command line.
+//! Fills the report data in addition to `estimate.json`: curves, vehicle geometry, truth, command line.
 
-use super::placed::{DrawnBody, Vehicle, placed, rows};
+use super::placed::{placed, rows};
 use crate::identify::Identified;
 use crate::simulate::true_mass;
 use indexmap::IndexMap;
 use poinsot_dynamics::{Kinematics, Tree, composite};
-use poinsot_formats::{MassFile, TrueBodyFile, TrueNumberFile, read_truth};
+use poinsot_formats::{
+    Channel, DrawnBody, MassFile, REPORT_DATA, ReportData, Row, Segment, TrueBodyFile,
+    TrueNumberFile, TrueNumbers, Vehicle, read_truth,
+};
 use poinsot_identify::{BodyEstimate, Number, PredictedChannel, Prediction};
 use poinsot_model::JointKind;
 use poinsot_spatial::{MassProperties, Matrix3};
-use serde::{Deserialize, Serialize};
 use std::path::Path;
-
-/// Name of the format.
-pub const REPORT_SCHEMA: &str = "poinsot.report_data/1";
-
-/// The file `report_data.json`.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct ReportData {
-    /// Format.
-    pub schema: String,
-    /// Version of the program that wrote it.
-    pub poinsot: String,
-    /// The command line.
-    pub command: Vec<String>,
-    /// SHA-256 of the input files, equal to those in `estimate.json`; they identify matching files.
-    pub inputs: Vec<String>,
-    /// The vehicle at the first sample.
-    pub vehicle: Vehicle,
-    /// Curves, one per segment.
-    pub segments: Vec<Segment>,
-    /// True values from a `truth.json` next to the telemetry.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub truth: Option<TrueNumbers>,
-}
-
-/// True mass properties.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct TrueNumbers {
-    /// Bodies by name.
-    pub bodies: IndexMap<String, TrueBodyFile>,
-    /// The whole vehicle at the first sample, if known.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub system: Option<TrueBodyFile>,
-}
-
-/// One segment.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct Segment {
-    /// Name.
-    pub label: String,
-    /// Sensors.
-    pub channels: Vec<Channel>,
-    /// Angular momentum about the mass centre.
-    pub momentum: Channel,
-    /// Times of the motion, s.
-    pub time_s: Vec<f64>,
-    /// Angular velocity of the base, rad/s.
-    pub omega_rad_s: Vec<[f64; 3]>,
-    /// Attitude, scalar last.
-    pub q_xyzw: Vec<[f64; 4]>,
-    /// Joints: name, unit, positions.
-    pub joints: Vec<Row>,
-    /// Wheels: name, unit, speeds.
-    pub wheels: Vec<Row>,
-    /// Firings: thruster, start s, end s, force N.
-    pub firings: Vec<(String, f64, f64, f64)>,
-}
-
-/// A named list of values at the times of the motion.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct Row {
-    /// Name.
-    pub name: String,
-    /// Unit.
-    pub unit: String,
-    /// Values.
-    pub values: Vec<f64>,
-}
-
-/// One kind of sensor: see [`PredictedChannel`].
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-#[allow(missing_docs)]
-pub struct Channel {
-    pub name: String,
-    pub unit: String,
-    pub residual_unit: String,
-    pub components: Vec<String>,
-    pub samples: usize,
-    pub time_s: Vec<f64>,
-    pub measured: Vec<Vec<f64>>,
-    pub predicted: Vec<Vec<f64>>,
-    pub residual: Vec<Vec<f64>>,
-    pub histogram: Vec<Vec<u64>>,
-    pub autocorrelation: Vec<Vec<f64>>,
-}
 
 /// Largest number of firings kept per segment.
 const FIRINGS: usize = 2000;
@@ -102,7 +20,7 @@ const FIRINGS: usize = 2000;
 /// Report data of a result, in addition to `estimate.json`.
 pub fn report_data(identified: &Identified, command: &[String]) -> ReportData {
     ReportData {
-        schema: REPORT_SCHEMA.to_owned(),
+        schema: REPORT_DATA.to_owned(),
         poinsot: env!("CARGO_PKG_VERSION").to_owned(),
         command: command.to_vec(),
         inputs: identified

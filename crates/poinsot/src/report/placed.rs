@@ -1,88 +1,9 @@
 //! The vehicle of a model as it is drawn, with the joints where the kinematics place them.
 
 use poinsot_dynamics::Kinematics;
+use poinsot_formats::{DrawnBody, DrawnJoint, DrawnSensor, Pointer, Vehicle};
 use poinsot_model::{JointKind, Model};
 use poinsot_spatial::{MassProperties, Matrix3, TENSOR, Vector3};
-use serde::{Deserialize, Serialize};
-
-/// The drawn vehicle: positions relative to the base origin, in base axes, m.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct Vehicle {
-    /// Bodies.
-    pub bodies: Vec<DrawnBody>,
-    /// Joints.
-    pub joints: Vec<DrawnJoint>,
-    /// Wheels: name, position, unit axis.
-    pub wheels: Vec<Pointer>,
-    /// Thrusters: name, position, unit direction of the force.
-    pub thrusters: Vec<Pointer>,
-    /// Sensors.
-    pub sensors: Vec<DrawnSensor>,
-}
-
-/// A body with the best known numbers.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct DrawnBody {
-    /// Name.
-    pub name: String,
-    /// Origin.
-    pub origin_m: [f64; 3],
-    /// Rows of the rotation from body to base axes.
-    pub rotation: [[f64; 3]; 3],
-    /// Mass, kg.
-    pub mass_kg: f64,
-    /// Mass centre relative to the body's origin, in body axes, m.
-    pub com_m: [f64; 3],
-    /// Central inertia in body axes: xx, xy, yy, xz, yz, zz, kg m2.
-    pub inertia_kg_m2: [f64; 6],
-    /// Whether it was estimated.
-    pub estimated: bool,
-}
-
-/// A joint.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct DrawnJoint {
-    /// Name.
-    pub name: String,
-    /// Kind.
-    pub kind: String,
-    /// Parent body.
-    pub parent: String,
-    /// Child body.
-    pub child: String,
-    /// Position.
-    pub origin_m: [f64; 3],
-    /// Unit axis.
-    pub axis: [f64; 3],
-}
-
-/// A named position with a direction.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct Pointer {
-    /// Name.
-    pub name: String,
-    /// Body.
-    pub body: String,
-    /// Position.
-    pub at_m: [f64; 3],
-    /// Unit vector.
-    pub direction: [f64; 3],
-}
-
-/// A sensor with its declared noise.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct DrawnSensor {
-    /// Name.
-    pub name: String,
-    /// Kind.
-    pub kind: String,
-    /// Body.
-    pub body: String,
-    /// One sigma of the first axis, SI.
-    pub sigma: Option<f64>,
-    /// Least significant bit, SI; zero without quantisation.
-    pub quantisation: f64,
-}
 
 /// With the nominal numbers of every body.
 pub(super) fn nominal(model: &Model, kinematics: &Kinematics) -> Vehicle {

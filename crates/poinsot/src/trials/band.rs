@@ -76,13 +76,8 @@ impl Band {
     }
 }
 
-/// Half-width of a 95 % interval in sigmas.
-pub(crate) fn sigmas_of_interval() -> f64 {
-    normal_quantile(0.5 * (1.0 + STATED))
-}
-
 /// Inverse of the normal distribution function.
-pub(crate) fn normal_quantile(p: f64) -> f64 {
+fn normal_quantile(p: f64) -> f64 {
     Normal::standard().inverse_cdf(p)
 }
 
@@ -92,7 +87,7 @@ mod tests {
 
     #[test]
     fn unit_bands_are_those_of_tables() {
-        assert!((sigmas_of_interval() - 1.959964).abs() < 1.0e-6);
+        assert!((poinsot_formats::HALF_WIDTH_95 - normal_quantile(0.975)).abs() < 1.0e-12);
         // Chi-square with 10 degrees of freedom: 0.05 % at 1.265, 99.95 % at 31.42.
         let band = Band::of_mean_square(10);
         assert!((band.low - 0.1265).abs() < 1.0e-4 && (band.high - 3.1420).abs() < 1.0e-4);

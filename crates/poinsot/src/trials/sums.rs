@@ -2,7 +2,6 @@
 //!
 //! A campaign can run in pieces on several machines; each writes its sums as JSON, and `Sums::merge` adds them.
 
-use super::band::sigmas_of_interval;
 use super::{Trial, estimated_numbers};
 use crate::error::Error;
 use crate::written::write_file;
@@ -138,7 +137,7 @@ impl Sums {
             self.nees.0 += square;
             self.nees.1 += dof as u64;
         }
-        let reach = sigmas_of_interval();
+        let reach = poinsot_formats::HALF_WIDTH_95;
         for (place, number) in answer.numbers.iter().enumerate() {
             if !number.error.is_finite() {
                 continue;

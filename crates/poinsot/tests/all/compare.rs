@@ -1,9 +1,10 @@
 //! Comparison of answers of one vehicle.
 
 use crate::shared::stsat3;
-use poinsot::compare::{CompareRequest, compare, comparison_document};
+use poinsot::compare::{CompareRequest, compare};
 use poinsot::{EstimateFile, IdentifyRequest, estimate_file, identify};
 use poinsot_formats::ComparisonFile;
+use poinsot_report::comparison_document;
 
 /// The first or second half of the shipped slews: two nights of one satellite.
 fn night(half: [f64; 2]) -> EstimateFile {

@@ -1,8 +1,10 @@
 //! The page: self-contained, safe against hostile names, consistent with the fit.
 
 use crate::shared::identified;
-use poinsot::report::{ReportData, report_data, report_html};
+use poinsot::report::report_data;
 use poinsot::{EstimateFile, Identified, estimate_file};
+use poinsot_formats::ReportData;
+use poinsot_report::report_html;
 use scraper::{Html, Node, Selector};
 use serde_json::Value;
 
@@ -289,4 +291,13 @@ fn unit_many_segments_stay_small() {
     let runs: Vec<&str> = runs.iter().map(String::as_str).collect();
     let html = page(&identified("xu2017/model.toml", &runs, "linear"));
     assert!(html.len() < LIMIT, "{} bytes", html.len());
+}
+
+/// The page knows findings by the names of the file.
+#[test]
+fn exact_the_page_names_findings_as_the_diagnosis_does() {
+    use poinsot_identify::FaultKind;
+    assert_eq!(poinsot_report::NOT_RIGID, FaultKind::NotRigid.name());
+    let of_noise = [FaultKind::NoiseOverstated, FaultKind::NoiseUnderstated];
+    assert_eq!(poinsot_report::OF_NOISE, of_noise.map(FaultKind::name));
 }

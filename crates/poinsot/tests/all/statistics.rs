@@ -4,11 +4,12 @@
 
 use crate::setups;
 use crate::shared::undiagnosed;
+use poinsot_report::prediction_document;
 
 use nalgebra::Matrix3;
 use poinsot::bind::bind;
 use poinsot::case::parse_case;
-use poinsot::predict::{predict, prediction_document, prediction_file};
+use poinsot::predict::{predict, prediction_file};
 use poinsot::trials::{Band, Statistics, Study, statistics, statistics_document};
 use poinsot_dynamics::Tree;
 use poinsot_identify::{

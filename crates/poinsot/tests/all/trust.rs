@@ -1,7 +1,8 @@
 //! Reliability of answers with wrong samples, clock or priors, and with correct ones.
 
-use poinsot::{Detail, Identified, IdentifyRequest, estimate_document, estimate_file, identify};
+use poinsot::{Identified, IdentifyRequest, estimate_file, identify};
 use poinsot_identify::{FaultKind, Status};
+use poinsot_report::{Detail, estimate_document};
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use serde_json::Value;
@@ -84,7 +85,7 @@ fn assert_doubted(answer: &Identified, because: &str) {
     assert!(!e.covariance_trustworthy);
     assert!(e.doubts[0].contains(because), "{:?}", e.doubts);
     assert!(!answer.passes());
-    let text = estimate_document(answer, Detail::Answer).to_string();
+    let text = estimate_document(&estimate_file(answer), Detail::Answer).to_string();
     let first = text.lines().next().unwrap();
     let words = match e.status {
         Status::Rejected => ": Contradicted.",
@@ -194,8 +195,10 @@ fn stat_joints_that_read_late_are_rejected_and_nuisances_withheld() {
     assert_doubted(&answer, "the data contradict the rigid model");
     let bias = e.nuisance.iter().find(|n| n.name == "gyro.bias_x");
     assert_eq!(bias.unwrap().number.value, None);
-    let text = estimate_document(&answer, Detail::Answer).to_string();
-    let row = text.lines().find(|l| l.trim().starts_with("gyro.bias_x"));
+    let text = estimate_document(&estimate_file(&answer), Detail::Answer).to_string();
+    let row = text
+        .lines()
+        .find(|l| l.trim().starts_with("gyro.bias_rad_s.x"));
     assert!(row.unwrap().contains("withheld"), "{text}");
     assert!(!e.warnings.iter().any(|w| w.contains("not identifiable")));
 }

@@ -92,7 +92,7 @@ fn exact_without_thrust_the_motion_under_torques_is_not_determined() {
     let completed = found.completed.as_ref().unwrap();
     assert_eq!((completed.determined, completed.open), (51, 19));
     assert!(completed.effect.matters() && completed.effect.changes[2].2 > 1e-4);
-    let words = validation_document(&validation_file(&found)).to_string();
+    let words = poinsot_report::validation_document(&validation_file(&found)).to_string();
     assert!(
         words.contains("the motion depends on undetermined numbers"),
         "{words}"

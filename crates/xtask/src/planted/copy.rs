@@ -12,7 +12,7 @@ use toml::{Table, Value};
 const QUICK: [&str; 5] = [
     "poinsot-telemetry",
     "poinsot-model",
-    "poinsot-report",
+    "poinsot-figures",
     "poinsot",
     "poinsot-cli",
 ];

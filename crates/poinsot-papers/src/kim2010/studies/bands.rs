@@ -6,7 +6,7 @@ use super::records::{PAPER, RATE, SEEDS, Slew, chi_square, columns};
 use crate::kim2010::NAMES;
 use crate::study::statistics::{largest, median, quantile};
 use crate::study::{Cell, Context, Findings, StudyError, Table, decimals, figures, word};
-use poinsot_report::{Axis, Mark, Plot, Series};
+use poinsot_figures::{Axis, Mark, Plot, Series};
 use poinsot_spatial::Vector3;
 
 /// Row steps for 10, 5, 2, 1 and 0.5 Hz.

@@ -5,8 +5,8 @@ use crate::kim2010::{ELEMENTS, Kim2010, NAMES};
 use crate::method::Method;
 use crate::study::statistics::{largest, rms};
 use crate::study::{Cell, Context, Findings, StudyError, Table, decimals, figures};
+use poinsot_figures::{Axis, Mark, Plot, Series};
 use poinsot_identify::{Estimate, tensor_index, tensor_name};
-use poinsot_report::{Axis, Mark, Plot, Series};
 
 /// Noise trials.
 const TRIALS: u64 = 20;

@@ -5,7 +5,7 @@ use super::noise::{OPTIONS, worst};
 use super::sweeps::ORBITAL;
 use crate::ma2008::printed::{PrintedAxes, two_step_printed};
 use crate::study::{Context, Findings, StudyError, Table, decimals, figures, word};
-use poinsot_report::{Axis, Mark, Plot, Series};
+use poinsot_figures::{Axis, Mark, Plot, Series};
 
 /// Errors for exact data: both trajectories, both options, and option 2 as printed.
 pub fn exact(context: &Context) -> Result<Findings, StudyError> {

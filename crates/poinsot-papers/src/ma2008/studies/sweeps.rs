@@ -4,7 +4,7 @@ use super::experiment::Experiment;
 use super::noise::{Errors, OPTIONS, SEEDS, Scaling, Sigma, medians, trials};
 use crate::study::statistics::{largest, quantile};
 use crate::study::{Cell, Context, Findings, StudyError, Table, figures, percent, word};
-use poinsot_report::{Axis, Mark, Plot, Series};
+use poinsot_figures::{Axis, Mark, Plot, Series};
 
 /// Title, file name, unit and factor of each error.
 const ERRORS: [(&str, &str, &str, f64); 3] = [

@@ -5,7 +5,7 @@ use crate::study::statistics::{largest, quantile};
 use crate::study::{Context, Findings, StudyError, Table, figures};
 use crate::xu2017::swarm::Swarm;
 use crate::xu2017::{Found, Order, Searched, particle};
-use poinsot_report::{Axis, Mark, Plot, Series};
+use poinsot_figures::{Axis, Mark, Plot, Series};
 
 /// Iterations of the figures; no run stops earlier.
 const ITERATIONS: usize = 2500;

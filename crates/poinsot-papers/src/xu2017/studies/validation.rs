@@ -6,7 +6,7 @@ use crate::study::statistics::{largest, median};
 use crate::study::{Cell, Context, Difference, Findings, StudyError, Table, figures};
 use crate::xu2017::Order;
 use crate::xu2017::swarm::Swarm;
-use poinsot_report::{Axis, Mark, Plot, Series};
+use poinsot_figures::{Axis, Mark, Plot, Series};
 use poinsot_spatial::InertialParameters;
 
 /// Half-width of the swarm's range, relative to the true values.

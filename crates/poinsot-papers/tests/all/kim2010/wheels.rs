@@ -1,7 +1,8 @@
 //! The method on user files: certificate first, and faulty wheels are named.
 
 use super::shipped;
-use poinsot::{Detail, Identified, IdentifyRequest, estimate_document, estimate_file};
+use poinsot::{Identified, IdentifyRequest, estimate_file};
+use poinsot_report::{Detail, estimate_document};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
@@ -111,7 +112,7 @@ fn unit_baselines_print_beside_a_certificate_of_three_of_six() {
         );
     }
     let found = answer(&stsat3(), &paper_noisy(), "suggested").unwrap();
-    let screen = estimate_document(&found, Detail::Answer).to_string();
+    let screen = estimate_document(&estimate_file(&found), Detail::Answer).to_string();
     let certificate = screen.find("not identifiable from these data").unwrap();
     assert!(
         certificate

@@ -1,0 +1,118 @@
+//! The page of every result, from its files. One file and one template per section.
+
+mod answer;
+mod bodies;
+mod envelope;
+mod export;
+mod flown;
+mod known;
+pub(crate) mod lights;
+mod morph;
+mod numbers;
+mod open;
+mod picture;
+mod poles;
+mod provenance;
+mod repairs;
+mod results;
+mod tensor;
+mod trust;
+mod truth;
+mod vehicle;
+
+pub use results::{RESULTS, campaign_page, result_page};
+pub use vehicle::{Flown, Motion};
+
+use crate::comparison::comparison_document;
+use poinsot_figures::{Page, PageError, Part};
+use poinsot_formats::{ComparisonFile, EstimateFile, REPORT_DATA, ReportData};
+use truth::Truth;
+
+/// Input of every section.
+pub(crate) struct Answer {
+    pub estimate: EstimateFile,
+    pub data: ReportData,
+    pub truth: Truth,
+}
+
+/// A page or figure that cannot be built from valid files.
+pub fn no_page(error: &PageError) -> String {
+    format!("{error}; report this bug in poinsot, if possible with the folder")
+}
+
+fn parse<T: serde::de::DeserializeOwned>(bytes: &[u8]) -> Result<T, String> {
+    serde_json::from_slice(bytes)
+        .map_err(|e| format!("{e}; write it again with `poinsot identify`"))
+}
+
+/// `report_data.json` as bytes.
+///
+/// # Errors
+/// It has another format.
+pub fn parse_report_data(bytes: &[u8]) -> Result<ReportData, String> {
+    parse(bytes)
+}
+
+/// The page as HTML text.
+///
+/// # Errors
+/// The documents have another format or do not match.
+pub fn report_html(estimate: EstimateFile, data: ReportData) -> Result<String, String> {
+    report_page(estimate, data)?
+        .html()
+        .map_err(|e| e.to_string())
+}
+
+/// The page of an estimate with its figures.
+///
+/// # Errors
+/// As [`report_html`].
+pub fn report_page(estimate: EstimateFile, data: ReportData) -> Result<Page, String> {
+    if data.schema != REPORT_DATA {
+        return Err(format!(
+            "schema '{}' is not {REPORT_DATA}; write it again with `poinsot identify`",
+            data.schema
+        ));
+    }
+    if !estimate.inputs.iter().map(|i| &i.sha256).eq(&data.inputs) {
+        let why = "estimate.json and report_data.json come from different runs; run identify again";
+        return Err(why.to_owned());
+    }
+    let truth = Truth::new(data.truth.clone());
+    let answer = Answer {
+        estimate,
+        data,
+        truth,
+    };
+    page(&answer).map_err(|e| no_page(&e))
+}
+
+/// A section that compares the answer of a page with others.
+///
+/// # Errors
+/// The section cannot be built.
+pub fn comparison_part(found: &ComparisonFile) -> Result<Part, String> {
+    let document = comparison_document(found);
+    let about = document.verdict.as_str();
+    Part::of_document("comparison", "Comparison", about, &document).map_err(|e| no_page(&e))
+}
+
+fn page(answer: &Answer) -> Result<Page, PageError> {
+    let e = &answer.estimate;
+    let mut parts = vec![answer::part(answer)?, picture::part(answer)?];
+    parts.extend(open::part(answer)?);
+    parts.extend([
+        bodies::part(answer)?,
+        trust::part(answer)?,
+        flown::part(answer)?,
+        known::part(answer)?,
+        provenance::part(answer)?,
+    ]);
+    Ok(Page {
+        title: format!("Mass properties of {}", e.model),
+        subtitle: format!("Identified from telemetry by poinsot {}.", e.poinsot),
+        footer: "Inertia: tensor elements (I xy = -∫ x y dm) about the body's mass centre, in body axes. A 95 % interval contains the true value with 95 % probability if the declared noise and the rigid model are correct. This file needs no network."
+            .to_owned(),
+        parts,
+    })
+}

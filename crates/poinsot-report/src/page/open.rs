@@ -1,0 +1,160 @@
+//! Undetermined numbers: remedies, unobservable directions, and determined combinations.
+
+use super::Answer;
+use super::numbers::{plus_minus, value};
+use indexmap::IndexMap;
+use minijinja::{Value, context};
+use poinsot_figures::{PageError, Part, render, significant};
+use poinsot_formats::{IdentifiabilityFile, UndeterminedFile, unknown_name};
+
+/// Number of combinations listed; the result file has all.
+const LISTED: usize = 80;
+/// Number of remedies not folded.
+const SHOWN: usize = 6;
+/// Number of typeset terms of a combination; the rest is counted.
+const TERMS: usize = 8;
+/// Largest number of parameters as table columns.
+const COLUMNS: usize = 12;
+/// Number of cell shades above the lightest.
+const SHADES: f64 = 4.0;
+/// Coefficients this close to one are not written; smaller terms, relative to the largest, are dropped.
+const SMALL: f64 = 1.0e-3;
+
+pub(super) fn part(answer: &Answer) -> Result<Option<Part>, PageError> {
+    let e = &answer.estimate;
+    match e.is_withheld() {
+        true => Ok(None),
+        false => of(&e.identifiability, e.bodies.len() > 1),
+    }
+}
+
+/// The section for any result; with `several` bodies, the body is named for each parameter.
+pub(super) fn of(i: &IdentifiabilityFile, several: bool) -> Result<Option<Part>, PageError> {
+    if i.not_identifiable.is_empty() {
+        return Ok(None);
+    }
+    // One row per remedy, which often resolves several directions.
+    let mut remedies: IndexMap<&str, (&str, Vec<&str>, Vec<Value>)> = IndexMap::new();
+    for open in &i.not_identifiable {
+        let (remedy, then) = without_detail(&open.remedy);
+        let (reason, _) = without_detail(&open.reason);
+        let row = remedies.entry(remedy).or_default();
+        row.0 = then;
+        if !row.1.contains(&reason) {
+            row.1.push(reason);
+        }
+        row.2.push(algebra(&open.coefficients, several));
+    }
+    // The remedy that resolves most directions comes first.
+    remedies.sort_by(|_, a, _, b| b.2.len().cmp(&a.2.len()));
+    let rows: Vec<Value> = remedies
+        .into_iter()
+        .map(|(remedy, (then, reasons, directions))| {
+            let reason = reasons.join("; ");
+            context! { remedy, reason, then => then.strip_prefix("then ").unwrap_or(then), directions }
+        })
+        .collect();
+    let determined: Vec<Value> = i
+        .identifiable
+        .iter()
+        .take(LISTED)
+        .map(|c| {
+            context! { terms => algebra(&c.coefficients, several), value => value(c.value, c.sigma), half => plus_minus(c.sigma), unit => c.unit.replace("m2", "m²") }
+        })
+        .collect();
+    let body = render(
+        "open.html",
+        include_str!("templates/open.html"),
+        context! {
+            matrix => matrix(&i.not_identifiable, several),
+            rows => rows.get(..SHOWN.min(rows.len())), rest => rows.get(SHOWN..), all => rows, determined,
+            open => i.not_identifiable.len(),
+            rank => i.rank,
+            parameters => i.parameters,
+            structural => (i.structural_rank != i.rank).then_some(i.structural_rank),
+            more => i.identifiable.len().saturating_sub(LISTED),
+        },
+    )?;
+    Ok(Some(Part {
+        id: "open",
+        title: "Not identifiable from the data",
+        body,
+        figures: Vec::new(),
+    }))
+}
+
+/// Splits a sentence from the numbers in brackets at its end.
+fn without_detail(text: &str) -> (&str, &str) {
+    let open = text.trim_end().strip_suffix(')');
+    open.and_then(|t| t.rsplit_once(" (")).unwrap_or((text, ""))
+}
+
+/// Typeset terms of a combination, largest first.
+fn algebra(coefficients: &IndexMap<String, f64>, several: bool) -> Value {
+    let mut terms: Vec<(&String, f64)> = coefficients.iter().map(|(n, k)| (n, *k)).collect();
+    terms.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
+    let largest = terms.first().map_or(0.0, |t| t.1.abs());
+    terms.retain(|t| t.1.abs() >= SMALL * largest);
+    let shown: Vec<Value> = terms
+        .iter()
+        .take(TERMS)
+        .enumerate()
+        .map(|(at, (name, k))| {
+            let sign = match (at, *k < 0.0) {
+                (0, false) => "",
+                (0, true) => "-",
+                (_, false) => " + ",
+                (_, true) => " - ",
+            };
+            let factor = (k.abs() - 1.0).abs() >= SMALL;
+            term(sign, factor.then_some(k.abs()), name, several)
+        })
+        .collect();
+    context! { shown, more => terms.len().saturating_sub(TERMS) }
+}
+
+/// A typeset parameter with its factor.
+fn term(sign: &str, factor: Option<f64>, address: &str, several: bool) -> Value {
+    let name = unknown_name(address);
+    let (body, symbol) = name.rsplit_once('.').unwrap_or(("", &name));
+    let (letter, index) = symbol.split_once('_').unwrap_or((symbol, ""));
+    // The mass centre is the default point; the frame origin is named.
+    let index = index.replace("BBcm_", "").replace("BBo_", "Bo ");
+    context! {
+        sign, letter, index,
+        factor => factor.map(|k| significant(k, 3)),
+        body => several.then_some(body),
+    }
+}
+
+/// Unobservable directions as rows over parameters: each coefficient relative to the largest of the row. `None` with
+/// too many parameters for a page.
+fn matrix(open: &[UndeterminedFile], several: bool) -> Option<Value> {
+    let mut names: Vec<&String> = Vec::new();
+    for name in open.iter().flat_map(|o| o.coefficients.keys()) {
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    names.sort();
+    let row = |o: &UndeterminedFile| {
+        let largest = o
+            .coefficients
+            .values()
+            .fold(0.0, |a: f64, b| a.max(b.abs()));
+        let cells = names.iter().map(|name| {
+            let share = o.coefficients.get(*name).map_or(0.0, |k| k / largest);
+            let shown = share.abs() >= SMALL;
+            let class = format!("s{}", (share.abs() * SHADES).round());
+            context! { class => shown.then_some(class), text => shown.then(|| format!("{share:.2}")) }
+        });
+        let cells: Vec<Value> = cells.collect();
+        context! { name => algebra(&o.coefficients, several), cells }
+    };
+    let head: Vec<Value> = names
+        .iter()
+        .map(|name| context! { shown => [term("", None, name, several)] })
+        .collect();
+    let rows: Vec<Value> = open.iter().map(row).collect();
+    (names.len() <= COLUMNS).then(|| context! { head, rows })
+}

@@ -1,0 +1,264 @@
+//! Poinsot's picture (Poinsot 1834). The inertia ellipsoid `x . I x = const` touches, at the pole
+//! `x = w sqrt(const / w . I w)`, a plane whose normal is `I w`. In torque-free motion the plane is invariable and the
+//! ellipsoid rolls on it. The pole traces the polhode on the ellipsoid and the herpolhode on the plane.
+
+use super::Answer;
+use super::morph::{ends, morph};
+use super::numbers::{half_width, plus_minus, value};
+use super::poles::Poles;
+use super::tensor::{inertia_ellipsoid, matrix, principal, principal_sigmas};
+use super::vehicle::suspected;
+use minijinja::{Value, context};
+use nalgebra::Cholesky;
+use poinsot_figures::{
+    Arrow, Ellipsoid, Figure, PageError, Part, Scene, Spot, render, significant,
+};
+use poinsot_formats::BodyFile;
+use poinsot_spatial::Matrix3;
+
+/// Line width relative to a semi-axis: a thinner interval is not drawn.
+const LINE: f64 = 0.004;
+/// Number of ellipsoids drawn from the covariance.
+const GHOSTS: usize = 6;
+/// Length of a body axis relative to the mean semi-axis.
+const AXIS: f64 = 1.4;
+
+pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
+    let e = &answer.estimate;
+    let drawn = chosen(answer).and_then(|(name, body)| {
+        let I = tensor_of(body)?;
+        scene(answer, name, body, &I)
+    });
+    let drawn = drawn.or_else(|| {
+        let withheld = e.is_withheld();
+        chosen(answer)
+            .filter(|_| !withheld)
+            .and_then(|(name, body)| shapes(answer, name, body))
+    });
+    let (figure, words) = match drawn {
+        Some(scene) => (Some(Figure::scene("poinsot", scene)), None),
+        None if e.is_withheld() => (
+            Some(Figure::scene("suspected", suspected(answer))),
+            Some(
+                "The model is rejected, so no ellipsoid is drawn. The vehicle is shown, suspected parts in orange.",
+            ),
+        ),
+        None => (
+            None,
+            Some("The tensor is not determined, so no ellipsoid is drawn."),
+        ),
+    };
+    let picture = figure.as_ref().map(Figure::html).transpose()?;
+    Ok(Part {
+        id: "motion",
+        title: "Poinsot's picture",
+        body: render(
+            "picture.html",
+            include_str!("templates/picture.html"),
+            context! { picture => picture.map(|p| p.value()), words },
+        )?,
+        figures: figure.into_iter().collect(),
+    })
+}
+
+/// The whole vehicle if there are several bodies, otherwise the body.
+fn chosen(answer: &Answer) -> Option<(&str, &BodyFile)> {
+    let e = &answer.estimate;
+    match e.system.first().filter(|_| e.bodies.len() > 1) {
+        Some(system) => Some(("whole vehicle, joints as at the first sample", &system.body)),
+        None => e.bodies.first().map(|(name, b)| (name.as_str(), b)),
+    }
+}
+
+/// The tensor, if all six elements are determined.
+fn tensor_of(body: &BodyFile) -> Option<Matrix3> {
+    let numbers = body.inertia_kg_m2.named();
+    let mut six = [0.0; 6];
+    for (out, (_, n)) in six.iter_mut().zip(&numbers) {
+        *out = if n.is_known() {
+            Some(n.nominal)
+        } else {
+            n.value
+        }?;
+    }
+    Some(matrix(&six))
+}
+
+/// Sigmas of the six elements, and their covariance if the result file has it.
+type Spread = ([f64; 6], Option<[[f64; 6]; 6]>);
+
+fn spread(answer: &Answer, name: &str, body: &BodyFile) -> Option<Spread> {
+    let numbers = body.inertia_kg_m2.named();
+    let mut sigmas = [0.0; 6];
+    for (out, (_, n)) in sigmas.iter_mut().zip(&numbers) {
+        *out = n.sigma?;
+    }
+    let covariance = &answer.estimate.covariance;
+    let row = |element: &str| {
+        let wanted = format!("{name}.inertia_kg_m2.{element}");
+        covariance.names.iter().position(|n| *n == wanted)
+    };
+    let rows: Option<Vec<usize>> = numbers.iter().map(|(element, _)| row(element)).collect();
+    let mut six = [[0.0; 6]; 6];
+    let full = rows.is_some_and(|rows| {
+        let entry = |a: usize, b: usize| covariance.matrix.get(a)?.get(b).copied().flatten();
+        rows.iter().enumerate().all(|(i, a)| {
+            rows.iter().enumerate().all(|(j, b)| {
+                six[i][j] = entry(*a, *b).unwrap_or(0.0);
+                entry(*a, *b).is_some()
+            })
+        })
+    });
+    Some((sigmas, full.then_some(six)))
+}
+
+/// Principal moments with intervals, for the table of numbers; `None` if the tensor is not determined.
+pub(super) fn moments(answer: &Answer) -> Option<Value> {
+    let (name, body) = chosen(answer)?;
+    let I = tensor_of(body)?;
+    let (moments, axes) = principal(&I)?;
+    let sigmas = spread(answer, name, body).map(|(s, c)| principal_sigmas(&axes, &s, c.as_ref()));
+    let rows: Vec<Value> = (0..3)
+        .map(|k| {
+            let sigma = sigmas.map(|s| s[k]);
+            let axis: Vec<String> = axes[k].iter().map(|x| format!("{x:+.4}")).collect();
+            context! {
+                name => format!("I{}", k + 1),
+                value => value(Some(moments[k]), sigma),
+                half => plus_minus(sigma),
+                axis => axis.join("  "),
+            }
+        })
+        .collect();
+    Some(context! { name, rows })
+}
+
+fn scene(answer: &Answer, name: &str, body: &BodyFile, I: &Matrix3) -> Option<Scene> {
+    let (moments, axes) = principal(I)?;
+    // Scaled so that a body with three equal moments of this mean is the unit sphere.
+    let size = (moments.iter().sum::<f64>() / 3.0).sqrt();
+    let mut scene = Scene {
+        title: format!("inertia ellipsoid of {name}"),
+        ..Scene::default()
+    };
+    scene.ellipsoids.push(ellipsoid(
+        "inertia ellipsoid",
+        inertia_ellipsoid(I, size)?,
+        false,
+    ));
+    scene.note = uncertainty(&mut scene, spread(answer, name, body), I, size);
+    for (k, axis) in axes.iter().enumerate() {
+        let tip = axis * (size / moments[k].sqrt());
+        scene.spots.push(Spot {
+            at: tip.into(),
+            label: format!("I{}", k + 1),
+            colour: 3,
+        });
+    }
+    scene.arrows = body_axes();
+    let motion = answer
+        .data
+        .segments
+        .iter()
+        .position(|s| !s.time_s.is_empty());
+    if let Some(record) = motion
+        && let Some(poles) = Poles::new(&answer.data.segments[record], I, size)
+    {
+        let words = poles.add_to(&mut scene, record);
+        scene.note.push_str(&words);
+    }
+    Some(scene)
+}
+
+/// Possible shapes of an undetermined tensor.
+fn shapes(answer: &Answer, name: &str, body: &BodyFile) -> Option<Scene> {
+    let morph = morph(&answer.estimate, name, body)?;
+    let mut scene = Scene {
+        title: format!("inertia ellipsoids of {name} that fit equally well"),
+        note: "Every shape predicts the same measurements: chi-square is equal for all. The data do not determine the vehicle's shape among them."
+            .to_owned(),
+        ..Scene::default()
+    };
+    scene
+        .ellipsoids
+        .push(ellipsoid("one of them", morph.axes[0], false));
+    for (k, axes) in ends(&morph).into_iter().enumerate() {
+        let name = if k == 0 { "others" } else { "" };
+        scene.ellipsoids.push(ellipsoid(name, axes, true));
+    }
+    scene.arrows = body_axes();
+    scene.morph = Some(morph);
+    Some(scene)
+}
+
+fn body_axes() -> Vec<Arrow> {
+    let axes = ["x", "y", "z"].into_iter().enumerate();
+    axes.map(|(k, label)| {
+        let mut to = [0.0; 3];
+        to[k] = AXIS;
+        Arrow {
+            from: [0.0; 3],
+            to,
+            label: label.to_owned(),
+            colour: 6,
+        }
+    })
+    .collect()
+}
+
+fn ellipsoid(name: &str, axes: [[f64; 3]; 3], faint: bool) -> Ellipsoid {
+    Ellipsoid {
+        name: name.to_owned(),
+        centre: [0.0; 3],
+        axes,
+        colour: if faint { 0 } else { 5 },
+        faint,
+    }
+}
+
+/// Adds ellipsoids drawn from the covariance; returns a note if they are thinner than a line.
+fn uncertainty(scene: &mut Scene, spread: Option<Spread>, I: &Matrix3, size: f64) -> String {
+    let (Some((sigmas, covariance)), Some((moments, axes))) = (spread, principal(I)) else {
+        return String::new();
+    };
+    let along = principal_sigmas(&axes, &sigmas, covariance.as_ref());
+    // A semi-axis is proportional to the inverse square root of its moment.
+    let share = |k: usize| half_width(Some(along[k])).map_or(0.0, |half| 0.5 * half / moments[k]);
+    let widest = (0..3).map(share).fold(0.0, f64::max);
+    if widest <= 0.0 {
+        return String::new();
+    }
+    let percent = significant(100.0 * widest, 2);
+    if widest < LINE {
+        return format!(
+            "95 % interval of the semi-axes: {percent} % at most, thinner than a line of this picture. "
+        );
+    }
+    let drawn = covariance.map(|c| drawn_from(I, &c)).unwrap_or_default();
+    for (k, other) in drawn.iter().enumerate() {
+        if let Some(axes) = inertia_ellipsoid(other, size) {
+            let name = if k == 0 {
+                "drawn from the covariance"
+            } else {
+                ""
+            };
+            scene.ellipsoids.push(ellipsoid(name, axes, true));
+        }
+    }
+    format!("95 % interval of the semi-axes: {percent} % at most. ")
+}
+
+/// Tensors at two sigmas from the estimate along each column of the Cholesky factor of the covariance.
+fn drawn_from(I: &Matrix3, covariance: &[[f64; 6]; 6]) -> Vec<Matrix3> {
+    let c = nalgebra::Matrix6::from_fn(|i, j| covariance[i][j]);
+    let Some(factor) = Cholesky::new(c).map(|c| c.l()) else {
+        return Vec::new();
+    };
+    (0..GHOSTS)
+        .map(|k| {
+            let sign = if k % 2 == 0 { 2.0 } else { -2.0 };
+            let six: [f64; 6] = std::array::from_fn(|i| sign * factor[(i, k)]);
+            I + matrix(&six)
+        })
+        .collect()
+}

@@ -1,0 +1,163 @@
+//! Curves from the tables next to a result: differences of a validation, commands of a design.
+
+use crate::page::envelope::Envelope;
+use crate::page::trust::BAND;
+use indexmap::IndexMap;
+use poinsot_figures::{Axis, Figure, Mark, Plot, Series};
+use poinsot_formats::{
+    AgainstDurationFile, Channel, LARGEST_RESULT, ReportData, Segment, ValidationFile,
+};
+use std::path::Path;
+
+/// Plots of one group share cursor and zoom.
+pub(super) const GROUP: &str = "record1";
+/// Suffixes of command columns with quantity and unit, longest first.
+const COMMANDS: [(&str, &str, &str); 7] = [
+    ("_rad_s2", "joint acceleration", "rad/s²"),
+    ("_m_s2", "joint acceleration", "m/s²"),
+    ("_rad_s", "speed", "rad/s"),
+    ("_m_s", "joint speed", "m/s"),
+    ("_rad", "joint angle", "rad"),
+    ("_m", "joint position", "m"),
+    ("_N", "thrust", "N"),
+];
+
+/// Rows of a table; empty if the file is missing or invalid.
+fn rows(path: &Path) -> Vec<csv::StringRecord> {
+    let Ok(bytes) = poinsot_files::read(path, LARGEST_RESULT) else {
+        return Vec::new();
+    };
+    let mut reader = csv::ReaderBuilder::new()
+        .has_headers(false)
+        .from_reader(bytes.as_slice());
+    reader.records().filter_map(Result::ok).collect()
+}
+
+fn number(row: &csv::StringRecord, column: usize) -> f64 {
+    let text = row.get(column).unwrap_or_default();
+    text.parse().unwrap_or(f64::NAN)
+}
+
+/// The differences in `histories.csv`, one plot per quantity, with the band of the declared noise if any.
+pub(super) fn differences(path: &Path, validation: &ValidationFile) -> Vec<Figure> {
+    let mut channels: IndexMap<String, Channel> = IndexMap::new();
+    for row in rows(path).iter().skip(1) {
+        let text = |column: usize| row.get(column).unwrap_or_default().to_owned();
+        if text(6).is_empty() {
+            continue;
+        }
+        let c = channels.entry(text(0)).or_default();
+        if !c.components.contains(&text(1)) {
+            c.components.push(text(1));
+            c.residual.push(Vec::new());
+            c.unit = text(2);
+        }
+        if c.residual.len() == 1 {
+            c.time_s.push(number(row, 3));
+        }
+        if let Some(values) = c.residual.last_mut() {
+            values.push(number(row, 6));
+        }
+    }
+    let mut data = ReportData::default();
+    data.segments.push(Segment {
+        channels: channels.values().cloned().collect(),
+        ..Segment::default()
+    });
+    let envelope = Envelope::of(&data);
+    let figure = |(name, c): (&String, &Channel)| {
+        let kept = envelope.keep(c);
+        let time: Vec<f64> = kept.iter().map(|k| c.time_s[*k]).collect();
+        let compared = validation.compared.iter().find(|q| q.quantity == *name);
+        let sigma = compared.and_then(|q| Some(q.rms / q.sigmas.as_ref()?.rms));
+        let band = sigma.zip(time.first().zip(time.last())).map(|(s, (a, b))| {
+            let half = BAND * s;
+            Series::band("2 sigma declared", 2, &[*a, *b], &[-half; 2], &[half; 2])
+        });
+        let banded = band.as_ref().map_or("", |_| "; band: 2 sigma as declared");
+        let lines = c.components.iter().zip(&c.residual).enumerate();
+        let lines = lines.map(|(k, (component, row))| {
+            let y: Vec<f64> = kept
+                .iter()
+                .map(|at| row.get(*at).copied().unwrap_or(f64::NAN))
+                .collect();
+            Series::new(component, Mark::Dots, k, &time, &y)
+        });
+        let plot = Plot {
+            title: format!("{name}: model minus the other side{banded}"),
+            x: Axis::new("time", "s"),
+            y: Axis::new("difference", &c.unit),
+            series: band.into_iter().chain(lines).collect(),
+            levels: vec![(0.0, String::new())],
+            group: GROUP.to_owned(),
+            height: 180.0,
+            ..Plot::default()
+        };
+        Figure::plot(&format!("difference_{name}"), plot)
+    };
+    channels.iter().map(figure).collect()
+}
+
+/// The commands in `commands.csv`, one plot per quantity.
+pub(super) fn commands(path: &Path) -> Vec<Figure> {
+    let table = rows(path);
+    let Some((head, rows)) = table.split_first() else {
+        return Vec::new();
+    };
+    let time: Vec<f64> = rows.iter().map(|row| number(row, 0)).collect();
+    let mut plots: IndexMap<(&str, &str), Plot> = IndexMap::new();
+    for (column, name) in head.iter().enumerate().skip(1) {
+        let found = COMMANDS
+            .iter()
+            .find_map(|(end, label, unit)| Some((name.strip_suffix(end)?, *label, *unit)));
+        let (mover, label, unit) = found.unwrap_or((name, "command", ""));
+        let plot = plots.entry((label, unit)).or_insert_with(|| Plot {
+            title: format!("{label} as commanded"),
+            x: Axis::new("time", "s"),
+            y: Axis::new(label, unit),
+            group: GROUP.to_owned(),
+            height: 210.0,
+            ..Plot::default()
+        });
+        let y: Vec<f64> = rows.iter().map(|row| number(row, column)).collect();
+        let colour = plot.series.len();
+        plot.series
+            .push(Series::new(mover, Mark::Line, colour, &time, &y));
+    }
+    let plots = plots.into_iter();
+    plots
+        .map(|((label, _), plot)| Figure::plot(label, plot))
+        .collect()
+}
+
+/// Sigmas for shorter records, relative to the wanted ones or to those of the whole record; `None` without two points.
+pub(super) fn against_duration(found: &AgainstDurationFile) -> Option<Figure> {
+    let wanted = found.numbers.iter().any(|n| n.wanted_sigma.is_some());
+    let mut series = Vec::new();
+    for (k, n) in found.numbers.iter().enumerate() {
+        let scale = n.wanted_sigma.or_else(|| n.sigma.last().copied().flatten());
+        let points = found.end_s.iter().zip(&n.sigma);
+        let points = points.filter_map(|(t, s)| Some((*t, (*s)? / scale?)));
+        let (x, y): (Vec<f64>, Vec<f64>) = points.unzip();
+        if x.len() > 1 {
+            series.push(Series::new(&n.name, Mark::Line, k, &x, &y));
+        }
+    }
+    let over = match wanted {
+        true => "wanted sigma",
+        false => "sigma of the whole record",
+    };
+    (!series.is_empty()).then(|| {
+        let plot = Plot {
+            title: format!("sigma over {over}, with the record ended earlier"),
+            x: Axis::new("end of the record", "s"),
+            y: Axis::new("ratio", ""),
+            log: true,
+            series,
+            levels: vec![(1.0, over.to_owned())],
+            height: 210.0,
+            ..Plot::default()
+        };
+        Figure::plot("against_duration", plot)
+    })
+}

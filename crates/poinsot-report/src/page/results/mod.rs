@@ -1,0 +1,198 @@
+//! Pages for the results of `validate`, `predict`, `compare`, `design` and `campaign`: the layout of `identify` with
+//! their own sections.
+
+mod campaign;
+mod comparison;
+mod curves;
+mod design;
+mod prediction;
+mod validation;
+
+use super::open;
+pub use campaign::campaign_page;
+
+use super::vehicle::Flown;
+use super::{no_page, parse};
+use poinsot_figures::{
+    Axis, Content, Document, Figure, Light, Mark, Opening, Page, PageError, Part, Plot, Section,
+    Series, Table, Tone,
+};
+use poinsot_formats::{CAMPAIGN, COMPARISON, DESIGN, IdentifiabilityFile, PREDICTION, VALIDATION};
+use serde::Deserialize;
+use std::path::Path;
+
+/// File names of results in a folder, in order of search.
+pub const RESULTS: [&str; 5] = [
+    "validation.json",
+    "prediction.json",
+    "comparison.json",
+    "design.json",
+    "campaign.json",
+];
+
+/// Largest number of rows of the figure on the first screen.
+const ROWS: usize = 24;
+/// Ratio of largest to smallest value above which the axis is logarithmic.
+const DECADE: f64 = 10.0;
+
+/// Content of a result page.
+struct Shown {
+    title: String,
+    /// Version of the program that wrote it.
+    poinsot: String,
+    opening: Opening,
+    /// Figure next to the verdict.
+    beside: Option<Figure>,
+    document: Document,
+    /// Section of curves, with its title.
+    curves: (&'static str, Vec<Figure>),
+    /// Undetermined combinations.
+    open: Option<IdentifiabilityFile>,
+    /// Whether the vehicle has several bodies.
+    several: bool,
+    /// Inputs: kind and path.
+    inputs: Vec<(&'static str, String)>,
+}
+
+/// Fields common to all result files.
+#[derive(Deserialize)]
+struct Named {
+    schema: String,
+}
+
+/// The page of a result file.
+///
+/// `flown` gives the vehicle as it flies the case of a design next to the result.
+///
+/// # Errors
+/// The format has no page, or the file is damaged.
+pub fn result_page(
+    path: &Path,
+    bytes: &[u8],
+    flown: impl FnOnce(&Path) -> Option<Flown>,
+) -> Result<Page, String> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let shown = match parse::<Named>(bytes)?.schema.as_str() {
+        VALIDATION => validation::result(&parse(bytes)?, folder),
+        PREDICTION => prediction::result(&parse(bytes)?),
+        COMPARISON => comparison::result(&parse(bytes)?),
+        DESIGN => design::result(&parse(bytes)?, folder, flown(folder)),
+        CAMPAIGN => {
+            let made = campaign_page(&parse(bytes)?);
+            return made.map_err(|e| no_page(&e));
+        }
+        other => {
+            return Err(format!(
+                "a file of schema '{other}' has no page; give the folder of identify --out, or one of {}",
+                RESULTS.join(", ")
+            ));
+        }
+    };
+    page(shown).map_err(|e| no_page(&e))
+}
+
+fn page(shown: Shown) -> Result<Page, PageError> {
+    let mut opening = shown.opening;
+    if let Some(figure) = &shown.beside {
+        opening.beside = figure.html()?;
+    }
+    let mut parts = vec![opening.part()?];
+    parts[0].figures.extend(shown.beside);
+    let (title, figures) = shown.curves;
+    if !figures.is_empty() {
+        parts.push(Part {
+            id: "curves",
+            title,
+            body: Figure::page(&figures)?,
+            figures,
+        });
+    }
+    if let Some(found) = shown.open {
+        parts.extend(open::of(&found, shown.several)?);
+    }
+    let (mut tables, mut notes) = (shown.document.clone(), shown.document);
+    tables
+        .sections
+        .retain(|s| matches!(s.content, Content::Table(_)));
+    notes
+        .sections
+        .retain(|s| matches!(s.content, Content::List(_)));
+    for (id, title, document) in [("numbers", "Numbers", tables), ("notes", "Notes", notes)] {
+        if !document.sections.is_empty() {
+            parts.push(Part::of_document(id, title, "", &document)?);
+        }
+    }
+    let mut from = Table::new(&["input", "file"]);
+    for (kind, path) in shown.inputs {
+        from.push(vec![kind.to_owned(), path]);
+    }
+    let mut document = Document::new(String::new());
+    document.push(Section::table("made from", from));
+    parts.push(Part::of_document(
+        "provenance",
+        "Provenance",
+        "",
+        &document,
+    )?);
+    Ok(Page {
+        title: shown.title,
+        subtitle: format!("Computed by poinsot {}.", shown.poinsot),
+        footer: "This file needs no network.".to_owned(),
+        parts,
+    })
+}
+
+/// Ratios relative to one: marks of each kind, one position per row. `None` without a finite ratio.
+fn ratio_figure<'a>(
+    kinds: &[&str],
+    rows: impl Iterator<Item = (&'a str, Vec<f64>)>,
+) -> Option<Figure> {
+    let rows: Vec<_> = rows.take(ROWS).collect();
+    let series: Vec<Series> = kinds
+        .iter()
+        .enumerate()
+        .filter_map(|(k, kind)| {
+            let at = (1..).map(f64::from).zip(&rows);
+            let at = at.filter_map(|(x, row)| Some((x, *row.1.get(k)?)));
+            let (x, y): (Vec<f64>, Vec<f64>) = at.filter(|p| p.1.is_finite()).unzip();
+            (!x.is_empty()).then(|| Series::new(kind, Mark::Points, k, &x, &y))
+        })
+        .collect();
+    let names = rows.iter().map(|row| row.0.to_owned()).collect();
+    let all = series.iter().flat_map(|s| &s.points).map(|p| p.1);
+    let ends = all.fold([1.0, 1.0], |e: [f64; 2], y| [e[0].min(y), e[1].max(y)]);
+    (!series.is_empty()).then(|| {
+        Figure::plot(
+            "wanted",
+            Plot {
+                title: "predicted sigma over wanted sigma".to_owned(),
+                x: Axis::new("number", ""),
+                y: Axis::new("ratio", ""),
+                names,
+                log: ends[1] > DECADE * ends[0],
+                series,
+                levels: vec![(1.0, "wanted".to_owned())],
+                half: true,
+                ..Plot::default()
+            },
+        )
+    })
+}
+
+/// Tone and word for yes or no.
+fn answer(holds: bool) -> (Tone, String) {
+    match holds {
+        true => (Tone::Good, "yes".to_owned()),
+        false => (Tone::Bad, "no".to_owned()),
+    }
+}
+
+fn light(question: &'static str, tone: Tone, word: String, found: String) -> Light {
+    Light {
+        question,
+        place: "numbers",
+        tone,
+        word,
+        found,
+    }
+}

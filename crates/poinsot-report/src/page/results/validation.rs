@@ -1,0 +1,94 @@
+//! Page of a validation.
+
+use super::curves::differences;
+use super::{Shown, answer, light, ratio_figure};
+use crate::validation::validation_document;
+use poinsot_figures::{Figure, Opening, Picture, significant};
+use poinsot_formats::ValidationFile;
+use std::path::Path;
+
+pub(super) fn result(v: &ValidationFile, folder: &Path) -> Shown {
+    let document = validation_document(v);
+    let word = match v.verdict.as_str() {
+        "compared" => "Compared",
+        "agrees" => "Agrees",
+        "undetermined" => "Not determined",
+        _ => "Differs",
+    };
+    let sigmas = || {
+        v.compared
+            .iter()
+            .filter_map(|c| Some((c, c.sigmas.as_ref()?)))
+    };
+    let largest = sigmas().max_by(|a, b| a.1.rms.total_cmp(&b.1.rms));
+    let within = largest.map(|(c, s)| {
+        let (tone, word) = answer(v.verdict == "agrees");
+        let found = format!("{}: rms {} sigma", c.quantity, significant(s.rms, 3));
+        light("Within the declared noise?", tone, word, found)
+    });
+    let reliable = v.estimate.as_ref().map(|e| {
+        let (tone, word) = answer(e.covariance_trustworthy);
+        light("Estimate reliable?", tone, word, e.status.clone())
+    });
+    let action = match v.verdict.as_str() {
+        "differs" => {
+            Some("Identify this record too, and compare both answers with poinsot compare.")
+        }
+        "undetermined" => Some(
+            "Add telemetry that determines the numbers on which the motion depends, or give them as known.",
+        ),
+        _ => None,
+    };
+    let figures = differences(&folder.join("histories.csv"), v);
+    let estimate = v.estimate.iter().map(|e| ("estimate", e.path.clone()));
+    let case = v.case.iter().map(|c| ("case", c.clone()));
+    let own = [("model", v.model.clone()), ("against", v.against.clone())];
+    Shown {
+        title: format!("Validation of {}", v.model),
+        poinsot: v.poinsot.clone(),
+        opening: Opening {
+            tone: document.tone,
+            word: word.to_owned(),
+            sentence: largest_difference_sentence(v, largest.map(|l| l.1.rms)),
+            action: action.map(str::to_owned),
+            lights: within.into_iter().chain(reliable).collect(),
+            ..Opening::default()
+        },
+        beside: in_sigmas(v),
+        document,
+        curves: ("Differences", figures),
+        open: None,
+        several: false,
+        inputs: own.into_iter().chain(estimate).chain(case).collect(),
+    }
+}
+
+/// The verdict without file paths.
+fn largest_difference_sentence(v: &ValidationFile, largest: Option<f64>) -> String {
+    let moves = match v.verdict.as_str() {
+        "undetermined" => "The motion depends on undetermined numbers".to_owned(),
+        "compared" => "The motions are compared; no limit is given".to_owned(),
+        "agrees" => "The prediction agrees".to_owned(),
+        _ => "The prediction differs".to_owned(),
+    };
+    match largest {
+        Some(rms) => format!(
+            "{moves}: the largest difference is {} times the declared noise (rms).",
+            significant(rms, 3)
+        ),
+        None => format!("{moves}."),
+    }
+}
+
+/// The differences of every sensor, in units of its declared noise.
+fn in_sigmas(v: &ValidationFile) -> Option<Figure> {
+    let all = v.compared.iter();
+    let rows = all.filter_map(|c| Some((c.quantity.as_str(), vec![c.sigmas.as_ref()?.rms])));
+    let mut figure = ratio_figure(&["difference"], rows)?;
+    if let Picture::Plot(plot) = &mut figure.picture {
+        plot.title = "difference over declared noise, rms".to_owned();
+        plot.x.label = "sensor".to_owned();
+        plot.levels = vec![(1.0, "declared".to_owned())];
+    }
+    Some(figure)
+}

@@ -1,0 +1,129 @@
+//! The command `report`: the page next to a result. `report_data.json` keeps what a page draws.
+
+mod data;
+mod placed;
+
+pub use data::report_data;
+
+use crate::case::read_case;
+use crate::compare::{CompareRequest, compare, format_error};
+use crate::error::{Error, unreadable};
+use crate::simulate::simulate_exact_watched;
+use crate::written::{OutputFile, write_files};
+use placed::nominal;
+use poinsot_dynamics::Tree;
+use poinsot_figures::{FigureFormat, Page, PageError};
+use poinsot_files::read;
+use poinsot_formats::{LARGEST_RESULT, Vehicle, parse_estimate};
+use poinsot_model::read_model;
+use poinsot_report::{
+    Flown, Motion, RESULTS, comparison_part, no_page, parse_report_data, report_page, result_page,
+};
+use poinsot_spatial::UnitQuaternion;
+use std::path::{Path, PathBuf};
+
+/// Writes `report.html` next to a result: a folder of `identify`, compared with `earlier` results, or a file or folder
+/// of another command. Also writes every figure into the folder `figures` in each given format. Writes all files or
+/// none. Returns their paths.
+///
+/// # Errors
+/// A file is missing, has another format, or belongs to another run.
+pub fn write_report(
+    result: &Path,
+    earlier: &[PathBuf],
+    figures: &[FigureFormat],
+) -> Result<Vec<PathBuf>, Error> {
+    let bytes = |path: &Path| read(path, LARGEST_RESULT).map_err(|e| unreadable(path, e));
+    let inside = |name: &str| result.join(name);
+    let of_other = || RESULTS.into_iter().map(inside).find(|path| path.is_file());
+    let file = match (result.is_dir(), inside("estimate.json").is_file()) {
+        (true, true) => None,
+        (true, false) => of_other(),
+        (false, _) if result.file_name().is_some_and(|n| n == "estimate.json") => None,
+        (false, _) => result.is_file().then(|| result.to_owned()),
+    };
+    let folder = match result.is_dir() || !result.is_file() {
+        true => result,
+        false => result.parent().unwrap_or(Path::new("")),
+    };
+    let mut page = match &file {
+        Some(path) => result_page(path, &bytes(path)?, flown).map_err(fault(path))?,
+        None => page_of(
+            folder,
+            &bytes(&folder.join("estimate.json"))?,
+            &bytes(&folder.join("report_data.json"))?,
+        )?,
+    };
+    if !earlier.is_empty() {
+        let this = std::iter::once(folder.to_owned());
+        let answers = earlier.iter().cloned().chain(this).collect();
+        let found = compare(&CompareRequest { answers })?;
+        page.parts
+            .push(comparison_part(&found).map_err(fault(folder))?);
+    }
+    let html = page.html().map_err(|e| fault(folder)(no_page(&e)))?;
+    let mut files = vec![("report.html".into(), html.into_bytes())];
+    files.extend(figure_files(folder, &page, figures)?);
+    write_files(folder, &files)
+}
+
+fn fault(path: &Path) -> impl Fn(String) -> Error {
+    move |why| Error::Report {
+        path: path.to_owned(),
+        why,
+    }
+}
+
+/// The page for the two files of `identify`, as bytes.
+pub(crate) fn page_of(folder: &Path, estimate: &[u8], data: &[u8]) -> Result<Page, Error> {
+    let estimate = parse_estimate(&folder.join("estimate.json"), estimate).map_err(format_error)?;
+    let path = folder.join("report_data.json");
+    let data = parse_report_data(data).map_err(fault(&path))?;
+    report_page(estimate, data).map_err(fault(folder))
+}
+
+/// Every figure of the page as separate files: SVG, PNG or both.
+pub(crate) fn figure_files(
+    folder: &Path,
+    page: &Page,
+    formats: &[FigureFormat],
+) -> Result<Vec<OutputFile>, Error> {
+    let unmade = |e: PageError| fault(folder)(no_page(&e));
+    let mut files = Vec::new();
+    for figure in page.parts.iter().flat_map(|p| &p.figures) {
+        for format in formats {
+            let bytes = figure.file(*format).map_err(unmade)?;
+            let name = format!("{}.{}", figure.name, format.extension());
+            files.extend(bytes.map(|b| (Path::new("figures").join(name), b)));
+        }
+    }
+    Ok(files)
+}
+
+/// The vehicle as it flies the case next to a design; `None` if the case or its model cannot be read any more.
+fn flown(folder: &Path) -> Option<Flown> {
+    let case = read_case(&folder.join("case.toml")).ok()?;
+    let model = read_model(&case.model).ok()?;
+    let scenario = case.bind(&model).ok()?;
+    let coordinates = Tree::new(&model).coordinates;
+    let names = coordinates.iter().map(|k| model.joints[*k].name.clone());
+    let mut motion = Motion {
+        joints: names.map(|name| (name, Vec::new())).collect(),
+        ..Motion::default()
+    };
+    let mut first: Option<(UnitQuaternion, Vehicle)> = None;
+    simulate_exact_watched(&case, &model, scenario, |sample| {
+        let start = || (sample.R_NB, nominal(&model, &sample.kinematics));
+        let R_BN = first.get_or_insert_with(start).0.inverse();
+        let turn = (R_BN * sample.R_NB).coords;
+        let place = R_BN * (sample.p_NoBo_N - sample.p_NoScm_N);
+        motion.time_s.push(sample.time);
+        motion.base.push((turn.into(), place.into()));
+        for ((_, values), q) in motion.joints.iter_mut().zip(&sample.q) {
+            values.push(*q);
+        }
+    })
+    .ok()?;
+    let vehicle = first?.1;
+    Some(Flown { vehicle, motion })
+}
