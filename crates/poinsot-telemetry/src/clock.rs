@@ -116,6 +116,7 @@ impl Clock {
     }
 
     /// The clock for a column of timestamps, converted to seconds since 1970 UTC.
+    #[cfg(feature = "parquet")]
     pub(crate) fn instants(self) -> Self {
         let Ok(mut unix) = check_time(&TimeMap {
             epoch: Some("unix".to_owned()),
