@@ -7,6 +7,7 @@
 """
 
 import argparse
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -76,7 +77,7 @@ REPORTS = {
     ),
     "campaign": (
         "Twenty repetitions of an experiment with new noise",
-        [["campaign", "data/campaigns/stsat3_multiaxis.toml", "--trials", "20", "--out", "{out}/made", "--resume"]],
+        [["campaign", "data/campaigns/stsat3_multiaxis.toml", "--trials", "20", "--out", "{out}/made"]],
     ),
 }
 # Where the result lies, where it is not the folder of the report.
@@ -100,7 +101,8 @@ def run(program, words, kept=None):
 def build(program, name):
     """The report of one name; gives its path."""
     folder = OUT / name
-    folder.mkdir(parents=True, exist_ok=True)
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
     for words in REPORTS[name][1]:
         first, *rest = [word.replace("{out}", f"target/gallery/{name}") for word in words]
         if first == "edit":
