@@ -88,12 +88,24 @@ fn exact_a_prior_adds_its_information_once() {
 }
 
 /// If the declared noise is ten times too large, sigmas are those of the experiment. If it is too small, sigmas and
-/// covariance are widened by the root of chi-square per degree of freedom, or by the worst sensor.
+/// covariance are widened by the root of chi-square per degree of freedom, or by the worst sensor: a short record, where
+/// the unknowns took much of each residual, shows the first, a long one the second.
 #[test]
 fn exact_sigmas_widen_by_chi_square_or_the_worst_sensor() {
+    assert!(widening(8.0, 8).is_lt());
+    assert!(widening(20.0, 4).is_gt());
+}
+
+/// Checks the widening of a record of this length, with noise of this seed, and says how the worst sensor compares with chi-square.
+fn widening(duration_s: f64, seed: u64) -> std::cmp::Ordering {
     let declared = 1.0e-3;
     let model = pushed(32, declared);
-    let table = noisy(flown(&model, 32, 1.0), 4, 2.0 * declared);
+    let flight = Flight {
+        duration_s,
+        rate_hz: 1.0,
+        ..moving(&model, 32)
+    };
+    let table = noisy(fly(&model, &flight), seed, 2.0 * declared);
     let small = ask(&model, vec![table.clone()], "maximum_likelihood");
     let large = ask(
         &pushed(32, 10.0 * declared),
@@ -109,8 +121,9 @@ fn exact_sigmas_widen_by_chi_square_or_the_worst_sensor() {
         square / c.octaves.iter().map(|o| o.numbers).sum::<usize>() as f64
     });
     let pooled = fit.chi2_per_dof * readings / freedom;
-    let expected = sensors.fold(pooled, f64::max).sqrt();
-    println!("{readings} readings, widened by {expected}");
+    let worst = sensors.fold(0.0, f64::max);
+    let expected = worst.max(pooled).sqrt();
+    println!("{readings} readings, sensors {worst}, all {pooled}");
     assert!((1.7..2.3).contains(&expected), "{expected}");
     assert!(!small.estimate.covariance_trustworthy);
     let C = covariance(&small);
@@ -120,6 +133,7 @@ fn exact_sigmas_widen_by_chi_square_or_the_worst_sensor() {
         assert!((widened / expected - 1.0).abs() < 5.0e-3, "{k}: {widened}");
         assert!((C[(k, k)].sqrt() / sigma - 1.0).abs() < 1.0e-9, "{k}");
     }
+    worst.total_cmp(&pooled)
 }
 
 /// Doubled declared noise doubles sigma, on noise-free data.
