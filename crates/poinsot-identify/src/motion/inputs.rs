@@ -86,18 +86,19 @@ impl Motion<'_> {
                     let (q, rate) = play_between(self.observations, &self.play, *j, (k, at));
                     moved(*j, q, rate);
                 }
-                UnknownKind::JointPlace { .. } => {
-                    let virtual_joints = self.vehicle.virtual_joints.iter().enumerate();
-                    for (i, joint) in virtual_joints.filter(|(_, j)| j.unknown == unknown) {
-                        let (q, rate) = match joint.along {
-                            Some(k) => (input_state.q[k], input_state.rates[k]),
-                            None => (1.0, 0.0),
-                        };
-                        moved(self.vehicle.tree.dof() + i, q, rate);
-                    }
-                }
                 _ => {}
             }
+        }
+        for (i, joint) in self.vehicle.virtual_joints.iter().enumerate() {
+            let (q, rate) = match joint.along {
+                Some(k) => (input_state.q[k], input_state.rates[k]),
+                None => (1.0, 0.0),
+            };
+            input_state.changes.push(InputChange {
+                unknown: joint.unknown,
+                joint: Some((self.vehicle.tree.dof() + i, q, rate)),
+                wheel: None,
+            });
         }
     }
 
