@@ -131,7 +131,7 @@ def growths(most):
     """Name, what is counted, and model, motion, rate and segments of every line."""
     rates = [n for n in (1_000, 10_000, 100_000, 1_000_000) if n <= most]
     yield "samples", [(n, (*bus(), n / DURATION, 1)) for n in rates]
-    yield "bodies", [(n + 1, (*arm(n, 1), ARM_RATE, 1)) for n in (1, 3, 10, 30, 100)]
+    yield "bodies", [(n + 1, (*arm(n, 1), ARM_RATE, 1)) for n in (1, 3, 10, 30, 100, 300, 1_000)]
     yield "unknowns", [(10 * n, (*arm(12, n), ARM_RATE, 1)) for n in (1, 2, 4, 8, 12)]
     yield "sensors", [(n + 3, (*bus(gyros=n), BUS_RATE, 1)) for n in (1, 3, 10, 30, 100)]
     yield "segments", [(n, (*bus(), BUS_RATE, n)) for n in (1, 3, 10, 30)]
