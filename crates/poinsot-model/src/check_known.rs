@@ -92,6 +92,8 @@ fn slot_of(number: KnownNumber) -> usize {
         | KnownNumber::WheelAxis(_)
         | KnownNumber::ForceDirection(_) => 1,
         KnownNumber::Inertia(_) | KnownNumber::ForcePosition(_) => 2,
+        KnownNumber::SpecificImpulse(_) => 3,
+        KnownNumber::PropellantPlace(_) => 4,
         _ => 0,
     }
 }
@@ -123,7 +125,11 @@ fn declared(file: &ModelFile, model: &Model, number: KnownNumber) -> Option<(Key
             let sigmas = vec![("spin_inertia", u.spin_inertia), ("axis_rad", u.axis_rad)];
             Some(entry("wheel", at, name, t.exact, t.source, sigmas))
         }
-        KnownNumber::Force(k) | KnownNumber::ForceDirection(k) | KnownNumber::ForcePosition(k) => {
+        KnownNumber::Force(k)
+        | KnownNumber::ForceDirection(k)
+        | KnownNumber::ForcePosition(k)
+        | KnownNumber::SpecificImpulse(k)
+        | KnownNumber::PropellantPlace(k) => {
             let name = model.thrusters.get(k)?.name.as_str();
             let at = place(file.thruster.as_deref()?, name, |t| t.name.as_deref())?;
             let t = file.thruster.as_deref()?.get(at)?;
@@ -132,6 +138,8 @@ fn declared(file: &ModelFile, model: &Model, number: KnownNumber) -> Option<(Key
                 ("force", u.force),
                 ("direction_rad", u.direction_rad),
                 ("position_m", u.position_m),
+                ("specific_impulse", u.specific_impulse),
+                ("propellant_m", u.propellant_m),
             ];
             Some(entry("thruster", at, name, t.exact, t.source, sigmas))
         }

@@ -172,11 +172,20 @@ fn check_propellant(
 ) -> Option<Propellant> {
     let place = file.propellant_m.map(Vector3::from);
     let Some(specific) = file.specific_impulse_s else {
-        if place.is_some() {
+        let sigmas = file.uncertainty.clone().unwrap_or_default();
+        let beside = [
+            ("propellant_m", place.is_some()),
+            (
+                "uncertainty.specific_impulse",
+                sigmas.specific_impulse.is_some(),
+            ),
+            ("uncertainty.propellant_m", sigmas.propellant_m.is_some()),
+        ];
+        if let Some((other, _)) = beside.iter().find(|(_, given)| *given) {
             findings.refuse(
                 "E0106",
                 &key.at("specific_impulse_s"),
-                "required key missing beside propellant_m".to_owned(),
+                format!("required key missing beside {other}"),
                 "give the specific impulse in s",
             );
         }

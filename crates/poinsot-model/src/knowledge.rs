@@ -48,6 +48,10 @@ pub enum KnownNumber {
     ForceDirection(usize),
     /// Position of a thruster, m.
     ForcePosition(usize),
+    /// Specific impulse of a thruster; uncertainty relative.
+    SpecificImpulse(usize),
+    /// Place from which a thruster's propellant comes, m.
+    PropellantPlace(usize),
     /// Orientation of a sensor relative to body axes, rad.
     Mounting(usize),
 }
@@ -102,6 +106,10 @@ impl KnownNumber {
             Self::Force(_) => [0.02, 0.05],
             Self::ForceDirection(_) => [5.0e-3, 10.0e-3],
             Self::ForcePosition(_) => [1.0e-3, 3.0e-3],
+            // Thrust stand with a flow meter; data sheet, which pulses and cold starts do not reach.
+            Self::SpecificImpulse(_) => [0.01, 0.05],
+            // The mean of what a tank loses: known for a bladder, not for propellant that moves freely.
+            Self::PropellantPlace(_) => [5.0e-3, 0.02],
             // Theodolite on alignment cubes; machined interfaces.
             Self::Mounting(_) => [1.0e-4, 3.0e-3],
         };
@@ -114,7 +122,7 @@ impl KnownNumber {
     /// Number of components.
     pub fn components(self) -> usize {
         match self {
-            Self::Mass(_) | Self::SpinInertia(_) | Self::Force(_) => 1,
+            Self::Mass(_) | Self::SpinInertia(_) | Self::Force(_) | Self::SpecificImpulse(_) => 1,
             Self::WheelAxis(_) | Self::JointAxis(_) | Self::ForceDirection(_) => 2,
             Self::Inertia(_) => 6,
             _ => 3,

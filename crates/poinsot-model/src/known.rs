@@ -1,7 +1,7 @@
 //! The known numbers of a model: names, values and small changes.
 
 use crate::knowledge::{KnownNumber, Origin, Uncertain, across};
-use crate::vehicle::{Model, Nuisance, SensorKind};
+use crate::vehicle::{Model, Nuisance, Propellant, SensorKind};
 use poinsot_spatial::{Matrix3, TENSOR, Vector3, tensor_name};
 
 impl KnownNumber {
@@ -25,6 +25,8 @@ impl KnownNumber {
             Self::Force(k) => of(thruster(k), "force"),
             Self::ForceDirection(k) => of(thruster(k), &format!("direction_{across}")),
             Self::ForcePosition(k) => of(thruster(k), &format!("position_{axis}")),
+            Self::SpecificImpulse(k) => of(thruster(k), "specific_impulse"),
+            Self::PropellantPlace(k) => of(thruster(k), &format!("propellant_{axis}")),
             Self::Mounting(k) => {
                 let sensor = model.sensors.get(k).map(|s| s.name.as_str());
                 of(sensor, &format!("mounting_{axis}"))
@@ -38,7 +40,11 @@ impl KnownNumber {
             Self::Mass(_) => "kg",
             Self::Inertia(_) | Self::SpinInertia(_) => "kg m2",
             Self::Force(_) => "1",
-            Self::MassCentre(_) | Self::JointOrigin(_) | Self::ForcePosition(_) => "m",
+            Self::SpecificImpulse(_) => "s",
+            Self::MassCentre(_)
+            | Self::JointOrigin(_)
+            | Self::ForcePosition(_)
+            | Self::PropellantPlace(_) => "m",
             _ => "rad",
         }
     }
@@ -52,6 +58,8 @@ impl KnownNumber {
             Self::SpinInertia(k) => Some(model.wheels.get(k)?.spin_inertia),
             Self::JointOrigin(k) => Some(model.joints.get(k)?.p_PoCo_P[component % 3]),
             Self::ForcePosition(k) => Some(model.thrusters.get(k)?.p_BoT_B[component % 3]),
+            Self::SpecificImpulse(k) => Some(propellant_of(model, k)?.specific_impulse),
+            Self::PropellantPlace(k) => Some(propellant_of(model, k)?.p_BoF_B[component % 3]),
             Self::Force(_) => Some(1.0),
             _ => None,
         };
@@ -61,7 +69,9 @@ impl KnownNumber {
     /// Sigma of a component in its unit, from the declared uncertainty.
     pub fn absolute(self, model: &Model, component: usize, sigma: f64) -> f64 {
         match self {
-            Self::Mass(_) | Self::SpinInertia(_) => sigma * self.value(model, 0).abs(),
+            Self::Mass(_) | Self::SpinInertia(_) | Self::SpecificImpulse(_) => {
+                sigma * self.value(model, 0).abs()
+            }
             Self::Inertia(k) => {
                 let (i, j) = TENSOR[component % 6];
                 let I = model
@@ -99,6 +109,9 @@ impl KnownNumber {
             Self::Force(k) => model.thrusters.get(k).map(|t| t.scale == Nuisance::Known),
             Self::ForceDirection(k) | Self::ForcePosition(k) => {
                 model.thrusters.get(k).map(|_| true)
+            }
+            Self::SpecificImpulse(k) | Self::PropellantPlace(k) => {
+                Some(propellant_of(model, k).is_some())
             }
             Self::Mounting(k) => model.sensors.get(k).map(|s| {
                 let own = match s.kind {
@@ -166,9 +179,27 @@ impl KnownNumber {
                     t.p_BoT_B[component % 3] += change;
                 }
             }
+            Self::SpecificImpulse(k) => {
+                if let Some(p) = propellant_of_mut(model, k) {
+                    p.specific_impulse += change;
+                }
+            }
+            Self::PropellantPlace(k) => {
+                if let Some(p) = propellant_of_mut(model, k) {
+                    p.p_BoF_B[component % 3] += change;
+                }
+            }
             Self::Force(_) | Self::Mounting(_) => {}
         }
     }
+}
+
+fn propellant_of(model: &Model, thruster: usize) -> Option<&Propellant> {
+    model.thrusters.get(thruster)?.propellant.as_ref()
+}
+
+fn propellant_of_mut(model: &mut Model, thruster: usize) -> Option<&mut Propellant> {
+    model.thrusters.get_mut(thruster)?.propellant.as_mut()
 }
 
 /// A unit vector after a small rotation about one of the directions across the nominal one.
@@ -208,12 +239,18 @@ impl Model {
         for k in 0..self.wheels.len() {
             all.extend([KnownNumber::SpinInertia(k), KnownNumber::WheelAxis(k)]);
         }
-        for k in 0..self.thrusters.len() {
+        for (k, thruster) in self.thrusters.iter().enumerate() {
             all.extend([
                 KnownNumber::Force(k),
                 KnownNumber::ForceDirection(k),
                 KnownNumber::ForcePosition(k),
             ]);
+            if thruster.propellant.is_some() {
+                all.extend([
+                    KnownNumber::SpecificImpulse(k),
+                    KnownNumber::PropellantPlace(k),
+                ]);
+            }
         }
         let sensors = self.sensors.iter().enumerate();
         let turning = sensors.filter(|(_, s)| s.turns());

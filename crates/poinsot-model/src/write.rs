@@ -61,8 +61,15 @@ pub fn write_model(model: &Model) -> String {
             ("force", KnownNumber::Force(k)),
             ("direction_rad", KnownNumber::ForceDirection(k)),
             ("position_m", KnownNumber::ForcePosition(k)),
+            ("specific_impulse", KnownNumber::SpecificImpulse(k)),
+            ("propellant_m", KnownNumber::PropellantPlace(k)),
         ];
-        uncertainty(&mut out, &known, &numbers);
+        let without_propellant = &numbers[..3];
+        let numbers = match thruster.propellant {
+            Some(_) => numbers.as_slice(),
+            None => without_propellant,
+        };
+        uncertainty(&mut out, &known, numbers);
     }
     for (k, sensor) in model.sensors.iter().enumerate() {
         write_sensor(&mut out, model, sensor);

@@ -83,13 +83,15 @@ fn step(model: &Model, known: &KnownUnknown) -> (f64, &'static str) {
         KnownNumber::Mass(_)
         | KnownNumber::Inertia(_)
         | KnownNumber::SpinInertia(_)
+        | KnownNumber::SpecificImpulse(_)
         | KnownNumber::Force(_) => {
             let step = known.number.absolute(model, known.component, SHOWN_STEP);
             (step, "1 %")
         }
         KnownNumber::MassCentre(_)
         | KnownNumber::JointOrigin(_)
-        | KnownNumber::ForcePosition(_) => (SMALL_STEP, "1 mm"),
+        | KnownNumber::ForcePosition(_)
+        | KnownNumber::PropellantPlace(_) => (SMALL_STEP, "1 mm"),
         KnownNumber::WheelAxis(_)
         | KnownNumber::JointAxis(_)
         | KnownNumber::ForceDirection(_)

@@ -90,6 +90,7 @@ fn of_propellant(experiment: &Experiment) -> Vec<Candidate> {
         };
         let kind = UnknownKind::PropellantUse {
             body,
+            thruster: None,
             p_BoF_B: model.bodies[body].nominal.p_BoBcm_B,
             axis,
         };

@@ -39,6 +39,8 @@ fn of_known_numbers(experiment: &Experiment, at: &Iterate) -> Vec<Candidate> {
             KnownNumber::SpinInertia(_)
                 | KnownNumber::WheelAxis(_)
                 | KnownNumber::Force(_)
+                | KnownNumber::SpecificImpulse(_)
+                | KnownNumber::PropellantPlace(_)
                 | KnownNumber::Mounting(_)
         )
     };

@@ -157,6 +157,7 @@ fn exact_columns_of_firings_play_and_propellant_are_differences_of_predictions()
     let propellant = model.thrusters[0].propellant.unwrap();
     let used = [None, Some(0), Some(1), Some(2)].map(|axis| UnknownKind::PropellantUse {
         body: model.thrusters[0].body,
+        thruster: None,
         p_BoF_B: propellant.p_BoF_B,
         axis,
     });

@@ -118,10 +118,10 @@ impl Motion<'_> {
         let v = self.vehicle;
         let now = &self.input_state;
         match &v.kinds[unknown] {
-            UnknownKind::PropellantUse { body, .. } => {
-                let own = v.thrusters.iter().zip(&now.impulse);
-                let own = own.filter(|(thruster, _)| thruster.body == *body);
-                own.map(|(_, impulse)| impulse).sum()
+            kind @ UnknownKind::PropellantUse { .. } => {
+                let own = v.thrusters.iter().zip(&now.impulse).enumerate();
+                let own = own.filter(|(k, (thruster, _))| kind.changes_use_of(*k, thruster.body));
+                own.map(|(_, (_, impulse))| impulse).sum()
             }
             UnknownKind::ThrusterScale(thruster) => {
                 let impulse = now.impulse.get(*thruster);
@@ -237,7 +237,7 @@ impl Motion<'_> {
         let v = self.vehicle;
         let factor = v.thrust_factor[now.thruster];
         match &v.kinds[unknown] {
-            UnknownKind::PropellantUse { body, .. } if v.thrusters[now.thruster].body == *body => {
+            kind if kind.changes_use_of(now.thruster, v.thrusters[now.thruster].body) => {
                 now.force * factor
             }
             UnknownKind::ThrusterScale(thruster) if now.thruster == *thruster => now.force,

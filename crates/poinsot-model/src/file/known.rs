@@ -53,6 +53,10 @@ pub(crate) struct ThrusterUncertaintyFile {
     pub direction_rad: Option<f64>,
     /// Of each component of its position, m.
     pub position_m: Option<f64>,
+    /// Of its specific impulse, relative, no unit. Needs specific_impulse_s.
+    pub specific_impulse: Option<f64>,
+    /// Of each component of the place of its propellant, m. Needs specific_impulse_s.
+    pub propellant_m: Option<f64>,
 }
 
 /// One sigma of the mounting of a sensor; 0: exact.

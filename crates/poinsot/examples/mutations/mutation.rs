@@ -139,6 +139,8 @@ impl<'a> Mutation<'a> {
                 KnownNumber::JointAxis(_) => "joint axis",
                 KnownNumber::ForceDirection(_) => "thruster direction",
                 KnownNumber::ForcePosition(_) => "thruster position",
+                KnownNumber::SpecificImpulse(_) => "specific impulse",
+                KnownNumber::PropellantPlace(_) => "propellant place",
                 KnownNumber::Force(_) | KnownNumber::Mounting(_) => "reading",
             },
             Mistake::Columns(way, ..) => match way {

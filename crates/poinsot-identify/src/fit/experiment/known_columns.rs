@@ -199,6 +199,23 @@ pub(crate) fn twin(
         KnownNumber::JointOrigin(k) | KnownNumber::JointAxis(k) => {
             joint_slopes((problem.model, nominal), k, shift)?
         }
+        KnownNumber::SpecificImpulse(k) | KnownNumber::PropellantPlace(k) => {
+            let thruster = problem.model.thrusters.get(k)?;
+            let propellant = thruster.propellant?;
+            let used = propellant.flow().used;
+            let place = matches!(number, KnownNumber::PropellantPlace(_));
+            // What is used is the inverse of the specific impulse.
+            factor = match place {
+                true => used,
+                false => -used / propellant.specific_impulse,
+            };
+            UnknownKind::PropellantUse {
+                body: thruster.body,
+                thruster: Some(k),
+                p_BoF_B: propellant.p_BoF_B,
+                axis: place.then_some(component),
+            }
+        }
         KnownNumber::Mounting(sensor) => {
             let attitude = problem.model.sensors.get(sensor)?.kind == SensorKind::Attitude;
             let error = match attitude {

@@ -35,11 +35,13 @@ pub enum UnknownKind {
         /// Index in the model's thrusters.
         thruster: usize,
     },
-    /// Mass that a body loses per impulse of its thrusters, kg/(N s): from a place of it, or per m of another place along an axis.
-    /// Tested only.
+    /// Mass that a body loses per impulse of one or all of its thrusters, kg/(N s): from a place of it, or per m of another place
+    /// along an axis. Tested only.
     PropellantUse {
         /// Index of the body.
         body: usize,
+        /// Index of the thruster; `None`: all of the body.
+        thruster: Option<usize>,
         /// The place, m.
         p_BoF_B: Vector3,
         /// The axis along which the place moves.
@@ -150,12 +152,23 @@ impl UnknownKind {
         }
     }
 
+    /// Whether it changes what a thruster on a body uses.
+    pub(crate) fn changes_use_of(&self, thruster: usize, on: usize) -> bool {
+        match self {
+            Self::PropellantUse {
+                body, thruster: of, ..
+            } => *body == on && of.is_none_or(|of| of == thruster),
+            _ => false,
+        }
+    }
+
     /// What a body loses by it, per unit: the ten parameters of the body.
     pub(crate) fn lost(&self) -> Option<(usize, InertialParameters)> {
         let Self::PropellantUse {
             body,
             p_BoF_B,
             axis,
+            ..
         } = self
         else {
             return None;
