@@ -207,7 +207,7 @@ fn take_row(
         Cell::Empty | Cell::NotANumber => f64::NAN,
     };
     columns.origin = clock.origin;
-    if !selection.keeps(time_s + columns.own_zero_s()) {
+    if !selection.keeps(time_s, columns.origin) {
         return Ok(());
     }
     columns.time_s.push(time_s);

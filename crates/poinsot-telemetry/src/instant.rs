@@ -7,6 +7,8 @@ use std::fmt;
 
 /// Attoseconds in a second.
 pub(crate) const ATTO: i128 = 1_000_000_000_000_000_000;
+/// Attoseconds in a nanosecond.
+const ATTO_OF_NANO: i128 = 1_000_000_000;
 /// Seconds in a day that has no leap second.
 const DAY: i64 = 86_400;
 /// Other years are mistakes, or have unknown leap seconds.
@@ -83,7 +85,13 @@ impl Origin {
 
     /// Seconds from the origin to an instant, correctly rounded.
     pub(crate) fn seconds_to(&self, at: i128) -> f64 {
-        format!("{}e-18", at - self.at).parse().unwrap_or(f64::NAN)
+        let count = at - self.at;
+        // A double holds this many nanoseconds exactly, and rounds the quotient of two such numbers correctly.
+        const EXACT: i128 = ATTO_OF_NANO << f64::MANTISSA_DIGITS;
+        if count.abs() <= EXACT && count % ATTO_OF_NANO == 0 {
+            return (count / ATTO_OF_NANO) as f64 / 1e9;
+        }
+        format!("{count}e-18").parse().unwrap_or(f64::NAN)
     }
 
     /// Offset from a time of the table to the file's own count, s; zero for dates.
@@ -129,7 +137,7 @@ impl fmt::Display for Origin {
 
 fn epoch(at: i128) -> Epoch {
     Epoch::from_tai_duration(Duration::from_total_nanoseconds(
-        at.div_euclid(1_000_000_000),
+        at.div_euclid(ATTO_OF_NANO),
     ))
 }
 
@@ -389,6 +397,27 @@ mod tests {
         };
         assert_eq!(origin.seconds_to(1_773_512_340 * ATTO + ATTO / 5), 0.2);
         assert_eq!(origin.own_zero_s(), 1_773_512_340.0);
+    }
+
+    /// The text is read by the standard library, correctly rounded.
+    #[test]
+    fn exact_seconds_are_those_of_the_decimal_text() {
+        const EXACT: i128 = ATTO_OF_NANO << 53;
+        for count in [
+            0,
+            1,
+            ATTO_OF_NANO,
+            ATTO_OF_NANO + 1,
+            123_456_789 * ATTO,
+            EXACT,
+        ] {
+            for count in (-3..=3).flat_map(|k| [count + k, count + k * ATTO_OF_NANO]) {
+                for count in [count, -count] {
+                    let text = format!("{count}e-18").parse();
+                    assert_eq!(text, Ok(Origin::OWN.seconds_to(count)), "{count}");
+                }
+            }
+        }
     }
 
     #[test]

@@ -236,7 +236,7 @@ fn take_times(
             Cell::Empty | Cell::NotANumber => f64::NAN,
         };
         columns.origin = clock.origin;
-        if selection.keeps(time_s + columns.own_zero_s()) {
+        if selection.keeps(time_s, columns.origin) {
             columns.time_s.push(time_s);
             columns.rows.push(row as u64 + 1);
             kept.push(row);

@@ -356,7 +356,7 @@ impl<'a> Taken<'a> {
                 Cell::Empty | Cell::NotANumber => f64::NAN,
             };
             self.columns.origin = self.clock.origin;
-            *keep = *keep && self.selection.keeps(time_s + self.columns.own_zero_s());
+            *keep = *keep && self.selection.keeps(time_s, self.columns.origin);
             if *keep {
                 self.columns.rows.push(row);
                 self.columns.time_s.push(time_s);

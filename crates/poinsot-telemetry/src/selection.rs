@@ -1,17 +1,17 @@
 //! Selection of rows, and the limit on their number.
 
-use crate::TelemetryError;
 use crate::columns::Columns;
 use crate::options::{MEMORY_MIB, ReadOptions};
 use crate::plan::Plan;
 use crate::size::{Limit, Rows};
+use crate::{Origin, TelemetryError};
 use std::path::Path;
 
 impl ReadOptions {
     /// Row selection for the readers.
     pub(crate) fn selection(&self) -> Selection {
         Selection {
-            time_s: self.time_s.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]),
+            time_s: self.time_s,
             limit: self.limit(),
             seen: 0,
         }
@@ -31,17 +31,19 @@ impl ReadOptions {
 
 /// Rows to keep, and their limit.
 pub(crate) struct Selection {
-    time_s: [f64; 2],
+    time_s: Option<[f64; 2]>,
     limit: Limit,
     seen: usize,
 }
 
 impl Selection {
-    /// Whether to keep the row at this time. A row without time is kept; it gives an error later.
-    pub(crate) fn keeps(&mut self, time_s: f64) -> bool {
-        let [from, to] = self.time_s;
-        if time_s < from || time_s > to {
-            return false;
+    /// Whether to keep the row at this time of the table. A row without time is kept; it gives an error later.
+    pub(crate) fn keeps(&mut self, time_s: f64, origin: Option<Origin>) -> bool {
+        if let Some([from, to]) = self.time_s {
+            let own = time_s + origin.map_or(0.0, |o| o.own_zero_s());
+            if own < from || own > to {
+                return false;
+            }
         }
         self.seen += 1;
         (self.seen - 1).is_multiple_of(self.limit.every)
