@@ -1,7 +1,7 @@
 //! Converts the time of a row to seconds since the origin of the segment.
 
 use crate::instant::{ATTO, Calendar};
-use crate::number::{self, Cell, InvalidNumber};
+use crate::number::{self, Cell, InvalidNumber, RawCell};
 use crate::{Dimension, Origin, Scale, TimeFormat, TimeMap, Unit, parse_unit};
 
 /// Larger times count from the origin of the segment; at this value a double resolves 2e-9 s.
@@ -131,11 +131,11 @@ impl Clock {
     /// Time of the row, s since the origin, which the first row sets.
     pub(crate) fn seconds(
         &mut self,
-        cell: &[u8],
-        week: Option<&[u8]>,
+        cell: RawCell,
+        week: Option<RawCell>,
     ) -> Result<Cell, InvalidNumber> {
-        let cell = cell.trim_ascii();
-        if cell.is_empty() {
+        let cell = cell.trimmed();
+        if let RawCell::Empty = cell {
             return Ok(Cell::Empty);
         }
         if self.format == TimeFormat::Number && self.since == TimeOrigin::Own {
@@ -151,7 +151,7 @@ impl Clock {
                 }
             }
             TimeFormat::GpsWeek => {
-                let week = number::decimal(week.unwrap_or_default().trim_ascii());
+                let week = week.unwrap_or(RawCell::Empty).trimmed().decimal();
                 let week = week.filter(|w| w % ATTO == 0 && (0..100_000 * ATTO).contains(w));
                 let week = week.ok_or(InvalidNumber(
                     "has a GPS week that is not a whole number",
@@ -159,8 +159,8 @@ impl Clock {
                 ))?;
                 gps_epoch() + week * WEEK_S + self.count(cell)?
             }
-            TimeFormat::Iso8601 => self.calendar.instant(cell, false)?,
-            TimeFormat::DayOfYear => self.calendar.instant(cell, true)?,
+            TimeFormat::Iso8601 => self.calendar.instant(&cell.text(), false)?,
+            TimeFormat::DayOfYear => self.calendar.instant(&cell.text(), true)?,
         };
         let scale = Some(self.calendar.scale());
         let origin = *self.origin.get_or_insert(Origin { at, scale });
@@ -174,11 +174,10 @@ impl Clock {
     }
 
     /// Seconds of a small number with an unknown epoch; `None` if its decimals matter.
-    pub(crate) fn small(&mut self, number: f64) -> Option<f64> {
-        let counts = self.format == TimeFormat::Number && self.since == TimeOrigin::Own;
+    fn small(&mut self, number: f64) -> Option<f64> {
         let seconds = self.unit.to_si(number);
         let own = self.origin.is_none_or(|o| o == Origin::OWN);
-        if !counts || !own || seconds.is_nan() || seconds.abs() >= COUNTED_S {
+        if !own || seconds.is_nan() || seconds.abs() >= COUNTED_S {
             return None;
         }
         self.origin = Some(Origin::OWN);
@@ -186,8 +185,11 @@ impl Clock {
     }
 
     /// Number with an unknown epoch; a small number is kept unchanged.
-    fn own_seconds(&mut self, cell: &[u8]) -> Result<Cell, InvalidNumber> {
-        let plain = number::parse(cell)?;
+    fn own_seconds(&mut self, cell: RawCell) -> Result<Cell, InvalidNumber> {
+        if let Some(seconds) = cell.number().and_then(|x| self.small(x)) {
+            return Ok(Cell::Number(seconds));
+        }
+        let plain = number::parse(&cell.text())?;
         let Cell::Number(x) = plain else {
             return Ok(plain);
         };
@@ -217,10 +219,12 @@ impl Clock {
     }
 
     /// Attoseconds of a number in the unit of the column.
-    fn count(&self, cell: &[u8]) -> Result<i128, InvalidNumber> {
-        number::parse(cell)?;
+    fn count(&self, cell: RawCell) -> Result<i128, InvalidNumber> {
+        if !matches!(cell, RawCell::Parts(..)) {
+            number::parse(&cell.text())?;
+        }
         let (factor, divisor) = (self.unit.factor as i128, self.unit.divisor as i128);
-        let exact = number::decimal(cell).and_then(|x| x.checked_mul(factor));
+        let exact = cell.decimal().and_then(|x| x.checked_mul(factor));
         exact.map(|x| x / divisor).ok_or(InvalidNumber(
             "is too large for a time",
             Some("correct the number or its unit"),
@@ -232,9 +236,13 @@ impl Clock {
 mod tests {
     use super::*;
 
+    fn text(cell: &str) -> RawCell<'_> {
+        RawCell::Text(cell.as_bytes())
+    }
+
     fn seconds(map: &TimeMap, cells: &[&str]) -> Vec<f64> {
         let mut clock = check_time(map).unwrap();
-        let mut of = |cell: &&str| match clock.seconds(cell.as_bytes(), Some(b"2409")) {
+        let mut of = |cell: &&str| match clock.seconds(text(cell), Some(text("2409"))) {
             Ok(Cell::Number(x)) => x,
             other => panic!("{cell}: {other:?}"),
         };
@@ -326,7 +334,7 @@ mod tests {
         });
         assert!(
             clock
-                .seconds(b"1.0", None)
+                .seconds(text("1.0"), None)
                 .unwrap_err()
                 .text(true)
                 .contains("name its epoch")

@@ -4,7 +4,7 @@ use crate::bytes::{ByteFault, Opened, TextBytes, check_unchanged, sha256_of};
 use crate::clock::Clock;
 use crate::columns::Columns;
 use crate::error::{Place, shown};
-use crate::number::{Cell, InvalidNumber};
+use crate::number::{Cell, InvalidNumber, RawCell};
 use crate::packing::{Packing, damaged};
 use crate::plan::{self, Plan};
 use crate::selection::{Selection, WhenFull};
@@ -201,7 +201,8 @@ fn take_row(
         why: why.text(index == plan.time_index),
     };
     let text = |index: usize| record.get(index).unwrap_or_default();
-    let time = clock.seconds(text(plan.time_index), plan.week_index.map(text));
+    let cell = |index: usize| RawCell::Text(text(index));
+    let time = clock.seconds(cell(plan.time_index), plan.week_index.map(cell));
     let time_s = match time.map_err(|why| fault(plan.time_index, &plan.time_column, why))? {
         Cell::Number(x) => x,
         Cell::Empty | Cell::NotANumber => f64::NAN,

@@ -4,7 +4,7 @@ use crate::bytes::Opened;
 use crate::columns::Columns;
 use crate::content_hash::hex;
 use crate::error::{Place, shown};
-use crate::number::Cell;
+use crate::number::{Cell, RawCell};
 use crate::plan::{self, Plan};
 use crate::size::Rows;
 use crate::{ReadOptions, TelemetryError};
@@ -37,18 +37,12 @@ impl Values {
         self.len() == 0
     }
 
-    fn text(&self, row: usize) -> String {
-        match self {
-            Self::Numbers(values) => match values.get(row) {
-                Some(x) if !x.is_nan() => x.to_string(),
-                _ => String::new(),
-            },
-            Self::Nanoseconds(values) => values.get(row).map_or(String::new(), |ns| {
-                let sign = if *ns < 0 { "-" } else { "" };
-                let ns = ns.unsigned_abs();
-                format!("{sign}{}.{:09}", ns / 1_000_000_000, ns % 1_000_000_000)
-            }),
-        }
+    fn cell(&self, row: usize) -> RawCell<'_> {
+        let cell = match self {
+            Self::Numbers(values) => values.get(row).map(|x| RawCell::Number(*x)),
+            Self::Nanoseconds(values) => values.get(row).map(|n| RawCell::Parts(*n, 1_000_000_000)),
+        };
+        cell.unwrap_or(RawCell::Empty)
     }
 }
 
@@ -202,33 +196,22 @@ fn take_times(
     let mut selection = options.selection();
     let mut kept = Vec::new();
     for row in 0..columns.rows_read {
-        let text = |index: usize| column(index).map_or(String::new(), |values| values.text(row));
+        let cell = |index: usize| column(index).map_or(RawCell::Empty, |values| values.cell(row));
         let mut chosen = true;
         for (k, (index, wanted)) in plan.filter.iter().enumerate() {
-            let found = text(*index);
+            let found = cell(*index).text();
             if k == 0 {
-                columns.saw(&found);
+                columns.saw(&String::from_utf8_lossy(&found));
             }
-            chosen &= found == *wanted;
+            chosen &= *found == *wanted.as_bytes();
         }
         if !chosen {
             continue;
         }
-        let plain = match column(plan.time_index) {
-            Some(Values::Numbers(times)) => times.get(row).and_then(|x| clock.small(*x)),
-            _ => None,
-        };
-        let time = match plain {
-            Some(seconds) => Ok(Cell::Number(seconds)),
-            None => {
-                let week = plan.week_index.map(text);
-                let week = week.as_deref().map(str::as_bytes);
-                clock.seconds(text(plan.time_index).as_bytes(), week)
-            }
-        };
+        let time = clock.seconds(cell(plan.time_index), plan.week_index.map(cell));
         let time = time.map_err(|why| TelemetryError::Number {
             place: Place::cell(path, row as u64 + 1, &plan.time_column),
-            value: shown(text(plan.time_index).as_bytes()),
+            value: shown(&cell(plan.time_index).text()),
             why: why.text(true),
         })?;
         let time_s = match time {

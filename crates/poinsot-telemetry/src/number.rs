@@ -1,5 +1,8 @@
 //! Parses one cell of text to a number; errors name common mistakes.
 
+use crate::instant::ATTO;
+use std::borrow::Cow;
+
 /// Content of a cell.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Cell {
@@ -9,6 +12,66 @@ pub(crate) enum Cell {
     Empty,
     /// The text NaN: no sample.
     NotANumber,
+}
+
+/// A cell as its source stores it: text, or already a number.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum RawCell<'a> {
+    Empty,
+    Text(&'a [u8]),
+    /// A number; NaN is an empty cell.
+    Number(f64),
+    /// A count of parts, so many to one: exact, where a double is not.
+    Parts(i64, i64),
+}
+
+impl<'a> RawCell<'a> {
+    /// The cell without blanks around it.
+    pub fn trimmed(self) -> Self {
+        match self {
+            Self::Text(text) if text.trim_ascii().is_empty() => Self::Empty,
+            Self::Text(text) => Self::Text(text.trim_ascii()),
+            Self::Number(x) if x.is_nan() => Self::Empty,
+            other => other,
+        }
+    }
+
+    /// The nearest double of a number or a whole count.
+    pub fn number(self) -> Option<f64> {
+        match self {
+            Self::Number(x) => Some(x),
+            Self::Parts(count, 1) => Some(count as f64),
+            _ => None,
+        }
+    }
+
+    /// Text that reads back to the same number.
+    pub fn text(self) -> Cow<'a, [u8]> {
+        match self {
+            Self::Empty => Cow::Borrowed(b""),
+            Self::Text(text) => Cow::Borrowed(text),
+            Self::Number(x) if x.is_nan() => Cow::Borrowed(b""),
+            Self::Number(x) => Cow::Owned(x.to_string().into_bytes()),
+            Self::Parts(count, 1) => Cow::Owned(count.to_string().into_bytes()),
+            Self::Parts(count, of) => Cow::Owned(fraction(count, of).into_bytes()),
+        }
+    }
+
+    /// The exact number in units of 1e-18; `None` if invalid or out of range.
+    pub fn decimal(self) -> Option<i128> {
+        match self {
+            Self::Parts(count, of) => Some(i128::from(count) * (ATTO / i128::from(of))),
+            other => decimal(&other.text()),
+        }
+    }
+}
+
+/// A count of parts as an exact decimal.
+fn fraction(count: i64, of: i64) -> String {
+    let sign = if count < 0 { "-" } else { "" };
+    let (count, of) = (count.unsigned_abs(), of.unsigned_abs());
+    let digits = of.ilog10() as usize;
+    format!("{sign}{}.{:0digits$}", count / of, count % of)
 }
 
 /// Why a cell is not a number, and the remedy if known.
@@ -171,6 +234,21 @@ mod tests {
         ] {
             assert_eq!(decimal(text.as_bytes()), value, "{text}");
         }
+    }
+
+    #[test]
+    fn exact_a_stored_number_is_that_of_its_text() {
+        for count in [0, 1, -1, 1_773_512_340_100_000_000, i64::MAX, i64::MIN] {
+            for of in [1, 1_000, 1_000_000, 1_000_000_000] {
+                let cell = RawCell::Parts(count, of);
+                let text = cell.text();
+                assert_eq!(cell.decimal(), decimal(&text), "{count} of {of}");
+                let number = cell.number().map(Cell::Number);
+                assert!(number.is_none_or(|x| parse(&text) == Ok(x)), "{count}");
+            }
+        }
+        assert_eq!(*RawCell::Parts(-1, 1_000).text(), *b"-0.001");
+        assert_eq!(*RawCell::Number(f64::NAN).text(), *b"");
     }
 
     #[test]

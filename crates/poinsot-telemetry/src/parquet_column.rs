@@ -1,6 +1,6 @@
 //! Columns of a Parquet file: what they hold, and their cells batch by batch.
 
-use crate::number::Cell;
+use crate::number::{Cell, RawCell};
 use parquet::basic::{ConvertedType, LogicalType, TimeUnit, Type as Stored};
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::{ByteArray, DataType, Int96};
@@ -99,12 +99,12 @@ fn converted_kind(stored: Stored, old: ConvertedType) -> std::result::Result<Kin
 
 /// Cells of some rows of a column; `None` is an empty cell.
 pub(crate) enum Cells {
-    Numbers(Vec<Option<f64>>),
+    Numbers(Vec<Cell>),
     /// 64-bit integers: a double cannot represent every one.
     Whole(Vec<Option<i64>>),
     /// Counts since 1970, so many to a second.
     Instants(Vec<Option<i64>>, i64),
-    Texts(Vec<Option<String>>),
+    Texts(Vec<Option<ByteArray>>),
 }
 
 impl Cells {
@@ -116,95 +116,102 @@ impl Cells {
         }
     }
 
-    /// As numbers; the type's name for texts and instants.
-    pub fn numbers(&self) -> std::result::Result<Vec<Cell>, &'static str> {
-        let cell = |x: Option<f64>| match x {
-            None => Cell::Empty,
-            Some(x) if x.is_nan() => Cell::NotANumber,
-            Some(x) => Cell::Number(x),
+    /// The type's name where the cells are no numbers.
+    pub fn no_numbers(&self) -> Option<&'static str> {
+        match self {
+            Self::Numbers(_) | Self::Whole(_) => None,
+            Self::Instants(..) => Some("timestamp"),
+            Self::Texts(_) => Some("text"),
+        }
+    }
+
+    /// The cell of a row as a number.
+    pub fn number(&self, row: usize) -> Cell {
+        let cell = match self {
+            Self::Numbers(cells) => cells.get(row).copied(),
+            Self::Whole(cells) => cells
+                .get(row)
+                .map(|n| n.map_or(Cell::Empty, |n| Cell::Number(n as f64))),
+            Self::Instants(..) | Self::Texts(_) => None,
         };
-        match self {
-            Self::Numbers(cells) => Ok(cells.iter().map(|x| cell(*x)).collect()),
-            Self::Whole(cells) => Ok(cells.iter().map(|x| cell(x.map(|x| x as f64))).collect()),
-            Self::Instants(..) => Err("timestamp"),
-            Self::Texts(_) => Err("text"),
-        }
+        cell.unwrap_or(Cell::Empty)
     }
 
-    /// As texts: strings unchanged, numbers formatted, instants as seconds since 1970.
-    pub fn texts(self) -> Vec<Option<String>> {
-        let number = |x: Option<f64>| x.filter(|x| !x.is_nan()).map(|x| x.to_string());
-        match self {
-            Self::Texts(cells) => cells,
-            Self::Numbers(cells) => cells.into_iter().map(number).collect(),
-            Self::Whole(cells) => {
-                let text = |x: Option<i64>| x.map(|x| x.to_string());
-                cells.into_iter().map(text).collect()
-            }
-            Self::Instants(cells, per_second) => {
-                let text = |x: Option<i64>| x.map(|x| decimal_seconds(x, per_second));
-                cells.into_iter().map(text).collect()
-            }
-        }
+    /// The cell of a row; an instant is in seconds since 1970.
+    pub fn stored(&self, row: usize) -> RawCell<'_> {
+        let parts = |cells: &[Option<i64>], of| Some(RawCell::Parts((*cells.get(row)?)?, of));
+        let cell = match self {
+            Self::Numbers(cells) => match cells.get(row) {
+                Some(Cell::Number(x)) => Some(RawCell::Number(*x)),
+                _ => None,
+            },
+            Self::Whole(cells) => parts(cells, 1),
+            Self::Instants(cells, per_second) => parts(cells, *per_second),
+            Self::Texts(cells) => cells
+                .get(row)
+                .and_then(|text| Some(RawCell::Text(text.as_ref()?.data()))),
+        };
+        cell.unwrap_or(RawCell::Empty)
     }
-}
-
-/// A count of fractions of a second as an exact decimal.
-fn decimal_seconds(count: i64, per_second: i64) -> String {
-    let sign = if count < 0 { "-" } else { "" };
-    let (count, per_second) = (count.unsigned_abs(), per_second.unsigned_abs());
-    let digits = per_second.ilog10() as usize;
-    let (whole, part) = (count / per_second, count % per_second);
-    format!("{sign}{whole}.{part:0digits$}")
 }
 
 /// The next cells of a column, at most so many.
 pub(crate) fn next(reader: &mut ColumnReader, kind: Kind, most: usize) -> Result<Cells> {
     let unsigned = kind == Kind::Unsigned;
     Ok(match reader {
-        ColumnReader::BoolColumnReader(r) => {
-            Cells::Numbers(decode(r, most, |b| f64::from(u8::from(b)))?)
-        }
-        ColumnReader::FloatColumnReader(r) => Cells::Numbers(decode(r, most, f64::from)?),
-        ColumnReader::DoubleColumnReader(r) => Cells::Numbers(decode(r, most, |x| x)?),
+        ColumnReader::BoolColumnReader(r) => numbers(r, most, |b| f64::from(u8::from(b)))?,
+        ColumnReader::FloatColumnReader(r) => numbers(r, most, f64::from)?,
+        ColumnReader::DoubleColumnReader(r) => numbers(r, most, |x| x)?,
         ColumnReader::Int32ColumnReader(r) if unsigned => {
-            Cells::Numbers(decode(r, most, |n| f64::from(n.cast_unsigned()))?)
+            numbers(r, most, |n| f64::from(n.cast_unsigned()))?
         }
-        ColumnReader::Int32ColumnReader(r) => Cells::Numbers(decode(r, most, f64::from)?),
+        ColumnReader::Int32ColumnReader(r) => numbers(r, most, f64::from)?,
         ColumnReader::Int64ColumnReader(r) if unsigned => {
-            Cells::Numbers(decode(r, most, |n| n.cast_unsigned() as f64)?)
+            numbers(r, most, |n| n.cast_unsigned() as f64)?
         }
         ColumnReader::Int64ColumnReader(r) => match kind {
-            Kind::Instant(per_second) => Cells::Instants(decode(r, most, |n| n)?, per_second),
-            _ => Cells::Whole(decode(r, most, |n| n)?),
+            Kind::Instant(per_second) => Cells::Instants(decode(r, most, None, Some)?, per_second),
+            _ => Cells::Whole(decode(r, most, None, Some)?),
         },
         ColumnReader::Int96ColumnReader(r) => {
-            Cells::Instants(decode(r, most, |t: Int96| t.to_nanos())?, NANOSECONDS)
+            let nanoseconds = |t: Int96| Some(t.to_nanos());
+            Cells::Instants(decode(r, most, None, nanoseconds)?, NANOSECONDS)
         }
-        ColumnReader::ByteArrayColumnReader(r) => Cells::Texts(decode(r, most, text)?),
+        ColumnReader::ByteArrayColumnReader(r) => Cells::Texts(decode(r, most, None, Some)?),
         ColumnReader::FixedLenByteArrayColumnReader(r) => {
-            Cells::Texts(decode(r, most, |bytes| text(bytes.into()))?)
+            Cells::Texts(decode(r, most, None, |bytes| Some(bytes.into()))?)
         }
     })
 }
 
-fn text(bytes: ByteArray) -> String {
-    String::from_utf8_lossy(bytes.data()).into_owned()
+/// Cells of a column of numbers.
+fn numbers<T: DataType>(
+    reader: &mut ColumnReaderImpl<T>,
+    most: usize,
+    value: impl Fn(T::T) -> f64,
+) -> Result<Cells> {
+    let cell = |x: T::T| match value(x) {
+        x if x.is_nan() => Cell::NotANumber,
+        x => Cell::Number(x),
+    };
+    Ok(Cells::Numbers(decode(reader, most, Cell::Empty, cell)?))
 }
 
 /// Values with the empty cells between them.
-fn decode<T: DataType, V>(
+fn decode<T: DataType, V: Clone>(
     reader: &mut ColumnReaderImpl<T>,
     most: usize,
+    empty: V,
     value: impl Fn(T::T) -> V,
-) -> Result<Vec<Option<V>>> {
+) -> Result<Vec<V>> {
     let (mut levels, mut values) = (Vec::new(), Vec::with_capacity(most));
     reader.read_records(most, Some(&mut levels), None, &mut values)?;
     let mut values = values.into_iter().map(value);
     // A column in which no cell may be empty has no levels.
     if levels.is_empty() {
-        return Ok(values.map(Some).collect());
+        return Ok(values.collect());
     }
-    let cell = |level: i16| if level > 0 { values.next() } else { None };
-    Ok(levels.into_iter().map(cell).collect())
+    let cell = |level: i16| (level > 0).then(|| values.next()).flatten();
+    let cells = levels.into_iter().map(cell);
+    Ok(cells.map(|c| c.unwrap_or_else(|| empty.clone())).collect())
 }

@@ -6,7 +6,7 @@ use crate::bytes::{Opened, check_unchanged, sha256_of};
 use crate::clock::Clock;
 use crate::columns::Columns;
 use crate::error::{Place, shown};
-use crate::number::Cell;
+use crate::number::{Cell, RawCell};
 use crate::parquet_bytes::ParquetBytes;
 use crate::parquet_column::{self, Cells, Column, Kind};
 use crate::parquet_dictionaries;
@@ -110,7 +110,7 @@ fn decode(
             let Some(batch) = group.next(most).map_err(|e| refused(path, e))? else {
                 break;
             };
-            taken.batch(batch)?;
+            taken.batch(&batch)?;
             let full = full.as_deref_mut();
             let columns = &mut taken.columns;
             taken.selection.check(path, &plan, columns, rows, full)?;
@@ -151,6 +151,11 @@ fn unsupported(path: &Path, name: &str, kind: &str) -> TelemetryError {
 
 /// Cells of some rows, by their column's place in the header.
 type Batch = BTreeMap<usize, Cells>;
+
+/// A cell of a column, empty where the column is missing.
+fn cell(cells: Option<&Cells>, row: usize) -> RawCell<'_> {
+    cells.map_or(RawCell::Empty, |cells| cells.stored(row))
+}
 
 /// The used columns of one row group.
 struct Group {
@@ -288,33 +293,25 @@ impl<'a> Taken<'a> {
         }
     }
 
-    fn batch(&mut self, mut batch: Batch) -> Result<(), TelemetryError> {
+    fn batch(&mut self, batch: &Batch) -> Result<(), TelemetryError> {
         let rows = batch.values().map(Cells::len).min().unwrap_or(0);
         let first = self.columns.rows_read as u64 + 1;
-        // A column may serve several channels, and choose rows besides.
-        let mut numbers = BTreeMap::new();
-        for root in self.plan.channels.iter().map(|c| c.index) {
-            if let Some(cells) = batch.get(&root) {
-                let name = self.used.get(&root).map_or("", |c| c.name.as_str());
-                let cells = cells.numbers();
-                let cells = cells.map_err(|kind| unsupported(self.path, name, kind))?;
-                numbers.insert(root, cells);
+        let channels = self.plan.channels.iter().enumerate();
+        let channels = channels.filter_map(|(k, c)| Some((k, c, batch.get(&c.index)?)));
+        for (_, channel, cells) in channels.clone() {
+            if let Some(kind) = cells.no_numbers() {
+                let name = self
+                    .used
+                    .get(&channel.index)
+                    .map_or("", |c| c.name.as_str());
+                return Err(unsupported(self.path, name, kind));
             }
         }
-        let filter = self.plan.filter.iter().map(|f| f.0);
-        let roots = filter
-            .chain(self.plan.week_index)
-            .chain([self.plan.time_index]);
-        let texts = roots.filter_map(|root| Some((root, batch.remove(&root)?.texts())));
-        let texts: BTreeMap<_, _> = texts.collect();
-        let keep = self.kept(rows, first, &texts)?;
-        for (k, channel) in self.plan.channels.iter().enumerate() {
-            let cells = numbers.get(&channel.index).into_iter().flatten();
-            for ((cell, keep), row) in cells.zip(&keep).zip(first..) {
-                if *keep {
-                    let cell = channel.conversion.number(*cell);
-                    self.columns.push(k, row, cell);
-                }
+        let kept = self.kept(rows, first, batch)?;
+        for (k, channel, cells) in channels {
+            for &row in &kept {
+                let cell = channel.conversion.number(cells.number(row));
+                self.columns.push(k, first + row as u64, cell);
             }
         }
         self.columns.rows_read += rows;
@@ -326,29 +323,29 @@ impl<'a> Taken<'a> {
         &mut self,
         rows: usize,
         first: u64,
-        texts: &BTreeMap<usize, Vec<Option<String>>>,
-    ) -> Result<Vec<bool>, TelemetryError> {
-        let cells = |root: usize| texts.get(&root).map_or(&[][..], Vec::as_slice);
-        let mut keep = vec![true; rows];
-        for (k, (root, text)) in self.plan.filter.iter().enumerate() {
-            for (keep, cell) in keep.iter_mut().zip(cells(*root)) {
-                let cell = cell.as_deref().unwrap_or_default();
-                if k == 0 {
-                    self.columns.saw(cell);
+        batch: &Batch,
+    ) -> Result<Vec<usize>, TelemetryError> {
+        let filter = self.plan.filter.iter();
+        let filter: Vec<_> = filter.map(|(root, text)| (batch.get(root), text)).collect();
+        let times = batch.get(&self.plan.time_index);
+        let weeks = self.plan.week_index.map(|week| batch.get(&week));
+        let mut kept = Vec::with_capacity(rows);
+        for k in 0..rows {
+            let mut keep = true;
+            for (i, (cells, text)) in filter.iter().enumerate() {
+                let found = cell(*cells, k).text();
+                if i == 0 {
+                    self.columns.saw(&String::from_utf8_lossy(&found));
                 }
-                *keep &= cell == text;
+                keep &= *found == *text.as_bytes();
             }
-        }
-        let weeks = self.plan.week_index.map(cells);
-        let times = cells(self.plan.time_index);
-        for (k, (cell, keep)) in times.iter().zip(&mut keep).enumerate() {
             let row = first + k as u64;
-            let week = weeks.map(|w| w.get(k).and_then(Option::as_deref).unwrap_or_default());
-            let text = cell.as_deref().unwrap_or_default();
-            let time = self.clock.seconds(text.as_bytes(), week.map(str::as_bytes));
+            let time = self
+                .clock
+                .seconds(cell(times, k), weeks.map(|w| cell(w, k)));
             let time = time.map_err(|why| TelemetryError::Number {
                 place: Place::cell(self.path, row, &self.plan.time_column),
-                value: shown(text.as_bytes()),
+                value: shown(&cell(times, k).text()),
                 why: why.text(true),
             })?;
             let time_s = match time {
@@ -356,12 +353,12 @@ impl<'a> Taken<'a> {
                 Cell::Empty | Cell::NotANumber => f64::NAN,
             };
             self.columns.origin = self.clock.origin;
-            *keep = *keep && self.selection.keeps(time_s, self.columns.origin);
-            if *keep {
+            if keep && self.selection.keeps(time_s, self.columns.origin) {
                 self.columns.rows.push(row);
                 self.columns.time_s.push(time_s);
+                kept.push(k);
             }
         }
-        Ok(keep)
+        Ok(kept)
     }
 }
