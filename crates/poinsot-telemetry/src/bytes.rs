@@ -140,8 +140,7 @@ impl<R: Read> TextBytes<R> {
 
     /// SHA-256 of the bytes read, hexadecimal.
     pub(crate) fn sha256(self) -> io::Result<String> {
-        let failed = || io::Error::other("the thread that hashes the file ended");
-        self.hash.finish().ok_or_else(failed)
+        self.hash.finish()
     }
 
     /// Whether the last byte read ends a line.
@@ -204,8 +203,12 @@ impl<R: Read> Read for TextBytes<R> {
     }
 }
 
-/// SHA-256 of a whole file, hexadecimal.
-pub(crate) fn sha256_of(path: &Path, file: &mut File) -> Result<String, TelemetryError> {
+/// SHA-256 of a whole file, hexadecimal; of its first part only where `goes_on` turns false.
+pub(crate) fn sha256_of(
+    path: &Path,
+    mut file: impl Read,
+    goes_on: impl Fn() -> bool,
+) -> Result<String, TelemetryError> {
     let mut hash = Sha256::new();
     let mut buffer = vec![0_u8; 1 << 16];
     loop {
@@ -216,7 +219,7 @@ pub(crate) fn sha256_of(path: &Path, file: &mut File) -> Result<String, Telemetr
                 what: "cannot be read",
                 source,
             })?;
-        if n == 0 {
+        if n == 0 || !goes_on() {
             return Ok(hex(hash));
         }
         hash.update(buffer.get(..n).unwrap_or_default());

@@ -1,11 +1,12 @@
 //! SHA-256 of a byte stream; of a long one on a thread of its own, beside the parser.
 
 use sha2::{Digest, Sha256};
+use std::io;
 use std::sync::mpsc::{Receiver, SyncSender, channel, sync_channel};
 use std::thread::{Builder, JoinHandle};
 
 /// Bytes from which a thread is worth its start.
-const LONG: u64 = 4 << 20;
+pub(crate) const LONG: u64 = 4 << 20;
 /// Blocks that may wait for the thread.
 const WAITING: usize = 16;
 
@@ -82,17 +83,25 @@ impl ContentHash {
         }
     }
 
-    /// The digest, hexadecimal; `None` if the thread failed.
-    pub fn finish(self) -> Option<String> {
+    /// The digest, hexadecimal.
+    ///
+    /// # Errors
+    /// The thread failed.
+    pub fn finish(self) -> io::Result<String> {
         let hash = match self.state {
             State::Here(hash) | State::Alone(hash) => hash,
             State::Beside(beside) => {
                 drop(beside.blocks);
-                beside.thread.join().ok()?
+                beside.thread.join().map_err(|_| ended())?
             }
         };
-        Some(hex(hash))
+        Ok(hex(hash))
     }
+}
+
+/// The error where the thread failed.
+pub(crate) fn ended() -> io::Error {
+    io::Error::other("the thread that hashes the file ended")
 }
 
 /// The digest, hexadecimal.

@@ -6,7 +6,6 @@ use parquet::column::page::{Page, PageReader};
 use parquet::errors::Result;
 use parquet::file::metadata::{ColumnChunkMetaData, ParquetMetaData};
 use parquet::file::serialized_reader::SerializedPageReader;
-use std::fs::File;
 use std::sync::Arc;
 
 /// Describes the first dictionary in the selected columns that declares more values than its bytes can hold. Other
@@ -15,11 +14,11 @@ use std::sync::Arc;
 /// # Errors
 /// A page header cannot be read, or a dictionary cannot be decompressed.
 pub(crate) fn excess(
-    file: File,
+    file: &ParquetBytes,
     metadata: &ParquetMetaData,
     leaves: &[usize],
 ) -> Result<Option<String>> {
-    let source = Arc::new(ParquetBytes(file));
+    let source = Arc::new(file.clone());
     for group in metadata.row_groups() {
         let rows = usize::try_from(group.num_rows()).unwrap_or(0);
         let chosen = group.columns().iter().enumerate();

@@ -4,10 +4,10 @@
 //! The decoder reports neither the pages with a checksum nor the rows of a bad page. The page headers are therefore
 //! parsed here (`parquet.thrift`, Thrift compact protocol).
 
+use crate::parquet_bytes::{FromByte, ParquetBytes};
 use crc32fast::Hasher;
 use parquet::file::metadata::ParquetMetaData;
-use std::fs::File;
-use std::io::{self, BufReader, Read, Seek, SeekFrom, Take};
+use std::io::{self, BufReader, Read, Take};
 
 /// Deepest nesting in a page header; the format has 3.
 const DEPTH: usize = 8;
@@ -41,7 +41,7 @@ pub(crate) struct BadPage {
 /// # Errors
 /// Reading fails.
 pub(crate) fn compare(
-    mut file: File,
+    file: &ParquetBytes,
     metadata: &ParquetMetaData,
     leaves: &[usize],
 ) -> io::Result<Checksums> {
@@ -51,8 +51,7 @@ pub(crate) fn compare(
         let chosen = group.columns().iter().enumerate();
         for (_, column) in chosen.filter(|(k, _)| leaves.contains(k)) {
             let (start, length) = column.byte_range();
-            file.seek(SeekFrom::Start(start))?;
-            let mut pages = BufReader::with_capacity(CHUNK, file.try_clone()?).take(length);
+            let mut pages = BufReader::with_capacity(CHUNK, file.reader_at(start)).take(length);
             if let Some(rows_before) = compare_chunk(&mut pages, &mut found)? {
                 let row = first_row + rows_before;
                 if found.bad.as_ref().is_none_or(|bad| row < bad.row) {
@@ -88,7 +87,7 @@ fn compare_chunk(pages: &mut Pages, found: &mut Checksums) -> io::Result<Option<
     Ok(None)
 }
 
-type Pages = Take<BufReader<File>>;
+type Pages = Take<BufReader<FromByte>>;
 
 /// CRC-32 of the next bytes; `None` if there are fewer.
 fn hash(pages: &mut Pages, size: u64) -> io::Result<Option<u32>> {
@@ -280,10 +279,10 @@ mod tests {
         (0..metadata.row_group(0).num_columns()).collect()
     }
 
-    fn file(bytes: &[u8]) -> File {
+    fn file(bytes: &[u8]) -> ParquetBytes {
         let mut file = tempfile::tempfile().unwrap();
         io::Write::write_all(&mut file, bytes).unwrap();
-        file
+        ParquetBytes::new(file)
     }
 
     /// Offset and length of each page, with column and first row.
@@ -293,9 +292,7 @@ mod tests {
         for group in metadata.row_groups() {
             for column in group.columns() {
                 let (start, length) = column.byte_range();
-                let mut handle = file(bytes);
-                handle.seek(SeekFrom::Start(start)).unwrap();
-                let mut left = BufReader::new(handle).take(length);
+                let mut left = BufReader::new(file(bytes).reader_at(start)).take(length);
                 let mut row = first;
                 while left.limit() > 0 {
                     let header = Header::read(&mut left).unwrap().unwrap();
@@ -317,7 +314,7 @@ mod tests {
         for version in ["v1", "v2"] {
             let good = data(version);
             let metadata = metadata(&good);
-            let mut sound = compare(file(&good), &metadata, &all(&metadata)).unwrap();
+            let mut sound = compare(&file(&good), &metadata, &all(&metadata)).unwrap();
             assert_eq!((sound.bad.take(), sound.pages), (None, sound.compared));
             let pages = pages(&good, &metadata);
             assert_eq!(pages.len(), sound.pages);
@@ -326,7 +323,7 @@ mod tests {
                 for byte in (at..at + length).step_by(5).chain([at + length - 1]) {
                     let mut bad = good.clone();
                     bad[byte] ^= 1;
-                    let found = compare(file(&bad), &metadata, &all(&metadata)).unwrap();
+                    let found = compare(&file(&bad), &metadata, &all(&metadata)).unwrap();
                     let column = column.clone();
                     assert_eq!(
                         found.bad,
@@ -345,9 +342,9 @@ mod tests {
         for at in 4..1500 {
             let mut bad = good.clone();
             bad[at] = 255;
-            compare(file(&bad), &metadata, &all(&metadata)).unwrap();
+            compare(&file(&bad), &metadata, &all(&metadata)).unwrap();
             bad[at] = 0;
-            compare(file(&bad), &metadata, &all(&metadata)).unwrap();
+            compare(&file(&bad), &metadata, &all(&metadata)).unwrap();
         }
     }
 }

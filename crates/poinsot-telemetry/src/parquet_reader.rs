@@ -5,6 +5,7 @@
 use crate::bytes::{Opened, check_unchanged, sha256_of};
 use crate::clock::Clock;
 use crate::columns::Columns;
+use crate::content_hash::{LONG, ended};
 use crate::error::{Place, shown};
 use crate::number::{Cell, RawCell};
 use crate::parquet_bytes::ParquetBytes;
@@ -19,10 +20,11 @@ use parquet::column::reader::ColumnReader;
 use parquet::file::metadata::ParquetMetaData;
 use parquet::file::reader::{FileReader, RowGroupReader, SerializedFileReader};
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::Seek;
+use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::{self, Builder};
 
 /// Rows decoded at a time.
 const BATCH: usize = 8192;
@@ -36,18 +38,50 @@ pub(crate) fn read(
     full: Option<&mut WhenFull>,
 ) -> Result<(Plan, Columns, String), TelemetryError> {
     let file = opened.file.try_clone();
-    let file = file.map_err(|source| TelemetryError::Io {
+    let file = ParquetBytes::new(file.map_err(|source| unreadable(path, source))?);
+    let work = || {
+        let decode = || decode(path, &file, opened.len, options, repairs, full);
+        let decoded = catch_unwind(AssertUnwindSafe(decode));
+        decoded.unwrap_or_else(|_| Err(refused(path, "the file is damaged (the decoder stopped)")))
+    };
+    let ((plan, columns), sha256) = hashed(path, &file, opened.len, work)?;
+    check_unchanged(path, opened)?;
+    Ok((plan, columns, sha256))
+}
+
+/// The result of `work`, and SHA-256 of the file: of a long one on a thread beside it, which ends early if it fails.
+fn hashed<T>(
+    path: &Path,
+    file: &ParquetBytes,
+    bytes: u64,
+    work: impl FnOnce() -> Result<T, TelemetryError>,
+) -> Result<(T, String), TelemetryError> {
+    let failed = AtomicBool::new(false);
+    let hash = || sha256_of(path, file.reader_at(0), || !failed.load(Ordering::Relaxed));
+    thread::scope(|scope| {
+        let beside = match bytes > LONG {
+            true => Builder::new().spawn_scoped(scope, hash).ok(),
+            false => None,
+        };
+        let done = work();
+        failed.store(done.is_err(), Ordering::Relaxed);
+        let done = done?;
+        let sha256 = match beside {
+            Some(thread) => thread
+                .join()
+                .unwrap_or_else(|_| Err(unreadable(path, ended()))),
+            None => hash(),
+        };
+        Ok((done, sha256?))
+    })
+}
+
+fn unreadable(path: &Path, source: io::Error) -> TelemetryError {
+    TelemetryError::Io {
         path: path.to_owned(),
         what: "cannot be read",
         source,
-    })?;
-    let decoded = catch_unwind(AssertUnwindSafe(|| {
-        decode(path, file, opened.len, options, repairs, full)
-    }));
-    let (plan, columns, sha256) = decoded
-        .unwrap_or_else(|_| Err(refused(path, "the file is damaged (the decoder stopped)")))?;
-    check_unchanged(path, opened)?;
-    Ok((plan, columns, sha256))
+    }
 }
 
 fn refused(path: &Path, why: impl ToString) -> TelemetryError {
@@ -59,19 +93,13 @@ fn refused(path: &Path, why: impl ToString) -> TelemetryError {
 
 fn decode(
     path: &Path,
-    file: File,
+    file: &ParquetBytes,
     bytes: u64,
     options: &ReadOptions,
     repairs: &mut Vec<String>,
     mut full: Option<&mut WhenFull>,
-) -> Result<(Plan, Columns, String), TelemetryError> {
-    let io = |source| TelemetryError::Io {
-        path: path.to_owned(),
-        what: "cannot be read",
-        source,
-    };
-    let mut whole = file.try_clone().map_err(io)?;
-    let reader = SerializedFileReader::new(ParquetBytes(file)).map_err(|e| refused(path, e))?;
+) -> Result<(Plan, Columns), TelemetryError> {
+    let reader = SerializedFileReader::new(file.clone()).map_err(|e| refused(path, e))?;
     let metadata = reader.metadata();
     let declared = plausible_rows(path, metadata, bytes)?;
     let schema = metadata.file_metadata().schema_descr();
@@ -82,8 +110,6 @@ fn decode(
     if full.is_none() {
         options.limit().check_ahead(path, &plan, options, rows)?;
     }
-    whole.rewind().map_err(io)?;
-    let sha256 = sha256_of(path, &mut whole)?;
     let mut used = Used::new();
     for root in used_roots(&plan) {
         let name = header.get(root).map_or("", String::as_str);
@@ -91,13 +117,12 @@ fn decode(
         used.insert(root, column);
     }
     let leaves: Vec<usize> = used.values().map(|c| c.leaf).collect();
-    let pages = whole.try_clone().map_err(io)?;
-    let excess = parquet_dictionaries::excess(pages, metadata, &leaves);
+    let excess = parquet_dictionaries::excess(file, metadata, &leaves);
     if let Some(why) = excess.map_err(|e| refused(path, e))? {
         return Err(refused(path, why));
     }
-    let sums = whole.try_clone().map_err(io)?;
-    let sums = parquet_pages::compare(sums, metadata, &leaves).map_err(io)?;
+    let sums = parquet_pages::compare(file, metadata, &leaves);
+    let sums = sums.map_err(|source| unreadable(path, source))?;
     let sound = sound_rows(path, &sums, declared, options.recover, repairs)?;
     let mut taken = Taken::new(path, &plan, &used, options);
     for k in 0..metadata.num_row_groups() {
@@ -126,7 +151,7 @@ fn decode(
             ),
         ));
     }
-    Ok((plan, columns, sha256))
+    Ok((plan, columns))
 }
 
 /// The columns that are read, by their place in the header.

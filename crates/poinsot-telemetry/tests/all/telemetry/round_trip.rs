@@ -3,6 +3,7 @@
 use crate::telemetry::Folder;
 use poinsot_telemetry::{Channel, ReadOptions, TelemetryError, parse_unit, read, write};
 use proptest::prelude::*;
+use sha2::{Digest, Sha256};
 use std::sync::Arc;
 
 fn channel(sensor: &str, name: &str, time_s: &[f64], values: &[f64]) -> Channel {
@@ -45,6 +46,26 @@ proptest! {
             }
             prop_assert!(table.repairs.is_empty());
         }
+    }
+}
+
+/// Files from 4 MiB are hashed on a second thread.
+#[test]
+fn exact_a_long_file_has_the_hash_of_its_bytes() {
+    let folder = Folder::new();
+    let time_s: Vec<f64> = (0..400_000).map(|k| f64::from(k) * 0.1).collect();
+    let values: Vec<f64> = time_s.iter().map(|t| t.sin()).collect();
+    let channels = [channel("", "omega_x", &time_s, &values)];
+    for name in ["a.csv", "a.parquet"] {
+        let path = folder.path(name);
+        write(&path, &channels).unwrap();
+        let table = read(&[&path], &ReadOptions::default()).unwrap();
+        let bytes = std::fs::read(&path).unwrap();
+        assert!(bytes.len() > 5 << 20, "{name}: {} bytes", bytes.len());
+        let digest = Sha256::digest(&bytes);
+        let digest: String = digest.iter().map(|b| format!("{b:02x}")).collect();
+        assert_eq!(table.sources[0].sha256, digest, "{name}");
+        assert_eq!(table.channels, channels, "{name}");
     }
 }
 
