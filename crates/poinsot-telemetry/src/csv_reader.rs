@@ -3,6 +3,7 @@
 use crate::bytes::{ByteFault, Opened, TextBytes, check_unchanged, sha256_of};
 use crate::clock::Clock;
 use crate::columns::Columns;
+use crate::csv_rows::{CsvRows, Row};
 use crate::error::{Place, shown};
 use crate::number::{Cell, InvalidNumber, RawCell};
 use crate::packing::{Packing, damaged};
@@ -10,8 +11,7 @@ use crate::plan::{self, Plan};
 use crate::selection::{Selection, WhenFull};
 use crate::size::Rows;
 use crate::{Encoding, Layout, ReadOptions, TelemetryError};
-use csv::ByteRecord;
-use std::io::{Read, Seek};
+use std::io::{self, Read, Seek};
 use std::path::Path;
 
 /// Reads a CSV file row by row; unused columns are not parsed.
@@ -30,15 +30,9 @@ pub(crate) fn read(
     let (unpacked, rows, packed_sha256) = unpacked(path, opened)?;
     let layout = options.map.for_file(path).layout;
     let above = layout.header_row.unwrap_or(1).saturating_sub(1);
-    let mut reader = csv::ReaderBuilder::new()
-        .has_headers(false)
-        .flexible(true)
-        .delimiter(layout.delimiter.unwrap_or(b','))
-        .comment(layout.comment)
-        .buffer_capacity(1 << 16)
-        .from_reader(TextBytes::new(unpacked, above));
-    let mut record = ByteRecord::new();
-    let (header, units) = headers(path, &mut reader, &mut record, (above, layout, options))?;
+    let bytes = TextBytes::new(unpacked, above);
+    let mut reader = CsvRows::new(bytes, layout.delimiter.unwrap_or(b','), layout.comment);
+    let (header, units) = headers(path, &mut reader, (above, layout, options))?;
     let mut selection = options.selection();
     let plan = plan::build(path, &header, units.as_deref(), options)?;
     let mut clock = plan.clock.clone();
@@ -46,17 +40,18 @@ pub(crate) fn read(
         options.limit().check_ahead(path, &plan, options, rows)?;
     }
     let mut columns = Columns::with_channels(plan.channels.len());
+    reader.used = plan.used_columns().max().map_or(0, |last| last + 1);
     let mut last_row = 0;
-    while next(path, &mut reader, &mut record)? {
+    while let Some(row) = readable(path, reader.next_row())? {
         // A row is passed on only when another follows, because the last one may have to be dropped.
         selection.check(path, &plan, &mut columns, rows, full.as_deref_mut())?;
-        last_row = above + record.position().map_or(0, csv::Position::line);
+        last_row = above + row.line;
         columns.rows_read += 1;
         let taken = take_row(
             path,
             &plan,
             &mut clock,
-            &record,
+            &row,
             last_row,
             &mut selection,
             &mut columns,
@@ -65,8 +60,8 @@ pub(crate) fn read(
         let Err(error) = taken else {
             continue;
         };
-        let is_last = !next(path, &mut reader, &mut record)?;
-        if !is_last || reader.get_ref().ends_a_line() {
+        let is_last = readable(path, reader.next_row())?.is_none();
+        if !is_last || reader.ends_a_line() {
             return Err(error);
         }
         if !options.recover {
@@ -83,7 +78,7 @@ pub(crate) fn read(
         columns.drop_row(last_row);
         last_row = 0;
     }
-    if last_row > 0 && !reader.get_ref().ends_a_line() {
+    if last_row > 0 && !reader.ends_a_line() {
         let row = Place::row(path, last_row);
         repairs.push(take_unended(&row, options.recover, last_row, &mut columns));
     }
@@ -91,7 +86,7 @@ pub(crate) fn read(
     check_unchanged(path, opened)?;
     let sha256 = match packed_sha256 {
         Some(packed) => packed,
-        None => reader.into_inner().sha256().map_err(io)?,
+        None => reader.sha256().map_err(io)?,
     };
     Ok((plan, columns, sha256))
 }
@@ -123,30 +118,29 @@ fn unpacked(path: &Path, opened: &Opened) -> Result<Unpacked, TelemetryError> {
 /// Header row, and the row of units where there is one.
 fn headers(
     path: &Path,
-    reader: &mut csv::Reader<impl Read>,
-    record: &mut ByteRecord,
+    reader: &mut CsvRows<impl Read>,
     (above, layout, options): (u64, Layout, &ReadOptions),
 ) -> Result<(Vec<String>, Option<Vec<String>>), TelemetryError> {
-    if !next(path, reader, record)? {
+    let Some(row) = readable(path, reader.next_whole_row())? else {
         return Err(TelemetryError::Header {
             place: Place::file(path),
             why: "the file is empty; begin it with a header row".into(),
         });
-    }
-    let header_line = above + record.position().map_or(1, csv::Position::line);
-    let header = header_of(path, header_line, record, options.encoding)?;
+    };
+    let header_line = above + row.line;
+    let header = header_of(path, header_line, &row, options.encoding)?;
     if let Some(why) = no_header(&header, layout.comment) {
         return Err(TelemetryError::Header {
             place: Place::row(path, header_line),
             why,
         });
     }
-    let units = match layout.units_row {
-        Some(true) if next(path, reader, record)? => {
-            let line = above + record.position().map_or(1, csv::Position::line);
-            Some(header_of(path, line, record, options.encoding)?)
-        }
-        _ => None,
+    if layout.units_row != Some(true) {
+        return Ok((header, None));
+    }
+    let units = match readable(path, reader.next_whole_row())? {
+        Some(row) => Some(header_of(path, above + row.line, &row, options.encoding)?),
+        None => None,
     };
     Ok((header, units))
 }
@@ -166,28 +160,28 @@ fn take_row(
     path: &Path,
     plan: &Plan,
     clock: &mut Clock,
-    record: &ByteRecord,
+    record: &Row,
     row: u64,
     selection: &mut Selection,
     columns: &mut Columns,
 ) -> Result<(), TelemetryError> {
-    if record.len() != plan.width {
-        let hint = if record.get(0).is_some_and(|c| c.starts_with(b"#")) {
+    if record.len != plan.width {
+        let hint = if record.cell(0).starts_with(b"#") {
             "; leave the line out, or write [telemetry] comment = \"#\""
-        } else if record.len() > plan.width {
+        } else if record.len > plan.width {
             ": a decimal comma or a comma in a text without quotes adds fields; write a point, or quotes around the text"
         } else {
             "; complete the row: an empty cell means no sample"
         };
         return Err(TelemetryError::Ragged {
             place: Place::row(path, row),
-            actual: record.len(),
+            actual: record.len,
             expected: plan.width,
             hint,
         });
     }
     for (k, (index, text)) in plan.filter.iter().enumerate() {
-        let cell = record.get(*index).unwrap_or_default();
+        let cell = record.cell(*index);
         if k == 0 {
             columns.saw(&String::from_utf8_lossy(cell));
         }
@@ -197,10 +191,10 @@ fn take_row(
     }
     let fault = |index: usize, column: &str, why: InvalidNumber| TelemetryError::Number {
         place: Place::cell(path, row, column),
-        value: shown(record.get(index).unwrap_or_default()),
+        value: shown(record.cell(index)),
         why: why.text(index == plan.time_index),
     };
-    let text = |index: usize| record.get(index).unwrap_or_default();
+    let text = |index: usize| record.cell(index);
     let cell = |index: usize| RawCell::Text(text(index));
     let time = clock.seconds(cell(plan.time_index), plan.week_index.map(cell));
     let time_s = match time.map_err(|why| fault(plan.time_index, &plan.time_column, why))? {
@@ -236,11 +230,11 @@ fn how_cut(error: &TelemetryError) -> String {
 fn header_of(
     path: &Path,
     line: u64,
-    record: &ByteRecord,
+    record: &Row,
     encoding: Encoding,
 ) -> Result<Vec<String>, TelemetryError> {
-    let mut header = Vec::with_capacity(record.len());
-    for field in record {
+    let mut header = Vec::with_capacity(record.len);
+    for field in record.cells() {
         if encoding == Encoding::Latin1 {
             let text: String = field.iter().map(|&b| char::from(b)).collect();
             header.push(text.trim().to_owned());
@@ -286,26 +280,13 @@ fn refuse_utf16<R: Read + Seek>(path: &Path, file: &mut R) -> Result<(), Telemet
     Ok(())
 }
 
-/// Reads the next record; `false` at the end of the file.
-fn next<R: Read>(
-    path: &Path,
-    reader: &mut csv::Reader<R>,
-    record: &mut ByteRecord,
-) -> Result<bool, TelemetryError> {
-    reader.read_byte_record(record).map_err(|error| {
-        let text = error.to_string();
-        match error.into_kind() {
-            csv::ErrorKind::Io(source) if source.get_ref().is_some_and(|e| e.is::<ByteFault>()) => {
-                TelemetryError::Format {
-                    place: Place::file(path),
-                    why: source.to_string(),
-                }
-            }
-            csv::ErrorKind::Io(source) => damaged(path, source),
-            _ => TelemetryError::Format {
-                place: Place::file(path),
-                why: format!("{text}; write the file again as CSV in UTF-8"),
-            },
-        }
+/// What was read of the text; an error names the file.
+fn readable<T>(path: &Path, read: io::Result<T>) -> Result<T, TelemetryError> {
+    read.map_err(|source| match source.get_ref() {
+        Some(fault) if fault.is::<ByteFault>() => TelemetryError::Format {
+            place: Place::file(path),
+            why: source.to_string(),
+        },
+        _ => damaged(path, source),
     })
 }

@@ -15,6 +15,7 @@ mod content_hash;
 mod conventions;
 mod conversion;
 mod csv_reader;
+mod csv_rows;
 mod cursor;
 mod derive;
 mod differentiate;

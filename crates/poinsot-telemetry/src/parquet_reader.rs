@@ -111,7 +111,7 @@ fn decode(
         options.limit().check_ahead(path, &plan, options, rows)?;
     }
     let mut used = Used::new();
-    for root in used_roots(&plan) {
+    for root in plan.used_columns() {
         let name = header.get(root).map_or("", String::as_str);
         let column = Column::of(schema, root).map_err(|kind| unsupported(path, name, &kind))?;
         used.insert(root, column);
@@ -156,14 +156,6 @@ fn decode(
 
 /// The columns that are read, by their place in the header.
 type Used = BTreeMap<usize, Column>;
-
-fn used_roots(plan: &Plan) -> Vec<usize> {
-    let mut roots: Vec<usize> = plan.channels.iter().map(|c| c.index).collect();
-    roots.push(plan.time_index);
-    roots.extend(plan.week_index);
-    roots.extend(plan.filter.iter().map(|f| f.0));
-    roots
-}
 
 fn unsupported(path: &Path, name: &str, kind: &str) -> TelemetryError {
     TelemetryError::Parquet {

@@ -60,6 +60,14 @@ impl Plan {
         !self.channels.is_empty() && self.missing_filters.is_empty()
     }
 
+    /// The columns that are read.
+    pub(crate) fn used_columns(&self) -> impl Iterator<Item = usize> {
+        let channels = self.channels.iter().map(|c| c.index);
+        let filter = self.filter.iter().map(|f| f.0);
+        let times = [self.time_index].into_iter().chain(self.week_index);
+        channels.chain(filter).chain(times)
+    }
+
     /// Filter columns missing in this file.
     pub(crate) fn missing_filters(&self) -> &[String] {
         &self.missing_filters
