@@ -11,6 +11,15 @@ const STATUS: [&str; 5] = [
     "iteration_limit",
     "rejected",
 ];
+/// Valid effects of a test on the answer.
+const EFFECTS: [&str; 6] = [
+    "none",
+    "widens_sigmas",
+    "makes_partial",
+    "against_answer",
+    "withholds_numbers",
+    "rejects_model",
+];
 /// Valid values of the source of a number.
 const SOURCES: [&str; 3] = ["data", "prior", "known"];
 /// Relative tolerance for two numbers that must be equal; they are written with all digits.
@@ -47,6 +56,7 @@ pub fn contradictions(file: &EstimateFile) -> Vec<Contradiction> {
         moments(&format!("bodies.{name}"), body, &mut say);
     }
     covariance(file, &mut say);
+    evidence(file, &mut say);
     let ranks = &file.identifiability;
     if ranks.rank > ranks.parameters {
         let key = "identifiability.rank".to_owned();
@@ -54,6 +64,55 @@ pub fn contradictions(file: &EstimateFile) -> Vec<Contradiction> {
         say(key, ranks.rank.to_string(), &problem);
     }
     found
+}
+
+/// Status, reliability and `doubts` follow from the rows of the evidence. Earlier versions wrote no rows.
+fn evidence(file: &EstimateFile, say: &mut impl FnMut(String, String, &str)) {
+    let rows = &file.evidence;
+    for (k, row) in rows.iter().enumerate() {
+        if !EFFECTS.contains(&row.effect.as_str()) {
+            let problem = format!("the effect is none of {}", EFFECTS.join(", "));
+            say(
+                format!("evidence[{k}].effect"),
+                quoted(&row.effect),
+                &problem,
+            );
+        }
+        if row.p.is_some_and(|p| !(0.0..=1.0).contains(&p)) {
+            let value = row.p.map_or(String::new(), |p| p.to_string());
+            say(
+                format!("evidence[{k}].p"),
+                value,
+                "a p-value is from 0 to 1",
+            );
+        }
+    }
+    if rows.is_empty() {
+        return;
+    }
+    if file.doubts != file.evidence_against() {
+        let problem = "they are not the words of the rows of evidence against the answer";
+        say("doubts".to_owned(), format!("{:?}", file.doubts), problem);
+    }
+    let any = |effect: &str| rows.iter().any(|row| row.effect == effect);
+    let status = match (any("rejects_model"), any("withholds_numbers")) {
+        (true, _) => Some("rejected"),
+        (false, true) => Some("iteration_limit"),
+        (false, false) => None,
+    };
+    let own = Some(file.status.as_str()).filter(|_| file.is_withheld());
+    if own != status {
+        let problem = "it does not follow from the effects of the rows of evidence";
+        say("status".to_owned(), quoted(&file.status), problem);
+    }
+    if file.covariance_trustworthy && rows.iter().any(|row| row.is_against_answer()) {
+        let problem = "a row of evidence is against the answer";
+        say(
+            "covariance_trustworthy".to_owned(),
+            "true".to_owned(),
+            problem,
+        );
+    }
 }
 
 fn quoted(text: &str) -> String {

@@ -10,6 +10,9 @@ use serde::{Deserialize, Serialize};
 /// Name and version of the format.
 pub const ESTIMATE: &str = "poinsot.estimate/2";
 
+/// Effects of a test that are evidence against the answer.
+const AGAINST: [&str; 3] = ["against_answer", "withholds_numbers", "rejects_model"];
+
 /// The answer of `identify`. SI units, stated by the key. Null means: not determined by the data and the declared
 /// priors. What was not requested, or does not apply, is absent.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -69,9 +72,14 @@ pub struct EstimateFile {
     pub known_numbers: KnownNumbersFile,
     /// Whether the covariance is stated and no evidence contradicts it.
     pub covariance_trustworthy: bool,
-    /// Evidence against the answer, most important first.
+    /// Evidence against the answer, most important first: the words of the rows of `evidence` against the answer, each
+    /// once.
     #[serde(default)]
     pub doubts: Vec<String>,
+    /// Every test that was made, most important first. Status, `doubts`, `covariance_trustworthy` and the factor on the
+    /// sigmas follow from its rows. Empty in a file of an earlier version.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub evidence: Vec<EvidenceFile>,
     /// Numbers that a published method prints. Absent for other methods.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub method_report: Option<MethodReportFile>,
@@ -320,6 +328,35 @@ pub struct SensitivityFile {
     pub variance_share: IndexMap<String, f64>,
 }
 
+/// One test of the answer.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct EvidenceFile {
+    /// Name of the test, for example "residual of the gyro".
+    pub test: String,
+    /// Name of the statistic, for example "chi-square". Absent for a test without one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub statistic: Option<String>,
+    /// Value of the statistic. Absent for a test without one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub value: Option<f64>,
+    /// Degrees of freedom of the statistic, or how many numbers were compared. Absent for a test without them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub degrees_of_freedom: Option<usize>,
+    /// Probability of a statistic at least as large if model and declared noise are correct. Absent for a test without
+    /// a p-value.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub p: Option<f64>,
+    /// "none", "widens_sigmas", "makes_partial", "against_answer", "withholds_numbers" or "rejects_model". The last
+    /// three are evidence against the answer.
+    pub effect: String,
+    /// Factor on every sigma that this test requires; 1 if none. Every sigma has the largest factor of all rows. Absent
+    /// if unbounded.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sigma_factor: Option<f64>,
+    /// Result in words.
+    pub words: String,
+}
+
 /// Numbers that a published method prints.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct MethodReportFile {
@@ -363,6 +400,13 @@ pub struct CheckFile {
     pub policy: String,
 }
 
+impl EvidenceFile {
+    /// Whether the row is evidence against the answer.
+    pub fn is_against_answer(&self) -> bool {
+        AGAINST.contains(&self.effect.as_str())
+    }
+}
+
 impl SensitivityFile {
     /// The number of the answer that it changes most, with its share of that number's variance.
     pub fn most_sensitive(&self) -> Option<(&str, f64)> {
@@ -384,6 +428,20 @@ impl EstimateFile {
     /// Whether numbers are withheld because the model contradicts the data or the fit did not converge.
     pub fn is_withheld(&self) -> bool {
         ["rejected", "iteration_limit"].contains(&self.status.as_str())
+    }
+
+    /// Evidence against the answer in words, most important first: of the rows, or of `doubts` in a file without rows.
+    pub fn evidence_against(&self) -> Vec<&str> {
+        if self.evidence.is_empty() {
+            return self.doubts.iter().map(String::as_str).collect();
+        }
+        let mut words: Vec<&str> = Vec::new();
+        for row in self.evidence.iter().filter(|row| row.is_against_answer()) {
+            if !words.contains(&row.words.as_str()) {
+                words.push(&row.words);
+            }
+        }
+        words
     }
 
     /// Method and variant as text.

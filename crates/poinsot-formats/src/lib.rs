@@ -51,7 +51,7 @@ pub use diagnostics::{
     SuspectFile, ValueFile,
 };
 pub use estimate::{
-    CheckFile, CovarianceFile, DeterminedFile, ESTIMATE, EpochFile, EstimateFile,
+    CheckFile, CovarianceFile, DeterminedFile, ESTIMATE, EpochFile, EstimateFile, EvidenceFile,
     IdentifiabilityFile, InputFile, KnownNumbersFile, MethodReportFile, ModelInputFile,
     MomentumFile, ReferenceFile, ReportedNumberFile, SegmentFitFile, SensitivityFile,
     SensorFitFile, SystemFile, UndeterminedFile,

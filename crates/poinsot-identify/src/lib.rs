@@ -56,3 +56,4 @@ pub use solution::estimate::{
     KnownNumbers, MethodReport, MomentumEstimate, NamedNumber, Number, Principal, SegmentFit,
     Source, Status, UnobservableCombination,
 };
+pub use solution::evidence::{Effect, Evidence};

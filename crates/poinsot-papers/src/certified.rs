@@ -8,7 +8,8 @@
 use crate::answered::as_one;
 use poinsot_dynamics::Kinematics;
 use poinsot_identify::{
-    BodyEstimate, Estimate, Number, Problem, Source, TENSOR, axis_name, tensor_name,
+    BodyEstimate, Effect, Estimate, Evidence, Number, Problem, Source, TENSOR, axis_name,
+    tensor_name,
 };
 use poinsot_spatial::{InertialParameters, MassProperties, PARAMETER_NAMES};
 use std::collections::HashMap;
@@ -43,19 +44,13 @@ pub(crate) fn put(
     for (k, (body, pi)) in estimate.bodies.iter_mut().zip(bodies).enumerate() {
         let found = replaced(body, pi, withheld);
         let gap = apart(body, &found, &problem.model.bodies[k].nominal);
-        let gap = gap.filter(|(gap, _)| *gap > limit);
         worst = worst
             .into_iter()
             .chain(gap)
             .max_by(|a, b| a.0.total_cmp(&b.0));
         *body = found;
     }
-    if let Some((gap, name)) = worst {
-        estimate.add_evidence_against(format!(
-            "{name} differs from the reference estimate of the same data by {:.1} % of its natural unit: the method's approximations do not hold here; use --method auto",
-            100.0 * gap
-        ));
-    }
+    estimate.add_evidence(difference_row(worst, limit));
     if let Some((system, q)) = &mut estimate.system {
         let mut kinematics = Kinematics::new(problem.tree);
         kinematics.place(problem.tree, q);
@@ -77,8 +72,27 @@ pub(crate) fn put(
         estimate.covariance_names.clear();
         estimate.covariance_units.clear();
         estimate.covariance.clear();
-        estimate.covariance_trustworthy = false;
+        estimate.states_covariance = false;
     }
+}
+
+/// The row of the largest significant difference from the certificate.
+fn difference_row(worst: Option<(f64, String)>, limit: f64) -> Evidence {
+    let test = "difference from the reference estimate";
+    let Some((gap, name)) = worst else {
+        let words = "no significant difference from the reference estimate";
+        return Evidence::new(test, Effect::None, words);
+    };
+    let tail = match gap > limit {
+        true => ": the method's approximations do not hold here; use --method auto",
+        false => "",
+    };
+    let words = format!(
+        "{name} differs from the reference estimate of the same data by {:.1} % of its natural unit{tail}",
+        100.0 * gap
+    );
+    let effect = Effect::AgainstAnswer.if_failed(gap > limit);
+    Evidence::new(test, effect, words).statistic("share of the natural unit", gap)
 }
 
 /// The number with the largest difference from the certificate, in natural units, among those that differ

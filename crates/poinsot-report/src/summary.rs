@@ -48,8 +48,9 @@ pub(crate) fn sentence(e: &EstimateFile) -> String {
 /// The next action; `None` if none is needed.
 pub(crate) fn action(e: &EstimateFile) -> Option<String> {
     let first = |all: &[String]| all.first().cloned();
+    let against = e.evidence_against();
     let found = match e.status.as_str() {
-        "partial" | "not_identifiable" if e.doubts.is_empty() => {
+        "partial" | "not_identifiable" if against.is_empty() => {
             let open = &e.identifiability.not_identifiable;
             serves_most(open).map(|o| o.remedy.clone())
         }
@@ -62,7 +63,7 @@ pub(crate) fn action(e: &EstimateFile) -> Option<String> {
                 .map(|why| format!("correct the model or the telemetry: {why}"))
         }
         "iteration_limit" => first(&e.warnings),
-        _ => first(&e.doubts).map(|why| format!("explain the failed test first: {why}")),
+        _ => (against.first()).map(|why| format!("explain the failed test first: {why}")),
     }?;
     let mut letters = found.trim().trim_end_matches('.').chars();
     let head = letters.next()?.to_uppercase();
@@ -128,15 +129,9 @@ fn determined(e: &EstimateFile) -> String {
     let width = kinds
         .into_iter()
         .find_map(|(name, kind, unit)| Some((name, kind.count, kind.widest?, unit)));
-    let verb = if e.doubts.is_empty() {
-        "are known"
-    } else {
-        "are fitted"
-    };
-    let tail = if e.doubts.is_empty() {
-        ""
-    } else {
-        ", but a test failed"
+    let (verb, tail) = match e.evidence_against().is_empty() {
+        true => ("are known", ""),
+        false => ("are fitted", ", but a test failed"),
     };
     match width {
         Some((_, count, half, unit)) if count == all => {

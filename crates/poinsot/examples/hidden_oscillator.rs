@@ -155,10 +155,10 @@ fn run(
         let found = lines.into_iter().any(near);
         let rejected = e.status == Status::Rejected;
         count.rejected += usize::from(rejected);
-        count.untrustworthy += usize::from(!e.covariance_trustworthy);
+        count.untrustworthy += usize::from(!e.covariance_trustworthy());
         count.line += usize::from(found);
-        count.detected += usize::from(rejected && !e.covariance_trustworthy && found);
-        count.silent += usize::from(e.status == Status::Converged && e.covariance_trustworthy);
+        count.detected += usize::from(rejected && !e.covariance_trustworthy() && found);
+        count.silent += usize::from(e.status == Status::Converged && e.covariance_trustworthy());
         count.chi2 += e.fit.first().map_or(f64::NAN, |f| f.chi2_per_dof);
     }
     Ok(count)

@@ -181,6 +181,10 @@ fn estimate_lines(file: &EstimateFile) -> Vec<String> {
     }
     let files = file.inputs.iter();
     lines.extend(files.map(|i| format!("telemetry: {} ({} rows)", i.path, i.rows)));
-    lines.extend(file.doubts.iter().map(|d| format!("doubt: {d}")));
+    lines.extend(
+        file.evidence_against()
+            .iter()
+            .map(|d| format!("doubt: {d}")),
+    );
     lines
 }

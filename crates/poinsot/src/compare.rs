@@ -278,7 +278,7 @@ fn overlap(one: &EstimateFile, other: &EstimateFile) -> Option<(f64, Shared)> {
 fn doubts(files: &[&EstimateFile], agreement: Option<f64>) -> Vec<String> {
     let mut out = Vec::new();
     for (i, file) in (1..).zip(files) {
-        if let Some(doubt) = file.doubts.first() {
+        if let Some(doubt) = file.evidence_against().first() {
             out.push(format!("answer {i} is not reliable: {doubt}"));
         } else if !file.covariance_trustworthy {
             out.push(format!("the covariance of answer {i} is not trustworthy"));

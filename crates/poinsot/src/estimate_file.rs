@@ -4,13 +4,13 @@ use crate::diagnostics_file::diagnostics_file;
 use crate::identify::Identified;
 use poinsot_formats::{
     Axes, BarycentricFile, BodyFile, CheckFile, CovarianceFile, DeterminedFile, ESTIMATE, Elements,
-    EpochFile, EstimateFile, IdentifiabilityFile, InputFile, KnownNumbersFile, MethodReportFile,
-    MomentumFile, NumberFile, PrincipalFile, ReferenceFile, ReportedNumberFile, SegmentFitFile,
-    SensitivityFile, SensorFitFile, SystemFile, UndeterminedFile, address, finite,
+    EpochFile, EstimateFile, EvidenceFile, IdentifiabilityFile, InputFile, KnownNumbersFile,
+    MethodReportFile, MomentumFile, NumberFile, PrincipalFile, ReferenceFile, ReportedNumberFile,
+    SegmentFitFile, SensitivityFile, SensorFitFile, SystemFile, UndeterminedFile, address, finite,
 };
 use poinsot_identify::{
-    BodyEstimate, Estimate, Identifiability, MethodReport, MomentumEstimate, Number, SegmentFit,
-    axis_name, tensor_index,
+    BodyEstimate, Estimate, Evidence, Identifiability, MethodReport, MomentumEstimate, Number,
+    SegmentFit, axis_name, tensor_index,
 };
 use poinsot_model::{Joint, JointKind, Model};
 use poinsot_telemetry::checks::Finding;
@@ -40,8 +40,9 @@ pub fn estimate_file(identified: &Identified) -> EstimateFile {
         fit: e.fit.iter().map(segment_fit).collect(),
         diagnostics: e.diagnostics.as_ref().map(diagnostics_file),
         known_numbers: known_numbers(e),
-        covariance_trustworthy: e.covariance_trustworthy,
-        doubts: e.doubts.clone(),
+        covariance_trustworthy: e.covariance_trustworthy(),
+        doubts: e.doubts(),
+        evidence: e.evidence.iter().map(evidence).collect(),
         method_report: e.method_report.as_ref().map(method_report),
         telemetry_checks: identified.findings.iter().map(check).collect(),
         repairs: identified.repairs.clone(),
@@ -247,6 +248,19 @@ fn segment_fit(f: &SegmentFit) -> SegmentFitFile {
         samples: f.samples,
         chi2_per_dof: finite(f.chi2_per_dof),
         channels: f.channels.iter().map(channel).collect(),
+    }
+}
+
+fn evidence(row: &Evidence) -> EvidenceFile {
+    EvidenceFile {
+        test: row.test.clone(),
+        statistic: row.statistic.map(|(name, _)| name.to_owned()),
+        value: row.statistic.and_then(|(_, value)| finite(value)),
+        degrees_of_freedom: row.degrees_of_freedom,
+        p: row.p.and_then(finite),
+        effect: row.effect.name().to_owned(),
+        sigma_factor: finite(row.sigma_factor),
+        words: row.words.clone(),
     }
 }
 

@@ -9,8 +9,8 @@ use crate::{mixups, motor_torque};
 use poinsot_dynamics::Tree;
 use poinsot_formats::ModelInputFile;
 use poinsot_identify::{
-    Coordinates, Estimate, FitOptions, Loss, Prediction, Problem, SENSITIVE, Status, linear,
-    linear_predicted, maximum_likelihood_predicted, maximum_likelihood_with, predicted_by,
+    Coordinates, Effect, Estimate, Evidence, FitOptions, Loss, Prediction, Problem, SENSITIVE,
+    linear, linear_predicted, maximum_likelihood_predicted, maximum_likelihood_with, predicted_by,
 };
 use poinsot_model::{Model, TelemetryMap, read_model, read_model_text, read_telemetry_map};
 use poinsot_papers::{Settings, answered, identify_by, method};
@@ -396,10 +396,20 @@ fn refuse_twice(tables: &[Table]) -> Result<(), Error> {
 fn distrust_thinned(estimate: &mut Estimate, every: usize) {
     let found = estimate.diagnostics.as_ref();
     let shift = found.map_or(0.0, |d| d.shift_between_readings);
-    if shift > SENSITIVE {
-        estimate.add_evidence_against(format!(
-            "the estimate is sensitive to the wheel motion between the selected rows ({shift:.1} sigma)"
-        ));
+    if shift == 0.0 {
+        return;
+    }
+    let sensitive = shift > SENSITIVE;
+    let not = if sensitive { "" } else { "not " };
+    let row = Evidence::new(
+        "sensitivity to the wheel motion between the selected rows",
+        Effect::AgainstAnswer.if_failed(sensitive),
+        format!(
+            "the estimate is {not}sensitive to the wheel motion between the selected rows ({shift:.1} sigma)"
+        ),
+    );
+    estimate.add_evidence(row.statistic("change of the estimate, sigma", shift));
+    if sensitive {
         estimate.warnings.push(format!(
             "--every {every} leaves out wheel samples, which changes the estimate by {shift:.1} sigma: the covariance is not trustworthy; use more rows"
         ));
@@ -426,7 +436,8 @@ fn against_model(
             return Err(checks::refused(label, &finding).into());
         }
         let text = format!("{}: {}", finding.check.name(), finding.text);
-        identified.estimate.add_evidence_against(text.clone());
+        let row = Evidence::new(finding.check.name(), Effect::AgainstAnswer, text.clone());
+        identified.estimate.add_evidence(row);
         identified.estimate.warnings.push(text);
         identified.findings.push(finding);
     }
@@ -512,13 +523,15 @@ fn known_as_exact(model: &Model, estimate: &mut Estimate) {
 }
 
 fn not_acceptable(estimate: &mut Estimate, share: f64, of: &str) {
-    estimate.warnings.push(format!(
-        "{:.0} % of the samples of {of} were left out; check the repairs before you use the answer",
+    let left_out = format!(
+        "{:.0} % of the samples of {of} were left out",
         100.0 * share
+    );
+    estimate.warnings.push(format!(
+        "{left_out}; check the repairs before you use the answer"
     ));
-    if estimate.status == Status::Converged {
-        estimate.status = Status::Partial;
-    }
+    let row = Evidence::new("samples left out", Effect::MakesPartial, left_out);
+    estimate.add_evidence(row.statistic("share of the samples", share));
 }
 
 /// Only maximum likelihood supports the gravity gradient and bodies that lose mass.

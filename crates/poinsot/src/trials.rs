@@ -371,7 +371,7 @@ pub fn judged(estimate: &Estimate, truth: &HashMap<String, f64>) -> Answer {
     }
     Answer {
         status: estimate.status,
-        doubts: estimate.doubts.clone(),
+        doubts: estimate.doubts(),
         iterations: estimate.iterations,
         chi2_per_dof: estimate.fit.iter().map(|f| f.chi2_per_dof).sum::<f64>() / segments,
         channels,

@@ -1,8 +1,8 @@
 //! Reasons to reject the rigid model, the strongest first.
 
-use crate::answer::reliability::Reliability;
 use crate::fit::degrees_of_freedom::MISFIT;
 use crate::solution::estimate::BodyEstimate;
+use crate::solution::evidence::{Effect, Evidence};
 use crate::solution::solved::Solution;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
@@ -33,19 +33,15 @@ pub(super) enum Rejection {
 }
 
 impl Rejection {
-    /// The first reason that holds.
-    pub fn of(
-        solution: &Solution,
-        reliability: &Reliability,
-        bodies: &[BodyEstimate],
-    ) -> Option<Self> {
+    /// The first reason that holds. `coloured`: residuals are too large and correlated in time.
+    pub fn of(solution: &Solution, coloured: bool, bodies: &[BodyEstimate]) -> Option<Self> {
         let chi2 = solution.chi2_per_dof();
         let share = solution.explained;
         let unexplained = share.is_some_and(|share| share < LEAST_EXPLAINED);
         let bad_fit = chi2 > MISFIT || unexplained;
         let impossible =
             bodies.iter().any(|b| unphysical(b, bad_fit)) || pressed(solution, bad_fit);
-        let coloured = reliability.coloured && solution.conflict.is_none();
+        let coloured = coloured && solution.conflict.is_none();
         let reasons = [
             (Self::Impossible, impossible),
             (
@@ -57,6 +53,20 @@ impl Rejection {
             (Self::Unexplained, chi2 > REJECT && unexplained),
         ];
         reasons.into_iter().find(|r| r.1).map(|r| r.0)
+    }
+
+    /// The row of the evidence, also where there is no reason.
+    pub fn row(reason: Option<Self>, solution: &Solution) -> Evidence {
+        let words = match reason {
+            Some(_) => "the data contradict the rigid model",
+            None => "the data do not contradict the rigid model",
+        };
+        let effect = Effect::RejectsModel.if_failed(reason.is_some());
+        let (statistic, value) = match (reason, solution.explained) {
+            (Some(Self::Unexplained), Some(share)) => ("share of the momentum explained", share),
+            _ => ("chi-square per degree of freedom", solution.chi2_per_dof()),
+        };
+        Evidence::new("rigid model", effect, words).statistic(statistic, value)
     }
 
     /// Its message.

@@ -11,7 +11,9 @@ use crate::fit::experiment::Experiment;
 use crate::fit::triangle::{ConditionalEstimate, SharedTriangle, conditional_estimate};
 use crate::fit::{Fitted, ITERATIONS, fit_from};
 use crate::problem::Problem;
-use crate::problem::prior::{self, CONTRADICTED_SIGMAS, Conflict, Declared, LEAST_SHARE, PriorRow};
+use crate::problem::prior::{
+    self, CONTRADICTED_SIGMAS, Conflict, Declared, LEAST_SHARE, PriorRow, PriorTest,
+};
 use poinsot_model::rounded;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
@@ -26,36 +28,59 @@ struct Discrepancy {
     z: f64,
 }
 
-/// The contradiction, and a diagnosis without the contradicted priors. `None` in the second place if the first
-/// diagnosis holds.
-pub(crate) fn conflict(
+impl Discrepancy {
+    fn is_large(&self) -> bool {
+        self.z.abs() > CONTRADICTED_SIGMAS
+    }
+}
+
+/// The tests of all priors, the contradiction that they find, and a diagnosis without the contradicted priors.
+#[derive(Default)]
+pub(crate) struct PriorsAgainstData {
+    pub tests: Vec<PriorTest>,
+    pub conflict: Option<Conflict>,
+    /// `None` if the first diagnosis holds.
+    pub freed: Option<Diagnostics>,
+}
+
+pub(crate) fn priors_against_data(
     experiment: &Experiment,
     fitted: &Fitted,
     wanted: bool,
-) -> (Option<Conflict>, Option<Diagnostics>) {
-    let (mut apart, mut unnamed) = (calibrations(experiment, fitted), false);
+) -> PriorsAgainstData {
+    let mut out = PriorsAgainstData::default();
+    let all = calibrations(experiment, fitted);
+    let (count, largest) = (all.len(), all.iter().map(|a| a.z.abs()).reduce(f64::max));
+    let mut apart: Vec<Discrepancy> = all.into_iter().filter(Discrepancy::is_large).collect();
+    let mut unnamed = false;
     let mut moved = 0.0;
-    let mut found = None;
-    if let Some(square) = design(experiment, fitted) {
-        moved = square;
-        let free = without(experiment, fitted, |free, end| {
-            let found = wanted.then(|| diagnose(free, end, fitted_numbers(free, end)));
-            (rows(experiment, end), found)
-        });
-        unnamed = true;
-        if let Some((list, diagnostics)) = free {
-            apart.extend(list);
-            found = diagnostics;
+    if let Some((test, square)) = design(experiment, fitted) {
+        out.tests.push(test);
+        if let Some(square) = square {
+            moved = square;
+            let free = without(experiment, fitted, |free, end| {
+                let found = wanted.then(|| diagnose(free, end, fitted_numbers(free, end)));
+                (rows(experiment, end), found)
+            });
+            unnamed = true;
+            if let Some((list, diagnostics)) = free {
+                apart.extend(list);
+                out.freed = diagnostics;
+            }
         }
     }
+    let of_calibrations =
+        largest.map(|z| PriorTest::of_largest("calibrations", z, count, z > CONTRADICTED_SIGMAS));
+    out.tests.extend(of_calibrations);
     apart.sort_by(|a, b| b.z.abs().total_cmp(&a.z.abs()));
     let text = match (apart.first(), unnamed) {
         (Some(first), _) => said(first, apart.len() - 1),
-        (None, false) => return (None, None),
+        (None, false) => return out,
         (None, true) => "the priors of mass properties together contradict the data by more than five sigma; correct their nominal numbers or sigmas".to_owned(),
     };
     let ratio = 1.0 + moved;
-    (Some(Conflict { text, ratio }), found)
+    out.conflict = Some(Conflict { text, ratio });
+    out
 }
 
 /// Its finding.
@@ -87,9 +112,9 @@ fn said(a: &Discrepancy, more: usize) -> String {
     )
 }
 
-/// Where the priors of mass properties contradict the data: the squared shift of the answer in its sigmas, which bounds
-/// the shift of every number in its sigma.
-fn design(experiment: &Experiment, fitted: &Fitted) -> Option<f64> {
+/// Test of the priors of mass properties. Where they contradict the data, also the squared shift of the answer in its
+/// sigmas, which bounds the shift of every number in its sigma.
+fn design(experiment: &Experiment, fitted: &Fitted) -> Option<(PriorTest, Option<f64>)> {
     let alone = fitted.data_alone.as_ref()?;
     let design = prior::design(experiment.problem, experiment.parameters, &fitted.at.x)?;
     let stacked = experiment.stack(&fitted.at, &fitted.evaluated, false);
@@ -105,7 +130,8 @@ fn design(experiment: &Experiment, fitted: &Fitted) -> Option<f64> {
     let count = design.rows.len().min(alone.rank);
     let square = (design.chi2 + fall) / scale;
     let chance = ChiSquared::new(count as f64).ok()?.sf(square);
-    (chance < CONTRADICTED || square.is_infinite()).then(|| {
+    let contradicted = chance < CONTRADICTED || square.is_infinite();
+    let moved = contradicted.then(|| {
         let step = alone.damped(&shared.rhs(), 0.0);
         let along = |k: usize| -> f64 {
             let z = step.iter().enumerate();
@@ -113,7 +139,15 @@ fn design(experiment: &Experiment, fitted: &Fitted) -> Option<f64> {
         };
         let known = fitted.spectrum.singular.iter().take(fitted.spectrum.rank);
         known.enumerate().map(|(k, s)| (s * along(k)).powi(2)).sum()
-    })
+    });
+    let test = PriorTest {
+        of: "priors of mass properties",
+        statistic: ("chi-square", square),
+        count,
+        p: chance,
+        contradicted,
+    };
+    Some((test, moved))
 }
 
 /// Evaluates the fit without priors of mass properties, started at the end of the fit with them.
@@ -152,10 +186,10 @@ fn rows(experiment: &Experiment, free: &Fitted) -> Vec<Discrepancy> {
         })
     };
     let all = rows.into_iter().filter_map(apart);
-    all.filter(|a| a.z.abs() > CONTRADICTED_SIGMAS).collect()
+    all.filter(Discrepancy::is_large).collect()
 }
 
-/// Rows of calibrations (biases, scales, thrust) that lie far from what the data alone say.
+/// Rows of calibrations (biases, scales, thrust) against what the data alone say.
 fn calibrations(experiment: &Experiment, fitted: &Fitted) -> Vec<Discrepancy> {
     let (parameters, x) = (experiment.parameters, &fitted.at.x);
     let rows = prior::calibration(experiment.problem, parameters, x).rows;
@@ -178,8 +212,7 @@ fn calibrations(experiment: &Experiment, fitted: &Fitted) -> Vec<Discrepancy> {
             z,
         })
     };
-    let all = rows.into_iter().filter_map(apart);
-    all.filter(|a| a.z.abs() > CONTRADICTED_SIGMAS).collect()
+    rows.into_iter().filter_map(apart).collect()
 }
 
 /// Variance of one unknown in the answer, its own declared sigma included.

@@ -29,6 +29,7 @@ mod table;
 mod types;
 
 pub(crate) use channels::whiteness;
+pub(crate) use types::COLOURED;
 pub use types::{
     ChannelDiagnosis, Diagnostics, FaultKind, Finding, HeldOut, MomentumDrift, SensorLag,
     SpectralLine, Suspect,
@@ -46,6 +47,18 @@ pub(super) const EXCESS: f64 = 6.0;
 const COARSE: f64 = 0.3;
 /// Largest number of segments with separate drift tests.
 const SEGMENTS: usize = 16;
+
+impl Diagnostics {
+    /// Whether chi-square is too large for the declared noise.
+    pub(crate) fn is_misfit(&self) -> bool {
+        self.excess_sigmas > EXCESS
+    }
+
+    /// Whether the residuals were diagnosed.
+    pub(crate) fn is_made(&self) -> bool {
+        self.dof > 0 || !self.suspects.is_empty()
+    }
+}
 
 /// Searches the cause of a misfit; `fitted_numbers` were fitted in all.
 pub(crate) fn diagnose(

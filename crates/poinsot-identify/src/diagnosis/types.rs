@@ -3,7 +3,7 @@
 pub use super::fault::FaultKind;
 
 /// Probability below which a residual is not white.
-pub(super) const COLOURED: f64 = 1.0e-4;
+pub(crate) const COLOURED: f64 = 1.0e-4;
 
 /// Evidence for and against the fit.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -57,7 +57,7 @@ pub struct ChannelDiagnosis {
 
 impl ChannelDiagnosis {
     /// Whether the residual may be white.
-    pub(super) fn is_white(&self) -> bool {
+    pub(crate) fn is_white(&self) -> bool {
         self.whiteness_p.is_none_or(|p| p > COLOURED)
     }
 

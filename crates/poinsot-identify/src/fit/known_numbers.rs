@@ -16,7 +16,7 @@ use crate::fit::{Fitted, fit_from};
 use crate::likelihood::KnownColumns;
 use crate::problem::Problem;
 use crate::problem::parameters::{KnownUnknown, Parameters, Unknown, UnknownKind};
-use crate::problem::prior::{CONTRADICTED_SIGMAS, Conflict, LEAST_SHARE};
+use crate::problem::prior::{CONTRADICTED_SIGMAS, Conflict, LEAST_SHARE, PriorTest};
 use nalgebra::{DMatrix, DVector};
 use poinsot_model::{Model, rounded};
 use std::sync::{Arc, Mutex};
@@ -38,6 +38,8 @@ pub(crate) struct KnownFit {
     pub left: bool,
     /// Which one the data contradict, where that explains the misfit.
     pub contradiction: Option<Conflict>,
+    /// Test of the known numbers against the data, where they were fitted.
+    pub test: Option<PriorTest>,
 }
 
 impl KnownFit {
@@ -62,7 +64,7 @@ pub(crate) fn fit_known(experiment: &Experiment, fitted: &Fitted) -> Option<Know
     let start = fit_from(&wide, first.clone(), 0)?;
     let found = fit_from(&wide, first, TRIED)?;
     let done = found.converged || predicted_reduction(&found) < CONVERGED_BELOW_KEPT_COLUMNS;
-    let (worst, per_number) = contradicted(&wide, &found);
+    let (worst, per_number, test) = contradicted(&wide, &found);
     // A misfit beyond the uncertainty of known numbers needs another cause.
     let left = per_number > MISFIT && (worst.is_some() || !done);
     if left && !fitted.converged {
@@ -84,6 +86,7 @@ pub(crate) fn fit_known(experiment: &Experiment, fitted: &Fitted) -> Option<Know
         fitted,
         left,
         contradiction: worst.filter(|_| !left && done),
+        test: test.filter(|_| !left && done),
         parameters,
     })
 }
@@ -187,15 +190,19 @@ fn shown(
     (!all.is_empty()).then_some((all, columns))
 }
 
-/// The known number that the data contradict most, in the size of the residual that is left; and chi-square per number left.
+/// The known number that the data contradict most, in the size of the residual that is left; chi-square per number left;
+/// and the test of all of them.
 ///
 /// Every number is tested as wrong alone (a score test): what correlates with it says by how much it may move.
-fn contradicted(experiment: &Experiment, fitted: &Fitted) -> (Option<Conflict>, f64) {
+fn contradicted(
+    experiment: &Experiment,
+    fitted: &Fitted,
+) -> (Option<Conflict>, f64, Option<PriorTest>) {
     let parameters = experiment.parameters;
     let (chi2, dof) = chi2_and_dof(experiment, fitted);
     let per_number = chi2 / dof;
     let Some(weights) = parameters.known_covariance().cholesky() else {
-        return (None, per_number);
+        return (None, per_number, None);
     };
     let weights = weights.inverse();
     let pull = Pull::new(parameters, fitted, &weights);
@@ -215,6 +222,10 @@ fn contradicted(experiment: &Experiment, fitted: &Fitted) -> (Option<Conflict>, 
         ))
     });
     let worst = apart.max_by(|a, b| a.0.total_cmp(&b.0));
+    let test = worst.as_ref().map(|w| {
+        let contradicted = w.0 > CONTRADICTED_SIGMAS;
+        PriorTest::of_largest("known numbers", w.0, places.len(), contradicted)
+    });
     let said = worst.filter(|w| w.0 > CONTRADICTED_SIGMAS).map(|(z, unknown, sigma, alone)| {
         let unit = if unknown.unit == "1" { "" } else { unknown.unit };
         let numbers = [unknown.nominal, sigma, alone.0, alone.1.sqrt()];
@@ -227,7 +238,7 @@ fn contradicted(experiment: &Experiment, fitted: &Fitted) -> (Option<Conflict>, 
             ratio: 1.0 + pull.square,
         }
     });
-    (said, per_number)
+    (said, per_number, test)
 }
 
 /// What pulls the known numbers away from their declared values.

@@ -36,7 +36,7 @@ pub(crate) struct StepError {
 
 impl StepError {
     /// Whether the error is negligible.
-    fn is_small(&self) -> bool {
+    pub fn is_small(&self) -> bool {
         self.answer <= ANSWER && self.predictions <= PREDICTIONS
     }
 
@@ -55,8 +55,8 @@ impl StepError {
     }
 }
 
-/// Refines the steps and fits again from the answer until halving them no longer matters. Gives the error that is left
-/// where it does not become small.
+/// Refines the steps and fits again from the answer until halving them no longer matters. Gives the error that is left;
+/// `None` if it was not tested.
 pub(crate) fn within_steps(
     experiment: &mut Experiment,
     mut fitted: Fitted,
@@ -66,10 +66,11 @@ pub(crate) fn within_steps(
         return (fitted, None);
     }
     for round in 0..=REFINEMENTS {
-        let Some(error) = step_error(experiment, &fitted).filter(|e| !e.is_small()) else {
+        let Some(error) = step_error(experiment, &fitted) else {
             return (fitted, None);
         };
-        if round == REFINEMENTS || experiment.fineness.factor >= MOST {
+        let finest = round == REFINEMENTS || experiment.fineness.factor >= MOST;
+        if finest || error.is_small() {
             return (fitted, Some(error));
         }
         // Linear interpolation of the speeds may be the only cause.

@@ -7,10 +7,10 @@
 
 use crate::answer;
 use crate::certify::continuation::unobservable_set;
-use crate::diagnosis::conflict::{self, conflict};
+use crate::diagnosis::conflict::{self, priors_against_data};
 use crate::diagnosis::octaves::octaves;
 use crate::diagnosis::{Diagnostics, FaultKind, diagnose, whiteness};
-use crate::fit::coordinates::FitOptions;
+use crate::fit::coordinates::{Coordinates, FitOptions};
 use crate::fit::degrees_of_freedom::fitted_numbers;
 use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::known_numbers::{Effects, fit_known};
@@ -31,7 +31,7 @@ use crate::problem::segment::Segment;
 use crate::problem::shifted_vehicle::ShiftedVehicle;
 use crate::problem::{Problem, ProblemError};
 use crate::solution::estimate::{ChannelFit, Estimate, SegmentFit};
-use crate::solution::solved::{Solution, StartOfSegment, VectorQuantity};
+use crate::solution::solved::{Sensitivity, Solution, StartOfSegment, VectorQuantity};
 use crate::solution::unobservable_set::UnobservableSet;
 use poinsot_model::{EstimateSet, MomentumKnowledge};
 use poinsot_solve::Spectrum;
@@ -126,6 +126,8 @@ pub(crate) fn solve(problem: &Problem, options: FitOptions) -> Result<FinishedFi
             judged(&wide, end, explained, options.undiagnosed)
         }
     };
+    let of_known = known.as_ref().and_then(|known| known.test.clone());
+    solution.prior_tests.extend(of_known);
     let shifted = match &known {
         Some(_) => ShiftedVehicle::at(problem, &solution.parameters, &at.x),
         None => None,
@@ -168,26 +170,43 @@ fn note(problem: &Problem, solution: &mut Solution, shift: f64, step_error: Opti
     if let Some(warning) = crate::motion::input_noise::approximate(problem) {
         solution.warnings.push(warning);
     }
-    if shift > SENSITIVE {
+    let mut sensitivities = Vec::new();
+    if problem.assumes_wheel_motion() {
         // Torques usually change at the samples; here they are known not to.
         let mut segments = problem.segments.iter();
         let seldom = segments.any(|s| s.observations.between_readings);
-        let wheels = seldom.then_some("the wheel motion between samples");
-        solution.sensitive_to.extend(wheels);
-        let warning = wheel_warning(shift, solution.wheels_smooth, seldom);
-        solution.warnings.extend(warning);
+        sensitivities.push(Sensitivity {
+            to: "the wheel motion between samples",
+            statistic: ("change of the estimate, sigma", shift),
+            too_large: shift > SENSITIVE && seldom,
+        });
+        if shift > SENSITIVE {
+            let warning = wheel_warning(shift, solution.wheels_smooth, seldom);
+            solution.warnings.extend(warning);
+        }
     }
-    if let Some(warning) = extrapolated_inputs(problem.segments, &solution.parameters, &solution.x)
-    {
-        solution
-            .sensitive_to
-            .push("inputs beyond the first and last sample");
-        solution.warnings.push(warning);
+    let beyond = extrapolated_inputs(problem.segments, &solution.parameters, &solution.x);
+    if let Some(beyond) = beyond {
+        sensitivities.push(Sensitivity {
+            to: "inputs beyond the first and last sample",
+            statistic: ("share of the shortest record", beyond.share),
+            too_large: beyond.is_large(),
+        });
+        if beyond.is_large() {
+            solution.warnings.push(beyond.message());
+        }
     }
     if let Some(error) = step_error {
-        solution.sensitive_to.push("the integration steps");
-        solution.warnings.push(error.message());
+        sensitivities.push(Sensitivity {
+            to: "the integration steps",
+            statistic: ("change of the estimate, sigma", error.answer),
+            too_large: !error.is_small(),
+        });
+        if !error.is_small() {
+            solution.warnings.push(error.message());
+        }
     }
+    solution.sensitivities = sensitivities;
     if let Some(found) = &mut solution.diagnostics {
         found.shift_between_readings = shift;
     }
@@ -205,10 +224,10 @@ fn judged(
         true => Diagnostics::default(),
         false => diagnose(of, end, fitted_numbers(of, end)),
     };
-    let (conflict, freed) = conflict(of, end, !undiagnosed);
-    let conflict = conflict.or(contradiction);
+    let priors = priors_against_data(of, end, !undiagnosed);
+    let conflict = priors.conflict.or(contradiction);
     if let Some(conflict) = &conflict {
-        if let Some(freed) = freed {
+        if let Some(freed) = priors.freed {
             (found.suspects, found.findings) = (freed.suspects, freed.findings);
             (found.lags, found.drift, found.lines) = (freed.lags, freed.drift, freed.lines);
         }
@@ -216,6 +235,7 @@ fn judged(
     }
     let at = fitted.at.clone();
     let mut solution = conclude(experiment, fitted, explained, found);
+    solution.prior_tests = priors.tests;
     solution.conflict = conflict;
     (solution, at)
 }
@@ -293,6 +313,7 @@ pub(crate) fn conclude(
         spectrum,
         known,
         data_alone: fitted.data_alone.map(judged),
+        prior_tests: Vec::new(),
         conflict: None,
         explained,
         starts,
@@ -311,7 +332,8 @@ pub(crate) fn conclude(
         wheels_smooth: false,
         rest_motion: experiment.rest_motion,
         other_wheel_motion: None,
-        sensitive_to: Vec::new(),
+        sensitivities: Vec::new(),
+        keeps_physical: experiment.coordinates == Coordinates::Physical,
         regressor_noise: Vec::new(),
         reduced: Vec::new(),
         unobservable_set: UnobservableSet::default(),

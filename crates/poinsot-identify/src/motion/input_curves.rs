@@ -12,12 +12,37 @@ const EXACT: f64 = 1.0e-6;
 /// chi-square is 1.06 and the inertia 2 sigma off.
 const BEYOND: f64 = 0.015;
 
-/// A warning if a lag needs joint or wheel motion so far beyond the last sample that its extrapolation matters.
-pub(crate) fn extrapolated_inputs(
+/// Input motion that the largest lag needs beyond the samples.
+pub(crate) struct Extrapolation<'a> {
+    /// Name of the lag.
+    name: &'a str,
+    lag_s: f64,
+    /// The lag relative to the shortest record.
+    pub share: f64,
+}
+
+impl Extrapolation<'_> {
+    /// Whether it lies so far beyond the samples that the extrapolation matters.
+    pub fn is_large(&self) -> bool {
+        self.share > BEYOND
+    }
+
+    pub fn message(&self) -> String {
+        format!(
+            "{} is {:.1} % of the shortest record, so inputs beyond their samples are extrapolated: the covariance is not trustworthy; shift the columns by {:.3} s and identify again",
+            self.name,
+            100.0 * self.share,
+            self.lag_s
+        )
+    }
+}
+
+/// The largest lag of joint or wheel motion; `None` without one.
+pub(crate) fn extrapolated_inputs<'a>(
     segments: &[Segment],
-    parameters: &Parameters,
+    parameters: &'a Parameters,
     x: &[f64],
-) -> Option<String> {
+) -> Option<Extrapolation<'a>> {
     let span = |s: &Segment| {
         let t = &s.observations.time_s;
         t.last().zip(t.first()).map(|(last, first)| last - first)
@@ -29,12 +54,10 @@ pub(crate) fn extrapolated_inputs(
         .zip(x)
         .filter(|(u, _)| u.kind.delays_inputs());
     let (unknown, lag) = lags.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
-    (lag.abs() > BEYOND * shortest).then(|| {
-        format!(
-            "{} is {:.1} % of the shortest record, so inputs beyond their samples are extrapolated: the covariance is not trustworthy; shift the columns by {lag:.3} s and identify again",
-            unknown.name,
-            100.0 * lag.abs() / shortest
-        )
+    Some(Extrapolation {
+        name: &unknown.name,
+        lag_s: *lag,
+        share: lag.abs() / shortest,
     })
 }
 

@@ -8,6 +8,7 @@ use crate::problem::quantity::{Quantity, TenParameters};
 use nalgebra::{DMatrix, Matrix4};
 use poinsot_model::{Nuisance, Prior, SensorKind};
 use poinsot_spatial::{InertialParameters, pseudo_inertia};
+use statrs::function::erf::erfc;
 
 /// Difference between a declared number and its estimate, sigmas, from which they contradict each other.
 pub(crate) const CONTRADICTED_SIGMAS: f64 = 5.0;
@@ -39,6 +40,33 @@ pub(crate) struct Conflict {
     /// Factor on every variance that covers the shift of the answer by the priors of mass properties. Calibrations (a
     /// bias, a random torque) act on the answer through others, and a bound on that would be far above what they do.
     pub ratio: f64,
+}
+
+/// One test of declared numbers against the data.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct PriorTest {
+    /// What was declared.
+    pub of: &'static str,
+    /// Name and value of the statistic.
+    pub statistic: (&'static str, f64),
+    /// Degrees of freedom of a chi-square; how many numbers were compared otherwise.
+    pub count: usize,
+    pub p: f64,
+    pub contradicted: bool,
+}
+
+impl PriorTest {
+    /// Of the largest of several differences in sigmas; p is at most the sum of that of all (Bonferroni).
+    pub fn of_largest(of: &'static str, z: f64, count: usize, contradicted: bool) -> Self {
+        let tail = erfc(z.abs() * std::f64::consts::FRAC_1_SQRT_2);
+        Self {
+            of,
+            statistic: ("largest difference, sigma", z.abs()),
+            count,
+            p: (count as f64 * tail).min(1.0),
+            contradicted,
+        }
+    }
 }
 
 /// Rows of the declared priors at a value of the unknowns, and their contribution to chi-square.

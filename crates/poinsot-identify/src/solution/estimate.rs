@@ -2,6 +2,7 @@
 
 use crate::diagnosis::Diagnostics;
 use crate::diagnosis::octaves::Octave;
+use crate::solution::evidence::{self, Effect, Evidence};
 
 /// Status of an answer. The names are those of the result file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -32,15 +33,38 @@ impl Status {
 }
 
 impl Estimate {
-    /// Records evidence against the answer.
-    pub fn add_evidence_against(&mut self, reason: String) {
-        self.doubts.push(reason);
-        self.covariance_trustworthy = false;
+    /// Adds a test. Status and reliability follow.
+    pub fn add_evidence(&mut self, row: Evidence) {
+        if row.effect == Effect::MakesPartial && self.status == Status::Converged {
+            self.status = Status::Partial;
+        }
+        self.evidence.push(row);
+    }
+
+    /// Evidence against the answer in words, the most important first; empty if every check passed.
+    pub fn doubts(&self) -> Vec<String> {
+        evidence::doubts(&self.evidence)
+    }
+
+    /// Whether any test is evidence against the answer.
+    pub fn is_doubted(&self) -> bool {
+        let mut rows = self.evidence.iter();
+        rows.any(|row| row.effect.is_against_answer())
+    }
+
+    /// Factor by which the sigmas were multiplied.
+    pub fn sigma_factor(&self) -> f64 {
+        evidence::sigma_factor(&self.evidence)
+    }
+
+    /// Whether a covariance is stated without evidence against it.
+    pub fn covariance_trustworthy(&self) -> bool {
+        self.states_covariance && !self.is_doubted()
     }
 
     /// Whether every requested number is determined and no evidence contradicts the answer.
     pub fn passes(&self) -> bool {
-        self.status == Status::Converged && self.doubts.is_empty()
+        self.status == Status::Converged && !self.is_doubted()
     }
 }
 
@@ -330,10 +354,10 @@ pub struct Estimate {
     pub identifiability: Identifiability,
     /// Fit, one per segment.
     pub fit: Vec<SegmentFit>,
-    /// Whether a covariance is stated without evidence against it.
-    pub covariance_trustworthy: bool,
-    /// Evidence against the answer, the most important first; empty if every check passed.
-    pub doubts: Vec<String>,
+    /// Whether a covariance is stated.
+    pub states_covariance: bool,
+    /// Every test that was made, the most important first.
+    pub evidence: Vec<Evidence>,
     /// Warnings.
     pub warnings: Vec<String>,
     /// Assumptions about the inputs.

@@ -8,7 +8,7 @@ use crate::fit::wheel_motion::OtherWheelMotion;
 use crate::likelihood::rows::StartMomentum;
 use crate::likelihood::{InitialState, MeasuredMotion};
 use crate::problem::parameters::Parameters;
-use crate::problem::prior::Conflict;
+use crate::problem::prior::{Conflict, PriorTest};
 use crate::solution::estimate::SegmentFit;
 use crate::solution::unobservable_set::UnobservableSet;
 use poinsot_model::MomentumKnowledge;
@@ -68,6 +68,14 @@ pub(crate) struct Reduced {
     pub start: StartMomentum,
 }
 
+/// Sensitivity of the answer to one assumption.
+pub(crate) struct Sensitivity {
+    pub to: &'static str,
+    pub statistic: (&'static str, f64),
+    /// Whether the answer is too sensitive.
+    pub too_large: bool,
+}
+
 /// The solution of a problem.
 pub(crate) struct Solution {
     pub method: &'static str,
@@ -108,14 +116,18 @@ pub(crate) struct Solution {
     pub held: Option<BoundaryBodies>,
     /// Diagnosis of the residuals; `None` for a method without it.
     pub diagnostics: Option<crate::diagnosis::Diagnostics>,
+    /// Tests of the declared numbers against the data.
+    pub prior_tests: Vec<PriorTest>,
     /// Priors that the data contradict.
     pub conflict: Option<Conflict>,
     /// Whether noise accumulates over rows, which the sigmas assume independent.
     pub noise_accumulates: bool,
     /// How the answer depends on the known numbers, where any is uncertain.
     pub known: Option<Effects>,
-    /// Inputs to which the answer is too sensitive.
-    pub sensitive_to: Vec<&'static str>,
+    /// Sensitivity of the answer to assumptions.
+    pub sensitivities: Vec<Sensitivity>,
+    /// Whether the fit keeps every body physical.
+    pub keeps_physical: bool,
     /// Whether the residual contradicts a rigid vehicle.
     pub not_rigid: bool,
     /// `E[dA^T dA]` of the mass properties, row by row; empty where noise is not in the regressor.

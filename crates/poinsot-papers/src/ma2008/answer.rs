@@ -14,8 +14,8 @@ use crate::method::Named;
 use nalgebra::DMatrix;
 use poinsot_dynamics::Kinematics;
 use poinsot_identify::{
-    BodyEstimate, Estimate, MethodReport, MomentumEstimate, NamedNumber, Number, Problem, Segment,
-    SegmentFit, Source as From, Status, axis_name, tensor_name,
+    BodyEstimate, Effect, Estimate, Evidence, MethodReport, MomentumEstimate, NamedNumber, Number,
+    Problem, Segment, SegmentFit, Source as From, Status, axis_name, tensor_name,
 };
 use poinsot_spatial::{InertialParameters, MassProperties};
 
@@ -102,8 +102,8 @@ fn write(
         covariance,
         identifiability: identifiability(&name, solved, &ten, rejected),
         fit: fit(problem, solved),
-        covariance_trustworthy: solved.chi2 <= MISFIT && !rejected,
-        doubts: doubts(solved.chi2, rejected),
+        states_covariance: true,
+        evidence: evidence(solved.chi2, rejected),
         warnings: warnings(problem, solved, &ten, contradicted, rejected, &bodies[0]),
         assumptions: Vec::new(),
         diagnostics: None,
@@ -114,15 +114,22 @@ fn write(
     }
 }
 
-fn doubts(chi2: f64, rejected: bool) -> Vec<String> {
-    match (rejected, chi2 > MISFIT) {
-        (true, _) => vec!["the data contradict the rigid model".to_owned()],
-        (false, true) => vec![format!(
-            "residuals are {:.1} times the declared noise",
-            chi2.sqrt()
-        )],
-        (false, false) => Vec::new(),
-    }
+fn evidence(chi2: f64, rejected: bool) -> Vec<Evidence> {
+    let words = match rejected {
+        true => "the data contradict the rigid model",
+        false => "the data do not contradict the rigid model",
+    };
+    let model = Evidence::new(
+        "rigid model",
+        Effect::RejectsModel.if_failed(rejected),
+        words,
+    );
+    let effect = Effect::AgainstAnswer.if_failed(!rejected && chi2 > MISFIT);
+    let words = format!("residuals are {:.1} times the declared noise", chi2.sqrt());
+    let residuals = Evidence::new("all residuals", effect, words)
+        .statistic("chi-square per degree of freedom", chi2)
+        .widening(chi2.sqrt());
+    vec![model, residuals]
 }
 
 fn body(

@@ -1,4 +1,5 @@
-//! Tests of the residuals, and one row per sensor with its curves. Green is folded, red is open.
+//! Tests of the residuals, the evidence with every test, and one row per sensor with its curves. Green is folded, red is
+//! open; the evidence is always folded.
 
 use super::Answer;
 use super::envelope::Envelope;
@@ -9,7 +10,7 @@ use poinsot_figures::{
     Axis, Figure, Mark, PageError, Part, Plot, Series, probability, render, significant,
 };
 use poinsot_formats::Channel;
-use poinsot_formats::{SegmentFitFile, SensorFitFile};
+use poinsot_formats::{EstimateFile, EvidenceFile, SegmentFitFile, SensorFitFile};
 use statrs::distribution::{ContinuousCDF, Normal};
 
 /// Half-range of the histogram, sigmas.
@@ -58,6 +59,8 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
         include_str!("templates/trust.html"),
         context! {
             tests, records,
+            evidence => evidence(e),
+            against => e.evidence.iter().filter(|row| row.is_against_answer()).count(),
             red => tests.iter().any(is_bad),
             reduced => envelope.words(),
             validate => !e.is_withheld(),
@@ -69,6 +72,41 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
         body,
         figures,
     })
+}
+
+/// Every test with its effect on the answer.
+fn evidence(e: &EstimateFile) -> Vec<Value> {
+    let rows = e.evidence.iter();
+    rows.map(|row| {
+        let (tone, effect) = effect(row);
+        context! {
+            tone, effect,
+            test => row.test,
+            statistic => row.statistic,
+            value => row.value.map(|x| significant(x, 3)),
+            dof => row.degrees_of_freedom,
+            p => row.p.map(probability),
+            words => row.words,
+        }
+    })
+    .collect()
+}
+
+/// Tone and words of the effect of a test.
+fn effect(row: &EvidenceFile) -> (&'static str, String) {
+    let factor = row.sigma_factor.filter(|factor| *factor > 1.0);
+    let widened = factor.map(|factor| format!("sigmas times {}", significant(factor, 4)));
+    let (tone, words) = match row.effect.as_str() {
+        "none" => ("good", "none"),
+        "widens_sigmas" => return ("fair", widened.unwrap_or_default()),
+        "makes_partial" => ("fair", "partial"),
+        "against_answer" => ("bad", "not reliable"),
+        "withholds_numbers" => ("bad", "withheld"),
+        "rejects_model" => ("bad", "rejected"),
+        _ => ("fair", ""),
+    };
+    let parts = std::iter::once(words.to_owned()).chain(widened);
+    (tone, parts.collect::<Vec<_>>().join(", "))
 }
 
 fn is_bad(row: &Value) -> bool {

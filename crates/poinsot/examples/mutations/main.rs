@@ -107,7 +107,7 @@ fn trial(all: &[Vehicle], number: u64) -> Result<Trial, String> {
                 .iter()
                 .filter(|n| is_mass(&found.model, &n.name));
             let worst = z.map(|n| (n.error / n.sigma).abs()).fold(0.0, f64::max);
-            let said = match found.estimate.doubts.join("; ") {
+            let said = match found.estimate.doubts().join("; ") {
                 none if none.is_empty() => "not every number asked for is determined".to_owned(),
                 doubts => doubts,
             };

@@ -219,7 +219,11 @@ impl Source<'_> {
             e.status
         )];
         lines.extend(inputs);
-        lines.extend(e.doubts.iter().map(|d| format!("not reliable: {d}")));
+        lines.extend(
+            e.evidence_against()
+                .iter()
+                .map(|d| format!("not reliable: {d}")),
+        );
         lines
     }
 }

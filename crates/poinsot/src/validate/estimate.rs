@@ -93,7 +93,7 @@ pub fn of_estimate(estimate: &Estimate, model: &Model) -> Result<EstimatedVehicl
         mover: Mover::of_estimate(model, &completion.vehicle()),
         completion: Some(completion),
         status: estimate.status.name().to_owned(),
-        trustworthy: estimate.covariance_trustworthy,
+        trustworthy: estimate.covariance_trustworthy(),
     })
 }
 

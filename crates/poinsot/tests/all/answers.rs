@@ -332,9 +332,9 @@ fn prop_a_known_body_that_is_wrong_shows_in_chi_square() {
         let chi2 = right.estimate.fit[0].chi2_per_dof;
         println!("{method}: right arm {chi2:.2}");
         assert!((0.8..1.25).contains(&chi2), "{method}: {chi2}");
-        let doubts = &right.estimate.doubts;
+        let doubts = &right.estimate.doubts();
         assert!(
-            right.estimate.covariance_trustworthy,
+            right.estimate.covariance_trustworthy(),
             "{method}: {doubts:?}"
         );
         let mut asked = truth.clone();
@@ -343,7 +343,7 @@ fn prop_a_known_body_that_is_wrong_shows_in_chi_square() {
         let chi2 = wrong.estimate.fit[0].chi2_per_dof;
         println!("{method}: wrong arm {chi2:.2e}");
         assert!(chi2 > 100.0);
-        assert!(!wrong.estimate.covariance_trustworthy);
+        assert!(!wrong.estimate.covariance_trustworthy());
         assert!(!wrong.estimate.warnings.is_empty());
     }
 }

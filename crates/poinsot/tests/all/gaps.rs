@@ -63,7 +63,7 @@ fn regress_rows_that_are_missing_cut_the_record() {
         let answer = answer(&model, table);
         assert_eq!(answer.estimate.fit.len(), 2, "segments");
         assert!(worst(&answer) < 4.0, "rows {from} to {to}");
-        assert!(answer.estimate.covariance_trustworthy);
+        assert!(answer.estimate.covariance_trustworthy());
         let told = answer.repairs.iter().any(|r| r.contains("2 segments"));
         assert!(told, "{:?}", answer.repairs);
     }
@@ -77,7 +77,7 @@ fn regress_wheels_that_are_not_read_for_a_while_cut_the_record() {
     let answer = answer(&model, table);
     assert_eq!(answer.estimate.fit.len(), 2, "segments");
     assert!(worst(&answer) < 4.0);
-    assert!(answer.estimate.covariance_trustworthy);
+    assert!(answer.estimate.covariance_trustworthy());
 }
 
 /// The equation of motion propagates the state across a gap of gyro and star tracker; wheel samples continue.
@@ -98,7 +98,7 @@ fn regress_wheel_readings_between_those_of_the_gyro_count() {
     base.for_each(|c| keep(c, |k| k.is_multiple_of(5)));
     let answer = answer(&model, table);
     assert!(worst(&answer) < 4.0);
-    assert!(answer.estimate.covariance_trustworthy);
+    assert!(answer.estimate.covariance_trustworthy());
 }
 
 /// Wheel motion between samples changes the answer by sigmas without a visible residual.
@@ -112,7 +112,7 @@ fn regress_wheels_read_too_seldom_are_not_trusted() {
         let answer = answer(&model, table);
         println!("every {stride}: {:.1}", worst(&answer));
         let warnings = &answer.estimate.warnings;
-        let trusts = answer.estimate.covariance_trustworthy;
+        let trusts = answer.estimate.covariance_trustworthy();
         assert_eq!(trusts, trusted, "every {stride}: {warnings:?}");
         let told = warnings
             .iter()
@@ -132,10 +132,10 @@ fn regress_thinned_rows_are_not_trusted() {
         request.reading.every = every;
         identify(&request).unwrap()
     };
-    assert!(asked(1).estimate.covariance_trustworthy);
+    assert!(asked(1).estimate.covariance_trustworthy());
     let thinned = asked(2);
     assert!(worst(&thinned) > 4.0);
-    assert!(!thinned.estimate.covariance_trustworthy);
+    assert!(!thinned.estimate.covariance_trustworthy());
     let told = |w: &String| w.starts_with("--every 2 leaves out");
     assert!(thinned.estimate.warnings.iter().any(told));
 }
@@ -162,7 +162,7 @@ fn regress_a_strict_accuracy_leaves_the_fit_as_it_is() {
         numbers.iter().filter(|n| n.value.is_none()).count()
     };
     assert_eq!((open(&plain), open(&strict)), (0, 6));
-    assert!(strict.estimate.covariance_trustworthy);
+    assert!(strict.estimate.covariance_trustworthy());
     // Between the sigmas of the numbers: each is printed or not by its own.
     let sigmas = |answer: &Identified| answer.estimate.bodies[0].inertia.map(|n| n.sigma);
     let all = sigmas(&plain).map(Option::unwrap);

@@ -75,9 +75,10 @@ fn stat_wrong_known_numbers_are_covered_and_raise_no_alarm() {
         let blind = ask(&exact, vec![table], "maximum_likelihood");
         println!(
             "{what}: {z:.2} sigma; exact: {:?} {:?}",
-            blind.estimate.status, blind.estimate.doubts
+            blind.estimate.status,
+            blind.estimate.doubts()
         );
-        assert_eq!(covered.estimate.doubts, Vec::<String>::new(), "{what}");
+        assert_eq!(covered.estimate.doubts(), Vec::<String>::new(), "{what}");
         assert!(covered.estimate.passes(), "{what}");
         assert!(z < 4.0, "{what}: {z}");
         let known = &covered.estimate.known_numbers;

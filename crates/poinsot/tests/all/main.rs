@@ -22,6 +22,7 @@ mod counts;
 #[path = "../../examples/faults/drawn.rs"]
 mod drawn;
 mod evaluation;
+mod evidence;
 mod faults;
 #[path = "../../examples/open_set/flown.rs"]
 mod flown;

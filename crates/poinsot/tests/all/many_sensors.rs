@@ -491,7 +491,7 @@ fn regress_directions_and_uncertain_known_numbers_converge() {
     let nominal = nominal.with_usual_uncertainty(Origin::Cad);
     let table = simulate_trial(&case, &truth, 0).unwrap().table;
     let found = solved(&nominal, &table);
-    assert_eq!(found.doubts, Vec::<String>::new());
+    assert_eq!(found.doubts(), Vec::<String>::new());
     assert!(found.iterations < 12, "{}", found.iterations);
     let exact = truth.bodies[0].nominal.I_BBcm_B;
     for (n, at) in found.bodies[0].inertia.iter().zip(TENSOR) {

@@ -37,7 +37,7 @@ fn stat_no_number_that_is_printed_is_further_from_the_truth_than_four_sigma() {
             all.each_ref().map(|z| worst(z))
         );
         assert_eq!(e.status.name(), "partial");
-        assert!(e.covariance_trustworthy, "{:?}", e.doubts);
+        assert!(e.covariance_trustworthy(), "{:?}", e.doubts());
         assert!(all.iter().all(|z| worst(z) < MOST));
         if truth.bodies.len() > 1 {
             let pairs = truth.bodies.len() * (truth.bodies.len() - 1) / 2;

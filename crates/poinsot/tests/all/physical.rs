@@ -123,7 +123,7 @@ fn stays_physical(second: [f64; 3], trials: u64, expected: std::ops::RangeInclus
                 .iter()
                 .any(|w| w.contains("at the limit of physical"));
             assert_eq!(held, beyond, "seed {seed}");
-            assert_eq!(held, !free.covariance_trustworthy, "seed {seed}");
+            assert_eq!(held, !free.covariance_trustworthy(), "seed {seed}");
             impossible += u32::from(beyond);
             for (k, (a, b)) in free.bodies[0]
                 .inertia

@@ -103,7 +103,7 @@ fn xval_lomonosov_gives_no_number() {
         let body = &estimate_file(&identified).bodies["satellite"];
         assert!(body.mass_kg.value.is_none());
         assert!(body.com_m.named().iter().all(|(_, n)| n.value.is_none()));
-        assert!(!identified.estimate.covariance_trustworthy);
+        assert!(!identified.estimate.covariance_trustworthy());
     }
 }
 

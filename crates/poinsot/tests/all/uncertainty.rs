@@ -125,7 +125,7 @@ fn widening(duration_s: f64, seed: u64) -> std::cmp::Ordering {
     let expected = worst.max(pooled).sqrt();
     println!("{readings} readings, sensors {worst}, all {pooled}");
     assert!((1.7..2.3).contains(&expected), "{expected}");
-    assert!(!small.estimate.covariance_trustworthy);
+    assert!(!small.estimate.covariance_trustworthy());
     let C = covariance(&small);
     for (k, (found, plain)) in ten(&small).iter().zip(ten(&large)).enumerate() {
         let sigma = found.sigma.unwrap();

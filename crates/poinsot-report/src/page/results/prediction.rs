@@ -15,7 +15,7 @@ pub(super) fn result(p: &PredictionFile) -> Shown {
     let (_, determined) = Standing {
         status: &p.status,
         covariance_trustworthy: true,
-        doubts: &[],
+        doubted: false,
     }
     .display();
     let met = p.wants.iter().filter(|w| w.met).count();

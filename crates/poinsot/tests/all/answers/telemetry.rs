@@ -208,9 +208,10 @@ fn exact_an_attitude_that_nobody_measured_is_not_taken_for_the_identity() {
         let e = &answer.estimate;
         println!(
             "{method}: {:?}, trustworthy {}",
-            e.status, e.covariance_trustworthy
+            e.status,
+            e.covariance_trustworthy()
         );
-        if e.status == Status::Converged && e.covariance_trustworthy {
+        if e.status == Status::Converged && e.covariance_trustworthy() {
             assert_found(&answer, &truth, 2.0e-3, method);
         } else {
             assert!(!e.warnings.is_empty());

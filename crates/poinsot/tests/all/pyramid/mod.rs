@@ -33,7 +33,7 @@ fn score(case: &Case, seed: u64) -> Score {
     .unwrap();
     let e = &found.estimate;
     let inertia = &e.bodies[0].inertia;
-    let assumptions = format!("{:?} {:?} {:?}", e.assumptions, e.doubts, e.warnings);
+    let assumptions = format!("{:?} {:?} {:?}", e.assumptions, e.doubts(), e.warnings);
     if inertia.iter().any(|i| i.value.is_none()) {
         return Score {
             withheld: true,

@@ -1,0 +1,164 @@
+//! Evidence: one row per test of an answer. Status, reliability and the factor on every sigma follow from the rows.
+
+use crate::diagnosis::octaves::Octave;
+
+/// Effect of one test on the answer, the weakest first. The names are those of the result file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Effect {
+    /// The test passed, or another row of the same sensor decides.
+    None,
+    /// Every sigma is multiplied by the factor of the row.
+    WidensSigmas,
+    /// The status is at most partial.
+    MakesPartial,
+    /// The answer is not reliable.
+    AgainstAnswer,
+    /// The answer is not reliable, and its numbers are withheld.
+    WithholdsNumbers,
+    /// The data contradict the model, and the numbers are withheld.
+    RejectsModel,
+}
+
+impl Effect {
+    /// Name in the result file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::WidensSigmas => "widens_sigmas",
+            Self::MakesPartial => "makes_partial",
+            Self::AgainstAnswer => "against_answer",
+            Self::WithholdsNumbers => "withholds_numbers",
+            Self::RejectsModel => "rejects_model",
+        }
+    }
+
+    /// Whether the answer is not reliable.
+    pub fn is_against_answer(self) -> bool {
+        self >= Self::AgainstAnswer
+    }
+
+    /// `self` where a test failed, none where it passed.
+    pub fn if_failed(self, failed: bool) -> Self {
+        if failed { self } else { Self::None }
+    }
+}
+
+/// One test of an answer.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Evidence {
+    /// Name of the test.
+    pub test: String,
+    /// Name and value of the statistic; `None` of a test without one.
+    pub statistic: Option<(&'static str, f64)>,
+    /// Degrees of freedom of the statistic, or how many numbers were compared.
+    pub degrees_of_freedom: Option<usize>,
+    /// Probability of a statistic at least as large if model and declared noise are correct.
+    pub p: Option<f64>,
+    /// Effect on the answer.
+    pub effect: Effect,
+    /// Factor on every sigma that this test requires; 1 if none.
+    pub sigma_factor: f64,
+    /// Result in words.
+    pub words: String,
+}
+
+impl Evidence {
+    /// A test without statistic.
+    pub fn new(test: impl Into<String>, effect: Effect, words: impl Into<String>) -> Self {
+        Self {
+            test: test.into(),
+            statistic: None,
+            degrees_of_freedom: None,
+            p: None,
+            effect,
+            sigma_factor: 1.0,
+            words: words.into(),
+        }
+    }
+
+    /// With a statistic.
+    pub fn statistic(mut self, name: &'static str, value: f64) -> Self {
+        self.statistic = Some((name, value));
+        self
+    }
+
+    /// With a sum of squares that is chi-square distributed, its degrees of freedom and its p-value.
+    pub fn chi_square(self, square: f64, degrees_of_freedom: usize) -> Self {
+        let sum = Octave {
+            readings: 1,
+            numbers: degrees_of_freedom,
+            square,
+        };
+        let mut row = self.statistic(CHI_SQUARE, square);
+        row.degrees_of_freedom = Some(degrees_of_freedom);
+        row.p = Some(sum.p_value(1.0));
+        row
+    }
+
+    /// With a factor on every sigma; a larger one widens them.
+    pub fn widening(mut self, sigma_factor: f64) -> Self {
+        if sigma_factor > 1.0 {
+            self.sigma_factor = sigma_factor;
+            self.effect = self.effect.max(Effect::WidensSigmas);
+        }
+        self
+    }
+}
+
+/// Name of the statistic of [`Evidence::chi_square`].
+const CHI_SQUARE: &str = "chi-square";
+
+/// The largest factor on every sigma.
+pub(crate) fn sigma_factor(rows: &[Evidence]) -> f64 {
+    rows.iter().map(|r| r.sigma_factor).fold(1.0, f64::max)
+}
+
+/// Words of the rows against the answer, in their order, each once.
+pub(crate) fn doubts(rows: &[Evidence]) -> Vec<String> {
+    let mut list: Vec<String> = Vec::new();
+    for row in rows.iter().filter(|r| r.effect.is_against_answer()) {
+        if !list.contains(&row.words) {
+            list.push(row.words.clone());
+        }
+    }
+    list
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+    #[test]
+    fn exact_p_is_the_tail_of_chi_square() {
+        for (square, dof) in [(3.84, 1), (18.3, 10), (1100.0, 1000), (5300.0, 5000)] {
+            let p = Evidence::new("", Effect::None, "")
+                .chi_square(square, dof)
+                .p;
+            let tail = ChiSquared::new(dof as f64).unwrap().sf(square);
+            assert!(
+                (p.unwrap() / tail - 1.0).abs() < 1.0e-3,
+                "{dof}: {p:?} {tail}"
+            );
+        }
+    }
+
+    #[test]
+    fn unit_the_strongest_rows_decide() {
+        let row = |effect, words| Evidence::new("", effect, words);
+        let rows = [
+            row(Effect::RejectsModel, "a"),
+            row(Effect::None, "b").widening(1.5),
+            row(Effect::AgainstAnswer, "c").widening(1.2),
+            row(Effect::MakesPartial, "d").widening(0.5),
+            row(Effect::AgainstAnswer, "c"),
+            row(Effect::WithholdsNumbers, "e"),
+        ];
+        assert_eq!(rows[1].effect, Effect::WidensSigmas);
+        assert_eq!(rows[2].effect, Effect::AgainstAnswer);
+        assert_eq!(rows[3].effect, Effect::MakesPartial);
+        assert_eq!(sigma_factor(&rows), 1.5);
+        assert_eq!(doubts(&rows), ["a", "c", "e"]);
+        assert_eq!(sigma_factor(&[]), 1.0);
+    }
+}
