@@ -1,7 +1,7 @@
 //! Calibration of answers if stored momentum makes the bus nutate between its samples.
 //!
 //! `POINSOT_SEEDS=200 cargo nextest run --release -p poinsot stored_momentum::` runs the full table
-//! (docs/validation/stored_momentum.md); `POINSOT_STORED=9,18` selects settings by momentum.
+//! (docs/validation/stored_momentum.md); `POINSOT_STORED=9,18@2` selects settings by momentum, and by rate.
 
 use crate::nutation;
 
@@ -101,7 +101,11 @@ fn stat_answers_are_right_whatever_momentum_the_wheels_store() {
     let stored = std::env::var("POINSOT_STORED").ok();
     let wanted = |cell: &Cell| {
         let list = stored.as_deref().map(|list| list.split(','));
-        list.is_none_or(|mut all| all.any(|h| h.parse() == Ok(cell.stored_N_m_s)))
+        let own = [
+            cell.stored_N_m_s.to_string(),
+            format!("{}@{}", cell.stored_N_m_s, cell.rate_hz),
+        ];
+        list.is_none_or(|mut all| all.any(|one| own.iter().any(|name| name == one)))
     };
     for cell in table().into_iter().filter(wanted) {
         let shown = Shown::of(cell, seeds);
