@@ -343,7 +343,7 @@ fn slopes(translation: bool, loss: Loss) -> Vec<(String, f64, f64)> {
     };
     let parameters = Parameters::new(&model, &tree, Equations::Momentum, true).unwrap();
     let mut experiment = Experiment::new(&problem, &parameters);
-    experiment.loss = loss;
+    experiment.settings.loss = loss;
     let mut point = experiment.nominal_point();
     for (k, (x, unknown)) in point.x.iter_mut().zip(&parameters.unknowns).enumerate() {
         // A lag acts through the predicted rates, whose own change with the unknowns is of second order.

@@ -29,11 +29,10 @@ pub use diagnosis::{
 };
 pub use evaluation::wanted::{Information, WantedNumber, WantedTerm};
 pub use evaluation::{EvaluatedUnknown, Evaluation, EvaluationError, Evaluator, SensorResiduals};
-pub use fit::coordinates::{Coordinates, FitOptions};
 pub use likelihood::impulse::{Impulse, Impulses, thrust_impulses};
 pub use methods::cramer_rao::{cramer_rao, predicted_covariance};
 pub use methods::linear::linear;
-pub use methods::maximum_likelihood::{SENSITIVE, maximum_likelihood, maximum_likelihood_with};
+pub use methods::maximum_likelihood::{maximum_likelihood, maximum_likelihood_with};
 pub use poinsot_solve::{NotFinite, Spectrum};
 pub use prediction::completion::{CompletedVehicle, Completion, CompletionError, complete};
 pub use prediction::held_back::{HeldBack, held_back};
@@ -50,6 +49,7 @@ pub use problem::segment::{
     Accelerations, BetweenReadings, Firing, InputErrors, Noise, Observations, RoundingError,
     Samples, Segment, SensorRecord, SensorSample, SensorValue, Translation,
 };
+pub use problem::settings::{Coordinates, Settings, SettingsError};
 pub use problem::{Problem, ProblemError};
 pub use solution::estimate::{
     BodyEstimate, ChannelFit, DeterminedCombination, Estimate, Identifiability, KnownEffect,

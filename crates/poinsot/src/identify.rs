@@ -9,11 +9,11 @@ use crate::{mixups, motor_torque};
 use poinsot_dynamics::Tree;
 use poinsot_formats::ModelInputFile;
 use poinsot_identify::{
-    Coordinates, Effect, Estimate, Evidence, FitOptions, Loss, Prediction, Problem, SENSITIVE,
-    linear, linear_predicted, maximum_likelihood_predicted, maximum_likelihood_with, predicted_by,
+    Coordinates, Effect, Estimate, Evidence, Loss, Prediction, Problem, Settings, linear,
+    linear_predicted, maximum_likelihood_predicted, maximum_likelihood_with, predicted_by,
 };
 use poinsot_model::{Model, TelemetryMap, read_model, read_model_text, read_telemetry_map};
-use poinsot_papers::{Settings, answered, identify_by, method};
+use poinsot_papers::{Settings as MethodSettings, answered, identify_by, method};
 use poinsot_telemetry::checks::{self, Check, Finding, Policies, Policy};
 use poinsot_telemetry::{Encoding, Origin, Part, ReadOptions, Source, Table, read_parts};
 use std::path::{Path, PathBuf};
@@ -399,7 +399,7 @@ fn distrust_thinned(estimate: &mut Estimate, every: usize) {
     if shift == 0.0 {
         return;
     }
-    let sensitive = shift > SENSITIVE;
+    let sensitive = shift > Settings::default().sensitivity_sigmas;
     let not = if sensitive { "" } else { "not " };
     let row = Evidence::new(
         "sensitivity to the wheel motion between the selected rows",
@@ -467,13 +467,13 @@ fn answer(model: Model, tables: Vec<Table>, question: &Question) -> Result<Ident
         }
         _ => {
             let loss = question.variant.as_deref().and_then(Loss::from_name);
-            let options = FitOptions {
+            let settings = Settings {
                 loss: loss.unwrap_or_default(),
                 coordinates: question.coordinates,
-                undiagnosed: false,
+                ..Settings::default()
             };
             let (mut estimate, predictions) =
-                maximum_likelihood_predicted(&problem, options, points)?;
+                maximum_likelihood_predicted(&problem, settings, points)?;
             estimate.variant.clone_from(&question.variant);
             (estimate, predictions)
         }
@@ -569,10 +569,11 @@ pub(crate) fn estimate_by(
             identify_by(published, problem, variant, &question.settings)?
         }
         _ => {
-            let options = FitOptions {
+            let options = Settings {
                 loss: variant.and_then(Loss::from_name).unwrap_or_default(),
                 coordinates: question.coordinates,
                 undiagnosed: !diagnose,
+                ..Settings::default()
             };
             maximum_likelihood_with(problem, options)?
         }
@@ -595,7 +596,7 @@ pub(crate) fn check_method(question: &Question) -> Result<(), Error> {
     {
         return Err(variant_error(question, &known));
     }
-    Settings::parse(&question.settings)?.check(method.name, method.settings)?;
+    MethodSettings::parse(&question.settings)?.check(method.name, method.settings)?;
     if !(question.relative_accuracy > 0.0 && question.relative_accuracy.is_finite()) {
         return Err(Error::Usage {
             option: "--relative-accuracy",

@@ -3,7 +3,7 @@
 
 use crate::bind::bind;
 use poinsot_dynamics::Tree;
-use poinsot_identify::{Estimate, FitOptions, Problem, Status, maximum_likelihood_with};
+use poinsot_identify::{Estimate, Problem, Settings, Status, maximum_likelihood_with};
 use poinsot_model::Model;
 use poinsot_telemetry::checks::{Check, Finding, Policy};
 use poinsot_telemetry::{Channel, Table, median_step};
@@ -227,9 +227,9 @@ fn fit<T>(
         noise: &bound.noise,
         ..*problem
     };
-    let options = FitOptions {
+    let options = Settings {
         undiagnosed: true,
-        ..FitOptions::default()
+        ..Settings::default()
     };
     ask(&other, &maximum_likelihood_with(&other, options).ok()?)
 }

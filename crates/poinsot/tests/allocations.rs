@@ -6,7 +6,7 @@ use poinsot::bind::bind;
 use poinsot::case::read_case;
 use poinsot::trials::Study;
 use poinsot_dynamics::Tree;
-use poinsot_identify::{FitOptions, Problem, maximum_likelihood_with};
+use poinsot_identify::{Problem, Settings, maximum_likelihood_with};
 use poinsot_model::parse_model;
 use std::path::Path;
 
@@ -80,9 +80,9 @@ fn fit((case, added): (&str, &str), rate_hz: f64) -> (usize, u64) {
     };
     let samples = bound.segments.iter().map(|s| s.observations.time_s.len());
     let samples: usize = samples.sum();
-    let options = FitOptions {
+    let options = Settings {
         undiagnosed: true,
-        ..FitOptions::default()
+        ..Settings::default()
     };
     // The counter is that of a thread.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();

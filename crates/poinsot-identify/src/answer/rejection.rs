@@ -1,14 +1,11 @@
 //! Reasons to reject the rigid model, the strongest first.
 
-use crate::fit::degrees_of_freedom::MISFIT;
+use crate::problem::settings::Settings;
 use crate::solution::estimate::BodyEstimate;
 use crate::solution::evidence::{Effect, Evidence};
 use crate::solution::solved::Solution;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-/// Chi-square per degree of freedom above which a model that explains little is rejected, and one whose residuals are
-/// correlated in time: three times the noise at every sample; a widened sigma does not bound such errors.
-const REJECT: f64 = 9.0;
 /// p-value below which data beyond the physical limit contradict the model: three sigma for one active condition.
 const PRESSED: f64 = 2.7e-3;
 /// Smallest share of the signal that an accepted model explains in that case.
@@ -36,9 +33,12 @@ impl Rejection {
     /// The first reason that holds. `coloured`: residuals are too large and correlated in time.
     pub fn of(solution: &Solution, coloured: bool, bodies: &[BodyEstimate]) -> Option<Self> {
         let chi2 = solution.chi2_per_dof();
+        let Settings {
+            misfit, rejection, ..
+        } = solution.settings;
         let share = solution.explained;
         let unexplained = share.is_some_and(|share| share < LEAST_EXPLAINED);
-        let bad_fit = chi2 > MISFIT || unexplained;
+        let bad_fit = chi2 > misfit || unexplained;
         let impossible =
             bodies.iter().any(|b| unphysical(b, bad_fit)) || pressed(solution, bad_fit);
         let coloured = coloured && solution.conflict.is_none();
@@ -46,11 +46,11 @@ impl Rejection {
             (Self::Impossible, impossible),
             (
                 Self::NoiseAddsUp,
-                chi2 > MISFIT && solution.noise_accumulates,
+                chi2 > misfit && solution.noise_accumulates,
             ),
-            (Self::NotRigid, chi2 > MISFIT && solution.not_rigid),
-            (Self::Contradicted, chi2 > REJECT && coloured),
-            (Self::Unexplained, chi2 > REJECT && unexplained),
+            (Self::NotRigid, chi2 > misfit && solution.not_rigid),
+            (Self::Contradicted, chi2 > rejection && coloured),
+            (Self::Unexplained, chi2 > rejection && unexplained),
         ];
         reasons.into_iter().find(|r| r.1).map(|r| r.0)
     }

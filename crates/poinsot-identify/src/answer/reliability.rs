@@ -5,7 +5,6 @@
 
 use crate::answer::residual_tests::residual_tests;
 use crate::answer::sensor_noise::{SensorNoise, sensor_noise};
-use crate::fit::degrees_of_freedom::MISFIT;
 use crate::solution::evidence::{Effect, Evidence};
 use crate::solution::solved::Solution;
 
@@ -25,7 +24,7 @@ pub(crate) struct Reliability {
 
 impl Reliability {
     pub fn of(solution: &Solution) -> Self {
-        let sensors = sensor_noise(&solution.fit);
+        let sensors = sensor_noise(&solution.fit, &solution.settings);
         let excesses = || sensors.iter().filter_map(|s| s.excess.as_ref());
         let bad_sensor = excesses().any(|e| !e.is_made_up_for());
         let mut rows = priors(solution);
@@ -113,7 +112,7 @@ fn suspect(solution: &Solution, bad_sensor: bool) -> Option<Evidence> {
 /// All residuals together.
 fn pooled(solution: &Solution, bad_sensor: bool) -> Evidence {
     let chi2 = solution.chi2_per_dof();
-    let failed = !bad_sensor && chi2 > MISFIT;
+    let failed = !bad_sensor && chi2 > solution.settings.misfit;
     let effect = Effect::AgainstAnswer.if_failed(failed);
     let words = match failed {
         true => format!("residuals are {:.1} times the declared noise", chi2.sqrt()),

@@ -5,16 +5,26 @@
 //! false-alarm probability is split among the tests: a correct record fails less than once in 10,000 answers.
 
 use crate::diagnosis::octaves::Octave;
+use crate::problem::settings::Settings;
 use crate::solution::estimate::SegmentFit;
 use crate::solution::evidence::{Effect, Evidence};
 
-/// Probability that any test of one answer rejects a correct record.
-const FALSE_ALARM: f64 = 2.0e-5;
-/// Excess of a mean square that is too small to matter: sigmas are 1 % too small.
-const NEGLIGIBLE_EXCESS: f64 = 0.02;
-/// Excess of a mean square that is white all over, up to which widened sigmas suffice: noise 10 % above the declared
-/// one, the usual accuracy of a declaration.
-const WHITE: f64 = 0.21;
+/// Thresholds of one test.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Limits {
+    /// p-value below which it fails.
+    chance: f64,
+    /// Mean square up to which it passes.
+    negligible: f64,
+    /// Mean square of a white residual up to which wider sigmas suffice.
+    white: f64,
+}
+
+impl Limits {
+    fn is_exceeded(&self, octave: &Octave) -> bool {
+        octave.mean_square() > self.negligible && octave.p_value(1.0) < self.chance
+    }
+}
 
 /// A residual that is larger than its declared noise allows.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,16 +38,17 @@ pub(super) struct Excess {
     worst: Octave,
     /// Whether the levels differ significantly.
     pub coloured: bool,
+    limits: Limits,
 }
 
 impl Excess {
     /// Tests the levels of one sensor; `None` if none is too large.
-    fn judged(name: &str, levels: &[Octave], chance: f64) -> Option<Self> {
+    fn judged(name: &str, levels: &[Octave], limits: Limits) -> Option<Self> {
         let whole = together(levels);
-        let too_large = |o: &&Octave| is_too_large(o, chance);
+        let too_large = |o: &&Octave| limits.is_exceeded(o);
         let coloured = levels
             .iter()
-            .any(|o| o.p_value(whole.mean_square()) < chance);
+            .any(|o| o.p_value(whole.mean_square()) < limits.chance);
         // The levels of white noise scatter, most with few samples.
         let all = std::iter::once(&whole).chain(levels.iter().filter(|_| coloured));
         let larger = |a: &&Octave, b: &&Octave| a.mean_square().total_cmp(&b.mean_square());
@@ -49,12 +60,13 @@ impl Excess {
             worst: *worst,
             coloured,
             whole,
+            limits,
         })
     }
 
     /// Whether widened sigmas suffice.
     pub fn is_made_up_for(&self) -> bool {
-        !self.coloured && self.worst.mean_square() <= 1.0 + WHITE
+        !self.coloured && self.worst.mean_square() <= self.limits.white
     }
 
     fn message(&self) -> String {
@@ -75,10 +87,6 @@ impl Excess {
     }
 }
 
-fn is_too_large(octave: &Octave, chance: f64) -> bool {
-    octave.mean_square() > 1.0 + NEGLIGIBLE_EXCESS && octave.p_value(1.0) < chance
-}
-
 fn place(segment: Option<&str>) -> String {
     segment.map_or(String::new(), |segment| format!(" in {segment}"))
 }
@@ -96,8 +104,7 @@ pub(super) struct SensorNoise<'a> {
     levels: Vec<Octave>,
     /// Levels of each segment, where there are several.
     segments: Vec<(&'a str, &'a [Octave])>,
-    /// Probability below which one test fails.
-    chance: f64,
+    limits: Limits,
     /// The largest excess, in all segments together, else in one of them.
     pub excess: Option<Excess>,
 }
@@ -113,9 +120,9 @@ struct Tested<'a> {
 }
 
 impl<'a> SensorNoise<'a> {
-    fn new(fit: &'a [SegmentFit], name: &'a str, chance: f64) -> Self {
+    fn new(fit: &'a [SegmentFit], name: &'a str, limits: Limits) -> Self {
         let levels = octaves_of(fit, name).fold(Vec::new(), |sum, (_, levels)| added(sum, levels));
-        let mut excess = Excess::judged(name, &levels, chance);
+        let mut excess = Excess::judged(name, &levels, limits);
         let segments: Vec<(&str, &[Octave])> = match fit.len() > 1 {
             true => octaves_of(fit, name)
                 .map(|(label, levels)| (label.as_str(), levels.as_slice()))
@@ -123,7 +130,7 @@ impl<'a> SensorNoise<'a> {
             false => Vec::new(),
         };
         for (label, levels) in &segments {
-            let Some(mut alone) = Excess::judged(name, levels, chance) else {
+            let Some(mut alone) = Excess::judged(name, levels, limits) else {
                 continue;
             };
             alone.segment = Some((*label).to_owned());
@@ -137,7 +144,7 @@ impl<'a> SensorNoise<'a> {
             name,
             levels,
             segments,
-            chance,
+            limits,
             excess,
         }
     }
@@ -202,7 +209,7 @@ impl<'a> SensorNoise<'a> {
             excess => {
                 let words = format!("the {test} is {times:.2} times its declared noise");
                 let decided = excess.as_ref().map_or(0.0, |e| e.worst.mean_square());
-                let fails = is_too_large(&t.octave, self.chance);
+                let fails = self.limits.is_exceeded(&t.octave);
                 let factor = match fails && t.octave.mean_square() <= decided {
                     true => times,
                     false => 1.0,
@@ -215,7 +222,7 @@ impl<'a> SensorNoise<'a> {
 }
 
 /// The tests of every sensor that the method weights separately.
-pub(super) fn sensor_noise(fit: &[SegmentFit]) -> Vec<SensorNoise<'_>> {
+pub(super) fn sensor_noise<'a>(fit: &'a [SegmentFit], settings: &Settings) -> Vec<SensorNoise<'a>> {
     let mut names: Vec<&str> = Vec::new();
     for channel in fit.iter().flat_map(|s| &s.channels) {
         if !channel.octaves.is_empty() && !names.contains(&channel.name.as_str()) {
@@ -227,10 +234,14 @@ pub(super) fn sensor_noise(fit: &[SegmentFit]) -> Vec<SensorNoise<'_>> {
         .flat_map(|name| octaves_of(fit, name))
         .map(|(_, levels)| 2 * (levels.len() + 1))
         .sum();
-    let chance = FALSE_ALARM / tests.max(1) as f64;
+    let limits = Limits {
+        chance: settings.false_alarm / tests.max(1) as f64,
+        negligible: 1.0 + settings.negligible_excess,
+        white: 1.0 + settings.white_excess,
+    };
     let names = names.into_iter();
     names
-        .map(|name| SensorNoise::new(fit, name, chance))
+        .map(|name| SensorNoise::new(fit, name, limits))
         .collect()
 }
 
@@ -281,7 +292,7 @@ mod tests {
     }
 
     fn excesses(fit: &[SegmentFit]) -> Vec<Excess> {
-        let all = sensor_noise(fit).into_iter();
+        let all = sensor_noise(fit, &Settings::default()).into_iter();
         all.filter_map(|s| s.excess).collect()
     }
 
@@ -378,7 +389,7 @@ mod tests {
             (many, Some(2), Effect::AgainstAnswer),
         ];
         for (fit, decisive, effect) in cases {
-            let noise = &sensor_noise(&fit)[0];
+            let noise = &sensor_noise(&fit, &Settings::default())[0];
             let rows = noise.rows();
             assert_eq!(rows.len(), 2 + usize::from(fit.len() > 1));
             for (k, row) in rows.iter().enumerate() {

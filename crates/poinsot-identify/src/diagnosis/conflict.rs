@@ -11,14 +11,9 @@ use crate::fit::experiment::Experiment;
 use crate::fit::triangle::{ConditionalEstimate, SharedTriangle, conditional_estimate};
 use crate::fit::{Fitted, ITERATIONS, fit_from};
 use crate::problem::Problem;
-use crate::problem::prior::{
-    self, CONTRADICTED_SIGMAS, Conflict, Declared, LEAST_SHARE, PriorRow, PriorTest,
-};
+use crate::problem::prior::{self, Conflict, Declared, LEAST_SHARE, PriorRow, PriorTest};
 use poinsot_model::rounded;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
-
-/// p-value below which priors and data contradict each other: five sigma of one number.
-const CONTRADICTED: f64 = 5.7e-7;
 
 /// A declared number, its estimate from the data, and their difference in sigmas.
 struct Discrepancy {
@@ -26,12 +21,6 @@ struct Discrepancy {
     value: f64,
     sigma: f64,
     z: f64,
-}
-
-impl Discrepancy {
-    fn is_large(&self) -> bool {
-        self.z.abs() > CONTRADICTED_SIGMAS
-    }
 }
 
 /// The tests of all priors, the contradiction that they find, and a diagnosis without the contradicted priors.
@@ -51,7 +40,8 @@ pub(crate) fn priors_against_data(
     let mut out = PriorsAgainstData::default();
     let all = calibrations(experiment, fitted);
     let (count, largest) = (all.len(), all.iter().map(|a| a.z.abs()).reduce(f64::max));
-    let mut apart: Vec<Discrepancy> = all.into_iter().filter(Discrepancy::is_large).collect();
+    let limit = experiment.settings.contradiction_sigmas;
+    let mut apart: Vec<Discrepancy> = all.into_iter().filter(|a| a.z.abs() > limit).collect();
     let mut unnamed = false;
     let mut moved = 0.0;
     if let Some((test, square)) = design(experiment, fitted) {
@@ -69,18 +59,27 @@ pub(crate) fn priors_against_data(
             }
         }
     }
-    let of_calibrations =
-        largest.map(|z| PriorTest::of_largest("calibrations", z, count, z > CONTRADICTED_SIGMAS));
+    let of_calibrations = largest.map(|z| PriorTest::of_largest("calibrations", z, count, limit));
     out.tests.extend(of_calibrations);
     apart.sort_by(|a, b| b.z.abs().total_cmp(&a.z.abs()));
     let text = match (apart.first(), unnamed) {
         (Some(first), _) => said(first, apart.len() - 1),
         (None, false) => return out,
-        (None, true) => "the priors of mass properties together contradict the data by more than five sigma; correct their nominal numbers or sigmas".to_owned(),
+        (None, true) => format!(
+            "the priors of mass properties together contradict the data by more than {} sigma; correct their nominal numbers or sigmas",
+            in_words(limit)
+        ),
     };
     let ratio = 1.0 + moved;
     out.conflict = Some(Conflict { text, ratio });
     out
+}
+
+fn in_words(sigmas: f64) -> String {
+    match sigmas == 5.0 {
+        true => "five".to_owned(),
+        false => sigmas.to_string(),
+    }
 }
 
 /// Its finding.
@@ -130,7 +129,7 @@ fn design(experiment: &Experiment, fitted: &Fitted) -> Option<(PriorTest, Option
     let count = design.rows.len().min(alone.rank);
     let square = (design.chi2 + fall) / scale;
     let chance = ChiSquared::new(count as f64).ok()?.sf(square);
-    let contradicted = chance < CONTRADICTED || square.is_infinite();
+    let contradicted = chance < experiment.settings.contradiction_p() || square.is_infinite();
     let moved = contradicted.then(|| {
         let step = alone.damped(&shared.rhs(), 0.0);
         let along = |k: usize| -> f64 {
@@ -186,7 +185,8 @@ fn rows(experiment: &Experiment, free: &Fitted) -> Vec<Discrepancy> {
         })
     };
     let all = rows.into_iter().filter_map(apart);
-    all.filter(Discrepancy::is_large).collect()
+    let limit = experiment.settings.contradiction_sigmas;
+    all.filter(|a| a.z.abs() > limit).collect()
 }
 
 /// Rows of calibrations (biases, scales, thrust) against what the data alone say.

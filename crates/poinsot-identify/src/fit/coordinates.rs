@@ -5,56 +5,11 @@
 //! parabola: the best step within the cone is the shortest vector of a small convex problem (`semidefinite.rs`), with
 //! one answer, on the edge or not. A plain step that stays inside needs no correction.
 
-use crate::problem::loss::Loss;
 use crate::problem::parameters::{Equations, Parameters, TENSOR, UnknownKind};
 use nalgebra::{Matrix4, SymmetricEigen};
 use poinsot_solve::Spectrum;
 use poinsot_solve::semidefinite::{Block, shortest};
 use poinsot_spatial::{MassProperties, Matrix3, pseudo_inertia};
-
-/// Coordinates of the fit's steps.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Coordinates {
-    /// The linear parameters of physical bodies: the answer is always physical.
-    #[default]
-    Physical,
-    /// All linear parameters: an impossible tensor is possible.
-    Linear,
-}
-
-impl Coordinates {
-    /// Names for the command line.
-    pub const NAMES: [&'static str; 2] = ["physical", "linear"];
-
-    /// By its name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        match name {
-            "physical" => Some(Self::Physical),
-            "linear" => Some(Self::Linear),
-            _ => None,
-        }
-    }
-}
-
-/// How a maximum-likelihood fit is done.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct FitOptions {
-    /// Loss of a reading.
-    pub loss: Loss,
-    /// Space of the steps.
-    pub coordinates: Coordinates,
-    /// Skips the search for the cause of a misfit. It changes no number, only the verdict.
-    pub undiagnosed: bool,
-}
-
-impl From<Loss> for FitOptions {
-    fn from(loss: Loss) -> Self {
-        Self {
-            loss,
-            ..Self::default()
-        }
-    }
-}
 
 /// Smallest eigenvalue of a pseudo-inertia over the reference that is kept: above round-off, far below any thickness.
 const FLOOR: f64 = 1.0e-10;

@@ -6,9 +6,6 @@ use crate::fit::triangle::conditional_estimate;
 use crate::problem::parameters::Parameters;
 use nalgebra::DMatrix;
 
-/// Chi-square per degree of freedom above which the declared noise cannot be right, of methods that know no more.
-pub(crate) const MISFIT: f64 = 1.5;
-
 /// Number of parameters that the samples determined: pose and momentum of every segment, nuisances, and the identified
 /// directions of the mass properties.
 pub(crate) fn fitted_numbers(experiment: &Experiment, fitted: &Fitted) -> usize {

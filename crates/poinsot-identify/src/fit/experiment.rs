@@ -11,7 +11,6 @@ pub(crate) use known_columns::{
     DIFFERENCE, KeptColumns, MovedVehicle, body_slopes, drop_old_columns, slopes, twin,
 };
 
-use crate::fit::coordinates::Coordinates;
 use crate::fit::triangle::SharedTriangle;
 use crate::likelihood::{
     Evaluated, InitialState, InitialStateColumns, KnownColumns, MeasuredMotion, Setting, evaluate,
@@ -19,10 +18,10 @@ use crate::likelihood::{
 use crate::motion::input_curves::InputCurves;
 use crate::motion::{Fineness, Grid, Vehicle};
 use crate::problem::Problem;
-use crate::problem::loss::Loss;
 use crate::problem::parameters::Parameters;
 use crate::problem::prior;
 use crate::problem::segment::Segment;
+use crate::problem::settings::Settings;
 use crate::problem::shifted_vehicle::ShiftedVehicle;
 use known_columns::columns_at;
 use nalgebra::UnitQuaternion;
@@ -44,9 +43,7 @@ pub(crate) struct Experiment<'a> {
     pub thrusters: Vec<Thruster>,
     pub unknown: Vec<InitialStateColumns>,
     pub measured_motion: MeasuredMotion,
-    pub loss: Loss,
-    /// Coordinates of the steps of a fit.
-    pub coordinates: Coordinates,
+    pub settings: Settings,
     /// Whether wheel speeds are smooth between samples.
     pub wheels_smooth: bool,
     /// Share of a rounding step by which a quantity at rest moves while its reading stays.
@@ -95,8 +92,7 @@ impl<'a> Experiment<'a> {
                 .map(|s| InitialStateColumns::of(s, &problem.model.momentum, measured_motion))
                 .collect(),
             measured_motion,
-            loss: Loss::Gaussian,
-            coordinates: Coordinates::default(),
+            settings: Settings::default(),
             wheels_smooth: false,
             rest_motion: 1.0,
             fineness: Fineness::default(),
@@ -127,8 +123,7 @@ impl<'a> Experiment<'a> {
             thrusters: self.thrusters.clone(),
             unknown: self.unknown.clone(),
             measured_motion: self.measured_motion,
-            loss: self.loss,
-            coordinates: self.coordinates,
+            settings: self.settings,
             wheels_smooth: self.wheels_smooth,
             rest_motion: self.rest_motion,
             fineness: self.fineness,
@@ -175,7 +170,7 @@ impl<'a> Experiment<'a> {
             parameters: self.parameters,
             nominal_spin: &self.nominal_spin,
             noise: self.problem.noise,
-            loss: self.loss,
+            loss: self.settings.loss,
             wheels_smooth: self.wheels_smooth,
             rest_motion: self.rest_motion,
             random_torque: self.problem.model.environment.random_torque,

@@ -10,13 +10,13 @@ mod effects;
 
 pub(crate) use effects::Effects;
 
-use crate::fit::degrees_of_freedom::{MISFIT, fitted_numbers, known_covariance};
+use crate::fit::degrees_of_freedom::{fitted_numbers, known_covariance};
 use crate::fit::experiment::{DIFFERENCE, Experiment, Iterate, KeptColumns, body_slopes, slopes};
 use crate::fit::{Fitted, fit_from};
 use crate::likelihood::KnownColumns;
 use crate::problem::Problem;
 use crate::problem::parameters::{KnownUnknown, Parameters, Unknown, UnknownKind};
-use crate::problem::prior::{CONTRADICTED_SIGMAS, Conflict, LEAST_SHARE, PriorTest};
+use crate::problem::prior::{Conflict, LEAST_SHARE, PriorTest};
 use nalgebra::{DMatrix, DVector};
 use poinsot_model::{Model, rounded};
 use std::sync::{Arc, Mutex};
@@ -66,7 +66,7 @@ pub(crate) fn fit_known(experiment: &Experiment, fitted: &Fitted) -> Option<Know
     let done = found.converged || predicted_reduction(&found) < CONVERGED_BELOW_KEPT_COLUMNS;
     let (worst, per_number, test) = contradicted(&wide, &found);
     // A misfit beyond the uncertainty of known numbers needs another cause.
-    let left = per_number > MISFIT && (worst.is_some() || !done);
+    let left = per_number > experiment.settings.misfit && (worst.is_some() || !done);
     if left && !fitted.converged {
         return None;
     }
@@ -222,11 +222,11 @@ fn contradicted(
         ))
     });
     let worst = apart.max_by(|a, b| a.0.total_cmp(&b.0));
-    let test = worst.as_ref().map(|w| {
-        let contradicted = w.0 > CONTRADICTED_SIGMAS;
-        PriorTest::of_largest("known numbers", w.0, places.len(), contradicted)
-    });
-    let said = worst.filter(|w| w.0 > CONTRADICTED_SIGMAS).map(|(z, unknown, sigma, alone)| {
+    let limit = experiment.settings.contradiction_sigmas;
+    let test = worst
+        .as_ref()
+        .map(|w| PriorTest::of_largest("known numbers", w.0, places.len(), limit));
+    let said = worst.filter(|w| w.0 > limit).map(|(z, unknown, sigma, alone)| {
         let unit = if unknown.unit == "1" { "" } else { unknown.unit };
         let numbers = [unknown.nominal, sigma, alone.0, alone.1.sqrt()];
         let [nominal, sigma, alone, own] = numbers.map(|x| rounded(x, 5));

@@ -6,7 +6,7 @@
 //! properties: only pose and momentum follow whole.
 
 use crate::fit::coarse_fit::coarse_fit;
-use crate::fit::coordinates::{Coordinates, PhysicalBodies};
+use crate::fit::coordinates::PhysicalBodies;
 use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::step::{
     BoundaryBodies, ITERATIONS, Linearisation, held, is_close, linearised, moved, physical_bodies,
@@ -14,6 +14,7 @@ use crate::fit::step::{
 use crate::fit::triangle::SharedTriangle;
 use crate::likelihood::Evaluated;
 use crate::problem::ProblemError;
+use crate::problem::settings::Coordinates;
 use poinsot_solve::{End, LeastSquares, Linearised, Minimum, Spectrum, levenberg_marquardt};
 
 /// Share of chi-square that may be left where no step lowers it: round-off, not a failure.
@@ -30,7 +31,7 @@ pub(crate) fn fit(
     let bodies = physical_bodies(experiment, experiment.parameters.mass_unknowns);
     if let Some(bodies) = bodies.as_ref() {
         let mut free = experiment.with_parameters(experiment.parameters);
-        free.coordinates = Coordinates::Linear;
+        free.settings.coordinates = Coordinates::Linear;
         let found = fit_within(&free, linear, Some(bodies))?;
         if found.converged {
             let Some(bodies) = bodies.clone().separable(&found.spectrum) else {

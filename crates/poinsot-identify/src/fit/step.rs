@@ -3,11 +3,12 @@
 //! A damped step also damps biases, lags and other sensor errors; pose and momentum are not damped. Unobservable
 //! directions do not move.
 
-use crate::fit::coordinates::{Coordinates, PhysicalBodies};
+use crate::fit::coordinates::PhysicalBodies;
 use crate::fit::experiment::{Experiment, Iterate, drop_old_columns};
 use crate::fit::triangle::{SharedTriangle, conditional_estimate};
 use crate::likelihood::Evaluated;
 use crate::problem::ProblemError;
+use crate::problem::settings::Coordinates;
 use nalgebra::UnitQuaternion;
 use poinsot_solve::{LeastSquares, Linearised, Pace, Spectrum, Step, Triangle};
 use poinsot_spatial::Vector3;
@@ -364,7 +365,7 @@ pub(crate) fn physical_bodies(
     experiment: &Experiment,
     mass_unknowns: usize,
 ) -> Option<PhysicalBodies> {
-    match experiment.coordinates {
+    match experiment.settings.coordinates {
         Coordinates::Linear => None,
         Coordinates::Physical => PhysicalBodies::new(experiment.parameters, mass_unknowns),
     }

@@ -16,6 +16,7 @@ use crate::methods::twist_residual;
 use crate::problem::parameters::{Equations, Parameters};
 use crate::problem::quantity::TenParameters;
 use crate::problem::segment::Segment;
+use crate::problem::settings::Settings;
 use crate::problem::{Problem, ProblemError};
 use crate::solution::estimate::{Estimate, SegmentFit};
 use crate::solution::solved::{Reduced, Solution, StartOfSegment, VectorQuantity};
@@ -283,6 +284,7 @@ fn conclude(
         noise_accumulates: impulse::noise_accumulates(problem),
         not_rigid: false,
         sensitivities: Vec::new(),
+        settings: Settings::default(),
         keeps_physical: false,
         held: None,
         diagnostics: None,

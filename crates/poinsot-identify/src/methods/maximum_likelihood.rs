@@ -10,7 +10,6 @@ use crate::certify::continuation::unobservable_set;
 use crate::diagnosis::conflict::{self, priors_against_data};
 use crate::diagnosis::octaves::octaves;
 use crate::diagnosis::{Diagnostics, FaultKind, diagnose, whiteness};
-use crate::fit::coordinates::{Coordinates, FitOptions};
 use crate::fit::degrees_of_freedom::fitted_numbers;
 use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::known_numbers::{Effects, fit_known};
@@ -28,6 +27,7 @@ use crate::problem::loss::Loss;
 use crate::problem::parameters::{Equations, Parameters, ParametersError, lifted_vector};
 use crate::problem::prior::Conflict;
 use crate::problem::segment::Segment;
+use crate::problem::settings::{Coordinates, Settings};
 use crate::problem::shifted_vehicle::ShiftedVehicle;
 use crate::problem::{Problem, ProblemError};
 use crate::solution::estimate::{ChannelFit, Estimate, SegmentFit};
@@ -36,9 +36,6 @@ use crate::solution::unobservable_set::UnobservableSet;
 use poinsot_model::{EstimateSet, MomentumKnowledge};
 use poinsot_solve::Spectrum;
 use poinsot_spatial::Vector3;
-
-/// Shift of the answer by another wheel motion between samples, sigmas, from which the answer is sensitive to it.
-pub const SENSITIVE: f64 = 1.0;
 
 /// Share of the variance from which the choice between two wheel motions is said.
 const SAID: f64 = 0.02;
@@ -51,15 +48,15 @@ pub fn maximum_likelihood(problem: &Problem) -> Result<Estimate, ProblemError> {
     maximum_likelihood_with(problem, Loss::Gaussian)
 }
 
-/// The same with a loss that bounds what a few bad readings can do, or other coordinates of the steps.
+/// The same with other settings; a [`Loss`] alone bounds what a few bad samples can do.
 ///
 /// # Errors
-/// As [`maximum_likelihood`].
+/// As [`maximum_likelihood`], or a setting is out of its range.
 pub fn maximum_likelihood_with(
     problem: &Problem,
-    options: impl Into<FitOptions>,
+    settings: impl Into<Settings>,
 ) -> Result<Estimate, ProblemError> {
-    let ended = solve(problem, options.into())?;
+    let ended = solve(problem, settings.into())?;
     Ok(answer::write(problem, &ended.solution))
 }
 
@@ -73,7 +70,8 @@ pub(crate) struct FinishedFit {
 }
 
 /// The solved problem, and where the fit ended.
-pub(crate) fn solve(problem: &Problem, options: FitOptions) -> Result<FinishedFit, ProblemError> {
+pub(crate) fn solve(problem: &Problem, settings: Settings) -> Result<FinishedFit, ProblemError> {
+    settings.validate()?;
     problem.check_samples()?;
     problem.check_observations()?;
     let (parameters, linear) = match solve_linear(problem) {
@@ -94,8 +92,7 @@ pub(crate) fn solve(problem: &Problem, options: FitOptions) -> Result<FinishedFi
     problem.check_known_numbers()?;
     let linear = linear.map(|solution| padded(solution, &parameters));
     let mut experiment = Experiment::new(problem, &parameters);
-    experiment.loss = options.loss;
-    experiment.coordinates = options.coordinates;
+    experiment.settings = settings;
     let start = linear.as_ref().map(|solution| solution.point(&experiment));
     let fitted = fit(&experiment, start.as_ref())?;
     let mut fitted = refit_with_rest_motion(&mut experiment, fitted, ITERATIONS);
@@ -115,7 +112,7 @@ pub(crate) fn solve(problem: &Problem, options: FitOptions) -> Result<FinishedFi
     let (mut solution, at) = match &known {
         None => {
             let end = (fitted, None, None);
-            judged(&experiment, end, explained, options.undiagnosed)
+            judged(&experiment, end, explained)
         }
         Some(known) => {
             let wide = known.experiment(&experiment);
@@ -123,7 +120,7 @@ pub(crate) fn solve(problem: &Problem, options: FitOptions) -> Result<FinishedFi
             let end = known.fitted.clone();
             let contradiction = known.contradiction.clone();
             let end = (end, looked_at, contradiction);
-            judged(&wide, end, explained, options.undiagnosed)
+            judged(&wide, end, explained)
         }
     };
     let of_known = known.as_ref().and_then(|known| known.test.clone());
@@ -170,6 +167,7 @@ fn note(problem: &Problem, solution: &mut Solution, shift: f64, step_error: Opti
     if let Some(warning) = crate::motion::input_noise::approximate(problem) {
         solution.warnings.push(warning);
     }
+    let sensitive = shift > solution.settings.sensitivity_sigmas;
     let mut sensitivities = Vec::new();
     if problem.assumes_wheel_motion() {
         // Torques usually change at the samples; here they are known not to.
@@ -178,9 +176,9 @@ fn note(problem: &Problem, solution: &mut Solution, shift: f64, step_error: Opti
         sensitivities.push(Sensitivity {
             to: "the wheel motion between samples",
             statistic: ("change of the estimate, sigma", shift),
-            too_large: shift > SENSITIVE && seldom,
+            too_large: sensitive && seldom,
         });
-        if shift > SENSITIVE {
+        if sensitive {
             let warning = wheel_warning(shift, solution.wheels_smooth, seldom);
             solution.warnings.extend(warning);
         }
@@ -217,8 +215,8 @@ fn judged(
     experiment: &Experiment,
     (fitted, looked_at, contradiction): (Fitted, Option<(&Experiment, &Fitted)>, Option<Conflict>),
     explained: Option<f64>,
-    undiagnosed: bool,
 ) -> (Solution, Iterate) {
+    let undiagnosed = experiment.settings.undiagnosed;
     let (of, end) = looked_at.unwrap_or((experiment, &fitted));
     let mut found = match undiagnosed {
         true => Diagnostics::default(),
@@ -333,7 +331,8 @@ pub(crate) fn conclude(
         rest_motion: experiment.rest_motion,
         other_wheel_motion: None,
         sensitivities: Vec::new(),
-        keeps_physical: experiment.coordinates == Coordinates::Physical,
+        settings: experiment.settings,
+        keeps_physical: experiment.settings.coordinates == Coordinates::Physical,
         regressor_noise: Vec::new(),
         reduced: Vec::new(),
         unobservable_set: UnobservableSet::default(),
@@ -379,7 +378,7 @@ pub(crate) fn segment_fits(experiment: &Experiment, fitted: &Fitted) -> Vec<Segm
         samples: segment.observations.time_s.len(),
         chi2_per_dof: one.chi2 / one.rows.max(1) as f64,
         channels: (one.channels.iter())
-            .map(|c| channel_fit(c, experiment.loss))
+            .map(|c| channel_fit(c, experiment.settings.loss))
             .collect(),
     };
     segments.map(fit).collect()

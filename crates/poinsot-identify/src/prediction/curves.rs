@@ -3,7 +3,6 @@
 //! Statistics come from every sample; curves keep at most a given number of points.
 
 use crate::answer;
-use crate::fit::coordinates::FitOptions;
 use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::fit_starts;
 use crate::likelihood::{ChannelResidual, InitialState, start};
@@ -13,6 +12,7 @@ use crate::motion::{Instant, Motion, State, impulse_before};
 use crate::motion::{Vehicle, tilted};
 use crate::problem::parameters::{Equations, Parameters, ParametersError};
 use crate::problem::segment::{Firing, Segment, SensorRecord, SensorValue};
+use crate::problem::settings::Settings;
 use crate::problem::{Problem, ProblemError};
 use crate::sensors::{IdealSeries, across, ideal_measurement, measurement_error, vector};
 use crate::solution::estimate::Estimate;
@@ -92,7 +92,7 @@ pub struct PredictedMotion {
 /// As [`crate::maximum_likelihood`].
 pub fn maximum_likelihood_predicted(
     problem: &Problem,
-    options: impl Into<FitOptions>,
+    options: impl Into<Settings>,
     points: usize,
 ) -> Result<(Estimate, Vec<Prediction>), ProblemError> {
     let FinishedFit {

@@ -52,7 +52,7 @@ pub fn held_back(
     };
     let parameters = Parameters::without_mass(&model, problem.tree, &vehicle.bodies);
     let mut experiment = Experiment::new(&problem, &parameters);
-    experiment.loss = Loss::Gaussian;
+    experiment.settings.loss = Loss::Gaussian;
     let fitted = fit(&experiment, None)?;
     let mut fitted = refit_with_rest_motion(&mut experiment, fitted, ITERATIONS);
     if problem.assumes_wheel_motion() {

@@ -6,6 +6,7 @@ pub(crate) mod prior;
 pub(crate) mod quantity;
 pub(crate) mod question;
 pub(crate) mod segment;
+pub(crate) mod settings;
 pub(crate) mod shifted_vehicle;
 
 pub use question::{Problem, ProblemError};

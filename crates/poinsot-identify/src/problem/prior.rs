@@ -10,8 +10,6 @@ use poinsot_model::{Nuisance, Prior, SensorKind};
 use poinsot_spatial::{InertialParameters, pseudo_inertia};
 use statrs::function::erf::erfc;
 
-/// Difference between a declared number and its estimate, sigmas, from which they contradict each other.
-pub(crate) const CONTRADICTED_SIGMAS: f64 = 5.0;
 /// Smallest share of a declared variance for a test against the data.
 pub(crate) const LEAST_SHARE: f64 = 1.0e-6;
 
@@ -57,14 +55,14 @@ pub(crate) struct PriorTest {
 
 impl PriorTest {
     /// Of the largest of several differences in sigmas; p is at most the sum of that of all (Bonferroni).
-    pub fn of_largest(of: &'static str, z: f64, count: usize, contradicted: bool) -> Self {
+    pub fn of_largest(of: &'static str, z: f64, count: usize, limit: f64) -> Self {
         let tail = erfc(z.abs() * std::f64::consts::FRAC_1_SQRT_2);
         Self {
             of,
             statistic: ("largest difference, sigma", z.abs()),
             count,
             p: (count as f64 * tail).min(1.0),
-            contradicted,
+            contradicted: z.abs() > limit,
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::problem::parameters::{Equations, MOST_NUMBERS, Parameters, ParametersError};
 use crate::problem::segment::{Noise, Observations, Segment};
+use crate::problem::settings::SettingsError;
 use poinsot_dynamics::Tree;
 use poinsot_model::Model;
 use poinsot_solve::NotFinite;
@@ -30,6 +31,9 @@ pub enum ProblemError {
     /// The numbers overflow.
     #[error(transparent)]
     NotFinite(#[from] NotFinite),
+    /// A setting is out of its range.
+    #[error(transparent)]
+    Settings(#[from] SettingsError),
     /// Too few samples.
     #[error(
         "E0404 segment '{label}': {samples} samples are not enough, at least 2 are needed; give a longer record"

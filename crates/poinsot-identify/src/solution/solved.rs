@@ -9,6 +9,7 @@ use crate::likelihood::rows::StartMomentum;
 use crate::likelihood::{InitialState, MeasuredMotion};
 use crate::problem::parameters::Parameters;
 use crate::problem::prior::{Conflict, PriorTest};
+use crate::problem::settings::Settings;
 use crate::solution::estimate::SegmentFit;
 use crate::solution::unobservable_set::UnobservableSet;
 use poinsot_model::MomentumKnowledge;
@@ -126,6 +127,8 @@ pub(crate) struct Solution {
     pub known: Option<Effects>,
     /// Sensitivity of the answer to assumptions.
     pub sensitivities: Vec<Sensitivity>,
+    /// Thresholds of the tests.
+    pub settings: Settings,
     /// Whether the fit keeps every body physical.
     pub keeps_physical: bool,
     /// Whether the residual contradicts a rigid vehicle.

@@ -10,8 +10,8 @@ use super::{Kind, Variant};
 use crate::certified::put;
 use crate::method::Named;
 use poinsot_identify::{
-    Estimate, FitOptions, MethodReport, NamedNumber, Number, ParametersError, Problem,
-    ProblemError, Source, Status, linear, maximum_likelihood_with,
+    Estimate, MethodReport, NamedNumber, Number, ParametersError, Problem, ProblemError, Settings,
+    Source, Status, linear, maximum_likelihood_with,
 };
 
 /// Identifies the bodies of a robot by the paper's sequence.
@@ -62,9 +62,9 @@ pub fn identify_with(
 fn certificate(problem: &Problem) -> Result<Estimate, Xu2017Error> {
     match linear(problem) {
         Err(ProblemError::Parameters(ParametersError::RotationOfTree { .. })) => {
-            let options = FitOptions {
+            let options = Settings {
                 undiagnosed: true,
-                ..FitOptions::default()
+                ..Settings::default()
             };
             Ok(maximum_likelihood_with(problem, options)?)
         }

@@ -11,7 +11,7 @@ use poinsot::case::read_case;
 use poinsot::identify::read_options;
 use poinsot::trials::Study;
 use poinsot_dynamics::Tree;
-use poinsot_identify::{Estimate, FitOptions, Problem, maximum_likelihood_with, tensor_index};
+use poinsot_identify::{Estimate, Problem, Settings, maximum_likelihood_with, tensor_index};
 use poinsot_model::{Model, read_model};
 use poinsot_telemetry::{Table, read};
 use std::error::Error;
@@ -54,9 +54,9 @@ fn estimate(
         noise: &bound.noise,
         relative_accuracy: 1.0,
     };
-    let options = FitOptions {
+    let options = Settings {
         undiagnosed: trial,
-        ..FitOptions::default()
+        ..Settings::default()
     };
     let estimate = maximum_likelihood_with(&problem, options)?;
     Ok((estimate, began.elapsed().as_secs_f64()))

@@ -82,6 +82,12 @@ pub(super) const CODES: &[Entry] = &[
         "Take estimate out of bodies that are known well enough, or write exact = true for them.",
     ),
     (
+        "E0407",
+        "A threshold of the tests is out of its range.",
+        "Settings made by a program.",
+        "Give a value in the range that the message states.",
+    ),
+    (
         "E0410",
         "The equations contain a number that is not finite.",
         "Magnitudes near the limits of double precision.",

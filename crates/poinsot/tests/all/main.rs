@@ -60,6 +60,7 @@ mod random_torque;
 mod real_data;
 mod remedies;
 mod report;
+mod settings;
 mod setups;
 mod shared;
 mod simulate;

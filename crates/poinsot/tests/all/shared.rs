@@ -1,7 +1,7 @@
 //! Common helpers of the tests of this crate.
 
 use poinsot::{Identified, IdentifyRequest, identify};
-use poinsot_identify::{Estimate, FitOptions, Problem, maximum_likelihood_with};
+use poinsot_identify::{Estimate, Problem, Settings, maximum_likelihood_with};
 use std::path::{Path, PathBuf};
 
 /// The folder of the shipped data.
@@ -22,9 +22,9 @@ pub fn identified(model: &str, telemetry: &[&str], method: &str) -> Identified {
 
 /// The estimate without a search for causes of a misfit, which takes longer than the fit.
 pub fn undiagnosed(problem: &Problem) -> Estimate {
-    let options = FitOptions {
+    let options = Settings {
         undiagnosed: true,
-        ..FitOptions::default()
+        ..Settings::default()
     };
     maximum_likelihood_with(problem, options).unwrap()
 }

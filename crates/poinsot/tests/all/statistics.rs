@@ -13,7 +13,7 @@ use poinsot::predict::{predict, prediction_file};
 use poinsot::trials::{Band, Statistics, Study, statistics, statistics_document};
 use poinsot_dynamics::Tree;
 use poinsot_identify::{
-    Estimate, FitOptions, Problem, Status, TENSOR, linear, maximum_likelihood_with,
+    Estimate, Problem, Settings, Status, TENSOR, linear, maximum_likelihood_with,
 };
 use poinsot_model::{SensorKind, read_model};
 use setups::study;
@@ -136,7 +136,7 @@ fn stat_no_honest_trial_is_doubted() {
                 noise: &bound.noise,
                 relative_accuracy: 1.0,
             };
-            let answer = maximum_likelihood_with(&problem, FitOptions::default()).unwrap();
+            let answer = maximum_likelihood_with(&problem, Settings::default()).unwrap();
             assert!(
                 answer.doubts().is_empty(),
                 "{name} {trial}: {:?}",

@@ -13,6 +13,10 @@ pub fn messages() -> Vec<(&'static str, String, &'static str)> {
         samples: 1,
     };
     let overflow = ProblemError::NotFinite(poinsot_identify::NotFinite);
+    let threshold = poinsot_identify::Settings {
+        false_alarm: 2.0,
+        ..Default::default()
+    };
     let threads = poinsot::Error::Threads {
         why: "Resource temporarily unavailable (os error 11)".to_owned(),
     };
@@ -51,6 +55,11 @@ pub fn messages() -> Vec<(&'static str, String, &'static str)> {
             "E0404",
             short.to_string(),
             "only by the library: the program says E0303 before",
+        ),
+        (
+            "E0407",
+            threshold.validate().unwrap_err().to_string(),
+            "only by the library: the program uses the defaults",
         ),
         (
             "E0410",

@@ -1,10 +1,10 @@
 //! Samples replaced by their predictions at an iterate.
 
 use super::{Experiment, Iterate};
-use crate::fit::coordinates::Coordinates;
 use crate::problem::Problem;
 use crate::problem::loss::Loss;
 use crate::problem::segment::{Segment, SensorValue};
+use crate::problem::settings::Coordinates;
 use crate::sensors::across;
 use poinsot_spatial::UnitQuaternion;
 
@@ -16,8 +16,8 @@ pub(crate) fn readings_alone<'b>(
     problem: &'b Problem<'b>,
 ) -> Experiment<'b> {
     let mut few = experiment.with_problem(problem);
-    few.loss = Loss::Gaussian;
-    few.coordinates = Coordinates::Linear;
+    few.settings.loss = Loss::Gaussian;
+    few.settings.coordinates = Coordinates::Linear;
     few
 }
 

@@ -147,7 +147,7 @@ impl MovedVehicle {
             parameters.unknowns.push(unknown.clone());
         }
         let mut wide = experiment.of_vehicle(&there, &parameters);
-        (wide.keep_rows, wide.loss) = (true, Loss::Gaussian);
+        (wide.keep_rows, wide.settings.loss) = (true, Loss::Gaussian);
         let evaluated = wide.evaluate(&at, true)?;
         let slopes = |twin: &Option<(Unknown, f64)>| {
             let Some((_, factor)) = twin else {

@@ -1,0 +1,219 @@
+//! Choices and thresholds of an identification, with their defaults.
+
+use crate::problem::loss::Loss;
+use statrs::function::erf::erfc;
+
+/// Coordinates of the fit's steps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Coordinates {
+    /// The linear parameters of physical bodies: the answer is always physical.
+    #[default]
+    Physical,
+    /// All linear parameters: an impossible tensor is possible.
+    Linear,
+}
+
+impl Coordinates {
+    /// Names for the command line.
+    pub const NAMES: [&'static str; 2] = ["physical", "linear"];
+
+    /// By its name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        match name {
+            "physical" => Some(Self::Physical),
+            "linear" => Some(Self::Linear),
+            _ => None,
+        }
+    }
+}
+
+/// Choices of a maximum-likelihood fit, and thresholds of the tests of its answer.
+///
+/// [`crate::maximum_likelihood_with`] validates and uses them. The defaults are those of the command `identify`, and the
+/// trials of docs/validation are with them.
+///
+/// ```
+/// use poinsot_identify::Settings;
+///
+/// let strict = Settings { false_alarm: 1.0e-3, ..Settings::default() };
+/// assert!(strict.validate().is_ok());
+/// let wrong = Settings { false_alarm: 2.0, ..Settings::default() };
+/// let why = wrong.validate().unwrap_err().to_string();
+/// assert_eq!(why, "E0407 setting 'false_alarm' is 2; give a number above 0 and below 1");
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// Loss of a sample. Default: Gaussian.
+    pub loss: Loss,
+    /// Space of the steps. Default: physical bodies.
+    pub coordinates: Coordinates,
+    /// Skips the search for the cause of a misfit. It changes no number, only the verdict. Default: false.
+    pub undiagnosed: bool,
+    /// Probability that any sensor of a correct record fails a test against its declared noise, above 0 and below 1. All
+    /// tests of all sensors share it (Bonferroni). Default: 2e-5.
+    pub false_alarm: f64,
+    /// Excess of a mean square residual, relative to the declared variance, that has no effect. Default: 0.02, which is
+    /// 1 % of sigma.
+    pub negligible_excess: f64,
+    /// Excess of the mean square of a white residual up to which wider sigmas suffice; at least `negligible_excess`.
+    /// Default: 0.21, which is noise 10 % above the declared one, the usual accuracy of a declaration.
+    pub white_excess: f64,
+    /// Chi-square per degree of freedom above which the declared noise cannot be right, above 1. Default: 1.5.
+    pub misfit: f64,
+    /// Chi-square per degree of freedom above which a model is rejected that explains little, or whose residuals are
+    /// correlated in time; at least `misfit`. Default: 9, three times the noise at every sample. A wider sigma does not
+    /// bound such errors.
+    pub rejection: f64,
+    /// Difference between a declared number and the data, sigmas, above which they contradict each other, above 0.
+    /// Default: 5.
+    pub contradiction_sigmas: f64,
+    /// Change of the estimate under another assumption, sigmas, above which it is sensitive to the assumption, above 0.
+    /// Default: 1.
+    pub sensitivity_sigmas: f64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            loss: Loss::default(),
+            coordinates: Coordinates::default(),
+            undiagnosed: false,
+            false_alarm: 2.0e-5,
+            negligible_excess: 0.02,
+            white_excess: 0.21,
+            misfit: 1.5,
+            rejection: 9.0,
+            contradiction_sigmas: 5.0,
+            sensitivity_sigmas: 1.0,
+        }
+    }
+}
+
+impl From<Loss> for Settings {
+    fn from(loss: Loss) -> Self {
+        Self {
+            loss,
+            ..Self::default()
+        }
+    }
+}
+
+/// A setting out of its range.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("E0407 setting '{name}' is {value}; give {range}")]
+pub struct SettingsError {
+    /// Name of the setting.
+    pub name: &'static str,
+    /// Its value.
+    pub value: f64,
+    /// The values that it may have.
+    pub range: String,
+}
+
+impl Settings {
+    /// Checks every threshold.
+    ///
+    /// # Errors
+    /// The first setting out of its range.
+    pub fn validate(&self) -> Result<(), SettingsError> {
+        let above = |limit: f64| format!("a finite number above {limit}");
+        let least = |limit: f64, name: &str| format!("a finite number of at least {limit}{name}");
+        let of_excess = " (negligible_excess)";
+        let all = [
+            (
+                "false_alarm",
+                self.false_alarm,
+                self.false_alarm > 0.0 && self.false_alarm < 1.0,
+                "a number above 0 and below 1".to_owned(),
+            ),
+            (
+                "negligible_excess",
+                self.negligible_excess,
+                self.negligible_excess >= 0.0,
+                least(0.0, ""),
+            ),
+            (
+                "white_excess",
+                self.white_excess,
+                self.white_excess >= self.negligible_excess,
+                least(self.negligible_excess, of_excess),
+            ),
+            ("misfit", self.misfit, self.misfit > 1.0, above(1.0)),
+            (
+                "rejection",
+                self.rejection,
+                self.rejection >= self.misfit,
+                least(self.misfit, " (misfit)"),
+            ),
+            (
+                "contradiction_sigmas",
+                self.contradiction_sigmas,
+                self.contradiction_sigmas > 0.0,
+                above(0.0),
+            ),
+            (
+                "sensitivity_sigmas",
+                self.sensitivity_sigmas,
+                self.sensitivity_sigmas > 0.0,
+                above(0.0),
+            ),
+        ];
+        let wrong = all
+            .into_iter()
+            .find(|(_, value, holds, _)| !holds || !value.is_finite());
+        match wrong {
+            Some((name, value, _, range)) => Err(SettingsError { name, value, range }),
+            None => Ok(()),
+        }
+    }
+
+    /// Probability of a difference of more than `contradiction_sigmas` in one number.
+    pub(crate) fn contradiction_p(&self) -> f64 {
+        erfc(self.contradiction_sigmas * std::f64::consts::FRAC_1_SQRT_2)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    type Change = fn(&mut Settings, f64);
+
+    #[test]
+    fn unit_every_setting_has_a_range() {
+        let default = Settings::default();
+        assert_eq!(default.validate(), Ok(()));
+        let changed: [(&str, Change); 7] = [
+            ("false_alarm", |s, x| s.false_alarm = x),
+            ("negligible_excess", |s, x| s.negligible_excess = x),
+            ("white_excess", |s, x| s.white_excess = x),
+            ("misfit", |s, x| s.misfit = x),
+            ("rejection", |s, x| s.rejection = x),
+            ("contradiction_sigmas", |s, x| s.contradiction_sigmas = x),
+            ("sensitivity_sigmas", |s, x| s.sensitivity_sigmas = x),
+        ];
+        for (name, change) in changed {
+            for wrong in [-1.0, f64::NAN, f64::INFINITY] {
+                let mut settings = default;
+                change(&mut settings, wrong);
+                let error = settings.validate().unwrap_err();
+                assert_eq!(error.name, name, "{wrong}");
+            }
+        }
+        let contradictory = Settings {
+            rejection: 1.4,
+            ..default
+        };
+        assert_eq!(
+            contradictory.validate().unwrap_err().to_string(),
+            "E0407 setting 'rejection' is 1.4; give a finite number of at least 1.5 (misfit)"
+        );
+    }
+
+    /// Five sigma of the normal distribution.
+    #[test]
+    fn exact_the_probability_of_a_contradiction_is_that_of_five_sigma() {
+        let p = Settings::default().contradiction_p();
+        assert!((p / 5.733_031_437_583_892e-7 - 1.0).abs() < 1.0e-6, "{p:e}");
+    }
+}
