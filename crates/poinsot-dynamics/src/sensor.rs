@@ -33,6 +33,10 @@ pub enum SensorKind {
     Accelerometer,
     /// Direction of a vector known in N, as a unit vector; noise as a small angle across it, rad.
     Direction,
+    /// Attitude of a body seen from another one, `R_BrBs`; noise as a small rotation in the axes of the seen body, rad.
+    RelativeAttitude,
+    /// Position of a point seen from another body, `p_BrS_Br`, m.
+    RelativePosition,
     /// Joint position, rad or m.
     JointPosition,
     /// Joint rate, rad/s or m/s.
@@ -48,7 +52,7 @@ pub enum SensorKind {
 pub enum Axes {
     /// Its own, mounted on its body; its columns are in the body's axes.
     Sensor,
-    /// Inertial.
+    /// Inertial; of a relative position, those of the body from which it is seen.
     Inertial,
     /// None: one number per joint, wheel or thruster.
     None,
@@ -56,7 +60,7 @@ pub enum Axes {
 
 /// Properties of a kind of sensor: one row a kind.
 struct Facts {
-    /// Word in a model file.
+    /// Word in results; in a model file that of [`SensorKind::declared_as`].
     word: &'static str,
     /// Unit of its samples as a key suffix, and that of prismatic joints if different.
     units: &'static [&'static str],
@@ -81,7 +85,7 @@ const fn facts(
 
 impl SensorKind {
     /// Every kind, in the order of the results.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 13] = [
         Self::Gyro,
         Self::Attitude,
         Self::Velocity,
@@ -89,6 +93,8 @@ impl SensorKind {
         Self::Accelerometer,
         Self::VelocityIncrement,
         Self::Direction,
+        Self::RelativeAttitude,
+        Self::RelativePosition,
         Self::JointPosition,
         Self::JointRate,
         Self::WheelSpeed,
@@ -125,6 +131,23 @@ impl SensorKind {
                 Sensor,
                 &["direction_x", "direction_y", "direction_z"],
             ),
+            Self::RelativeAttitude => facts(
+                "relative_attitude",
+                &["rad"],
+                Sensor,
+                &[
+                    "relative_q_x",
+                    "relative_q_y",
+                    "relative_q_z",
+                    "relative_q_w",
+                ],
+            ),
+            Self::RelativePosition => facts(
+                "relative_position",
+                &["m"],
+                Inertial,
+                &["relative_r_x", "relative_r_y", "relative_r_z"],
+            ),
             Self::JointPosition => facts("joint_position", &["rad", "m"], None, &[]),
             Self::JointRate => facts("joint_rate", &["rad_s", "m_s"], None, &[]),
             Self::WheelSpeed => facts("wheel_speed", &["rad_s"], None, &[]),
@@ -132,9 +155,34 @@ impl SensorKind {
         }
     }
 
-    /// The word for this kind in a model file.
+    /// The word for this kind in results.
     pub const fn word(self) -> &'static str {
         self.facts().word
+    }
+
+    /// The kind whose word a model file has as `type`. A relative kind is that kind with `seen_from`.
+    pub const fn declared_as(self) -> Self {
+        match self {
+            Self::RelativeAttitude => Self::Attitude,
+            Self::RelativePosition => Self::Position,
+            other => other,
+        }
+    }
+
+    /// The kind that measures the same of a body seen from another body; `None` where there is none.
+    pub fn seen_from_a_body(self) -> Option<Self> {
+        let mut relative = Self::ALL.into_iter().filter(|kind| kind.is_relative());
+        relative.find(|kind| kind.declared_as() == self)
+    }
+
+    /// Whether it measures a body as seen from another body, which no motion of the base changes.
+    pub const fn is_relative(self) -> bool {
+        matches!(self, Self::RelativeAttitude | Self::RelativePosition)
+    }
+
+    /// Whether a sample is a rotation: its errors are small turns, and a turned mounting is its bias.
+    pub const fn is_rotation(self) -> bool {
+        self.columns().len() == 4
     }
 
     /// Units of its samples as key suffixes (`rad_s`): of revolute joints first, of prismatic ones last.
@@ -196,6 +244,8 @@ pub struct Sensor {
     pub kind: SensorKind,
     /// Index of its body.
     pub body: usize,
+    /// Index of the body from which a relative kind sees [`Self::body`]; 0 for all other kinds.
+    pub seen_from: usize,
     /// Covariance of one sample in the sensor's own axes, SI squared. Scalar channels use `[(0, 0)]`.
     /// `None` where the file declares no noise.
     pub noise_covariance: Option<Matrix3>,

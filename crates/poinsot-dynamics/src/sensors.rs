@@ -15,11 +15,12 @@ use rand_distr::{Distribution, StandardNormal};
 ///
 /// A reading is `(1 + turn) truth + bias + noise`, rounded to the least significant bit ([`SensorErrors`]). Gyro,
 /// accelerometer, direction and attitude have errors in the sensor's axes and samples in those of its body; position
-/// and velocity both in N. A lag shifts the times of the samples, not their values: see [`Instrument::lag_s`].
+/// and velocity both in N; a relative position both in the axes of the body from which it is seen. A lag shifts the times of the samples, not their values: see [`Instrument::lag_s`].
 #[derive(Debug, Clone)]
 pub struct Instrument {
     kind: SensorKind,
     body: usize,
+    seen_from: usize,
     p_BoS_B: Vector3,
     /// Whose direction is measured.
     reference_N: Vector3,
@@ -73,6 +74,7 @@ impl Instrument {
             last_noise: None,
             kind: sensor.kind,
             body: sensor.body,
+            seen_from: sensor.seen_from,
             p_BoS_B: sensor.p_BoS_B,
             reference_N: sensor.reference_N.unwrap_or_default(),
             of,
@@ -142,6 +144,17 @@ impl Instrument {
                 let q = body_attitude(sample, self.body).coords;
                 self.disturb(sample.time, &[q.x, q.y, q.z, q.w], out);
             }
+            SensorKind::RelativeAttitude => {
+                let from = body_attitude(sample, self.seen_from);
+                let q = (from.inverse() * body_attitude(sample, self.body)).coords;
+                self.disturb(sample.time, &[q.x, q.y, q.z, q.w], out);
+            }
+            SensorKind::RelativePosition => {
+                let k = &sample.kinematics;
+                let p_BoS = k.p[self.body] + k.R[self.body] * self.p_BoS_B;
+                let seen = k.R[self.seen_from].transpose() * (p_BoS - k.p[self.seen_from]);
+                self.disturb(sample.time, seen.as_slice(), out);
+            }
             SensorKind::Direction => {
                 let seen = body_attitude(sample, self.body).inverse() * self.reference_N;
                 self.disturb(sample.time, seen.as_slice(), out);
@@ -170,7 +183,7 @@ impl Instrument {
     pub fn disturb(&mut self, time_s: f64, exact: &[f64], out: &mut Vec<f64>) {
         out.clear();
         match (self.kind, exact) {
-            (SensorKind::Attitude, &[x, y, z, w]) => {
+            (kind, &[x, y, z, w]) if kind.is_rotation() => {
                 let q = UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z));
                 out.extend(self.attitude(time_s, q).coords.iter());
             }

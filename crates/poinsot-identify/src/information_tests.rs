@@ -123,6 +123,25 @@ misalignment = "estimate"
 lag = "estimate"
 
 [[sensor]]
+name = "camera"
+type = "attitude"
+body = "hand"
+seen_from = "bus"
+noise_rad = 1.0e-2
+lag = "estimate"
+
+[[sensor]]
+name = "range"
+type = "position"
+seen_from = "hand"
+position_m = [-0.3, 0.2, 0.1]
+noise_m = 1.0e-2
+bias = "estimate"
+scale = "estimate"
+misalignment = "estimate"
+lag = "estimate"
+
+[[sensor]]
 name = "angle"
 type = "joint_position"
 of = "shoulder"
@@ -168,7 +187,7 @@ drag_torque = "estimate"
 "#;
 
 /// Index of a kind in the sensors of [`finer`], where translation is read; gyro and attitude come first anyway.
-const KINDS: [SensorKind; 7] = [
+const KINDS: [SensorKind; 9] = [
     SensorKind::Gyro,
     SensorKind::Attitude,
     SensorKind::Velocity,
@@ -176,6 +195,8 @@ const KINDS: [SensorKind; 7] = [
     SensorKind::Accelerometer,
     SensorKind::VelocityIncrement,
     SensorKind::Direction,
+    SensorKind::RelativeAttitude,
+    SensorKind::RelativePosition,
 ];
 
 /// The sensor of a kind in the test's model, with covariance and place.
@@ -186,13 +207,18 @@ fn record(model: &Model, kind: SensorKind) -> SensorRecord {
         SensorKind::Velocity => ([2.0e-2; 3], 0, [0.1, 0.2, -0.3]),
         SensorKind::Position => ([3.0e-2, 1.0e-2, 2.0e-2], 0, [-0.2, 0.1, 0.1]),
         SensorKind::Accelerometer => ([1.0e-2, 2.0e-2, 3.0e-2], 2, [0.1, -0.2, 0.3]),
-        SensorKind::Direction => ([1.0e-2; 3], 2, [0.0; 3]),
+        SensorKind::Direction | SensorKind::RelativeAttitude => ([1.0e-2; 3], 2, [0.0; 3]),
+        SensorKind::RelativePosition => ([1.0e-2, 3.0e-2, 2.0e-2], 0, [-0.3, 0.2, 0.1]),
         _ => ([1.0e-2; 3], 1, [0.3, 0.1, -0.1]),
     };
     let covariance = Matrix3::from_diagonal(&Vector3::from(variances));
     SensorRecord {
         sensor: model.sensors.iter().position(|s| s.kind == kind),
         body,
+        seen_from: match kind {
+            SensorKind::RelativePosition => 2,
+            _ => 0,
+        },
         p_BoS_B: Vector3::from(place),
         ..SensorRecord::of_base(kind, covariance)
     }
@@ -214,7 +240,7 @@ fn finer(model: &Model, tree: &Tree, translation: bool, fine: usize) -> Segment 
     };
     let of = |kind, phase: f64| {
         let values = (0..samples).map(|k| match kind {
-            SensorKind::Attitude => {
+            kind if kind.is_rotation() => {
                 SensorValue::Attitude(UnitQuaternion::from_scaled_axis(wave(k, phase)))
             }
             SensorKind::Direction => {
@@ -229,7 +255,7 @@ fn finer(model: &Model, tree: &Tree, translation: bool, fine: usize) -> Segment 
         }
         made
     };
-    let phases = [0.0, 0.4, 1.0, 2.0, 3.0, 4.0, 5.0];
+    let phases = [0.0, 0.4, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
     let moves = |kind| matches!(kind, SensorKind::Velocity | SensorKind::Position);
     let pairs = KINDS.into_iter().zip(phases);
     let sensors = pairs

@@ -119,7 +119,7 @@ struct Spare {
     forces: Vec<Force>,
     chord: Chord,
     column_chord: ColumnChord,
-    effects: Vec<JointEffect>,
+    effects: Vec<Vec<JointEffect>>,
 }
 
 impl Spare {

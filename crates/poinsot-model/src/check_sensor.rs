@@ -71,13 +71,59 @@ pub(crate) fn check_sensors(
         let Some(kind) = sensor.kind.map(kind_of) else {
             continue;
         };
-        if let (Some(body), Some(sensor)) =
-            (body, check_sensor(sensor, kind, &key, &readable, findings))
-        {
-            sensors.push(Sensor { body, ..sensor });
+        let from = check_seen_from(sensor, (kind, body), &key, resolve, body_names, findings);
+        let kind = from.map_or(kind, |(relative, _)| relative);
+        if let (Some(body), Some((_, seen_from)), Some(sensor)) = (
+            body,
+            from,
+            check_sensor(sensor, kind, &key, &readable, findings),
+        ) {
+            sensors.push(Sensor {
+                body,
+                seen_from,
+                ..sensor
+            });
         }
     }
     sensors
+}
+
+/// The kind of a sensor, and the body from which it sees its own; 0 where it sees from none.
+fn check_seen_from(
+    file: &SensorFile,
+    (kind, body): (SensorKind, Option<usize>),
+    key: &Key,
+    resolve: &impl Fn(&str) -> Option<usize>,
+    body_names: &[&str],
+    findings: &mut Findings<'_, '_>,
+) -> Option<(SensorKind, usize)> {
+    let Some(name) = file.seen_from.as_deref() else {
+        return Some((kind, 0));
+    };
+    let here = key.at("seen_from");
+    let Some(relative) = kind.seen_from_a_body() else {
+        findings.refuse(
+            "E0118",
+            &here,
+            format!("a sensor of type \"{}\" sees no body", kind.word()),
+            "remove it; sensors of type \"attitude\" and \"position\" can have it",
+        );
+        return None;
+    };
+    let Some(from) = resolve(name) else {
+        unknown_name(&here, "body", name, body_names, findings);
+        return None;
+    };
+    if body == Some(from) {
+        findings.refuse(
+            "E0118",
+            &here,
+            "the sensor would see its own body".to_owned(),
+            "write the seen body as body, and the body that carries the camera as seen_from",
+        );
+        return None;
+    }
+    Some((relative, from))
 }
 
 /// Smallest noise accepted.
@@ -171,6 +217,7 @@ fn check_sensor(
     let sensor = Sensor {
         kind,
         body: 0,
+        seen_from: 0,
         noise_covariance,
         correlation_s: correlation_s.unwrap_or(0.0),
         quantisation: quantisation.unwrap_or(0.0),

@@ -120,6 +120,9 @@ pub struct SensorDescription {
     pub kind: &'static str,
     /// Body it sits on.
     pub body: String,
+    /// Body from which a relative attitude or position sees `body`; absent for all other sensors.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub seen_from: Option<String>,
     /// Unit of its samples.
     pub unit: &'static str,
     /// One sigma per axis in that unit; null where no noise is declared.
@@ -225,6 +228,7 @@ fn describe_body(body: &crate::Body) -> BodyDescription {
 }
 
 fn describe_sensors(model: &Model) -> Vec<SensorDescription> {
+    let body_name = |k: usize| model.bodies.get(k).map(|b| b.name.clone());
     let describe = |s: &crate::Sensor| {
         let names = s.of.iter().filter_map(|k| match s.kind {
             SensorKind::WheelSpeed => model.wheels.get(*k).map(|w| w.name.clone()),
@@ -233,11 +237,9 @@ fn describe_sensors(model: &Model) -> Vec<SensorDescription> {
         });
         SensorDescription {
             name: s.name.clone(),
-            kind: s.kind.word(),
-            body: model
-                .bodies
-                .get(s.body)
-                .map_or_else(String::new, |b| b.name.clone()),
+            kind: s.kind.declared_as().word(),
+            body: body_name(s.body).unwrap_or_default(),
+            seen_from: body_name(s.seen_from).filter(|_| s.kind.is_relative()),
             unit: printed_unit(model.unit_of(s)),
             noise: s
                 .noise_covariance
@@ -494,6 +496,9 @@ impl Description {
 impl SensorDescription {
     fn line(&self) -> String {
         let mut text = format!("{}: {} on {}", self.name, self.kind, self.body);
+        if let Some(from) = &self.seen_from {
+            text.push_str(&format!(", seen from {from}"));
+        }
         if !self.of.is_empty() {
             text = format!("{}: {} of {}", self.name, self.kind, self.of.join(", "));
         }

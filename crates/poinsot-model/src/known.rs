@@ -115,7 +115,7 @@ impl KnownNumber {
             }
             Self::Mounting(k) => model.sensors.get(k).map(|s| {
                 let own = match s.kind {
-                    SensorKind::Attitude => s.bias,
+                    kind if kind.is_rotation() => s.bias,
                     _ => s.misalignment,
                 };
                 own == Nuisance::Known && reference_of(model, s.body) != Some(k)

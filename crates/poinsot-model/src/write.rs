@@ -212,9 +212,12 @@ fn write_joint(out: &mut String, model: &Model, joint: &Joint) {
 fn write_sensor(out: &mut String, model: &Model, sensor: &Sensor) {
     section(out, "[[sensor]]");
     line(out, "name", quoted(&sensor.name));
-    line(out, "type", quoted(sensor.kind.word()));
+    line(out, "type", quoted(sensor.kind.declared_as().word()));
     if sensor.body != 0 {
         line(out, "body", body_name(model, sensor.body));
+    }
+    if sensor.kind.is_relative() {
+        line(out, "seen_from", body_name(model, sensor.seen_from));
     }
     if sensor.kind.is_scalar() {
         let names: Vec<String> = sensor

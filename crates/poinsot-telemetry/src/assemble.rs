@@ -1,11 +1,12 @@
 //! Converts the columns of one file to channels of the table.
 
+use crate::channel_name::components;
 use crate::columns::Columns;
 use crate::conversion::Conversion;
 use crate::derive::derive;
 use crate::error::Place;
 use crate::plan::{Plan, PlannedChannel};
-use crate::{Channel, Quantity, Table, TelemetryError, quaternion};
+use crate::{Channel, ChannelName, Quantity, Table, TelemetryError, quaternion};
 use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
@@ -102,27 +103,31 @@ fn tidy_attitudes(
     strict: bool,
     repairs: &mut Vec<String>,
 ) -> Result<(), TelemetryError> {
+    let quaternion = |name: &ChannelName| match name.quantity {
+        Quantity::Attitude(_) => Some("q"),
+        Quantity::RelativeAttitude(_) => Some("relative_q"),
+        _ => None,
+    };
     let firsts = channels
         .iter()
-        .filter(|c| matches!(c.name.quantity, Quantity::Attitude(_)));
-    let mut done: Vec<&str> = Vec::new();
-    for first in firsts {
+        .filter_map(|c| Some((c, quaternion(&c.name)?)));
+    let mut done: Vec<(&str, &str)> = Vec::new();
+    for (first, prefix) in firsts {
         let sensor = first.name.sensor.as_str();
-        if done.contains(&sensor) {
+        if done.contains(&(sensor, prefix)) {
             continue;
         }
-        done.push(sensor);
+        done.push((sensor, prefix));
         let mut indices = [0_usize; 4];
-        for (component, index) in indices.iter_mut().enumerate() {
-            *index = position(channels, sensor, component).ok_or_else(|| {
-                let name = ["q_x", "q_y", "q_z", "q_w"].get(component).copied();
-                TelemetryError::Quaternion {
-                    place: Place::file(path),
-                    why: format!(
-                        "'{}' is missing; add it: a quaternion needs q_x, q_y, q_z and q_w in one file",
-                        crate::full_name(sensor, name.unwrap_or_default())
-                    ),
-                }
+        for (axis, index) in components(prefix).iter().zip(&mut indices) {
+            let name = format!("{prefix}_{axis}");
+            let own = |c: &PlannedChannel| c.name.sensor == sensor && c.name.name == name;
+            *index = channels.iter().position(own).ok_or_else(|| TelemetryError::Quaternion {
+                place: Place::file(path),
+                why: format!(
+                    "'{}' is missing; add it: a quaternion needs {prefix}_x, {prefix}_y, {prefix}_z and {prefix}_w in one file",
+                    crate::full_name(sensor, &name)
+                ),
             })?;
         }
         let mut take = |k: usize| {
@@ -147,12 +152,6 @@ fn tidy_attitudes(
         }
     }
     Ok(())
-}
-
-fn position(channels: &[PlannedChannel], sensor: &str, component: usize) -> Option<usize> {
-    channels
-        .iter()
-        .position(|c| c.name.sensor == sensor && c.name.quantity == Quantity::Attitude(component))
 }
 
 /// Converts pulses to a thrust held between samples. A pulse starts at the time of its row and lasts for the cell's

@@ -27,6 +27,11 @@ pub enum Quantity {
     Direction(usize),
     /// `reference_x..`: the vector whose direction is measured, inertial axes.
     Reference(usize),
+    /// `relative_q_x relative_q_y relative_q_z relative_q_w`: attitude of a body in the axes of the body from which it is
+    /// seen, Hamilton; the index is 0..=3 for x, y, z, w.
+    RelativeAttitude(usize),
+    /// `relative_r_x..`: position from the origin of the body from which it is seen, in its axes.
+    RelativePosition(usize),
     /// `orbit_x..`: position relative to the attracting body on the reference orbit, inertial axes.
     OrbitPosition(usize),
     /// `<name>_rad`: angle of a joint.
@@ -83,7 +88,7 @@ pub fn full_name(sensor: &str, name: &str) -> String {
 type Vector = (&'static str, fn(usize) -> Quantity, Dimension, &'static str);
 
 /// Prefix of a three-vector's columns, quantity, dimension, axes.
-const VECTORS: [Vector; 10] = [
+const VECTORS: [Vector; 12] = [
     (
         "omega",
         Quantity::AngularVelocity,
@@ -119,7 +124,27 @@ const VECTORS: [Vector; 10] = [
     ("direction", Quantity::Direction, Dimension::One, "body"),
     ("reference", Quantity::Reference, Dimension::One, "inertial"),
     ("q", Quantity::Attitude, Dimension::One, "inertial"),
+    (
+        "relative_q",
+        Quantity::RelativeAttitude,
+        Dimension::One,
+        "body",
+    ),
+    (
+        "relative_r",
+        Quantity::RelativePosition,
+        Dimension::Length,
+        "body",
+    ),
 ];
+
+/// Components of a vector with this prefix: four of a quaternion.
+pub(crate) fn components(prefix: &str) -> &'static [&'static str] {
+    match prefix {
+        "q" | "relative_q" => &["x", "y", "z", "w"],
+        _ => &["x", "y", "z"],
+    }
+}
 
 /// Suffix of a named scalar, longest first, with quantity and dimension.
 const SUFFIXES: [(&str, Quantity, Dimension); 8] = [
@@ -143,12 +168,8 @@ const SUFFIXES: [(&str, Quantity, Dimension); 8] = [
 
 /// Standard names that belong to no joint, wheel or thruster.
 pub fn vector_channels() -> Vec<String> {
-    let axes = |prefix: &str| match prefix {
-        "q" => "xyzw",
-        _ => "xyz",
-    };
     let all = VECTORS.iter().flat_map(|(prefix, ..)| {
-        let names = axes(prefix).chars();
+        let names = components(prefix).iter();
         names.map(move |axis| format!("{prefix}_{axis}"))
     });
     std::iter::once("time_s".to_owned()).chain(all).collect()
@@ -175,13 +196,7 @@ pub fn classify(column: &str) -> Option<ChannelName> {
             .then(|| built(Quantity::Time, Dimension::Time, "", ""));
     }
     if let Some((prefix, axis)) = name.rsplit_once('_') {
-        let axis = match axis {
-            "x" => Some(0),
-            "y" => Some(1),
-            "z" => Some(2),
-            "w" if prefix == "q" => Some(3),
-            _ => None,
-        };
+        let axis = components(prefix).iter().position(|own| *own == axis);
         let vector = VECTORS.iter().find(|v| v.0 == prefix);
         if let (Some(axis), Some(&(_, quantity, dimension, frame))) = (axis, vector) {
             return Some(built(quantity(axis), dimension, frame, ""));
@@ -238,6 +253,9 @@ mod tests {
         assert_eq!(name.full(), "imu2.omega_z");
         assert_eq!(classify("v_y").unwrap().frame, "inertial");
         assert_eq!(classify("q_w").unwrap().quantity, Quantity::Attitude(3));
+        let name = classify("camera.relative_q_w").unwrap();
+        assert_eq!(name.quantity, Quantity::RelativeAttitude(3));
+        assert_eq!((name.sensor.as_str(), name.frame), ("camera", "body"));
         assert_eq!(
             classify("dv_x").unwrap().quantity,
             Quantity::VelocityIncrement(0)

@@ -1,6 +1,7 @@
 //! Rotates columns from sensor axes to body axes.
 #![allow(non_snake_case)]
 
+use crate::channel_name::components;
 use crate::{Channel, Table};
 use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 use std::collections::HashMap;
@@ -13,7 +14,7 @@ pub struct Mounting {
     pub sensor: String,
     /// Whether columns without a sensor name belong to it too.
     pub unnamed: bool,
-    /// Column prefix: `omega`, `domega`, `acc`, or `q` for an attitude.
+    /// Column prefix: `omega`, `domega`, `acc`, or `q` and `relative_q` for an attitude.
     pub prefix: &'static str,
     /// Rotation from sensor axes to body axes, by rows.
     pub R_BS: [[f64; 3]; 3],
@@ -44,10 +45,7 @@ impl Mounting {
 /// Rotates the channels of mounted sensors. A vector sample with a missing component is dropped.
 pub fn mount(table: &mut Table, mountings: &[Mounting]) {
     for mounting in mountings {
-        let axes: &[&str] = match mounting.prefix {
-            "q" => &["x", "y", "z", "w"],
-            _ => &["x", "y", "z"],
-        };
+        let axes = components(mounting.prefix);
         for sensor in [mounting.sensor.as_str(), ""] {
             if sensor.is_empty() && !mounting.unnamed {
                 continue;
@@ -78,7 +76,7 @@ fn turn(channels: &mut [Channel], places: &[usize], mounting: &Mounting) {
     };
     let R_BS = mounting.rotation();
     let R = Rotation3::from_matrix_unchecked(R_BS);
-    // R_NB = R_NS R_SB.
+    // R_NB = R_NS R_SB, and alike for an attitude seen from another body.
     let back = UnitQuaternion::from_rotation_matrix(&R).inverse();
     for row in &mut rows {
         match row.as_mut_slice() {

@@ -29,9 +29,15 @@ pub(crate) fn proposed_sensors(inspection: &Inspection) -> Option<String> {
             if let Some(noise) = noise(&channels, kind) {
                 let word = kind.word();
                 let name = if owner.is_empty() { word } else { owner };
+                let word = kind.declared_as().word();
+                let bodies = if kind.is_relative() {
+                    "body = \"SEEN BODY\"\nseen_from = \"BODY OF THE CAMERA\"\n"
+                } else {
+                    ""
+                };
                 let _ = write!(
                     out,
-                    "[[sensor]]\nname = \"{name}\"\ntype = \"{word}\"\n{noise}\n\n"
+                    "[[sensor]]\nname = \"{name}\"\ntype = \"{word}\"\n{bodies}{noise}\n\n"
                 );
             }
         }
@@ -74,8 +80,8 @@ fn noise(channels: &[&ChannelSummary], kind: SensorKind) -> Option<String> {
     // Variance per component: a quaternion's four components hold half of each of three small angles, a unit vector's
     // three hold two angles.
     let share = match kind {
-        SensorKind::Attitude => Some(2.0),
         SensorKind::Direction => Some(1.0),
+        kind if kind.is_rotation() => Some(2.0),
         _ => None,
     };
     if let Some(share) = share {

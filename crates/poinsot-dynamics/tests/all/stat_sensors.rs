@@ -24,6 +24,7 @@ fn sensor(kind: SensorKind) -> Sensor {
         R_BS: Matrix3::identity(),
         p_BoS_B: Vector3::zeros(),
         reference_N: None,
+        seen_from: 0,
         of: Vec::new(),
     }
 }

@@ -114,7 +114,7 @@ fn known_number(model: &Model, kind: &UnknownKind) -> Option<KnownNumber> {
         UnknownKind::WheelTilt(k, _) => Some(KnownNumber::WheelAxis(*k)),
         UnknownKind::ThrusterScale(k) => Some(KnownNumber::Force(*k)),
         UnknownKind::Sensor { sensor, error } => {
-            let attitude = model.sensors.get(*sensor)?.kind == SensorKind::Attitude;
+            let attitude = model.sensors.get(*sensor)?.kind.is_rotation();
             let turns = match error {
                 SensorError::Misalignment(_) => !attitude,
                 SensorError::Bias(_) => attitude,
@@ -163,7 +163,7 @@ fn of_sensors(experiment: &Experiment) -> Vec<Candidate> {
         let alone = read.iter().filter(|(s, _)| kind(*s) == own).count() == 1;
         for group in ErrorGroup::of(own) {
             // A misaligned tracker is more than a choice of N.
-            let turned = own == SensorKind::Attitude && group.key == "bias";
+            let turned = own.is_rotation() && group.key == "bias";
             if framed && alone && group.key != "lag" && !turned {
                 continue;
             }
@@ -195,6 +195,7 @@ fn fault_of(kind: SensorKind, group: &ErrorGroup) -> FaultKind {
     match (group.key, kind) {
         ("bias", SensorKind::Gyro) => FaultKind::GyroBias,
         ("bias", SensorKind::Attitude) => FaultKind::TrackerMisalignment,
+        ("bias", kind) if kind.is_rotation() => FaultKind::SensorMisalignment,
         ("bias", _) => FaultKind::SensorBias,
         ("scale", SensorKind::Gyro) => FaultKind::GyroScale,
         ("scale", _) => FaultKind::SensorScale,

@@ -42,7 +42,7 @@ impl Motion<'_> {
                 joints: Vec::new(),
             };
         }
-        let mut list = std::mem::take(&mut self.spare.effects);
+        let mut list = self.spare.effects.pop().unwrap_or_default();
         let (tree, input_state) = (self.vehicle.tree, &mut self.input_state);
         let placed = &mut input_state.kinematics;
         placed.set_velocities(tree, &twist.v, &twist.w, &input_state.rates);
@@ -61,10 +61,10 @@ impl Motion<'_> {
     }
 
     /// Keeps the memory of a place that is no longer needed.
-    pub fn leave(&mut self, place: PointKinematics) {
+    pub fn leave(&mut self, mut place: PointKinematics) {
         if place.joints.capacity() > 0 {
-            self.spare.effects = place.joints;
-            self.spare.effects.clear();
+            place.joints.clear();
+            self.spare.effects.push(place.joints);
         }
     }
 

@@ -457,7 +457,8 @@ impl<'a> Recorder<'a> {
 fn sensor_channel(record: &SensorRecord) -> PredictedChannel {
     let unit = printed_unit(record.kind.unit(false));
     let measured = match record.kind {
-        SensorKind::Attitude | SensorKind::Direction => "1",
+        SensorKind::Direction => "1",
+        kind if kind.is_rotation() => "1",
         _ => unit,
     };
     channel(&record.name, [measured, unit], record.kind.columns())

@@ -54,9 +54,10 @@ impl Firing {
 /// One measured value, SI.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SensorValue {
-    /// Three components: of a rate or a specific force in the axes of the sensor's body, of all else in N.
+    /// Three components: of a rate or a specific force in the axes of the sensor's body, of a relative position in those of
+    /// the body from which it is seen, of all else in N.
     Vector(Vector3),
-    /// Attitude of the sensor's body in N.
+    /// Attitude of the sensor's body in N, or in the axes of the body from which it is seen.
     Attitude(UnitQuaternion),
     /// Direction of a vector known in N: as seen, in the axes of the sensor's body, and in N; both of length one.
     Direction {
@@ -114,6 +115,8 @@ pub struct SensorRecord {
     pub kind: SensorKind,
     /// Index of the body that carries it.
     pub body: usize,
+    /// Index of the body from which a relative kind sees it; 0 for all other kinds.
+    pub seen_from: usize,
     /// Place from the body's origin, in the body, m. Positions are from the place of the base origin at the first sample.
     pub p_BoS_B: Vector3,
     /// Covariance of one sample, SI squared, in the axes of the value (of an attitude: of the body). Zero: taken as exact.
@@ -132,6 +135,7 @@ impl SensorRecord {
             sensor: None,
             kind,
             body: 0,
+            seen_from: 0,
             p_BoS_B: Vector3::zeros(),
             covariance,
             correlation_s: 0.0,

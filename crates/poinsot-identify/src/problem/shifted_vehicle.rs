@@ -4,7 +4,7 @@ use crate::problem::Problem;
 use crate::problem::parameters::Parameters;
 use crate::problem::segment::{Segment, SensorValue};
 use poinsot_dynamics::Tree;
-use poinsot_model::{KnownNumber, Model, SensorKind};
+use poinsot_model::{KnownNumber, Model};
 use poinsot_spatial::{UnitQuaternion, Vector3};
 
 /// The vehicle with its known numbers at other values than those of the model.
@@ -91,7 +91,7 @@ fn reread(segments: &mut [Segment], number: KnownNumber, component: usize, chang
                 let turn = UnitQuaternion::from_scaled_axis(turn);
                 let records = segment.observations.sensors.iter_mut();
                 for record in records.filter(|r| r.sensor == Some(sensor)) {
-                    let attitude = record.kind == SensorKind::Attitude;
+                    let attitude = record.kind.is_rotation();
                     for sample in &mut record.samples {
                         sample.value = match sample.value {
                             SensorValue::Attitude(R) if attitude => {

@@ -15,10 +15,12 @@ pub(crate) struct IdealSeries {
 
 /// Whether the state determines the rate of change of a kind's measurement.
 fn knows_rate(kind: SensorKind) -> bool {
-    matches!(
-        kind,
-        SensorKind::Attitude | SensorKind::Position | SensorKind::Direction
-    )
+    let of_pose = [
+        SensorKind::Attitude,
+        SensorKind::Position,
+        SensorKind::Direction,
+    ];
+    kind.is_relative() || of_pose.contains(&kind)
 }
 
 impl IdealSeries {

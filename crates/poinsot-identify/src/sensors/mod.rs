@@ -10,6 +10,7 @@ mod direction;
 mod gyro;
 mod ideal;
 mod position;
+mod relative;
 mod velocity;
 
 pub(crate) use direction::across;
@@ -175,6 +176,15 @@ fn measure(
             .reference_N(k)
             .and_then(|d_N| direction::measure(&place, state, (record.body, &d_N), joints)),
         SensorKind::Position => Some(position::measure(&place, state, &R_NB, joints)),
+        SensorKind::RelativeAttitude | SensorKind::RelativePosition => {
+            let from = motion.place(&instant.twist, (record.seen_from, &Vector3::zeros()));
+            let seen = match record.kind {
+                SensorKind::RelativeAttitude => relative::attitude(&place, &from, joints),
+                _ => relative::position(&place, &from, joints),
+            };
+            motion.leave(from);
+            Some(seen)
+        }
         SensorKind::Velocity | SensorKind::VelocityIncrement => {
             Some(velocity::measure(&place, &R_NB, joints))
         }

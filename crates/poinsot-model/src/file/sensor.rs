@@ -20,6 +20,11 @@ pub(crate) struct SensorFile {
     pub kind: Option<SensorType>,
     /// Name of its body. Default: the base.
     pub body: Option<String>,
+    /// Attitude and position: name of the body from which the sensor sees `body`, as a camera on a servicer sees the
+    /// captured target. The attitude is that of `body` in the axes of this body. The position is from the origin of this
+    /// body, in its axes. Its columns are `relative_q_x relative_q_y relative_q_z relative_q_w` and
+    /// `relative_r_x relative_r_y relative_r_z`. Default: seen from inertial space.
+    pub seen_from: Option<String>,
     /// Names of the joints, wheels or thrusters that a joint_position, joint_rate, wheel_speed or thrust
     /// sensor reads: one name or a list. Default: all whose unit fits.
     pub of: Option<NamesFile>,

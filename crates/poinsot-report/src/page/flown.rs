@@ -71,8 +71,8 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
 fn sensor_unit(kind: &str) -> &str {
     match kind {
         "gyro" | "joint_rate" | "wheel_speed" => "rad/s",
-        "attitude" | "joint_position" => "rad",
-        "position" => "m",
+        "attitude" | "relative_attitude" | "direction" | "joint_position" => "rad",
+        "position" | "relative_position" => "m",
         "velocity" | "velocity_increment" => "m/s",
         "accelerometer" => "m/s²",
         "thrust" => "N",

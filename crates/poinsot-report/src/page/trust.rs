@@ -204,6 +204,10 @@ fn quantity(name: &str) -> (&str, &str) {
         "gyro" => ("angular velocity, body axes", "omega"),
         "velocity" => ("velocity of the sensor point, inertial axes", "v"),
         "position" => ("position of the sensor point, inertial axes", "r"),
+        "relative_position" => (
+            "position of the sensor point, axes of the body from which it is seen",
+            "r",
+        ),
         "accelerometer" => ("specific force at the sensor point, axes of its body", "f"),
         "velocity_increment" => (
             "velocity increments of the sensor point, inertial axes",

@@ -195,6 +195,7 @@ impl<'a> SensorColumns<'a> {
         SensorRecord {
             sensor: self.sensor,
             body: declared.map_or(0, |s| s.body),
+            seen_from: declared.map_or(0, |s| s.seen_from),
             p_BoS_B: declared.map_or_else(Vector3::zeros, |s| s.p_BoS_B),
             correlation_s: declared.map_or(0.0, |s| s.correlation_s),
             samples: samples.collect(),
@@ -251,7 +252,7 @@ impl<'a> SensorColumns<'a> {
         let part = |k: usize| self.parts.get(k)?.values.get(*at.get(k)?).copied();
         let (x, y, z) = (part(0)?, part(1)?, part(2)?);
         Some(match self.kind {
-            SensorKind::Attitude => {
+            kind if kind.is_rotation() => {
                 let q = Quaternion::new(part(3)?, x, y, z);
                 SensorValue::Attitude(UnitQuaternion::from_quaternion(q))
             }
@@ -380,6 +381,7 @@ pub(super) fn check_sensors(
         }
         let base = with_columns.iter().filter(|s| s.body == 0).count();
         if base > 1
+            && !kind.is_relative()
             && let Some(first) = leading.sensor(model, kind)
         {
             repairs.push(format!(
@@ -486,11 +488,12 @@ fn ownerless(model: &Model, table: &Table, label: &str, repairs: &mut Vec<String
                     || kind == SensorKind::Attitude && model.sensors_of(kind).next().is_none());
             if !declared && !shared {
                 repairs.push(format!(
-                    "{label}: column '{}' and its companions match no {} of the model and are not used; declare [[sensor]] type = \"{}\", name = \"{}\"",
+                    "{label}: column '{}' and its companions match no {} of the model and are not used; declare [[sensor]] type = \"{}\", name = \"{}\"{}",
                     full_name(&channel.sensor, &channel.name),
                     kind.word().replace('_', " "),
-                    kind.word(),
-                    channel.sensor
+                    kind.declared_as().word(),
+                    channel.sensor,
+                    if kind.is_relative() { ", seen_from = \"BODY\"" } else { "" }
                 ));
             }
         }
@@ -506,6 +509,8 @@ fn refuse_noiseless(sensor: &Sensor, of_its_kind: usize) -> Result<(), BindError
         SensorKind::Accelerometer => ("accelerometer", "noise_m_s2"),
         SensorKind::VelocityIncrement => ("velocity_increment", "noise_m_s"),
         SensorKind::Direction => ("direction", "noise_rad"),
+        SensorKind::RelativeAttitude => ("attitude", "noise_rad"),
+        SensorKind::RelativePosition => ("position", "noise_m"),
         _ if of_its_kind < 2 => return Ok(()),
         kind => {
             return Err(BindError::Unsupported {

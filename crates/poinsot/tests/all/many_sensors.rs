@@ -111,6 +111,26 @@ const ON_ARM: Declared = (
     5.0e-6,
     "body = \"arm\"\nbias = \"estimate\"\n",
 );
+/// Sensors of the base that leave much to an encoder.
+const ROUGH: [Declared; 3] = [
+    ("rough", "gyro", 2.0e-4, ""),
+    ("rough star", "attitude", 4.0e-4, ""),
+    ("rough speed", "velocity", 2.0e-3, ""),
+];
+const ENCODER: Declared = ("encoder", "joint_position", 1.0e-2, "");
+/// Camera on the bus that sees the arm: its attitude, and a point near its end.
+const CAMERA: Declared = (
+    "camera",
+    "attitude",
+    1.0e-3,
+    "body = \"arm\"\nseen_from = \"bus\"\n",
+);
+const MARKER: Declared = (
+    "marker",
+    "position",
+    5.0e-4,
+    "body = \"arm\"\nseen_from = \"bus\"\nposition_m = [0.5, 0.0, 0.0]\n",
+);
 const ARM_STAR: Declared = ("arm star", "attitude", 1.0e-5, "body = \"arm\"\n");
 
 fn model(sensors: &[Declared]) -> Model {
@@ -118,7 +138,8 @@ fn model(sensors: &[Declared]) -> Model {
     for (name, kind, sigma, more) in sensors {
         let unit = match *kind {
             "gyro" => "rad_s",
-            "attitude" | "direction" => "rad",
+            "attitude" | "direction" | "joint_position" => "rad",
+            "position" => "m",
             _ => "m_s",
         };
         text += &format!(
@@ -523,4 +544,159 @@ fn stat_one_direction_and_a_biased_gyro_are_enough() {
         }
         nominal = poinsot_model::read_model(folder.join("cubesat_model.toml")).unwrap();
     }
+}
+
+/// A camera that sees a link turn about its joint is one more encoder: both together are an encoder of their weighted mean.
+#[test]
+fn exact_a_camera_and_an_encoder_are_one_encoder() {
+    let [a, b] = [ENCODER.2, CAMERA.2].map(|sigma| 1.0 / (sigma * sigma));
+    let sigma = (1.0 / (a + b)).sqrt();
+    let with = |more: &[Declared]| bound_of(&model(&[&ROUGH[..], more].concat()));
+    let both = with(&[ENCODER, CAMERA]);
+    let (_, gap) = gaps(&both, &with(&[("encoder", "joint_position", sigma, "")]));
+    let (_, lower) = gaps(&both, &with(&[ENCODER]));
+    // Measured: 8e-15 and 0.36.
+    println!("sigmas {gap:.1e}, without the camera {lower:.1e}");
+    assert!(gap < 1.0e-10 && lower > 0.3, "{gap:e} {lower:e}");
+}
+
+#[test]
+fn exact_a_camera_lowers_sigma_to_the_bound_in_any_order_of_declaration() {
+    let [gyro, star, speed] = ROUGH;
+    let first = model(&[gyro, star, speed, ENCODER, CAMERA, MARKER]);
+    let last = model(&[MARKER, CAMERA, ENCODER, speed, star, gyro]);
+    let table = simulate_trial(&sensed(), &first, 0).unwrap().table;
+    let (found, again) = (solved(&first, &table), solved(&last, &table));
+    let (value, sigma) = gaps(&numbers(&found), &numbers(&again));
+    println!("order: values {value:.1e} sigma, sigmas {sigma:.1e}");
+    assert!(value < 1.0e-9 && sigma < 1.0e-9, "{value:e} {sigma:e}");
+    let bound = numbers(&study_of(&sensed(), &first).bound().unwrap());
+    let (_, sigma) = gaps(&numbers(&found), &bound);
+    println!("bound: sigmas {sigma:.1e}");
+    assert!(sigma < 3.0e-2, "{sigma:e}");
+    let mut blind = table.clone();
+    blind.channels.retain(|c| !c.name.starts_with("relative_"));
+    let without = solved(&model(&[gyro, star, speed, ENCODER]), &blind);
+    for ((_, with), (_, without)) in numbers(&found).iter().zip(numbers(&without)) {
+        println!("{with:.3e} {without:.3e}");
+        assert!(*with < without, "{with:e} {without:e}");
+    }
+}
+
+/// An encoder with an unknown offset, and a camera that measures attitude and place of the arm.
+#[test]
+fn stat_a_camera_and_a_biased_encoder_are_calibrated() {
+    let [gyro, star, speed] = ROUGH;
+    let encoder = ("encoder", "joint_position", 1.0e-3, "bias = \"estimate\"\n");
+    let camera = ("camera", "attitude", 5.0e-4, CAMERA.3);
+    let marker = ("marker", "position", 2.5e-4, MARKER.3);
+    let model = model(&[gyro, star, speed, encoder, camera, marker]);
+    let study = study_of(&sensed(), &model);
+    let bound = study.bound().unwrap();
+    // Encoder less camera at 101 samples; the marker is 0.5 m from the joint.
+    let camera = 1.0 / (1.0 / camera.2.powi(2) + (0.5 / marker.2).powi(2));
+    let expected = ((encoder.2.powi(2) + camera) / 101.0).sqrt();
+    let offset = bound.nuisance.iter().find(|n| n.name == "elbow.offset");
+    let sigma = offset.unwrap().number.sigma.unwrap();
+    println!("offset {sigma:.3e} rad, of the camera alone {expected:.3e} rad");
+    let gap = (sigma / expected - 1.0).abs();
+    assert!(gap < 2.0e-2, "{gap:e}");
+    let result = statistics(&study.run(0..60), Some(&bound));
+    println!("NEES {:?}", result.nees);
+    assert!(result.nees.is_some());
+    let faults = result.faults();
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+/// The pose of the arm in the bus is a turn about the joint's axis, whatever the bus does.
+#[test]
+fn exact_a_relative_pose_is_that_of_the_joint() {
+    let mut quiet = model(&[CAMERA, MARKER]);
+    let seen = quiet.sensors.clone();
+    for sensor in &seen {
+        // The bus seen from the arm.
+        quiet.sensors.push(poinsot_model::Sensor {
+            name: format!("back {}", sensor.name),
+            body: 0,
+            seen_from: 1,
+            ..sensor.clone()
+        });
+    }
+    quiet
+        .sensors
+        .iter_mut()
+        .for_each(|s| s.noise_covariance = None);
+    let table = simulate_trial(&case(), &quiet, 0).unwrap().table;
+    let of = |sensor: &str, name: String| &table.sensor_channel(sensor, &name).unwrap().values;
+    let turn = |sensor: &str| ["x", "y", "z", "w"].map(|k| of(sensor, format!("relative_q_{k}")));
+    let place = |sensor: &str| ["x", "y", "z"].map(|k| of(sensor, format!("relative_r_{k}")));
+    let angle = &table.channel("elbow_rad").unwrap().values;
+    let (origin, point) = (Vector3::new(0.3, 0.1, 0.2), Vector3::new(0.5, 0.0, 0.0));
+    let about_z = |v: &Vector3, a: f64| {
+        let (s, c) = a.sin_cos();
+        Vector3::new(c * v.x - s * v.y, s * v.x + c * v.y, v.z)
+    };
+    for (k, a) in angle.iter().enumerate() {
+        let half = Vector3::new(0.0, 0.0, (0.5 * a).sin());
+        for (sensor, sign) in [("camera", 1.0), ("back camera", -1.0)] {
+            let [x, y, z, w] = turn(sensor).map(|c| c[k]);
+            // A quaternion and its negative are one rotation.
+            let q = Vector3::new(x, y, z) * w.signum();
+            assert!((q - half * sign).amax() < 1.0e-12, "{sensor} {k}: {q}");
+            assert!((w.abs() - (0.5 * a).cos()).abs() < 1.0e-12, "{sensor} {k}");
+        }
+        let expected = [
+            ("marker", origin + about_z(&point, *a)),
+            ("back marker", about_z(&(point - origin), -*a)),
+        ];
+        for (sensor, expected) in expected {
+            let [x, y, z] = place(sensor).map(|c| c[k]);
+            let gap = Vector3::new(x, y, z) - expected;
+            assert!(gap.amax() < 1.0e-12, "{sensor} {k}: {gap}");
+        }
+    }
+}
+
+/// A relative pose is no attitude and no position of the base in N.
+#[test]
+fn unit_a_relative_pose_does_not_start_the_base() {
+    let seen = model(&[FINE, CAMERA, MARKER]);
+    let table = simulate_trial(&sensed(), &seen, 0).unwrap().table;
+    let names: Vec<&str> = table.channels.iter().map(|c| &*c.name).collect();
+    assert!(names.contains(&"relative_q_w") && names.contains(&"relative_r_z"));
+    assert!(
+        !names.contains(&"q_w") && !names.contains(&"r_x"),
+        "{names:?}"
+    );
+    let found = bound(&seen, std::slice::from_ref(&table)).unwrap();
+    let said = found.repairs.join("\n");
+    assert!(
+        said.contains("no attitude channel: attitude integrated from the gyro, from the identity"),
+        "{said}"
+    );
+    assert!(found.segments[0].samples.translation.is_none());
+    assert_eq!(found.segments[0].observations.sensors.len(), 3);
+    // Velocity in N needs an attitude in N.
+    let fast = model(&[FINE, SPEED, CAMERA, MARKER]);
+    let table = simulate_trial(&sensed(), &fast, 0).unwrap().table;
+    let refused = bound(&fast, &[table]).map(|_| ()).unwrap_err().to_string();
+    assert!(refused.contains("v_x v_y v_z"), "{refused}");
+    let mut silent = seen;
+    silent.sensors[1].noise_covariance = None;
+    let table = simulate_trial(&sensed(), &silent, 0).unwrap().table;
+    let refused = bound(&silent, &[table])
+        .map(|_| ())
+        .unwrap_err()
+        .to_string();
+    assert!(refused.contains("noise_rad"), "{refused}");
+}
+
+/// A vehicle with a camera is written and read back as it was.
+#[test]
+fn exact_a_written_model_keeps_what_sees_and_what_is_seen() {
+    let first = model(&[FINE, CAMERA, MARKER]);
+    let text = poinsot_model::write_model(&first);
+    assert!(text.contains("seen_from = \"bus\""), "{text}");
+    let again = parse_model(&text, "again.toml").unwrap();
+    assert_eq!(first.sensors, again.sensors);
 }

@@ -9,7 +9,7 @@ use crate::problem::loss::Loss;
 use crate::problem::parameters::{Parameters, Unknown, UnknownKind};
 use crate::problem::shifted_vehicle::ShiftedVehicle;
 use poinsot_dynamics::SensorError;
-use poinsot_model::{KnownNumber, Model, SensorKind};
+use poinsot_model::{KnownNumber, Model};
 use poinsot_spatial::{InertialParameters, Vector3};
 use std::sync::{Arc, Mutex};
 
@@ -217,7 +217,7 @@ pub(crate) fn twin(
             }
         }
         KnownNumber::Mounting(sensor) => {
-            let attitude = problem.model.sensors.get(sensor)?.kind == SensorKind::Attitude;
+            let attitude = problem.model.sensors.get(sensor)?.kind.is_rotation();
             let error = match attitude {
                 true => SensorError::Bias(component),
                 false => SensorError::Misalignment(component),

@@ -63,7 +63,7 @@ impl ErrorGroup {
     pub fn of(kind: SensorKind) -> &'static [Self] {
         match kind {
             kind if kind.is_scalar() => &[],
-            SensorKind::Attitude => &[BIAS, LAG],
+            kind if kind.is_rotation() => &[BIAS, LAG],
             SensorKind::Direction => &[BIAS, MISALIGNMENT, LAG],
             _ => &[BIAS, SCALE, MISALIGNMENT, NONORTHOGONALITY, LAG],
         }

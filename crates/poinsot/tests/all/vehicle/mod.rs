@@ -156,6 +156,7 @@ pub fn sensor(kind: SensorKind, sigma: f64) -> Sensor {
         name: kind.word().to_owned(),
         kind,
         body: 0,
+        seen_from: 0,
         noise_covariance: Some(Matrix3::identity() * sigma * sigma),
         quantisation: 0.0,
         bias: Nuisance::Known,
