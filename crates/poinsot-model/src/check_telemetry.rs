@@ -307,6 +307,7 @@ fn check_attitude(
             _ => Sense::BodyToInertial,
         },
         unit: file.unit.clone(),
+        relative: file.relative.unwrap_or(false),
     })
 }
 

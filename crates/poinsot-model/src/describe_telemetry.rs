@@ -186,9 +186,11 @@ fn attitude(map: &AttitudeMap) -> String {
             format!("Euler angles about {}, {unit}", axes.join(", "))
         }
     };
-    let sense = match map.sense {
-        Sense::BodyToInertial => "body to inertial",
-        Sense::InertialToBody => "inertial to body",
+    let sense = match (map.sense, map.relative) {
+        (Sense::BodyToInertial, false) => "body to inertial",
+        (Sense::InertialToBody, false) => "inertial to body",
+        (Sense::BodyToInertial, true) => "seen body to the body from which it is seen",
+        (Sense::InertialToBody, true) => "body from which it is seen to the seen body",
     };
     format!(
         "attitude{of}: {form}, {sense}, from {}",

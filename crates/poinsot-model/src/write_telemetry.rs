@@ -146,5 +146,8 @@ fn attitude(map: &AttitudeMap) -> String {
     if map.sense == Sense::InertialToBody {
         keys.push(("sense", quoted("inertial_to_body")));
     }
+    if map.relative {
+        keys.push(("relative", "true".to_owned()));
+    }
     table(&keys)
 }

@@ -6,7 +6,7 @@ use crate::conversion::Conversion;
 use crate::error::Place;
 use crate::instant::EARTH_RATE;
 use crate::plan::{Group, Plan, PlannedChannel};
-use crate::{AttitudeForm, Sense, TelemetryError, classify, full_name, rounded};
+use crate::{AttitudeForm, Sense, TelemetryError, classify, rounded};
 use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 use std::path::Path;
 
@@ -52,18 +52,9 @@ pub(crate) fn derive(
             .find(|c| c.part.is_some_and(|p| p.0 == k));
         let (index, column) = first.map_or((0, ""), |c| (c.index, c.column.as_str()));
         let (names, made): (Vec<String>, Vec<Vec<f64>>) = match group {
-            Group::Attitude {
-                sensor,
-                form,
-                sense,
-            } => {
+            Group::Attitude { names, form, sense } => {
                 let made = attitude(path, column, &columns.rows, &parts, *form, *sense)?;
-                (
-                    ["q_x", "q_y", "q_z", "q_w"]
-                        .map(|n| full_name(sensor, n))
-                        .into(),
-                    made,
-                )
+                (names.to_vec(), made)
             }
             Group::EarthFixed => {
                 let made = inertial(path, plan, columns, &parts)?;

@@ -123,6 +123,16 @@ pub struct AttitudeMap {
     pub sense: Sense,
     /// Unit of Euler angles; `None`: from the units row.
     pub unit: Option<String>,
+    /// Whether it is the attitude of a body seen from another one, instead of in N.
+    pub relative: bool,
+}
+
+impl AttitudeMap {
+    /// Standard names of the quaternion: x, y, z, w.
+    pub(crate) fn names(&self) -> [String; 4] {
+        let prefix = if self.relative { "relative_q" } else { "q" };
+        ["x", "y", "z", "w"].map(|axis| crate::full_name(&self.sensor, &format!("{prefix}_{axis}")))
+    }
 }
 
 /// Forms of an attitude.

@@ -28,7 +28,7 @@ pub(crate) struct PlannedChannel {
 pub(crate) enum Group {
     /// An attitude of a sensor.
     Attitude {
-        sensor: String,
+        names: [String; 4],
         form: AttitudeForm,
         sense: Sense,
     },
@@ -239,29 +239,26 @@ impl Planner<'_> {
         let Some(found) = self.columns(&label, &map.columns)? else {
             return Ok(());
         };
-        let component = |name: &str| {
-            classify(&crate::full_name(&map.sensor, name)).ok_or_else(|| {
+        let names = map.names();
+        let component = |name: &String| {
+            classify(name).ok_or_else(|| {
                 self.fault(
                     &label,
                     format!("'{}' is no name of a sensor; correct it", map.sensor),
                 )
             })
         };
-        let [x, y, z, w] = [
-            component("q_x")?,
-            component("q_y")?,
-            component("q_z")?,
-            component("q_w")?,
-        ];
+        let [x, y, z, w] = &names;
+        let [x, y, z, w] = [component(x)?, component(y)?, component(z)?, component(w)?];
         if let AttitudeForm::Quaternion(order) = map.form {
+            let scalar = w.quantity;
             let names = match order {
                 Order::Xyzw => [x, y, z, w],
                 Order::Wxyz => [w, x, y, z],
             };
             for (index, name) in found.into_iter().zip(names) {
                 // The inverse rotation has the negative vector part.
-                let turned =
-                    map.sense == Sense::InertialToBody && name.quantity != Quantity::Attitude(3);
+                let turned = map.sense == Sense::InertialToBody && name.quantity != scalar;
                 let sign = if turned { -1.0 } else { 1.0 };
                 self.add(index, name, Conversion::Linear(sign, 0.0))?;
             }
@@ -278,7 +275,7 @@ impl Planner<'_> {
             self.part(index, name, conversion, (group, place));
         }
         self.groups.push(Group::Attitude {
-            sensor: map.sensor.clone(),
+            names,
             form: map.form,
             sense: map.sense,
         });

@@ -155,6 +155,9 @@ pub(crate) struct AttitudeFile {
     pub mrp: Option<Vec<String>>,
     /// Direction of the rotation: "body_to_inertial" (default) or "inertial_to_body".
     pub sense: Option<SenseFile>,
+    /// true: of an attitude sensor with `seen_from`. For `sense` the body from which it sees takes the place of inertial
+    /// axes. Default: false.
+    pub relative: Option<bool>,
 }
 
 /// Order of a quaternion.

@@ -699,4 +699,9 @@ fn exact_a_written_model_keeps_what_sees_and_what_is_seen() {
     assert!(text.contains("seen_from = \"bus\""), "{text}");
     let again = parse_model(&text, "again.toml").unwrap();
     assert_eq!(first.sensors, again.sensors);
+    let map = "[telemetry]\nattitude = [{ sensor = \"camera\", mrp = [\"a\", \"b\", \"c\"], relative = true }]\n";
+    let mapped = parse_model(&format!("{text}\n{map}"), "m.toml").unwrap();
+    assert!(mapped.telemetry.all.attitude[0].relative);
+    let again = parse_model(&poinsot_model::write_model(&mapped), "m.toml").unwrap();
+    assert_eq!(mapped.telemetry, again.telemetry);
 }

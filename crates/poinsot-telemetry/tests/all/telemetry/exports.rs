@@ -2,8 +2,8 @@
 
 use crate::telemetry::{Folder, read_text};
 use poinsot_telemetry::{
-    AttitudeForm, AttitudeMap, ColumnMap, FileMap, Layout, OrbitMap, ReadOptions, Scale, Sense,
-    TelemetryMap, TimeFormat, TimeMap, read,
+    AttitudeForm, AttitudeMap, ColumnMap, FileMap, Layout, OrbitMap, Order, ReadOptions, Scale,
+    Sense, TelemetryMap, TimeFormat, TimeMap, read,
 };
 use std::f64::consts::PI;
 use std::io::Write;
@@ -95,6 +95,7 @@ fn exact_files_with_clocks_of_their_own_share_one_origin() {
             columns: ["s1", "s2", "s3"].map(str::to_owned).to_vec(),
             sense: Sense::InertialToBody,
             unit: None,
+            relative: false,
         }],
         ..FileMap::default()
     };
@@ -351,4 +352,48 @@ fn unit_scattered_losses_are_counted_and_noise_is_proposed() {
     let found = poinsot_telemetry::inspect(&table);
     // The last row is lost at the end and cannot be detected.
     assert_eq!((found.channels[0].lost, found.channels[0].gaps), (24, 1));
+}
+
+/// A camera's attitude comes in every form of a tracker's, under names of its own.
+#[test]
+fn exact_a_relative_attitude_has_every_form() {
+    let text = "t,w,x,y,z,p1,p2,p3\n0,1,0,0,0,0,0,0\n0.1,0.6,0,0,-0.8,0,0,-0.5\n";
+    let map = |sensor: &str, form, columns: &[&str], sense| AttitudeMap {
+        sensor: sensor.to_owned(),
+        form,
+        columns: columns.iter().map(|c| (*c).to_owned()).collect(),
+        sense,
+        unit: None,
+        relative: true,
+    };
+    let scalar_first = AttitudeForm::Quaternion(Order::Wxyz);
+    let options = of(FileMap {
+        time: Some(TimeMap {
+            column: "t".into(),
+            ..TimeMap::default()
+        }),
+        attitude: vec![
+            map(
+                "back",
+                scalar_first,
+                &["w", "x", "y", "z"],
+                Sense::InertialToBody,
+            ),
+            map(
+                "camera",
+                AttitudeForm::Mrp,
+                &["p1", "p2", "p3"],
+                Sense::BodyToInertial,
+            ),
+        ],
+        ..FileMap::default()
+    });
+    let table = read_text(text, &options).unwrap();
+    let last = |sensor: &str, name: &str| table.sensor_channel(sensor, name).unwrap().values[1];
+    for (sensor, z) in [("back", 0.8), ("camera", -0.8)] {
+        let found = [last(sensor, "relative_q_z"), last(sensor, "relative_q_w")];
+        let gap = (found[0] - z).abs().max((found[1] - 0.6).abs());
+        assert!(gap < 1.0e-15, "{sensor}: {found:?}");
+    }
+    assert!(table.channels.iter().all(|c| !c.name.starts_with("q_")));
 }
