@@ -1,7 +1,9 @@
 //! Parses one cell of text to a number; errors name common mistakes.
 
-use crate::instant::ATTO;
 use std::borrow::Cow;
+
+/// Units of a decimal number in one.
+const UNITS: i128 = 1_000_000_000_000_000_000;
 
 /// Content of a cell.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -60,7 +62,7 @@ impl<'a> RawCell<'a> {
     /// The exact number in units of 1e-18; `None` if invalid or out of range.
     pub fn decimal(self) -> Option<i128> {
         match self {
-            Self::Parts(count, of) => Some(i128::from(count) * (ATTO / i128::from(of))),
+            Self::Parts(count, of) => Some(i128::from(count) * (UNITS / i128::from(of))),
             other => decimal(&other.text()),
         }
     }
