@@ -285,16 +285,18 @@ impl Spectrum {
         )
     }
 
-    /// Covariance of the unknowns from the identified directions, in their units.
+    /// Covariance of the unknowns from the identified directions, in their units. It includes the bias from noise in the regressor, as
+    /// [`Self::sigma`] does.
     pub fn covariance(&self) -> Mat<f64> {
         let n = self.natural.len();
+        let bias = |i: usize| self.bias.get(i).copied().unwrap_or(0.0);
         Mat::from_fn(n, n, |i, j| {
             let sum: f64 = (0..self.rank)
                 .map(|k| {
                     self.directions[(i, k)] * self.directions[(j, k)] / self.singular[k].powi(2)
                 })
                 .sum();
-            sum * self.natural[i] * self.natural[j]
+            (sum + bias(i) * bias(j)) * self.natural[i] * self.natural[j]
         })
     }
 

@@ -121,13 +121,13 @@ pub(crate) fn covariance(solution: &Solution, rows: &[Row], scale: f64) -> Vec<V
             .map(|i| (0..m).map(|j| c[(i, j)] * g[j]).sum())
             .collect()
     };
-    rows.iter()
-        .zip(&changes)
-        .map(|(a, moved_a)| {
+    let all = || rows.iter().zip(&changes).enumerate();
+    let mut matrix: Vec<Vec<f64>> = all()
+        .map(|(i, (a, moved_a))| {
             let image = image(&a.gradient);
-            rows.iter()
-                .zip(&changes)
-                .map(|(b, moved_b)| {
+            all()
+                .take(i + 1)
+                .map(|(_, (b, moved_b))| {
                     let carried: f64 = b.gradient.iter().zip(&image).map(|(x, y)| x * y).sum();
                     let own = match (a.nuisance, b.nuisance) {
                         (Some(i), Some(j)) => own[(i, j)],
@@ -138,5 +138,13 @@ pub(crate) fn covariance(solution: &Solution, rows: &[Row], scale: f64) -> Vec<V
                 })
                 .collect()
         })
-        .collect()
+        .collect();
+    // The other half to the last bit.
+    for i in 0..matrix.len() {
+        for j in i + 1..matrix.len() {
+            let same = matrix[j][i];
+            matrix[i].push(same);
+        }
+    }
+    matrix
 }

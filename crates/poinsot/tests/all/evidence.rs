@@ -22,11 +22,9 @@ fn against(file: &EstimateFile) -> Vec<String> {
     words
 }
 
-/// Keys whose value differs from the rows.
+/// Keys that contradict the rest of the file.
 fn differing(file: &EstimateFile) -> Vec<String> {
-    let keys = contradictions(file).into_iter().map(|c| c.key);
-    keys.filter(|key| !key.starts_with("covariance.matrix"))
-        .collect()
+    contradictions(file).into_iter().map(|c| c.key).collect()
 }
 
 /// Everything that says whether an answer is reliable is what its rows say.
