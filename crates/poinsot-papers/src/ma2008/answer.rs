@@ -196,7 +196,7 @@ fn covariance(ten: &Ten, name: &str) -> Covariance {
         kept.iter()
             .map(|&i| {
                 kept.iter()
-                    .map(|&j| scale * ten.covariance[(i, j)])
+                    .map(|&j| scale * ten.mean_square(i, j))
                     .collect()
             })
             .collect(),

@@ -65,6 +65,11 @@ impl Ten {
         }
     }
 
+    /// Mean product of the errors of two of the ten numbers: covariance and bias, equal both ways to the last bit.
+    pub(super) fn mean_square(&self, i: usize, j: usize) -> f64 {
+        self.covariance[(i.max(j), i.min(j))] + self.bias[i] * self.bias[j]
+    }
+
     /// A function of the ten numbers; undetermined if it depends on an undetermined one.
     pub(super) fn number(&self, nominal: f64, f: impl Fn(&[f64; 10]) -> f64) -> Number {
         let mut gradient = SVector::<f64, 10>::zeros();
