@@ -29,6 +29,6 @@ pub mod xu2017;
 
 pub use answered::answered;
 pub use error::MethodError;
-pub use method::{About, Explained, Kernel, Method, Named, VariantText};
+pub use method::{About, Kernel, Method, Named, VariantText};
 pub use registry::{METHODS, identify_by, method, studies};
 pub use setting::{SettingText, Settings};

@@ -44,8 +44,13 @@ pub trait Kernel: Send + Sync {
     fn trials(&self, seed: u64, numbers: Range<u64>) -> Vec<MassProperties>;
 }
 
-/// Code, meaning, usual cause, remedy.
-pub type Explained = (&'static str, &'static str, &'static str, &'static str);
+/// Texts of error codes: the files `explanations/CODE.md` of the crate that calls it.
+#[macro_export]
+macro_rules! explanations {
+    ($($code:literal),* $(,)?) => {
+        [$(include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/explanations/", $code, ".md"))),*]
+    };
+}
 
 /// Description of a method.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -64,8 +69,8 @@ pub struct About {
     pub settings: &'static [SettingText],
     /// Whether it uses measured accelerations, which no other method does.
     pub reads_accelerations: bool,
-    /// Its own error codes.
-    pub codes: &'static [Explained],
+    /// Texts of the error codes that it alone has ([`explanations!`](crate::explanations)).
+    pub codes: &'static [&'static str],
 }
 
 /// Description of a variant.

@@ -76,7 +76,7 @@ mod tests {
             assert!(names.insert(about.name) && method(about.name).is_some());
             assert!(about.citation.contains(&about.name[about.name.len() - 4..]));
             assert!(!about.variants.is_empty() && !about.summary.is_empty());
-            assert!(about.codes.iter().all(|c| codes.insert(c.0)));
+            assert!(about.codes.iter().all(|c| codes.insert(*c)));
         }
     }
 }
