@@ -19,6 +19,14 @@ pub enum BookError {
         .0.display()
     )]
     Stale(PathBuf),
+    /// A case of bad input cannot be read.
+    #[error("{}: {why}", path.display())]
+    Case {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        why: String,
+    },
     /// An invalid formula.
     #[error("{page}: formula `{formula}`: {why}")]
     Formula {

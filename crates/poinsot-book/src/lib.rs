@@ -5,9 +5,12 @@
 
 #![allow(non_snake_case)]
 
+pub mod bad_input;
 pub mod commands;
+mod drawn;
 pub mod error;
 pub mod formats;
+mod library;
 pub mod links;
 pub mod math;
 pub mod pages;

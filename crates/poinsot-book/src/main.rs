@@ -15,7 +15,7 @@ struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Verb {
-    /// Write the pages that come from the program: commands, formats, validation.
+    /// Write the pages and figures that come from the program.
     Generate,
     /// Build the book as HTML and check its links.
     Build {
@@ -23,7 +23,7 @@ enum Verb {
         #[arg(long)]
         out: Option<PathBuf>,
     },
-    /// Fail if a generated page is not what the program says.
+    /// Fail if a committed generated page is not what the program says.
     Check,
 }
 
@@ -43,8 +43,9 @@ fn main() -> ExitCode {
 fn run(verb: Verb) -> Result<String, BookError> {
     Ok(match verb {
         Verb::Generate => {
-            let changed = pages::generate()?;
-            format!("{} pages written", changed.len())
+            let committed = pages::write(pages::committed()?)?;
+            let ignored = pages::write(pages::ignored()?)?;
+            format!("{committed} pages written, and {ignored} files that are not committed")
         }
         Verb::Check => format!("{} generated pages are current", pages::check()?),
         Verb::Build { out } => {

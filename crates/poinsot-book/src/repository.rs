@@ -17,6 +17,30 @@ pub const ROOT_PAGES: [(&str, &str); 5] = [
     ("CHANGELOG.md", "changelog.md"),
 ];
 
+/// Folders with one file for each heading of the page of error codes.
+const EXPLANATIONS: [&str; 2] = [
+    "crates/poinsot/explanations",
+    "crates/poinsot-papers/explanations",
+];
+
+/// Where the book shows a file that is the source of a page, or a part of one.
+pub fn shown_at(file: &Path) -> Option<String> {
+    if let Some((_, page)) = ROOT_PAGES.iter().find(|(f, _)| Path::new(f) == file) {
+        return Some((*page).to_owned());
+    }
+    if file == Path::new("validation/bad_input/README.md") {
+        return Some("validation/bad_input.md".to_owned());
+    }
+    let part = EXPLANATIONS
+        .iter()
+        .find_map(|f| file.strip_prefix(f).ok())?;
+    let heading = match part.file_stem().and_then(|s| s.to_str()) {
+        Some(code) => format!("#{}", code.to_lowercase()),
+        None => String::new(),
+    };
+    Some(format!("reference/errors.md{heading}"))
+}
+
 /// The folder to which links on a page are relative, from the repository root.
 pub fn base_of(page: &Path) -> PathBuf {
     let included = ROOT_PAGES.iter().any(|(_, p)| Path::new(p) == page);

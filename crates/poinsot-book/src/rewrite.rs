@@ -3,10 +3,10 @@
 
 use crate::error::BookError;
 use crate::math::mathml;
-use crate::repository::{ROOT_PAGES, base_of, normal, root};
+use crate::repository::{base_of, normal, root, shown_at};
 use pulldown_cmark::{CodeBlockKind, Event, LinkType, Options, Parser, Tag};
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// The text of a page, `page` relative to the book's folder.
 ///
@@ -103,22 +103,22 @@ fn link(page: &Path, written: &str, target: &str) -> Result<Option<String>, Book
 }
 
 /// The page or figure of the book for a file of the repository.
-fn place_in_book(file: &Path) -> Option<PathBuf> {
-    let page = ROOT_PAGES.iter().find(|(f, _)| Path::new(f) == file);
-    match page {
-        Some((_, page)) => Some(PathBuf::from(page)),
-        None => {
-            let inside = file.strip_prefix("docs").ok()?;
-            root().join(file).is_file().then(|| inside.to_owned())
-        }
-    }
+fn place_in_book(file: &Path) -> Option<String> {
+    let inside = || {
+        let inside = file.strip_prefix("docs").ok()?;
+        root()
+            .join(file)
+            .is_file()
+            .then(|| inside.display().to_string())
+    };
+    shown_at(file).or_else(inside)
 }
 
 /// A path of the book relative to a page.
-fn from(page: &Path, target: &Path) -> String {
+fn from(page: &Path, target: &str) -> String {
     let depth = page.components().count().saturating_sub(1);
     let mut out = "../".repeat(depth);
-    out.push_str(&target.display().to_string());
+    out.push_str(target);
     out
 }
 
@@ -164,6 +164,17 @@ mod tests {
         assert_eq!(
             on("start.md", "[model](../data/stsat3/model.toml)"),
             "model (`data/stsat3/model.toml`)"
+        );
+        assert_eq!(
+            on(
+                "howto/a.md",
+                "[x](../../crates/poinsot/explanations/E0111.md)"
+            ),
+            "[x](../reference/errors.md#e0111)"
+        );
+        assert_eq!(
+            on("start.md", "[x](../crates/poinsot/explanations)"),
+            "[x](reference/errors.md)"
         );
         assert_eq!(on("start.md", "[x](#there)"), "[x](#there)");
         assert!(rewrite(Path::new("start.md"), "[x](nowhere.md)").is_err());

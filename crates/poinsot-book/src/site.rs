@@ -1,6 +1,7 @@
 //! Builds HTML from Markdown.
 
 use crate::error::BookError;
+use crate::pages;
 use crate::repository::root;
 use crate::rewrite::rewrite;
 use crate::summary::summary;
@@ -36,11 +37,12 @@ impl Preprocessor for Rewriting {
     }
 }
 
-/// Builds the book into a folder.
+/// Makes the pages and figures that git ignores, and builds the book into a folder.
 ///
 /// # Errors
-/// A page, formula or link is invalid, or writing fails.
+/// A page, formula or link is invalid, a study fails, or writing fails.
 pub fn build(into: &Path) -> Result<(), BookError> {
+    pages::write(pages::ignored()?)?;
     let root = root();
     let fault = |e: Error| BookError::Book(format!("{e:#}"));
     let mut config = Config::from_disk(root.join("book.toml")).map_err(fault)?;

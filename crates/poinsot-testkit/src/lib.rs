@@ -5,8 +5,10 @@
 //! inertial axes. Names follow the monogram notation of the project (`p_BoBcm_B`, `R_NB`); everything is SI.
 #![allow(non_snake_case)]
 
+pub mod advice;
 pub mod compare;
 pub mod elliptic;
+pub mod faults;
 pub mod joint_plans;
 pub mod momentum_sum;
 pub mod outside;

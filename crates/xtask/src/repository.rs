@@ -85,6 +85,13 @@ pub fn listed(pattern: &[&str]) -> Result<Vec<String>, Fault> {
         .collect())
 }
 
+/// Whether git ignores a path: the book makes it.
+pub fn is_ignored(path: &Path) -> Result<bool, Fault> {
+    let mut git = Command::new("git");
+    git.args(["check-ignore", "--quiet"]).arg(path);
+    Ok(status(git.current_dir(root()))?.success())
+}
+
 /// A path without `.` and `..`, from its text alone.
 pub fn normal(path: &Path) -> PathBuf {
     let mut out = PathBuf::new();

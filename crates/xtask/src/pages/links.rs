@@ -3,7 +3,7 @@
 use super::Pages;
 use super::prose::Prose;
 use crate::fault::Fault;
-use crate::repository::{normal, pattern, read, root};
+use crate::repository::{is_ignored, normal, pattern, read, root};
 use regex::Regex;
 use std::collections::HashSet;
 
@@ -58,7 +58,7 @@ fn fault(
         false => normal(&page.with_file_name("").join(path)),
     };
     if !file.exists() {
-        return Ok(Some("no such file"));
+        return Ok((!is_ignored(&file)?).then_some("no such file"));
     }
     if anchor.is_empty() || file.extension().is_none_or(|end| end != "md") {
         return Ok(None);

@@ -2,10 +2,11 @@
 
 use crate::bad_input::bench::{Bench, Problem};
 use crate::bad_input::cells::{Cells, Rows};
-use crate::bad_input::changes::{Append, Bytes, Copy, Fill, Prepare, Remove, Replace, Write, fill};
+use crate::bad_input::changes::{Append, Bytes, Copy, Prepare, Remove, Replace, Write};
 use crate::bad_input::code::Code;
+use poinsot_testkit::faults::{Fill, filled, folder, names};
 use serde::Deserialize;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use toml::Spanned;
 
 /// The default command.
@@ -17,16 +18,6 @@ pub const IDENTIFY: &[&str] = &[
     "t.csv",
     "--out",
     "out",
-];
-
-/// A section of the page: folder, heading.
-pub const SECTIONS: [(&str, &str); 6] = [
-    ("telemetry", "Telemetry (2a)"),
-    ("results", "Results (2b)"),
-    ("files", "Files (2c)"),
-    ("models", "Models (2d)"),
-    ("security", "Security (2e)"),
-    ("codes", "Codes that the list does not reach"),
 ];
 
 /// A fault and the expected reaction, or shared changes (`shared/setup/`).
@@ -47,8 +38,8 @@ pub struct Case {
     pub says: Vec<String>,
     /// Texts that must not be in the output.
     pub never: Vec<String>,
-    /// Whether `docs/reference/errors.md` shows this message rather than the first one of the code.
-    pub example: bool,
+    /// Of the page of error codes (`poinsot-book`): whether it shows this message rather than the first one of the code.
+    example: bool,
     /// What the page shows.
     pub printed: Option<Spanned<Vec<String>>>,
     /// A file of `shared/setup/` whose changes come first.
@@ -108,19 +99,7 @@ impl Case {
     pub fn arguments(&self) -> Result<Vec<String>, Problem> {
         let run = self.run.clone();
         let run = run.unwrap_or_else(|| IDENTIFY.iter().map(|a| (*a).to_owned()).collect());
-        self.filled(run.iter().chain(&self.more))
-    }
-
-    /// What the page shows of the command: the further arguments of the default command, or all.
-    pub fn shown(&self) -> Result<String, Problem> {
-        let run = self.run.iter().flatten();
-        Ok(self.filled(run.chain(&self.more))?.join(" "))
-    }
-
-    fn filled<'a>(&self, all: impl Iterator<Item = &'a String>) -> Result<Vec<String>, Problem> {
-        let all: Vec<String> = all.cloned().collect();
-        let joined = fill(&all.join("\n"), &self.fill)?;
-        Ok(joined.split('\n').map(str::to_owned).collect())
+        filled(run.iter().chain(&self.more), &self.fill)
     }
 }
 
@@ -131,11 +110,6 @@ pub fn set_up(bench: &Bench, name: &str) -> Result<(), Problem> {
     Case::parse(&text)?.spoil(bench)
 }
 
-/// `validation/bad_input`.
-pub fn folder() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../validation/bad_input")
-}
-
 /// A case file: name without extension, path, text, content.
 pub struct File {
     pub stem: String,
@@ -144,19 +118,9 @@ pub struct File {
     pub case: Case,
 }
 
-/// The case files of a section, in the order of the page: names without extension, paths.
-pub fn names(section: &str) -> Vec<(String, PathBuf)> {
-    let entries = std::fs::read_dir(folder().join(section)).unwrap();
-    let paths = entries.map(|e| e.unwrap().path());
-    let stem = |path: &PathBuf| path.file_stem().unwrap().to_str().unwrap().to_owned();
-    let mut all: Vec<_> = paths.map(|p| (stem(&p), p)).collect();
-    all.sort_by_key(|(stem, _)| natural(stem));
-    all
-}
-
 /// All cases of a section.
 pub fn of_section(section: &str) -> Vec<File> {
-    let all = names(section).into_iter();
+    let all = names(section).unwrap().into_iter();
     all.map(|(stem, path)| file(stem, path)).collect()
 }
 
@@ -179,30 +143,4 @@ pub fn file(stem: String, path: PathBuf) -> File {
         text,
         case,
     }
-}
-
-/// A key that sorts T2 before T10: texts, and the numbers behind them.
-fn natural(name: &str) -> Vec<(String, Option<u64>)> {
-    let mut key: Vec<(String, Option<u64>)> = vec![(String::new(), None)];
-    for c in name.chars() {
-        let (text, number) = key.last_mut().unwrap();
-        match (c.to_digit(10), &number) {
-            (Some(d), n) => {
-                *number = Some(n.unwrap_or(0).saturating_mul(10).saturating_add(d.into()))
-            }
-            (None, None) => text.extend(c.to_lowercase()),
-            (None, Some(_)) => key.push((c.to_lowercase().collect(), None)),
-        }
-    }
-    key
-}
-
-#[test]
-fn unit_names_sort_by_their_numbers() {
-    let mut names = ["T10_a", "T2_b", "kim2010_x", "T2_a", "E0001_a", "T0_z"];
-    names.sort_by_key(|n| natural(n));
-    assert_eq!(
-        names,
-        ["E0001_a", "kim2010_x", "T0_z", "T2_a", "T2_b", "T10_a"]
-    );
 }

@@ -1,37 +1,9 @@
 //! Changes of whole files and of their text.
 
 use crate::bad_input::bench::{Bench, Problem};
-use crate::bad_input::case::{Change, folder};
+use crate::bad_input::case::Change;
+use poinsot_testkit::faults::{Fill, fill, folder};
 use serde::Deserialize;
-
-/// A long text in place of a mark. `{n}` counts from `first`; `{n-1}` is the number before it.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Fill {
-    mark: String,
-    text: String,
-    times: usize,
-    #[serde(default)]
-    first: usize,
-}
-
-pub fn fill(text: &str, fills: &[Fill]) -> Result<String, Problem> {
-    let mut text = text.to_owned();
-    for f in fills {
-        if !text.contains(&f.mark) {
-            return Err(format!("there is no mark {:?} to fill", f.mark));
-        }
-        let long: String = (f.first..f.first + f.times)
-            .map(|n| {
-                let before = n.wrapping_sub(1).to_string();
-                let text = f.text.replace("{n-1}", &before);
-                text.replace("{n}", &n.to_string())
-            })
-            .collect();
-        text = text.replace(&f.mark, &long);
-    }
-    Ok(text)
-}
 
 /// A whole file: `text`, `hex`, or `copy` of a file (path from `shared/`).
 #[derive(Deserialize)]

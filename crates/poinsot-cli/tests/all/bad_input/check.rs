@@ -1,9 +1,9 @@
 //! Runs a case and judges what the program did.
 
-use crate::bad_input::advice::says_what_to_do;
 use crate::bad_input::bench::{Bench, Done, Problem};
 use crate::bad_input::case::Case;
 use poinsot_files::{LONGEST_LINE, is_unprintable};
+use poinsot_testkit::advice::says_what_to_do;
 
 /// Runs the case. Returns what is wrong, and the lines for the page.
 pub fn check(case: &Case) -> Result<(Vec<String>, Vec<String>), Problem> {

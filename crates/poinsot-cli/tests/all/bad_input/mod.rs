@@ -1,9 +1,8 @@
 //! Every fault of `validation/bad_input/`: printed message, exit code, files left.
 //!
 //! `POINSOT_CASE=T1_nan` runs the cases whose file names begin so. `POINSOT_BLESS=1` writes what the program prints into
-//! the case files, and from them `docs/validation/bad_input.md` and `docs/reference/errors.md`.
+//! the case files. The book makes two pages of them.
 
-mod advice;
 mod bench;
 mod bless;
 mod case;
@@ -11,12 +10,11 @@ mod cells;
 mod changes;
 mod check;
 mod code;
-mod document;
-mod library;
 mod sheet;
 mod sources;
 
-use case::{File, SECTIONS, file, names, of_section};
+use case::{File, file, of_section};
+use poinsot_testkit::faults::{SECTIONS, names};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -50,9 +48,6 @@ sections! {
 fn run(section: &str) {
     let files = chosen(section);
     let wrong = on_threads(&files, bless::check);
-    if bless::wanted() && !files.is_empty() {
-        bless::pages();
-    }
     assert!(wrong.is_empty(), "{wrong}");
 }
 
@@ -62,10 +57,13 @@ fn chosen(section: &str) -> Vec<File> {
         return of_section(section);
     };
     let is = |stem: &str| stem.starts_with(&wanted);
-    let mut all = SECTIONS.iter().flat_map(|s| names(s.0));
+    let mut all = SECTIONS.iter().flat_map(|s| names(s.0).unwrap());
     let anywhere = all.any(|(stem, _)| is(&stem));
     assert!(anywhere, "no case file begins with {wanted:?}");
-    let here = names(section).into_iter().filter(|(stem, _)| is(stem));
+    let here = names(section)
+        .unwrap()
+        .into_iter()
+        .filter(|(stem, _)| is(stem));
     here.map(|(stem, path)| file(stem, path)).collect()
 }
 

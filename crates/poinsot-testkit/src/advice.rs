@@ -79,26 +79,31 @@ pub fn says_what_to_do(line: &str) -> bool {
         })
 }
 
-#[test]
-fn unit_an_error_without_advice_is_noticed() {
-    for (line, good) in [
-        ("E0203 t.csv:5 column 'x': 'abc' is not a number", false),
-        (
-            "E0203 t.csv:5 column 'x': 'abc' is not a number; write a number",
-            true,
-        ),
-        (
-            "E0211 unit 'rad/ss' is not known; did you mean 'rad/s'?",
-            true,
-        ),
-        ("E0303 t.csv: 1 samples; at least 2 are needed", false),
-        (
-            "E0101 m.toml: larger than 16 MiB; is it a model file?",
-            false,
-        ),
-        ("E0202 t.csv: damaged; it is not CSV; give another", true),
-        ("E0002 x; useless", false),
-    ] {
-        assert_eq!(says_what_to_do(line), good, "{line}");
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn unit_an_error_without_advice_is_noticed() {
+        for (line, good) in [
+            ("E0203 t.csv:5 column 'x': 'abc' is not a number", false),
+            (
+                "E0203 t.csv:5 column 'x': 'abc' is not a number; write a number",
+                true,
+            ),
+            (
+                "E0211 unit 'rad/ss' is not known; did you mean 'rad/s'?",
+                true,
+            ),
+            ("E0303 t.csv: 1 samples; at least 2 are needed", false),
+            (
+                "E0101 m.toml: larger than 16 MiB; is it a model file?",
+                false,
+            ),
+            ("E0202 t.csv: damaged; it is not CSV; give another", true),
+            ("E0002 x; useless", false),
+        ] {
+            assert_eq!(says_what_to_do(line), good, "{line}");
+        }
     }
 }
