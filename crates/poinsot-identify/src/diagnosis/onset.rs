@@ -129,6 +129,8 @@ fn kinds(
             push(name, FaultKind::AttitudeJump, axes);
         }
     }
+    // A start that is known cannot change within the record.
+    list.retain(|onset| !onset.columns.is_empty());
     (columns, list)
 }
 

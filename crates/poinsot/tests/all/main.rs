@@ -34,6 +34,7 @@ mod held_out;
 mod identify_examples;
 mod input_faults;
 mod known_numbers;
+mod known_start;
 mod late_inputs;
 mod low_orbit;
 mod many_nuisances;
