@@ -43,6 +43,17 @@ const DROP: f64 = 1.0e-9;
 /// Gaussian elimination with full pivoting turns the basis into one where each unobservable direction has one parameter
 /// that no other has. The remaining parameters, corrected by these, are determined. `weight` above one favours an
 /// unknown as such a parameter.
+///
+/// ```
+/// use poinsot_identify::split;
+///
+/// // Two unknowns of which only the sum is observable: the open direction is their difference.
+/// let r = 0.5_f64.sqrt();
+/// let open = faer::mat![[r], [-r]];
+/// let found = split(&open, &[1.0, 1.0], &[1.0, 1.0]);
+/// assert_eq!((found.determined.len(), found.open.len()), (1, 1));
+/// assert!((found.determined[0].value(&[2.0, 3.0]) - found.determined[0].value(&[3.0, 2.0])).abs() < 1.0e-12);
+/// ```
 pub fn split(open: &Mat<f64>, natural: &[f64], weight: &[f64]) -> Combinations {
     let (n, d) = (open.nrows(), open.ncols());
     let mut basis = open.clone();

@@ -56,6 +56,13 @@ pub struct Impulses {
 ///
 /// Attitude between samples follows the cubic in the rotation vector that meets both attitudes and both
 /// angular velocities; position likewise with the velocities; joints likewise with their rates.
+///
+/// ```
+#[doc = include_str!("../../doc/spun_box.txt")]
+/// // A vehicle without thrusters has no impulses.
+/// let impulses = thrust_impulses(&tree, &model.thrusters, &segments[0]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn thrust_impulses(tree: &Tree, thrusters: &[Thruster], segment: &Segment) -> Impulses {
     let scaled: Vec<usize> = (0..thrusters.len())
         .filter(|&k| thrusters[k].scale != Nuisance::Known)

@@ -18,6 +18,14 @@ use crate::solution::estimate::Estimate;
 ///
 /// # Errors
 /// The model or the data are not valid for the method.
+///
+/// ```
+#[doc = include_str!("../../doc/spun_box.txt")]
+/// // A box whose wheel runs up about z; the gyro shows how the box answers.
+/// let bound = cramer_rao(&problem)?;
+/// assert_eq!(bound.identifiability.rank, 3);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn cramer_rao(problem: &Problem) -> Result<Estimate, ProblemError> {
     bound(problem, |_, _| None)
 }
@@ -27,6 +35,14 @@ pub fn cramer_rao(problem: &Problem) -> Result<Estimate, ProblemError> {
 ///
 /// # Errors
 /// As [`cramer_rao`].
+///
+/// ```
+#[doc = include_str!("../../doc/spun_box.txt")]
+/// // A box whose wheel runs up about z; the gyro shows how the box answers.
+/// let estimate = predicted_covariance(&problem)?;
+/// assert!(estimate.states_covariance);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn predicted_covariance(problem: &Problem) -> Result<Estimate, ProblemError> {
     bound(problem, expected_other)
 }

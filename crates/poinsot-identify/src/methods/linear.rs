@@ -40,6 +40,17 @@ const NOISE_SAMPLES: usize = 150;
 ///
 /// # Errors
 /// The model or the data are not valid for the method. Undetermined numbers are an answer, not an error.
+///
+/// ```
+#[doc = include_str!("../../doc/spun_box.txt")]
+/// // A box whose wheel runs up about z; the gyro shows how the box answers.
+/// let estimate = poinsot_identify::linear(&problem)?;
+/// // The wheel moves the box about z alone: three of six elements of the tensor are determined.
+/// assert_eq!(estimate.identifiability.rank, 3);
+/// let [.., I_zz] = estimate.bodies[0].inertia;
+/// assert!((I_zz.value.unwrap() - 2.5).abs() < 1.0e-9);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn linear(problem: &Problem) -> Result<Estimate, ProblemError> {
     let mut solution = solve_linear(problem)?;
     let parameters = solution.parameters.clone();

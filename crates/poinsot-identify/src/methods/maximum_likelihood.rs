@@ -44,6 +44,14 @@ const SAID: f64 = 0.02;
 ///
 /// # Errors
 /// The model or the data are not valid for the method. Undetermined numbers are an answer, not an error.
+///
+/// ```
+#[doc = include_str!("../../doc/spun_box.txt")]
+/// // A box whose wheel runs up about z; the gyro shows how the box answers.
+/// let estimate = maximum_likelihood(&problem)?;
+/// assert_eq!(estimate.status, Status::Partial);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn maximum_likelihood(problem: &Problem) -> Result<Estimate, ProblemError> {
     maximum_likelihood_with(problem, Loss::Gaussian)
 }
@@ -52,6 +60,15 @@ pub fn maximum_likelihood(problem: &Problem) -> Result<Estimate, ProblemError> {
 ///
 /// # Errors
 /// As [`maximum_likelihood`], or a setting is out of its range.
+///
+/// ```
+#[doc = include_str!("../../doc/spun_box.txt")]
+/// // A box whose wheel runs up about z; the gyro shows how the box answers.
+/// // A robust loss, with the default of every other setting.
+/// let estimate = maximum_likelihood_with(&problem, Loss::from_name("huber").unwrap())?;
+/// assert_eq!(estimate.status, Status::Partial);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn maximum_likelihood_with(
     problem: &Problem,
     settings: impl Into<Settings>,

@@ -81,6 +81,17 @@ pub struct CompletedVehicle {
 ///
 /// # Errors
 /// The combinations do not belong to this model, or are not all that is determined.
+///
+/// ```
+#[doc = include_str!("../../doc/spun_box.txt")]
+/// // A box whose wheel runs up about z; the gyro shows how the box answers.
+/// let estimate = linear(&problem)?;
+/// let (determined, rank) = (&estimate.identifiability.determined, estimate.identifiability.rank);
+/// let completion = complete(&model, &tree, determined, rank)?;
+/// // What the data do not show keeps its nominal number.
+/// assert_eq!(completion.vehicle().bodies.len(), 1);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn complete(
     model: &Model,
     tree: &Tree,

@@ -90,6 +90,15 @@ pub struct PredictedMotion {
 ///
 /// # Errors
 /// As [`crate::maximum_likelihood`].
+///
+/// ```
+#[doc = include_str!("../../doc/spun_box.txt")]
+/// // A box whose wheel runs up about z; the gyro shows how the box answers.
+/// let (estimate, curves) = maximum_likelihood_predicted(&problem, Loss::Gaussian, 100)?;
+/// // One set of curves for each segment.
+/// assert_eq!(curves.len(), estimate.fit.len());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn maximum_likelihood_predicted(
     problem: &Problem,
     options: impl Into<Settings>,
@@ -112,6 +121,14 @@ pub fn maximum_likelihood_predicted(
 ///
 /// # Errors
 /// As [`crate::linear`].
+///
+/// ```
+#[doc = include_str!("../../doc/spun_box.txt")]
+/// // A box whose wheel runs up about z; the gyro shows how the box answers.
+/// let (estimate, curves) = linear_predicted(&problem, 100)?;
+/// assert_eq!(curves.len(), estimate.fit.len());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn linear_predicted(
     problem: &Problem,
     points: usize,
@@ -128,6 +145,15 @@ pub fn linear_predicted(
 ///
 /// # Errors
 /// The model or the data are not valid for the method.
+///
+/// ```
+#[doc = include_str!("../../doc/spun_box.txt")]
+/// // A box whose wheel runs up about z; the gyro shows how the box answers.
+/// let nominal = model.bodies[0].nominal;
+/// let curves = predicted_by(&problem, &[nominal], 100)?;
+/// assert_eq!(curves.len(), 1);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn predicted_by(
     problem: &Problem,
     bodies: &[MassProperties],

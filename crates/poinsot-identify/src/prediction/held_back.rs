@@ -37,6 +37,18 @@ pub struct HeldBack {
 ///
 /// # Errors
 /// The segments hold too little, or the vehicle cannot move.
+///
+/// ```
+#[doc = include_str!("../../doc/spun_box.txt")]
+/// // A box whose wheel runs up about z; the gyro shows how the box answers.
+/// let vehicle = CompletedVehicle {
+///     bodies: vec![model.bodies[0].nominal.parameters()],
+///     spin_inertia: vec![],
+///     thrust_factor: vec![],
+/// };
+/// let found = held_back(&problem, &vehicle, None)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn held_back(
     problem: &Problem,
     vehicle: &CompletedVehicle,

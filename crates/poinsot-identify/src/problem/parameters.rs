@@ -474,6 +474,10 @@ fn natural_units(
 }
 
 /// Component names of a vector.
+///
+/// ```
+/// assert_eq!(poinsot_identify::axis_name(2), "z");
+/// ```
 pub fn axis_name(k: usize) -> &'static str {
     AXES[k % 3]
 }
