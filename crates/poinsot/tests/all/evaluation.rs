@@ -9,7 +9,7 @@ use poinsot_identify::{
     Evaluator, Firing, Information, Noise, Observations, Problem, Samples, Segment, SensorRecord,
     SensorValue, WantedNumber, WantedTerm, maximum_likelihood,
 };
-use poinsot_model::{EstimateSet, Model};
+use poinsot_model::{EstimateSet, Model, Nuisance, RandomTorque};
 use poinsot_spatial::{UnitQuaternion, Vector3};
 
 /// One record of the nutating bus, bound.
@@ -320,4 +320,59 @@ fn exact_rough_information_has_the_sigmas_of_the_whole() {
             WantedNumber::Inertia(0),
         ],
     );
+}
+
+/// Given the shared unknowns, records are independent: the likelihood of two is the sum of both, and so is the information
+/// about what they share. A late gyro needs the motion before and after a sample, driven by the inputs of its own record.
+#[test]
+fn exact_the_likelihood_of_two_records_is_the_sum_of_both() {
+    let mut model = vehicle::with_thrusters(vehicle::with_wheels(vehicle::tree(41, "r")));
+    model.bodies[1].estimate = EstimateSet::default();
+    model.sensors = vehicle::sensors(1.0e-4);
+    model.sensors[0].lag = Nuisance::Estimate;
+    model.thrusters[1].scale = Nuisance::Estimate;
+    model.environment.random_torque = Some(RandomTorque {
+        sigma_N_m: 1.0e-3,
+        correlation_s: 2.0,
+    });
+    let tree = Tree::new(&model);
+    let tables = [6, 7].map(|seed| vehicle::fly(&model, &vehicle::moving(&model, seed)));
+    let bound = bind(&model, &tree, &tables).unwrap();
+    let both = (model, tree, bound.segments, bound.noise);
+    let whole = Evaluator::new(&problem(&both)).unwrap();
+    assert_eq!(both.2.len(), 2);
+    let mut x = whole.nominal();
+    let late = |u: &poinsot_identify::EvaluatedUnknown| u.name == "gyro.lag";
+    let lag = whole.unknowns().iter().position(late).unwrap();
+    x[lag] = 0.01;
+    let together = whole.at(&x).unwrap();
+    let starts = whole
+        .unknowns()
+        .iter()
+        .filter(|u| u.name.contains(".start."))
+        .count();
+    let count = x.len() - starts;
+    let (mut likelihood, mut information) = (0.0, nalgebra::DMatrix::zeros(count, count));
+    for k in 0..2 {
+        let one = (
+            both.0.clone(),
+            both.1.clone(),
+            vec![both.2[k].clone()],
+            both.3.clone(),
+        );
+        let alone = Evaluator::new(&problem(&one)).unwrap();
+        let own = starts / 2;
+        let mut values = x[k * own..(k + 1) * own].to_vec();
+        values.extend(&x[starts..]);
+        let here = alone.at(&values).unwrap();
+        likelihood += here.log_likelihood;
+        information += here.information.view((own, own), (count, count));
+    }
+    let gap = (together.log_likelihood - likelihood).abs() / likelihood.abs();
+    assert!(gap < 1.0e-12, "{gap:e}");
+    let of_both = together.information.view((starts, starts), (count, count));
+    for k in 0..count {
+        let gap = (of_both[(k, k)] / information[(k, k)] - 1.0).abs();
+        assert!(gap < 1.0e-9, "{k}: {gap:e}");
+    }
 }
