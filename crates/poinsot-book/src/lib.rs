@@ -2,6 +2,11 @@
 //! nothing from a network.
 //!
 //! mdBook is used as a library: its version is fixed in `Cargo.lock`, and no second program has to be installed.
+//!
+//! # Files
+//! - `commands.rs`, `formats.rs`, `validation.rs`: generated pages.
+//! - `math.rs`: LaTeX to MathML. `rewrite.rs`, `links.rs`: links and their check.
+//! - `summary.rs`, `site.rs`: mdBook as a library.
 
 #![allow(non_snake_case)]
 

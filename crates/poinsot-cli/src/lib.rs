@@ -1,5 +1,11 @@
 //! The command `poinsot`: parses arguments, runs one command, returns the exit code. Used by the program, the
 //! manual pages, the book and the Python package.
+//!
+//! # Files
+//! - `arguments.rs`: arguments and help, the source of completions, manual pages and the book.
+//! - `verbs/`: one file per command.
+//! - `terminal.rs`: width and colours. `progress.rs`: a bar after two seconds, from `tracing` events.
+//! - `signals.rs`: removes drafts on INT, TERM, HUP; SIGXFSZ becomes an error.
 
 pub mod arguments;
 mod guard;

@@ -7,6 +7,16 @@
 //!
 //! This crate depends on `poinsot`, because a design simulates, predicts and identifies. No other command needs a
 //! design.
+//!
+//! # Files
+//! - `design.rs`: from case to manoeuvre. `search.rs`: multistart search. `trial.rs`: one candidate: flight,
+//!   information, limits.
+//! - `shape.rs`: all free numbers and their linear limits. `mover.rs`: motion of one joint or wheel. `valves.rs`:
+//!   firings with free times.
+//! - `margins.rs`: use of limits, also by vehicles of the prior. `relaxed.rs`: other limits. `watch.rs`: limits that
+//!   need a simulation.
+//! - `vehicles.rs`: vehicles of the prior. `verify.rs`: trial flights.
+//! - `written.rs`, `file.rs`, `text.rs`: the result. `interrupt.rs`: a stopped search keeps its best result.
 #![allow(non_snake_case)]
 
 mod design;

@@ -6,6 +6,33 @@
 //!
 //! Without the default feature `std` the kernels remain: tree, kinematics, momentum, regressors, accelerations, forward
 //! and inverse dynamics, orbit. They need `alloc` and, for the functions of `libm`, the feature `libm`.
+//!
+//! # Files
+//! - `vehicle.rs`: data of a vehicle for its motion. `tree.rs`: kinematic constants. `sensor.rs`: a sensor with its
+//!   declared errors.
+//! - `kinematics.rs`: pose and velocity of every body.
+//! - `momentum.rs`: momentum, its inverse, the shift between base and N. `joint_slopes.rs`: derivatives with respect to
+//!   joints.
+//! - `regressor.rs`: momentum as a linear function of the parameters. `rate_regressor.rs`: its time derivative.
+//! - `acceleration.rs`: accelerations.
+//! - `plan.rs`, `joint_motion.rs`, `wheel_motion.rs`, `piecewise.rs`, `thrust.rs`: prescribed motion and thrust.
+//! - `stage.rs`: a vehicle under a plan, one evaluation of its motion, state and equations. `prescribed.rs`: a whole
+//!   run.
+//! - `algebra.rs`: vectors and matrices of three over one number or several side by side. `symmetric.rs`,
+//!   `inertial.rs`: inertia over the same numbers. `lanes.rs`: several numbers in a vector register, their sines and
+//!   cosines.
+//! - `forward_dynamics.rs`: articulated-body algorithm. `articulated.rs`: inertia of a body with what it carries.
+//!   `rates_momentum.rs`: momentum of the joint rates.
+//! - `batch/`: the same recursions over many states. `rows.rs`: rows in memory. `kernels.rs`, `motion.rs`: what is
+//!   computed. `free_motion.rs`: derivative of a motion under joint forces alone.
+//! - `inverse_dynamics.rs`, `mass_matrix.rs`, `jacobian.rs`, `energy.rs`: the other dynamics algorithms.
+//! - `joint_drive.rs`: motors, springs, dampers. `driven.rs`, `driven_stage.rs`: motion under torques, its state and
+//!   equations.
+//! - `integrate.rs`: Dormand-Prince pair. `dop853.rs`, `dop853_table.rs`: eighth order with dense output.
+//!   `runge_kutta.rs`: fixed steps.
+//! - `sensors.rs`: sensor output. `sensor_errors.rs`: model of sensor errors.
+//! - `orbit.rs`, `gravity_gradient.rs`: orbit and gravity gradient.
+//! - `attitude_control.rs`, `reaction_wheel.rs`: closed loop.
 #![cfg_attr(not(feature = "std"), no_std)]
 #![allow(non_snake_case)]
 

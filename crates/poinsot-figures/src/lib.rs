@@ -1,4 +1,13 @@
 //! Documents, tables, plots and pages of numbers. This crate knows nothing about spacecraft.
+//!
+//! # Files
+//! - `document.rs`, `text.rs`, `figures.rs`: terminal output and number formats.
+//! - `page.rs`: one HTML file with its content security policy. `markup.rs`: templates (minijinja), escaping.
+//! - `series.rs`: content of a plot. `plot.rs`, `axis.rs`: SVG.
+//! - `packed.rs`: samples of a time plot, drawn by `assets/curves.js` with uPlot.
+//! - `scene.rs`, `assets/space.js`: 3D scenes, as SVG and by WebGL2.
+//! - `opening.rs`: first screen of every page. `assets/page.js`: record selection, copy, save.
+//! - `figure.rs`: a picture as a separate SVG or PNG file.
 
 mod axis;
 mod document;

@@ -1,5 +1,11 @@
 //! File input and output. Inputs are opened by [`open`], outputs are put in place by a [`Stage`], and text from files
 //! is printed by [`escaped`] and [`error_line`].
+//!
+//! # Files
+//! - `input.rs`: opens every input: a regular file, up to a size limit.
+//! - `stage.rs`: drafts in a hidden folder. Earlier files are kept until all drafts are in place, and restored on
+//!   failure. Folders of killed runs are removed.
+//! - `plain.rs`: escapes unprintable characters and shortens error lines to 300 characters.
 
 mod input;
 mod plain;

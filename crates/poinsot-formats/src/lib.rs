@@ -9,6 +9,13 @@
 //! assert_eq!(tensor.named().map(|(name, _)| name), ["xx", "yy", "zz", "xy", "xz", "yz"]);
 //! assert_eq!(poinsot_formats::address("gyro.bias_x", "rad/s"), "gyro.bias_rad_s.x");
 //! ```
+//!
+//! # Files
+//! - One file per format. `number.rs`, `body.rs`: numbers, vectors, tensors, bodies.
+//! - `address.rs`: addresses of numbers, with their one grammar.
+//! - `case.rs`, `plan.rs`: case and plan, read and written. `toml_file.rs`: all faults in the structure of a TOML file.
+//! - `check.rs`: consistency of an answer. `read.rs`: the reader. `upgrade.rs`: earlier versions.
+//! - `listing.rs`: answers of the commands that list, and errors as data.
 #![allow(non_snake_case)]
 
 mod address;

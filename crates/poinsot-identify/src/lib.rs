@@ -2,6 +2,46 @@
 //!
 //! [`Problem`] -> [`linear`] or [`maximum_likelihood`] -> [`Estimate`]. An invalid problem is an error; undetermined
 //! numbers are part of the answer.
+//!
+//! # Files
+//! Folders, each of which imports only those before it: `problem`, `motion`, `sensors`, `likelihood`, `fit`,
+//! `diagnosis`, `solution`, `certify`, `remedies`, `answer`, `methods`, then `prediction` and `evaluation`.
+//!
+//! - `problem/`: input. `question.rs`, `segment.rs`: its types. `parameters.rs`, `parameters/`: the unknowns.
+//!   `prior.rs`, `loss.rs`. `settings.rs`: choices of a fit and thresholds of the tests, with their defaults.
+//!   `quantity.rs`: mass, mass centre and inertia with gradients. `shifted_vehicle.rs`: the vehicle with other known
+//!   numbers.
+//! - `motion.rs`, `motion/`: the pose-momentum equation. `vehicle.rs`: the vehicle at one value of the unknowns.
+//!   `steps.rs`, `grid.rs`: number of steps. `advance.rs`: one step. `chord.rs`: wheels within an interval.
+//!   `variation.rs`: sensitivities. `inputs.rs`: inputs and their errors. `virtual_joints.rs`: errors of joint origins
+//!   and axes. `environment.rs`: external torques. `acceleration.rs`. `input_noise.rs`: propagation of joint and wheel
+//!   noise. `input_curves.rs`: smoothing splines for input lags.
+//! - `sensors/`: predicted measurement and sensitivities, one file per kind.
+//! - `likelihood.rs`, `likelihood/`: predictions against measurements. `rows.rs`, `impulse.rs`: whitened equations of
+//!   the linear method, and thrust between samples.
+//! - `fit/`: `experiment.rs`: a problem at any value of its unknowns, and its Fisher information. `triangle.rs`:
+//!   triangle of the shared unknowns. `step.rs`: one step. `momentum_state.rs`: the fit. `coarse_fit.rs`: a first fit
+//!   to few samples. `coordinates.rs`: steps that keep bodies physical. `step_error.rs`: checks the integration step.
+//!   `known_numbers.rs`: known numbers within their uncertainty. `degrees_of_freedom.rs`. `experiment/`: columns of
+//!   known numbers, predicted measurements.
+//! - `diagnosis/`: causes of a misfit. `candidate.rs`, `candidates.rs`, `changes.rs`: registry of hypotheses.
+//!   `table.rs`: their columns. `onset.rs`, `pulse.rs`: causes that start within a record. `score.rs`: misfit explained
+//!   by columns. `noise_models.rs`: other noise models. `suspects.rs`: evidence. `conflict.rs`: priors against data.
+//!   `octaves.rs`: residuals by octave. `deviance.rs`: likelihood under the declared noise.
+//! - `solution/`: `solved.rs`: the numerical solution. `unobservable_set.rs`: invariants along unobservable directions.
+//!   `estimate.rs`: types of the answer. `evidence.rs`: the table of its tests, from which status and reliability
+//!   follow.
+//! - `certify/`: `combination.rs`: readable combinations. `continuation.rs`: paths of equal prediction.
+//!   `barycentre.rs`: augmented inertias and couplings of a tree. `naming.rs`: names of unobservable directions.
+//! - `remedies/`: changes that resolve unobservable directions, alone or in pairs.
+//! - `answer/`: from the solved problem to the `Estimate`. `write.rs`, and one file per part. `reliability.rs`: the
+//!   tests of the answer. `sensor_noise.rs`: every sensor against its declared noise. `determined.rs`: combinations
+//!   printed instead of single numbers.
+//! - `methods/`: `linear.rs`, `maximum_likelihood.rs`: the two methods. `cramer_rao.rs`: the bound.
+//! - `prediction/`: `curves.rs`: curves of the report. `held_back.rs`: a record that was not used. `completion.rs`:
+//!   completion of undetermined numbers for a prediction.
+//! - `evaluation/`: `evaluator.rs`: all quantities at any value of the unknowns, for other methods. `wanted.rs`: sigmas
+//!   of a few numbers for a search.
 #![allow(non_snake_case)]
 
 mod answer;

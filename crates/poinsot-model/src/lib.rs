@@ -2,6 +2,16 @@
 //!
 //! [`read_model`] reads a `poinsot.model/1` file into a [`Model`], or returns a [`ModelError`] with all faults. The
 //! raw file (`file`) and the checked vehicle are separate types: invalid data never reach the vehicle.
+//!
+//! # Files
+//! - `file/`: the raw file, one type per table. `schema.rs`: JSON Schema from these types.
+//! - `shape.rs`: structure check against the schema.
+//! - `check.rs`, `check_*.rs`: from raw to checked; every finding is reported.
+//! - `vehicle.rs`: the checked `Model`. `known.rs`: uncertainty of known numbers, in one table.
+//! - `kinematic.rs`: conversion to the tree. `write.rs`: conversion to a file that reads back equal.
+//! - `describe.rs`: description as text. `finding.rs`: codes E01xx.
+//! - `urdf/`: reading URDF. `urdf/limits.rs`: limits checked before a tree is built.
+//! - `patch/`: writing mass properties into URDF, SDF, MJCF and model files.
 #![allow(non_snake_case)]
 
 mod check;

@@ -14,6 +14,20 @@
 //! }
 //! assert!(poinsot_papers::method("ma2008").is_some());
 //! ```
+//!
+//! # Files
+//! - `kim2010/`, `ma2008/`, `xu2017/`: the methods, each with its `studies/`.
+//! - `method.rs`: the trait. `registry.rs`: the list `METHODS`. The command line, `poinsot methods`, `poinsot study`,
+//!   help and error codes are made from it.
+//! - `certified.rs`: numbers of a method in the answer that certifies them.
+//! - `study/`: input (`context.rs`) and output (`findings.rs`) of a study, noise and quantiles (`statistics.rs`).
+//!
+//! # Studies
+//! Studies simulate cases and run `identify`, which is in the crate `poinsot` above. They call these functions through the trait
+//! `study::Tools`. The command `study` (`crates/poinsot/src/study.rs`) implements the trait. Imports therefore point
+//! down, a paper stays in one folder, and a study measures what a user's command computes. Two alternatives were
+//! rejected. Case files and `identify` below the papers would split one command over two floors. A crate above
+//! `poinsot` for studies would split each paper.
 #![allow(non_snake_case)]
 
 mod answered;

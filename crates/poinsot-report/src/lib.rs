@@ -11,6 +11,12 @@
 //! let why = result_page("prediction.json".as_ref(), damaged.as_bytes(), |_| None);
 //! assert!(why.is_err_and(|why| why.contains("missing field")));
 //! ```
+//!
+//! # Files
+//! - `estimate.rs`, `prediction.rs`, `several.rs`, `validation.rs`, `comparison.rs`, `design.rs`, `campaign.rs`: one
+//!   result each, in the terminal.
+//! - `verdict.rs`, `summary.rs`, `checks.rs`: the words of an answer, for terminal and page.
+//! - `page/`: the page, one file and one template per section. `page/results/`: pages of the other commands.
 #![allow(non_snake_case)]
 
 mod campaign;

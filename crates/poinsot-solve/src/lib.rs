@@ -37,6 +37,16 @@
 //! assert!((slope / (sigma * (12.0_f64 / 1000.0).sqrt()) - 1.0).abs() < 1e-3);
 //! # Ok::<(), poinsot_solve::NotFinite>(())
 //! ```
+//!
+//! # Files
+//! - `block_qr.rs`: triangular factor of a matrix that is never stored.
+//! - `spectrum.rs`: identifiable directions, sigma, covariance.
+//! - `levenberg_marquardt.rs`: the loop of every nonlinear fit.
+//! - `semidefinite.rs`: the convex problem of a physical answer.
+//! - `minimax.rs`, `polytope.rs`: minimax of several functions within limits.
+//! - `refine.rs`, `double_double.rs`: linear answers in double-double precision.
+//! - `smooth_curve.rs`: smoothing spline.
+//! - `lanes.rs`: eight numbers in parallel.
 #![allow(non_snake_case)]
 
 mod block_qr;

@@ -3,6 +3,10 @@
 //! Names follow Drake's monogram notation, written out in `NOTATION.md`: `p_BoBcm_B` is the position of `Bcm` from
 //! `Bo` in the axes of B, `R_NB` rotates components from B to N. Everything is SI. Twists and wrenches are six-vectors
 //! with the **linear part first**.
+//!
+//! # Files
+//! - `inertial.rs`: order, point and axes of the ten parameters, conversions, physical consistency of a body.
+//! - `skew.rs`: cross-product matrix.
 #![cfg_attr(not(feature = "std"), no_std)]
 #![allow(non_snake_case)]
 

@@ -3,6 +3,24 @@
 //! [`read`] reads the files of one segment into a [`Table`]: values in SI, times strictly increasing, no entry for a
 //! missing sample. [`write()`] writes channels. [`inspect`] summarises a table and tests attitude and gyro against the
 //! declared conventions.
+//!
+//! # Files
+//! - `read.rs`: the flow of reading. `options.rs`, `selection.rs`: options and row selection.
+//! - `csv_reader.rs`, `parquet_reader.rs`, `memory.rs`: files, columns in memory, and streams. `csv_rows.rs`: rows and
+//!   cells of a text.
+//! - `map.rs`, `map_faults.rs`: the `[telemetry]` table. `plan.rs`: which column becomes which channel.
+//! - `clock.rs`, `instant.rs`: exact dates and counts.
+//! - `conversion.rs`, `derive.rs`, `mounting.rs`: conversion to SI and body axes.
+//! - `channel_name.rs`: standard names. `unit.rs`: units and factors.
+//! - `time_base.rs`, `quaternion.rs`: checks.
+//! - `conventions.rs`, `hypothesis.rs`, `rate_pairs.rs`: attitude against gyro under every convention of both.
+//! - `resample.rs`, `differentiate.rs`: never across a gap.
+//! - `noise.rs`: noise of a channel from its own samples.
+//! - `size.rs`: number of rows before reading.
+//! - `parquet_column.rs`: what a column holds. `parquet_bytes.rs`, `parquet_dictionaries.rs`: guards of the decoder.
+//!   `parquet_pages.rs`: page checksums.
+//! - `inspect.rs`, `inspect_parts.rs`: inspection, also of files larger than memory.
+//! - `writer.rs`, `error.rs` (codes E02xx), `digits.rs` (numbers in messages).
 
 mod assemble;
 mod bytes;

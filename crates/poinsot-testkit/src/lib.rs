@@ -3,6 +3,11 @@
 //!
 //! This crate shares no code with the others: it has its own types (`Kit...`) and computes trees body by body in
 //! inertial axes. Names follow the monogram notation of the project (`p_BoBcm_B`, `R_NB`); everything is SI.
+//!
+//! # Files
+//! - `rigid_body.rs`: torque-free motion in closed form. `momentum_sum.rs`: momentum by definition.
+//! - `trees.rs`, `tree_dynamics.rs`: the recorded trees of `validation/`.
+//! - `elliptic.rs`, `quadrature.rs`, `joint_plans.rs`, `compare.rs`. `outside.rs`: data that are not shipped.
 #![allow(non_snake_case)]
 
 pub mod advice;

@@ -1,5 +1,6 @@
 //! Maintenance commands of the project: checks of texts and pages, planted bugs, fuzzing, benchmarks, the book.
 
+mod architecture;
 mod bench;
 mod book;
 mod fault;
@@ -29,6 +30,8 @@ struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Task {
+    /// Draw docs/assets/architecture.svg: the flow of data, and the crates on their floors. A test compares it.
+    Architecture,
     /// List every message of the program, or check their words and the length of their sentences.
     ///
     /// A message is a text of three words or more in the sources, outside tests: errors, warnings, evidence, remedies,
@@ -170,6 +173,7 @@ fn main() -> ExitCode {
 
 fn run(task: Task) -> Result<(), Fault> {
     match task {
+        Task::Architecture => architecture::run(),
         Task::Messages { check } => messages::run(check),
         Task::Planted {
             names,
