@@ -1,7 +1,7 @@
 //! A design in one sentence.
 
 use crate::result::Designed;
-use poinsot_figures::significant;
+use poinsot_files::significant;
 
 /// The result in one sentence.
 pub(crate) fn sentence(designed: &Designed) -> String {

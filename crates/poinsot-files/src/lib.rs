@@ -1,17 +1,22 @@
 //! File input and output. Inputs are opened by [`open`], outputs are put in place by a [`Stage`], and text from files
-//! is printed by [`escaped`] and [`error_line`].
+//! is printed by [`escaped`] and [`error_line`]. Numbers in text: [`short`], [`rounded`], [`number_with_sigma`].
 //!
 //! # Files
 //! - `input.rs`: opens every input: a regular file, up to a size limit.
 //! - `stage.rs`: drafts in a hidden folder. Earlier files are kept until all drafts are in place, and restored on
 //!   failure. Folders of killed runs are removed.
 //! - `plain.rs`: escapes unprintable characters and shortens error lines to 300 characters.
+//! - `numbers.rs`: numbers in text: significant digits, with a sigma.
 
 mod input;
+mod numbers;
 mod plain;
 mod stage;
 
 pub use input::{InputError, open, read, read_text, spooled, standard_input};
+pub use numbers::{
+    as_read, list, number_with_sigma, probability, rounded, short, significant, to_digits,
+};
 pub use plain::{
     LONGEST_LINE, error_line, escaped, escaped_lines, excerpt, is_unprintable, json_escaped,
 };

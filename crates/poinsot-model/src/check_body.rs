@@ -3,8 +3,8 @@
 use crate::check_rest::positive;
 use crate::file::{BodyFile, EstimateFile, InertiaFile, Parameter};
 use crate::finding::{Findings, Key};
-use crate::number::{list, short};
 use crate::vehicle::{Body, EstimateSet, JointKind, Model, Prior};
+use poinsot_files::{list, short};
 use poinsot_spatial::{MassProperties, Matrix3, Unphysical, Vector3};
 
 /// Tolerance of the triangle inequality, relative to the largest principal moment: covers rounding to seven digits.

@@ -7,11 +7,11 @@ use crate::file::{
     NuisanceWord, OrbitFile, RandomTorqueFile, ThrusterFile, WheelFile,
 };
 use crate::finding::{Findings, Key};
-use crate::number::short;
 use crate::vehicle::{
     Body, Environment, Momentum, MomentumKnowledge, Nuisance, Orbit, Propellant, RandomTorque,
     Thruster, Wheel,
 };
+use poinsot_files::short;
 use poinsot_spatial::Vector3;
 use std::f64::consts::{PI, TAU};
 

@@ -1,7 +1,7 @@
 //! Checks unit axes and proper rotations.
 
 use crate::finding::{Findings, Key};
-use crate::number::{list, short};
+use poinsot_files::{list, short};
 use poinsot_spatial::{Matrix3, Vector3};
 
 /// Smaller deviations are rounding, and give no note.

@@ -5,8 +5,8 @@ use crate::check_rotation::check_rotation;
 use crate::check_tree::unknown_name;
 use crate::file::{JointType, ModelFile, NamesFile, NoiseFile, SensorFile, SensorType};
 use crate::finding::{Findings, Key};
-use crate::number::list;
 use crate::vehicle::{Nuisance, Sensor, SensorKind};
+use poinsot_files::list;
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
 use std::collections::HashMap;
 

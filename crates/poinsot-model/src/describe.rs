@@ -1,7 +1,7 @@
 //! Describes a vehicle as text and tables, for `poinsot check`.
 
-use crate::number::{list, short};
 use crate::vehicle::{JointKind, Model, MomentumKnowledge, Nuisance, SensorKind, printed_unit};
+use poinsot_files::{list, short};
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
 use schemars::JsonSchema;
 use serde::Serialize;

@@ -1,7 +1,7 @@
 //! Describes environment and telemetry map as text.
 
-use crate::number::short;
 use crate::vehicle::{Environment, Orbit};
+use poinsot_files::short;
 use poinsot_telemetry::{
     AttitudeForm, AttitudeMap, ColumnMap, FileMap, Order, Sense, TelemetryMap, TimeFormat, TimeMap,
 };

@@ -33,7 +33,6 @@ mod kinematic;
 mod knowledge;
 mod known;
 mod model_text;
-mod number;
 mod patch;
 mod read;
 mod schema;
@@ -52,8 +51,8 @@ pub use knowledge::{
     Knowledge, KnownNumber, LIKE_WHEELS, NOMINAL_WITHIN, Origin, Uncertain, across,
 };
 pub use model_text::read_model_text;
-pub use number::rounded;
 pub use patch::{BodyProperties, Patch, Patched, patch_mjcf, patch_model, patch_sdf, patch_urdf};
+pub use poinsot_files::rounded;
 pub use poinsot_telemetry::TelemetryMap;
 pub use read::{MODEL_SCHEMA, parse_model, parse_telemetry_map, read_model, read_telemetry_map};
 pub use schema::{model_schema, telemetry_map_schema, without_null};

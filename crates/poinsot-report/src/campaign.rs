@@ -1,6 +1,7 @@
 //! A campaign as text: one headline, then the tables.
 
-use poinsot_figures::{Document, Section, Table, Tone, significant};
+use poinsot_figures::{Document, Section, Table, Tone};
+use poinsot_files::{short, significant};
 use poinsot_formats::{BandedFile, CampaignFile, CellFile, MethodResultFile};
 
 /// A campaign in one line.
@@ -96,15 +97,6 @@ fn prefix(result: &CampaignFile, cell: &CellFile, method: &MethodResultFile) -> 
     match words.is_empty() {
         true => String::new(),
         false => format!("{}: ", words.join(" ")),
-    }
-}
-
-/// A varied number with few digits.
-pub(crate) fn short(x: f64) -> String {
-    let plain = x.to_string();
-    match plain.len() {
-        0..=8 => plain,
-        _ => significant(x, 5),
     }
 }
 

@@ -1,6 +1,7 @@
 //! Evidence about the fit in words, for the terminal and the page.
 
-use poinsot_figures::{Tone, probability, significant};
+use poinsot_figures::Tone;
+use poinsot_files::{probability, significant};
 use poinsot_formats::{ChannelFile, DiagnosticsFile, DriftFile, HeldOutFile, LagFile, SuspectFile};
 
 /// p-value below which drift or lag is reported.

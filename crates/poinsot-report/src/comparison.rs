@@ -1,6 +1,7 @@
 //! A comparison as text.
 
-use poinsot_figures::{Document, Section, Table, number_with_sigma, probability, significant};
+use poinsot_figures::{Document, Section, Table};
+use poinsot_files::{number_with_sigma, probability, significant};
 use poinsot_formats::{ComparedNumberFile, ComparisonFile, DIFFER_BELOW};
 
 /// The comparison as a document.

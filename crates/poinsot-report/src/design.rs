@@ -1,7 +1,8 @@
 //! A designed manoeuvre as text: one sentence, then the numbers.
 
 use crate::prediction::durations;
-use poinsot_figures::{Document, Section, Table, Tone, significant};
+use poinsot_figures::{Document, Section, Table, Tone};
+use poinsot_files::significant;
 use poinsot_formats::{DesignFile, DesignVerificationFile, RelaxedFile};
 
 /// Significant figures of a sigma.

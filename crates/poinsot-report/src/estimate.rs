@@ -4,9 +4,8 @@ use crate::checks::{Check, causes, checks};
 use crate::summary;
 use crate::verdict::Standing;
 use indexmap::IndexMap;
-use poinsot_figures::{
-    Document, Section, Table, Tone, number_with_sigma, probability, significant,
-};
+use poinsot_figures::{Document, Section, Table, Tone};
+use poinsot_files::{number_with_sigma, probability, significant};
 use poinsot_formats::{
     Address, BodyFile, CheckFile, DeterminedFile, EstimateFile, NumberFile, SegmentFitFile,
     SensitivityFile, UndeterminedFile,

@@ -1,7 +1,8 @@
 //! A prediction as text: one sentence, then the numbers.
 
 use crate::estimate::open_sentences;
-use poinsot_figures::{Document, Section, Table, Tone, significant};
+use poinsot_figures::{Document, Section, Table, Tone};
+use poinsot_files::significant;
 use poinsot_formats::{
     AgainstDurationFile, HALF_WIDTH_95, IdentifiabilityFile, MassFile, PredictedNumberFile,
     PredictionFile, WantedFile,

@@ -1,7 +1,8 @@
 //! Comparison of several cases.
 
 use crate::prediction::{FIGURES, predicted_sigma};
-use poinsot_figures::{Document, Section, Table, Tone, significant};
+use poinsot_figures::{Document, Section, Table, Tone};
+use poinsot_files::significant;
 use poinsot_formats::PredictionFile;
 use std::path::Path;
 

@@ -1,12 +1,10 @@
 //! The result in one sentence of at most twenty words, and the next action, for terminal and page.
 
-use poinsot_figures::significant;
+use poinsot_files::{rounded, significant};
 use poinsot_formats::{BodyFile, EstimateFile, HALF_WIDTH_95, NumberFile, UndeterminedFile};
 
 /// Chi-square per degree of freedom above which it is given as the reason of a rejection.
 const MISFIT: f64 = 1.2;
-/// Larger numbers are written with a power of ten.
-const LARGE: f64 = 1.0e4;
 
 /// The result with its numbers.
 pub(crate) fn sentence(e: &EstimateFile) -> String {
@@ -26,7 +24,7 @@ pub(crate) fn sentence(e: &EstimateFile) -> String {
         "rejected" => {
             let chi2 = largest_chi2(e);
             if chi2 > MISFIT {
-                let times = rounded(chi2);
+                let times = rounded(chi2, 2);
                 format!(
                     "The rigid model does not fit: chi-square is {times} times its expectation."
                 )
@@ -162,15 +160,6 @@ fn single(e: &EstimateFile) -> String {
     match asked.iter().filter(|n| n.value.is_some()).count() {
         0 => "no single number is".to_owned(),
         n => format!("{n} of {} single numbers are", asked.len()),
-    }
-}
-
-/// Rounds to two significant figures.
-fn rounded(x: f64) -> String {
-    if x < LARGE {
-        significant(x, 2)
-    } else {
-        format!("{x:.1e}")
     }
 }
 

@@ -1,6 +1,7 @@
 //! A validation as text: one sentence, then the numbers.
 
-use poinsot_figures::{Document, Section, Table, Tone, probability, significant};
+use poinsot_figures::{Document, Section, Table, Tone};
+use poinsot_files::{probability, significant};
 use poinsot_formats::{ComparedQuantityFile, CompletedFile, ValidationFile};
 
 /// Significant figures of a difference.

@@ -6,8 +6,9 @@ use crate::conversion::Conversion;
 use crate::error::Place;
 use crate::instant::EARTH_RATE;
 use crate::plan::{Group, Plan, PlannedChannel};
-use crate::{AttitudeForm, Sense, TelemetryError, classify, rounded};
+use crate::{AttitudeForm, Sense, TelemetryError, classify};
 use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
+use poinsot_files::rounded;
 use std::path::Path;
 
 /// Largest |R'R - 1| of a rotation matrix with rounded elements.

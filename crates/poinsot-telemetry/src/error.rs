@@ -1,7 +1,6 @@
 //! Errors of telemetry files; their codes are stable.
 
-use crate::digits::rounded;
-use poinsot_files::{StageError, escaped};
+use poinsot_files::{StageError, escaped, rounded};
 use std::fmt;
 use std::path::{Path, PathBuf};
 

@@ -176,7 +176,7 @@ pub(crate) fn notes(channel: &ChannelSummary) -> Vec<String> {
     if name.starts_with("r_") && largest > 1e5 {
         notes.push(format!(
             "{name} reaches {} m: with [environment] gravity in the model, they are used relative to free fall",
-            crate::rounded(largest, 4)
+            poinsot_files::rounded(largest, 4)
         ));
     }
     notes

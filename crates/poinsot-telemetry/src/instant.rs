@@ -129,7 +129,7 @@ impl fmt::Display for Origin {
             None => write!(
                 f,
                 "{} s of the files' own count",
-                crate::as_read(self.own_zero_s())
+                poinsot_files::as_read(self.own_zero_s())
             ),
         }
     }

@@ -37,7 +37,6 @@ mod csv_rows;
 mod cursor;
 mod derive;
 mod differentiate;
-mod digits;
 mod error;
 mod hypothesis;
 mod inspect;
@@ -86,7 +85,6 @@ pub use conventions::{
     ConventionTest, Verdict, check_conventions, convention_tests, test_conventions, test_sensors,
 };
 pub use differentiate::differentiate;
-pub use digits::{as_read, rounded};
 pub use error::{Place, TelemetryError, advice};
 pub use hypothesis::{Axes, GyroUnit, Hypothesis, Order, Sense};
 pub use inspect::{ChannelSummary, FileSummary, Inspection, inspect};

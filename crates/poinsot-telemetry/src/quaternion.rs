@@ -2,7 +2,7 @@
 
 use crate::TelemetryError;
 use crate::error::Place;
-use crate::{as_read, rounded};
+use poinsot_files::{as_read, rounded};
 use std::path::Path;
 
 /// Norms this close to one are not changed: a few units in the last place.

@@ -9,9 +9,10 @@ use crate::packing::{is_standard_input, unpacked_name};
 use crate::plan::Plan;
 use crate::selection::WhenFull;
 use crate::{
-    FileMap, Part, ReadOptions, Source, Table, TelemetryError, TelemetryMap, as_read, assemble,
+    FileMap, Part, ReadOptions, Source, Table, TelemetryError, TelemetryMap, assemble,
     check_conventions, csv_reader, memory, mount, parquet_reader, plan, time_base,
 };
+use poinsot_files::as_read;
 use std::collections::{BTreeSet, HashSet};
 use std::path::{Path, PathBuf};
 

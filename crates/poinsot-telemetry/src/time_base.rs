@@ -6,7 +6,7 @@ use crate::conversion::Conversion;
 use crate::error::Place;
 use crate::median::median_step;
 use crate::plan::{Plan, PlannedChannel};
-use crate::{as_read, rounded};
+use poinsot_files::{as_read, rounded};
 use std::path::Path;
 
 /// Median steps outside this range, s, indicate a wrong unit.

@@ -7,7 +7,7 @@
 mod statistics;
 
 use crate::error::Error;
-use poinsot_figures::significant;
+use poinsot_files::significant;
 use poinsot_formats::{
     Address, COMPARISON, ComparedAnswerFile, ComparedNumberFile, ComparisonFile, DIFFER_BELOW,
     EstimateFile, FormatError, JointTestFile, read_estimate,

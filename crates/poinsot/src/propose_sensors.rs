@@ -1,7 +1,8 @@
 //! Proposes `[[sensor]]` tables with the noise observed in the data, if no data sheet is available.
 
+use poinsot_files::rounded;
 use poinsot_model::SensorKind;
-use poinsot_telemetry::{ChannelSummary, Inspection, rounded};
+use poinsot_telemetry::{ChannelSummary, Inspection};
 use std::fmt::Write;
 
 /// Significant figures of an estimated noise.

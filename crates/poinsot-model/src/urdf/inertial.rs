@@ -4,8 +4,7 @@ use super::raw::{Inertial, Kind, Link, Robot};
 use super::tree::Order;
 use super::{Remark, UrdfDefect};
 use crate::check_body::PHYSICAL_TOLERANCE;
-use crate::number::{list, short};
-use poinsot_files::excerpt;
+use poinsot_files::{excerpt, list, short};
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
 
 /// Fixed-axis roll, pitch, yaw: the rotation `Rz(yaw) Ry(pitch) Rx(roll)` from the frame to its parent.

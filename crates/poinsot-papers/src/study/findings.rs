@@ -1,6 +1,7 @@
 //! Results of a study: tables, figures and numbers for a page.
 
-use poinsot_figures::{Figure, Plot, significant};
+use poinsot_figures::{Figure, Plot};
+use poinsot_files::{significant, to_digits};
 
 /// Results of a study.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -70,22 +71,12 @@ impl Digits {
     fn text(self, x: f64) -> String {
         match self {
             _ if !x.is_finite() => "-".to_owned(),
-            Self::Figures(count) => significant(rounded(x, count), count),
+            Self::Figures(count) => significant(to_digits(x, count.max(1) as usize), count),
             Self::Decimals(count) => match format!("{x:.count$}") {
                 zero if zero.bytes().all(|b| b"-0.".contains(&b)) => format!("{:.count$}", 0.0),
                 text => text,
             },
         }
-    }
-}
-
-/// Rounds digits before the point beyond the significant figures.
-fn rounded(x: f64, count: i32) -> f64 {
-    let unit = 10.0_f64.powi(x.abs().max(1.0).log10().floor() as i32 + 1 - count);
-    if unit > 1.0 {
-        (x / unit).round() * unit
-    } else {
-        x
     }
 }
 

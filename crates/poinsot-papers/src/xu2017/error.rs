@@ -1,7 +1,7 @@
 //! Errors of this method, each one line with its remedy.
 
+use poinsot_files::rounded;
 use poinsot_identify::ProblemError;
-use poinsot_model::rounded;
 
 /// Why the method cannot be applied.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

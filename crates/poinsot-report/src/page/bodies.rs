@@ -1,10 +1,11 @@
 //! The numbers: one folded table per body.
 
 use super::Answer;
-use super::numbers::{brief, difference, half_width, plain, plus_minus, value};
+use super::numbers::{brief, difference, half_width, plus_minus, value};
 use super::picture::moments;
 use minijinja::{Value, context};
 use poinsot_figures::{PageError, Part, render};
+use poinsot_files::rounded;
 use poinsot_formats::{BodyFile, NumberFile, VectorFile};
 
 /// Width of a bar, px.
@@ -118,7 +119,7 @@ fn row(name: &str, unit: &str, n: &NumberFile, truth: Option<f64>, withheld: boo
         nominal => brief(n.nominal),
         difference => gap.map(|g| difference(g, n.sigma)),
         bar => bar(n, truth).filter(|_| !known),
-        truth => truth.map(plain),
+        truth => truth.map(|x| rounded(x, 9)),
         source => n.source.clone().unwrap_or_else(|| if withheld { "withheld" } else { "not determined" }.to_owned()),
     }
 }

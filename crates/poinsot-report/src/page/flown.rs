@@ -2,11 +2,11 @@
 
 use super::Answer;
 use super::envelope::Envelope;
-use super::numbers::short;
 use super::trust::group;
 use super::vehicle::drawn;
 use minijinja::{Value, context};
-use poinsot_figures::{Axis, Figure, Mark, PageError, Part, Plot, Series, render, significant};
+use poinsot_figures::{Axis, Figure, Mark, PageError, Part, Plot, Series, render};
+use poinsot_files::{short, significant};
 use poinsot_formats::{Row, Segment};
 
 pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {

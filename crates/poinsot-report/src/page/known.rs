@@ -2,7 +2,8 @@
 
 use super::Answer;
 use minijinja::{Value, context};
-use poinsot_figures::{PageError, Part, render, significant};
+use poinsot_figures::{PageError, Part, render};
+use poinsot_files::significant;
 
 /// Number of known numbers listed; the result file has all.
 const LISTED: usize = 40;

@@ -2,7 +2,8 @@
 
 use super::Answer;
 use crate::checks::{SIGNIFICANT, chi_square_verdict, held_out_verdict, residual_verdict};
-use poinsot_figures::{Light, Tone, probability};
+use poinsot_figures::{Light, Tone};
+use poinsot_files::probability;
 use poinsot_formats::DiagnosticsFile;
 
 /// Names of findings about the size of the noise, which belong to the first question.

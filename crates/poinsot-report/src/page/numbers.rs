@@ -1,12 +1,12 @@
 //! Number formats: significant digits only, a plain minus sign, no sign on zero.
 
-use poinsot_figures::{number_with_sigma, significant};
+use poinsot_files::{number_with_sigma, rounded, short, significant};
 use poinsot_formats::HALF_WIDTH_95;
 
 /// Value with the decimals of its sigma.
 pub(super) fn value(value: Option<f64>, sigma: Option<f64>) -> String {
     match value {
-        Some(_) => unsigned_zero(number_with_sigma(value, sigma).0),
+        Some(_) => number_with_sigma(value, sigma).0,
         None => "not determined".to_owned(),
     }
 }
@@ -31,52 +31,17 @@ pub(super) fn plus_minus(sigma: Option<f64>) -> String {
 
 /// A signed difference, with the digits of its sigma.
 pub(super) fn difference(gap: f64, sigma: Option<f64>) -> String {
-    let text = unsigned_zero(number_with_sigma(Some(gap), sigma).0);
-    if text.starts_with('-') || gap <= 0.0 || is_zero(&text) {
-        text
-    } else {
-        format!("+{text}")
-    }
-}
-
-/// A number without trailing zeros.
-pub(super) fn plain(x: f64) -> String {
-    trimmed(significant(x, 9))
-}
-
-/// A number to five figures.
-pub(super) fn short(x: f64) -> String {
-    trimmed(significant(x, 5))
-}
-
-/// A nominal value without unnecessary digits; composites have as many as a double holds.
-pub(super) fn brief(x: f64) -> String {
-    let all = plain(x);
-    if all.len() <= 9 {
-        all
-    } else {
-        significant(x, 6)
-    }
-}
-
-fn trimmed(text: String) -> String {
-    match text.contains('.') && !text.contains('e') {
-        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+    let text = number_with_sigma(Some(gap), sigma).0;
+    match gap > 0.0 && text.contains(|c: char| ('1'..='9').contains(&c)) {
+        true => format!("+{text}"),
         false => text,
     }
 }
 
-/// Removes the sign of a number that rounds to zero.
-fn unsigned_zero(text: String) -> String {
-    if is_zero(&text) {
-        return text.replace('-', "");
-    }
-    text
-}
-
-fn is_zero(text: &str) -> bool {
-    let mantissa = text.split('e').next().unwrap_or(text);
-    !mantissa.chars().any(|c| c.is_ascii_digit() && c != '0')
+/// A nominal value without unnecessary digits; composites have as many as a double holds.
+pub(super) fn brief(x: f64) -> String {
+    let all = rounded(x, 9);
+    if all.len() <= 9 { all } else { short(x) }
 }
 
 #[cfg(test)]

@@ -4,7 +4,8 @@ use super::Answer;
 use super::numbers::{plus_minus, value};
 use indexmap::IndexMap;
 use minijinja::{Value, context};
-use poinsot_figures::{PageError, Part, render, significant};
+use poinsot_figures::{PageError, Part, render};
+use poinsot_files::significant;
 use poinsot_formats::{IdentifiabilityFile, UndeterminedFile, unknown_name};
 
 /// Number of combinations listed; the result file has all.

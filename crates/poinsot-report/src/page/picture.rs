@@ -10,9 +10,8 @@ use super::tensor::{inertia_ellipsoid, matrix, principal, principal_sigmas};
 use super::vehicle::suspected;
 use minijinja::{Value, context};
 use nalgebra::Cholesky;
-use poinsot_figures::{
-    Arrow, Ellipsoid, Figure, PageError, Part, Scene, Spot, render, significant,
-};
+use poinsot_figures::{Arrow, Ellipsoid, Figure, PageError, Part, Scene, Spot, render};
+use poinsot_files::significant;
 use poinsot_formats::BodyFile;
 use poinsot_spatial::Matrix3;
 

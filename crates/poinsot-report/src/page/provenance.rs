@@ -2,7 +2,8 @@
 
 use super::{Answer, repairs};
 use minijinja::{Value, context};
-use poinsot_figures::{PageError, Part, render, significant};
+use poinsot_figures::{PageError, Part, render};
+use poinsot_files::significant;
 
 pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
     let e = &answer.estimate;

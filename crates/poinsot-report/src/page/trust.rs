@@ -6,9 +6,8 @@ use super::envelope::Envelope;
 use super::numbers::ninety_five;
 use crate::checks::{SIGNIFICANT, causes, checks};
 use minijinja::{Value, context};
-use poinsot_figures::{
-    Axis, Figure, Mark, PageError, Part, Plot, Series, probability, render, significant,
-};
+use poinsot_figures::{Axis, Figure, Mark, PageError, Part, Plot, Series, render};
+use poinsot_files::{probability, significant};
 use poinsot_formats::Channel;
 use poinsot_formats::{EstimateFile, EvidenceFile, SegmentFitFile, SensorFitFile};
 use statrs::distribution::{ContinuousCDF, Normal};

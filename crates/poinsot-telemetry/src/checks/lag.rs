@@ -3,7 +3,8 @@
 use super::{Check, Finding, Found, Policy};
 use crate::hypothesis::{Axes, Order, Sense};
 use crate::rate_pairs::Pairs;
-use crate::{Channel, Table, full_name, median_step, rounded};
+use crate::{Channel, Table, full_name, median_step};
+use poinsot_files::rounded;
 use std::sync::Arc;
 
 /// Longest lag tested, s.

@@ -2,7 +2,7 @@
 
 use crate::Channel;
 use crate::median::median;
-use crate::rounded;
+use poinsot_files::rounded;
 
 /// Distance from the median of five, in robust sigmas, above which a sample is an outlier.
 const FAR: f64 = 12.0;

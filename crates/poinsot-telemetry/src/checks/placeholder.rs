@@ -31,7 +31,7 @@ pub(super) fn find(channel: &Channel) -> Option<(Vec<usize>, String)> {
         samples,
         format!(
             "{} occurs in {count} samples, far from all others: probably a placeholder; leave those cells empty, or use --policy placeholder=exclude",
-            crate::as_read(value)
+            poinsot_files::as_read(value)
         ),
     ))
 }

@@ -39,8 +39,8 @@ pub(super) fn find(channel: &Channel) -> Option<(Vec<usize>, String)> {
         samples,
         format!(
             "{cut} samples are at the end of the range ({} to {} {}): the sensor is saturated",
-            crate::as_read(smallest),
-            crate::as_read(largest),
+            poinsot_files::as_read(smallest),
+            poinsot_files::as_read(largest),
             channel.unit
         ),
     ))

@@ -90,7 +90,7 @@ fn hangs(channels: &[&Channel], samples: usize, sensor: &Sensor) -> Option<(Vec<
                 long()
                     .filter_map(|&(k, _)| channel.values.get(k))
                     .take(3)
-                    .map(|x| crate::as_read(*x))
+                    .map(|x| poinsot_files::as_read(*x))
                     .collect::<Vec<_>>()
                     .join(", ")
             ));

@@ -6,8 +6,9 @@
 
 use super::BindError;
 use nalgebra::Vector3;
+use poinsot_files::rounded;
 use poinsot_model::{Model, MomentumKnowledge, SensorKind};
-use poinsot_telemetry::{Channel, Table, differentiate, resample_hermite, rounded};
+use poinsot_telemetry::{Channel, Table, differentiate, resample_hermite};
 use std::borrow::Cow;
 use std::sync::Arc;
 

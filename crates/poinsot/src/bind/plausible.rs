@@ -2,7 +2,8 @@
 
 use super::BindError;
 use super::channels::Channels;
-use poinsot_telemetry::{Channel, median_step, rounded};
+use poinsot_files::rounded;
+use poinsot_telemetry::{Channel, median_step};
 use std::f64::consts::PI;
 
 /// Largest plausible values, by suffix of the channel name.

@@ -5,7 +5,8 @@ use super::plan::{Plan, Shard};
 use super::shard::ShardResult;
 use super::trial::{Prepared, at_once};
 use crate::error::Error;
-use poinsot_figures::{Document, Section, Table, significant};
+use poinsot_figures::{Document, Section, Table};
+use poinsot_files::significant;
 use poinsot_telemetry::RowCells;
 
 /// Least number of trials measured per cell. The first is a warm-up and not counted; kernels measure a block of trials.

@@ -7,10 +7,10 @@ use super::window::Open;
 use super::{Case, CaseError, refuse};
 use nalgebra::Quaternion;
 use poinsot_dynamics::{DrivenPlan, Plan, Start, StartVelocity};
+use poinsot_files::rounded;
 use poinsot_formats::case::{InitialFile, Placed};
 use poinsot_model::Model;
 use poinsot_spatial::{UnitQuaternion, Vector3};
-use poinsot_telemetry::rounded;
 
 /// A case bound to a model: all inputs of a simulation.
 #[derive(Debug, Clone, PartialEq)]

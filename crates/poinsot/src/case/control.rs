@@ -5,9 +5,9 @@ use super::planner::Planner;
 use nalgebra::Quaternion;
 use poinsot_dynamics::{AttitudeControl, Plan, Target, Tree, WheelDrive, WheelLimits, composite};
 use poinsot_dynamics::{Kinematics, WheelMotion};
+use poinsot_files::rounded;
 use poinsot_formats::case::{CaseFile, ControlFile, ControlWheelFile, Placed};
 use poinsot_spatial::{InertialParameters, Matrix3, UnitQuaternion};
-use poinsot_telemetry::rounded;
 use std::ops::Range;
 
 /// A controller with its wheels.

@@ -1,12 +1,9 @@
 //! Describes a case as text.
 
 use super::{Case, CaseError, CaseFault, Design, Open, refuse};
+use poinsot_files::{list, short};
 use poinsot_formats::case::{CaseFile, InitialFile, JointTorqueFile, Placed, WheelMotionFile};
 use poinsot_model::Model;
-use poinsot_telemetry::rounded;
-
-/// Significant digits.
-const DIGITS: usize = 6;
 
 /// Describes a case with a model, one statement per line; `faults` are those found without the model.
 ///
@@ -79,13 +76,8 @@ pub(crate) fn counted(n: u64, what: &str) -> String {
     format!("{n} {what}{}", if n == 1 { "" } else { "s" })
 }
 
-fn short(x: f64) -> String {
-    rounded(x, DIGITS)
-}
-
-fn list<const N: usize>(x: &Placed<[f64; N]>) -> String {
-    let all: Vec<String> = x.get_ref().iter().map(|x| short(*x)).collect();
-    format!("({})", all.join(", "))
+fn bracketed<const N: usize>(x: &Placed<[f64; N]>) -> String {
+    format!("({})", list(x.get_ref()))
 }
 
 fn start(initial: &InitialFile) -> String {
@@ -98,11 +90,11 @@ fn start(initial: &InitialFile) -> String {
         ("angular momentum", &initial.angular_N_m_s, "N m s"),
     ] {
         if let Some(value) = value {
-            said.push(format!("{name} {} {unit}", list(value)));
+            said.push(format!("{name} {} {unit}", bracketed(value)));
         }
     }
     if let Some(q) = &initial.q_xyzw {
-        said.push(format!("attitude {} xyzw", list(q)));
+        said.push(format!("attitude {} xyzw", bracketed(q)));
     }
     match said.is_empty() {
         true => "at rest".to_owned(),

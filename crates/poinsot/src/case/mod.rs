@@ -34,10 +34,10 @@ pub(crate) use describe::{counted, describe_case};
 pub(crate) use fault::{CaseText, did_you_mean};
 use planner::Planner;
 use poinsot_dynamics::Tolerance;
+use poinsot_files::rounded;
 use poinsot_formats::ShapeFault;
 use poinsot_formats::case::{CASE, CASE_BEFORE, CaseFile, Placed};
 use poinsot_model::Model;
-use poinsot_telemetry::rounded;
 use std::path::{Path, PathBuf};
 
 const LARGEST_FILE: u64 = 16 << 20;

@@ -1,6 +1,6 @@
 //! Errors of binding telemetry to a model.
 
-use poinsot_telemetry::{as_read, rounded};
+use poinsot_files::{as_read, rounded};
 
 /// Why telemetry cannot be bound to a model.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

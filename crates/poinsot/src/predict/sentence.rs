@@ -3,7 +3,7 @@
 use super::Prediction;
 use crate::estimate_file::{component, inertia_entries};
 use crate::trials::numbers_of;
-use poinsot_figures::significant;
+use poinsot_files::significant;
 use poinsot_identify::{BodyEstimate, Number, Source};
 
 /// Significant figures of a predicted sigma.

@@ -1,7 +1,8 @@
 //! Statistics of many trials as a terminal document.
 
 use super::{Band, Statistics};
-use poinsot_figures::{Document, Section, Table, significant};
+use poinsot_figures::{Document, Section, Table};
+use poinsot_files::significant;
 
 /// Number of failed trials listed.
 const LISTED: usize = 10;

@@ -1,9 +1,10 @@
 //! The result of a campaign as a page.
 
-use crate::campaign::{headline, short, table_document};
+use crate::campaign::{headline, table_document};
 use poinsot_figures::{
     Axis, Figure, Light, Mark, Opening, Page, PageError, Part, Plot, Series, Tone,
 };
+use poinsot_files::short;
 use poinsot_formats::{BandedFile, CampaignFile, NumberResultFile};
 
 /// Largest number of separate figures.

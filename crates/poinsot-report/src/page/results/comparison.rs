@@ -2,7 +2,8 @@
 
 use super::{ROWS, Shown, answer, light};
 use crate::comparison::comparison_document;
-use poinsot_figures::{Axis, Figure, Mark, Opening, Plot, Series, Tone, probability};
+use poinsot_figures::{Axis, Figure, Mark, Opening, Plot, Series, Tone};
+use poinsot_files::probability;
 use poinsot_formats::{ComparisonFile, HALF_WIDTH_95};
 
 pub(super) fn result(c: &ComparisonFile) -> Shown {

@@ -4,7 +4,8 @@ use super::curves::{GROUP, against_duration, commands};
 use super::{Shown, ratio_figure};
 use crate::design::{ROUNDED, design_document};
 use crate::page::vehicle::{Flown, flying};
-use poinsot_figures::{Axis, Figure, Light, Mark, Opening, Plot, Series, Tone, significant};
+use poinsot_figures::{Axis, Figure, Light, Mark, Opening, Plot, Series, Tone};
+use poinsot_files::significant;
 use poinsot_formats::{DesignFile, RelaxedFile};
 use std::path::Path;
 

@@ -3,7 +3,8 @@
 use super::curves::differences;
 use super::{Shown, answer, light, ratio_figure};
 use crate::validation::validation_document;
-use poinsot_figures::{Figure, Opening, Picture, significant};
+use poinsot_figures::{Figure, Opening, Picture};
+use poinsot_files::significant;
 use poinsot_formats::ValidationFile;
 use std::path::Path;
 

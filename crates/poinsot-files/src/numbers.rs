@@ -1,7 +1,47 @@
-//! Numbers as text with the significant figures that their sigma supports.
+//! Numbers as text: in a message, and with the figures that their sigma supports.
 
 /// Largest number of decimals, the precision of a double.
 const MOST: i32 = 12;
+/// Significant digits of a number in a message.
+const SHORT: usize = 6;
+
+/// `x` in a message, with at most six significant digits.
+pub fn short(x: f64) -> String {
+    rounded(x, SHORT)
+}
+
+/// Several numbers in a message, separated by commas.
+pub fn list(numbers: &[f64]) -> String {
+    let texts: Vec<String> = numbers.iter().copied().map(short).collect();
+    texts.join(", ")
+}
+
+/// `x` with at most `digits` significant digits and no trailing zeros, for a message. Exponents only for tiny or huge
+/// values: 0, 1.5, 0.0004113, 2e-7.
+pub fn rounded(x: f64, digits: usize) -> String {
+    let x = to_digits(x, digits);
+    match x.is_finite() && x.abs() >= 1.0e6 {
+        true => format!("{x:e}"),
+        false => as_read(x),
+    }
+}
+
+/// `x` rounded to significant digits.
+pub fn to_digits(x: f64, digits: usize) -> f64 {
+    let text = format!("{x:.*e}", digits.saturating_sub(1));
+    text.parse().unwrap_or(x)
+}
+
+/// Shortest text that reads back to `x`: 0.2, -9999, 1e30.
+pub fn as_read(x: f64) -> String {
+    match x.abs() {
+        0.0 => "0".to_owned(),
+        size if size.is_finite() && (size >= 1.0e16 || (size > 0.0 && size < 1.0e-4)) => {
+            format!("{x:e}")
+        }
+        _ => x.to_string(),
+    }
+}
 
 /// A number with this many significant figures, without exponent if that is short.
 pub fn significant(x: f64, figures: i32) -> String {
@@ -62,6 +102,31 @@ fn unsigned_zero(text: String) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn unit_numbers_read_as_a_person_writes_them() {
+        for (x, text) in [
+            (0.0, "0"),
+            (-0.0, "0"),
+            (1.5, "1.5"),
+            (2.0e-7, "2e-7"),
+            (2.314_814_814_814_801e-6, "2.315e-6"),
+            (9.978_1e-4, "0.0009978"),
+            (0.999_96, "1"),
+            (123_456.7, "123500"),
+            (1.0e8, "1e8"),
+            (1.0e30, "1e30"),
+            (f64::INFINITY, "inf"),
+            (f64::NAN, "NaN"),
+        ] {
+            assert_eq!(rounded(x, 4), text);
+        }
+        assert_eq!(short(2.3968449810713143e-5), "2.39684e-5");
+        assert_eq!(list(&[-2.5, 123456.7]), "-2.5, 123457");
+        assert_eq!(as_read(0.019_125_926_762_316_378), "0.019125926762316378");
+        assert_eq!(as_read(-9999.0), "-9999");
+        assert_eq!(as_read(1.0e300), "1e300");
+    }
 
     #[test]
     fn unit_value_stops_where_sigma_stops() {
