@@ -1,12 +1,12 @@
 //! A design as `design.json` (`poinsot.design/1`) and as a document.
 
 use crate::result::{Designed, Relaxed};
-use crate::text::sentence;
 use poinsot::predict::against_duration_file;
 use poinsot_formats::{
     DESIGN, DesignFile, DesignVerificationFile, DesignedNumberFile, LimitUseFile, RelaxedFile,
     SearchFile, VerifiedNumberFile, finite,
 };
+use poinsot_report::design_sentence;
 
 /// Converts a design to its file.
 pub fn design_file(designed: &Designed) -> DesignFile {
@@ -38,13 +38,13 @@ pub fn design_file(designed: &Designed) -> DesignFile {
         true => "reached",
         false => "not_reached",
     };
-    DesignFile {
+    let mut file = DesignFile {
         schema: DESIGN.to_owned(),
         poinsot: env!("CARGO_PKG_VERSION").to_owned(),
         case: designed.case.clone(),
         model: designed.model.name.clone(),
         verdict: verdict.to_owned(),
-        in_words: sentence(designed),
+        in_words: String::new(),
         objective: designed.objective.to_owned(),
         duration_s: designed.duration_s,
         worst_ratio: finite(designed.worst_ratio()),
@@ -80,5 +80,7 @@ pub fn design_file(designed: &Designed) -> DesignFile {
                 })
                 .collect(),
         }),
-    }
+    };
+    file.in_words = design_sentence(&file);
+    file
 }

@@ -28,7 +28,6 @@ mod relaxed;
 mod result;
 mod search;
 mod shape;
-mod text;
 mod trial;
 mod valves;
 mod vehicles;

@@ -134,3 +134,22 @@ pub struct PairNumberFile {
     /// RMSE of the other over that of the first, with the interval of a paired bootstrap.
     pub rmse_ratio: BandedFile,
 }
+
+/// Cost of the trials of a plan, measured with a few of them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CampaignCost {
+    /// Name of the plan.
+    pub name: String,
+    /// CPU time of one trial by all methods, s, averaged over the measured cells.
+    pub seconds: f64,
+    /// Uncompressed bytes of the rows of one trial.
+    pub bytes: f64,
+    /// Peak memory of the process, bytes, if the system reports it.
+    pub memory: Option<u64>,
+    /// Trials of all cells.
+    pub trials: u64,
+    /// Trials per shard for 10 to 120 s.
+    pub block: (u64, u64),
+    /// Trials per shard in the plan.
+    pub planned_block: u64,
+}

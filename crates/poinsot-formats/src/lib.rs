@@ -19,6 +19,7 @@
 #![allow(non_snake_case)]
 
 mod address;
+mod band;
 mod body;
 mod campaign;
 pub mod case;
@@ -34,16 +35,18 @@ mod plan;
 mod prediction;
 mod read;
 mod report_data;
+mod statistics;
 mod toml_file;
 mod truth;
 mod upgrade;
 mod validation;
 
 pub use address::{Address, address, element, unknown_name};
+pub use band::Band;
 pub use body::{BarycentricFile, BodyFile, MassFile, PrincipalFile};
 pub use campaign::{
-    BandedFile, CAMPAIGN, CampaignFile, CellFile, MethodResultFile, NumberResultFile, PairFile,
-    PairNumberFile,
+    BandedFile, CAMPAIGN, CampaignCost, CampaignFile, CellFile, MethodResultFile, NumberResultFile,
+    PairFile, PairNumberFile,
 };
 pub use check::{Contradiction, contradictions};
 pub use comparison::{
@@ -86,6 +89,7 @@ pub use report_data::{
     Channel, DrawnBody, DrawnJoint, DrawnSensor, Pointer, REPORT_DATA, ReportData, Row, Segment,
     TrueNumbers, Vehicle,
 };
+pub use statistics::{ParameterStatistics, Statistics};
 pub use toml_file::ShapeFault;
 pub use truth::{
     InitialFile, JointStateFile, TRUTH, TrueBodyFile, TrueRunFile, TrueSensorFile, TruthFile,

@@ -88,6 +88,13 @@ impl NumberFile {
     }
 }
 
+impl PredictedNumberFile {
+    /// Whether the model declares it as known.
+    pub fn is_known(&self) -> bool {
+        self.source.as_deref() == Some("known")
+    }
+}
+
 impl<T> Axes<T> {
     /// From the three components.
     pub fn of([x, y, z]: [T; 3]) -> Self {

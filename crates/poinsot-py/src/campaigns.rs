@@ -4,11 +4,12 @@ use crate::fault::Fault;
 use crate::run::run;
 use crate::verbs::{Printed, json, text};
 use poinsot::campaign::{
-    CampaignRequest, CampaignRun, Plan, campaign, campaign_document, campaign_in_memory, made_plan,
-    read_plan, run_shards,
+    CampaignRequest, CampaignRun, Plan, campaign, campaign_in_memory, made_plan, read_plan,
+    run_shards,
 };
 use poinsot::sweep::{SweepRequest, sweep_plan};
 use poinsot::{Error, check_outputs};
+use poinsot_report::campaign_document;
 use pyo3::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -133,7 +134,7 @@ impl CorePlan {
         let (plan, input) = (Arc::clone(&self.plan), self.input.clone());
         run(py, progress.as_ref(), move || {
             let Some(out) = out else {
-                return printed(&plan, campaign_in_memory(&plan)?);
+                return printed(campaign_in_memory(&plan)?);
             };
             let results = ["campaign.json", "campaign.html"].map(|n| out.join(n));
             check_outputs("out", &results, &[&input])?;
@@ -152,12 +153,12 @@ impl CorePlan {
                 engine: engine.as_ref().map(|e| e as _),
                 ..CampaignRequest::default()
             };
-            printed(&plan, campaign(&plan, &request)?)
+            printed(campaign(&plan, &request)?)
         })
     }
 }
 
-fn printed(plan: &Plan, ran: CampaignRun) -> Result<Printed, Fault> {
+fn printed(ran: CampaignRun) -> Result<Printed, Fault> {
     let code = poinsot_cli::exit_of(ran.passes());
     let CampaignRun {
         result: Some(result),
@@ -168,7 +169,7 @@ fn printed(plan: &Plan, ran: CampaignRun) -> Result<Printed, Fault> {
         let what = "a campaign of all shards gave no result".to_owned();
         return Err(Error::Internal { what }.into());
     };
-    let documents = campaign_document(plan, &folded, &result);
+    let documents = campaign_document(&result, &folded.statistics());
     let all: Vec<String> = documents.iter().map(text).collect();
     Ok((json(&result)?, all.join("\n"), code))
 }

@@ -4,10 +4,10 @@ use crate::run::run;
 use crate::verbs::{Printed, json, text};
 use poinsot::case::read_case;
 use poinsot::simulate::SimulateError;
-use poinsot::study::{document, find, findings_file, run as run_study};
+use poinsot::study::{find, findings_file, printed_findings, run as run_study};
 use poinsot_design::{DesignRequest, design_file, write_design};
 use poinsot_formats::{FINDINGS, FindingsFile};
-use poinsot_report::design_document;
+use poinsot_report::{design_document, study_document};
 use pyo3::prelude::*;
 use std::path::PathBuf;
 
@@ -56,7 +56,9 @@ pub fn study(
         let (mut findings, mut words) = (Vec::new(), Vec::new());
         for (paper, study) in find(Some(&paper), Some(&name))? {
             let found = run_study(study, &data)?;
-            words.push(text(&document(paper, study, &found)));
+            words.push(text(&study_document(&printed_findings(
+                paper, study, &found,
+            ))));
             findings.push(findings_file(paper, study, &found));
         }
         let file = FindingsFile {

@@ -2,7 +2,10 @@
 
 use poinsot_figures::{Document, Section, Table, Tone};
 use poinsot_files::{short, significant};
-use poinsot_formats::{BandedFile, CampaignFile, CellFile, MethodResultFile};
+use poinsot_formats::{BandedFile, CampaignCost, CampaignFile, CellFile, MethodResultFile};
+
+/// Numbers of trials with a reported cost, in addition to the plan's.
+const PRICED: [u64; 2] = [1_000_000, 1_000_000_000];
 
 /// A campaign in one line.
 pub(crate) fn headline(result: &CampaignFile) -> String {
@@ -187,4 +190,51 @@ fn pairs(result: &CampaignFile) -> Option<Section> {
             Some("RMSE ratio: other over first, 95 % interval of a paired bootstrap".to_owned());
         section
     })
+}
+
+/// The cost of a campaign as a document.
+pub fn cost_document(cost: &CampaignCost) -> Document {
+    let mut document = Document::new(format!(
+        "{}: {} s of processor time a trial",
+        cost.name,
+        significant(cost.seconds, 3)
+    ));
+    let mut table = Table::new(&["trials", "core-hours", "disk"]);
+    let mut rows = vec![(cost.trials, "this plan")];
+    rows.extend(PRICED.map(|n| (n, "")));
+    for (trials, word) in rows {
+        table.push(vec![
+            format!("{trials} {word}").trim_end().to_owned(),
+            significant(cost.seconds * trials as f64 / 3600.0, 3),
+            size(cost.bytes * trials as f64),
+        ]);
+    }
+    document.push(Section::table("cost", table));
+    let mut lines = Vec::new();
+    if let Some(memory) = cost.memory {
+        lines.push(format!(
+            "memory: {} with one thread; each further thread adds one trial",
+            size(memory as f64)
+        ));
+    }
+    let (least, most) = cost.block;
+    lines.push(format!(
+        "a shard of 10 to 120 s has {least} to {most} trials; trials_per_shard is {}",
+        cost.planned_block
+    ));
+    lines.push(
+        "measured on this machine without other load; times differ on other machines".to_owned(),
+    );
+    document.push(Section::list("and", lines));
+    document
+}
+
+fn size(bytes: f64) -> String {
+    const UNITS: [&str; 6] = ["B", "kB", "MB", "GB", "TB", "PB"];
+    let (mut x, mut unit) = (bytes, 0);
+    while x >= 1000.0 && unit + 1 < UNITS.len() {
+        x /= 1000.0;
+        unit += 1;
+    }
+    format!("{} {}", significant(x, 3), UNITS[unit])
 }

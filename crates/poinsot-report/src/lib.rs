@@ -22,18 +22,25 @@
 mod campaign;
 mod checks;
 mod comparison;
+mod description;
 mod design;
+mod design_sentence;
 mod estimate;
 mod page;
 mod prediction;
+mod prediction_sentence;
 mod several;
+mod study;
 mod summary;
+mod trials;
 mod validation;
 mod verdict;
 
-pub use campaign::table_document;
+pub use campaign::{cost_document, table_document};
 pub use comparison::comparison_document;
+pub use description::{CheckedCase, case_lines, estimate_lines, plan_lines};
 pub use design::design_document;
+pub use design_sentence::design_sentence;
 pub use estimate::{Detail, estimate_document};
 pub use page::lights::{NOT_RIGID, OF_NOISE};
 pub use page::{
@@ -41,6 +48,9 @@ pub use page::{
     report_html, report_page, result_page,
 };
 pub use prediction::prediction_document;
+pub use prediction_sentence::prediction_sentence;
 pub use several::several_document;
+pub use study::study_document;
+pub use trials::{campaign_document, statistics_document};
 pub use validation::validation_document;
 pub use verdict::{Standing, VERDICTS, Verdict};

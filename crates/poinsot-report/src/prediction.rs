@@ -141,15 +141,14 @@ fn instead(found: &IdentifiabilityFile) -> Section {
 }
 
 /// Whether any single number of a body will be determined.
-fn is_shown(body: &MassFile<PredictedNumberFile>) -> bool {
+pub(crate) fn is_shown(body: &MassFile<PredictedNumberFile>) -> bool {
     body.numbers()
         .iter()
         .any(|n| predicted_sigma(&n.2).is_some())
 }
 
 pub(crate) fn predicted_sigma(n: &PredictedNumberFile) -> Option<f64> {
-    let source = n.source.as_deref();
-    n.sigma.filter(|_| source.is_some_and(|s| s != "known"))
+    n.sigma.filter(|_| n.source.is_some() && !n.is_known())
 }
 
 fn sigma_text(n: &PredictedNumberFile) -> String {

@@ -1,14 +1,13 @@
 //! The command `check`: checks and describes a model, map, case, plan or result.
 
 use crate::campaign::read_plan;
-use crate::case::{CaseError, CaseFault, CaseText, counted, describe_case, shaped_case};
+use crate::case::{CaseError, CaseFault, CaseText, describe_case, shaped_case};
 use crate::compare::format_error;
 use crate::error::{Error, unreadable};
 use crate::simulate::SimulateError;
-use poinsot_formats::{
-    DESCRIPTION, EstimateFile, PLAN, StatedFile, case::CASE, contradictions, parse_estimate,
-};
+use poinsot_formats::{DESCRIPTION, PLAN, StatedFile, case::CASE, contradictions, parse_estimate};
 use poinsot_model::{Description, describe, describe_map, parse_telemetry_map, read_model};
+use poinsot_report::{estimate_lines, plan_lines};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::fmt;
@@ -96,37 +95,13 @@ fn case(path: &Path, text: String) -> Result<Vec<String>, Error> {
 
 fn plan(path: &Path) -> Result<Vec<String>, Error> {
     let plan = read_plan(path)?;
-    let mut lines = vec![format!(
-        "{}: {} of {}, in {}",
-        plan.name,
-        counted(plan.trials, "trial"),
-        counted(plan.cells(), "cell"),
-        counted(plan.shards(), "shard")
-    )];
-    for experiment in &plan.file.experiment {
-        let of = experiment.case.as_ref().or(experiment.record.as_ref());
-        lines.push(format!("experiment: {}", of.map_or("", String::as_str)));
-    }
-    lines.push(format!("methods: {}", plan.method_labels().join(", ")));
-    lines.extend(
-        plan.file
-            .vary
-            .iter()
-            .map(|v| format!("varies: {}", v.number)),
-    );
-    lines.extend(
-        plan.file
-            .change
-            .iter()
-            .map(|c| format!("changed: {}", c.number)),
-    );
-    lines.extend(
-        plan.file
-            .draw
-            .iter()
-            .map(|d| format!("drawn: {}", d.number)),
-    );
-    Ok(lines)
+    let sizes = [plan.trials, plan.cells(), plan.shards()];
+    Ok(plan_lines(
+        &plan.file,
+        &plan.name,
+        sizes,
+        &plan.method_labels(),
+    ))
 }
 
 fn estimate(path: &Path, text: String) -> Result<Described, Error> {
@@ -158,33 +133,4 @@ fn estimate(path: &Path, text: String) -> Result<Described, Error> {
         faults: faults.collect(),
         environment: false,
     }))
-}
-
-fn estimate_lines(file: &EstimateFile) -> Vec<String> {
-    let found = &file.identifiability;
-    let mut lines = vec![format!(
-        "{}: {} by {}, {} of {} combinations are identifiable",
-        file.model,
-        file.status,
-        file.method_in_words(),
-        found.rank,
-        found.parameters
-    )];
-    for (name, body) in file.bodies.iter().filter(|(_, b)| b.is_asked()) {
-        let all = body.numbers();
-        let asked = all.iter().filter(|(_, _, n)| !n.is_known()).count();
-        let open = all.iter().filter(|(_, _, n)| n.value.is_none()).count();
-        let determined = asked - open;
-        lines.push(format!(
-            "{name}: {determined} of {asked} requested numbers are determined"
-        ));
-    }
-    let files = file.inputs.iter();
-    lines.extend(files.map(|i| format!("telemetry: {} ({} rows)", i.path, i.rows)));
-    lines.extend(
-        file.evidence_against()
-            .iter()
-            .map(|d| format!("doubt: {d}")),
-    );
-    lines
 }

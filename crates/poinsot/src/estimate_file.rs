@@ -10,7 +10,7 @@ use poinsot_formats::{
 };
 use poinsot_identify::{
     BodyEstimate, Estimate, Evidence, Identifiability, MethodReport, MomentumEstimate, Number,
-    SegmentFit, axis_name, tensor_index,
+    SegmentFit, tensor_index,
 };
 use poinsot_model::{Joint, JointKind, Model};
 use poinsot_telemetry::checks::Finding;
@@ -290,15 +290,4 @@ fn check(f: &Finding) -> CheckFile {
         text: f.text.clone(),
         policy: f.policy.name().to_owned(),
     }
-}
-
-/// Names of components, for tables.
-pub(crate) fn component(prefix: &str, k: usize) -> String {
-    format!("{prefix}_{}", axis_name(k))
-}
-
-/// Tensor entries in the order of the file: index and name.
-pub(crate) fn inertia_entries() -> [(usize, &'static str); 6] {
-    let index = Elements::by_name(tensor_index);
-    index.named().map(|(name, k)| (*k, name))
 }

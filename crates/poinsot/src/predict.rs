@@ -6,7 +6,6 @@
 mod file;
 mod lengths;
 mod peaks;
-mod sentence;
 mod wanted;
 mod written;
 

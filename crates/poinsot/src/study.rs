@@ -11,7 +11,7 @@ use crate::predict::predict_case;
 use crate::simulate::{SimulateError, simulate_trial};
 use crate::validate::{Mover, compare_motion};
 use poinsot_dynamics::Tree;
-use poinsot_figures::{Document, FigureFormat, Section, Table as TextTable};
+use poinsot_figures::FigureFormat;
 use poinsot_formats::{
     FoundCellFile, FoundTableFile, PaperFile, STUDIES, StatementFile, StudiesFile, StudyFile,
     StudyFindingsFile, finite,
@@ -188,35 +188,28 @@ fn told(error: StudyError) -> Error {
     }
 }
 
-/// The findings as a document: tables, then the numbers for the paper's page.
-pub fn document(paper: &str, study: &Study, findings: &Findings) -> Document {
-    let mut document = Document::new(format!("{paper} {}: {}", study.name, study.summary));
-    for table in &findings.tables {
-        let mut text = TextTable::new(&[]);
-        text.head.clone_from(&table.head);
-        for row in &table.rows {
-            text.push(row.iter().map(Cell::text).collect());
-        }
-        document.push(Section::table(&table.title, text));
-    }
-    if !findings.statements.is_empty() {
-        let mut text = TextTable::new(&["in the paper", "number"]);
-        for (statement, number) in &findings.statements {
-            text.push(vec![statement.clone(), number.clone()]);
-        }
-        let title = format!("Numbers of docs/methods/{paper}.md");
-        document.push(Section::table(&title, text));
-    }
-    document
-}
-
 /// The findings as a file: numbers with all digits, null if missing.
 pub fn findings_file(paper: &str, study: &Study, findings: &Findings) -> StudyFindingsFile {
-    let cell = |cell: &Cell| match cell {
+    filed(paper, study, findings, |cell| match cell {
         Cell::Word(text) => FoundCellFile::Word(text.clone()),
         Cell::Number(x, _) => FoundCellFile::Number(finite(*x)),
         Cell::Pair(a, _, b, _) => FoundCellFile::Pair(finite(*a), finite(*b)),
-    };
+    })
+}
+
+/// The findings as the paper's page prints them: every cell as text.
+pub fn printed_findings(paper: &str, study: &Study, findings: &Findings) -> StudyFindingsFile {
+    filed(paper, study, findings, |cell| {
+        FoundCellFile::Word(cell.text())
+    })
+}
+
+fn filed(
+    paper: &str,
+    study: &Study,
+    findings: &Findings,
+    cell: impl Fn(&Cell) -> FoundCellFile,
+) -> StudyFindingsFile {
     let table = |t: &FoundTable| FoundTableFile {
         name: t.name.to_string(),
         title: t.title.to_string(),
@@ -224,7 +217,7 @@ pub fn findings_file(paper: &str, study: &Study, findings: &Findings) -> StudyFi
         rows: t
             .rows
             .iter()
-            .map(|r| r.iter().map(cell).collect())
+            .map(|r| r.iter().map(&cell).collect())
             .collect(),
     };
     let statement = |(what, number): &(String, String)| StatementFile {

@@ -3,18 +3,15 @@
 //! The trial number selects the random stream of a sensor, so every trial can be repeated separately. Trials run in
 //! parallel and are reduced in order, so the result does not depend on the number of threads.
 
-mod band;
 mod interval;
 pub(crate) mod statistics;
 mod sums;
-mod text;
 
-pub use band::Band;
 pub use interval::Interval;
-pub use statistics::{ParameterStatistics, Statistics, statistics, statistics_of};
+pub use poinsot_formats::{Band, ParameterStatistics, Statistics};
+pub use statistics::{statistics, statistics_of};
 pub(crate) use sums::position;
 pub use sums::{NumberSums, SUMS_SCHEMA, Sums};
-pub use text::statistics_document;
 
 use crate::bind::bind;
 use crate::case::Case;

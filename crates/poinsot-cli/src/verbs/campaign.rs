@@ -3,11 +3,12 @@
 use super::{Failure, Outcome, exit_of, note, print, print_document, print_json};
 use crate::arguments::{Campaign, Emit};
 use poinsot::campaign::{
-    CampaignRequest, CampaignRun, Plan, campaign, campaign_cost, campaign_document, cost_document,
-    merge_campaign, read_plan, slurm_scripts,
+    CampaignRequest, CampaignRun, Plan, campaign, campaign_cost, merge_campaign, read_plan,
+    slurm_scripts,
 };
 use poinsot::{check_outputs, write_files};
 use poinsot_formats::{CampaignFile, WrittenFile};
+use poinsot_report::{campaign_document, cost_document};
 use std::path::Path;
 use std::process::Command;
 
@@ -21,7 +22,7 @@ pub fn run(arguments: &Campaign) -> Outcome {
         plan.set_trials(trials)?;
     }
     if arguments.estimate {
-        let document = cost_document(&plan, &campaign_cost(&plan)?);
+        let document = cost_document(&campaign_cost(&plan)?);
         if !arguments.quiet {
             print_document(&document);
         }
@@ -59,11 +60,11 @@ pub fn run(arguments: &Campaign) -> Outcome {
             )?
         }
     };
-    shown(arguments.json, arguments.quiet, &plan, &ran)
+    shown(arguments.json, arguments.quiet, &ran)
 }
 
 /// Prints the result of a campaign or sweep and returns the exit code.
-pub fn shown(json: bool, quiet: bool, plan: &Plan, ran: &CampaignRun) -> Outcome {
+pub fn shown(json: bool, quiet: bool, ran: &CampaignRun) -> Outcome {
     if !quiet {
         for (shard, why) in ran.damaged.iter().take(10) {
             note(&format!("shard {shard}: {why}"));
@@ -83,7 +84,7 @@ pub fn shown(json: bool, quiet: bool, plan: &Plan, ran: &CampaignRun) -> Outcome
     if json {
         print_json(result);
     } else if !quiet {
-        for document in campaign_document(plan, folded, result) {
+        for document in campaign_document(result, &folded.statistics()) {
             print_document(&document);
             print("\n");
         }

@@ -2,9 +2,12 @@
 
 use super::{Outcome, formats, print, print_document, print_json, written};
 use crate::arguments::{FigureFile, Study};
-use poinsot::study::{document, files, find, findings_file, run as run_study, studies_file};
+use poinsot::study::{
+    files, find, findings_file, printed_findings, run as run_study, studies_file,
+};
 use poinsot::write_files;
 use poinsot_formats::{FINDINGS, FindingsFile, PaperFile};
+use poinsot_report::study_document;
 use std::fmt::Write;
 
 pub fn run(arguments: &Study) -> Outcome {
@@ -23,7 +26,8 @@ pub fn run(arguments: &Study) -> Outcome {
         if arguments.json {
             answers.push(findings_file(paper, study, &findings));
         } else if !arguments.quiet {
-            print_document(&document(paper, study, &findings));
+            let found = printed_findings(paper, study, &findings);
+            print_document(&study_document(&found));
         }
         if let Some(folder) = &arguments.out {
             let paths = write_files(folder, &files(study, &findings, &formats(&figures))?)?;

@@ -36,5 +36,5 @@ pub fn run(arguments: &Sweep) -> Outcome {
         }
         None => campaign_in_memory(&plan)?,
     };
-    shown(arguments.json, arguments.quiet, &plan, &ran)
+    shown(arguments.json, arguments.quiet, &ran)
 }

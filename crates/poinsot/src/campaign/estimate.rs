@@ -5,35 +5,15 @@ use super::plan::{Plan, Shard};
 use super::shard::ShardResult;
 use super::trial::{Prepared, at_once};
 use crate::error::Error;
-use poinsot_figures::{Document, Section, Table};
-use poinsot_files::significant;
+use poinsot_formats::CampaignCost;
 use poinsot_telemetry::RowCells;
 
 /// Least number of trials measured per cell. The first is a warm-up and not counted; kernels measure a block of trials.
 const MEASURED: u64 = 4;
 /// Number of cells measured: the first, the last, and one in between.
 const CELLS: u64 = 3;
-/// Numbers of trials with a reported cost, in addition to the plan's.
-const PRICED: [u64; 2] = [1_000_000, 1_000_000_000];
 /// Target duration of a shard, s: long enough for a scheduler, short enough to lose little.
 const SHARD_S: [f64; 2] = [10.0, 120.0];
-
-/// Cost of the trials of a plan.
-#[derive(Debug, Clone, PartialEq)]
-pub struct CampaignCost {
-    /// CPU time of one trial by all methods, s, averaged over the measured cells.
-    pub seconds: f64,
-    /// Uncompressed bytes of the rows of one trial.
-    pub bytes: f64,
-    /// Peak memory of the process, bytes, if the system reports it.
-    pub memory: Option<u64>,
-    /// Trials of all cells.
-    pub trials: u64,
-    /// Trials per shard for 10 to 120 s.
-    pub block: (u64, u64),
-    /// Trials per shard in the plan.
-    pub planned_block: u64,
-}
 
 /// Runs a few trials on one thread and measures them.
 ///
@@ -70,6 +50,7 @@ fn measured_cost(plan: &Plan) -> Result<CampaignCost, Error> {
     let seconds = seconds / count;
     let in_time = |s: f64| (s / seconds.max(1.0e-9)).ceil() as u64;
     Ok(CampaignCost {
+        name: plan.name.clone(),
         seconds,
         bytes,
         memory: memory(),
@@ -95,51 +76,4 @@ fn memory() -> Option<u64> {
     let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"))?;
     let kib: u64 = line.split_whitespace().next()?.parse().ok()?;
     Some(kib << 10)
-}
-
-/// The cost as a document.
-pub fn cost_document(plan: &Plan, cost: &CampaignCost) -> Document {
-    let mut document = Document::new(format!(
-        "{}: {} s of processor time a trial",
-        plan.name,
-        significant(cost.seconds, 3)
-    ));
-    let mut table = Table::new(&["trials", "core-hours", "disk"]);
-    let mut rows = vec![(cost.trials, "this plan")];
-    rows.extend(PRICED.map(|n| (n, "")));
-    for (trials, word) in rows {
-        table.push(vec![
-            format!("{trials} {word}").trim_end().to_owned(),
-            significant(cost.seconds * trials as f64 / 3600.0, 3),
-            size(cost.bytes * trials as f64),
-        ]);
-    }
-    document.push(Section::table("cost", table));
-    let mut lines = Vec::new();
-    if let Some(memory) = cost.memory {
-        lines.push(format!(
-            "memory: {} with one thread; each further thread adds one trial",
-            size(memory as f64)
-        ));
-    }
-    let (least, most) = cost.block;
-    lines.push(format!(
-        "a shard of 10 to 120 s has {least} to {most} trials; trials_per_shard is {}",
-        cost.planned_block
-    ));
-    lines.push(
-        "measured on this machine without other load; times differ on other machines".to_owned(),
-    );
-    document.push(Section::list("and", lines));
-    document
-}
-
-fn size(bytes: f64) -> String {
-    const UNITS: [&str; 6] = ["B", "kB", "MB", "GB", "TB", "PB"];
-    let (mut x, mut unit) = (bytes, 0);
-    while x >= 1000.0 && unit + 1 < UNITS.len() {
-        x /= 1000.0;
-        unit += 1;
-    }
-    format!("{} {}", significant(x, 3), UNITS[unit])
 }

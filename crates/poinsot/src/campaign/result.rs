@@ -4,7 +4,7 @@ use super::pairs::{PairSums, banded};
 use super::plan::Plan;
 use super::shard::{Found, ShardSums, find, sums_path};
 use crate::error::Error;
-use crate::trials::{Interval, NumberSums, Sums, statistics_of};
+use crate::trials::{Interval, NumberSums, Statistics, Sums, statistics_of};
 use indexmap::IndexMap;
 use poinsot_formats::{
     BandedFile, CAMPAIGN, CampaignFile, CellFile, MethodResultFile, NumberResultFile, PairFile,
@@ -158,6 +158,14 @@ impl Folded {
         let cell = plan.shard(sums.shard).cell as usize;
         let folded = self.cells[cell].add(sums, plan.sampling.is_some());
         folded.map_err(|why| format!("shard {}: {why}", sums.shard))
+    }
+
+    /// The statistics of every method of every cell that has trials.
+    pub fn statistics(&self) -> Vec<Vec<Statistics>> {
+        let cells = self.cells.iter().filter(|c| !c.methods.is_empty());
+        cells
+            .map(|c| c.methods.iter().map(statistics_of).collect())
+            .collect()
     }
 
     /// The statistics of the trials below this number.

@@ -30,7 +30,7 @@ pub use wanted::{Want, estimated_numbers};
 pub use window::{Open, Replaced, Window};
 
 pub use crate::error::{CaseError, CaseFault};
-pub(crate) use describe::{counted, describe_case};
+pub(crate) use describe::describe_case;
 pub(crate) use fault::{CaseText, did_you_mean};
 use planner::Planner;
 use poinsot_dynamics::Tolerance;

@@ -1,6 +1,5 @@
 //! The machine-readable prediction, `poinsot.prediction/2`.
 
-use super::sentence::sentence;
 use super::{Prediction, against_duration_file};
 use crate::estimate_file::{covariance, identifiability, reference};
 use poinsot_formats::{
@@ -8,6 +7,7 @@ use poinsot_formats::{
     WantedFile, address, finite,
 };
 use poinsot_identify::{BodyEstimate, Number, tensor_index};
+use poinsot_report::prediction_sentence;
 
 /// The prediction as a file: sigma and source of every number; null if not identifiable.
 pub fn prediction_file(prediction: &Prediction) -> PredictionFile {
@@ -26,7 +26,7 @@ pub fn prediction_file(prediction: &Prediction) -> PredictionFile {
         unit: p.unit.to_owned(),
         value: p.value,
     });
-    PredictionFile {
+    let mut file = PredictionFile {
         schema: PREDICTION.to_owned(),
         poinsot: env!("CARGO_PKG_VERSION").to_owned(),
         case: prediction.case.clone(),
@@ -34,7 +34,7 @@ pub fn prediction_file(prediction: &Prediction) -> PredictionFile {
         reference: reference(&prediction.model),
         duration_s: prediction.duration_s,
         status: bound.status.name().to_owned(),
-        in_words: sentence(prediction),
+        in_words: String::new(),
         wants: wants.collect(),
         bodies: bodies.map(|b| (b.name.clone(), body(b))).collect(),
         system: bound
@@ -52,7 +52,9 @@ pub fn prediction_file(prediction: &Prediction) -> PredictionFile {
         against_duration: (!prediction.against_duration.is_empty()).then(|| {
             against_duration_file(&prediction.against_duration, prediction.followed.iter())
         }),
-    }
+    };
+    file.in_words = prediction_sentence(&file);
+    file
 }
 
 fn body(b: &BodyEstimate) -> MassFile<PredictedNumberFile> {

@@ -6,8 +6,9 @@ use crate::points;
 use crate::vehicle;
 
 use nalgebra::Matrix3;
-use poinsot::trials::{Statistics, Study, statistics, statistics_document};
+use poinsot::trials::{Statistics, Study, statistics};
 use poinsot_model::{Model, Sensor, SensorKind};
+use poinsot_report::statistics_document;
 use poinsot_spatial::Vector3;
 use points::{add_point, with_point};
 use vehicle::*;

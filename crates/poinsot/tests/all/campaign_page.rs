@@ -3,8 +3,9 @@
 //! `POINSOT_CAMPAIGNS=DIR` records the sums of the finished campaigns `DIR/NAME` first.
 
 use poinsot::campaign::{fold_shards, read_plan};
-use poinsot::trials::{Sums, statistics_document, statistics_of};
+use poinsot::trials::{Sums, statistics_of};
 use poinsot_formats::CampaignFile;
+use poinsot_report::statistics_document;
 use std::path::{Path, PathBuf};
 
 /// Campaigns of the page.

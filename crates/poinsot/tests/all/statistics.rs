@@ -4,13 +4,13 @@
 
 use crate::setups;
 use crate::shared::undiagnosed;
-use poinsot_report::prediction_document;
+use poinsot_report::{prediction_document, statistics_document};
 
 use nalgebra::Matrix3;
 use poinsot::bind::bind;
 use poinsot::case::parse_case;
 use poinsot::predict::{predict, prediction_file};
-use poinsot::trials::{Band, Statistics, Study, statistics, statistics_document};
+use poinsot::trials::{Band, Statistics, Study, statistics};
 use poinsot_dynamics::Tree;
 use poinsot_identify::{
     Estimate, Problem, Settings, Status, TENSOR, linear, maximum_likelihood_with,

@@ -87,7 +87,7 @@ mod tests {
 
     #[test]
     fn unit_bands_are_those_of_tables() {
-        assert!((poinsot_formats::HALF_WIDTH_95 - normal_quantile(0.975)).abs() < 1.0e-12);
+        assert!((crate::HALF_WIDTH_95 - normal_quantile(0.975)).abs() < 1.0e-12);
         // Chi-square with 10 degrees of freedom: 0.05 % at 1.265, 99.95 % at 31.42.
         let band = Band::of_mean_square(10);
         assert!((band.low - 0.1265).abs() < 1.0e-4 && (band.high - 3.1420).abs() < 1.0e-4);

@@ -1,11 +1,50 @@
-//! Statistics of many trials as a terminal document.
+//! Statistics of many trials, of one set-up or of a campaign, as terminal documents.
 
-use super::{Band, Statistics};
+use crate::campaign::table_document;
 use poinsot_figures::{Document, Section, Table};
 use poinsot_files::significant;
+use poinsot_formats::{Band, CampaignFile, MethodResultFile, Statistics};
 
 /// Number of failed trials listed.
 const LISTED: usize = 10;
+/// Largest number of cells times methods with separate tables.
+const DETAILED: usize = 3;
+
+/// The result of a campaign; where that is short, also the statistics of every method with their bands. `statistics`
+/// has one list per cell, with one entry per method.
+pub fn campaign_document(result: &CampaignFile, statistics: &[Vec<Statistics>]) -> Vec<Document> {
+    let mut documents = Vec::new();
+    let shown = result.cells.iter().zip(statistics);
+    let count: usize = result.cells.iter().map(|c| c.methods.len()).sum();
+    for (cell, statistics) in shown.filter(|_| count <= DETAILED) {
+        for (method, statistics) in cell.methods.iter().zip(statistics) {
+            let at = cell.at.iter().map(|(n, x)| format!(", {n} = {x}"));
+            let mut title = cell.experiment.clone();
+            if !result.about.is_empty() {
+                title.push_str(&format!(": {}", result.about));
+            }
+            title.extend(at);
+            if cell.methods.len() > 1 {
+                title.push_str(&format!(", {}", method.method));
+            }
+            let mut document = statistics_document(&title, statistics);
+            document.push(Section::list(
+                "limits of a calibrated estimator",
+                limits(method),
+            ));
+            documents.push(document);
+        }
+    }
+    documents.push(table_document(result));
+    documents
+}
+
+fn limits(method: &MethodResultFile) -> Vec<String> {
+    match method.misses.as_slice() {
+        [] => vec!["calibrated: RMSE/bound <= 1.05, |bias| < 0.1 sigma, coverage 94 to 96 %, NEES in its band, spread within 5 % of predicted".to_owned()],
+        misses => misses.iter().map(|m| format!("missed: {m}")).collect(),
+    }
+}
 
 /// The statistics as a document; values outside their 99.9 % band have an exclamation mark.
 pub fn statistics_document(title: &str, s: &Statistics) -> Document {

@@ -1,0 +1,38 @@
+//! A design in one sentence.
+
+use crate::design::ROUNDED;
+use poinsot_files::significant;
+use poinsot_formats::DesignFile;
+
+/// The result in one sentence.
+pub fn design_sentence(design: &DesignFile) -> String {
+    let seconds = significant(design.duration_s, 4);
+    let of = format!("{} wanted numbers of {}", design.wants.len(), design.model);
+    if let Some(hidden) = design.wants.iter().find(|r| r.sigma.is_none()) {
+        return format!(
+            "No manoeuvre of this kind determines {} within the limits ({seconds} s, {of}).",
+            hidden.name
+        );
+    }
+    if let Some(broken) = design.limits.iter().find(|l| l.margin < -ROUNDED) {
+        return format!(
+            "No manoeuvre was found within the limits: {} is broken.",
+            broken.what
+        );
+    }
+    let ratio = significant(design.worst_ratio.unwrap_or(f64::INFINITY), 3);
+    if design.verdict == "reached" {
+        return format!(
+            "{seconds} s reach all {of}: the largest sigma is {ratio} of the wanted one."
+        );
+    }
+    let active = design.limits.iter().filter(|l| l.active).take(3);
+    let active: Vec<&str> = active.map(|l| l.what.as_str()).collect();
+    let by = match active.is_empty() {
+        true => "the duration".to_owned(),
+        false => active.join(", "),
+    };
+    format!(
+        "{seconds} s do not reach all {of}: the largest sigma is {ratio} of the wanted one. Active limits: {by}."
+    )
+}
