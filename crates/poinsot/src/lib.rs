@@ -35,6 +35,7 @@ pub mod explain;
 pub mod export;
 mod fault_file;
 pub mod identify;
+mod import;
 pub mod methods;
 mod mixups;
 mod motor_torque;
@@ -60,6 +61,7 @@ pub use identify::{
     Gated, Identified, IdentifyRequest, Question, Reading, gated, identify, identify_records,
     identify_tables, segment_files,
 };
+pub use import::import;
 pub use output::{estimate_text, write_estimate, write_result};
 pub use poinsot_formats::EstimateFile;
 pub use poinsot_identify::Coordinates;

@@ -1,16 +1,12 @@
 //! `poinsot import`
 
-use super::{Failure, Outcome, note, print_file, written};
+use super::{Outcome, note, print_file, written};
 use crate::arguments::Import;
 use poinsot::check_outputs;
-use poinsot_model::{parse_model, read_urdf, write_model};
 
 pub fn run(arguments: &Import) -> Outcome {
     check_outputs("-o", arguments.out.as_slice(), &[&arguments.urdf])?;
-    let model = read_urdf(&arguments.urdf).model.map_err(Failure::from)?;
-    let text = write_model(&model);
-    // Validate the output: names and numbers must also meet the rules of the model file.
-    parse_model(&text, &arguments.urdf.display().to_string()).map_err(Failure::from)?;
+    let (model, text) = poinsot::import(&arguments.urdf)?;
     match &arguments.out {
         Some(path) => {
             poinsot::write_file(path, text.as_bytes())?;
