@@ -9,7 +9,7 @@ use poinsot::bind::bind;
 use poinsot::case::{Case, Design, Form, Objective, Scenario, Want};
 use poinsot::simulate::{run, simulate_exact_of};
 use poinsot_dynamics::Tree;
-use poinsot_identify::{Information, Problem, WantedTerm};
+use poinsot_identify::{Information, WantedTerm};
 use poinsot_model::Model;
 use poinsot_solve::{Minimax, Values};
 use rayon::prelude::*;
@@ -181,13 +181,7 @@ impl Question {
         })?;
         let tree = Tree::new(model);
         let bound = bind(model, &tree, &[exact.table])?;
-        let problem = Problem {
-            model,
-            tree: &tree,
-            segments: &bound.segments,
-            noise: &bound.noise,
-            relative_accuracy: 1.0,
-        };
+        let problem = bound.problem(model, &tree);
         let priors = self.design.priors;
         let information = match rows {
             Rows::Share(_) => Information::roughly(&problem, priors)?,

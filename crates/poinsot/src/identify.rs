@@ -1,6 +1,8 @@
 //! The command `identify`: model and telemetry to mass properties.
 
-use crate::bind::{BindError, Bound, acceleration_channels, bind, mountings, wanted_channels};
+use crate::bind::{
+    BindError, Bound, RELATIVE_ACCURACY, acceleration_channels, bind, mountings, wanted_channels,
+};
 use crate::digest::sha256;
 use crate::error::Error;
 use crate::methods::{is_own, methods};
@@ -17,9 +19,6 @@ use poinsot_papers::{Settings as MethodSettings, answered, identify_by, method};
 use poinsot_telemetry::checks::{self, Check, Finding, Policies, Policy};
 use poinsot_telemetry::{Encoding, Origin, Part, ReadOptions, Source, Table, read_parts};
 use std::path::{Path, PathBuf};
-
-/// Default one-sigma accuracy in natural units that counts as identified (docs/reference/interface.md).
-const RELATIVE_ACCURACY: f64 = 1.0;
 
 /// Fraction of dropped samples above which the result is not acceptable.
 const ALLOWED_LOSS: f64 = 0.2;
@@ -449,11 +448,8 @@ fn answer(model: Model, tables: Vec<Table>, question: &Question) -> Result<Ident
     let tree = Tree::new(&model);
     let bound = bind(&model, &tree, &tables)?;
     let problem = Problem {
-        model: &model,
-        tree: &tree,
-        segments: &bound.segments,
-        noise: &bound.noise,
         relative_accuracy: question.relative_accuracy,
+        ..bound.problem(&model, &tree)
     };
     refuse_unsupported(&model, question)?;
     let points = (CURVE_POINTS.1 / tables.len().max(1)).clamp(100, CURVE_POINTS.0);

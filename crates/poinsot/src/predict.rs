@@ -127,11 +127,8 @@ pub fn predict_case(
     let tree = Tree::new(&model);
     let bound = bind(&model, &tree, &[exact.table])?;
     let estimate = predicted_covariance(&Problem {
-        model: &model,
-        tree: &tree,
-        segments: &bound.segments,
-        noise: &bound.noise,
         relative_accuracy,
+        ..bound.problem(&model, &tree)
     })?;
     let met = |want: Want| Met {
         sigma: wanted_sigma(&estimate, &want),

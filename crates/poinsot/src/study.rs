@@ -4,7 +4,7 @@
 //! here by the commands of this crate.
 
 use crate::Error;
-use crate::bind::{acceleration_channels, bind};
+use crate::bind::{RELATIVE_ACCURACY, acceleration_channels, bind};
 use crate::case::{Case, parse_case, read_case};
 use crate::identify::{Question, identify_tables, read_options};
 use crate::predict::predict_case;
@@ -25,9 +25,6 @@ use poinsot_papers::{Method, MethodError};
 use poinsot_spatial::InertialParameters;
 use poinsot_telemetry::{Table, read};
 use std::path::{Path, PathBuf};
-
-/// Accuracy limit of a determined number: the default of `--relative-accuracy`.
-const ACCURACY: f64 = 1.0;
 
 /// Implementation of the tools.
 pub struct Verbs;
@@ -90,7 +87,7 @@ impl Tools for Verbs {
     }
 
     fn bound(&self, case: &CaseText, vehicle: &Model) -> Result<Estimate, StudyError> {
-        Ok(predict_case(&parsed(case)?, vehicle.clone(), ACCURACY)?.bound)
+        Ok(predict_case(&parsed(case)?, vehicle.clone(), RELATIVE_ACCURACY)?.bound)
     }
 
     fn differences(

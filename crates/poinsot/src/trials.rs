@@ -197,11 +197,8 @@ impl Study {
         let tree = Tree::new(model);
         let bound = bind(model, &tree, tables)?;
         let problem = Problem {
-            model,
-            tree: &tree,
-            segments: &bound.segments,
-            noise: &bound.noise,
             relative_accuracy: question.relative_accuracy,
+            ..bound.problem(model, &tree)
         };
         Ok(judged(&estimate_by(&problem, question, diagnose)?, truth))
     }
@@ -214,11 +211,8 @@ impl Study {
         let tree = Tree::new(&self.model);
         let bound = bind(&self.model, &tree, &self.exact)?;
         let problem = Problem {
-            model: &self.model,
-            tree: &tree,
-            segments: &bound.segments,
-            noise: &bound.noise,
             relative_accuracy: question.relative_accuracy,
+            ..bound.problem(&self.model, &tree)
         };
         let own = method(&question.method);
         let own = own.map(|m| m.kernel(&problem, question.variant.as_deref()));
@@ -265,13 +259,7 @@ impl Study {
         let model = self.true_model();
         let tree = Tree::new(&model);
         let bound = bind(&model, &tree, &self.exact)?;
-        Ok(method(&Problem {
-            model: &model,
-            tree: &tree,
-            segments: &bound.segments,
-            noise: &bound.noise,
-            relative_accuracy: 1.0,
-        })?)
+        Ok(method(&bound.problem(&model, &tree))?)
     }
 
     /// The model with the true numbers as nominal ones.

@@ -6,7 +6,7 @@ use poinsot::bind::bind;
 use poinsot::case::read_case;
 use poinsot::trials::Study;
 use poinsot_dynamics::Tree;
-use poinsot_identify::{Problem, Settings, maximum_likelihood_with};
+use poinsot_identify::{Settings, maximum_likelihood_with};
 use poinsot_model::parse_model;
 use std::path::Path;
 
@@ -71,13 +71,7 @@ fn fit((case, added): (&str, &str), rate_hz: f64) -> (usize, u64) {
     let (tables, _) = study.draw(0);
     let tree = Tree::new(&study.model);
     let bound = bind(&study.model, &tree, &tables).unwrap();
-    let problem = Problem {
-        model: &study.model,
-        tree: &tree,
-        segments: &bound.segments,
-        noise: &bound.noise,
-        relative_accuracy: 1.0,
-    };
+    let problem = bound.problem(&study.model, &tree);
     let samples = bound.segments.iter().map(|s| s.observations.time_s.len());
     let samples: usize = samples.sum();
     let options = Settings {

@@ -12,7 +12,7 @@ use poinsot::bind::bind;
 use poinsot::case::{parse_case, read_case};
 use poinsot::trials::Study;
 use poinsot_dynamics::Tree;
-use poinsot_identify::{Diagnostics, FaultKind, Problem, Suspect, maximum_likelihood};
+use poinsot_identify::{Diagnostics, FaultKind, Suspect, maximum_likelihood};
 use poinsot_model::{Model, Orbit, Propellant, read_model};
 use poinsot_spatial::Vector3;
 use poinsot_telemetry::{STANDARD_GRAVITY, Table};
@@ -235,13 +235,7 @@ fn noticeable(fault: &Fault) -> Result<f64, Error> {
         let study = study_at(fault, size)?;
         let tree = Tree::new(&study.model);
         let bound = bind(&study.model, &tree, &study.exact)?;
-        let estimate = maximum_likelihood(&Problem {
-            model: &study.model,
-            tree: &tree,
-            segments: &bound.segments,
-            noise: &bound.noise,
-            relative_accuracy: 1.0,
-        })?;
+        let estimate = maximum_likelihood(&bound.problem(&study.model, &tree))?;
         Ok(estimate.diagnostics.unwrap_or_default())
     };
     let chi2 = left(small)?.chi2;

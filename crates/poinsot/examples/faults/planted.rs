@@ -5,7 +5,7 @@ use poinsot::bind::bind;
 use poinsot::case::read_case;
 use poinsot::trials::Study;
 use poinsot_dynamics::Tree;
-use poinsot_identify::{FaultKind, Problem, maximum_likelihood};
+use poinsot_identify::{FaultKind, maximum_likelihood};
 use poinsot_model::{SensorKind, read_model};
 use poinsot_spatial::Vector3;
 use poinsot_telemetry::{Channel, Table, check_conventions};
@@ -366,14 +366,8 @@ pub fn diagnosed(study: &Study, tables: &[Table]) -> Result<(Vec<Said>, bool), S
     }
     let tree = Tree::new(&study.model);
     let bound = bind(&study.model, &tree, tables).map_err(|e| e.to_string())?;
-    let estimate = maximum_likelihood(&Problem {
-        model: &study.model,
-        tree: &tree,
-        segments: &bound.segments,
-        noise: &bound.noise,
-        relative_accuracy: 1.0,
-    })
-    .map_err(|e| e.to_string())?;
+    let estimate =
+        maximum_likelihood(&bound.problem(&study.model, &tree)).map_err(|e| e.to_string())?;
     let doubted = !estimate.passes();
     let found = estimate.diagnostics.map(|d| d.findings).unwrap_or_default();
     let said = found.into_iter();

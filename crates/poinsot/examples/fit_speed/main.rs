@@ -11,7 +11,7 @@ use poinsot::case::read_case;
 use poinsot::identify::read_options;
 use poinsot::trials::Study;
 use poinsot_dynamics::Tree;
-use poinsot_identify::{Estimate, Problem, Settings, maximum_likelihood_with, tensor_index};
+use poinsot_identify::{Estimate, Settings, maximum_likelihood_with, tensor_index};
 use poinsot_model::{Model, read_model};
 use poinsot_telemetry::{Table, read};
 use std::error::Error;
@@ -47,13 +47,7 @@ fn estimate(
     let began = Instant::now();
     let tree = Tree::new(model);
     let bound = bind(model, &tree, tables)?;
-    let problem = Problem {
-        model,
-        tree: &tree,
-        segments: &bound.segments,
-        noise: &bound.noise,
-        relative_accuracy: 1.0,
-    };
+    let problem = bound.problem(model, &tree);
     let options = Settings {
         undiagnosed: trial,
         ..Settings::default()

@@ -7,7 +7,7 @@ use super::throws::recording::Recording;
 use nalgebra::{Matrix3, SMatrix, Vector3};
 use poinsot::bind::bind;
 use poinsot_dynamics::Tree;
-use poinsot_identify::{Loss, Prediction, Problem, TENSOR, maximum_likelihood_predicted};
+use poinsot_identify::{Loss, Prediction, TENSOR, maximum_likelihood_predicted};
 use poinsot_model::{Model, Nuisance, RandomTorque, Sensor, SensorKind};
 
 /// Covariance of the six tensor elements in the order of [`TENSOR`].
@@ -112,13 +112,7 @@ fn fit_from(model: &Model, throws: &[&Recording], declared: &Declared) -> Result
     let tables: Vec<_> = throws.iter().map(|t| table(t, 0, t.time_s.len())).collect();
     let tree = Tree::new(&model);
     let bound = bind(&model, &tree, &tables)?;
-    let problem = Problem {
-        model: &model,
-        tree: &tree,
-        segments: &bound.segments,
-        noise: &bound.noise,
-        relative_accuracy: 1.0,
-    };
+    let problem = bound.problem(&model, &tree);
     let (estimate, predictions) =
         maximum_likelihood_predicted(&problem, Loss::Gaussian, usize::MAX)?;
     let J = model.wheels[0].spin_inertia;

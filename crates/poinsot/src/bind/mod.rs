@@ -29,11 +29,14 @@ pub use crate::error::BindError;
 use driven_wheels::DrivenWheels;
 use noise::declared_noise;
 use poinsot_dynamics::Tree;
-use poinsot_identify::{Noise, Samples, Segment};
+use poinsot_identify::{Noise, Problem, Samples, Segment};
 use poinsot_model::{Model, MomentumKnowledge, SensorKind};
 use poinsot_telemetry::Table;
 use sensors::BaseSensors;
 use std::collections::HashSet;
+
+/// Default one-sigma accuracy in natural units that counts as identified (docs/reference/interface.md).
+pub(crate) const RELATIVE_ACCURACY: f64 = 1.0;
 
 /// The input of an estimator.
 pub struct Bound {
@@ -47,6 +50,19 @@ pub struct Bound {
     pub repairs: Vec<String>,
     /// Largest fraction of samples dropped from a segment.
     pub dropped: f64,
+}
+
+impl Bound {
+    /// The problem of these data for the model and tree to which they were bound, with the default accuracy.
+    pub fn problem<'a>(&'a self, model: &'a Model, tree: &'a Tree) -> Problem<'a> {
+        Problem {
+            model,
+            tree,
+            segments: &self.segments,
+            noise: &self.noise,
+            relative_accuracy: RELATIVE_ACCURACY,
+        }
+    }
 }
 
 /// Binds the tables of all segments to the model.

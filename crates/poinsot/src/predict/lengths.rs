@@ -41,11 +41,8 @@ pub fn against_duration(
         // A record with too few samples determines nothing.
         let estimate = bound.and_then(|bound| {
             predicted_covariance(&Problem {
-                model,
-                tree: &tree,
-                segments: &bound.segments,
-                noise: &bound.noise,
                 relative_accuracy,
+                ..bound.problem(model, &tree)
             })
             .ok()
         });

@@ -11,7 +11,7 @@ use crate::simulate::perfect_table;
 use nalgebra::Quaternion;
 use poinsot_dynamics::Tree;
 use poinsot_identify::{
-    CompletedVehicle, HeldBack, PredictedChannel, Prediction, Problem, SegmentFit, held_back,
+    CompletedVehicle, HeldBack, PredictedChannel, Prediction, SegmentFit, held_back,
 };
 use poinsot_model::{JointKind, Model, Sensor, SensorKind, printed_unit};
 use poinsot_spatial::{UnitQuaternion, Vector3};
@@ -285,13 +285,7 @@ fn look(
         spin_inertia: Vec::new(),
         thrust_factor: factors.collect(),
     };
-    let problem = Problem {
-        model: &mover.model,
-        tree: &tree,
-        segments: &bound.segments,
-        noise: &bound.noise,
-        relative_accuracy: 1.0,
-    };
+    let problem = bound.problem(&mover.model, &tree);
     Ok((held_back(&problem, &vehicle, points)?, bound.repairs))
 }
 

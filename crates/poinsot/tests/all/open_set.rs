@@ -6,7 +6,7 @@ use crate::remedies::{one_axis, spinning};
 use crate::vehicle::{Dice, ask, fly, rotation_only, tree};
 use poinsot::bind::bind;
 use poinsot_dynamics::Tree;
-use poinsot_identify::{Barycentric, Evaluator, Identifiability, Problem, split};
+use poinsot_identify::{Barycentric, Evaluator, Identifiability, split};
 use poinsot_model::{Joint, JointKind, Model};
 use poinsot_spatial::{InertialParameters, Matrix3, Vector3};
 use poinsot_testkit::momentum_sum::{
@@ -60,13 +60,7 @@ fn exact_chi_square_is_the_same_at_every_point_of_a_walk() {
     assert!(!open.is_empty());
     let tree = Tree::new(&model);
     let bound = bind(&model, &tree, &[record]).unwrap();
-    let problem = Problem {
-        model: &model,
-        tree: &tree,
-        segments: &bound.segments,
-        noise: &bound.noise,
-        relative_accuracy: 1.0,
-    };
+    let problem = bound.problem(&model, &tree);
     let evaluator = Evaluator::new(&problem).unwrap();
     for direction in open {
         assert_eq!(direction.walk.len(), 6, "{}", direction.text);

@@ -5,7 +5,7 @@ use poinsot::bind::bind;
 use poinsot::identify::read_options;
 use poinsot_dynamics::Tree;
 use poinsot_identify::{
-    Effect, Estimate, Evidence, Problem, ProblemError, Settings, maximum_likelihood_with,
+    Effect, Estimate, Evidence, ProblemError, Settings, maximum_likelihood_with,
 };
 use poinsot_model::{Model, parse_model, read_model};
 use poinsot_telemetry::read;
@@ -15,13 +15,7 @@ fn asked(model: &Model, settings: Settings) -> Result<Estimate, ProblemError> {
     let table = read(&[example(STSAT3)], &options).unwrap();
     let tree = Tree::new(model);
     let bound = bind(model, &tree, &[table]).unwrap();
-    let problem = Problem {
-        model,
-        tree: &tree,
-        segments: &bound.segments,
-        noise: &bound.noise,
-        relative_accuracy: 1.0,
-    };
+    let problem = bound.problem(model, &tree);
     maximum_likelihood_with(&problem, settings)
 }
 

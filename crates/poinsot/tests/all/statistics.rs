@@ -12,9 +12,7 @@ use poinsot::case::parse_case;
 use poinsot::predict::{predict, prediction_file};
 use poinsot::trials::{Band, Statistics, Study, statistics};
 use poinsot_dynamics::Tree;
-use poinsot_identify::{
-    Estimate, Problem, Settings, Status, TENSOR, linear, maximum_likelihood_with,
-};
+use poinsot_identify::{Estimate, Settings, Status, TENSOR, linear, maximum_likelihood_with};
 use poinsot_model::{SensorKind, read_model};
 use setups::study;
 use std::path::{Path, PathBuf};
@@ -129,13 +127,7 @@ fn stat_no_honest_trial_is_doubted() {
             let (tables, _) = study.draw(trial);
             let tree = Tree::new(&study.model);
             let bound = bind(&study.model, &tree, &tables).unwrap();
-            let problem = Problem {
-                model: &study.model,
-                tree: &tree,
-                segments: &bound.segments,
-                noise: &bound.noise,
-                relative_accuracy: 1.0,
-            };
+            let problem = bound.problem(&study.model, &tree);
             let answer = maximum_likelihood_with(&problem, Settings::default()).unwrap();
             assert!(
                 answer.doubts().is_empty(),
@@ -187,13 +179,7 @@ fn stat_covariance_of_mass_properties_and_nuisances_together_is_that_of_the_erro
     for trial in 0..trials {
         let (tables, biases) = study.draw(trial);
         let bound = bind(model, &tree, &tables).unwrap();
-        let problem = Problem {
-            model,
-            tree: &tree,
-            segments: &bound.segments,
-            noise: &bound.noise,
-            relative_accuracy: 1.0,
-        };
+        let problem = bound.problem(model, &tree);
         let answer = undiagnosed(&problem);
         let body = &answer.bodies[0];
         let value = |n: &poinsot_identify::Number| n.value.unwrap();
@@ -238,14 +224,7 @@ fn linear_answer(study: &Study, trial: u64) -> Option<Estimate> {
     let (tables, _) = study.draw(trial);
     let tree = Tree::new(&study.model);
     let bound = bind(&study.model, &tree, &tables).ok()?;
-    linear(&Problem {
-        model: &study.model,
-        tree: &tree,
-        segments: &bound.segments,
-        noise: &bound.noise,
-        relative_accuracy: 1.0,
-    })
-    .ok()
+    linear(&bound.problem(&study.model, &tree)).ok()
 }
 
 /// Noise of measured positions accumulates in `p x F dt`: the inertia has errors up to 80 sigmas of the rows alone.
@@ -274,14 +253,7 @@ fn exact_the_linear_method_under_thrust_answers_noise_free_records() {
     for nominal in &mut study.model.bodies {
         nominal.nominal.mass *= 1.01;
     }
-    let answer = linear(&Problem {
-        model: &study.model,
-        tree: &tree,
-        segments: &bound.segments,
-        noise: &bound.noise,
-        relative_accuracy: 1.0,
-    })
-    .unwrap();
+    let answer = linear(&bound.problem(&study.model, &tree)).unwrap();
     assert_eq!(answer.status, Status::Converged, "{:?}", answer.warnings);
     assert!(answer.covariance_trustworthy());
     let error = answer.bodies[0].mass.value.unwrap() / study.truth[0].mass - 1.0;

@@ -4,19 +4,14 @@ use crate::shared::shipped;
 use poinsot::case::{Case, parse_case, read_case};
 use poinsot::simulate::simulate_trial;
 use poinsot::validate::*;
-use poinsot::{Identified, IdentifyRequest, Question, identify, write_estimate};
+use poinsot::{Identified, IdentifyRequest, identify, write_estimate};
 use poinsot_model::{Model, read_model};
 use std::path::Path;
 
 fn xu(runs: std::ops::RangeInclusive<usize>) -> Identified {
-    let run = |k| vec![shipped().join(format!("xu2017/C{k}/telemetry.parquet"))];
-    identify(&IdentifyRequest {
-        model: shipped().join("xu2017/model.toml"),
-        segments: runs.map(run).collect(),
-        question: Question::by("linear"),
-        ..IdentifyRequest::default()
-    })
-    .unwrap()
+    let run = |k| shipped().join(format!("xu2017/C{k}/telemetry.parquet"));
+    let model = shipped().join("xu2017/model.toml");
+    identify(&IdentifyRequest::new(model, runs.map(run)).by("linear")).unwrap()
 }
 
 fn table13(estimate: &Path) -> ValidateRequest {

@@ -5,7 +5,7 @@ use super::{Fault, Settings};
 use nalgebra::Matrix3;
 use poinsot::bind::bind;
 use poinsot_dynamics::Tree;
-use poinsot_identify::{Problem, TENSOR, linear};
+use poinsot_identify::{TENSOR, linear};
 use poinsot_model::{Model, SensorKind};
 use poinsot_telemetry::{Channel, Source, Table};
 use std::sync::Arc;
@@ -54,13 +54,7 @@ fn weigh_torque(model: &mut Model) -> Result<(), Fault> {
 fn identify(model: &Model, tables: &[Table]) -> Result<Matrix3<f64>, Fault> {
     let tree = Tree::new(model);
     let bound = bind(model, &tree, tables)?;
-    let estimate = linear(&Problem {
-        model,
-        tree: &tree,
-        segments: &bound.segments,
-        noise: &bound.noise,
-        relative_accuracy: 1.0,
-    })?;
+    let estimate = linear(&bound.problem(model, &tree))?;
     let mut tensor = Matrix3::zeros();
     for ((i, j), number) in TENSOR.iter().zip(&estimate.bodies[0].inertia) {
         let value = number.value.ok_or("an inertia entry is not identifiable")?;
