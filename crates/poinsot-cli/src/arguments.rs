@@ -108,6 +108,28 @@ pub enum FigureFile {
     Png,
 }
 
+/// How a result is printed.
+#[derive(Debug, Args)]
+pub struct Print {
+    /// Print the result as JSON on standard output.
+    #[arg(long)]
+    pub json: bool,
+    /// Print only errors; the exit code tells the result. Excludes --json.
+    #[arg(long, conflicts_with = "json")]
+    pub quiet: bool,
+}
+
+/// How written files are listed.
+#[derive(Debug, Args)]
+pub struct PrintWritten {
+    /// Print what was written as JSON on standard output.
+    #[arg(long)]
+    pub json: bool,
+    /// Print only errors; excludes --json.
+    #[arg(long, conflicts_with = "json")]
+    pub quiet: bool,
+}
+
 /// Arguments of `identify`.
 #[derive(Debug, Args)]
 pub struct Identify {
@@ -145,12 +167,9 @@ pub struct Identify {
     /// Coordinates of the fit: physical keeps every unknown body physical, linear allows a tensor that is not physical
     #[arg(long, default_value = Coordinates::NAMES[0], value_parser = Coordinates::NAMES, value_name = "COORDINATES")]
     pub coordinates: String,
-    /// Print the result as JSON on standard output.
-    #[arg(long)]
-    pub json: bool,
-    /// Print only errors; excludes --json.
-    #[arg(long, conflicts_with = "json")]
-    pub quiet: bool,
+    /// How the answer is printed.
+    #[command(flatten)]
+    pub print: Print,
     /// Also print the fit and every check.
     #[arg(long, conflicts_with_all = ["json", "quiet"])]
     pub verbose: bool,
@@ -263,12 +282,9 @@ pub struct Export {
 pub struct Explain {
     /// Code, for example E0203.
     pub code: Option<String>,
-    /// Print as JSON.
-    #[arg(long)]
-    pub json: bool,
-    /// Print only errors: the exit code says whether the code exists; excludes --json.
-    #[arg(long, conflicts_with = "json")]
-    pub quiet: bool,
+    /// How the answer is printed.
+    #[command(flatten)]
+    pub print: Print,
 }
 
 /// Arguments of `methods`.
@@ -276,12 +292,9 @@ pub struct Explain {
 pub struct Methods {
     /// One method; all without it.
     pub name: Option<String>,
-    /// Print as JSON.
-    #[arg(long)]
-    pub json: bool,
-    /// Print only errors: the exit code says whether the method exists; excludes --json.
-    #[arg(long, conflicts_with = "json")]
-    pub quiet: bool,
+    /// How the answer is printed.
+    #[command(flatten)]
+    pub print: Print,
 }
 
 /// Arguments of `study`.
@@ -302,12 +315,9 @@ pub struct Study {
     /// Formats of the figures: svg, png, or both.
     #[arg(long, value_delimiter = ',', value_name = "FORMAT", requires = "out")]
     pub figures: Vec<FigureFile>,
-    /// Print as JSON, numbers with all their digits.
-    #[arg(long)]
-    pub json: bool,
-    /// Print only errors; excludes --json.
-    #[arg(long, conflicts_with = "json")]
-    pub quiet: bool,
+    /// How the answer is printed.
+    #[command(flatten)]
+    pub print: Print,
 }
 
 /// Arguments of `simulate`.
@@ -318,12 +328,9 @@ pub struct Simulate {
     /// Folder for telemetry and truth.json; created if missing.
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
-    /// Print what was written as JSON on standard output.
-    #[arg(long)]
-    pub json: bool,
-    /// Print only errors; excludes --json.
-    #[arg(long, conflicts_with = "json")]
-    pub quiet: bool,
+    /// How the answer is printed.
+    #[command(flatten)]
+    pub print: PrintWritten,
 }
 
 /// Arguments of `predict`.
@@ -341,12 +348,9 @@ pub struct Predict {
     /// Largest one-sigma uncertainty, relative to nominal, of a number that is printed.
     #[arg(long, default_value_t = 1.0)]
     pub relative_accuracy: f64,
-    /// Print as JSON.
-    #[arg(long)]
-    pub json: bool,
-    /// Print only errors: the exit code is the answer; excludes --json.
-    #[arg(long, conflicts_with = "json")]
-    pub quiet: bool,
+    /// How the answer is printed.
+    #[command(flatten)]
+    pub print: Print,
 }
 
 /// Arguments of `design`.
@@ -367,12 +371,9 @@ pub struct Design {
     /// propellant, ...
     #[arg(long, value_name = "LIMIT")]
     pub front: Option<String>,
-    /// Print as JSON.
-    #[arg(long)]
-    pub json: bool,
-    /// Print only errors: the exit code is the answer; excludes --json.
-    #[arg(long, conflicts_with = "json")]
-    pub quiet: bool,
+    /// How the answer is printed.
+    #[command(flatten)]
+    pub print: Print,
 }
 
 /// Arguments of `validate`.
@@ -402,12 +403,9 @@ pub struct Validate {
     /// Folder for validation.json and histories.csv; created if missing.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Print the result as JSON on standard output.
-    #[arg(long)]
-    pub json: bool,
-    /// Print only errors; excludes --json.
-    #[arg(long, conflicts_with = "json")]
-    pub quiet: bool,
+    /// How the answer is printed.
+    #[command(flatten)]
+    pub print: Print,
     /// Treat every repair as an error.
     #[arg(long)]
     pub strict: bool,
@@ -463,12 +461,9 @@ pub struct Campaign {
     /// Write scheduler scripts into DIR/slurm without running anything.
     #[arg(long, value_enum, value_name = "SCHEDULER", requires = "out")]
     pub emit: Option<Emit>,
-    /// Print the result as JSON on standard output.
-    #[arg(long)]
-    pub json: bool,
-    /// Print only errors; excludes --json.
-    #[arg(long, conflicts_with = "json")]
-    pub quiet: bool,
+    /// How the answer is printed.
+    #[command(flatten)]
+    pub print: Print,
 }
 
 fn share(text: &str) -> Result<(u64, u64), String> {
@@ -523,12 +518,9 @@ pub struct Sweep {
     /// Run only the missing shards.
     #[arg(long, requires = "out")]
     pub resume: bool,
-    /// Print the result as JSON on standard output.
-    #[arg(long)]
-    pub json: bool,
-    /// Print only errors; excludes --json.
-    #[arg(long, conflicts_with = "json")]
-    pub quiet: bool,
+    /// How the answer is printed.
+    #[command(flatten)]
+    pub print: Print,
 }
 
 /// Arguments of `compare`.
@@ -537,12 +529,9 @@ pub struct Compare {
     /// Folders of identify --out, or their estimate.json; two or more. Telemetry of different answers must be different.
     #[arg(value_name = "ANSWER", required = true)]
     pub answers: Vec<PathBuf>,
-    /// Print the result as JSON on standard output.
-    #[arg(long)]
-    pub json: bool,
-    /// Print only errors; excludes --json.
-    #[arg(long, conflicts_with = "json")]
-    pub quiet: bool,
+    /// How the answer is printed.
+    #[command(flatten)]
+    pub print: Print,
 }
 
 /// Arguments of `schema`.
@@ -567,12 +556,9 @@ pub struct Report {
     /// Also write every figure as a file in DIR/figures: svg, png, or both.
     #[arg(long, value_delimiter = ',', value_name = "FORMAT")]
     pub figures: Vec<FigureFile>,
-    /// Print what was written as JSON on standard output.
-    #[arg(long)]
-    pub json: bool,
-    /// Print only errors; excludes --json.
-    #[arg(long, conflicts_with = "json")]
-    pub quiet: bool,
+    /// How the answer is printed.
+    #[command(flatten)]
+    pub print: PrintWritten,
 }
 
 /// Arguments of `inspect`.
@@ -586,12 +572,9 @@ pub struct Inspect {
     /// File whose `[telemetry]` table replaces that of the model.
     #[arg(long, value_name = "MAP.toml")]
     pub map: Option<PathBuf>,
-    /// Print as JSON.
-    #[arg(long)]
-    pub json: bool,
-    /// Print only errors: the exit code is the answer; excludes --json.
-    #[arg(long, conflicts_with = "json")]
-    pub quiet: bool,
+    /// How the answer is printed.
+    #[command(flatten)]
+    pub print: Print,
     /// Keep the complete rows of a file that ends inside a row.
     #[arg(long)]
     pub recover: bool,
@@ -606,23 +589,17 @@ pub struct Check {
     /// Model (TOML or URDF), map of telemetry, case, plan, or answer of `identify`.
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
-    /// Print as JSON.
-    #[arg(long)]
-    pub json: bool,
-    /// Print only errors: the exit code is the answer; excludes --json.
-    #[arg(long, conflicts_with = "json")]
-    pub quiet: bool,
+    /// How the answer is printed.
+    #[command(flatten)]
+    pub print: Print,
 }
 
 /// Arguments of `units`.
 #[derive(Debug, Args)]
 pub struct Units {
-    /// Print as JSON, with the factors to SI.
-    #[arg(long)]
-    pub json: bool,
-    /// Print only errors; excludes --json.
-    #[arg(long, conflicts_with = "json")]
-    pub quiet: bool,
+    /// How the answer is printed.
+    #[command(flatten)]
+    pub print: Print,
 }
 
 /// Arguments of `completions`.
@@ -638,10 +615,7 @@ pub struct Man {
     /// Folder for poinsot.1 and the pages of its commands; created if missing.
     #[arg(value_name = "DIR")]
     pub folder: PathBuf,
-    /// Print what was written as JSON on standard output.
-    #[arg(long)]
-    pub json: bool,
-    /// Print only errors; excludes --json.
-    #[arg(long, conflicts_with = "json")]
-    pub quiet: bool,
+    /// How the answer is printed.
+    #[command(flatten)]
+    pub print: PrintWritten,
 }

@@ -23,7 +23,7 @@ pub fn run(arguments: &Campaign) -> Outcome {
     }
     if arguments.estimate {
         let document = cost_document(&campaign_cost(&plan)?);
-        if !arguments.quiet {
+        if !arguments.print.quiet {
             print_document(&document);
         }
         return Ok(0);
@@ -60,7 +60,7 @@ pub fn run(arguments: &Campaign) -> Outcome {
             )?
         }
     };
-    shown(arguments.json, arguments.quiet, &ran)
+    shown(arguments.print.json, arguments.print.quiet, &ran)
 }
 
 /// Prints the result of a campaign or sweep and returns the exit code.
@@ -120,7 +120,7 @@ fn emit(arguments: &Campaign, plan: &Plan, out: &Path) -> Outcome {
     let whole = |path: &Path| here.join(path).display().to_string();
     let files = slurm_scripts(plan, &whole(&arguments.plan), &whole(out));
     let written = write_files(&out.join("slurm"), &files)?;
-    super::written(&written, arguments.json, arguments.quiet);
+    super::written(&written, arguments.print.json, arguments.print.quiet);
     Ok(0)
 }
 

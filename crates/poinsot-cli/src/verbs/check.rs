@@ -6,9 +6,9 @@ use poinsot::check::check;
 
 pub fn run(arguments: &Check) -> Outcome {
     let found = check(&arguments.file)?;
-    if arguments.json {
+    if arguments.print.json {
         print_json(&found);
-    } else if !arguments.quiet {
+    } else if !arguments.print.quiet {
         print(&format!("{}\n", found.content));
     }
     Ok(0)

@@ -9,9 +9,9 @@ pub fn run(arguments: &Compare) -> Outcome {
     let comparison = compare(&CompareRequest {
         answers: arguments.answers.clone(),
     })?;
-    if arguments.json {
+    if arguments.print.json {
         print_json(&comparison);
-    } else if !arguments.quiet {
+    } else if !arguments.print.quiet {
         print_document(&comparison_document(&comparison));
     }
     Ok(exit_of(comparison.passes()))

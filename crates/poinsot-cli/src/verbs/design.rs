@@ -35,12 +35,12 @@ pub fn run(arguments: &Design) -> Outcome {
         Some(folder) => write_design(folder, &designed, &case.model)?,
         None => Vec::new(),
     };
-    if arguments.json {
+    if arguments.print.json {
         print_json(&design_file(&designed));
-    } else if !arguments.quiet {
+    } else if !arguments.print.quiet {
         print_document(&design_document(&design_file(&designed)));
     }
-    for path in written.iter().filter(|_| !arguments.quiet) {
+    for path in written.iter().filter(|_| !arguments.print.quiet) {
         note(&format!("written: {}", path.display()));
     }
     Ok(exit_of(designed.passes()))

@@ -13,9 +13,9 @@ pub fn run(arguments: &Explain) -> Outcome {
             why: "there is no such code; run `poinsot explain` for all".to_owned(),
         })?],
     };
-    if arguments.json {
+    if arguments.print.json {
         print_json(&codes_file(&codes));
-    } else if arguments.quiet {
+    } else if arguments.print.quiet {
         return Ok(0);
     } else if arguments.code.is_some() {
         codes.iter().for_each(|c| print(&c.to_string()));

@@ -58,16 +58,16 @@ pub fn run(arguments: &Identify) -> Outcome {
         )?,
         None => Vec::new(),
     };
-    if arguments.json {
+    if arguments.print.json {
         print_json(&estimate_file(&identified));
-    } else if !arguments.quiet {
+    } else if !arguments.print.quiet {
         let detail = match arguments.verbose {
             true => Detail::Everything,
             false => Detail::Answer,
         };
         print_document(&estimate_document(&estimate_file(&identified), detail));
     }
-    for path in written.iter().filter(|_| !arguments.quiet) {
+    for path in written.iter().filter(|_| !arguments.print.quiet) {
         note(&format!("written: {}", path.display()));
     }
     Ok(exit_of(identified.passes()))

@@ -18,9 +18,9 @@ pub fn run(arguments: &Inspect) -> Outcome {
     let files = segment_files(&arguments.telemetry);
     let (model, map) = (arguments.model.as_deref(), arguments.map.as_deref());
     let found = inspect(&files, &options, model, map)?;
-    if arguments.json {
+    if arguments.print.json {
         print_json(&inspection_file(found));
-    } else if !arguments.quiet {
+    } else if !arguments.print.quiet {
         print(&format!("{found}\n"));
     }
     Ok(0)

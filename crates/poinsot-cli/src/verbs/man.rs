@@ -15,7 +15,7 @@ pub fn run(arguments: &Man) -> Outcome {
         pages.push(page(verb, &name));
     }
     let paths = write_files(&arguments.folder, &pages)?;
-    written(&paths, arguments.json, arguments.quiet);
+    written(&paths, arguments.print.json, arguments.print.quiet);
     Ok(0)
 }
 

@@ -20,9 +20,9 @@ pub fn run(arguments: &Methods) -> Outcome {
             .into());
         }
     }
-    if arguments.json {
+    if arguments.print.json {
         print_json(&methods_file(&listed));
-    } else if !arguments.quiet {
+    } else if !arguments.print.quiet {
         let texts: Vec<String> = listed.iter().map(text).collect();
         print(&texts.join("\n"));
     }

@@ -18,14 +18,14 @@ pub fn run(arguments: &Predict) -> Outcome {
     let all = predict_all(&arguments.cases, accuracy, arguments.durations)?;
     write_predictions(&paths, &all)?;
     let files: Vec<PredictionFile> = all.iter().map(prediction_file).collect();
-    match (arguments.json, files.as_slice()) {
+    match (arguments.print.json, files.as_slice()) {
         (true, [one]) => print_json(one),
         (true, several) => print_json(&several),
-        (false, _) if arguments.quiet => {}
+        (false, _) if arguments.print.quiet => {}
         (false, [one]) => print_document(&prediction_document(one)),
         (false, several) => print_document(&several_document(several)),
     }
-    for path in paths.iter().filter(|_| !arguments.quiet) {
+    for path in paths.iter().filter(|_| !arguments.print.quiet) {
         note(&format!("written: {}", path.display()));
     }
     Ok(exit_of(all.iter().all(Prediction::passes)))

@@ -10,6 +10,6 @@ pub fn run(arguments: &Report) -> Outcome {
         &arguments.compare,
         &formats(&arguments.figures),
     )?;
-    written(&paths, arguments.json, arguments.quiet);
+    written(&paths, arguments.print.json, arguments.print.quiet);
     Ok(0)
 }

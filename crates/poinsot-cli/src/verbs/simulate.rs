@@ -8,8 +8,8 @@ pub fn run(arguments: &Simulate) -> Outcome {
     let made = simulate(&arguments.case, &arguments.out)?;
     written(
         &[made.telemetry, made.truth],
-        arguments.json,
-        arguments.quiet,
+        arguments.print.json,
+        arguments.print.quiet,
     );
     Ok(0)
 }

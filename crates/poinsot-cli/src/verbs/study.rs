@@ -23,19 +23,19 @@ pub fn run(arguments: &Study) -> Outcome {
     let mut answers = Vec::new();
     for (paper, study) in chosen {
         let findings = run_study(study, &arguments.data)?;
-        if arguments.json {
+        if arguments.print.json {
             answers.push(findings_file(paper, study, &findings));
-        } else if !arguments.quiet {
+        } else if !arguments.print.quiet {
             let found = printed_findings(paper, study, &findings);
             print_document(&study_document(&found));
         }
         if let Some(folder) = &arguments.out {
             let paths = write_files(folder, &files(study, &findings, &formats(&figures))?)?;
             // With --json, the written files are not listed.
-            written(&paths, false, arguments.quiet || arguments.json);
+            written(&paths, false, arguments.print.quiet || arguments.print.json);
         }
     }
-    if arguments.json {
+    if arguments.print.json {
         print_json(&FindingsFile {
             schema: FINDINGS.to_owned(),
             findings: answers,
@@ -46,11 +46,11 @@ pub fn run(arguments: &Study) -> Outcome {
 
 fn list(arguments: &Study) {
     let all = studies_file(arguments.paper.as_deref());
-    if arguments.json {
+    if arguments.print.json {
         print_json(&all);
         return;
     }
-    if arguments.quiet {
+    if arguments.print.quiet {
         return;
     }
     let mut out = String::new();

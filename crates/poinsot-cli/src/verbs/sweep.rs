@@ -36,5 +36,5 @@ pub fn run(arguments: &Sweep) -> Outcome {
         }
         None => campaign_in_memory(&plan)?,
     };
-    shown(arguments.json, arguments.quiet, &ran)
+    shown(arguments.print.json, arguments.print.quiet, &ran)
 }

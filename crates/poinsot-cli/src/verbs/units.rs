@@ -6,11 +6,11 @@ use poinsot::units_file;
 use poinsot_telemetry::{Dimension, units};
 
 pub fn run(arguments: &Units) -> Outcome {
-    if arguments.json {
+    if arguments.print.json {
         print_json(&units_file());
         return Ok(0);
     }
-    if arguments.quiet {
+    if arguments.print.quiet {
         return Ok(0);
     }
     let mut dimensions: Vec<Dimension> = Vec::new();

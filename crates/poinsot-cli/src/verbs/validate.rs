@@ -40,12 +40,12 @@ pub fn run(arguments: &Validate) -> Outcome {
         None => Vec::new(),
     };
     let file = validation_file(&validation);
-    if arguments.json {
+    if arguments.print.json {
         print_json(&file);
-    } else if !arguments.quiet {
+    } else if !arguments.print.quiet {
         print_document(&validation_document(&file));
     }
-    for path in written.iter().filter(|_| !arguments.quiet) {
+    for path in written.iter().filter(|_| !arguments.print.quiet) {
         note(&format!("written: {}", path.display()));
     }
     Ok(exit_of(validation.passes()))
