@@ -2,16 +2,12 @@
 //! terminal. Library crates report progress as `tracing` events of one target.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use poinsot::{Listener, Step};
 use std::io::IsTerminal;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
-use tracing::field::{Field, Visit};
-use tracing::span::{Attributes, Id, Record};
-use tracing::{Event, Metadata, Subscriber};
 
-/// `tracing` target of progress events.
-const TARGET: &str = "poinsot::progress";
 /// Delay before the bar appears.
 const PATIENCE: Duration = Duration::from_secs(2);
 
@@ -31,7 +27,8 @@ impl Progress {
         let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden());
         bar.set_style(open());
         bar.set_message("working");
-        let listener = Listener { bar: bar.clone() };
+        let drawn = bar.clone();
+        let listener = Listener(move |step| draw(&drawn, step));
         if tracing::subscriber::set_global_default(listener).is_err() {
             return Self { bar: None, done };
         }
@@ -79,70 +76,16 @@ fn closed(bound: bool) -> ProgressStyle {
     })
 }
 
-/// One progress event.
-#[derive(Default)]
-struct Step {
-    stage: String,
-    done: u64,
-    total: u64,
-    bound: bool,
-}
-
-impl Visit for Step {
-    fn record_str(&mut self, field: &Field, value: &str) {
-        if field.name() == "stage" {
-            self.stage = value.chars().filter(|c| !c.is_control()).collect();
-        }
+/// Draws one step.
+fn draw(bar: &ProgressBar, step: Step) {
+    if bar.message() != step.stage {
+        bar.reset();
+        bar.set_message(step.stage);
+        bar.set_style(match step.total {
+            0 => open(),
+            _ => closed(step.at_most),
+        });
     }
-
-    fn record_u64(&mut self, field: &Field, value: u64) {
-        match field.name() {
-            "done" => self.done = value,
-            "total" => self.total = value,
-            _ => {}
-        }
-    }
-
-    fn record_bool(&mut self, field: &Field, value: bool) {
-        if field.name() == "at_most" {
-            self.bound = value;
-        }
-    }
-
-    fn record_debug(&mut self, _: &Field, _: &dyn std::fmt::Debug) {}
-}
-
-struct Listener {
-    bar: ProgressBar,
-}
-
-impl Subscriber for Listener {
-    fn enabled(&self, metadata: &Metadata<'_>) -> bool {
-        metadata.is_event() && metadata.target() == TARGET
-    }
-
-    fn event(&self, event: &Event<'_>) {
-        let mut step = Step::default();
-        event.record(&mut step);
-        if self.bar.message() != step.stage {
-            self.bar.reset();
-            self.bar.set_message(step.stage);
-            if step.total > 0 {
-                self.bar.set_style(closed(step.bound));
-            } else {
-                self.bar.set_style(open());
-            }
-        }
-        self.bar.set_length(step.total.max(1));
-        self.bar.set_position(step.done);
-    }
-
-    fn new_span(&self, _: &Attributes<'_>) -> Id {
-        Id::from_u64(1)
-    }
-
-    fn record(&self, _: &Id, _: &Record<'_>) {}
-    fn record_follows_from(&self, _: &Id, _: &Id) {}
-    fn enter(&self, _: &Id) {}
-    fn exit(&self, _: &Id) {}
+    bar.set_length(step.total.max(1));
+    bar.set_position(step.done);
 }

@@ -5,6 +5,7 @@
 //! its next report of progress, of which every iteration of a fit makes one.
 
 use crate::fault::Fault;
+use poinsot::{Listener, Step};
 use poinsot_cli::guarded;
 use pyo3::prelude::*;
 use std::panic::resume_unwind;
@@ -13,16 +14,11 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex, OnceLock};
 use std::thread::Builder;
 use std::time::Duration;
-use tracing::field::{Field, Visit};
-use tracing::span::{Attributes, Id, Record};
-use tracing::{Event, Metadata, Subscriber};
 
 /// How often the calling thread looks; a tenth of the 0.2 s within which Ctrl-C acts.
 const POLL: Duration = Duration::from_millis(20);
 /// Stack of a verb, that of a main thread.
 const STACK: usize = 8 << 20;
-/// Where the crates below report.
-const TARGET: &str = "poinsot::progress";
 
 /// Whether this process is the child of a fork: threads of the parent's pool do not exist here.
 static FORKED: AtomicBool = AtomicBool::new(false);
@@ -35,32 +31,6 @@ pub fn after_fork() {
     FORKED.store(true, Ordering::Release);
 }
 
-/// What the verb has done last.
-#[derive(Debug, Default, Clone, PartialEq, Eq)]
-struct Step {
-    stage: String,
-    done: u64,
-    total: u64,
-}
-
-impl Visit for Step {
-    fn record_str(&mut self, field: &Field, value: &str) {
-        if field.name() == "stage" {
-            value.clone_into(&mut self.stage);
-        }
-    }
-
-    fn record_u64(&mut self, field: &Field, value: u64) {
-        match field.name() {
-            "done" => self.done = value,
-            "total" => self.total = value,
-            _ => {}
-        }
-    }
-
-    fn record_debug(&mut self, _: &Field, _: &dyn std::fmt::Debug) {}
-}
-
 /// What the two threads share.
 #[derive(Default)]
 struct Watch {
@@ -71,32 +41,16 @@ struct Watch {
 /// Payload of the unwinding that ends an interrupted verb.
 struct Interrupted;
 
-struct Listener(Arc<Watch>);
-
-impl Subscriber for Listener {
-    fn enabled(&self, metadata: &Metadata<'_>) -> bool {
-        metadata.is_event() && metadata.target() == TARGET
-    }
-
-    fn event(&self, event: &Event<'_>) {
-        if self.0.interrupted.load(Ordering::Acquire) {
+impl Watch {
+    /// Keeps the last step, or unwinds an interrupted verb.
+    fn take(&self, step: Step) {
+        if self.interrupted.load(Ordering::Acquire) {
             resume_unwind(Box::new(Interrupted));
         }
-        let mut step = Step::default();
-        event.record(&mut step);
-        if let Ok(mut last) = self.0.last.lock() {
+        if let Ok(mut last) = self.last.lock() {
             *last = step;
         }
     }
-
-    fn new_span(&self, _: &Attributes<'_>) -> Id {
-        Id::from_u64(1)
-    }
-
-    fn record(&self, _: &Id, _: &Record<'_>) {}
-    fn record_follows_from(&self, _: &Id, _: &Id) {}
-    fn enter(&self, _: &Id) {}
-    fn exit(&self, _: &Id) {}
 }
 
 /// Runs a verb without the interpreter's lock; `progress(stage, done, total)` is called as it goes.
@@ -163,7 +117,7 @@ fn watched<T: Send>(
     verb: impl FnOnce() -> Result<T, Fault> + Send,
 ) -> Result<T, Fault> {
     let listened = move || {
-        let dispatch = tracing::Dispatch::new(Listener(watch));
+        let dispatch = tracing::Dispatch::new(Listener(move |step| watch.take(step)));
         tracing::dispatcher::with_default(&dispatch, || {
             guarded(|| verb().map_err(Fault::into_failure)).map_err(Fault::of)
         })

@@ -65,6 +65,7 @@ pub use import::import;
 pub use output::{estimate_text, write_estimate, write_result};
 pub use poinsot_formats::EstimateFile;
 pub use poinsot_identify::Coordinates;
+pub use progress::{Listener, Step};
 pub use propose::{InspectionAnswer, inspect, inspection_file, proposed_map};
 pub use report::write_report;
 pub use schema::{schema, schema_names};
