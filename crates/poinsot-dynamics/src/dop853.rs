@@ -120,15 +120,11 @@ impl DormandPrince8 {
         step: f64,
         y: &mut [f64],
     ) -> Result<(), Halt> {
-        let (count, h) = equal_steps(start, end, step)?;
-        let mut k = 0.0;
-        while k < count {
-            let t = start + k * h;
+        equal_steps((start, end), step, |t, h| {
             self.first_stage(flow, t, y)?;
             self.attempt(flow, t, h, y)?;
-            self.accept(flow, t, h, t + h, y)?;
-            k += 1.0;
-        }
+            self.accept(flow, t, h, t + h, y)
+        })?;
         finite(y, end)
     }
 

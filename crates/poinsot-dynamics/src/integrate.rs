@@ -144,14 +144,23 @@ impl Controller {
     }
 }
 
-/// Number and length of the equal steps, of at most `step` seconds, from `start` to `end`.
-pub(crate) fn equal_steps(start: f64, end: f64, step: f64) -> Result<(f64, f64), Halt> {
+/// Calls `advance(t, h)` for every one of the equal steps, of at most `step` seconds, from `start` to `end`.
+pub(crate) fn equal_steps(
+    (start, end): (f64, f64),
+    step: f64,
+    mut advance: impl FnMut(f64, f64) -> Result<(), Halt>,
+) -> Result<(), Halt> {
     // Round-off above a whole number of steps is ignored.
     let count = ((end - start) / step * (1.0 - 1e-12)).ceil().max(1.0);
-    match count.is_finite() {
-        true => Ok((count, (end - start) / count)),
-        false => Err(Halt::StepTooSmall { time: start }),
+    if !count.is_finite() {
+        return Err(Halt::StepTooSmall { time: start });
     }
+    let (h, mut k) = ((end - start) / count, 0.0);
+    while k < count {
+        advance(start + k * h, h)?;
+        k += 1.0;
+    }
+    Ok(())
 }
 
 /// An error where the state at `end` is not finite.

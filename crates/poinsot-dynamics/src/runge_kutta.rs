@@ -66,12 +66,7 @@ impl RungeKutta4 {
         step: f64,
         y: &mut [f64],
     ) -> Result<(), Halt> {
-        let (count, h) = equal_steps(start, end, step)?;
-        let mut k = 0.0;
-        while k < count {
-            self.step(flow, start + k * h, h, y)?;
-            k += 1.0;
-        }
+        equal_steps((start, end), step, |t, h| self.step(flow, t, h, y))?;
         finite(y, end)
     }
 }

@@ -1,8 +1,8 @@
 //! Checks the map from columns to channels.
 
 use crate::file::{
-    AttitudeFile, ColumnFile, ExportFile, FrameFile, JointType, ModelFile, OrbitColumnsFile,
-    OrderFile, ScaleFile, SenseFile, TelemetryFile, TimeFile, TimeFormatFile,
+    AttitudeFile, ColumnFile, FrameFile, JointType, ModelFile, OrbitColumnsFile, OrderFile,
+    ScaleFile, SenseFile, TelemetryFile, TimeFile, TimeFormatFile,
 };
 use crate::finding::{Findings, Key};
 use crate::suggest;
@@ -19,6 +19,23 @@ const LONGEST: usize = 400;
 /// Largest header row number.
 const MOST_LINES: f64 = 1e6;
 
+/// The keys that a table for all files and one for the files of one name have in common.
+macro_rules! part {
+    ($file:expr) => {
+        Part {
+            delimiter: &$file.delimiter,
+            comment: &$file.comment,
+            header_row: $file.header_row,
+            units_row: $file.units_row,
+            time: &$file.time,
+            columns: &$file.columns,
+            attitude: &$file.attitude,
+            orbit: &$file.orbit,
+            rows: &$file.rows,
+        }
+    };
+}
+
 /// Checks the map; channel names are checked only if the vehicle is known.
 pub(crate) fn check_telemetry(
     file: Option<&TelemetryFile>,
@@ -31,10 +48,10 @@ pub(crate) fn check_telemetry(
     let known = model.map(channels);
     let key = Key::top("telemetry");
     let mut check = |part: &Part<'_>, key: &Key| checked(part, key, known.as_ref(), findings);
-    let all = check(&Part::top(file), &key);
+    let all = check(&part!(file), &key);
     let mut files = Vec::new();
     for (k, own) in file.file.iter().flatten().enumerate() {
-        let map = check(&Part::of(own), &key.at("file").index(k));
+        let map = check(&part!(own), &key.at("file").index(k));
         files.push((own.name.clone().unwrap_or_default(), map));
     }
     let map = TelemetryMap { all, files };
@@ -66,36 +83,6 @@ struct Part<'a> {
     attitude: &'a Option<Vec<AttitudeFile>>,
     orbit: &'a Option<OrbitColumnsFile>,
     rows: &'a Option<BTreeMap<String, String>>,
-}
-
-impl<'a> Part<'a> {
-    fn top(file: &'a TelemetryFile) -> Self {
-        Self {
-            delimiter: &file.delimiter,
-            comment: &file.comment,
-            header_row: file.header_row,
-            units_row: file.units_row,
-            time: &file.time,
-            columns: &file.columns,
-            attitude: &file.attitude,
-            orbit: &file.orbit,
-            rows: &file.rows,
-        }
-    }
-
-    fn of(file: &'a ExportFile) -> Self {
-        Self {
-            delimiter: &file.delimiter,
-            comment: &file.comment,
-            header_row: file.header_row,
-            units_row: file.units_row,
-            time: &file.time,
-            columns: &file.columns,
-            attitude: &file.attitude,
-            orbit: &file.orbit,
-            rows: &file.rows,
-        }
-    }
 }
 
 fn checked(

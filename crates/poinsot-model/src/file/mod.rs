@@ -25,8 +25,8 @@ pub(crate) use momentum::{MomentumFile, MomentumVectorFile, MomentumWord};
 pub(crate) use nuisance::{NuisanceFile, NuisanceWord};
 pub(crate) use sensor::{NamesFile, NoiseFile, SensorFile, SensorType};
 pub(crate) use telemetry::{
-    AttitudeFile, ColumnFile, ExportFile, FrameFile, OrbitColumnsFile, OrderFile, ScaleFile,
-    SenseFile, TelemetryFile, TelemetryMapFile, TimeFile, TimeFormatFile,
+    AttitudeFile, ColumnFile, FrameFile, OrbitColumnsFile, OrderFile, ScaleFile, SenseFile,
+    TelemetryFile, TelemetryMapFile, TimeFile, TimeFormatFile,
 };
 pub(crate) use thruster::ThrusterFile;
 pub(crate) use wheel::WheelFile;

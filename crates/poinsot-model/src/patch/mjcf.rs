@@ -1,6 +1,6 @@
 //! MJCF, the model file of MuJoCo.
 
-use super::xml::{Edits, document, named};
+use super::xml::{Edits, document, named, patched};
 use super::{BodyProperties, Patched};
 use crate::patch::xml::child;
 use poinsot_spatial::MassProperties;
@@ -29,18 +29,8 @@ const OVERRIDES: [(&str, &[&str]); 3] = [
 pub fn patch_mjcf(text: &str, bodies: &[BodyProperties]) -> Result<Patched, String> {
     let document = document(text)?;
     refuse_overrides(&document)?;
-    let mut edits = Edits::new(text);
-    let mut missing = Vec::new();
-    for new in bodies {
-        match named(&document, "body", &new.body) {
-            Some(body) => edit_body(body, &new.properties, &mut edits),
-            None => missing.push(new.body.clone()),
-        }
-    }
-    Ok(Patched {
-        text: edits.finish(),
-        missing,
-    })
+    let find = |name: &str| named(&document, "body", name);
+    Ok(patched(text, bodies, find, edit_body))
 }
 
 fn refuse_overrides(document: &Document<'_>) -> Result<(), String> {

@@ -1,6 +1,6 @@
 //! SDF, the robot description of Gazebo and Drake.
 
-use super::xml::{Edits, child, document, named};
+use super::xml::{Edits, child, document, named, patched};
 use super::{BodyProperties, Patched};
 use poinsot_spatial::MassProperties;
 use roxmltree::Node;
@@ -21,18 +21,8 @@ const ELEMENTS: [(&str, (usize, usize)); 6] = [
 /// The text is not XML.
 pub fn patch_sdf(text: &str, bodies: &[BodyProperties]) -> Result<Patched, String> {
     let document = document(text)?;
-    let mut edits = Edits::new(text);
-    let mut missing = Vec::new();
-    for new in bodies {
-        match named(&document, "link", &new.body) {
-            Some(link) => edit_link(link, &new.properties, &mut edits),
-            None => missing.push(new.body.clone()),
-        }
-    }
-    Ok(Patched {
-        text: edits.finish(),
-        missing,
-    })
+    let find = |name: &str| named(&document, "link", name);
+    Ok(patched(text, bodies, find, edit_link))
 }
 
 fn edit_link(link: Node<'_, '_>, new: &MassProperties, edits: &mut Edits) {

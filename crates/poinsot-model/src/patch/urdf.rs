@@ -1,6 +1,6 @@
 //! URDF, the robot description of ROS.
 
-use super::xml::{Edits, child, document};
+use super::xml::{Edits, child, document, patched};
 use super::{BodyProperties, Patched};
 use crate::urdf::{ELEMENTS, rotation};
 use poinsot_spatial::MassProperties;
@@ -15,21 +15,11 @@ use roxmltree::Node;
 /// The text is not XML.
 pub fn patch_urdf(text: &str, bodies: &[BodyProperties]) -> Result<Patched, String> {
     let document = document(text)?;
-    let mut edits = Edits::new(text);
-    let mut missing = Vec::new();
-    for new in bodies {
-        let link = document.root_element().children().find(|n| {
-            n.tag_name().name() == "link" && n.attribute("name") == Some(new.body.as_str())
-        });
-        match link {
-            Some(link) => edit_link(link, &new.properties, &mut edits),
-            None => missing.push(new.body.clone()),
-        }
-    }
-    Ok(Patched {
-        text: edits.finish(),
-        missing,
-    })
+    let find = |name: &str| {
+        let mut links = document.root_element().children();
+        links.find(|n| n.tag_name().name() == "link" && n.attribute("name") == Some(name))
+    };
+    Ok(patched(text, bodies, find, edit_link))
 }
 
 fn edit_link(link: Node<'_, '_>, new: &MassProperties, edits: &mut Edits) {

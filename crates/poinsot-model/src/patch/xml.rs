@@ -1,6 +1,8 @@
 //! Edits of an XML text that leave all other bytes unchanged.
 
+use super::{BodyProperties, Patched};
 use crate::urdf::excess;
+use poinsot_spatial::MassProperties;
 use roxmltree::{Document, Node};
 use std::ops::Range;
 
@@ -37,6 +39,27 @@ pub(super) fn named<'a, 'i>(
         .filter(|n| n.has_tag_name(tag) && n.attribute("name") == Some(name));
     let first = found.next()?;
     found.next().is_none().then_some(first)
+}
+
+/// Edits the element of every body; a body without one is missing.
+pub(super) fn patched<'a, 'i: 'a>(
+    text: &str,
+    bodies: &[BodyProperties],
+    find: impl Fn(&str) -> Option<Node<'a, 'i>>,
+    edit: impl Fn(Node<'a, 'i>, &MassProperties, &mut Edits),
+) -> Patched {
+    let mut edits = Edits::new(text);
+    let mut missing = Vec::new();
+    for new in bodies {
+        match find(&new.body) {
+            Some(element) => edit(element, &new.properties, &mut edits),
+            None => missing.push(new.body.clone()),
+        }
+    }
+    Patched {
+        text: edits.finish(),
+        missing,
+    }
 }
 
 /// Edits of a text, collected and then applied together.
