@@ -7,6 +7,7 @@ use poinsot::simulate::run;
 use poinsot::write_report;
 use poinsot_design::{DesignRequest, Designed, design_case, drawn, write_design};
 use poinsot_model::{Model, parse_model, read_model};
+use poinsot_testkit::vehicles::ModelText;
 use std::path::{Path, PathBuf};
 
 fn example(name: &str) -> PathBuf {
@@ -28,41 +29,22 @@ fn designed(case: &Case, model: &Model) -> Designed {
     design_case(case, model.clone(), &DesignRequest::default()).unwrap()
 }
 
-const BOX: &str = r#"
-schema = "poinsot.model/1"
-exact = true
-name = "box with three wheels"
-[[body]]
-name = "box"
-mass_kg = 40.0
-com_m = [0.0, 0.0, 0.0]
-inertia_kg_m2 = { xx = 2.0, yy = 2.6, zz = 3.1, xy = 0.1, xz = -0.05, yz = 0.2 }
-estimate = ["inertia"]
-prior = { inertia_kg_m2 = 0.1 }
-[[wheel]]
-name = "a"
-body = "box"
-axis = [1.0, 0.0, 0.0]
-spin_inertia_kg_m2 = 0.002
-[[wheel]]
-name = "b"
-body = "box"
-axis = [0.0, 1.0, 0.0]
-spin_inertia_kg_m2 = 0.002
-[[wheel]]
-name = "c"
-body = "box"
-axis = [0.0, 0.0, 1.0]
-spin_inertia_kg_m2 = 0.002
-[[sensor]]
-name = "gyro"
-type = "gyro"
-noise_rad_s = 2.0e-5
-[[sensor]]
-name = "tracker"
-type = "attitude"
-noise_rad = 5.0e-5
-"#;
+fn box_text() -> String {
+    ModelText::new("box with three wheels")
+        .body(
+            "box",
+            40.0,
+            [0.0; 3],
+            [2.0, 2.6, 3.1, 0.1, -0.05, 0.2],
+            "estimate = [\"inertia\"]\nprior = { inertia_kg_m2 = 0.1 }",
+        )
+        .wheel("a", "box", [1.0, 0.0, 0.0], 0.002)
+        .wheel("b", "box", [0.0, 1.0, 0.0], 0.002)
+        .wheel("c", "box", [0.0, 0.0, 1.0], 0.002)
+        .sensor("gyro", "gyro", "noise_rad_s = 2.0e-5")
+        .sensor("tracker", "attitude", "noise_rad = 5.0e-5")
+        .text()
+}
 
 /// A case for the box with these limits and all numbers wanted to `relative`.
 fn boxed(limits: &str, relative: f64) -> (Case, Model) {
@@ -96,7 +78,7 @@ nodes = 7
 "#
     );
     let case = parse_case(Path::new("box_case.toml"), text).unwrap();
-    (case, parse_model(BOX, "box.toml").unwrap())
+    (case, parse_model(&box_text(), "box.toml").unwrap())
 }
 
 #[test]
@@ -142,7 +124,7 @@ fn exact_what_a_design_says_is_what_predict_says_of_the_file_it_writes() {
     let found = designed(&case, &model);
     let folder = tempfile::tempdir().unwrap();
     let vehicle = folder.path().join("box.toml");
-    std::fs::write(&vehicle, BOX).unwrap();
+    std::fs::write(&vehicle, box_text()).unwrap();
     let out = folder.path().join("out");
     let written = write_design(&out, &found, &vehicle).unwrap();
     assert_eq!(written.len(), 4);
@@ -323,46 +305,24 @@ fn prop_designed_firings_hold_their_limits_and_tell_more_than_those_of_the_case(
 }
 
 /// A link that is in the plume of a thruster at the start.
-const PLUME: &str = r#"
-schema = "poinsot.model/1"
-exact = true
-name = "base with a link in a plume"
-[[body]]
-name = "base"
-mass_kg = 60.0
-com_m = [0.0, 0.0, 0.0]
-inertia_kg_m2 = { xx = 4.0, yy = 5.0, zz = 6.0, xy = 0.0, xz = 0.0, yz = 0.0 }
-estimate = ["mass"]
-[[body]]
-name = "link"
-mass_kg = 3.0
-com_m = [0.0, -0.3, 0.0]
-inertia_kg_m2 = { xx = 0.1, yy = 0.01, zz = 0.1, xy = 0.0, xz = 0.0, yz = 0.0 }
-[[joint]]
-name = "hinge"
-type = "revolute"
-parent = "base"
-child = "link"
-origin_m = [-0.7, 0.3, 0.0]
-axis = [0.0, 0.0, 1.0]
-[[thruster]]
-name = "main"
-body = "base"
-position_m = [-0.5, 0.0, 0.0]
-force_direction = [1.0, 0.0, 0.0]
-[[sensor]]
-name = "gyro"
-type = "gyro"
-noise_rad_s = 2.0e-5
-[[sensor]]
-name = "tracker"
-type = "attitude"
-noise_rad = 5.0e-5
-[[sensor]]
-name = "velocity"
-type = "velocity"
-noise_m_s = 1.0e-3
-"#;
+fn plume() -> String {
+    let link = [0.1, 0.01, 0.1, 0.0, 0.0, 0.0];
+    let base = [4.0, 5.0, 6.0, 0.0, 0.0, 0.0];
+    ModelText::new("base with a link in a plume")
+        .body("base", 60.0, [0.0; 3], base, "estimate = [\"mass\"]")
+        .body("link", 3.0, [0.0, -0.3, 0.0], link, "")
+        .joint(
+            ("hinge", "revolute"),
+            ["base", "link"],
+            [-0.7, 0.3, 0.0],
+            "axis = [0.0, 0.0, 1.0]",
+        )
+        .thruster("main", "base", [-0.5, 0.0, 0.0], [1.0, 0.0, 0.0])
+        .sensor("gyro", "gyro", "noise_rad_s = 2.0e-5")
+        .sensor("tracker", "attitude", "noise_rad = 5.0e-5")
+        .sensor("velocity", "velocity", "noise_m_s = 1.0e-3")
+        .text()
+}
 
 #[test]
 fn prop_no_body_lies_in_a_plume_while_the_thruster_fires() {
@@ -400,7 +360,7 @@ firings = 2
 force_N = 4.0
 "#;
     let case = parse_case(Path::new("plume_case.toml"), text.to_owned()).unwrap();
-    let model = parse_model(PLUME, "plume.toml").unwrap();
+    let model = parse_model(&plume(), "plume.toml").unwrap();
     let found = designed(&case, &model);
     let plume = found
         .limits
@@ -509,7 +469,7 @@ fn between(first_and_next: &str, design: &str) -> (Case, Model) {
          speed_rad_s = 150.0\ntorque_N_m = 0.05\n{first_and_next}[design]\nstarts = 2\nevaluations = 600\n{design}"
     );
     let case = parse_case(Path::new("box_case.toml"), text).unwrap();
-    (case, parse_model(BOX, "box.toml").unwrap())
+    (case, parse_model(&box_text(), "box.toml").unwrap())
 }
 
 /// The design begins and ends where the motions of the case do, leaves them as they are, and counts what they tell.

@@ -21,6 +21,7 @@ mod quadrature;
 pub mod rigid_body;
 pub mod tree_dynamics;
 pub mod trees;
+pub mod vehicles;
 
 /// A column of three numbers.
 pub type Vector3 = nalgebra::Vector3<f64>;

@@ -2,6 +2,7 @@
 
 use assert_cmd::Command;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use poinsot_testkit::vehicles::ModelText;
 use serde_json::Value;
 use std::f64::consts::TAU;
 use std::fmt::Write;
@@ -17,79 +18,35 @@ const INCLINATION_RAD: f64 = 1.7;
 const ANOMALY_RAD: f64 = 0.6;
 
 /// Bodies, wheels and thrusters; mass centre and inertia of the bus are parameters.
-fn vehicle(com: &str, inertia: &str) -> String {
-    let mut text = format!(
-        r#"schema = "poinsot.model/1"
-exact = true
-name = "sat312"
-
-[[body]]
-name = "bus"
-mass_kg = 312.0
-com_m = {com}
-inertia_kg_m2 = {inertia}
-estimate = ["com", "inertia"]
-"#
-    );
-    for (k, axis) in [
-        "[1.0, 0.0, 1.0]",
-        "[-1.0, 0.0, 1.0]",
-        "[0.0, 1.0, 1.0]",
-        "[0.0, -1.0, 1.0]",
-    ]
-    .iter()
-    .enumerate()
-    {
-        let _ = write!(
-            text,
-            "\n[[wheel]]\nname = \"wheel{}\"\nbody = \"bus\"\naxis = {axis}\nspin_inertia_kg_m2 = 0.031\n",
-            k + 1
-        );
+fn vehicle((com, inertia): ([f64; 3], [f64; 6]), tracker: &str) -> String {
+    let unknown = "estimate = [\"com\", \"inertia\"]";
+    let mut text = ModelText::new("sat312").body("bus", 312.0, com, inertia, unknown);
+    let axes = [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]];
+    for (k, [x, y]) in axes.into_iter().enumerate() {
+        text = text.wheel(&format!("wheel{}", k + 1), "bus", [x, y, 1.0], 0.031);
     }
-    for (k, (at, along)) in [
-        ("[0.7, 0.6, -0.9]", "[0.0, 0.0, 1.0]"),
-        ("[-0.7, 0.6, -0.9]", "[0.0, 0.0, 1.0]"),
-        ("[0.7, -0.6, -0.9]", "[0.0, 1.0, 0.0]"),
-        ("[-0.7, -0.6, 0.9]", "[1.0, 0.0, 0.0]"),
-    ]
-    .iter()
-    .enumerate()
-    {
-        let _ = write!(
-            text,
-            "\n[[thruster]]\nname = \"thr{}\"\nbody = \"bus\"\nposition_m = {at}\nforce_direction = {along}\n",
-            k + 1
-        );
+    let thrusters = [
+        ([0.7, 0.6, -0.9], [0.0, 0.0, 1.0]),
+        ([-0.7, 0.6, -0.9], [0.0, 0.0, 1.0]),
+        ([0.7, -0.6, -0.9], [0.0, 1.0, 0.0]),
+        ([-0.7, -0.6, 0.9], [1.0, 0.0, 0.0]),
+    ];
+    for (k, (at, along)) in thrusters.into_iter().enumerate() {
+        text = text.thruster(&format!("thr{}", k + 1), "bus", at, along);
     }
-    text
+    let gyro = "noise_rad_s = 5.0e-5\nbias = \"estimate\"";
+    text.sensor("gyro", "gyro", gyro)
+        .sensor("tracker", "attitude", tracker)
+        .sensor("tachometers", "wheel_speed", "noise_rad_s = 0.02")
+        .text()
 }
 
-const TRUTH: (&str, &str) = (
-    "[0.021, -0.034, 0.052]",
-    "{ xx = 81.3, yy = 66.9, zz = 94.2, xy = -2.1, xz = 1.4, yz = 3.3 }",
-);
+const TRUTH: ([f64; 3], [f64; 6]) = ([0.021, -0.034, 0.052], [81.3, 66.9, 94.2, -2.1, 1.4, 3.3]);
 
 fn truth() -> String {
-    let sensors = r#"
-[[sensor]]
-name = "gyro"
-type = "gyro"
-noise_rad_s = 5.0e-5
-bias = "estimate"
-
-[[sensor]]
-name = "tracker"
-type = "attitude"
-noise_rad = 3.0e-5
-
-[[sensor]]
-name = "tachometers"
-type = "wheel_speed"
-noise_rad_s = 0.02
-"#;
     format!(
-        "{}{sensors}\n[environment]\ngravity = \"point_mass\"\ngm_m3_s2 = {GM:e}\ngravity_gradient = true\norbit = {{ semi_major_axis_m = {RADIUS_M:e}, inclination_rad = {INCLINATION_RAD}, true_anomaly_rad = {ANOMALY_RAD} }}\n",
-        vehicle(TRUTH.0, TRUTH.1)
+        "{}\n[environment]\ngravity = \"point_mass\"\ngm_m3_s2 = {GM:e}\ngravity_gradient = true\norbit = {{ semi_major_axis_m = {RADIUS_M:e}, inclination_rad = {INCLINATION_RAD}, true_anomaly_rad = {ANOMALY_RAD} }}\n",
+        vehicle(TRUTH, "noise_rad = 3.0e-5")
     )
 }
 
@@ -160,26 +117,11 @@ bias_rad_s = [2.0e-4, -1.5e-4, 1.0e-4]
 
 /// The engineer's model: nominal numbers, mounted sensors, and the map.
 fn model() -> String {
-    let nominal = vehicle("[0.0, 0.0, 0.0]", "{ xx = 75.0, yy = 72.0, zz = 100.0 }");
+    let tracker = "noise_rad = 3.0e-5\nrotation_matrix = [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]";
+    let guess = ([0.0; 3], [75.0, 72.0, 100.0, 0.0, 0.0, 0.0]);
+    let nominal = vehicle(guess, tracker);
     format!(
         r#"{nominal}
-[[sensor]]
-name = "gyro"
-type = "gyro"
-noise_rad_s = 5.0e-5
-bias = "estimate"
-
-[[sensor]]
-name = "tracker"
-type = "attitude"
-noise_rad = 3.0e-5
-rotation_matrix = [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]
-
-[[sensor]]
-name = "tachometers"
-type = "wheel_speed"
-noise_rad_s = 0.02
-
 [environment]
 gravity = "point_mass"
 gm_m3_s2 = {GM:e}

@@ -11,6 +11,7 @@ use poinsot_identify::{
 };
 use poinsot_model::{EstimateSet, Model, Nuisance, RandomTorque};
 use poinsot_spatial::{UnitQuaternion, Vector3};
+use poinsot_testkit::vehicles::ModelText;
 
 /// One record of the nutating bus, bound.
 fn record() -> (Model, Tree, Vec<Segment>, Noise) {
@@ -196,35 +197,22 @@ fn unit_short_and_ragged_arrays_are_errors_with_a_code() {
     );
 }
 
-const TUG: &str = r#"
-schema = "poinsot.model/1"
-exact = true
-name = "tug"
-
-[[body]]
-name = "tug"
-mass_kg = 40.0
-com_m = [0.0, 0.0, 0.0]
-inertia_kg_m2 = { xx = 3.0, yy = 2.5, zz = 4.0 }
-estimate = true
-
-[[thruster]]
-name = "jet"
-body = "tug"
-position_m = [0.1, 0.3, 0.0]
-force_direction = [0.0, 1.0, 0.0]
-
-[[sensor]]
-name = "gyro"
-type = "gyro"
-noise_rad_s = 1.0e-3
-"#;
-
 /// Cost of thrust that changes at every sample: run with `--run-ignored only --no-capture`.
 #[test]
 #[ignore = "measures time"]
 fn stat_thrust_that_changes_every_sample_costs_time_linear_in_the_samples() {
-    let model = poinsot_model::parse_model(TUG, "tug.toml").unwrap();
+    let text = ModelText::new("tug")
+        .body(
+            "tug",
+            40.0,
+            [0.0; 3],
+            [3.0, 2.5, 4.0, 0.0, 0.0, 0.0],
+            "estimate = true",
+        )
+        .thruster("jet", "tug", [0.1, 0.3, 0.0], [0.0, 1.0, 0.0])
+        .sensor("gyro", "gyro", "noise_rad_s = 1.0e-3")
+        .text();
+    let model = poinsot_model::parse_model(&text, "tug.toml").unwrap();
     let tree = Tree::new(&model);
     let noise = record().3;
     let noise = Noise {

@@ -6,30 +6,7 @@ use poinsot::identify_tables;
 use poinsot::simulate::simulate_case;
 use poinsot_identify::Status;
 use poinsot_model::parse_model;
-
-const MODEL: &str = r#"
-schema = "poinsot.model/1"
-name = "box"
-exact = true
-[[body]]
-name = "box"
-mass_kg = 10.0
-com_m = [0.0, 0.0, 0.0]
-inertia_kg_m2 = { xx = 1.0, yy = 2.0, zz = 2.5, xy = 0.0, xz = 0.0, yz = 0.0 }
-estimate = ["inertia"]
-[[wheel]]
-name = "wheel"
-body = "box"
-axis = [0.0, 0.0, 1.0]
-spin_inertia_kg_m2 = 0.01
-[[sensor]]
-name = "gyro"
-type = "gyro"
-noise_rad_s = 1.0e-4
-[momentum]
-linear_N_s = [0.0, 0.0, 0.0]
-angular_N_m_s = [0.0, 0.0, 0.0]
-"#;
+use poinsot_testkit::vehicles::ModelText;
 
 const CASE: &str = r#"
 schema = "poinsot.case/2"
@@ -51,7 +28,19 @@ seed = 1
 /// from `I_zz w_z + J_s W = 0`, the other two of its column from the axes that stay at rest.
 #[test]
 fn exact_a_known_start_is_answered_and_diagnosed() {
-    let model = parse_model(MODEL, "m.toml").unwrap();
+    let text = ModelText::new("box")
+        .body(
+            "box",
+            10.0,
+            [0.0; 3],
+            [1.0, 2.0, 2.5, 0.0, 0.0, 0.0],
+            "estimate = [\"inertia\"]",
+        )
+        .wheel("wheel", "box", [0.0, 0.0, 1.0], 0.01)
+        .sensor("gyro", "gyro", "noise_rad_s = 1.0e-4")
+        .text();
+    let start = "[momentum]\nlinear_N_s = [0.0, 0.0, 0.0]\nangular_N_m_s = [0.0, 0.0, 0.0]\n";
+    let model = parse_model(&(text + start), "m.toml").unwrap();
     let case = parse_case("c.toml".as_ref(), CASE.to_owned()).unwrap();
     let table = simulate_case(&case, &model).unwrap().table;
     let answer = identify_tables(model, vec![table], &Question::by("maximum_likelihood")).unwrap();

@@ -6,45 +6,39 @@ use poinsot::case::{Case, parse_case};
 use poinsot::simulate::simulate_trial;
 use poinsot::trials::{Study, statistics};
 use poinsot_dynamics::Tree;
-use poinsot_identify::{Estimate, Number, Problem, Status, TENSOR};
+use poinsot_identify::{Estimate, Number, Status, TENSOR};
 use poinsot_model::{Model, Origin, SensorKind, parse_model};
 use poinsot_telemetry::{Channel, Table};
 use poinsot_testkit::Vector3;
+use poinsot_testkit::vehicles::ModelText;
 use std::path::Path;
 
 /// A tug with an arm and its true numbers.
-const VEHICLE: &str = r#"
-schema = "poinsot.model/1"
-exact = true
-name = "tug with arm"
-
-[[body]]
-name = "bus"
-mass_kg = 60.0
-com_m = [0.03, -0.02, 0.05]
-inertia_kg_m2 = { xx = 8.2, yy = 9.5, zz = 11.0, xy = 0.35, xz = -0.2, yz = 0.4 }
-estimate = true
-
-[[body]]
-name = "arm"
-mass_kg = 4.0
-com_m = [0.3, 0.0, 0.0]
-inertia_kg_m2 = { xx = 0.02, yy = 0.2, zz = 0.2 }
-
-[[joint]]
-name = "elbow"
-type = "revolute"
-parent = "bus"
-child = "arm"
-origin_m = [0.3, 0.1, 0.2]
-axis = [0.0, 0.0, 1.0]
-
-[[thruster]]
-name = "jet"
-body = "bus"
-position_m = [-0.7, -0.2, 0.1]
-force_direction = [0.2, 0.5, 1.0]
-"#;
+fn vehicle() -> String {
+    ModelText::new("tug with arm")
+        .body(
+            "bus",
+            60.0,
+            [0.03, -0.02, 0.05],
+            [8.2, 9.5, 11.0, 0.35, -0.2, 0.4],
+            "estimate = true",
+        )
+        .body(
+            "arm",
+            4.0,
+            [0.3, 0.0, 0.0],
+            [0.02, 0.2, 0.2, 0.0, 0.0, 0.0],
+            "",
+        )
+        .joint(
+            ("elbow", "revolute"),
+            ["bus", "arm"],
+            [0.3, 0.1, 0.2],
+            "axis = [0.0, 0.0, 1.0]",
+        )
+        .thruster("jet", "bus", [-0.7, -0.2, 0.1], [0.2, 0.5, 1.0])
+        .text()
+}
 
 const CASE: &str = r#"
 schema = "poinsot.case/1"
@@ -134,7 +128,7 @@ const MARKER: Declared = (
 const ARM_STAR: Declared = ("arm star", "attitude", 1.0e-5, "body = \"arm\"\n");
 
 fn model(sensors: &[Declared]) -> Model {
-    let mut text = VEHICLE.to_owned();
+    let mut text = vehicle();
     for (name, kind, sigma, more) in sensors {
         let unit = match *kind {
             "gyro" => "rad_s",
@@ -170,13 +164,7 @@ fn bound(model: &Model, tables: &[Table]) -> Result<Bound, BindError> {
 fn solved(model: &Model, table: &Table) -> Estimate {
     let tables = [table.clone()];
     let (tree, bound) = (Tree::new(model), bound(model, &tables).unwrap());
-    let problem = Problem {
-        model,
-        tree: &tree,
-        segments: &bound.segments,
-        noise: &bound.noise,
-        relative_accuracy: 1.0,
-    };
+    let problem = bound.problem(model, &tree);
     let answer = undiagnosed(&problem);
     assert_eq!(answer.status, Status::Converged);
     answer
@@ -496,7 +484,11 @@ fn regress_columns_of_directions_can_be_mapped() {
             + &one(&format!("field.reference_{k}"), &format!("IGRF{k}"))
     });
     let sensor = "[[sensor]]\nname = \"field\"\ntype = \"direction\"\nnoise_rad = 1e-3\n";
-    let text = format!("{VEHICLE}\n{sensor}[telemetry.columns]\n{}", map.concat());
+    let text = format!(
+        "{}\n{sensor}[telemetry.columns]\n{}",
+        vehicle(),
+        map.concat()
+    );
     let model = parse_model(&text, "m.toml").unwrap();
     assert_eq!(model.telemetry.all.columns.len(), 6);
 }

@@ -8,6 +8,7 @@ use poinsot::{Identified, Question, identify_tables};
 use poinsot_identify::Status;
 use poinsot_model::{Model, parse_model, read_model};
 use poinsot_telemetry::{Channel, Table};
+use poinsot_testkit::vehicles::ModelText;
 use poinsot_testkit::{Matrix3, Vector3};
 use std::path::Path;
 
@@ -18,69 +19,40 @@ fn load(name: &str) -> (Case, Model) {
 }
 
 /// A bus with a hinged arm, a sliding mass on a spring, a rod that spins about its axis, and a plate.
-const MODEL: &str = r#"schema = "poinsot.model/1"
-exact = true
-[[body]]
-name = "bus"
-mass_kg = 100.0
-com_m = [0.0, 0.0, 0.1]
-inertia_kg_m2 = { xx = 10.0, yy = 12.0, zz = 9.0, xy = 0.3 }
-[[body]]
-name = "arm"
-mass_kg = 8.0
-com_m = [0.5, 0.0, 0.0]
-inertia_kg_m2 = { xx = 0.1, yy = 0.7, zz = 0.7 }
-[[body]]
-name = "tank"
-mass_kg = 5.0
-com_m = [0.0, 0.0, 0.0]
-inertia_kg_m2 = { xx = 0.2, yy = 0.2, zz = 0.2 }
-[[body]]
-name = "plate"
-mass_kg = 1.0
-com_m = [0.0, 0.0, 0.0]
-inertia_kg_m2 = { xx = 0.1, yy = 0.1, zz = 0.1 }
-[[body]]
-name = "rod"
-mass_kg = 1.0
-com_m = [0.0, 0.0, 0.5]
-inertia_kg_m2 = { xx = 0.1, yy = 0.1, zz = 0.0 }
-[[joint]]
-name = "elbow"
-type = "revolute"
-parent = "bus"
-child = "arm"
-origin_m = [0.5, 0.0, 0.0]
-axis = [0.0, 0.0, 1.0]
-locked_at_rad = 0.25
-[[joint]]
-name = "slide"
-type = "prismatic"
-parent = "bus"
-child = "tank"
-origin_m = [0.0, 0.4, 0.0]
-axis = [0.0, 1.0, 0.0]
-spring_damper = { stiffness_N_per_m = 20.0, rest_m = 0.125 }
-[[joint]]
-name = "bolt"
-type = "fixed"
-parent = "bus"
-child = "plate"
-origin_m = [0.0, 0.0, 0.5]
-[[joint]]
-name = "twist"
-type = "revolute"
-parent = "bus"
-child = "rod"
-origin_m = [0.0, 0.0, -0.5]
-axis = [0.0, 0.0, 1.0]
-"#;
+fn text() -> String {
+    let z = "axis = [0.0, 0.0, 1.0]";
+    let spring =
+        "axis = [0.0, 1.0, 0.0]\nspring_damper = { stiffness_N_per_m = 20.0, rest_m = 0.125 }";
+    let moments = |xx, yy, zz| [xx, yy, zz, 0.0, 0.0, 0.0];
+    let bus = [10.0, 12.0, 9.0, 0.3, 0.0, 0.0];
+    ModelText::new("m")
+        .body("bus", 100.0, [0.0, 0.0, 0.1], bus, "")
+        .body("arm", 8.0, [0.5, 0.0, 0.0], moments(0.1, 0.7, 0.7), "")
+        .body("tank", 5.0, [0.0; 3], moments(0.2, 0.2, 0.2), "")
+        .body("plate", 1.0, [0.0; 3], moments(0.1, 0.1, 0.1), "")
+        .body("rod", 1.0, [0.0, 0.0, 0.5], moments(0.1, 0.1, 0.0), "")
+        .joint(
+            ("elbow", "revolute"),
+            ["bus", "arm"],
+            [0.5, 0.0, 0.0],
+            &format!("{z}\nlocked_at_rad = 0.25"),
+        )
+        .joint(
+            ("slide", "prismatic"),
+            ["bus", "tank"],
+            [0.0, 0.4, 0.0],
+            spring,
+        )
+        .joint(("bolt", "fixed"), ["bus", "plate"], [0.0, 0.0, 0.5], "")
+        .joint(("twist", "revolute"), ["bus", "rod"], [0.0, 0.0, -0.5], z)
+        .text()
+}
 
 const HEAD: &str = "schema = \"poinsot.case/1\"\nmodel = \"m.toml\"\nduration_s = 2.0\n";
 const TAIL: &str = "\n[output]\nrate_hz = 100\n";
 
 fn model() -> Model {
-    parse_model(MODEL, "m.toml").unwrap()
+    parse_model(&text(), "m.toml").unwrap()
 }
 
 fn case(body: &str) -> Case {

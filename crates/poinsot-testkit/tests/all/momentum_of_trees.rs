@@ -1,5 +1,4 @@
 //! Momentum by definition against Pinocchio and MuJoCo on the recorded trees.
-#![allow(non_snake_case, clippy::unwrap_used)]
 
 use poinsot_testkit::Vector3;
 use poinsot_testkit::compare::{apart, scalars_apart};

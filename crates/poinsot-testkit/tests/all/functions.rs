@@ -1,5 +1,4 @@
 //! Lengths of functions, read from the sources: a short one has one purpose.
-#![allow(clippy::unwrap_used)]
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -3,7 +3,6 @@
 //! An import is a path that starts with `crate`, `super`, `self`, a child module or an imported name, in a `use` or in
 //! an expression. It counts for the module that defines the item, not for one that re-exports it. In every folder,
 //! whole files and folders are compared. A file and the folder of its name (`motion.rs`, `motion/`) are one layer.
-#![allow(clippy::unwrap_used)]
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
