@@ -1,7 +1,7 @@
 //! Documents, tables, plots and pages of numbers. This crate knows nothing about spacecraft.
 //!
 //! # Files
-//! - `document.rs`, `text.rs`, `figures.rs`: terminal output and number formats.
+//! - `document.rs`, `text.rs`: terminal output.
 //! - `page.rs`: one HTML file with its content security policy. `markup.rs`: templates (minijinja), escaping.
 //! - `series.rs`: content of a plot. `plot.rs`, `axis.rs`: SVG.
 //! - `packed.rs`: samples of a time plot, drawn by `assets/curves.js` with uPlot.
