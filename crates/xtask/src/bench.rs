@@ -2,6 +2,7 @@
 
 mod counts;
 mod figures;
+pub mod fit;
 pub mod flame_graph;
 mod machine;
 pub mod read;

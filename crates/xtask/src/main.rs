@@ -10,6 +10,7 @@ mod messages;
 mod outputs;
 mod pages;
 mod planted;
+mod python;
 mod repository;
 mod rust_text;
 mod size;
@@ -143,6 +144,15 @@ enum Task {
         #[arg(default_value_t = bench::read::ROWS)]
         rows: u64,
     },
+    /// Measure how long a fit takes: beside MuJoCo's identification toolbox on one problem, and over the number of samples.
+    ///
+    /// Prints name,value,unit, then the ratios. BENCHMARKS.md says what is compared. POINSOT_BENCH_SYSID names a Python with
+    /// mujoco[sysid]==3.8.1; without it only ours is measured.
+    BenchFit {
+        /// Samples of the longest record; 1000000 takes minutes.
+        #[arg(default_value_t = bench::fit::SAMPLES)]
+        samples: u64,
+    },
     /// Draw a flame graph of fits of the payload (BENCHMARKS.md, "A whole fit"), one thread.
     ///
     /// Needs perf, and inferno 0.12 on the path (cargo install inferno). POINSOT_BENCH_SYSID names a Python with
@@ -157,6 +167,8 @@ enum Task {
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
         arguments: Vec<String>,
     },
+    #[command(flatten)]
+    Python(python::Program),
 }
 
 fn main() -> ExitCode {
@@ -191,7 +203,42 @@ fn run(task: Task) -> Result<(), Fault> {
         } => fuzz::run(minimise, seconds, &targets),
         Task::Bench { what } => bench::run(&what),
         Task::BenchRead { rows } => bench::read::run(rows),
+        Task::BenchFit { samples } => bench::fit::run(samples),
         Task::FlameGraph { out } => bench::flame_graph::run(&out),
         Task::Book { arguments } => book::run(&arguments),
+        Task::Python(program) => program.run(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+    use repository::{files_below, name_of, read, root};
+    use std::collections::BTreeSet;
+
+    /// `scripts/test` alone is a program of its own: it works before anything is built.
+    #[test]
+    fn unit_every_script_calls_its_command() {
+        let command = Arguments::command();
+        let commands: BTreeSet<_> = command
+            .get_subcommands()
+            .map(clap::Command::get_name)
+            .collect();
+        let mut scripts = BTreeSet::new();
+        for path in files_below(&root().join("scripts")).unwrap() {
+            let name = name_of(&path).replace("scripts/", "");
+            if name == "test" {
+                continue;
+            }
+            let text = read(&path).unwrap();
+            let call = format!("-p xtask -- {name} \"$@\"\n");
+            assert!(
+                text.lines().count() == 3 && text.ends_with(&call),
+                "scripts/{name}"
+            );
+            scripts.insert(name);
+        }
+        assert_eq!(scripts, commands.into_iter().map(str::to_owned).collect());
     }
 }

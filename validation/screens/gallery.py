@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Builds the gallery: ten reports from shipped data, one of every kind, in target/gallery/NAME/report.html.
 
-    scripts/gallery.py                     build the program, then every report
-    scripts/gallery.py --poinsot PATH      use a program that is already built
-    scripts/gallery.py NAME ...            only these
+    scripts/gallery                     build the program, then every report
+    scripts/gallery --poinsot PATH      use a program that is already built
+    scripts/gallery NAME ...            only these
 """
 
 import argparse
@@ -12,9 +12,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from program import add_option, program as built
-
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 OUT = ROOT / "target/gallery"
 STSAT3 = "data/stsat3/model.toml"
 SIX_SLEWS = "data/stsat3/multiaxis/telemetry_noisy.csv"
@@ -120,15 +118,15 @@ def build(program, name):
     return (result if result.is_dir() else result.parent) / "report.html"
 
 
-def gallery(program=None, names=None):
+def gallery(program, names=None):
     """Paths of the reports by name."""
-    program = built(program)
+    program = str(Path(program).resolve())
     return {name: build(program, name) for name in names or REPORTS}
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    add_option(parser)
+    parser.add_argument("--poinsot", default="target/release/poinsot", help="program to use; scripts/gallery builds the default")
     parser.add_argument("names", nargs="*", help="reports to build; default: all")
     arguments = parser.parse_args()
     unknown = [name for name in arguments.names if name not in REPORTS]

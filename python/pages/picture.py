@@ -1,25 +1,17 @@
-#!/usr/bin/env python3
-"""Draws docs/picture.svg: what two manoeuvres of one satellite tell about its inertia tensor.
+"""The picture of the README, drawn by figures.py: what two manoeuvres of one satellite tell about its inertia tensor.
 
 Runs `identify` on data/stsat3/paper (one slew) and data/stsat3/multiaxis (six slews), and compares
-the answers with truth.json. Needs Python and the Rust toolchain, nothing else.
-
-    python3 scripts/picture.py                     build, identify, write docs/picture.svg
-    python3 scripts/picture.py --check             fail if docs/picture.svg is not what would be written
-    python3 scripts/picture.py --poinsot PATH      use a program that is already built
+the answers with truth.json.
 """
 
-import argparse
 import json
 import math
-import subprocess
 import sys
 from html import escape
+from pathlib import Path
 
-from program import ROOT, add_option, program
-
-EXAMPLE = ROOT / "data" / "stsat3"
-PICTURE = ROOT / "docs" / "picture.svg"
+ROOT = Path(__file__).resolve().parents[2]
+EXAMPLE = "data/stsat3"
 ENTRIES = ["xx", "yy", "zz", "xy", "xz", "yz"]
 RUNS = [("paper", "One slew"), ("multiaxis", "Six slews about different axes")]
 
@@ -29,17 +21,6 @@ LEFT = [64, 528]
 DECADES = (-6, 1)  # of the horizontal axis, kg m2
 INK, FAINT, GRID = "#1f2933", "#52606d", "#d9dee4"
 LANE, SIGMA, HIT, START = "#eef1f4", "#9ec5e8", "#0b4f8a", "#b3541e"
-ANSWERED = (0, 1)  # exit codes of identify: all, or part, of what was asked for
-
-
-def identify(poinsot, run):
-    """The answer to one run as JSON."""
-    arguments = ["identify", "--model", EXAMPLE / "model.toml"]
-    arguments += ["--telemetry", EXAMPLE / run / "telemetry_noisy.csv", "--json"]
-    done = subprocess.run([poinsot, *map(str, arguments)], stdout=subprocess.PIPE, cwd=ROOT)
-    if done.returncode not in ANSWERED:
-        sys.exit(f"picture.py: identify failed with exit code {done.returncode}")
-    return json.loads(done.stdout)
 
 
 def rows_of(answer, truth):
@@ -211,27 +192,13 @@ def bottom_of(rows):
     return PANEL_TOP + len(ENTRIES) * ROW + (34 + extra * (ROW + 4) if extra else 0)
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    add_option(parser)
-    parser.add_argument("--check", action="store_true", help="compare instead of writing")
-    arguments = parser.parse_args()
-    poinsot = program(arguments.poinsot)
-    answers = [identify(poinsot, run) for run, _ in RUNS]
-    truths = [json.loads((EXAMPLE / run / "truth.json").read_text()) for run, _ in RUNS]
+def picture(runs):
+    """The picture, from the answers of the program to both runs."""
+    answers = [
+        runs.json("identify", "--model", f"{EXAMPLE}/model.toml", "--telemetry", f"{EXAMPLE}/{run}/telemetry_noisy.csv") for run, _ in RUNS
+    ]
+    truths = [json.loads((ROOT / EXAMPLE / run / "truth.json").read_text()) for run, _ in RUNS]
     bodies = [truth["bodies"]["spacecraft"]["inertia_kg_m2"]["value"] for truth in truths]
     if bodies[0] != bodies[1]:
         sys.exit("picture.py: the two runs have different truths")
-    svg = draw(answers, bodies[0])
-    if not arguments.check:
-        PICTURE.parent.mkdir(exist_ok=True)
-        PICTURE.write_text(svg)
-        print(f"written: {PICTURE.relative_to(ROOT)}")
-    elif not PICTURE.exists() or PICTURE.read_text() != svg:
-        sys.exit("docs/picture.svg is out of date: run python3 scripts/picture.py")
-    else:
-        print("docs/picture.svg is up to date")
-
-
-if __name__ == "__main__":
-    main()
+    return draw(answers, bodies[0])

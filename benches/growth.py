@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Processor time and memory of `identify` over samples, bodies, unknowns, sensors, segments and firings.
 
-    python3 scripts/growth.py --poinsot target/release/poinsot            # minutes
-    python3 scripts/growth.py --poinsot target/release/poinsot --only bodies
+    scripts/bench-growth                   # minutes
+    scripts/bench-growth --only bodies
 
 Every record is simulated, with noise. Prints one table each; the order is the exponent between neighbouring lines.
 """
@@ -13,8 +13,6 @@ import os
 import subprocess
 import tempfile
 from pathlib import Path
-
-from program import add_option, program
 
 DURATION = 60.0  # s, of every record
 ARM_RATE = 5  # Hz
@@ -140,11 +138,11 @@ def growths(most):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    add_option(parser)
+    parser.add_argument("--poinsot", default="target/release/poinsot", help="program to use; scripts/bench-growth builds the default")
     parser.add_argument("--only", help="one of the tables")
     parser.add_argument("--most", type=int, default=100_000, help="samples of the longest record")
     arguments = parser.parse_args()
-    poinsot = program(arguments.poinsot)
+    poinsot = str(Path(arguments.poinsot).resolve())
     for name, lines in growths(arguments.most):
         if arguments.only not in (None, name):
             continue

@@ -1,6 +1,6 @@
 """Robots as `poinsot check` and as Pinocchio read them: mass, mass centre, principal moments of the whole.
 
-    python3 scripts/urdf_peer.py --poinsot target/release/poinsot FOLDER      (pip install pin numpy)
+    python3 benches/peers/urdf.py --poinsot target/release/poinsot FOLDER      (pip install pin numpy)
 """
 
 import argparse

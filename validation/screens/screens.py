@@ -9,7 +9,7 @@ import struct
 import zlib
 from pathlib import Path
 
-FOLDER = Path(__file__).resolve().parent.parent / "validation/screens"
+FOLDER = Path(__file__).resolve().parent
 # View: width and height of the screen px, side of a cell px, dark, printed.
 VIEWS = {
     "desktop": (1400, 900, 20, False, False),

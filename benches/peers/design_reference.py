@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """What other optimisers find for a case with [design]: figures of docs/validation/design.md.
 
-    python3 scripts/design_reference.py [CASE.toml | --vehicle SEED] --poinsot target/release/poinsot --method slsqp cma random ipopt design \
+    python3 benches/peers/design_reference.py [CASE.toml | --vehicle SEED] --poinsot target/release/poinsot --method slsqp cma random ipopt design \
         --seeds 1 2 3 --evaluations 5000 [--duration 60]
 
 The same free numbers, limits, wants and objective (the largest ratio of sigma to wanted sigma) as `poinsot design`: joints as

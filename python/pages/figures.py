@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Draws the figures of the explanation pages, docs/explanation/figures/*.svg, from output of the program.
+"""Draws docs/picture.svg and the figures of the explanation pages, docs/explanation/figures/*.svg, from output of the program.
 
-    python3 scripts/figures.py                     run the program, write the figures
-    python3 scripts/figures.py --check             fail if a figure is not what would be written
-    python3 scripts/figures.py --poinsot PATH      use a program that is already built
+    scripts/figures                     build and run the program, write the figures
+    scripts/figures --check             fail if a figure is not what would be written
+    scripts/figures --poinsot PATH      use a program that is already built
 """
 
 import argparse
@@ -12,9 +12,9 @@ import json
 import math
 import subprocess
 import sys
+from pathlib import Path
 
-from picture import FAINT, GRID, HIT, INK, SIGMA, START, text
-from program import ROOT, add_option, program
+from picture import FAINT, GRID, HIT, INK, ROOT, SIGMA, START, picture, text
 
 FOLDER = ROOT / "docs/explanation/figures"
 WORK = "target/figures"  # inputs and outputs of the runs, from the root
@@ -299,22 +299,23 @@ def nutation(runs):
 
 
 FIGURES = {
-    "polhode.svg": polhode,
-    "unobservable_direction.svg": unobservable,
-    "errors_in_variables.svg": errors_in_variables,
-    "nutation.svg": nutation,
+    ROOT / "docs/picture.svg": picture,
+    FOLDER / "polhode.svg": polhode,
+    FOLDER / "unobservable_direction.svg": unobservable,
+    FOLDER / "errors_in_variables.svg": errors_in_variables,
+    FOLDER / "nutation.svg": nutation,
 }
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    add_option(parser)
+    parser.add_argument("--poinsot", default="target/release/poinsot", help="program to use; scripts/figures builds the default")
     parser.add_argument("--check", action="store_true", help="compare instead of writing")
     arguments = parser.parse_args()
-    runs = Runs(program(arguments.poinsot))
+    runs = Runs(str(Path(arguments.poinsot).resolve()))
     stale = []
-    for name, draw in FIGURES.items():
-        path, drawn = FOLDER / name, draw(runs)
+    for path, draw in FIGURES.items():
+        drawn = draw(runs)
         if not path.exists() or path.read_text() != drawn:
             stale.append(str(path.relative_to(ROOT)))
             if not arguments.check:
@@ -322,7 +323,7 @@ def main():
                 path.write_text(drawn)
         print(f"{path.relative_to(ROOT)}: {len(drawn)} bytes")
     if arguments.check and stale:
-        sys.exit("out of date, run python3 scripts/figures.py:\n  " + "\n  ".join(stale))
+        sys.exit("out of date, run scripts/figures:\n  " + "\n  ".join(stale))
 
 
 if __name__ == "__main__":

@@ -1,8 +1,8 @@
 """Memory and time of reading long telemetry: a few lengths, or one file of any size.
 
-    python3 scripts/memory.py --poinsot target/release/poinsot
-    python3 scripts/memory.py --poinsot target/release/poinsot --gb 10 --format csv      # or parquet
-    python3 scripts/memory.py --write FILE.csv --gb 10                                   # the file alone
+    scripts/bench-memory
+    scripts/bench-memory --gb 10 --format csv      # or parquet
+    scripts/bench-memory --write FILE.csv --gb 10  # the file alone
 
 A satellite with three wheels, a gyro and a star tracker at 1 kHz, and eight columns that nobody asks for. Needs numpy,
 pyarrow and /usr/bin/time. The file lies in `--folder` (a temporary one) and is deleted.
@@ -136,7 +136,7 @@ def table(program, folder, file, rows, questions, show):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--poinsot")
+    parser.add_argument("--poinsot", default="target/release/poinsot", help="program to use; scripts/bench-memory builds the default")
     parser.add_argument("--write", metavar="FILE", help="write this file and stop")
     parser.add_argument("--keep", metavar="FILE", help="use this file, which --write made, and keep it")
     parser.add_argument("--gb", type=float, help="one file of this size, 1e9 bytes")
