@@ -90,13 +90,16 @@ enum Task {
         #[arg(long)]
         figures: bool,
     },
-    /// Count lines of code of each crate, without comments, documentation, blank lines and inline tests. Needs tokei.
+    /// Count lines of code of each crate, without comments, documentation, blank lines and inline tests.
     ///
-    /// Prints crate,source,tests: what lies in src without its tests, and those tests together with tests/.
+    /// Prints crate,source,tests: what lies in src and examples without its tests, and those tests together with tests/.
     Size {
         /// One crate, file by file.
         #[arg(value_name = "CRATE")]
         name: Option<String>,
+        /// Compare the parts of the tree with a revision of git; prints a table.
+        #[arg(long, value_name = "REV", conflicts_with = "name")]
+        since: Option<String>,
     },
     /// Run the first command of README.md as it is there: the first line that starts with `cargo run`.
     ///
@@ -194,7 +197,7 @@ fn run(task: Task) -> Result<(), Fault> {
         } => planted::run(&names, fresh, check),
         Task::Outputs { check, poinsot } => outputs::run(check, poinsot),
         Task::Pages { offline, figures } => pages::run(offline, figures),
-        Task::Size { name } => size::run(name.as_deref()),
+        Task::Size { name, since } => size::run(name.as_deref(), since.as_deref()),
         Task::FirstCommand { built } => first_command::run(built),
         Task::Fuzz {
             minimise,
