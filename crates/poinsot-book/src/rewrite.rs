@@ -40,6 +40,22 @@ pub fn rewrite(page: &Path, text: &str) -> Result<String, BookError> {
                     changes.push((range, new));
                 }
             }
+            Event::Start(Tag::Image {
+                link_type: LinkType::Inline,
+                dest_url,
+                ..
+            }) => {
+                // A picture within a link is part of the words of that link.
+                let within = changes
+                    .last()
+                    .is_some_and(|(link, _)| range.start < link.end);
+                if within {
+                    continue;
+                }
+                if let Some(new) = picture(page, &text[range.clone()], &dest_url) {
+                    changes.push((range, new));
+                }
+            }
             _ => {}
         }
     }
@@ -100,6 +116,13 @@ fn link(page: &Path, written: &str, target: &str) -> Result<Option<String>, Book
         }
         None => Some(format!("{words} (`{}`)", file.display())),
     })
+}
+
+/// The picture in the book; `None` if it is not in the folder of the book, whose check then finds it missing.
+fn picture(page: &Path, written: &str, target: &str) -> Option<String> {
+    let inside = place_in_book(&normal(&base_of(page).join(target))?)?;
+    let new = format!("]({})", from(page, &inside));
+    Some(written.replacen(&format!("]({target})"), &new, 1))
 }
 
 /// The page or figure of the book for a file of the repository.
@@ -176,6 +199,11 @@ mod tests {
             on("start.md", "[x](../crates/poinsot/explanations)"),
             "[x](reference/errors.md)"
         );
+        assert_eq!(
+            on("architecture.md", "![x](docs/assets/architecture.svg)"),
+            "![x](assets/architecture.svg)"
+        );
+        assert_eq!(on("start.md", "![x](gone.svg)"), "![x](gone.svg)");
         assert_eq!(on("start.md", "[x](#there)"), "[x](#there)");
         assert!(rewrite(Path::new("start.md"), "[x](nowhere.md)").is_err());
     }
