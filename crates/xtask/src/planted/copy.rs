@@ -172,7 +172,7 @@ pub fn write_tree(files: &Files) -> Result<(), Fault> {
             fs::remove_file(&path).map_err(|why| Fault::file(&path, why))?;
         }
     }
-    link_shared()
+    Ok(())
 }
 
 /// Scripts stay executable.
@@ -190,23 +190,6 @@ fn set_mode(path: &Path, contents: &[u8]) -> Result<(), Fault> {
 
 #[cfg(not(unix))]
 fn set_mode(_: &Path, _: &[u8]) -> Result<(), Fault> {
-    Ok(())
-}
-
-/// Some tests read recorded data beside the repository.
-#[cfg(unix)]
-fn link_shared() -> Result<(), Fault> {
-    let link = scratch().join("shared");
-    match root().join("../shared").canonicalize() {
-        Ok(shared) if !link.exists() => {
-            std::os::unix::fs::symlink(shared, &link).map_err(|why| Fault::file(&link, why))
-        }
-        _ => Ok(()),
-    }
-}
-
-#[cfg(not(unix))]
-fn link_shared() -> Result<(), Fault> {
     Ok(())
 }
 
