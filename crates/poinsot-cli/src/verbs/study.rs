@@ -1,6 +1,6 @@
 //! `poinsot study`
 
-use super::{Outcome, formats, print, print_document, print_json, written};
+use super::{Outcome, command_line, formats, note, print, print_document, print_json, written};
 use crate::arguments::{FigureFile, Study};
 use poinsot::study::{
     files, find, findings_file, printed_findings, run as run_study, studies_file,
@@ -15,6 +15,14 @@ pub fn run(arguments: &Study) -> Outcome {
     if arguments.name.is_none() {
         list(arguments);
         return Ok(0);
+    }
+    if command_line()
+        .iter()
+        .any(|word| word.split('=').next() == Some("--examples"))
+    {
+        note(
+            "warning: --examples is the old name of --data. Use --data: version 0.3 refuses --examples.",
+        );
     }
     let figures = match arguments.figures.as_slice() {
         [] => vec![FigureFile::Svg],

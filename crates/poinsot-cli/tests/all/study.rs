@@ -36,6 +36,15 @@ fn cli_study_lists_every_study_of_every_paper() {
 }
 
 #[test]
+fn cli_study_warns_of_the_old_name_of_its_data() {
+    let (code, out, said) = study(&["kim2010", "table2", "--examples", "data"]);
+    let (_, now, quiet) = study(&["kim2010", "table2", "--data", "data"]);
+    assert_eq!((code, &out), (0, &now));
+    assert!(said.contains("Use --data"), "{said}");
+    assert!(!quiet.contains("--examples"), "{quiet}");
+}
+
+#[test]
 fn cli_study_prints_writes_and_gives_all_digits() {
     let (code, out, _) = study(&["kim2010", "table2"]);
     assert_eq!(code, 0);
