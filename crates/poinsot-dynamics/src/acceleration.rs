@@ -8,6 +8,15 @@ use alloc::vec::Vec;
 use poinsot_spatial::{InertialParameters, Vector3};
 
 /// Inertial acceleration of every body, in base axes. Scratch.
+///
+/// ```
+#[doc = include_str!("../doc/arm.txt")]
+/// // The base turns at 2 rad/s: an accelerometer at the end of the arm measures w^2 r = 8 m/s2 inward.
+/// kinematics.set_velocities(&tree, &Vector3::zeros(), &(Vector3::z() * 2.0), &[0.0]);
+/// let mut accelerations = Accelerations::new(&tree);
+/// accelerations.set_without_base(&tree, &kinematics, &[0.0], &[0.0]);
+/// assert_eq!(accelerations.at_point(&kinematics, 1, &Vector3::x()), Vector3::x() * -8.0);
+/// ```
 #[derive(Debug, Clone)]
 pub struct Accelerations {
     /// Acceleration of body i's origin, m/s2.

@@ -12,6 +12,16 @@ const CONTROL: Controller = Controller {
 const DENSE: usize = 7;
 
 /// Scratch and step size of the method.
+///
+/// ```
+#[doc = include_str!("../doc/oscillator.txt")]
+/// // y'' = -y: after half a period the sign has changed.
+/// let mut y = [1.0, 0.0];
+/// let mut method = DormandPrince8::new(vec![1.0; 2], Tolerance::default());
+/// method.advance(&mut Oscillator, 0.0, PI, &mut y)?;
+/// assert!((y[0] + 1.0).abs() < 1.0e-11);
+/// # Ok::<(), Halt>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct DormandPrince8 {
     tolerance: Tolerance,

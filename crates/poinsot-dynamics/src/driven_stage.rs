@@ -59,6 +59,23 @@ impl DrivenPlan {
 }
 
 /// A vehicle with what drives it, ready to move.
+///
+/// ```
+#[doc = include_str!("../doc/arm.txt")]
+/// // The arm swings on a spring with its base: no momentum, and energy is kept.
+/// let spring = SpringDamper { stiffness: 2.0, rest: 0.0, damping: 0.0 };
+/// let motor = ForceProfile::none();
+/// let swing = JointDrive::Force { motor, spring, initial_position: 0.1, initial_rate: 0.0 };
+/// let wheels = vec![WheelMotion::constant(0.0)];
+/// let plan = DrivenPlan { joints: vec![swing], wheels, firings: vec![] };
+/// let driven = Driven::from_parts(tree, bodies.to_vec(), vec![0.01], vec![], &plan)?;
+/// let (mut energy, accuracy) = (0.0, Integrator::DormandPrince8(Tolerance::default()));
+/// driven.run(&Start::at_rest(), &[0.0, 5.0], accuracy, |sample| {
+///     energy = kinetic_energy(&bodies, &sample.motion.kinematics) + spring.energy(sample.motion.q[0]);
+/// })?;
+/// assert!((energy - spring.energy(0.1)).abs() < 1.0e-11);
+/// # Ok::<(), MotionError>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Driven<'p> {
     pub(crate) tree: Tree,

@@ -72,6 +72,19 @@ struct Node<T> {
 }
 
 /// Workspace of the articulated-body algorithm. No call allocates.
+///
+/// ```
+#[doc = include_str!("../doc/arm.txt")]
+/// // At rest, with 1 N m of motor torque.
+/// let mut dynamics = ForwardDynamics::new(&tree);
+/// dynamics.set_bodies(&tree, &bodies, &kinematics);
+/// let mut acceleration = [0.0];
+/// dynamics.solve(&tree, &kinematics, &[0.0], &[JointInput::Force(1.0)], &mut acceleration)?;
+/// // No momentum: the base turns back by 0.44 of the joint's acceleration.
+/// let (_, alpha) = dynamics.acceleration(0);
+/// assert!((alpha.z + 0.44 * acceleration[0]).abs() < 1.0e-12);
+/// # Ok::<(), Singular>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct ForwardDynamics<T = f64> {
     nodes: Vec<Node<T>>,

@@ -11,6 +11,19 @@ use poinsot_spatial::{InertialParameters, Matrix3, Vector3};
 ///
 /// `r` from the attracting body to the vehicle, m, and the inertia about the mass centre, kg m2, in one set of
 /// axes; the torque comes in the same.
+///
+/// ```
+/// use poinsot_dynamics::gravity_gradient_torque;
+/// use poinsot_spatial::{Matrix3, Vector3};
+///
+/// let (gm, r) = (3.986_004_418e14, 7.0e6);
+/// let I = Matrix3::from_diagonal(&Vector3::new(100.0, 200.0, 250.0));
+/// // 45 degrees between the local vertical and x: 3/2 n^2 (I_yy - I_xx) about z.
+/// let vertical = Vector3::new(1.0, 1.0, 0.0).normalize() * r;
+/// let torque = gravity_gradient_torque(gm, &vertical, &I);
+/// let expected = 1.5 * gm / (r * r * r) * 100.0;
+/// assert!((torque.z / expected - 1.0).abs() < 1.0e-12);
+/// ```
 pub fn gravity_gradient_torque(gm: f64, r: &Vector3, I_SScm: &Matrix3) -> Vector3 {
     let distance = r.norm();
     if distance == 0.0 {
@@ -24,6 +37,18 @@ pub fn gravity_gradient_torque(gm: f64, r: &Vector3, I_SScm: &Matrix3) -> Vector
 /// axes, to first order in the size of the vehicle over the distance `|r|`. With `u = r / |r|` and `d` from the
 /// system's mass centre to a particle the force on it is `gm / |r|^3 (3 u u^T - 1) d dm`. Over all bodies the forces
 /// cancel and the torques add up to [`gravity_gradient_torque`].
+///
+/// ```
+#[doc = include_str!("../doc/arm.txt")]
+/// // Along the vertical a mass d from the system's mass centre is pulled away by 2 gm / r^3 d.
+/// let (gm, r_B) = (3.986_004_418e14, Vector3::x() * 7.0e6);
+/// let centre = composite(&bodies, &kinematics).p_BoScm_B();
+/// let tide = |i: usize| tidal_wrench(gm, &r_B, &centre, &bodies[i], &kinematics, i);
+/// let pull = 2.0 * gm / r_B.norm().powi(3) * (2.0 - centre.x);
+/// assert!((tide(1).force.x / pull - 1.0).abs() < 1.0e-12);
+/// // The forces on all bodies cancel.
+/// assert!((tide(0).force + tide(1).force).norm() < 1.0e-12 * pull);
+/// ```
 pub fn tidal_wrench(
     gm: f64,
     r_B: &Vector3,

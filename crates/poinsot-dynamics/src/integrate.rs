@@ -172,6 +172,24 @@ pub(crate) fn finite(y: &[f64], end: f64) -> Result<(), Halt> {
 }
 
 /// An ordinary differential equation on a plain vector.
+///
+/// ```
+/// use poinsot_dynamics::{Flow, Halt};
+///
+/// /// y'' = -y
+/// struct Oscillator;
+/// impl Flow for Oscillator {
+///     fn derivative(&mut self, _t: f64, y: &[f64], dy: &mut [f64]) -> Result<(), Halt> {
+///         dy.copy_from_slice(&[y[1], -y[0]]);
+///         Ok(())
+///     }
+///     fn project(&self, _y: &mut [f64]) {}
+/// }
+/// let mut dy = [0.0; 2];
+/// Oscillator.derivative(0.0, &[1.0, 2.0], &mut dy)?;
+/// assert_eq!(dy, [2.0, -1.0]);
+/// # Ok::<(), Halt>(())
+/// ```
 pub trait Flow<T = f64> {
     /// Writes the derivative of `y` at `t`.
     ///
@@ -184,6 +202,16 @@ pub trait Flow<T = f64> {
 }
 
 /// Scratch and step size of the integrator.
+///
+/// ```
+#[doc = include_str!("../doc/oscillator.txt")]
+/// // y'' = -y: after half a period the sign has changed.
+/// let mut y = [1.0, 0.0];
+/// let mut method = DormandPrince::new(vec![1.0; 2], Tolerance::default());
+/// method.advance(&mut Oscillator, 0.0, PI, &mut y)?;
+/// assert!((y[0] + 1.0).abs() < 1.0e-11);
+/// # Ok::<(), Halt>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct DormandPrince {
     tolerance: Tolerance,

@@ -26,6 +26,18 @@ impl Wrench {
 }
 
 /// Workspace of the Newton-Euler recursion. No call allocates.
+///
+/// ```
+#[doc = include_str!("../doc/arm.txt")]
+/// // The joint accelerates at 1 rad/s2 with the base at rest.
+/// let mut accelerations = Accelerations::new(&tree);
+/// accelerations.set_without_base(&tree, &kinematics, &[0.0], &[1.0]);
+/// let mut torque = [0.0];
+/// let mut inverse = InverseDynamics::new(&tree);
+/// let on_base = inverse.solve(&tree, &bodies, &kinematics, &accelerations, &[], &mut torque);
+/// // The arm's 1.5 kg m2 about its hinge; the base must be held with the force on its mass centre.
+/// assert_eq!((torque[0], on_base.force), (1.5, Vector3::y()));
+/// ```
 #[derive(Debug, Clone)]
 pub struct InverseDynamics {
     /// What the joint of each body transmits to it, about that body's origin, in base axes; for the base the external

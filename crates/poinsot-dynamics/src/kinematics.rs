@@ -8,6 +8,16 @@ use nalgebra::{Matrix3, Vector3};
 
 /// Placement and velocity of every body, all in base axes. Scratch: filled by
 /// [`Kinematics::place`] and [`Kinematics::set_velocities`].
+///
+/// ```
+#[doc = include_str!("../doc/arm.txt")]
+/// kinematics.place(&tree, &[std::f64::consts::FRAC_PI_2]);
+/// assert!((kinematics.R[1] * Vector3::x() - Vector3::y()).norm() < 1.0e-15);
+/// // The base turns at 1 rad/s and the joint at 2 rad/s.
+/// kinematics.set_velocities(&tree, &Vector3::zeros(), &Vector3::z(), &[2.0]);
+/// assert_eq!(kinematics.v[1], Vector3::y());
+/// assert!((kinematics.w[1] - Vector3::z() * 3.0).norm() < 1.0e-15);
+/// ```
 #[derive(Debug, Clone)]
 pub struct Kinematics<T = f64> {
     /// `R_BBi`: from body i to the base.

@@ -7,6 +7,42 @@
 //! Without the default feature `std` the kernels remain: tree, kinematics, momentum, regressors, accelerations, forward
 //! and inverse dynamics, orbit. They need `alloc` and, for the functions of `libm`, the feature `libm`.
 //!
+//! | subject | item |
+//! |---|---|
+//! | the vehicle | [`Tree`] (kinematic constants), [`Vehicle`], [`Link`], [`Rotor`], [`Nozzle`], [`Gravity`] |
+//! | placement and velocities | [`Kinematics`], [`Accelerations`] |
+//! | momentum and energy | [`momentum()`], [`composite`], [`twist_from_momentum`], [`wheel_momentum`], [`kinetic_energy`] |
+//! | momentum as a linear function of the parameters | [`momentum_regressor`], [`wheel_regressor`], [`momentum_rate_column`] |
+//! | forces and accelerations | [`ForwardDynamics`], [`InverseDynamics`], [`MassMatrix`], [`joint_jacobian`] |
+//! | environment | [`orbit_state`], [`gravity_gradient_torque`], [`tidal_wrench`] |
+//! | motion | [`Prescribed`] (given joints and wheels), [`Driven`] (given torques), [`ControlledVehicle`] |
+//! | many states at once | [`batch`] |
+//!
+//! # Example
+//! A base with an arm, in free fall without momentum. The arm turns at 1 rad/s; the base turns back:
+//!
+//! ```
+//! use poinsot_dynamics::{Kinematics, Link, Motion, Tree, composite, momentum, twist_from_momentum};
+//! use poinsot_spatial::{MassProperties, Matrix3, Vector3};
+//!
+//! // The arm turns about z at x = 1 m. Its mass centre is 1 m further.
+//! let hinge = Link::new(0, Motion::Revolute(0), Vector3::x(), Matrix3::identity(), Vector3::z());
+//! let tree = Tree { links: vec![Link::base(), hinge], rotors: vec![], coordinates: vec![0] };
+//! let base = MassProperties { mass: 2.0, p_BoBcm_B: Vector3::zeros(), I_BBcm_B: Matrix3::identity() };
+//! let arm = MassProperties { mass: 1.0, p_BoBcm_B: Vector3::x(), I_BBcm_B: Matrix3::identity() * 0.5 };
+//! let bodies = [base.parameters(), arm.parameters()];
+//!
+//! let mut kinematics = Kinematics::new(&tree);
+//! kinematics.set_velocities(&tree, &Vector3::zeros(), &Vector3::zeros(), &[1.0]);
+//! let of_arm = momentum(&bodies, &kinematics);
+//! let (l, h) = (of_arm.fixed_rows::<3>(0).into(), of_arm.fixed_rows::<3>(3).into());
+//! let (whole, none) = (composite(&bodies, &kinematics), Vector3::zeros());
+//! let twist = twist_from_momentum(&whole, &none, &none, &l, &h).unwrap();
+//!
+//! // About the mass centre: the arm brings 0.5 + 2/3 * 2, the whole has 1.5 + 2/3 * 4 (reduced mass 2/3 kg).
+//! assert!((twist.w.z + (0.5 + 4.0 / 3.0) / (1.5 + 8.0 / 3.0)).abs() < 1.0e-12);
+//! ```
+//!
 //! # Files
 //! - `vehicle.rs`: data of a vehicle for its motion. `tree.rs`: kinematic constants. `sensor.rs`: a sensor with its
 //!   declared errors.

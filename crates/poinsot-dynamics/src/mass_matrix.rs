@@ -14,6 +14,15 @@ use alloc::vec::Vec;
 use poinsot_spatial::{InertialParameters, Matrix3, Matrix6, Vector3, Vector6, parallel_axis};
 
 /// The blocks of the mass matrix, and the scratch to fill them. No call allocates.
+///
+/// ```
+#[doc = include_str!("../doc/arm.txt")]
+/// let mut mass_matrix = MassMatrix::new(&tree);
+/// mass_matrix.set(&tree, &bodies, &kinematics);
+/// // About the hinge the arm has 1.5 kg m2; its rate gives 2.5 N m s about Bo.
+/// assert_eq!((mass_matrix.H_m[0], mass_matrix.H_bm[0][5]), (1.5, 2.5));
+/// assert_eq!(mass_matrix.H_b[(5, 5)], 5.5);
+/// ```
 #[derive(Debug, Clone)]
 pub struct MassMatrix {
     /// Momentum about `Bo` per unit base twist, linear part first.

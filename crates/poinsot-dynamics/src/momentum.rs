@@ -30,6 +30,15 @@ pub struct Composite {
 }
 
 /// Momentum `[l; h]` of one body about the base origin in B: linear N s, angular N m s.
+///
+/// ```
+#[doc = include_str!("../doc/arm.txt")]
+/// // The base turns at 1 rad/s: the hinge moves along y.
+/// let (R, p) = (&kinematics.R[1], &kinematics.p[1]);
+/// let (l, h) = body_momentum(&bodies[1], R, p, &Vector3::y(), &Vector3::z());
+/// // 1 kg at 2 m: l = m w r, h = I + m w r^2.
+/// assert_eq!((l, h), (Vector3::y() * 2.0, Vector3::z() * 4.5));
+/// ```
 #[inline]
 pub fn body_momentum(
     parameters: &InertialParameters,
@@ -60,6 +69,14 @@ fn of_body<T: Real>(
 }
 
 /// Momentum `[l; h]` of all bodies about the base origin in B (without wheels), at the kinematics given.
+///
+/// ```
+#[doc = include_str!("../doc/arm.txt")]
+/// // The base turns at 1 rad/s with the arm locked.
+/// kinematics.set_velocities(&tree, &Vector3::zeros(), &Vector3::z(), &[0.0]);
+/// let found = momentum(&bodies, &kinematics);
+/// assert_eq!(found, Vector6::new(0.0, 2.0, 0.0, 0.0, 0.0, 5.5));
+/// ```
 #[inline]
 pub fn momentum(parameters: &[InertialParameters], kinematics: &Kinematics) -> Vector6 {
     let (l, h) = of_bodies(parameters.iter().map(Inertial::of), kinematics, 0.0);
@@ -85,6 +102,12 @@ pub(crate) fn of_bodies<T: Real>(
 }
 
 /// Angular momentum of the wheels relative to their hosts, `sum Js Omega a`, in B, N m s.
+///
+/// ```
+#[doc = include_str!("../doc/arm.txt")]
+/// let h = wheel_momentum(&tree, &kinematics, &[0.01], &[100.0]);
+/// assert_eq!(h, Vector3::z());
+/// ```
 #[inline]
 pub fn wheel_momentum(
     tree: &Tree,
@@ -100,6 +123,15 @@ pub fn wheel_momentum(
 }
 
 /// The vehicle as one rigid body at the placement given.
+///
+/// ```
+#[doc = include_str!("../doc/arm.txt")]
+/// let whole = composite(&bodies, &kinematics);
+/// assert_eq!(whole.mass, 3.0);
+/// assert_eq!(whole.p_BoScm_B(), Vector3::x() * (2.0 / 3.0));
+/// // Two masses 2 m apart: their reduced mass of 2/3 kg adds 8/3 to their own 1.5.
+/// assert!((whole.I_SScm_B()[(2, 2)] - (1.5 + 8.0 / 3.0)).abs() < 1.0e-12);
+/// ```
 pub fn composite(parameters: &[InertialParameters], kinematics: &Kinematics) -> Composite {
     let mut sum = Composite {
         mass: 0.0,
@@ -170,6 +202,18 @@ impl Composite {
 /// wheels, `l_joints`, `h_joints`: `V = H^-1 (momentum - c)`.
 ///
 /// `None` where the composite has no mass or a singular central inertia.
+///
+/// ```
+#[doc = include_str!("../doc/arm.txt")]
+/// // Without momentum the base turns back while the arm turns at 1 rad/s.
+/// kinematics.set_velocities(&tree, &Vector3::zeros(), &Vector3::zeros(), &[1.0]);
+/// let joints = momentum(&bodies, &kinematics);
+/// let (l, h) = (joints.fixed_rows::<3>(0).into(), joints.fixed_rows::<3>(3).into());
+/// let rest = Vector3::zeros();
+/// let twist = twist_from_momentum(&composite(&bodies, &kinematics), &rest, &rest, &l, &h).unwrap();
+/// // In the plane, about the mass centre: w = -(0.5 + 2/3 * 2) / (1.5 + 8/3).
+/// assert!((twist.w.z + 0.44).abs() < 1.0e-12);
+/// ```
 #[inline]
 pub fn twist_from_momentum(
     composite: &Composite,
@@ -189,6 +233,20 @@ pub fn twist_from_momentum(
 
 /// Momentum about the inertial origin in N from momentum about `Bo` in B: `P = R l`,
 /// `H_N = R h + p x P`.
+///
+/// ```
+/// use poinsot_dynamics::shift_to_inertial;
+/// use poinsot_spatial::{UnitQuaternion, Vector3};
+///
+/// // 2 N s along x at y = 1 m: the moment about the origin of N is -2 N m s about z.
+/// let (P, H) = shift_to_inertial(
+///     &UnitQuaternion::identity(),
+///     &Vector3::y(),
+///     &(Vector3::x() * 2.0),
+///     &Vector3::zeros(),
+/// );
+/// assert_eq!((P, H), (Vector3::x() * 2.0, Vector3::z() * -2.0));
+/// ```
 #[inline]
 pub fn shift_to_inertial(
     R_NB: &UnitQuaternion,
@@ -201,6 +259,17 @@ pub fn shift_to_inertial(
 }
 
 /// The inverse of [`shift_to_inertial`].
+///
+/// ```
+/// use poinsot_dynamics::{shift_to_body, shift_to_inertial};
+/// use poinsot_spatial::{UnitQuaternion, Vector3};
+///
+/// let (R_NB, p) = (UnitQuaternion::from_euler_angles(0.1, 0.2, 0.3), Vector3::new(1.0, 2.0, 3.0));
+/// let (l, h) = (Vector3::x(), Vector3::y());
+/// let (P, H) = shift_to_inertial(&R_NB, &p, &l, &h);
+/// let (l_back, h_back) = shift_to_body(&R_NB, &p, &P, &H);
+/// assert!((l_back - l).norm() < 1.0e-14 && (h_back - h).norm() < 1.0e-14);
+/// ```
 #[inline]
 pub fn shift_to_body(
     R_NB: &UnitQuaternion,

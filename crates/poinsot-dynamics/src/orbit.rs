@@ -30,6 +30,27 @@ const STEPS: usize = 50;
 ///
 /// `E - e sin E = M` by Newton's method from `M + e sin M` (Vallado 2013, algorithm 2), then the perifocal position
 /// turned by argument of periapsis, inclination and node.
+///
+/// ```
+/// use poinsot_dynamics::{Orbit, orbit_state};
+/// use std::f64::consts::PI;
+///
+/// let (gm, a) = (3.986_004_418e14, 7.0e6_f64);
+/// let orbit = Orbit {
+///     semi_major_axis: a,
+///     eccentricity: 0.0,
+///     inclination: 0.0,
+///     raan: 0.0,
+///     argument_of_periapsis: 0.0,
+///     true_anomaly: 0.0,
+///     epoch: 0.0,
+/// };
+/// // A circle: half a period later the vehicle is on the other side, with the same speed.
+/// let half_period = PI * (a * a * a / gm).sqrt();
+/// let (p, v) = orbit_state(gm, &orbit, half_period);
+/// assert!((p.x + a).abs() < 1.0e-6 * a);
+/// assert!((v.norm() - (gm / a).sqrt()).abs() < 1.0e-6);
+/// ```
 pub fn orbit_state(gm: f64, orbit: &Orbit, time: f64) -> (Vector3, Vector3) {
     let (a, e) = (orbit.semi_major_axis, orbit.eccentricity);
     let n = (gm / a.powi(3)).sqrt();

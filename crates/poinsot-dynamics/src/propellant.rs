@@ -27,6 +27,16 @@ impl Propellant {
 }
 
 /// One kilogram at a point of a body.
+///
+/// ```
+/// use poinsot_dynamics::point_mass;
+/// use poinsot_spatial::{Matrix3, Vector3};
+///
+/// // 1 kg at x = 2 m has no inertia about x, and 4 kg m2 about y and z.
+/// let point = point_mass(&(Vector3::x() * 2.0));
+/// assert_eq!(point.mc_B, Vector3::x() * 2.0);
+/// assert_eq!(point.I_BBo_B, Matrix3::from_diagonal(&Vector3::new(0.0, 4.0, 4.0)));
+/// ```
 pub fn point_mass(p_BoF_B: &Vector3) -> InertialParameters {
     InertialParameters {
         mass: 1.0,

@@ -10,6 +10,16 @@ use poinsot_spatial::{InertialParameters, Vector3, Vector6};
 ///
 /// The rate of the whole is the sum of these columns times the parameters (in the order of
 /// `poinsot_spatial::PARAMETER_NAMES`): [`Accelerations::momentum_rate`] is linear in them.
+///
+/// ```
+#[doc = include_str!("../doc/arm.txt")]
+/// // A steady turn at 1 rad/s: 1 kg m of first moment along the arm needs 1 N towards the hinge.
+/// kinematics.set_velocities(&tree, &Vector3::zeros(), &Vector3::z(), &[0.0]);
+/// let mut accelerations = Accelerations::new(&tree);
+/// accelerations.set_without_base(&tree, &kinematics, &[0.0], &[0.0]);
+/// let column = momentum_rate_column(&accelerations, &kinematics, 1, 1);
+/// assert_eq!(column, -Vector6::x());
+/// ```
 pub fn momentum_rate_column(
     accelerations: &Accelerations,
     kinematics: &Kinematics,
@@ -25,6 +35,13 @@ pub fn momentum_rate_column(
 
 /// Rate of change of the wheels' relative angular momentum, inertial rate in base axes, N m:
 /// `sum Js (Omega' a + Omega w x a)` with `w` of the host.
+///
+/// ```
+#[doc = include_str!("../doc/arm.txt")]
+/// // Speed rises by 2 rad/s2; the host is at rest.
+/// let rate = wheel_rate(&tree, &kinematics, &[0.01], &[100.0], &[2.0]);
+/// assert_eq!(rate, Vector3::z() * 0.02);
+/// ```
 pub fn wheel_rate(
     tree: &Tree,
     kinematics: &Kinematics,

@@ -11,6 +11,17 @@ use nalgebra::{Matrix3, Vector3};
 /// The kinematics carry joint placement, base twist and joint rates; the columns are linear in the
 /// velocities, so a unit base twist gives the sensitivity to that component. `Y` must hold ten columns
 /// per body (extra columns are left alone).
+///
+/// ```
+#[doc = include_str!("../doc/arm.txt")]
+/// kinematics.set_velocities(&tree, &Vector3::x(), &Vector3::z(), &[0.5]);
+/// let mut Y = [[0.0; 6]; 20];
+/// momentum_regressor(&kinematics, &mut Y);
+/// // The columns times the parameters are the momentum.
+/// let parameters = bodies.iter().flat_map(|b| b.to_array());
+/// let product: Vector6 = Y.iter().zip(parameters).map(|(y, x)| Vector6::from(*y) * x).sum();
+/// assert!((product - momentum(&bodies, &kinematics)).norm() < 1.0e-14);
+/// ```
 #[inline]
 pub fn momentum_regressor(kinematics: &Kinematics, Y: &mut [[f64; 6]]) {
     let bodies = kinematics
@@ -59,6 +70,13 @@ fn first_moment<T: Real>(e: &V3<T>, p: &V3<T>, v: &V3<T>, w: &V3<T>) -> [T; 6] {
 
 /// Fills one column per wheel: the momentum `[0; Omega a]` in B of one unit of spin inertia at the
 /// relative speeds given, rad/s.
+///
+/// ```
+#[doc = include_str!("../doc/arm.txt")]
+/// let mut Y = [[0.0; 6]];
+/// wheel_regressor(&tree, &kinematics, &[100.0], &mut Y);
+/// assert_eq!(Y, [[0.0, 0.0, 0.0, 0.0, 0.0, 100.0]]);
+/// ```
 #[inline]
 pub fn wheel_regressor(tree: &Tree, kinematics: &Kinematics, speed: &[f64], Y: &mut [[f64; 6]]) {
     for ((rotor, omega), column) in tree.rotors.iter().zip(speed).zip(Y.iter_mut()) {

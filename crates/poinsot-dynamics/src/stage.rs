@@ -114,6 +114,25 @@ impl MotionSample {
 }
 
 /// A vehicle with a plan, ready to move.
+///
+/// ```
+#[doc = include_str!("../doc/arm.txt")]
+/// let vehicle = Vehicle {
+///     tree,
+///     bodies: bodies.to_vec(),
+///     spin_inertia: vec![0.01],
+///     nozzles: vec![],
+///     locked_at: vec![0.0],
+///     gravity: Gravity::default(),
+/// };
+/// // The wheel runs at 100 rad/s in a vehicle without momentum: the base turns back.
+/// let plan = Plan { wheels: vec![WheelMotion::constant(100.0)], ..Plan::hold(vehicle.clone()) };
+/// let prescribed = Prescribed::new(vehicle, &plan, Tolerance::default())?;
+/// let mut rate = 0.0;
+/// prescribed.run(&Start::at_rest(), &[0.0, 1.0], |sample| rate = sample.w_NB_B.z)?;
+/// assert!((rate + 1.0 / (1.5 + 8.0 / 3.0)).abs() < 1.0e-12);
+/// # Ok::<(), MotionError>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Prescribed<'p> {
     pub(crate) tree: Tree,

@@ -38,6 +38,17 @@ impl Firing {
 }
 
 /// Fills the thrust of every thruster, N, on the smooth interval that holds `within`.
+///
+/// ```
+/// use poinsot_dynamics::{Firing, thrust_levels};
+///
+/// let firings = [Firing { thruster: 0, on: 1.0, off: 3.0, force: 10.0 }];
+/// let mut levels = [0.0; 2];
+/// thrust_levels(&firings, 2.0, &mut levels);
+/// assert_eq!(levels, [10.0, 0.0]);
+/// thrust_levels(&firings, 4.0, &mut levels);
+/// assert_eq!(levels, [0.0, 0.0]);
+/// ```
 #[inline]
 pub fn thrust_levels(firings: &[Firing], within: f64, levels: &mut [f64]) {
     levels.fill(0.0);
@@ -53,12 +64,33 @@ pub fn thrust_levels(firings: &[Firing], within: f64, levels: &mut [f64]) {
 pub const SAME_TIME: f64 = 1.0e-9;
 
 /// Fills the thrust of every thruster, N, that a table of held values has at a time: a switch at that time is done.
+///
+/// ```
+/// use poinsot_dynamics::{Firing, SAME_TIME, thrust_held, thrust_levels};
+///
+/// // A switch just after the time, by round-off, counts as done.
+/// let firings = [Firing { thruster: 0, on: 1.0 + 0.1 * SAME_TIME, off: 3.0, force: 10.0 }];
+/// let mut level = [0.0];
+/// thrust_held(&firings, 1.0, &mut level);
+/// assert_eq!(level, [10.0]);
+/// thrust_levels(&firings, 1.0, &mut level);
+/// assert_eq!(level, [0.0]);
+/// ```
 pub fn thrust_held(firings: &[Firing], time: f64, levels: &mut [f64]) {
     thrust_levels(firings, time + SAME_TIME, levels);
 }
 
 /// Force and torque about the base origin of all thrusters, in base axes, N and N m; point and direction
 /// turn with the joints.
+///
+/// ```
+#[doc = include_str!("../doc/arm.txt")]
+/// // A thruster at the end of the arm pushes along y.
+/// let nozzle =
+///     Nozzle { body: 1, p_BoT_B: Vector3::x(), direction_B: Vector3::y(), propellant: None };
+/// let (force, torque) = thrust_wrench(&[nozzle], &kinematics, &[10.0]);
+/// assert_eq!((force, torque), (Vector3::y() * 10.0, Vector3::z() * 20.0));
+/// ```
 #[inline]
 pub fn thrust_wrench(
     nozzles: &[Nozzle],

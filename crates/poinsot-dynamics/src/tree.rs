@@ -67,6 +67,16 @@ pub struct Rotor {
 }
 
 /// The kinematic constants of a vehicle.
+///
+/// ```
+/// use poinsot_dynamics::{Link, Motion, Tree};
+/// use poinsot_spatial::{Matrix3, Vector3};
+///
+/// // A base and an arm that turns about z at x = 1 m.
+/// let hinge = Link::new(0, Motion::Revolute(0), Vector3::x(), Matrix3::identity(), Vector3::z());
+/// let tree = Tree { links: vec![Link::base(), hinge], rotors: vec![], coordinates: vec![0] };
+/// assert_eq!((tree.bodies(), tree.dof()), (2, 1));
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tree {
     /// Bodies; parents stand before their children.

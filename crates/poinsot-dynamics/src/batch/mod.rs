@@ -47,6 +47,19 @@ impl States<'_> {
 ///
 /// # Errors
 /// An array has the wrong length.
+///
+/// ```
+#[doc = include_str!("../../doc/arm.txt")]
+/// // Two states of six plus two numbers; 2 bodies of 10 columns of 6 numbers each.
+/// let twist = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+/// let states = batch::States { q: &[0.0, 0.0], rates: &[0.0, 0.0], twist: &twist };
+/// let mut Y = vec![0.0; 2 * 120];
+/// batch::momentum_regressor(&tree, states, &mut Y)?;
+/// // Mass moving along x at 1 m/s; the tensor's zz element turning about z at 1 rad/s.
+/// assert_eq!(Y[..6], [1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+/// assert_eq!(Y[120 + 54..120 + 60], [0.0, 0.0, 0.0, 0.0, 0.0, 1.0]);
+/// # Ok::<(), batch::BatchError>(())
+/// ```
 pub fn momentum_regressor(tree: &Tree, states: States, Y: &mut [f64]) -> Result<(), BatchError> {
     let width = PER_BODY * tree.bodies();
     expect("out", Y.len(), states.count(tree)? * width)?;
@@ -57,6 +70,17 @@ pub fn momentum_regressor(tree: &Tree, states: States, Y: &mut [f64]) -> Result<
 ///
 /// # Errors
 /// An array has the wrong length.
+///
+/// ```
+#[doc = include_str!("../../doc/arm.txt")]
+/// // Two states: a shift along x, and a turn about z.
+/// let twist = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+/// let states = batch::States { q: &[0.0, 0.0], rates: &[0.0, 0.0], twist: &twist };
+/// let mut out = [0.0; 12];
+/// batch::momentum(&tree, &bodies, states, &mut out)?;
+/// assert_eq!(out, [3.0, 0.0, 0.0, 0.0, 0.0, -0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 5.5]);
+/// # Ok::<(), batch::BatchError>(())
+/// ```
 pub fn momentum(
     tree: &Tree,
     bodies: &[InertialParameters],
@@ -76,6 +100,17 @@ pub fn momentum(
 ///
 /// # Errors
 /// An array has the wrong length, or a vehicle has no inertia about a joint or of the whole.
+///
+/// ```
+#[doc = include_str!("../../doc/arm.txt")]
+/// // One state at rest, with 1 N m of motor torque.
+/// let states = batch::States { q: &[0.0], rates: &[0.0], twist: &[0.0; 6] };
+/// let mut out = [0.0; 7];
+/// batch::forward_dynamics(&tree, &bodies, states, &[1.0], &[0.0; 6], &mut out)?;
+/// // The momentum stays zero: the base turns back by 0.44 of the joint's acceleration.
+/// assert!((out[5] + 0.44 * out[6]).abs() < 1.0e-12 && out[6] > 0.0);
+/// # Ok::<(), batch::BatchError>(())
+/// ```
 pub fn forward_dynamics(
     tree: &Tree,
     bodies: &[InertialParameters],

@@ -29,6 +29,18 @@ pub struct Steps {
 ///
 /// # Errors
 /// An array has the wrong length, or a vehicle has no inertia about a joint or of the whole.
+///
+/// ```
+#[doc = include_str!("../../doc/arm.txt")]
+/// // Attitude, mass centre, momenta, joint: at rest but for a drift of 3 N s along x.
+/// let mut states = vec![0.0; 15];
+/// (states[3], states[7]) = (1.0, 3.0);
+/// let steps = batch::Steps { start: 0.0, step: 0.1, count: 100 };
+/// batch::integrate(&tree, &bodies, &[ForceProfile::none()], steps, &mut states)?;
+/// // 3 kg move by 10 m in 10 s.
+/// assert!((states[4] - 10.0).abs() < 1.0e-12);
+/// # Ok::<(), batch::BatchError>(())
+/// ```
 pub fn integrate(
     tree: &Tree,
     bodies: &[InertialParameters],
