@@ -16,11 +16,21 @@ pub const TENSOR: [(usize, usize); 6] = [(0, 0), (0, 1), (1, 1), (0, 2), (1, 2),
 const TENSOR_NAMES: [&str; 6] = ["xx", "xy", "yy", "xz", "yz", "zz"];
 
 /// Name of an element in the order of [`TENSOR`].
+///
+/// ```
+/// assert_eq!(poinsot_spatial::tensor_name(3), "xz");
+/// ```
 pub fn tensor_name(k: usize) -> &'static str {
     TENSOR_NAMES.get(k % 6).copied().unwrap_or_default()
 }
 
 /// Index of an element in the order of [`TENSOR`] by its name, with its letters in either order.
+///
+/// ```
+/// use poinsot_spatial::tensor_index;
+///
+/// assert_eq!((tensor_index("yz"), tensor_index("zy")), (4, 4));
+/// ```
 pub fn tensor_index(name: &str) -> usize {
     let same = |n: &&str| n.bytes().eq(name.bytes()) || n.bytes().rev().eq(name.bytes());
     TENSOR_NAMES.iter().position(same).unwrap_or_default()
@@ -29,6 +39,18 @@ pub fn tensor_index(name: &str) -> usize {
 /// The ten barycentric parameters of body B about its own frame origin `Bo`, in B.
 ///
 /// Momentum is linear in them (DESIGN, "state = pose and momentum").
+///
+/// ```
+/// use poinsot_spatial::{InertialParameters, PARAMETER_NAMES};
+///
+/// let numbers = [2.0, 2.0, 0.0, 0.0, 1.0, 0.0, 3.0, 0.0, 0.0, 3.0];
+/// let body = InertialParameters::from_array(&numbers);
+/// assert_eq!((PARAMETER_NAMES[1], body.mc_B.x), ("mc_x", 2.0));
+/// // The mass centre is at x = 1 m; about it the moments are 1 kg m2.
+/// let about_centre = body.mass_properties().unwrap();
+/// assert_eq!(about_centre.p_BoBcm_B.x, 1.0);
+/// assert_eq!(about_centre.I_BBcm_B, nalgebra::Matrix3::identity());
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InertialParameters {
     /// Mass, kg.
@@ -40,6 +62,21 @@ pub struct InertialParameters {
 }
 
 /// Mass, centre of mass and central inertia of body B, the form used in engineering.
+///
+/// ```
+/// use poinsot_spatial::{MassProperties, Matrix3, Vector3};
+///
+/// // A cube of 6 kg with edges of 1 m has m / 6 about every axis through its centre.
+/// let cube = MassProperties {
+///     mass: 6.0,
+///     p_BoBcm_B: Vector3::x(),
+///     I_BBcm_B: Matrix3::identity(),
+/// };
+/// assert_eq!(cube.radius_of_gyration(), 0.5);
+/// assert!(cube.check_physical(0.0).is_ok());
+/// // About the frame origin, 1 m along x, the parallel axes add m d^2 about y and z.
+/// assert_eq!(cube.parameters().I_BBo_B, Matrix3::from_diagonal(&Vector3::new(1.0, 7.0, 7.0)));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MassProperties {
     /// Mass, kg.
@@ -66,6 +103,14 @@ pub enum Unphysical {
 }
 
 /// `m (c.c 1 - c c^T)`: contribution of a point mass at `c` to an inertia tensor (parallel-axis theorem), kg m2.
+///
+/// ```
+/// use poinsot_spatial::{Matrix3, Vector3, parallel_axis};
+///
+/// // 2 kg at (1, 1, 0): I_xx = m y^2, I_xy = -m x y, I_zz = m (x^2 + y^2).
+/// let I = parallel_axis(2.0, &Vector3::new(1.0, 1.0, 0.0));
+/// assert_eq!(I, Matrix3::new(2.0, -2.0, 0.0, -2.0, 2.0, 0.0, 0.0, 0.0, 4.0));
+/// ```
 #[inline]
 pub fn parallel_axis(mass: f64, c: &Vector3) -> Matrix3 {
     // Element by element: with -C target-cpu=x86-64-v3, LLVM 22 makes a wrong element of `c * c.transpose()` when it
@@ -87,6 +132,20 @@ pub fn parallel_axis(mass: f64, c: &Vector3) -> Matrix3 {
 
 /// The 4 x 4 pseudo-inertia `[[Sigma, mc], [mc^T, m]]` with `Sigma = tr(I)/2 1 - I` about `Bo`
 /// (Wensing, Kim, Slotine 2018, eq. 9): positive definite exactly for realisable bodies.
+///
+/// ```
+/// use poinsot_spatial::{MassProperties, Matrix3, Vector3, pseudo_inertia};
+///
+/// let body = |moments: Vector3| MassProperties {
+///     mass: 10.0,
+///     p_BoBcm_B: Vector3::x(),
+///     I_BBcm_B: Matrix3::from_diagonal(&moments),
+/// };
+/// let is_real = |moments| pseudo_inertia(&body(moments).parameters()).cholesky().is_some();
+/// assert!(is_real(Vector3::new(1.0, 2.0, 2.5)));
+/// // The largest moment exceeds the sum of the others: no distribution of mass has it.
+/// assert!(!is_real(Vector3::new(1.0, 2.0, 3.5)));
+/// ```
 pub fn pseudo_inertia(parameters: &InertialParameters) -> Matrix4<f64> {
     let sigma = Matrix3::identity() * (0.5 * parameters.I_BBo_B.trace()) - parameters.I_BBo_B;
     let mut j = Matrix4::zeros();
@@ -99,16 +158,40 @@ pub fn pseudo_inertia(parameters: &InertialParameters) -> Matrix4<f64> {
 }
 
 /// Elements of a symmetric tensor in the order of [`PARAMETER_NAMES`].
+///
+/// ```
+/// use poinsot_spatial::{Matrix3, PARAMETER_NAMES, elements};
+///
+/// let I = Matrix3::new(1.0, 2.0, 4.0, 2.0, 3.0, 5.0, 4.0, 5.0, 6.0);
+/// assert_eq!(elements(&I), [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+/// assert_eq!(PARAMETER_NAMES[4..], ["I_xx", "I_xy", "I_yy", "I_xz", "I_yz", "I_zz"]);
+/// ```
 pub fn elements(I: &Matrix3) -> [f64; 6] {
     [I.m11, I.m12, I.m22, I.m13, I.m23, I.m33]
 }
 
 /// The inverse of [`elements`].
+///
+/// ```
+/// use poinsot_spatial::{elements, tensor};
+///
+/// let six = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0];
+/// assert_eq!(tensor(six)[(0, 2)], 4.0);
+/// assert_eq!(elements(&tensor(six)), six);
+/// ```
 pub fn tensor([xx, xy, yy, xz, yz, zz]: [f64; 6]) -> Matrix3 {
     Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
 }
 
 /// `K` with `I w = K elements(I)`.
+///
+/// ```
+/// use poinsot_spatial::{Vector3, tensor, tensor_regressor};
+///
+/// let (six, w) = ([1.0, 2.0, 3.0, 4.0, 5.0, 6.0], Vector3::new(1.0, -2.0, 3.0));
+/// let product = tensor_regressor(&w) * nalgebra::Vector6::from(six);
+/// assert_eq!(product, tensor(six) * w);
+/// ```
 #[rustfmt::skip]
 pub fn tensor_regressor(w: &Vector3) -> Matrix3x6<f64> {
     Matrix3x6::new(

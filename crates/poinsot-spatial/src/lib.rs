@@ -4,6 +4,32 @@
 //! `Bo` in the axes of B, `R_NB` rotates components from B to N. Everything is SI. Twists and wrenches are six-vectors
 //! with the **linear part first**.
 //!
+//! | subject | item |
+//! |---|---|
+//! | the ten parameters about the frame origin, in which momentum is linear | [`InertialParameters`], [`PARAMETER_NAMES`] |
+//! | mass, mass centre and inertia about the mass centre, as engineers write them | [`MassProperties`] |
+//! | whether a body can exist | [`MassProperties::check_physical`], [`pseudo_inertia`] |
+//! | parts of formulas | [`parallel_axis`], [`skew()`], [`tensor`], [`elements`], [`tensor_regressor`] |
+//!
+//! # Example
+//! Two bodies fixed to each other: their parameters about one point add up.
+//!
+//! ```
+//! use poinsot_spatial::{MassProperties, Matrix3, Vector3};
+//!
+//! let ball = |x: f64| MassProperties {
+//!     mass: 5.0,
+//!     p_BoBcm_B: Vector3::new(x, 0.0, 0.0),
+//!     I_BBcm_B: Matrix3::identity() * 0.2,
+//! };
+//! let both = ball(-1.0).parameters().with_added(1.0, &ball(1.0).parameters());
+//! let dumbbell = both.mass_properties().unwrap();
+//! assert_eq!((dumbbell.mass, dumbbell.p_BoBcm_B), (10.0, Vector3::zeros()));
+//! // 2 * 0.2 kg m2 along the bar; across it 2 * 5 kg * (1 m)^2 more.
+//! let (moments, _) = dumbbell.principal();
+//! assert!((moments[0] - 0.4).abs() < 1.0e-12 && (moments[2] - 10.4).abs() < 1.0e-12);
+//! ```
+//!
 //! # Files
 //! - `inertial.rs`: order, point and axes of the ten parameters, conversions, physical consistency of a body.
 //! - `skew.rs`: cross-product matrix.

@@ -1,6 +1,12 @@
 use crate::{Matrix3, Vector3};
 
 /// The matrix `[a]x` with `[a]x b = a x b`.
+///
+/// ```
+/// use poinsot_spatial::{Vector3, skew};
+///
+/// assert_eq!(skew(&Vector3::x()) * Vector3::y(), Vector3::z());
+/// ```
 #[inline]
 pub fn skew(a: &Vector3) -> Matrix3 {
     Matrix3::new(0.0, -a.z, a.y, a.z, 0.0, -a.x, -a.y, a.x, 0.0)
