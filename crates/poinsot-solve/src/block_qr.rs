@@ -17,6 +17,18 @@ const BLOCK_ROWS: usize = 1008;
 const REFLECTORS: usize = 16;
 
 /// Accumulates the triangular factor of `[A | b]` from blocks of rows.
+///
+/// ```
+/// use poinsot_solve::BlockQr;
+///
+/// // One column (3, 4), in two blocks: its factor is its length.
+/// let mut qr = BlockQr::new(1);
+/// qr.push(1, |_, _| 3.0);
+/// qr.push(1, |_, _| 4.0);
+/// let triangle = qr.finish();
+/// assert!((triangle.r[(0, 0)].abs() - 5.0).abs() < 1.0e-14);
+/// assert_eq!(triangle.rows, 2);
+/// ```
 pub struct BlockQr {
     columns: usize,
     wide: Stack,

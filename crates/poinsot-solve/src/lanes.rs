@@ -9,6 +9,13 @@ use std::ops::{Add, Div, Mul, Sub};
 pub const LANES: usize = 8;
 
 /// Eight numbers.
+///
+/// ```
+/// use poinsot_solve::lanes::V;
+///
+/// // 1 + 2 * 3, eight times.
+/// assert_eq!(V::all(1.0).plus(V::all(2.0), V::all(3.0)), V::all(7.0));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(align(64))]
 pub struct V(pub [f64; LANES]);

@@ -135,6 +135,43 @@ pub struct Minimum<Iterate, Rows> {
 /// squared singular values, starting at the smallest squared, so that weak directions are damped first. Damping grows
 /// faster with every failure and decreases with the gain of the last step (Madsen, Nielsen and Tingleff 2004,
 /// algorithm 3.16).
+///
+/// ```
+/// use poinsot_solve::{End, LeastSquares, Linearised, Step, levenberg_marquardt};
+///
+/// /// One residual, exp(x) - 2, with its derivative exp(x) as rows.
+/// struct Logarithm;
+/// impl LeastSquares for Logarithm {
+///     type Iterate = f64;
+///     type Rows = f64;
+///     fn cost(&self, x: &f64) -> Option<f64> {
+///         Some((x.exp() - 2.0).powi(2))
+///     }
+///     fn linearise(&self, x: &f64) -> Option<Linearised<f64>> {
+///         let cost = self.cost(x)?;
+///         let (round_off, slope) = (1.0e-15, x.exp());
+///         // One equation and one unknown: the full step would bring the whole cost.
+///         let (slack, predicted_reduction, smallest_singular_value) = (round_off, cost, slope);
+///         let rows = slope;
+///         Some(Linearised { cost, round_off, slack, predicted_reduction, smallest_singular_value, rows })
+///     }
+///     fn converged(&self, _: &f64, here: &Linearised<f64>) -> bool {
+///         here.predicted_reduction < 1.0e-24
+///     }
+///     fn step(&self, x: &f64, here: &Linearised<f64>, damping: f64) -> Step<f64> {
+///         let (slope, r) = (here.rows, x.exp() - 2.0);
+///         let d = -slope * r / (slope * slope + damping);
+///         let predicted_reduction = r * r - (r + slope * d).powi(2);
+///         Step { to: x + d, predicted_reduction, acceleration_ratio: 0.0 }
+///     }
+/// }
+///
+/// let start = 0.0;
+/// let here = Logarithm.linearise(&start).unwrap();
+/// let minimum = levenberg_marquardt(&Logarithm, start, here, 30);
+/// assert_eq!(minimum.end, End::Converged);
+/// assert!((minimum.at - 2.0_f64.ln()).abs() < 1.0e-12);
+/// ```
 pub fn levenberg_marquardt<P: LeastSquares>(
     problem: &P,
     mut at: P::Iterate,

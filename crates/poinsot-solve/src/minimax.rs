@@ -97,6 +97,27 @@ pub struct Reached {
 }
 
 /// Searches from a point inside the polytope; `None` if the functions are undefined there.
+///
+/// ```
+/// use poinsot_solve::{Minimax, MinimaxOptions, Polytope, Side, Values, minimax};
+///
+/// /// (x - 1)^2 and (x + 1)^2: the larger is smallest at zero.
+/// struct Parabolas;
+/// impl Minimax for Parabolas {
+///     fn values(&self, points: &[Vec<f64>]) -> Vec<Option<Values>> {
+///         let at = |x: &Vec<f64>| Values {
+///             objectives: vec![(x[0] - 1.0).powi(2), (x[0] + 1.0).powi(2)],
+///             limits: vec![],
+///         };
+///         points.iter().map(|x| Some(at(x))).collect()
+///     }
+/// }
+///
+/// let within = Polytope { sides: vec![Side { a: vec![(0, 1.0)], low: -3.0, high: 3.0 }] };
+/// let options = MinimaxOptions { evaluations: 200, steps: 50, delta: 0.5, tolerance: 1.0e-9 };
+/// let reached = minimax(&Parabolas, &within, vec![2.0], options).unwrap();
+/// assert!(reached.x[0].abs() < 1.0e-6 && (reached.values.worst() - 1.0).abs() < 1.0e-6);
+/// ```
 pub fn minimax(
     program: &impl Minimax,
     polytope: &Polytope,

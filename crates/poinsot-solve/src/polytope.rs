@@ -12,6 +12,20 @@ pub struct Side {
 }
 
 /// All linear limits together.
+///
+/// ```
+/// use poinsot_solve::{Polytope, Side};
+///
+/// // 0 <= x_0 <= 1 and x_0 + x_1 <= 3.
+/// let sides = vec![
+///     Side { a: vec![(0, 1.0)], low: 0.0, high: 1.0 },
+///     Side { a: vec![(0, 1.0), (1, 1.0)], low: f64::NEG_INFINITY, high: 3.0 },
+/// ];
+/// let polytope = Polytope { sides };
+/// assert!(polytope.holds(&[0.5, 2.0], 0.0) && !polytope.holds(&[2.0, 0.0], 0.0));
+/// // From (0, 0) along (1, 4) the second side is reached first.
+/// assert_eq!(polytope.reach(&[0.0, 0.0], &[1.0, 4.0]), 0.6);
+/// ```
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Polytope {
     /// Sides, in any order.

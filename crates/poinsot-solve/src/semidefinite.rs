@@ -39,6 +39,19 @@ const GAIN: f64 = 0.1;
 const ELEMENTS: usize = 10;
 
 /// The shortest vector, from a start strictly inside; `None` if the start is not inside, or without convergence.
+///
+/// ```
+/// use nalgebra::{Matrix4, Vector4};
+/// use poinsot_solve::semidefinite::{Block, shortest};
+///
+/// // diag(u - 1, 1, 1, 1) is positive semidefinite for u >= 1: the shortest u is 1.
+/// let block = Block {
+///     constant: Matrix4::from_diagonal(&Vector4::new(-1.0, 1.0, 1.0, 1.0)),
+///     slopes: vec![Matrix4::from_diagonal(&Vector4::new(1.0, 0.0, 0.0, 0.0))],
+/// };
+/// let u = shortest(&[block], &[3.0]).unwrap();
+/// assert!((u[0] - 1.0).abs() < 1.0e-6);
+/// ```
 pub fn shortest(blocks: &[Block], start: &[f64]) -> Option<Vec<f64>> {
     let mut u = DVector::from_column_slice(start);
     let mut here = Whitened::at(blocks, &u)?;

@@ -28,6 +28,21 @@ pub struct Reading {
 }
 
 /// A curve with two continuous derivatives; beyond its ends it is a parabola.
+///
+/// ```
+/// use poinsot_solve::smooth_curve::{Reading, SmoothCurve};
+///
+/// // Samples of a sine: the second derivative is minus the sine.
+/// let sample = |k: u32| {
+///     let time_s = 0.1 * f64::from(k);
+///     Reading { time_s, value: Some((time_s.sin(), 1.0e-12)), slope: None }
+/// };
+/// let curve = SmoothCurve::new(&(0..100).map(sample).collect::<Vec<_>>()).unwrap();
+/// let at = curve.at(5.05);
+/// assert!((at[0] - 5.05_f64.sin()).abs() < 1.0e-6);
+/// assert!((at[1] - 5.05_f64.cos()).abs() < 1.0e-4);
+/// assert!((at[2] + 5.05_f64.sin()).abs() < 1.0e-2);
+/// ```
 #[derive(Debug, Clone, Default)]
 pub struct SmoothCurve {
     time_s: Vec<f64>,

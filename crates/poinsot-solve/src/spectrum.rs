@@ -9,6 +9,19 @@ const TOUCH: f64 = 1.0e-4;
 const NOISE_SHARE: f64 = 0.5;
 
 /// The spectrum of the problem with nuisance parameters projected out.
+///
+/// ```
+/// use faer::mat;
+/// use poinsot_solve::Spectrum;
+///
+/// // Only the sum of two unknowns is measured, with sigma 0.1.
+/// let r = mat![[10.0, 10.0], [0.0, 0.0]];
+/// let spectrum = Spectrum::new(&r, &[1.0, 1.0], None, 10.0, 1.0)?;
+/// assert_eq!(spectrum.rank, 1);
+/// assert!((spectrum.sigma(&[1.0, 1.0]).unwrap() - 0.1).abs() < 1.0e-12);
+/// assert_eq!(spectrum.sigma(&[1.0, 0.0]), None);
+/// # Ok::<(), poinsot_solve::NotFinite>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Spectrum {
     /// Natural unit of each unknown.
