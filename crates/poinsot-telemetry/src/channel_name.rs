@@ -77,6 +77,13 @@ impl ChannelName {
 }
 
 /// `<sensor>.<name>`, or `<name>` if the sensor is empty.
+///
+/// ```
+/// use poinsot_telemetry::full_name;
+///
+/// assert_eq!(full_name("imu2", "omega_x"), "imu2.omega_x");
+/// assert_eq!(full_name("", "omega_x"), "omega_x");
+/// ```
 pub fn full_name(sensor: &str, name: &str) -> String {
     if sensor.is_empty() {
         name.to_owned()
@@ -167,6 +174,12 @@ const SUFFIXES: [(&str, Quantity, Dimension); 8] = [
 ];
 
 /// Standard names that belong to no joint, wheel or thruster.
+///
+/// ```
+/// let names = poinsot_telemetry::vector_channels();
+/// assert_eq!(names[0], "time_s");
+/// assert!(names.contains(&"q_w".to_owned()) && names.contains(&"omega_z".to_owned()));
+/// ```
 pub fn vector_channels() -> Vec<String> {
     let all = VECTORS.iter().flat_map(|(prefix, ..)| {
         let names = components(prefix).iter();
@@ -176,6 +189,17 @@ pub fn vector_channels() -> Vec<String> {
 }
 
 /// Parses a column name; `None` if it is not a standard name.
+///
+/// ```
+/// use poinsot_telemetry::{Quantity, classify};
+///
+/// let gyro = classify("imu2.omega_x").unwrap();
+/// assert_eq!((gyro.sensor.as_str(), gyro.dimension.si()), ("imu2", "rad/s"));
+/// assert_eq!(gyro.quantity, Quantity::AngularVelocity(0));
+/// let wheel = classify("wheel1_rad_s").unwrap();
+/// assert_eq!((wheel.subject.as_str(), wheel.quantity), ("wheel1", Quantity::AngleRate));
+/// assert!(classify("GYR_X").is_none());
+/// ```
 pub fn classify(column: &str) -> Option<ChannelName> {
     let (sensor, name) = match column.rsplit_once('.') {
         Some((sensor, name)) if !sensor.is_empty() => (sensor, name),

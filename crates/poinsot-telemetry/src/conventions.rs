@@ -65,6 +65,15 @@ const EXPLAINED: f64 = 0.3;
 ///
 /// `R_BS` rotates components from gyro axes to body axes; `None` if they are equal. Returns `None` if the channels of
 /// one sensor have different times, or the sensors overlap in fewer than 8 intervals.
+///
+/// ```
+#[doc = include_str!("../doc/spin.txt")]
+/// // The body turns at a constant rate; the gyro measures it.
+/// let [x, y, z] = &gyro(1.0)[..] else { unreachable!() };
+/// let test = test_conventions(attitude.each_ref(), [x, y, z], None).unwrap();
+/// assert_eq!(test.verdict, Verdict::DeclaredFits);
+/// assert!((test.scale - 1.0).abs() < 1.0e-6);
+/// ```
 #[allow(non_snake_case)]
 pub fn test_conventions(
     attitude: [&Channel; 4],
@@ -170,6 +179,14 @@ const READINGS: [(Order, Sense); 4] = [
 ];
 
 /// Tests every attitude against every gyro. A named sensor is compared with unnamed ones and with its own.
+///
+/// ```
+#[doc = include_str!("../doc/spin.txt")]
+/// // One attitude and one gyro: one comparison.
+/// let channels = attitude.into_iter().chain(gyro(1.0)).collect();
+/// let tests = convention_tests(&Table { channels, ..Table::default() });
+/// assert_eq!((tests.len(), &tests[0].verdict), (1, &Verdict::DeclaredFits));
+/// ```
 pub fn convention_tests(table: &Table) -> Vec<ConventionTest> {
     let sensors = |name: &str| -> Vec<&str> {
         let of = table.channels.iter().filter(|c| c.name == name);
@@ -188,6 +205,17 @@ pub fn convention_tests(table: &Table) -> Vec<ConventionTest> {
 
 /// Tests one attitude sensor against one gyro by name (empty: unnamed). `None` if channels are missing or cannot be
 /// compared. `R_BS` as in [`test_conventions`].
+///
+/// ```
+#[doc = include_str!("../doc/spin.txt")]
+/// // The conjugate quaternions: inertial to body.
+/// let mut channels: Vec<Channel> = attitude.into_iter().chain(gyro(1.0)).collect();
+/// for channel in &mut channels[..3] {
+///     channel.values.iter_mut().for_each(|q| *q = -*q);
+/// }
+/// let test = test_sensors(&Table { channels, ..Table::default() }, "", "", None).unwrap();
+/// assert_eq!(test.best.sense, Sense::InertialToBody);
+/// ```
 #[allow(non_snake_case)]
 pub fn test_sensors(
     table: &Table,
@@ -212,6 +240,17 @@ pub fn test_sensors(
 ///
 /// # Errors
 /// [`TelemetryError::Convention`] names the convention that fits best.
+///
+/// ```
+#[doc = include_str!("../doc/spin.txt")]
+/// let table = |sign| Table {
+///     channels: attitude.iter().cloned().chain(gyro(sign)).collect(),
+///     ..Table::default()
+/// };
+/// assert!(check_conventions(&table(1.0)).is_ok());
+/// // A gyro of opposite sense contradicts the attitude.
+/// assert!(check_conventions(&table(-1.0)).is_err());
+/// ```
 pub fn check_conventions(table: &Table) -> Result<(), TelemetryError> {
     convention_tests(table)
         .iter()

@@ -14,6 +14,16 @@ const DEGREE: usize = 4;
 /// `0.95 / h`. A wider window keeps the order and lowers the noise as `half_width^-1.5`. A sample without neighbours
 /// gets no derivative. The result has the standard name and unit if they exist (`joint1_rad` to `joint1_rad_s`,
 /// `omega_x` to `domega_x`), otherwise `d/dt <name>`.
+///
+/// ```
+#[doc = include_str!("../doc/channel.txt")]
+/// // 2 t + t^2 has the rate 2 + 2 t.
+/// let time_s: Vec<f64> = (0..9).map(f64::from).collect();
+/// let values: Vec<f64> = time_s.iter().map(|t| t * (2.0 + t)).collect();
+/// let rate = differentiate(&channel("joint1_rad", "rad", &time_s, &values), 2, None);
+/// assert_eq!((rate.name.as_str(), rate.unit.as_str()), ("joint1_rad_s", "rad/s"));
+/// assert!((rate.values[4] - 10.0).abs() < 1.0e-12);
+/// ```
 pub fn differentiate(channel: &Channel, half_width: usize, max_gap_s: Option<f64>) -> Channel {
     let step = median_step(&channel.time_s).unwrap_or(0.0);
     let max_gap = max_gap_s.unwrap_or(3.0 * step);

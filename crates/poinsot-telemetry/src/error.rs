@@ -360,6 +360,12 @@ impl From<StageError> for TelemetryError {
 }
 
 /// Advice for an error of the operating system.
+///
+/// ```
+/// use std::io::{Error, ErrorKind};
+///
+/// assert_eq!(poinsot_telemetry::advice(&Error::from(ErrorKind::NotFound)), "check the path");
+/// ```
 pub fn advice(source: &std::io::Error) -> &'static str {
     use std::io::ErrorKind as Kind;
     match source.kind() {

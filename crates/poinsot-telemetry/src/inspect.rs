@@ -81,6 +81,15 @@ pub struct ChannelSummary {
 }
 
 /// Summarises every channel and tests attitude against gyro. The table is not changed.
+///
+/// ```
+#[doc = include_str!("../doc/channel.txt")]
+/// let rate = channel("joint1_rad_s", "rad/s", &[0.0, 0.1, 0.2, 0.3], &[1.0, 3.0, 2.0, 0.0]);
+/// let found = inspect(&Table { channels: vec![rate], ..Table::default() });
+/// let of_rate = &found.channels[0];
+/// assert_eq!((of_rate.min, of_rate.max, of_rate.gaps), (0.0, 3.0, 0));
+/// assert!((of_rate.rate_hz.unwrap() - 10.0).abs() < 1.0e-9);
+/// ```
 pub fn inspect(table: &Table) -> Inspection {
     let channels: Vec<ChannelSummary> = table.channels.iter().filter_map(summarise).collect();
     let span = channels.iter().map(|c| c.time_s).reduce(|a, b| {

@@ -23,6 +23,21 @@ const LINES: usize = 100;
 ///
 /// # Errors
 /// As [`read`](crate::read), except for the size.
+///
+/// ```
+/// use poinsot_telemetry::{ReadOptions, inspect_files};
+///
+/// # let folder = std::env::temp_dir().join(format!("poinsot-inspect-{}", std::process::id()));
+/// # std::fs::create_dir_all(&folder)?;
+/// let path = folder.join("arm.csv");
+/// std::fs::write(&path, "time_s,joint1_rad,mode\n0,0.1,3\n1,0.2,3\n2,0.4,3\n")?;
+/// let found = inspect_files(&[&path], &ReadOptions::default())?;
+/// assert_eq!((found.sources[0].rows, found.channels[0].max), (3, 0.4));
+/// // A column without a standard name is not used.
+/// assert_eq!(found.ignored, ["mode"]);
+/// # std::fs::remove_dir_all(&folder)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn inspect_files<P: AsRef<Path>>(
     paths: &[P],
     options: &ReadOptions,

@@ -4,6 +4,39 @@
 //! missing sample. [`write()`] writes channels. [`inspect`] summarises a table and tests attitude and gyro against the
 //! declared conventions.
 //!
+//! | subject | item |
+//! |---|---|
+//! | files and columns in memory | [`read`], [`read_parts`], [`ReadOptions`], [`Part`], [`write()`] |
+//! | what is read | [`Table`], [`Channel`], [`Source`], [`TelemetryError`] |
+//! | columns with other names and units | [`TelemetryMap`], [`suggest`], [`parse_unit`], [`units`], [`classify`] |
+//! | checks | [`checks`], [`inspect`], [`check_conventions`], [`noise_level`] |
+//! | other times | [`resample`], [`resample_attitude`], [`hold`], [`differentiate`] |
+//! | other axes | [`mount`], [`Mounting`] |
+//!
+//! # Example
+//! Two joint angles in memory, with a sample missing: every channel has its own times.
+//!
+//! ```
+//! use poinsot_telemetry::{MemoryColumns, Part, ReadOptions, Values, read_parts, resample};
+//! use std::sync::Arc;
+//!
+//! let numbers = |name: &str, values: &[f64]| (name.to_owned(), Values::Numbers(values.to_vec()));
+//! let columns = vec![
+//!     numbers("time_s", &[0.0, 0.1, 0.2, 0.3]),
+//!     numbers("joint1_rad", &[0.0, 0.2, 0.4, 0.6]),
+//!     numbers("joint2_rad", &[1.0, f64::NAN, 3.0, 4.0]),
+//! ];
+//! let part = Part::Memory(Arc::new(MemoryColumns { name: "<arrays>".to_owned(), columns }));
+//! let table = read_parts(&[part], &ReadOptions::default())?;
+//!
+//! let (first, second) = (&table.channels[0], &table.channels[1]);
+//! assert_eq!((first.unit.as_str(), first.values.len(), second.values.len()), ("rad", 4, 3));
+//! // Between samples a channel is interpolated; beyond its end it has no value.
+//! let [inside, beyond] = resample(first, &[0.15, 0.4], None)[..] else { unreachable!() };
+//! assert!((inside.unwrap() - 0.3).abs() < 1.0e-12 && beyond.is_none());
+//! # Ok::<(), poinsot_telemetry::TelemetryError>(())
+//! ```
+//!
 //! # Files
 //! - `read.rs`: the flow of reading. `options.rs`, `selection.rs`: options and row selection.
 //! - `csv_reader.rs`, `parquet_reader.rs`, `memory.rs`: files, columns in memory, and streams. `csv_rows.rs`: rows and

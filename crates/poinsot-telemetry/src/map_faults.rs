@@ -41,6 +41,13 @@ impl From<MapFault> for TelemetryError {
 type Wrong = (&'static str, String, String);
 
 /// All faults of a map.
+///
+/// ```
+/// use poinsot_telemetry::{TelemetryMap, map_faults};
+///
+/// // A map without entries has no fault.
+/// assert!(map_faults(&TelemetryMap::default()).is_empty());
+/// ```
 pub fn map_faults(map: &TelemetryMap) -> Vec<MapFault> {
     let mut faults = Vec::new();
     let all = &map.all;

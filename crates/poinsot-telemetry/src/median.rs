@@ -1,6 +1,13 @@
 //! Medians.
 
 /// Median of the steps between increasing times, s; `None` for fewer than two times.
+///
+/// ```
+/// use poinsot_telemetry::median_step;
+///
+/// assert_eq!(median_step(&[0.0, 1.0, 2.0, 10.0]), Some(1.0));
+/// assert_eq!(median_step(&[0.0]), None);
+/// ```
 pub fn median_step(time_s: &[f64]) -> Option<f64> {
     let mut steps: Vec<f64> = time_s
         .iter()

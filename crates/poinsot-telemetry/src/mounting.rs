@@ -43,6 +43,19 @@ impl Mounting {
 }
 
 /// Rotates the channels of mounted sensors. A vector sample with a missing component is dropped.
+///
+/// ```
+#[doc = include_str!("../doc/channel.txt")]
+/// // A gyro whose x axis is the body's y axis, and whose y axis is the body's -x axis.
+/// let R_BS = [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
+/// let mounting = Mounting { sensor: "imu".into(), unnamed: true, prefix: "omega", R_BS };
+/// let axis = |name, value| channel(name, "rad/s", &[0.0], &[value]);
+/// let channels = vec![axis("omega_x", 1.0), axis("omega_y", 2.0), axis("omega_z", 3.0)];
+/// let mut table = Table { channels, ..Table::default() };
+/// mount(&mut table, &[mounting]);
+/// let body: Vec<f64> = table.channels.iter().map(|c| c.values[0]).collect();
+/// assert_eq!(body, [-2.0, 1.0, 3.0]);
+/// ```
 pub fn mount(table: &mut Table, mountings: &[Mounting]) {
     for mounting in mountings {
         let axes = components(mounting.prefix);

@@ -46,6 +46,20 @@ pub struct NoiseLevel {
 /// while the estimate decreases by more than its standard error. Sigma is the median magnitude over 0.6745, which is
 /// robust against outliers. Only consecutive samples whose steps differ by less than 10 % are used; `None` if there
 /// are not four.
+///
+/// ```
+#[doc = include_str!("../doc/channel.txt")]
+/// // A slow wave with uniform noise of half width 0.01: sigma = 0.01 / sqrt(3).
+/// let time_s: Vec<f64> = (0..2000).map(|k| 0.01 * f64::from(k)).collect();
+/// let mut state = 1_u32;
+/// let mut uniform = || {
+///     state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+///     f64::from(state) / f64::from(u32::MAX) - 0.5
+/// };
+/// let values: Vec<f64> = time_s.iter().map(|t| (0.5 * t).sin() + 0.02 * uniform()).collect();
+/// let noise = noise_level(&channel("joint1_rad", "rad", &time_s, &values)).unwrap();
+/// assert!((noise.sigma / (0.01 / 3.0_f64.sqrt()) - 1.0).abs() < 0.2);
+/// ```
 pub fn noise_level(channel: &Channel) -> Option<NoiseLevel> {
     let step = median_step(&channel.time_s)?;
     let mut differences = Differences::new(channel, step);

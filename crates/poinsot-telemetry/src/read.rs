@@ -24,6 +24,21 @@ use std::path::{Path, PathBuf};
 ///
 /// # Errors
 /// The first fault found, with its place; see [`TelemetryError`].
+///
+/// ```
+/// use poinsot_telemetry::{ReadOptions, read};
+///
+/// # let folder = std::env::temp_dir().join(format!("poinsot-read-{}", std::process::id()));
+/// # std::fs::create_dir_all(&folder)?;
+/// let path = folder.join("arm.csv");
+/// // An empty cell is a missing sample.
+/// std::fs::write(&path, "time_s,joint1_rad,joint2_rad\n0,0.1,1.0\n1,0.2,\n2,0.4,3.0\n")?;
+/// let table = read(&[&path], &ReadOptions::default())?;
+/// assert_eq!(table.channel("joint1_rad").unwrap().values, [0.1, 0.2, 0.4]);
+/// assert_eq!(table.channel("joint2_rad").unwrap().time_s[..], [0.0, 2.0]);
+/// # std::fs::remove_dir_all(&folder)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn read<P: AsRef<Path>>(paths: &[P], options: &ReadOptions) -> Result<Table, TelemetryError> {
     let file = |path: &P| Part::File(path.as_ref().to_owned());
     read_parts(&paths.iter().map(file).collect::<Vec<_>>(), options)
@@ -33,6 +48,22 @@ pub fn read<P: AsRef<Path>>(paths: &[P], options: &ReadOptions) -> Result<Table,
 ///
 /// # Errors
 /// The first fault found, with its place; see [`TelemetryError`].
+///
+/// ```
+/// use poinsot_telemetry::{MemoryColumns, Part, ReadOptions, Values, read_parts};
+/// use std::sync::Arc;
+///
+/// // Columns in memory; NaN is a missing sample.
+/// let numbers = |name: &str, values: &[f64]| (name.to_owned(), Values::Numbers(values.to_vec()));
+/// let columns = vec![
+///     numbers("time_s", &[0.0, 1.0, 2.0]),
+///     numbers("joint1_rad", &[0.1, f64::NAN, 0.4]),
+/// ];
+/// let part = Part::Memory(Arc::new(MemoryColumns { name: "<arrays>".to_owned(), columns }));
+/// let table = read_parts(&[part], &ReadOptions::default())?;
+/// assert_eq!(table.channels[0].values, [0.1, 0.4]);
+/// # Ok::<(), poinsot_telemetry::TelemetryError>(())
+/// ```
 pub fn read_parts(parts: &[Part], options: &ReadOptions) -> Result<Table, TelemetryError> {
     plan::check_maps(options)?;
     let mut reading = Reading {

@@ -56,6 +56,13 @@ impl<'a> Base<'a> {
 ///
 /// Times within 1e-9 s or 1e-6 of the median step of a sample count as equal. `None` beyond the ends and in gaps
 /// longer than `max_gap_s` (default 3 median steps). Values are in SI and the axes of the channel.
+///
+/// ```
+#[doc = include_str!("../doc/channel.txt")]
+/// let angle = channel("joint1_rad", "rad", &[0.0, 1.0, 2.0, 9.0], &[0.0, 2.0, 4.0, 5.0]);
+/// // Between samples, in the gap, and beyond the end.
+/// assert_eq!(resample(&angle, &[0.5, 5.0, 10.0], None), [Some(1.0), None, None]);
+/// ```
 pub fn resample(channel: &Channel, times_s: &[f64], max_gap_s: Option<f64>) -> Vec<Option<f64>> {
     let base = Base::new(&channel.time_s, max_gap_s);
     let at = |&t: &f64| match base.locate(t)? {
@@ -71,6 +78,14 @@ pub fn resample(channel: &Channel, times_s: &[f64], max_gap_s: Option<f64>) -> V
 
 /// Like [`resample`], with cubic Hermite interpolation of values and measured derivatives (error `h^4 |x''''| / 384`).
 /// Linear where the derivative has no sample.
+///
+/// ```
+#[doc = include_str!("../doc/channel.txt")]
+/// // t^3 with its rate 3 t^2: a cubic is reproduced.
+/// let angle = channel("joint1_rad", "rad", &[0.0, 1.0, 2.0], &[0.0, 1.0, 8.0]);
+/// let rate = channel("joint1_rad_s", "rad/s", &[0.0, 1.0, 2.0], &[0.0, 3.0, 12.0]);
+/// assert_eq!(resample_hermite(&angle, &rate, &[1.5], None), [Some(3.375)]);
+/// ```
 pub fn resample_hermite(
     channel: &Channel,
     derivative: &Channel,
@@ -96,6 +111,12 @@ pub fn resample_hermite(
 
 /// Zero-order hold, for thrust and commands: the last sample at or before each time. `None` before the first sample
 /// and more than `max_gap_s` after the last sample (default: no limit).
+///
+/// ```
+#[doc = include_str!("../doc/channel.txt")]
+/// let thrust = channel("thr1_N", "N", &[1.0, 2.0], &[0.0, 10.0]);
+/// assert_eq!(hold(&thrust, &[0.5, 1.9, 2.0, 7.0], None), [None, Some(0.0), Some(10.0), Some(10.0)]);
+/// ```
 pub fn hold(channel: &Channel, times_s: &[f64], max_gap_s: Option<f64>) -> Vec<Option<f64>> {
     let base = Base::new(&channel.time_s, max_gap_s);
     let limit = max_gap_s.unwrap_or(f64::INFINITY);
@@ -117,6 +138,16 @@ pub fn hold(channel: &Channel, times_s: &[f64], max_gap_s: Option<f64>) -> Vec<O
 /// shortest rotation at constant rate (error of order `h^2`). With it, a cubic in the rotation vector that matches the
 /// body rates at both ends (order `h^4`). `None` as in [`resample`], and everywhere if the four channels have
 /// different times.
+///
+/// ```
+#[doc = include_str!("../doc/spin.txt")]
+/// // Between two samples of a steady turn the attitude is exact.
+/// let t = 0.25;
+/// let [q] = resample_attitude(attitude.each_ref(), None, &[t], None)[..] else { unreachable!() };
+/// let [x, .., w] = q.unwrap();
+/// assert!((w - (0.5 * speed * t).cos()).abs() < 1.0e-14);
+/// assert!((x - rate[0] / speed * (0.5 * speed * t).sin()).abs() < 1.0e-14);
+/// ```
 pub fn resample_attitude(
     attitude: [&Channel; 4],
     omega_body: Option<[&Channel; 3]>,

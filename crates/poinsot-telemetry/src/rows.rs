@@ -16,6 +16,23 @@ pub const ROWS_EXTENSION: &str = if cfg!(feature = "parquet") {
 ///
 /// # Errors
 /// Writing or encoding fails.
+///
+/// ```
+/// use poinsot_telemetry::{ROWS_EXTENSION, RowCells, RowColumn, write_rows};
+///
+/// # let folder = std::env::temp_dir().join(format!("poinsot-rows-{}", std::process::id()));
+/// # std::fs::create_dir_all(&folder)?;
+/// let path = folder.join("trials").with_extension(ROWS_EXTENSION);
+/// let column = |name: &str, cells| RowColumn { name: name.to_owned(), cells };
+/// let columns = [
+///     column("trial", RowCells::Count(vec![0, 1])),
+///     column("error_kg", RowCells::Number(vec![Some(0.1), None])),
+/// ];
+/// write_rows(&mut std::fs::File::create(&path)?, &columns)?;
+/// assert!(std::fs::metadata(&path)?.len() > 0);
+/// # std::fs::remove_dir_all(&folder)?;
+/// # Ok::<(), std::io::Error>(())
+/// ```
 pub fn write_rows(file: &mut File, columns: &[RowColumn]) -> std::io::Result<()> {
     encode(file, columns)
 }

@@ -19,6 +19,13 @@ pub struct Suggestion {
 
 /// A standard channel for a column such as `wx [deg/s]`, `gyro_x_dps`, `rw1 (rpm)` or `t_ms`. `None` if the name is
 /// unknown, or already a standard name in SI.
+///
+/// ```
+/// use poinsot_telemetry::suggest;
+///
+/// let line = suggest("wx [deg/s]").unwrap().toml;
+/// assert_eq!(line, r#"omega_x = { column = "wx [deg/s]", unit = "deg/s" }"#);
+/// ```
 pub fn suggest(column: &str) -> Option<Suggestion> {
     let (stem, unit) = split_unit(column);
     let channel = channel_of(&stem, unit.as_deref())?;

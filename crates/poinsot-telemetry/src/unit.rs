@@ -180,6 +180,15 @@ fn plain(text: &str) -> String {
 ///
 /// # Errors
 /// [`TelemetryError::UnknownUnit`] names the nearest known unit.
+///
+/// ```
+/// use poinsot_telemetry::{TelemetryError, parse_unit};
+///
+/// assert!((parse_unit("rpm")?.to_si(30.0) - std::f64::consts::PI).abs() < 1.0e-14);
+/// assert_eq!(parse_unit("m/s^2")?.symbol, "m/s2");
+/// assert!(parse_unit("furlong").is_err());
+/// # Ok::<(), TelemetryError>(())
+/// ```
 pub fn parse_unit(text: &str) -> Result<Unit, TelemetryError> {
     let wanted = plain(text);
     let unit = |&(symbol, dimension, factor, divisor, _): &Row| Unit {
@@ -199,6 +208,13 @@ pub fn parse_unit(text: &str) -> Result<Unit, TelemetryError> {
 }
 
 /// Every known unit, in the order of the table.
+///
+/// ```
+/// use poinsot_telemetry::{Dimension, units};
+///
+/// let mut of_time = units().filter(|unit| unit.dimension == Dimension::Time);
+/// assert!(of_time.any(|unit| unit.symbol == "ms" && unit.to_si(1.0) == 0.001));
+/// ```
 pub fn units() -> impl Iterator<Item = Unit> {
     TABLE
         .iter()

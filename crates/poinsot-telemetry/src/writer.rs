@@ -23,6 +23,18 @@ use std::sync::Arc;
 /// # Errors
 /// [`TelemetryError::Write`] for duplicate names, values that are not finite, or times that do not increase;
 /// [`TelemetryError::Io`] if writing fails.
+///
+/// ```
+#[doc = include_str!("../doc/channel.txt")]
+/// # let folder = std::env::temp_dir().join(format!("poinsot-write-{}", std::process::id()));
+/// let path = folder.join("arm.csv");
+/// let angle = channel("joint1_rad", "rad", &[0.0, 0.1], &[0.5, 0.25]);
+/// write(&path, std::slice::from_ref(&angle))?;
+/// // Reading back gives the same bits.
+/// assert_eq!(read(&[&path], &ReadOptions::default())?.channels[0].values, angle.values);
+/// # std::fs::remove_dir_all(&folder)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn write(path: &Path, channels: &[Channel]) -> Result<(), TelemetryError> {
     let mut stage = Stage::new(folder_of(path))?;
     let name = path.file_name().unwrap_or_default();
@@ -35,6 +47,23 @@ pub fn write(path: &Path, channels: &[Channel]) -> Result<(), TelemetryError> {
 ///
 /// # Errors
 /// As [`write()`].
+///
+/// ```
+#[doc = include_str!("../doc/channel.txt")]
+/// use poinsot_files::Stage;
+/// use std::path::Path;
+///
+/// # let folder = std::env::temp_dir().join(format!("poinsot-staged-{}", std::process::id()));
+/// let angle = channel("joint1_rad", "rad", &[0.0, 0.1], &[0.5, 0.25]);
+/// let mut stage = Stage::new(&folder).map_err(TelemetryError::from)?;
+/// write_staged(&mut stage, Path::new("arm.csv"), &[angle])?;
+/// // The file appears with the others of its result.
+/// assert!(!folder.join("arm.csv").exists());
+/// stage.commit().map_err(TelemetryError::from)?;
+/// assert!(folder.join("arm.csv").exists());
+/// # std::fs::remove_dir_all(&folder)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn write_staged(
     stage: &mut Stage,
     name: &Path,

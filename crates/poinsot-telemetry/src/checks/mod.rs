@@ -194,6 +194,21 @@ struct Found {
 ///
 /// # Errors
 /// [`TelemetryError::Check`] for the first finding whose policy is [`Policy::Refuse`].
+///
+/// ```
+#[doc = include_str!("../../doc/channel.txt")]
+/// use poinsot_telemetry::checks::{Check, Policies, apply};
+///
+/// // Ten samples, a gap of 10 s, ten more. A gap is reported; no sample is left out.
+/// let time_s: Vec<f64> = (0..20).map(|k| f64::from(k) + if k < 10 { 0.0 } else { 10.0 }).collect();
+/// let values: Vec<f64> = time_s.iter().map(|t| t.sin()).collect();
+/// let angle = channel("joint1_rad", "rad", &time_s, &values);
+/// let mut table = Table { channels: vec![angle], ..Table::default() };
+/// let found = apply(&mut table, "arm.csv", &Policies::default())?;
+/// assert_eq!((found.len(), found[0].check), (1, Check::Gap));
+/// assert_eq!(table.channels[0].values.len(), 20);
+/// # Ok::<(), TelemetryError>(())
+/// ```
 pub fn apply(
     table: &mut Table,
     label: &str,
@@ -226,6 +241,17 @@ pub fn apply(
 }
 
 /// The error for a finding whose policy is to refuse.
+///
+/// ```
+#[doc = include_str!("../../doc/channel.txt")]
+/// use poinsot_telemetry::checks::{findings, refused};
+///
+/// let time_s: Vec<f64> = (0..20).map(|k| f64::from(k) + if k < 10 { 0.0 } else { 10.0 }).collect();
+/// let values: Vec<f64> = time_s.iter().map(|t| t.sin()).collect();
+/// let angle = channel("joint1_rad", "rad", &time_s, &values);
+/// let found = findings(&Table { channels: vec![angle], ..Table::default() });
+/// assert_eq!(refused("arm.csv", &found[0]).code(), "E0220");
+/// ```
 pub fn refused(label: &str, finding: &Finding) -> TelemetryError {
     TelemetryError::Check {
         file: label.to_owned(),
@@ -242,6 +268,19 @@ pub fn refused(label: &str, finding: &Finding) -> TelemetryError {
 }
 
 /// Checks a table without changing it. Placeholders are also searched in single channels.
+///
+/// ```
+#[doc = include_str!("../../doc/channel.txt")]
+/// use poinsot_telemetry::checks::{Check, findings};
+///
+/// // Ten samples, a gap of 10 s, ten more.
+/// let time_s: Vec<f64> = (0..20).map(|k| f64::from(k) + if k < 10 { 0.0 } else { 10.0 }).collect();
+/// let values: Vec<f64> = time_s.iter().map(|t| t.sin()).collect();
+/// let angle = channel("joint1_rad", "rad", &time_s, &values);
+/// let found = findings(&Table { channels: vec![angle], ..Table::default() });
+/// assert_eq!((found.len(), found[0].check), (1, Check::Gap));
+/// assert_eq!(found[0].first_times_s, [9.0]);
+/// ```
 pub fn findings(table: &Table) -> Vec<Finding> {
     let mut all: Vec<Finding> = Check::ALL
         .into_iter()
