@@ -134,6 +134,13 @@ pub struct SensorDescription {
 }
 
 /// Summarises a vehicle.
+///
+/// ```
+#[doc = include_str!("../doc/box.txt")]
+/// let summary = describe(&model);
+/// assert_eq!((summary.mass_kg, summary.bodies.len()), (10.0, 1));
+/// # Ok::<(), ModelError>(())
+/// ```
 pub fn describe(model: &Model) -> Description {
     let (mass_kg, system) = whole(model);
     let body_name = |k: usize| {

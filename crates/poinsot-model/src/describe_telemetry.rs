@@ -47,6 +47,21 @@ fn orbit_words(orbit: &Orbit, gm: f64) -> String {
 }
 
 /// One line per entry of the map.
+///
+/// ```
+/// use poinsot_model::{describe_map, parse_telemetry_map};
+///
+/// let map = parse_telemetry_map(
+///     r#"
+/// [telemetry.columns]
+/// omega_x = { column = "GYR_X", unit = "deg/s" }
+/// "#,
+///     "map.toml",
+/// )?;
+/// let lines = describe_map(&map);
+/// assert!(lines.iter().any(|line| line.contains("omega_x") && line.contains("GYR_X")));
+/// # Ok::<(), poinsot_model::ModelError>(())
+/// ```
 pub fn telemetry(map: &TelemetryMap) -> Vec<String> {
     let mut lines = file("", &map.all);
     for (name, own) in &map.files {

@@ -132,6 +132,14 @@ impl KnownNumber {
 
 /// Two directions across a unit vector: the coordinate axis most perpendicular to it, orthogonalised, and the one that
 /// completes the triad.
+///
+/// ```
+/// use poinsot_model::across;
+/// use poinsot_spatial::Vector3;
+///
+/// // Across z: x, and y to complete the triad.
+/// assert_eq!(across(&Vector3::z()), [Vector3::x(), Vector3::y()]);
+/// ```
 pub fn across(a: &Vector3) -> [Vector3; 2] {
     let least = (0..3).fold(
         0,

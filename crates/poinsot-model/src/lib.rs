@@ -3,6 +3,48 @@
 //! [`read_model`] reads a `poinsot.model/1` file into a [`Model`], or returns a [`ModelError`] with all faults. The
 //! raw file (`file`) and the checked vehicle are separate types: invalid data never reach the vehicle.
 //!
+//! | subject | item |
+//! |---|---|
+//! | the vehicle | [`Model`], [`Body`], [`Joint`], [`Wheel`], [`Thruster`], [`Sensor`], [`Momentum`], [`Environment`] |
+//! | known and uncertain numbers | [`Knowledge`], [`KnownNumber`] |
+//! | reading and writing | [`read_model`], [`parse_model`], [`write_model`], [`read_urdf`], [`parse_urdf`] |
+//! | mass properties into files of other programs | [`patch_urdf`], [`patch_sdf`], [`patch_mjcf`], [`patch_model`] |
+//! | map of telemetry columns | [`TelemetryMap`], [`read_telemetry_map`] |
+//! | description and schema | [`describe()`], [`model_schema`] |
+//!
+//! # Example
+//! ```
+//! use poinsot_dynamics::Tree;
+//! use poinsot_model::{SensorKind, parse_model};
+//!
+//! let model = parse_model(
+//!     r#"
+//! schema = "poinsot.model/1"
+//! name = "box"
+//! exact = true
+//!
+//! [[body]]
+//! name = "bus"
+//! mass_kg = 10.0
+//! com_m = [0.0, 0.0, 0.0]
+//! inertia_kg_m2 = { xx = 1.0, yy = 2.0, zz = 2.5 }
+//! estimate = ["inertia"]
+//!
+//! [[sensor]]
+//! name = "gyro"
+//! type = "gyro"
+//! noise_rad_s = 1.0e-4
+//! "#,
+//!     "box.toml",
+//! )?;
+//! let bus = &model.bodies[0];
+//! assert_eq!((bus.name.as_str(), bus.nominal.I_BBcm_B[(2, 2)]), ("bus", 2.5));
+//! assert_eq!(model.sensors_of(SensorKind::Gyro).count(), 1);
+//! // The kinematic constants for the kernels of `poinsot-dynamics`.
+//! assert_eq!(Tree::new(&model).bodies(), 1);
+//! # Ok::<(), poinsot_model::ModelError>(())
+//! ```
+//!
 //! # Files
 //! - `file/`: the raw file, one type per table. `schema.rs`: JSON Schema from these types.
 //! - `shape.rs`: structure check against the schema.

@@ -10,6 +10,14 @@ const LARGEST: u64 = 16 * 1024 * 1024;
 ///
 /// # Errors
 /// The file cannot be read, is too large, or is not UTF-8.
+///
+/// ```
+/// use poinsot_model::read_model_text;
+///
+/// let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../data/cases/cubesat_model.toml");
+/// assert!(read_model_text(path)?.contains("[[body]]"));
+/// # Ok::<(), poinsot_model::ModelError>(())
+/// ```
 pub fn read_model_text(path: impl AsRef<Path>) -> Result<String, ModelError> {
     let path = path.as_ref();
     poinsot_files::read_text(path, LARGEST).map_err(|error| {

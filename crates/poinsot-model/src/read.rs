@@ -21,6 +21,15 @@ pub const MODEL_SCHEMA: &str = "poinsot.model/1";
 ///
 /// # Errors
 /// All faults of the file, each with line and column.
+///
+/// ```
+/// use poinsot_model::read_model;
+///
+/// let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../data/cases/cubesat_model.toml");
+/// let model = read_model(path)?;
+/// assert_eq!((model.bodies.len(), model.wheels.len()), (1, 3));
+/// # Ok::<(), poinsot_model::ModelError>(())
+/// ```
 pub fn read_model(path: impl AsRef<Path>) -> Result<Model, ModelError> {
     let path = path.as_ref();
     if path
@@ -37,6 +46,15 @@ pub fn read_model(path: impl AsRef<Path>) -> Result<Model, ModelError> {
 ///
 /// # Errors
 /// As [`read_model`].
+///
+/// ```
+#[doc = include_str!("../doc/box.txt")]
+/// assert_eq!(model.bodies[0].nominal.mass, 10.0);
+/// // A key that does not exist is an error with its line.
+/// let wrong = parse_model(&text.replace("mass_kg", "mass_lb"), "box.toml").unwrap_err();
+/// assert!(wrong.to_string().contains("mass_lb"));
+/// # Ok::<(), ModelError>(())
+/// ```
 pub fn parse_model(text: &str, file: &str) -> Result<Model, ModelError> {
     let (document, syntax) = Document::new(text, file);
     let mut findings = Findings::new(&document);
@@ -72,6 +90,17 @@ pub fn parse_model(text: &str, file: &str) -> Result<Model, ModelError> {
 ///
 /// # Errors
 /// All faults of the file, each with line and column.
+///
+/// ```
+/// use poinsot_model::read_telemetry_map;
+///
+/// # let path = std::env::temp_dir().join(format!("poinsot-map-{}.toml", std::process::id()));
+/// std::fs::write(&path, "[telemetry.columns]\nomega_x = { column = \"GYR_X\", unit = \"deg/s\" }\n")?;
+/// let map = read_telemetry_map(&path)?;
+/// assert_eq!(map.all.columns[0].channel, "omega_x");
+/// # std::fs::remove_file(&path)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn read_telemetry_map(path: impl AsRef<Path>) -> Result<TelemetryMap, ModelError> {
     let path = path.as_ref();
     let text = read_model_text(path)?;
@@ -82,6 +111,18 @@ pub fn read_telemetry_map(path: impl AsRef<Path>) -> Result<TelemetryMap, ModelE
 ///
 /// # Errors
 /// As [`read_telemetry_map`].
+///
+/// ```
+/// use poinsot_model::parse_telemetry_map;
+///
+/// let map = |unit: &str| {
+///     let text = format!("[telemetry.columns]\nomega_x = {{ column = \"GYR_X\", unit = \"{unit}\" }}\n");
+///     parse_telemetry_map(&text, "map.toml")
+/// };
+/// assert_eq!(map("deg/s")?.all.columns[0].column, "GYR_X");
+/// assert!(map("furlong").is_err());
+/// # Ok::<(), poinsot_model::ModelError>(())
+/// ```
 pub fn parse_telemetry_map(text: &str, file: &str) -> Result<TelemetryMap, ModelError> {
     let (document, syntax) = Document::new(text, file);
     let mut findings = Findings::new(&document);

@@ -6,6 +6,11 @@ use serde_json::Value;
 use std::sync::OnceLock;
 
 /// The schema of `poinsot.model/1` (JSON Schema 2020-12). Descriptions carry the units.
+///
+/// ```
+/// let schema = poinsot_model::model_schema();
+/// assert!(schema["properties"]["body"].is_object());
+/// ```
 pub fn model_schema() -> Value {
     model_schema_ref().clone()
 }
@@ -16,6 +21,11 @@ pub(crate) fn model_schema_ref() -> &'static Value {
 }
 
 /// The schema of a file with only a `[telemetry]` table.
+///
+/// ```
+/// let schema = poinsot_model::telemetry_map_schema();
+/// assert!(schema["properties"]["telemetry"].is_object());
+/// ```
 pub fn telemetry_map_schema() -> Value {
     telemetry_map_schema_ref().clone()
 }
@@ -26,6 +36,13 @@ pub(crate) fn telemetry_map_schema_ref() -> &'static Value {
 }
 
 /// TOML has no null: an optional key may be missing.
+///
+/// ```
+/// use serde_json::json;
+///
+/// let clean = poinsot_model::without_null(json!({ "type": ["number", "null"] }));
+/// assert_eq!(clean, json!({ "type": "number" }));
+/// ```
 pub fn without_null(value: Value) -> Value {
     match value {
         Value::Array(items) => Value::Array(items.into_iter().map(without_null).collect()),

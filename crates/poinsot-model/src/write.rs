@@ -16,6 +16,14 @@ type Sigmas = HashMap<KnownNumber, f64>;
 ///
 /// Anisotropic noise in rotated axes is written as a square root and reads back to round-off; everything else reads
 /// back exactly.
+///
+/// ```
+#[doc = include_str!("../doc/box.txt")]
+/// // What is written reads back equal.
+/// let again = parse_model(&write_model(&model), "again.toml")?;
+/// assert_eq!(again.bodies, model.bodies);
+/// # Ok::<(), ModelError>(())
+/// ```
 pub fn write_model(model: &Model) -> String {
     let mut out = String::new();
     line(&mut out, "schema", quoted(crate::MODEL_SCHEMA));

@@ -26,6 +26,16 @@ const OVERRIDES: [(&str, &[&str]); 3] = [
 ///
 /// # Errors
 /// The text is not XML, or its `<compiler>` changes inertias after reading.
+///
+/// ```
+#[doc = include_str!("../../doc/measured.txt")]
+/// let text = r#"<mujoco><worldbody><body name="bus">
+///   <inertial mass="9" pos="0 0 0" diaginertia="1 1 1"/><geom type="box" size="1 1 1"/>
+/// </body></worldbody></mujoco>"#;
+/// let patched = patch_mjcf(text, &measured)?;
+/// assert!(patched.text.contains(r#"mass="10.0""#) && patched.missing.is_empty());
+/// # Ok::<(), String>(())
+/// ```
 pub fn patch_mjcf(text: &str, bodies: &[BodyProperties]) -> Result<Patched, String> {
     let document = document(text)?;
     refuse_overrides(&document)?;

@@ -18,6 +18,21 @@ const ELEMENTS: [(&str, (usize, usize)); 6] = [
 ///
 /// # Errors
 /// The text is not TOML, or has no `[[body]]`.
+///
+/// ```
+#[doc = include_str!("../../doc/measured.txt")]
+/// let text = r#"
+/// [[body]]
+/// name = "bus"
+/// mass_kg = 9.0                 # of the drawing
+/// com_m = [0.0, 0.0, 0.0]
+/// inertia_kg_m2 = { xx = 1.0, yy = 1.0, zz = 1.0 }
+/// "#;
+/// let patched = patch_model(text, &measured)?;
+/// // All else stays, comments too.
+/// assert!(patched.text.contains("mass_kg = 10.0") && patched.text.contains("# of the drawing"));
+/// # Ok::<(), String>(())
+/// ```
 pub fn patch_model(text: &str, bodies: &[BodyProperties]) -> Result<Patched, String> {
     let mut document: DocumentMut = text
         .parse()

@@ -19,6 +19,16 @@ const ELEMENTS: [(&str, (usize, usize)); 6] = [
 ///
 /// # Errors
 /// The text is not XML.
+///
+/// ```
+#[doc = include_str!("../../doc/measured.txt")]
+/// let text = r#"<sdf version="1.9"><model name="m"><link name="bus">
+///   <inertial><mass>9</mass></inertial>
+/// </link></model></sdf>"#;
+/// let patched = patch_sdf(text, &measured)?;
+/// assert!(patched.text.contains("<mass>10.0</mass>") && patched.missing.is_empty());
+/// # Ok::<(), String>(())
+/// ```
 pub fn patch_sdf(text: &str, bodies: &[BodyProperties]) -> Result<Patched, String> {
     let document = document(text)?;
     let find = |name: &str| named(&document, "link", name);

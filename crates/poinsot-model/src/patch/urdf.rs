@@ -13,6 +13,15 @@ use roxmltree::Node;
 ///
 /// # Errors
 /// The text is not XML.
+///
+/// ```
+#[doc = include_str!("../../doc/measured.txt")]
+/// let text = r#"<robot name="m"><link name="bus"><inertial><mass value="9"/>
+/// <inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link></robot>"#;
+/// let patched = patch_urdf(text, &measured)?;
+/// assert!(patched.text.contains(r#"<mass value="10.0"/>"#) && patched.missing.is_empty());
+/// # Ok::<(), String>(())
+/// ```
 pub fn patch_urdf(text: &str, bodies: &[BodyProperties]) -> Result<Patched, String> {
     let document = document(text)?;
     let find = |name: &str| {

@@ -98,6 +98,13 @@ pub struct Urdf {
 }
 
 /// Reads a URDF file; never fails, see [`Urdf::model`].
+///
+/// ```
+/// use poinsot_model::read_urdf;
+///
+/// // A file that does not exist: the error is in the answer.
+/// assert!(read_urdf("/nowhere/arm.urdf").model.is_err());
+/// ```
 pub fn read_urdf(path: impl AsRef<Path>) -> Urdf {
     let path = path.as_ref();
     match read_model_text(path) {
@@ -110,6 +117,17 @@ pub fn read_urdf(path: impl AsRef<Path>) -> Urdf {
 }
 
 /// Reads URDF text; `file` is its name in messages.
+///
+/// ```
+/// use poinsot_model::parse_urdf;
+///
+/// let text = r#"<robot name="box"><link name="bus"><inertial><origin xyz="0.1 0 0"/><mass value="10"/>
+/// <inertia ixx="1" ixy="0" ixz="0" iyy="2" iyz="0" izz="2.5"/></inertial></link></robot>"#;
+/// let model = parse_urdf(text, "box.urdf").model?;
+/// let bus = &model.bodies[0];
+/// assert_eq!((bus.nominal.mass, bus.nominal.p_BoBcm_B.x), (10.0, 0.1));
+/// # Ok::<(), poinsot_model::ModelError>(())
+/// ```
 pub fn parse_urdf(text: &str, file: &str) -> Urdf {
     let mut remarks = Vec::new();
     let model = raw::read(text, &mut remarks).and_then(|robot| {
