@@ -23,6 +23,13 @@ const MASS_PROPERTIES: [(&str, &str); 8] = [
 ];
 
 /// The address of a number, from the estimator's name and unit.
+///
+/// ```
+/// use poinsot_formats::address;
+///
+/// assert_eq!(address("bus.com_x", "m"), "bus.com_m.x");
+/// assert_eq!(address("gyro.bias_x", "rad/s"), "gyro.bias_rad_s.x");
+/// ```
 pub fn address(name: &str, unit: &str) -> String {
     let (owner, what) = name.rsplit_once('.').unwrap_or(("", name));
     let (quantity, component) = match what.rsplit_once('_') {
@@ -51,6 +58,13 @@ pub fn address(name: &str, unit: &str) -> String {
 }
 
 /// An address. Its steps are separated by dots; names may contain dots too.
+///
+/// ```
+/// use poinsot_formats::Address;
+///
+/// let parts = Address::parse("bus.inertia_kg_m2.xx");
+/// assert_eq!((parts.owner(), parts.quantity(), parts.component()), ("bus", "inertia_kg_m2", Some("xx")));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Address<'a>(&'a str);
 
@@ -120,12 +134,24 @@ impl<'a> Address<'a> {
 }
 
 /// Index of a list element named by a step: x, y, z, w, or an integer from zero.
+///
+/// ```
+/// use poinsot_formats::element;
+///
+/// assert_eq!((element("z"), element("10"), element("mass")), (Some(2), Some(10), None));
+/// ```
 pub fn element(step: &str) -> Option<usize> {
     let axis = ["x", "y", "z", "w"].iter().position(|a| *a == step);
     axis.or_else(|| step.parse().ok())
 }
 
 /// The estimator's name of an unknown mass property; the inverse of [`address`].
+///
+/// ```
+/// use poinsot_formats::unknown_name;
+///
+/// assert_eq!(unknown_name("bus.inertia_kg_m2.xx"), "bus.I_BBcm_xx");
+/// ```
 pub fn unknown_name(address: &str) -> String {
     let parts = Address::parse(address);
     let (owner, quantity) = (parts.owner(), parts.quantity());

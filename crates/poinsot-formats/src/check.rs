@@ -37,6 +37,14 @@ pub struct Contradiction {
 }
 
 /// Contradictions in a result; empty if consistent.
+///
+/// ```
+#[doc = include_str!("../doc/estimate.txt")]
+/// assert!(contradictions(&estimate).is_empty());
+/// estimate.status = "finished".to_owned();
+/// assert_eq!(contradictions(&estimate)[0].key, "status");
+/// # Ok::<(), FormatError>(())
+/// ```
 pub fn contradictions(file: &EstimateFile) -> Vec<Contradiction> {
     let mut found = Vec::new();
     let mut say = |key: String, value: String, problem: &str| {

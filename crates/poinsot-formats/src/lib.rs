@@ -1,13 +1,33 @@
 //! One type per file format: it writes the file, reads it and gives its JSON Schema.
 //!
-//! ```
-//! use poinsot_formats::{Elements, NumberFile};
+//! | format | type | made by |
+//! |---|---|---|
+//! | `estimate.json` | [`EstimateFile`] | `identify` |
+//! | `truth.json` | [`TruthFile`] | `simulate` |
+//! | `prediction.json` | [`PredictionFile`] | `predict` |
+//! | `validation.json` | [`ValidationFile`] | `validate` |
+//! | `comparison.json` | [`ComparisonFile`] | `compare` |
+//! | `design.json` | [`DesignFile`] | `design` |
+//! | `campaign.json` | [`CampaignFile`] | `campaign` |
+//! | `case.toml`, `plan.toml` | [`case::CaseFile`], [`PlanFile`] | the user, or `design` |
 //!
-//! let mass = NumberFile { value: Some(312.4), sigma: Some(0.2), nominal: 310.0, source: Some("data".into()) };
-//! assert!(!mass.is_known());
-//! let tensor = Elements { xx: 1.0, yy: 2.0, zz: 2.5, xy: 0.1, xz: 0.0, yz: -0.1 };
-//! assert_eq!(tensor.named().map(|(name, _)| name), ["xx", "yy", "zz", "xy", "xz", "yz"]);
-//! assert_eq!(poinsot_formats::address("gyro.bias_x", "rad/s"), "gyro.bias_rad_s.x");
+//! [`read_estimate`] and [`read_truth`] also read files of version 1. [`contradictions`] checks what no schema can.
+//! A number is called by its [`address()`], the same in files, plans, flags and Python.
+//!
+//! # Example
+//! The answer to the case of `crates/poinsot/doc`: a box whose six inertia elements are determined.
+//!
+//! ```
+//! use poinsot_formats::{contradictions, parse_estimate};
+//!
+//! let bytes = include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/estimate.json"));
+//! let estimate = parse_estimate("estimate.json".as_ref(), bytes)?;
+//! assert_eq!(estimate.status, "converged");
+//! assert!(contradictions(&estimate).is_empty());
+//! for (element, number) in estimate.bodies["bus"].inertia_kg_m2.named() {
+//!     println!("I_{element} = {:?} +- {:?} kg m2", number.value, number.sigma);
+//! }
+//! # Ok::<(), poinsot_formats::FormatError>(())
 //! ```
 //!
 //! # Files
@@ -134,11 +154,22 @@ const FORMATS: [Format; 17] = [
 ];
 
 /// Names of the formats that [`schema`] knows.
+///
+/// ```
+/// assert!(poinsot_formats::names().any(|name| name == "estimate"));
+/// ```
 pub fn names() -> impl Iterator<Item = &'static str> {
     FORMATS.into_iter().map(|(name, _)| name)
 }
 
 /// JSON Schema (2020-12) of a result file by name; `None` for an unknown name.
+///
+/// ```
+/// use poinsot_formats::schema;
+///
+/// assert!(schema("estimate").unwrap()["properties"]["bodies"].is_object());
+/// assert!(schema("novel").is_none());
+/// ```
 pub fn schema(name: &str) -> Option<Value> {
     let found = FORMATS.into_iter().find(|(n, _)| *n == name)?;
     Some(found.1())

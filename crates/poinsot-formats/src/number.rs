@@ -167,6 +167,12 @@ impl<T> Elements<T> {
 }
 
 /// The number, or null if infinite or NaN, which JSON cannot hold.
+///
+/// ```
+/// use poinsot_formats::finite;
+///
+/// assert_eq!((finite(1.5), finite(f64::INFINITY)), (Some(1.5), None));
+/// ```
 pub fn finite(x: f64) -> Option<f64> {
     x.is_finite().then_some(x)
 }

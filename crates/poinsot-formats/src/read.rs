@@ -79,6 +79,20 @@ impl Versioned for TruthFile {
 ///
 /// # Errors
 /// The file is missing, unreadable, of another format or damaged.
+///
+/// ```
+/// use poinsot_formats::read_estimate;
+///
+/// // The folder of `identify --out`, or the file in it.
+/// let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/doc");
+/// let (path, estimate) = read_estimate(folder.as_ref())?;
+/// assert!(path.ends_with("estimate.json"));
+/// let I_zz = &estimate.bodies["bus"].inertia_kg_m2.zz;
+/// let (value, sigma) = (I_zz.value.unwrap(), I_zz.sigma.unwrap());
+/// // The true value is 2.5 kg m2.
+/// assert!((value - 2.5).abs() < 3.0 * sigma);
+/// # Ok::<(), poinsot_formats::FormatError>(())
+/// ```
 pub fn read_estimate(path: &Path) -> Result<(PathBuf, EstimateFile), FormatError> {
     let path = match path.is_dir() {
         true => path.join("estimate.json"),
@@ -92,6 +106,16 @@ pub fn read_estimate(path: &Path) -> Result<(PathBuf, EstimateFile), FormatError
 ///
 /// # Errors
 /// The file has another format or is damaged.
+///
+/// ```
+/// use poinsot_formats::parse_estimate;
+///
+/// let bytes = include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/estimate.json"));
+/// let estimate = parse_estimate("estimate.json".as_ref(), bytes)?;
+/// assert_eq!(estimate.status, "converged");
+/// assert!(parse_estimate("estimate.json".as_ref(), b"{}").is_err());
+/// # Ok::<(), poinsot_formats::FormatError>(())
+/// ```
 pub fn parse_estimate(path: &Path, bytes: &[u8]) -> Result<EstimateFile, FormatError> {
     parse(path, bytes)
 }
@@ -100,6 +124,15 @@ pub fn parse_estimate(path: &Path, bytes: &[u8]) -> Result<EstimateFile, FormatE
 ///
 /// # Errors
 /// The file is missing, unreadable, of another format or damaged.
+///
+/// ```
+/// use poinsot_formats::read_truth;
+///
+/// let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../data/ma2008/traj1/truth.json");
+/// let truth = read_truth(path.as_ref())?;
+/// assert_eq!(truth.bodies["base"].mass.mass_kg.value, 1000.0);
+/// # Ok::<(), poinsot_formats::FormatError>(())
+/// ```
 pub fn read_truth(path: &Path) -> Result<TruthFile, FormatError> {
     read(path)
 }
