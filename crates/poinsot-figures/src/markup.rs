@@ -35,6 +35,16 @@ impl Html {
 ///
 /// # Errors
 /// The template or its context is faulty.
+///
+/// ```
+/// use poinsot_figures::render;
+///
+/// // Values are escaped.
+/// let values = std::collections::BTreeMap::from([("name", "a < b")]);
+/// let html = render("title", "<h1>{{ name }}</h1>", values)?;
+/// assert_eq!(html.as_str(), "<h1>a &lt; b</h1>");
+/// # Ok::<(), poinsot_figures::PageError>(())
+/// ```
 pub fn render(name: &str, template: &str, context: impl Serialize) -> Result<Html, PageError> {
     let fault = |source| PageError::Template {
         name: name.to_owned(),
@@ -56,6 +66,12 @@ pub fn render(name: &str, template: &str, context: impl Serialize) -> Result<Htm
 
 /// Escapes text for element content and quoted attributes. Unprintable characters become escapes (`\u{202e}`); line
 /// ends and tabs are kept.
+///
+/// ```
+/// use poinsot_figures::escape;
+///
+/// assert_eq!(escape("a < \"b\""), "a &lt; &quot;b&quot;");
+/// ```
 pub fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
@@ -77,6 +93,14 @@ pub fn escape(text: &str) -> String {
 ///
 /// # Errors
 /// The value has no JSON form.
+///
+/// ```
+/// use poinsot_figures::island;
+///
+/// // No text can close the element.
+/// assert!(!island(&"</script>")?.as_str().contains('<'));
+/// # Ok::<(), poinsot_figures::PageError>(())
+/// ```
 pub fn island(value: &impl Serialize) -> Result<Html, PageError> {
     let text = serde_json::to_string(value)?;
     let mut out = String::with_capacity(text.len());

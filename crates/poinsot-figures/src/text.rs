@@ -140,6 +140,13 @@ fn painted(text: &str, paint: Style, style: &TextStyle) -> String {
 }
 
 /// Error line with its code, such as `E0104`, in bold red.
+///
+/// ```
+/// use poinsot_figures::marked_code;
+///
+/// assert!(marked_code("E0103 mass_kg is negative").contains("E0103"));
+/// assert_eq!(marked_code("no code"), "no code");
+/// ```
 pub fn marked_code(line: &str) -> String {
     let is_code = |w: &str| {
         w.strip_prefix('E')

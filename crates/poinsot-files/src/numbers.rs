@@ -44,6 +44,12 @@ pub fn as_read(x: f64) -> String {
 }
 
 /// A number with this many significant figures, without exponent if that is short.
+///
+/// ```
+/// use poinsot_figures::significant;
+///
+/// assert_eq!((significant(1234.5, 3), significant(0.012345, 3)), ("1234".to_owned(), "0.0123".to_owned()));
+/// ```
 pub fn significant(x: f64, figures: i32) -> String {
     if x == 0.0 {
         return "0".to_owned();
@@ -61,6 +67,14 @@ pub fn significant(x: f64, figures: i32) -> String {
 }
 
 /// Value and sigma as text: the sigma with two figures, the value down to the same place.
+///
+/// ```
+/// use poinsot_figures::number_with_sigma;
+///
+/// let (value, sigma) = number_with_sigma(Some(312.41567), Some(0.0213));
+/// assert_eq!((value.as_str(), sigma.as_str()), ("312.416", "0.021"));
+/// assert_eq!(number_with_sigma(None, None).0, "not identifiable");
+/// ```
 pub fn number_with_sigma(value: Option<f64>, sigma: Option<f64>) -> (String, String) {
     match (value, sigma) {
         (Some(v), Some(s)) if s > 0.0 && s.is_finite() => {
@@ -83,6 +97,12 @@ pub fn number_with_sigma(value: Option<f64>, sigma: Option<f64>) -> (String, Str
 }
 
 /// A probability as text: two decimals, or two significant figures below 0.01, so that none reads as zero.
+///
+/// ```
+/// use poinsot_figures::probability;
+///
+/// assert_eq!((probability(0.5), probability(0.0012)), ("0.50".to_owned(), "0.0012".to_owned()));
+/// ```
 pub fn probability(p: f64) -> String {
     if p >= 0.01 {
         format!("{p:.2}")
