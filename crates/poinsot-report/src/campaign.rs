@@ -33,6 +33,16 @@ pub(crate) fn headline(result: &CampaignFile) -> String {
 
 /// The statistics with their intervals.
 /// Every number of every method, with failures and timing.
+///
+/// ```
+/// use poinsot_formats::CampaignFile;
+///
+/// let text = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/campaign.json"));
+/// let campaign: CampaignFile = serde_json::from_str(text)?;
+/// let document = poinsot_report::table_document(&campaign);
+/// assert!(document.verdict.starts_with("box"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn table_document(result: &CampaignFile) -> Document {
     let tone = if result.missing.is_empty() {
         Tone::Good

@@ -5,6 +5,16 @@ use poinsot_files::{number_with_sigma, probability, significant};
 use poinsot_formats::{ComparedNumberFile, ComparisonFile, DIFFER_BELOW};
 
 /// The comparison as a document.
+///
+/// ```
+/// use poinsot_formats::ComparisonFile;
+///
+/// let text = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/comparison.json"));
+/// let comparison: ComparisonFile = serde_json::from_str(text)?;
+/// let document = poinsot_report::comparison_document(&comparison);
+/// assert!(document.verdict.contains("agree"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn comparison_document(c: &ComparisonFile) -> Document {
     let mut document = Document::new(sentence(c));
     let mut answers = Table::new(&["", "answer", "method", "status"]);

@@ -11,6 +11,16 @@ const FIGURES: i32 = 2;
 pub(crate) const ROUNDED: f64 = 1.0e-4;
 
 /// The design as a document.
+///
+/// ```
+/// use poinsot_formats::DesignFile;
+///
+/// let text = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/design.json"));
+/// let design: DesignFile = serde_json::from_str(text)?;
+/// let document = poinsot_report::design_document(&design);
+/// assert_eq!(document.verdict, design.in_words);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn design_document(design: &DesignFile) -> Document {
     let agrees = design.verification.as_ref().is_none_or(|v| v.agrees);
     let tone = match (design.verdict == "reached", agrees) {

@@ -29,6 +29,15 @@ const LISTED: usize = 12;
 
 /// The result as a document: sentence, mass properties, undetermined numbers, failed checks, remedies. With full
 /// detail also the fit and the passed checks.
+///
+/// ```
+#[doc = include_str!("../doc/estimate.txt")]
+/// use poinsot_report::{Detail, estimate_document};
+///
+/// let document = estimate_document(&estimate, Detail::Answer);
+/// assert!(document.verdict.starts_with("box: Determined."));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn estimate_document(e: &EstimateFile, detail: Detail) -> Document {
     let (tone, word) = Standing::of(e).display();
     let mut document =

@@ -1,15 +1,32 @@
 //! What a reader sees of every result: its document in the terminal and its page, from the result file alone.
 //!
+//! | result | document | page |
+//! |---|---|---|
+//! | estimate | [`estimate_document`] | [`report_html`], [`report_page`] |
+//! | prediction | [`prediction_document`], [`several_document`] | [`result_page`] |
+//! | validation | [`validation_document`] | [`result_page`] |
+//! | comparison | [`comparison_document`] | [`result_page`], [`comparison_part`] |
+//! | design | [`design_document`] | [`result_page`] |
+//! | campaign | [`table_document`] | [`campaign_page`] |
+//!
+//! [`VERDICTS`] lists the words of an answer.
+//!
+//! # Example
+//! The files of `doc` are results of the case of `crates/poinsot/doc`, and of the design of `crates/poinsot-design/doc`.
+//!
 //! ```
-//! use poinsot_formats::PREDICTION;
-//! use poinsot_report::{RESULTS, VERDICTS, result_page};
+//! use poinsot_report::{Detail, RESULTS, VERDICTS, estimate_document, result_page};
+//!
+#![doc = include_str!("../doc/estimate.txt")]
+//! let document = estimate_document(&estimate, Detail::Answer);
+//! assert!(document.to_string().starts_with("box: Determined."));
+//! assert!(VERDICTS.iter().any(|v| v.word == "Determined" && v.passes));
 //!
 //! assert!(RESULTS.contains(&"prediction.json"));
-//! assert!(VERDICTS.iter().any(|v| v.word == "Determined" && v.passes));
-//! // A damaged file has no page, and the reason names what is missing.
-//! let damaged = format!(r#"{{"schema": "{PREDICTION}"}}"#);
-//! let why = result_page("prediction.json".as_ref(), damaged.as_bytes(), |_| None);
-//! assert!(why.is_err_and(|why| why.contains("missing field")));
+//! let bytes = include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/prediction.json"));
+//! let html = result_page("prediction.json".as_ref(), bytes, |_| None)?.html()?;
+//! assert!(html.contains("<html"));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
 //! # Files

@@ -14,6 +14,16 @@ const LISTED: usize = 12;
 pub(crate) const FIGURES: i32 = 2;
 
 /// The prediction as a document.
+///
+/// ```
+/// use poinsot_formats::PredictionFile;
+///
+/// let text = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/prediction.json"));
+/// let prediction: PredictionFile = serde_json::from_str(text)?;
+/// let document = poinsot_report::prediction_document(&prediction);
+/// assert!(document.verdict.contains("box"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn prediction_document(prediction: &PredictionFile) -> Document {
     let mut document = accuracy(prediction);
     let found = &prediction.identifiability;

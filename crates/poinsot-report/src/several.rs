@@ -8,6 +8,17 @@ use std::path::Path;
 
 /// Sigmas of several cases in one table: of their wanted numbers, or of every number that one of them determines. Also
 /// the peaks of their motions.
+///
+/// ```
+/// use poinsot_formats::PredictionFile;
+///
+/// let text = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/prediction.json"));
+/// let short: PredictionFile = serde_json::from_str(text)?;
+/// let long = PredictionFile { case: "long.toml".to_owned(), ..short.clone() };
+/// let document = poinsot_report::several_document(&[short, long]);
+/// assert!(!document.sections.is_empty());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn several_document(predictions: &[PredictionFile]) -> Document {
     let name = |p: &PredictionFile| {
         let stem = Path::new(&p.case).file_stem();

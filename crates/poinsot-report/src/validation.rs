@@ -10,6 +10,16 @@ const FIGURES: i32 = 3;
 const LISTED: usize = 6;
 
 /// The validation as a document.
+///
+/// ```
+/// use poinsot_formats::ValidationFile;
+///
+/// let text = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/validation.json"));
+/// let validation: ValidationFile = serde_json::from_str(text)?;
+/// let document = poinsot_report::validation_document(&validation);
+/// assert!(document.verdict.contains("no limit given"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn validation_document(validation: &ValidationFile) -> Document {
     let tone = match (validation.verdict.as_str(), is_reliable(validation)) {
         ("compared", true) => Tone::Plain,

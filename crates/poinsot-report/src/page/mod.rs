@@ -36,6 +36,15 @@ pub(crate) struct Answer {
 }
 
 /// A page or figure that cannot be built from valid files.
+///
+/// ```
+/// use poinsot_figures::{PageError, render};
+/// use poinsot_report::no_page;
+///
+/// let error: PageError = render("title", "{{ unknown(1) }}", ()).unwrap_err();
+/// assert!(no_page(&error).contains("report this bug"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn no_page(error: &PageError) -> String {
     format!("{error}; report this bug in poinsot, if possible with the folder")
 }
@@ -49,6 +58,13 @@ fn parse<T: serde::de::DeserializeOwned>(bytes: &[u8]) -> Result<T, String> {
 ///
 /// # Errors
 /// It has another format.
+///
+/// ```
+/// let bytes = include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/report_data.json"));
+/// assert_eq!(poinsot_report::parse_report_data(bytes)?.vehicle.bodies.len(), 1);
+/// assert!(poinsot_report::parse_report_data(b"{}").is_err());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn parse_report_data(bytes: &[u8]) -> Result<ReportData, String> {
     parse(bytes)
 }
@@ -57,6 +73,14 @@ pub fn parse_report_data(bytes: &[u8]) -> Result<ReportData, String> {
 ///
 /// # Errors
 /// The documents have another format or do not match.
+///
+/// ```
+#[doc = include_str!("../../doc/estimate.txt")]
+/// let data = include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/report_data.json"));
+/// let html = poinsot_report::report_html(estimate, poinsot_report::parse_report_data(data)?)?;
+/// assert!(html.contains("Mass properties of box"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn report_html(estimate: EstimateFile, data: ReportData) -> Result<String, String> {
     report_page(estimate, data)?
         .html()
@@ -67,6 +91,14 @@ pub fn report_html(estimate: EstimateFile, data: ReportData) -> Result<String, S
 ///
 /// # Errors
 /// As [`report_html`].
+///
+/// ```
+#[doc = include_str!("../../doc/estimate.txt")]
+/// let data = include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/report_data.json"));
+/// let page = poinsot_report::report_page(estimate, poinsot_report::parse_report_data(data)?)?;
+/// assert_eq!(page.title, "Mass properties of box");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn report_page(estimate: EstimateFile, data: ReportData) -> Result<Page, String> {
     if data.schema != REPORT_DATA {
         return Err(format!(
@@ -91,6 +123,15 @@ pub fn report_page(estimate: EstimateFile, data: ReportData) -> Result<Page, Str
 ///
 /// # Errors
 /// The section cannot be built.
+///
+/// ```
+/// use poinsot_formats::ComparisonFile;
+///
+/// let text = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/comparison.json"));
+/// let comparison: ComparisonFile = serde_json::from_str(text)?;
+/// assert_eq!(poinsot_report::comparison_part(&comparison)?.title, "Comparison");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn comparison_part(found: &ComparisonFile) -> Result<Part, String> {
     let document = comparison_document(found);
     let about = document.verdict.as_str();

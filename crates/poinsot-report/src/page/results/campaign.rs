@@ -14,6 +14,15 @@ const FIGURES: usize = 12;
 ///
 /// # Errors
 /// A template is faulty.
+///
+/// ```
+/// use poinsot_formats::CampaignFile;
+///
+/// let text = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/campaign.json"));
+/// let campaign: CampaignFile = serde_json::from_str(text)?;
+/// assert!(poinsot_report::campaign_page(&campaign)?.html()?.contains("Complete"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn campaign_page(result: &CampaignFile) -> Result<Page, PageError> {
     let figures = match axis_of(result) {
         Some(address) => swept(result, &address),

@@ -66,6 +66,17 @@ struct Named {
 ///
 /// # Errors
 /// The format has no page, or the file is damaged.
+///
+/// ```
+/// use poinsot_report::result_page;
+///
+/// let bytes = include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/prediction.json"));
+/// let page = result_page("prediction.json".as_ref(), bytes, |_| None)?;
+/// assert!(page.html()?.contains("box"));
+/// // A file without a page.
+/// assert!(result_page("other.json".as_ref(), br#"{"schema": "other"}"#, |_| None).is_err());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn result_page(
     path: &Path,
     bytes: &[u8],
