@@ -3,6 +3,34 @@
 //! [`Problem`] -> [`linear`] or [`maximum_likelihood`] -> [`Estimate`]. An invalid problem is an error; undetermined
 //! numbers are part of the answer.
 //!
+//! | subject | item |
+//! |---|---|
+//! | the input | [`Problem`]: a model, its tree, [`Segment`]s of samples, [`Noise`] |
+//! | estimators | [`linear`], [`maximum_likelihood`], [`maximum_likelihood_with`] ([`Settings`], [`Loss`]) |
+//! | accuracy before the experiment | [`predicted_covariance`], [`cramer_rao`], [`Evaluator`] |
+//! | the answer | [`Estimate`], [`Status`], [`BodyEstimate`], [`Number`] |
+//! | what the data determine | [`Identifiability`], [`Combination`], [`split`], [`Spectrum`] |
+//! | why it fits or not | [`Evidence`], [`Diagnostics`], [`SegmentFit`] |
+//! | prediction with the answer | [`complete`], [`held_back`], [`predicted_by`] |
+//!
+//! The crate `poinsot` makes a [`Problem`] from files or tables (`poinsot::bind`).
+//!
+//! # Example
+//! A box whose wheel runs up about z. The gyro shows how the box answers, so its moment about z is determined, and the
+//! two products with z. The other three elements are not:
+//!
+//! ```
+#![doc = include_str!("../doc/spun_box.txt")]
+//! let estimate = maximum_likelihood(&problem)?;
+//! assert_eq!(estimate.status, Status::Partial);
+//! assert_eq!(estimate.identifiability.rank, 3);
+//!
+//! let [I_xx, .., I_zz] = estimate.bodies[0].inertia;
+//! assert_eq!(I_xx.value, None);
+//! assert!((I_zz.value.unwrap() - 2.5).abs() < 1.0e-3);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! # Files
 //! Folders, each of which imports only those before it: `problem`, `motion`, `sensors`, `likelihood`, `fit`,
 //! `diagnosis`, `solution`, `certify`, `remedies`, `answer`, `methods`, then `prediction` and `evaluation`.
