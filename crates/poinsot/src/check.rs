@@ -46,6 +46,16 @@ impl fmt::Display for Described {
 ///
 /// # Errors
 /// All faults of the file and of the files that it names.
+///
+/// ```
+/// use poinsot::check::check;
+///
+/// let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("doc/model.toml");
+/// assert!(check(&path)?.content.to_string().contains("bus"));
+/// // A file of another format.
+/// assert!(check(&path.with_file_name("answer.txt")).is_err());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn check(path: &Path) -> Result<StatedFile<Described>, Error> {
     let content = described(path)?;
     Ok(StatedFile {

@@ -34,6 +34,22 @@ pub struct CompareRequest {
 ///
 /// # Errors
 /// Fewer than two answers, files that cannot be read, or answers of different vehicles.
+///
+/// ```
+#[doc = include_str!("../doc/answer.txt")]
+/// use poinsot::compare::{CompareRequest, compare};
+///
+/// # let out = std::env::temp_dir().join(format!("poinsot-compare-{}", std::process::id()));
+/// // Two answers from records with other noise.
+/// let second = simulate::simulate_trial(&case, &model, 1)?.table;
+/// let other = identify_tables(model, vec![second], &Question::default())?;
+/// let answers = vec![out.join("first"), out.join("second")];
+/// write_estimate(&answers[0], &identified)?;
+/// write_estimate(&answers[1], &other)?;
+/// assert_eq!(compare(&CompareRequest { answers })?.verdict, "agree");
+/// # std::fs::remove_dir_all(&out)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn compare(request: &CompareRequest) -> Result<ComparisonFile, Error> {
     let answers = request
         .answers
@@ -47,6 +63,18 @@ pub fn compare(request: &CompareRequest) -> Result<ComparisonFile, Error> {
 ///
 /// # Errors
 /// Fewer than two answers, or answers of different vehicles.
+///
+/// ```
+#[doc = include_str!("../doc/answer.txt")]
+/// use poinsot::compare::compare_estimates;
+///
+/// let second = simulate::simulate_trial(&case, &model, 1)?.table;
+/// let other = identify_tables(model, vec![second], &Question::default())?;
+/// let answers = [("a".into(), estimate_file(&identified)), ("b".into(), estimate_file(&other))];
+/// let found = compare_estimates(&answers)?;
+/// assert!(found.passes());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn compare_estimates(answers: &[(PathBuf, EstimateFile)]) -> Result<ComparisonFile, Error> {
     let [(_, first), others @ ..] = answers else {
         return Err(too_few(0));
@@ -109,6 +137,13 @@ fn too_few(found: usize) -> Error {
 }
 
 /// Converts an error of reading a result file.
+///
+/// ```
+/// use poinsot::compare::format_error;
+///
+/// let missing = poinsot_formats::read_estimate("/nowhere/estimate.json".as_ref()).unwrap_err();
+/// assert!(format_error(missing).to_string().contains("/nowhere"));
+/// ```
 pub fn format_error(error: FormatError) -> Error {
     let why = error.to_string();
     match error {

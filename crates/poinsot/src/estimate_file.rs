@@ -16,6 +16,15 @@ use poinsot_model::{Joint, JointKind, Model};
 use poinsot_telemetry::checks::Finding;
 
 /// The estimate as result file.
+///
+/// ```
+#[doc = include_str!("../doc/answer.txt")]
+/// let file = estimate_file(&identified);
+/// assert_eq!(file.status, "converged");
+/// let I_zz = &file.bodies["bus"].inertia_kg_m2.zz;
+/// assert!((I_zz.value.unwrap() - 2.5).abs() < 3.0 * I_zz.sigma.unwrap());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn estimate_file(identified: &Identified) -> EstimateFile {
     let e = &identified.estimate;
     EstimateFile {

@@ -77,6 +77,13 @@ pub fn error_codes() -> Vec<ErrorCode> {
 }
 
 /// Codes as a file.
+///
+/// ```
+/// use poinsot::explain::{codes_file, error_codes};
+///
+/// let codes = error_codes();
+/// assert_eq!(codes_file(&codes).codes.len(), codes.len());
+/// ```
 pub fn codes_file(codes: &[ErrorCode]) -> CodesFile {
     let code = |c: &ErrorCode| CodeFile {
         code: c.code.to_owned(),

@@ -183,6 +183,20 @@ impl Identified {
 ///
 /// # Errors
 /// Invalid arguments, model or telemetry. Undetermined numbers are part of the result, not an error.
+///
+/// ```
+#[doc = include_str!("../doc/case.txt")]
+/// # let out = std::env::temp_dir().join(format!("poinsot-identify-{}", std::process::id()));
+/// let written = simulate::simulate(&folder.join("case.toml"), &out)?;
+/// let request = IdentifyRequest::new(folder.join("model.toml"), [written.telemetry]);
+/// let identified = identify(&request)?;
+/// assert!(identified.passes());
+/// // The true value is 2.5 kg m2.
+/// let [.., I_zz] = identified.estimate.bodies[0].inertia;
+/// assert!((I_zz.value.unwrap() - 2.5).abs() < 3.0 * I_zz.sigma.unwrap());
+/// # std::fs::remove_dir_all(&out)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn identify(request: &IdentifyRequest) -> Result<Identified, Error> {
     check_method(&request.question)?;
     policies(&request.question)?;
@@ -201,6 +215,20 @@ pub fn identify(request: &IdentifyRequest) -> Result<Identified, Error> {
 ///
 /// # Errors
 /// As [`identify`].
+///
+/// ```
+#[doc = include_str!("../doc/case.txt")]
+/// use poinsot_telemetry::Part;
+///
+/// # let out = std::env::temp_dir().join(format!("poinsot-records-{}", std::process::id()));
+/// let written = simulate::simulate(&folder.join("case.toml"), &out)?;
+/// // One segment of one file. `Part::Memory` holds columns in memory.
+/// let records = [vec![Part::File(written.telemetry)]];
+/// let identified = identify_records(model, &records, &Reading::default(), &Question::by("linear"))?;
+/// assert!(identified.passes());
+/// # std::fs::remove_dir_all(&out)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn identify_records(
     model: Model,
     records: &[Vec<Part>],
@@ -272,6 +300,19 @@ pub struct Gated {
 ///
 /// # Errors
 /// As [`identify`].
+///
+/// ```
+#[doc = include_str!("../doc/case.txt")]
+/// use poinsot_telemetry::Part;
+///
+/// # let out = std::env::temp_dir().join(format!("poinsot-gated-{}", std::process::id()));
+/// let written = simulate::simulate(&folder.join("case.toml"), &out)?;
+/// let records = [vec![Part::File(written.telemetry)]];
+/// let input = gated(model, &records, &Reading::default(), &Question::default())?;
+/// assert_eq!((input.tree.bodies(), input.bound.segments.len(), input.findings.len()), (1, 1, 0));
+/// # std::fs::remove_dir_all(&out)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn gated(
     model: Model,
     records: &[Vec<Part>],
@@ -308,6 +349,19 @@ fn join_files(error: Error, segments: usize) -> Error {
 ///
 /// # Errors
 /// As [`identify`]; a check has a finding that its policy refuses.
+///
+/// ```
+#[doc = include_str!("../doc/case.txt")]
+/// let table = simulate::simulate_case(&case, &model)?.table;
+/// let identified = identify_tables(model, vec![table], &Question::default())?;
+/// assert!(identified.passes());
+/// // The true values are 1, 2 and 2.5 kg m2.
+/// let [I_xx, _, I_yy, _, _, I_zz] = identified.estimate.bodies[0].inertia;
+/// for (number, truth) in [(I_xx, 1.0), (I_yy, 2.0), (I_zz, 2.5)] {
+///     assert!((number.value.unwrap() - truth).abs() < 3.0 * number.sigma.unwrap());
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn identify_tables(
     model: Model,
     mut tables: Vec<Table>,
@@ -621,6 +675,13 @@ fn variant_error(question: &Question, known: &[&str]) -> Error {
 }
 
 /// Options of reading telemetry for a model.
+///
+/// ```
+#[doc = include_str!("../doc/case.txt")]
+/// let options = identify::read_options(&model, &model.telemetry, false, false);
+/// assert!(options.check_conventions && options.wanted.unwrap().contains("omega_x"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn read_options(model: &Model, map: &TelemetryMap, strict: bool, recover: bool) -> ReadOptions {
     ReadOptions {
         map: map.clone(),
@@ -635,6 +696,12 @@ pub fn read_options(model: &Model, map: &TelemetryMap, strict: bool, recover: bo
 }
 
 /// Splits `a.csv,b.csv` into the files of one segment.
+///
+/// ```
+/// use poinsot::segment_files;
+///
+/// assert_eq!(segment_files("attitude.csv,gyro.csv").len(), 2);
+/// ```
 pub fn segment_files(argument: &str) -> Vec<PathBuf> {
     argument
         .split(',')

@@ -1,4 +1,76 @@
-//! One function per command, shared by the command line, Python and the tests.
+//! Mass, centre of mass and inertia of spacecraft and space robots, from telemetry. One function per command, shared by
+//! the command line, Python and the tests.
+//!
+//! # The flow
+//! A model file describes the vehicle: bodies, joints, wheels, thrusters, sensors, and which numbers are unknown.
+//! Telemetry is a table of channels. [`identify()`] combines both:
+//!
+//! ```text
+//! model.toml --.
+//!              |--> identify --> Identified --> estimate.json, report.html
+//! telemetry ---'
+//! case.toml --> simulate --> telemetry, truth.json
+//! case.toml --> predict ---> sigmas before the manoeuvre is flown
+//! plan.toml --> campaign --> error, bias and coverage over many trials
+//! ```
+//!
+//! | task | function | with data in memory |
+//! |---|---|---|
+//! | identify mass properties | [`identify()`] | [`identify_tables`], [`identify_records`] |
+//! | simulate a case | [`simulate::simulate`] | [`simulate::simulate_case`] |
+//! | predict the accuracy of a manoeuvre | [`predict::predict`] | [`predict::predict_case`] |
+//! | compare the motion with another model or with telemetry | [`validate::validate`] | [`validate::compare_motion`] |
+//! | compare answers | [`compare::compare`] | [`compare::compare_estimates`] |
+//! | repeat experiments with new noise | [`campaign::campaign`] | [`campaign::campaign_in_memory`] |
+//! | write the answer | [`write_estimate`], [`write_result`], [`write_report`] | [`estimate_file()`] |
+//! | write it for another program | [`export::export`] | [`export::export_estimate`] |
+//! | check a file, inspect telemetry | [`check::check`], [`inspect`] | |
+//! | reproduce a paper | [`study::find`], [`study::run`] | |
+//!
+//! The command `design`, which searches for a manoeuvre, is the crate `poinsot-design`.
+//!
+//! # Example
+//! A box of 10 kg with three wheels. A case spins the wheels one after the other; the gyro measures how the box answers:
+//!
+//! ```
+//! use poinsot::case::read_case;
+//! use poinsot::simulate::simulate_case;
+//! use poinsot::{Question, identify_tables};
+//! use poinsot_identify::Status;
+//! use std::path::Path;
+//!
+//! let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("doc");
+//! let model = poinsot_model::read_model(folder.join("model.toml"))?;
+//! let telemetry = simulate_case(&read_case(&folder.join("case.toml"))?, &model)?.table;
+//!
+//! let identified = identify_tables(model, vec![telemetry], &Question::default())?;
+//! assert_eq!(identified.estimate.status, Status::Converged);
+//!
+//! // The true moments are 1, 2 and 2.5 kg m2.
+//! let [I_xx, _, I_yy, _, _, I_zz] = identified.estimate.bodies[0].inertia;
+//! for (number, truth) in [(I_xx, 1.0), (I_yy, 2.0), (I_zz, 2.5)] {
+//!     let (value, sigma) = (number.value.unwrap(), number.sigma.unwrap());
+//!     assert!((value - truth).abs() < 3.0 * sigma && sigma < 1.0e-3);
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! A number that the data do not determine has no value, and the answer says what would determine it. An invalid model,
+//! case or telemetry is an [`Error`] with a code; [`explain::explain`] gives its cause and remedy.
+//!
+//! # Where to go next
+//!
+//! | crate | content |
+//! |---|---|
+//! | [`poinsot_model`] | the vehicle: model file, URDF |
+//! | [`poinsot_telemetry`] | channels with unit, axes and time; CSV, Parquet, memory |
+//! | [`poinsot_identify`] | estimators, identifiability, information |
+//! | [`poinsot_dynamics`], [`poinsot_spatial`] | kinematics, momentum, regressors, motion; one rigid body |
+//! | `poinsot-solve` | least squares, independent of spacecraft |
+//! | [`poinsot_formats`], [`poinsot_report`], [`poinsot_figures`] | result files, what a reader sees of them, plots and pages |
+//! | [`poinsot_papers`] | published methods, reproduced |
+//!
+//! The book of the project (`scripts/book build`) has tutorials, and the reference of commands and files.
 //!
 //! # Files
 //! - `methods.rs`, `study.rs`, `identify.rs`, `simulate.rs`, `predict.rs`, `validate.rs`, `report.rs`: the commands.

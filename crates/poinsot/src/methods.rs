@@ -19,6 +19,13 @@ pub struct MethodText {
 }
 
 /// Methods as a file.
+///
+/// ```
+/// use poinsot::methods::{methods, methods_file};
+///
+/// let listed = methods();
+/// assert_eq!(methods_file(&listed).methods.len(), listed.len());
+/// ```
 pub fn methods_file(listed: &[MethodText]) -> MethodsFile {
     let variant = |v: &VariantText| VariantFile {
         name: v.name.to_owned(),
@@ -75,6 +82,13 @@ const LOSSES: [(&str, &str); 3] = [
 ];
 
 /// Every method, those of this project first; the first is the default.
+///
+/// ```
+/// use poinsot::methods::methods;
+///
+/// let paper = |name: &str| methods().into_iter().find(|m| m.name == name).unwrap().paper;
+/// assert!(paper("maximum_likelihood").is_none() && paper("ma2008").is_some());
+/// ```
 pub fn methods() -> Vec<MethodText> {
     let losses = || LOSSES.map(|(name, summary)| VariantText { name, summary });
     let own = OWN.map(|(name, summary, takes_loss)| MethodText {

@@ -13,6 +13,16 @@ use std::path::{Path, PathBuf};
 ///
 /// # Errors
 /// Writing fails; an earlier file is then kept.
+///
+/// ```
+#[doc = include_str!("../doc/answer.txt")]
+/// # let out = std::env::temp_dir().join(format!("poinsot-estimate-{}", std::process::id()));
+/// let path = write_estimate(&out, &identified)?;
+/// let (_, read) = poinsot_formats::read_estimate(&path)?;
+/// assert_eq!(read, estimate_file(&identified));
+/// # std::fs::remove_dir_all(&out)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn write_estimate(folder: &Path, identified: &Identified) -> Result<PathBuf, Error> {
     let path = folder.join("estimate.json");
     write_file(&path, estimate_text(folder, identified)?.as_bytes())?;
@@ -24,6 +34,17 @@ pub fn write_estimate(folder: &Path, identified: &Identified) -> Result<PathBuf,
 ///
 /// # Errors
 /// Writing fails, or the page cannot be built; earlier files are then kept.
+///
+/// ```
+#[doc = include_str!("../doc/answer.txt")]
+/// # let out = std::env::temp_dir().join(format!("poinsot-result-{}", std::process::id()));
+/// let command = ["poinsot".to_owned(), "identify".to_owned()];
+/// // With the page `report.html`, without figures in separate files.
+/// let paths = write_result(&out, &identified, &command, true, &[])?;
+/// assert!(paths.contains(&out.join("report.html")) && paths.contains(&out.join("estimate.json")));
+/// # std::fs::remove_dir_all(&out)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn write_result(
     folder: &Path,
     identified: &Identified,
@@ -64,6 +85,13 @@ pub fn write_result(
 ///
 /// # Errors
 /// The result cannot be written as JSON.
+///
+/// ```
+#[doc = include_str!("../doc/answer.txt")]
+/// let text = estimate_text("out".as_ref(), &identified)?;
+/// assert_eq!(poinsot_formats::parse_estimate("estimate.json".as_ref(), text.as_bytes())?, estimate_file(&identified));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn estimate_text(folder: &Path, identified: &Identified) -> Result<String, Error> {
     json(
         folder,

@@ -77,6 +77,17 @@ impl Prediction {
 ///
 /// # Errors
 /// Case or model are invalid, the motion cannot be computed, or a required sensor is missing.
+///
+/// ```
+/// use poinsot::predict::predict;
+///
+/// let case = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("doc/case.toml");
+/// let prediction = predict(&case, 1.0)?;
+/// // The manoeuvre determines all six elements of the tensor.
+/// assert!(prediction.passes());
+/// assert_eq!(prediction.bound.identifiability.rank, 6);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn predict(case: &Path, relative_accuracy: f64) -> Result<Prediction, Error> {
     let case = read_case(case).map_err(SimulateError::from)?;
     let model = read_model(&case.model)?;
@@ -87,6 +98,16 @@ pub fn predict(case: &Path, relative_accuracy: f64) -> Result<Prediction, Error>
 ///
 /// # Errors
 /// As [`predict`], of the first case that fails.
+///
+/// ```
+/// use poinsot::predict::predict_all;
+///
+/// let case = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("doc/case.toml");
+/// let all = predict_all(&[case], 1.0, true)?;
+/// // Sigmas of the records that end after each twelfth of the duration.
+/// assert_eq!((all.len(), all[0].against_duration.len()), (1, 12));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn predict_all(
     cases: &[PathBuf],
     relative_accuracy: f64,
@@ -107,6 +128,21 @@ pub fn predict_all(
 ///
 /// # Errors
 /// As [`predict`].
+///
+/// ```
+#[doc = include_str!("../doc/case.txt")]
+/// use poinsot::predict::predict_case;
+///
+/// // Half the noise halves every sigma.
+/// let mut quiet = model.clone();
+/// quiet.sensors[0].noise_covariance = model.sensors[0].noise_covariance.map(|c| c / 4.0);
+/// let sigma = |model| {
+///     let prediction = predict_case(&case, model, 1.0)?;
+///     Ok::<_, Error>(prediction.bound.bodies[0].inertia[5].sigma.unwrap())
+/// };
+/// assert!((sigma(model)? / sigma(quiet)? - 2.0).abs() < 1.0e-3);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn predict_case(
     case: &Case,
     model: Model,

@@ -37,6 +37,20 @@ struct FileHead {
 ///
 /// # Errors
 /// Model or map are invalid, or the files cannot be read with the proposal either.
+///
+/// ```
+/// use poinsot::inspect;
+/// use poinsot_telemetry::ReadOptions;
+///
+/// # let out = std::env::temp_dir().join(format!("poinsot-propose-{}", std::process::id()));
+/// # std::fs::create_dir_all(&out)?;
+/// let path = out.join("imu.csv");
+/// std::fs::write(&path, "t_s,wx [deg/s],wy [deg/s],wz [deg/s]\n0,1,2,3\n1,1,2,3\n2,1,2,4\n")?;
+/// let found = inspect(&[path], &ReadOptions::default(), None, None)?;
+/// assert!(found.proposed_map.unwrap().contains(r#"column = "wx [deg/s]""#));
+/// # std::fs::remove_dir_all(&out)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn inspect(
     files: &[PathBuf],
     options: &ReadOptions,
@@ -104,6 +118,16 @@ impl std::fmt::Display for InspectionAnswer {
 }
 
 /// The inspection as a file.
+///
+/// ```
+/// use poinsot::{inspect, inspection_file};
+/// use poinsot_telemetry::ReadOptions;
+///
+/// let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../data/stsat3/paper/telemetry_noisy.csv");
+/// let found = inspect(&[path.into()], &ReadOptions::default(), None, None)?;
+/// assert!(inspection_file(found).content.inspection.channels.iter().any(|c| c.name == "omega_x"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn inspection_file(content: InspectionAnswer) -> StatedFile<InspectionAnswer> {
     StatedFile {
         schema: INSPECTION,
@@ -113,6 +137,18 @@ pub fn inspection_file(content: InspectionAnswer) -> StatedFile<InspectionAnswer
 
 /// A table to paste; uncertain lines are marked. `None` if the file is not text, or has standard names in SI. A column
 /// named in `own` is that of a joint, wheel or thruster of the model.
+///
+/// ```
+/// use poinsot::proposed_map;
+///
+/// # let out = std::env::temp_dir().join(format!("poinsot-map-{}", std::process::id()));
+/// # std::fs::create_dir_all(&out)?;
+/// let path = out.join("imu.csv");
+/// std::fs::write(&path, "t_s,wx [deg/s]\n0,1\n1,1\n")?;
+/// assert!(proposed_map(&[path], &[]).unwrap().contains("omega_x"));
+/// # std::fs::remove_dir_all(&out)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn proposed_map(paths: &[impl AsRef<Path>], own: &[String]) -> Option<String> {
     let of = |path: &Path| proposed(path, own);
     let tables: Vec<String> = paths.iter().filter_map(|p| of(p.as_ref())).collect();

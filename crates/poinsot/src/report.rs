@@ -28,6 +28,16 @@ use std::path::{Path, PathBuf};
 ///
 /// # Errors
 /// A file is missing, has another format, or belongs to another run.
+///
+/// ```
+#[doc = include_str!("../doc/answer.txt")]
+/// # let out = std::env::temp_dir().join(format!("poinsot-report-{}", std::process::id()));
+/// write_result(&out, &identified, &["poinsot".to_owned()], false, &[])?;
+/// let written = write_report(&out, &[], &[])?;
+/// assert_eq!(written, [out.join("report.html")]);
+/// # std::fs::remove_dir_all(&out)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn write_report(
     result: &Path,
     earlier: &[PathBuf],

@@ -26,6 +26,10 @@ fn of<T: JsonSchema>() -> Value {
 const TOML: [&str; 2] = ["case", "plan"];
 
 /// Names of all formats.
+///
+/// ```
+/// assert!(poinsot::schema_names().any(|name| name == "model"));
+/// ```
 pub fn schema_names() -> impl Iterator<Item = &'static str> {
     let others = OTHERS.into_iter().map(|(name, _)| name);
     others.chain(poinsot_formats::names())
@@ -35,6 +39,13 @@ pub fn schema_names() -> impl Iterator<Item = &'static str> {
 ///
 /// # Errors
 /// The format is unknown.
+///
+/// ```
+/// let schema = poinsot::schema("model")?;
+/// assert!(schema["properties"]["body"].is_object());
+/// assert!(poinsot::schema("novel").is_err());
+/// # Ok::<(), poinsot::Error>(())
+/// ```
 pub fn schema(name: &str) -> Result<Value, Error> {
     if let Some((_, schema)) = OTHERS.into_iter().find(|(n, _)| *n == name) {
         return Ok(schema());

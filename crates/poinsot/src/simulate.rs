@@ -55,6 +55,19 @@ pub struct Written {
 ///
 /// # Errors
 /// Case or model are invalid, the motion cannot be computed, or writing fails.
+///
+/// ```
+/// use poinsot::simulate::simulate;
+///
+/// let case = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("doc/case.toml");
+/// # let out = std::env::temp_dir().join(format!("poinsot-simulate-{}", std::process::id()));
+/// let written = simulate(&case, &out)?;
+/// // 10 s at 5 Hz.
+/// assert_eq!(written.rows, 51);
+/// assert!(written.telemetry.exists() && written.truth.exists());
+/// # std::fs::remove_dir_all(&out)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn simulate(case_path: &Path, out: &Path) -> Result<Written, Error> {
     let case = read_case(case_path).map_err(SimulateError::from)?;
     let name = match case.format {
@@ -87,6 +100,14 @@ pub fn simulate(case_path: &Path, out: &Path) -> Result<Written, Error> {
 ///
 /// # Errors
 /// The case does not fit the model, or the motion cannot be computed.
+///
+/// ```
+#[doc = include_str!("../doc/case.txt")]
+/// let simulation = simulate::simulate_case(&case, &model)?;
+/// assert_eq!(simulation.table.channel("omega_x").unwrap().values.len(), 51);
+/// assert_eq!(simulation.truth.bodies["bus"].mass.inertia_kg_m2.zz.value, 2.5);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn simulate_case(case: &Case, model: &Model) -> Result<Simulation, SimulateError> {
     simulate_trial(case, model, 0)
 }
@@ -95,6 +116,18 @@ pub fn simulate_case(case: &Case, model: &Model) -> Result<Simulation, SimulateE
 ///
 /// # Errors
 /// As [`simulate_case`].
+///
+/// ```
+#[doc = include_str!("../doc/case.txt")]
+/// let rate = |trial| {
+///     let simulated = simulate::simulate_trial(&case, &model, trial)?;
+///     Ok::<_, Error>(simulated.table.channel("omega_x").unwrap().values.clone())
+/// };
+/// // The same trial gives the same bits, another trial other noise.
+/// assert_eq!(rate(3)?, rate(3)?);
+/// assert_ne!(rate(3)?, rate(4)?);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn simulate_trial(case: &Case, model: &Model, trial: u64) -> Result<Simulation, SimulateError> {
     let scenario = case.bind(model)?;
     let Recorded {
@@ -131,6 +164,18 @@ pub struct Exact {
 ///
 /// # Errors
 /// As [`simulate_case`].
+///
+/// ```
+#[doc = include_str!("../doc/case.txt")]
+/// // Without noise. All wheels at rest again at 10 s: the box, without momentum, is at rest too.
+/// let exact = simulate::simulate_exact(&case, &model)?.table;
+/// let rate = exact.channel("omega_x").unwrap();
+/// assert!(rate.values.last().unwrap().abs() < 1.0e-12);
+/// // At 2.5 s the wheel about x has 1 N m s, and the box with 1 kg m2 the opposite.
+/// let [at] = poinsot_telemetry::resample(rate, &[2.4], None)[..] else { unreachable!() };
+/// assert!((at.unwrap() + 0.96).abs() < 1.0e-9);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn simulate_exact(case: &Case, model: &Model) -> Result<Exact, SimulateError> {
     simulate_exact_watched(case, model, case.bind(model)?, |_| {})
 }
@@ -156,6 +201,17 @@ pub(crate) fn simulate_exact_watched(
 ///
 /// # Errors
 /// As [`simulate_case`].
+///
+/// ```
+#[doc = include_str!("../doc/case.txt")]
+/// // A bound case may be changed before it runs: half the times.
+/// let mut scenario = case.bind(&model)?;
+/// scenario.times.truncate(26);
+/// let mut seen = 0;
+/// simulate::simulate_exact_of(&case, &model, scenario, |_, _| seen += 1)?;
+/// assert_eq!(seen, 26);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn simulate_exact_of(
     case: &Case,
     model: &Model,
@@ -263,6 +319,16 @@ fn record(
 ///
 /// # Errors
 /// As [`simulate_case`].
+///
+/// ```
+#[doc = include_str!("../doc/case.txt")]
+/// let mut largest = 0.0_f64;
+/// let scenario = case.bind(&model)?;
+/// simulate::run(&case, &model, None, &scenario, |sample, _| largest = largest.max(sample.w_NB_B.x.abs()))?;
+/// // A wheel with 1 N m s in a box with 1 kg m2, nearly at 2.5 s.
+/// assert!((0.9..=1.0).contains(&largest));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn run(
     case: &Case,
     model: &Model,

@@ -116,6 +116,15 @@ impl Tools for Verbs {
 ///
 /// # Errors
 /// The paper or study is unknown; the message lists the known ones.
+///
+/// ```
+/// use poinsot::study::find;
+///
+/// let found = find(Some("kim2010"), Some("table2"))?;
+/// assert_eq!((found.len(), found[0].1.name), (1, "table2"));
+/// assert!(find(Some("newton1687"), None).is_err());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn find(
     paper: Option<&str>,
     name: Option<&str>,
@@ -152,6 +161,16 @@ pub const ALL: &str = "all";
 ///
 /// # Errors
 /// The data are missing, or a tool fails.
+///
+/// ```
+/// use poinsot::study::{find, run};
+///
+/// let data = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data");
+/// let (_, study) = find(Some("kim2010"), Some("table2"))?[0];
+/// let findings = run(study, &data)?;
+/// assert!(!findings.tables.is_empty());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn run(study: &Study, data: &Path) -> Result<Findings, Error> {
     if !data.join("cases").is_dir() {
         return Err(Error::Usage {
@@ -186,6 +205,15 @@ fn told(error: StudyError) -> Error {
 }
 
 /// The findings as a file: numbers with all digits, null if missing.
+///
+/// ```
+/// use poinsot::study::{find, findings_file};
+/// use poinsot_papers::study::Findings;
+///
+/// let (paper, study) = find(Some("kim2010"), Some("table2"))?[0];
+/// assert_eq!(findings_file(paper, study, &Findings::default()).study, "table2");
+/// # Ok::<(), poinsot::Error>(())
+/// ```
 pub fn findings_file(paper: &str, study: &Study, findings: &Findings) -> StudyFindingsFile {
     filed(paper, study, findings, |cell| match cell {
         Cell::Word(text) => FoundCellFile::Word(text.clone()),
@@ -231,6 +259,15 @@ fn filed(
 }
 
 /// A table as CSV: numbers with all digits; two numbers of a cell are joined by their separator.
+///
+/// ```
+/// use poinsot_papers::study::{Table, figures, word};
+///
+/// let (name, title) = ("moments".to_owned(), "Moments".to_owned());
+/// let (head, rows) = (vec!["".to_owned(), "kg m2".to_owned()], vec![vec![word("xx"), figures(13.9, 2)]]);
+/// // All digits, however few are shown.
+/// assert_eq!(poinsot::study::csv(&Table { name, title, head, rows }), ",kg m2\nxx,13.9\n");
+/// ```
 pub fn csv(table: &FoundTable) -> String {
     let quoted = |text: &str| match text.contains([',', '"', '\n']) {
         true => format!("\"{}\"", text.replace('"', "\"\"")),
@@ -265,6 +302,15 @@ pub fn csv(table: &FoundTable) -> String {
 ///
 /// # Errors
 /// A figure cannot be rendered.
+///
+/// ```
+/// use poinsot::study::{files, find};
+/// use poinsot_papers::study::Findings;
+///
+/// let (_, study) = find(Some("kim2010"), Some("table2"))?[0];
+/// assert!(files(study, &Findings::default(), &[])?.is_empty());
+/// # Ok::<(), poinsot::Error>(())
+/// ```
 pub fn files(
     study: &Study,
     findings: &Findings,
@@ -289,6 +335,13 @@ pub fn files(
 }
 
 /// Papers with their studies; one paper if named.
+///
+/// ```
+/// use poinsot::study::studies_file;
+///
+/// assert_eq!(studies_file(None).papers.len(), poinsot_papers::METHODS.len());
+/// assert_eq!(studies_file(Some("kim2010")).papers[0].paper, "kim2010");
+/// ```
 pub fn studies_file(paper: Option<&str>) -> StudiesFile {
     let study = |s: &Study| StudyFile {
         name: s.name.to_owned(),

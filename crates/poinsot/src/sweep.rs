@@ -29,6 +29,22 @@ pub struct SweepRequest {
 ///
 /// # Errors
 /// A text is not a list, range or setting.
+///
+/// ```
+/// use poinsot::sweep::{SweepRequest, sweep_plan};
+///
+/// // Three rates of the rows, with equal ratios.
+/// let request = SweepRequest {
+///     case: "case.toml".to_owned(),
+///     vary: vec!["output.rate_hz=1:100:3:log".to_owned()],
+///     methods: vec!["linear".to_owned()],
+///     trials: 10,
+///     ..SweepRequest::default()
+/// };
+/// let plan = sweep_plan(&request)?;
+/// assert_eq!((plan.vary.len(), plan.trials), (1, Some(10)));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn sweep_plan(request: &SweepRequest) -> Result<PlanFile, Error> {
     let vary = request.vary.iter().map(|text| vary(text));
     let mut methods: Vec<MethodFile> = request.methods.iter().map(|m| method(m)).collect();

@@ -9,6 +9,11 @@ use std::thread::{Builder, JoinHandle};
 ///
 /// # Errors
 /// The system starts no thread at all.
+///
+/// ```
+/// poinsot::start_threads()?;
+/// # Ok::<(), poinsot::Error>(())
+/// ```
 pub fn start_threads() -> Result<(), Error> {
     let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
     let asked = std::env::var("RAYON_NUM_THREADS")

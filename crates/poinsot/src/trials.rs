@@ -333,6 +333,15 @@ pub(crate) fn judged_body(
 }
 
 /// Compares an estimate with true numbers by address, as from [`Study::true_numbers`].
+///
+/// ```
+#[doc = include_str!("../doc/answer.txt")]
+/// let truth = [("bus.inertia_kg_m2.zz".to_owned(), 2.5)].into();
+/// let judged = trials::judged(&identified.estimate, &truth);
+/// let number = &judged.numbers[0];
+/// assert_eq!(number.error, number.value - 2.5);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn judged(estimate: &Estimate, truth: &HashMap<String, f64>) -> Answer {
     let numbers: Vec<TrialNumber> = estimated_numbers(estimate)
         .into_iter()

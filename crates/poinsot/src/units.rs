@@ -4,6 +4,11 @@ use poinsot_formats::{UNITS, UnitFile, UnitsFile};
 use poinsot_telemetry::units;
 
 /// All units as a file.
+///
+/// ```
+/// let units = poinsot::units_file().units;
+/// assert!(units.iter().any(|unit| unit.symbol == "deg/s" && unit.si == "rad/s"));
+/// ```
 pub fn units_file() -> UnitsFile {
     let unit = |u: poinsot_telemetry::Unit| UnitFile {
         symbol: u.symbol.to_owned(),

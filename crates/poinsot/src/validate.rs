@@ -148,6 +148,22 @@ impl Validation {
 ///
 /// # Errors
 /// Invalid files or names, or a motion that cannot be computed.
+///
+/// ```
+/// use poinsot::validate::{ValidateRequest, Verdict, validate};
+///
+/// let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("doc");
+/// // The same model twice: the motions are equal.
+/// let request = ValidateRequest {
+///     case: Some(folder.join("case.toml")),
+///     against: folder.join("model.toml").display().to_string(),
+///     within_rad: Some(1.0e-9),
+///     ..ValidateRequest::default()
+/// };
+/// let found = validate(&request)?;
+/// assert_eq!(found.verdict, Verdict::Agrees);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn validate(request: &ValidateRequest) -> Result<Validation, Error> {
     check(request)?;
     let case = request.case.as_deref().map(read_case).transpose();

@@ -21,6 +21,15 @@ pub(crate) fn json(folder: &Path, text: serde_json::Result<String>) -> Result<St
 ///
 /// # Errors
 /// Writing fails; an earlier file is then kept.
+///
+/// ```
+/// # let out = std::env::temp_dir().join(format!("poinsot-file-{}", std::process::id()));
+/// let path = out.join("note.txt");
+/// poinsot::write_file(&path, b"measured")?;
+/// assert_eq!(std::fs::read(&path)?, b"measured");
+/// # std::fs::remove_dir_all(&out)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     let Some(name) = path.file_name() else {
         return Err(Error::Io {
@@ -37,6 +46,14 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Error> {
 ///
 /// # Errors
 /// Writing fails; earlier files are then kept.
+///
+/// ```
+/// # let out = std::env::temp_dir().join(format!("poinsot-files-{}", std::process::id()));
+/// let files = [("a.txt".into(), b"1".to_vec()), ("b.txt".into(), b"2".to_vec())];
+/// assert_eq!(poinsot::write_files(&out, &files)?, [out.join("a.txt"), out.join("b.txt")]);
+/// # std::fs::remove_dir_all(&out)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn write_files(folder: &Path, files: &[(PathBuf, Vec<u8>)]) -> Result<Vec<PathBuf>, Error> {
     let mut stage = Stage::new(folder)?;
     for (name, bytes) in files {
@@ -50,6 +67,15 @@ pub fn write_files(folder: &Path, files: &[(PathBuf, Vec<u8>)]) -> Result<Vec<Pa
 ///
 /// # Errors
 /// The option and the conflicting file.
+///
+/// ```
+/// use poinsot::check_outputs;
+/// use std::path::Path;
+///
+/// let model = Path::new(env!("CARGO_MANIFEST_DIR")).join("doc/model.toml");
+/// // An input is never overwritten.
+/// assert!(check_outputs("--out", &[model.clone()], &[&model]).is_err());
+/// ```
 pub fn check_outputs(
     option: &'static str,
     outputs: &[PathBuf],

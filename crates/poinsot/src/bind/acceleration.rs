@@ -8,6 +8,12 @@ use poinsot_spatial::Vector3;
 use poinsot_telemetry::Channel;
 
 /// Channels of accelerations: `domega` and those of the accelerometer.
+///
+/// ```
+/// use poinsot::bind::acceleration_channels;
+///
+/// assert!(acceleration_channels().any(|name| name == "domega_x"));
+/// ```
 pub fn acceleration_channels() -> impl Iterator<Item = String> {
     ["domega", "acc"]
         .into_iter()

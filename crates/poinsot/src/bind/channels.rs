@@ -81,6 +81,15 @@ impl<'a> Channels<'a> {
 }
 
 /// Names of all channels that a model can use; translation and specific force only if the model has a sensor for them.
+///
+/// ```
+#[doc = include_str!("../../doc/case.txt")]
+/// let wanted = bind::wanted_channels(&model);
+/// assert!(wanted.contains("omega_x") && wanted.contains("wx_rad_s"));
+/// // The box has no accelerometer.
+/// assert!(!wanted.contains("acc_x"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn wanted_channels(model: &Model) -> BTreeSet<String> {
     // Translation and similar channels need a sensor with declared noise.
     let always = [SensorKind::Gyro, SensorKind::Attitude];

@@ -5,6 +5,13 @@ use poinsot_spatial::Matrix3;
 use poinsot_telemetry::Mounting;
 
 /// Mountings of all rotated sensors of the model.
+///
+/// ```
+#[doc = include_str!("../../doc/case.txt")]
+/// // Its gyro measures in the axes of its body.
+/// assert!(bind::mountings(&model).is_empty());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn mountings(model: &Model) -> Vec<Mounting> {
     let of_columns = |(kind, prefix): (SensorKind, &'static str)| {
         let alone = model.sensors_of(kind).nth(1).is_none();

@@ -42,6 +42,16 @@ struct Queue {
 ///
 /// # Errors
 /// Writing fails, or an experiment cannot be simulated. Finished shards are kept.
+///
+/// ```
+#[doc = include_str!("../../doc/plan.txt")]
+/// # let out = std::env::temp_dir().join(format!("poinsot-shards-{}", std::process::id()));
+/// let (missing, _) = missing_shards(&plan, &out, 0..plan.shards())?;
+/// run_shards(&plan, &out, &missing, &|_| {})?;
+/// assert!(missing_shards(&plan, &out, 0..plan.shards())?.0.is_empty());
+/// # std::fs::remove_dir_all(&out)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn run_shards(
     plan: &Plan,
     out: &Path,
@@ -99,6 +109,13 @@ pub(super) fn run_each(
 ///
 /// # Errors
 /// An experiment cannot be simulated.
+///
+/// ```
+#[doc = include_str!("../../doc/plan.txt")]
+/// let shard = run_shard(&plan, 0)?;
+/// assert_eq!(shard.sums.trials, (0, 4));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn run_shard(plan: &Plan, shard: u64) -> Result<ShardResult, Error> {
     let shard = plan.shard(shard);
     let prepared = Prepared::new(plan, &shard)?;
@@ -110,6 +127,14 @@ pub fn run_shard(plan: &Plan, shard: u64) -> Result<ShardResult, Error> {
 ///
 /// # Errors
 /// Reading fails.
+///
+/// ```
+#[doc = include_str!("../../doc/plan.txt")]
+/// # let out = std::env::temp_dir().join(format!("poinsot-missing-{}", std::process::id()));
+/// let (missing, damaged) = missing_shards(&plan, &out, 0..plan.shards())?;
+/// assert_eq!((missing, damaged.len()), (vec![0], 0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn missing_shards(
     plan: &Plan,
     out: &Path,

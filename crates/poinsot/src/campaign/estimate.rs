@@ -19,6 +19,13 @@ const SHARD_S: [f64; 2] = [10.0, 120.0];
 ///
 /// # Errors
 /// An experiment cannot be simulated.
+///
+/// ```
+#[doc = include_str!("../../doc/plan.txt")]
+/// // Processor time of a trial, s.
+/// assert!(campaign_cost(&plan)?.seconds > 0.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn campaign_cost(plan: &Plan) -> Result<CampaignCost, Error> {
     // A trial of a campaign has one thread; the time of others would not be counted.
     one_thread()?.install(|| measured_cost(plan))

@@ -4,17 +4,20 @@
 //! shards. A shard depends only on the plan and its number: it can run anywhere, is written atomically, and can be
 //! repeated. [`fold_shards`] adds shards in the order of their numbers, so that interruptions do not change the sums.
 //!
-//! ```no_run
+//! ```
 //! use poinsot::campaign::{fold_shards, missing_shards, read_plan, run_shards};
-//! # fn main() -> Result<(), poinsot::Error> {
-//! let plan = read_plan("plan.toml".as_ref())?;
-//! let (missing, _) = missing_shards(&plan, "out".as_ref(), 0..plan.shards())?;
-//! run_shards(&plan, "out".as_ref(), &missing, &|_| {})?;
-//! let folded = fold_shards(&plan, "out".as_ref(), plan.trials)?;
-//! let mass = &folded.result(&plan, plan.trials).cells[0].methods[0].numbers["bus.mass_kg"];
-//! println!("{:?}", mass.coverage_all);
-//! # Ok(())
-//! # }
+//! use std::path::Path;
+//!
+//! let plan = read_plan(&Path::new(env!("CARGO_MANIFEST_DIR")).join("doc/plan.toml"))?;
+//! # let out = std::env::temp_dir().join(format!("poinsot-campaign-page-{}", std::process::id()));
+//! let (missing, _) = missing_shards(&plan, &out, 0..plan.shards())?;
+//! run_shards(&plan, &out, &missing, &|_| {})?;
+//! let folded = fold_shards(&plan, &out, plan.trials)?;
+//! let answer = folded.result(&plan, plan.trials);
+//! let I_zz = &answer.cells[0].methods[0].numbers["bus.inertia_kg_m2.zz"];
+//! assert_eq!(I_zz.trials, 4);
+//! # std::fs::remove_dir_all(&out)?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
 mod address;

@@ -95,6 +95,12 @@ pub struct Shard {
 ///
 /// # Errors
 /// All faults of the plan and its files.
+///
+/// ```
+#[doc = include_str!("../../doc/plan.txt")]
+/// assert_eq!((plan.trials, plan.cells(), plan.method_labels()), (4, 1, vec!["maximum_likelihood"]));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn read_plan(path: &Path) -> Result<Plan, Error> {
     let text = poinsot_files::read_text(path, LARGEST).map_err(|e| {
         let text = PlanText::new(path, String::new());
@@ -112,6 +118,15 @@ pub fn read_plan(path: &Path) -> Result<Plan, Error> {
 ///
 /// # Errors
 /// As [`read_plan`].
+///
+/// ```
+/// use poinsot::campaign::parse_plan;
+///
+/// let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("doc/plan.toml");
+/// let text = std::fs::read_to_string(&path)?.replace("trials = 4", "trials = 100");
+/// assert_eq!(parse_plan(&path, text)?.trials, 100);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn parse_plan(path: &Path, text: String) -> Result<Plan, Error> {
     let text = PlanText::new(path, text);
     let file: PlanFile = text.parse()?;
@@ -122,6 +137,23 @@ pub fn parse_plan(path: &Path, text: String) -> Result<Plan, Error> {
 ///
 /// # Errors
 /// As [`read_plan`].
+///
+/// ```
+/// use poinsot::campaign::made_plan;
+/// use poinsot::sweep::{SweepRequest, sweep_plan};
+///
+/// // The box of the folder `doc` with two rates of its rows.
+/// let request = SweepRequest {
+///     case: "case.toml".to_owned(),
+///     vary: vec!["output.rate_hz=5,10".to_owned()],
+///     methods: vec!["linear".to_owned()],
+///     trials: 10,
+///     ..SweepRequest::default()
+/// };
+/// let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("doc");
+/// assert_eq!(made_plan(sweep_plan(&request)?, &folder)?.cells(), 2);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn made_plan(file: PlanFile, folder: &Path) -> Result<Plan, Error> {
     let path = folder.join("(plan)");
     plan_of(file, PlanText::new(&path, String::new()))

@@ -72,6 +72,15 @@ impl CampaignRun {
 ///
 /// # Errors
 /// An experiment cannot be simulated.
+///
+/// ```
+#[doc = include_str!("../../doc/plan.txt")]
+/// let run = campaign_in_memory(&plan)?;
+/// let found = &run.result.unwrap().cells[0].methods[0].numbers["bus.inertia_kg_m2.zz"];
+/// // Stated sigma and Cramer-Rao bound agree: the estimator is efficient.
+/// assert!((found.stated.unwrap() / found.bound.unwrap() - 1.0).abs() < 0.2);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn campaign_in_memory(plan: &Plan) -> Result<CampaignRun, Error> {
     let damaged = |why: String| Error::Internal { what: why };
     let all: Mutex<Vec<ShardSums>> = Mutex::new(Vec::new());
@@ -101,6 +110,17 @@ pub fn campaign_in_memory(plan: &Plan) -> Result<CampaignRun, Error> {
 /// # Errors
 /// The folder holds shards of another plan, or of this plan without `resume`; writing fails; an experiment cannot be
 /// simulated.
+///
+/// ```
+#[doc = include_str!("../../doc/plan.txt")]
+/// # let out = std::env::temp_dir().join(format!("poinsot-campaign-{}", std::process::id()));
+/// let request = CampaignRequest { out: out.clone(), ..CampaignRequest::default() };
+/// let run = campaign(&plan, &request)?;
+/// assert_eq!(run.shards, 1);
+/// assert!(out.join("campaign.json").exists());
+/// # std::fs::remove_dir_all(&out)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn campaign(plan: &Plan, request: &CampaignRequest<'_>) -> Result<CampaignRun, Error> {
     refuse_other_plans(plan, &request.out)?;
     let mut ran = CampaignRun {
@@ -154,6 +174,17 @@ pub fn campaign(plan: &Plan, request: &CampaignRequest<'_>) -> Result<CampaignRu
 ///
 /// # Errors
 /// A shard is missing (unless `partial`), damaged, or present twice with different sums; or writing fails.
+///
+/// ```
+#[doc = include_str!("../../doc/plan.txt")]
+/// # let out = std::env::temp_dir().join(format!("poinsot-merge-{}", std::process::id()));
+/// let (here, there) = (out.join("here"), out.join("there"));
+/// run_shards(&plan, &there, &[0], &|_| {})?;
+/// let merged = merge_campaign(&plan, &here, &[there], false)?;
+/// assert_eq!(merged.result.unwrap().trials, 4);
+/// # std::fs::remove_dir_all(&out)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn merge_campaign(
     plan: &Plan,
     out: &Path,

@@ -8,6 +8,13 @@ const MOST_TASKS: u64 = 1000;
 
 /// `campaign.sbatch`, `merge.sbatch` and `submit.sh` for a plan and its folder, with paths as given on the command
 /// line.
+///
+/// ```
+#[doc = include_str!("../../doc/plan.txt")]
+/// let scripts = slurm_scripts(&plan, "plan.toml", "out");
+/// assert!(scripts.iter().any(|(name, _)| name.ends_with("submit.sh")));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn slurm_scripts(plan: &Plan, plan_path: &str, out: &str) -> Vec<OutputFile> {
     let tasks = plan.shards().clamp(1, MOST_TASKS);
     let (plan_path, out) = (quoted(plan_path), quoted(out));

@@ -7,6 +7,13 @@ const FIRST_LOOK: u64 = 1000;
 
 /// Trial numbers of the tests: 1000, 2000, 4000 and so on; with a sampling 20, 40, 80 and so on replicates. They are
 /// rounded up to whole shards, and the last test is at the end.
+///
+/// ```
+#[doc = include_str!("../../doc/plan.txt")]
+/// // Fewer than 1000 trials: one test, at the end.
+/// assert_eq!(looks(&plan), [4]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn looks(plan: &Plan) -> Vec<u64> {
     let first = match plan.sampling {
         Some(s) => s.points * poinsot_formats::REPLICATES,
@@ -26,6 +33,12 @@ pub fn looks(plan: &Plan) -> Vec<u64> {
 }
 
 /// Probability outside the interval of one test, so that it is `outside` for all tests together (Bonferroni).
+///
+/// ```
+/// use poinsot::campaign::outside_at_each;
+///
+/// assert_eq!(outside_at_each(0.05, 5), 0.01);
+/// ```
 pub fn outside_at_each(outside: f64, looks: usize) -> f64 {
     outside / looks.max(1) as f64
 }

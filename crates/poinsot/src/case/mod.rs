@@ -68,6 +68,13 @@ pub struct Case {
 ///
 /// # Errors
 /// All faults without a model.
+///
+/// ```
+#[doc = include_str!("../../doc/case.txt")]
+/// assert_eq!((case.duration_s, case.rate_hz), (10.0, 5.0));
+/// assert!(case.model.ends_with("model.toml"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn read_case(path: &Path) -> Result<Case, CaseError> {
     let text = poinsot_files::read_text(path, LARGEST_FILE).map_err(|e| CaseError {
         faults: vec![CaseFault {
@@ -88,6 +95,22 @@ pub fn read_case(path: &Path) -> Result<Case, CaseError> {
 ///
 /// # Errors
 /// All faults without a model.
+///
+/// ```
+/// use poinsot::case::parse_case;
+///
+/// let text = r#"
+/// schema = "poinsot.case/2"
+/// model = "model.toml"
+/// duration_s = 60.0
+///
+/// [output]
+/// rate_hz = 10.0
+/// "#;
+/// let case = parse_case("folder/case.toml".as_ref(), text.to_owned())?;
+/// assert_eq!((case.model, case.duration_s), ("folder/model.toml".into(), 60.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn parse_case(path: &Path, text: String) -> Result<Case, CaseError> {
     match shaped_case(path, text)? {
         (case, faults) if faults.is_empty() => Ok(case),

@@ -209,6 +209,13 @@ impl Planner<'_> {
 }
 
 /// Every number estimated in the model, with infinite wanted sigma.
+///
+/// ```
+#[doc = include_str!("../../doc/case.txt")]
+/// // The six elements of its tensor.
+/// assert_eq!(case::estimated_numbers(&model).len(), 6);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn estimated_numbers(model: &Model) -> Vec<Want> {
     let known = known_addresses(model).into_iter();
     let estimated = known.filter(|(_, _, term)| is_estimated(model, term));

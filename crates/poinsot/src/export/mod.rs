@@ -126,6 +126,19 @@ pub struct Exported {
 ///
 /// # Errors
 /// The files cannot be read, `onto` is missing or not allowed, or nothing is determined.
+///
+/// ```
+#[doc = include_str!("../../doc/answer.txt")]
+/// use poinsot::export::{Target, export};
+///
+/// # let out = std::env::temp_dir().join(format!("poinsot-export-{}", std::process::id()));
+/// write_estimate(&out, &identified)?;
+/// // One row per number.
+/// let table = export(&out, Target::Csv, None)?;
+/// assert!(table.text.contains("\nbus,inertia_kg_m2.zz,kg m2,2.5"));
+/// # std::fs::remove_dir_all(&out)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn export(folder: &Path, to: Target, onto: Option<&Path>) -> Result<Exported, Error> {
     let (path, estimate) = read_estimate(&folder.join("estimate.json")).map_err(format_error)?;
     export_estimate(&estimate, &path, to, onto)
@@ -135,6 +148,18 @@ pub fn export(folder: &Path, to: Target, onto: Option<&Path>) -> Result<Exported
 ///
 /// # Errors
 /// As [`export`].
+///
+/// ```
+#[doc = include_str!("../../doc/answer.txt")]
+/// use poinsot::export::{Target, export_estimate};
+///
+/// let file = estimate_file(&identified);
+/// // The model file with the new inertia; all else stays.
+/// let onto = folder.join("model.toml");
+/// let exported = export_estimate(&file, "estimate.json".as_ref(), Target::Model, Some(&onto))?;
+/// assert!(exported.text.contains("mass_kg = 10.0") && !exported.text.contains("zz = 2.5 }"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn export_estimate(
     estimate: &EstimateFile,
     path: &Path,

@@ -10,6 +10,15 @@ use poinsot_identify::{BodyEstimate, Number, tensor_index};
 use poinsot_report::prediction_sentence;
 
 /// The prediction as a file: sigma and source of every number; null if not identifiable.
+///
+/// ```
+#[doc = include_str!("../../doc/case.txt")]
+/// use poinsot::predict::{predict_case, prediction_file};
+///
+/// let file = prediction_file(&predict_case(&case, model, 1.0)?);
+/// assert!(file.bodies["bus"].inertia_kg_m2.zz.sigma.is_some_and(|sigma| sigma > 0.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn prediction_file(prediction: &Prediction) -> PredictionFile {
     let bound = &prediction.bound;
     let bodies = bound.bodies.iter().filter(|b| b.asked);

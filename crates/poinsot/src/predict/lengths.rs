@@ -27,6 +27,17 @@ pub struct Ended {
 ///
 /// # Errors
 /// The case cannot be simulated.
+///
+/// ```
+#[doc = include_str!("../../doc/case.txt")]
+/// use poinsot::predict::against_duration;
+///
+/// let ended = against_duration(&case, &model, &case::estimated_numbers(&model), 1.0)?;
+/// // A longer record is never worse.
+/// let of_xx: Vec<f64> = ended.iter().filter_map(|e| e.sigmas[0]).collect();
+/// assert!(of_xx.windows(2).all(|pair| pair[1] < 1.001 * pair[0]));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn against_duration(
     case: &Case,
     model: &Model,
@@ -56,6 +67,17 @@ pub fn against_duration(
 }
 
 /// The sigmas for shorter records as a file.
+///
+/// ```
+#[doc = include_str!("../../doc/case.txt")]
+/// use poinsot::predict::{against_duration, against_duration_file};
+///
+/// let numbers = case::estimated_numbers(&model);
+/// let ended = against_duration(&case, &model, &numbers, 1.0)?;
+/// let file = against_duration_file(&ended, numbers.iter());
+/// assert_eq!((file.end_s.len(), file.end_s[11], file.numbers.len()), (12, 10.0, 6));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn against_duration_file<'w>(
     ended: &[Ended],
     wants: impl Iterator<Item = &'w Want>,

@@ -12,6 +12,15 @@ const NAME: &str = "prediction.json";
 ///
 /// # Errors
 /// Two cases have the same file name, or a path cannot be written to.
+///
+/// ```
+/// use poinsot::predict::prediction_paths;
+///
+/// # let out = std::env::temp_dir().join(format!("poinsot-paths-{}", std::process::id()));
+/// let paths = prediction_paths(&out, &["a.toml".into(), "b.toml".into()])?;
+/// assert_eq!(paths, [out.join("a/prediction.json"), out.join("b/prediction.json")]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn prediction_paths(folder: &Path, cases: &[PathBuf]) -> Result<Vec<PathBuf>, Error> {
     let mut all: Vec<PathBuf> = Vec::new();
     for case in cases {
@@ -37,6 +46,18 @@ pub fn prediction_paths(folder: &Path, cases: &[PathBuf]) -> Result<Vec<PathBuf>
 ///
 /// # Errors
 /// Writing fails.
+///
+/// ```
+#[doc = include_str!("../../doc/case.txt")]
+/// use poinsot::predict::{predict_case, write_predictions};
+///
+/// # let out = std::env::temp_dir().join(format!("poinsot-predictions-{}", std::process::id()));
+/// let path = out.join("prediction.json");
+/// write_predictions(std::slice::from_ref(&path), &[predict_case(&case, model, 1.0)?])?;
+/// assert!(path.exists());
+/// # std::fs::remove_dir_all(&out)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn write_predictions(paths: &[PathBuf], all: &[Prediction]) -> Result<(), Error> {
     for (path, prediction) in paths.iter().zip(all) {
         let mut text =

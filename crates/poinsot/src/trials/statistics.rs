@@ -6,6 +6,15 @@ use poinsot_formats::{ParameterStatistics, Statistics};
 use poinsot_identify::Estimate;
 
 /// Reduces trials in order. A failed trial is counted; its numbers, if any, are included.
+///
+/// ```
+#[doc = include_str!("../../doc/case.txt")]
+/// let study = trials::Study::of_case(&case, &model.clone(), model)?;
+/// let trials: Vec<_> = (0..4).map(|number| study.trial(number)).collect();
+/// let found = trials::statistics(&trials, None);
+/// assert_eq!((found.trials, found.failures, found.parameters.len()), (4, 0, 6));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn statistics(trials: &[Trial], bound: Option<&Estimate>) -> Statistics {
     let mut sums = Sums::new("", bound);
     trials.iter().for_each(|trial| sums.add(trial));
@@ -13,6 +22,13 @@ pub fn statistics(trials: &[Trial], bound: Option<&Estimate>) -> Statistics {
 }
 
 /// Statistics of summed trials.
+///
+/// ```
+/// use poinsot::trials::{Sums, statistics_of};
+///
+/// // No trial yet.
+/// assert_eq!(statistics_of(&Sums::new("", None)).trials, 0);
+/// ```
 pub fn statistics_of(sums: &Sums) -> Statistics {
     let count = sums.answers.max(1) as f64;
     let (square, dof) = sums.nees;

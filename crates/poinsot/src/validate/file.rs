@@ -11,6 +11,20 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 /// The result file.
+///
+/// ```
+/// use poinsot::validate::{ValidateRequest, validate, validation_file};
+///
+/// let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("doc");
+/// let request = ValidateRequest {
+///     case: Some(folder.join("case.toml")),
+///     against: folder.join("model.toml").display().to_string(),
+///     ..ValidateRequest::default()
+/// };
+/// // Without a limit the motions are compared, not judged.
+/// assert_eq!(validation_file(&validate(&request)?).verdict, "compared");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn validation_file(validation: &Validation) -> ValidationFile {
     let kind = match validation.kind {
         Against::Model => "model",
@@ -77,6 +91,20 @@ fn completed(c: &Completed) -> CompletedFile {
 
 /// The histories, one number per row: `quantity,component,unit,time_s,model,against,difference`. Quaternions have no
 /// difference; rotation vectors have no values of the two sides.
+///
+/// ```
+/// use poinsot::validate::{ValidateRequest, validate, validation_csv};
+///
+/// let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("doc");
+/// let request = ValidateRequest {
+///     case: Some(folder.join("case.toml")),
+///     against: folder.join("model.toml").display().to_string(),
+///     ..ValidateRequest::default()
+/// };
+/// let rows = validation_csv(&validate(&request)?);
+/// assert!(rows.starts_with("quantity,component,unit,time_s,model,against,difference"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn validation_csv(validation: &Validation) -> String {
     let mut text = String::from("quantity,component,unit,time_s,model,against,difference\n");
     for c in &validation.compared {
@@ -117,6 +145,22 @@ fn quoted(text: &str) -> String {
 ///
 /// # Errors
 /// Writing fails.
+///
+/// ```
+/// use poinsot::validate::{ValidateRequest, validate, write_validation};
+///
+/// # let out = std::env::temp_dir().join(format!("poinsot-validation-{}", std::process::id()));
+/// let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("doc");
+/// let request = ValidateRequest {
+///     case: Some(folder.join("case.toml")),
+///     against: folder.join("model.toml").display().to_string(),
+///     ..ValidateRequest::default()
+/// };
+/// write_validation(&out, &validate(&request)?)?;
+/// assert!(out.join("validation.json").exists() && out.join("histories.csv").exists());
+/// # std::fs::remove_dir_all(&out)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn write_validation(folder: &Path, validation: &Validation) -> Result<Vec<PathBuf>, Error> {
     let text = serde_json::to_string_pretty(&validation_file(validation));
     let text = json(folder, text)?;

@@ -37,6 +37,17 @@ pub struct JointPath {
 ///
 /// # Errors
 /// The case does not fit the vehicle, has a controller, or the motion cannot be computed.
+///
+/// ```
+#[doc = include_str!("../../doc/case.txt")]
+/// use poinsot::validate::{Mover, path};
+///
+/// let path = path(&case, &Mover::of_model(model))?;
+/// assert_eq!(path.time_s.len(), 51);
+/// // No force acts: the mass centre, which is the base origin, stays.
+/// assert!(path.p_NoBo_N.iter().all(|p| p.norm() < 1.0e-12));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn path(case: &Case, mover: &Mover) -> Result<Path, Error> {
     let scenario = scenario(case, mover)?;
     let tree = Tree::new(&mover.model);
@@ -97,11 +108,33 @@ pub(super) fn scenario(case: &Case, mover: &Mover) -> Result<Scenario, Error> {
 ///
 /// # Errors
 /// As [`path`].
+///
+/// ```
+#[doc = include_str!("../../doc/case.txt")]
+/// use poinsot::validate::{Mover, compare_motion};
+///
+/// // Twice the inertia turns half as far.
+/// let mut heavy = model.clone();
+/// heavy.bodies[0].nominal.I_BBcm_B *= 2.0;
+/// let compared = compare_motion(&case, &Mover::of_model(model), &Mover::of_model(heavy))?;
+/// assert!(compared[0].largest < 1.0e-12 && compared[1].largest > 0.1);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn compare_motion(case: &Case, model: &Mover, against: &Mover) -> Result<Vec<Compared>, Error> {
     Ok(compare_paths(&path(case, model)?, &path(case, against)?))
 }
 
 /// Compares two paths at the same times.
+///
+/// ```
+#[doc = include_str!("../../doc/case.txt")]
+/// use poinsot::validate::{Mover, compare_paths, path};
+///
+/// let path = path(&case, &Mover::of_model(model))?;
+/// let compared = compare_paths(&path, &path);
+/// assert_eq!((compared[0].name.as_str(), compared[0].largest), ("base position", 0.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn compare_paths(model: &Path, against: &Path) -> Vec<Compared> {
     let xyz = |name: &str| {
         ["x", "y", "z"]

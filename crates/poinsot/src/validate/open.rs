@@ -41,6 +41,17 @@ impl OpenEffect {
 ///
 /// # Errors
 /// A motion cannot be computed.
+///
+/// ```
+#[doc = include_str!("../../doc/answer.txt")]
+/// use poinsot::validate::{Mover, motion_effect, of_estimate, path};
+///
+/// let vehicle = of_estimate(&identified.estimate, &model)?;
+/// let own = path(&case, &vehicle.mover)?;
+/// // No direction is open, so none matters.
+/// assert!(!motion_effect(&case, &model, &vehicle.completion.unwrap(), &own)?.matters());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn motion_effect(
     case: &Case,
     model: &Model,
@@ -105,6 +116,16 @@ fn travel(path: &Path) -> Vec<f64> {
 ///
 /// # Errors
 /// Model and telemetry do not match.
+///
+/// ```
+#[doc = include_str!("../../doc/answer.txt")]
+/// use poinsot::validate::{held_back_effect, of_estimate};
+///
+/// let completion = of_estimate(&identified.estimate, &model)?.completion.unwrap();
+/// // No direction is open, so none matters.
+/// assert!(!held_back_effect(&model, &completion, &[table], 1.0)?.matters());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn held_back_effect(
     model: &Model,
     completion: &Completion,

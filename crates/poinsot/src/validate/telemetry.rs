@@ -25,6 +25,18 @@ const POINTS: usize = 100_000;
 ///
 /// # Errors
 /// The case does not fit the vehicle or cannot be computed, or the telemetry has no sample within its duration.
+///
+/// ```
+#[doc = include_str!("../../doc/case.txt")]
+/// use poinsot::validate::{Mover, compare_with_telemetry};
+///
+/// let table = simulate::simulate_case(&case, &model)?.table;
+/// let compared = compare_with_telemetry(&case, &Mover::of_model(model), &table)?;
+/// let gyro = compared.iter().find(|c| c.name == "gyro").unwrap();
+/// // The difference is the noise.
+/// assert!((gyro.sigmas.unwrap().rms - 1.0).abs() < 0.3);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn compare_with_telemetry(
     case: &Case,
     mover: &Mover,
@@ -231,6 +243,16 @@ pub struct HeldBackFindings {
 ///
 /// # Errors
 /// Model and telemetry do not match.
+///
+/// ```
+#[doc = include_str!("../../doc/case.txt")]
+/// use poinsot::validate::{Mover, compare_held_back};
+///
+/// let table = simulate::simulate_case(&case, &model)?.table;
+/// let found = compare_held_back(&Mover::of_model(model), &[table])?;
+/// assert!(!found.beyond_noise && (found.chi2_per_dof - 1.0).abs() < 0.5);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn compare_held_back(mover: &Mover, tables: &[Table]) -> Result<HeldBackFindings, Error> {
     let (found, bound) = look(mover, tables, Some(POINTS))?;
     let mut warnings = found.findings.clone();
