@@ -6,6 +6,17 @@ use poinsot_model::Model;
 use poinsot_spatial::{InertialParameters, MassProperties, Matrix3, Vector3};
 
 /// Bodies by a published method: its determined numbers, otherwise the numbers that it prints, otherwise nominal ones.
+///
+/// ```
+#[doc = include_str!("../doc/record.txt")]
+/// let input = record("linear", "ma2008/model.toml", "ma2008/traj1/telemetry.parquet")?;
+/// let estimate = poinsot_identify::linear(&problem(&input))?;
+/// let bodies = answered(&input.model, &estimate);
+/// // The base was unknown, the arm keeps its nominal numbers.
+/// assert!((bodies[0].mass - 1000.0).abs() < 1.0);
+/// assert_eq!(bodies[1], input.model.bodies[1].nominal);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn answered(model: &Model, estimate: &Estimate) -> Vec<MassProperties> {
     let printed = |name: &str| {
         let report = estimate.method_report.as_ref()?;

@@ -4,6 +4,27 @@
 //! [`METHODS`] registers all methods. The command line, `poinsot methods`, help, error codes and tests use this list;
 //! no other crate names a paper. [`studies`] recompute the statements of a paper.
 //!
+//! | module | paper | what it identifies |
+//! |---|---|---|
+//! | [`kim2010`] | Kim, Choi, Oh 2010 | inertia of one body from the momentum of its wheels |
+//! | [`ma2008`] | Ma, Dang, Pham 2008 | the base of a robot from the motion of its arm |
+//! | [`xu2017`] | Xu, Hu, Zhang, Liang 2017 | every body of a robot, joint after joint |
+//!
+//! # Example
+//! A method by its name, on a record of `data/ma2008`:
+//!
+//! ```
+#![doc = include_str!("../doc/record.txt")]
+//! let input = record("ma2008", "ma2008/model.toml", "ma2008/traj1/telemetry.parquet")?;
+//! let estimate = identify_by(method("ma2008").unwrap(), &problem(&input), None, &[])?;
+//! // The true mass of the base is 1,000 kg.
+//! let mass = estimate.bodies[0].mass;
+//! assert!((mass.value.unwrap() - 1000.0).abs() < 3.0 * mass.sigma.unwrap());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! All methods with their variants:
+//!
 //! ```
 //! for method in poinsot_papers::METHODS {
 //!     let about = method.about();

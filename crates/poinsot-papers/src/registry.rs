@@ -13,6 +13,13 @@ use poinsot_identify::{Estimate, Problem};
 pub static METHODS: [&dyn Method; 3] = [&Kim2010, &Ma2008, &Xu2017];
 
 /// The published method of this name.
+///
+/// ```
+/// use poinsot_papers::method;
+///
+/// assert!(method("ma2008").unwrap().about().citation.contains("Ma"));
+/// assert!(method("newton1687").is_none());
+/// ```
 pub fn method(name: &str) -> Option<&'static dyn Method> {
     METHODS.into_iter().find(|m| m.about().name == name)
 }
@@ -21,6 +28,16 @@ pub fn method(name: &str) -> Option<&'static dyn Method> {
 ///
 /// # Errors
 /// As [`Method::identify`], or the method has no such setting.
+///
+/// ```
+#[doc = include_str!("../doc/record.txt")]
+/// let input = record("ma2008", "ma2008/model.toml", "ma2008/traj1/telemetry.parquet")?;
+/// let estimate = identify_by(method("ma2008").unwrap(), &problem(&input), None, &[])?;
+/// // The true mass of the base is 1,000 kg.
+/// let mass = estimate.bodies[0].mass;
+/// assert!((mass.value.unwrap() - 1000.0).abs() < 3.0 * mass.sigma.unwrap());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn identify_by(
     method: &dyn Method,
     problem: &Problem,

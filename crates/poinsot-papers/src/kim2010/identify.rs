@@ -40,6 +40,17 @@ pub enum Kim2010ProblemError {
 ///
 /// # Errors
 /// Invalid model or telemetry. Undetermined numbers are part of the answer, not an error.
+///
+/// ```
+#[doc = include_str!("../../doc/record.txt")]
+/// use poinsot_papers::kim2010::{Variant, identify};
+///
+/// let input = record("kim2010", "stsat3/model.toml", "stsat3/multiaxis/telemetry.parquet")?;
+/// let estimate = identify(&problem(&input), Variant::Batch)?;
+/// assert_eq!(estimate.identifiability.rank, 6);
+/// assert!(estimate.method_report.is_some_and(|report| !report.numbers.is_empty()));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn identify(problem: &Problem, variant: Variant) -> Result<Estimate, Kim2010ProblemError> {
     check(problem)?;
     let mut estimate = linear(&Problem {

@@ -78,6 +78,14 @@ pub struct Answer {
 ///
 /// `axes` are the columns of C (unit vectors in B), one per wheel; `spin_inertia` in kg m2, `speed` in
 /// rad/s relative to the body.
+///
+/// ```
+/// use poinsot_papers::kim2010::wheel_momentum;
+/// use poinsot_spatial::Vector3;
+///
+/// let h = wheel_momentum(&[Vector3::x(), Vector3::z()], &[0.01, 0.02], &[100.0, 50.0]);
+/// assert_eq!(h, Vector3::new(1.0, 0.0, 1.0));
+/// ```
 pub fn wheel_momentum(axes: &[Vector3], spin_inertia: &[f64], speed: &[f64]) -> Vector3 {
     let wheels = axes.iter().zip(spin_inertia).zip(speed);
     wheels.map(|((a, js), speed)| a * (js * speed)).sum()
@@ -343,6 +351,14 @@ pub(super) fn averaged(elements: Matrix3) -> Answer {
 }
 
 /// The tensor of six numbers in the order of [`ELEMENTS`].
+///
+/// ```
+/// use poinsot_papers::kim2010::symmetric;
+///
+/// // In the order of the paper: xx, yy, zz, xy, yz, zx.
+/// let I = symmetric(&[1.0, 2.0, 3.0, 0.1, 0.2, 0.3]);
+/// assert_eq!((I[(0, 2)], I[(2, 1)]), (0.3, 0.2));
+/// ```
 pub fn symmetric(x: &[f64; 6]) -> Matrix3 {
     let mut I = Matrix3::zeros();
     for ((i, j), value) in ELEMENTS.into_iter().zip(x) {

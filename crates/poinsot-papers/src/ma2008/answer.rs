@@ -26,6 +26,18 @@ const REJECT: f64 = 9.0;
 ///
 /// # Errors
 /// The method cannot be applied. Undetermined numbers are part of the answer, not an error.
+///
+/// ```
+#[doc = include_str!("../../doc/record.txt")]
+/// use poinsot_papers::ma2008::{Variant, identify};
+///
+/// let input = record("ma2008", "ma2008/model.toml", "ma2008/traj1/telemetry.parquet")?;
+/// let estimate = identify(&problem(&input), Variant::UnknownMomentum)?;
+/// // The true moments of the base are 166.67 kg m2.
+/// let [I_xx, ..] = estimate.bodies[0].inertia;
+/// assert!((I_xx.value.unwrap() - 166.67).abs() < 3.0 * I_xx.sigma.unwrap());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn identify(problem: &Problem, variant: Variant) -> Result<Estimate, Ma2008Error> {
     let given = check(problem, variant)?;
     let mut vehicle = Vehicle::new(problem.model, problem.tree);

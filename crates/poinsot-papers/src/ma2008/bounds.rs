@@ -34,6 +34,17 @@ pub struct Bound {
 }
 
 /// (35) and (36) for a solved step and given error sizes.
+///
+/// ```
+/// use nalgebra::SMatrix;
+/// use poinsot_papers::ma2008::{bounds::bound, solve};
+///
+/// // x = (3, 4) from the unit matrix: |dx| is at most |x| |dA| + |db|.
+/// let step = solve::<2, 3>(&[SMatrix::<f64, 3, 3>::new(1.0, 0.0, -3.0, 0.0, 1.0, -4.0, 0.0, 0.0, 0.0)]);
+/// let found = bound(&step, 0.01, 0.1);
+/// assert!((found.condition - 1.0).abs() < 1.0e-12);
+/// assert!((found.absolute - 0.15).abs() < 1.0e-12);
+/// ```
 pub fn bound<const N: usize>(step: &Step<N>, epsilon_A: f64, epsilon_b: f64) -> Bound {
     let (norm, smallest) = (step.singular[0], step.singular[N - 1]);
     let inverse_norm = 1.0 / smallest;
@@ -60,6 +71,18 @@ pub fn bound<const N: usize>(step: &Step<N>, epsilon_A: f64, epsilon_b: f64) -> 
 }
 
 /// `[dA | -db]` of step 1 for errors of velocity and angular velocity in base axes, (39) and (41), rotated to N.
+///
+/// ```
+#[doc = include_str!("../../doc/balanced.txt")]
+/// use poinsot_papers::ma2008::bounds::linear_error;
+///
+/// // The rows are linear in both velocities.
+/// let (dv, dw, mut off) = (Vector3::x(), Vector3::y(), samples[0]);
+/// off.v_NBo_B += dv;
+/// off.w_NB_B += dw;
+/// let change = linear_rows(&off) - linear_rows(&samples[0]);
+/// assert!((change - linear_error(&samples[0], &dv, &dw)).norm() < 1.0e-12);
+/// ```
 pub fn linear_error(s: &Reading, dv: &Vector3, dw: &Vector3) -> LinearRows {
     let mut rows = LinearRows::zeros();
     rows.set_column(0, &(s.R_NB * (dv + dw.cross(&s.arm.rho_R))));
@@ -70,6 +93,17 @@ pub fn linear_error(s: &Reading, dv: &Vector3, dw: &Vector3) -> LinearRows {
 }
 
 /// `[dB | -dc]` of step 2 for an error of the angular velocity, (43) and (45), rotated to N.
+///
+/// ```
+#[doc = include_str!("../../doc/balanced.txt")]
+/// use poinsot_papers::ma2008::bounds::angular_error;
+///
+/// // The rows are linear in the angular velocity.
+/// let (dw, mut off) = (Vector3::y(), samples[0]);
+/// off.w_NB_B += dw;
+/// let change = angular_rows(&off, m_S, &rho_S) - angular_rows(&samples[0], m_S, &rho_S);
+/// assert!((change - angular_error(&samples[0], m_S, &rho_S, &dw)).norm() < 1.0e-10);
+/// ```
 pub fn angular_error(s: &Reading, m_S: f64, rho_S: &Vector3, dw: &Vector3) -> AngularRows {
     let mu = s.arm.mass * m_S / (m_S + s.arm.mass);
     let d = rho_S - s.arm.rho_R;
@@ -82,12 +116,37 @@ pub fn angular_error(s: &Reading, m_S: f64, rho_S: &Vector3, dw: &Vector3) -> An
 }
 
 /// The bound of step 1 for an error size that the declared noise exceeds with a probability below 0.1 %.
+///
+/// ```
+#[doc = include_str!("../../doc/balanced.txt")]
+#[doc = include_str!("../../doc/influence.txt")]
+/// use poinsot_papers::ma2008::bounds::stated_linear;
+///
+/// let sources = [(NoiseSource::Rate(Vector3::x() * 1.0e-4), 0.0)];
+/// let setting = Setting { segments: &[segment], known: Given::default(), sources: &sources };
+/// let bound = stated_linear(&step, &influence(&mut vehicle, &setting, &solution));
+/// assert!(bound.condition >= 1.0 && bound.epsilon_A > 0.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn stated_linear(step: &Step<4>, effect: &Influence) -> Bound {
     let noise = &effect.linear;
     bound(step, limit(noise.epsilon_A), limit(noise.epsilon_b))
 }
 
 /// The same bound for step 2, including the effect of the error of step 1 on its right-hand side.
+///
+/// ```
+#[doc = include_str!("../../doc/balanced.txt")]
+#[doc = include_str!("../../doc/influence.txt")]
+/// use poinsot_papers::ma2008::bounds::stated_angular;
+///
+/// let angular = solve::<6, 7>(&differences(&[samples], |s| angular_rows(s, m_S, &rho_S), None));
+/// // Without noise the bound is zero.
+/// let setting = Setting { segments: &[segment], known: Given::default(), sources: &[] };
+/// let bound = stated_angular(&angular, &influence(&mut vehicle, &setting, &solution));
+/// assert_eq!((bound.epsilon_A, bound.absolute), (0.0, 0.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn stated_angular(step: &Step<6>, effect: &Influence) -> Bound {
     let noise = &effect.angular;
     let right = limit(noise.epsilon_b) + limit(effect.passed_on);
@@ -101,6 +160,15 @@ fn limit(mean_square: f64) -> f64 {
 
 /// Frobenius norm of the first N columns and norm of the last, over all rows: `(||dA||, ||db||)`. It is at least the
 /// spectral norm, so (35) remains an upper bound.
+///
+/// ```
+/// use nalgebra::SMatrix;
+/// use poinsot_papers::ma2008::bounds::sizes;
+///
+/// // [dA | db] with dA of norm 5 and db of norm 2.
+/// let rows = SMatrix::<f64, 3, 3>::new(3.0, 0.0, 2.0, 0.0, 4.0, 0.0, 0.0, 0.0, 0.0);
+/// assert_eq!(sizes::<2, 3>(&[rows]), (5.0, 2.0));
+/// ```
 pub fn sizes<const N: usize, const W: usize>(rows: &[SMatrix<f64, 3, W>]) -> (f64, f64) {
     const { assert!(W == N + 1) }
     let square = |r: &SMatrix<f64, 3, W>| r.fixed_columns::<N>(0).norm_squared();

@@ -69,6 +69,15 @@ impl TwoStep {
 ///
 /// With known momentum (option 1) the rows are those of (13) and (20). Otherwise (option 2) they are differences from
 /// the first sample of the segment.
+///
+/// ```
+#[doc = include_str!("../../doc/balanced.txt")]
+/// // Option 1: the momentum is known, zero.
+/// let none = Known { p_C_N: Vector3::zeros(), h_C_N: Vector3::zeros() };
+/// let found = two_step(&[samples], Some(none));
+/// assert!((found.mass() - m_S).abs() < 1.0e-6 && (found.rho_S() - rho_S).norm() < 1.0e-9);
+/// assert!((found.I_S().unwrap() - I_S).norm() < 1.0e-6);
+/// ```
 pub fn two_step(segments: &[Vec<Reading>], known: Option<Known>) -> TwoStep {
     let given = Given::from(known);
     let arm_mass = segments.iter().flatten().next().map_or(0.0, |s| s.arm.mass);
@@ -96,6 +105,13 @@ pub fn two_step(segments: &[Vec<Reading>], known: Option<Known>) -> TwoStep {
 }
 
 /// Rows of step 1, (10) and (13), including the arm's motion: `a = v + w x rho_R + u`.
+///
+/// ```
+#[doc = include_str!("../../doc/balanced.txt")]
+/// // Momentum is m_S (T x), with x = [m_R/m_S, rho_S, 1]: here zero.
+/// let x = SVector::<f64, 5>::new(100.0 / m_S, rho_S.x, rho_S.y, rho_S.z, 1.0);
+/// assert!((linear_rows(&samples[0]) * x).norm() < 1.0e-12);
+/// ```
 #[inline]
 pub fn linear_rows(s: &Reading) -> LinearRows {
     let (w, arm) = (&s.w_NB_B, &s.arm);
@@ -109,6 +125,14 @@ pub fn linear_rows(s: &Reading) -> LinearRows {
 }
 
 /// Rows of step 2, (20), including the arm's motion: `g = I_R w + h_R + mu d x (w x d + u)`, `d = rho_R - rho_S`.
+///
+/// ```
+#[doc = include_str!("../../doc/balanced.txt")]
+/// // Angular momentum is T [y, 1], with the six elements of the tensor: here zero.
+/// let [xx, xy, yy, xz, yz, zz] = poinsot_spatial::elements(&I_S);
+/// let y = SVector::from([xx, xy, yy, xz, yz, zz, 1.0]);
+/// assert!((angular_rows(&samples[0], m_S, &rho_S) * y).norm() < 1.0e-9);
+/// ```
 #[inline]
 pub fn angular_rows(s: &Reading, m_S: f64, rho_S: &Vector3) -> AngularRows {
     let (w, arm) = (&s.w_NB_B, &s.arm);
@@ -123,6 +147,14 @@ pub fn angular_rows(s: &Reading, m_S: f64, rho_S: &Vector3) -> AngularRows {
 }
 
 /// Subtrahend of step 1 for known linear momentum: `p_C(0)/m_R` from `a`, (13).
+///
+/// ```
+/// use poinsot_papers::ma2008::linear_known;
+/// use poinsot_spatial::Vector3;
+///
+/// let rows = linear_known(&Vector3::new(5.0, 0.0, 0.0), 100.0);
+/// assert_eq!(rows[(0, 0)], 0.05);
+/// ```
 pub fn linear_known(p_C_N: &Vector3, arm_mass: f64) -> LinearRows {
     let mut rows = LinearRows::zeros();
     rows.set_column(0, &(p_C_N / arm_mass));
@@ -130,6 +162,14 @@ pub fn linear_known(p_C_N: &Vector3, arm_mass: f64) -> LinearRows {
 }
 
 /// Subtrahend of step 2 for known angular momentum, (20).
+///
+/// ```
+/// use poinsot_papers::ma2008::angular_known;
+/// use poinsot_spatial::Vector3;
+///
+/// let rows = angular_known(&Vector3::new(5.0, 0.0, 0.0));
+/// assert_eq!(rows[(0, 6)], 5.0);
+/// ```
 pub fn angular_known(h_C_N: &Vector3) -> AngularRows {
     let mut rows = AngularRows::zeros();
     rows.set_column(6, h_C_N);
@@ -138,6 +178,12 @@ pub fn angular_known(h_C_N: &Vector3) -> AngularRows {
 
 /// The rows of all samples minus the known momentum (option 1), or minus the first row of the segment (option 2,
 /// without the first row).
+///
+/// ```
+#[doc = include_str!("../../doc/balanced.txt")]
+/// // Option 2 has no row for the first sample of a segment.
+/// assert_eq!(differences(&[samples], linear_rows, None).len(), 6);
+/// ```
 pub fn differences<const W: usize>(
     segments: &[Vec<Reading>],
     rows: impl Fn(&Reading) -> SMatrix<f64, 3, W>,

@@ -88,6 +88,19 @@ pub struct Setting<'a> {
 const FOLLOWED: usize = 400;
 
 /// Propagates every noise source through both steps.
+///
+/// ```
+#[doc = include_str!("../../doc/balanced.txt")]
+#[doc = include_str!("../../doc/influence.txt")]
+/// // Twice the noise of the gyro gives four times the covariance.
+/// let mut covariance = |sigma: f64| {
+///     let sources = [(NoiseSource::Rate(Vector3::x() * sigma), 0.0)];
+///     let setting = Setting { segments: std::slice::from_ref(&segment), known: Given::default(), sources: &sources };
+///     influence(&mut vehicle, &setting, &solution).covariance[(0, 0)]
+/// };
+/// assert!((covariance(2.0e-4) / covariance(1.0e-4) - 4.0).abs() < 1.0e-6);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn influence(vehicle: &mut Vehicle, setting: &Setting, solution: &Solution) -> Influence {
     let both = Both::new(vehicle.arm_mass(), setting.known, solution);
     // First pass: sums over samples that the first sample and the momentum need.

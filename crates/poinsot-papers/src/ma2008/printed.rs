@@ -40,6 +40,15 @@ fn turned(s: &Reading, axes: PrintedAxes) -> Turned {
 }
 
 /// Option 2 of both steps with the increments as printed, for one segment; `None` without samples.
+///
+/// ```
+#[doc = include_str!("../../doc/balanced.txt")]
+/// use poinsot_papers::ma2008::printed::{PrintedAxes, two_step_printed};
+///
+/// // All samples have the attitude of N here, so the printed increments hold.
+/// let found = two_step_printed(&samples, PrintedAxes::Body).unwrap();
+/// assert!((found.mass() - m_S).abs() < 1.0e-6);
+/// ```
 pub fn two_step_printed(segment: &[Reading], axes: PrintedAxes) -> Option<TwoStep> {
     let arm_mass = segment.first()?.arm.mass;
     let samples: Vec<Turned> = segment.iter().map(|s| turned(s, axes)).collect();

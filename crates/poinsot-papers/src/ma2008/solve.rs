@@ -29,6 +29,17 @@ pub struct Step<const N: usize> {
 }
 
 /// Solves one step; `W = N + 1`.
+///
+/// ```
+/// use nalgebra::SMatrix;
+/// use poinsot_papers::ma2008::solve;
+///
+/// // [A | -b]: x = 2, y = 3 and their sum 5.
+/// let rows = SMatrix::<f64, 3, 3>::new(1.0, 0.0, -2.0, 0.0, 1.0, -3.0, 1.0, 1.0, -5.0);
+/// let step = solve::<2, 3>(&[rows]);
+/// assert!((step.x[0] - 2.0).abs() < 1.0e-14 && (step.x[1] - 3.0).abs() < 1.0e-14);
+/// assert_eq!(step.structural_rank, 2);
+/// ```
 pub fn solve<const N: usize, const W: usize>(rows: &[SMatrix<f64, 3, W>]) -> Step<N> {
     const { assert!(W == N + 1) }
     let mut qr = BlockQr::new(W);

@@ -48,21 +48,45 @@ pub enum Digits {
 }
 
 /// A text cell.
+///
+/// ```
+/// use poinsot_papers::study::word;
+///
+/// assert_eq!(word("holds").text(), "holds");
+/// ```
 pub fn word(text: impl Into<String>) -> Cell {
     Cell::Word(text.into())
 }
 
 /// A number with significant figures.
+///
+/// ```
+/// use poinsot_papers::study::figures;
+///
+/// assert_eq!(figures(0.012345, 3).text(), "0.0123");
+/// ```
 pub fn figures(x: f64, count: i32) -> Cell {
     Cell::Number(x, Digits::Figures(count))
 }
 
 /// A number with decimals.
+///
+/// ```
+/// use poinsot_papers::study::decimals;
+///
+/// assert_eq!(decimals(3.14159, 2).text(), "3.14");
+/// ```
 pub fn decimals(x: f64, count: usize) -> Cell {
     Cell::Number(x, Digits::Decimals(count))
 }
 
 /// A fraction in percent, with significant figures; the column has the unit.
+///
+/// ```
+/// use poinsot_papers::study::percent;
+///
+/// assert_eq!(percent(0.0123, 2).text(), "1.2");
+/// ```
 pub fn percent(share: f64, count: i32) -> Cell {
     figures(100.0 * share, count)
 }

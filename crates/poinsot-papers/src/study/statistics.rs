@@ -28,6 +28,12 @@ impl Normals {
 }
 
 /// Quantile, linear between order statistics.
+///
+/// ```
+/// use poinsot_papers::study::statistics::quantile;
+///
+/// assert_eq!(quantile([3.0, 1.0, 2.0], 0.75), 2.5);
+/// ```
 pub fn quantile(values: impl IntoIterator<Item = f64>, share: f64) -> f64 {
     let mut sorted: Vec<f64> = values.into_iter().collect();
     sorted.sort_by(f64::total_cmp);
@@ -41,11 +47,23 @@ pub fn quantile(values: impl IntoIterator<Item = f64>, share: f64) -> f64 {
 }
 
 /// Median.
+///
+/// ```
+/// use poinsot_papers::study::statistics::median;
+///
+/// assert_eq!(median([3.0, 1.0, 2.0, 4.0]), 2.5);
+/// ```
 pub fn median(values: impl IntoIterator<Item = f64>) -> f64 {
     quantile(values, 0.5)
 }
 
 /// Root mean square.
+///
+/// ```
+/// use poinsot_papers::study::statistics::rms;
+///
+/// assert_eq!(rms([3.0, -3.0]), 3.0);
+/// ```
 pub fn rms(values: impl IntoIterator<Item = f64>) -> f64 {
     let (sum, count) = values
         .into_iter()
@@ -54,12 +72,24 @@ pub fn rms(values: impl IntoIterator<Item = f64>) -> f64 {
 }
 
 /// Mean and standard deviation.
+///
+/// ```
+/// use poinsot_papers::study::statistics::mean_and_scatter;
+///
+/// assert_eq!(mean_and_scatter(&[1.0, 3.0]), (2.0, 1.0));
+/// ```
 pub fn mean_and_scatter(values: &[f64]) -> (f64, f64) {
     let mean = values.iter().sum::<f64>() / values.len() as f64;
     (mean, rms(values.iter().map(|x| x - mean)))
 }
 
 /// The largest.
+///
+/// ```
+/// use poinsot_papers::study::statistics::largest;
+///
+/// assert_eq!(largest([1.0, 3.0, 2.0]), 3.0);
+/// ```
 pub fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
     values.into_iter().fold(0.0, f64::max)
 }

@@ -18,6 +18,18 @@ use poinsot_identify::{
 ///
 /// # Errors
 /// The method cannot be applied. Undetermined numbers are part of the answer, not an error.
+///
+/// ```
+#[doc = include_str!("../../doc/record.txt")]
+/// use poinsot_papers::xu2017::{Kind, Order, Variant, identify};
+///
+/// // The first record of the paper: the locked robot under thrust.
+/// let input = record("xu2017", "xu2017/model.toml", "xu2017/C1/telemetry.parquet")?;
+/// let variant = Variant { solver: Kind::Linear, order: Order::Outward };
+/// let estimate = identify(&problem(&input), variant)?;
+/// assert_eq!(estimate.method, "xu2017");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn identify(problem: &Problem, variant: Variant) -> Result<Estimate, Xu2017Error> {
     let solver = Solver {
         kind: variant.solver,
@@ -30,6 +42,17 @@ pub fn identify(problem: &Problem, variant: Variant) -> Result<Estimate, Xu2017E
 ///
 /// # Errors
 /// As [`identify`].
+///
+/// ```
+#[doc = include_str!("../../doc/record.txt")]
+/// use poinsot_papers::xu2017::{Kind, Order, Solver, Variant, identify_with};
+///
+/// let input = record("xu2017", "xu2017/model.toml", "xu2017/C1/telemetry.parquet")?;
+/// let variant = Variant { solver: Kind::Linear, order: Order::Outward };
+/// let estimate = identify_with(&problem(&input), variant, &Solver::default())?;
+/// assert_eq!(estimate.variant.as_deref(), Some("linear"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn identify_with(
     problem: &Problem,
     variant: Variant,

@@ -161,6 +161,16 @@ fn tensor_regressor(w: &Vector3) -> SMatrix<f64, 3, 6> {
 }
 
 /// The ten numbers of (61), (62): mass, central inertia in the paper's order, mass centre.
+///
+/// ```
+/// use poinsot_papers::xu2017::{particle, properties};
+/// use poinsot_spatial::{MassProperties, Matrix3, Vector3};
+///
+/// let I_BBcm_B = Matrix3::from_diagonal(&Vector3::new(1.0, 2.0, 2.5));
+/// let body = MassProperties { mass: 10.0, p_BoBcm_B: Vector3::x(), I_BBcm_B };
+/// assert_eq!(particle(&body), [10.0, 1.0, 2.0, 2.5, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
+/// assert_eq!(properties(&particle(&body)), body);
+/// ```
 pub fn particle(body: &MassProperties) -> Particle {
     let (I, c) = (&body.I_BBcm_B, &body.p_BoBcm_B);
     [
@@ -169,6 +179,13 @@ pub fn particle(body: &MassProperties) -> Particle {
 }
 
 /// The inverse of [`particle`].
+///
+/// ```
+/// use poinsot_papers::xu2017::properties;
+///
+/// let body = properties(&[10.0, 1.0, 2.0, 2.5, 0.1, 0.2, 0.3, 1.0, 0.0, 0.0]);
+/// assert_eq!((body.mass, body.I_BBcm_B[(1, 2)], body.p_BoBcm_B.x), (10.0, 0.3, 1.0));
+/// ```
 pub fn properties(x: &Particle) -> MassProperties {
     MassProperties {
         mass: x[0],

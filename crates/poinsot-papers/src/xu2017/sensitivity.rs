@@ -10,12 +10,30 @@ use poinsot_dynamics::{Kinematics, Tree, composite, momentum, twist_from_momentu
 use poinsot_spatial::{InertialParameters, Matrix3, Vector3};
 
 /// (68), corrected: with `m1 = M - m0` the derivative of momentum with respect to `m0` is `v0 - v1`.
+///
+/// ```
+/// use poinsot_papers::xu2017::sensitivity::mass_coefficient;
+/// use poinsot_spatial::Vector3;
+///
+/// assert_eq!(mass_coefficient(&Vector3::x(), &Vector3::y()), Vector3::new(1.0, -1.0, 0.0));
+/// ```
 pub fn mass_coefficient(v0: &Vector3, v1: &Vector3) -> Vector3 {
     v0 - v1
 }
 
 /// (72): `K_1..K_18` as three rows of six, columns xx, xy, xz, yy, yz, zz. The body has attitude `A0` and angular
 /// velocity `w0` (both in N). They are the partial derivatives (73) of `A0 I A0^T w0`.
+///
+/// ```
+/// use nalgebra::SVector;
+/// use poinsot_papers::xu2017::sensitivity::tensor_coefficients;
+/// use poinsot_spatial::{Matrix3, Vector3};
+///
+/// // Columns xx, xy, xz, yy, yz, zz: their sum with the elements is I w.
+/// let (I, w) = (Matrix3::new(1.0, 2.0, 3.0, 2.0, 4.0, 5.0, 3.0, 5.0, 6.0), Vector3::new(1.0, -2.0, 3.0));
+/// let K = tensor_coefficients(&Matrix3::identity(), &w);
+/// assert_eq!(K * SVector::from([1.0, 2.0, 3.0, 4.0, 5.0, 6.0]), I * w);
+/// ```
 pub fn tensor_coefficients(A0: &Matrix3, w0: &Vector3) -> SMatrix<f64, 3, 6> {
     let S = A0.transpose() * w0;
     SMatrix::from_fn(|i, k| {
@@ -32,6 +50,12 @@ pub fn tensor_coefficients(A0: &Matrix3, w0: &Vector3) -> SMatrix<f64, 3, 6> {
 }
 
 /// (75): bounds of the coefficients for an angular rate up to `rate`, columns as in [`tensor_coefficients`].
+///
+/// ```
+/// use poinsot_papers::xu2017::sensitivity::tensor_bounds;
+///
+/// assert_eq!(tensor_bounds(0.1), [0.1, 0.2, 0.2, 0.1, 0.2, 0.1]);
+/// ```
 pub fn tensor_bounds(rate: f64) -> [f64; 6] {
     [rate, 2.0 * rate, 2.0 * rate, rate, 2.0 * rate, rate]
 }
@@ -59,6 +83,22 @@ impl PathSensitivity {
 /// configuration; momentum is zero; the robot is nominal.
 ///
 /// `None` if the robot has no mass.
+///
+/// ```
+/// use poinsot_dynamics::{Link, Motion, Tree};
+/// use poinsot_papers::xu2017::sensitivity::path_sensitivity;
+/// use poinsot_spatial::{MassProperties, Matrix3, Vector3};
+///
+/// // A base of 2 kg and an arm of 1 kg that turns about z at x = 1 m; its mass centre is 1 m further.
+/// let hinge = Link::new(0, Motion::Revolute(0), Vector3::x(), Matrix3::identity(), Vector3::z());
+/// let tree = Tree { links: vec![Link::base(), hinge], rotors: vec![], coordinates: vec![0] };
+/// let base = MassProperties { mass: 2.0, p_BoBcm_B: Vector3::zeros(), I_BBcm_B: Matrix3::identity() };
+/// let arm = MassProperties { mass: 1.0, p_BoBcm_B: Vector3::x(), I_BBcm_B: Matrix3::identity() * 0.5 };
+/// let bodies = [base.parameters(), arm.parameters()];
+/// let found = path_sensitivity(&tree, &bodies, &[0.0], 0, &[(0.0, 1.0), (0.5, 1.0)]);
+/// // The joint turns at 1 rad/s: at first the base turns back at (0.5 + 2/3 * 2) / (1.5 + 2/3 * 4) rad/s.
+/// assert!((found.unwrap().largest_rate - 0.44).abs() < 1.0e-12);
+/// ```
 pub fn path_sensitivity(
     tree: &Tree,
     bodies: &[InertialParameters],

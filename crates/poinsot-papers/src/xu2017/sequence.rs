@@ -71,6 +71,17 @@ struct Work<'a> {
 ///
 /// # Errors
 /// The method cannot be applied.
+///
+/// ```
+#[doc = include_str!("../../doc/record.txt")]
+/// use poinsot_papers::xu2017::{Order, Solver, sequence};
+///
+/// let input = record("xu2017", "xu2017/model.toml", "xu2017/C1/telemetry.parquet")?;
+/// let found = sequence(&problem(&input), Order::Outward, &Solver::default())?;
+/// // One step, the locked robot as a single body, with all ten numbers.
+/// assert_eq!((found.steps.len(), found.total.is_some()), (1, true));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn sequence(problem: &Problem, order: Order, solver: &Solver) -> Result<Found, Xu2017Error> {
     let roles = roles(problem)?;
     let mut normal = Kinematics::new(problem.tree);

@@ -55,6 +55,14 @@ pub enum Form {
 }
 
 /// Rows of (36), one per sample.
+///
+/// ```
+#[doc = include_str!("../../doc/pushed.txt")]
+/// // h = M (D + E c) - J vanishes at the true mass and mass centre.
+/// let row = accelerations(&samples)[0];
+/// let h = (row.D.unwrap() + row.E * c) * truth.mass - row.J;
+/// assert!(h.norm() < 1.0e-12);
+/// ```
 pub fn accelerations(samples: &[Push]) -> Vec<SingleRow> {
     let of = |s: &Push| {
         let w = skew(&s.w_NB_B);
@@ -79,6 +87,18 @@ pub fn accelerations(samples: &[Push]) -> Vec<SingleRow> {
 ///
 /// Per sample: attitude, velocity of the base origin in N if measured, angular velocity in B, and the impulses
 /// `integral R f`, `integral R (r x f)`, `integral R [f]x` since the first sample.
+///
+/// ```
+/// use poinsot_papers::xu2017::momenta;
+/// use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
+///
+/// // 2 N s along x since the first sample, and 0.1 m/s: 20 kg.
+/// let (none, skew) = (Vector3::zeros(), Matrix3::zeros());
+/// let velocity = [none, Vector3::x() * 0.1];
+/// let impulse = [(none, none, skew), (Vector3::x() * 2.0, none, skew)];
+/// let rows = momenta(&[UnitQuaternion::identity(); 2], Some(&velocity), &[none; 2], &impulse);
+/// assert_eq!(rows[1].D.unwrap() * 20.0, rows[1].J);
+/// ```
 pub fn momenta(
     R_NB: &[UnitQuaternion],
     v_NBo_N: Option<&[Vector3]>,
@@ -113,6 +133,16 @@ pub enum Part {
 ///
 /// In the momentum form the momentum of the first sample is an additional unknown, so that its noise does not affect
 /// every row. Unobservable directions keep the values of `nominal`. One list of rows per segment.
+///
+/// ```
+#[doc = include_str!("../../doc/pushed.txt")]
+/// let nominal = MassProperties { mass: 90.0, ..truth };
+/// let rows = accelerations(&samples);
+/// let found = solve_single(&[rows], Form::Acceleration, &nominal, Part::All);
+/// assert_eq!(found.rank, 10);
+/// assert!((found.value.mass - truth.mass).abs() < 1.0e-6);
+/// assert!((found.value.I_BBcm_B - I).norm() < 1.0e-6);
+/// ```
 pub fn solve_single(
     segments: &[Vec<SingleRow>],
     form: Form,

@@ -191,6 +191,27 @@ impl Dice {
 }
 
 /// Minimises within a range; `watch` receives the best position after every iteration.
+///
+/// ```
+/// use poinsot_papers::xu2017::swarm::{Objective, Particle, Range, Swarm, fly};
+///
+/// /// Squared distance from (0.1, ..., 0.1).
+/// struct Bowl;
+/// impl Objective for Bowl {
+///     fn costs(&self, particles: &[Particle], out: &mut [f64]) {
+///         for (x, cost) in particles.iter().zip(out) {
+///             *cost = x.iter().map(|x| (x - 0.1) * (x - 0.1)).sum();
+///         }
+///     }
+///     fn samples(&self) -> usize {
+///         1
+///     }
+/// }
+///
+/// let range = Range::around(&[0.0; 10], &[1.0; 10]);
+/// let flight = fly(&Swarm::default(), &range, &Bowl, |_, _, _| {});
+/// assert!(flight.best.iter().all(|x| (x - 0.1).abs() < 0.01));
+/// ```
 pub fn fly(
     swarm: &Swarm,
     range: &Range,

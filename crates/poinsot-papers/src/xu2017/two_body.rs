@@ -94,6 +94,24 @@ fn momentum(
 }
 
 /// Rows of (49) in the ten numbers of the searched body; `compose` gives both sides from it, (43)-(46).
+///
+/// ```
+/// use poinsot_papers::xu2017::{Side, TwoBodyReading, rows};
+/// use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
+///
+/// // Both sides move along x at 1 m/s.
+/// let side = Side { R: Matrix3::identity(), p: Vector3::zeros(), v: Vector3::x(), w: Vector3::zeros() };
+/// let reading = TwoBodyReading {
+///     R_NB: UnitQuaternion::identity(),
+///     p_NoBo_N: Vector3::zeros(),
+///     inner: side,
+///     outer: side,
+///     rest: [Vector3::zeros(); 3],
+/// };
+/// // The searched body is on both sides: each kilogram adds 2 N s.
+/// let row = rows(&[reading], |body| [*body, *body])[0];
+/// assert_eq!(row.slope[(0, 0)], 2.0);
+/// ```
 pub fn rows(
     readings: &[TwoBodyReading],
     compose: impl Fn(&InertialParameters) -> [InertialParameters; 2],
@@ -131,6 +149,17 @@ pub(super) fn equations(list: &[MomentumRow]) -> Vec<[f64; 10]> {
 
 /// Transforms parameters to another frame; their own frame has position `p` and rotation `R` in it. This is the
 /// parallel-axis theorem of (44) before division by the mass.
+///
+/// ```
+/// use poinsot_papers::xu2017::transported;
+/// use poinsot_spatial::{MassProperties, Matrix3, Vector3};
+///
+/// let I_BBcm_B = Matrix3::identity();
+/// let body = MassProperties { mass: 2.0, p_BoBcm_B: Vector3::zeros(), I_BBcm_B }.parameters();
+/// // 1 m along x: m d^2 more about y and z.
+/// let moved = transported(&body, &Matrix3::identity(), &Vector3::x());
+/// assert_eq!(moved.I_BBo_B, Matrix3::from_diagonal(&Vector3::new(1.0, 3.0, 3.0)));
+/// ```
 pub fn transported(body: &InertialParameters, R: &Matrix3, p: &Vector3) -> InertialParameters {
     let mc = R * body.mc_B;
     let cross = Matrix3::identity() * (2.0 * p.dot(&mc)) - p * mc.transpose() - mc * p.transpose();
