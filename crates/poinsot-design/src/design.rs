@@ -57,6 +57,16 @@ pub struct DesignRequest {
 ///
 /// # Errors
 /// Case or model are invalid, or no manoeuvre within the limits can be computed.
+///
+/// ```
+/// use poinsot_design::{DesignRequest, design};
+///
+/// // A box with one wheel: its moment about the axis of the wheel is wanted to 0.1 %, with at most 200 rad/s.
+/// let case = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("doc/case.toml");
+/// let designed = design(&DesignRequest { case, ..DesignRequest::default() })?;
+/// assert!(designed.is_reached());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn design(request: &DesignRequest) -> Result<Designed, Error> {
     let case = read_case(&request.case).map_err(SimulateError::from)?;
     let model = read_model(&case.model)?;
@@ -78,6 +88,14 @@ pub(crate) struct Asked<'c> {
 ///
 /// # Errors
 /// As [`design`].
+///
+/// ```
+#[doc = include_str!("../doc/box.txt")]
+/// let designed = design_case(&case, model, &DesignRequest::default())?;
+/// // The ratio of sigma to wanted sigma, of the worst number.
+/// assert!(designed.worst_ratio() <= 1.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn design_case(case: &Case, model: Model, request: &DesignRequest) -> Result<Designed, Error> {
     let asked = Asked::new(case, &model, request.minutes)?;
     let front = request.front.as_deref().map(Asked::group).transpose()?;

@@ -9,6 +9,13 @@ use poinsot_formats::{
 use poinsot_report::design_sentence;
 
 /// Converts a design to its file.
+///
+/// ```
+#[doc = include_str!("../doc/box.txt")]
+/// let designed = design_case(&case, model, &DesignRequest::default())?;
+/// assert_eq!(design_file(&designed).wants.len(), 1);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn design_file(designed: &Designed) -> DesignFile {
     let wants = designed.wants.iter().map(|r| DesignedNumberFile {
         name: r.want.name.clone(),

@@ -7,6 +7,11 @@ static REQUESTED: AtomicBool = AtomicBool::new(false);
 
 /// Asks the running search to stop. Returns `false` if no search runs or one was already asked; the caller then ends
 /// the program.
+///
+/// ```
+/// // No search runs: the caller should end the program.
+/// assert!(!poinsot_design::interrupt::request());
+/// ```
 pub fn request() -> bool {
     LISTENING.load(Ordering::SeqCst) && !REQUESTED.swap(true, Ordering::SeqCst)
 }

@@ -8,6 +8,23 @@
 //! This crate depends on `poinsot`, because a design simulates, predicts and identifies. No other command needs a
 //! design.
 //!
+//! [`DesignRequest`] -> [`design()`] or [`design_case`] -> [`Designed`] -> [`write_design`]. [`manoeuvre_case`] gives the
+//! manoeuvre as a case, for `simulate` and `predict`.
+//!
+//! # Example
+//! A box with one wheel: its moment about the axis of the wheel is wanted to 0.1 %, with at most 200 rad/s.
+//!
+//! ```
+//! use poinsot_design::{DesignRequest, design};
+//!
+//! let case = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("doc/case.toml");
+//! let designed = design(&DesignRequest { case, ..DesignRequest::default() })?;
+//! assert!(designed.is_reached());
+//! let speed = designed.limits.iter().find(|limit| limit.what == "speed of wheel").unwrap();
+//! assert!(speed.value.abs() <= 200.0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! # Files
 //! - `design.rs`: from case to manoeuvre. `search.rs`: multistart search. `trial.rs`: one candidate: flight,
 //!   information, limits.

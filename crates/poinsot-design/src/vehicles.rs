@@ -12,6 +12,13 @@ use rand_distr::{Distribution, StandardNormal};
 const DRAWS: usize = 1000;
 
 /// Whether any estimated mass property has a prior; otherwise every draw is the nominal vehicle.
+///
+/// ```
+#[doc = include_str!("../doc/box.txt")]
+/// // The model gives sigma of the nominal inertia.
+/// assert!(has_prior(&model));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn has_prior(model: &Model) -> bool {
     let bodies = model.bodies.iter();
     bodies
@@ -20,6 +27,16 @@ pub fn has_prior(model: &Model) -> bool {
 }
 
 /// Vehicle number `number` of a seed; the result is deterministic.
+///
+/// ```
+#[doc = include_str!("../doc/box.txt")]
+/// let zz = |number| drawn(&model, 1, number).bodies[0].nominal.I_BBcm_B[(2, 2)];
+/// // The same number gives the same vehicle; each is physical.
+/// assert_eq!(zz(3), zz(3));
+/// assert_ne!(zz(3), zz(4));
+/// assert!(drawn(&model, 1, 3).bodies[0].nominal.check_physical(0.0).is_ok());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn drawn(model: &Model, seed: u64, number: u64) -> Model {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     rng.set_stream(number);

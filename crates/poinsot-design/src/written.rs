@@ -198,6 +198,16 @@ fn unit_of(model: &Model, name: &str) -> Option<&'static str> {
 ///
 /// # Errors
 /// The case is invalid, which is a bug.
+///
+/// ```
+#[doc = include_str!("../doc/box.txt")]
+/// let designed = design_case(&case, model.clone(), &DesignRequest::default())?;
+/// // The manoeuvre is a case: predict its accuracy.
+/// let manoeuvre = manoeuvre_case(&designed, &folder)?;
+/// let prediction = poinsot::predict::predict_case(&manoeuvre, model, 1.0)?;
+/// assert!(prediction.wants[0].is_met());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn manoeuvre_case(designed: &Designed, folder: &Path) -> Result<Case, Error> {
     let path = folder.join("case.toml");
     Ok(parse_case(&path, designed.manoeuvre.clone()).map_err(SimulateError::from)?)
@@ -208,6 +218,16 @@ pub fn manoeuvre_case(designed: &Designed, folder: &Path) -> Result<Case, Error>
 ///
 /// # Errors
 /// The model cannot be read, or writing fails; earlier files are then kept.
+///
+/// ```
+#[doc = include_str!("../doc/box.txt")]
+/// # let out = std::env::temp_dir().join(format!("poinsot-design-write-{}", std::process::id()));
+/// let designed = design_case(&case, model, &DesignRequest::default())?;
+/// write_design(&out, &designed, &folder.join("model.toml"))?;
+/// assert!(out.join("case.toml").exists() && out.join("design.json").exists());
+/// # std::fs::remove_dir_all(&out)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn write_design(
     folder: &Path,
     designed: &Designed,
