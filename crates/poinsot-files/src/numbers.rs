@@ -6,11 +6,19 @@ const MOST: i32 = 12;
 const SHORT: usize = 6;
 
 /// `x` in a message, with at most six significant digits.
+///
+/// ```
+/// assert_eq!(poinsot_files::short(123_456.7), "123457");
+/// ```
 pub fn short(x: f64) -> String {
     rounded(x, SHORT)
 }
 
 /// Several numbers in a message, separated by commas.
+///
+/// ```
+/// assert_eq!(poinsot_files::list(&[0.0, -2.5]), "0, -2.5");
+/// ```
 pub fn list(numbers: &[f64]) -> String {
     let texts: Vec<String> = numbers.iter().copied().map(short).collect();
     texts.join(", ")
@@ -18,6 +26,13 @@ pub fn list(numbers: &[f64]) -> String {
 
 /// `x` with at most `digits` significant digits and no trailing zeros, for a message. Exponents only for tiny or huge
 /// values: 0, 1.5, 0.0004113, 2e-7.
+///
+/// ```
+/// use poinsot_files::rounded;
+///
+/// assert_eq!(rounded(0.000_411_31, 4), "0.0004113");
+/// assert_eq!(rounded(2.0e-7, 4), "2e-7");
+/// ```
 pub fn rounded(x: f64, digits: usize) -> String {
     let x = to_digits(x, digits);
     match x.is_finite() && x.abs() >= 1.0e6 {
@@ -27,12 +42,23 @@ pub fn rounded(x: f64, digits: usize) -> String {
 }
 
 /// `x` rounded to significant digits.
+///
+/// ```
+/// assert_eq!(poinsot_files::to_digits(0.019_27, 3), 0.0193);
+/// ```
 pub fn to_digits(x: f64, digits: usize) -> f64 {
     let text = format!("{x:.*e}", digits.saturating_sub(1));
     text.parse().unwrap_or(x)
 }
 
 /// Shortest text that reads back to `x`: 0.2, -9999, 1e30.
+///
+/// ```
+/// use poinsot_files::as_read;
+///
+/// assert_eq!(as_read(-9999.0), "-9999");
+/// assert_eq!(as_read(1.0e30), "1e30");
+/// ```
 pub fn as_read(x: f64) -> String {
     match x.abs() {
         0.0 => "0".to_owned(),
@@ -46,7 +72,7 @@ pub fn as_read(x: f64) -> String {
 /// A number with this many significant figures, without exponent if that is short.
 ///
 /// ```
-/// use poinsot_figures::significant;
+/// use poinsot_files::significant;
 ///
 /// assert_eq!((significant(1234.5, 3), significant(0.012345, 3)), ("1234".to_owned(), "0.0123".to_owned()));
 /// ```
@@ -69,7 +95,7 @@ pub fn significant(x: f64, figures: i32) -> String {
 /// Value and sigma as text: the sigma with two figures, the value down to the same place.
 ///
 /// ```
-/// use poinsot_figures::number_with_sigma;
+/// use poinsot_files::number_with_sigma;
 ///
 /// let (value, sigma) = number_with_sigma(Some(312.41567), Some(0.0213));
 /// assert_eq!((value.as_str(), sigma.as_str()), ("312.416", "0.021"));
@@ -99,7 +125,7 @@ pub fn number_with_sigma(value: Option<f64>, sigma: Option<f64>) -> (String, Str
 /// A probability as text: two decimals, or two significant figures below 0.01, so that none reads as zero.
 ///
 /// ```
-/// use poinsot_figures::probability;
+/// use poinsot_files::probability;
 ///
 /// assert_eq!((probability(0.5), probability(0.0012)), ("0.50".to_owned(), "0.0012".to_owned()));
 /// ```

@@ -53,7 +53,7 @@
 //! - `parquet_column.rs`: what a column holds. `parquet_bytes.rs`, `parquet_dictionaries.rs`: guards of the decoder.
 //!   `parquet_pages.rs`: page checksums.
 //! - `inspect.rs`, `inspect_parts.rs`: inspection, also of files larger than memory.
-//! - `writer.rs`, `error.rs` (codes E02xx), `digits.rs` (numbers in messages).
+//! - `writer.rs`, `error.rs` (codes E02xx).
 
 mod assemble;
 mod bytes;
