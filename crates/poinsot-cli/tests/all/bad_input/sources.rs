@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-/// Every source file of the crates, without tests.
+/// Every source file of the crates, without tests and documentation.
 fn sources() -> Vec<(std::path::PathBuf, String)> {
     let crates = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let mut found = Vec::new();
@@ -24,7 +24,9 @@ fn sources() -> Vec<(std::path::PathBuf, String)> {
             }
             let text = std::fs::read_to_string(&path).unwrap_or_default();
             let code = text.split("#[cfg(test)]").next().unwrap_or_default();
-            found.push((path, code.to_owned()));
+            let is_code = |line: &&str| !line.trim_start().starts_with("//");
+            let code: Vec<&str> = code.lines().filter(is_code).collect();
+            found.push((path, code.join("\n")));
         }
     }
     found
