@@ -116,8 +116,11 @@ pub(super) fn shown_and_hidden<const N: usize>(
     rows: &[[f64; N]],
     natural: &[f64],
 ) -> Option<(Mat<f64>, Mat<f64>)> {
-    let a = Mat::from_fn(rows.len(), N, |i, j| rows[i][j] * natural[j]);
-    let svd = a.thin_svd().ok()?;
+    // Rows of zeros up to a square: fewer rows leave the other directions hidden.
+    let element = |i: usize, j: usize| rows.get(i).map_or(0.0, |row| row[j] * natural[j]);
+    let svd = Mat::from_fn(rows.len().max(N), N, element)
+        .thin_svd()
+        .ok()?;
     let k = (0..N)
         .take_while(|&k| svd.S()[k] > 1.0e-9 * svd.S()[0])
         .count();
