@@ -195,11 +195,9 @@ fn record(u: &mut Unstructured, columns: &[&str]) -> Result<Table> {
         }
         table.channels.push(Channel {
             name: (*name).to_owned(),
-            sensor: String::new(),
-            unit: String::new(),
-            frame: String::new(),
             time_s: Arc::clone(&time_s),
             values,
+            ..Channel::default()
         });
     }
     normalise(&mut table);

@@ -4,7 +4,7 @@ use crate::Origin;
 use std::sync::Arc;
 
 /// One scalar channel: samples of one number over time. A missing sample has no entry (never NaN).
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Channel {
     /// Standard name with SI meaning, for example `omega_x`, `joint1_rad`, `thr3_N`.
     pub name: String,

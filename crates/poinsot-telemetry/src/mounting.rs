@@ -157,11 +157,9 @@ mod tests {
     fn channel(name: &str, times: &[f64], values: &[f64]) -> Channel {
         Channel {
             name: name.to_owned(),
-            sensor: String::new(),
-            unit: String::new(),
-            frame: String::new(),
             time_s: times.into(),
             values: values.to_vec(),
+            ..Channel::default()
         }
     }
 

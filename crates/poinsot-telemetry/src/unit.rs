@@ -90,17 +90,6 @@ impl Unit {
     pub fn to_si(&self, value: f64) -> f64 {
         value * self.factor / self.divisor
     }
-
-    /// An SI value in this unit.
-    #[inline]
-    pub fn from_si(&self, si: f64) -> f64 {
-        si * self.divisor / self.factor
-    }
-
-    /// Whether the unit is SI.
-    pub fn is_si(&self) -> bool {
-        self.factor == self.divisor
-    }
 }
 
 const DEG: f64 = PI / 180.0;
@@ -272,7 +261,6 @@ mod tests {
         ] {
             let unit = parse_unit(text).unwrap();
             assert!((unit.to_si(value) - si).abs() <= 2e-16 * si, "{text}");
-            assert!((unit.from_si(si) - value).abs() <= 1e-15 * value, "{text}");
         }
     }
 

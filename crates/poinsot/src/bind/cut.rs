@@ -133,11 +133,9 @@ mod tests {
     fn channel(name: &str, samples: &[(f64, f64)]) -> Channel {
         Channel {
             name: name.to_owned(),
-            sensor: String::new(),
-            unit: String::new(),
-            frame: String::new(),
             time_s: samples.iter().map(|s| s.0).collect(),
             values: samples.iter().map(|s| s.1).collect(),
+            ..Channel::default()
         }
     }
 

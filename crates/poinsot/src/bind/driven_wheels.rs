@@ -335,11 +335,9 @@ mod tests {
     fn channel(name: &str, time_s: Vec<f64>, values: Vec<f64>) -> Channel {
         Channel {
             name: name.to_owned(),
-            sensor: String::new(),
-            unit: String::new(),
-            frame: String::new(),
             time_s: time_s.into(),
             values,
+            ..Channel::default()
         }
     }
 

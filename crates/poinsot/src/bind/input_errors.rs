@@ -295,11 +295,9 @@ mod tests {
             let values: Vec<f64> = levels.flat_map(|(k, n)| vec![k as f64; *n]).collect();
             let channel = Channel {
                 name: "q".to_owned(),
-                sensor: String::new(),
-                unit: String::new(),
-                frame: String::new(),
                 time_s: (0..values.len()).map(|k| k as f64).collect(),
                 values,
+                ..Channel::default()
             };
             let runs = runs(&channel.values, 1.0);
             let all = stays(&channel, &runs);

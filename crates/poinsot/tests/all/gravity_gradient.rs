@@ -63,11 +63,9 @@ fn coast(model: &Model, w_NB_B: Vector3) -> Flight {
 fn push(table: &mut Table, name: &str, time_s: &Arc<[f64]>, values: Vec<f64>) {
     table.channels.push(Channel {
         name: name.to_owned(),
-        sensor: String::new(),
-        unit: String::new(),
-        frame: String::new(),
         time_s: time_s.clone(),
         values,
+        ..Channel::default()
     });
 }
 

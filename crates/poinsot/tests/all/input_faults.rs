@@ -242,11 +242,9 @@ fn pushed(I: &Matrix3, h_w: &Vector3, T_N: &Vector3) -> Table {
     let mut add = |name: String, values: Vec<f64>| {
         table.channels.push(Channel {
             name,
-            sensor: String::new(),
-            unit: String::new(),
-            frame: String::new(),
             time_s: time_s.clone(),
             values,
+            ..Channel::default()
         });
     };
     for (k, axis) in ["x", "y", "z", "w"].into_iter().enumerate() {

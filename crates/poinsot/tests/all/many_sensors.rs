@@ -460,10 +460,9 @@ fn exact_a_reference_in_columns_is_that_of_the_model() {
         with_columns.channels.push(Channel {
             name: format!("reference_{axis}"),
             sensor: "sunlight".to_owned(),
-            unit: String::new(),
-            frame: String::new(),
             time_s: times.clone(),
             values: vec![value; times.len()],
+            ..Channel::default()
         });
     }
     let (a, b) = (solved(&declared, &table), solved(&without, &with_columns));

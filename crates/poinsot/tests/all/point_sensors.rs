@@ -41,11 +41,9 @@ fn coasting(model: &Model, place: Vector3) -> Table {
     for (k, axis) in ["x", "y", "z", "w"].into_iter().enumerate() {
         table.channels.push(Channel {
             name: format!("q_{axis}"),
-            sensor: String::new(),
-            unit: String::new(),
-            frame: String::new(),
             time_s: times.clone(),
             values: attitudes.iter().map(|q| q.coords[k]).collect(),
+            ..Channel::default()
         });
     }
     table

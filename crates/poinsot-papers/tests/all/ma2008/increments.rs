@@ -86,11 +86,9 @@ fn as_increments(mut table: Table, mut error: impl FnMut() -> Vector3) -> Table 
     for (i, axis) in ["x", "y", "z"].into_iter().enumerate() {
         table.channels.push(Channel {
             name: format!("dv_{axis}"),
-            sensor: String::new(),
-            unit: String::new(),
-            frame: String::new(),
             time_s: time[1..].into(),
             values: changes.iter().map(|d| d[i]).collect(),
+            ..Channel::default()
         });
     }
     table

@@ -51,11 +51,10 @@ fn table(rows: &[([f64; 4], [f64; 3])], dt: f64) -> Table {
     let time_s: std::sync::Arc<[f64]> = (0..rows.len()).map(|k| k as f64 * dt).collect();
     let channel = |name: &str, unit: &str, values: Vec<f64>| Channel {
         name: name.into(),
-        sensor: String::new(),
         unit: unit.into(),
-        frame: String::new(),
         time_s: time_s.clone(),
         values,
+        ..Channel::default()
     };
     let q = ["q_x", "q_y", "q_z", "q_w"].into_iter().enumerate();
     let w = ["omega_x", "omega_y", "omega_z"].into_iter().enumerate();

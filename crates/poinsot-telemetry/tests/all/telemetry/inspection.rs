@@ -72,14 +72,13 @@ fn long() -> Table {
     let names = ["omega_x", "omega_y", "omega_z", "wheel_rad_s"];
     let channels = names.map(|name| Channel {
         name: name.to_owned(),
-        sensor: String::new(),
         unit: "rad/s".to_owned(),
-        frame: String::new(),
         time_s: time_s.clone(),
         values: time_s
             .iter()
             .map(|t| (0.01 * t).sin() + 1.0e-3 * noise())
             .collect(),
+        ..Channel::default()
     });
     Table {
         channels: channels.to_vec(),

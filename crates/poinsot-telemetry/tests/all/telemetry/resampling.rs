@@ -7,11 +7,10 @@ use poinsot_telemetry::{
 fn channel(name: &str, time_s: &[f64], f: impl Fn(f64) -> f64) -> Channel {
     Channel {
         name: name.into(),
-        sensor: String::new(),
         unit: "rad".into(),
-        frame: String::new(),
         time_s: time_s.into(),
         values: time_s.iter().map(|t| f(*t)).collect(),
+        ..Channel::default()
     }
 }
 

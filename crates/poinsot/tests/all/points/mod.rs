@@ -38,11 +38,9 @@ pub fn push(table: &mut Table, prefix: &str, time_s: Arc<[f64]>, readings: &[Vec
     for (k, axis) in ["x", "y", "z"].into_iter().enumerate() {
         table.channels.push(Channel {
             name: format!("{prefix}_{axis}"),
-            sensor: String::new(),
-            unit: String::new(),
-            frame: String::new(),
             time_s: time_s.clone(),
             values: readings.iter().map(|x| x[k]).collect(),
+            ..Channel::default()
         });
     }
 }

@@ -346,11 +346,9 @@ pub fn table(case: &Case, seed: u64) -> Table {
 fn add(channels: &mut Vec<Channel>, name: String, time_s: &[f64], values: Vec<f64>) {
     channels.push(Channel {
         name,
-        sensor: String::new(),
-        unit: String::new(),
-        frame: String::new(),
         time_s: time_s.into(),
         values,
+        ..Channel::default()
     });
 }
 

@@ -291,11 +291,9 @@ pub fn fly(model: &Model, flight: &Flight) -> Table {
     let mut add = |name: String, read: &dyn Fn(&MotionSample) -> f64| {
         channels.push(Channel {
             name,
-            sensor: String::new(),
-            unit: String::new(),
-            frame: String::new(),
             time_s: time_s.clone(),
             values: samples.iter().map(read).collect(),
+            ..Channel::default()
         });
     };
     for (k, axis) in ["x", "y", "z", "w"].into_iter().enumerate() {
