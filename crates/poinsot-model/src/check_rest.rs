@@ -351,28 +351,20 @@ pub(crate) fn check_environment(
         .orbit
         .as_ref()
         .and_then(|orbit| check_orbit(orbit, gradient, &key.at("orbit"), findings));
+    let mut nuisance = |file: &Option<NuisanceFile>, name: &str, unit_key: &str| {
+        check_nuisance(file.as_ref(), &key.at(name), unit_key, findings)
+    };
     Environment {
         point_mass_gm: if point_mass { gm } else { None },
         gravity_gradient: gradient,
         orbit,
-        disturbance_torque_inertial: check_nuisance(
-            file.disturbance_torque_inertial.as_ref(),
-            &key.at("disturbance_torque_inertial"),
+        disturbance_torque_inertial: nuisance(
+            &file.disturbance_torque_inertial,
+            "disturbance_torque_inertial",
             "sigma_N_m",
-            findings,
         ),
-        disturbance_torque: check_nuisance(
-            file.disturbance_torque.as_ref(),
-            &key.at("disturbance_torque"),
-            "sigma_N_m",
-            findings,
-        ),
-        drag_torque: check_nuisance(
-            file.drag_torque.as_ref(),
-            &key.at("drag_torque"),
-            "sigma_kg_m2",
-            findings,
-        ),
+        disturbance_torque: nuisance(&file.disturbance_torque, "disturbance_torque", "sigma_N_m"),
+        drag_torque: nuisance(&file.drag_torque, "drag_torque", "sigma_kg_m2"),
         random_torque: random_torque(file.random_torque.as_ref(), &key, findings),
     }
 }

@@ -1,6 +1,7 @@
 //! The result of a campaign as a page.
 
 use crate::campaign::{headline, table_document};
+use indexmap::IndexSet;
 use poinsot_figures::{
     Axis, Figure, Light, Mark, Opening, Page, PageError, Part, Plot, Series, Tone,
 };
@@ -91,19 +92,16 @@ fn axis_of(result: &CampaignFile) -> Option<String> {
     (count(most) > 1).then(|| most.clone())
 }
 
+/// Every number, in order of first appearance.
+fn names(result: &CampaignFile) -> Vec<String> {
+    let methods = result.cells.iter().flat_map(|c| &c.methods);
+    let all: IndexSet<&String> = methods.flat_map(|m| m.numbers.keys()).collect();
+    all.into_iter().cloned().collect()
+}
+
 /// Coverage and efficiency of every number, one mark per method.
 fn fixed(result: &CampaignFile) -> Vec<Figure> {
-    let mut names: Vec<String> = Vec::new();
-    for name in result
-        .cells
-        .iter()
-        .flat_map(|c| &c.methods)
-        .flat_map(|m| m.numbers.keys())
-    {
-        if !names.contains(name) {
-            names.push(name.clone());
-        }
-    }
+    let names = names(result);
     let plot =
         |title: &str, y: Axis, level: f64, of: &dyn Fn(&NumberResultFile) -> (BandedFile, f64)| {
             let mut series = Vec::new();
@@ -184,19 +182,9 @@ fn push_banded(
 
 /// Error and bound of every number over the varied number, one line per method and set of other numbers.
 fn swept(result: &CampaignFile, address: &str) -> Vec<Figure> {
-    let mut names: Vec<&String> = Vec::new();
-    for name in result
-        .cells
-        .iter()
-        .flat_map(|c| &c.methods)
-        .flat_map(|m| m.numbers.keys())
-    {
-        if !names.contains(&name) {
-            names.push(name);
-        }
-    }
+    let names = names(result);
     let mut figures = Vec::new();
-    for name in names.into_iter().take(FIGURES) {
+    for name in names.iter().take(FIGURES) {
         let mut lines: Vec<(String, Vec<(f64, f64)>)> = Vec::new();
         let mut add = |label: String, x: f64, y: f64| match lines.iter_mut().find(|l| l.0 == label)
         {
