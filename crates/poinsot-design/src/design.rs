@@ -149,11 +149,7 @@ fn parsed(asked: &Path, text: String) -> Result<Case, Error> {
 
 impl<'c> Asked<'c> {
     fn new(case: &'c Case, model: &'c Model, minutes: Option<f64>) -> Result<Self, Error> {
-        let usage = |why: &str| Error::Usage {
-            option: "CASE",
-            value: case.path().display().to_string(),
-            why: why.to_owned(),
-        };
+        let usage = |why: &str| Error::usage("CASE", case.path().display(), why);
         let refused = SimulateError::from;
         let design = case.design(model).map_err(refused)?;
         let design = design.ok_or_else(|| {
@@ -167,11 +163,11 @@ impl<'c> Asked<'c> {
         }
         let minutes = match minutes {
             Some(m) if !(m.is_finite() && m > 0.0) => {
-                return Err(Error::Usage {
-                    option: "--minutes",
-                    value: m.to_string(),
-                    why: "must be a positive number; give for example 5".to_owned(),
-                });
+                return Err(Error::usage(
+                    "--minutes",
+                    m,
+                    "must be a positive number; give for example 5",
+                ));
             }
             other => other,
         };
@@ -212,10 +208,12 @@ impl<'c> Asked<'c> {
 
     fn space(&self, limits: &Limits, duration: f64) -> Result<Space, Error> {
         let times = (duration, self.design.window.rest(self.case.duration_s));
-        Space::new(&self.design, limits, times).map_err(|(target, why)| Error::Usage {
-            option: "CASE",
-            value: self.case.path().display().to_string(),
-            why: format!("{}: {why}", self.name(target)),
+        Space::new(&self.design, limits, times).map_err(|(target, why)| {
+            Error::usage(
+                "CASE",
+                self.case.path().display(),
+                format!("{}: {why}", self.name(target)),
+            )
         })
     }
 
@@ -285,13 +283,11 @@ impl<'c> Asked<'c> {
             if let Some(scenario) = question.scenario(&space, &rest) {
                 question.fly(self.model, Rows::Share(1.0), scenario)?;
             }
-            return Err(Error::Usage {
-                option: "CASE",
-                value: self.case.path().display().to_string(),
-                why:
-                    "no manoeuvre could be evaluated before the search was stopped; give more time"
-                        .to_owned(),
-            });
+            return Err(Error::usage(
+                "CASE",
+                self.case.path().display(),
+                "no manoeuvre could be evaluated before the search was stopped; give more time",
+            ));
         };
         match self.design.objective {
             Objective::ShortestTime if found.reached.values.merit() <= -SURE => {

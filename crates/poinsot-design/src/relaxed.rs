@@ -39,11 +39,11 @@ impl Asked<'_> {
         let found = GROUPS.iter().find(|g| g.words.replace(' ', "-") == what);
         found.ok_or_else(|| {
             let known: Vec<String> = GROUPS.iter().map(|g| g.words.replace(' ', "-")).collect();
-            Error::Usage {
-                option: "--front",
-                value: what.to_owned(),
-                why: format!("no such limit; use one of {}", known.join(", ")),
-            }
+            Error::usage(
+                "--front",
+                what,
+                format!("no such limit; use one of {}", known.join(", ")),
+            )
         })
     }
 

@@ -33,11 +33,7 @@ impl Fault {
         value: impl Into<String>,
         why: impl Into<String>,
     ) -> Self {
-        Self::from(poinsot::Error::Usage {
-            option,
-            value: value.into(),
-            why: why.into(),
-        })
+        Self::from(poinsot::Error::usage(option, value.into(), why.into()))
     }
 
     /// As the command would print it.

@@ -129,11 +129,11 @@ pub fn compare_estimates(answers: &[(PathBuf, EstimateFile)]) -> Result<Comparis
 }
 
 fn too_few(found: usize) -> Error {
-    Error::Usage {
-        option: "ANSWER",
-        value: found.to_string(),
-        why: "at least two answers are compared; give two folders of identify --out".to_owned(),
-    }
+    Error::usage(
+        "ANSWER",
+        found,
+        "at least two answers are compared; give two folders of identify --out",
+    )
 }
 
 /// Converts an error of reading a result file.

@@ -15,6 +15,7 @@ use poinsot_identify::ProblemError;
 use poinsot_model::ModelError;
 use poinsot_papers::MethodError;
 use poinsot_telemetry::{TelemetryError, advice};
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
 /// Origin of an error.
@@ -26,6 +27,17 @@ pub enum ErrorKind {
     System,
     /// The program itself.
     Internal,
+}
+
+impl Error {
+    /// An argument of the command line: option, value as read, what is wrong and what to do.
+    pub fn usage(option: &'static str, value: impl Display, why: impl Into<String>) -> Self {
+        Self::Usage {
+            option,
+            value: value.to_string(),
+            why: why.into(),
+        }
+    }
 }
 
 /// Error of a command.

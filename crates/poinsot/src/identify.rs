@@ -407,23 +407,20 @@ fn gate(model: &Model, tables: &mut [Table], question: &Question) -> Result<Vec<
 }
 
 fn policies(question: &Question) -> Result<Policies, Error> {
-    Policies::new(&question.policies, question.strict).map_err(|why| Error::Usage {
-        option: "--policy",
-        value: question.policies.join(" "),
-        why,
-    })
+    Policies::new(&question.policies, question.strict)
+        .map_err(|why| Error::usage("--policy", question.policies.join(" "), why))
 }
 
 /// Duplicate samples would make every sigma too small.
 fn refuse_twice(tables: &[Table]) -> Result<(), Error> {
     let twice = |value: &str, of: &str| {
-        Err(Error::Usage {
-            option: "--telemetry",
-            value: value.to_owned(),
-            why: format!(
+        Err(Error::usage(
+            "--telemetry",
+            value,
+            format!(
                 "its content is that of {of}: the same samples would count twice; give each record once"
             ),
-        })
+        ))
     };
     let mut seen: Vec<&Source> = Vec::new();
     // A source without a hash is not a file.
@@ -597,13 +594,13 @@ fn refuse_unsupported(model: &Model, question: &Question) -> Result<(), Error> {
     } else {
         return Ok(());
     };
-    Err(Error::Usage {
-        option: "--method",
-        value: question.method.clone(),
-        why: format!(
+    Err(Error::usage(
+        "--method",
+        &question.method,
+        format!(
             "the model has {what}, which this method does not support; use maximum_likelihood, or take {place}"
         ),
-    })
+    ))
 }
 
 /// The estimate of a method, without curves for a report; `diagnose` searches for causes of a misfit.
@@ -634,11 +631,11 @@ pub(crate) fn check_method(question: &Question) -> Result<(), Error> {
     let methods = methods();
     let Some(method) = methods.iter().find(|m| m.name == question.method) else {
         let names: Vec<&str> = methods.iter().map(|m| m.name).collect();
-        return Err(Error::Usage {
-            option: "--method",
-            value: question.method.clone(),
-            why: format!("there is no such method; use one of {}", names.join(", ")),
-        });
+        return Err(Error::usage(
+            "--method",
+            &question.method,
+            format!("there is no such method; use one of {}", names.join(", ")),
+        ));
     };
     let known: Vec<&str> = method.variants.iter().map(|v| v.name).collect();
     if let Some(variant) = &question.variant
@@ -648,11 +645,11 @@ pub(crate) fn check_method(question: &Question) -> Result<(), Error> {
     }
     MethodSettings::parse(&question.settings)?.check(method.name, method.settings)?;
     if !(question.relative_accuracy > 0.0 && question.relative_accuracy.is_finite()) {
-        return Err(Error::Usage {
-            option: "--relative-accuracy",
-            value: question.relative_accuracy.to_string(),
-            why: "must be a positive number; give for example 1.0".to_owned(),
-        });
+        return Err(Error::usage(
+            "--relative-accuracy",
+            question.relative_accuracy,
+            "must be a positive number; give for example 1.0",
+        ));
     }
     Ok(())
 }
@@ -667,11 +664,11 @@ fn variant_error(question: &Question, known: &[&str]) -> Error {
             known.join(", ")
         )
     };
-    Error::Usage {
-        option: "--variant",
-        value: question.variant.clone().unwrap_or_default(),
+    Error::usage(
+        "--variant",
+        question.variant.clone().unwrap_or_default(),
         why,
-    }
+    )
 }
 
 /// Options of reading telemetry for a model.

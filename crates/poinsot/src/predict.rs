@@ -149,11 +149,11 @@ pub fn predict_case(
     relative_accuracy: f64,
 ) -> Result<Prediction, Error> {
     if !(relative_accuracy > 0.0 && relative_accuracy.is_finite()) {
-        return Err(Error::Usage {
-            option: "--relative-accuracy",
-            value: relative_accuracy.to_string(),
-            why: "must be a positive number; give for example 1.0".to_owned(),
-        });
+        return Err(Error::usage(
+            "--relative-accuracy",
+            relative_accuracy,
+            "must be a positive number; give for example 1.0",
+        ));
     }
     let scenario = case.bind(&model).map_err(SimulateError::from)?;
     refuse_unread(&scenario, &model)?;

@@ -54,12 +54,14 @@ pub fn schema(name: &str) -> Result<Value, Error> {
         true => poinsot_model::without_null(schema),
         false => schema,
     });
-    found.ok_or_else(|| Error::Usage {
-        option: "NAME",
-        value: name.to_owned(),
-        why: format!(
-            "there is no such format; use one of {}",
-            schema_names().collect::<Vec<_>>().join(", ")
-        ),
+    found.ok_or_else(|| {
+        Error::usage(
+            "NAME",
+            name,
+            format!(
+                "there is no such format; use one of {}",
+                schema_names().collect::<Vec<_>>().join(", ")
+            ),
+        )
     })
 }

@@ -129,10 +129,12 @@ pub fn find(
     paper: Option<&str>,
     name: Option<&str>,
 ) -> Result<Vec<(&'static str, &'static Study)>, Error> {
-    let unknown = |value: &str, what: &str, known: Vec<&str>| Error::Usage {
-        option: "study",
-        value: value.to_owned(),
-        why: format!("there is no such {what}; use one of {}", known.join(", ")),
+    let unknown = |value: &str, what: &str, known: Vec<&str>| {
+        Error::usage(
+            "study",
+            value,
+            format!("there is no such {what}; use one of {}", known.join(", ")),
+        )
     };
     let mut found: Vec<_> = studies().collect();
     if let Some(paper) = paper {
@@ -173,11 +175,11 @@ pub const ALL: &str = "all";
 /// ```
 pub fn run(study: &Study, data: &Path) -> Result<Findings, Error> {
     if !data.join("cases").is_dir() {
-        return Err(Error::Usage {
-            option: "--data",
-            value: data.display().to_string(),
-            why: "this folder does not have the project's data (no folder 'cases'); run in the project's folder, or give the path of its folder 'data'".to_owned(),
-        });
+        return Err(Error::usage(
+            "--data",
+            data.display(),
+            "this folder does not have the project's data (no folder 'cases'); run in the project's folder, or give the path of its folder 'data'",
+        ));
     }
     let context = Context {
         data,

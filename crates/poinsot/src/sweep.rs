@@ -71,17 +71,9 @@ pub fn sweep_plan(request: &SweepRequest) -> Result<PlanFile, Error> {
     })
 }
 
-fn usage(option: &'static str, value: &str, why: &str) -> Error {
-    Error::Usage {
-        option,
-        value: value.to_owned(),
-        why: why.to_owned(),
-    }
-}
-
 fn vary(text: &str) -> Result<VaryFile, Error> {
     let wanted = "write ADDRESS=1,2,5, ADDRESS=FROM:TO:COUNT or ADDRESS=FROM:TO:COUNT:log";
-    let refuse = || usage("--vary", text, wanted);
+    let refuse = || Error::usage("--vary", text, wanted);
     let (number, values) = text.split_once('=').ok_or_else(refuse)?;
     let parse = |t: &str| t.trim().parse::<f64>().ok().filter(|x| x.is_finite());
     let mut vary = VaryFile {
@@ -124,7 +116,7 @@ fn set(text: &str, methods: &mut [MethodFile]) -> Result<(), Error> {
     let wanted = "write KEY=VALUE, or METHOD.KEY=VALUE for one of several methods";
     let (key, value) = text
         .split_once('=')
-        .ok_or_else(|| usage("--set", text, wanted))?;
+        .ok_or_else(|| Error::usage("--set", text, wanted))?;
     let address = Address::parse(key.trim());
     let (only, key) = (address.owner(), address.quantity());
     let known = crate::methods::methods();
@@ -142,7 +134,7 @@ fn set(text: &str, methods: &mut [MethodFile]) -> Result<(), Error> {
     }
     if taken == 0 {
         let why = "no method of this sweep has this setting; `poinsot methods NAME` lists settings";
-        return Err(usage("--set", text, why));
+        return Err(Error::usage("--set", text, why));
     }
     Ok(())
 }

@@ -216,11 +216,12 @@ impl Study {
         };
         let own = method(&question.method);
         let own = own.map(|m| m.kernel(&problem, question.variant.as_deref()));
-        own.transpose()?.flatten().ok_or_else(|| Error::Usage {
-            option: "kernel",
-            value: question.method.clone(),
-            why: "this method has no kernel for this experiment; take kernel out of the plan"
-                .to_owned(),
+        own.transpose()?.flatten().ok_or_else(|| {
+            Error::usage(
+                "kernel",
+                &question.method,
+                "this method has no kernel for this experiment; take kernel out of the plan",
+            )
         })
     }
 

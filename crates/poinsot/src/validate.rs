@@ -173,7 +173,7 @@ pub fn validate(request: &ValidateRequest) -> Result<Validation, Error> {
         (None, Some(case)) => case.model.clone(),
         (None, None) => {
             let why = "no model is named; give --model, or a case that names one";
-            return Err(usage("--model", "", why));
+            return Err(Error::usage("--model", "", why));
         }
     };
     let mut model = read_model(&path)?;
@@ -201,7 +201,7 @@ pub fn validate(request: &ValidateRequest) -> Result<Validation, Error> {
         (None, false) => asked.held_back()?,
         (None, true) => {
             let why = "no case is given; give one with the torques of both vehicles";
-            return Err(usage("CASE", "", why));
+            return Err(Error::usage("CASE", "", why));
         }
     };
     validation.model = path.display().to_string();
@@ -346,16 +346,8 @@ fn check(request: &ValidateRequest) -> Result<(), Error> {
     for (option, limit) in limits {
         if let Some(x) = limit.filter(|x| *x < 0.0 || x.is_nan()) {
             let why = "the limit must be a number of at least zero";
-            return Err(usage(option, &x.to_string(), why));
+            return Err(Error::usage(option, x, why));
         }
     }
     Ok(())
-}
-
-fn usage(option: &'static str, value: &str, why: &str) -> Error {
-    Error::Usage {
-        option,
-        value: value.to_owned(),
-        why: why.to_owned(),
-    }
 }

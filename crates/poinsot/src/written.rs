@@ -83,11 +83,11 @@ pub fn check_outputs(
 ) -> Result<(), Error> {
     for output in outputs {
         if inputs.iter().any(|input| is_same_file(output, input)) {
-            return Err(Error::Usage {
+            return Err(Error::usage(
                 option,
-                value: output.display().to_string(),
-                why: "this is an input of the command; name another place".to_owned(),
-            });
+                output.display(),
+                "this is an input of the command; name another place",
+            ));
         }
         check_target(output)?;
     }

@@ -29,11 +29,11 @@ pub fn run(arguments: &Campaign) -> Outcome {
         return Ok(0);
     }
     let out = arguments.out.as_deref().ok_or_else(|| {
-        Failure::from(poinsot::Error::Usage {
-            option: "--out",
-            value: String::new(),
-            why: "a campaign needs a folder for its shards".to_owned(),
-        })
+        Failure::from(poinsot::Error::usage(
+            "--out",
+            "",
+            "a campaign needs a folder for its shards",
+        ))
     })?;
     let results = ["campaign.json", "campaign.html"].map(|n| out.join(n));
     check_outputs("--out", &results, &[&arguments.plan])?;

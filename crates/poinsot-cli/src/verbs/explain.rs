@@ -7,10 +7,12 @@ use poinsot::explain::{codes_file, error_codes, explain};
 pub fn run(arguments: &Explain) -> Outcome {
     let codes = match &arguments.code {
         None => error_codes(),
-        Some(code) => vec![explain(code).ok_or_else(|| poinsot::Error::Usage {
-            option: "explain",
-            value: code.clone(),
-            why: "there is no such code; run `poinsot explain` for all".to_owned(),
+        Some(code) => vec![explain(code).ok_or_else(|| {
+            poinsot::Error::usage(
+                "explain",
+                code,
+                "there is no such code; run `poinsot explain` for all",
+            )
         })?],
     };
     if arguments.print.json {

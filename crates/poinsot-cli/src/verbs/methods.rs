@@ -12,12 +12,7 @@ pub fn run(arguments: &Methods) -> Outcome {
         let why = format!("there is no such method; use one of {}", all.join(", "));
         listed.retain(|m| m.name == name);
         if listed.is_empty() {
-            return Err(poinsot::Error::Usage {
-                option: "methods",
-                value: name.clone(),
-                why,
-            }
-            .into());
+            return Err(poinsot::Error::usage("methods", name, why).into());
         }
     }
     if arguments.print.json {

@@ -99,11 +99,11 @@ pub fn command_line() -> &'static [String] {
 /// Row step of telemetry (`--every`).
 pub fn step(rows: &crate::arguments::Rows) -> Result<usize, Failure> {
     match rows.every {
-        0 => Err(Failure::from(poinsot::Error::Usage {
-            option: "--every",
-            value: "0".to_owned(),
-            why: "a whole number of rows is needed: 1 takes all, 10 every tenth".to_owned(),
-        })),
+        0 => Err(Failure::from(poinsot::Error::usage(
+            "--every",
+            "0",
+            "a whole number of rows is needed: 1 takes all, 10 every tenth",
+        ))),
         every => Ok(every),
     }
 }

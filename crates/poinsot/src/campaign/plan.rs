@@ -536,14 +536,14 @@ impl Plan {
             .sampling
             .is_some_and(|s| !trials.is_multiple_of(s.points))
         {
-            return Err(Error::Usage {
-                option: "--trials",
-                value: trials.to_string(),
-                why: format!(
+            return Err(Error::usage(
+                "--trials",
+                trials,
+                format!(
                     "a sampling has whole replicates; give a multiple of {}",
                     self.block
                 ),
-            });
+            ));
         }
         self.trials = trials.clamp(1, MOST_TRIALS);
         Ok(())

@@ -103,10 +103,12 @@ impl FromStr for Target {
     fn from_str(name: &str) -> Result<Self, Error> {
         let names = Self::ALL.map(Self::name).join(", ");
         let found = Self::ALL.into_iter().find(|t| t.name() == name);
-        found.ok_or_else(|| Error::Usage {
-            option: "--to",
-            value: name.to_owned(),
-            why: format!("there is no such format; use one of {names}"),
+        found.ok_or_else(|| {
+            Error::usage(
+                "--to",
+                name,
+                format!("there is no such format; use one of {names}"),
+            )
         })
     }
 }
@@ -169,16 +171,16 @@ pub fn export_estimate(
     let source = Source { estimate, path };
     match (to.patch(), onto) {
         (Some(patch), Some(onto)) => patched(&source, to, patch, onto),
-        (Some(_), None) => Err(Error::Usage {
-            option: "--to",
-            value: to.name().to_owned(),
-            why: "this format changes a file; name it by --onto".to_owned(),
-        }),
-        (None, Some(onto)) => Err(Error::Usage {
-            option: "--onto",
-            value: onto.display().to_string(),
-            why: format!("{} is written as a new file; leave --onto out", to.name()),
-        }),
+        (Some(_), None) => Err(Error::usage(
+            "--to",
+            to.name(),
+            "this format changes a file; name it by --onto",
+        )),
+        (None, Some(onto)) => Err(Error::usage(
+            "--onto",
+            onto.display(),
+            format!("{} is written as a new file; leave --onto out", to.name()),
+        )),
         (None, None) => match to {
             Target::Basilisk => basilisk::text(&source),
             Target::Apm => ccsds::apm(&source),

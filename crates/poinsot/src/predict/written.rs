@@ -29,11 +29,11 @@ pub fn prediction_paths(folder: &Path, cases: &[PathBuf]) -> Result<Vec<PathBuf>
             _ => folder.join(case.file_stem().unwrap_or_default()).join(NAME),
         };
         if all.contains(&place) {
-            return Err(Error::Usage {
-                option: "CASE",
-                value: case.display().to_string(),
-                why: "another case has the same file name, and so the same folder below --out; predict them one by one".to_owned(),
-            });
+            return Err(Error::usage(
+                "CASE",
+                case.display(),
+                "another case has the same file name, and so the same folder below --out; predict them one by one",
+            ));
         }
         all.push(place);
     }

@@ -1,11 +1,10 @@
 //! Converts `estimate.json` to a vehicle for simulation.
 
 use super::{Mover, ValidateError};
+use crate::compare::format_error;
 use crate::error::Error;
 use poinsot_dynamics::Tree;
-use poinsot_formats::{
-    BarycentricFile, EstimateFile, FormatError, NumberFile, address, unknown_name,
-};
+use poinsot_formats::{BarycentricFile, EstimateFile, NumberFile, address, unknown_name};
 use poinsot_identify::{CompletedVehicle, Completion, DeterminedCombination, Estimate, complete};
 use poinsot_model::Model;
 use poinsot_spatial::{InertialParameters, Matrix3, Vector3};
@@ -70,18 +69,9 @@ pub fn read_estimate(path: &Path, model: &Model) -> Result<EstimatedVehicle, Err
 }
 
 fn estimate_of(path: &Path) -> Result<(PathBuf, EstimateFile), Error> {
-    poinsot_formats::read_estimate(path).map_err(|e| match e {
-        FormatError::Io { path, source } => Error::Io {
-            path,
-            what: "cannot be read",
-            source,
-        },
-        FormatError::Missing { ref path }
-        | FormatError::Schema { ref path, .. }
-        | FormatError::Shape { ref path, .. } => {
-            let (path, why) = (path.clone(), e.to_string());
-            ValidateError::Estimate { path, why }.into()
-        }
+    poinsot_formats::read_estimate(path).map_err(|e| match format_error(e) {
+        Error::Report { path, why } => ValidateError::Estimate { path, why }.into(),
+        other => other,
     })
 }
 
