@@ -59,29 +59,52 @@ pub enum Axes {
 }
 
 /// Properties of a kind of sensor: one row a kind.
+#[derive(Clone, Copy)]
 struct Facts {
     /// Word in results; in a model file that of [`SensorKind::declared_as`].
     word: &'static str,
+    /// What it measures, in a model file.
+    about: &'static str,
     /// Unit of its samples as a key suffix, and that of prismatic joints if different.
     units: &'static [&'static str],
     axes: Axes,
     /// Standard names of the columns of a sensor with axes.
     columns: &'static [&'static str],
+    /// Degrees of freedom of one sample.
+    numbers: usize,
+    /// Keys of the errors that can be unknown.
+    errors: &'static [&'static str],
+    /// Whether its noise must be declared.
+    noise: bool,
+    /// The kind that measures the same in N, if this one sees a body from another one.
+    in_inertial: Option<SensorKind>,
 }
 
-const fn facts(
-    word: &'static str,
-    units: &'static [&'static str],
-    axes: Axes,
-    columns: &'static [&'static str],
-) -> Facts {
-    Facts {
-        word,
-        units,
-        axes,
-        columns,
-    }
-}
+/// A sensor that measures a vector in its own axes.
+const VECTOR: Facts = Facts {
+    word: "",
+    about: "",
+    units: &[],
+    axes: Axes::Sensor,
+    columns: &[],
+    numbers: 3,
+    errors: &["bias", "scale", "misalignment", "nonorthogonality", "lag"],
+    noise: false,
+    in_inertial: None,
+};
+
+/// A sensor of a rotation. A turned mounting is its bias, and it has no scale.
+const ROTATION: Facts = Facts {
+    errors: &["bias", "lag"],
+    ..VECTOR
+};
+
+/// A sensor of joints, wheels or thrusters.
+const SCALAR: Facts = Facts {
+    axes: Axes::None,
+    errors: &["lag"],
+    ..VECTOR
+};
 
 impl SensorKind {
     /// Every kind, in the order of the results.
@@ -102,56 +125,113 @@ impl SensorKind {
     ];
 
     const fn facts(self) -> Facts {
-        use Axes::{Inertial, None, Sensor};
         match self {
-            Self::Gyro => facts(
-                "gyro",
-                &["rad_s"],
-                Sensor,
-                &["omega_x", "omega_y", "omega_z"],
-            ),
-            Self::Attitude => facts("attitude", &["rad"], Sensor, &["q_x", "q_y", "q_z", "q_w"]),
-            Self::Position => facts("position", &["m"], Inertial, &["r_x", "r_y", "r_z"]),
-            Self::Velocity => facts("velocity", &["m_s"], Inertial, &["v_x", "v_y", "v_z"]),
-            Self::VelocityIncrement => facts(
-                "velocity_increment",
-                &["m_s"],
-                Inertial,
-                &["dv_x", "dv_y", "dv_z"],
-            ),
-            Self::Accelerometer => facts(
-                "accelerometer",
-                &["m_s2"],
-                Sensor,
-                &["acc_x", "acc_y", "acc_z"],
-            ),
-            Self::Direction => facts(
-                "direction",
-                &["rad"],
-                Sensor,
-                &["direction_x", "direction_y", "direction_z"],
-            ),
-            Self::RelativeAttitude => facts(
-                "relative_attitude",
-                &["rad"],
-                Sensor,
-                &[
+            Self::Gyro => Facts {
+                word: "gyro",
+                about: "Angular velocity in body axes, rad/s.",
+                units: &["rad_s"],
+                columns: &["omega_x", "omega_y", "omega_z"],
+                ..VECTOR
+            },
+            Self::Attitude => Facts {
+                word: "attitude",
+                about: "Attitude, quaternion body to inertial.",
+                units: &["rad"],
+                columns: &["q_x", "q_y", "q_z", "q_w"],
+                ..ROTATION
+            },
+            Self::Position => Facts {
+                word: "position",
+                about: "Position of the sensor point in inertial axes, m.",
+                units: &["m"],
+                axes: Axes::Inertial,
+                columns: &["r_x", "r_y", "r_z"],
+                ..VECTOR
+            },
+            Self::Velocity => Facts {
+                word: "velocity",
+                about: "Velocity of the sensor point in inertial axes, m/s.",
+                units: &["m_s"],
+                axes: Axes::Inertial,
+                columns: &["v_x", "v_y", "v_z"],
+                ..VECTOR
+            },
+            Self::VelocityIncrement => Facts {
+                word: "velocity_increment",
+                about: "Velocity increment over one sample interval, m/s.",
+                units: &["m_s"],
+                axes: Axes::Inertial,
+                columns: &["dv_x", "dv_y", "dv_z"],
+                noise: true,
+                ..VECTOR
+            },
+            Self::Accelerometer => Facts {
+                word: "accelerometer",
+                about: "Specific force at the sensor point in body axes, m/s2.",
+                units: &["m_s2"],
+                columns: &["acc_x", "acc_y", "acc_z"],
+                noise: true,
+                ..VECTOR
+            },
+            Self::Direction => Facts {
+                word: "direction",
+                about: "Direction of a vector known in inertial axes (sun, magnetic field), in body axes: a vector of any length.",
+                units: &["rad"],
+                columns: &["direction_x", "direction_y", "direction_z"],
+                // None along itself.
+                numbers: 2,
+                errors: &["bias", "misalignment", "lag"],
+                noise: true,
+                ..VECTOR
+            },
+            Self::RelativeAttitude => Facts {
+                word: "relative_attitude",
+                units: &["rad"],
+                columns: &[
                     "relative_q_x",
                     "relative_q_y",
                     "relative_q_z",
                     "relative_q_w",
                 ],
-            ),
-            Self::RelativePosition => facts(
-                "relative_position",
-                &["m"],
-                Inertial,
-                &["relative_r_x", "relative_r_y", "relative_r_z"],
-            ),
-            Self::JointPosition => facts("joint_position", &["rad", "m"], None, &[]),
-            Self::JointRate => facts("joint_rate", &["rad_s", "m_s"], None, &[]),
-            Self::WheelSpeed => facts("wheel_speed", &["rad_s"], None, &[]),
-            Self::Thrust => facts("thrust", &["N"], None, &[]),
+                noise: true,
+                in_inertial: Some(Self::Attitude),
+                ..ROTATION
+            },
+            Self::RelativePosition => Facts {
+                word: "relative_position",
+                units: &["m"],
+                axes: Axes::Inertial,
+                columns: &["relative_r_x", "relative_r_y", "relative_r_z"],
+                noise: true,
+                in_inertial: Some(Self::Position),
+                ..VECTOR
+            },
+            Self::JointPosition => Facts {
+                word: "joint_position",
+                about: "Joint positions, rad or m.",
+                units: &["rad", "m"],
+                errors: &["bias", "lag"],
+                ..SCALAR
+            },
+            Self::JointRate => Facts {
+                word: "joint_rate",
+                about: "Joint rates, rad/s or m/s.",
+                units: &["rad_s", "m_s"],
+                errors: &[],
+                ..SCALAR
+            },
+            Self::WheelSpeed => Facts {
+                word: "wheel_speed",
+                about: "Wheel speeds relative to the host, rad/s.",
+                units: &["rad_s"],
+                ..SCALAR
+            },
+            Self::Thrust => Facts {
+                word: "thrust",
+                about: "Thrusts, N.",
+                units: &["N"],
+                ..SCALAR
+            },
         }
     }
 
@@ -160,13 +240,22 @@ impl SensorKind {
         self.facts().word
     }
 
+    /// What it measures, as the schema of the model file says it; empty for a relative kind.
+    pub const fn about(self) -> &'static str {
+        self.facts().about
+    }
+
     /// The kind whose word a model file has as `type`. A relative kind is that kind with `seen_from`.
     pub const fn declared_as(self) -> Self {
-        match self {
-            Self::RelativeAttitude => Self::Attitude,
-            Self::RelativePosition => Self::Position,
-            other => other,
+        match self.facts().in_inertial {
+            Some(kind) => kind,
+            None => self,
         }
+    }
+
+    /// The kinds that a model file names.
+    pub fn declared() -> impl Iterator<Item = Self> {
+        Self::ALL.into_iter().filter(|kind| !kind.is_relative())
     }
 
     /// The kind that measures the same of a body seen from another body; `None` where there is none.
@@ -177,7 +266,17 @@ impl SensorKind {
 
     /// Whether it measures a body as seen from another body, which no motion of the base changes.
     pub const fn is_relative(self) -> bool {
-        matches!(self, Self::RelativeAttitude | Self::RelativePosition)
+        self.facts().in_inertial.is_some()
+    }
+
+    /// Keys of the errors that can be unknown: of `bias`, `scale`, `misalignment`, `nonorthogonality` and `lag`.
+    pub const fn unknown_errors(self) -> &'static [&'static str] {
+        self.facts().errors
+    }
+
+    /// Whether the noise of a sensor of this kind must be declared. Others may be exact.
+    pub const fn needs_noise(self) -> bool {
+        self.facts().noise
     }
 
     /// Whether a sample is a rotation: its errors are small turns, and a turned mounting is its bias.
@@ -198,10 +297,7 @@ impl SensorKind {
 
     /// Degrees of freedom of one sample: a direction has no component along itself.
     pub const fn numbers(self) -> usize {
-        match self {
-            Self::Direction => 2,
-            _ => 3,
-        }
+        self.facts().numbers
     }
 
     /// In which axes it measures.

@@ -1,6 +1,5 @@
 //! Uncertainty of the known numbers: declared per number, by source, or exact.
 
-use crate::check_sensor::kind_of;
 use crate::file::{ModelFile, SourceFile};
 use crate::finding::{Findings, Key};
 use crate::knowledge::{Knowledge, KnownNumber, Origin, Uncertain};
@@ -149,7 +148,7 @@ fn declared(file: &ModelFile, model: &Model, number: KnownNumber) -> Option<(Key
             // Names of sensors are unique only within a type.
             let at = list.iter().position(|t| {
                 t.name.as_deref() == Some(sensor.name.as_str())
-                    && t.kind.is_some_and(|kind| kind_of(kind) == sensor.kind)
+                    && t.kind.is_some_and(|kind| kind.0 == sensor.kind)
             })?;
             let t = list.get(at)?;
             let u = t.uncertainty.clone().unwrap_or_default();

@@ -1,6 +1,5 @@
 //! Checks names: printable, unique, and no two parts with the same telemetry column.
 
-use crate::check_sensor::kind_of;
 use crate::file::{JointType, ModelFile, NuisanceFile, NuisanceWord, SensorFile, SensorType};
 use crate::finding::{Findings, Key};
 use poinsot_files::is_unprintable;
@@ -122,7 +121,7 @@ fn shared_error(one: &SensorFile, other: &SensorFile) -> Option<&'static str> {
         !matches!(error, None | Some(NuisanceFile::Word(NuisanceWord::None)))
     };
     // Joint offsets are named after the joints.
-    let vector = |s: &SensorFile| s.kind.map(kind_of).filter(|k| !k.is_scalar());
+    let vector = |s: &SensorFile| s.kind.map(|kind| kind.0).filter(|k| !k.is_scalar());
     let units = [one, other].map(|s| vector(s).map(|k| k.units()));
     let same_bias = units[0].is_some() && units[0] == units[1];
     let pairs = [

@@ -3,7 +3,7 @@
 use crate::check_rest::{check_host, check_nuisance, positive};
 use crate::check_rotation::check_rotation;
 use crate::check_tree::unknown_name;
-use crate::file::{JointType, ModelFile, NamesFile, NoiseFile, SensorFile, SensorType};
+use crate::file::{JointType, ModelFile, NamesFile, NoiseFile, SensorFile};
 use crate::finding::{Findings, Key};
 use crate::vehicle::{Nuisance, Sensor, SensorKind};
 use poinsot_files::list;
@@ -68,7 +68,7 @@ pub(crate) fn check_sensors(
             Some(name) => check_host(Some(name), &key, resolve, body_names, findings),
             None => Some(0),
         };
-        let Some(kind) = sensor.kind.map(kind_of) else {
+        let Some(kind) = sensor.kind.map(|kind| kind.0) else {
             continue;
         };
         let from = check_seen_from(sensor, (kind, body), &key, resolve, body_names, findings);
@@ -106,7 +106,10 @@ fn check_seen_from(
             "E0118",
             &here,
             format!("a sensor of type \"{}\" sees no body", kind.word()),
-            "remove it; sensors of type \"attitude\" and \"position\" can have it",
+            format!(
+                "remove it; sensors of type {} can have it",
+                can_see().join(", ")
+            ),
         );
         return None;
     };
@@ -126,24 +129,14 @@ fn check_seen_from(
     Some((relative, from))
 }
 
+/// Types with `seen_from`, in quotes.
+fn can_see() -> Vec<String> {
+    let all = SensorKind::declared().filter(|kind| kind.seen_from_a_body().is_some());
+    all.map(|kind| format!("\"{}\"", kind.word())).collect()
+}
+
 /// Smallest noise accepted.
 const SMALLEST_NOISE: f64 = 1e-100;
-
-pub(crate) fn kind_of(file: SensorType) -> SensorKind {
-    match file {
-        SensorType::Gyro => SensorKind::Gyro,
-        SensorType::Attitude => SensorKind::Attitude,
-        SensorType::Position => SensorKind::Position,
-        SensorType::Velocity => SensorKind::Velocity,
-        SensorType::VelocityIncrement => SensorKind::VelocityIncrement,
-        SensorType::Accelerometer => SensorKind::Accelerometer,
-        SensorType::JointPosition => SensorKind::JointPosition,
-        SensorType::JointRate => SensorKind::JointRate,
-        SensorType::WheelSpeed => SensorKind::WheelSpeed,
-        SensorType::Direction => SensorKind::Direction,
-        SensorType::Thrust => SensorKind::Thrust,
-    }
-}
 
 fn readables(file: &ModelFile) -> [Readable<'_>; 4] {
     let joints = |revolute: &'static str, prismatic: &'static str| {
@@ -212,7 +205,11 @@ fn check_sensor(
     );
     let reference_N = check_reference(file, kind, key, findings);
     let mut nuisance = |name: &str, value, unit_key: &str| -> Nuisance {
-        check_nuisance(value, &key.at(name), unit_key, findings)
+        let found = check_nuisance(value, &key.at(name), unit_key, findings);
+        if found != Nuisance::Known && !kind.unknown_errors().contains(&name) {
+            refuse_error(kind, (name, &key.at(name)), findings);
+        }
+        found
     };
     let sensor = Sensor {
         kind,
@@ -237,6 +234,23 @@ fn check_sensor(
         name: file.name.clone()?,
     };
     (findings.count() == before).then_some(sensor)
+}
+
+/// An error that no method estimates.
+fn refuse_error(kind: SensorKind, (name, key): (&str, &Key), findings: &mut Findings<'_, '_>) {
+    let word = kind.word();
+    let problem = format!("the {name} of a sensor of type \"{word}\" cannot be estimated");
+    let remedy = match (kind, name) {
+        (SensorKind::JointRate, "bias" | "lag") => {
+            "declare it on the joint_position sensor".to_owned()
+        }
+        (SensorKind::Thrust, "scale") => "write scale on the [[thruster]]".to_owned(),
+        _ => match kind.unknown_errors() {
+            [] => "remove it".to_owned(),
+            list => format!("remove it; {} can be estimated", list.join(", ")),
+        },
+    };
+    findings.refuse("E0118", key, problem, remedy);
 }
 
 fn noise_of<'f>(file: &'f SensorFile, unit: &str) -> Option<&'f NoiseFile> {
@@ -305,8 +319,6 @@ fn check_unit(
 /// Sensors of joints, wheels and thrusters have no axes and no position.
 fn refuse_axes(file: &SensorFile, kind: SensorKind, key: &Key, findings: &mut Findings<'_, '_>) {
     for (name, given) in [
-        ("misalignment", file.misalignment.is_some()),
-        ("nonorthogonality", file.nonorthogonality.is_some()),
         ("rotation_xyzw", file.rotation_xyzw.is_some()),
         ("rotation_matrix", file.rotation_matrix.is_some()),
         ("position_m", file.position_m.is_some()),

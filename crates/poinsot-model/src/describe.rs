@@ -120,7 +120,7 @@ pub struct SensorDescription {
     pub kind: &'static str,
     /// Body it sits on.
     pub body: String,
-    /// Body from which a relative attitude or position sees `body`; absent for all other sensors.
+    /// Body from which the sensor sees `body`; absent for a sensor without `seen_from`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seen_from: Option<String>,
     /// Unit of its samples.

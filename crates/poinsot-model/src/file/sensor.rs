@@ -1,6 +1,9 @@
 use super::{NuisanceFile, SensorUncertaintyFile, SourceFile};
-use schemars::JsonSchema;
-use serde::Deserialize;
+use poinsot_dynamics::SensorKind;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::de::Error;
+use serde::{Deserialize, Deserializer};
+use std::borrow::Cow;
 
 /// A sensor. The unit of `noise_<unit>` and `quantisation_<unit>` is that of its channels: gyro rad_s;
 /// attitude and direction rad; position m; velocity and velocity_increment m_s; accelerometer m_s2; joint_position rad
@@ -20,10 +23,10 @@ pub(crate) struct SensorFile {
     pub kind: Option<SensorType>,
     /// Name of its body. Default: the base.
     pub body: Option<String>,
-    /// Attitude and position: name of the body from which the sensor sees `body`, as a camera on a servicer sees the
-    /// captured target. The attitude is that of `body` in the axes of this body. The position is from the origin of this
-    /// body, in its axes. Its columns are `relative_q_x relative_q_y relative_q_z relative_q_w` and
-    /// `relative_r_x relative_r_y relative_r_z`. Default: seen from inertial space.
+    /// Name of the body from which the sensor sees `body`, as a camera on a servicer sees the captured target. Types that
+    /// measure pose or motion in inertial axes can have it. An attitude is that of `body` in the axes of this body; all
+    /// else is from the origin of this body, in its axes. The names of its columns begin with `relative_`. Default: seen
+    /// from inertial space.
     pub seen_from: Option<String>,
     /// Names of the joints, wheels or thrusters that a joint_position, joint_rate, wheel_speed or thrust
     /// sensor reads: one name or a list. Default: all whose unit fits.
@@ -82,32 +85,29 @@ pub(crate) struct SensorFile {
     pub uncertainty: Option<SensorUncertaintyFile>,
 }
 
-/// What a sensor measures.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub(crate) enum SensorType {
-    /// Angular velocity in body axes, rad/s.
-    Gyro,
-    /// Attitude, quaternion body to inertial.
-    Attitude,
-    /// Position of the sensor point in inertial axes, m.
-    Position,
-    /// Velocity of the sensor point in inertial axes, m/s.
-    Velocity,
-    /// Velocity increment over one sample interval, m/s.
-    VelocityIncrement,
-    /// Specific force at the sensor point in body axes, m/s2.
-    Accelerometer,
-    /// Joint positions, rad or m.
-    JointPosition,
-    /// Joint rates, rad/s or m/s.
-    JointRate,
-    /// Wheel speeds relative to the host, rad/s.
-    WheelSpeed,
-    /// Direction of a vector known in inertial axes (sun, magnetic field), in body axes: a vector of any length.
-    Direction,
-    /// Thrusts, N.
-    Thrust,
+/// What a sensor measures: a kind that a model file names.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) struct SensorType(pub SensorKind);
+
+impl<'de> Deserialize<'de> for SensorType {
+    fn deserialize<D: Deserializer<'de>>(reader: D) -> Result<Self, D::Error> {
+        let word = String::deserialize(reader)?;
+        let kind = SensorKind::declared().find(|kind| kind.word() == word);
+        kind.map(Self)
+            .ok_or_else(|| D::Error::custom(format!("no type of sensor is \"{word}\"")))
+    }
+}
+
+impl JsonSchema for SensorType {
+    fn schema_name() -> Cow<'static, str> {
+        "SensorType".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        let one = |kind: SensorKind| json_schema!({ "type": "string", "const": kind.word(), "description": kind.about() });
+        let all: Vec<Schema> = SensorKind::declared().map(one).collect();
+        json_schema!({ "description": "What a sensor measures.", "oneOf": all })
+    }
 }
 
 /// One sigma per sample.

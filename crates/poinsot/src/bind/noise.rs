@@ -30,8 +30,7 @@ pub(super) fn declared_noise(
     let has = |kind| !columns(kind).is_empty();
     let vector = |kind| vector(model, leading, kind);
     let gyro = vector(SensorKind::Gyro).ok_or(BindError::NoNoise {
-        kind: "gyro",
-        key: "noise_rad_s",
+        kind: SensorKind::Gyro,
     })?;
     let position = vector(SensorKind::Position);
     let velocity = velocity(vector(SensorKind::Velocity), position, &columns)?;
@@ -97,15 +96,13 @@ fn velocity<'t>(
 ) -> Result<Matrix3, BindError> {
     if !columns(SensorKind::Velocity).is_empty() {
         return declared.ok_or(BindError::NoNoise {
-            kind: "velocity",
-            key: "noise_m_s",
+            kind: SensorKind::Velocity,
         });
     }
     let positions = columns(SensorKind::Position);
     if !positions.is_empty() {
         let position = position.ok_or(BindError::NoNoise {
-            kind: "position",
-            key: "noise_m",
+            kind: SensorKind::Position,
         })?;
         let steps = positions.iter().filter_map(|c| median_step(&c[0].time_s));
         let step = steps.fold(f64::INFINITY, f64::min);

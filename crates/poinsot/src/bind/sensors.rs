@@ -500,29 +500,25 @@ fn ownerless(model: &Model, table: &Table, label: &str, repairs: &mut Vec<String
     }
 }
 
-/// Attitude and position may be exact if there is only one sensor; other sensors need declared noise.
+/// Some kinds may be exact if there is only one sensor; other sensors need declared noise.
 fn refuse_noiseless(sensor: &Sensor, of_its_kind: usize) -> Result<(), BindError> {
     if covariance(sensor).is_some() {
         return Ok(());
     }
-    let (kind, key) = match sensor.kind {
-        SensorKind::Accelerometer => ("accelerometer", "noise_m_s2"),
-        SensorKind::VelocityIncrement => ("velocity_increment", "noise_m_s"),
-        SensorKind::Direction => ("direction", "noise_rad"),
-        SensorKind::RelativeAttitude => ("attitude", "noise_rad"),
-        SensorKind::RelativePosition => ("position", "noise_m"),
-        _ if of_its_kind < 2 => return Ok(()),
-        kind => {
-            return Err(BindError::Unsupported {
-                what: format!(
-                    "sensor '{}' declares no noise, and is one of {of_its_kind} of type {}: their weights are undetermined; declare its noise",
-                    sensor.name,
-                    kind.word()
-                ),
-            });
-        }
-    };
-    Err(BindError::NoNoise { kind, key })
+    let kind = sensor.kind;
+    if kind.needs_noise() {
+        return Err(BindError::NoNoise { kind });
+    }
+    if of_its_kind < 2 {
+        return Ok(());
+    }
+    Err(BindError::Unsupported {
+        what: format!(
+            "sensor '{}' declares no noise, and is one of {of_its_kind} of type {}: their weights are undetermined; declare its noise",
+            sensor.name,
+            kind.word()
+        ),
+    })
 }
 
 /// Whether any error of a sensor is declared unknown.

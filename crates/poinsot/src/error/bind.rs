@@ -1,6 +1,7 @@
 //! Errors of binding telemetry to a model.
 
 use poinsot_files::{as_read, rounded};
+use poinsot_model::SensorKind;
 
 /// Why telemetry cannot be bound to a model.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -17,13 +18,13 @@ pub enum BindError {
     },
     /// A sensor without declared noise.
     #[error(
-        "E0302 model: no sensor of type '{kind}' declares its noise, which every uncertainty needs; add [[sensor]] type = \"{kind}\" with {key}"
+        "E0302 model: no sensor of type '{word}' declares its noise, which every uncertainty needs; add [[sensor]] type = \"{word}\" with noise_{unit}",
+        word = .kind.declared_as().word(),
+        unit = .kind.unit(false)
     )]
     NoNoise {
         /// Kind of sensor.
-        kind: &'static str,
-        /// Key to add.
-        key: &'static str,
+        kind: SensorKind,
     },
     /// Too few common samples.
     #[error(

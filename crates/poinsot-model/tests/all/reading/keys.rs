@@ -190,12 +190,16 @@ fn exact_a_written_model_reads_back() {
 fn nuisances(model: &mut Model) -> Vec<&mut Nuisance> {
     let mut all = Vec::new();
     for sensor in &mut model.sensors {
-        all.push(&mut sensor.bias);
-        all.push(&mut sensor.scale);
-        all.push(&mut sensor.lag);
-        if !sensor.kind.is_scalar() {
-            all.push(&mut sensor.misalignment);
-        }
+        let of_sensor = [
+            ("bias", &mut sensor.bias),
+            ("scale", &mut sensor.scale),
+            ("misalignment", &mut sensor.misalignment),
+            ("nonorthogonality", &mut sensor.nonorthogonality),
+            ("lag", &mut sensor.lag),
+        ];
+        let can = sensor.kind.unknown_errors();
+        let own = of_sensor.into_iter().filter(|(key, _)| can.contains(key));
+        all.extend(own.map(|(_, nuisance)| nuisance));
     }
     all.extend(model.wheels.iter_mut().map(|w| &mut w.misalignment));
     all.extend(model.thrusters.iter_mut().map(|t| &mut t.scale));
@@ -210,7 +214,7 @@ fn nuisances(model: &mut Model) -> Vec<&mut Nuisance> {
 fn exact_every_nuisance_reads_back_from_what_was_written() {
     let model = accepted(&full());
     let places = nuisances(&mut model.clone()).len();
-    assert_eq!(places, 6 * 3 + 2 + 1 + 1 + 3);
+    assert_eq!(places, 2 * 5 + 2 * 2 + 1 + 1 + 1 + 1 + 3);
     for place in 0..places {
         for value in [
             Nuisance::Known,

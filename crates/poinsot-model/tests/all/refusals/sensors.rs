@@ -6,7 +6,7 @@ pub const CASES: &[Case] = &[
     (
         r#"type = "gyro""#,
         r#"type = "gyroscope""#,
-        r#"E0107 m.toml:34:8: sensor[0].type (sensor "gyro") = "gyroscope": the word is not one of those allowed here; write "gyro", "attitude", "position", "velocity", "velocity_increment", "accelerometer", "joint_position", "joint_rate", "wheel_speed", "direction", "thrust"; did you mean "gyro"?"#,
+        r#"E0107 m.toml:34:8: sensor[0].type (sensor "gyro") = "gyroscope": the word is not one of those allowed here; write "gyro", "attitude", "velocity", "position", "accelerometer", "velocity_increment", "direction", "joint_position", "joint_rate", "wheel_speed", "thrust"; did you mean "gyro"?"#,
     ),
     (
         r#"noise_rad_s = 1.0e-4"#,
@@ -74,6 +74,36 @@ of = ["joint1", "joint2"]"#,
         r#"quantisation_rad = 2.4e-5
 position_m = [0.0, 0.0, 0.0]"#,
         r#"E0118 m.toml:40:14: sensor[1].position_m (sensor "encoders") = [0.0, 0.0, 0.0]: a sensor of type "joint_position" has no axes and no place; remove it"#,
+    ),
+    (
+        r#"quantisation_rad = 2.4e-5"#,
+        r#"quantisation_rad = 2.4e-5
+scale = "estimate""#,
+        r#"E0118 m.toml:40:9: sensor[1].scale (sensor "encoders") = "estimate": the scale of a sensor of type "joint_position" cannot be estimated; remove it; bias, lag can be estimated"#,
+    ),
+    (
+        r#"type = "joint_position"
+quantisation_rad = 2.4e-5"#,
+        r#"type = "joint_rate"
+quantisation_rad_s = 2.4e-5
+bias = { sigma_rad_s = 1.0e-3 }"#,
+        r#"E0118 m.toml:40:8: sensor[1].bias (sensor "encoders") = { sigma_rad_s = 1.0e-3 }: the bias of a sensor of type "joint_rate" cannot be estimated; declare it on the joint_position sensor"#,
+    ),
+    (
+        r#"type = "joint_position"
+quantisation_rad = 2.4e-5"#,
+        r#"type = "wheel_speed"
+quantisation_rad_s = 2.4e-5
+bias = "estimate""#,
+        r#"E0118 m.toml:40:8: sensor[1].bias (sensor "encoders") = "estimate": the bias of a sensor of type "wheel_speed" cannot be estimated; remove it; lag can be estimated"#,
+    ),
+    (
+        r#"type = "joint_position"
+quantisation_rad = 2.4e-5"#,
+        r#"type = "attitude"
+quantisation_rad = 2.4e-5
+scale = { sigma = 0.01 }"#,
+        r#"E0118 m.toml:40:9: sensor[1].scale (sensor "encoders") = { sigma = 0.01 }: the scale of a sensor of type "attitude" cannot be estimated; remove it; bias, lag can be estimated"#,
     ),
     (
         r#"quantisation_rad = 2.4e-5"#,
