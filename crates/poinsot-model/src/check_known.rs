@@ -148,7 +148,8 @@ fn declared(file: &ModelFile, model: &Model, number: KnownNumber) -> Option<(Key
             // Names of sensors are unique only within a type.
             let at = list.iter().position(|t| {
                 t.name.as_deref() == Some(sensor.name.as_str())
-                    && t.kind.is_some_and(|kind| kind.0 == sensor.kind)
+                    && t.kind
+                        .is_some_and(|kind| kind.0 == sensor.kind.declared_as())
             })?;
             let t = list.get(at)?;
             let u = t.uncertainty.clone().unwrap_or_default();

@@ -682,6 +682,15 @@ fn unit_a_relative_pose_does_not_start_the_base() {
     assert!(refused.contains("noise_rad"), "{refused}");
 }
 
+/// The declared uncertainty of a camera's mounting was lost: its table was looked for among trackers in inertial axes.
+#[test]
+fn regress_a_camera_keeps_the_uncertainty_of_its_mounting() {
+    let more = format!("{}uncertainty = {{ mounting_rad = 0.01 }}\n", CAMERA.3);
+    let model = model(&[FINE, ("camera", "attitude", 1.0e-3, &more)]);
+    let sigmas: Vec<f64> = model.knowledge.uncertain.iter().map(|u| u.sigma).collect();
+    assert_eq!(sigmas, [0.01]);
+}
+
 /// A vehicle with a camera is written and read back as it was.
 #[test]
 fn exact_a_written_model_keeps_what_sees_and_what_is_seen() {
