@@ -69,10 +69,11 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
 }
 
 fn sensor_unit(kind: &str) -> &str {
-    match kind {
+    // A sensor that sees one body from another one has the unit of that in inertial axes.
+    match kind.strip_prefix("relative_").unwrap_or(kind) {
         "gyro" | "joint_rate" | "wheel_speed" => "rad/s",
-        "attitude" | "relative_attitude" | "direction" | "joint_position" => "rad",
-        "position" | "relative_position" => "m",
+        "attitude" | "direction" | "joint_position" => "rad",
+        "position" => "m",
         "velocity" | "velocity_increment" => "m/s",
         "accelerometer" => "m/s²",
         "thrust" => "N",

@@ -198,22 +198,28 @@ fn momentum(record: usize, m: &Channel, envelope: &Envelope) -> Vec<Figure> {
     ]
 }
 
-fn quantity(name: &str) -> (&str, &str) {
-    match kind(name) {
-        "gyro" => ("angular velocity, body axes", "omega"),
-        "velocity" => ("velocity of the sensor point, inertial axes", "v"),
-        "position" => ("position of the sensor point, inertial axes", "r"),
-        "relative_position" => (
-            "position of the sensor point, axes of the body from which it is seen",
-            "r",
+/// Title and symbol of what a sensor measures.
+fn quantity(name: &str) -> (String, &str) {
+    let word = kind(name);
+    let seen = word.strip_prefix("relative_");
+    let (what, axes, symbol) = match seen.unwrap_or(word) {
+        "gyro" => ("angular velocity", "body axes", "omega"),
+        "velocity" => ("velocity of the sensor point", "inertial axes", "v"),
+        "position" => ("position of the sensor point", "inertial axes", "r"),
+        "accelerometer" => (
+            "specific force at the sensor point",
+            "axes of its body",
+            "f",
         ),
-        "accelerometer" => ("specific force at the sensor point, axes of its body", "f"),
         "velocity_increment" => (
-            "velocity increments of the sensor point, inertial axes",
+            "velocity increments of the sensor point",
+            "inertial axes",
             "dv",
         ),
-        other => (other, other),
-    }
+        _ => return (word.replace('_', " "), word),
+    };
+    let axes = seen.map_or(axes, |_| "axes of the body from which it is seen");
+    (format!("{what}, {axes}"), symbol)
 }
 
 fn picked(row: &[f64], kept: &[usize], factor: f64) -> Vec<f64> {
