@@ -109,8 +109,12 @@ impl Accelerations {
     /// Specific force at a point fixed in body i (from its origin, in that body), in that body's axes,
     /// m/s2. N falls freely, so it is the inertial acceleration.
     pub fn at_point(&self, kinematics: &Kinematics, i: usize, p_BoS_B: &Vector3) -> Vector3 {
-        let R = &kinematics.R[i];
-        let (r, w) = (R * p_BoS_B, &kinematics.w[i]);
-        R.transpose() * (self.a[i] + self.alpha[i].cross(&r) + w.cross(&w.cross(&r)))
+        kinematics.R[i].transpose() * self.of_point(kinematics, i, p_BoS_B)
+    }
+
+    /// Inertial acceleration of a point fixed in body i (from its origin, in that body's axes, m), in base axes, m/s2.
+    pub fn of_point(&self, kinematics: &Kinematics, i: usize, p_BoS_B: &Vector3) -> Vector3 {
+        let (r, w) = (kinematics.R[i] * p_BoS_B, &kinematics.w[i]);
+        self.a[i] + self.alpha[i].cross(&r) + w.cross(&w.cross(&r))
     }
 }

@@ -5,7 +5,7 @@
 //! axes of the base B and every moment is about the base's frame origin `Bo`.
 //!
 //! Without the default feature `std` the kernels remain: tree, kinematics, momentum, regressors, accelerations, forward
-//! and inverse dynamics, orbit. They need `alloc` and, for the functions of `libm`, the feature `libm`.
+//! and inverse dynamics, orbit, measurement models. They need `alloc` and, for the functions of `libm`, the feature `libm`.
 //!
 //! | subject | item |
 //! |---|---|
@@ -66,7 +66,7 @@
 //!   equations.
 //! - `integrate.rs`: Dormand-Prince pair. `dop853.rs`, `dop853_table.rs`: eighth order with dense output.
 //!   `runge_kutta.rs`: fixed steps.
-//! - `sensors.rs`: sensor output. `sensor_errors.rs`: model of sensor errors.
+//! - `measurement/`: the model of each kind of sensor. `sensors.rs`: sensor output. `sensor_errors.rs`: model of sensor errors.
 //! - `orbit.rs`, `gravity_gradient.rs`: orbit and gravity gradient.
 //! - `attitude_control.rs`, `reaction_wheel.rs`: closed loop.
 #![cfg_attr(not(feature = "std"), no_std)]
@@ -108,6 +108,7 @@ mod kinematics;
 #[cfg(feature = "std")]
 mod lanes;
 mod mass_matrix;
+mod measurement;
 mod momentum;
 mod orbit;
 #[cfg(feature = "std")]
@@ -164,6 +165,9 @@ pub use joint_motion::{Fourier, JointMotion};
 pub use joint_slopes::{JointSlope, JointSlopes, SubtreeMotion};
 pub use kinematics::Kinematics;
 pub use mass_matrix::MassMatrix;
+pub use measurement::{
+    BasePose, Carried, Ideal, JointEffect, Measurement, OverJoint, PointMotion, Scene,
+};
 pub use momentum::{
     Composite, Twist, body_momentum, composite, momentum, shift_to_body, shift_to_inertial,
     twist_from_momentum, wheel_momentum,

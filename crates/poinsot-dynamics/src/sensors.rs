@@ -1,5 +1,6 @@
 //! Simulated sensors: the truth with all errors of the estimator's model, noise and quantisation.
 
+use crate::measurement::{BasePose, Ideal, PointMotion, Scene};
 use crate::sensor::{Axes, Nuisance, Sensor, SensorKind};
 use crate::sensor_errors::{SensorError, SensorErrors};
 use crate::stage::MotionSample;
@@ -23,7 +24,7 @@ pub struct Instrument {
     seen_from: usize,
     p_BoS_B: Vector3,
     /// Whose direction is measured.
-    reference_N: Vector3,
+    reference_N: Option<Vector3>,
     /// Joint coordinates, wheels or thrusters read by a scalar sensor.
     of: Vec<usize>,
     /// Absent if the sensor's axes are the body's, to avoid round-off.
@@ -76,7 +77,7 @@ impl Instrument {
             body: sensor.body,
             seen_from: sensor.seen_from,
             p_BoS_B: sensor.p_BoS_B,
-            reference_N: sensor.reference_N.unwrap_or_default(),
+            reference_N: sensor.reference_N,
             of,
             R_BS: (sensor.R_BS != Matrix3::identity()).then_some(sensor.R_BS),
             noise: sensor.noise_covariance.as_ref().map(square_root),
@@ -139,43 +140,30 @@ impl Instrument {
     /// Replaces `out` with one reading: three numbers, four for an attitude (xyzw), one per joint, wheel
     /// or thruster. Empty for the first velocity increment, which has no beginning.
     pub fn read(&mut self, sample: &MotionSample, out: &mut Vec<f64>) {
-        match self.kind {
-            SensorKind::Attitude => {
-                let q = body_attitude(sample, self.body).coords;
-                self.disturb(sample.time, &[q.x, q.y, q.z, q.w], out);
-            }
-            SensorKind::RelativeAttitude => {
-                let from = body_attitude(sample, self.seen_from);
-                let q = (from.inverse() * body_attitude(sample, self.body)).coords;
-                self.disturb(sample.time, &[q.x, q.y, q.z, q.w], out);
-            }
-            SensorKind::RelativePosition => {
-                let k = &sample.kinematics;
-                let p_BoS = k.p[self.body] + k.R[self.body] * self.p_BoS_B;
-                let seen = k.R[self.seen_from].transpose() * (p_BoS - k.p[self.seen_from]);
-                self.disturb(sample.time, seen.as_slice(), out);
-            }
-            SensorKind::Direction => {
-                let seen = body_attitude(sample, self.body).inverse() * self.reference_N;
-                self.disturb(sample.time, seen.as_slice(), out);
-            }
-            kind if kind.is_scalar() => {
-                let truth = scalars(kind, sample);
-                let of = |i: &usize| truth.get(*i).copied().unwrap_or(f64::NAN);
-                let exact: Vec<f64> = self.of.iter().map(of).collect();
-                self.disturb(sample.time, &exact, out);
-            }
-            kind => {
-                let mut x = vector_reading(kind, sample, self.body, &self.p_BoS_B);
-                if kind == SensorKind::VelocityIncrement {
+        if self.kind.is_scalar() {
+            let truth = scalars(self.kind, sample);
+            let of = |i: &usize| truth.get(*i).copied().unwrap_or(f64::NAN);
+            let exact: Vec<f64> = self.of.iter().map(of).collect();
+            return self.disturb(sample.time, &exact, out);
+        }
+        let seen = ideal(
+            self.kind,
+            sample,
+            (self.body, &self.p_BoS_B),
+            (self.seen_from, self.reference_N),
+        );
+        match seen {
+            Some(Ideal::Rotation(q)) => self.disturb(sample.time, q.coords.as_slice(), out),
+            Some(Ideal::Vector(mut x)) => {
+                if self.kind == SensorKind::VelocityIncrement {
                     let Some(last) = self.last_velocity.replace(x) else {
-                        out.clear();
-                        return;
+                        return out.clear();
                     };
                     x -= last;
                 }
                 self.disturb(sample.time, x.as_slice(), out);
             }
+            None => out.clear(),
         }
     }
 
@@ -266,14 +254,6 @@ fn square_root(covariance: &Matrix3) -> Matrix3 {
     eigen.eigenvectors * root * eigen.eigenvectors.transpose()
 }
 
-fn body_attitude(sample: &MotionSample, body: usize) -> UnitQuaternion {
-    if body == 0 {
-        return sample.R_NB;
-    }
-    let R_BBi = nalgebra::Rotation3::from_matrix_unchecked(sample.kinematics.R[body]);
-    sample.R_NB * UnitQuaternion::from_rotation_matrix(&R_BBi)
-}
-
 fn scalars(kind: SensorKind, sample: &MotionSample) -> &[f64] {
     match kind {
         SensorKind::JointPosition => &sample.q,
@@ -284,23 +264,39 @@ fn scalars(kind: SensorKind, sample: &MotionSample) -> &[f64] {
     }
 }
 
+/// Ideal measurement of a sensor with axes at a point of a body; `other` is the body from which a relative kind sees it,
+/// and the vector in N of a direction.
+fn ideal(
+    kind: SensorKind,
+    sample: &MotionSample,
+    (body, p_BoS_B): (usize, &Vector3),
+    other: (usize, Option<Vector3>),
+) -> Option<Ideal> {
+    let k = &sample.kinematics;
+    let pose = BasePose {
+        R_NB: sample.R_NB,
+        p_NoBo_N: sample.p_NoBo_N,
+    };
+    let scene = Scene {
+        pose: &pose,
+        point: &PointMotion::new(k, body, p_BoS_B),
+        from: &PointMotion::new(k, other.0, &Vector3::zeros()),
+        reference_N: other.1,
+        a_NP_B: Some(sample.body.of_point(k, body, p_BoS_B)),
+    };
+    Some(kind.measure(&scene)?.value)
+}
+
 /// Ideal measurement of a sensor with three axes at a point fixed in a body; for a velocity increment the velocity
-/// itself. Gyro and accelerometer in the body's axes, position and velocity in N.
+/// itself. Zero for a rotation, a direction and a relative kind.
 pub fn vector_reading(
     kind: SensorKind,
     sample: &MotionSample,
     body: usize,
     p_BoS_B: &Vector3,
 ) -> Vector3 {
-    let k = &sample.kinematics;
-    let arm = k.R[body] * p_BoS_B;
-    match kind {
-        SensorKind::Gyro => k.R[body].transpose() * k.w[body],
-        SensorKind::Accelerometer => sample.body.at_point(k, body, p_BoS_B),
-        SensorKind::Position => sample.p_NoBo_N + sample.R_NB * (k.p[body] + arm),
-        SensorKind::Velocity | SensorKind::VelocityIncrement => {
-            sample.R_NB * (k.v[body] + k.w[body].cross(&arm))
-        }
+    match ideal(kind, sample, (body, p_BoS_B), (0, None)) {
+        Some(Ideal::Vector(x)) if !kind.is_relative() => x,
         _ => Vector3::zeros(),
     }
 }

@@ -1,0 +1,209 @@
+//! Measurement models: what an ideal sensor of each kind measures, with its derivatives. One file a kind.
+//!
+//! Simulator and estimator share them. A model is a function of the pose of the base and of one or two points fixed in
+//! bodies. Errors of the sensor are added afterwards, by one model for all ([`crate::SensorErrors`]).
+
+mod accelerometer;
+mod attitude;
+mod direction;
+mod gyro;
+mod position;
+mod relative_attitude;
+mod relative_position;
+mod velocity;
+
+use crate::kinematics::Kinematics;
+use crate::momentum::Twist;
+use crate::sensor::SensorKind;
+use nalgebra::SMatrix;
+use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3, skew};
+
+/// Pose of the base.
+#[derive(Debug, Clone, Copy)]
+pub struct BasePose {
+    /// `R_NB`.
+    pub R_NB: UnitQuaternion,
+    /// Position of the base origin in N, m.
+    pub p_NoBo_N: Vector3,
+}
+
+impl BasePose {
+    /// `R_NB` as a matrix.
+    fn matrix(&self) -> Matrix3 {
+        *self.R_NB.to_rotation_matrix().matrix()
+    }
+}
+
+/// A point P fixed in body i, as the base sees it: all in base axes.
+#[derive(Debug, Clone, Copy)]
+pub struct PointMotion {
+    /// `R_BBi`.
+    pub R: Matrix3,
+    /// `p_BoP_B`, m.
+    pub r: Vector3,
+    /// `v_NP_B`, m/s.
+    pub v: Vector3,
+    /// `w_NBi_B`, rad/s.
+    pub w: Vector3,
+}
+
+impl PointMotion {
+    /// The point at `p_BioP_Bi` of a body, m, from its origin in its axes.
+    pub fn new(kinematics: &Kinematics, body: usize, p_BioP_Bi: &Vector3) -> Self {
+        let arm = kinematics.R[body] * p_BioP_Bi;
+        Self {
+            R: kinematics.R[body],
+            r: kinematics.p[body] + arm,
+            v: kinematics.v[body] + kinematics.w[body].cross(&arm),
+            w: kinematics.w[body],
+        }
+    }
+
+    /// The point at `p_BoP_B` of the base, m.
+    pub fn of_base(twist: &Twist, p_BoP_B: &Vector3) -> Self {
+        Self {
+            R: Matrix3::identity(),
+            r: *p_BoP_B,
+            v: twist.v + twist.w.cross(p_BoP_B),
+            w: twist.w,
+        }
+    }
+}
+
+/// Derivatives of a point over one joint that carries its body, at a constant twist of the base. In base axes.
+#[derive(Debug, Clone, Copy)]
+pub struct JointEffect {
+    /// Turn of the body over the joint's position, and `w` over its rate.
+    pub turn: Vector3,
+    /// Shift of the point over the joint's position, and `v` over its rate.
+    pub shift: Vector3,
+    /// `w` over the joint's position.
+    pub w: Vector3,
+    /// `v` over the joint's position.
+    pub v: Vector3,
+}
+
+/// What a measurement is a function of.
+#[derive(Debug, Clone, Copy)]
+pub struct Scene<'a> {
+    /// Pose of the base.
+    pub pose: &'a BasePose,
+    /// Point of the sensor; for a relative kind the point that it sees.
+    pub point: &'a PointMotion,
+    /// Origin of the body from which a relative kind sees the point; the base for all other kinds.
+    pub from: &'a PointMotion,
+    /// Unit vector whose direction is measured, in N.
+    pub reference_N: Option<Vector3>,
+    /// Inertial acceleration of the point in base axes, m/s2. A caller that differentiates it otherwise leaves it out.
+    pub a_NP_B: Option<Vector3>,
+}
+
+/// Ideal value of a measurement.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Ideal {
+    /// Three numbers in the unit of the kind.
+    Vector(Vector3),
+    /// A rotation. Its changes are small turns in the axes of the body whose attitude it is.
+    Rotation(UnitQuaternion),
+}
+
+/// Ideal measurement with its derivatives.
+#[derive(Debug, Clone, Copy)]
+pub struct Measurement {
+    /// `h`.
+    pub value: Ideal,
+    /// Its rate of change per second, where pose and twist determine it.
+    pub rate: Option<Vector3>,
+    /// Derivative over the pose of the base, `[dphi_B, dp_N]`.
+    pub pose: SMatrix<f64, 3, 6>,
+    /// Derivative over the twist of the base, `[dv_NBo_B, dw_NB_B]`.
+    pub twist: SMatrix<f64, 3, 6>,
+}
+
+impl Measurement {
+    /// A value that does not depend on the base.
+    fn new(value: Ideal) -> Self {
+        Self {
+            value,
+            rate: None,
+            pose: SMatrix::zeros(),
+            twist: SMatrix::zeros(),
+        }
+    }
+}
+
+/// Derivatives of a measurement over one joint.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OverJoint {
+    /// Over its position.
+    pub position: Vector3,
+    /// Over its rate.
+    pub rate: Vector3,
+}
+
+impl OverJoint {
+    fn position(position: Vector3) -> Self {
+        Self {
+            position,
+            rate: Vector3::zeros(),
+        }
+    }
+}
+
+/// Which body of a measurement a joint carries. A joint that carries both bodies of a relative kind changes nothing.
+#[derive(Debug, Clone, Copy)]
+pub enum Carried<'a> {
+    /// That of the point.
+    Point(&'a JointEffect),
+    /// That from which the point is seen.
+    From(&'a JointEffect),
+}
+
+impl SensorKind {
+    /// Ideal measurement of a kind with axes; of a velocity increment the velocity, whose difference it is. `None` for
+    /// other kinds, and where the scene lacks what the kind measures.
+    pub fn measure(self, scene: &Scene) -> Option<Measurement> {
+        match self {
+            Self::Gyro => Some(gyro::measure(scene)),
+            Self::Attitude => Some(attitude::measure(scene)),
+            Self::Position => Some(position::measure(scene)),
+            Self::Velocity | Self::VelocityIncrement => Some(velocity::measure(scene)),
+            Self::Accelerometer => accelerometer::measure(scene),
+            Self::Direction => direction::measure(scene),
+            Self::RelativeAttitude => Some(relative_attitude::measure(scene)),
+            Self::RelativePosition => Some(relative_position::measure(scene)),
+            Self::JointPosition | Self::JointRate | Self::WheelSpeed | Self::Thrust => None,
+        }
+    }
+
+    /// Derivatives of [`Self::measure`] over a joint, at a constant twist of the base. `None` where there is no
+    /// measurement, and for an accelerometer: its derivatives are those of the equation of motion.
+    pub fn over_joint(self, scene: &Scene, joint: Carried) -> Option<OverJoint> {
+        match (self, joint) {
+            (Self::RelativeAttitude, joint) => Some(relative_attitude::over_joint(scene, joint)),
+            (Self::RelativePosition, joint) => Some(relative_position::over_joint(scene, joint)),
+            (_, Carried::From(_)) => None,
+            (Self::Gyro, Carried::Point(j)) => Some(gyro::over_joint(scene, j)),
+            (Self::Attitude, Carried::Point(j)) => Some(attitude::over_joint(scene, j)),
+            (Self::Position, Carried::Point(j)) => Some(position::over_joint(scene, j)),
+            (Self::Velocity | Self::VelocityIncrement, Carried::Point(j)) => {
+                Some(velocity::over_joint(scene, j))
+            }
+            (Self::Direction, Carried::Point(j)) => direction::over_joint(scene, j),
+            _ => None,
+        }
+    }
+}
+
+/// Two matrices side by side.
+fn beside(a: &Matrix3, b: &Matrix3) -> SMatrix<f64, 3, 6> {
+    let mut both = SMatrix::<f64, 3, 6>::zeros();
+    both.fixed_view_mut::<3, 3>(0, 0).copy_from(a);
+    both.fixed_view_mut::<3, 3>(0, 3).copy_from(b);
+    both
+}
+
+/// `M [a]x`.
+fn times_skew(M: &Matrix3, a: &Vector3) -> Matrix3 {
+    M * skew(a)
+}
