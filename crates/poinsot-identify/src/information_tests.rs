@@ -1,5 +1,6 @@
 //! Sensitivities of every kind of unknown against differences of chi-square.
 
+mod curves;
 mod inputs;
 mod known_columns;
 mod two_threads;

@@ -69,6 +69,28 @@ impl Setting<'_> {
             bends: self.bends,
         }
     }
+
+    /// The vehicle in a segment at one value of the unknowns; `tree` is [`tilted`] there.
+    pub fn vehicle<'v>(
+        &'v self,
+        tree: &'v Tree,
+        (index, segment): (usize, &Segment),
+        x: &[f64],
+    ) -> Vehicle<'v> {
+        let thrusters = self.thrusters;
+        let mut vehicle = Vehicle::new(tree, thrusters, self.parameters, self.nominal_spin, x);
+        vehicle.segment = index;
+        if vehicle.loses_mass() {
+            vehicle.impulse_before = impulse_before(self.segments, segment, thrusters.len());
+        }
+        vehicle.wheels_smooth = self.wheels_smooth;
+        vehicle.curves = self.curves.get(index);
+        vehicle.steps = self.steps(index);
+        let joints = self.noise.joint_position.iter();
+        let rates = &self.noise.joint_rate;
+        vehicle.noisy_joints = joints.zip(rates).map(|(q, r)| q + r > 0.0).collect();
+        vehicle
+    }
 }
 
 /// One sensor in one segment: whitened residuals.
@@ -193,23 +215,7 @@ fn evaluate_driven(
     carried: Option<CarriedColumns>,
 ) -> Option<Evaluated> {
     let tree = tilted(setting.tree, setting.parameters, x);
-    let mut vehicle = Vehicle::new(
-        &tree,
-        setting.thrusters,
-        setting.parameters,
-        setting.nominal_spin,
-        x,
-    );
-    vehicle.segment = index;
-    if vehicle.loses_mass() {
-        vehicle.impulse_before = impulse_before(setting.segments, segment, setting.thrusters.len());
-    }
-    vehicle.wheels_smooth = setting.wheels_smooth;
-    vehicle.curves = setting.curves.get(index);
-    vehicle.steps = setting.steps(index);
-    let joints = setting.noise.joint_position.iter();
-    let rates = &setting.noise.joint_rate;
-    vehicle.noisy_joints = joints.zip(rates).map(|(q, r)| q + r > 0.0).collect();
+    let vehicle = setting.vehicle(&tree, (index, segment), x);
     let (state, columns) = start(initial_state, unknown, x.len());
     let columns = if with_sensitivities {
         columns
@@ -322,7 +328,7 @@ impl<'a> SegmentComparison<'a> {
         self.now = k;
         let sensors = &self.segment.observations.sensors;
         let mut pairs = self.cursors.iter().zip(sensors);
-        let due = pairs.any(|(cursor, record)| cursor.is_due(record, k));
+        let due = pairs.any(|(cursor, record)| cursor.stream.is_due(record, k));
         let errs = !self.inputs.is_silent();
         if !due && !errs {
             return Some(());

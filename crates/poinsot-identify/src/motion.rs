@@ -26,7 +26,7 @@ pub(crate) use acceleration::BodyPoint;
 use acceleration::ForceScratch;
 pub(crate) use environment::GRADIENT;
 pub(crate) use mass_loss::impulse_before;
-pub(crate) use point_kinematics::{JointEffect, PointKinematics};
+pub(crate) use point_kinematics::PointKinematics;
 pub(crate) use steps::{Fineness, Grid, Steps};
 pub(crate) use variation::{Matrix6x12, pose_change};
 pub(crate) use vehicle::{Running, Vehicle, parabola_slope, slope_weights, tilted};
@@ -37,7 +37,9 @@ use chord::{Chord, ColumnChord};
 use grid::{TURN, gyration};
 use inputs::InputChange;
 use nalgebra::SVector;
-use poinsot_dynamics::{JointSlopes, Kinematics, Twist, composite, momentum, wheel_momentum};
+use poinsot_dynamics::{
+    JointEffect, JointSlopes, Kinematics, Twist, composite, momentum, wheel_momentum,
+};
 use poinsot_spatial::{
     InertialParameters, Matrix3, Matrix6, UnitQuaternion, Vector3, Vector6, parallel_axis,
 };
@@ -119,7 +121,7 @@ struct Spare {
     forces: Vec<Force>,
     chord: Chord,
     column_chord: ColumnChord,
-    effects: Vec<Vec<JointEffect>>,
+    effects: Vec<Vec<(usize, JointEffect)>>,
 }
 
 impl Spare {

@@ -107,7 +107,11 @@ fn dense(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> f64 {
             let instant = motion.velocity(&state, k).unwrap().0;
             let sensors = segment.observations.sensors.iter();
             let values: Vec<SensorValue> = sensors
-                .map(|r| ideal_measurement(r, &mut motion, (&state, k), &instant).0)
+                .map(|r| {
+                    ideal_measurement(r, &mut motion, (&state, k), &instant)
+                        .unwrap()
+                        .0
+                })
                 .collect();
             all.push(values);
             if k + 1 < samples {

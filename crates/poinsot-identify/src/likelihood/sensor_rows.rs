@@ -4,10 +4,10 @@ use super::whitener::NoiseWhitener;
 use super::{ChannelResidual, SegmentComparison};
 use crate::motion::{Instant, Motion, State};
 use crate::problem::parameters::{Parameters, UnknownKind};
-use crate::problem::segment::{SensorRecord, SensorSample, SensorValue};
-use crate::sensors::{PredictedMeasurement, across, predict};
+use crate::problem::segment::{SensorRecord, SensorValue};
+use crate::sensors::{DueSample, Predictor, SampleStream, across};
 use poinsot_dynamics::{SensorError, SensorErrors};
-use poinsot_model::{SensorKind, printed_unit};
+use poinsot_model::printed_unit;
 use poinsot_spatial::{Matrix3, Vector3};
 
 /// State of one sensor during an evaluation.
@@ -15,12 +15,7 @@ pub(super) struct SensorCursor {
     pub errors: SensorErrors,
     /// Whether its lag is unknown.
     pub late: bool,
-    /// Index of the next sample.
-    next: usize,
-    /// Grid time and prediction where the increment in hand began.
-    began: Option<(usize, PredictedMeasurement)>,
-    /// Place of an increment among those of the segment.
-    increment: usize,
+    pub stream: SampleStream,
     whitener: NoiseWhitener,
     pub channel: ChannelResidual,
     /// The errors that are unknown: column, error.
@@ -35,8 +30,8 @@ impl SensorCursor {
         x: &[f64],
         initial_columns: usize,
     ) -> Vec<Self> {
-        let mut increments = 0;
-        let one = |(sensor, record): (usize, &SensorRecord)| {
+        let streams = SampleStream::all(records);
+        let one = |((sensor, record), stream): ((usize, &SensorRecord), SampleStream)| {
             let columns = parameters.unknowns.iter().enumerate();
             let unknown: Vec<(usize, SensorError)> = columns
                 .filter_map(|(u, unknown)| match unknown.kind {
@@ -46,14 +41,10 @@ impl SensorCursor {
                     _ => None,
                 })
                 .collect();
-            let increment = increments;
-            increments += usize::from(record.kind == SensorKind::VelocityIncrement);
             Self {
                 errors: parameters.sensor_errors(x, record.sensor),
                 late: unknown.iter().any(|u| u.1 == SensorError::Lag),
-                next: 0,
-                began: None,
-                increment,
+                stream,
                 whitener: NoiseWhitener::new(record.correlation_s),
                 channel: ChannelResidual {
                     sensor,
@@ -65,13 +56,7 @@ impl SensorCursor {
                 unknown,
             }
         };
-        records.iter().enumerate().map(one).collect()
-    }
-
-    /// Whether the sensor has a sample, or an increment that begins, at grid time k.
-    pub fn is_due(&self, record: &SensorRecord, k: usize) -> bool {
-        let mut next = record.samples.iter().skip(self.next).take(2);
-        next.any(|s| s.to == k || s.from == k)
+        records.iter().enumerate().zip(streams).map(one).collect()
     }
 }
 
@@ -105,73 +90,29 @@ impl SegmentComparison<'_> {
         (state, k): (&State, usize),
         instant: &Instant,
     ) {
-        let record = &self.segment.observations.sensors[i];
-        if !self.cursors[i].is_due(record, k) {
-            return;
-        }
-        let next = record.samples.get(self.cursors[i].next);
-        let here = next.filter(|s| s.to == k).copied();
-        self.cursors[i].next += usize::from(here.is_some());
-        let spare = &mut self.spare;
-        let predicted = predict(record, motion, (state, k), instant, &self.inputs, spare);
-        let Some(mut now) = predicted else {
-            return;
+        let around = Predictor {
+            observations: &self.segment.observations,
+            ideal: &self.ideal,
+            inputs: &self.inputs,
+            spare: &mut self.spare,
         };
-        if record.kind != SensorKind::VelocityIncrement {
-            if let Some(sample) = here {
-                let own = self.ideal.rate(i, &self.segment.observations.time_s, k);
-                let rate = now.rate.unwrap_or(own);
-                self.compare(i, &sample, now, &rate);
-            }
-            return;
+        let stream = &mut self.cursors[i].stream;
+        if let Some(due) = stream.at(around, motion, (state, k), instant) {
+            self.compare(i, due);
         }
-        let which = self.cursors[i].increment;
-        let began = self.cursors[i].began.take();
-        let errors = std::mem::take(&mut now.errors);
-        let spare = &mut self.spare;
-        if let (Some(sample), Some((from, before))) = (here, &began)
-            && sample.from == *from
-        {
-            let t = &self.segment.observations.time_s;
-            let rate = self.ideal.rate(i, t, k) - self.ideal.rate(i, t, *from);
-            let (mut columns, mut less) = (spare.take(), spare.take());
-            let pairs = now.columns.iter().zip(&before.columns);
-            columns.extend(pairs.map(|(b, a)| b - a));
-            less.extend_from_slice(&errors);
-            self.inputs.less_kept(which, &mut less);
-            let increment = PredictedMeasurement {
-                value: SensorValue::Vector(now.vector() - before.vector()),
-                rate: None,
-                columns,
-                errors: less,
-                gains: spare.take(),
-            };
-            self.compare(i, &sample, increment, &rate);
-        }
-        self.inputs.keep(which, &errors);
-        self.spare.give_back(errors);
-        if let Some((_, before)) = began {
-            self.spare.give_back(before.columns);
-            self.spare.give_back(before.gains);
-        }
-        self.cursors[i].began = Some((k, now));
+        let stream = &mut self.cursors[i].stream;
+        stream.end(k, &mut self.inputs, &mut self.spare);
     }
 
     /// Three rows: measured against predicted.
-    fn compare(
-        &mut self,
-        i: usize,
-        sample: &SensorSample,
-        predicted: PredictedMeasurement,
-        rate: &Vector3,
-    ) {
+    fn compare(&mut self, i: usize, due: DueSample) {
         let record = &self.segment.observations.sensors[i];
-        let cursor = &self.cursors[i];
-        let mut new = difference(cursor, sample, predicted, rate);
+        let at = due.sample.to;
+        let mut new = difference(&self.cursors[i], due);
         let residual = new.residual;
         let mut rows = std::mem::take(&mut new.columns);
         rows.push(residual);
-        self.coloured(i, sample.to, &mut rows, &mut new.errors);
+        self.coloured(i, at, &mut rows, &mut new.errors);
         let sensor = &record.covariance;
         let common = self
             .joint_rates
@@ -204,16 +145,16 @@ impl SegmentComparison<'_> {
     }
 }
 
-fn difference(
-    cursor: &SensorCursor,
-    sample: &SensorSample,
-    predicted: PredictedMeasurement,
-    rate: &Vector3,
-) -> Difference {
+fn difference(cursor: &SensorCursor, due: DueSample) -> Difference {
     let errors = &cursor.errors;
+    let DueSample {
+        sample,
+        predicted,
+        rate,
+    } = due;
     let (x, residual) = (
         predicted.vector(),
-        predicted.residual(&sample.value, errors, rate),
+        predicted.residual(&sample.value, errors, &rate),
     );
     let mut new = Difference {
         residual,
@@ -229,7 +170,7 @@ fn difference(
     }
     if !new.columns.is_empty() {
         for (column, error) in &cursor.unknown {
-            new.columns[*column] += errors.slope(*error, &x, rate);
+            new.columns[*column] += errors.slope(*error, &x, &rate);
         }
     }
     if let SensorValue::Direction { normal_B, .. } = &sample.value {

@@ -8,13 +8,13 @@ use crate::fit::fit_starts;
 use crate::likelihood::{ChannelResidual, InitialState, start};
 use crate::methods::linear::{linear, solve_linear};
 use crate::methods::maximum_likelihood::{FinishedFit, solve};
-use crate::motion::{Instant, Motion, State, impulse_before};
-use crate::motion::{Vehicle, tilted};
+use crate::motion::input_noise::InputNoise;
+use crate::motion::{Motion, State, Vehicle, tilted};
 use crate::problem::parameters::{Equations, Parameters, ParametersError};
 use crate::problem::segment::{Firing, Segment, SensorRecord, SensorValue};
 use crate::problem::settings::Settings;
 use crate::problem::{Problem, ProblemError};
-use crate::sensors::{IdealSeries, across, ideal_measurement, measurement_error, vector};
+use crate::sensors::{DueSample, IdealSeries, Predictor, SampleStream, SpareVectors, across};
 use crate::solution::estimate::Estimate;
 use poinsot_dynamics::{Kinematics, SensorErrors, composite, momentum, wheel_momentum};
 use poinsot_model::{SensorKind, printed_unit};
@@ -220,20 +220,7 @@ fn segment(
     let segment = &problem.segments[at];
     let setting = experiment.setting();
     let tree = tilted(problem.tree, experiment.parameters, x);
-    let mut vehicle = Vehicle::new(
-        &tree,
-        &experiment.thrusters,
-        experiment.parameters,
-        &experiment.nominal_spin,
-        x,
-    );
-    vehicle.wheels_smooth = setting.wheels_smooth;
-    vehicle.curves = setting.curves.get(at);
-    vehicle.steps = setting.steps(at);
-    if vehicle.loses_mass() {
-        vehicle.impulse_before =
-            impulse_before(problem.segments, segment, problem.model.thrusters.len());
-    }
+    let vehicle = setting.vehicle(&tree, (at, segment), x);
     let (mut state, _) = start(initial_state, experiment.unknown[at], x.len());
     let mut motion = Motion::new(&vehicle, segment, Vec::new(), 0);
     let late: Vec<bool> = segment
@@ -244,12 +231,21 @@ fn segment(
         .collect();
     let ideal = IdealSeries::new(&vehicle, segment, &state, &late)?;
     let mut recorder = Recorder::new(segment, experiment.parameters, x, points);
+    let (silent, mut spare) = (InputNoise::default(), SpareVectors::default());
     let samples = segment.observations.time_s.len();
     for k in 0..samples {
         let (instant, _) = motion.velocity(&state, k)?;
         recorder.motion_at((&vehicle, motion.used()), &state, &instant.twist.w, k);
-        for i in 0..recorder.all.len() {
-            recorder.sample(i, &mut motion, (&state, k), &instant, &ideal);
+        for one in &mut recorder.all {
+            let around = Predictor {
+                observations: &segment.observations,
+                ideal: &ideal,
+                inputs: &silent,
+                spare: &mut spare,
+            };
+            if let Some(due) = one.stream.at(around, &mut motion, (&state, k), &instant) {
+                one.sample(&segment.observations.time_s, &due);
+            }
         }
         if k + 1 < samples {
             state = motion.advance(&state, k)?;
@@ -284,11 +280,47 @@ type Inputs<'a> = (&'a [f64], &'a [f64], &'a [f64], &'a [InertialParameters]);
 /// One sensor in the course of a segment.
 struct SensorCursor {
     errors: SensorErrors,
-    next: usize,
+    stream: SampleStream,
     sieve: Decimator,
-    /// Grid time and reading where the increment in hand began.
-    began: Option<(usize, Vector3)>,
     channel: PredictedChannel,
+}
+
+impl SensorCursor {
+    /// A sample of the sensor at the times of a grid.
+    fn sample(&mut self, time_s: &[f64], due: &DueSample) {
+        if !self.sieve.keeps() {
+            return;
+        }
+        let DueSample {
+            sample,
+            predicted,
+            rate,
+        } = due;
+        let residual = predicted.residual(&sample.value, &self.errors, rate);
+        let reading = self.errors.reading(&predicted.vector(), rate);
+        let (t, channel) = (time_s[sample.to], &mut self.channel);
+        match (&sample.value, &predicted.value) {
+            (SensorValue::Attitude(measured), SensorValue::Attitude(truth)) => {
+                let expected = truth * UnitQuaternion::from_scaled_axis(reading);
+                let own = xyzw(measured, last(&channel.measured));
+                channel.push(t, &own, &xyzw(&expected, Some(own)), &residual);
+            }
+            (
+                SensorValue::Direction {
+                    seen_B, normal_B, ..
+                },
+                _,
+            ) => {
+                let residual = across(normal_B) * residual;
+                channel.push(t, &three(seen_B), &three(&reading), &residual);
+            }
+            (SensorValue::Vector(measured), _) => {
+                channel.push(t, &three(measured), &three(&reading), &residual);
+            }
+            // A record of mixed values has no meaning.
+            _ => {}
+        }
+    }
 }
 
 struct Recorder<'a> {
@@ -311,11 +343,10 @@ impl<'a> Recorder<'a> {
         let momentum = channel("momentum", ["N m s"; 2], &["h_x", "h_y", "h_z"]);
         let rates: Vec<(usize, Vector3)> = o.rates().collect();
         let gyro = o.best_gyro().and_then(|r| r.sensor);
-        let cursor = |record: &SensorRecord| SensorCursor {
+        let cursor = |(record, stream): (&SensorRecord, SampleStream)| SensorCursor {
             errors: parameters.sensor_errors(x, record.sensor),
-            next: 0,
+            stream,
             sieve: Decimator::new(record.samples.len(), points),
-            began: None,
             channel: PredictedChannel {
                 samples: record.samples.len(),
                 ..sensor_channel(record)
@@ -323,7 +354,12 @@ impl<'a> Recorder<'a> {
         };
         Self {
             segment,
-            all: o.sensors.iter().map(cursor).collect(),
+            all: o
+                .sensors
+                .iter()
+                .zip(SampleStream::all(&o.sensors))
+                .map(cursor)
+                .collect(),
             sieves: [o.time_s.len(), rates.len()].map(|n| Decimator::new(n, points)),
             gyro: (rates, parameters.sensor_errors(x, gyro)),
             next_rate: 0,
@@ -362,73 +398,6 @@ impl<'a> Recorder<'a> {
         self.next_rate += 1;
         if self.sieves[MOMENTUM].keeps() {
             self.momentum_point((vehicle, inputs), state, (&measured, w), k);
-        }
-    }
-
-    /// The sample of one sensor at grid time k, and where its next interval begins.
-    fn sample(
-        &mut self,
-        i: usize,
-        motion: &mut Motion,
-        (state, k): (&State, usize),
-        instant: &Instant,
-        ideal: &IdealSeries,
-    ) {
-        let o = &self.segment.observations;
-        let (record, one) = (&o.sensors[i], &mut self.all[i]);
-        let here = record.samples.get(one.next).filter(|s| s.to == k);
-        one.next += usize::from(here.is_some());
-        let increments = record.kind == SensorKind::VelocityIncrement;
-        let begins = increments && record.samples.get(one.next).is_some_and(|s| s.from == k);
-        let kept = here.filter(|_| one.sieve.keeps());
-        if kept.is_none() && !begins {
-            return;
-        }
-        let (value, rate) = ideal_measurement(record, motion, (state, k), instant);
-        let rate = rate.unwrap_or_else(|| ideal.rate(i, &o.time_s, k));
-        let reading = one.errors.reading(&vector(&value), &rate);
-        let clear = reading - one.errors.bias;
-        let began = one.began.take();
-        if begins {
-            one.began = Some((k, clear));
-        }
-        let Some(sample) = kept else { return };
-        let t = o.time_s[k];
-        match (sample.value, value) {
-            (SensorValue::Attitude(measured), SensorValue::Attitude(truth)) => {
-                let expected = truth * UnitQuaternion::from_scaled_axis(reading);
-                let own = xyzw(&measured, last(&one.channel.measured));
-                let residual = measurement_error(&value, &sample.value) - reading;
-                one.channel
-                    .push(t, &own, &xyzw(&expected, Some(own)), &residual);
-            }
-            (
-                SensorValue::Direction {
-                    seen_B, normal_B, ..
-                },
-                _,
-            ) => {
-                one.channel.push(
-                    t,
-                    &three(&seen_B),
-                    &three(&reading),
-                    &(across(&normal_B) * (seen_B - reading)),
-                );
-            }
-            (SensorValue::Vector(measured), _) => {
-                let expected = match (increments, began) {
-                    (false, _) => reading,
-                    (true, Some((from, before))) if from == sample.from => reading - before,
-                    (true, _) => return,
-                };
-                one.channel.push(
-                    t,
-                    &three(&measured),
-                    &three(&expected),
-                    &(measured - expected),
-                );
-            }
-            _ => {}
         }
     }
 

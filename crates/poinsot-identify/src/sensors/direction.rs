@@ -1,42 +1,6 @@
-//! Direction of a vector known in N, seen from a body: sun sensor, magnetometer.
+//! Residuals of a measured direction.
 
-use super::{IdealMeasurement, JointSlope, MeasurementJacobian, attitude};
-use crate::motion::{PointKinematics, State};
-use crate::problem::segment::SensorValue;
-use nalgebra::SMatrix;
-use poinsot_spatial::{Matrix3, Vector3, skew};
-
-/// `d_Bi = R_NBi^T d_N`; a small turn `a` of the body changes it by `d_Bi x a`.
-pub(super) fn measure(
-    place: &PointKinematics,
-    state: &State,
-    (body, reference_N): (usize, &Vector3),
-    list: Vec<JointSlope>,
-) -> Option<IdealMeasurement> {
-    let IdealMeasurement {
-        value: SensorValue::Attitude(R_NBi),
-        rate: Some(w_NBi_Bi),
-        mut slopes,
-    } = attitude::measure(place, state, body, list)
-    else {
-        return None;
-    };
-    let d = R_NBi.inverse() * reference_N;
-    let turned = skew(&d);
-    for (_, turn, rate) in &mut slopes.joints {
-        (*turn, *rate) = (turned * *turn, Vector3::zeros());
-    }
-    Some(IdealMeasurement {
-        value: SensorValue::Vector(d),
-        // The reference is constant between two samples.
-        rate: Some(d.cross(&w_NBi_Bi)),
-        slopes: MeasurementJacobian {
-            pose: turned * slopes.pose,
-            twist: SMatrix::zeros(),
-            joints: slopes.joints,
-        },
-    })
-}
+use poinsot_spatial::{Matrix3, Vector3};
 
 /// Takes a vector to two axes across a direction; its component along the direction is lost.
 ///

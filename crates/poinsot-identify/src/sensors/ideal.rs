@@ -4,23 +4,12 @@ use super::{ideal_measurement, vector};
 use crate::motion::{Motion, State};
 use crate::motion::{Vehicle, parabola_slope};
 use crate::problem::segment::Segment;
-use poinsot_model::SensorKind;
 use poinsot_spatial::Vector3;
 
 /// Ideal measurements at all grid times, one series per sensor; empty if not requested.
 #[derive(Default)]
 pub(crate) struct IdealSeries {
     series: Vec<Vec<Vector3>>,
-}
-
-/// Whether the state determines the rate of change of a kind's measurement.
-fn knows_rate(kind: SensorKind) -> bool {
-    let of_pose = [
-        SensorKind::Attitude,
-        SensorKind::Position,
-        SensorKind::Direction,
-    ];
-    kind.is_relative() || of_pose.contains(&kind)
 }
 
 impl IdealSeries {
@@ -33,22 +22,23 @@ impl IdealSeries {
         wanted: &[bool],
     ) -> Option<Self> {
         let o = &segment.observations;
-        let asked =
-            |(w, r): (&bool, &crate::problem::segment::SensorRecord)| *w && !knows_rate(r.kind);
-        let wanted: Vec<bool> = wanted.iter().zip(&o.sensors).map(asked).collect();
         let mut series = vec![Vec::new(); o.sensors.len()];
-        if !wanted.contains(&true) {
-            return Some(Self { series });
-        }
+        let mut wanted = wanted.to_vec();
         let mut motion = Motion::new(vehicle, segment, Vec::new(), 0);
         let samples = o.time_s.len();
         let mut state = *start;
         for k in 0..samples {
+            if !wanted.contains(&true) {
+                break;
+            }
             let (instant, _) = motion.velocity(&state, k)?;
-            let all = o.sensors.iter().zip(&mut series).zip(&wanted);
-            for ((record, series), _) in all.filter(|(_, w)| **w) {
-                let (value, _) = ideal_measurement(record, &mut motion, (&state, k), &instant);
-                series.push(vector(&value));
+            let all = o.sensors.iter().zip(&mut series).zip(&mut wanted);
+            for ((record, series), wanted) in all.filter(|(_, wanted)| **wanted) {
+                // The state determines most rates: no series is needed.
+                match ideal_measurement(record, &mut motion, (&state, k), &instant) {
+                    Some((value, None)) => series.push(vector(&value)),
+                    _ => *wanted = false,
+                }
             }
             if k + 1 < samples {
                 state = motion.advance(&state, k)?;

@@ -1,74 +1,50 @@
-//! Measurement models: one file a kind, one interface.
+//! Predicted measurements: the models of `poinsot-dynamics` at the motion of the estimate.
 //!
 //! A kind gives the ideal measurement at an instant, and its derivatives over pose, base twist and joints
-//! ([`IdealMeasurement`]: `h`, `H_x`, `H_u`). [`predict`] converts them to derivatives over every unknown and every
+//! ([`SensorKind::measure`]: `h`, `H_x`, `H_u`). [`predict`] converts them to derivatives over every unknown and every
 //! input error. Sensor errors (`H_theta`) are added by one model for all: [`SensorErrors`].
 
 mod accelerometer;
-mod attitude;
 mod direction;
-mod gyro;
 mod ideal;
-mod position;
-mod relative;
-mod velocity;
+mod stream;
 
 pub(crate) use direction::across;
 pub(crate) use ideal::IdealSeries;
+pub(crate) use stream::{DueSample, Predictor, SampleStream};
 
 use crate::motion::input_noise::InputNoise;
-use crate::motion::{Column, Instant, Motion, PointKinematics, State, matrix, small_rotation};
+use crate::motion::{Column, Instant, Motion, PointKinematics, State, small_rotation};
 use crate::problem::segment::{SensorRecord, SensorValue};
 use nalgebra::SMatrix;
-use poinsot_dynamics::SensorErrors;
+use poinsot_dynamics::{
+    BasePose, Carried, Ideal, JointEffect, Measurement, OverJoint, Scene, SensorErrors,
+};
 use poinsot_model::SensorKind;
-use poinsot_spatial::{Matrix3, Vector3, Vector6};
+use poinsot_spatial::{Vector3, Vector6};
 
-/// Ideal measurement at an instant.
-pub(crate) struct IdealMeasurement {
-    pub value: SensorValue,
-    /// Its rate of change, if the state determines it.
-    pub rate: Option<Vector3>,
-    pub slopes: MeasurementJacobian,
+/// Ideal measurement at an instant, with its derivatives over joints, sorted by joint.
+struct IdealMeasurement {
+    measured: Measurement,
+    joints: Vec<(usize, OverJoint)>,
 }
 
-/// Slopes of a reading; of an attitude, of the small turn in the axes of the sensor's body.
-#[derive(Default)]
-pub(crate) struct MeasurementJacobian {
-    /// Over `[dphi_B, dp_N]` of the base.
-    pub pose: SMatrix<f64, 3, 6>,
-    /// Over `[dv_NBo_B, dw_NB_B]`.
-    pub twist: SMatrix<f64, 3, 6>,
-    /// Over joints, all else held; sorted by joint.
-    pub joints: Vec<JointSlope>,
-}
-
-/// Joint, slope over its position, slope over its rate.
-type JointSlope = (usize, Vector3, Vector3);
-
-impl MeasurementJacobian {
-    fn new(pose: [&Matrix3; 2], twist: [&Matrix3; 2]) -> Self {
-        let side_by_side = |[a, b]: [&Matrix3; 2]| {
-            let mut both = SMatrix::<f64, 3, 6>::zeros();
-            both.fixed_view_mut::<3, 3>(0, 0).copy_from(a);
-            both.fixed_view_mut::<3, 3>(0, 3).copy_from(b);
-            both
-        };
-        Self {
-            pose: side_by_side(pose),
-            twist: side_by_side(twist),
-            joints: Vec::new(),
+impl IdealMeasurement {
+    fn value(&self) -> SensorValue {
+        match self.measured.value {
+            Ideal::Vector(x) => SensorValue::Vector(x),
+            Ideal::Rotation(R) => SensorValue::Attitude(R),
         }
     }
 
-    /// Changes of the reading with changes of state and base twist. Most kinds depend on one of the two alone.
+    /// Changes of the measurement with changes of state and base twist. Most kinds depend on one of the two alone.
     fn along<'a>(
         &self,
         changes: impl Iterator<Item = (&'a Column, &'a Vector6)>,
         mut out: Vec<Vector3>,
     ) -> Vec<Vector3> {
         let nothing = SMatrix::<f64, 3, 6>::zeros();
-        let (pose, twist) = (&self.pose, &self.twist);
+        let (pose, twist) = (&self.measured.pose, &self.measured.twist);
         match (*pose == nothing, *twist == nothing) {
             (true, _) => out.extend(changes.map(|(_, V)| twist * V)),
             (_, true) => out.extend(changes.map(|(x, _)| pose * x.fixed_rows::<6>(0))),
@@ -82,7 +58,7 @@ impl MeasurementJacobian {
 #[derive(Default)]
 pub(crate) struct SpareVectors {
     lists: Vec<Vec<Vector3>>,
-    joints: Vec<JointSlope>,
+    joints: Vec<(usize, OverJoint)>,
 }
 
 impl SpareVectors {
@@ -97,7 +73,7 @@ impl SpareVectors {
     }
 
     /// An empty list of slopes over joints; there is one.
-    fn take_joints(&mut self) -> Vec<JointSlope> {
+    fn take_joints(&mut self) -> Vec<(usize, OverJoint)> {
         let mut joints = std::mem::take(&mut self.joints);
         joints.clear();
         joints
@@ -156,58 +132,68 @@ pub(crate) fn measurement_error(truth: &SensorValue, measured: &SensorValue) -> 
 }
 
 /// Ideal measurement of the pose or its rate; of an increment, the velocity. `None` for an accelerometer, whose
-/// measurement is no function of pose, twist and joints.
+/// measurement is no function of pose, twist and joints, and for a direction without reference.
 fn measure(
     record: &SensorRecord,
     motion: &mut Motion,
     (state, k): (&State, usize),
     instant: &Instant,
-    joints: Vec<JointSlope>,
+    mut joints: Vec<(usize, OverJoint)>,
 ) -> Option<IdealMeasurement> {
     if record.kind == SensorKind::Accelerometer {
         return None;
     }
     let place = motion.place(&instant.twist, (record.body, &record.p_BoS_B));
-    let R_NB = matrix(&state.R_NB);
-    let seen = match record.kind {
-        SensorKind::Gyro => Some(gyro::measure(&place, joints)),
-        SensorKind::Attitude => Some(attitude::measure(&place, state, record.body, joints)),
-        SensorKind::Direction => record
-            .reference_N(k)
-            .and_then(|d_N| direction::measure(&place, state, (record.body, &d_N), joints)),
-        SensorKind::Position => Some(position::measure(&place, state, &R_NB, joints)),
-        SensorKind::RelativeAttitude | SensorKind::RelativePosition => {
-            let from = motion.place(&instant.twist, (record.seen_from, &Vector3::zeros()));
-            let seen = match record.kind {
-                SensorKind::RelativeAttitude => relative::attitude(&place, &from, joints),
-                _ => relative::position(&place, &from, joints),
-            };
-            motion.leave(from);
-            Some(seen)
-        }
-        SensorKind::Velocity | SensorKind::VelocityIncrement => {
-            Some(velocity::measure(&place, &R_NB, joints))
-        }
-        _ => None,
+    let from = motion.place(&instant.twist, (record.seen_from, &Vector3::zeros()));
+    let pose = BasePose {
+        R_NB: state.R_NB,
+        p_NoBo_N: state.p_NoBo_N,
     };
+    let scene = Scene {
+        pose: &pose,
+        point: &place.point,
+        from: &from.point,
+        reference_N: record.reference_N(k),
+        a_NP_B: None,
+    };
+    let measured = record.kind.measure(&scene);
+    let over = |(joint, effect)| Some((joint, record.kind.over_joint(&scene, effect)?));
+    joints.extend(alone(&place, &from).filter_map(|(k, j)| over((k, Carried::Point(j)))));
+    if record.kind.is_relative() {
+        joints.extend(alone(&from, &place).filter_map(|(k, j)| over((k, Carried::From(j)))));
+        joints.sort_unstable_by_key(|joint| joint.0);
+    }
     motion.leave(place);
-    seen
+    motion.leave(from);
+    Some(IdealMeasurement {
+        measured: measured?,
+        joints,
+    })
 }
 
-/// Ideal measurement at grid time k, and its rate if the state determines it.
+/// Joints that carry one body and not the other one.
+fn alone<'a>(
+    one: &'a PointKinematics,
+    other: &'a PointKinematics,
+) -> impl Iterator<Item = (usize, &'a JointEffect)> {
+    let apart = |joint: usize| other.joints.binary_search_by_key(&joint, |j| j.0).is_err();
+    let all = one.joints.iter().map(|(joint, effect)| (*joint, effect));
+    all.filter(move |(joint, _)| apart(*joint))
+}
+
+/// Ideal measurement at grid time k, and its rate if the state determines it; `None` if it is unknown.
 pub(crate) fn ideal_measurement(
     record: &SensorRecord,
     motion: &mut Motion,
     (state, k): (&State, usize),
     instant: &Instant,
-) -> (SensorValue, Option<Vector3>) {
-    match measure(record, motion, (state, k), instant, Vec::new()) {
-        Some(seen) => (seen.value, seen.rate),
-        None => {
-            let force = accelerometer::value(record, motion, (state, k), instant);
-            (SensorValue::Vector(force), None)
-        }
+) -> Option<(SensorValue, Option<Vector3>)> {
+    if record.kind == SensorKind::Accelerometer {
+        let force = accelerometer::value(record, motion, (state, k), instant);
+        return Some((SensorValue::Vector(force), None));
     }
+    let seen = measure(record, motion, (state, k), instant, Vec::new())?;
+    Some((seen.value(), seen.measured.rate))
 }
 
 /// Ideal measurement at grid time k with its derivatives; `None` if it is unknown.
@@ -219,65 +205,45 @@ pub(crate) fn predict(
     inputs: &InputNoise,
     spare: &mut SpareVectors,
 ) -> Option<PredictedMeasurement> {
-    let Some(IdealMeasurement {
-        value,
-        rate,
-        slopes,
-    }) = measure(record, motion, (state, k), instant, spare.take_joints())
-    else {
+    if record.kind == SensorKind::Accelerometer {
         return accelerometer::predict(record, motion, (state, k), instant, inputs, spare);
-    };
-    let mut columns = slopes.along(motion.sensitivities(), spare.take());
-    let mut errors = slopes.along(inputs.columns.iter().zip(&inputs.twists), spare.take());
+    }
+    let seen = measure(record, motion, (state, k), instant, spare.take_joints())?;
+    let mut columns = seen.along(motion.sensitivities(), spare.take());
+    let mut errors = seen.along(inputs.columns.iter().zip(&inputs.twists), spare.take());
     let mut gains = spare.take();
-    gains.extend(inputs.rate_gain.iter().map(|gain| slopes.twist * gain));
-    if !slopes.joints.is_empty() {
+    let twist = &seen.measured.twist;
+    gains.extend(inputs.rate_gain.iter().map(|gain| twist * gain));
+    if !seen.joints.is_empty() {
         let of = |joint: usize| {
-            let found = slopes.joints.binary_search_by_key(&joint, |s| s.0);
-            slopes.joints.get(found.ok()?)
+            let found = seen.joints.binary_search_by_key(&joint, |s| s.0);
+            Some(seen.joints.get(found.ok()?)?.1)
         };
         if !columns.is_empty() {
             for (column, joint, dq, drate) in motion.joint_changes() {
-                if let Some((_, position, rate)) = of(joint) {
-                    columns[column] += position * dq + rate * drate;
+                if let Some(over) = of(joint) {
+                    columns[column] += over.position * dq + over.rate * drate;
                 }
             }
         }
         for (at, joint, dq, drate) in inputs.at_once(k) {
-            if let Some((_, position, rate)) = of(joint) {
-                errors[at] += position * dq + rate * drate;
+            if let Some(over) = of(joint) {
+                errors[at] += over.position * dq + over.rate * drate;
             }
         }
-        for (joint, _, rate) in &slopes.joints {
+        for (joint, over) in &seen.joints {
             if let Some(gain) = gains.get_mut(*joint) {
-                *gain += rate;
+                *gain += over.rate;
             }
         }
     }
-    spare.joints = slopes.joints;
-    Some(PredictedMeasurement {
-        value,
-        rate,
+    let predicted = PredictedMeasurement {
+        value: seen.value(),
+        rate: seen.measured.rate,
         columns,
         errors,
         gains,
-    })
-}
-
-/// `[a]x` applied from the right: `M [a]x`.
-fn times_skew(M: &Matrix3, a: &Vector3) -> Matrix3 {
-    M * poinsot_spatial::skew(a)
-}
-
-/// The joints' part of slopes, in an empty list.
-fn joints(
-    place: &PointKinematics,
-    mut list: Vec<JointSlope>,
-    of: impl Fn(&crate::motion::JointEffect) -> (Vector3, Vector3),
-) -> Vec<JointSlope> {
-    list.extend(place.joints.iter().map(|joint| {
-        let (position, rate) = of(joint);
-        (joint.joint, position, rate)
-    }));
-    list
+    };
+    spare.joints = seen.joints;
+    Some(predicted)
 }
