@@ -523,8 +523,6 @@ fn refuse_noiseless(sensor: &Sensor, of_its_kind: usize) -> Result<(), BindError
 
 /// Whether any error of a sensor is declared unknown.
 fn asks(sensor: &Sensor) -> bool {
-    let groups = ErrorGroup::of(sensor.kind).iter();
-    groups
-        .into_iter()
-        .any(|g| (g.declared)(sensor) != Nuisance::Known)
+    let mut groups = ErrorGroup::of(sensor.kind);
+    groups.any(|g| (g.declared)(sensor) != Nuisance::Known)
 }

@@ -111,7 +111,7 @@ fn errors(
             continue;
         };
         let here = format!("{key}.{name}");
-        let group = ErrorGroup::of(sensor.kind).iter().find(|g| g.key == what);
+        let group = ErrorGroup::of(sensor.kind).find(|g| g.key == what);
         match group {
             None => planner.refuse(
                 "E0507",

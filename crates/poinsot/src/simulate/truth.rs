@@ -82,7 +82,7 @@ impl Drawn<'_> {
                     }
                 }
             }
-            let groups = ErrorGroup::of(sensor.kind).iter();
+            let groups = ErrorGroup::of(sensor.kind);
             for group in groups.filter(|g| g.key != "bias") {
                 for (error, end) in group.errors {
                     let value = self.recorder.error(i, *error);

@@ -15,7 +15,7 @@ pub struct ErrorGroup {
     pub declared: fn(&Sensor) -> Nuisance,
 }
 
-const BIAS: ErrorGroup = ErrorGroup {
+static BIAS: ErrorGroup = ErrorGroup {
     key: "bias",
     errors: &[
         (SensorError::Bias(0), "bias_x"),
@@ -24,7 +24,7 @@ const BIAS: ErrorGroup = ErrorGroup {
     ],
     declared: |s| s.bias,
 };
-const SCALE: ErrorGroup = ErrorGroup {
+static SCALE: ErrorGroup = ErrorGroup {
     key: "scale",
     errors: &[
         (SensorError::Scale(0), "scale_x"),
@@ -33,7 +33,7 @@ const SCALE: ErrorGroup = ErrorGroup {
     ],
     declared: |s| s.scale,
 };
-const MISALIGNMENT: ErrorGroup = ErrorGroup {
+static MISALIGNMENT: ErrorGroup = ErrorGroup {
     key: "misalignment",
     errors: &[
         (SensorError::Misalignment(0), "misalignment_x"),
@@ -42,7 +42,7 @@ const MISALIGNMENT: ErrorGroup = ErrorGroup {
     ],
     declared: |s| s.misalignment,
 };
-const NONORTHOGONALITY: ErrorGroup = ErrorGroup {
+static NONORTHOGONALITY: ErrorGroup = ErrorGroup {
     key: "nonorthogonality",
     errors: &[
         (SensorError::Nonorthogonality(0), "nonorthogonality_yz"),
@@ -51,22 +51,18 @@ const NONORTHOGONALITY: ErrorGroup = ErrorGroup {
     ],
     declared: |s| s.nonorthogonality,
 };
-const LAG: ErrorGroup = ErrorGroup {
+static LAG: ErrorGroup = ErrorGroup {
     key: "lag",
     errors: &[(SensorError::Lag, "lag")],
     declared: |s| s.lag,
 };
 
 impl ErrorGroup {
-    /// Possible errors of a sensor with three axes of this kind; none of joint, wheel and thrust sensors. An attitude
-    /// has a bias and a lag. A direction has no scale.
-    pub fn of(kind: SensorKind) -> &'static [Self] {
-        match kind {
-            kind if kind.is_scalar() => &[],
-            kind if kind.is_rotation() => &[BIAS, LAG],
-            SensorKind::Direction => &[BIAS, MISALIGNMENT, LAG],
-            _ => &[BIAS, SCALE, MISALIGNMENT, NONORTHOGONALITY, LAG],
-        }
+    /// Possible errors of a sensor with axes of this kind; none of joint, wheel and thrust sensors.
+    pub fn of(kind: SensorKind) -> impl Iterator<Item = &'static Self> {
+        let all = [&BIAS, &SCALE, &MISALIGNMENT, &NONORTHOGONALITY, &LAG];
+        let all = all.into_iter().filter(move |_| !kind.is_scalar());
+        all.filter(move |group| kind.unknown_errors().contains(&group.key))
     }
 
     /// Unit of its numbers for a kind of sensor.
@@ -82,10 +78,7 @@ impl ErrorGroup {
 
 /// How a sensor declares the error that an unknown stands for.
 pub(crate) fn declared(sensor: &Sensor, error: SensorError) -> Nuisance {
-    let groups = ErrorGroup::of(sensor.kind);
-    let own = groups
-        .iter()
-        .find(|g| g.errors.iter().any(|e| e.0 == error));
+    let own = ErrorGroup::of(sensor.kind).find(|g| g.errors.iter().any(|e| e.0 == error));
     own.map_or(Nuisance::Known, |g| (g.declared)(sensor))
 }
 
