@@ -10,6 +10,7 @@ mod gyro;
 mod position;
 mod relative_attitude;
 mod relative_position;
+mod relative_velocity;
 mod velocity;
 
 use crate::kinematics::Kinematics;
@@ -172,6 +173,7 @@ impl SensorKind {
             Self::Direction => direction::measure(scene),
             Self::RelativeAttitude => Some(relative_attitude::measure(scene)),
             Self::RelativePosition => Some(relative_position::measure(scene)),
+            Self::RelativeVelocity => Some(relative_velocity::measure(scene)),
             Self::JointPosition | Self::JointRate | Self::WheelSpeed | Self::Thrust => None,
         }
     }
@@ -182,6 +184,7 @@ impl SensorKind {
         match (self, joint) {
             (Self::RelativeAttitude, joint) => Some(relative_attitude::over_joint(scene, joint)),
             (Self::RelativePosition, joint) => Some(relative_position::over_joint(scene, joint)),
+            (Self::RelativeVelocity, joint) => Some(relative_velocity::over_joint(scene, joint)),
             (_, Carried::From(_)) => None,
             (Self::Gyro, Carried::Point(j)) => Some(gyro::over_joint(scene, j)),
             (Self::Attitude, Carried::Point(j)) => Some(attitude::over_joint(scene, j)),

@@ -37,6 +37,8 @@ pub enum SensorKind {
     RelativeAttitude,
     /// Position of a point seen from another body, `p_BrS_Br`, m.
     RelativePosition,
+    /// Velocity of a point seen from another body, the rate of change of `p_BrS_Br`, m/s.
+    RelativeVelocity,
     /// Joint position, rad or m.
     JointPosition,
     /// Joint rate, rad/s or m/s.
@@ -108,7 +110,7 @@ const SCALAR: Facts = Facts {
 
 impl SensorKind {
     /// Every kind, in the order of the results.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Gyro,
         Self::Attitude,
         Self::Velocity,
@@ -118,6 +120,7 @@ impl SensorKind {
         Self::Direction,
         Self::RelativeAttitude,
         Self::RelativePosition,
+        Self::RelativeVelocity,
         Self::JointPosition,
         Self::JointRate,
         Self::WheelSpeed,
@@ -204,6 +207,15 @@ impl SensorKind {
                 columns: &["relative_r_x", "relative_r_y", "relative_r_z"],
                 noise: true,
                 in_inertial: Some(Self::Position),
+                ..VECTOR
+            },
+            Self::RelativeVelocity => Facts {
+                word: "relative_velocity",
+                units: &["m_s"],
+                axes: Axes::Inertial,
+                columns: &["relative_v_x", "relative_v_y", "relative_v_z"],
+                noise: true,
+                in_inertial: Some(Self::Velocity),
                 ..VECTOR
             },
             Self::JointPosition => Facts {

@@ -143,6 +143,18 @@ misalignment = "estimate"
 lag = "estimate"
 
 [[sensor]]
+name = "flow"
+type = "velocity"
+body = "arm"
+seen_from = "hand"
+position_m = [0.2, -0.1, 0.3]
+noise_m_s = 1.0e-2
+bias = "estimate"
+scale = "estimate"
+misalignment = "estimate"
+lag = "estimate"
+
+[[sensor]]
 name = "angle"
 type = "joint_position"
 of = "shoulder"
@@ -188,7 +200,7 @@ drag_torque = "estimate"
 "#;
 
 /// Index of a kind in the sensors of [`finer`], where translation is read; gyro and attitude come first anyway.
-const KINDS: [SensorKind; 9] = [
+const KINDS: [SensorKind; 10] = [
     SensorKind::Gyro,
     SensorKind::Attitude,
     SensorKind::Velocity,
@@ -198,6 +210,7 @@ const KINDS: [SensorKind; 9] = [
     SensorKind::Direction,
     SensorKind::RelativeAttitude,
     SensorKind::RelativePosition,
+    SensorKind::RelativeVelocity,
 ];
 
 /// The sensor of a kind in the test's model, with covariance and place.
@@ -210,6 +223,7 @@ fn record(model: &Model, kind: SensorKind) -> SensorRecord {
         SensorKind::Accelerometer => ([1.0e-2, 2.0e-2, 3.0e-2], 2, [0.1, -0.2, 0.3]),
         SensorKind::Direction | SensorKind::RelativeAttitude => ([1.0e-2; 3], 2, [0.0; 3]),
         SensorKind::RelativePosition => ([1.0e-2, 3.0e-2, 2.0e-2], 0, [-0.3, 0.2, 0.1]),
+        SensorKind::RelativeVelocity => ([2.0e-2, 1.0e-2, 3.0e-2], 1, [0.2, -0.1, 0.3]),
         _ => ([1.0e-2; 3], 1, [0.3, 0.1, -0.1]),
     };
     let covariance = Matrix3::from_diagonal(&Vector3::from(variances));
@@ -217,7 +231,7 @@ fn record(model: &Model, kind: SensorKind) -> SensorRecord {
         sensor: model.sensors.iter().position(|s| s.kind == kind),
         body,
         seen_from: match kind {
-            SensorKind::RelativePosition => 2,
+            SensorKind::RelativePosition | SensorKind::RelativeVelocity => 2,
             _ => 0,
         },
         p_BoS_B: Vector3::from(place),
@@ -256,7 +270,7 @@ fn finer(model: &Model, tree: &Tree, translation: bool, fine: usize) -> Segment 
         }
         made
     };
-    let phases = [0.0, 0.4, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
+    let phases = [0.0, 0.4, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0];
     let moves = |kind| matches!(kind, SensorKind::Velocity | SensorKind::Position);
     let pairs = KINDS.into_iter().zip(phases);
     let sensors = pairs

@@ -32,6 +32,8 @@ pub enum Quantity {
     RelativeAttitude(usize),
     /// `relative_r_x..`: position from the origin of the body from which it is seen, in its axes.
     RelativePosition(usize),
+    /// `relative_v_x..`: rate of change of that position, in the same axes.
+    RelativeVelocity(usize),
     /// `orbit_x..`: position relative to the attracting body on the reference orbit, inertial axes.
     OrbitPosition(usize),
     /// `<name>_rad`: angle of a joint.
@@ -95,7 +97,7 @@ pub fn full_name(sensor: &str, name: &str) -> String {
 type Vector = (&'static str, fn(usize) -> Quantity, Dimension, &'static str);
 
 /// Prefix of a three-vector's columns, quantity, dimension, axes.
-const VECTORS: [Vector; 12] = [
+const VECTORS: [Vector; 13] = [
     (
         "omega",
         Quantity::AngularVelocity,
@@ -141,6 +143,12 @@ const VECTORS: [Vector; 12] = [
         "relative_r",
         Quantity::RelativePosition,
         Dimension::Length,
+        "body",
+    ),
+    (
+        "relative_v",
+        Quantity::RelativeVelocity,
+        Dimension::Velocity,
         "body",
     ),
 ];

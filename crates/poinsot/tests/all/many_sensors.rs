@@ -125,6 +125,13 @@ const MARKER: Declared = (
     5.0e-4,
     "body = \"arm\"\nseen_from = \"bus\"\nposition_m = [0.5, 0.0, 0.0]\n",
 );
+/// Optical flow of that point.
+const FLOW: Declared = (
+    "flow",
+    "velocity",
+    1.0e-3,
+    "body = \"arm\"\nseen_from = \"bus\"\nposition_m = [0.5, 0.0, 0.0]\n",
+);
 const ARM_STAR: Declared = ("arm star", "attitude", 1.0e-5, "body = \"arm\"\n");
 
 fn model(sensors: &[Declared]) -> Model {
@@ -134,6 +141,7 @@ fn model(sensors: &[Declared]) -> Model {
             "gyro" => "rad_s",
             "attitude" | "direction" | "joint_position" => "rad",
             "position" => "m",
+            "joint_rate" => "rad_s",
             _ => "m_s",
         };
         text += &format!(
@@ -646,6 +654,89 @@ fn exact_a_relative_pose_is_that_of_the_joint() {
             assert!(gap.amax() < 1.0e-12, "{sensor} {k}: {gap}");
         }
     }
+}
+
+/// The velocity of the marker in the bus is that of a point on a turning arm, whatever the bus does.
+#[test]
+fn exact_a_relative_velocity_is_that_of_the_joint() {
+    let mut quiet = model(&[FINE, FLOW]);
+    let mut back = quiet.sensors[1].clone();
+    back.name = "back".to_owned();
+    (back.body, back.seen_from) = (0, 1);
+    quiet.sensors.push(back);
+    quiet
+        .sensors
+        .iter_mut()
+        .for_each(|s| s.noise_covariance = None);
+    let table = simulate_trial(&case(), &quiet, 0).unwrap().table;
+    let axes = |sensor: &str| {
+        ["x", "y", "z"].map(|k| {
+            let name = format!("relative_v_{k}");
+            &table.sensor_channel(sensor, &name).unwrap().values
+        })
+    };
+    let joint = |name: &str| &table.channel(name).unwrap().values;
+    let (angle, rate) = (joint("elbow_rad"), joint("elbow_rad_s"));
+    let (flow, back) = (axes("flow"), axes("back"));
+    let (origin, point) = (Vector3::new(0.3, 0.1, 0.2), Vector3::new(0.5, 0.0, 0.0));
+    let vector = |of: [&Vec<f64>; 3], k: usize| Vector3::from(of.map(|c| c[k]));
+    for (k, (a, rate)) in angle.iter().zip(rate).enumerate() {
+        let (s, c) = a.sin_cos();
+        let expected = Vector3::new(-s, c, 0.0) * (point.x * rate);
+        let gap = vector(flow, k) - expected;
+        assert!(gap.amax() < 1.0e-12, "{k}: {gap}");
+        // Seen from the arm, the point of the bus turns the other way round.
+        let r = point - origin;
+        let turned = Vector3::new(c * r.x + s * r.y, c * r.y - s * r.x, r.z);
+        let expected = Vector3::new(turned.y, -turned.x, 0.0) * *rate;
+        let gap = vector(back, k) - expected;
+        assert!(gap.amax() < 1.0e-12, "back {k}: {gap}");
+    }
+}
+
+/// A measured velocity of the arm in the bus is one more measurement of the joint's rate.
+#[test]
+fn exact_optical_flow_lowers_sigma_to_the_bound_in_any_order_of_declaration() {
+    let [gyro, star, speed] = ROUGH;
+    let rate = ("resolver", "joint_rate", 1.0e-2, "");
+    let first = model(&[gyro, star, speed, ENCODER, rate, FLOW]);
+    let last = model(&[FLOW, rate, ENCODER, speed, star, gyro]);
+    let table = simulate_trial(&sensed(), &first, 0).unwrap().table;
+    let (found, again) = (solved(&first, &table), solved(&last, &table));
+    let (value, sigma) = gaps(&numbers(&found), &numbers(&again));
+    println!("order: values {value:.1e} sigma, sigmas {sigma:.1e}");
+    assert!(value < 1.0e-9 && sigma < 1.0e-9, "{value:e} {sigma:e}");
+    let bound = numbers(&study_of(&sensed(), &first).bound().unwrap());
+    let (_, sigma) = gaps(&numbers(&found), &bound);
+    println!("bound: sigmas {sigma:.1e}");
+    assert!(sigma < 3.0e-2, "{sigma:e}");
+    let mut blind = table.clone();
+    blind.channels.retain(|c| !c.name.starts_with("relative_"));
+    let without = solved(&model(&[gyro, star, speed, ENCODER, rate]), &blind);
+    let pairs = numbers(&found).into_iter().zip(numbers(&without));
+    let shares: Vec<f64> = pairs
+        .map(|((_, with), (_, without))| with / without)
+        .collect();
+    println!("sigma with the flow over sigma without: {shares:.3?}");
+    assert!(shares.iter().all(|s| *s < 1.0), "{shares:?}");
+}
+
+/// An optical flow with an unknown bias and scale.
+#[test]
+fn stat_optical_flow_is_calibrated() {
+    let [gyro, star, speed] = ROUGH;
+    let encoder = ("encoder", "joint_position", 1.0e-3, "");
+    let rate = ("resolver", "joint_rate", 1.0e-2, "");
+    let more = format!("{}bias = {{ sigma_m_s = 0.01 }}\n", FLOW.3);
+    let flow = ("flow", "velocity", 1.0e-3, more.as_str());
+    let model = model(&[gyro, star, speed, encoder, rate, flow]);
+    let study = study_of(&sensed(), &model);
+    let bound = study.bound().unwrap();
+    let result = statistics(&study.run(0..60), Some(&bound));
+    println!("NEES {:?}", result.nees);
+    assert!(result.nees.is_some());
+    let faults = result.faults();
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
 /// A relative pose is no attitude and no position of the base in N.
