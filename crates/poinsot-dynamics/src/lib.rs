@@ -186,7 +186,7 @@ pub use reaction_wheel::WheelLimits;
 pub use regressor::{momentum_regressor, wheel_regressor};
 #[cfg(feature = "std")]
 pub use runge_kutta::RungeKutta4;
-pub use sensor::{Axes, Nuisance, Sensor, SensorKind, printed_unit};
+pub use sensor::{Axes, ErrorKey, Nuisance, Sensor, SensorKind, printed_unit};
 pub use sensor_errors::{SensorError, SensorErrors};
 #[cfg(feature = "std")]
 pub use sensors::{Instrument, vector_reading};

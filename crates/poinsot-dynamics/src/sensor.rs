@@ -16,6 +16,54 @@ pub enum Nuisance {
     Prior(f64),
 }
 
+/// A key of the model file that declares errors of a sensor.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ErrorKey {
+    /// Constant error.
+    Bias,
+    /// Relative error of each axis.
+    Scale,
+    /// Turn of the axes.
+    Misalignment,
+    /// Axes that are not orthogonal.
+    Nonorthogonality,
+    /// Delay.
+    Lag,
+}
+
+impl ErrorKey {
+    /// All keys, in the order of the model file's reference.
+    pub const ALL: [Self; 5] = [
+        Self::Bias,
+        Self::Scale,
+        Self::Misalignment,
+        Self::Nonorthogonality,
+        Self::Lag,
+    ];
+
+    /// The key as it is written.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Bias => "bias",
+            Self::Scale => "scale",
+            Self::Misalignment => "misalignment",
+            Self::Nonorthogonality => "nonorthogonality",
+            Self::Lag => "lag",
+        }
+    }
+
+    /// How a sensor declares it.
+    pub const fn declared(self, sensor: &Sensor) -> Nuisance {
+        match self {
+            Self::Bias => sensor.bias,
+            Self::Scale => sensor.scale,
+            Self::Misalignment => sensor.misalignment,
+            Self::Nonorthogonality => sensor.nonorthogonality,
+            Self::Lag => sensor.lag,
+        }
+    }
+}
+
 /// What a sensor measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum SensorKind {
@@ -75,7 +123,7 @@ struct Facts {
     /// Degrees of freedom of one sample.
     numbers: usize,
     /// Keys of the errors that can be unknown.
-    errors: &'static [&'static str],
+    errors: &'static [ErrorKey],
     /// Whether its noise must be declared.
     noise: bool,
     /// The kind that measures the same in N, if this one sees a body from another one.
@@ -90,21 +138,21 @@ const VECTOR: Facts = Facts {
     axes: Axes::Sensor,
     columns: &[],
     numbers: 3,
-    errors: &["bias", "scale", "misalignment", "nonorthogonality", "lag"],
+    errors: &ErrorKey::ALL,
     noise: false,
     in_inertial: None,
 };
 
 /// A sensor of a rotation. A turned mounting is its bias, and it has no scale.
 const ROTATION: Facts = Facts {
-    errors: &["bias", "lag"],
+    errors: &[ErrorKey::Bias, ErrorKey::Lag],
     ..VECTOR
 };
 
 /// A sensor of joints, wheels or thrusters.
 const SCALAR: Facts = Facts {
     axes: Axes::None,
-    errors: &["lag"],
+    errors: &[ErrorKey::Lag],
     ..VECTOR
 };
 
@@ -183,7 +231,7 @@ impl SensorKind {
                 columns: &["direction_x", "direction_y", "direction_z"],
                 // None along itself.
                 numbers: 2,
-                errors: &["bias", "misalignment", "lag"],
+                errors: &[ErrorKey::Bias, ErrorKey::Misalignment, ErrorKey::Lag],
                 noise: true,
                 ..VECTOR
             },
@@ -222,7 +270,7 @@ impl SensorKind {
                 word: "joint_position",
                 about: "Joint positions, rad or m.",
                 units: &["rad", "m"],
-                errors: &["bias", "lag"],
+                errors: &[ErrorKey::Bias, ErrorKey::Lag],
                 ..SCALAR
             },
             Self::JointRate => Facts {
@@ -282,7 +330,7 @@ impl SensorKind {
     }
 
     /// Keys of the errors that can be unknown: of `bias`, `scale`, `misalignment`, `nonorthogonality` and `lag`.
-    pub const fn unknown_errors(self) -> &'static [&'static str] {
+    pub const fn unknown_errors(self) -> &'static [ErrorKey] {
         self.facts().errors
     }
 

@@ -392,7 +392,7 @@ fn slopes(translation: bool, loss: Loss) -> Vec<(String, f64, f64)> {
             *x = 0.03;
             continue;
         }
-        if unknown.name.ends_with(".lag") {
+        if unknown.kind.is_delay() || unknown.kind.delays_drives() {
             continue;
         }
         *x += 0.01 * (k as f64).sin() * x.abs().max(0.05);

@@ -93,7 +93,7 @@ pub use certify::combination::{Combination, Combinations, split};
 pub use diagnosis::octaves::Octave;
 pub use diagnosis::{
     ChannelDiagnosis, Diagnostics, FaultKind, Finding, HeldOut, MomentumDrift, SensorLag,
-    SpectralLine, Suspect,
+    SpectralLine, Suspect, SuspectValue,
 };
 pub use evaluation::wanted::{Information, WantedNumber, WantedTerm};
 pub use evaluation::{EvaluatedUnknown, Evaluation, EvaluationError, Evaluator, SensorResiduals};

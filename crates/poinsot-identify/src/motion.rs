@@ -24,7 +24,6 @@ mod virtual_joints;
 
 pub(crate) use acceleration::BodyPoint;
 use acceleration::ForceScratch;
-pub(crate) use environment::GRADIENT;
 pub(crate) use mass_loss::impulse_before;
 pub(crate) use point_kinematics::PointKinematics;
 pub(crate) use steps::{Fineness, Grid, Steps};

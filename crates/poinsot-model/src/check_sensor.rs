@@ -5,7 +5,7 @@ use crate::check_rotation::check_rotation;
 use crate::check_tree::unknown_name;
 use crate::file::{JointType, ModelFile, NamesFile, NoiseFile, SensorFile};
 use crate::finding::{Findings, Key};
-use crate::vehicle::{Nuisance, Sensor, SensorKind};
+use crate::vehicle::{ErrorKey, Nuisance, Sensor, SensorKind};
 use poinsot_files::list;
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
 use std::collections::HashMap;
@@ -204,10 +204,11 @@ fn check_sensor(
         findings,
     );
     let reference_N = check_reference(file, kind, key, findings);
-    let mut nuisance = |name: &str, value, unit_key: &str| -> Nuisance {
-        let found = check_nuisance(value, &key.at(name), unit_key, findings);
-        if found != Nuisance::Known && !kind.unknown_errors().contains(&name) {
-            refuse_error(kind, (name, &key.at(name)), findings);
+    let mut nuisance = |error: ErrorKey, value, unit_key: &str| -> Nuisance {
+        let here = key.at(error.word());
+        let found = check_nuisance(value, &here, unit_key, findings);
+        if found != Nuisance::Known && !kind.unknown_errors().contains(&error) {
+            refuse_error(kind, (error, &here), findings);
         }
         found
     };
@@ -218,15 +219,19 @@ fn check_sensor(
         noise_covariance,
         correlation_s: correlation_s.unwrap_or(0.0),
         quantisation: quantisation.unwrap_or(0.0),
-        bias: nuisance("bias", file.bias.as_ref(), &format!("sigma_{unit}")),
-        scale: nuisance("scale", file.scale.as_ref(), "sigma"),
-        misalignment: nuisance("misalignment", file.misalignment.as_ref(), "sigma_rad"),
+        bias: nuisance(ErrorKey::Bias, file.bias.as_ref(), &format!("sigma_{unit}")),
+        scale: nuisance(ErrorKey::Scale, file.scale.as_ref(), "sigma"),
+        misalignment: nuisance(
+            ErrorKey::Misalignment,
+            file.misalignment.as_ref(),
+            "sigma_rad",
+        ),
         nonorthogonality: nuisance(
-            "nonorthogonality",
+            ErrorKey::Nonorthogonality,
             file.nonorthogonality.as_ref(),
             "sigma_rad",
         ),
-        lag: nuisance("lag", file.lag.as_ref(), "sigma_s"),
+        lag: nuisance(ErrorKey::Lag, file.lag.as_ref(), "sigma_s"),
         R_BS: rotation.unwrap_or_else(Matrix3::identity),
         p_BoS_B: Vector3::from(file.position_m.unwrap_or([0.0; 3])),
         reference_N,
@@ -237,17 +242,20 @@ fn check_sensor(
 }
 
 /// An error that no method estimates.
-fn refuse_error(kind: SensorKind, (name, key): (&str, &Key), findings: &mut Findings<'_, '_>) {
-    let word = kind.word();
+fn refuse_error(kind: SensorKind, (error, key): (ErrorKey, &Key), findings: &mut Findings<'_, '_>) {
+    let (word, name) = (kind.word(), error.word());
     let problem = format!("the {name} of a sensor of type \"{word}\" cannot be estimated");
-    let remedy = match (kind, name) {
-        (SensorKind::JointRate, "bias" | "lag") => {
+    let remedy = match (kind, error) {
+        (SensorKind::JointRate, ErrorKey::Bias | ErrorKey::Lag) => {
             "declare it on the joint_position sensor".to_owned()
         }
-        (SensorKind::Thrust, "scale") => "write scale on the [[thruster]]".to_owned(),
+        (SensorKind::Thrust, ErrorKey::Scale) => "write scale on the [[thruster]]".to_owned(),
         _ => match kind.unknown_errors() {
             [] => "remove it".to_owned(),
-            list => format!("remove it; {} can be estimated", list.join(", ")),
+            list => {
+                let words: Vec<&str> = list.iter().map(|error| error.word()).collect();
+                format!("remove it; {} can be estimated", words.join(", "))
+            }
         },
     };
     findings.refuse("E0118", key, problem, remedy);

@@ -1,7 +1,7 @@
 //! The checked vehicle: in SI, names resolved to indices.
 
 use crate::knowledge::{Knowledge, across};
-pub use poinsot_dynamics::{Axes, Nuisance, Orbit, Sensor, SensorKind, printed_unit};
+pub use poinsot_dynamics::{Axes, ErrorKey, Nuisance, Orbit, Sensor, SensorKind, printed_unit};
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
 use poinsot_telemetry::{STANDARD_GRAVITY, TelemetryMap};
 

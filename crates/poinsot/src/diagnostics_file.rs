@@ -65,10 +65,10 @@ fn lag(l: &poinsot_identify::SensorLag) -> LagFile {
 }
 
 fn suspect(s: &poinsot_identify::Suspect) -> SuspectFile {
-    let value = |(name, value, unit): &(String, f64, &'static str)| ValueFile {
-        name: address(name, unit),
-        value: finite(*value),
-        unit: (*unit).to_owned(),
+    let value = |v: &poinsot_identify::SuspectValue| ValueFile {
+        name: address(&v.name, v.unit),
+        value: finite(v.value),
+        unit: v.unit.to_owned(),
     };
     SuspectFile {
         fault: s.fault.name().to_owned(),

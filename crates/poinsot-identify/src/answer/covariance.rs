@@ -1,6 +1,5 @@
 //! The covariance of all numbers of the answer together: mass properties of the requested bodies, and nuisances.
 
-use crate::answer::momentum::is_reported;
 use crate::fit::triangle::conditional_estimate;
 use crate::problem::parameters::{Equations, UnknownKind, axis_name, tensor_name};
 use crate::problem::quantity::TenParameters;
@@ -36,7 +35,7 @@ pub(crate) fn covariance_rows(
     )
     .slope;
     let unknowns = solution.parameters.unknowns.iter().enumerate();
-    let answered = unknowns.filter(|(_, u)| is_reported(&u.kind));
+    let answered = unknowns.filter(|(_, u)| u.kind.is_reported());
     for ((at, unknown), answer) in answered.zip(nuisances) {
         if !determined(&answer.number) {
             continue;

@@ -2,7 +2,6 @@
 
 use crate::answer::body::QuantityEstimator;
 use crate::fit::triangle::conditional_estimate;
-use crate::problem::parameters::UnknownKind;
 use crate::solution::estimate::{MomentumEstimate, NamedNumber, Number};
 use crate::solution::solved::{Solution, StartOfSegment, VectorQuantity};
 use poinsot_model::MomentumKnowledge;
@@ -49,7 +48,7 @@ pub(crate) fn nuisances(estimator: &QuantityEstimator, solution: &Solution) -> V
         .unknowns
         .iter()
         .enumerate()
-        .filter(|(_, unknown)| is_reported(&unknown.kind))
+        .filter(|(_, unknown)| unknown.kind.is_reported())
         .map(|(at, unknown)| {
             let sigma = if unknown.kind.is_nuisance() {
                 let k = at - mass;
@@ -70,16 +69,6 @@ pub(crate) fn nuisances(estimator: &QuantityEstimator, solution: &Solution) -> V
             }
         })
         .collect()
-}
-
-/// Whether an unknown is reported as a separate number.
-pub(crate) fn is_reported(kind: &UnknownKind) -> bool {
-    match kind {
-        UnknownKind::SpinInertia(_) | UnknownKind::ThrusterScale(_) => true,
-        // Known numbers have a separate table.
-        UnknownKind::Known(_) => false,
-        kind => kind.is_nuisance(),
-    }
 }
 
 fn decide(sigma: Option<f64>, value: f64, nominal: f64) -> Number {

@@ -2,7 +2,9 @@
 
 use crate::certify::combination::{Combination, split};
 use crate::problem::Problem;
-use crate::problem::parameters::{Equations, Parameters, TENSOR, Unknown, UnknownKind, axis_name};
+use crate::problem::parameters::{
+    Equations, Parameters, Part, TENSOR, Unknown, UnknownKind, axis_name,
+};
 use crate::problem::quantity::parameters_in_base;
 use crate::solution::estimate::UnobservableCombination;
 use crate::solution::solved::Solution;
@@ -26,7 +28,7 @@ const INSIDE: f64 = 1.0e-4;
 /// A part of a direction smaller than this share adds nothing new.
 const NEW_DIRECTION: f64 = 1.0e-3;
 /// Coefficients below this share of the largest are left out of sentences.
-const SAID: f64 = 1.0e-3;
+const SHOWN_SHARE: f64 = 1.0e-3;
 
 /// Names every unobservable direction.
 pub(crate) fn unobservable_directions(
@@ -169,7 +171,7 @@ pub(crate) fn sentence(solution: &Solution, combination: &Combination) -> String
         .map_or(1.0, |(at, c)| (c * natural[*at]).abs());
     let mut text = String::new();
     for (at, c) in &combination.terms {
-        if (c * natural[*at]).abs() < SAID * lead {
+        if (c * natural[*at]).abs() < SHOWN_SHARE * lead {
             continue;
         }
         let sign = match (text.is_empty(), *c < 0.0) {
@@ -415,13 +417,13 @@ pub(crate) fn values_along_path(
         return Vec::new();
     }
     let unknowns = || solution.parameters.unknowns[..m].iter().enumerate();
-    let owner = |u: &Unknown| u.name.split('.').next().map(str::to_owned);
+    let owner = |u: &Unknown| u.kind.part();
     let moves = |i: usize, u: &Unknown| {
         let mut far = walk.points.iter().map(|x| (x[i] - solution.x[i]).abs());
-        far.any(|d| d > SAID * u.natural * REACH)
+        far.any(|d| d > SHOWN_SHARE * u.natural * REACH)
     };
     let moved = unknowns().filter(|(i, u)| moves(*i, u));
-    let moved: Vec<Option<String>> = moved.map(|(_, u)| owner(u)).collect();
+    let moved: Vec<Option<Part>> = moved.map(|(_, u)| owner(u)).collect();
     unknowns()
         .filter(|(_, u)| moved.contains(&owner(u)))
         .map(|(i, u)| (u.name.clone(), walk.points.iter().map(|x| x[i]).collect()))

@@ -1,7 +1,7 @@
 //! A hypothesis: a possible fault with its unknown numbers.
 
 use super::types::FaultKind;
-use crate::problem::parameters::{Unknown, UnknownKind, axis_name};
+use crate::problem::parameters::{Entry, Unknown, UnknownKind};
 
 /// Candidate faults of one kind.
 pub(super) struct Candidate {
@@ -32,31 +32,49 @@ pub(super) struct Twin {
 }
 
 impl Candidate {
+    /// The fault of a group of the registry.
+    pub fn of(entries: Vec<Entry>) -> Option<Self> {
+        let first = entries.first()?;
+        let shows = matches!(
+            first.unknown.kind,
+            UnknownKind::Firing { .. } | UnknownKind::JointPlay(_)
+        );
+        let (name, fault) = (first.hypothesis.clone(), first.fault);
+        let unknowns: Vec<Unknown> = entries.into_iter().map(|e| e.unknown).collect();
+        Some(Self {
+            name,
+            fault,
+            columns: match shows {
+                true => Columns::Twins(unknowns.iter().map(Twin::itself).collect()),
+                false => Columns::Slopes,
+            },
+            unknowns,
+        })
+    }
+
     /// Whether it is a lag of an input.
     pub fn delays_inputs(&self) -> bool {
-        let late = |kind: &UnknownKind| {
-            kind.delays_inputs() || matches!(kind, UnknownKind::ThrusterLag(_))
-        };
-        self.unknowns.iter().any(|u| late(&u.kind))
+        self.unknowns.iter().any(|u| u.kind.delays_drives())
     }
 }
 
-pub(super) fn unknown(kind: UnknownKind, name: String, unit: &'static str) -> Unknown {
+impl Twin {
+    /// A number that shows whatever its size.
+    fn itself(unknown: &Unknown) -> Self {
+        Self {
+            unknown: unknown.clone(),
+            sigma: f64::INFINITY,
+        }
+    }
+}
+
+/// A number whose column is made of others.
+pub(super) fn changed(name: String, unit: &'static str, nominal: f64) -> Unknown {
     Unknown {
-        kind,
+        kind: UnknownKind::Changed,
         name,
         unit,
-        nominal: 0.0,
+        nominal,
         natural: 1.0,
     }
-}
-
-pub(super) fn triple(
-    kind: fn(usize) -> UnknownKind,
-    prefix: &str,
-    unit: &'static str,
-) -> Vec<Unknown> {
-    (0..3)
-        .map(|k| unknown(kind(k), format!("{prefix}_{}", axis_name(k)), unit))
-        .collect()
 }

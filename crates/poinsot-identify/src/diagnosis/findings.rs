@@ -66,7 +66,7 @@ fn cause(best: &Suspect, others: &[Suspect], misfit: bool) -> Finding {
     let values: Vec<String> = best
         .values
         .iter()
-        .map(|(n, v, u)| value(n, *v, u))
+        .map(|v| value(&v.name, v.value, v.unit))
         .collect();
     let values = match values.is_empty() {
         true => String::new(),
@@ -134,14 +134,18 @@ fn too_small(c: &ChannelDiagnosis) -> Option<Finding> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnosis::Suspect;
+    use crate::diagnosis::{Suspect, SuspectValue};
 
     fn said(decrease: f64) -> Vec<String> {
         let suspect = Suspect {
             name: "drag".to_owned(),
             decrease,
             explains: 0.0,
-            values: vec![("environment.drag_x".to_owned(), 1.0e-3, "kg m2")],
+            values: vec![SuspectValue::other(
+                "environment.drag_x".to_owned(),
+                1.0e-3,
+                "kg m2",
+            )],
             numbers: 3,
             times: 1,
             fault: FaultKind::Drag,

@@ -2,7 +2,7 @@
 //! answer, so each is tested by a separate fit from the nominal numbers, on the shortest beginning of the record that
 //! contradicts the model, where the predicted motion is still close. The whole record confirms it.
 
-use super::types::{FaultKind, Suspect};
+use super::types::{FaultKind, Suspect, SuspectValue};
 use crate::fit::coarse_fit::beginning;
 use crate::fit::experiment::Experiment;
 use crate::fit::{Fitted, fit_from};
@@ -280,7 +280,10 @@ fn named(mistake: &GrossError, decrease: f64, excess: f64) -> Suspect {
     let (owner, [before, after]) = (&mistake.owner, mistake.kind.words);
     let values = match mistake.place {
         GrossErrorLocation::Exchanged(..) => Vec::new(),
-        _ => vec![(format!("{owner}.factor"), mistake.kind.factor, "1")],
+        _ => {
+            let name = format!("{owner}.factor");
+            vec![SuspectValue::other(name, mistake.kind.factor, "1")]
+        }
     };
     Suspect {
         name: format!("{before} {owner}{after}"),

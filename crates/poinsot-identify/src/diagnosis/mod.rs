@@ -11,8 +11,6 @@ mod channels;
 pub(crate) mod conflict;
 pub(crate) mod deviance;
 mod drift;
-mod environment;
-mod fault;
 mod findings;
 mod gross;
 mod held_out;
@@ -32,7 +30,7 @@ pub(crate) use channels::whiteness;
 pub(crate) use types::COLOURED;
 pub use types::{
     ChannelDiagnosis, Diagnostics, FaultKind, Finding, HeldOut, MomentumDrift, SensorLag,
-    SpectralLine, Suspect,
+    SpectralLine, Suspect, SuspectValue,
 };
 
 use crate::fit::Fitted;

@@ -2,9 +2,8 @@
 
 use super::types::{FaultKind, Suspect};
 use crate::fit::experiment::Experiment;
+use crate::problem::parameters::UnknownKind;
 
-/// Name of the candidate that thrusters act at other times than their columns say.
-pub(super) const LATE_THRUST: &str = "a lag of the thrust";
 /// Factors of common unit errors.
 const MISTAKEN: [(f64, &str); 4] = [
     (57.295_779_5, "radians used as degrees"),
@@ -19,17 +18,15 @@ pub(super) fn near(value: f64, wanted: f64) -> bool {
 
 /// Names the meaning of values, if clear: a wrong sign, a wrong unit.
 pub(super) fn name(experiment: &Experiment, suspect: &mut Suspect) {
-    let model = experiment.problem.model;
-    match suspect.fault {
-        FaultKind::WheelScale => {
-            let Some((owner, value, _)) = suspect.values.first() else {
+    let problem = experiment.problem;
+    let Some((kind, value)) = suspect.first() else {
+        return;
+    };
+    match *kind {
+        UnknownKind::SpinInertia(wheel) => {
+            let Some(wheel) = problem.model.wheels.get(wheel) else {
                 return;
             };
-            let wheel = model
-                .wheels
-                .iter()
-                .find(|w| *owner == format!("{}.spin_inertia", w.name));
-            let Some(wheel) = wheel else { return };
             let ratio = value / wheel.spin_inertia;
             if near(ratio, -1.0) {
                 suspect.fault = FaultKind::WheelSign;
@@ -39,27 +36,27 @@ pub(super) fn name(experiment: &Experiment, suspect: &mut Suspect) {
                 suspect.name = format!("a wrong unit of {} ({what})", wheel.name);
             }
         }
-        FaultKind::Firing => {
-            if let Some((owner, factor, _)) = suspect.values.first()
-                && near(factor - 1.0, -1.0)
-            {
-                let firing = owner.replace(".firing_at_", " at ").replace("_s", " s");
+        UnknownKind::Firing {
+            segment,
+            firing,
+            thruster,
+        } if near(value - 1.0, -1.0) => {
+            let firings = problem.segments.get(segment).map(|s| &s.firings);
+            let start = firings.and_then(|f| f.get(firing)).map(|f| f.start_s);
+            let thruster = problem.model.thrusters.get(thruster);
+            if let (Some(start), Some(thruster)) = (start, thruster) {
+                let firing = format!("{} at {start:.1} s", thruster.name);
                 suspect.name = format!("a firing that did not happen, {firing},");
             }
         }
-        FaultKind::Lag
-            if suspect.name == LATE_THRUST && suspect.values.first().is_some_and(|v| v.1 < 0.0) =>
-        {
+        UnknownKind::ThrusterLag(_) if value < 0.0 => {
             "delayed thrust samples".clone_into(&mut suspect.name);
         }
-        FaultKind::GyroScale => {
+        UnknownKind::Sensor { .. } if suspect.fault == FaultKind::GyroScale => {
             for (factor, what) in MISTAKEN {
                 // The gyro reads (1 + scale) w: the reading is 1/factor of what it should be.
-                if suspect
-                    .values
-                    .iter()
-                    .all(|(_, s, _)| near(1.0 + s, 1.0 / factor))
-                {
+                let mut scales = suspect.values.iter().map(|v| 1.0 + v.value);
+                if scales.all(|scale| near(scale, 1.0 / factor)) {
                     suspect.fault = FaultKind::Units;
                     suspect.name = format!("a wrong unit of the gyro ({what})");
                 }

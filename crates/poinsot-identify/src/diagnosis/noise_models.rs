@@ -9,7 +9,7 @@ use super::candidates::sensors_read;
 use super::channels::predictable;
 use super::suspects::{Misfit, Scored};
 use super::table::Table;
-use super::types::{ChannelDiagnosis, FaultKind, Suspect};
+use super::types::{ChannelDiagnosis, FaultKind, Suspect, SuspectValue};
 use crate::fit::Fitted;
 use crate::fit::experiment::Experiment;
 use crate::problem::parameters::{Unknown, UnknownKind};
@@ -56,7 +56,7 @@ fn scored(
     name: String,
     fault: FaultKind,
     (decrease, numbers): (f64, usize),
-    values: Vec<(String, f64, &'static str)>,
+    values: Vec<SuspectValue>,
 ) -> Scored {
     Scored {
         at: None,
@@ -123,7 +123,11 @@ fn noise(experiment: &Experiment, channel: &ChannelDiagnosis) -> Option<Scored> 
         && step * step / 12.0 > ROUNDING * (mean - 1.0) * variance
     {
         let name = format!("rounding of the {}", channel.name);
-        let values = vec![(format!("{}.step", channel.name), step, "")];
+        let values = vec![SuspectValue::other(
+            format!("{}.step", channel.name),
+            step,
+            "",
+        )];
         return Some(scored(name, FaultKind::Quantisation, (decrease, 1), values));
     }
     channel.is_white().then(|| {
@@ -132,7 +136,11 @@ fn noise(experiment: &Experiment, channel: &ChannelDiagnosis) -> Option<Scored> 
             "noise of the {} {factor:.2} times as large as declared",
             channel.name
         );
-        let values = vec![(format!("{}.noise_factor", channel.name), factor, "1")];
+        let values = vec![SuspectValue::other(
+            format!("{}.noise_factor", channel.name),
+            factor,
+            "1",
+        )];
         scored(name, FaultKind::NoiseUnderstated, (decrease, 1), values)
     })
 }
@@ -191,7 +199,11 @@ fn jitters(
             "jitter of the sample times of the {}",
             name.replace('_', " ")
         );
-        let values = vec![(format!("{name}.jitter"), variance.sqrt(), "s")];
+        let values = vec![SuspectValue::other(
+            format!("{name}.jitter"),
+            variance.sqrt(),
+            "s",
+        )];
         let jitter = scored(what, FaultKind::TimeJitter, (decrease, 1), values);
         if jitter.is_significant(mean_square, 1) && white(variance) {
             list.push(jitter);

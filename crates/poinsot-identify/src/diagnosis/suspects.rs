@@ -1,13 +1,12 @@
 //! Candidates that explain the residual, with the meaning of their numbers.
 
 use super::candidate::Candidate;
-use super::naming::{LATE_THRUST, name, near};
+use super::naming::{name, near};
 use super::projected::Projected;
-use super::types::{FaultKind, Suspect};
+use super::types::{FaultKind, Suspect, SuspectValue};
 use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::{Fitted, fit_from};
-use crate::motion::GRADIENT;
-use crate::problem::parameters::UnknownKind;
+use crate::problem::parameters::{GRADIENT, UnknownKind};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 use statrs::function::gamma::ln_gamma;
 
@@ -184,8 +183,8 @@ impl Scored {
     /// Whether the numbers are physical: drag does not accelerate, and a rotor's inertia is positive unless its sign is
     /// wrong.
     fn is_possible(&self) -> bool {
-        let values = self.suspect.values.iter().map(|v| v.1);
-        let value = |k: usize| self.suspect.values.get(k).map_or(0.0, |v| v.1);
+        let values = self.suspect.values.iter().map(|v| v.value);
+        let value = |k: usize| self.suspect.values.get(k).map_or(0.0, |v| v.value);
         let sigma = |k: usize| self.sigmas.get(k).copied().unwrap_or(0.0);
         match self.suspect.fault {
             FaultKind::Drag => {
@@ -213,9 +212,9 @@ impl Scored {
     /// How early a sensor would have to read, s: a sensor cannot measure the future. Thrust samples may be late, so
     /// that the thrust acts before its column.
     fn early_s(&self) -> f64 {
-        let thrust = self.suspect.name == LATE_THRUST;
-        match (self.suspect.fault, self.suspect.values.first()) {
-            (FaultKind::Lag, Some((_, lag, _))) if !thrust => (-lag).max(0.0),
+        match (self.suspect.fault, self.suspect.first()) {
+            (FaultKind::Lag, Some((UnknownKind::ThrusterLag(_), _))) => 0.0,
+            (FaultKind::Lag, Some((_, lag))) => (-lag).max(0.0),
             _ => 0.0,
         }
     }
@@ -246,7 +245,12 @@ fn suspect(candidate: &Candidate, decrease: f64, values: &[f64]) -> Suspect {
             .unknowns
             .iter()
             .zip(values)
-            .map(|(u, v)| (u.name.clone(), *v, u.unit))
+            .map(|(u, v)| SuspectValue {
+                name: u.name.clone(),
+                value: *v,
+                unit: u.unit,
+                kind: Some(u.kind.clone()),
+            })
             .collect(),
         numbers: candidate.unknowns.len(),
         times: 1,
@@ -334,6 +338,10 @@ mod tests {
         assert!(named(500.0) && !named(-0.3) && !named(f64::NAN));
     }
 
+    fn number(value: f64) -> SuspectValue {
+        SuspectValue::other(String::new(), value, "")
+    }
+
     fn scored(name: &str, fault: FaultKind, decrease: f64, values: &[f64]) -> Scored {
         Scored {
             at: None,
@@ -341,7 +349,7 @@ mod tests {
                 name: name.to_owned(),
                 decrease,
                 explains: 0.0,
-                values: values.iter().map(|v| (String::new(), *v, "")).collect(),
+                values: values.iter().map(|v| number(*v)).collect(),
                 numbers: values.len(),
                 times: 1,
                 fault,
@@ -375,18 +383,26 @@ mod tests {
 
     #[test]
     fn unit_a_late_input_comes_before_a_sensor_that_reads_the_future() {
-        let of = |list: &[(&str, f64, f64)]| {
-            let one = |(name, decrease, lag): &(&str, f64, f64)| {
-                scored(name, FaultKind::Lag, *decrease, &[*lag])
+        let of = |list: &[(&str, UnknownKind, f64, f64)]| {
+            let one = |(name, kind, decrease, lag): &(&str, UnknownKind, f64, f64)| {
+                let mut one = scored(name, FaultKind::Lag, *decrease, &[*lag]);
+                one.suspect.values[0].kind = Some(kind.clone());
+                one
             };
             let mut list: Vec<Scored> = list.iter().map(one).collect();
             late_before_early(&mut list, 40.0);
             list[0].suspect.name.clone()
         };
-        let early = ("a lag of the attitude", 1000.0, -0.09);
-        assert_eq!(of(&[early, ("joints", 970.0, 0.1)]), "joints");
-        assert_eq!(of(&[early, (LATE_THRUST, 970.0, -0.1)]), LATE_THRUST);
-        assert_eq!(of(&[early, ("joints", 500.0, 0.1)]), early.0);
-        assert_eq!(of(&[early, ("gyro", 990.0, -0.1)]), early.0);
+        let sensor = |sensor: usize| UnknownKind::Sensor {
+            sensor,
+            error: poinsot_dynamics::SensorError::Lag,
+        };
+        let joints = |decrease: f64| ("joints", UnknownKind::JointLag(vec![0]), decrease, 0.1);
+        let early = || ("attitude", sensor(0), 1000.0, -0.09);
+        assert_eq!(of(&[early(), joints(970.0)]), "joints");
+        let thrust = ("thrust", UnknownKind::ThrusterLag(vec![0]), 970.0, -0.1);
+        assert_eq!(of(&[early(), thrust]), "thrust");
+        assert_eq!(of(&[early(), joints(500.0)]), "attitude");
+        assert_eq!(of(&[early(), ("gyro", sensor(1), 990.0, -0.1)]), "attitude");
     }
 }

@@ -1,6 +1,7 @@
 //! Diagnosis as part of the answer.
 
-pub use super::fault::FaultKind;
+pub use crate::problem::fault::FaultKind;
+use crate::problem::parameters::UnknownKind;
 
 /// Probability below which a residual is not white.
 pub(crate) const COLOURED: f64 = 1.0e-4;
@@ -119,8 +120,8 @@ pub struct Suspect {
     pub decrease: f64,
     /// Share of the misfit that it explains, at most 1; 0 where there is no misfit.
     pub explains: f64,
-    /// Name, value, unit of its numbers.
-    pub values: Vec<(String, f64, &'static str)>,
+    /// Its numbers.
+    pub values: Vec<SuspectValue>,
     /// How many numbers it has.
     pub numbers: usize,
     /// How many starts within the record were tried.
@@ -129,6 +130,39 @@ pub struct Suspect {
     pub fault: FaultKind,
     /// Whether the data cannot tell it from the first suspect.
     pub tied: bool,
+}
+
+/// A number of a suspect.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SuspectValue {
+    /// Name in the result.
+    pub name: String,
+    /// Value with which the suspect explains most.
+    pub value: f64,
+    /// Unit.
+    pub unit: &'static str,
+    /// The unknown that it is; `None` of a number of the noise and of a factor of a column.
+    pub kind: Option<UnknownKind>,
+}
+
+impl SuspectValue {
+    /// A number that is no unknown.
+    pub(super) fn other(name: String, value: f64, unit: &'static str) -> Self {
+        Self {
+            name,
+            value,
+            unit,
+            kind: None,
+        }
+    }
+}
+
+impl Suspect {
+    /// Its first number, if that is an unknown.
+    pub(super) fn first(&self) -> Option<(&UnknownKind, f64)> {
+        let first = self.values.first()?;
+        Some((first.kind.as_ref()?, first.value))
+    }
 }
 
 /// A line in the spectrum of a segment's gyro residual.

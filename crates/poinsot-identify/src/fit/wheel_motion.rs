@@ -9,7 +9,7 @@ use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::momentum_state::{Fitted, fit_on};
 use crate::fit::step::{ITERATIONS, Linearisation, moved};
 use crate::problem::Problem;
-use crate::problem::parameters::Parameters;
+use crate::problem::parameters::{Parameters, Unknown};
 use poinsot_solve::{LeastSquares, Linearised};
 use statrs::distribution::{ContinuousCDF, Normal};
 
@@ -39,11 +39,9 @@ impl OtherWheelMotion {
 
     /// The same in a wider set of unknowns: those that are new do not change.
     pub fn among(mut self, own: &Parameters, all: &Parameters) -> Self {
-        let step = |name: &str| {
-            let mut pairs = own.unknowns.iter().zip(&self.step);
-            pairs.find(|(u, _)| u.name == name).map_or(0.0, |p| *p.1)
-        };
-        self.step = all.unknowns.iter().map(|u| step(&u.name)).collect();
+        let of = |unknown: &Unknown| own.place(&unknown.kind).and_then(|k| self.step.get(k));
+        let step = |unknown: &Unknown| of(unknown).copied().unwrap_or(0.0);
+        self.step = all.unknowns.iter().map(step).collect();
         self
     }
 }

@@ -38,7 +38,7 @@ use poinsot_solve::Spectrum;
 use poinsot_spatial::Vector3;
 
 /// Share of the variance from which the choice between two wheel motions is said.
-const SAID: f64 = 0.02;
+const NOTED_SHARE: f64 = 0.02;
 
 /// Identifies by maximum likelihood, started from the linear solution where there is one.
 ///
@@ -169,7 +169,7 @@ fn assumed(smooth: bool, other: Option<&OtherWheelMotion>) -> String {
         "wheel speed smooth between samples",
     ];
     let own = words[usize::from(smooth)];
-    match other.filter(|o| o.added > SAID) {
+    match other.filter(|o| o.added > NOTED_SHARE) {
         None => own.to_owned(),
         Some(o) => format!(
             "{own}, {:.0} % probable; the other way would move the answer by {:.1} sigma, which the sigmas include",

@@ -7,12 +7,9 @@
 //! ```
 
 use super::{MassCentre, Motion, State};
-use crate::problem::parameters::UnknownKind;
+use crate::problem::parameters::{GRADIENT, UnknownKind};
 use poinsot_dynamics::gravity_gradient_torque;
 use poinsot_spatial::{InertialParameters, Matrix3, Vector3, parallel_axis};
-
-/// Components of a symmetric tensor without a trace.
-pub(crate) const GRADIENT: usize = 5;
 
 /// A unit of one of them.
 fn symmetric(component: usize) -> Matrix3 {

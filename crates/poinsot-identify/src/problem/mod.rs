@@ -1,5 +1,6 @@
 //! The problem: segments of telemetry, unknowns, priors, loss.
 
+pub(crate) mod fault;
 pub(crate) mod loss;
 pub(crate) mod parameters;
 pub(crate) mod prior;

@@ -1,16 +1,17 @@
 //! The unknowns of the linear problem: the estimated numbers and their map to the ten parameters of every body.
 
-mod kind;
+mod effects;
 mod known_numbers;
-mod nuisances;
+mod registry;
 mod sensor_errors;
 
-pub use kind::{KnownUnknown, UnknownKind};
+pub(crate) use effects::Part;
+pub(crate) use registry::{Entry, GRADIENT, Registry};
+pub use registry::{KnownUnknown, UnknownKind};
 pub use sensor_errors::ErrorGroup;
-pub(crate) use sensor_errors::declared;
 
 use poinsot_dynamics::{Kinematics, Tree, composite};
-use poinsot_model::{EstimateSet, Model};
+use poinsot_model::{EstimateSet, Model, Nuisance};
 use poinsot_spatial::{
     InertialParameters, MassProperties, PARAMETER_NAMES, Vector3, parallel_axis,
 };
@@ -209,9 +210,27 @@ impl Parameters {
         (out, kept)
     }
 
+    /// Place of a number among the unknowns.
+    pub(crate) fn place(&self, kind: &UnknownKind) -> Option<usize> {
+        self.unknowns.iter().position(|u| u.kind.is_same(kind))
+    }
+
     /// Whether any known number is among the unknowns.
     pub(crate) fn has_known(&self) -> bool {
         self.unknowns.iter().any(|u| u.kind.known().is_some())
+    }
+
+    /// What the registry holds and the model declares unknown.
+    fn add_nuisances(&mut self, model: &Model, tree: &Tree) {
+        let registry = Registry {
+            model,
+            tree,
+            segments: &[],
+        };
+        let kinds = registry.groups().into_iter().flatten();
+        let entries = kinds.filter_map(|kind| registry.entry(&kind));
+        let declared = entries.filter(|entry| entry.declared != Nuisance::Known);
+        self.unknowns.extend(declared.map(|entry| entry.unknown));
     }
 
     fn push(
@@ -488,12 +507,6 @@ pub(crate) fn lifted_vector(from: &Parameters, x: &[f64], parameters: &Parameter
     let body = rotation_properties(from, x);
     let pi = body.parameters().to_array();
     let with_centre = parameters.estimate[0].com;
-    let known: Vec<(&str, f64)> = from
-        .unknowns
-        .iter()
-        .zip(x)
-        .map(|(u, x)| (u.name.as_str(), *x))
-        .collect();
     parameters
         .unknowns
         .iter()
@@ -506,8 +519,9 @@ pub(crate) fn lifted_vector(from: &Parameters, x: &[f64], parameters: &Parameter
                 }
             }
             _ => {
-                let found = known.iter().find(|(name, _)| *name == unknown.name);
-                found.map_or(unknown.nominal, |(_, x)| *x)
+                let place = from.place(&unknown.kind);
+                let found = place.and_then(|k| x.get(k));
+                found.copied().unwrap_or(unknown.nominal)
             }
         })
         .collect()

@@ -2,11 +2,11 @@
 
 use crate::problem::Problem;
 use crate::problem::parameters::{
-    Equations, Parameters, Unknown, UnknownKind, axis_name, declared, tensor_name,
+    Equations, Parameters, Unknown, UnknownKind, axis_name, tensor_name,
 };
 use crate::problem::quantity::{Quantity, TenParameters};
 use nalgebra::{DMatrix, Matrix4};
-use poinsot_model::{Nuisance, Prior, SensorKind};
+use poinsot_model::{Nuisance, Prior};
 use poinsot_spatial::{InertialParameters, pseudo_inertia};
 use statrs::function::erf::erfc;
 
@@ -95,36 +95,10 @@ impl PriorRows {
 /// Priors of sensors and thrusters: calibration, part of the experiment.
 pub(crate) fn calibration(problem: &Problem, parameters: &Parameters, x: &[f64]) -> PriorRows {
     let mut out = PriorRows::default();
-    let model = problem.model;
-    let reads = |kind, list: &[usize]| {
-        let first = list.first()?;
-        model.sensors_of(kind).find(|s| s.of.contains(first))
-    };
-    let joint_sensor = |k: usize| {
-        let joint = problem.tree.coordinates.get(k)?;
-        reads(SensorKind::JointPosition, &[*joint])
-    };
+    let registry = problem.registry();
     known_numbers(parameters, x, &mut out);
     for (at, unknown) in parameters.unknowns.iter().enumerate() {
-        let around = &problem.model.environment;
-        let declared = match unknown.kind {
-            UnknownKind::Sensor { sensor, error } => {
-                let of = problem.model.sensors.get(sensor);
-                of.map(|s| declared(s, error))
-            }
-            UnknownKind::JointOffset(k) => joint_sensor(k).map(|s| s.bias),
-            UnknownKind::JointLag(ref list) => {
-                list.first().and_then(|k| joint_sensor(*k)).map(|s| s.lag)
-            }
-            UnknownKind::WheelLag(ref list) => reads(SensorKind::WheelSpeed, list).map(|s| s.lag),
-            UnknownKind::ThrusterLag(ref list) => reads(SensorKind::Thrust, list).map(|s| s.lag),
-            UnknownKind::WheelTilt(k, _) => Some(problem.model.wheels[k].misalignment),
-            UnknownKind::InertialTorque(_) => Some(around.disturbance_torque_inertial),
-            UnknownKind::DisturbanceTorque(_) => Some(around.disturbance_torque),
-            UnknownKind::DragTorque(_) => Some(around.drag_torque),
-            UnknownKind::ThrusterScale(k) => Some(problem.model.thrusters[k].scale),
-            _ => None,
-        };
+        let declared = registry.entry(&unknown.kind).map(|entry| entry.declared);
         if let Some(Nuisance::Prior(sigma)) = declared {
             let mut gradient = vec![0.0; x.len()];
             gradient[at] = 1.0;

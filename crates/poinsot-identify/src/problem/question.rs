@@ -1,6 +1,6 @@
 //! The problem of an estimator.
 
-use crate::problem::parameters::{Equations, MOST_NUMBERS, Parameters, ParametersError};
+use crate::problem::parameters::{Equations, MOST_NUMBERS, Parameters, ParametersError, Registry};
 use crate::problem::segment::{Noise, Observations, Segment};
 use crate::problem::settings::SettingsError;
 use poinsot_dynamics::Tree;
@@ -52,6 +52,15 @@ pub enum ProblemError {
 }
 
 impl Problem<'_> {
+    /// The registry of its unknowns.
+    pub(crate) fn registry(&self) -> Registry<'_> {
+        Registry {
+            model: self.model,
+            tree: self.tree,
+            segments: self.segments,
+        }
+    }
+
     /// Whether velocity or position is measured in every segment.
     pub(crate) fn sees_translation(&self) -> bool {
         self.segments

@@ -226,7 +226,7 @@ fn known_rows(solution: &Solution, parameters: &Parameters, x: &[f64]) -> Vec<Ro
             UnknownKind::CentralInertia(k) => ten.central_inertia(k).gradient,
             UnknownKind::MassCentre(k) => ten.mass_centre(k).gradient,
             _ => {
-                let at = parameters.unknowns.iter().position(|p| p.name == u.name);
+                let at = parameters.place(&u.kind);
                 let mut unit = vec![0.0; width];
                 if let Some(at) = at {
                     unit[at] = 1.0;

@@ -524,5 +524,5 @@ fn refuse_noiseless(sensor: &Sensor, of_its_kind: usize) -> Result<(), BindError
 /// Whether any error of a sensor is declared unknown.
 fn asks(sensor: &Sensor) -> bool {
     let mut groups = ErrorGroup::of(sensor.kind);
-    groups.any(|g| (g.declared)(sensor) != Nuisance::Known)
+    groups.any(|g| g.key.declared(sensor) != Nuisance::Known)
 }

@@ -5,7 +5,7 @@ use super::planner::Planner;
 use poinsot_dynamics::SensorError;
 use poinsot_formats::case::{OutputFile, Placed, SensorOutputFile};
 use poinsot_identify::ErrorGroup;
-use poinsot_model::Sensor;
+use poinsot_model::{ErrorKey, Sensor};
 
 /// Sample rate and errors of one sensor.
 #[derive(Debug, Clone, PartialEq)]
@@ -92,26 +92,26 @@ fn errors(
     };
     let lag = table.lag_s.as_ref().map(|v| (v.span(), vec![*v.get_ref()]));
     let given = [
-        ("scale", "scale", three(&table.scale)),
+        (ErrorKey::Scale, "scale", three(&table.scale)),
         (
-            "misalignment",
+            ErrorKey::Misalignment,
             "misalignment_rad",
             three(&table.misalignment_rad),
         ),
         (
-            "nonorthogonality",
+            ErrorKey::Nonorthogonality,
             "nonorthogonality_rad",
             three(&table.nonorthogonality_rad),
         ),
-        ("lag", "lag_s", lag),
+        (ErrorKey::Lag, "lag_s", lag),
     ];
     let mut found = Vec::new();
-    for (what, name, value) in given {
+    for (error, name, value) in given {
         let Some((span, numbers)) = value else {
             continue;
         };
         let here = format!("{key}.{name}");
-        let group = ErrorGroup::of(sensor.kind).find(|g| g.key == what);
+        let group = ErrorGroup::of(sensor.kind).find(|g| g.key == error);
         match group {
             None => planner.refuse(
                 "E0507",

@@ -12,7 +12,7 @@ use poinsot_formats::{
     WheelUseFile, address,
 };
 use poinsot_identify::ErrorGroup;
-use poinsot_model::{Joint, JointKind, Model};
+use poinsot_model::{ErrorKey, Joint, JointKind, Model};
 use poinsot_spatial::{InertialParameters, MassProperties, Matrix3, UnitQuaternion, Vector3};
 
 /// Input of a truth file.
@@ -83,7 +83,7 @@ impl Drawn<'_> {
                 }
             }
             let groups = ErrorGroup::of(sensor.kind);
-            for group in groups.filter(|g| g.key != "bias") {
+            for group in groups.filter(|g| g.key != ErrorKey::Bias) {
                 for (error, end) in group.errors {
                     let value = self.recorder.error(i, *error);
                     if value != 0.0 {

@@ -207,7 +207,7 @@ fn exact_lags_of_20_ms_are_named_with_their_sensor() {
         let first = found.suspects.first().unwrap();
         println!("{prefix}: {first:?}");
         assert_eq!(first.name, what);
-        let lag = first.values[0].1;
+        let lag = first.values[0].value;
         assert!((lag - 0.02).abs() < 0.002, "{prefix}: {lag}");
     }
 }

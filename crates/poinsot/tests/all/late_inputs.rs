@@ -115,7 +115,7 @@ fn first_suspect(model: &Model, table: Table) -> (String, f64) {
     let first = found.suspects.first().unwrap();
     println!("{:?}", found.suspects);
     assert!(first.explains > 0.95, "{first:?}");
-    (first.name.clone(), first.values[0].1)
+    (first.name.clone(), first.values[0].value)
 }
 
 /// Undeclared, a joint lag of 100 ms was called an attitude lead of 93 ms, and a joint offset flexibility.

@@ -2,8 +2,8 @@
 
 use super::{HEAD, accepted, body, joint, shipped};
 use poinsot_model::{
-    EstimateSet, JointKind, Model, MomentumKnowledge, Nuisance, RandomTorque, SpringDamper,
-    parse_model, read_model, write_model,
+    ErrorKey, EstimateSet, JointKind, Model, MomentumKnowledge, Nuisance, RandomTorque,
+    SpringDamper, parse_model, read_model, write_model,
 };
 
 pub fn full() -> String {
@@ -191,11 +191,11 @@ fn nuisances(model: &mut Model) -> Vec<&mut Nuisance> {
     let mut all = Vec::new();
     for sensor in &mut model.sensors {
         let of_sensor = [
-            ("bias", &mut sensor.bias),
-            ("scale", &mut sensor.scale),
-            ("misalignment", &mut sensor.misalignment),
-            ("nonorthogonality", &mut sensor.nonorthogonality),
-            ("lag", &mut sensor.lag),
+            (ErrorKey::Bias, &mut sensor.bias),
+            (ErrorKey::Scale, &mut sensor.scale),
+            (ErrorKey::Misalignment, &mut sensor.misalignment),
+            (ErrorKey::Nonorthogonality, &mut sensor.nonorthogonality),
+            (ErrorKey::Lag, &mut sensor.lag),
         ];
         let can = sensor.kind.unknown_errors();
         let own = of_sensor.into_iter().filter(|(key, _)| can.contains(key));

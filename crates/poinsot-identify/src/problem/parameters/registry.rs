@@ -1,0 +1,605 @@
+//! The registry of unknowns: one entry for each kind, with name, unit, natural scale, what the model declares and the fault that it
+//! stands for. Estimation, priors and diagnosis loop over it.
+//!
+//! A new kind is a variant of [`UnknownKind`], a line in `traits`, its entry, and its place in [`Registry::groups`]; its slope is
+//! where the vehicle or its inputs use it (docs/howto/adding_an_unknown.md).
+
+use super::sensor_errors::ErrorGroup;
+use super::{AXES, Unknown};
+use crate::problem::fault::FaultKind;
+use crate::problem::segment::Segment;
+use poinsot_dynamics::{SensorError, Tree};
+use poinsot_model::{ErrorKey, JointKind, KnownNumber, Model, Nuisance, Sensor, SensorKind};
+use poinsot_spatial::Vector3;
+
+/// Components of a symmetric tensor without a trace.
+pub(crate) const GRADIENT: usize = 5;
+/// Duration, s, of a tenth of a radian in low orbit: a gravity gradient changes in a longer record.
+const ORBITING: f64 = 100.0;
+
+/// What an unknown is.
+#[derive(Debug, Clone, PartialEq)]
+pub enum UnknownKind {
+    /// A combination of barycentric parameters: the index `10 body + k` and its coefficient.
+    Barycentric(Vec<(usize, f64)>),
+    /// Element k (order xx, xy, yy, xz, yz, zz) of the base's central inertia, where only rotation is seen.
+    CentralInertia(usize),
+    /// Component of the base's mass centre, where only rotation is seen (thrusters turn about it).
+    MassCentre(usize),
+    /// Spin inertia of a wheel.
+    SpinInertia(usize),
+    /// Factor of a thruster, less one.
+    ThrusterScale(usize),
+    /// Direction and position of a thruster, with their slopes in the axes of its body. Tested only.
+    ThrusterPlace {
+        /// Index in the model's thrusters.
+        thruster: usize,
+        /// Slope of the unit direction.
+        direction_B: Vector3,
+        /// Slope of the position, m.
+        p_BoT_B: Vector3,
+    },
+    /// Share of the force of one firing. Tested only.
+    Firing {
+        /// Index of the segment.
+        segment: usize,
+        /// Index of the firing in it.
+        firing: usize,
+        /// Index in the model's thrusters.
+        thruster: usize,
+    },
+    /// Mass that a body loses per impulse of one or all of its thrusters, kg/(N s): from a place of it, or per m of another place
+    /// along an axis. Tested only.
+    PropellantUse {
+        /// Index of the body.
+        body: usize,
+        /// Index of the thruster; `None`: all of the body.
+        thruster: Option<usize>,
+        /// The place, m.
+        p_BoF_B: Vector3,
+        /// The axis along which the place moves.
+        axis: Option<usize>,
+    },
+    /// Play of a joint coordinate, rad or m: its link is half of it behind its drive. Tested only.
+    JointPlay(usize),
+    /// Origin and axis of a joint, with their slopes. Tested only.
+    JointPlace {
+        /// The body that the joint carries.
+        link: usize,
+        /// Slope of the origin in the parent, m.
+        p_PoCo_P: Vector3,
+        /// Slope of the unit axis in the body.
+        axis_C: Vector3,
+    },
+    /// An error of a sensor with three axes.
+    Sensor {
+        /// Index in the model's sensors.
+        sensor: usize,
+        /// Which error.
+        error: SensorError,
+    },
+    /// Component of a constant torque in body axes, N m.
+    DisturbanceTorque(usize),
+    /// Component of a constant torque in inertial axes, N m.
+    InertialTorque(usize),
+    /// Coefficient of the drag torque `-c |w| w` about a body axis, kg m2.
+    DragTorque(usize),
+    /// Constant error of the reading of a joint coordinate, rad or m.
+    JointOffset(usize),
+    /// Delay of the samples of these joint coordinates, s.
+    JointLag(Vec<usize>),
+    /// Delay of the samples of these wheels, s.
+    WheelLag(Vec<usize>),
+    /// Delay of these thrusters, s.
+    ThrusterLag(Vec<usize>),
+    /// Small tilt of a wheel's axis, rad, about the first or second of its tilt axes.
+    WheelTilt(usize, usize),
+    /// Component in N of a constant force, N. Tested only.
+    InertialForce(usize),
+    /// Component of the tensor of a gravity gradient in N, 1/s2: five of it, then five of how it grows with time, 1/s3.
+    /// Tested only.
+    GravityGradient(usize),
+    /// Component in N of the gradient of a tide, 1/s2, then of a constant acceleration, m/s2. Tested only.
+    Tide(usize),
+    /// A number whose column is made of others. Tested only.
+    Changed,
+    /// A known number of the model within its uncertainty.
+    Known(KnownUnknown),
+}
+
+/// A component of a known number with its uncertainty.
+#[derive(Debug, Clone, PartialEq)]
+pub struct KnownUnknown {
+    /// Which number.
+    pub number: KnownNumber,
+    /// Which component of it.
+    pub component: usize,
+    /// One sigma, in the unit of the component.
+    pub sigma: f64,
+    /// Slope of the barycentric parameters: index `10 body + k` and slope.
+    pub slopes: Vec<(usize, f64)>,
+}
+
+/// On what an unknown acts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Acts {
+    /// Mass properties.
+    Bodies,
+    /// Wheels and thrusters.
+    Actuators,
+    /// Times of thrust.
+    ThrustTimes,
+    /// Motion of joints and wheels.
+    Inputs,
+    /// The same, as a delay of its samples.
+    InputTimes,
+    /// Measurements of a sensor with three axes.
+    Sensor,
+    /// The same, as a delay.
+    SensorTimes,
+    /// Force or torque from outside.
+    Outside,
+    /// Known numbers, or columns made of others.
+    Others,
+}
+
+/// How a fit takes an unknown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Taken {
+    /// Solved for with the mass properties.
+    Main,
+    /// Projected out.
+    Nuisance,
+    /// It has slopes but no value: tested, never fitted.
+    Tested,
+}
+
+impl UnknownKind {
+    /// On what it acts, and how a fit takes it.
+    pub(super) const fn traits(&self) -> (Acts, Taken) {
+        use Taken::{Main, Nuisance, Tested};
+        match self {
+            Self::Barycentric(_) | Self::CentralInertia(_) | Self::MassCentre(_) => {
+                (Acts::Bodies, Main)
+            }
+            Self::SpinInertia(_) | Self::ThrusterScale(_) => (Acts::Actuators, Main),
+            Self::WheelTilt(..) => (Acts::Actuators, Nuisance),
+            Self::ThrusterPlace { .. } | Self::Firing { .. } | Self::PropellantUse { .. } => {
+                (Acts::Actuators, Tested)
+            }
+            Self::ThrusterLag(_) => (Acts::ThrustTimes, Nuisance),
+            Self::JointOffset(_) => (Acts::Inputs, Nuisance),
+            Self::JointPlay(_) | Self::JointPlace { .. } => (Acts::Inputs, Tested),
+            Self::JointLag(_) | Self::WheelLag(_) => (Acts::InputTimes, Nuisance),
+            Self::Sensor { error, .. } => match error {
+                SensorError::Lag => (Acts::SensorTimes, Nuisance),
+                _ => (Acts::Sensor, Nuisance),
+            },
+            Self::DisturbanceTorque(_) | Self::InertialTorque(_) | Self::DragTorque(_) => {
+                (Acts::Outside, Nuisance)
+            }
+            Self::InertialForce(_) | Self::GravityGradient(_) | Self::Tide(_) => {
+                (Acts::Outside, Tested)
+            }
+            Self::Changed => (Acts::Others, Tested),
+            Self::Known(_) => (Acts::Others, Nuisance),
+        }
+    }
+
+    /// Whether it is the same number as another, at whatever values of the unknowns and in whatever vehicle.
+    pub(crate) fn is_same(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Barycentric(a), Self::Barycentric(b)) => {
+                a.first().map(|part| part.0) == b.first().map(|part| part.0)
+            }
+            (Self::Known(a), Self::Known(b)) => (a.number, a.component) == (b.number, b.component),
+            (a, b) => a == b,
+        }
+    }
+}
+
+/// What the registry holds of one number.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Entry {
+    /// Name, unit, value in the model and natural scale.
+    pub unknown: Unknown,
+    /// How the model declares it: its prior.
+    pub declared: Nuisance,
+    /// The fault that it stands for.
+    pub fault: FaultKind,
+    /// The fault of its group in words. That of a sensor goes on with the name of its record.
+    pub hypothesis: String,
+    /// The known number of the model that it changes.
+    pub number: Option<KnownNumber>,
+}
+
+impl Entry {
+    fn declare(self, declared: Nuisance) -> Self {
+        Self { declared, ..self }
+    }
+
+    fn changes(self, number: KnownNumber) -> Self {
+        let number = Some(number);
+        Self { number, ..self }
+    }
+}
+
+/// The entries of a vehicle and, where they are at hand, of its segments.
+#[derive(Clone, Copy)]
+pub(crate) struct Registry<'a> {
+    pub model: &'a Model,
+    pub tree: &'a Tree,
+    /// Empty: nothing that follows from telemetry.
+    pub segments: &'a [Segment],
+}
+
+impl Registry<'_> {
+    /// Entry of a number. `None` of mass properties, and of numbers that others make: known ones, and columns of others.
+    pub fn entry(&self, kind: &UnknownKind) -> Option<Entry> {
+        match *kind {
+            UnknownKind::SpinInertia(k) | UnknownKind::WheelTilt(k, _) => self.of_wheel(kind, k),
+            UnknownKind::ThrusterScale(k) | UnknownKind::Firing { thruster: k, .. } => {
+                self.of_thruster(kind, k)
+            }
+            UnknownKind::PropellantUse { body, axis, .. } => self.of_propellant(kind, body, axis),
+            UnknownKind::JointOffset(k) | UnknownKind::JointPlay(k) => self.of_joint(kind, k),
+            UnknownKind::JointLag(ref list) => {
+                let joint = self.tree.coordinates.get(*list.first()?)?;
+                Some(self.lag(kind, "joints", SensorKind::JointPosition, *joint))
+            }
+            UnknownKind::WheelLag(ref list) => {
+                Some(self.lag(kind, "wheels", SensorKind::WheelSpeed, *list.first()?))
+            }
+            UnknownKind::ThrusterLag(ref list) => {
+                Some(self.lag(kind, "thrust", SensorKind::Thrust, *list.first()?))
+            }
+            UnknownKind::Sensor { sensor, error } => self.of_sensor(kind, sensor, error),
+            UnknownKind::DisturbanceTorque(k)
+            | UnknownKind::InertialTorque(k)
+            | UnknownKind::DragTorque(k)
+            | UnknownKind::InertialForce(k)
+            | UnknownKind::GravityGradient(k)
+            | UnknownKind::Tide(k) => self.of_environment(kind, k),
+            UnknownKind::Barycentric(_)
+            | UnknownKind::CentralInertia(_)
+            | UnknownKind::MassCentre(_)
+            | UnknownKind::ThrusterPlace { .. }
+            | UnknownKind::JointPlace { .. }
+            | UnknownKind::Changed
+            | UnknownKind::Known(_) => None,
+        }
+    }
+
+    fn of_wheel(&self, kind: &UnknownKind, k: usize) -> Option<Entry> {
+        let wheel = self.model.wheels.get(k)?;
+        let name = &wheel.name;
+        let UnknownKind::WheelTilt(_, i) = *kind else {
+            let mut spin = entry(
+                kind,
+                (format!("{name}.spin_inertia"), "kg m2"),
+                FaultKind::WheelScale,
+                format!("another spin inertia of {name}"),
+            );
+            spin.unknown.nominal = wheel.spin_inertia;
+            spin.unknown.natural = wheel.spin_inertia;
+            let declared = match wheel.estimate {
+                true => Nuisance::Estimate,
+                false => Nuisance::Known,
+            };
+            return Some(spin.declare(declared).changes(KnownNumber::SpinInertia(k)));
+        };
+        let about = wheel.tilt_axes()[i];
+        let axis = (0..3).find(|a| about[*a] == 1.0);
+        let what = axis.map_or_else(|| format!("{}", i + 1), |a| AXES[a].to_owned());
+        let tilt = entry(
+            kind,
+            (format!("{name}.misalignment_{what}"), "rad"),
+            FaultKind::WheelTilt,
+            format!("a tilt of {name}"),
+        );
+        let declared = tilt.declare(wheel.misalignment);
+        Some(declared.changes(KnownNumber::WheelAxis(k)))
+    }
+
+    fn of_thruster(&self, kind: &UnknownKind, k: usize) -> Option<Entry> {
+        let thruster = self.model.thrusters.get(k)?;
+        let name = &thruster.name;
+        let UnknownKind::Firing {
+            segment, firing, ..
+        } = *kind
+        else {
+            let scale = entry(
+                kind,
+                (format!("{name}.scale"), "1"),
+                FaultKind::Thrust,
+                format!("another thrust of {name}"),
+            );
+            return Some(scale.declare(thruster.scale).changes(KnownNumber::Force(k)));
+        };
+        let start_s = self.segments.get(segment)?.firings.get(firing)?.start_s;
+        let mut share = entry(
+            kind,
+            (format!("{name}.firing_at_{start_s:.1}_s"), "1"),
+            FaultKind::Firing,
+            format!("another force of the firing of {name} at {start_s:.1} s"),
+        );
+        share.unknown.nominal = 1.0;
+        Some(share)
+    }
+
+    fn of_propellant(&self, kind: &UnknownKind, body: usize, axis: Option<usize>) -> Option<Entry> {
+        let name = &self.model.bodies.get(body)?.name;
+        let (name_and_unit, hypothesis) = (
+            match axis {
+                None => (format!("{name}.propellant_use"), "kg/(N s)"),
+                Some(k) => (
+                    format!("{name}.propellant_moment_{}", AXES[k]),
+                    "kg m/(N s)",
+                ),
+            },
+            format!("the propellant that {name} uses"),
+        );
+        Some(entry(
+            kind,
+            name_and_unit,
+            FaultKind::PropellantUse,
+            hypothesis,
+        ))
+    }
+
+    fn of_joint(&self, kind: &UnknownKind, k: usize) -> Option<Entry> {
+        let at = *self.tree.coordinates.get(k)?;
+        let joint = self.model.joints.get(at)?;
+        let name = &joint.name;
+        let unit = match joint.kind {
+            JointKind::Prismatic => "m",
+            _ => "rad",
+        };
+        if matches!(kind, UnknownKind::JointPlay(_)) {
+            let hypothesis = format!("backlash of {name}");
+            let number = (format!("{name}.play"), unit);
+            return Some(entry(kind, number, FaultKind::Backlash, hypothesis));
+        }
+        let offset = entry(
+            kind,
+            (format!("{name}.offset"), unit),
+            FaultKind::JointOffset,
+            format!("an offset of {name}"),
+        );
+        let sensor = self.reader(SensorKind::JointPosition, at);
+        Some(offset.declare(declared(sensor, ErrorKey::Bias)))
+    }
+
+    /// Delay of the samples of joints, wheels or thrusters that one sensor reads; `first` is the first of them.
+    fn lag(&self, kind: &UnknownKind, what: &str, sensor: SensorKind, first: usize) -> Entry {
+        let reader = self.reader(sensor, first);
+        let owner = reader.map_or(sensor.word(), |s| s.name.as_str());
+        let number = (format!("{owner}.lag"), "s");
+        let lag = entry(kind, number, FaultKind::Lag, format!("a lag of the {what}"));
+        lag.declare(declared(reader, ErrorKey::Lag))
+    }
+
+    fn of_sensor(&self, kind: &UnknownKind, sensor: usize, error: SensorError) -> Option<Entry> {
+        let of = self.model.sensors.get(sensor)?;
+        let group = ErrorGroup::holding(of.kind, error)?;
+        let mut errors = group.errors.iter();
+        let (_, end) = errors.find(|e| e.0 == error)?;
+        let own = entry(
+            kind,
+            (format!("{}.{end}", of.name), group.unit(of.kind)),
+            group.fault(of.kind),
+            format!("a {}", group.word(of.kind)),
+        );
+        let own = own.declare(group.key.declared(of));
+        let turns = match group.key {
+            ErrorKey::Misalignment => !of.kind.is_rotation(),
+            ErrorKey::Bias => of.kind.is_rotation(),
+            _ => false,
+        };
+        Some(match turns {
+            true => own.changes(KnownNumber::Mounting(sensor)),
+            false => own,
+        })
+    }
+
+    fn of_environment(&self, kind: &UnknownKind, k: usize) -> Option<Entry> {
+        let around = &self.model.environment;
+        let along = |what: &str| AXES.get(k).map(|axis| format!("{what}_{axis}"));
+        let torque = |what: &str, unit, fault, hypothesis: &str| {
+            Some(entry(
+                kind,
+                (along(what)?, unit),
+                fault,
+                hypothesis.to_owned(),
+            ))
+        };
+        let tensor = |what: &str, unit, fault, hypothesis: &str| {
+            let number = (format!("{what}_{}", k + 1), unit);
+            Some(entry(kind, number, fault, hypothesis.to_owned()))
+        };
+        match kind {
+            UnknownKind::DisturbanceTorque(_) => {
+                let hypothesis = "a constant external torque";
+                let own = torque("environment.torque", "N m", FaultKind::Torque, hypothesis)?;
+                Some(own.declare(around.disturbance_torque))
+            }
+            UnknownKind::InertialTorque(_) => {
+                let (name, fault) = ("environment.torque_inertial", FaultKind::MomentumDrift);
+                let own = torque(name, "N m", fault, "a drift of the angular momentum")?;
+                Some(own.declare(around.disturbance_torque_inertial))
+            }
+            UnknownKind::DragTorque(_) => {
+                let own = torque("environment.drag", "kg m2", FaultKind::Drag, "drag")?;
+                Some(own.declare(around.drag_torque))
+            }
+            UnknownKind::InertialForce(_) => {
+                let hypothesis = "a drift of the linear momentum";
+                torque("drift.force", "N", FaultKind::ForceDrift, hypothesis)
+            }
+            UnknownKind::GravityGradient(_) => {
+                let unit = if k < GRADIENT { "1/s2" } else { "1/s3" };
+                let (name, fault) = ("gravity_gradient.tensor", FaultKind::GravityGradient);
+                tensor(name, unit, fault, "the gravity gradient")
+            }
+            _ if k < GRADIENT => tensor("tide.gradient", "1/s2", FaultKind::Tide, "a tide"),
+            _ => tensor("tide.acceleration", "m/s2", FaultKind::Tide, "a tide"),
+        }
+    }
+
+    /// The sensor of a kind that reads a joint, wheel or thruster.
+    fn reader(&self, kind: SensorKind, of: usize) -> Option<&Sensor> {
+        self.model.sensors_of(kind).find(|s| s.of.contains(&of))
+    }
+
+    /// Every number that can be declared unknown or tested, in the order of the answer; those of one group are unknown together.
+    pub fn groups(&self) -> Vec<Vec<UnknownKind>> {
+        let model = self.model;
+        let (wheels, thrusters) = (0..model.wheels.len(), 0..model.thrusters.len());
+        let mut all: Vec<Vec<UnknownKind>> = Vec::new();
+        all.extend(wheels.clone().map(|k| vec![UnknownKind::SpinInertia(k)]));
+        all.extend(thrusters.map(|k| vec![UnknownKind::ThrusterScale(k)]));
+        all.extend(self.sensor_groups());
+        all.extend(self.input_groups());
+        let tilts = |k| [0, 1].map(|i| UnknownKind::WheelTilt(k, i)).to_vec();
+        all.extend(wheels.map(tilts));
+        let axes: [fn(usize) -> UnknownKind; 4] = [
+            UnknownKind::DisturbanceTorque,
+            UnknownKind::InertialTorque,
+            UnknownKind::DragTorque,
+            UnknownKind::InertialForce,
+        ];
+        all.extend(axes.map(|kind| (0..3).map(kind).collect()));
+        all.push((0..GRADIENT + 3).map(UnknownKind::Tide).collect());
+        if !(model.environment.gravity_gradient && model.environment.point_mass_gm.is_some()) {
+            let numbers = gradient_numbers(self.segments);
+            all.push((0..numbers).map(UnknownKind::GravityGradient).collect());
+        }
+        all.extend(propellant_groups(model, self.segments));
+        all.extend(firing_groups(self.segments));
+        all.extend((0..self.tree.dof()).map(|k| vec![UnknownKind::JointPlay(k)]));
+        all
+    }
+
+    fn sensor_groups(&self) -> impl Iterator<Item = Vec<UnknownKind>> {
+        let sensors = self.model.sensors.iter().enumerate();
+        sensors.flat_map(|(sensor, of)| {
+            ErrorGroup::of(of.kind).map(move |group| {
+                let errors = group.errors.iter();
+                errors
+                    .map(|(error, _)| UnknownKind::Sensor {
+                        sensor,
+                        error: *error,
+                    })
+                    .collect()
+            })
+        })
+    }
+
+    /// Errors of the samples of joints, wheels and thrusters, sensor by sensor; then of those that no sensor reads.
+    fn input_groups(&self) -> Vec<Vec<UnknownKind>> {
+        let model = self.model;
+        let mut all = Vec::new();
+        for sensor in &model.sensors {
+            all.extend(self.input_errors(sensor.kind, &sensor.of));
+        }
+        for (kind, count) in [
+            (SensorKind::JointPosition, model.joints.len()),
+            (SensorKind::WheelSpeed, model.wheels.len()),
+            (SensorKind::Thrust, model.thrusters.len()),
+        ] {
+            let rest = (0..count).filter(|k| self.reader(kind, *k).is_none());
+            let rest: Vec<usize> = rest.collect();
+            all.extend(self.input_errors(kind, &rest));
+        }
+        all
+    }
+
+    fn input_errors(&self, kind: SensorKind, of: &[usize]) -> Vec<Vec<UnknownKind>> {
+        let joints = (0..self.tree.dof()).filter(|k| of.contains(&self.tree.coordinates[*k]));
+        let mut all = Vec::new();
+        for key in kind.unknown_errors().iter().filter(|_| kind.is_scalar()) {
+            match (kind, key) {
+                (SensorKind::JointPosition, ErrorKey::Bias) => {
+                    all.extend(joints.clone().map(|k| vec![UnknownKind::JointOffset(k)]));
+                }
+                (SensorKind::JointPosition, _) => {
+                    all.push(vec![UnknownKind::JointLag(joints.clone().collect())]);
+                }
+                (SensorKind::WheelSpeed, _) => all.push(vec![UnknownKind::WheelLag(of.to_vec())]),
+                _ => all.push(vec![UnknownKind::ThrusterLag(of.to_vec())]),
+            }
+        }
+        all
+    }
+}
+
+/// A number that is zero in the model, of natural scale one, and not declared.
+fn entry(
+    kind: &UnknownKind,
+    (name, unit): (String, &'static str),
+    fault: FaultKind,
+    hypothesis: String,
+) -> Entry {
+    Entry {
+        unknown: Unknown {
+            kind: kind.clone(),
+            name,
+            unit,
+            nominal: 0.0,
+            natural: 1.0,
+        },
+        declared: Nuisance::Known,
+        fault,
+        hypothesis,
+        number: None,
+    }
+}
+
+fn declared(sensor: Option<&Sensor>, key: ErrorKey) -> Nuisance {
+    sensor.map_or(Nuisance::Known, |s| key.declared(s))
+}
+
+/// How many numbers a gravity gradient has: a constant tensor, or one that grows with time along the orbit.
+fn gradient_numbers(segments: &[Segment]) -> usize {
+    let spans = segments.iter().filter_map(|s| {
+        let t = &s.observations.time_s;
+        Some(t.last()? - t.first()?)
+    });
+    match spans.fold(0.0, f64::max) > ORBITING {
+        true => 2 * GRADIENT,
+        false => GRADIENT,
+    }
+}
+
+/// Mass that bodies lose as their thrusters fire: how much, and by the place that it comes from.
+fn propellant_groups(model: &Model, segments: &[Segment]) -> Vec<Vec<UnknownKind>> {
+    let firings = segments.iter().flat_map(|s| &s.firings);
+    let mut hosts: Vec<usize> = firings
+        .filter(|f| f.force != 0.0)
+        .filter_map(|f| Some(model.thrusters.get(f.thruster)?.body))
+        .collect();
+    hosts.sort_unstable();
+    hosts.dedup();
+    let of = |body: usize| {
+        let number = |axis| UnknownKind::PropellantUse {
+            body,
+            thruster: None,
+            p_BoF_B: model.bodies[body].nominal.p_BoBcm_B,
+            axis,
+        };
+        [None, Some(0), Some(1), Some(2)].map(number).to_vec()
+    };
+    hosts.into_iter().map(of).collect()
+}
+
+fn firing_groups(segments: &[Segment]) -> impl Iterator<Item = Vec<UnknownKind>> {
+    segments.iter().enumerate().flat_map(|(segment, own)| {
+        own.firings.iter().enumerate().map(move |(firing, of)| {
+            vec![UnknownKind::Firing {
+                segment,
+                firing,
+                thruster: of.thruster,
+            }]
+        })
+    })
+}
