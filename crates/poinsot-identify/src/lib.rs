@@ -117,7 +117,9 @@ pub use problem::segment::{
     Accelerations, BetweenReadings, Firing, InputErrors, Noise, Observations, RoundingError,
     Samples, Segment, SensorRecord, SensorSample, SensorValue, Translation,
 };
-pub use problem::settings::{Coordinates, Settings, SettingsError};
+pub use problem::settings::{
+    Coordinates, DiagnosisSettings, IntegrationSettings, Settings, SettingsError,
+};
 pub use problem::{Problem, ProblemError};
 pub use solution::estimate::{
     BodyEstimate, ChannelFit, DeterminedCombination, Estimate, Identifiability, KnownEffect,

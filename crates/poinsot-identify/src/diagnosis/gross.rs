@@ -11,8 +11,6 @@ use crate::problem::segment::Segment;
 use poinsot_solve::LeastSquares;
 use std::f64::consts::PI;
 
-/// Chi-square per number from which gross mistakes are looked for.
-const GROSS: f64 = 1.0e2;
 /// Shares of the record that are tried as its beginning: each twice the one before, so that all fits together take no longer
 /// than one of the whole record.
 const BEGINNINGS: [f64; 4] = [0.0625, 0.125, 0.25, 0.5];
@@ -98,7 +96,7 @@ pub(super) fn gross(
     (excess, dof): (f64, f64),
 ) -> Option<Suspect> {
     let mistakes = mistakes(experiment);
-    if excess < GROSS * dof || mistakes.is_empty() {
+    if excess < experiment.settings.diagnosis.gross_misfit * dof || mistakes.is_empty() {
         return None;
     }
     let before = experiment.chi2(&fitted.at, &fitted.evaluated)?;
@@ -131,6 +129,7 @@ pub(super) fn gross(
 
 /// The shortest beginning of the record that contradicts the model; `None` where it takes all of it.
 fn contradicting(experiment: &Experiment) -> Option<Vec<Segment>> {
+    let gross = experiment.settings.diagnosis.gross_misfit;
     BEGINNINGS.into_iter().find_map(|share| {
         let segments = experiment.problem.segments.iter();
         let segments: Vec<Segment> = segments.map(|s| beginning(s, share)).collect();
@@ -142,7 +141,7 @@ fn contradicting(experiment: &Experiment) -> Option<Vec<Segment>> {
         let contradicts =
             fit_from(&short, short.nominal_point(), MISTAKE_ITERATIONS).is_none_or(|found| {
                 let rows: usize = found.evaluated.iter().map(|e| e.rows).sum();
-                short.cost_of(&found) > GROSS * rows as f64
+                short.cost_of(&found) > gross * rows as f64
             });
         contradicts.then_some(segments)
     })
@@ -267,7 +266,7 @@ fn confirmed(
     let x = put_right(short, mistake, |other| {
         let half = fit_from(other, other.nominal_point(), MISTAKE_ITERATIONS / 2)?;
         let rows: usize = half.evaluated.iter().map(|e| e.rows).sum();
-        let fits = other.cost_of(&half) < GROSS * rows as f64;
+        let fits = other.cost_of(&half) < other.settings.diagnosis.gross_misfit * rows as f64;
         fits.then_some(half.at)
     })?;
     put_right(experiment, mistake, |other| {

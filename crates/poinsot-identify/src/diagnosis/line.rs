@@ -5,16 +5,13 @@ use crate::fit::Fitted;
 use crate::fit::experiment::Experiment;
 use poinsot_spatial::Vector3;
 
-/// Share of the residual's power in one line from which it is significant.
-const LINE: f64 = 0.25;
-/// Share of the power of the predicted motion, or of its change, in a line from which the manoeuvre causes it.
-const DRIVEN: f64 = 0.02;
 /// Most samples that the periodogram takes.
 const PERIODOGRAM: usize = 4096;
 
 /// A line that stands out of the periodogram of a segment's gyro residual.
 pub(super) fn spectral_lines(experiment: &Experiment, fitted: &Fitted) -> Vec<SpectralLine> {
     let mut found = Vec::new();
+    let limits = experiment.settings.diagnosis;
     for (segment, one) in experiment.problem.segments.iter().zip(&fitted.evaluated) {
         let o = &segment.observations;
         let best = o.best_gyro().map(|r| &r.name);
@@ -22,7 +19,7 @@ pub(super) fn spectral_lines(experiment: &Experiment, fitted: &Fitted) -> Vec<Sp
             continue;
         };
         let times: Vec<f64> = o.rates().map(|(k, _)| o.time_s[k]).collect();
-        let Some(line) = strongest_line(&times, &gyro.white) else {
+        let Some(line) = strongest_line(&times, &gyro.white, limits.line_share) else {
             continue;
         };
         // Motion of the rigid vehicle.
@@ -31,7 +28,7 @@ pub(super) fn spectral_lines(experiment: &Experiment, fitted: &Fitted) -> Vec<Sp
         });
         let measured = o.rates().map(|(_, w)| w).zip(&gyro.white);
         let predicted: Vec<Vector3> = measured.map(|(w, e)| w - e.component_mul(&sigma)).collect();
-        if !line.is_driven(&predicted) {
+        if !line.is_driven(&predicted, limits.driven_share) {
             found.push(SpectralLine {
                 segment: segment.label.clone(),
                 frequency_hz: line.frequency_hz,
@@ -51,7 +48,7 @@ struct Line {
 
 impl Line {
     /// Whether the manoeuvre drives the vehicle at the line: then a wrong rigid model causes a line there too.
-    fn is_driven(&self, predicted: &[Vector3]) -> bool {
+    fn is_driven(&self, predicted: &[Vector3], most: f64) -> bool {
         let changes: Vec<Vector3> = predicted.windows(2).map(|w| w[1] - w[0]).collect();
         let share = |motion: &[Vector3]| {
             let n = motion.len().min(PERIODOGRAM);
@@ -67,13 +64,13 @@ impl Line {
             let all: f64 = power.iter().skip(1).sum();
             if all > 0.0 { at / all } else { 0.0 }
         };
-        share(predicted) > DRIVEN || share(&changes) > DRIVEN
+        share(predicted) > most || share(&changes) > most
     }
 }
 
 /// The strongest line with its two neighbours on each side; `None` where none stands out. Slow drifts (the first few
 /// frequencies) are not lines.
-fn strongest_line(times: &[f64], white: &[Vector3]) -> Option<Line> {
+fn strongest_line(times: &[f64], white: &[Vector3], least: f64) -> Option<Line> {
     let n = times.len().min(white.len()).min(PERIODOGRAM);
     if n < 64 {
         return None;
@@ -88,7 +85,7 @@ fn strongest_line(times: &[f64], white: &[Vector3]) -> Option<Line> {
         .max_by(|a, b| a.1.total_cmp(b.1))?;
     let bins = peak.saturating_sub(2)..(peak + 3).min(power.len());
     let share = power[bins.clone()].iter().sum::<f64>() / total;
-    (share > LINE).then(|| Line {
+    (share > least).then(|| Line {
         frequency_hz: peak as f64 / (n as f64 * step),
         share,
         bins,
@@ -128,15 +125,15 @@ mod tests {
             .iter()
             .map(|t| Vector3::new((std::f64::consts::TAU * 0.4 * t).sin(), 0.0, 0.1))
             .collect();
-        let line = strongest_line(&times, &sine).unwrap();
+        let line = strongest_line(&times, &sine, 0.25).unwrap();
         assert!((line.frequency_hz - 0.4).abs() < 0.01 && line.share > 0.9);
         // A manoeuvre at the line itself, and one elsewhere.
-        assert!(line.is_driven(&sine));
+        assert!(line.is_driven(&sine, 0.02));
         let slow: Vec<Vector3> = times
             .iter()
             .map(|t| Vector3::x() * (0.06 * t).sin())
             .collect();
-        assert!(!line.is_driven(&slow));
+        assert!(!line.is_driven(&slow, 0.02));
     }
 
     #[test]
@@ -154,6 +151,6 @@ mod tests {
             .iter()
             .map(|_| Vector3::new(next(), next(), next()))
             .collect();
-        assert!(strongest_line(&times, &noise).is_none());
+        assert!(strongest_line(&times, &noise, 0.25).is_none());
     }
 }

@@ -17,19 +17,12 @@ use crate::problem::segment::{SensorRecord, SensorValue};
 use poinsot_dynamics::SensorError;
 use poinsot_spatial::{Matrix3, Vector3};
 
-/// Shares of outliers that are reported: if most samples are outliers, the model is wrong.
-const OUTLIERS: [f64; 2] = [1.0e-3, 0.2];
 /// Standard deviation of a median over that of a mean.
 const MEDIAN_SCATTER: f64 = 1.5;
-/// Share of the excess variance from which rounding is the cause.
-const ROUNDING: f64 = 0.5;
 /// Part of a step by which a rounded value may lie off its multiple.
 const OFF_STEP: f64 = 1.0e-3;
-/// Share of a residual's variance that earlier samples may predict where its times scatter: the filter of noisy inputs passes
-/// some of the scatter on. A motion that the model lacks is predicted by half and more.
-const PREDICTABLE: f64 = 0.1;
 /// Values of the variance that are tried, per decade, and decades about the one that doubles the noise.
-const TRIED: (i32, i32) = (8, 4);
+const TRIED_VARIANCES: (i32, i32) = (8, 4);
 
 /// Every noise model of every sensor.
 pub(super) fn noise_models(
@@ -41,7 +34,7 @@ pub(super) fn noise_models(
 ) -> Vec<Scored> {
     let mut list = Vec::new();
     for channel in channels {
-        list.extend(outliers(fitted, channel));
+        list.extend(outliers(experiment, fitted, channel));
         if of.misfit {
             list.extend(noise(experiment, channel));
         }
@@ -76,10 +69,15 @@ fn scored(
 }
 
 /// A few samples with another, larger scatter.
-fn outliers(fitted: &Fitted, channel: &ChannelDiagnosis) -> Option<Scored> {
-    let [least, most] = OUTLIERS;
+fn outliers(
+    experiment: &Experiment,
+    fitted: &Fitted,
+    channel: &ChannelDiagnosis,
+) -> Option<Scored> {
+    let limits = experiment.settings.diagnosis;
     let share = channel.outlier_share();
-    if share <= least || share > most || channel.outliers < 2 {
+    // If most samples are outliers, the model is wrong.
+    if share <= limits.least_outliers || share > limits.most_outliers || channel.outliers < 2 {
         return None;
     }
     let residuals = fitted.evaluated.iter().flat_map(|e| &e.channels);
@@ -120,7 +118,8 @@ fn noise(experiment: &Experiment, channel: &ChannelDiagnosis) -> Option<Scored> 
         .filter(|r| r.name == channel.name)
         .find_map(|r| Some((step(r)?, r.covariance.trace() / 3.0)));
     if let Some((step, variance)) = rounded
-        && step * step / 12.0 > ROUNDING * (mean - 1.0) * variance
+        && step * step / 12.0
+            > experiment.settings.diagnosis.rounding_share * (mean - 1.0) * variance
     {
         let name = format!("rounding of the {}", channel.name);
         let values = vec![SuspectValue::other(
@@ -180,6 +179,7 @@ fn jitters(
     let unknowns: Vec<&Unknown> = experiment.parameters.unknowns.iter().chain(own).collect();
     let mut list = Vec::new();
     let model = experiment.problem.model;
+    let limits = experiment.settings.diagnosis;
     for (sensor, name) in sensors_read(experiment.problem) {
         let lag = UnknownKind::Sensor {
             sensor,
@@ -193,7 +193,7 @@ fn jitters(
         let (decrease, variance) = scatter(&pairs);
         let white = |variance: f64| {
             let left = table.refitted(&name, |slope| less_along(slope, variance), place);
-            predictable(&left, numbers).is_none_or(|share| share < PREDICTABLE)
+            predictable(&left, numbers).is_none_or(|share| share < limits.predictable_share)
         };
         let what = format!(
             "jitter of the sample times of the {}",
@@ -205,7 +205,7 @@ fn jitters(
             "s",
         )];
         let jitter = scored(what, FaultKind::TimeJitter, (decrease, 1), values);
-        if jitter.is_significant(mean_square, 1) && white(variance) {
+        if jitter.is_significant(mean_square, limits.false_alarm) && white(variance) {
             list.push(jitter);
         }
     }
@@ -227,7 +227,7 @@ fn scatter(pairs: &[(Vector3, Vector3)]) -> (f64, f64) {
         (part, square)
     };
     let along: Vec<(f64, f64)> = pairs.iter().map(along).collect();
-    let (per_decade, decades) = TRIED;
+    let (per_decade, decades) = TRIED_VARIANCES;
     let tried = -per_decade * decades..=per_decade * decades;
     let fall = |variance: f64| -> f64 {
         let one = |(square, slope): &(f64, f64)| {

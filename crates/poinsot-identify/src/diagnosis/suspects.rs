@@ -10,17 +10,12 @@ use crate::problem::parameters::{GRADIENT, UnknownKind};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 use statrs::function::gamma::ln_gamma;
 
-/// Chance that anything is named in a record without a fault. All hypotheses share it (Bonferroni): a lower one hides faults that
-/// five sigma show.
-const FALSE_ALARM: f64 = 1.0e-4;
 /// Number of candidates that are fitted fully.
 const FITTED: usize = 2;
 /// Sigmas beyond a physical bound from which a number is impossible.
 const IMPOSSIBLE: f64 = 3.0;
 /// Share of a decrease of chi-square that counts as equal.
 const AS_MUCH: f64 = 0.95;
-/// Difference of evidence below which two causes are indistinguishable: odds of 150.
-const TIED: f64 = 10.0;
 /// Largest eigenvalue of the tensor of a gravity gradient, 1/s2: `3 gm / r^3` of the Earth at its surface.
 const STEEPEST: f64 = 4.6e-6;
 /// Probability above which it is a number with all its digits.
@@ -63,11 +58,13 @@ pub(super) fn suspects(
     of: Misfit,
 ) -> Vec<Suspect> {
     let mean_square = of.mean_square();
+    let limits = experiment.settings.diagnosis;
     let mut list = scores(candidates, projected, mean_square);
     list.extend(others);
     let hypotheses = list.len();
     let significant = |list: &mut Vec<Scored>| {
-        list.retain(|one| one.is_significant(mean_square, hypotheses) && one.is_possible());
+        let chance = limits.false_alarm / hypotheses.max(1) as f64;
+        list.retain(|one| one.is_significant(mean_square, chance) && one.is_possible());
     };
     significant(&mut list);
     rank(&mut list, of);
@@ -96,7 +93,7 @@ pub(super) fn suspects(
     if of.misfit && of.affordable {
         fitted_before_scored(&mut list);
     }
-    late_before_early(&mut list, TIED * mean_square);
+    late_before_early(&mut list, limits.tied_evidence * mean_square);
     let best = list.first().map(|one| one.suspect.decrease);
     let left = of.left(best.unwrap_or(0.0));
     let evidence: Vec<f64> = list.iter().map(|one| one.evidence(left)).collect();
@@ -107,7 +104,7 @@ pub(super) fn suspects(
             true => (s.decrease / of.excess).clamp(0.0, 1.0),
             false => 0.0,
         };
-        s.tied = evidence[0] - own < TIED;
+        s.tied = evidence[0] - own < limits.tied_evidence;
         name(experiment, &mut s);
         s
     })
@@ -174,9 +171,8 @@ impl Scored {
         -2.0 * (ln_chance(self.suspect.decrease / scale, numbers) + tried.ln())
     }
 
-    /// Whether chance explains it too rarely, as one of so many hypotheses.
-    pub fn is_significant(&self, mean_square: f64, hypotheses: usize) -> bool {
-        let chance = FALSE_ALARM / hypotheses.max(1) as f64;
+    /// Whether chance explains it more rarely than allowed.
+    pub fn is_significant(&self, mean_square: f64, chance: f64) -> bool {
         self.evidence(mean_square) > -2.0 * chance.ln()
     }
 
@@ -334,7 +330,7 @@ mod tests {
     #[test]
     fn regress_a_suspect_whose_fit_lowers_nothing_is_none() {
         let with = |decrease: f64| scored("drag", FaultKind::Drag, decrease, &[1.0]);
-        let named = |decrease: f64| with(decrease).is_significant(1.0, 1);
+        let named = |decrease: f64| with(decrease).is_significant(1.0, 1.0e-4);
         assert!(named(500.0) && !named(-0.3) && !named(f64::NAN));
     }
 

@@ -24,7 +24,7 @@ use std::sync::{Arc, Mutex};
 /// Effect of one sigma of a number on all predictions together, in their noise, below which it is left out.
 pub(crate) const SILENT: f64 = 1.0e-3;
 /// Most iterations with known numbers among the unknowns: where they are within a few sigmas, six are enough.
-const TRIED: usize = 12;
+const KNOWN_ITERATIONS: usize = 12;
 /// Fall of chi-square that a full step may still promise where columns are those of an iterate near it.
 const CONVERGED_BELOW_KEPT_COLUMNS: f64 = 1.0e-3;
 
@@ -62,7 +62,7 @@ pub(crate) fn fit_known(experiment: &Experiment, fitted: &Fitted) -> Option<Know
     wide.kept = Arc::new(Mutex::new(Some((nominal, Arc::new(columns)))));
     let first = behind(&fitted.at, &all);
     let start = fit_from(&wide, first.clone(), 0)?;
-    let found = fit_from(&wide, first, TRIED)?;
+    let found = fit_from(&wide, first, KNOWN_ITERATIONS)?;
     let done = found.converged || predicted_reduction(&found) < CONVERGED_BELOW_KEPT_COLUMNS;
     let (worst, per_number, test) = contradicted(&wide, &found);
     // A misfit beyond the uncertainty of known numbers needs another cause.

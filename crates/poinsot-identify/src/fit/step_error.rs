@@ -9,13 +9,10 @@ use crate::fit::experiment::Experiment;
 use crate::fit::step::Linearisation;
 use crate::fit::{Fitted, fit_on};
 use crate::likelihood::Evaluated;
+use crate::problem::settings::IntegrationSettings;
 use faer::Mat;
 use poinsot_solve::{LeastSquares, Linearised};
 
-/// Largest change of the answer by halved steps, sigmas.
-const ANSWER: f64 = 0.05;
-/// Largest change of all predictions together, in their noise.
-const PREDICTIONS: f64 = 0.3;
 /// Most fits with finer steps.
 const REFINEMENTS: usize = 4;
 /// Most steps for each one of the grid.
@@ -36,13 +33,16 @@ pub(crate) struct StepError {
 
 impl StepError {
     /// Whether the error is negligible.
-    pub fn is_small(&self) -> bool {
-        self.answer <= ANSWER && self.predictions <= PREDICTIONS
+    pub fn is_small(&self, limits: &IntegrationSettings) -> bool {
+        self.answer <= limits.answer_sigmas && self.predictions <= limits.predictions_sigmas
     }
 
     /// Refinement factor that would make it small.
-    fn factor(&self) -> u32 {
-        let excess = f64::max(self.answer / ANSWER, self.predictions / PREDICTIONS);
+    fn factor(&self, limits: &IntegrationSettings) -> u32 {
+        let excess = f64::max(
+            self.answer / limits.answer_sigmas,
+            self.predictions / limits.predictions_sigmas,
+        );
         let factor = excess.powf(1.0 / ORDER).ceil();
         factor.clamp(2.0, f64::from(AT_ONCE)) as u32
     }
@@ -65,18 +65,19 @@ pub(crate) fn within_steps(
     if !fitted.converged {
         return (fitted, None);
     }
+    let limits = experiment.settings.integration;
     for round in 0..=REFINEMENTS {
         let Some(error) = step_error(experiment, &fitted) else {
             return (fitted, None);
         };
         let finest = round == REFINEMENTS || experiment.fineness.factor >= MOST;
-        if finest || error.is_small() {
+        if finest || error.is_small(&limits) {
             return (fitted, Some(error));
         }
         // Linear interpolation of the speeds may be the only cause.
         match experiment.may_bend() && !experiment.bends() {
             true => experiment.fineness.bends = true,
-            false => experiment.fineness.factor *= error.factor(),
+            false => experiment.fineness.factor *= error.factor(&limits),
         }
         let here = experiment.linearise(&fitted.at);
         let finer = here.and_then(|h| fit_on(experiment, fitted.at.clone(), h, limit));
@@ -95,7 +96,7 @@ fn step_error(experiment: &Experiment, fitted: &Fitted) -> Option<StepError> {
     finer.fineness.bends = true;
     let evaluated = finer.evaluate(&fitted.at, false)?;
     let predictions = difference(&fitted.evaluated, &evaluated);
-    if predictions <= ANSWER {
+    if predictions <= experiment.settings.integration.answer_sigmas {
         // The answer cannot move by more.
         return Some(StepError {
             answer: predictions,

@@ -10,7 +10,7 @@ use poinsot_model::{Nuisance, Thruster};
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3, skew};
 
 /// Gauss-Legendre nodes and weights on [0, 1], four points: exact to the seventh order.
-const GAUSS: [(f64, f64); 4] = [
+const GAUSS_4: [(f64, f64); 4] = [
     (0.069_431_844_202_973_71, 0.173_927_422_568_726_93),
     (0.330_009_478_207_571_87, 0.326_072_577_431_273_07),
     (0.669_990_521_792_428_1, 0.326_072_577_431_273_07),
@@ -155,7 +155,7 @@ fn one_interval(
     let (from, to) = (firing.start_s.max(t0), firing.end_s.min(t1));
     let thruster = &thrusters[firing.thruster];
     let mut sum = Impulse::ZERO;
-    for (node, weight) in GAUSS {
+    for (node, weight) in GAUSS_4 {
         let at = (from + node * (to - from) - t0) / (t1 - t0);
         let dt = weight * (to - from);
         let dof = tree.dof();

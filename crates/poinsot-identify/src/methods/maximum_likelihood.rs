@@ -212,12 +212,13 @@ fn note(problem: &Problem, solution: &mut Solution, shift: f64, step_error: Opti
         }
     }
     if let Some(error) = step_error {
+        let small = error.is_small(&solution.settings.integration);
         sensitivities.push(Sensitivity {
             to: "the integration steps",
             statistic: ("change of the estimate, sigma", error.answer),
-            too_large: !error.is_small(),
+            too_large: !small,
         });
-        if !error.is_small() {
+        if !small {
             solution.warnings.push(error.message());
         }
     }

@@ -70,6 +70,73 @@ pub struct Settings {
     /// Change of the estimate under another assumption, sigmas, above which it is sensitive to the assumption, above 0.
     /// Default: 1.
     pub sensitivity_sigmas: f64,
+    /// Thresholds of the search for the cause of a misfit.
+    pub diagnosis: DiagnosisSettings,
+    /// Thresholds of the test of the integration steps.
+    pub integration: IntegrationSettings,
+}
+
+/// Thresholds of the search for the cause of a misfit. They change no number of an answer, only the causes that are named.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DiagnosisSettings {
+    /// Probability that any cause is named in a record without a fault, above 0 and below 1. All hypotheses share it
+    /// (Bonferroni). Default: 1e-4; a lower one hides faults that five sigma show.
+    pub false_alarm: f64,
+    /// Difference of evidence, in units of -2 ln L, below which two causes are indistinguishable, above 0. Default: 10, odds
+    /// of 150.
+    pub tied_evidence: f64,
+    /// Chi-square per degree of freedom from which wrong signs, wrong units and exchanged columns are tested, above 1.
+    /// Default: 100; linear tests find smaller mistakes.
+    pub gross_misfit: f64,
+    /// Share of the power of a residual in one spectral line from which the line is a cause, above 0 and below 1.
+    /// Default: 0.25.
+    pub line_share: f64,
+    /// Share of the power of the predicted motion, or of its change, in that line, above which the manoeuvre causes it, above
+    /// 0 and below 1. Default: 0.02.
+    pub driven_share: f64,
+    /// Share of outliers above which they are a cause, above 0 and below 1. Default: 0.001.
+    pub least_outliers: f64,
+    /// Share of outliers above which the model is wrong instead; above `least_outliers` and below 1. Default: 0.2.
+    pub most_outliers: f64,
+    /// Share of the excess variance that rounding explains, from which it is the cause, above 0 and below 1. Default: 0.5.
+    pub rounding_share: f64,
+    /// Share of a residual's variance that earlier samples may predict where its times have jitter, above 0 and below 1.
+    /// Default: 0.1; a missing part of the motion is predicted by half and more.
+    pub predictable_share: f64,
+}
+
+/// Thresholds of the test of the integration steps: change by steps of half the size.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct IntegrationSettings {
+    /// Largest change of the answer, sigmas, above 0. Default: 0.05, which adds 0.1 % to a sigma.
+    pub answer_sigmas: f64,
+    /// Largest change of all predictions together, in their noise, above 0. Default: 0.3: a chi-square moves by less than 0.1.
+    pub predictions_sigmas: f64,
+}
+
+impl Default for DiagnosisSettings {
+    fn default() -> Self {
+        Self {
+            false_alarm: 1.0e-4,
+            tied_evidence: 10.0,
+            gross_misfit: 100.0,
+            line_share: 0.25,
+            driven_share: 0.02,
+            least_outliers: 1.0e-3,
+            most_outliers: 0.2,
+            rounding_share: 0.5,
+            predictable_share: 0.1,
+        }
+    }
+}
+
+impl Default for IntegrationSettings {
+    fn default() -> Self {
+        Self {
+            answer_sigmas: 0.05,
+            predictions_sigmas: 0.3,
+        }
+    }
 }
 
 impl Default for Settings {
@@ -85,6 +152,8 @@ impl Default for Settings {
             rejection: 9.0,
             contradiction_sigmas: 5.0,
             sensitivity_sigmas: 1.0,
+            diagnosis: DiagnosisSettings::default(),
+            integration: IntegrationSettings::default(),
         }
     }
 }
@@ -116,16 +185,10 @@ impl Settings {
     /// # Errors
     /// The first setting out of its range.
     pub fn validate(&self) -> Result<(), SettingsError> {
-        let above = |limit: f64| format!("a finite number above {limit}");
         let least = |limit: f64, name: &str| format!("a finite number of at least {limit}{name}");
         let of_excess = " (negligible_excess)";
         let all = [
-            (
-                "false_alarm",
-                self.false_alarm,
-                self.false_alarm > 0.0 && self.false_alarm < 1.0,
-                "a number above 0 and below 1".to_owned(),
-            ),
+            share("false_alarm", self.false_alarm),
             (
                 "negligible_excess",
                 self.negligible_excess,
@@ -138,28 +201,24 @@ impl Settings {
                 self.white_excess >= self.negligible_excess,
                 least(self.negligible_excess, of_excess),
             ),
-            ("misfit", self.misfit, self.misfit > 1.0, above(1.0)),
+            above("misfit", self.misfit, 1.0),
             (
                 "rejection",
                 self.rejection,
                 self.rejection >= self.misfit,
                 least(self.misfit, " (misfit)"),
             ),
-            (
-                "contradiction_sigmas",
-                self.contradiction_sigmas,
-                self.contradiction_sigmas > 0.0,
-                above(0.0),
-            ),
-            (
-                "sensitivity_sigmas",
-                self.sensitivity_sigmas,
-                self.sensitivity_sigmas > 0.0,
-                above(0.0),
-            ),
+            above("contradiction_sigmas", self.contradiction_sigmas, 0.0),
+            above("sensitivity_sigmas", self.sensitivity_sigmas, 0.0),
         ];
+        let groups = self
+            .diagnosis
+            .ranges()
+            .into_iter()
+            .chain(self.integration.ranges());
         let wrong = all
             .into_iter()
+            .chain(groups)
             .find(|(_, value, holds, _)| !holds || !value.is_finite());
         match wrong {
             Some((name, value, _, range)) => Err(SettingsError { name, value, range }),
@@ -173,6 +232,55 @@ impl Settings {
     }
 }
 
+/// Name of a setting, its value, whether it is in its range, and the range.
+type Range = (&'static str, f64, bool, String);
+
+fn share(name: &'static str, value: f64) -> Range {
+    let range = "a number above 0 and below 1".to_owned();
+    (name, value, value > 0.0 && value < 1.0, range)
+}
+
+fn above(name: &'static str, value: f64, limit: f64) -> Range {
+    let range = format!("a finite number above {limit}");
+    (name, value, value > limit, range)
+}
+
+impl DiagnosisSettings {
+    fn ranges(&self) -> [Range; 9] {
+        let (least, most) = (self.least_outliers, self.most_outliers);
+        let range = format!("a number above {least} (diagnosis.least_outliers) and below 1");
+        [
+            share("diagnosis.false_alarm", self.false_alarm),
+            above("diagnosis.tied_evidence", self.tied_evidence, 0.0),
+            above("diagnosis.gross_misfit", self.gross_misfit, 1.0),
+            share("diagnosis.line_share", self.line_share),
+            share("diagnosis.driven_share", self.driven_share),
+            share("diagnosis.least_outliers", least),
+            (
+                "diagnosis.most_outliers",
+                most,
+                most > least && most < 1.0,
+                range,
+            ),
+            share("diagnosis.rounding_share", self.rounding_share),
+            share("diagnosis.predictable_share", self.predictable_share),
+        ]
+    }
+}
+
+impl IntegrationSettings {
+    fn ranges(&self) -> [Range; 2] {
+        [
+            above("integration.answer_sigmas", self.answer_sigmas, 0.0),
+            above(
+                "integration.predictions_sigmas",
+                self.predictions_sigmas,
+                0.0,
+            ),
+        ]
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -183,7 +291,7 @@ mod tests {
     fn unit_every_setting_has_a_range() {
         let default = Settings::default();
         assert_eq!(default.validate(), Ok(()));
-        let changed: [(&str, Change); 7] = [
+        let changed: [(&str, Change); 18] = [
             ("false_alarm", |s, x| s.false_alarm = x),
             ("negligible_excess", |s, x| s.negligible_excess = x),
             ("white_excess", |s, x| s.white_excess = x),
@@ -191,6 +299,35 @@ mod tests {
             ("rejection", |s, x| s.rejection = x),
             ("contradiction_sigmas", |s, x| s.contradiction_sigmas = x),
             ("sensitivity_sigmas", |s, x| s.sensitivity_sigmas = x),
+            ("diagnosis.false_alarm", |s, x| s.diagnosis.false_alarm = x),
+            ("diagnosis.tied_evidence", |s, x| {
+                s.diagnosis.tied_evidence = x;
+            }),
+            ("diagnosis.gross_misfit", |s, x| {
+                s.diagnosis.gross_misfit = x;
+            }),
+            ("diagnosis.line_share", |s, x| s.diagnosis.line_share = x),
+            ("diagnosis.driven_share", |s, x| {
+                s.diagnosis.driven_share = x;
+            }),
+            ("diagnosis.least_outliers", |s, x| {
+                s.diagnosis.least_outliers = x;
+            }),
+            ("diagnosis.most_outliers", |s, x| {
+                s.diagnosis.most_outliers = x;
+            }),
+            ("diagnosis.rounding_share", |s, x| {
+                s.diagnosis.rounding_share = x;
+            }),
+            ("diagnosis.predictable_share", |s, x| {
+                s.diagnosis.predictable_share = x;
+            }),
+            ("integration.answer_sigmas", |s, x| {
+                s.integration.answer_sigmas = x;
+            }),
+            ("integration.predictions_sigmas", |s, x| {
+                s.integration.predictions_sigmas = x;
+            }),
         ];
         for (name, change) in changed {
             for wrong in [-1.0, f64::NAN, f64::INFINITY] {

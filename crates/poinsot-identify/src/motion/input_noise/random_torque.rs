@@ -12,7 +12,7 @@ use poinsot_model::RandomTorque;
 /// Correlation times until an impulse decays to round-off.
 const FORGOTTEN: f64 = 36.0;
 /// Gauss-Legendre nodes and weights of five points on [-1, 1] (Abramowitz and Stegun 1972, table 25.4).
-const GAUSS: [(f64, f64); 5] = [
+const GAUSS_5: [(f64, f64); 5] = [
     (-0.906_179_845_938_664, 0.236_926_885_056_189_1),
     (-0.538_469_310_105_683_1, 0.478_628_670_499_366_5),
     (0.0, 0.568_888_888_888_888_9),
@@ -75,7 +75,7 @@ fn integrated(T: f64, h: f64) -> Matrix3<f64> {
     let beyond = (h > near).then_some((near, h - near));
     let mut sum = Matrix3::zeros();
     for (from, length) in spans.chain(beyond) {
-        for (node, weight) in GAUSS {
+        for (node, weight) in GAUSS_5 {
             let r = response(T, from + 0.5 * length * (1.0 + node));
             sum += r * r.transpose() * (0.5 * length * weight);
         }
