@@ -171,6 +171,7 @@ lag = "estimate"
 [[sensor]]
 name = "tachometer"
 type = "wheel_speed"
+bias = "estimate"
 lag = "estimate"
 
 [[sensor]]

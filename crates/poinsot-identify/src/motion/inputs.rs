@@ -52,6 +52,14 @@ impl Motion<'_> {
                     input_state.q[*j] -= value;
                     moved(*j, -1.0, 0.0);
                 }
+                UnknownKind::WheelSpeedBias(w) => {
+                    input_state.wheels[*w] -= value;
+                    changes.push(InputChange {
+                        unknown,
+                        joint: None,
+                        wheel: Some((*w, -1.0)),
+                    });
+                }
                 // The sensor is late: the joint is at its future sample.
                 UnknownKind::JointLag(joints) => {
                     let Some(curves) = self.vehicle.curves else {

@@ -90,6 +90,8 @@ pub enum UnknownKind {
     JointLag(Vec<usize>),
     /// Delay of the samples of these wheels, s.
     WheelLag(Vec<usize>),
+    /// Constant error of the measured speed of a wheel, rad/s.
+    WheelSpeedBias(usize),
     /// Delay of these thrusters, s.
     ThrusterLag(Vec<usize>),
     /// Small tilt of a wheel's axis, rad, about the first or second of its tilt axes.
@@ -168,7 +170,7 @@ impl UnknownKind {
                 (Acts::Actuators, Tested)
             }
             Self::ThrusterLag(_) => (Acts::ThrustTimes, Nuisance),
-            Self::JointOffset(_) => (Acts::Inputs, Nuisance),
+            Self::JointOffset(_) | Self::WheelSpeedBias(_) => (Acts::Inputs, Nuisance),
             Self::JointPlay(_) | Self::JointPlace { .. } => (Acts::Inputs, Tested),
             Self::JointLag(_) | Self::WheelLag(_) => (Acts::InputTimes, Nuisance),
             Self::Sensor { error, .. } => match error {
@@ -243,6 +245,7 @@ impl Registry<'_> {
             }
             UnknownKind::PropellantUse { body, axis, .. } => self.of_propellant(kind, body, axis),
             UnknownKind::JointOffset(k) | UnknownKind::JointPlay(k) => self.of_joint(kind, k),
+            UnknownKind::WheelSpeedBias(k) => self.wheel_speed_bias(kind, k),
             UnknownKind::JointLag(ref list) => {
                 let joint = self.tree.coordinates.get(*list.first()?)?;
                 Some(self.lag(kind, "joints", SensorKind::JointPosition, *joint))
@@ -368,6 +371,18 @@ impl Registry<'_> {
         );
         let sensor = self.reader(SensorKind::JointPosition, at);
         Some(offset.declare(declared(sensor, ErrorKey::Bias)))
+    }
+
+    fn wheel_speed_bias(&self, kind: &UnknownKind, k: usize) -> Option<Entry> {
+        let name = &self.model.wheels.get(k)?.name;
+        let bias = entry(
+            kind,
+            (format!("{name}.speed_bias"), "rad/s"),
+            FaultKind::SensorBias,
+            format!("a bias of the speed of {name}"),
+        );
+        let sensor = self.reader(SensorKind::WheelSpeed, k);
+        Some(bias.declare(declared(sensor, ErrorKey::Bias)))
     }
 
     /// Delay of the samples of joints, wheels or thrusters that one sensor reads; `first` is the first of them.
@@ -524,6 +539,9 @@ impl Registry<'_> {
                 }
                 (SensorKind::JointPosition, _) => {
                     all.push(vec![UnknownKind::JointLag(joints.clone().collect())]);
+                }
+                (SensorKind::WheelSpeed, ErrorKey::Bias) => {
+                    all.extend(of.iter().map(|k| vec![UnknownKind::WheelSpeedBias(*k)]));
                 }
                 (SensorKind::WheelSpeed, _) => all.push(vec![UnknownKind::WheelLag(of.to_vec())]),
                 _ => all.push(vec![UnknownKind::ThrusterLag(of.to_vec())]),
