@@ -212,6 +212,48 @@ fn exact_lags_of_20_ms_are_named_with_their_sensor() {
     }
 }
 
+/// Each wheel's tachometer has an offset of its own.
+#[test]
+fn exact_biases_of_wheel_speeds_come_back() {
+    let (truth, mut table) = read_everywhere(1.0e-5, &[]);
+    let planted = [0.5, -0.3, 0.2];
+    for (k, bias) in planted.into_iter().enumerate() {
+        let name = format!("wheel{}_rad_s", k + 1);
+        let values = &mut channel(&mut table, &name).values;
+        values.iter_mut().for_each(|w| *w += bias);
+    }
+    let mut asked = off_nominal(&truth, 0.02);
+    for s in asked
+        .sensors
+        .iter_mut()
+        .filter(|s| s.kind == SensorKind::WheelSpeed)
+    {
+        s.bias = Nuisance::Estimate;
+    }
+    let answer = ask(&asked, vec![table], "auto");
+    for (k, bias) in planted.into_iter().enumerate() {
+        let error = found(&answer, &format!("wheel{}.speed_bias", k + 1)) - bias;
+        assert!(error.abs() < 1.0e-3, "{error:e}");
+    }
+    let worst = worst_error(&answer, &truth, 0);
+    println!("numbers of the base off by {worst:.1e}");
+    assert!(worst < 5.0e-4, "{worst:e}");
+}
+
+/// An undeclared offset of one tachometer: the diagnosis names it first, with its wheel and value.
+#[test]
+fn exact_a_bias_of_a_wheel_speed_is_named_with_its_wheel() {
+    let (truth, mut table) = read_everywhere(1.0e-4, &[]);
+    let values = &mut channel(&mut table, "wheel2_rad_s").values;
+    values.iter_mut().for_each(|w| *w += 5.0);
+    let answer = ask(&off_nominal(&truth, 0.02), vec![table], "auto");
+    let found = answer.estimate.diagnostics.unwrap();
+    let first = found.suspects.first().unwrap();
+    println!("{first:?}");
+    assert_eq!(first.name, "a bias of the speed of wheel2");
+    assert!((first.values[0].value - 5.0).abs() < 0.1);
+}
+
 /// A body with a wheel of constant speed under a constant torque in N. It is integrated by fourth-order Runge-Kutta
 /// with steps of a millisecond: Euler's equation and `q' = q w / 2`, without code of the program.
 fn pushed(I: &Matrix3, h_w: &Vector3, T_N: &Vector3) -> Table {
