@@ -148,11 +148,7 @@ impl<T: Real> ForwardDynamics<T> {
         let links = tree.links.iter().zip(bodies);
         for (i, (node, (link, body))) in self.nodes.iter_mut().zip(links).enumerate() {
             let R = M3::of(&kinematics.R[i]);
-            node.inertia = Articulated::of(&Inertial {
-                mass: body.mass,
-                mc: R.times(&body.mc),
-                I: body.I.turned(&R),
-            });
+            node.inertia = Articulated::of(&body.turned(&R));
             node.r = V3::of(&kinematics.p[i]) - V3::of(&kinematics.p[link.parent]);
             node.axis = link.axis_in_base(&R);
         }

@@ -3,12 +3,13 @@
 //! The state and the equations are those of `driven_stage.rs` without wheels, thrust and gravity:
 //! `y = [ q_NB (xyzw), p_NoScm, l_S, h_SScm, q, q' ]` in N.
 
-use crate::algebra::{M3, Real, V3};
+use crate::algebra::{Real, V3};
 use crate::forward_dynamics::{ForwardDynamics, JointInput};
 use crate::inertial::Inertial;
 use crate::integrate::{Flow, Halt};
 use crate::joint_drive::ForceProfile;
 use crate::kinematics::Kinematics;
+use crate::quaternion;
 use crate::rates_momentum::RatesMomentum;
 use crate::stage::{ANGULAR, LINEAR, POSITION, WHEELS};
 use crate::tree::Tree;
@@ -59,24 +60,6 @@ fn vector<T: Real>(y: &[T], at: usize) -> V3<T> {
     V3::new(y[at], y[at + 1], y[at + 2])
 }
 
-#[inline(always)]
-fn norm<T: Real>(q: &[T]) -> T {
-    (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]).root()
-}
-
-/// `R_NB` of a unit quaternion, scalar last.
-#[inline(always)]
-fn rotation<T: Real>([i, j, k, w]: [T; 4]) -> M3<T> {
-    let (ii, jj, kk, ww) = (i * i, j * j, k * k, w * w);
-    let (ij, ik, jk) = (i * j * 2.0, i * k * 2.0, j * k * 2.0);
-    let (wi, wj, wk) = (w * i * 2.0, w * j * 2.0, w * k * 2.0);
-    M3([
-        V3::new(ww + ii - jj - kk, wk + ij, ik - wj),
-        V3::new(ij - wk, ww - ii + jj - kk, wi + jk),
-        V3::new(wj + ik, jk - wi, ww - ii - jj + kk),
-    ])
-}
-
 impl<T: Real> Flow<T> for FreeMotion<'_, T> {
     #[inline(always)]
     fn derivative(&mut self, t: f64, y: &[T], dy: &mut [T]) -> Result<(), Halt> {
@@ -88,9 +71,8 @@ impl<T: Real> Flow<T> for FreeMotion<'_, T> {
                 *input = JointInput::Force(y[0].all(motor.at(t, self.within)));
             }
         }
-        let size = norm(y);
-        let [i, j, k, w] = [y[0] / size, y[1] / size, y[2] / size, y[3] / size];
-        let R_NB = rotation([i, j, k, w]);
+        let q_NB = quaternion::unit([y[0], y[1], y[2], y[3]]);
+        let R_NB = quaternion::rotation(&q_NB);
         let (q, rates) = (&y[JOINTS..JOINTS + dof], &y[JOINTS + dof..JOINTS + 2 * dof]);
         self.kinematics.place(tree, q);
         self.dynamics
@@ -110,24 +92,17 @@ impl<T: Real> Flow<T> for FreeMotion<'_, T> {
             .solve(tree, &self.kinematics, rates, &self.inputs, found)
             .map_err(|_| singular)?;
         dy[JOINTS..JOINTS + dof].copy_from_slice(rates);
-        // q' = q (0, w) / 2
-        let V3 { x, y: r, z } = w_NB * w.all(0.5);
-        dy[0] = w * x + j * z - k * r;
-        dy[1] = w * r + k * x - i * z;
-        dy[2] = w * z + i * r - j * x;
-        dy[3] = -(i * x) - j * r - k * z;
+        dy[..POSITION].copy_from_slice(&quaternion::rate(&q_NB, &w_NB));
         let velocity = vector(y, LINEAR) / whole.mass;
         [dy[POSITION], dy[POSITION + 1], dy[POSITION + 2]] = [velocity.x, velocity.y, velocity.z];
         // No force from outside: both momenta are constant.
-        dy[LINEAR..JOINTS].fill(w.all(0.0));
+        dy[LINEAR..JOINTS].fill(whole.mass.all(0.0));
         Ok(())
     }
 
     #[inline(always)]
     fn project(&self, y: &mut [T]) {
-        let size = norm(y);
-        for q in &mut y[..POSITION] {
-            *q = *q / size;
-        }
+        let unit = quaternion::unit([y[0], y[1], y[2], y[3]]);
+        y[..POSITION].copy_from_slice(&unit);
     }
 }

@@ -10,11 +10,11 @@ use poinsot_spatial::{InertialParameters, Vector3};
 
 /// A force and the torque about a point that goes with it, in base axes, N and N m.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Wrench {
+pub struct Wrench<T = f64> {
     /// Force, N.
-    pub force: Vector3,
+    pub force: nalgebra::Vector3<T>,
     /// Torque about the point of the context, N m.
-    pub torque: Vector3,
+    pub torque: nalgebra::Vector3<T>,
 }
 
 impl Wrench {

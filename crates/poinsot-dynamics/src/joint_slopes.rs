@@ -4,10 +4,13 @@
 //! with it: the part of its momentum that is the parent's motion changes with the subtree's mass, first moment and
 //! inertia; the part that is relative to the parent turns with the subtree.
 
+use crate::algebra::{M3, Real, V3};
+use crate::inertial::Inertial;
 use crate::kinematics::Kinematics;
 use crate::tree::{Motion, Tree};
 use alloc::vec::Vec;
-use poinsot_spatial::{InertialParameters, Matrix3, Vector3, Vector6, parallel_axis, skew};
+use nalgebra::{Vector3, Vector6};
+use poinsot_spatial::InertialParameters;
 
 /// A motion of a body with all that it carries: that of a joint, or of a joint that the vehicle does not have.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,7 +20,7 @@ pub struct SubtreeMotion {
     /// Body that the direction is fixed in: the parent of `link`, or `link` itself.
     pub frame: usize,
     /// Direction in the axes of `frame`. Slopes are linear in its length.
-    pub axis: Vector3,
+    pub axis: Vector3<f64>,
     /// Whether the motion is a rotation about the origin of `link`; otherwise a translation.
     pub turns: bool,
 }
@@ -42,38 +45,45 @@ impl SubtreeMotion {
     }
 
     /// Its direction in the base.
-    pub fn axis_B(&self, kinematics: &Kinematics) -> Vector3 {
+    pub fn axis_B(&self, kinematics: &Kinematics) -> Vector3<f64> {
         kinematics.R[self.frame] * self.axis
     }
 }
 
 /// Slopes over one joint coordinate, linear part first.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct JointSlope {
+pub struct JointSlope<T = f64> {
     /// Momentum per joint rate (rad/s or m/s).
-    pub rate: Vector6,
+    pub rate: Vector6<T>,
     /// Change of the momentum per joint position (rad or m), twist and rates held; wheels included.
-    pub position: Vector6,
+    pub position: Vector6<T>,
     /// Change of the first moment of the vehicle per joint position, kg m.
-    pub first_moment: Vector3,
+    pub first_moment: Vector3<T>,
 }
 
 /// Scratch; one call of [`JointSlopes::fill`] makes all slopes.
-#[derive(Debug, Clone, Default)]
-pub struct JointSlopes {
+#[derive(Debug, Clone)]
+pub struct JointSlopes<T = f64> {
     /// One per joint coordinate.
-    pub of: Vec<JointSlope>,
-    subtrees: Vec<Subtree>,
+    pub of: Vec<JointSlope<T>>,
+    subtrees: Vec<Subtree<T>>,
+}
+
+impl<T> Default for JointSlopes<T> {
+    fn default() -> Self {
+        Self {
+            of: Vec::new(),
+            subtrees: Vec::new(),
+        }
+    }
 }
 
 /// A body with all that it carries, about `Bo` in base axes.
 #[derive(Debug, Clone, Copy)]
-struct Subtree {
-    mass: f64,
-    mc: Vector3,
-    inertia: Matrix3,
-    l: Vector3,
-    h: Vector3,
+struct Subtree<T> {
+    body: Inertial<T>,
+    l: V3<T>,
+    h: V3<T>,
 }
 
 impl JointSlopes {
@@ -87,21 +97,50 @@ impl JointSlopes {
         spin_inertia: &[f64],
         wheel_speed: &[f64],
     ) {
+        let bodies = bodies.iter().map(Inertial::of);
+        self.fill_over(tree, bodies, kinematics, (spin_inertia, wheel_speed));
+    }
+
+    /// Slopes over a motion at the state of the last [`JointSlopes::fill`].
+    pub fn along(&self, kinematics: &Kinematics, motion: &SubtreeMotion) -> JointSlope {
+        let axis = V3::of(&motion.axis_B(kinematics));
+        let whole = &self.subtrees[motion.link];
+        whole.slope(kinematics, motion.link, motion.frame, &axis, motion.turns)
+    }
+}
+
+impl<T: Real> JointSlopes<T> {
+    /// With room for a vehicle.
+    pub(crate) fn with_room(tree: &Tree) -> Self {
+        Self {
+            of: Vec::with_capacity(tree.dof()),
+            subtrees: Vec::with_capacity(tree.bodies()),
+        }
+    }
+
+    /// The same over any numbers.
+    #[inline(always)]
+    pub(crate) fn fill_over(
+        &mut self,
+        tree: &Tree,
+        bodies: impl Iterator<Item = Inertial<T>>,
+        kinematics: &Kinematics<T>,
+        (spin_inertia, wheel_speed): (&[T], &[T]),
+    ) {
         self.subtrees.clear();
-        for (i, body) in bodies.iter().enumerate() {
-            self.subtrees.push(alone(body, kinematics, i));
+        for (i, body) in bodies.enumerate() {
+            self.subtrees.push(alone(&body, kinematics, i));
         }
         for (rotor, (js, omega)) in tree.rotors.iter().zip(spin_inertia.iter().zip(wheel_speed)) {
-            let turned = kinematics.R[rotor.body] * rotor.axis_B;
-            self.subtrees[rotor.body].h += turned * (js * omega);
+            let axis = M3::of(&kinematics.R[rotor.body]).times(&V3::of(&rotor.axis_B));
+            self.subtrees[rotor.body].h += axis * (*js * *omega);
         }
-        let none = JointSlope {
-            rate: Vector6::zeros(),
-            position: Vector6::zeros(),
-            first_moment: Vector3::zeros(),
-        };
         self.of.clear();
-        self.of.resize(tree.dof(), none);
+        // Overwritten: every coordinate has a joint.
+        if let Some(base) = self.subtrees.first() {
+            let none = base.slope(kinematics, 0, 0, &base.body.mc, false);
+            self.of.resize(tree.dof(), none);
+        }
         // Parents stand before their children: from the last body to the base every subtree is whole.
         for (i, link) in tree.links.iter().enumerate().skip(1).rev() {
             let whole = self.subtrees[i];
@@ -111,91 +150,77 @@ impl JointSlopes {
                 Motion::Fixed | Motion::Free => (None, false),
             };
             if let Some(slope) = at.and_then(|k| self.of.get_mut(k)) {
-                let axis = link.axis_B(&kinematics.R[i]);
+                let axis = link.axis_in_base(&M3::of(&kinematics.R[i]));
                 *slope = whole.slope(kinematics, i, link.parent, &axis, turns);
             }
             self.subtrees[link.parent].add(&whole);
         }
     }
-
-    /// Slopes over a motion at the state of the last [`JointSlopes::fill`].
-    pub fn along(&self, kinematics: &Kinematics, motion: &SubtreeMotion) -> JointSlope {
-        let axis = motion.axis_B(kinematics);
-        let whole = &self.subtrees[motion.link];
-        whole.slope(kinematics, motion.link, motion.frame, &axis, motion.turns)
-    }
 }
 
-fn alone(body: &InertialParameters, kinematics: &Kinematics, i: usize) -> Subtree {
-    let (R, p) = (&kinematics.R[i], &kinematics.p[i]);
-    let (v, w) = (&kinematics.v[i], &kinematics.w[i]);
-    let own = R * body.mc_B;
-    let about_own_origin = R * body.I_BBo_B * R.transpose();
-    let l = v * body.mass + w.cross(&own);
+#[inline(always)]
+fn alone<T: Real>(body: &Inertial<T>, kinematics: &Kinematics<T>, i: usize) -> Subtree<T> {
+    let (R, p) = (M3::of(&kinematics.R[i]), V3::of(&kinematics.p[i]));
+    let (v, w) = (V3::of(&kinematics.v[i]), V3::of(&kinematics.w[i]));
+    let own = body.turned(&R);
+    let l = v * own.mass + w.cross(&own.mc);
     Subtree {
-        mass: body.mass,
-        mc: own + p * body.mass,
-        inertia: about_own_origin + moved(body.mass, p, &own),
+        body: own.seen_from(&p),
         l,
-        h: p.cross(&l) + own.cross(v) + about_own_origin * w,
+        h: p.cross(&l) + own.mc.cross(&v) + own.I.times(&w),
     }
 }
 
-/// Change of the inertia about a point that moves by `-p`, `mc` the first moment about it before.
-fn moved(mass: f64, p: &Vector3, mc: &Vector3) -> Matrix3 {
-    Matrix3::identity() * (2.0 * p.dot(mc)) - p * mc.transpose() - mc * p.transpose()
-        + parallel_axis(mass, p)
-}
-
-impl Subtree {
+impl<T: Real> Subtree<T> {
+    #[inline(always)]
     fn add(&mut self, other: &Self) {
-        self.mass += other.mass;
-        self.mc += other.mc;
-        self.inertia += other.inertia;
+        self.body += other.body;
         self.l += other.l;
         self.h += other.h;
     }
 
+    #[inline(always)]
     fn slope(
         &self,
-        kinematics: &Kinematics,
+        kinematics: &Kinematics<T>,
         body: usize,
         frame: usize,
-        axis: &Vector3,
+        axis: &V3<T>,
         turns: bool,
-    ) -> JointSlope {
-        let p = kinematics.p[body];
-        let w = kinematics.w[frame];
+    ) -> JointSlope<T> {
+        let p = V3::of(&kinematics.p[body]);
+        let w = V3::of(&kinematics.w[frame]);
         // The motion of the frame at the joint, and the subtree about it.
-        let v = kinematics.v[frame] + w.cross(&(p - kinematics.p[frame]));
-        let mc = self.mc - p * self.mass;
-        let inertia = self.inertia - moved(self.mass, &p, &mc);
+        let v = V3::of(&kinematics.v[frame]) + w.cross(&(p - V3::of(&kinematics.p[frame])));
+        let Inertial { mass, mc, I } = self.body.seen_from(&-p);
         let (rate_l, rate_h, dl, dh, first_moment);
         if turns {
-            let l_relative = self.l - (v * self.mass + w.cross(&mc));
-            let h_relative = self.h - p.cross(&self.l) - (mc.cross(&v) + inertia * w);
+            let l_relative = self.l - (v * mass + w.cross(&mc));
+            let h_relative = self.h - p.cross(&self.l) - (mc.cross(&v) + I.times(&w));
             let dmc = axis.cross(&mc);
             rate_l = dmc;
-            rate_h = inertia * axis;
-            let turn = skew(axis);
+            rate_h = I.times(axis);
+            // The inertia turns with the subtree: [axis]x I - I [axis]x.
+            let turned = axis.cross(&I.times(&w)) - I.times(&axis.cross(&w));
             dl = w.cross(&dmc) + axis.cross(&l_relative);
-            dh = dmc.cross(&v) + (turn * inertia - inertia * turn) * w + axis.cross(&h_relative);
+            dh = dmc.cross(&v) + turned + axis.cross(&h_relative);
             first_moment = dmc;
         } else {
-            rate_l = axis * self.mass;
+            rate_l = *axis * mass;
             rate_h = mc.cross(axis);
-            dl = w.cross(axis) * self.mass;
+            dl = w.cross(axis) * mass;
             dh = mc.cross(&w.cross(axis)) + axis.cross(&self.l);
-            first_moment = axis * self.mass;
+            first_moment = *axis * mass;
         }
         JointSlope {
             rate: stack(&rate_l, &(rate_h + p.cross(&rate_l))),
             position: stack(&dl, &(dh + p.cross(&dl))),
-            first_moment,
+            first_moment: first_moment.stored(),
         }
     }
 }
 
-fn stack(l: &Vector3, h: &Vector3) -> Vector6 {
+#[inline(always)]
+fn stack<T: Real>(l: &V3<T>, h: &V3<T>) -> Vector6<T> {
     Vector6::new(l.x, l.y, l.z, h.x, h.y, h.z)
 }

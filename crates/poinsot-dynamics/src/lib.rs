@@ -5,7 +5,7 @@
 //! axes of the base B and every moment is about the base's frame origin `Bo`.
 //!
 //! Without the default feature `std` the kernels remain: tree, kinematics, momentum, regressors, accelerations, forward
-//! and inverse dynamics, orbit, measurement models. They need `alloc` and, for the functions of `libm`, the feature `libm`.
+//! and inverse dynamics, the step of pose and momentum with its linearisation, orbit, measurement models. They need `alloc` and, for the functions of `libm`, the feature `libm`.
 //!
 //! | subject | item |
 //! |---|---|
@@ -117,7 +117,9 @@ mod piecewise;
 mod plan;
 #[cfg(feature = "std")]
 mod prescribed;
+pub mod propagation;
 mod propellant;
+mod quaternion;
 mod rate_regressor;
 #[cfg(feature = "std")]
 mod rates_momentum;

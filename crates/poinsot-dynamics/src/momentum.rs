@@ -11,11 +11,11 @@ use poinsot_spatial::{
 
 /// Twist of the base.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Twist {
+pub struct Twist<T = f64> {
     /// `v_NBo_B`, m/s.
-    pub v: Vector3,
+    pub v: nalgebra::Vector3<T>,
     /// `w_NB_B`, rad/s.
-    pub w: Vector3,
+    pub w: nalgebra::Vector3<T>,
 }
 
 /// The whole vehicle as one rigid body at a joint configuration: the blocks of the locked inertia `H`.
@@ -133,20 +133,25 @@ pub fn wheel_momentum(
 /// assert!((whole.I_SScm_B()[(2, 2)] - (1.5 + 8.0 / 3.0)).abs() < 1.0e-12);
 /// ```
 pub fn composite(parameters: &[InertialParameters], kinematics: &Kinematics) -> Composite {
-    let mut sum = Composite {
-        mass: 0.0,
-        mc: Vector3::zeros(),
-        I_SBo_B: Matrix3::zeros(),
-    };
-    for (i, body) in parameters.iter().enumerate() {
-        let (R, p) = (&kinematics.R[i], &kinematics.p[i]);
-        let mc = R * body.mc_B;
-        sum.mass += body.mass;
-        sum.mc += mc + p * body.mass;
-        // Parallel axis about Bo without the body's own mass centre: m p p + (p mc) + (mc p).
-        let cross =
-            Matrix3::identity() * (2.0 * p.dot(&mc)) - p * mc.transpose() - mc * p.transpose();
-        sum.I_SBo_B += R * body.I_BBo_B * R.transpose() + parallel_axis(body.mass, p) + cross;
+    let whole = whole(parameters.iter().map(Inertial::of), kinematics, 0.0);
+    Composite {
+        mass: whole.mass,
+        mc: whole.mc.stored(),
+        I_SBo_B: whole.I.full().stored(),
+    }
+}
+
+/// The same over any numbers.
+#[inline(always)]
+pub(crate) fn whole<T: Real>(
+    bodies: impl Iterator<Item = Inertial<T>>,
+    kinematics: &Kinematics<T>,
+    zero: T,
+) -> Inertial<T> {
+    let mut sum = Inertial::nothing(zero);
+    for (i, body) in bodies.enumerate() {
+        let (R, p) = (M3::of(&kinematics.R[i]), V3::of(&kinematics.p[i]));
+        sum += body.turned(&R).seen_from(&p);
     }
     sum
 }

@@ -3,7 +3,6 @@
 use crate::algebra::{Real, V3};
 use crate::forward_dynamics::ForwardDynamics;
 use crate::inertial::Inertial;
-use crate::symmetric::Symmetric;
 use crate::tree::{Motion, Tree};
 
 /// A body with all it carries, about its origin, and their momentum while the base is at rest.
@@ -72,20 +71,7 @@ impl<T: Real> Subtree<T> {
     /// Adds the inertia and momentum of a child with all it carries, moved from `Co` to `Po` over `r = p_PoCo`.
     #[inline(always)]
     fn carry(&mut self, child: &Self, r: &V3<T>) {
-        let Inertial { mass, mc, I } = child.inertia;
-        let g = mc + *r * mass;
-        let d = r.dot(&mc) + r.dot(&g);
-        self.inertia.mass = self.inertia.mass + mass;
-        self.inertia.mc += g;
-        self.inertia.I += I;
-        self.inertia.I += Symmetric {
-            xx: d - r.x * g.x - mc.x * r.x,
-            xy: -r.x * g.y - mc.x * r.y,
-            yy: d - r.y * g.y - mc.y * r.y,
-            xz: -r.x * g.z - mc.x * r.z,
-            yz: -r.y * g.z - mc.y * r.z,
-            zz: d - r.z * g.z - mc.z * r.z,
-        };
+        self.inertia += child.inertia.seen_from(r);
         self.l += child.l;
         self.h += child.h + r.cross(&child.l);
     }

@@ -2,7 +2,7 @@
 
 use crate::algebra::{M3, Real, V3};
 use core::ops::AddAssign;
-use poinsot_spatial::Matrix3;
+use nalgebra::Matrix3;
 
 /// A symmetric 3 x 3 matrix.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,7 +18,7 @@ pub(crate) struct Symmetric<T = f64> {
 impl Symmetric {
     /// The lower triangle of a matrix that is symmetric.
     #[inline]
-    pub fn of(m: &Matrix3) -> Self {
+    pub fn of(m: &Matrix3<f64>) -> Self {
         Self {
             xx: m.m11,
             xy: m.m21,
@@ -27,20 +27,6 @@ impl Symmetric {
             yz: m.m32,
             zz: m.m33,
         }
-    }
-
-    /// The full matrix.
-    #[cfg(test)]
-    pub fn full(&self) -> Matrix3 {
-        let Self {
-            xx,
-            xy,
-            yy,
-            xz,
-            yz,
-            zz,
-        } = *self;
-        Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
     }
 }
 
@@ -56,6 +42,16 @@ impl<T: Real> Symmetric<T> {
             yz,
             zz,
         }
+    }
+
+    /// The full matrix.
+    #[inline(always)]
+    pub fn full(&self) -> M3<T> {
+        M3([
+            V3::new(self.xx, self.xy, self.xz),
+            V3::new(self.xy, self.yy, self.yz),
+            V3::new(self.xz, self.yz, self.zz),
+        ])
     }
 
     /// Sum of the diagonal.
@@ -127,10 +123,24 @@ impl<T: Real> Symmetric<T> {
     #[inline(always)]
     pub fn solve(&self, b: &V3<T>) -> Option<V3<T>> {
         let factor = self.factor();
-        if !factor.pivots_exceed(self.xx.all(0.0)) {
+        match factor.pivots_exceed(self.xx.all(0.0)) {
+            true => Some(factor.solve(b)),
+            false => None,
+        }
+    }
+
+    /// The inverse; `None` where the matrix is not positive definite.
+    #[inline(always)]
+    pub fn inverse(&self) -> Option<Self> {
+        let factor = self.factor();
+        let (zero, one) = (self.xx.all(0.0), self.xx.all(1.0));
+        if !factor.pivots_exceed(zero) {
             return None;
         }
-        Some(factor.back(&factor.forward(b).times_each(&factor.inverse)))
+        let x = factor.solve(&V3::new(one, zero, zero));
+        let y = factor.solve(&V3::new(zero, one, zero));
+        let z = factor.solve(&V3::new(zero, zero, one));
+        Some(Self::new([x.x, x.y, y.y, x.z, y.z, z.z]))
     }
 }
 
@@ -152,6 +162,12 @@ impl<T: Real> Factor<T> {
     pub fn pivots_exceed(&self, least: T) -> bool {
         let V3 { x, y, z } = self.pivots;
         x.exceeds(least) && y.exceeds(least) && z.exceeds(least)
+    }
+
+    /// The solution for the right-hand side `b`.
+    #[inline(always)]
+    pub fn solve(&self, b: &V3<T>) -> V3<T> {
+        self.back(&self.forward(b).times_each(&self.inverse))
     }
 
     /// `L^-1 b`.
@@ -193,15 +209,21 @@ mod tests {
         let R = *nalgebra::Rotation3::new(Vector3::new(0.3, -1.1, 0.7)).matrix();
         let x = Vector3::new(0.7, -0.2, 1.9);
         let v = V3::of(&x);
-        let near = |a: Matrix3, b: Matrix3| assert!((a - b).amax() < 4e-15, "{a} {b}");
-        near(s.full(), full);
-        near(s.turned(&M3::of(&R)).full(), R * full * R.transpose());
+        let near = |a: Matrix3<f64>, b: Matrix3<f64>| assert!((a - b).amax() < 4e-15, "{a} {b}");
+        near(s.full().stored(), full);
+        near(
+            s.turned(&M3::of(&R)).full().stored(),
+            R * full * R.transpose(),
+        );
         let mut less = s;
         less.subtract_outer(&(v * 0.3), &v);
-        near(less.full(), full - x * x.transpose() * 0.3);
+        near(less.full().stored(), full - x * x.transpose() * 0.3);
         assert!((s.times(&v).stored() - full * x).amax() < 1e-15);
         assert!((s.times(&s.solve(&v).unwrap()).stored() - x).amax() < 1e-15);
+        let inverse = s.inverse().unwrap().full().stored();
+        near(inverse * full, Matrix3::identity());
         assert!(Symmetric::of(&-full).solve(&v).is_none());
+        assert!(Symmetric::of(&-full).inverse().is_none());
         assert!(Symmetric::of(&(full * f64::NAN)).solve(&v).is_none());
         assert!(Symmetric::of(&Matrix3::zeros()).solve(&v).is_none());
     }

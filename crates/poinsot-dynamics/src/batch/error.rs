@@ -2,6 +2,7 @@
 
 use crate::forward_dynamics::Singular;
 use crate::integrate::Halt;
+use crate::propagation::StepError;
 
 /// Why a batch has no result.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
@@ -12,6 +13,9 @@ pub enum BatchError {
     /// The motion of this vehicle, or of one beside it, stopped.
     #[error("vehicle {0} or one of the next seven: {1}")]
     Halted(usize, Halt),
+    /// The step of this vehicle, or of one beside it, has no result.
+    #[error("vehicle {0} or one of the next seven: {1}")]
+    Step(usize, StepError),
     /// An array has another length than the number of states asks for.
     #[error("{0}: {1} numbers, expected {2}; give one row per state")]
     Length(&'static str, usize, usize),

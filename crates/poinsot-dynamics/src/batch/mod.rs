@@ -7,6 +7,7 @@
 mod error;
 mod kernels;
 mod motion;
+mod propagation;
 mod rows;
 
 use crate::kinematics::Kinematics;
@@ -20,6 +21,7 @@ use rows::{Group, PER_BODY, Rows, TWIST};
 
 pub use error::BatchError;
 pub use motion::{Steps, integrate};
+pub use propagation::{InputRows, LinearSteps, linearised_step, linearised_width};
 
 /// Joint positions (rad or m), joint rates and base twists (linear part first) of many states.
 #[derive(Debug, Clone, Copy)]

@@ -11,6 +11,7 @@ mod exact_motions;
 mod exact_propellant;
 mod kernels;
 mod prop_motion;
+mod propagation;
 mod setup;
 mod stat_sensors;
 #[path = "../../benches/xu_arm/mod.rs"]

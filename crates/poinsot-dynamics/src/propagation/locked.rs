@@ -1,0 +1,192 @@
+//! The vehicle as one body at its joints' positions, and the motion of its base that pose and momentum give.
+
+use super::HALF;
+use super::state::PoseMomentum;
+use crate::algebra::{M3, Real, V3};
+use crate::inertial::Inertial;
+use crate::momentum::{Composite, Twist};
+use crate::quaternion;
+use crate::symmetric::Symmetric;
+use nalgebra::{Matrix3, Vector3, Vector6};
+
+/// The vehicle as one body at its joints' positions, with the momentum of its joints and wheels, in B.
+#[derive(Debug, Clone, Copy)]
+pub struct LockedVehicle<T = f64> {
+    mass: T,
+    c: V3<T>,
+    I_SScm: Symmetric<T>,
+    /// Without the axial inertia of wheels of which the axial momentum is given.
+    turning: Symmetric<T>,
+    inverse: Symmetric<T>,
+    l_joints: V3<T>,
+    /// About the mass centre.
+    h_joints: V3<T>,
+}
+
+/// The system's mass centre with the momentum in B.
+#[derive(Debug, Clone, Copy)]
+pub struct MassCentre<T = f64> {
+    /// Its position from the base's origin, m.
+    pub p_BoScm_B: Vector3<T>,
+    /// Linear momentum, N s.
+    pub l_B: Vector3<T>,
+    /// Angular momentum about it, N m s.
+    pub h_SScm_B: Vector3<T>,
+    /// Mass of the system, kg.
+    pub mass: T,
+    /// Inertia about it, rotors as if locked, kg m2.
+    pub I_SScm_B: Matrix3<T>,
+}
+
+/// Twist of the base with what it takes to differentiate it.
+#[derive(Debug, Clone, Copy)]
+pub struct BaseMotion<T = f64> {
+    /// Velocity of the base.
+    pub twist: Twist<T>,
+    /// The mass centre.
+    pub centre: MassCentre<T>,
+    /// Of the inertia about it.
+    inverse: Symmetric<T>,
+}
+
+impl LockedVehicle {
+    /// `joints` is the momentum `[l; h]` about `Bo` of joint rates and wheels while the base is at rest. `turning` is `whole`
+    /// without the axial inertia of wheels whose axial momentum is given, not their speed. `None` without positive mass or inertia.
+    pub fn new(whole: &Composite, turning: &Composite, joints: &Vector6<f64>) -> Option<Self> {
+        let inertial = |c: &Composite| Inertial {
+            mass: c.mass,
+            mc: V3::of(&c.mc),
+            I: Symmetric::of(&c.I_SBo_B),
+        };
+        let (l, h) = halves(joints);
+        Self::over(&inertial(whole), &inertial(turning), (&l, &h))
+    }
+}
+
+impl<T: Real> LockedVehicle<T> {
+    #[inline(always)]
+    pub(super) fn over(
+        whole: &Inertial<T>,
+        turning: &Inertial<T>,
+        (l_joints, h_joints): (&V3<T>, &V3<T>),
+    ) -> Option<Self> {
+        let mass = whole.mass;
+        if !mass.exceeds(mass.all(0.0)) {
+            return None;
+        }
+        let c = whole.centre();
+        let turning = turning.about_centre(&c);
+        Some(Self {
+            mass,
+            c,
+            I_SScm: whole.about_centre(&c),
+            turning,
+            inverse: turning.inverse()?,
+            l_joints: *l_joints,
+            h_joints: *h_joints - c.cross(l_joints),
+        })
+    }
+
+    /// About the mass centre the equations decouple: `I w = h - h_joints`, `v = (l - l_joints) / m - w x c`.
+    #[inline(always)]
+    pub fn base_motion(&self, state: &PoseMomentum<T>) -> BaseMotion<T> {
+        let R_NB = quaternion::rotation(&state.quaternion());
+        let l = R_NB.transpose_times(&V3::of(&state.P));
+        let h = R_NB.transpose_times(&V3::of(&state.h_SScm_N));
+        let turn = h - self.h_joints;
+        let w = self.inverse.times(&turn);
+        // One refinement: errors of the inverse would accumulate and make unobservable directions observable.
+        let w = w + self.inverse.times(&(turn - self.turning.times(&w)));
+        let v = (l - self.l_joints) / self.mass - w.cross(&self.c);
+        BaseMotion {
+            twist: Twist {
+                v: v.stored(),
+                w: w.stored(),
+            },
+            centre: MassCentre {
+                p_BoScm_B: self.c.stored(),
+                l_B: l.stored(),
+                h_SScm_B: h.stored(),
+                mass: self.mass,
+                I_SScm_B: self.I_SScm.full().stored(),
+            },
+            inverse: self.inverse,
+        }
+    }
+}
+
+impl<T: Real> BaseMotion<T> {
+    /// `H^-1 [l; h]`: the base twist `(v, w)` that a momentum about the mass centre gives.
+    #[inline(always)]
+    pub(super) fn of_central(&self, l: &V3<T>, h_Scm: &V3<T>) -> (V3<T>, V3<T>) {
+        let w = self.inverse.times(h_Scm);
+        let c = V3::of(&self.centre.p_BoScm_B);
+        (*l / self.centre.mass - w.cross(&c), w)
+    }
+
+    /// [`Self::twist_slope`] over any numbers, linear part first.
+    #[inline(always)]
+    pub(super) fn slope(&self, l: &V3<T>, h: &V3<T>, dc: &V3<T>) -> (V3<T>, V3<T>) {
+        let centre = &self.centre;
+        let (c, l_B) = (V3::of(&centre.p_BoScm_B), V3::of(&centre.l_B));
+        self.of_central(&-*l, &(dc.cross(&l_B) - (*h - c.cross(l))))
+    }
+
+    /// Change of the system's mass centre with one of the ten parameters of a body at `R_BC`, `p`, in B.
+    #[inline(always)]
+    pub(super) fn centre_slope(&self, R: &M3<T>, p: &V3<T>, parameter: usize) -> V3<T> {
+        let centre = &self.centre;
+        match parameter {
+            0 => (*p - V3::of(&centre.p_BoScm_B)) / centre.mass,
+            k @ 1..=3 => R.0[k - 1] / centre.mass,
+            _ => V3::all(centre.mass.all(0.0)),
+        }
+    }
+}
+
+impl BaseMotion {
+    /// `H^-1 [l; h]`: the base twist `[v; w]` that a momentum about `Bo` gives, both in B.
+    #[inline]
+    pub fn twist_of(&self, momentum: &Vector6<f64>) -> Vector6<f64> {
+        let (l, h) = halves(momentum);
+        let c = V3::of(&self.centre.p_BoScm_B);
+        stacked(&self.of_central(&l, &(h - c.cross(&l))))
+    }
+
+    /// Change of the twist `[v; w]`, pose and momentum held, where the momentum `[l; h]` about `Bo` at the present twist changes by
+    /// `momentum` and the system's mass centre by `dp_BoScm_B`: `-H^-1 ([dl; dh] - [0; dc x l])`.
+    #[inline]
+    pub fn twist_slope(&self, momentum: &Vector6<f64>, dp_BoScm_B: &Vector3<f64>) -> Vector6<f64> {
+        let (l, h) = halves(momentum);
+        stacked(&self.slope(&l, &h, &V3::of(dp_BoScm_B)))
+    }
+
+    /// Change of the system's mass centre, in B, with one of the ten parameters of a body of which the rotation `R_BC` and
+    /// the origin `p_BoCo_B` are given, in the order of `poinsot_spatial::PARAMETER_NAMES`.
+    #[inline]
+    pub fn mass_centre_slope(
+        &self,
+        R_BC: &Matrix3<f64>,
+        p_BoCo_B: &Vector3<f64>,
+        parameter: usize,
+    ) -> Vector3<f64> {
+        let slope = self.centre_slope(&M3::of(R_BC), &V3::of(p_BoCo_B), parameter);
+        slope.stored()
+    }
+}
+
+#[inline(always)]
+fn halves(x: &Vector6<f64>) -> (V3<f64>, V3<f64>) {
+    (V3::new(x.x, x.y, x.z), V3::new(x.w, x.a, x.b))
+}
+
+#[inline(always)]
+fn stacked((l, h): &(V3<f64>, V3<f64>)) -> Vector6<f64> {
+    Vector6::new(l.x, l.y, l.z, h.x, h.y, h.z)
+}
+
+/// `[a; b]`.
+#[inline(always)]
+pub(super) fn stack<T: Real>(a: &V3<T>, b: &V3<T>) -> [T; HALF] {
+    [a.x, a.y, a.z, b.x, b.y, b.z]
+}

@@ -1,0 +1,211 @@
+//! Six rows of the linearised equations.
+
+use super::locked::{BaseMotion, stack};
+use super::state::PoseMomentum;
+use super::{HALF, STATE};
+use crate::algebra::{M3, Real, V3};
+use crate::quaternion;
+use nalgebra::{Matrix3, SMatrix, SVector, Vector3, Vector6};
+
+/// Six rows over a change of the state, position included.
+pub type Matrix6x12 = SMatrix<f64, HALF, STATE>;
+
+/// Numbers of a change of the state before the momenta, and of the attitude.
+const MOMENTUM: usize = 6;
+const ATTITUDE: usize = 3;
+
+/// Six rows over a change of the state. The position enters nowhere, so its three columns are left out.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct StateRows<T = f64> {
+    attitude: [[T; HALF]; ATTITUDE],
+    momentum: [[T; HALF]; HALF],
+    /// Whether a momentum enters.
+    coupled: bool,
+}
+
+impl<T: Real> StateRows<T> {
+    #[inline(always)]
+    pub(super) fn nothing(zero: T) -> Self {
+        Self {
+            attitude: [[zero; HALF]; ATTITUDE],
+            momentum: [[zero; HALF]; HALF],
+            coupled: false,
+        }
+    }
+
+    /// Whether a momentum enters.
+    pub(super) fn is_coupled(&self) -> bool {
+        self.coupled
+    }
+
+    #[inline(always)]
+    pub(super) fn attitude_times(&self, phi: &[T; ATTITUDE]) -> [T; HALF] {
+        let mut sum = scaled(&self.attitude[0], phi[0]);
+        add(&mut sum, &self.attitude[1], phi[1]);
+        add(&mut sum, &self.attitude[2], phi[2]);
+        sum
+    }
+
+    #[inline(always)]
+    pub(super) fn momentum_times(&self, momentum: &[T; HALF]) -> [T; HALF] {
+        let mut sum = scaled(&self.momentum[0], momentum[0]);
+        for (column, x) in self.momentum.iter().zip(momentum).skip(1) {
+            add(&mut sum, column, *x);
+        }
+        sum
+    }
+}
+
+#[inline(always)]
+fn scaled<T: Real>(x: &[T; HALF], factor: T) -> [T; HALF] {
+    let [a, b, c, d, e, f] = *x;
+    [
+        a * factor,
+        b * factor,
+        c * factor,
+        d * factor,
+        e * factor,
+        f * factor,
+    ]
+}
+
+/// `sum += x factor`.
+#[inline(always)]
+pub(super) fn add<T: Real>(sum: &mut [T; HALF], x: &[T; HALF], factor: T) {
+    for (sum, x) in sum.iter_mut().zip(x) {
+        *sum = *sum + *x * factor;
+    }
+}
+
+impl StateRows {
+    /// The rows of a matrix, of which the three columns of the position are zero.
+    pub fn of_matrix(rows: &Matrix6x12) -> Self {
+        let columns = &rows.data.0;
+        let [x, y, z, .., a, b, c, d, e, f] = *columns;
+        let momentum = [a, b, c, d, e, f];
+        Self {
+            attitude: [x, y, z],
+            coupled: momentum != [[0.0; HALF]; HALF],
+            momentum,
+        }
+    }
+
+    /// All twelve columns.
+    pub fn matrix(&self) -> Matrix6x12 {
+        let mut rows = Matrix6x12::zeros();
+        rows.data.0[..ATTITUDE].copy_from_slice(&self.attitude);
+        rows.data.0[MOMENTUM..].copy_from_slice(&self.momentum);
+        rows
+    }
+
+    /// `rows x` for a change `x` of the state.
+    #[inline]
+    pub fn times(&self, x: &SVector<f64, STATE>) -> Vector6<f64> {
+        let ([phi_x, phi_y, phi_z, ..], momentum) = halves(&x.data.0[0]);
+        let mut sum = self.attitude_times(&[*phi_x, *phi_y, *phi_z]);
+        if *momentum != [0.0; HALF] {
+            add(&mut sum, &self.momentum_times(momentum), 1.0);
+        }
+        Vector6::from(sum)
+    }
+}
+
+/// Pose and momentum of a change of the state.
+#[inline(always)]
+pub(super) fn halves<T>(x: &[T; STATE]) -> (&[T; HALF], &[T; HALF]) {
+    let (pose, momentum) = x.as_chunks::<HALF>().0.split_at(1);
+    (&pose[0], &momentum[0])
+}
+
+/// What a change of the twist `[v; w]` does to the rate of the pose, `[dphi_B'; dp_N']`.
+#[inline]
+pub fn pose_change(R_NB: &Matrix3<f64>, twist: &Vector6<f64>) -> Vector6<f64> {
+    let (v, w) = (
+        V3::new(twist.x, twist.y, twist.z),
+        V3::new(twist.w, twist.a, twist.b),
+    );
+    Vector6::from(pose_rate(&M3::of(R_NB), &v, &w))
+}
+
+/// The same over any numbers.
+#[inline(always)]
+pub(super) fn pose_rate<T: Real>(R_NB: &M3<T>, v: &V3<T>, w: &V3<T>) -> [T; HALF] {
+    stack(w, &R_NB.times(v))
+}
+
+impl<T: Real> BaseMotion<T> {
+    /// Change of the twist `[v; w]` with the state: `V_x`.
+    #[inline(always)]
+    pub fn twist_rows(&self, state: &PoseMomentum<T>) -> StateRows<T> {
+        let centre = &self.centre;
+        let zero = centre.mass.all(0.0);
+        let axes = axes(zero);
+        let to_base = quaternion::rotation(&state.quaternion()).rows();
+        let (l, h) = (V3::of(&centre.l_B), V3::of(&centre.h_SScm_B));
+        let nothing = V3::all(zero);
+        let mut rows = StateRows::nothing(zero);
+        rows.coupled = true;
+        for (j, axis) in axes.iter().enumerate() {
+            // R^T a moves by a x dphi when the base turns.
+            let (v, w) = self.of_central(&l.cross(axis), &h.cross(axis));
+            rows.attitude[j] = stack(&v, &w);
+            rows.momentum[j] = stack(&(to_base[j] / centre.mass), &nothing);
+            let (v, w) = self.of_central(&nothing, &to_base[j]);
+            rows.momentum[ATTITUDE + j] = stack(&v, &w);
+        }
+        rows
+    }
+
+    /// Change of the pose's rate `[dphi_B'; dp_N']` with the state, from [`Self::twist_rows`]: the upper half of `A`.
+    #[inline(always)]
+    pub fn pose_rows(&self, state: &PoseMomentum<T>, twist_rows: &StateRows<T>) -> StateRows<T> {
+        let R = quaternion::rotation(&state.quaternion());
+        let zero = self.centre.mass.all(0.0);
+        let axes = axes(zero);
+        let (v, w) = (V3::of(&self.twist.v), V3::of(&self.twist.w));
+        let one_over_mass = zero.all(1.0) / self.centre.mass;
+        let mut rows = StateRows::nothing(zero);
+        rows.coupled = true;
+        for (j, axis) in axes.iter().enumerate() {
+            let (dv, dw) = parts(&twist_rows.attitude[j]);
+            let (dv, dw) = (dv - v.cross(axis), dw - w.cross(axis));
+            rows.attitude[j] = pose_rate(&R, &dv, &dw);
+            // R R^T / m.
+            rows.momentum[j] = stack(&V3::all(zero), &(*axis * one_over_mass));
+            let (dv, dw) = parts(&twist_rows.momentum[ATTITUDE + j]);
+            rows.momentum[ATTITUDE + j] = pose_rate(&R, &dv, &dw);
+        }
+        rows
+    }
+}
+
+impl<T: Real> StateRows<T> {
+    /// Change of the momentum's rate `[dP'; dh']` with the state where a force (N) and a torque about the system's mass centre
+    /// (N m) turn with the base: the lower half of `A`.
+    #[inline(always)]
+    pub fn of_wrench(state: &PoseMomentum<T>, force_B: &Vector3<T>, torque_B: &Vector3<T>) -> Self {
+        let R = quaternion::rotation(&state.quaternion());
+        let (F, T) = (V3::of(force_B), V3::of(torque_B));
+        let axes = axes(F.x);
+        let mut rows = Self::nothing(F.x.all(0.0));
+        for (j, axis) in axes.iter().enumerate() {
+            rows.attitude[j] = stack(&R.times(&axis.cross(&F)), &R.times(&axis.cross(&T)));
+        }
+        rows
+    }
+}
+
+#[inline(always)]
+fn axes<T: Real>(like: T) -> [V3<T>; 3] {
+    let (zero, one) = (like.all(0.0), like.all(1.0));
+    [
+        V3::new(one, zero, zero),
+        V3::new(zero, one, zero),
+        V3::new(zero, zero, one),
+    ]
+}
+
+#[inline(always)]
+fn parts<T: Real>(x: &[T; HALF]) -> (V3<T>, V3<T>) {
+    (V3::new(x[0], x[1], x[2]), V3::new(x[3], x[4], x[5]))
+}

@@ -1,0 +1,166 @@
+//! Pose and momentum, their rate, and the classical Runge-Kutta step.
+
+use crate::algebra::{Real, V3};
+use crate::momentum::Twist;
+use crate::quaternion;
+use nalgebra::{Quaternion, Unit, Vector3, Vector4};
+
+/// Pose of the base and momentum of the whole vehicle.
+#[derive(Debug, Clone, Copy)]
+pub struct PoseMomentum<T = f64> {
+    /// Attitude of the base.
+    pub R_NB: Unit<Quaternion<T>>,
+    /// Position of the base's origin, m.
+    pub p_NoBo_N: Vector3<T>,
+    /// Linear momentum in N, N s.
+    pub P: Vector3<T>,
+    /// Angular momentum about the system's mass centre, N m s.
+    pub h_SScm_N: Vector3<T>,
+}
+
+impl PartialEq for PoseMomentum {
+    fn eq(&self, other: &Self) -> bool {
+        let (a, b) = (self, other);
+        (a.R_NB, a.p_NoBo_N, a.P, a.h_SScm_N) == (b.R_NB, b.p_NoBo_N, b.P, b.h_SScm_N)
+    }
+}
+
+/// Time derivative of a [`PoseMomentum`].
+#[derive(Debug, Clone, Copy)]
+pub struct PoseMomentumRate<T = f64> {
+    q: [T; 4],
+    p: V3<T>,
+    P: V3<T>,
+    h: V3<T>,
+}
+
+impl<T: Real> PoseMomentumRate<T> {
+    /// `twist` is that of the base; force (N) and torque about the system's mass centre (N m) are those from outside, in B.
+    #[inline(always)]
+    pub fn new(
+        state: &PoseMomentum<T>,
+        twist: &Twist<T>,
+        (force_B, torque_B): (&Vector3<T>, &Vector3<T>),
+    ) -> Self {
+        let q = state.quaternion();
+        let R = quaternion::rotation(&q);
+        Self {
+            q: quaternion::rate(&q, &V3::of(&twist.w)),
+            p: R.times(&V3::of(&twist.v)),
+            P: R.times(&V3::of(force_B)),
+            h: R.times(&V3::of(torque_B)),
+        }
+    }
+
+    /// `self + other * factor`.
+    #[inline(always)]
+    fn plus(&self, other: &Self, factor: f64) -> Self {
+        let ([x, y, z, w], [a, b, c, d]) = (self.q, other.q);
+        let factor = self.p.x.all(factor);
+        Self {
+            q: [
+                x + a * factor,
+                y + b * factor,
+                z + c * factor,
+                w + d * factor,
+            ],
+            p: self.p + other.p * factor,
+            P: self.P + other.P * factor,
+            h: self.h + other.h * factor,
+        }
+    }
+}
+
+impl<T: Real> PoseMomentum<T> {
+    #[inline(always)]
+    pub(crate) fn quaternion(&self) -> [T; 4] {
+        let q = &self.R_NB.as_ref().coords;
+        [q.x, q.y, q.z, q.w]
+    }
+
+    #[inline(always)]
+    pub(crate) fn from_parts(q: [T; 4], p: &V3<T>, P: &V3<T>, h: &V3<T>) -> Self {
+        let [x, y, z, w] = q;
+        let coords = Vector4::new(x, y, z, w);
+        Self {
+            R_NB: Unit::new_unchecked(Quaternion { coords }),
+            p_NoBo_N: p.stored(),
+            P: P.stored(),
+            h_SScm_N: h.stored(),
+        }
+    }
+
+    /// The state after `dt` seconds at a constant rate, its quaternion of length one.
+    #[inline(always)]
+    pub fn moved(&self, rate: &PoseMomentumRate<T>, dt: f64) -> Self {
+        let [x, y, z, w] = self.quaternion();
+        let [a, b, c, d] = rate.q;
+        let dt = x.all(dt);
+        let q = quaternion::unit([x + a * dt, y + b * dt, z + c * dt, w + d * dt]);
+        let p = V3::of(&self.p_NoBo_N) + rate.p * dt;
+        let P = V3::of(&self.P) + rate.P * dt;
+        let h = V3::of(&self.h_SScm_N) + rate.h * dt;
+        Self::from_parts(q, &p, &P, &h)
+    }
+
+    /// `to - self`, the quaternions in one hemisphere.
+    #[inline(always)]
+    fn difference(&self, to: &Self) -> PoseMomentumRate<T> {
+        let ([x, y, z, w], [a, b, c, d]) = (self.quaternion(), to.quaternion());
+        let cosine = x * a + y * b + z * c + w * d;
+        let side = cosine / cosine.magnitude();
+        PoseMomentumRate {
+            q: [a * side - x, b * side - y, c * side - z, d * side - w],
+            p: V3::of(&to.p_NoBo_N) - V3::of(&self.p_NoBo_N),
+            P: V3::of(&to.P) - V3::of(&self.P),
+            h: V3::of(&to.h_SScm_N) - V3::of(&self.h_SScm_N),
+        }
+    }
+}
+
+/// The three times of a step at which its inputs count.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StepPoint {
+    /// At its start.
+    Begin,
+    /// After half of it.
+    Middle,
+    /// At its end.
+    End,
+}
+
+/// What moves a vehicle within a step.
+pub trait Rates<T: Real = f64> {
+    /// Rate of a state at a time of the step; `None` ends the step.
+    fn rate(&mut self, at: StepPoint, state: &PoseMomentum<T>) -> Option<PoseMomentumRate<T>>;
+}
+
+/// One step of the classical Runge-Kutta rule of fourth order. `rate` is that of `start`; the rates in the middle are asked for
+/// twice, that at the end once, in this order.
+#[inline(always)]
+pub fn runge_kutta_step<T: Real>(
+    start: &PoseMomentum<T>,
+    rate: &PoseMomentumRate<T>,
+    dt: f64,
+    rates: &mut impl Rates<T>,
+) -> Option<PoseMomentum<T>> {
+    let b = rates.rate(StepPoint::Middle, &start.moved(rate, 0.5 * dt))?;
+    let c = rates.rate(StepPoint::Middle, &start.moved(&b, 0.5 * dt))?;
+    let d = rates.rate(StepPoint::End, &start.moved(&c, dt))?;
+    let sum = rate.plus(&b, 2.0).plus(&c, 2.0).plus(&d, 1.0);
+    Some(start.moved(&sum, dt / 6.0))
+}
+
+/// The state in the middle of a step: on the cubic through states and rates at both ends, as good as the step itself.
+#[inline(always)]
+pub fn state_in_middle<T: Real>(
+    (start, rate_at_start): (&PoseMomentum<T>, &PoseMomentumRate<T>),
+    (end, rate_at_end): (&PoseMomentum<T>, &PoseMomentumRate<T>),
+    dt: f64,
+) -> PoseMomentum<T> {
+    let half = start.difference(end);
+    let bend = half
+        .plus(rate_at_start, 0.25 * dt)
+        .plus(rate_at_end, -0.25 * dt);
+    start.moved(&bend, 0.5)
+}
