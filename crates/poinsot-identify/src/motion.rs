@@ -1,10 +1,8 @@
 //! The pose-momentum equation with its forward sensitivities, on measured joint and wheel motion.
 //!
-//! State: attitude R_NB, position p_NoBo, linear momentum P, and angular momentum h **about the system's mass centre**,
-//! all momenta in N. Velocity follows from momentum, `V = H(q)^-1 (X [P; h] - c - c_w)` (DESIGN section 2); about the
-//! mass centre the position does not enter, so its integration error cannot turn into a false rate (`dp x P`), and
-//! unobservable directions stay exactly unobservable. A small change of the state is `[dphi_B, dp_N, dP_N, dh_N]` with
-//! `R -> R exp([dphi]x)`.
+//! State, step and linearisation are those of `poinsot_dynamics::propagation`. Here stand the inputs, forces and unknowns of a
+//! segment. About the mass centre the position does not enter, so its integration error cannot turn into a false rate
+//! (`dp x P`), and unobservable directions stay exactly unobservable.
 
 mod acceleration;
 mod advance;
@@ -26,8 +24,10 @@ pub(crate) use acceleration::BodyPoint;
 use acceleration::ForceScratch;
 pub(crate) use mass_loss::impulse_before;
 pub(crate) use point_kinematics::PointKinematics;
+pub(crate) use poinsot_dynamics::propagation::{
+    BaseMotion as Instant, Matrix6x12, PoseMomentum as State, pose_change,
+};
 pub(crate) use steps::{Fineness, Grid, Steps};
-pub(crate) use variation::{Matrix6x12, pose_change};
 pub(crate) use vehicle::{Running, Vehicle, parabola_slope, slope_weights, tilted};
 
 use crate::problem::parameters::UnknownKind;
@@ -36,11 +36,12 @@ use chord::{Chord, ColumnChord};
 use grid::{TURN, gyration};
 use inputs::InputChange;
 use nalgebra::SVector;
+use poinsot_dynamics::propagation::{LockedVehicle, MassCentre};
 use poinsot_dynamics::{
     JointEffect, JointSlopes, Kinematics, Twist, composite, momentum, wheel_momentum,
 };
 use poinsot_spatial::{
-    InertialParameters, Matrix3, Matrix6, UnitQuaternion, Vector3, Vector6, parallel_axis,
+    InertialParameters, Matrix3, UnitQuaternion, Vector3, Vector6, parallel_axis,
 };
 use std::borrow::Cow;
 use std::cell::RefCell;
@@ -50,15 +51,6 @@ use vehicle::{Thrust, ThrustPlan};
 
 /// A column of the state's sensitivity.
 pub(crate) type Column = SVector<f64, 12>;
-
-/// Pose and momentum.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct State {
-    pub R_NB: UnitQuaternion,
-    pub p_NoBo_N: Vector3,
-    pub P: Vector3,
-    pub h_SScm_N: Vector3,
-}
 
 /// Corrected inputs at one instant, and all quantities that depend on them alone.
 struct InputState {
@@ -82,22 +74,7 @@ struct InputState {
     /// Axis of each wheel in B, and its speed if the base did not turn, where wheels run along a chord; empty elsewhere.
     free: Vec<(Vector3, f64)>,
     /// `None` where the parameters have no positive mass or inertia.
-    locked: Option<Locked>,
-}
-
-/// The vehicle as one body at its joints' positions, in B.
-#[derive(Clone, Copy)]
-struct Locked {
-    mass: f64,
-    c: Vector3,
-    I_SScm_B: Matrix3,
-    /// What turns with the base: without the axial inertia of wheels that run along a chord.
-    turning_B: Matrix3,
-    /// With that inertia.
-    inverse_inertia: Matrix6,
-    /// Linear momentum of joints, and angular momentum of joints and wheels about the mass centre.
-    l_joints: Vector3,
-    h_joints: Vector3,
+    locked: Option<LockedVehicle>,
 }
 
 /// An evaluated state; its inputs are those in [`Motion::input_state`].
@@ -220,25 +197,6 @@ fn steps_allowed(o: &Observations) -> f64 {
     let seen = seen as f64;
     let share = o.time_s.len() as f64 / seen;
     1000.0 + 6.0 * o.time_s.len() as f64 + FASTER * share * turn / TURN
-}
-
-/// Velocity at an instant with its inverse inertia and mass centre.
-#[derive(Clone, Copy)]
-pub(crate) struct Instant {
-    pub twist: Twist,
-    pub inverse_inertia: Matrix6,
-    centre: MassCentre,
-}
-
-/// The system's mass centre at an instant, with the momentum in B.
-#[derive(Clone, Copy)]
-struct MassCentre {
-    c: Vector3,
-    l: Vector3,
-    h_cm: Vector3,
-    mass: f64,
-    /// Inertia about it, rotors as if locked.
-    I_SScm_B: Matrix3,
 }
 
 impl InputState {
@@ -433,45 +391,14 @@ impl<'a> Motion<'a> {
             &v.spin,
             &input_state.wheels,
         );
-        let c = whole.p_BoScm_B();
-        let l_joints: Vector3 = joints.fixed_rows::<3>(0).into();
-        input_state.locked = turning
-            .inverse_locked_inertia()
-            .map(|inverse_inertia| Locked {
-                mass: whole.mass,
-                c,
-                I_SScm_B: whole.I_SScm_B(),
-                turning_B: turning.I_SScm_B(),
-                inverse_inertia,
-                l_joints,
-                h_joints: joints.fixed_rows::<3>(3) + wheels - c.cross(&l_joints),
-            });
+        let joints = joints + Vector6::new(0.0, 0.0, 0.0, wheels.x, wheels.y, wheels.z);
+        input_state.locked = LockedVehicle::new(&whole, &turning, &joints);
     }
 
-    /// Velocity of a state at the current inputs: about the mass centre the equations decouple, `I_cm w = h_cm -
-    /// h_joints`, `v = (l - l_joints) / m - w x c`.
+    /// Velocity of a state at the current inputs.
     fn instant(&self, state: &State) -> Option<Instant> {
         let locked = self.input_state.locked.as_ref()?;
-        let to_base = matrix(&state.R_NB).transpose();
-        let (l, h_cm) = (to_base * state.P, to_base * state.h_SScm_N);
-        let inverse_inertia = locked.inverse_inertia;
-        let inverse = inverse_inertia.fixed_view::<3, 3>(3, 3);
-        let h_turn = h_cm - locked.h_joints;
-        let w = inverse * h_turn;
-        // One refinement: errors of the inverse would accumulate and make unobservable directions observable.
-        let w = w + inverse * (h_turn - locked.turning_B * w);
-        let v = (l - locked.l_joints) / locked.mass - w.cross(&locked.c);
-        Some(Instant {
-            twist: Twist { v, w },
-            inverse_inertia,
-            centre: MassCentre {
-                c: locked.c,
-                l,
-                h_cm,
-                mass: locked.mass,
-                I_SScm_B: locked.I_SScm_B,
-            },
-        })
+        Some(locked.base_motion(state))
     }
 
     /// Thrusters with their arms from the system's mass centre.
@@ -491,7 +418,7 @@ impl<'a> Motion<'a> {
                 declared,
                 direction_T: thruster.direction_B,
                 F_B: R_BT * thruster.direction_B * thrust,
-                arm_B: p_BoT_B - centre.c,
+                arm_B: p_BoT_B - centre.p_BoScm_B,
             }
         })
     }
@@ -505,7 +432,8 @@ impl<'a> Motion<'a> {
     pub fn wheel_gain(&self, instant: &Instant, wheel: usize) -> Vector6 {
         let rotor = &self.vehicle.tree.rotors[wheel];
         let h = self.input_state.kinematics.R[rotor.body] * rotor.axis_B * self.vehicle.spin[wheel];
-        -(instant.inverse_inertia * Vector6::new(0.0, 0.0, 0.0, h.x, h.y, h.z))
+        let momentum = Vector6::new(0.0, 0.0, 0.0, h.x, h.y, h.z);
+        instant.twist_slope(&momentum, &Vector3::zeros())
     }
 }
 
@@ -543,11 +471,6 @@ impl Force {
         };
         (dF, self.arm_B.cross(&dF) + dp.cross(&self.F_B))
     }
-}
-
-/// Rate that an angular momentum along a direction gives, linear momentum held.
-fn along(inverse_inertia: &Matrix6, direction: &Vector3) -> Vector3 {
-    inverse_inertia.fixed_view::<3, 3>(3, 3) * direction
 }
 
 /// `[a]x` of a small rotation between two attitudes, body axes of the first.

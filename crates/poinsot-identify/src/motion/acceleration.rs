@@ -154,7 +154,7 @@ impl Motion<'_> {
         self.set_second_order(k, inputs);
         let wrench = self.wrench(state, &inputs.thrust, instant);
         let free = self.rate_without_base(here, (v.tree, inputs), &instant.twist);
-        let base = instant.inverse_inertia * (wrench - free);
+        let base = instant.twist_of(&(wrench - free));
         here.body
             .add_base(&here.kinematics, &upper(&base), &lower(&base));
         let (body, p) = point;
@@ -240,7 +240,7 @@ impl Motion<'_> {
         let mut torque = self.environment_torque(state, &instant.twist.w, &instant.centre);
         for f in self.forces(thrust, &instant.centre) {
             force += f.F_B;
-            torque += (f.arm_B + instant.centre.c).cross(&f.F_B);
+            torque += (f.arm_B + instant.centre.p_BoScm_B).cross(&f.F_B);
         }
         stack(&force, &torque)
     }
@@ -329,7 +329,7 @@ impl Motion<'_> {
         if let Some(kind) = kind.filter(|k| k.thruster().is_some()) {
             for f in self.forces(&inputs.thrust, &instant.centre) {
                 let (dF, dT) = f.change(kind);
-                wrench += stack(&dF, &(dT + instant.centre.c.cross(&dF)));
+                wrench += stack(&dF, &(dT + instant.centre.p_BoScm_B.cross(&dF)));
             }
         }
         let mut own = slopes.balance * lower(twist);
@@ -358,7 +358,7 @@ impl Motion<'_> {
                 _ => {}
             }
         }
-        instant.inverse_inertia * (wrench - own)
+        instant.twist_of(&(wrench - own))
     }
 
     /// Direct effect of input errors; the effect through their twist is included already. The joints' accelerations are
@@ -436,7 +436,7 @@ impl Motion<'_> {
             balance += (stack(&force, &torque) - outside) * weight;
             own += moving.body.at_point(&moving.kinematics, *body, p) * weight;
         }
-        let shift = instant.inverse_inertia * balance;
+        let shift = instant.twist_of(&balance);
         let R = self.input_state.kinematics.R[*body];
         let r = self.input_state.kinematics.p[*body] + R * p;
         own - R.transpose() * (upper(&shift) + lower(&shift).cross(&r))
@@ -452,7 +452,7 @@ impl Motion<'_> {
     ) -> Vector6 {
         let whole = composite(&self.input_state.bodies, kinematics);
         let mut there = instant.centre;
-        there.c = whole.p_BoScm_B();
+        there.p_BoScm_B = whole.p_BoScm_B();
         there.I_SScm_B = whole.I_SScm_B();
         let torque = self.environment_torque(state, &instant.twist.w, &there);
         let mut sum = stack(&Vector3::zeros(), &torque);

@@ -6,34 +6,29 @@
 use super::grid::{TURN, joint_frequency};
 use super::variation::{ColumnForcing, StepEquation};
 use super::{Instant, Motion, State};
-use nalgebra::Quaternion;
-use poinsot_spatial::{UnitQuaternion, Vector3};
+use poinsot_dynamics::propagation::{
+    PoseMomentumRate, Rates, StepPoint, runge_kutta_step, state_in_middle,
+};
+use poinsot_spatial::Vector3;
 use std::sync::Arc;
 
-/// Derivative of the state.
-#[derive(Clone, Copy)]
-struct Slope {
-    R: Quaternion<f64>,
-    p: Vector3,
-    P: Vector3,
-    h: Vector3,
+/// Motion within a step from share `from` to share `to` of the interval after grid time k, its inputs in the middle set.
+struct WithinStep<'m, 'a> {
+    motion: &'m mut Motion<'a>,
+    k: usize,
+    to: f64,
+    at: StepPoint,
 }
 
-impl Slope {
-    fn sum<const N: usize>(parts: [(f64, Slope); N]) -> Self {
-        let mut sum = Self {
-            R: Quaternion::new(0.0, 0.0, 0.0, 0.0),
-            p: Vector3::zeros(),
-            P: Vector3::zeros(),
-            h: Vector3::zeros(),
-        };
-        for (weight, part) in parts {
-            sum.R += part.R * weight;
-            sum.p += part.p * weight;
-            sum.P += part.P * weight;
-            sum.h += part.h * weight;
+impl Rates for WithinStep<'_, '_> {
+    fn rate(&mut self, at: StepPoint, state: &State) -> Option<PoseMomentumRate> {
+        let motion = &mut *self.motion;
+        if at != self.at {
+            self.at = at;
+            std::mem::swap(&mut motion.input_state, &mut motion.middle);
+            motion.set_inputs(self.k, self.to);
         }
-        sum
+        Some(motion.rate(state, &motion.instant(state)?, self.k))
     }
 }
 
@@ -79,7 +74,7 @@ impl Motion<'_> {
         let dt = (to - from) * h;
         let start = self.evaluated.take()?;
         let state = &start.state;
-        let a = self.slope(state, &start.instant, k);
+        let a = self.rate(state, &start.instant, k);
         let push_at_start = start
             .variation
             .as_ref()
@@ -87,29 +82,25 @@ impl Motion<'_> {
 
         std::mem::swap(&mut self.input_state, &mut self.middle);
         self.set_inputs(k, 0.5 * (from + to));
-        let half = moved(state, &a, 0.5 * dt);
-        let b = self.slope(&half, &self.instant(&half)?, k);
-        let half = moved(state, &b, 0.5 * dt);
-        let c = self.slope(&half, &self.instant(&half)?, k);
-
-        std::mem::swap(&mut self.input_state, &mut self.middle);
-        self.set_inputs(k, to);
-        let full = moved(state, &c, dt);
-        let d = self.slope(&full, &self.instant(&full)?, k);
-        let sixth = 1.0 / 6.0;
-        let mean = Slope::sum([(sixth, a), (2.0 * sixth, b), (2.0 * sixth, c), (sixth, d)]);
-        let end = moved(state, &mean, dt);
+        let end = runge_kutta_step(
+            state,
+            &a,
+            dt,
+            &mut WithinStep {
+                motion: self,
+                k,
+                to,
+                at: StepPoint::Middle,
+            },
+        )?;
         self.evaluate_here((k, to), &end)?;
 
         if let Some(at_start) = &start.variation {
             let evaluated = self.evaluated.take()?;
             let at_end = evaluated.variation.as_ref()?;
-            let e = self.slope(&end, &evaluated.instant, k);
+            let e = self.rate(&end, &evaluated.instant, k);
             let push_at_end = self.push(&end, &evaluated.instant, at_end, k);
-            // The cubic through both ends, in its middle: as good as the step itself.
-            let halfway =
-                Slope::sum([(0.5 / dt, difference(state, &end)), (0.125, a), (-0.125, e)]);
-            let half = moved(state, &halfway, dt);
+            let half = state_in_middle((state, &a), (&end, &e), dt);
             std::mem::swap(&mut self.input_state, &mut self.middle);
             let instant = self.instant(&half)?;
             let mut variation = self.spare.variation();
@@ -148,50 +139,17 @@ impl Motion<'_> {
         Some(end)
     }
 
-    fn slope(&self, state: &State, instant: &Instant, k: usize) -> Slope {
-        let (v, w) = (instant.twist.v, instant.twist.w);
-        let mut slope = Slope {
-            R: state.R_NB.quaternion() * Quaternion::from_imag(w) * 0.5,
-            p: state.R_NB * v,
-            P: Vector3::zeros(),
-            h: Vector3::zeros(),
-        };
+    fn rate(&self, state: &State, instant: &Instant, k: usize) -> PoseMomentumRate {
+        let (mut force, mut torque) = (Vector3::zeros(), Vector3::zeros());
         if self.has_external_wrench(k) {
-            let mut torque = self.environment_torque(state, &w, &instant.centre);
-            for force in self.thrust_now(instant, k) {
-                slope.P += state.R_NB * force.F_B;
-                torque += force.arm_B.cross(&force.F_B);
+            torque = self.environment_torque(state, &instant.twist.w, &instant.centre);
+            for thrust in self.thrust_now(instant, k) {
+                force += thrust.F_B;
+                torque += thrust.arm_B.cross(&thrust.F_B);
             }
             let (l_out, h_out) = self.momentum_loss(instant, k);
-            slope.P -= state.R_NB * l_out;
-            torque -= h_out;
-            slope.h = state.R_NB * torque;
+            (force, torque) = (force - l_out, torque - h_out);
         }
-        slope
-    }
-}
-
-fn moved(state: &State, slope: &Slope, dt: f64) -> State {
-    State {
-        R_NB: UnitQuaternion::from_quaternion(state.R_NB.quaternion() + slope.R * dt),
-        p_NoBo_N: state.p_NoBo_N + slope.p * dt,
-        P: state.P + slope.P * dt,
-        h_SScm_N: state.h_SScm_N + slope.h * dt,
-    }
-}
-
-/// `to - from`, the quaternions in one hemisphere.
-fn difference(from: &State, to: &State) -> Slope {
-    let (a, b) = (from.R_NB.quaternion(), to.R_NB.quaternion());
-    let b = if a.coords.dot(&b.coords) < 0.0 {
-        -b
-    } else {
-        *b
-    };
-    Slope {
-        R: b - a,
-        p: to.p_NoBo_N - from.p_NoBo_N,
-        P: to.P - from.P,
-        h: to.h_SScm_N - from.h_SScm_N,
+        PoseMomentumRate::new(state, &instant.twist, (&force, &torque))
     }
 }

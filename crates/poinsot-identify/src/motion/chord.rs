@@ -16,10 +16,10 @@
 //! chord's share `1 - s` and one with `s`, hold this; the end is solved for after the last step.
 
 use super::variation::Variation;
-use super::{Column, EvaluatedState, Motion, State, along};
+use super::{Column, EvaluatedState, Motion, State};
 use crate::problem::parameters::UnknownKind;
 use nalgebra::DMatrix;
-use poinsot_spatial::Vector3;
+use poinsot_spatial::{Vector3, Vector6};
 use std::sync::Arc;
 
 /// Error of the chord, relative to the bend, below which no further pass is made.
@@ -75,7 +75,8 @@ impl Motion<'_> {
         let mut chord = std::mem::take(&mut self.spare.chord);
         self.along_axes(&start.instant.twist.w, &mut chord.from);
         let gain = self.axes().zip(&self.vehicle.spin).map(|(a, spin)| {
-            let turn = along(&start.instant.inverse_inertia, &a);
+            let momentum = Vector6::new(0.0, 0.0, 0.0, a.x, a.y, a.z);
+            let turn: Vector3 = start.instant.twist_of(&momentum).fixed_rows::<3>(3).into();
             (spin * a.dot(&turn)).abs()
         });
         let gain = gain.fold(0.0, f64::max);

@@ -44,7 +44,7 @@ impl Motion<'_> {
     ) -> Vector3 {
         let acceleration = match component.checked_sub(GRADIENT) {
             Some(axis) => Vector3::from_fn(|i, _| f64::from(u8::from(i == axis))),
-            None => symmetric(component) * (state.p_NoBo_N + state.R_NB * centre.c),
+            None => symmetric(component) * (state.p_NoBo_N + state.R_NB * centre.p_BoScm_B),
         };
         acceleration * centre.mass
     }
@@ -52,6 +52,11 @@ impl Motion<'_> {
     /// Whether an external force or torque acts in the interval after grid time k.
     pub(super) fn has_external_wrench(&self, k: usize) -> bool {
         !self.thrust.at(k).is_empty() || self.in_environment()
+    }
+
+    /// Whether an external force or torque in the interval after grid time k follows the motion, apart from turning with the base.
+    pub(super) fn follows_motion(&self, k: usize) -> bool {
+        self.in_environment() || self.loses_mass_at(k)
     }
 
     /// Whether an external torque acts.
@@ -136,7 +141,7 @@ impl Motion<'_> {
     /// `dI_Bo - d(m (c.c 1 - c c^T))`, in B.
     fn inertia_change(&self, unknown: usize, centre: &MassCentre) -> Matrix3 {
         let mut sum = Matrix3::zeros();
-        let c = &centre.c;
+        let c = &centre.p_BoScm_B;
         let factor = self.slope_factor(unknown);
         for (at, slope) in &self.vehicle.slopes[unknown] {
             let (body, k) = (at / 10, at % 10);

@@ -267,7 +267,7 @@ impl InputNoise {
         let joint_slopes = &mut self.slopes;
         motion.joint_slopes(instant, joint_slopes);
         for (gain, slope) in self.rate_gain.iter_mut().zip(&joint_slopes.of) {
-            *gain = -(instant.inverse_inertia * slope.rate);
+            *gain = instant.twist_slope(&slope.rate, &Vector3::zeros());
         }
         if self.is_silent() {
             return;
@@ -308,7 +308,7 @@ impl InputNoise {
     ) -> DynamicsJacobian {
         let R = matrix(&state.R_NB);
         self.twists.fill(Vector6::zeros());
-        let pose = motion.pose_slopes(state, instant, map);
+        let pose = motion.pose_slopes(state, instant);
         let DynamicsJacobian {
             mut at_once,
             mut drive,
@@ -322,11 +322,9 @@ impl InputNoise {
             let (position, rate) = match input {
                 Input::Joint(j) => {
                     let slope = &self.slopes.of[*j];
-                    let turned = motion.centre_change(instant, &slope.first_moment);
-                    let mut change = slope.position;
-                    let h = change.fixed_rows::<3>(3) - turned;
-                    change.fixed_rows_mut::<3>(3).copy_from(&h);
-                    (-(instant.inverse_inertia * change), self.rate_gain[*j])
+                    let dc = slope.first_moment / instant.centre.mass;
+                    let change = instant.twist_slope(&slope.position, &dc);
+                    (change, self.rate_gain[*j])
                 }
                 Input::Wheel(w) => {
                     let gain = motion.wheel_gain(instant, *w) * self.share(c, k);

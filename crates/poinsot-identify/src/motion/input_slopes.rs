@@ -1,9 +1,9 @@
 //! Sensitivity of the motion to its inputs: joint positions, joint rates and wheel speeds.
 
-use super::{Instant, Motion, State, matrix};
-use nalgebra::SMatrix;
+use super::{Instant, Matrix6x12, Motion, State, matrix};
 use poinsot_dynamics::JointSlopes;
-use poinsot_spatial::{Matrix3, Vector3, skew};
+use poinsot_dynamics::propagation::StateRows;
+use poinsot_spatial::{Matrix3, Vector3, Vector6, skew};
 
 impl Motion<'_> {
     /// Time from the grid time before k to k, s.
@@ -29,32 +29,11 @@ impl Motion<'_> {
     }
 
     /// Change of the base twist with the twelve components of a change of the state: `H^-1 d[l; h]`.
-    pub fn state_map(&self, state: &State, instant: &Instant) -> SMatrix<f64, 6, 12> {
+    pub fn state_map(&self, state: &State, instant: &Instant) -> Matrix6x12 {
         match self.variation(state) {
-            Some(variation) => variation.map,
-            None => self.map_at(state, instant),
+            Some(variation) => variation.map.matrix(),
+            None => instant.twist_rows(state).matrix(),
         }
-    }
-
-    pub(super) fn map_at(&self, state: &State, instant: &Instant) -> SMatrix<f64, 6, 12> {
-        let centre = &instant.centre;
-        let Rt = matrix(&state.R_NB).transpose();
-        let arm = skew(&centre.c);
-        // From the 12 changes of the state to [dl; dh] about the base origin, h = h_cm + c x l.
-        let mut X = SMatrix::<f64, 6, 12>::zeros();
-        let turned = skew(&centre.l);
-        X.fixed_view_mut::<3, 3>(0, 0).copy_from(&turned);
-        X.fixed_view_mut::<3, 3>(3, 0)
-            .copy_from(&(skew(&centre.h_cm) + arm * turned));
-        X.fixed_view_mut::<3, 3>(0, 6).copy_from(&Rt);
-        X.fixed_view_mut::<3, 3>(3, 6).copy_from(&(arm * Rt));
-        X.fixed_view_mut::<3, 3>(3, 9).copy_from(&Rt);
-        instant.inverse_inertia * X
-    }
-
-    /// Change of the angular momentum about `Bo` with the vehicle's first moment: `dc x l`.
-    pub fn centre_change(&self, instant: &Instant, first_moment: &Vector3) -> Vector3 {
-        first_moment.cross(&instant.centre.l) / instant.centre.mass
     }
 
     /// Slopes of `P'` and `h'` over the state in the interval after grid time k: six rows. Force and torque turn with
@@ -63,9 +42,9 @@ impl Motion<'_> {
         &self,
         state: &State,
         instant: &Instant,
-        map: &SMatrix<f64, 6, 12>,
+        map: &Matrix6x12,
         k: usize,
-    ) -> SMatrix<f64, 6, 12> {
+    ) -> Matrix6x12 {
         let R = matrix(&state.R_NB);
         let (w, centre) = (instant.twist.w, &instant.centre);
         let (mut F, mut T) = (Vector3::zeros(), self.environment_torque(state, &w, centre));
@@ -75,7 +54,11 @@ impl Motion<'_> {
         }
         let loss = self.momentum_loss(instant, k);
         (F, T) = (F - loss.0, T - loss.1);
-        let mut slopes = SMatrix::<f64, 6, 12>::zeros();
+        // Force and torque turn with the base; what else they follow is added.
+        let mut slopes = StateRows::of_wrench(state, &F, &T).matrix();
+        if !self.follows_motion(k) {
+            return slopes;
+        }
         for j in 0..12 {
             let mut dphi = Vector3::zeros();
             if j < 3 {
@@ -84,16 +67,15 @@ impl Motion<'_> {
             let dw: Vector3 = map.fixed_view::<3, 1>(3, j).into();
             let change = self.environment_torque_change(state, centre, (&w, &dw), &dphi, None);
             let dl_B = match j {
-                0..3 => centre.l.cross(&dphi),
+                0..3 => centre.l_B.cross(&dphi),
                 6..9 => R.row(j - 6).transpose(),
                 _ => Vector3::zeros(),
             };
             let dtwist = map.column(j).into();
             let loss = self.momentum_loss_change(instant, k, (&dtwist, &dl_B));
-            let dP = R * (dphi.cross(&F) - loss.0);
-            let dh = R * (dphi.cross(&T) + change - loss.1);
-            slopes.fixed_view_mut::<3, 1>(0, j).copy_from(&dP);
-            slopes.fixed_view_mut::<3, 1>(3, j).copy_from(&dh);
+            let (dP, dh) = (-(R * loss.0), R * (change - loss.1));
+            let sum = slopes.column(j) + Vector6::new(dP.x, dP.y, dP.z, dh.x, dh.y, dh.z);
+            slopes.set_column(j, &sum);
         }
         slopes
     }
@@ -112,13 +94,13 @@ impl Motion<'_> {
         let dc = first_moment / instant.centre.mass;
         for force in self.thrust_now(instant, k) {
             let body = self.vehicle.thrusters[force.thruster].body;
-            let p_BoT_B = force.arm_B + instant.centre.c;
+            let p_BoT_B = force.arm_B + instant.centre.p_BoScm_B;
             let (dF, dp) = self.carried(body, joint, &p_BoT_B, &force.F_B);
             change.0 += dF;
             change.1 += (dp - dc).cross(&force.F_B) + force.arm_B.cross(&dF);
         }
         if self.vehicle.gm.is_some() {
-            let dI = self.inertia_carried(joint, &instant.centre.c);
+            let dI = self.inertia_carried(joint, &instant.centre.p_BoScm_B);
             change.1 += self.gradient_change(state, &dI);
         }
         change

@@ -117,11 +117,9 @@ impl Motion<'_> {
             let twist = &mut twists[change.unknown];
             if let Some((joint, dq, drate)) = change.joint {
                 let slope = &self.input_state.joint_slopes.of[joint];
-                let mut own = slope.position * dq + slope.rate * drate;
-                let turned = self.centre_change(instant, &slope.first_moment) * dq;
-                let h = own.fixed_rows::<3>(3) - turned;
-                own.fixed_rows_mut::<3>(3).copy_from(&h);
-                *twist -= instant.inverse_inertia * own;
+                let own = slope.position * dq + slope.rate * drate;
+                let dc = slope.first_moment * (dq / instant.centre.mass);
+                *twist += instant.twist_slope(&own, &dc);
             }
             if let Some((wheel, dspeed)) = change.wheel {
                 *twist += self.wheel_gain(instant, wheel) * dspeed;

@@ -157,7 +157,7 @@ impl Motion<'_> {
         let w_B = w + instant.twist.w;
         let v_B = v + instant.twist.v + instant.twist.w.cross(p);
         let centre = &instant.centre;
-        let system = (&centre.c, &(centre.l / centre.mass));
+        let system = (&centre.p_BoScm_B, &(centre.l_B / centre.mass));
         Leaving::new(&part.lost, (R, p), (&v_B, &w_B), system)
     }
 
@@ -171,6 +171,11 @@ impl Motion<'_> {
             };
             Some((now.force * self.vehicle.thrust_factor[now.thruster], part))
         })
+    }
+
+    /// Whether mass leaves in the interval after grid time k.
+    pub(super) fn loses_mass_at(&self, k: usize) -> bool {
+        self.flows(k).next().is_some()
     }
 
     /// Momentum that leaves in the interval after grid time k, per second in B: linear, and angular about the mass centre.
@@ -194,7 +199,7 @@ impl Motion<'_> {
         let centre = &instant.centre;
         let mut sum = (Vector3::zeros(), Vector3::zeros());
         for (force, part) in self.flows(k) {
-            let out = self.takes(&part, twist, (&centre.c, &(dl_B / centre.mass)));
+            let out = self.takes(&part, twist, (&centre.p_BoScm_B, &(dl_B / centre.mass)));
             sum.0 += out.l_B * force;
             sum.1 += out.h_Scm_B * force;
         }
@@ -215,7 +220,7 @@ impl Motion<'_> {
         let centre = &instant.centre;
         let dm = self.mass_change(unknown);
         // The velocity of the mass centre is l / m.
-        let v_Scm = centre.l / centre.mass;
+        let v_Scm = centre.l_B / centre.mass;
         let dl_B = -v_Scm * dm;
         let mut sum = self.momentum_loss_change(instant, k, (twist, &dl_B));
         for (force, part) in self.flows(k) {
@@ -275,9 +280,9 @@ impl Motion<'_> {
                 du = w_before.cross(&dr) + turn.cross(&relative) * dq + along * drate;
             }
             let u = still(part.body, &r) + instant.twist.v + instant.twist.w.cross(&r);
-            let past = u - centre.l / centre.mass;
+            let past = u - centre.l_B / centre.mass;
             sum.0 += du * (m * force);
-            sum.1 += ((dr - dc).cross(&past) + (r - centre.c).cross(&du)) * (m * force);
+            sum.1 += ((dr - dc).cross(&past) + (r - centre.p_BoScm_B).cross(&du)) * (m * force);
         }
         sum
     }

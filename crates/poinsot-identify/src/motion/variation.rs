@@ -7,24 +7,20 @@
 //! for the column `x = [dphi_B, dp_N, dP_N, dh_N]` of unknown u. `A` and `b` are those of the pose by way of the twist,
 //! and those of the momentum if an external force or torque acts.
 
-use super::{Column, Instant, MassCentre, Motion, State, matrix};
+use super::{Column, Instant, Matrix6x12, Motion, State, matrix, pose_change};
 use crate::problem::parameters::UnknownKind;
-use nalgebra::SMatrix;
+use poinsot_dynamics::propagation::{StateRows, StepRows};
 use poinsot_dynamics::{momentum_regressor, wheel_regressor};
-use poinsot_spatial::{Matrix3, Matrix6, Vector3, Vector6, skew};
-
-pub(crate) type Matrix6x12 = SMatrix<f64, 6, 12>;
-
-type Matrix6x3 = SMatrix<f64, 6, 3>;
+use poinsot_spatial::{Vector3, Vector6};
 
 /// Change of the pose around one instant.
 #[derive(Clone, Default)]
 pub(crate) struct Variation {
     /// `V_x`.
-    pub map: Matrix6x12,
+    pub map: StateRows,
     /// `V_u` per unknown.
     pub(super) twists: Vec<Vector6>,
-    pose: JacobianRows,
+    pose: StateRows,
     /// The upper half of `b`, per unknown.
     pub(super) drive: Vec<Vector6>,
     /// The same per wheel, for a unit of its axial momentum per spin inertia, where wheels run along a chord.
@@ -52,18 +48,9 @@ impl ColumnForcing {
 /// Change of the momentum around one instant by external forces and torques.
 pub(super) struct MomentumVariation {
     /// `None` without a torque that rotates with the vehicle: unknown torques that are zero.
-    momentum: Option<JacobianRows>,
+    momentum: Option<StateRows>,
     /// The lower half of `b`, per unknown.
     pub(super) drive: Vec<Vector6>,
-}
-
-/// Six rows of `A`: no position enters.
-#[derive(Clone, Default)]
-struct JacobianRows {
-    attitude: Matrix6x3,
-    momentum: Matrix6,
-    /// Whether any element of `momentum` is not zero.
-    coupled: bool,
 }
 
 impl MomentumVariation {
@@ -73,38 +60,11 @@ impl MomentumVariation {
     }
 }
 
-impl JacobianRows {
-    fn new(rows: &Matrix6x12) -> Self {
-        let momentum: Matrix6 = rows.fixed_view::<6, 6>(0, 6).into();
-        Self {
-            attitude: rows.fixed_view::<6, 3>(0, 0).into(),
-            coupled: momentum != Matrix6::zeros(),
-            momentum,
-        }
-    }
-
-    fn rows(&self) -> Matrix6x12 {
-        let mut rows = Matrix6x12::zeros();
-        rows.fixed_view_mut::<6, 3>(0, 0).copy_from(&self.attitude);
-        rows.fixed_view_mut::<6, 6>(0, 6).copy_from(&self.momentum);
-        rows
-    }
-}
-
 impl Variation {
     /// Change of the twist with a column, that of the given unknown.
     pub fn twist(&self, column: &Column, unknown: Option<usize>) -> Vector6 {
-        let (attitude, momentum) = parts(column);
-        let mut twist = self.map.fixed_view::<6, 3>(0, 0) * attitude;
-        if momentum != Vector6::zeros() {
-            twist += self.map.fixed_view::<6, 6>(0, 6) * momentum;
-        }
-        twist + unknown.map_or_else(Vector6::zeros, |u| self.twists[u])
+        self.map.times(column) + unknown.map_or_else(Vector6::zeros, |u| self.twists[u])
     }
-}
-
-fn parts(x: &Column) -> (Vector3, Vector6) {
-    (x.fixed_rows::<3>(0).into(), x.fixed_rows::<6>(6).into())
 }
 
 /// The equation at the start, in the middle and at the end of a step.
@@ -114,128 +74,50 @@ pub(super) struct StepEquation<'v> {
     pub push: Option<[MomentumVariation; 3]>,
 }
 
-/// Evaluation and share of the step of each Runge-Kutta stage.
-const STAGES: [(usize, f64); 4] = [(0, 0.0), (1, 0.5), (1, 0.5), (2, 1.0)];
-
 impl StepEquation<'_> {
-    /// Carries a column over a step of dt: Runge-Kutta of fourth order on an equation that is linear.
-    pub fn carry(&self, x: &mut Column, drive: ColumnForcing, dt: f64) {
-        let (attitude, momentum) = parts(x);
-        let push = self.push.as_ref();
-        let acts = |p: &MomentumVariation| p.acts(drive.unknown());
-        let change = match push.filter(|push| push.iter().any(acts)) {
-            None => self.carry_pose(&attitude, &momentum, drive, dt),
-            Some(push) => self.carry_all(push, &attitude, &momentum, drive, dt),
+    /// Carries a column over a step of dt.
+    pub fn carry(&self, column: &mut Column, drive: ColumnForcing, dt: f64) {
+        let x = &mut column.data.0[0];
+        let pose = [0, 1, 2].map(|at| self.drive(at, drive));
+        let mut rows = StepRows {
+            pose: self.variation.map(|v| &v.pose),
+            momentum: [None; 3],
         };
-        *x += change * (dt / 6.0);
+        let unknown = drive.unknown();
+        let push = self.push.as_ref();
+        if let Some(push) = push.filter(|push| push.iter().any(|p| p.acts(unknown))) {
+            rows.momentum = push.each_ref().map(|p| p.momentum.as_ref());
+            let momentum = push.each_ref().map(|p| {
+                let drive = unknown.map_or_else(Vector6::zeros, |u| p.drive[u]);
+                drive.data.0[0]
+            });
+            rows.carry(x, &pose, &momentum, dt);
+            return;
+        }
+        // The momentum stays: its part of the slope is known beforehand.
+        let [phi_x, phi_y, phi_z, _, _, _, momentum @ ..] = *x;
+        let held = match momentum == [0.0; 6] {
+            true => pose,
+            false => rows.held(&momentum, &pose),
+        };
+        if [phi_x, phi_y, phi_z] != [0.0; 3] || held != [[0.0; 6]; 3] {
+            rows.carry_pose(x, &held, dt);
+        }
     }
 
     /// The upper half of `b` at one of the three points.
-    fn drive(&self, at: usize, drive: ColumnForcing) -> Vector6 {
-        match drive {
-            ColumnForcing::Unknown(unknown) => {
-                unknown.map_or_else(Vector6::zeros, |u| self.variation[at].drive[u])
-            }
+    fn drive(&self, at: usize, drive: ColumnForcing) -> [f64; 6] {
+        let of = match drive {
+            ColumnForcing::Unknown(unknown) => unknown.map(|u| self.variation[at].drive[u]),
             // At the ends of an interval speeds are measured: no chord.
             ColumnForcing::Chord(wheels) => {
                 let (wheel, share) = wheels[at];
                 let unit = self.variation[at].chord.get(wheel);
-                unit.map_or_else(Vector6::zeros, |unit| unit * share)
+                unit.map(|unit| unit * share)
             }
-        }
+        };
+        of.map_or([0.0; 6], |drive| drive.data.0[0])
     }
-
-    /// The momentum stays: its part of the slope is known beforehand.
-    fn carry_pose(
-        &self,
-        attitude: &Vector3,
-        momentum: &Vector6,
-        drive: ColumnForcing,
-        dt: f64,
-    ) -> Column {
-        let given = [0, 1, 2].map(|at| {
-            let drive = self.drive(at, drive);
-            if *momentum == Vector6::zeros() {
-                drive
-            } else {
-                drive + self.variation[at].pose.momentum * momentum
-            }
-        });
-        let mut change = Column::zeros();
-        if *attitude == Vector3::zeros() && given.iter().all(|g| *g == Vector6::zeros()) {
-            return change;
-        }
-        let mut slopes = [Vector6::zeros(); 4];
-        for (i, (at, share)) in STAGES.into_iter().enumerate() {
-            let before = slopes[i.saturating_sub(1)].fixed_rows::<3>(0) * (share * dt);
-            slopes[i] = self.variation[at].pose.attitude * (attitude + before) + given[at];
-        }
-        let [a, b, c, d] = slopes;
-        change
-            .fixed_rows_mut::<6>(0)
-            .copy_from(&(a + (b + c) * 2.0 + d));
-        change
-    }
-
-    fn carry_all(
-        &self,
-        push: &[MomentumVariation; 3],
-        attitude: &Vector3,
-        momentum: &Vector6,
-        drive: ColumnForcing,
-        dt: f64,
-    ) -> Column {
-        let mut slopes = [(Vector6::zeros(), Vector6::zeros()); 4];
-        for (i, (at, share)) in STAGES.into_iter().enumerate() {
-            let (v, p) = (self.variation[at], &push[at]);
-            let (pose, force) = slopes[i.saturating_sub(1)];
-            let turned = attitude + pose.fixed_rows::<3>(0) * (share * dt);
-            let pushed = momentum + force * (share * dt);
-            let mut slope = (
-                v.pose.attitude * turned + v.pose.momentum * pushed,
-                Vector6::zeros(),
-            );
-            if let Some(outside) = &p.momentum {
-                slope.1 = outside.attitude * turned;
-                if outside.coupled {
-                    slope.1 += outside.momentum * pushed;
-                }
-            }
-            slope.0 += self.drive(at, drive);
-            if let Some(u) = drive.unknown() {
-                slope.1 += p.drive[u];
-            }
-            slopes[i] = slope;
-        }
-        let [a, b, c, d] = slopes;
-        let mut change = Column::zeros();
-        change
-            .fixed_rows_mut::<6>(0)
-            .copy_from(&(a.0 + (b.0 + c.0) * 2.0 + d.0));
-        change
-            .fixed_rows_mut::<6>(6)
-            .copy_from(&(a.1 + (b.1 + c.1) * 2.0 + d.1));
-        change
-    }
-}
-
-/// What a change of the twist does to the pose's rate `[dphi_B'; dp_N']`.
-pub(crate) fn pose_change(R: &Matrix3, twist: &Vector6) -> Vector6 {
-    let v = R * twist.fixed_rows::<3>(0);
-    Vector6::new(twist[3], twist[4], twist[5], v.x, v.y, v.z)
-}
-
-fn pose_slopes(R: &Matrix3, instant: &Instant, map: &Matrix6x12) -> Matrix6x12 {
-    let twist = &instant.twist;
-    let mut pose = Matrix6x12::zeros();
-    for j in (0..3).chain(6..12) {
-        pose.set_column(j, &pose_change(R, &map.column(j).into()));
-    }
-    let mut own = pose.fixed_view_mut::<3, 3>(0, 0);
-    own -= skew(&twist.w);
-    let mut own = pose.fixed_view_mut::<3, 3>(3, 0);
-    own -= R * skew(&twist.v);
-    pose
 }
 
 impl Motion<'_> {
@@ -259,10 +141,7 @@ impl Motion<'_> {
         );
         let twists = &mut out.twists;
         twists.clear();
-        twists.extend(
-            (0..v.kinds.len())
-                .map(|u| self.twist_change(u, &instant.centre, &instant.inverse_inertia)),
-        );
+        twists.extend((0..v.kinds.len()).map(|u| self.twist_change(u, instant)));
         self.fault_slopes(instant);
         self.input_columns(instant, twists);
         if !self.input_state.free.is_empty() {
@@ -272,10 +151,9 @@ impl Motion<'_> {
             }
         }
 
-        let map = self.map_at(state, instant);
         let R = matrix(&state.R_NB);
-        out.pose = JacobianRows::new(&pose_slopes(&R, instant, &map));
-        out.map = map;
+        out.map = instant.twist_rows(state);
+        out.pose = instant.pose_rows(state, &out.map);
         out.drive.clear();
         let drive = out.twists.iter().map(|twist| pose_change(&R, twist));
         out.drive.extend(drive);
@@ -285,12 +163,11 @@ impl Motion<'_> {
             .extend(wheels.map(|wheel| pose_change(&R, &self.wheel_gain(instant, wheel))));
     }
 
-    /// Slopes of the pose's rate over the state: the upper half of `A`; `map` is [`Self::state_map`].
-    pub fn pose_slopes(&self, state: &State, instant: &Instant, map: &Matrix6x12) -> Matrix6x12 {
-        match self.variation(state) {
-            Some(variation) => variation.pose.rows(),
-            None => pose_slopes(&matrix(&state.R_NB), instant, map),
-        }
+    /// Slopes of the pose's rate over the state: the upper half of `A`.
+    pub fn pose_slopes(&self, state: &State, instant: &Instant) -> Matrix6x12 {
+        let here = self.variation(state).map(|variation| variation.pose);
+        let rows = here.unwrap_or_else(|| instant.pose_rows(state, &instant.twist_rows(state)));
+        rows.matrix()
     }
 
     /// The equation where the last velocity was taken, if it was at this state.
@@ -300,51 +177,40 @@ impl Motion<'_> {
     }
 
     /// Change of the twist with one unknown, the state held.
-    fn twist_change(
-        &self,
-        unknown: usize,
-        centre: &MassCentre,
-        inverse_inertia: &Matrix6,
-    ) -> Vector6 {
+    fn twist_change(&self, unknown: usize, instant: &Instant) -> Vector6 {
         let v = self.vehicle;
-        let own = match &v.kinds[unknown] {
-            UnknownKind::SpinInertia(w) => Vector6::from(self.wheel_columns[*w]),
+        let still = Vector3::zeros();
+        match &v.kinds[unknown] {
+            UnknownKind::SpinInertia(w) => {
+                instant.twist_slope(&Vector6::from(self.wheel_columns[*w]), &still)
+            }
             UnknownKind::WheelTilt(w, _) => {
                 let h = self.input_state.kinematics.R[v.tree.rotors[*w].body]
                     * v.tilt_slopes[unknown]
                     * (v.spin[*w] * self.input_state.wheels[*w]);
-                Vector6::new(0.0, 0.0, 0.0, h.x, h.y, h.z)
+                instant.twist_slope(&Vector6::new(0.0, 0.0, 0.0, h.x, h.y, h.z), &still)
             }
-            _ if v.slopes[unknown].is_empty() => return Vector6::zeros(),
+            _ if v.slopes[unknown].is_empty() => Vector6::zeros(),
             _ => {
                 let mut sum = Vector6::zeros();
                 let factor = self.slope_factor(unknown);
                 for (at, slope) in &v.slopes[unknown] {
                     sum += Vector6::from(self.regressor[*at]) * (*slope * factor);
                 }
-                let moved = self.mass_centre_change(unknown, centre).cross(&centre.l);
-                let angular = sum.fixed_rows::<3>(3) - moved;
-                sum.fixed_rows_mut::<3>(3).copy_from(&angular);
-                sum
+                instant.twist_slope(&sum, &self.mass_centre_change(unknown, instant))
             }
-        };
-        -(inverse_inertia * own)
+        }
     }
 
     /// Change of the system's mass centre in B with one unknown: `d(mc)/m - c dm/m`.
-    fn mass_centre_change(&self, unknown: usize, centre: &MassCentre) -> Vector3 {
+    fn mass_centre_change(&self, unknown: usize, instant: &Instant) -> Vector3 {
         let mut change = Vector3::zeros();
         let factor = self.slope_factor(unknown);
+        let kinematics = &self.input_state.kinematics;
         for &(at, slope) in &self.vehicle.slopes[unknown] {
-            let (body, k) = (at / 10, at % 10);
-            let step = match k {
-                0 => self.input_state.kinematics.p[body] - centre.c,
-                1..=3 => self.input_state.kinematics.R[body]
-                    .column(k - 1)
-                    .into_owned(),
-                _ => continue,
-            };
-            change += step * (slope * factor / centre.mass);
+            let (body, parameter) = (at / 10, at % 10);
+            let (R, p) = (&kinematics.R[body], &kinematics.p[body]);
+            change += instant.mass_centre_slope(R, p, parameter) * (slope * factor);
         }
         change
     }
@@ -376,7 +242,7 @@ impl Motion<'_> {
             let dw: Vector3 = twist.fixed_rows::<3>(3).into();
             let mut dF = Vector3::zeros();
             let mut dT = self.environment_torque_change(state, centre, (w, &dw), &still, Some(u));
-            let dc = self.mass_centre_change(u, centre);
+            let dc = self.mass_centre_change(u, instant);
             for force in &forces {
                 dT -= dc.cross(&force.F_B);
                 let change = force.change(kind);
@@ -401,8 +267,14 @@ impl Motion<'_> {
         self.spare.forces = forces;
         Some(MomentumVariation {
             drive: drives,
-            momentum: acts
-                .then(|| JacobianRows::new(&self.wrench_slopes(state, instant, &variation.map, k))),
+            momentum: acts.then(|| {
+                StateRows::of_matrix(&self.wrench_slopes(
+                    state,
+                    instant,
+                    &variation.map.matrix(),
+                    k,
+                ))
+            }),
         })
     }
 }

@@ -45,7 +45,7 @@ impl<'a> Motion<'a> {
         let R = here.kinematics.R[point.0];
         ForceAround {
             slopes: self.rate_slopes(inputs, &instant.twist, point, there),
-            base: instant.inverse_inertia * (wrench - free),
+            base: instant.twist_of(&(wrench - free)),
             r: here.kinematics.p[point.0] + R * point.1,
             R,
             motion: self,
@@ -72,7 +72,9 @@ impl ForceAround<'_, '_> {
             self.motion
                 .environment_torque_change(&self.state, centre, (w, &dw), &dphi, None);
         let own = self.slopes.balance * dw;
-        let base = self.instant.inverse_inertia * (stack(&Vector3::zeros(), &torque) - own);
+        let base = self
+            .instant
+            .twist_of(&(stack(&Vector3::zeros(), &torque) - own));
         let direct = self.slopes.force_B * dw;
         self.R.transpose() * (upper(&base) + lower(&base).cross(&self.r) + direct)
     }
@@ -80,7 +82,7 @@ impl ForceAround<'_, '_> {
     /// A torque about an axis of N.
     pub fn outside_torque(&self, axis: usize) -> Vector3 {
         let torque: Vector3 = matrix(&self.state.R_NB).row(axis).transpose();
-        let base = self.instant.inverse_inertia * stack(&Vector3::zeros(), &torque);
+        let base = self.instant.twist_of(&stack(&Vector3::zeros(), &torque));
         self.R.transpose() * (upper(&base) + lower(&base).cross(&self.r))
     }
 
