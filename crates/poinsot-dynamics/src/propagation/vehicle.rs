@@ -369,9 +369,9 @@ impl<'a, T: Real> Propagation<'a, T> {
         let at_end = self.points[2].rate(&end, wrench);
         let at_end = at_end.ok_or(StepError::Singular)?;
         let middle = state_in_middle((state, &rate), (&end, &at_end), dt);
-        self.slopes(0, state, &inputs[0], wrench)?;
-        self.slopes(1, &middle, &inputs[1], wrench)?;
-        self.slopes(2, &end, &inputs[2], wrench)?;
+        for (at, state) in [state, &middle, &end].into_iter().enumerate() {
+            self.slopes(at, state, &inputs[at], wrench)?;
+        }
         out.f = end;
         self.columns(wrench.is_some(), dt, out);
         Ok(())
@@ -484,33 +484,40 @@ impl<'a, T: Real> Propagation<'a, T> {
             column[j] = zero.all(1.0);
             carrier.carry(column, [&none; POINTS]);
         }
-        for (j, column) in out.B_q.iter_mut().enumerate() {
-            carrier.each(column, [&begin.q[j], &middle.q[j], &end.q[j]]);
-        }
-        for (j, column) in out.B_rates.iter_mut().enumerate() {
-            carrier.each(column, [&begin.rates[j], &middle.rates[j], &end.rates[j]]);
-        }
-        for (j, column) in out.B_wheels.iter_mut().enumerate() {
-            carrier.each(
-                column,
-                [&begin.wheels[j], &middle.wheels[j], &end.wheels[j]],
-            );
+        // Lists of one loop: every carrying is inlined, and four places are enough.
+        let inputs = [
+            (&mut out.B_q, [&begin.q, &middle.q, &end.q]),
+            (&mut out.B_rates, [&begin.rates, &middle.rates, &end.rates]),
+            (
+                &mut out.B_wheels,
+                [&begin.wheels, &middle.wheels, &end.wheels],
+            ),
+        ];
+        for (columns, [b, m, e]) in inputs {
+            for (j, column) in columns.iter_mut().enumerate() {
+                carrier.each(column, [&b[j], &m[j], &e[j]]);
+            }
         }
         for (j, column) in out.B_wrench.iter_mut().enumerate() {
             *column = none;
             let forcing = [&begin.wrench[j], &middle.wrench[j], &end.wrench[j]];
             carrier.carry_pushed(column, forcing);
         }
-        for (i, columns) in out.B_bodies.iter_mut().enumerate() {
-            for (k, column) in columns.iter_mut().enumerate() {
+        let parameters = [
+            (
+                out.B_bodies.as_flattened_mut(),
+                [&begin.bodies, &middle.bodies, &end.bodies].map(|of| of.as_flattened()),
+            ),
+            (
+                out.B_spin.as_mut_slice(),
+                [&begin.spin, &middle.spin, &end.spin].map(|of| of.as_slice()),
+            ),
+        ];
+        for (columns, [b, m, e]) in parameters {
+            for (j, column) in columns.iter_mut().enumerate() {
                 *column = none;
-                let [a, b, c] = [&begin.bodies[i], &middle.bodies[i], &end.bodies[i]];
-                carrier.carry(column, [&a[k], &b[k], &c[k]]);
+                carrier.carry(column, [&b[j], &m[j], &e[j]]);
             }
-        }
-        for (j, column) in out.B_spin.iter_mut().enumerate() {
-            *column = none;
-            carrier.carry(column, [&begin.spin[j], &middle.spin[j], &end.spin[j]]);
         }
     }
 }
