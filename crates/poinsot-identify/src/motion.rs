@@ -23,10 +23,10 @@ mod virtual_joints;
 pub(crate) use acceleration::BodyPoint;
 use acceleration::ForceScratch;
 pub(crate) use mass_loss::impulse_before;
-pub(crate) use point_kinematics::PointKinematics;
 pub(crate) use poinsot_dynamics::propagation::{
     BaseMotion as Instant, Matrix6x12, PoseMomentum as State, pose_change,
 };
+pub(crate) use point_kinematics::PointKinematics;
 pub(crate) use steps::{Fineness, Grid, Steps};
 pub(crate) use vehicle::{Running, Vehicle, parabola_slope, slope_weights, tilted};
 
@@ -37,9 +37,7 @@ use grid::{TURN, gyration};
 use inputs::InputChange;
 use nalgebra::SVector;
 use poinsot_dynamics::propagation::{LockedVehicle, MassCentre};
-use poinsot_dynamics::{
-    JointEffect, JointSlopes, Kinematics, Twist, composite, momentum, wheel_momentum,
-};
+use poinsot_dynamics::{JointEffect, JointSlopes, Kinematics, composite, momentum, wheel_momentum};
 use poinsot_spatial::{
     InertialParameters, Matrix3, UnitQuaternion, Vector3, Vector6, parallel_axis,
 };
