@@ -72,9 +72,15 @@ fn scaled<T: Real>(x: &[T; HALF], factor: T) -> [T; HALF] {
 /// `sum += x factor`.
 #[inline(always)]
 pub(super) fn add<T: Real>(sum: &mut [T; HALF], x: &[T; HALF], factor: T) {
-    for (sum, x) in sum.iter_mut().zip(x) {
-        *sum = *sum + *x * factor;
-    }
+    let ([a, b, c, d, e, f], [p, q, r, s, t, u]) = (*x, *sum);
+    *sum = [
+        p + a * factor,
+        q + b * factor,
+        r + c * factor,
+        s + d * factor,
+        t + e * factor,
+        u + f * factor,
+    ];
 }
 
 impl StateRows {
