@@ -1,15 +1,17 @@
 #!/usr/bin/env python3
-"""Processor time and memory of `identify` over samples, bodies, unknowns, sensors, segments and firings.
+"""Processor time and memory over samples, bodies, unknowns, sensors, segments, firings, correlation lengths and rows of a file.
 
     scripts/bench-growth                   # minutes
     scripts/bench-growth --only bodies
 
-Every record is simulated, with noise. Prints one table each; the order is the exponent between neighbouring lines.
+Every record is simulated, with noise, and identified; a long file is inspected in parts. Prints one table each; the order is the
+exponent between neighbouring lines.
 """
 
 import argparse
 import math
 import os
+import random
 import subprocess
 import tempfile
 from pathlib import Path
@@ -18,6 +20,7 @@ DURATION = 60.0  # s, of every record
 ARM_RATE = 5  # Hz
 BUS_RATE = 50  # Hz, where it is not what grows
 ANSWERED = (0, 1)
+STREAMED = 100  # rows of the longest file for a sample of the longest record
 
 BODY = """[[body]]
 name = "{name}"
@@ -64,6 +67,10 @@ off_s = {off:.4f}
 force_N = 5.0
 """
 MODEL = 'schema = "poinsot.model/1"\nname = "vehicle"\nexact = true\n'
+RANDOM_TORQUE = """[environment]
+random_torque = {{ sigma_N_m = 1e-4, correlation_s = {correlation_s} }}
+"""
+SLEW = 1_000  # rows whose values a long file repeats, each with its own time
 MOMENTUM = '[momentum]\nlinear_N_s = "estimate"\nangular_N_m_s = "estimate"\n'
 POSE = [
     ("tracker", "attitude", "rad", 5e-5),
@@ -109,8 +116,15 @@ def case(motion, rate, seed):
     return f"{head}{start}{motion}[output]\nrate_hz = {rate}\nseed = {seed}\n"
 
 
-def measured(poinsot, model, motion, rate, segments=1):
-    """Seconds of the processor, MiB at most and whether it was answered, of one identification."""
+def used_by(command):
+    """Seconds of the processor, MiB at most and exit code of one command."""
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL)
+    _, status, used = os.wait4(process.pid, 0)
+    return used.ru_utime + used.ru_stime, used.ru_maxrss / 1024.0, os.waitstatus_to_exitcode(status)
+
+
+def identified(poinsot, model, motion, rate, segments=1):
+    """One identification of simulated records."""
     with tempfile.TemporaryDirectory() as folder:
         folder = Path(folder)
         (folder / "model.toml").write_text(model)
@@ -120,13 +134,32 @@ def measured(poinsot, model, motion, rate, segments=1):
             out = folder / f"run{k}"
             subprocess.run([poinsot, "simulate", "--quiet", folder / "case.toml", "--out", out], check=True)
             command += ["--telemetry", out / "telemetry.csv"]
-        process = subprocess.Popen(command, stdout=subprocess.DEVNULL)
-        _, status, used = os.wait4(process.pid, 0)
-        return used.ru_utime + used.ru_stime, used.ru_maxrss / 1024.0, os.waitstatus_to_exitcode(status)
+        return used_by(command)
+
+
+def inspected(poinsot, rows):
+    """One inspection of a gyro's rows at 1 kHz, written here."""
+    noise = random.Random(1)
+    values = [",".join(f"{noise.gauss(0.01, 1e-4):.9f}" for _ in range(3)) for _ in range(SLEW)]
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "telemetry.csv"
+        with file.open("w") as out:
+            out.write("time_s,omega_x,omega_y,omega_z\n")
+            for first in range(0, rows, SLEW):
+                out.writelines(f"{1e-3 * (first + k):.3f},{line}\n" for k, line in enumerate(values[: rows - first]))
+        return used_by([poinsot, "inspect", "--quiet", file])
 
 
 def growths(most):
-    """Name, what is counted, and model, motion, rate and segments of every line."""
+    """Name of every table; of its lines what is counted and what is measured with the program."""
+    for name, lines in records(most):
+        yield name, [(n, lambda poinsot, of=of: identified(poinsot, *of)) for n, of in lines]
+    rows = [n for n in (100_000, 1_000_000, 10_000_000, 100_000_000) if n <= STREAMED * most]
+    yield "rows", [(n, lambda poinsot, n=n: inspected(poinsot, n)) for n in rows]
+
+
+def records(most):
+    """Model, motion, rate and segments of every line that is identified."""
     rates = [n for n in (1_000, 10_000, 100_000, 1_000_000) if n <= most]
     yield "samples", [(n, (*bus(), n / DURATION, 1)) for n in rates]
     yield "bodies", [(n + 1, (*arm(n, 1), ARM_RATE, 1)) for n in (1, 3, 10, 30, 100, 300, 1_000)]
@@ -134,6 +167,9 @@ def growths(most):
     yield "sensors", [(n + 3, (*bus(gyros=n), BUS_RATE, 1)) for n in (1, 3, 10, 30, 100)]
     yield "segments", [(n, (*bus(), BUS_RATE, n)) for n in (1, 3, 10, 30)]
     yield "firings", [(n, (*bus(firings=n), BUS_RATE, 1)) for n in (10, 100, 1_000)]
+    model, moves = bus()
+    lengths = [(n, model + RANDOM_TORQUE.format(correlation_s=DURATION / n)) for n in (6, 60, 600, 6_000)]
+    yield "correlations", [(n, (torque, moves, ARM_RATE, 1)) for n, torque in lengths]
 
 
 def main():
@@ -148,8 +184,8 @@ def main():
             continue
         print(f"\n| {name} | processor time, s | order | memory, MiB | exit |\n|---|---|---|---|---|", flush=True)
         before = None
-        for count, (model, motion, rate, segments) in lines:
-            seconds, memory, code = measured(poinsot, model, motion, rate, segments)
+        for count, measured in lines:
+            seconds, memory, code = measured(poinsot)
             if code not in ANSWERED:
                 raise SystemExit(f"{name} {count}: exit {code}")
             order = math.log(seconds / before[1]) / math.log(count / before[0]) if before else None
