@@ -6,6 +6,7 @@ pub mod fit;
 pub mod flame_graph;
 mod machine;
 pub mod read;
+mod table;
 
 use crate::fault::Fault;
 use crate::repository::{on_path, stdout_of};
@@ -68,10 +69,9 @@ pub fn run(what: &str) -> Result<(), Fault> {
     bench.least_squares(&least_squares)?;
     bench.swarm(&swarm)?;
     bench.instructions()?;
+    bench.steps();
     println!();
-    bench.ratios();
-    bench.batches();
-    bench.ratios_of_numpy();
+    table::print(&bench.figures, bench.samples);
     Ok(())
 }
 
@@ -164,81 +164,15 @@ impl Bench {
         Ok(())
     }
 
-    fn ratios(&self) {
-        let (ours, peer) = (
-            format!("poinsot_{REGRESSOR}"),
-            format!("pinocchio_{REGRESSOR}"),
-        );
-        for (what, unit) in [("least time", "ns_min"), ("instructions", "instructions")] {
-            self.figures.ratio(
-                &format!("momentum regressor 6 x 70, {what}"),
-                (&ours, unit),
-                (&peer, unit),
-            );
-        }
+    /// Time of one step of the peers, from the time that they simulate, for the batches.
+    fn steps(&mut self) {
         for engine in ENGINES {
-            for unit in ["ns_min", "instructions"] {
-                let what = format!("forward dynamics against {engine}, {unit}");
-                let peer = format!("{engine}_forward_dynamics");
+            let simulated = format!("{engine}_sim_rk4_10ms");
+            if let Some(most) = self.figures.most(&simulated, "simulated_s_per_s") {
+                let step = STEP_NS / most;
                 self.figures
-                    .ratio(&what, ("poinsot_forward_dynamics", unit), (&peer, unit));
+                    .show(&format!("{engine}_rk4_10ms_step,{step:.1},ns_min\n"));
             }
-            let ours = self
-                .figures
-                .most("poinsot_sim_rk4_10ms", "simulated_s_per_s");
-            if let (Some(peer), Some(ours)) = (self.simulated(engine), ours) {
-                let times = ours / peer;
-                println!(
-                    "simulated seconds per second against {engine}, Runge-Kutta at 10 ms: {times:.2} times"
-                );
-            }
-        }
-    }
-
-    /// Seconds that an engine simulates in one second.
-    fn simulated(&self, engine: &str) -> Option<f64> {
-        self.figures
-            .most(&format!("{engine}_sim_rk4_10ms"), "simulated_s_per_s")
-    }
-
-    /// Batches of 4,096 beside one call of the peers, a vehicle or a state; a step beside the peers' simulated time.
-    fn batches(&self) {
-        self.batch("momentum regressor", "pinocchio", REGRESSOR);
-        self.batch("momentum regressor", "numpy", REGRESSOR);
-        for engine in ENGINES {
-            self.batch("forward dynamics", engine, "forward_dynamics");
-            let ours = self.figures.least("poinsot_batch_rk4_10ms_step", "ns_min");
-            if let (Some(peer), Some(ours)) = (self.simulated(engine), ours) {
-                let times = STEP_NS / ours / peer;
-                println!(
-                    "batch: Runge-Kutta at 10 ms against {engine}, a vehicle: {times:.2} times as fast"
-                );
-            }
-        }
-    }
-
-    fn batch(&self, what: &str, engine: &str, name: &str) {
-        let (ours, peer) = (format!("poinsot_batch_{name}"), format!("{engine}_{name}"));
-        self.figures.ratio(
-            &format!("batch: {what} against {engine}"),
-            (&ours, "ns_min"),
-            (&peer, "ns_min"),
-        );
-    }
-
-    fn ratios_of_numpy(&self) {
-        let samples = self.samples;
-        let what = format!("least squares, {samples} samples, processor time, one thread");
-        let ours = format!("poinsot_least_squares_{samples}_samples_1_threads_processor");
-        let peer = format!("numpy_least_squares_{samples}_samples_processor");
-        self.figures.ratio(&what, (&ours, "s"), (&peer, "s"));
-        for part in ["objective", "iteration"] {
-            let what = format!("swarm {part}, 50 particles x 600 samples, one thread");
-            let (ours, peer) = (
-                format!("poinsot_swarm_{part}_50x600"),
-                format!("numpy_swarm_{part}_50x600"),
-            );
-            self.figures.ratio(&what, (&ours, "us"), (&peer, "us"));
         }
     }
 }

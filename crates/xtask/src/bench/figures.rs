@@ -37,21 +37,10 @@ impl Figures {
     pub fn least(&self, name: &str, unit: &str) -> Option<f64> {
         self.named(name, unit).min_by(f64::total_cmp)
     }
-
-    /// Prints the ratio of two least values, where both are there.
-    pub fn ratio(&self, what: &str, ours: (&str, &str), peer: (&str, &str)) {
-        if let (Some(ours), Some(peer)) = (self.least(ours.0, ours.1), self.least(peer.0, peer.1)) {
-            let ratio = significant(ours / peer);
-            println!(
-                "{what}: ours / peer = {ratio} ({:.1} times as fast)",
-                peer / ours
-            );
-        }
-    }
 }
 
 /// A number with three significant digits.
-fn significant(value: f64) -> String {
+pub fn significant(value: f64) -> String {
     const DIGITS: i32 = 3;
     let exact = format!("{value:.2e}");
     let Some((digits, exponent)) = exact.split_once('e') else {

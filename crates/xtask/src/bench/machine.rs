@@ -139,6 +139,21 @@ impl Machine {
     }
 }
 
+/// Processor, cores and load of this machine, as far as the system says.
+pub fn in_words() -> String {
+    let read = |path: &str| std::fs::read_to_string(path).unwrap_or_default();
+    let processors = read("/proc/cpuinfo");
+    let name = processors
+        .lines()
+        .find(|line| line.starts_with("model name"));
+    let name = name.and_then(|line| line.split_once(':'));
+    let name = name.map_or("unknown processor", |(_, name)| name.trim());
+    let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    let load = read("/proc/loadavg");
+    let load = load.split_whitespace().next().unwrap_or("unknown");
+    format!("{name}, {cores} cores, load {load}")
+}
+
 /// A variable of the environment that is set and not empty.
 pub fn variable(name: &str) -> Option<String> {
     std::env::var(name).ok().filter(|value| !value.is_empty())
