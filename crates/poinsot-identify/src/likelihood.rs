@@ -22,7 +22,7 @@ use crate::problem::segment::{InputErrors, Noise, Segment};
 use crate::sensors::{IdealSeries, SpareVectors};
 use nalgebra::Cholesky;
 use parallel::compare_all;
-use poinsot_dynamics::Tree;
+use poinsot_dynamics::{SensorError, Tree};
 use poinsot_model::{RandomTorque, SensorKind, Thruster};
 use poinsot_solve::{BlockQr, Triangle};
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
@@ -54,6 +54,8 @@ pub(crate) struct Setting<'a> {
     pub bends: bool,
     /// Whether every whitened row is kept, and no triangle is made.
     pub keep_rows: bool,
+    /// Errors with a column in the rows of their own sensor alone; where there are any, every sensor has a triangle of its own.
+    pub own_errors: &'a [(usize, SensorError)],
     /// How the known numbers move the predictions, where that is asked.
     pub known: Option<&'a KnownColumns>,
     /// Whether a second thread may follow the motion while this one compares.
@@ -110,9 +112,11 @@ pub(crate) struct ChannelResidual {
 }
 
 /// One segment at one value of all unknowns.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 pub(crate) struct Evaluated {
     pub triangle: Option<Triangle>,
+    /// By record: columns `[start | unknowns | errors of its own | residual]`. Rows of no sensor are in `triangle`.
+    pub by_sensor: Vec<Triangle>,
     /// Weighted sum of squares; plain for the Gaussian loss.
     pub chi2: f64,
     /// What is minimised.
@@ -255,6 +259,8 @@ struct SegmentComparison<'a> {
     with_sensitivities: bool,
     /// `None` without sensitivities, and where the rows are kept.
     qr: Option<BlockQr>,
+    /// One for each sensor, where each has a triangle of its own.
+    by_sensor: Vec<BlockQr>,
     rows: usize,
     inputs: InputNoise,
     /// Variance of each joint's rate in this segment.
@@ -281,14 +287,19 @@ impl<'a> SegmentComparison<'a> {
     ) -> Self {
         let initial_columns = unknown.count();
         let sensors = &segment.observations.sensors;
+        let cursors = SensorCursor::all(sensors, setting, x, initial_columns);
+        let apart = with_sensitivities && !setting.own_errors.is_empty();
+        let width = |own: usize| initial_columns + x.len() + own + 1;
+        let own = cursors.iter().filter(|_| apart);
+        let by_sensor = own.map(|c| BlockQr::new(width(c.own.len()))).collect();
         Self {
             setting,
             segment,
-            cursors: SensorCursor::all(sensors, setting.parameters, x, initial_columns),
+            cursors,
+            by_sensor,
             initial_columns,
             with_sensitivities,
-            qr: (with_sensitivities && !setting.keep_rows)
-                .then(|| BlockQr::new(initial_columns + x.len() + 1)),
+            qr: (with_sensitivities && !setting.keep_rows).then(|| BlockQr::new(width(0))),
             rows: 0,
             inputs: InputNoise::default(),
             joint_rate: joint_rate_noise(setting.noise, segment),
@@ -389,12 +400,18 @@ impl<'a> SegmentComparison<'a> {
             carried.widen(rows, (i, reading), place, &mut wide);
             self.spare.give_back(std::mem::replace(rows, wide));
         }
-        if let Some(qr) = &mut self.qr {
+        if let Some(qr) = self.by_sensor.get_mut(i).or(self.qr.as_mut()) {
             qr.push(3, |i, j| rows[j][i]);
         }
         if self.setting.keep_rows {
             let log_det = self.segment.observations.sensors[i].log_det();
-            let row = |i: usize| rows.iter().map(|r| r[i]).collect();
+            // Room for what a diagnosis makes of the columns: a drift of every sensor.
+            let room = rows.len() + 3 * self.cursors.len();
+            let row = |i: usize| {
+                let mut row = Vec::with_capacity(room);
+                row.extend(rows.iter().map(|r| r[i]));
+                row
+            };
             self.kept.fresh = (0..3).map(|i| (row(i), log_det)).collect();
         }
         Some(white)
@@ -468,6 +485,7 @@ impl<'a> SegmentComparison<'a> {
         }
         chi2.is_finite().then(|| Evaluated {
             triangle: self.qr.map(BlockQr::finish),
+            by_sensor: self.by_sensor.into_iter().map(BlockQr::finish).collect(),
             chi2,
             cost,
             rows: self.rows,

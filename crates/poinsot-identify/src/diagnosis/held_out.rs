@@ -4,6 +4,7 @@
 //! error of the held-out rows in its own covariance, noise and uncertainty of the fit together: chi-square distributed
 //! with one degree of freedom for each of them. To first order about the answer, without a second fit.
 
+use super::table::{SegmentRows, Table};
 use super::types::HeldOut;
 use crate::fit::Fitted;
 use crate::fit::experiment::Experiment;
@@ -16,20 +17,18 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 /// manoeuvre.
 const SHARE: f64 = 0.2;
 
-/// The test; `None` where no sample is left on one of the sides. `fitted_numbers` were fitted in all.
+/// The test; `None` where no sample is left on one of the sides. `fitted_numbers` were fitted in all. A table that holds the rows
+/// has those of the beginnings.
 pub(super) fn held_out(
     experiment: &Experiment,
     fitted: &Fitted,
+    table: Option<&Table>,
     fitted_numbers: usize,
 ) -> Option<HeldOut> {
-    let problem = experiment.problem;
-    let segments: Vec<Segment> = problem.segments.iter().map(beginning).collect();
-    let kept = Problem {
-        segments: &segments,
-        ..*problem
+    let kept = match table.filter(|t| !t.segments.is_empty()) {
+        Some(table) => beginnings(table, experiment.problem.segments),
+        None => evaluated_beginnings(experiment, fitted)?,
     };
-    let kept = experiment.of_vehicle(&kept, experiment.parameters);
-    let kept = kept.evaluate(&fitted.at, true)?;
     let rows = |all: &[Evaluated]| all.iter().map(|e| e.rows).sum::<usize>();
     let numbers = rows(&fitted.evaluated).checked_sub(rows(&kept))?;
     let dof = rows(&kept).checked_sub(fitted_numbers)?;
@@ -46,15 +45,34 @@ pub(super) fn held_out(
     })
 }
 
-/// A record without its last samples; the inputs stay.
-fn beginning(segment: &Segment) -> Segment {
-    let mut segment = segment.clone();
-    let times = segment.observations.time_s.len() as f64;
-    for sensor in &mut segment.observations.sensors {
-        let ends = ((1.0 - SHARE) * times) as usize;
-        sensor.samples.retain(|sample| sample.to < ends);
-    }
-    segment
+/// First grid time that is held out.
+fn end(segment: &Segment) -> usize {
+    ((1.0 - SHARE) * segment.observations.time_s.len() as f64) as usize
+}
+
+/// The rows of a table before what is held out. Later samples change no row before them.
+fn beginnings(table: &Table, segments: &[Segment]) -> Vec<Evaluated> {
+    let of = |(own, segment): (&SegmentRows, &Segment)| own.beginning(table.base, end(segment));
+    table.segments.iter().zip(segments).map(of).collect()
+}
+
+/// The beginnings of all records, evaluated by themselves; the inputs stay.
+fn evaluated_beginnings(experiment: &Experiment, fitted: &Fitted) -> Option<Vec<Evaluated>> {
+    let problem = experiment.problem;
+    let beginning = |segment: &Segment| {
+        let (mut segment, end) = (segment.clone(), end(segment));
+        for sensor in &mut segment.observations.sensors {
+            sensor.samples.retain(|sample| sample.to < end);
+        }
+        segment
+    };
+    let segments: Vec<Segment> = problem.segments.iter().map(beginning).collect();
+    let kept = Problem {
+        segments: &segments,
+        ..*problem
+    };
+    let kept = experiment.of_vehicle(&kept, experiment.parameters);
+    kept.evaluate(&fitted.at, true)
 }
 
 /// Least sum of squares of rows and priors over all unknowns: the residual of the triangle.

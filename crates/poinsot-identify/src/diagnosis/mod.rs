@@ -22,6 +22,7 @@ mod onset;
 mod projected;
 mod pulse;
 mod score;
+mod sensor_blocks;
 mod suspects;
 mod table;
 mod types;
@@ -75,7 +76,6 @@ pub(crate) fn diagnose(
         deviance: crate::diagnosis::deviance::deviance(experiment, fitted),
         excess_sigmas: excess / (2.0 * dof.max(1) as f64).sqrt(),
         channels: channels::channels(fitted),
-        held_out: held_out::held_out(experiment, fitted, fitted_numbers),
         ..Diagnostics::default()
     };
     let misfit = out.excess_sigmas > EXCESS;
@@ -92,8 +92,14 @@ pub(crate) fn diagnose(
         .then(|| gross::gross(experiment, fitted, (excess, dof as f64)))
         .flatten();
     match mistake {
-        Some(mistake) if excess - mistake.decrease < dof as f64 => out.suspects = vec![mistake],
-        mistake => weighed(experiment, fitted, of, mean_square, &mut out, mistake),
+        Some(mistake) if excess - mistake.decrease < dof as f64 => {
+            out.suspects = vec![mistake];
+            out.held_out = held_out::held_out(experiment, fitted, None, fitted_numbers);
+        }
+        mistake => {
+            let table = weighed(experiment, fitted, of, mean_square, &mut out, mistake);
+            out.held_out = held_out::held_out(experiment, fitted, table.as_ref(), fitted_numbers);
+        }
     }
     if misfit {
         out.lines = line::spectral_lines(experiment, fitted);
@@ -111,7 +117,7 @@ pub(crate) fn diagnose(
     out
 }
 
-/// Ranks the causes; a gross error that does not explain all is first, unless another cause does.
+/// Ranks the causes; a gross error that does not explain all is first, unless another cause does. Returns the rows that it used.
 fn weighed(
     experiment: &Experiment,
     fitted: &Fitted,
@@ -119,7 +125,7 @@ fn weighed(
     mean_square: f64,
     out: &mut Diagnostics,
     mistake: Option<Suspect>,
-) {
+) -> Option<Table> {
     let mut candidates = candidates(experiment, &fitted.at);
     let table = Table::new(experiment, fitted, &mut candidates);
     let about = (candidates.as_slice(), table.as_ref());
@@ -153,6 +159,7 @@ fn weighed(
         out.suspects.iter_mut().for_each(|s| s.tied = false);
         out.suspects.insert(0, mistake);
     }
+    table
 }
 
 /// Mean turn between grid times by the gyro, rad.

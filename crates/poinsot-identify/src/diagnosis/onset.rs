@@ -175,29 +175,49 @@ impl Basis {
         })
     }
 
+    /// The rows of a segment in the basis. What it gives is linear in a row: once for each column, then sums.
     fn clear(&self, rows: &SegmentRows, experiment: &Experiment) -> ProjectedRows {
         let (h, n) = (rows.initial_columns, experiment.parameters.len());
-        let start = &rows.start_rows;
-        let own = start.columns(0, h).into_owned();
-        let carried = start.columns(h, n) * &self.directions;
-        let rhs = start.column(h + n).into_owned();
+        let of_columns: Vec<(DVector<f64>, f64)> = (0..h + n)
+            .map(|k| {
+                let mut row = vec![0.0; h + n];
+                row[k] = 1.0;
+                self.clear_row(rows, &row)
+            })
+            .collect();
+        let width = of_columns.first().map_or(0, |(basis, _)| basis.len());
         let mut out = ProjectedRows {
             basis: Vec::with_capacity(rows.rows.len()),
             residual: Vec::with_capacity(rows.rows.len()),
         };
         for row in &rows.rows {
-            let own_columns = solved(&own, &row[..h]);
-            let shared = DVector::from_column_slice(&row[h..h + n]);
-            let shared = self.directions.tr_mul(&shared) - carried.tr_mul(&own_columns);
-            let shared = solved(&self.shared, shared.as_slice());
-            let last = row.last().copied().unwrap_or(0.0);
-            out.residual
-                .push(last - own_columns.dot(&rhs) - shared.dot(&self.rhs));
-            let all = own_columns.iter().chain(shared.iter()).copied();
-            out.basis
-                .push(DVector::from_iterator(h + shared.len(), all));
+            let mut basis = DVector::zeros(width);
+            let mut residual = row.last().copied().unwrap_or(0.0);
+            for (x, (own, explained)) in row.iter().zip(&of_columns).filter(|(x, _)| **x != 0.0) {
+                basis.axpy(*x, own, 1.0);
+                residual -= x * explained;
+            }
+            out.basis.push(basis);
+            out.residual.push(residual);
         }
         out
+    }
+
+    /// A row of the start and the fitted unknowns in the basis, and what the fit explains of its residual.
+    fn clear_row(&self, rows: &SegmentRows, row: &[f64]) -> (DVector<f64>, f64) {
+        let h = rows.initial_columns;
+        let n = row.len() - h;
+        let start = &rows.start_rows;
+        let own = start.columns(0, h).into_owned();
+        let carried = start.columns(h, n) * &self.directions;
+        let rhs = start.column(h + n).into_owned();
+        let own_columns = solved(&own, &row[..h]);
+        let shared = DVector::from_column_slice(&row[h..]);
+        let shared = self.directions.tr_mul(&shared) - carried.tr_mul(&own_columns);
+        let shared = solved(&self.shared, shared.as_slice());
+        let explained = own_columns.dot(&rhs) + shared.dot(&self.rhs);
+        let all = own_columns.iter().chain(shared.iter()).copied();
+        (DVector::from_iterator(h + shared.len(), all), explained)
     }
 }
 

@@ -5,15 +5,22 @@
 //! first order.
 
 use crate::fit::Fitted;
-use crate::problem::parameters::{Parameters, Unknown};
+use crate::problem::parameters::Parameters;
 use faer::Mat;
 use poinsot_solve::{BlockQr, Triangle};
 
 /// Smallest share of a column's length after projection for a new direction.
 const NEW: f64 = 1.0e-6;
 
-/// Candidate columns and residual clear of the fitted unknowns, one triangle; residual last.
+/// Candidate columns and residual clear of the fitted unknowns, block by block.
 pub(super) struct Projected {
+    blocks: Vec<Block>,
+    /// Block and column of every number that has one.
+    places: Vec<Option<(usize, usize)>>,
+}
+
+/// Some of the columns and the residual, one triangle; residual last.
+struct Block {
     r: Mat<f64>,
     /// Length of each column before the projection; zero without effect.
     length: Vec<f64>,
@@ -28,14 +35,63 @@ pub(super) struct Score {
     pub covariance: Vec<Vec<f64>>,
 }
 
+impl Score {
+    /// Of numbers without columns.
+    fn nothing(numbers: usize) -> Self {
+        let row = |i: usize| {
+            let value = |j: usize| if i == j { f64::INFINITY } else { 0.0 };
+            (0..numbers).map(value).collect()
+        };
+        Self {
+            decrease: 0.0,
+            values: vec![0.0; numbers],
+            covariance: (0..numbers).map(row).collect(),
+        }
+    }
+}
+
 impl Projected {
-    /// `stacked` has the columns `[fitted unknowns | candidates | residual]` of `base` and `extra` unknowns.
-    pub fn new(
-        stacked: &Triangle,
+    /// So many numbers, without columns as yet.
+    pub fn new(numbers: usize) -> Self {
+        Self {
+            blocks: Vec::new(),
+            places: vec![None; numbers],
+        }
+    }
+
+    /// Takes the columns of some numbers from a triangle `[fitted unknowns | numbers | residual]`.
+    pub fn add(
+        &mut self,
         parameters: &Parameters,
-        extra: &[Unknown],
         fitted: &Fitted,
-    ) -> Self {
+        numbers: &[usize],
+        stacked: &Triangle,
+    ) {
+        for (column, number) in numbers.iter().enumerate() {
+            self.places[*number] = Some((self.blocks.len(), column));
+        }
+        let block = Block::new(stacked, parameters, numbers.len(), fitted);
+        self.blocks.push(block);
+    }
+
+    /// A group of candidates at once, each held near zero by a prior sigma where one is given. All are of one block.
+    pub fn score(&self, group: &[usize], prior: Option<f64>) -> Score {
+        let places: Option<Vec<(usize, usize)>> = group.iter().map(|k| self.places[*k]).collect();
+        let Some((places, &(block, _))) = places.as_ref().and_then(|p| Some((p, p.first()?)))
+        else {
+            return Score::nothing(group.len());
+        };
+        let columns: Vec<usize> = places.iter().map(|p| p.1).collect();
+        match places.iter().all(|p| p.0 == block) {
+            true => self.blocks[block].score(&columns, prior),
+            false => Score::nothing(group.len()),
+        }
+    }
+}
+
+impl Block {
+    /// `stacked` has the columns `[fitted unknowns | candidates | residual]`, `own` of them of candidates.
+    fn new(stacked: &Triangle, parameters: &Parameters, own: usize, fitted: &Fitted) -> Self {
         let r = &stacked.r;
         let (base, last) = (parameters.len(), r.ncols() - 1);
         let spectrum = &fitted.spectrum;
@@ -45,7 +101,6 @@ impl Projected {
         let mass: Vec<usize> = (0..base)
             .filter(|k| !parameters.unknowns[*k].kind.is_nuisance())
             .collect();
-        let own = extra.len();
         let length: Vec<f64> = (0..own)
             .map(|k| {
                 let square = |i: usize| r[(i, base + k)].powi(2);
@@ -82,8 +137,7 @@ impl Projected {
         }
     }
 
-    /// A group of candidates at once, each held near zero by a prior sigma where one is given.
-    pub fn score(&self, group: &[usize], prior: Option<f64>) -> Score {
+    fn score(&self, group: &[usize], prior: Option<f64>) -> Score {
         let (n, last) = (group.len(), self.length.len());
         let mut qr = BlockQr::new(n + 1);
         qr.push(last + 1, |i, j| {

@@ -5,6 +5,7 @@
 
 use super::candidate::{Candidate, Columns, Twin};
 use super::projected::Projected;
+use super::sensor_blocks::{SensorBlock, own_errors, sensor_blocks};
 use crate::fit::Fitted;
 use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::known_numbers::SILENT;
@@ -34,9 +35,29 @@ pub(super) struct SegmentRows {
     /// How the state at grid times moves with the start.
     pub transitions: Vec<Transition>,
     pub names: Vec<String>,
+    /// How many of the three numbers of a measurement each sensor gives.
+    numbers: Vec<usize>,
 }
 
 impl SegmentRows {
+    /// The triangle and the count of the rows before a grid time, of the start and the unknowns that were fitted.
+    pub fn beginning(&self, base: usize, end: usize) -> Evaluated {
+        let fitted = self.initial_columns + base;
+        let kept = self.of.iter().zip(self.rows.chunks_exact(3));
+        let kept = kept.filter(|((_, at), _)| *at < end);
+        let mut qr = BlockQr::new(fitted + 1);
+        let mut one = Evaluated::default();
+        for ((sensor, _), three) in kept {
+            qr.push(3, |i, j| match j == fitted {
+                true => three[i].last().copied().unwrap_or(0.0),
+                false => three[i][j],
+            });
+            one.rows += self.numbers.get(*sensor).copied().unwrap_or(0);
+        }
+        one.triangle = Some(qr.finish());
+        one
+    }
+
     /// First row, residual and column of an unknown, for each measurement of a sensor.
     fn measurements(
         &self,
@@ -163,8 +184,12 @@ impl Reach {
 
 /// The experiment at the answer with the columns of all candidates.
 pub(super) struct Table {
-    /// Numbers of the candidates that have columns.
-    unknowns: Vec<Unknown>,
+    /// Places, among the numbers of all candidates, of those that `stacked` has columns of.
+    shared: Vec<usize>,
+    /// How many numbers all candidates have.
+    numbers: usize,
+    /// The others, sensor by sensor.
+    blocks: Vec<SensorBlock>,
     evaluated: Vec<Evaluated>,
     initial_states: Vec<usize>,
     /// Columns of the fit.
@@ -189,12 +214,22 @@ impl Table {
         if !held {
             candidates.retain(slopes);
         }
-        let own: Vec<Twin> = candidates.iter().flat_map(own_columns).collect();
+        let apart = match held {
+            true => Vec::new(),
+            false => own_errors(experiment, candidates),
+        };
+        let is_apart = |place: &usize| apart.iter().any(|own| own.place == *place);
+        let numbers: usize = candidates.iter().map(|c| c.unknowns.len()).sum();
+        let shared: Vec<usize> = (0..numbers).filter(|k| !is_apart(k)).collect();
+        let own = candidates.iter().flat_map(own_columns).enumerate();
+        let own = own.filter(|(place, _)| !is_apart(place));
+        let own: Vec<Twin> = own.map(|(_, twin)| twin).collect();
         let mut extended = experiment.parameters.clone();
         let unknowns = own.iter().map(|t| t.unknown.clone());
         extended.unknowns.extend(unknowns);
         let mut wide = experiment.with_parameters(&extended);
         wide.keep_rows = held;
+        wide.own_errors = apart.iter().map(|o| (o.sensor, o.error)).collect();
         let mut x = fitted.at.x.clone();
         x.extend(own.iter().map(|t| t.unknown.nominal));
         let at = Iterate {
@@ -202,11 +237,21 @@ impl Table {
             initial_states: fitted.at.initial_states.clone(),
         };
         let mut evaluated = wide.evaluate(&at, true)?;
+        let blocks = match apart.is_empty() {
+            true => Vec::new(),
+            false => sensor_blocks(
+                (experiment, &fitted.at),
+                &mut evaluated,
+                (shared.len(), &apart),
+            ),
+        };
         let mut table = Self {
             base,
             initial_states: experiment.unknown.iter().map(|u| u.count()).collect(),
             segments: Vec::new(),
-            unknowns: candidates.iter().flat_map(|c| c.unknowns.clone()).collect(),
+            shared,
+            numbers,
+            blocks,
             stacked: match held {
                 true => BlockQr::new(1).finish(),
                 false => wide.stack(&at, &evaluated, true),
@@ -253,6 +298,7 @@ impl Table {
                 own.rows.extend(row.rows);
             }
             own.names = one.channels.iter().map(|c| c.name.clone()).collect();
+            own.numbers = one.channels.iter().map(|c| c.numbers).collect();
             self.segments.push(own);
         }
     }
@@ -270,14 +316,13 @@ impl Table {
                 values.for_each(|(sum, x)| *sum += x * x);
             }
         }
-        let lengths = squares.iter().zip(own);
-        let silent = lengths.map(|(square, twin)| square.sqrt() * twin.sigma <= SILENT);
-        let silent: Vec<bool> = silent.collect();
-        for one in &mut self.segments {
-            let columns = columns(one);
-            for row in one.rows.iter_mut().filter(|_| silent.contains(&true)) {
-                let values = row[columns.clone()].iter_mut().zip(&silent);
-                values.for_each(|(x, silent)| *x *= f64::from(u8::from(!silent)));
+        let lengths = squares.iter().zip(own).enumerate();
+        let silent = lengths.filter(|(_, (square, twin))| square.sqrt() * twin.sigma <= SILENT);
+        let silent: Vec<usize> = silent.map(|(k, _)| k).collect();
+        for one in self.segments.iter_mut().filter(|_| !silent.is_empty()) {
+            let first = columns(one).start;
+            for row in &mut one.rows {
+                silent.iter().for_each(|k| row[first + k] = 0.0);
             }
         }
     }
@@ -374,7 +419,7 @@ impl Table {
         at: &Iterate,
         only: Option<usize>,
     ) -> (Triangle, Vec<DMatrix<f64>>) {
-        let (base, all) = (self.base, self.unknowns.len());
+        let (base, all) = (self.base, self.shared.len());
         let mut stacked = BlockQr::new(base + all + 1);
         let mut starts = Vec::with_capacity(self.segments.len());
         for (s, own) in self.segments.iter().enumerate() {
@@ -406,7 +451,8 @@ impl Table {
         (stacked.finish(), starts)
     }
 
-    /// Candidates clear of the fit; with a segment given they act in that segment alone.
+    /// Candidates clear of the fit; with a segment given they act in that segment alone, and errors of single sensors are left out
+    /// where they have blocks of their own.
     pub fn projected(
         &self,
         experiment: &Experiment,
@@ -414,15 +460,21 @@ impl Table {
         segment: Option<usize>,
     ) -> Projected {
         let of = |stacked: &Triangle| {
-            Projected::new(stacked, experiment.parameters, &self.unknowns, fitted)
+            let mut clear = Projected::new(self.numbers);
+            clear.add(experiment.parameters, fitted, &self.shared, stacked);
+            clear
         };
         let Some(only) = segment else {
-            return of(&self.stacked);
+            let mut all = of(&self.stacked);
+            for one in &self.blocks {
+                all.add(experiment.parameters, fitted, &one.numbers, &one.stacked);
+            }
+            return all;
         };
         if !self.segments.is_empty() {
             return of(&self.stack(experiment, &fitted.at, Some(only)).0);
         }
-        let width = self.base + self.unknowns.len();
+        let width = self.base + self.shared.len();
         let mut stacked = BlockQr::new(width + 1);
         for (s, one) in self.evaluated.iter().enumerate() {
             if let Some(triangle) = &one.triangle {

@@ -25,7 +25,7 @@ use crate::problem::settings::Settings;
 use crate::problem::shifted_vehicle::ShiftedVehicle;
 use known_columns::columns_at;
 use nalgebra::UnitQuaternion;
-use poinsot_dynamics::{Kinematics, composite, momentum, wheel_momentum};
+use poinsot_dynamics::{Kinematics, SensorError, composite, momentum, wheel_momentum};
 use poinsot_model::{MomentumKnowledge, Thruster};
 use poinsot_solve::{BlockQr, NotFinite, Spectrum, Triangle};
 use poinsot_spatial::Vector3;
@@ -56,6 +56,8 @@ pub(crate) struct Experiment<'a> {
     pub kept: KeptColumns,
     /// Whether evaluations keep every whitened row instead of a triangle.
     pub keep_rows: bool,
+    /// Errors of sensors by model sensor, each with a column in the rows of its own sensor alone.
+    pub own_errors: Vec<(usize, SensorError)>,
     /// Integration steps, one grid per segment, chosen once for the nominal vehicle.
     grids: Arc<OnceLock<Vec<Grid>>>,
     /// Smooth curves through the samples of joints and wheels, one per segment; made when a lag first asks for them.
@@ -99,6 +101,7 @@ impl<'a> Experiment<'a> {
             known: None,
             kept: KeptColumns::default(),
             keep_rows: false,
+            own_errors: Vec::new(),
             grids: Arc::default(),
             curves: Arc::default(),
         }
@@ -130,6 +133,7 @@ impl<'a> Experiment<'a> {
             known: self.known.clone(),
             kept: Arc::clone(&self.kept),
             keep_rows: self.keep_rows,
+            own_errors: self.own_errors.clone(),
             grids: Arc::clone(&self.grids),
             curves: Arc::clone(&self.curves),
         }
@@ -180,6 +184,7 @@ impl<'a> Experiment<'a> {
             bends: self.bends(),
             known: self.known.as_deref(),
             keep_rows: self.keep_rows,
+            own_errors: &self.own_errors,
             // More segments keep the cores busy, and so do other problems solved at the same time.
             split: self.problem.segments.len() == 1
                 && rayon::current_thread_index().is_none()

@@ -1,9 +1,9 @@
 //! Residuals of one sensor along a segment, with its errors and correlated noise.
 
 use super::whitener::NoiseWhitener;
-use super::{ChannelResidual, SegmentComparison};
+use super::{ChannelResidual, SegmentComparison, Setting};
 use crate::motion::{Instant, Motion, State};
-use crate::problem::parameters::{Parameters, UnknownKind};
+use crate::problem::parameters::UnknownKind;
 use crate::problem::segment::{SensorRecord, SensorValue};
 use crate::sensors::{DueSample, Predictor, SampleStream, across};
 use poinsot_dynamics::{SensorError, SensorErrors};
@@ -20,16 +20,19 @@ pub(super) struct SensorCursor {
     pub channel: ChannelResidual,
     /// The errors that are unknown: column, error.
     unknown: Vec<(usize, SensorError)>,
+    /// The errors whose columns stand in its own rows alone, behind those of the unknowns.
+    pub own: Vec<SensorError>,
 }
 
 impl SensorCursor {
     /// One for each sensor of a segment; `initial_columns` columns stand before those of the unknowns.
     pub fn all(
         records: &[SensorRecord],
-        parameters: &Parameters,
+        setting: &Setting,
         x: &[f64],
         initial_columns: usize,
     ) -> Vec<Self> {
+        let parameters = setting.parameters;
         let streams = SampleStream::all(records);
         let one = |((sensor, record), stream): ((usize, &SensorRecord), SampleStream)| {
             let columns = parameters.unknowns.iter().enumerate();
@@ -41,6 +44,8 @@ impl SensorCursor {
                     _ => None,
                 })
                 .collect();
+            let errors = setting.own_errors.iter();
+            let own = errors.filter(|(sensor, _)| Some(*sensor) == record.sensor);
             Self {
                 errors: parameters.sensor_errors(x, record.sensor),
                 late: unknown.iter().any(|u| u.1 == SensorError::Lag),
@@ -54,6 +59,7 @@ impl SensorCursor {
                     ..ChannelResidual::default()
                 },
                 unknown,
+                own: own.map(|(_, error)| *error).collect(),
             }
         };
         records.iter().enumerate().zip(streams).map(one).collect()
@@ -172,6 +178,8 @@ fn difference(cursor: &SensorCursor, due: DueSample) -> Difference {
         for (column, error) in &cursor.unknown {
             new.columns[*column] += errors.slope(*error, &x, &rate);
         }
+        let own = cursor.own.iter().map(|e| errors.slope(*e, &x, &rate));
+        new.columns.extend(own);
     }
     if let SensorValue::Direction { normal_B, .. } = &sample.value {
         new.turn(&across(normal_B));

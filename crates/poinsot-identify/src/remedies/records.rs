@@ -269,6 +269,7 @@ impl Baseline<'_> {
             factor: 1,
             bends: false,
             keep_rows: false,
+            own_errors: &[],
             split: false,
         };
         let evaluated = evaluate(

@@ -1,0 +1,173 @@
+//! Errors of many sensors without one dense matrix.
+//!
+//! Where the samples have no noise but that of the sensors, the errors of a sensor act in its own rows alone. Each sensor then has
+//! a triangle of its own, and the other sensors enter it by the triangle of what was fitted: the same scores at a cost that is
+//! linear in the number of sensors.
+
+use super::candidate::Candidate;
+use crate::fit::experiment::{Experiment, Iterate};
+use crate::likelihood::Evaluated;
+use crate::problem::parameters::UnknownKind;
+use poinsot_dynamics::SensorError;
+use poinsot_solve::{BlockQr, Triangle};
+
+/// The candidates of one sensor.
+pub(super) struct SensorBlock {
+    /// Places of its numbers among those of all candidates.
+    pub numbers: Vec<usize>,
+    /// Columns `[fitted unknowns | its numbers | residual]`, of all rows.
+    pub stacked: Triangle,
+}
+
+/// A number that acts in the rows of one sensor alone.
+pub(super) struct OwnError {
+    /// Its place among those of all candidates.
+    pub place: usize,
+    pub sensor: usize,
+    pub error: SensorError,
+}
+
+/// Numbers of the candidates that act in the rows of one sensor alone; none where noise of inputs is in the rows of all. Lags
+/// are not among them: those of several sensors are tested together.
+pub(super) fn own_errors(experiment: &Experiment, candidates: &[Candidate]) -> Vec<OwnError> {
+    if !is_apart(experiment) {
+        return Vec::new();
+    }
+    let numbers = candidates.iter().flat_map(|c| &c.unknowns).enumerate();
+    let own = numbers.filter_map(|(place, unknown)| match unknown.kind {
+        UnknownKind::Sensor { sensor, error } if error != SensorError::Lag => Some(OwnError {
+            place,
+            sensor,
+            error,
+        }),
+        _ => None,
+    });
+    own.collect()
+}
+
+/// Whether the noise of every row is that of one sensor.
+fn is_apart(experiment: &Experiment) -> bool {
+    let problem = experiment.problem;
+    let noise = problem.noise;
+    let joints = noise.joint_position.iter().chain(&noise.joint_rate);
+    let mut inputs = joints.chain(&noise.wheel_speed);
+    let once = problem.segments.iter().all(|s| {
+        let records = &s.observations.sensors;
+        let of = |k: usize| records[k].sensor.map(|own| (k, own));
+        let mut all = (0..records.len()).filter_map(of);
+        all.all(|(k, own)| records[..k].iter().all(|r| r.sensor != Some(own)))
+    });
+    once && inputs.all(|variance| *variance == 0.0)
+        && problem.model.environment.random_torque.is_none()
+        && !experiment.parameters.has_known()
+}
+
+/// Rows of a triangle from one on, each of whose columns is another one of it or zero.
+fn push(qr: &mut BlockQr, of: &Triangle, first: usize, from: impl Fn(usize) -> Option<usize>) {
+    let rows = of.r.nrows().saturating_sub(first);
+    qr.push(rows, |i, j| {
+        from(j).map_or(0.0, |column| of.r[(first + i, column)])
+    });
+}
+
+/// Adds the triangle of a block to others, without the columns between its first ones and the residual.
+fn with(before: Option<&Triangle>, first: usize, more: &Triangle) -> Triangle {
+    let mut qr = BlockQr::new(first + 1);
+    if let Some(before) = before {
+        push(&mut qr, before, 0, Some);
+    }
+    let last = more.r.ncols() - 1;
+    push(&mut qr, more, 0, |j| Some(if j < first { j } else { last }));
+    qr.finish()
+}
+
+/// Triangles of what was fitted in one segment: of all sensors before each, and of all from each on.
+struct Others {
+    before: Vec<Triangle>,
+    from: Vec<Triangle>,
+}
+
+impl Others {
+    /// `fitted` is the number of columns of the start and of what was fitted.
+    fn new(one: &Evaluated, fitted: usize) -> Self {
+        let none = || BlockQr::new(fitted + 1).finish();
+        let shared = one.triangle.as_ref();
+        let mut before = vec![shared.map_or_else(none, |t| with(None, fitted, t))];
+        for own in &one.by_sensor {
+            before.push(with(before.last(), fitted, own));
+        }
+        let mut from = vec![none()];
+        for own in one.by_sensor.iter().rev() {
+            from.push(with(from.last(), fitted, own));
+        }
+        from.reverse();
+        Self { before, from }
+    }
+}
+
+/// The blocks of all sensors. Every segment gets the triangle of all its sensors, with the columns that they share.
+pub(super) fn sensor_blocks(
+    (experiment, at): (&Experiment, &Iterate),
+    evaluated: &mut [Evaluated],
+    (shared, own): (usize, &[OwnError]),
+) -> Vec<SensorBlock> {
+    let base = experiment.parameters.len();
+    let starts = || experiment.unknown.iter().map(|u| u.count());
+    let others: Vec<Others> = evaluated
+        .iter()
+        .zip(starts())
+        .map(|(one, h)| Others::new(one, h + base))
+        .collect();
+    let priors = experiment.prior_rows(at, true);
+    let mut blocks = Vec::new();
+    for errors in own.chunk_by(|a, b| a.sensor == b.sensor) {
+        let (sensor, n) = (errors[0].sensor, errors.len());
+        let mut stacked = BlockQr::new(base + n + 1);
+        let segments = experiment.problem.segments.iter().zip(&*evaluated);
+        for (((segment, one), h), others) in segments.zip(starts()).zip(&others) {
+            let fitted = h + base;
+            let mut qr = BlockQr::new(fitted + n + 1);
+            let narrow = |j: usize| match j {
+                j if j < fitted => Some(j),
+                j if j < fitted + n => None,
+                _ => Some(fitted),
+            };
+            let records = &segment.observations.sensors;
+            let which = records.iter().position(|r| r.sensor == Some(sensor));
+            match which.and_then(|k| Some((k, one.by_sensor.get(k)?))) {
+                None => others
+                    .before
+                    .last()
+                    .into_iter()
+                    .for_each(|all| push(&mut qr, all, 0, narrow)),
+                Some((k, rows)) => {
+                    push(&mut qr, &others.before[k], 0, narrow);
+                    push(&mut qr, &others.from[k + 1], 0, narrow);
+                    let skip = |j: usize| Some(if j < fitted { j } else { j + shared });
+                    push(&mut qr, rows, 0, skip);
+                }
+            }
+            push(&mut stacked, &qr.finish(), h, |j| Some(h + j));
+        }
+        for row in &priors {
+            stacked.push(1, |_, j| match j {
+                j if j < base => row.gradient.get(j).copied().unwrap_or(0.0),
+                j if j < base + n => 0.0,
+                _ => row.residual,
+            });
+        }
+        blocks.push(SensorBlock {
+            numbers: errors.iter().map(|e| e.place).collect(),
+            stacked: stacked.finish(),
+        });
+    }
+    for (one, h) in evaluated.iter_mut().zip(starts()) {
+        let width = h + base + shared;
+        let mut all: Option<Triangle> = one.triangle.take();
+        for own in std::mem::take(&mut one.by_sensor) {
+            all = Some(with(all.as_ref(), width, &own));
+        }
+        one.triangle = all;
+    }
+    blocks
+}
