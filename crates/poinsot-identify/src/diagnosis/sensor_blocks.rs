@@ -171,3 +171,174 @@ pub(super) fn sensor_blocks(
     }
     blocks
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::problem::Problem;
+    use crate::problem::parameters::Unknown;
+    use crate::problem::segment::{
+        Noise, Observations, Samples, Segment, SensorRecord, SensorValue,
+    };
+    use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+    use poinsot_dynamics::Tree;
+    use poinsot_model::{SensorKind, parse_model};
+
+    const MODEL: &str = r#"
+schema = "poinsot.model/1"
+name = "box"
+exact = true
+[[body]]
+name = "box"
+mass_kg = 10.0
+com_m = [0.0, 0.0, 0.0]
+inertia_kg_m2 = { xx = 1.0, yy = 2.0, zz = 2.0 }
+estimate = ["inertia"]
+[[sensor]]
+name = "first"
+type = "gyro"
+noise_rad_s = 1.0e-4
+[[sensor]]
+name = "second"
+type = "gyro"
+noise_rad_s = 3.0e-4
+[momentum]
+linear_N_s = [0.0, 0.0, 0.0]
+angular_N_m_s = "estimate"
+"#;
+
+    fn gyro(sensor: usize, sigma: f64, rates: &[Vector3<f64>]) -> SensorRecord {
+        let variance = Matrix3::identity() * (sigma * sigma);
+        let values = rates.iter().enumerate().map(|(k, w)| {
+            // Each has residuals of its own.
+            let error = sigma * ((7 * k + 3 * sensor) as f64).sin();
+            SensorValue::Vector(w.add_scalar(error))
+        });
+        let mut record = SensorRecord::of_base(SensorKind::Gyro, variance).at_every_time(values);
+        record.sensor = Some(sensor);
+        record
+    }
+
+    fn products(t: &Triangle, columns: &[usize]) -> Vec<f64> {
+        let dot = |a: usize, b: usize| (0..t.r.nrows()).map(|k| t.r[(k, a)] * t.r[(k, b)]).sum();
+        let pairs = columns
+            .iter()
+            .flat_map(|a| columns.iter().map(move |b| (*a, *b)));
+        pairs.map(|(a, b)| dot(a, b)).collect()
+    }
+
+    /// Sensor by sensor the products of the columns are those of one dense triangle.
+    #[test]
+    fn exact_blocks_of_sensors_are_those_of_the_dense_triangle() {
+        let model = parse_model(MODEL, "box.toml").unwrap();
+        let tree = Tree::new(&model);
+        let time_s: Vec<f64> = (0..40).map(|k| 0.1 * f64::from(k)).collect();
+        let turn = |t: &f64| Vector3::new(0.3 * t.sin(), 0.2, 0.1 * t.cos());
+        let rates: Vec<Vector3<f64>> = time_s.iter().map(turn).collect();
+        let samples = Samples {
+            time_s: time_s.clone(),
+            R_NB: vec![UnitQuaternion::identity(); time_s.len()],
+            w_NB_B: rates.clone(),
+            ..Samples::default()
+        };
+        let observations = Observations {
+            time_s,
+            sensors: vec![gyro(0, 1.0e-4, &rates), gyro(1, 3.0e-4, &rates)],
+            ..Observations::default()
+        };
+        let segments = [Segment {
+            samples,
+            observations,
+            ..Segment::default()
+        }];
+        let noise = Noise {
+            gyro_sensor: None,
+            gyro: Matrix3::identity() * 1.0e-8,
+            attitude: Matrix3::zeros(),
+            velocity: Matrix3::zeros(),
+            position: Matrix3::zeros(),
+            joint_position: vec![],
+            joint_rate: vec![],
+            wheel_speed: vec![],
+            seen_gyro: 1.0,
+            seen_velocity: 0.0,
+            seen_joint_rate: 0.0,
+        };
+        let problem = Problem {
+            model: &model,
+            tree: &tree,
+            segments: &segments,
+            noise: &noise,
+            relative_accuracy: 1.0,
+        };
+        let parameters = problem.likelihood_parameters().unwrap();
+        let experiment = Experiment::new(&problem, &parameters);
+        assert!(is_apart(&experiment));
+        let errors = [
+            (0, SensorError::Scale(0)),
+            (0, SensorError::Bias(2)),
+            (1, SensorError::Misalignment(1)),
+        ];
+        let own: Vec<OwnError> = (1..)
+            .zip(errors)
+            .map(|(place, (sensor, error))| OwnError {
+                place,
+                sensor,
+                error,
+            })
+            .collect();
+        let with = |errors: &[(usize, SensorError)]| {
+            let mut extended = parameters.clone();
+            let unknown = |(sensor, error): &(usize, SensorError)| Unknown {
+                kind: UnknownKind::Sensor {
+                    sensor: *sensor,
+                    error: *error,
+                },
+                name: String::new(),
+                unit: "1",
+                nominal: 0.0,
+                natural: 1.0,
+            };
+            extended.unknowns.extend(errors.iter().map(unknown));
+            extended
+        };
+        let shared = [(1, SensorError::Lag)];
+        let all: Vec<_> = shared.iter().chain(&errors).copied().collect();
+        let (narrow, wide) = (with(&shared), with(&all));
+        let at = experiment.nominal_point();
+        let point = |more: usize| {
+            let mut at = at.clone();
+            at.x.extend(std::iter::repeat_n(0.0, more));
+            at
+        };
+        let dense = experiment.with_parameters(&wide);
+        let evaluated = dense.evaluate(&point(all.len()), true).unwrap();
+        let dense = dense.stack(&point(all.len()), &evaluated, true);
+
+        let mut apart = experiment.with_parameters(&narrow);
+        apart.own_errors = errors.to_vec();
+        let mut evaluated = apart.evaluate(&point(1), true).unwrap();
+        let blocks = sensor_blocks((&experiment, &at), &mut evaluated, (1, &own));
+        let merged = apart.stack(&point(1), &evaluated, true);
+
+        let base = parameters.len();
+        let compare = |name: &str, t: &Triangle, numbers: &[usize]| {
+            let last = base + all.len();
+            let columns = (0..base)
+                .chain(numbers.iter().map(|k| base + k))
+                .chain([last]);
+            let wanted = products(&dense, &columns.collect::<Vec<_>>());
+            let found = products(t, &(0..t.r.ncols()).collect::<Vec<_>>());
+            let largest = wanted.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
+            assert_eq!(wanted.len(), found.len(), "{name}");
+            for (a, b) in wanted.iter().zip(&found) {
+                assert!((a - b).abs() < 1.0e-10 * largest, "{name}: {a} {b}");
+            }
+        };
+        compare("shared", &merged, &[0]);
+        assert_eq!(blocks.len(), 2);
+        for block in &blocks {
+            compare("own", &block.stacked, &block.numbers);
+        }
+    }
+}
