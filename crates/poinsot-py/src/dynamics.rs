@@ -145,6 +145,7 @@ fn refused(first: usize, error: BatchError) -> Fault {
     match error {
         BatchError::Singular(k, why) => singular(first + k, &why.to_string()),
         BatchError::Halted(k, why) => singular(first + k, &why.to_string()),
+        BatchError::Step(k, why) => singular(first + k, &why.to_string()),
         BatchError::Length(name, found, _) => {
             Fault::argument(name, found.to_string(), error.to_string())
         }

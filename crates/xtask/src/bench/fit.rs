@@ -1,6 +1,6 @@
 //! How long a fit takes, beside MuJoCo's identification toolbox.
 
-use super::figures::Figures;
+use super::figures::{Figures, significant};
 use super::machine::variable;
 use crate::fault::Fault;
 use crate::repository::{cargo, root, scratch, stdout_of, succeed};
@@ -52,7 +52,9 @@ pub fn run(most: u64) -> Result<(), Fault> {
     }
     println!();
     for (what, ours, peer) in RATIOS {
-        figures.ratio(what, (ours, "s"), (peer, "s"));
+        if let (Some(ours), Some(peer)) = (figures.least(ours, "s"), figures.least(peer, "s")) {
+            println!("{what}: {} times as fast", significant(peer / ours));
+        }
     }
     Ok(())
 }
