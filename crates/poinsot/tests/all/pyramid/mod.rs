@@ -12,6 +12,9 @@ use statrs::distribution::{Binomial, ChiSquared, ContinuousCDF, DiscreteCDF, Nor
 /// False alarms of a diagnosis with tests at 1 %.
 const ALARMS: f64 = 0.01;
 
+/// Intervals that are counted.
+const HELD: f64 = 0.95;
+
 /// Normalised errors of one seed, their squared Mahalanobis norm, and whether the answer is marked unreliable.
 #[derive(Default)]
 struct Score {
@@ -189,7 +192,38 @@ fn cases() -> Vec<(&'static str, Case)> {
     ]
 }
 
-/// No cell is overconfident: mean NEES and mean errors of the reliable answers, at 0.1 % for the table.
+/// Where the reliable answers of a case are not as they say: the sum of NEES from both sides, mean and coverage of every
+/// error. Each number is wrong by this chance.
+fn miscalibrated(name: &str, trusted: &[&Score], chance: f64) -> Vec<String> {
+    let mut found = Vec::new();
+    let n = trusted.len() as f64;
+    let both = [0.5 * chance, 1.0 - 0.5 * chance];
+    let mut judge = |what: &str, value: f64, limits: [f64; 2]| {
+        if value < limits[0] || value > limits[1] {
+            found.push(format!("{name}: {what} {value}, limits {limits:?}"));
+        }
+    };
+    let all = ChiSquared::new(6.0 * n).unwrap();
+    let nees = trusted.iter().map(|s| s.nees).sum();
+    judge("NEES", nees, both.map(|p| all.inverse_cdf(p)));
+    let normal = Normal::standard();
+    let inside = Binomial::new(HELD, trusted.len() as u64).unwrap();
+    let wide = normal.inverse_cdf(0.5 + 0.5 * HELD);
+    for k in 0..6 {
+        let sum = trusted.iter().map(|s| s.z[k]).sum();
+        judge(
+            "sum of z",
+            sum,
+            both.map(|p| normal.inverse_cdf(p) * n.sqrt()),
+        );
+        let held = trusted.iter().filter(|s| s.z[k].abs() < wide).count();
+        let limits = both.map(|p| inside.inverse_cdf(p) as f64);
+        judge("within 95 %", held as f64, limits);
+    }
+    found
+}
+
+/// No cell is overconfident or far too careful: NEES, mean errors and coverage of the reliable answers, at 0.1 % for the table.
 ///
 /// One seed per case here; `POINSOT_SEEDS=200` runs the long form, `POINSOT_CASE=slews` selects cases.
 #[test]
@@ -201,8 +235,8 @@ fn stat_wheels_between_samples_are_honest_or_doubted() {
         .into_iter()
         .filter(|c| c.0.contains(&only))
         .collect();
-    // NEES and six errors per case.
-    let chance = 1.0e-3 / (7 * cases.len()) as f64;
+    // NEES, six mean errors and six coverages per case.
+    let chance = 1.0e-3 / (13 * cases.len()) as f64;
     let mut failures = Vec::new();
     for (name, case) in &cases {
         let scores = trial(name, case, 0..seeds);
@@ -216,21 +250,8 @@ fn stat_wheels_between_samples_are_honest_or_doubted() {
         if told && doubted > alarms {
             failures.push(format!("{name}: {doubted} doubted"));
         }
-        if trusted.is_empty() {
-            continue;
-        }
-        let n = trusted.len() as f64;
-        let nees: f64 = trusted.iter().map(|s| s.nees).sum();
-        let limit = ChiSquared::new(6.0 * n).unwrap().inverse_cdf(1.0 - chance);
-        if nees >= limit {
-            failures.push(format!("{name}: NEES {nees} of {limit}"));
-        }
-        let limit = Normal::standard().inverse_cdf(1.0 - 0.5 * chance) * n.sqrt();
-        for k in 0..6 {
-            let sum: f64 = trusted.iter().map(|s| s.z[k]).sum();
-            if sum.abs() >= limit {
-                failures.push(format!("{name}: {sum} of {limit}"));
-            }
+        if !trusted.is_empty() {
+            failures.extend(miscalibrated(name, &trusted, chance));
         }
     }
     assert!(failures.is_empty(), "{failures:#?}");
