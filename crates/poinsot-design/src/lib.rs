@@ -33,7 +33,7 @@
 //! - `margins.rs`: use of limits, also by vehicles of the prior. `relaxed.rs`: other limits. `watch.rs`: limits that
 //!   need a simulation.
 //! - `vehicles.rs`: vehicles of the prior. `verify.rs`: trial flights.
-//! - `written.rs`, `file.rs`, `text.rs`: the result. `interrupt.rs`: a stopped search keeps its best result.
+//! - `written.rs`, `file.rs`: the result. `interrupt.rs`: a stopped search keeps its best result.
 #![allow(non_snake_case)]
 
 mod design;

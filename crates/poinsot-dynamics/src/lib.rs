@@ -44,8 +44,8 @@
 //! ```
 //!
 //! # Files
-//! - `vehicle.rs`: data of a vehicle for its motion. `tree.rs`: kinematic constants. `sensor.rs`: a sensor with its
-//!   declared errors.
+//! - `vehicle.rs`: data of a vehicle for its motion. `tree.rs`: kinematic constants. `sensor.rs`: kinds of
+//!   sensors, the facts of each in one constant.
 //! - `kinematics.rs`: pose and velocity of every body.
 //! - `momentum.rs`: momentum, its inverse, the shift between base and N. `joint_slopes.rs`: derivatives with respect to
 //!   joints.
@@ -66,7 +66,10 @@
 //!   equations.
 //! - `integrate.rs`: Dormand-Prince pair. `dop853.rs`, `dop853_table.rs`: eighth order with dense output.
 //!   `runge_kutta.rs`: fixed steps.
-//! - `measurement/`: the model of each kind of sensor. `sensors.rs`: sensor output. `sensor_errors.rs`: model of sensor errors.
+//! - `propagation/`: state of pose and momentum, the vehicle with locked joints, rows of the linearised equations, columns
+//!   over a step, whole steps. `quaternion.rs`: rotations over one number or several.
+//! - `measurement.rs`, `measurement/`: ideal sensors with derivatives, one file a kind. `sensors.rs`: simulated sensors.
+//!   `sensor_errors.rs`: model of sensor errors.
 //! - `orbit.rs`, `gravity_gradient.rs`: orbit and gravity gradient.
 //! - `attitude_control.rs`, `reaction_wheel.rs`: closed loop.
 #![cfg_attr(not(feature = "std"), no_std)]

@@ -35,6 +35,7 @@
 //! - `address.rs`: addresses of numbers, with their one grammar.
 //! - `case.rs`, `plan.rs`: case and plan, read and written. `toml_file.rs`: all faults in the structure of a TOML file.
 //! - `check.rs`: consistency of an answer. `read.rs`: the reader. `upgrade.rs`: earlier versions.
+//! - `statistics.rs`, `band.rs`: statistics of trials and their bands.
 //! - `listing.rs`: answers of the commands that list, and errors as data.
 #![allow(non_snake_case)]
 

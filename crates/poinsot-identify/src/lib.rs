@@ -35,16 +35,18 @@
 //! Folders, each of which imports only those before it: `problem`, `motion`, `sensors`, `likelihood`, `fit`,
 //! `diagnosis`, `solution`, `certify`, `remedies`, `answer`, `methods`, then `prediction` and `evaluation`.
 //!
-//! - `problem/`: input. `question.rs`, `segment.rs`: its types. `parameters.rs`, `parameters/`: the unknowns.
+//! - `problem/`: input. `question.rs`, `segment.rs`: its types. `parameters.rs`, `parameters/`: the unknowns; `registry.rs`
+//!   has every kind once, with name, unit, declaration and fault. `fault.rs`: kinds of faults and advice.
 //!   `prior.rs`, `loss.rs`. `settings.rs`: choices of a fit and thresholds of the tests, with their defaults.
 //!   `quantity.rs`: mass, mass centre and inertia with gradients. `shifted_vehicle.rs`: the vehicle with other known
 //!   numbers.
 //! - `motion.rs`, `motion/`: the pose-momentum equation. `vehicle.rs`: the vehicle at one value of the unknowns.
 //!   `steps.rs`, `grid.rs`: number of steps. `advance.rs`: one step. `chord.rs`: wheels within an interval.
-//!   `variation.rs`: sensitivities. `inputs.rs`: inputs and their errors. `virtual_joints.rs`: errors of joint origins
+//!   `variation.rs`: columns of the unknowns. `inputs.rs`: inputs and their errors. `virtual_joints.rs`: errors of joint origins
 //!   and axes. `environment.rs`: external torques. `acceleration.rs`. `input_noise.rs`: propagation of joint and wheel
 //!   noise. `input_curves.rs`: smoothing splines for input lags.
-//! - `sensors/`: predicted measurement and sensitivities, one file per kind.
+//! - `sensors/`: the measurement models at the estimated motion. `stream.rs`: samples with their predictions, for likelihood
+//!   and curves.
 //! - `likelihood.rs`, `likelihood/`: predictions against measurements. `rows.rs`, `impulse.rs`: whitened equations of
 //!   the linear method, and thrust between samples.
 //! - `fit/`: `experiment.rs`: a problem at any value of its unknowns, and its Fisher information. `triangle.rs`:
@@ -52,8 +54,8 @@
 //!   to few samples. `coordinates.rs`: steps that keep bodies physical. `step_error.rs`: checks the integration step.
 //!   `known_numbers.rs`: known numbers within their uncertainty. `degrees_of_freedom.rs`. `experiment/`: columns of
 //!   known numbers, predicted measurements.
-//! - `diagnosis/`: causes of a misfit. `candidate.rs`, `candidates.rs`, `changes.rs`: registry of hypotheses.
-//!   `table.rs`: their columns. `onset.rs`, `pulse.rs`: causes that start within a record. `score.rs`: misfit explained
+//! - `diagnosis/`: causes of a misfit. `candidates.rs`: numbers of the registry that telemetry can show. `changes.rs`: known numbers.
+//!   `table.rs`: their columns. `sensor_blocks.rs`: errors of many sensors, one triangle each. `onset.rs`, `pulse.rs`: causes that start within a record. `score.rs`: misfit explained
 //!   by columns. `noise_models.rs`: other noise models. `suspects.rs`: evidence. `conflict.rs`: priors against data.
 //!   `octaves.rs`: residuals by octave. `deviance.rs`: likelihood under the declared noise.
 //! - `solution/`: `solved.rs`: the numerical solution. `unobservable_set.rs`: invariants along unobservable directions.

@@ -32,6 +32,8 @@
 //! # Files
 //! - `estimate.rs`, `prediction.rs`, `several.rs`, `validation.rs`, `comparison.rs`, `design.rs`, `campaign.rs`: one
 //!   result each, in the terminal.
+//! - `trials.rs`, `study.rs`, `description.rs`, `prediction_sentence.rs`, `design_sentence.rs`: documents and sentences of
+//!   the other results.
 //! - `verdict.rs`, `summary.rs`, `checks.rs`: the words of an answer, for terminal and page.
 //! - `page/`: the page, one file and one template per section. `page/results/`: pages of the other commands.
 #![allow(non_snake_case)]

@@ -7,6 +7,7 @@
 //! # Files
 //! - `rigid_body.rs`: torque-free motion in closed form. `momentum_sum.rs`: momentum by definition.
 //! - `trees.rs`, `tree_dynamics.rs`: the recorded trees of `validation/`.
+//! - `vehicles.rs`: model files of test vehicles.
 //! - `elliptic.rs`, `quadrature.rs`, `joint_plans.rs`, `compare.rs`. `outside.rs`: data that are not shipped.
 #![allow(non_snake_case)]
 

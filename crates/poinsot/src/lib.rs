@@ -80,7 +80,7 @@
 //!   by address. `trial.rs`, `shard.rs`, `engine.rs`: one trial, a block of trials, all cores. `result.rs`: statistics
 //!   from sums. `run.rs`: resume and merge, around any engine; `python/poinsot/_cluster.py` is that of Dask and of
 //!   object stores.
-//! - `sweep.rs`: a plan of one case.
+//! - `sweep.rs`: a plan of one case. `import.rs`: the command `import`. `progress.rs`: progress, and its listener.
 //! - `check.rs`: the command `check`. `propose.rs`, `propose_sensors.rs`: the command `inspect`.
 //! - `bind/`: table and model become samples and noise. `bind/cut.rs`: pieces between gaps. `bind/free_fall.rs`:
 //!   positions on an orbit.
