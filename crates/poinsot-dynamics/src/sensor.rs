@@ -398,6 +398,13 @@ impl SensorKind {
 }
 
 /// A unit that ends a key, as it is printed: `rad_s` is `rad/s`.
+///
+/// ```
+/// use poinsot_dynamics::printed_unit;
+///
+/// assert_eq!(printed_unit("rad_s"), "rad/s");
+/// assert_eq!(printed_unit("rad"), "rad");
+/// ```
 pub fn printed_unit(key: &'static str) -> &'static str {
     match key {
         "rad_s" => "rad/s",

@@ -25,6 +25,19 @@ pub struct CheckedCase<'a> {
 }
 
 /// A case.
+///
+/// ```
+/// use poinsot_formats::case::CaseFile;
+/// use poinsot_report::{CheckedCase, case_lines};
+///
+/// let text = "schema = 'poinsot.case/2'\nmodel = 'box.toml'\nduration_s = 10.0\n[output]\nrate_hz = 5\n";
+/// let file = CaseFile::parse(text).unwrap();
+/// let model = "box (box.toml)".to_owned();
+/// let (rows, seed, wants, design) = (51, 1, Vec::new(), None);
+/// let lines = case_lines(&CheckedCase { file: &file, model, duration_s: 10.0, rate_hz: 5.0, rows, seed, wants, design });
+/// assert_eq!(lines[1], "10 s at 5 Hz: 51 rows, seed 1");
+/// assert_eq!(lines[2], "start: at rest");
+/// ```
 pub fn case_lines(case: &CheckedCase<'_>) -> Vec<String> {
     let file = case.file;
     let mut lines = vec![
@@ -56,6 +69,16 @@ pub fn case_lines(case: &CheckedCase<'_>) -> Vec<String> {
 }
 
 /// A plan of this name with its numbers of trials, cells and shards, and its methods.
+///
+/// ```
+/// use poinsot_formats::PlanFile;
+/// use poinsot_report::plan_lines;
+///
+/// let text = "schema = 'poinsot.plan/1'\n[[experiment]]\nname = 'box'\ncase = 'case.toml'\n";
+/// let file = PlanFile::parse(text).unwrap();
+/// let lines = plan_lines(&file, "box", [4, 1, 1], &["linear"]);
+/// assert_eq!(lines, ["box: 4 trials of 1 cell, in 1 shard", "experiment: case.toml", "methods: linear"]);
+/// ```
 pub fn plan_lines(
     file: &PlanFile,
     name: &str,
@@ -80,6 +103,13 @@ pub fn plan_lines(
 }
 
 /// A result of `identify`.
+///
+/// ```
+#[doc = include_str!("../doc/estimate.txt")]
+/// let lines = poinsot_report::estimate_lines(&estimate);
+/// assert!(lines[0].contains("combinations are identifiable"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn estimate_lines(file: &EstimateFile) -> Vec<String> {
     let found = &file.identifiability;
     let mut lines = vec![format!(

@@ -5,6 +5,13 @@ use poinsot_files::significant;
 use poinsot_formats::DesignFile;
 
 /// The result in one sentence.
+///
+/// ```
+/// let text = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/design.json"));
+/// let design: poinsot_formats::DesignFile = serde_json::from_str(text)?;
+/// assert_eq!(poinsot_report::design_sentence(&design), design.in_words);
+/// # Ok::<(), serde_json::Error>(())
+/// ```
 pub fn design_sentence(design: &DesignFile) -> String {
     let seconds = significant(design.duration_s, 4);
     let of = format!("{} wanted numbers of {}", design.wants.len(), design.model);

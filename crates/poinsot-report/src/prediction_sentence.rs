@@ -7,6 +7,13 @@ use poinsot_formats::{MassFile, PredictedNumberFile, PredictionFile};
 type Body = MassFile<PredictedNumberFile>;
 
 /// "2 min of this manoeuvre: bus mass to 0.1 %, mass centre to 4 mm, Ixx to 0.3 %, ...; Ixy not identifiable."
+///
+/// ```
+/// let text = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/prediction.json"));
+/// let prediction: poinsot_formats::PredictionFile = serde_json::from_str(text)?;
+/// assert_eq!(poinsot_report::prediction_sentence(&prediction), prediction.in_words);
+/// # Ok::<(), serde_json::Error>(())
+/// ```
 pub fn prediction_sentence(prediction: &PredictionFile) -> String {
     let bodies = prediction.bodies.iter();
     let (shown, silent): (Vec<_>, Vec<_>) = bodies.partition(|b| is_shown(b.1));

@@ -8,6 +8,18 @@ use std::path::Path;
 ///
 /// # Errors
 /// The URDF cannot be read, or its names or numbers violate the rules of a model file.
+///
+/// ```
+/// let folder = tempfile::tempdir()?;
+/// let urdf = folder.path().join("box.urdf");
+/// let text = r#"<robot name="box"><link name="bus"><inertial><mass value="10"/>
+/// <inertia ixx="1" ixy="0" ixz="0" iyy="2" iyz="0" izz="2.5"/></inertial></link></robot>"#;
+/// std::fs::write(&urdf, text)?;
+/// let (model, file) = poinsot::import(&urdf)?;
+/// assert_eq!(model.bodies[0].nominal.mass, 10.0);
+/// assert!(file.contains("mass_kg = 10"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn import(urdf: &Path) -> Result<(Model, String), Error> {
     let model = read_urdf(urdf).model?;
     let text = write_model(&model);

@@ -225,6 +225,15 @@ pub fn findings_file(paper: &str, study: &Study, findings: &Findings) -> StudyFi
 }
 
 /// The findings as the paper's page prints them: every cell as text.
+///
+/// ```
+/// use poinsot::study::{find, printed_findings};
+/// use poinsot_papers::study::Findings;
+///
+/// let (paper, study) = find(Some("kim2010"), Some("table2"))?[0];
+/// assert_eq!(printed_findings(paper, study, &Findings::default()).paper, "kim2010");
+/// # Ok::<(), poinsot::Error>(())
+/// ```
 pub fn printed_findings(paper: &str, study: &Study, findings: &Findings) -> StudyFindingsFile {
     filed(paper, study, findings, |cell| {
         FoundCellFile::Word(cell.text())

@@ -89,7 +89,7 @@ fn cli_help_says_what_is_not_possible_together() {
     let help = Command::cargo_bin("poinsot").unwrap();
     let done = { help }.args(["identify", "--help"]).output().unwrap();
     let text = String::from_utf8(done.stdout).unwrap();
-    assert!(text.contains("excludes --json"), "{text}");
+    assert!(text.contains("Excludes --json"), "{text}");
     let done = identify(&example("model.toml"), &["--json", "--quiet"]);
     assert_eq!(done.status.code(), Some(2));
 }

@@ -43,6 +43,12 @@ pub struct LinearSteps<'a> {
 }
 
 /// Numbers of a row of [`linearised_step`].
+///
+/// ```
+#[doc = include_str!("../../doc/arm.txt")]
+/// // 13 numbers of the state. Columns of 12: state 12, three times joint, rate and wheel, wrench 6, bodies 20, wheel 1.
+/// assert_eq!(batch::linearised_width(&tree), 13 + 12 * (12 + 9 + 6 + 20 + 1));
+/// ```
 pub fn linearised_width(tree: &Tree) -> usize {
     let inputs = POINTS * (2 * tree.dof() + tree.rotors.len());
     let parameters = PARAMETERS * tree.bodies() + tree.rotors.len();
@@ -56,6 +62,22 @@ pub fn linearised_width(tree: &Tree) -> usize {
 ///
 /// # Errors
 /// An array has the wrong length, or a vehicle has no positive mass or inertia.
+///
+/// ```
+#[doc = include_str!("../../doc/arm.txt")]
+/// // Two vehicles at rest drift at 1 and 2 m/s along x: 3 kg each.
+/// let mut states = [0.0; 26];
+/// (states[3], states[16]) = (1.0, 1.0);
+/// (states[7], states[20]) = (3.0, 6.0);
+/// let still = batch::InputRows { q: &[0.0; 2], rates: &[0.0; 2], wheel_speed: &[0.0; 2] };
+/// let steps = batch::LinearSteps { states: &states, inputs: [still; 3], wrench: None, dt: 0.5 };
+/// let width = batch::linearised_width(&tree);
+/// let mut out = vec![0.0; 2 * width];
+/// batch::linearised_step(&tree, &bodies, &[0.01], steps, &mut out)?;
+/// assert!((out[4] - 0.5).abs() < 1.0e-12);
+/// assert!((out[width + 4] - 1.0).abs() < 1.0e-12);
+/// # Ok::<(), batch::BatchError>(())
+/// ```
 pub fn linearised_step(
     tree: &Tree,
     bodies: &[InertialParameters],

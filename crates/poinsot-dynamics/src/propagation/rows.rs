@@ -124,6 +124,15 @@ pub(super) fn halves<T>(x: &[T; STATE]) -> (&[T; HALF], &[T; HALF]) {
 }
 
 /// What a change of the twist `[v; w]` does to the rate of the pose, `[dphi_B'; dp_N']`.
+///
+/// ```
+/// use poinsot_dynamics::propagation::pose_change;
+/// use poinsot_spatial::{Matrix3, Vector6};
+///
+/// let twist = Vector6::new(1.0, 2.0, 3.0, 0.1, 0.2, 0.3);
+/// let change = pose_change(&Matrix3::identity(), &twist);
+/// assert_eq!(change, Vector6::new(0.1, 0.2, 0.3, 1.0, 2.0, 3.0));
+/// ```
 #[inline]
 pub fn pose_change(R_NB: &Matrix3<f64>, twist: &Vector6<f64>) -> Vector6<f64> {
     let (v, w) = (

@@ -137,6 +137,19 @@ pub trait Rates<T: Real = f64> {
 
 /// One step of the classical Runge-Kutta rule of fourth order. `rate` is that of `start`; the rates in the middle are asked for
 /// twice, that at the end once, in this order.
+///
+/// ```
+/// use poinsot_dynamics::Twist;
+/// use poinsot_dynamics::propagation::*;
+/// use poinsot_spatial::{UnitQuaternion, Vector3};
+///
+#[doc = include_str!("../../doc/pushed.txt")]
+/// let rate = Pushed.rate(StepPoint::Begin, &start).unwrap();
+/// let end = runge_kutta_step(&start, &rate, 3.0, &mut Pushed).unwrap();
+/// // 2 m/s2 over 3 s.
+/// assert!((end.p_NoBo_N.x - 9.0).abs() < 1.0e-12);
+/// assert!((end.P.x - 12.0).abs() < 1.0e-12);
+/// ```
 #[inline(always)]
 pub fn runge_kutta_step<T: Real>(
     start: &PoseMomentum<T>,
@@ -152,6 +165,20 @@ pub fn runge_kutta_step<T: Real>(
 }
 
 /// The state in the middle of a step: on the cubic through states and rates at both ends, as good as the step itself.
+///
+/// ```
+/// use poinsot_dynamics::Twist;
+/// use poinsot_dynamics::propagation::*;
+/// use poinsot_spatial::{UnitQuaternion, Vector3};
+///
+#[doc = include_str!("../../doc/pushed.txt")]
+/// let rate = Pushed.rate(StepPoint::Begin, &start).unwrap();
+/// let end = runge_kutta_step(&start, &rate, 4.0, &mut Pushed).unwrap();
+/// let rate_at_end = Pushed.rate(StepPoint::End, &end).unwrap();
+/// let middle = state_in_middle((&start, &rate), (&end, &rate_at_end), 4.0);
+/// // 2 m/s2 over 2 s.
+/// assert!((middle.p_NoBo_N.x - 4.0).abs() < 1.0e-12);
+/// ```
 #[inline(always)]
 pub fn state_in_middle<T: Real>(
     (start, rate_at_start): (&PoseMomentum<T>, &PoseMomentumRate<T>),

@@ -176,7 +176,7 @@ pub(super) fn sensor_blocks(
 mod tests {
     use super::*;
     use crate::problem::Problem;
-    use crate::problem::parameters::Unknown;
+    use crate::problem::parameters::{Parameters, Unknown};
     use crate::problem::segment::{
         Noise, Observations, Samples, Segment, SensorRecord, SensorValue,
     };
@@ -227,11 +227,8 @@ angular_N_m_s = "estimate"
         pairs.map(|(a, b)| dot(a, b)).collect()
     }
 
-    /// Sensor by sensor the products of the columns are those of one dense triangle.
-    #[test]
-    fn exact_blocks_of_sensors_are_those_of_the_dense_triangle() {
-        let model = parse_model(MODEL, "box.toml").unwrap();
-        let tree = Tree::new(&model);
+    /// Both gyros along one turning motion.
+    fn segment() -> Segment {
         let time_s: Vec<f64> = (0..40).map(|k| 0.1 * f64::from(k)).collect();
         let turn = |t: &f64| Vector3::new(0.3 * t.sin(), 0.2, 0.1 * t.cos());
         let rates: Vec<Vector3<f64>> = time_s.iter().map(turn).collect();
@@ -246,12 +243,15 @@ angular_N_m_s = "estimate"
             sensors: vec![gyro(0, 1.0e-4, &rates), gyro(1, 3.0e-4, &rates)],
             ..Observations::default()
         };
-        let segments = [Segment {
+        Segment {
             samples,
             observations,
             ..Segment::default()
-        }];
-        let noise = Noise {
+        }
+    }
+
+    fn noise() -> Noise {
+        Noise {
             gyro_sensor: None,
             gyro: Matrix3::identity() * 1.0e-8,
             attitude: Matrix3::zeros(),
@@ -263,7 +263,32 @@ angular_N_m_s = "estimate"
             seen_gyro: 1.0,
             seen_velocity: 0.0,
             seen_joint_rate: 0.0,
+        }
+    }
+
+    /// The unknowns, and errors of sensors behind them.
+    fn with(parameters: &Parameters, errors: &[(usize, SensorError)]) -> Parameters {
+        let mut extended = parameters.clone();
+        let unknown = |(sensor, error): &(usize, SensorError)| Unknown {
+            kind: UnknownKind::Sensor {
+                sensor: *sensor,
+                error: *error,
+            },
+            name: String::new(),
+            unit: "1",
+            nominal: 0.0,
+            natural: 1.0,
         };
+        extended.unknowns.extend(errors.iter().map(unknown));
+        extended
+    }
+
+    /// Sensor by sensor the products of the columns are those of one dense triangle.
+    #[test]
+    fn exact_blocks_of_sensors_are_those_of_the_dense_triangle() {
+        let model = parse_model(MODEL, "box.toml").unwrap();
+        let tree = Tree::new(&model);
+        let (segments, noise) = ([segment()], noise());
         let problem = Problem {
             model: &model,
             tree: &tree,
@@ -287,24 +312,9 @@ angular_N_m_s = "estimate"
                 error,
             })
             .collect();
-        let with = |errors: &[(usize, SensorError)]| {
-            let mut extended = parameters.clone();
-            let unknown = |(sensor, error): &(usize, SensorError)| Unknown {
-                kind: UnknownKind::Sensor {
-                    sensor: *sensor,
-                    error: *error,
-                },
-                name: String::new(),
-                unit: "1",
-                nominal: 0.0,
-                natural: 1.0,
-            };
-            extended.unknowns.extend(errors.iter().map(unknown));
-            extended
-        };
         let shared = [(1, SensorError::Lag)];
         let all: Vec<_> = shared.iter().chain(&errors).copied().collect();
-        let (narrow, wide) = (with(&shared), with(&all));
+        let (narrow, wide) = (with(&parameters, &shared), with(&parameters, &all));
         let at = experiment.nominal_point();
         let point = |more: usize| {
             let mut at = at.clone();

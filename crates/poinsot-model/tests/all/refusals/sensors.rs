@@ -94,8 +94,8 @@ bias = { sigma_rad_s = 1.0e-3 }"#,
 quantisation_rad = 2.4e-5"#,
         r#"type = "wheel_speed"
 quantisation_rad_s = 2.4e-5
-bias = "estimate""#,
-        r#"E0118 m.toml:40:8: sensor[1].bias (sensor "encoders") = "estimate": the bias of a sensor of type "wheel_speed" cannot be estimated; remove it; lag can be estimated"#,
+scale = "estimate""#,
+        r#"E0118 m.toml:40:9: sensor[1].scale (sensor "encoders") = "estimate": the scale of a sensor of type "wheel_speed" cannot be estimated; remove it; bias, lag can be estimated"#,
     ),
     (
         r#"type = "joint_position"
