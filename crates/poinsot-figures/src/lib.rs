@@ -3,7 +3,6 @@
 //! | subject | item |
 //! |---|---|
 //! | text in a terminal | [`Document`], [`Section`], [`Table`], [`TextStyle`] |
-//! | numbers as text | [`significant`], [`number_with_sigma`], [`probability`] |
 //! | plots | [`Plot`], [`Series`], [`Axis`], [`Mark`] |
 //! | scenes in three dimensions | [`Scene`], [`Tree`], [`Ellipsoid`], [`Curve`] |
 //! | a picture as a file | [`Figure`], [`FigureFormat`] |
@@ -11,7 +10,8 @@
 //!
 //! # Example
 //! ```
-//! use poinsot_figures::{Axis, Document, Figure, Mark, Plot, Section, Series, Table, number_with_sigma};
+//! use poinsot_figures::{Axis, Document, Figure, Mark, Plot, Section, Series, Table};
+//! use poinsot_files::number_with_sigma;
 //!
 //! let (value, sigma) = number_with_sigma(Some(312.41567), Some(0.0213));
 //! let mut table = Table::new(&["", "value", "1 sigma", "unit"]);
