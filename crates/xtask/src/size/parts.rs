@@ -123,6 +123,8 @@ pub const PARTS: [Part; 7] = [
             "/free_motion",
             "/rates_momentum",
             "/propellant",
+            "/propagation/vehicle",
+            "/relative_",
         ],
     },
     Part {
