@@ -3,23 +3,25 @@
 use super::rows::{StateRows, add, halves};
 use super::{HALF, STATE};
 use crate::algebra::Real;
-
-/// Evaluation and share of the step of each Runge-Kutta stage.
-const STAGES: [(usize, f64); 4] = [(0, 0.0), (1, 0.5), (1, 0.5), (2, 1.0)];
+use core::ops::Mul;
 
 /// The linear equation `x' = A x + b` of a column at the start, in the middle and at the end of a step.
 #[derive(Debug, Clone, Copy)]
-pub struct StepRows<'v, T = f64> {
+pub struct StepRows<'v, R = f64> {
     /// Upper half of `A`: [`super::BaseMotion::pose_rows`].
-    pub pose: [&'v StateRows<T>; 3],
+    pub pose: [&'v StateRows<R>; 3],
     /// Lower half of `A`, where the state changes the momentum's rate.
-    pub momentum: [Option<&'v StateRows<T>>; 3],
+    pub momentum: [Option<&'v StateRows<R>>; 3],
 }
 
-impl<T: Real> StepRows<'_, T> {
+impl<R: Copy> StepRows<'_, R> {
     /// Upper half of `A x` by a momentum that stays, plus the upper half `drive` of `b`, at the three points.
     #[inline(always)]
-    pub fn held(&self, momentum: &[T; HALF], drive: &[[T; HALF]; 3]) -> [[T; HALF]; 3] {
+    pub fn held<T: Real + Mul<R, Output = T>>(
+        &self,
+        momentum: &[T; HALF],
+        drive: &[[T; HALF]; 3],
+    ) -> [[T; HALF]; 3] {
         let mut held = *drive;
         for (held, rows) in held.iter_mut().zip(&self.pose) {
             let part = rows.momentum_times(momentum);
@@ -31,30 +33,44 @@ impl<T: Real> StepRows<'_, T> {
     /// Carries a column whose momentum stays over a step of `dt` seconds; `held` is that of [`Self::held`], or the upper half of `b`
     /// where the column has no momentum.
     #[inline(always)]
-    pub fn carry_pose(&self, x: &mut [T; STATE], held: &[[T; HALF]; 3], dt: f64) {
+    pub fn carry_pose<T: Real + Mul<R, Output = T>>(
+        &self,
+        x: &mut [T; STATE],
+        held: &[[T; HALF]; 3],
+        dt: f64,
+    ) {
         let start = [x[0], x[1], x[2]];
-        let mut slope = held[0];
-        let mut sum: Option<[T; HALF]> = None;
-        for (i, (at, share)) in STAGES.into_iter().enumerate() {
-            let mut phi = start;
-            if i > 0 {
-                turn(&mut phi, &slope, share * dt);
-            }
-            slope = self.pose[at].attitude_times(&phi);
-            add(&mut slope, &held[at], phi[0].all(1.0));
-            sum = Some(summed(sum, &slope, i));
+        let two = start[0].all(2.0);
+        // Four stages of weights 1, 2, 2 and 1.
+        let slope = self.pose_slope(0, &start, held);
+        let mut sum = slope;
+        let slope = self.pose_slope(1, &turned(&start, &slope, 0.5 * dt), held);
+        add(&mut sum, &slope, two);
+        let slope = self.pose_slope(1, &turned(&start, &slope, 0.5 * dt), held);
+        add(&mut sum, &slope, two);
+        let slope = self.pose_slope(2, &turned(&start, &slope, dt), held);
+        for ((x, change), last) in x.iter_mut().zip(&sum).zip(&slope) {
+            *x = *x + (*change + *last) * (dt / 6.0);
         }
-        if let Some(sum) = sum {
-            for (x, change) in x.iter_mut().zip(&sum) {
-                *x = *x + *change * (dt / 6.0);
-            }
-        }
+    }
+
+    /// The upper half of `A x + b` at one of the three points, by an attitude.
+    #[inline(always)]
+    fn pose_slope<T: Real + Mul<R, Output = T>>(
+        &self,
+        at: usize,
+        phi: &[T; 3],
+        held: &[[T; HALF]; 3],
+    ) -> [T; HALF] {
+        let mut slope = self.pose[at].attitude_times(phi);
+        add(&mut slope, &held[at], phi[0].all(1.0));
+        slope
     }
 
     /// Carries a column over a step of `dt` seconds: Runge-Kutta of fourth order on an equation that is linear. `pose` and
     /// `momentum` are both halves of `b` at the three points.
     #[inline(always)]
-    pub fn carry(
+    pub fn carry<T: Real + Mul<R, Output = T>>(
         &self,
         x: &mut [T; STATE],
         pose: &[[T; HALF]; 3],
@@ -62,53 +78,65 @@ impl<T: Real> StepRows<'_, T> {
         dt: f64,
     ) {
         let (start, start_momentum) = halves(x);
-        let one = start[0].all(1.0);
-        let mut slope = (pose[0], momentum[0]);
-        let mut sum: Option<([T; HALF], [T; HALF])> = None;
-        for (i, (at, share)) in STAGES.into_iter().enumerate() {
-            let mut phi = [start[0], start[1], start[2]];
-            let mut pushed = *start_momentum;
-            if i > 0 {
-                turn(&mut phi, &slope.0, share * dt);
-                add(&mut pushed, &slope.1, one.all(share * dt));
-            }
-            slope = (self.pose[at].attitude_times(&phi), momentum[at]);
-            add(&mut slope.0, &self.pose[at].momentum_times(&pushed), one);
-            add(&mut slope.0, &pose[at], one);
-            if let Some(rows) = self.momentum[at] {
-                add(&mut slope.1, &rows.attitude_times(&phi), one);
-                if rows.is_coupled() {
-                    add(&mut slope.1, &rows.momentum_times(&pushed), one);
-                }
-            }
-            sum = Some(match sum {
-                None => slope,
-                Some((a, b)) => (summed(Some(a), &slope.0, i), summed(Some(b), &slope.1, i)),
-            });
+        let start = [start[0], start[1], start[2]];
+        let start_momentum = *start_momentum;
+        let (start, drive) = ((start, start_momentum), (pose, momentum));
+        let two = start.0[0].all(2.0);
+        let slope = self.slope(0, &start, drive);
+        let mut sum = slope;
+        let slope = self.slope(1, &after(&start, &slope, 0.5 * dt), drive);
+        add(&mut sum.0, &slope.0, two);
+        add(&mut sum.1, &slope.1, two);
+        let slope = self.slope(1, &after(&start, &slope, 0.5 * dt), drive);
+        add(&mut sum.0, &slope.0, two);
+        add(&mut sum.1, &slope.1, two);
+        let slope = self.slope(2, &after(&start, &slope, dt), drive);
+        let sums = sum.0.iter().chain(&sum.1);
+        for ((x, change), last) in x.iter_mut().zip(sums).zip(slope.0.iter().chain(&slope.1)) {
+            *x = *x + (*change + *last) * (dt / 6.0);
         }
-        if let Some((pose, momentum)) = sum {
-            for (x, change) in x.iter_mut().zip(pose.iter().chain(&momentum)) {
-                *x = *x + *change * (dt / 6.0);
+    }
+
+    /// Both halves of `A x + b` at one of the three points.
+    #[inline(always)]
+    fn slope<T: Real + Mul<R, Output = T>>(
+        &self,
+        at: usize,
+        (phi, momentum): &Moving<T>,
+        (pose, push): (&[[T; HALF]; 3], &[[T; HALF]; 3]),
+    ) -> ([T; HALF], [T; HALF]) {
+        let one = phi[0].all(1.0);
+        let mut slope = (self.pose[at].attitude_times(phi), push[at]);
+        add(&mut slope.0, &self.pose[at].momentum_times(momentum), one);
+        add(&mut slope.0, &pose[at], one);
+        if let Some(rows) = self.momentum[at] {
+            add(&mut slope.1, &rows.attitude_times(phi), one);
+            if rows.is_coupled() {
+                add(&mut slope.1, &rows.momentum_times(momentum), one);
             }
         }
+        slope
     }
 }
 
-/// `phi += slope dt`, the attitude alone.
+/// Attitude and momenta of a column.
+type Moving<T> = ([T; 3], [T; HALF]);
+
+/// Attitude and momenta after `dt` seconds at this slope.
 #[inline(always)]
-fn turn<T: Real>(phi: &mut [T; 3], slope: &[T; HALF], dt: f64) {
-    for (phi, slope) in phi.iter_mut().zip(slope) {
-        *phi = *phi + *slope * dt;
-    }
+fn after<T: Real>(
+    (phi, momentum): &Moving<T>,
+    slope: &([T; HALF], [T; HALF]),
+    dt: f64,
+) -> Moving<T> {
+    let mut momentum = *momentum;
+    add(&mut momentum, &slope.1, phi[0].all(dt));
+    (turned(phi, &slope.0, dt), momentum)
 }
 
-/// The stages' slopes with their weights 1, 2, 2, 1.
+/// The attitude `phi` after `dt` seconds at this slope.
 #[inline(always)]
-fn summed<T: Real>(sum: Option<[T; HALF]>, slope: &[T; HALF], stage: usize) -> [T; HALF] {
-    let Some(mut sum) = sum else {
-        return *slope;
-    };
-    let weight = if stage == 3 { 1.0 } else { 2.0 };
-    add(&mut sum, slope, slope[0].all(weight));
-    sum
+fn turned<T: Real>(phi: &[T; 3], slope: &[T; HALF], dt: f64) -> [T; 3] {
+    let ([x, y, z], [a, b, c, ..]) = (*phi, *slope);
+    [x + a * dt, y + b * dt, z + c * dt]
 }

@@ -5,6 +5,7 @@ use super::state::PoseMomentum;
 use super::{HALF, STATE};
 use crate::algebra::{M3, Real, V3};
 use crate::quaternion;
+use core::ops::Mul;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3, Vector6};
 
 /// Six rows over a change of the state, position included.
@@ -32,14 +33,19 @@ impl<T: Real> StateRows<T> {
             coupled: false,
         }
     }
+}
 
+impl<R: Copy> StateRows<R> {
     /// Whether a momentum enters.
     pub(super) fn is_coupled(&self) -> bool {
         self.coupled
     }
 
     #[inline(always)]
-    pub(super) fn attitude_times(&self, phi: &[T; ATTITUDE]) -> [T; HALF] {
+    pub(super) fn attitude_times<T: Real + Mul<R, Output = T>>(
+        &self,
+        phi: &[T; ATTITUDE],
+    ) -> [T; HALF] {
         let mut sum = scaled(&self.attitude[0], phi[0]);
         add(&mut sum, &self.attitude[1], phi[1]);
         add(&mut sum, &self.attitude[2], phi[2]);
@@ -47,7 +53,10 @@ impl<T: Real> StateRows<T> {
     }
 
     #[inline(always)]
-    pub(super) fn momentum_times(&self, momentum: &[T; HALF]) -> [T; HALF] {
+    pub(super) fn momentum_times<T: Real + Mul<R, Output = T>>(
+        &self,
+        momentum: &[T; HALF],
+    ) -> [T; HALF] {
         let mut sum = scaled(&self.momentum[0], momentum[0]);
         for (column, x) in self.momentum.iter().zip(momentum).skip(1) {
             add(&mut sum, column, *x);
@@ -57,29 +66,33 @@ impl<T: Real> StateRows<T> {
 }
 
 #[inline(always)]
-fn scaled<T: Real>(x: &[T; HALF], factor: T) -> [T; HALF] {
+fn scaled<R: Copy, T: Real + Mul<R, Output = T>>(x: &[R; HALF], factor: T) -> [T; HALF] {
     let [a, b, c, d, e, f] = *x;
     [
-        a * factor,
-        b * factor,
-        c * factor,
-        d * factor,
-        e * factor,
-        f * factor,
+        factor * a,
+        factor * b,
+        factor * c,
+        factor * d,
+        factor * e,
+        factor * f,
     ]
 }
 
 /// `sum += x factor`.
 #[inline(always)]
-pub(super) fn add<T: Real>(sum: &mut [T; HALF], x: &[T; HALF], factor: T) {
+pub(super) fn add<R: Copy, T: Real + Mul<R, Output = T>>(
+    sum: &mut [T; HALF],
+    x: &[R; HALF],
+    factor: T,
+) {
     let ([a, b, c, d, e, f], [p, q, r, s, t, u]) = (*x, *sum);
     *sum = [
-        p + a * factor,
-        q + b * factor,
-        r + c * factor,
-        s + d * factor,
-        t + e * factor,
-        u + f * factor,
+        p + factor * a,
+        q + factor * b,
+        r + factor * c,
+        s + factor * d,
+        t + factor * e,
+        u + factor * f,
     ];
 }
 
