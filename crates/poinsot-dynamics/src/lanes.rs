@@ -57,6 +57,17 @@ impl<S: Simd> Lanes<S> {
         out
     }
 
+    /// Four numbers of every lane as four vectors. [`Self::four_of_each`] puts them back into the same places; elsewhere the order of
+    /// lanes is that of [`Self::order`].
+    #[inline(always)]
+    pub fn of_four(simd: S, four: &[[f64; 4]; MOST]) -> [Self; 4] {
+        let one = Self::new(simd, 0.0);
+        let mut of = [one.of; 4];
+        bytemuck::cast_slice_mut(&mut of).copy_from_slice(&four[..Self::COUNT]);
+        let [a, b, c, d] = simd.deinterleave_shfl_f64s(of);
+        [one.with(a), one.with(b), one.with(c), one.with(d)]
+    }
+
     /// Rounded to whole numbers.
     #[inline(always)]
     fn rounded(self) -> Self {

@@ -67,7 +67,7 @@
 //! - `integrate.rs`: Dormand-Prince pair. `dop853.rs`, `dop853_table.rs`: eighth order with dense output.
 //!   `runge_kutta.rs`: fixed steps.
 //! - `propagation/`: state of pose and momentum, the vehicle with locked joints, rows of the linearised equations, columns
-//!   over a step, whole steps. `quaternion.rs`: rotations over one number or several.
+//!   over a step (`columns.rs`: several side by side), whole steps. `quaternion.rs`: rotations over one number or several.
 //! - `measurement.rs`, `measurement/`: ideal sensors with derivatives, one file a kind. `sensors.rs`: simulated sensors.
 //!   `sensor_errors.rs`: model of sensor errors.
 //! - `orbit.rs`, `gravity_gradient.rs`: orbit and gravity gradient.

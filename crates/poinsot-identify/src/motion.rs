@@ -265,10 +265,7 @@ impl<'a> Motion<'a> {
         self.evaluate_at_grid_time(state, k)?;
         let evaluated = self.evaluated.as_ref()?;
         if let Some(variation) = &evaluated.variation {
-            let columns = self.columns.iter().zip(&mut self.twist_columns);
-            for (j, (column, twist)) in columns.enumerate() {
-                *twist = variation.twist(column, j.checked_sub(self.initial_columns));
-            }
+            variation.twists(&self.columns, self.initial_columns, &mut self.twist_columns);
         }
         Some((evaluated.instant, &self.twist_columns))
     }

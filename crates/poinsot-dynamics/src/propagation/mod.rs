@@ -16,6 +16,8 @@
 //! Everything works without the standard library. A step allocates nothing.
 
 mod carry;
+#[cfg(feature = "std")]
+mod columns;
 mod locked;
 mod rows;
 mod state;

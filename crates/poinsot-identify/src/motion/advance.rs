@@ -4,7 +4,7 @@
 //! the path found: at both ends of a step and in its middle, of which the next step shares the end.
 
 use super::grid::{TURN, joint_frequency};
-use super::variation::{ColumnForcing, StepEquation};
+use super::variation::StepEquation;
 use super::{Instant, Motion, State};
 use poinsot_dynamics::propagation::{
     PoseMomentumRate, Rates, StepPoint, runge_kutta_step, state_in_middle,
@@ -115,19 +115,13 @@ impl Motion<'_> {
                     _ => None,
                 },
             };
-            let initial_columns = self.initial_columns;
-            for (j, column) in self.columns.iter_mut().enumerate() {
-                along.carry(
-                    column,
-                    ColumnForcing::Unknown(j.checked_sub(initial_columns)),
-                    dt,
-                );
-            }
+            let columns = self.columns.split_at_mut(self.initial_columns);
+            along.carry(columns, &self.vehicle.moving, dt);
             if let Some(chord) = &mut self.column_chord {
                 let shares = [from, 0.5 * (from + to), to];
                 for j in 0..chord.columns.len() {
-                    let drive = ColumnForcing::Chord(shares.map(|share| chord.drive(j, share)));
-                    along.carry(&mut chord.columns[j], drive, dt);
+                    let wheels = shares.map(|share| chord.drive(j, share));
+                    along.carry_chord(&mut chord.columns[j], wheels, dt);
                 }
             }
             let pushes = along.push.into_iter().flatten();

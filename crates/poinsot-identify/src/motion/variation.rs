@@ -27,24 +27,6 @@ pub(crate) struct Variation {
     chord: Vec<Vector6>,
 }
 
-/// Forcing of a column in addition to the state.
-#[derive(Clone, Copy)]
-pub(super) enum ColumnForcing {
-    /// An unknown; `None` for a part of the state at the start.
-    Unknown(Option<usize>),
-    /// A wheel with its share of the chord's unit, at the start, in the middle and at the end of a step.
-    Chord([(usize, f64); 3]),
-}
-
-impl ColumnForcing {
-    fn unknown(self) -> Option<usize> {
-        match self {
-            Self::Unknown(unknown) => unknown,
-            Self::Chord(_) => None,
-        }
-    }
-}
-
 /// Change of the momentum around one instant by external forces and torques.
 pub(super) struct MomentumVariation {
     /// `None` without a torque that rotates with the vehicle: unknown torques that are zero.
@@ -53,18 +35,28 @@ pub(super) struct MomentumVariation {
     pub(super) drive: Vec<Vector6>,
 }
 
-impl MomentumVariation {
-    /// Whether the momentum of a column changes.
-    fn acts(&self, unknown: Option<usize>) -> bool {
-        self.momentum.is_some() || unknown.is_some_and(|u| self.drive[u] != Vector6::zeros())
-    }
-}
-
 impl Variation {
+    /// Change of the twist with every column, of which `initial` are parts of the state at the start and the others unknowns.
+    pub fn twists(&self, columns: &[Column], initial: usize, out: &mut [Vector6]) {
+        let (start, unknowns) = out.split_at_mut(initial);
+        start.fill(Vector6::zeros());
+        unknowns.copy_from_slice(&self.twists);
+        self.map.add_times_columns(columns, out);
+    }
+
     /// Change of the twist with a column, that of the given unknown.
     pub fn twist(&self, column: &Column, unknown: Option<usize>) -> Vector6 {
         self.map.times(column) + unknown.map_or_else(Vector6::zeros, |u| self.twists[u])
     }
+}
+
+/// How an unknown moves the state over a step.
+#[derive(PartialEq)]
+enum Moves {
+    /// Not at all: errors of sensors.
+    Nothing,
+    Pose,
+    PoseAndMomentum,
 }
 
 /// The equation at the start, in the middle and at the end of a step.
@@ -75,48 +67,65 @@ pub(super) struct StepEquation<'v> {
 }
 
 impl StepEquation<'_> {
-    /// Carries a column over a step of dt.
-    pub fn carry(&self, column: &mut Column, drive: ColumnForcing, dt: f64) {
-        let x = &mut column.data.0[0];
-        let pose = [0, 1, 2].map(|at| self.drive(at, drive));
-        let mut rows = StepRows {
+    fn rows(&self) -> StepRows<'_> {
+        let momentum = match &self.push {
+            Some(push) => push.each_ref().map(|p| p.momentum.as_ref()),
+            None => [None; 3],
+        };
+        StepRows {
             pose: self.variation.map(|v| &v.pose),
-            momentum: [None; 3],
-        };
-        let unknown = drive.unknown();
-        let push = self.push.as_ref();
-        if let Some(push) = push.filter(|push| push.iter().any(|p| p.acts(unknown))) {
-            rows.momentum = push.each_ref().map(|p| p.momentum.as_ref());
-            let momentum = push.each_ref().map(|p| {
-                let drive = unknown.map_or_else(Vector6::zeros, |u| p.drive[u]);
-                drive.data.0[0]
-            });
-            rows.carry(x, &pose, &momentum, dt);
-            return;
-        }
-        // The momentum stays: its part of the slope is known beforehand.
-        let [phi_x, phi_y, phi_z, _, _, _, momentum @ ..] = *x;
-        let held = match momentum == [0.0; 6] {
-            true => pose,
-            false => rows.held(&momentum, &pose),
-        };
-        if [phi_x, phi_y, phi_z] != [0.0; 3] || held != [[0.0; 6]; 3] {
-            rows.carry_pose(x, &held, dt);
+            momentum,
         }
     }
 
-    /// The upper half of `b` at one of the three points.
-    fn drive(&self, at: usize, drive: ColumnForcing) -> [f64; 6] {
-        let of = match drive {
-            ColumnForcing::Unknown(unknown) => unknown.map(|u| self.variation[at].drive[u]),
-            // At the ends of an interval speeds are measured: no chord.
-            ColumnForcing::Chord(wheels) => {
-                let (wheel, share) = wheels[at];
-                let unit = self.variation[at].chord.get(wheel);
-                unit.map(|unit| unit * share)
+    /// Carries the columns of the state at the start and of the unknowns over a step of dt; `moving` tells which unknowns move
+    /// the vehicle.
+    pub fn carry(
+        &self,
+        (start, unknowns): (&mut [Column], &mut [Column]),
+        moving: &[bool],
+        dt: f64,
+    ) {
+        let rows = self.rows();
+        rows.carry_columns(start, (None, None), dt);
+        let turned = rows.momentum.iter().any(Option::is_some);
+        let of = |u: usize| match &self.push {
+            _ if !moving[u] => Moves::Nothing,
+            Some(push) if turned || push.iter().any(|p| p.drive[u] != Vector6::zeros()) => {
+                Moves::PoseAndMomentum
             }
+            _ => Moves::Pose,
         };
-        of.map_or([0.0; 6], |drive| drive.data.0[0])
+        let mut first = 0;
+        // One run of unknowns of the same kind after the other.
+        while first < unknowns.len() {
+            let moves = of(first);
+            let same = (first..unknowns.len()).take_while(|u| of(*u) == moves);
+            let run = first..first + same.count();
+            first = run.end;
+            if moves == Moves::Nothing {
+                continue;
+            }
+            let pose = self.variation.map(|v| &v.drive[run.clone()]);
+            let push = self.push.as_ref();
+            let push = push.filter(|_| moves == Moves::PoseAndMomentum);
+            let push = push.map(|push| push.each_ref().map(|p| &p.drive[run.clone()]));
+            rows.carry_columns(&mut unknowns[run], (Some(pose), push), dt);
+        }
+    }
+
+    /// Carries the column of a chord over a step of dt; `wheels` are the wheel and its share of the chord's unit at the start, in
+    /// the middle and at the end of it.
+    pub fn carry_chord(&self, column: &mut Column, wheels: [(usize, f64); 3], dt: f64) {
+        let drive = [0, 1, 2].map(|at| {
+            let (wheel, share) = wheels[at];
+            // At the ends of an interval speeds are measured: no chord.
+            let unit = self.variation[at].chord.get(wheel);
+            [unit.map_or_else(Vector6::zeros, |unit| unit * share)]
+        });
+        let drive = Some(drive.each_ref().map(|of| of.as_slice()));
+        let column = std::slice::from_mut(column);
+        self.rows().carry_columns(column, (drive, None), dt);
     }
 }
 

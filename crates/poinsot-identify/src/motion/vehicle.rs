@@ -23,6 +23,8 @@ pub(crate) struct Vehicle<'a> {
     /// How unknowns move the barycentric parameters.
     pub slopes: Vec<Vec<(usize, f64)>>,
     pub kinds: Vec<UnknownKind>,
+    /// Whether each unknown moves the vehicle: all but the errors of sensors.
+    pub moving: Vec<bool>,
     /// Whether any unknown is a force or torque from outside: it has a slope even where its value is zero.
     pub has_unknown_wrench: bool,
     /// Constant torque in body axes, N m.
@@ -101,6 +103,11 @@ impl<'a> Vehicle<'a> {
             thrust_factor,
             slopes: parameters.slopes(x),
             kinds: parameters.unknowns.iter().map(|u| u.kind.clone()).collect(),
+            moving: parameters
+                .unknowns
+                .iter()
+                .map(|u| !u.kind.is_of_sensor())
+                .collect(),
             has_unknown_wrench: parameters
                 .unknowns
                 .iter()

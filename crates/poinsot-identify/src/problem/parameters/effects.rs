@@ -34,6 +34,11 @@ impl UnknownKind {
         self.traits().0 == Acts::Outside
     }
 
+    /// Whether it is an error of a sensor that measures the motion: it moves nothing.
+    pub(crate) fn is_of_sensor(&self) -> bool {
+        matches!(self.traits().0, Acts::Sensor | Acts::SensorTimes)
+    }
+
     /// Whether it delays the readings of a sensor, or the samples of joints or wheels.
     pub(crate) fn is_delay(&self) -> bool {
         matches!(self.traits().0, Acts::SensorTimes | Acts::InputTimes)
