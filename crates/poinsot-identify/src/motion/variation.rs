@@ -206,18 +206,23 @@ impl Motion<'_> {
                 for (at, slope) in &v.slopes[unknown] {
                     sum += Vector6::from(self.regressor[*at]) * (*slope * factor);
                 }
-                instant.twist_slope(&sum, &self.mass_centre_change(unknown, instant))
+                let dc = self.mass_centre_change((unknown, factor), instant);
+                instant.twist_slope(&sum, &dc)
             }
         }
     }
 
     /// Change of the system's mass centre in B with one unknown: `d(mc)/m - c dm/m`.
-    fn mass_centre_change(&self, unknown: usize, instant: &Instant) -> Vector3 {
+    /// The factor is [`Self::slope_factor`].
+    fn mass_centre_change(&self, (unknown, factor): (usize, f64), instant: &Instant) -> Vector3 {
         let mut change = Vector3::zeros();
-        let factor = self.slope_factor(unknown);
         let kinematics = &self.input_state.kinematics;
         for &(at, slope) in &self.vehicle.slopes[unknown] {
             let (body, parameter) = (at / 10, at % 10);
+            // Inertia does not move the mass centre.
+            if parameter > 3 {
+                continue;
+            }
             let (R, p) = (&kinematics.R[body], &kinematics.p[body]);
             change += instant.mass_centre_slope(R, p, parameter) * (slope * factor);
         }
@@ -251,7 +256,7 @@ impl Motion<'_> {
             let dw: Vector3 = twist.fixed_rows::<3>(3).into();
             let mut dF = Vector3::zeros();
             let mut dT = self.environment_torque_change(state, centre, (w, &dw), &still, Some(u));
-            let dc = self.mass_centre_change(u, instant);
+            let dc = self.mass_centre_change((u, self.slope_factor(u)), instant);
             for force in &forces {
                 dT -= dc.cross(&force.F_B);
                 let change = force.change(kind);
