@@ -2,7 +2,7 @@
 
 use crate::knowledge::{KnownNumber, Origin, Uncertain, across};
 use crate::vehicle::{Model, Nuisance, Propellant, SensorKind};
-use poinsot_spatial::{Matrix3, TENSOR, Vector3, tensor_name};
+use poinsot_spatial::{MassProperties, Matrix3, TENSOR, Vector3, tensor_name};
 
 impl KnownNumber {
     /// Name of a component in results.
@@ -124,28 +124,31 @@ impl KnownNumber {
         known().unwrap_or(false)
     }
 
+    /// Changes a component of the mass, mass centre or inertia of a body by `change`: kg, m, kg m2. Other numbers leave it as it
+    /// is.
+    pub fn shift_body(self, body: &mut MassProperties, component: usize, change: f64) {
+        match self {
+            Self::Mass(_) => body.mass += change,
+            Self::MassCentre(_) => body.p_BoBcm_B[component % 3] += change,
+            Self::Inertia(_) => {
+                let (i, j) = TENSOR[component % 6];
+                body.I_BBcm_B[(i, j)] += change;
+                if i != j {
+                    body.I_BBcm_B[(j, i)] += change;
+                }
+            }
+            _ => {}
+        }
+    }
+
     /// Changes a component of the model by `change`, in its unit. Rotations are about the directions across the axes
     /// of `nominal`. Force and mounting are not numbers of the model: they act on measurements, and the model is
     /// unchanged.
     pub fn shift(self, nominal: &Model, model: &mut Model, component: usize, change: f64) {
         match self {
-            Self::Mass(k) => {
-                if let Some(b) = model.bodies.get_mut(k) {
-                    b.nominal.mass += change;
-                }
-            }
-            Self::MassCentre(k) => {
-                if let Some(b) = model.bodies.get_mut(k) {
-                    b.nominal.p_BoBcm_B[component % 3] += change;
-                }
-            }
-            Self::Inertia(k) => {
-                if let Some(b) = model.bodies.get_mut(k) {
-                    let (i, j) = TENSOR[component % 6];
-                    b.nominal.I_BBcm_B[(i, j)] += change;
-                    if i != j {
-                        b.nominal.I_BBcm_B[(j, i)] += change;
-                    }
+            Self::Mass(k) | Self::MassCentre(k) | Self::Inertia(k) => {
+                if let Some(body) = model.bodies.get_mut(k) {
+                    self.shift_body(&mut body.nominal, component, change);
                 }
             }
             Self::SpinInertia(k) => {

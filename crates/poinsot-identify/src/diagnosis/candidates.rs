@@ -1,9 +1,11 @@
 //! Hypotheses: every number of the registry that was not among the unknowns and that the telemetry can show; drifts.
 
 use super::candidate::{Candidate, Columns, changed};
-use super::changes::of_known_numbers;
+use super::changes::{of_known_numbers, untested_numbers};
+use super::table::holds;
 use super::types::FaultKind;
-use crate::fit::experiment::{Experiment, Iterate};
+use crate::fit::Fitted;
+use crate::fit::experiment::Experiment;
 use crate::likelihood::MeasuredMotion;
 use crate::problem::Problem;
 use crate::problem::parameters::{Entry, UnknownKind, axis_name};
@@ -14,8 +16,25 @@ use poinsot_model::SensorKind;
 /// Largest number of firings tested one by one.
 const FIRINGS: usize = 48;
 
-/// Candidates that the fit did not have at its answer; those with slopes of their own first, those made of others last.
-pub(super) fn candidates(experiment: &Experiment, at: &Iterate) -> Vec<Candidate> {
+/// Candidates that the fit did not have at its answer, and whether their rows can be held; those with slopes of their own first,
+/// those made of others last. Where the rows cannot be held, the former are all.
+pub(super) fn candidates(experiment: &Experiment, fitted: &Fitted) -> (Vec<Candidate>, bool) {
+    let mut list = of_registry(experiment);
+    let (numbers, drifts) = (untested_numbers(experiment), of_drifts(experiment));
+    let own = list.iter().chain(&drifts).map(|c| c.unknowns.len());
+    let known = numbers.iter().map(|n| n.components());
+    let held = holds(experiment, fitted, own.chain(known).sum());
+    if held {
+        list.extend(of_known_numbers(experiment, &fitted.at, numbers));
+        list.extend(drifts);
+    } else {
+        list.retain(|c| matches!(c.columns, Columns::Slopes));
+    }
+    (list, held)
+}
+
+/// Those that are unknowns of the registry.
+fn of_registry(experiment: &Experiment) -> Vec<Candidate> {
     let registry = experiment.problem.registry();
     let fitted = &experiment.parameters.unknowns;
     let read = sensors_read(experiment.problem);
@@ -53,8 +72,6 @@ pub(super) fn candidates(experiment: &Experiment, at: &Iterate) -> Vec<Candidate
         };
         list.extend(Candidate::of(entries).map(named));
     }
-    list.extend(of_known_numbers(experiment, at));
-    list.extend(of_drifts(experiment));
     list
 }
 

@@ -9,11 +9,7 @@ use poinsot_model::{KnownNumber, Origin};
 const CHANGE_STEP: f64 = 1.0e-3;
 
 /// Numbers whose errors are no candidates otherwise.
-pub(super) fn of_known_numbers(experiment: &Experiment, at: &Iterate) -> Vec<Candidate> {
-    let Some(moved) = MovedVehicle::new(experiment, at) else {
-        return Vec::new();
-    };
-    let there = moved.problem(experiment.problem);
+pub(super) fn untested_numbers(experiment: &Experiment) -> Vec<KnownNumber> {
     let model = experiment.problem.model;
     let fitted = &experiment.parameters.unknowns;
     let is_unknown = |number: &KnownNumber| {
@@ -34,6 +30,22 @@ pub(super) fn of_known_numbers(experiment: &Experiment, at: &Iterate) -> Vec<Can
     let numbers = model.known_numbers().into_iter();
     numbers
         .filter(|n| n.is_known(model) && !is_unknown(n) && !is_candidate(n))
+        .collect()
+}
+
+/// Hypotheses of other values of these numbers.
+pub(super) fn of_known_numbers(
+    experiment: &Experiment,
+    at: &Iterate,
+    numbers: Vec<KnownNumber>,
+) -> Vec<Candidate> {
+    let Some(moved) = MovedVehicle::new(experiment, at) else {
+        return Vec::new();
+    };
+    let there = moved.problem(experiment.problem);
+    let model = experiment.problem.model;
+    numbers
+        .into_iter()
         .map(|number| {
             let components = 0..number.components();
             let twin_of = |c: usize| {

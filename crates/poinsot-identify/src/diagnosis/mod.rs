@@ -126,8 +126,8 @@ fn weighed(
     out: &mut Diagnostics,
     mistake: Option<Suspect>,
 ) -> Option<Table> {
-    let mut candidates = candidates(experiment, &fitted.at);
-    let table = Table::new(experiment, fitted, &mut candidates);
+    let (candidates, held) = candidates(experiment, fitted);
+    let table = Table::new(experiment, fitted, &candidates, held);
     let about = (candidates.as_slice(), table.as_ref());
     let mut others = noise_models::noise_models(experiment, fitted, &out.channels, about, of);
     if let Some(table) = &table {

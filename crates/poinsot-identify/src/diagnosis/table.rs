@@ -21,6 +21,12 @@ use poinsot_spatial::{Matrix3, Vector3};
 /// Largest number of values in the rows: 64 MiB.
 const NUMBERS: usize = 8_000_000;
 
+/// Whether the rows can be held with so many columns of candidates.
+pub(super) fn holds(experiment: &Experiment, fitted: &Fitted, columns: usize) -> bool {
+    let rows: usize = fitted.evaluated.iter().map(|e| e.rows).sum();
+    rows * (experiment.parameters.len() + columns) < NUMBERS
+}
+
 /// The rows of one segment.
 #[derive(Default)]
 pub(super) struct SegmentRows {
@@ -200,20 +206,14 @@ pub(super) struct Table {
 }
 
 impl Table {
-    /// Leaves in `candidates` those that have columns.
+    /// `held` says whether the rows are.
     pub fn new(
         experiment: &Experiment,
         fitted: &Fitted,
-        candidates: &mut Vec<Candidate>,
+        candidates: &[Candidate],
+        held: bool,
     ) -> Option<Self> {
         let base = experiment.parameters.len();
-        let slopes = |c: &Candidate| matches!(c.columns, Columns::Slopes);
-        let all: usize = candidates.iter().map(|c| c.unknowns.len()).sum();
-        let rows: usize = fitted.evaluated.iter().map(|e| e.rows).sum();
-        let held = rows * (base + all) < NUMBERS;
-        if !held {
-            candidates.retain(slopes);
-        }
         let apart = match held {
             true => Vec::new(),
             false => own_errors(experiment, candidates),

@@ -287,6 +287,9 @@ pub(crate) fn body_slopes(
     shift: Shift,
 ) -> Option<Vec<(usize, f64)>> {
     // Both ways: the parallel-axis part is quadratic in the mass centre.
+    if let Some((body, [here, there])) = of_known_body(problem.model, shift) {
+        return Some(difference(body, &here, &there, shift.2));
+    }
     let there = ShiftedVehicle::from(problem, nominal, parameters, &[shift])?;
     let here = ShiftedVehicle::from(
         problem,
@@ -295,12 +298,40 @@ pub(crate) fn body_slopes(
         &[(shift.0, shift.1, -shift.2)],
     )?;
     let (here, there) = (here.parameters.bodies(x), there.parameters.bodies(x));
-    let of = |(body, (a, b)): (usize, (&InertialParameters, &InertialParameters))| {
-        let pairs = a.to_array().into_iter().zip(b.to_array());
-        let moved = pairs.enumerate().filter(|(_, (a, b))| a != b);
-        let slope =
-            move |(k, (a, b)): (usize, (f64, f64))| (10 * body + k, (b - a) / (2.0 * shift.2));
-        moved.map(slope).collect::<Vec<_>>()
+    let pairs = here.iter().zip(&there).enumerate();
+    let of = |(body, (a, b))| difference(body, a, b, shift.2);
+    Some(pairs.flat_map(of).collect())
+}
+
+/// A body of which nothing is unknown, with its parameters before and behind a change of one of its numbers: no other body changes
+/// with it, so that the vehicle need not be made anew.
+fn of_known_body(
+    model: &Model,
+    (number, component, step): Shift,
+) -> Option<(usize, [InertialParameters; 2])> {
+    let (KnownNumber::Mass(k) | KnownNumber::MassCentre(k) | KnownNumber::Inertia(k)) = number
+    else {
+        return None;
     };
-    Some(here.iter().zip(&there).enumerate().flat_map(of).collect())
+    let body = model.bodies.get(k).filter(|b| !b.estimate.any())?;
+    let moved = |change: f64| {
+        let mut there = body.nominal;
+        number.shift_body(&mut there, component, change);
+        there.parameters()
+    };
+    Some((k, [moved(-step), moved(step)]))
+}
+
+/// Slopes of the ten parameters of a body between two that are twice a step apart; those that do not change are left out.
+fn difference(
+    body: usize,
+    here: &InertialParameters,
+    there: &InertialParameters,
+    step: f64,
+) -> Vec<(usize, f64)> {
+    let pairs = here.to_array().into_iter().zip(there.to_array());
+    let moved = pairs.enumerate().filter(|(_, (a, b))| a != b);
+    moved
+        .map(|(k, (a, b))| (10 * body + k, (b - a) / (2.0 * step)))
+        .collect()
 }
