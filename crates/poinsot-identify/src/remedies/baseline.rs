@@ -1,5 +1,6 @@
 //! What the experiment determines already, and the information of one more record or number.
 
+use super::gains::Gains;
 use super::{Action, Change, Effort, GIVEN, Row};
 use crate::fit::experiment::Experiment;
 use crate::fit::triangle::SharedTriangle;
@@ -83,6 +84,24 @@ impl<'a> Baseline<'a> {
     }
 
     pub fn spectrum(&self, more: &[&Row]) -> Option<Spectrum> {
+        Some(self.decomposed(more)?.1)
+    }
+
+    /// The experiment with more rows, ready for further ones; `None` where they need decompositions of their own.
+    pub fn gains(&self, more: &[&Row]) -> Option<Gains> {
+        let (shared, spectrum, size) = self.decomposed(more)?;
+        let accuracy = self.problem.relative_accuracy;
+        Gains::new(&self.parameters, shared, spectrum, (accuracy, size))
+    }
+
+    /// Number of directions that the rows of a change identify beyond those of an experiment.
+    pub fn gain(&self, of: &Gains, change: &Change) -> Option<usize> {
+        let rows = change.rows.iter().map(|row| self.coordinates.of_row(row));
+        of.of(&rows.collect::<Vec<_>>())
+    }
+
+    /// Triangle and spectrum with more rows, and the length of the longest column, natural units.
+    fn decomposed(&self, more: &[&Row]) -> Option<(SharedTriangle, Spectrum, f64)> {
         let n = self.parameters.len();
         let mut stacked = BlockQr::new(n + 1);
         let all = self.rows.iter().chain(more.iter().copied());
@@ -99,14 +118,9 @@ impl<'a> Baseline<'a> {
             })
             .fold(0.0, f64::max);
         let shared = SharedTriangle::new(&self.parameters, &triangle);
-        Spectrum::new(
-            &shared.block(),
-            natural,
-            None,
-            size,
-            self.problem.relative_accuracy,
-        )
-        .ok()
+        let accuracy = self.problem.relative_accuracy;
+        let spectrum = Spectrum::new(&shared.block(), natural, None, size, accuracy).ok()?;
+        Some((shared, spectrum, size))
     }
 
     pub fn changes(&self) -> Vec<Change> {

@@ -6,12 +6,14 @@
 //! one by one, each time the one that determines most, and those that turn out not to be needed are left out again.
 
 mod baseline;
+mod gains;
 mod records;
 
 use crate::problem::Problem;
 use crate::solution::estimate::UnobservableCombination;
 use crate::solution::solved::Solution;
 use baseline::Baseline;
+use gains::Gains;
 use poinsot_solve::Spectrum;
 
 /// Share of a direction's square that must be identified for it to count as resolved.
@@ -216,15 +218,18 @@ impl<'a> Tried<'a> {
     fn needed(&self) -> Vec<usize> {
         let mut list: Vec<usize> = Vec::new();
         while list.len() < TOGETHER {
-            let before = self.gain(&list);
+            let gains = self.baseline.gains(&self.rows(&list));
+            let before = match &gains {
+                Some(gains) => gains.rank().saturating_sub(self.rank),
+                None => self.gain(&list),
+            };
             let mut next: Option<(Effort, usize, usize)> = None;
             for at in (0..self.changes.len()).filter(|at| !list.contains(at)) {
                 let effort = self.changes[at].0.effort;
                 if next.is_some_and(|(least, ..)| effort > least) {
                     continue;
                 }
-                let with: Vec<usize> = list.iter().copied().chain([at]).collect();
-                let gain = self.gain(&with);
+                let gain = self.gain_with(&list, gains.as_ref(), at);
                 let better = next.is_none_or(|(least, most, _)| effort < least || gain > most);
                 if gain > before && better {
                     next = Some((effort, gain, at));
@@ -279,10 +284,26 @@ impl<'a> Tried<'a> {
 
     /// Number of directions that several changes identify in addition.
     fn gain(&self, set: &[usize]) -> usize {
-        let changes = set.iter().flat_map(|at| &self.changes[*at].0.rows);
-        let rows: Vec<&Row> = changes.collect();
-        let spectrum = self.baseline.spectrum(&rows);
+        let spectrum = self.baseline.spectrum(&self.rows(set));
         spectrum.map_or(0, |s| s.rank.saturating_sub(self.rank))
+    }
+
+    /// The same of several changes with one more, from the decomposition of the several where it is at hand.
+    fn gain_with(&self, set: &[usize], of: Option<&Gains>, at: usize) -> usize {
+        let more = of.and_then(|of| {
+            let more = self.baseline.gain(of, &self.changes[at].0)?;
+            Some((of.rank() + more).saturating_sub(self.rank))
+        });
+        more.unwrap_or_else(|| {
+            let with: Vec<usize> = set.iter().copied().chain([at]).collect();
+            self.gain(&with)
+        })
+    }
+
+    /// The rows of several changes.
+    fn rows(&self, set: &[usize]) -> Vec<&Row> {
+        let changes = set.iter().flat_map(|at| &self.changes[*at].0.rows);
+        changes.collect()
     }
 }
 
