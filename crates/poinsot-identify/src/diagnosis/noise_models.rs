@@ -23,6 +23,9 @@ const MEDIAN_SCATTER: f64 = 1.5;
 const OFF_STEP: f64 = 1.0e-3;
 /// Values of the variance that are tried, per decade, and decades about the one that doubles the noise.
 const TRIED_VARIANCES: (i32, i32) = (8, 4);
+/// Samples that share a logarithm: with the largest variance tried each factor is below 10^4 times the number of samples, so
+/// that no product of so many overflows.
+const SAMPLES_AT_ONCE: usize = 16;
 
 /// Every noise model of every sensor.
 pub(super) fn noise_models(
@@ -229,12 +232,19 @@ fn scatter(pairs: &[(Vector3, Vector3)]) -> (f64, f64) {
     let along: Vec<(f64, f64)> = pairs.iter().map(along).collect();
     let (per_decade, decades) = TRIED_VARIANCES;
     let tried = -per_decade * decades..=per_decade * decades;
-    let fall = |variance: f64| -> f64 {
-        let one = |(square, slope): &(f64, f64)| {
+    // One logarithm for several samples: of the product of what each adds to the variance.
+    let several = |variance: f64, some: &[(f64, f64)]| -> f64 {
+        let (mut explained, mut product) = (0.0, 1.0);
+        for (square, slope) in some {
             let more = variance * slope;
-            square * more / (1.0 + more) - more.ln_1p()
-        };
-        along.iter().map(one).sum()
+            explained += square * more / (1.0 + more);
+            product *= 1.0 + more;
+        }
+        explained - product.ln()
+    };
+    let fall = |variance: f64| -> f64 {
+        let all = along.chunks(SAMPLES_AT_ONCE);
+        all.map(|some| several(variance, some)).sum()
     };
     let variances = tried.map(|k| 10.0_f64.powf(f64::from(k) / f64::from(per_decade)) / mean);
     let all = variances.map(|v| (fall(v), v));
