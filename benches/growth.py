@@ -3,6 +3,7 @@
 
     scripts/bench-growth                   # minutes
     scripts/bench-growth --only bodies
+    scripts/bench-growth --only rows --most 1000000    # up to 10^8 rows, a temporary file of 5 GB
 
 Every record is simulated, with noise, and identified; a long file is inspected in parts. Prints one table each; the order is the
 exponent between neighbouring lines.
@@ -12,6 +13,7 @@ import argparse
 import math
 import os
 import random
+import shutil
 import subprocess
 import tempfile
 from pathlib import Path
@@ -20,6 +22,8 @@ DURATION = 60.0  # s, of every record
 ARM_RATE = 5  # Hz
 BUS_RATE = 50  # Hz, where it is not what grows
 ANSWERED = (0, 1)
+ROW_BYTES = 50  # of a long file
+SPARE = 2  # times the size of a long file that the disk must have free
 STREAMED = 100  # rows of the longest file for a sample of the longest record
 
 BODY = """[[body]]
@@ -142,6 +146,8 @@ def inspected(poinsot, rows):
     noise = random.Random(1)
     values = [",".join(f"{noise.gauss(0.01, 1e-4):.9f}" for _ in range(3)) for _ in range(SLEW)]
     with tempfile.TemporaryDirectory() as folder:
+        if shutil.disk_usage(folder).free < SPARE * ROW_BYTES * rows:
+            raise SystemExit(f"{folder}: needs {SPARE * ROW_BYTES * rows / 1e9:.0f} GB free; name another folder by TMPDIR")
         file = Path(folder) / "telemetry.csv"
         with file.open("w") as out:
             out.write("time_s,omega_x,omega_y,omega_z\n")
