@@ -3,57 +3,68 @@
 use crate::algebra::Real;
 use core::fmt::{Debug, Formatter};
 use core::ops::{Add, Div, Mul, Neg, Sub};
-use pulp::{Simd, bytemuck};
+use fearless_simd::{Level, Simd, dispatch, prelude::*};
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
 
 /// Most lanes of any instruction set.
 pub(crate) const MOST: usize = 8;
 
+/// What is compiled for every instruction set that the machine may have.
+pub(crate) trait Work {
+    type Output;
+
+    /// Does it with the lanes of one instruction set. To be inlined by force.
+    fn run<S: Simd>(self, simd: S) -> Self::Output;
+}
+
+/// Does the work with as many lanes as the vectors of this machine hold.
+pub(crate) fn in_lanes<W: Work>(work: W) -> W::Output {
+    at_level(Level::new(), work)
+}
+
+/// The same with the instructions of `level`.
+pub(crate) fn at_level<W: Work>(level: Level, work: W) -> W::Output {
+    dispatch!(level, simd => work.run(simd))
+}
+
 /// One number of each state.
 #[derive(Clone, Copy)]
-#[repr(align(64))]
-pub(crate) struct Lanes<S: Simd> {
-    simd: S,
-    of: S::f64s,
-}
+pub(crate) struct Lanes<S: Simd>(S::f64s);
 
 impl<S: Simd> Lanes<S> {
     /// Number of states.
-    pub const COUNT: usize = S::F64_LANES;
+    pub const COUNT: usize = S::f64s::LEN;
 
     /// `x` in every lane.
     #[inline(always)]
     pub fn new(simd: S, x: f64) -> Self {
-        Self {
-            simd,
-            of: simd.splat_f64s(x),
-        }
+        Self(S::f64s::splat(simd, x))
     }
 
     /// The first [`Self::COUNT`] numbers.
     #[inline(always)]
     pub fn from_array(simd: S, numbers: &[f64; MOST]) -> Self {
-        let mut lanes = Self::new(simd, 0.0);
-        bytemuck::cast_slice_mut(std::slice::from_mut(&mut lanes.of))
-            .copy_from_slice(&numbers[..Self::COUNT]);
-        lanes
+        Self(S::f64s::from_slice(simd, &numbers[..Self::COUNT]))
     }
 
     /// The numbers, the rest zero.
     #[inline(always)]
     pub fn to_array(self) -> [f64; MOST] {
         let mut numbers = [0.0; MOST];
-        numbers[..Self::COUNT].copy_from_slice(bytemuck::cast_slice(&[self.of]));
+        self.0.store_slice(&mut numbers[..Self::COUNT]);
         numbers
     }
 
-    /// Four numbers of every lane, one lane a place; [`Self::order`] names the lane of each place.
+    /// Four numbers of every lane.
     #[inline(always)]
-    pub fn four_of_each(four: [Self; 4]) -> [[f64; 4]; MOST] {
-        let [a, b, c, d] = four;
-        let turned = a.simd.interleave_shfl_f64s([a.of, b.of, c.of, d.of]);
+    pub fn four_of_each([a, b, c, d]: [Self; 4]) -> [[f64; 4]; MOST] {
+        let (ac, bd) = (a.0.interleave(c.0), b.0.interleave(d.0));
+        let (first, last) = (ac.0.interleave(bd.0), ac.1.interleave(bd.1));
+        let turned = [first.0, first.1, last.0, last.1];
         let mut out = [[0.0; 4]; MOST];
-        out[..Self::COUNT].copy_from_slice(bytemuck::cast_slice(&turned));
+        for (k, turned) in turned.iter().enumerate() {
+            turned.store_slice(&mut out.as_flattened_mut()[k * Self::COUNT..][..Self::COUNT]);
+        }
         out
     }
 
@@ -76,37 +87,26 @@ impl<S: Simd> Lanes<S> {
 
     /// The lanes larger than `x`.
     #[inline(always)]
-    fn above(self, x: f64) -> S::m64s {
-        self.simd.greater_than_f64s(self.of, self.all(x).of)
+    fn above(self, x: f64) -> <S::f64s as SimdBase<S>>::Mask {
+        self.0.simd_gt(self.all(x).0)
     }
 
     /// `other` in the lanes of `mask`.
     #[inline(always)]
-    fn or(self, mask: S::m64s, other: Self) -> Self {
-        self.with(self.simd.select_f64s(mask, other.of, self.of))
+    fn or(self, mask: <S::f64s as SimdBase<S>>::Mask, other: Self) -> Self {
+        Self(mask.select(other.0, self.0))
     }
 
-    /// The lane of each place of [`Self::four_of_each`].
+    /// The instruction set.
     #[inline(always)]
-    pub fn order(simd: S) -> [usize; MOST] {
-        let lanes = Self::from_array(simd, &[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
-        let mut order = [0, 1, 2, 3, 4, 5, 6, 7];
-        let places = Self::four_of_each([lanes; 4]);
-        for (lane, place) in order[..Self::COUNT].iter_mut().zip(places) {
-            *lane = place[0] as usize;
-        }
-        order
-    }
-
-    #[inline(always)]
-    fn with(self, of: S::f64s) -> Self {
-        Self { of, ..self }
+    fn simd(self) -> S {
+        self.0.token()
     }
 }
 
 impl<S: Simd> Debug for Lanes<S> {
     fn fmt(&self, f: &mut Formatter<'_>) -> core::fmt::Result {
-        self.of.fmt(f)
+        self.0.fmt(f)
     }
 }
 
@@ -120,7 +120,7 @@ impl<S: Simd> Add for Lanes<S> {
     type Output = Self;
     #[inline(always)]
     fn add(self, b: Self) -> Self {
-        self.with(self.simd.add_f64s(self.of, b.of))
+        Self(self.0 + b.0)
     }
 }
 
@@ -128,7 +128,7 @@ impl<S: Simd> Sub for Lanes<S> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, b: Self) -> Self {
-        self.with(self.simd.sub_f64s(self.of, b.of))
+        Self(self.0 - b.0)
     }
 }
 
@@ -136,7 +136,7 @@ impl<S: Simd> Mul for Lanes<S> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, b: Self) -> Self {
-        self.with(self.simd.mul_f64s(self.of, b.of))
+        Self(self.0 * b.0)
     }
 }
 
@@ -152,7 +152,7 @@ impl<S: Simd> Div for Lanes<S> {
     type Output = Self;
     #[inline(always)]
     fn div(self, b: Self) -> Self {
-        self.with(self.simd.div_f64s(self.of, b.of))
+        Self(self.0 / b.0)
     }
 }
 
@@ -160,7 +160,7 @@ impl<S: Simd> Neg for Lanes<S> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        self.with(self.simd.neg_f64s(self.of))
+        Self(-self.0)
     }
 }
 
@@ -190,7 +190,7 @@ const INVERSE_FACTORIAL: [f64; TERMS] = {
 impl<S: Simd> Real for Lanes<S> {
     #[inline(always)]
     fn all(self, x: f64) -> Self {
-        self.with(self.simd.splat_f64s(x))
+        Self::new(self.simd(), x)
     }
 
     /// By Taylor's series about the nearest quarter turn; the error is below 1.2e-16.
@@ -216,11 +216,11 @@ impl<S: Simd> Real for Lanes<S> {
 
         // The quarter, -2 to 2.
         let quarter = quarters - (quarters * 0.25).rounded() * 4.0;
-        let (simd, square) = (self.simd, quarter * quarter);
-        let odd = simd.and_m64s(square.above(0.5), simd.not_m64s(square.above(2.0)));
+        let square = quarter * quarter;
+        let odd = square.above(0.5) & !square.above(2.0);
         let (s, c) = (sine.or(odd, cosine), cosine.or(odd, sine));
-        let s_turned = simd.or_m64s((-quarter).above(0.5), quarter.above(1.5));
-        let c_turned = simd.or_m64s(quarter.above(0.5), (-quarter).above(1.5));
+        let s_turned = (-quarter).above(0.5) | quarter.above(1.5);
+        let c_turned = quarter.above(0.5) | (-quarter).above(1.5);
         let found = (s.or(s_turned, -s), c.or(c_turned, -c));
         if self.all(REDUCED).exceeds(self.magnitude()) {
             found
@@ -231,20 +231,17 @@ impl<S: Simd> Real for Lanes<S> {
 
     #[inline(always)]
     fn root(self) -> Self {
-        self.with(self.simd.sqrt_f64s(self.of))
+        Self(self.0.sqrt())
     }
 
     #[inline(always)]
     fn magnitude(self) -> Self {
-        self.with(self.simd.abs_f64s(self.of))
+        Self(self.0.abs())
     }
 
     #[inline(always)]
     fn exceeds(self, other: Self) -> bool {
-        // The position of the first lane that is not larger: past the last where there is none.
-        let simd = self.simd;
-        let larger = simd.greater_than_f64s(self.of, other.of);
-        simd.first_true_m64s(simd.not_m64s(larger)) == Self::COUNT
+        self.0.simd_gt(other.0).all_true()
     }
 }
 
@@ -267,27 +264,40 @@ fn series<S: Simd>(z: Lanes<S>, k: usize) -> Lanes<S> {
 #[cold]
 fn large<S: Simd>(angle: Lanes<S>, found: (Lanes<S>, Lanes<S>)) -> (Lanes<S>, Lanes<S>) {
     let (mut sine, mut cosine) = (found.0.to_array(), found.1.to_array());
-    for (k, x) in angle.to_array()[..S::F64_LANES].iter().enumerate() {
+    for (k, x) in angle.to_array()[..Lanes::<S>::COUNT].iter().enumerate() {
         if x.abs().partial_cmp(&REDUCED) != Some(std::cmp::Ordering::Less) {
             (sine[k], cosine[k]) = x.sin_cos();
         }
     }
-    let of = |numbers| Lanes::from_array(angle.simd, &numbers);
+    let of = |numbers| Lanes::from_array(angle.simd(), &numbers);
     (of(sine), of(cosine))
+}
+
+/// The instruction sets of this machine with two, four and eight lanes.
+#[cfg(test)]
+pub(crate) fn levels() -> Vec<Level> {
+    let mut levels = vec![Level::baseline()];
+    #[cfg(target_arch = "x86_64")]
+    {
+        let level = Level::new();
+        levels.extend(level.as_avx2().map(Level::Avx2));
+        levels.extend(level.as_avx512().map(Level::Avx512));
+    }
+    levels
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pulp::{Arch, WithSimd};
 
     /// Largest difference to the standard library over some angles.
     struct Sines<'a>(&'a [f64]);
 
-    impl WithSimd for Sines<'_> {
+    impl Work for Sines<'_> {
         type Output = f64;
 
-        fn with_simd<S: Simd>(self, simd: S) -> f64 {
+        #[inline(always)]
+        fn run<S: Simd>(self, simd: S) -> f64 {
             let mut worst = 0.0_f64;
             for angles in self.0.as_chunks::<MOST>().0 {
                 let (sine, cosine) = Lanes::from_array(simd, angles).sine_cosine();
@@ -322,9 +332,9 @@ mod tests {
                 -3.0,
             ])
             .collect();
-        let worst = Arch::new().dispatch(Sines(&angles));
-        assert!(worst < 1.2e-16, "{worst:e}");
-        let alone = Sines(&angles).with_simd(pulp::Scalar::new());
-        assert!(alone < 1.2e-16, "{alone:e}");
+        for level in levels() {
+            let worst = at_level(level, Sines(&angles));
+            assert!(worst < 1.2e-16, "{level:?}: {worst:e}");
+        }
     }
 }

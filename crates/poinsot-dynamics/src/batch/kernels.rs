@@ -11,8 +11,8 @@ use crate::momentum::of_bodies;
 use crate::regressor::body_columns;
 use crate::symmetric::Symmetric;
 use crate::tree::Tree;
+use fearless_simd::Simd;
 use poinsot_spatial::InertialParameters;
-use pulp::Simd;
 
 /// What is done with the states of one group.
 pub(super) trait Kernel {

@@ -11,12 +11,12 @@ mod propagation;
 mod rows;
 
 use crate::kinematics::Kinematics;
-use crate::lanes::Lanes;
+use crate::lanes::{Lanes, Work, in_lanes};
 use crate::tree::Tree;
 use error::expect;
+use fearless_simd::Simd;
 use kernels::{Dynamics, Kernel, Momentum, Regressor};
 use poinsot_spatial::InertialParameters;
-use pulp::{Arch, Simd, WithSimd};
 use rows::{Group, PER_BODY, Rows, TWIST};
 
 pub use error::BatchError;
@@ -152,7 +152,7 @@ fn run<K: Kernel>(
     width: usize,
     out: &mut [f64],
 ) -> Result<(), BatchError> {
-    Arch::new().dispatch(Run {
+    in_lanes(Run {
         tree,
         states,
         kernel,
@@ -161,11 +161,11 @@ fn run<K: Kernel>(
     })
 }
 
-impl<K: Kernel> WithSimd for Run<'_, K> {
+impl<K: Kernel> Work for Run<'_, K> {
     type Output = Result<(), BatchError>;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+    fn run<S: Simd>(self, simd: S) -> Self::Output {
         let Self {
             tree,
             states,
@@ -178,7 +178,6 @@ impl<K: Kernel> WithSimd for Run<'_, K> {
         let mut scratch = kernel.scratch(tree, zero);
         let mut q = vec![zero; tree.dof()];
         let mut rates = q.clone();
-        let order = Lanes::order(simd);
         for (k, of) in out.chunks_mut(Lanes::<S>::COUNT * width).enumerate() {
             let group = Group {
                 tree,
@@ -193,7 +192,7 @@ impl<K: Kernel> WithSimd for Run<'_, K> {
                 *rate = moving.number(simd, j);
             }
             [kinematics.v[0], kinematics.w[0]] = group.rows(states.twist, TWIST).pair(simd);
-            let mut rows = Rows::new(of, width, order);
+            let mut rows = Rows::new(of, width);
             for (i, link) in tree.links.iter().enumerate() {
                 if i > 0 {
                     kinematics.place_body(i, link, &q);
@@ -204,5 +203,92 @@ impl<K: Kernel> WithSimd for Run<'_, K> {
             kernel.fill(&mut scratch, &kinematics, &rates, &group, &mut rows)?;
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lanes::{at_level, levels};
+    use crate::tree::{Link, Motion};
+    use poinsot_spatial::{MassProperties, Matrix3, Vector3};
+
+    /// States: one group of eight lanes, and a part of another one.
+    const COUNT: usize = 11;
+
+    /// An arm of two joints.
+    fn arm() -> (Tree, Vec<InertialParameters>) {
+        let hinge = |parent, motion, axis| {
+            let p_PoCo_P = Vector3::new(0.7, 0.1, -0.2);
+            Link::new(parent, motion, p_PoCo_P, Matrix3::identity(), axis)
+        };
+        let oblique = Vector3::new(0.6, 0.0, 0.8);
+        let tree = Tree {
+            links: vec![
+                Link::base(),
+                hinge(0, Motion::Revolute(0), oblique),
+                hinge(1, Motion::Prismatic(1), Vector3::y()),
+            ],
+            rotors: vec![],
+            coordinates: vec![0, 1],
+        };
+        let body = |mass: f64| MassProperties {
+            mass,
+            p_BoBcm_B: Vector3::new(0.1, -0.2, 0.3),
+            I_BBcm_B: Matrix3::from_diagonal(&Vector3::new(1.0, 1.2, 0.9)) * mass,
+        };
+        let bodies = [40.0, 5.0, 3.0].map(|mass| body(mass).parameters());
+        (tree, bodies.to_vec())
+    }
+
+    #[test]
+    fn exact_two_four_and_eight_lanes_give_the_same_bits() {
+        let (tree, bodies) = arm();
+        let numbers = |n: usize, turn: f64| -> Vec<f64> {
+            (0..n * COUNT).map(|k| (turn * k as f64).sin()).collect()
+        };
+        let (q, rates, twist) = (numbers(2, 1.1), numbers(2, 0.7), numbers(6, 1.9));
+        let (forces, wrench) = (numbers(2, 2.3), numbers(6, 0.3));
+        let states = States {
+            q: &q,
+            rates: &rates,
+            twist: &twist,
+        };
+        let rows = |level| {
+            let mut Y = vec![f64::NAN; COUNT * PER_BODY * 3];
+            let regressor = Run {
+                tree: &tree,
+                states,
+                kernel: Regressor,
+                width: PER_BODY * 3,
+                out: &mut Y,
+            };
+            at_level(level, regressor).unwrap();
+            let mut accelerations = vec![f64::NAN; COUNT * 8];
+            let dynamics = Run {
+                tree: &tree,
+                states,
+                kernel: Dynamics {
+                    bodies: &bodies,
+                    forces: &forces,
+                    wrench: &wrench,
+                },
+                width: 8,
+                out: &mut accelerations,
+            };
+            at_level(level, dynamics).unwrap();
+            let bits = |x: f64| x.to_bits();
+            Y.into_iter()
+                .chain(accelerations)
+                .map(bits)
+                .collect::<Vec<_>>()
+        };
+        let [two, more @ ..] = &levels()[..] else {
+            panic!("every machine has a level");
+        };
+        let two = rows(*two);
+        for level in more {
+            assert!(rows(*level) == two, "{level:?}");
+        }
     }
 }

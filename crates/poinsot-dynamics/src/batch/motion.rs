@@ -5,11 +5,11 @@ use super::kernels::spread;
 use super::rows::{Group, Rows};
 use crate::free_motion::{FreeMotion, JOINTS};
 use crate::joint_drive::ForceProfile;
-use crate::lanes::Lanes;
+use crate::lanes::{Lanes, Work, in_lanes};
 use crate::runge_kutta::RungeKutta4;
 use crate::tree::Tree;
+use fearless_simd::Simd;
 use poinsot_spatial::InertialParameters;
-use pulp::{Arch, Simd, WithSimd};
 
 /// Equal steps of one motion. Jumps of a motor force lie between two of them.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -55,7 +55,7 @@ pub fn integrate(
     if bodies.len() != tree.bodies() {
         expect("bodies", bodies.len(), count * tree.bodies())?;
     }
-    Arch::new().dispatch(Moving {
+    in_lanes(Moving {
         tree,
         bodies,
         motors,
@@ -72,11 +72,11 @@ struct Moving<'a> {
     states: &'a mut [f64],
 }
 
-impl WithSimd for Moving<'_> {
+impl Work for Moving<'_> {
     type Output = Result<(), BatchError>;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+    fn run<S: Simd>(self, simd: S) -> Self::Output {
         let Self {
             tree,
             bodies,
@@ -89,7 +89,6 @@ impl WithSimd for Moving<'_> {
         let mut y = vec![zero; width];
         let mut rule = RungeKutta4::like(&y);
         let mut flow = FreeMotion::new(tree, spread(tree, bodies, zero), motors, zero);
-        let order = Lanes::order(simd);
         for (k, of) in states.chunks_mut(Lanes::<S>::COUNT * width).enumerate() {
             let mut group = Group {
                 tree,
@@ -109,7 +108,7 @@ impl WithSimd for Moving<'_> {
                 let moved = rule.step(&mut flow, t, steps.step, &mut y);
                 moved.map_err(|halt| BatchError::Halted(first, halt))?;
             }
-            Rows::new(of, width, order).put_all(&y);
+            Rows::new(of, width).put_all(&y);
         }
         Ok(())
     }

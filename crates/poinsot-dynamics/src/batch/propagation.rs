@@ -5,11 +5,11 @@ use super::kernels::spread;
 use super::rows::{Group, Rows, TWIST};
 use crate::algebra::V3;
 use crate::inverse_dynamics::Wrench;
-use crate::lanes::Lanes;
+use crate::lanes::{Lanes, Work, in_lanes};
 use crate::propagation::{Inputs, Linearisation, PoseMomentum, Propagation, STATE};
 use crate::tree::Tree;
+use fearless_simd::Simd;
 use poinsot_spatial::InertialParameters;
-use pulp::{Arch, Simd, WithSimd};
 
 /// Numbers of a pose with its momentum: `q_NB` (xyzw), `p_NoBo_N`, `P`, `h_SScm_N`.
 const POSE_MOMENTUM: usize = 13;
@@ -101,7 +101,7 @@ pub fn linearised_step(
         expect("bodies", bodies.len(), count * tree.bodies())?;
     }
     expect("out", out.len(), count * linearised_width(tree))?;
-    Arch::new().dispatch(Stepping {
+    in_lanes(Stepping {
         tree,
         bodies,
         spin_inertia,
@@ -150,11 +150,11 @@ impl<S: Simd> Lists<S> {
     }
 }
 
-impl WithSimd for Stepping<'_> {
+impl Work for Stepping<'_> {
     type Output = Result<(), BatchError>;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+    fn run<S: Simd>(self, simd: S) -> Self::Output {
         let Self {
             tree,
             bodies,
@@ -172,7 +172,6 @@ impl WithSimd for Stepping<'_> {
             rates: vec![zero; tree.dof()],
             wheel_speed: vec![zero; tree.rotors.len()],
         });
-        let order = Lanes::order(simd);
         for (k, of) in out.chunks_mut(Lanes::<S>::COUNT * width).enumerate() {
             let group = Group {
                 tree,
@@ -193,7 +192,7 @@ impl WithSimd for Stepping<'_> {
             let inputs = [begin.inputs(), middle.inputs(), end.inputs()];
             let done = vehicle.linearise(&state, inputs, wrench.as_ref(), steps.dt, &mut step);
             done.map_err(|why| BatchError::Step(group.first, why))?;
-            put(&mut Rows::new(of, width, order), &step);
+            put(&mut Rows::new(of, width), &step);
         }
         Ok(())
     }

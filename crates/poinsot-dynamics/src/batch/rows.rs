@@ -5,9 +5,9 @@ use crate::inertial::Inertial;
 use crate::lanes::{Lanes, MOST};
 use crate::symmetric::Symmetric;
 use crate::tree::Tree;
+use fearless_simd::Simd;
 use nalgebra::Vector3;
 use poinsot_spatial::InertialParameters;
-use pulp::Simd;
 
 /// Numbers of a twist, momentum or wrench.
 pub(super) const TWIST: usize = 6;
@@ -112,25 +112,19 @@ impl Source<'_> {
 
 /// The rows of the result of one group.
 pub(super) struct Rows<'a> {
-    /// One for each place of [`Lanes::four_of_each`]; empty where the group has no such state.
+    /// One for each lane; empty where the group has no such state.
     of: [&'a mut [f64]; MOST],
-    /// The lane of each place.
-    lane: [usize; MOST],
 }
 
 impl<'a> Rows<'a> {
     /// The rows of `width` numbers in `all`, one per state of a group.
     #[inline(always)]
-    pub fn new(all: &'a mut [f64], width: usize, lane: [usize; MOST]) -> Self {
-        let mut place = [0; MOST];
-        for (k, lane) in lane.iter().enumerate() {
-            place[*lane] = k;
-        }
+    pub fn new(all: &'a mut [f64], width: usize) -> Self {
         let mut of: [&mut [f64]; MOST] = Default::default();
-        for (row, place) in all.chunks_exact_mut(width).zip(place) {
-            of[place] = row;
+        for (of, row) in of.iter_mut().zip(all.chunks_exact_mut(width)) {
+            *of = row;
         }
-        Self { of, lane }
+        Self { of }
     }
 
     /// [`Self::put`] of all numbers.
@@ -155,17 +149,17 @@ impl<'a> Rows<'a> {
         let (fours, rest) = numbers.as_chunks::<4>();
         for (k, four) in fours.iter().enumerate() {
             let turned = Lanes::four_of_each(*four);
-            for place in 0..Lanes::<S>::COUNT {
-                if let Some(part) = &mut parts[place] {
-                    part[4 * k..][..4].copy_from_slice(&turned[place]);
+            for lane in 0..Lanes::<S>::COUNT {
+                if let Some(part) = &mut parts[lane] {
+                    part[4 * k..][..4].copy_from_slice(&turned[lane]);
                 }
             }
         }
         for (k, number) in rest.iter().enumerate() {
             let number = number.to_array();
-            for place in 0..Lanes::<S>::COUNT {
-                if let Some(part) = &mut parts[place] {
-                    part[N - rest.len() + k] = number[self.lane[place]];
+            for lane in 0..Lanes::<S>::COUNT {
+                if let Some(part) = &mut parts[lane] {
+                    part[N - rest.len() + k] = number[lane];
                 }
             }
         }
