@@ -17,7 +17,7 @@ use error::expect;
 use fearless_simd::Simd;
 use kernels::{Dynamics, Kernel, Momentum, Regressor};
 use poinsot_spatial::InertialParameters;
-use rows::{Group, PER_BODY, Rows, TWIST};
+use rows::{Groups, PER_BODY, Rows, TWIST};
 
 pub use error::BatchError;
 pub use motion::{Steps, integrate};
@@ -178,13 +178,7 @@ impl<K: Kernel> Work for Run<'_, K> {
         let mut scratch = kernel.scratch(tree, zero);
         let mut q = vec![zero; tree.dof()];
         let mut rates = q.clone();
-        for (k, of) in out.chunks_mut(Lanes::<S>::COUNT * width).enumerate() {
-            let group = Group {
-                tree,
-                simd,
-                first: k * Lanes::<S>::COUNT,
-                count: of.len() / width,
-            };
+        for (group, of) in Groups::new(tree, simd, width, out) {
             let at = group.rows(states.q, tree.dof());
             let moving = group.rows(states.rates, tree.dof());
             for (j, (q, rate)) in q.iter_mut().zip(&mut rates).enumerate() {

@@ -2,7 +2,7 @@
 
 use super::error::{BatchError, expect};
 use super::kernels::spread;
-use super::rows::{Group, Rows};
+use super::rows::{Groups, Rows};
 use crate::free_motion::{FreeMotion, JOINTS};
 use crate::joint_drive::ForceProfile;
 use crate::lanes::{Lanes, Work, in_lanes};
@@ -89,13 +89,7 @@ impl Work for Moving<'_> {
         let mut y = vec![zero; width];
         let mut rule = RungeKutta4::like(&y);
         let mut flow = FreeMotion::new(tree, spread(tree, bodies, zero), motors, zero);
-        for (k, of) in states.chunks_mut(Lanes::<S>::COUNT * width).enumerate() {
-            let mut group = Group {
-                tree,
-                simd,
-                first: k * Lanes::<S>::COUNT,
-                count: of.len() / width,
-            };
+        for (mut group, of) in Groups::new(tree, simd, width, states) {
             group.gather(bodies, &mut flow.bodies);
             let first = std::mem::take(&mut group.first);
             let rows = group.rows(of, width);

@@ -2,7 +2,7 @@
 
 use super::error::{BatchError, expect};
 use super::kernels::spread;
-use super::rows::{Group, Rows, TWIST};
+use super::rows::{Group, Groups, Rows, TWIST};
 use crate::algebra::V3;
 use crate::inverse_dynamics::Wrench;
 use crate::lanes::{Lanes, Work, in_lanes};
@@ -172,13 +172,7 @@ impl Work for Stepping<'_> {
             rates: vec![zero; tree.dof()],
             wheel_speed: vec![zero; tree.rotors.len()],
         });
-        for (k, of) in out.chunks_mut(Lanes::<S>::COUNT * width).enumerate() {
-            let group = Group {
-                tree,
-                simd,
-                first: k * Lanes::<S>::COUNT,
-                count: of.len() / width,
-            };
+        for (group, of) in Groups::new(tree, simd, width, out) {
             group.gather(bodies, &mut vehicle.bodies);
             for (lists, from) in lists.iter_mut().zip(&steps.inputs) {
                 lists.gather(&group, from);

@@ -25,6 +25,53 @@ pub(super) struct Group<'a, S: Simd> {
     pub count: usize,
 }
 
+/// The groups of all states, each with its rows of the result.
+pub(super) struct Groups<'a, S> {
+    tree: &'a Tree,
+    simd: S,
+    /// Numbers of a row.
+    width: usize,
+    /// Index of the next state.
+    first: usize,
+    rest: &'a mut [f64],
+}
+
+impl<'a, S: Simd> Groups<'a, S> {
+    /// The groups of the states that have rows of `width` numbers in `out`.
+    #[inline(always)]
+    pub fn new(tree: &'a Tree, simd: S, width: usize, out: &'a mut [f64]) -> Self {
+        Self {
+            tree,
+            simd,
+            width,
+            first: 0,
+            rest: out,
+        }
+    }
+}
+
+impl<'a, S: Simd> Iterator for Groups<'a, S> {
+    type Item = (Group<'a, S>, &'a mut [f64]);
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<Self::Item> {
+        let numbers = self.rest.len().min(Lanes::<S>::COUNT * self.width);
+        if numbers == 0 {
+            return None;
+        }
+        let (of, rest) = std::mem::take(&mut self.rest).split_at_mut(numbers);
+        let group = Group {
+            tree: self.tree,
+            simd: self.simd,
+            first: self.first,
+            count: numbers / self.width,
+        };
+        self.rest = rest;
+        self.first += group.count;
+        Some((group, of))
+    }
+}
+
 impl<S: Simd> Group<'_, S> {
     /// Index of the state in a lane.
     #[inline(always)]
@@ -93,20 +140,17 @@ impl Source<'_> {
         Lanes::from_array(simd, &numbers)
     }
 
+    /// The vector of the numbers from `k` on.
+    #[inline(always)]
+    pub fn vector<S: Simd>(&self, simd: S, k: usize) -> Vector3<Lanes<S>> {
+        let (x, y) = (self.number(simd, k), self.number(simd, k + 1));
+        Vector3::new(x, y, self.number(simd, k + 2))
+    }
+
     /// A linear and an angular vector.
     #[inline(always)]
     pub fn pair<S: Simd>(&self, simd: S) -> [Vector3<Lanes<S>>; 2] {
-        let (x, y, z) = (
-            self.number(simd, 0),
-            self.number(simd, 1),
-            self.number(simd, 2),
-        );
-        let (rx, ry, rz) = (
-            self.number(simd, 3),
-            self.number(simd, 4),
-            self.number(simd, 5),
-        );
-        [Vector3::new(x, y, z), Vector3::new(rx, ry, rz)]
+        [self.vector(simd, 0), self.vector(simd, 3)]
     }
 }
 
