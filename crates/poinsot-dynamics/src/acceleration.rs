@@ -1,6 +1,7 @@
 //! Accelerations of every body from forces, joint motion and wheels: the momentum equation
 //! `P' = F`, `H' = T` differentiated in closed form (Newton-Euler recursion; Featherstone 2008, ch. 5).
 
+use crate::algebra::{M3, Real, V3};
 use crate::kinematics::Kinematics;
 use crate::tree::{Motion, Tree};
 use alloc::vec;
@@ -18,62 +19,96 @@ use poinsot_spatial::{InertialParameters, Vector3};
 /// assert_eq!(accelerations.at_point(&kinematics, 1, &Vector3::x()), Vector3::x() * -8.0);
 /// ```
 #[derive(Debug, Clone)]
-pub struct Accelerations {
+pub struct Accelerations<T = f64> {
     /// Acceleration of body i's origin, m/s2.
-    pub a: Vec<Vector3>,
+    pub a: Vec<nalgebra::Vector3<T>>,
     /// Angular acceleration of body i, rad/s2.
-    pub alpha: Vec<Vector3>,
+    pub alpha: Vec<nalgebra::Vector3<T>>,
 }
 
 impl Accelerations {
     /// Scratch for a tree.
     pub fn new(tree: &Tree) -> Self {
+        Self::over(tree, 0.0)
+    }
+}
+
+impl<T: Real> Accelerations<T> {
+    /// Scratch for a tree over the numbers of `zero`.
+    #[inline(always)]
+    pub(crate) fn over(tree: &Tree, zero: T) -> Self {
+        let nothing = V3::all(zero).stored();
         Self {
-            a: vec![Vector3::zeros(); tree.bodies()],
-            alpha: vec![Vector3::zeros(); tree.bodies()],
+            a: vec![nothing; tree.bodies()],
+            alpha: vec![nothing; tree.bodies()],
         }
     }
 
     /// Fills the accelerations that velocities and joint accelerations (rad/s2 or m/s2) cause while the
     /// base itself does not accelerate.
+    #[inline(always)]
     pub fn set_without_base(
         &mut self,
         tree: &Tree,
-        kinematics: &Kinematics,
-        rates: &[f64],
-        joint_accelerations: &[f64],
+        kinematics: &Kinematics<T>,
+        rates: &[T],
+        joint_accelerations: &[T],
     ) {
-        self.a[0] = Vector3::zeros();
-        self.alpha[0] = Vector3::zeros();
+        let nothing = V3::all(kinematics.p[0].x.all(0.0)).stored();
+        self.a[0] = nothing;
+        self.alpha[0] = nothing;
         for (i, link) in tree.links.iter().enumerate().skip(1) {
             let parent = link.parent;
-            let r = kinematics.p[i] - kinematics.p[parent];
-            let w = kinematics.w[parent];
-            let axis = kinematics.R[parent] * link.axis_P;
-            let mut a = self.a[parent] + self.alpha[parent].cross(&r) + w.cross(&w.cross(&r));
-            let mut alpha = self.alpha[parent];
+            let r = V3::of(&kinematics.p[i]) - V3::of(&kinematics.p[parent]);
+            let w = V3::of(&kinematics.w[parent]);
+            let axis = M3::of(&kinematics.R[parent]).times(&V3::of(&link.axis_P));
+            let mut alpha = V3::of(&self.alpha[parent]);
+            let mut a = V3::of(&self.a[parent]) + alpha.cross(&r) + w.cross(&w.cross(&r));
             match link.motion {
                 Motion::Revolute(k) => {
                     alpha += axis * joint_accelerations[k] + w.cross(&axis) * rates[k];
                 }
                 Motion::Prismatic(k) => {
-                    a += axis * joint_accelerations[k] + w.cross(&axis) * (2.0 * rates[k]);
+                    a += axis * joint_accelerations[k] + w.cross(&axis) * (rates[k] * 2.0);
                 }
                 Motion::Fixed | Motion::Free => {}
             }
-            self.a[i] = a;
-            self.alpha[i] = alpha;
+            self.a[i] = a.stored();
+            self.alpha[i] = alpha.stored();
         }
     }
 
     /// Adds the acceleration of the base, `a` of its origin and `alpha`, to every body.
-    pub fn add_base(&mut self, kinematics: &Kinematics, a: &Vector3, alpha: &Vector3) {
+    #[inline(always)]
+    pub fn add_base(
+        &mut self,
+        kinematics: &Kinematics<T>,
+        a: &nalgebra::Vector3<T>,
+        alpha: &nalgebra::Vector3<T>,
+    ) {
+        let (a, alpha) = (V3::of(a), V3::of(alpha));
         for (i, p) in kinematics.p.iter().enumerate() {
-            self.a[i] += a + alpha.cross(p);
-            self.alpha[i] += alpha;
+            let of_base = a + alpha.cross(&V3::of(p));
+            self.a[i] = (V3::of(&self.a[i]) + of_base).stored();
+            self.alpha[i] = (V3::of(&self.alpha[i]) + alpha).stored();
         }
     }
 
+    /// Inertial acceleration of a point fixed in body i (from its origin, in that body's axes, m), in base axes, m/s2.
+    #[inline(always)]
+    pub fn of_point(
+        &self,
+        kinematics: &Kinematics<T>,
+        i: usize,
+        p_BoS_B: &Vector3,
+    ) -> nalgebra::Vector3<T> {
+        let r = M3::of(&kinematics.R[i]).times(&V3::of(p_BoS_B));
+        let (w, alpha) = (V3::of(&kinematics.w[i]), V3::of(&self.alpha[i]));
+        (V3::of(&self.a[i]) + alpha.cross(&r) + w.cross(&w.cross(&r))).stored()
+    }
+}
+
+impl Accelerations {
     /// Rate of change of the momentum of all bodies `[l'; h']` about the base origin's present place,
     /// inertial rate in base axes, N and N m.
     pub fn momentum_rate(
@@ -110,11 +145,5 @@ impl Accelerations {
     /// m/s2. N falls freely, so it is the inertial acceleration.
     pub fn at_point(&self, kinematics: &Kinematics, i: usize, p_BoS_B: &Vector3) -> Vector3 {
         kinematics.R[i].transpose() * self.of_point(kinematics, i, p_BoS_B)
-    }
-
-    /// Inertial acceleration of a point fixed in body i (from its origin, in that body's axes, m), in base axes, m/s2.
-    pub fn of_point(&self, kinematics: &Kinematics, i: usize, p_BoS_B: &Vector3) -> Vector3 {
-        let (r, w) = (kinematics.R[i] * p_BoS_B, &kinematics.w[i]);
-        self.a[i] + self.alpha[i].cross(&r) + w.cross(&w.cross(&r))
     }
 }

@@ -8,7 +8,7 @@ use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 #[cfg(not(feature = "std"))]
 use nalgebra::ComplexField;
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
 /// One real number, or the numbers of several states side by side.
 pub trait Real:
@@ -37,6 +37,9 @@ pub trait Real:
 
     /// Whether every lane of `self` is larger than that of `other`; never for NaN.
     fn exceeds(self, other: Self) -> bool;
+
+    /// The unit quaternion (xyzw) of a rotation.
+    fn quaternion_of(R: &Matrix3<Self>) -> [Self; 4];
 }
 
 impl Real for f64 {
@@ -63,6 +66,13 @@ impl Real for f64 {
     #[inline(always)]
     fn exceeds(self, other: Self) -> bool {
         self > other
+    }
+
+    #[inline]
+    fn quaternion_of(R: &Matrix3<Self>) -> [Self; 4] {
+        let rotation = Rotation3::from_matrix_unchecked(*R);
+        let q = UnitQuaternion::from_rotation_matrix(&rotation);
+        q.coords.into()
     }
 }
 
@@ -218,6 +228,19 @@ impl<T: Real> M3<T> {
     pub fn transpose_times(&self, x: &V3<T>) -> V3<T> {
         let [a, b, c] = &self.0;
         V3::new(a.dot(x), b.dot(x), c.dot(x))
+    }
+
+    /// `self^T`.
+    #[inline(always)]
+    pub fn transposed(&self) -> Self {
+        Self(self.rows())
+    }
+
+    /// `self [a]x`.
+    #[inline(always)]
+    pub fn times_skew(&self, a: &V3<T>) -> Self {
+        let [x, y, z] = self.0;
+        Self([y * a.z - z * a.y, z * a.x - x * a.z, x * a.y - y * a.x])
     }
 
     /// `self B`.

@@ -59,8 +59,8 @@
 //!   cosines.
 //! - `forward_dynamics.rs`: articulated-body algorithm. `articulated.rs`: inertia of a body with what it carries.
 //!   `rates_momentum.rs`: momentum of the joint rates.
-//! - `batch/`: the same recursions over many states. `rows.rs`: rows in memory. `kernels.rs`, `motion.rs`: what is
-//!   computed. `free_motion.rs`: derivative of a motion under joint forces alone.
+//! - `batch/`: the same recursions over many states. `rows.rs`: rows in memory. `kernels.rs`, `motion.rs`,
+//!   `propagation.rs`, `sensors.rs`: what is computed. `free_motion.rs`: derivative of a motion under joint forces alone.
 //! - `inverse_dynamics.rs`, `mass_matrix.rs`, `jacobian.rs`, `energy.rs`: the other dynamics algorithms.
 //! - `joint_drive.rs`: motors, springs, dampers. `driven.rs`, `driven_stage.rs`: motion under torques, its state and
 //!   equations.

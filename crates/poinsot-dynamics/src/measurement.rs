@@ -13,55 +13,76 @@ mod relative_position;
 mod relative_velocity;
 mod velocity;
 
+use crate::algebra::{M3, Real, V3};
 use crate::kinematics::Kinematics;
 use crate::momentum::Twist;
+use crate::quaternion;
 use crate::sensor::SensorKind;
-use nalgebra::SMatrix;
-use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3, skew};
+use crate::tree::{Motion, Tree};
+use nalgebra::{Matrix3, Quaternion, SMatrix, Unit, Vector3};
 
 /// Pose of the base.
 #[derive(Debug, Clone, Copy)]
-pub struct BasePose {
+pub struct BasePose<T = f64> {
     /// `R_NB`.
-    pub R_NB: UnitQuaternion,
+    pub R_NB: Unit<Quaternion<T>>,
     /// Position of the base origin in N, m.
-    pub p_NoBo_N: Vector3,
+    pub p_NoBo_N: Vector3<T>,
 }
 
-impl BasePose {
+impl<T: Real> BasePose<T> {
+    /// `q_NB`, xyzw.
+    #[inline(always)]
+    fn quaternion(&self) -> [T; 4] {
+        let q = &self.R_NB.as_ref().coords;
+        [q.x, q.y, q.z, q.w]
+    }
+
     /// `R_NB` as a matrix.
-    fn matrix(&self) -> Matrix3 {
-        *self.R_NB.to_rotation_matrix().matrix()
+    #[inline(always)]
+    fn matrix(&self) -> M3<T> {
+        quaternion::rotation(&self.quaternion())
     }
 }
 
 /// A point P fixed in body i, as the base sees it: all in base axes.
 #[derive(Debug, Clone, Copy)]
-pub struct PointMotion {
+pub struct PointMotion<T = f64> {
     /// `R_BBi`.
-    pub R: Matrix3,
+    pub R: Matrix3<T>,
     /// `p_BoP_B`, m.
-    pub r: Vector3,
+    pub r: Vector3<T>,
     /// `v_NP_B`, m/s.
-    pub v: Vector3,
+    pub v: Vector3<T>,
     /// `w_NBi_B`, rad/s.
-    pub w: Vector3,
+    pub w: Vector3<T>,
 }
 
-impl PointMotion {
+impl<T: Real> PointMotion<T> {
     /// The point at `p_BioP_Bi` of a body, m, from its origin in its axes.
-    pub fn new(kinematics: &Kinematics, body: usize, p_BioP_Bi: &Vector3) -> Self {
-        let arm = kinematics.R[body] * p_BioP_Bi;
+    #[inline(always)]
+    pub fn new(kinematics: &Kinematics<T>, body: usize, p_BioP_Bi: &Vector3<f64>) -> Self {
+        let k = kinematics;
+        let (p, v, w) = (V3::of(&k.p[body]), V3::of(&k.v[body]), V3::of(&k.w[body]));
+        let arm = M3::of(&k.R[body]).times(&V3::of(p_BioP_Bi));
         Self {
-            R: kinematics.R[body],
-            r: kinematics.p[body] + arm,
-            v: kinematics.v[body] + kinematics.w[body].cross(&arm),
-            w: kinematics.w[body],
+            R: k.R[body],
+            r: (p + arm).stored(),
+            v: (v + w.cross(&arm)).stored(),
+            w: k.w[body],
         }
     }
 
+    /// `R_BiB`.
+    #[inline(always)]
+    fn R_BiB(&self) -> M3<T> {
+        M3::of(&self.R).transposed()
+    }
+}
+
+impl PointMotion {
     /// The point at `p_BoP_B` of the base, m.
-    pub fn of_base(twist: &Twist, p_BoP_B: &Vector3) -> Self {
+    pub fn of_base(twist: &Twist, p_BoP_B: &Vector3<f64>) -> Self {
         Self {
             R: Matrix3::identity(),
             r: *p_BoP_B,
@@ -73,97 +94,163 @@ impl PointMotion {
 
 /// Derivatives of a point over one joint that carries its body, at a constant twist of the base. In base axes.
 #[derive(Debug, Clone, Copy)]
-pub struct JointEffect {
+pub struct JointEffect<T = f64> {
     /// Turn of the body over the joint's position, and `w` over its rate.
-    pub turn: Vector3,
+    pub turn: Vector3<T>,
     /// Shift of the point over the joint's position, and `v` over its rate.
-    pub shift: Vector3,
+    pub shift: Vector3<T>,
     /// `w` over the joint's position.
-    pub w: Vector3,
+    pub w: Vector3<T>,
     /// `v` over the joint's position.
-    pub v: Vector3,
+    pub v: Vector3<T>,
+}
+
+impl<T: Real> JointEffect<T> {
+    /// Effect of the joint of body `link`, which carries the point; zero where the joint is fixed. The kinematics move.
+    #[inline(always)]
+    pub fn new(
+        tree: &Tree,
+        kinematics: &Kinematics<T>,
+        link: usize,
+        point: &PointMotion<T>,
+    ) -> Self {
+        let (k, joint) = (kinematics, &tree.links[link]);
+        let axis = joint.axis_in_base(&M3::of(&k.R[link]));
+        let nothing = V3::all(axis.x.all(0.0));
+        let (r, w) = (V3::of(&point.r), V3::of(&k.w[joint.parent]));
+        let [turn, shift, dw, dv] = match joint.motion {
+            Motion::Revolute(_) => {
+                let shift = axis.cross(&(r - V3::of(&k.p[link])));
+                // What moves relative to the parent turns with the body.
+                let carried = w.cross(&(r - V3::of(&k.p[joint.parent])));
+                let relative = V3::of(&point.v) - (V3::of(&k.v[joint.parent]) + carried);
+                let dw = axis.cross(&(V3::of(&point.w) - w));
+                [axis, shift, dw, w.cross(&shift) + axis.cross(&relative)]
+            }
+            Motion::Prismatic(_) => [nothing, axis, nothing, w.cross(&axis)],
+            Motion::Fixed | Motion::Free => [nothing; 4],
+        };
+        Self {
+            turn: turn.stored(),
+            shift: shift.stored(),
+            w: dw.stored(),
+            v: dv.stored(),
+        }
+    }
 }
 
 /// What a measurement is a function of.
 #[derive(Debug, Clone, Copy)]
-pub struct Scene<'a> {
+pub struct Scene<'a, T = f64> {
     /// Pose of the base.
-    pub pose: &'a BasePose,
+    pub pose: &'a BasePose<T>,
     /// Point of the sensor; for a relative kind the point that it sees.
-    pub point: &'a PointMotion,
+    pub point: &'a PointMotion<T>,
     /// Origin of the body from which a relative kind sees the point; the base for all other kinds.
-    pub from: &'a PointMotion,
+    pub from: &'a PointMotion<T>,
     /// Unit vector whose direction is measured, in N.
-    pub reference_N: Option<Vector3>,
+    pub reference_N: Option<Vector3<T>>,
     /// Inertial acceleration of the point in base axes, m/s2. A caller that differentiates it otherwise leaves it out.
-    pub a_NP_B: Option<Vector3>,
+    pub a_NP_B: Option<Vector3<T>>,
 }
 
 /// Ideal value of a measurement.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Ideal {
+#[derive(Debug, Clone, Copy)]
+pub enum Ideal<T = f64> {
     /// Three numbers in the unit of the kind.
-    Vector(Vector3),
+    Vector(Vector3<T>),
     /// A rotation. Its changes are small turns in the axes of the body whose attitude it is.
-    Rotation(UnitQuaternion),
+    Rotation(Unit<Quaternion<T>>),
+}
+
+impl<T: Real> Ideal<T> {
+    #[inline(always)]
+    fn vector(value: V3<T>) -> Self {
+        Self::Vector(value.stored())
+    }
+
+    /// A rotation by its quaternion, xyzw.
+    #[inline(always)]
+    fn rotation([x, y, z, w]: [T; 4]) -> Self {
+        Self::Rotation(Unit::new_unchecked(Quaternion::new(w, x, y, z)))
+    }
+}
+
+impl PartialEq for Ideal {
+    fn eq(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Vector(a), Self::Vector(b)) => a == b,
+            (Self::Rotation(a), Self::Rotation(b)) => a == b,
+            _ => false,
+        }
+    }
 }
 
 /// Ideal measurement with its derivatives.
 #[derive(Debug, Clone, Copy)]
-pub struct Measurement {
+pub struct Measurement<T = f64> {
     /// `h`.
-    pub value: Ideal,
+    pub value: Ideal<T>,
     /// Its rate of change per second, where pose and twist determine it.
-    pub rate: Option<Vector3>,
+    pub rate: Option<Vector3<T>>,
     /// Derivative over the pose of the base, `[dphi_B, dp_N]`.
-    pub pose: SMatrix<f64, 3, 6>,
+    pub pose: SMatrix<T, 3, 6>,
     /// Derivative over the twist of the base, `[dv_NBo_B, dw_NB_B]`.
-    pub twist: SMatrix<f64, 3, 6>,
+    pub twist: SMatrix<T, 3, 6>,
 }
 
-impl Measurement {
+impl<T: Real> Measurement<T> {
     /// A value that does not depend on the base.
-    fn new(value: Ideal) -> Self {
+    #[inline(always)]
+    fn new(value: Ideal<T>, zero: T) -> Self {
+        let nothing = SMatrix::from([[zero; 3]; 6]);
         Self {
             value,
             rate: None,
-            pose: SMatrix::zeros(),
-            twist: SMatrix::zeros(),
+            pose: nothing,
+            twist: nothing,
         }
     }
 }
 
 /// Derivatives of a measurement over one joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct OverJoint {
+pub struct OverJoint<T = f64> {
     /// Over its position.
-    pub position: Vector3,
+    pub position: Vector3<T>,
     /// Over its rate.
-    pub rate: Vector3,
+    pub rate: Vector3<T>,
 }
 
-impl OverJoint {
-    fn position(position: Vector3) -> Self {
+impl<T: Real> OverJoint<T> {
+    #[inline(always)]
+    fn new(position: V3<T>, rate: V3<T>) -> Self {
         Self {
-            position,
-            rate: Vector3::zeros(),
+            position: position.stored(),
+            rate: rate.stored(),
         }
+    }
+
+    #[inline(always)]
+    fn position(position: V3<T>) -> Self {
+        Self::new(position, V3::all(position.x.all(0.0)))
     }
 }
 
 /// Which body of a measurement a joint carries. A joint that carries both bodies of a relative kind changes nothing.
 #[derive(Debug, Clone, Copy)]
-pub enum Carried<'a> {
+pub enum Carried<'a, T = f64> {
     /// That of the point.
-    Point(&'a JointEffect),
+    Point(&'a JointEffect<T>),
     /// That from which the point is seen.
-    From(&'a JointEffect),
+    From(&'a JointEffect<T>),
 }
 
 impl SensorKind {
     /// Ideal measurement of a kind with axes; of a velocity increment the velocity, whose difference it is. `None` for
     /// other kinds, and where the scene lacks what the kind measures.
-    pub fn measure(self, scene: &Scene) -> Option<Measurement> {
+    #[inline(always)]
+    pub fn measure<T: Real>(self, scene: &Scene<T>) -> Option<Measurement<T>> {
         match self {
             Self::Gyro => Some(gyro::measure(scene)),
             Self::Attitude => Some(attitude::measure(scene)),
@@ -180,7 +267,8 @@ impl SensorKind {
 
     /// Derivatives of [`Self::measure`] over a joint, at a constant twist of the base. `None` where there is no
     /// measurement, and for an accelerometer: its derivatives are those of the equation of motion.
-    pub fn over_joint(self, scene: &Scene, joint: Carried) -> Option<OverJoint> {
+    #[inline(always)]
+    pub fn over_joint<T: Real>(self, scene: &Scene<T>, joint: Carried<T>) -> Option<OverJoint<T>> {
         match (self, joint) {
             (Self::RelativeAttitude, joint) => Some(relative_attitude::over_joint(scene, joint)),
             (Self::RelativePosition, joint) => Some(relative_position::over_joint(scene, joint)),
@@ -199,14 +287,19 @@ impl SensorKind {
 }
 
 /// Two matrices side by side.
-fn beside(a: &Matrix3, b: &Matrix3) -> SMatrix<f64, 3, 6> {
-    let mut both = SMatrix::<f64, 3, 6>::zeros();
-    both.fixed_view_mut::<3, 3>(0, 0).copy_from(a);
-    both.fixed_view_mut::<3, 3>(0, 3).copy_from(b);
-    both
+#[inline(always)]
+fn beside<T: Real>(a: &M3<T>, b: &M3<T>) -> SMatrix<T, 3, 6> {
+    let ([a, b, c], [d, e, f]) = (a.0, b.0);
+    SMatrix::from([a, b, c, d, e, f].map(|v| [v.x, v.y, v.z]))
 }
 
-/// `M [a]x`.
-fn times_skew(M: &Matrix3, a: &Vector3) -> Matrix3 {
-    M * skew(a)
+/// A multiple of the identity.
+#[inline(always)]
+fn diagonal<T: Real>(x: T) -> M3<T> {
+    let zero = x.all(0.0);
+    M3([
+        V3::new(x, zero, zero),
+        V3::new(zero, x, zero),
+        V3::new(zero, zero, x),
+    ])
 }

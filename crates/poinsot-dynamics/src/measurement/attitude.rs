@@ -1,24 +1,23 @@
 //! Attitude of a body in N: a star tracker. Its changes are small turns in the body's axes.
 
-use super::{Ideal, JointEffect, Measurement, OverJoint, Scene, beside};
-use nalgebra::Rotation3;
-use poinsot_spatial::{Matrix3, UnitQuaternion};
+use super::{Ideal, JointEffect, Measurement, OverJoint, Scene, beside, diagonal};
+use crate::algebra::{Real, V3};
+use crate::quaternion;
 
-/// `R_NBi`.
-pub(super) fn of(scene: &Scene) -> UnitQuaternion {
-    let R_BBi = Rotation3::from_matrix_unchecked(scene.point.R);
-    scene.pose.R_NB * UnitQuaternion::from_rotation_matrix(&R_BBi)
-}
-
-pub(super) fn measure(scene: &Scene) -> Measurement {
-    let to_body = scene.point.R.transpose();
+#[inline(always)]
+pub(super) fn measure<T: Real>(scene: &Scene<T>) -> Measurement<T> {
+    let (to_body, zero) = (scene.point.R_BiB(), scene.point.r.x.all(0.0));
+    // `R_NBi`.
+    let of_body = T::quaternion_of(&scene.point.R);
+    let value = Ideal::rotation(quaternion::product(&scene.pose.quaternion(), &of_body));
     Measurement {
-        rate: Some(to_body * scene.point.w),
-        pose: beside(&to_body, &Matrix3::zeros()),
-        ..Measurement::new(Ideal::Rotation(of(scene)))
+        rate: Some(to_body.times(&V3::of(&scene.point.w)).stored()),
+        pose: beside(&to_body, &diagonal(zero)),
+        ..Measurement::new(value, zero)
     }
 }
 
-pub(super) fn over_joint(scene: &Scene, joint: &JointEffect) -> OverJoint {
-    OverJoint::position(scene.point.R.transpose() * joint.turn)
+#[inline(always)]
+pub(super) fn over_joint<T: Real>(scene: &Scene<T>, joint: &JointEffect<T>) -> OverJoint<T> {
+    OverJoint::position(scene.point.R_BiB().times(&V3::of(&joint.turn)))
 }

@@ -1,25 +1,34 @@
 //! Direction of a vector known in N, seen from a body: sun sensor, magnetometer.
 
-use super::{Ideal, JointEffect, Measurement, OverJoint, Scene, attitude};
-use poinsot_spatial::{Vector3, skew};
+use super::{Ideal, JointEffect, Measurement, OverJoint, Scene, attitude, beside, diagonal};
+use crate::algebra::{Real, V3};
 
 /// `d_Bi = R_NBi^T d_N`.
-fn of(scene: &Scene) -> Option<Vector3> {
-    Some(attitude::of(scene).inverse() * scene.reference_N?)
+#[inline(always)]
+fn of<T: Real>(scene: &Scene<T>) -> Option<V3<T>> {
+    let d_N = V3::of(scene.reference_N.as_ref()?);
+    let d_B = scene.pose.matrix().transpose_times(&d_N);
+    Some(scene.point.R_BiB().times(&d_B))
 }
 
 /// A small turn `a` of the body changes it by `d_Bi x a`. The reference is constant between two samples.
-pub(super) fn measure(scene: &Scene) -> Option<Measurement> {
+#[inline(always)]
+pub(super) fn measure<T: Real>(scene: &Scene<T>) -> Option<Measurement<T>> {
     let d = of(scene)?;
-    let turned = attitude::measure(scene);
+    let (to_body, zero) = (scene.point.R_BiB(), d.x.all(0.0));
+    let w_NBi_Bi = to_body.times(&V3::of(&scene.point.w));
     Some(Measurement {
-        rate: turned.rate.map(|w_NBi_Bi| d.cross(&w_NBi_Bi)),
-        pose: skew(&d) * turned.pose,
-        ..Measurement::new(Ideal::Vector(d))
+        rate: Some(d.cross(&w_NBi_Bi).stored()),
+        pose: beside(&to_body.crossed(&d), &diagonal(zero)),
+        ..Measurement::new(Ideal::vector(d), zero)
     })
 }
 
-pub(super) fn over_joint(scene: &Scene, joint: &JointEffect) -> Option<OverJoint> {
+#[inline(always)]
+pub(super) fn over_joint<T: Real>(
+    scene: &Scene<T>,
+    joint: &JointEffect<T>,
+) -> Option<OverJoint<T>> {
     let turn = attitude::over_joint(scene, joint).position;
-    Some(OverJoint::position(skew(&of(scene)?) * turn))
+    Some(OverJoint::position(of(scene)?.cross(&V3::of(&turn))))
 }

@@ -1,22 +1,24 @@
 //! Gyro: the angular velocity of its body, in the body's axes.
 
-use super::{Ideal, JointEffect, Measurement, OverJoint, Scene, beside};
-use poinsot_spatial::Matrix3;
+use super::{Ideal, JointEffect, Measurement, OverJoint, Scene, beside, diagonal};
+use crate::algebra::{Real, V3};
 
 /// `w_NBi_Bi = R_BBi^T w_NBi_B`.
-pub(super) fn measure(scene: &Scene) -> Measurement {
-    let to_body = scene.point.R.transpose();
+#[inline(always)]
+pub(super) fn measure<T: Real>(scene: &Scene<T>) -> Measurement<T> {
+    let (to_body, w) = (scene.point.R_BiB(), V3::of(&scene.point.w));
+    let zero = w.x.all(0.0);
     Measurement {
-        twist: beside(&Matrix3::zeros(), &to_body),
-        ..Measurement::new(Ideal::Vector(to_body * scene.point.w))
+        twist: beside(&diagonal(zero), &to_body),
+        ..Measurement::new(Ideal::vector(to_body.times(&w)), zero)
     }
 }
 
 /// A joint turns the axes and all outboard bodies.
-pub(super) fn over_joint(scene: &Scene, joint: &JointEffect) -> OverJoint {
-    let to_body = scene.point.R.transpose();
-    OverJoint {
-        position: to_body * (joint.w - joint.turn.cross(&scene.point.w)),
-        rate: to_body * joint.turn,
-    }
+#[inline(always)]
+pub(super) fn over_joint<T: Real>(scene: &Scene<T>, joint: &JointEffect<T>) -> OverJoint<T> {
+    let (to_body, w) = (scene.point.R_BiB(), V3::of(&scene.point.w));
+    let turn = V3::of(&joint.turn);
+    let change = V3::of(&joint.w) - turn.cross(&w);
+    OverJoint::new(to_body.times(&change), to_body.times(&turn))
 }

@@ -3,33 +3,42 @@
 //! No motion of the base changes it, so that it determines the motion of joints, not of the base.
 
 use super::{Carried, Ideal, Measurement, OverJoint, Scene};
-use poinsot_spatial::Vector3;
+use crate::algebra::{Real, V3};
 
 /// Place and velocity of the point relative to body r, in base axes.
-fn apart(scene: &Scene) -> (Vector3, Vector3) {
+#[inline(always)]
+fn apart<T: Real>(scene: &Scene<T>) -> (V3<T>, V3<T>) {
     let (seen, from) = (scene.point, scene.from);
-    let r = seen.r - from.r;
-    (r, seen.v - from.v - from.w.cross(&r))
+    let r = V3::of(&seen.r) - V3::of(&from.r);
+    let carried = V3::of(&from.w).cross(&r);
+    (r, V3::of(&seen.v) - V3::of(&from.v) - carried)
 }
 
 /// Rate of change of `p_BrS_Br`.
-pub(super) fn measure(scene: &Scene) -> Measurement {
+#[inline(always)]
+pub(super) fn measure<T: Real>(scene: &Scene<T>) -> Measurement<T> {
     let (_, v) = apart(scene);
-    Measurement::new(Ideal::Vector(scene.from.R.transpose() * v))
+    let value = Ideal::vector(scene.from.R_BiB().times(&v));
+    Measurement::new(value, v.x.all(0.0))
 }
 
-pub(super) fn over_joint(scene: &Scene, joint: Carried) -> OverJoint {
-    let (to_from, w) = (scene.from.R.transpose(), scene.from.w);
+#[inline(always)]
+pub(super) fn over_joint<T: Real>(scene: &Scene<T>, joint: Carried<T>) -> OverJoint<T> {
+    let (to_from, w) = (scene.from.R_BiB(), V3::of(&scene.from.w));
     let (r, v) = apart(scene);
+    let (Carried::Point(j) | Carried::From(j)) = joint;
+    let (turn, shift) = (V3::of(&j.turn), V3::of(&j.shift));
+    let (dw, dv) = (V3::of(&j.w), V3::of(&j.v));
     match joint {
-        Carried::Point(j) => OverJoint {
-            position: to_from * (j.v - w.cross(&j.shift)),
-            rate: to_from * j.shift,
-        },
+        Carried::Point(_) => {
+            let position = dv - w.cross(&shift);
+            OverJoint::new(to_from.times(&position), to_from.times(&shift))
+        }
         // The axes turn too.
-        Carried::From(j) => OverJoint {
-            position: -(to_from * (j.v + j.w.cross(&r) - w.cross(&j.shift) + j.turn.cross(&v))),
-            rate: -(to_from * (j.shift + j.turn.cross(&r))),
-        },
+        Carried::From(_) => {
+            let position = dv + dw.cross(&r) - w.cross(&shift) + turn.cross(&v);
+            let rate = shift + turn.cross(&r);
+            OverJoint::new(-to_from.times(&position), -to_from.times(&rate))
+        }
     }
 }

@@ -1,22 +1,24 @@
 //! Velocity of a point in N; the difference of two is a velocity increment.
 
-use super::{Ideal, JointEffect, Measurement, OverJoint, Scene, beside, times_skew};
-use poinsot_spatial::Matrix3;
+use super::{Ideal, JointEffect, Measurement, OverJoint, Scene, beside, diagonal};
+use crate::algebra::{Real, V3};
 
 /// `v_NP_N = R_NB v_NP_B`.
-pub(super) fn measure(scene: &Scene) -> Measurement {
-    let (R_NB, point) = (scene.pose.matrix(), scene.point);
+#[inline(always)]
+pub(super) fn measure<T: Real>(scene: &Scene<T>) -> Measurement<T> {
+    let R_NB = scene.pose.matrix();
+    let (r, v) = (V3::of(&scene.point.r), V3::of(&scene.point.v));
+    let zero = v.x.all(0.0);
     Measurement {
-        pose: beside(&-times_skew(&R_NB, &point.v), &Matrix3::zeros()),
-        twist: beside(&R_NB, &-times_skew(&R_NB, &point.r)),
-        ..Measurement::new(Ideal::Vector(R_NB * point.v))
+        pose: beside(&R_NB.times_skew(&-v), &diagonal(zero)),
+        twist: beside(&R_NB, &R_NB.times_skew(&-r)),
+        ..Measurement::new(Ideal::vector(R_NB.times(&v)), zero)
     }
 }
 
-pub(super) fn over_joint(scene: &Scene, joint: &JointEffect) -> OverJoint {
+#[inline(always)]
+pub(super) fn over_joint<T: Real>(scene: &Scene<T>, joint: &JointEffect<T>) -> OverJoint<T> {
     let R_NB = scene.pose.matrix();
-    OverJoint {
-        position: R_NB * joint.v,
-        rate: R_NB * joint.shift,
-    }
+    let (v, shift) = (V3::of(&joint.v), V3::of(&joint.shift));
+    OverJoint::new(R_NB.times(&v), R_NB.times(&shift))
 }

@@ -220,3 +220,27 @@ fn exact_slopes_over_joints_are_differences() {
     }
     assert!(compared > 30, "{compared}");
 }
+
+#[test]
+fn exact_effects_of_a_joint_are_differences() {
+    let (tree, here) = (chain(), Here::new());
+    let mut kinematics = Kinematics::new(&tree);
+    kinematics.place(&tree, &here.q);
+    kinematics.set_velocities(&tree, &here.twist.v, &here.twist.w, &here.rates);
+    for body in 1..tree.bodies() {
+        let point = PointMotion::new(&kinematics, body, &Placed::PLACE);
+        for joint in 0..body {
+            let found = JointEffect::new(&tree, &kinematics, joint + 1, &point);
+            let other = effect(&tree, joint, (body, &Placed::PLACE));
+            let gaps = [
+                found.turn - other.turn,
+                found.shift - other.shift,
+                found.w - other.w,
+                found.v - other.v,
+            ];
+            for gap in gaps.map(|gap| gap.amax()) {
+                assert!(gap < CLOSE, "body {body} joint {joint}: {gap:e}");
+            }
+        }
+    }
+}

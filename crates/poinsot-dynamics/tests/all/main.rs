@@ -2,6 +2,7 @@
 #![allow(clippy::panic, clippy::unwrap_used, non_snake_case)]
 
 mod batch;
+mod batch_measurements;
 mod exact_closed_forms;
 mod exact_driven;
 mod exact_gravity_gradient;
