@@ -63,7 +63,7 @@ struct Node<T> {
     U_a: V3<T>,
     D_inverse: T,
     u: T,
-    /// Acceleration; first the part without the base.
+    /// Acceleration while the base does not accelerate.
     a: V3<T>,
     alpha: V3<T>,
     /// The remaining part.
@@ -195,7 +195,9 @@ impl<T: Real> ForwardDynamics<T> {
     /// [`Self::solve`] left them.
     #[inline(always)]
     pub fn acceleration(&self, i: usize) -> (Vector3<T>, Vector3<T>) {
-        (self.nodes[i].a.stored(), self.nodes[i].alpha.stored())
+        let node = &self.nodes[i];
+        let (a, alpha) = (node.a + node.da, node.alpha + node.dalpha);
+        (a.stored(), alpha.stored())
     }
 
     /// Accelerations with the base at rest, and the forces that each body alone needs for them.
@@ -269,8 +271,6 @@ impl<T: Real> ForwardDynamics<T> {
     ) -> Result<(), Singular> {
         let base = self.nodes.first_mut().ok_or(Singular::Base)?;
         (base.da, base.dalpha) = base.inertia.free_acceleration().ok_or(Singular::Base)?;
-        base.a += base.da;
-        base.alpha += base.dalpha;
         for i in 1..tree.links.len() {
             let link = &tree.links[i];
             let (before, rest) = self.nodes.split_at_mut(i);
@@ -293,8 +293,6 @@ impl<T: Real> ForwardDynamics<T> {
             }
             node.da = da;
             node.dalpha = dalpha;
-            node.a += da;
-            node.alpha += dalpha;
         }
         Ok(())
     }
