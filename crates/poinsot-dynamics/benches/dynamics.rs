@@ -19,7 +19,7 @@ use xu_arm::{BATCH, RING, Rows};
 const SECONDS: f64 = 20.0;
 const REPEATS: usize = 40;
 
-/// Linearised steps in a batch: their results fit the caches.
+/// Linearised steps or measurements in a batch: their results fit the caches.
 const STEPS: usize = 64;
 
 /// Constant joint torques, the same in the peers, N m.
@@ -29,6 +29,7 @@ fn main() {
     kernels();
     batches();
     linearised_steps();
+    measurements();
     let tolerance = |relative| Tolerance {
         relative,
         ..Tolerance::default()
@@ -208,6 +209,67 @@ fn linearised(name: &str, tree: &Tree, bodies: &[InertialParameters], spin: &[f6
         black_box(batch::linearised_step(tree, bodies, spin, steps, &mut out).is_ok());
         black_box(&mut out);
     });
+}
+
+/// Sensors on the last body of the arm, with their slopes over the base and six joints; alone and in a batch.
+fn measurements() {
+    let (tree, rows) = (xu_arm::tree(), Rows::new());
+    let place = Vector3::new(0.3, -0.2, 0.1);
+    let body = tree.bodies() - 1;
+    let pose = BasePose {
+        R_NB: UnitQuaternion::from_euler_angles(0.1, 0.2, 0.3),
+        p_NoBo_N: Vector3::new(1.0, 2.0, 3.0),
+    };
+    let parts = [pose.R_NB.coords.as_slice(), pose.p_NoBo_N.as_slice()];
+    let poses = parts.concat().repeat(STEPS);
+    let all = rows.states();
+    let states = batch::States {
+        q: &all.q[..STEPS * tree.dof()],
+        rates: &all.rates[..STEPS * tree.dof()],
+        twist: &all.twist[..STEPS * 6],
+    };
+    let one = xu_arm::states();
+    let mut kinematics = Kinematics::new(&tree);
+    for kind in [
+        SensorKind::Gyro,
+        SensorKind::Attitude,
+        SensorKind::Position,
+        SensorKind::Velocity,
+        SensorKind::RelativePosition,
+    ] {
+        let mut at = 0;
+        measure(&format!("measure_{}", kind.word()), || {
+            at = (at + 1) % RING;
+            let s = black_box(&one[at]);
+            kinematics.place(&tree, &s.q);
+            kinematics.set_velocities(&tree, &s.v, &s.w, &s.rates);
+            let scene = Scene {
+                pose: &pose,
+                point: &PointMotion::new(&kinematics, body, &place),
+                from: &PointMotion::new(&kinematics, 0, &Vector3::zeros()),
+                reference_N: None,
+                a_NP_B: None,
+            };
+            black_box(kind.measure(&scene));
+            for link in 1..=body {
+                let effect = JointEffect::new(&tree, &kinematics, link, scene.point);
+                black_box(kind.over_joint(&scene, Carried::Point(&effect)));
+            }
+        });
+        let sensor = batch::PlacedSensor {
+            kind,
+            body,
+            p_BioS_Bi: place,
+            seen_from: 0,
+            reference_N: None,
+            accelerations: None,
+        };
+        let mut out = vec![0.0; STEPS * batch::measured_width(&tree, kind)];
+        measure_batch(&format!("batch_measure_{}", kind.word()), STEPS, || {
+            black_box(batch::measure(&tree, states, &poses, sensor, &mut out).is_ok());
+            black_box(&mut out);
+        });
+    }
 }
 
 fn motor(joint: &JointDrive) -> Option<&ForceProfile> {
