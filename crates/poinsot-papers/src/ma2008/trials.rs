@@ -7,8 +7,8 @@
 
 use super::arm::Reading;
 use super::equations::Known;
-use super::lanes::{LANES, PAIR, V, normals, solve};
-use pulp::{Arch, Simd, WithSimd};
+use super::lanes::{LANES, V, normals, solve};
+use fearless_simd::{Level, dispatch};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -38,27 +38,6 @@ struct Fixed {
     /// Known momentum in base axes.
     p: [f64; 3],
     h: [f64; 3],
-}
-
-/// One group of trials, compiled for several instruction sets.
-struct Group<'a> {
-    trials: &'a Trials,
-    bytes: &'a [u8],
-    noisy: &'a mut [[V; 6]],
-}
-
-impl WithSimd for Group<'_> {
-    type Output = Results;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> Results {
-        self.trials.draw(self.bytes, self.noisy);
-        if self.trials.known {
-            self.trials.option1(self.noisy)
-        } else {
-            self.trials.option2(self.noisy)
-        }
-    }
 }
 
 impl Trials {
@@ -101,30 +80,38 @@ impl Trials {
     /// Runs the groups of eight trials in `groups` and passes each to `sink`.
     pub fn run(&self, seed: u64, groups: std::ops::Range<u64>, mut sink: impl FnMut(&Results)) {
         let mut noisy = vec![[V::ZERO; 6]; self.samples.len()];
-        let mut bytes = vec![0_u8; 3 * PAIR * self.samples.len()];
+        let mut words = vec![[0_u64; LANES]; 3 * self.samples.len()];
         let base = ChaCha8Rng::seed_from_u64(seed);
-        let arch = Arch::new();
+        let level = Level::new();
         for group in groups {
             let mut rng = base.clone();
             rng.set_stream(group);
-            rng.fill_bytes(&mut bytes);
-            let result = arch.dispatch(Group {
-                trials: self,
-                bytes: &bytes,
-                noisy: &mut noisy,
-            });
+            // Word by word: to fill bytes takes four times as long.
+            for word in words.as_flattened_mut() {
+                *word = rng.next_u64();
+            }
+            let result = dispatch!(level, _ => self.group(&words, &mut noisy));
             sink(&result);
+        }
+    }
+
+    /// One group of trials. Compiled for every instruction set that the machine may have.
+    #[inline(always)]
+    fn group(&self, words: &[[u64; LANES]], noisy: &mut [[V; 6]]) -> Results {
+        self.draw(words, noisy);
+        match self.known {
+            true => self.option1(noisy),
+            false => self.option2(noisy),
         }
     }
 
     /// Noisy velocities: six normal numbers per sample and lane.
     #[inline(always)]
-    fn draw(&self, bytes: &[u8], noisy: &mut [[V; 6]]) {
-        let pairs = bytes.as_chunks::<PAIR>().0;
+    fn draw(&self, words: &[[u64; LANES]], noisy: &mut [[V; 6]]) {
         for at in 0..self.samples.len() {
             let (s, out) = (&self.samples[at], &mut noisy[at]);
             for k in 0..3 {
-                let (a, b) = normals(&pairs[3 * at + k]);
+                let (a, b) = normals(&words[3 * at + k]);
                 out[k] = V::all(s.v[k]).plus(a, V::all(self.sigma_v[k]));
                 out[3 + k] = V::all(s.w[k]).plus(b, V::all(self.sigma_w[k]));
             }
