@@ -56,51 +56,45 @@ const ONE: u64 = 0x3ff0_0000_0000_0000;
 /// Relative error below 1e-14.
 #[inline(always)]
 fn logarithm(x: V) -> V {
-    let mut out = [0.0; LANES];
+    let (mut m, mut e) = ([0.0; LANES], [0.0; LANES]);
     for k in 0..LANES {
         // This addition moves the boundary between exponents from 1 to sqrt(1/2).
         let bits = x.0[k].to_bits() + (ONE - 0x3fe6_a09e_667f_3bcd);
-        let m = f64::from_bits((bits & 0x000f_ffff_ffff_ffff) + 0x3fe6_a09e_667f_3bcd);
+        m[k] = f64::from_bits((bits & 0x000f_ffff_ffff_ffff) + 0x3fe6_a09e_667f_3bcd);
         // The exponent as a double without integer conversion: 2^52 + e minus 2^52 + 1023.
-        let e = f64::from_bits(0x4330_0000_0000_0000 | (bits >> 52))
+        e[k] = f64::from_bits(0x4330_0000_0000_0000 | (bits >> 52))
             - (4_503_599_627_370_496.0 + 1023.0);
-        let s = (m - 1.0) / (m + 1.0);
-        let t = s * s;
-        let mut p = 1.0 / 19.0;
-        for c in [17.0, 15.0, 13.0, 11.0, 9.0, 7.0, 5.0, 3.0, 1.0] {
-            p = f64::mul_add(p, t, 1.0 / c);
-        }
-        out[k] = 2.0 * s * p + e * std::f64::consts::LN_2;
     }
-    V(out)
+    let (m, one) = (V(m), V::all(1.0));
+    let s = (m - one) / (m + one);
+    let t = s * s;
+    let mut p = V::all(1.0 / 19.0);
+    for c in [17.0, 15.0, 13.0, 11.0, 9.0, 7.0, 5.0, 3.0, 1.0] {
+        p = V::all(1.0 / c).plus(p, t);
+    }
+    (s + s) * p + V(e) * V::all(std::f64::consts::LN_2)
 }
 
 /// Sine and cosine of `2 pi t`, t in [-0.5, 0.5]: Taylor series of the half-reduced angle; error below
 /// 1e-13.
 #[inline(always)]
 fn sine_cosine_of_turn(t: V) -> (V, V) {
-    let (mut sin, mut cos) = ([0.0; LANES], [0.0; LANES]);
-    for k in 0..LANES {
-        // A quarter of the angle is in [-pi/4, pi/4]; the angle is doubled twice.
-        let a = t.0[k] * std::f64::consts::FRAC_PI_2;
-        let z = a * a;
-        let mut s = 1.0 / 6_227_020_800.0;
-        for c in [-39_916_800.0, 362_880.0, -5040.0, 120.0, -6.0, 1.0] {
-            s = f64::mul_add(s, z, 1.0 / c);
-        }
-        let s = s * a;
-        let mut c1 = 1.0 / 87_178_291_200.0;
-        for c in [-479_001_600.0, 3_628_800.0, -40_320.0, 720.0, -24.0, 2.0] {
-            c1 = f64::mul_add(c1, z, 1.0 / c);
-        }
-        let c1 = c1 * z;
-        // c1 = 1 - cos a keeps accuracy for small angles.
-        let c = 1.0 - c1;
-        let (s2, c2) = (2.0 * s * c, 1.0 - 2.0 * s * s);
-        sin[k] = 2.0 * s2 * c2;
-        cos[k] = 1.0 - 2.0 * s2 * s2;
+    // A quarter of the angle is in [-pi/4, pi/4]; the angle is doubled twice.
+    let a = t * V::all(std::f64::consts::FRAC_PI_2);
+    let z = a * a;
+    let mut s = V::all(1.0 / 6_227_020_800.0);
+    for c in [-39_916_800.0, 362_880.0, -5040.0, 120.0, -6.0, 1.0] {
+        s = V::all(1.0 / c).plus(s, z);
     }
-    (V(sin), V(cos))
+    let s = s * a;
+    let mut c1 = V::all(1.0 / 87_178_291_200.0);
+    for c in [-479_001_600.0, 3_628_800.0, -40_320.0, 720.0, -24.0, 2.0] {
+        c1 = V::all(1.0 / c).plus(c1, z);
+    }
+    // c1 z = 1 - cos a keeps accuracy for small angles.
+    let (c, one) = (V::all(1.0) - c1 * z, V::all(1.0));
+    let (s2, c2) = ((s + s) * c, one - (s + s) * s);
+    ((s2 + s2) * c2, one - (s2 + s2) * s2)
 }
 
 #[cfg(test)]
