@@ -69,15 +69,15 @@ impl<S: Simd> Lanes<S> {
         out
     }
 
-    /// Four numbers of every lane as four vectors. [`Self::four_of_each`] puts them back into the same places; elsewhere the order of
-    /// lanes is that of [`Self::order`].
+    /// Four numbers of every lane as four vectors: back from [`Self::four_of_each`].
     #[inline(always)]
     pub fn of_four(simd: S, four: &[[f64; 4]; MOST]) -> [Self; 4] {
-        let one = Self::new(simd, 0.0);
-        let mut of = [one.of; 4];
-        bytemuck::cast_slice_mut(&mut of).copy_from_slice(&four[..Self::COUNT]);
-        let [a, b, c, d] = simd.deinterleave_shfl_f64s(of);
-        [one.with(a), one.with(b), one.with(c), one.with(d)]
+        let numbers = four.as_flattened();
+        let part = |k: usize| S::f64s::from_slice(simd, &numbers[k * Self::COUNT..][..Self::COUNT]);
+        let (first, last) = (part(0).deinterleave(part(1)), part(2).deinterleave(part(3)));
+        let (a, c) = first.0.deinterleave(last.0);
+        let (b, d) = first.1.deinterleave(last.1);
+        [Self(a), Self(b), Self(c), Self(d)]
     }
 
     /// Rounded to whole numbers.

@@ -149,6 +149,10 @@ fn refused(first: usize, error: BatchError) -> Fault {
         BatchError::Length(name, found, _) => {
             Fault::argument(name, found.to_string(), error.to_string())
         }
+        BatchError::Unmeasured(kind) => {
+            Fault::argument("kind", kind.word().to_owned(), error.to_string())
+        }
+        BatchError::Body(body, _) => Fault::argument("body", body.to_string(), error.to_string()),
     }
 }
 

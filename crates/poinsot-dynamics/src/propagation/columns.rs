@@ -6,9 +6,9 @@ use super::carry::StepRows;
 use super::rows::{StateRows, add};
 use super::{HALF, STATE};
 use crate::algebra::Real;
-use crate::lanes::{Lanes, MOST};
+use crate::lanes::{Lanes, MOST, Work, in_lanes};
+use fearless_simd::Simd;
 use nalgebra::{SVector, Vector6};
-use pulp::{Arch, Simd, WithSimd};
 
 type Column = SVector<f64, STATE>;
 /// Half of `b` for each column at the start, in the middle and at the end of a step.
@@ -26,7 +26,7 @@ impl StepRows<'_> {
         (pose, push): (Option<Drive>, Option<Drive>),
         dt: f64,
     ) {
-        Arch::new().dispatch(Carrying {
+        in_lanes(Carrying {
             rows: self,
             columns,
             pose,
@@ -44,11 +44,11 @@ struct Carrying<'a> {
     dt: f64,
 }
 
-impl WithSimd for Carrying<'_> {
+impl Work for Carrying<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
+    fn run<S: Simd>(self, simd: S) {
         let Self {
             rows,
             columns,
@@ -80,7 +80,7 @@ impl WithSimd for Carrying<'_> {
 impl StateRows {
     /// Adds [`Self::times`] of each column to its place in `sums`.
     pub fn add_times_columns(&self, columns: &[Column], sums: &mut [Vector6<f64>]) {
-        Arch::new().dispatch(Multiplying {
+        in_lanes(Multiplying {
             rows: self,
             columns,
             sums,
@@ -94,11 +94,11 @@ struct Multiplying<'a> {
     sums: &'a mut [Vector6<f64>],
 }
 
-impl WithSimd for Multiplying<'_> {
+impl Work for Multiplying<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
+    fn run<S: Simd>(self, simd: S) {
         let Self {
             rows,
             columns,
@@ -127,7 +127,7 @@ fn rest<S: Simd>([a, b, c, d, e, f]: &[Lanes<S>; HALF]) -> bool {
     sum == sum.all(0.0)
 }
 
-/// The columns from `first` on in lanes, in an order that [`scatter`] takes back; beyond the last one, that one again.
+/// The columns from `first` on in lanes; beyond the last one, that one again.
 #[inline(always)]
 fn gather<S: Simd, const N: usize>(
     simd: S,
