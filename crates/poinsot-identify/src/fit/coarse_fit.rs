@@ -151,6 +151,7 @@ fn errors(errors: &InputErrors, kept: &[usize]) -> InputErrors {
         InputErrors::Interpolated(places) => {
             return InputErrors::Interpolated(picked(places, kept));
         }
+        InputErrors::Process(process) => return InputErrors::Process(process.at_times(kept)),
         _ => return errors.clone(),
     }
     let between = |w: &[usize]| (w[0]..w[1]).map(|k| errors.memory(k)).product();

@@ -6,12 +6,13 @@ use crate::likelihood::{InitialState, InitialStateColumns, start};
 use crate::motion::Motion;
 use crate::motion::Vehicle;
 use crate::problem::Problem;
+use crate::problem::error_process::{ErrorProcess, ErrorStep};
 use crate::problem::parameters::{Equations, Parameters};
 use crate::problem::segment::{
     BetweenReadings, InputErrors, Noise, Observations, Segment, SensorRecord, SensorValue,
 };
 use crate::sensors::ideal_measurement;
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::{Matrix2, UnitQuaternion, Vector3};
 use poinsot_dynamics::Tree;
 use poinsot_model::{SensorKind, parse_model};
 
@@ -38,7 +39,6 @@ fn dense(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> f64 {
     let tree = Tree::new(&model);
     let mut made = finer(&model, &tree, translation, fine);
     made.observations.joint_errors = joints.to_vec();
-    made.observations.wheel_errors = vec![wheel];
     let mut noise = noise(&tree);
     noise.joint_position = vec![4.0e-4, 1.0e-4];
     noise.wheel_speed = vec![40.0];
@@ -64,6 +64,7 @@ fn dense(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> f64 {
         let seen = |r: &SensorRecord| r.kind == SensorKind::Direction;
         made.observations.sensors.retain(|r| !points(r) && !seen(r));
     }
+    made.observations.wheel_errors = vec![of_variance(&wheel, noise.wheel_speed[0])];
     if case.derived {
         made.observations.derived_rates = vec![true, true];
         derive_rates(&mut made.observations);
@@ -183,11 +184,7 @@ fn dense(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> f64 {
                 InputErrors::Independent,
                 1.0e-4,
             ),
-            2 => (
-                noise.wheel_speed[0],
-                made.observations.wheel_errors[0].clone(),
-                1.0e-3,
-            ),
+            2 => (noise.wheel_speed[0], wheel.clone(), 1.0e-3),
             j => (
                 noise.joint_position[j],
                 made.observations.joint_errors[j].clone(),
@@ -233,8 +230,16 @@ fn dense(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> f64 {
 
 /// Correlation of the errors at two grid times, for unit variance of a reading.
 fn correlation(errors: &InputErrors, i: usize, j: usize) -> f64 {
-    let InputErrors::Interpolated(places) = errors else {
-        return (i.min(j)..i.max(j)).map(|k| errors.memory(k)).product();
+    let places = match errors {
+        InputErrors::Interpolated(places) => places,
+        InputErrors::Process(process) => {
+            let (first, last) = (i.min(j), i.max(j));
+            let along = |P, s: &ErrorStep| s.memory * P * s.memory.transpose() + s.fresh;
+            let here = process.steps[..first].iter().fold(process.initial, along);
+            let on = process.steps[first..last].iter();
+            return on.fold(here, |P, s| s.memory * P)[(0, 0)];
+        }
+        _ => return (i.min(j)..i.max(j)).map(|k| errors.memory(k)).product(),
     };
     let shares = |k: usize| {
         let BetweenReadings { reading, share } = places[k];
@@ -245,6 +250,33 @@ fn correlation(errors: &InputErrors, i: usize, j: usize) -> f64 {
         .flat_map(|a| shares(j).map(|b| (a, b)));
     let common = pairs.filter(|(a, b)| a.0 == b.0);
     common.map(|(a, b)| a.1 * b.1).sum()
+}
+
+/// The errors with this variance instead of one; all but a process have it beside them.
+fn of_variance(errors: &InputErrors, variance: f64) -> InputErrors {
+    let InputErrors::Process(process) = errors else {
+        return errors.clone();
+    };
+    let step = |s: &ErrorStep| ErrorStep {
+        fresh: s.fresh * variance,
+        ..*s
+    };
+    InputErrors::Process(ErrorProcess {
+        initial: process.initial * variance,
+        steps: process.steps.iter().map(step).collect(),
+    })
+}
+
+/// A speed whose error moves with that of its slope, new in both at every third grid time.
+fn process() -> InputErrors {
+    let step = |k: usize| ErrorStep {
+        memory: Matrix2::new(0.9, 0.3, -0.2, 0.8),
+        fresh: Matrix2::new(0.2, 0.05, 0.05, 0.3) * f64::from(u8::from(k.is_multiple_of(3))),
+    };
+    InputErrors::Process(ErrorProcess {
+        initial: Matrix2::new(1.0, -0.3, -0.3, 0.5),
+        steps: (0..200).map(step).collect(),
+    })
 }
 
 /// Readings every so many grid times.
@@ -289,6 +321,8 @@ fn exact_chi2_with_noise_in_the_inputs_is_that_of_the_dense_covariance() {
         let fine = dense(case(4), white(), InputErrors::Independent);
         let lasting = dense(case(4), [InputErrors::Locked, kept(0.7)], kept(0.9));
         let between = [2.5, 7.0].map(|every| dense(case(4), white(), interpolated(every)));
+        let driven = dense(case(4), white(), process());
+        assert!(driven < 5.0e-4, "{driven:e}");
         // Measured: 6e-4, 2e-4 and 3e-4.
         assert!(fine < 5.0e-4 && lasting < 1.0e-3, "{fine:e} {lasting:e}");
         assert!(between.iter().all(|gap| *gap < 5.0e-4), "{between:?}");
@@ -315,5 +349,7 @@ fn exact_chi2_of_instruments_at_points_with_noise_in_the_inputs_is_that_of_the_d
         let between = dense(case, white(), interpolated(2.5));
         assert!(fresh < 2.0e-4 && lasting < 2.0e-4, "{fresh:e} {lasting:e}");
         assert!(between < 2.0e-4, "{between:e}");
+        let driven = dense(case, [kept(0.5), kept(0.7)], process());
+        assert!(driven < 2.0e-4, "{driven:e}");
     }
 }

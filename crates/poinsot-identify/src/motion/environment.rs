@@ -8,6 +8,7 @@
 
 use super::{MassCentre, Motion, State};
 use crate::problem::parameters::{GRADIENT, UnknownKind};
+use crate::problem::segment::Observations;
 use poinsot_dynamics::gravity_gradient_torque;
 use poinsot_spatial::{InertialParameters, Matrix3, Vector3, parallel_axis};
 
@@ -163,26 +164,10 @@ impl Motion<'_> {
         sum
     }
 
-    /// Position of the reference orbit at a share of the interval after grid time k: the cubic through positions
-    /// and velocities.
+    /// Position of the reference orbit at a share of the interval after grid time k.
     pub(super) fn set_orbit(&mut self, k: usize, at: f64) {
-        let o = self.observations;
-        let Some((p0, v0)) = o.orbit.get(k) else {
-            return;
-        };
-        self.input_state.orbit_N = *p0;
-        if at == 1.0
-            && let Some((p1, _)) = o.orbit.get(k + 1)
-        {
-            // Both intervals that share a grid time see one orbit there, to the last bit.
-            self.input_state.orbit_N = *p1;
-        } else if at > 0.0
-            && let Some((p1, v1)) = o.orbit.get(k + 1)
-        {
-            let h = o.time_s[k + 1] - o.time_s[k];
-            let (d0, d1, dp) = (v0 * h, v1 * h, p1 - p0);
-            let (c2, c3) = (dp * 3.0 - d0 * 2.0 - d1, d0 + d1 - dp * 2.0);
-            self.input_state.orbit_N = p0 + (d0 + (c2 + c3 * at) * at) * at;
+        if let Some((p, _)) = orbit_between(self.observations, k, at) {
+            self.input_state.orbit_N = p;
         }
     }
 
@@ -225,4 +210,22 @@ impl Motion<'_> {
         }
         now
     }
+}
+
+/// Position and velocity of the reference orbit at a share of the interval after grid time k: the cubic through positions
+/// and velocities. Both intervals that share a grid time see one orbit there, to the last bit.
+pub(super) fn orbit_between(o: &Observations, k: usize, at: f64) -> Option<(Vector3, Vector3)> {
+    let here = *o.orbit.get(k)?;
+    let Some(next) = o.orbit.get(k + 1).filter(|_| at > 0.0) else {
+        return Some(here);
+    };
+    if at == 1.0 {
+        return Some(*next);
+    }
+    let ((p0, v0), (p1, v1)) = (here, *next);
+    let h = o.time_s[k + 1] - o.time_s[k];
+    let (d0, d1, dp) = (v0 * h, v1 * h, p1 - p0);
+    let (c2, c3) = (dp * 3.0 - d0 * 2.0 - d1, d0 + d1 - dp * 2.0);
+    let p = p0 + (d0 + (c2 + c3 * at) * at) * at;
+    Some((p, (d0 + (c2 * 2.0 + c3 * (3.0 * at)) * at) / h))
 }

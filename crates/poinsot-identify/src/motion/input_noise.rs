@@ -26,7 +26,9 @@ mod random_torque;
 pub(crate) use points::approximate;
 
 use crate::motion::{Column, Instant, Matrix6x12, Motion, State, matrix, pose_change};
+use crate::problem::error_process::{ErrorProcess, ErrorStep};
 use crate::problem::segment::{InputErrors, Noise, Segment};
+use nalgebra::{Matrix2, Vector2};
 use poinsot_dynamics::JointSlopes;
 use poinsot_model::RandomTorque;
 use poinsot_spatial::{Matrix3, Vector3, Vector6};
@@ -36,8 +38,38 @@ use poinsot_spatial::{Matrix3, Vector3, Vector6};
 enum Input {
     Joint(usize),
     Wheel(usize),
+    /// The slope of a wheel's speed, whose error moves that of the speed, the input before it.
+    WheelSlope,
     /// A joint's rate, where an instrument at a point feels it. Elsewhere it is white noise of the rows.
     Rate(usize),
+}
+
+/// How the errors of inputs go on from grid time to grid time.
+#[derive(Debug)]
+enum Memory {
+    /// By itself.
+    Alone(InputErrors),
+    /// Together with the next one.
+    Pair(ErrorProcess),
+    /// The second of a pair.
+    Second,
+}
+
+impl Memory {
+    /// What stays of an error by itself until the next grid time.
+    fn alone(&self, k: usize) -> f64 {
+        match self {
+            Self::Alone(errors) => errors.memory(k),
+            Self::Pair(_) | Self::Second => 0.0,
+        }
+    }
+
+    fn pair(&self) -> Option<&ErrorProcess> {
+        match self {
+            Self::Pair(process) => Some(process),
+            _ => None,
+        }
+    }
 }
 
 /// The equation of motion around the prediction at one grid time.
@@ -106,7 +138,7 @@ pub(crate) struct InputNoise {
     random_torque: Option<RandomTorque>,
     step: Option<random_torque::Step>,
     inputs: Vec<(Input, f64)>,
-    memory: Vec<InputErrors>,
+    memory: Vec<Memory>,
     /// Share of each error in its input at every grid time; one where the list is empty.
     shares: Vec<Vec<f64>>,
     /// Components of `s` that inputs can reach.
@@ -131,10 +163,16 @@ pub(crate) struct InputNoise {
     filter: Filter,
 }
 
-/// The errors of an input that come and go by themselves, with their shares in it: two of readings where it is interpolated.
-fn separate(errors: InputErrors) -> Vec<(InputErrors, Vec<f64>)> {
-    let InputErrors::Interpolated(places) = errors else {
-        return vec![(errors, Vec::new())];
+/// The errors of an input, each with what it belongs to and its shares in it: two of readings where it is interpolated, speed
+/// and slope where it is a process.
+fn separate(input: Input, errors: InputErrors) -> Vec<(Input, Memory, Vec<f64>)> {
+    let places = match errors {
+        InputErrors::Interpolated(places) => places,
+        InputErrors::Process(process) => {
+            let speed = (input, Memory::Pair(process), Vec::new());
+            return vec![speed, (Input::WheelSlope, Memory::Second, Vec::new())];
+        }
+        errors => return vec![(input, Memory::Alone(errors), Vec::new())],
     };
     let of = |slot: usize| {
         let held: Vec<(usize, f64)> = places.iter().map(|p| p.slot(slot)).collect();
@@ -142,7 +180,7 @@ fn separate(errors: InputErrors) -> Vec<(InputErrors, Vec<f64>)> {
         let mut memory: Vec<f64> = held.windows(2).map(stays).collect();
         memory.push(0.0);
         let shares = held.into_iter().map(|h| h.1).collect();
-        (InputErrors::Kept(memory), shares)
+        (input, Memory::Alone(InputErrors::Kept(memory)), shares)
     };
     vec![of(0), of(1)]
 }
@@ -181,7 +219,7 @@ impl InputNoise {
             let errors = errors.map(|e| e.with_rest_motion(rest_motion));
             let errors = errors.unwrap_or_default();
             if variance > 0.0 && errors != InputErrors::None {
-                for (errors, share) in separate(errors) {
+                for (input, errors, share) in separate(input, errors) {
                     inputs.push((input, variance));
                     memory.push(errors);
                     shares.push(share);
@@ -275,7 +313,10 @@ impl InputNoise {
         let map = motion.state_map(state, instant);
         let now = self.slopes_at(motion, state, instant, &map, k);
         match self.before.take() {
-            None => self.begin(&now),
+            None => {
+                self.begin(&now);
+                self.begin_pairs();
+            }
             Some(before) => {
                 self.carry(&before, &now, motion.step_s(k), k);
                 self.scratch.jacobian = before;
@@ -330,6 +371,11 @@ impl InputNoise {
                     let gain = motion.wheel_gain(instant, *w) * self.share(c, k);
                     (gain, Vector6::zeros())
                 }
+                Input::WheelSlope => {
+                    at_once.push(Vector6::zeros());
+                    drive.push(Vector6::zeros());
+                    continue;
+                }
                 Input::Rate(j) => {
                     // Positions alone drive: an interval's mean rate is that of its ends.
                     at_once.push(Vector6::zeros());
@@ -378,7 +424,7 @@ impl InputNoise {
                 let first_moment = &self.slopes.of[*j].first_moment;
                 (dF, dT) = motion.wrench_change(state, instant, k, *j, first_moment);
             }
-            if !matches!(input, Input::Rate(_)) {
+            if !matches!(input, Input::Rate(_) | Input::WheelSlope) {
                 let dw = self.twists[self.place(c, 0)].fixed_rows::<3>(3).into();
                 dT += motion.drag_change(state, instant, &dw);
             }
@@ -395,6 +441,9 @@ impl InputNoise {
             (0..3).for_each(|axis| self.filter.add(at + axis, variance));
         }
         for (c, (_, variance)) in self.inputs.iter().enumerate() {
+            if !matches!(self.memory[c], Memory::Alone(_)) {
+                continue;
+            }
             let mut vector = vec![0.0; self.filter.size];
             for (x, &row) in vector.iter_mut().zip(&self.active) {
                 *x = -now.at_once[c].get(row).copied().unwrap_or_default();
@@ -405,11 +454,52 @@ impl InputNoise {
                 let mut share = 1.0;
                 for after in first..=self.reach {
                     vector[self.place(c, after as isize)] = share;
-                    share *= self.memory[c].memory(after);
+                    share *= self.memory[c].alone(after);
                 }
                 self.filter.add_outer(&vector, fresh);
                 vector.fill(0.0);
-                fresh = variance * (1.0 - self.memory[c].memory(first).powi(2));
+                fresh = variance * (1.0 - self.memory[c].alone(first).powi(2));
+            }
+        }
+    }
+
+    /// The same of errors that go on in pairs.
+    fn begin_pairs(&mut self) {
+        let pairs = self.memory.iter().enumerate();
+        for (c, process) in pairs.filter_map(|(c, m)| Some((c, m.pair()?))) {
+            let mut fresh = process.initial_root();
+            for first in 0..=self.reach {
+                for mut error in fresh {
+                    let mut vector = vec![0.0; self.filter.size];
+                    for after in first..=self.reach {
+                        let at = self.place(c, after as isize);
+                        (vector[at], vector[at + 1]) = (error.x, error.y);
+                        let step = process.steps.get(after);
+                        error = step.map_or_else(Vector2::zeros, |s| s.memory * error);
+                    }
+                    self.filter.add_outer(&vector, 1.0);
+                }
+                let step = process.steps.get(first);
+                fresh = step.map_or([Vector2::zeros(); 2], ErrorStep::root);
+            }
+        }
+    }
+
+    /// Rows by which the errors of the inputs go on from grid time k, from `at` grid times after the one in hand.
+    fn memory_rows(&self, rows: &mut SparseRows, k: usize, at: isize) {
+        for (c, memory) in self.memory.iter().enumerate() {
+            let here = self.place(c, at);
+            match memory {
+                Memory::Alone(errors) => rows.push([(here, errors.memory(k))]),
+                Memory::Second => {}
+                Memory::Pair(process) => {
+                    let m = process
+                        .steps
+                        .get(k)
+                        .map_or_else(Matrix2::zeros, |s| s.memory);
+                    rows.push([(here, m[(0, 0)]), (here + 1, m[(0, 1)])]);
+                    rows.push([(here, m[(1, 0)]), (here + 1, m[(1, 1)])]);
+                }
             }
         }
     }
@@ -438,7 +528,7 @@ impl InputNoise {
         upper.clear();
         upper.resize(n * size, 0.0);
         faded.clear();
-        faded.extend(self.memory.iter().map(|m| m.memory(k - 1)));
+        faded.extend(self.memory.iter().map(|m| m.alone(k - 1)));
         fresh.clear();
         for (i, &row) in self.active.iter().enumerate() {
             for (j, &column) in self.active.iter().enumerate() {
@@ -459,14 +549,21 @@ impl InputNoise {
                 move |row: usize| if row < 6 { slow[row] } else { pushed[row - 6] }
             });
             let here = self.place(c, 0);
+            let pair = self.memory[c].pair().and_then(|p| p.steps.get(k - 1));
             for (i, &row) in self.active.iter().enumerate() {
-                upper[i * size + here] = ends[0](row);
+                upper[i * size + here] += ends[0](row);
                 if ahead {
                     upper[i * size + self.place(c, 1)] = ends[1](row);
-                } else {
-                    upper[i * size + here] += a * ends[1](row);
-                    fresh.push(ends[1](row));
+                    continue;
                 }
+                match pair {
+                    None => upper[i * size + here] += a * ends[1](row),
+                    Some(step) => {
+                        upper[i * size + here] += step.memory[(0, 0)] * ends[1](row);
+                        upper[i * size + here + 1] += step.memory[(0, 1)] * ends[1](row);
+                    }
+                }
+                fresh.push(ends[1](row));
             }
         }
         if ahead {
@@ -474,8 +571,11 @@ impl InputNoise {
         } else {
             // The errors at the beginning of an increment stay.
             faded.resize(size - n, 1.0);
-            self.filter.advance(&upper, &faded);
-            self.innovate(&faded, &fresh, &mut vector);
+            match self.memory.iter().any(|m| m.pair().is_some()) {
+                false => self.filter.advance(&upper, &faded),
+                true => self.advance_pairs(&upper, k - 1),
+            }
+            self.innovate(&faded, &fresh, &mut vector, k - 1);
         }
         self.renew(&torque);
         self.scratch = StepScratch {
@@ -489,18 +589,48 @@ impl InputNoise {
         };
     }
 
-    /// Adds what is new in every error at this grid time, with what it does to the state at once.
-    fn innovate(&mut self, faded: &[f64], fresh: &[f64], vector: &mut Vec<f64>) {
+    /// Carries the filter on from grid time k, where some errors go on in pairs: `upper` holds the rows of `s`.
+    fn advance_pairs(&mut self, upper: &[f64], k: usize) {
+        let mut rows = std::mem::take(&mut self.scratch.rows);
+        rows.clear();
+        let dense = upper.chunks_exact(self.filter.size);
+        dense.for_each(|row| rows.push_dense(row));
+        self.memory_rows(&mut rows, k, 0);
+        for i in rows.len()..self.filter.size {
+            rows.push([(i, 1.0)]);
+        }
+        self.filter.map(&rows);
+        self.scratch.rows = rows;
+    }
+
+    /// Adds what is new in every error after grid time k, with what it does to the state at once.
+    fn innovate(&mut self, faded: &[f64], fresh: &[f64], vector: &mut Vec<f64>, k: usize) {
         let n = self.lead;
         vector.resize(self.filter.size, 0.0);
+        let reached = self.active.len();
         for (c, ((_, variance), a)) in self.inputs.iter().zip(faded).enumerate() {
-            let new = variance * (1.0 - a * a);
-            if new > 0.0 {
-                vector.fill(0.0);
-                let reached = self.active.len();
-                vector[..reached].copy_from_slice(&fresh[c * reached..(c + 1) * reached]);
-                vector[n + c] = 1.0;
-                self.filter.add_outer(vector, new);
+            let at_once = &fresh[c * reached..(c + 1) * reached];
+            match &self.memory[c] {
+                Memory::Second => {}
+                Memory::Alone(_) => {
+                    let new = variance * (1.0 - a * a);
+                    if new > 0.0 {
+                        vector.fill(0.0);
+                        vector[..reached].copy_from_slice(at_once);
+                        vector[n + c] = 1.0;
+                        self.filter.add_outer(vector, new);
+                    }
+                }
+                Memory::Pair(process) => {
+                    let step = process.steps.get(k);
+                    for new in step.map_or([Vector2::zeros(); 2], ErrorStep::root) {
+                        vector.fill(0.0);
+                        let reaches = vector.iter_mut().zip(at_once);
+                        reaches.for_each(|(v, once)| *v = once * new.x);
+                        (vector[n + c], vector[n + c + 1]) = (new.x, new.y);
+                        self.filter.add_outer(vector, 1.0);
+                    }
+                }
             }
         }
     }

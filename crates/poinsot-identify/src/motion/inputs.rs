@@ -317,7 +317,7 @@ fn fill_inputs(
 }
 
 /// Coefficients of a joint's cubic in the interval after grid time k, over the share of it.
-fn cubic(o: &Observations, dof: usize, j: usize, k: usize, h: f64) -> (f64, f64, f64) {
+pub(super) fn cubic(o: &Observations, dof: usize, j: usize, k: usize, h: f64) -> (f64, f64, f64) {
     let (a, b) = (k * dof + j, (k + 1) * dof + j);
     let dq = o.joint_position[b] - o.joint_position[a];
     let (d0, d1) = (o.joint_rate[a] * h, o.joint_rate[b] * h);

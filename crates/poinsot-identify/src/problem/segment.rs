@@ -1,5 +1,6 @@
 //! One segment of telemetry, aligned on the gyro's times, for the linear method.
 
+use super::error_process::ErrorProcess;
 use poinsot_model::SensorKind;
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
 
@@ -301,6 +302,8 @@ pub enum InputErrors {
     Rounded(Vec<RoundingError>),
     /// Independent errors of readings, and straight lines between them, one row per grid time.
     Interpolated(Vec<BetweenReadings>),
+    /// Of a wheel whose speed is the mean of a process that its readings leave uncertain.
+    Process(ErrorProcess),
 }
 
 /// Correlation of the error of a rounded reading at a grid time with that at the next one.
@@ -312,6 +315,8 @@ pub struct RoundingError {
     pub resting: f64,
     /// Whether it may be at rest here.
     pub rests: bool,
+    /// Whether there is a sample at the grid time.
+    pub read: bool,
 }
 
 impl RoundingError {
@@ -350,6 +355,7 @@ impl InputErrors {
         match self {
             Self::Independent | Self::None | Self::Interpolated(_) => 0.0,
             Self::Locked => 1.0,
+            Self::Process(process) => process.memory(k),
             Self::Kept(all) => all.get(k).copied().unwrap_or(0.0),
             Self::Rounded(all) => all.get(k).map_or(0.0, |e| e.moving),
         }

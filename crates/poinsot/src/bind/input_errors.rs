@@ -223,11 +223,15 @@ fn errors(channel: &Channel, sensor: Option<&Sensor>, grid: &[f64], brakes: bool
                 } else {
                     after
                 },
+                read: false,
                 rests: w[0] >= from - tolerance && w[1] <= to + tolerance,
             }
         })
         .collect();
     memory.push(correlated(0.0));
+    let places = places(&channel.time_s, grid);
+    let pairs = memory.iter_mut().zip(&places);
+    pairs.for_each(|(e, place)| e.read = place.share == 0.0);
     match memory.iter().all(|e| e.moving < UNCORRELATED && !e.rests) {
         true => InputErrors::Independent,
         false => InputErrors::Rounded(memory),
@@ -240,6 +244,7 @@ fn correlated(memory: f64) -> RoundingError {
         moving: memory,
         resting: memory,
         rests: false,
+        read: false,
     }
 }
 

@@ -1,10 +1,11 @@
 //! Input errors in accelerometer samples, at several grid times together.
 
-use super::{Filter, Input, InputNoise, SparseRows};
+use super::{Filter, Input, InputNoise, Memory, SparseRows};
 use crate::motion::slope_weights;
 use crate::motion::{BodyPoint, Instant, Motion, State};
 use crate::problem::Problem;
 use crate::problem::segment::{InputErrors, Observations, SensorRecord};
+use nalgebra::Matrix2;
 use poinsot_model::SensorKind;
 use poinsot_spatial::Vector3;
 
@@ -79,9 +80,7 @@ impl InputNoise {
         }
         let reach = self.reach as isize;
         let last = k - 1 + self.reach;
-        for c in 0..inputs {
-            rows.push([(self.place(c, reach), self.memory[c].memory(last))]);
-        }
+        self.memory_rows(&mut rows, last, reach);
         // The errors at the beginning of an increment stay.
         for i in rows.len()..size {
             rows.push([(i, 1.0)]);
@@ -89,9 +88,23 @@ impl InputNoise {
         self.filter.map(&rows);
         self.scratch.rows = rows;
         for c in 0..inputs {
-            let a = self.memory[c].memory(last);
             let at = self.place(c, reach);
-            self.filter.covariance[at * size + at] += self.inputs[c].1 * (1.0 - a * a);
+            let fresh = match &self.memory[c] {
+                Memory::Alone(errors) => {
+                    let own = 1.0 - errors.memory(last).powi(2);
+                    Matrix2::new(self.inputs[c].1 * own, 0.0, 0.0, 0.0)
+                }
+                Memory::Second => continue,
+                Memory::Pair(process) => match process.steps.get(last) {
+                    Some(step) => step.fresh,
+                    None => continue,
+                },
+            };
+            for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+                if fresh[(i, j)] != 0.0 {
+                    self.filter.covariance[(at + i) * size + at + j] += fresh[(i, j)];
+                }
+            }
         }
     }
 
@@ -141,6 +154,7 @@ impl InputNoise {
             let here = self.place(c, 0);
             match *input {
                 Input::Joint(j) => slopes[here] += around.joint_position(j),
+                Input::WheelSlope => {}
                 Input::Rate(j) => {
                     slopes[here] += around.joint_rate(j);
                     let acceleration = around.joint_acceleration(j);
@@ -183,7 +197,7 @@ impl InputNoise {
         let all = inputs.filter_map(|(c, (input, _))| match *input {
             Input::Joint(j) => Some((self.place(c, 0), j, 1.0, 0.0)),
             Input::Rate(j) => Some((self.place(c, 0), j, 0.0, 1.0)),
-            Input::Wheel(_) => None,
+            Input::Wheel(_) | Input::WheelSlope => None,
         });
         let derived = self.derived_errors(k, k);
         all.chain(derived.map(|(at, weight, j)| (at, j, 0.0, weight)))

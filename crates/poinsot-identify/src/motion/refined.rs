@@ -1,0 +1,158 @@
+//! A segment on a grid with more times: the same motion, known at more instants.
+
+use super::environment::orbit_between;
+use super::inputs::cubic;
+use crate::problem::segment::{
+    BetweenReadings, InputErrors, Observations, SensorRecord, SensorSample,
+};
+
+/// Grid times closer than this are one, s.
+pub(crate) const SAME_S: f64 = 1.0e-7;
+
+/// Where a time of the new grid lies in the old one.
+#[derive(Clone, Copy)]
+struct Place {
+    /// The last old grid time.
+    k: usize,
+    /// Share of the interval after it; zero at it.
+    at: f64,
+}
+
+/// The observations with further grid times, of which those outside the record or beside an old one are left out. Joints and
+/// orbit are on the curves between old grid times, wheel speeds on straight lines, and no error becomes a new one.
+pub(crate) fn refined(o: &Observations, further_s: &[f64]) -> Observations {
+    let places = places(&o.time_s, further_s);
+    let n = o.time_s.len();
+    let (dof, wheels) = (
+        o.joint_position.len() / n.max(1),
+        o.wheel_speed.len() / n.max(1),
+    );
+    let mut new = Observations {
+        time_s: Vec::with_capacity(places.len()),
+        orbit: Vec::new(),
+        joint_position: Vec::with_capacity(places.len() * dof),
+        joint_rate: Vec::with_capacity(places.len() * dof),
+        wheel_speed: Vec::with_capacity(places.len() * wheels),
+        // Slopes of several positions are not on the new grid.
+        derived_rates: Vec::new(),
+        smooth_wheel_speed: Vec::new(),
+        straight_wheels: o.straight_wheels.clone(),
+        joint_errors: o.joint_errors.iter().map(|e| errors(e, &places)).collect(),
+        wheel_errors: o.wheel_errors.iter().map(|e| errors(e, &places)).collect(),
+        between_readings: o.between_readings || places.len() > n,
+        sensors: Vec::new(),
+    };
+    let mut old = Vec::with_capacity(n);
+    for (i, place) in places.iter().enumerate() {
+        let (k, at) = (place.k, place.at);
+        if at == 0.0 {
+            old.push(i);
+            new.time_s.push(o.time_s[k]);
+            new.orbit.extend(o.orbit.get(k));
+            new.joint_position
+                .extend_from_slice(&o.joint_position[k * dof..(k + 1) * dof]);
+            new.joint_rate
+                .extend_from_slice(&o.joint_rate[k * dof..(k + 1) * dof]);
+            new.wheel_speed
+                .extend_from_slice(&o.wheel_speed[k * wheels..(k + 1) * wheels]);
+            continue;
+        }
+        let h = o.time_s[k + 1] - o.time_s[k];
+        new.time_s.push(o.time_s[k] + at * h);
+        new.orbit.extend(orbit_between(o, k, at));
+        for j in 0..dof {
+            let (d0, c2, c3) = cubic(o, dof, j, k, h);
+            let q = o.joint_position[k * dof + j] + at * (d0 + at * (c2 + at * c3));
+            new.joint_position.push(q);
+            new.joint_rate
+                .push((d0 + at * (2.0 * c2 + at * 3.0 * c3)) / h);
+        }
+        for w in 0..wheels {
+            let (a, b) = (
+                o.wheel_speed[k * wheels + w],
+                o.wheel_speed[(k + 1) * wheels + w],
+            );
+            new.wheel_speed.push(a + at * (b - a));
+        }
+    }
+    new.sensors = o.sensors.iter().map(|r| moved(r, &old)).collect();
+    new
+}
+
+/// All times of the new grid by their place in the old one.
+fn places(time_s: &[f64], further_s: &[f64]) -> Vec<Place> {
+    let mut further: Vec<f64> = further_s.to_vec();
+    further.sort_by(f64::total_cmp);
+    let mut further = further.into_iter().peekable();
+    let mut all = Vec::with_capacity(time_s.len() + further_s.len());
+    for (k, t) in time_s.iter().enumerate() {
+        while further.next_if(|x| *x < t + SAME_S).is_some() {}
+        all.push(Place { k, at: 0.0 });
+        let Some(next) = time_s.get(k + 1) else {
+            break;
+        };
+        let mut last = *t;
+        while let Some(x) = further.next_if(|x| *x < next - SAME_S) {
+            if x > last + SAME_S {
+                all.push(Place {
+                    k,
+                    at: (x - t) / (next - t),
+                });
+                last = x;
+            }
+        }
+    }
+    all
+}
+
+/// The samples of a sensor at their new places.
+fn moved(record: &SensorRecord, old: &[usize]) -> SensorRecord {
+    let to = |k: usize| old.get(k).copied().unwrap_or(k);
+    let samples = record.samples.iter().map(|s| SensorSample {
+        from: to(s.from),
+        to: to(s.to),
+        ..*s
+    });
+    SensorRecord {
+        samples: samples.collect(),
+        ..record.clone()
+    }
+}
+
+/// The same errors, interpolated where there is no sample. A correlation is shared out over the parts of its interval.
+fn errors(errors: &InputErrors, places: &[Place]) -> InputErrors {
+    match errors {
+        InputErrors::Independent => {
+            let place = |p: &Place| BetweenReadings {
+                reading: p.k,
+                share: p.at,
+            };
+            InputErrors::Interpolated(places.iter().map(place).collect())
+        }
+        InputErrors::Interpolated(old) => {
+            let place = |p: &Place| {
+                let a = old[p.k];
+                let Some(b) = old.get(p.k + 1).filter(|_| p.at > 0.0) else {
+                    return a;
+                };
+                let end = if b.reading > a.reading { 1.0 } else { b.share };
+                BetweenReadings {
+                    reading: a.reading,
+                    share: a.share + p.at * (end - a.share),
+                }
+            };
+            InputErrors::Interpolated(places.iter().map(place).collect())
+        }
+        InputErrors::Kept(_) | InputErrors::Rounded(_) => {
+            let part = |pair: &[Place]| {
+                let [a, b] = [pair[0], pair[1]];
+                let end = if b.k > a.k { 1.0 } else { b.at };
+                errors.memory(a.k).powf(end - a.at)
+            };
+            let mut memory: Vec<f64> = places.windows(2).map(part).collect();
+            memory.push(0.0);
+            InputErrors::Kept(memory)
+        }
+        other => other.clone(),
+    }
+}
