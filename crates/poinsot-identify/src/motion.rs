@@ -15,6 +15,7 @@ mod input_slopes;
 mod inputs;
 mod mass_loss;
 mod point_kinematics;
+pub(crate) mod refined;
 mod steps;
 mod variation;
 mod vehicle;

@@ -11,6 +11,8 @@ pub(crate) mod step;
 pub(crate) mod step_error;
 pub(crate) mod triangle;
 pub(crate) mod wheel_motion;
+pub(crate) mod wheel_process;
+pub(crate) mod wheel_torque;
 
 pub(crate) use momentum_state::{Fitted, chi2, fit, fit_from, fit_near, fit_on, fit_starts};
 pub(crate) use step::ITERATIONS;

@@ -1,17 +1,43 @@
-//! What wheels do between their samples: two hypotheses, and what the answer owes to the choice.
+//! What wheels do between their samples: three hypotheses, and what the answer owes to the choice.
 //!
-//! The torque of a wheel is constant between samples, or its speed is smooth. Which of them is the better one is decided by
-//! the data. Where they can hardly tell, the answer may be that of the wrong one: its second moment about the truth is
+//! The torque of a wheel is constant between samples, or its speed is smooth, or, where these two differ, its torque is a
+//! process (`wheel_torque.rs`). Which of them is the best one is decided by the data. Where they can hardly tell, the answer may be that of the wrong one: its second moment about the truth is
 //! `C + p d d^T`, with p the probability of the other hypothesis and d the way from this answer to the other one. p is
 //! `1 / (1 + exp(D / 2))` with D the difference of -2 ln L at both minima, where both were as probable before the data.
 
 use crate::fit::experiment::{Experiment, Iterate};
-use crate::fit::momentum_state::{Fitted, fit_on};
+use crate::fit::momentum_state::{Fitted, fit_from, fit_on};
 use crate::fit::step::{ITERATIONS, Linearisation, moved};
 use crate::problem::Problem;
 use crate::problem::parameters::{Parameters, Unknown};
 use poinsot_solve::{LeastSquares, Linearised};
 use statrs::distribution::{ContinuousCDF, Normal};
+
+/// Change of the answer between two hypotheses, sigmas, from which the torque is fitted as a process: a smaller one adds less
+/// than 5 % to an error.
+pub(crate) const MATTERS: f64 = 0.3;
+
+/// What wheels do between their samples.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum BetweenSamples {
+    /// The torque is constant.
+    Held,
+    /// The speed is smooth.
+    Smooth,
+    /// The torque changes at random, by as much as the samples tell.
+    RandomTorque,
+}
+
+impl BetweenSamples {
+    /// As an assumption of an answer.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Held => "wheel torque constant between samples (zero-order hold)",
+            Self::Smooth => "wheel speed smooth between samples",
+            Self::RandomTorque => "wheel torque changes at random, also between samples",
+        }
+    }
+}
 
 /// The hypothesis that the answer does not assume.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -92,6 +118,36 @@ pub(crate) fn choose_wheel_motion(experiment: &mut Experiment, held: Fitted) -> 
         other: other.filter(|_| fitted.converged),
         fitted,
     }
+}
+
+/// An answer with the torque of the wheels as a process.
+pub(crate) struct RandomTorque<'a> {
+    pub experiment: Experiment<'a>,
+    pub fitted: Fitted,
+    /// The hypothesis that it is preferred to.
+    pub other: Option<OtherWheelMotion>,
+}
+
+/// The fit with the torque of the wheels as a process, from the end of another one; `None` where that is no better.
+pub(crate) fn random_torque<'a>(
+    experiment: &Experiment<'a>,
+    driven: &'a Problem<'a>,
+    fitted: &Fitted,
+) -> Option<RandomTorque<'a>> {
+    let mut new = Experiment::new(driven, experiment.parameters);
+    (new.settings, new.rest_motion) = (experiment.settings, experiment.rest_motion);
+    let found = fit_from(&new, fitted.at.clone(), ITERATIONS).filter(|f| f.converged)?;
+    let cost = new.cost_of(&found);
+    if cost >= experiment.cost_of(fitted) {
+        return None;
+    }
+    let there = experiment.linearise(&found.at);
+    let other = there.map(|there| other(experiment, &found, cost, &there));
+    Some(RandomTorque {
+        experiment: new,
+        fitted: found,
+        other,
+    })
 }
 
 fn shift_of(other: &Option<OtherWheelMotion>) -> f64 {

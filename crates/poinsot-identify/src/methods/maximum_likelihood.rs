@@ -16,7 +16,10 @@ use crate::fit::known_numbers::{Effects, fit_known};
 use crate::fit::rest_motion::{refit_with_rest_motion, rest_assumed};
 use crate::fit::step_error::{StepError, within_steps};
 use crate::fit::triangle::conditional_estimate;
-use crate::fit::wheel_motion::{OtherWheelMotion, choose_wheel_motion};
+use crate::fit::wheel_motion::{
+    BetweenSamples, MATTERS, OtherWheelMotion, choose_wheel_motion, random_torque,
+};
+use crate::fit::wheel_torque::with_random_torque;
 use crate::fit::{Fitted, ITERATIONS, chi2, fit};
 use crate::likelihood::{
     ChannelResidual, Evaluated, InitialState, InitialStateColumns, MeasuredMotion,
@@ -26,7 +29,7 @@ use crate::motion::input_curves::extrapolated_inputs;
 use crate::problem::loss::Loss;
 use crate::problem::parameters::{Equations, Parameters, ParametersError, lifted_vector};
 use crate::problem::prior::Conflict;
-use crate::problem::segment::Segment;
+use crate::problem::segment::{InputErrors, Segment};
 use crate::problem::settings::{Coordinates, Settings};
 use crate::problem::shifted_vehicle::ShiftedVehicle;
 use crate::problem::{Problem, ProblemError};
@@ -84,6 +87,8 @@ pub(crate) struct FinishedFit {
     pub at: Iterate,
     /// The vehicle with the estimated values of its known numbers.
     pub shifted: Option<ShiftedVehicle>,
+    /// The records as the fit took them, where the torque of wheels is a process.
+    pub segments: Option<Vec<Segment>>,
 }
 
 /// The solved problem, and where the fit ended.
@@ -118,22 +123,70 @@ pub(crate) fn solve(problem: &Problem, settings: Settings) -> Result<FinishedFit
     if problem.assumes_wheel_motion() {
         let between = choose_wheel_motion(&mut experiment, fitted);
         (fitted, shift, other) = (between.fitted, between.shift, between.other);
-        assumptions.push(assumed(experiment.wheels_smooth, other.as_ref()));
+        let own = match experiment.wheels_smooth {
+            true => BetweenSamples::Smooth,
+            false => BetweenSamples::Held,
+        };
+        assumptions.push(assumed(own, other.as_ref()));
+    }
+    let lasting = |s: &Segment| s.observations.wheel_errors.iter().any(InputErrors::lasts);
+    let segments = match shift > MATTERS || problem.segments.iter().any(lasting) {
+        true => with_random_torque(problem),
+        false => None,
+    };
+    let driven = segments.as_ref().map(|segments| Problem {
+        segments,
+        ..*problem
+    });
+    let (mut problem, own) = (problem, problem.segments);
+    let found = driven
+        .as_ref()
+        .and_then(|driven| random_torque(&experiment, driven, &fitted));
+    let at_random = found.is_some();
+    if let Some(found) = found {
+        (problem, experiment) = (found.experiment.problem, found.experiment);
+        (fitted, shift, other) = (found.fitted, 0.0, found.other);
+        assumptions.pop();
+        assumptions.push(assumed(BetweenSamples::RandomTorque, other.as_ref()));
     }
     let (fitted, step_error) = within_steps(&mut experiment, fitted, ITERATIONS);
     let explained = match &linear {
         Some(solution) => solution.explained,
         None => (!proportional(problem)).then_some(1.0),
     };
-    let known = fit_known(&experiment, &fitted);
+    let (mut solution, at, shifted) = with_known_numbers(&experiment, fitted, explained);
+    let counts = own.iter().map(|s| s.observations.time_s.len());
+    let fits = solution.fit.iter_mut().zip(counts);
+    fits.for_each(|(fit, samples)| fit.samples = samples);
+    solution.assumptions = assumptions;
+    solution.wheels_smooth = experiment.wheels_smooth;
+    solution.rest_motion = experiment.rest_motion;
+    solution.other_wheel_motion = other.map(|o| o.among(&parameters, &solution.parameters));
+    note(problem, &mut solution, shift, step_error);
+    Ok(FinishedFit {
+        solution,
+        at,
+        shifted,
+        segments: segments.filter(|_| at_random),
+    })
+}
+
+/// The answer with all known numbers as unknowns, where any is uncertain.
+fn with_known_numbers(
+    experiment: &Experiment,
+    fitted: Fitted,
+    explained: Option<f64>,
+) -> (Solution, Iterate, Option<ShiftedVehicle>) {
+    let problem = experiment.problem;
+    let known = fit_known(experiment, &fitted);
     let (mut solution, at) = match &known {
         None => {
             let end = (fitted, None, None);
-            judged(&experiment, end, explained)
+            judged(experiment, end, explained)
         }
         Some(known) => {
-            let wide = known.experiment(&experiment);
-            let looked_at = known.left.then_some((&experiment, &fitted));
+            let wide = known.experiment(experiment);
+            let looked_at = known.left.then_some((experiment, &fitted));
             let end = known.fitted.clone();
             let contradiction = known.contradiction.clone();
             let end = (end, looked_at, contradiction);
@@ -147,28 +200,15 @@ pub(crate) fn solve(problem: &Problem, settings: Settings) -> Result<FinishedFit
         None => None,
     };
     solution.unobservable_set = match &known {
-        None => unobservable_set(&experiment, &at, &solution),
-        Some(known) => unobservable_set(&known.experiment(&experiment), &at, &solution),
+        None => unobservable_set(experiment, &at, &solution),
+        Some(known) => unobservable_set(&known.experiment(experiment), &at, &solution),
     };
-    solution.assumptions = assumptions;
-    solution.wheels_smooth = experiment.wheels_smooth;
-    solution.rest_motion = experiment.rest_motion;
-    solution.other_wheel_motion = other.map(|o| o.among(&parameters, &solution.parameters));
-    note(problem, &mut solution, shift, step_error);
-    Ok(FinishedFit {
-        solution,
-        at,
-        shifted,
-    })
+    (solution, at, shifted)
 }
 
 /// The wheel motion that is assumed between samples, and what the choice adds to the sigmas.
-fn assumed(smooth: bool, other: Option<&OtherWheelMotion>) -> String {
-    let words = [
-        "wheel torque constant between samples (zero-order hold)",
-        "wheel speed smooth between samples",
-    ];
-    let own = words[usize::from(smooth)];
+fn assumed(motion: BetweenSamples, other: Option<&OtherWheelMotion>) -> String {
+    let own = motion.words();
     match other.filter(|o| o.added > NOTED_SHARE) {
         None => own.to_owned(),
         Some(o) => format!(

@@ -108,9 +108,14 @@ pub fn maximum_likelihood_predicted(
         solution,
         at,
         shifted,
+        segments,
     } = solve(problem, options.into())?;
-    let moved = shifted.as_ref().map(|c| c.problem(problem));
-    let mut experiment = Experiment::new(moved.as_ref().unwrap_or(problem), &solution.parameters);
+    let taken = Problem {
+        segments: segments.as_deref().unwrap_or(problem.segments),
+        ..*problem
+    };
+    let moved = shifted.as_ref().map(|c| c.problem(&taken));
+    let mut experiment = Experiment::new(moved.as_ref().unwrap_or(&taken), &solution.parameters);
     experiment.wheels_smooth = solution.wheels_smooth;
     experiment.rest_motion = solution.rest_motion;
     let predictions = predict(&experiment, &at, points);

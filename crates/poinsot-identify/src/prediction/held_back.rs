@@ -7,6 +7,8 @@ use crate::diagnosis::diagnose;
 use crate::fit::degrees_of_freedom::fitted_numbers;
 use crate::fit::experiment::Experiment;
 use crate::fit::rest_motion::refit_with_rest_motion;
+use crate::fit::wheel_motion::random_torque;
+use crate::fit::wheel_torque::with_random_torque;
 use crate::fit::{ITERATIONS, fit};
 use crate::methods::maximum_likelihood::segment_fits;
 use crate::prediction::completion::CompletedVehicle;
@@ -76,6 +78,20 @@ pub fn held_back(
         } else {
             experiment.wheels_smooth = false;
         }
+    }
+    let segments = match problem.assumes_wheel_motion() {
+        true => with_random_torque(&problem),
+        false => None,
+    };
+    let driven = segments.as_ref().map(|segments| Problem {
+        segments,
+        ..problem
+    });
+    let found = driven
+        .as_ref()
+        .and_then(|driven| random_torque(&experiment, driven, &fitted));
+    if let Some(found) = found {
+        (experiment, fitted) = (found.experiment, found.fitted);
     }
     let (mut findings, mut predictions) = (Vec::new(), Vec::new());
     if let Some(points) = points {

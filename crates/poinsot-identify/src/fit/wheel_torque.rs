@@ -1,0 +1,106 @@
+//! Wheels whose torque is a process: a third hypothesis on what they do between their samples.
+//!
+//! The torque of each wheel changes at random, several times between two samples, by amounts whose size the samples tell
+//! ([`SpeedSamples`]). The mean of the motion that is left drives the prediction, and its error is a state of the filter.
+
+use crate::fit::wheel_process::{SpeedSample, SpeedSamples};
+use crate::motion::refined::{SAME_S, refined};
+use crate::problem::Problem;
+use crate::problem::segment::{BetweenReadings, InputErrors, Observations, Segment};
+
+/// Changes of the torque between two samples of a wheel. Twice as many move no answer of docs/validation/pyramid.md by 0.2 sigma.
+const CHANGES: usize = 4;
+
+/// The records of a problem with the torque of every wheel as a process; `None` where it is not known when a wheel was
+/// read, or none has noise.
+pub(crate) fn with_random_torque(problem: &Problem) -> Option<Vec<Segment>> {
+    let noise = &problem.noise.wheel_speed;
+    let segments = problem.segments.iter();
+    segments.map(|s| driven_at_random(s, noise)).collect()
+}
+
+fn driven_at_random(segment: &Segment, noise: &[f64]) -> Option<Segment> {
+    let o = &segment.observations;
+    let wheels = noise.len();
+    let free = |o: &Observations, w: usize| o.is_smooth(w, true) && noise[w] > 0.0;
+    let times: Vec<Vec<usize>> = (0..wheels)
+        .filter(|w| free(o, *w))
+        .map(|w| read_at(o, w))
+        .collect::<Option<_>>()?;
+    let changes = change_times(o, &times)?;
+    let mut new = refined(o, &changes);
+    let changes: Vec<bool> = new.time_s.iter().map(|t| nearest(&changes, *t)).collect();
+    let free = (0..wheels).filter(|w| free(o, *w));
+    for (w, times) in free.zip(&times) {
+        let found = SpeedSamples {
+            time_s: &new.time_s,
+            changes: &changes,
+            samples: &samples(o, w, times, noise[w], &new.time_s),
+            shared: CHANGES,
+        }
+        .most_probable()?;
+        let column = new.wheel_speed.iter_mut().skip(w).step_by(wheels);
+        column.zip(&found.speed).for_each(|(to, from)| *to = *from);
+        new.wheel_errors[w] = InputErrors::Process(found.errors);
+    }
+    new.straight_wheels = vec![true; wheels];
+    Some(Segment {
+        observations: new,
+        ..segment.clone()
+    })
+}
+
+/// The samples of a wheel, on the new grid. Equal samples in a row tell as much as one of them: they are rounded, and where the
+/// speed stays within a step, so does the error.
+fn samples(
+    o: &Observations,
+    w: usize,
+    times: &[usize],
+    variance: f64,
+    grid: &[f64],
+) -> Vec<SpeedSample> {
+    let wheels = o.wheel_speed.len() / o.time_s.len().max(1);
+    let speed = |k: &usize| o.wheel_speed[k * wheels + w];
+    let runs = times.chunk_by(|a, b| speed(a) == speed(b));
+    let one = |k: &usize, count: usize| SpeedSample {
+        at: grid.partition_point(|t| *t < o.time_s[*k]),
+        speed: speed(k),
+        variance: variance * count as f64,
+    };
+    runs.flat_map(|run| run.iter().map(move |k| one(k, run.len())))
+        .collect()
+}
+
+/// Grid times at which a wheel is read; `None` where that is not known.
+fn read_at(o: &Observations, w: usize) -> Option<Vec<usize>> {
+    match o.wheel_errors.get(w)? {
+        InputErrors::Independent => Some((0..o.time_s.len()).collect()),
+        InputErrors::Interpolated(places) => {
+            let read = |p: &(usize, &BetweenReadings)| p.1.share == 0.0;
+            let read = places.iter().enumerate().filter(read);
+            Some(read.map(|(k, _)| k).collect())
+        }
+        InputErrors::Rounded(all) => {
+            let read = all.iter().enumerate().filter(|(_, e)| e.read);
+            Some(read.map(|(k, _)| k).collect())
+        }
+        _ => None,
+    }
+}
+
+/// Times at which torques change: [`CHANGES`] in the mean interval of the wheel that is read most often.
+fn change_times(o: &Observations, read: &[Vec<usize>]) -> Option<Vec<f64>> {
+    let (from, to) = (o.time_s.first()?, o.time_s.last()?);
+    let most = read.iter().map(Vec::len).max()?;
+    let count = CHANGES * most.checked_sub(1).filter(|n| *n > 0)?;
+    let step = (to - from) / count as f64;
+    Some((1..count).map(|k| from + k as f64 * step).collect())
+}
+
+/// Whether a grid time is one of these, or stands for one of them.
+fn nearest(times: &[f64], t: f64) -> bool {
+    let after = times.partition_point(|x| *x < t);
+    let near = [after.checked_sub(1), Some(after)].into_iter().flatten();
+    near.filter_map(|k| times.get(k))
+        .any(|x| (x - t).abs() < 2.0 * SAME_S)
+}
