@@ -7,7 +7,9 @@
 //! biases) depend on the slow levels: excess there makes sigmas too small even if the total chi-square is correct.
 
 use super::channels::outlier_threshold;
+use crate::likelihood::Evaluated;
 use crate::problem::loss::Loss;
+use crate::problem::settings::Settings;
 use poinsot_spatial::Vector3;
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 
@@ -93,6 +95,17 @@ pub(crate) fn octaves(white: &[Vector3], numbers: usize, loss: Loss) -> Vec<Octa
         square: mean.norm_squared(),
     }));
     list
+}
+
+/// Whether every octave of every residual is as large as the declared noise says, all tests together at `false_alarm`.
+pub(crate) fn consistent(evaluated: &[Evaluated], settings: &Settings) -> bool {
+    let channels = evaluated.iter().flat_map(|e| &e.channels);
+    let levels: Vec<Octave> = channels
+        .flat_map(|c| octaves(&c.white, c.numbers, settings.loss))
+        .collect();
+    let count = levels.len() as f64;
+    let passes = |level: &Octave| level.p_value(1.0) * count > settings.false_alarm;
+    levels.iter().all(passes)
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@
 use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::momentum_state::{Fitted, fit_from, fit_on};
 use crate::fit::step::{ITERATIONS, Linearisation, moved};
+use crate::fit::wheel_torque::{RandomTorque, TorqueChanges};
 use crate::problem::Problem;
 use crate::problem::parameters::{Parameters, Unknown};
 use poinsot_solve::{LeastSquares, Linearised};
@@ -121,19 +122,40 @@ pub(crate) fn choose_wheel_motion(experiment: &mut Experiment, held: Fitted) -> 
 }
 
 /// An answer with the torque of the wheels as a process.
-pub(crate) struct RandomTorque<'a> {
+pub(crate) struct DrivenAtRandom<'a> {
     pub experiment: Experiment<'a>,
     pub fitted: Fitted,
     /// The hypothesis that it is preferred to.
     pub other: Option<OtherWheelMotion>,
 }
 
+/// The torque of the wheels as a process, where a fit without it would not be trusted, or the data prefer
+/// changes at any time to changes at the samples alone. Both are processes, so that the tachometers judge them as well as all
+/// other sensors.
+pub(crate) fn random_torque(
+    experiment: &Experiment,
+    (fitted, trusted): (&Fitted, bool),
+) -> Option<RandomTorque> {
+    let problem = experiment.problem;
+    let cost = |torque: &RandomTorque| {
+        let problem = torque.problem(problem);
+        let here = experiment.with_problem(&problem).linearise(&fitted.at)?;
+        Some(least(&here) + torque.deviance)
+    };
+    let anywhere = RandomTorque::new(problem, TorqueChanges::Anywhere)?;
+    if !trusted {
+        return Some(anywhere);
+    }
+    let held = RandomTorque::new(problem, TorqueChanges::AtSamples)?;
+    (cost(&anywhere)? < cost(&held)?).then_some(anywhere)
+}
+
 /// The fit with the torque of the wheels as a process, from the end of another one; `None` where that is no better.
-pub(crate) fn random_torque<'a>(
+pub(crate) fn fit_random_torque<'a>(
     experiment: &Experiment<'a>,
     driven: &'a Problem<'a>,
     fitted: &Fitted,
-) -> Option<RandomTorque<'a>> {
+) -> Option<DrivenAtRandom<'a>> {
     let mut new = Experiment::new(driven, experiment.parameters);
     (new.settings, new.rest_motion) = (experiment.settings, experiment.rest_motion);
     let found = fit_from(&new, fitted.at.clone(), ITERATIONS).filter(|f| f.converged)?;
@@ -143,7 +165,7 @@ pub(crate) fn random_torque<'a>(
     }
     let there = experiment.linearise(&found.at);
     let other = there.map(|there| other(experiment, &found, cost, &there));
-    Some(RandomTorque {
+    Some(DrivenAtRandom {
         experiment: new,
         fitted: found,
         other,

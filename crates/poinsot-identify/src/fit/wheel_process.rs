@@ -14,7 +14,7 @@ const DIFFUSE: f64 = 1.0e3;
 /// Degrees of freedom of the changes: most are small, as between two manoeuvres, and some large. Measured: docs/validation/pyramid.md.
 const TAILS: f64 = 2.0;
 /// Renewals of their sizes, beyond which a speed moves by a small share of its error.
-const ROUNDS: usize = 20;
+const RENEWALS: usize = 20;
 /// Relative accuracy of the size of the changes.
 const ACCURACY: f64 = 0.02;
 /// Range of that size: slopes that move the speed by this share of the noise between changes, and by this multiple of it.
@@ -206,7 +206,7 @@ impl SpeedSamples<'_> {
     fn with_tails(&self, mut size: f64, mut found: SpeedPosterior) -> Option<SpeedPosterior> {
         let places = self.changes.iter().enumerate().skip(1);
         let places: Vec<usize> = places.filter(|(_, c)| **c).map(|(k, _)| k).collect();
-        for _ in 0..ROUNDS {
+        for _ in 0..RENEWALS {
             let own: Vec<f64> = places.iter().map(|k| found.squares[*k]).collect();
             let width = |i: usize| {
                 let near = i.saturating_sub(self.shared)..(i + self.shared + 1).min(own.len());

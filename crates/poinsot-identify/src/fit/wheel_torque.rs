@@ -11,15 +11,50 @@ use crate::problem::segment::{BetweenReadings, InputErrors, Observations, Segmen
 /// Changes of the torque between two samples of a wheel. Twice as many move no answer of docs/validation/pyramid.md by 0.2 sigma.
 const CHANGES: usize = 4;
 
-/// The records of a problem with the torque of every wheel as a process; `None` where it is not known when a wheel was
-/// read, or none has noise.
-pub(crate) fn with_random_torque(problem: &Problem) -> Option<Vec<Segment>> {
-    let noise = &problem.noise.wheel_speed;
-    let segments = problem.segments.iter();
-    segments.map(|s| driven_at_random(s, noise)).collect()
+/// When a torque changes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum TorqueChanges {
+    /// At the samples of its wheel: it is constant between them.
+    AtSamples,
+    /// [`CHANGES`] times between two samples.
+    Anywhere,
 }
 
-fn driven_at_random(segment: &Segment, noise: &[f64]) -> Option<Segment> {
+/// Records in which the torque of every wheel is a process.
+pub(crate) struct RandomTorque {
+    pub segments: Vec<Segment>,
+    /// -2 ln of the probability density of the tachometers' samples, less a constant.
+    pub deviance: f64,
+}
+
+impl RandomTorque {
+    /// `None` where it is not known when a wheel was read, or none has noise.
+    pub fn new(problem: &Problem, changes: TorqueChanges) -> Option<Self> {
+        let noise = &problem.noise.wheel_speed;
+        let segments = problem.segments.iter();
+        let found: Vec<(Segment, f64)> = segments
+            .map(|s| driven_at_random(s, noise, changes))
+            .collect::<Option<_>>()?;
+        Some(Self {
+            deviance: found.iter().map(|f| f.1).sum(),
+            segments: found.into_iter().map(|f| f.0).collect(),
+        })
+    }
+
+    /// The problem with these records.
+    pub fn problem<'a>(&'a self, problem: &Problem<'a>) -> Problem<'a> {
+        Problem {
+            segments: &self.segments,
+            ..*problem
+        }
+    }
+}
+
+fn driven_at_random(
+    segment: &Segment,
+    noise: &[f64],
+    changes: TorqueChanges,
+) -> Option<(Segment, f64)> {
     let o = &segment.observations;
     let wheels = noise.len();
     let free = |o: &Observations, w: usize| o.is_smooth(w, true) && noise[w] > 0.0;
@@ -27,27 +62,41 @@ fn driven_at_random(segment: &Segment, noise: &[f64]) -> Option<Segment> {
         .filter(|w| free(o, *w))
         .map(|w| read_at(o, w))
         .collect::<Option<_>>()?;
-    let changes = change_times(o, &times)?;
-    let mut new = refined(o, &changes);
-    let changes: Vec<bool> = new.time_s.iter().map(|t| nearest(&changes, *t)).collect();
+    let anywhere = change_times(o, &times)?;
+    let mut new = match changes {
+        TorqueChanges::AtSamples => refined(o, &[]),
+        TorqueChanges::Anywhere => refined(o, &anywhere),
+    };
     let free = (0..wheels).filter(|w| free(o, *w));
+    let mut deviance = 0.0;
     for (w, times) in free.zip(&times) {
+        let samples = samples(o, w, times, noise[w], &new.time_s);
+        let changes: Vec<bool> = match changes {
+            TorqueChanges::Anywhere => new.time_s.iter().map(|t| nearest(&anywhere, *t)).collect(),
+            TorqueChanges::AtSamples => {
+                let mut flags = vec![false; new.time_s.len()];
+                samples.iter().for_each(|s| flags[s.at] = true);
+                flags
+            }
+        };
         let found = SpeedSamples {
             time_s: &new.time_s,
             changes: &changes,
-            samples: &samples(o, w, times, noise[w], &new.time_s),
+            samples: &samples,
             shared: CHANGES,
         }
         .most_probable()?;
+        deviance += found.deviance;
         let column = new.wheel_speed.iter_mut().skip(w).step_by(wheels);
         column.zip(&found.speed).for_each(|(to, from)| *to = *from);
         new.wheel_errors[w] = InputErrors::Process(found.errors);
     }
     new.straight_wheels = vec![true; wheels];
-    Some(Segment {
+    let segment = Segment {
         observations: new,
         ..segment.clone()
-    })
+    };
+    Some((segment, deviance))
 }
 
 /// The samples of a wheel, on the new grid. Equal samples in a row tell as much as one of them: they are rounded, and where the

@@ -8,7 +8,7 @@
 use crate::answer;
 use crate::certify::continuation::unobservable_set;
 use crate::diagnosis::conflict::{self, priors_against_data};
-use crate::diagnosis::octaves::octaves;
+use crate::diagnosis::octaves::{consistent, octaves};
 use crate::diagnosis::{Diagnostics, FaultKind, diagnose, whiteness};
 use crate::fit::degrees_of_freedom::fitted_numbers;
 use crate::fit::experiment::{Experiment, Iterate};
@@ -17,9 +17,9 @@ use crate::fit::rest_motion::{refit_with_rest_motion, rest_assumed};
 use crate::fit::step_error::{StepError, within_steps};
 use crate::fit::triangle::conditional_estimate;
 use crate::fit::wheel_motion::{
-    BetweenSamples, MATTERS, OtherWheelMotion, choose_wheel_motion, random_torque,
+    BetweenSamples, MATTERS, OtherWheelMotion, choose_wheel_motion, fit_random_torque,
+    random_torque,
 };
-use crate::fit::wheel_torque::with_random_torque;
 use crate::fit::{Fitted, ITERATIONS, chi2, fit};
 use crate::likelihood::{
     ChannelResidual, Evaluated, InitialState, InitialStateColumns, MeasuredMotion,
@@ -129,19 +129,21 @@ pub(crate) fn solve(problem: &Problem, settings: Settings) -> Result<FinishedFit
         };
         assumptions.push(assumed(own, other.as_ref()));
     }
-    let lasting = |s: &Segment| s.observations.wheel_errors.iter().any(InputErrors::lasts);
-    let segments = match shift > MATTERS || problem.segments.iter().any(lasting) {
-        true => with_random_torque(problem),
+    let explains = |f: &Fitted| consistent(&f.evaluated, &settings);
+    let torque = match shift > MATTERS || rounding_lasts(problem) {
+        true => {
+            let trusted = explains(&fitted) && !sensitive(problem, &settings, shift);
+            random_torque(&experiment, (&fitted, trusted))
+        }
         false => None,
     };
-    let driven = segments.as_ref().map(|segments| Problem {
-        segments,
-        ..*problem
-    });
+    let driven = torque.as_ref().map(|torque| torque.problem(problem));
     let (mut problem, own) = (problem, problem.segments);
     let found = driven
         .as_ref()
-        .and_then(|driven| random_torque(&experiment, driven, &fitted));
+        .and_then(|driven| fit_random_torque(&experiment, driven, &fitted))
+        // A misfit that it does not explain has another cause, which the diagnosis names.
+        .filter(|found| explains(&found.fitted));
     let at_random = found.is_some();
     if let Some(found) = found {
         (problem, experiment) = (found.experiment.problem, found.experiment);
@@ -167,7 +169,7 @@ pub(crate) fn solve(problem: &Problem, settings: Settings) -> Result<FinishedFit
         solution,
         at,
         shifted,
-        segments: segments.filter(|_| at_random),
+        segments: torque.filter(|_| at_random).map(|t| t.segments),
     })
 }
 
@@ -266,6 +268,21 @@ fn note(problem: &Problem, solution: &mut Solution, shift: f64, step_error: Opti
     if let Some(found) = &mut solution.diagnostics {
         found.shift_between_readings = shift;
     }
+}
+
+/// Whether an answer depends on how wheels run between samples that are rarer than those of other sensors.
+fn sensitive(problem: &Problem, settings: &Settings, shift: f64) -> bool {
+    let mut segments = problem.segments.iter();
+    shift > settings.sensitivity_sigmas && segments.any(|s| s.observations.between_readings)
+}
+
+/// Whether rounding errors of wheels last over several samples.
+fn rounding_lasts(problem: &Problem) -> bool {
+    let wheels = problem
+        .segments
+        .iter()
+        .map(|s| &s.observations.wheel_errors);
+    wheels.flatten().any(InputErrors::lasts)
 }
 
 /// Diagnoses a fit and concludes. `looked_at` is diagnosed instead, where known numbers do not explain a misfit.

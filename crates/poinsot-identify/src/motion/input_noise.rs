@@ -506,8 +506,7 @@ impl InputNoise {
 
     /// From one grid time to the next, k: `s = Phi s + (h/2) (B e + B_next e_next)`.
     fn carry(&mut self, before: &DynamicsJacobian, now: &DynamicsJacobian, h: f64, k: usize) {
-        let n = self.lead;
-        let (size, ahead) = (self.filter.size, self.reach > 0);
+        let (n, size, ahead) = (self.lead, self.filter.size, self.reach > 0);
         let pose = (before.pose + now.pose) * 0.5;
         let (lower, pushed_by) = &before.push;
         let A = |row: usize, column: usize| match row.checked_sub(6) {
@@ -550,18 +549,16 @@ impl InputNoise {
             });
             let here = self.place(c, 0);
             let pair = self.memory[c].pair().and_then(|p| p.steps.get(k - 1));
+            let (kept, slope) = pair.map_or((*a, 0.0), |s| (s.memory[(0, 0)], s.memory[(0, 1)]));
             for (i, &row) in self.active.iter().enumerate() {
                 upper[i * size + here] += ends[0](row);
                 if ahead {
                     upper[i * size + self.place(c, 1)] = ends[1](row);
                     continue;
                 }
-                match pair {
-                    None => upper[i * size + here] += a * ends[1](row),
-                    Some(step) => {
-                        upper[i * size + here] += step.memory[(0, 0)] * ends[1](row);
-                        upper[i * size + here + 1] += step.memory[(0, 1)] * ends[1](row);
-                    }
+                upper[i * size + here] += kept * ends[1](row);
+                if slope != 0.0 {
+                    upper[i * size + here + 1] += slope * ends[1](row);
                 }
                 fresh.push(ends[1](row));
             }

@@ -4,12 +4,12 @@
 //! and other nuisances that the model declares unknown.
 
 use crate::diagnosis::diagnose;
+use crate::diagnosis::octaves::consistent;
 use crate::fit::degrees_of_freedom::fitted_numbers;
 use crate::fit::experiment::Experiment;
 use crate::fit::rest_motion::refit_with_rest_motion;
-use crate::fit::wheel_motion::random_torque;
-use crate::fit::wheel_torque::with_random_torque;
-use crate::fit::{ITERATIONS, fit};
+use crate::fit::wheel_motion::{fit_random_torque, random_torque};
+use crate::fit::{Fitted, ITERATIONS, fit};
 use crate::methods::maximum_likelihood::segment_fits;
 use crate::prediction::completion::CompletedVehicle;
 use crate::prediction::curves::{Prediction, predict};
@@ -79,17 +79,17 @@ pub fn held_back(
             experiment.wheels_smooth = false;
         }
     }
-    let segments = match problem.assumes_wheel_motion() {
-        true => with_random_torque(&problem),
+    let settings = experiment.settings;
+    let explains = |f: &Fitted| consistent(&f.evaluated, &settings);
+    let torque = match problem.assumes_wheel_motion() {
+        true => random_torque(&experiment, (&fitted, explains(&fitted))),
         false => None,
     };
-    let driven = segments.as_ref().map(|segments| Problem {
-        segments,
-        ..problem
-    });
+    let driven = torque.as_ref().map(|torque| torque.problem(&problem));
     let found = driven
         .as_ref()
-        .and_then(|driven| random_torque(&experiment, driven, &fitted));
+        .and_then(|driven| fit_random_torque(&experiment, driven, &fitted))
+        .filter(|found| explains(&found.fitted));
     if let Some(found) = found {
         (experiment, fitted) = (found.experiment, found.fitted);
     }

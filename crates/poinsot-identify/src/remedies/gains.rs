@@ -13,9 +13,9 @@ use faer::Mat;
 use poinsot_solve::{BlockQr, Spectrum};
 
 /// Share of the length of a nuisance's column below which its own part is not told from round-off.
-const OWN: f64 = 1.0e-10;
+const OWN_GAIN: f64 = 1.0e-10;
 /// Round-off of a singular value, for each unknown and in units of the largest one ([`Spectrum::new`]).
-const ROUND_OFF: f64 = 32.0 * f64::EPSILON;
+const ROUND_OFF_OF_GAIN: f64 = 32.0 * f64::EPSILON;
 
 /// What an experiment identifies, ready for further rows.
 pub(super) struct Gains {
@@ -41,7 +41,7 @@ impl Gains {
         let is_nuisance = |k: &usize| parameters.unknowns[*k].kind.is_nuisance();
         let (front, back): (Vec<usize>, Vec<usize>) = (0..parameters.len()).partition(is_nuisance);
         let lengths = shared.nuisance_lengths();
-        let own = |(k, length): (usize, &f64)| shared.r[(k, k)].abs() > OWN * length;
+        let own = |(k, length): (usize, &f64)| shared.r[(k, k)].abs() > OWN_GAIN * length;
         let told = lengths.iter().enumerate().all(own);
         told.then_some(Self {
             front,
@@ -64,7 +64,7 @@ impl Gains {
         let turned: Vec<Vec<f64>> = rows.iter().map(|row| self.turned(row)).collect();
         let added: f64 = turned.iter().flatten().map(|x| x * x).sum();
         let largest = (n as f64).sqrt() * self.size + added.sqrt();
-        if ROUND_OFF * n as f64 * largest >= self.limit {
+        if ROUND_OFF_OF_GAIN * n as f64 * largest >= self.limit {
             return None;
         }
         let m = rows.len();
