@@ -139,7 +139,7 @@ pub(crate) fn random_torque(
     let problem = experiment.problem;
     let cost = |torque: &RandomTorque| {
         let problem = torque.problem(problem);
-        let here = experiment.with_problem(&problem).linearise(&fitted.at)?;
+        let here = driven(experiment, &problem).linearise(&fitted.at)?;
         Some(least(&here) + torque.deviance)
     };
     let anywhere = RandomTorque::new(problem, TorqueChanges::Anywhere)?;
@@ -150,14 +150,20 @@ pub(crate) fn random_torque(
     (cost(&anywhere)? < cost(&held)?).then_some(anywhere)
 }
 
+/// The experiment with wheels that run straight from change to change of their torque.
+fn driven<'a>(experiment: &Experiment<'a>, problem: &'a Problem<'a>) -> Experiment<'a> {
+    let mut new = Experiment::new(problem, experiment.parameters);
+    (new.settings, new.rest_motion) = (experiment.settings, experiment.rest_motion);
+    new
+}
+
 /// The fit with the torque of the wheels as a process, from the end of another one; `None` where that is no better.
 pub(crate) fn fit_random_torque<'a>(
     experiment: &Experiment<'a>,
-    driven: &'a Problem<'a>,
+    problem: &'a Problem<'a>,
     fitted: &Fitted,
 ) -> Option<DrivenAtRandom<'a>> {
-    let mut new = Experiment::new(driven, experiment.parameters);
-    (new.settings, new.rest_motion) = (experiment.settings, experiment.rest_motion);
+    let new = driven(experiment, problem);
     let found = fit_from(&new, fitted.at.clone(), ITERATIONS).filter(|f| f.converged)?;
     let cost = new.cost_of(&found);
     if cost >= experiment.cost_of(fitted) {

@@ -8,7 +8,8 @@ use crate::motion::refined::{SAME_S, refined};
 use crate::problem::Problem;
 use crate::problem::segment::{BetweenReadings, InputErrors, Observations, Segment};
 
-/// Changes of the torque between two samples of a wheel. Twice as many move no answer of docs/validation/pyramid.md by 0.2 sigma.
+/// Changes of the torque between two samples of a wheel. Half as many gave the same NEES for 40 tones at 2 Hz, and 6.50 instead of
+/// 6.28 for 40 slews.
 const CHANGES: usize = 4;
 
 /// When a torque changes.

@@ -20,6 +20,7 @@ use crate::fit::wheel_motion::{
     BetweenSamples, MATTERS, OtherWheelMotion, choose_wheel_motion, fit_random_torque,
     random_torque,
 };
+use crate::fit::wheel_torque::RandomTorque;
 use crate::fit::{Fitted, ITERATIONS, chi2, fit};
 use crate::likelihood::{
     ChannelResidual, Evaluated, InitialState, InitialStateColumns, MeasuredMotion,
@@ -129,21 +130,14 @@ pub(crate) fn solve(problem: &Problem, settings: Settings) -> Result<FinishedFit
         };
         assumptions.push(assumed(own, other.as_ref()));
     }
-    let explains = |f: &Fitted| consistent(&f.evaluated, &settings);
-    let torque = match shift > MATTERS || rounding_lasts(problem) {
-        true => {
-            let trusted = explains(&fitted) && !sensitive(problem, &settings, shift);
-            random_torque(&experiment, (&fitted, trusted))
-        }
-        false => None,
-    };
+    let torque = random_where_it_matters(&experiment, &fitted, shift);
     let driven = torque.as_ref().map(|torque| torque.problem(problem));
     let (mut problem, own) = (problem, problem.segments);
     let found = driven
         .as_ref()
         .and_then(|driven| fit_random_torque(&experiment, driven, &fitted))
         // A misfit that it does not explain has another cause, which the diagnosis names.
-        .filter(|found| explains(&found.fitted));
+        .filter(|found| consistent(&found.fitted.evaluated, &settings));
     let at_random = found.is_some();
     if let Some(found) = found {
         (problem, experiment) = (found.experiment.problem, found.experiment);
@@ -270,13 +264,29 @@ fn note(problem: &Problem, solution: &mut Solution, shift: f64, step_error: Opti
     }
 }
 
+/// The torque of the wheels as a process, where it may change an answer that another wheel motion changes by `shift` sigmas.
+fn random_where_it_matters(
+    experiment: &Experiment,
+    fitted: &Fitted,
+    shift: f64,
+) -> Option<RandomTorque> {
+    let (problem, settings) = (experiment.problem, &experiment.settings);
+    let rounded = rounding_lasts(problem);
+    if shift <= MATTERS && !rounded {
+        return None;
+    }
+    let explains = consistent(&fitted.evaluated, settings);
+    let trusted = explains && !sensitive(problem, settings, shift) && !rounded;
+    random_torque(experiment, (fitted, trusted))
+}
+
 /// Whether an answer depends on how wheels run between samples that are rarer than those of other sensors.
 fn sensitive(problem: &Problem, settings: &Settings, shift: f64) -> bool {
     let mut segments = problem.segments.iter();
     shift > settings.sensitivity_sigmas && segments.any(|s| s.observations.between_readings)
 }
 
-/// Whether rounding errors of wheels last over several samples.
+/// Whether rounding errors of wheels last over several samples: then their correlation is known roughly alone.
 fn rounding_lasts(problem: &Problem) -> bool {
     let wheels = problem
         .segments
