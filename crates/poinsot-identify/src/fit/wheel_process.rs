@@ -1,16 +1,24 @@
-//! The speed of a wheel whose torque changes at random, from noisy samples.
+//! The speed of a wheel whose torque changes at random, from noisy or rounded samples.
 //!
-//! Between two changes the speed is straight, and at each of them its slope changes by a random amount: `x = [speed, slope]`,
-//! `x' = F x`, at a change `x+ = x + [0, s v]` with v normal. The samples give the posterior of the whole motion.
-//! It is a Markov process itself: with `L` the information that the later samples hold of the state, a change has the
-//! variance `s2 / (1 + s2 L_22)` and a mean that follows the state (Fraser and Potter 1969, backward information filter).
-//! Its mean is the speed that drives the prediction, and its error has the transitions of [`ErrorProcess`].
+//! Between two changes the speed is straight, and at each of them its slope changes by a random amount. A sample is the speed,
+//! its rounding error and white noise; the rounding error stays in part from sample to sample: `x = [speed, slope, rounding]`,
+//! `x' = F x`, at a change `x+ = x + [0, s v, 0]`, at a sample `x+ = diag(1, 1, a) x + [0, 0, q v]`, all v normal. The samples
+//! give the posterior of the whole motion. It is a Markov process itself: with `L` the information that the later samples hold
+//! of the state, a change of component j has the variance `s2 / (1 + s2 L_jj)` and a mean that follows the state (Fraser and
+//! Potter 1969, backward information filter). Its mean is the speed that drives the prediction. The error of speed and slope
+//! is taken as a Markov process with their covariances at neighbouring times ([`ErrorProcess`]): exact for white noise.
 
 use crate::problem::error_process::{ErrorProcess, ErrorStep};
-use nalgebra::{Matrix2, Vector2};
+use nalgebra::{Matrix2, Matrix3, Vector3};
 
+/// Components of the state.
+const SPEED: usize = 0;
+const SLOPE: usize = 1;
+const ROUNDING: usize = 2;
 /// How much wider than the samples and changes say the speed and slope are before them.
 const DIFFUSE: f64 = 1.0e3;
+/// White noise beside a rounding error, over its variance: keeps what a sample tells finite.
+const WHITE: f64 = 1.0e-3;
 /// Degrees of freedom of the changes: most are small, as between two manoeuvres, and some large. Measured: docs/validation/pyramid.md.
 const TAILS: f64 = 2.0;
 /// Renewals of their sizes, beyond which a speed moves by a small share of its error.
@@ -27,8 +35,45 @@ pub(crate) struct SpeedSample {
     pub at: usize,
     /// Speed, rad/s.
     pub speed: f64,
-    /// Variance, (rad/s)^2.
-    pub variance: f64,
+    /// Variance of white noise, (rad/s)^2.
+    pub white: f64,
+    /// Variance of the rounding error, (rad/s)^2.
+    pub rounding: f64,
+    /// Correlation of the rounding error with that of the sample before.
+    pub memory: f64,
+}
+
+impl SpeedSample {
+    /// A sample with white noise alone.
+    pub fn white(at: usize, speed: f64, variance: f64) -> Self {
+        Self {
+            at,
+            speed,
+            white: variance,
+            rounding: 0.0,
+            memory: 0.0,
+        }
+    }
+
+    /// The same noise as a rounding error, with this correlation to that of the sample before.
+    pub fn rounded(self, memory: f64) -> Self {
+        Self {
+            white: WHITE * self.white,
+            rounding: self.white,
+            memory,
+            ..self
+        }
+    }
+
+    /// Variance of its noise.
+    fn total(&self) -> f64 {
+        self.white + self.rounding
+    }
+
+    /// Variance of what is new in the rounding error.
+    fn fresh(&self) -> f64 {
+        (1.0 - self.memory * self.memory) * self.rounding
+    }
 }
 
 /// Samples of a wheel's speed on a grid, and when its torque changes.
@@ -36,7 +81,7 @@ pub(crate) struct SpeedSamples<'a> {
     pub time_s: &'a [f64],
     /// Whether the torque changes at each grid time.
     pub changes: &'a [bool],
-    /// In order of time.
+    /// In order of time, at most one at a grid time.
     pub samples: &'a [SpeedSample],
     /// Changes before and after one with which it shares its size.
     pub shared: usize,
@@ -53,21 +98,106 @@ pub(crate) struct SpeedPosterior {
     squares: Vec<f64>,
 }
 
-/// One interval as the backward pass leaves it.
+/// What later samples hold of the state: -2 ln of their density is `x^T L x - 2 eta^T x` and a constant.
+#[derive(Default)]
+struct Information {
+    L: Matrix3<f64>,
+    eta: Vector3<f64>,
+    log_det: f64,
+}
+
+impl Information {
+    fn take(&mut self, sample: &SpeedSample, level: f64) {
+        let h = Vector3::new(1.0, 0.0, 1.0);
+        self.L += h * h.transpose() / sample.white;
+        self.eta += h * ((sample.speed - level) / sample.white);
+    }
+
+    /// Goes back over a normal change of one component with this variance: what the later samples make of it.
+    fn before_change(&mut self, of: usize, variance: f64) -> Change {
+        let unit = 1.0 + variance * self.L[(of, of)];
+        let own = variance / unit;
+        let held: Vector3<f64> = self.L.column(of).into();
+        let mean = own * self.eta[of];
+        self.eta -= held * mean;
+        self.L -= held * held.transpose() * own;
+        self.log_det += unit.ln();
+        Change {
+            of,
+            own,
+            mean,
+            follows: -held * own,
+        }
+    }
+
+    /// Goes back over `x+ = F x`.
+    fn before_step(&mut self, F: &Matrix3<f64>) {
+        self.eta = F.transpose() * self.eta;
+        self.L = F.transpose() * self.L * F;
+    }
+}
+
+/// A change of one component, given the state before it: normal about `mean + follows . x`.
+struct Change {
+    of: usize,
+    own: f64,
+    mean: f64,
+    follows: Vector3<f64>,
+}
+
+impl Change {
+    /// The slope of the state after it over that before.
+    fn slope(&self) -> Matrix3<f64> {
+        let mut slope = Matrix3::identity();
+        let mut row = slope.row_mut(self.of);
+        row += self.follows.transpose();
+        slope
+    }
+
+    /// The mean change; the state goes with it.
+    fn along(&self, x: &mut Vector3<f64>) -> f64 {
+        let change = self.mean + self.follows.dot(x);
+        x[self.of] += change;
+        change
+    }
+
+    fn square(&self) -> Matrix3<f64> {
+        let mut square = Matrix3::zeros();
+        square[(self.of, self.of)] = self.own;
+        square
+    }
+}
+
+/// From one grid time to the next: a straight speed, a change of its slope, and what stays and is new of the rounding error.
 struct Interval {
-    step: ErrorStep,
-    /// From its start to just before the change at its end.
-    straight: Matrix2<f64>,
-    /// How the mean change follows the state there.
-    follows: Vector2<f64>,
-    /// Mean change of the slope beside what follows the state.
-    change: f64,
+    straight: Matrix3<f64>,
+    slope: Change,
+    stays: Matrix3<f64>,
+    rounding: Change,
+}
+
+impl Interval {
+    /// The mean state at its end; the mean changes of slope and rounding error.
+    fn along(&self, x: &Vector3<f64>) -> (Vector3<f64>, [f64; 2]) {
+        let mut x = self.straight * x;
+        let slope = self.slope.along(&mut x);
+        x = self.stays * x;
+        let rounding = self.rounding.along(&mut x);
+        (x, [slope, rounding])
+    }
+
+    /// Slope of the state at its end over that at its start, and the covariance of what is new.
+    fn step(&self) -> (Matrix3<f64>, Matrix3<f64>) {
+        let late = self.rounding.slope() * self.stays;
+        let fresh = late * self.slope.square() * late.transpose() + self.rounding.square();
+        (late * self.slope.slope() * self.straight, fresh)
+    }
 }
 
 impl SpeedSamples<'_> {
     /// Standard deviation of the best sample, rad/s.
     fn noise(&self) -> Option<f64> {
-        let all = self.samples.iter().map(|s| s.variance.sqrt());
+        let all = self.samples.iter().map(|s| s.total().sqrt());
         all.reduce(f64::min)
     }
 
@@ -78,105 +208,87 @@ impl SpeedSamples<'_> {
 
     /// The same with a standard deviation of the change at each grid time.
     fn posterior_of(&self, sizes: &[f64]) -> Option<SpeedPosterior> {
-        let n = self.time_s.len();
         let level = self.samples.first()?.speed;
-        let mut samples = self.samples.iter().rev().peekable();
-        let mut take = |k: usize, L: &mut Matrix2<f64>, eta: &mut Vector2<f64>| {
-            while let Some(sample) = samples.next_if(|s| s.at == k) {
-                L[(0, 0)] += 1.0 / sample.variance;
-                eta[0] += (sample.speed - level) / sample.variance;
-            }
-        };
-        let (mut L, mut eta) = (Matrix2::zeros(), Vector2::zeros());
-        take(n - 1, &mut L, &mut eta);
-        let mut log_det = 0.0;
-        let mut intervals = Vec::with_capacity(n - 1);
-        for k in (0..n - 1).rev() {
-            let h = self.time_s[k + 1] - self.time_s[k];
-            let F = Matrix2::new(1.0, h, 0.0, 1.0);
-            let mut interval = Interval {
-                step: ErrorStep {
-                    memory: F,
-                    fresh: Matrix2::zeros(),
-                },
-                straight: F,
-                follows: Vector2::zeros(),
-                change: 0.0,
-            };
-            if self.changes[k + 1] {
-                let change = sizes[k + 1];
-                let unit = 1.0 + change * change * L[(1, 1)];
-                let own = change * change / unit;
-                let held: Vector2<f64> = L.column(1).into();
-                interval.follows = -held * own;
-                interval.change = own * eta[1];
-                interval.step.fresh[(1, 1)] = own;
-                let mut kept = Matrix2::<f64>::identity();
-                kept[(1, 0)] -= own * held[0];
-                kept[(1, 1)] -= own * held[1];
-                interval.step.memory = kept * F;
-                eta -= held * (own * eta[1]);
-                L -= held * held.transpose() * own;
-                log_det += unit.ln();
-            }
-            eta = F.transpose() * eta;
-            L = F.transpose() * L * F;
-            take(k, &mut L, &mut eta);
-            intervals.push(interval);
-        }
-        intervals.reverse();
-        let span = self.time_s[n - 1] - self.time_s[0];
+        let (held, intervals) = self.backward(sizes, level);
+        let span = self.time_s.last()? - self.time_s.first()?;
         let largest = sizes.iter().fold(0.0, |a: f64, b| a.max(*b));
         let wide = DIFFUSE * (self.noise()? + largest * span);
-        let prior = Matrix2::from_diagonal(&Vector2::new(wide, wide / span)).map(|x| x * x);
-        let initial = (Matrix2::identity() + prior * L).try_inverse()? * prior;
+        let rounding = self.samples.first().filter(|s| s.at == 0);
+        let rounding = rounding.map_or(0.0, |s| s.rounding);
+        let prior = Vector3::new(wide.powi(2), (wide / span).powi(2), rounding);
+        let P = Matrix3::from_diagonal(&prior);
+        let unit = Matrix3::identity() + P * held.L;
+        let initial = unit.try_inverse()? * P;
         let initial = (initial + initial.transpose()) * 0.5;
-        log_det += (Matrix2::identity() + prior * L).determinant().ln();
-        let first = initial * eta;
-        let deviance = log_det + self.squares(level, first, &intervals, (sizes, &prior));
-        let (mut x, mut P) = (first, initial);
-        let mut speed = vec![level + x[0]];
-        let mut squares = vec![0.0; n];
-        for (k, interval) in intervals.iter().enumerate() {
-            let follows = interval.straight.transpose() * interval.follows;
-            let own = interval.step.fresh[(1, 1)] + follows.dot(&(P * follows));
-            squares[k + 1] = (interval.change + follows.dot(&x)).powi(2) + own;
-            x = interval.step.memory * x + Vector2::new(0.0, interval.change);
-            P = interval.step.memory * P * interval.step.memory.transpose() + interval.step.fresh;
-            speed.push(level + x[0]);
+        let first = initial * held.eta;
+        let squares = self.squares(level, first, &intervals, (sizes, &prior));
+        let deviance = held.log_det + unit.determinant().ln() + squares;
+        Some(forward(level, (first, initial), &intervals, deviance))
+    }
+
+    /// What all samples hold of the first state, and the way back to it.
+    fn backward(&self, sizes: &[f64], level: f64) -> (Information, Vec<Interval>) {
+        let n = self.time_s.len();
+        let mut samples = self.samples.iter().rev().peekable();
+        let mut held = Information::default();
+        let mut intervals = Vec::with_capacity(n - 1);
+        for k in (1..n).rev() {
+            let (mut stays, mut fresh) = (Matrix3::identity(), 0.0);
+            if let Some(sample) = samples.next_if(|s| s.at == k) {
+                held.take(sample, level);
+                stays[(ROUNDING, ROUNDING)] = sample.memory;
+                fresh = sample.fresh();
+            }
+            let rounding = held.before_change(ROUNDING, fresh);
+            held.before_step(&stays);
+            let size = if self.changes[k] { sizes[k] } else { 0.0 };
+            let slope = held.before_change(SLOPE, size * size);
+            let mut straight = Matrix3::identity();
+            straight[(SPEED, SLOPE)] = self.time_s[k] - self.time_s[k - 1];
+            held.before_step(&straight);
+            intervals.push(Interval {
+                straight,
+                slope,
+                stays,
+                rounding,
+            });
         }
-        Some(SpeedPosterior {
-            speed,
-            errors: ErrorProcess {
-                initial,
-                steps: intervals.iter().map(|i| i.step).collect(),
-            },
-            deviance,
-            squares,
-        })
+        if let Some(sample) = samples.next_if(|s| s.at == 0) {
+            held.take(sample, level);
+        }
+        intervals.reverse();
+        (held, intervals)
     }
 
     /// Squares of samples, changes and start along the mean motion, each over its variance.
     fn squares(
         &self,
         level: f64,
-        first: Vector2<f64>,
+        first: Vector3<f64>,
         intervals: &[Interval],
-        (sizes, prior): (&[f64], &Matrix2<f64>),
+        (sizes, prior): (&[f64], &Vector3<f64>),
     ) -> f64 {
+        let over = |x: f64, variance: f64| {
+            if variance > 0.0 {
+                x * x / variance
+            } else {
+                0.0
+            }
+        };
         let mut samples = self.samples.iter().peekable();
-        let mut sum = first[0].powi(2) / prior[(0, 0)] + first[1].powi(2) / prior[(1, 1)];
+        let mut sum: f64 = (0..3).map(|j| over(first[j], prior[j])).sum();
         let mut x = first;
         for (k, size) in sizes.iter().enumerate() {
+            let mut rounding = 0.0;
             if let Some(interval) = k.checked_sub(1).and_then(|before| intervals.get(before)) {
-                let slope = x[1];
-                x = interval.step.memory * x + Vector2::new(0.0, interval.change);
-                if self.changes[k] {
-                    sum += ((x[1] - slope) / size).powi(2);
-                }
+                let (next, changes) = interval.along(&x);
+                x = next;
+                rounding = changes[1];
+                sum += over(changes[0], if self.changes[k] { size * size } else { 0.0 });
             }
-            while let Some(sample) = samples.next_if(|s| s.at == k) {
-                sum += (sample.speed - level - x[0]).powi(2) / sample.variance;
+            if let Some(sample) = samples.next_if(|s| s.at == k) {
+                sum += over(rounding, sample.fresh());
+                sum += over(sample.speed - level - x[SPEED] - x[ROUNDING], sample.white);
             }
         }
         sum
@@ -225,6 +337,43 @@ impl SpeedSamples<'_> {
     }
 }
 
+/// The motion from its first state on.
+fn forward(
+    level: f64,
+    (mut x, mut P): (Vector3<f64>, Matrix3<f64>),
+    intervals: &[Interval],
+    deviance: f64,
+) -> SpeedPosterior {
+    let initial = speed_and_slope(&P);
+    let mut speed = vec![level + x[SPEED]];
+    let mut squares = vec![0.0];
+    let mut steps = Vec::with_capacity(intervals.len());
+    for interval in intervals {
+        let change = &interval.slope;
+        let follows = interval.straight.transpose() * change.follows;
+        let (next, [mean, _]) = interval.along(&x);
+        squares.push(mean.powi(2) + change.own + follows.dot(&(P * follows)));
+        let (slope, fresh) = interval.step();
+        let together = slope * P;
+        let after = together * slope.transpose() + fresh;
+        steps.push(ErrorStep::between(
+            [&P, &together, &after].map(speed_and_slope),
+        ));
+        (x, P) = (next, after);
+        speed.push(level + x[SPEED]);
+    }
+    SpeedPosterior {
+        speed,
+        errors: ErrorProcess { initial, steps },
+        deviance,
+        squares,
+    }
+}
+
+fn speed_and_slope(P: &Matrix3<f64>) -> Matrix2<f64> {
+    P.fixed_view::<2, 2>(0, 0).into_owned()
+}
+
 /// Where a function of one number with one minimum is least, by golden section (Kiefer 1953).
 fn least(f: impl Fn(f64) -> f64, [mut a, mut b]: [f64; 2], accuracy: f64) -> f64 {
     let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
@@ -251,74 +400,74 @@ mod tests {
     use nalgebra::{DMatrix, DVector};
 
     /// Posterior mean, covariance of the speeds at two times, and deviance, against the dense normal distribution of all
-    /// samples.
+    /// samples: with white noise, and with rounding errors of which six tenths stay.
     #[test]
     fn exact_the_posterior_is_that_of_the_dense_normal_distribution() {
-        let time_s = [0.0, 0.4, 0.5, 0.9, 1.3, 1.5, 2.1, 2.5];
-        let changes = [false, false, true, false, true, false, true, false];
-        let (variance, change) = (0.01, 0.7);
-        let samples = [(0, 3.0), (1, 3.2), (3, 3.9), (5, 3.8), (6, 3.1), (7, 2.9)];
-        let samples = samples.map(|(at, speed)| SpeedSample {
-            at,
-            speed,
-            variance,
-        });
-        let all = SpeedSamples {
-            time_s: &time_s,
-            changes: &changes,
-            samples: &samples,
-            shared: 0,
-        };
-        let found = all.posterior(change).unwrap();
-        // Speed at every time, of start, slope and the three changes.
-        let from = [None, Some(0.0), Some(0.5), Some(1.3), Some(2.1)];
-        let row = |t: f64| from.map(|s: Option<f64>| s.map_or(1.0, |s| (t - s).max(0.0)));
-        let A = DMatrix::from_fn(8, 5, |i, j| row(time_s[i])[j]);
-        let span = 2.5;
-        let wide = DIFFUSE * (variance.sqrt() + change * span);
-        let sizes = [wide, wide / span, change, change, change];
-        let P = DMatrix::from_diagonal(&DVector::from_iterator(5, sizes.map(|s| s * s)));
-        let C = &A * &P * A.transpose();
-        let at: Vec<usize> = samples.iter().map(|s| s.at).collect();
-        let S = DMatrix::from_fn(6, 6, |i, j| {
-            C[(at[i], at[j])] + if i == j { variance } else { 0.0 }
-        });
-        let y = DVector::from_iterator(6, samples.iter().map(|s| s.speed - 3.0));
-        let own = DMatrix::from_fn(6, 5, |i, j| A[(at[i], j)]);
-        let weights = P.clone().try_inverse().unwrap();
-        let information = own.transpose() * &own / variance + &weights;
-        let covariance = information.try_inverse().unwrap();
-        let numbers = &covariance * own.transpose() * &y / variance;
-        let mean = &A * &numbers;
-        let left = &A * &covariance * A.transpose();
-        for (k, j) in [(2, 2), (4, 3), (6, 4)] {
-            let square = numbers[j].powi(2) + covariance[(j, j)];
-            assert!((found.squares[k] - square).abs() < 1.0e-6 * square, "{k}");
-        }
-        for (k, speed) in found.speed.iter().enumerate() {
-            assert!((speed - 3.0 - mean[k]).abs() < 1.0e-5, "{k}");
-        }
-        let square = (&y - &own * &numbers).norm_squared() / variance;
-        let square = square + numbers.dot(&(weights * &numbers));
-        let expected = S.determinant().ln() - 6.0 * variance.ln() + square;
-        assert!(
-            (found.deviance - expected).abs() < 1.0e-5 * expected.abs(),
-            "{}",
-            found.deviance
-        );
-        let mut P = found.errors.initial;
-        let mut cross = P;
-        for (k, step) in found.errors.steps.iter().enumerate() {
-            assert!(
-                (P[(0, 0)] - left[(k, k)]).abs() < 1.0e-4 * left[(0, 0)],
-                "{k}"
-            );
-            assert!(
-                (cross[(0, 0)] - left[(k, 0)]).abs() < 1.0e-4 * left[(0, 0)],
-                "{k}"
-            );
-            P = step.memory * P * step.memory.transpose() + step.fresh;
-            cross = step.memory * cross;
+        for memory in [None, Some(0.6)] {
+            let time_s = [0.0, 0.4, 0.5, 0.9, 1.3, 1.5, 2.1, 2.5];
+            let changes = [false, false, true, false, true, false, true, false];
+            let (variance, change) = (0.01, 0.7);
+            let samples = [(0, 3.0), (1, 3.2), (3, 3.9), (5, 3.8), (6, 3.1), (7, 2.9)];
+            let samples = samples.map(|(at, speed)| {
+                let white = SpeedSample::white(at, speed, variance);
+                let first = |a: f64| if at == 0 { 0.0 } else { a };
+                memory.map_or(white, |a| white.rounded(first(a)))
+            });
+            let all = SpeedSamples {
+                time_s: &time_s,
+                changes: &changes,
+                samples: &samples,
+                shared: 0,
+            };
+            let found = all.posterior(change).unwrap();
+            // Speed at every time, of start, slope and the three changes.
+            let from = [None, Some(0.0), Some(0.5), Some(1.3), Some(2.1)];
+            let row = |t: f64| from.map(|s: Option<f64>| s.map_or(1.0, |s| (t - s).max(0.0)));
+            let A = DMatrix::from_fn(8, 5, |i, j| row(time_s[i])[j]);
+            let wide = DIFFUSE * (samples[0].total().sqrt() + change * 2.5);
+            let sizes = [wide, wide / 2.5, change, change, change];
+            let P = DMatrix::from_diagonal(&DVector::from_iterator(5, sizes.map(|s| s * s)));
+            let noise = DMatrix::from_fn(6, 6, |i, j| {
+                let apart = i.abs_diff(j) as i32;
+                let stays = samples[1].rounding * memory.unwrap_or(0.0).powi(apart);
+                if i == j { samples[1].total() } else { stays }
+            });
+            let y = DVector::from_iterator(6, samples.iter().map(|s| s.speed - 3.0));
+            let own = DMatrix::from_fn(6, 5, |i, j| A[(samples[i].at, j)]);
+            let weights = noise.clone().try_inverse().unwrap();
+            let known = P.clone().try_inverse().unwrap();
+            let information = own.transpose() * &weights * &own + &known;
+            let covariance = information.clone().try_inverse().unwrap();
+            let numbers = &covariance * own.transpose() * &weights * &y;
+            let mean = &A * &numbers;
+            let left = &A * &covariance * A.transpose();
+            for (k, j) in [(2, 2), (4, 3), (6, 4)] {
+                let square = numbers[j].powi(2) + covariance[(j, j)];
+                assert!((found.squares[k] - square).abs() < 1.0e-6 * square, "{k}");
+            }
+            for (k, speed) in found.speed.iter().enumerate() {
+                assert!((speed - 3.0 - mean[k]).abs() < 1.0e-5, "{k}");
+            }
+            let white: f64 = samples.iter().map(|s| s.white.ln()).sum();
+            let left_over = &y - &own * &numbers;
+            let square = left_over.dot(&(weights * &left_over)) + numbers.dot(&(known * &numbers));
+            let det = noise.determinant().ln() + (P * information).determinant().ln();
+            let expected = det - white + square;
+            let off = (found.deviance - expected).abs();
+            assert!(off < 1.0e-5 * expected.abs(), "{off}");
+            let same =
+                |a: f64, b: f64, k: usize| assert!((a - b).abs() < 1.0e-4 * left[(k, k)], "{k}");
+            let mut P = found.errors.initial;
+            let mut cross = P;
+            for (k, step) in found.errors.steps.iter().enumerate() {
+                same(P[(0, 0)], left[(k, k)], k);
+                same((step.memory * P)[(0, 0)], left[(k + 1, k)], k);
+                if memory.is_none() {
+                    same(cross[(0, 0)], left[(k, 0)], k);
+                }
+                P = step.memory * P * step.memory.transpose() + step.fresh;
+                cross = step.memory * cross;
+            }
         }
     }
 
@@ -335,11 +484,8 @@ mod tests {
         let (mut speed, mut slope) = (100.0, 0.0);
         let mut samples = Vec::new();
         for (k, changes) in changes.iter().enumerate() {
-            samples.push(SpeedSample {
-                at: k,
-                speed: speed + sigma * normal(),
-                variance: sigma * sigma,
-            });
+            let read = speed + sigma * normal();
+            samples.push(SpeedSample::white(k, read, sigma * sigma));
             if *changes {
                 slope += change * normal();
             }

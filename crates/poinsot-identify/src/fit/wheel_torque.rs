@@ -71,22 +71,28 @@ fn driven_at_random(
     let free = (0..wheels).filter(|w| free(o, *w));
     let mut deviance = 0.0;
     for (w, times) in free.zip(&times) {
-        let samples = samples(o, w, times, noise[w], &new.time_s);
+        let independent = samples(o, w, times, noise[w], &new.time_s);
         let changes: Vec<bool> = match changes {
             TorqueChanges::Anywhere => new.time_s.iter().map(|t| nearest(&anywhere, *t)).collect(),
             TorqueChanges::AtSamples => {
                 let mut flags = vec![false; new.time_s.len()];
-                samples.iter().for_each(|s| flags[s.at] = true);
+                independent.iter().for_each(|s| flags[s.at] = true);
                 flags
             }
         };
-        let found = SpeedSamples {
-            time_s: &new.time_s,
-            changes: &changes,
-            samples: &samples,
-            shared: CHANGES,
+        let posterior = |samples: &[SpeedSample]| {
+            let all = SpeedSamples {
+                time_s: &new.time_s,
+                changes: &changes,
+                samples,
+                shared: CHANGES,
+            };
+            all.most_probable()
+        };
+        let mut found = posterior(&independent)?;
+        if let Some(rounded) = rounded(&independent) {
+            found.errors = posterior(&rounded)?.errors;
         }
-        .most_probable()?;
         deviance += found.deviance;
         let column = new.wheel_speed.iter_mut().skip(w).step_by(wheels);
         column.zip(&found.speed).for_each(|(to, from)| *to = *from);
@@ -100,8 +106,7 @@ fn driven_at_random(
     Some((segment, deviance))
 }
 
-/// The samples of a wheel, on the new grid. Equal samples in a row tell as much as one of them: they are rounded, and where the
-/// speed stays within a step, so does the error.
+/// The samples of a wheel, on the new grid.
 fn samples(
     o: &Observations,
     w: usize,
@@ -110,15 +115,29 @@ fn samples(
     grid: &[f64],
 ) -> Vec<SpeedSample> {
     let wheels = o.wheel_speed.len() / o.time_s.len().max(1);
-    let speed = |k: &usize| o.wheel_speed[k * wheels + w];
-    let runs = times.chunk_by(|a, b| speed(a) == speed(b));
-    let one = |k: &usize, count: usize| SpeedSample {
-        at: grid.partition_point(|t| *t < o.time_s[*k]),
-        speed: speed(k),
-        variance: variance * count as f64,
+    let one = |k: &usize| {
+        let at = grid.partition_point(|t| *t < o.time_s[*k]);
+        SpeedSample::white(at, o.wheel_speed[k * wheels + w], variance)
     };
-    runs.flat_map(|run| run.iter().map(move |k| one(k, run.len())))
-        .collect()
+    times.iter().map(one).collect()
+}
+
+/// The samples with correlated errors, where some in a row are equal: they are rounded, and the mean of a run is known as well as
+/// one of them. The mean motion is better that of independent errors: a run does not tell when the speed began to stay, and
+/// errors said to stay from there on pull a level towards where the speed came from, by a fifth of a step.
+fn rounded(samples: &[SpeedSample]) -> Option<Vec<SpeedSample>> {
+    let of_run = |run: &[SpeedSample]| -> Vec<SpeedSample> {
+        let n = run.len() as f64;
+        let stays = |i: usize| if i > 0 { (n - 1.0) / (n + 1.0) } else { 0.0 };
+        let one = |(i, s): (usize, &SpeedSample)| match run.len() {
+            1 => *s,
+            _ => s.rounded(stays(i)),
+        };
+        run.iter().enumerate().map(one).collect()
+    };
+    let runs = samples.chunk_by(|a, b| a.speed == b.speed);
+    let all: Vec<SpeedSample> = runs.flat_map(of_run).collect();
+    all.iter().any(|s| s.memory > 0.0).then_some(all)
 }
 
 /// Grid times at which a wheel is read; `None` where that is not known.

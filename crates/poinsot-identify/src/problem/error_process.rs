@@ -21,6 +21,18 @@ pub struct ErrorStep {
 }
 
 impl ErrorStep {
+    /// The step of errors with this covariance before it, between both times, and after it.
+    pub(crate) fn between([before, together, after]: [Matrix2<f64>; 3]) -> Self {
+        let memory = before
+            .try_inverse()
+            .map_or_else(Matrix2::zeros, |i| together * i);
+        let fresh = after - memory * together.transpose();
+        Self {
+            memory,
+            fresh: (fresh + fresh.transpose()) * 0.5,
+        }
+    }
+
     /// This step and the next one as one.
     fn then(&self, next: &Self) -> Self {
         Self {
