@@ -2,7 +2,9 @@
 //! of times.
 
 use crate::fit::experiment::Experiment;
-use crate::fit::wheel_motion::{OtherWheelMotion, expected_other};
+use crate::fit::fit_from;
+use crate::fit::wheel_motion::OtherWheelMotion;
+use crate::methods::cramer_rao::expected;
 use crate::problem::parameters::{Equations, Parameters, UnknownKind};
 use crate::problem::quantity::TenParameters;
 use crate::problem::{Problem, ProblemError};
@@ -98,10 +100,20 @@ impl Information {
         with_priors: bool,
     ) -> Result<Self, ProblemError> {
         let information = Self::of(problem, with_priors)?;
+        if !problem.assumes_wheel_motion() {
+            return Ok(information);
+        }
         let experiment = Experiment::new(problem, &information.parameters);
-        let other = expected_other(&experiment, &experiment.nominal_point());
+        let at_truth = fit_from(&experiment, experiment.nominal_point(), 0);
+        let Some(expected) = at_truth.and_then(|at| expected(&experiment, &at)) else {
+            return Ok(information);
+        };
+        let information = match &expected.torque {
+            Some(torque) => Self::of(&torque.problem(problem), with_priors)?,
+            None => information,
+        };
         Ok(Self {
-            other,
+            other: Some(expected.other),
             ..information
         })
     }
