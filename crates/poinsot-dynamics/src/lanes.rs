@@ -28,6 +28,30 @@ pub(crate) fn at_level<W: Work>(level: Level, work: W) -> W::Output {
     dispatch!(level, simd => work.run(simd))
 }
 
+/// Runs plain loops with the vector instructions of this machine. What is inlined into `work` is compiled for each of its
+/// instruction sets; the order of every sum stays, and so do the bits.
+///
+/// ```
+/// let mut sums = [1.0, 2.0];
+/// poinsot_dynamics::vectorised(|| sums.iter_mut().for_each(|s| *s += 1.0));
+/// assert_eq!(sums, [2.0, 3.0]);
+/// ```
+#[inline]
+pub fn vectorised<R>(work: impl FnOnce() -> R) -> R {
+    in_lanes(Loops(work))
+}
+
+struct Loops<F>(F);
+
+impl<F: FnOnce() -> R, R> Work for Loops<F> {
+    type Output = R;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, _: S) -> R {
+        (self.0)()
+    }
+}
+
 /// One number of each state.
 #[derive(Clone, Copy)]
 pub(crate) struct Lanes<S: Simd>(S::f64s);

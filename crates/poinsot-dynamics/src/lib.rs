@@ -169,13 +169,15 @@ pub use joint_drive::{ForceProfile, JointDrive, SpringDamper};
 pub use joint_motion::{Fourier, JointMotion};
 pub use joint_slopes::{JointSlope, JointSlopes, SubtreeMotion};
 pub use kinematics::Kinematics;
+#[cfg(feature = "std")]
+pub use lanes::vectorised;
 pub use mass_matrix::MassMatrix;
 pub use measurement::{
     BasePose, Carried, Ideal, JointEffect, Measurement, OverJoint, PointMotion, Scene,
 };
 pub use momentum::{
-    Composite, Twist, body_momentum, composite, momentum, shift_to_body, shift_to_inertial,
-    twist_from_momentum, wheel_momentum,
+    Composite, Twist, body_momentum, composite, composite_and_momentum, momentum, shift_to_body,
+    shift_to_inertial, twist_from_momentum, wheel_momentum,
 };
 pub use orbit::{Orbit, orbit_state};
 #[cfg(feature = "std")]
@@ -188,7 +190,7 @@ pub use propellant::{Leaving, Propellant, point_mass};
 pub use rate_regressor::{momentum_rate_column, wheel_rate};
 #[cfg(feature = "std")]
 pub use reaction_wheel::WheelLimits;
-pub use regressor::{momentum_regressor, wheel_regressor};
+pub use regressor::{body_regressor, momentum_regressor, wheel_regressor};
 #[cfg(feature = "std")]
 pub use runge_kutta::RungeKutta4;
 pub use sensor::{Axes, ErrorKey, Nuisance, Sensor, SensorKind, printed_unit};

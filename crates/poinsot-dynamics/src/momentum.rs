@@ -141,6 +141,39 @@ pub fn composite(parameters: &[InertialParameters], kinematics: &Kinematics) -> 
     }
 }
 
+/// [`composite`] and [`momentum`] in one pass: every tensor is turned to B once.
+///
+/// ```
+#[doc = include_str!("../doc/arm.txt")]
+/// kinematics.set_velocities(&tree, &Vector3::zeros(), &Vector3::z(), &[0.0]);
+/// let (whole, found) = composite_and_momentum(&bodies, &kinematics);
+/// assert_eq!(whole, composite(&bodies, &kinematics));
+/// assert!((found - momentum(&bodies, &kinematics)).norm() < 1.0e-15);
+/// ```
+pub fn composite_and_momentum(
+    parameters: &[InertialParameters],
+    kinematics: &Kinematics,
+) -> (Composite, Vector6) {
+    let mut whole = Inertial::nothing(0.0);
+    let (mut l, mut h) = (V3::all(0.0), V3::all(0.0));
+    let k = kinematics;
+    let places = k.R.iter().zip(&k.p).zip(k.v.iter().zip(&k.w));
+    for (body, ((R, p), (v, w))) in parameters.iter().zip(places) {
+        let (p, v, w) = (V3::of(p), V3::of(v), V3::of(w));
+        let own = Inertial::of(body).turned(&M3::of(R));
+        let dl = v * own.mass + w.cross(&own.mc);
+        l += dl;
+        h += own.I.times(&w) + own.mc.cross(&v) + p.cross(&dl);
+        whole += own.seen_from(&p);
+    }
+    let composite = Composite {
+        mass: whole.mass,
+        mc: whole.mc.stored(),
+        I_SBo_B: whole.I.full().stored(),
+    };
+    (composite, Vector6::new(l.x, l.y, l.z, h.x, h.y, h.z))
+}
+
 /// The same over any numbers.
 #[inline(always)]
 pub(crate) fn whole<T: Real>(

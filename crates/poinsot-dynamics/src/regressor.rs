@@ -34,6 +34,22 @@ pub fn momentum_regressor(kinematics: &Kinematics, Y: &mut [[f64; 6]]) {
     }
 }
 
+/// The ten columns of one body of [`momentum_regressor`].
+///
+/// ```
+#[doc = include_str!("../doc/arm.txt")]
+/// kinematics.set_velocities(&tree, &Vector3::x(), &Vector3::z(), &[0.5]);
+/// let (mut Y, mut columns) = ([[0.0; 6]; 20], [[0.0; 6]; 10]);
+/// momentum_regressor(&kinematics, &mut Y);
+/// body_regressor(&kinematics, 1, &mut columns);
+/// assert_eq!(columns, Y[10..]);
+/// ```
+#[inline]
+pub fn body_regressor(kinematics: &Kinematics, body: usize, columns: &mut [[f64; 6]; 10]) {
+    let k = kinematics;
+    body_columns(&k.R[body], &k.p[body], &k.v[body], &k.w[body], columns);
+}
+
 /// The ten columns of one body.
 #[inline(always)]
 pub(crate) fn body_columns<T: Real>(
