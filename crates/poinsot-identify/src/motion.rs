@@ -38,7 +38,9 @@ use grid::{TURN, gyration};
 use inputs::InputChange;
 use nalgebra::SVector;
 use poinsot_dynamics::propagation::{LockedVehicle, MassCentre};
-use poinsot_dynamics::{JointEffect, JointSlopes, Kinematics, composite, momentum, wheel_momentum};
+use poinsot_dynamics::{
+    JointEffect, JointSlopes, Kinematics, composite, composite_and_momentum, wheel_momentum,
+};
 use poinsot_spatial::{
     InertialParameters, Matrix3, UnitQuaternion, Vector3, Vector6, parallel_axis,
 };
@@ -163,7 +165,8 @@ pub(crate) struct Motion<'a> {
     /// The current inputs, and those in the middle of a step.
     input_state: InputState,
     middle: InputState,
-    regressor: Vec<[f64; 6]>,
+    /// By body: how the momentum moves with its parameters, of bodies that unknowns move.
+    regressor: Vec<[[f64; 6]; 10]>,
     wheel_columns: Vec<[f64; 6]>,
     /// Sensitivity columns: initial state first, then unknowns; empty where only the motion is wanted.
     pub columns: Vec<Column>,
@@ -241,7 +244,7 @@ impl<'a> Motion<'a> {
             gyration: gyration(&composite(&vehicle.bodies, &Kinematics::new(tree))),
             input_state: InputState::new(vehicle),
             middle: InputState::new(vehicle),
-            regressor: vec![[0.0; 6]; 10 * tree.bodies()],
+            regressor: vec![[[0.0; 6]; 10]; tree.bodies()],
             wheel_columns: vec![[0.0; 6]; tree.rotors.len()],
             firings: &segment.firings,
             impulses: mass_loss::impulses(vehicle, &thrust, o),
@@ -367,8 +370,7 @@ impl<'a> Motion<'a> {
             .set_velocities(v.tree, &zero, &zero, &input_state.rates);
         self.use_propellant(k, at);
         let input_state = &mut self.input_state;
-        let joints = momentum(&input_state.bodies, &input_state.kinematics);
-        let whole = composite(&input_state.bodies, &input_state.kinematics);
+        let (whole, joints) = composite_and_momentum(&input_state.bodies, &input_state.kinematics);
         let mut turning = whole;
         input_state.free.clear();
         if let Some(chord) = self.chord.as_ref().filter(|_| at > 0.0 && at < 1.0) {

@@ -93,7 +93,7 @@ impl Motion<'_> {
     ) -> Vector3 {
         let v = self.vehicle;
         let kind = unknown.map(|u| &v.kinds[u]);
-        if !v.has_unknown_wrench && !self.in_environment() {
+        if v.unknown_wrenches.is_empty() && !self.in_environment() {
             return Vector3::zeros();
         }
         let to_base = state.R_NB.inverse();

@@ -10,7 +10,7 @@
 use super::{Column, Instant, Matrix6x12, Motion, State, matrix, pose_change};
 use crate::problem::parameters::UnknownKind;
 use poinsot_dynamics::propagation::{StateRows, StepRows};
-use poinsot_dynamics::{momentum_regressor, wheel_regressor};
+use poinsot_dynamics::{body_regressor, wheel_regressor};
 use poinsot_spatial::{Vector3, Vector6};
 
 /// Change of the pose around one instant.
@@ -141,7 +141,11 @@ impl Motion<'_> {
         input_state
             .kinematics
             .set_velocities(v.tree, &twist.v, &twist.w, &input_state.rates);
-        momentum_regressor(&input_state.kinematics, &mut self.regressor);
+        for body in &v.moved_bodies {
+            if let Some(columns) = self.regressor.get_mut(*body) {
+                body_regressor(&input_state.kinematics, *body, columns);
+            }
+        }
         wheel_regressor(
             v.tree,
             &input_state.kinematics,
@@ -204,7 +208,8 @@ impl Motion<'_> {
                 let mut sum = Vector6::zeros();
                 let factor = self.slope_factor(unknown);
                 for (at, slope) in &v.slopes[unknown] {
-                    sum += Vector6::from(self.regressor[*at]) * (*slope * factor);
+                    let column = self.regressor.as_flattened()[*at];
+                    sum += Vector6::from(column) * (*slope * factor);
                 }
                 let dc = self.mass_centre_change((unknown, factor), instant);
                 instant.twist_slope(&sum, &dc)
@@ -238,7 +243,7 @@ impl Motion<'_> {
         k: usize,
     ) -> Option<MomentumVariation> {
         let acts = self.has_external_wrench(k);
-        if !acts && !self.vehicle.has_unknown_wrench {
+        if !acts && self.vehicle.unknown_wrenches.is_empty() {
             return None;
         }
         let outside = self.outside_changes(state, instant, k);
@@ -250,9 +255,6 @@ impl Motion<'_> {
         let (R, still) = (matrix(&state.R_NB), Vector3::zeros());
         let drive = |(u, twist): (usize, &Vector6)| {
             let kind = &self.vehicle.kinds[u];
-            if !acts && !kind.is_external_wrench() {
-                return Vector6::zeros();
-            }
             let dw: Vector3 = twist.fixed_rows::<3>(3).into();
             let mut dF = Vector3::zeros();
             let mut dT = self.environment_torque_change(state, centre, (w, &dw), &still, Some(u));
@@ -277,7 +279,16 @@ impl Motion<'_> {
             }
             Vector6::new(dP.x, dP.y, dP.z, dh.x, dh.y, dh.z)
         };
-        drives.extend(variation.twists.iter().enumerate().map(drive));
+        let twists = &variation.twists;
+        if acts {
+            drives.extend(twists.iter().enumerate().map(drive));
+        } else {
+            // The others act on what is there.
+            drives.resize(twists.len(), Vector6::zeros());
+            for &u in &self.vehicle.unknown_wrenches {
+                drives[u] = drive((u, &twists[u]));
+            }
+        }
         self.spare.forces = forces;
         Some(MomentumVariation {
             drive: drives,

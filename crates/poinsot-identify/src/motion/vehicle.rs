@@ -22,11 +22,13 @@ pub(crate) struct Vehicle<'a> {
     pub thrust_factor: Vec<f64>,
     /// How unknowns move the barycentric parameters.
     pub slopes: Vec<Vec<(usize, f64)>>,
+    /// Bodies whose parameters they move.
+    pub moved_bodies: Vec<usize>,
     pub kinds: Vec<UnknownKind>,
     /// Whether each unknown moves the vehicle: all but the errors of sensors.
     pub moving: Vec<bool>,
-    /// Whether any unknown is a force or torque from outside: it has a slope even where its value is zero.
-    pub has_unknown_wrench: bool,
+    /// Unknowns that are forces or torques from outside: they have slopes even where their value is zero.
+    pub unknown_wrenches: Vec<usize>,
     /// Constant torque in body axes, N m.
     pub torque_B: Vector3,
     /// Constant torque in inertial axes, N m.
@@ -102,16 +104,18 @@ impl<'a> Vehicle<'a> {
             spin,
             thrust_factor,
             slopes: parameters.slopes(x),
+            moved_bodies: Vec::new(),
             kinds: parameters.unknowns.iter().map(|u| u.kind.clone()).collect(),
             moving: parameters
                 .unknowns
                 .iter()
                 .map(|u| !u.kind.is_of_sensor())
                 .collect(),
-            has_unknown_wrench: parameters
-                .unknowns
-                .iter()
-                .any(|u| u.kind.is_external_wrench()),
+            unknown_wrenches: {
+                let kinds = parameters.unknowns.iter().enumerate();
+                let outside = kinds.filter(|(_, u)| u.kind.is_external_wrench());
+                outside.map(|(unknown, _)| unknown).collect()
+            },
             torque_B,
             torque_N,
             drag,
@@ -136,6 +140,11 @@ impl<'a> Vehicle<'a> {
                 vehicle.slopes[unknown] = vehicle.loss_slopes(unknown);
             }
         }
+        let moved = |body: &usize| {
+            let mut slopes = vehicle.slopes.iter().flatten();
+            slopes.any(|(at, _)| at / 10 == *body)
+        };
+        vehicle.moved_bodies = (0..tree.bodies()).filter(moved).collect();
         vehicle
     }
 
