@@ -90,7 +90,7 @@ struct DynamicsJacobian {
 /// What one step computes and the next one overwrites.
 #[derive(Default)]
 struct StepScratch {
-    jacobian: DynamicsJacobian,
+    jacobian: Option<Box<DynamicsJacobian>>,
     upper: Vec<f64>,
     faded: Vec<f64>,
     fresh: Vec<f64>,
@@ -120,7 +120,8 @@ pub(crate) struct InputNoise {
     /// Whether rates are among the inputs.
     tracks_rates: bool,
     slopes: JointSlopes,
-    before: Option<DynamicsJacobian>,
+    /// Boxed: it is large and moves at every step.
+    before: Option<Box<DynamicsJacobian>>,
     scratch: StepScratch,
     /// The errors as columns of state and twist, for the rows of the sensors: components of `s`, then inputs.
     pub columns: Vec<Column>,
@@ -209,6 +210,10 @@ impl InputNoise {
         let lead = active.len() + 3 * usize::from(torque);
         let size = lead + (2 * reach + 1) * inputs.len() + 3 * increments;
         let size = if silent { 0 } else { size };
+        let mut columns = vec![Column::zeros(); size];
+        for (column, &at) in columns.iter_mut().zip(&active) {
+            column[at] = 1.0;
+        }
         Self {
             random_torque,
             step: None,
@@ -222,7 +227,7 @@ impl InputNoise {
                 Vec::new()
             },
             filter: Filter::new(size, followed),
-            columns: vec![Column::zeros(); size],
+            columns,
             twists: vec![Vector6::zeros(); size],
             rate_gain: vec![Vector6::zeros(); noise.joint_rate.len()],
             slopes: JointSlopes::default(),
@@ -278,7 +283,8 @@ impl InputNoise {
             return;
         }
         let map = motion.state_map(state, instant);
-        let now = self.slopes_at(motion, state, instant, &map, k);
+        let mut now = self.scratch.jacobian.take().unwrap_or_default();
+        self.slopes_at(motion, (state, k), instant, &map, &mut now);
         match self.before.take() {
             None => {
                 self.begin(&now);
@@ -286,19 +292,15 @@ impl InputNoise {
             }
             Some(before) => {
                 self.carry(&before, &now, motion.step_s(k), k);
-                self.scratch.jacobian = before;
+                self.scratch.jacobian = Some(before);
             }
         }
-        for (i, &at) in self.active.iter().enumerate() {
-            self.columns[i] = Column::zeros();
-            self.columns[i][at] = 1.0;
-            self.twists[i] = map * self.columns[i];
+        for (twist, &at) in self.twists.iter_mut().zip(&self.active) {
+            *twist = map.column(at).into();
         }
         for (c, at_once) in now.at_once.iter().enumerate() {
-            let mut column = Column::zeros();
-            column.fixed_rows_mut::<6>(0).copy_from(at_once);
             let at = self.place(c, 0);
-            self.columns[at] = column;
+            self.columns[at].fixed_rows_mut::<6>(0).copy_from(at_once);
             self.twists[at] += map.fixed_view::<6, 6>(0, 0) * at_once;
         }
         self.add_derived_rates(k);
@@ -309,20 +311,20 @@ impl InputNoise {
     fn slopes_at(
         &mut self,
         motion: &Motion,
-        state: &State,
+        (state, k): (&State, usize),
         instant: &Instant,
         map: &Matrix6x12,
-        k: usize,
-    ) -> DynamicsJacobian {
+        out: &mut DynamicsJacobian,
+    ) {
         let R = matrix(&state.R_NB);
         self.twists.fill(Vector6::zeros());
-        let pose = motion.pose_slopes(state, instant);
+        out.pose = motion.pose_slopes(state, instant);
         let DynamicsJacobian {
-            mut at_once,
-            mut drive,
-            mut push,
-            ..
-        } = std::mem::take(&mut self.scratch.jacobian);
+            pose,
+            at_once,
+            drive,
+            push,
+        } = out;
         at_once.clear();
         drive.clear();
         push.1.clear();
@@ -364,13 +366,7 @@ impl InputNoise {
             drive.push(slow);
         }
         if self.active.len() > 6 || self.active.contains(&9) {
-            self.push_slopes(motion, state, instant, map, k, &mut push);
-        }
-        DynamicsJacobian {
-            pose,
-            at_once,
-            drive,
-            push,
+            self.push_slopes(motion, (state, k), instant, map, push);
         }
     }
 
@@ -378,10 +374,9 @@ impl InputNoise {
     fn push_slopes(
         &self,
         motion: &Motion,
-        state: &State,
+        (state, k): (&State, usize),
         instant: &Instant,
         map: &Matrix6x12,
-        k: usize,
         (slopes, drives): &mut (Matrix6x12, Vec<Vector6>),
     ) {
         let R = matrix(&state.R_NB);
@@ -405,7 +400,7 @@ impl InputNoise {
     fn begin(&mut self, now: &DynamicsJacobian) {
         if let (Some(at), Some(torque)) = (self.torque_at(), &self.random_torque) {
             let variance = torque.sigma_N_m * torque.sigma_N_m;
-            (0..3).for_each(|axis| self.filter.add(at + axis, variance));
+            (0..3).for_each(|axis| self.filter.add((at + axis, at + axis), variance));
         }
         for (c, (_, variance)) in self.inputs.iter().enumerate() {
             if !matches!(self.memory[c], Memory::Alone(_)) {
@@ -474,6 +469,7 @@ impl InputNoise {
     /// From one grid time to the next, k: `s = Phi s + (h/2) (B e + B_next e_next)`.
     fn carry(&mut self, before: &DynamicsJacobian, now: &DynamicsJacobian, h: f64, k: usize) {
         let (n, size, ahead) = (self.lead, self.filter.size, self.reach > 0);
+        let stride = self.filter.stride();
         let pose = (before.pose + now.pose) * 0.5;
         let (lower, pushed_by) = &before.push;
         let A = |row: usize, column: usize| match row.checked_sub(6) {
@@ -492,7 +488,7 @@ impl InputNoise {
         self.scratch.rows = rows;
         // Rows of the active components; the errors of the inputs only fade.
         upper.clear();
-        upper.resize(n * size, 0.0);
+        upper.resize(n * stride, 0.0);
         faded.clear();
         faded.extend(self.memory.iter().map(|m| m.alone(k - 1)));
         fresh.clear();
@@ -501,7 +497,8 @@ impl InputNoise {
                 // Exponential to second order: h is a fraction of a turn.
                 let own = if i == j { 1.0 } else { 0.0 };
                 let through = self.active.iter().map(|&k| A(row, k) * A(k, column));
-                upper[i * size + j] = own + h * A(row, column) + 0.5 * h * h * through.sum::<f64>();
+                upper[i * stride + j] =
+                    own + h * A(row, column) + 0.5 * h * h * through.sum::<f64>();
             }
         }
         self.torque_rows(&A, h, &mut upper, &mut torque);
@@ -518,14 +515,14 @@ impl InputNoise {
             let pair = self.memory[c].pair().and_then(|p| p.steps.get(k - 1));
             let (kept, slope) = pair.map_or((*a, 0.0), |s| (s.memory[(0, 0)], s.memory[(0, 1)]));
             for (i, &row) in self.active.iter().enumerate() {
-                upper[i * size + here] += ends[0](row);
+                upper[i * stride + here] += ends[0](row);
                 if ahead {
-                    upper[i * size + self.place(c, 1)] = ends[1](row);
+                    upper[i * stride + self.place(c, 1)] = ends[1](row);
                     continue;
                 }
-                upper[i * size + here] += kept * ends[1](row);
+                upper[i * stride + here] += kept * ends[1](row);
                 if slope != 0.0 {
-                    upper[i * size + here + 1] += slope * ends[1](row);
+                    upper[i * stride + here + 1] += slope * ends[1](row);
                 }
                 fresh.push(ends[1](row));
             }
@@ -557,7 +554,7 @@ impl InputNoise {
     fn advance_pairs(&mut self, upper: &[f64], k: usize) {
         let mut rows = std::mem::take(&mut self.scratch.rows);
         rows.clear();
-        let dense = upper.chunks_exact(self.filter.size);
+        let dense = upper.chunks_exact(self.filter.stride());
         dense.for_each(|row| rows.push_dense(row));
         self.memory_rows(&mut rows, k, 0);
         for i in rows.len()..self.filter.size {
@@ -579,10 +576,7 @@ impl InputNoise {
                 Memory::Alone(_) => {
                     let new = variance * (1.0 - a * a);
                     if new > 0.0 {
-                        vector.fill(0.0);
-                        vector[..reached].copy_from_slice(at_once);
-                        vector[n + c] = 1.0;
-                        self.filter.add_outer(vector, new);
+                        self.filter.add_outer_of(at_once, n + c, new);
                     }
                 }
                 Memory::Pair(process) => {
@@ -611,7 +605,7 @@ impl InputNoise {
         let (Some(at), Some(torque)) = (self.torque_at(), &self.random_torque) else {
             return;
         };
-        let size = self.filter.size;
+        let (size, stride) = (self.filter.size, self.filter.stride());
         let step = self.step.filter(|s| s.lasts(h));
         let step = step.unwrap_or_else(|| random_torque::Step::new(torque, h));
         self.step = Some(step);
@@ -622,9 +616,9 @@ impl InputNoise {
                 own + A(row, 9 + axis) * x[2]
             };
             for (i, &row) in self.active.iter().enumerate() {
-                upper[i * size + at + axis] = on(row, &step.kept);
+                upper[i * stride + at + axis] = on(row, &step.kept);
             }
-            upper[(at + axis) * size + at + axis] = step.kept[0];
+            upper[(at + axis) * stride + at + axis] = step.kept[0];
             for c in 0..3 {
                 let (begin, x) = (fresh.len(), step.fresh.column(c).into());
                 fresh.resize(begin + size, 0.0);

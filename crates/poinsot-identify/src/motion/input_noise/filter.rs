@@ -1,6 +1,14 @@
 //! The Kalman filter of the errors: their covariance, and what samples tell of them.
+//!
+//! Rows of the covariance and of the means are padded with zeros to whole vectors, and the loops over them are compiled for
+//! the vector instructions of the machine. The order of every sum is that of plain loops: the bits do not depend on it.
 
+use poinsot_dynamics::vectorised;
 use poinsot_spatial::{Matrix3, Vector3};
+
+/// Numbers in a whole vector: those of the widest registers.
+const LANES: usize = 8;
+type Lanes = [f64; LANES];
 
 /// Rows of a matrix by their elements that are not zero, one row behind the other.
 #[derive(Default)]
@@ -37,126 +45,211 @@ impl SparseRows {
     }
 }
 
+/// A matrix whose rows are padded to whole vectors.
+#[derive(Default)]
+struct PaddedRows {
+    /// Vectors in a row.
+    width: usize,
+    lanes: Vec<Lanes>,
+}
+
+impl PaddedRows {
+    fn new(rows: usize, columns: usize) -> Self {
+        let width = columns.div_ceil(LANES);
+        Self {
+            width,
+            lanes: vec![[0.0; LANES]; rows * width],
+        }
+    }
+
+    #[inline(always)]
+    fn row(&self, i: usize) -> &[Lanes] {
+        &self.lanes[i * self.width..(i + 1) * self.width]
+    }
+
+    #[inline(always)]
+    fn row_mut(&mut self, i: usize) -> &mut [Lanes] {
+        &mut self.lanes[i * self.width..(i + 1) * self.width]
+    }
+
+    #[inline(always)]
+    fn at(&mut self, i: usize, j: usize) -> &mut f64 {
+        &mut self.row_mut(i).as_flattened_mut()[j]
+    }
+
+    /// An element and its mirror image.
+    #[inline(always)]
+    fn set_both(&mut self, i: usize, j: usize, value: f64) {
+        *self.at(i, j) = value;
+        *self.at(j, i) = value;
+    }
+
+    /// Row `i` becomes the sum of rows of another matrix by their factors.
+    #[inline(always)]
+    fn combine(
+        &mut self,
+        i: usize,
+        from: &Self,
+        factors: impl Iterator<Item = (usize, f64)> + Clone,
+    ) {
+        for (c, out) in self.row_mut(i).iter_mut().enumerate() {
+            let mut sum = [0.0; LANES];
+            for (k, f) in factors.clone() {
+                add_scaled(&mut sum, &from.row(k)[c], f);
+            }
+            *out = sum;
+        }
+    }
+}
+
 /// Covariance of the errors, and their mean for every sequence.
 #[derive(Default)]
 pub(super) struct Filter {
     pub(super) size: usize,
-    /// Row by row.
-    pub(super) covariance: Vec<f64>,
+    covariance: PaddedRows,
     /// One row for each error, with its mean for every sequence.
-    pub(super) means: Vec<f64>,
-    pub(super) followed: usize,
-    pub(super) scratch: Vec<f64>,
+    means: PaddedRows,
+    followed: usize,
+    /// `F P`.
+    product: PaddedRows,
     /// New means.
-    pub(super) next: Vec<f64>,
-    /// The sample in hand: correlation of the errors with it, gains, and its rows axis by axis.
-    pub(super) correlation: Vec<Vector3>,
-    pub(super) gains: Vec<Vector3>,
-    pub(super) axes: [Vec<f64>; 3],
+    next: PaddedRows,
+    /// The sample in hand, axis by axis: correlation of the errors with it, and gains.
+    correlation: Vec<[Lanes; 3]>,
+    gain_axes: Vec<[Lanes; 3]>,
+    /// The gains error by error.
+    gains: Vec<Vector3>,
 }
 
 /// `to += from * factor`, element by element.
-fn add_scaled(to: &mut [f64], from: &[f64], factor: f64) {
-    to.iter_mut().zip(from).for_each(|(t, f)| *t += f * factor);
+#[inline(always)]
+fn add_scaled(to: &mut Lanes, from: &Lanes, factor: f64) {
+    for (t, f) in to.iter_mut().zip(from) {
+        *t += f * factor;
+    }
 }
 
 impl Filter {
     pub(super) fn new(size: usize, followed: usize) -> Self {
+        let covariance = PaddedRows::new(size, size);
+        let axes = vec![[[0.0; LANES]; 3]; covariance.width];
         Self {
             size,
             followed,
-            covariance: vec![0.0; size * size],
-            means: vec![0.0; size * followed],
-            scratch: vec![0.0; size * size],
-            next: vec![0.0; size * followed],
-            axes: std::array::from_fn(|_| vec![0.0; followed]),
-            ..Self::default()
+            correlation: axes.clone(),
+            gain_axes: axes,
+            gains: vec![Vector3::zeros(); size],
+            covariance,
+            means: PaddedRows::new(size, followed),
+            product: PaddedRows::new(size, size),
+            next: PaddedRows::new(size, followed),
         }
     }
 
+    /// Numbers from row to row of the matrix that [`Self::advance`] takes.
+    pub(super) fn stride(&self) -> usize {
+        self.covariance.width * LANES
+    }
+
+    /// Adds the outer product of a vector with itself times a variance.
     pub(super) fn add_outer(&mut self, vector: &[f64], variance: f64) {
-        for (row, a) in self.covariance.chunks_exact_mut(self.size).zip(vector) {
-            if *a != 0.0 {
-                row.iter_mut()
-                    .zip(vector)
-                    .for_each(|(p, b)| *p += a * b * variance);
-            }
+        for (i, a) in vector.iter().enumerate().filter(|(_, a)| **a != 0.0) {
+            let row = self.covariance.row_mut(i).as_flattened_mut();
+            row.iter_mut()
+                .zip(vector)
+                .for_each(|(p, b)| *p += a * b * variance);
         }
     }
 
-    /// More variance of one component.
-    pub(super) fn add(&mut self, at: usize, variance: f64) {
-        self.covariance[at * self.size + at] += variance;
+    /// The same of a vector that begins with `first`, and is zero behind but for a one in place `own`.
+    pub(super) fn add_outer_of(&mut self, first: &[f64], own: usize, variance: f64) {
+        for (i, a) in first.iter().enumerate() {
+            let row = self.covariance.row_mut(i).as_flattened_mut();
+            row.iter_mut()
+                .zip(first)
+                .for_each(|(p, b)| *p += a * b * variance);
+            row[own] += a * variance;
+            *self.covariance.at(own, i) += a * variance;
+        }
+        *self.covariance.at(own, own) += variance;
+    }
+
+    /// More covariance of two components.
+    pub(super) fn add(&mut self, (i, j): (usize, usize), covariance: f64) {
+        *self.covariance.at(i, j) += covariance;
     }
 
     /// `P = F P F^T`, and every mean `F m`: the upper rows of `F` are given, below it is diagonal.
     pub(super) fn advance(&mut self, upper: &[f64], faded: &[f64]) {
-        let size = self.size;
+        vectorised(
+            #[inline(always)]
+            || {
+                self.advance_covariance(upper, faded);
+                self.advance_means(upper, faded);
+            },
+        );
+    }
+
+    #[inline(always)]
+    fn advance_covariance(&mut self, upper: &[f64], faded: &[f64]) {
+        let (size, stride) = (self.size, self.stride());
         let n = size - faded.len();
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-        let product = &mut self.scratch;
-        for (i, out) in product.chunks_exact_mut(size).enumerate().take(n) {
-            out.fill(0.0);
-            let rows = self.covariance.chunks_exact(size);
-            for (f, row) in upper[i * size..(i + 1) * size].iter().zip(rows) {
-                out.iter_mut().zip(row).for_each(|(o, p)| *o += f * p);
-            }
+        let (product, covariance) = (&mut self.product, &mut self.covariance);
+        for (i, factors) in upper.chunks_exact(stride).enumerate().take(n) {
+            let factors = factors[..size].iter().copied().enumerate();
+            product.combine(i, covariance, factors);
         }
-        for (i, row) in product.chunks_exact(size).enumerate().take(n) {
-            for (j, f) in upper.chunks_exact(size).enumerate().take(i + 1) {
-                let p = dot(row, f);
-                self.covariance[i * size + j] = p;
-                self.covariance[j * size + i] = p;
+        for i in 0..n {
+            let row = product.row(i).as_flattened();
+            for (j, f) in upper.chunks_exact(stride).enumerate().take(i + 1) {
+                let pairs = row.iter().zip(f).take(size);
+                covariance.set_both(i, j, pairs.map(|(a, b)| a * b).sum());
             }
             for (j, a) in faded.iter().enumerate() {
-                let p = row[n + j] * a;
-                self.covariance[i * size + n + j] = p;
-                self.covariance[(n + j) * size + i] = p;
+                covariance.set_both(i, n + j, row[n + j] * a);
             }
         }
         for (i, a) in faded.iter().enumerate() {
-            let own = &mut self.covariance[(n + i) * size + n..(n + i + 1) * size];
+            let own = &mut covariance.row_mut(n + i).as_flattened_mut()[n..];
             own.iter_mut().zip(faded).for_each(|(p, b)| *p *= a * b);
         }
-        let followed = self.followed.max(1);
-        let next = self.next.chunks_exact_mut(followed);
-        for (out, f) in next.zip(upper.chunks_exact(size)) {
-            out.fill(0.0);
-            let means = self.means.chunks_exact(followed);
-            for (mean, f) in means.zip(f).filter(|(_, f)| **f != 0.0) {
-                add_scaled(out, mean, *f);
-            }
+    }
+
+    #[inline(always)]
+    fn advance_means(&mut self, upper: &[f64], faded: &[f64]) {
+        let (size, stride) = (self.size, self.stride());
+        let n = size - faded.len();
+        for (i, factors) in upper.chunks_exact(stride).enumerate().take(n) {
+            let factors = factors[..size].iter().copied().enumerate();
+            self.next.combine(i, &self.means, factors);
         }
-        let (first, rest) = self.means.split_at_mut(n * self.followed);
-        first.copy_from_slice(&self.next[..n * self.followed]);
-        for (mean, a) in rest.chunks_exact_mut(followed).zip(faded) {
-            mean.iter_mut().for_each(|m| *m *= a);
+        let (first, rest) = self.means.lanes.split_at_mut(n * self.means.width);
+        first.copy_from_slice(&self.next.lanes[..first.len()]);
+        for (mean, a) in rest.chunks_exact_mut(self.means.width.max(1)).zip(faded) {
+            mean.as_flattened_mut().iter_mut().for_each(|m| *m *= a);
         }
     }
 
     /// The same for any `F`, row by row in elements that are not zero.
     pub(super) fn map(&mut self, rows: &SparseRows) {
-        let size = self.size;
-        for (row, out) in rows.iter().zip(self.scratch.chunks_exact_mut(size)) {
-            out.fill(0.0);
-            for (k, f) in row {
-                let from = &self.covariance[k * size..(k + 1) * size];
-                out.iter_mut().zip(from).for_each(|(o, p)| *o += f * p);
-            }
+        vectorised(
+            #[inline(always)]
+            || self.map_rows(rows),
+        );
+    }
+
+    #[inline(always)]
+    fn map_rows(&mut self, rows: &SparseRows) {
+        for (i, row) in rows.iter().enumerate() {
+            let factors = row.iter().copied();
+            self.product.combine(i, &self.covariance, factors.clone());
+            self.next.combine(i, &self.means, factors);
         }
         let dot = |row: &[(usize, f64)], x: &[f64]| row.iter().map(|(k, f)| f * x[*k]).sum::<f64>();
-        for (i, product) in self.scratch.chunks_exact(size).enumerate() {
+        for i in 0..self.size {
+            let product = self.product.row(i).as_flattened();
             for (j, row) in rows.iter().enumerate().take(i + 1) {
-                let p = dot(row, product);
-                self.covariance[i * size + j] = p;
-                self.covariance[j * size + i] = p;
-            }
-        }
-        let followed = self.followed.max(1);
-        for (out, row) in self.next.chunks_exact_mut(followed).zip(rows.iter()) {
-            out.fill(0.0);
-            for (k, f) in row {
-                add_scaled(out, &self.means[k * followed..(k + 1) * followed], *f);
+                self.covariance.set_both(i, j, dot(row, product));
             }
         }
         std::mem::swap(&mut self.means, &mut self.next);
@@ -164,20 +257,41 @@ impl Filter {
 
     /// Correlates the errors with a sample, and gives the covariance that they add to it.
     pub(super) fn correlate(&mut self, slopes: &[Vector3]) -> Matrix3 {
-        let rows = self.covariance.chunks_exact(self.size.max(1));
-        self.correlation.clear();
-        self.correlation
-            .extend(rows.map(|row| weighted(row, slopes)));
-        let pairs = slopes.iter().zip(&self.correlation);
-        pairs.fold(Matrix3::zeros(), |sum, (a, b)| sum + a * b.transpose())
+        vectorised(
+            #[inline(always)]
+            || self.correlate_rows(slopes),
+        );
+        let mut sum = Matrix3::zeros();
+        for (i, slope) in slopes.iter().enumerate().take(self.size) {
+            sum += slope * of_error(&self.correlation, i).transpose();
+        }
+        sum
+    }
+
+    #[inline(always)]
+    fn correlate_rows(&mut self, slopes: &[Vector3]) {
+        let width = self.covariance.width;
+        for (c, out) in self.correlation.iter_mut().enumerate() {
+            let [mut x, mut y, mut z] = [[0.0; LANES]; 3];
+            // The covariance is symmetric: its rows are its columns.
+            let rows = self.covariance.lanes.iter().skip(c).step_by(width);
+            for (row, slope) in rows.zip(slopes) {
+                add_scaled(&mut x, row, slope.x);
+                add_scaled(&mut y, row, slope.y);
+                add_scaled(&mut z, row, slope.z);
+            }
+            *out = [x, y, z];
+        }
     }
 
     /// The last sequence at a sample, minus its prediction.
     pub(super) fn innovation(&self, slopes: &[Vector3], residual: Vector3) -> Vector3 {
         let last = self.followed.saturating_sub(1);
-        let means = self.means.iter().skip(last).step_by(self.followed.max(1));
-        let pairs = means.zip(slopes);
-        residual - pairs.fold(Vector3::zeros(), |sum, (m, slope)| sum + slope * *m)
+        let mut sum = Vector3::zeros();
+        for (i, slope) in slopes.iter().enumerate().take(self.size) {
+            sum += slope * self.means.row(i).as_flattened()[last];
+        }
+        residual - sum
     }
 
     /// Whitens every row's innovation and updates the filter. `inverse_root` is `L^-1` of the covariance `L L^T` of the
@@ -188,44 +302,86 @@ impl Filter {
         inverse_root: &Matrix3,
         rows: &mut [Vector3],
     ) {
-        let n = self.size;
-        if n == 0 {
+        if self.size == 0 {
             rows.iter_mut().for_each(|row| *row = inverse_root * *row);
             return;
         }
-        let followed = self.followed.max(1);
-        self.gains.clear();
-        self.gains
-            .extend(self.correlation.iter().map(|c| inverse_root * c));
-        for (k, axis) in self.axes.iter_mut().enumerate() {
-            axis.iter_mut().zip(&*rows).for_each(|(x, row)| *x = row[k]);
-            for (mean, slope) in self.means.chunks_exact(followed).zip(slopes) {
-                add_scaled(axis, mean, -slope[k]);
+        vectorised(
+            #[inline(always)]
+            || {
+                self.set_gains(inverse_root);
+                self.take_rows(slopes, inverse_root, rows);
+                self.take_covariance();
+            },
+        );
+    }
+
+    #[inline(always)]
+    fn take_rows(&mut self, slopes: &[Vector3], L: &Matrix3, rows: &mut [Vector3]) {
+        let width = self.means.width;
+        for (c, rows) in rows.chunks_mut(LANES).enumerate() {
+            let [mut x, mut y, mut z] = [[0.0; LANES]; 3];
+            for (l, row) in rows.iter().enumerate() {
+                (x[l], y[l], z[l]) = (row.x, row.y, row.z);
+            }
+            let means = self.means.lanes.iter().skip(c).step_by(width);
+            for (mean, slope) in means.zip(slopes) {
+                add_scaled(&mut x, mean, -slope.x);
+                add_scaled(&mut y, mean, -slope.y);
+                add_scaled(&mut z, mean, -slope.z);
+            }
+            for l in 0..LANES {
+                z[l] = L[(2, 0)] * x[l] + L[(2, 1)] * y[l] + L[(2, 2)] * z[l];
+                y[l] = L[(1, 0)] * x[l] + L[(1, 1)] * y[l];
+                x[l] *= L[(0, 0)];
+            }
+            for (l, row) in rows.iter_mut().enumerate() {
+                *row = Vector3::new(x[l], y[l], z[l]);
+            }
+            let means = self.means.lanes.iter_mut().skip(c).step_by(width);
+            for (mean, gain) in means.zip(&self.gains) {
+                for l in 0..LANES {
+                    mean[l] += gain.x * x[l] + gain.y * y[l] + gain.z * z[l];
+                }
             }
         }
-        let [x, y, z] = &mut self.axes;
-        let axes = x.iter_mut().zip(y.iter_mut()).zip(z.iter_mut());
-        for (((x, y), z), row) in axes.zip(&mut *rows) {
-            *row = inverse_root * Vector3::new(*x, *y, *z);
-            (*x, *y, *z) = (row.x, row.y, row.z);
-        }
-        for (mean, gain) in self.means.chunks_exact_mut(followed).zip(&self.gains) {
-            let axes = x.iter().zip(y.iter()).zip(z.iter());
-            for (m, ((x, y), z)) in mean.iter_mut().zip(axes) {
-                *m += gain.x * x + gain.y * y + gain.z * z;
+    }
+
+    #[inline(always)]
+    fn take_covariance(&mut self) {
+        let width = self.covariance.width;
+        let rows = self.covariance.lanes.chunks_exact_mut(width);
+        for (row, gain) in rows.zip(&self.gains) {
+            let axes = self.gain_axes.iter();
+            for (p, [x, y, z]) in row.iter_mut().zip(axes) {
+                for l in 0..LANES {
+                    p[l] -= gain.x * x[l] + gain.y * y[l] + gain.z * z[l];
+                }
             }
         }
-        for (row, a) in self.covariance.chunks_exact_mut(n).zip(&self.gains) {
-            row.iter_mut()
-                .zip(&self.gains)
-                .for_each(|(p, b)| *p -= a.dot(b));
+    }
+
+    /// `L^-1` times the correlation, error by error and axis by axis.
+    #[inline(always)]
+    fn set_gains(&mut self, L: &Matrix3) {
+        let axes = self.gain_axes.iter_mut().zip(&self.correlation);
+        for ([a, b, c], [x, y, z]) in axes {
+            for l in 0..LANES {
+                a[l] = L[(0, 0)] * x[l];
+                b[l] = L[(1, 0)] * x[l] + L[(1, 1)] * y[l];
+                c[l] = L[(2, 0)] * x[l] + L[(2, 1)] * y[l] + L[(2, 2)] * z[l];
+            }
+        }
+        for (i, gain) in self.gains.iter_mut().enumerate() {
+            *gain = of_error(&self.gain_axes, i);
         }
     }
 }
 
-fn weighted(weights: &[f64], slopes: &[Vector3]) -> Vector3 {
-    weights
-        .iter()
-        .zip(slopes)
-        .fold(Vector3::zeros(), |sum, (w, slope)| sum + slope * *w)
+/// The three numbers of an error.
+#[inline(always)]
+fn of_error(axes: &[[Lanes; 3]], i: usize) -> Vector3 {
+    let [x, y, z] = &axes[i / LANES];
+    let l = i % LANES;
+    Vector3::new(x[l], y[l], z[l])
 }

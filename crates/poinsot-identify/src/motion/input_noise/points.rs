@@ -69,10 +69,11 @@ impl InputNoise {
     /// Moves the window one grid time on, to k: `upper` holds the rows of `s`.
     pub(super) fn shift(&mut self, upper: &[f64], k: usize) {
         let (size, inputs) = (self.filter.size, self.inputs.len());
+        let stride = self.filter.stride();
         let mut rows = std::mem::take(&mut self.scratch.rows);
         rows.clear();
         upper
-            .chunks_exact(size)
+            .chunks_exact(stride)
             .for_each(|row| rows.push_dense(row));
         let errors = 2 * self.reach * inputs;
         for i in rows.len()..self.lead + errors {
@@ -102,7 +103,7 @@ impl InputNoise {
             };
             for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
                 if fresh[(i, j)] != 0.0 {
-                    self.filter.covariance[(at + i) * size + at + j] += fresh[(i, j)];
+                    self.filter.add((at + i, at + j), fresh[(i, j)]);
                 }
             }
         }
