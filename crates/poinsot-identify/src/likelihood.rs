@@ -367,22 +367,18 @@ impl<'a> SegmentComparison<'a> {
     /// rest is whitened and added to the triangle. Gives the white residual; `None` for a sensor taken as exact, which
     /// is left out.
     ///
-    /// `noise` is the covariance of what is new at this time, `sensor` the part of it that no input causes.
+    /// `noise` is the covariance of what is new at this time.
     fn take(
         &mut self,
         i: usize,
         slopes: &[Vector3],
         noise: &Matrix3,
-        sensor: &Matrix3,
         rows: &mut Vec<Vector3>,
     ) -> Option<Vector3> {
-        let alone = Cholesky::new(*sensor)?.l();
+        let alone = self.cursors[i].own_root_det?;
         let spread = self.inputs.correlate(slopes);
         let mut root = Cholesky::new(noise + spread)?.l();
-        self.log_det += 2.0
-            * (0..3)
-                .map(|i| (root[(i, i)] / alone[(i, i)]).ln())
-                .sum::<f64>();
+        self.log_det += 2.0 * (root.diagonal().product() / alone).ln();
         let residual = self.inputs.expected(slopes, *rows.last()?);
         let white = root.solve_lower_triangular(&residual)?;
         // A smaller weight means more noise, in the filter too.

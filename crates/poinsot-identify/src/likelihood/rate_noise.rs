@@ -11,8 +11,10 @@ pub(super) struct RateNoise {
     variances: Vec<f64>,
     /// Covariance, row by row; empty without such noise.
     covariance: Vec<f64>,
-    /// Mean for every row and slope, one after the other; empty before the first sensor of a grid time.
+    /// Mean for every row and slope, one after the other; empty before the second sensor of a grid time.
     means: Vec<f64>,
+    /// What the last sensor of the grid time adds to them: its rows and slopes, times the gain.
+    latest: Vec<Vector3>,
     /// `P G^T`, and the gain.
     toward: Vec<Vector3>,
     gain: Vec<Vector3>,
@@ -38,6 +40,7 @@ impl RateNoise {
     pub fn begin(&mut self) {
         let n = self.variances.len();
         self.means.clear();
+        self.latest.clear();
         self.covariance.fill(0.0);
         for (k, variance) in self.variances.iter().enumerate() {
             self.covariance[k * n + k] = *variance;
@@ -57,6 +60,7 @@ impl RateNoise {
         if n == 0 || gains.len() != n || gains.iter().all(|g| *g == Vector3::zeros()) {
             return Matrix3::zeros();
         }
+        self.add_latest();
         let along = |weights: &[f64]| {
             let pairs = gains.iter().zip(weights);
             pairs.fold(Vector3::zeros(), |sum, (g, w)| sum + g * *w)
@@ -66,25 +70,36 @@ impl RateNoise {
             .extend(self.covariance.chunks_exact(n).map(along));
         let pairs = gains.iter().zip(&self.toward);
         let added = pairs.fold(Matrix3::zeros(), |sum, (g, t)| sum + g * t.transpose());
-        self.means.resize((rows.len() + slopes.len()) * n, 0.0);
         let Some(inverse) = (sensor + added).try_inverse() else {
             return added;
         };
         self.gain.clear();
         self.gain.extend(self.toward.iter().map(|t| inverse * t));
-        let means = self.means.chunks_exact_mut(n);
-        for (row, mean) in rows.iter_mut().chain(slopes).zip(means) {
+        let means = self.means.chunks_exact(n);
+        for (row, mean) in rows.iter_mut().chain(&mut *slopes).zip(means) {
             *row -= along(mean);
-            for (m, gain) in mean.iter_mut().zip(&self.gain) {
-                *m += gain.dot(row);
-            }
         }
+        self.latest.extend(rows.iter().chain(&*slopes));
         for (row, gain) in self.covariance.chunks_exact_mut(n).zip(&self.gain) {
             for (p, toward) in row.iter_mut().zip(&self.toward) {
                 *p -= gain.dot(toward);
             }
         }
         added
+    }
+
+    /// Adds to the means what the last sensor tells: not before there is another one at its grid time.
+    fn add_latest(&mut self) {
+        let n = self.variances.len();
+        self.means
+            .resize(self.means.len().max(self.latest.len() * n), 0.0);
+        let means = self.means.chunks_exact_mut(n);
+        for (row, mean) in self.latest.iter().zip(means) {
+            for (m, gain) in mean.iter_mut().zip(&self.gain) {
+                *m += gain.dot(row);
+            }
+        }
+        self.latest.clear();
     }
 }
 

@@ -6,6 +6,7 @@ use crate::motion::{Instant, Motion, State};
 use crate::problem::parameters::UnknownKind;
 use crate::problem::segment::{SensorRecord, SensorValue};
 use crate::sensors::{DueSample, Predictor, SampleStream, across};
+use nalgebra::Cholesky;
 use poinsot_dynamics::{SensorError, SensorErrors};
 use poinsot_model::printed_unit;
 use poinsot_spatial::{Matrix3, Vector3};
@@ -16,6 +17,8 @@ pub(super) struct SensorCursor {
     /// Whether its lag is unknown.
     pub late: bool,
     pub stream: SampleStream,
+    /// Root of the determinant of its own covariance; `None` for a sensor taken as exact.
+    pub own_root_det: Option<f64>,
     whitener: NoiseWhitener,
     pub channel: ChannelResidual,
     /// The errors that are unknown: column, error.
@@ -50,6 +53,7 @@ impl SensorCursor {
                 errors: parameters.sensor_errors(x, record.sensor),
                 late: unknown.iter().any(|u| u.1 == SensorError::Lag),
                 stream,
+                own_root_det: Cholesky::new(record.covariance).map(|c| c.l().diagonal().product()),
                 whitener: NoiseWhitener::new(record.correlation_s),
                 channel: ChannelResidual {
                     sensor,
@@ -123,7 +127,7 @@ impl SegmentComparison<'_> {
         let common = self
             .joint_rates
             .take(&new.gains, sensor, &mut rows, &mut new.errors);
-        let white = self.take(i, &new.errors, &(sensor + common), sensor, &mut rows);
+        let white = self.take(i, &new.errors, &(sensor + common), &mut rows);
         if let Some(white) = white {
             self.note(i, &residual, white);
         }
