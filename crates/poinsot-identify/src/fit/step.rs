@@ -100,14 +100,8 @@ impl LeastSquares for Experiment<'_> {
         if left > LEFT || self.keep_rows || drop_old_columns(self, &step.to) {
             return None;
         }
-        let mut there = self.evaluate(&step.to, false)?;
-        let dx: Vec<f64> = step.to.x.iter().zip(&at.x).map(|(a, b)| a - b).collect();
-        let segments = there.iter_mut().zip(&here.rows.evaluated);
-        for ((there, here), unknown) in segments.zip(&self.unknown) {
-            let triangle = here.triangle.as_ref()?;
-            there.triangle = Some(after_step(triangle, unknown.count(), &dx));
-        }
-        linearised(self, &step.to, there).ok()
+        let there = self.evaluate(&step.to, false)?;
+        self.linearised_after(at, here, step, there)
     }
 
     fn converged(&self, at: &Iterate, here: &Linearised<Linearisation>) -> bool {
@@ -144,6 +138,38 @@ impl LeastSquares for Experiment<'_> {
 }
 
 impl Experiment<'_> {
+    /// What the linear model at an iterate says of the end of a step, where nothing is evaluated.
+    pub(crate) fn promised(
+        &self,
+        at: &Iterate,
+        here: &Linearised<Linearisation>,
+        step: &Step<Iterate>,
+    ) -> Option<Linearised<Linearisation>> {
+        let evaluated = here.rows.evaluated.clone();
+        let there = self.linearised_after(at, here, step, evaluated)?;
+        Some(Linearised {
+            cost: here.cost - step.predicted_reduction,
+            ..there
+        })
+    }
+
+    /// The problem at the end of a step, with the derivatives of its start.
+    fn linearised_after(
+        &self,
+        at: &Iterate,
+        here: &Linearised<Linearisation>,
+        step: &Step<Iterate>,
+        mut there: Vec<Evaluated>,
+    ) -> Option<Linearised<Linearisation>> {
+        let dx: Vec<f64> = step.to.x.iter().zip(&at.x).map(|(a, b)| a - b).collect();
+        let segments = there.iter_mut().zip(&here.rows.evaluated);
+        for ((there, here), unknown) in segments.zip(&self.unknown) {
+            let triangle = here.triangle.as_ref()?;
+            there.triangle = Some(after_step(triangle, unknown.count(), &dx));
+        }
+        linearised(self, &step.to, there).ok()
+    }
+
     /// Whether chi-square is of the size of its expectation, without derivatives.
     pub fn is_close(&self, at: &Iterate) -> bool {
         let evaluated = self.evaluate(at, false);
