@@ -13,6 +13,8 @@ const JUDGED: usize = 20_000;
 const STRETCHES: usize = 20;
 /// Decades of the intensity that are tried, relative to the noise of a sample.
 const DECADES: std::ops::RangeInclusive<i32> = -16..=12;
+/// Variances whose product is within the range of numbers.
+const FACTORS: usize = 4;
 /// Size of the unknown initial state, relative to noise and intensity.
 const DIFFUSE: f64 = 1.0e8;
 
@@ -159,11 +161,11 @@ impl Unit {
 /// Filter update by one scalar sample: normalised innovation, its variance, gain, and measured component.
 #[derive(Clone, Copy)]
 struct Update {
-    reading: usize,
     innovation: f64,
     variance: f64,
     gain: Vector3<f64>,
-    read: RowVector3<f64>,
+    /// Whether the slope was measured; otherwise the value.
+    slope: bool,
 }
 
 /// Prediction of the state at one sample, before its update.
@@ -217,7 +219,7 @@ fn filter(
     );
     let mut P = Matrix3::from_diagonal(&Vector3::new(angle, size, size));
     let mut before = first.time_s;
-    for (k, r) in readings.iter().enumerate() {
+    for r in readings {
         let h = r.time_s - before;
         if h > 0.0 {
             state = moved(&state, h);
@@ -230,8 +232,6 @@ fn filter(
         });
         for (component, read) in [(0, r.value), (1, r.slope)] {
             let Some((value, noise)) = read else { continue };
-            let mut z = RowVector3::zeros();
-            z[component] = 1.0;
             let column: Vector3<f64> = P.column(component).into();
             let variance = column[component] + noise;
             let gain = column / variance;
@@ -242,11 +242,10 @@ fn filter(
             let column: Vector3<f64> = less.column(component).into();
             P = less - column * gain.transpose() + gain * gain.transpose() * noise;
             updates(Update {
-                reading: k,
                 innovation,
                 variance,
                 gain,
-                read: z,
+                slope: component == 1,
             });
         }
     }
@@ -255,6 +254,8 @@ fn filter(
 /// `-2 ln` of the likelihood of an intensity, with fitted noise size.
 fn deviance(stretches: &[&[Reading]], intensity: f64) -> f64 {
     let (mut sum, mut log_det, mut count) = (0.0, 0.0, 0.0);
+    // A logarithm takes as long as the rest of a sample: one serves for a few.
+    let (mut product, mut factors) = (1.0, 0);
     for readings in stretches {
         let mut seen = 0;
         filter(
@@ -266,12 +267,18 @@ fn deviance(stretches: &[&[Reading]], intensity: f64) -> f64 {
                 seen += 1;
                 if seen > 3 {
                     sum += u.innovation * u.innovation / u.variance;
-                    log_det += u.variance.ln();
+                    product *= u.variance;
+                    factors += 1;
+                    if factors == FACTORS {
+                        log_det += f64::ln(product);
+                        (product, factors) = (1.0, 0);
+                    }
                     count += 1.0;
                 }
             },
         );
     }
+    log_det += f64::ln(product);
     count * (sum / count).max(f64::MIN_POSITIVE).ln() + log_det
 }
 
@@ -310,26 +317,32 @@ fn most_likely(readings: &[Reading]) -> Option<f64> {
 
 /// States at all samples, from all samples.
 fn smoothed(readings: &[Reading], intensity: f64) -> Option<Vec<Vector3<f64>>> {
-    let mut predicted = Vec::with_capacity(readings.len());
-    let mut updates = Vec::with_capacity(2 * readings.len());
+    let mut predicted: Vec<Predicted> = Vec::with_capacity(readings.len());
+    let measured = |r: &Reading| usize::from(r.value.is_some()) + usize::from(r.slope.is_some());
+    let mut updates = Vec::with_capacity(readings.iter().map(measured).sum());
     filter(
         readings,
         intensity,
         |p| predicted.push(p),
         |u| updates.push(u),
     );
-    let mut states = vec![Vector3::zeros(); readings.len()];
     let mut r = Vector3::zeros();
-    for k in (0..readings.len()).rev() {
-        if let Some(next) = readings.get(k + 1) {
-            r = transition(next.time_s - readings[k].time_s).transpose() * r;
+    let mut after = None;
+    for (own, reading) in predicted.iter_mut().zip(readings).rev() {
+        if let Some(next) = after.replace(reading.time_s) {
+            r = transition(next - reading.time_s).transpose() * r;
         }
-        while let Some(u) = updates.pop_if(|u| u.reading == k) {
-            let left = Matrix3::identity() - u.gain * u.read;
-            r = u.read.transpose() * (u.innovation / u.variance) + left.transpose() * r;
+        for _ in 0..measured(reading) {
+            let u: Update = updates.pop()?;
+            let mut read = RowVector3::zeros();
+            read[usize::from(u.slope)] = 1.0;
+            let left = Matrix3::identity() - u.gain * read;
+            r = read.transpose() * (u.innovation / u.variance) + left.transpose() * r;
         }
-        states[k] = predicted[k].state + predicted[k].covariance * r;
+        own.state += own.covariance * r;
     }
+    drop(updates);
+    let states: Vec<Vector3<f64>> = predicted.iter().map(|p| p.state).collect();
     let finite = states.iter().all(|s| s.iter().all(|x| x.is_finite()));
     finite.then_some(states)
 }

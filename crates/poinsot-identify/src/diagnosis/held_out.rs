@@ -10,7 +10,7 @@ use crate::fit::Fitted;
 use crate::fit::experiment::Experiment;
 use crate::likelihood::Evaluated;
 use crate::problem::Problem;
-use crate::problem::segment::Segment;
+use crate::problem::segment::{Observations, Samples, Segment, SensorRecord};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// Share of the grid times at the end of every record that are held out: enough for a test, few enough to leave the fit its
@@ -59,13 +59,6 @@ fn beginnings(table: &Table, segments: &[Segment]) -> Vec<Evaluated> {
 /// The beginnings of all records, evaluated by themselves; the inputs stay.
 fn evaluated_beginnings(experiment: &Experiment, fitted: &Fitted) -> Option<Vec<Evaluated>> {
     let problem = experiment.problem;
-    let beginning = |segment: &Segment| {
-        let (mut segment, end) = (segment.clone(), end(segment));
-        for sensor in &mut segment.observations.sensors {
-            sensor.samples.retain(|sample| sample.to < end);
-        }
-        segment
-    };
     let segments: Vec<Segment> = problem.segments.iter().map(beginning).collect();
     let kept = Problem {
         segments: &segments,
@@ -73,6 +66,43 @@ fn evaluated_beginnings(experiment: &Experiment, fitted: &Fitted) -> Option<Vec<
     };
     let kept = experiment.of_vehicle(&kept, experiment.parameters);
     kept.evaluate(&fitted.at, true)
+}
+
+/// A segment with the sensors' samples of its beginning alone. Of a long record nothing is copied that is not used.
+fn beginning(segment: &Segment) -> Segment {
+    let (end, o) = (end(segment), &segment.observations);
+    let sensors = o.sensors.iter().map(|sensor| {
+        let kept = sensor.samples.partition_point(|sample| sample.to < end);
+        SensorRecord {
+            name: sensor.name.clone(),
+            samples: sensor.samples[..kept].to_vec(),
+            ..*sensor
+        }
+    });
+    Segment {
+        label: segment.label.clone(),
+        // Of these an evaluation takes the attitude at the start.
+        samples: Samples {
+            R_NB: segment.samples.R_NB.first().copied().into_iter().collect(),
+            ..Samples::default()
+        },
+        observations: Observations {
+            time_s: o.time_s.clone(),
+            sensors: sensors.collect(),
+            orbit: o.orbit.clone(),
+            joint_position: o.joint_position.clone(),
+            joint_rate: o.joint_rate.clone(),
+            wheel_speed: o.wheel_speed.clone(),
+            smooth_wheel_speed: Vec::new(),
+            straight_wheels: o.straight_wheels.clone(),
+            joint_errors: o.joint_errors.clone(),
+            wheel_errors: o.wheel_errors.clone(),
+            derived_rates: o.derived_rates.clone(),
+            between_readings: o.between_readings,
+        },
+        firings: segment.firings.clone(),
+        accelerations: None,
+    }
 }
 
 /// Least sum of squares of rows and priors over all unknowns: the residual of the triangle.

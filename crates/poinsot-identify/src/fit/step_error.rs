@@ -112,17 +112,18 @@ fn step_error(experiment: &Experiment, fitted: &Fitted) -> Option<StepError> {
 
 /// `|e|`.
 fn difference(coarse: &[Evaluated], fine: &[Evaluated]) -> f64 {
-    let channels = |all: &[Evaluated]| -> Vec<_> {
+    let count = |all: &[Evaluated]| -> usize {
         let channels = all.iter().flat_map(|e| &e.channels);
-        channels
-            .flat_map(|c| c.white.iter().copied())
-            .collect::<Vec<_>>()
+        channels.map(|c| c.white.len()).sum()
     };
-    let (coarse, fine) = (channels(coarse), channels(fine));
-    if coarse.len() != fine.len() {
+    if count(coarse) != count(fine) {
         return f64::INFINITY;
     }
-    let pairs = coarse.iter().zip(&fine);
+    let [coarse, fine] = [coarse, fine].map(|all| {
+        let channels = all.iter().flat_map(|e| &e.channels);
+        channels.flat_map(|c| &c.white)
+    });
+    let pairs = coarse.zip(fine);
     pairs
         .map(|(a, b)| (a - b).norm_squared())
         .sum::<f64>()
