@@ -13,6 +13,8 @@ use faer::{Mat, MatMut, Par};
 
 /// Rows collected before the triangle is updated: many compared with the columns, few compared with the cache.
 const BLOCK_ROWS: usize = 1008;
+/// Rows that are filled column by column: few enough that all of them stay in the nearest cache.
+const SIDE_BY_SIDE: usize = 16;
 /// Householder vectors applied together.
 const REFLECTORS: usize = 16;
 
@@ -66,12 +68,18 @@ impl BlockQr {
     }
 
     /// Adds `rows` rows; `value(i, j)` is called once for every row and column.
+    #[inline]
     pub fn push(&mut self, rows: usize, mut value: impl FnMut(usize, usize) -> f64) {
-        for i in 0..rows {
-            let at = self.wide.room(1);
+        let mut first = 0;
+        while first < rows {
+            let (at, some) = self.wide.room_for_some((rows - first).min(SIDE_BY_SIDE));
             for j in 0..self.columns {
-                self.wide.matrix[(at, j)] = value(i, j);
+                let target = self.wide.matrix.col_as_slice_mut(j);
+                for (i, x) in target[at..at + some].iter_mut().enumerate() {
+                    *x = value(first + i, j);
+                }
             }
+            first += some;
         }
         self.rows += rows;
     }
@@ -197,6 +205,14 @@ impl Stack {
         let at = self.triangle + self.pending;
         self.pending += rows;
         at
+    }
+
+    /// The same for at least one of so many rows: how many there is room for.
+    #[inline]
+    fn room_for_some(&mut self, rows: usize) -> (usize, usize) {
+        let left = BLOCK_ROWS - self.pending;
+        let some = if left == 0 { rows } else { rows.min(left) };
+        (self.room(some), some)
     }
 
     #[inline]
