@@ -39,16 +39,12 @@ fn main() {
         ("rk4_1ms", Integrator::RungeKutta4(0.001)),
         ("dp8_40ms", Integrator::DormandPrince8Fixed(0.04)),
         (
+            "dp8_adaptive_1e-10",
+            Integrator::DormandPrince8(tolerance(1e-10)),
+        ),
+        (
             "dp8_adaptive_1e-11",
             Integrator::DormandPrince8(tolerance(1e-11)),
-        ),
-        (
-            "dp8_adaptive_1e-12",
-            Integrator::DormandPrince8(tolerance(1e-12)),
-        ),
-        (
-            "dp5_adaptive_1e-12",
-            Integrator::DormandPrince5(tolerance(1e-12)),
         ),
     ] {
         simulate(name, integrator);

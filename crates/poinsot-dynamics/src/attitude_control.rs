@@ -15,13 +15,14 @@
 
 use crate::acceleration::Accelerations;
 use crate::gravity_gradient::gravity_gradient_torque;
-use crate::integrate::{DormandPrince, Flow, Halt, Tolerance};
+use crate::integrate::{Flow, Halt, Tolerance};
 use crate::kinematics::Kinematics;
 use crate::momentum::composite;
 use crate::orbit::{Orbit, orbit_state};
 use crate::plan::{SmoothIntervals, Start, StartVelocity};
 use crate::prescribed::{MotionError, gravity_gradient};
 use crate::reaction_wheel::WheelLimits;
+use crate::run::{Integrator, SmoothByParts, run};
 use crate::stage::MotionSample;
 use crate::thrust::{Firing, Nozzle, thrust_levels, thrust_wrench};
 use crate::tree::Tree;
@@ -220,56 +221,15 @@ impl<'c> ControlledVehicle<'c> {
         start: &Start,
         wheel_speed: &[f64],
         times: &[f64],
-        mut sink: impl FnMut(&MotionSample),
+        sink: impl FnMut(&MotionSample),
     ) -> Result<Vec<WheelUse>, ControlError> {
         let wheels = self.axes.len();
         count("initial wheel speeds", wheel_speed.len(), wheels)?;
-        let finite = |t: &[f64]| t[0] <= t[1] && t[1].is_finite();
-        if let Some(i) = times.windows(2).position(|t| !finite(t)) {
-            return Err(MotionError::Times(i + 1).into());
-        }
-        let Some(&first) = times.first().filter(|t| t.is_finite()) else {
-            return Err(MotionError::Times(0).into());
-        };
-        let mut breaks: Vec<f64> = self.firings.iter().flat_map(|f| [f.on, f.off]).collect();
-        breaks.sort_by(f64::total_cmp);
-        let stretches = SmoothIntervals::new(breaks);
-        let mut flight = Flight::new(self, start, wheel_speed)?;
-        let mut y = flight.start(start, wheel_speed);
-        let mut integrator = DormandPrince::new(flight.scale(), self.tolerance);
-        let (mut t, mut instants) = (first, 0_u64);
-        for &time in times {
-            loop {
-                let (within, end) = stretches.of(t);
-                flight.within = within;
-                let next = match self.control.period {
-                    Some(period) => {
-                        let due = |n: u64| first + n as f64 * period;
-                        if due(instants) - t <= SAME * period {
-                            flight.hold(t, &y)?;
-                            instants += 1;
-                            integrator.restart();
-                        }
-                        // An output time next to a control instant comes first.
-                        due(instants).min(time)
-                    }
-                    None => time.min(self.next_target(t)),
-                };
-                let next = next.min(end);
-                if t >= time {
-                    break;
-                }
-                flight.target = self.target(t);
-                integrator.advance(&mut flight, t, next, &mut y)?;
-                t = next;
-                if t == end {
-                    integrator.restart();
-                }
-            }
-            flight.within = stretches.of(t).0;
-            flight.target = self.target(t);
-            sink(flight.sample(t, first, &y)?);
-        }
+        MotionError::check_times(times)?;
+        let mut flight = Flight::new(self, start, wheel_speed, times)?;
+        let state = (flight.start(start, wheel_speed), flight.scale());
+        let integrator = Integrator::DormandPrince8(self.tolerance);
+        run(&mut flight, state, times, integrator, sink)?;
         Ok(flight.used)
     }
 
@@ -367,6 +327,11 @@ struct Flight<'v> {
     vehicle: &'v ControlledVehicle<'v>,
     moving_inertia: Matrix3,
     h_SScm_N: Vector3,
+    /// Output times, s.
+    times: &'v [f64],
+    /// Control instants until now.
+    instants: u64,
+    stretches: SmoothIntervals,
     /// A time inside the present smooth stretch.
     within: f64,
     target: UnitQuaternion,
@@ -382,7 +347,10 @@ impl<'v> Flight<'v> {
         vehicle: &'v ControlledVehicle<'v>,
         start: &Start,
         wheel_speed: &[f64],
+        times: &'v [f64],
     ) -> Result<Self, ControlError> {
+        let mut breaks: Vec<f64> = vehicle.firings.iter().flat_map(|f| [f.on, f.off]).collect();
+        breaks.sort_by(f64::total_cmp);
         let R = start.R_NB;
         let rotors = vehicle.axes.iter().zip(&vehicle.spin_inertia);
         let h_wheels: Vector3 = rotors
@@ -405,6 +373,9 @@ impl<'v> Flight<'v> {
             vehicle,
             moving_inertia,
             h_SScm_N,
+            times,
+            instants: 0,
+            stretches: SmoothIntervals::new(breaks),
             within: 0.0,
             target: UnitQuaternion::identity(),
             held: vec![0.0; wheels],
@@ -551,9 +522,46 @@ impl<'v> Flight<'v> {
         }
     }
 
+    /// The next control instant, s.
+    fn due(&self, period: f64) -> f64 {
+        self.event(self.first() + self.instants as f64 * period, SAME * period)
+    }
+
+    fn first(&self) -> f64 {
+        self.times.first().copied().unwrap_or(0.0)
+    }
+
+    /// The time of a change of the command, or the output time that is the same but for `tolerance`, s.
+    fn event(&self, time: f64, tolerance: f64) -> f64 {
+        let after = self.times.partition_point(|t| *t < time - tolerance);
+        let output = self.times.get(after).filter(|t| **t <= time + tolerance);
+        output.copied().unwrap_or(time)
+    }
+}
+
+impl SmoothByParts for Flight<'_> {
+    type Sample = MotionSample;
+
+    fn enter(&mut self, t: f64, y: &[f64]) -> Result<f64, Halt> {
+        let (within, end) = self.stretches.of(t);
+        self.within = within;
+        let next = match self.vehicle.control.period {
+            Some(period) => {
+                if self.due(period) - t <= SAME * period {
+                    self.hold(t, y)?;
+                    self.instants += 1;
+                }
+                self.due(period)
+            }
+            None => self.event(self.vehicle.next_target(t), SAME),
+        };
+        self.target = self.vehicle.target(t);
+        Ok(end.min(next))
+    }
+
     /// All ideal measurements.
-    fn sample(&mut self, t: f64, first: f64, y: &[f64]) -> Result<&MotionSample, Halt> {
-        let v = self.vehicle;
+    fn sample(&mut self, t: f64, y: &[f64]) -> Result<&MotionSample, Halt> {
+        let (v, first) = (self.vehicle, self.first());
         let (R, w) = self.rates(t, y)?;
         self.wheel_rates(&R, &w);
         let (force, torque) = self.loads(t, &R);

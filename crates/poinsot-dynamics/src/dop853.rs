@@ -2,12 +2,14 @@
 //! much longer than those of fifth order (Hairer, Norsett, Wanner 1993, section II.5, code DOP853).
 
 use crate::dop853_table::{A, ALL, C, D, E3, E5, STAGES};
-use crate::integrate::{Controller, Flow, Halt, Tolerance, equal_steps, finite};
+use crate::integrate::{Flow, Halt, Tolerance, equal_steps, finite};
 
-const CONTROL: Controller = Controller {
-    exponent: 0.125,
-    range: [0.333, 6.0],
-};
+/// One over the order.
+const EXPONENT: f64 = 0.125;
+/// Limits of the change of a step.
+const CHANGE: [f64; 2] = [0.333, 6.0];
+/// Share of the tolerance that the estimate may take: the errors of the steps of a spin have one sign and add up.
+const SHARE: f64 = 0.1;
 /// Coefficients of the dense output.
 const DENSE: usize = 7;
 
@@ -59,9 +61,12 @@ impl DormandPrince8 {
         }
     }
 
-    /// Resets the step size and the last derivative: after a discontinuity or a change of state.
+    pub(crate) fn tolerance(&self) -> &Tolerance {
+        &self.tolerance
+    }
+
+    /// Forgets the last derivative: after a discontinuity or a change of state. The last step size is tried first.
     pub fn restart(&mut self) {
-        self.step = 0.0;
         self.fresh = false;
     }
 
@@ -84,14 +89,21 @@ impl DormandPrince8 {
             let last = t + self.step * (1.0 + 1e-9) >= end;
             let h = if last { end - t } else { self.step };
             self.attempt(flow, t, h, y)?;
-            let (taken, step) = CONTROL.accept(self.error(h, y), h, last, self.step);
-            self.step = step;
-            if taken {
+            let error = self.error(h, y);
+            let proposal = proposed_step(error, h);
+            if error <= 1.0 {
+                // A step shortened for the end keeps the longer proposal.
+                self.step = if last {
+                    self.step.max(proposal)
+                } else {
+                    proposal
+                };
                 let reached = if last { end } else { t + h };
                 self.accept(flow, t, h, reached, y)?;
                 return Ok(reached);
             }
-            if t + step * 1e-3 <= t {
+            self.step = proposal.min(0.9 * h);
+            if t + self.step * 1e-3 <= t {
                 return Err(Halt::stuck(t, y));
             }
         }
@@ -191,7 +203,7 @@ impl DormandPrince8 {
         let h1 = if d1.max(d2) <= 1e-15 {
             (h0 * 1e-3).max(1e-6)
         } else {
-            (0.01 / d1.max(d2)).powf(0.125)
+            (0.01 / d1.max(d2)).powf(EXPONENT)
         };
         let h = (100.0 * h0).min(h1).min(end - t);
         Ok(if h.is_finite() && h > 0.0 { h } else { end - t })
@@ -220,21 +232,26 @@ impl DormandPrince8 {
         Ok(())
     }
 
-    /// Error of the trial step in units of the tolerance: the two estimates, blended to order 8.
+    /// Error of the trial step in units of the tolerance, the largest of all components: the two estimates, blended to
+    /// order 8.
     fn error(&self, h: f64, y: &[f64]) -> f64 {
-        let (mut fifth, mut third) = (0.0, 0.0);
+        let mut worst = 0.0_f64;
         for (j, (y, scale)) in y.iter().zip(&self.scale).enumerate() {
-            let unit = self.unit(y.abs().max(self.trial[j].abs()), *scale);
             let sum = |weights: &[(usize, f64)]| -> f64 {
                 weights.iter().map(|(i, e)| e * self.stages[*i][j]).sum()
             };
-            fifth += (sum(E5) / unit).powi(2);
-            third += (sum(E3) / unit).powi(2);
+            let fifth = sum(E5).abs();
+            if fifth == 0.0 {
+                continue;
+            }
+            let blended = fifth * fifth / fifth.hypot(0.1 * sum(E3));
+            let ratio = h.abs() * blended / self.unit(y.abs().max(self.trial[j].abs()), *scale);
+            if ratio.is_nan() {
+                return ratio;
+            }
+            worst = worst.max(ratio);
         }
-        if fifth == 0.0 && third == 0.0 {
-            return 0.0;
-        }
-        h.abs() * fifth / ((fifth + 0.01 * third) * y.len() as f64).sqrt()
+        worst / SHARE
     }
 
     /// Takes the trial step: state, its derivative, what dense output needs.
@@ -283,6 +300,15 @@ impl DormandPrince8 {
         self.dense_ready = true;
         Ok(())
     }
+}
+
+/// The next step to try after one of `h` with this error in units of the tolerance (Hairer, Norsett, Wanner 1993,
+/// eq. II.4.13).
+fn proposed_step(error: f64, h: f64) -> f64 {
+    let [least, most] = CHANGE;
+    // NaN or infinity: the step was far too long.
+    let finite = if error.is_finite() { error } else { f64::MAX };
+    h * (0.9 * finite.max(1e-10).powf(-EXPONENT)).clamp(least, most)
 }
 
 /// `out = y + h sum weight stage`.
@@ -363,9 +389,9 @@ mod tests {
                     worst = worst.max((inside[0] - at.sin()).hypot(inside[1] - at.cos()));
                 }
             }
-            assert!(t == 10.0 && steps < 80, "{relative:e}: {steps}");
+            assert!(t == 10.0 && steps < 100, "{relative:e}: {steps}");
             assert!(worst < 200.0 * relative, "{relative:e}: {worst:e}");
-            assert!(worst > 1e-2 * relative, "{relative:e}: {worst:e}");
+            assert!(worst > 1e-3 * relative, "{relative:e}: {worst:e}");
         }
     }
 

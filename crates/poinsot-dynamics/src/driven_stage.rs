@@ -24,8 +24,9 @@ use crate::inverse_dynamics::{InverseDynamics, Wrench};
 use crate::joint_drive::JointDrive;
 use crate::momentum::Twist;
 use crate::orbit::{Orbit, orbit_state};
-use crate::plan::{Start, StartVelocity};
+use crate::plan::{SmoothIntervals, Start, StartVelocity};
 use crate::rates_momentum::RatesMomentum;
+use crate::run::SmoothByParts;
 use crate::stage::{ANGULAR, LINEAR, MotionSample, POSITION, WHEELS, attitude, vector};
 use crate::symmetric::Symmetric;
 use crate::thrust::{Firing, Nozzle, thrust_levels};
@@ -107,6 +108,7 @@ pub struct DrivenSample {
 /// The drives evaluated at one instant, and the scratch for it.
 pub(crate) struct DrivenStage<'s> {
     vehicle: &'s Driven<'s>,
+    stretches: SmoothIntervals,
     /// A time inside the present smooth stretch.
     within: f64,
     /// Time of the last evaluation of the drives; NaN before the first.
@@ -132,13 +134,16 @@ pub(crate) struct DrivenStage<'s> {
 }
 
 impl<'s> DrivenStage<'s> {
-    pub fn new(vehicle: &'s Driven<'s>, within: f64) -> Self {
+    /// In the smooth stretch at `t`.
+    pub fn new(vehicle: &'s Driven<'s>, t: f64) -> Self {
         let tree = &vehicle.tree;
+        let stretches = SmoothIntervals::new(vehicle.plan.breaks());
         let (dof, wheels) = (tree.dof(), vehicle.spin_inertia.len());
         let motion = MotionSample::new(tree, wheels, vehicle.nozzles.len());
         Self {
             vehicle,
-            within,
+            within: stretches.of(t).0,
+            stretches,
             read_at: f64::NAN,
             inputs: vec![0.0; dof],
             joints: vec![JointInput::Force(0.0); dof],
@@ -156,14 +161,6 @@ impl<'s> DrivenStage<'s> {
                 motor_force: vec![0.0; dof],
                 spring_force: vec![0.0; dof],
             },
-        }
-    }
-
-    /// Moves on to the smooth stretch that holds `within`.
-    pub fn set_stretch(&mut self, within: f64) {
-        if self.within != within {
-            self.within = within;
-            self.read_at = f64::NAN;
         }
     }
 
@@ -439,31 +436,6 @@ impl<'s> DrivenStage<'s> {
         scale
     }
 
-    /// All ideal measurements in the state `y`.
-    pub fn sample(&mut self, t: f64, y: &[f64]) -> Result<&DrivenSample, Halt> {
-        let (R_NB, l, h) = (attitude(y), vector(y, LINEAR), vector(y, ANGULAR));
-        let to_base = R_NB.inverse();
-        self.read_drives(t);
-        self.read_state(y);
-        let twist = self.twist(t, &(to_base * l), &(to_base * h))?;
-        self.accelerate(t, &R_NB)?;
-        let motion = &mut self.sample.motion;
-        motion.time = t;
-        motion.R_NB = R_NB;
-        motion.p_NoScm_N = vector(y, POSITION);
-        motion.p_NoBo_N = motion.p_NoScm_N - R_NB * self.c;
-        motion.v_NBo_N = R_NB * twist.v;
-        motion.w_NB_B = twist.w;
-        motion.l_S_N = l;
-        motion.h_SScm_N = h;
-        for i in 0..motion.body.a.len() {
-            (motion.body.a[i], motion.body.alpha[i]) = self.dynamics.acceleration(i);
-        }
-        self.set_wheels();
-        self.set_joint_forces();
-        Ok(&self.sample)
-    }
-
     /// Wheel speeds and motor torques, from momenta and accelerations.
     fn set_wheels(&mut self) {
         let vehicle = self.vehicle;
@@ -507,6 +479,41 @@ impl<'s> DrivenStage<'s> {
                 self.sample.spring_force[k] = spring.force(motion.q[k], motion.rates[k]);
             }
         }
+    }
+}
+
+impl SmoothByParts for DrivenStage<'_> {
+    type Sample = DrivenSample;
+
+    fn enter(&mut self, t: f64, _: &[f64]) -> Result<f64, Halt> {
+        let (within, end) = self.stretches.of(t);
+        self.within = within;
+        self.read_at = f64::NAN;
+        Ok(end)
+    }
+
+    fn sample(&mut self, t: f64, y: &[f64]) -> Result<&DrivenSample, Halt> {
+        let (R_NB, l, h) = (attitude(y), vector(y, LINEAR), vector(y, ANGULAR));
+        let to_base = R_NB.inverse();
+        self.read_drives(t);
+        self.read_state(y);
+        let twist = self.twist(t, &(to_base * l), &(to_base * h))?;
+        self.accelerate(t, &R_NB)?;
+        let motion = &mut self.sample.motion;
+        motion.time = t;
+        motion.R_NB = R_NB;
+        motion.p_NoScm_N = vector(y, POSITION);
+        motion.p_NoBo_N = motion.p_NoScm_N - R_NB * self.c;
+        motion.v_NBo_N = R_NB * twist.v;
+        motion.w_NB_B = twist.w;
+        motion.l_S_N = l;
+        motion.h_SScm_N = h;
+        for i in 0..motion.body.a.len() {
+            (motion.body.a[i], motion.body.alpha[i]) = self.dynamics.acceleration(i);
+        }
+        self.set_wheels();
+        self.set_joint_forces();
+        Ok(&self.sample)
     }
 }
 

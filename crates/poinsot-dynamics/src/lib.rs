@@ -64,8 +64,8 @@
 //! - `inverse_dynamics.rs`, `mass_matrix.rs`, `jacobian.rs`, `energy.rs`: the other dynamics algorithms.
 //! - `joint_drive.rs`: motors, springs, dampers. `driven.rs`, `driven_stage.rs`: motion under torques, its state and
 //!   equations.
-//! - `integrate.rs`: Dormand-Prince pair. `dop853.rs`, `dop853_table.rs`: eighth order with dense output.
-//!   `runge_kutta.rs`: fixed steps.
+//! - `integrate.rs`: what integrators share. `dop853.rs`, `dop853_table.rs`: eighth order with step control and dense
+//!   output. `runge_kutta.rs`: fixed steps of fourth order. `run.rs`: motion through the requested times.
 //! - `propagation/`: state of pose and momentum, the vehicle with locked joints, rows of the linearised equations, columns
 //!   over a step (`columns.rs`: several side by side), whole steps. `quaternion.rs`: rotations over one number or several.
 //! - `measurement.rs`, `measurement/`: ideal sensors with derivatives, one file a kind. `sensors.rs`: simulated sensors.
@@ -130,6 +130,8 @@ mod rates_momentum;
 mod reaction_wheel;
 mod regressor;
 #[cfg(feature = "std")]
+mod run;
+#[cfg(feature = "std")]
 mod runge_kutta;
 mod sensor;
 mod sensor_errors;
@@ -153,14 +155,12 @@ pub use attitude_control::{
 #[cfg(feature = "std")]
 pub use dop853::DormandPrince8;
 #[cfg(feature = "std")]
-pub use driven::Integrator;
-#[cfg(feature = "std")]
 pub use driven_stage::{Driven, DrivenPlan, DrivenSample};
 pub use energy::kinetic_energy;
 pub use forward_dynamics::{ForwardDynamics, JointInput, Singular};
 pub use gravity_gradient::{gravity_gradient_torque, tidal_wrench};
 #[cfg(feature = "std")]
-pub use integrate::{DormandPrince, Flow, Halt, Tolerance};
+pub use integrate::{Flow, Halt, Tolerance};
 pub use inverse_dynamics::{InverseDynamics, Wrench};
 pub use jacobian::{base_jacobian, generalise_jacobian, joint_jacobian, point_of_body};
 #[cfg(feature = "std")]
@@ -191,6 +191,8 @@ pub use rate_regressor::{momentum_rate_column, wheel_rate};
 #[cfg(feature = "std")]
 pub use reaction_wheel::WheelLimits;
 pub use regressor::{body_regressor, momentum_regressor, wheel_regressor};
+#[cfg(feature = "std")]
+pub use run::Integrator;
 #[cfg(feature = "std")]
 pub use runge_kutta::RungeKutta4;
 pub use sensor::{Axes, ErrorKey, Nuisance, Sensor, SensorKind, printed_unit};

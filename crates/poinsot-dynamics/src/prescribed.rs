@@ -2,9 +2,10 @@
 //!
 //! The equations are in `stage.rs`.
 
-use crate::integrate::{DormandPrince, Halt, Tolerance};
+use crate::integrate::{Halt, Tolerance};
 use crate::orbit::Orbit;
-use crate::plan::{Plan, SmoothIntervals, Start};
+use crate::plan::{Plan, Start};
+use crate::run::{Integrator, run};
 use crate::stage::{MotionSample, Prescribed, Stage};
 use crate::tree::Tree;
 use crate::vehicle::{Gravity, Vehicle};
@@ -99,30 +100,13 @@ impl<'p> Prescribed<'p> {
         &self,
         start: &Start,
         times: &[f64],
-        mut sink: impl FnMut(&MotionSample),
+        sink: impl FnMut(&MotionSample),
     ) -> Result<(), MotionError> {
         let first = MotionError::check_times(times)?;
-        let stretches = SmoothIntervals::new(self.plan.breaks());
-        let mut stage = Stage::new(self, stretches.of(first).0);
-        let mut y = stage.start(start, first)?;
-        let mut integrator = DormandPrince::new(stage.scale(), self.tolerance);
-        let mut t = first;
-        for &time in times {
-            while t < time {
-                // One smooth stretch, or the part of it before the next output.
-                let (within, end) = stretches.of(t);
-                stage.within = within;
-                let next = end.min(time);
-                integrator.advance(&mut stage, t, next, &mut y)?;
-                t = next;
-                if t == end {
-                    integrator.restart();
-                }
-            }
-            stage.within = stretches.of(t).0;
-            sink(stage.sample(t, &y)?);
-        }
-        Ok(())
+        let mut stage = Stage::new(self, first);
+        let state = (stage.start(start, first)?, stage.scale());
+        let integrator = Integrator::DormandPrince8(self.tolerance);
+        Ok(run(&mut stage, state, times, integrator, sink)?)
     }
 }
 

@@ -26,8 +26,9 @@ use crate::integrate::{Flow, Halt, Tolerance};
 use crate::kinematics::Kinematics;
 use crate::momentum::{Twist, composite, momentum};
 use crate::orbit::{Orbit, orbit_state};
-use crate::plan::{Plan, Start, StartVelocity};
+use crate::plan::{Plan, SmoothIntervals, Start, StartVelocity};
 use crate::propellant::Leaving;
+use crate::run::SmoothByParts;
 use crate::thrust::{Nozzle, thrust_levels, thrust_wrench};
 use crate::tree::Tree;
 use crate::wheel_motion::WheelMotion;
@@ -156,8 +157,9 @@ enum Spin {
 /// The plan evaluated at one instant, and the scratch for it.
 pub(crate) struct Stage<'s> {
     vehicle: &'s Prescribed<'s>,
+    stretches: SmoothIntervals,
     /// A time inside the present smooth stretch.
-    pub within: f64,
+    within: f64,
     /// The bodies with the propellant that is left, and their mass.
     parameters: Vec<InertialParameters>,
     mass: f64,
@@ -173,11 +175,14 @@ pub(crate) struct Stage<'s> {
 }
 
 impl<'s> Stage<'s> {
-    pub fn new(vehicle: &'s Prescribed<'s>, within: f64) -> Self {
+    /// In the smooth stretch at `t`.
+    pub fn new(vehicle: &'s Prescribed<'s>, t: f64) -> Self {
         let wheels = vehicle.spin_inertia.len();
+        let stretches = SmoothIntervals::new(vehicle.plan.breaks());
         Self {
             vehicle,
-            within,
+            within: stretches.of(t).0,
+            stretches,
             parameters: vehicle.parameters.clone(),
             mass: vehicle.mass,
             spins: vec![Spin::Speed(0.0); wheels],
@@ -368,31 +373,6 @@ impl<'s> Stage<'s> {
         scale
     }
 
-    /// All ideal measurements in the state `y`.
-    pub fn sample(&mut self, t: f64, y: &[f64]) -> Result<&MotionSample, Halt> {
-        self.set_inputs(t, &y[WHEELS..]);
-        let (R_NB, l, h) = (attitude(y), vector(y, LINEAR), vector(y, ANGULAR));
-        let twist = self.solve(t, &R_NB, &l, &h)?;
-        let vehicle = self.vehicle;
-        let sample = &mut self.sample;
-        sample.time = t;
-        if let Some((gm, orbit)) = &vehicle.orbit {
-            sample.p_orbit_N = orbit_state(*gm, orbit, t).0;
-        }
-        sample.R_NB = R_NB;
-        sample.p_NoScm_N = vector(y, POSITION);
-        sample.p_NoBo_N = sample.p_NoScm_N - R_NB * self.c;
-        sample.v_NBo_N = R_NB * twist.v;
-        sample.w_NB_B = twist.w;
-        sample.l_S_N = l;
-        sample.h_SScm_N = h;
-        sample
-            .kinematics
-            .set_velocities(&vehicle.tree, &twist.v, &twist.w, &sample.rates);
-        self.set_accelerations(t)?;
-        Ok(&self.sample)
-    }
-
     /// Base acceleration from `F = l'`, `T = h'`, both split into what the base adds and the rest; then
     /// wheel speeds and torques.
     fn set_accelerations(&mut self, t: f64) -> Result<(), Halt> {
@@ -436,6 +416,40 @@ impl<'s> Stage<'s> {
             };
         }
         Ok(())
+    }
+}
+
+impl SmoothByParts for Stage<'_> {
+    type Sample = MotionSample;
+
+    fn enter(&mut self, t: f64, _: &[f64]) -> Result<f64, Halt> {
+        let (within, end) = self.stretches.of(t);
+        self.within = within;
+        Ok(end)
+    }
+
+    fn sample(&mut self, t: f64, y: &[f64]) -> Result<&MotionSample, Halt> {
+        self.set_inputs(t, &y[WHEELS..]);
+        let (R_NB, l, h) = (attitude(y), vector(y, LINEAR), vector(y, ANGULAR));
+        let twist = self.solve(t, &R_NB, &l, &h)?;
+        let vehicle = self.vehicle;
+        let sample = &mut self.sample;
+        sample.time = t;
+        if let Some((gm, orbit)) = &vehicle.orbit {
+            sample.p_orbit_N = orbit_state(*gm, orbit, t).0;
+        }
+        sample.R_NB = R_NB;
+        sample.p_NoScm_N = vector(y, POSITION);
+        sample.p_NoBo_N = sample.p_NoScm_N - R_NB * self.c;
+        sample.v_NBo_N = R_NB * twist.v;
+        sample.w_NB_B = twist.w;
+        sample.l_S_N = l;
+        sample.h_SScm_N = h;
+        sample
+            .kinematics
+            .set_velocities(&vehicle.tree, &twist.v, &twist.w, &sample.rates);
+        self.set_accelerations(t)?;
+        Ok(&self.sample)
     }
 }
 

@@ -365,7 +365,7 @@ pub fn run(
             let nominal = || model.bodies.iter().map(|b| b.nominal.parameters());
             let bodies = bodies.map_or_else(|| nominal().collect(), <[_]>::to_vec);
             free_to_move(model, &bodies, plan, case.path())?;
-            let integrator = Integrator::DormandPrince5(case.tolerance);
+            let integrator = Integrator::DormandPrince8(case.tolerance);
             Driven::with_parameters(model, bodies, plan)
                 .and_then(|vehicle| {
                     vehicle.run(start, times, integrator, |s| {

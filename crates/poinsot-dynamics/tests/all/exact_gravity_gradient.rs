@@ -172,7 +172,7 @@ fn exact_a_free_slider_along_the_orbit_normal_swings_once_an_orbit() {
         ..Start::at_rest()
     };
     let times: Vec<f64> = (0..7).map(|k| f64::from(k) * 1000.0).collect();
-    let integrator = Integrator::DormandPrince5(Tolerance::default());
+    let integrator = Integrator::DormandPrince8(Tolerance::default());
     let vehicle = Driven::new(&model, &plan).unwrap();
     vehicle
         .run(&start, &times, integrator, |s| {
@@ -240,7 +240,7 @@ fn exact_driven_and_prescribed_motion_agree_in_the_field() {
         .run(&start, &times, |s| expected.push(s.clone()))
         .unwrap();
     let mut compared = 0;
-    let integrator = Integrator::DormandPrince5(Tolerance::default());
+    let integrator = Integrator::DormandPrince8(Tolerance::default());
     Driven::new(&model, &driven)
         .unwrap()
         .run(&start, &times, integrator, |s| {

@@ -143,7 +143,7 @@ fn exact_paper_loop_is_a_pendulum_about_one_axis() {
         }
         fn project(&self, _: &mut [f64]) {}
     }
-    let mut pendulum = DormandPrince::new(vec![1.0, 0.01], Tolerance::default());
+    let mut pendulum = DormandPrince8::new(vec![1.0, 0.01], Tolerance::default());
     let (mut y, mut t, mut worst) = ([angle, 0.0], 0.0, 0.0_f64);
     ControlledVehicle::new(&model, &control, &[], Tolerance::default())
         .unwrap()
