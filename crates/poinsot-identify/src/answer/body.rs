@@ -33,11 +33,11 @@ impl<'a> QuantityEstimator<'a> {
         let spectrum = &solution.spectrum;
         Self {
             spectrum,
-            data_alone: solution.data_alone.as_ref(),
+            data_alone: solution.data_alone(),
             unobservable_set: &solution.unobservable_set,
             inflation,
             rejected,
-            other_wheel_motion: solution.other_wheel_motion.as_ref(),
+            other_wheel_motion: solution.other_wheel_motion(),
             nuisances: conditional_estimate(
                 &solution.shared.r,
                 solution.shared.nuisances,

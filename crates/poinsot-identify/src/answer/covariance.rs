@@ -108,7 +108,7 @@ pub(crate) fn covariance(solution: &Solution, rows: &[Row], scale: f64) -> Vec<V
         &solution.x[..solution.shared.mass],
     )
     .covariance;
-    let other = solution.other_wheel_motion.as_ref();
+    let other = solution.other_wheel_motion();
     let change = |row: &Row| match (other, row.nuisance) {
         (None, _) => 0.0,
         (Some(other), None) => other.change(&row.gradient),

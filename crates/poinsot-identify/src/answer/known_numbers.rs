@@ -19,7 +19,8 @@ pub(crate) fn known_numbers(model: &Model, solution: &Solution, rows: &[Row]) ->
         assumed: model.knowledge.assumed,
         ..KnownNumbers::default()
     };
-    let Some(known) = &solution.known else {
+    let own = solution.likelihood.as_ref();
+    let Some(known) = own.and_then(|own| own.known.as_ref()) else {
         return out;
     };
     let asked = |row: &Row| row.nuisance.is_none();
@@ -27,7 +28,7 @@ pub(crate) fn known_numbers(model: &Model, solution: &Solution, rows: &[Row]) ->
     out.sigma_data = rows.iter().map(sigma).collect();
     let total = |row: &Row| {
         let sigma = solution.spectrum.sigma(&row.gradient).unwrap_or(0.0);
-        let chosen = solution.other_wheel_motion.as_ref().map_or(0.0, |o| {
+        let chosen = solution.other_wheel_motion().map_or(0.0, |o| {
             let change = o.change(&row.gradient);
             o.covariance(change, change)
         });

@@ -3,7 +3,7 @@
 use crate::problem::settings::Settings;
 use crate::solution::estimate::BodyEstimate;
 use crate::solution::evidence::{Effect, Evidence};
-use crate::solution::solved::Solution;
+use crate::solution::solved::{OfLikelihood, Solution};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// p-value below which data beyond the physical limit contradict the model: three sigma for one active condition.
@@ -41,14 +41,16 @@ impl Rejection {
         let bad_fit = chi2 > misfit || unexplained;
         let impossible =
             bodies.iter().any(|b| unphysical(b, bad_fit)) || pressed(solution, bad_fit);
-        let coloured = coloured && solution.conflict.is_none();
+        let own = solution.likelihood.as_ref();
+        let coloured = coloured && own.is_none_or(|own| own.conflict.is_none());
+        let not_rigid = own.is_some_and(OfLikelihood::not_rigid);
         let reasons = [
             (Self::Impossible, impossible),
             (
                 Self::NoiseAddsUp,
                 chi2 > misfit && solution.noise_accumulates,
             ),
-            (Self::NotRigid, chi2 > misfit && solution.not_rigid),
+            (Self::NotRigid, chi2 > misfit && not_rigid),
             (Self::Contradicted, chi2 > rejection && coloured),
             (Self::Unexplained, chi2 > rejection && unexplained),
         ];
@@ -115,7 +117,8 @@ fn unphysical(body: &BodyEstimate, bad_fit: bool) -> bool {
 
 /// Whether a physical limit is active beyond what noise explains, or active at all if the fit is bad.
 fn pressed(solution: &Solution, bad_fit: bool) -> bool {
-    let held = solution.held.as_ref();
+    let own = solution.likelihood.as_ref();
+    let held = own.and_then(|own| own.held.as_ref());
     held.is_some_and(|h| {
         let beyond = ChiSquared::new(h.conditions as f64);
         bad_fit || beyond.is_ok_and(|b| b.sf(h.cost) < PRESSED)

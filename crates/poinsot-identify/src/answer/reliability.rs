@@ -5,8 +5,10 @@
 
 use crate::answer::residual_tests::residual_tests;
 use crate::answer::sensor_noise::{SensorNoise, sensor_noise};
+use crate::diagnosis::Diagnostics;
+use crate::problem::settings::{Coordinates, Settings};
 use crate::solution::evidence::{Effect, Evidence};
-use crate::solution::solved::Solution;
+use crate::solution::solved::{OfLikelihood, Solution};
 
 /// Share of the misfit from which a suspect is reported with the sensors.
 const MOST_OF_MISFIT: f64 = 0.5;
@@ -27,16 +29,26 @@ impl Reliability {
         let sensors = sensor_noise(&solution.fit, &solution.settings);
         let excesses = || sensors.iter().filter_map(|s| s.excess.as_ref());
         let bad_sensor = excesses().any(|e| !e.is_made_up_for());
-        let mut rows = priors(solution);
-        rows.extend(convergence(solution));
-        rows.extend(suspect(solution, bad_sensor));
-        rows.extend(sensors.iter().flat_map(SensorNoise::rows));
-        rows.push(pooled(solution, bad_sensor));
-        rows.extend(sensitivities(solution));
-        rows.extend(rigidity(solution));
-        rows.extend(accumulation(solution));
-        rows.extend(physical_limit(solution));
-        rows.extend(residual_tests(solution));
+        let sensor_rows = sensors.iter().flat_map(SensorNoise::rows);
+        let mut rows = Vec::new();
+        match &solution.likelihood {
+            None => {
+                rows.extend(sensor_rows);
+                rows.push(pooled(solution, bad_sensor));
+                rows.push(accumulation(solution));
+            }
+            Some(own) => {
+                rows.extend(priors(own));
+                rows.push(convergence(own));
+                rows.extend(suspect(&own.diagnostics, bad_sensor));
+                rows.extend(sensor_rows);
+                rows.push(pooled(solution, bad_sensor));
+                rows.extend(sensitivities(own));
+                rows.extend(rigidity(own));
+                rows.extend(physical_limit(own, &solution.settings));
+                rows.extend(residual_tests(&own.diagnostics));
+            }
+        }
         Self {
             rows,
             coloured: excesses().any(|e| e.coloured),
@@ -45,8 +57,8 @@ impl Reliability {
 }
 
 /// Declared numbers against the data. The first contradiction covers the shift of the answer by the priors.
-fn priors(solution: &Solution) -> Vec<Evidence> {
-    let mut ratio = solution.conflict.as_ref().map(|conflict| conflict.ratio);
+fn priors(own: &OfLikelihood) -> Vec<Evidence> {
+    let mut ratio = own.conflict.as_ref().map(|conflict| conflict.ratio);
     let row = |test: &crate::problem::prior::PriorTest| {
         let words = match test.contradicted {
             true => "a prior contradicts the data".to_owned(),
@@ -64,26 +76,26 @@ fn priors(solution: &Solution) -> Vec<Evidence> {
                 .widening(factor)
         }
     };
-    solution.prior_tests.iter().map(row).collect()
+    own.prior_tests.iter().map(row).collect()
 }
 
-/// Convergence of the iteration; `None` of a closed form.
-fn convergence(solution: &Solution) -> Option<Evidence> {
-    let failed = !solution.converged;
+/// Convergence of the iteration.
+fn convergence(own: &OfLikelihood) -> Evidence {
+    let failed = !own.converged;
     let words = match failed {
         true => "the iteration did not converge",
         false => "the iteration converged",
     };
     let effect = Effect::WithholdsNumbers.if_failed(failed);
-    let row = Evidence::new("convergence", effect, words);
-    (failed || solution.method != "linear")
-        .then(|| row.statistic("iterations", solution.iterations as f64))
+    Evidence::new("convergence", effect, words).statistic("iterations", own.iterations as f64)
 }
 
 /// The first suspect of the diagnosis; if a sensor fails too, only a suspect that explains most of the misfit is against
 /// the answer.
-fn suspect(solution: &Solution, bad_sensor: bool) -> Option<Evidence> {
-    let found = solution.diagnostics.as_ref().filter(|d| d.is_made())?;
+fn suspect(found: &Diagnostics, bad_sensor: bool) -> Option<Evidence> {
+    if !found.is_made() {
+        return None;
+    }
     let test = "first suspect of the diagnosis";
     let Some(first) = found.suspects.first() else {
         let words = "no cause reduces chi-square significantly";
@@ -127,8 +139,8 @@ fn pooled(solution: &Solution, bad_sensor: bool) -> Evidence {
         .chi_square(square, dof)
 }
 
-fn sensitivities(solution: &Solution) -> impl Iterator<Item = Evidence> {
-    solution.sensitivities.iter().map(|s| {
+fn sensitivities(own: &OfLikelihood) -> impl Iterator<Item = Evidence> {
+    own.sensitivities.iter().map(|s| {
         let not = if s.too_large { "" } else { "not " };
         let words = format!("the estimate is {not}sensitive to {}", s.to);
         let effect = Effect::AgainstAnswer.if_failed(s.too_large);
@@ -138,40 +150,39 @@ fn sensitivities(solution: &Solution) -> impl Iterator<Item = Evidence> {
 }
 
 /// Spectral lines, which are searched where the misfit is significant.
-fn rigidity(solution: &Solution) -> Option<Evidence> {
-    let found = solution.diagnostics.as_ref();
-    let searched = found.is_some_and(|d| d.is_misfit());
-    let lines = found.iter().flat_map(|d| &d.lines);
+fn rigidity(own: &OfLikelihood) -> Option<Evidence> {
+    let (found, not_rigid) = (&own.diagnostics, own.not_rigid());
+    let lines = found.lines.iter();
     let share = lines.map(|line| line.share).reduce(f64::max);
-    let words = match (solution.not_rigid, share) {
+    let words = match (not_rigid, share) {
         (true, _) => "a spectral line in the residual: the vehicle is not rigid",
         (false, Some(_)) => "a spectral line in the residual, but another cause of the misfit",
         (false, None) => "no spectral line in the residual",
     };
-    let effect = Effect::AgainstAnswer.if_failed(solution.not_rigid);
+    let effect = Effect::AgainstAnswer.if_failed(not_rigid);
     let mut row = Evidence::new("spectral line", effect, words);
     row.statistic = share.map(|share| ("share of the power", share));
-    (searched || solution.not_rigid).then_some(row)
+    (found.is_misfit() || not_rigid).then_some(row)
 }
 
-/// Noise that the linear method assumes independent; `None` of other methods.
-fn accumulation(solution: &Solution) -> Option<Evidence> {
+/// Noise that the linear method assumes independent.
+fn accumulation(solution: &Solution) -> Evidence {
     let failed = solution.noise_accumulates && solution.chi2_per_dof() > NOISE_FREE;
     let words = match failed {
         true => "noise accumulates from sample to sample under thrust",
         false => "no noise accumulates from sample to sample",
     };
     let effect = Effect::AgainstAnswer.if_failed(failed);
-    (solution.method == "linear" || failed)
-        .then(|| Evidence::new("accumulation of noise", effect, words))
+    Evidence::new("accumulation of noise", effect, words)
 }
 
 /// Bodies at the limit of physical mass properties; `None` if the fit has no such limit.
-fn physical_limit(solution: &Solution) -> Option<Evidence> {
+fn physical_limit(own: &OfLikelihood, settings: &Settings) -> Option<Evidence> {
     let test = "limit of physical mass properties";
-    let Some(held) = &solution.held else {
+    let Some(held) = &own.held else {
         let words = "no body is at the limit of physical mass properties";
-        return (solution.keeps_physical).then(|| Evidence::new(test, Effect::None, words));
+        let keeps_physical = settings.coordinates == Coordinates::Physical;
+        return keeps_physical.then(|| Evidence::new(test, Effect::None, words));
     };
     let words = format!(
         "{} is at the limit of physical mass properties",

@@ -2,13 +2,9 @@
 
 use crate::diagnosis::{COLOURED, Diagnostics};
 use crate::solution::evidence::{Effect, Evidence};
-use crate::solution::solved::Solution;
 
 /// One row per test of the diagnosis: whiteness, held-out samples, drift and lags.
-pub(super) fn residual_tests(solution: &Solution) -> Vec<Evidence> {
-    let Some(found) = &solution.diagnostics else {
-        return Vec::new();
-    };
+pub(super) fn residual_tests(found: &Diagnostics) -> Vec<Evidence> {
     let mut rows = whiteness(found);
     rows.extend(found.held_out.iter().map(|held| {
         let words = match held.p < COLOURED {

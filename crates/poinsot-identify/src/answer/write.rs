@@ -43,7 +43,7 @@ pub(crate) fn write(problem: &Problem, solution: &Solution) -> Estimate {
     let (estimator, bodies) = answered(false);
     let rejection = Rejection::of(solution, coloured, &bodies);
     // A rejected or unconverged answer has no numbers.
-    let (estimator, bodies) = match rejection.is_some() || !solution.converged {
+    let (estimator, bodies) = match rejection.is_some() || !solution.converged() {
         true => answered(true),
         false => (estimator, bodies),
     };
@@ -60,12 +60,13 @@ pub(crate) fn write(problem: &Problem, solution: &Solution) -> Estimate {
     warnings.extend(said_of_numbers(solution, rejection, &bodies, &nuisance));
     warnings.extend(determined::withheld(&identifiability));
     let rows = covariance_rows(solution, &bodies, &nuisance);
+    let own = solution.likelihood.as_ref();
     Estimate {
         method: solution.method.to_owned(),
         variant: None,
         status,
-        iterations: solution.iterations,
-        assumptions: solution.assumptions.clone(),
+        iterations: own.map_or(1, |own| own.iterations),
+        assumptions: own.map_or_else(Vec::new, |own| own.assumptions.clone()),
         warnings,
         system: whole(problem, solution, (&estimator, &bodies)),
         bodies,
@@ -83,7 +84,7 @@ pub(crate) fn write(problem: &Problem, solution: &Solution) -> Estimate {
         states_covariance: true,
         evidence,
         known_numbers: known_numbers(problem.model, solution, &rows),
-        diagnostics: solution.diagnostics.clone(),
+        diagnostics: own.map(|own| own.diagnostics.clone()),
         method_report: None,
     }
 }
@@ -152,7 +153,7 @@ fn identifiability(
     let absent = naming::absent(&solution.parameters);
     let allowed = spectrum.experiment();
     let mut open = naming::unobservable_directions(problem, solution);
-    if solution.data_alone.is_none() {
+    if solution.data_alone().is_none() {
         let walks = open.iter_mut().zip(&solution.unobservable_set.walks);
         walks.for_each(|(open, walk)| open.walk = naming::values_along_path(solution, walk));
     }
@@ -194,7 +195,8 @@ fn warnings(
                 .to_owned(),
         );
     }
-    if let Some(held) = &solution.held {
+    let own = solution.likelihood.as_ref();
+    if let Some(held) = own.and_then(|own| own.held.as_ref()) {
         list.push(format!(
             "{}: the inertia is at the limit of physical values (beyond it chi-square would fall by {:.1}). There the covariance is not trustworthy; --coordinates linear removes the limit",
             held.bodies.join(", "),
@@ -229,7 +231,7 @@ fn said_of_numbers(
             )
         })
         .collect();
-    if rejection.is_none() && solution.converged {
+    if rejection.is_none() && solution.converged() {
         let open = nuisance
             .iter()
             .filter(|n| n.number == Number::undetermined(n.number.nominal));

@@ -38,10 +38,10 @@ pub(crate) fn unobservable_set(
     solution: &Solution,
 ) -> UnobservableSet {
     let spectrum = &solution.spectrum;
-    if !solution.converged || spectrum.rank == spectrum.natural.len() {
+    if !solution.converged() || spectrum.rank == spectrum.natural.len() {
         return UnobservableSet::default();
     }
-    if solution.data_alone.is_some() {
+    if solution.data_alone().is_some() {
         return linear_set(experiment.problem, solution);
     }
     let directions = directions(experiment.problem, solution);
@@ -91,7 +91,7 @@ pub(crate) fn linear_set(problem: &Problem, solution: &Solution) -> Unobservable
 /// either.
 fn directions(problem: &Problem, solution: &Solution) -> Vec<Vec<f64>> {
     let spectrum = &solution.spectrum;
-    if solution.data_alone.is_some() {
+    if solution.data_alone().is_some() {
         let open = spectrum.unobservable_directions();
         let one = |k: usize| {
             let natural = spectrum.natural.iter().enumerate();

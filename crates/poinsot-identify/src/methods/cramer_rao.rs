@@ -105,10 +105,12 @@ fn bound(
     let fits = solution.fit.iter_mut().zip(counts);
     fits.for_each(|(fit, samples)| fit.samples = samples);
     solution.method = "cramer_rao";
-    if driven.is_some() {
-        let motion = BetweenSamples::RandomTorque;
-        solution.assumptions.push(motion.words().to_owned());
+    if let Some(own) = &mut solution.likelihood {
+        if driven.is_some() {
+            let motion = BetweenSamples::RandomTorque;
+            own.assumptions.push(motion.words().to_owned());
+        }
+        own.other_wheel_motion = expected.map(|e| e.other);
     }
-    solution.other_wheel_motion = expected.map(|e| e.other);
     Ok(answer::write_with_remedies(problem, &solution))
 }

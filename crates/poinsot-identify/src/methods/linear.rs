@@ -19,7 +19,7 @@ use crate::problem::segment::Segment;
 use crate::problem::settings::Settings;
 use crate::problem::{Problem, ProblemError};
 use crate::solution::estimate::{Estimate, SegmentFit};
-use crate::solution::solved::{Reduced, Solution, StartOfSegment, VectorQuantity};
+use crate::solution::solved::{Solution, StartOfSegment, VectorQuantity};
 use crate::solution::unobservable_set::UnobservableSet;
 use poinsot_dynamics::{Kinematics, composite};
 use poinsot_model::MomentumKnowledge;
@@ -52,11 +52,11 @@ const NOISE_SAMPLES: usize = 150;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn linear(problem: &Problem) -> Result<Estimate, ProblemError> {
-    let mut solution = solve_linear(problem)?;
-    let parameters = solution.parameters.clone();
+    let mut found = Reduced::of(problem)?;
+    let parameters = found.solution.parameters.clone();
     let experiment = Experiment::new(problem, &parameters);
     if experiment.has_design_prior() {
-        solution.warnings.push(
+        found.solution.warnings.push(
             "linear method: the declared priors are not used; maximum likelihood uses them"
                 .to_owned(),
         );
@@ -64,48 +64,64 @@ pub fn linear(problem: &Problem) -> Result<Estimate, ProblemError> {
     // Identifiability is evaluated at a fitted motion: a few steps of maximum likelihood. Without samples at their own
     // times the rows' spectrum is used.
     let observed = problem.segments.iter().all(|s| problem.is_observed(s));
-    if observed
-        && let Some(fitted) = fit_near(&experiment, solution.point(&experiment), CERTIFICATE_STEPS)
-    {
-        let judged = fitted.spectrum.judged(problem.relative_accuracy);
-        restrict(problem, &mut solution, &judged)?;
+    let start = found.solution.point(&experiment);
+    if observed && let Some(fitted) = fit_near(&experiment, start, CERTIFICATE_STEPS) {
+        found.restrict(problem, &fitted.spectrum.judged(problem.relative_accuracy))?;
     }
+    let mut solution = found.solution;
     solution.unobservable_set = linear_set(problem, &solution);
     Ok(answer::write(problem, &solution))
 }
 
-/// Solves again within the directions that the experiment identifies: noise in the regressor can make
-/// others look determined.
-fn restrict(
-    problem: &Problem,
-    solution: &mut Solution,
-    experiment: &Spectrum,
-) -> Result<(), ProblemError> {
-    let own = Spectrum::within(
-        &solution.shared.block(),
-        Some(&solution.regressor_noise),
-        experiment,
-    )?;
-    solution.spectrum = own;
-    settle(problem, solution);
-    Ok(())
-}
-
-/// Takes the numbers from the spectrum, and the segments from the numbers.
-fn settle(problem: &Problem, solution: &mut Solution) {
-    solution.settle();
-    let (parameters, reduced) = (&solution.parameters, &solution.reduced);
-    (solution.starts, solution.fit) = segments(problem, parameters, reduced, &solution.x);
-}
-
 /// The numerical linear solution.
 pub(crate) fn solve_linear(problem: &Problem) -> Result<Solution, ProblemError> {
-    problem.check_samples()?;
-    let first = solve(problem, None)?;
-    if needs_mass_centre(problem) {
-        refine_known_momentum(problem, first)
-    } else {
-        Ok(first)
+    Ok(Reduced::of(problem)?.solution)
+}
+
+/// One segment reduced: its momentum rows and the rows of the shared unknowns.
+struct ReducedSegment {
+    /// Triangle of `[momentum | unknowns | rhs]`.
+    triangle: Triangle,
+    /// What was assumed of its momentum.
+    start: StartMomentum,
+}
+
+/// A solution with what it was solved from.
+struct Reduced {
+    solution: Solution,
+    segments: Vec<ReducedSegment>,
+    /// Whitened rows, momentum taken off.
+    rows: usize,
+    /// `E[dA^T dA]` of the mass properties, row by row.
+    regressor_noise: Vec<f64>,
+}
+
+impl Reduced {
+    fn of(problem: &Problem) -> Result<Self, ProblemError> {
+        problem.check_samples()?;
+        let first = solve(problem, None)?;
+        if needs_mass_centre(problem) {
+            refine_known_momentum(problem, first)
+        } else {
+            Ok(first)
+        }
+    }
+
+    /// Solves again within the directions that the experiment identifies: noise in the regressor can make
+    /// others look determined.
+    fn restrict(&mut self, problem: &Problem, experiment: &Spectrum) -> Result<(), ProblemError> {
+        let block = self.solution.shared.block();
+        self.solution.spectrum = Spectrum::within(&block, Some(&self.regressor_noise), experiment)?;
+        self.settle(problem);
+        Ok(())
+    }
+
+    /// Takes the numbers from the spectrum, and the segments from the numbers.
+    fn settle(&mut self, problem: &Problem) {
+        self.solution.settle(self.rows, &self.regressor_noise);
+        let Solution { parameters, x, .. } = &self.solution;
+        let (starts, fit) = segments(problem, parameters, &self.segments, x);
+        (self.solution.starts, self.solution.fit) = (starts, fit);
     }
 }
 
@@ -119,12 +135,9 @@ fn needs_mass_centre(problem: &Problem) -> bool {
 }
 
 /// Fixed point on the mass centre: `H0 = h_cm + p_cm x P0`.
-fn refine_known_momentum(
-    problem: &Problem,
-    mut solution: Solution,
-) -> Result<Solution, ProblemError> {
+fn refine_known_momentum(problem: &Problem, mut found: Reduced) -> Result<Reduced, ProblemError> {
     for _ in 0..4 {
-        let bodies = solution.parameters.bodies(&solution.x);
+        let bodies = found.solution.parameters.bodies(&found.solution.x);
         let centres: Vec<Vector3> = problem
             .segments
             .iter()
@@ -137,12 +150,12 @@ fn refine_known_momentum(
                 s.R_NB.first().map_or(c, |R| R * c)
             })
             .collect();
-        solution = solve(problem, Some(&centres))?;
+        found = solve(problem, Some(&centres))?;
     }
-    Ok(solution)
+    Ok(found)
 }
 
-fn solve(problem: &Problem, centres: Option<&[Vector3]>) -> Result<Solution, ProblemError> {
+fn solve(problem: &Problem, centres: Option<&[Vector3]>) -> Result<Reduced, ProblemError> {
     let equations = problem.linear_equations();
     let fires = problem.segments.iter().any(|s| !s.firings.is_empty());
     let parameters = Parameters::new(problem.model, problem.tree, equations, fires)?;
@@ -175,7 +188,7 @@ fn solve(problem: &Problem, centres: Option<&[Vector3]>) -> Result<Solution, Pro
             Equations::Momentum => 6 * samples,
             Equations::Rotation => 3 * samples,
         } - m;
-        reduced.push(Reduced { triangle, start });
+        reduced.push(ReducedSegment { triangle, start });
     }
     conclude(
         problem,
@@ -256,61 +269,50 @@ fn reduce(
 fn conclude(
     problem: &Problem,
     parameters: Parameters,
-    reduced: Vec<Reduced>,
+    segments: Vec<ReducedSegment>,
     stacked: &Triangle,
     noise: &[f64],
     rows: usize,
-) -> Result<Solution, ProblemError> {
+) -> Result<Reduced, ProblemError> {
     let n = parameters.len();
     let shared = SharedTriangle::new(&parameters, stacked);
     let m = shared.mass;
     let block = shared.block();
     let natural: Vec<f64> = parameters.unknowns[..m].iter().map(|u| u.natural).collect();
-    let block_noise: Vec<f64> = (0..m)
+    let regressor_noise: Vec<f64> = (0..m)
         .flat_map(|i| (0..m).map(move |j| noise[i * n + j]))
         .collect();
-    let size = longest_column(&parameters, &reduced);
+    let size = longest_column(&parameters, &segments);
     let accuracy = problem.relative_accuracy;
-    let spectrum = Spectrum::new(&block, &natural, Some(&block_noise), size, accuracy)?;
-    let mut solution = Solution {
-        known: None,
+    let spectrum = Spectrum::new(&block, &natural, Some(&regressor_noise), size, accuracy)?;
+    let solution = Solution {
         method: "linear",
         x: parameters.nominal_vector(),
         parameters,
         shared,
         spectrum,
-        data_alone: None,
-        prior_tests: Vec::new(),
-        conflict: None,
         explained: None,
         residual: (0.0, rows),
-        rows,
         starts: Vec::new(),
         fit: Vec::new(),
-        reduced,
         unobservable_set: UnobservableSet::default(),
-        iterations: 1,
-        converged: true,
         warnings: Vec::new(),
         noise_accumulates: impulse::noise_accumulates(problem),
-        not_rigid: false,
-        sensitivities: Vec::new(),
         settings: Settings::default(),
-        keeps_physical: false,
-        held: None,
-        diagnostics: None,
-        assumptions: Vec::new(),
-        wheels_smooth: false,
-        rest_motion: 1.0,
-        other_wheel_motion: None,
-        regressor_noise: block_noise,
+        likelihood: None,
     };
-    settle(problem, &mut solution);
-    Ok(solution)
+    let mut found = Reduced {
+        solution,
+        segments,
+        rows,
+        regressor_noise,
+    };
+    found.settle(problem);
+    Ok(found)
 }
 
 /// Length of the longest column of a mass property before momentum is projected out, natural units.
-fn longest_column(parameters: &Parameters, reduced: &[Reduced]) -> f64 {
+fn longest_column(parameters: &Parameters, reduced: &[ReducedSegment]) -> f64 {
     parameters
         .unknowns
         .iter()
@@ -332,8 +334,8 @@ fn longest_column(parameters: &Parameters, reduced: &[Reduced]) -> f64 {
 }
 
 impl Solution {
-    /// Linear least squares on the shared triangle: only identified directions leave the nominal values.
-    fn settle(&mut self) {
+    /// Linear least squares on the shared triangle of so many rows: only identified directions leave the nominal values.
+    fn settle(&mut self, rows: usize, regressor_noise: &[f64]) {
         let m = self.shared.mass;
         let block = self.shared.block();
         let rhs = self.shared.rhs();
@@ -356,14 +358,14 @@ impl Solution {
             .zip(&self.spectrum.natural)
             .map(|(x, unit)| x / unit)
             .collect();
-        self.spectrum.set_bias(&self.regressor_noise, &z);
+        self.spectrum.set_bias(regressor_noise, &z);
         let biases = self.shared.nuisances_for(&x[..m]);
         x[m..].copy_from_slice(&biases);
         let square = |v: &[f64]| v.iter().map(|e| e * e).sum::<f64>() + self.shared.unreachable();
         let (left, whole) = (square(&left_over(&x)), square(&rhs));
         self.explained = (whole > 1.0e-20).then(|| 1.0 - left / whole);
         let found = self.spectrum.rank + self.shared.nuisances;
-        self.residual = (left, self.rows.saturating_sub(found));
+        self.residual = (left, rows.saturating_sub(found));
         self.x = x;
     }
 }
@@ -372,7 +374,7 @@ impl Solution {
 fn segments(
     problem: &Problem,
     parameters: &Parameters,
-    reduced: &[Reduced],
+    reduced: &[ReducedSegment],
     x: &[f64],
 ) -> (Vec<StartOfSegment>, Vec<SegmentFit>) {
     let spin: Vec<f64> = problem
@@ -402,7 +404,12 @@ fn segments(
         .unzip()
 }
 
-fn segment_chi2(parameters: &Parameters, segment: &Segment, reduced: &Reduced, x: &[f64]) -> f64 {
+fn segment_chi2(
+    parameters: &Parameters,
+    segment: &Segment,
+    reduced: &ReducedSegment,
+    x: &[f64],
+) -> f64 {
     let h = reduced.start.columns();
     let n = parameters.len();
     let r = &reduced.triangle.r;
@@ -426,7 +433,7 @@ fn start_of(
     problem: &Problem,
     parameters: &Parameters,
     segment: &Segment,
-    reduced: &Reduced,
+    reduced: &ReducedSegment,
     x: &[f64],
 ) -> (StartOfSegment, (Vector3, Vector3)) {
     let start = &reduced.start;

@@ -9,7 +9,7 @@ use crate::answer;
 use crate::certify::continuation::unobservable_set;
 use crate::diagnosis::conflict::{self, priors_against_data};
 use crate::diagnosis::octaves::{consistent, octaves};
-use crate::diagnosis::{Diagnostics, FaultKind, diagnose, whiteness};
+use crate::diagnosis::{Diagnostics, diagnose, whiteness};
 use crate::fit::degrees_of_freedom::fitted_numbers;
 use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::known_numbers::{Effects, fit_known};
@@ -31,11 +31,13 @@ use crate::problem::loss::Loss;
 use crate::problem::parameters::{Equations, Parameters, ParametersError, lifted_vector};
 use crate::problem::prior::Conflict;
 use crate::problem::segment::{InputErrors, Segment};
-use crate::problem::settings::{Coordinates, Settings};
+use crate::problem::settings::Settings;
 use crate::problem::shifted_vehicle::ShiftedVehicle;
 use crate::problem::{Problem, ProblemError};
 use crate::solution::estimate::{ChannelFit, Estimate, SegmentFit};
-use crate::solution::solved::{Sensitivity, Solution, StartOfSegment, VectorQuantity};
+use crate::solution::solved::{
+    OfLikelihood, Sensitivity, Solution, StartOfSegment, VectorQuantity,
+};
 use crate::solution::unobservable_set::UnobservableSet;
 use poinsot_model::{EstimateSet, MomentumKnowledge};
 use poinsot_solve::Spectrum;
@@ -154,10 +156,10 @@ pub(crate) fn solve(problem: &Problem, settings: Settings) -> Result<FinishedFit
     let counts = own.iter().map(|s| s.observations.time_s.len());
     let fits = solution.fit.iter_mut().zip(counts);
     fits.for_each(|(fit, samples)| fit.samples = samples);
-    solution.assumptions = assumptions;
-    solution.wheels_smooth = experiment.wheels_smooth;
-    solution.rest_motion = experiment.rest_motion;
-    solution.other_wheel_motion = other.map(|o| o.among(&parameters, &solution.parameters));
+    if let Some(own) = &mut solution.likelihood {
+        own.assumptions = assumptions;
+        own.other_wheel_motion = other.map(|o| o.among(&parameters, &solution.parameters));
+    }
     note(problem, &mut solution, shift, step_error);
     Ok(FinishedFit {
         solution,
@@ -190,7 +192,9 @@ fn with_known_numbers(
         }
     };
     let of_known = known.as_ref().and_then(|known| known.test.clone());
-    solution.prior_tests.extend(of_known);
+    if let Some(own) = &mut solution.likelihood {
+        own.prior_tests.extend(of_known);
+    }
     let shifted = match &known {
         Some(_) => ShiftedVehicle::at(problem, &solution.parameters, &at.x),
         None => None,
@@ -232,7 +236,9 @@ fn note(problem: &Problem, solution: &mut Solution, shift: f64, step_error: Opti
             too_large: sensitive && seldom,
         });
         if sensitive {
-            let warning = wheel_warning(shift, solution.wheels_smooth, seldom);
+            let own = solution.likelihood.as_ref();
+            let smooth = own.is_some_and(|own| own.wheels_smooth);
+            let warning = wheel_warning(shift, smooth, seldom);
             solution.warnings.extend(warning);
         }
     }
@@ -258,9 +264,9 @@ fn note(problem: &Problem, solution: &mut Solution, shift: f64, step_error: Opti
             solution.warnings.push(error.message());
         }
     }
-    solution.sensitivities = sensitivities;
-    if let Some(found) = &mut solution.diagnostics {
-        found.shift_between_readings = shift;
+    if let Some(own) = &mut solution.likelihood {
+        own.sensitivities = sensitivities;
+        own.diagnostics.shift_between_readings = shift;
     }
 }
 
@@ -318,8 +324,9 @@ fn judged(
     }
     let at = fitted.at.clone();
     let mut solution = conclude(experiment, fitted, explained, found);
-    solution.prior_tests = priors.tests;
-    solution.conflict = conflict;
+    if let Some(own) = &mut solution.likelihood {
+        (own.prior_tests, own.conflict) = (priors.tests, conflict);
+    }
     (solution, at)
 }
 
@@ -394,34 +401,28 @@ pub(crate) fn conclude(
         x: fitted.at.x,
         shared: fitted.shared,
         spectrum,
-        known,
-        data_alone: fitted.data_alone.map(judged),
-        prior_tests: Vec::new(),
-        conflict: None,
         explained,
         starts,
         fit,
-        iterations: fitted.iterations,
-        converged: fitted.converged,
         warnings: found.findings.iter().map(|f| f.text.clone()).collect(),
         noise_accumulates: false,
-        not_rigid: found
-            .findings
-            .iter()
-            .any(|f| f.fault == FaultKind::NotRigid),
-        held: fitted.held,
-        diagnostics: Some(found),
-        assumptions: Vec::new(),
-        wheels_smooth: false,
-        rest_motion: experiment.rest_motion,
-        other_wheel_motion: None,
-        sensitivities: Vec::new(),
         settings: experiment.settings,
-        keeps_physical: experiment.settings.coordinates == Coordinates::Physical,
-        regressor_noise: Vec::new(),
-        reduced: Vec::new(),
         unobservable_set: UnobservableSet::default(),
-        rows,
+        likelihood: Some(OfLikelihood {
+            known,
+            data_alone: fitted.data_alone.map(judged),
+            prior_tests: Vec::new(),
+            conflict: None,
+            iterations: fitted.iterations,
+            converged: fitted.converged,
+            held: fitted.held,
+            diagnostics: found,
+            assumptions: Vec::new(),
+            wheels_smooth: experiment.wheels_smooth,
+            rest_motion: experiment.rest_motion,
+            other_wheel_motion: None,
+            sensitivities: Vec::new(),
+        }),
     }
 }
 

@@ -116,8 +116,9 @@ pub fn maximum_likelihood_predicted(
     };
     let moved = shifted.as_ref().map(|c| c.problem(&taken));
     let mut experiment = Experiment::new(moved.as_ref().unwrap_or(&taken), &solution.parameters);
-    experiment.wheels_smooth = solution.wheels_smooth;
-    experiment.rest_motion = solution.rest_motion;
+    if let Some(own) = &solution.likelihood {
+        (experiment.wheels_smooth, experiment.rest_motion) = (own.wheels_smooth, own.rest_motion);
+    }
     let predictions = predict(&experiment, &at, points);
     Ok((answer::write_with_remedies(problem, &solution), predictions))
 }

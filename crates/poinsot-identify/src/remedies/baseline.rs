@@ -11,7 +11,7 @@ use crate::problem::parameters::{
 };
 use crate::problem::quantity::TenParameters;
 use crate::solution::estimate::UnobservableCombination;
-use crate::solution::solved::Solution;
+use crate::solution::solved::{OfLikelihood, Solution};
 use faer::Mat;
 use faer::linalg::solvers::DenseSolveCore;
 use poinsot_model::EstimateSet;
@@ -32,7 +32,10 @@ pub(super) struct Baseline<'a> {
 }
 
 impl<'a> Baseline<'a> {
-    pub fn new(problem: &'a Problem<'a>, solution: &Solution) -> Option<Self> {
+    pub fn new(
+        problem: &'a Problem<'a>,
+        (solution, likelihood): (&Solution, &OfLikelihood),
+    ) -> Option<Self> {
         let own = &solution.parameters;
         let rotation = own.equations == Equations::Rotation;
         let parameters = if rotation {
@@ -58,8 +61,8 @@ impl<'a> Baseline<'a> {
             rows: known_rows(solution, &parameters, &x),
             spin: experiment.nominal_spin.clone(),
             measured_motion: experiment.measured_motion,
-            wheels_smooth: solution.wheels_smooth,
-            rest_motion: solution.rest_motion,
+            wheels_smooth: likelihood.wheels_smooth,
+            rest_motion: likelihood.rest_motion,
             problem,
             parameters,
             x,

@@ -11,7 +11,7 @@ mod records;
 
 use crate::problem::Problem;
 use crate::solution::estimate::UnobservableCombination;
-use crate::solution::solved::Solution;
+use crate::solution::solved::{OfLikelihood, Solution};
 use baseline::Baseline;
 use gains::Gains;
 use poinsot_solve::Spectrum;
@@ -143,11 +143,9 @@ pub(crate) fn try_changes(
     solution: &Solution,
     open: &mut [UnobservableCombination],
 ) {
-    let can = matches!(solution.method, "maximum_likelihood" | "cramer_rao")
-        && solution.data_alone.is_none()
-        && solution.converged
-        && !open.is_empty();
-    let Some(mut tried) = can.then(|| Tried::new(problem, solution, open)).flatten() else {
+    let own = solution.likelihood.as_ref();
+    let can = own.filter(|own| own.data_alone.is_none() && own.converged && !open.is_empty());
+    let Some(mut tried) = can.and_then(|own| Tried::new(problem, (solution, own), open)) else {
         return;
     };
     for (k, direction) in open.iter_mut().enumerate() {
@@ -169,7 +167,7 @@ struct Tried<'a> {
 impl<'a> Tried<'a> {
     fn new(
         problem: &'a Problem<'a>,
-        solution: &Solution,
+        solution: (&Solution, &OfLikelihood),
         open: &[UnobservableCombination],
     ) -> Option<Self> {
         let baseline = Baseline::new(problem, solution)?;

@@ -1,11 +1,11 @@
 //! The numerical solution of a problem.
 
+use crate::diagnosis::{Diagnostics, FaultKind};
 use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::known_numbers::Effects;
 use crate::fit::step::BoundaryBodies;
 use crate::fit::triangle::{ConditionalEstimate, SharedTriangle};
 use crate::fit::wheel_motion::OtherWheelMotion;
-use crate::likelihood::rows::StartMomentum;
 use crate::likelihood::{InitialState, MeasuredMotion};
 use crate::problem::parameters::Parameters;
 use crate::problem::prior::{Conflict, PriorTest};
@@ -13,7 +13,7 @@ use crate::problem::settings::Settings;
 use crate::solution::estimate::SegmentFit;
 use crate::solution::unobservable_set::UnobservableSet;
 use poinsot_model::MomentumKnowledge;
-use poinsot_solve::{Spectrum, Triangle};
+use poinsot_solve::Spectrum;
 use poinsot_spatial::{Matrix3, Vector3};
 
 /// A vector with its gradient over the unknowns (three rows) and its own covariance given them.
@@ -61,14 +61,6 @@ pub(crate) struct StartOfSegment {
     pub translation: bool,
 }
 
-/// One segment reduced by the linear method: its momentum rows and the rows of the shared unknowns.
-pub(crate) struct Reduced {
-    /// Triangle of `[momentum | unknowns | rhs]`.
-    pub triangle: Triangle,
-    /// What was assumed of its momentum.
-    pub start: StartMomentum,
-}
-
 /// Sensitivity of the answer to one assumption.
 pub(crate) struct Sensitivity {
     pub to: &'static str,
@@ -84,63 +76,81 @@ pub(crate) struct Solution {
     pub shared: SharedTriangle,
     /// Spectrum of the data and all declared priors.
     pub spectrum: Spectrum,
-    /// Spectrum without the priors of mass properties, where any are declared.
-    pub data_alone: Option<Spectrum>,
     /// Values of all unknowns in the order of `parameters`.
     pub x: Vec<f64>,
     /// Residual sum of squares of the whitened rows and degrees of freedom.
     pub residual: (f64, usize),
-    /// Whitened rows, momentum taken off.
-    pub rows: usize,
     /// Share of the measured change of momentum that the model explains; `None` where all of it is
     /// proportional to the unknowns.
     pub explained: Option<f64>,
     pub starts: Vec<StartOfSegment>,
     pub fit: Vec<SegmentFit>,
-    /// Triangles of the linear method; empty for others.
-    pub reduced: Vec<Reduced>,
     /// Paths along unobservable directions.
     pub unobservable_set: UnobservableSet,
-    /// Iterations, and whether they converged.
+    pub warnings: Vec<String>,
+    /// Whether noise accumulates over rows, which the sigmas assume independent.
+    pub noise_accumulates: bool,
+    /// Thresholds of the tests.
+    pub settings: Settings,
+    /// What maximum likelihood adds; `None` of the linear method.
+    pub likelihood: Option<OfLikelihood>,
+}
+
+/// What maximum likelihood alone makes.
+pub(crate) struct OfLikelihood {
+    /// Spectrum without the priors of mass properties, where any are declared.
+    pub data_alone: Option<Spectrum>,
     pub iterations: usize,
     pub converged: bool,
-    pub warnings: Vec<String>,
     /// Whether wheel speeds are assumed smooth between samples.
     pub wheels_smooth: bool,
     /// Share of a rounding step by which a quantity at rest moves while its reading stays.
     pub rest_motion: f64,
-    /// What they may do instead.
+    /// What the wheels may do between samples instead.
     pub other_wheel_motion: Option<OtherWheelMotion>,
     /// What was assumed of the inputs.
     pub assumptions: Vec<String>,
     /// Bodies at an active limit of physical mass properties.
     pub held: Option<BoundaryBodies>,
-    /// Diagnosis of the residuals; `None` for a method without it.
-    pub diagnostics: Option<crate::diagnosis::Diagnostics>,
+    /// Diagnosis of the residuals.
+    pub diagnostics: Diagnostics,
     /// Tests of the declared numbers against the data.
     pub prior_tests: Vec<PriorTest>,
     /// Priors that the data contradict.
     pub conflict: Option<Conflict>,
-    /// Whether noise accumulates over rows, which the sigmas assume independent.
-    pub noise_accumulates: bool,
     /// How the answer depends on the known numbers, where any is uncertain.
     pub known: Option<Effects>,
     /// Sensitivity of the answer to assumptions.
     pub sensitivities: Vec<Sensitivity>,
-    /// Thresholds of the tests.
-    pub settings: Settings,
-    /// Whether the fit keeps every body physical.
-    pub keeps_physical: bool,
+}
+
+impl OfLikelihood {
     /// Whether the residual contradicts a rigid vehicle.
-    pub not_rigid: bool,
-    /// `E[dA^T dA]` of the mass properties, row by row; empty where noise is not in the regressor.
-    pub regressor_noise: Vec<f64>,
+    pub fn not_rigid(&self) -> bool {
+        let mut findings = self.diagnostics.findings.iter();
+        findings.any(|f| f.fault == FaultKind::NotRigid)
+    }
 }
 
 impl Solution {
+    /// Whether the iteration converged; a closed form needs none.
+    pub fn converged(&self) -> bool {
+        self.likelihood.as_ref().is_none_or(|own| own.converged)
+    }
+
+    /// Spectrum without the priors of mass properties, where any are used.
+    pub fn data_alone(&self) -> Option<&Spectrum> {
+        self.likelihood.as_ref()?.data_alone.as_ref()
+    }
+
     /// What the data determine, priors of mass properties left out.
     pub fn of_data(&self) -> &Spectrum {
-        self.data_alone.as_ref().unwrap_or(&self.spectrum)
+        self.data_alone().unwrap_or(&self.spectrum)
+    }
+
+    /// What the wheels may do between samples instead.
+    pub fn other_wheel_motion(&self) -> Option<&OtherWheelMotion> {
+        self.likelihood.as_ref()?.other_wheel_motion.as_ref()
     }
 
     /// Its values of all unknowns.
