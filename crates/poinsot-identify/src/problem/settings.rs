@@ -112,6 +112,12 @@ pub struct IntegrationSettings {
     pub answer_sigmas: f64,
     /// Largest change of all predictions together, in their noise, above 0. Default: 0.3: a chi-square moves by less than 0.1.
     pub predictions_sigmas: f64,
+    /// Largest relative change of the sensitivities of identified directions, in the norm of the information, above 0. Default:
+    /// 1e-3.
+    pub sensitivities: f64,
+    /// Largest change of the sensitivities of other directions, in units of the smallest singular value of an identified one,
+    /// above 0. Default: 0.1.
+    pub unidentified: f64,
 }
 
 impl Default for DiagnosisSettings {
@@ -135,6 +141,8 @@ impl Default for IntegrationSettings {
         Self {
             answer_sigmas: 0.05,
             predictions_sigmas: 0.3,
+            sensitivities: 1.0e-3,
+            unidentified: 0.1,
         }
     }
 }
@@ -269,7 +277,7 @@ impl DiagnosisSettings {
 }
 
 impl IntegrationSettings {
-    fn ranges(&self) -> [Range; 2] {
+    fn ranges(&self) -> [Range; 4] {
         [
             above("integration.answer_sigmas", self.answer_sigmas, 0.0),
             above(
@@ -277,6 +285,8 @@ impl IntegrationSettings {
                 self.predictions_sigmas,
                 0.0,
             ),
+            above("integration.sensitivities", self.sensitivities, 0.0),
+            above("integration.unidentified", self.unidentified, 0.0),
         ]
     }
 }
@@ -291,7 +301,7 @@ mod tests {
     fn unit_every_setting_has_a_range() {
         let default = Settings::default();
         assert_eq!(default.validate(), Ok(()));
-        let changed: [(&str, Change); 18] = [
+        let changed: [(&str, Change); 20] = [
             ("false_alarm", |s, x| s.false_alarm = x),
             ("negligible_excess", |s, x| s.negligible_excess = x),
             ("white_excess", |s, x| s.white_excess = x),
@@ -327,6 +337,12 @@ mod tests {
             }),
             ("integration.predictions_sigmas", |s, x| {
                 s.integration.predictions_sigmas = x;
+            }),
+            ("integration.sensitivities", |s, x| {
+                s.integration.sensitivities = x;
+            }),
+            ("integration.unidentified", |s, x| {
+                s.integration.unidentified = x;
             }),
         ];
         for (name, change) in changed {
