@@ -2,6 +2,10 @@
 
 /// Largest number of decimals, the precision of a double.
 const MOST: i32 = 12;
+/// Decimals of the first figure of a double.
+const DOUBLE: i32 = 15;
+/// Size from which a number and its sigma are written in powers of ten.
+const PLAIN: f64 = 1.0e7;
 /// Significant digits of a number in a message.
 const SHORT: usize = 6;
 
@@ -92,34 +96,72 @@ pub fn significant(x: f64, figures: i32) -> String {
     format!("{x:.decimals$}")
 }
 
-/// Value and sigma as text: the sigma with two figures, the value down to the same place.
+/// Value and sigma as text: the sigma with two figures, the value rounded to the same place; powers of ten where that is
+/// shorter.
 ///
 /// ```
 /// use poinsot_files::number_with_sigma;
 ///
 /// let (value, sigma) = number_with_sigma(Some(312.41567), Some(0.0213));
 /// assert_eq!((value.as_str(), sigma.as_str()), ("312.416", "0.021"));
+/// let (value, sigma) = number_with_sigma(Some(31_241.567), Some(2130.0));
+/// assert_eq!((value.as_str(), sigma.as_str()), ("31200", "2100"));
 /// assert_eq!(number_with_sigma(None, None).0, "not identifiable");
 /// ```
 pub fn number_with_sigma(value: Option<f64>, sigma: Option<f64>) -> (String, String) {
     match (value, sigma) {
         (Some(v), Some(s)) if s > 0.0 && s.is_finite() => {
-            let place = s.log10().floor() as i32 - 1;
-            if (-MOST..=0).contains(&place) {
-                let decimals = place.unsigned_abs() as usize;
-                let sigma = if place < -5 {
-                    format!("{s:.1e}")
-                } else {
-                    format!("{s:.decimals$}")
-                };
-                (unsigned_zero(format!("{v:.decimals$}")), sigma)
-            } else {
-                (significant(v, 8), format!("{s:.1e}"))
-            }
+            // The exponent behind rounding: 0.0996 is 0.10.
+            let s = to_digits(s, 2);
+            let place = exponent(s) - 1;
+            let plain = -MOST <= place && v.abs().max(s) < PLAIN;
+            let value = match plain {
+                true => at_place(v, place),
+                false => with_exponent(v, place),
+            };
+            let sigma = match plain && place >= -5 {
+                true => at_place(s, place),
+                false => format!("{s:.1e}"),
+            };
+            (value, sigma)
         }
         (Some(v), _) => (significant(v, 8), String::new()),
         (None, _) => ("not identifiable".to_owned(), String::new()),
     }
+}
+
+/// `x` rounded to a power of ten.
+fn at_place(x: f64, place: i32) -> String {
+    let decimals = (-place).max(0) as usize;
+    let unit = 10.0_f64.powi(place.max(0));
+    let x = match place > 0 {
+        true => (x / unit).round() * unit,
+        false => x,
+    };
+    unsigned_zero(format!("{x:.decimals$}"))
+}
+
+/// The same in powers of ten, as far as a double goes.
+fn with_exponent(x: f64, place: i32) -> String {
+    let units = (x / 10.0_f64.powi(place)).round();
+    let x = match units.abs() < 10.0_f64.powi(DOUBLE) {
+        true => format!("{units:.0}e{place}").parse().unwrap_or(x),
+        false => x,
+    };
+    if x == 0.0 {
+        return "0".to_owned();
+    }
+    let decimals = (exponent(x) - place).clamp(0, DOUBLE) as usize;
+    format!("{x:.decimals$e}")
+}
+
+/// The power of ten of a number's first figure.
+fn exponent(x: f64) -> i32 {
+    let text = format!("{x:e}");
+    let power = text
+        .split_once('e')
+        .and_then(|(_, power)| power.parse().ok());
+    power.unwrap_or(0)
 }
 
 /// A probability as text: two decimals, or two significant figures below 0.01, so that none reads as zero.
@@ -148,6 +190,7 @@ fn unsigned_zero(text: String) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
 
     #[test]
     fn unit_numbers_read_as_a_person_writes_them() {
@@ -184,6 +227,56 @@ mod tests {
             number_with_sigma(Some(1000.0), Some(3.0e-8)),
             ("1000.000000000".to_owned(), "3.0e-8".to_owned())
         );
+    }
+
+    #[test]
+    fn unit_large_sigmas_end_where_small_ones_do() {
+        for (v, s, value, sigma) in [
+            (1_234_567.0, 1234.0, "1234600", "1200"),
+            (-49.0, 123.0, "-50", "120"),
+            (-4.0, 123.0, "0", "120"),
+            (0.5, 99.6, "0", "100"),
+            (0.012_34, 0.0996, "0.01", "0.10"),
+            (1.234_567_8e9, 4.56e5, "1.23457e9", "4.6e5"),
+            (9.999_96e8, 1.2e6, "1.0000e9", "1.2e6"),
+            (2.5e-14, 1.0e-15, "2.50e-14", "1.0e-15"),
+            (-3.0e8, 4.4e10, "0", "4.4e10"),
+        ] {
+            let found = number_with_sigma(Some(v), Some(s));
+            assert_eq!(found, (value.to_owned(), sigma.to_owned()), "{v} {s}");
+        }
+    }
+
+    /// Sizes over forty powers of ten.
+    fn sizes() -> impl Strategy<Value = f64> {
+        (1.0..10.0_f64, -20..20_i32).prop_map(|(x, power)| x * 10.0_f64.powi(power))
+    }
+
+    proptest! {
+        /// Two figures of sigma, and the value to the nearest unit of the second one.
+        #[test]
+        fn prop_a_value_ends_at_the_second_figure_of_its_sigma(
+            size in sizes(), s in sizes(), minus: bool
+        ) {
+            let v = if minus { -size } else { size };
+            let (value, sigma) = number_with_sigma(Some(v), Some(s));
+            let read: f64 = sigma.parse().unwrap();
+            prop_assert!((read / s - 1.0).abs() < 0.0501, "{s}: {sigma}");
+            let mantissa = sigma.split('e').next().unwrap_or_default();
+            let figures = mantissa.replace('.', "");
+            let figures = figures.trim_start_matches('0').trim_end_matches('0');
+            prop_assert!(figures.len() <= 2, "{s}: {sigma}");
+            // The unit of the second figure, of the sigma as printed.
+            let power = format!("{read:e}").split_once('e').unwrap().1.parse::<i32>().unwrap();
+            let unit = 10.0_f64.powi(power - 1);
+            let near: f64 = value.parse().unwrap();
+            let off = (near - v).abs();
+            prop_assert!(off <= 0.500_001 * unit + 1.0e-15 * size, "{v} +- {s}: {value}");
+            let units = near / unit;
+            let whole = (units - units.round()).abs();
+            prop_assert!(whole < 1.0e-6_f64.max(1.0e-15 * units.abs()), "{v} +- {s}: {value}");
+            prop_assert!(value.len() <= 24, "{value}");
+        }
     }
 
     #[test]
