@@ -249,20 +249,21 @@ const JOINT_POSITION: Facts = Facts {
     word: "joint_position",
     about: "Joint positions, rad or m.",
     units: &["rad", "m"],
-    errors: &[ErrorKey::Bias, ErrorKey::Lag],
+    errors: &[ErrorKey::Bias, ErrorKey::Scale, ErrorKey::Lag],
     ..SCALAR
 };
 const JOINT_RATE: Facts = Facts {
     word: "joint_rate",
     about: "Joint rates, rad/s or m/s.",
     units: &["rad_s", "m_s"],
-    errors: &[],
+    errors: &[ErrorKey::Bias, ErrorKey::Scale],
     ..SCALAR
 };
 const WHEEL_SPEED: Facts = Facts {
     word: "wheel_speed",
     about: "Wheel speeds relative to the host, rad/s.",
     units: &["rad_s"],
+    // Only the product of its scale and the spin inertia acts: the spin inertia stands for both.
     errors: &[ErrorKey::Bias, ErrorKey::Lag],
     ..SCALAR
 };

@@ -159,13 +159,22 @@ name = "angle"
 type = "joint_position"
 of = "shoulder"
 bias = "estimate"
+scale = "estimate"
 lag = "estimate"
+
+[[sensor]]
+name = "tachometer of shoulder"
+type = "joint_rate"
+of = "shoulder"
+bias = "estimate"
+scale = "estimate"
 
 [[sensor]]
 name = "length"
 type = "joint_position"
 of = "slide"
 bias = "estimate"
+scale = "estimate"
 lag = "estimate"
 
 [[sensor]]
@@ -329,6 +338,7 @@ fn finer(model: &Model, tree: &Tree, translation: bool, fine: usize) -> Segment 
             joint_errors: Vec::new(),
             wheel_errors: Vec::new(),
             derived_rates: Vec::new(),
+            measured_rates: vec![true, false],
             between_readings: false,
         },
         accelerations: None,

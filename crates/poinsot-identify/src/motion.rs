@@ -13,6 +13,7 @@ pub(crate) mod input_curves;
 pub(crate) mod input_noise;
 mod input_slopes;
 mod inputs;
+mod joint_scales;
 mod mass_loss;
 mod point_kinematics;
 pub(crate) mod refined;

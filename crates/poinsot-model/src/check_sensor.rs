@@ -246,8 +246,12 @@ fn refuse_error(kind: SensorKind, (error, key): (ErrorKey, &Key), findings: &mut
     let (word, name) = (kind.word(), error.word());
     let problem = format!("the {name} of a sensor of type \"{word}\" cannot be estimated");
     let remedy = match (kind, error) {
-        (SensorKind::JointRate, ErrorKey::Bias | ErrorKey::Lag) => {
+        (SensorKind::JointRate, ErrorKey::Lag) => {
             "declare it on the joint_position sensor".to_owned()
+        }
+        // A wheel acts by spin inertia times speed alone.
+        (SensorKind::WheelSpeed, ErrorKey::Scale) => {
+            "write estimate = true on the [[wheel]]: its spin inertia stands for both".to_owned()
         }
         (SensorKind::Thrust, ErrorKey::Scale) => "write scale on the [[thruster]]".to_owned(),
         _ => match kind.unknown_errors() {

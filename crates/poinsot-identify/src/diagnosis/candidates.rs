@@ -80,7 +80,14 @@ fn shows(experiment: &Experiment, read: &[(usize, String)], kind: &UnknownKind) 
     let rotation = experiment.measured_motion == MeasuredMotion::Rotation;
     match kind {
         UnknownKind::Sensor { sensor, error } => is_no_frame(experiment, read, *sensor, error),
-        UnknownKind::JointOffset(k) | UnknownKind::JointPlay(k) => moves(experiment.problem, *k),
+        UnknownKind::JointOffset(k) | UnknownKind::JointScale(k) | UnknownKind::JointPlay(k) => {
+            moves(experiment.problem, *k)
+        }
+        UnknownKind::JointRateScale(k) | UnknownKind::JointRateBias(k) => {
+            let segments = experiment.problem.segments.iter();
+            let mut rates = segments.map(|s| &s.observations.measured_rates);
+            moves(experiment.problem, *k) && rates.any(|own| own.get(*k) == Some(&true))
+        }
         UnknownKind::ThrusterLag(_) => {
             let mut segments = experiment.problem.segments.iter();
             segments.any(|s| !s.firings.is_empty())

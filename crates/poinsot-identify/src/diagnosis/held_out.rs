@@ -98,6 +98,7 @@ fn beginning(segment: &Segment) -> Segment {
             joint_errors: o.joint_errors.clone(),
             wheel_errors: o.wheel_errors.clone(),
             derived_rates: o.derived_rates.clone(),
+            measured_rates: o.measured_rates.clone(),
             between_readings: o.between_readings,
         },
         firings: segment.firings.clone(),

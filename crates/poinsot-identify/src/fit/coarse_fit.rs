@@ -132,6 +132,7 @@ fn at_times(segment: &Segment, kept: &[usize]) -> Segment {
         wheel_speed: rows(&o.wheel_speed, wheels),
         smooth_wheel_speed: Vec::new(),
         straight_wheels: o.straight_wheels.clone(),
+        measured_rates: o.measured_rates.clone(),
         joint_errors: o.joint_errors.iter().map(|e| errors(e, kept)).collect(),
         wheel_errors: o.wheel_errors.iter().map(|e| errors(e, kept)).collect(),
         // Rates were made on the finer grid and keep what they are.

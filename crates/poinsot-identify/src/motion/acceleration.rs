@@ -18,7 +18,6 @@ use super::vehicle::{Thrust, Vehicle, parabola_slope, wheel_slope};
 use super::virtual_joints::{JOINT_STEP, moved_trees};
 use super::{Instant, Motion, State};
 use crate::problem::parameters::UnknownKind;
-use crate::problem::segment::Observations;
 use nalgebra::SMatrix;
 use poinsot_dynamics::{
     Accelerations, Kinematics, Tree, Twist, composite, momentum_rate_column, wheel_rate,
@@ -38,6 +37,8 @@ struct Inputs {
     wheels: Vec<f64>,
     wheel_rates: Vec<f64>,
     thrust: Vec<Thrust>,
+    /// Effect of unknowns on the accelerations: unknown, joint and slope.
+    acceleration_changes: Vec<(usize, usize, f64)>,
 }
 
 impl Inputs {
@@ -209,14 +210,29 @@ impl Motion<'_> {
         let last = o.time_s.len().saturating_sub(1);
         inputs.q.clone_from(&self.input_state.q);
         inputs.rates.clone_from(&self.input_state.rates);
+        let q = |j: usize| move |i: usize| o.joint_position[i * dof + j];
+        let rate = |j: usize| move |i: usize| o.joint_rate[i * dof + j];
         inputs.accelerations.clear();
         inputs
             .accelerations
-            .extend((0..dof).map(|j| match v.noisy_joints.get(j) {
-                // A second difference of noisy positions is noise.
-                Some(true) => parabola_slope(&o.time_s, |i| o.joint_rate[i * dof + j], k),
-                _ => joint_acceleration(o, dof, j, k),
-            }));
+            .extend((0..dof).map(|j| self.joint_acceleration((j, k), q(j), rate(j))));
+        inputs.acceleration_changes.clear();
+        for own in &v.joint_scales {
+            let j = own.joint;
+            let zero = |_: usize| 0.0;
+            let [of_rates, of_ones] = match o.measured_rates.get(j) {
+                Some(true) => [
+                    self.joint_acceleration((j, k), zero, rate(j)),
+                    self.joint_acceleration((j, k), zero, |_| 1.0),
+                ],
+                _ => [0.0; 2],
+            };
+            let found = own.corrected([inputs.accelerations[j]], [of_rates], [of_ones]);
+            [inputs.accelerations[j]] = found.value;
+            let each = own.unknowns().into_iter().zip(found.slopes);
+            let each = each.filter_map(|(unknown, [slope])| Some((unknown?, j, slope)));
+            inputs.acceleration_changes.extend(each);
+        }
         inputs.wheels.clone_from(&self.input_state.wheels);
         inputs.wheel_rates.clear();
         inputs.wheel_rates.extend((0..wheels).map(|j| {
@@ -232,6 +248,21 @@ impl Motion<'_> {
         }));
         inputs.thrust.clear();
         inputs.thrust.extend_from_slice(self.thrust.at(k));
+    }
+
+    /// Acceleration of joint j at grid time k from positions and rates at grid times, rad/s2 or m/s2.
+    fn joint_acceleration(
+        &self,
+        (j, k): (usize, usize),
+        q: impl Fn(usize) -> f64,
+        rate: impl Fn(usize) -> f64,
+    ) -> f64 {
+        let t = &self.observations.time_s;
+        match self.vehicle.noisy_joints.get(j) {
+            // A second difference of noisy positions is noise.
+            Some(true) => parabola_slope(t, rate, k),
+            _ => joint_acceleration(t, q, rate, k),
+        }
     }
 
     /// Force and torque about Bo of thrusters and surroundings, in B.
@@ -371,6 +402,14 @@ impl Motion<'_> {
         columns: &mut [Vector3],
     ) {
         let tree = self.vehicle.tree;
+        for &(unknown, j, slope) in &inputs.acceleration_changes {
+            for (end, sign) in ends.iter_mut().zip([1.0, -1.0]) {
+                end.copy(inputs);
+                Moved::Acceleration(j).shift(end, sign);
+            }
+            let both = ends.each_ref().map(|inputs| (tree, inputs));
+            self.add_change((unknown, slope), around, (both, 1.0), moving, columns);
+        }
         for change in &self.input_state.changes {
             let joint = change.joint.filter(|c| c.0 < tree.dof());
             // Quadratic in rates and speeds, so that a step of one is exact; a small one over positions.
@@ -467,20 +506,23 @@ impl Motion<'_> {
 
 /// Second derivative of a joint's position at grid time k, rad/s2 or m/s2: of the quintic that meets position
 /// and rate here and at both neighbours (error `h^4 q^(6) / 360` at even steps); at an end, of the cubic.
-fn joint_acceleration(o: &Observations, dof: usize, joint: usize, k: usize) -> f64 {
-    let q = |i: usize| o.joint_position[i * dof + joint];
-    let rate = |i: usize| o.joint_rate[i * dof + joint];
-    let last = o.time_s.len() - 1;
+fn joint_acceleration(
+    t: &[f64],
+    q: impl Fn(usize) -> f64,
+    rate: impl Fn(usize) -> f64,
+    k: usize,
+) -> f64 {
+    let last = t.len() - 1;
     if last == 0 {
         return 0.0;
     }
     if k == 0 || k == last {
         let other = if k == 0 { 1 } else { last - 1 };
-        let h = o.time_s[other] - o.time_s[k];
+        let h = t[other] - t[k];
         return 6.0 * (q(other) - q(k)) / (h * h) - (4.0 * rate(k) + 2.0 * rate(other)) / h;
     }
     let row = |i: usize| {
-        let h = o.time_s[i] - o.time_s[k];
+        let h = t[i] - t[k];
         let u = (q(i) - q(k) - rate(k) * h) / (h * h);
         let w = (rate(i) - rate(k)) / h;
         (h, u, w)
@@ -517,7 +559,7 @@ fn joint_acceleration(o: &Observations, dof: usize, joint: usize, k: usize) -> f
     (system * columns)
         .lu()
         .solve(&nalgebra::Vector4::new(u1, w1, u2, w2))
-        .map_or_else(|| parabola_slope(&o.time_s, rate, k), |x| 2.0 * x[0])
+        .map_or_else(|| parabola_slope(t, rate, k), |x| 2.0 * x[0])
 }
 
 fn upper(v: &Vector6) -> Vector3 {

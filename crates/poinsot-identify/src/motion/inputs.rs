@@ -1,5 +1,6 @@
 //! Corrected joint and wheel motion, and the effect of the sensor errors.
 
+use super::joint_scales::rate_parts;
 use super::vehicle::{Thrust, Vehicle, wheel_slope};
 use super::{EvaluatedState, InputState, Instant, Motion, State, matrix, pose_change};
 use crate::problem::parameters::UnknownKind;
@@ -97,6 +98,8 @@ impl Motion<'_> {
                 _ => {}
             }
         }
+        self.take_out_scales(k, at);
+        let input_state = &mut self.input_state;
         for (i, joint) in self.vehicle.virtual_joints.iter().enumerate() {
             let (q, rate) = match joint.along {
                 Some(k) => (input_state.q[k], input_state.rates[k]),
@@ -107,6 +110,29 @@ impl Motion<'_> {
                 joint: Some((self.vehicle.tree.dof() + i, q, rate)),
                 wheel: None,
             });
+        }
+    }
+
+    /// Takes scales of joints and errors of their rates out of the inputs, behind offsets and lags: these are in what a scale multiplies.
+    fn take_out_scales(&mut self, k: usize, at: f64) {
+        let (dof, now) = (self.vehicle.tree.dof(), &mut self.input_state);
+        for own in &self.vehicle.joint_scales {
+            let j = own.joint;
+            let [of_rates, of_ones] = rate_parts(self.observations, (dof, j), (k, at));
+            let found = own.corrected([now.q[j], now.rates[j]], of_rates, of_ones);
+            [now.q[j], now.rates[j]] = found.value;
+            let before = now.changes.iter_mut().filter_map(|c| c.joint.as_mut());
+            for (_, q, rate) in before.filter(|(joint, ..)| *joint == j) {
+                *q *= own.factor();
+                *rate *= own.factor();
+            }
+            for (unknown, [q, rate]) in own.unknowns().into_iter().zip(found.slopes) {
+                now.changes.extend(unknown.map(|unknown| InputChange {
+                    unknown,
+                    joint: Some((j, q, rate)),
+                    wheel: None,
+                }));
+            }
         }
     }
 
@@ -295,7 +321,7 @@ fn fill_inputs(
     }
     let h = o.time_s[k + 1] - o.time_s[k];
     for j in 0..dof {
-        let (d0, c2, c3) = cubic(o, dof, j, k, h);
+        let (d0, c2, c3) = joint_cubic(o, dof, j, k, h);
         input_state.q[j] = o.joint_position[k * dof + j] + at * (d0 + at * (c2 + at * c3));
         input_state.rates[j] = (d0 + at * (2.0 * c2 + at * 3.0 * c3)) / h;
     }
@@ -317,9 +343,20 @@ fn fill_inputs(
 }
 
 /// Coefficients of a joint's cubic in the interval after grid time k, over the share of it.
-pub(super) fn cubic(o: &Observations, dof: usize, j: usize, k: usize, h: f64) -> (f64, f64, f64) {
+pub(super) fn joint_cubic(
+    o: &Observations,
+    dof: usize,
+    j: usize,
+    k: usize,
+    h: f64,
+) -> (f64, f64, f64) {
     let (a, b) = (k * dof + j, (k + 1) * dof + j);
     let dq = o.joint_position[b] - o.joint_position[a];
-    let (d0, d1) = (o.joint_rate[a] * h, o.joint_rate[b] * h);
+    cubic(dq, [o.joint_rate[a], o.joint_rate[b]], h)
+}
+
+/// The same by the change of position and the rates at both ends.
+pub(super) fn cubic(dq: f64, rates: [f64; 2], h: f64) -> (f64, f64, f64) {
+    let [d0, d1] = rates.map(|rate| rate * h);
     (d0, 3.0 * dq - 2.0 * d0 - d1, d0 + d1 - 2.0 * dq)
 }

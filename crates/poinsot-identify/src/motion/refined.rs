@@ -1,7 +1,7 @@
 //! A segment on a grid with more times: the same motion, known at more instants.
 
 use super::environment::orbit_between;
-use super::inputs::cubic;
+use super::inputs::joint_cubic;
 use crate::problem::segment::{
     BetweenReadings, InputErrors, Observations, SensorRecord, SensorSample,
 };
@@ -36,6 +36,7 @@ pub(crate) fn refined(o: &Observations, further_s: &[f64]) -> Observations {
         // Slopes of several positions are not on the new grid.
         derived_rates: Vec::new(),
         smooth_wheel_speed: Vec::new(),
+        measured_rates: o.measured_rates.clone(),
         straight_wheels: o.straight_wheels.clone(),
         joint_errors: o.joint_errors.iter().map(|e| errors(e, &places)).collect(),
         wheel_errors: o.wheel_errors.iter().map(|e| errors(e, &places)).collect(),
@@ -61,7 +62,7 @@ pub(crate) fn refined(o: &Observations, further_s: &[f64]) -> Observations {
         new.time_s.push(o.time_s[k] + at * h);
         new.orbit.extend(orbit_between(o, k, at));
         for j in 0..dof {
-            let (d0, c2, c3) = cubic(o, dof, j, k, h);
+            let (d0, c2, c3) = joint_cubic(o, dof, j, k, h);
             let q = o.joint_position[k * dof + j] + at * (d0 + at * (c2 + at * c3));
             new.joint_position.push(q);
             new.joint_rate

@@ -1,5 +1,6 @@
 //! The vehicle at one value of the unknowns, with its inputs between samples.
 
+use super::joint_scales::{JointScales, joint_scales};
 use super::steps::Steps;
 use super::virtual_joints::{VirtualJoint, virtual_joints};
 use crate::motion::input_curves::InputCurves;
@@ -43,6 +44,8 @@ pub(crate) struct Vehicle<'a> {
     pub noisy_joints: Vec<bool>,
     /// Unknowns that change joint and wheel motion.
     pub input_faults: Vec<InputFault>,
+    /// Joints with unknown scales, or errors of their rates.
+    pub joint_scales: Vec<JointScales>,
     /// Motion of each joint coordinate, then of the virtual joints.
     pub joint_motions: Vec<SubtreeMotion>,
     /// Joints that do not move, by which unknowns displace subtrees.
@@ -123,6 +126,7 @@ impl<'a> Vehicle<'a> {
             steps: Steps::default(),
             noisy_joints: Vec::new(),
             input_faults: input_faults(parameters, x),
+            joint_scales: joint_scales(parameters, x),
             joint_motions,
             virtual_joints,
             curves: None,

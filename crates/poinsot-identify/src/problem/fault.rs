@@ -45,6 +45,8 @@ faults! {
         "; write the step as resolution of the sensor, or add its twelfth part squared to the noise";
     JointOffset: "joint_offset", "the position of a joint has an offset",
         "; write bias = \"estimate\" for the sensor of the joint";
+    JointScale: "joint_scale", "scale of the position or the rate of a joint",
+        "; write scale = \"estimate\" for the sensor of the joint";
     Backlash: "backlash", "a joint has play between its drive and its link", "; measure the joint on the link side";
     WheelSign: "wheel_sign", "the sign of a wheel's speed or axis", "; reverse the axis, or the sign of the column";
     WheelExchange: "wheel_exchange", "the speed columns of two wheels are exchanged",

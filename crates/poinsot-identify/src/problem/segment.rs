@@ -209,6 +209,8 @@ pub struct Observations {
     /// Joints whose rate at every grid time is the slope of the polynomial through the five nearest positions, all of
     /// them read at grid times; read for itself where the list is shorter.
     pub derived_rates: Vec<bool>,
+    /// Joints whose rate has samples of its own; made of positions where the list is shorter.
+    pub measured_rates: Vec<bool>,
     /// Whether joints or wheels are read at other times than those of the grid, and interpolated.
     pub between_readings: bool,
 }

@@ -57,9 +57,12 @@ pub(crate) struct SensorFile {
     pub quantisation_m_s2: Option<f64>,
     /// Least significant bit, N.
     pub quantisation_N: Option<f64>,
-    /// Constant bias: "none" (default), "estimate", or { sigma_<unit> = x } in the unit of the channel.
+    /// Constant bias: "none" (default), "estimate", or { sigma_<unit> = x } in the unit of the channel. A sensor of joints or
+    /// wheels has one for each of them.
     pub bias: Option<NuisanceFile>,
-    /// Scale factor error: "none" (default), "estimate", or { sigma = x }.
+    /// Scale factor error: "none" (default), "estimate", or { sigma = x }. A joint_position or joint_rate sensor has one for each
+    /// joint; that of a wheel_speed sensor is part of the wheel's spin inertia, that of a thrust sensor is written on the
+    /// thruster.
     pub scale: Option<NuisanceFile>,
     /// Small rotation of the sensor: "none" (default), "estimate", or { sigma_rad = x }.
     pub misalignment: Option<NuisanceFile>,

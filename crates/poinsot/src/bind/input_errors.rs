@@ -74,6 +74,18 @@ pub(super) fn derived_rates(
     tree.coordinates.iter().map(of).collect()
 }
 
+/// Joints with a channel of rates of their own.
+pub(super) fn measured_rates(model: &Model, tree: &Tree, channels: &Channels) -> Vec<bool> {
+    let of = |&at: &usize| {
+        let joint = &model.joints[at];
+        let (position, rate) = joint_columns(&joint.name, joint.kind);
+        let position = channels.find(None, &position);
+        let moves = position.is_some_and(|p| !is_locked(model, at, p));
+        moves && channels.find(None, &rate).is_some()
+    };
+    tree.coordinates.iter().map(of).collect()
+}
+
 /// Whether some joint or wheel has no sample at some grid times.
 pub(super) fn between_readings(
     model: &Model,

@@ -3,7 +3,9 @@
 use super::channels::{Channels, VectorChannels, joint_columns};
 use super::cut::input_channels;
 use super::driven_wheels::speed_at;
-use super::input_errors::{between_readings, derived_rates, is_locked, joint_errors, wheel_errors};
+use super::input_errors::{
+    between_readings, derived_rates, is_locked, joint_errors, measured_rates, wheel_errors,
+};
 use super::orbit::orbit_at;
 use super::sensors::{SAME, SensorColumns, sensor_columns};
 use nalgebra::Vector3;
@@ -84,6 +86,7 @@ pub(super) fn observe(
         joint_errors: joint_errors(model, tree, channels, &time_s),
         wheel_errors: wheel_errors(model, channels, &time_s),
         derived_rates: derived_rates(model, tree, channels, &time_s),
+        measured_rates: measured_rates(model, tree, channels),
         between_readings: between_readings(model, tree, channels, &time_s),
         time_s,
     }

@@ -9,7 +9,9 @@ use super::{AXES, Unknown};
 use crate::problem::fault::FaultKind;
 use crate::problem::segment::Segment;
 use poinsot_dynamics::{SensorError, Tree};
-use poinsot_model::{ErrorKey, JointKind, KnownNumber, Model, Nuisance, Sensor, SensorKind};
+use poinsot_model::{
+    ErrorKey, JointKind, KnownNumber, Model, Nuisance, Sensor, SensorKind, printed_unit,
+};
 use poinsot_spatial::Vector3;
 
 /// Components of a symmetric tensor without a trace.
@@ -86,6 +88,12 @@ pub enum UnknownKind {
     DragTorque(usize),
     /// Constant error of the reading of a joint coordinate, rad or m.
     JointOffset(usize),
+    /// Relative error of the position of a joint coordinate, and of its rate where that has no samples of its own.
+    JointScale(usize),
+    /// Relative error of the measured rate of a joint coordinate.
+    JointRateScale(usize),
+    /// Constant error of the measured rate of a joint coordinate, rad/s or m/s.
+    JointRateBias(usize),
     /// Delay of the samples of these joint coordinates, s.
     JointLag(Vec<usize>),
     /// Delay of the samples of these wheels, s.
@@ -170,7 +178,11 @@ impl UnknownKind {
                 (Acts::Actuators, Tested)
             }
             Self::ThrusterLag(_) => (Acts::ThrustTimes, Nuisance),
-            Self::JointOffset(_) | Self::WheelSpeedBias(_) => (Acts::Inputs, Nuisance),
+            Self::JointOffset(_)
+            | Self::JointScale(_)
+            | Self::JointRateScale(_)
+            | Self::JointRateBias(_)
+            | Self::WheelSpeedBias(_) => (Acts::Inputs, Nuisance),
             Self::JointPlay(_) | Self::JointPlace { .. } => (Acts::Inputs, Tested),
             Self::JointLag(_) | Self::WheelLag(_) => (Acts::InputTimes, Nuisance),
             Self::Sensor { error, .. } => match error {
@@ -244,7 +256,11 @@ impl Registry<'_> {
                 self.of_thruster(kind, k)
             }
             UnknownKind::PropellantUse { body, axis, .. } => self.of_propellant(kind, body, axis),
-            UnknownKind::JointOffset(k) | UnknownKind::JointPlay(k) => self.of_joint(kind, k),
+            UnknownKind::JointOffset(k)
+            | UnknownKind::JointScale(k)
+            | UnknownKind::JointRateScale(k)
+            | UnknownKind::JointRateBias(k)
+            | UnknownKind::JointPlay(k) => self.of_joint(kind, k),
             UnknownKind::WheelSpeedBias(k) => self.wheel_speed_bias(kind, k),
             UnknownKind::JointLag(ref list) => {
                 let joint = self.tree.coordinates.get(*list.first()?)?;
@@ -354,23 +370,43 @@ impl Registry<'_> {
         let at = *self.tree.coordinates.get(k)?;
         let joint = self.model.joints.get(at)?;
         let name = &joint.name;
-        let unit = match joint.kind {
-            JointKind::Prismatic => "m",
-            _ => "rad",
+        let slides = joint.kind == JointKind::Prismatic;
+        let (position, rate) = (SensorKind::JointPosition, SensorKind::JointRate);
+        let unit = |of: SensorKind| printed_unit(of.unit(slides));
+        let of = |end: &str, unit, fault, what: &str| {
+            let number = (format!("{name}.{end}"), unit);
+            entry(kind, number, fault, format!("{what} {name}"))
         };
-        if matches!(kind, UnknownKind::JointPlay(_)) {
-            let hypothesis = format!("backlash of {name}");
-            let number = (format!("{name}.play"), unit);
-            return Some(entry(kind, number, FaultKind::Backlash, hypothesis));
-        }
-        let offset = entry(
-            kind,
-            (format!("{name}.offset"), unit),
-            FaultKind::JointOffset,
-            format!("an offset of {name}"),
-        );
-        let sensor = self.reader(SensorKind::JointPosition, at);
-        Some(offset.declare(declared(sensor, ErrorKey::Bias)))
+        let (error, sensor, key) = match kind {
+            UnknownKind::JointPlay(_) => {
+                let play = of("play", unit(position), FaultKind::Backlash, "backlash of");
+                return Some(play);
+            }
+            UnknownKind::JointScale(_) => {
+                let what = "a scale error of the position of";
+                let scale = of("position_scale", "1", FaultKind::JointScale, what);
+                (scale, position, ErrorKey::Scale)
+            }
+            UnknownKind::JointRateScale(_) => {
+                let what = "a scale error of the rate of";
+                let scale = of("rate_scale", "1", FaultKind::JointScale, what);
+                (scale, rate, ErrorKey::Scale)
+            }
+            UnknownKind::JointRateBias(_) => {
+                let (fault, what) = (FaultKind::SensorBias, "a bias of the rate of");
+                (
+                    of("rate_bias", unit(rate), fault, what),
+                    rate,
+                    ErrorKey::Bias,
+                )
+            }
+            _ => {
+                let fault = FaultKind::JointOffset;
+                let offset = of("offset", unit(position), fault, "an offset of");
+                (offset, position, ErrorKey::Bias)
+            }
+        };
+        Some(error.declare(declared(self.reader(sensor, at), key)))
     }
 
     fn wheel_speed_bias(&self, kind: &UnknownKind, k: usize) -> Option<Entry> {
@@ -519,6 +555,7 @@ impl Registry<'_> {
         }
         for (kind, count) in [
             (SensorKind::JointPosition, model.joints.len()),
+            (SensorKind::JointRate, model.joints.len()),
             (SensorKind::WheelSpeed, model.wheels.len()),
             (SensorKind::Thrust, model.thrusters.len()),
         ] {
@@ -532,14 +569,22 @@ impl Registry<'_> {
     fn input_errors(&self, kind: SensorKind, of: &[usize]) -> Vec<Vec<UnknownKind>> {
         let joints = (0..self.tree.dof()).filter(|k| of.contains(&self.tree.coordinates[*k]));
         let mut all = Vec::new();
+        let each = |kind: fn(usize) -> UnknownKind| joints.clone().map(move |k| vec![kind(k)]);
         for key in kind.unknown_errors().iter().filter(|_| kind.is_scalar()) {
             match (kind, key) {
                 (SensorKind::JointPosition, ErrorKey::Bias) => {
-                    all.extend(joints.clone().map(|k| vec![UnknownKind::JointOffset(k)]));
+                    all.extend(each(UnknownKind::JointOffset));
+                }
+                (SensorKind::JointPosition, ErrorKey::Scale) => {
+                    all.extend(each(UnknownKind::JointScale));
                 }
                 (SensorKind::JointPosition, _) => {
                     all.push(vec![UnknownKind::JointLag(joints.clone().collect())]);
                 }
+                (SensorKind::JointRate, ErrorKey::Bias) => {
+                    all.extend(each(UnknownKind::JointRateBias));
+                }
+                (SensorKind::JointRate, _) => all.extend(each(UnknownKind::JointRateScale)),
                 (SensorKind::WheelSpeed, ErrorKey::Bias) => {
                     all.extend(of.iter().map(|k| vec![UnknownKind::WheelSpeedBias(*k)]));
                 }

@@ -78,16 +78,16 @@ position_m = [0.0, 0.0, 0.0]"#,
     (
         r#"quantisation_rad = 2.4e-5"#,
         r#"quantisation_rad = 2.4e-5
-scale = "estimate""#,
-        r#"E0118 m.toml:40:9: sensor[1].scale (sensor "encoders") = "estimate": the scale of a sensor of type "joint_position" cannot be estimated; remove it; bias, lag can be estimated"#,
+misalignment = "estimate""#,
+        r#"E0118 m.toml:40:16: sensor[1].misalignment (sensor "encoders") = "estimate": the misalignment of a sensor of type "joint_position" cannot be estimated; remove it; bias, scale, lag can be estimated"#,
     ),
     (
         r#"type = "joint_position"
 quantisation_rad = 2.4e-5"#,
         r#"type = "joint_rate"
 quantisation_rad_s = 2.4e-5
-bias = { sigma_rad_s = 1.0e-3 }"#,
-        r#"E0118 m.toml:40:8: sensor[1].bias (sensor "encoders") = { sigma_rad_s = 1.0e-3 }: the bias of a sensor of type "joint_rate" cannot be estimated; declare it on the joint_position sensor"#,
+lag = { sigma_s = 1.0e-3 }"#,
+        r#"E0118 m.toml:40:7: sensor[1].lag (sensor "encoders") = { sigma_s = 1.0e-3 }: the lag of a sensor of type "joint_rate" cannot be estimated; declare it on the joint_position sensor"#,
     ),
     (
         r#"type = "joint_position"
@@ -95,7 +95,7 @@ quantisation_rad = 2.4e-5"#,
         r#"type = "wheel_speed"
 quantisation_rad_s = 2.4e-5
 scale = "estimate""#,
-        r#"E0118 m.toml:40:9: sensor[1].scale (sensor "encoders") = "estimate": the scale of a sensor of type "wheel_speed" cannot be estimated; remove it; bias, lag can be estimated"#,
+        r#"E0118 m.toml:40:9: sensor[1].scale (sensor "encoders") = "estimate": the scale of a sensor of type "wheel_speed" cannot be estimated; write estimate = true on the [[wheel]]: its spin inertia stands for both"#,
     ),
     (
         r#"type = "joint_position"

@@ -1,0 +1,105 @@
+//! Scales of joint sensors and biases of joint rates: a sample is `(1 + scale) truth + bias`.
+//!
+//! The motion of a joint is linear in its samples: a part made of positions, and one made of rates where these are measured
+//! for themselves. Each part has its own scale.
+
+use super::inputs::cubic;
+use crate::problem::parameters::{Parameters, UnknownKind};
+use crate::problem::segment::Observations;
+
+/// Errors of one joint coordinate.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct JointScales {
+    /// Index of the coordinate.
+    pub joint: usize,
+    /// Scale of the position, scale and bias of the rate: each with the index of its unknown and its value.
+    errors: [Option<(usize, f64)>; 3],
+}
+
+/// Value without errors, and its slopes over the errors.
+pub(super) struct Corrected<const N: usize> {
+    pub value: [f64; N],
+    pub slopes: [[f64; N]; 3],
+}
+
+/// The joints with such errors.
+pub(crate) fn joint_scales(parameters: &Parameters, x: &[f64]) -> Vec<JointScales> {
+    let mut all: Vec<JointScales> = Vec::new();
+    for (unknown, (of, value)) in parameters.unknowns.iter().zip(x).enumerate() {
+        let (joint, which) = match of.kind {
+            UnknownKind::JointScale(j) => (j, 0),
+            UnknownKind::JointRateScale(j) => (j, 1),
+            UnknownKind::JointRateBias(j) => (j, 2),
+            _ => continue,
+        };
+        let at = all.iter().position(|own| own.joint == joint);
+        let at = at.unwrap_or_else(|| {
+            all.push(JointScales {
+                joint,
+                ..JointScales::default()
+            });
+            all.len() - 1
+        });
+        all[at].errors[which] = Some((unknown, *value));
+    }
+    all
+}
+
+impl JointScales {
+    /// The unknowns, in the order of [`Corrected::slopes`].
+    pub fn unknowns(&self) -> [Option<usize>; 3] {
+        self.errors.map(|e| e.map(|(unknown, _)| unknown))
+    }
+
+    /// What the position is multiplied by.
+    pub fn factor(&self) -> f64 {
+        1.0 / (1.0 + self.value(0))
+    }
+
+    fn value(&self, which: usize) -> f64 {
+        self.errors[which].map_or(0.0, |(_, value)| value)
+    }
+
+    /// The motion without errors: `whole` as measured, its part made of measured rates, and that part were all of them one.
+    pub(super) fn corrected<const N: usize>(
+        &self,
+        whole: [f64; N],
+        of_rates: [f64; N],
+        of_ones: [f64; N],
+    ) -> Corrected<N> {
+        let (by_position, by_rate) = (self.factor(), 1.0 / (1.0 + self.value(1)));
+        let bias = self.value(2);
+        let positions: [f64; N] = std::array::from_fn(|i| whole[i] - of_rates[i]);
+        let rates: [f64; N] = std::array::from_fn(|i| of_rates[i] - bias * of_ones[i]);
+        Corrected {
+            value: std::array::from_fn(|i| by_position * positions[i] + by_rate * rates[i]),
+            slopes: [
+                positions.map(|x| -by_position * by_position * x),
+                rates.map(|x| -by_rate * by_rate * x),
+                of_ones.map(|x| -by_rate * x),
+            ],
+        }
+    }
+}
+
+/// Position and rate of a joint that its measured rates make, at a share of the interval after grid time k, and what they would
+/// make were all of them one; zero where rates are derived from positions.
+pub(super) fn rate_parts(
+    o: &Observations,
+    (dof, joint): (usize, usize),
+    (k, at): (usize, f64),
+) -> [[f64; 2]; 2] {
+    if o.measured_rates.get(joint) != Some(&true) {
+        return [[0.0; 2]; 2];
+    }
+    let rate = |k: usize| o.joint_rate[k * dof + joint];
+    if at == 0.0 || at == 1.0 {
+        return [[0.0, rate(k + usize::from(at == 1.0))], [0.0, 1.0]];
+    }
+    let h = o.time_s[k + 1] - o.time_s[k];
+    [[rate(k), rate(k + 1)], [1.0, 1.0]].map(|rates| {
+        let (d0, c2, c3) = cubic(0.0, rates, h);
+        let q = at * (d0 + at * (c2 + at * c3));
+        [q, (d0 + at * (2.0 * c2 + at * 3.0 * c3)) / h]
+    })
+}
