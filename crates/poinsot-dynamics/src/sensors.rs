@@ -37,7 +37,10 @@ pub struct Instrument {
     last_noise: Option<(f64, Vector3)>,
     quantisation: f64,
     bias: Vec<f64>,
-    /// Scale, misalignment, nonorthogonality and lag; the bias is separate, since a sensor may measure many joints.
+    /// Relative error of each joint, wheel or thruster of a scalar sensor.
+    scales: Vec<f64>,
+    /// Scale, misalignment and nonorthogonality of a sensor with axes, and the lag; the bias is separate, since a sensor may
+    /// measure many joints.
     errors: SensorErrors,
     /// Phase of the quantisation steps, one per channel, in steps.
     phase: Vec<f64>,
@@ -49,7 +52,7 @@ impl Instrument {
     /// A sensor of the vehicle. Equal `seed` and `stream` give equal errors; every sensor of every trial
     /// needs its own stream. The bias is the one given (three numbers, or one per scalar channel, or one
     /// for all), else drawn from the declared prior sigma, else zero. Scale, misalignment, nonorthogonality
-    /// and lag are zero: [`Self::set_error`] gives them.
+    /// and lag are zero: [`Self::set_error`] and [`Self::set_scales`] give them.
     pub fn new(sensor: &Sensor, tree: &Tree, seed: u64, stream: u64, bias: Option<&[f64]>) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(stream);
@@ -70,6 +73,7 @@ impl Instrument {
             })
             .collect();
         Self {
+            scales: vec![0.0; if sensor.kind.is_scalar() { channels } else { 0 }],
             errors: SensorErrors::default(),
             correlation_s: sensor.correlation_s,
             last_noise: None,
@@ -112,6 +116,18 @@ impl Instrument {
     pub fn set_error(&mut self, error: SensorError, value: f64) {
         let now = self.error(error);
         self.errors.add(error, value - now);
+    }
+
+    /// The current relative errors of a scalar sensor: one per joint, wheel or thruster.
+    pub fn scales(&self) -> &[f64] {
+        &self.scales
+    }
+
+    /// Sets the relative errors of a scalar sensor: one per joint, wheel or thruster, or one for all.
+    pub fn set_scales(&mut self, scales: &[f64]) {
+        for (i, own) in self.scales.iter_mut().enumerate() {
+            *own = scales.get(i).or(scales.first()).copied().unwrap_or(0.0);
+        }
     }
 
     /// A current error other than the bias, in the sensor's axes.
@@ -179,8 +195,9 @@ impl Instrument {
                 for (i, x) in exact.iter().enumerate() {
                     let noise = self.noise.map_or(0.0, |root| root[(0, 0)]);
                     let bias = self.bias.get(i).copied().unwrap_or(0.0);
+                    let scale = self.scales.get(i).copied().unwrap_or(0.0);
                     let error = bias + noise * normal(&mut self.rng);
-                    out.push(self.round(x + error, i));
+                    out.push(self.round(x + scale * x + error, i));
                 }
             }
             (kind, &[x, y, z]) => {

@@ -455,9 +455,9 @@ pub struct SensorOutputFile {
     /// True bias, N.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bias_N: Option<Placed<Vec<f64>>>,
-    /// Relative error of each axis.
+    /// Relative error of each axis; of a sensor of joints, wheels or thrusters one for each of them, or one for all.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub scale: Option<Placed<[f64; 3]>>,
+    pub scale: Option<Placed<Vec<f64>>>,
     /// Small rotation between true and assumed axes, rad.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub misalignment_rad: Option<Placed<[f64; 3]>>,

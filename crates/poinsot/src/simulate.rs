@@ -23,7 +23,7 @@ use record::Recorder;
 pub(crate) use record::joint_channels;
 use std::path::{Path, PathBuf};
 use truth::Drawn;
-pub(crate) use truth::mass as true_mass;
+pub(crate) use truth::{mass as true_mass, scalar_errors};
 
 /// Samples between two progress reports.
 const REPORTED: usize = 500;

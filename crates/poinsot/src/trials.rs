@@ -19,7 +19,7 @@ use crate::channel_names::names;
 use crate::error::Error;
 use crate::identify::{Question, estimate_by};
 use crate::progress::step;
-use crate::simulate::{Exact, keep_measured, simulate_exact, stream};
+use crate::simulate::{Exact, keep_measured, scalar_errors, simulate_exact, stream};
 use nalgebra::{DMatrix, DVector};
 use poinsot_dynamics::{Instrument, Tree};
 use poinsot_formats::address;
@@ -27,7 +27,7 @@ use poinsot_identify::{
     BodyEstimate, Estimate, Problem, ProblemError, Source, Status, TENSOR, axis_name, cramer_rao,
     predicted_covariance, tensor_name,
 };
-use poinsot_model::{Axes, JointKind, Model, Sensor, SensorKind};
+use poinsot_model::{Axes, Model, Sensor};
 use poinsot_papers::{Kernel, method};
 use poinsot_spatial::MassProperties;
 use poinsot_telemetry::Table;
@@ -279,21 +279,17 @@ impl Study {
             all.extend(mass_names(&body.name).into_iter().zip(values(truth)));
         }
         for (sensor, bias) in self.sensors.iter().zip(biases) {
-            let turned = match (sensor.kind.axes(), sensor.kind) {
-                (Axes::Sensor, _) => sensor.R_BS,
-                (Axes::Inertial, _) => nalgebra::Matrix3::identity(),
-                (Axes::None, SensorKind::JointPosition) => {
-                    let joints = sensor.of.iter().filter_map(|j| self.model.joints.get(*j));
-                    for (joint, bias) in joints.zip(bias) {
-                        let unit = match joint.kind {
-                            JointKind::Prismatic => "m",
-                            _ => "rad",
-                        };
-                        all.insert(address(&format!("{}.offset", joint.name), unit), *bias);
-                    }
+            let turned = match sensor.kind.axes() {
+                Axes::Sensor => sensor.R_BS,
+                Axes::Inertial => nalgebra::Matrix3::identity(),
+                Axes::None => {
+                    let own = scalar_errors(&self.model, sensor, bias, &[]);
+                    all.extend(
+                        own.into_iter()
+                            .map(|(name, unit, x)| (address(&name, unit), x)),
+                    );
                     continue;
                 }
-                _ => continue,
             };
             if bias.len() == 3 {
                 let bias = turned * nalgebra::Vector3::from_column_slice(bias);

@@ -6,6 +6,7 @@ use poinsot_dynamics::SensorError;
 use poinsot_formats::case::{OutputFile, Placed, SensorOutputFile};
 use poinsot_identify::ErrorGroup;
 use poinsot_model::{ErrorKey, Sensor};
+use std::ops::Range;
 
 /// Sample rate and errors of one sensor.
 #[derive(Debug, Clone, PartialEq)]
@@ -14,6 +15,8 @@ pub struct SensorOutput {
     pub every: usize,
     /// Bias in sensor axes, if given; otherwise random or zero.
     pub bias: Option<Vec<f64>>,
+    /// Relative error of each joint, wheel or thruster, if given; of a sensor with axes it is among the errors.
+    pub scales: Option<Vec<f64>>,
     /// Scale, misalignment, nonorthogonality and lag, in sensor axes.
     pub errors: Vec<(SensorError, f64)>,
 }
@@ -25,6 +28,7 @@ pub(super) fn sensor_outputs(planner: &mut Planner, output: &OutputFile) -> Vec<
         SensorOutput {
             every: 1,
             bias: None,
+            scales: None,
             errors: Vec::new(),
         };
         model.sensors.len()
@@ -74,6 +78,7 @@ pub(super) fn sensor_outputs(planner: &mut Planner, output: &OutputFile) -> Vec<
             }
         }
         outputs[*k].bias = bias(planner, table, &model.sensors[*k], &key);
+        outputs[*k].scales = scales(planner, table, &model.sensors[*k], &key);
         outputs[*k].errors = errors(planner, table, &model.sensors[*k], &key);
     }
     outputs
@@ -91,8 +96,10 @@ fn errors(
         value.map(|v| (v.span(), v.get_ref().to_vec()))
     };
     let lag = table.lag_s.as_ref().map(|v| (v.span(), vec![*v.get_ref()]));
+    let scale = table.scale.as_ref().filter(|_| !sensor.kind.is_scalar());
+    let scale = scale.map(|v| (v.span(), v.get_ref().clone()));
     let given = [
-        (ErrorKey::Scale, "scale", three(&table.scale)),
+        (ErrorKey::Scale, "scale", scale),
         (
             ErrorKey::Misalignment,
             "misalignment_rad",
@@ -111,25 +118,54 @@ fn errors(
             continue;
         };
         let here = format!("{key}.{name}");
-        let group = ErrorGroup::of(sensor.kind).find(|g| g.key == error);
-        match group {
-            None => planner.refuse(
-                "E0507",
-                &here,
-                span,
-                format!("a sensor of type {} has no such error", sensor.kind.word()),
-                "take it out",
-            ),
-            Some(_) if !numbers.iter().all(|x| x.is_finite()) => {
-                planner.refuse("E0505", &here, span, "not finite", "write finite numbers");
-            }
-            Some(group) => {
-                let errors = group.errors.iter().map(|e| e.0);
-                found.extend(errors.zip(numbers));
-            }
+        let late = error == ErrorKey::Lag && sensor.kind.unknown_errors().contains(&error);
+        let known: Vec<SensorError> = match ErrorGroup::of(sensor.kind).find(|g| g.key == error) {
+            Some(group) => group.errors.iter().map(|e| e.0).collect(),
+            None if late => vec![SensorError::Lag],
+            None => Vec::new(),
+        };
+        if known.is_empty() {
+            let problem = format!("a sensor of type {} has no such error", sensor.kind.word());
+            planner.refuse("E0507", &here, span, problem, "take it out");
+        } else if let Some(numbers) = checked(planner, (&here, span), &numbers, known.len()) {
+            found.extend(known.into_iter().zip(numbers));
         }
     }
     found
+}
+
+/// Relative errors of a sensor of joints, wheels or thrusters: one each, or one for all.
+fn scales(
+    planner: &mut Planner,
+    table: &SensorOutputFile,
+    sensor: &Sensor,
+    key: &str,
+) -> Option<Vec<f64>> {
+    let scale = table.scale.as_ref().filter(|_| sensor.kind.is_scalar())?;
+    let here = format!("{key}.scale");
+    let channels = match scale.get_ref().len() {
+        1 => 1,
+        _ => sensor.of.len(),
+    };
+    checked(planner, (&here, scale.span()), scale.get_ref(), channels)
+}
+
+/// So many finite numbers.
+fn checked(
+    planner: &mut Planner,
+    (key, span): (&str, Range<usize>),
+    numbers: &[f64],
+    channels: usize,
+) -> Option<Vec<f64>> {
+    if !numbers.iter().all(|x| x.is_finite()) {
+        planner.refuse("E0505", key, span, "not finite", "write finite numbers");
+    } else if numbers.len() != channels {
+        let problem = format!("{} numbers for {channels} channels", numbers.len());
+        planner.refuse("E0506", key, span, problem, "give one per channel");
+    } else {
+        return Some(numbers.to_vec());
+    }
+    None
 }
 
 fn bias(
@@ -152,28 +188,17 @@ fn bias(
         let Some(value) = value else { continue };
         let key = format!("{key}.bias_{suffix}");
         let numbers = value.get_ref();
-        let channels = if sensor.kind.is_scalar() {
-            sensor.of.len()
-        } else {
-            3
+        let channels = match (sensor.kind.is_scalar(), numbers.len()) {
+            (true, 1) => 1,
+            (true, _) => sensor.of.len(),
+            (false, _) => 3,
         };
         if suffix != wanted {
             let problem = "this sensor has another unit";
             let remedy = format!("use bias_{wanted}");
             planner.refuse("E0507", &key, value.span(), problem, remedy);
-        } else if !numbers.iter().all(|x| x.is_finite()) {
-            planner.refuse(
-                "E0505",
-                &key,
-                value.span(),
-                "not finite",
-                "write finite numbers",
-            );
-        } else if numbers.len() != channels && !(sensor.kind.is_scalar() && numbers.len() == 1) {
-            let problem = format!("{} numbers for {channels} channels", numbers.len());
-            planner.refuse("E0506", &key, value.span(), problem, "give one per channel");
-        } else {
-            found = Some(numbers.clone());
+        } else if let Some(numbers) = checked(planner, (&key, value.span()), numbers, channels) {
+            found = Some(numbers);
         }
     }
     found

@@ -4,8 +4,8 @@ use super::{every, stream};
 use crate::case::Scenario;
 use crate::channel_names::{XYZ, names, wheels};
 use poinsot_dynamics::{
-    Firing, ForceProfile, Instrument, JointDrive, MotionSample, SAME_TIME, SensorError, Tree,
-    WheelDrive, WheelMotion, thrust_held, vector_reading,
+    Firing, ForceProfile, Instrument, JointDrive, MotionSample, SAME_TIME, Tree, WheelDrive,
+    WheelMotion, thrust_held, vector_reading,
 };
 use poinsot_model::{Joint, JointKind, Model, SensorKind};
 use poinsot_spatial::Vector3;
@@ -53,9 +53,12 @@ impl Recorder {
         for (i, sensor) in model.sensors.iter().enumerate() {
             let bias = scenario.sensors.get(i).and_then(|s| s.bias.as_deref());
             let mut instrument = Instrument::new(sensor, tree, seed, stream(trial, i), bias);
-            let given = scenario.sensors.get(i).map_or(&[][..], |s| &s.errors);
-            for (error, value) in given {
+            let given = scenario.sensors.get(i);
+            for (error, value) in given.map_or(&[][..], |s| &s.errors) {
                 instrument.set_error(*error, *value);
+            }
+            if let Some(scales) = given.and_then(|s| s.scales.as_ref()) {
+                instrument.set_scales(scales);
             }
             let reader = Reader::Sensor(Box::new(instrument));
             let names = names(model, sensor.kind, &sensor.of);
@@ -121,21 +124,12 @@ impl Recorder {
         self.row += 1;
     }
 
-    /// True bias of a sensor.
-    pub fn bias(&self, sensor: usize) -> &[f64] {
+    /// A sensor with its true errors.
+    pub fn instrument(&self, sensor: usize) -> Option<&Instrument> {
         let of = |g: &&Group| g.sensor.as_ref().is_some_and(|(i, _)| *i == sensor);
         match self.groups.iter().find(of).map(|g| &g.reader) {
-            Some(Reader::Sensor(instrument)) => instrument.bias(),
-            _ => &[],
-        }
-    }
-
-    /// True value of a sensor error other than bias, in sensor axes.
-    pub fn error(&self, sensor: usize, error: SensorError) -> f64 {
-        let of = |g: &&Group| g.sensor.as_ref().is_some_and(|(i, _)| *i == sensor);
-        match self.groups.iter().find(of).map(|g| &g.reader) {
-            Some(Reader::Sensor(instrument)) => instrument.error(error),
-            _ => 0.0,
+            Some(Reader::Sensor(instrument)) => Some(instrument),
+            _ => None,
         }
     }
 

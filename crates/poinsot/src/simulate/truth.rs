@@ -12,7 +12,7 @@ use poinsot_formats::{
     WheelUseFile, address,
 };
 use poinsot_identify::ErrorGroup;
-use poinsot_model::{ErrorKey, Joint, JointKind, Model};
+use poinsot_model::{ErrorKey, Joint, JointKind, Model, Sensor, SensorKind};
 use poinsot_spatial::{InertialParameters, MassProperties, Matrix3, UnitQuaternion, Vector3};
 
 /// Input of a truth file.
@@ -73,20 +73,22 @@ impl Drawn<'_> {
             );
         }
         for (i, sensor) in self.model.sensors.iter().enumerate() {
-            let (name, unit) = (&sensor.name, self.model.unit_of(sensor));
-            match self.recorder.bias(i) {
-                [one] => put(format!("{name}.bias"), unit, *one),
-                all => {
-                    for (axis, value) in ["x", "y", "z"].into_iter().zip(all) {
-                        put(format!("{name}.bias_{axis}"), unit, *value);
-                    }
+            let Some(instrument) = self.recorder.instrument(i) else {
+                continue;
+            };
+            let name = &sensor.name;
+            if sensor.kind.is_scalar() {
+                let own = scalar_errors(self.model, sensor, instrument.bias(), instrument.scales());
+                own.into_iter()
+                    .for_each(|(name, unit, value)| put(name, unit, value));
+                if instrument.lag_s() != 0.0 {
+                    put(format!("{name}.lag"), "s", instrument.lag_s());
                 }
             }
-            let groups = ErrorGroup::of(sensor.kind);
-            for group in groups.filter(|g| g.key != ErrorKey::Bias) {
+            for group in ErrorGroup::of(sensor.kind) {
                 for (error, end) in group.errors {
-                    let value = self.recorder.error(i, *error);
-                    if value != 0.0 {
+                    let value = instrument.error(*error);
+                    if value != 0.0 || group.key == ErrorKey::Bias {
                         put(format!("{name}.{end}"), group.unit(sensor.kind), value);
                     }
                 }
@@ -111,6 +113,41 @@ impl Drawn<'_> {
             quantisation: sensor.quantisation,
         }
     }
+}
+
+/// Name, unit and value of each bias, and of each scale that is not zero, of a sensor of joints, wheels or thrusters: those of an
+/// estimate.
+pub(crate) fn scalar_errors(
+    model: &Model,
+    sensor: &Sensor,
+    biases: &[f64],
+    scales: &[f64],
+) -> Vec<(String, &'static str, f64)> {
+    let (ends, names): (_, Vec<&String>) = match sensor.kind {
+        SensorKind::JointPosition | SensorKind::JointRate => {
+            let ends = match sensor.kind {
+                SensorKind::JointPosition => ["offset", "position_scale"],
+                _ => ["rate_bias", "rate_scale"],
+            };
+            let of = sensor.of.iter().filter_map(|k| model.joints.get(*k));
+            (ends, of.map(|j| &j.name).collect())
+        }
+        SensorKind::WheelSpeed => {
+            let of = sensor.of.iter().filter_map(|k| model.wheels.get(*k));
+            (["speed_bias", "speed_scale"], of.map(|w| &w.name).collect())
+        }
+        _ => {
+            let of = sensor.of.iter().filter_map(|k| model.thrusters.get(*k));
+            let ends = ["thrust_bias", "thrust_scale"];
+            (ends, of.map(|t| &t.name).collect())
+        }
+    };
+    let unit = model.unit_of(sensor);
+    let bias = names.iter().zip(biases);
+    let bias = bias.map(|(name, x)| (format!("{name}.{}", ends[0]), unit, *x));
+    let scale = names.iter().zip(scales).filter(|(_, x)| **x != 0.0);
+    let scale = scale.map(|(name, x)| (format!("{name}.{}", ends[1]), "", *x));
+    bias.chain(scale).collect()
 }
 
 fn number(value: f64) -> TrueNumberFile {

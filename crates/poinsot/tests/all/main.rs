@@ -61,6 +61,7 @@ mod random_torque;
 mod real_data;
 mod remedies;
 mod report;
+mod scalar_errors;
 mod settings;
 mod setups;
 mod shared;
