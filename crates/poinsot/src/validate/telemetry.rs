@@ -75,19 +75,16 @@ struct Group<'m> {
     unit: &'static str,
     channels: Vec<String>,
     sensor: Option<&'m Sensor>,
+    /// Whether channels without a sensor name are its own.
+    unnamed: bool,
 }
 
-/// Possible measurements of base and joints.
+/// Possible measurements of all declared sensors, and of base and joints without one.
 fn groups(model: &Model) -> Vec<Group<'_>> {
     let mut list: Vec<Group> = SensorKind::with_axes()
         // An increment has no value at an instant.
         .filter(|kind| *kind != SensorKind::VelocityIncrement)
-        .map(|kind| Group {
-            name: kind.word().to_owned(),
-            unit: printed_unit(kind.unit(false)),
-            channels: names(model, kind, &[]),
-            sensor: model.sensors_of(kind).find(|s| s.body == 0),
-        })
+        .flat_map(|kind| of_kind(model, kind))
         .collect();
     for (k, joint) in model.joints.iter().enumerate() {
         if joint.kind == JointKind::Fixed {
@@ -104,16 +101,37 @@ fn groups(model: &Model) -> Vec<Group<'_>> {
                 unit: printed_unit(kind.unit(slides)),
                 channels: names(model, kind, &[k]),
                 sensor: model.sensors_of(kind).find(|s| s.of.contains(&k)),
+                unnamed: true,
             });
         }
     }
     list
 }
 
-/// A channel of the sensor, or one without a sensor name.
-fn find<'t>(table: &'t Table, sensor: Option<&Sensor>, name: &str) -> Option<&'t Channel> {
-    let own = sensor.and_then(|s| table.sensor_channel(&s.name, name));
-    own.or_else(|| table.channel(name))
+/// The sensors of a kind with axes. Channels without a sensor name are those of the only one, of the first one on the base where
+/// there are several, or of the base itself.
+fn of_kind(model: &Model, kind: SensorKind) -> Vec<Group<'_>> {
+    let group = |sensor, name, unnamed| Group {
+        name,
+        unit: printed_unit(kind.unit(false)),
+        channels: names(model, kind, &[]),
+        sensor,
+        unnamed,
+    };
+    let all: Vec<&Sensor> = model.sensors_of(kind).collect();
+    let first = all.iter().position(|s| s.body == 0);
+    match all.as_slice() {
+        [] => vec![group(None, kind.word().to_owned(), true)],
+        [one] => vec![group(Some(*one), kind.word().to_owned(), true)],
+        _ => {
+            let each = all.iter().enumerate();
+            let named = each.map(|(k, sensor)| {
+                let name = format!("{} {}", kind.word(), sensor.name);
+                group(Some(*sensor), name, first == Some(k))
+            });
+            named.collect()
+        }
+    }
 }
 
 /// Values at the wanted times; both lists ascend, and every wanted time exists.
@@ -124,17 +142,24 @@ fn at(channel: &Channel, wanted: &[f64]) -> Vec<f64> {
 }
 
 impl Group<'_> {
+    fn find<'t>(&self, table: &'t Table, name: &str) -> Option<&'t Channel> {
+        let own = self
+            .sensor
+            .and_then(|s| table.sensor_channel(&s.name, name));
+        own.or_else(|| table.channel(name).filter(|_| self.unnamed))
+    }
+
     fn compare(&self, exact: &Table, measured: &Table, until: f64) -> Option<Compared> {
         let found: Option<Vec<&Channel>> = self
             .channels
             .iter()
-            .map(|name| find(measured, self.sensor, name))
+            .map(|name| self.find(measured, name))
             .collect();
         let found = found.filter(|c| !c.is_empty())?;
         let computed: Option<Vec<&Channel>> = self
             .channels
             .iter()
-            .map(|name| find(exact, self.sensor, name))
+            .map(|name| self.find(exact, name))
             .collect();
         let computed = computed?;
         let together = |t: &f64| {

@@ -5,6 +5,7 @@ use poinsot::bind::{BindError, Bound, bind};
 use poinsot::case::{Case, parse_case};
 use poinsot::simulate::simulate_trial;
 use poinsot::trials::{Study, statistics};
+use poinsot::validate::{Mover, compare_with_telemetry};
 use poinsot_dynamics::Tree;
 use poinsot_identify::{Estimate, Number, Status, TENSOR};
 use poinsot_model::{Model, Origin, SensorKind, parse_model};
@@ -795,4 +796,34 @@ fn exact_a_written_model_keeps_what_sees_and_what_is_seen() {
     assert!(mapped.telemetry.all.attitude[0].relative);
     let again = parse_model(&poinsot_model::write_model(&mapped), "m.toml").unwrap();
     assert_eq!(mapped.telemetry, again.telemetry);
+}
+
+/// Each camera is compared with what it sees from the body that carries it.
+#[test]
+fn stat_a_case_is_compared_with_what_every_camera_sees() {
+    let back = (
+        "back",
+        "attitude",
+        1.0e-3,
+        "body = \"bus\"\nseen_from = \"arm\"\n",
+    );
+    let model = model(&[FINE, COARSE, STAR, CAMERA, MARKER, back]);
+    let table = simulate_trial(&sensed(), &model, 0).unwrap().table;
+    let found = compare_with_telemetry(&sensed(), &Mover::of_model(model), &table).unwrap();
+    let names: Vec<&str> = found.iter().map(|c| c.name.as_str()).collect();
+    for name in [
+        "gyro fine",
+        "gyro coarse",
+        "attitude",
+        "relative_attitude camera",
+        "relative_attitude back",
+        "relative_position",
+    ] {
+        let one = found.iter().find(|c| c.name == name);
+        let one = one.unwrap_or_else(|| unreachable!("{name} in {names:?}"));
+        // 303 numbers: one sigma of the root mean square is 0.04.
+        let rms = one.sigmas.unwrap().rms;
+        println!("{name}: {rms:.2}");
+        assert!((rms - 1.0).abs() < 0.2, "{name}: {rms}");
+    }
 }
