@@ -355,6 +355,15 @@ impl<'a> Experiment<'a> {
         )
     }
 
+    /// The largest value that each nuisance can have.
+    pub fn largest_nuisances(&self) -> Vec<f64> {
+        let all = self.parameters.unknowns.iter();
+        let nuisances = all.filter(|u| u.kind.is_nuisance());
+        nuisances
+            .map(|u| u.kind.largest(self.problem.segments))
+            .collect()
+    }
+
     /// Length of the longest column of a mass property before projection, natural units.
     pub(crate) fn longest_column(&self, evaluated: &[Evaluated]) -> f64 {
         let unknowns = &self.parameters.unknowns;

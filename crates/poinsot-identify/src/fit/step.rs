@@ -274,7 +274,8 @@ pub(crate) fn linearised(
     evaluated: Vec<Evaluated>,
 ) -> Result<Linearised<Linearisation>, ProblemError> {
     let stacked = experiment.stack(at, &evaluated, true);
-    let shared = SharedTriangle::new(experiment.parameters, &stacked);
+    let mut shared = SharedTriangle::new(experiment.parameters, &stacked);
+    shared.hold(&experiment.largest_nuisances());
     let (spectrum, _) = experiment.spectra(&stacked, &shared, &evaluated)?;
     let cost = experiment
         .chi2(at, &evaluated)
@@ -329,11 +330,7 @@ pub(crate) fn predicted_decrease(
     lowered: f64,
 ) -> f64 {
     let shared = &linearisation.shared;
-    let n = shared.nuisances + shared.mass;
-    let biases: f64 = (0..shared.nuisances)
-        .map(|i| shared.r[(i, n)].powi(2))
-        .sum();
-    initial_state_decrease(experiment, linearisation) + biases + lowered
+    initial_state_decrease(experiment, linearisation) + shared.lowered_by_nuisances() + lowered
 }
 
 /// The part of pose and momentum, which are not damped.

@@ -13,6 +13,8 @@ pub(crate) struct SharedTriangle {
     pub nuisances: usize,
     /// Number of mass properties, spin inertias and thruster scales.
     pub mass: usize,
+    /// Nuisances that do not move; none where the list is shorter.
+    held: Vec<bool>,
 }
 
 impl SharedTriangle {
@@ -29,7 +31,39 @@ impl SharedTriangle {
             r: permuted.finish().r,
             nuisances: front.len(),
             mass: back.len(),
+            held: Vec::new(),
         }
+    }
+
+    /// A triangle whose nuisances all move.
+    pub fn of(r: Mat<f64>, nuisances: usize, mass: usize) -> Self {
+        Self {
+            r,
+            nuisances,
+            mass,
+            held: Vec::new(),
+        }
+    }
+
+    /// Holds each nuisance whose sigma, were those behind it known, exceeds the largest value that it can have: it is unobservable, as a
+    /// bias of a tachometer beside an unknown momentum is in a vehicle that does not turn.
+    pub fn hold(&mut self, largest: &[f64]) {
+        let pairs = largest.iter().take(self.nuisances).enumerate();
+        let held = pairs.map(|(i, largest)| self.r[(i, i)].abs() * largest < 1.0);
+        self.held = held.collect();
+    }
+
+    /// Whether a nuisance does not move.
+    fn is_held(&self, i: usize) -> bool {
+        self.held.get(i).copied().unwrap_or(false)
+    }
+
+    /// How much the nuisances that move lower the square of the right-hand side.
+    pub fn lowered_by_nuisances(&self) -> f64 {
+        let moving = (0..self.nuisances).filter(|i| !self.is_held(*i));
+        moving
+            .map(|i| self.r[(i, self.nuisances + self.mass)].powi(2))
+            .sum()
     }
 
     /// The same with every known number held at its value.
@@ -56,6 +90,7 @@ impl SharedTriangle {
             r: more.finish().r,
             nuisances: self.nuisances,
             mass: self.mass,
+            held: self.held.clone(),
         }
     }
 
@@ -103,7 +138,13 @@ impl SharedTriangle {
 
     /// Nuisances that go with values of the mass properties.
     pub fn nuisances_for(&self, mass: &[f64]) -> Vec<f64> {
-        conditional_estimate(&self.r, self.nuisances, mass).mean
+        if !self.held.contains(&true) {
+            return conditional_estimate(&self.r, self.nuisances, mass).mean;
+        }
+        let mut r = self.r.clone();
+        let held = (0..self.nuisances).filter(|i| self.is_held(*i));
+        held.for_each(|i| r[(i, i)] = 0.0);
+        conditional_estimate(&r, self.nuisances, mass).mean
     }
 }
 
@@ -166,11 +207,7 @@ mod tests {
             true => 0.0,
             false => ((7 * i + 3 * j + 1) as f64).sin() + f64::from(u8::from(i == j)) * 2.0,
         };
-        let shared = SharedTriangle {
-            r: Mat::from_fn(n + 1, n + 1, element),
-            nuisances,
-            mass,
-        };
+        let shared = SharedTriangle::of(Mat::from_fn(n + 1, n + 1, element), nuisances, mass);
         let (damping, units, natural) = (0.7, [0.5, 2.0, 0.1], [1.0, 3.0, 0.2, 1.5]);
         let held = shared.damped(&units, damping);
         let open = Spectrum::new(&shared.block(), &natural, None, 1.0, 1.0e9).unwrap();
@@ -196,6 +233,15 @@ mod tests {
         for (found, expected) in b.iter().chain(&x).zip(whole.iter()) {
             assert!((found - expected).abs() < 1.0e-12, "{found} {expected}");
         }
+        let mut holding = shared.clone();
+        holding.hold(&[1.0, 1.0e-3, 1.0]);
+        let still = holding.nuisances_for(&[0.0; 4]);
+        let free = shared.nuisances_for(&[0.0; 4]);
+        // The one in the middle stays; the last one has no other before it.
+        assert!(still[1] == 0.0 && still[2] == free[2] && still[0] != free[0]);
+        let middle = element(1, n).powi(2);
+        let fewer = shared.lowered_by_nuisances() - holding.lowered_by_nuisances();
+        assert!((fewer - middle).abs() < 1.0e-12);
         let left = (&d - A * whole).norm_squared();
         assert!((shared.lowered(&b, &x) - d.norm_squared() + left).abs() < 1.0e-11);
     }

@@ -8,6 +8,7 @@
 
 mod accelerometer_noise;
 mod answers;
+mod at_rest;
 mod bad_questions;
 mod book;
 mod campaign;

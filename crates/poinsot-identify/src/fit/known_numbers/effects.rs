@@ -74,9 +74,5 @@ fn behind(parameters: &Parameters, stacked: &Triangle, places: &[usize]) -> Shar
     let order: Vec<usize> = blocks.copied().chain([n]).collect();
     let mut qr = BlockQr::new(n + 1);
     qr.push(stacked.r.nrows(), |i, j| stacked.r[(i, order[j])]);
-    SharedTriangle {
-        r: qr.finish().r,
-        nuisances: front.len(),
-        mass: back.len(),
-    }
+    SharedTriangle::of(qr.finish().r, front.len(), back.len())
 }

@@ -2,7 +2,8 @@
 
 use super::registry::{Acts, Taken};
 use super::{KnownUnknown, Parameters, UnknownKind};
-use poinsot_dynamics::{SensorErrors, point_mass};
+use crate::problem::segment::Segment;
+use poinsot_dynamics::{SensorError, SensorErrors, point_mass};
 use poinsot_spatial::{InertialParameters, Vector3};
 
 /// A part of the vehicle.
@@ -57,6 +58,30 @@ impl UnknownKind {
     /// Whether it changes joint or wheel motion.
     pub(crate) fn shifts_inputs(&self) -> bool {
         matches!(self.traits().0, Acts::Inputs | Acts::InputTimes)
+    }
+
+    /// The largest size that it can have; infinite where nothing is known of it.
+    pub(crate) fn largest(&self, segments: &[Segment]) -> f64 {
+        match self {
+            // A shaft that turns does not seem to stand still.
+            Self::WheelSpeedBias(wheel) => {
+                let speeds = segments.iter().flat_map(|s| {
+                    let o = &s.observations;
+                    let wheels = o.wheel_speed.len() / o.time_s.len().max(1);
+                    o.wheel_speed.iter().skip(*wheel).step_by(wheels.max(1))
+                });
+                speeds.fold(1.0, |largest, speed| largest.max(speed.abs()))
+            }
+            // Shares and small angles.
+            Self::JointScale(_) | Self::JointRateScale(_) => 1.0,
+            Self::Sensor { error, .. } => match error {
+                SensorError::Scale(_)
+                | SensorError::Misalignment(_)
+                | SensorError::Nonorthogonality(_) => 1.0,
+                SensorError::Bias(_) | SensorError::Lag => f64::INFINITY,
+            },
+            _ => f64::INFINITY,
+        }
     }
 
     /// The known number that it is.
