@@ -4,7 +4,7 @@ use crate::shared::identified;
 use poinsot::report::report_data;
 use poinsot::{EstimateFile, Identified, estimate_file};
 use poinsot_formats::ReportData;
-use poinsot_report::report_html;
+use poinsot_report::{Detail, estimate_document, report_html};
 use scraper::{Html, Node, Selector};
 use serde_json::Value;
 
@@ -103,6 +103,18 @@ fn unit_hostile_names_change_no_element() {
         );
         assert!(!wild.contains("49{%"));
     }
+}
+
+/// The next action says what helps, not what is wrong once more.
+#[test]
+fn unit_a_fit_that_does_not_converge_repeats_no_warning_as_what_to_do() {
+    let (mut estimate, _) = documents(&ma2008());
+    let warning = "the covariance is not trustworthy: the iteration did not converge";
+    estimate["status"] = "iteration_limit".into();
+    estimate["warnings"] = serde_json::json!([warning]);
+    let text = estimate_document(&typed(&estimate), Detail::Answer).to_string();
+    assert!(text.contains("what to do"), "{text}");
+    assert_eq!(text.matches(&warning[1..]).count(), 1, "{text}");
 }
 
 #[test]
