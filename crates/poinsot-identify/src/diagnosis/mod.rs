@@ -23,6 +23,7 @@ mod projected;
 mod pulse;
 mod score;
 mod sensor_blocks;
+mod shared_noise;
 mod suspects;
 mod table;
 mod types;
@@ -37,6 +38,7 @@ pub use types::{
 use crate::fit::Fitted;
 use crate::fit::experiment::Experiment;
 use candidates::candidates;
+use shared_noise::SharedNoise;
 use suspects::Misfit;
 use table::Table;
 
@@ -139,7 +141,9 @@ fn weighed(
             table,
             of.misfit,
         ));
-        out.suspects = suspects::suspects(experiment, fitted, &candidates, &projected, others, of);
+        let by_noise = || SharedNoise::new(experiment, fitted, &candidates, table);
+        let scored = (candidates.as_slice(), &projected, others);
+        out.suspects = suspects::suspects(experiment, fitted, scored, by_noise, of);
         out.lags = drift::lags(experiment, &candidates, &projected, mean_square);
         out.drift
             .extend(drift::drift(None, &candidates, &projected, mean_square));

@@ -74,6 +74,32 @@ impl Projected {
         self.blocks.push(block);
     }
 
+    /// Products of the columns of two numbers clear of all that was fitted, or with the residual in place of the second; zero without
+    /// columns in one block.
+    pub fn product(&self, number: usize, other: Option<usize>) -> f64 {
+        let place = |k: usize| self.places.get(k).copied().flatten();
+        let Some((block, column)) = place(number) else {
+            return 0.0;
+        };
+        let Block { r, length } = &self.blocks[block];
+        let (with, unit) = match other.map(place) {
+            None => (length.len(), 1.0),
+            Some(Some((same, with))) if same == block => (with, length[with]),
+            Some(_) => return 0.0,
+        };
+        let each = (0..r.nrows()).map(|i| r[(i, column)] * r[(i, with)]);
+        each.sum::<f64>() * length[column] * unit
+    }
+
+    /// Square of the residual of the first block clear of all that was fitted.
+    pub fn residual(&self) -> f64 {
+        let first = self.blocks.first();
+        first.map_or(0.0, |Block { r, length }| {
+            let last = length.len();
+            (0..r.nrows()).map(|i| r[(i, last)].powi(2)).sum()
+        })
+    }
+
     /// A group of candidates at once, each held near zero by a prior sigma where one is given. All are of one block.
     pub fn score(&self, group: &[usize], prior: Option<f64>) -> Score {
         let places: Option<Vec<(usize, usize)>> = group.iter().map(|k| self.places[*k]).collect();

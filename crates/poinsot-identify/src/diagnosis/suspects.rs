@@ -3,6 +3,7 @@
 use super::candidate::Candidate;
 use super::naming::{name, near};
 use super::projected::Projected;
+use super::shared_noise::SharedNoise;
 use super::types::{FaultKind, Suspect, SuspectValue};
 use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::{Fitted, fit_from};
@@ -48,18 +49,18 @@ impl Misfit {
 }
 
 /// Significant candidates, the best first. Scores are of first order; where the misfit is large the best few
-/// are fitted, because a fault like a wrong sign is far away. `others` were scored elsewhere.
+/// are fitted, because a fault like a wrong sign is far away. The last of `scored` were scored elsewhere. `by_noise` is what
+/// noise of the inputs makes of the scores.
 pub(super) fn suspects(
     experiment: &Experiment,
     fitted: &Fitted,
-    candidates: &[Candidate],
-    projected: &Projected,
-    others: Vec<Scored>,
+    (candidates, projected, others): (&[Candidate], &Projected, Vec<Scored>),
+    by_noise: impl FnOnce() -> Option<SharedNoise>,
     of: Misfit,
 ) -> Vec<Suspect> {
     let mean_square = of.mean_square();
     let limits = experiment.settings.diagnosis;
-    let mut list = scores(candidates, projected, mean_square);
+    let mut list = scores(candidates, projected, None, mean_square);
     list.extend(others);
     let hypotheses = list.len();
     let significant = |list: &mut Vec<Scored>| {
@@ -67,6 +68,14 @@ pub(super) fn suspects(
         list.retain(|one| one.is_significant(mean_square, chance) && one.is_possible());
     };
     significant(&mut list);
+    // One more evaluation, only where it decides something.
+    if list.iter().any(|one| one.at.is_some())
+        && let Some(noise) = by_noise()
+    {
+        list.retain(|one| one.at.is_none());
+        list.extend(scores(candidates, projected, Some(&noise), mean_square));
+        significant(&mut list);
+    }
     rank(&mut list, of);
     if of.misfit && of.affordable {
         let fit = |one: &mut Scored, candidate: &Candidate| {
@@ -112,13 +121,21 @@ pub(super) fn suspects(
 }
 
 /// Score of every candidate.
-fn scores(candidates: &[Candidate], projected: &Projected, mean_square: f64) -> Vec<Scored> {
+fn scores(
+    candidates: &[Candidate],
+    projected: &Projected,
+    noise: Option<&SharedNoise>,
+    mean_square: f64,
+) -> Vec<Scored> {
     let mut from = 0;
     let mut list = Vec::new();
     for (at, candidate) in candidates.iter().enumerate() {
         let group: Vec<usize> = (from..from + candidate.unknowns.len()).collect();
         from += group.len();
-        let score = projected.score(&group, None);
+        let score = match noise {
+            Some(noise) => noise.score(projected, &group),
+            None => projected.score(&group, None),
+        };
         let values = candidate.unknowns.iter().zip(&score.values);
         let values: Vec<f64> = values.map(|(u, v)| u.nominal + v).collect();
         let sigma = |k: usize| (score.covariance[k][k] * mean_square).sqrt();

@@ -12,6 +12,7 @@ use crate::fit::known_numbers::SILENT;
 use crate::fit::triangle::conditional_estimate;
 use crate::likelihood::{Evaluated, Transition};
 use crate::problem::parameters::{Unknown, UnknownKind};
+use crate::problem::prior::PriorRow;
 use crate::problem::segment::{BetweenReadings, InputErrors, Noise, Observations};
 use nalgebra::DMatrix;
 use poinsot_dynamics::SensorError;
@@ -419,6 +420,16 @@ impl Table {
         at: &Iterate,
         only: Option<usize>,
     ) -> (Triangle, Vec<DMatrix<f64>>) {
+        let priors = experiment.prior_rows(at, true);
+        self.stack_with(priors, only)
+    }
+
+    /// The same with these rows of the fitted unknowns in addition.
+    fn stack_with(
+        &self,
+        priors: Vec<PriorRow>,
+        only: Option<usize>,
+    ) -> (Triangle, Vec<DMatrix<f64>>) {
         let (base, all) = (self.base, self.shared.len());
         let mut stacked = BlockQr::new(base + all + 1);
         let mut starts = Vec::with_capacity(self.segments.len());
@@ -441,7 +452,7 @@ impl Table {
             };
             starts.push(DMatrix::from_fn(h, h + base + 1, own));
         }
-        for row in experiment.prior_rows(at, true) {
+        for row in priors {
             stacked.push(1, |_, j| match j {
                 j if j < base => row.gradient.get(j).copied().unwrap_or(0.0),
                 j if j < base + all => 0.0,
@@ -449,6 +460,22 @@ impl Table {
             });
         }
         (stacked.finish(), starts)
+    }
+
+    /// What of candidates and residual differs from those of another table, clear of what was fitted there.
+    pub fn changes(mut self, from: &Self, experiment: &Experiment, fitted: &Fitted) -> Projected {
+        for (own, from) in self.segments.iter_mut().zip(&from.segments) {
+            let first = from.initial_columns + self.base;
+            for (own, from) in own.rows.iter_mut().zip(&from.rows) {
+                own[..first].copy_from_slice(&from[..first]);
+                let changed = own[first..].iter_mut().zip(&from[first..]);
+                changed.for_each(|(own, from)| *own -= from);
+            }
+        }
+        let mut priors = experiment.prior_rows(&fitted.at, true);
+        priors.iter_mut().for_each(|row| row.residual = 0.0);
+        self.stacked = self.stack_with(priors, None).0;
+        self.projected(experiment, fitted, None)
     }
 
     /// Candidates clear of the fit; with a segment given they act in that segment alone, and errors of single sensors are left out

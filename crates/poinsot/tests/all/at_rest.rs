@@ -64,6 +64,20 @@ fn answer(model: &Model, trial: u64) -> Identified {
     identify_tables(model.clone(), vec![table], &request("auto")).unwrap()
 }
 
+/// The predicted rates are noise of the tachometers, which the residual shares: no scale error is named for it.
+#[test]
+fn stat_noise_of_tachometers_is_no_scale_error() {
+    let model = model("");
+    for trial in 0..8 {
+        let found = answer(&model, trial).estimate.diagnostics.unwrap();
+        let names: Vec<&str> = found.suspects.iter().map(|s| s.name.as_str()).collect();
+        for s in &found.suspects {
+            println!("{trial}: {} lowers {}: {:?}", s.name, s.decrease, s.values);
+        }
+        assert!(names.is_empty(), "{trial}: {names:?}");
+    }
+}
+
 /// Bias and momentum are one unknown too many: the fit ends, and says what is not determined.
 #[test]
 fn regress_unknown_biases_of_tachometers_at_rest_converge() {

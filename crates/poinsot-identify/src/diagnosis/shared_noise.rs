@@ -1,0 +1,265 @@
+//! Noise of joints and wheels that a candidate's columns share with the residual.
+//!
+//! Columns are made at measured inputs, whose noise is in the columns and in the residual: both agree without any fault. At rest
+//! the predicted rates are nothing but this noise, and would show a scale of a gyro of about -1. One more draw of the declared
+//! noise on the inputs changes columns and residual, and the products of the changes are what noise alone makes of the products of
+//! columns and residual. Scores are made without it.
+
+use super::candidate::Candidate;
+use super::projected::{Projected, Score};
+use super::score::SHOWN;
+use super::table::Table;
+use crate::fit::Fitted;
+use crate::fit::experiment::Experiment;
+use crate::problem::Problem;
+use crate::problem::segment::{InputErrors, Noise, Observations, Segment};
+use nalgebra::{DMatrix, DVector};
+use std::f64::consts::TAU;
+
+/// Start of the random numbers: any will do.
+const SEED: u64 = 0x0070_6f69_6e73_6f74;
+/// Largest variance of a score whose columns and residual are noise of the inputs alone, less one: the product of two errors of
+/// one cause has up to twice the variance of one of two causes, in the score and again in the draw that corrects it.
+const WIDER: f64 = 3.0;
+/// Share of noise in the square of a column from which it is not used, as in the linear method.
+const HALF: f64 = 0.5;
+
+/// What noise of the inputs makes of the candidates.
+pub(super) struct SharedNoise {
+    /// Columns and residual of the noise, clear of all that was fitted.
+    changes: Projected,
+    /// Share of noise in the square of the residual.
+    residual: f64,
+}
+
+impl SharedNoise {
+    /// `None` where no input is noisy or the rows are not held.
+    pub fn new(
+        experiment: &Experiment,
+        fitted: &Fitted,
+        candidates: &[Candidate],
+        table: &Table,
+    ) -> Option<Self> {
+        let (problem, noise) = (experiment.problem, experiment.problem.noise);
+        let inputs = [&noise.joint_position, &noise.joint_rate, &noise.wheel_speed];
+        if table.segments.is_empty() || !inputs.into_iter().flatten().any(|v| *v > 0.0) {
+            return None;
+        }
+        let mut dice = Dice(SEED);
+        let segments = problem.segments.iter();
+        let segments: Vec<Segment> = segments.map(|s| disturbed(s, noise, &mut dice)).collect();
+        let problem = Problem {
+            segments: &segments,
+            ..*problem
+        };
+        let disturbed = experiment.with_problem(&problem);
+        let other = Table::new(&disturbed, fitted, candidates, true)?;
+        let changes = other.changes(table, experiment, fitted);
+        let rows: usize = fitted.evaluated.iter().map(|e| e.rows).sum();
+        Some(Self {
+            residual: (changes.residual() / rows.max(1) as f64).min(1.0),
+            changes,
+        })
+    }
+
+    /// The score of a group of numbers without what noise makes of it. A combination whose column may be half noise has none.
+    pub fn score(&self, measured: &Projected, group: &[usize]) -> Score {
+        let n = group.len();
+        let squares =
+            |of: &Projected| DMatrix::from_fn(n, n, |i, j| of.product(group[i], Some(group[j])));
+        let (M, N) = (squares(measured), squares(&self.changes));
+        let toward = |of: &Projected| DVector::from_fn(n, |i, _| of.product(group[i], None));
+        let toward = toward(measured) - toward(&self.changes);
+        // Combinations of columns that are orthonormal, and whose noises are orthogonal.
+        let unit = |k: usize| match M[(k, k)] {
+            square if square > 0.0 => 1.0 / square.sqrt(),
+            _ => 0.0,
+        };
+        let scaled = DMatrix::from_fn(n, n, |i, j| M[(i, j)] * unit(i) * unit(j));
+        let mut score = Score {
+            decrease: 0.0,
+            values: vec![0.0; n],
+            covariance: vec![vec![0.0; n]; n],
+        };
+        let own = scaled.symmetric_eigen();
+        let shown: Vec<usize> = (0..n).filter(|k| own.eigenvalues[*k] > SHOWN).collect();
+        if shown.is_empty() {
+            return score;
+        }
+        let white = DMatrix::from_fn(n, shown.len(), |i, k| {
+            unit(i) * own.eigenvectors[(i, shown[k])] / own.eigenvalues[shown[k]].sqrt()
+        });
+        let noise = (white.transpose() * N * &white).symmetric_eigen();
+        let combined = white * &noise.eigenvectors;
+        for (share, column) in noise.eigenvalues.iter().zip(combined.column_iter()) {
+            if *share >= HALF {
+                continue;
+            }
+            let along = column.dot(&toward);
+            score.decrease += along * along / (1.0 + WIDER * share * self.residual);
+            for i in 0..n {
+                score.values[i] += column[i] * along;
+                for j in 0..n {
+                    score.covariance[i][j] += column[i] * column[j];
+                }
+            }
+        }
+        score
+    }
+}
+
+/// The segment with one more draw of the noise of its inputs.
+fn disturbed(segment: &Segment, noise: &Noise, dice: &mut Dice) -> Segment {
+    let mut new = segment.clone();
+    let o = &segment.observations;
+    let n = o.time_s.len();
+    let own = &mut new.observations;
+    let wheels = o.wheel_speed.len() / n.max(1);
+    for w in 0..wheels {
+        let error = errors(o.wheel_errors.get(w), noise.wheel_speed.get(w), n, dice);
+        for (k, e) in error.into_iter().enumerate() {
+            own.wheel_speed[k * wheels + w] += e;
+            if let Some(speed) = own.smooth_wheel_speed.get_mut(k * wheels + w) {
+                *speed += e;
+            }
+        }
+    }
+    let dof = o.joint_position.len() / n.max(1);
+    for j in 0..dof {
+        let of = o.joint_errors.get(j);
+        let position = errors(of, noise.joint_position.get(j), n, dice);
+        let rate = match of {
+            Some(InputErrors::None | InputErrors::Locked) => vec![0.0; n],
+            _ if o.derived_rates.get(j) == Some(&true) => slopes(o, &position),
+            _ => errors(None, noise.joint_rate.get(j), n, dice),
+        };
+        for (k, (position, rate)) in position.into_iter().zip(rate).enumerate() {
+            own.joint_position[k * dof + j] += position;
+            own.joint_rate[k * dof + j] += rate;
+        }
+    }
+    new
+}
+
+/// Slopes of errors over neighbouring grid times.
+fn slopes(o: &Observations, errors: &[f64]) -> Vec<f64> {
+    let last = errors.len().saturating_sub(1);
+    let slope = |k: usize| {
+        let (a, b) = (k.saturating_sub(1), (k + 1).min(last));
+        match b > a {
+            true => (errors[b] - errors[a]) / (o.time_s[b] - o.time_s[a]),
+            false => 0.0,
+        }
+    };
+    (0..errors.len()).map(slope).collect()
+}
+
+/// Errors of one input at every grid time.
+fn errors(of: Option<&InputErrors>, variance: Option<&f64>, n: usize, dice: &mut Dice) -> Vec<f64> {
+    let sigma = variance.copied().unwrap_or(0.0).max(0.0).sqrt();
+    let of = of.unwrap_or(&InputErrors::Independent);
+    match of {
+        InputErrors::None | InputErrors::Locked => vec![0.0; n],
+        InputErrors::Interpolated(places) => {
+            let readings = places.iter().map(|p| p.reading + 2).max().unwrap_or(0);
+            let drawn: Vec<f64> = (0..readings).map(|_| sigma * dice.normal()).collect();
+            let at = |k: usize| {
+                places.get(k).map_or(0.0, |p| {
+                    (1.0 - p.share) * drawn[p.reading] + p.share * drawn[p.reading + 1]
+                })
+            };
+            (0..n).map(at).collect()
+        }
+        InputErrors::Process(process) => {
+            let [a, b] = process.initial_root();
+            let mut now = a * dice.normal() + b * dice.normal();
+            let mut all = vec![now[0]];
+            for step in &process.steps {
+                let [a, b] = step.root();
+                now = step.memory * now + a * dice.normal() + b * dice.normal();
+                all.push(now[0]);
+            }
+            all.resize(n, 0.0);
+            all
+        }
+        InputErrors::Independent | InputErrors::Kept(_) | InputErrors::Rounded(_) => {
+            let mut now = sigma * dice.normal();
+            let next = |k: usize| {
+                let error = now;
+                let stays = of.memory(k);
+                now = stays * now + sigma * (1.0 - stays * stays).max(0.0).sqrt() * dice.normal();
+                error
+            };
+            (0..n).map(next).collect()
+        }
+    }
+}
+
+/// Random numbers that are the same in every run (Steele, Lea and Flood 2014, SplitMix64).
+struct Dice(u64);
+
+impl Dice {
+    /// Uniform between zero and one, without both.
+    fn uniform(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^= z >> 31;
+        ((z >> 11) as f64 + 0.5) / (1_u64 << 53) as f64
+    }
+
+    /// Normal with mean zero and sigma one (Box and Muller 1958).
+    fn normal(&mut self) -> f64 {
+        (-2.0 * self.uniform().ln()).sqrt() * (TAU * self.uniform()).cos()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::problem::error_process::{ErrorProcess, ErrorStep};
+    use crate::problem::segment::BetweenReadings;
+    use nalgebra::Matrix2;
+
+    /// Errors have the variance and the correlation that they stand for.
+    #[test]
+    fn stat_drawn_errors_have_their_covariance() {
+        let n = 40_000;
+        let halves = (0..n).map(|k| BetweenReadings {
+            reading: k / 2,
+            share: 0.5 * (k % 2) as f64,
+        });
+        let step = ErrorStep {
+            memory: Matrix2::new(0.6, 0.0, 0.0, 0.5),
+            fresh: Matrix2::new(0.64, 0.0, 0.0, 1.0),
+        };
+        let process = ErrorProcess {
+            initial: Matrix2::identity(),
+            steps: vec![step; n - 1],
+        };
+        // Variance at even and odd times, and covariance from even ones to the next.
+        for (of, expected) in [
+            (InputErrors::Independent, [4.0, 4.0, 0.0]),
+            (InputErrors::Kept(vec![0.8; n]), [4.0, 4.0, 3.2]),
+            (InputErrors::Interpolated(halves.collect()), [4.0, 2.0, 2.0]),
+            (InputErrors::Process(process), [1.0, 1.0, 0.6]),
+            (InputErrors::Locked, [0.0; 3]),
+        ] {
+            let all = errors(Some(&of), Some(&4.0), n, &mut Dice(SEED));
+            let mean = |f: fn(&[f64]) -> f64| {
+                let sum: f64 = all.chunks_exact(2).map(f).sum();
+                sum / (n / 2) as f64
+            };
+            let found = [
+                mean(|e| e[0] * e[0]),
+                mean(|e| e[1] * e[1]),
+                mean(|e| e[0] * e[1]),
+            ];
+            for (found, expected) in found.iter().zip(expected) {
+                // 20,000 pairs, correlated over up to nine samples: five sigma.
+                assert!((found - expected).abs() < 0.6, "{of:?}: {found} {expected}");
+            }
+        }
+    }
+}
