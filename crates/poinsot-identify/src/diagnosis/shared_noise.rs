@@ -7,7 +7,6 @@
 
 use super::candidate::Candidate;
 use super::projected::{Projected, Score};
-use super::score::SHOWN;
 use super::table::Table;
 use crate::fit::Fitted;
 use crate::fit::experiment::Experiment;
@@ -21,6 +20,8 @@ const SEED: u64 = 0x0070_6f69_6e73_6f74;
 /// Largest variance of a score whose columns and residual are noise of the inputs alone, less one: the product of two errors of
 /// one cause has up to twice the variance of one of two causes, in the score and again in the draw that corrects it.
 const WIDER: f64 = 3.0;
+/// Share of the largest square below which a combination of columns is unobservable.
+const SHOWN: f64 = 1.0e-8;
 /// Share of noise in the square of a column from which it is not used, as in the linear method.
 const HALF: f64 = 0.5;
 

@@ -1,7 +1,7 @@
 //! Corrected joint and wheel motion, and the effect of the sensor errors.
 
-use super::joint_scales::rate_parts;
-use super::vehicle::{Thrust, Vehicle, wheel_slope};
+use super::joint_scales::{cubic, rate_parts};
+use super::vehicle::{InputFault, Thrust, Vehicle, wheel_slope};
 use super::{EvaluatedState, InputState, Instant, Motion, State, matrix, pose_change};
 use crate::problem::parameters::UnknownKind;
 use crate::problem::segment::Observations;
@@ -38,8 +38,7 @@ impl Motion<'_> {
         input_state.changes.clear();
         let t = time_at(&self.observations.time_s, k, at);
         input_state.time_s = t;
-        for fault in &self.vehicle.input_faults {
-            let (unknown, value) = (fault.unknown, fault.value);
+        for &InputFault { unknown, value } in &self.vehicle.input_faults {
             let changes = &mut input_state.changes;
             let mut moved = |j: usize, q: f64, rate: f64| {
                 changes.push(InputChange {
@@ -353,10 +352,4 @@ pub(super) fn joint_cubic(
     let (a, b) = (k * dof + j, (k + 1) * dof + j);
     let dq = o.joint_position[b] - o.joint_position[a];
     cubic(dq, [o.joint_rate[a], o.joint_rate[b]], h)
-}
-
-/// The same by the change of position and the rates at both ends.
-pub(super) fn cubic(dq: f64, rates: [f64; 2], h: f64) -> (f64, f64, f64) {
-    let [d0, d1] = rates.map(|rate| rate * h);
-    (d0, 3.0 * dq - 2.0 * d0 - d1, d0 + d1 - 2.0 * dq)
 }

@@ -3,7 +3,6 @@
 //! The motion of a joint is linear in its samples: a part made of positions, and one made of rates where these are measured
 //! for themselves. Each part has its own scale.
 
-use super::inputs::cubic;
 use crate::problem::parameters::{Parameters, UnknownKind};
 use crate::problem::segment::Observations;
 
@@ -102,4 +101,10 @@ pub(super) fn rate_parts(
         let q = at * (d0 + at * (c2 + at * c3));
         [q, (d0 + at * (2.0 * c2 + at * 3.0 * c3)) / h]
     })
+}
+
+/// Coefficients of a joint's cubic over the share of an interval of h, by the change of position and the rates at both ends.
+pub(super) fn cubic(dq: f64, rates: [f64; 2], h: f64) -> (f64, f64, f64) {
+    let [d0, d1] = rates.map(|rate| rate * h);
+    (d0, 3.0 * dq - 2.0 * d0 - d1, d0 + d1 - 2.0 * dq)
 }
