@@ -214,7 +214,7 @@ fn nuisances(model: &mut Model) -> Vec<&mut Nuisance> {
 fn exact_every_nuisance_reads_back_from_what_was_written() {
     let model = accepted(&full());
     let places = nuisances(&mut model.clone()).len();
-    assert_eq!(places, 2 * 5 + 2 * 2 + 1 + 2 + 1 + 1 + 3);
+    assert_eq!(places, 2 * 5 + 2 * 3 + 1 + 2 + 1 + 1 + 3);
     for place in 0..places {
         for value in [
             Nuisance::Known,
