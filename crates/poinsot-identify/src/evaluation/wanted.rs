@@ -2,9 +2,7 @@
 //! of times.
 
 use crate::fit::experiment::Experiment;
-use crate::fit::fit_from;
-use crate::fit::wheel_motion::OtherWheelMotion;
-use crate::methods::cramer_rao::expected;
+use crate::fit::wheel_motion::{OtherWheelMotion, expected_other};
 use crate::problem::parameters::{Equations, Parameters, UnknownKind};
 use crate::problem::quantity::TenParameters;
 use crate::problem::{Problem, ProblemError};
@@ -100,20 +98,10 @@ impl Information {
         with_priors: bool,
     ) -> Result<Self, ProblemError> {
         let information = Self::of(problem, with_priors)?;
-        if !problem.assumes_wheel_motion() {
-            return Ok(information);
-        }
         let experiment = Experiment::new(problem, &information.parameters);
-        let at_truth = fit_from(&experiment, experiment.nominal_point(), 0);
-        let Some(expected) = at_truth.and_then(|at| expected(&experiment, &at)) else {
-            return Ok(information);
-        };
-        let information = match &expected.torque {
-            Some(torque) => Self::of(&torque.problem(problem), with_priors)?,
-            None => information,
-        };
+        let other = expected_other(&experiment, &experiment.nominal_point());
         Ok(Self {
-            other: Some(expected.other),
+            other,
             ..information
         })
     }

@@ -151,7 +151,7 @@ pub(crate) fn random_torque(
 }
 
 /// The experiment with wheels that run straight from change to change of their torque.
-pub(crate) fn driven<'a>(experiment: &Experiment<'a>, problem: &'a Problem<'a>) -> Experiment<'a> {
+fn driven<'a>(experiment: &Experiment<'a>, problem: &'a Problem<'a>) -> Experiment<'a> {
     let mut new = Experiment::new(problem, experiment.parameters);
     (new.settings, new.rest_motion) = (experiment.settings, experiment.rest_motion);
     new
@@ -216,55 +216,9 @@ fn step(experiment: &Experiment, at: &Iterate, there: &Linearisation) -> Vec<f64
     end.x.iter().zip(&at.x).map(|(a, b)| a - b).collect()
 }
 
-/// What a prediction expects of the choice: measurements without noise, of a vehicle with these unknowns.
-pub(crate) struct ExpectedWheelMotion {
-    /// The hypothesis that is not assumed.
-    pub other: OtherWheelMotion,
-    /// -2 ln L at the end of a full step with the one that is.
-    cost: f64,
-    /// Its full step in all unknowns.
-    step: Vec<f64>,
-}
-
-impl ExpectedWheelMotion {
-    /// Two hypotheses, of which the first is assumed. The difference of -2 ln L of noisy measurements scatters about its
-    /// value D here with a sigma of 2 sqrt(D).
-    fn new([own, other]: [(f64, Vec<f64>); 2], shift: f64) -> Self {
-        let difference = (other.0 - own.0).abs();
-        let far = (0.5 * difference.sqrt()).min(f64::MAX);
-        let step = own.1.iter().zip(&other.1).map(|(a, b)| a - b).collect();
-        Self {
-            other: OtherWheelMotion {
-                probability: Normal::standard().cdf(-far),
-                step,
-                shift,
-                added: 0.0,
-            },
-            cost: own.0,
-            step: own.1,
-        }
-    }
-
-    /// The same with the torque as a process in place of what was assumed; `None` where that is no better.
-    pub fn with_torque(
-        &self,
-        experiment: &Experiment,
-        (torque, at): (&RandomTorque, &Iterate),
-    ) -> Option<Self> {
-        let problem = torque.problem(experiment.problem);
-        let new = driven(experiment, &problem);
-        let here = new.linearise(at)?;
-        let own = (least(&here), step(&new, at, &here.rows));
-        let better = own.0 < self.cost;
-        better.then(|| Self::new([own, (self.cost, self.step.clone())], 0.0))
-    }
-}
-
-/// What is expected if wheels run as one of the two hypotheses says; `None` where nothing is assumed.
-pub(crate) fn expected_wheel_motion(
-    experiment: &Experiment,
-    at: &Iterate,
-) -> Option<ExpectedWheelMotion> {
+/// What a prediction expects of the choice: measurements without noise, of a vehicle with these unknowns. The difference
+/// of -2 ln L of noisy ones then scatters about its value D here with a sigma of 2 sqrt(D).
+pub(crate) fn expected_other(experiment: &Experiment, at: &Iterate) -> Option<OtherWheelMotion> {
     if !experiment.problem.assumes_wheel_motion() {
         return None;
     }
@@ -274,16 +228,14 @@ pub(crate) fn expected_wheel_motion(
         both.linearise(at)
     });
     let (held, smooth) = (held?, smooth?);
-    let [a, b] = [&held, &smooth].map(|h| (least(h), step(&both, at, &h.rows)));
-    let smooth_fits = b.0 < a.0;
-    let own = if smooth_fits { &smooth } else { &held };
-    let mass = own.rows.spectrum.damped(&own.rows.shared.rhs(), 0.0);
-    let end = moved(&both, at, own.rows.parts(), &mass);
-    both.wheels_smooth = !smooth_fits;
-    let there = both.linearise(&end);
-    let shift = there.map_or(0.0, |there| there.rows.mass_shift());
-    let pair = if smooth_fits { [b, a] } else { [a, b] };
-    Some(ExpectedWheelMotion::new(pair, shift))
+    let difference = least(&held) - least(&smooth);
+    let far = (0.5 * difference.abs().sqrt()).min(f64::MAX);
+    let [a, b] = [&held, &smooth].map(|h| step(&both, at, &h.rows));
+    Some(OtherWheelMotion {
+        probability: Normal::standard().cdf(-far),
+        step: a.iter().zip(&b).map(|(a, b)| a - b).collect(),
+        ..OtherWheelMotion::default()
+    })
 }
 
 /// Change of the answer if sparsely sampled wheels have smooth instead of linear speeds between samples.

@@ -2,12 +2,11 @@
 
 use crate::answer;
 use crate::diagnosis::Diagnostics;
-use crate::fit::experiment::Experiment;
+use crate::fit::experiment::{Experiment, Iterate};
+use crate::fit::fit_from;
 use crate::fit::rest_motion::choose_rest_motion;
-use crate::fit::wheel_motion::{self, BetweenSamples, OtherWheelMotion, expected_wheel_motion};
-use crate::fit::wheel_torque::RandomTorque;
-use crate::fit::{Fitted, fit_from};
-use crate::methods::maximum_likelihood::{conclude, proportional, random_where_it_matters};
+use crate::fit::wheel_motion::{OtherWheelMotion, expected_other};
+use crate::methods::maximum_likelihood::{conclude, proportional};
 use crate::problem::{Problem, ProblemError};
 use crate::solution::estimate::Estimate;
 
@@ -32,8 +31,7 @@ pub fn cramer_rao(problem: &Problem) -> Result<Estimate, ProblemError> {
 }
 
 /// The sigmas that an identification of such measurements will state: the bound, and where they can hardly tell what the
-/// wheels do between samples, the mean square of what the choice adds. Where an identification would fit the torque of the
-/// wheels as a process, so does this.
+/// wheels do between samples, the mean square of what the choice adds.
 ///
 /// # Errors
 /// As [`cramer_rao`].
@@ -46,32 +44,12 @@ pub fn cramer_rao(problem: &Problem) -> Result<Estimate, ProblemError> {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn predicted_covariance(problem: &Problem) -> Result<Estimate, ProblemError> {
-    bound(problem, expected)
-}
-
-/// What an identification of such measurements assumes of the wheels.
-pub(crate) struct Expected {
-    /// The hypothesis that it does not assume.
-    pub other: OtherWheelMotion,
-    /// The torque as a process, if it assumes that.
-    pub torque: Option<RandomTorque>,
-}
-
-/// The same from an evaluation at the true unknowns; `None` where nothing is assumed.
-pub(crate) fn expected(experiment: &Experiment, at_truth: &Fitted) -> Option<Expected> {
-    let plain = expected_wheel_motion(experiment, &at_truth.at)?;
-    let torque = random_where_it_matters(experiment, at_truth, plain.other.shift);
-    let found = torque.and_then(|torque| {
-        let driven = plain.with_torque(experiment, (&torque, &at_truth.at))?;
-        Some((driven.other, Some(torque)))
-    });
-    let (other, torque) = found.unwrap_or((plain.other, None));
-    Some(Expected { other, torque })
+    bound(problem, expected_other)
 }
 
 fn bound(
     problem: &Problem,
-    expected: impl Fn(&Experiment, &Fitted) -> Option<Expected>,
+    other: impl Fn(&Experiment, &Iterate) -> Option<OtherWheelMotion>,
 ) -> Result<Estimate, ProblemError> {
     problem.check_samples()?;
     problem.check_observations()?;
@@ -85,14 +63,8 @@ fn bound(
     if choose_rest_motion(&mut experiment, &at_truth) {
         at_truth = evaluated(&experiment)?;
     }
-    let expected = expected(&experiment, &at_truth);
-    let torque = expected.as_ref().and_then(|e| e.torque.as_ref());
-    let driven = torque.map(|torque| torque.problem(problem));
-    if let Some(driven) = &driven {
-        experiment = wheel_motion::driven(&experiment, driven);
-        at_truth = evaluated(&experiment)?;
-    }
     at_truth.converged = true;
+    let other = other(&experiment, &at_truth.at);
     // A bound has no misfit: interpolation errors of wheel motion are not noise.
     for segment in &mut at_truth.evaluated {
         segment.chi2 = 0.0;
@@ -101,16 +73,9 @@ fn bound(
     }
     let explained = (!proportional(problem)).then_some(1.0);
     let mut solution = conclude(&experiment, at_truth, explained, Diagnostics::default());
-    let counts = problem.segments.iter().map(|s| s.observations.time_s.len());
-    let fits = solution.fit.iter_mut().zip(counts);
-    fits.for_each(|(fit, samples)| fit.samples = samples);
     solution.method = "cramer_rao";
     if let Some(own) = &mut solution.likelihood {
-        if driven.is_some() {
-            let motion = BetweenSamples::RandomTorque;
-            own.assumptions.push(motion.words().to_owned());
-        }
-        own.other_wheel_motion = expected.map(|e| e.other);
+        own.other_wheel_motion = other;
     }
     Ok(answer::write_with_remedies(problem, &solution))
 }

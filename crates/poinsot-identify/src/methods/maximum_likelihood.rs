@@ -271,7 +271,7 @@ fn note(problem: &Problem, solution: &mut Solution, shift: f64, step_error: Opti
 }
 
 /// The torque of the wheels as a process, where it may change an answer that another wheel motion changes by `shift` sigmas.
-pub(crate) fn random_where_it_matters(
+fn random_where_it_matters(
     experiment: &Experiment,
     fitted: &Fitted,
     shift: f64,
