@@ -126,17 +126,15 @@ fn samples(
 /// one of them. The mean motion is better that of independent errors: a run does not tell when the speed began to stay, and
 /// errors said to stay from there on pull a level towards where the speed came from, by a fifth of a step.
 fn rounded(samples: &[SpeedSample]) -> Option<Vec<SpeedSample>> {
-    let of_run = |run: &[SpeedSample]| -> Vec<SpeedSample> {
-        let n = run.len() as f64;
-        let stays = |i: usize| if i > 0 { (n - 1.0) / (n + 1.0) } else { 0.0 };
-        let one = |(i, s): (usize, &SpeedSample)| match run.len() {
-            1 => *s,
-            _ => s.rounded(stays(i)),
-        };
-        run.iter().enumerate().map(one).collect()
-    };
     let runs = samples.chunk_by(|a, b| a.speed == b.speed);
-    let all: Vec<SpeedSample> = runs.flat_map(of_run).collect();
+    let all = runs.flat_map(|run| {
+        let n = run.len() as f64;
+        run.iter().enumerate().map(move |(i, s)| match n > 1.0 {
+            true => s.rounded(if i > 0 { (n - 1.0) / (n + 1.0) } else { 0.0 }),
+            false => *s,
+        })
+    });
+    let all: Vec<SpeedSample> = all.collect();
     all.iter().any(|s| s.memory > 0.0).then_some(all)
 }
 

@@ -4,7 +4,10 @@
 mod satellite;
 
 use nalgebra::{DMatrix, DVector};
+use poinsot::bind::bind;
 use poinsot::{Identified, Question, identify_tables};
+use poinsot_dynamics::Tree;
+use poinsot_identify::{Estimate, predicted_covariance};
 use rayon::prelude::*;
 use satellite::{Case, PLAIN, TRUTH, Torque};
 use statrs::distribution::{Binomial, ChiSquared, ContinuousCDF, DiscreteCDF, Normal};
@@ -256,4 +259,37 @@ fn stat_wheels_between_samples_are_honest_or_doubted() {
         }
     }
     assert!(failures.is_empty(), "{failures:#?}");
+}
+
+/// A prediction knows constant torque and smooth speed alone. It says the sigmas that an identification states with the torque as a
+/// process, whether two torque commands lie between two samples of a wheel or one.
+#[test]
+fn stat_a_prediction_says_the_sigmas_that_an_answer_states() {
+    for (slews, tachometer_hz) in [(false, 1.0), (false, 2.0), (true, 1.0), (true, 2.0)] {
+        let case = Case {
+            tachometer_hz,
+            slews,
+            ..PLAIN
+        };
+        let ideal = Case {
+            exact: true,
+            ..case
+        };
+        let model = satellite::model(&ideal);
+        let tree = Tree::new(&model);
+        for seed in 0..3 {
+            let bound = bind(&model, &tree, &[satellite::table(&ideal, seed)]).unwrap();
+            let predicted = predicted_covariance(&bound.problem(&model, &tree)).unwrap();
+            let table = satellite::table(&case, seed);
+            let found = identify_tables(satellite::model(&case), vec![table], &Question::default());
+            let stated = found.unwrap().estimate;
+            let sigmas = |e: &Estimate| e.bodies[0].inertia.clone().map(|i| i.sigma.unwrap());
+            let pairs = sigmas(&stated).into_iter().zip(sigmas(&predicted));
+            let ratios: Vec<f64> = pairs
+                .map(|(stated, predicted)| stated / predicted)
+                .collect();
+            println!("slews {slews}, {tachometer_hz} Hz, {seed}: {ratios:.2?}");
+            assert!(ratios.iter().all(|r| (0.95..1.1).contains(r)), "{ratios:?}");
+        }
+    }
 }

@@ -35,6 +35,8 @@ pub struct Case {
     pub gap: Option<(f64, f64)>,
     pub duration_s: f64,
     pub torque: Torque,
+    /// Measurements without noise, of the model's own body.
+    pub exact: bool,
 }
 
 /// Columns of the motor torque.
@@ -60,6 +62,7 @@ pub const PLAIN: Case = Case {
     gap: None,
     duration_s: 200.0,
     torque: Torque::Absent,
+    exact: false,
 };
 
 /// Axes of the wheels, one per column.
@@ -102,6 +105,11 @@ type = "wheel_speed"
             "[[wheel]]\nname = \"wheel{}\"\nbody = \"bus\"\naxis = [{}, {}, {}]\nspin_inertia_kg_m2 = {SPIN}\n",
             k + 1, a.x, a.y, a.z
         ));
+    }
+    if case.exact {
+        let [xx, xy, yy, xz, yz, zz] = TRUTH;
+        let own = format!("{{ xx = {xx}, yy = {yy}, zz = {zz}, xy = {xy}, xz = {xz}, yz = {yz} }}");
+        text = text.replace("{ xx = 58.0, yy = 78.0, zz = 86.0 }", &own);
     }
     parse_model(&text, "pyramid.toml").unwrap()
 }
@@ -229,6 +237,7 @@ pub fn table(case: &Case, seed: u64) -> Table {
     let tumble = if case.slews { 0.0 } else { 1.0e-2 };
     body.momentum = wheels + body.inertia * Vector3::new(tumble, -tumble, 0.5 * tumble);
 
+    let noise = if case.exact { 0.0 } else { 1.0 };
     let range = |step: f64, from: f64| -> Vec<f64> {
         let n = ((case.duration_s - from) / step) as usize;
         (0..=n).map(|k| from + k as f64 * step).collect()
@@ -267,11 +276,11 @@ pub fn table(case: &Case, seed: u64) -> Table {
         rates.push((t, w));
         if gyro.contains(&t) {
             for k in 0..3 {
-                omega[k].push(w[k] + GYRO * normal(&mut random));
+                omega[k].push(w[k] + noise * GYRO * normal(&mut random));
             }
         }
         if tracker.contains(&t) {
-            let off = Vector3::from_fn(|_, _| TRACKER * normal(&mut random));
+            let off = Vector3::from_fn(|_, _| noise * TRACKER * normal(&mut random));
             let measured = R * UnitQuaternion::from_scaled_axis(off);
             for (column, value) in q.iter_mut().zip(measured.coords.iter()) {
                 column.push(*value);
@@ -300,7 +309,7 @@ pub fn table(case: &Case, seed: u64) -> Table {
             let own = speeds(*t)[w] - axes()[w].dot(&rate_at(*t));
             match case.rounding > 0.0 {
                 true => (own / case.rounding).round() * case.rounding,
-                false => own + TACHOMETER * normal(&mut random),
+                false => own + noise * TACHOMETER * normal(&mut random),
             }
         };
         let values = kept.iter().map(read).collect();
