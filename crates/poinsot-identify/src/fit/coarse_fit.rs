@@ -16,7 +16,7 @@ const START_SAMPLES: usize = 128;
 /// Largest step over readings: beyond it the motion between them may be lost.
 const STRIDE: usize = 16;
 /// Reduction of chi-square that may be left: a step of one sigma of few samples, which all of them move by more.
-const LEFT: f64 = 1.0;
+const COARSE_LEFT: f64 = 1.0;
 /// Smallest reduction of the grid for a coarse fit.
 const WORTH: usize = 4;
 
@@ -69,7 +69,7 @@ impl LeastSquares for Coarse<'_> {
         step: &Step<Iterate>,
         left: f64,
     ) -> Option<Linearised<Linearisation>> {
-        let near = left <= LEFT;
+        let near = left <= COARSE_LEFT;
         near.then(|| self.0.promised(at, here, step)).flatten()
     }
 

@@ -130,11 +130,28 @@ impl Information {
         }
     }
 
-    /// Goes back over `x+ = F x`.
-    fn before_step(&mut self, F: &Matrix3<f64>) {
-        self.eta = F.transpose() * self.eta;
-        self.L = F.transpose() * self.L * F;
+    /// Goes back over an interval in which the speed is straight.
+    fn before_line(&mut self, h: f64) {
+        self.eta[SLOPE] += h * self.eta[SPEED];
+        add_row(&mut self.L, (SPEED, SLOPE), h);
+        add_column(&mut self.L, (SPEED, SLOPE), h);
     }
+
+    /// Goes back to where the rounding error was not yet so much smaller.
+    fn before_fading(&mut self, memory: f64) {
+        self.eta[ROUNDING] *= memory;
+        self.L.row_mut(ROUNDING).scale_mut(memory);
+        self.L.column_mut(ROUNDING).scale_mut(memory);
+    }
+}
+
+/// Adds a multiple of one row to another one.
+fn add_row(m: &mut Matrix3<f64>, (from, to): (usize, usize), factor: f64) {
+    (0..3).for_each(|j| m[(to, j)] += factor * m[(from, j)]);
+}
+
+fn add_column(m: &mut Matrix3<f64>, (from, to): (usize, usize), factor: f64) {
+    (0..3).for_each(|i| m[(i, to)] += factor * m[(i, from)]);
 }
 
 /// A change of one component, given the state before it: normal about `mean + follows . x`.
@@ -146,14 +163,6 @@ struct Change {
 }
 
 impl Change {
-    /// The slope of the state after it over that before.
-    fn slope(&self) -> Matrix3<f64> {
-        let mut slope = Matrix3::identity();
-        let mut row = slope.row_mut(self.of);
-        row += self.follows.transpose();
-        slope
-    }
-
     /// The mean change; the state goes with it.
     fn along(&self, x: &mut Vector3<f64>) -> f64 {
         let change = self.mean + self.follows.dot(x);
@@ -161,37 +170,71 @@ impl Change {
         change
     }
 
-    fn square(&self) -> Matrix3<f64> {
-        let mut square = Matrix3::zeros();
-        square[(self.of, self.of)] = self.own;
-        square
+    /// What follows the state, of a covariance with an earlier one.
+    fn follow(&self, with_earlier: &mut Matrix3<f64>) {
+        let row = self.follows.transpose() * *with_earlier;
+        (0..3).for_each(|j| with_earlier[(self.of, j)] += row[j]);
+    }
+
+    /// The covariance of the state after it; the variance of the change.
+    fn spread(&self, P: &mut Matrix3<f64>) -> f64 {
+        let with_state = *P * self.follows;
+        let variance = self.own + self.follows.dot(&with_state);
+        for j in 0..3 {
+            P[(self.of, j)] += with_state[j];
+            P[(j, self.of)] += with_state[j];
+        }
+        P[(self.of, self.of)] += variance;
+        variance
     }
 }
 
-/// From one grid time to the next: a straight speed, a change of its slope, and what stays and is new of the rounding error.
+/// From one grid time to the next: a straight speed and a change of its slope; with a sample, what stays and is new of the
+/// rounding error.
 struct Interval {
-    straight: Matrix3<f64>,
+    h: f64,
     slope: Change,
-    stays: Matrix3<f64>,
-    rounding: Change,
+    rounding: Option<(f64, Change)>,
 }
 
 impl Interval {
     /// The mean state at its end; the mean changes of slope and rounding error.
-    fn along(&self, x: &Vector3<f64>) -> (Vector3<f64>, [f64; 2]) {
-        let mut x = self.straight * x;
-        let slope = self.slope.along(&mut x);
-        x = self.stays * x;
-        let rounding = self.rounding.along(&mut x);
-        (x, [slope, rounding])
+    fn along(&self, x: &mut Vector3<f64>) -> [f64; 2] {
+        x[SPEED] += self.h * x[SLOPE];
+        let slope = self.slope.along(x);
+        let rounding = self.rounding.as_ref().map(|(memory, change)| {
+            x[ROUNDING] *= memory;
+            change.along(x)
+        });
+        [slope, rounding.unwrap_or(0.0)]
     }
 
-    /// Slope of the state at its end over that at its start, and the covariance of what is new.
-    fn step(&self) -> (Matrix3<f64>, Matrix3<f64>) {
-        let late = self.rounding.slope() * self.stays;
-        let fresh = late * self.slope.square() * late.transpose() + self.rounding.square();
-        (late * self.slope.slope() * self.straight, fresh)
+    /// From the covariance at its start: that of both ends, at its end, and the variance of the change of slope.
+    fn spread(&self, P: &Matrix3<f64>) -> (Matrix3<f64>, Matrix3<f64>, f64) {
+        let (mut together, mut after) = (*P, *P);
+        add_row(&mut together, (SLOPE, SPEED), self.h);
+        add_row(&mut after, (SLOPE, SPEED), self.h);
+        add_column(&mut after, (SLOPE, SPEED), self.h);
+        self.slope.follow(&mut together);
+        let variance = self.slope.spread(&mut after);
+        if let Some((memory, change)) = &self.rounding {
+            together.row_mut(ROUNDING).scale_mut(*memory);
+            after.row_mut(ROUNDING).scale_mut(*memory);
+            after.column_mut(ROUNDING).scale_mut(*memory);
+            change.follow(&mut together);
+            change.spread(&mut after);
+        }
+        (together, after, variance)
     }
+}
+
+/// The state at the first grid time, and the way from there.
+struct Start {
+    level: f64,
+    mean: Vector3<f64>,
+    covariance: Matrix3<f64>,
+    intervals: Vec<Interval>,
+    deviance: f64,
 }
 
 impl SpeedSamples<'_> {
@@ -201,13 +244,8 @@ impl SpeedSamples<'_> {
         all.reduce(f64::min)
     }
 
-    /// The posterior if slopes change by this standard deviation, rad/s2; `None` without samples.
-    pub fn posterior(&self, change: f64) -> Option<SpeedPosterior> {
-        self.posterior_of(&vec![change; self.time_s.len()])
-    }
-
-    /// The same with a standard deviation of the change at each grid time.
-    fn posterior_of(&self, sizes: &[f64]) -> Option<SpeedPosterior> {
+    /// The start with a standard deviation of the change at each grid time, rad/s2; `None` without samples.
+    fn start(&self, sizes: &[f64]) -> Option<Start> {
         let level = self.samples.first()?.speed;
         let (held, intervals) = self.backward(sizes, level);
         let span = self.time_s.last()? - self.time_s.first()?;
@@ -218,12 +256,22 @@ impl SpeedSamples<'_> {
         let prior = Vector3::new(wide.powi(2), (wide / span).powi(2), rounding);
         let P = Matrix3::from_diagonal(&prior);
         let unit = Matrix3::identity() + P * held.L;
-        let initial = unit.try_inverse()? * P;
-        let initial = (initial + initial.transpose()) * 0.5;
-        let first = initial * held.eta;
-        let squares = self.squares(level, first, &intervals, (sizes, &prior));
-        let deviance = held.log_det + unit.determinant().ln() + squares;
-        Some(forward(level, (first, initial), &intervals, deviance))
+        let covariance = unit.try_inverse()? * P;
+        let covariance = (covariance + covariance.transpose()) * 0.5;
+        let mean = covariance * held.eta;
+        let squares = self.squares(level, mean, &intervals, (sizes, &prior));
+        Some(Start {
+            level,
+            mean,
+            covariance,
+            intervals,
+            deviance: held.log_det + unit.determinant().ln() + squares,
+        })
+    }
+
+    /// The posterior with a standard deviation of the change at each grid time, rad/s2; `None` without samples.
+    pub fn posterior(&self, sizes: &[f64]) -> Option<SpeedPosterior> {
+        self.start(sizes).map(forward)
     }
 
     /// What all samples hold of the first state, and the way back to it.
@@ -233,25 +281,17 @@ impl SpeedSamples<'_> {
         let mut held = Information::default();
         let mut intervals = Vec::with_capacity(n - 1);
         for k in (1..n).rev() {
-            let (mut stays, mut fresh) = (Matrix3::identity(), 0.0);
-            if let Some(sample) = samples.next_if(|s| s.at == k) {
+            let rounding = samples.next_if(|s| s.at == k).map(|sample| {
                 held.take(sample, level);
-                stays[(ROUNDING, ROUNDING)] = sample.memory;
-                fresh = sample.fresh();
-            }
-            let rounding = held.before_change(ROUNDING, fresh);
-            held.before_step(&stays);
+                let change = held.before_change(ROUNDING, sample.fresh());
+                held.before_fading(sample.memory);
+                (sample.memory, change)
+            });
             let size = if self.changes[k] { sizes[k] } else { 0.0 };
             let slope = held.before_change(SLOPE, size * size);
-            let mut straight = Matrix3::identity();
-            straight[(SPEED, SLOPE)] = self.time_s[k] - self.time_s[k - 1];
-            held.before_step(&straight);
-            intervals.push(Interval {
-                straight,
-                slope,
-                stays,
-                rounding,
-            });
+            let h = self.time_s[k] - self.time_s[k - 1];
+            held.before_line(h);
+            intervals.push(Interval { h, slope, rounding });
         }
         if let Some(sample) = samples.next_if(|s| s.at == 0) {
             held.take(sample, level);
@@ -281,8 +321,7 @@ impl SpeedSamples<'_> {
         for (k, size) in sizes.iter().enumerate() {
             let mut rounding = 0.0;
             if let Some(interval) = k.checked_sub(1).and_then(|before| intervals.get(before)) {
-                let (next, changes) = interval.along(&x);
-                x = next;
+                let changes = interval.along(&mut x);
                 rounding = changes[1];
                 sum += over(changes[0], if self.changes[k] { size * size } else { 0.0 });
             }
@@ -294,10 +333,9 @@ impl SpeedSamples<'_> {
         sum
     }
 
-    /// The posterior that the samples make most probable.
-    pub fn most_probable(&self) -> Option<SpeedPosterior> {
-        let size = self.most_probable_size()?;
-        self.with_tails(size, self.posterior(size)?)
+    /// The posterior that the samples make most probable, and its standard deviations of the changes.
+    pub fn most_probable(&self) -> Option<(SpeedPosterior, Vec<f64>)> {
+        self.with_tails(self.most_probable_size()?)
     }
 
     /// The size of normal changes that the samples make most probable, rad/s2.
@@ -306,8 +344,8 @@ impl SpeedSamples<'_> {
         let span = self.time_s.last()? - self.time_s.first()?;
         let unit = self.noise()? * count as f64 / span;
         let cost = |log: f64| {
-            let found = self.posterior(unit * log.exp());
-            found.map_or(f64::INFINITY, |p| p.deviance)
+            let found = self.start(&vec![unit * log.exp(); self.time_s.len()]);
+            found.map_or(f64::INFINITY, |start| start.deviance)
         };
         Some(unit * least(cost, RANGE.map(f64::ln), ACCURACY).exp())
     }
@@ -315,7 +353,9 @@ impl SpeedSamples<'_> {
     /// The posterior with changes of Student's t-distribution, from that of normal ones: each change has a size of its own,
     /// renewed from the mean squares of those about it (Lange, Little and Taylor 1989). When exactly a torque changed between
     /// two samples they do not tell, so that neighbours share a size.
-    fn with_tails(&self, mut size: f64, mut found: SpeedPosterior) -> Option<SpeedPosterior> {
+    fn with_tails(&self, mut size: f64) -> Option<(SpeedPosterior, Vec<f64>)> {
+        let mut sizes = vec![size; self.time_s.len()];
+        let mut found = self.posterior(&sizes)?;
         let places = self.changes.iter().enumerate().skip(1);
         let places: Vec<usize> = places.filter(|(_, c)| **c).map(|(k, _)| k).collect();
         for _ in 0..RENEWALS {
@@ -328,44 +368,35 @@ impl SpeedSamples<'_> {
             let widths: Vec<f64> = (0..own.len()).map(width).collect();
             let sum: f64 = own.iter().zip(&widths).map(|(s, w)| s / w).sum();
             size = (sum / own.len().max(1) as f64).sqrt();
-            let mut sizes = vec![0.0; self.time_s.len()];
             let pairs = places.iter().zip(&widths);
             pairs.for_each(|(k, w)| sizes[*k] = size * w.sqrt());
-            found = self.posterior_of(&sizes)?;
+            found = self.posterior(&sizes)?;
         }
-        Some(found)
+        Some((found, sizes))
     }
 }
 
 /// The motion from its first state on.
-fn forward(
-    level: f64,
-    (mut x, mut P): (Vector3<f64>, Matrix3<f64>),
-    intervals: &[Interval],
-    deviance: f64,
-) -> SpeedPosterior {
+fn forward(start: Start) -> SpeedPosterior {
+    let (mut x, mut P) = (start.mean, start.covariance);
     let initial = speed_and_slope(&P);
-    let mut speed = vec![level + x[SPEED]];
+    let mut speed = vec![start.level + x[SPEED]];
     let mut squares = vec![0.0];
-    let mut steps = Vec::with_capacity(intervals.len());
-    for interval in intervals {
-        let change = &interval.slope;
-        let follows = interval.straight.transpose() * change.follows;
-        let (next, [mean, _]) = interval.along(&x);
-        squares.push(mean.powi(2) + change.own + follows.dot(&(P * follows)));
-        let (slope, fresh) = interval.step();
-        let together = slope * P;
-        let after = together * slope.transpose() + fresh;
+    let mut steps = Vec::with_capacity(start.intervals.len());
+    for interval in &start.intervals {
+        let (together, after, variance) = interval.spread(&P);
+        let [mean, _] = interval.along(&mut x);
+        squares.push(mean.powi(2) + variance);
         steps.push(ErrorStep::between(
             [&P, &together, &after].map(speed_and_slope),
         ));
-        (x, P) = (next, after);
-        speed.push(level + x[SPEED]);
+        P = after;
+        speed.push(start.level + x[SPEED]);
     }
     SpeedPosterior {
         speed,
         errors: ErrorProcess { initial, steps },
-        deviance,
+        deviance: start.deviance,
         squares,
     }
 }
@@ -419,7 +450,7 @@ mod tests {
                 samples: &samples,
                 shared: 0,
             };
-            let found = all.posterior(change).unwrap();
+            let found = all.posterior(&[change; 8]).unwrap();
             // Speed at every time, of start, slope and the three changes.
             let from = [None, Some(0.0), Some(0.5), Some(1.3), Some(2.1)];
             let row = |t: f64| from.map(|s: Option<f64>| s.map_or(1.0, |s| (t - s).max(0.0)));

@@ -80,18 +80,15 @@ fn driven_at_random(
                 flags
             }
         };
-        let posterior = |samples: &[SpeedSample]| {
-            let all = SpeedSamples {
-                time_s: &new.time_s,
-                changes: &changes,
-                samples,
-                shared: CHANGES,
-            };
-            all.most_probable()
+        let of = |samples| SpeedSamples {
+            time_s: &new.time_s,
+            changes: &changes,
+            samples,
+            shared: CHANGES,
         };
-        let mut found = posterior(&independent)?;
+        let (mut found, sizes) = of(&independent).most_probable()?;
         if let Some(rounded) = rounded(&independent) {
-            found.errors = posterior(&rounded)?.errors;
+            found.errors = of(&rounded).posterior(&sizes)?.errors;
         }
         deviance += found.deviance;
         let column = new.wheel_speed.iter_mut().skip(w).step_by(wheels);

@@ -153,6 +153,28 @@ fn separate(input: Input, errors: InputErrors) -> Vec<(Input, Memory, Vec<f64>)>
     vec![of(0), of(1)]
 }
 
+/// The inputs with noise, how their errors go on, and their shares.
+type NoisyInputs = (Vec<(Input, f64)>, Vec<Memory>, Vec<Vec<f64>>);
+
+fn noisy<'a>(
+    all: impl Iterator<Item = (Input, f64, Option<&'a InputErrors>)>,
+    rest_motion: f64,
+) -> NoisyInputs {
+    let (mut inputs, mut memory, mut shares) = NoisyInputs::default();
+    for (input, variance, errors) in all {
+        let errors = errors.map(|e| e.with_rest_motion(rest_motion));
+        let errors = errors.unwrap_or_default();
+        if variance > 0.0 && errors != InputErrors::None {
+            for (input, errors, share) in separate(input, errors) {
+                inputs.push((input, variance));
+                memory.push(errors);
+                shares.push(share);
+            }
+        }
+    }
+    (inputs, memory, shares)
+}
+
 impl InputNoise {
     /// `followed` is the number of sequences that go through the filter: sensitivities and residual.
     pub fn new(
@@ -182,18 +204,7 @@ impl InputNoise {
         let joints = joints.map(|(k, v)| (Input::Joint(k), *v, o.joint_errors.get(k)));
         let wheels = wheels.map(|(k, v)| (Input::Wheel(k), *v, o.wheel_errors.get(k)));
         let rates = rates.map(|(k, v)| (Input::Rate(k), *v, None));
-        let (mut inputs, mut memory, mut shares) = (Vec::new(), Vec::new(), Vec::new());
-        for (input, variance, errors) in joints.chain(wheels).chain(rates) {
-            let errors = errors.map(|e| e.with_rest_motion(rest_motion));
-            let errors = errors.unwrap_or_default();
-            if variance > 0.0 && errors != InputErrors::None {
-                for (input, errors, share) in separate(input, errors) {
-                    inputs.push((input, variance));
-                    memory.push(errors);
-                    shares.push(share);
-                }
-            }
-        }
+        let (inputs, memory, shares) = noisy(joints.chain(wheels).chain(rates), rest_motion);
         let torque = random_torque.is_some();
         let silent = inputs.is_empty() && !torque;
         let active = match (silent, translation, forced || torque) {
@@ -492,15 +503,7 @@ impl InputNoise {
         faded.clear();
         faded.extend(self.memory.iter().map(|m| m.alone(k - 1)));
         fresh.clear();
-        for (i, &row) in self.active.iter().enumerate() {
-            for (j, &column) in self.active.iter().enumerate() {
-                // Exponential to second order: h is a fraction of a turn.
-                let own = if i == j { 1.0 } else { 0.0 };
-                let through = self.active.iter().map(|&k| A(row, k) * A(k, column));
-                upper[i * stride + j] =
-                    own + h * A(row, column) + 0.5 * h * h * through.sum::<f64>();
-            }
-        }
+        self.state_rows(&A, h, &mut upper);
         self.torque_rows(&A, h, &mut upper, &mut torque);
         for (c, a) in faded.iter().enumerate() {
             let turn = (now.at_once[c] - before.at_once[c]) * 0.5;
@@ -548,6 +551,20 @@ impl InputNoise {
             rows: std::mem::take(&mut self.scratch.rows),
             jacobian,
         };
+    }
+
+    /// What stays of the active components after an interval.
+    fn state_rows(&self, A: &impl Fn(usize, usize) -> f64, h: f64, upper: &mut [f64]) {
+        let stride = self.filter.stride();
+        for (i, &row) in self.active.iter().enumerate() {
+            for (j, &column) in self.active.iter().enumerate() {
+                // Exponential to second order: h is a fraction of a turn.
+                let own = if i == j { 1.0 } else { 0.0 };
+                let through = self.active.iter().map(|&k| A(row, k) * A(k, column));
+                upper[i * stride + j] =
+                    own + h * A(row, column) + 0.5 * h * h * through.sum::<f64>();
+            }
+        }
     }
 
     /// Carries the filter on from grid time k, where some errors go on in pairs: `upper` holds the rows of `s`.

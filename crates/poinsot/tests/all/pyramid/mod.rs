@@ -283,7 +283,7 @@ fn stat_a_prediction_says_the_sigmas_that_an_answer_states() {
             let table = satellite::table(&case, seed);
             let found = identify_tables(satellite::model(&case), vec![table], &Question::default());
             let stated = found.unwrap().estimate;
-            let sigmas = |e: &Estimate| e.bodies[0].inertia.clone().map(|i| i.sigma.unwrap());
+            let sigmas = |e: &Estimate| e.bodies[0].inertia.map(|i| i.sigma.unwrap());
             let pairs = sigmas(&stated).into_iter().zip(sigmas(&predicted));
             let ratios: Vec<f64> = pairs
                 .map(|(stated, predicted)| stated / predicted)
