@@ -104,7 +104,7 @@ impl DormandPrince8 {
             }
             self.step = proposal.min(0.9 * h);
             if t + self.step * 1e-3 <= t {
-                return Err(Halt::stuck(t, y));
+                return Err(Halt::stuck(t, error));
             }
         }
     }

@@ -57,12 +57,11 @@ pub enum Halt {
 }
 
 impl Halt {
-    /// Why the step at `t` from `y` shrank to nothing.
-    pub(crate) fn stuck(t: f64, y: &[f64]) -> Self {
-        if y.iter().all(|y| y.is_finite()) {
-            Self::StepTooSmall { time: t }
-        } else {
-            Self::NotFinite { time: t }
+    /// Why the step at `t` shrank to nothing, with this error of the last one.
+    pub(crate) fn stuck(t: f64, error: f64) -> Self {
+        match error.is_finite() {
+            true => Self::StepTooSmall { time: t },
+            false => Self::NotFinite { time: t },
         }
     }
 }
