@@ -501,13 +501,7 @@ impl SmoothByParts for DrivenStage<'_> {
         self.accelerate(t, &R_NB)?;
         let motion = &mut self.sample.motion;
         motion.time = t;
-        motion.R_NB = R_NB;
-        motion.p_NoScm_N = vector(y, POSITION);
-        motion.p_NoBo_N = motion.p_NoScm_N - R_NB * self.c;
-        motion.v_NBo_N = R_NB * twist.v;
-        motion.w_NB_B = twist.w;
-        motion.l_S_N = l;
-        motion.h_SScm_N = h;
+        motion.set_state((&R_NB, y), &self.c, &twist);
         for i in 0..motion.body.a.len() {
             (motion.body.a[i], motion.body.alpha[i]) = self.dynamics.acceleration(i);
         }

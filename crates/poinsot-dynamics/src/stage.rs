@@ -89,6 +89,22 @@ pub struct MotionSample {
 }
 
 impl MotionSample {
+    /// Pose, momentum and twist; `y` is the state of an integration, `c` the mass centre from the base origin in B.
+    pub(crate) fn set_state(
+        &mut self,
+        (R_NB, y): (&UnitQuaternion, &[f64]),
+        c: &Vector3,
+        twist: &Twist,
+    ) {
+        self.R_NB = *R_NB;
+        self.p_NoScm_N = vector(y, POSITION);
+        self.p_NoBo_N = self.p_NoScm_N - R_NB * c;
+        self.v_NBo_N = R_NB * twist.v;
+        self.w_NB_B = twist.w;
+        self.l_S_N = vector(y, LINEAR);
+        self.h_SScm_N = vector(y, ANGULAR);
+    }
+
     /// Everything zero, with room for the coordinates of a tree, wheels and thrusters.
     pub(crate) fn new(tree: &Tree, wheels: usize, thrusters: usize) -> Self {
         let dof = tree.dof();
@@ -438,13 +454,7 @@ impl SmoothByParts for Stage<'_> {
         if let Some((gm, orbit)) = &vehicle.orbit {
             sample.p_orbit_N = orbit_state(*gm, orbit, t).0;
         }
-        sample.R_NB = R_NB;
-        sample.p_NoScm_N = vector(y, POSITION);
-        sample.p_NoBo_N = sample.p_NoScm_N - R_NB * self.c;
-        sample.v_NBo_N = R_NB * twist.v;
-        sample.w_NB_B = twist.w;
-        sample.l_S_N = l;
-        sample.h_SScm_N = h;
+        sample.set_state((&R_NB, y), &self.c, &twist);
         sample
             .kinematics
             .set_velocities(&vehicle.tree, &twist.v, &twist.w, &sample.rates);

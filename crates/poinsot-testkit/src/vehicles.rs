@@ -82,3 +82,28 @@ impl ModelText {
         self
     }
 }
+
+/// A tug of 60 kg with unknown numbers, and its arm of 4 kg with known ones on a hinge `elbow`.
+pub fn tug_with_arm() -> ModelText {
+    ModelText::new("tug with arm")
+        .body(
+            "bus",
+            60.0,
+            [0.03, -0.02, 0.05],
+            [8.2, 9.5, 11.0, 0.35, -0.2, 0.4],
+            "estimate = true",
+        )
+        .body(
+            "arm",
+            4.0,
+            [0.3, 0.0, 0.0],
+            [0.02, 0.2, 0.2, 0.0, 0.0, 0.0],
+            "",
+        )
+        .joint(
+            ("elbow", "revolute"),
+            ["bus", "arm"],
+            [0.3, 0.1, 0.2],
+            "axis = [0.0, 0.0, 1.0]",
+        )
+}

@@ -13,7 +13,9 @@ use crate::fit::experiment::Experiment;
 use crate::problem::Problem;
 use crate::problem::segment::{InputErrors, Noise, Observations, Segment};
 use nalgebra::{DMatrix, DVector};
-use std::f64::consts::TAU;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use rand_distr::{Distribution, StandardNormal};
 
 /// Start of the random numbers: any will do.
 const SEED: u64 = 0x0070_6f69_6e73_6f74;
@@ -46,9 +48,9 @@ impl SharedNoise {
         if table.segments.is_empty() || !inputs.into_iter().flatten().any(|v| *v > 0.0) {
             return None;
         }
-        let mut dice = Dice(SEED);
+        let mut random = ChaCha8Rng::seed_from_u64(SEED);
         let segments = problem.segments.iter();
-        let segments: Vec<Segment> = segments.map(|s| disturbed(s, noise, &mut dice)).collect();
+        let segments: Vec<Segment> = segments.map(|s| disturbed(s, noise, &mut random)).collect();
         let problem = Problem {
             segments: &segments,
             ..*problem
@@ -110,14 +112,14 @@ impl SharedNoise {
 }
 
 /// The segment with one more draw of the noise of its inputs.
-fn disturbed(segment: &Segment, noise: &Noise, dice: &mut Dice) -> Segment {
+fn disturbed(segment: &Segment, noise: &Noise, random: &mut ChaCha8Rng) -> Segment {
     let mut new = segment.clone();
     let o = &segment.observations;
     let n = o.time_s.len();
     let own = &mut new.observations;
     let wheels = o.wheel_speed.len() / n.max(1);
     for w in 0..wheels {
-        let error = errors(o.wheel_errors.get(w), noise.wheel_speed.get(w), n, dice);
+        let error = errors(o.wheel_errors.get(w), noise.wheel_speed.get(w), n, random);
         for (k, e) in error.into_iter().enumerate() {
             own.wheel_speed[k * wheels + w] += e;
             if let Some(speed) = own.smooth_wheel_speed.get_mut(k * wheels + w) {
@@ -128,11 +130,11 @@ fn disturbed(segment: &Segment, noise: &Noise, dice: &mut Dice) -> Segment {
     let dof = o.joint_position.len() / n.max(1);
     for j in 0..dof {
         let of = o.joint_errors.get(j);
-        let position = errors(of, noise.joint_position.get(j), n, dice);
+        let position = errors(of, noise.joint_position.get(j), n, random);
         let rate = match of {
             Some(InputErrors::None | InputErrors::Locked) => vec![0.0; n],
             _ if o.derived_rates.get(j) == Some(&true) => slopes(o, &position),
-            _ => errors(None, noise.joint_rate.get(j), n, dice),
+            _ => errors(None, noise.joint_rate.get(j), n, random),
         };
         for (k, (position, rate)) in position.into_iter().zip(rate).enumerate() {
             own.joint_position[k * dof + j] += position;
@@ -156,14 +158,19 @@ fn slopes(o: &Observations, errors: &[f64]) -> Vec<f64> {
 }
 
 /// Errors of one input at every grid time.
-fn errors(of: Option<&InputErrors>, variance: Option<&f64>, n: usize, dice: &mut Dice) -> Vec<f64> {
+fn errors(
+    of: Option<&InputErrors>,
+    variance: Option<&f64>,
+    n: usize,
+    random: &mut ChaCha8Rng,
+) -> Vec<f64> {
     let sigma = variance.copied().unwrap_or(0.0).max(0.0).sqrt();
     let of = of.unwrap_or(&InputErrors::Independent);
     match of {
         InputErrors::None | InputErrors::Locked => vec![0.0; n],
         InputErrors::Interpolated(places) => {
             let readings = places.iter().map(|p| p.reading + 2).max().unwrap_or(0);
-            let drawn: Vec<f64> = (0..readings).map(|_| sigma * dice.normal()).collect();
+            let drawn: Vec<f64> = (0..readings).map(|_| sigma * normal(random)).collect();
             let at = |k: usize| {
                 places.get(k).map_or(0.0, |p| {
                     (1.0 - p.share) * drawn[p.reading] + p.share * drawn[p.reading + 1]
@@ -173,22 +180,22 @@ fn errors(of: Option<&InputErrors>, variance: Option<&f64>, n: usize, dice: &mut
         }
         InputErrors::Process(process) => {
             let [a, b] = process.initial_root();
-            let mut now = a * dice.normal() + b * dice.normal();
+            let mut now = a * normal(random) + b * normal(random);
             let mut all = vec![now[0]];
             for step in &process.steps {
                 let [a, b] = step.root();
-                now = step.memory * now + a * dice.normal() + b * dice.normal();
+                now = step.memory * now + a * normal(random) + b * normal(random);
                 all.push(now[0]);
             }
             all.resize(n, 0.0);
             all
         }
         InputErrors::Independent | InputErrors::Kept(_) | InputErrors::Rounded(_) => {
-            let mut now = sigma * dice.normal();
+            let mut now = sigma * normal(random);
             let next = |k: usize| {
                 let error = now;
                 let stays = of.memory(k);
-                now = stays * now + sigma * (1.0 - stays * stays).max(0.0).sqrt() * dice.normal();
+                now = stays * now + sigma * (1.0 - stays * stays).max(0.0).sqrt() * normal(random);
                 error
             };
             (0..n).map(next).collect()
@@ -196,24 +203,9 @@ fn errors(of: Option<&InputErrors>, variance: Option<&f64>, n: usize, dice: &mut
     }
 }
 
-/// Random numbers that are the same in every run (Steele, Lea and Flood 2014, SplitMix64).
-struct Dice(u64);
-
-impl Dice {
-    /// Uniform between zero and one, without both.
-    fn uniform(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^= z >> 31;
-        ((z >> 11) as f64 + 0.5) / (1_u64 << 53) as f64
-    }
-
-    /// Normal with mean zero and sigma one (Box and Muller 1958).
-    fn normal(&mut self) -> f64 {
-        (-2.0 * self.uniform().ln()).sqrt() * (TAU * self.uniform()).cos()
-    }
+/// A number with mean zero and sigma one.
+fn normal(random: &mut ChaCha8Rng) -> f64 {
+    StandardNormal.sample(random)
 }
 
 #[cfg(test)]
@@ -247,7 +239,12 @@ mod tests {
             (InputErrors::Process(process), [1.0, 1.0, 0.6]),
             (InputErrors::Locked, [0.0; 3]),
         ] {
-            let all = errors(Some(&of), Some(&4.0), n, &mut Dice(SEED));
+            let all = errors(
+                Some(&of),
+                Some(&4.0),
+                n,
+                &mut ChaCha8Rng::seed_from_u64(SEED),
+            );
             let mean = |f: fn(&[f64]) -> f64| {
                 let sum: f64 = all.chunks_exact(2).map(f).sum();
                 sum / (n / 2) as f64

@@ -137,7 +137,7 @@ impl Information {
         add_column(&mut self.L, (SPEED, SLOPE), h);
     }
 
-    /// Goes back to where the rounding error was not yet so much smaller.
+    /// Goes back over a rounding error of which this share stays.
     fn before_fading(&mut self, memory: f64) {
         self.eta[ROUNDING] *= memory;
         self.L.row_mut(ROUNDING).scale_mut(memory);

@@ -11,32 +11,12 @@ use poinsot_identify::{Estimate, Number, Status, TENSOR};
 use poinsot_model::{Model, Origin, SensorKind, parse_model};
 use poinsot_telemetry::{Channel, Table};
 use poinsot_testkit::Vector3;
-use poinsot_testkit::vehicles::ModelText;
+use poinsot_testkit::vehicles::tug_with_arm;
 use std::path::Path;
 
 /// A tug with an arm and its true numbers.
 fn vehicle() -> String {
-    ModelText::new("tug with arm")
-        .body(
-            "bus",
-            60.0,
-            [0.03, -0.02, 0.05],
-            [8.2, 9.5, 11.0, 0.35, -0.2, 0.4],
-            "estimate = true",
-        )
-        .body(
-            "arm",
-            4.0,
-            [0.3, 0.0, 0.0],
-            [0.02, 0.2, 0.2, 0.0, 0.0, 0.0],
-            "",
-        )
-        .joint(
-            ("elbow", "revolute"),
-            ["bus", "arm"],
-            [0.3, 0.1, 0.2],
-            "axis = [0.0, 0.0, 1.0]",
-        )
+    tug_with_arm()
         .thruster("jet", "bus", [-0.7, -0.2, 0.1], [0.2, 0.5, 1.0])
         .text()
 }

@@ -7,7 +7,7 @@ use poinsot::{Identified, identify_tables};
 use poinsot_identify::Status;
 use poinsot_model::{Model, Nuisance, Sensor, SensorKind, parse_model};
 use poinsot_telemetry::Table;
-use poinsot_testkit::vehicles::ModelText;
+use poinsot_testkit::vehicles::tug_with_arm;
 use std::path::Path;
 
 fn reader(kind: SensorKind, of: Vec<usize>) -> Sensor {
@@ -120,28 +120,7 @@ fn exact_a_scale_of_a_tachometer_is_a_spin_inertia() {
 
 /// A tug with an arm and five wheels.
 fn tug() -> Model {
-    let mut text = ModelText::new("tug with arm")
-        .body(
-            "bus",
-            60.0,
-            [0.03, -0.02, 0.05],
-            [8.2, 9.5, 11.0, 0.35, -0.2, 0.4],
-            "estimate = true",
-        )
-        .body(
-            "arm",
-            4.0,
-            [0.3, 0.0, 0.0],
-            [0.02, 0.2, 0.2, 0.0, 0.0, 0.0],
-            "",
-        )
-        .joint(
-            ("elbow", "revolute"),
-            ["bus", "arm"],
-            [0.3, 0.1, 0.2],
-            "axis = [0.0, 0.0, 1.0]",
-        )
-        .text();
+    let mut text = tug_with_arm().text();
     for (k, axis) in [
         [1.0, 0.0, 0.0],
         [0.0, 1.0, 0.0],
