@@ -13,7 +13,6 @@ mod planted;
 mod python;
 mod repository;
 mod rust_text;
-mod size;
 mod words;
 
 use clap::{Parser, Subcommand};
@@ -89,17 +88,6 @@ enum Task {
         /// Print the counts of every page.
         #[arg(long)]
         figures: bool,
-    },
-    /// Count lines of code of each crate, without comments, documentation, blank lines and inline tests.
-    ///
-    /// Prints crate,source,tests: what lies in src and examples without its tests, and those tests together with tests/.
-    Size {
-        /// One crate, file by file.
-        #[arg(value_name = "CRATE")]
-        name: Option<String>,
-        /// Compare the parts of the tree with a revision of git; prints a table.
-        #[arg(long, value_name = "REV", conflicts_with = "name")]
-        since: Option<String>,
     },
     /// Run the first command of README.md as it is there: the first line that starts with `cargo run`.
     ///
@@ -197,7 +185,6 @@ fn run(task: Task) -> Result<(), Fault> {
         } => planted::run(&names, fresh, check),
         Task::Outputs { check, poinsot } => outputs::run(check, poinsot),
         Task::Pages { offline, figures } => pages::run(offline, figures),
-        Task::Size { name, since } => size::run(name.as_deref(), since.as_deref()),
         Task::FirstCommand { built } => first_command::run(built),
         Task::Fuzz {
             minimise,
@@ -220,7 +207,7 @@ mod tests {
     use repository::{files_below, name_of, read, root};
     use std::collections::BTreeSet;
 
-    /// `scripts/test` alone is a program of its own: it works before anything is built.
+    /// `scripts/test` and `scripts/size` are programs of their own: they work before anything is built.
     #[test]
     fn unit_every_script_calls_its_command() {
         let command = Arguments::command();
@@ -231,7 +218,7 @@ mod tests {
         let mut scripts = BTreeSet::new();
         for path in files_below(&root().join("scripts")).unwrap() {
             let name = name_of(&path).replace("scripts/", "");
-            if name == "test" {
+            if ["test", "size"].contains(&name.as_str()) {
                 continue;
             }
             let text = read(&path).unwrap();

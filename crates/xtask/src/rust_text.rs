@@ -102,27 +102,6 @@ pub fn one_line(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// Number of lines with code: without comments, documentation and blank lines.
-pub fn code_lines(source: &str) -> usize {
-    let (mut rest, mut line, mut counted) = (source, 1, 0);
-    // The last line that counts.
-    let mut last = 0;
-    while !rest.is_empty() {
-        let length = comment(rest).unwrap_or_else(|| {
-            let (length, _) = next_token(rest);
-            if !rest.starts_with(char::is_whitespace) {
-                let end = line + newlines(&rest[..length]);
-                counted += end + 1 - line.max(last + 1);
-                last = end;
-            }
-            length
-        });
-        line += newlines(&rest[..length]);
-        rest = &rest[length..];
-    }
-    counted
-}
-
 fn newlines(text: &str) -> usize {
     text.matches('\n').count()
 }
@@ -248,16 +227,6 @@ mod tests {
     fn unit_texts_end_at_the_tests() {
         let source = "const A: &str = \"a\";\n#[cfg(test)]\nmod tests {\n \"b\"\n}";
         assert_eq!(texts(source), lines(&[(1, "a")]));
-    }
-
-    #[test]
-    fn unit_lines_of_code_are_counted_without_comments_and_blanks() {
-        let source =
-            "//! Doc.\n\nfn a() { // why\n    /* two\n lines */ b(\"x\ny\"); c();\n}\n\n/// D\n";
-        // fn, the two lines of the text, and the brace.
-        assert_eq!(code_lines(source), 4);
-        assert_eq!(code_lines("'a'; // b\nr#\"//\n\"#"), 3);
-        assert_eq!(code_lines(""), 0);
     }
 
     #[test]
