@@ -1,4 +1,4 @@
-//! Maintenance commands of the project: checks of texts and pages, planted bugs, fuzzing, benchmarks, the book.
+//! Maintenance commands of the project: quoted outputs, planted bugs, fuzzing, benchmarks, the book.
 
 mod architecture;
 mod bench;
@@ -6,14 +6,10 @@ mod book;
 mod fault;
 mod first_command;
 mod fuzz;
-mod messages;
 mod outputs;
-mod pages;
 mod planted;
 mod python;
 mod repository;
-mod rust_text;
-mod words;
 
 use clap::{Parser, Subcommand};
 use fault::Fault;
@@ -32,16 +28,6 @@ struct Arguments {
 enum Task {
     /// Draw docs/assets/architecture.svg: the flow of data, and the crates on their floors. A test compares it.
     Architecture,
-    /// List every message of the program, or check their words and the length of their sentences.
-    ///
-    /// A message is a text of three words or more in the sources, outside tests: errors, warnings, evidence, remedies,
-    /// labels of tables and figures, explanations, help of the command line, and the templates of the report.
-    /// `{}` stands for a value.
-    Messages {
-        /// Check words of docs/words.txt, average and longest sentence.
-        #[arg(long)]
-        check: bool,
-    },
     /// Plant bugs and show which tests notice: validation/planted/bugs.toml, one at a time, in a scratch copy.
     ///
     /// Runs all bugs that have no result yet, then writes docs/validation/planted.md. The copy is target/planted/tree:
@@ -76,18 +62,6 @@ enum Task {
         /// Program to use; default: build it with cargo.
         #[arg(long)]
         poinsot: Option<PathBuf>,
-    },
-    /// Check the prose of all pages: words, sentence length, size, links, and, with a network, spelling and style.
-    ///
-    /// Installs proselint and codespell from PyPI into target/pages-venv. Checked is what a person reads as sentences.
-    /// Code, tables of numbers, formulas, file names and output of commands are not.
-    Pages {
-        /// Check without proselint and codespell.
-        #[arg(long)]
-        offline: bool,
-        /// Print the counts of every page.
-        #[arg(long)]
-        figures: bool,
     },
     /// Run the first command of README.md as it is there: the first line that starts with `cargo run`.
     ///
@@ -177,14 +151,12 @@ fn main() -> ExitCode {
 fn run(task: Task) -> Result<(), Fault> {
     match task {
         Task::Architecture => architecture::run(),
-        Task::Messages { check } => messages::run(check),
         Task::Planted {
             names,
             fresh,
             check,
         } => planted::run(&names, fresh, check),
         Task::Outputs { check, poinsot } => outputs::run(check, poinsot),
-        Task::Pages { offline, figures } => pages::run(offline, figures),
         Task::FirstCommand { built } => first_command::run(built),
         Task::Fuzz {
             minimise,
