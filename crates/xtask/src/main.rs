@@ -1,10 +1,8 @@
 //! Maintenance commands of the project: quoted outputs, planted bugs, fuzzing, benchmarks, the book.
 
-mod architecture;
 mod bench;
 mod book;
 mod fault;
-mod first_command;
 mod fuzz;
 mod outputs;
 mod planted;
@@ -26,8 +24,6 @@ struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Task {
-    /// Draw docs/assets/architecture.svg: the flow of data, and the crates on their floors. A test compares it.
-    Architecture,
     /// Plant bugs and show which tests notice: validation/planted/bugs.toml, one at a time, in a scratch copy.
     ///
     /// Runs all bugs that have no result yet, then writes docs/validation/planted.md. The copy is target/planted/tree:
@@ -62,14 +58,6 @@ enum Task {
         /// Program to use; default: build it with cargo.
         #[arg(long)]
         poinsot: Option<PathBuf>,
-    },
-    /// Run the first command of README.md as it is there: the first line that starts with `cargo run`.
-    ///
-    /// Alone the program has fewer features than with the tests, so that half of its dependencies are compiled again.
-    FirstCommand {
-        /// Use target/release/poinsot, which the tests have built.
-        #[arg(long)]
-        built: bool,
     },
     /// Fuzz every reader and `identify` with libFuzzer.
     ///
@@ -150,14 +138,12 @@ fn main() -> ExitCode {
 
 fn run(task: Task) -> Result<(), Fault> {
     match task {
-        Task::Architecture => architecture::run(),
         Task::Planted {
             names,
             fresh,
             check,
         } => planted::run(&names, fresh, check),
         Task::Outputs { check, poinsot } => outputs::run(check, poinsot),
-        Task::FirstCommand { built } => first_command::run(built),
         Task::Fuzz {
             minimise,
             seconds,
