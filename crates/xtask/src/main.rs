@@ -1,11 +1,10 @@
-//! Maintenance commands of the project: quoted outputs, planted bugs, fuzzing, benchmarks, the book.
+//! Maintenance commands of the project: quoted outputs, fuzzing, benchmarks, the book.
 
 mod bench;
 mod book;
 mod fault;
 mod fuzz;
 mod outputs;
-mod planted;
 mod python;
 mod repository;
 
@@ -24,25 +23,6 @@ struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Task {
-    /// Plant bugs and show which tests notice: validation/planted/bugs.toml, one at a time, in a scratch copy.
-    ///
-    /// Runs all bugs that have no result yet, then writes docs/validation/planted.md. The copy is target/planted/tree:
-    /// the files of the working tree that git knows. Every bug is behind a switch that POINSOT_PLANTED turns on, so that
-    /// one build serves them all; the sources here are not touched. A test counts as a catch when it fails with the bug
-    /// on and passes with it off. Packages run one after another until one has caught the bug; of it the first failures
-    /// are listed. Exit code 1: a bug survived. 2: a bug has lost its place.
-    ///
-    /// PLANTED_TARGETS chooses the targets that are built, such as "--lib --bins --test all".
-    Planted {
-        /// Run these bugs again.
-        names: Vec<String>,
-        /// Run all bugs again.
-        #[arg(long, conflicts_with = "names")]
-        fresh: bool,
-        /// Check only that every bug still finds its place in the sources.
-        #[arg(long, conflicts_with_all = ["names", "fresh"])]
-        check: bool,
-    },
     /// Run the commands that README, docs and examples quote, and fill in what they print.
     ///
     /// A line `<!-- output of: COMMAND -->` names a command; the block fenced by ```text after it is its standard output.
@@ -138,11 +118,6 @@ fn main() -> ExitCode {
 
 fn run(task: Task) -> Result<(), Fault> {
     match task {
-        Task::Planted {
-            names,
-            fresh,
-            check,
-        } => planted::run(&names, fresh, check),
         Task::Outputs { check, poinsot } => outputs::run(check, poinsot),
         Task::Fuzz {
             minimise,
@@ -165,7 +140,7 @@ mod tests {
     use repository::{files_below, name_of, read, root};
     use std::collections::BTreeSet;
 
-    /// `scripts/test` and `scripts/size` are programs of their own: they work before anything is built.
+    /// These scripts are programs of their own: they work before anything is built.
     #[test]
     fn unit_every_script_calls_its_command() {
         let command = Arguments::command();
@@ -176,7 +151,7 @@ mod tests {
         let mut scripts = BTreeSet::new();
         for path in files_below(&root().join("scripts")).unwrap() {
             let name = name_of(&path).replace("scripts/", "");
-            if ["test", "size"].contains(&name.as_str()) {
+            if ["test", "size", "planted"].contains(&name.as_str()) {
                 continue;
             }
             let text = read(&path).unwrap();
