@@ -1,30 +1,19 @@
 //! Runs arbitrary bytes through every reader, and small arbitrary problems through `identify`.
 //!
 //! Each target takes bytes. It panics if the program panics or a result violates its invariants. libFuzzer calls them
-//! from `fuzz/`; `tests/corpus.rs` replays the committed corpus and its mutations.
+//! from `fuzz/`; `tests/corpus.rs` replays the committed corpus.
 #![allow(non_snake_case)]
 
 mod identify;
 mod model;
-mod mutate;
 mod small_problem;
 mod telemetry;
 mod urdf;
 
 pub use identify::identify;
 pub use model::model;
-pub use mutate::Mutator;
 pub use telemetry::{csv, parquet};
 pub use urdf::urdf;
 
 /// A target; it panics on a fault.
 pub type Target = fn(&[u8]);
-
-/// All targets, by the names of their corpora.
-pub const TARGETS: [(&str, Target); 5] = [
-    ("csv", csv),
-    ("parquet", parquet),
-    ("model", model),
-    ("urdf", urdf),
-    ("identify", identify),
-];

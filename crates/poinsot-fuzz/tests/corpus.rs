@@ -1,105 +1,77 @@
-//! Runs the committed corpus and deterministic mutations of it through every target.
-//!
-//! `POINSOT_FUZZ_SECONDS=60` mutates for that time per target instead, and prints the number of inputs.
-#![allow(clippy::unwrap_used, clippy::panic)]
+//! Runs the committed corpus through every target, and some problems of drawn bytes through `identify`.
+#![allow(clippy::unwrap_used)]
 
-use poinsot_fuzz::{Mutator, TARGETS};
+use poinsot_fuzz::{Target, csv, identify, model, parquet, urdf};
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 use std::io::Read;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
 /// Time limit of a single small input.
 const LONGEST: Duration = Duration::from_secs(10);
+/// Problems of drawn bytes, and bytes of each: enough for a vehicle and its record.
+const DRAWN: u64 = 60;
+const BYTES: usize = 4096;
 
-/// The inputs written by hand, then those that libFuzzer found.
-fn corpus(name: &str) -> Vec<Vec<u8>> {
+/// The inputs written by hand, then those that libFuzzer found, with their names.
+fn corpus(name: &str) -> Vec<(String, Vec<u8>)> {
     let fuzz = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz");
     let folder = std::fs::read_dir(fuzz.join("corpus").join(name)).unwrap();
-    let mut paths: Vec<_> = folder.map(|e| e.unwrap().path()).collect();
-    paths.sort();
-    let written = paths.iter().map(|p| std::fs::read(p).unwrap());
-    written.chain(found(&fuzz, name)).collect()
-}
-
-/// The fuzzer's inputs of a target; for `identify` it has kept none.
-fn found(fuzz: &Path, name: &str) -> Vec<Vec<u8>> {
-    if name == "identify" {
-        return Vec::new();
+    let written = folder.map(|entry| entry.unwrap().path());
+    let mut inputs: Vec<_> = written
+        .map(|path| (path.display().to_string(), std::fs::read(&path).unwrap()))
+        .collect();
+    // For `identify` the fuzzer has kept none.
+    if let Ok(file) = std::fs::File::open(fuzz.join("found").join(name).with_extension("tar")) {
+        for entry in tar::Archive::new(file).entries().unwrap() {
+            let mut entry = entry.unwrap();
+            let mut bytes = Vec::new();
+            entry.read_to_end(&mut bytes).unwrap();
+            inputs.push((entry.path().unwrap().display().to_string(), bytes));
+        }
     }
-    let path = fuzz.join("found").join(name).with_extension("tar");
-    let file = std::fs::File::open(path).unwrap();
-    let mut archive = tar::Archive::new(file);
-    let bytes = |mut entry: tar::Entry<_>| {
-        let mut bytes = Vec::new();
-        entry.read_to_end(&mut bytes).unwrap();
-        bytes
-    };
-    let entries = archive.entries().unwrap();
-    entries.map(|entry| bytes(entry.unwrap())).collect()
+    inputs
 }
 
-fn replay(name: &str, mutations: u64) {
-    let target = TARGETS.iter().find(|t| t.0 == name).unwrap().1;
-    let corpus = corpus(name);
-    assert!(!corpus.is_empty());
-    let seconds = std::env::var("POINSOT_FUZZ_SECONDS").ok();
-    let until = seconds.map(|s| Instant::now() + Duration::from_secs(s.parse().unwrap()));
-    let mut mutator = Mutator::new(name.len() as u64);
-    let started = Instant::now();
-    let mut count = 0;
-    let mut slowest = (Duration::ZERO, 0);
-    let mut inputs = corpus.clone().into_iter();
-    while until.map_or(count < mutations + corpus.len() as u64, |end| {
-        Instant::now() < end
-    }) {
-        let input = inputs.next().unwrap_or_else(|| mutator.input(&corpus));
-        count += 1;
+fn replay(target: Target, inputs: &[(String, Vec<u8>)]) {
+    assert!(!inputs.is_empty());
+    for (name, bytes) in inputs {
         let began = Instant::now();
-        if std::panic::catch_unwind(|| target(&input)).is_err() {
-            let path = std::env::temp_dir().join(format!("poinsot-fuzz-{name}-{count}"));
-            std::fs::write(&path, &input).unwrap();
-            panic!("{name}: input {count} fails, kept as {}", path.display());
-        }
+        let ended = std::panic::catch_unwind(|| target(bytes));
+        assert!(ended.is_ok(), "{name} fails");
         let took = began.elapsed();
-        slowest = slowest.max((took, count));
-        if took > LONGEST {
-            let path = std::env::temp_dir().join(format!("poinsot-fuzz-slow-{name}-{count}"));
-            std::fs::write(&path, &input).unwrap();
-            panic!(
-                "{name}: input {count} takes {took:?}, kept as {}",
-                path.display()
-            );
-        }
+        assert!(took < LONGEST, "{name} takes {took:?}");
     }
-    println!(
-        "{name}: {count} inputs in {:.1} s, the slowest ({}) {:.2} s",
-        started.elapsed().as_secs_f64(),
-        slowest.1,
-        slowest.0.as_secs_f64()
-    );
 }
 
 #[test]
-fn prop_csv_corpus_and_mutations() {
-    replay("csv", 2000);
+fn prop_csv_corpus() {
+    replay(csv, &corpus("csv"));
 }
 
 #[test]
-fn prop_parquet_corpus_and_mutations() {
-    replay("parquet", 2000);
+fn prop_parquet_corpus() {
+    replay(parquet, &corpus("parquet"));
 }
 
 #[test]
-fn prop_model_corpus_and_mutations() {
-    replay("model", 20_000);
+fn prop_model_corpus() {
+    replay(model, &corpus("model"));
 }
 
 #[test]
-fn prop_urdf_corpus_and_mutations() {
-    replay("urdf", 20_000);
+fn prop_urdf_corpus() {
+    replay(urdf, &corpus("urdf"));
 }
 
 #[test]
-fn prop_identify_corpus_and_mutations() {
-    replay("identify", 60);
+fn prop_identify_corpus_and_drawn_problems() {
+    let drawn = (0..DRAWN).map(|seed| {
+        let mut bytes = vec![0; BYTES];
+        ChaCha8Rng::seed_from_u64(seed).fill_bytes(&mut bytes);
+        (format!("the problem of seed {seed}"), bytes)
+    });
+    let inputs: Vec<_> = corpus("identify").into_iter().chain(drawn).collect();
+    replay(identify, &inputs);
 }

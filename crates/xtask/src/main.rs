@@ -1,9 +1,8 @@
-//! Maintenance commands of the project: quoted outputs, fuzzing, benchmarks, the book.
+//! Maintenance commands of the project: quoted outputs, benchmarks, the book.
 
 mod bench;
 mod book;
 mod fault;
-mod fuzz;
 mod outputs;
 mod python;
 mod repository;
@@ -38,21 +37,6 @@ enum Task {
         /// Program to use; default: build it with cargo.
         #[arg(long)]
         poinsot: Option<PathBuf>,
-    },
-    /// Fuzz every reader and `identify` with libFuzzer.
-    ///
-    /// The stable toolchain is enough; libFuzzer comes from crates.io and needs a C++ compiler. Findings are kept under
-    /// target/fuzz/artifacts; the exit code is then 1. New inputs go to target/fuzz/corpus; fuzz/corpus holds inputs
-    /// written by hand.
-    Fuzz {
-        /// Take what reaches new code, in inputs of at most 2 KiB, into the archives of fuzz/found.
-        #[arg(long)]
-        minimise: bool,
-        /// Seconds for each target.
-        #[arg(default_value_t = fuzz::SECONDS)]
-        seconds: u64,
-        /// Targets; default: all.
-        targets: Vec<String>,
     },
     /// Run benchmarks of the kernels on the arm of Xu et al. (2017), with the peers beside them where they are found.
     ///
@@ -119,11 +103,6 @@ fn main() -> ExitCode {
 fn run(task: Task) -> Result<(), Fault> {
     match task {
         Task::Outputs { check, poinsot } => outputs::run(check, poinsot),
-        Task::Fuzz {
-            minimise,
-            seconds,
-            targets,
-        } => fuzz::run(minimise, seconds, &targets),
         Task::Bench { what } => bench::run(&what),
         Task::BenchRead { rows } => bench::read::run(rows),
         Task::BenchFit { samples } => bench::fit::run(samples),
@@ -151,7 +130,7 @@ mod tests {
         let mut scripts = BTreeSet::new();
         for path in files_below(&root().join("scripts")).unwrap() {
             let name = name_of(&path).replace("scripts/", "");
-            if ["test", "size", "planted"].contains(&name.as_str()) {
+            if ["test", "size", "planted", "fuzz"].contains(&name.as_str()) {
                 continue;
             }
             let text = read(&path).unwrap();
