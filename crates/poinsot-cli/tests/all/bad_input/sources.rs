@@ -65,7 +65,6 @@ const NOT_THE_PROGRAM: &[&str] = &[
     "poinsot-book",
     "poinsot-fuzz",
     "poinsot-testkit",
-    "xtask",
 ];
 
 #[test]
