@@ -11,10 +11,8 @@
 //! - `elliptic.rs`, `quadrature.rs`, `joint_plans.rs`, `compare.rs`. `outside.rs`: data that are not shipped.
 #![allow(non_snake_case)]
 
-pub mod advice;
 pub mod compare;
 pub mod elliptic;
-pub mod faults;
 pub mod joint_plans;
 pub mod momentum_sum;
 pub mod outside;

@@ -4,7 +4,7 @@ use crate::bad_input::bench::{Bench, Problem};
 use crate::bad_input::cells::{Cells, Rows};
 use crate::bad_input::changes::{Append, Bytes, Copy, Prepare, Remove, Replace, Write};
 use crate::bad_input::code::Code;
-use poinsot_testkit::faults::{Fill, filled, folder, names};
+use crate::bad_input::faults::{Fill, filled, folder, names};
 use serde::Deserialize;
 use std::path::PathBuf;
 use toml::Spanned;
@@ -38,8 +38,6 @@ pub struct Case {
     pub says: Vec<String>,
     /// Texts that must not be in the output.
     pub never: Vec<String>,
-    /// Of the page of error codes (`poinsot-book`): whether it shows this message rather than the first one of the code.
-    example: bool,
     /// What the page shows.
     pub printed: Option<Spanned<Vec<String>>>,
     /// A file of `shared/setup/` whose changes come first.

@@ -2,7 +2,7 @@
 
 use crate::bad_input::bench::{Bench, Problem};
 use crate::bad_input::case::Change;
-use poinsot_testkit::faults::{Fill, fill, folder};
+use crate::bad_input::faults::{Fill, fill, folder};
 use serde::Deserialize;
 
 /// A whole file: `text`, `hex`, or `copy` of a file (path from `shared/`).
