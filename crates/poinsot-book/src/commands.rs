@@ -1,5 +1,6 @@
 //! Generates the page of commands from the definition of the command line.
 
+use crate::GENERATED;
 use clap::{Arg, Command, CommandFactory};
 use poinsot_cli::arguments::Arguments;
 use std::fmt::Write;
@@ -36,9 +37,6 @@ pub fn page() -> String {
     }
     out
 }
-
-/// First lines of every generated page.
-pub const GENERATED: &str = "<!-- Made by `scripts/book generate`; do not edit. -->\n\n";
 
 fn section(verb: &Command, out: &mut String) {
     let name = verb.get_name();
@@ -103,7 +101,7 @@ fn words(a: &Arg) -> String {
 }
 
 /// Escapes text for a table cell.
-pub(crate) fn cell(text: &str) -> String {
+pub fn cell(text: &str) -> String {
     let one = text.split_whitespace().collect::<Vec<_>>().join(" ");
     one.replace('|', "\\|").replace('<', "&lt;")
 }

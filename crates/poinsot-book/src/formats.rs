@@ -1,6 +1,7 @@
 //! Generates the pages of formats: keys of model file, case file and results, from their schemas.
 
-use crate::commands::{GENERATED, cell};
+use crate::GENERATED;
+use crate::commands::cell;
 use serde_json::{Map, Value};
 use std::fmt::Write;
 

@@ -1,38 +1,47 @@
-//! Command line of the book: `build` it, `generate` its pages from the program, `check` both.
+//! Writes the pages of `docs/` that come from the program, or checks them.
+//!
+//! Committed, because pages of the repository link into them: commands, formats, verdicts, validation. Not committed: the list of
+//! bad input, and the figures of the papers' pages that studies of seconds draw.
 
-use clap::{Parser, Subcommand};
-use poinsot_book::{BookError, links, pages, repository, site};
-use std::path::PathBuf;
+#![allow(non_snake_case)]
+
+mod bad_input;
+mod commands;
+mod formats;
+mod validation;
+mod verdicts;
+
+use clap::Parser;
+use poinsot::study::{run, studies};
+use std::error::Error;
+use std::fs;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// The book of Poinsot.
+/// Why the pages cannot be made, in words.
+type Fault = Box<dyn Error>;
+
+/// First lines of every committed page.
+const GENERATED: &str = "<!-- Made by `scripts/book generate`; do not edit. -->\n\n";
+
+/// Writes the pages of the book that come from the program.
 #[derive(Debug, Parser)]
 #[command(name = "poinsot-book")]
 struct Arguments {
-    #[command(subcommand)]
-    verb: Verb,
+    /// Fail if a committed page is not what the program says, instead of writing it.
+    #[arg(long)]
+    check: bool,
 }
 
-#[derive(Debug, Subcommand)]
-enum Verb {
-    /// Write the pages and figures that come from the program.
-    Generate,
-    /// Build the book as HTML and check its links.
-    Build {
-        /// Folder; default target/book.
-        #[arg(long)]
-        out: Option<PathBuf>,
-    },
-    /// Fail if a committed generated page is not what the program says.
-    Check,
+/// A page or figure, by its path in `docs`.
+struct Made {
+    name: String,
+    text: String,
 }
 
 fn main() -> ExitCode {
-    match run(Arguments::parse().verb) {
-        Ok(said) => {
-            println!("{said}");
-            ExitCode::SUCCESS
-        }
+    match write(Arguments::parse().check) {
+        Ok(()) => ExitCode::SUCCESS,
         Err(why) => {
             eprintln!("{why}");
             ExitCode::FAILURE
@@ -40,25 +49,95 @@ fn main() -> ExitCode {
     }
 }
 
-fn run(verb: Verb) -> Result<String, BookError> {
-    Ok(match verb {
-        Verb::Generate => {
-            let committed = pages::write(pages::committed()?)?;
-            let ignored = pages::write(pages::ignored()?)?;
-            format!("{committed} pages written, and {ignored} files that are not committed")
+fn write(check: bool) -> Result<(), Fault> {
+    for page in committed()? {
+        if check {
+            current(&page)?;
+        } else {
+            put(&page)?;
         }
-        Verb::Check => format!("{} generated pages are current", pages::check()?),
-        Verb::Build { out } => {
-            let out = out.unwrap_or_else(|| repository::root().join("target/book"));
-            site::build(&out)?;
-            let found = links::check(&out)?;
-            format!(
-                "{}: {} pages, {} links inside, all good; {} to the outside, not followed",
-                out.join("index.html").display(),
-                found.pages,
-                found.inside,
-                found.outside
-            )
+    }
+    for made in ignored()? {
+        put(&made)?;
+    }
+    Ok(())
+}
+
+/// A file of the repository.
+fn repository(name: &str) -> PathBuf {
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    here.join("../..").join(name)
+}
+
+/// The text of a file of the repository.
+fn read(name: &str) -> Result<String, Fault> {
+    let path = repository(name);
+    fs::read_to_string(&path).map_err(|why| format!("{}: {why}", path.display()).into())
+}
+
+fn committed() -> Result<Vec<Made>, Fault> {
+    let page = |name: &str, text| Made {
+        name: name.to_owned(),
+        text,
+    };
+    Ok(vec![
+        page("reference/commands.md", commands::page()),
+        page("reference/formats.md", formats::page()),
+        page("reference/case.md", formats::case_page()),
+        page("reference/results.md", formats::results_page()),
+        page("reference/verdicts.md", verdicts::page()),
+        page("validation.md", validation::page()?),
+    ])
+}
+
+fn ignored() -> Result<Vec<Made>, Fault> {
+    let mut all = vec![Made {
+        name: "validation/bad_input.md".to_owned(),
+        text: bad_input::page()?,
+    }];
+    for (paper, study) in studies().filter(|(_, study)| study.quick) {
+        let shown = read(&format!("docs/methods/{paper}.md"))?;
+        for figure in run(study, &repository("data"))?.figures {
+            let name = format!("{paper}/{}.svg", figure.name);
+            if let Some(text) = figure.svg().filter(|_| shown.contains(&name)) {
+                let name = format!("methods/{name}");
+                all.push(Made { name, text });
+            }
         }
-    })
+    }
+    Ok(all)
+}
+
+fn current(page: &Made) -> Result<(), Fault> {
+    let name = format!("docs/{}", page.name);
+    if read(&name)? == page.text {
+        return Ok(());
+    }
+    Err(format!("{name}: out of date; run: scripts/book generate").into())
+}
+
+fn put(made: &Made) -> Result<(), Fault> {
+    let path = repository("docs").join(&made.name);
+    if let Some(folder) = path.parent() {
+        fs::create_dir_all(folder)?;
+    }
+    Ok(fs::write(path, &made.text)?)
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cli_committed_pages_are_what_the_program_says() {
+        for page in committed().unwrap() {
+            current(&page).unwrap();
+        }
+    }
+
+    #[test]
+    fn unit_the_list_of_bad_input_has_every_case() {
+        assert!(bad_input::page().unwrap().matches("\n| ").count() > 300);
+    }
 }

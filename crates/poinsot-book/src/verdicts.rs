@@ -1,7 +1,7 @@
 //! Generates the page of verdicts: each verdict with its colour and condition, and every cause that the diagnosis can
 //! name.
 
-use crate::commands::GENERATED;
+use crate::GENERATED;
 use poinsot_identify::FaultKind;
 use poinsot_report::VERDICTS;
 use std::fmt::Write;
