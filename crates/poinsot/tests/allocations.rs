@@ -24,7 +24,7 @@ const CASES: [(&str, &str); 7] = [
     (ARM, ACCELEROMETERS),
     (ARM, ON_A_LINK),
 ];
-const ARM: &str = "crates/poinsot/examples/faults/cases/two_link_arm.toml";
+const ARM: &str = "crates/poinsot/tests/all/faults/cases/two_link_arm.toml";
 const ACCELEROMETERS: &str = r#"
 [[sensor]]
 name = "accelerometer"

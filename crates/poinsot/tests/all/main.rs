@@ -15,23 +15,15 @@ mod campaign;
 mod campaign_page;
 mod compare;
 mod counts;
-#[allow(
-    dead_code,
-    non_snake_case,
-    reason = "a test uses a part of what the example has"
-)]
-#[path = "../../examples/faults/drawn.rs"]
-mod drawn;
 mod evaluation;
 mod evidence;
 mod faults;
-#[path = "../../examples/open_set/flown.rs"]
-mod flown;
 mod formats;
 mod gaps;
 mod gate;
 mod gravity_gradient;
 mod held_out;
+mod hidden_oscillator;
 mod identify_examples;
 mod input_faults;
 mod known_numbers;
@@ -43,17 +35,11 @@ mod many_sensors;
 mod methods;
 mod mixed_up;
 mod motor_torque;
+mod mutations;
 mod noisy_files;
 mod nutation;
 mod open_set;
 mod physical;
-#[allow(
-    dead_code,
-    non_snake_case,
-    reason = "a test uses a part of what the example has"
-)]
-#[path = "../../examples/faults/planted.rs"]
-mod planted;
 mod point_sensors;
 mod points;
 mod propellant;
@@ -69,12 +55,7 @@ mod shared;
 mod simulate;
 mod statistics;
 mod stored_momentum;
-#[allow(
-    dead_code,
-    non_snake_case,
-    reason = "a test uses a part of what the example has"
-)]
-#[path = "../../examples/tudelft_throw/throws/mod.rs"]
+mod tables;
 mod throws;
 mod torque;
 mod trust;

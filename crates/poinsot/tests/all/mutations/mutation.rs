@@ -1,6 +1,6 @@
 //! One mistake: in a known number of the model, or in the telemetry.
 
-use crate::vehicles::Vehicle;
+use super::Vehicle;
 use poinsot_model::{KnownNumber, Model, Origin};
 use poinsot_telemetry::{Channel, Table};
 use rand::RngExt;
@@ -253,45 +253,25 @@ fn spoil(
     (at, size): (Option<usize>, f64),
     rng: &mut ChaCha8Rng,
 ) {
-    let own = |c: &Channel| group_of(c) == group;
     let places: Vec<usize> = (0..table.channels.len())
-        .filter(|k| own(&table.channels[*k]))
+        .filter(|k| group_of(&table.channels[*k]) == group)
         .collect();
-    let chosen: Vec<usize> = match at {
-        Some(k) => vec![places[k % places.len()]],
-        None => places.clone(),
-    };
-    let samples = table.channels[places[0]].values.len();
     let times = Arc::clone(&table.channels[places[0]].time_s);
-    let span = times.last().copied().unwrap_or(1.0) - times.first().copied().unwrap_or(0.0);
-    let interval = span / samples.max(2) as f64;
-    let sizes: Vec<f64> = places
-        .iter()
-        .map(|k| rms(&exact.channels[*k].values))
-        .collect();
-    let largest = sizes.iter().fold(0.0, |a: f64, x| a.max(*x));
+    let samples = times.len();
+    let sizes = places.iter().map(|k| rms(&exact.channels[*k].values));
+    let largest = sizes.fold(0.0, f64::max);
     match way {
-        Way::Exchange => {
-            let other = table.channels.iter().position(|c| {
-                !own(c) && c.unit == table.channels[places[0]].unit && c.values.len() == samples
-            });
-            let pair = match (places.len(), other) {
-                (1, Some(other)) => (places[0], other),
-                (1, None) => return,
-                _ => (places[0], places[1]),
-            };
-            let first = table.channels[pair.0].values.clone();
-            table.channels[pair.0].values = table.channels[pair.1].values.clone();
-            table.channels[pair.1].values = first;
-        }
+        Way::Exchange => exchange(table, &places),
         Way::Lost => {
             let keep: Vec<bool> = (0..samples).map(|_| rng.random::<f64>() > size).collect();
-            let kept = || (0..samples).filter(|k| keep[*k]);
-            let left: Arc<[f64]> = kept().map(|k| times[k]).collect();
+            let left = |x: &[f64]| -> Vec<f64> {
+                let pairs = x.iter().zip(&keep);
+                pairs.filter(|p| *p.1).map(|p| *p.0).collect()
+            };
             for k in places {
                 let c = &mut table.channels[k];
-                c.values = kept().map(|i| c.values[i]).collect();
-                c.time_s = Arc::clone(&left);
+                c.values = left(&c.values);
+                c.time_s = left(&times).into();
             }
         }
         Way::Outliers => {
@@ -302,44 +282,61 @@ fn spoil(
                 })
                 .collect();
             for k in places {
-                let c = &mut table.channels[k];
-                c.values
-                    .iter_mut()
-                    .zip(&wrong)
-                    .for_each(|(x, e)| *x += e * largest);
+                let pairs = table.channels[k].values.iter_mut().zip(&wrong);
+                pairs.for_each(|(x, e)| *x += e * largest);
             }
         }
         _ => {
-            for k in chosen {
+            let one = at.map(|k| vec![places[k % places.len()]]);
+            for k in one.unwrap_or(places) {
                 let exact = &exact.channels[k].values;
-                let c = &mut table.channels[k];
-                for (i, x) in c.values.iter_mut().enumerate() {
-                    let share = (times[i] - times[0]) / span;
-                    let noise = *x - exact.get(i).copied().unwrap_or(*x);
-                    match way {
-                        Way::Scale => *x *= 1.0 + size,
-                        Way::Bias => *x += size * largest,
-                        Way::Drift => *x += size * largest * share,
-                        Way::Reverse => *x = -*x,
-                        Way::Degrees => *x = x.to_degrees(),
-                        Way::Noise => *x += (size - 1.0) * noise,
-                        Way::Rounded => {
-                            let step = size * largest;
-                            *x = (*x / step).round() * step;
-                        }
-                        _ => {}
-                    }
-                }
-                if way == Way::Lag {
-                    c.time_s = c.time_s.iter().map(|t| t + size * interval).collect();
-                }
-                if way == Way::Stuck {
-                    let from = ((1.0 - size) * samples as f64) as usize;
-                    let held = c.values[from.min(samples - 1)];
-                    c.values.iter_mut().skip(from).for_each(|x| *x = held);
-                }
+                spoil_alone(&mut table.channels[k], exact, way, size, largest);
             }
         }
+    }
+}
+
+/// Exchanges the first two columns of a sensor, or its only one with another of the same unit.
+fn exchange(table: &mut Table, places: &[usize]) {
+    let first = &table.channels[places[0]];
+    let alike = |k: &usize| {
+        let c = &table.channels[*k];
+        !places.contains(k) && c.unit == first.unit && c.values.len() == first.values.len()
+    };
+    let other = (0..table.channels.len()).find(alike);
+    if let Some(second) = places.get(1).copied().or(other) {
+        let values = std::mem::take(&mut table.channels[places[0]].values);
+        let values = std::mem::replace(&mut table.channels[second].values, values);
+        table.channels[places[0]].values = values;
+    }
+}
+
+fn spoil_alone(c: &mut Channel, exact: &[f64], way: Way, size: f64, largest: f64) {
+    let (first, last) = (c.time_s[0], c.time_s[c.time_s.len() - 1]);
+    let (span, samples) = (last - first, c.values.len());
+    let added = size * largest;
+    for (i, x) in c.values.iter_mut().enumerate() {
+        let noise = *x - exact.get(i).copied().unwrap_or(*x);
+        match way {
+            Way::Scale => *x *= 1.0 + size,
+            Way::Bias => *x += added,
+            Way::Drift => *x += added * (c.time_s[i] - first) / span,
+            Way::Reverse => *x = -*x,
+            Way::Degrees => *x = x.to_degrees(),
+            Way::Noise => *x += (size - 1.0) * noise,
+            Way::Rounded => *x = (*x / added).round() * added,
+            _ => {}
+        }
+    }
+    if way == Way::Lag {
+        let late = size * span / samples.max(2) as f64;
+        c.time_s = c.time_s.iter().map(|t| t + late).collect();
+    }
+    if way == Way::Stuck {
+        let from = ((1.0 - size) * samples as f64) as usize;
+        let from = from.min(samples - 1);
+        let held = c.values[from];
+        c.values[from..].fill(held);
     }
 }
 

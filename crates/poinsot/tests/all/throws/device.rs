@@ -2,7 +2,7 @@
 //! bias. They are determined by the calibration throws, without the objects.
 
 use super::Fault;
-use super::throws::recording::Recording;
+use super::recording::Recording;
 use nalgebra::{Matrix3, SVector, Vector3};
 use poinsot_model::Model;
 
@@ -30,12 +30,19 @@ pub struct Lever {
 }
 
 impl Lever {
-    pub fn push(&mut self, A: &Matrix3<f64>, f_S: &Vector3<f64>) {
-        self.AA += A.transpose() * A;
-        self.A += A;
-        self.Af += A.transpose() * f_S;
-        self.f += f_S;
-        self.n += 1.0;
+    /// Adds the samples of a throw along this motion. In free flight gravity acts at the mass centre.
+    pub fn follow(&mut self, throw: &Recording, w_NB_B: &[Vector3<f64>]) {
+        let pairs = w_NB_B.windows(3).zip(&throw.f_S_B[1..]);
+        for (k, (w, f_S)) in pairs.enumerate() {
+            let dw = (w[2] - w[0]) / (throw.time_s[k + 2] - throw.time_s[k]);
+            let turn = w[1].cross_matrix();
+            let A = dw.cross_matrix() + turn * turn;
+            self.AA += A.transpose() * A;
+            self.A += A;
+            self.Af += A.transpose() * f_S;
+            self.f += f_S;
+            self.n += 1.0;
+        }
     }
 
     /// Information of one throw on the bias with its own free lever arm, and the right-hand side.
@@ -80,6 +87,18 @@ impl Device {
         }
     }
 
+    pub fn print(&self) {
+        for (k, name) in NUMBERS.iter().enumerate() {
+            let [value, sigma] = [self.numbers[k], self.numbers_sigma[k]].map(|x| 1.0e3 * x);
+            println!("{name:26} {value:+6.2} +- {sigma:.2} mrad or ms");
+        }
+        for (k, axis) in ["x", "y", "z"].into_iter().enumerate() {
+            let sigma = self.bias_covariance[(k, k)].sqrt();
+            let value = self.bias[k];
+            println!("accelerometer.bias_{axis:7} {value:+6.3} +- {sigma:.3} m/s2");
+        }
+    }
+
     /// Numbers of the box from several throws, weighted by their sigmas; sigma is widened if throws scatter more than
     /// stated (Birge 1932).
     pub fn of_numbers(found: &[(Numbers, Numbers)]) -> (Numbers, Numbers) {
@@ -102,10 +121,8 @@ impl Device {
     /// The bias common to these throws, and its covariance from the scatter between them.
     pub fn of_bias(throws: &[&Lever]) -> Option<(Vector3<f64>, Matrix3<f64>)> {
         let (mut information, mut sum) = (Matrix3::zeros(), Vector3::zeros());
-        let each: Vec<(Matrix3<f64>, Vector3<f64>)> = throws
-            .iter()
-            .map(|lever| lever.of_bias())
-            .collect::<Option<_>>()?;
+        let each = throws.iter().map(|lever| lever.of_bias());
+        let each: Vec<(Matrix3<f64>, Vector3<f64>)> = each.collect::<Option<_>>()?;
         for (own, right) in &each {
             information += own;
             sum += right;
