@@ -19,8 +19,8 @@ pub struct Orbit {
     pub argument_of_periapsis: f64,
     /// True anomaly at the epoch, rad.
     pub true_anomaly: f64,
-    /// Epoch in the time of the telemetry, s.
-    pub epoch: f64,
+    /// Epoch, s; `None` is the zero of the times.
+    pub epoch: Option<f64>,
 }
 
 /// Most Newton steps of Kepler's equation.
@@ -43,7 +43,7 @@ const STEPS: usize = 50;
 ///     raan: 0.0,
 ///     argument_of_periapsis: 0.0,
 ///     true_anomaly: 0.0,
-///     epoch: 0.0,
+///     epoch: None,
 /// };
 /// // A circle: half a period later the vehicle is on the other side, with the same speed.
 /// let half_period = PI * (a * a * a / gm).sqrt();
@@ -57,7 +57,7 @@ pub fn orbit_state(gm: f64, orbit: &Orbit, time: f64) -> (Vector3, Vector3) {
     let root = (1.0 - e * e).sqrt();
     let (s, c) = orbit.true_anomaly.sin_cos();
     let E0 = (root * s).atan2(e + c);
-    let M = E0 - e * E0.sin() + n * (time - orbit.epoch);
+    let M = E0 - e * E0.sin() + n * (time - orbit.epoch.unwrap_or(0.0));
     let mut E = M + e * M.sin();
     for _ in 0..STEPS {
         let step = (E - e * E.sin() - M) / (1.0 - e * E.cos());
@@ -100,7 +100,7 @@ mod tests {
             raan: -0.7,
             argument_of_periapsis: 2.2,
             true_anomaly: 0.4,
-            epoch: 30.0,
+            epoch: Some(30.0),
         };
         let (r0, v0) = orbit_state(GM, &orbit, 30.0);
         let h = r0.cross(&v0);

@@ -300,7 +300,7 @@ fn check_orbit(
         raan: file.raan_rad.unwrap_or(0.0),
         argument_of_periapsis: file.argument_of_periapsis_rad.unwrap_or(0.0),
         true_anomaly: file.true_anomaly_rad.unwrap_or(0.0),
-        epoch: file.epoch_s.unwrap_or(0.0),
+        epoch: file.epoch_s,
     })
 }
 

@@ -285,15 +285,21 @@ fn write_environment(out: &mut String, model: &Model) {
     }
     if let Some(orbit) = &environment.orbit {
         let elements = [
-            ("semi_major_axis_m", orbit.semi_major_axis),
-            ("eccentricity", orbit.eccentricity),
-            ("inclination_rad", orbit.inclination),
-            ("raan_rad", orbit.raan),
-            ("argument_of_periapsis_rad", orbit.argument_of_periapsis),
-            ("true_anomaly_rad", orbit.true_anomaly),
+            ("semi_major_axis_m", Some(orbit.semi_major_axis)),
+            ("eccentricity", Some(orbit.eccentricity)),
+            ("inclination_rad", Some(orbit.inclination)),
+            ("raan_rad", Some(orbit.raan)),
+            (
+                "argument_of_periapsis_rad",
+                Some(orbit.argument_of_periapsis),
+            ),
+            ("true_anomaly_rad", Some(orbit.true_anomaly)),
             ("epoch_s", orbit.epoch),
         ];
-        let elements = elements.map(|(key, x)| format!("{key} = {}", number(x)));
+        let elements = elements
+            .iter()
+            .filter_map(|(key, x)| Some(format!("{key} = {}", number((*x)?))));
+        let elements: Vec<String> = elements.collect();
         line(out, "orbit", format!("{{ {} }}", elements.join(", ")));
     }
     nuisance(

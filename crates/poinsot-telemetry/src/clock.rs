@@ -141,13 +141,14 @@ impl Clock {
         if self.format == TimeFormat::Number && self.since == TimeOrigin::Own {
             return self.own_seconds(cell);
         }
+        let mut counted = 0;
         let at = match self.format {
             TimeFormat::Number => {
-                let count = self.count(cell)?;
+                counted = self.count(cell)?;
                 match self.since {
-                    TimeOrigin::Unix => self.calendar.unix(count)?,
-                    TimeOrigin::At(epoch) => epoch + count,
-                    TimeOrigin::Own => count,
+                    TimeOrigin::Unix => self.calendar.unix(counted)?,
+                    TimeOrigin::At(epoch) => epoch + counted,
+                    TimeOrigin::Own => counted,
                 }
             }
             TimeFormat::GpsWeek => {
@@ -157,13 +158,18 @@ impl Clock {
                     "has a GPS week that is not a whole number",
                     Some("correct the row"),
                 ))?;
-                gps_epoch() + week * WEEK_S + self.count(cell)?
+                counted = week * WEEK_S + self.count(cell)?;
+                gps_epoch() + counted
             }
             TimeFormat::Iso8601 => self.calendar.instant(&cell.text(), false)?,
             TimeFormat::DayOfYear => self.calendar.instant(&cell.text(), true)?,
         };
         let scale = Some(self.calendar.scale());
-        let origin = *self.origin.get_or_insert(Origin { at, scale });
+        let origin = *self.origin.get_or_insert(Origin {
+            at,
+            count: counted,
+            scale,
+        });
         if origin.scale.is_none() {
             return Err(InvalidNumber(
                 "is a date, and files before it count from an unknown epoch",
@@ -197,10 +203,14 @@ impl Clock {
         let origin = match self.origin {
             Some(origin) => origin,
             None if seconds.abs() < COUNTED_S => Origin::OWN,
-            None => Origin {
-                at: self.count(cell).unwrap_or_default(),
-                scale: None,
-            },
+            None => {
+                let at = self.count(cell).unwrap_or_default();
+                Origin {
+                    at,
+                    count: at,
+                    scale: None,
+                }
+            }
         };
         self.origin = Some(origin);
         if origin.scale.is_some() {
@@ -330,6 +340,7 @@ mod tests {
         let mut clock = Clock::own(parse_unit("s").unwrap());
         clock.origin = Some(Origin {
             at: 0,
+            count: 0,
             scale: Some(Scale::Utc),
         });
         assert!(

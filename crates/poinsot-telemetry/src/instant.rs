@@ -62,20 +62,30 @@ pub(crate) const EARTH_RATE: f64 = TURNS[1] * TAU / DAY as f64;
 pub struct Origin {
     /// Attoseconds of TAI since 1900 if the scale is known, otherwise of the files' own count.
     pub(crate) at: i128,
+    /// Attoseconds of the first file's own count there; zero where it has dates.
+    pub(crate) count: i128,
     /// Scale of the files' dates; `None` if they count seconds from an unknown epoch.
     pub(crate) scale: Option<Scale>,
 }
 
 impl Origin {
     /// Zero of the files' own count.
-    pub(crate) const OWN: Self = Self { at: 0, scale: None };
+    pub(crate) const OWN: Self = Self {
+        at: 0,
+        count: 0,
+        scale: None,
+    };
 
     /// The instant of a date and time of day in a named scale, in the format of [`Self::date`].
     pub fn of_date(date: &str, scale: &str) -> Option<Self> {
         let (_, scale) = Scale::ALL.into_iter().find(|(name, _)| *name == scale)?;
         let at = Calendar::new(scale).instant(date.as_bytes(), false).ok()?;
         let scale = Some(scale);
-        Some(Self { at, scale })
+        Some(Self {
+            at,
+            count: 0,
+            scale,
+        })
     }
 
     /// Seconds from this instant to `other`.
@@ -100,6 +110,17 @@ impl Origin {
             Some(_) => 0.0,
             None => Self::OWN.seconds_to(self.at),
         }
+    }
+
+    /// A time in seconds of the files' own count, for example Unix seconds, as seconds since the origin; files with
+    /// dates count from the origin.
+    ///
+    /// ```
+    /// let dates = poinsot_telemetry::Origin::of_date("2026-03-14T18:19:18", "UTC");
+    /// assert_eq!(dates.map(|origin| origin.since_origin_s(12.5)), Some(12.5));
+    /// ```
+    pub fn since_origin_s(&self, own_s: f64) -> f64 {
+        own_s - self.count as f64 / ATTO as f64
     }
 
     /// Date, time and scale; `None` if unknown.
@@ -370,6 +391,7 @@ mod tests {
         assert_eq!(unix, Ok(utc));
         let origin = Origin {
             at: utc,
+            count: 0,
             scale: Some(Scale::Gps),
         };
         assert_eq!(origin.to_string(), "2026-03-14T18:19:18.25 GPS");
@@ -393,8 +415,10 @@ mod tests {
     fn exact_seconds_since_an_origin_are_the_nearest_doubles() {
         let origin = Origin {
             at: 1_773_512_340 * ATTO,
+            count: 1_773_512_340 * ATTO,
             scale: None,
         };
+        assert_eq!(origin.since_origin_s(1_773_512_342.5), 2.5);
         assert_eq!(origin.seconds_to(1_773_512_340 * ATTO + ATTO / 5), 0.2);
         assert_eq!(origin.own_zero_s(), 1_773_512_340.0);
     }
@@ -425,6 +449,7 @@ mod tests {
         // SOFA, iauEra00: ERA(JD 2454388.5) = 0.4022837240028158102 rad; 2007 October 15, 0 h.
         let origin = Origin {
             at: at(Scale::Utc, "2007-10-15T00:00:00"),
+            count: 0,
             scale: Some(Scale::Utc),
         };
         assert!((origin.earth_rotation(0.0) - 0.402_283_724_002_815_8).abs() < 1e-9);

@@ -119,7 +119,7 @@ pub fn values(states: u32) -> Vec<f64> {
             raan: 0.3,
             argument_of_periapsis: 1.2,
             true_anomaly: 0.1 * s,
-            epoch: 0.0,
+            epoch: None,
         };
         let (position, velocity) = orbit_state(3.986_004_418e14, &orbit, 100.0 * s);
         out.extend(position.iter().chain(velocity.iter()));

@@ -44,7 +44,7 @@ fn satellite(moments: Vector3) -> (Model, f64) {
         raan: 0.0,
         argument_of_periapsis: 0.0,
         true_anomaly: 0.0,
-        epoch: 0.0,
+        epoch: None,
     });
     (model, (GM / a.powi(3)).sqrt())
 }

@@ -272,7 +272,7 @@ fn exact_thrust_and_gravity_act_under_a_controller() {
         raan: 0.2,
         argument_of_periapsis: 0.4,
         true_anomaly: -0.3,
-        epoch: 0.0,
+        epoch: None,
     });
     let firings = [(10.0, 25.0, 0.5), (40.5, 41.25, 2.0)].map(|(on, off, force)| Firing {
         thruster: 0,

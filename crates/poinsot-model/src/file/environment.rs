@@ -54,7 +54,8 @@ pub(crate) struct OrbitFile {
     pub argument_of_periapsis_rad: Option<f64>,
     /// True anomaly at the epoch, rad. Default 0.
     pub true_anomaly_rad: Option<f64>,
-    /// Epoch in the time of the telemetry, s. Default 0.
+    /// Epoch in the count of the telemetry's time column, in seconds, for example Unix seconds; with dates, seconds
+    /// since the first sample. Default: where the times of the run begin to count.
     pub epoch_s: Option<f64>,
 }
 

@@ -3,12 +3,16 @@
 use super::BindError;
 use super::channels::Channels;
 use nalgebra::Vector3;
-use poinsot_dynamics::orbit_state;
+use poinsot_dynamics::{Orbit, orbit_state};
+use poinsot_files::{as_read, rounded};
 use poinsot_model::{Model, SensorKind};
 use poinsot_telemetry::{differentiate, resample, resample_hermite};
 
 /// Position and velocity in N, m and m/s, at one time; `None` if telemetry has no value there.
 type OrbitPoint = Option<(Vector3<f64>, Vector3<f64>)>;
+
+/// Largest time between epoch and record, s: the node of a low orbit moves by 7 degrees a day.
+const OLDEST_S: f64 = 30.0 * 86_400.0;
 
 /// Half-width of the polynomial that differentiates positions, in samples.
 const HALF_WIDTH: usize = 2;
@@ -37,12 +41,51 @@ pub(super) fn orbit_at(model: &Model, channels: &Channels, grid: &[f64]) -> Vec<
         };
         return (0..grid.len()).map(at).collect();
     }
-    let Some(orbit) = &around.orbit else {
+    let Some(orbit) = in_record_time(model, channels) else {
         return vec![None; grid.len()];
     };
     grid.iter()
-        .map(|t| Some(orbit_state(gm, orbit, *t)))
+        .map(|t| Some(orbit_state(gm, &orbit, *t)))
         .collect()
+}
+
+/// The elements with their epoch in the times of the record, which may begin to count at the first sample.
+fn in_record_time(model: &Model, channels: &Channels) -> Option<Orbit> {
+    let orbit = model.environment.orbit?;
+    let since = |own_s| {
+        let origin = channels.table.origin;
+        origin.map_or(own_s, |origin| origin.since_origin_s(own_s))
+    };
+    Some(Orbit {
+        epoch: orbit.epoch.map(since),
+        ..orbit
+    })
+}
+
+/// # Errors
+/// The epoch is so far from the record that elements without perturbations do not give the orbit.
+fn check_epoch(model: &Model, channels: &Channels) -> Result<(), BindError> {
+    let epoch = in_record_time(model, channels).and_then(|orbit| orbit.epoch);
+    let gyro = channels.gyro(model)?;
+    let (Some(epoch), Some(first), Some(last)) =
+        (epoch, gyro.time_s().first(), gyro.time_s().last())
+    else {
+        return Ok(());
+    };
+    let apart = (first - epoch).max(epoch - last);
+    if apart <= OLDEST_S {
+        return Ok(());
+    }
+    let own = model.environment.orbit.and_then(|orbit| orbit.epoch);
+    let first_own = own.map_or(*first, |own| own + (first - epoch));
+    Err(BindError::Unsupported {
+        what: format!(
+            "[environment] orbit.epoch_s = {}: the record begins at {} s of its own count, {} days away, and elements without perturbations do not hold that long; write the epoch in the count of the time column, or leave it out where the elements are those of the first sample",
+            as_read(own.unwrap_or(epoch)),
+            as_read(first_own),
+            rounded(apart / 86_400.0, 3)
+        ),
+    })
 }
 
 /// Reports the source of the orbit; a gravity gradient needs one.
@@ -79,6 +122,7 @@ pub(super) fn check_orbit(
             ));
             Ok(())
         }
-        _ => Ok(()),
+        (true, false) => Ok(()),
+        (false, true) => check_epoch(model, channels),
     }
 }

@@ -7,7 +7,9 @@ use poinsot_dynamics::{Start, StartVelocity};
 use poinsot_identify::{Estimate, Status};
 use poinsot_model::{EstimateSet, Model, Nuisance, Orbit, SensorKind, Wheel};
 use poinsot_spatial::{Matrix3, Vector3};
-use poinsot_telemetry::{Channel, Table};
+use poinsot_telemetry::{
+    Channel, MemoryColumns, Part, ReadOptions, Table, TimeMap, Values, read_parts,
+};
 use std::sync::Arc;
 use vehicle::*;
 
@@ -21,7 +23,7 @@ fn low_orbit() -> Orbit {
         raan: 0.4,
         argument_of_periapsis: 0.2,
         true_anomaly: -0.3,
-        epoch: 0.0,
+        epoch: None,
     }
 }
 
@@ -244,4 +246,69 @@ fn exact_tumble_with_a_wheel_gives_the_whole_tensor() {
     assert!(text.contains("E0301") && text.contains("orbit_x"), "{text}");
     let refused = identify_tables(model, vec![table], &request("linear"));
     assert!(matches!(refused, Err(Error::Usage { .. })));
+}
+
+/// The same record in four counts of time, with the epoch of the elements in that count, gives one answer.
+#[test]
+fn exact_the_epoch_of_the_orbit_is_in_the_count_of_the_telemetry() {
+    let mut truth = in_orbit(with_wheels(satellite(9)));
+    let plain = Flight {
+        duration_s: 600.0,
+        rate_hz: 0.1,
+        ..coast(&truth, Vector3::new(2.0e-3, -3.0e-3, 1.0e-3))
+    };
+    let table = rotation_only(fly(&truth, &plain));
+    let unix = 1_773_512_340.0;
+    // Zero of the count; epoch of its numbers, if declared; epoch of the elements in the file.
+    let counts = [
+        (0.0, None, None),
+        (unix, None, None),
+        (unix, None, Some(unix)),
+        (unix, Some("unix"), Some(unix)),
+        (
+            unix - 315_964_800.0,
+            Some("gps"),
+            Some(unix - 315_964_800.0),
+        ),
+    ];
+    let answers = counts.map(|(zero, counted_from, epoch)| {
+        truth.environment.orbit = Some(Orbit {
+            epoch,
+            ..low_orbit()
+        });
+        let table = counted(&table, zero, counted_from);
+        let answer = ask(&off_nominal(&truth, 0.05), vec![table], "auto");
+        assert_eq!(answer.estimate.status, Status::Converged);
+        inertia(&answer.estimate).unwrap()
+    });
+    for other in &answers {
+        assert!((other - answers[0]).norm() < 1.0e-9 * answers[0].norm());
+    }
+    // An epoch in 1970 beside Unix times is a mistake.
+    truth.environment.orbit = Some(Orbit {
+        epoch: Some(12.5),
+        ..low_orbit()
+    });
+    let table = counted(&table, unix, Some("unix"));
+    let refused = identify_tables(truth, vec![table], &request("auto")).err();
+    let text = refused.unwrap().to_string();
+    assert!(text.contains("E0305") && text.contains("12.5"), "{text}");
+}
+
+/// The record as columns whose time counts from `zero`.
+fn counted(table: &Table, zero: f64, epoch: Option<&str>) -> Table {
+    let times = table.channels[0].time_s.iter().map(|t| t + zero);
+    let column = |name: &str, values: Vec<f64>| (name.to_owned(), Values::Numbers(values));
+    let mut columns = vec![column("time_s", times.collect())];
+    let channels = table.channels.iter();
+    columns.extend(channels.map(|c| column(&c.name, c.values.clone())));
+    let mut options = ReadOptions::default();
+    options.map.all.time = Some(TimeMap {
+        column: "time_s".to_owned(),
+        epoch: epoch.map(str::to_owned),
+        ..TimeMap::default()
+    });
+    let name = "<arrays>".to_owned();
+    let part = Part::Memory(Arc::new(MemoryColumns { name, columns }));
+    read_parts(&[part], &options).unwrap()
 }

@@ -191,6 +191,6 @@ pub fn gravity_gradient(m: &mut Model, share: f64) {
         raan: 0.4,
         argument_of_periapsis: 0.2,
         true_anomaly: -0.3,
-        epoch: 0.0,
+        epoch: None,
     });
 }
