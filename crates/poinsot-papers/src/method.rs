@@ -83,33 +83,31 @@ pub struct VariantText {
 }
 
 /// Variants of a method with their unique names and summaries; the first is the default.
-pub trait Named: Copy + 'static {
-    /// Every variant and its summary.
-    const ALL: &'static [(Self, &'static str)];
+pub trait Named: Copy + PartialEq + 'static {
+    /// Every variant, its name on the command line, and its summary.
+    const ALL: &'static [(Self, &'static str, &'static str)];
 
     /// Name on the command line.
-    fn name(self) -> &'static str;
+    fn name(self) -> &'static str {
+        let own = Self::ALL.iter().find(|v| v.0 == self);
+        own.map_or("", |v| v.1)
+    }
 
     /// Descriptions of all variants.
     fn texts() -> Vec<VariantText> {
-        let text = |&(variant, summary): &(Self, &'static str)| VariantText {
-            name: variant.name(),
-            summary,
-        };
+        let text = |&(_, name, summary): &(Self, _, _)| VariantText { name, summary };
         Self::ALL.iter().map(text).collect()
     }
 
     /// The variant of this name, or the default without a name.
     fn named(method: &'static str, name: Option<&str>) -> Result<Self, MethodError> {
-        let mut all = Self::ALL.iter().map(|(variant, _)| *variant);
-        let found = match name {
-            None => all.next(),
-            Some(name) => all.find(|v| v.name() == name),
-        };
-        found.ok_or_else(|| MethodError::Variant {
+        let found = Self::ALL
+            .iter()
+            .find(|v| name.is_none_or(|name| name == v.1));
+        found.map(|v| v.0).ok_or_else(|| MethodError::Variant {
             method,
             variant: name.unwrap_or_default().to_owned(),
-            known: Self::texts().iter().map(|t| t.name).collect(),
+            known: Self::ALL.iter().map(|v| v.1).collect(),
         })
     }
 }

@@ -70,8 +70,11 @@ mod tests {
     use std::collections::HashSet;
 
     fn exact<V: Named + PartialEq + std::fmt::Debug>() {
-        for (variant, summary) in V::ALL {
-            assert_eq!(V::named("", Some(variant.name())), Ok(*variant));
+        for (variant, name, summary) in V::ALL {
+            assert_eq!(
+                (V::named("", Some(name)), variant.name()),
+                (Ok(*variant), *name)
+            );
             assert!(!summary.is_empty());
         }
         assert_eq!(V::named("", None), Ok(V::ALL[0].0));

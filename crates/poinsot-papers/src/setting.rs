@@ -13,6 +13,17 @@ pub struct SettingText {
     pub default: &'static str,
 }
 
+impl SettingText {
+    /// A key with its summary and default.
+    pub const fn new(key: &'static str, summary: &'static str, default: &'static str) -> Self {
+        Self {
+            key,
+            summary,
+            default,
+        }
+    }
+}
+
 /// Settings of a method as given; unknown keys are rejected by [`Settings::check`].
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Settings(Vec<(String, String)>);

@@ -30,7 +30,6 @@
 //!
 //! and each estimator sets some elements of the 3 x 3 matrix `E(I)` to zero.
 
-mod codes;
 mod identify;
 mod iteration;
 pub mod studies;
@@ -65,7 +64,7 @@ impl Method for Kim2010 {
             variants: Variant::texts(),
             settings: &[],
             reads_accelerations: false,
-            codes: codes::CODES,
+            codes: &crate::explanations!["E0420", "E0421", "E0422", "E0423", "E0424", "E0425"],
         }
     }
 

@@ -18,30 +18,27 @@ pub enum Variant {
 }
 
 impl Named for Variant {
-    const ALL: &'static [(Self, &'static str)] = &[
+    const ALL: &'static [(Self, &'static str, &'static str)] = &[
         (
             Self::Suggested,
+            "suggested",
             "products of inertia from the moments alone, (14)-(16)",
         ),
-        (Self::Batch, "nine elements at once, (2)-(4)"),
-        (Self::Conventional, "every element alone, (8)-(10), (14)"),
+        (Self::Batch, "batch", "nine elements at once, (2)-(4)"),
+        (
+            Self::Conventional,
+            "conventional",
+            "every element alone, (8)-(10), (14)",
+        ),
         (
             Self::PreEstimate,
+            "pre-estimate",
             "each product with the other one of its row as (15) gives it",
         ),
         (
             Self::Iterated,
+            "iterated",
             "(14)-(16) repeated, the paper's future work",
         ),
     ];
-
-    fn name(self) -> &'static str {
-        match self {
-            Self::Suggested => "suggested",
-            Self::Batch => "batch",
-            Self::Conventional => "conventional",
-            Self::PreEstimate => "pre-estimate",
-            Self::Iterated => "iterated",
-        }
-    }
 }

@@ -19,23 +19,18 @@ pub enum Variant {
 }
 
 impl Named for Variant {
-    const ALL: &'static [(Self, &'static str)] = &[
+    const ALL: &'static [(Self, &'static str, &'static str)] = &[
         (
             Self::UnknownMomentum,
+            "unknown-momentum",
             "option 2: increments eliminate the momentum",
         ),
         (
             Self::KnownMomentum,
+            "known-momentum",
             "option 1: the model gives linear or angular momentum, or both",
         ),
     ];
-
-    fn name(self) -> &'static str {
-        match self {
-            Self::KnownMomentum => "known-momentum",
-            Self::UnknownMomentum => "unknown-momentum",
-        }
-    }
 }
 
 /// The momentum that the variant takes as known, or why the method cannot be applied.

@@ -38,7 +38,6 @@ mod answer;
 mod arm;
 mod both;
 pub mod bounds;
-mod codes;
 mod data;
 mod equations;
 mod error;
@@ -88,7 +87,9 @@ impl Method for Ma2008 {
             variants: Variant::texts(),
             settings: &[],
             reads_accelerations: false,
-            codes: codes::CODES,
+            codes: &crate::explanations![
+                "E0521", "E0522", "E0523", "E0524", "E0525", "E0526", "E0527", "E0528", "E0529"
+            ],
         }
     }
 

@@ -29,7 +29,6 @@
 //! `p0 = (M r_g - m0 A0 a0 - m1 (A0 l0 + A1 a1)) / (m0 + m1)`; (50) is `m0 v0 + m1 v1`; (59) holds Iyy in row 2; (68)
 //! omits `m1 = M - m0`, so that `dP/dm0 = v0 - v1`.
 
-mod codes;
 mod error;
 mod identify;
 mod least_squares;
@@ -86,33 +85,28 @@ impl Variant {
 }
 
 impl Named for Variant {
-    const ALL: &'static [(Self, &'static str)] = &[
+    const ALL: &'static [(Self, &'static str, &'static str)] = &[
         (
             Self::new(Kind::Swarm, Order::Outward),
+            "swarm",
             "particle swarm, joints from base to tip",
         ),
         (
             Self::new(Kind::Linear, Order::Outward),
+            "linear",
             "linear least squares, joints from base to tip",
         ),
         (
             Self::new(Kind::Swarm, Order::Inward),
+            "swarm-inward",
             "particle swarm, joints from tip to base",
         ),
         (
             Self::new(Kind::Linear, Order::Inward),
+            "linear-inward",
             "linear least squares, joints from tip to base",
         ),
     ];
-
-    fn name(self) -> &'static str {
-        match (self.solver, self.order) {
-            (Kind::Swarm, Order::Outward) => "swarm",
-            (Kind::Swarm, Order::Inward) => "swarm-inward",
-            (Kind::Linear, Order::Outward) => "linear",
-            (Kind::Linear, Order::Inward) => "linear-inward",
-        }
-    }
 }
 
 /// Registration of the method.
@@ -128,7 +122,10 @@ impl Method for Xu2017 {
             variants: Variant::texts(),
             settings: settings::SETTINGS,
             reads_accelerations: true,
-            codes: codes::CODES,
+            codes: &crate::explanations![
+                "E0531", "E0532", "E0533", "E0534", "E0535", "E0536", "E0537", "E0538", "E0539",
+                "E0540"
+            ],
         }
     }
 

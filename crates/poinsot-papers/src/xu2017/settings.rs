@@ -11,46 +11,26 @@ const MOST: u32 = 10_000_000;
 
 /// Settings for `--set`.
 pub(super) const SETTINGS: &[SettingText] = &[
-    SettingText {
-        key: "particles",
-        summary: "particles of the swarm",
-        default: "50",
-    },
-    SettingText {
-        key: "iterations",
-        summary: "most iterations",
-        default: "4000",
-    },
-    SettingText {
-        key: "patience",
-        summary: "iterations without a better best after which the swarm stops",
-        default: "400",
-    },
-    SettingText {
-        key: "inertia",
-        summary: "weight of the old velocity: one number, or the first and last of a linear change, first,last",
-        default: "0.8,0.6",
-    },
-    SettingText {
-        key: "c1",
-        summary: "pull towards the particle's own best",
-        default: "1.49445",
-    },
-    SettingText {
-        key: "c2",
-        summary: "pull towards the best of all",
-        default: "1.49445",
-    },
-    SettingText {
-        key: "range",
-        summary: "half-width of the search range as a share of nominal mass, moments and radius of gyration",
-        default: "0.5",
-    },
-    SettingText {
-        key: "seed",
-        summary: "seed of the swarm",
-        default: "0",
-    },
+    SettingText::new("particles", "particles of the swarm", "50"),
+    SettingText::new("iterations", "most iterations", "4000"),
+    SettingText::new(
+        "patience",
+        "iterations without a better best after which the swarm stops",
+        "400",
+    ),
+    SettingText::new(
+        "inertia",
+        "weight of the old velocity: one number, or the first and last of a linear change, first,last",
+        "0.8,0.6",
+    ),
+    SettingText::new("c1", "pull towards the particle's own best", "1.49445"),
+    SettingText::new("c2", "pull towards the best of all", "1.49445"),
+    SettingText::new(
+        "range",
+        "half-width of the search range as a share of nominal mass, moments and radius of gyration",
+        "0.5",
+    ),
+    SettingText::new("seed", "seed of the swarm", "0"),
 ];
 
 /// Solver of a variant with its settings.
