@@ -3,8 +3,7 @@
 use super::arm::{Raw, Reading, Vehicle};
 use super::bounds::{Bound, stated_angular, stated_linear};
 use super::equations::{
-    AngularRows, Given, LinearRows, angular_known, angular_rows, differences, linear_known,
-    linear_rows,
+    Given, angular_known, angular_rows, differences, linear_known, linear_rows,
 };
 use super::error::Ma2008Error;
 use super::influence::{Influence, Setting, influence};
@@ -81,49 +80,52 @@ pub(super) fn solve_both(
     Ok(solved)
 }
 
+/// One step within the directions that its data support.
+struct Supported<const N: usize> {
+    step: Step<N>,
+    x: SVector<f64, N>,
+    directions: Directions<N>,
+    effect: Influence,
+}
+
+/// How a solution fits the rows of a step.
+struct Fit {
+    /// Residual per degree of freedom, relative to the declared variance.
+    chi2: f64,
+    of_segments: Vec<f64>,
+    explained: f64,
+}
+
 impl Work<'_> {
     fn step1(&self, vehicle: &mut Vehicle) -> Result<NoisySolution, Ma2008Error> {
         let known = self.setting.known.p_C_N;
-        let rows = differences(
-            &self.readings,
-            linear_rows,
-            known.map(|p| linear_known(&p, self.arm_mass)),
-        );
-        let step: Step<4> = solve::<4, 5>(&rows);
+        let reference = known.map(|p| linear_known(&p, self.arm_mass));
+        let rows = differences(&self.readings, linear_rows, reference);
         let natural = [self.arm_mass / self.m, self.L, self.L, self.L];
         let floor = round_off(self.readings.iter().flatten().map(linear_rows), &natural);
-        let mut linear = Directions::new(&step, natural, floor).ok_or(Ma2008Error::NotFinite)?;
         let c = self.base.p_BoBcm_B;
         let nominal = SVector::<f64, 4>::new(natural[0], c.x, c.y, c.z);
-        let alone = |x, linear: &Directions<4>, vehicle: &mut Vehicle| {
+        let alone = |x, linear: &Directions<4>| {
             let solution = Solution {
                 x,
                 linear,
                 angular: None,
             };
-            influence(vehicle, &self.setting, &solution)
+            let effect = influence(vehicle, &self.setting, &solution);
+            (effect.linear.regressor, effect)
         };
-        let mut x = linear.solve(&step, &nominal);
-        let mut effect = alone(x, &linear, vehicle);
-        let variance: [f64; 4] = std::array::from_fn(|j| effect.covariance[(j, j)]);
-        let accuracy = self.problem.relative_accuracy;
-        if believe(&mut linear, &variance, &effect.linear.regressor, accuracy) {
-            x = linear.solve(&step, &nominal);
-            effect = alone(x, &linear, vehicle);
-        }
-        let expected = expected(effect.linear.residual, &effect, &linear, 0);
-        let square = |r: &LinearRows| (r * up(&x)).norm_squared();
-        let left: f64 = rows.iter().map(square).sum();
-        let whole: f64 = rows.iter().map(|r| r.column(4).norm_squared()).sum();
+        let found = self.supported(solve::<4, 5>(&rows), (natural, floor, nominal), 0, alone)?;
+        let expected = found.expected(found.effect.linear.residual, 0);
+        let fit = self.fit(&rows, &found.x.push(1.0), known.is_some(), expected);
         Ok(NoisySolution {
-            chi2: left / expected,
-            chi2_segment: shares(&self.readings, known.is_some(), &rows, square, expected),
-            explained: 1.0 - left / whole.max(f64::MIN_POSITIVE),
-            bounds: vec![stated_linear(&step, &effect)],
-            x,
-            linear,
+            chi2: fit.chi2,
+            chi2_segment: fit.of_segments,
+            explained: fit.explained,
+            bounds: vec![stated_linear(&found.step, &found.effect)],
+            x: found.x,
+            linear: found.directions,
             angular: None,
-            influence: effect,
+            influence: found.effect,
             arm_mass: self.arm_mass,
         })
     }
@@ -132,58 +134,102 @@ impl Work<'_> {
         let (known, x) = (self.setting.known.h_C_N, solved.x);
         let (m_S, rho_S) = (self.arm_mass / x[0], x.fixed_rows::<3>(1).into_owned());
         let of = |s: &Reading| angular_rows(s, m_S, &rho_S);
-        let rows: Vec<AngularRows> =
-            differences(&self.readings, of, known.map(|h| angular_known(&h)));
-        let step: Step<6> = solve::<6, 7>(&rows);
+        let rows = differences(&self.readings, of, known.map(|h| angular_known(&h)));
         let natural = [self.m * self.L * self.L; 6];
         let floor = round_off(self.readings.iter().flatten().map(of), &natural);
-        let mut directions =
-            Directions::new(&step, natural, floor).ok_or(Ma2008Error::NotFinite)?;
         let nominal = SVector::<f64, 6>::from(elements(&self.base.I_BBcm_B));
-        let linear = &solved.linear;
-        let both = |y, directions: &Directions<6>, vehicle: &mut Vehicle| {
-            let angular = Some((y, directions));
-            let solution = Solution { x, linear, angular };
-            influence(vehicle, &self.setting, &solution)
+        let both = |y, directions: &Directions<6>| {
+            let solution = Solution {
+                x,
+                linear: &solved.linear,
+                angular: Some((y, directions)),
+            };
+            let effect = influence(vehicle, &self.setting, &solution);
+            (effect.angular.regressor, effect)
         };
-        let mut y = directions.solve(&step, &nominal);
-        let mut effect = both(y, &directions, vehicle);
-        let variance: [f64; 6] = std::array::from_fn(|j| effect.covariance[(4 + j, 4 + j)]);
-        let accuracy = self.problem.relative_accuracy;
-        if believe(
-            &mut directions,
-            &variance,
-            &effect.angular.regressor,
-            accuracy,
-        ) {
-            y = directions.solve(&step, &nominal);
-            effect = both(y, &directions, vehicle);
-        }
-        let all = effect.angular.residual + effect.inherited;
-        let expected = expected(all, &effect, &directions, 4);
-        let square = |r: &AngularRows| (r * up6(&y)).norm_squared();
-        let left: f64 = rows.iter().map(square).sum();
-        let whole: f64 = rows.iter().map(|r| r.column(6).norm_squared()).sum();
-        solved.chi2 = solved.chi2.max(left / expected);
-        let second = shares(&self.readings, known.is_some(), &rows, square, expected);
-        for (a, b) in solved.chi2_segment.iter_mut().zip(second) {
+        let found = self.supported(solve::<6, 7>(&rows), (natural, floor, nominal), 4, both)?;
+        let all = found.effect.angular.residual + found.effect.inherited;
+        let expected = found.expected(all, 4);
+        let fit = self.fit(&rows, &found.x.push(1.0), known.is_some(), expected);
+        solved.chi2 = solved.chi2.max(fit.chi2);
+        for (a, b) in solved.chi2_segment.iter_mut().zip(fit.of_segments) {
             *a = 0.5 * (*a + b);
         }
-        let explained = 1.0 - left / whole.max(f64::MIN_POSITIVE);
-        solved.explained = solved.explained.min(explained);
-        solved.bounds.push(stated_angular(&step, &effect));
-        solved.angular = Some((y, directions));
-        solved.influence = effect;
+        solved.explained = solved.explained.min(fit.explained);
+        solved
+            .bounds
+            .push(stated_angular(&found.step, &found.effect));
+        solved.angular = Some((found.x, found.directions));
+        solved.influence = found.effect;
         Ok(())
+    }
+
+    /// Solves a step, and again without the directions that the noise hides. `influence` gives the noise in the
+    /// regressor and all effects; `at` is the index of the step's directions in the covariance.
+    fn supported<const N: usize>(
+        &self,
+        step: Step<N>,
+        (natural, floor, nominal): ([f64; N], f64, SVector<f64, N>),
+        at: usize,
+        mut influence: impl FnMut(SVector<f64, N>, &Directions<N>) -> (SMatrix<f64, N, N>, Influence),
+    ) -> Result<Supported<N>, Ma2008Error> {
+        let mut directions =
+            Directions::new(&step, natural, floor).ok_or(Ma2008Error::NotFinite)?;
+        let mut x = directions.solve(&step, &nominal);
+        let (regressor, mut effect) = influence(x, &directions);
+        let variance: [f64; N] = std::array::from_fn(|j| effect.covariance[(at + j, at + j)]);
+        let accuracy = self.problem.relative_accuracy;
+        if believe(&mut directions, &variance, &regressor, accuracy) {
+            x = directions.solve(&step, &nominal);
+            effect = influence(x, &directions).1;
+        }
+        Ok(Supported {
+            step,
+            x,
+            directions,
+            effect,
+        })
+    }
+
+    /// Residuals of `T x1`, relative to the expected ones.
+    fn fit<const W: usize>(
+        &self,
+        rows: &[SMatrix<f64, 3, W>],
+        x1: &SVector<f64, W>,
+        known: bool,
+        expected: f64,
+    ) -> Fit {
+        let square = |rows: &[SMatrix<f64, 3, W>]| -> f64 {
+            rows.iter().map(|r| (r * x1).norm_squared()).sum()
+        };
+        let right = |r: &SMatrix<f64, 3, W>| r.column(W - 1).norm_squared();
+        let (left, whole): (f64, f64) = (square(rows), rows.iter().map(right).sum());
+        let total = rows.len().max(1) as f64;
+        let mut at = 0;
+        let of_segment = |segment: &Vec<Reading>| {
+            let count = segment.len() - usize::from(!known && !segment.is_empty());
+            let own = rows.get(at..at + count).unwrap_or(&[]);
+            at += count;
+            square(own) / (expected * count as f64 / total).max(f64::MIN_POSITIVE)
+        };
+        Fit {
+            chi2: left / expected,
+            of_segments: self.readings.iter().map(of_segment).collect(),
+            explained: 1.0 - left / whole.max(f64::MIN_POSITIVE),
+        }
     }
 }
 
-fn up(x: &SVector<f64, 4>) -> SVector<f64, 5> {
-    SVector::from_iterator(x.iter().copied().chain([1.0]))
-}
-
-fn up6(y: &SVector<f64, 6>) -> SVector<f64, 7> {
-    SVector::from_iterator(y.iter().copied().chain([1.0]))
+impl<const N: usize> Supported<N> {
+    /// Expected residual under the declared noise: `E ||e||^2` minus the fitted part `E ||A dx||^2`.
+    fn expected(&self, all: f64, at: usize) -> f64 {
+        let d = &self.directions;
+        let fitted: f64 = (0..N)
+            .filter(|&j| d.usable[j])
+            .map(|j| d.singular[j] * d.singular[j] * self.effect.covariance[(at + j, at + j)])
+            .sum();
+        (all - fitted).max(f64::MIN_POSITIVE)
+    }
 }
 
 /// Round-off level of the singular values, which come from differences of rounded numbers.
@@ -217,36 +263,4 @@ fn believe<const N: usize>(
             && noise <= NOISE_SHARE * directions.singular[j] * directions.singular[j];
     }
     before != directions.usable
-}
-
-/// Expected residual under the declared noise: `E ||e||^2` minus the fitted part `E ||A dx||^2`. `at` is the index of
-/// the step's directions in the covariance.
-fn expected<const N: usize>(all: f64, effect: &Influence, d: &Directions<N>, at: usize) -> f64 {
-    let fitted: f64 = (0..N)
-        .filter(|&j| d.usable[j])
-        .map(|j| d.singular[j] * d.singular[j] * effect.covariance[(at + j, at + j)])
-        .sum();
-    (all - fitted).max(f64::MIN_POSITIVE)
-}
-
-/// Residual of every segment relative to the expected residual.
-fn shares<const W: usize>(
-    readings: &[Vec<Reading>],
-    known: bool,
-    rows: &[SMatrix<f64, 3, W>],
-    square: impl Fn(&SMatrix<f64, 3, W>) -> f64,
-    expected: f64,
-) -> Vec<f64> {
-    let total = rows.len().max(1) as f64;
-    let mut at = 0;
-    readings
-        .iter()
-        .map(|segment| {
-            let count = segment.len() - usize::from(!known && !segment.is_empty());
-            let own = rows.get(at..at + count).unwrap_or(&[]);
-            at += count;
-            let left: f64 = own.iter().map(&square).sum();
-            left / (expected * count as f64 / total).max(f64::MIN_POSITIVE)
-        })
-        .collect()
 }

@@ -6,8 +6,8 @@
 //! `C = d(B y + g)/dx`. `dT_kj` is computed by central differences of one sigma.
 
 use super::arm::{Raw, Reading, Vehicle};
-use super::equations::{AngularRows, Given, LinearRows, angular_known, linear_known, linear_rows};
-use super::solution::{AtSolution, Solution};
+use super::equations::{Given, angular_known, angular_rows, linear_known, linear_rows};
+use super::solution::Solution;
 use super::sources::Source;
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 use poinsot_spatial::Vector3;
@@ -104,15 +104,19 @@ const FOLLOWED: usize = 400;
 pub fn influence(vehicle: &mut Vehicle, setting: &Setting, solution: &Solution) -> Influence {
     let both = Both::new(vehicle.arm_mass(), setting.known, solution);
     // First pass: sums over samples that the first sample and the momentum need.
-    let mut coupling = SMatrix::<f64, 6, 4>::zeros();
+    let mut out = Influence::new(setting.segments.len());
     let mut inherited = SMatrix::<f64, 4, 4>::zeros();
-    let sums: Vec<SegmentSums> = setting
-        .segments
-        .iter()
-        .map(|segment| both.sums(vehicle, segment, &mut coupling, &mut inherited))
-        .collect();
-    let momentum = sums.iter().map(|s| both.momentum(s)).collect();
-    let mut out = Influence::new(6 * sums.len(), coupling, momentum);
+    let mut sums = Vec::new();
+    for segment in setting.segments {
+        let sum = both.sums(vehicle, segment);
+        for own in &sum.own {
+            let C = own.fixed_columns::<4>(SLOPE);
+            out.coupling += own.fixed_columns::<6>(ANGULAR).transpose() * C;
+            inherited += C.transpose() * C;
+        }
+        out.momentum.push(both.momentum(&sum));
+        sums.push(sum);
+    }
     // Second pass: every source of every propagated sample.
     for (at, (segment, own)) in setting.segments.iter().zip(&sums).enumerate() {
         let stride = segment.len().div_ceil(FOLLOWED).max(1);
@@ -126,13 +130,18 @@ pub fn influence(vehicle: &mut Vehicle, setting: &Setting, solution: &Solution) 
             } else {
                 (own.count - 1.0) / followed
             };
-            let Some(rows) = both.sample(vehicle, own, raw, (k, weight)) else {
-                continue;
-            };
+            let rows = both.sample(own, k, weight);
             for (source, seen) in setting.sources {
-                if let Some(error) = both.error(vehicle, raw, source, &rows) {
-                    both.follow(&mut out, (&sums, at), &rows, &error, (*seen, &inherited));
+                let stays = matches!(source, Source::VelocityStep(_));
+                if stays && k == 0 {
+                    continue;
                 }
+                let error = RowError {
+                    rows: both.error(vehicle, raw, source),
+                    stays,
+                    seen: *seen,
+                };
+                both.follow(&mut out, (&sums, at), &rows, &error, &inherited);
             }
         }
     }
@@ -140,52 +149,66 @@ pub fn influence(vehicle: &mut Vehicle, setting: &Setting, solution: &Solution) 
 }
 
 impl Influence {
-    fn new(
-        momenta: usize,
-        coupling: SMatrix<f64, 6, 4>,
-        momentum: Vec<(Vector3, Vector3)>,
-    ) -> Self {
+    fn new(segments: usize) -> Self {
+        let n = 10 + 6 * segments;
         Self {
-            covariance: DMatrix::zeros(10 + momenta, 10 + momenta),
+            covariance: DMatrix::zeros(n, n),
             linear: StepNoise::new(),
             angular: StepNoise::new(),
-            momentum,
-            coupling,
+            momentum: Vec::new(),
+            coupling: SMatrix::zeros(),
             inherited: 0.0,
             passed_on: 0.0,
         }
     }
 }
 
+/// Rows of a sample at the solution: step 1 `[A | -b]`, step 2 `[B | -c]`, and the derivative `C` of step 2 with respect
+/// to the solution of step 1. Without step 2 its part is zero.
+type Rows = SMatrix<f64, 3, 16>;
+/// First column of step 2.
+const ANGULAR: usize = 5;
+/// First column of `C`.
+const SLOPE: usize = 12;
+
 /// Both steps at their solution.
 struct Both<'a> {
     solution: &'a Solution<'a>,
     known: Given,
-    reference: (Option<LinearRows>, Option<AngularRows>),
-    steps: AtSolution,
+    arm_mass: f64,
     x1: SVector<f64, 5>,
+    y1: SVector<f64, 7>,
     m_S: f64,
 }
 
 /// Rows affected by an error of one sample.
 struct SampleRows {
-    A: SMatrix<f64, 3, 4>,
-    B: SMatrix<f64, 3, 6>,
-    C: SMatrix<f64, 3, 4>,
-    /// Rows of step 1 of all later samples, and their number.
+    rows: Rows,
+    /// `A` of all later samples, and their number.
     later: (SMatrix<f64, 3, 4>, f64),
     /// Number of rows of each step affected by the error, weighted for omitted samples.
     in_rows: [f64; 2],
     weight: f64,
-    first: bool,
 }
 
 /// One-sigma error of one source of one sample in the rows of both steps.
 struct RowError {
-    d1: LinearRows,
-    d2: AngularRows,
+    rows: Rows,
     /// Whether it remains in the rows of all later samples.
     stays: bool,
+    /// Fraction of its variance present in the data.
+    seen: f64,
+}
+
+/// Rows of a segment, and their sums.
+struct SegmentSums {
+    /// Rows less the known momentum, or less the first.
+    own: Vec<Rows>,
+    /// Sum of `own` over the samples before each sample, and over all.
+    before: Vec<Rows>,
+    /// Sum of the rows.
+    rows: Rows,
+    count: f64,
 }
 
 impl<'a> Both<'a> {
@@ -193,131 +216,116 @@ impl<'a> Both<'a> {
         let y: SVector<f64, 6> = solution.angular.map_or_else(SVector::zeros, |(y, _)| y);
         Self {
             known,
-            reference: (
-                known.p_C_N.map(|p| linear_known(&p, arm_mass)),
-                known.h_C_N.map(|h| angular_known(&h)),
-            ),
-            steps: AtSolution {
-                arm_mass,
-                x: solution.x,
-                y1: SVector::from_iterator(y.iter().copied().chain([1.0])),
-            },
-            x1: SVector::from_iterator(solution.x.iter().copied().chain([1.0])),
+            arm_mass,
+            y1: y.push(1.0),
+            x1: solution.x.push(1.0),
             m_S: arm_mass / solution.x[0],
             solution,
         }
     }
 
-    /// Rows of both steps of a sample, and the derivative of step 2 with respect to the solution of step 1. The latter
-    /// is zero if step 2 is not solved.
-    fn rows(&self, reading: &Reading) -> (LinearRows, AngularRows, SMatrix<f64, 3, 4>) {
-        let linear = linear_rows(reading);
-        match self.solution.angular {
-            Some(_) => (
-                linear,
-                self.steps.angular(reading),
-                self.steps.slope(reading),
-            ),
-            None => (linear, SMatrix::zeros(), SMatrix::zeros()),
+    /// Rows of both steps, without the derivative.
+    fn steps(&self, reading: &Reading) -> Rows {
+        let mut rows = Rows::zeros();
+        rows.fixed_columns_mut::<5>(0)
+            .copy_from(&linear_rows(reading));
+        if self.solution.angular.is_some() {
+            let rho_S = Vector3::new(self.x1[1], self.x1[2], self.x1[3]);
+            rows.fixed_columns_mut::<7>(ANGULAR)
+                .copy_from(&angular_rows(reading, self.m_S, &rho_S));
         }
+        rows
     }
 
-    fn sums(
-        &self,
-        vehicle: &mut Vehicle,
-        segment: &[Raw],
-        coupling: &mut SMatrix<f64, 6, 4>,
-        inherited: &mut SMatrix<f64, 4, 4>,
-    ) -> SegmentSums {
-        let mut sum = SegmentSums::default();
-        for raw in segment {
-            let (t1, t2, c) = self.rows(&vehicle.reading(raw));
-            let slope = if self.known.h_C_N.is_some() {
-                SMatrix::zeros()
-            } else {
-                c
-            };
-            let first = (
-                self.reference.0.unwrap_or(t1),
-                self.reference.1.unwrap_or(t2),
-                slope,
-            );
-            let (r1, r2, rc) = *sum.first.get_or_insert(first);
-            let a = (t1 - r1).fixed_columns::<4>(0).into_owned();
-            let b = (t2 - r2).fixed_columns::<6>(0).into_owned();
-            *coupling += b.transpose() * (c - rc);
-            *inherited += (c - rc).transpose() * (c - rc);
-            sum.before.push(sum.A);
-            sum.A += a;
-            sum.B += b;
-            sum.t1 += t1;
-            sum.t2 += t2;
-            sum.C += c;
-            sum.own_C += c - rc;
+    fn rows(&self, reading: &Reading) -> Rows {
+        let mut rows = self.steps(reading);
+        if self.solution.angular.is_some() {
+            rows.fixed_columns_mut::<4>(SLOPE)
+                .copy_from(&self.slope(reading));
         }
-        sum.count = segment.len() as f64;
-        sum
+        rows
+    }
+
+    /// `C = d(B y + g)/dx` by central differences; nearly exact, because `g` is almost quadratic.
+    fn slope(&self, reading: &Reading) -> SMatrix<f64, 3, 4> {
+        let mut C = SMatrix::<f64, 3, 4>::zeros();
+        for j in 0..4 {
+            let h = if j == 0 { 1.0e-4 * self.x1[0] } else { 1.0e-4 };
+            let at = |sign: f64| {
+                let mut x = self.x1;
+                x[j] += sign * h;
+                let rho_S = Vector3::new(x[1], x[2], x[3]);
+                angular_rows(reading, self.arm_mass / x[0], &rho_S) * self.y1
+            };
+            C.set_column(j, &((at(1.0) - at(-1.0)) / (2.0 * h)));
+        }
+        C
+    }
+
+    /// What is subtracted from the rows of a segment with this first sample: known momentum, or the first rows.
+    fn reference(&self, first: &Rows) -> Rows {
+        let mut reference = *first;
+        if let Some(p) = &self.known.p_C_N {
+            let known = linear_known(p, self.arm_mass);
+            reference.fixed_columns_mut::<5>(0).copy_from(&known);
+        }
+        if let Some(h) = &self.known.h_C_N {
+            let known = angular_known(h);
+            reference.fixed_columns_mut::<7>(ANGULAR).copy_from(&known);
+            reference.fixed_columns_mut::<4>(SLOPE).fill(0.0);
+        }
+        reference
+    }
+
+    fn sums(&self, vehicle: &mut Vehicle, segment: &[Raw]) -> SegmentSums {
+        let rows = segment.iter().map(|raw| self.rows(&vehicle.reading(raw)));
+        let rows: Vec<Rows> = rows.collect();
+        let reference = rows.first().map_or_else(Rows::zeros, |r| self.reference(r));
+        let own: Vec<Rows> = rows.iter().map(|r| r - reference).collect();
+        let mut before = vec![Rows::zeros()];
+        for (k, own) in own.iter().enumerate() {
+            before.push(before[k] + own);
+        }
+        SegmentSums {
+            own,
+            before,
+            rows: rows.iter().sum(),
+            count: segment.len() as f64,
+        }
     }
 
     fn momentum(&self, sums: &SegmentSums) -> (Vector3, Vector3) {
         (
-            sums.t1 * self.x1 * (self.m_S / sums.count),
-            sums.t2 * self.steps.y1 / sums.count,
+            sums.rows.fixed_columns::<5>(0) * self.x1 * (self.m_S / sums.count),
+            sums.rows.fixed_columns::<7>(ANGULAR) * self.y1 / sums.count,
         )
     }
 
-    fn sample(
-        &self,
-        vehicle: &mut Vehicle,
-        sums: &SegmentSums,
-        raw: &Raw,
-        (k, weight): (usize, f64),
-    ) -> Option<SampleRows> {
-        let (r1, r2, rc) = sums.first?;
-        let (t1, t2, c) = self.rows(&vehicle.reading(raw));
+    fn sample(&self, sums: &SegmentSums, k: usize, weight: f64) -> SampleRows {
+        let all = sums.before[sums.own.len()];
         // In option 2 the first sample is in all rows of its segment.
         let in_all = [self.known.p_C_N, self.known.h_C_N].map(|known| k == 0 && known.is_none());
-        let A = match in_all[0] {
-            true => -sums.A,
-            false => (t1 - r1).fixed_columns::<4>(0).into_owned(),
-        };
-        let (B, C) = match in_all[1] {
-            true => (-sums.B, -sums.own_C),
-            false => ((t2 - r2).fixed_columns::<6>(0).into_owned(), c - rc),
-        };
-        Some(SampleRows {
-            A,
-            B,
-            C,
-            later: (sums.A - sums.before[k], sums.count - k as f64),
+        let mut rows = sums.own[k];
+        if in_all[0] {
+            rows.fixed_columns_mut::<5>(0)
+                .copy_from(&-all.fixed_columns::<5>(0));
+        }
+        if in_all[1] {
+            rows.fixed_columns_mut::<11>(ANGULAR)
+                .copy_from(&-all.fixed_columns::<11>(ANGULAR));
+        }
+        let later = (all - sums.before[k]).fixed_columns::<4>(0).into_owned();
+        SampleRows {
+            rows,
+            later: (later, sums.count - k as f64),
             in_rows: in_all.map(|all| if all { sums.count - 1.0 } else { weight }),
             weight,
-            first: k == 0,
-        })
+        }
     }
 
-    fn error(
-        &self,
-        vehicle: &mut Vehicle,
-        raw: &Raw,
-        source: &Source,
-        rows: &SampleRows,
-    ) -> Option<RowError> {
-        let stays = matches!(source, Source::VelocityStep(_));
-        if stays && rows.first {
-            return None;
-        }
-        let plus = vehicle.reading(&source.moved(raw, 1.0));
-        let minus = vehicle.reading(&source.moved(raw, -1.0));
-        let angular = self.solution.angular.is_some();
-        Some(RowError {
-            d1: (linear_rows(&plus) - linear_rows(&minus)) * 0.5,
-            d2: match angular {
-                true => (self.steps.angular(&plus) - self.steps.angular(&minus)) * 0.5,
-                false => SMatrix::zeros(),
-            },
-            stays,
-        })
+    fn error(&self, vehicle: &mut Vehicle, raw: &Raw, source: &Source) -> Rows {
+        let mut at = |sign: f64| self.steps(&vehicle.reading(&source.moved(raw, sign)));
+        (at(1.0) - at(-1.0)) * 0.5
     }
 
     /// Adds the effect of one error on the solutions of both steps and on the momentum of each segment.
@@ -327,14 +335,19 @@ impl<'a> Both<'a> {
         (sums, at): (&[SegmentSums], usize),
         rows: &SampleRows,
         error: &RowError,
-        (seen, inherited): (f64, &SMatrix<f64, 4, 4>),
+        inherited: &SMatrix<f64, 4, 4>,
     ) {
         let (A, in_linear, samples) = match error.stays {
-            true => (&rows.later.0, rows.weight * rows.later.1, rows.later.1),
-            false => (&rows.A, rows.in_rows[0], 1.0),
+            true => (rows.later.0, rows.weight * rows.later.1, rows.later.1),
+            false => (
+                rows.rows.fixed_columns::<4>(0).into_owned(),
+                rows.in_rows[0],
+                1.0,
+            ),
         };
-        let e1 = error.d1 * self.x1;
-        out.linear.add(&error.d1, &e1, in_linear, seen);
+        let d1 = error.rows.fixed_columns::<5>(0).into_owned();
+        let e1 = d1 * self.x1;
+        out.linear.add(&d1, &e1, in_linear, error.seen);
         let c1 = self.solution.linear.along(&(A.transpose() * e1));
         let dx = self.solution.linear.in_units(&c1);
         let mut effect = DVector::<f64>::zeros(out.covariance.nrows());
@@ -343,39 +356,30 @@ impl<'a> Both<'a> {
         let mut dy = SVector::<f64, 6>::zeros();
         let mut own_h = Vector3::zeros();
         if let Some((_, angular)) = self.solution.angular {
-            let e2 = error.d2 * self.steps.y1;
-            out.angular.add(&error.d2, &e2, rows.in_rows[1], seen);
-            let c2 = angular.along(&(rows.B.transpose() * e2 + out.coupling * dx));
+            let (B, C) = (
+                rows.rows.fixed_columns::<6>(ANGULAR),
+                rows.rows.fixed_columns::<4>(SLOPE),
+            );
+            let d2 = error.rows.fixed_columns::<7>(ANGULAR).into_owned();
+            own_h = d2 * self.y1;
+            out.angular.add(&d2, &own_h, rows.in_rows[1], error.seen);
+            let c2 = angular.along(&(B.transpose() * own_h + out.coupling * dx));
             effect.fixed_rows_mut::<6>(4).copy_from(&c2);
             dy = angular.in_units(&c2);
             let passed_on = dx.dot(&(inherited * dx));
             out.passed_on += rows.weight * passed_on;
-            out.inherited += rows.weight * (2.0 * e2.dot(&(rows.C * dx)) + passed_on);
-            own_h = e2;
+            out.inherited += rows.weight * (2.0 * own_h.dot(&(C * dx)) + passed_on);
         }
         for (other, s) in sums.iter().enumerate() {
             let own = f64::from(u8::from(other == at)) * samples / s.count;
-            let P = out.momentum[other].0;
-            let dP = (s.t1.fixed_columns::<4>(0) * dx / s.count + e1 * own) * self.m_S
+            let (P, all) = (out.momentum[other].0, &s.rows);
+            let dP = (all.fixed_columns::<4>(0) * dx / s.count + e1 * own) * self.m_S
                 + P * (dm / self.m_S);
-            let dH = (s.C * dx + s.t2.fixed_columns::<6>(0) * dy) / s.count + own_h * own;
+            let turned = all.fixed_columns::<4>(SLOPE) * dx + all.fixed_columns::<6>(ANGULAR) * dy;
+            let dH = turned / s.count + own_h * own;
             effect.fixed_rows_mut::<3>(10 + 6 * other).copy_from(&dP);
             effect.fixed_rows_mut::<3>(13 + 6 * other).copy_from(&dH);
         }
         out.covariance.ger(rows.weight, &effect, &effect, 1.0);
     }
-}
-
-#[derive(Default)]
-struct SegmentSums {
-    A: SMatrix<f64, 3, 4>,
-    /// Sum of `A` over the samples before each sample.
-    before: Vec<SMatrix<f64, 3, 4>>,
-    B: SMatrix<f64, 3, 6>,
-    C: SMatrix<f64, 3, 4>,
-    own_C: SMatrix<f64, 3, 4>,
-    t1: SMatrix<f64, 3, 5>,
-    t2: SMatrix<f64, 3, 7>,
-    first: Option<(SMatrix<f64, 3, 5>, SMatrix<f64, 3, 7>, SMatrix<f64, 3, 4>)>,
-    count: f64,
 }

@@ -1,7 +1,5 @@
-//! A solved step in directions of natural units, and the rows of step 2 at the solution.
+//! A solved step in directions of natural units.
 
-use super::arm::Reading;
-use super::equations::{AngularRows, angular_rows};
 use super::solve::{Step, decompose};
 use nalgebra::{SMatrix, SVector};
 
@@ -74,40 +72,4 @@ pub struct Solution<'a> {
     pub linear: &'a Directions<4>,
     /// Step 2, if step 1 is complete.
     pub angular: Option<(SVector<f64, 6>, &'a Directions<6>)>,
-}
-
-/// Rows of step 2 at the solution of step 1, and their derivative.
-pub(super) struct AtSolution {
-    pub(super) arm_mass: f64,
-    pub(super) x: SVector<f64, 4>,
-    pub(super) y1: SVector<f64, 7>,
-}
-
-impl AtSolution {
-    pub(super) fn angular(&self, reading: &Reading) -> AngularRows {
-        self.angular_at(reading, &self.x)
-    }
-
-    fn angular_at(&self, reading: &Reading, x: &SVector<f64, 4>) -> AngularRows {
-        angular_rows(
-            reading,
-            self.arm_mass / x[0],
-            &x.fixed_rows::<3>(1).into_owned(),
-        )
-    }
-
-    /// `C = d(B y + g)/dx` by central differences; nearly exact, because `g` is almost quadratic.
-    pub(super) fn slope(&self, reading: &Reading) -> SMatrix<f64, 3, 4> {
-        let mut C = SMatrix::<f64, 3, 4>::zeros();
-        for j in 0..4 {
-            let h = if j == 0 { 1.0e-4 * self.x[0] } else { 1.0e-4 };
-            let at = |sign: f64| {
-                let mut x = self.x;
-                x[j] += sign * h;
-                self.angular_at(reading, &x) * self.y1
-            };
-            C.set_column(j, &((at(1.0) - at(-1.0)) / (2.0 * h)));
-        }
-        C
-    }
 }
