@@ -272,12 +272,12 @@ fn filed(
 /// A table as CSV: numbers with all digits; two numbers of a cell are joined by their separator.
 ///
 /// ```
-/// use poinsot_papers::study::{Table, figures, word};
+/// use poinsot_papers::study::Table;
 ///
-/// let (name, title) = ("moments".to_owned(), "Moments".to_owned());
-/// let (head, rows) = (vec!["".to_owned(), "kg m2".to_owned()], vec![vec![word("xx"), figures(13.9, 2)]]);
+/// let mut table = Table::new("moments", "Moments", " | kg m2");
+/// table.row("xx", [13.916]);
 /// // All digits, however few are shown.
-/// assert_eq!(poinsot::study::csv(&Table { name, title, head, rows }), ",kg m2\nxx,13.9\n");
+/// assert_eq!(poinsot::study::csv(&table), ",kg m2\nxx,13.916\n");
 /// ```
 pub fn csv(table: &FoundTable) -> String {
     let quoted = |text: &str| match text.contains([',', '"', '\n']) {

@@ -9,7 +9,7 @@ mod findings;
 pub mod statistics;
 
 pub use context::{CaseText, Context, Difference, StudyError, Tools};
-pub use findings::{Cell, Digits, Findings, Table, decimals, figures, percent, word};
+pub use findings::{Cell, Digits, Findings, Table, curves};
 
 /// Function of a study.
 pub type Run = fn(&Context) -> Result<Findings, StudyError>;

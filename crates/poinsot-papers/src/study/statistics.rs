@@ -76,11 +76,11 @@ pub fn rms(values: impl IntoIterator<Item = f64>) -> f64 {
 /// ```
 /// use poinsot_papers::study::statistics::mean_and_scatter;
 ///
-/// assert_eq!(mean_and_scatter(&[1.0, 3.0]), (2.0, 1.0));
+/// assert_eq!(mean_and_scatter(&[1.0, 3.0]), [2.0, 1.0]);
 /// ```
-pub fn mean_and_scatter(values: &[f64]) -> (f64, f64) {
+pub fn mean_and_scatter(values: &[f64]) -> [f64; 2] {
     let mean = values.iter().sum::<f64>() / values.len() as f64;
-    (mean, rms(values.iter().map(|x| x - mean)))
+    [mean, rms(values.iter().map(|x| x - mean))]
 }
 
 /// The largest.
@@ -105,7 +105,7 @@ mod tests {
         assert_eq!(median(x), 2.5);
         assert_eq!(quantile(x, 1.0), 4.0);
         assert!(median([]).is_nan());
-        assert_eq!(mean_and_scatter(&[1.0, 3.0]), (2.0, 1.0));
+        assert_eq!(mean_and_scatter(&[1.0, 3.0]), [2.0, 1.0]);
         assert_eq!(median([1.0, f64::INFINITY, f64::INFINITY]), f64::INFINITY);
     }
 }

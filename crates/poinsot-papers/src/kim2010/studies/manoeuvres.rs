@@ -4,30 +4,24 @@ use super::printed::{COLUMNS, PRINTED, TRUE};
 use crate::kim2010::{ELEMENTS, Kim2010, NAMES};
 use crate::method::Method;
 use crate::study::statistics::{largest, rms};
-use crate::study::{Cell, Context, Findings, StudyError, Table, decimals, figures};
-use poinsot_figures::{Axis, Mark, Plot, Series};
+use crate::study::{Context, Findings, StudyError, Table, curves};
+use poinsot_figures::{Mark, Plot, Series};
 use poinsot_identify::{Estimate, tensor_index, tensor_name};
 
 /// Noise trials.
 const TRIALS: u64 = 20;
 /// Name of the tables, title, case file.
-const CASES: [(&str, [&str; 2], &str); 3] = [
+const CASES: [(&str, &str, &str); 3] = [
+    ("one", "one slew of 17 deg", "stsat3_kim2010.toml"),
     (
-        "one slew of 17 deg",
-        ["products_one", "errors_one"],
-        "stsat3_kim2010.toml",
-    ),
-    (
+        "17deg",
         "three slews of 17 deg",
-        ["products_17deg", "errors_17deg"],
         "stsat3_three_slews_17deg.toml",
     ),
-    (
-        "three slews of 90 deg",
-        ["products_90deg", "errors_90deg"],
-        "stsat3_three_slews.toml",
-    ),
+    ("90deg", "three slews of 90 deg", "stsat3_three_slews.toml"),
 ];
+/// Rows of the answers of these methods in the tables of a case: noise-free batch, noisy batch, pre-estimate, suggested.
+const ROWS: [usize; 4] = [0, 7, 9, 10];
 
 /// Result of one method, elements in the order of the paper's tables.
 struct Answer {
@@ -44,56 +38,32 @@ struct Answer {
 /// The study.
 pub fn run(context: &Context) -> Result<Findings, StudyError> {
     let mut findings = Findings::default();
-    for (title, names, case) in CASES {
+    for (name, title, case) in CASES {
         let answers = answers(context, case)?;
         findings.tables.extend([
-            products(names[0], title, &answers),
-            errors(names[1], title, &answers),
+            products(name, title, &answers),
+            errors(name, title, &answers),
         ]);
-        if case == CASES[2].2 {
-            findings.plot("second_axis", second_axis(&answers));
+        let [exact, batch, pre, suggested] = ROWS.map(|k| &answers[k]);
+        if name == "17deg" {
+            let bias = 100.0 * (batch.mean[0] / TRUE[0] - 1.0).abs();
+            let text = format!("bias of I_xx {bias:.2} % at 17 deg");
+            findings.state("no filter is needed", text);
         }
-        state(case, &answers, &mut findings);
+        if name == "90deg" {
+            findings.plot("second_axis", second_axis(&answers));
+            let worst = 100.0 * largest(exact.error);
+            let text = format!("{worst:.0e} % on three axes");
+            findings.state("(2)-(4) batch", text.clone());
+            findings.state("batch fails because of other axes and noise", text);
+            let nearer = (3..6).filter(|k| pre.error[*k] < suggested.error[*k]);
+            let text = format!("pre-estimate nearer on {} of 3", nearer.count());
+            findings.state("not using earlier products is better", text);
+        }
     }
-    Ok(findings)
-}
-
-fn state(case: &str, answers: &[Answer], findings: &mut Findings) {
-    let of = |name: &str, noisy| {
-        answers
-            .iter()
-            .find(move |a| a.name == name && a.noisy == noisy)
-    };
-    let (Some(exact), Some(batch)) = (of("batch", false), of("batch", true)) else {
-        return;
-    };
-    let (Some(suggested), Some(pre)) = (of("suggested", true), of("pre-estimate", true)) else {
-        return;
-    };
-    let bias = 100.0 * (batch.mean[0] / TRUE[0] - 1.0).abs();
-    if case == CASES[1].2 {
-        findings.state(
-            "no filter is needed",
-            format!("bias of I_xx {bias:.2} % at 17 deg"),
-        );
-    }
-    if case == CASES[2].2 {
-        let worst = 100.0 * largest(exact.error);
-        let text = format!("{worst:.0e} % on three axes");
-        findings.state("(2)-(4) batch", text.clone());
-        findings.state("batch fails because of other axes and noise", text);
-        let three = |a: &Answer| {
-            let [x, y, z] = [3, 4, 5].map(|k| figures(100.0 * a.error[k], 2).text());
-            format!("{x}, {y}, {z}")
-        };
-        let text = format!("{} %, batch {} %", three(suggested), three(batch));
-        findings.state("suggested is far better than batch and conventional", text);
-        let nearer = (3..6)
-            .filter(|k| pre.error[*k] < suggested.error[*k])
-            .count();
-        let text = format!("pre-estimate nearer on {nearer} of 3");
-        findings.state("not using earlier products is better", text);
-    }
+    Ok(findings.say(&[
+        "suggested is far better than batch and conventional = {errors_90deg.10.4}, {errors_90deg.10.5}, {errors_90deg.10.6} %, batch {errors_90deg.7.4}, {errors_90deg.7.5}, {errors_90deg.7.6} %",
+    ]))
 }
 
 /// Every column of Table 2, the iteration, the linear method and maximum likelihood for one case.
@@ -170,31 +140,27 @@ fn numbers(estimate: &Estimate) -> [(f64, f64); 6] {
     })
 }
 
-fn products(name: &'static str, title: &str, answers: &[Answer]) -> Table {
+fn products(name: &str, title: &str, answers: &[Answer]) -> Table {
     let title = format!("Products, kg m2: {title}; noisy values are means of {TRIALS} records");
-    let mut table = Table::new(name, &title, " | I_xy | I_yz | I_zx");
-    table.row("true", TRUE[3..].iter().map(|x| decimals(*x, 4)));
+    let head = " | I_xy :.4 | I_yz :.4 | I_zx :.4";
+    let mut table = Table::new(format!("products_{name}"), title, head);
+    table.row("true", TRUE[3..].iter().copied());
     for a in answers {
         let kind = if a.noisy { "noisy" } else { "noise-free" };
-        let title = format!("{}, {kind}", a.name);
-        table.row(title, a.mean[3..].iter().map(|x| decimals(*x, 4)));
+        table.row(format!("{}, {kind}", a.name), a.mean[3..].iter().copied());
     }
     table
 }
 
-fn errors(name: &'static str, title: &str, answers: &[Answer]) -> Table {
+fn errors(name: &str, title: &str, answers: &[Answer]) -> Table {
     let title = format!("Rms error in % of each element, {TRIALS} noisy records: {title}");
-    let mut table = Table::new(name, &title, " | xx | yy | zz | xy | yz | zx");
+    let head = " | xx | yy | zz | xy | yz | zx";
+    let mut table = Table::new(format!("errors_{name}"), title, head);
     for a in answers {
-        let percent = |x: [f64; 6]| -> [Cell; 6] { x.map(|x| figures(100.0 * x, 2)) };
-        let title = if a.noisy {
-            a.name.clone()
-        } else {
-            format!("{}, no noise", a.name)
-        };
-        table.row(title, percent(a.error));
+        let exact = if a.noisy { "" } else { ", no noise" };
+        table.row(format!("{}{exact}", a.name), a.error.map(|x| 100.0 * x));
         if a.noisy && a.sigma.iter().all(|s| s.is_finite()) {
-            table.row(format!("{}, its sigma", a.name), percent(a.sigma));
+            table.row(format!("{}, its sigma", a.name), a.sigma.map(|x| 100.0 * x));
         }
     }
     table
@@ -203,32 +169,22 @@ fn errors(name: &'static str, title: &str, answers: &[Answer]) -> Table {
 /// Errors with a second and third axis, and the printed ones.
 fn second_axis(answers: &[Answer]) -> Plot {
     let places = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0];
-    let printed: [f64; 6] = std::array::from_fn(|k| 100.0 * (PRINTED[3][k] / TRUE[k] - 1.0).abs());
-    let mut series = vec![Series::new(
-        "printed, one slew",
-        Mark::Points,
-        6,
-        &places,
-        &printed,
-    )];
-    for (k, a) in answers.iter().filter(|a| a.noisy).enumerate() {
-        let percent = a.error.map(|x| 100.0 * x);
-        let colour = if k < 6 { k } else { 7 };
-        series.push(Series::new(
-            &a.name,
-            Mark::Points,
-            colour,
-            &places,
-            &percent,
-        ));
-    }
+    let points = |name: &str, colour, errors: [f64; 6]| {
+        let percent = errors.map(|x| 100.0 * x);
+        Series::new(name, Mark::Points, colour, &places, &percent)
+    };
+    let printed = std::array::from_fn(|k| (PRINTED[3][k] / TRUE[k] - 1.0).abs());
+    let noisy = answers.iter().filter(|a| a.noisy).enumerate();
+    let found = noisy.map(|(k, a)| points(&a.name, if k < 6 { k } else { 7 }, a.error));
+    let first = points("printed, one slew", 6, printed);
     Plot {
-        title: "Error of each element: one slew as printed, three slews of 90 deg".to_owned(),
-        x: Axis::new("element of the tensor", ""),
-        y: Axis::new("error", "%"),
         log: true,
         names: NAMES.map(str::to_owned).to_vec(),
-        series,
-        ..Plot::default()
+        ..curves(
+            "Error of each element: one slew as printed, three slews of 90 deg",
+            "element of the tensor",
+            "error, %",
+            [first].into_iter().chain(found).collect(),
+        )
     }
 }

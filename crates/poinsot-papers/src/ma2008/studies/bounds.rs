@@ -1,18 +1,17 @@
 //! Sec. IV: how often (35) holds over many trials, and how conservative it is. It uses the error matrices of each
 //! trial, and the limits of the command.
 
-use super::cramer_rao::cramer_rao;
 use super::experiment::{Experiment, Run, readings, unsymmetric};
-use super::noise::{OPTIONS, Scaling, Sigma, draw};
+use super::noise::{OPTIONS, Scaling, Sigma};
 use crate::ma2008::bounds::{
     angular_error, bound, linear_error, sizes, stated_angular, stated_linear,
 };
 use crate::ma2008::{
-    Directions, Influence, NoiseSource, Reading, Setting, Solution, Step, TwoStep, Vehicle,
-    angular_rows, differences, influence, two_step,
+    Directions, Influence, NoiseSource, Reading, Setting, Solution, TwoStep, Vehicle, angular_rows,
+    differences, influence,
 };
 use crate::study::statistics::{median, quantile, rms};
-use crate::study::{Cell, Context, Digits, Findings, StudyError, Table, decimals, figures};
+use crate::study::{Context, Digits, Findings, StudyError, Table};
 use nalgebra::SMatrix;
 use poinsot_dynamics::Tree;
 use poinsot_spatial::Vector3;
@@ -37,7 +36,7 @@ pub fn run(context: &Context) -> Result<Findings, StudyError> {
     let mut held = Table::new(
         "held",
         "Trials of 10,000 in which (35) holds, %: with the error matrices of the trial, step 2 also with the error of step 1; with the limits that the command states",
-        "example, noise, option | step 1 | step 2 | with step 1 | stated, step 1 | stated, step 2",
+        "example, noise, option | step 1 :.2 | step 2 :.2 | with step 1 :.2 | stated, step 1 :.2 | stated, step 2 :.2",
     );
     let mut loose = Table::new(
         "loose",
@@ -50,58 +49,47 @@ pub fn run(context: &Context) -> Result<Findings, StudyError> {
         "example, noise, option | step 1 | step 2",
     );
     for n in [1, 2] {
+        let e = Experiment::example(context, n)?.with_base(unsymmetric());
+        let run = e.run()?;
         for share in [0.001, 0.01, 0.03] {
             for known in OPTIONS {
-                let e = Experiment::example(context, n)?.with_base(unsymmetric());
-                let run = e.run()?;
-                let sigma = Sigma::of(&run, share, Scaling::Component);
-                let found = trials(&e, &run, sigma, known)?;
+                let sigma = run.sigma(share, Scaling::Component);
+                let found = trials(&run, sigma, known)?;
                 let title = format!("{n}, {} %, {}", 100.0 * share, if known { 1 } else { 2 });
-                held.row(title.clone(), shares(&found));
-                loose.row(title.clone(), looseness(&found));
-                let best = cramer_rao(&e, &run, sigma, known);
-                let x = two_step(&[readings(&e.model, &run.raws)], known.then_some(run.known));
+                held.row(&title, shares(&found));
+                looseness(&mut loose, &title, &found);
+                let best = run.bound(sigma, known);
+                let x = run.solved(&run.raws, known).linear.x[0];
                 // Errors of the vectors x and y that (35) bounds.
-                let best = [
-                    (x.linear.x[0] * best[0]).hypot(best[1]),
-                    best[2] * e.truth().I_BBcm_B.norm(),
-                ];
+                let tensor = best[2] * run.truth().I_BBcm_B.norm();
+                let best = [(x * best[0]).hypot(best[1]), tensor];
                 let over = |k: usize| rms(found.iter().map(|t| t.bound[k])) / best[k];
-                efficient.row(title, [figures(over(0), 2), figures(over(1), 2)]);
+                efficient.row(&title, [over(0), over(1)]);
             }
         }
     }
+    let range = |table: &Table, columns: &[usize]| {
+        let rows = 0..table.rows.len();
+        let all = rows.flat_map(|r| columns.iter().map(move |c| table.at(r, *c)));
+        all.fold([f64::INFINITY, 0.0], |[low, high], x: f64| {
+            [low.min(x), high.max(x)]
+        })
+    };
     let least = range(&held, &[1, 2, 3, 4, 5])[0];
-    let two = |columns: &[usize]| range(&loose, columns).map(|x| figures(x, 2).text());
+    let two = |columns| range(&loose, columns).map(|x| Digits::Figures(2).text(x));
     let ([low, high], [from, to]) = (two(&[1, 4]), two(&[3, 6]));
-    let mut findings = Findings::of(held);
+    let mut findings = Findings::of([held, loose, efficient]);
     findings.state(
         "(29)-(37) first-order bounds",
         format!("in {least:.2} % of trials; {low} to {high} times the error, stated {from} to {to} times"),
     );
-    findings.tables.extend([loose, efficient]);
     Ok(findings)
 }
 
-/// Smallest and largest number of these columns.
-fn range(table: &Table, columns: &[usize]) -> [f64; 2] {
-    let cells = table
-        .rows
-        .iter()
-        .flat_map(|r| columns.iter().map(|c| &r[*c]));
-    let numbers = cells.filter_map(|c| match c {
-        Cell::Number(x, _) => Some(*x),
-        _ => None,
-    });
-    numbers.fold([f64::INFINITY, 0.0], |[low, high], x| {
-        [low.min(x), high.max(x)]
-    })
-}
-
-fn shares(found: &[Trial]) -> [Cell; 5] {
+fn shares(found: &[Trial]) -> [f64; 5] {
     let part = |holds: &dyn Fn(&Trial) -> bool| {
         let count = found.iter().filter(|t| holds(t)).count();
-        decimals(100.0 * count as f64 / found.len() as f64, 2)
+        100.0 * count as f64 / found.len() as f64
     };
     [
         part(&|t| t.error[0] <= t.bound[0]),
@@ -112,42 +100,33 @@ fn shares(found: &[Trial]) -> [Cell; 5] {
     ]
 }
 
-fn looseness(found: &[Trial]) -> Vec<Cell> {
-    let ratio = |k: usize| found.iter().map(move |t| t.bound[k] / t.error[k]);
-    let stated = |k: usize| median(found.iter().map(|t| t.stated[k] / t.error[k]));
-    let cells = |k: usize| {
-        let (low, high) = (quantile(ratio(k), 0.05), quantile(ratio(k), 0.95));
-        [
-            figures(median(ratio(k)), 2),
-            Cell::Pair(low, "to", high, Digits::Figures(2)),
-            figures(stated(k), 2),
-        ]
-    };
-    [0, 1].into_iter().flat_map(cells).collect()
+fn looseness(table: &mut Table, title: &str, found: &[Trial]) {
+    table.row(title, []);
+    for k in [0, 1] {
+        let ratio = || found.iter().map(|t| t.bound[k] / t.error[k]);
+        table.with(median(ratio()), Digits::Figures(2));
+        table.pair([0.05, 0.95].map(|q| quantile(ratio(), q)), "to");
+        let stated = found.iter().map(|t| t.stated[k] / t.error[k]);
+        table.with(median(stated), Digits::Figures(2));
+    }
 }
 
-fn trials(e: &Experiment, run: &Run, sigma: Sigma, known: bool) -> Result<Vec<Trial>, StudyError> {
-    let exact = readings(&e.model, &run.raws);
-    let option1 = known.then_some(run.known);
-    let truth = two_step(std::slice::from_ref(&exact), option1);
-    let effect = declared(e, run, sigma, known, &truth).ok_or("the two steps have no solution")?;
+fn trials(run: &Run, sigma: Sigma, known: bool) -> Result<Vec<Trial>, StudyError> {
+    let exact = run.readings();
+    let truth = run.solved(&run.raws, known);
+    let effect = declared(run, sigma, known, &truth).ok_or("the two steps have no solution")?;
     let one = |seed| {
-        let noisy = readings(&e.model, &draw(&run.raws, sigma, seed));
-        let found = two_step(std::slice::from_ref(&noisy), option1);
-        trial(&exact, &noisy, &truth, &found, (&effect, known))
+        let raws = run.noisy(sigma, seed);
+        let noisy = readings(&run.model, &raws);
+        let found = run.solved(&raws, known);
+        trial(&exact, &noisy, [&truth, &found], (&effect, known))
     };
     Ok((0..TRIALS).into_par_iter().filter_map(one).collect())
 }
 
 /// Effect of noise of this sigma on both steps, as propagated by the command.
-fn declared(
-    e: &Experiment,
-    run: &Run,
-    sigma: Sigma,
-    known: bool,
-    truth: &TwoStep,
-) -> Option<Influence> {
-    let tree = Tree::new(&e.model);
+fn declared(run: &Run, sigma: Sigma, known: bool, truth: &TwoStep) -> Option<Influence> {
+    let tree = Tree::new(&run.model);
     let axes = |s: Vector3| (0..3).map(move |k| Vector3::ith(k, s[k]));
     let velocity = axes(sigma.v).map(NoiseSource::Velocity);
     let sources: Vec<(NoiseSource, f64)> = velocity
@@ -160,7 +139,7 @@ fn declared(
         Directions::new(angular, [1.0; 6], 0.0)?,
     );
     Some(influence(
-        &mut Vehicle::new(&e.model, &tree),
+        &mut Vehicle::new(&run.model, &tree),
         &Setting {
             segments: std::slice::from_ref(&run.raws),
             known: known.then_some(run.known).into(),
@@ -177,29 +156,20 @@ fn declared(
 fn trial(
     exact: &[Reading],
     noisy: &[Reading],
-    truth: &TwoStep,
-    found: &TwoStep,
+    [truth, found]: [&TwoStep; 2],
     (effect, known): (&Influence, bool),
 ) -> Option<Trial> {
-    let (step2, found2): (&Step<6>, &Step<6>) = (truth.angular.as_ref()?, found.angular.as_ref()?);
+    let (step2, found2) = (truth.angular.as_ref()?, found.angular.as_ref()?);
     let (m, c) = (truth.mass(), truth.rho_S());
     // (39), (41), (43), (45) of this trial, with the differences of the option.
     let pairs = || {
         let both = exact.iter().zip(noisy);
         both.map(|(a, b)| (a, b.v_NBo_B - a.v_NBo_B, b.w_NB_B - a.w_NB_B))
     };
-    let d1 = less_first(
-        pairs()
-            .map(|(s, dv, dw)| linear_error(s, &dv, &dw))
-            .collect(),
-        known,
-    );
-    let d2 = less_first(
-        pairs()
-            .map(|(s, _, dw)| angular_error(s, m, &c, &dw))
-            .collect(),
-        known,
-    );
+    let d1 = pairs().map(|(s, dv, dw)| linear_error(s, &dv, &dw));
+    let d2 = pairs().map(|(s, _, dw)| angular_error(s, m, &c, &dw));
+    let d1 = less_first(d1.collect(), known);
+    let d2 = less_first(d2.collect(), known);
     let ((a1, b1), (a2, b2)) = (sizes::<4, 5>(&d1), sizes::<6, 7>(&d2));
     // Beyond the paper: the right-hand side of step 2 depends on the solution of step 1.
     let shifted = |m, c: Vector3| {

@@ -1,9 +1,9 @@
 //! The Cramer-Rao bound for the data of the two steps.
 
-use super::experiment::{Experiment, Run, readings};
-use super::noise::Sigma;
+use super::experiment::Run;
+use super::noise::{Errors, Sigma};
 use crate::ma2008::{Reading, angular_rows, linear_rows};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, SVector};
 use poinsot_identify::TENSOR;
 use poinsot_spatial::{Matrix6, Vector3, Vector6, elements};
 
@@ -14,34 +14,28 @@ const ZERO: f64 = 1.0e-13;
 /// Columns of the information below this fraction of the largest are round-off.
 const NONE: f64 = 1.0e-10;
 
-type Vector5 = nalgebra::SVector<f64, 5>;
-type Vector7 = nalgebra::SVector<f64, 7>;
-
 /// The ten unknowns, and six more for unknown momentum, with their units.
-struct Unknowns {
+struct Unknowns<'a> {
     theta: Vec<f64>,
     unit: Vec<f64>,
     arm_mass: f64,
     known: bool,
-    run: crate::ma2008::Known,
+    run: &'a Run,
 }
 
-impl Unknowns {
-    fn new(e: &Experiment, run: &Run, known: bool) -> Self {
-        let truth = e.truth();
+impl<'a> Unknowns<'a> {
+    fn new(run: &'a Run, known: bool) -> Self {
+        let truth = run.truth();
         let (I, c) = (&truth.I_BBcm_B, truth.p_BoBcm_B);
-        let arm_mass: f64 = e.model.bodies[1..].iter().map(|b| b.nominal.mass).sum();
+        let arm_mass: f64 = run.model.bodies[1..].iter().map(|b| b.nominal.mass).sum();
         let ratio = arm_mass / truth.mass;
         let mut theta = vec![ratio, c.x, c.y, c.z];
         theta.extend(elements(I));
         let mut unit = vec![ratio, 1.0, 1.0, 1.0];
         unit.extend([I.norm(); 6]);
         if !known {
-            theta.extend(
-                (run.known.p_C_N / truth.mass)
-                    .iter()
-                    .chain(run.known.h_C_N.iter()),
-            );
+            theta.extend(&(run.known.p_C_N / truth.mass));
+            theta.extend(&run.known.h_C_N);
             unit.extend([1.0, 1.0, 1.0, I.norm(), I.norm(), I.norm()]);
         }
         Self {
@@ -49,24 +43,22 @@ impl Unknowns {
             unit,
             arm_mass,
             known,
-            run: run.known,
+            run,
         }
     }
 
     /// The six equations of a sample, zero for the true values.
     fn equations(&self, s: &Reading, t: &[f64]) -> Vector6 {
-        let x = Vector5::new(t[0], t[1], t[2], t[3], 1.0);
-        let y = Vector7::from_iterator(t[4..10].iter().copied().chain([1.0]));
-        let (P, H) = if self.known {
-            (self.run.p_C_N * (t[0] / self.arm_mass), self.run.h_C_N)
-        } else {
-            (
-                Vector3::new(t[10], t[11], t[12]),
-                Vector3::new(t[13], t[14], t[15]),
-            )
+        let known = &self.run.known;
+        let three = |k: usize| Vector3::from_column_slice(&t[k..k + 3]);
+        let x = SVector::<f64, 5>::new(t[0], t[1], t[2], t[3], 1.0);
+        let y = SVector::<f64, 7>::from_iterator(t[4..10].iter().copied().chain([1.0]));
+        let (P, H) = match self.known {
+            true => (known.p_C_N * (t[0] / self.arm_mass), known.h_C_N),
+            false => (three(10), three(13)),
         };
         let l = linear_rows(s) * x - P;
-        let mass_centre = Vector3::new(t[1], t[2], t[3]);
+        let mass_centre = three(1);
         let h = angular_rows(s, self.arm_mass / t[0], &mass_centre) * y - H;
         Vector6::new(l.x, l.y, l.z, h.x, h.y, h.z)
     }
@@ -102,56 +94,58 @@ impl Unknowns {
     }
 }
 
-/// Cramer-Rao bound for noisy velocities, exact attitude and joints, and no position. RMS errors: mass (relative),
-/// mass centre (m), tensor (relative to its norm).
-///
-/// Six equations `g = 0` and six noisy velocities per sample: with `g` differentiated over the unknowns (`D`) and over
-/// the velocities (`S = sum e e^T`), the information is `sum D^T S^-1 D`. Unknown momentum adds six unknowns.
-pub fn cramer_rao(e: &Experiment, run: &Run, sigma: Sigma, known: bool) -> [f64; 3] {
-    let unknowns = Unknowns::new(e, run, known);
-    let n = unknowns.theta.len();
-    let mut information = DMatrix::<f64>::zeros(n, n);
-    for s in readings(&e.model, &run.raws) {
-        match unknowns.information(&s, sigma) {
-            Some(of_sample) => information += of_sample,
-            None => return [f64::INFINITY; 3],
+impl Run {
+    /// Cramer-Rao bound for noisy velocities, exact attitude and joints, and no position. RMS errors: mass (relative),
+    /// mass centre (m), tensor (relative to its norm).
+    ///
+    /// Six equations `g = 0` and six noisy velocities per sample: with `g` differentiated over the unknowns (`D`) and
+    /// over the velocities (`S = sum e e^T`), the information is `sum D^T S^-1 D`. Unknown momentum adds six unknowns.
+    pub fn bound(&self, sigma: Sigma, known: bool) -> Errors {
+        let unknowns = Unknowns::new(self, known);
+        let n = unknowns.theta.len();
+        let mut information = DMatrix::<f64>::zeros(n, n);
+        for s in self.readings() {
+            match unknowns.information(&s, sigma) {
+                Some(of_sample) => information += of_sample,
+                None => return [f64::INFINITY; 3],
+            }
         }
+        let variance = variances(&information);
+        // A product of inertia is in the tensor twice.
+        let times = |(i, j)| if i == j { 1.0 } else { 2.0 };
+        let elements = TENSOR.into_iter().enumerate();
+        let tensor: f64 = elements.map(|(k, e)| times(e) * variance[4 + k]).sum();
+        [
+            variance[0].sqrt(),
+            variance[1..4].iter().sum::<f64>().sqrt(),
+            tensor.sqrt(),
+        ]
     }
+}
+
+/// Diagonal of the inverse of an information matrix; infinite where it has no information.
+fn variances(information: &DMatrix<f64>) -> Vec<f64> {
+    let n = information.nrows();
     // Scale to units of the unknowns, then to equal diagonals: with orbital velocity the columns differ by many powers
-    // of ten.
+    // of ten. A column of round-off is zero.
     let size: Vec<f64> = (0..n).map(|i| information[(i, i)].sqrt()).collect();
     let largest = size.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
-    // A column of round-off is zero.
-    let size: Vec<f64> = size
-        .into_iter()
-        .map(|s| if s > NONE * largest { s } else { f64::INFINITY })
-        .collect();
-    let information = DMatrix::from_fn(n, n, |i, j| information[(i, j)] / size[i] / size[j]);
-    let eigen = information.symmetric_eigen();
+    let some = |s: f64| if s > NONE * largest { s } else { f64::INFINITY };
+    let size: Vec<f64> = size.into_iter().map(some).collect();
+    let scaled = DMatrix::from_fn(n, n, |i, j| information[(i, j)] / size[i] / size[j]);
+    let eigen = scaled.symmetric_eigen();
     let most = eigen.eigenvalues.max();
-    let variance = |i: usize| -> f64 {
-        let share = |j: usize| {
-            let (v, l) = (eigen.eigenvectors[(i, j)].powi(2), eigen.eigenvalues[j]);
-            if l > ZERO * most {
-                v / l
-            } else if v > 1.0e-9 {
-                f64::INFINITY
-            } else {
-                0.0
-            }
-        };
-        if size[i].is_infinite() {
-            return f64::INFINITY;
+    let share = |i: usize, j: usize| {
+        let (v, l) = (eigen.eigenvectors[(i, j)].powi(2), eigen.eigenvalues[j]);
+        match l > ZERO * most {
+            true => v / l,
+            false if v > 1.0e-9 => f64::INFINITY,
+            false => 0.0,
         }
-        (0..n).map(share).sum::<f64>() / (size[i] * size[i])
     };
-    // A product of inertia is in the tensor twice.
-    let times = |(i, j)| if i == j { 1.0 } else { 2.0 };
-    let elements = TENSOR.into_iter().enumerate();
-    let tensor: f64 = elements.map(|(k, e)| times(e) * variance(4 + k)).sum();
-    [
-        variance(0).sqrt(),
-        (1..4).map(variance).sum::<f64>().sqrt(),
-        tensor.sqrt(),
-    ]
+    let variance = |i: usize| match size[i].is_infinite() {
+        true => f64::INFINITY,
+        false => (0..n).map(|j| share(i, j)).sum::<f64>() / (size[i] * size[i]),
+    };
+    (0..n).map(variance).collect()
 }

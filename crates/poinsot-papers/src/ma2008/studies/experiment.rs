@@ -78,8 +78,11 @@ fn detour(stops: &[f64], place: &[f64], angle: f64) -> (Vec<f64>, Vec<f64>) {
     out
 }
 
-/// Result of a run: samples and the true momentum.
+/// Result of a run: vehicle, samples and the true momentum.
+#[derive(Clone)]
 pub struct Run {
+    /// The vehicle.
+    pub model: Model,
     /// Times, s.
     pub times: Vec<f64>,
     /// Samples.
@@ -136,13 +139,6 @@ impl Experiment {
         self
     }
 
-    /// Scales masses and inertias of the arm to this fraction of the base's mass.
-    #[must_use]
-    pub fn with_ratio(mut self, ratio: f64) -> Self {
-        scale_arm(&mut self.model, ratio);
-        self
-    }
-
     /// Samples equally spaced over the moving part of the trajectory, with or without stops.
     #[must_use]
     pub fn sampled(mut self, samples: usize, stops: bool) -> Self {
@@ -153,10 +149,17 @@ impl Experiment {
         self
     }
 
-    /// Adds a drift along all axes, with `speed` along x, m/s.
+    /// Times at 2 Hz over the whole trajectory, s.
+    pub fn whole(&self) -> Vec<f64> {
+        let end = self.knots[self.knots.len() - 1].0;
+        (0..=2 * end as usize).map(|k| 0.5 * k as f64).collect()
+    }
+
+    /// Changes the positions of the joints at every knot, deg.
     #[must_use]
-    pub fn drifting(mut self, speed: f64) -> Self {
-        self.velocity = [speed, -0.5 * speed, 0.25 * speed];
+    pub fn moved(mut self, change: impl Fn(usize, &mut [f64; 6])) -> Self {
+        let knots = self.knots.iter_mut().enumerate();
+        knots.for_each(|(k, (_, place))| change(k, place));
         self
     }
 
@@ -224,6 +227,7 @@ impl Experiment {
         raws.remove(0);
         positions.remove(0);
         Ok(Run {
+            model: self.model.clone(),
             times: self.times.clone(),
             raws,
             positions,

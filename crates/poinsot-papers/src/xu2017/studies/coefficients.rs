@@ -2,7 +2,7 @@
 
 use super::robot::{ARM, Robot};
 use crate::study::statistics::{Normals, largest};
-use crate::study::{Context, Findings, StudyError, Table, decimals, figures};
+use crate::study::{Context, Digits, Findings, StudyError, Table};
 use crate::xu2017::sensitivity::{mass_coefficient, tensor_bounds, tensor_coefficients};
 use poinsot_dynamics::Kinematics;
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
@@ -11,7 +11,7 @@ use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
 pub const RATE: f64 = 0.03;
 /// Random draws of attitude and direction of the rate.
 const DRAWS: usize = 200_000;
-const COLUMNS: &str = " | xx | xy | xz | yy | yz | zz";
+const COLUMNS: &str = " | xx :.4 | xy :.4 | xz :.4 | yy :.4 | yz :.4 | zz :.4";
 
 /// Maximum of each of the eighteen coefficients, row by row, over random attitudes and rate directions.
 pub fn largest_coefficients(rate: f64, draws: usize) -> [[f64; 6]; 3] {
@@ -44,24 +44,20 @@ fn difference(A: &Matrix3, w: &Vector3, I: &Matrix3) -> f64 {
 /// The study.
 pub fn run(context: &Context) -> Result<Findings, StudyError> {
     let robot = Robot::new(context)?;
-    let mut bounds = Table::new(
-        "bounds",
-        &format!(
-            "(75) at {RATE} rad/s: bound, and largest of {DRAWS} random attitudes and directions"
-        ),
-        COLUMNS,
+    let title = format!(
+        "(75) at {RATE} rad/s: bound, and largest of {DRAWS} random attitudes and directions"
     );
-    bounds.row("bound (75)", tensor_bounds(RATE).map(|x| decimals(x, 4)));
+    let mut bounds = Table::new("bounds", title, COLUMNS);
+    bounds.row("bound (75)", tensor_bounds(RATE));
     let most = largest_coefficients(RATE, DRAWS);
     for (axis, row) in ["dL_x", "dL_y", "dL_z"].into_iter().zip(most) {
-        bounds.row(axis, row.map(|x| decimals(x, 4)));
+        bounds.row(axis, row);
     }
     let mut runs = Table::new(
         "runs",
         "Along C2 to C7: rate, rad/s; |dP/dm0| as corrected, |v0 - v1|, and as (68) prints, |v0|, m/s",
-        "joint | largest rate | corrected | printed",
+        "joint | largest rate :.5 | corrected | printed",
     );
-    let mut along = Table::new("along", "Largest coefficients (73) along C2 to C7", COLUMNS);
     let (mut wrong, mut fastest): (f64, f64) = (0.0, 0.0);
     for (joint, name) in ARM.into_iter().enumerate() {
         let d = robot.data(&[name])?;
@@ -70,7 +66,6 @@ pub fn run(context: &Context) -> Result<Findings, StudyError> {
         let dof = d.tree.dof();
         let mut kinematics = Kinematics::new(&d.tree);
         let (mut rate, mut corrected, mut printed): (f64, f64, f64) = (0.0, 0.0, 0.0);
-        let mut most = [0.0_f64; 6];
         for k in 0..s.time_s.len() {
             let at = k * dof..(k + 1) * dof;
             let v = s.R_NB[k].inverse() * translation.v_NBo_N[k];
@@ -90,26 +85,15 @@ pub fn run(context: &Context) -> Result<Findings, StudyError> {
             let A = s.R_NB[k].to_rotation_matrix().into_inner();
             let w = A * s.w_NB_B[k];
             rate = rate.max(w.norm());
-            let K = tensor_coefficients(&A, &w);
-            for (c, m) in most.iter_mut().enumerate() {
-                *m = m.max(K.column(c).amax());
-            }
             if w.norm() > 0.1 * rate {
                 wrong = wrong.max(difference(&A, &w, &robot.properties()[0].I_BBcm_B));
             }
         }
         fastest = fastest.max(corrected);
-        let cells = [
-            decimals(rate, 5),
-            figures(corrected, 2),
-            figures(printed, 2),
-        ];
-        runs.row(format!("{}", joint + 1), cells);
-        along.row(format!("{}", joint + 1), most.map(|x| decimals(x, 4)));
+        runs.row(format!("{}", joint + 1), [rate, corrected, printed]);
     }
-    let mut findings = Findings::of(bounds);
-    findings.tables.extend([runs, along]);
-    let text = format!("{} m/s at most", figures(fastest, 2).text());
+    let mut findings = Findings::of([bounds, runs]);
+    let text = format!("{} m/s at most", Digits::Figures(2).text(fastest));
     findings.state("(63)-(68) sensitivity of the mass", text);
     findings.state(
         "(69)-(73) sensitivity of the tensor",

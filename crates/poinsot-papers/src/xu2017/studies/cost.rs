@@ -2,10 +2,10 @@
 
 use super::robot::{Data, Robot, SEEDS};
 use crate::study::statistics::{largest, quantile};
-use crate::study::{Context, Findings, StudyError, Table, figures};
+use crate::study::{Context, Findings, StudyError, Table, curves};
 use crate::xu2017::swarm::Swarm;
-use crate::xu2017::{Found, Order, Searched, particle};
-use poinsot_figures::{Axis, Mark, Plot, Series};
+use crate::xu2017::{Found, Order, Searched, StepReport, particle};
+use poinsot_figures::{Mark, Plot, Series};
 
 /// Iterations of the figures; no run stops earlier.
 const ITERATIONS: usize = 2500;
@@ -28,7 +28,7 @@ pub fn run(context: &Context) -> Result<Findings, StudyError> {
         patience: ITERATIONS,
         ..Swarm::default()
     };
-    let mut findings = Findings::default();
+    let mut findings = Findings::of([accuracy(&robot, &single)?]);
     let mut arrived = Vec::new();
     for (name, title, data, order, part) in [
         (
@@ -47,19 +47,13 @@ pub fn run(context: &Context) -> Result<Findings, StudyError> {
         ),
     ] {
         let flown = data.swarms(RANGE, order, swarm.clone())?;
-        let steps: Vec<_> = flown
+        let steps = flown
             .iter()
-            .flat_map(|f| f.steps.iter().find(|s| s.part == part))
-            .collect();
+            .flat_map(|f| f.steps.iter().find(|s| s.part == part));
+        let steps: Vec<_> = steps.collect();
         arrived.push(steps.iter().filter(|s| s.arrived()).count());
-        let histories: Vec<&[f64]> = steps
-            .iter()
-            .filter_map(|s| Some(s.flight.as_ref()?.0.history.as_slice()))
-            .collect();
-        let linear = steps.first().map_or(f64::NAN, |s| s.cost_linear);
-        findings.plot(name, plot(title, &histories, linear));
+        findings.plot(name, plot(title, &steps));
     }
-    findings.tables.push(accuracy(&robot, &single)?);
     let text = format!(
         "{} and {} of {SEEDS} flights arrive",
         arrived[0], arrived[1]
@@ -68,32 +62,34 @@ pub fn run(context: &Context) -> Result<Findings, StudyError> {
     Ok(findings)
 }
 
-/// Median and the band of all seeds.
-fn plot(title: &str, histories: &[&[f64]], linear: f64) -> Plot {
-    let n = histories.iter().map(|h| h.len()).min().unwrap_or(0);
-    let rows: Vec<usize> = (0..n).step_by(STEP).collect();
-    let x: Vec<f64> = rows.iter().map(|k| *k as f64).collect();
-    let at = |share: f64| -> Vec<f64> {
-        let one = |k: &usize| quantile(histories.iter().map(|h| h[*k]), share);
-        rows.iter().map(one).collect()
+/// Median and the band of all seeds, and the linear solution.
+fn plot(title: &str, steps: &[&StepReport]) -> Plot {
+    let histories = || {
+        steps
+            .iter()
+            .filter_map(|s| Some(&s.flight.as_ref()?.0.history))
     };
+    let linear = steps.first().map_or(f64::NAN, |s| s.cost_linear);
+    let n = histories().map(Vec::len).min().unwrap_or(0);
+    let x: Vec<f64> = (0..n).step_by(STEP).map(|k| k as f64).collect();
+    let at = |share: f64| -> Vec<f64> {
+        let one = |k: usize| quantile(histories().map(|h| h[k]), share);
+        (0..n).step_by(STEP).map(one).collect()
+    };
+    let series = vec![
+        Series::band(&format!("all {SEEDS} seeds"), 0, &x, &at(0.0), &at(1.0)),
+        Series::new("swarm, median", Mark::Line, 0, &x, &at(0.5)),
+        Series::new(
+            "linear solution",
+            Mark::Dashed,
+            1,
+            &[0.0, n as f64],
+            &[linear; 2],
+        ),
+    ];
     Plot {
-        title: title.to_owned(),
-        x: Axis::new("iteration", ""),
-        y: Axis::new("best cost", "N s + N m s"),
         log: true,
-        series: vec![
-            Series::band(&format!("all {SEEDS} seeds"), 0, &x, &at(0.0), &at(1.0)),
-            Series::new("swarm, median", Mark::Line, 0, &x, &at(0.5)),
-            Series::new(
-                "linear solution",
-                Mark::Dashed,
-                1,
-                &[0.0, n as f64],
-                &[linear; 2],
-            ),
-        ],
-        ..Plot::default()
+        ..curves(title, "iteration", "best cost, N s + N m s", series)
     }
 }
 
@@ -106,18 +102,15 @@ fn accuracy(robot: &Robot, data: &Data) -> Result<Table, StudyError> {
     };
     let title =
         format!("Equivalent single body, run C1: largest relative error, worst of {SEEDS} seeds");
-    let mut table = Table::new("accuracy", &title, "iterations | error");
+    let mut table = Table::new("accuracy", title, "iterations | error");
     for iterations in [100, 200, 400, 800, 1600, 3200] {
         let swarm = Swarm {
             iterations,
             ..Swarm::default()
         };
         let flown = data.swarms(RANGE, Order::Outward, swarm)?;
-        table.row(
-            format!("{iterations}"),
-            [figures(largest(flown.iter().map(error)), 2)],
-        );
+        table.row(format!("{iterations}"), [largest(flown.iter().map(error))]);
     }
-    table.row("linear", [figures(error(&data.linear(Order::Outward)?), 2)]);
+    table.row("linear", [error(&data.linear(Order::Outward)?)]);
     Ok(table)
 }

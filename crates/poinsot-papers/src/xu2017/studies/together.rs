@@ -3,9 +3,7 @@
 use super::robot::{ALL, Data, Robot, errors};
 use crate::method::Method;
 use crate::study::statistics::{largest, rms};
-use crate::study::{
-    CaseText, Cell, Context, Digits, Findings, StudyError, Table, decimals, figures, word,
-};
+use crate::study::{CaseText, Context, Digits, Findings, StudyError, Table};
 use crate::xu2017::Xu2017;
 use poinsot_identify::{BodyEstimate, Estimate, Number, TENSOR, linear};
 use poinsot_model::Model;
@@ -125,17 +123,15 @@ pub fn run(context: &Context) -> Result<Findings, StudyError> {
     let mut exact = Table::new(
         "exact",
         "Grasped target, 60 s at 10 Hz, no noise: condition of its ten numbers, largest error",
-        "motion | condition | error",
+        "motion | condition | error :1",
     );
     let title = format!("Rms error with the sensors of the case, {TRIALS} draws of noise");
     let head = "motion | method | mass, % | mass centre, mm | tensor, kg m2";
-    let mut noisy = Table::new("noisy", &title, head);
-    let mut conditions = Vec::new();
+    let mut noisy = Table::new("noisy", title, head);
     for (name, case) in MOTIONS.into_iter().zip(cases(context)?) {
         let (e, truth) = answer(context, &case, own, None)?;
-        conditions.push(figures(condition(&e), 2).text());
         let (worst, _) = errors(&e.bodies[TARGET], &truth);
-        exact.row(name, [figures(condition(&e), 2), figures(worst, 1)]);
+        exact.row(name, [condition(&e), worst]);
         for (method, title) in [
             (own, "linear steps"),
             ("maximum_likelihood", "maximum likelihood"),
@@ -146,19 +142,12 @@ pub fn run(context: &Context) -> Result<Findings, StudyError> {
                 found.push(parts(&e.bodies[TARGET], &truth));
             }
             let [m, c, i] = [0, 1, 2].map(|k| rms(found.iter().map(|f| f[k])));
-            let cells = [100.0 * m, 1000.0 * c, i].map(|x| figures(x, 2));
-            noisy.row(name, std::iter::once(word(title)).chain(cells));
+            let words = format!("{name} | {title}");
+            noisy.row(words, [100.0 * m, 1000.0 * c, i]);
         }
     }
-    let mut findings = Findings::of(exact);
-    findings.tables.push(noisy);
-    findings.tables.push(every_body(context)?);
-    let text = format!(
-        "condition {} alone, {} together",
-        conditions[0], conditions[1]
-    );
-    findings.state("one joint at a time", text);
-    Ok(findings)
+    Ok(Findings::of([exact, noisy, every_body(context)?])
+        .say(&["one joint at a time = condition {exact.0.1} alone, {exact.1.1} together"]))
 }
 
 /// Every body unknown: sigma of the least determined of the 52 combinations.
@@ -169,86 +158,49 @@ fn every_body(context: &Context) -> Result<Table, StudyError> {
         "Every body unknown: sigma of the least determined of the 52 combinations, natural units",
         "runs | rank | sigma",
     );
-    let worst = |d: &Data| -> Result<[Cell; 2], StudyError> {
-        let found = linear(&d.problem())?.identifiability;
-        let sigma = found.sigmas_natural.get(51).copied().unwrap_or(f64::NAN);
-        Ok([word(format!("{} of 70", found.rank)), figures(sigma, 2)])
-    };
-    table.row("C1 and C2 to C7, 62 s each", worst(&robot.data(&ALL)?)?);
     let mut exact = context.tools.vehicle(&context.case("xu2017_c1.toml")?)?;
     exact.sensors.clear();
     let mut tables = robot.runs(&robot.model, &["C1"])?;
     let [_, all, ..] = cases(context)?;
     tables.push(context.tools.simulate(&all, &exact, 0)?);
     let both = Data::new(context, robot.model.clone(), &tables)?;
-    table.row("C1 and all joints at once, 60 s", worst(&both)?);
+    for (title, data) in [
+        ("C1 and C2 to C7, 62 s each", robot.data(&ALL)?),
+        ("C1 and all joints at once, 60 s", both),
+    ] {
+        let found = linear(&data.problem())?.identifiability;
+        let sigma = found.sigmas_natural.get(51).copied().unwrap_or(f64::NAN);
+        table.row(format!("{title} | {} of 70", found.rank), [sigma]);
+    }
     Ok(table)
 }
 
-/// The grasped target with all joints moving, drift and rotation: results by number.
+/// The grasped target with all joints moving, drift and rotation.
 pub fn target(context: &Context) -> Result<Findings, StudyError> {
     let own = Xu2017.about().name;
     let case = context.case(CASE)?;
     let mut table = Table::new(
-        "target",
-        "Grasped target, all six joints in motion: values and sigmas",
-        " | true | linear steps | maximum likelihood",
-    );
-    let mut sigmas = Table::new(
-        "target_sigmas",
-        "Error over the stated sigma",
-        " | linear steps | maximum likelihood",
-    );
-    let mut summary = Table::new(
         "target_errors",
         "Largest errors: mass in kg with sigma, mass centre in m, tensor in kg m2, in sigmas",
-        " | mass | mass centre | tensor | worst in sigmas",
+        " | mass :.4 | mass centre | tensor | worst in sigmas",
     );
-    let mut columns = Vec::new();
     for (method, title) in [(own, "linear steps"), ("auto", "maximum likelihood")] {
         let (e, truth) = answer(context, &case, method, Some(0))?;
-        let rows = rows(&e.bodies[TARGET], &truth);
-        let worst = largest(rows.iter().map(|r| (r.2 - r.1).abs() / r.3));
-        let [_, c, i] = parts(&e.bodies[TARGET], &truth);
-        let mass = Cell::Pair(rows[0].2, "+-", rows[0].3, Digits::Decimals(4));
-        summary.row(
-            title,
-            [mass, figures(c, 2), figures(i, 2), figures(worst, 2)],
-        );
-        columns.push(rows);
+        let body = &e.bodies[TARGET];
+        let [_, c, i] = parts(body, &truth);
+        let number = |x: Option<f64>| x.unwrap_or(f64::NAN);
+        table.row(title, []);
+        table.pair([body.mass.value, body.mass.sigma].map(number), "+-");
+        let sigmas = |n: &Number, x: f64| ((number(n.value) - x) / number(n.sigma)).abs();
+        let com = body.com.iter().zip(truth.p_BoBcm_B.iter());
+        let tensor = body.inertia.iter().zip(TENSOR);
+        let worst = com
+            .map(|(n, x)| sigmas(n, *x))
+            .chain(tensor.map(|(n, e)| sigmas(n, truth.I_BBcm_B[e])))
+            .chain([sigmas(&body.mass, truth.mass)]);
+        for x in [c, i, largest(worst)] {
+            table.with(x, Digits::Figures(2));
+        }
     }
-    let number = |r: &(&str, f64, f64, f64)| Cell::Pair(r.2, "+-", r.3, Digits::Decimals(5));
-    for (a, b) in columns[0].iter().zip(&columns[1]) {
-        table.row(a.0, [decimals(a.1, 4), number(a), number(b)]);
-        sigmas.row(a.0, [a, b].map(|r| decimals((r.2 - r.1) / r.3, 2)));
-    }
-    let mut findings = Findings::of(summary);
-    findings.tables.extend([table, sigmas]);
-    Ok(findings)
-}
-
-/// Name, truth, value and sigma of the ten numbers.
-fn rows(b: &BodyEstimate, t: &MassProperties) -> Vec<(&'static str, f64, f64, f64)> {
-    let row = |name, n: &Number, x| {
-        (
-            name,
-            x,
-            n.value.unwrap_or(f64::NAN),
-            n.sigma.unwrap_or(f64::NAN),
-        )
-    };
-    let mut list = vec![row("mass, kg", &b.mass, t.mass)];
-    let names = ["com_x, m", "com_y, m", "com_z, m"];
-    list.extend((0..3).map(|k| row(names[k], &b.com[k], t.p_BoBcm_B[k])));
-    let names = [
-        "I_xx, kg m2",
-        "I_xy, kg m2",
-        "I_yy, kg m2",
-        "I_xz, kg m2",
-        "I_yz, kg m2",
-        "I_zz, kg m2",
-    ];
-    let tensor = b.inertia.iter().zip(TENSOR).zip(names);
-    list.extend(tensor.map(|((n, e), name)| row(name, n, t.I_BBcm_B[e])));
-    list
+    Ok(Findings::of([table]))
 }

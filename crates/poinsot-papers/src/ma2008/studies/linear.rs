@@ -1,12 +1,8 @@
-//! Both options, the linear method and the Cramer-Rao bound for the same draws. Noise is 1 % of the largest velocity
-//! components of trajectory 1 at 5 deg/s, ten samples at stops.
+//! The linear method on the draws of the two steps.
 
-use super::cramer_rao::cramer_rao;
-use super::experiment::{Experiment, Run, unsymmetric};
-use super::noise::{OPTIONS, SEEDS, Sigma, draw, errors, trials};
+use super::experiment::Run;
+use super::noise::{Errors, SEEDS, Sigma};
 use crate::ma2008::Raw;
-use crate::study::statistics::rms;
-use crate::study::{Context, Findings, StudyError, Table, figures};
 use poinsot_dynamics::Tree;
 use poinsot_identify::{
     Estimate, Noise, Observations, Problem, Samples, Segment, SensorRecord, SensorValue, TENSOR,
@@ -15,81 +11,21 @@ use poinsot_identify::{
 use poinsot_model::{MomentumKnowledge, SensorKind};
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
 
-/// Trials of the linear method for runs with 200 samples.
+/// Trials of runs with more than ten samples.
 const FEW: u64 = 30;
 /// Accuracy limit at which everything counts as identified, because only errors are compared.
 const ANY_ACCURACY: f64 = 1.0e6;
 /// Sigma of the attitude, rad; practically exact.
 const EXACT: f64 = 1.0e-7;
 
-/// The study.
-pub fn run(context: &Context) -> Result<Findings, StudyError> {
-    let sigma = Sigma::fixed(context)?;
-    let head = "motion, samples, spin | option 1 | option 2 | linear, known | linear, unknown | bound, known | bound, unknown";
-    let title =
-        |what: &str| format!("Rms error of {SEEDS} trials (linear at 200 samples {FEW}), {what}");
-    let mut tables = [
-        Table::new("mass", &title("mass, %"), head),
-        Table::new("mass_centre", &title("mass centre, mm"), head),
-        Table::new("tensor", &title("tensor, % of its norm"), head),
-    ];
-    for (motion, samples, spin) in [
-        ("stopped", 10, 5.0),
-        ("stopped", 200, 5.0),
-        ("moving", 10, 5.0),
-        ("moving", 200, 5.0),
-        ("stopped", 10, 0.0),
-        ("moving", 10, 0.0),
-        ("moving", 200, 0.0),
-    ] {
-        let mut e = Experiment::of(context, 1, [0.0, 0.0, spin])?
-            .with_base(unsymmetric())
-            .sampled(samples, motion == "stopped");
-        e.velocity = [0.02, -0.01, 0.005];
-        let run = e.run()?;
-        let of = |found: Vec<[f64; 3]>| -> [f64; 3] {
-            std::array::from_fn(|k| rms(found.iter().map(|x| x[k])))
-        };
-        let mut columns = Vec::new();
-        for known in OPTIONS {
-            columns.push(of(trials(&e, &run, sigma, known, SEEDS)));
-        }
-        for known in OPTIONS {
-            let seeds = 0..if samples == 10 { SEEDS } else { FEW };
-            let found = seeds.filter_map(|seed| {
-                let moved = draw(&run.raws, sigma, seed);
-                properties(&answer(&e, &run, &moved, sigma, known)?)
-            });
-            columns.push(of(found.map(|p| errors(Some(p), &e.truth())).collect()));
-        }
-        for known in OPTIONS {
-            columns.push(cramer_rao(&e, &run, sigma, known));
-        }
-        let spin = if spin > 0.0 {
-            format!("{spin} deg/s")
-        } else {
-            "no spin".to_owned()
-        };
-        for (k, table) in tables.iter_mut().enumerate() {
-            let scale = if k == 1 { 1000.0 } else { 100.0 };
-            // An undetermined number is not compared: its bound is infinite.
-            let bounded = |(column, c): (usize, &[f64; 3])| match columns[4 + column % 2][k] {
-                bound if bound.is_finite() => figures(scale * c[k], 2),
-                _ => figures(f64::NAN, 2),
-            };
-            let cells = columns.iter().enumerate().map(bounded);
-            table.row(format!("{motion}, {samples}, {spin}"), cells);
-        }
-    }
-    let mut findings = Findings::default();
-    // Ten samples at 5 deg/s, bound with known momentum.
-    let [stopped, moving] = [0, 2].map(|row| tables[2].rows[row][5].text());
-    findings.state(
-        "measurements once the arm has settled",
-        format!("bound of the tensor {stopped} % stopped, {moving} % moving"),
-    );
-    findings.tables.extend(tables);
-    Ok(findings)
+/// Errors of the linear method in many trials; trials without an answer are left out.
+pub fn linear_trials(run: &Run, sigma: Sigma, known: bool) -> Vec<Errors> {
+    let one = |seed| {
+        let found = answer(run, &run.noisy(sigma, seed), sigma, known)?;
+        Some(run.errors(Some(properties(&found)?)))
+    };
+    let seeds = if run.raws.len() > 10 { FEW } else { SEEDS };
+    (0..seeds).filter_map(one).collect()
 }
 
 /// A run for the linear method, with the exact position of the base, which the two steps do not use.
@@ -154,8 +90,8 @@ fn noise(sigma: Sigma) -> Noise {
 }
 
 /// The linear method for one draw.
-fn answer(e: &Experiment, run: &Run, raws: &[Raw], sigma: Sigma, known: bool) -> Option<Estimate> {
-    let mut model = e.model.clone();
+fn answer(run: &Run, raws: &[Raw], sigma: Sigma, known: bool) -> Option<Estimate> {
+    let mut model = run.model.clone();
     if known {
         model.momentum.linear = MomentumKnowledge::Known(run.known.p_C_N);
         model.momentum.angular = MomentumKnowledge::Known(run.known.h_C_N);
