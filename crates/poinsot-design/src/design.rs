@@ -448,7 +448,7 @@ impl<'c> Asked<'c> {
             limits,
             relaxed: Vec::new(),
             front: Vec::new(),
-            against_duration: Vec::new(),
+            against_duration: None,
             evaluations: 0,
             starts: found.starts.clone(),
             settled: found.reached.settled,
@@ -457,7 +457,8 @@ impl<'c> Asked<'c> {
         };
         let case = manoeuvre_of(&designed)?;
         let vehicle = self.vehicle();
-        designed.against_duration = against_duration(&case, &vehicle, &self.wants, 1.0)?;
+        let ends = against_duration(&case, &vehicle, &self.wants, 1.0)?;
+        designed.against_duration = Some(ends);
         let prediction = predict_case(&case, vehicle, 1.0)?;
         let reaches = self.wants.iter().enumerate().map(|(i, want)| Reach {
             want: want.clone(),

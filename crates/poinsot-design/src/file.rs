@@ -1,7 +1,6 @@
 //! A design as `design.json` (`poinsot.design/1`) and as a document.
 
 use crate::result::{Designed, Relaxed};
-use poinsot::predict::against_duration_file;
 use poinsot_formats::{
     DESIGN, DesignFile, DesignVerificationFile, DesignedNumberFile, LimitUseFile, RelaxedFile,
     SearchFile, VerifiedNumberFile, finite,
@@ -62,10 +61,7 @@ pub fn design_file(designed: &Designed) -> DesignFile {
         limits: limits.collect(),
         relaxed: points(&designed.relaxed),
         front: points(&designed.front),
-        against_duration: Some(against_duration_file(
-            &designed.against_duration,
-            designed.wants.iter().map(|r| &r.want),
-        )),
+        against_duration: designed.against_duration.clone(),
         search: SearchFile {
             evaluations: designed.evaluations,
             starts: designed.starts.clone(),

@@ -2,9 +2,9 @@
 
 use crate::mover::Command;
 use poinsot::case::Want;
-use poinsot::predict::Ended;
 use poinsot::trials::Band;
 use poinsot_dynamics::Firing;
+use poinsot_formats::AgainstDurationFile;
 use poinsot_model::Model;
 
 /// One wanted number and its predicted sigma.
@@ -122,7 +122,7 @@ pub struct Designed {
     /// The front of one kind of limit; empty if not requested.
     pub front: Vec<Relaxed>,
     /// Sigmas of the wanted numbers for shorter records.
-    pub against_duration: Vec<Ended>,
+    pub against_duration: Option<AgainstDurationFile>,
     /// Number of manoeuvres evaluated.
     pub evaluations: usize,
     /// Logarithm of the largest ratio for every start and hop.

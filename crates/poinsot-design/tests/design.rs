@@ -411,9 +411,9 @@ fn prop_a_front_falls_with_a_looser_limit_and_a_longer_record_tells_more() {
         found.front
     );
     assert!(found.front[6].ratio < 0.7 * found.front[0].ratio);
-    let last = found.against_duration.last().unwrap();
-    assert_eq!(last.end_s, found.duration_s);
-    let sigma = |k: usize, i: usize| found.against_duration[k].sigmas[i].unwrap();
+    let ends = found.against_duration.as_ref().unwrap();
+    assert_eq!(ends.end_s.last(), Some(&found.duration_s));
+    let sigma = |k: usize, i: usize| ends.numbers[i].sigma[k].unwrap();
     for (i, reach) in found.wants.iter().enumerate() {
         assert!((sigma(11, i) / reach.sigma.unwrap() - 1.0).abs() < 1e-9);
         assert!(sigma(5, i) > sigma(8, i) && sigma(8, i) > sigma(11, i));

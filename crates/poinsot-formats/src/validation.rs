@@ -43,6 +43,17 @@ pub struct ValidationFile {
     pub repairs: Vec<String>,
 }
 
+impl ValidationFile {
+    /// Whether both motions agree, with a reliable estimate.
+    pub fn passes(&self) -> bool {
+        let failed = matches!(self.verdict.as_str(), "differs" | "undetermined");
+        self.estimate
+            .as_ref()
+            .is_none_or(|e| e.covariance_trustworthy)
+            && !failed
+    }
+}
+
 /// An estimate.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct EstimateRefFile {
@@ -92,7 +103,7 @@ pub struct ComparedQuantityFile {
 }
 
 /// Differences in sigma of the declared noise.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct InSigmasFile {
     /// Root mean square.
     pub rms: f64,

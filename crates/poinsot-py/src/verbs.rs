@@ -11,7 +11,7 @@ use poinsot::predict::{
     Prediction, predict_all, prediction_file, prediction_paths, write_predictions,
 };
 use poinsot::simulate::{SimulateError, simulate_case};
-use poinsot::validate::{ValidateRequest, validation_file, write_validation};
+use poinsot::validate::{ValidateRequest, write_validation};
 use poinsot::{estimate_file, inspection_file};
 use poinsot_figures::{Document, TextStyle};
 use poinsot_formats::{EstimateFile, PredictionFile, read_estimate};
@@ -172,11 +172,11 @@ pub fn validate(
         if let Some(folder) = &out {
             write_validation(folder, &found)?;
         }
-        let file = validation_file(&found);
+        let file = &found.file;
         Ok((
-            json(&file)?,
-            text(&validation_document(&file)),
-            poinsot_cli::exit_of(found.passes()),
+            json(file)?,
+            text(&validation_document(file)),
+            poinsot_cli::exit_of(file.passes()),
         ))
     })
 }

@@ -10,8 +10,8 @@ mod wanted;
 mod written;
 
 pub use file::prediction_file;
-pub use lengths::{Ended, against_duration, against_duration_file};
-pub use peaks::{Peak, Peaks};
+pub use lengths::against_duration;
+pub use peaks::Peaks;
 pub use wanted::{Met, covariance_name, wanted_sigma};
 pub use written::{prediction_paths, write_predictions};
 
@@ -20,6 +20,7 @@ use crate::case::{Case, Scenario, Want, estimated_numbers, read_case};
 use crate::error::Error;
 use crate::simulate::{SimulateError, free_joints, is_read, simulate_exact_watched};
 use poinsot_dynamics::Tree;
+use poinsot_formats::{AgainstDurationFile, PeakFile};
 use poinsot_identify::{Estimate, Problem, predicted_covariance};
 use poinsot_model::{Model, read_model};
 use rayon::prelude::*;
@@ -40,11 +41,9 @@ pub struct Prediction {
     /// Assumptions.
     pub assumptions: Vec<String>,
     /// Largest values of the motion at its samples.
-    pub peaks: Vec<Peak>,
-    /// Numbers whose sigmas were computed for shorter records.
-    pub followed: Vec<Want>,
-    /// Sigmas for shorter records; empty if not requested.
-    pub against_duration: Vec<Ended>,
+    pub peaks: Vec<PeakFile>,
+    /// Sigmas for shorter records; `None` if not requested.
+    pub against_duration: Option<AgainstDurationFile>,
 }
 
 impl Prediction {
@@ -63,12 +62,12 @@ impl Prediction {
     pub fn follow_durations(&mut self, relative_accuracy: f64) -> Result<(), Error> {
         let case = read_case(Path::new(&self.case)).map_err(SimulateError::from)?;
         let wants = self.wants.iter().map(|m| m.want.clone());
-        self.followed = match self.wants.is_empty() {
+        let wants = match self.wants.is_empty() {
             true => estimated_numbers(&self.model),
             false => wants.collect(),
         };
-        self.against_duration =
-            against_duration(&case, &self.model, &self.followed, relative_accuracy)?;
+        let found = against_duration(&case, &self.model, &wants, relative_accuracy)?;
+        self.against_duration = Some(found);
         Ok(())
     }
 }
@@ -105,7 +104,7 @@ pub fn predict(case: &Path, relative_accuracy: f64) -> Result<Prediction, Error>
 /// let case = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("doc/case.toml");
 /// let all = predict_all(&[case], 1.0, true)?;
 /// // Sigmas of the records that end after each twelfth of the duration.
-/// assert_eq!((all.len(), all[0].against_duration.len()), (1, 12));
+/// assert_eq!(all[0].against_duration.as_ref().unwrap().end_s.len(), 12);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn predict_all(
@@ -173,8 +172,7 @@ pub fn predict_case(
     Ok(Prediction {
         wants: wants.into_iter().map(met).collect(),
         peaks: peaks.named(&model, &scenario),
-        followed: Vec::new(),
-        against_duration: Vec::new(),
+        against_duration: None,
         case: case.path().display().to_string(),
         duration_s: case.duration_s,
         bound: estimate,

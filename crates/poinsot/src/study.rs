@@ -10,6 +10,7 @@ use crate::identify::{Question, identify_tables, read_options};
 use crate::predict::predict_case;
 use crate::simulate::{SimulateError, simulate_trial};
 use crate::validate::{Mover, compare_motion};
+use crate::written::csv_text;
 use poinsot_dynamics::Tree;
 use poinsot_figures::FigureFormat;
 use poinsot_formats::{
@@ -17,11 +18,11 @@ use poinsot_formats::{
     StudyFindingsFile, finite,
 };
 use poinsot_identify::{Estimate, Noise, Segment};
-use poinsot_model::{Model, ModelError, read_model};
+use poinsot_model::{Model, read_model};
+use poinsot_papers::Method;
 pub use poinsot_papers::studies;
 use poinsot_papers::study::{CaseText, Difference, Tools};
 pub use poinsot_papers::study::{Cell, Context, Findings, Study, StudyError, Table as FoundTable};
-use poinsot_papers::{Method, MethodError};
 use poinsot_spatial::InertialParameters;
 use poinsot_telemetry::{Table, read};
 use std::path::{Path, PathBuf};
@@ -129,29 +130,22 @@ pub fn find(
     paper: Option<&str>,
     name: Option<&str>,
 ) -> Result<Vec<(&'static str, &'static Study)>, Error> {
-    let unknown = |value: &str, what: &str, known: Vec<&str>| {
-        Error::usage(
-            "study",
-            value,
-            format!("there is no such {what}; use one of {}", known.join(", ")),
-        )
-    };
-    let mut found: Vec<_> = studies().collect();
-    if let Some(paper) = paper {
-        let mut known: Vec<&str> = found.iter().map(|s| s.0).collect();
+    let unknown = |value: &str, what: &str, mut known: Vec<&str>| {
         known.dedup();
-        found.retain(|s| s.0 == paper);
-        if found.is_empty() {
-            return Err(unknown(paper, "paper", known));
-        }
+        let known = known.join(", ");
+        let why = format!("there is no such {what}; use one of {known}");
+        Error::usage("study", value, why)
+    };
+    let of_paper = |s: &&(&'static str, &'static Study)| paper.is_none_or(|p| s.0 == p);
+    let own: Vec<_> = studies().filter(|s| of_paper(&s)).collect();
+    if let (Some(paper), true) = (paper, own.is_empty()) {
+        return Err(unknown(paper, "paper", studies().map(|s| s.0).collect()));
     }
-    if let Some(name) = name.filter(|n| *n != ALL) {
-        let mut known: Vec<&str> = found.iter().map(|s| s.1.name).collect();
-        known.push(ALL);
-        found.retain(|s| s.1.name == name);
-        if found.is_empty() {
-            return Err(unknown(name, "study", known));
-        }
+    let named = |s: &&(_, &Study)| name.is_none_or(|n| [s.1.name, ALL].contains(&n));
+    let found: Vec<_> = own.iter().filter(named).copied().collect();
+    if let (Some(name), true) = (name, found.is_empty()) {
+        let known = own.iter().map(|s| s.1.name).chain([ALL]);
+        return Err(unknown(name, "study", known.collect()));
     }
     Ok(found)
 }
@@ -190,20 +184,14 @@ pub fn run(study: &Study, data: &Path) -> Result<Findings, Error> {
 
 /// An error of a tool is returned unchanged; any other is a bug of the study.
 fn told(error: StudyError) -> Error {
-    let error = match error.downcast::<Error>() {
-        Ok(error) => return *error,
-        Err(other) => other,
-    };
-    let error = match error.downcast::<ModelError>() {
-        Ok(error) => return Error::Model(*error),
-        Err(other) => other,
-    };
-    match error.downcast::<MethodError>() {
-        Ok(error) => Error::Method(*error),
-        Err(other) => Error::Internal {
+    error
+        .downcast::<Error>()
+        .map(|error| *error)
+        .or_else(|other| other.downcast().map(|error| Error::Model(*error)))
+        .or_else(|other| other.downcast().map(|error| Error::Method(*error)))
+        .unwrap_or_else(|other| Error::Internal {
             what: format!("a study: {other}"),
-        },
-    }
+        })
 }
 
 /// The findings as a file: numbers with all digits, null if missing.
@@ -280,33 +268,14 @@ fn filed(
 /// assert_eq!(poinsot::study::csv(&table), ",kg m2\nxx,13.916\n");
 /// ```
 pub fn csv(table: &FoundTable) -> String {
-    let quoted = |text: &str| match text.contains([',', '"', '\n']) {
-        true => format!("\"{}\"", text.replace('"', "\"\"")),
-        false => text.to_owned(),
-    };
-    let number = |x: f64| {
-        if x.is_finite() {
-            format!("{x}")
-        } else {
-            String::new()
-        }
-    };
+    let number = |x: f64| finite(x).map_or(String::new(), |x| x.to_string());
     let cell = |cell: &Cell| match cell {
-        Cell::Word(text) => quoted(text),
+        Cell::Word(text) => text.clone(),
         Cell::Number(x, _) => number(*x),
         Cell::Pair(a, between, b, _) => format!("{} {between} {}", number(*a), number(*b)),
     };
-    let mut out = table
-        .head
-        .iter()
-        .map(|h| quoted(h))
-        .collect::<Vec<_>>()
-        .join(",")
-        + "\n";
-    for row in &table.rows {
-        out += &(row.iter().map(cell).collect::<Vec<_>>().join(",") + "\n");
-    }
-    out
+    let rows = table.rows.iter().map(|row| row.iter().map(cell).collect());
+    csv_text(std::iter::once(table.head.clone()).chain(rows))
 }
 
 /// Files of the findings: tables as CSV, figures in the given formats.

@@ -13,7 +13,7 @@ pub use statistics::{statistics, statistics_of};
 pub(crate) use sums::position;
 pub use sums::{NumberSums, SUMS_SCHEMA, Sums};
 
-use crate::bind::bind;
+use crate::bind::{RELATIVE_ACCURACY, bind};
 use crate::case::Case;
 use crate::channel_names::names;
 use crate::error::Error;
@@ -24,7 +24,7 @@ use nalgebra::{DMatrix, DVector};
 use poinsot_dynamics::{Instrument, Tree};
 use poinsot_formats::address;
 use poinsot_identify::{
-    BodyEstimate, Estimate, Problem, ProblemError, Source, Status, TENSOR, axis_name, cramer_rao,
+    BodyEstimate, Estimate, Problem, Source, Status, TENSOR, axis_name, cramer_rao,
     predicted_covariance, tensor_name,
 };
 use poinsot_model::{Axes, Model, Sensor};
@@ -112,16 +112,9 @@ impl Study {
     pub fn of_case(case: &Case, truth: &Model, model: Model) -> Result<Self, Error> {
         let Exact { table, biases } = simulate_exact(case, truth)?;
         Ok(Self {
-            exact: vec![table],
-            truth: truth.bodies.iter().map(|b| b.nominal).collect(),
-            sensors: model.sensors.clone(),
-            model,
             biases,
-            question: Question::default(),
-            diagnose: true,
             seed: case.seed,
-            draw_phase: true,
-            step_spread: 0.0,
+            ..Self::new(vec![table], truth, model)
         })
     }
 
@@ -130,6 +123,10 @@ impl Study {
         for table in &mut exact {
             keep_measured(&model, table);
         }
+        Self::new(exact, truth, model)
+    }
+
+    fn new(exact: Vec<Table>, truth: &Model, model: Model) -> Self {
         Self {
             exact,
             truth: truth.bodies.iter().map(|b| b.nominal).collect(),
@@ -193,14 +190,9 @@ impl Study {
         question: &Question,
         diagnose: bool,
     ) -> Result<Answer, Error> {
-        let model = &self.model;
-        let tree = Tree::new(model);
-        let bound = bind(model, &tree, tables)?;
-        let problem = Problem {
-            relative_accuracy: question.relative_accuracy,
-            ..bound.problem(model, &tree)
-        };
-        Ok(judged(&estimate_by(&problem, question, diagnose)?, truth))
+        let by = |problem: &Problem| estimate_by(problem, question, diagnose);
+        let estimate = solve(&self.model, tables, question.relative_accuracy, by)?;
+        Ok(judged(&estimate, truth))
     }
 
     /// The kernel of a published method for this experiment, which draws and solves trials itself.
@@ -208,15 +200,13 @@ impl Study {
     /// # Errors
     /// The method has no kernel for it.
     pub fn kernel(&self, question: &Question) -> Result<Box<dyn Kernel>, Error> {
-        let tree = Tree::new(&self.model);
-        let bound = bind(&self.model, &tree, &self.exact)?;
-        let problem = Problem {
-            relative_accuracy: question.relative_accuracy,
-            ..bound.problem(&self.model, &tree)
-        };
         let own = method(&question.method);
-        let own = own.map(|m| m.kernel(&problem, question.variant.as_deref()));
-        own.transpose()?.flatten().ok_or_else(|| {
+        let by = |problem: &Problem| {
+            let own = own.map(|m| m.kernel(problem, question.variant.as_deref()));
+            Ok(own.transpose()?)
+        };
+        let kernel = solve(&self.model, &self.exact, question.relative_accuracy, by)?;
+        kernel.flatten().ok_or_else(|| {
             Error::usage(
                 "kernel",
                 &question.method,
@@ -242,7 +232,8 @@ impl Study {
     /// # Errors
     /// Invalid model or telemetry.
     pub fn bound(&self) -> Result<Estimate, Error> {
-        self.of_exact(cramer_rao)
+        let by = |problem: &Problem| Ok(cramer_rao(problem)?);
+        solve(&self.true_model(), &self.exact, RELATIVE_ACCURACY, by)
     }
 
     /// What `predict` says of the experiment at the true values.
@@ -250,17 +241,8 @@ impl Study {
     /// # Errors
     /// Invalid model or telemetry.
     pub fn predicted(&self) -> Result<Estimate, Error> {
-        self.of_exact(predicted_covariance)
-    }
-
-    fn of_exact(
-        &self,
-        method: impl Fn(&Problem) -> Result<Estimate, ProblemError>,
-    ) -> Result<Estimate, Error> {
-        let model = self.true_model();
-        let tree = Tree::new(&model);
-        let bound = bind(&model, &tree, &self.exact)?;
-        Ok(method(&bound.problem(&model, &tree))?)
+        let by = |problem: &Problem| Ok(predicted_covariance(problem)?);
+        solve(&self.true_model(), &self.exact, RELATIVE_ACCURACY, by)
     }
 
     /// The model with the true numbers as nominal ones.
@@ -283,11 +265,8 @@ impl Study {
                 Axes::Sensor => sensor.R_BS,
                 Axes::Inertial => nalgebra::Matrix3::identity(),
                 Axes::None => {
-                    let own = scalar_errors(&self.model, sensor, bias, &[]);
-                    all.extend(
-                        own.into_iter()
-                            .map(|(name, unit, x)| (address(&name, unit), x)),
-                    );
+                    let own = scalar_errors(&self.model, sensor, bias, &[]).into_iter();
+                    all.extend(own.map(|(name, unit, x)| (address(&name, unit), x)));
                     continue;
                 }
             };
@@ -302,6 +281,21 @@ impl Study {
         }
         all
     }
+}
+
+/// Binds measurements to a model and solves their problem.
+fn solve<T>(
+    model: &Model,
+    tables: &[Table],
+    relative_accuracy: f64,
+    by: impl FnOnce(&Problem) -> Result<T, Error>,
+) -> Result<T, Error> {
+    let tree = Tree::new(model);
+    let bound = bind(model, &tree, tables)?;
+    by(&Problem {
+        relative_accuracy,
+        ..bound.problem(model, &tree)
+    })
 }
 
 /// Compares the estimate of a kernel with true numbers by address; `names` as of [`mass_names`].

@@ -12,12 +12,12 @@ mod mover;
 mod open;
 mod telemetry;
 
-pub use compared::{Compared, Sigmas};
+pub use compared::Compared;
 pub use estimate::{EstimatedVehicle, of_estimate, read_estimate};
-pub use file::{validation_csv, validation_file, write_validation};
+pub use file::{validation_csv, write_validation};
 pub use motion::{JointPath, Path as MotionPath, compare_motion, compare_paths, path};
 pub use mover::Mover;
-pub use open::{OpenEffect, held_back_effect, motion_effect};
+pub use open::{held_back_effect, motion_effect};
 pub use telemetry::{HeldBackFindings, compare_held_back, compare_with_telemetry};
 
 use crate::case::{Case, read_case};
@@ -25,6 +25,9 @@ use crate::error::Error;
 pub use crate::error::ValidateError;
 use crate::identify::{read_options, segment_files};
 use crate::simulate::SimulateError;
+use poinsot_formats::{
+    CompletedFile, EstimateRefFile, VALIDATION, ValidationFile, ValidationLimitsFile,
+};
 use poinsot_identify::Completion;
 use poinsot_model::{Model, read_model, read_telemetry_map};
 use poinsot_telemetry::read;
@@ -56,92 +59,13 @@ pub struct ValidateRequest {
     pub recover: bool,
 }
 
-/// Kind of comparison.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Against {
-    /// Another model in a case.
-    Model,
-    /// Telemetry of a case.
-    TelemetryOfCase,
-    /// Telemetry alone.
-    HeldBack,
-}
-
-/// Verdict.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Verdict {
-    /// Compared without limits or declared noise.
-    Compared,
-    /// Within the given limits, or within the declared noise.
-    Agrees,
-    /// Beyond the limits or the noise.
-    Differs,
-    /// The motion depends on undetermined numbers.
-    Undetermined,
-}
-
-impl Verdict {
-    /// Name in the result file.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Compared => "compared",
-            Self::Agrees => "agrees",
-            Self::Differs => "differs",
-            Self::Undetermined => "undetermined",
-        }
-    }
-}
-
-/// Completion of an estimate with undetermined numbers.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Completed {
-    /// Number of determined numbers.
-    pub determined: usize,
-    /// Number of unobservable directions.
-    pub open: usize,
-    /// Distance of the completed numbers from the nominal ones, natural units.
-    pub distance: f64,
-    /// Sensitivity of the prediction to the unobservable directions.
-    pub effect: OpenEffect,
-}
-
 /// Result of a validation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Validation {
-    /// Kind of comparison.
-    pub kind: Against,
-    /// Verdict.
-    pub verdict: Verdict,
-    /// Path of the model.
-    pub model: String,
-    /// Path and status of the estimate.
-    pub estimate: Option<(String, String)>,
-    /// Whether the estimate is reliable; true for a model.
-    pub relied_on: bool,
-    /// Path of the other side.
-    pub against: String,
-    /// Path of the case.
-    pub case: Option<String>,
-    /// One entry per quantity.
-    pub compared: Vec<Compared>,
-    /// Chi-square per degree of freedom of held-back telemetry.
-    pub chi2_per_dof: Option<f64>,
-    /// How undetermined numbers were completed.
-    pub completed: Option<Completed>,
-    /// Given limits, m and rad.
-    pub limits: (Option<f64>, Option<f64>),
-    /// Warnings.
-    pub warnings: Vec<String>,
-    /// Assumptions and repairs of reading.
-    pub repairs: Vec<String>,
-}
-
-impl Validation {
-    /// Whether both motions agree, with a reliable estimate.
-    pub fn passes(&self) -> bool {
-        let failed = matches!(self.verdict, Verdict::Differs | Verdict::Undetermined);
-        self.relied_on && !failed
-    }
+    /// The result file.
+    pub file: ValidationFile,
+    /// The histories of both sides, one entry per quantity.
+    pub histories: Vec<Compared>,
 }
 
 /// Compares the motion of a model or an estimate with another model or with telemetry.
@@ -150,7 +74,7 @@ impl Validation {
 /// Invalid files or names, or a motion that cannot be computed.
 ///
 /// ```
-/// use poinsot::validate::{ValidateRequest, Verdict, validate};
+/// use poinsot::validate::{ValidateRequest, validate};
 ///
 /// let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("doc");
 /// // The same model twice: the motions are equal.
@@ -161,7 +85,7 @@ impl Validation {
 ///     ..ValidateRequest::default()
 /// };
 /// let found = validate(&request)?;
-/// assert_eq!(found.verdict, Verdict::Agrees);
+/// assert!(found.file.verdict == "agrees" && found.file.passes());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn validate(request: &ValidateRequest) -> Result<Validation, Error> {
@@ -204,13 +128,18 @@ pub fn validate(request: &ValidateRequest) -> Result<Validation, Error> {
             return Err(Error::usage("CASE", "", why));
         }
     };
-    validation.model = path.display().to_string();
+    let file = &mut validation.file;
+    file.model = path.display().to_string();
+    file.case = case.map(|case| case.path().display().to_string());
     if let (Some(path), Some(estimated)) = (&request.estimate, &estimated) {
-        validation.estimate = Some((path.display().to_string(), estimated.status.clone()));
-        validation.relied_on = estimated.trustworthy;
+        file.estimate = Some(EstimateRefFile {
+            path: path.display().to_string(),
+            status: estimated.status.clone(),
+            covariance_trustworthy: estimated.trustworthy,
+        });
         if !estimated.trustworthy {
             let warning = "the covariance of the estimate is not trustworthy; see its warnings";
-            validation.warnings.push(warning.to_owned());
+            file.warnings.push(warning.to_owned());
         }
     }
     Ok(validation)
@@ -233,33 +162,28 @@ impl Asked<'_> {
             .completion
             .map(|c| motion_effect(case, self.model, c, &own));
         let verdict = within(&compared, self.request);
-        let mut validation = self.answer(Against::Model, compared, verdict, effect.transpose()?);
-        validation.case = Some(case.path().display().to_string());
-        Ok(validation)
+        Ok(self.answer("model", compared, verdict, effect.transpose()?))
     }
 
     fn against_telemetry(&self, case: &Case) -> Result<Validation, Error> {
         let table = self.table()?;
         let compared = compare_with_telemetry(case, self.mover, &table)?;
         let effect = match self.completion {
-            Some(c) => Some(motion_effect(
-                case,
-                self.model,
-                c,
-                &path(case, self.mover)?,
-            )?),
+            Some(c) => {
+                let own = path(case, self.mover)?;
+                Some(motion_effect(case, self.model, c, &own)?)
+            }
             None => None,
         };
         let judged = compared.iter().filter_map(|c| c.sigmas);
         let worst = judged.map(|s| s.rms * s.rms).reduce(f64::max);
         let verdict = match worst {
-            Some(worst) if worst <= MISFIT => Verdict::Agrees,
-            Some(_) => Verdict::Differs,
+            Some(worst) if worst <= MISFIT => "agrees",
+            Some(_) => "differs",
             None => within(&compared, self.request),
         };
-        let mut validation = self.answer(Against::TelemetryOfCase, compared, verdict, effect);
-        validation.case = Some(case.path().display().to_string());
-        validation.repairs = table.repairs;
+        let mut validation = self.answer("telemetry_of_case", compared, verdict, effect);
+        validation.file.repairs = table.repairs;
         Ok(validation)
     }
 
@@ -270,14 +194,14 @@ impl Asked<'_> {
             .completion
             .map(|c| held_back_effect(self.model, c, &table, found.chi2_per_dof));
         let verdict = match found.beyond_noise {
-            false => Verdict::Agrees,
-            true => Verdict::Differs,
+            false => "agrees",
+            true => "differs",
         };
-        let kind = Against::HeldBack;
+        let kind = "held_back_telemetry";
         let mut validation = self.answer(kind, found.compared, verdict, effect.transpose()?);
-        validation.chi2_per_dof = Some(found.chi2_per_dof);
-        validation.warnings = found.warnings;
-        validation.repairs = found.repairs;
+        validation.file.chi2_per_dof = Some(found.chi2_per_dof);
+        validation.file.warnings = found.warnings;
+        validation.file.repairs = found.repairs;
         Ok(validation)
     }
 
@@ -289,39 +213,38 @@ impl Asked<'_> {
 
     fn answer(
         &self,
-        kind: Against,
-        compared: Vec<Compared>,
-        verdict: Verdict,
-        effect: Option<OpenEffect>,
+        kind: &str,
+        histories: Vec<Compared>,
+        verdict: &str,
+        completed: Option<CompletedFile>,
     ) -> Validation {
-        let completed = self.completion.zip(effect).map(|(c, effect)| Completed {
-            determined: c.x.len().saturating_sub(c.open.len()),
-            open: c.open.len(),
-            distance: c.distance,
-            effect,
-        });
-        let open = completed.as_ref().is_some_and(|c| c.effect.matters());
-        Validation {
-            kind,
-            verdict: if open { Verdict::Undetermined } else { verdict },
+        let open = completed.as_ref().is_some_and(|c| !c.depends_on.is_empty());
+        let file = ValidationFile {
+            schema: VALIDATION.to_owned(),
+            poinsot: env!("CARGO_PKG_VERSION").to_owned(),
+            kind: kind.to_owned(),
+            verdict: if open { "undetermined" } else { verdict }.to_owned(),
             model: String::new(),
             estimate: None,
-            relied_on: true,
             against: self.request.against.clone(),
             case: None,
-            compared,
+            limits: ValidationLimitsFile {
+                within_m: self.request.within_m,
+                within_rad: self.request.within_rad,
+            },
             chi2_per_dof: None,
+            compared: histories.iter().map(Compared::file).collect(),
             completed,
-            limits: (self.request.within_m, self.request.within_rad),
             warnings: Vec::new(),
             repairs: Vec::new(),
-        }
+        };
+        Validation { file, histories }
     }
 }
 
 /// Whether every position and angle stays within the given limits.
-fn within(compared: &[Compared], request: &ValidateRequest) -> Verdict {
-    let mut verdict = Verdict::Compared;
+fn within(compared: &[Compared], request: &ValidateRequest) -> &'static str {
+    let mut verdict = "compared";
     for one in compared {
         let limit = match one.unit {
             "m" => request.within_m,
@@ -331,9 +254,9 @@ fn within(compared: &[Compared], request: &ValidateRequest) -> Verdict {
         let Some(limit) = limit else { continue };
         // NaN exceeds every limit.
         if one.largest > limit || one.largest.is_nan() {
-            return Verdict::Differs;
+            return "differs";
         }
-        verdict = Verdict::Agrees;
+        verdict = "agrees";
     }
     verdict
 }

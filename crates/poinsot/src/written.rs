@@ -17,6 +17,19 @@ pub(crate) fn json(folder: &Path, text: serde_json::Result<String>) -> Result<St
     Ok(json_escaped(&text).into_owned() + "\n")
 }
 
+/// Rows as CSV (RFC 4180, lines end with LF).
+pub(crate) fn csv_text(rows: impl IntoIterator<Item = Vec<String>>) -> String {
+    let mut writer = csv::WriterBuilder::new()
+        .flexible(true)
+        .from_writer(Vec::new());
+    // Memory does not refuse.
+    let written = rows
+        .into_iter()
+        .try_for_each(|row| writer.write_record(row));
+    let bytes = written.ok().and_then(|()| writer.into_inner().ok());
+    String::from_utf8(bytes.unwrap_or_default()).unwrap_or_default()
+}
+
 /// Writes one file; the earlier one is kept until the new one is complete and on disk.
 ///
 /// # Errors

@@ -2,7 +2,7 @@
 
 use super::{Outcome, exit_of, note, print_document, print_json};
 use crate::arguments::Validate;
-use poinsot::validate::{ValidateRequest, validate, validation_file, write_validation};
+use poinsot::validate::{ValidateRequest, validate, write_validation};
 use poinsot::{check_outputs, segment_files};
 use poinsot_report::validation_document;
 use std::path::Path;
@@ -39,14 +39,14 @@ pub fn run(arguments: &Validate) -> Outcome {
         Some(folder) => write_validation(folder, &validation)?,
         None => Vec::new(),
     };
-    let file = validation_file(&validation);
+    let file = &validation.file;
     if arguments.print.json {
-        print_json(&file);
+        print_json(file);
     } else if !arguments.print.quiet {
-        print_document(&validation_document(&file));
+        print_document(&validation_document(file));
     }
     for path in written.iter().filter(|_| !arguments.print.quiet) {
         note(&format!("written: {}", path.display()));
     }
-    Ok(exit_of(validation.passes()))
+    Ok(exit_of(file.passes()))
 }

@@ -9,8 +9,7 @@
 
 use crate::case::did_you_mean;
 use poinsot_formats::{Address, element as number_of};
-use std::borrow::Cow;
-use toml::{Table, Value};
+use toml::Value;
 
 /// Lists of the model whose element names may start an address.
 const NAMED: [&str; 5] = ["body", "joint", "wheel", "thruster", "sensor"];
@@ -32,15 +31,18 @@ pub(crate) struct FileSelector {
 #[derive(Debug, Clone)]
 pub(crate) struct Documents {
     /// The case, if the experiment is simulated.
-    pub case: Option<Table>,
+    pub case: Option<Value>,
     /// The model with the true numbers; `None` if the model is not TOML.
-    pub truth: Option<Table>,
+    pub truth: Option<Value>,
     /// The nominal model of the identification.
-    pub nominal: Option<Table>,
+    pub nominal: Option<Value>,
 }
 
 /// New value of a number, from its index in the address and its value in the file.
 pub(crate) type Edit<'a> = &'a dyn Fn(usize, f64) -> f64;
+
+/// Why an address names no number, and what to do.
+pub(crate) type Refusal = (String, String);
 
 /// Changes the numbers at an address.
 ///
@@ -51,7 +53,7 @@ pub(crate) fn edit(
     address: &str,
     of: FileSelector,
     change: Edit<'_>,
-) -> Result<(), (String, String)> {
+) -> Result<(), Refusal> {
     let address = Address::parse(address);
     if let Some(case) = documents.case.as_mut()
         && let Some(way) = way_in_case(case, address)
@@ -60,74 +62,73 @@ pub(crate) fn edit(
             let what = "a case has no nominal numbers: identification uses telemetry, not the case";
             return Err((what.to_owned(), "write of = \"both\"".to_owned()));
         }
-        return change_leaves(walk_table(case, &way)?, change);
+        return change_leaves(walk(case, &way)?, change);
     }
     let sides = [
         (of.truth, &mut documents.truth),
         (of.nominal, &mut documents.nominal),
     ];
-    for (wanted, model) in sides {
-        if !wanted {
-            continue;
-        }
-        let Some(model) = model else {
+    for (_, model) in sides.into_iter().filter(|(wanted, _)| *wanted) {
+        let model = model.as_mut().ok_or_else(|| {
             let what = "the model is not TOML, and an address is a key of TOML";
-            return Err((
-                what.to_owned(),
-                "make a model file of it: poinsot import ROBOT.urdf -o MODEL.toml".to_owned(),
-            ));
-        };
-        edit_model(model, address, documents.case.as_ref(), change)?;
+            let remedy = "make a model file of it: poinsot import ROBOT.urdf -o MODEL.toml";
+            (what.to_owned(), remedy.to_owned())
+        })?;
+        if address.quantity() == NOISE && address.component().is_none() {
+            let sensor = address.owner();
+            scale_noise(
+                model,
+                sensor.strip_prefix("sensor.").unwrap_or(sensor),
+                change,
+            )?;
+        } else {
+            let way = way_in_model(model, address, documents.case.as_ref())?;
+            change_leaves(walk(model, &way)?, change)?;
+        }
     }
     Ok(())
 }
 
-/// Key path of an address in the case: its own, or that of a sensor output, `gyro.bias_rad_s.x`.
-fn way_in_case<'a>(case: &Table, address: Address<'a>) -> Option<KeyPath<'a>> {
-    if case.contains_key(address.first()) && !matches!(address.first(), "schema" | "model") {
+/// Steps from the top of a file: those to an element, then the rest of the address.
+fn way(to: &[&str], rest: Address<'_>) -> Vec<String> {
+    let to = to.iter().copied();
+    to.chain(rest.steps()).map(str::to_owned).collect()
+}
+
+/// Steps of an address in the case: its own, or that of a sensor output, `gyro.bias_rad_s.x`.
+fn way_in_case(case: &Value, address: Address<'_>) -> Option<Vec<String>> {
+    let first = address.first();
+    if case.get(first).is_some() && !matches!(first, "schema" | "model") {
         return Some(way(&[], address));
     }
-    let sensors = case.get("output").and_then(|o| o.get("sensor"));
+    let sensors = case.get("output")?.get("sensor")?;
     let (at, rest) = owned(sensors, address)?;
-    sensors?.as_array()?.get(at)?.get(rest.first())?;
+    sensors.get(at)?.get(rest.first())?;
     Some(way(&["output", "sensor", &at.to_string()], rest))
 }
 
-/// Key path from the top of a file.
-type KeyPath<'a> = Vec<Cow<'a, str>>;
-
-fn way<'a>(to: &[&str], rest: Address<'a>) -> KeyPath<'a> {
-    let to = to.iter().map(|step| Cow::Owned((*step).to_owned()));
-    to.chain(rest.steps().map(Cow::Borrowed)).collect()
-}
-
 /// The list element named at the start of an address, and the rest of the address. Names may contain dots.
-fn owned<'a>(list: Option<&Value>, address: Address<'a>) -> Option<(usize, Address<'a>)> {
+fn owned<'a>(list: &Value, address: Address<'a>) -> Option<(usize, Address<'a>)> {
+    let items = list.as_array()?;
     let mut owners = address.owners();
-    owners.find_map(|(name, rest)| Some((element(list, name)?, rest)))
+    owners.find_map(|(name, rest)| Some((element(items, name)?, rest)))
 }
 
-fn edit_model(
-    model: &mut Table,
+/// Steps of an address in a model.
+fn way_in_model(
+    model: &Value,
     address: Address<'_>,
-    case: Option<&Table>,
-    change: Edit<'_>,
-) -> Result<(), (String, String)> {
-    if address.quantity() == NOISE && address.component().is_none() {
-        let sensor = address.owner();
-        let sensor = sensor.strip_prefix("sensor.").unwrap_or(sensor);
-        return scale_noise(model, (!sensor.is_empty()).then_some(sensor), change);
+    case: Option<&Value>,
+) -> Result<Vec<String>, Refusal> {
+    let first = address.first();
+    if model.get(first).is_some() {
+        return Ok(way(&[], address));
     }
-    if model.contains_key(address.first()) {
-        return change_leaves(walk_table(model, &way(&[], address))?, change);
-    }
-    let mut owners: Vec<(&str, usize, Address<'_>)> = NAMED
-        .into_iter()
-        .filter_map(|list| {
-            let (at, rest) = owned(model.get(list), address)?;
-            Some((list, at, rest))
-        })
-        .collect();
+    let of_list = |list: &'static str| {
+        let (at, rest) = owned(model.get(list)?, address)?;
+        Some((list, at, rest))
+    };
+    let mut owners: Vec<_> = NAMED.into_iter().filter_map(of_list).collect();
     // A body and its joint may share a name: the key decides.
     let has = |(list, at, rest): &(&str, usize, Address<'_>)| {
         let item = model.get(*list).and_then(|l| l.get(*at));
@@ -137,100 +138,57 @@ fn edit_model(
         owners.retain(has);
     }
     match owners.as_slice() {
-        [(list, at, rest)] => {
-            let way = way(&[list, &at.to_string()], *rest);
-            change_leaves(walk_table(model, &way)?, change)
-        }
+        [(list, at, rest)] => Ok(way(&[list, &at.to_string()], *rest)),
         [] => {
-            let known = known_at_top(model, case);
-            Err((
-                format!(
-                    "no key, body, joint, wheel, thruster or sensor \"{}\"",
-                    address.first()
-                ),
-                did_you_mean(address.first(), known.iter().map(String::as_str)),
-            ))
+            let mut known = known_below(model);
+            known.extend(case.map(known_below).unwrap_or_default());
+            let lists = NAMED.iter().filter_map(|list| model.get(list));
+            known.extend(lists.flat_map(known_below));
+            known.push(NOISE.to_owned());
+            let what = format!("no key, body, joint, wheel, thruster or sensor \"{first}\"");
+            Err((what, did_you_mean(first, known.iter().map(String::as_str))))
         }
-        several => {
-            let lists: Vec<&str> = several.iter().map(|o| o.0).collect();
-            Err((
-                format!(
-                    "\"{}\" is the name of a {}",
-                    address.first(),
-                    lists.join(" and a ")
-                ),
-                format!(
-                    "begin the address with one of them: {}.{}",
-                    lists[0],
-                    address.text()
-                ),
-            ))
+        [(list, ..), ..] => {
+            let lists: Vec<&str> = owners.iter().map(|o| o.0).collect();
+            let what = format!("\"{first}\" is the name of a {}", lists.join(" and a "));
+            let text = address.text();
+            let remedy = format!("begin the address with one of them: {list}.{text}");
+            Err((what, remedy))
         }
     }
 }
 
-fn known_at_top(model: &Table, case: Option<&Table>) -> Vec<String> {
-    let keys = model.keys().chain(case.into_iter().flat_map(|c| c.keys()));
-    let mut known: Vec<String> = keys.cloned().collect();
-    for list in NAMED {
-        let elements = model
-            .get(list)
-            .and_then(Value::as_array)
-            .into_iter()
-            .flatten();
-        known.extend(elements.filter_map(|e| Some(e.get("name")?.as_str()?.to_owned())));
-    }
-    known.push(NOISE.to_owned());
-    known
-}
-
-/// Index of a list element by name or number; several firings of one thruster are ambiguous.
-fn element(list: Option<&Value>, step: &str) -> Option<usize> {
-    let items = list?.as_array()?;
-    if let Ok(at) = step.parse::<usize>() {
-        return (at < items.len()).then_some(at);
-    }
-    let is = |item: &Value| {
-        NAMES
-            .iter()
-            .any(|k| item.get(k).and_then(Value::as_str) == Some(step))
+/// Index of a list element: of a number by x, y, z, w or its index, of a table by name or index. Several firings of one
+/// thruster are ambiguous.
+fn element(items: &[Value], step: &str) -> Option<usize> {
+    let named = items.iter().any(Value::is_table);
+    let index = if named {
+        step.parse().ok()
+    } else {
+        number_of(step)
     };
+    if index.is_some() || !named {
+        return index.filter(|at| *at < items.len());
+    }
+    let text = |item: &Value, key: &&str| item.get(*key).and_then(Value::as_str) == Some(step);
+    let is = |item: &&Value| NAMES.iter().any(|key| text(item, key));
     let mut found = items.iter().enumerate().filter(|(_, item)| is(item));
     let first = found.next()?.0;
     found.next().is_none().then_some(first)
 }
 
-fn walk_table<'t>(
-    table: &'t mut Table,
-    way: &[Cow<'_, str>],
-) -> Result<&'t mut Value, (String, String)> {
-    let (first, rest) = match way.split_first() {
-        Some((first, rest)) => (first.as_ref(), rest),
-        None => ("", way),
-    };
-    let keys: Vec<String> = table.keys().cloned().collect();
-    let Some(mut value) = table.get_mut(first) else {
-        return Err(absent(first, &keys));
-    };
-    for step in rest {
-        value = next(value, step)?;
+/// The value at these steps.
+fn walk<'v>(mut value: &'v mut Value, way: &[String]) -> Result<&'v mut Value, Refusal> {
+    for step in way {
+        let known = known_below(value);
+        let found = match value {
+            Value::Array(items) => element(items, step).and_then(|at| items.get_mut(at)),
+            Value::Table(table) => table.get_mut(step),
+            _ => None,
+        };
+        value = found.ok_or_else(|| absent(step, &known))?;
     }
     Ok(value)
-}
-
-fn next<'v>(value: &'v mut Value, step: &str) -> Result<&'v mut Value, (String, String)> {
-    let known = known_below(value);
-    let at = match value {
-        Value::Array(items) if items.iter().any(Value::is_table) => element(Some(value), step),
-        Value::Array(items) => number_of(step).filter(|at| *at < items.len()),
-        _ => None,
-    };
-    let found = match (value, at) {
-        (Value::Array(items), Some(at)) => items.get_mut(at),
-        (Value::Table(table), _) => table.get_mut(step),
-        _ => None,
-    };
-    found.ok_or_else(|| absent(step, &known))
 }
 
 fn known_below(value: &Value) -> Vec<String> {
@@ -247,7 +205,7 @@ fn known_below(value: &Value) -> Vec<String> {
     }
 }
 
-fn absent(step: &str, known: &[String]) -> (String, String) {
+fn absent(step: &str, known: &[String]) -> Refusal {
     let what = format!("there is no \"{step}\" here, or several elements bear this name");
     let remedy = match known {
         [] => "end the address before it".to_owned(),
@@ -259,52 +217,37 @@ fn absent(step: &str, known: &[String]) -> (String, String) {
     (what, remedy)
 }
 
-fn scale_noise(
-    model: &mut Table,
-    wanted: Option<&str>,
-    change: Edit<'_>,
-) -> Result<(), (String, String)> {
+/// Scales the declared noise of a sensor, or of all if `wanted` is empty.
+fn scale_noise(model: &mut Value, wanted: &str, change: Edit<'_>) -> Result<(), Refusal> {
     let factor = change(0, 1.0);
     let sensors = model.get_mut("sensor").and_then(Value::as_array_mut);
-    let mut names = Vec::new();
-    let mut scaled = 0;
-    for sensor in sensors
-        .into_iter()
-        .flatten()
-        .filter_map(Value::as_table_mut)
-    {
-        let name = sensor
-            .get("name")
-            .and_then(Value::as_str)
-            .unwrap_or("")
-            .to_owned();
-        let own = wanted.is_none_or(|w| w == name);
+    let (mut names, mut scaled) = (Vec::new(), false);
+    for sensor in sensors.into_iter().flatten() {
+        let name = sensor.get("name").and_then(Value::as_str);
+        let name = name.unwrap_or_default().to_owned();
+        let own = wanted.is_empty() || wanted == name;
+        let keys = sensor.as_table_mut().filter(|_| own).into_iter().flatten();
+        for (_, value) in keys.filter(|(key, _)| NOISY.iter().any(|n| key.starts_with(n))) {
+            change_leaves(value, &|_, x| factor * x)?;
+            scaled = true;
+        }
         names.push(name);
-        if !own {
-            continue;
-        }
-        for (key, value) in sensor.iter_mut() {
-            if NOISY.iter().any(|n| key.starts_with(n)) {
-                change_leaves(value, &|_, x| factor * x)?;
-                scaled += 1;
-            }
-        }
     }
     match (scaled, wanted) {
-        (0, Some(name)) => Err((
-            format!("no sensor \"{name}\" that declares noise"),
-            did_you_mean(name, names.iter().map(String::as_str)),
-        )),
-        (0, None) => Err((
+        (true, _) => Ok(()),
+        (false, "") => Err((
             "no sensor declares noise".to_owned(),
             "add [[sensor]] with its noise to the model".to_owned(),
         )),
-        _ => Ok(()),
+        (false, name) => Err((
+            format!("no sensor \"{name}\" that declares noise"),
+            did_you_mean(name, names.iter().map(String::as_str)),
+        )),
     }
 }
 
 /// Changes every number of a value: a number, a list, a table, or nested lists.
-fn change_leaves(value: &mut Value, change: Edit<'_>) -> Result<(), (String, String)> {
+fn change_leaves(value: &mut Value, change: Edit<'_>) -> Result<(), Refusal> {
     let mut count = 0;
     visit(value, &mut count, change);
     if count == 0 {
@@ -343,7 +286,7 @@ pub(crate) fn count(
     documents: &Documents,
     address: &str,
     of: FileSelector,
-) -> Result<usize, (String, String)> {
+) -> Result<usize, Refusal> {
     let most = std::cell::Cell::new(0);
     let mut copy = documents.clone();
     edit(&mut copy, address, of, &|k, x| {
@@ -364,7 +307,7 @@ mod tests {
     };
 
     fn documents() -> Documents {
-        let model: Table = toml::from_str(
+        let model: Value = toml::from_str(
             r#"
 name = "made"
 [[body]]
@@ -388,7 +331,7 @@ noise_rad = 1e-3
 "#,
         )
         .unwrap();
-        let case: Table = toml::from_str(
+        let case: Value = toml::from_str(
             r#"
 duration_s = 10.0
 [[firing]]

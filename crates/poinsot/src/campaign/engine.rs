@@ -4,7 +4,7 @@
 //! Each worker has its own single-thread pool for the parallel parts of a fit. Trials therefore do not wait for each
 //! other.
 
-use super::faults::PlanText;
+use super::faults::whole_fault;
 use super::plan::{Plan, Shard};
 use super::shard::{Found, ShardResult, find};
 use super::trial::{Done, Prepared, at_once};
@@ -13,7 +13,7 @@ use crate::progress::step;
 use std::collections::VecDeque;
 use std::ops::Range;
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 /// Data shared by the trials of a cell, computed by the first trial.
@@ -34,8 +34,6 @@ struct Active {
 struct Queue {
     shards: VecDeque<u64>,
     current: Option<(Arc<Active>, u64)>,
-    /// Shared data of the last cell, for the next shard of the same cell.
-    last: Option<(u64, Shared)>,
 }
 
 /// Runs shards into the folder of a campaign; `watch` is called after each.
@@ -75,12 +73,11 @@ pub(super) fn run_each(
     let queue = Mutex::new(Queue {
         shards: shards.iter().copied().collect(),
         current: None,
-        last: None,
     });
     let failure: Mutex<Option<Error>> = Mutex::new(None);
-    let (stop, count) = (AtomicBool::new(false), AtomicUsize::new(0));
+    let count = AtomicUsize::new(0);
     let work = || {
-        while !stop.load(Ordering::Relaxed) {
+        while locked(&failure).is_none() {
             let Some((active, trials)) = next(plan, &queue) else {
                 return;
             };
@@ -93,7 +90,6 @@ pub(super) fn run_each(
             );
             let taken = finished.and_then(|result| result.map_or(Ok(()), take));
             if let Err(error) = taken {
-                stop.store(true, Ordering::Relaxed);
                 locked(&failure).get_or_insert(error);
             }
         }
@@ -173,12 +169,11 @@ fn next(plan: &Plan, queue: &Mutex<Queue>) -> Option<(Arc<Active>, Range<u64>)> 
             return Some((Arc::clone(active), first..*at));
         }
         let shard = plan.shard(queue.shards.pop_front()?);
-        let kept = queue.last.take().filter(|(cell, _)| {
+        let kept = queue.current.take().filter(|(last, _)| {
             // The points of a sampling belong to one shard.
-            *cell == shard.cell && plan.sampling.is_none()
+            last.shard.cell == shard.cell && plan.sampling.is_none()
         });
-        let prepared = kept.map_or_else(Arc::default, |(_, prepared)| prepared);
-        queue.last = Some((shard.cell, Arc::clone(&prepared)));
+        let prepared = kept.map_or_else(Arc::default, |(last, _)| Arc::clone(&last.prepared));
         let n = usize::try_from(size(&shard)).unwrap_or(usize::MAX);
         let first = shard.trials.start;
         let active = Active {
@@ -202,12 +197,13 @@ fn run_some(
     let prepared = active.prepared.get_or_init(prepare);
     let prepared = prepared.as_ref().map_err(|why| {
         // The error already names file and remedy.
-        let text = PlanText::new(Path::new(&plan.name), String::new());
         let what = format!("cell {} cannot be simulated: {why}", shard.cell);
-        Error::File(crate::case::CaseError {
-            faults: vec![text.fault("E0541", &[], what, "correct case, model or plan")],
-            environment: false,
-        })
+        whole_fault(
+            "E0541",
+            Path::new(&plan.name),
+            what,
+            "correct case, model or plan",
+        )
     })?;
     let first = (trials.start - shard.trials.start) as usize;
     let done = prepared.run(plan, shard, trials);

@@ -1,7 +1,7 @@
 //! An experiment of a plan: its files as tables, and the study at one point.
 
-use super::address::{Documents, Edit, FileSelector, edit};
-use super::faults::PlanText;
+use super::address::{Documents, Edit, FileSelector, Refusal, edit};
+use super::faults::{PlanText, whole_fault};
 use crate::case::{Case, parse_case, read_case};
 use crate::digest::sha256;
 use crate::error::Error;
@@ -15,11 +15,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// All changes of a cell or trial, applied by [`Apply`].
-pub(crate) type Changes<'a> = dyn Fn(&mut Apply<'_>) -> Result<(), (String, String)> + 'a;
+pub(crate) type Changes<'a> = dyn Fn(&mut Apply<'_>) -> Result<(), Refusal> + 'a;
 
 /// Applies one change to the files.
-pub(crate) type Apply<'a> =
-    dyn FnMut(&str, FileSelector, Edit<'_>) -> Result<(), (String, String)> + 'a;
+pub(crate) type Apply<'a> = dyn FnMut(&str, FileSelector, Edit<'_>) -> Result<(), Refusal> + 'a;
 
 /// Default seed of a record.
 const SEED: u64 = 1;
@@ -54,32 +53,6 @@ pub(crate) struct FilesAt {
     pub nominal: Model,
 }
 
-/// The case of an experiment, or none for a record; no answer if a fault was recorded.
-fn case_of(
-    file: &ExperimentFile,
-    folder: &Path,
-    refuse: &mut impl FnMut(&'static str, &str, &str),
-) -> Result<Option<Option<Case>>, Error> {
-    match (&file.case, &file.record) {
-        (Some(case), None) => {
-            let case = read_case(&folder.join(case)).map_err(SimulateError::from)?;
-            return Ok(Some(Some(case)));
-        }
-        (None, Some(_)) if file.truth.is_some() && file.model.is_some() => return Ok(Some(None)),
-        (None, Some(_)) => refuse(
-            "record",
-            "a record needs a model and a truth file",
-            "give model and truth",
-        ),
-        _ => refuse(
-            "case",
-            "exactly one of case and record is needed",
-            "give one of them",
-        ),
-    }
-    Ok(None)
-}
-
 impl Experiment {
     /// Reads the files of an experiment; `None` if a fault was recorded.
     ///
@@ -92,16 +65,23 @@ impl Experiment {
         k: usize,
         text: &mut PlanText,
     ) -> Result<Option<Self>, Error> {
-        let index = k.to_string();
-        let at = |key| ["experiment", &index, key].map(str::to_owned);
         let mut refuse = |key, what: &str, remedy: &str| {
-            let at = at(key);
-            let at: Vec<&str> = at.iter().map(String::as_str).collect();
-            text.refuse("E0541", &at, what, remedy);
+            text.refuse(&format!("experiment[{k}].{key}"), what, remedy);
         };
         check(file, &mut refuse);
-        let Some(case) = case_of(file, folder, &mut refuse)? else {
-            return Ok(None);
+        let case = match (&file.case, &file.record) {
+            (Some(case), None) => Some(read_case(&folder.join(case)).map_err(SimulateError::from)?),
+            (None, Some(_)) if file.truth.is_some() && file.model.is_some() => None,
+            (None, Some(_)) => {
+                let what = "a record needs a model and a truth file";
+                refuse("record", what, "give model and truth");
+                return Ok(None);
+            }
+            _ => {
+                let what = "exactly one of case and record is needed";
+                refuse("case", what, "give one of them");
+                return Ok(None);
+            }
         };
         let path = |name: &Option<String>| name.as_ref().map(|n| folder.join(n));
         let of_case = case.as_ref().map(|c| c.model.clone());
@@ -176,33 +156,16 @@ impl Experiment {
             changed = true;
             edit(&mut documents, address, of, change)
         })
-        .map_err(|(what, remedy)| {
-            let text = PlanText::new(Path::new(&self.name), String::new());
-            let fault = text.fault("E0542", &[], what, &remedy);
-            Error::File(crate::case::CaseError {
-                faults: vec![fault],
-                environment: false,
-            })
-        })?;
-        if !changed {
-            return Ok(FilesAt {
-                case: self.case.as_ref().map(Source::case).transpose()?,
-                truth: self.truth.read()?,
-                nominal: self.nominal.read()?,
-            });
-        }
-        let case = match (&self.case, &documents.case) {
-            (Some(source), Some(table)) => Some(source.with(table).case()?),
-            _ => None,
+        .map_err(|(what, remedy)| whole_fault("E0542", Path::new(&self.name), what, &remedy))?;
+        let of = |source: &Source, table: &Option<toml::Value>| match table {
+            Some(table) if changed => source.with(table),
+            _ => source.clone(),
         };
-        let model = |source: &Source, table: &Option<toml::Table>| match table {
-            Some(table) => source.with(table).read(),
-            None => source.read(),
-        };
+        let case = self.case.as_ref();
         Ok(FilesAt {
-            case,
-            truth: model(&self.truth, &documents.truth)?,
-            nominal: model(&self.nominal, &documents.nominal)?,
+            case: case.map(|c| of(c, &documents.case).case()).transpose()?,
+            truth: of(&self.truth, &documents.truth).read()?,
+            nominal: of(&self.nominal, &documents.nominal).read()?,
         })
     }
 
@@ -271,14 +234,12 @@ impl Source {
         extension.is_some_and(|e| e.eq_ignore_ascii_case("urdf"))
     }
 
-    fn table(&self) -> Option<toml::Table> {
-        match self.is_urdf() {
-            true => None,
-            false => self.text.parse().ok(),
-        }
+    fn table(&self) -> Option<toml::Value> {
+        let table = self.text.parse().map(toml::Value::Table);
+        table.ok().filter(|_| !self.is_urdf())
     }
 
-    fn with(&self, table: &toml::Table) -> Self {
+    fn with(&self, table: &toml::Value) -> Self {
         Self {
             path: self.path.clone(),
             // A changed table is written as text again.
@@ -300,26 +261,17 @@ impl Source {
 
 fn check(file: &ExperimentFile, refuse: &mut impl FnMut(&'static str, &str, &str)) {
     if file.every == Some(0) {
-        refuse(
-            "every",
-            "a whole number from 1 is needed",
-            "1 takes all samples",
-        );
+        let what = "a whole number from 1 is needed";
+        refuse("every", what, "1 takes all samples");
     }
     if file.step_spread.is_some_and(|s| !(0.0..1.0).contains(&s)) {
-        refuse(
-            "step_spread",
-            "must be from 0 to below 1",
-            "give a share of the step",
-        );
+        let what = "must be from 0 to below 1";
+        refuse("step_spread", what, "give a share of the step");
     }
     if file.case.is_some() && !file.bias.is_empty() {
+        let what = "the case already declares the biases of its sensors";
         let remedy = "give [[output.sensor]] bias_... in the case";
-        refuse(
-            "bias",
-            "the case already declares the biases of its sensors",
-            remedy,
-        );
+        refuse("bias", what, remedy);
     }
 }
 
@@ -330,25 +282,18 @@ fn check_biases(
 ) {
     for (name, bias) in &file.bias {
         let Some(sensor) = model.sensors.iter().find(|s| s.name == *name) else {
-            refuse(
-                "bias",
-                &format!("the model has no sensor \"{name}\""),
-                "use the name of a sensor",
-            );
+            let what = format!("the model has no sensor \"{name}\"");
+            refuse("bias", &what, "use the name of a sensor");
             continue;
         };
-        let wanted = if sensor.kind.is_scalar() {
-            sensor.of.len()
-        } else {
-            3
+        let wanted = match sensor.kind.is_scalar() {
+            true => sensor.of.len(),
+            false => 3,
         };
         if bias.len() != wanted || !bias.iter().all(|b| b.is_finite()) {
             let what = format!("{name} needs {wanted} finite numbers");
-            refuse(
-                "bias",
-                &what,
-                "give one for each axis, joint, wheel or thruster",
-            );
+            let remedy = "give one for each axis, joint, wheel or thruster";
+            refuse("bias", &what, remedy);
         }
     }
 }

@@ -34,23 +34,14 @@ impl PlanText {
         PlanFile::parse(&self.text.text).map_err(|faults| {
             let remedy = "correct it here; `poinsot schema plan` prints all keys";
             let told = |f| self.text.shape("E0541", f, remedy);
-            Error::File(CaseError {
-                faults: faults.iter().map(told).collect(),
-                environment: false,
-            })
+            refused(faults.iter().map(told).collect())
         })
     }
 
-    /// A fault at a key; a numeric step is a list index.
-    pub fn fault(
-        &self,
-        code: &'static str,
-        at: &[&str],
-        what: impl Into<String>,
-        remedy: &str,
-    ) -> CaseFault {
-        let (span, found) = self.span(at);
-        let mut fault = self.text.fault(code, &key(at), span, what, remedy);
+    /// A fault at a key such as `vary[1].number`.
+    fn fault(&self, code: &'static str, key: &str, what: String, remedy: &str) -> CaseFault {
+        let (span, found) = self.span(key);
+        let mut fault = self.text.fault(code, key, span, what, remedy);
         if self.text.text.is_empty() {
             fault.line = 0;
         }
@@ -61,14 +52,14 @@ impl PlanText {
     }
 
     /// Records a fault.
-    pub fn refuse(
-        &mut self,
-        code: &'static str,
-        at: &[&str],
-        what: impl Into<String>,
-        remedy: &str,
-    ) {
-        let fault = self.fault(code, at, what, remedy);
+    pub fn refuse(&mut self, key: &str, what: impl Into<String>, remedy: &str) {
+        let fault = self.fault("E0541", key, what.into(), remedy);
+        self.faults.push(fault);
+    }
+
+    /// Records an address that names no number, or not as many as are given.
+    pub fn refuse_address(&mut self, key: &str, what: impl Into<String>, remedy: &str) {
+        let fault = self.fault("E0542", key, what.into(), remedy);
         self.faults.push(fault);
     }
 
@@ -79,26 +70,21 @@ impl PlanText {
     pub fn finish(&mut self) -> Result<(), Error> {
         match std::mem::take(&mut self.faults) {
             faults if faults.is_empty() => Ok(()),
-            faults => Err(Error::File(CaseError {
-                faults,
-                environment: false,
-            })),
+            faults => Err(refused(faults)),
         }
     }
 
     /// Position of a key's value or of the nearest table above it, and whether the key exists.
-    fn span(&self, at: &[&str]) -> (Range<usize>, bool) {
+    fn span(&self, key: &str) -> (Range<usize>, bool) {
         let (table, _) = DeTable::parse_recoverable(&self.text.text);
         let table = table.into_inner();
-        let Some((first, rest)) = at.split_first() else {
+        let mut steps = key.split(['.', '[', ']']).filter(|s| !s.is_empty());
+        let Some(mut value) = steps.next().and_then(|first| table.get(first)) else {
             return (0..0, false);
         };
-        let Some(mut value) = table.get(*first) else {
-            return (0..0, false);
-        };
-        for step in rest {
+        for step in steps {
             let next = match value.get_ref() {
-                DeValue::Table(t) => t.get(*step),
+                DeValue::Table(t) => t.get(step),
                 DeValue::Array(a) => step.parse().ok().and_then(|k: usize| a.get(k)),
                 _ => None,
             };
@@ -111,15 +97,15 @@ impl PlanText {
     }
 }
 
-/// `vary[1].number`.
-fn key(at: &[&str]) -> String {
-    let mut text = String::new();
-    for step in at {
-        match step.parse::<usize>() {
-            Ok(k) => text.push_str(&format!("[{k}]")),
-            Err(_) if text.is_empty() => text.push_str(step),
-            Err(_) => text.push_str(&format!(".{step}")),
-        }
-    }
-    text
+fn refused(faults: Vec<CaseFault>) -> Error {
+    Error::File(CaseError {
+        faults,
+        environment: false,
+    })
+}
+
+/// A fault of a whole file or experiment, without a line.
+pub(crate) fn whole_fault(code: &'static str, of: &Path, what: String, remedy: &str) -> Error {
+    let text = PlanText::new(of, String::new());
+    refused(vec![text.fault(code, "", what, remedy)])
 }

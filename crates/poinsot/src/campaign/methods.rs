@@ -24,7 +24,7 @@ impl MethodChoice {
         let mut all: Vec<Self> = Vec::new();
         for (k, file) in files.iter().enumerate() {
             let choice = Self::of(file);
-            let at = k.to_string();
+            let key = format!("method[{k}].name");
             if let Err(error) = check_method(&choice.question) {
                 let said = error.to_string();
                 // The text without code and option, which the plan adds itself.
@@ -32,11 +32,11 @@ impl MethodChoice {
                     .split_once(": ")
                     .map_or(said.as_str(), |(_, rest)| rest);
                 let (what, remedy) = what.rsplit_once("; ").unwrap_or((what, "correct it here"));
-                text.refuse("E0541", &["method", &at, "name"], what, remedy);
+                text.refuse(&key, what, remedy);
             }
             if all.iter().any(|other| other.label == choice.label) {
                 let what = format!("the method {} is given twice", choice.label);
-                text.refuse("E0541", &["method", &at, "name"], what, "give it once");
+                text.refuse(&key, what, "give it once");
             }
             all.push(choice);
         }

@@ -33,6 +33,7 @@ mod run;
 mod sampling;
 mod shard;
 mod slurm;
+mod sums;
 mod trial;
 mod until;
 
@@ -40,8 +41,9 @@ pub use engine::{Damaged, missing_shards, run_shard, run_shards};
 pub use estimate::campaign_cost;
 pub use pairs::{PairNumberSums, PairSums};
 pub use plan::{Plan, Shard, made_plan, parse_plan, read_plan};
-pub use result::{CellSums, Folded, OUTSIDE, fold_shards, fold_sums};
+pub use result::{Folded, OUTSIDE, fold_shards, fold_sums};
 pub use run::{CampaignRequest, CampaignRun, Engine, campaign, campaign_in_memory, merge_campaign};
 pub use shard::{ShardResult, ShardSums};
 pub use slurm::slurm_scripts;
+pub use sums::CellSums;
 pub use until::{looks, outside_at_each};

@@ -3,11 +3,10 @@
 //! A cell is one experiment at one point of the grid. A shard is a block of trials of one cell. Shards are numbered
 //! block by block: the first blocks of all cells come before the second ones.
 
-use super::address::{FileSelector, count};
+use super::address::{FileSelector, Refusal, count};
 use super::experiment::{Apply, Experiment, FilesAt};
-use super::faults::PlanText;
+use super::faults::{PlanText, whole_fault};
 use super::methods::MethodChoice;
-use crate::case::CaseError;
 use crate::digest::sha256;
 use crate::error::Error;
 use crate::simulate::SimulateError;
@@ -103,13 +102,11 @@ pub struct Shard {
 /// ```
 pub fn read_plan(path: &Path) -> Result<Plan, Error> {
     let text = poinsot_files::read_text(path, LARGEST).map_err(|e| {
-        let text = PlanText::new(path, String::new());
-        let mut fault = text.fault("E0541", &[], e.to_string(), e.remedy());
-        fault.line = 0;
-        Error::File(CaseError {
-            environment: e.is_environment(),
-            faults: vec![fault],
-        })
+        let mut error = whole_fault("E0541", path, e.to_string(), e.remedy());
+        if let Error::File(fault) = &mut error {
+            fault.environment = e.is_environment();
+        }
+        error
     })?;
     parse_plan(path, text)
 }
@@ -206,12 +203,7 @@ fn plan_of(file: PlanFile, mut text: PlanText) -> Result<Plan, Error> {
     check_addresses(&plan, &mut text);
     if plan.cells() > MOST_CELLS {
         let what = format!("the grid has {} cells", plan.cells());
-        text.refuse(
-            "E0541",
-            &["vary"],
-            what,
-            "give fewer values, or sample the numbers",
-        );
+        text.refuse("vary", what, "give fewer values, or sample the numbers");
     }
     text.finish()?;
     // Check every point of the grid before the first trial.
@@ -240,70 +232,54 @@ fn check_kernels(file: &PlanFile, text: &mut PlanText) {
             ),
             _ => continue,
         };
-        let at = k.to_string();
-        text.refuse("E0541", &["method", &at, "kernel"], what, remedy);
+        text.refuse(&format!("method[{k}].kernel"), what, remedy);
     }
 }
 
 fn check_counts(file: &PlanFile, text: &mut PlanText) {
     if file.schema != PLAN {
-        let what = "this is not the format of a plan";
-        text.refuse(
-            "E0541",
-            &["schema"],
-            what,
-            &format!("write schema = \"{PLAN}\""),
-        );
+        let remedy = format!("write schema = \"{PLAN}\"");
+        text.refuse("schema", "this is not the format of a plan", &remedy);
     }
     if file.experiment.is_empty() {
         let what = "there is no experiment";
-        text.refuse(
-            "E0541",
-            &["experiment"],
-            what,
-            "add [[experiment]] with a case",
-        );
+        text.refuse("experiment", what, "add [[experiment]] with a case");
     }
-    let whole = |text: &mut PlanText, key: &str, value: Option<u64>, most: u64| {
-        if value.is_some_and(|n| n == 0 || n > most) {
-            let what = format!("must be from 1 to {most}");
-            text.refuse("E0541", &[key], what, "give a whole number within");
+    let counts = [
+        ("trials", file.trials),
+        ("trials_per_shard", file.trials_per_shard),
+    ];
+    for (key, value) in counts {
+        within(key, value, MOST_TRIALS, text);
+    }
+    for (key, _) in counts.iter().filter(|c| c.1.is_some()) {
+        if file.sampling.is_some() {
+            let what = "a sampling sets its own number of trials: points x replicates";
+            text.refuse(key, what, "take it out");
         }
-    };
-    whole(text, "trials", file.trials, MOST_TRIALS);
-    whole(text, "trials_per_shard", file.trials_per_shard, MOST_TRIALS);
-    if file.sampling.is_some() {
-        for (key, given) in [
-            ("trials", file.trials.is_some()),
-            ("trials_per_shard", file.trials_per_shard.is_some()),
-        ] {
-            if given {
-                let what = "a sampling sets its own number of trials: points x replicates";
-                text.refuse("E0541", &[key], what, "take it out");
-            }
-        }
+    }
+}
+
+fn within(key: &str, value: Option<u64>, most: u64, text: &mut PlanText) {
+    if value.is_some_and(|n| n == 0 || n > most) {
+        let what = format!("must be from 1 to {most}");
+        text.refuse(key, what, "give a whole number within");
     }
 }
 
 fn sampling(file: &PlanFile, text: &mut PlanText) -> Option<Sampling> {
     let given = file.sampling.as_ref()?;
-    let at = |key| ["sampling", key];
-    if given.points == 0 || given.points > MOST_POINTS {
-        let what = format!("must be from 1 to {MOST_POINTS}");
-        text.refuse("E0541", &at("points"), what, "give a whole number within");
-    }
+    within("sampling.points", Some(given.points), MOST_POINTS, text);
     if given.kind == SamplingKind::Sobol && !given.points.is_power_of_two() {
         let near = given.points.min(MOST_POINTS).next_power_of_two();
         let what = "the points of Sobol's sequence are balanced only in powers of two";
-        text.refuse("E0541", &at("points"), what, &format!("write {near}"));
+        text.refuse("sampling.points", what, &format!("write {near}"));
     }
-    if given
-        .replicates
-        .is_some_and(|n| !(REPLICATES..=MOST_POINTS).contains(&n))
-    {
+    let few_or_many = |n| !(REPLICATES..=MOST_POINTS).contains(&n);
+    if given.replicates.is_some_and(few_or_many) {
         let what = "bands are computed from the scatter between replicates: too few or too many";
         let remedy = format!("give {REPLICATES} to {MOST_POINTS}");
-        text.refuse("E0541", &at("replicates"), what, &remedy);
+        text.refuse("sampling.replicates", what, &remedy);
     }
     Some(Sampling {
         kind: given.kind,
@@ -328,75 +304,66 @@ fn axis(
     grid: &mut Vec<GridAxis>,
     sampled: &mut Vec<SampledAxis>,
 ) {
-    let index = k.to_string();
-    let mut refuse = |key: &str, what: &str, remedy: &str| {
-        text.refuse("E0541", &["vary", &index, key], what, remedy);
-    };
     let of = of(vary.of, OfFile::Both);
     let number = vary.number.clone();
     let log = vary.scale == ScaleFile::Log;
-    match (&vary.values, vary.from, vary.to, vary.count) {
-        (Some(values), None, None, None) => {
-            if values.is_empty() || !values.iter().all(|x| x.is_finite()) {
-                refuse(
-                    "values",
-                    "no list of finite numbers",
-                    "write values = [1.0, 2.0]",
-                );
-            }
+    let fault = match (&vary.values, vary.from, vary.to, vary.count, sampling) {
+        (Some(values), None, None, None, _) => {
             grid.push(GridAxis {
                 number,
                 of,
                 values: values.clone(),
             });
+            let good = !values.is_empty() && values.iter().all(|x| x.is_finite());
+            (!good).then_some([
+                "values",
+                "no list of finite numbers",
+                "write values = [1.0, 2.0]",
+            ])
         }
-        (None, Some(from), Some(to), count) => {
-            if !(from.is_finite() && to.is_finite() && from < to) {
-                return refuse("from", "from must be below to", "give both ends of a range");
-            }
-            if log && from <= 0.0 {
-                return refuse(
-                    "scale",
-                    "equal ratios need positive ends",
-                    "write scale = \"linear\"",
-                );
-            }
-            match (count, sampling) {
-                (Some(n), _) if !(2..=MOST_CELLS).contains(&n) => {
-                    refuse("count", "a range has at least two values", "give 2 or more");
-                }
-                (Some(n), _) => grid.push(GridAxis {
-                    number,
-                    of,
-                    values: range(from, to, n, log),
-                }),
-                (None, Some(s)) => {
-                    if s.kind == SamplingKind::Sobol && sampled.len() == SOBOL_DIMENSIONS {
-                        refuse(
-                            "number",
-                            "more numbers than Sobol's sequence has dimensions",
-                            "sample at most 256",
-                        );
-                    }
-                    sampled.push(SampledAxis {
-                        number,
-                        of,
-                        range: [from, to],
-                        log,
-                    });
-                }
-                (None, None) => refuse(
-                    "count",
-                    "a range without a count is sampled, and there is no [sampling]",
-                    "add count = 10, or [sampling] with kind and points",
-                ),
-            }
+        (None, Some(from), Some(to), ..) if !(from.is_finite() && to.is_finite() && from < to) => {
+            Some(["from", "from must be below to", "give both ends of a range"])
         }
-        _ => refuse(
+        (None, Some(from), Some(_), ..) if log && from <= 0.0 => Some([
+            "scale",
+            "equal ratios need positive ends",
+            "write scale = \"linear\"",
+        ]),
+        (None, Some(_), Some(_), Some(n), _) if !(2..=MOST_CELLS).contains(&n) => {
+            Some(["count", "a range has at least two values", "give 2 or more"])
+        }
+        (None, Some(from), Some(to), Some(n), _) => {
+            let values = range(from, to, n, log);
+            grid.push(GridAxis { number, of, values });
+            None
+        }
+        (None, Some(from), Some(to), None, Some(s)) => {
+            let many = s.kind == SamplingKind::Sobol && sampled.len() == SOBOL_DIMENSIONS;
+            sampled.push(SampledAxis {
+                number,
+                of,
+                range: [from, to],
+                log,
+            });
+            many.then_some([
+                "number",
+                "more numbers than Sobol's sequence has dimensions",
+                "sample at most 256",
+            ])
+        }
+        (None, Some(_), Some(_), None, None) => Some([
+            "count",
+            "a range without a count is sampled, and there is no [sampling]",
+            "add count = 10, or [sampling] with kind and points",
+        ]),
+        _ => Some([
             "number",
             "needs either values or one range",
             "give values = [...], or from and to with count",
-        ),
+        ]),
+    };
+    if let Some([key, what, remedy]) = fault {
+        text.refuse(&format!("vary[{k}].{key}"), what, remedy);
     }
 }
 
@@ -419,72 +386,73 @@ pub(super) fn between(from: f64, to: f64, share: f64, log: bool) -> f64 {
     }
 }
 
-/// Checks that every address names numbers in every experiment, and that every change is valid.
-fn check_addresses(plan: &Plan, text: &mut PlanText) {
-    let mut all: Vec<(&str, usize, &str, FileSelector, Option<usize>)> = Vec::new();
-    for (k, vary) in plan.file.vary.iter().enumerate() {
-        all.push(("vary", k, &vary.number, of(vary.of, OfFile::Both), Some(1)));
+/// An address of the plan: its key, its files, and how many numbers it must name.
+struct Named<'a> {
+    key: String,
+    number: &'a str,
+    of: FileSelector,
+    wanted: Option<usize>,
+}
+
+/// The addresses of the plan; a change or draw that is none is refused.
+fn named<'a>(file: &'a PlanFile, text: &mut PlanText) -> Vec<Named<'a>> {
+    let mut all = Vec::new();
+    let mut add = |list: &str, k: usize, number, of, wanted, fault: Option<&str>| {
+        let key = format!("{list}[{k}].number");
+        if let Some(what) = fault {
+            text.refuse(&key, what, "give one of them");
+        }
+        all.push(Named {
+            key,
+            number,
+            of,
+            wanted,
+        });
+    };
+    for (k, vary) in file.vary.iter().enumerate() {
+        let of = of(vary.of, OfFile::Both);
+        add("vary", k, vary.number.as_str(), of, Some(1), None);
     }
-    for (k, change) in plan.file.change.iter().enumerate() {
-        let each = |n: &NumbersFile| match n {
+    for (k, change) in file.change.iter().enumerate() {
+        let lists = change.value.iter().chain(&change.plus);
+        let given = lists.clone().count() + usize::from(change.times.is_some());
+        let wanted = lists.into_iter().find_map(|n| match n {
             NumbersFile::Each(list) => Some(list.len()),
             NumbersFile::One(_) => None,
-        };
-        let wanted = change
-            .value
-            .as_ref()
-            .or(change.plus.as_ref())
-            .and_then(each);
-        let given = [
-            change.value.is_some(),
-            change.times.is_some(),
-            change.plus.is_some(),
-        ];
-        if given.iter().filter(|g| **g).count() != 1 {
-            let what = "exactly one of value, times, plus is needed";
-            let at = k.to_string();
-            text.refuse(
-                "E0541",
-                &["change", &at, "number"],
-                what,
-                "give one of them",
-            );
-        }
-        all.push((
-            "change",
-            k,
-            &change.number,
-            of(change.of, OfFile::Both),
-            wanted,
-        ));
+        });
+        let fault = "exactly one of value, times, plus is needed";
+        let fault = (given != 1).then_some(fault);
+        let of = of(change.of, OfFile::Both);
+        add("change", k, &change.number, of, wanted, fault);
     }
-    for (k, draw) in plan.file.draw.iter().enumerate() {
-        if !drawable(draw) {
-            let what = "exactly one of sigma, relative_sigma, or from below to is needed";
-            let at = k.to_string();
-            text.refuse("E0541", &["draw", &at, "number"], what, "give one of them");
-        }
-        all.push(("draw", k, &draw.number, of(draw.of, OfFile::Truth), None));
+    for (k, draw) in file.draw.iter().enumerate() {
+        let fault = "exactly one of sigma, relative_sigma, or from below to is needed";
+        let fault = (!drawable(draw)).then_some(fault);
+        let of = of(draw.of, OfFile::Truth);
+        add("draw", k, &draw.number, of, None, fault);
     }
-    for (list, k, number, of, wanted) in all {
-        let at = k.to_string();
+    all
+}
+
+/// Checks that every address names numbers in every experiment.
+fn check_addresses(plan: &Plan, text: &mut PlanText) {
+    for named in named(&plan.file, text) {
         for experiment in &plan.experiments {
-            match count(&experiment.documents, number, of) {
-                Err((what, remedy)) => {
+            match (
+                count(&experiment.documents, named.number, named.of),
+                named.wanted,
+            ) {
+                (Err((what, remedy)), _) => {
                     let what = format!("{what} (experiment {})", experiment.name);
-                    text.refuse("E0542", &[list, &at, "number"], what, &remedy);
+                    text.refuse_address(&named.key, what, &remedy);
                 }
-                Ok(n) if wanted.is_some_and(|w| w != n) => {
-                    let what =
-                        format!("the address names {n} numbers, not {}", wanted.unwrap_or(1));
-                    text.refuse(
-                        "E0542",
-                        &[list, &at, "number"],
-                        what,
-                        "end the address at one number, as in com_m.x, or give one value for each",
-                    );
+                (Ok(n), Some(wanted)) if wanted != n => {
+                    let what = format!("the address names {n} numbers, not {wanted}");
+                    let remedy =
+                        "end the address at one number, as in com_m.x, or give one value for each";
+                    text.refuse_address(&named.key, what, remedy);
                 }
-                Ok(_) => {}
+                (Ok(_), _) => {}
             }
         }
     }
@@ -629,7 +597,7 @@ impl Plan {
     }
 
     /// Changes common to all trials of a cell.
-    pub(crate) fn fixed(&self, cell: u64, apply: &mut Apply<'_>) -> Result<(), (String, String)> {
+    pub(crate) fn fixed(&self, cell: u64, apply: &mut Apply<'_>) -> Result<(), Refusal> {
         for change in &self.file.change {
             let of = of(change.of, OfFile::Both);
             let pick = |n: &NumbersFile, k: usize| match n {

@@ -1,15 +1,16 @@
 //! Statistics with intervals from the sums of shards.
 
-use super::pairs::{PairSums, banded};
+use super::pairs::banded;
 use super::plan::Plan;
-use super::shard::{Found, ShardSums, find, sums_path};
+use super::shard::{Found, ShardSums, find};
+use super::sums::CellSums;
 use crate::error::Error;
-use crate::trials::{Interval, NumberSums, Statistics, Sums, statistics_of};
-use indexmap::IndexMap;
+use crate::trials::{Interval, NumberSums, ParameterStatistics, Statistics, statistics_of};
 use poinsot_formats::{
     BandedFile, CAMPAIGN, CampaignFile, CellFile, MethodResultFile, NumberResultFile, PairFile,
     finite,
 };
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Probability outside an interval of the result.
@@ -18,81 +19,6 @@ pub const OUTSIDE: f64 = 0.05;
 const LISTED: usize = 100;
 /// Number of failed trials listed.
 const NAMED: usize = 10;
-
-/// Sums of one cell, added in the order of the shards.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct CellSums {
-    /// One entry per method.
-    pub methods: Vec<Sums>,
-    /// Every method compared with the first.
-    pub pairs: Vec<PairSums>,
-    /// CPU time of each method, s.
-    pub seconds: Vec<f64>,
-    /// Per method and number: scatter of coverage and of squared errors over the replicates of a sampling.
-    replicates: Vec<IndexMap<String, Replicates>>,
-}
-
-/// Statistics over replicates: count, sums and sums of squares of the coverage and of the mean square over the bound.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-struct Replicates {
-    count: u64,
-    held: (f64, f64),
-    held_all: (f64, f64),
-    square: (f64, f64),
-}
-
-impl CellSums {
-    fn add(&mut self, shard: &ShardSums, replicated: bool) -> Result<(), String> {
-        if self.methods.is_empty() {
-            self.methods.clone_from(&shard.methods);
-            self.pairs.clone_from(&shard.pairs);
-            self.seconds.clone_from(&shard.seconds);
-            self.replicates = vec![IndexMap::new(); shard.methods.len()];
-        } else {
-            for (ours, theirs) in self.methods.iter_mut().zip(&shard.methods) {
-                ours.merge(theirs)?;
-            }
-            for (ours, theirs) in self.pairs.iter_mut().zip(&shard.pairs) {
-                ours.merge(theirs);
-            }
-            for (ours, theirs) in self.seconds.iter_mut().zip(&shard.seconds) {
-                *ours += theirs;
-            }
-        }
-        if replicated {
-            for (all, sums) in self.replicates.iter_mut().zip(&shard.methods) {
-                for n in sums.numbers.iter().filter(|n| n.trials > 0) {
-                    all.entry(n.name.clone()).or_default().add(n, sums.trials);
-                }
-            }
-        }
-        Ok(())
-    }
-}
-
-impl Replicates {
-    fn add(&mut self, n: &NumberSums, trials: u64) {
-        let plus = |s: &mut (f64, f64), x: f64| *s = (s.0 + x, s.1 + x * x);
-        self.count += 1;
-        let stated = (n.trials - n.unstated).max(1);
-        plus(&mut self.held, n.held as f64 / stated as f64);
-        plus(&mut self.held_all, n.held as f64 / trials as f64);
-        let yardstick = match n.bounds {
-            (0, _) => n.bound.map_or(n.variance, |b| b * b * n.trials as f64),
-            (count, squares) => squares / count as f64 * n.trials as f64,
-        };
-        plus(&mut self.square, n.square / yardstick);
-    }
-
-    /// Mean of a statistic with Student's interval over the replicates.
-    fn interval(&self, (sum, squares): (f64, f64), value: f64, outside: f64) -> Interval {
-        let n = self.count as f64;
-        let mean = sum / n;
-        let scatter = ((squares / n - mean * mean).max(0.0) * n / (n - 1.0).max(1.0)).sqrt();
-        let about = Interval::mean(mean, scatter, self.count, outside);
-        Interval { value, ..about }
-    }
-}
 
 /// The shards of a plan, added in the order of their numbers.
 pub struct Folded {
@@ -118,21 +44,9 @@ pub struct Folded {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn fold_shards(plan: &Plan, out: &Path, trials: u64) -> Result<Folded, Error> {
-    let mut folded = Folded {
-        cells: vec![CellSums::default(); plan.cells() as usize],
-        missing: Vec::new(),
-    };
+    let mut folded = Folded::none(plan);
     for number in 0..plan.shards_up_to(trials) {
-        let shard = plan.shard(number);
-        match find(plan, out, &shard)? {
-            Found::Whole(sums) => folded.add(plan, &sums).map_err(|why| Error::Shards {
-                code: "E0603",
-                path: sums_path(out, &plan.digest, number),
-                why: format!("{why}; remove it and run the campaign again with --resume"),
-            })?,
-            Found::Missing => folded.missing.push((number, "it is not there".to_owned())),
-            Found::Damaged(why) => folded.missing.push((number, why)),
-        }
+        folded.add(plan, number, find(plan, out, &plan.shard(number))?);
     }
     Ok(folded)
 }
@@ -150,33 +64,43 @@ pub fn fold_shards(plan: &Plan, out: &Path, trials: u64) -> Result<Folded, Error
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn fold_sums(plan: &Plan, shards: &[ShardSums]) -> Result<Folded, String> {
-    let mut folded = Folded {
-        cells: vec![CellSums::default(); plan.cells() as usize],
-        missing: Vec::new(),
-    };
-    let mut order: Vec<&ShardSums> = shards.iter().collect();
-    order.sort_by_key(|s| s.shard);
-    if let Some(pair) = order.windows(2).find(|w| w[0].shard == w[1].shard) {
-        return Err(format!("shard {} is given twice", pair[0].shard));
-    }
-    let mut given = order.iter().peekable();
-    for number in 0..plan.shards() {
-        match given.next_if(|s| s.shard == number) {
-            Some(sums) if sums.digest != plan.digest => {
-                return Err(format!("shard {number} is of another plan"));
-            }
-            Some(sums) => folded.add(plan, sums)?,
-            None => folded.missing.push((number, "it is not there".to_owned())),
+    let mut folded = Folded::none(plan);
+    let mut given = BTreeMap::new();
+    for sums in shards {
+        sums.check(plan, &plan.shard(sums.shard))?;
+        if given.insert(sums.shard, sums).is_some() {
+            return Err(format!("shard {} is given twice", sums.shard));
         }
+    }
+    for number in 0..plan.shards() {
+        let found = match given.get(&number) {
+            Some(sums) => Found::Whole(Box::new((*sums).clone())),
+            None => Found::Missing,
+        };
+        folded.add(plan, number, found);
     }
     Ok(folded)
 }
 
 impl Folded {
-    fn add(&mut self, plan: &Plan, sums: &ShardSums) -> Result<(), String> {
-        let cell = plan.shard(sums.shard).cell as usize;
-        let folded = self.cells[cell].add(sums, plan.sampling.is_some());
-        folded.map_err(|why| format!("shard {}: {why}", sums.shard))
+    fn none(plan: &Plan) -> Self {
+        Self {
+            cells: vec![CellSums::default(); plan.cells() as usize],
+            missing: Vec::new(),
+        }
+    }
+
+    /// Adds a shard, or notes why it is missing.
+    fn add(&mut self, plan: &Plan, number: u64, found: Found) {
+        let added = match found {
+            Found::Whole(shard) => {
+                let cell = &mut self.cells[plan.shard(number).cell as usize];
+                cell.merge(&shard.sums, plan.sampling.is_some())
+            }
+            Found::Missing => Err("it is not there".to_owned()),
+            Found::Damaged(why) => Err(why),
+        };
+        self.missing.extend(added.err().map(|why| (number, why)));
     }
 
     /// The statistics of every method of every cell that has trials.
@@ -304,18 +228,19 @@ fn method_file(label: &str, k: usize, cell: &CellSums) -> MethodResultFile {
         seconds_per_trial: finite(cell.seconds[k] / sums.trials as f64),
         misses: statistics.misses(),
         numbers: numbers
-            .map(|n| (n.name.clone(), number_file(cell, k, n)))
+            .zip(&statistics.parameters)
+            .map(|(n, p)| (n.name.clone(), number_file(cell, k, n, p)))
             .collect(),
     }
 }
 
-fn number_file(cell: &CellSums, method: usize, n: &NumberSums) -> NumberResultFile {
+fn number_file(
+    cell: &CellSums,
+    method: usize,
+    n: &NumberSums,
+    p: &ParameterStatistics,
+) -> NumberResultFile {
     let sums = &cell.methods[method];
-    let one = statistics_of(&Sums {
-        numbers: vec![n.clone()],
-        ..Sums::default()
-    });
-    let p = &one.parameters[0];
     let rmse = Interval::mean_square(p.rmse * p.rmse, n.trials, OUTSIDE).root();
     let over = match cell.replicates.get(method).and_then(|r| r.get(&n.name)) {
         Some(r) => {

@@ -40,6 +40,7 @@ pub struct CampaignRequest<'a> {
 }
 
 /// A finished campaign.
+#[derive(Default)]
 pub struct CampaignRun {
     /// Statistics with intervals; `None` for one share of the shards.
     pub result: Option<CampaignFile>,
@@ -99,9 +100,7 @@ pub fn campaign_in_memory(plan: &Plan) -> Result<CampaignRun, Error> {
         result: Some(folded.result(plan, plan.trials)),
         folded: Some(folded),
         shards: plan.shards(),
-        damaged: Vec::new(),
-        reached: None,
-        written: Vec::new(),
+        ..CampaignRun::default()
     })
 }
 
@@ -123,14 +122,7 @@ pub fn campaign_in_memory(plan: &Plan) -> Result<CampaignRun, Error> {
 /// ```
 pub fn campaign(plan: &Plan, request: &CampaignRequest<'_>) -> Result<CampaignRun, Error> {
     refuse_other_plans(plan, &request.out)?;
-    let mut ran = CampaignRun {
-        result: None,
-        folded: None,
-        shards: 0,
-        damaged: Vec::new(),
-        reached: None,
-        written: Vec::new(),
-    };
+    let mut ran = CampaignRun::default();
     if let Some((i, n)) = request.share {
         let own = (0..plan.shards()).filter(|s| s % n == i - 1);
         run_missing(plan, request, own, plan.trials, &mut ran)?;
@@ -141,32 +133,17 @@ pub fn campaign(plan: &Plan, request: &CampaignRequest<'_>) -> Result<CampaignRu
         None => vec![plan.trials],
     };
     let outside = outside_at_each(OUTSIDE, all.len());
-    let mut counted = plan.trials;
-    for trials in &all {
-        counted = *trials;
-        run_missing(
-            plan,
-            request,
-            0..plan.shards_up_to(counted),
-            counted,
-            &mut ran,
-        )?;
-        let folded = fold_shards(plan, &request.out, counted)?;
-        let reached = request
-            .until
-            .map(|until| folded.widest_coverage(outside) <= until);
-        ran.folded = Some(folded);
-        ran.reached = reached;
-        if reached == Some(true) {
+    for trials in all {
+        let shards = 0..plan.shards_up_to(trials);
+        run_missing(plan, request, shards, trials, &mut ran)?;
+        let folded = fold_shards(plan, &request.out, trials)?;
+        let enough = |until| folded.widest_coverage(outside) <= until;
+        ran.reached = request.until.map(enough);
+        if ran.reached == Some(true) || trials == plan.trials {
+            finish(plan, &request.out, folded, trials, &mut ran)?;
             break;
         }
     }
-    let folded = ran.folded.take().unwrap_or_else(|| Folded {
-        cells: Vec::new(),
-        missing: Vec::new(),
-    });
-    ran.damaged.extend(folded.missing.iter().cloned());
-    finish(plan, &request.out, folded, counted, &mut ran)?;
     Ok(ran)
 }
 
@@ -207,14 +184,7 @@ pub fn merge_campaign(
             ),
         });
     }
-    let mut ran = CampaignRun {
-        result: None,
-        folded: None,
-        shards: 0,
-        damaged: folded.missing.clone(),
-        reached: None,
-        written: Vec::new(),
-    };
+    let mut ran = CampaignRun::default();
     finish(plan, out, folded, plan.trials, &mut ran)?;
     Ok(ran)
 }
@@ -305,6 +275,7 @@ fn finish(
         ("campaign.json".into(), text.into_bytes()),
     ];
     ran.written = write_files(out, &files)?;
+    ran.damaged.extend(folded.missing.iter().cloned());
     ran.result = Some(result);
     ran.folded = Some(folded);
     Ok(())
@@ -352,7 +323,8 @@ fn gather(plan: &Plan, out: &Path, from: &[PathBuf]) -> Result<(), Error> {
             };
             let source = sums_path(folder, &plan.digest, number);
             if let Found::Whole(ours) = find(plan, out, &shard)? {
-                if ours.methods != theirs.methods || ours.pairs != theirs.pairs {
+                if ours.sums.methods != theirs.sums.methods || ours.sums.pairs != theirs.sums.pairs
+                {
                     return Err(Error::Shards {
                         code: "E0603",
                         path: source,

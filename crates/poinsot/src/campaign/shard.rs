@@ -1,13 +1,15 @@
 //! A finished shard: sums for merging, and rows for other programs, in separate files.
 
-use super::pairs::PairSums;
 use super::plan::{Plan, Shard};
+use super::sums::CellSums;
 use super::trial::{Bound, Done};
 use crate::digest::sha256;
 use crate::error::Error;
-use crate::trials::{Answer, Sums, position};
+use crate::trials::{Answer, position};
+use indexmap::IndexSet;
 use poinsot_files::{InputError, Stage, read_text};
 use poinsot_formats::finite;
+use poinsot_identify::Status;
 use poinsot_telemetry::{ROWS_EXTENSION, RowCells, RowColumn, write_rows};
 use serde::{Deserialize, Serialize};
 use std::cell::Cell;
@@ -27,7 +29,6 @@ const SEAL: &str = ",\"sha256\":\"";
 
 /// Sums of a shard.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct ShardSums {
     /// "poinsot.shard/1".
     pub schema: String,
@@ -39,12 +40,9 @@ pub struct ShardSums {
     pub cell: u64,
     /// First trial, and end of the range (exclusive).
     pub trials: (u64, u64),
-    /// One entry per method.
-    pub methods: Vec<Sums>,
-    /// Every method compared with the first.
-    pub pairs: Vec<PairSums>,
-    /// CPU time of each method, s; not reproducible.
-    pub seconds: Vec<f64>,
+    /// Its sums.
+    #[serde(flatten)]
+    pub sums: CellSums,
     /// Size of the file of rows.
     pub rows_bytes: u64,
 }
@@ -59,32 +57,8 @@ pub struct ShardResult {
 
 impl ShardResult {
     pub(super) fn new(plan: &Plan, shard: &Shard, bound: &Bound, done: &[Done]) -> Self {
-        let mut methods: Vec<Sums> = plan
-            .methods
-            .iter()
-            .map(|m| Sums::with_bound(&m.label, bound))
-            .collect();
-        let mut pairs = vec![PairSums::default(); plan.methods.len().saturating_sub(1)];
-        let mut seconds = vec![0.0; plan.methods.len()];
-        for trial in done {
-            for (k, one) in trial.trials.iter().enumerate() {
-                methods[k].add(one);
-                if let Some(bound) = &trial.bound {
-                    methods[k].add_bound(bound);
-                }
-                seconds[k] += trial.seconds[k];
-            }
-            let answers: Vec<_> = trial
-                .trials
-                .iter()
-                .map(|t| t.outcome.as_ref().ok())
-                .collect();
-            for (k, pair) in pairs.iter_mut().enumerate() {
-                if let (Some(a), Some(b)) = (answers[0], answers[k + 1]) {
-                    pair.add(trial.trials[0].number, a, b);
-                }
-            }
-        }
+        let mut sums = CellSums::new(plan, bound);
+        done.iter().for_each(|trial| sums.add(trial));
         Self {
             sums: ShardSums {
                 schema: SCHEMA.to_owned(),
@@ -92,9 +66,7 @@ impl ShardResult {
                 shard: shard.number,
                 cell: shard.cell,
                 trials: (shard.trials.start, shard.trials.end),
-                methods,
-                pairs,
-                seconds,
+                sums,
                 rows_bytes: 0,
             },
             rows: rows(plan, shard, done),
@@ -165,6 +137,30 @@ impl ShardSums {
     }
 }
 
+impl ShardSums {
+    /// Checks that these are the sums of a shard of the plan: its methods, each with every trial once.
+    ///
+    /// # Errors
+    /// What differs.
+    pub(super) fn check(&self, plan: &Plan, shard: &Shard) -> Result<(), String> {
+        let range = (shard.trials.start, shard.trials.end);
+        let own = (self.shard, self.cell, self.trials) == (shard.number, shard.cell, range);
+        if !own || self.digest != plan.digest {
+            return Err("it is of another plan or another shard".to_owned());
+        }
+        let sums = &self.sums;
+        let methods = sums.methods.iter().map(|m| m.setup.as_str());
+        let lists = [sums.seconds.len(), sums.pairs.len() + 1];
+        if !methods.eq(plan.method_labels()) || lists.iter().any(|n| *n != plan.methods.len()) {
+            return Err("its methods are not those of the plan".to_owned());
+        }
+        match sums.methods.iter().all(|m| m.is_of(range)) {
+            true => Ok(()),
+            false => Err("its counts are not those of its trials".to_owned()),
+        }
+    }
+}
+
 /// Content of a shard's path.
 pub(super) enum Found {
     /// Nothing.
@@ -193,22 +189,22 @@ pub(super) fn find(plan: &Plan, out: &Path, shard: &Shard) -> Result<Found, Erro
         }
         Err(other) => return Ok(Found::Damaged(other.to_string())),
     };
-    Ok(match ShardSums::parse(&text) {
+    let sums = match ShardSums::parse(&text) {
+        Ok(sums) => sums,
+        Err(why) => return Ok(Found::Damaged(why)),
+    };
+    // A plan with another number of trials may have a different last shard.
+    if sums.trials != (shard.trials.start, shard.trials.end) {
+        return Ok(Found::Missing);
+    }
+    let rows = std::fs::metadata(rows_path(&path)).map_or(0, |rows| rows.len());
+    Ok(match sums.check(plan, shard) {
         Err(why) => Found::Damaged(why),
-        Ok(sums) if sums.digest != plan.digest || sums.shard != shard.number => {
-            Found::Damaged("it is of another plan or another shard".to_owned())
-        }
-        // A plan with another number of trials may have a different last shard.
-        Ok(sums) if sums.trials != (shard.trials.start, shard.trials.end) => Found::Missing,
-        Ok(sums) => match std::fs::metadata(rows_path(&path)) {
-            Ok(rows) if rows.len() == sums.rows_bytes => Found::Whole(Box::new(sums)),
-            Ok(rows) => Found::Damaged(format!(
-                "its rows have {} bytes instead of {}",
-                rows.len(),
-                sums.rows_bytes
-            )),
-            Err(_) => Found::Damaged("its rows are not there".to_owned()),
-        },
+        Ok(()) if rows == sums.rows_bytes => Found::Whole(Box::new(sums)),
+        Ok(()) => Found::Damaged(format!(
+            "its rows have {rows} bytes instead of {}",
+            sums.rows_bytes
+        )),
     })
 }
 
@@ -219,35 +215,35 @@ struct Cells<'a> {
 }
 
 impl Cells<'_> {
-    fn all(&self) -> impl Iterator<Item = (&Done, usize)> {
+    fn of<T>(&self, f: impl Fn(&Done, usize) -> T) -> Vec<T> {
         let of_trial = |d| (0..self.methods).map(move |m| (d, m));
-        self.done.iter().flat_map(of_trial)
-    }
-
-    fn text(&self, name: &str, f: impl Fn(&Done, usize) -> String) -> RowColumn {
-        RowColumn {
-            name: name.to_owned(),
-            cells: RowCells::Text(self.all().map(|(d, m)| f(d, m)).collect()),
-        }
-    }
-
-    fn count(&self, name: &str, f: impl Fn(&Done, usize) -> u64) -> RowColumn {
-        RowColumn {
-            name: name.to_owned(),
-            cells: RowCells::Count(self.all().map(|(d, m)| f(d, m)).collect()),
-        }
+        let all = self.done.iter().flat_map(of_trial);
+        all.map(|(d, m)| f(d, m)).collect()
     }
 
     fn number(&self, name: String, f: impl Fn(&Done, usize) -> Option<f64>) -> RowColumn {
-        RowColumn {
-            name,
-            cells: RowCells::Number(self.all().map(|(d, m)| f(d, m)).collect()),
-        }
+        let cells = RowCells::Number(self.of(f));
+        RowColumn { name, cells }
     }
 }
 
 fn answer(d: &Done, m: usize) -> Option<&Answer> {
     d.trials[m].outcome.as_ref().ok()
+}
+
+fn status(d: &Done, m: usize) -> String {
+    match &d.trials[m].outcome {
+        Ok(a) => a.status.name().to_owned(),
+        Err(why) if why.starts_with(super::trial::CRASHED) => "crashed".to_owned(),
+        Err(_) => "refused".to_owned(),
+    }
+}
+
+fn why(d: &Done, m: usize) -> String {
+    match &d.trials[m].outcome {
+        Ok(a) => a.doubts.join("; "),
+        Err(why) => why.clone(),
+    }
 }
 
 /// Rows of a shard, one per trial and method.
@@ -258,38 +254,44 @@ fn rows(plan: &Plan, shard: &Shard, done: &[Done]) -> Vec<RowColumn> {
         done,
         methods: labels.len(),
     };
-    let mut columns = vec![
-        cells.text("experiment", |_, _| experiment.clone()),
-        cells.count("trial", |d, m| d.trials[m].number),
-        cells.text("method", |_, m| labels[m].to_owned()),
-        cells.text("status", |d, m| match &d.trials[m].outcome {
-            Ok(a) => a.status.name().to_owned(),
-            Err(why) if why.starts_with(super::trial::CRASHED) => "crashed".to_owned(),
-            Err(_) => "refused".to_owned(),
-        }),
-        cells.count("passes", |d, m| {
-            let outcome = d.trials[m].outcome.as_ref();
-            u64::from(outcome.is_ok_and(|a| {
-                a.status == poinsot_identify::Status::Converged && a.doubts.is_empty()
-            }))
-        }),
-        cells.text("why", |d, m| match &d.trials[m].outcome {
-            Ok(a) => a.doubts.join("; "),
-            Err(why) => why.clone(),
-        }),
-        cells.count("seed", |_, _| plan.file.seed.unwrap_or(0)),
-        cells.number("seconds".to_owned(), |d, m| Some(d.seconds[m])),
-        cells.number("iterations".to_owned(), |d, m| {
-            answer(d, m).map(|a| a.iterations as f64)
-        }),
-        cells.number("chi2_per_dof".to_owned(), |d, m| {
-            answer(d, m).and_then(|a| finite(a.chi2_per_dof))
-        }),
-        cells.number("nees".to_owned(), |d, m| answer(d, m)?.nees.map(|n| n.0)),
-        cells.number("nees_dof".to_owned(), |d, m| {
-            answer(d, m)?.nees.map(|n| n.1 as f64)
-        }),
+    let passes = |d: &Done, m: usize| {
+        let passed = |a: &Answer| a.status == Status::Converged && a.doubts.is_empty();
+        u64::from(answer(d, m).is_some_and(passed))
+    };
+    let seed = plan.file.seed.unwrap_or(0);
+    let words = [
+        (
+            "experiment",
+            RowCells::Text(cells.of(|_, _| experiment.clone())),
+        ),
+        (
+            "trial",
+            RowCells::Count(cells.of(|d, m| d.trials[m].number)),
+        ),
+        (
+            "method",
+            RowCells::Text(cells.of(|_, m| labels[m].to_owned())),
+        ),
+        ("status", RowCells::Text(cells.of(status))),
+        ("passes", RowCells::Count(cells.of(passes))),
+        ("why", RowCells::Text(cells.of(why))),
+        ("seed", RowCells::Count(cells.of(|_, _| seed))),
     ];
+    let words = words.into_iter().map(|(name, cells)| RowColumn {
+        name: name.to_owned(),
+        cells,
+    });
+    let number = |name: &str, f: &dyn Fn(&Answer) -> Option<f64>| {
+        cells.number(name.to_owned(), |d, m| answer(d, m).and_then(f))
+    };
+    let mut columns: Vec<RowColumn> = words.collect();
+    columns.extend([
+        cells.number("seconds".to_owned(), |d, m| Some(d.seconds[m])),
+        number("iterations", &|a| Some(a.iterations as f64)),
+        number("chi2_per_dof", &|a| finite(a.chi2_per_dof)),
+        number("nees", &|a| a.nees.map(|n| n.0)),
+        number("nees_dof", &|a| a.nees.map(|n| n.1 as f64)),
+    ]);
     columns.extend(number_columns(plan, shard, &cells));
     columns
 }
@@ -306,25 +308,22 @@ fn number_columns(plan: &Plan, shard: &Shard, cells: &Cells) -> Vec<RowColumn> {
     let named = |list: &[(String, f64)], name: &str| {
         found(list, &place, |(n, _)| n == name).map(|(_, x)| *x)
     };
-    for name in names(done, |d| d.drawn.iter().map(|(n, _)| n).collect()) {
-        columns.push(cells.number(format!("drawn.{name}"), |d, _| named(&d.drawn, &name)));
+    let drawn = done.iter().flat_map(|d| &d.drawn);
+    let drawn: IndexSet<&String> = drawn.map(|(name, _)| name).collect();
+    for name in drawn {
+        columns.push(cells.number(format!("drawn.{name}"), |d, _| named(&d.drawn, name)));
     }
-    let estimated = |d: &Done, m: usize, name: &str| {
+    let estimated = |d: &Done, m: usize, name: &str, k: usize| {
         let numbers = &answer(d, m)?.numbers;
         let n = found(numbers, &place, |n| n.name == name)?;
-        Some([n.value, n.sigma, n.error / n.sigma])
+        Some([n.value, n.sigma, n.error / n.sigma][k])
     };
     for name in asked(plan, shard, done) {
         columns.push(cells.number(format!("truth.{name}"), |d, _| named(&d.truth, &name)));
-        columns.push(cells.number(format!("estimate.{name}"), |d, m| {
-            estimated(d, m, &name).map(|n| n[0])
-        }));
-        columns.push(cells.number(format!("sigma.{name}"), |d, m| {
-            estimated(d, m, &name).map(|n| n[1])
-        }));
-        columns.push(cells.number(format!("z.{name}"), |d, m| {
-            estimated(d, m, &name).map(|n| n[2])
-        }));
+        for (k, kind) in ["estimate", "sigma", "z"].into_iter().enumerate() {
+            let cell = |d: &Done, m| estimated(d, m, &name, k);
+            columns.push(cells.number(format!("{kind}.{name}"), cell));
+        }
     }
     columns
 }
@@ -335,29 +334,15 @@ fn found<'a, T>(list: &'a [T], place: &Cell<usize>, is: impl Fn(&T) -> bool) -> 
     list.get(place.get())
 }
 
-/// Names in the order of first appearance.
-fn names(done: &[Done], of: impl Fn(&Done) -> Vec<&String>) -> Vec<String> {
-    let mut all: Vec<String> = Vec::new();
-    for name in done.iter().flat_map(of) {
-        if !all.contains(name) {
-            all.push(name.clone());
-        }
-    }
-    all
-}
-
 /// Numbers with columns: requested numbers of every body, whether determined or not, then biases and other nuisance
 /// parameters. All shards of a cell have the same first columns.
-fn asked(plan: &Plan, shard: &Shard, done: &[Done]) -> Vec<String> {
-    let mut all = plan.experiment(shard.cell).asked();
-    let known: BTreeSet<String> = all.iter().cloned().collect();
-    let outcomes = done.iter().flat_map(|d| &d.trials).flat_map(|t| &t.outcome);
-    let others: BTreeSet<String> = outcomes
+fn asked(plan: &Plan, shard: &Shard, done: &[Done]) -> IndexSet<String> {
+    let mut all: IndexSet<String> = plan.experiment(shard.cell).asked().into_iter().collect();
+    let answers = done.iter().flat_map(|d| &d.trials).flat_map(|t| &t.outcome);
+    let others: BTreeSet<&String> = answers
         .flat_map(|a| a.numbers.iter().map(|n| &n.name))
-        .filter(|n| !known.contains(*n))
-        .cloned()
         .collect();
-    all.extend(others);
+    all.extend(others.into_iter().cloned());
     all
 }
 
@@ -373,9 +358,11 @@ mod tests {
             shard: 3,
             cell: 1,
             trials: (10, 20),
-            methods: vec![Sums::new("auto", None)],
-            pairs: Vec::new(),
-            seconds: vec![1.0],
+            sums: CellSums {
+                methods: vec![crate::trials::Sums::new("auto", None)],
+                seconds: vec![1.0],
+                ..CellSums::default()
+            },
             rows_bytes: 5,
         }
     }

@@ -185,7 +185,7 @@ pub fn export_estimate(
             Target::Basilisk => basilisk::text(&source),
             Target::Apm => ccsds::apm(&source),
             Target::Acm => ccsds::acm(&source),
-            Target::Csv => table::text(&source),
+            Target::Csv => Ok(table::text(&source)),
             _ => onboard::text(&source),
         },
     }

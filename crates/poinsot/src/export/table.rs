@@ -1,51 +1,36 @@
 //! A table of all numbers, one row each; undetermined numbers have empty cells.
 
 use super::{Exported, Source};
-use crate::error::Error;
+use crate::written::csv_text;
 use poinsot_formats::NumberFile;
 
 const HEADER: [&str; 7] = [
     "body", "quantity", "unit", "value", "sigma", "nominal", "source",
 ];
 
-/// CSV by RFC 4180.
-pub(super) fn text(source: &Source) -> Result<Exported, Error> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    let mut write = |row: [String; 7]| writer.write_record(row);
+pub(super) fn text(source: &Source) -> Exported {
     let cell = |x: Option<f64>| x.map_or_else(String::new, |x| format!("{x:?}"));
     let row = |body: &str, quantity: &str, unit: &str, n: &NumberFile| {
-        let source = n
-            .source
-            .clone()
-            .unwrap_or_else(|| "not determined".to_owned());
-        [
-            body.to_owned(),
-            quantity.to_owned(),
-            unit.to_owned(),
-            cell(n.value),
-            cell(n.sigma),
-            cell(Some(n.nominal)),
-            source,
-        ]
+        let place = [body, quantity, unit].map(str::to_owned);
+        let values = [n.value, n.sigma, Some(n.nominal)].map(cell);
+        let source = n.source.as_deref().unwrap_or("not determined");
+        let row = place.into_iter().chain(values);
+        row.chain([source.to_owned()]).collect::<Vec<_>>()
     };
     let e = source.estimate;
-    let mut written = write(HEADER.map(str::to_owned));
+    let mut rows = vec![HEADER.map(str::to_owned).to_vec()];
     for (name, body) in &e.bodies {
-        for (address, unit, number) in body.addressed("") {
-            let quantity = address.trim_start_matches('.');
-            written = written.and_then(|()| write(row(name, quantity, unit, &number)));
-        }
+        let numbers = body.addressed("");
+        let own = |(address, unit, number): &(String, &str, NumberFile)| {
+            row(name, address.trim_start_matches('.'), unit, number)
+        };
+        rows.extend(numbers.iter().map(own));
     }
-    for (name, number) in &e.nuisance {
-        written = written.and_then(|()| write(row("", name, "", number)));
-    }
-    let bytes = written
-        .map_err(|error| error.to_string())
-        .and_then(|()| writer.into_inner().map_err(|error| error.to_string()))
-        .and_then(|bytes| String::from_utf8(bytes).map_err(|error| error.to_string()));
-    Ok(Exported {
-        text: bytes.map_err(|why| source.fault(why))?,
+    let nuisance = e.nuisance.iter();
+    rows.extend(nuisance.map(|(name, number)| row("", name, "", number)));
+    Exported {
+        text: csv_text(rows),
         left_out: Vec::new(),
         no_field: Vec::new(),
-    })
+    }
 }

@@ -1,10 +1,10 @@
 //! The machine-readable prediction, `poinsot.prediction/2`.
 
-use super::{Prediction, against_duration_file};
+use super::Prediction;
 use crate::estimate_file::{covariance, identifiability, reference};
 use poinsot_formats::{
-    Axes, Elements, MassFile, PREDICTION, PeakFile, PredictedNumberFile, PredictionFile,
-    WantedFile, address, finite,
+    Axes, Elements, MassFile, PREDICTION, PredictedNumberFile, PredictionFile, WantedFile, address,
+    finite,
 };
 use poinsot_identify::{BodyEstimate, Number, tensor_index};
 use poinsot_report::prediction_sentence;
@@ -30,11 +30,6 @@ pub fn prediction_file(prediction: &Prediction) -> PredictionFile {
         sigma: m.sigma,
         met: m.is_met(),
     });
-    let peaks = prediction.peaks.iter().map(|p| PeakFile {
-        what: p.what.clone(),
-        unit: p.unit.to_owned(),
-        value: p.value,
-    });
     let mut file = PredictionFile {
         schema: PREDICTION.to_owned(),
         poinsot: env!("CARGO_PKG_VERSION").to_owned(),
@@ -57,10 +52,8 @@ pub fn prediction_file(prediction: &Prediction) -> PredictionFile {
         covariance: covariance(bound),
         identifiability: identifiability(&bound.identifiability),
         assumptions: prediction.assumptions.clone(),
-        peaks: peaks.collect(),
-        against_duration: (!prediction.against_duration.is_empty()).then(|| {
-            against_duration_file(&prediction.against_duration, prediction.followed.iter())
-        }),
+        peaks: prediction.peaks.clone(),
+        against_duration: prediction.against_duration.clone(),
     };
     file.in_words = prediction_sentence(&file);
     file

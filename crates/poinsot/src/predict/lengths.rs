@@ -14,15 +14,6 @@ use rayon::prelude::*;
 /// Number of equally spaced ends of the record.
 const PARTS: u32 = 12;
 
-/// Sigmas for a record that ends at this time.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Ended {
-    /// End of the record, s.
-    pub end_s: f64,
-    /// One entry per number; `None` if not identifiable.
-    pub sigmas: Vec<Option<f64>>,
-}
-
 /// Sigmas of the wanted numbers for records that end after each twelfth of the duration.
 ///
 /// # Errors
@@ -32,9 +23,10 @@ pub struct Ended {
 #[doc = include_str!("../../doc/case.txt")]
 /// use poinsot::predict::against_duration;
 ///
-/// let ended = against_duration(&case, &model, &case::estimated_numbers(&model), 1.0)?;
+/// let found = against_duration(&case, &model, &case::estimated_numbers(&model), 1.0)?;
+/// assert_eq!((found.end_s.len(), found.end_s[11], found.numbers.len()), (12, 10.0, 6));
 /// // A longer record is never worse.
-/// let of_xx: Vec<f64> = ended.iter().filter_map(|e| e.sigmas[0]).collect();
+/// let of_xx: Vec<f64> = found.numbers[0].sigma.iter().copied().flatten().collect();
 /// assert!(of_xx.windows(2).all(|pair| pair[1] < 1.001 * pair[0]));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -43,53 +35,32 @@ pub fn against_duration(
     model: &Model,
     wants: &[Want],
     relative_accuracy: f64,
-) -> Result<Vec<Ended>, Error> {
+) -> Result<AgainstDurationFile, Error> {
     let exact = simulate_exact(case, model)?.table;
     let tree = Tree::new(model);
-    let of = |part: u32| {
-        let end_s = case.duration_s * f64::from(part) / f64::from(PARTS);
-        let bound = bind(model, &tree, &[cut_at(&exact, end_s)]).ok();
+    let parts = 1..=PARTS;
+    let end = |part: u32| case.duration_s * f64::from(part) / f64::from(PARTS);
+    let end_s: Vec<f64> = parts.map(end).collect();
+    let sigmas = |end_s: &f64| -> Vec<Option<f64>> {
+        let bound = bind(model, &tree, &[cut_at(&exact, *end_s)]).ok();
         // A record with too few samples determines nothing.
         let estimate = bound.and_then(|bound| {
-            predicted_covariance(&Problem {
+            let problem = Problem {
                 relative_accuracy,
                 ..bound.problem(model, &tree)
-            })
-            .ok()
+            };
+            predicted_covariance(&problem).ok()
         });
         let sigma = |want: &Want| wanted_sigma(estimate.as_ref()?, want);
-        Ended {
-            end_s,
-            sigmas: wants.iter().map(sigma).collect(),
-        }
+        wants.iter().map(sigma).collect()
     };
-    Ok((1..=PARTS).into_par_iter().map(of).collect())
-}
-
-/// The sigmas for shorter records as a file.
-///
-/// ```
-#[doc = include_str!("../../doc/case.txt")]
-/// use poinsot::predict::{against_duration, against_duration_file};
-///
-/// let numbers = case::estimated_numbers(&model);
-/// let ended = against_duration(&case, &model, &numbers, 1.0)?;
-/// let file = against_duration_file(&ended, numbers.iter());
-/// assert_eq!((file.end_s.len(), file.end_s[11], file.numbers.len()), (12, 10.0, 6));
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-pub fn against_duration_file<'w>(
-    ended: &[Ended],
-    wants: impl Iterator<Item = &'w Want>,
-) -> AgainstDurationFile {
-    let numbers = wants.enumerate().map(|(k, want)| SigmasFile {
+    let sigmas: Vec<Vec<Option<f64>>> = end_s.par_iter().map(sigmas).collect();
+    let number = |(k, want): (usize, &Want)| SigmasFile {
         name: want.name.clone(),
         unit: want.unit.to_owned(),
         wanted_sigma: finite(want.sigma),
-        sigma: ended.iter().map(|e| e.sigmas[k]).collect(),
-    });
-    AgainstDurationFile {
-        end_s: ended.iter().map(|e| e.end_s).collect(),
-        numbers: numbers.collect(),
-    }
+        sigma: sigmas.iter().map(|of_end| of_end[k]).collect(),
+    };
+    let numbers = wants.iter().enumerate().map(number).collect();
+    Ok(AgainstDurationFile { end_s, numbers })
 }

@@ -2,19 +2,9 @@
 
 use crate::case::Scenario;
 use poinsot_dynamics::{MotionSample, Tree};
+use poinsot_formats::PeakFile;
 use poinsot_model::{JointKind, Model};
 use poinsot_spatial::UnitQuaternion;
-
-/// Largest magnitude of a quantity over the samples.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Peak {
-    /// For example "rate of joint1".
-    pub what: String,
-    /// Unit.
-    pub unit: &'static str,
-    /// Largest magnitude.
-    pub value: f64,
-}
 
 /// Collects peaks sample by sample, in a fixed order.
 #[derive(Debug, Clone, Default)]
@@ -49,7 +39,7 @@ impl Peaks {
     }
 
     /// The peaks with names, and the impulse of every firing thruster.
-    pub fn named(&self, model: &Model, scenario: &Scenario) -> Vec<Peak> {
+    pub fn named(&self, model: &Model, scenario: &Scenario) -> Vec<PeakFile> {
         let mut names: Vec<(String, &'static str)> = vec![
             ("body rate".to_owned(), "rad/s"),
             ("turn from the first attitude".to_owned(), "rad"),
@@ -69,10 +59,10 @@ impl Peaks {
             names.push((format!("torque of {}", wheel.name), "N m"));
         }
         let named = names.into_iter().zip(&self.values);
-        let mut all: Vec<Peak> = named
-            .map(|((what, unit), value)| Peak {
+        let mut all: Vec<PeakFile> = named
+            .map(|((what, unit), value)| PeakFile {
                 what,
-                unit,
+                unit: unit.to_owned(),
                 value: *value,
             })
             .collect();
@@ -86,9 +76,9 @@ impl Peaks {
             let lengths = own.map(|f| f.force * (f.off.min(end) - f.on.max(0.0)).max(0.0));
             let impulse: f64 = lengths.sum();
             if impulse > 0.0 {
-                all.push(Peak {
+                all.push(PeakFile {
                     what: format!("impulse of {}", thruster.name),
-                    unit: "N s",
+                    unit: "N s".to_owned(),
                     value: impulse,
                 });
             }

@@ -237,6 +237,28 @@ impl Sums {
         Ok(())
     }
 
+    /// Whether these are sums of the trials of a range, each counted once.
+    pub(crate) fn is_of(&self, range: (u64, u64)) -> bool {
+        let statuses = self
+            .statuses
+            .iter()
+            .try_fold(0, |n: u64, (_, m)| n.checked_add(*m));
+        let number = |n: &NumberSums| {
+            let stated = n.trials.checked_sub(n.unstated);
+            let finite = [n.error, n.square, n.variance]
+                .iter()
+                .all(|x| x.is_finite());
+            n.trials <= self.answers && stated.is_some_and(|s| n.held <= s) && finite
+        };
+        self.ranges == [range]
+            && self.trials == range.1 - range.0
+            && self.answers <= self.trials
+            && self.failures <= self.trials
+            && self.doubted <= self.answers
+            && statuses == Some(self.answers)
+            && self.numbers.iter().all(number)
+    }
+
     /// Reads a file of [`Self::write`].
     ///
     /// # Errors

@@ -1,5 +1,7 @@
 //! One quantity from two sources over time, and its difference.
 
+use poinsot_formats::{ComparedQuantityFile, InSigmasFile};
+
 /// Names and values, one row per component.
 pub type Rows = (Vec<String>, Vec<Vec<f64>>);
 
@@ -29,18 +31,7 @@ pub struct Compared {
     /// RMS norm.
     pub rms: f64,
     /// The difference in units of the declared noise, if any.
-    pub sigmas: Option<Sigmas>,
-}
-
-/// A difference in units of the declared noise.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sigmas {
-    /// RMS of a component.
-    pub rms: f64,
-    /// Largest component.
-    pub largest: f64,
-    /// p-value of the whiteness test of the difference; `None` if not computed.
-    pub whiteness_p: Option<f64>,
+    pub sigmas: Option<InSigmasFile>,
 }
 
 impl Compared {
@@ -81,6 +72,18 @@ impl Compared {
             largest: largest.0,
             largest_at_s: largest.1,
             sigmas: None,
+        }
+    }
+    /// The quantity in the result file.
+    pub(super) fn file(&self) -> ComparedQuantityFile {
+        ComparedQuantityFile {
+            quantity: self.name.clone(),
+            unit: self.unit.to_owned(),
+            samples: self.time_s.len(),
+            largest: self.largest,
+            largest_at_s: self.largest_at_s,
+            rms: self.rms,
+            sigmas: self.sigmas,
         }
     }
 }

@@ -8,6 +8,7 @@ use super::motion::{Path, compare_paths, path};
 use super::telemetry::held_back_chi2;
 use crate::case::Case;
 use crate::error::Error;
+use poinsot_formats::{CompletedFile, PredictionChangeFile};
 use poinsot_identify::Completion;
 use poinsot_model::Model;
 use poinsot_telemetry::Table;
@@ -18,24 +19,6 @@ const MOVED: f64 = 0.1;
 const MATTERS: f64 = 1.0e-6;
 /// Significant change of chi-square per degree of freedom.
 const MATTERS_CHI2: f64 = 1.0e-3;
-
-/// Sensitivity of the prediction to the unobservable directions.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct OpenEffect {
-    /// Variation of each direction, in natural units of its own parameter.
-    pub moved: f64,
-    /// Largest change of each quantity: name, unit, change.
-    pub changes: Vec<(String, &'static str, f64)>,
-    /// Parameters whose direction changes the prediction, strongest first.
-    pub dependent: Vec<String>,
-}
-
-impl OpenEffect {
-    /// Whether the prediction depends on undetermined numbers.
-    pub fn matters(&self) -> bool {
-        !self.dependent.is_empty()
-    }
-}
 
 /// Varies the vehicle along every unobservable direction of its completion; `own` is the motion without variation.
 ///
@@ -49,7 +32,7 @@ impl OpenEffect {
 /// let vehicle = of_estimate(&identified.estimate, &model)?;
 /// let own = path(&case, &vehicle.mover)?;
 /// // No direction is open, so none matters.
-/// assert!(!motion_effect(&case, &model, &vehicle.completion.unwrap(), &own)?.matters());
+/// assert!(motion_effect(&case, &model, &vehicle.completion.unwrap(), &own)?.depends_on.is_empty());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn motion_effect(
@@ -57,40 +40,62 @@ pub fn motion_effect(
     model: &Model,
     completion: &Completion,
     own: &Path,
-) -> Result<OpenEffect, Error> {
+) -> Result<CompletedFile, Error> {
     let travel = travel(own);
-    let mut effect = OpenEffect {
-        moved: MOVED,
-        ..OpenEffect::default()
-    };
-    let mut dependent: Vec<(f64, String)> = Vec::new();
-    for direction in &completion.open {
-        let moved = Mover::of_estimate(model, &completion.moved(direction, MOVED));
+    effect(model, completion, MATTERS, Vec::new(), |moved, changes| {
         // A vehicle that cannot be simulated counts as changed.
-        let Ok(other) = path(case, &moved) else {
-            dependent.push((f64::INFINITY, completion.name(direction).to_owned()));
-            continue;
+        let Ok(other) = path(case, moved) else {
+            return Ok(f64::INFINITY);
         };
         let mut strongest = 0.0_f64;
         for (one, travel) in compare_paths(own, &other).iter().zip(&travel) {
-            match effect.changes.iter_mut().find(|c| c.0 == one.name) {
-                Some(known) => known.2 = known.2.max(one.largest),
-                None => effect
-                    .changes
-                    .push((one.name.clone(), one.unit, one.largest)),
+            match changes.iter_mut().find(|c| c.quantity == one.name) {
+                Some(known) => known.largest = known.largest.max(one.largest),
+                None => changes.push(change(&one.name, one.unit, one.largest)),
             }
             let share = one.largest / travel;
             if share > strongest || share.is_nan() {
                 strongest = share;
             }
         }
-        if strongest > MATTERS || strongest.is_nan() {
-            dependent.push((strongest, completion.name(direction).to_owned()));
+        Ok(strongest)
+    })
+}
+
+fn change(quantity: &str, unit: &str, largest: f64) -> PredictionChangeFile {
+    PredictionChangeFile {
+        quantity: quantity.to_owned(),
+        unit: unit.to_owned(),
+        largest,
+    }
+}
+
+/// Moves the vehicle along every unobservable direction; the prediction depends on those whose `strength` is above the
+/// limit.
+fn effect(
+    model: &Model,
+    completion: &Completion,
+    limit: f64,
+    mut changes: Vec<PredictionChangeFile>,
+    strength: impl Fn(&Mover, &mut Vec<PredictionChangeFile>) -> Result<f64, Error>,
+) -> Result<CompletedFile, Error> {
+    let mut dependent: Vec<(f64, String)> = Vec::new();
+    for direction in &completion.open {
+        let moved = Mover::of_estimate(model, &completion.moved(direction, MOVED));
+        let strength = strength(&moved, &mut changes)?;
+        if strength > limit || strength.is_nan() {
+            dependent.push((strength, completion.name(direction).to_owned()));
         }
     }
     dependent.sort_by(|a, b| b.0.total_cmp(&a.0));
-    effect.dependent = dependent.into_iter().map(|d| d.1).collect();
-    Ok(effect)
+    Ok(CompletedFile {
+        determined: completion.x.len().saturating_sub(completion.open.len()),
+        open: completion.open.len(),
+        distance_natural: completion.distance,
+        open_moved_by_natural: MOVED,
+        prediction_changes: changes,
+        depends_on: dependent.into_iter().map(|d| d.1).collect(),
+    })
 }
 
 /// Largest displacement of each quantity of a path from its start, at least 1e-3 m or rad.
@@ -123,7 +128,7 @@ fn travel(path: &Path) -> Vec<f64> {
 ///
 /// let completion = of_estimate(&identified.estimate, &model)?.completion.unwrap();
 /// // No direction is open, so none matters.
-/// assert!(!held_back_effect(&model, &completion, &[table], 1.0)?.matters());
+/// assert!(held_back_effect(&model, &completion, &[table], 1.0)?.depends_on.is_empty());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn held_back_effect(
@@ -131,29 +136,15 @@ pub fn held_back_effect(
     completion: &Completion,
     tables: &[Table],
     own: f64,
-) -> Result<OpenEffect, Error> {
-    let mut effect = OpenEffect {
-        moved: MOVED,
-        ..OpenEffect::default()
-    };
-    let mut largest = 0.0_f64;
-    let mut dependent: Vec<(f64, String)> = Vec::new();
-    for direction in &completion.open {
-        let moved = Mover::of_estimate(model, &completion.moved(direction, MOVED));
-        let change = match held_back_chi2(&moved, tables) {
+) -> Result<CompletedFile, Error> {
+    let none = vec![change("chi-square per degree of freedom", "", 0.0)];
+    effect(model, completion, MATTERS_CHI2, none, |moved, changes| {
+        let change = match held_back_chi2(moved, tables) {
             Ok(found) => (found - own).abs(),
             Err(Error::Problem(_)) => f64::INFINITY,
             Err(other) => return Err(other),
         };
-        largest = largest.max(change);
-        if change > MATTERS_CHI2 || change.is_nan() {
-            dependent.push((change, completion.name(direction).to_owned()));
-        }
-    }
-    effect
-        .changes
-        .push(("chi-square per degree of freedom".to_owned(), "", largest));
-    dependent.sort_by(|a, b| b.0.total_cmp(&a.0));
-    effect.dependent = dependent.into_iter().map(|d| d.1).collect();
-    Ok(effect)
+        changes[0].largest = changes[0].largest.max(change);
+        Ok(change)
+    })
 }

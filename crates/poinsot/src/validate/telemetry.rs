@@ -1,6 +1,6 @@
 //! Compares a vehicle with telemetry: its motion in a case, or a held-back record.
 
-use super::compared::{Compared, Sigmas};
+use super::compared::Compared;
 use super::motion::{scenario, turn};
 use super::{Mover, ValidateError};
 use crate::bind::bind;
@@ -10,6 +10,7 @@ use crate::error::Error;
 use crate::simulate::perfect_table;
 use nalgebra::Quaternion;
 use poinsot_dynamics::Tree;
+use poinsot_formats::InSigmasFile;
 use poinsot_identify::{
     CompletedVehicle, HeldBack, PredictedChannel, Prediction, SegmentFit, held_back,
 };
@@ -150,31 +151,19 @@ impl Group<'_> {
     }
 
     fn compare(&self, exact: &Table, measured: &Table, until: f64) -> Option<Compared> {
-        let found: Option<Vec<&Channel>> = self
-            .channels
-            .iter()
-            .map(|name| self.find(measured, name))
-            .collect();
-        let found = found.filter(|c| !c.is_empty())?;
-        let computed: Option<Vec<&Channel>> = self
-            .channels
-            .iter()
-            .map(|name| self.find(exact, name))
-            .collect();
-        let computed = computed?;
-        let together = |t: &f64| {
-            (0.0..=until).contains(t)
-                && found
-                    .iter()
-                    .all(|c| c.time_s.binary_search_by(|own| own.total_cmp(t)).is_ok())
+        let of = |table| {
+            self.channels
+                .iter()
+                .map(|name| self.find(table, name))
+                .collect()
         };
-        let times: Vec<f64> = found
-            .first()?
-            .time_s
-            .iter()
-            .copied()
-            .filter(together)
-            .collect();
+        let found: Vec<&Channel> = Option::filter(of(measured), |c: &Vec<_>| !c.is_empty())?;
+        let computed: Option<Vec<&Channel>> = of(exact);
+        let computed = computed?;
+        let has = |c: &&Channel, t: &f64| c.time_s.binary_search_by(|own| own.total_cmp(t)).is_ok();
+        let together = |t: &f64| (0.0..=until).contains(t) && found.iter().all(|c| has(c, t));
+        let times = found.first()?.time_s.iter().copied();
+        let times: Vec<f64> = times.filter(together).collect();
         if times.is_empty() {
             return None;
         }
@@ -209,7 +198,7 @@ impl Group<'_> {
     }
 
     /// Differences in units of the declared noise including rounding, per axis.
-    fn sigmas(&self, difference: &[Vec<f64>]) -> Option<Sigmas> {
+    fn sigmas(&self, difference: &[Vec<f64>]) -> Option<InSigmasFile> {
         let sensor = self.sensor?;
         let covariance = sensor.noise_covariance.unwrap_or_default();
         let step = sensor.quantisation * sensor.quantisation / 12.0;
@@ -226,7 +215,7 @@ impl Group<'_> {
                 largest = largest.max((x / sigma).abs());
             }
         }
-        Some(Sigmas {
+        Some(InSigmasFile {
             rms: (square / count.max(1) as f64).sqrt(),
             largest,
             whiteness_p: None,
@@ -358,7 +347,7 @@ fn of_segment(
             if many {
                 one.name = format!("{} of {}", channel.name, fit.label);
             }
-            one.sigmas = channel.chi2_per_number.map(|chi2| Sigmas {
+            one.sigmas = channel.chi2_per_number.map(|chi2| InSigmasFile {
                 rms: chi2.sqrt(),
                 largest: *worst,
                 whiteness_p: channel.whiteness_p,
