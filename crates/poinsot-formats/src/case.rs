@@ -91,10 +91,8 @@ pub struct CaseFile {
     #[serde(default, skip_serializing_if = "is_usual")]
     pub joint_torque: Vec<JointTorqueFile>,
     /// Attitude feedback by the wheels.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub control: Option<Placed<ControlFile>>,
     /// Accuracy of the integration.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub integration: Option<IntegrationFile>,
     /// What is written.
     pub output: Placed<OutputFile>,
@@ -105,7 +103,6 @@ pub struct CaseFile {
     #[serde(default, skip_serializing_if = "is_usual")]
     pub limits: LimitsFile,
     /// Free motions and objective of `design`.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub design: Option<Placed<DesignFile>>,
 }
 
@@ -152,25 +149,18 @@ fn is_usual<T: Default + PartialEq>(value: &T) -> bool {
 #[schemars(rename = "CaseStartFile")]
 pub struct InitialFile {
     /// Attitude R_NB: quaternion, Hamilton, scalar last. Default: aligned with N.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub q_xyzw: Option<Placed<[f64; 4]>>,
     /// Angular velocity of B relative to N, axes of B, rad/s.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub omega_rad_s: Option<Placed<[f64; 3]>>,
     /// Position of the origin of B in N, m.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub r_m: Option<Placed<[f64; 3]>>,
     /// Velocity of the origin of B in N, m/s.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub v_m_s: Option<Placed<[f64; 3]>>,
     /// true: the vehicle has no momentum. In place of velocities.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub momentum_zero: Option<Placed<bool>>,
     /// Linear momentum of the vehicle in N, N s. In place of velocities.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub linear_N_s: Option<Placed<[f64; 3]>>,
     /// Angular momentum about the mass centre of the vehicle in N, N m s. In place of velocities.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub angular_N_m_s: Option<Placed<[f64; 3]>>,
     /// Start of joints that torques or springs move.
     #[serde(default, skip_serializing_if = "is_usual")]
@@ -185,16 +175,12 @@ pub struct InitialJointFile {
     pub joint: Placed<String>,
     /// Position of a revolute joint, rad. Default: the rest position of its spring, else the locked position of the
     /// model.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub position_rad: Option<Placed<f64>>,
     /// Position of a prismatic joint, m.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub position_m: Option<Placed<f64>>,
     /// Rate of a revolute joint, rad/s. Default 0.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub rate_rad_s: Option<Placed<f64>>,
     /// Rate of a prismatic joint, m/s. Default 0.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub rate_m_s: Option<Placed<f64>>,
 }
 
@@ -207,34 +193,24 @@ pub struct JointMotionFile {
     /// Through nodes "quintic_rest" (at rest at every node) or "cubic_clamped" (at rest at both ends); or "fourier".
     pub interpolation: Placed<String>,
     /// Times of the nodes, ascending, s.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub time_s: Option<Placed<Vec<f64>>>,
     /// Positions of a revolute joint at the nodes, rad.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub position_rad: Option<Placed<Vec<f64>>>,
     /// Positions of a prismatic joint at the nodes, m.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub position_m: Option<Placed<Vec<f64>>>,
     /// Fourier: base frequency, Hz.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub base_frequency_hz: Option<Placed<f64>>,
     /// Fourier: constant part, rad.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub offset_rad: Option<Placed<f64>>,
     /// Fourier: constant part, m.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub offset_m: Option<Placed<f64>>,
     /// Fourier: sine amplitude of each harmonic, rad.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub sine_rad: Option<Placed<Vec<f64>>>,
     /// Fourier: sine amplitude of each harmonic, m.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub sine_m: Option<Placed<Vec<f64>>>,
     /// Fourier: cosine amplitude of each harmonic, rad.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub cosine_rad: Option<Placed<Vec<f64>>>,
     /// Fourier: cosine amplitude of each harmonic, m.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub cosine_m: Option<Placed<Vec<f64>>>,
 }
 
@@ -245,40 +221,28 @@ pub struct JointTorqueFile {
     /// Name of the joint.
     pub joint: Placed<String>,
     /// Constant torque of a revolute joint, N m.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub constant_N_m: Option<Placed<f64>>,
     /// Constant force of a prismatic joint, N.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub constant_N: Option<Placed<f64>>,
     /// Amplitude of a sinusoid, N m: amplitude sin(frequency t + phase).
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub amplitude_N_m: Option<Placed<f64>>,
     /// Amplitude of a sinusoid, N.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub amplitude_N: Option<Placed<f64>>,
     /// Angular frequency of the sinusoid, rad/s.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub frequency_rad_s: Option<Placed<f64>>,
     /// Phase of the sinusoid, rad. Default 0.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub phase_rad: Option<Placed<f64>>,
     /// Times of the nodes of a table, ascending, s.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub time_s: Option<Placed<Vec<f64>>>,
     /// Torques at the nodes, N m.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub torque_N_m: Option<Placed<Vec<f64>>>,
     /// Forces at the nodes, N.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub force_N: Option<Placed<Vec<f64>>>,
     /// Telemetry file with the torques, relative to the case.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub file: Option<Placed<String>>,
     /// Column of the file. Default: `<joint>_Nm`, of a prismatic joint `<joint>_N`.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub column: Option<Placed<String>>,
     /// "constant" (default: from a node to the next) or "linear".
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub interpolation: Option<Placed<String>>,
 }
 
@@ -289,25 +253,18 @@ pub struct WheelMotionFile {
     /// Name of the wheel.
     pub wheel: Placed<String>,
     /// Times of the nodes of a table, ascending, s.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub time_s: Option<Placed<Vec<f64>>>,
     /// Speeds relative to the host at the nodes, rad/s.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub speed_rad_s: Option<Placed<Vec<f64>>>,
     /// Motor torques at the nodes, N m.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub torque_N_m: Option<Placed<Vec<f64>>>,
     /// Telemetry file with the speeds or torques, relative to the case. In place of a table.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub file: Option<Placed<String>>,
     /// Column of the file: a speed where it ends in `_rad_s`, a torque where it ends in `_Nm`. Default: `<wheel>_rad_s`.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub column: Option<Placed<String>>,
     /// Speed at time 0 of a wheel that a torque drives, rad/s. Default 0.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub initial_speed_rad_s: Option<Placed<f64>>,
     /// Of speeds "linear" (default) or "cubic_clamped", of torques "constant" (default) or "linear".
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub interpolation: Option<Placed<String>>,
 }
 
@@ -330,22 +287,16 @@ pub struct FiringFile {
 #[serde(deny_unknown_fields)]
 pub struct ControlFile {
     /// On the vector part of the error quaternion.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub proportional_N_m: Option<Placed<[[f64; 3]; 3]>>,
     /// On the angular velocity: 3 by 3, N m s.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub derivative_N_m_s: Option<Placed<[[f64; 3]; 3]>>,
     /// With `damping_ratio` in place of the two gains: 2 w^2 I and 2 zeta w I, rad/s.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub natural_frequency_rad_s: Option<Placed<f64>>,
     /// Damping ratio.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub damping_ratio: Option<Placed<f64>>,
     /// Time over which a command is held; continuous without it.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub period_s: Option<Placed<f64>>,
     /// What is commanded of a wheel: "torque" of its motor (default) or "acceleration" relative to the body.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub drive: Option<Placed<String>>,
     /// Attitudes to reach. Default: aligned with N.
     #[serde(default, skip_serializing_if = "is_usual")]
@@ -372,19 +323,14 @@ pub struct ControlWheelFile {
     /// Name of the wheel.
     pub wheel: Placed<String>,
     /// Speed at time 0, rad/s. Default 0.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub initial_speed_rad_s: Option<f64>,
     /// Largest motor torque, N m. Default: none.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub max_torque_N_m: Option<f64>,
     /// Largest speed, rad/s. Default: none.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub max_speed_rad_s: Option<f64>,
     /// Viscous friction, N m s. Default 0.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub viscous_N_m_s: Option<f64>,
     /// Coulomb friction, N m. Default 0.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub coulomb_N_m: Option<f64>,
 }
 
@@ -435,37 +381,26 @@ pub struct SensorOutputFile {
     /// Name of the sensor in the model.
     pub name: Placed<String>,
     /// Samples per second, Hz; the rate of the rows divided by a whole number. Default: every row.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub rate_hz: Option<Placed<f64>>,
     /// True bias in the axes of the sensor, rad.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub bias_rad: Option<Placed<Vec<f64>>>,
     /// True bias, rad/s.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub bias_rad_s: Option<Placed<Vec<f64>>>,
     /// True bias, m.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub bias_m: Option<Placed<Vec<f64>>>,
     /// True bias, m/s.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub bias_m_s: Option<Placed<Vec<f64>>>,
     /// True bias, m/s2.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub bias_m_s2: Option<Placed<Vec<f64>>>,
     /// True bias, N.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub bias_N: Option<Placed<Vec<f64>>>,
     /// Relative error of each axis; of a sensor of joints, wheels or thrusters one for each of them, or one for all.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub scale: Option<Placed<Vec<f64>>>,
     /// Small rotation between true and assumed axes, rad.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub misalignment_rad: Option<Placed<[f64; 3]>>,
     /// Turn of two axes towards each other, yz, xz, xy, rad.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub nonorthogonality_rad: Option<Placed<[f64; 3]>>,
     /// Delay of the sensor, s.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub lag_s: Option<Placed<f64>>,
 }
 
@@ -474,16 +409,12 @@ pub struct SensorOutputFile {
 #[serde(deny_unknown_fields)]
 pub struct WantFile {
     /// Address of a number, for example "bus.com_m.x".
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub number: Option<Placed<String>>,
     /// Combination instead of one number: factor by address.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub combination: Option<Placed<BTreeMap<String, f64>>>,
     /// Wanted one sigma, in the unit of the number.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub sigma: Option<Placed<f64>>,
     /// The same as a share of the nominal mass, or of the mean principal moment of the body.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub relative: Option<Placed<f64>>,
 }
 
@@ -492,10 +423,8 @@ pub struct WantFile {
 #[serde(deny_unknown_fields)]
 pub struct LimitsFile {
     /// Largest angular rate of the base, rad/s.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub body_rate_rad_s: Option<Placed<f64>>,
     /// Smallest distance between capsules of bodies that no joint connects, m.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub clearance_m: Option<Placed<f64>>,
     /// Limits of joints.
     #[serde(default, skip_serializing_if = "is_usual")]
@@ -519,31 +448,22 @@ pub struct LimitsFile {
 #[serde(deny_unknown_fields)]
 pub struct JointLimitFile {
     /// Names. Default: all.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub joints: Option<Vec<Placed<String>>>,
     /// Smallest and largest position, rad.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub position_rad: Option<Placed<[f64; 2]>>,
     /// Smallest and largest position, m.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub position_m: Option<Placed<[f64; 2]>>,
     /// Largest rate, rad/s.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub rate_rad_s: Option<Placed<f64>>,
     /// Largest rate, m/s.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub rate_m_s: Option<Placed<f64>>,
     /// Largest acceleration, rad/s2.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub acceleration_rad_s2: Option<Placed<f64>>,
     /// Largest acceleration, m/s2.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub acceleration_m_s2: Option<Placed<f64>>,
     /// Largest motor torque, N m.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub torque_N_m: Option<Placed<f64>>,
     /// Largest motor force, N.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub force_N: Option<Placed<f64>>,
 }
 
@@ -552,16 +472,12 @@ pub struct JointLimitFile {
 #[serde(deny_unknown_fields)]
 pub struct WheelLimitFile {
     /// Names. Default: all.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub wheels: Option<Vec<Placed<String>>>,
     /// Largest speed, rad/s.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub speed_rad_s: Option<Placed<f64>>,
     /// Largest motor torque, N m.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub torque_N_m: Option<Placed<f64>>,
     /// Largest momentum of each, N m s.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub momentum_N_m_s: Option<Placed<f64>>,
 }
 
@@ -570,25 +486,18 @@ pub struct WheelLimitFile {
 #[serde(deny_unknown_fields)]
 pub struct ThrusterLimitFile {
     /// Names. Default: all.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub thrusters: Option<Vec<Placed<String>>>,
     /// Shortest firing, s.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub minimum_on_s: Option<Placed<f64>>,
     /// Shortest pause between two firings of one thruster, s.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub minimum_off_s: Option<Placed<f64>>,
     /// Largest impulse of these thrusters together, N s.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub impulse_N_s: Option<Placed<f64>>,
     /// The same as propellant, kg; needs `specific_impulse_s`.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub propellant_kg: Option<Placed<f64>>,
     /// Specific impulse, s.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub specific_impulse_s: Option<Placed<f64>>,
     /// Half angle of the plume, rad: no capsule of another body lies in it while the thruster fires.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub plume_rad: Option<Placed<f64>>,
 }
 
@@ -603,10 +512,8 @@ pub struct ConeFile {
     /// Direction in N.
     pub direction_N: Placed<[f64; 3]>,
     /// Smallest angle between the two, rad.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub keep_out_rad: Option<Placed<f64>>,
     /// Largest angle between the two, rad.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub keep_in_rad: Option<Placed<f64>>,
 }
 
@@ -619,7 +526,6 @@ pub struct CapsuleFile {
     /// One end in the body's frame, m.
     pub from_m: Placed<[f64; 3]>,
     /// The other end. Default: the same, a sphere.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub to_m: Option<Placed<[f64; 3]>>,
     /// Radius, m.
     pub radius_m: Placed<f64>,
@@ -640,21 +546,17 @@ pub struct DesignFile {
     #[serde(default, skip_serializing_if = "is_usual")]
     pub priors: bool,
     /// Largest number of manoeuvre evaluations. Default 12000.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub evaluations: Option<Placed<usize>>,
     /// Starts of the search.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub starts: Option<Placed<usize>>,
     /// Seed of the search. Default 0.
     #[serde(default, skip_serializing_if = "is_usual")]
     pub seed: u64,
     /// Begin of the designed manoeuvre, s. Motions and firings of the case that end before it are flown first, and a
     /// joint or wheel starts where they leave it. Default 0.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub from_s: Option<Placed<f64>>,
     /// End of the designed manoeuvre, s. Motions and firings of the case that begin after it are flown next, and a joint
     /// or wheel ends where they take it up. Default: the duration.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub until_s: Option<Placed<f64>>,
     /// Joints that may move.
     #[serde(default, skip_serializing_if = "is_usual")]
@@ -685,27 +587,20 @@ pub enum Objective {
 #[serde(deny_unknown_fields)]
 pub struct DesignJointFile {
     /// Names. Default: all.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub joints: Option<Vec<Placed<String>>>,
     /// "fourier", "spline" or "slews".
     pub form: Placed<String>,
     /// Fourier: harmonics.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub harmonics: Option<Placed<usize>>,
     /// Fourier: base frequency, Hz. Default: one period in the duration.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub base_frequency_hz: Option<Placed<f64>>,
     /// Fourier: whether the joint starts without rate and acceleration. Default false.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub at_rest: Option<Placed<bool>>,
     /// Spline: nodes.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub nodes: Option<Placed<usize>>,
     /// Slews: how many.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub slews: Option<Placed<usize>>,
     /// Whether the final position equals the initial one. Default true. A motion flown next sets the final one.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub returns: Option<Placed<bool>>,
 }
 
@@ -714,15 +609,12 @@ pub struct DesignJointFile {
 #[serde(deny_unknown_fields)]
 pub struct DesignWheelFile {
     /// Names. Default: all.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub wheels: Option<Vec<Placed<String>>>,
     /// Nodes of the speed.
     pub nodes: Placed<usize>,
     /// Speed at the start, rad/s. Default: that of the motion flown first, else 0.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub start_speed_rad_s: Option<Placed<f64>>,
     /// Whether the final speed equals the initial one. Default true. A motion flown next sets the final one.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub returns: Option<Placed<bool>>,
 }
 
@@ -731,7 +623,6 @@ pub struct DesignWheelFile {
 #[serde(deny_unknown_fields)]
 pub struct DesignThrusterFile {
     /// Names. Default: all.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub thrusters: Option<Vec<Placed<String>>>,
     /// Firings of each.
     pub firings: Placed<usize>,
