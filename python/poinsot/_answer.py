@@ -364,7 +364,14 @@ class Answer:
             write_text(path, page)
         return page
 
-    def export(self, to: str, path: PathLike | None = None, *, onto: PathLike | None = None) -> str:
+    def export(
+        self,
+        to: str,
+        path: PathLike | None = None,
+        *,
+        onto: PathLike | None = None,
+        accept_unreliable: bool = False,
+    ) -> str:
         """Write the numbers into the file of another program.
 
         Parameters
@@ -376,13 +383,15 @@ class Answer:
             File to write.
         onto
             The file that the vehicle came from; nothing but mass properties changes.
+        accept_unreliable
+            Export numbers that are not reliable too; the file says why they are not.
 
         Returns
         -------
         str
             The text of the file. Bodies that are not fully determined keep their numbers; a warning names them.
         """
-        text, left_out = self._core.export(to, onto)
+        text, left_out = self._core.export(to, onto, accept_unreliable)
         for line in left_out:
             warnings.warn(line, stacklevel=2)
         if path is not None:

@@ -79,7 +79,7 @@ class Folder:
 
 
 class Bucket:
-    """A folder of an object store. The merge reads a mirror: sums whole, rows as empty files of the same size."""
+    """A folder of an object store. The merge reads a mirror: sums whole, for rows a file `.elsewhere` of their size."""
 
     def __init__(self, url: str, mirror: str | None = None) -> None:
         core = need("fsspec", "fsspec").core
@@ -118,6 +118,8 @@ class Bucket:
     def note(self, name: str, data: bytes | int) -> None:
         """Mirror an object."""
         path = Path(self.folder, name)
+        if not name.endswith(".json"):
+            path = path.with_suffix(".elsewhere")
         path.parent.mkdir(parents=True, exist_ok=True)
         with path.open("wb") as file:
             if isinstance(data, bytes) and name.endswith(".json"):

@@ -266,6 +266,9 @@ pub struct Export {
     /// change.
     #[arg(long, value_name = "FILE")]
     pub onto: Option<PathBuf>,
+    /// Export numbers that are not reliable too; the file says why they are not.
+    #[arg(long)]
+    pub accept_unreliable: bool,
     /// File to write. Default: standard output.
     #[arg(long, short = 'o', value_name = "FILE")]
     pub out: Option<PathBuf>,

@@ -1,4 +1,4 @@
-//! A design as `design.json` (`poinsot.design/1`) and as a document.
+//! A design as `design.json` (`poinsot.design/2`) and as a document.
 
 use crate::result::{Designed, Relaxed};
 use poinsot_formats::{

@@ -5,7 +5,7 @@ use crate::result::Designed;
 use crate::shape::Space;
 use poinsot::case::{Case, Design, parse_case};
 use poinsot::simulate::SimulateError;
-use poinsot::{Error, write_files};
+use poinsot::{Error, result_json, write_files};
 use poinsot_dynamics::{Firing, Jet, Tree, WheelMotion, thrust_held};
 use poinsot_files::read_text;
 use poinsot_formats::case::{CaseFile, FiringFile, JointMotionFile, LimitsFile, WheelMotionFile};
@@ -238,8 +238,7 @@ pub fn write_design(
         why: format!("{e}; {}", e.remedy()),
     })?;
     let case = manoeuvre_case(designed, folder)?;
-    let mut json = serde_json::to_string_pretty(&crate::design_file(designed)).unwrap_or_default();
-    json.push('\n');
+    let json = result_json(folder, &crate::design_file(designed), true)?;
     let mut files: Vec<(PathBuf, Vec<u8>)> = vec![
         ("model.toml".into(), text.into_bytes()),
         (

@@ -140,7 +140,7 @@ fn exact_what_a_design_says_is_what_predict_says_of_the_file_it_writes() {
     assert_eq!(rows.lines().count(), 1 + 161);
     let json: serde_json::Value =
         serde_json::from_slice(&std::fs::read(out.join("design.json")).unwrap()).unwrap();
-    assert_eq!(json["schema"], "poinsot.design/1");
+    assert_eq!(json["schema"], "poinsot.design/2");
     assert_eq!(json["wants"].as_array().unwrap().len(), 6);
     // The page shows the vehicle as it turns: by as much as is predicted, one instant a sample.
     write_report(&out, &[], &[]).unwrap();

@@ -138,7 +138,7 @@ impl Stage {
         let target = self.target(name);
         let failed = |e| StageError::new(&target, "cannot be written", e);
         let draft = self.hidden().join(format!("new-{}", self.drafts.len()));
-        let mut file = File::create(&draft).map_err(failed)?;
+        let mut file = File::create_new(&draft).map_err(failed)?;
         write(&mut file)?;
         file.sync_all().map_err(failed)?;
         self.drafts.push(Draft { target, draft });
@@ -154,7 +154,8 @@ impl Stage {
     /// # Errors
     /// A file cannot be put in place; all targets are then unchanged.
     pub fn commit(mut self) -> Result<Vec<PathBuf>, StageError> {
-        // Locked until the end, so that an interruption waits.
+        // Locked until the end, so that another process waits, and an interruption.
+        let _folder = locked(&self.folder);
         let open = open_stages();
         let earlier = match self.earlier_files() {
             Ok(earlier) => earlier,
@@ -231,6 +232,12 @@ impl Drop for Stage {
         }
         remove_folders(&self.made);
     }
+}
+
+/// Locks a folder until the handle is dropped. Windows and some file systems have no such locks.
+fn locked(folder: &Path) -> Option<File> {
+    let folder = File::open(folder).ok()?;
+    folder.lock().ok().map(|()| folder)
 }
 
 /// Copies the earlier file, so that the target is never missing. Returns whether there was one.
@@ -468,6 +475,21 @@ mod tests {
         assert!(!dead.exists() && young.exists() && strange.exists());
         alive.commit().unwrap();
         assert_eq!(names(out), [".poinsot-notes", ".poinsot-young", "x"]);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn exact_a_second_writer_waits() {
+        let folder = tempfile::tempdir().unwrap();
+        let out = folder.path();
+        let first = locked(out).unwrap();
+        let second = stage(out, &[("x", "2")]);
+        let writer = std::thread::spawn(move || second.commit().unwrap());
+        std::thread::sleep(Duration::from_millis(50));
+        assert!(!out.join("x").exists());
+        drop(first);
+        writer.join().unwrap();
+        assert!(out.join("x").exists());
     }
 
     #[test]

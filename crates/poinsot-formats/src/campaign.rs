@@ -1,16 +1,18 @@
-//! The result of a campaign (`campaign.json`, `poinsot.campaign/1`).
+//! The result of a campaign (`campaign.json`, `poinsot.campaign/2`).
 
+use crate::check::Contradiction;
+use crate::read::ResultFile;
 use indexmap::IndexMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Name and version of the format.
-pub const CAMPAIGN: &str = "poinsot.campaign/1";
+pub const CAMPAIGN: &str = "poinsot.campaign/2";
 
 /// Statistics of the trials of a plan.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct CampaignFile {
-    /// "poinsot.campaign/1".
+    /// "poinsot.campaign/2".
     pub schema: String,
     /// Version of the program.
     pub poinsot: String,
@@ -152,4 +154,26 @@ pub struct CampaignCost {
     pub block: (u64, u64),
     /// Trials per shard in the plan.
     pub planned_block: u64,
+}
+
+impl ResultFile for CampaignFile {
+    const SCHEMA: &'static str = CAMPAIGN;
+    const EARLIER: &'static [&'static str] = &["poinsot.campaign/1"];
+
+    fn contradictions(&self) -> Vec<Contradiction> {
+        let methods = self.cells.iter().flat_map(|cell| &cell.methods);
+        let wrong = methods.filter(|method| {
+            let statuses = method.statuses.values();
+            let answers = statuses.fold(0, |sum: u64, n| sum.saturating_add(*n));
+            let numbers = method.numbers.values().map(|n| n.trials);
+            let most = numbers.chain([answers]).max();
+            method.trials > self.trials || most > Some(method.trials)
+        });
+        let contradiction = |method: &MethodResultFile| Contradiction {
+            key: format!("cells.methods.{}.trials", method.method),
+            value: method.trials.to_string(),
+            problem: "the counts are not those of this number of trials".to_owned(),
+        };
+        wrong.map(contradiction).collect()
+    }
 }

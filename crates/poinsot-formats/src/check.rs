@@ -2,6 +2,7 @@
 
 use crate::body::BodyFile;
 use crate::estimate::EstimateFile;
+use crate::number::NumberFile;
 
 /// Valid values of the status of a result.
 const STATUS: [&str; 5] = [
@@ -22,6 +23,8 @@ const EFFECTS: [&str; 6] = [
 ];
 /// Valid values of the source of a number.
 const SOURCES: [&str; 3] = ["data", "prior", "known"];
+/// Largest number; its square is finite.
+const LARGEST: f64 = 1.0e100;
 /// Relative tolerance for two numbers that must be equal; they are written with all digits.
 const SAME: f64 = 1.0e-9;
 
@@ -58,6 +61,9 @@ pub fn contradictions(file: &EstimateFile) -> Vec<Contradiction> {
         let words = STATUS.join(", ");
         let problem = format!("the status is none of {words}");
         say("status".to_owned(), quoted(&file.status), &problem);
+    }
+    for (name, number) in &file.nuisance {
+        size(&format!("nuisance.{name}"), number, &mut say);
     }
     for (name, body) in &file.bodies {
         numbers(name, body, &mut say);
@@ -127,13 +133,32 @@ fn quoted(text: &str) -> String {
     format!("\"{text}\"")
 }
 
+fn text(x: Option<f64>) -> String {
+    x.map_or("null".to_owned(), |x| x.to_string())
+}
+
+/// A number is of a size that some vehicle has, and its sigma is not negative.
+fn size(key: &str, number: &NumberFile, say: &mut impl FnMut(String, String, &str)) {
+    if number.sigma.is_some_and(|s| s < 0.0) {
+        let key = format!("{key}.sigma");
+        say(key, text(number.sigma), "a sigma is not negative");
+    }
+    let parts = [("value", number.value), ("sigma", number.sigma)];
+    for (part, x) in parts.into_iter().chain([("nominal", Some(number.nominal))]) {
+        if x.is_some_and(|x| x.abs() > LARGEST) {
+            say(
+                format!("{key}.{part}"),
+                text(x),
+                "no vehicle has such a number",
+            );
+        }
+    }
+}
+
 fn numbers(name: &str, body: &BodyFile, say: &mut impl FnMut(String, String, &str)) {
     for (address, _, number) in body.addressed(name) {
         let key = |end: &str| format!("bodies.{address}.{end}");
-        let text = |x: Option<f64>| x.map_or("null".to_owned(), |x| x.to_string());
-        if number.sigma.is_some_and(|s| s < 0.0) {
-            say(key("sigma"), text(number.sigma), "a sigma is not negative");
-        }
+        size(&format!("bodies.{address}"), &number, say);
         let source = number.source.as_deref();
         if let Some(word) = source.filter(|s| !SOURCES.contains(s)) {
             let problem = "a source is data, prior or known";
@@ -186,8 +211,7 @@ fn covariance(file: &EstimateFile, say: &mut impl FnMut(String, String, &str)) {
         for (j, x) in row.iter().enumerate().take(i) {
             if *x != matrix[j][i] {
                 let key = format!("covariance.matrix[{i}][{j}]");
-                let value = x.map_or("null".to_owned(), |x| x.to_string());
-                say(key, value, "the matrix is not symmetric");
+                say(key, text(*x), "the matrix is not symmetric");
             }
         }
     }

@@ -1,18 +1,19 @@
 //! `compare --json`: several results of one vehicle side by side.
 
+use crate::read::ResultFile;
 use indexmap::IndexMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Name and version of the format.
-pub const COMPARISON: &str = "poinsot.comparison/1";
+pub const COMPARISON: &str = "poinsot.comparison/2";
 /// p-value below which answers differ.
 pub const DIFFER_BELOW: f64 = 0.01;
 
 /// Several answers of one vehicle side by side.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ComparisonFile {
-    /// "poinsot.comparison/1".
+    /// "poinsot.comparison/2".
     pub schema: String,
     /// Version of the program.
     pub poinsot: String,
@@ -84,4 +85,13 @@ pub struct JointTestFile {
     pub dof: usize,
     /// p-value of the chi-square.
     pub p: f64,
+}
+
+impl ResultFile for ComparisonFile {
+    const SCHEMA: &'static str = COMPARISON;
+    const EARLIER: &'static [&'static str] = &["poinsot.comparison/1"];
+
+    fn note(&mut self, unchecked: String) {
+        self.not_compared.push(unchecked);
+    }
 }

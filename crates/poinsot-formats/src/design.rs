@@ -1,16 +1,17 @@
 //! `DIR/design.json`: a designed manoeuvre and its predicted accuracy.
 
 use crate::prediction::AgainstDurationFile;
+use crate::read::ResultFile;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Name and version of the format.
-pub const DESIGN: &str = "poinsot.design/1";
+pub const DESIGN: &str = "poinsot.design/2";
 
 /// A designed manoeuvre with its predicted accuracy.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct DesignFile {
-    /// "poinsot.design/1".
+    /// "poinsot.design/2".
     pub schema: String,
     /// Version of the program.
     pub poinsot: String,
@@ -137,4 +138,9 @@ pub struct VerifiedNumberFile {
     pub band: [f64; 2],
     /// Flights that determined it.
     pub flights: u64,
+}
+
+impl ResultFile for DesignFile {
+    const SCHEMA: &'static str = DESIGN;
+    const EARLIER: &'static [&'static str] = &["poinsot.design/1"];
 }

@@ -8,7 +8,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Name and version of the format.
-pub const ESTIMATE: &str = "poinsot.estimate/2";
+pub const ESTIMATE: &str = "poinsot.estimate/3";
 
 /// Effects of a test that are evidence against the answer.
 const AGAINST: [&str; 3] = ["against_answer", "withholds_numbers", "rejects_model"];
@@ -17,7 +17,7 @@ const AGAINST: [&str; 3] = ["against_answer", "withholds_numbers", "rejects_mode
 /// priors. What was not requested, or does not apply, is absent.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct EstimateFile {
-    /// "poinsot.estimate/2".
+    /// "poinsot.estimate/3".
     pub schema: String,
     /// Version of the program.
     pub poinsot: String,
@@ -442,6 +442,24 @@ impl EstimateFile {
             }
         }
         words
+    }
+
+    /// Why its numbers must not be relied on; empty if they may.
+    pub fn unreliable(&self) -> Vec<String> {
+        let against: Vec<String> = self
+            .evidence_against()
+            .iter()
+            .map(|w| w.to_string())
+            .collect();
+        match (
+            against.is_empty(),
+            self.is_withheld(),
+            self.covariance_trustworthy,
+        ) {
+            (true, true, _) => vec![format!("its status is {}", self.status)],
+            (true, false, false) => vec!["its covariance is not trustworthy".to_owned()],
+            _ => against,
+        }
     }
 
     /// Method and variant as text.

@@ -105,7 +105,10 @@ pub use plan::{
 pub use prediction::{
     AgainstDurationFile, PREDICTION, PeakFile, PredictionFile, SigmasFile, WantedFile,
 };
-pub use read::{FormatError, LARGEST_RESULT, parse_estimate, read_estimate, read_truth};
+pub use read::{
+    FormatError, LARGEST_RESULT, ResultFile, checksum, parse_estimate, parse_result, read_estimate,
+    read_result, read_truth, result_text, sha256, sha256_of,
+};
 pub use report_data::{
     Channel, DrawnBody, DrawnJoint, DrawnSensor, Pointer, REPORT_DATA, ReportData, Row, Segment,
     TrueNumbers, Vehicle,

@@ -3,17 +3,18 @@
 use crate::body::MassFile;
 use crate::estimate::{CovarianceFile, IdentifiabilityFile, ReferenceFile};
 use crate::number::PredictedNumberFile;
+use crate::read::ResultFile;
 use indexmap::IndexMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Name and version of the format.
-pub const PREDICTION: &str = "poinsot.prediction/2";
+pub const PREDICTION: &str = "poinsot.prediction/3";
 
 /// The accuracy that a case allows (Cramer-Rao). Names and places of the numbers are those of `estimate.json`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct PredictionFile {
-    /// "poinsot.prediction/2".
+    /// "poinsot.prediction/3".
     pub schema: String,
     /// Version of the program.
     pub poinsot: String,
@@ -98,4 +99,13 @@ pub struct WantedFile {
     pub sigma: Option<f64>,
     /// Whether the predicted sigma is at most the wanted one.
     pub met: bool,
+}
+
+impl ResultFile for PredictionFile {
+    const SCHEMA: &'static str = PREDICTION;
+    const EARLIER: &'static [&'static str] = &["poinsot.prediction/2"];
+
+    fn note(&mut self, unchecked: String) {
+        self.assumptions.push(unchecked);
+    }
 }

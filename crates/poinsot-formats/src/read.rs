@@ -1,11 +1,18 @@
-//! Reader of result files, from disk or from memory.
+//! The one writer and the one reader of result files: schema, checksum, structure, contradictions.
+//!
+//! A file ends with the SHA-256 of the text before it. A change of any byte is an error. Files of earlier versions have
+//! no checksum; they are read, and say that they are unchecked.
 
+use crate::check::{Contradiction, contradictions};
 use crate::estimate::{ESTIMATE, EstimateFile};
 use crate::truth::{TRUTH, TruthFile};
 use crate::upgrade;
-use poinsot_files::InputError;
+use poinsot_files::{InputError, json_escaped};
+use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
+use sha2::{Digest, Sha256};
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 /// A result file that cannot be read.
@@ -26,53 +33,163 @@ pub enum FormatError {
         source: std::io::Error,
     },
     /// The file has another format.
-    #[error("{}; give the folder of identify --out", schema_found(found))]
+    #[error("{}; give a file as poinsot writes it", schema_found(found, wanted))]
     Schema {
         /// Path.
         path: PathBuf,
         /// Schema found; empty if absent.
         found: String,
+        /// Schema of the format.
+        wanted: &'static str,
     },
-    /// The file does not match the structure of its format.
-    #[error("{why}; give an estimate.json as identify writes it")]
+    /// The file does not match the structure of its format, or was changed.
+    #[error("{why}; give a file as poinsot writes it")]
     Shape {
         /// Path.
         path: PathBuf,
         /// What is wrong, with line and column.
         why: String,
     },
+    /// Numbers of the file contradict each other.
+    #[error("it contradicts itself; write it again with `poinsot identify --out DIR`")]
+    Contradicts {
+        /// Path.
+        path: PathBuf,
+        /// At least one.
+        found: Vec<Contradiction>,
+    },
 }
 
-fn schema_found(found: &str) -> String {
+fn schema_found(found: &str, wanted: &str) -> String {
     match found {
         "" => "it has no key \"schema\"".to_owned(),
-        found => format!("its schema is \"{found}\", not {ESTIMATE}"),
+        found => format!("its schema is \"{found}\", not {wanted}"),
     }
 }
 /// Size limit of a file, bytes.
 pub const LARGEST_RESULT: u64 = 256 << 20;
+/// Key of the checksum, the last of a file.
+const SEAL: &str = "\"sha256\"";
+/// Bytes hashed at once.
+const BLOCK: usize = 1 << 16;
 
-/// A format and its previous version.
-trait Versioned: DeserializeOwned {
+/// A file that the program writes and reads again.
+pub trait ResultFile: Serialize + DeserializeOwned {
+    /// Name and version of the format.
     const SCHEMA: &'static str;
-    const EARLIER: &'static str;
-    fn upgrade(file: &mut Value);
+    /// Earlier versions that are read; their files have no checksum.
+    const EARLIER: &'static [&'static str];
+
+    /// Converts the structure of an earlier version.
+    fn upgrade(_version: &str, _file: &mut Value) {}
+
+    /// What contradicts itself.
+    fn contradictions(&self) -> Vec<Contradiction> {
+        Vec::new()
+    }
+
+    /// Notes in the file that it has no checksum.
+    fn note(&mut self, _unchecked: String) {}
 }
 
-impl Versioned for EstimateFile {
+impl ResultFile for EstimateFile {
     const SCHEMA: &'static str = ESTIMATE;
-    const EARLIER: &'static str = "poinsot.estimate/1";
-    fn upgrade(file: &mut Value) {
-        upgrade::estimate_1(file);
+    const EARLIER: &'static [&'static str] = &["poinsot.estimate/1", "poinsot.estimate/2"];
+
+    fn upgrade(version: &str, file: &mut Value) {
+        if version == Self::EARLIER[0] {
+            upgrade::estimate_1(file);
+        }
+    }
+
+    fn contradictions(&self) -> Vec<Contradiction> {
+        contradictions(self)
+    }
+
+    fn note(&mut self, unchecked: String) {
+        self.warnings.push(unchecked);
     }
 }
 
-impl Versioned for TruthFile {
+impl ResultFile for TruthFile {
     const SCHEMA: &'static str = TRUTH;
-    const EARLIER: &'static str = "poinsot.truth/1";
-    fn upgrade(file: &mut Value) {
-        upgrade::truth_1(file);
+    const EARLIER: &'static [&'static str] = &["poinsot.truth/1", "poinsot.truth/2"];
+
+    fn upgrade(version: &str, file: &mut Value) {
+        if version == Self::EARLIER[0] {
+            upgrade::truth_1(file);
+        }
     }
+}
+
+/// SHA-256 in lower-case hexadecimal.
+///
+/// ```
+/// assert!(poinsot_formats::sha256(b"").starts_with("e3b0c442"));
+/// ```
+pub fn sha256(bytes: &[u8]) -> String {
+    hexadecimal(Sha256::new_with_prefix(bytes))
+}
+
+fn hexadecimal(digest: Sha256) -> String {
+    let bytes = digest.finalize();
+    bytes.iter().map(|b| format!("{b:02x}")).collect()
+}
+
+/// SHA-256 of a file or stream.
+///
+/// # Errors
+/// Reading fails.
+///
+/// ```
+/// assert_eq!(poinsot_formats::sha256_of(&b"x"[..])?, poinsot_formats::sha256(b"x"));
+/// # Ok::<(), std::io::Error>(())
+/// ```
+pub fn sha256_of(mut bytes: impl Read) -> io::Result<String> {
+    let (mut digest, mut block) = (Sha256::new(), vec![0; BLOCK]);
+    loop {
+        match bytes.read(&mut block)? {
+            0 => return Ok(hexadecimal(digest)),
+            n => digest.update(&block[..n]),
+        }
+    }
+}
+
+/// The text of a file: JSON, indented if `pretty`, that ends with its checksum.
+///
+/// # Errors
+/// A number or name that JSON cannot hold.
+///
+/// ```
+#[doc = include_str!("../doc/estimate.txt")]
+/// let text = poinsot_formats::result_text(&estimate, true)?;
+/// assert!(parse_estimate("estimate.json".as_ref(), text.as_bytes()).is_ok());
+/// let changed = text.replacen("2.5", "2.6", 1);
+/// assert!(parse_estimate("estimate.json".as_ref(), changed.as_bytes()).is_err());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn result_text<T: Serialize>(file: &T, pretty: bool) -> serde_json::Result<String> {
+    let text = match pretty {
+        true => serde_json::to_string_pretty(file)?,
+        false => serde_json::to_string(file)?,
+    };
+    let text = json_escaped(&text);
+    let body = text.strip_suffix('}').unwrap_or(&text).trim_end();
+    let sum = sha256(body.as_bytes());
+    Ok(format!("{body},\n  {SEAL}: \"{sum}\"\n}}\n"))
+}
+
+/// The checksum at the end of a text and whether it is that of the text before it; `None` without one.
+///
+/// ```
+/// assert_eq!(poinsot_formats::checksum("{}"), None);
+/// ```
+pub fn checksum(text: &str) -> Option<(&str, bool)> {
+    let (before, sum) = text.rsplit_once(SEAL)?;
+    let sum = sum.trim().strip_prefix(':')?.strip_suffix('}')?.trim();
+    let sum = sum.strip_prefix('"')?.strip_suffix('"')?;
+    let body = before.trim_end().strip_suffix(',')?;
+    (!sum.contains('"')).then(|| (sum, sha256(body.as_bytes()) == sum))
 }
 
 /// Reads `estimate.json`, or the folder that holds it; returns also the path of the file.
@@ -98,7 +215,7 @@ pub fn read_estimate(path: &Path) -> Result<(PathBuf, EstimateFile), FormatError
         true => path.join("estimate.json"),
         false => path.to_owned(),
     };
-    let file = read(&path)?;
+    let file = read_result(&path)?;
     Ok((path, file))
 }
 
@@ -117,7 +234,7 @@ pub fn read_estimate(path: &Path) -> Result<(PathBuf, EstimateFile), FormatError
 /// # Ok::<(), poinsot_formats::FormatError>(())
 /// ```
 pub fn parse_estimate(path: &Path, bytes: &[u8]) -> Result<EstimateFile, FormatError> {
-    parse(path, bytes)
+    parse_result(path, bytes)
 }
 
 /// Reads a `truth.json`.
@@ -134,12 +251,22 @@ pub fn parse_estimate(path: &Path, bytes: &[u8]) -> Result<EstimateFile, FormatE
 /// # Ok::<(), poinsot_formats::FormatError>(())
 /// ```
 pub fn read_truth(path: &Path) -> Result<TruthFile, FormatError> {
-    read(path)
+    read_result(path)
 }
 
-fn read<T: Versioned>(path: &Path) -> Result<T, FormatError> {
+/// Reads a result file.
+///
+/// # Errors
+/// The file is missing or unreadable, or as [`parse_result`].
+///
+/// ```
+/// use poinsot_formats::{TruthFile, read_result};
+///
+/// assert!(read_result::<TruthFile>("/nowhere/truth.json".as_ref()).is_err());
+/// ```
+pub fn read_result<T: ResultFile>(path: &Path) -> Result<T, FormatError> {
     match poinsot_files::read(path, LARGEST_RESULT) {
-        Ok(bytes) => parse(path, &bytes),
+        Ok(bytes) => parse_result(path, &bytes),
         Err(InputError::Missing(_)) => Err(FormatError::Missing {
             path: path.to_owned(),
         }),
@@ -154,26 +281,90 @@ fn read<T: Versioned>(path: &Path) -> Result<T, FormatError> {
     }
 }
 
-fn parse<T: Versioned>(path: &Path, bytes: &[u8]) -> Result<T, FormatError> {
-    let shape = |e: serde_json::Error| FormatError::Shape {
+/// Reads the bytes of a result file: its schema, checksum, structure and contradictions. Errors name it `path`.
+///
+/// # Errors
+/// The file has another format, was changed, or contradicts itself.
+///
+/// ```
+/// use poinsot_formats::{PredictionFile, parse_result};
+///
+/// let other = parse_result::<PredictionFile>("prediction.json".as_ref(), b"{}");
+/// assert!(other.unwrap_err().to_string().starts_with("it has no key \"schema\""));
+/// ```
+pub fn parse_result<T: ResultFile>(path: &Path, bytes: &[u8]) -> Result<T, FormatError> {
+    let refuse = |why: String| FormatError::Shape {
         path: path.to_owned(),
-        why: e.to_string(),
+        why,
     };
-    let mut value: Value = serde_json::from_slice(bytes).map_err(shape)?;
-    let found = value.get("schema").and_then(Value::as_str).unwrap_or("");
-    if found == T::SCHEMA {
-        // Parse the text again: only then does the error have line and column.
-        return serde_json::from_slice(bytes).map_err(shape);
+    let changed = "it was cut or changed: its checksum (sha256) is not that of its content";
+    let shape = |e: serde_json::Error| refuse(e.to_string());
+    let text = std::str::from_utf8(bytes).map_err(|e| refuse(e.to_string()))?;
+    let sum = checksum(text).map(|(_, whole)| whole);
+    if sum == Some(false) {
+        return Err(refuse(changed.to_owned()));
     }
-    if found != T::EARLIER {
+    let mut value: Value = serde_json::from_str(text).map_err(shape)?;
+    let found = value.get("schema").and_then(Value::as_str).unwrap_or("");
+    let found = found.to_owned();
+    let current = found == T::SCHEMA;
+    if !current && !T::EARLIER.contains(&found.as_str()) {
         return Err(FormatError::Schema {
             path: path.to_owned(),
-            found: found.to_owned(),
+            found,
+            wanted: T::SCHEMA,
         });
     }
-    T::upgrade(&mut value);
-    if let Some(schema) = value.get_mut("schema") {
-        *schema = T::SCHEMA.into();
+    if current && sum.is_none() {
+        return Err(refuse(changed.to_owned()));
     }
-    serde_json::from_value(value).map_err(shape)
+    if members(&value) != colons(text) {
+        return Err(refuse("a key is there twice".to_owned()));
+    }
+    let mut file: T = match current {
+        // Parse the text again: only then does the error have line and column.
+        true => serde_json::from_str(text).map_err(shape)?,
+        false => {
+            T::upgrade(&found, &mut value);
+            if let Some(schema) = value.get_mut("schema") {
+                *schema = T::SCHEMA.into();
+            }
+            serde_json::from_value(value).map_err(shape)?
+        }
+    };
+    let contradictions = file.contradictions();
+    if !contradictions.is_empty() {
+        return Err(FormatError::Contradicts {
+            path: path.to_owned(),
+            found: contradictions,
+        });
+    }
+    if sum.is_none() {
+        file.note(format!("unchecked: {found} has no checksum"));
+    }
+    Ok(file)
+}
+
+/// Number of members of all objects; a key that is there twice counts once.
+fn members(value: &Value) -> usize {
+    match value {
+        Value::Object(list) => list.len() + list.values().map(members).sum::<usize>(),
+        Value::Array(list) => list.iter().map(members).sum(),
+        _ => 0,
+    }
+}
+
+/// Number of colons outside strings: one for each member as written.
+fn colons(text: &str) -> usize {
+    let (mut inside, mut escaped, mut count) = (false, false, 0);
+    for byte in text.bytes() {
+        match byte {
+            _ if escaped => escaped = false,
+            b'\\' => escaped = inside,
+            b'"' => inside = !inside,
+            b':' if !inside => count += 1,
+            _ => {}
+        }
+    }
+    count
 }

@@ -1,11 +1,12 @@
 //! `report_data.json`: what a page draws in addition to `estimate.json`.
 
+use crate::read::ResultFile;
 use crate::truth::TrueBodyFile;
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
 /// Name of the format.
-pub const REPORT_DATA: &str = "poinsot.report_data/1";
+pub const REPORT_DATA: &str = "poinsot.report_data/2";
 
 /// The file `report_data.json`.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -16,7 +17,10 @@ pub struct ReportData {
     pub poinsot: String,
     /// The command line.
     pub command: Vec<String>,
-    /// SHA-256 of the input files, equal to those in `estimate.json`; they identify matching files.
+    /// Checksum of the `estimate.json` to which it belongs. Absent in files of earlier versions.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub estimate: String,
+    /// SHA-256 of the input files, equal to those in `estimate.json`.
     pub inputs: Vec<String>,
     /// The vehicle at the first sample.
     pub vehicle: Vehicle,
@@ -165,4 +169,9 @@ pub struct DrawnSensor {
     pub sigma: Option<f64>,
     /// Least significant bit, SI; zero without quantisation.
     pub quantisation: f64,
+}
+
+impl ResultFile for ReportData {
+    const SCHEMA: &'static str = REPORT_DATA;
+    const EARLIER: &'static [&'static str] = &["poinsot.report_data/1"];
 }

@@ -8,12 +8,12 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Name and version of the format.
-pub const TRUTH: &str = "poinsot.truth/2";
+pub const TRUTH: &str = "poinsot.truth/3";
 
 /// The truth of a simulation, with the names and places of `estimate.json`.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct TruthFile {
-    /// "poinsot.truth/2".
+    /// "poinsot.truth/3".
     pub schema: String,
     /// Version of the program.
     #[serde(default)]

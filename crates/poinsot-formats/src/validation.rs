@@ -1,15 +1,16 @@
 //! `validation.json`: comparison of the motion of a model or estimate with another model or telemetry.
 
+use crate::read::ResultFile;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Name and version of the format.
-pub const VALIDATION: &str = "poinsot.validation/2";
+pub const VALIDATION: &str = "poinsot.validation/3";
 
 /// The motion of a model or an estimate against another model or telemetry.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ValidationFile {
-    /// "poinsot.validation/2".
+    /// "poinsot.validation/3".
     pub schema: String,
     /// Version of the program.
     pub poinsot: String,
@@ -140,4 +141,13 @@ pub struct PredictionChangeFile {
     pub unit: String,
     /// Largest change.
     pub largest: f64,
+}
+
+impl ResultFile for ValidationFile {
+    const SCHEMA: &'static str = VALIDATION;
+    const EARLIER: &'static [&'static str] = &["poinsot.validation/2"];
+
+    fn note(&mut self, unchecked: String) {
+        self.warnings.push(unchecked);
+    }
 }

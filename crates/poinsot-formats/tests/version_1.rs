@@ -77,9 +77,13 @@ fn exact_an_estimate_of_version_1_keeps_every_number_under_its_address() {
     assert_eq!(known.sensitivities[0].number, "wheel1.axis_rad.1");
     assert_eq!(known.sensitivities[0].change[rows[0]], 0.1);
     assert_eq!(file.reference.base, "bus");
-    // Written again it is version 2, and reads as equal.
-    let text = serde_json::to_string_pretty(&file).unwrap();
-    assert!(text.contains("poinsot.estimate/2") && !text.contains("\"variant\""));
+    // Written again it is version 3 with a checksum, and reads as equal.
+    assert_eq!(
+        file.warnings.last().unwrap(),
+        "unchecked: poinsot.estimate/1 has no checksum"
+    );
+    let text = poinsot_formats::result_text(&file, true).unwrap();
+    assert!(text.contains("poinsot.estimate/3") && !text.contains("\"variant\""));
     let again = parse_estimate(Path::new("estimate.json"), text.as_bytes()).unwrap();
     assert_eq!(again, file);
 }

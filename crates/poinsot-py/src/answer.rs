@@ -205,12 +205,18 @@ impl CoreAnswer {
     }
 
     /// The file of another program with the determined numbers, and what was left out.
-    #[pyo3(signature = (to, onto=None))]
-    fn export(&self, to: &str, onto: Option<PathBuf>) -> PyResult<(String, Vec<String>)> {
+    #[pyo3(signature = (to, onto=None, accept_unreliable=false))]
+    fn export(
+        &self,
+        to: &str,
+        onto: Option<PathBuf>,
+        accept_unreliable: bool,
+    ) -> PyResult<(String, Vec<String>)> {
         let to: poinsot::export::Target = to.parse().map_err(Fault::from)?;
         let file = estimate_file(&self.identified);
         let path = Path::new("<answer>");
-        let exported = poinsot::export::export_estimate(&file, path, to, onto.as_deref());
+        let onto = onto.as_deref();
+        let exported = poinsot::export::export_estimate(&file, path, to, onto, accept_unreliable);
         let exported = exported.map_err(Fault::from)?;
         let named = exported.left_out.into_iter().chain(exported.no_field);
         Ok((exported.text, named.collect()))

@@ -6,11 +6,12 @@
 
 mod statistics;
 
+use crate::case::{CaseError, CaseFault, CaseText};
 use crate::error::Error;
 use poinsot_files::significant;
 use poinsot_formats::{
     Address, COMPARISON, ComparedAnswerFile, ComparedNumberFile, ComparisonFile, DIFFER_BELOW,
-    EstimateFile, FormatError, JointTestFile, read_estimate,
+    EstimateFile, FormatError, JointTestFile, NumberFile, read_estimate,
 };
 use poinsot_telemetry::Origin;
 use statistics::{Answers, pooled, test};
@@ -19,6 +20,9 @@ use std::path::PathBuf;
 
 /// If independent results would agree this well with a smaller probability, they are assumed to share telemetry.
 const TOO_GOOD: f64 = 1.0e-3;
+
+/// Number of contradictions reported per file.
+const SHOWN: usize = 10;
 
 /// Significant figures of a time in messages.
 const DIGITS: i32 = 4;
@@ -82,18 +86,18 @@ pub fn compare_estimates(answers: &[(PathBuf, EstimateFile)]) -> Result<Comparis
     if others.is_empty() {
         return Err(too_few(1));
     }
-    for (path, other) in others {
-        if !other.bodies.keys().eq(first.bodies.keys()) {
-            let names = |e: &EstimateFile| e.bodies.keys().cloned().collect::<Vec<_>>().join(", ");
-            return Err(Error::Report {
-                path: path.clone(),
-                why: format!(
-                    "its bodies are {}, those of the first answer {}; give answers of one vehicle",
-                    names(other),
-                    names(first)
-                ),
-            });
-        }
+    let names = |e: &EstimateFile| e.bodies.keys().cloned().collect::<Vec<_>>().join(", ");
+    let mut strange = others
+        .iter()
+        .filter(|(_, e)| !e.bodies.keys().eq(first.bodies.keys()));
+    if let Some((path, other)) = strange.next() {
+        let (own, wanted) = (names(other), names(first));
+        return Err(Error::Report {
+            path: path.clone(),
+            why: format!(
+                "its bodies are {own}, those of the first answer {wanted}; give answers of one vehicle"
+            ),
+        });
     }
     let files: Vec<&EstimateFile> = answers.iter().map(|(_, file)| file).collect();
     let common = Answers::common(&files);
@@ -155,6 +159,22 @@ pub fn format_error(error: FormatError) -> Error {
         FormatError::Missing { path }
         | FormatError::Schema { path, .. }
         | FormatError::Shape { path, .. } => Error::Report { path, why },
+        FormatError::Contradicts { path, found } => {
+            let text = CaseText {
+                path,
+                text: String::new(),
+            };
+            let remedy = "write the file again with `poinsot identify --out DIR`";
+            let faults = found.into_iter().take(SHOWN).map(|c| CaseFault {
+                line: 0,
+                value: c.value,
+                ..text.fault("E0604", &c.key, 0..0, c.problem, remedy)
+            });
+            Error::File(CaseError {
+                faults: faults.collect(),
+                environment: false,
+            })
+        }
     }
 }
 
@@ -219,51 +239,37 @@ fn group(address: &str) -> String {
 
 /// Numbers requested in some result but not determined in all, and known numbers with different values.
 fn not_compared(files: &[&EstimateFile], common: &Answers) -> Vec<String> {
-    let mut out = Vec::new();
-    let compared: HashSet<&str> = common.names.iter().map(String::as_str).collect();
-    let Some(first) = files.first() else {
-        return out;
+    let addressed = |file: &&EstimateFile| -> Vec<_> {
+        let bodies = file.bodies.iter();
+        bodies.flat_map(|(name, b)| b.addressed(name)).collect()
     };
-    for (body, numbers) in first
-        .bodies
-        .iter()
-        .map(|(name, b)| (name, b.addressed(name)))
-    {
-        for (k, (name, unit, _)) in numbers.iter().enumerate() {
-            if compared.contains(name.as_str()) {
-                continue;
-            }
-            let all: Vec<_> = files
-                .iter()
-                .map(|f| f.bodies[body].numbers()[k].2.clone())
-                .collect();
-            let known = all.iter().all(|n| n.is_known());
-            let same = all.iter().all(|n| n.value == all[0].value);
-            if known && !same {
-                let values: Vec<String> = all
-                    .iter()
-                    .filter_map(|n| n.value)
-                    .map(|v| v.to_string())
-                    .collect();
-                out.push(format!(
-                    "{name}: given as known with different values ({} {unit})",
-                    values.join(", ")
-                ));
-            } else if !known {
-                let open: Vec<String> = (1..)
-                    .zip(&all)
-                    .filter(|(_, n)| n.value.is_none())
-                    .map(|(i, _)| i.to_string())
-                    .collect();
-                let why = match open.is_empty() {
-                    true => "known in one answer and estimated in another".to_owned(),
-                    false => format!("undetermined in answer {}", open.join(", ")),
-                };
-                out.push(format!("{name}: {why}"));
-            }
-        }
+    let all: Vec<Vec<_>> = files.iter().map(addressed).collect();
+    let compared: HashSet<&str> = common.names.iter().map(String::as_str).collect();
+    let first = all.first().into_iter().flatten().enumerate();
+    let other = first.filter(|(_, (name, ..))| !compared.contains(name.as_str()));
+    other
+        .filter_map(|(k, (name, unit, _))| {
+            let numbers: Vec<&NumberFile> = all.iter().map(|file| &file[k].2).collect();
+            Some(format!("{name}: {}", why_not(&numbers, unit)?))
+        })
+        .collect()
+}
+
+/// Why a number is not compared; `None` if it is known and the same.
+fn why_not(numbers: &[&NumberFile], unit: &str) -> Option<String> {
+    if numbers.iter().all(|n| n.is_known()) {
+        let values: Vec<f64> = numbers.iter().filter_map(|n| n.value).collect();
+        let differ = numbers.iter().any(|n| n.value != numbers[0].value);
+        let values: Vec<String> = values.iter().map(f64::to_string).collect();
+        let values = values.join(", ");
+        return differ.then(|| format!("given as known with different values ({values} {unit})"));
     }
-    out
+    let open = (1..).zip(numbers).filter(|(_, n)| n.value.is_none());
+    let open: Vec<String> = open.map(|(i, _)| i32::to_string(&i)).collect();
+    Some(match open.is_empty() {
+        true => "known in one answer and estimated in another".to_owned(),
+        false => format!("undetermined in answer {}", open.join(", ")),
+    })
 }
 
 /// Why two records are assumed to overlap in time.
@@ -320,39 +326,37 @@ fn doubts(files: &[&EstimateFile], agreement: Option<f64>) -> Vec<String> {
         }
     }
     let before = out.len();
-    for (j, file) in files.iter().enumerate() {
-        for (i, earlier) in files[..j].iter().enumerate() {
-            if let Some((seconds, shared)) = overlap(earlier, file) {
-                let (i, j, seconds) = (i + 1, j + 1, significant(seconds, DIGITS));
-                let what = match shared {
-                    Shared::Content => {
-                        format!("answers {i} and {j} use the same telemetry for {seconds} s")
-                    }
-                    Shared::Dates => {
-                        format!("the telemetry of answers {i} and {j} overlaps by {seconds} s")
-                    }
-                    Shared::Counts => format!(
-                        "the telemetry of answers {i} and {j} has no dates; with one clock it overlaps by {seconds} s (declare `epoch` in the map)"
-                    ),
-                };
-                out.push(format!("{what}: they are not independent, so differences are smaller than their stated sigma"));
-            }
+    for (j, file) in (1..).zip(files) {
+        for (i, earlier) in (1..j).zip(files) {
+            let Some((seconds, shared)) = overlap(earlier, file) else {
+                continue;
+            };
+            let seconds = significant(seconds, DIGITS);
+            let what = match shared {
+                Shared::Content => {
+                    format!("answers {i} and {j} use the same telemetry for {seconds} s")
+                }
+                Shared::Dates => {
+                    format!("the telemetry of answers {i} and {j} overlaps by {seconds} s")
+                }
+                Shared::Counts => format!(
+                    "the telemetry of answers {i} and {j} has no dates; with one clock it overlaps by {seconds} s (declare `epoch` in the map)"
+                ),
+            };
+            out.push(format!("{what}: they are not independent, so differences are smaller than their stated sigma"));
         }
     }
     if agreement.is_some_and(|p| p > 1.0 - TOO_GOOD) && out.len() == before {
-        out.push(
-            "the answers agree better than independent answers: they may share a record".to_owned(),
-        );
+        let what = "the answers agree better than independent answers: they may share a record";
+        out.push(what.to_owned());
     }
     let uses_prior = |f: &&EstimateFile| {
         let mut numbers = f.bodies.values().flat_map(|b| b.numbers());
         numbers.any(|(_, _, n)| n.source.as_deref() == Some("prior"))
     };
     if files.iter().filter(|f| uses_prior(f)).count() > 1 {
-        out.push(
-            "more than one answer uses a prior: a shared prior is counted in each answer"
-                .to_owned(),
-        );
+        let what = "more than one answer uses a prior: a shared prior is counted in each answer";
+        out.push(what.to_owned());
     }
     out
 }

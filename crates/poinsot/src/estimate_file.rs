@@ -1,4 +1,4 @@
-//! Converts an estimate to the result file, `poinsot.estimate/2`.
+//! Converts an estimate to the result file, `poinsot.estimate/3`.
 
 use crate::diagnostics_file::diagnostics_file;
 use crate::identify::Identified;

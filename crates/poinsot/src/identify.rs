@@ -3,13 +3,12 @@
 use crate::bind::{
     BindError, Bound, RELATIVE_ACCURACY, acceleration_channels, bind, mountings, wanted_channels,
 };
-use crate::digest::sha256;
 use crate::error::Error;
 use crate::methods::{is_own, methods};
 use crate::progress::step;
 use crate::{mixups, motor_torque};
 use poinsot_dynamics::Tree;
-use poinsot_formats::ModelInputFile;
+use poinsot_formats::{ModelInputFile, sha256};
 use poinsot_identify::{
     Coordinates, Effect, Estimate, Evidence, Loss, Prediction, Problem, Settings, linear,
     linear_predicted, maximum_likelihood_predicted, maximum_likelihood_with, predicted_by,

@@ -4,8 +4,9 @@ use crate::error::Error;
 use crate::estimate_file::estimate_file;
 use crate::identify::Identified;
 use crate::report::{figure_files, page_of, report_data};
-use crate::written::{OutputFile, json, write_file, write_files};
+use crate::written::{OutputFile, result_json, write_file, write_files};
 use poinsot_figures::FigureFormat;
+use poinsot_formats::checksum;
 use poinsot_report::no_page;
 use std::path::{Path, PathBuf};
 
@@ -53,10 +54,9 @@ pub fn write_result(
     figures: &[FigureFormat],
 ) -> Result<Vec<PathBuf>, Error> {
     let estimate = estimate_text(folder, identified)?;
-    let data = json(
-        folder,
-        serde_json::to_string(&report_data(identified, command)),
-    )?;
+    let mut data = report_data(identified, command);
+    data.estimate = checksum(&estimate).map_or(String::new(), |(sum, _)| sum.to_owned());
+    let data = result_json(folder, &data, false)?;
     let mut shown: Vec<OutputFile> = Vec::new();
     if page || !figures.is_empty() {
         let made = page_of(folder, estimate.as_bytes(), data.as_bytes())?;
@@ -93,8 +93,5 @@ pub fn write_result(
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn estimate_text(folder: &Path, identified: &Identified) -> Result<String, Error> {
-    json(
-        folder,
-        serde_json::to_string_pretty(&estimate_file(identified)),
-    )
+    result_json(folder, &estimate_file(identified), true)
 }

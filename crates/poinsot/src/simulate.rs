@@ -9,7 +9,7 @@ use crate::channel_names::names;
 use crate::error::Error;
 pub use crate::error::SimulateError;
 use crate::progress::step;
-use crate::written::{check_outputs, json};
+use crate::written::{check_outputs, result_json};
 use poinsot_dynamics::{
     ControlledVehicle, Driven, DrivenPlan, ForwardDynamics, Integrator, JointDrive, JointInput,
     Kinematics, MotionError, MotionSample, Prescribed, Singular, Tree, WheelUse,
@@ -85,7 +85,7 @@ pub fn simulate(case_path: &Path, out: &Path) -> Result<Written, Error> {
     let channels = &simulation.table.channels;
     let mut stage = Stage::new(out)?;
     write_staged(&mut stage, Path::new(name), channels)?;
-    let text = json(out, serde_json::to_string_pretty(&simulation.truth))?;
+    let text = result_json(out, &simulation.truth, true)?;
     stage.add(Path::new("truth.json"), text.as_bytes())?;
     stage.commit()?;
     Ok(Written {

@@ -1,20 +1,30 @@
 //! Writes the files of a result together, when all are complete and on disk. Used by every command.
 
 use crate::error::Error;
-use poinsot_files::{Stage, check_target, folder_of, is_same_file, json_escaped};
+use poinsot_files::{Stage, check_target, folder_of, is_same_file};
+use poinsot_formats::{Serialize, result_text};
 use std::path::{Path, PathBuf};
 
 /// A file of a result: path relative to the folder, and bytes.
 pub type OutputFile = (PathBuf, Vec<u8>);
 
-/// A document as JSON with a final line end.
-pub(crate) fn json(folder: &Path, text: serde_json::Result<String>) -> Result<String, Error> {
-    let text = text.map_err(|e| Error::Io {
+/// The text of a result file with its checksum; errors name the folder.
+///
+/// # Errors
+/// The result cannot be written as JSON.
+///
+/// ```
+#[doc = include_str!("../doc/answer.txt")]
+/// let text = poinsot::result_json("out".as_ref(), &estimate_file(&identified), true)?;
+/// assert!(poinsot_formats::checksum(&text).is_some_and(|(_, whole)| whole));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn result_json<T: Serialize>(folder: &Path, file: &T, pretty: bool) -> Result<String, Error> {
+    result_text(file, pretty).map_err(|e| Error::Io {
         path: folder.to_owned(),
         what: "the result cannot be written as JSON",
         source: e.into(),
-    })?;
-    Ok(json_escaped(&text).into_owned() + "\n")
+    })
 }
 
 /// Rows as CSV (RFC 4180, lines end with LF).

@@ -1,6 +1,6 @@
 //! `poinsot campaign`
 
-use super::{Failure, Outcome, exit_of, note, print, print_document, print_json};
+use super::{Failure, Outcome, exit_of, note, print, print_document, print_json, print_result};
 use crate::arguments::{Campaign, Emit};
 use poinsot::campaign::{
     CampaignRequest, CampaignRun, Plan, campaign, campaign_cost, merge_campaign, read_plan,
@@ -82,7 +82,7 @@ pub fn shown(json: bool, quiet: bool, ran: &CampaignRun) -> Outcome {
         return Ok(0);
     };
     if json {
-        print_json(result);
+        print_result(result);
     } else if !quiet {
         for document in campaign_document(result, &folded.statistics()) {
             print_document(&document);

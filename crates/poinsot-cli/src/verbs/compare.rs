@@ -1,6 +1,6 @@
 //! `poinsot compare`
 
-use super::{Outcome, exit_of, print_document, print_json};
+use super::{Outcome, exit_of, print_document, print_result};
 use crate::arguments::Compare;
 use poinsot::compare::{CompareRequest, compare};
 use poinsot_report::comparison_document;
@@ -10,7 +10,7 @@ pub fn run(arguments: &Compare) -> Outcome {
         answers: arguments.answers.clone(),
     })?;
     if arguments.print.json {
-        print_json(&comparison);
+        print_result(&comparison);
     } else if !arguments.print.quiet {
         print_document(&comparison_document(&comparison));
     }

@@ -1,6 +1,6 @@
 //! `poinsot design`
 
-use super::{Outcome, exit_of, note, print_document, print_json};
+use super::{Outcome, exit_of, note, print_document, print_result};
 use crate::arguments::Design;
 use poinsot::case::read_case;
 use poinsot::check_outputs;
@@ -36,7 +36,7 @@ pub fn run(arguments: &Design) -> Outcome {
         None => Vec::new(),
     };
     if arguments.print.json {
-        print_json(&design_file(&designed));
+        print_result(&design_file(&designed));
     } else if !arguments.print.quiet {
         print_document(&design_document(&design_file(&designed)));
     }

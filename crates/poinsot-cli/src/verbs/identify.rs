@@ -1,7 +1,7 @@
 //! `poinsot identify`
 
 use super::{
-    Failure, Outcome, command_line, exit_of, formats, note, print_document, print_json, step,
+    Failure, Outcome, command_line, exit_of, formats, note, print_document, print_result, step,
 };
 use crate::arguments::Identify;
 use poinsot::{
@@ -59,7 +59,7 @@ pub fn run(arguments: &Identify) -> Outcome {
         None => Vec::new(),
     };
     if arguments.print.json {
-        print_json(&estimate_file(&identified));
+        print_result(&estimate_file(&identified));
     } else if !arguments.print.quiet {
         let detail = match arguments.verbose {
             true => Detail::Everything,

@@ -27,7 +27,7 @@ use crate::arguments::FigureFile;
 use poinsot::ErrorKind;
 use poinsot_figures::{Document, FigureFormat};
 use poinsot_files::{error_line, escaped_lines, json_escaped};
-use poinsot_formats::{ERROR, ErrorFile, FaultFile, WrittenFile};
+use poinsot_formats::{ERROR, ErrorFile, FaultFile, ResultFile, WrittenFile, result_text};
 use std::io::IsTerminal;
 
 /// Error of a command, with its text for the terminal.
@@ -179,6 +179,11 @@ pub fn printed(code: u8) -> Outcome {
         None => Ok(code),
         Some(source) => Err(Failure::from(poinsot::Error::Output { source })),
     }
+}
+
+/// Prints a result as the text of its file.
+pub fn print_result<T: ResultFile>(file: &T) {
+    print_styled(&result_text(file, true).unwrap_or_default());
 }
 
 /// Prints a value as JSON.

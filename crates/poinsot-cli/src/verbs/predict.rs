@@ -1,6 +1,6 @@
 //! `poinsot predict`
 
-use super::{Outcome, exit_of, note, print_document, print_json};
+use super::{Outcome, exit_of, note, print_document, print_json, print_result};
 use crate::arguments::Predict;
 use poinsot::predict::{
     Prediction, predict_all, prediction_file, prediction_paths, write_predictions,
@@ -19,7 +19,7 @@ pub fn run(arguments: &Predict) -> Outcome {
     write_predictions(&paths, &all)?;
     let files: Vec<PredictionFile> = all.iter().map(prediction_file).collect();
     match (arguments.print.json, files.as_slice()) {
-        (true, [one]) => print_json(one),
+        (true, [one]) => print_result(one),
         (true, several) => print_json(&several),
         (false, _) if arguments.print.quiet => {}
         (false, [one]) => print_document(&prediction_document(one)),

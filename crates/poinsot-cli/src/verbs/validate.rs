@@ -1,6 +1,6 @@
 //! `poinsot validate`
 
-use super::{Outcome, exit_of, note, print_document, print_json};
+use super::{Outcome, exit_of, note, print_document, print_result};
 use crate::arguments::Validate;
 use poinsot::validate::{ValidateRequest, validate, write_validation};
 use poinsot::{check_outputs, segment_files};
@@ -41,7 +41,7 @@ pub fn run(arguments: &Validate) -> Outcome {
     };
     let file = &validation.file;
     if arguments.print.json {
-        print_json(file);
+        print_result(file);
     } else if !arguments.print.quiet {
         print_document(&validation_document(file));
     }

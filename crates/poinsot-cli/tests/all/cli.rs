@@ -162,7 +162,7 @@ fn check_layout(file: &Value) {
             "warnings",
         ],
     );
-    assert_eq!(file["schema"], "poinsot.estimate/2");
+    assert_eq!(file["schema"], "poinsot.estimate/3");
     assert!(file.get("variant").is_none_or(|v| !v.is_null()));
     assert_eq!(file["model_file"]["sha256"].as_str().unwrap().len(), 64);
     keys(&file["inputs"][0], &["path", "sha256", "segment", "time_s"]);

@@ -46,6 +46,28 @@ fn cli_exit_1_and_one_verdict_everywhere_where_a_prior_contradicts_the_data() {
     let page = std::fs::read_to_string(out.join("report.html")).unwrap();
     assert!(page.contains("Determined, not reliable"));
     assert!(page.contains("a prior contradicts the data"));
+    // Exported on request only, and marked.
+    let export = |arguments: &[&str]| {
+        let mut command = Command::cargo_bin("poinsot").unwrap();
+        command.arg("export").arg(&out).args(arguments);
+        command.output().unwrap()
+    };
+    let onto = model.to_str().unwrap();
+    for (arguments, mark) in [
+        (vec!["--to", "csv"], "data (not reliable)"),
+        (
+            vec!["--to", "model", "--onto", onto],
+            "# poinsot: not reliable: a prior contradicts the data\n",
+        ),
+    ] {
+        let refused = export(&arguments);
+        let said = String::from_utf8(refused.stderr).unwrap();
+        assert_eq!(refused.status.code(), Some(2), "{said}");
+        assert!(said.contains("--accept-unreliable"), "{said}");
+        let done = export(&[arguments, vec!["--accept-unreliable"]].concat());
+        assert_eq!(done.status.code(), Some(0));
+        assert!(String::from_utf8(done.stdout).unwrap().contains(mark));
+    }
 }
 
 #[test]

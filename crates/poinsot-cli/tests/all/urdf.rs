@@ -134,10 +134,11 @@ fn cli_export_of_what_is_not_determined_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     answer(folder.path(), ROBOT);
     let path = folder.path().join("out/estimate.json");
-    let mut estimate: Value =
-        serde_json::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap();
-    estimate["bodies"]["spacecraft"]["inertia_kg_m2"]["xy"]["value"] = Value::Null;
-    std::fs::write(&path, estimate.to_string()).unwrap();
+    let (_, mut estimate) = poinsot_formats::read_estimate(&path).unwrap();
+    let xy = &mut estimate.bodies["spacecraft"].inertia_kg_m2.xy;
+    (xy.value, xy.source) = (None, None);
+    let text = poinsot_formats::result_text(&estimate, true).unwrap();
+    std::fs::write(&path, text).unwrap();
     let done = poinsot(
         folder.path(),
         &[

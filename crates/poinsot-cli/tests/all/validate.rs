@@ -46,7 +46,7 @@ fn cli_validate_compares_two_models() {
     let file = std::fs::read_to_string(format!("{out}/validation.json")).unwrap();
     let file: Value = serde_json::from_str(&file).unwrap();
     assert_eq!(printed, file);
-    assert_eq!(file["schema"], "poinsot.validation/2");
+    assert_eq!(file["schema"], "poinsot.validation/3");
     assert_eq!(
         (&file["verdict"], &file["kind"]),
         (&"differs".into(), &"model".into())

@@ -25,7 +25,10 @@ pub use vehicle::{Flown, Motion};
 
 use crate::comparison::comparison_document;
 use poinsot_figures::{Page, PageError, Part};
-use poinsot_formats::{ComparisonFile, EstimateFile, REPORT_DATA, ReportData};
+use poinsot_formats::{
+    ComparisonFile, EstimateFile, REPORT_DATA, ReportData, ResultFile, parse_result,
+};
+use std::path::Path;
 use truth::Truth;
 
 /// Input of every section.
@@ -49,9 +52,8 @@ pub fn no_page(error: &PageError) -> String {
     format!("{error}; report this bug in poinsot, if possible with the folder")
 }
 
-fn parse<T: serde::de::DeserializeOwned>(bytes: &[u8]) -> Result<T, String> {
-    serde_json::from_slice(bytes)
-        .map_err(|e| format!("{e}; write it again with `poinsot identify`"))
+fn parse<T: ResultFile>(bytes: &[u8]) -> Result<T, String> {
+    parse_result(Path::new(""), bytes).map_err(|e| e.to_string())
 }
 
 /// `report_data.json` as bytes.

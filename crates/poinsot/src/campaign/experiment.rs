@@ -3,12 +3,11 @@
 use super::address::{Documents, Edit, FileSelector, Refusal, edit};
 use super::faults::{PlanText, whole_fault};
 use crate::case::{Case, parse_case, read_case};
-use crate::digest::sha256;
 use crate::error::Error;
 use crate::identify::{Question, read_options};
 use crate::simulate::SimulateError;
 use crate::trials::{Study, mass_names};
-use poinsot_formats::{ExperimentFile, PlanFile};
+use poinsot_formats::{ExperimentFile, PlanFile, sha256};
 use poinsot_model::{Body, Model, Sensor, parse_model, read_model, read_model_text};
 use poinsot_telemetry::{Channel, Table, read};
 use std::path::{Path, PathBuf};

@@ -7,12 +7,12 @@ use super::address::{FileSelector, Refusal, count};
 use super::experiment::{Apply, Experiment, FilesAt};
 use super::faults::{PlanText, whole_fault};
 use super::methods::MethodChoice;
-use crate::digest::sha256;
 use crate::error::Error;
 use crate::simulate::SimulateError;
 use crate::trials::Study;
 use poinsot_formats::{
     DrawFile, NumbersFile, OfFile, PLAN, PlanFile, REPLICATES, SamplingKind, ScaleFile, VaryFile,
+    sha256,
 };
 use serde::Serialize;
 use std::ops::Range;

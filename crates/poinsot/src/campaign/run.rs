@@ -6,8 +6,8 @@ use super::result::{Folded, OUTSIDE, fold_shards, fold_sums};
 use super::shard::{Found, ShardSums, find, rows_path, sums_path};
 use super::until::{looks, outside_at_each};
 use crate::error::Error;
-use crate::written::write_files;
-use poinsot_files::{Stage, folder_of, json_escaped};
+use crate::written::{result_json, write_files};
+use poinsot_files::{Stage, folder_of};
 use poinsot_formats::CampaignFile;
 use poinsot_report::{campaign_page, no_page};
 use std::path::{Path, PathBuf};
@@ -268,8 +268,7 @@ fn finish(
     };
     let page = campaign_page(&result).map_err(|e| report(no_page(&e)))?;
     let html = page.html().map_err(|e| report(no_page(&e)))?;
-    let text = serde_json::to_string_pretty(&result).map_err(|e| report(e.to_string()))?;
-    let text = json_escaped(&text).into_owned() + "\n";
+    let text = result_json(out, &result, true)?;
     let files = [
         ("campaign.html".into(), html.into_bytes()),
         ("campaign.json".into(), text.into_bytes()),

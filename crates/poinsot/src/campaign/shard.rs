@@ -3,34 +3,35 @@
 use super::plan::{Plan, Shard};
 use super::sums::CellSums;
 use super::trial::{Bound, Done};
-use crate::digest::sha256;
 use crate::error::Error;
 use crate::trials::{Answer, position};
 use indexmap::IndexSet;
 use poinsot_files::{InputError, Stage, read_text};
-use poinsot_formats::finite;
+use poinsot_formats::{ResultFile, checksum, finite, parse_result, result_text, sha256_of};
 use poinsot_identify::Status;
 use poinsot_telemetry::{ROWS_EXTENSION, RowCells, RowColumn, write_rows};
 use serde::{Deserialize, Serialize};
 use std::cell::Cell;
 use std::collections::BTreeSet;
+use std::fs::File;
+use std::io::Seek;
 use std::path::{Path, PathBuf};
 
 /// Schema of the file.
-const SCHEMA: &str = "poinsot.shard/1";
+const SCHEMA: &str = "poinsot.shard/2";
 /// Size limit of a file of sums, bytes.
 const LARGEST: u64 = 256 << 20;
 /// Digits of the digest in file names.
 const SHORT: usize = 12;
 /// Number of shards per folder.
 const IN_FOLDER: u64 = 1000;
-/// Text before the checksum at the end of the file.
-const SEAL: &str = ",\"sha256\":\"";
+/// Ending of a file of no content but the size of rows that are kept elsewhere, for example in an object store.
+const ELSEWHERE: &str = "elsewhere";
 
 /// Sums of a shard.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ShardSums {
-    /// "poinsot.shard/1".
+    /// "poinsot.shard/2".
     pub schema: String,
     /// Digest of the plan.
     pub digest: String,
@@ -45,6 +46,9 @@ pub struct ShardSums {
     pub sums: CellSums,
     /// Size of the file of rows.
     pub rows_bytes: u64,
+    /// SHA-256 of the file of rows; empty in `poinsot.shard/1`.
+    #[serde(default)]
+    pub rows_sha256: String,
 }
 
 /// A finished shard.
@@ -68,6 +72,7 @@ impl ShardResult {
                 trials: (shard.trials.start, shard.trials.end),
                 sums,
                 rows_bytes: 0,
+                rows_sha256: String::new(),
             },
             rows: rows(plan, shard, done),
         }
@@ -81,17 +86,21 @@ impl ShardResult {
         let sums = sums_path(out, &self.sums.digest, self.sums.shard);
         let mut stage = Stage::new(poinsot_files::folder_of(&sums))?;
         let rows = rows_path(&sums);
-        let target = rows.clone();
-        let (columns, bytes) = (&self.rows, &mut self.sums.rows_bytes);
-        stage.fill(Path::new(rows.file_name().unwrap_or_default()), |file| {
-            write_rows(file, columns)
-                .and_then(|()| file.metadata())
-                .map(|written| *bytes = written.len())
-                .map_err(|source| Error::Io {
-                    path: target,
-                    what: "cannot be written",
-                    source,
-                })
+        let (columns, sums_of) = (&self.rows, &mut self.sums);
+        let name = Path::new(rows.file_name().unwrap_or_default());
+        stage.fill(name, |file| {
+            let mut written = || {
+                write_rows(file, columns)?;
+                sums_of.rows_bytes = file.metadata()?.len();
+                file.rewind()?;
+                sums_of.rows_sha256 = sha256_of(&mut *file)?;
+                Ok(())
+            };
+            written().map_err(|source| Error::Io {
+                path: rows.clone(),
+                what: "cannot be written",
+                source,
+            })
         })?;
         let text = self.sums.text();
         let name = sums.file_name().unwrap_or_default();
@@ -112,11 +121,9 @@ pub(super) fn rows_path(sums: &Path) -> PathBuf {
 }
 
 impl ShardSums {
-    /// JSON that ends with the SHA-256 of the preceding text.
+    /// JSON that ends with its checksum.
     pub fn text(&self) -> String {
-        let whole = serde_json::to_string(self).unwrap_or_default();
-        let open = whole.trim_end_matches('}');
-        format!("{open}{SEAL}{}\"}}\n", sha256(open.as_bytes()))
+        result_text(self, false).unwrap_or_default()
     }
 
     /// Reads the text of [`Self::text`].
@@ -124,17 +131,14 @@ impl ShardSums {
     /// # Errors
     /// The text is truncated, changed or of another format.
     pub fn parse(text: &str) -> Result<Self, String> {
-        let damaged = "it is cut or was changed";
-        let (open, seal) = text.rsplit_once(SEAL).ok_or(damaged)?;
-        if seal.trim_end().strip_suffix("\"}") != Some(sha256(open.as_bytes()).as_str()) {
-            return Err(damaged.to_owned());
-        }
-        let sums: Self = serde_json::from_str(&format!("{open}}}")).map_err(|e| e.to_string())?;
-        match sums.schema.as_str() {
-            SCHEMA => Ok(sums),
-            other => Err(format!("its schema is \"{other}\", not {SCHEMA}")),
-        }
+        checksum(text).ok_or("it is cut or was changed: it has no checksum")?;
+        parse_result(Path::new("sums"), text.as_bytes()).map_err(|e| e.to_string())
     }
+}
+
+impl ResultFile for ShardSums {
+    const SCHEMA: &'static str = SCHEMA;
+    const EARLIER: &'static [&'static str] = &["poinsot.shard/1"];
 }
 
 impl ShardSums {
@@ -158,6 +162,27 @@ impl ShardSums {
             true => Ok(()),
             false => Err("its counts are not those of its trials".to_owned()),
         }
+    }
+
+    /// Checks size and checksum of the rows; of rows elsewhere, their size.
+    fn check_rows(&self, rows: &Path) -> Result<(), String> {
+        let (file, here) = match File::open(rows) {
+            Ok(file) => (file, true),
+            Err(_) => match File::open(rows.with_extension(ELSEWHERE)) {
+                Ok(file) => (file, false),
+                Err(_) => return Err("its rows are not there".to_owned()),
+            },
+        };
+        let bytes = file.metadata().map_or(0, |rows| rows.len());
+        if bytes != self.rows_bytes {
+            let wanted = self.rows_bytes;
+            return Err(format!("its rows have {bytes} bytes instead of {wanted}"));
+        }
+        let known = here && !self.rows_sha256.is_empty();
+        if known && sha256_of(file).map_err(|e| e.to_string())? != self.rows_sha256 {
+            return Err("its rows were changed: their checksum differs".to_owned());
+        }
+        Ok(())
     }
 }
 
@@ -197,14 +222,13 @@ pub(super) fn find(plan: &Plan, out: &Path, shard: &Shard) -> Result<Found, Erro
     if sums.trials != (shard.trials.start, shard.trials.end) {
         return Ok(Found::Missing);
     }
-    let rows = std::fs::metadata(rows_path(&path)).map_or(0, |rows| rows.len());
-    Ok(match sums.check(plan, shard) {
+    let rows = match sums.check(plan, shard) {
+        Ok(()) => sums.check_rows(&rows_path(&path)),
+        Err(why) => Err(why),
+    };
+    Ok(match rows {
+        Ok(()) => Found::Whole(Box::new(sums)),
         Err(why) => Found::Damaged(why),
-        Ok(()) if rows == sums.rows_bytes => Found::Whole(Box::new(sums)),
-        Ok(()) => Found::Damaged(format!(
-            "its rows have {rows} bytes instead of {}",
-            sums.rows_bytes
-        )),
     })
 }
 
@@ -364,6 +388,7 @@ mod tests {
                 ..CellSums::default()
             },
             rows_bytes: 5,
+            rows_sha256: String::new(),
         }
     }
 

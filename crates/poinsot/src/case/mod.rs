@@ -215,7 +215,7 @@ impl Case {
             .map(|path| {
                 let bytes = poinsot_files::read(&path, LARGEST_TORQUE_FILE);
                 let bytes = bytes.map_err(|e| crate::error::unreadable(&path, e))?;
-                Ok(crate::digest::sha256(&bytes))
+                Ok(poinsot_formats::sha256(&bytes))
             })
             .collect()
     }

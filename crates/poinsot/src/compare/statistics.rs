@@ -20,17 +20,11 @@ impl Answers {
     /// Mass properties in the covariance of every result, in the order of the first.
     pub fn common(files: &[&EstimateFile]) -> Self {
         let values: Vec<HashMap<String, f64>> = files.iter().map(|f| values(f)).collect();
-        let places: Vec<HashMap<&str, usize>> = files
-            .iter()
-            .map(|f| {
-                f.covariance
-                    .names
-                    .iter()
-                    .map(String::as_str)
-                    .zip(0..)
-                    .collect()
-            })
-            .collect();
+        let place = |f: &&EstimateFile| {
+            let names = f.covariance.names.iter();
+            names.cloned().zip(0..).collect::<HashMap<String, usize>>()
+        };
+        let places: Vec<HashMap<String, usize>> = files.iter().map(place).collect();
         let variance = |i: usize, name: &str| {
             let at = *places[i].get(name)?;
             let row = files[i].covariance.matrix.get(at)?;
@@ -45,12 +39,10 @@ impl Answers {
         });
         let units = names.iter().map(|n| {
             let first = files.first().zip(places.first());
-            first.map_or_else(String::new, |(f, p)| {
-                f.covariance.units[p[n.as_str()]].clone()
-            })
+            first.map_or_else(String::new, |(f, p)| f.covariance.units[p[n]].clone())
         });
         let covariance = |i: usize| {
-            let at = |k: usize| places[i][names[k].as_str()];
+            let at = |k: usize| places[i][&names[k]];
             DMatrix::from_fn(names.len(), names.len(), |r, c| {
                 files[i].covariance.matrix[at(r)][at(c)].unwrap_or(0.0)
             })
@@ -59,7 +51,7 @@ impl Answers {
             units: units.collect(),
             values: values
                 .iter()
-                .map(|v| DVector::from_iterator(names.len(), names.iter().map(|n| v[n])))
+                .map(|v| DVector::from_fn(names.len(), |k, _| v[&names[k]]))
                 .collect(),
             covariances: (0..files.len()).map(covariance).collect(),
             names,

@@ -18,6 +18,9 @@ use poinsot_spatial::{MassProperties, Matrix3, Vector3};
 use std::path::Path;
 use std::str::FromStr;
 
+/// Begins a mark of unreliable numbers.
+const MARK: &str = "poinsot: not reliable:";
+
 /// Formats of [`export`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Target {
@@ -124,7 +127,8 @@ pub struct Exported {
     pub no_field: Vec<String>,
 }
 
-/// Exports `folder/estimate.json`. `onto` is the source file of the vehicle, for formats that are patched.
+/// Exports `folder/estimate.json`. `onto` is the source file of the vehicle, for formats that are patched. Unreliable
+/// numbers are exported on request only, and marked in the file.
 ///
 /// # Errors
 /// The files cannot be read, `onto` is missing or not allowed, or nothing is determined.
@@ -136,14 +140,19 @@ pub struct Exported {
 /// # let out = std::env::temp_dir().join(format!("poinsot-export-{}", std::process::id()));
 /// write_estimate(&out, &identified)?;
 /// // One row per number.
-/// let table = export(&out, Target::Csv, None)?;
+/// let table = export(&out, Target::Csv, None, false)?;
 /// assert!(table.text.contains("\nbus,inertia_kg_m2.zz,kg m2,2.5"));
 /// # std::fs::remove_dir_all(&out)?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn export(folder: &Path, to: Target, onto: Option<&Path>) -> Result<Exported, Error> {
+pub fn export(
+    folder: &Path,
+    to: Target,
+    onto: Option<&Path>,
+    accept_unreliable: bool,
+) -> Result<Exported, Error> {
     let (path, estimate) = read_estimate(&folder.join("estimate.json")).map_err(format_error)?;
-    export_estimate(&estimate, &path, to, onto)
+    export_estimate(&estimate, &path, to, onto, accept_unreliable)
 }
 
 /// Exports an estimate in memory; errors name it `path`.
@@ -158,7 +167,7 @@ pub fn export(folder: &Path, to: Target, onto: Option<&Path>) -> Result<Exported
 /// let file = estimate_file(&identified);
 /// // The model file with the new inertia; all else stays.
 /// let onto = folder.join("model.toml");
-/// let exported = export_estimate(&file, "estimate.json".as_ref(), Target::Model, Some(&onto))?;
+/// let exported = export_estimate(&file, "estimate.json".as_ref(), Target::Model, Some(&onto), false)?;
 /// assert!(exported.text.contains("mass_kg = 10.0") && !exported.text.contains("zz = 2.5 }"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -167,8 +176,15 @@ pub fn export_estimate(
     path: &Path,
     to: Target,
     onto: Option<&Path>,
+    accept_unreliable: bool,
 ) -> Result<Exported, Error> {
     let source = Source { estimate, path };
+    let unreliable = estimate.unreliable();
+    if let (Some(why), false) = (unreliable.first(), accept_unreliable) {
+        return Err(source.fault(format!(
+            "its numbers are not reliable: {why}; correct the cause, or export them marked with --accept-unreliable"
+        )));
+    }
     match (to.patch(), onto) {
         (Some(patch), Some(onto)) => patched(&source, to, patch, onto),
         (Some(_), None) => Err(Error::usage(
@@ -223,6 +239,12 @@ impl Source<'_> {
         (determined, left_out)
     }
 
+    /// Why the numbers are not reliable, one line each.
+    fn marks(&self) -> impl Iterator<Item = String> {
+        let reasons = self.estimate.unreliable().into_iter();
+        reasons.map(|why| format!("{MARK} {why}"))
+    }
+
     /// The error if no body can be exported.
     fn nothing(&self, left_out: &[String], also: &str) -> Error {
         self.fault(format!(
@@ -246,17 +268,16 @@ impl Source<'_> {
             e.status
         )];
         lines.extend(inputs);
-        lines.extend(
-            e.evidence_against()
-                .iter()
-                .map(|d| format!("not reliable: {d}")),
-        );
+        lines.extend(self.marks());
         lines
     }
 }
 
 fn patched(source: &Source, to: Target, patch: Patch, onto: &Path) -> Result<Exported, Error> {
     let text = read_model_text(onto)?;
+    // The mark of an earlier export goes.
+    let lines = text.split_inclusive('\n');
+    let text: String = lines.filter(|line| !line.contains(MARK)).collect();
     if to == Target::Urdf {
         parse_urdf(&text, &onto.display().to_string()).model?;
     }
@@ -281,10 +302,27 @@ fn patched(source: &Source, to: Target, patch: Patch, onto: &Path) -> Result<Exp
         return Err(source.nothing(&left_out, &also));
     }
     Ok(Exported {
-        text: patched.text,
+        text: marked(source, to, patched.text),
         left_out,
         no_field: Vec::new(),
     })
+}
+
+/// The text with a comment for each mark: at the top, in XML after the declaration.
+fn marked(source: &Source, to: Target, text: String) -> String {
+    let comment = |mark: String| match to {
+        Target::Model => format!("# {mark}\n"),
+        // Two hyphens end a comment of XML.
+        _ => format!("<!-- {} -->\n", mark.replace("--", "- -")),
+    };
+    let comments: String = source.marks().map(comment).collect();
+    let declared = text.starts_with("<?xml");
+    match text.split_once('\n') {
+        Some((first, rest)) if declared && !comments.is_empty() => {
+            format!("{first}\n{comments}{rest}")
+        }
+        _ => comments + &text,
+    }
 }
 
 fn properties(body: &BodyFile) -> Option<MassProperties> {

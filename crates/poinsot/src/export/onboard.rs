@@ -27,7 +27,7 @@ pub(super) fn text(source: &Source) -> Result<Exported, Error> {
         poinsot: e.poinsot.clone(),
         model: e.model.clone(),
         epoch: e.epoch.clone(),
-        reliable: e.covariance_trustworthy,
+        reliable: e.unreliable().is_empty(),
         bodies: bodies.iter().map(body).collect(),
         covariance_names: e.covariance.names.clone(),
         covariance_units: e.covariance.units.clone(),

@@ -9,13 +9,17 @@ const HEADER: [&str; 7] = [
 ];
 
 pub(super) fn text(source: &Source) -> Exported {
+    let unreliable = source.marks().next().is_some();
     let cell = |x: Option<f64>| x.map_or_else(String::new, |x| format!("{x:?}"));
     let row = |body: &str, quantity: &str, unit: &str, n: &NumberFile| {
         let place = [body, quantity, unit].map(str::to_owned);
         let values = [n.value, n.sigma, Some(n.nominal)].map(cell);
-        let source = n.source.as_deref().unwrap_or("not determined");
+        let source = match n.source.as_deref() {
+            Some(word) if unreliable && n.value.is_some() => format!("{word} (not reliable)"),
+            word => word.unwrap_or("not determined").to_owned(),
+        };
         let row = place.into_iter().chain(values);
-        row.chain([source.to_owned()]).collect::<Vec<_>>()
+        row.chain([source]).collect::<Vec<_>>()
     };
     let e = source.estimate;
     let mut rows = vec![HEADER.map(str::to_owned).to_vec()];

@@ -1,4 +1,4 @@
-//! The machine-readable prediction, `poinsot.prediction/2`.
+//! The machine-readable prediction, `poinsot.prediction/3`.
 
 use super::Prediction;
 use crate::estimate_file::{covariance, identifiability, reference};

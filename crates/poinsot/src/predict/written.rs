@@ -2,7 +2,7 @@
 
 use super::{Prediction, prediction_file};
 use crate::error::Error;
-use crate::written::{check_outputs, write_file};
+use crate::written::{check_outputs, result_json, write_file};
 use std::path::{Path, PathBuf};
 
 /// Name of the file of a prediction.
@@ -60,9 +60,7 @@ pub fn prediction_paths(folder: &Path, cases: &[PathBuf]) -> Result<Vec<PathBuf>
 /// ```
 pub fn write_predictions(paths: &[PathBuf], all: &[Prediction]) -> Result<(), Error> {
     for (path, prediction) in paths.iter().zip(all) {
-        let mut text =
-            serde_json::to_string_pretty(&prediction_file(prediction)).unwrap_or_default();
-        text.push('\n');
+        let text = result_json(path, &prediction_file(prediction), true)?;
         write_file(path, text.as_bytes())?;
     }
     Ok(())

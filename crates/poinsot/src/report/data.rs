@@ -30,6 +30,7 @@ pub fn report_data(identified: &Identified, command: &[String]) -> ReportData {
         schema: REPORT_DATA.to_owned(),
         poinsot: env!("CARGO_PKG_VERSION").to_owned(),
         command: command.to_vec(),
+        estimate: String::new(),
         inputs: identified
             .inputs
             .iter()

@@ -3,15 +3,16 @@
 //! A campaign can run in pieces on several machines; each writes its sums as JSON, and `Sums::merge` adds them.
 
 use super::{Trial, estimated_numbers};
+use crate::compare::format_error;
 use crate::error::Error;
-use crate::written::write_file;
-use poinsot_formats::LARGEST_RESULT;
+use crate::written::{result_json, write_file};
+use poinsot_formats::{ResultFile, read_result};
 use poinsot_identify::{Estimate, Status};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// Schema of the file.
-pub const SUMS_SCHEMA: &str = "poinsot.trials/1";
+pub const SUMS_SCHEMA: &str = "poinsot.trials/2";
 
 /// Number of failed trials listed; all are counted.
 const NAMED_FAILURES: usize = 100;
@@ -44,9 +45,8 @@ pub struct NumberSums {
 
 /// Sums over trials of one set-up.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct Sums {
-    /// `poinsot.trials/1`.
+    /// `poinsot.trials/2`.
     pub schema: String,
     /// Name and options of the set-up.
     pub setup: String,
@@ -262,22 +262,9 @@ impl Sums {
     /// Reads a file of [`Self::write`].
     ///
     /// # Errors
-    /// The file cannot be read or is of another schema.
+    /// The file cannot be read, is of another schema, or was changed.
     pub fn read(path: &Path) -> Result<Self, Error> {
-        let io = |what: &'static str| {
-            let path = path.to_owned();
-            move |source| Error::Io { path, what, source }
-        };
-        let text = poinsot_files::read_text(path, LARGEST_RESULT)
-            .map_err(|e| io("cannot be read")(std::io::Error::other(e)))?;
-        let sums: Self = serde_json::from_str(&text)
-            .map_err(|e| io("is not a file of sums of trials")(e.into()))?;
-        if sums.schema == SUMS_SCHEMA {
-            Ok(sums)
-        } else {
-            let found = std::io::Error::other(format!("schema is '{}'", sums.schema));
-            Err(io("is not a file of sums of trials")(found))
-        }
+        read_result(path).map_err(format_error)
     }
 
     /// Writes the sums as JSON, atomically.
@@ -285,13 +272,13 @@ impl Sums {
     /// # Errors
     /// Writing fails.
     pub fn write(&self, path: &Path) -> Result<(), Error> {
-        let text = serde_json::to_string_pretty(self).map_err(|e| Error::Io {
-            path: path.to_owned(),
-            what: "the sums cannot be written as JSON",
-            source: e.into(),
-        })?;
-        write_file(path, format!("{text}\n").as_bytes())
+        write_file(path, result_json(path, self, true)?.as_bytes())
     }
+}
+
+impl ResultFile for Sums {
+    const SCHEMA: &'static str = SUMS_SCHEMA;
+    const EARLIER: &'static [&'static str] = &["poinsot.trials/1"];
 }
 
 /// The position of the item that is meant, which most often is `place`.
@@ -398,7 +385,7 @@ mod tests {
             Sums::read(&path)
                 .unwrap_err()
                 .to_string()
-                .contains("sums of trials")
+                .contains("trials/2")
         );
     }
 }

@@ -2,7 +2,7 @@
 
 use super::Validation;
 use crate::error::Error;
-use crate::written::{csv_text, json, write_files};
+use crate::written::{csv_text, result_json, write_files};
 use std::path::{Path, PathBuf};
 
 /// The histories, one number per row: `quantity,component,unit,time_s,model,against,difference`. Quaternions have no
@@ -73,8 +73,7 @@ pub fn validation_csv(validation: &Validation) -> String {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn write_validation(folder: &Path, validation: &Validation) -> Result<Vec<PathBuf>, Error> {
-    let text = serde_json::to_string_pretty(&validation.file);
-    let text = json(folder, text)?;
+    let text = result_json(folder, &validation.file, true)?;
     let csv = validation_csv(validation).into_bytes();
     let mut paths = write_files(
         folder,

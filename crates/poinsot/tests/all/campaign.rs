@@ -209,7 +209,7 @@ fn exact_a_shard_twice_with_other_sums_is_refused() {
     let from = vec![b.path().to_owned()];
     merge_campaign(&plan, a.path(), &from, false).unwrap();
     let mut other = run_shard(&plan, 3).unwrap();
-    other.sums.methods[0].doubted += 1;
+    other.sums.sums.methods[0].doubted += 1;
     std::fs::remove_dir_all(b.path().join("shards")).unwrap();
     other.write(b.path()).unwrap();
     let Err(error) = merge_campaign(&plan, a.path(), &from, false) else {

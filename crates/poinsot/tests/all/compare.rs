@@ -1,7 +1,7 @@
 //! Comparison of answers of one vehicle.
 
 use crate::shared::stsat3;
-use poinsot::compare::{CompareRequest, compare};
+use poinsot::compare::{CompareRequest, compare, compare_estimates};
 use poinsot::{EstimateFile, IdentifyRequest, estimate_file, identify};
 use poinsot_formats::ComparisonFile;
 use poinsot_report::comparison_document;
@@ -18,14 +18,8 @@ fn night(half: [f64; 2]) -> EstimateFile {
 }
 
 fn ask(files: &[&EstimateFile]) -> ComparisonFile {
-    let folder = tempfile::tempdir().unwrap();
-    let paths = files.iter().enumerate().map(|(k, file)| {
-        let path = folder.path().join(format!("{k}.json"));
-        std::fs::write(&path, serde_json::to_vec(file).unwrap()).unwrap();
-        path
-    });
-    let answers = paths.collect();
-    compare(&CompareRequest { answers }).unwrap()
+    let named = files.iter().map(|file| ("".into(), (*file).clone()));
+    compare_estimates(&named.collect::<Vec<_>>()).unwrap()
 }
 
 #[test]
@@ -77,7 +71,7 @@ fn cli_answers_of_different_vehicles_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let write = |name: &str, file: &EstimateFile| {
         let path = folder.path().join(name);
-        std::fs::write(&path, serde_json::to_vec(file).unwrap()).unwrap();
+        std::fs::write(&path, poinsot_formats::result_text(file, true).unwrap()).unwrap();
         path
     };
     let answers = vec![write("a.json", &first), write("b.json", &other)];

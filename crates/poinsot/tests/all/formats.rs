@@ -2,7 +2,7 @@
 
 use poinsot::predict::{predict, prediction_file};
 use poinsot::{IdentifyRequest, estimate_file, identify};
-use poinsot_formats::{PredictionFile, parse_estimate};
+use poinsot_formats::{PredictionFile, parse_estimate, parse_result, result_text};
 use std::path::{Path, PathBuf};
 
 fn root() -> PathBuf {
@@ -21,15 +21,15 @@ fn exact_results_read_back_as_they_were() {
     ] {
         let request = IdentifyRequest::new(shipped.join(model), [shipped.join(telemetry)]);
         let file = estimate_file(&identify(&request).unwrap());
-        let text = serde_json::to_string_pretty(&file).unwrap();
+        let text = result_text(&file, true).unwrap();
         let read = parse_estimate(Path::new("estimate.json"), text.as_bytes()).unwrap();
         assert_eq!(read, file, "{model}");
         assert_eq!(file.model_file.unwrap().sha256.len(), 64);
     }
     let found = predict(&shipped.join("cases/tug_thrusters.toml"), 1.0).unwrap();
     let file = prediction_file(&found);
-    let text = serde_json::to_string(&file).unwrap();
-    let read: PredictionFile = serde_json::from_str(&text).unwrap();
+    let text = result_text(&file, false).unwrap();
+    let read: PredictionFile = parse_result(Path::new(""), text.as_bytes()).unwrap();
     assert_eq!(read, file);
 }
 
@@ -168,7 +168,7 @@ fn cli_every_kind_of_file_is_checked_and_said_in_words() {
     );
     let mut file = estimate_file(&identify(&request).unwrap());
     let answer = |file: &poinsot::EstimateFile| {
-        write("estimate.json", &serde_json::to_string(file).unwrap());
+        write("estimate.json", &result_text(file, true).unwrap());
         say(folder.path())
     };
     let said = answer(&file).unwrap();

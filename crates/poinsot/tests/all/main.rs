@@ -26,6 +26,7 @@ mod held_out;
 mod hidden_oscillator;
 mod identify_examples;
 mod input_faults;
+mod integrity;
 mod known_numbers;
 mod known_start;
 mod late_inputs;

@@ -300,11 +300,11 @@ fn unit_refusals() {
         refused(&with("estimate.json")),
         "E0701 estimate.json: this estimate cannot be simulated: its nominal numbers of body \"base\" are not those of the model; give the model that the estimate was made with (--model)"
     );
-    let rejected = std::fs::read_to_string(at("estimate.json")).unwrap();
-    write(
-        "rejected.json",
-        &rejected.replace("\"status\": \"partial\"", "\"status\": \"rejected\""),
-    );
+    let mut rejected = poinsot::estimate_file(&identified);
+    rejected.status = "rejected".to_owned();
+    rejected.evidence.clear();
+    let text = poinsot_formats::result_text(&rejected, true).unwrap();
+    write("rejected.json", &text);
     assert_eq!(
         refused(&with("rejected.json")),
         "E0701 rejected.json: this estimate cannot be simulated: its status is rejected: it has no numbers to predict with; give an estimate with status converged or partial"

@@ -17,7 +17,7 @@ use poinsot_figures::{
     Axis, Content, Document, Figure, Light, Mark, Opening, Page, PageError, Part, Plot, Section,
     Series, Table, Tone,
 };
-use poinsot_formats::{CAMPAIGN, COMPARISON, DESIGN, IdentifiabilityFile, PREDICTION, VALIDATION};
+use poinsot_formats::IdentifiabilityFile;
 use serde::Deserialize;
 use std::path::Path;
 
@@ -83,18 +83,21 @@ pub fn result_page(
     flown: impl FnOnce(&Path) -> Option<Flown>,
 ) -> Result<Page, String> {
     let folder = path.parent().unwrap_or(Path::new(""));
-    let shown = match parse::<Named>(bytes)?.schema.as_str() {
-        VALIDATION => validation::result(&parse(bytes)?, folder),
-        PREDICTION => prediction::result(&parse(bytes)?),
-        COMPARISON => comparison::result(&parse(bytes)?),
-        DESIGN => design::result(&parse(bytes)?, folder, flown(folder)),
-        CAMPAIGN => {
+    let named: Named = serde_json::from_slice(bytes).map_err(|e| e.to_string())?;
+    let kind = named.schema.split('/').next().unwrap_or_default();
+    let shown = match kind {
+        "poinsot.validation" => validation::result(&parse(bytes)?, folder),
+        "poinsot.prediction" => prediction::result(&parse(bytes)?),
+        "poinsot.comparison" => comparison::result(&parse(bytes)?),
+        "poinsot.design" => design::result(&parse(bytes)?, folder, flown(folder)),
+        "poinsot.campaign" => {
             let made = campaign_page(&parse(bytes)?);
             return made.map_err(|e| no_page(&e));
         }
-        other => {
+        _ => {
             return Err(format!(
-                "a file of schema '{other}' has no page; give the folder of identify --out, or one of {}",
+                "a file of schema '{}' has no page; give the folder of identify --out, or one of {}",
+                named.schema,
                 RESULTS.join(", ")
             ));
         }

@@ -1,0 +1,241 @@
+//! Result files that were changed, cut or mixed are refused, or give the same answer.
+
+use poinsot::campaign::{Plan, missing_shards, read_plan, run_shards};
+use poinsot::compare::{CompareRequest, compare};
+use poinsot::export::{Target, export};
+use poinsot::validate::{ValidateRequest, validate};
+use poinsot::*;
+use poinsot_formats::{
+    CampaignFile, ComparisonFile, DesignFile, PredictionFile, ReportData, ResultFile, TruthFile,
+    ValidationFile, parse_result, result_text,
+};
+use poinsot_model::read_model;
+use std::fmt::Debug;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+fn crates(path: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(path)
+}
+
+fn answer(trial: u64) -> Identified {
+    let case = case::read_case(&crates("poinsot/doc/case.toml")).unwrap();
+    let model = read_model(&case.model).unwrap();
+    let table = simulate::simulate_trial(&case, &model, trial)
+        .unwrap()
+        .table;
+    identify_tables(model, vec![table], &Question::default()).unwrap()
+}
+
+/// Every byte changed in one bit, and every length: refused, or read as before. Returns how many of both.
+fn survives(bytes: &[u8], same: impl Fn(&[u8]) -> Option<bool>) -> (usize, usize) {
+    let (mut refused, mut equal) = (0, 0);
+    let mut count = |changed: &[u8], what: &str| match same(changed) {
+        None => refused += 1,
+        Some(true) => equal += 1,
+        Some(false) => panic!("{what}: another answer"),
+    };
+    let mut changed = bytes.to_vec();
+    for k in 0..bytes.len() {
+        changed[k] ^= 1 << (k % 8);
+        count(&changed, &format!("byte {k} changed"));
+        changed[k] = bytes[k];
+        count(&bytes[..k], &format!("cut at {k}"));
+    }
+    (refused, equal)
+}
+
+fn every_change_of<T: ResultFile + PartialEq + Debug>(text: &str) {
+    let path = Path::new("file.json");
+    let whole: T = parse_result(path, text.as_bytes()).unwrap();
+    let (refused, equal) = survives(text.as_bytes(), |bytes| {
+        let read = parse_result::<T>(path, bytes).ok();
+        read.map(|read| read == whole)
+    });
+    println!("{}: {refused} refused, {equal} equal", T::SCHEMA);
+    assert!(
+        refused > 2 * text.len() - 100,
+        "{refused} of {}",
+        text.len()
+    );
+}
+
+fn document(name: &str) -> String {
+    fs::read_to_string(crates(&format!("poinsot-report/doc/{name}.json"))).unwrap()
+}
+
+#[test]
+fn exact_a_changed_or_cut_result_is_refused_or_equal() {
+    let file = estimate_file(&answer(0));
+    every_change_of::<EstimateFile>(&result_text(&file, true).unwrap());
+    let case = case::read_case(&crates("poinsot/doc/case.toml")).unwrap();
+    let model = read_model(&case.model).unwrap();
+    let truth = simulate::simulate_case(&case, &model).unwrap().truth;
+    every_change_of::<TruthFile>(&result_text(&truth, true).unwrap());
+    every_change_of::<ReportData>(&document("report_data"));
+    every_change_of::<PredictionFile>(&document("prediction"));
+    every_change_of::<ValidationFile>(&document("validation"));
+    every_change_of::<ComparisonFile>(&document("comparison"));
+    every_change_of::<DesignFile>(&document("design"));
+    every_change_of::<CampaignFile>(&document("campaign"));
+}
+
+/// Files of two runs, swapped one by one.
+#[test]
+fn exact_files_of_two_answers_are_not_mixed() {
+    let folder = tempfile::tempdir().unwrap();
+    let runs = [0, 1].map(|trial| {
+        let out = folder.path().join(trial.to_string());
+        write_result(&out, &answer(trial), &[], false, &[]).unwrap();
+        out
+    });
+    for name in ["estimate.json", "report_data.json"] {
+        let [a, b] = [&runs[0], &runs[1]].map(|run| run.join(name));
+        let kept = fs::read(&a).unwrap();
+        fs::copy(&b, &a).unwrap();
+        let error = write_report(&runs[0], &[], &[]).unwrap_err().to_string();
+        assert!(error.contains("different runs"), "{name}: {error}");
+        fs::write(&a, kept).unwrap();
+        write_report(&runs[0], &[], &[]).unwrap();
+    }
+}
+
+/// Two writers of one folder: one answer or the other, never a mixture.
+#[test]
+fn exact_two_writers_of_one_folder_leave_one_answer() {
+    let folder = tempfile::tempdir().unwrap();
+    let answers = [0, 1].map(answer);
+    std::thread::scope(|scope| {
+        for answer in &answers {
+            scope.spawn(|| {
+                for _ in 0..20 {
+                    write_result(folder.path(), answer, &[], false, &[]).unwrap();
+                }
+            });
+        }
+    });
+    write_report(folder.path(), &[], &[]).unwrap();
+}
+
+fn plan() -> Plan {
+    read_plan(&crates("poinsot/doc/plan.toml")).unwrap()
+}
+
+/// Sums and rows of a shard: a change of any byte, and files of another shard, make the shard damaged.
+#[test]
+fn exact_a_changed_shard_is_run_again() {
+    let (plan, folder) = (plan(), tempfile::tempdir().unwrap());
+    let out = folder.path();
+    run_shards(&plan, out, &[0], &|_| {}).unwrap();
+    let damaged = || missing_shards(&plan, out, 0..1).unwrap();
+    assert!(damaged().0.is_empty());
+    let mut paths: Vec<PathBuf> = fs::read_dir(out.join("shards/000000"))
+        .unwrap()
+        .map(|e| e.unwrap().path())
+        .collect();
+    paths.sort();
+    assert_eq!(paths.len(), 2);
+    for path in &paths {
+        let bytes = fs::read(path).unwrap();
+        let (refused, equal) = survives(&bytes, |changed| {
+            fs::write(path, changed).unwrap();
+            damaged().0.is_empty().then_some(true)
+        });
+        fs::write(path, &bytes).unwrap();
+        println!("{}: {refused} refused, {equal} equal", path.display());
+        assert!(refused > 2 * bytes.len() - 100);
+    }
+    assert!(damaged().0.is_empty());
+}
+
+/// Sums with a forged header and a good checksum.
+#[test]
+fn exact_forged_sums_are_not_merged() {
+    let (plan, folder) = (plan(), tempfile::tempdir().unwrap());
+    let whole = poinsot::campaign::run_shard(&plan, 0).unwrap();
+    let forge = |change: &dyn Fn(&mut poinsot::campaign::ShardSums)| {
+        let mut shard = poinsot::campaign::run_shard(&plan, 0).unwrap();
+        change(&mut shard.sums);
+        shard.write(folder.path()).unwrap();
+        let (missing, damaged) = missing_shards(&plan, folder.path(), 0..1).unwrap();
+        assert_eq!((missing.len(), damaged.len()), (1, 1), "{damaged:?}");
+        let merged = campaign::merge_campaign(&plan, folder.path(), &[], false);
+        let error = merged.err().unwrap().to_string();
+        assert!(error.starts_with("E0603"), "{error}");
+    };
+    assert_eq!(whole.sums.sums.methods.len(), 1);
+    for trials in [u64::MAX, 1_000_000_000_000_000_000, 0] {
+        forge(&|sums| sums.sums.methods[0].trials = trials);
+        forge(&|sums| sums.sums.methods[0].numbers[0].trials = trials.max(5));
+    }
+    forge(&|sums| sums.sums.methods.clear());
+    forge(&|sums| sums.sums.methods[0].ranges = vec![(0, u64::MAX)]);
+    forge(&|sums| sums.sums.methods[0].numbers[0].square = f64::INFINITY);
+}
+
+/// Edits by hand with a good checksum: every reader refuses them.
+#[test]
+fn exact_every_reader_refuses_an_estimate_that_contradicts_itself() {
+    let folder = tempfile::tempdir().unwrap();
+    let identified = answer(0);
+    let out = folder.path().join("out");
+    write_result(&out, &identified, &[], false, &[]).unwrap();
+    let path = out.join("estimate.json");
+    let file = estimate_file(&identified);
+    let edited = |change: &dyn Fn(&mut EstimateFile)| {
+        let mut file = file.clone();
+        change(&mut file);
+        result_text(&file, true).unwrap()
+    };
+    let text = result_text(&file, true).unwrap();
+    let cut = text.rfind("\"sha256\"").unwrap();
+    let body = text[..cut].trim_end().trim_end_matches(',');
+    let twice = body.replacen("\"bus\": {", "\"bus\": {\"mass_kg\": null, ", 1);
+    let sealed = |body: &str| {
+        format!(
+            "{body},\n  \"sha256\": \"{}\"\n}}\n",
+            poinsot_formats::sha256(body.as_bytes())
+        )
+    };
+    let edits = [
+        edited(&|e| e.bodies["bus"].mass_kg.value = Some(-1.0)),
+        edited(&|e| e.bodies["bus"].inertia_kg_m2.xx.value = Some(1.0e308)),
+        edited(&|e| e.bodies["bus"].inertia_kg_m2.xx.sigma = Some(-1.0)),
+        edited(&|e| e.status = "finished".to_owned()),
+        sealed(&twice),
+        sealed(body).replacen("2.5", "2.6", 1),
+        text[..cut].trim_end().trim_end_matches(',').to_owned() + "}",
+    ];
+    let model = crates("poinsot/doc/model.toml");
+    let readers: [(&str, &dyn Fn() -> Option<Error>); 5] = [
+        ("report", &|| write_report(&out, &[], &[]).err()),
+        ("export", &|| export(&out, Target::Csv, None, true).err()),
+        ("check", &|| check::check(&path).err()),
+        ("compare", &|| {
+            let answers = vec![path.clone(), path.clone()];
+            compare(&CompareRequest { answers }).err()
+        }),
+        ("validate", &|| {
+            let request = ValidateRequest {
+                estimate: Some(path.clone()),
+                case: Some(crates("poinsot/doc/case.toml")),
+                against: model.display().to_string(),
+                ..ValidateRequest::default()
+            };
+            validate(&request).err()
+        }),
+    ];
+    for (name, read) in &readers {
+        assert!(read().is_none(), "{name}: {:?}", read());
+    }
+    for (k, edit) in edits.iter().enumerate() {
+        fs::write(&path, edit).unwrap();
+        for (name, read) in &readers {
+            let error = read().unwrap_or_else(|| panic!("{name} reads edit {k}"));
+            assert!(
+                error.to_string().contains("estimate.json"),
+                "{name}: {error}"
+            );
+        }
+    }
+}
