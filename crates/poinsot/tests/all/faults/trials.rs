@@ -7,7 +7,7 @@
 
 use crate::tables::processor_s;
 use poinsot::bind::bind;
-use poinsot::case::{parse_case, read_case};
+use poinsot::case::parse_case;
 use poinsot::trials::Study;
 use poinsot_dynamics::Tree;
 use poinsot_identify::{Diagnostics, Estimate, FaultKind, Suspect, maximum_likelihood};
