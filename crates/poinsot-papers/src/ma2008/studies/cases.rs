@@ -17,6 +17,8 @@ const DETERMINED: f64 = 1.0e12;
 /// The file of tables.
 #[derive(Deserialize)]
 struct File {
+    /// What a case is that says nothing.
+    usual: toml::Table,
     study: BTreeMap<String, Study>,
 }
 
@@ -76,7 +78,7 @@ struct Cases {
 }
 
 /// What is flown and measured.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 struct Case {
     /// Words of the row.
@@ -118,10 +120,11 @@ struct Case {
     digits: Option<String>,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
 #[serde(rename_all = "snake_case")]
 enum Noise {
     /// Of each component.
+    #[default]
     Own,
     /// Of the largest components.
     Largest,
@@ -131,15 +134,16 @@ enum Noise {
     Fixed,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
 #[serde(rename_all = "snake_case")]
 enum Estimator {
+    #[default]
     Steps,
     Linear,
     Bound,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
 #[serde(rename_all = "snake_case")]
 enum Quantity {
     /// Relative error.
@@ -149,6 +153,7 @@ enum Quantity {
     /// Error relative to the norm.
     Tensor,
     /// The largest of the three.
+    #[default]
     Worst,
     /// Condition number of step 2.
     Condition,
@@ -160,40 +165,10 @@ enum Quantity {
     PrintedInN,
 }
 
-impl Default for Case {
-    fn default() -> Self {
-        Self {
-            words: String::new(),
-            trajectory: 1,
-            spin: [0.0; 3],
-            velocity: [0.0; 3],
-            unsymmetric: false,
-            samples: 10,
-            moving: false,
-            whole: false,
-            ratio: None,
-            span: 1.0,
-            joints: None,
-            plane: false,
-            velocity_error: [0.0; 3],
-            rate_error: [0.0; 3],
-            noise: Noise::Own,
-            share: 0.0,
-            known: true,
-            estimator: Estimator::Steps,
-            quantity: Quantity::Worst,
-            scale: 1.0,
-            rms: false,
-            bounded: false,
-            digits: None,
-        }
-    }
-}
-
 impl Case {
-    fn of(parts: [&toml::Table; 3]) -> Result<Self, StudyError> {
+    fn of(parts: &[&toml::Table]) -> Result<Self, StudyError> {
         let mut keys = toml::Table::new();
-        parts.into_iter().for_each(|part| keys.extend(part.clone()));
+        parts.iter().for_each(|part| keys.extend((*part).clone()));
         Ok(keys.try_into()?)
     }
 
@@ -250,6 +225,7 @@ impl Case {
 /// Runs cases, each trial once.
 struct Engine<'a> {
     context: &'a Context<'a>,
+    usual: &'a toml::Table,
     fixed: Sigma,
     done: Vec<(Case, Run, Vec<Errors>)>,
 }
@@ -333,13 +309,12 @@ impl Engine<'_> {
 
     fn table(&mut self, cases: &Cases, rows: &[toml::Table]) -> Result<Table, StudyError> {
         let mut table = Table::new(&cases.name, &cases.title, &cases.head);
-        let none = toml::Table::new();
         for row in rows {
-            let words = Case::of([&cases.case, &none, row])?.words;
+            let words = Case::of(&[row])?.words;
             table.row(&words, []);
             let numbers = table.head.len().saturating_sub(words.split(" | ").count());
             for column in cases.columns.iter().take(numbers) {
-                let case = Case::of([&cases.case, column, row])?;
+                let case = Case::of(&[self.usual, &cases.case, column, row])?;
                 let x = self.number(&case, 0.5)?;
                 match &case.digits {
                     Some(digits) => table.with(x, Digits::named(digits)),
@@ -357,7 +332,7 @@ impl Engine<'_> {
             let column = &cases.columns[figure.column];
             let mut rows = Vec::new();
             for row in study.rows(cases)? {
-                rows.push(Case::of([&cases.case, column, row])?);
+                rows.push(Case::of(&[self.usual, &cases.case, column, row])?);
             }
             names = rows.iter().map(|c| c.words.clone()).collect();
             let place = |(k, case): (usize, &Case)| match figure.named {
@@ -393,6 +368,7 @@ pub fn study(context: &Context, name: &str) -> Result<Findings, StudyError> {
     let run = Experiment::of(context, 1, [0.0, 0.0, 5.0])?.run()?;
     let mut engine = Engine {
         context,
+        usual: &file.usual,
         fixed: run.sigma(0.01, Scaling::Largest),
         done: Vec::new(),
     };

@@ -243,7 +243,8 @@ fn prop_bad_questions_are_refused_in_one_line() {
         .to_string();
     assert!(error.starts_with("E0528"), "{error}");
     // An arm heavier than those studied in the paper gives an answer with a warning.
-    let heavy = flown(1, [0.0, 0.0, 5.0]).with_ratio(8.0 * 0.093184);
+    let mut heavy = flown(1, [0.0, 0.0, 5.0]);
+    scale_arm(&mut heavy.model, 8.0 * 0.093184);
     let answer = ask(&heavy.model, &heavy.run().unwrap().raws, free, 0.0).unwrap();
     assert_eq!(answer.status, Status::Converged);
     assert!(

@@ -17,7 +17,9 @@ use poinsot_identify::{Noise, Problem, Samples, Segment, Status, Translation};
 use poinsot_model::{JointKind, Model, MomentumKnowledge, read_model};
 use poinsot_papers::ma2008::bounds::{angular_error, bound, linear_error, sizes};
 use poinsot_papers::ma2008::printed::{PrintedAxes, two_step_printed};
-use poinsot_papers::ma2008::studies::experiment::{Experiment, Run, readings, unsymmetric};
+use poinsot_papers::ma2008::studies::experiment::{
+    Experiment, Run, readings, scale_arm, unsymmetric,
+};
 use poinsot_papers::ma2008::{
     self, Known, Reading, TwoStep, Variant, Vehicle, angular_rows, linear_rows, two_step,
 };
