@@ -347,7 +347,7 @@ class Answer:
         report
             Also write ``report.html``.
         figures
-            Formats of the figures of the report, ``"svg"``, ``"png"``.
+            Formats of the figures of the report: ``"svg"``. ``"png"`` needs a build with the feature ``png``.
         """
         return [str(p) for p in self._core.write(folder, report, list(figures))]
 

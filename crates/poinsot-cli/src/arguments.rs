@@ -158,7 +158,7 @@ pub struct Identify {
     /// Also write the report, DIR/report.html.
     #[arg(long, requires = "out")]
     pub report: bool,
-    /// Also write every figure as a file in DIR/figures: svg, png, or both.
+    /// Also write every figure as a file in DIR/figures: svg, or png if built with the feature `png`.
     #[arg(long, value_delimiter = ',', value_name = "FORMAT", requires = "out")]
     pub figures: Vec<FigureFile>,
     /// Largest one-sigma uncertainty, relative to nominal, of a number that is printed.
@@ -315,7 +315,7 @@ pub struct Study {
     /// Folder for every table as CSV and every figure; created if missing.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Formats of the figures: svg, png, or both.
+    /// Formats of the figures: svg, or png if built with the feature `png`.
     #[arg(long, value_delimiter = ',', value_name = "FORMAT", requires = "out")]
     pub figures: Vec<FigureFile>,
     /// How the answer is printed.
@@ -556,7 +556,7 @@ pub struct Report {
     /// Earlier answer of the same vehicle, compared in an extra section. Repeatable.
     #[arg(long, value_name = "DIR")]
     pub compare: Vec<PathBuf>,
-    /// Also write every figure as a file in DIR/figures: svg, png, or both.
+    /// Also write every figure as a file in DIR/figures: svg, or png if built with the feature `png`.
     #[arg(long, value_delimiter = ',', value_name = "FORMAT")]
     pub figures: Vec<FigureFile>,
     /// How the answer is printed.

@@ -17,6 +17,9 @@ const ROW: f64 = 17.0;
 const LETTER: f64 = 6.6;
 const EDGE: f64 = 12.0;
 
+/// Refusal of a PNG by a program without the feature.
+pub const WITHOUT_PNG: &str = "this program was built without PNG (feature `png`); use svg";
+
 /// Content of a figure.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Picture {
@@ -51,6 +54,11 @@ impl FigureFormat {
             Self::Svg => "svg",
             Self::Png => "png",
         }
+    }
+
+    /// Whether this program writes the format.
+    pub fn is_built(self) -> bool {
+        self != Self::Png || cfg!(feature = "png")
     }
 }
 
@@ -188,8 +196,7 @@ fn keys(legend: &[(&str, &str, usize)], width: f64) -> (usize, String) {
 
 #[cfg(not(feature = "png"))]
 fn pixels(_: &str) -> Result<Vec<u8>, PageError> {
-    let why = "this program was built without PNG (feature `png`); take SVG";
-    Err(PageError::Figure(why.to_owned()))
+    Err(PageError::Figure(WITHOUT_PNG.to_owned()))
 }
 
 fn file_name(name: &str) -> String {

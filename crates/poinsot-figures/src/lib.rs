@@ -33,7 +33,7 @@
 //! - `packed.rs`: samples of a time plot, drawn by `assets/curves.js` with uPlot.
 //! - `scene.rs`, `assets/space.js`: 3D scenes, as SVG and by WebGL2.
 //! - `opening.rs`: first screen of every page. `assets/page.js`: record selection, copy, save.
-//! - `figure.rs`: a picture as a separate SVG or PNG file.
+//! - `figure.rs`: a picture as a separate SVG or PNG file; PNG needs the feature `png`.
 
 mod axis;
 mod document;
@@ -52,7 +52,7 @@ mod text;
 
 pub use document::{Content, Document, Section, Table, Tone};
 pub use error::PageError;
-pub use figure::{Figure, FigureFormat, Picture};
+pub use figure::{Figure, FigureFormat, Picture, WITHOUT_PNG};
 pub use markup::{Html, escape, island, render};
 pub use opening::{Light, Opening};
 pub use page::{Page, Part};

@@ -10,7 +10,7 @@ use poinsot::{
     Coordinates, Identified, Question, Reading, estimate_file, estimate_text, identify_records,
     write_result,
 };
-use poinsot_figures::{FigureFormat, TextStyle};
+use poinsot_figures::{FigureFormat, TextStyle, WITHOUT_PNG};
 use poinsot_identify::PredictedChannel;
 use poinsot_report::{Detail, estimate_document, report_html};
 use poinsot_telemetry::Part;
@@ -239,7 +239,8 @@ impl CoreAnswer {
 fn figure(name: &str) -> Result<FigureFormat, Fault> {
     match name {
         "svg" => Ok(FigureFormat::Svg),
-        "png" => Ok(FigureFormat::Png),
+        "png" if FigureFormat::Png.is_built() => Ok(FigureFormat::Png),
+        "png" => Err(Fault::argument("--figures", name, WITHOUT_PNG)),
         other => Err(Fault::argument(
             "--figures",
             other,

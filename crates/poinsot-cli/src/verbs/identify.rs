@@ -43,7 +43,7 @@ pub fn run(arguments: &Identify) -> Outcome {
             policies: arguments.policy.clone(),
         },
     };
-    let figures = formats(&arguments.figures);
+    let figures = formats(&arguments.figures)?;
     if let Some(folder) = &arguments.out {
         check_places(arguments, folder, &request)?;
     }

@@ -25,7 +25,7 @@ use std::sync::{Mutex, OnceLock};
 
 use crate::arguments::FigureFile;
 use poinsot::ErrorKind;
-use poinsot_figures::{Document, FigureFormat};
+use poinsot_figures::{Document, FigureFormat, WITHOUT_PNG};
 use poinsot_files::{error_line, escaped_lines, json_escaped};
 use poinsot_formats::{ERROR, ErrorFile, FaultFile, ResultFile, WrittenFile, result_text};
 use std::io::IsTerminal;
@@ -126,18 +126,22 @@ pub fn written(paths: &[std::path::PathBuf], json: bool, quiet: bool) {
 }
 
 /// Requested figure formats without duplicates.
-pub fn formats(wanted: &[FigureFile]) -> Vec<FigureFormat> {
+pub fn formats(wanted: &[FigureFile]) -> Result<Vec<FigureFormat>, Failure> {
     let mut out = Vec::new();
     for format in wanted {
         let format = match format {
             FigureFile::Svg => FigureFormat::Svg,
             FigureFile::Png => FigureFormat::Png,
         };
+        if !format.is_built() {
+            let name = format.extension();
+            return Err(poinsot::Error::usage("--figures", name, WITHOUT_PNG).into());
+        }
         if !out.contains(&format) {
             out.push(format);
         }
     }
-    out
+    Ok(out)
 }
 
 /// First error of writing to standard output.

@@ -8,7 +8,7 @@ pub fn run(arguments: &Report) -> Outcome {
     let paths = write_report(
         &arguments.result,
         &arguments.compare,
-        &formats(&arguments.figures),
+        &formats(&arguments.figures)?,
     )?;
     written(&paths, arguments.print.json, arguments.print.quiet);
     Ok(0)

@@ -25,8 +25,8 @@ pub fn run(arguments: &Study) -> Outcome {
         );
     }
     let figures = match arguments.figures.as_slice() {
-        [] => vec![FigureFile::Svg],
-        some => some.to_vec(),
+        [] => formats(&[FigureFile::Svg])?,
+        some => formats(some)?,
     };
     let mut answers = Vec::new();
     for (paper, study) in chosen {
@@ -38,7 +38,7 @@ pub fn run(arguments: &Study) -> Outcome {
             print_document(&study_document(&found));
         }
         if let Some(folder) = &arguments.out {
-            let paths = write_files(folder, &files(study, &findings, &formats(&figures))?)?;
+            let paths = write_files(folder, &files(study, &findings, &figures)?)?;
             // With --json, the written files are not listed.
             written(&paths, false, arguments.print.quiet || arguments.print.json);
         }
