@@ -99,7 +99,7 @@ fn ignored() -> Result<Vec<Made>, Fault> {
         let shown = read(&format!("docs/methods/{paper}.md"))?;
         for figure in run(study, &repository("data"))?.figures {
             let name = format!("{paper}/{}.svg", figure.name);
-            if let Some(text) = figure.svg().filter(|_| shown.contains(&name)) {
+            if let Some(text) = figure.svg()?.filter(|_| shown.contains(&name)) {
                 let name = format!("methods/{name}");
                 all.push(Made { name, text });
             }

@@ -257,11 +257,11 @@
       const thin = 0.012 * this.extent, d = this.data;
       const tree = d.tree, clear = new Mesh();
       const bodies = Array.from({ length: tree ? tree.bodies : 1 }, () => new Mesh());
-      const of = (kind, k) => bodies[tree ? tree[kind][k] : 0];
-      d.ellipsoids.forEach((e, k) => d.morph && !k ? null : e.faint ? clear.ellipsoid(e.centre, e.axes, this.colour(e.colour, 0.16)) : of("ellipsoids", k).ellipsoid(e.centre, e.axes, this.colour(e.colour)));
-      d.curves.forEach((c, k) => of("curves", k).tube(c.points, (c.shares ? 1.25 : 0.7) * thin, i => c.shares ? [...ramp(c.shares[i]), 1] : this.colour(c.colour)));
-      d.arrows.forEach((a, k) => of("arrows", k).arrow(a.from, a.to, 0.6 * thin, this.colour(a.colour)));
-      d.spots.forEach((s, k) => of("spots", k).ball(s.at, 1.6 * thin, this.colour(s.colour)));
+      const of = item => bodies[item.body];
+      d.ellipsoids.forEach((e, k) => d.morph && !k ? null : e.faint ? clear.ellipsoid(e.centre, e.axes, this.colour(e.colour, 0.16)) : of(e).ellipsoid(e.centre, e.axes, this.colour(e.colour)));
+      d.curves.forEach(c => of(c).tube(c.points, (c.shares ? 1.25 : 0.7) * thin, i => c.shares ? [...ramp(c.shares[i]), 1] : this.colour(c.colour)));
+      d.arrows.forEach(a => of(a).arrow(a.from, a.to, 0.6 * thin, this.colour(a.colour)));
+      d.spots.forEach(s => of(s).ball(s.at, 1.6 * thin, this.colour(s.colour)));
       this.solid = bodies.map(b => this.upload(b)); this.ghost = this.upload(clear);
       if (this.roll && this.roll.free) {
         const low = this.low(), path = new Mesh(), n = this.roll.time_s.length;
@@ -307,11 +307,11 @@
       const [sy, cy, sp, cp] = [Math.sin(this.yaw), Math.cos(this.yaw), Math.sin(this.pitch), Math.cos(this.pitch)];
       const size = this.zoom * 0.78 * Math.min(1, wide / high) / this.extent;
       this.eye = { right: [-sy, cy, 0], up: [-sp * cy, -sp * sy, cp], towards: [cp * cy, cp * sy, sp], sx: size * high / wide, sy: size, depth: 0.2 / this.extent };
-      const poses = this.poses(own), tree = this.data.tree;
+      const poses = this.poses(own);
       this.solid.forEach((mesh, b) => this.paint(mesh, (poses[b] || poses[0]).q, (poses[b] || poses[0]).p));
       if (this.morph) { const now = new Mesh(); now.ellipsoid([0, 0, 0], this.morph.axes[k], this.colour(5)); this.passing(now, own); }
-      const placed = (kind, i, x) => { const at = poses[tree ? tree[kind][i] : 0] || poses[0]; return add(at.p, turn(at.q, x)); };
-      const labels = this.data.spots.map((s, i) => [s.label, placed("spots", i, s.at)]).concat(this.data.arrows.map((a, i) => [a.label, placed("arrows", i, a.to)]));
+      const placed = (item, x) => { const at = poses[item.body] || poses[0]; return add(at.p, turn(at.q, x)); };
+      const labels = this.data.spots.map(s => [s.label, placed(s, s.at)]).concat(this.data.arrows.map(a => [a.label, placed(a, a.to)]));
       if (roll && roll.pole[k]) {
         const now = new Mesh(), pole = roll.pole[k], h = roll.normal[k];
         now.ball(pole, 2.4 * thin, this.colour(1));

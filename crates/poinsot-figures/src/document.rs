@@ -1,10 +1,15 @@
-//! The parts of a document.
+//! A document: a verdict and sections of rows and sentences, for terminal and page.
+
+use crate::template::BAR;
+use serde::Serialize;
 
 /// Quality of a statement.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Tone {
     /// Neutral.
     #[default]
+    #[serde(rename = "off")]
     Plain,
     /// As hoped.
     Good,
@@ -14,20 +19,8 @@ pub enum Tone {
     Bad,
 }
 
-impl Tone {
-    /// Name in HTML.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Plain => "off",
-            Self::Good => "good",
-            Self::Fair => "fair",
-            Self::Bad => "bad",
-        }
-    }
-}
-
 /// A verdict and the sections that support it.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Document {
     /// The result in one sentence.
     pub verdict: String,
@@ -38,34 +31,20 @@ pub struct Document {
 }
 
 /// A titled part of a document.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Section {
     /// Title.
     pub title: String,
     /// Colour of the title.
     pub tone: Tone,
-    /// Content.
-    pub content: Content,
-    /// Remark below the content.
-    pub note: Option<String>,
-}
-
-/// Content of a section.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Content {
-    /// Rows of cells.
-    Table(Table),
-    /// Sentences.
-    List(Vec<String>),
-}
-
-/// A table of text cells; all columns but the first are aligned right.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Table {
     /// Column titles.
     pub head: Vec<String>,
-    /// Rows.
+    /// Rows of cells; all columns but the first are aligned right.
     pub rows: Vec<Vec<String>>,
+    /// Sentences.
+    pub lines: Vec<String>,
+    /// Remark below the content.
+    pub note: Option<String>,
 }
 
 impl Document {
@@ -73,8 +52,7 @@ impl Document {
     pub fn new(verdict: String) -> Self {
         Self {
             verdict,
-            tone: Tone::Plain,
-            sections: Vec::new(),
+            ..Self::default()
         }
     }
 
@@ -84,51 +62,70 @@ impl Document {
         self
     }
 
-    /// Adds a section.
-    pub fn push(&mut self, section: Section) {
-        self.sections.push(section);
+    /// From the lines of a template, see [`Templates::document`](crate::Templates::document).
+    pub(crate) fn parse(text: &str) -> Self {
+        let mut lines = text.trim_start().lines();
+        let mut document = Self::new(plain(lines.next().unwrap_or_default()));
+        for line in lines {
+            let rest = line.get(1..).unwrap_or_default();
+            match (line.chars().next(), document.sections.last_mut()) {
+                (Some('#'), _) => document.sections.push(Section::titled(rest)),
+                (Some('|'), Some(section)) => section.push(cells(rest)),
+                (Some('-'), Some(section)) => {
+                    let sentence = rest.strip_prefix(' ').unwrap_or(rest);
+                    section.lines.push(plain(sentence));
+                }
+                (Some('>'), Some(section)) if !rest.trim().is_empty() => {
+                    section.note = Some(plain(rest.trim()));
+                }
+                _ => {}
+            }
+        }
+        let is_empty = |s: &Section| s.rows.is_empty() && s.lines.is_empty();
+        document.sections.retain(|s| !is_empty(s));
+        document
     }
 }
 
 impl Section {
-    /// A section with a table.
-    pub fn table(title: &str, table: Table) -> Self {
+    /// From ` title`, or `bad title` with a tone.
+    fn titled(text: &str) -> Self {
+        let (word, title) = text.split_once(' ').unwrap_or(("", text));
+        let tone = match word {
+            "good" => Tone::Good,
+            "fair" => Tone::Fair,
+            "bad" => Tone::Bad,
+            _ => Tone::Plain,
+        };
         Self {
-            title: title.to_owned(),
-            tone: Tone::Plain,
-            content: Content::Table(table),
-            note: None,
+            title: plain(title),
+            tone,
+            ..Self::default()
         }
     }
 
-    /// Sets the colour of the title.
-    pub fn toned(mut self, tone: Tone) -> Self {
-        self.tone = tone;
-        self
+    fn push(&mut self, row: Vec<String>) {
+        match self.head.is_empty() {
+            true => self.head = row,
+            false => self.rows.push(row),
+        }
     }
 
-    /// A section with sentences.
-    pub fn list(title: &str, lines: Vec<String>) -> Self {
-        Self {
-            title: title.to_owned(),
-            tone: Tone::Plain,
-            content: Content::List(lines),
-            note: None,
-        }
+    /// Whether no cell of each column starts like a number.
+    pub(crate) fn text_columns(&self) -> Vec<bool> {
+        let numeric =
+            |cell: &String| cell.starts_with(|c: char| c.is_ascii_digit() || "+-±".contains(c));
+        let is_text = |column| !self.rows.iter().filter_map(|r| r.get(column)).any(numeric);
+        (0..self.head.len()).map(is_text).collect()
     }
 }
 
-impl Table {
-    /// An empty table.
-    pub fn new(head: &[&str]) -> Self {
-        Self {
-            head: head.iter().map(|h| (*h).to_owned()).collect(),
-            rows: Vec::new(),
-        }
-    }
+fn plain(text: &str) -> String {
+    text.replace(BAR, "|")
+}
 
-    /// Adds a row.
-    pub fn push(&mut self, row: Vec<String>) {
-        self.rows.push(row);
-    }
+fn cells(row: &str) -> Vec<String> {
+    let row = row.trim_end();
+    let cells = row.strip_suffix('|').unwrap_or(row).split('|');
+    cells.map(|cell| plain(cell.trim())).collect()
 }

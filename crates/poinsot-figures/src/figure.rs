@@ -1,14 +1,25 @@
-//! A figure of the page as a separate file: SVG with its style, or PNG. Output is deterministic: independent of time,
+//! A figure on a page or as a separate file: SVG with its style, or PNG. Output is deterministic: independent of time,
 //! machine and installed fonts.
 
 use crate::error::PageError;
-use crate::markup::{Html, escape};
+use crate::packed::packed;
 #[cfg(feature = "png")]
 use crate::pixels::pixels;
 use crate::scene::Scene;
 use crate::series::Plot;
-use std::fmt::Write;
+use crate::template::{Html, Templates};
+use minijinja::{Value, context};
+use serde::Serialize;
+use std::sync::LazyLock;
 
+static TEMPLATES: LazyLock<Templates> = LazyLock::new(|| {
+    Templates::new(&[
+        ("figure.html", include_str!("../templates/figure.html")),
+        ("figure.svg", include_str!("../templates/figure.svg")),
+        ("plot.svg", include_str!("../templates/plot.svg")),
+        ("scene.svg", include_str!("../templates/scene.svg")),
+    ])
+});
 const STYLE: &str = include_str!("../assets/figure.css");
 /// Height of the title and of each legend row, px.
 const TITLE: f64 = 26.0;
@@ -16,7 +27,6 @@ const ROW: f64 = 17.0;
 /// Approximate width of a legend letter, px, for breaking rows.
 const LETTER: f64 = 6.6;
 const EDGE: f64 = 12.0;
-
 /// Refusal of a PNG by a program without the feature.
 pub const WITHOUT_PNG: &str = "this program was built without PNG (feature `png`); use svg";
 
@@ -45,6 +55,38 @@ pub enum FigureFormat {
     Svg,
     /// Pixels, twice the resolution of the SVG.
     Png,
+}
+
+/// A legend entry.
+#[derive(Serialize)]
+pub(crate) struct Key<'a> {
+    name: &'a str,
+    mark: &'static str,
+    colour: usize,
+}
+
+impl<'a> Key<'a> {
+    pub fn new(name: &'a str, (mark, colour): (&'static str, usize)) -> Self {
+        Self { name, mark, colour }
+    }
+}
+
+/// SVG elements of a picture and their size, px.
+pub(crate) struct Drawing {
+    size: [f64; 2],
+    elements: Html,
+}
+
+impl Drawing {
+    pub fn new(size: [f64; 2], template: &str, context: Value) -> Result<Self, PageError> {
+        let elements = TEMPLATES.html(template, context)?;
+        Ok(Self { size, elements })
+    }
+}
+
+/// A place in a drawing, px.
+pub(crate) fn px(x: f64) -> f64 {
+    (x * 100.0).round() / 100.0
 }
 
 impl FigureFormat {
@@ -84,14 +126,19 @@ impl Figure {
     /// # Errors
     /// Its numbers have no JSON form.
     pub fn html(&self) -> Result<Html, PageError> {
-        match &self.picture {
-            Picture::Plot(plot) => Ok(plot.html()),
-            Picture::Scene(scene) => scene.html(),
-        }
-    }
-
-    fn is_half(&self) -> bool {
-        matches!(&self.picture, Picture::Plot(p) if p.half)
+        let (class, curves, scene) = match &self.picture {
+            Picture::Plot(p) if !p.group.is_empty() => ("plot curves", Some(packed(p)?), None),
+            Picture::Plot(p) if p.half => ("plot half", None, None),
+            Picture::Plot(_) => ("plot", None, None),
+            Picture::Scene(s) => ("scene", None, Some(s.data()?)),
+        };
+        let drawing = self.drawing()?;
+        let curves = curves.filter(|_| drawing.is_some());
+        let value = |html: Html| html.value();
+        let more = context! {
+            class, legend => self.legend(), curves => curves.map(value), scene => scene.map(value),
+        };
+        TEMPLATES.html("figure.html", self.context(drawing, more))
     }
 
     /// HTML of several figures; half-width ones are side by side.
@@ -99,19 +146,17 @@ impl Figure {
     /// # Errors
     /// As [`Self::html`].
     pub fn page(figures: &[Self]) -> Result<Html, PageError> {
-        let mut parts = Vec::new();
-        for group in figures.chunk_by(|a, b| a.is_half() && b.is_half()) {
-            let made = group
-                .iter()
-                .map(Self::html)
-                .collect::<Result<Vec<_>, _>>()?;
-            if group.first().is_some_and(Self::is_half) {
-                parts.push(Html::pair(&made));
-            } else {
-                parts.extend(made);
-            }
+        let is_half = |f: &Self| matches!(&f.picture, Picture::Plot(p) if p.half);
+        let mut out = String::new();
+        for group in figures.chunk_by(|a, b| is_half(a) && is_half(b)) {
+            let made = group.iter().map(|f| Ok(f.html()?.0));
+            let made = made.collect::<Result<String, PageError>>()?;
+            out.push_str(&match is_half(&group[0]) {
+                true => format!("<div class=\"pair\">{made}</div>"),
+                false => made,
+            });
         }
-        Ok(Html::join(&parts))
+        Ok(Html(out))
     }
 
     /// The file in a format; `None` if there is nothing to draw.
@@ -119,7 +164,7 @@ impl Figure {
     /// # Errors
     /// The SVG cannot be rendered.
     pub fn file(&self, format: FigureFormat) -> Result<Option<Vec<u8>>, PageError> {
-        let Some(svg) = self.svg() else {
+        let Some(svg) = self.svg()? else {
             return Ok(None);
         };
         Ok(Some(match format {
@@ -129,66 +174,58 @@ impl Figure {
     }
 
     /// The stand-alone SVG; `None` if there is nothing to draw.
-    pub fn svg(&self) -> Option<String> {
-        let (title, note, legend, drawing) = match &self.picture {
-            Picture::Plot(p) => (&p.title, &p.note, p.legend(), p.drawing()?),
-            Picture::Scene(s) => (&s.title, &s.note, s.legend(), s.drawing()),
+    ///
+    /// # Errors
+    /// A template is faulty.
+    pub fn svg(&self) -> Result<Option<String>, PageError> {
+        let Some(drawing) = self.drawing()? else {
+            return Ok(None);
         };
-        let ([width, height], elements) = drawing;
-        let (rows, keys) = keys(&legend, width);
-        let top = TITLE + ROW * rows as f64;
-        let whole = height + top;
-        let (title, note) = (escape(title), escape(note));
-        let mut out = String::new();
-        let _ = write!(
-            out,
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{whole}\" viewBox=\"0 0 {width} {whole}\">\
-             <title>{title}</title><desc>{note}</desc><style>\n{STYLE}</style>\
-             <rect width=\"{width}\" height=\"{whole}\" fill=\"#ffffff\"/>\
-             <text class=\"title\" x=\"{EDGE}\" y=\"18\">{title}</text>{keys}\
-             <g transform=\"translate(0 {top})\">{elements}</g></svg>\n"
-        );
-        Some(out)
+        let legend = self.legend();
+        let (rows, keys) = keys(&legend, drawing.size[0]);
+        let style = Html(STYLE.to_owned());
+        let more = context! { keys, style => style.value(), top => TITLE + ROW * rows as f64 };
+        let svg = TEMPLATES.html("figure.svg", self.context(Some(drawing), more))?;
+        Ok(Some(svg.0))
+    }
+
+    fn drawing(&self) -> Result<Option<Drawing>, PageError> {
+        match &self.picture {
+            Picture::Plot(p) => p.drawing(),
+            Picture::Scene(s) => s.drawing().map(Some),
+        }
+    }
+
+    fn legend(&self) -> Vec<Key<'_>> {
+        match &self.picture {
+            Picture::Plot(p) => p.legend(),
+            Picture::Scene(s) => s.legend(),
+        }
+    }
+
+    fn context(&self, drawing: Option<Drawing>, more: Value) -> Value {
+        let (title, note) = match &self.picture {
+            Picture::Plot(p) => (&p.title, &p.note),
+            Picture::Scene(s) => (&s.title, &s.note),
+        };
+        let [width, height] = drawing.as_ref().map_or([0.0; 2], |d| d.size);
+        let elements = drawing.map(|d| d.elements.value());
+        context! { title, note, width, height, elements, ..more }
     }
 }
 
-/// Number of rows of a legend, and its elements.
-fn keys(legend: &[(&str, &str, usize)], width: f64) -> (usize, String) {
-    let mut out = String::new();
+/// Number of rows of a legend, and its entries with their places.
+fn keys(legend: &[Key], width: f64) -> (usize, Vec<Value>) {
+    let mut out = Vec::new();
     let (mut x, mut row) = (EDGE, 0);
-    for (name, kind, colour) in legend {
-        let wide = 24.0 + LETTER * name.chars().count() as f64 + 14.0;
+    for key in legend {
+        let wide = 24.0 + LETTER * key.name.chars().count() as f64 + 14.0;
         if x > EDGE && x + wide > width - EDGE {
             x = EDGE;
             row += 1;
         }
         let y = TITLE + ROW * row as f64 + 5.0;
-        let (word, low, end) = (x + 24.0, y + 4.0, x + 18.0);
-        let _ = match *kind {
-            "dots" => {
-                let middle = x + 9.0;
-                write!(
-                    out,
-                    "<path class=\"dots large c{colour}\" d=\"M{middle:.1} {y}h0\"/>"
-                )
-            }
-            "bars" | "solid" | "ramp" => {
-                let high = y - 4.5;
-                write!(
-                    out,
-                    "<rect class=\"bars c{colour}\" x=\"{x:.1}\" y=\"{high}\" width=\"18\" height=\"9\"/>"
-                )
-            }
-            kind => write!(
-                out,
-                "<path class=\"line {kind} c{colour}\" d=\"M{x:.1} {y}H{end:.1}\"/>"
-            ),
-        };
-        let name = escape(name);
-        let _ = write!(
-            out,
-            "<text class=\"word\" x=\"{word:.1}\" y=\"{low}\">{name}</text>"
-        );
+        out.push(context! { x => px(x), y, ..Value::from_serialize(key) });
         x += wide;
     }
     (if legend.is_empty() { 0 } else { row + 1 }, out)
@@ -200,17 +237,11 @@ fn pixels(_: &str) -> Result<Vec<u8>, PageError> {
 }
 
 fn file_name(name: &str) -> String {
-    let plain: String = name
-        .chars()
-        .map(|c| {
-            if c.is_ascii_alphanumeric() || c == '-' {
-                c.to_ascii_lowercase()
-            } else {
-                '_'
-            }
-        })
-        .take(80)
-        .collect();
+    let safe = |c: char| match c.is_ascii_alphanumeric() || c == '-' {
+        true => c.to_ascii_lowercase(),
+        false => '_',
+    };
+    let plain: String = name.chars().map(safe).take(80).collect();
     plain.trim_matches('_').to_owned()
 }
 
@@ -279,7 +310,10 @@ mod tests {
 
     #[test]
     fn unit_names_from_files_are_text() {
-        let svg = figure("../e vil/Näme", "</svg><script>").svg().unwrap();
+        let svg = figure("../e vil/Näme", "</svg><script>")
+            .svg()
+            .unwrap()
+            .unwrap();
         assert!(!svg.contains("<script"));
         assert!(svg.contains("&lt;script&gt;"));
         assert_eq!(figure("../e vil/Näme", "").name, "e_vil_n_me");

@@ -1,8 +1,9 @@
 //! Samples of a time plot in the format of `curves.js`: times as 32-bit floats relative to the first, values as 16-bit
 //! steps between minimum and maximum. A screen of 4,000 lines shows one step in sixteen.
 
-use crate::markup::{escape, island};
+use crate::error::PageError;
 use crate::series::{Mark, Plot, Series};
+use crate::template::{Html, island};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;
@@ -39,83 +40,56 @@ struct Packed<'a> {
     y: String,
 }
 
-/// Samples and an element for the plot; empty if they have no JSON form.
-pub(crate) fn packed(plot: &Plot) -> String {
-    let lines: Vec<&Series> = plot
-        .series
-        .iter()
-        .filter(|s| s.mark != Mark::Band)
-        .collect();
-    let series = lines
-        .iter()
-        .enumerate()
-        .map(|(k, s)| pack(s, lines[..k].iter().position(|o| same_times(o, s))))
-        .collect();
-    let band = plot.series.iter().find(|s| s.mark == Mark::Band);
-    let data = Curves {
+/// Samples of the plot, as JSON.
+pub(crate) fn packed(plot: &Plot) -> Result<Html, PageError> {
+    let is_band = |s: &&Series| s.mark == Mark::Band;
+    let lines: Vec<&Series> = plot.series.iter().filter(|s| !is_band(s)).collect();
+    let same = |k: usize| lines[..k].iter().position(|o| same_times(o, lines[k]));
+    let band = plot.series.iter().find(is_band);
+    island(&Curves {
         title: &plot.title,
         group: &plot.group,
         x: [&plot.x.label, &plot.x.unit],
         y: [&plot.y.label, &plot.y.unit],
         height: plot.height,
         levels: &plot.levels,
-        series,
+        series: (0..lines.len()).map(|k| pack(lines[k], same(k))).collect(),
         band: band.map(|s| s.points.iter().map(|p| p.1).fold(0.0, f64::max)),
-    };
-    let json = island(&data).unwrap_or_default();
-    let json = json.as_str();
-    let title = escape(&plot.title);
-    format!(
-        "<div class=\"canvas\" role=\"img\" tabindex=\"0\" aria-label=\"{title}\"></div>\
-         <script type=\"application/json\" class=\"curves-data\">{json}</script>\
-         <noscript><p class=\"empty\">Curves need JavaScript; <code>poinsot identify --figures svg</code> writes them as files.</p></noscript>"
-    )
+    })
 }
 
 fn same_times(a: &Series, b: &Series) -> bool {
-    a.points
-        .iter()
-        .map(|p| p.0)
-        .eq(b.points.iter().map(|p| p.0))
+    let mut pairs = a.points.iter().zip(&b.points);
+    a.points.len() == b.points.len() && pairs.all(|(a, b)| a.0 == b.0)
 }
 
 fn pack<'a>(s: &'a Series, same: Option<usize>) -> Packed<'a> {
     let start = s.points.first().map_or(0.0, |p| p.0);
+    let times = s.points.iter().map(|p| (p.0 - start) as f32);
     let bytes: Vec<u8> = match same {
         Some(_) => Vec::new(),
-        None => s
-            .points
-            .iter()
-            .flat_map(|p| ((p.0 - start) as f32).to_le_bytes())
-            .collect(),
+        None => times.flat_map(f32::to_le_bytes).collect(),
     };
-    let finite = || s.points.iter().map(|p| p.1).filter(|y| y.is_finite());
+    let values = || s.points.iter().map(|p| p.1);
+    let finite = || values().filter(|y| y.is_finite());
     let low = finite().fold(f64::INFINITY, f64::min);
     let span = finite().fold(f64::NEG_INFINITY, f64::max) - low;
     let step = if span > 0.0 { span / LAST } else { 1.0 };
-    let values: Vec<u8> = s
-        .points
-        .iter()
-        .map(|p| match p.1.is_finite() {
-            true => ((p.1 - low) / step).round() as u16,
-            false => NONE,
-        })
-        .flat_map(u16::to_le_bytes)
-        .collect();
+    let code = |y: f64| match y.is_finite() {
+        true => ((y - low) / step).round() as u16,
+        false => NONE,
+    };
+    let codes: Vec<u8> = values().flat_map(|y| code(y).to_le_bytes()).collect();
     Packed {
         name: &s.name,
-        mark: match s.mark {
-            Mark::Dots | Mark::Points => "dots",
-            Mark::Dashed => "dashed",
-            _ => "line",
-        },
+        mark: s.mark.key(),
         colour: s.colour,
         same,
         start,
         x: STANDARD.encode(bytes),
         low: if low.is_finite() { low } else { 0.0 },
         step,
-        y: STANDARD.encode(values),
+        y: STANDARD.encode(codes),
     }
 }
 

@@ -1,16 +1,23 @@
 //! A self-contained page: no network access, and a content security policy with the hashes of its style and scripts.
 
-use crate::document::{Content, Document, Section, Table};
+use crate::document::{Section, Tone};
 use crate::error::PageError;
 use crate::figure::Figure;
-use crate::markup::{Html, render};
+use crate::template::{Html, Templates};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use minijinja::context;
+use minijinja::{Value, context};
+use serde::Serialize;
 use sha2::{Digest, Sha256};
+use std::sync::LazyLock;
 
-const TEMPLATE: &str = include_str!("../templates/page.html");
-const TABLES: &str = include_str!("../templates/tables.html");
+static TEMPLATES: LazyLock<Templates> = LazyLock::new(|| {
+    Templates::new(&[
+        ("opening.html", include_str!("../templates/opening.html")),
+        ("page.html", include_str!("../templates/page.html")),
+        ("tables.html", include_str!("../templates/tables.html")),
+    ])
+});
 const STYLE: &str = concat!(
     include_str!("../assets/uplot/uPlot.min.css"),
     "\n",
@@ -25,47 +32,6 @@ const SCRIPTS: [(&str, &str); 4] = [
 ];
 const CURVES: &str = "class=\"curves-data\"";
 
-/// A titled part of the page.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Part {
-    /// Anchor: letters only.
-    pub id: &'static str,
-    /// Title.
-    pub title: &'static str,
-    /// Content.
-    pub body: Html,
-    /// Its figures, for separate files.
-    pub figures: Vec<Figure>,
-}
-
-impl Part {
-    /// The sections of a document: tables with captions, lists with titles.
-    ///
-    /// # Errors
-    /// The template is faulty.
-    pub fn of_document(
-        id: &'static str,
-        title: &'static str,
-        about: &str,
-        document: &Document,
-    ) -> Result<Self, PageError> {
-        let section = |s: &Section| match &s.content {
-            Content::Table(t) => {
-                let text: Vec<bool> = (0..t.head.len()).map(|k| is_text(t, k)).collect();
-                context! { title => s.title, head => t.head, rows => t.rows, note => s.note, text }
-            }
-            Content::List(lines) => context! { title => s.title, lines, note => s.note },
-        };
-        let sections: Vec<_> = document.sections.iter().map(section).collect();
-        Ok(Self {
-            id,
-            title,
-            body: render("tables", TABLES, context! { sections, about })?,
-            figures: Vec::new(),
-        })
-    }
-}
-
 /// A page.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Page {
@@ -79,50 +45,123 @@ pub struct Page {
     pub parts: Vec<Part>,
 }
 
+/// A titled part of the page.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Part {
+    /// Anchor: letters only.
+    pub id: &'static str,
+    /// Title.
+    pub title: &'static str,
+    /// Content.
+    pub body: Html,
+    /// Its figures, for separate files.
+    pub figures: Vec<Figure>,
+}
+
+/// The first screen of a page: verdict, action and evidence.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct Opening {
+    /// Colour of the word.
+    pub tone: Tone,
+    /// Verdict in one word.
+    pub word: String,
+    /// Verdict in one sentence with its numbers.
+    pub sentence: String,
+    /// Recommended action, if any.
+    pub action: Option<String>,
+    /// Questions about the evidence.
+    pub lights: Vec<Light>,
+    /// Main figure, beside the text; below it on a phone.
+    #[serde(skip)]
+    pub beside: Html,
+}
+
+/// A question about the evidence with its answer.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Light {
+    /// The question.
+    pub question: &'static str,
+    /// Anchor of the evidence.
+    pub place: &'static str,
+    /// Colour.
+    pub tone: Tone,
+    /// Answer in a word.
+    pub word: String,
+    /// Finding.
+    pub found: String,
+}
+
+impl Opening {
+    /// The first part of a page.
+    ///
+    /// # Errors
+    /// The template is faulty.
+    pub fn part(&self) -> Result<Part, PageError> {
+        let context = context! { beside => self.beside.value(), ..Value::from_serialize(self) };
+        let body = TEMPLATES.html("opening.html", context)?;
+        Ok(Part::new("answer", "Answer", body))
+    }
+}
+
+impl Part {
+    /// A part without figures.
+    pub fn new(id: &'static str, title: &'static str, body: Html) -> Self {
+        Self {
+            id,
+            title,
+            body,
+            figures: Vec::new(),
+        }
+    }
+
+    /// Sections of a document: tables with captions, lists with titles.
+    ///
+    /// # Errors
+    /// The template is faulty.
+    pub fn of_sections(
+        id: &'static str,
+        title: &'static str,
+        about: &str,
+        sections: &[Section],
+    ) -> Result<Self, PageError> {
+        let section =
+            |s: &Section| context! { text => s.text_columns(), ..Value::from_serialize(s) };
+        let sections: Vec<Value> = sections.iter().map(section).collect();
+        let body = TEMPLATES.html("tables.html", context! { sections, about })?;
+        Ok(Self::new(id, title, body))
+    }
+}
+
 impl Page {
     /// The HTML file.
     ///
     /// # Errors
     /// The page's template is faulty.
     pub fn html(&self) -> Result<String, PageError> {
-        let parts: Vec<_> = self
-            .parts
-            .iter()
-            .map(|p| context! { id => p.id, title => p.title, body => p.body.value() })
-            .collect();
+        let part = |p: &Part| context! { id => p.id, title => p.title, body => p.body.value() };
         let own = |text: &str| Html(text.to_owned()).value();
         let wanted = |mark: &str| self.parts.iter().any(|p| p.body.as_str().contains(mark));
         let needed = || SCRIPTS.iter().filter(|s| wanted(s.0)).map(|s| s.1);
-        let scripts: Vec<_> = needed().map(own).collect();
         let script_hashes: Vec<String> = needed().map(hash).collect();
         let policy = format!(
             "default-src 'none'; style-src {}; script-src {}; base-uri 'none'; form-action 'none'",
             hash(STYLE),
             script_hashes.join(" ")
         );
-        let page = render(
-            "page",
-            TEMPLATE,
+        let page = TEMPLATES.html(
+            "page.html",
             context! {
                 policy => own(&policy),
                 title => self.title,
                 subtitle => self.subtitle,
                 footer => self.footer,
                 style => own(STYLE),
-                scripts,
-                parts,
+                scripts => needed().map(own).collect::<Vec<_>>(),
+                parts => self.parts.iter().map(part).collect::<Vec<_>>(),
             },
         )?;
         Ok(format!("{}\n", page.as_str()))
     }
-}
-
-/// Whether no cell of a column starts like a number.
-fn is_text(table: &Table, column: usize) -> bool {
-    let numeric =
-        |cell: &String| cell.starts_with(|c: char| c.is_ascii_digit() || "+-±".contains(c));
-    let mut cells = table.rows.iter().filter_map(|row| row.get(column));
-    !cells.any(numeric)
 }
 
 fn hash(text: &str) -> String {

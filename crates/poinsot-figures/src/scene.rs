@@ -3,7 +3,9 @@
 //! In print and without WebGL2 it is a static SVG; `space.js` draws the same numbers.
 
 use crate::error::PageError;
-use crate::markup::{Html, escape, island};
+use crate::figure::{Drawing, Key, px};
+use crate::template::{Html, island};
+use minijinja::{Value, context};
 use serde::Serialize;
 use std::f64::consts::TAU;
 use std::fmt::Write;
@@ -18,7 +20,7 @@ const YAW: f64 = -0.9;
 const PITCH: f64 = 0.42;
 
 /// An ellipsoid.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Ellipsoid {
     /// Name in the legend, or empty.
     pub name: String,
@@ -30,10 +32,12 @@ pub struct Ellipsoid {
     pub colour: usize,
     /// Drawn translucent.
     pub faint: bool,
+    /// Body of the tree; zero without.
+    pub body: usize,
 }
 
 /// A curve; `None` is a gap.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Curve {
     /// Name in the legend, or empty.
     pub name: String,
@@ -43,10 +47,12 @@ pub struct Curve {
     pub colour: usize,
     /// Time of each point as a fraction, 0 to 1; if given, it sets the colour.
     pub shares: Option<Vec<f64>>,
+    /// Body of the tree; zero without.
+    pub body: usize,
 }
 
 /// An arrow with a label at its tip.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Arrow {
     /// Start.
     pub from: Point,
@@ -56,10 +62,12 @@ pub struct Arrow {
     pub label: String,
     /// Colour, 0 to 7.
     pub colour: usize,
+    /// Body of the tree; zero without.
+    pub body: usize,
 }
 
 /// A marked point with a label.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Spot {
     /// Position.
     pub at: Point,
@@ -67,6 +75,8 @@ pub struct Spot {
     pub label: String,
     /// Colour, 0 to 7.
     pub colour: usize,
+    /// Body of the tree; zero without.
+    pub body: usize,
 }
 
 /// All items above are fixed to a rotating body; a plane touches the body at the pole.
@@ -137,14 +147,6 @@ pub struct Tree {
     pub bodies: usize,
     /// Joints; a parent's before its children's.
     pub joints: Vec<Hinge>,
-    /// Body of each ellipsoid.
-    pub ellipsoids: Vec<usize>,
-    /// Body of each curve.
-    pub curves: Vec<usize>,
-    /// Body of each arrow.
-    pub arrows: Vec<usize>,
-    /// Body of each marked point.
-    pub spots: Vec<usize>,
 }
 
 /// A joint in its pose at the first time.
@@ -174,170 +176,113 @@ struct Island<'a> {
 }
 
 impl Scene {
-    /// The scene as a figure: static picture, data and canvas element.
-    ///
-    /// # Errors
-    /// The numbers have no JSON form.
-    pub fn html(&self) -> Result<Html, PageError> {
-        let view = View::around(self);
-        let data = island(&Island {
+    /// Its numbers for `space.js`.
+    pub(crate) fn data(&self) -> Result<Html, PageError> {
+        island(&Island {
             scene: self,
-            centre: view.centre,
+            centre: View::around(self).centre,
             extent: self.extent(),
-        })?;
-        let data = data.as_str();
-        let title = escape(&self.title);
-        let mut out = format!("<figure class=\"scene\"><figcaption><b>{title}</b>");
-        for (name, kind, colour) in self.legend() {
-            let name = escape(name);
-            let _ = write!(out, "<span class=\"key {kind} c{colour}\">{name}</span>");
-        }
-        let _ = write!(
-            out,
-            "</figcaption><div class=\"stage\"><svg class=\"still\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" role=\"img\" aria-label=\"{title}\">"
-        );
-        self.draw(&mut out);
-        let _ = write!(
-            out,
-            "</svg></div><script type=\"application/json\" class=\"scene-data\">{data}</script>"
-        );
-        if !self.note.is_empty() {
-            let _ = write!(out, "<p class=\"note\">{}</p>", escape(&self.note));
-        }
-        out.push_str("</figure>");
-        Ok(Html(out))
+        })
     }
 
-    /// The static picture for a separate file: size and elements.
-    pub(crate) fn drawing(&self) -> ([f64; 2], String) {
-        let mut out = String::new();
-        self.draw(&mut out);
-        ([WIDTH, HEIGHT], out)
-    }
-
-    /// Name, mark and colour of each legend entry.
-    pub(crate) fn legend(&self) -> Vec<(&str, &'static str, usize)> {
-        let named = self.ellipsoids.iter().map(|e| {
-            let kind = if e.faint { "bars" } else { "solid" };
-            (e.name.as_str(), kind, e.colour)
+    /// Every legend entry.
+    pub(crate) fn legend(&self) -> Vec<Key<'_>> {
+        let solids = self.ellipsoids.iter().map(|e| {
+            let mark = if e.faint { "bars" } else { "solid" };
+            (&e.name, mark, e.colour)
         });
         let curves = self.curves.iter().map(|c| {
-            let kind = if c.shares.is_some() { "ramp" } else { "line" };
-            (c.name.as_str(), kind, c.colour)
+            let mark = if c.shares.is_some() { "ramp" } else { "line" };
+            (&c.name, mark, c.colour)
         });
-        let plane = self.rolling.iter().map(|r| (r.plane.as_str(), "bars", 6));
-        let all = named.chain(curves).filter(|n| !n.0.is_empty());
-        all.chain(plane).collect()
+        let plane = self.rolling.iter().map(|r| (&r.plane, "bars", 6));
+        let all = solids.chain(curves).chain(plane);
+        let named = all.filter(|n| !n.0.is_empty());
+        named
+            .map(|(name, mark, colour)| Key::new(name, (mark, colour)))
+            .collect()
     }
 
-    fn draw(&self, out: &mut String) {
+    /// The static picture.
+    pub(crate) fn drawing(&self) -> Result<Drawing, PageError> {
         let view = View::around(self);
-        let mut solids: Vec<&Ellipsoid> = self.ellipsoids.iter().collect();
-        solids.sort_by(|a, b| {
-            dot(&a.centre, &view.towards).total_cmp(&dot(&b.centre, &view.towards))
-        });
-        for e in solids {
-            let class = if e.faint { "ghost" } else { "body" };
-            let (outline, c) = (view.path(&view.outline(e)), e.colour);
-            let _ = write!(out, "<path class=\"{class} c{c}\" d=\"{outline}z\"/>");
-            if !e.faint {
-                for line in mesh(e) {
-                    let front = view.front(&line, Some(e));
-                    let _ = write!(out, "<path class=\"wire\" d=\"{front}\"/>");
-                }
-            }
-        }
-        if let Some((pole, normal)) = self.rolling.as_ref().and_then(Rolling::still) {
-            let half = 0.8 * self.extent();
-            let (u, v) = tangents(&normal);
-            let corner = |a: f64, b: f64| {
-                let at = [0, 1, 2].map(|k| pole[k] + half * (a * u[k] + b * v[k]));
-                view.text(&at)
-            };
-            let _ = write!(
-                out,
-                "<path class=\"plane\" d=\"M{}L{}L{}L{}z\"/>",
-                corner(-1.0, -1.0),
-                corner(1.0, -1.0),
-                corner(1.0, 1.0),
-                corner(-1.0, 1.0)
-            );
-        }
+        let still = self.rolling.as_ref().and_then(Rolling::still);
         // A path on the body is hidden behind the body.
         let body = self.rolling.as_ref().and_then(|_| self.ellipsoids.first());
-        for c in &self.curves {
-            let (d, colour) = (view.front(&c.points, body), c.colour);
-            let _ = write!(out, "<path class=\"curve c{colour}\" d=\"{d}\"/>");
-        }
-        for a in &self.arrows {
-            let (from, to) = (view.text(&a.from), view.text(&a.to));
-            let [x, y] = view.place(&a.to);
-            let (x, y, word) = (x + 5.0, y - 4.0, escape(&a.label));
-            let _ = write!(
-                out,
-                "<path class=\"arrow c{}\" d=\"M{from}L{to}\"/><text x=\"{x:.1}\" y=\"{y:.1}\">{word}</text>",
-                a.colour
-            );
-        }
-        if let Some((pole, _)) = self.rolling.as_ref().and_then(Rolling::still) {
-            let [x, y] = view.place(&pole);
-            let _ = write!(
-                out,
-                "<circle class=\"spot c1\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"5\"/>"
-            );
-        }
-        for s in &self.spots {
-            let [x, y] = view.place(&s.at);
-            let word = escape(&s.label);
-            let (c, right, low) = (s.colour, x + 7.0, y + 14.0);
-            let _ = write!(
-                out,
-                "<circle class=\"spot c{c}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4\"/><text x=\"{right:.1}\" y=\"{low:.1}\">{word}</text>"
-            );
-        }
+        let curve =
+            |c: &Curve| context! { colour => c.colour, path => view.front(&c.points, body) };
+        let arrow = |a: &Arrow| {
+            let path = view.path(&[Some(a.from), Some(a.to)]);
+            context! { path, tip => view.place(&a.to), label => a.label, colour => a.colour }
+        };
+        let spot =
+            |s: &Spot| context! { at => view.place(&s.at), label => s.label, colour => s.colour };
+        let context = context! {
+            solids => self.solids(&view),
+            plane => still.map(|(pole, normal)| self.plane(&view, &pole, &normal)),
+            pole => still.map(|(pole, _)| view.place(&pole)),
+            curves => self.curves.iter().map(curve).collect::<Vec<_>>(),
+            arrows => self.arrows.iter().map(arrow).collect::<Vec<_>>(),
+            spots => self.spots.iter().map(spot).collect::<Vec<_>>(),
+        };
+        Drawing::new([WIDTH, HEIGHT], "scene.svg", context)
+    }
+
+    /// Ellipsoids from back to front.
+    fn solids(&self, view: &View) -> Vec<Value> {
+        let depth = |e: &Ellipsoid| dot(&e.centre, &view.towards);
+        let mut solids: Vec<&Ellipsoid> = self.ellipsoids.iter().collect();
+        solids.sort_by(|a, b| depth(a).total_cmp(&depth(b)));
+        let drawn = |e: &&Ellipsoid| {
+            let lines = if e.faint { Vec::new() } else { mesh(e) };
+            let wires = lines.iter().map(|line| view.front(line, Some(e)));
+            context! {
+                faint => e.faint, colour => e.colour, outline => view.path(&view.outline(e)),
+                wires => wires.collect::<Vec<_>>(),
+            }
+        };
+        solids.iter().map(drawn).collect()
+    }
+
+    /// The plane that touches the body.
+    fn plane(&self, view: &View, pole: &Point, normal: &Point) -> String {
+        let half = 0.8 * self.extent();
+        let (u, v) = tangents(normal);
+        let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+        let at = |[a, b]: [f64; 2]| [0, 1, 2].map(|k| pole[k] + half * (a * u[k] + b * v[k]));
+        view.path(&corners.map(|c| Some(at(c))))
     }
 
     /// Half the size of the drawing about the origin of the view.
     fn extent(&self) -> f64 {
         let (low, high) = self.bounds();
         let half = (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max) / 2.0;
-        if half > 0.0 && half.is_finite() {
-            half
-        } else {
-            1.0
+        match half > 0.0 && half.is_finite() {
+            true => half,
+            false => 1.0,
         }
     }
 
     fn bounds(&self) -> (Point, Point) {
         let mut low = [f64::INFINITY; 3];
         let mut high = [f64::NEG_INFINITY; 3];
-        let mut take = |p: &Point| {
+        let mut take = |p: &Point, reach: &Point| {
             for k in 0..3 {
-                low[k] = low[k].min(p[k]);
-                high[k] = high[k].max(p[k]);
+                low[k] = low[k].min(p[k] - reach[k]);
+                high[k] = high[k].max(p[k] + reach[k]);
             }
         };
-        for e in self
-            .ellipsoids
-            .iter()
-            .filter(|e| !e.faint || self.ellipsoids.len() < 2)
-        {
-            for k in 0..3 {
-                let reach = e.axes.iter().map(|a| a[k] * a[k]).sum::<f64>().sqrt();
-                let mut p = e.centre;
-                p[k] += reach;
-                take(&p);
-                p[k] -= 2.0 * reach;
-                take(&p);
-            }
+        let alone = self.ellipsoids.len() < 2;
+        for e in self.ellipsoids.iter().filter(|e| !e.faint || alone) {
+            let reach = |k: usize| e.axes.iter().map(|a| a[k] * a[k]).sum::<f64>().sqrt();
+            take(&e.centre, &[0, 1, 2].map(reach));
         }
-        self.curves
-            .iter()
-            .flat_map(|c| &c.points)
-            .flatten()
-            .for_each(&mut take);
-        self.arrows.iter().for_each(|a| take(&a.to));
-        self.spots.iter().for_each(|s| take(&s.at));
+        let curves = self.curves.iter().flat_map(|c| &c.points).flatten();
+        let tips = self.arrows.iter().map(|a| &a.to);
+        let spots = self.spots.iter().map(|s| &s.at);
+        for p in curves.chain(tips).chain(spots) {
+            take(p, &[0.0; 3]);
+        }
         (low, high)
     }
 }
@@ -345,12 +290,8 @@ impl Scene {
 impl Rolling {
     /// The instant of the static picture: the middle of the defined ones.
     fn still(&self) -> Option<(Point, Point)> {
-        let defined: Vec<(Point, Point)> = self
-            .pole
-            .iter()
-            .zip(&self.normal)
-            .filter_map(|(p, n)| p.map(|p| (p, *n)))
-            .collect();
+        let all = self.pole.iter().zip(&self.normal);
+        let defined: Vec<(Point, Point)> = all.filter_map(|(p, n)| Some(((*p)?, *n))).collect();
         defined.get(defined.len() / 2).copied()
     }
 }
@@ -367,63 +308,44 @@ struct View {
 impl View {
     fn around(scene: &Scene) -> Self {
         let (low, high) = scene.bounds();
-        let centre = [0, 1, 2].map(|k| {
-            let c = (low[k] + high[k]) / 2.0;
-            if scene.rolling.is_some() || !c.is_finite() {
-                0.0
-            } else {
-                c
-            }
-        });
+        let middle = [0, 1, 2].map(|k| (low[k] + high[k]) / 2.0);
+        let rests = scene.rolling.is_none();
         let (sy, cy) = YAW.sin_cos();
         let (sp, cp) = PITCH.sin_cos();
-        let mut view = Self {
+        let across = [0, 1, 2].map(|k| high[k] - low[k]);
+        let diagonal = Some(dot(&across, &across).sqrt()).filter(|d| *d > 0.0 && d.is_finite());
+        Self {
             right: [-sy, cy, 0.0],
             up: [-sp * cy, -sp * sy, cp],
             towards: [cp * cy, cp * sy, sp],
-            centre,
-            scale: 1.0,
-        };
-        let diagonal = (0..3)
-            .map(|k| (high[k] - low[k]).powi(2))
-            .sum::<f64>()
-            .sqrt();
-        let round = if diagonal > 0.0 && diagonal.is_finite() {
-            diagonal
-        } else {
-            2.0
-        };
-        view.scale = 1.15 * HEIGHT / round;
-        if scene.rolling.is_some() {
-            view.scale = 0.36 * HEIGHT / scene.extent();
+            centre: middle.map(|c| if rests && c.is_finite() { c } else { 0.0 }),
+            scale: match rests {
+                true => 1.15 * HEIGHT / diagonal.unwrap_or(2.0),
+                false => 0.36 * HEIGHT / scene.extent(),
+            },
         }
-        view
     }
 
+    /// Place in the picture, px.
     fn place(&self, p: &Point) -> [f64; 2] {
         let d = [0, 1, 2].map(|k| p[k] - self.centre[k]);
         [
-            WIDTH / 2.0 + self.scale * dot(&d, &self.right),
-            HEIGHT / 2.0 - self.scale * dot(&d, &self.up),
+            px(WIDTH / 2.0 + self.scale * dot(&d, &self.right)),
+            px(HEIGHT / 2.0 - self.scale * dot(&d, &self.up)),
         ]
-    }
-
-    fn text(&self, p: &Point) -> String {
-        let [x, y] = self.place(p);
-        format!("{x:.1} {y:.1}")
     }
 
     fn path(&self, points: &[Option<Point>]) -> String {
         let mut d = String::new();
         let mut pen = 'M';
         for p in points {
-            match p {
-                Some(p) => {
-                    let _ = write!(d, "{pen}{}", self.text(p));
-                    pen = 'L';
+            pen = match p.map(|p| self.place(&p)) {
+                Some([x, y]) => {
+                    let _ = write!(d, "{pen}{x:.1} {y:.1}");
+                    'L'
                 }
-                None => pen = 'M',
-            }
+                None => 'M',
+            };
         }
         d
     }

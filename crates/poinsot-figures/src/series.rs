@@ -1,7 +1,7 @@
 //! Axes and series of a plot.
 
 /// Drawing style of a series.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Mark {
     /// Joined points.
     Line,
@@ -18,6 +18,18 @@ pub enum Mark {
 }
 
 impl Mark {
+    /// Class of its path in SVG.
+    pub(crate) fn class(self) -> &'static str {
+        match self {
+            Self::Line => "line",
+            Self::Dashed => "line dashed",
+            Self::Dots => "dots",
+            Self::Points => "dots large",
+            Self::Bars => "bars",
+            Self::Band => "bars band",
+        }
+    }
+
     /// Legend symbol.
     pub(crate) fn key(self) -> &'static str {
         match self {

@@ -1,6 +1,6 @@
 //! A document as terminal text.
 
-use crate::document::{Content, Document, Section, Table, Tone};
+use crate::document::{Document, Section, Tone};
 use anstyle::{AnsiColor, Effects, Style};
 use comfy_table::presets::NOTHING;
 use comfy_table::{CellAlignment, ContentArrangement};
@@ -64,45 +64,42 @@ impl Tone {
 
 fn content(section: &Section, style: &TextStyle) -> String {
     let mut out = String::new();
-    match &section.content {
-        Content::Table(table) => {
-            for (k, line) in layout(table, style).iter().enumerate() {
-                let line = if k == 0 {
-                    painted(line, Style::new().dimmed(), style)
-                } else {
-                    let open = painted(OPEN, Tone::Fair.style(), style);
-                    line.replace(OPEN, &open)
-                };
-                out.push_str(&format!("{line}\n"));
-            }
-        }
-        Content::List(lines) => {
-            for line in lines {
-                out.push_str(&wrapped(&escaped(line), "  ", style));
-                out.push('\n');
-            }
-        }
+    for (k, line) in layout(section, style).iter().enumerate() {
+        let line = if k == 0 {
+            painted(line, Style::new().dimmed(), style)
+        } else {
+            line.replace(OPEN, &painted(OPEN, Tone::Fair.style(), style))
+        };
+        out.push_str(&format!("{line}\n"));
+    }
+    for line in &section.lines {
+        out.push_str(&wrapped(&escaped(line), "  ", style));
+        out.push('\n');
     }
     out
 }
 
-fn layout(table: &Table, style: &TextStyle) -> Vec<String> {
-    let mut out = comfy_table::Table::new();
+/// Lines of the table, the head first; none without rows.
+fn layout(section: &Section, style: &TextStyle) -> Vec<String> {
+    if section.rows.is_empty() {
+        return Vec::new();
+    }
+    let mut table = comfy_table::Table::new();
     // One column less for the leading blank of each line.
     let width = style.width.map_or(WIDTH, |w| w.clamp(NARROWEST, WIDTH) - 1);
-    out.load_style(NOTHING)
+    table
+        .load_style(NOTHING)
         .set_content_arrangement(ContentArrangement::Dynamic)
         .set_width(width);
-    out.set_header(table.head.iter().map(|h| escaped(h).into_owned()));
-    for row in &table.rows {
-        out.add_row(row.iter().map(|c| escaped(c).into_owned()));
+    table.set_header(section.head.iter().map(|h| escaped(h).into_owned()));
+    for row in &section.rows {
+        table.add_row(row.iter().map(|c| escaped(c).into_owned()));
     }
-    for column in out.column_iter_mut().skip(1) {
+    for column in table.column_iter_mut().skip(1) {
         column.set_cell_alignment(CellAlignment::Right);
     }
-    out.lines()
-        .map(|line| format!(" {}", line.trim_end()))
-        .collect()
+    let lines = table.lines();
+    lines.map(|line| format!(" {}", line.trim_end())).collect()
 }
 
 /// Wraps a sentence at the terminal width; later lines are indented to the first word.
@@ -164,22 +161,13 @@ mod tests {
     use super::*;
 
     fn document() -> Document {
-        let mut document = Document::new(
-            "a verdict of quite a number of words, more than fit into a narrow terminal".to_owned(),
-        );
-        document.tone = Tone::Fair;
-        let mut table = Table::new(&["", "value", "unit"]);
-        table.push(vec![
-            "mass".to_owned(),
-            "not identifiable".to_owned(),
-            "kg".to_owned(),
-        ]);
-        document.push(Section::table("numbers", table));
-        document.push(Section::list(
-            "warnings",
-            vec!["\u{1b}[2Ja sentence that is certainly longer than the forty columns of the narrowest terminal".to_owned()],
-        ));
-        document
+        Document::parse(
+            "a verdict of quite a number of words, more than fit into a narrow terminal\n\
+             # numbers\n| | value | unit |\n| mass | not identifiable | kg |\n\
+             #fair warnings\n- \u{1b}[2Ja sentence that is certainly longer than the forty columns of the \
+             narrowest terminal\n",
+        )
+        .toned(Tone::Fair)
     }
 
     /// Text without colour codes.

@@ -15,7 +15,8 @@ mod stage;
 
 pub use input::{InputError, open, read, read_text, spooled, standard_input};
 pub use numbers::{
-    as_read, list, number_with_sigma, probability, rounded, short, significant, to_digits,
+    HALF_WIDTH_95, as_read, list, number_with_sigma, probability, rounded, short, significant,
+    to_digits,
 };
 pub use plain::{
     LONGEST_LINE, error_line, escaped, escaped_lines, excerpt, is_unprintable, json_escaped,

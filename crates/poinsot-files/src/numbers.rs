@@ -1,5 +1,7 @@
 //! Numbers as text: in a message, and with the figures that their sigma supports.
 
+/// Half-width of a stated 95 % interval in sigmas: the normal quantile of 0.975.
+pub const HALF_WIDTH_95: f64 = 1.959_963_984_540_054;
 /// Largest number of decimals, the precision of a double.
 const MOST: i32 = 12;
 /// Decimals of the first figure of a double.

@@ -94,14 +94,14 @@ pub use listing::{
     StudyFindingsFile, UNITS, UnitFile, UnitsFile, VariantFile, WRITTEN, WrittenFile,
 };
 pub use number::{
-    Axes, Elements, HALF_WIDTH_95, NumberFile, PredictedNumberFile, TensorFile, TrueNumberFile,
-    VectorFile, finite,
+    Axes, Elements, NumberFile, PredictedNumberFile, TensorFile, TrueNumberFile, VectorFile, finite,
 };
 pub use onboard::{ONBOARD, OnboardBodyFile, OnboardFile};
 pub use plan::{
     ChangeFile, DrawFile, ExperimentFile, MethodFile, NumbersFile, OfFile, PLAN, PlanFile,
     REPLICATES, SamplingFile, SamplingKind, ScaleFile, SettingFile, VaryFile,
 };
+pub use poinsot_files::HALF_WIDTH_95;
 pub use prediction::{
     AgainstDurationFile, PREDICTION, PeakFile, PredictionFile, SigmasFile, WantedFile,
 };

@@ -3,9 +3,6 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Half-width of a stated 95 % interval in sigmas: the normal quantile of 0.975.
-pub const HALF_WIDTH_95: f64 = 1.959_963_984_540_054;
-
 /// One number of the answer. Value, sigma and source are null where the data do not determine it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct NumberFile {

@@ -3,11 +3,13 @@
 use poinsot_figures::Tone;
 use poinsot_files::{probability, significant};
 use poinsot_formats::{ChannelFile, DiagnosticsFile, DriftFile, HeldOutFile, LagFile, SuspectFile};
+use serde::Serialize;
 
 /// p-value below which drift or lag is reported.
 pub(crate) const SIGNIFICANT: f64 = 1.0e-4;
 
 /// One check of the residuals, or a possible cause of a misfit.
+#[derive(Serialize)]
 pub(crate) struct Check {
     /// Name of the test.
     pub test: String,
@@ -20,7 +22,7 @@ pub(crate) struct Check {
 }
 
 /// Colour and word.
-type Verdict = (Tone, &'static str);
+pub(crate) type Verdict = (Tone, &'static str);
 
 impl Check {
     fn new(test: String, found: String, (tone, verdict): Verdict) -> Self {

@@ -1,10 +1,13 @@
 //! A checked case, plan or result in statements, one a line.
 
-use poinsot_files::{list, short};
-use poinsot_formats::case::{CaseFile, InitialFile, JointTorqueFile, Placed, WheelMotionFile};
+use crate::templates::TEMPLATES;
+use minijinja::context;
+use poinsot_formats::case::CaseFile;
 use poinsot_formats::{EstimateFile, PlanFile};
+use serde::Serialize;
 
 /// What the check of a case with its model found beside its file.
+#[derive(Serialize)]
 pub struct CheckedCase<'a> {
     /// The case as read.
     pub file: &'a CaseFile,
@@ -39,33 +42,7 @@ pub struct CheckedCase<'a> {
 /// assert_eq!(lines[2], "start: at rest");
 /// ```
 pub fn case_lines(case: &CheckedCase<'_>) -> Vec<String> {
-    let file = case.file;
-    let mut lines = vec![
-        format!("model: {}", case.model),
-        format!(
-            "{} s at {} Hz: {}, seed {}",
-            short(case.duration_s),
-            short(case.rate_hz),
-            counted(case.rows as u64, "row"),
-            case.seed
-        ),
-        format!("start: {}", start(&file.initial)),
-    ];
-    motions(file, &mut lines);
-    for sensor in &file.output.get_ref().sensor {
-        let rate = sensor.rate_hz.as_ref();
-        let rate = rate.map_or(String::new(), |r| format!(" at {} Hz", short(*r.get_ref())));
-        lines.push(format!("sensor {}{rate}", sensor.name.get_ref()));
-    }
-    for (name, sigma, unit) in &case.wants {
-        lines.push(format!("wanted: {name} to {} {unit}", short(*sigma)));
-    }
-    if let Some([joints, wheels]) = case.design {
-        let joints = counted(joints as u64, "joint");
-        let wheels = counted(wheels as u64, "wheel");
-        lines.push(format!("design: prescribes {joints} and {wheels}"));
-    }
-    lines
+    TEMPLATES.lines("case.txt", case)
 }
 
 /// A plan of this name with its numbers of trials, cells and shards, and its methods.
@@ -85,21 +62,8 @@ pub fn plan_lines(
     [trials, cells, shards]: [u64; 3],
     methods: &[&str],
 ) -> Vec<String> {
-    let mut lines = vec![format!(
-        "{name}: {} of {}, in {}",
-        counted(trials, "trial"),
-        counted(cells, "cell"),
-        counted(shards, "shard")
-    )];
-    for experiment in &file.experiment {
-        let of = experiment.case.as_ref().or(experiment.record.as_ref());
-        lines.push(format!("experiment: {}", of.map_or("", String::as_str)));
-    }
-    lines.push(format!("methods: {}", methods.join(", ")));
-    lines.extend(file.vary.iter().map(|v| format!("varies: {}", v.number)));
-    lines.extend(file.change.iter().map(|c| format!("changed: {}", c.number)));
-    lines.extend(file.draw.iter().map(|d| format!("drawn: {}", d.number)));
-    lines
+    let context = context! { file, name, trials, cells, shards, methods };
+    TEMPLATES.lines("plan.txt", context)
 }
 
 /// A result of `identify`.
@@ -137,94 +101,4 @@ pub fn estimate_lines(file: &EstimateFile) -> Vec<String> {
             .map(|d| format!("doubt: {d}")),
     );
     lines
-}
-
-/// A count with its noun.
-fn counted(n: u64, what: &str) -> String {
-    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
-}
-
-fn bracketed<const N: usize>(x: &Placed<[f64; N]>) -> String {
-    format!("({})", list(x.get_ref()))
-}
-
-fn start(initial: &InitialFile) -> String {
-    let mut said = Vec::new();
-    for (name, value, unit) in [
-        ("angular velocity", &initial.omega_rad_s, "rad/s"),
-        ("position", &initial.r_m, "m"),
-        ("velocity", &initial.v_m_s, "m/s"),
-        ("linear momentum", &initial.linear_N_s, "N s"),
-        ("angular momentum", &initial.angular_N_m_s, "N m s"),
-    ] {
-        if let Some(value) = value {
-            said.push(format!("{name} {} {unit}", bracketed(value)));
-        }
-    }
-    if let Some(q) = &initial.q_xyzw {
-        said.push(format!("attitude {} xyzw", bracketed(q)));
-    }
-    match said.is_empty() {
-        true => "at rest".to_owned(),
-        false => said.join(", "),
-    }
-}
-
-fn motions(file: &CaseFile, lines: &mut Vec<String>) {
-    for motion in &file.joint_motion {
-        let word = motion.interpolation.get_ref();
-        lines.push(format!(
-            "joint {}: prescribed, {word}",
-            motion.joint.get_ref()
-        ));
-    }
-    for torque in &file.joint_torque {
-        let (joint, how) = (torque.joint.get_ref(), torque_words(torque));
-        lines.push(format!("joint {joint}: motor torque, {how}"));
-    }
-    for motion in &file.wheel_motion {
-        lines.push(format!(
-            "wheel {}: {}",
-            motion.wheel.get_ref(),
-            wheel_words(motion)
-        ));
-    }
-    for firing in &file.firing {
-        lines.push(format!(
-            "thruster {}: {} N from {} to {} s",
-            firing.thruster.get_ref(),
-            short(*firing.force_N.get_ref()),
-            short(*firing.on_s.get_ref()),
-            short(*firing.off_s.get_ref())
-        ));
-    }
-    if let Some(control) = &file.control {
-        let targets = control.get_ref().target.len();
-        let to = match targets {
-            0 => "the axes of N".to_owned(),
-            n => counted(n as u64, "target"),
-        };
-        lines.push(format!("control: the wheels turn the vehicle to {to}"));
-    }
-}
-
-fn torque_words(torque: &JointTorqueFile) -> String {
-    match (&torque.file, &torque.time_s, &torque.frequency_rad_s) {
-        (Some(file), _, _) => format!("from {}", file.get_ref()),
-        (_, Some(times), _) => counted(times.get_ref().len() as u64, "node"),
-        (_, _, Some(frequency)) => format!("sinusoid of {} rad/s", short(*frequency.get_ref())),
-        _ => "constant".to_owned(),
-    }
-}
-
-fn wheel_words(motion: &WheelMotionFile) -> String {
-    let what = match motion.torque_N_m {
-        Some(_) => "motor torque",
-        None => "speed",
-    };
-    match (&motion.file, &motion.time_s) {
-        (Some(file), _) => format!("from {}", file.get_ref()),
-        (_, Some(times)) => format!("{what}, {}", counted(times.get_ref().len() as u64, "node")),
-        _ => what.to_owned(),
-    }
 }

@@ -30,12 +30,12 @@
 //! ```
 //!
 //! # Files
-//! - `estimate.rs`, `prediction.rs`, `several.rs`, `validation.rs`, `comparison.rs`, `design.rs`, `campaign.rs`: one
-//!   result each, in the terminal.
-//! - `trials.rs`, `study.rs`, `description.rs`, `prediction_sentence.rs`, `design_sentence.rs`: documents and sentences of
-//!   the other results.
+//! - `templates/`: words and layout, `NAME.txt` of the terminal, `NAME.html` of a section of the page.
+//! - `estimate.rs`, `prediction.rs`, `several.rs`, `validation.rs`, `comparison.rs`, `design.rs`, `campaign.rs`,
+//!   `study.rs`: one result each; what its template shows, and its sentence.
+//! - `description.rs`: a checked case, plan or result in statements.
 //! - `verdict.rs`, `summary.rs`, `checks.rs`: the words of an answer, for terminal and page.
-//! - `page/`: the page, one file and one template per section. `page/results/`: pages of the other commands.
+//! - `page/`: the page of an estimate, one file per section. `page/results/`: pages of the other results.
 #![allow(non_snake_case)]
 
 mod campaign;
@@ -43,33 +43,28 @@ mod checks;
 mod comparison;
 mod description;
 mod design;
-mod design_sentence;
 mod estimate;
 mod page;
 mod prediction;
-mod prediction_sentence;
 mod several;
 mod study;
 mod summary;
-mod trials;
+mod templates;
 mod validation;
 mod verdict;
 
-pub use campaign::{cost_document, table_document};
+pub use campaign::{campaign_document, cost_document, statistics_document, table_document};
 pub use comparison::comparison_document;
 pub use description::{CheckedCase, case_lines, estimate_lines, plan_lines};
-pub use design::design_document;
-pub use design_sentence::design_sentence;
+pub use design::{design_document, design_sentence};
 pub use estimate::{Detail, estimate_document};
 pub use page::lights::{NOT_RIGID, OF_NOISE};
 pub use page::{
     Flown, Motion, RESULTS, campaign_page, comparison_part, no_page, parse_report_data,
     report_html, report_page, result_page,
 };
-pub use prediction::prediction_document;
-pub use prediction_sentence::prediction_sentence;
+pub use prediction::{prediction_document, prediction_sentence};
 pub use several::several_document;
 pub use study::study_document;
-pub use trials::{campaign_document, statistics_document};
 pub use validation::validation_document;
 pub use verdict::{Standing, VERDICTS, Verdict};

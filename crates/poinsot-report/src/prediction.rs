@@ -1,17 +1,16 @@
 //! A prediction as text: one sentence, then the numbers.
 
-use crate::estimate::open_sentences;
-use poinsot_figures::{Document, Section, Table, Tone};
+use crate::estimate::{WHOLE, body_title, open_sentences};
+use crate::templates::TEMPLATES;
+use minijinja::{Value, context};
+use poinsot_figures::{Document, Tone};
 use poinsot_files::significant;
-use poinsot_formats::{
-    AgainstDurationFile, HALF_WIDTH_95, IdentifiabilityFile, MassFile, PredictedNumberFile,
-    PredictionFile, WantedFile,
-};
+use poinsot_formats::{MassFile, PredictedNumberFile, PredictionFile};
 
-/// Number of combinations listed in the terminal; the file has all.
-const LISTED: usize = 12;
+type Body = MassFile<PredictedNumberFile>;
+
 /// Significant figures of a predicted sigma.
-pub(crate) const FIGURES: i32 = 2;
+const FIGURES: i32 = 2;
 
 /// The prediction as a document.
 ///
@@ -25,133 +24,37 @@ pub(crate) const FIGURES: i32 = 2;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn prediction_document(prediction: &PredictionFile) -> Document {
-    let mut document = accuracy(prediction);
-    let found = &prediction.identifiability;
-    if !found.not_identifiable.is_empty() {
-        document.push(Section::list(
-            "not identifiable from this manoeuvre",
-            open_sentences(&found.not_identifiable),
-        ));
-        document.push(instead(found));
-    }
-    document
+    document(prediction, false)
 }
 
-/// The document without undetermined numbers.
-pub(crate) fn accuracy(prediction: &PredictionFile) -> Document {
-    let enough = match prediction.wants.is_empty() {
-        true => prediction.status == "converged",
-        false => prediction.wants.iter().all(|w| w.met),
+/// The document for the terminal, or for the page: with the peaks of the motion, without undetermined numbers.
+pub(crate) fn document(p: &PredictionFile, page: bool) -> Document {
+    let enough = match p.wants.is_empty() {
+        true => p.status == "converged",
+        false => p.wants.iter().all(|w| w.met),
+    };
+    let bodies = p.bodies.iter().map(|(name, b)| (body_title(name), b));
+    let whole = p.system.iter().map(|b| (WHOLE.to_owned(), b));
+    let shown = bodies.chain(whole).filter(|(_, b)| is_shown(b));
+    let shown = shown.map(|(title, b)| context! { title, numbers => b.numbers() });
+    let context = context! {
+        page,
+        in_words => p.in_words,
+        wants => p.wants,
+        shown => shown.collect::<Vec<Value>>(),
+        nuisance => p.nuisance,
+        against_duration => p.against_duration,
+        assumptions => p.assumptions,
+        peaks => p.peaks,
+        open => open_sentences(&p.identifiability.not_identifiable),
+        identifiable => p.identifiability.identifiable,
     };
     let tone = if enough { Tone::Good } else { Tone::Fair };
-    let mut document = Document::new(prediction.in_words.clone()).toned(tone);
-    if !prediction.wants.is_empty() {
-        document.push(wanted(&prediction.wants));
-    }
-    for (name, body) in prediction.bodies.iter().filter(|b| is_shown(b.1)) {
-        document.push(body_section(name, body));
-    }
-    if let Some(whole) = prediction.system.as_ref().filter(|b| is_shown(b)) {
-        let mut section = body_section("", whole);
-        section.title =
-            "whole vehicle at the first sample (base axes, from the base origin)".to_owned();
-        document.push(section);
-    }
-    if !prediction.nuisance.is_empty() {
-        let mut table = Table::new(&["", "1 sigma"]);
-        for (address, number) in &prediction.nuisance {
-            table.push(vec![address.clone(), sigma_text(number)]);
-        }
-        document.push(Section::table("also found", table));
-    }
-    if let Some(found) = &prediction.against_duration {
-        document.push(durations(found));
-    }
-    if !prediction.assumptions.is_empty() {
-        document.push(Section::list("assumed", prediction.assumptions.clone()));
-    }
-    document
-}
-
-/// Table of the peaks of the motion.
-pub(crate) fn peaks(prediction: &PredictionFile) -> Section {
-    let mut table = Table::new(&["", "largest", "unit"]);
-    for p in &prediction.peaks {
-        table.push(vec![
-            p.what.clone(),
-            significant(p.value, 3),
-            p.unit.clone(),
-        ]);
-    }
-    Section::table("largest values at the samples", table)
-}
-
-/// Number of record ends shown in a table; the page has all.
-const QUARTERS: usize = 4;
-
-/// Sigmas for shorter records, one row per number.
-pub(crate) fn durations(found: &AgainstDurationFile) -> Section {
-    let ends = found.end_s.len();
-    let shown: Vec<usize> = (1..=QUARTERS)
-        .filter_map(|q| (q * ends / QUARTERS).checked_sub(1))
-        .collect();
-    let names: Vec<String> = shown
-        .iter()
-        .map(|k| format!("{} s", significant(found.end_s[*k], 4)))
-        .collect();
-    let mut header = vec![""];
-    header.extend(names.iter().map(String::as_str));
-    header.push("unit");
-    let mut table = Table::new(&header);
-    for n in &found.numbers {
-        let sigma =
-            |k: &usize| n.sigma[*k].map_or_else(|| "-".to_owned(), |s| significant(s, FIGURES));
-        let mut row = vec![n.name.clone()];
-        row.extend(shown.iter().map(sigma));
-        row.push(n.unit.clone());
-        table.push(row);
-    }
-    Section::table("1 sigma with the record ended earlier", table)
-}
-
-fn wanted(wants: &[WantedFile]) -> Section {
-    let mut table = Table::new(&["", "1 sigma", "wanted", "verdict", "unit"]);
-    for w in wants {
-        let sigma = w.sigma.map(|s| significant(s, FIGURES));
-        table.push(vec![
-            w.name.clone(),
-            sigma.unwrap_or_else(|| "not identifiable".to_owned()),
-            significant(w.wanted_sigma, FIGURES),
-            if w.met { "met" } else { "missed" }.to_owned(),
-            w.unit.clone(),
-        ]);
-    }
-    Section::table("wanted", table)
-}
-
-/// Determined combinations, if single numbers are not determined.
-fn instead(found: &IdentifiabilityFile) -> Section {
-    let mut table = Table::new(&["combination", "1 sigma", "unit"]);
-    for c in found.identifiable.iter().take(LISTED) {
-        let sigma = c.sigma.map(|s| significant(s, FIGURES));
-        table.push(vec![
-            c.combination.clone(),
-            sigma.unwrap_or_default(),
-            c.unit.clone(),
-        ]);
-    }
-    let mut section = Section::table("identifiable combinations", table);
-    if found.identifiable.len() > LISTED {
-        section.note = Some(format!(
-            "and {} more combinations with --json",
-            found.identifiable.len() - LISTED
-        ));
-    }
-    section
+    TEMPLATES.document("prediction.txt", context).toned(tone)
 }
 
 /// Whether any single number of a body will be determined.
-pub(crate) fn is_shown(body: &MassFile<PredictedNumberFile>) -> bool {
+pub(crate) fn is_shown(body: &Body) -> bool {
     body.numbers()
         .iter()
         .any(|n| predicted_sigma(&n.2).is_some())
@@ -161,33 +64,105 @@ pub(crate) fn predicted_sigma(n: &PredictedNumberFile) -> Option<f64> {
     n.sigma.filter(|_| n.source.is_some() && !n.is_known())
 }
 
-fn sigma_text(n: &PredictedNumberFile) -> String {
-    match (n.source.as_deref(), n.sigma) {
-        (Some("known"), _) => "known".to_owned(),
-        (None, _) => "not identifiable".to_owned(),
-        (_, sigma) => sigma.map_or_else(String::new, |s| significant(s, FIGURES)),
+/// "2 min of this manoeuvre: bus mass to 0.1 %, mass centre to 4 mm, Ixx to 0.3 %, ...; Ixy not identifiable."
+///
+/// ```
+/// let text = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/prediction.json"));
+/// let prediction: poinsot_formats::PredictionFile = serde_json::from_str(text)?;
+/// assert_eq!(poinsot_report::prediction_sentence(&prediction), prediction.in_words);
+/// # Ok::<(), serde_json::Error>(())
+/// ```
+pub fn prediction_sentence(prediction: &PredictionFile) -> String {
+    let bodies = prediction.bodies.iter();
+    let (shown, silent): (Vec<_>, Vec<_>) = bodies.partition(|b| is_shown(b.1));
+    let mut told: Vec<String> = shown.iter().map(|b| of_body(b.0, b.1)).collect();
+    if !silent.is_empty() {
+        let whole = prediction.system.iter().filter(|b| is_shown(b));
+        told.extend(whole.map(|b| of_body("system", b)));
+        let names: Vec<&str> = silent.iter().map(|b| b.0.as_str()).collect();
+        told.push(format!(
+            "no single number of {} is identifiable",
+            names.join(", ")
+        ));
+    }
+    let found = &prediction.identifiability;
+    format!(
+        "{} of this manoeuvre ({}, {} of {} combinations): {}.",
+        duration(prediction.duration_s),
+        prediction.model,
+        found.rank,
+        found.parameters,
+        told.join("; ")
+    )
+}
+
+/// A duration without unnecessary decimals.
+fn duration(s: f64) -> String {
+    let (value, unit) = if s < 120.0 {
+        (s, "s")
+    } else {
+        (s / 60.0, "min")
+    };
+    format!("{} {unit}", (100.0 * value).round() / 100.0)
+}
+
+fn of_body(name: &str, body: &Body) -> String {
+    let mut told = Vec::new();
+    let mut open = Vec::new();
+    let mass = &body.mass_kg;
+    match mass.source {
+        None => open.push("mass".to_owned()),
+        Some(_) if mass.is_known() => {}
+        Some(_) => told.push(format!("mass to {}", relative(mass, mass.nominal))),
+    }
+    let com = body.com_m.named();
+    let worst = com.iter().filter_map(|c| predicted_sigma(c.1));
+    if let Some(worst) = worst.reduce(f64::max) {
+        told.push(format!("mass centre to {}", length(worst)));
+    }
+    let com_open: Vec<_> = com.iter().filter(|c| c.1.source.is_none()).collect();
+    match com_open.len() {
+        3 => open.push("mass centre".to_owned()),
+        _ => open.extend(com_open.iter().map(|c| format!("com_{}", c.0))),
+    }
+    let inertia = &body.inertia_kg_m2;
+    let moments = [&inertia.xx, &inertia.yy, &inertia.zz].map(|n| n.nominal.abs());
+    let largest = moments.into_iter().fold(0.0, f64::max);
+    for (name, n) in inertia.named() {
+        match n.source {
+            None => open.push(format!("I{name}")),
+            Some(_) if n.is_known() => {}
+            _ if matches!(name, "xx" | "yy" | "zz") => {
+                told.push(format!("I{name} to {}", relative(n, n.nominal)));
+            }
+            // A product of inertia may be zero, so it is compared with the largest moment.
+            _ => told.push(format!(
+                "I{name} to {} of the largest moment",
+                relative(n, largest)
+            )),
+        }
+    }
+    let mut text = format!("{name} {}", told.join(", "));
+    if !open.is_empty() {
+        text.push_str(&format!(", {} not identifiable", open.join(", ")));
+    }
+    text
+}
+
+fn relative(n: &PredictedNumberFile, scale: f64) -> String {
+    match predicted_sigma(n) {
+        Some(s) if scale != 0.0 => format!("{} %", significant(100.0 * s / scale.abs(), FIGURES)),
+        Some(s) => significant(s, FIGURES),
+        None => "-".to_owned(),
     }
 }
 
-fn body_section(name: &str, body: &MassFile<PredictedNumberFile>) -> Section {
-    let mut table = Table::new(&["", "truth", "1 sigma", "95 %", "relative", "unit"]);
-    for (number, unit, n) in body.numbers() {
-        let s = predicted_sigma(&n);
-        let of_all = |s: f64| format!("{} %", significant(100.0 * s / n.nominal.abs(), FIGURES));
-        table.push(vec![
-            number.replace(' ', "_"),
-            significant(n.nominal, 6),
-            sigma_text(&n),
-            s.map_or_else(String::new, |s| {
-                format!("+- {}", significant(HALF_WIDTH_95 * s, FIGURES))
-            }),
-            s.filter(|_| n.nominal != 0.0)
-                .map_or_else(String::new, of_all),
-            unit.replace('²', "2"),
-        ]);
-    }
-    Section::table(
-        &format!("{name} (inertia about its mass centre, tensor elements)"),
-        table,
-    )
+/// A length in a unit that keeps the number short.
+fn length(m: f64) -> String {
+    let (factor, unit) = match m {
+        m if m >= 1.0 => (1.0, "m"),
+        m if m >= 1.0e-3 => (1.0e3, "mm"),
+        _ => (1.0e6, "um"),
+    };
+    format!("{} {unit}", significant(m * factor, FIGURES))
 }

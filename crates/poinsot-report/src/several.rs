@@ -1,10 +1,27 @@
 //! Comparison of several cases.
 
-use crate::prediction::{FIGURES, predicted_sigma};
-use poinsot_figures::{Document, Section, Table, Tone};
-use poinsot_files::significant;
+use crate::prediction::predicted_sigma;
+use crate::templates::TEMPLATES;
+use indexmap::IndexMap;
+use minijinja::{Value, context};
+use poinsot_figures::{Document, Tone};
 use poinsot_formats::PredictionFile;
+use serde::Serialize;
 use std::path::Path;
+
+/// A number of one case: name, unit, value; `None` where it is not identifiable.
+struct Cell {
+    name: String,
+    unit: String,
+    value: Option<f64>,
+}
+
+/// A number of every case; a case that does not have it has an empty cell.
+#[derive(Serialize)]
+struct Row {
+    unit: String,
+    values: Vec<Value>,
+}
 
 /// Sigmas of several cases in one table: of their wanted numbers, or of every number that one of them determines. Also
 /// the peaks of their motions.
@@ -25,91 +42,72 @@ pub fn several_document(predictions: &[PredictionFile]) -> Document {
         stem.map_or_else(|| p.case.clone(), |s| s.to_string_lossy().into_owned())
     };
     let names: Vec<String> = predictions.iter().map(name).collect();
-    let all = predictions.iter().map(sigmas).collect();
-    let worst = predictions.iter().map(worst_ratio);
-    let best = worst
-        .enumerate()
-        .filter_map(|(k, ratio)| Some((k, ratio?)))
-        .min_by(|a, b| a.1.total_cmp(&b.1));
-    let verdict = match best {
-        Some((k, ratio)) => format!(
-            "{} is the most accurate of {} cases: its largest sigma is {} of the wanted one.",
-            names[k],
-            names.len(),
-            significant(ratio, 3)
-        ),
-        None => format!("{} cases side by side.", names.len()),
+    let ratios = predictions.iter().map(worst_ratio).enumerate();
+    let best = ratios
+        .filter_map(|(case, ratio)| Some((case, ratio?)))
+        .min_by(|a, b| a.1.total_cmp(&b.1))
+        .map(|(case, ratio)| context! { case, ratio });
+    let table = |title: &str, cells: fn(&PredictionFile) -> Vec<Cell>| {
+        let columns: Vec<Vec<Cell>> = predictions.iter().map(cells).collect();
+        context! { title, rows => rows(&columns) }
     };
+    let tables = [table("1 sigma", sigmas), table("largest values", peaks)];
     let met = predictions.iter().all(|p| p.wants.iter().all(|w| w.met));
-    let mut document = Document::new(verdict).toned(if met { Tone::Good } else { Tone::Fair });
-    document.push(table("1 sigma", &names, all));
-    let peaks = |p: &PredictionFile| {
-        let peak = |x: &poinsot_formats::PeakFile| (x.what.clone(), x.unit.clone(), Some(x.value));
-        p.peaks.iter().map(peak).collect()
-    };
-    let peaks = predictions.iter().map(peaks).collect();
-    document.push(table("largest values", &names, peaks));
-    document
+    let document = TEMPLATES.document("several.txt", context! { names, best, tables });
+    document.toned(if met { Tone::Good } else { Tone::Fair })
 }
-
-type Row = (String, String, Option<f64>);
 
 /// Rows by name, in order of first appearance.
-fn table(title: &str, names: &[String], columns: Vec<Vec<Row>>) -> Section {
-    let mut header: Vec<&str> = vec![""];
-    header.extend(names.iter().map(String::as_str));
-    header.push("unit");
-    let mut rows: Vec<(&str, &str)> = Vec::new();
-    for (name, unit, _) in columns.iter().flatten() {
-        if !rows.iter().any(|r| r.0 == name) {
-            rows.push((name, unit));
-        }
+fn rows(columns: &[Vec<Cell>]) -> IndexMap<&str, Row> {
+    let mut rows: IndexMap<&str, Row> = IndexMap::new();
+    for (k, cell) in columns
+        .iter()
+        .enumerate()
+        .flat_map(|(k, c)| c.iter().map(move |c| (k, c)))
+    {
+        let row = rows.entry(&cell.name).or_insert_with(|| Row {
+            unit: cell.unit.clone(),
+            values: vec![Value::UNDEFINED; columns.len()],
+        });
+        row.values[k] = Value::from(cell.value);
     }
-    let mut table = Table::new(&header);
-    for (name, unit) in rows {
-        let mut row = vec![name.to_owned()];
-        for column in &columns {
-            let value = column.iter().find(|r| r.0 == name);
-            row.push(match value.map(|r| r.2) {
-                None => String::new(),
-                Some(None) => "not identifiable".to_owned(),
-                Some(Some(x)) => significant(x, FIGURES),
-            });
-        }
-        row.push(unit.to_owned());
-        table.push(row);
-    }
-    Section::table(title, table)
+    rows
 }
 
-fn sigmas(p: &PredictionFile) -> Vec<Row> {
-    if !p.wants.is_empty() {
-        let wants = p.wants.iter();
-        return wants
-            .map(|w| (w.name.clone(), w.unit.clone(), w.sigma))
-            .collect();
-    }
-    let bodies = p.bodies.iter();
-    bodies
-        .flat_map(|(body, mass)| {
-            let of = move |(name, unit, n): (String, &str, _)| {
-                (
-                    format!("{body} {name}"),
-                    unit.to_owned(),
-                    predicted_sigma(&n),
-                )
-            };
-            mass.numbers().into_iter().map(of)
+fn peaks(p: &PredictionFile) -> Vec<Cell> {
+    let peaks = p.peaks.iter();
+    peaks
+        .map(|x| Cell {
+            name: x.what.clone(),
+            unit: x.unit.clone(),
+            value: Some(x.value),
         })
         .collect()
 }
 
+fn sigmas(p: &PredictionFile) -> Vec<Cell> {
+    let wants = p.wants.iter().map(|w| Cell {
+        name: w.name.clone(),
+        unit: w.unit.clone(),
+        value: w.sigma,
+    });
+    let numbers = p.bodies.iter().flat_map(|(body, mass)| {
+        let cell = move |(name, unit, n): (String, &str, _)| Cell {
+            name: format!("{body} {name}"),
+            unit: unit.to_owned(),
+            value: predicted_sigma(&n),
+        };
+        mass.numbers().into_iter().map(cell)
+    });
+    match p.wants.is_empty() {
+        true => numbers.collect(),
+        false => wants.collect(),
+    }
+}
+
 /// Largest ratio of sigma to wanted sigma.
 fn worst_ratio(p: &PredictionFile) -> Option<f64> {
-    let ratios: Option<Vec<f64>> = p
-        .wants
-        .iter()
-        .map(|w| w.sigma.map(|s| s / w.wanted_sigma))
-        .collect();
+    let ratios = p.wants.iter().map(|w| w.sigma.map(|s| s / w.wanted_sigma));
+    let ratios: Option<Vec<f64>> = ratios.collect();
     ratios?.into_iter().reduce(f64::max)
 }

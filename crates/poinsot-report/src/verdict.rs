@@ -54,49 +54,24 @@ pub struct Verdict {
 
 /// All verdicts; for a status, the first whose condition holds applies.
 pub static VERDICTS: [Verdict; 9] = [
-    verdict(
-        "converged",
-        DOUBTED,
-        (Tone::Bad, "Determined, not reliable"),
-        false,
-    ),
-    verdict("converged", UNSTATED, (Tone::Fair, "Determined"), true),
-    verdict("converged", OTHERWISE, (Tone::Good, "Determined"), true),
+    verdict("converged", DOUBTED, Tone::Bad, "Determined, not reliable"),
+    verdict("converged", UNSTATED, Tone::Fair, "Determined").passing(),
+    verdict("converged", OTHERWISE, Tone::Good, "Determined").passing(),
     verdict(
         "partial",
         DOUBTED,
-        (Tone::Bad, "Partly determined, not reliable"),
-        false,
+        Tone::Bad,
+        "Partly determined, not reliable",
     ),
-    verdict(
-        "partial",
-        UNSTATED,
-        (Tone::Fair, "Partly determined"),
-        false,
-    ),
-    verdict(
-        "partial",
-        OTHERWISE,
-        (Tone::Fair, "Partly determined"),
-        false,
-    ),
-    verdict(
-        "not_identifiable",
-        ALWAYS,
-        (Tone::Bad, "Not determined"),
-        false,
-    ),
-    verdict("rejected", ALWAYS, (Tone::Bad, "Contradicted"), false),
-    verdict(
-        "iteration_limit",
-        ALWAYS,
-        (Tone::Bad, "Not converged"),
-        false,
-    ),
+    verdict("partial", UNSTATED, Tone::Fair, "Partly determined"),
+    verdict("partial", OTHERWISE, Tone::Fair, "Partly determined"),
+    verdict("not_identifiable", ALWAYS, Tone::Bad, "Not determined"),
+    verdict("rejected", ALWAYS, Tone::Bad, "Contradicted"),
+    verdict("iteration_limit", ALWAYS, Tone::Bad, "Not converged"),
 ];
 
 /// For a status unknown to this program.
-const UNKNOWN: Verdict = verdict("", ALWAYS, (Tone::Bad, "Unknown status"), false);
+const UNKNOWN: Verdict = verdict("", ALWAYS, Tone::Bad, "Unknown status");
 
 type Condition = (&'static str, fn(&Standing) -> bool);
 
@@ -110,8 +85,8 @@ const ALWAYS: Condition = ("always", |_| true);
 const fn verdict(
     status: &'static str,
     (condition, holds): Condition,
-    (tone, word): (Tone, &'static str),
-    passes: bool,
+    tone: Tone,
+    word: &'static str,
 ) -> Verdict {
     Verdict {
         status,
@@ -119,7 +94,16 @@ const fn verdict(
         holds,
         tone,
         word,
-        passes,
+        passes: false,
+    }
+}
+
+impl Verdict {
+    const fn passing(self) -> Self {
+        Self {
+            passes: true,
+            ..self
+        }
     }
 }
 

@@ -339,7 +339,7 @@ fn pages_are_what_studies_say(quick: bool) {
                 let name = format!("{paper}/{}.svg", figure.name);
                 if text.contains(&name) {
                     let path = repository().join("docs/methods").join(&name);
-                    std::fs::write(path, figure.svg().unwrap()).unwrap();
+                    std::fs::write(path, figure.svg().unwrap().unwrap()).unwrap();
                 }
             }
         }

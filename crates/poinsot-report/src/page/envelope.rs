@@ -55,17 +55,17 @@ impl Envelope {
         ((self.share * samples as f64) as usize).max(FEWEST)
     }
 
-    /// Indices of the kept samples, in order.
-    pub fn keep(&self, c: &Channel) -> Vec<usize> {
-        let (n, most) = (c.time_s.len(), self.most(c.time_s.len()));
+    /// Indices of the kept samples of rows over time, in order.
+    pub fn keep(&self, time_s: &[f64], rows: &[Vec<f64>]) -> Vec<usize> {
+        let (n, most) = (time_s.len(), self.most(time_s.len()));
         if n <= most {
             return (0..n).collect();
         }
-        let stretch = n.div_ceil((most / (2 * c.residual.len().max(1))).max(1));
+        let stretch = n.div_ceil((most / (2 * rows.len().max(1))).max(1));
         let mut kept = Vec::new();
         for from in (0..n).step_by(stretch) {
             let places = from..(from + stretch).min(n);
-            for row in &c.residual {
+            for row in rows {
                 let order = |a: &usize, b: &usize| row[*a].total_cmp(&row[*b]);
                 kept.extend(places.clone().min_by(order));
                 kept.extend(places.clone().max_by(order));
@@ -99,7 +99,7 @@ mod tests {
             share: 0.02,
             thinned: 1,
         };
-        let kept = half.keep(&c);
+        let kept = half.keep(&c.time_s, &c.residual);
         assert!(kept.contains(&4321));
         assert!(kept.len() <= 202, "{}", kept.len());
         assert!(kept.is_sorted());

@@ -1,192 +1,92 @@
 //! The manoeuvre on one time axis, and the vehicle of the model.
 
 use super::Answer;
+use super::curves::{named, over_time, picked, series};
 use super::envelope::Envelope;
-use super::trust::group;
 use super::vehicle::drawn;
+use crate::templates::TEMPLATES;
 use minijinja::{Value, context};
-use poinsot_figures::{Axis, Figure, Mark, PageError, Part, Plot, Series, render};
-use poinsot_files::{short, significant};
-use poinsot_formats::{Row, Segment};
+use poinsot_figures::{Axis, Figure, Mark, PageError, Part, Plot, Series};
+use poinsot_formats::Segment;
 
 pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
-    let v = &answer.data.vehicle;
-    let bodies: Vec<Value> = v
-        .bodies
-        .iter()
-        .map(|b| {
-            let i = b.inertia_kg_m2;
-            context! {
-                name => b.name,
-                mass => short(b.mass_kg),
-                com => b.com_m.map(short).join(", "),
-                inertia => [i[0], i[2], i[5]].map(short).join(", "),
-                role => if b.estimated { "estimated" } else { "known" },
-            }
-        })
-        .collect();
-    let joints: Vec<Value> = v
-        .joints
-        .iter()
-        .map(|j| context! { name => j.name, kind => j.kind, parent => j.parent, child => j.child })
-        .collect();
-    let sensors: Vec<Value> = v
-        .sensors
-        .iter()
-        .map(|s| {
-            let unit = sensor_unit(&s.kind);
-            context! {
-                name => s.name,
-                kind => s.kind.replace('_', " "),
-                body => s.body,
-                sigma => s.sigma.map(|x| format!("{} {unit}", significant(x, 3))),
-                lsb => (s.quantisation > 0.0).then(|| format!("{} {unit}", significant(s.quantisation, 3))),
-            }
-        })
-        .collect();
     let vehicle = drawn(answer);
     let picture = vehicle.html()?;
-    let mut made = vec![vehicle];
+    let mut figures = vec![vehicle];
     let envelope = Envelope::of(&answer.data);
     let mut records: Vec<Value> = Vec::new();
     for (k, s) in answer.data.segments.iter().enumerate() {
-        let plots = figures(k, s, &envelope);
-        let html = Figure::page(&plots)?;
-        records.push(context! { label => s.label, figures => html.value() });
-        made.extend(plots);
+        let plots = named(
+            &format!("manoeuvre_segment{}_", k + 1),
+            plots(k, s, &envelope),
+        );
+        records.push(context! { label => s.label, figures => Figure::page(&plots)?.value() });
+        figures.extend(plots);
     }
-    let body = render(
-        "flown.html",
-        include_str!("templates/flown.html"),
-        context! { picture => picture.value(), bodies, joints, sensors, records },
-    )?;
+    let vehicle = &answer.data.vehicle;
+    let context = context! { records, vehicle, picture => picture.value() };
+    let body = TEMPLATES.html("flown.html", context)?;
     Ok(Part {
-        id: "flown",
-        title: "What was flown",
-        body,
-        figures: made,
+        figures,
+        ..Part::new("flown", "What was flown", body)
     })
 }
 
-fn sensor_unit(kind: &str) -> &str {
-    // A sensor that sees one body from another one has the unit of that in inertial axes.
-    match kind.strip_prefix("relative_").unwrap_or(kind) {
-        "gyro" | "joint_rate" | "wheel_speed" => "rad/s",
-        "attitude" | "direction" | "joint_position" => "rad",
-        "position" => "m",
-        "velocity" | "velocity_increment" => "m/s",
-        "accelerometer" => "m/s²",
-        "thrust" => "N",
-        _ => "",
-    }
-}
-
-fn figures(at: usize, s: &Segment, envelope: &Envelope) -> Vec<Figure> {
-    let group = group(at);
-    let kept: Vec<usize> = (0..s.time_s.len())
-        .step_by(envelope.stride(s.time_s.len()))
-        .collect();
-    let time: Vec<f64> = kept.iter().map(|k| s.time_s[*k]).collect();
-    let mut plots = Vec::new();
-    plots.extend(rates(s, &kept, &time, &group).map(|p| ("rates", p)));
-    for (unit, kind) in [("rad", "joint_angles"), ("m", "joint_travels")] {
-        let rows: Vec<&Row> = s.joints.iter().filter(|j| j.unit == unit).collect();
-        let plot = rows_plot("joint positions", ["q", unit], &rows, &kept, &time, &group);
-        plots.extend(plot.map(|p| (kind, p)));
-    }
-    let wheels: Vec<&Row> = s.wheels.iter().collect();
-    let plot = rows_plot(
-        "wheel speeds",
-        ["Omega", "rad/s"],
-        &wheels,
-        &kept,
-        &time,
-        &group,
-    );
-    plots.extend(plot.map(|p| ("wheel_speeds", p)));
-    plots.extend(thrust(s, &group).map(|p| ("thrust", p)));
-    plots
-        .into_iter()
-        .map(|(kind, p)| Figure::plot(&format!("manoeuvre_segment{}_{kind}", at + 1), p))
-        .collect()
-}
-
-/// Predicted angular velocity of the base.
-fn rates(s: &Segment, kept: &[usize], time: &[f64], group: &str) -> Option<Plot> {
-    let axis = |k: usize| -> Vec<f64> {
-        let rate = |i: &usize| s.omega_rad_s.get(*i).map_or(f64::NAN, |w| w[k]);
-        kept.iter().map(rate).collect()
+fn plots(record: usize, s: &Segment, envelope: &Envelope) -> Vec<(&'static str, Plot)> {
+    let step = envelope.stride(s.time_s.len());
+    let kept: Vec<usize> = (0..s.time_s.len()).step_by(step).collect();
+    let time = picked(&s.time_s, &kept, 1.0);
+    let plot = |title: &str, y: Axis, rows: Vec<(&str, &[f64])>| {
+        let rows = rows
+            .into_iter()
+            .map(|(name, row)| (name, picked(row, &kept, 1.0)));
+        over_time(record, title.to_owned(), y, series(Mark::Line, &time, rows))
     };
-    let axes = ["x", "y", "z"].into_iter().enumerate();
-    (!time.is_empty()).then(|| Plot {
-        title: "angular velocity of the base, body axes".to_owned(),
-        x: Axis::new("time", "s"),
-        y: Axis::new("omega", "rad/s"),
-        series: axes
-            .map(|(k, name)| Series::new(name, Mark::Line, k, time, &axis(k)))
-            .collect(),
-        group: group.to_owned(),
-        height: 190.0,
-        ..Plot::default()
-    })
-}
-
-fn rows_plot(
-    title: &str,
-    [symbol, unit]: [&str; 2],
-    rows: &[&Row],
-    kept: &[usize],
-    time: &[f64],
-    group: &str,
-) -> Option<Plot> {
-    let values = |r: &Row| -> Vec<f64> {
-        let value = |k: &usize| r.values.get(*k).copied().unwrap_or(f64::NAN);
-        kept.iter().map(value).collect()
-    };
-    (!rows.is_empty()).then(|| Plot {
-        title: title.to_owned(),
-        x: Axis::new("time", "s"),
-        y: Axis::new(symbol, unit),
-        series: rows
-            .iter()
-            .enumerate()
-            .map(|(k, r)| Series::new(&r.name, Mark::Line, k, time, &values(r)))
-            .collect(),
-        group: group.to_owned(),
-        height: 190.0,
-        ..Plot::default()
-    })
+    let mut all = Vec::new();
+    if !time.is_empty() {
+        let rates = [0, 1, 2].map(|k| s.omega_rad_s.iter().map(|w| w[k]).collect::<Vec<f64>>());
+        let rows = ["x", "y", "z"]
+            .into_iter()
+            .zip(rates.iter().map(Vec::as_slice));
+        let title = "angular velocity of the base, body axes";
+        all.push((
+            "rates",
+            plot(title, Axis::new("omega", "rad/s"), rows.collect()),
+        ));
+    }
+    for (rows, unit, name, title, symbol) in [
+        (&s.joints, "rad", "joint_angles", "joint positions", "q"),
+        (&s.joints, "m", "joint_travels", "joint positions", "q"),
+        (&s.wheels, "rad/s", "wheel_speeds", "wheel speeds", "Omega"),
+    ] {
+        let alike = rows.iter().filter(|r| r.unit == unit);
+        let alike: Vec<(&str, &[f64])> = alike
+            .map(|r| (r.name.as_str(), r.values.as_slice()))
+            .collect();
+        if !alike.is_empty() {
+            all.push((name, plot(title, Axis::new(symbol, unit), alike)));
+        }
+    }
+    all.extend(thrust(record, s).map(|p| ("thrust", p)));
+    all
 }
 
 /// Thrust as steps, one series per thruster.
-fn thrust(s: &Segment, group: &str) -> Option<Plot> {
+fn thrust(record: usize, s: &Segment) -> Option<Plot> {
     let (first, last) = (*s.time_s.first()?, *s.time_s.last()?);
     let mut names: Vec<&str> = s.firings.iter().map(|f| f.0.as_str()).collect();
     names.sort_unstable();
     names.dedup();
-    if names.is_empty() {
-        return None;
-    }
-    let series = names
-        .iter()
-        .enumerate()
-        .map(|(k, name)| {
-            let mut points = vec![(first, 0.0)];
-            for (_, start, end, force) in s.firings.iter().filter(|f| f.0 == *name) {
-                points.extend([(*start, 0.0), (*start, *force), (*end, *force), (*end, 0.0)]);
-            }
-            points.push((last, 0.0));
-            let (x, y): (Vec<f64>, Vec<f64>) = points.into_iter().unzip();
-            Series::new(name, Mark::Line, k, &x, &y)
-        })
-        .collect();
-    Some(Plot {
-        title: "thrust".to_owned(),
-        x: Axis::new("time", "s"),
-        y: Axis::new("force", "N"),
-        series,
-        group: group.to_owned(),
-        height: 160.0,
-        ..Plot::default()
-    })
+    let line = |(k, name): (usize, &&str)| {
+        let mut points = vec![(first, 0.0)];
+        for (_, start, end, force) in s.firings.iter().filter(|f| f.0 == *name) {
+            points.extend([(*start, 0.0), (*start, *force), (*end, *force), (*end, 0.0)]);
+        }
+        points.push((last, 0.0));
+        let (x, y): (Vec<f64>, Vec<f64>) = points.into_iter().unzip();
+        Series::new(name, Mark::Line, k, &x, &y)
+    };
+    let lines = names.iter().enumerate().map(line).collect();
+    let y = Axis::new("force", "N");
+    (!names.is_empty()).then(|| over_time(record, "thrust".to_owned(), y, lines))
 }

@@ -22,19 +22,30 @@ pub(super) fn lights(answer: &Answer) -> Vec<Light> {
         (false, None) => (Tone::Plain, "not tested", "by this method".to_owned()),
         (false, Some(d)) => judge(d),
     };
-    [
+    let questions = [
         ("Noise as declared?", of(noise)),
         ("Rigid?", of(rigid)),
         ("Predicts held-out samples?", of(held_out)),
-    ]
-    .map(|(question, (tone, word, found))| Light {
+    ];
+    let light = |(question, (tone, word, found))| light(question, "tests", tone, word, found);
+    questions.map(light).to_vec()
+}
+
+/// A question with its answer and the anchor of its evidence.
+pub(super) fn light(
+    question: &'static str,
+    place: &'static str,
+    tone: Tone,
+    word: &str,
+    found: String,
+) -> Light {
+    Light {
         question,
-        place: "tests",
+        place,
         tone,
         word: word.to_owned(),
         found,
-    })
-    .to_vec()
+    }
 }
 
 fn noise(d: &DiagnosticsFile) -> Found {

@@ -2,13 +2,13 @@
 
 mod answer;
 mod bodies;
+mod curves;
 mod envelope;
 mod export;
 mod flown;
 mod known;
 pub(crate) mod lights;
 mod morph;
-mod numbers;
 mod open;
 mod picture;
 mod poles;
@@ -17,7 +17,6 @@ mod repairs;
 mod results;
 mod tensor;
 mod trust;
-mod truth;
 mod vehicle;
 
 pub use results::{RESULTS, campaign_page, result_page};
@@ -26,25 +25,36 @@ pub use vehicle::{Flown, Motion};
 use crate::comparison::comparison_document;
 use poinsot_figures::{Page, PageError, Part};
 use poinsot_formats::{
-    ComparisonFile, EstimateFile, REPORT_DATA, ReportData, ResultFile, parse_result,
+    BodyFile, ComparisonFile, EstimateFile, REPORT_DATA, ReportData, ResultFile, parse_result,
 };
 use std::path::Path;
-use truth::Truth;
+
+/// Name of the whole vehicle.
+const WHOLE: &str = "whole vehicle, joints as at the first sample";
 
 /// Input of every section.
 pub(crate) struct Answer {
     pub estimate: EstimateFile,
     pub data: ReportData,
-    pub truth: Truth,
+}
+
+impl Answer {
+    /// The whole vehicle, if it has several bodies.
+    fn whole(&self) -> Option<&BodyFile> {
+        let system = self.estimate.system.first();
+        let several = self.estimate.bodies.len() > 1;
+        system.filter(|_| several).map(|s| &s.body)
+    }
 }
 
 /// A page or figure that cannot be built from valid files.
 ///
 /// ```
-/// use poinsot_figures::{PageError, render};
+/// use poinsot_figures::Templates;
 /// use poinsot_report::no_page;
 ///
-/// let error: PageError = render("title", "{{ unknown(1) }}", ()).unwrap_err();
+/// let faulty = Templates::new(&[("title", "{{ unknown(1) }}")]);
+/// let error = faulty.html("title", ()).unwrap_err();
 /// assert!(no_page(&error).contains("report this bug"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -112,13 +122,7 @@ pub fn report_page(estimate: EstimateFile, data: ReportData) -> Result<Page, Str
         let why = "estimate.json and report_data.json come from different runs; run identify again";
         return Err(why.to_owned());
     }
-    let truth = Truth::new(data.truth.clone());
-    let answer = Answer {
-        estimate,
-        data,
-        truth,
-    };
-    page(&answer).map_err(|e| no_page(&e))
+    page(&Answer { estimate, data }).map_err(|e| no_page(&e))
 }
 
 /// A section that compares the answer of a page with others.
@@ -137,7 +141,8 @@ pub fn report_page(estimate: EstimateFile, data: ReportData) -> Result<Page, Str
 pub fn comparison_part(found: &ComparisonFile) -> Result<Part, String> {
     let document = comparison_document(found);
     let about = document.verdict.as_str();
-    Part::of_document("comparison", "Comparison", about, &document).map_err(|e| no_page(&e))
+    let part = Part::of_sections("comparison", "Comparison", about, &document.sections);
+    part.map_err(|e| no_page(&e))
 }
 
 fn page(answer: &Answer) -> Result<Page, PageError> {

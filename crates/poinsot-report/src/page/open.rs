@@ -1,11 +1,10 @@
 //! Undetermined numbers: remedies, unobservable directions, and determined combinations.
 
 use super::Answer;
-use super::numbers::{plus_minus, value};
+use crate::templates::TEMPLATES;
 use indexmap::IndexMap;
 use minijinja::{Value, context};
-use poinsot_figures::{PageError, Part, render};
-use poinsot_files::significant;
+use poinsot_figures::{PageError, Part};
 use poinsot_formats::{IdentifiabilityFile, UndeterminedFile, unknown_name};
 
 /// Number of combinations listed; the result file has all.
@@ -55,17 +54,14 @@ pub(super) fn of(i: &IdentifiabilityFile, several: bool) -> Result<Option<Part>,
             context! { remedy, reason, then => then.strip_prefix("then ").unwrap_or(then), directions }
         })
         .collect();
-    let determined: Vec<Value> = i
-        .identifiable
-        .iter()
-        .take(LISTED)
-        .map(|c| {
-            context! { terms => algebra(&c.coefficients, several), value => value(c.value, c.sigma), half => plus_minus(c.sigma), unit => c.unit.replace("m2", "m²") }
-        })
-        .collect();
-    let body = render(
+    let determined = i.identifiable.iter().take(LISTED);
+    let determined = determined.map(|c| {
+        let terms = algebra(&c.coefficients, several);
+        context! { terms, value => c.value, sigma => c.sigma, unit => c.unit }
+    });
+    let determined: Vec<Value> = determined.collect();
+    let body = TEMPLATES.html(
         "open.html",
-        include_str!("templates/open.html"),
         context! {
             matrix => matrix(&i.not_identifiable, several),
             rows => rows.get(..SHOWN.min(rows.len())), rest => rows.get(SHOWN..), all => rows, determined,
@@ -76,12 +72,11 @@ pub(super) fn of(i: &IdentifiabilityFile, several: bool) -> Result<Option<Part>,
             more => i.identifiable.len().saturating_sub(LISTED),
         },
     )?;
-    Ok(Some(Part {
-        id: "open",
-        title: "Not identifiable from the data",
+    Ok(Some(Part::new(
+        "open",
+        "Not identifiable from the data",
         body,
-        figures: Vec::new(),
-    }))
+    )))
 }
 
 /// Splits a sentence from the numbers in brackets at its end.
@@ -123,7 +118,7 @@ fn term(sign: &str, factor: Option<f64>, address: &str, several: bool) -> Value 
     let index = index.replace("BBcm_", "").replace("BBo_", "Bo ");
     context! {
         sign, letter, index,
-        factor => factor.map(|k| significant(k, 3)),
+        factor,
         body => several.then_some(body),
     }
 }
@@ -147,7 +142,7 @@ fn matrix(open: &[UndeterminedFile], several: bool) -> Option<Value> {
             let share = o.coefficients.get(*name).map_or(0.0, |k| k / largest);
             let shown = share.abs() >= SMALL;
             let class = format!("s{}", (share.abs() * SHADES).round());
-            context! { class => shown.then_some(class), text => shown.then(|| format!("{share:.2}")) }
+            context! { class => shown.then_some(class), share => shown.then_some(share) }
         });
         let cells: Vec<Value> = cells.collect();
         context! { name => algebra(&o.coefficients, several), cells }

@@ -4,13 +4,13 @@
 
 use super::Answer;
 use super::morph::{ends, morph};
-use super::numbers::{half_width, plus_minus, value};
 use super::poles::Poles;
 use super::tensor::{inertia_ellipsoid, matrix, principal, principal_sigmas};
 use super::vehicle::suspected;
+use crate::templates::TEMPLATES;
 use minijinja::{Value, context};
 use nalgebra::Cholesky;
-use poinsot_figures::{Arrow, Ellipsoid, Figure, PageError, Part, Scene, Spot, render};
+use poinsot_figures::{Arrow, Ellipsoid, Figure, PageError, Part, Scene, Spot, half_width};
 use poinsot_files::significant;
 use poinsot_formats::BodyFile;
 use poinsot_spatial::Matrix3;
@@ -48,25 +48,19 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
         ),
     };
     let picture = figure.as_ref().map(Figure::html).transpose()?;
+    let context = context! { picture => picture.map(|p| p.value()), words };
+    let body = TEMPLATES.html("picture.html", context)?;
     Ok(Part {
-        id: "motion",
-        title: "Poinsot's picture",
-        body: render(
-            "picture.html",
-            include_str!("templates/picture.html"),
-            context! { picture => picture.map(|p| p.value()), words },
-        )?,
         figures: figure.into_iter().collect(),
+        ..Part::new("motion", "Poinsot's picture", body)
     })
 }
 
 /// The whole vehicle if there are several bodies, otherwise the body.
 fn chosen(answer: &Answer) -> Option<(&str, &BodyFile)> {
-    let e = &answer.estimate;
-    match e.system.first().filter(|_| e.bodies.len() > 1) {
-        Some(system) => Some(("whole vehicle, joints as at the first sample", &system.body)),
-        None => e.bodies.first().map(|(name, b)| (name.as_str(), b)),
-    }
+    let first = answer.estimate.bodies.first();
+    let whole = answer.whole().map(|body| (super::WHOLE, body));
+    whole.or_else(|| first.map(|(name, b)| (name.as_str(), b)))
 }
 
 /// The tensor, if all six elements are determined.
@@ -117,19 +111,11 @@ pub(super) fn moments(answer: &Answer) -> Option<Value> {
     let I = tensor_of(body)?;
     let (moments, axes) = principal(&I)?;
     let sigmas = spread(answer, name, body).map(|(s, c)| principal_sigmas(&axes, &s, c.as_ref()));
-    let rows: Vec<Value> = (0..3)
-        .map(|k| {
-            let sigma = sigmas.map(|s| s[k]);
-            let axis: Vec<String> = axes[k].iter().map(|x| format!("{x:+.4}")).collect();
-            context! {
-                name => format!("I{}", k + 1),
-                value => value(Some(moments[k]), sigma),
-                half => plus_minus(sigma),
-                axis => axis.join("  "),
-            }
-        })
-        .collect();
-    Some(context! { name, rows })
+    let row = |k: usize| {
+        let axis = axes[k].as_slice();
+        context! { moment => moments[k], sigma => sigmas.map(|s| s[k]), axis }
+    };
+    Some(context! { name, rows => [0, 1, 2].map(row) })
 }
 
 fn scene(answer: &Answer, name: &str, body: &BodyFile, I: &Matrix3) -> Option<Scene> {
@@ -152,6 +138,7 @@ fn scene(answer: &Answer, name: &str, body: &BodyFile, I: &Matrix3) -> Option<Sc
             at: tip.into(),
             label: format!("I{}", k + 1),
             colour: 3,
+            ..Spot::default()
         });
     }
     scene.arrows = body_axes();
@@ -200,6 +187,7 @@ fn body_axes() -> Vec<Arrow> {
             to,
             label: label.to_owned(),
             colour: 6,
+            ..Arrow::default()
         }
     })
     .collect()
@@ -208,10 +196,10 @@ fn body_axes() -> Vec<Arrow> {
 fn ellipsoid(name: &str, axes: [[f64; 3]; 3], faint: bool) -> Ellipsoid {
     Ellipsoid {
         name: name.to_owned(),
-        centre: [0.0; 3],
         axes,
         colour: if faint { 0 } else { 5 },
         faint,
+        ..Ellipsoid::default()
     }
 }
 

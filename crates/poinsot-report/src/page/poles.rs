@@ -1,6 +1,6 @@
 //! The motion as poles on the inertia ellipsoid.
 
-use super::trust::group;
+use super::curves::group;
 use nalgebra::{Quaternion, UnitQuaternion};
 use poinsot_figures::{Curve, Point, Rolling, Scene};
 use poinsot_formats::Segment;
@@ -135,6 +135,7 @@ impl Poles {
             points,
             colour: 1,
             shares: Some(shares),
+            ..Curve::default()
         });
         let turned = self.q_NB.iter().map(|q| down * q);
         scene.rolling = Some(Rolling {

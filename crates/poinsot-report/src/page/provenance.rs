@@ -1,46 +1,29 @@
 //! Warnings, repairs, and the origin of the result.
 
 use super::{Answer, repairs};
-use minijinja::{Value, context};
-use poinsot_figures::{PageError, Part, render};
-use poinsot_files::significant;
+use crate::templates::TEMPLATES;
+use minijinja::context;
+use poinsot_figures::{PageError, Part};
 
 pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
     let e = &answer.estimate;
-    let inputs: Vec<Value> = e
-        .inputs
-        .iter()
-        .map(|i| {
-            let [a, b] = i.time_s;
-            let span = format!("{} to {}", significant(a, 6), significant(b, 6));
-            context! { path => i.path, sha256 => i.sha256, segment => i.segment, span, rows => i.rows }
-        })
-        .collect();
-    let body = render(
-        "provenance.html",
-        include_str!("templates/provenance.html"),
-        context! {
-            warnings => e.warnings,
-            repairs => e.repairs.len(),
-            rows => repairs::rows(answer),
-            several => e.fit.len() > 1,
-            ignored => e.ignored_columns,
-            inputs,
-            model => e.model_file.as_ref().map(|m| context! { path => m.path, sha256 => m.sha256 }),
-            command => command(&answer.data.command),
-            written_by => e.poinsot,
-            method => e.method_in_words(),
-            iterations => e.iterations,
-            truth => answer.truth.is_known(),
-            epoch => e.epoch.as_ref().and_then(|x| x.at.clone()),
-        },
-    )?;
-    Ok(Part {
-        id: "provenance",
-        title: "Provenance",
-        body,
-        figures: Vec::new(),
-    })
+    let context = context! {
+        warnings => e.warnings,
+        repairs => e.repairs.len(),
+        rows => repairs::rows(answer),
+        several => e.fit.len() > 1,
+        ignored => e.ignored_columns,
+        inputs => e.inputs,
+        model => e.model_file,
+        command => command(&answer.data.command),
+        written_by => e.poinsot,
+        method => e.method_in_words(),
+        iterations => e.iterations,
+        truth => answer.data.truth.is_some(),
+        epoch => e.epoch,
+    };
+    let body = TEMPLATES.html("provenance.html", context)?;
+    Ok(Part::new("provenance", "Provenance", body))
 }
 
 /// The command line, quoted for a shell.

@@ -2,148 +2,112 @@
 //! open; the evidence is always folded.
 
 use super::Answer;
+use super::curves::{Differences, named, over_time, picked, series};
 use super::envelope::Envelope;
-use super::numbers::ninety_five;
-use crate::checks::{SIGNIFICANT, causes, checks};
+use crate::checks::{Check, SIGNIFICANT, Verdict, causes, checks};
+use crate::templates::TEMPLATES;
 use minijinja::{Value, context};
-use poinsot_figures::{Axis, Figure, Mark, PageError, Part, Plot, Series, render};
-use poinsot_files::{probability, significant};
-use poinsot_formats::Channel;
-use poinsot_formats::{EstimateFile, EvidenceFile, SegmentFitFile, SensorFitFile};
+use poinsot_figures::{Axis, Figure, Mark, PageError, Part, Plot, Series, Tone};
+use poinsot_formats::{
+    Channel, EvidenceFile, HALF_WIDTH_95, Segment, SegmentFitFile, SensorFitFile,
+};
 use statrs::distribution::{ContinuousCDF, Normal};
 
 /// Half-range of the histogram, sigmas.
 const REACH: f64 = 4.0;
 /// Chi-square per number for which a residual has the size of the declared noise.
 const AS_DECLARED: std::ops::RangeInclusive<f64> = 0.5..=1.2;
-/// Half-width of the band about a residual, sigmas.
-pub(super) const BAND: f64 = 2.0;
 const ARCSEC_PER_RAD: f64 = 180.0 * 3600.0 / std::f64::consts::PI;
+const AXES: [&str; 3] = ["x", "y", "z"];
 
 pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
     let e = &answer.estimate;
-    let tests: Vec<Value> = e
+    let tests: Vec<Check> = e
         .diagnostics
         .iter()
         .flat_map(|d| checks(d).into_iter().chain(causes(d)))
-        .map(|c| context! { test => c.test, found => c.found, tone => c.tone.name(), verdict => c.verdict })
         .collect();
     let envelope = Envelope::of(&answer.data);
     let mut figures = Vec::new();
     let mut records: Vec<Value> = Vec::new();
     for (k, fit) in e.fit.iter().enumerate() {
         let segment = answer.data.segments.get(k);
-        let mut sensors: Vec<Value> = Vec::new();
-        for (name, s) in &fit.channels {
-            let channel = segment.and_then(|d| d.channels.iter().find(|c| c.name == *name));
-            let made = channel.map_or_else(Vec::new, |c| sensor(k, c, s, &envelope));
-            sensors.push(sensor_row(name, s, &Figure::page(&made)?.value()));
-            figures.extend(made);
-        }
-        let drift = segment
-            .filter(|d| !d.momentum.time_s.is_empty())
-            .map_or_else(Vec::new, |d| momentum(k, &d.momentum, &envelope));
-        records.push(context! {
-            label => fit.segment,
-            samples => fit.samples,
-            chi2 => fit.chi2_per_dof.map(|x| significant(x, 3)),
-            verdict => record_verdict(fit),
-            sensors,
-            momentum => (!drift.is_empty()).then(|| Figure::page(&drift)).transpose()?.map(|h| h.value()),
-        });
-        figures.extend(drift);
+        records.push(record(k, fit, segment, &envelope, &mut figures)?);
     }
-    let body = render(
+    let against = |row: &&EvidenceFile| row.is_against_answer();
+    let body = TEMPLATES.html(
         "trust.html",
-        include_str!("templates/trust.html"),
         context! {
-            tests, records,
-            evidence => evidence(e),
-            against => e.evidence.iter().filter(|row| row.is_against_answer()).count(),
-            red => tests.iter().any(is_bad),
+            records,
+            red => tests.iter().any(|t| t.tone == Tone::Bad),
+            tests,
+            evidence => e.evidence,
+            against => e.evidence.iter().filter(against).count(),
             reduced => envelope.words(),
             validate => !e.is_withheld(),
         },
     )?;
     Ok(Part {
-        id: "trust",
-        title: "Trust",
-        body,
         figures,
+        ..Part::new("trust", "Trust", body)
     })
 }
 
-/// Every test with its effect on the answer.
-fn evidence(e: &EstimateFile) -> Vec<Value> {
-    let rows = e.evidence.iter();
-    rows.map(|row| {
-        let (tone, effect) = effect(row);
-        context! {
-            tone, effect,
-            test => row.test,
-            statistic => row.statistic,
-            value => row.value.map(|x| significant(x, 3)),
-            dof => row.degrees_of_freedom,
-            p => row.p.map(probability),
-            words => row.words,
-        }
+/// A record with its sensors; adds its figures.
+fn record(
+    k: usize,
+    fit: &SegmentFitFile,
+    segment: Option<&Segment>,
+    envelope: &Envelope,
+    figures: &mut Vec<Figure>,
+) -> Result<Value, PageError> {
+    let mut sensors: Vec<Value> = Vec::new();
+    for (name, s) in &fit.channels {
+        let channel = segment.and_then(|d| d.channels.iter().find(|c| c.name == *name));
+        let made = channel.map_or_else(Vec::new, |c| sensor(k, c, s, envelope));
+        let (tone, word) = sensor_verdict(s);
+        let (factor, unit) = shown_unit(name, &s.unit);
+        sensors.push(context! {
+            name, tone, word, factor, unit, declared => declared(s),
+            figures => Figure::page(&made)?.value(), fit => s,
+        });
+        figures.extend(made);
+    }
+    let measured = segment.filter(|d| !d.momentum.time_s.is_empty());
+    let drift = measured.map_or_else(Vec::new, |d| momentum(k, &d.momentum, envelope));
+    let html = Figure::page(&drift)?;
+    figures.extend(drift);
+    let (tone, word) = record_verdict(fit);
+    Ok(context! {
+        tone, word, sensors, label => fit.segment, samples => fit.samples, chi2 => fit.chi2_per_dof,
+        momentum => html.value(),
     })
-    .collect()
 }
 
-/// Tone and words of the effect of a test.
-fn effect(row: &EvidenceFile) -> (&'static str, String) {
-    let factor = row.sigma_factor.filter(|factor| *factor > 1.0);
-    let widened = factor.map(|factor| format!("sigmas times {}", significant(factor, 4)));
-    let (tone, words) = match row.effect.as_str() {
-        "none" => ("good", "none"),
-        "widens_sigmas" => return ("fair", widened.unwrap_or_default()),
-        "makes_partial" => ("fair", "partial"),
-        "against_answer" => ("bad", "not reliable"),
-        "withholds_numbers" => ("bad", "withheld"),
-        "rejects_model" => ("bad", "rejected"),
-        _ => ("fair", ""),
-    };
-    let parts = std::iter::once(words.to_owned()).chain(widened);
-    (tone, parts.collect::<Vec<_>>().join(", "))
-}
-
-fn is_bad(row: &Value) -> bool {
-    row.get_attr("tone")
-        .is_ok_and(|t| t.as_str() == Some("bad"))
-}
-
-fn sensor_verdict(s: &SensorFitFile) -> (&'static str, &'static str) {
+fn sensor_verdict(s: &SensorFitFile) -> Verdict {
     let correlated = s.whiteness_p.is_some_and(|p| p < SIGNIFICANT);
     match s.chi2_per_number {
-        Some(chi2) if chi2 > *AS_DECLARED.end() => ("bad", "larger than declared"),
-        Some(chi2) if chi2 < *AS_DECLARED.start() => ("fair", "smaller than declared"),
-        _ if correlated => ("bad", "correlated in time"),
-        Some(_) => ("good", "as declared"),
-        None => ("fair", "not tested"),
+        Some(chi2) if chi2 > *AS_DECLARED.end() => (Tone::Bad, "larger than declared"),
+        Some(chi2) if chi2 < *AS_DECLARED.start() => (Tone::Fair, "smaller than declared"),
+        _ if correlated => (Tone::Bad, "correlated in time"),
+        Some(_) => (Tone::Good, "as declared"),
+        None => (Tone::Fair, "not tested"),
     }
 }
 
 /// Worst verdict among its sensors.
-fn record_verdict(fit: &SegmentFitFile) -> Value {
-    let all = || fit.channels.values().map(sensor_verdict);
-    let worst = ["bad", "fair", "good"]
-        .into_iter()
-        .find_map(|tone| all().find(|v| v.0 == tone));
-    let (tone, word) = worst.unwrap_or(("fair", "not tested"));
-    context! { tone, word }
-}
-
-fn sensor_row(name: &str, s: &SensorFitFile, figures: &Value) -> Value {
-    let (tone, word) = sensor_verdict(s);
-    let (factor, unit) = shown_unit(name, &s.unit);
-    let declared = declared(s).map(|sigma| significant(factor * sigma, 3));
-    context! {
-        name, tone, word, figures, unit, declared,
-        rms => s.rms.map(|x| significant(factor * x, 3)),
-        chi2 => s.chi2_per_number.map(|x| significant(x, 3)),
-        p => s.whiteness_p.map(probability),
-    }
+fn record_verdict(fit: &SegmentFitFile) -> Verdict {
+    let mut all = fit
+        .channels
+        .values()
+        .map(sensor_verdict)
+        .collect::<Vec<_>>();
+    all.sort_by_key(|v| {
+        [Tone::Bad, Tone::Fair, Tone::Good]
+            .iter()
+            .position(|t| *t == v.0)
+    });
+    all.first().copied().unwrap_or((Tone::Fair, "not tested"))
 }
 
 /// Declared sigma used in chi-square.
@@ -166,36 +130,27 @@ fn shown_unit<'a>(name: &str, unit: &'a str) -> (f64, &'a str) {
 }
 
 fn sensor(record: usize, c: &Channel, s: &SensorFitFile, envelope: &Envelope) -> Vec<Figure> {
-    let name = |what: &str| format!("fit_segment{}_{}{what}", record + 1, c.name);
-    let kept = envelope.keep(c);
     let mut all = Vec::new();
     if kind(&c.name) != "attitude" {
-        all.push(Figure::plot(&name(""), curves(record, c, &kept)));
+        all.push(("", curves(record, c, envelope)));
     }
-    all.push(Figure::plot(
-        &name("_residual"),
-        residuals(record, c, declared(s), &kept),
-    ));
-    all.extend(quantiles(c).map(|p| Figure::plot(&name("_quantiles"), p)));
-    all.extend(correlation(c).map(|p| Figure::plot(&name("_correlation"), p)));
-    all
+    all.push(("_residual", residuals(record, c, declared(s), envelope)));
+    all.extend(quantiles(c).map(|p| ("_quantiles", p)));
+    all.extend(correlation(c).map(|p| ("_correlation", p)));
+    named(&format!("fit_segment{}_{}", record + 1, c.name), all)
 }
 
 fn momentum(record: usize, m: &Channel, envelope: &Envelope) -> Vec<Figure> {
-    let kept = envelope.keep(m);
-    let name = |what: &str| format!("fit_segment{}_momentum{what}", record + 1);
-    let mut plot = curves(record, m, &kept);
+    let mut plot = curves(record, m, envelope);
     plot.title = "angular momentum about the mass centre, inertial axes".to_owned();
     plot.y.label = "h".to_owned();
     plot.note =
         "Points: from the measured rates with the estimated mass properties. Lines: predicted."
             .to_owned();
-    let mut gap = residuals(record, m, None, &kept);
+    let mut gap = residuals(record, m, None, envelope);
     gap.title = "angular momentum, measured minus predicted".to_owned();
-    vec![
-        Figure::plot(&name(""), plot),
-        Figure::plot(&name("_residual"), gap),
-    ]
+    let prefix = format!("fit_segment{}_momentum", record + 1);
+    named(&prefix, vec![("", plot), ("_residual", gap)])
 }
 
 /// Title and symbol of what a sensor measures.
@@ -222,81 +177,45 @@ fn quantity(name: &str) -> (String, &str) {
     (format!("{what}, {axes}"), symbol)
 }
 
-fn picked(row: &[f64], kept: &[usize], factor: f64) -> Vec<f64> {
-    let value = |k: &usize| row.get(*k).map_or(f64::NAN, |x| factor * x);
-    kept.iter().map(value).collect()
-}
-
-fn curves(record: usize, c: &Channel, kept: &[usize]) -> Plot {
-    let time = picked(&c.time_s, kept, 1.0);
-    let mut series = Vec::new();
-    for (k, name) in c.components.iter().enumerate() {
-        if let (Some(m), Some(p)) = (c.measured.get(k), c.predicted.get(k)) {
-            series.push(Series::new("", Mark::Dots, k, &time, &picked(m, kept, 1.0)));
-            series.push(Series::new(
-                name,
-                Mark::Line,
-                k,
-                &time,
-                &picked(p, kept, 1.0),
-            ));
-        }
-    }
+/// Measured points and predicted lines.
+fn curves(record: usize, c: &Channel, envelope: &Envelope) -> Plot {
+    let kept = envelope.keep(&c.time_s, &c.residual);
+    let time = picked(&c.time_s, &kept, 1.0);
+    let rows = |values: &[Vec<f64>]| -> Vec<Vec<f64>> {
+        values.iter().map(|row| picked(row, &kept, 1.0)).collect()
+    };
+    let measured = rows(&c.measured).into_iter().map(|row| ("", row));
+    let names = c.components.iter().map(String::as_str);
+    let predicted = names.zip(rows(&c.predicted));
+    let points = series(Mark::Dots, &time, measured);
+    let lines = series(Mark::Line, &time, predicted);
     let (title, symbol) = quantity(&c.name);
+    let title = format!("{title}: points measured, lines predicted");
+    let both = points.into_iter().zip(lines).flat_map(|(p, l)| [p, l]);
+    let plot = over_time(record, title, Axis::new(symbol, &c.unit), both.collect());
     Plot {
-        title: format!("{title}: points measured, lines predicted"),
-        x: Axis::new("time", "s"),
-        y: Axis::new(symbol, &c.unit),
-        series,
-        group: group(record),
         height: 210.0,
-        ..Plot::default()
+        ..plot
     }
 }
 
-/// Group of the plots of a record, which share cursor and zoom.
-pub(super) fn group(record: usize) -> String {
-    format!("record{}", record + 1)
-}
-
-fn residuals(record: usize, c: &Channel, declared: Option<f64>, kept: &[usize]) -> Plot {
-    let axes = ["x", "y", "z"];
+fn residuals(record: usize, c: &Channel, declared: Option<f64>, envelope: &Envelope) -> Plot {
     let (factor, unit) = shown_unit(&c.name, &c.residual_unit);
-    let time = picked(&c.time_s, kept, 1.0);
-    let mut series: Vec<Series> = c
-        .residual
-        .iter()
-        .enumerate()
-        .map(|(k, row)| {
-            let name = axes.get(k).unwrap_or(&"");
-            Series::new(name, Mark::Dots, k, &time, &picked(row, kept, factor))
-        })
-        .collect();
-    if let (Some(sigma), Some(first), Some(last)) = (declared, time.first(), time.last()) {
-        let half = BAND * factor * sigma;
-        let ends = [*first, *last];
-        series.insert(
-            0,
-            Series::band("2 sigma declared", 2, &ends, &[-half; 2], &[half; 2]),
-        );
-    }
-    let what = match kind(&c.name) {
+    let title = match kind(&c.name) {
         "attitude" => "rotation error from predicted to measured, body axes",
         _ => "residual, measured minus predicted",
     };
-    Plot {
-        title: match declared {
-            Some(_) => format!("{what}; band: {BAND} sigma as declared"),
-            None => what.to_owned(),
-        },
-        x: Axis::new("time", "s"),
+    let differences = Differences {
+        record,
+        title: title.to_owned(),
         y: Axis::new("residual", unit),
-        series,
-        levels: vec![(0.0, String::new())],
-        group: group(record),
-        height: 180.0,
-        ..Plot::default()
-    }
+        factor,
+        declared,
+        names: &AXES,
+        time_s: &c.time_s,
+        rows: &c.residual,
+    };
+    differences.plot(envelope)
 }
 
 /// Whitened residuals of all axes against normal quantiles, at the edges of the histogram bins.
@@ -334,7 +253,6 @@ fn quantiles(c: &Channel) -> Option<Plot> {
 }
 
 fn correlation(c: &Channel) -> Option<Plot> {
-    let axes = ["x", "y", "z"];
     let series: Vec<Series> = c
         .autocorrelation
         .iter()
@@ -342,10 +260,10 @@ fn correlation(c: &Channel) -> Option<Plot> {
         .filter(|(_, row)| !row.is_empty())
         .map(|(k, row)| {
             let lags: Vec<f64> = (1..=row.len()).map(|l| l as f64).collect();
-            Series::new(axes.get(k).unwrap_or(&""), Mark::Line, k, &lags, row)
+            Series::new(AXES.get(k).unwrap_or(&""), Mark::Line, k, &lags, row)
         })
         .collect();
-    let edge = ninety_five() / (c.samples.max(1) as f64).sqrt();
+    let edge = HALF_WIDTH_95 / (c.samples.max(1) as f64).sqrt();
     (!series.is_empty()).then(|| Plot {
         title: format!("{} residual, autocorrelation", c.name),
         x: Axis::new("lag", "samples"),

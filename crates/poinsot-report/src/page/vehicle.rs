@@ -1,19 +1,21 @@
 //! The vehicle drawn from the model, with moving joints; a suspected part is marked.
 
 use super::Answer;
+use super::curves::group;
 use super::tensor::{equivalent_ellipsoid, matrix};
-use super::trust::group;
 use poinsot_figures::{Arrow, Curve, Ellipsoid, Figure, Hinge, Point, Scene, Spot, Tree};
 use poinsot_formats::{DrawnBody, DrawnJoint, Pointer, Vehicle};
 use poinsot_spatial::{Matrix3, Vector3};
 
-/// Legend text and colour of a body, by its status.
-const DETERMINED: (&str, usize) = ("determined", 0);
-const OPEN: (&str, usize) = ("not all determined", 4);
-const KNOWN: (&str, usize) = ("known", 6);
-const WANTED: (&str, usize) = ("to be determined", 0);
-const WITHHELD: (&str, usize) = ("withheld", 6);
-const SUSPECT: (&str, usize) = ("suspected", 1);
+/// Legend text and colour of a body.
+type Role = (&'static str, usize);
+
+const DETERMINED: Role = ("determined", 0);
+const OPEN: Role = ("not all determined", 4);
+const KNOWN: Role = ("known", 6);
+const WANTED: Role = ("to be determined", 0);
+const WITHHELD: Role = ("withheld", 6);
+const SUSPECT: Role = ("suspected", 1);
 const JOINT: usize = 3;
 const WHEEL: usize = 2;
 const THRUSTER: usize = 7;
@@ -23,57 +25,6 @@ const THRUSTER_REACH: f64 = 0.4;
 const JOINT_REACH: f64 = 0.15;
 /// Largest number of instants of the joint motion.
 const INSTANTS: usize = 300;
-
-/// The vehicle of an answer as a figure.
-pub(super) fn drawn(answer: &Answer) -> Figure {
-    Figure::scene("vehicle", of_answer(answer, &[]))
-}
-
-/// The vehicle, with the first suspect of the diagnostics marked.
-pub(super) fn suspected(answer: &Answer) -> Scene {
-    let d = answer.estimate.diagnostics.iter();
-    let names: Vec<&str> = d
-        .flat_map(|d| &d.suspects)
-        .map(|s| s.name.as_str())
-        .collect();
-    of_answer(answer, names.get(..1).unwrap_or(&[]))
-}
-
-/// The vehicle as it moves during a manoeuvre.
-pub(super) fn flying(flown: Flown) -> Figure {
-    let role = |b: &DrawnBody| if b.estimated { WANTED } else { KNOWN };
-    let words = "A body is drawn as the homogeneous ellipsoid with its nominal mass and inertia. Lines connect frame origins and joints. The mass centre of the whole rests.";
-    let mut scene = Builder::new(&flown.vehicle, &role, &[]).scene(Some(flown.motion));
-    scene.title = "the vehicle during the manoeuvre, axes of the base at the start, m".to_owned();
-    scene.note = words.to_owned();
-    Figure::scene("manoeuvre", scene)
-}
-
-/// Whether a suspect, such as `wheel wheel2`, is this part.
-fn named(suspect: &str, part: &str) -> bool {
-    let cut = |c: char| !(c.is_alphanumeric() || c == '_' || c == '-');
-    suspect == part || suspect.split(cut).any(|word| word == part)
-}
-
-fn of_answer(answer: &Answer, suspects: &[&str]) -> Scene {
-    let role = |b: &DrawnBody| role(answer, b);
-    let mut scene = Builder::new(&answer.data.vehicle, &role, suspects).scene(joint_motion(answer));
-    scene.title = "the vehicle, axes of the base, m".to_owned();
-    scene.note = "A body is drawn as the homogeneous ellipsoid with its mass and inertia: estimated where determined, else nominal. Lines connect frame origins and joints."
-        .to_owned();
-    scene
-}
-
-fn role(answer: &Answer, b: &DrawnBody) -> (&'static str, usize) {
-    let found = answer.estimate.bodies.get(&b.name);
-    let all = || found.iter().flat_map(|b| b.numbers()).map(|n| n.2);
-    match b.estimated {
-        false => KNOWN,
-        true if answer.estimate.is_withheld() => WITHHELD,
-        true if all().all(|n| n.is_known() || n.value.is_some()) => DETERMINED,
-        true => OPEN,
-    }
-}
 
 /// A vehicle and how it moves.
 pub struct Flown {
@@ -97,15 +48,57 @@ pub struct Motion {
     pub group: String,
 }
 
+/// The vehicle of an answer as a figure.
+pub(super) fn drawn(answer: &Answer) -> Figure {
+    Figure::scene("vehicle", of_answer(answer, None))
+}
+
+/// The vehicle, with the first suspect of the diagnostics marked.
+pub(super) fn suspected(answer: &Answer) -> Scene {
+    let mut suspects = answer.estimate.diagnostics.iter().flat_map(|d| &d.suspects);
+    of_answer(answer, suspects.next().map(|s| s.name.as_str()))
+}
+
+/// The vehicle as it moves during a manoeuvre.
+pub(super) fn flying(flown: &Flown) -> Figure {
+    let role = |b: &DrawnBody| if b.estimated { WANTED } else { KNOWN };
+    let builder = Builder::new(&flown.vehicle, None);
+    let mut scene = builder.scene(role, Some(&flown.motion));
+    if let Some(tree) = &mut scene.tree {
+        tree.group = group(0);
+    }
+    scene.title = "the vehicle during the manoeuvre, axes of the base at the start, m".to_owned();
+    scene.note = "A body is drawn as the homogeneous ellipsoid with its nominal mass and inertia. Lines connect frame origins and joints. The mass centre of the whole rests.".to_owned();
+    Figure::scene("manoeuvre", scene)
+}
+
+fn of_answer(answer: &Answer, suspect: Option<&str>) -> Scene {
+    let builder = Builder::new(&answer.data.vehicle, suspect);
+    let mut scene = builder.scene(|b| role(answer, b), joint_motion(answer).as_ref());
+    scene.title = "the vehicle, axes of the base, m".to_owned();
+    scene.note = "A body is drawn as the homogeneous ellipsoid with its mass and inertia: estimated where determined, else nominal. Lines connect frame origins and joints.".to_owned();
+    scene
+}
+
+fn role(answer: &Answer, b: &DrawnBody) -> Role {
+    let found = answer.estimate.bodies.get(&b.name);
+    let mut all = found.iter().flat_map(|b| b.numbers()).map(|n| n.2);
+    match b.estimated {
+        false => KNOWN,
+        true if answer.estimate.is_withheld() => WITHHELD,
+        true if all.all(|n| n.is_known() || n.value.is_some()) => DETERMINED,
+        true => OPEN,
+    }
+}
+
 /// The joint motion during the first record with motion.
 fn joint_motion(answer: &Answer) -> Option<Motion> {
-    let segments = &answer.data.segments;
-    let record = segments.iter().position(|s| !s.joints.is_empty())?;
-    let s = &segments[record];
-    let rows = s.joints.iter();
+    let mut segments = answer.data.segments.iter().enumerate();
+    let (record, s) = segments.find(|(_, s)| !s.joints.is_empty())?;
+    let joints = s.joints.iter().map(|r| (r.name.clone(), r.values.clone()));
     Some(Motion {
         time_s: s.time_s.clone(),
-        joints: rows.map(|r| (r.name.clone(), r.values.clone())).collect(),
+        joints: joints.collect(),
         base: Vec::new(),
         group: group(record),
     })
@@ -113,171 +106,151 @@ fn joint_motion(answer: &Answer) -> Option<Motion> {
 
 struct Builder<'a> {
     vehicle: &'a Vehicle,
-    /// Legend text and colour of a body.
-    role: &'a dyn Fn(&DrawnBody) -> (&'static str, usize),
-    suspects: &'a [&'a str],
+    suspect: Option<&'a str>,
+    /// Largest semi-axis of a body, m.
     size: f64,
-    tree: Tree,
     scene: Scene,
 }
 
-fn vector(at: &Point) -> Vector3 {
-    Vector3::from(*at)
-}
-
 impl<'a> Builder<'a> {
-    fn new(
-        vehicle: &'a Vehicle,
-        role: &'a dyn Fn(&DrawnBody) -> (&'static str, usize),
-        suspects: &'a [&'a str],
-    ) -> Self {
+    fn new(vehicle: &'a Vehicle, suspect: Option<&'a str>) -> Self {
         Self {
             vehicle,
-            role,
-            suspects,
+            suspect,
             size: 0.0,
-            tree: Tree::default(),
             scene: Scene::default(),
         }
     }
 
-    fn scene(mut self, motion: Option<Motion>) -> Scene {
-        self.bodies();
+    fn scene(mut self, role: impl Fn(&DrawnBody) -> Role, motion: Option<&Motion>) -> Scene {
+        for (k, b) in self.vehicle.bodies.iter().enumerate() {
+            let role = match self.is_suspect(&b.name) {
+                true => SUSPECT,
+                false => role(b),
+            };
+            self.body(k, b, role);
+        }
         self.joints();
         self.pointers(&self.vehicle.wheels, WHEEL, WHEEL_REACH);
         self.pointers(&self.vehicle.thrusters, THRUSTER, THRUSTER_REACH);
-        if let Some(motion) = motion {
-            self.moving(&motion);
-        }
+        self.scene.tree = motion.map(|motion| self.tree(motion));
         self.scene
     }
 
-    fn is_suspect(&self, name: &str) -> bool {
-        self.suspects.iter().any(|s| named(s, name))
+    /// Whether the suspect, such as `wheel wheel2`, is this part.
+    fn is_suspect(&self, part: &str) -> bool {
+        let cut = |c: char| !(c.is_alphanumeric() || c == '_' || c == '-');
+        let names = |s: &str| s == part || s.split(cut).any(|word| word == part);
+        self.suspect.is_some_and(names)
     }
 
     /// Index of a body; the base if the name is unknown.
-    fn body(&self, name: &str) -> usize {
+    fn index(&self, name: &str) -> usize {
         let place = self.vehicle.bodies.iter().position(|b| b.name == name);
         place.unwrap_or(0)
     }
 
-    fn role(&self, b: &DrawnBody) -> (&'static str, usize) {
-        match self.is_suspect(&b.name) {
-            true => SUSPECT,
-            false => (self.role)(b),
-        }
-    }
-
-    fn bodies(&mut self) {
-        let mut named: Vec<&str> = Vec::new();
-        for (k, b) in self.vehicle.bodies.iter().enumerate() {
-            let [r0, r1, r2] = b.rotation;
-            let R = Matrix3::from_row_slice(&[r0, r1, r2].concat());
-            let centre = vector(&b.origin_m) + R * vector(&b.com_m);
-            let [xx, xy, yy, xz, yz, zz] = b.inertia_kg_m2;
-            let I = matrix(&[xx, yy, zz, xy, xz, yz]);
-            let Some(axes) = equivalent_ellipsoid(b.mass_kg, &I) else {
-                continue;
-            };
-            let axes = axes.map(|a| Point::from(R * vector(&a)));
-            let longest = axes.iter().map(|a| vector(a).norm());
-            self.size = longest.fold(self.size, f64::max);
-            let (role, colour) = self.role(b);
-            let first = !named.contains(&role);
-            named.push(role);
-            self.tree.ellipsoids.push(k);
-            self.scene.ellipsoids.push(Ellipsoid {
-                name: if first { role } else { "" }.to_owned(),
-                centre: centre.into(),
-                axes,
-                colour,
-                faint: false,
-            });
-            self.tree.spots.push(k);
-            self.scene.spots.push(Spot {
-                at: centre.into(),
-                label: b.name.clone(),
-                colour,
-            });
-        }
+    fn body(&mut self, body: usize, b: &DrawnBody, (name, colour): Role) {
+        let R = Matrix3::from_row_slice(&b.rotation.concat());
+        let centre = Vector3::from(b.origin_m) + R * Vector3::from(b.com_m);
+        let [xx, xy, yy, xz, yz, zz] = b.inertia_kg_m2;
+        let I = matrix(&[xx, yy, zz, xy, xz, yz]);
+        let Some(axes) = equivalent_ellipsoid(b.mass_kg, &I) else {
+            return;
+        };
+        let axes = axes.map(|a| R * Vector3::from(a));
+        self.size = axes.iter().map(|a| a.norm()).fold(self.size, f64::max);
+        let named = self.scene.ellipsoids.iter().any(|e| e.name == name);
+        self.scene.ellipsoids.push(Ellipsoid {
+            name: if named { "" } else { name }.to_owned(),
+            centre: centre.into(),
+            axes: axes.map(Point::from),
+            colour,
+            faint: false,
+            body,
+        });
+        self.scene.spots.push(Spot {
+            at: centre.into(),
+            label: b.name.clone(),
+            colour,
+            body,
+        });
     }
 
     fn joints(&mut self) {
-        let vehicle = self.vehicle;
-        for j in &vehicle.joints {
-            let (parent, child) = (self.body(&j.parent), self.body(&j.child));
-            let from = vehicle.bodies.get(parent).map_or([0.0; 3], |b| b.origin_m);
-            self.tree.curves.push(parent);
+        for j in &self.vehicle.joints {
+            let (parent, child) = (self.index(&j.parent), self.index(&j.child));
+            let from = self.vehicle.bodies.get(parent);
             self.scene.curves.push(Curve {
-                name: String::new(),
-                points: vec![Some(from), Some(j.origin_m)],
+                points: vec![
+                    Some(from.map_or([0.0; 3], |b| b.origin_m)),
+                    Some(j.origin_m),
+                ],
                 colour: KNOWN.1,
-                shares: None,
+                body: parent,
+                ..Curve::default()
             });
             if j.kind != "fixed" {
-                let reach = vector(&j.axis) * (JOINT_REACH * self.size);
-                self.arrow(child, &j.origin_m, &(-reach), "", JOINT);
-                // Joints at one position share a label.
-                let here = |o: &&DrawnJoint| o.origin_m == j.origin_m;
-                let together: Vec<&str> = vehicle
-                    .joints
-                    .iter()
-                    .filter(here)
-                    .map(|o| o.name.as_str())
-                    .collect();
-                let first = together.first() == Some(&j.name.as_str());
-                let label = if first {
-                    together.join(", ")
-                } else {
-                    String::new()
-                };
-                self.arrow(child, &j.origin_m, &reach, &label, JOINT);
+                let reach = Vector3::from(j.axis) * (JOINT_REACH * self.size);
+                self.arrow(child, &j.origin_m, -reach, String::new(), JOINT);
+                self.arrow(child, &j.origin_m, reach, self.label(j), JOINT);
             }
         }
     }
 
-    fn pointers(&mut self, list: &'a [Pointer], colour: usize, reach: f64) {
+    /// Names of all joints at one position, at the first of them.
+    fn label(&self, joint: &DrawnJoint) -> String {
+        let joints = self.vehicle.joints.iter();
+        let here = joints.filter(|o| o.origin_m == joint.origin_m);
+        let together: Vec<&str> = here.map(|o| o.name.as_str()).collect();
+        match together.first() == Some(&joint.name.as_str()) {
+            true => together.join(", "),
+            false => String::new(),
+        }
+    }
+
+    fn pointers(&mut self, list: &[Pointer], colour: usize, reach: f64) {
         for p in list {
-            let by = vector(&p.direction) * (reach * self.size);
+            let by = Vector3::from(p.direction) * (reach * self.size);
             let (colour, label) = match self.is_suspect(&p.name) {
                 true => (SUSPECT.1, format!("{} (suspected)", p.name)),
                 false => (colour, p.name.clone()),
             };
-            self.arrow(self.body(&p.body), &p.at_m, &by, &label, colour);
+            self.arrow(self.index(&p.body), &p.at_m, by, label, colour);
         }
     }
 
-    fn arrow(&mut self, body: usize, from: &Point, by: &Vector3, label: &str, colour: usize) {
-        self.tree.arrows.push(body);
+    fn arrow(&mut self, body: usize, from: &Point, by: Vector3, label: String, colour: usize) {
         self.scene.arrows.push(Arrow {
             from: *from,
-            to: (vector(from) + by).into(),
-            label: label.to_owned(),
+            to: (Vector3::from(*from) + by).into(),
+            label,
             colour,
+            body,
         });
     }
 
-    fn moving(&mut self, motion: &Motion) {
+    fn tree(&self, motion: &Motion) -> Tree {
         let stride = motion.time_s.len().div_ceil(INSTANTS).max(1);
         let hinge = |j: &DrawnJoint| Hinge {
-            parent: self.body(&j.parent),
-            child: self.body(&j.child),
+            parent: self.index(&j.parent),
+            child: self.index(&j.child),
             origin: j.origin_m,
             axis: j.axis,
             slides: j.kind == "prismatic",
             moved: moved(motion, &j.name, stride),
         };
-        self.tree.joints = self.vehicle.joints.iter().map(hinge).collect();
-        self.tree.time_s = motion.time_s.iter().copied().step_by(stride).collect();
-        self.tree.bodies = self.vehicle.bodies.len();
-        self.tree.group = motion.group.clone();
         let base = motion.base.iter().step_by(stride);
-        self.tree.base_q_xyzw = base.clone().map(|b| b.0.map(short)).collect();
         let first = motion.base.first().map_or([0.0; 3], |b| b.1);
         let shift = |b: &([f64; 4], Point)| [0, 1, 2].map(|k| short(b.1[k] - first[k]));
-        self.tree.base_shift = base.map(shift).collect();
-        self.scene.tree = Some(std::mem::take(&mut self.tree));
+        Tree {
+            joints: self.vehicle.joints.iter().map(hinge).collect(),
+            time_s: motion.time_s.iter().copied().step_by(stride).collect(),
+            bodies: self.vehicle.bodies.len(),
+            group: motion.group.clone(),
+            base_q_xyzw: base.clone().map(|b| b.0.map(short)).collect(),
+            base_shift: base.map(shift).collect(),
+        }
     }
 }
 

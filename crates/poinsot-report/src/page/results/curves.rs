@@ -1,7 +1,7 @@
 //! Curves from the tables next to a result: differences of a validation, commands of a design.
 
+use crate::page::curves::{Differences, over_time};
 use crate::page::envelope::Envelope;
-use crate::page::trust::BAND;
 use indexmap::IndexMap;
 use poinsot_figures::{Axis, Figure, Mark, Plot, Series};
 use poinsot_formats::{
@@ -9,8 +9,6 @@ use poinsot_formats::{
 };
 use std::path::Path;
 
-/// Plots of one group share cursor and zoom.
-pub(super) const GROUP: &str = "record1";
 /// Suffixes of command columns with quantity and unit, longest first.
 const COMMANDS: [(&str, &str, &str); 7] = [
     ("_rad_s2", "joint acceleration", "rad/s²"),
@@ -59,41 +57,28 @@ pub(super) fn differences(path: &Path, validation: &ValidationFile) -> Vec<Figur
             values.push(number(row, 6));
         }
     }
-    let mut data = ReportData::default();
-    data.segments.push(Segment {
+    let segment = Segment {
         channels: channels.values().cloned().collect(),
         ..Segment::default()
+    };
+    let envelope = Envelope::of(&ReportData {
+        segments: vec![segment],
+        ..ReportData::default()
     });
-    let envelope = Envelope::of(&data);
     let figure = |(name, c): (&String, &Channel)| {
-        let kept = envelope.keep(c);
-        let time: Vec<f64> = kept.iter().map(|k| c.time_s[*k]).collect();
         let compared = validation.compared.iter().find(|q| q.quantity == *name);
-        let sigma = compared.and_then(|q| Some(q.rms / q.sigmas.as_ref()?.rms));
-        let band = sigma.zip(time.first().zip(time.last())).map(|(s, (a, b))| {
-            let half = BAND * s;
-            Series::band("2 sigma declared", 2, &[*a, *b], &[-half; 2], &[half; 2])
-        });
-        let banded = band.as_ref().map_or("", |_| "; band: 2 sigma as declared");
-        let lines = c.components.iter().zip(&c.residual).enumerate();
-        let lines = lines.map(|(k, (component, row))| {
-            let y: Vec<f64> = kept
-                .iter()
-                .map(|at| row.get(*at).copied().unwrap_or(f64::NAN))
-                .collect();
-            Series::new(component, Mark::Dots, k, &time, &y)
-        });
-        let plot = Plot {
-            title: format!("{name}: model minus the other side{banded}"),
-            x: Axis::new("time", "s"),
+        let names: Vec<&str> = c.components.iter().map(String::as_str).collect();
+        let differences = Differences {
+            record: 0,
+            title: format!("{name}: model minus the other side"),
             y: Axis::new("difference", &c.unit),
-            series: band.into_iter().chain(lines).collect(),
-            levels: vec![(0.0, String::new())],
-            group: GROUP.to_owned(),
-            height: 180.0,
-            ..Plot::default()
+            factor: 1.0,
+            declared: compared.and_then(|q| Some(q.rms / q.sigmas.as_ref()?.rms)),
+            names: &names,
+            time_s: &c.time_s,
+            rows: &c.residual,
         };
-        Figure::plot(&format!("difference_{name}"), plot)
+        Figure::plot(&format!("difference_{name}"), differences.plot(&envelope))
     };
     channels.iter().map(figure).collect()
 }
@@ -111,14 +96,12 @@ pub(super) fn commands(path: &Path) -> Vec<Figure> {
             .iter()
             .find_map(|(end, label, unit)| Some((name.strip_suffix(end)?, *label, *unit)));
         let (mover, label, unit) = found.unwrap_or((name, "command", ""));
-        let plot = plots.entry((label, unit)).or_insert_with(|| Plot {
-            title: format!("{label} as commanded"),
-            x: Axis::new("time", "s"),
-            y: Axis::new(label, unit),
-            group: GROUP.to_owned(),
+        let title = format!("{label} as commanded");
+        let new = || Plot {
             height: 210.0,
-            ..Plot::default()
-        });
+            ..over_time(0, title, Axis::new(label, unit), Vec::new())
+        };
+        let plot = plots.entry((label, unit)).or_insert_with(new);
         let y: Vec<f64> = rows.iter().map(|row| number(row, column)).collect();
         let colour = plot.series.len();
         plot.series

@@ -1,7 +1,7 @@
 //! A designed manoeuvre: result, active limits, and motion.
 
-use super::curves::{GROUP, against_duration, commands};
-use super::{Shown, ratio_figure};
+use super::curves::{against_duration, commands};
+use super::{Shown, asked, light, ratio_figure};
 use crate::design::{ROUNDED, design_document};
 use crate::page::vehicle::{Flown, flying};
 use poinsot_figures::{Axis, Figure, Light, Mark, Opening, Plot, Series, Tone};
@@ -42,24 +42,17 @@ pub(super) fn result(design: &DesignFile, folder: &Path, flown: Option<Flown>) -
         title: format!("Manoeuvre for {}", design.model),
         poinsot: design.poinsot.clone(),
         beside: ratio_figure(&["designed manoeuvre", "manoeuvre of the case"], rows),
-        curves: ("Manoeuvre", figures(design, folder, flown)),
-        open: None,
-        several: false,
+        curves: ("Manoeuvre", figures(design, folder, flown.as_ref())),
         inputs: vec![("case", design.case.clone())],
         opening,
         document,
+        ..Shown::default()
     }
 }
 
 /// The vehicle, the commands, the sigmas for shorter records, and the front.
-fn figures(design: &DesignFile, folder: &Path, flown: Option<Flown>) -> Vec<Figure> {
-    let mut all: Vec<Figure> = flown
-        .into_iter()
-        .map(|mut flown| {
-            flown.motion.group = GROUP.to_owned();
-            flying(flown)
-        })
-        .collect();
+fn figures(design: &DesignFile, folder: &Path, flown: Option<&Flown>) -> Vec<Figure> {
+    let mut all: Vec<Figure> = flown.into_iter().map(flying).collect();
     all.extend(commands(&folder.join("commands.csv")));
     all.extend(design.against_duration.iter().filter_map(against_duration));
     if let Some(first) = design.front.first() {
@@ -82,46 +75,20 @@ fn figures(design: &DesignFile, folder: &Path, flown: Option<Flown>) -> Vec<Figu
 fn within_limits(design: &DesignFile) -> Light {
     let broken = design.limits.iter().find(|l| l.margin < -ROUNDED);
     let active = design.limits.iter().filter(|l| l.active).count();
-    let (tone, word, found) = match broken {
-        Some(l) => (Tone::Bad, "no", l.what.clone()),
-        None => {
-            let all = design.limits.len();
-            (
-                Tone::Good,
-                "yes",
-                format!("{active} of {all} limits are active"),
-            )
-        }
+    let found = match broken {
+        Some(l) => l.what.clone(),
+        None => format!("{active} of {} limits are active", design.limits.len()),
     };
-    Light {
-        question: "Within the limits?",
-        place: "numbers",
-        tone,
-        word: word.to_owned(),
-        found,
-    }
+    asked("Within the limits?", broken.is_none(), found)
 }
 
 fn confirmed(design: &DesignFile) -> Light {
-    let (tone, word, found) = match &design.verification {
-        None => (
-            Tone::Plain,
-            "not flown",
-            "--verify simulates trial flights".to_owned(),
-        ),
-        Some(v) => {
-            let (tone, word) = match v.agrees {
-                true => (Tone::Good, "yes"),
-                false => (Tone::Bad, "no"),
-            };
-            (tone, word, format!("{} trial flights", v.flights))
+    let question = "Confirmed by trial flights?";
+    match &design.verification {
+        Some(v) => asked(question, v.agrees, format!("{} trial flights", v.flights)),
+        None => {
+            let found = "--verify simulates trial flights".to_owned();
+            light(question, "numbers", Tone::Plain, "not flown", found)
         }
-    };
-    Light {
-        question: "Confirmed by trial flights?",
-        place: "numbers",
-        tone,
-        word: word.to_owned(),
-        found,
     }
 }

@@ -8,14 +8,14 @@ mod design;
 mod prediction;
 mod validation;
 
-use super::open;
 pub use campaign::campaign_page;
 
+use super::lights::light;
 use super::vehicle::Flown;
-use super::{no_page, parse};
+use super::{no_page, open, parse};
 use poinsot_figures::{
-    Axis, Content, Document, Figure, Light, Mark, Opening, Page, PageError, Part, Plot, Section,
-    Series, Table, Tone,
+    Axis, Document, Figure, Html, Light, Mark, Opening, Page, PageError, Part, Plot, Section,
+    Series, Tone,
 };
 use poinsot_formats::IdentifiabilityFile;
 use serde::Deserialize;
@@ -36,6 +36,7 @@ const ROWS: usize = 24;
 const DECADE: f64 = 10.0;
 
 /// Content of a result page.
+#[derive(Default)]
 struct Shown {
     title: String,
     /// Version of the program that wrote it.
@@ -115,39 +116,29 @@ fn page(shown: Shown) -> Result<Page, PageError> {
     let (title, figures) = shown.curves;
     if !figures.is_empty() {
         parts.push(Part {
-            id: "curves",
-            title,
             body: Figure::page(&figures)?,
             figures,
+            ..Part::new("curves", title, Html::default())
         });
     }
     if let Some(found) = shown.open {
         parts.extend(open::of(&found, shown.several)?);
     }
-    let (mut tables, mut notes) = (shown.document.clone(), shown.document);
-    tables
-        .sections
-        .retain(|s| matches!(s.content, Content::Table(_)));
-    notes
-        .sections
-        .retain(|s| matches!(s.content, Content::List(_)));
-    for (id, title, document) in [("numbers", "Numbers", tables), ("notes", "Notes", notes)] {
-        if !document.sections.is_empty() {
-            parts.push(Part::of_document(id, title, "", &document)?);
+    let sections = shown.document.sections.into_iter();
+    let (tables, notes): (Vec<Section>, Vec<Section>) = sections.partition(|s| !s.rows.is_empty());
+    for (id, title, sections) in [("numbers", "Numbers", tables), ("notes", "Notes", notes)] {
+        if !sections.is_empty() {
+            parts.push(Part::of_sections(id, title, "", &sections)?);
         }
     }
-    let mut from = Table::new(&["input", "file"]);
-    for (kind, path) in shown.inputs {
-        from.push(vec![kind.to_owned(), path]);
-    }
-    let mut document = Document::new(String::new());
-    document.push(Section::table("made from", from));
-    parts.push(Part::of_document(
-        "provenance",
-        "Provenance",
-        "",
-        &document,
-    )?);
+    let input = |(kind, path): (&str, String)| vec![kind.to_owned(), path];
+    let from = Section {
+        title: "made from".to_owned(),
+        head: ["input", "file"].map(str::to_owned).to_vec(),
+        rows: shown.inputs.into_iter().map(input).collect(),
+        ..Section::default()
+    };
+    parts.push(Part::of_sections("provenance", "Provenance", "", &[from])?);
     Ok(Page {
         title: shown.title,
         subtitle: format!("Computed by poinsot {}.", shown.poinsot),
@@ -156,57 +147,44 @@ fn page(shown: Shown) -> Result<Page, PageError> {
     })
 }
 
+/// Values at 1, 2, 3 ...; `None` without a finite one.
+fn points(name: &str, colour: usize, values: impl Iterator<Item = f64>) -> Option<Series> {
+    let at = (1..).map(f64::from).zip(values).filter(|p| p.1.is_finite());
+    let (x, y): (Vec<f64>, Vec<f64>) = at.unzip();
+    (!x.is_empty()).then(|| Series::new(name, Mark::Points, colour, &x, &y))
+}
+
 /// Ratios relative to one: marks of each kind, one position per row. `None` without a finite ratio.
 fn ratio_figure<'a>(
     kinds: &[&str],
     rows: impl Iterator<Item = (&'a str, Vec<f64>)>,
 ) -> Option<Figure> {
     let rows: Vec<_> = rows.take(ROWS).collect();
-    let series: Vec<Series> = kinds
-        .iter()
-        .enumerate()
-        .filter_map(|(k, kind)| {
-            let at = (1..).map(f64::from).zip(&rows);
-            let at = at.filter_map(|(x, row)| Some((x, *row.1.get(k)?)));
-            let (x, y): (Vec<f64>, Vec<f64>) = at.filter(|p| p.1.is_finite()).unzip();
-            (!x.is_empty()).then(|| Series::new(kind, Mark::Points, k, &x, &y))
-        })
-        .collect();
-    let names = rows.iter().map(|row| row.0.to_owned()).collect();
+    let kind = |(k, kind): (usize, &&str)| {
+        let ratio = |row: &(&str, Vec<f64>)| row.1.get(k).copied().unwrap_or(f64::NAN);
+        points(kind, k, rows.iter().map(ratio))
+    };
+    let series: Vec<Series> = kinds.iter().enumerate().filter_map(kind).collect();
     let all = series.iter().flat_map(|s| &s.points).map(|p| p.1);
     let ends = all.fold([1.0, 1.0], |e: [f64; 2], y| [e[0].min(y), e[1].max(y)]);
-    (!series.is_empty()).then(|| {
-        Figure::plot(
-            "wanted",
-            Plot {
-                title: "predicted sigma over wanted sigma".to_owned(),
-                x: Axis::new("number", ""),
-                y: Axis::new("ratio", ""),
-                names,
-                log: ends[1] > DECADE * ends[0],
-                series,
-                levels: vec![(1.0, "wanted".to_owned())],
-                half: true,
-                ..Plot::default()
-            },
-        )
-    })
+    let plot = Plot {
+        title: "predicted sigma over wanted sigma".to_owned(),
+        x: Axis::new("number", ""),
+        y: Axis::new("ratio", ""),
+        names: rows.iter().map(|row| row.0.to_owned()).collect(),
+        log: ends[1] > DECADE * ends[0],
+        levels: vec![(1.0, "wanted".to_owned())],
+        half: true,
+        ..Plot::default()
+    };
+    (!series.is_empty()).then(|| Figure::plot("wanted", Plot { series, ..plot }))
 }
 
-/// Tone and word for yes or no.
-fn answer(holds: bool) -> (Tone, String) {
-    match holds {
-        true => (Tone::Good, "yes".to_owned()),
-        false => (Tone::Bad, "no".to_owned()),
-    }
-}
-
-fn light(question: &'static str, tone: Tone, word: String, found: String) -> Light {
-    Light {
-        question,
-        place: "numbers",
-        tone,
-        word,
-        found,
-    }
+/// A question with yes or no.
+fn asked(question: &'static str, holds: bool, found: String) -> Light {
+    let (tone, word) = match holds {
+        true => (Tone::Good, "yes"),
+        false => (Tone::Bad, "no"),
+    };
+    light(question, "numbers", tone, word, found)
 }

@@ -1,7 +1,7 @@
 //! Page of a validation.
 
 use super::curves::differences;
-use super::{Shown, answer, light, ratio_figure};
+use super::{Shown, asked, ratio_figure};
 use crate::validation::validation_document;
 use poinsot_figures::{Figure, Opening, Picture};
 use poinsot_files::significant;
@@ -23,13 +23,15 @@ pub(super) fn result(v: &ValidationFile, folder: &Path) -> Shown {
     };
     let largest = sigmas().max_by(|a, b| a.1.rms.total_cmp(&b.1.rms));
     let within = largest.map(|(c, s)| {
-        let (tone, word) = answer(v.verdict == "agrees");
         let found = format!("{}: rms {} sigma", c.quantity, significant(s.rms, 3));
-        light("Within the declared noise?", tone, word, found)
+        asked("Within the declared noise?", v.verdict == "agrees", found)
     });
     let reliable = v.estimate.as_ref().map(|e| {
-        let (tone, word) = answer(e.covariance_trustworthy);
-        light("Estimate reliable?", tone, word, e.status.clone())
+        asked(
+            "Estimate reliable?",
+            e.covariance_trustworthy,
+            e.status.clone(),
+        )
     });
     let action = match v.verdict.as_str() {
         "differs" => {
@@ -58,9 +60,8 @@ pub(super) fn result(v: &ValidationFile, folder: &Path) -> Shown {
         beside: in_sigmas(v),
         document,
         curves: ("Differences", figures),
-        open: None,
-        several: false,
         inputs: own.into_iter().chain(estimate).chain(case).collect(),
+        ..Shown::default()
     }
 }
 
