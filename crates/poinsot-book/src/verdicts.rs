@@ -21,7 +21,7 @@ pub fn page() -> String {
             "| `{}` | {} | {} | {} | {} |",
             v.status,
             v.condition,
-            v.tone.name(),
+            format!("{:?}", v.tone).to_lowercase(),
             v.word,
             u8::from(!v.passes)
         );
