@@ -16,6 +16,7 @@ pub(crate) use initial_state::{InitialState, InitialStateColumns, MeasuredMotion
 use crate::motion::input_curves::InputCurves;
 use crate::motion::input_noise::InputNoise;
 use crate::motion::{Column, Grid, Motion, State, Steps, Vehicle, impulse_before, tilted};
+use crate::problem::alternative::Alternative;
 use crate::problem::loss::Loss;
 use crate::problem::parameters::Parameters;
 use crate::problem::segment::{InputErrors, Noise, Segment};
@@ -40,10 +41,8 @@ pub(crate) struct Setting<'a> {
     pub nominal_spin: &'a [f64],
     pub noise: &'a Noise,
     pub loss: Loss,
-    /// Whether wheel speeds are smooth between samples.
-    pub wheels_smooth: bool,
-    /// Share of a rounding step by which a quantity at rest moves while its reading stays.
-    pub rest_motion: f64,
+    /// What is assumed of the inputs between their samples.
+    pub alternative: Alternative,
     /// Random torque of the environment, where one is declared.
     pub random_torque: Option<RandomTorque>,
     /// Curves along which lags shift the inputs, one per segment; empty where no lag is unknown.
@@ -85,7 +84,7 @@ impl Setting<'_> {
         if vehicle.loses_mass() {
             vehicle.impulse_before = impulse_before(self.segments, segment, thrusters.len());
         }
-        vehicle.wheels_smooth = self.wheels_smooth;
+        vehicle.wheels_smooth = self.alternative.is_smooth();
         vehicle.curves = self.curves.get(index);
         vehicle.steps = self.steps(index);
         let joints = self.noise.joint_position.iter();
@@ -231,7 +230,7 @@ fn evaluate_driven(
     compare.carry(carried);
     let forced = !segment.firings.is_empty() || vehicle.has_environment_torque();
     let noise = (setting.noise, setting.random_torque);
-    let record = (segment, setting.rest_motion);
+    let record = (segment, setting.alternative.rest_motion);
     compare.inputs = InputNoise::new(noise, record, forced, compare.followed());
     if compare.inputs.tracks_rates() {
         compare.joint_rate.fill(0.0);

@@ -1,7 +1,7 @@
 //! Mass properties with sigma and source, for each body and for the whole vehicle.
 
+use crate::fit::alternatives::OtherWheelMotion;
 use crate::fit::triangle::{ConditionalEstimate, conditional_estimate};
-use crate::fit::wheel_motion::OtherWheelMotion;
 use crate::problem::parameters::{Equations, TENSOR, UnknownKind, rotation_properties};
 use crate::problem::quantity::{Quantity, TenParameters};
 use crate::solution::estimate::{BodyEstimate, Number, Principal, Source};

@@ -1,8 +1,8 @@
 //! Sigmas of a few numbers of one experiment, without a full answer: a search over manoeuvres evaluates them thousands
 //! of times.
 
+use crate::fit::alternatives::OtherWheelMotion;
 use crate::fit::experiment::Experiment;
-use crate::fit::wheel_motion::{OtherWheelMotion, expected_other};
 use crate::problem::parameters::{Equations, Parameters, UnknownKind};
 use crate::problem::quantity::TenParameters;
 use crate::problem::{Problem, ProblemError};
@@ -99,7 +99,7 @@ impl Information {
     ) -> Result<Self, ProblemError> {
         let information = Self::of(problem, with_priors)?;
         let experiment = Experiment::new(problem, &information.parameters);
-        let other = expected_other(&experiment, &experiment.nominal_point());
+        let other = OtherWheelMotion::expected(&experiment, &experiment.nominal_point());
         Ok(Self {
             other,
             ..information

@@ -18,6 +18,7 @@ use crate::likelihood::{
 use crate::motion::input_curves::InputCurves;
 use crate::motion::{Fineness, Grid, Vehicle};
 use crate::problem::Problem;
+use crate::problem::alternative::Alternative;
 use crate::problem::parameters::Parameters;
 use crate::problem::prior;
 use crate::problem::segment::Segment;
@@ -36,6 +37,7 @@ use std::sync::{Arc, OnceLock};
 const MOVED: f64 = 1.0;
 
 /// A problem with its unknowns, ready to be evaluated at any value of them.
+#[derive(Clone)]
 pub(crate) struct Experiment<'a> {
     pub problem: &'a Problem<'a>,
     pub parameters: &'a Parameters,
@@ -44,10 +46,8 @@ pub(crate) struct Experiment<'a> {
     pub unknown: Vec<InitialStateColumns>,
     pub measured_motion: MeasuredMotion,
     pub settings: Settings,
-    /// Whether wheel speeds are smooth between samples.
-    pub wheels_smooth: bool,
-    /// Share of a rounding step by which a quantity at rest moves while its reading stays.
-    pub rest_motion: f64,
+    /// What is assumed of the inputs between their samples.
+    pub alternative: Alternative,
     /// How finely the motion is propagated.
     pub fineness: Fineness,
     /// Columns of the known numbers, where they are unknowns.
@@ -95,8 +95,7 @@ impl<'a> Experiment<'a> {
                 .collect(),
             measured_motion,
             settings: Settings::default(),
-            wheels_smooth: false,
-            rest_motion: 1.0,
+            alternative: Alternative::default(),
             fineness: Fineness::default(),
             known: None,
             kept: KeptColumns::default(),
@@ -117,45 +116,56 @@ impl<'a> Experiment<'a> {
         self
     }
 
+    /// The same experiment under another alternative.
+    pub fn under(&self, alternative: Alternative) -> Self {
+        Self {
+            alternative,
+            ..self.clone()
+        }
+    }
+
+    /// The same experiment with joints at rest that move by this share of a rounding step.
+    pub fn resting(&self, rest_motion: f64) -> Self {
+        self.under(Alternative {
+            rest_motion,
+            ..self.alternative
+        })
+    }
+
     /// The same experiment with more unknowns.
-    pub fn with_parameters<'b>(&'b self, parameters: &'b Parameters) -> Experiment<'b> {
+    pub fn with_parameters<'b>(&self, parameters: &'b Parameters) -> Experiment<'b>
+    where
+        'a: 'b,
+    {
         Experiment {
-            problem: self.problem,
             parameters,
-            nominal_spin: self.nominal_spin.clone(),
-            thrusters: self.thrusters.clone(),
-            unknown: self.unknown.clone(),
-            measured_motion: self.measured_motion,
-            settings: self.settings,
-            wheels_smooth: self.wheels_smooth,
-            rest_motion: self.rest_motion,
-            fineness: self.fineness,
-            known: self.known.clone(),
-            kept: Arc::clone(&self.kept),
-            keep_rows: self.keep_rows,
-            own_errors: self.own_errors.clone(),
-            grids: Arc::clone(&self.grids),
-            curves: Arc::clone(&self.curves),
+            ..self.clone()
         }
     }
 
     /// The same problem with other samples of the same segments.
-    pub fn with_problem<'b>(&'b self, problem: &'b Problem<'b>) -> Experiment<'b> {
+    pub fn with_problem<'b>(&self, problem: &'b Problem<'b>) -> Experiment<'b>
+    where
+        'a: 'b,
+    {
         Experiment {
             problem,
             curves: Arc::default(),
             grids: Arc::default(),
             kept: KeptColumns::default(),
-            ..self.with_parameters(self.parameters)
+            ..self.clone()
         }
     }
 
     /// The same readings of a vehicle whose known numbers differ: the steps of the motion stay.
     pub fn of_vehicle<'b>(
-        &'b self,
+        &self,
         problem: &'b Problem<'b>,
         parameters: &'b Parameters,
-    ) -> Experiment<'b> {
+    ) -> Experiment<'b>
+    where
+        'a: 'b,
+    {
         let wheels = problem.model.wheels.iter();
         Experiment {
             problem,
@@ -175,8 +185,7 @@ impl<'a> Experiment<'a> {
             nominal_spin: &self.nominal_spin,
             noise: self.problem.noise,
             loss: self.settings.loss,
-            wheels_smooth: self.wheels_smooth,
-            rest_motion: self.rest_motion,
+            alternative: self.alternative,
             random_torque: self.problem.model.environment.random_torque,
             curves: self.curves(),
             grids: self.grids(),
@@ -219,7 +228,7 @@ impl<'a> Experiment<'a> {
 
     /// Whether they can: where they run smoothly they are curves already.
     pub fn may_bend(&self) -> bool {
-        !self.problem.model.wheels.is_empty() && !self.wheels_smooth
+        !self.problem.model.wheels.is_empty() && !self.alternative.is_smooth()
     }
 
     /// Curves along which lags shift the inputs, one per segment; none where no lag is unknown.

@@ -1,16 +1,15 @@
 //! The experiment at any value of its unknowns, and the fit of the momentum state.
 
+pub(crate) mod alternatives;
 pub(crate) mod coarse_fit;
 pub(crate) mod coordinates;
 pub(crate) mod degrees_of_freedom;
 pub(crate) mod experiment;
 pub(crate) mod known_numbers;
 pub(crate) mod momentum_state;
-pub(crate) mod rest_motion;
 pub(crate) mod step;
 pub(crate) mod step_error;
 pub(crate) mod triangle;
-pub(crate) mod wheel_motion;
 pub(crate) mod wheel_process;
 pub(crate) mod wheel_torque;
 

@@ -6,6 +6,7 @@ use crate::likelihood::{InitialState, InitialStateColumns, start};
 use crate::motion::Motion;
 use crate::motion::Vehicle;
 use crate::problem::Problem;
+use crate::problem::alternative::BetweenSamples;
 use crate::problem::error_process::{ErrorProcess, ErrorStep};
 use crate::problem::parameters::{Equations, Parameters};
 use crate::problem::segment::{
@@ -130,7 +131,10 @@ fn dense(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> f64 {
             relative_accuracy: 1.0,
         };
         let mut experiment = Experiment::new(&problem, &parameters);
-        experiment.wheels_smooth = case.smooth;
+        experiment.alternative.wheels = match case.smooth {
+            true => BetweenSamples::Smooth,
+            false => BetweenSamples::Held,
+        };
         let mut point = experiment.nominal_point();
         point.initial_states[0] = initial_state;
         experiment.evaluate(&point, false).unwrap().remove(0)

@@ -2,10 +2,9 @@
 
 use crate::answer;
 use crate::diagnosis::Diagnostics;
+use crate::fit::alternatives::{OtherWheelMotion, better_rest_motion};
 use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::fit_from;
-use crate::fit::rest_motion::choose_rest_motion;
-use crate::fit::wheel_motion::{OtherWheelMotion, expected_other};
 use crate::methods::maximum_likelihood::{conclude, proportional};
 use crate::problem::{Problem, ProblemError};
 use crate::solution::estimate::Estimate;
@@ -44,7 +43,7 @@ pub fn cramer_rao(problem: &Problem) -> Result<Estimate, ProblemError> {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn predicted_covariance(problem: &Problem) -> Result<Estimate, ProblemError> {
-    bound(problem, expected_other)
+    bound(problem, OtherWheelMotion::expected)
 }
 
 fn bound(
@@ -60,7 +59,8 @@ fn bound(
         at_truth.ok_or(ProblemError::NoMotion)
     };
     let mut at_truth = evaluated(&experiment)?;
-    if choose_rest_motion(&mut experiment, &at_truth) {
+    if let Some(share) = better_rest_motion(&experiment, &at_truth) {
+        experiment = experiment.resting(share);
         at_truth = evaluated(&experiment)?;
     }
     at_truth.converged = true;
@@ -72,7 +72,7 @@ fn bound(
         segment.channels.clear();
     }
     let explained = (!proportional(problem)).then_some(1.0);
-    let mut solution = conclude(&experiment, at_truth, explained, Diagnostics::default());
+    let mut solution = conclude(&experiment, &at_truth, explained, Diagnostics::default());
     solution.method = "cramer_rao";
     if let Some(own) = &mut solution.likelihood {
         own.other_wheel_motion = other;

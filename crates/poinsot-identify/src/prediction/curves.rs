@@ -117,7 +117,7 @@ pub fn maximum_likelihood_predicted(
     let moved = shifted.as_ref().map(|c| c.problem(&taken));
     let mut experiment = Experiment::new(moved.as_ref().unwrap_or(&taken), &solution.parameters);
     if let Some(own) = &solution.likelihood {
-        (experiment.wheels_smooth, experiment.rest_motion) = (own.wheels_smooth, own.rest_motion);
+        experiment.alternative = own.alternative;
     }
     let predictions = predict(&experiment, &at, points);
     Ok((answer::write_with_remedies(problem, &solution), predictions))

@@ -5,14 +5,14 @@
 
 use crate::diagnosis::diagnose;
 use crate::diagnosis::octaves::consistent;
+use crate::fit::alternatives::{AlternativeFit, random_torque};
 use crate::fit::degrees_of_freedom::fitted_numbers;
 use crate::fit::experiment::Experiment;
-use crate::fit::rest_motion::refit_with_rest_motion;
-use crate::fit::wheel_motion::{fit_random_torque, random_torque};
-use crate::fit::{Fitted, ITERATIONS, fit};
+use crate::fit::{Fitted, fit};
 use crate::methods::maximum_likelihood::segment_fits;
 use crate::prediction::completion::CompletedVehicle;
 use crate::prediction::curves::{Prediction, predict};
+use crate::problem::alternative::BetweenSamples;
 use crate::problem::loss::Loss;
 use crate::problem::parameters::Parameters;
 use crate::problem::{Problem, ProblemError};
@@ -67,32 +67,25 @@ pub fn held_back(
     let parameters = Parameters::without_mass(&model, problem.tree, &vehicle.bodies);
     let mut experiment = Experiment::new(&problem, &parameters);
     experiment.settings.loss = Loss::Gaussian;
-    let fitted = fit(&experiment, None)?;
-    let mut fitted = refit_with_rest_motion(&mut experiment, fitted, ITERATIONS);
-    if problem.assumes_wheel_motion() {
-        // As in an identification: the data decide the wheel interpolation.
-        experiment.wheels_smooth = true;
-        let smooth = fit(&experiment, None)?;
-        if experiment.cost_of(&smooth) < experiment.cost_of(&fitted) {
-            fitted = smooth;
-        } else {
-            experiment.wheels_smooth = false;
-        }
-    }
     let settings = experiment.settings;
     let explains = |f: &Fitted| consistent(&f.evaluated, &settings);
-    let torque = match problem.assumes_wheel_motion() {
-        true => random_torque(&experiment, (&fitted, explains(&fitted))),
-        false => None,
-    };
-    let driven = torque.as_ref().map(|torque| torque.problem(&problem));
-    let found = driven
-        .as_ref()
-        .and_then(|driven| fit_random_torque(&experiment, driven, &fitted))
-        .filter(|found| explains(&found.fitted));
-    if let Some(found) = found {
-        (experiment, fitted) = (found.experiment, found.fitted);
+    let fitted = fit(&experiment, None)?;
+    let mut best = AlternativeFit::new(experiment, fitted).or_other_rest_motion();
+    let mut process = None;
+    if problem.assumes_wheel_motion() {
+        // As in an identification: the data decide the wheel interpolation.
+        let alternative = best.experiment.alternative.with(BetweenSamples::Smooth);
+        let smooth = best.experiment.under(alternative);
+        let fitted = fit(&smooth, None)?;
+        if smooth.cost_of(&fitted) < best.experiment.cost_of(&best.fitted) {
+            best = AlternativeFit::new(smooth, fitted);
+        }
+        process = random_torque(&best.experiment, &best.fitted, explains(&best.fitted));
     }
+    let driven = process.as_ref().map(|process| process.problem(&problem));
+    let AlternativeFit {
+        experiment, fitted, ..
+    } = best.or_random_torque(driven.as_ref(), explains);
     let (mut findings, mut predictions) = (Vec::new(), Vec::new());
     if let Some(points) = points {
         let found = diagnose(&experiment, &fitted, fitted_numbers(&experiment, &fitted));

@@ -1,5 +1,6 @@
 //! The problem: segments of telemetry, unknowns, priors, loss.
 
+pub(crate) mod alternative;
 pub(crate) mod error_process;
 pub(crate) mod fault;
 pub(crate) mod loss;

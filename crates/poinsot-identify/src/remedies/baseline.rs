@@ -6,6 +6,7 @@ use crate::fit::experiment::Experiment;
 use crate::fit::triangle::SharedTriangle;
 use crate::likelihood::{InitialState, MeasuredMotion};
 use crate::problem::Problem;
+use crate::problem::alternative::Alternative;
 use crate::problem::parameters::{
     Equations, Parameters, TENSOR, UnknownKind, axis_name, tensor_name,
 };
@@ -26,8 +27,7 @@ pub(super) struct Baseline<'a> {
     coordinates: Coordinates,
     pub initial_state: InitialState,
     pub measured_motion: MeasuredMotion,
-    pub wheels_smooth: bool,
-    pub rest_motion: f64,
+    pub alternative: Alternative,
     pub spin: Vec<f64>,
 }
 
@@ -61,8 +61,7 @@ impl<'a> Baseline<'a> {
             rows: known_rows(solution, &parameters, &x),
             spin: experiment.nominal_spin.clone(),
             measured_motion: experiment.measured_motion,
-            wheels_smooth: likelihood.wheels_smooth,
-            rest_motion: likelihood.rest_motion,
+            alternative: likelihood.alternative,
             problem,
             parameters,
             x,

@@ -1,12 +1,13 @@
 //! The numerical solution of a problem.
 
 use crate::diagnosis::{Diagnostics, FaultKind};
+use crate::fit::alternatives::OtherWheelMotion;
 use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::known_numbers::Effects;
 use crate::fit::step::BoundaryBodies;
 use crate::fit::triangle::{ConditionalEstimate, SharedTriangle};
-use crate::fit::wheel_motion::OtherWheelMotion;
 use crate::likelihood::{InitialState, MeasuredMotion};
+use crate::problem::alternative::Alternative;
 use crate::problem::parameters::Parameters;
 use crate::problem::prior::{Conflict, PriorTest};
 use crate::problem::settings::Settings;
@@ -67,6 +68,8 @@ pub(crate) struct Sensitivity {
     pub statistic: (&'static str, f64),
     /// Whether the answer is too sensitive.
     pub too_large: bool,
+    /// What the user is told.
+    pub warning: Option<String>,
 }
 
 /// The solution of a problem.
@@ -102,10 +105,8 @@ pub(crate) struct OfLikelihood {
     pub data_alone: Option<Spectrum>,
     pub iterations: usize,
     pub converged: bool,
-    /// Whether wheel speeds are assumed smooth between samples.
-    pub wheels_smooth: bool,
-    /// Share of a rounding step by which a quantity at rest moves while its reading stays.
-    pub rest_motion: f64,
+    /// What the fit assumes of the inputs between their samples.
+    pub alternative: Alternative,
     /// What the wheels may do between samples instead.
     pub other_wheel_motion: Option<OtherWheelMotion>,
     /// What was assumed of the inputs.

@@ -1,0 +1,371 @@
+//! Alternatives of what inputs do between their samples: their fits, the choice, and what the answer owes to it.
+//!
+//! The torque of a wheel is constant between samples, or its speed is smooth, or, where these two differ, its torque is a
+//! process (`wheel_torque.rs`). A joint whose rounded sample stays may be on its brake, held by its motor, or drift by a whole
+//! step meanwhile: all three read alike. The likelihood decides. Where it can hardly tell two motions of the wheels apart, the
+//! answer may be that of the wrong one: its second moment about the truth is `C + p d d^T`, with p the probability of the other
+//! one and d the way from this answer to the other one. p is `1 / (1 + exp(D / 2))` with D the difference of -2 ln L at both
+//! minima, where both were as probable before the data.
+
+use crate::fit::experiment::{Experiment, Iterate};
+use crate::fit::momentum_state::{Fitted, fit_from, fit_on};
+use crate::fit::step::{ITERATIONS, Linearisation, moved};
+use crate::fit::step_error::{StepError, within_steps};
+use crate::fit::wheel_torque::{RandomTorque, TorqueChanges};
+use crate::problem::Problem;
+use crate::problem::alternative::{Alternative, BetweenSamples};
+use crate::problem::parameters::{Parameters, Unknown};
+use crate::problem::segment::InputErrors;
+use poinsot_solve::{LeastSquares, Linearised};
+use statrs::distribution::{ContinuousCDF, Normal};
+
+/// Shares of a rounding step, by which a joint at rest may move, that are compared.
+const REST_MOTIONS: [f64; 3] = [1.0, 0.1, 0.0];
+/// Change of the answer between two alternatives, sigmas, from which the torque is fitted as a process: a smaller one adds less
+/// than 5 % to an error.
+const MATTERS: f64 = 0.3;
+/// Share of the variance from which the choice between two wheel motions is said.
+const NOTED_SHARE: f64 = 0.02;
+
+/// The wheel motion that the answer does not assume.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct OtherWheelMotion {
+    /// How probable it is.
+    pub probability: f64,
+    /// Way from the answer to the one with it, over all unknowns.
+    pub step: Vec<f64>,
+    /// Its length in the mass properties, sigmas; an answer says it, a prediction does not.
+    pub shift: f64,
+    /// What it adds to the variance along the step, relative to that of noise as large as the residual; for an answer.
+    pub added: f64,
+}
+
+impl OtherWheelMotion {
+    /// The other one, linearised where the fit with the chosen one ended.
+    fn new(fit: &AlternativeFit, there: &Linearised<Linearisation>) -> Self {
+        let (experiment, fitted) = (&fit.experiment, &fit.fitted);
+        // Where the residual is larger than declared, so is its difference.
+        let rows: usize = fitted.evaluated.iter().map(|e| e.rows).sum();
+        let chi2: f64 = fitted.evaluated.iter().map(|e| e.chi2).sum();
+        let misfit = (chi2 / rows.max(1) as f64).max(1.0);
+        let worse = (least(there) - fit.cost()).max(0.0) / misfit;
+        let probability = 1.0 / (1.0 + (0.5 * worse).exp());
+        let shift = there.rows.mass_shift();
+        Self {
+            probability,
+            step: step(experiment, &fitted.at, &there.rows),
+            shift,
+            added: probability * shift * shift / misfit,
+        }
+    }
+
+    /// What a prediction expects of the choice: measurements without noise, of a vehicle with these unknowns. The difference
+    /// of -2 ln L of noisy ones then scatters about its value D here with a sigma of 2 sqrt(D).
+    pub fn expected(experiment: &Experiment, at: &Iterate) -> Option<Self> {
+        if !experiment.problem.assumes_wheel_motion() {
+            return None;
+        }
+        let linearised = |wheels| {
+            let alternative = experiment.alternative.with(wheels);
+            experiment.under(alternative).linearise(at)
+        };
+        let held = linearised(BetweenSamples::Held)?;
+        let smooth = linearised(BetweenSamples::Smooth)?;
+        let difference = least(&held) - least(&smooth);
+        let far = (0.5 * difference.abs().sqrt()).min(f64::MAX);
+        let [a, b] = [&held, &smooth].map(|h| step(experiment, at, &h.rows));
+        Some(Self {
+            probability: Normal::standard().cdf(-far),
+            step: a.iter().zip(&b).map(|(a, b)| a - b).collect(),
+            ..Self::default()
+        })
+    }
+
+    /// What the choice adds to the covariance of two numbers, of which these are the changes along the step.
+    pub fn covariance(&self, a: f64, b: f64) -> f64 {
+        self.probability * a * b
+    }
+
+    /// Change along the step of a number with this gradient.
+    pub fn change(&self, gradient: &[f64]) -> f64 {
+        gradient.iter().zip(&self.step).map(|(g, s)| g * s).sum()
+    }
+
+    /// The same in a wider set of unknowns: those that are new do not change.
+    pub fn among(mut self, own: &Parameters, all: &Parameters) -> Self {
+        let of = |unknown: &Unknown| own.place(&unknown.kind).and_then(|k| self.step.get(k));
+        let step = |unknown: &Unknown| of(unknown).copied().unwrap_or(0.0);
+        self.step = all.unknowns.iter().map(step).collect();
+        self
+    }
+}
+
+/// The fit of an alternative.
+pub(crate) struct AlternativeFit<'a> {
+    pub experiment: Experiment<'a>,
+    pub fitted: Fitted,
+    /// Change of the mass properties with another motion of the wheels, sigmas.
+    pub shift: f64,
+    /// The wheel motion to which it was preferred; `None` without a choice, or where a fit did not converge.
+    pub other: Option<OtherWheelMotion>,
+}
+
+impl<'a> AlternativeFit<'a> {
+    pub fn new(experiment: Experiment<'a>, fitted: Fitted) -> Self {
+        Self {
+            experiment,
+            fitted,
+            shift: 0.0,
+            other: None,
+        }
+    }
+
+    /// -2 ln L at its end, up to a constant.
+    fn cost(&self) -> f64 {
+        self.experiment.cost_of(&self.fitted)
+    }
+
+    /// The better of the fits with this and with another motion of joints at rest.
+    pub fn or_other_rest_motion(self) -> Self {
+        let Some(share) = better_rest_motion(&self.experiment, &self.fitted) else {
+            return self;
+        };
+        let experiment = self.experiment.resting(share);
+        match fit_from(&experiment, self.fitted.at.clone(), ITERATIONS) {
+            Some(fitted) => Self::new(experiment, fitted),
+            None => self,
+        }
+    }
+
+    /// The better of the fits with constant torque, which this is, and with smooth speeds. The difference of both answers shows
+    /// whether the wheels are sampled often enough.
+    pub fn or_smooth_wheels(mut self) -> Self {
+        if !self.experiment.problem.assumes_wheel_motion() {
+            return self;
+        }
+        let cost = self.cost();
+        let alternative = self.experiment.alternative;
+        let smooth = (self.experiment).under(alternative.with(BetweenSamples::Smooth));
+        // One linearisation at the end of the first shows whether the second can be better.
+        let there = smooth.linearise(&self.fitted.at);
+        let converged = there.as_ref().filter(|_| self.fitted.converged);
+        self.other = converged.map(|there| OtherWheelMotion::new(&self, there));
+        let promising = there.filter(|there| least(there) < cost);
+        let found = promising.and_then(|t| fit_on(&smooth, self.fitted.at.clone(), t, ITERATIONS));
+        if let Some(fitted) = found.filter(|found| smooth.cost_of(found) < cost) {
+            let there = self.experiment.linearise(&fitted.at);
+            self = Self::new(smooth, fitted);
+            self.other = there.map(|there| OtherWheelMotion::new(&self, &there));
+        }
+        let shift = self.other.as_ref().map_or(0.0, |other| other.shift);
+        self.shift = shift.max(sparse_wheel_shift(&self.experiment, &self.fitted));
+        self.other = self.other.filter(|_| self.fitted.converged);
+        self
+    }
+
+    /// The torque of the wheels as a process, where it may change the answer. `explains` says whether a fit explains the
+    /// record.
+    pub fn wheel_process(&self, explains: impl Fn(&Fitted) -> bool) -> Option<RandomTorque> {
+        let rounded = rounding_lasts(self.experiment.problem);
+        if self.shift <= MATTERS && !rounded {
+            return None;
+        }
+        let trusted = explains(&self.fitted) && !self.is_sensitive() && !rounded;
+        random_torque(&self.experiment, &self.fitted, trusted)
+    }
+
+    /// Whether it depends on how wheels run between samples that are rarer than those of other sensors.
+    pub fn is_sensitive(&self) -> bool {
+        let mut segments = self.experiment.problem.segments.iter();
+        self.shift > self.experiment.settings.sensitivity_sigmas
+            && segments.any(|s| s.observations.between_readings)
+    }
+
+    /// The better of this fit and the one with the records in which the torque of the wheels is a process; a misfit that the
+    /// latter does not explain has another cause, which the diagnosis names.
+    pub fn or_random_torque(
+        self,
+        driven: Option<&'a Problem<'a>>,
+        explains: impl Fn(&Fitted) -> bool,
+    ) -> Self {
+        let found = driven.and_then(|driven| {
+            let experiment = driven_at_random(&self.experiment, driven);
+            let fitted = fit_from(&experiment, self.fitted.at.clone(), ITERATIONS)?;
+            Some(Self::new(experiment, fitted))
+        });
+        let better = |found: &Self| found.fitted.converged && found.cost() < self.cost();
+        match found.filter(|found| better(found) && explains(&found.fitted)) {
+            Some(mut found) => {
+                let there = self.experiment.linearise(&found.fitted.at);
+                found.other = there.map(|there| OtherWheelMotion::new(&found, &there));
+                found
+            }
+            None => self,
+        }
+    }
+
+    /// Whether it is the one with the torque of the wheels as a process.
+    pub fn is_random(&self) -> bool {
+        self.experiment.alternative.wheels == BetweenSamples::RandomTorque
+    }
+
+    /// The same with integration steps as fine as the answer needs, and the error that is left.
+    pub fn within_steps(mut self) -> (Self, Option<StepError>) {
+        let (fitted, error) = within_steps(&mut self.experiment, self.fitted, ITERATIONS);
+        self.fitted = fitted;
+        (self, error)
+    }
+
+    /// What is assumed of the inputs of a problem, and what the choice adds to the sigmas.
+    pub fn assumptions(&self, problem: &Problem) -> Vec<String> {
+        let Alternative {
+            wheels,
+            rest_motion,
+        } = self.experiment.alternative;
+        let rest = may_rest(problem).then(|| {
+            let how = match rest_motion {
+                0.0 => "not at all".to_owned(),
+                1.0 => "by up to a step".to_owned(),
+                share => format!("by {share} of a step"),
+            };
+            format!("joints whose rounded samples stay equal move {how} meanwhile")
+        });
+        let between = problem.assumes_wheel_motion().then(|| {
+            let noted = self.other.as_ref().filter(|o| o.added > NOTED_SHARE);
+            let choice = noted.map_or(String::new(), |o| {
+                format!(
+                    ", {:.0} % probable; the other way would move the answer by {:.1} sigma, which the sigmas include",
+                    100.0 * (1.0 - o.probability),
+                    o.shift
+                )
+            });
+            format!("{}{choice}", wheels.words())
+        });
+        rest.into_iter().chain(between).collect()
+    }
+}
+
+/// The motion of joints at rest that the likelihood prefers where a fit ended; `None` where that is the one it had.
+pub(crate) fn better_rest_motion(experiment: &Experiment, fitted: &Fitted) -> Option<f64> {
+    if !may_rest(experiment.problem) {
+        return None;
+    }
+    let own = experiment.alternative.rest_motion;
+    let others = REST_MOTIONS.into_iter().filter(|share| *share != own);
+    let mut best = (experiment.cost_of(fitted), own);
+    for share in others {
+        let other = experiment.resting(share);
+        let evaluated = other.evaluate(&fitted.at, false);
+        let cost = evaluated.and_then(|e| other.chi2(&fitted.at, &e));
+        if let Some(cost) = cost.filter(|cost| *cost < best.0) {
+            best = (cost, share);
+        }
+    }
+    (best.1 != own).then_some(best.1)
+}
+
+/// Whether a joint may be at rest in some run of equal readings.
+fn may_rest(problem: &Problem) -> bool {
+    let segments = problem.segments.iter();
+    let mut errors = segments.flat_map(|s| &s.observations.joint_errors);
+    errors.any(InputErrors::may_rest)
+}
+
+/// Whether rounding errors of wheels last over several samples: then their correlation is known roughly alone.
+fn rounding_lasts(problem: &Problem) -> bool {
+    let segments = problem.segments.iter();
+    let mut wheels = segments.flat_map(|s| &s.observations.wheel_errors);
+    wheels.any(InputErrors::lasts)
+}
+
+/// The torque of the wheels as a process, where a fit without it would not be trusted, or the data prefer
+/// changes at any time to changes at the samples alone. Both are processes, so that the tachometers judge them as well as all
+/// other sensors.
+pub(crate) fn random_torque(
+    experiment: &Experiment,
+    fitted: &Fitted,
+    trusted: bool,
+) -> Option<RandomTorque> {
+    let problem = experiment.problem;
+    let cost = |torque: &RandomTorque| {
+        let problem = torque.problem(problem);
+        let here = driven_at_random(experiment, &problem).linearise(&fitted.at)?;
+        Some(least(&here) + torque.deviance)
+    };
+    let anywhere = RandomTorque::new(problem, TorqueChanges::Anywhere)?;
+    if !trusted {
+        return Some(anywhere);
+    }
+    let held = RandomTorque::new(problem, TorqueChanges::AtSamples)?;
+    (cost(&anywhere)? < cost(&held)?).then_some(anywhere)
+}
+
+/// The experiment with wheels that run straight from change to change of their torque.
+fn driven_at_random<'b>(experiment: &Experiment<'b>, problem: &'b Problem<'b>) -> Experiment<'b> {
+    Experiment {
+        alternative: experiment.alternative.with(BetweenSamples::RandomTorque),
+        ..experiment.with_problem(problem)
+    }
+}
+
+/// -2 ln L at the end of a full step.
+fn least(here: &Linearised<Linearisation>) -> f64 {
+    here.cost - here.predicted_reduction
+}
+
+/// The full step in all unknowns.
+fn step(experiment: &Experiment, at: &Iterate, there: &Linearisation) -> Vec<f64> {
+    let mass = there.spectrum.damped(&there.shared.rhs(), 0.0);
+    let end = moved(experiment, at, there.parts(), &mass);
+    end.x.iter().zip(&at.x).map(|(a, b)| a - b).collect()
+}
+
+/// Change of the answer if sparsely sampled wheels have smooth instead of linear speeds between samples.
+fn sparse_wheel_shift(experiment: &Experiment, fitted: &Fitted) -> f64 {
+    let mut segments = experiment.problem.segments.iter();
+    if !fitted.converged || segments.all(|s| s.observations.smooth_wheel_speed.is_empty()) {
+        return 0.0;
+    }
+    let mut segments = experiment.problem.segments.to_vec();
+    for segment in &mut segments {
+        let o = &mut segment.observations;
+        if o.smooth_wheel_speed.len() == o.wheel_speed.len() {
+            o.wheel_speed = std::mem::take(&mut o.smooth_wheel_speed);
+        }
+    }
+    let problem = Problem {
+        segments: &segments,
+        ..*experiment.problem
+    };
+    let other = experiment.with_problem(&problem);
+    let smooth = other.alternative.with(BetweenSamples::Smooth);
+    let here = other.under(smooth).linearise(&fitted.at);
+    here.map_or(0.0, |here| here.rows.mass_shift())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// By noise, the difference of -2 ln L scatters about D with a sigma of 2 sqrt(D). The probability that an answer states
+    /// for the hypothesis which it did not choose is, in the mean, how often the wrong one is chosen: what a prediction states.
+    #[test]
+    fn exact_the_mean_stated_probability_is_how_often_the_choice_is_wrong() {
+        let normal = Normal::standard();
+        for far in [0.01, 0.3, 1.0, 2.5, 5.0] {
+            let density = |z: f64| (-0.5 * z * z).exp() / (2.0 * std::f64::consts::PI).sqrt();
+            let stated = |z: f64| {
+                let difference = far * far + 2.0 * far * z;
+                density(z) / (1.0 + (0.5 * difference.abs()).exp())
+            };
+            let (step, count) = (1.0e-4, 100_000);
+            let sum: f64 = (-count..=count).map(|k| stated(f64::from(k) * step)).sum();
+            let wrong = normal.cdf(-0.5 * far);
+            assert!(
+                (sum * step - wrong).abs() < 1.0e-6,
+                "{far}: {} {wrong}",
+                sum * step
+            );
+        }
+    }
+}
