@@ -10,7 +10,7 @@
 //! | accuracy before the experiment | [`predicted_covariance`], [`cramer_rao`], [`Evaluator`] |
 //! | the answer | [`Estimate`], [`Status`], [`BodyEstimate`], [`Number`] |
 //! | what the data determine | [`Identifiability`], [`Combination`], [`split`], [`Spectrum`] |
-//! | why it fits or not | [`Evidence`], [`Diagnostics`], [`SegmentFit`] |
+//! | why it fits or not | [`Remark`], [`Diagnostics`], [`SegmentFit`] |
 //! | prediction with the answer | [`complete`], [`held_back`], [`predicted_by`] |
 //!
 //! The crate `poinsot` makes a [`Problem`] from files or tables (`poinsot::bind`).
@@ -128,4 +128,4 @@ pub use solution::estimate::{
     KnownNumbers, MethodReport, MomentumEstimate, NamedNumber, Number, Principal, SegmentFit,
     Source, Status, UnobservableCombination,
 };
-pub use solution::evidence::{Effect, Evidence};
+pub use solution::evidence::{Effect, Remark, RemarkKind};

@@ -8,8 +8,7 @@
 use crate::answered::as_one;
 use poinsot_dynamics::Kinematics;
 use poinsot_identify::{
-    BodyEstimate, Effect, Estimate, Evidence, Number, Problem, Source, TENSOR, axis_name,
-    tensor_name,
+    BodyEstimate, Effect, Estimate, Number, Problem, Remark, Source, TENSOR, axis_name, tensor_name,
 };
 use poinsot_spatial::{InertialParameters, MassProperties, PARAMETER_NAMES};
 use std::collections::HashMap;
@@ -50,7 +49,7 @@ pub(crate) fn put(
             .max_by(|a, b| a.0.total_cmp(&b.0));
         *body = found;
     }
-    estimate.add_evidence(difference_row(worst, limit));
+    estimate.add(difference_row(worst, limit));
     if let Some((system, q)) = &mut estimate.system {
         let mut kinematics = Kinematics::new(problem.tree);
         kinematics.place(problem.tree, q);
@@ -77,11 +76,11 @@ pub(crate) fn put(
 }
 
 /// The row of the largest significant difference from the certificate.
-fn difference_row(worst: Option<(f64, String)>, limit: f64) -> Evidence {
+fn difference_row(worst: Option<(f64, String)>, limit: f64) -> Remark {
     let test = "difference from the reference estimate";
     let Some((gap, name)) = worst else {
         let words = "no significant difference from the reference estimate";
-        return Evidence::new(test, Effect::None, words);
+        return Remark::test(test, Effect::None, words);
     };
     let tail = match gap > limit {
         true => ": the method's approximations do not hold here; use --method auto",
@@ -92,7 +91,7 @@ fn difference_row(worst: Option<(f64, String)>, limit: f64) -> Evidence {
         100.0 * gap
     );
     let effect = Effect::AgainstAnswer.if_failed(gap > limit);
-    Evidence::new(test, effect, words).statistic("share of the natural unit", gap)
+    Remark::test(test, effect, words).statistic("share of the natural unit", gap)
 }
 
 /// The number with the largest difference from the certificate, in natural units, among those that differ

@@ -9,8 +9,8 @@ use poinsot_formats::{
     SegmentFitFile, SensitivityFile, SensorFitFile, SystemFile, UndeterminedFile, address, finite,
 };
 use poinsot_identify::{
-    BodyEstimate, Estimate, Evidence, Identifiability, MethodReport, MomentumEstimate, Number,
-    SegmentFit, tensor_index,
+    BodyEstimate, Estimate, Identifiability, MethodReport, MomentumEstimate, Number, Remark,
+    RemarkKind, SegmentFit, tensor_index,
 };
 use poinsot_model::{Joint, JointKind, Model};
 use poinsot_telemetry::checks::Finding;
@@ -27,6 +27,7 @@ use poinsot_telemetry::checks::Finding;
 /// ```
 pub fn estimate_file(identified: &Identified) -> EstimateFile {
     let e = &identified.estimate;
+    let owned = |words: Vec<&str>| words.into_iter().map(str::to_owned).collect();
     EstimateFile {
         schema: ESTIMATE.to_owned(),
         poinsot: env!("CARGO_PKG_VERSION").to_owned(),
@@ -51,12 +52,12 @@ pub fn estimate_file(identified: &Identified) -> EstimateFile {
         known_numbers: known_numbers(e),
         covariance_trustworthy: e.covariance_trustworthy(),
         doubts: e.doubts(),
-        evidence: e.evidence.iter().map(evidence).collect(),
+        evidence: e.tests().map(evidence).collect(),
         method_report: e.method_report.as_ref().map(method_report),
         telemetry_checks: identified.findings.iter().map(check).collect(),
-        repairs: identified.repairs.clone(),
-        ignored_columns: identified.ignored.clone(),
-        warnings: e.warnings.clone(),
+        repairs: owned(identified.repairs()),
+        ignored_columns: owned(e.said(RemarkKind::Ignored)),
+        warnings: owned(e.warnings()),
     }
 }
 
@@ -260,7 +261,7 @@ fn segment_fit(f: &SegmentFit) -> SegmentFitFile {
     }
 }
 
-fn evidence(row: &Evidence) -> EvidenceFile {
+fn evidence(row: &Remark) -> EvidenceFile {
     EvidenceFile {
         test: row.test.clone(),
         statistic: row.statistic.map(|(name, _)| name.to_owned()),

@@ -10,13 +10,14 @@ use crate::{mixups, motor_torque};
 use poinsot_dynamics::Tree;
 use poinsot_formats::{ModelInputFile, sha256};
 use poinsot_identify::{
-    Coordinates, Effect, Estimate, Evidence, Loss, Prediction, Problem, Settings, linear,
+    Coordinates, Effect, Estimate, Loss, Prediction, Problem, Remark, RemarkKind, Settings, linear,
     linear_predicted, maximum_likelihood_predicted, maximum_likelihood_with, predicted_by,
 };
 use poinsot_model::{Model, TelemetryMap, read_model, read_model_text, read_telemetry_map};
 use poinsot_papers::{Settings as MethodSettings, answered, identify_by, method};
 use poinsot_telemetry::checks::{self, Check, Finding, Policies, Policy};
 use poinsot_telemetry::{Encoding, Origin, Part, ReadOptions, Source, Table, read_parts};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Fraction of dropped samples above which the result is not acceptable.
@@ -135,10 +136,6 @@ pub struct Identified {
     pub files: ModelFiles,
     /// Origin of all times; `None` for tables in memory.
     pub origin: Option<Origin>,
-    /// Assumptions and repairs.
-    pub repairs: Vec<String>,
-    /// Unused columns.
-    pub ignored: Vec<String>,
     /// Findings of the telemetry checks.
     pub findings: Vec<Finding>,
 }
@@ -175,6 +172,15 @@ impl Identified {
     /// Whether every requested number is determined and no evidence contradicts the answer.
     pub fn passes(&self) -> bool {
         self.estimate.passes()
+    }
+
+    /// What was repaired while reading, and what was assumed.
+    pub fn repairs(&self) -> Vec<&str> {
+        let kinds = [RemarkKind::Repair, RemarkKind::Assumption];
+        kinds
+            .iter()
+            .flat_map(|kind| self.estimate.said(*kind))
+            .collect()
     }
 }
 
@@ -450,18 +456,18 @@ fn distrust_thinned(estimate: &mut Estimate, every: usize) {
     }
     let sensitive = shift > Settings::default().sensitivity_sigmas;
     let not = if sensitive { "" } else { "not " };
-    let row = Evidence::new(
+    let row = Remark::test(
         "sensitivity to the wheel motion between the selected rows",
         Effect::AgainstAnswer.if_failed(sensitive),
         format!(
             "the estimate is {not}sensitive to the wheel motion between the selected rows ({shift:.1} sigma)"
         ),
     );
-    estimate.add_evidence(row.statistic("change of the estimate, sigma", shift));
+    estimate.add(row.statistic("change of the estimate, sigma", shift));
     if sensitive {
-        estimate.warnings.push(format!(
+        estimate.add(Remark::warning(format!(
             "--every {every} leaves out wheel samples, which changes the estimate by {shift:.1} sigma: the covariance is not trustworthy; use more rows"
-        ));
+        )));
     }
 }
 
@@ -485,9 +491,9 @@ fn against_model(
             return Err(checks::refused(label, &finding).into());
         }
         let text = format!("{}: {}", finding.check.name(), finding.text);
-        let row = Evidence::new(finding.check.name(), Effect::AgainstAnswer, text.clone());
-        identified.estimate.add_evidence(row);
-        identified.estimate.warnings.push(text);
+        let row = Remark::test(finding.check.name(), Effect::AgainstAnswer, text.clone());
+        identified.estimate.add(row);
+        identified.estimate.add(Remark::warning(text));
         identified.findings.push(finding);
     }
     Ok(())
@@ -534,16 +540,16 @@ fn answer(model: Model, tables: Vec<Table>, question: &Question) -> Result<Ident
     }
     let origin = tables.first().and_then(|t| t.origin);
     let counted = origin.filter(|o| o.date().is_some() || o.own_zero_s() != 0.0);
-    let mut repairs: Vec<String> = counted
-        .map(|o| format!("times count from {o}"))
-        .into_iter()
-        .collect();
-    repairs.extend(tables.iter().flat_map(|t| t.repairs.clone()));
-    repairs.extend(bound.repairs);
-    repairs.extend(estimate.assumptions.iter().cloned());
-    let mut ignored: Vec<String> = tables.iter().flat_map(|t| t.ignored.clone()).collect();
-    ignored.sort();
-    ignored.dedup();
+    let counted = counted.map(|o| format!("times count from {o}"));
+    let repairs = tables.iter().flat_map(|t| t.repairs.clone());
+    let repairs = counted.into_iter().chain(repairs).chain(bound.repairs);
+    let ignored: BTreeSet<String> = tables.iter().flat_map(|t| t.ignored.clone()).collect();
+    for (kind, all) in [
+        (RemarkKind::Repair, repairs.collect::<Vec<_>>()),
+        (RemarkKind::Ignored, ignored.into_iter().collect()),
+    ] {
+        estimate.add_all(all.into_iter().map(|words| Remark::new(kind, words)));
+    }
     Ok(Identified {
         model,
         estimate,
@@ -551,8 +557,6 @@ fn answer(model: Model, tables: Vec<Table>, question: &Question) -> Result<Ident
         origin,
         files: ModelFiles::default(),
         inputs: tables.into_iter().map(|t| t.sources).collect(),
-        repairs,
-        ignored,
         findings,
     })
 }
@@ -562,9 +566,9 @@ fn known_as_exact(model: &Model, estimate: &mut Estimate) {
     let uncertain = model.uncertain().next().is_some();
     estimate.known_numbers.exact = !uncertain;
     if uncertain && estimate.method != "maximum_likelihood" {
-        estimate.assumptions.push(
-            "assumed: known numbers exact, because this method ignores their uncertainties; its sigmas include sensor noise only".to_owned(),
-        );
+        estimate.add(Remark::assumption(
+            "assumed: known numbers exact, because this method ignores their uncertainties; its sigmas include sensor noise only",
+        ));
     }
 }
 
@@ -573,11 +577,11 @@ fn not_acceptable(estimate: &mut Estimate, share: f64, of: &str) {
         "{:.0} % of the samples of {of} were left out",
         100.0 * share
     );
-    estimate.warnings.push(format!(
+    estimate.add(Remark::warning(format!(
         "{left_out}; check the repairs before you use the answer"
-    ));
-    let row = Evidence::new("samples left out", Effect::MakesPartial, left_out);
-    estimate.add_evidence(row.statistic("share of the samples", share));
+    )));
+    let row = Remark::test("samples left out", Effect::MakesPartial, left_out);
+    estimate.add(row.statistic("share of the samples", share));
 }
 
 /// Only maximum likelihood supports the gravity gradient and bodies that lose mass.

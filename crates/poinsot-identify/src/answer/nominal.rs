@@ -2,13 +2,13 @@
 
 use crate::problem::Problem;
 use crate::solution::estimate::BodyEstimate;
-use crate::solution::evidence::{Effect, Evidence};
+use crate::solution::evidence::{Effect, Remark};
 use poinsot_model::NOMINAL_WITHIN;
 use poinsot_spatial::MassProperties;
 
 /// One row per requested body with a determined property. Against the answer is one that is further from nominal than
 /// the model allows.
-pub(super) fn distances_from_nominal(problem: &Problem, bodies: &[BodyEstimate]) -> Vec<Evidence> {
+pub(super) fn distances_from_nominal(problem: &Problem, bodies: &[BodyEstimate]) -> Vec<Remark> {
     let given = problem.model.bodies.iter().map(|b| &b.nominal);
     let within = problem.model.knowledge.nominal_within;
     let within = within.unwrap_or(NOMINAL_WITHIN);
@@ -29,14 +29,14 @@ struct Distance {
 }
 
 /// The first property beyond the allowed distance, or else the furthest.
-fn row(found: &BodyEstimate, given: &MassProperties, within: f64) -> Option<Evidence> {
+fn row(found: &BodyEstimate, given: &MassProperties, within: f64) -> Option<Remark> {
     let all = distances(found, given, within);
     let furthest = || all.iter().max_by(|a, b| a.size.total_cmp(&b.size));
     let shown = all.iter().find(|d| d.beyond).or_else(furthest)?;
     let effect = Effect::AgainstAnswer.if_failed(shown.beyond);
     let test = format!("distance of {} from nominal", found.name);
     let (statistic, value) = shown.statistic;
-    Some(Evidence::new(test, effect, &*shown.words).statistic(statistic, value))
+    Some(Remark::test(test, effect, &*shown.words).statistic(statistic, value))
 }
 
 fn distances(found: &BodyEstimate, given: &MassProperties, within: f64) -> Vec<Distance> {

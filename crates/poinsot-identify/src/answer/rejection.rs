@@ -2,7 +2,7 @@
 
 use crate::problem::settings::Settings;
 use crate::solution::estimate::BodyEstimate;
-use crate::solution::evidence::{Effect, Evidence};
+use crate::solution::evidence::{Effect, Remark};
 use crate::solution::solved::{OfLikelihood, Solution};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
@@ -58,7 +58,7 @@ impl Rejection {
     }
 
     /// The row of the evidence, also where there is no reason.
-    pub fn row(reason: Option<Self>, solution: &Solution) -> Evidence {
+    pub fn row(reason: Option<Self>, solution: &Solution) -> Remark {
         let words = match reason {
             Some(_) => "the data contradict the rigid model",
             None => "the data do not contradict the rigid model",
@@ -68,7 +68,7 @@ impl Rejection {
             (Some(Self::Unexplained), Some(share)) => ("share of the momentum explained", share),
             _ => ("chi-square per degree of freedom", solution.chi2_per_dof()),
         };
-        Evidence::new("rigid model", effect, words).statistic(statistic, value)
+        Remark::test("rigid model", effect, words).statistic(statistic, value)
     }
 
     /// Its message.

@@ -7,7 +7,7 @@ use crate::answer::residual_tests::residual_tests;
 use crate::answer::sensor_noise::{SensorNoise, sensor_noise};
 use crate::diagnosis::Diagnostics;
 use crate::problem::settings::{Coordinates, Settings};
-use crate::solution::evidence::{Effect, Evidence};
+use crate::solution::evidence::{Effect, Remark, RemarkKind};
 use crate::solution::solved::{OfLikelihood, Solution};
 
 /// Share of the misfit from which a suspect is reported with the sensors.
@@ -15,11 +15,11 @@ const MOST_OF_MISFIT: f64 = 0.5;
 /// Chi-square per degree of freedom of a file without noise, round-off and rounded digits aside.
 pub(crate) const NOISE_FREE: f64 = 1.0e-3;
 
-/// Evidence from residuals, priors and convergence.
+/// Remark from residuals, priors and convergence.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Reliability {
     /// One row per test, the most important first.
-    pub rows: Vec<Evidence>,
+    pub rows: Vec<Remark>,
     /// Whether residuals are too large and correlated in time: then the model is wrong, not the noise.
     pub coloured: bool,
 }
@@ -43,7 +43,8 @@ impl Reliability {
                 rows.extend(suspect(&own.diagnostics, bad_sensor));
                 rows.extend(sensor_rows);
                 rows.push(pooled(solution, bad_sensor));
-                rows.extend(sensitivities(own));
+                let tests = solution.remarks.iter();
+                rows.extend(tests.filter(|r| r.kind == RemarkKind::Test).cloned());
                 rows.extend(rigidity(own));
                 rows.extend(physical_limit(own, &solution.settings));
                 rows.extend(residual_tests(&own.diagnostics));
@@ -57,7 +58,7 @@ impl Reliability {
 }
 
 /// Declared numbers against the data. The first contradiction covers the shift of the answer by the priors.
-fn priors(own: &OfLikelihood) -> Vec<Evidence> {
+fn priors(own: &OfLikelihood) -> Vec<Remark> {
     let mut ratio = own.conflict.as_ref().map(|conflict| conflict.ratio);
     let row = |test: &crate::problem::prior::PriorTest| {
         let words = match test.contradicted {
@@ -68,10 +69,10 @@ fn priors(own: &OfLikelihood) -> Vec<Evidence> {
         let name = format!("{} against the data", test.of);
         let (statistic, value) = test.statistic;
         let factor = ratio.take_if(|_| test.contradicted).unwrap_or(1.0).sqrt();
-        Evidence {
+        Remark {
             degrees_of_freedom: Some(test.count),
             p: Some(test.p),
-            ..Evidence::new(name, effect, words)
+            ..Remark::test(name, effect, words)
                 .statistic(statistic, value)
                 .widening(factor)
         }
@@ -80,26 +81,26 @@ fn priors(own: &OfLikelihood) -> Vec<Evidence> {
 }
 
 /// Convergence of the iteration.
-fn convergence(own: &OfLikelihood) -> Evidence {
+fn convergence(own: &OfLikelihood) -> Remark {
     let failed = !own.converged;
     let words = match failed {
         true => "the iteration did not converge",
         false => "the iteration converged",
     };
     let effect = Effect::WithholdsNumbers.if_failed(failed);
-    Evidence::new("convergence", effect, words).statistic("iterations", own.iterations as f64)
+    Remark::test("convergence", effect, words).statistic("iterations", own.iterations as f64)
 }
 
 /// The first suspect of the diagnosis; if a sensor fails too, only a suspect that explains most of the misfit is against
 /// the answer.
-fn suspect(found: &Diagnostics, bad_sensor: bool) -> Option<Evidence> {
+fn suspect(found: &Diagnostics, bad_sensor: bool) -> Option<Remark> {
     if !found.is_made() {
         return None;
     }
     let test = "first suspect of the diagnosis";
     let Some(first) = found.suspects.first() else {
         let words = "no cause reduces chi-square significantly";
-        return Some(Evidence::new(test, Effect::None, words));
+        return Some(Remark::test(test, Effect::None, words));
     };
     let of_noise = first.fault.is_noise_fault();
     let minor = bad_sensor && first.explains < MOST_OF_MISFIT;
@@ -115,14 +116,14 @@ fn suspect(found: &Diagnostics, bad_sensor: bool) -> Option<Evidence> {
         ),
     };
     let effect = Effect::AgainstAnswer.if_failed(!of_noise && !minor);
-    Some(Evidence {
+    Some(Remark {
         degrees_of_freedom: Some(first.numbers),
-        ..Evidence::new(test, effect, words).statistic("decrease of chi-square", first.decrease)
+        ..Remark::test(test, effect, words).statistic("decrease of chi-square", first.decrease)
     })
 }
 
 /// All residuals together.
-fn pooled(solution: &Solution, bad_sensor: bool) -> Evidence {
+fn pooled(solution: &Solution, bad_sensor: bool) -> Remark {
     let chi2 = solution.chi2_per_dof();
     let failed = !bad_sensor && chi2 > solution.settings.misfit;
     let effect = Effect::AgainstAnswer.if_failed(failed);
@@ -134,23 +135,13 @@ fn pooled(solution: &Solution, bad_sensor: bool) -> Evidence {
         ),
     };
     let (square, dof) = solution.residual;
-    Evidence::new("all residuals", effect, words)
+    Remark::test("all residuals", effect, words)
         .widening(chi2.sqrt())
         .chi_square(square, dof)
 }
 
-fn sensitivities(own: &OfLikelihood) -> impl Iterator<Item = Evidence> {
-    own.sensitivities.iter().map(|s| {
-        let not = if s.too_large { "" } else { "not " };
-        let words = format!("the estimate is {not}sensitive to {}", s.to);
-        let effect = Effect::AgainstAnswer.if_failed(s.too_large);
-        let (statistic, value) = s.statistic;
-        Evidence::new(format!("sensitivity to {}", s.to), effect, words).statistic(statistic, value)
-    })
-}
-
 /// Spectral lines, which are searched where the misfit is significant.
-fn rigidity(own: &OfLikelihood) -> Option<Evidence> {
+fn rigidity(own: &OfLikelihood) -> Option<Remark> {
     let (found, not_rigid) = (&own.diagnostics, own.not_rigid());
     let lines = found.lines.iter();
     let share = lines.map(|line| line.share).reduce(f64::max);
@@ -160,33 +151,33 @@ fn rigidity(own: &OfLikelihood) -> Option<Evidence> {
         (false, None) => "no spectral line in the residual",
     };
     let effect = Effect::AgainstAnswer.if_failed(not_rigid);
-    let mut row = Evidence::new("spectral line", effect, words);
+    let mut row = Remark::test("spectral line", effect, words);
     row.statistic = share.map(|share| ("share of the power", share));
     (found.is_misfit() || not_rigid).then_some(row)
 }
 
 /// Noise that the linear method assumes independent.
-fn accumulation(solution: &Solution) -> Evidence {
+fn accumulation(solution: &Solution) -> Remark {
     let failed = solution.noise_accumulates && solution.chi2_per_dof() > NOISE_FREE;
     let words = match failed {
         true => "noise accumulates from sample to sample under thrust",
         false => "no noise accumulates from sample to sample",
     };
     let effect = Effect::AgainstAnswer.if_failed(failed);
-    Evidence::new("accumulation of noise", effect, words)
+    Remark::test("accumulation of noise", effect, words)
 }
 
 /// Bodies at the limit of physical mass properties; `None` if the fit has no such limit.
-fn physical_limit(own: &OfLikelihood, settings: &Settings) -> Option<Evidence> {
+fn physical_limit(own: &OfLikelihood, settings: &Settings) -> Option<Remark> {
     let test = "limit of physical mass properties";
     let Some(held) = &own.held else {
         let words = "no body is at the limit of physical mass properties";
         let keeps_physical = settings.coordinates == Coordinates::Physical;
-        return keeps_physical.then(|| Evidence::new(test, Effect::None, words));
+        return keeps_physical.then(|| Remark::test(test, Effect::None, words));
     };
     let words = format!(
         "{} is at the limit of physical mass properties",
         held.bodies.join(", ")
     );
-    Some(Evidence::new(test, Effect::AgainstAnswer, words).chi_square(held.cost, held.conditions))
+    Some(Remark::test(test, Effect::AgainstAnswer, words).chi_square(held.cost, held.conditions))
 }

@@ -1,17 +1,17 @@
 //! Further tests of the residuals, which have no effect on the answer by themselves.
 
 use crate::diagnosis::{COLOURED, Diagnostics};
-use crate::solution::evidence::{Effect, Evidence};
+use crate::solution::evidence::{Effect, Remark};
 
 /// One row per test of the diagnosis: whiteness, held-out samples, drift and lags.
-pub(super) fn residual_tests(found: &Diagnostics) -> Vec<Evidence> {
+pub(super) fn residual_tests(found: &Diagnostics) -> Vec<Remark> {
     let mut rows = whiteness(found);
     rows.extend(found.held_out.iter().map(|held| {
         let words = match held.p < COLOURED {
             true => "the end of each record differs from its prediction, relative to the other residuals",
             false => "the end of each record agrees with its prediction, relative to the other residuals",
         };
-        Evidence {
+        Remark {
             degrees_of_freedom: Some(held.numbers),
             ..of("held-out samples", held.p, words).statistic("chi-square", held.chi2)
         }
@@ -36,7 +36,7 @@ pub(super) fn residual_tests(found: &Diagnostics) -> Vec<Evidence> {
     rows
 }
 
-fn whiteness(found: &Diagnostics) -> Vec<Evidence> {
+fn whiteness(found: &Diagnostics) -> Vec<Remark> {
     let tested = found.channels.iter();
     tested
         .filter_map(|c| {
@@ -53,9 +53,9 @@ fn whiteness(found: &Diagnostics) -> Vec<Evidence> {
         .collect()
 }
 
-fn of(test: impl Into<String>, p: f64, words: impl Into<String>) -> Evidence {
-    Evidence {
+fn of(test: impl Into<String>, p: f64, words: impl Into<String>) -> Remark {
+    Remark {
         p: Some(p),
-        ..Evidence::new(test, Effect::None, words)
+        ..Remark::test(test, Effect::None, words)
     }
 }

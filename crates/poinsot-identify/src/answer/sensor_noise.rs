@@ -7,7 +7,7 @@
 use crate::diagnosis::octaves::Octave;
 use crate::problem::settings::Settings;
 use crate::solution::estimate::SegmentFit;
-use crate::solution::evidence::{Effect, Evidence};
+use crate::solution::evidence::{Effect, Remark};
 
 /// Thresholds of one test.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -150,7 +150,7 @@ impl<'a> SensorNoise<'a> {
     }
 
     /// One row for the sensor as a whole, one for its worst octave and one for its worst segment.
-    pub fn rows(&self) -> Vec<Evidence> {
+    pub fn rows(&self) -> Vec<Remark> {
         let mut tested = self.of_all_segments();
         tested.extend(self.of_one_segment());
         tested.iter().map(|t| self.row(t)).collect()
@@ -193,7 +193,7 @@ impl<'a> SensorNoise<'a> {
         })
     }
 
-    fn row(&self, t: &Tested) -> Evidence {
+    fn row(&self, t: &Tested) -> Remark {
         let level = match (t.is_level, t.octave.readings) {
             (false, _) => String::new(),
             (true, 1) => " over 1 sample".to_owned(),
@@ -204,7 +204,7 @@ impl<'a> SensorNoise<'a> {
         let row = match &self.excess {
             Some(e) if t.decides => {
                 let effect = Effect::AgainstAnswer.if_failed(!e.is_made_up_for());
-                Evidence::new(test, effect, e.message()).widening(times)
+                Remark::test(test, effect, e.message()).widening(times)
             }
             excess => {
                 let words = format!("the {test} is {times:.2} times its declared noise");
@@ -214,7 +214,7 @@ impl<'a> SensorNoise<'a> {
                     true => times,
                     false => 1.0,
                 };
-                Evidence::new(test, Effect::None, words).widening(factor)
+                Remark::test(test, Effect::None, words).widening(factor)
             }
         };
         row.chi_square(t.octave.square, t.octave.numbers)

@@ -13,9 +13,9 @@ use crate::problem::Problem;
 use crate::problem::parameters::Equations;
 use crate::remedies;
 use crate::solution::estimate::{
-    BodyEstimate, Estimate, Identifiability, NamedNumber, Number, Source, Status,
+    BodyEstimate, Estimate, Identifiability, NamedNumber, Number, Status,
 };
-use crate::solution::evidence::{self, Effect, Evidence};
+use crate::solution::evidence::{self, Effect, Remark, RemarkKind};
 use crate::solution::solved::Solution;
 
 /// Bias of the linear answer, relative to nominal, below which no warning is given.
@@ -47,18 +47,22 @@ pub(crate) fn write(problem: &Problem, solution: &Solution) -> Estimate {
         true => answered(true),
         false => (estimator, bodies),
     };
-    let mut evidence = vec![Rejection::row(rejection, solution)];
-    evidence.extend(rows);
+    let mut remarks = vec![Rejection::row(rejection, solution)];
+    remarks.extend(rows);
     if rejection.is_none() {
-        evidence.extend(distances_from_nominal(problem, &bodies));
+        remarks.extend(distances_from_nominal(problem, &bodies));
     }
-    evidence.extend(bodies.iter().filter_map(physical_tensor));
+    remarks.extend(bodies.iter().filter_map(physical_tensor));
     let identifiability = identifiability(problem, solution, &estimator);
-    let status = status(&evidence, &bodies, &identifiability);
+    let effects = remarks.iter().map(|remark| remark.effect);
+    let status = effects.fold(Status::of_numbers(&bodies, &identifiability), Status::after);
     let nuisance = nuisances(&estimator, solution);
-    let mut warnings = warnings(solution, &evidence, rejection);
+    let mut warnings = warnings(solution, &remarks, rejection);
     warnings.extend(said_of_numbers(solution, rejection, &bodies, &nuisance));
     warnings.extend(determined::withheld(&identifiability));
+    let said = solution.remarks.iter();
+    remarks.extend(said.filter(|r| r.kind != RemarkKind::Test).cloned());
+    remarks.extend(warnings.into_iter().map(Remark::warning));
     let rows = covariance_rows(solution, &bodies, &nuisance);
     let own = solution.likelihood.as_ref();
     Estimate {
@@ -66,8 +70,7 @@ pub(crate) fn write(problem: &Problem, solution: &Solution) -> Estimate {
         variant: None,
         status,
         iterations: own.map_or(1, |own| own.iterations),
-        assumptions: own.map_or_else(Vec::new, |own| own.assumptions.clone()),
-        warnings,
+        remarks,
         system: whole(problem, solution, (&estimator, &bodies)),
         bodies,
         momentum: solution
@@ -82,7 +85,6 @@ pub(crate) fn write(problem: &Problem, solution: &Solution) -> Estimate {
         identifiability,
         fit: solution.fit.clone(),
         states_covariance: true,
-        evidence,
         known_numbers: known_numbers(problem.model, solution, &rows),
         diagnostics: own.map(|own| own.diagnostics.clone()),
         method_report: None,
@@ -110,35 +112,15 @@ fn whole(
 }
 
 /// A body whose inertia no distribution of positive mass has makes the answer partial.
-fn physical_tensor(body: &BodyEstimate) -> Option<Evidence> {
+fn physical_tensor(body: &BodyEstimate) -> Option<Remark> {
     let physical = body.physically_consistent.filter(|_| body.asked)?;
     let some = if physical { "a" } else { "no" };
     let name = &body.name;
-    Some(Evidence::new(
+    Some(Remark::test(
         format!("inertia of {name} against a positive mass distribution"),
         Effect::MakesPartial.if_failed(!physical),
         format!("{name}: {some} distribution of positive mass has this inertia tensor"),
     ))
-}
-
-fn status(evidence: &[Evidence], bodies: &[BodyEstimate], found: &Identifiability) -> Status {
-    let any = |effect: Effect| evidence.iter().any(|row| row.effect == effect);
-    if any(Effect::RejectsModel) {
-        return Status::Rejected;
-    }
-    if any(Effect::WithholdsNumbers) {
-        return Status::IterationLimit;
-    }
-    let open = bodies
-        .iter()
-        .filter(|b| b.asked)
-        .flat_map(|b| std::iter::once(&b.mass).chain(&b.com).chain(&b.inertia))
-        .any(|n| n.source == Source::Open);
-    match (found.rank, open || any(Effect::MakesPartial)) {
-        (0, _) => Status::NotIdentifiable,
-        (_, true) => Status::Partial,
-        (_, false) => Status::Converged,
-    }
 }
 
 fn identifiability(
@@ -172,13 +154,9 @@ fn identifiability(
 }
 
 /// Warnings of the fit as a whole.
-fn warnings(
-    solution: &Solution,
-    evidence: &[Evidence],
-    rejection: Option<Rejection>,
-) -> Vec<String> {
+fn warnings(solution: &Solution, evidence: &[Remark], rejection: Option<Rejection>) -> Vec<String> {
     let chi2 = solution.chi2_per_dof();
-    let mut list = solution.warnings.clone();
+    let mut list = Vec::new();
     let doubts = evidence::doubts(evidence);
     match rejection {
         Some(rejection) => list.push(rejection.message(solution)),

@@ -19,6 +19,7 @@ use crate::problem::segment::Segment;
 use crate::problem::settings::Settings;
 use crate::problem::{Problem, ProblemError};
 use crate::solution::estimate::{Estimate, SegmentFit};
+use crate::solution::evidence::Remark;
 use crate::solution::solved::{Solution, StartOfSegment, VectorQuantity};
 use crate::solution::unobservable_set::UnobservableSet;
 use poinsot_dynamics::{Kinematics, composite};
@@ -56,10 +57,9 @@ pub fn linear(problem: &Problem) -> Result<Estimate, ProblemError> {
     let parameters = found.solution.parameters.clone();
     let experiment = Experiment::new(problem, &parameters);
     if experiment.has_design_prior() {
-        found.solution.warnings.push(
-            "linear method: the declared priors are not used; maximum likelihood uses them"
-                .to_owned(),
-        );
+        found.solution.remarks.push(Remark::warning(
+            "linear method: the declared priors are not used; maximum likelihood uses them",
+        ));
     }
     // Identifiability is evaluated at a fitted motion: a few steps of maximum likelihood. Without samples at their own
     // times the rows' spectrum is used.
@@ -296,7 +296,7 @@ fn conclude(
         starts: Vec::new(),
         fit: Vec::new(),
         unobservable_set: UnobservableSet::default(),
-        warnings: Vec::new(),
+        remarks: Vec::new(),
         noise_accumulates: impulse::noise_accumulates(problem),
         settings: Settings::default(),
         likelihood: None,

@@ -31,9 +31,8 @@ use crate::problem::settings::Settings;
 use crate::problem::shifted_vehicle::ShiftedVehicle;
 use crate::problem::{Problem, ProblemError};
 use crate::solution::estimate::{ChannelFit, Estimate, SegmentFit};
-use crate::solution::solved::{
-    OfLikelihood, Sensitivity, Solution, StartOfSegment, VectorQuantity,
-};
+use crate::solution::evidence::{Effect, Remark};
+use crate::solution::solved::{OfLikelihood, Solution, StartOfSegment, VectorQuantity};
 use crate::solution::unobservable_set::UnobservableSet;
 use poinsot_model::{EstimateSet, MomentumKnowledge};
 use poinsot_solve::Spectrum;
@@ -136,16 +135,15 @@ pub(crate) fn solve(problem: &Problem, settings: Settings) -> Result<FinishedFit
     // What the answer owes to its assumptions.
     let records = solution.fit.iter_mut().zip(problem.segments);
     records.for_each(|(fit, own)| fit.samples = own.observations.time_s.len());
-    let sensitivities = sensitivities(&best, &solution, step_error);
     let approximate = approximate(best.experiment.problem);
-    let said = sensitivities.iter().filter_map(|s| s.warning.clone());
-    solution
-        .warnings
-        .extend(approximate.into_iter().chain(said));
+    let sensitivities = sensitivities(&best, &solution, step_error);
+    let assumptions = best.assumptions(problem);
+    let said = approximate.map(Remark::warning).into_iter();
+    let said = said.chain(sensitivities);
+    let said = said.chain(assumptions.into_iter().map(Remark::assumption));
+    solution.remarks.extend(said);
     if let Some(own) = &mut solution.likelihood {
         (own.prior_tests, own.conflict) = (causes.prior_tests, causes.conflict);
-        own.assumptions = best.assumptions(problem);
-        own.sensitivities = sensitivities;
         own.diagnostics.shift_between_readings = best.shift;
         let other = best.other.clone();
         own.other_wheel_motion = other.map(|o| o.among(&parameters, &solution.parameters));
@@ -230,38 +228,47 @@ impl Causes {
     }
 }
 
-/// How much the answer depends on each assumption.
+/// How much the answer depends on each assumption: tests, and what the user has to know.
 fn sensitivities(
     best: &AlternativeFit,
     solution: &Solution,
     step_error: Option<StepError>,
-) -> Vec<Sensitivity> {
-    let (problem, settings) = (best.experiment.problem, &solution.settings);
+) -> Vec<Remark> {
+    let problem = best.experiment.problem;
     let mut list = Vec::new();
+    let mut add = |to: &str, statistic, value: f64, too_large: bool, warning: Option<String>| {
+        let not = if too_large { "" } else { "not " };
+        let words = format!("the estimate is {not}sensitive to {to}");
+        let effect = Effect::AgainstAnswer.if_failed(too_large);
+        let test = Remark::test(format!("sensitivity to {to}"), effect, words);
+        list.push(test.statistic(statistic, value));
+        list.extend(warning.map(Remark::warning));
+    };
+    let change = "change of the estimate, sigma";
     if problem.assumes_wheel_motion() {
-        list.push(Sensitivity {
-            to: "the wheel motion between samples",
-            statistic: ("change of the estimate, sigma", best.shift),
-            too_large: best.is_sensitive(),
-            warning: wheel_warning(best),
-        });
+        let to = "the wheel motion between samples";
+        let warning = wheel_warning(best);
+        add(to, change, best.shift, best.is_sensitive(), warning);
     }
     let beyond = extrapolated_inputs(problem.segments, &solution.parameters, &solution.x);
-    list.extend(beyond.map(|beyond| Sensitivity {
-        to: "inputs beyond the first and last sample",
-        statistic: ("share of the shortest record", beyond.share),
-        too_large: beyond.is_large(),
-        warning: beyond.is_large().then(|| beyond.message()),
-    }));
-    list.extend(step_error.map(|error| {
-        let small = error.is_small(&settings.integration);
-        Sensitivity {
-            to: "the integration steps",
-            statistic: ("change of the estimate, sigma", error.answer),
-            too_large: !small,
-            warning: (!small).then(|| error.message()),
-        }
-    }));
+    if let Some(beyond) = beyond {
+        let to = "inputs beyond the first and last sample";
+        let share = "share of the shortest record";
+        let large = beyond.is_large();
+        let warning = large.then(|| beyond.message());
+        add(to, share, beyond.share, large, warning);
+    }
+    if let Some(error) = step_error {
+        let large = !error.is_small(&solution.settings.integration);
+        let warning = large.then(|| error.message());
+        add(
+            "the integration steps",
+            change,
+            error.answer,
+            large,
+            warning,
+        );
+    }
     list
 }
 
@@ -326,7 +333,9 @@ pub(crate) fn conclude(
         explained,
         starts: starts(experiment, fitted),
         fit: segment_fits(experiment, fitted),
-        warnings: found.findings.iter().map(|f| f.text.clone()).collect(),
+        remarks: (found.findings.iter())
+            .map(|f| Remark::warning(f.text.clone()))
+            .collect(),
         noise_accumulates: false,
         settings: experiment.settings,
         unobservable_set: UnobservableSet::default(),
@@ -339,10 +348,8 @@ pub(crate) fn conclude(
             converged: fitted.converged,
             held: fitted.held.clone(),
             diagnostics: found,
-            assumptions: Vec::new(),
             alternative: experiment.alternative,
             other_wheel_motion: None,
-            sensitivities: Vec::new(),
         }),
     }
 }

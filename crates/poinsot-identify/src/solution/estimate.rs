@@ -2,7 +2,7 @@
 
 use crate::diagnosis::Diagnostics;
 use crate::diagnosis::octaves::Octave;
-use crate::solution::evidence::{self, Effect, Evidence};
+use crate::solution::evidence::{self, Effect, Remark, RemarkKind};
 
 /// Status of an answer. The names are those of the result file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -30,31 +30,74 @@ impl Status {
             Self::Rejected => "rejected",
         }
     }
+
+    /// That of an answer with these numbers, before any remark.
+    pub(crate) fn of_numbers(bodies: &[BodyEstimate], found: &Identifiability) -> Self {
+        let open = bodies
+            .iter()
+            .filter(|b| b.asked)
+            .flat_map(|b| std::iter::once(&b.mass).chain(&b.com).chain(&b.inertia))
+            .any(|n| n.source == Source::Open);
+        match (found.rank, open) {
+            (0, _) => Self::NotIdentifiable,
+            (_, true) => Self::Partial,
+            (_, false) => Self::Converged,
+        }
+    }
+
+    /// The status after a remark with this effect.
+    pub(crate) fn after(self, effect: Effect) -> Self {
+        match (effect, self) {
+            (Effect::RejectsModel, _) | (_, Self::Rejected) => Self::Rejected,
+            (Effect::WithholdsNumbers, _) => Self::IterationLimit,
+            (Effect::MakesPartial, Self::Converged) => Self::Partial,
+            (_, unchanged) => unchanged,
+        }
+    }
 }
 
 impl Estimate {
-    /// Adds a test. Status and reliability follow.
-    pub fn add_evidence(&mut self, row: Evidence) {
-        if row.effect == Effect::MakesPartial && self.status == Status::Converged {
-            self.status = Status::Partial;
-        }
-        self.evidence.push(row);
+    /// Adds a remark. Status and reliability follow.
+    pub fn add(&mut self, remark: Remark) {
+        self.status = self.status.after(remark.effect);
+        self.remarks.push(remark);
     }
 
-    /// Evidence against the answer in words, the most important first; empty if every check passed.
+    /// Adds several remarks in their order.
+    pub fn add_all(&mut self, remarks: impl IntoIterator<Item = Remark>) {
+        remarks.into_iter().for_each(|remark| self.add(remark));
+    }
+
+    /// The remarks of a kind, in words.
+    pub fn said(&self, kind: RemarkKind) -> Vec<&str> {
+        let all = self.remarks.iter().filter(|r| r.kind == kind);
+        all.map(|r| r.words.as_str()).collect()
+    }
+
+    /// Warnings.
+    pub fn warnings(&self) -> Vec<&str> {
+        self.said(RemarkKind::Warning)
+    }
+
+    /// Every test that was made, the most important first.
+    pub fn tests(&self) -> impl Iterator<Item = &Remark> {
+        self.remarks.iter().filter(|r| r.kind == RemarkKind::Test)
+    }
+
+    /// Remark against the answer in words, the most important first; empty if every check passed.
     pub fn doubts(&self) -> Vec<String> {
-        evidence::doubts(&self.evidence)
+        evidence::doubts(&self.remarks)
     }
 
     /// Whether any test is evidence against the answer.
     pub fn is_doubted(&self) -> bool {
-        let mut rows = self.evidence.iter();
+        let mut rows = self.remarks.iter();
         rows.any(|row| row.effect.is_against_answer())
     }
 
     /// Factor by which the sigmas were multiplied.
     pub fn sigma_factor(&self) -> f64 {
-        evidence::sigma_factor(&self.evidence)
+        evidence::sigma_factor(&self.remarks)
     }
 
     /// Whether a covariance is stated without evidence against it.
@@ -331,7 +374,7 @@ pub struct Estimate {
     pub method: String,
     /// Variant of a published method.
     pub variant: Option<String>,
-    /// Status.
+    /// Status: that of the numbers, after the effects of all remarks.
     pub status: Status,
     /// Iterations taken; one for a closed form.
     pub iterations: usize,
@@ -356,12 +399,9 @@ pub struct Estimate {
     pub fit: Vec<SegmentFit>,
     /// Whether a covariance is stated.
     pub states_covariance: bool,
-    /// Every test that was made, the most important first.
-    pub evidence: Vec<Evidence>,
-    /// Warnings.
-    pub warnings: Vec<String>,
-    /// Assumptions about the inputs.
-    pub assumptions: Vec<String>,
+    /// All that is said of it: tests, the most important first, warnings, assumptions, repairs. The status follows from them and
+    /// from the numbers.
+    pub remarks: Vec<Remark>,
     /// Diagnosis of the residuals; `None` for a method without it.
     pub diagnostics: Option<Diagnostics>,
     /// Sensitivity to known numbers.

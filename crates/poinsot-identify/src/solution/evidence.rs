@@ -1,8 +1,23 @@
-//! Evidence: one row per test of an answer. Status, reliability and the factor on every sigma follow from the rows.
+//! What is said of an answer: one list of remarks. Status, reliability and the factor on every sigma follow from it.
 
 use crate::diagnosis::octaves::Octave;
 
-/// Effect of one test on the answer, the weakest first. The names are those of the result file.
+/// What a remark is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RemarkKind {
+    /// A test of the answer, passed or failed: evidence.
+    Test,
+    /// What the user has to know.
+    Warning,
+    /// What was assumed of the inputs or the model.
+    Assumption,
+    /// What was repaired or assumed while reading.
+    Repair,
+    /// A column that is not used.
+    Ignored,
+}
+
+/// Effect of one remark on the answer, the weakest first. The names are those of the result file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Effect {
     /// The test passed, or another row of the same sensor decides.
@@ -43,10 +58,12 @@ impl Effect {
     }
 }
 
-/// One test of an answer.
+/// One remark.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Evidence {
-    /// Name of the test.
+pub struct Remark {
+    /// What it is.
+    pub kind: RemarkKind,
+    /// Name of the test; empty of what is no test.
     pub test: String,
     /// Name and value of the statistic; `None` of a test without one.
     pub statistic: Option<(&'static str, f64)>,
@@ -58,21 +75,41 @@ pub struct Evidence {
     pub effect: Effect,
     /// Factor on every sigma that this test requires; 1 if none.
     pub sigma_factor: f64,
-    /// Result in words.
+    /// In words.
     pub words: String,
 }
 
-impl Evidence {
-    /// A test without statistic.
-    pub fn new(test: impl Into<String>, effect: Effect, words: impl Into<String>) -> Self {
+impl Remark {
+    /// One without effect on the answer, which is no test.
+    pub fn new(kind: RemarkKind, words: impl Into<String>) -> Self {
         Self {
-            test: test.into(),
+            kind,
+            test: String::new(),
             statistic: None,
             degrees_of_freedom: None,
             p: None,
-            effect,
+            effect: Effect::None,
             sigma_factor: 1.0,
             words: words.into(),
+        }
+    }
+
+    /// A warning.
+    pub fn warning(words: impl Into<String>) -> Self {
+        Self::new(RemarkKind::Warning, words)
+    }
+
+    /// An assumption.
+    pub fn assumption(words: impl Into<String>) -> Self {
+        Self::new(RemarkKind::Assumption, words)
+    }
+
+    /// A test without statistic.
+    pub fn test(test: impl Into<String>, effect: Effect, words: impl Into<String>) -> Self {
+        Self {
+            test: test.into(),
+            effect,
+            ..Self::new(RemarkKind::Test, words)
         }
     }
 
@@ -109,12 +146,12 @@ impl Evidence {
 const CHI_SQUARE: &str = "chi-square";
 
 /// The largest factor on every sigma.
-pub(crate) fn sigma_factor(rows: &[Evidence]) -> f64 {
+pub(crate) fn sigma_factor(rows: &[Remark]) -> f64 {
     rows.iter().map(|r| r.sigma_factor).fold(1.0, f64::max)
 }
 
 /// Words of the rows against the answer, in their order, each once.
-pub(crate) fn doubts(rows: &[Evidence]) -> Vec<String> {
+pub(crate) fn doubts(rows: &[Remark]) -> Vec<String> {
     let mut list: Vec<String> = Vec::new();
     for row in rows.iter().filter(|r| r.effect.is_against_answer()) {
         if !list.contains(&row.words) {
@@ -132,9 +169,7 @@ mod tests {
     #[test]
     fn exact_p_is_the_tail_of_chi_square() {
         for (square, dof) in [(3.84, 1), (18.3, 10), (1100.0, 1000), (5300.0, 5000)] {
-            let p = Evidence::new("", Effect::None, "")
-                .chi_square(square, dof)
-                .p;
+            let p = Remark::test("", Effect::None, "").chi_square(square, dof).p;
             let tail = ChiSquared::new(dof as f64).unwrap().sf(square);
             assert!(
                 (p.unwrap() / tail - 1.0).abs() < 1.0e-3,
@@ -145,7 +180,7 @@ mod tests {
 
     #[test]
     fn unit_the_strongest_rows_decide() {
-        let row = |effect, words| Evidence::new("", effect, words);
+        let row = |effect, words| Remark::test("", effect, words);
         let rows = [
             row(Effect::RejectsModel, "a"),
             row(Effect::None, "b").widening(1.5),

@@ -12,6 +12,7 @@ use crate::problem::parameters::Parameters;
 use crate::problem::prior::{Conflict, PriorTest};
 use crate::problem::settings::Settings;
 use crate::solution::estimate::SegmentFit;
+use crate::solution::evidence::Remark;
 use crate::solution::unobservable_set::UnobservableSet;
 use poinsot_model::MomentumKnowledge;
 use poinsot_solve::Spectrum;
@@ -62,16 +63,6 @@ pub(crate) struct StartOfSegment {
     pub translation: bool,
 }
 
-/// Sensitivity of the answer to one assumption.
-pub(crate) struct Sensitivity {
-    pub to: &'static str,
-    pub statistic: (&'static str, f64),
-    /// Whether the answer is too sensitive.
-    pub too_large: bool,
-    /// What the user is told.
-    pub warning: Option<String>,
-}
-
 /// The solution of a problem.
 pub(crate) struct Solution {
     pub method: &'static str,
@@ -90,7 +81,8 @@ pub(crate) struct Solution {
     pub fit: Vec<SegmentFit>,
     /// Paths along unobservable directions.
     pub unobservable_set: UnobservableSet,
-    pub warnings: Vec<String>,
+    /// What the methods say of it.
+    pub remarks: Vec<Remark>,
     /// Whether noise accumulates over rows, which the sigmas assume independent.
     pub noise_accumulates: bool,
     /// Thresholds of the tests.
@@ -109,8 +101,6 @@ pub(crate) struct OfLikelihood {
     pub alternative: Alternative,
     /// What the wheels may do between samples instead.
     pub other_wheel_motion: Option<OtherWheelMotion>,
-    /// What was assumed of the inputs.
-    pub assumptions: Vec<String>,
     /// Bodies at an active limit of physical mass properties.
     pub held: Option<BoundaryBodies>,
     /// Diagnosis of the residuals.
@@ -121,8 +111,6 @@ pub(crate) struct OfLikelihood {
     pub conflict: Option<Conflict>,
     /// How the answer depends on the known numbers, where any is uncertain.
     pub known: Option<Effects>,
-    /// Sensitivity of the answer to assumptions.
-    pub sensitivities: Vec<Sensitivity>,
 }
 
 impl OfLikelihood {

@@ -7,8 +7,8 @@ use super::variant::Variant;
 use crate::certified::put;
 use crate::method::Named;
 use poinsot_identify::{
-    Estimate, MethodReport, NamedNumber, Number, Problem, ProblemError, Segment, Source, Status,
-    TENSOR, linear, tensor_index, tensor_name,
+    Effect, Estimate, MethodReport, NamedNumber, Number, Problem, ProblemError, Remark, Segment,
+    Source, Status, TENSOR, linear, tensor_index, tensor_name,
 };
 use poinsot_model::Model;
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
@@ -77,7 +77,7 @@ pub fn identify(problem: &Problem, variant: Variant) -> Result<Estimate, Kim2010
     notes.append(&mut found.notes);
     let moments = sums.conventional()?.elements;
     let suspected = suspicions(problem, &moments, &estimate);
-    estimate.warnings.extend(suspected);
+    estimate.add_all(suspected.into_iter().map(Remark::warning));
     // Withhold all numbers if the certificate has a negative moment of inertia.
     let impossible = (0..3).any(|k| moments[(k, k)] <= 0.0)
         || estimate.bodies[0].physically_consistent == Some(false);
@@ -102,7 +102,8 @@ pub fn identify(problem: &Problem, variant: Variant) -> Result<Estimate, Kim2010
     estimate.method = "kim2010".to_owned();
     estimate.variant = Some(variant.name().to_owned());
     if !found.settled && estimate.status == Status::Converged {
-        estimate.status = Status::IterationLimit;
+        let words = "the iteration of the method did not settle";
+        estimate.add(Remark::test("convergence", Effect::WithholdsNumbers, words));
     }
     let body = MassProperties {
         I_BBcm_B: (found.tensor + found.tensor.transpose()) * 0.5,
@@ -110,7 +111,12 @@ pub fn identify(problem: &Problem, variant: Variant) -> Result<Estimate, Kim2010
     };
     put(problem, &mut estimate, &[body.parameters()], impossible);
     if impossible {
-        estimate.status = Status::Rejected;
+        let words = "a moment of inertia is not positive";
+        estimate.add(Remark::test(
+            "physical inertia",
+            Effect::RejectsModel,
+            words,
+        ));
     }
     estimate.method_report = Some(MethodReport {
         note: notes.join(" "),

@@ -14,8 +14,8 @@ use crate::method::Named;
 use nalgebra::DMatrix;
 use poinsot_dynamics::Kinematics;
 use poinsot_identify::{
-    BodyEstimate, Effect, Estimate, Evidence, MethodReport, MomentumEstimate, NamedNumber, Number,
-    Problem, Segment, SegmentFit, Source as From, Status, axis_name, tensor_name,
+    BodyEstimate, Effect, Estimate, MethodReport, MomentumEstimate, NamedNumber, Number, Problem,
+    Remark, Segment, SegmentFit, Source as From, Status, axis_name, tensor_name,
 };
 use poinsot_spatial::{InertialParameters, MassProperties};
 
@@ -59,7 +59,7 @@ pub fn identify(problem: &Problem, variant: Variant) -> Result<Estimate, Ma2008E
     }
     let mut estimate = write(problem, variant, given, &solved, contradicted);
     if step.is_some() {
-        estimate.assumptions.push("velocity: summed from the first sample over velocity increments or specific force; its unknown constant is eliminated".to_owned());
+        estimate.add(Remark::assumption("velocity: summed from the first sample over velocity increments or specific force; its unknown constant is eliminated"));
     }
     Ok(estimate)
 }
@@ -84,10 +84,9 @@ fn write(
             .chain(&base.inertia)
     };
     let open = numbers().filter(|n| n.source == From::Open).count();
-    let status = match (rejected, open) {
-        (true, _) => Status::Rejected,
-        (_, 0) => Status::Converged,
-        (_, 10) => Status::NotIdentifiable,
+    let status = match open {
+        0 => Status::Converged,
+        10 => Status::NotIdentifiable,
         _ => Status::Partial,
     };
     let (covariance_names, covariance_units, covariance) = covariance(&ten, &name);
@@ -102,7 +101,9 @@ fn write(
             .skip(1)
             .map(|b| BodyEstimate::known(b.name.clone(), &b.nominal)),
     );
-    Estimate {
+    let warnings = warnings(problem, solved, &ten, contradicted, rejected, &bodies[0]);
+    let warnings = warnings.into_iter().map(Remark::warning);
+    let mut estimate = Estimate {
         method: "ma2008".to_owned(),
         variant: Some(variant.name().to_owned()),
         status,
@@ -115,33 +116,34 @@ fn write(
         identifiability: identifiability(&name, solved, &ten, rejected),
         fit: fit(problem, solved),
         states_covariance: true,
-        evidence: evidence(solved.chi2, rejected),
-        warnings: warnings(problem, solved, &ten, contradicted, rejected, &bodies[0]),
-        assumptions: Vec::new(),
+        remarks: Vec::new(),
         diagnostics: None,
         known_numbers: Default::default(),
         method_report: Some(report(solved)),
         iterations: 1,
         bodies,
-    }
+    };
+    estimate.add_all(tests(solved.chi2, rejected));
+    estimate.add_all(warnings);
+    estimate
 }
 
-fn evidence(chi2: f64, rejected: bool) -> Vec<Evidence> {
+fn tests(chi2: f64, rejected: bool) -> [Remark; 2] {
     let words = match rejected {
         true => "the data contradict the rigid model",
         false => "the data do not contradict the rigid model",
     };
-    let model = Evidence::new(
+    let model = Remark::test(
         "rigid model",
         Effect::RejectsModel.if_failed(rejected),
         words,
     );
     let effect = Effect::AgainstAnswer.if_failed(!rejected && chi2 > MISFIT);
     let words = format!("residuals are {:.1} times the declared noise", chi2.sqrt());
-    let residuals = Evidence::new("all residuals", effect, words)
+    let residuals = Remark::test("all residuals", effect, words)
         .statistic("chi-square per degree of freedom", chi2)
         .widening(chi2.sqrt());
-    vec![model, residuals]
+    [model, residuals]
 }
 
 fn body(

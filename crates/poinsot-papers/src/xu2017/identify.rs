@@ -10,8 +10,8 @@ use super::{Kind, Variant};
 use crate::certified::put;
 use crate::method::Named;
 use poinsot_identify::{
-    Estimate, MethodReport, NamedNumber, Number, ParametersError, Problem, ProblemError, Settings,
-    Source, Status, linear, maximum_likelihood_with,
+    Effect, Estimate, MethodReport, NamedNumber, Number, ParametersError, Problem, ProblemError,
+    Remark, Settings, Source, linear, maximum_likelihood_with,
 };
 
 /// Identifies the bodies of a robot by the paper's sequence.
@@ -63,19 +63,19 @@ pub fn identify_with(
     let mut estimate = certificate(problem)?;
     estimate.method = "xu2017".to_owned();
     estimate.variant = Some(variant.name().to_owned());
-    estimate.assumptions.extend(found.notes.iter().cloned());
+    estimate.add_all(found.notes.iter().cloned().map(Remark::assumption));
     let withheld = !found.steps.iter().all(StepReport::arrived);
     put(problem, &mut estimate, &found.bodies, withheld);
-    estimate
-        .warnings
-        .extend(warnings(problem, &found, solver.share));
+    let warnings = warnings(problem, &found, solver.share);
+    estimate.add_all(warnings.into_iter().map(Remark::warning));
     estimate.iterations = iterations(&found);
     estimate.method_report = Some(MethodReport {
         note: notes(variant, &found, &estimate),
         numbers: found.steps.iter().flat_map(numbers).collect(),
     });
-    if withheld && estimate.status != Status::Rejected {
-        estimate.status = Status::IterationLimit;
+    if withheld {
+        let words = "a step of the method did not converge";
+        estimate.add(Remark::test("convergence", Effect::WithholdsNumbers, words));
     }
     Ok(estimate)
 }

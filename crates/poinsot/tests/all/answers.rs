@@ -37,12 +37,12 @@ fn nuisance(answer: &Identified, name: &str) -> Number {
 }
 
 fn repaired(answer: &Identified, words: &str) -> bool {
-    answer.repairs.iter().any(|r| r.contains(words))
+    answer.repairs().iter().any(|r| r.contains(words))
 }
 
 fn assert_found(answer: &Identified, truth: &Model, tolerance: f64, what: &str) {
     let e = &answer.estimate;
-    assert_eq!(e.status, Status::Converged, "{what}: {:?}", e.warnings);
+    assert_eq!(e.status, Status::Converged, "{what}: {:?}", e.warnings());
     for (at, body) in truth.bodies.iter().enumerate() {
         if body.estimate.any() {
             let error = worst_error(answer, truth, at);
@@ -208,7 +208,7 @@ fn stat_wheels_read_at_10_hz_do_not_reject_a_right_model() {
     for method in METHODS {
         let answer = ask(&off_nominal(&truth, 0.05), vec![table.clone()], method);
         let e = &answer.estimate;
-        assert_eq!(e.status, Status::Converged, "{method}: {:?}", e.warnings);
+        assert_eq!(e.status, Status::Converged, "{method}: {:?}", e.warnings());
         assert!(e.fit[0].chi2_per_dof < 1.5, "{method}");
     }
 }
@@ -344,6 +344,6 @@ fn prop_a_known_body_that_is_wrong_shows_in_chi_square() {
         println!("{method}: wrong arm {chi2:.2e}");
         assert!(chi2 > 100.0);
         assert!(!wrong.estimate.covariance_trustworthy());
-        assert!(!wrong.estimate.warnings.is_empty());
+        assert!(!wrong.estimate.warnings().is_empty());
     }
 }

@@ -211,11 +211,11 @@ fn prop_without_attitude_the_answer_does_not_depend_on_where_the_body_pointed() 
         let found = ask(&model, &table, "auto");
         assert!(
             found
-                .repairs
+                .repairs()
                 .iter()
                 .any(|r| r.contains("attitude integrated from the gyro")),
             "{:?}",
-            found.repairs
+            found.repairs()
         );
         answers.push((model, found));
     }

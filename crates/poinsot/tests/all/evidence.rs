@@ -5,7 +5,7 @@ use poinsot::case::read_case;
 use poinsot::simulate::simulate_case;
 use poinsot::{Identified, IdentifyRequest, Question, estimate_file, identify, identify_tables};
 use poinsot_formats::{EstimateFile, contradictions};
-use poinsot_identify::{Effect, Evidence};
+use poinsot_identify::{Effect, Remark};
 use poinsot_model::read_model;
 use poinsot_report::Standing;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
@@ -52,15 +52,15 @@ fn assert_rows_decide(answer: &Identified, expected: &[&str]) {
     if !words.is_empty() && !file.is_withheld() {
         let widened = format!("sigmas are widened {largest:.1} times");
         assert!(
-            e.warnings.iter().any(|w| w.ends_with(&widened)),
+            e.warnings().iter().any(|w| w.ends_with(&widened)),
             "{:?}",
-            e.warnings
+            e.warnings()
         );
     }
 }
 
-fn rows<'a>(answer: &'a Identified, test: &str) -> Vec<&'a Evidence> {
-    let all = answer.estimate.evidence.iter();
+fn rows<'a>(answer: &'a Identified, test: &str) -> Vec<&'a Remark> {
+    let all = answer.estimate.tests();
     all.filter(|row| row.test == test).collect()
 }
 
@@ -68,7 +68,7 @@ fn rows<'a>(answer: &'a Identified, test: &str) -> Vec<&'a Evidence> {
 fn stat_a_clean_record_passes_every_test() {
     let answer = run(&example("stsat3/model.toml"), &example(STSAT3));
     assert_rows_decide(&answer, &[]);
-    for row in &answer.estimate.evidence {
+    for row in answer.estimate.tests() {
         assert!(row.effect <= Effect::WidensSigmas, "{row:?}");
         assert!(row.sigma_factor < 1.02, "{row:?}");
     }
@@ -99,7 +99,7 @@ fn exact_p_values_are_tails_of_chi_square() {
     assert_eq!(pooled.degrees_of_freedom, Some(found.dof));
     assert!((pooled.statistic.unwrap().1 / found.chi2 - 1.0).abs() < 1.0e-9);
     let mut compared = 0;
-    for row in &answer.estimate.evidence {
+    for row in answer.estimate.tests() {
         let of_noise = row.test.starts_with("residual of the") || row.test == "all residuals";
         if let (true, Some((_, square)), Some(dof)) =
             (of_noise, row.statistic, row.degrees_of_freedom)
@@ -168,7 +168,7 @@ fn stat_a_vehicle_that_is_not_rigid_is_rejected_by_its_rows() {
     assert!(words.iter().any(|w| w == line), "{words:?}");
     let expected: Vec<&str> = words.iter().map(String::as_str).collect();
     assert_rows_decide(&answer, &expected);
-    assert_eq!(answer.estimate.evidence[0].effect, Effect::RejectsModel);
+    assert_eq!(answer.estimate.remarks[0].effect, Effect::RejectsModel);
     let (_, share) = rows(&answer, "spectral line")[0].statistic.unwrap();
     let found = answer.estimate.diagnostics.as_ref().unwrap();
     assert!(found.lines.iter().any(|line| line.share == share));

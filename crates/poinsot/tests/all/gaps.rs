@@ -64,8 +64,8 @@ fn regress_rows_that_are_missing_cut_the_record() {
         assert_eq!(answer.estimate.fit.len(), 2, "segments");
         assert!(worst(&answer) < 4.0, "rows {from} to {to}");
         assert!(answer.estimate.covariance_trustworthy());
-        let told = answer.repairs.iter().any(|r| r.contains("2 segments"));
-        assert!(told, "{:?}", answer.repairs);
+        let told = answer.repairs().iter().any(|r| r.contains("2 segments"));
+        assert!(told, "{:?}", answer.repairs());
     }
 }
 
@@ -112,8 +112,11 @@ fn regress_wheels_read_too_seldom_are_doubted_or_right() {
         wheels.for_each(|c| keep(c, |k| k.is_multiple_of(stride)));
         let answer = answer(&model, table);
         let estimate = &answer.estimate;
-        let (worst, warnings) = (worst(&answer), &estimate.warnings);
-        println!("every {stride}: {worst:.1} {:?}", estimate.assumptions);
+        let (worst, warnings) = (worst(&answer), &estimate.warnings());
+        println!(
+            "every {stride}: {worst:.1} {:?}",
+            estimate.said(poinsot_identify::RemarkKind::Assumption)
+        );
         let trusts = estimate.covariance_trustworthy();
         assert_eq!(trusts, trusted, "every {stride}: {warnings:?}");
         assert!(!trusts || worst < 4.0, "every {stride}: {worst}");
@@ -140,7 +143,7 @@ fn regress_thinned_rows_are_not_trusted() {
     assert!(worst(&thinned) > 4.0);
     assert!(!thinned.estimate.covariance_trustworthy());
     let told = |w: &String| w.starts_with("--every 2 leaves out");
-    assert!(thinned.estimate.warnings.iter().any(told));
+    assert!(thinned.estimate.warnings().iter().any(told));
 }
 
 /// The requested accuracy affects the verdict, not the fit.

@@ -235,7 +235,7 @@ fn exact_tumble_with_a_wheel_gives_the_whole_tensor() {
     let mut without_gradient = model.clone();
     without_gradient.environment = Default::default();
     let wrong = ask(&without_gradient, vec![table.clone()], "auto").estimate;
-    assert!(!wrong.covariance_trustworthy(), "{:?}", wrong.warnings);
+    assert!(!wrong.covariance_trustworthy(), "{:?}", wrong.warnings());
 
     // Neither columns nor elements: an error.
     let blind = without(table.clone(), &["orbit_"]);

@@ -102,10 +102,10 @@ fn stat_wheels_that_read_late_show_their_lag() {
     let answer = ask(&model, late(&whole, "wheel", 100, 1)).estimate;
     assert!(!answer.covariance_trustworthy());
     let said = answer
-        .warnings
+        .warnings()
         .iter()
         .any(|w| w.contains("tachometers.lag is 2.1 % of"));
-    assert!(said, "{:?}", answer.warnings);
+    assert!(said, "{:?}", answer.warnings());
 }
 
 /// First suspect of the diagnosis for a record with an undeclared fault.

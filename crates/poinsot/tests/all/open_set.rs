@@ -67,7 +67,7 @@ fn stat_no_number_that_is_printed_is_further_from_the_truth_than_four_sigma() {
             assert_eq!(all[2].len(), 6);
             let ranks = &e.identifiability.ranks;
             assert_eq!(ranks[..], [e.identifiability.rank; 3]);
-            assert!(e.warnings.iter().any(|w| w.contains("are withheld")));
+            assert!(e.warnings().iter().any(|w| w.contains("are withheld")));
         }
     }
 }

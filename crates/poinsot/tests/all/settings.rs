@@ -4,9 +4,7 @@ use crate::trust::{STSAT3, example, with_prior};
 use poinsot::bind::bind;
 use poinsot::identify::read_options;
 use poinsot_dynamics::Tree;
-use poinsot_identify::{
-    Effect, Estimate, Evidence, ProblemError, Settings, maximum_likelihood_with,
-};
+use poinsot_identify::{Effect, Estimate, ProblemError, Remark, Settings, maximum_likelihood_with};
 use poinsot_model::{Model, parse_model, read_model};
 use poinsot_telemetry::read;
 
@@ -27,8 +25,8 @@ fn undiagnosed() -> Settings {
     }
 }
 
-fn row<'a>(e: &'a Estimate, test: &str) -> &'a Evidence {
-    e.evidence.iter().find(|row| row.test == test).unwrap()
+fn row<'a>(e: &'a Estimate, test: &str) -> &'a Remark {
+    e.tests().find(|row| row.test == test).unwrap()
 }
 
 /// The gyro has three times its declared noise; white, so that a higher limit leaves it to wider sigmas.

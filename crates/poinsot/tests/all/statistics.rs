@@ -238,7 +238,7 @@ fn stat_the_linear_method_under_thrust_withholds_what_it_cannot_judge() {
             assert_eq!(answer.status, Status::Rejected, "stride {stride}");
             assert!(!answer.covariance_trustworthy());
             assert!(answer.bodies[0].mass.value.is_none());
-            assert!(answer.warnings.iter().any(|w| w.contains("accumulates")));
+            assert!(answer.warnings().iter().any(|w| w.contains("accumulates")));
         }
     }
 }
@@ -254,7 +254,7 @@ fn exact_the_linear_method_under_thrust_answers_noise_free_records() {
         nominal.nominal.mass *= 1.01;
     }
     let answer = linear(&bound.problem(&study.model, &tree)).unwrap();
-    assert_eq!(answer.status, Status::Converged, "{:?}", answer.warnings);
+    assert_eq!(answer.status, Status::Converged, "{:?}", answer.warnings());
     assert!(answer.covariance_trustworthy());
     let error = answer.bodies[0].mass.value.unwrap() / study.truth[0].mass - 1.0;
     assert!(error.abs() < 1.0e-6, "{error:e}");

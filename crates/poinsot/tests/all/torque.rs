@@ -250,7 +250,7 @@ fn exact_a_hidden_oscillator_is_rejected_by_its_line() {
         let expected = free_frequency_hz(&model, joint);
         let answer = identify(simulate_case(&case, &model).unwrap().table);
         let e = &answer.estimate;
-        assert_eq!(e.status, Status::Rejected, "{name}: {:?}", e.warnings);
+        assert_eq!(e.status, Status::Rejected, "{name}: {:?}", e.warnings());
         assert!(!e.covariance_trustworthy(), "{name}");
         assert!(
             e.bodies[0].inertia.iter().all(|n| n.value.is_none()),
@@ -258,12 +258,12 @@ fn exact_a_hidden_oscillator_is_rejected_by_its_line() {
         );
         assert!(!answer.passes());
         let rejected = e
-            .warnings
+            .warnings()
             .iter()
             .any(|w| w.starts_with("rigid model rejected"));
-        assert!(rejected, "{name}: {:?}", e.warnings);
+        assert!(rejected, "{name}: {:?}", e.warnings());
         let line = e
-            .warnings
+            .warnings()
             .iter()
             .find_map(|w| w.split("a spectral line at ").nth(1));
         let found: f64 = line.unwrap().split(' ').next().unwrap().parse().unwrap();
@@ -283,7 +283,7 @@ fn exact_a_locked_hinge_is_not_rejected() {
     model.joints[0].spring_damper = None;
     let answer = identify(simulate_case(&case, &model).unwrap().table);
     let e = &answer.estimate;
-    assert_eq!(e.status, Status::Converged, "{:?}", e.warnings);
+    assert_eq!(e.status, Status::Converged, "{:?}", e.warnings());
     assert!(e.covariance_trustworthy());
 }
 

@@ -200,7 +200,7 @@ fn stat_joints_that_read_late_are_rejected_and_nuisances_withheld() {
         .lines()
         .find(|l| l.trim().starts_with("gyro.bias_rad_s.x"));
     assert!(row.unwrap().contains("withheld"), "{text}");
-    assert!(!e.warnings.iter().any(|w| w.contains("not identifiable")));
+    assert!(!e.warnings().iter().any(|w| w.contains("not identifiable")));
 }
 
 pub(crate) fn with_prior(folder: &Path, sigma: f64) -> PathBuf {
@@ -224,14 +224,14 @@ fn stat_a_prior_that_the_data_contradict_is_the_first_thing_said() {
         let found = &e.diagnostics.as_ref().unwrap().findings;
         assert_eq!(found[0].fault, FaultKind::Prior);
         assert!(
-            e.warnings[0].starts_with("the prior of spacecraft."),
+            e.warnings()[0].starts_with("the prior of spacecraft."),
             "{}",
-            e.warnings[0]
+            e.warnings()[0]
         );
         assert!(e.diagnostics.as_ref().unwrap().suspects.is_empty());
-        assert!(!e.warnings.iter().any(|w| w.contains("spin inertia")));
+        assert!(!e.warnings().iter().any(|w| w.contains("spin inertia")));
         let z = worst(&answer, "stsat3/multiaxis/truth.json", "spacecraft");
-        println!("{sigma}: {z:.2} sigma; {}", e.warnings[0]);
+        println!("{sigma}: {z:.2} sigma; {}", e.warnings()[0]);
         assert!(z < 4.0, "{sigma}: {z}");
     }
 }
@@ -259,7 +259,7 @@ fn stat_a_calibration_that_the_data_contradict_is_named() {
         record.change("omega_x", |_, w| w + 1.0e-4);
         let answer = run(&model, &record.write());
         let e = &answer.estimate;
-        let first = e.warnings.first().cloned().unwrap_or_default();
+        let first = e.warnings().first().cloned().unwrap_or_default();
         println!("{sigma}: {first}");
         assert_eq!(
             first.starts_with("the prior of gyro.bias_x contradicts the data"),

@@ -159,7 +159,7 @@ fn exact_mixed_momentum_gives_the_truth() {
             false => model.momentum.angular = MomentumKnowledge::Known(known.h_C_N),
         }
         let answer = ask(&model, &raws, Variant::KnownMomentum, 0.0).unwrap();
-        assert_eq!(answer.status, Status::Converged, "{:?}", answer.warnings);
+        assert_eq!(answer.status, Status::Converged, "{:?}", answer.warnings());
         let base = &answer.bodies[0];
         assert!((base.mass.value.unwrap() - 1000.0).abs() < 1.0e-8);
         for (n, at) in base.inertia.iter().zip(poinsot_identify::TENSOR) {
@@ -196,10 +196,10 @@ fn prop_momentum_in_the_wrong_frame_is_rejected() {
         model.momentum.linear = MomentumKnowledge::Known(p);
         model.momentum.angular = MomentumKnowledge::Known(h);
         let answer = ask(&model, &raws, Variant::KnownMomentum, 0.0).unwrap();
-        println!("{:?} {:?}", answer.status, answer.warnings);
+        println!("{:?} {:?}", answer.status, answer.warnings());
         assert_eq!(answer.status, Status::Rejected);
         assert!(answer.bodies[0].mass.value.is_none());
-        assert!(answer.warnings[0].contains("contradicts"));
+        assert!(answer.warnings()[0].contains("contradicts"));
     }
 }
 
@@ -248,9 +248,9 @@ fn prop_bad_questions_are_refused_in_one_line() {
     let answer = ask(&heavy.model, &heavy.run().unwrap().raws, free, 0.0).unwrap();
     assert_eq!(answer.status, Status::Converged);
     assert!(
-        answer.warnings.iter().any(|w| w.contains("0.5 to 50 %")),
+        answer.warnings().iter().any(|w| w.contains("0.5 to 50 %")),
         "{:?}",
-        answer.warnings
+        answer.warnings()
     );
 }
 

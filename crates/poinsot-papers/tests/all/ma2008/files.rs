@@ -24,7 +24,7 @@ fn xval_mujoco_runs_give_the_truth() {
                 e.status,
                 Status::Converged,
                 "{run} {variant:?} {:?}",
-                e.warnings
+                e.warnings()
             );
             let base = &e.bodies[0];
             assert!(

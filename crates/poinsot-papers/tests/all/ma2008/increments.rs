@@ -120,7 +120,7 @@ fn exact_velocity_increments_give_the_truth() {
     let table = as_increments(flown_table(), Vector3::zeros);
     let found = identify_tables(model.clone(), vec![table.clone()], &asked()).unwrap();
     let e = &found.estimate;
-    assert_eq!(e.status, Status::Converged, "{:?}", e.warnings);
+    assert_eq!(e.status, Status::Converged, "{:?}", e.warnings());
     let mass = e.bodies[0].mass.value.unwrap();
     assert!((mass / 1000.0 - 1.0).abs() < 1.0e-8, "{mass}");
     for (number, (i, j)) in e.bodies[0].inertia.iter().zip(poinsot_identify::TENSOR) {
@@ -132,7 +132,7 @@ fn exact_velocity_increments_give_the_truth() {
     }
     assert!(
         found
-            .repairs
+            .repairs()
             .iter()
             .any(|r| r.contains("summed from the first sample"))
     );

@@ -93,7 +93,7 @@ fn exact_swarm_answers_within_its_sigma() {
     }
     let found = ask(&m, thinned(runs(&m, &["C7"]), 4), "swarm");
     let e = &found.estimate;
-    println!("{:?} {:?}", e.status, e.warnings);
+    println!("{:?} {:?}", e.status, e.warnings());
     let b = &e.bodies[6];
     let (worst, n) = errors(b, &all[6]);
     println!("{worst:.1e}");

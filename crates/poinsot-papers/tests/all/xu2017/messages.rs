@@ -10,7 +10,7 @@ fn refusal(model: Model, tables: Vec<Table>, variant: &str) -> String {
 }
 
 fn warned(found: &Identified, words: &str) -> String {
-    let list = &found.estimate.warnings;
+    let list = &found.estimate.warnings();
     list.iter()
         .find(|w| w.contains(words))
         .unwrap_or_else(|| panic!("no '{words}' in {list:?}"))
@@ -157,7 +157,7 @@ fn unit_thrust_through_the_mass_centre_shows_no_inertia() {
     let case = read_case(&shipped().join("cases/xu2017_c1.toml")).unwrap();
     let table = simulate_case(&case, &exact).unwrap().table;
     let found = ask(&single, vec![table], "linear");
-    println!("{:?}", found.estimate.warnings);
+    println!("{:?}", found.estimate.warnings());
     let message = warned(&found, "no torque");
     assert!(
         message.starts_with("the thrust makes no torque about the mass centre (largest lever "),

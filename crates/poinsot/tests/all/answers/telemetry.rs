@@ -184,12 +184,12 @@ fn exact_what_is_missing_is_derived_and_said() {
         for method in METHODS {
             let table = without(whole.clone(), &prefixes);
             let answer = ask(&off_nominal(&truth, 0.1), vec![table], method);
-            assert!(repaired(&answer, words), "{:?}", answer.repairs);
+            assert!(repaired(&answer, words), "{:?}", answer.repairs());
             assert_found(&answer, &truth, 2.0e-3, &format!("{prefixes:?} {method}"));
         }
     }
     let all = ask(&truth, vec![whole], "linear");
-    assert!(all.repairs.is_empty(), "{:?}", all.repairs);
+    assert!(all.repairs().is_empty(), "{:?}", all.repairs());
 }
 
 #[test]
@@ -214,7 +214,7 @@ fn exact_an_attitude_that_nobody_measured_is_not_taken_for_the_identity() {
         if e.status == Status::Converged && e.covariance_trustworthy() {
             assert_found(&answer, &truth, 2.0e-3, method);
         } else {
-            assert!(!e.warnings.is_empty());
+            assert!(!e.warnings().is_empty());
         }
     }
 }

@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector};
 use poinsot::bind::bind;
 use poinsot::{Identified, Question, identify_tables};
 use poinsot_dynamics::Tree;
-use poinsot_identify::{Estimate, predicted_covariance};
+use poinsot_identify::{Estimate, RemarkKind, predicted_covariance};
 use rayon::prelude::*;
 use satellite::{Case, PLAIN, TRUTH, Torque};
 use statrs::distribution::{Binomial, ChiSquared, ContinuousCDF, DiscreteCDF, Normal};
@@ -39,7 +39,12 @@ fn score(case: &Case, seed: u64) -> Score {
     .unwrap();
     let e = &found.estimate;
     let inertia = &e.bodies[0].inertia;
-    let assumptions = format!("{:?} {:?} {:?}", e.assumptions, e.doubts(), e.warnings);
+    let assumptions = format!(
+        "{:?} {:?} {:?}",
+        e.said(RemarkKind::Assumption),
+        e.doubts(),
+        e.warnings()
+    );
     if inertia.iter().any(|i| i.value.is_none()) {
         return Score {
             withheld: true,
