@@ -1,7 +1,7 @@
 //! Mass properties with sigma and source, for each body and for the whole vehicle.
 
 use crate::fit::alternatives::OtherWheelMotion;
-use crate::fit::triangle::{ConditionalEstimate, conditional_estimate};
+use crate::fit::triangle::ConditionalEstimate;
 use crate::problem::parameters::{Equations, TENSOR, UnknownKind, rotation_properties};
 use crate::problem::quantity::{Quantity, TenParameters};
 use crate::solution::estimate::{BodyEstimate, Number, Principal, Source};
@@ -38,11 +38,7 @@ impl<'a> QuantityEstimator<'a> {
             inflation,
             rejected,
             other_wheel_motion: solution.other_wheel_motion(),
-            nuisances: conditional_estimate(
-                &solution.shared.r,
-                solution.shared.nuisances,
-                &solution.x[..solution.shared.mass],
-            ),
+            nuisances: solution.shared.nuisance_estimate(&solution.x),
         }
     }
 

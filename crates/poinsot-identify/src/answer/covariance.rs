@@ -1,6 +1,5 @@
 //! The covariance of all numbers of the answer together: mass properties of the requested bodies, and nuisances.
 
-use crate::fit::triangle::conditional_estimate;
 use crate::problem::parameters::{Equations, UnknownKind, axis_name, tensor_name};
 use crate::problem::quantity::TenParameters;
 use crate::solution::estimate::{BodyEstimate, NamedNumber, Number, Source};
@@ -28,12 +27,7 @@ pub(crate) fn covariance_rows(
         body_rows(solution, at, body, &mut rows);
     }
     let mass = solution.shared.mass;
-    let slopes = conditional_estimate(
-        &solution.shared.r,
-        solution.shared.nuisances,
-        &solution.x[..mass],
-    )
-    .slope;
+    let slopes = solution.shared.nuisance_estimate(&solution.x).slope;
     let unknowns = solution.parameters.unknowns.iter().enumerate();
     let answered = unknowns.filter(|(_, u)| u.kind.is_reported());
     for ((at, unknown), answer) in answered.zip(nuisances) {
@@ -102,12 +96,7 @@ fn body_rows(solution: &Solution, at: usize, body: &BodyEstimate, rows: &mut Vec
 pub(crate) fn covariance(solution: &Solution, rows: &[Row], scale: f64) -> Vec<Vec<f64>> {
     let c = solution.spectrum.covariance();
     let m = c.nrows();
-    let own = conditional_estimate(
-        &solution.shared.r,
-        solution.shared.nuisances,
-        &solution.x[..solution.shared.mass],
-    )
-    .covariance;
+    let own = solution.shared.nuisance_estimate(&solution.x).covariance;
     let other = solution.other_wheel_motion();
     let change = |row: &Row| match (other, row.nuisance) {
         (None, _) => 0.0,

@@ -1,7 +1,6 @@
 //! Initial momentum of every segment and the nuisances as numbers of the answer.
 
 use crate::answer::body::QuantityEstimator;
-use crate::fit::triangle::conditional_estimate;
 use crate::solution::estimate::{MomentumEstimate, NamedNumber, Number};
 use crate::solution::solved::{Solution, StartOfSegment, VectorQuantity};
 use poinsot_model::MomentumKnowledge;
@@ -39,11 +38,7 @@ fn numbers(
 pub(crate) fn nuisances(estimator: &QuantityEstimator, solution: &Solution) -> Vec<NamedNumber> {
     let parameters = &solution.parameters;
     let mass = solution.shared.mass;
-    let biases = conditional_estimate(
-        &solution.shared.r,
-        solution.shared.nuisances,
-        &solution.x[..mass],
-    );
+    let biases = solution.shared.nuisance_estimate(&solution.x);
     parameters
         .unknowns
         .iter()

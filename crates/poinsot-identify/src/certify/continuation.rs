@@ -149,10 +149,7 @@ fn values_along_path(
     rank: usize,
 ) -> Option<UnobservableSet> {
     let segments = predicted(experiment, at)?;
-    let problem = Problem {
-        segments: &segments,
-        ..*experiment.problem
-    };
+    let problem = experiment.problem.with_segments(&segments);
     // Declared calibrations agree with the answer, as the samples do.
     let mut parameters = experiment.parameters.clone();
     let unknowns = parameters.unknowns.iter_mut().zip(&at.x);

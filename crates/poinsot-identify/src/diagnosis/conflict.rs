@@ -8,7 +8,7 @@
 use crate::diagnosis::{Diagnostics, FaultKind, Finding, diagnose};
 use crate::fit::degrees_of_freedom::fitted_numbers;
 use crate::fit::experiment::Experiment;
-use crate::fit::triangle::{ConditionalEstimate, SharedTriangle, conditional_estimate};
+use crate::fit::triangle::{ConditionalEstimate, SharedTriangle};
 use crate::fit::{Fitted, ITERATIONS, fit_from};
 use crate::problem::Problem;
 use crate::problem::prior::{self, Conflict, Declared, LEAST_SHARE, PriorRow, PriorTest};
@@ -119,13 +119,10 @@ fn design(experiment: &Experiment, fitted: &Fitted) -> Option<(PriorTest, Option
     let stacked = experiment.stack(&fitted.at, &fitted.evaluated, false);
     let shared = SharedTriangle::new(experiment.parameters, &stacked);
     let fall = alone.decrease(&shared.rhs(), 0.0);
-    let readings: f64 = fitted.evaluated.iter().map(|e| e.chi2).sum();
-    let rows: usize = fitted.evaluated.iter().map(|e| e.rows).sum();
-    let dof = rows
-        .saturating_sub(fitted_numbers(experiment, fitted))
-        .max(1);
+    let numbers = fitted_numbers(experiment, fitted);
+    let dof = fitted.rows().saturating_sub(numbers).max(1);
     // Data that fit badly without any prior contradict it by less.
-    let scale = ((readings - fall) / dof as f64).max(1.0);
+    let scale = ((fitted.chi2() - fall) / dof as f64).max(1.0);
     let count = design.rows.len().min(alone.rank);
     let square = (design.chi2 + fall) / scale;
     let chance = ChiSquared::new(count as f64).ok()?.sf(square);
@@ -196,8 +193,7 @@ fn calibrations(experiment: &Experiment, fitted: &Fitted) -> Vec<Discrepancy> {
     if rows.iter().all(|r| r.about.is_none()) {
         return Vec::new();
     }
-    let mass = fitted.shared.mass;
-    let conditional = conditional_estimate(&fitted.shared.r, fitted.shared.nuisances, &x[..mass]);
+    let conditional = fitted.shared.nuisance_estimate(x);
     let apart = |row: PriorRow| {
         let declared = row.about?;
         let at = row.gradient.iter().position(|g| *g != 0.0)?;

@@ -6,7 +6,6 @@ use super::types::{FaultKind, Suspect, SuspectValue};
 use crate::fit::coarse_fit::beginning;
 use crate::fit::experiment::Experiment;
 use crate::fit::{Fitted, fit_from};
-use crate::problem::Problem;
 use crate::problem::segment::Segment;
 use poinsot_solve::LeastSquares;
 use std::f64::consts::PI;
@@ -101,10 +100,8 @@ pub(super) fn gross(
     }
     let before = experiment.chi2(&fitted.at, &fitted.evaluated)?;
     let record = contradicting(experiment);
-    let problem = Problem {
-        segments: record.as_deref().unwrap_or(experiment.problem.segments),
-        ..*experiment.problem
-    };
+    let whole = experiment.problem;
+    let problem = whole.with_segments(record.as_deref().unwrap_or(whole.segments));
     let short = experiment.with_problem(&problem);
     let nominal = short.cost(&short.nominal_point());
     let nominal = nominal.unwrap_or(f64::INFINITY);
@@ -133,16 +130,10 @@ fn contradicting(experiment: &Experiment) -> Option<Vec<Segment>> {
     BEGINNINGS.into_iter().find_map(|share| {
         let segments = experiment.problem.segments.iter();
         let segments: Vec<Segment> = segments.map(|s| beginning(s, share)).collect();
-        let problem = Problem {
-            segments: &segments,
-            ..*experiment.problem
-        };
+        let problem = experiment.problem.with_segments(&segments);
         let short = experiment.with_problem(&problem);
-        let contradicts =
-            fit_from(&short, short.nominal_point(), MISTAKE_ITERATIONS).is_none_or(|found| {
-                let rows: usize = found.evaluated.iter().map(|e| e.rows).sum();
-                short.cost_of(&found) > gross * rows as f64
-            });
+        let contradicts = fit_from(&short, short.nominal_point(), MISTAKE_ITERATIONS)
+            .is_none_or(|found| short.cost_of(&found) > gross * found.rows() as f64);
         contradicts.then_some(segments)
     })
 }
@@ -228,10 +219,7 @@ fn put_right<T>(
                     o.wheel_errors.swap(*i, *j);
                 }
             }
-            let problem = Problem {
-                segments: &segments,
-                ..*experiment.problem
-            };
+            let problem = experiment.problem.with_segments(&segments);
             return ask(&experiment.with_problem(&problem));
         }
     }
@@ -265,8 +253,8 @@ fn confirmed(
 ) -> Option<f64> {
     let x = put_right(short, mistake, |other| {
         let half = fit_from(other, other.nominal_point(), MISTAKE_ITERATIONS / 2)?;
-        let rows: usize = half.evaluated.iter().map(|e| e.rows).sum();
-        let fits = other.cost_of(&half) < other.settings.diagnosis.gross_misfit * rows as f64;
+        let gross = other.settings.diagnosis.gross_misfit;
+        let fits = other.cost_of(&half) < gross * half.rows() as f64;
         fits.then_some(half.at)
     })?;
     put_right(experiment, mistake, |other| {

@@ -9,7 +9,6 @@ use super::types::HeldOut;
 use crate::fit::Fitted;
 use crate::fit::experiment::Experiment;
 use crate::likelihood::Evaluated;
-use crate::problem::Problem;
 use crate::problem::segment::{Observations, Samples, Segment, SensorRecord};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
@@ -60,10 +59,7 @@ fn beginnings(table: &Table, segments: &[Segment]) -> Vec<Evaluated> {
 fn evaluated_beginnings(experiment: &Experiment, fitted: &Fitted) -> Option<Vec<Evaluated>> {
     let problem = experiment.problem;
     let segments: Vec<Segment> = problem.segments.iter().map(beginning).collect();
-    let kept = Problem {
-        segments: &segments,
-        ..*problem
-    };
+    let kept = problem.with_segments(&segments);
     let kept = experiment.of_vehicle(&kept, experiment.parameters);
     kept.evaluate(&fitted.at, true)
 }

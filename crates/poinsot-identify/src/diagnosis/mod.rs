@@ -67,9 +67,8 @@ pub(crate) fn diagnose(
     fitted: &Fitted,
     fitted_numbers: usize,
 ) -> Diagnostics {
-    let rows: usize = fitted.evaluated.iter().map(|e| e.rows).sum();
-    let chi2: f64 = fitted.evaluated.iter().map(|e| e.chi2).sum();
-    let dof = rows.saturating_sub(fitted_numbers);
+    let chi2 = fitted.chi2();
+    let dof = fitted.rows().saturating_sub(fitted_numbers);
     let excess = chi2 - dof as f64;
     let mean_square = (chi2 / dof.max(1) as f64).max(1.0);
     let mut out = Diagnostics {

@@ -10,7 +10,6 @@ use super::projected::{Projected, Score};
 use super::table::Table;
 use crate::fit::Fitted;
 use crate::fit::experiment::Experiment;
-use crate::problem::Problem;
 use crate::problem::segment::{InputErrors, Noise, Observations, Segment};
 use nalgebra::{DMatrix, DVector};
 use rand_chacha::ChaCha8Rng;
@@ -51,16 +50,12 @@ impl SharedNoise {
         let mut random = ChaCha8Rng::seed_from_u64(SEED);
         let segments = problem.segments.iter();
         let segments: Vec<Segment> = segments.map(|s| disturbed(s, noise, &mut random)).collect();
-        let problem = Problem {
-            segments: &segments,
-            ..*problem
-        };
+        let problem = problem.with_segments(&segments);
         let disturbed = experiment.with_problem(&problem);
         let other = Table::new(&disturbed, fitted, candidates, true)?;
         let changes = other.changes(table, experiment, fitted);
-        let rows: usize = fitted.evaluated.iter().map(|e| e.rows).sum();
         Some(Self {
-            residual: (changes.residual() / rows.max(1) as f64).min(1.0),
+            residual: (changes.residual() / fitted.rows().max(1) as f64).min(1.0),
             changes,
         })
     }

@@ -24,8 +24,7 @@ const NUMBERS: usize = 8_000_000;
 
 /// Whether the rows can be held with so many columns of candidates.
 pub(super) fn holds(experiment: &Experiment, fitted: &Fitted, columns: usize) -> bool {
-    let rows: usize = fitted.evaluated.iter().map(|e| e.rows).sum();
-    rows * (experiment.parameters.len() + columns) < NUMBERS
+    fitted.rows() * (experiment.parameters.len() + columns) < NUMBERS
 }
 
 /// The rows of one segment.

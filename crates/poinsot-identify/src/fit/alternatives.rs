@@ -45,9 +45,7 @@ impl OtherWheelMotion {
     fn new(fit: &AlternativeFit, there: &Linearised<Linearisation>) -> Self {
         let (experiment, fitted) = (&fit.experiment, &fit.fitted);
         // Where the residual is larger than declared, so is its difference.
-        let rows: usize = fitted.evaluated.iter().map(|e| e.rows).sum();
-        let chi2: f64 = fitted.evaluated.iter().map(|e| e.chi2).sum();
-        let misfit = (chi2 / rows.max(1) as f64).max(1.0);
+        let misfit = (fitted.chi2() / fitted.rows().max(1) as f64).max(1.0);
         let worse = (least(there) - fit.cost()).max(0.0) / misfit;
         let probability = 1.0 / (1.0 + (0.5 * worse).exp());
         let shift = there.rows.mass_shift();
@@ -333,10 +331,7 @@ fn sparse_wheel_shift(experiment: &Experiment, fitted: &Fitted) -> f64 {
             o.wheel_speed = std::mem::take(&mut o.smooth_wheel_speed);
         }
     }
-    let problem = Problem {
-        segments: &segments,
-        ..*experiment.problem
-    };
+    let problem = experiment.problem.with_segments(&segments);
     let other = experiment.with_problem(&problem);
     let smooth = other.alternative.with(BetweenSamples::Smooth);
     let here = other.under(smooth).linearise(&fitted.at);

@@ -5,7 +5,6 @@
 
 use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::step::{ITERATIONS, Linearisation, is_close};
-use crate::problem::Problem;
 use crate::problem::segment::{
     InputErrors, Observations, Samples, Segment, SensorRecord, SensorSample,
 };
@@ -33,10 +32,7 @@ pub(crate) fn coarse_fit(experiment: &Experiment, from: &[Iterate]) -> Option<It
     if WORTH * times(&segments) > times(whole) {
         return None;
     }
-    let problem = Problem {
-        segments: &segments,
-        ..*experiment.problem
-    };
+    let problem = experiment.problem.with_segments(&segments);
     let few = experiment.with_problem(&problem);
     let costs = from.iter().map(|point| (point, few.cost(point)));
     let best = costs.min_by(|a, b| order(a.1).total_cmp(&order(b.1)))?.0;

@@ -2,7 +2,6 @@
 
 use crate::fit::Fitted;
 use crate::fit::experiment::Experiment;
-use crate::fit::triangle::conditional_estimate;
 use crate::problem::parameters::Parameters;
 use nalgebra::DMatrix;
 
@@ -22,11 +21,7 @@ pub(crate) fn fitted_numbers(experiment: &Experiment, fitted: &Fitted) -> usize 
 /// Covariance of the known numbers among the unknowns after the data, in their order.
 pub(crate) fn known_covariance(parameters: &Parameters, fitted: &Fitted) -> DMatrix<f64> {
     let mass = fitted.shared.mass;
-    let conditional = conditional_estimate(
-        &fitted.shared.r,
-        fitted.shared.nuisances,
-        &fitted.at.x[..mass],
-    );
+    let conditional = fitted.shared.nuisance_estimate(&fitted.at.x);
     let c = fitted.spectrum.covariance();
     let places: Vec<usize> = parameters.known_places().iter().map(|p| p - mass).collect();
     let slope = |k: usize| &conditional.slope[places[k]];

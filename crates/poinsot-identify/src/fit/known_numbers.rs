@@ -91,14 +91,6 @@ pub(crate) fn fit_known(experiment: &Experiment, fitted: &Fitted) -> Option<Know
     })
 }
 
-/// Chi-square, and its degrees of freedom.
-fn chi2_and_dof(experiment: &Experiment, fitted: &Fitted) -> (f64, f64) {
-    let rows: usize = fitted.evaluated.iter().map(|e| e.rows).sum();
-    let chi2 = fitted.evaluated.iter().map(|e| e.chi2).sum();
-    let numbers = fitted_numbers(experiment, fitted);
-    (chi2, rows.saturating_sub(numbers).max(1) as f64)
-}
-
 /// Predicted reduction of chi-square by a full step.
 fn predicted_reduction(fitted: &Fitted) -> f64 {
     let shared = &fitted.shared;
@@ -199,8 +191,9 @@ fn contradicted(
     fitted: &Fitted,
 ) -> (Option<Conflict>, f64, Option<PriorTest>) {
     let parameters = experiment.parameters;
-    let (chi2, dof) = chi2_and_dof(experiment, fitted);
-    let per_number = chi2 / dof;
+    let numbers = fitted_numbers(experiment, fitted);
+    let dof = fitted.rows().saturating_sub(numbers).max(1);
+    let per_number = fitted.chi2() / dof as f64;
     let Some(weights) = parameters.known_covariance().cholesky() else {
         return (None, per_number, None);
     };

@@ -13,5 +13,5 @@ pub(crate) mod triangle;
 pub(crate) mod wheel_process;
 pub(crate) mod wheel_torque;
 
-pub(crate) use momentum_state::{Fitted, chi2, fit, fit_from, fit_near, fit_on, fit_starts};
+pub(crate) use momentum_state::{Fitted, fit, fit_from, fit_near, fit_on, fit_starts};
 pub(crate) use step::ITERATIONS;

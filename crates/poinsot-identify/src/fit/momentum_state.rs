@@ -253,9 +253,16 @@ fn fitted(
     })
 }
 
-/// Chi-square of the readings alone.
-pub(crate) fn chi2(evaluated: &[Evaluated]) -> f64 {
-    evaluated.iter().map(|e| e.chi2).sum()
+impl Fitted {
+    /// Chi-square of the readings alone.
+    pub fn chi2(&self) -> f64 {
+        self.evaluated.iter().map(|e| e.chi2).sum()
+    }
+
+    /// How many numbers were compared.
+    pub fn rows(&self) -> usize {
+        self.evaluated.iter().map(|e| e.rows).sum()
+    }
 }
 
 impl Experiment<'_> {

@@ -136,6 +136,11 @@ impl SharedTriangle {
         self.r[(n, n)].powi(2)
     }
 
+    /// The nuisances as functions of the mass properties, which are the first of these values.
+    pub fn nuisance_estimate(&self, x: &[f64]) -> ConditionalEstimate {
+        conditional_estimate(&self.r, self.nuisances, &x[..self.mass])
+    }
+
     /// Nuisances that go with values of the mass properties.
     pub fn nuisances_for(&self, mass: &[f64]) -> Vec<f64> {
         if !self.held.contains(&true) {

@@ -44,10 +44,7 @@ impl RandomTorque {
 
     /// The problem with these records.
     pub fn problem<'a>(&'a self, problem: &Problem<'a>) -> Problem<'a> {
-        Problem {
-            segments: &self.segments,
-            ..*problem
-        }
+        problem.with_segments(&self.segments)
     }
 }
 

@@ -16,7 +16,7 @@ use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::known_numbers::{Effects, KnownFit, fit_known};
 use crate::fit::step_error::StepError;
 use crate::fit::triangle::conditional_estimate;
-use crate::fit::{Fitted, chi2, fit};
+use crate::fit::{Fitted, fit};
 use crate::likelihood::{
     ChannelResidual, Evaluated, InitialState, InitialStateColumns, MeasuredMotion,
 };
@@ -316,7 +316,6 @@ pub(crate) fn conclude(
     found: Diagnostics,
 ) -> Solution {
     let numbers = fitted_numbers(experiment, fitted);
-    let rows: usize = fitted.evaluated.iter().map(|e| e.rows).sum();
     // The fit uses all information; identifiability is evaluated afterwards with exact known numbers.
     let judged = |spectrum: Spectrum| spectrum.judged(experiment.problem.relative_accuracy);
     let known = Effects::new(experiment, fitted).ok().flatten();
@@ -325,7 +324,7 @@ pub(crate) fn conclude(
     let spectrum = spectrum.unwrap_or_else(|| judged(fitted.spectrum.clone()));
     Solution {
         method: "maximum_likelihood",
-        residual: (chi2(&fitted.evaluated), rows.saturating_sub(numbers)),
+        residual: (fitted.chi2(), fitted.rows().saturating_sub(numbers)),
         parameters: experiment.parameters.clone(),
         x: fitted.at.x.clone(),
         shared: fitted.shared.clone(),

@@ -110,10 +110,7 @@ pub fn maximum_likelihood_predicted(
         shifted,
         segments,
     } = solve(problem, options.into())?;
-    let taken = Problem {
-        segments: segments.as_deref().unwrap_or(problem.segments),
-        ..*problem
-    };
+    let taken = problem.with_segments(segments.as_deref().unwrap_or(problem.segments));
     let moved = shifted.as_ref().map(|c| c.problem(&taken));
     let mut experiment = Experiment::new(moved.as_ref().unwrap_or(&taken), &solution.parameters);
     if let Some(own) = &solution.likelihood {

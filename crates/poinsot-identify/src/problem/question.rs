@@ -51,6 +51,13 @@ pub enum ProblemError {
     NoMotion,
 }
 
+impl<'a> Problem<'a> {
+    /// The same vehicle and noise with other records.
+    pub(crate) fn with_segments(&self, segments: &'a [Segment]) -> Self {
+        Self { segments, ..*self }
+    }
+}
+
 impl Problem<'_> {
     /// The registry of its unknowns.
     pub(crate) fn registry(&self) -> Registry<'_> {

@@ -2,10 +2,11 @@
 
 use super::BindError;
 use super::driven_wheels::{DrivenWheels, speed_column, torque_column};
+use super::input_errors::is_locked;
 use super::sensors::{BaseSensors, REFERENCE};
-use poinsot_model::{JointKind, Model, SensorKind};
-use poinsot_spatial::Vector3;
-use poinsot_telemetry::{Channel, Table};
+use poinsot_model::{Axes, Joint, JointKind, Model, SensorKind};
+use poinsot_spatial::{Matrix3, Vector3};
+use poinsot_telemetry::{Channel, Mounting, Table};
 use std::borrow::Cow;
 use std::collections::BTreeSet;
 
@@ -24,6 +25,23 @@ pub(super) struct Channels<'a> {
 pub(super) struct VectorChannels<'a> {
     pub axes: [&'a Channel; 3],
     pub p_BoS_B: Vector3,
+}
+
+/// The columns of a joint.
+pub(super) struct JointColumns<'a> {
+    pub position_name: String,
+    pub rate_name: String,
+    pub position: Option<&'a Channel>,
+    pub rate: Option<&'a Channel>,
+    /// Whether the rounded position never changes: the joint is locked.
+    pub locked: bool,
+}
+
+impl<'a> JointColumns<'a> {
+    /// The position, if the joint is not locked.
+    pub fn moving(&self) -> Option<&'a Channel> {
+        self.position.filter(|_| !self.locked)
+    }
 }
 
 impl VectorChannels<'_> {
@@ -63,11 +81,29 @@ impl<'a> Channels<'a> {
             .ok_or_else(|| self.missing("omega_x omega_y omega_z", "every method starts from measured body rates; add a gyro, or map its columns in [telemetry.columns]"))
     }
 
+    /// The columns of a joint, by its index in the model.
+    pub fn joint(&self, model: &Model, at: usize) -> JointColumns<'a> {
+        let joint: &Joint = &model.joints[at];
+        let (position_name, rate_name) = joint_columns(&joint.name, joint.kind);
+        let position = self.find(None, &position_name);
+        JointColumns {
+            rate: self.find(None, &rate_name),
+            locked: position.is_some_and(|q| is_locked(model, at, q)),
+            position,
+            position_name,
+            rate_name,
+        }
+    }
+
+    /// The column of a wheel's speed.
+    pub fn tachometer(&self, model: &Model, wheel: usize) -> Option<&'a Channel> {
+        self.find(None, &speed_column(&model.wheels.get(wheel)?.name))
+    }
+
     /// Tachometer of a wheel, and its speed at that and where its measured torque bends it.
     pub fn wheel(&self, model: &Model, wheel: usize) -> Option<(&'a Channel, Cow<'a, Channel>)> {
-        let name = &model.wheels.get(wheel)?.name;
-        let tachometer = self.find(None, &speed_column(name))?;
-        let torque = self.find(None, &torque_column(name));
+        let tachometer = self.tachometer(model, wheel)?;
+        let torque = self.find(None, &torque_column(&model.wheels[wheel].name));
         Some((tachometer, self.driven.speed(wheel, tachometer, torque)))
     }
 
@@ -123,4 +159,36 @@ pub(super) fn joint_columns(name: &str, kind: JointKind) -> (String, String) {
         JointKind::Prismatic => (format!("{name}_m"), format!("{name}_m_s")),
         JointKind::Revolute | JointKind::Fixed => (format!("{name}_rad"), format!("{name}_rad_s")),
     }
+}
+
+/// Mountings of all rotated sensors of the model.
+///
+/// ```
+#[doc = include_str!("../../doc/case.txt")]
+/// // Its gyro measures in the axes of its body.
+/// assert!(bind::mountings(&model).is_empty());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn mountings(model: &Model) -> Vec<Mounting> {
+    let of_columns = |(kind, prefix): (SensorKind, &'static str)| {
+        let alone = model.sensors_of(kind).nth(1).is_none();
+        let first = model.sensors_of(kind).find(|s| s.body == 0);
+        let turned = model
+            .sensors_of(kind)
+            .filter(|s| s.R_BS != Matrix3::identity());
+        turned.map(move |sensor| Mounting {
+            sensor: sensor.name.clone(),
+            unnamed: alone || first == Some(sensor),
+            prefix,
+            R_BS: [0, 1, 2].map(|i| [0, 1, 2].map(|j| sensor.R_BS[(i, j)])),
+        })
+    };
+    let in_own_axes = SensorKind::with_axes().filter(|kind| kind.axes() == Axes::Sensor);
+    let prefixed = in_own_axes.flat_map(|kind| {
+        let prefix = kind.columns().first().and_then(|c| c.strip_suffix("_x"));
+        // Angular acceleration has no sensor type and uses the gyro's mounting.
+        let more = (kind == SensorKind::Gyro).then_some("domega");
+        prefix.into_iter().chain(more).map(move |p| (kind, p))
+    });
+    prefixed.flat_map(of_columns).collect()
 }

@@ -3,8 +3,7 @@
 //! Gaps of base sensors are allowed, since the equation of motion propagates the state. Each piece is a segment with a
 //! separate initial state, and shares the bodies.
 
-use super::channels::{Channels, joint_columns};
-use super::input_errors::is_locked;
+use super::channels::Channels;
 use poinsot_dynamics::Tree;
 use poinsot_model::Model;
 use poinsot_telemetry::{Channel, GAP, Table, median_step};
@@ -18,16 +17,12 @@ pub(super) fn input_channels<'a>(
     channels: &Channels<'a>,
 ) -> Vec<&'a Channel> {
     let joints = tree.coordinates.iter().flat_map(|&at| {
-        let joint = &model.joints[at];
-        let (position, rate) = joint_columns(&joint.name, joint.kind);
+        let joint = channels.joint(model, at);
         // A rate without a position is not used; a locked joint needs none.
-        let position = channels.find(None, &position);
-        let position = position.filter(|q| !is_locked(model, at, q));
-        let rate = position.and_then(|_| channels.find(None, &rate));
-        [position, rate]
+        let position = joint.moving();
+        [position, position.and(joint.rate)]
     });
-    let wheels = model.wheels.iter();
-    let wheels = wheels.map(|w| channels.find(None, &format!("{}_rad_s", w.name)));
+    let wheels = (0..model.wheels.len()).map(|k| channels.tachometer(model, k));
     joints.chain(wheels).flatten().collect()
 }
 

@@ -7,7 +7,7 @@
 //! indistinguishable by the run alone. A joint may be at rest where the runs beside it are much
 //! shorter; the fit decides by the likelihood.
 
-use super::channels::{Channels, joint_columns};
+use super::channels::Channels;
 use poinsot_dynamics::Tree;
 use poinsot_identify::{BetweenReadings, InputErrors, RoundingError};
 use poinsot_model::{Model, Sensor, SensorKind};
@@ -31,25 +31,21 @@ pub(super) fn joint_errors(
     grid: &[f64],
 ) -> Vec<InputErrors> {
     let of = |&at: &usize| {
-        let joint = &model.joints[at];
-        let (position, _) = joint_columns(&joint.name, joint.kind);
         let sensor = sensor(model, SensorKind::JointPosition, at);
-        channels
-            .find(None, &position)
-            .map_or(InputErrors::None, |c| errors(c, sensor, grid, true))
+        let position = channels.joint(model, at).position;
+        position.map_or(InputErrors::None, |c| errors(c, sensor, grid, true))
     };
     tree.coordinates.iter().map(of).collect()
 }
 
 /// Errors of every wheel speed on the grid of a segment.
 pub(super) fn wheel_errors(model: &Model, channels: &Channels, grid: &[f64]) -> Vec<InputErrors> {
-    let of = |(at, wheel): (usize, &poinsot_model::Wheel)| {
-        let sensor = sensor(model, SensorKind::WheelSpeed, at);
-        channels
-            .find(None, &format!("{}_rad_s", wheel.name))
-            .map_or(InputErrors::None, |c| of_wheel(c, sensor, grid))
+    let of = |wheel: usize| {
+        let sensor = sensor(model, SensorKind::WheelSpeed, wheel);
+        let speed = channels.tachometer(model, wheel);
+        speed.map_or(InputErrors::None, |c| of_wheel(c, sensor, grid))
     };
-    model.wheels.iter().enumerate().map(of).collect()
+    (0..model.wheels.len()).map(of).collect()
 }
 
 /// Joints whose rate is differentiated from positions sampled exactly at the grid times.
@@ -60,12 +56,9 @@ pub(super) fn derived_rates(
     grid: &[f64],
 ) -> Vec<bool> {
     let of = |&at: &usize| {
-        let joint = &model.joints[at];
-        let (position, rate) = joint_columns(&joint.name, joint.kind);
-        let position = channels.find(None, &position);
-        let position = position.filter(|p| !is_locked(model, at, p));
-        channels.find(None, &rate).is_none()
-            && position.is_some_and(|p| {
+        let joint = channels.joint(model, at);
+        joint.rate.is_none()
+            && joint.moving().is_some_and(|p| {
                 let longest = 2.5 * median_step(&p.time_s).unwrap_or(0.0);
                 let whole = p.time_s.windows(2).all(|w| w[1] - w[0] < longest);
                 whole && p.time_s.len() == grid.len() && read_at(p, grid)
@@ -77,11 +70,8 @@ pub(super) fn derived_rates(
 /// Joints with a channel of rates of their own.
 pub(super) fn measured_rates(model: &Model, tree: &Tree, channels: &Channels) -> Vec<bool> {
     let of = |&at: &usize| {
-        let joint = &model.joints[at];
-        let (position, rate) = joint_columns(&joint.name, joint.kind);
-        let position = channels.find(None, &position);
-        let moves = position.is_some_and(|p| !is_locked(model, at, p));
-        moves && channels.find(None, &rate).is_some()
+        let joint = channels.joint(model, at);
+        joint.moving().and(joint.rate).is_some()
     };
     tree.coordinates.iter().map(of).collect()
 }
@@ -94,17 +84,12 @@ pub(super) fn between_readings(
     grid: &[f64],
 ) -> bool {
     let joints = tree.coordinates.iter().flat_map(|&at| {
-        let joint = &model.joints[at];
-        let (position, rate) = joint_columns(&joint.name, joint.kind);
-        [position, rate]
+        let joint = channels.joint(model, at);
+        [joint.position, joint.rate]
     });
-    let wheels = model.wheels.iter().map(|w| format!("{}_rad_s", w.name));
-    let mut names = joints.chain(wheels);
-    names.any(|name| {
-        channels
-            .find(None, &name)
-            .is_some_and(|c| !read_at(c, grid))
-    })
+    let wheels = (0..model.wheels.len()).map(|k| channels.tachometer(model, k));
+    let mut all = joints.chain(wheels).flatten();
+    all.any(|channel| !read_at(channel, grid))
 }
 
 /// Whether a channel has a sample at every grid time.

@@ -2,27 +2,22 @@
 //!
 //! Every assumption and repair is reported; an unknown name is an error.
 
-mod acceleration;
 mod attitude_start;
 mod channels;
+mod checks;
 mod cut;
 mod driven_wheels;
-mod faults;
 mod free_fall;
 mod input_errors;
 mod motion;
-mod mounting;
 mod noise;
 mod observe;
 mod orbit;
-mod plausible;
 mod sensors;
-mod thrust;
 
-pub use acceleration::acceleration_channels;
-pub use channels::wanted_channels;
+pub use channels::{mountings, wanted_channels};
 pub(crate) use cut::cut_at;
-pub use mounting::mountings;
+pub use motion::acceleration_channels;
 
 pub use crate::error::BindError;
 
@@ -30,7 +25,7 @@ use driven_wheels::DrivenWheels;
 use noise::declared_noise;
 use poinsot_dynamics::Tree;
 use poinsot_identify::{Noise, Problem, Samples, Segment};
-use poinsot_model::{Model, MomentumKnowledge, SensorKind};
+use poinsot_model::{Model, SensorKind};
 use poinsot_telemetry::Table;
 use sensors::BaseSensors;
 use std::collections::HashSet;
@@ -80,12 +75,11 @@ impl Bound {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn bind(model: &Model, tree: &Tree, tables: &[Table]) -> Result<Bound, BindError> {
-    faults::check_faults(model)?;
     let mut repairs = Vec::new();
     let tables = free_fall::relative(model, tables, &mut repairs)?;
     let tables = tables.as_ref();
     let leading = BaseSensors::new(model, tables);
-    sensors::check_sensors(model, tables, &leading, &mut repairs)?;
+    checks::check_sensors(model, tables, &leading, &mut repairs)?;
     let of_wheel = |k| noise::scalar(model, SensorKind::WheelSpeed, k);
     let tachometers: Vec<f64> = (0..model.wheels.len()).map(of_wheel).collect();
     let driven = DrivenWheels::new(model, tables, &tachometers);
@@ -135,9 +129,9 @@ fn bind_table(
         leading,
         driven,
     };
-    plausible::check(&channels)?;
+    checks::check_plausible(&channels)?;
     let gyro = channels.gyro(model)?;
-    needs_attitude(model, &channels)?;
+    checks::needs_attitude(model, &channels)?;
     orbit::check_orbit(model, &channels, repairs)?;
     let whole = gyro.time_s();
     let (pieces, gaps) = cut::pieces(model, tree, &channels, whole);
@@ -216,9 +210,9 @@ fn bind_piece(
         return Ok((None, complete.len()));
     }
     let samples: Samples = aligned.take(&complete, tree);
-    let firings = thrust::firings(model, channels, &samples, repairs);
+    let firings = observe::firings(model, channels, &samples, repairs);
     let observations = observe::observe(model, tree, channels, &samples, &firings);
-    let accelerations = acceleration::accelerations(model, channels, &samples);
+    let accelerations = motion::accelerations(model, channels, &samples);
     let segment = Segment {
         label: channels.label.to_owned(),
         samples,
@@ -227,39 +221,4 @@ fn bind_piece(
         accelerations,
     };
     Ok((Some(segment), complete.len()))
-}
-
-/// # Errors
-/// Momentum, velocity or position are given in N, but no attitude is measured.
-fn needs_attitude(model: &Model, channels: &channels::Channels) -> Result<(), BindError> {
-    let seen = [SensorKind::Attitude, SensorKind::Direction];
-    if seen
-        .iter()
-        .any(|kind| channels.leading(model, *kind).is_some())
-    {
-        return Ok(());
-    }
-    let fault = |what: String, remedy| BindError::NoAttitude {
-        file: channels.label.to_owned(),
-        what,
-        remedy,
-    };
-    for (key, known) in [
-        ("linear_N_s", model.momentum.linear),
-        ("angular_N_m_s", model.momentum.angular),
-    ] {
-        if let MomentumKnowledge::Known(p) = known
-            && p.norm() > 0.0
-        {
-            let what = format!("[momentum] {key} = [{}, {}, {}]", p.x, p.y, p.z);
-            return Err(fault(what, "write \"estimate\""));
-        }
-    }
-    for (kind, prefix) in [(SensorKind::Velocity, "v"), (SensorKind::Position, "r")] {
-        if channels.vector(model, kind).is_some() {
-            let what = format!("{prefix}_x {prefix}_y {prefix}_z");
-            return Err(fault(what, "take the sensor out of the model"));
-        }
-    }
-    Ok(())
 }

@@ -2,19 +2,20 @@
 
 use super::BindError;
 use super::attitude_start::{attitudes, base_directions, integrate_rate};
-use super::channels::{Channels, VectorChannels, joint_columns};
+use super::channels::{Channels, JointColumns, VectorChannels};
 use super::driven_wheels::{speed_at, speed_column};
 use super::free_fall::ORBITAL;
+use super::sensors::SAME;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use poinsot_dynamics::Tree;
-use poinsot_identify::{Samples, Translation};
+use poinsot_identify::{Accelerations, Samples, Translation};
 use poinsot_model::{Model, SensorKind};
 use poinsot_telemetry::{Channel, differentiate, resample, resample_attitude, resample_hermite};
 
 /// Half-width of the polynomial that differentiates a channel without rate, in samples.
 const HALF_WIDTH: usize = 2;
 
-type Column = Vec<Option<f64>>;
+pub(super) type Column = Vec<Option<f64>>;
 
 /// Channels at the gyro's times; `None` without a sample.
 pub(super) struct Aligned {
@@ -42,9 +43,9 @@ pub(super) fn align(
     let mut joint_position = Vec::new();
     let mut joint_rate = Vec::new();
     for &at in &tree.coordinates {
-        let (position, rate) = joint(model, channels, at, times, repairs);
-        joint_position.push(position);
-        joint_rate.push(rate);
+        let motion = joint(model, channels, at, times, repairs);
+        joint_position.push(motion.position);
+        joint_rate.push(motion.rate);
     }
     let mut wheel_speed = Vec::new();
     for (k, wheel) in model.wheels.iter().enumerate() {
@@ -258,41 +259,36 @@ fn integrate_velocity(
     out
 }
 
-/// Position and rate of one joint: measured, derived, or locked.
+/// Position and rate of one joint at the gyro's times: measured, derived, or locked.
 fn joint(
     model: &Model,
     channels: &Channels,
     at: usize,
     times: &[f64],
     repairs: &mut Vec<String>,
-) -> (Column, Column) {
-    let joint = &model.joints[at];
-    let (position_name, rate_name) = joint_columns(&joint.name, joint.kind);
-    let label = channels.label;
-    match (
-        channels.find(None, &position_name),
-        channels.find(None, &rate_name),
-    ) {
-        (Some(q), rate) if super::input_errors::is_locked(model, at, q) => {
+) -> JointMotion {
+    let (joint, columns) = (&model.joints[at], channels.joint(model, at));
+    let (label, name) = (channels.label, &joint.name);
+    let JointColumns {
+        position_name,
+        rate_name,
+        ..
+    } = &columns;
+    let mut motion = joint_at(model, at, &columns, times);
+    match (columns.position, columns.rate) {
+        (Some(_), rate) if columns.locked => {
             if rate.is_some_and(|r| r.values.iter().any(|x| *x != 0.0)) {
                 repairs.push(format!(
-                    "{label}: {} has one constant position: assumed locked, its '{rate_name}' assumed zero",
-                    joint.name
+                    "{label}: {name} has one constant position: assumed locked, its '{rate_name}' assumed zero"
                 ));
             }
-            (resample(q, times, None), vec![Some(0.0); times.len()])
         }
-        (Some(q), Some(rate)) => (
-            resample_hermite(q, rate, times, None),
-            resample(rate, times, None),
-        ),
+        (Some(_), Some(_)) => {}
         (Some(q), None) => {
             repairs.push(format!(
-                "{label}: no channel '{rate_name}': rate of {} differentiated from '{position_name}' (quartic through five samples)",
-                joint.name
+                "{label}: no channel '{rate_name}': rate of {name} differentiated from '{position_name}' (quartic through five samples)"
             ));
-            let rate = derived_rate(q);
-            (resample(q, times, None), resample(&rate, times, None))
+            motion.position = resample(q, times, None);
         }
         (None, rate) => {
             let unused = rate.map_or(String::new(), |_| {
@@ -305,18 +301,94 @@ fn joint(
                 None => "",
             };
             repairs.push(format!(
-                "{label}: no channel '{position_name}': assumed: {} locked at {}{unused}{springs}",
-                joint.name, joint.locked_at
+                "{label}: no channel '{position_name}': assumed: {name} locked at {}{unused}{springs}",
+                joint.locked_at
             ));
-            (
-                vec![Some(joint.locked_at); times.len()],
-                vec![Some(0.0); times.len()],
-            )
         }
+    }
+    motion
+}
+
+/// Position and rate of a joint.
+pub(super) struct JointMotion {
+    pub position: Column,
+    pub rate: Column,
+}
+
+/// Position and rate of a joint at some times: cubic between samples; at rest without a column, or where it is locked.
+pub(super) fn joint_at(
+    model: &Model,
+    at: usize,
+    columns: &JointColumns,
+    times: &[f64],
+) -> JointMotion {
+    let Some(q) = columns.moving() else {
+        let still = vec![Some(model.joints[at].locked_at); times.len()];
+        return JointMotion {
+            position: columns.position.map_or(still, |q| resample(q, times, None)),
+            rate: vec![Some(0.0); times.len()],
+        };
+    };
+    let derived = columns.rate.is_none();
+    let derived = derived.then(|| differentiate(q, HALF_WIDTH, None));
+    let rate = derived.as_ref().or(columns.rate).unwrap_or(q);
+    JointMotion {
+        position: resample_hermite(q, rate, times, None),
+        rate: resample(rate, times, None),
     }
 }
 
-/// Rate of a joint, differentiated from its positions.
-pub(super) fn derived_rate(position: &Channel) -> Channel {
-    differentiate(position, HALF_WIDTH, None)
+/// Channels of accelerations: `domega` and those of the accelerometer.
+///
+/// ```
+/// use poinsot::bind::acceleration_channels;
+///
+/// assert!(acceleration_channels().any(|name| name == "domega_x"));
+/// ```
+pub fn acceleration_channels() -> impl Iterator<Item = String> {
+    ["domega", "acc"]
+        .into_iter()
+        .flat_map(|name| ["x", "y", "z"].map(|k| format!("{name}_{k}")))
+}
+
+/// Angular acceleration at every sample, and specific force if the accelerometer has a value at every sample.
+///
+/// Nothing is interpolated: thrust switches between samples.
+pub(super) fn accelerations(
+    model: &Model,
+    channels: &Channels,
+    samples: &Samples,
+) -> Option<Accelerations> {
+    let angular = ["x", "y", "z"].map(|k| channels.find(None, &format!("domega_{k}")));
+    let [Some(x), Some(y), Some(z)] = angular else {
+        return None;
+    };
+    let dw_NB_B = at_samples(&[x, y, z], &samples.time_s)?;
+    let linear = channels.vector(model, SensorKind::Accelerometer);
+    let p_BoS_B = linear.as_ref().map_or_else(Vector3::zeros, |a| a.p_BoS_B);
+    Some(Accelerations {
+        dw_NB_B,
+        a_NS_B: linear.and_then(|a| at_samples(&a.axes, &samples.time_s)),
+        p_BoS_B,
+    })
+}
+
+fn at_samples(axes: &[&Channel; 3], times: &[f64]) -> Option<Vec<Vector3<f64>>> {
+    let mut at = [0; 3];
+    times
+        .iter()
+        .map(|t| {
+            let mut value = Vector3::zeros();
+            for (k, (channel, at)) in axes.iter().zip(&mut at).enumerate() {
+                while *channel.time_s.get(*at)? < t - SAME {
+                    *at += 1;
+                }
+                if (channel.time_s.get(*at)? - t).abs() > SAME {
+                    return None;
+                }
+                value[k] = *channel.values.get(*at)?;
+            }
+            Some(value)
+        })
+        .collect()
 }

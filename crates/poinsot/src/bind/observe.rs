@@ -1,11 +1,12 @@
 //! Every sensor and input at its own times, on the union of all times: for maximum likelihood.
 
-use super::channels::{Channels, VectorChannels, joint_columns};
+use super::channels::{Channels, VectorChannels};
 use super::cut::input_channels;
 use super::driven_wheels::speed_at;
 use super::input_errors::{
-    between_readings, derived_rates, is_locked, joint_errors, measured_rates, wheel_errors,
+    between_readings, derived_rates, joint_errors, measured_rates, wheel_errors,
 };
+use super::motion::{Column, joint_at};
 use super::orbit::orbit_at;
 use super::sensors::{SAME, SensorColumns, sensor_columns};
 use nalgebra::Vector3;
@@ -186,39 +187,63 @@ fn inputs(
     channels: &Channels,
     wheels: &[Option<WheelSpeed>],
     grid: &[f64],
-) -> Vec<Vec<Option<f64>>> {
-    let mut positions = Vec::new();
-    let mut rates = Vec::new();
-    for &at in &tree.coordinates {
-        let joint = &model.joints[at];
-        let (position_name, rate_name) = joint_columns(&joint.name, joint.kind);
-        match channels.find(None, &position_name) {
-            None => {
-                positions.push(vec![Some(joint.locked_at); grid.len()]);
-                rates.push(vec![Some(0.0); grid.len()]);
-            }
-            Some(q) => {
-                let derived;
-                let rate = match channels.find(None, &rate_name) {
-                    Some(rate) => rate,
-                    None => {
-                        derived = super::motion::derived_rate(q);
-                        &derived
-                    }
-                };
-                if is_locked(model, at, q) {
-                    positions.push(resample(q, grid, None));
-                    rates.push(vec![Some(0.0); grid.len()]);
-                } else {
-                    positions.push(resample_hermite(q, rate, grid, None));
-                    rates.push(resample(rate, grid, None));
-                }
-            }
-        }
-    }
+) -> Vec<Column> {
+    let joints = tree.coordinates.iter();
+    let joints = joints.map(|&at| joint_at(model, at, &channels.joint(model, at), grid));
+    let (positions, rates): (Vec<_>, Vec<_>) = joints.map(|m| (m.position, m.rate)).unzip();
     let wheels = wheels.iter().map(|w| match w {
         Some(w) => speed_at(&w.speed, w.tachometer, grid),
         None => vec![None; grid.len()],
     });
     positions.into_iter().chain(rates).chain(wheels).collect()
+}
+
+/// Firings of every thruster with a column, whose values hold until the next sample; others are off.
+pub(super) fn firings(
+    model: &Model,
+    channels: &Channels,
+    samples: &Samples,
+    repairs: &mut Vec<String>,
+) -> Vec<Firing> {
+    let mut list = Vec::new();
+    let mut off = Vec::new();
+    for (thruster, item) in model.thrusters.iter().enumerate() {
+        let Some(channel) = channels.find(None, &format!("{}_N", item.name)) else {
+            off.push(item.name.as_str());
+            continue;
+        };
+        let mut pairs = channel.time_s.iter().zip(&channel.values).peekable();
+        while let Some((&start_s, &force)) = pairs.next() {
+            if force == 0.0 {
+                continue;
+            }
+            let mut end_s = start_s;
+            // Consecutive equal values are one firing.
+            while let Some(&(&next, &value)) = pairs.peek() {
+                end_s = next;
+                if value != force {
+                    break;
+                }
+                pairs.next();
+            }
+            if pairs.peek().is_none() {
+                end_s = samples.time_s.last().copied().unwrap_or(end_s).max(end_s);
+            }
+            list.push(Firing {
+                thruster,
+                start_s,
+                end_s,
+                force,
+            });
+        }
+    }
+    if !off.is_empty() {
+        repairs.push(format!(
+            "{}: no column for {}: assumed off",
+            channels.label,
+            off.join(", ")
+        ));
+    }
+    list.sort_by(|a, b| a.start_s.total_cmp(&b.start_s));
+    list
 }

@@ -1,12 +1,11 @@
 //! Three-axis sensors: their columns and samples on the grid. Any number of each kind, on any body.
 
-use super::BindError;
 use crate::channel_names::{XYZ, names};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
-use poinsot_identify::{ErrorGroup, SensorRecord, SensorSample, SensorValue};
-use poinsot_model::{Model, Nuisance, Sensor, SensorKind};
+use poinsot_identify::{SensorRecord, SensorSample, SensorValue};
+use poinsot_model::{Model, Sensor, SensorKind};
 use poinsot_spatial::Matrix3;
-use poinsot_telemetry::{Channel, Table, full_name, median_step, resample};
+use poinsot_telemetry::{Channel, Table, median_step, resample};
 
 /// Times closer than this are equal, s.
 pub(super) const SAME: f64 = 1.0e-9;
@@ -58,7 +57,11 @@ pub(super) fn columns_of<'a>(
 }
 
 /// The columns of a sensor. Columns without a sensor name belong to the only sensor of the kind without own columns.
-fn parts_of<'a>(model: &Model, table: &'a Table, sensor: usize) -> Option<Vec<&'a Channel>> {
+pub(super) fn parts_of<'a>(
+    model: &Model,
+    table: &'a Table,
+    sensor: usize,
+) -> Option<Vec<&'a Channel>> {
     let of = &model.sensors[sensor];
     named(model, table, of.kind, &of.name).or_else(|| {
         let mut nameless = without_own(model, table, of.kind);
@@ -69,7 +72,7 @@ fn parts_of<'a>(model: &Model, table: &'a Table, sensor: usize) -> Option<Vec<&'
     })
 }
 
-fn named<'a>(
+pub(super) fn named<'a>(
     model: &Model,
     table: &'a Table,
     kind: SensorKind,
@@ -81,12 +84,12 @@ fn named<'a>(
 }
 
 /// Columns of a kind of three axes, without a sensor's name.
-fn names_of(model: &Model, kind: SensorKind) -> Vec<String> {
+pub(super) fn names_of(model: &Model, kind: SensorKind) -> Vec<String> {
     names(model, kind, &[])
 }
 
 /// Sensors of a kind without columns of their own name.
-fn without_own<'a>(
+pub(super) fn without_own<'a>(
     model: &'a Model,
     table: &'a Table,
     kind: SensorKind,
@@ -332,197 +335,4 @@ impl BaseSensors {
     pub fn sensor<'m>(&self, model: &'m Model, kind: SensorKind) -> Option<&'m Sensor> {
         self.index(kind).map(|k| &model.sensors[k])
     }
-}
-
-/// Reports unused sensors, columns without a sensor, and the sensors with which the fit starts.
-///
-/// # Errors
-/// Columns without a sensor name that several sensors could have written; columns of a sensor without declared noise;
-/// an unknown error of a sensor without columns.
-pub(super) fn check_sensors(
-    model: &Model,
-    tables: &[Table],
-    leading: &BaseSensors,
-    repairs: &mut Vec<String>,
-) -> Result<(), BindError> {
-    for table in tables {
-        let label = super::file_label(table);
-        refuse_without_reference(model, table, &label)?;
-        for kind in SensorKind::with_axes() {
-            refuse_ambiguous(model, table, kind)?;
-        }
-        unread(model, table, &label, repairs);
-        ownerless(model, table, &label, repairs);
-    }
-    let has_columns: Vec<bool> = (0..model.sensors.len())
-        .map(|k| tables.iter().any(|t| parts_of(model, t, k).is_some()))
-        .collect();
-    let read = |s: &Sensor| {
-        let mut all = model.sensors.iter().zip(&has_columns);
-        all.any(|(other, has)| std::ptr::eq(s, other) && *has)
-    };
-    refuse_links_alone(model, &read)?;
-    for kind in SensorKind::with_axes() {
-        let all: Vec<&Sensor> = model.sensors_of(kind).collect();
-        let with_columns: Vec<&&Sensor> = all.iter().filter(|s| read(s)).collect();
-        for sensor in &with_columns {
-            refuse_noiseless(sensor, with_columns.len())?;
-        }
-        // A missing gyro is reported elsewhere.
-        let needed = kind != SensorKind::Gyro || !with_columns.is_empty();
-        if let Some(sensor) = all.iter().find(|s| needed && asks(s) && !read(s)) {
-            return Err(BindError::Unsupported {
-                what: format!(
-                    "sensor '{}': one of its errors is to be estimated, but no segment has its columns '{}'; add them, or take bias, scale, misalignment and lag out",
-                    sensor.name,
-                    names_of(model, kind).join(" ")
-                ),
-            });
-        }
-        let base = with_columns.iter().filter(|s| s.body == 0).count();
-        if base > 1
-            && !kind.is_relative()
-            && let Some(first) = leading.sensor(model, kind)
-        {
-            repairs.push(format!(
-                "{base} sensors of type {} on the base: the linear start uses '{}', maximum likelihood uses all",
-                kind.word(),
-                first.name
-            ));
-        }
-    }
-    Ok(())
-}
-
-fn refuse_ambiguous(model: &Model, table: &Table, kind: SensorKind) -> Result<(), BindError> {
-    let nameless: Vec<&str> = without_own(model, table, kind)
-        .map(|k| model.sensors[k].name.as_str())
-        .collect();
-    if nameless.len() < 2 || named(model, table, kind, "").is_none() {
-        return Ok(());
-    }
-    let names = names_of(model, kind);
-    Err(BindError::Unsupported {
-        what: format!(
-            "columns '{}' name no sensor, and {} sensors of type {} have no columns of their own ({}); write '{}' and so on, or take a sensor out",
-            names.join(" "),
-            nameless.len(),
-            kind.word(),
-            nameless.join(", "),
-            full_name(nameless[0], &names[0])
-        ),
-    })
-}
-
-/// A direction needs its reference vector in N.
-fn refuse_without_reference(model: &Model, table: &Table, label: &str) -> Result<(), BindError> {
-    for (k, sensor) in model.sensors.iter().enumerate() {
-        if sensor.kind != SensorKind::Direction || sensor.reference_N.is_some() {
-            continue;
-        }
-        if columns_of(model, table, k).is_some_and(|c| c.reference.is_none()) {
-            let own = |axis| full_name(&sensor.name, &format!("{REFERENCE}_{axis}"));
-            return Err(BindError::Missing {
-                file: label.to_owned(),
-                channel: XYZ.map(own).join(" "),
-                why: format!(
-                    "the direction '{}' needs its reference vector in inertial axes; add the columns, or write reference_N = [x, y, z] in its [[sensor]]",
-                    sensor.name
-                ),
-            });
-        }
-    }
-    Ok(())
-}
-
-/// The initial state must be measured on the base: rate, attitude, and position or velocity if used.
-fn refuse_links_alone(model: &Model, read: &impl Fn(&Sensor) -> bool) -> Result<(), BindError> {
-    let groups: [&[SensorKind]; 3] = [
-        &[SensorKind::Gyro],
-        &[SensorKind::Attitude],
-        &[SensorKind::Velocity, SensorKind::Position],
-    ];
-    for kinds in groups {
-        let own = || {
-            let all = model.sensors.iter();
-            all.filter(|s| kinds.contains(&s.kind) && read(s))
-        };
-        if let (Some(sensor), false) = (own().next(), own().any(|s| s.body == 0)) {
-            let words: Vec<&str> = kinds.iter().map(|k| k.word()).collect();
-            return Err(BindError::Unsupported {
-                what: format!(
-                    "sensor '{}' is on body '{}', but the fit needs a {} on the base '{}' for its initial state; add one there, or remove this sensor",
-                    sensor.name,
-                    model.bodies[sensor.body].name,
-                    words.join(" or "),
-                    model.bodies[0].name
-                ),
-            });
-        }
-    }
-    Ok(())
-}
-
-/// A declared sensor without columns is not used.
-fn unread(model: &Model, table: &Table, label: &str, repairs: &mut Vec<String>) {
-    for (k, sensor) in model.sensors.iter().enumerate() {
-        if !sensor.kind.is_scalar() && parts_of(model, table, k).is_none() {
-            repairs.push(format!(
-                "{label}: no columns '{}' of the {} '{}': the sensor is not used",
-                names_of(model, sensor.kind).join(" "),
-                sensor.kind.word().replace('_', " "),
-                sensor.name
-            ));
-        }
-    }
-}
-
-/// Columns of an undeclared sensor are not used, nor columns without a sensor name if every sensor has its own.
-fn ownerless(model: &Model, table: &Table, label: &str, repairs: &mut Vec<String>) {
-    for kind in SensorKind::with_axes() {
-        let first = &names_of(model, kind)[0];
-        for channel in table.channels.iter().filter(|c| c.name == *first) {
-            let declared = model.sensors_of(kind).any(|s| s.name == channel.sensor);
-            let shared = channel.sensor.is_empty()
-                && (without_own(model, table, kind).next().is_some()
-                    || kind == SensorKind::Attitude && model.sensors_of(kind).next().is_none());
-            if !declared && !shared {
-                repairs.push(format!(
-                    "{label}: column '{}' and its companions match no {} of the model and are not used; declare [[sensor]] type = \"{}\", name = \"{}\"{}",
-                    full_name(&channel.sensor, &channel.name),
-                    kind.word().replace('_', " "),
-                    kind.declared_as().word(),
-                    channel.sensor,
-                    if kind.is_relative() { ", seen_from = \"BODY\"" } else { "" }
-                ));
-            }
-        }
-    }
-}
-
-/// Some kinds may be exact if there is only one sensor; other sensors need declared noise.
-fn refuse_noiseless(sensor: &Sensor, of_its_kind: usize) -> Result<(), BindError> {
-    if covariance(sensor).is_some() {
-        return Ok(());
-    }
-    let kind = sensor.kind;
-    if kind.needs_noise() {
-        return Err(BindError::NoNoise { kind });
-    }
-    if of_its_kind < 2 {
-        return Ok(());
-    }
-    Err(BindError::Unsupported {
-        what: format!(
-            "sensor '{}' declares no noise, and is one of {of_its_kind} of type {}: their weights are undetermined; declare its noise",
-            sensor.name,
-            kind.word()
-        ),
-    })
-}
-
-/// Whether any error of a sensor is declared unknown.
-fn asks(sensor: &Sensor) -> bool {
-    let mut groups = ErrorGroup::of(sensor.kind);
-    groups.any(|g| g.key.declared(sensor) != Nuisance::Known)
 }

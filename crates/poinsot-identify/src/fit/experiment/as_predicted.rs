@@ -29,10 +29,7 @@ pub(crate) fn take_predictions(
     segments: &mut [Segment],
 ) -> Option<()> {
     for _ in 0..ROUNDS {
-        let problem = Problem {
-            segments: &*segments,
-            ..*experiment.problem
-        };
+        let problem = experiment.problem.with_segments(segments);
         let mut own = readings_alone(experiment, &problem);
         own.keep_rows = true;
         let evaluated = own.evaluate(at, false)?;
