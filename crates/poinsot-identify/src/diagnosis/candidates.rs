@@ -1,20 +1,99 @@
-//! Hypotheses: every number of the registry that was not among the unknowns and that the telemetry can show; drifts.
+//! Hypotheses: every number of the registry that was not among the unknowns and that the telemetry can show; drifts; known
+//! numbers that the fit took as exact, which are many and tried only where the rows are held.
 
-use super::candidate::{Candidate, Columns, changed};
-use super::changes::{of_known_numbers, untested_numbers};
-use super::table::holds;
 use super::types::FaultKind;
 use crate::fit::Fitted;
-use crate::fit::experiment::Experiment;
+use crate::fit::experiment::{Experiment, Iterate, MovedVehicle, twin};
 use crate::likelihood::MeasuredMotion;
 use crate::problem::Problem;
-use crate::problem::parameters::{Entry, UnknownKind, axis_name};
+use crate::problem::parameters::{Entry, Unknown, UnknownKind, axis_name};
 use crate::problem::segment::InputErrors;
 use poinsot_dynamics::SensorError;
-use poinsot_model::SensorKind;
+use poinsot_model::{KnownNumber, Origin, SensorKind};
 
 /// Largest number of firings tested one by one.
 const FIRINGS: usize = 48;
+/// Step of the difference of what a number moves in the vehicle, in its usual uncertainty.
+const CHANGE_STEP: f64 = 1.0e-3;
+
+/// Largest number of values in the rows: 64 MiB.
+const NUMBERS: usize = 8_000_000;
+
+/// Candidate faults of one kind.
+pub(super) struct Candidate {
+    /// Its name.
+    pub name: String,
+    pub fault: FaultKind,
+    pub unknowns: Vec<Unknown>,
+    pub columns: Columns,
+}
+
+/// Source of a candidate's columns.
+#[derive(Debug, Clone)]
+pub(super) enum Columns {
+    /// The unknowns have slopes of their own.
+    Slopes,
+    /// Those of an unknown that moves the predictions alike, one for each. Not tried where the record is too long to be held.
+    Twins(Vec<Twin>),
+    /// Those of the errors of a sensor, times the time since the start of the record.
+    Ramp { sensor: usize },
+}
+
+/// An unknown that moves the predictions as a number of a candidate does.
+#[derive(Debug, Clone)]
+pub(super) struct Twin {
+    pub unknown: Unknown,
+    /// Size of the number whose effect has to show in the predictions.
+    pub sigma: f64,
+}
+
+impl Candidate {
+    /// The fault of a group of the registry.
+    pub fn of(entries: Vec<Entry>) -> Option<Self> {
+        let first = entries.first()?;
+        let shows = matches!(
+            first.unknown.kind,
+            UnknownKind::Firing { .. } | UnknownKind::JointPlay(_)
+        );
+        let (name, fault) = (first.hypothesis.clone(), first.fault);
+        let unknowns: Vec<Unknown> = entries.into_iter().map(|e| e.unknown).collect();
+        Some(Self {
+            name,
+            fault,
+            columns: match shows {
+                true => Columns::Twins(unknowns.iter().map(Twin::itself).collect()),
+                false => Columns::Slopes,
+            },
+            unknowns,
+        })
+    }
+
+    /// Whether it is a lag of an input.
+    pub fn delays_inputs(&self) -> bool {
+        self.unknowns.iter().any(|u| u.kind.delays_drives())
+    }
+}
+
+impl Twin {
+    /// A number that shows whatever its size.
+    fn itself(unknown: &Unknown) -> Self {
+        Self {
+            unknown: unknown.clone(),
+            sigma: f64::INFINITY,
+        }
+    }
+}
+
+/// A number whose column is made of others.
+fn changed(name: String, unit: &'static str, nominal: f64) -> Unknown {
+    Unknown {
+        kind: UnknownKind::Changed,
+        name,
+        unit,
+        nominal,
+        natural: 1.0,
+    }
+}
 
 /// Candidates that the fit did not have at its answer, and whether their rows can be held; those with slopes of their own first,
 /// those made of others last. Where the rows cannot be held, the former are all.
@@ -31,6 +110,11 @@ pub(super) fn candidates(experiment: &Experiment, fitted: &Fitted) -> (Vec<Candi
         list.retain(|c| matches!(c.columns, Columns::Slopes));
     }
     (list, held)
+}
+
+/// Whether the rows can be held with so many columns of candidates.
+fn holds(experiment: &Experiment, fitted: &Fitted, columns: usize) -> bool {
+    fitted.rows() * (experiment.parameters.len() + columns) < NUMBERS
 }
 
 /// Those that are unknowns of the registry.
@@ -171,4 +255,80 @@ pub(super) fn sensors_read(problem: &Problem) -> Vec<(usize, String)> {
         }
     }
     list
+}
+
+/// Numbers whose errors are no candidates otherwise.
+fn untested_numbers(experiment: &Experiment) -> Vec<KnownNumber> {
+    let model = experiment.problem.model;
+    let fitted = &experiment.parameters.unknowns;
+    let is_unknown = |number: &KnownNumber| {
+        let mut known = fitted.iter().filter_map(|u| u.kind.known());
+        known.any(|k| k.number == *number)
+    };
+    let is_candidate = |number: &KnownNumber| {
+        matches!(
+            number,
+            KnownNumber::SpinInertia(_)
+                | KnownNumber::WheelAxis(_)
+                | KnownNumber::Force(_)
+                | KnownNumber::SpecificImpulse(_)
+                | KnownNumber::PropellantPlace(_)
+                | KnownNumber::Mounting(_)
+        )
+    };
+    let numbers = model.known_numbers().into_iter();
+    numbers
+        .filter(|n| n.is_known(model) && !is_unknown(n) && !is_candidate(n))
+        .collect()
+}
+
+/// Hypotheses of other values of these numbers.
+fn of_known_numbers(
+    experiment: &Experiment,
+    at: &Iterate,
+    numbers: Vec<KnownNumber>,
+) -> Vec<Candidate> {
+    let Some(moved) = MovedVehicle::new(experiment, at) else {
+        return Vec::new();
+    };
+    let there = moved.problem(experiment.problem);
+    let model = experiment.problem.model;
+    numbers
+        .into_iter()
+        .map(|number| {
+            let components = 0..number.components();
+            let twin_of = |c: usize| {
+                let usual = number.usual_sigma(Origin::Cad);
+                let sigma = number.absolute(model, c, usual);
+                let shift = (number, c, CHANGE_STEP * sigma);
+                let own = (moved.parameters(), &moved.base.x);
+                match twin((&there, model), own.0, own.1, shift) {
+                    Some((unknown, _)) => Twin { unknown, sigma },
+                    None => Twin {
+                        unknown: changed(number.name(model, c), number.unit(), 0.0),
+                        sigma,
+                    },
+                }
+            };
+            let name = number.name(model, 0);
+            let what = match number {
+                KnownNumber::Mass(_) => name.clone(),
+                _ => name
+                    .rsplit_once('_')
+                    .map_or(name.clone(), |n| n.0.to_owned()),
+            };
+            Candidate {
+                name: format!("another {what} than known"),
+                fault: FaultKind::KnownNumber,
+                unknowns: components
+                    .clone()
+                    .map(|c| {
+                        let value = number.value(model, c);
+                        changed(number.name(model, c), number.unit(), value)
+                    })
+                    .collect(),
+                columns: Columns::Twins(components.map(twin_of).collect()),
+            }
+        })
+        .collect()
 }

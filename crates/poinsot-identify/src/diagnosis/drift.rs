@@ -1,7 +1,6 @@
 //! Tests of a drift of the total momentum and of lags between sensors.
 
-use super::candidate::Candidate;
-use super::candidates::sensors_read;
+use super::candidates::{Candidate, sensors_read};
 use super::projected::{Projected, Score};
 use super::types::{MomentumDrift, SensorLag};
 use crate::fit::experiment::Experiment;

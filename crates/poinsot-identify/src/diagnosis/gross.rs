@@ -272,14 +272,9 @@ fn named(mistake: &GrossError, decrease: f64, excess: f64) -> Suspect {
             vec![SuspectValue::other(name, mistake.kind.factor, "1")]
         }
     };
+    let name = format!("{before} {owner}{after}");
     Suspect {
-        name: format!("{before} {owner}{after}"),
-        decrease,
         explains: (decrease / excess).clamp(0.0, 1.0),
-        numbers: values.len(),
-        values,
-        times: 1,
-        fault: mistake.kind.fault,
-        tied: false,
+        ..Suspect::new(name, mistake.kind.fault, decrease, values)
     }
 }

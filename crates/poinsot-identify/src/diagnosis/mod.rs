@@ -4,9 +4,7 @@
 //! chi-square with those columns added (score test). The best few are fitted fully. A spectral line in the gyro
 //! residual indicates flexing or slosh; large white noise a wrong declaration; few bad samples outliers.
 
-mod candidate;
 mod candidates;
-mod changes;
 mod channels;
 pub(crate) mod conflict;
 pub(crate) mod deviance;

@@ -4,8 +4,7 @@
 //! on the same scale as the decrease of chi-square by a fault of the mean.
 
 use super::EXCESS;
-use super::candidate::Candidate;
-use super::candidates::sensors_read;
+use super::candidates::{Candidate, sensors_read};
 use super::channels::predictable;
 use super::suspects::{Misfit, Scored};
 use super::table::Table;
@@ -48,27 +47,15 @@ pub(super) fn noise_models(
     list
 }
 
+/// A noise model with one number.
 fn scored(
     name: String,
     fault: FaultKind,
-    (decrease, numbers): (f64, usize),
-    values: Vec<SuspectValue>,
+    decrease: f64,
+    (of, value, unit): (String, f64, &'static str),
 ) -> Scored {
-    Scored {
-        at: None,
-        suspect: Suspect {
-            name,
-            decrease,
-            explains: 0.0,
-            values,
-            numbers,
-            times: 1,
-            fault,
-            tied: false,
-        },
-        sigmas: Vec::new(),
-        nominal: Vec::new(),
-    }
+    let values = vec![SuspectValue::other(of, value, unit)];
+    Scored::alone(Suspect::new(name, fault, decrease, values))
 }
 
 /// A few samples with another, larger scatter.
@@ -101,7 +88,11 @@ fn outliers(
         channel.name,
         100.0 * share
     );
-    Some(scored(name, FaultKind::Outliers, (decrease, 2), Vec::new()))
+    // Their share and their scatter.
+    Some(Scored::alone(Suspect {
+        numbers: 2,
+        ..Suspect::new(name, FaultKind::Outliers, decrease, Vec::new())
+    }))
 }
 
 /// Noise larger than declared, or the rounding that makes it so.
@@ -125,12 +116,8 @@ fn noise(experiment: &Experiment, channel: &ChannelDiagnosis) -> Option<Scored> 
             > experiment.settings.diagnosis.rounding_share * (mean - 1.0) * variance
     {
         let name = format!("rounding of the {}", channel.name);
-        let values = vec![SuspectValue::other(
-            format!("{}.step", channel.name),
-            step,
-            "",
-        )];
-        return Some(scored(name, FaultKind::Quantisation, (decrease, 1), values));
+        let value = (format!("{}.step", channel.name), step, "");
+        return Some(scored(name, FaultKind::Quantisation, decrease, value));
     }
     channel.is_white().then(|| {
         let factor = ratio.sqrt();
@@ -138,12 +125,8 @@ fn noise(experiment: &Experiment, channel: &ChannelDiagnosis) -> Option<Scored> 
             "noise of the {} {factor:.2} times as large as declared",
             channel.name
         );
-        let values = vec![SuspectValue::other(
-            format!("{}.noise_factor", channel.name),
-            factor,
-            "1",
-        )];
-        scored(name, FaultKind::NoiseUnderstated, (decrease, 1), values)
+        let value = (format!("{}.noise_factor", channel.name), factor, "1");
+        scored(name, FaultKind::NoiseUnderstated, decrease, value)
     })
 }
 
@@ -202,12 +185,8 @@ fn jitters(
             "jitter of the sample times of the {}",
             name.replace('_', " ")
         );
-        let values = vec![SuspectValue::other(
-            format!("{name}.jitter"),
-            variance.sqrt(),
-            "s",
-        )];
-        let jitter = scored(what, FaultKind::TimeJitter, (decrease, 1), values);
+        let value = (format!("{name}.jitter"), variance.sqrt(), "s");
+        let jitter = scored(what, FaultKind::TimeJitter, decrease, value);
         if jitter.is_significant(mean_square, limits.false_alarm) && white(variance) {
             list.push(jitter);
         }

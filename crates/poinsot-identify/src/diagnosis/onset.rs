@@ -5,8 +5,7 @@
 //! with the residual and with an orthonormal basis of all that was fitted are sums over the samples behind it. An
 //! impulse changes the momentum alone, a restart all of the state.
 
-use super::candidate::Candidate;
-use super::candidates::sensors_read;
+use super::candidates::{Candidate, sensors_read};
 use super::pulse::pulse;
 use super::score::{ProjectedRows, SHOWN, Score, explained, found, momentum_jump, of_record};
 use super::suspects::Scored;

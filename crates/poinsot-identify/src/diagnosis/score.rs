@@ -32,21 +32,11 @@ pub(super) fn of_record(label: &str) -> String {
 
 /// A suspect with an onset, and the number of tested times.
 pub(super) fn found(name: String, fault: FaultKind, score: &Score, tried: usize) -> Scored {
-    Scored {
-        at: None,
-        suspect: Suspect {
-            name,
-            decrease: score.decrease,
-            explains: 0.0,
-            values: Vec::new(),
-            numbers: score.numbers,
-            times: tried,
-            fault,
-            tied: false,
-        },
-        sigmas: Vec::new(),
-        nominal: Vec::new(),
-    }
+    Scored::alone(Suspect {
+        numbers: score.numbers,
+        times: tried,
+        ..Suspect::new(name, fault, score.decrease, Vec::new())
+    })
 }
 
 /// Changes of the start that change the momentum at a time and no pose; one column for each component.

@@ -4,7 +4,7 @@
 //! a triangle of its own, and the other sensors enter it by the triangle of what was fitted: the same scores at a cost that is
 //! linear in the number of sensors.
 
-use super::candidate::Candidate;
+use super::candidates::Candidate;
 use crate::fit::experiment::{Experiment, Iterate};
 use crate::likelihood::Evaluated;
 use crate::problem::parameters::UnknownKind;

@@ -5,7 +5,7 @@
 //! noise on the inputs changes columns and residual, and the products of the changes are what noise alone makes of the products of
 //! columns and residual. Scores are made without it.
 
-use super::candidate::Candidate;
+use super::candidates::Candidate;
 use super::projected::{Projected, Score};
 use super::table::Table;
 use crate::fit::Fitted;

@@ -1,13 +1,13 @@
 //! Candidates that explain the residual, with the meaning of their numbers.
 
-use super::candidate::Candidate;
+use super::candidates::Candidate;
 use super::naming::{name, near};
 use super::projected::Projected;
 use super::shared_noise::SharedNoise;
 use super::types::{FaultKind, Suspect, SuspectValue};
 use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::{Fitted, fit_from};
-use crate::problem::parameters::{GRADIENT, UnknownKind};
+use crate::problem::parameters::{GRADIENT, Unknown, UnknownKind};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 use statrs::function::gamma::ln_gamma;
 
@@ -180,6 +180,16 @@ pub(super) struct Scored {
 }
 
 impl Scored {
+    /// One that was scored by itself, without a candidate.
+    pub fn alone(suspect: Suspect) -> Self {
+        Self {
+            at: None,
+            suspect,
+            sigmas: Vec::new(),
+            nominal: Vec::new(),
+        }
+    }
+
     /// Evidence for the fault, in units of -2 ln L: how rarely chance lowers a residual of this scale as much with as many
     /// numbers, tried as often.
     fn evidence(&self, scale: f64) -> f64 {
@@ -250,26 +260,15 @@ fn late_before_early(list: &mut [Scored], margin: f64) {
 }
 
 fn suspect(candidate: &Candidate, decrease: f64, values: &[f64]) -> Suspect {
-    Suspect {
-        name: candidate.name.clone(),
-        decrease,
-        explains: 0.0,
-        values: candidate
-            .unknowns
-            .iter()
-            .zip(values)
-            .map(|(u, v)| SuspectValue {
-                name: u.name.clone(),
-                value: *v,
-                unit: u.unit,
-                kind: Some(u.kind.clone()),
-            })
-            .collect(),
-        numbers: candidate.unknowns.len(),
-        times: 1,
-        fault: candidate.fault,
-        tied: false,
-    }
+    let pairs = candidate.unknowns.iter().zip(values);
+    let value = |(u, v): (&Unknown, &f64)| SuspectValue {
+        name: u.name.clone(),
+        value: *v,
+        unit: u.unit,
+        kind: Some(u.kind.clone()),
+    };
+    let values = pairs.map(value).collect();
+    Suspect::new(candidate.name.clone(), candidate.fault, decrease, values)
 }
 
 /// The fit with this candidate unknown: decrease of chi-square, and values.
@@ -356,18 +355,10 @@ mod tests {
     }
 
     fn scored(name: &str, fault: FaultKind, decrease: f64, values: &[f64]) -> Scored {
+        let numbers = values.iter().map(|v| number(*v)).collect();
         Scored {
             at: None,
-            suspect: Suspect {
-                name: name.to_owned(),
-                decrease,
-                explains: 0.0,
-                values: values.iter().map(|v| number(*v)).collect(),
-                numbers: values.len(),
-                times: 1,
-                fault,
-                tied: false,
-            },
+            suspect: Suspect::new(name.to_owned(), fault, decrease, numbers),
             sigmas: vec![0.1; values.len()],
             nominal: vec![1.0; values.len()],
         }

@@ -3,7 +3,7 @@
 //! A row is `[start of the segment | fitted unknowns | candidates | residual]`. A record too long to be held keeps the
 //! triangle of the candidates that have slopes of their own; the others are not tried there.
 
-use super::candidate::{Candidate, Columns, Twin};
+use super::candidates::{Candidate, Columns, Twin};
 use super::projected::Projected;
 use super::sensor_blocks::{SensorBlock, own_errors, sensor_blocks};
 use crate::fit::Fitted;
@@ -18,14 +18,6 @@ use nalgebra::DMatrix;
 use poinsot_dynamics::SensorError;
 use poinsot_solve::{BlockQr, Triangle};
 use poinsot_spatial::{Matrix3, Vector3};
-
-/// Largest number of values in the rows: 64 MiB.
-const NUMBERS: usize = 8_000_000;
-
-/// Whether the rows can be held with so many columns of candidates.
-pub(super) fn holds(experiment: &Experiment, fitted: &Fitted, columns: usize) -> bool {
-    fitted.rows() * (experiment.parameters.len() + columns) < NUMBERS
-}
 
 /// The rows of one segment.
 #[derive(Default)]

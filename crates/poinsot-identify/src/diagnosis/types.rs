@@ -158,6 +158,25 @@ impl SuspectValue {
 }
 
 impl Suspect {
+    /// One that lowers `-2 ln L` by so much, as far as no other is known.
+    pub(super) fn new(
+        name: String,
+        fault: FaultKind,
+        decrease: f64,
+        values: Vec<SuspectValue>,
+    ) -> Self {
+        Self {
+            name,
+            decrease,
+            explains: 0.0,
+            numbers: values.len(),
+            values,
+            times: 1,
+            fault,
+            tied: false,
+        }
+    }
+
     /// Its first number, if that is an unknown.
     pub(super) fn first(&self) -> Option<(&UnknownKind, f64)> {
         let first = self.values.first()?;

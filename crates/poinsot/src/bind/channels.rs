@@ -2,8 +2,7 @@
 
 use super::BindError;
 use super::driven_wheels::{DrivenWheels, speed_column, torque_column};
-use super::input_errors::is_locked;
-use super::sensors::{BaseSensors, REFERENCE};
+use super::sensors::{BaseSensors, REFERENCE, is_locked};
 use poinsot_model::{Axes, Joint, JointKind, Model, SensorKind};
 use poinsot_spatial::{Matrix3, Vector3};
 use poinsot_telemetry::{Channel, Mounting, Table};

@@ -8,15 +8,12 @@
 //! shorter; the fit decides by the likelihood.
 
 use super::channels::Channels;
+use super::sensors::{rounding, runs, scalar_sensor};
 use poinsot_dynamics::Tree;
 use poinsot_identify::{BetweenReadings, InputErrors, RoundingError};
 use poinsot_model::{Model, Sensor, SensorKind};
 use poinsot_telemetry::{Channel, median_step};
 
-/// White noise, in steps, above which rounding errors are independent even at rest.
-const DITHER: f64 = 0.25;
-/// Fraction of a step within which two samples count as equal.
-const ONE_LEVEL: f64 = 0.9;
 /// Correlation of neighbouring errors below which all are independent.
 const UNCORRELATED: f64 = 1.0e-3;
 /// Samples that a motion from rest takes to leave its first level, over those that it stays on the next one: for a start with
@@ -31,7 +28,7 @@ pub(super) fn joint_errors(
     grid: &[f64],
 ) -> Vec<InputErrors> {
     let of = |&at: &usize| {
-        let sensor = sensor(model, SensorKind::JointPosition, at);
+        let sensor = scalar_sensor(model, SensorKind::JointPosition, at);
         let position = channels.joint(model, at).position;
         position.map_or(InputErrors::None, |c| errors(c, sensor, grid, true))
     };
@@ -41,7 +38,7 @@ pub(super) fn joint_errors(
 /// Errors of every wheel speed on the grid of a segment.
 pub(super) fn wheel_errors(model: &Model, channels: &Channels, grid: &[f64]) -> Vec<InputErrors> {
     let of = |wheel: usize| {
-        let sensor = sensor(model, SensorKind::WheelSpeed, wheel);
+        let sensor = scalar_sensor(model, SensorKind::WheelSpeed, wheel);
         let speed = channels.tachometer(model, wheel);
         speed.map_or(InputErrors::None, |c| of_wheel(c, sensor, grid))
     };
@@ -100,24 +97,6 @@ fn read_at(channel: &Channel, grid: &[f64]) -> bool {
         let mut later = times.by_ref().skip_while(|x| **x < t - tolerance);
         later.next().is_some_and(|x| (x - t).abs() <= tolerance)
     })
-}
-
-/// Whether the rounded position of a joint never changes: the joint is locked.
-pub(super) fn is_locked(model: &Model, joint: usize, position: &Channel) -> bool {
-    sensor(model, SensorKind::JointPosition, joint)
-        .and_then(rounding)
-        .is_some_and(|step| runs(&position.values, step).len() == 1)
-}
-
-fn sensor(model: &Model, kind: SensorKind, of: usize) -> Option<&Sensor> {
-    model.sensors_of(kind).find(|s| s.of.contains(&of))
-}
-
-/// Rounding step of a sensor whose noise does not hide it.
-fn rounding(sensor: &Sensor) -> Option<f64> {
-    let step = sensor.quantisation;
-    let sigma = sensor.noise_covariance.map_or(0.0, |c| c[(0, 0)].sqrt());
-    (step > 0.0 && sigma < DITHER * step).then_some(step)
 }
 
 /// A wheel runs straight between its samples, or as its torque drives it from both of them: where no error stays from sample
@@ -250,19 +229,6 @@ fn memory_of_run(length: usize) -> Option<f64> {
     let d = 1.0 / length as f64;
     let correlation = 1.0 - 6.0 * d + 6.0 * d * d;
     (length >= 5 && correlation > 0.0).then_some(correlation)
-}
-
-/// First and last index of each run of equal samples.
-fn runs(values: &[f64], step: f64) -> Vec<(usize, usize)> {
-    let mut found = Vec::new();
-    let mut from = 0;
-    for k in 1..=values.len() {
-        if k == values.len() || (values[k] - values[from]).abs() > ONE_LEVEL * step {
-            found.push((from, k - 1));
-            from = k;
-        }
-    }
-    found
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Declared noise of the sensors, and the fraction of it observed in the data.
 
 use super::BindError;
-use super::sensors::{BaseSensors, covariance};
+use super::sensors::{BaseSensors, covariance, scalar_sensor};
 use poinsot_dynamics::Tree;
 use poinsot_identify::Noise;
 use poinsot_model::{Model, SensorKind};
@@ -82,9 +82,7 @@ fn vector(model: &Model, leading: &BaseSensors, kind: SensorKind) -> Option<Matr
 
 /// Declared variance of a sensor of one number, zero without.
 pub(super) fn scalar(model: &Model, kind: SensorKind, of: usize) -> f64 {
-    model
-        .sensors_of(kind)
-        .find(|s| s.of.contains(&of))
+    scalar_sensor(model, kind, of)
         .and_then(covariance)
         .map_or(0.0, |c| c[(0, 0)])
 }

@@ -13,6 +13,10 @@ pub(super) const SAME: f64 = 1.0e-9;
 /// Longest interval of an increment relative to the usual one; if it is longer, the previous sample is missing.
 const WHOLE_INTERVAL: f64 = 1.5;
 
+/// White noise, in steps, above which rounding errors are independent even at rest.
+const DITHER: f64 = 0.25;
+/// Fraction of a step within which two samples count as equal.
+const ONE_LEVEL: f64 = 0.9;
 /// Columns of the vector in N whose direction a sensor measures.
 pub(super) const REFERENCE: &str = "reference";
 
@@ -335,4 +339,36 @@ impl BaseSensors {
     pub fn sensor<'m>(&self, model: &'m Model, kind: SensorKind) -> Option<&'m Sensor> {
         self.index(kind).map(|k| &model.sensors[k])
     }
+}
+
+/// Whether the rounded position of a joint never changes: the joint is locked.
+pub(super) fn is_locked(model: &Model, joint: usize, position: &Channel) -> bool {
+    scalar_sensor(model, SensorKind::JointPosition, joint)
+        .and_then(rounding)
+        .is_some_and(|step| runs(&position.values, step).len() == 1)
+}
+
+/// The sensor of one number of a joint or wheel.
+pub(super) fn scalar_sensor(model: &Model, kind: SensorKind, of: usize) -> Option<&Sensor> {
+    model.sensors_of(kind).find(|s| s.of.contains(&of))
+}
+
+/// Rounding step of a sensor whose noise does not hide it.
+pub(super) fn rounding(sensor: &Sensor) -> Option<f64> {
+    let step = sensor.quantisation;
+    let sigma = sensor.noise_covariance.map_or(0.0, |c| c[(0, 0)].sqrt());
+    (step > 0.0 && sigma < DITHER * step).then_some(step)
+}
+
+/// First and last index of each run of equal samples.
+pub(super) fn runs(values: &[f64], step: f64) -> Vec<(usize, usize)> {
+    let mut found = Vec::new();
+    let mut from = 0;
+    for k in 1..=values.len() {
+        if k == values.len() || (values[k] - values[from]).abs() > ONE_LEVEL * step {
+            found.push((from, k - 1));
+            from = k;
+        }
+    }
+    found
 }
