@@ -12,8 +12,8 @@ use crate::problem::Problem;
 use crate::problem::loss::Loss;
 use crate::problem::parameters::{Equations, Parameters};
 use crate::problem::segment::{
-    Firing, Noise, Observations, Samples, Segment, SensorRecord, SensorSample, SensorValue,
-    Translation,
+    Firing, InputChannel, InputRate, Noise, Observations, Samples, Segment, SensorRecord,
+    SensorSample, SensorValue, Translation,
 };
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use poinsot_dynamics::Tree;
@@ -334,11 +334,11 @@ fn finer(model: &Model, tree: &Tree, translation: bool, fine: usize) -> Segment 
                 .map(|k| 20.0 + 15.0 * h * k as f64)
                 .collect(),
             smooth_wheel_speed: Vec::new(),
-            straight_wheels: Vec::new(),
-            joint_errors: Vec::new(),
-            wheel_errors: Vec::new(),
-            derived_rates: Vec::new(),
-            measured_rates: vec![true, false],
+            joints: vec![InputChannel {
+                rate: InputRate::Measured,
+                ..InputChannel::default()
+            }],
+            wheels: Vec::new(),
             between_readings: false,
         },
         accelerations: None,

@@ -116,8 +116,9 @@ pub use problem::parameters::{
     axis_name, tensor_index, tensor_name,
 };
 pub use problem::segment::{
-    Accelerations, BetweenReadings, Firing, InputErrors, Noise, Observations, RoundingError,
-    Samples, Segment, SensorRecord, SensorSample, SensorValue, Translation,
+    Accelerations, BetweenReadings, Firing, InputChannel, InputErrors, InputRate, Noise,
+    Observations, RoundingError, Samples, Segment, SensorRecord, SensorSample, SensorValue,
+    Translation,
 };
 pub use problem::settings::{
     Coordinates, DiagnosisSettings, IntegrationSettings, Settings, SettingsError,

@@ -180,32 +180,19 @@ pub(crate) fn evaluate(
 ) -> Option<Evaluated> {
     // Known numbers do not enter the motion: their columns are given and act on the residuals.
     let whole = setting.parameters;
+    let asked = (unknown, with_sensitivities);
+    let of = (index, segment);
     if !whole.has_known() {
-        return evaluate_driven(
-            setting,
-            (index, segment),
-            x,
-            initial_state,
-            (unknown, with_sensitivities),
-            None,
-        );
+        return evaluate_driven(setting, of, x, initial_state, asked, None);
     }
     let (reduced, kept) = whole.without_known();
-    let carried = CarriedColumns::new(setting, (index, segment), x, kept);
+    let carried = CarriedColumns::new(setting, of, x, kept);
     let driving = carried.driving(x);
     let setting = Setting {
         parameters: &reduced,
         ..*setting
     };
-    let asked = (unknown, with_sensitivities);
-    evaluate_driven(
-        &setting,
-        (index, segment),
-        &driving,
-        initial_state,
-        asked,
-        Some(carried),
-    )
+    evaluate_driven(&setting, of, &driving, initial_state, asked, Some(carried))
 }
 
 /// The same of unknowns that drive the motion or the sensors; `carried_columns` ones act on what is compared alone.
@@ -492,8 +479,8 @@ impl<'a> SegmentComparison<'a> {
 
 /// Variance of the joint rates in a segment: a locked joint has none.
 fn joint_rate_noise(noise: &Noise, segment: &Segment) -> Vec<f64> {
-    let errors = &segment.observations.joint_errors;
-    let still = |k: usize| matches!(errors.get(k), Some(InputErrors::Locked | InputErrors::None));
+    let errors = |k: usize| &segment.observations.joint(k).errors;
+    let still = |k: usize| matches!(errors(k), InputErrors::Locked | InputErrors::None);
     let all = noise.joint_rate.iter().enumerate();
     all.map(|(k, v)| if still(k) { 0.0 } else { *v }).collect()
 }

@@ -7,7 +7,7 @@ use crate::fit::experiment::{Experiment, Iterate, MovedVehicle, twin};
 use crate::likelihood::MeasuredMotion;
 use crate::problem::Problem;
 use crate::problem::parameters::{Entry, Unknown, UnknownKind, axis_name};
-use crate::problem::segment::InputErrors;
+use crate::problem::segment::{InputErrors, InputRate};
 use poinsot_dynamics::SensorError;
 use poinsot_model::{KnownNumber, Origin, SensorKind};
 
@@ -169,8 +169,8 @@ fn shows(experiment: &Experiment, read: &[(usize, String)], kind: &UnknownKind) 
         }
         UnknownKind::JointRateScale(k) | UnknownKind::JointRateBias(k) => {
             let segments = experiment.problem.segments.iter();
-            let mut rates = segments.map(|s| &s.observations.measured_rates);
-            moves(experiment.problem, *k) && rates.any(|own| own.get(*k) == Some(&true))
+            let mut rates = segments.map(|s| s.observations.joint(*k).rate);
+            moves(experiment.problem, *k) && rates.any(|rate| rate == InputRate::Measured)
         }
         UnknownKind::ThrusterLag(_) => {
             let mut segments = experiment.problem.segments.iter();
@@ -186,7 +186,7 @@ fn moves(problem: &Problem, joint: usize) -> bool {
     problem.segments.iter().any(|s| {
         let o = &s.observations;
         let mut rates = o.joint_rate.iter().skip(joint).step_by(problem.tree.dof());
-        o.joint_errors.get(joint) != Some(&InputErrors::None) && rates.any(|r| *r != 0.0)
+        o.joint(joint).errors != InputErrors::None && rates.any(|r| *r != 0.0)
     })
 }
 

@@ -212,11 +212,8 @@ fn put_right<T>(
                     rows.chunks_exact_mut(wheels)
                         .for_each(|row| row.swap(*i, *j));
                 }
-                if o.straight_wheels.len() > *i.max(j) {
-                    o.straight_wheels.swap(*i, *j);
-                }
-                if o.wheel_errors.len() > *i.max(j) {
-                    o.wheel_errors.swap(*i, *j);
+                if o.wheels.len() > *i.max(j) {
+                    o.wheels.swap(*i, *j);
                 }
             }
             let problem = experiment.problem.with_segments(&segments);

@@ -10,7 +10,7 @@ use super::projected::{Projected, Score};
 use super::table::Table;
 use crate::fit::Fitted;
 use crate::fit::experiment::Experiment;
-use crate::problem::segment::{InputErrors, Noise, Observations, Segment};
+use crate::problem::segment::{InputChannel, InputErrors, InputRate, Noise, Observations, Segment};
 use nalgebra::{DMatrix, DVector};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -114,7 +114,8 @@ fn disturbed(segment: &Segment, noise: &Noise, random: &mut ChaCha8Rng) -> Segme
     let own = &mut new.observations;
     let wheels = o.wheel_speed.len() / n.max(1);
     for w in 0..wheels {
-        let error = errors(o.wheel_errors.get(w), noise.wheel_speed.get(w), n, random);
+        let of = &o.wheel(w).errors;
+        let error = errors(of, noise.wheel_speed.get(w), n, random);
         for (k, e) in error.into_iter().enumerate() {
             own.wheel_speed[k * wheels + w] += e;
             if let Some(speed) = own.smooth_wheel_speed.get_mut(k * wheels + w) {
@@ -124,12 +125,17 @@ fn disturbed(segment: &Segment, noise: &Noise, random: &mut ChaCha8Rng) -> Segme
     }
     let dof = o.joint_position.len() / n.max(1);
     for j in 0..dof {
-        let of = o.joint_errors.get(j);
+        let InputChannel { errors: of, rate } = o.joint(j);
         let position = errors(of, noise.joint_position.get(j), n, random);
         let rate = match of {
-            Some(InputErrors::None | InputErrors::Locked) => vec![0.0; n],
-            _ if o.derived_rates.get(j) == Some(&true) => slopes(o, &position),
-            _ => errors(None, noise.joint_rate.get(j), n, random),
+            InputErrors::None | InputErrors::Locked => vec![0.0; n],
+            _ if *rate == InputRate::Derived => slopes(o, &position),
+            _ => errors(
+                &InputErrors::Independent,
+                noise.joint_rate.get(j),
+                n,
+                random,
+            ),
         };
         for (k, (position, rate)) in position.into_iter().zip(rate).enumerate() {
             own.joint_position[k * dof + j] += position;
@@ -153,14 +159,8 @@ fn slopes(o: &Observations, errors: &[f64]) -> Vec<f64> {
 }
 
 /// Errors of one input at every grid time.
-fn errors(
-    of: Option<&InputErrors>,
-    variance: Option<&f64>,
-    n: usize,
-    random: &mut ChaCha8Rng,
-) -> Vec<f64> {
+fn errors(of: &InputErrors, variance: Option<&f64>, n: usize, random: &mut ChaCha8Rng) -> Vec<f64> {
     let sigma = variance.copied().unwrap_or(0.0).max(0.0).sqrt();
-    let of = of.unwrap_or(&InputErrors::Independent);
     match of {
         InputErrors::None | InputErrors::Locked => vec![0.0; n],
         InputErrors::Interpolated(places) => {
@@ -234,12 +234,7 @@ mod tests {
             (InputErrors::Process(process), [1.0, 1.0, 0.6]),
             (InputErrors::Locked, [0.0; 3]),
         ] {
-            let all = errors(
-                Some(&of),
-                Some(&4.0),
-                n,
-                &mut ChaCha8Rng::seed_from_u64(SEED),
-            );
+            let all = errors(&of, Some(&4.0), n, &mut ChaCha8Rng::seed_from_u64(SEED));
             let mean = |f: fn(&[f64]) -> f64| {
                 let sum: f64 = all.chunks_exact(2).map(f).sum();
                 sum / (n / 2) as f64

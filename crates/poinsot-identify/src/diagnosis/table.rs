@@ -151,7 +151,7 @@ impl Reach {
     fn of(noise: &Noise, o: &Observations) -> Option<Self> {
         let noisy = noise.wheel_speed.iter().enumerate();
         let noisy = noisy.filter(|(_, variance)| **variance > 0.0);
-        let error = |k: usize| o.wheel_errors.get(k).unwrap_or(&InputErrors::Independent);
+        let error = |k: usize| &o.wheel(k).errors;
         let moves = |e: &&InputErrors| !matches!(e, InputErrors::None | InputErrors::Locked);
         let errors: Vec<&InputErrors> = noisy.map(|(k, _)| error(k)).filter(moves).collect();
         if errors.is_empty() {

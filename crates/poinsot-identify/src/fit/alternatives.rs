@@ -15,7 +15,6 @@ use crate::fit::wheel_torque::{RandomTorque, TorqueChanges};
 use crate::problem::Problem;
 use crate::problem::alternative::{Alternative, BetweenSamples};
 use crate::problem::parameters::{Parameters, Unknown};
-use crate::problem::segment::InputErrors;
 use poinsot_solve::{LeastSquares, Linearised};
 use statrs::distribution::{ContinuousCDF, Normal};
 
@@ -265,15 +264,15 @@ pub(crate) fn better_rest_motion(experiment: &Experiment, fitted: &Fitted) -> Op
 /// Whether a joint may be at rest in some run of equal readings.
 fn may_rest(problem: &Problem) -> bool {
     let segments = problem.segments.iter();
-    let mut errors = segments.flat_map(|s| &s.observations.joint_errors);
-    errors.any(InputErrors::may_rest)
+    let mut joints = segments.flat_map(|s| &s.observations.joints);
+    joints.any(|joint| joint.errors.may_rest())
 }
 
 /// Whether rounding errors of wheels last over several samples: then their correlation is known roughly alone.
 fn rounding_lasts(problem: &Problem) -> bool {
     let segments = problem.segments.iter();
-    let mut wheels = segments.flat_map(|s| &s.observations.wheel_errors);
-    wheels.any(InputErrors::lasts)
+    let mut wheels = segments.flat_map(|s| &s.observations.wheels);
+    wheels.any(|wheel| wheel.errors.lasts())
 }
 
 /// The torque of the wheels as a process, where a fit without it would not be trusted, or the data prefer

@@ -6,7 +6,7 @@
 use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::step::{ITERATIONS, Linearisation, is_close};
 use crate::problem::segment::{
-    InputErrors, Observations, Samples, Segment, SensorRecord, SensorSample,
+    InputChannel, InputErrors, Observations, Samples, Segment, SensorRecord, SensorSample,
 };
 use poinsot_solve::{LeastSquares, Linearised, Pace, Step, levenberg_marquardt};
 
@@ -127,12 +127,8 @@ fn at_times(segment: &Segment, kept: &[usize]) -> Segment {
         joint_rate: rows(&o.joint_rate, dof),
         wheel_speed: rows(&o.wheel_speed, wheels),
         smooth_wheel_speed: Vec::new(),
-        straight_wheels: o.straight_wheels.clone(),
-        measured_rates: o.measured_rates.clone(),
-        joint_errors: o.joint_errors.iter().map(|e| errors(e, kept)).collect(),
-        wheel_errors: o.wheel_errors.iter().map(|e| errors(e, kept)).collect(),
-        // Rates were made on the finer grid and keep what they are.
-        derived_rates: Vec::new(),
+        joints: at_kept_times(&o.joints, kept),
+        wheels: at_kept_times(&o.wheels, kept),
         between_readings: o.between_readings,
     };
     Segment {
@@ -180,6 +176,12 @@ fn at_kept(record: &SensorRecord, kept: &[usize]) -> SensorRecord {
 
 fn picked<T: Clone>(all: &[T], kept: &[usize]) -> Vec<T> {
     kept.iter().filter_map(|k| all.get(*k).cloned()).collect()
+}
+
+fn at_kept_times(inputs: &[InputChannel], kept: &[usize]) -> Vec<InputChannel> {
+    let inputs = inputs.iter();
+    let at_kept = |i: &InputChannel| i.on_other_grid(errors(&i.errors, kept));
+    inputs.map(at_kept).collect()
 }
 
 /// What is left of a correlation after the grid times in between.

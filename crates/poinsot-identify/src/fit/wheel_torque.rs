@@ -6,7 +6,9 @@
 use crate::fit::wheel_process::{SpeedSample, SpeedSamples};
 use crate::motion::refined::{SAME_S, refined};
 use crate::problem::Problem;
-use crate::problem::segment::{BetweenReadings, InputErrors, Observations, Segment};
+use crate::problem::segment::{
+    BetweenReadings, InputChannel, InputErrors, InputRate, Observations, Segment,
+};
 
 /// Changes of the torque between two samples of a wheel. Half as many gave the same NEES for 40 tones at 2 Hz, and 6.50 instead of
 /// 6.28 for 40 slews.
@@ -90,9 +92,12 @@ fn driven_at_random(
         deviance += found.deviance;
         let column = new.wheel_speed.iter_mut().skip(w).step_by(wheels);
         column.zip(&found.speed).for_each(|(to, from)| *to = *from);
-        new.wheel_errors[w] = InputErrors::Process(found.errors);
+        new.wheels[w].errors = InputErrors::Process(found.errors);
     }
-    new.straight_wheels = vec![true; wheels];
+    new.wheels.resize_with(wheels, InputChannel::default);
+    new.wheels
+        .iter_mut()
+        .for_each(|w| w.rate = InputRate::Straight);
     let segment = Segment {
         observations: new,
         ..segment.clone()
@@ -134,7 +139,7 @@ fn rounded(samples: &[SpeedSample]) -> Option<Vec<SpeedSample>> {
 
 /// Grid times at which a wheel is read; `None` where that is not known.
 fn read_at(o: &Observations, w: usize) -> Option<Vec<usize>> {
-    match o.wheel_errors.get(w)? {
+    match &o.wheels.get(w)?.errors {
         InputErrors::Independent => Some((0..o.time_s.len()).collect()),
         InputErrors::Interpolated(places) => {
             let read = |p: &(usize, &BetweenReadings)| p.1.share == 0.0;

@@ -10,7 +10,8 @@ use crate::problem::alternative::BetweenSamples;
 use crate::problem::error_process::{ErrorProcess, ErrorStep};
 use crate::problem::parameters::{Equations, Parameters};
 use crate::problem::segment::{
-    BetweenReadings, InputErrors, Noise, Observations, Segment, SensorRecord, SensorValue,
+    BetweenReadings, InputChannel, InputErrors, InputRate, Noise, Observations, Segment,
+    SensorRecord, SensorValue,
 };
 use crate::sensors::ideal_measurement;
 use nalgebra::{Matrix2, UnitQuaternion, Vector3};
@@ -39,7 +40,11 @@ fn dense(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> f64 {
     let model = parse_model(MODEL, "test").unwrap();
     let tree = Tree::new(&model);
     let mut made = finer(&model, &tree, translation, fine);
-    made.observations.joint_errors = joints.to_vec();
+    let channel = |errors: InputErrors| InputChannel {
+        errors,
+        ..InputChannel::default()
+    };
+    made.observations.joints = joints.map(channel).to_vec();
     let mut noise = noise(&tree);
     noise.joint_position = vec![4.0e-4, 1.0e-4];
     noise.wheel_speed = vec![40.0];
@@ -65,9 +70,10 @@ fn dense(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> f64 {
         let seen = |r: &SensorRecord| r.kind == SensorKind::Direction;
         made.observations.sensors.retain(|r| !points(r) && !seen(r));
     }
-    made.observations.wheel_errors = vec![of_variance(&wheel, noise.wheel_speed[0])];
+    made.observations.wheels = vec![channel(of_variance(&wheel, noise.wheel_speed[0]))];
     if case.derived {
-        made.observations.derived_rates = vec![true, true];
+        let joints = made.observations.joints.iter_mut();
+        joints.for_each(|joint| joint.rate = InputRate::Derived);
         derive_rates(&mut made.observations);
     }
     // Nearly nothing: a joint without noise is differentiated otherwise.
@@ -191,7 +197,7 @@ fn dense(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> f64 {
             2 => (noise.wheel_speed[0], wheel.clone(), 1.0e-3),
             j => (
                 noise.joint_position[j],
-                made.observations.joint_errors[j].clone(),
+                made.observations.joints[j].errors.clone(),
                 1.0e-6,
             ),
         };

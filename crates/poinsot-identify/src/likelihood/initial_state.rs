@@ -1,18 +1,10 @@
 //! Pose and momentum at the start of a segment, and which of them are unknown.
 
-use crate::motion::{Column, State};
+use crate::motion::Column;
+/// Pose and momentum at the first grid time; angular momentum about the system's mass centre, all in N.
+pub(crate) use crate::motion::State as InitialState;
 use crate::problem::segment::{Segment, SensorRecord};
 use poinsot_model::{MomentumKnowledge, SensorKind};
-use poinsot_spatial::{UnitQuaternion, Vector3};
-
-/// Pose and momentum at the first grid time; angular momentum about the system's mass centre, all in N.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct InitialState {
-    pub R_NB: UnitQuaternion,
-    pub p_NoBo_N: Vector3,
-    pub P: Vector3,
-    pub h_SScm_N: Vector3,
-}
 
 /// Unknown parts of the initial state: a column for each component.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -80,13 +72,7 @@ pub(crate) fn start(
     initial_state: &InitialState,
     unknown: InitialStateColumns,
     unknowns: usize,
-) -> (State, Vec<Column>) {
-    let state = State {
-        R_NB: initial_state.R_NB,
-        p_NoBo_N: initial_state.p_NoBo_N,
-        P: initial_state.P,
-        h_SScm_N: initial_state.h_SScm_N,
-    };
+) -> (InitialState, Vec<Column>) {
     let mut columns = Vec::with_capacity(unknown.count() + unknowns);
     let parts = [
         unknown.attitude,
@@ -102,5 +88,5 @@ pub(crate) fn start(
         }
     }
     columns.resize(unknown.count() + unknowns, Column::zeros());
-    (state, columns)
+    (*initial_state, columns)
 }

@@ -220,8 +220,8 @@ impl Motion<'_> {
         for own in &v.joint_scales {
             let j = own.joint;
             let zero = |_: usize| 0.0;
-            let [of_rates, of_ones] = match o.measured_rates.get(j) {
-                Some(true) => [
+            let [of_rates, of_ones] = match o.joint(j).rate {
+                InputRate::Measured => [
                     self.joint_acceleration((j, k), zero, rate(j)),
                     self.joint_acceleration((j, k), zero, |_| 1.0),
                 ],

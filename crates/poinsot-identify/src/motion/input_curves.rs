@@ -1,7 +1,7 @@
 //! Smooth curves through the samples of joints and wheels of a segment: along them a lag shifts the readings in time.
 
 use crate::problem::parameters::Parameters;
-use crate::problem::segment::{InputErrors, Noise, Observations, Segment};
+use crate::problem::segment::{InputChannel, InputErrors, InputRate, Noise, Observations, Segment};
 use poinsot_solve::smooth_curve::{Reading, SmoothCurve};
 use poinsot_spatial::Vector3;
 
@@ -118,12 +118,15 @@ fn between(curve: Option<&Option<SmoothCurve>>, t: f64, lag_s: f64) -> (Vector3,
 
 fn of_joint(o: &Observations, noise: &Noise, j: usize) -> Option<SmoothCurve> {
     let dof = o.joint_position.len() / o.time_s.len().max(1);
-    let errors = o.joint_errors.get(j);
-    if matches!(errors, Some(InputErrors::Locked | InputErrors::None)) {
+    let InputChannel {
+        errors,
+        rate: source,
+    } = o.joint(j);
+    if matches!(errors, InputErrors::Locked | InputErrors::None) {
         return None;
     }
     let picked = readings(o, errors);
-    let derived = o.derived_rates.get(j) == Some(&true);
+    let derived = *source == InputRate::Derived;
     let variance = |all: &[f64]| all.get(j).copied().unwrap_or(0.0);
     let (mut q, mut rate) = (variance(&noise.joint_position), variance(&noise.joint_rate));
     let h = typical_step(o, &picked)?;
@@ -142,8 +145,8 @@ fn of_joint(o: &Observations, noise: &Noise, j: usize) -> Option<SmoothCurve> {
 }
 
 fn of_wheel(o: &Observations, w: usize, wheels: usize) -> Option<SmoothCurve> {
-    let errors = o.wheel_errors.get(w);
-    if matches!(errors, Some(InputErrors::Locked | InputErrors::None)) {
+    let errors = &o.wheel(w).errors;
+    if matches!(errors, InputErrors::Locked | InputErrors::None) {
         return None;
     }
     let reading = |&k: &usize| Reading {
@@ -162,16 +165,16 @@ fn typical_step(o: &Observations, picked: &[usize]) -> Option<f64> {
 }
 
 /// Grid times about as far apart as the readings: values interpolated between those tell nothing of their noise.
-fn readings(o: &Observations, errors: Option<&InputErrors>) -> Vec<usize> {
+fn readings(o: &Observations, errors: &InputErrors) -> Vec<usize> {
     let t = &o.time_s;
     let all = 0..t.len();
-    if let Some(InputErrors::Interpolated(places)) = errors {
+    if let InputErrors::Interpolated(places) = errors {
         let read = |k: &usize| places.get(*k).is_some_and(|p| p.share == 0.0);
         return all.filter(read).collect();
     }
-    let Some(errors) = errors.filter(|e| o.between_readings && e.lasts()) else {
+    if !o.between_readings || !errors.lasts() {
         return all.collect();
-    };
+    }
     let memory = (0..t.len()).map(|k| errors.memory(k));
     // A grid of step h between readings H apart has the memory (H - h) / (H + h).
     let mut apart: Vec<f64> = t

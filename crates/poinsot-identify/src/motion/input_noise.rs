@@ -28,7 +28,7 @@ pub(crate) use points::approximate;
 
 use crate::motion::{Column, Instant, Matrix6x12, Motion, State, matrix, pose_change};
 use crate::problem::error_process::{ErrorProcess, ErrorStep};
-use crate::problem::segment::{InputErrors, Noise, Segment};
+use crate::problem::segment::{InputChannel, InputErrors, InputRate, Noise, Segment};
 use filter::{Filter, SparseRows};
 use nalgebra::{Matrix2, Vector2};
 use poinsot_dynamics::JointSlopes;
@@ -188,21 +188,19 @@ impl InputNoise {
         let translation = o.reads_translation() || increments > 0;
         let tracks_rates = o.reads_points();
         let derived = if tracks_rates {
-            o.derived_rates.clone()
+            let derived = |j: &InputChannel| j.rate == InputRate::Derived;
+            o.joints.iter().map(derived).collect()
         } else {
             Vec::new()
         };
         let joints = noise.joint_position.iter().enumerate();
         let wheels = noise.wheel_speed.iter().enumerate();
         let rates = noise.joint_rate.iter().enumerate().filter(|(k, _)| {
-            let still = matches!(
-                o.joint_errors.get(*k),
-                Some(InputErrors::Locked | InputErrors::None)
-            );
+            let still = matches!(o.joint(*k).errors, InputErrors::Locked | InputErrors::None);
             tracks_rates && !still && derived.get(*k) != Some(&true)
         });
-        let joints = joints.map(|(k, v)| (Input::Joint(k), *v, o.joint_errors.get(k)));
-        let wheels = wheels.map(|(k, v)| (Input::Wheel(k), *v, o.wheel_errors.get(k)));
+        let joints = joints.map(|(k, v)| (Input::Joint(k), *v, Some(&o.joint(k).errors)));
+        let wheels = wheels.map(|(k, v)| (Input::Wheel(k), *v, Some(&o.wheel(k).errors)));
         let rates = rates.map(|(k, v)| (Input::Rate(k), *v, None));
         let (inputs, memory, shares) = noisy(joints.chain(wheels).chain(rates), rest_motion);
         let torque = random_torque.is_some();

@@ -4,7 +4,7 @@
 //! for themselves. Each part has its own scale.
 
 use crate::problem::parameters::{Parameters, UnknownKind};
-use crate::problem::segment::Observations;
+use crate::problem::segment::{InputRate, Observations};
 
 /// Errors of one joint coordinate.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -88,7 +88,7 @@ pub(super) fn rate_parts(
     (dof, joint): (usize, usize),
     (k, at): (usize, f64),
 ) -> [[f64; 2]; 2] {
-    if o.measured_rates.get(joint) != Some(&true) {
+    if o.joint(joint).rate != InputRate::Measured {
         return [[0.0; 2]; 2];
     }
     let rate = |k: usize| o.joint_rate[k * dof + joint];

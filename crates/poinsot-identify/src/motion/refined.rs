@@ -3,7 +3,7 @@
 use super::environment::orbit_between;
 use super::inputs::joint_cubic;
 use crate::problem::segment::{
-    BetweenReadings, InputErrors, Observations, SensorRecord, SensorSample,
+    BetweenReadings, InputChannel, InputErrors, Observations, SensorRecord, SensorSample,
 };
 
 /// Grid times closer than this are one, s.
@@ -33,13 +33,9 @@ pub(crate) fn refined(o: &Observations, further_s: &[f64]) -> Observations {
         joint_position: Vec::with_capacity(places.len() * dof),
         joint_rate: Vec::with_capacity(places.len() * dof),
         wheel_speed: Vec::with_capacity(places.len() * wheels),
-        // Slopes of several positions are not on the new grid.
-        derived_rates: Vec::new(),
         smooth_wheel_speed: Vec::new(),
-        measured_rates: o.measured_rates.clone(),
-        straight_wheels: o.straight_wheels.clone(),
-        joint_errors: o.joint_errors.iter().map(|e| errors(e, &places)).collect(),
-        wheel_errors: o.wheel_errors.iter().map(|e| errors(e, &places)).collect(),
+        joints: at_places(&o.joints, &places),
+        wheels: at_places(&o.wheels, &places),
         between_readings: o.between_readings || places.len() > n,
         sensors: Vec::new(),
     };
@@ -118,6 +114,12 @@ fn moved(record: &SensorRecord, old: &[usize]) -> SensorRecord {
         samples: samples.collect(),
         ..record.clone()
     }
+}
+
+fn at_places(inputs: &[InputChannel], places: &[Place]) -> Vec<InputChannel> {
+    let inputs = inputs.iter();
+    let moved = |i: &InputChannel| i.on_other_grid(errors(&i.errors, places));
+    inputs.map(moved).collect()
 }
 
 /// The same errors, interpolated where there is no sample. A correlation is shared out over the parts of its interval.

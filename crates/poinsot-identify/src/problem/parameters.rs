@@ -126,21 +126,10 @@ impl Parameters {
         equations: Equations,
         thrusters_fire: bool,
     ) -> Result<Self, ParametersError> {
-        let properties: Vec<MassProperties> = model.bodies.iter().map(|b| b.nominal).collect();
-        let nominal: Vec<InertialParameters> = properties.iter().map(|b| b.parameters()).collect();
-        let mut parameters = Self {
-            equations,
-            unknowns: Vec::new(),
-            mass_unknowns: 0,
-            known: nominal.clone(),
-            natural: natural_units(tree, &properties, &nominal),
-            nominal,
-            body_names: model.bodies.iter().map(|b| b.name.clone()).collect(),
-            estimate: model.bodies.iter().map(|b| b.estimate).collect(),
-            nominal_properties: properties,
-            wheel_axes: wheel_axes(model),
-            gm: gradient_gm(model),
-        };
+        let nominal = model.bodies.iter().map(|b| b.nominal.parameters());
+        let mut parameters = Self::all_known(model, tree, &nominal.collect::<Vec<_>>());
+        parameters.equations = equations;
+        parameters.estimate = model.bodies.iter().map(|b| b.estimate).collect();
         match equations {
             Equations::Momentum => {
                 for body in 0..model.bodies.len() {
@@ -163,8 +152,15 @@ impl Parameters {
 
     /// No mass property unknown: the bodies are as given, what remains are the nuisances that the model declares.
     pub fn without_mass(model: &Model, tree: &Tree, bodies: &[InertialParameters]) -> Self {
+        let mut parameters = Self::all_known(model, tree, bodies);
+        parameters.add_nuisances(model, tree);
+        parameters
+    }
+
+    /// Nothing unknown as yet.
+    fn all_known(model: &Model, tree: &Tree, bodies: &[InertialParameters]) -> Self {
         let properties: Vec<MassProperties> = model.bodies.iter().map(|b| b.nominal).collect();
-        let mut parameters = Self {
+        Self {
             equations: Equations::Momentum,
             unknowns: Vec::new(),
             mass_unknowns: 0,
@@ -176,9 +172,7 @@ impl Parameters {
             nominal_properties: properties,
             wheel_axes: wheel_axes(model),
             gm: gradient_gm(model),
-        };
-        parameters.add_nuisances(model, tree);
-        parameters
+        }
     }
 
     /// The same unknowns of a vehicle whose known numbers differ; `None` if the problem is not valid for it.

@@ -199,18 +199,10 @@ pub struct Observations {
     /// Wheel speeds as a smooth curve through their readings has them, where some are not read at every time; empty
     /// otherwise. `wheel_speed` then runs straight between readings.
     pub smooth_wheel_speed: Vec<f64>,
-    /// Wheels whose speed is known to run straight from grid time to grid time, since their motor torque was measured; no
-    /// wheel where the list is shorter.
-    pub straight_wheels: Vec<bool>,
-    /// Error correlation of each joint's position; independent if the list is shorter.
-    pub joint_errors: Vec<InputErrors>,
-    /// The same for each wheel's speed.
-    pub wheel_errors: Vec<InputErrors>,
-    /// Joints whose rate at every grid time is the slope of the polynomial through the five nearest positions, all of
-    /// them read at grid times; read for itself where the list is shorter.
-    pub derived_rates: Vec<bool>,
-    /// Joints whose rate has samples of its own; made of positions where the list is shorter.
-    pub measured_rates: Vec<bool>,
+    /// What is known of each joint as an input; the default where the list is shorter.
+    pub joints: Vec<InputChannel>,
+    /// The same of each wheel.
+    pub wheels: Vec<InputChannel>,
     /// Whether joints or wheels are read at other times than those of the grid, and interpolated.
     pub between_readings: bool,
 }
@@ -232,7 +224,17 @@ impl Observations {
 
     /// Whether the speed of a wheel is smooth at the grid times, where the speeds of wheels are.
     pub(crate) fn is_smooth(&self, wheel: usize, wheels_smooth: bool) -> bool {
-        wheels_smooth && self.straight_wheels.get(wheel) != Some(&true)
+        wheels_smooth && self.wheel(wheel).rate != InputRate::Straight
+    }
+
+    /// What is known of a joint as an input.
+    pub(crate) fn joint(&self, joint: usize) -> &InputChannel {
+        self.joints.get(joint).unwrap_or(&PLAIN)
+    }
+
+    /// What is known of a wheel as an input.
+    pub(crate) fn wheel(&self, wheel: usize) -> &InputChannel {
+        self.wheels.get(wheel).unwrap_or(&PLAIN)
     }
 
     /// Sensors of a kind that have samples.
@@ -284,6 +286,47 @@ impl Observations {
             SensorValue::Vector(w) => Some((s.to, w)),
             _ => None,
         })
+    }
+}
+
+/// What is known of a joint or wheel as an input of a segment.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct InputChannel {
+    /// Error correlation of its positions or speeds.
+    pub errors: InputErrors,
+    /// What is known of its rate.
+    pub rate: InputRate,
+}
+
+/// One of which nothing special is known.
+static PLAIN: InputChannel = InputChannel {
+    errors: InputErrors::Independent,
+    rate: InputRate::Unmeasured,
+};
+
+/// What is known of the rate of a joint, or of the acceleration of a wheel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum InputRate {
+    /// Nothing beside the samples.
+    #[default]
+    Unmeasured,
+    /// The rate of the joint has samples of its own.
+    Measured,
+    /// At every grid time the rate of the joint is the slope of the polynomial through the five nearest positions, all of them
+    /// read at grid times.
+    Derived,
+    /// The speed of the wheel runs straight from grid time to grid time, since its motor torque was measured.
+    Straight,
+}
+
+impl InputChannel {
+    /// The same on another grid with other errors: a rate derived from positions keeps what it is, but not how it was made.
+    pub(crate) fn on_other_grid(&self, errors: InputErrors) -> Self {
+        let rate = match self.rate {
+            InputRate::Derived => InputRate::Unmeasured,
+            rate => rate,
+        };
+        Self { errors, rate }
     }
 }
 

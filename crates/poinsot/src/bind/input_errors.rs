@@ -10,7 +10,7 @@
 use super::channels::Channels;
 use super::sensors::{rounding, runs, scalar_sensor};
 use poinsot_dynamics::Tree;
-use poinsot_identify::{BetweenReadings, InputErrors, RoundingError};
+use poinsot_identify::{BetweenReadings, InputChannel, InputErrors, InputRate, RoundingError};
 use poinsot_model::{Model, Sensor, SensorKind};
 use poinsot_telemetry::{Channel, median_step};
 
@@ -20,57 +20,50 @@ const UNCORRELATED: f64 = 1.0e-3;
 /// the third power of time from the far edge of the level, `1 / (2^(1/3) - 1)`. Starts with constant acceleration take fewer.
 const STARTS: f64 = 3.85;
 
-/// Errors of every joint position on the grid of a segment.
-pub(super) fn joint_errors(
+/// What is known of every joint on the grid of a segment.
+pub(super) fn joint_inputs(
     model: &Model,
     tree: &Tree,
     channels: &Channels,
     grid: &[f64],
-) -> Vec<InputErrors> {
+) -> Vec<InputChannel> {
     let of = |&at: &usize| {
         let sensor = scalar_sensor(model, SensorKind::JointPosition, at);
-        let position = channels.joint(model, at).position;
-        position.map_or(InputErrors::None, |c| errors(c, sensor, grid, true))
+        let joint = channels.joint(model, at);
+        let read = joint.position;
+        InputChannel {
+            errors: read.map_or(InputErrors::None, |c| errors(c, sensor, grid, true)),
+            rate: match (joint.moving(), joint.rate) {
+                (Some(_), Some(_)) => InputRate::Measured,
+                (Some(position), None) if whole_at(position, grid) => InputRate::Derived,
+                _ => InputRate::Unmeasured,
+            },
+        }
     };
     tree.coordinates.iter().map(of).collect()
 }
 
-/// Errors of every wheel speed on the grid of a segment.
-pub(super) fn wheel_errors(model: &Model, channels: &Channels, grid: &[f64]) -> Vec<InputErrors> {
+/// Whether a channel is sampled exactly at the grid times, without a gap.
+fn whole_at(channel: &Channel, grid: &[f64]) -> bool {
+    let longest = 2.5 * median_step(&channel.time_s).unwrap_or(0.0);
+    let whole = channel.time_s.windows(2).all(|w| w[1] - w[0] < longest);
+    whole && channel.time_s.len() == grid.len() && read_at(channel, grid)
+}
+
+/// What is known of every wheel on the grid of a segment.
+pub(super) fn wheel_inputs(model: &Model, channels: &Channels, grid: &[f64]) -> Vec<InputChannel> {
     let of = |wheel: usize| {
         let sensor = scalar_sensor(model, SensorKind::WheelSpeed, wheel);
         let speed = channels.tachometer(model, wheel);
-        speed.map_or(InputErrors::None, |c| of_wheel(c, sensor, grid))
+        InputChannel {
+            errors: speed.map_or(InputErrors::None, |c| of_wheel(c, sensor, grid)),
+            rate: match speed.is_some() && channels.driven.drives(wheel) {
+                true => InputRate::Straight,
+                false => InputRate::Unmeasured,
+            },
+        }
     };
     (0..model.wheels.len()).map(of).collect()
-}
-
-/// Joints whose rate is differentiated from positions sampled exactly at the grid times.
-pub(super) fn derived_rates(
-    model: &Model,
-    tree: &Tree,
-    channels: &Channels,
-    grid: &[f64],
-) -> Vec<bool> {
-    let of = |&at: &usize| {
-        let joint = channels.joint(model, at);
-        joint.rate.is_none()
-            && joint.moving().is_some_and(|p| {
-                let longest = 2.5 * median_step(&p.time_s).unwrap_or(0.0);
-                let whole = p.time_s.windows(2).all(|w| w[1] - w[0] < longest);
-                whole && p.time_s.len() == grid.len() && read_at(p, grid)
-            })
-    };
-    tree.coordinates.iter().map(of).collect()
-}
-
-/// Joints with a channel of rates of their own.
-pub(super) fn measured_rates(model: &Model, tree: &Tree, channels: &Channels) -> Vec<bool> {
-    let of = |&at: &usize| {
-        let joint = channels.joint(model, at);
-        joint.moving().and(joint.rate).is_some()
-    };
-    tree.coordinates.iter().map(of).collect()
 }
 
 /// Whether some joint or wheel has no sample at some grid times.

@@ -3,9 +3,7 @@
 use super::channels::{Channels, VectorChannels};
 use super::cut::input_channels;
 use super::driven_wheels::speed_at;
-use super::input_errors::{
-    between_readings, derived_rates, joint_errors, measured_rates, wheel_errors,
-};
+use super::input_errors::{between_readings, joint_inputs, wheel_inputs};
 use super::motion::{Column, joint_at};
 use super::orbit::orbit_at;
 use super::sensors::{SAME, SensorColumns, sensor_columns};
@@ -80,14 +78,8 @@ pub(super) fn observe(
         joint_rate: rows(dof, 2 * dof),
         wheel_speed: rows(2 * dof, inputs.len()),
         smooth_wheel_speed: smooth_wheels(&wheels, &time_s),
-        straight_wheels: wheels
-            .iter()
-            .map(|w| w.as_ref().is_some_and(|w| w.driven))
-            .collect(),
-        joint_errors: joint_errors(model, tree, channels, &time_s),
-        wheel_errors: wheel_errors(model, channels, &time_s),
-        derived_rates: derived_rates(model, tree, channels, &time_s),
-        measured_rates: measured_rates(model, tree, channels),
+        joints: joint_inputs(model, tree, channels, &time_s),
+        wheels: wheel_inputs(model, channels, &time_s),
         between_readings: between_readings(model, tree, channels, &time_s),
         time_s,
     }

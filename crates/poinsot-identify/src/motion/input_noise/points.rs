@@ -19,7 +19,7 @@ pub(crate) fn approximate(problem: &Problem) -> Option<String> {
     let mut joints = noise.joint_position.iter().chain(&noise.joint_rate);
     let noisy = joints.any(|v| *v > 0.0);
     let mut segments = problem.segments.iter().map(|s| &s.observations);
-    let rough = |o: &Observations| noisy || o.wheel_errors.iter().any(InputErrors::lasts);
+    let rough = |o: &Observations| noisy || o.wheels.iter().any(|w| w.errors.lasts());
     let between = segments.any(|o| o.between_readings && o.reads_points() && rough(o));
     between.then(|| {
         "accelerometer or velocity-increment samples fall between joint or rounded wheel samples, which are interpolated; their noise contribution is approximate. Samples at equal times are exact"
