@@ -37,7 +37,7 @@
 //!
 //! - `problem/`: input. `question.rs`, `segment.rs`: its types. `parameters.rs`, `parameters/`: the unknowns; `registry.rs`
 //!   has every kind once, with name, unit, declaration and fault. `fault.rs`: kinds of faults and advice.
-//!   `prior.rs`, `loss.rs`. `settings.rs`: choices of a fit and thresholds of the tests, with their defaults.
+//!   `prior.rs`, `loss.rs`. `alternative.rs`: what is assumed of inputs between their samples. `settings.rs`: choices of a fit and thresholds of the tests, with their defaults.
 //!   `quantity.rs`: mass, mass centre and inertia with gradients. `shifted_vehicle.rs`: the vehicle with other known
 //!   numbers.
 //! - `motion.rs`, `motion/`: the pose-momentum equation. `vehicle.rs`: the vehicle at one value of the unknowns.
@@ -52,14 +52,15 @@
 //! - `fit/`: `experiment.rs`: a problem at any value of its unknowns, and its Fisher information. `triangle.rs`:
 //!   triangle of the shared unknowns. `step.rs`: one step. `momentum_state.rs`: the fit. `coarse_fit.rs`: a first fit
 //!   to few samples. `coordinates.rs`: steps that keep bodies physical. `step_error.rs`: checks the integration step.
+//!   `alternatives.rs`: fits of the alternatives of what inputs do between their samples, and the choice.
 //!   `known_numbers.rs`: known numbers within their uncertainty. `degrees_of_freedom.rs`. `experiment/`: columns of
 //!   known numbers, predicted measurements.
-//! - `diagnosis/`: causes of a misfit. `candidates.rs`: numbers of the registry that telemetry can show. `changes.rs`: known numbers.
+//! - `diagnosis/`: causes of a misfit. `candidates.rs`: numbers of the registry that telemetry can show, and known numbers.
 //!   `table.rs`: their columns. `sensor_blocks.rs`: errors of many sensors, one triangle each. `onset.rs`, `pulse.rs`: causes that start within a record. `score.rs`: misfit explained
 //!   by columns. `noise_models.rs`: other noise models. `suspects.rs`: evidence. `conflict.rs`: priors against data.
 //!   `octaves.rs`: residuals by octave. `deviance.rs`: likelihood under the declared noise.
 //! - `solution/`: `solved.rs`: the numerical solution. `unobservable_set.rs`: invariants along unobservable directions.
-//!   `estimate.rs`: types of the answer. `evidence.rs`: the table of its tests, from which status and reliability
+//!   `estimate.rs`: types of the answer. `evidence.rs`: the list of its remarks, from which status and reliability
 //!   follow.
 //! - `certify/`: `combination.rs`: readable combinations. `continuation.rs`: paths of equal prediction.
 //!   `barycentre.rs`: augmented inertias and couplings of a tree. `naming.rs`: names of unobservable directions.

@@ -299,10 +299,8 @@ pub(crate) fn random_torque(
 
 /// The experiment with wheels that run straight from change to change of their torque.
 fn driven_at_random<'b>(experiment: &Experiment<'b>, problem: &'b Problem<'b>) -> Experiment<'b> {
-    Experiment {
-        alternative: experiment.alternative.with(BetweenSamples::RandomTorque),
-        ..experiment.with_problem(problem)
-    }
+    let alternative = experiment.alternative.with(BetweenSamples::RandomTorque);
+    experiment.with_problem(problem).under(alternative)
 }
 
 /// -2 ln L at the end of a full step.

@@ -148,13 +148,15 @@ pub(crate) fn solve(problem: &Problem, settings: Settings) -> Result<FinishedFit
         let other = best.other.clone();
         own.other_wheel_motion = other.map(|o| o.among(&parameters, &solution.parameters));
     }
-    let of_known =
-        |_| ShiftedVehicle::at(best.experiment.problem, &solution.parameters, &fitted.at.x);
+    let (taken, x) = (best.experiment.problem, &fitted.at.x);
+    let of_known = |_| ShiftedVehicle::at(taken, &solution.parameters, x);
+    let shifted = known.as_ref().and_then(of_known);
+    let (at, at_random) = (fitted.at.clone(), best.is_random());
     Ok(FinishedFit {
-        at: fitted.at.clone(),
-        shifted: known.as_ref().and_then(of_known),
-        segments: process.filter(|_| best.is_random()).map(|p| p.segments),
         solution,
+        at,
+        shifted,
+        segments: process.filter(|_| at_random).map(|p| p.segments),
     })
 }
 

@@ -18,6 +18,7 @@ use super::vehicle::{Thrust, Vehicle, parabola_slope, wheel_slope};
 use super::virtual_joints::{JOINT_STEP, moved_trees};
 use super::{Instant, Motion, State};
 use crate::problem::parameters::UnknownKind;
+use crate::problem::segment::InputRate;
 use nalgebra::SMatrix;
 use poinsot_dynamics::{
     Accelerations, Kinematics, Tree, Twist, composite, momentum_rate_column, wheel_rate,

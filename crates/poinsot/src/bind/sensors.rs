@@ -27,7 +27,7 @@ pub(super) struct SensorColumns<'a> {
     /// Three axes, or four quaternion components.
     pub parts: Vec<&'a Channel>,
     /// Reference vector in N, if telemetry has it.
-    reference: Option<[&'a Channel; 3]>,
+    pub reference: Option<[&'a Channel; 3]>,
     /// Times at which every part has a sample, s.
     time_s: Vec<f64>,
     /// Index of the sample in each part, at these times.

@@ -4,7 +4,7 @@ use super::{Filter, Input, InputNoise, Memory, SparseRows};
 use crate::motion::slope_weights;
 use crate::motion::{BodyPoint, Instant, Motion, State};
 use crate::problem::Problem;
-use crate::problem::segment::{InputErrors, Observations, SensorRecord};
+use crate::problem::segment::{Observations, SensorRecord};
 use nalgebra::Matrix2;
 use poinsot_model::SensorKind;
 use poinsot_spatial::Vector3;
