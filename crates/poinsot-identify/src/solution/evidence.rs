@@ -142,7 +142,7 @@ impl Remark {
     }
 }
 
-/// Name of the statistic of [`Evidence::chi_square`].
+/// Name of the statistic of [`Remark::chi_square`].
 const CHI_SQUARE: &str = "chi-square";
 
 /// The largest factor on every sigma.

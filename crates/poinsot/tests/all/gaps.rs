@@ -142,7 +142,7 @@ fn regress_thinned_rows_are_not_trusted() {
     let thinned = asked(2);
     assert!(worst(&thinned) > 4.0);
     assert!(!thinned.estimate.covariance_trustworthy());
-    let told = |w: &String| w.starts_with("--every 2 leaves out");
+    let told = |w: &&str| w.starts_with("--every 2 leaves out");
     assert!(thinned.estimate.warnings().iter().any(told));
 }
 

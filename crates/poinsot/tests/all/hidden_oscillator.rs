@@ -79,7 +79,7 @@ fn row(name: &str, joint: &str, mass: Option<f64>) {
         .collect();
     let count = |of: &dyn Fn(&Estimate) -> bool| all.iter().filter(|e| of(e)).count();
     let near = |hz: f64| frequency.is_none_or(|f| (hz / f - 1.0).abs() < 0.05);
-    let named = |e: &Estimate| e.warnings.iter().filter_map(|w| line(w)).any(near);
+    let named = |e: &Estimate| e.warnings().iter().filter_map(|w| line(w)).any(near);
     let rejected = |e: &Estimate| e.status == Status::Rejected;
     let doubted = |e: &Estimate| !e.covariance_trustworthy();
     let detected = count(&|e| rejected(e) && doubted(e) && named(e));

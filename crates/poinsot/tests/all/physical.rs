@@ -99,15 +99,15 @@ struct Trial {
 impl Trial {
     /// The unconstrained answer is unphysical. One far outside is rejected and its numbers are withheld.
     fn beyond(&self) -> bool {
-        let warned = |w: &String| w.contains("no distribution of positive mass");
+        let warned = |w: &&str| w.contains("no distribution of positive mass");
         self.free.bodies[0].physically_consistent == Some(false)
-            || self.free.warnings.iter().any(warned)
+            || self.free.warnings().iter().any(warned)
     }
 
     /// The physical answer reports that it is at the physical limit.
     fn held(&self) -> bool {
-        let warned = |w: &String| w.contains("at the limit of physical");
-        self.kept.warnings.iter().any(warned)
+        let warned = |w: &&str| w.contains("at the limit of physical");
+        self.kept.warnings().iter().any(warned)
     }
 
     fn unsettled(&self) -> bool {
@@ -281,6 +281,6 @@ fn unit_data_beyond_every_body_are_rejected() {
     let mut model = truth;
     model.bodies[0].nominal.I_BBcm_B[(2, 2)] = 9.0;
     let answer = ask_in(&model, &table, Coordinates::Physical).estimate;
-    assert_eq!(answer.status, Status::Rejected, "{:?}", answer.warnings);
+    assert_eq!(answer.status, Status::Rejected, "{:?}", answer.warnings());
     assert!(answer.bodies[0].inertia.iter().all(|n| n.value.is_none()));
 }

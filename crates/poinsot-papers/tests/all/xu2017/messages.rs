@@ -11,10 +11,9 @@ fn refusal(model: Model, tables: Vec<Table>, variant: &str) -> String {
 
 fn warned(found: &Identified, words: &str) -> String {
     let list = &found.estimate.warnings();
-    list.iter()
-        .find(|w| w.contains(words))
-        .unwrap_or_else(|| panic!("no '{words}' in {list:?}"))
-        .clone()
+    let found = list.iter().find(|w| w.contains(words));
+    let found = found.unwrap_or_else(|| panic!("no '{words}' in {list:?}"));
+    (*found).to_owned()
 }
 
 /// Complete messages.

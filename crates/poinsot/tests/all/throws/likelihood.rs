@@ -134,7 +134,7 @@ fn fit_from(model: &Model, throw: &Recording, declared: &Declared) -> Result<Fit
     let J = model.wheels[0].spin_inertia;
     let numbers = &estimate.bodies[0].inertia;
     if numbers.iter().any(|n| n.value.is_none()) {
-        let why = estimate.warnings.join("; ");
+        let why = estimate.warnings().join("; ");
         return Err(format!("{}: {}: {why}", throw.name, estimate.status.name()).into());
     }
     let place = |name: &str| estimate.covariance_names.iter().position(|n| n == name);
