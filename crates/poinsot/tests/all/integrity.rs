@@ -1,16 +1,13 @@
-//! Result files that were changed, cut or mixed are refused, or give the same answer.
+//! Files of two runs are not mixed, and every reader refuses what contradicts itself. Changes of single bytes:
+//! `crates/poinsot-formats/tests/integrity.rs`.
 
 use poinsot::campaign::{Plan, missing_shards, read_plan, run_shards};
 use poinsot::compare::{CompareRequest, compare};
 use poinsot::export::{Target, export};
 use poinsot::validate::{ValidateRequest, validate};
 use poinsot::*;
-use poinsot_formats::{
-    CampaignFile, ComparisonFile, DesignFile, PredictionFile, ReportData, ResultFile, TruthFile,
-    ValidationFile, parse_result, result_text,
-};
+use poinsot_formats::result_text;
 use poinsot_model::read_model;
-use std::fmt::Debug;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -43,41 +40,6 @@ fn survives(bytes: &[u8], same: impl Fn(&[u8]) -> Option<bool>) -> (usize, usize
         count(&bytes[..k], &format!("cut at {k}"));
     }
     (refused, equal)
-}
-
-fn every_change_of<T: ResultFile + PartialEq + Debug>(text: &str) {
-    let path = Path::new("file.json");
-    let whole: T = parse_result(path, text.as_bytes()).unwrap();
-    let (refused, equal) = survives(text.as_bytes(), |bytes| {
-        let read = parse_result::<T>(path, bytes).ok();
-        read.map(|read| read == whole)
-    });
-    println!("{}: {refused} refused, {equal} equal", T::SCHEMA);
-    assert!(
-        refused > 2 * text.len() - 100,
-        "{refused} of {}",
-        text.len()
-    );
-}
-
-fn document(name: &str) -> String {
-    fs::read_to_string(crates(&format!("poinsot-report/doc/{name}.json"))).unwrap()
-}
-
-#[test]
-fn exact_a_changed_or_cut_result_is_refused_or_equal() {
-    let file = estimate_file(&answer(0));
-    every_change_of::<EstimateFile>(&result_text(&file, true).unwrap());
-    let case = case::read_case(&crates("poinsot/doc/case.toml")).unwrap();
-    let model = read_model(&case.model).unwrap();
-    let truth = simulate::simulate_case(&case, &model).unwrap().truth;
-    every_change_of::<TruthFile>(&result_text(&truth, true).unwrap());
-    every_change_of::<ReportData>(&document("report_data"));
-    every_change_of::<PredictionFile>(&document("prediction"));
-    every_change_of::<ValidationFile>(&document("validation"));
-    every_change_of::<ComparisonFile>(&document("comparison"));
-    every_change_of::<DesignFile>(&document("design"));
-    every_change_of::<CampaignFile>(&document("campaign"));
 }
 
 /// Files of two runs, swapped one by one.
