@@ -1,15 +1,13 @@
-//! Byte stream of a file: hashed, and rejected if it is not text.
+//! Bytes of a file: shared by several readers, and rejected if they are not text.
 
 use crate::TelemetryError;
-use crate::content_hash::{ContentHash, hex};
 use crate::error::Place;
-use crate::packing::is_standard_input;
 use memchr::{memchr, memrchr};
 use poinsot_files::{InputError, standard_input};
-use sha2::{Digest, Sha256};
 use std::fs::{File, Metadata};
-use std::io::{self, Read, Seek};
+use std::io::{self, Read, Seek, SeekFrom};
 use std::path::Path;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Longest line accepted, bytes; a file without line ends would otherwise fill the memory.
 const MAX_LINE: usize = 16 << 20;
@@ -25,8 +23,46 @@ pub(crate) enum ByteFault {
     Line(u64),
 }
 
+/// A file for several readers, on several threads: its one position is moved and used under a lock.
+#[derive(Debug, Clone)]
+pub(crate) struct SharedFile(Arc<Mutex<File>>);
+
+impl SharedFile {
+    pub fn new(file: File) -> Self {
+        Self(Arc::new(Mutex::new(file)))
+    }
+
+    /// A reader of its own, from this byte.
+    pub fn reader_at(&self, start: u64) -> FromByte {
+        let file = self.clone();
+        FromByte { file, at: start }
+    }
+
+    pub fn lock(&self) -> MutexGuard<'_, File> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Reads a shared file from a byte on.
+pub(crate) struct FromByte {
+    file: SharedFile,
+    at: u64,
+}
+
+impl Read for FromByte {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let mut file = self.file.lock();
+        file.seek(SeekFrom::Start(self.at))?;
+        let n = file.read(buffer)?;
+        self.at += n as u64;
+        Ok(n)
+    }
+}
+
+/// An opened file of telemetry.
+#[derive(Debug, Clone)]
 pub(crate) struct Opened {
-    pub file: File,
+    pub file: SharedFile,
     pub len: u64,
     /// Metadata at opening; `None` for a stream.
     before: Option<Metadata>,
@@ -34,36 +70,43 @@ pub(crate) struct Opened {
 
 impl Opened {
     /// Opens a stream that was copied to a file.
-    pub(crate) fn stream(mut file: File) -> io::Result<Self> {
-        file.rewind()?;
+    pub(crate) fn stream(file: File) -> io::Result<Self> {
         Ok(Self {
             len: file.metadata()?.len(),
-            file,
+            file: SharedFile::new(file),
             before: None,
         })
     }
 
-    /// Whether the file starts with the magic bytes of Parquet.
-    pub(crate) fn is_parquet(&mut self) -> io::Result<bool> {
+    /// The first bytes; fewer if the file is shorter.
+    pub(crate) fn first(&self, count: u64) -> io::Result<Vec<u8>> {
         let mut first = Vec::new();
-        self.file.by_ref().take(4).read_to_end(&mut first)?;
-        self.file.rewind()?;
-        Ok(first == b"PAR1")
+        self.file.reader_at(0).take(count).read_to_end(&mut first)?;
+        Ok(first)
     }
+}
+
+/// Turns an error of the operating system into that of a file which cannot be read.
+pub(crate) fn unreadable(path: &Path) -> impl Fn(io::Error) -> TelemetryError + '_ {
+    |source| TelemetryError::Io {
+        path: path.to_owned(),
+        what: "cannot be read",
+        source,
+    }
+}
+
+pub(crate) fn is_standard_input(path: &Path) -> bool {
+    path.as_os_str() == "-"
 }
 
 /// Opens a regular file, or standard input.
 pub(crate) fn open(path: &Path) -> Result<Opened, TelemetryError> {
-    let io = |source| TelemetryError::Io {
-        path: path.to_owned(),
-        what: "cannot be read",
-        source,
-    };
     if is_standard_input(path) {
-        return standard_input().and_then(Opened::stream).map_err(io);
+        let stream = standard_input().and_then(Opened::stream);
+        return stream.map_err(unreadable(path));
     }
     let opened = poinsot_files::open(path).map_err(|error| match error {
-        InputError::System(source) | InputError::Missing(source) => io(source),
+        InputError::System(source) | InputError::Missing(source) => unreadable(path)(source),
         _ => TelemetryError::Format {
             place: Place::file(path),
             why: "not a regular file; give a .csv or .parquet file".into(),
@@ -71,7 +114,7 @@ pub(crate) fn open(path: &Path) -> Result<Opened, TelemetryError> {
     });
     let (file, before) = opened?;
     Ok(Opened {
-        file,
+        file: SharedFile::new(file),
         len: before.len(),
         before: Some(before),
     })
@@ -94,11 +137,9 @@ pub(crate) fn check_unchanged(path: &Path, opened: &Opened) -> Result<(), Teleme
     })
 }
 
-/// Reader that hashes the bytes and stops at bytes that are not text. It converts line ends to `\n`, so that line
-/// numbers are consistent.
+/// Reader that stops at bytes that are not text. It converts line ends to `\n`, so that line numbers are consistent.
 pub(crate) struct TextBytes<R> {
     inner: R,
-    hash: ContentHash,
     offset: u64,
     line: usize,
     after_cr: bool,
@@ -112,7 +153,6 @@ impl<R: Read> TextBytes<R> {
     pub(crate) fn new(inner: R, skip: u64) -> Self {
         Self {
             inner,
-            hash: ContentHash::new(),
             offset: 0,
             line: 0,
             after_cr: false,
@@ -136,11 +176,6 @@ impl<R: Read> TextBytes<R> {
         }
         bytes.copy_within(from.., 0);
         bytes.len() - from
-    }
-
-    /// SHA-256 of the bytes read, hexadecimal.
-    pub(crate) fn sha256(self) -> io::Result<String> {
-        self.hash.finish()
     }
 
     /// Whether the last byte read ends a line.
@@ -181,7 +216,6 @@ impl<R: Read> Read for TextBytes<R> {
             if let Some(at) = memchr(0, read) {
                 return Err(io::Error::other(ByteFault::Nul(self.offset + at as u64)));
             }
-            self.hash.update(read);
             self.offset += n as u64;
             let mut kept = self.plain_line_ends(read);
             if self.skip > 0 {
@@ -200,28 +234,5 @@ impl<R: Read> Read for TextBytes<R> {
                 return Ok(kept);
             }
         }
-    }
-}
-
-/// SHA-256 of a whole file, hexadecimal; of its first part only where `goes_on` turns false.
-pub(crate) fn sha256_of(
-    path: &Path,
-    mut file: impl Read,
-    goes_on: impl Fn() -> bool,
-) -> Result<String, TelemetryError> {
-    let mut hash = Sha256::new();
-    let mut buffer = vec![0_u8; 1 << 16];
-    loop {
-        let n = file
-            .read(&mut buffer)
-            .map_err(|source| TelemetryError::Io {
-                path: path.to_owned(),
-                what: "cannot be read",
-                source,
-            })?;
-        if n == 0 || !goes_on() {
-            return Ok(hex(hash));
-        }
-        hash.update(buffer.get(..n).unwrap_or_default());
     }
 }

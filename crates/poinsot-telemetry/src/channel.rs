@@ -1,6 +1,8 @@
 //! A measured quantity with its time base, and the table of channels.
 
 use crate::Origin;
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::sync::Arc;
 
 /// One scalar channel: samples of one number over time. A missing sample has no entry (never NaN).
@@ -35,14 +37,14 @@ pub struct Table {
     pub origin: Option<Origin>,
 }
 
-/// A file that was read.
-#[derive(Debug, Clone, PartialEq)]
+/// A file of the table.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Source {
-    /// Path as given.
+    /// As named.
     pub path: String,
-    /// SHA-256 of its bytes, lower-case hexadecimal.
+    /// SHA-256 of its bytes.
     pub sha256: String,
-    /// Number of data rows read.
+    /// Data rows.
     pub rows: usize,
     /// First and last time, s.
     pub time_s: [f64; 2],

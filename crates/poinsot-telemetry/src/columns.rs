@@ -20,6 +20,8 @@ pub(crate) struct Columns {
     pub nan_cells: Vec<(u64, u64)>,
     /// The first distinct texts in the first filter column.
     pub filter_seen: Vec<String>,
+    /// Whether the first row is the last one of the part before.
+    pub follows: bool,
 }
 
 impl Columns {
@@ -38,10 +40,6 @@ impl Columns {
 
     /// Appends one cell to a channel; NaN text is counted.
     pub(crate) fn push(&mut self, channel: usize, row: u64, cell: Cell) {
-        let value = match cell {
-            Cell::Number(x) => x,
-            Cell::Empty | Cell::NotANumber => f64::NAN,
-        };
         if cell == Cell::NotANumber
             && let Some((count, first)) = self.nan_cells.get_mut(channel)
         {
@@ -51,12 +49,13 @@ impl Columns {
             *count += 1;
         }
         if let Some(values) = self.values.get_mut(channel) {
-            values.push(value);
+            values.push(cell.or_nan());
         }
     }
 
-    /// Removes the cells already read of this row.
+    /// Removes the last row read, of which some cells may have been added.
     pub(crate) fn drop_row(&mut self, row: u64) {
+        self.rows_read -= 1;
         if self.rows.last() == Some(&row) {
             self.rows.pop();
         }
@@ -65,33 +64,6 @@ impl Columns {
         for values in &mut self.values {
             values.truncate(n);
         }
-    }
-
-    pub(crate) fn row(&self, k: usize) -> Self {
-        Self {
-            time_s: self.time_s.get(k).copied().into_iter().collect(),
-            rows: self.rows.get(k).copied().into_iter().collect(),
-            values: self
-                .values
-                .iter()
-                .map(|v| v.get(k).copied().into_iter().collect())
-                .collect(),
-            nan_cells: vec![(0, 0); self.values.len()],
-            ..Self::default()
-        }
-    }
-
-    /// Appends the rows of `rest` to this row.
-    pub(crate) fn followed_by(&self, mut rest: Self) -> Self {
-        fn before<T: Copy>(first: &[T], rest: &mut Vec<T>) {
-            rest.splice(0..0, first.iter().copied());
-        }
-        before(&self.time_s, &mut rest.time_s);
-        before(&self.rows, &mut rest.rows);
-        for (first, values) in self.values.iter().zip(&mut rest.values) {
-            before(first, values);
-        }
-        rest
     }
 
     /// Removes the first row.
@@ -103,13 +75,19 @@ impl Columns {
         self.retain(&keep);
     }
 
-    /// Takes the rows so far; later rows continue the count.
+    /// Takes the rows so far; later rows continue the count. The last row stays as well, so that the next part begins with
+    /// the row that its times must follow.
     pub(crate) fn split(&mut self) -> Self {
+        let last = |v: &[f64]| v.last().copied().into_iter().collect();
         let next = Self {
             origin: self.origin,
             rows_read: self.rows_read,
             filter_seen: std::mem::take(&mut self.filter_seen),
-            ..Self::with_channels(self.values.len())
+            follows: true,
+            time_s: last(&self.time_s),
+            rows: self.rows.last().copied().into_iter().collect(),
+            values: self.values.iter().map(|v| last(v)).collect(),
+            nan_cells: vec![(0, 0); self.values.len()],
         };
         std::mem::replace(self, next)
     }

@@ -1,107 +1,52 @@
-//! SHA-256 of a byte stream; of a long one on a thread of its own, beside the parser.
+//! SHA-256 of a file; of a long one on a thread of its own, beside the parser.
 
+use crate::TelemetryError;
+use crate::bytes::{Opened, unreadable};
 use sha2::{Digest, Sha256};
-use std::io;
-use std::sync::mpsc::{Receiver, SyncSender, channel, sync_channel};
-use std::thread::{Builder, JoinHandle};
+use std::io::{self, Read};
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::{self, Builder};
 
 /// Bytes from which a thread is worth its start.
-pub(crate) const LONG: u64 = 4 << 20;
-/// Blocks that may wait for the thread.
-const WAITING: usize = 16;
+const LONG: u64 = 4 << 20;
 
-/// A hash in progress.
-pub(crate) struct ContentHash {
-    bytes: u64,
-    state: State,
-}
-
-enum State {
-    Here(Sha256),
-    Beside(Beside),
-    /// No thread can be started.
-    Alone(Sha256),
-}
-
-struct Beside {
-    blocks: SyncSender<Vec<u8>>,
-    /// Blocks that were hashed, to be filled again.
-    done: Receiver<Vec<u8>>,
-    thread: JoinHandle<Sha256>,
-}
-
-impl Beside {
-    /// The hash itself where no thread can be started.
-    fn new(hash: Sha256) -> Result<Self, Sha256> {
-        let (blocks, next) = sync_channel::<Vec<u8>>(WAITING);
-        let (give_back, done) = channel();
-        let mut own = hash.clone();
-        let work = move || {
-            for block in next {
-                own.update(&block);
-                // Nobody fills blocks any more once the stream has ended.
-                let _ = give_back.send(block);
-            }
-            own
+/// The result of `work`, and SHA-256 of the file, hexadecimal. A thread beside it ends early if the work fails.
+pub(crate) fn hashed<T>(
+    path: &Path,
+    opened: &Opened,
+    work: impl FnOnce() -> Result<T, TelemetryError>,
+) -> Result<(T, String), TelemetryError> {
+    let failed = AtomicBool::new(false);
+    let hash = || sha256(opened.file.reader_at(0), &failed);
+    thread::scope(|scope| {
+        let beside = match opened.len > LONG {
+            true => Builder::new().spawn_scoped(scope, hash).ok(),
+            false => None,
         };
-        let thread = Builder::new().spawn(work).map_err(|_| hash)?;
-        Ok(Self {
-            blocks,
-            done,
-            thread,
-        })
-    }
-}
-
-impl ContentHash {
-    pub fn new() -> Self {
-        Self {
-            bytes: 0,
-            state: State::Here(Sha256::new()),
-        }
-    }
-
-    pub fn update(&mut self, bytes: &[u8]) {
-        self.bytes += bytes.len() as u64;
-        if let State::Here(hash) = &self.state
-            && self.bytes > LONG
-        {
-            self.state = match Beside::new(hash.clone()) {
-                Ok(beside) => State::Beside(beside),
-                Err(hash) => State::Alone(hash),
-            };
-        }
-        match &mut self.state {
-            State::Here(hash) | State::Alone(hash) => hash.update(bytes),
-            State::Beside(beside) => {
-                let mut block = beside.done.try_recv().unwrap_or_default();
-                block.clear();
-                block.extend_from_slice(bytes);
-                // The thread takes blocks until the sender is dropped.
-                let _ = beside.blocks.send(block);
-            }
-        }
-    }
-
-    /// The digest, hexadecimal.
-    ///
-    /// # Errors
-    /// The thread failed.
-    pub fn finish(self) -> io::Result<String> {
-        let hash = match self.state {
-            State::Here(hash) | State::Alone(hash) => hash,
-            State::Beside(beside) => {
-                drop(beside.blocks);
-                beside.thread.join().map_err(|_| ended())?
-            }
+        let done = work();
+        failed.store(done.is_err(), Ordering::Relaxed);
+        let done = done?;
+        let ended = |_| Err(io::Error::other("the thread that hashes the file ended"));
+        let sha256 = match beside {
+            Some(thread) => thread.join().unwrap_or_else(ended),
+            None => hash(),
         };
-        Ok(hex(hash))
-    }
+        Ok((done, sha256.map_err(unreadable(path))?))
+    })
 }
 
-/// The error where the thread failed.
-pub(crate) fn ended() -> io::Error {
-    io::Error::other("the thread that hashes the file ended")
+/// Of the first part only where `ended` turns true.
+fn sha256(mut file: impl Read, ended: &AtomicBool) -> io::Result<String> {
+    let mut hash = Sha256::new();
+    let mut buffer = vec![0_u8; 1 << 16];
+    loop {
+        let n = file.read(&mut buffer)?;
+        if n == 0 || ended.load(Ordering::Relaxed) {
+            return Ok(hex(hash));
+        }
+        hash.update(buffer.get(..n).unwrap_or_default());
+    }
 }
 
 /// The digest, hexadecimal.
@@ -112,22 +57,22 @@ pub(crate) fn hex(hash: Sha256) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::io::Write;
 
     /// FIPS 180-4, a million times "a", and the same digest beside as here.
     #[test]
     fn exact_digests_are_those_of_the_standard() {
-        let digest = |bytes: &[u8], block: usize| {
-            let mut hash = ContentHash::new();
-            bytes.chunks(block).for_each(|b| hash.update(b));
-            hash.finish().unwrap()
+        let digest = |bytes: &[u8]| {
+            let mut file = tempfile::tempfile().unwrap();
+            file.write_all(bytes).unwrap();
+            let opened = Opened::stream(file).unwrap();
+            hashed(Path::new("a"), &opened, || Ok(())).unwrap().1
         };
         assert_eq!(
-            digest(&vec![b'a'; 1_000_000], 1000),
+            digest(&vec![b'a'; 1_000_000]),
             "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0"
         );
         let long: Vec<u8> = (0..3 * LONG).map(|k| (k * k % 251) as u8).collect();
-        let whole = Sha256::digest(&long);
-        let whole: String = whole.iter().map(|b| format!("{b:02x}")).collect();
-        assert_eq!(digest(&long, 65_521), whole);
+        assert_eq!(digest(&long), hex(Sha256::new_with_prefix(&long)));
     }
 }

@@ -1,17 +1,17 @@
 //! Reads CSV with one header row, and the text that exports put around it.
 
-use crate::bytes::{ByteFault, Opened, TextBytes, check_unchanged, sha256_of};
-use crate::clock::Clock;
+use crate::bytes::{ByteFault, Opened, TextBytes, unreadable};
 use crate::columns::Columns;
 use crate::csv_rows::{CsvRows, Row};
 use crate::error::{Place, shown};
-use crate::number::{Cell, InvalidNumber, RawCell};
+use crate::intake::Intake;
+use crate::number::RawCell;
 use crate::packing::{Packing, damaged};
 use crate::plan::{self, Plan};
-use crate::selection::{Selection, WhenFull};
+use crate::selection::WhenFull;
 use crate::size::Rows;
 use crate::{Encoding, Layout, ReadOptions, TelemetryError};
-use std::io::{self, Read, Seek};
+use std::io::{self, Read};
 use std::path::Path;
 
 /// Reads a CSV file row by row; unused columns are not parsed.
@@ -21,43 +21,26 @@ pub(crate) fn read(
     options: &ReadOptions,
     repairs: &mut Vec<String>,
     mut full: Option<&mut WhenFull>,
-) -> Result<(Plan, Columns, String), TelemetryError> {
-    let io = |source| TelemetryError::Io {
-        path: path.to_owned(),
-        what: "cannot be read",
-        source,
-    };
-    let (unpacked, rows, packed_sha256) = unpacked(path, opened)?;
+) -> Result<(Plan, Columns), TelemetryError> {
+    let (text, rows) = unpacked(path, opened)?;
     let layout = options.map.for_file(path).layout;
     let above = layout.header_row.unwrap_or(1).saturating_sub(1);
-    let bytes = TextBytes::new(unpacked, above);
+    let bytes = TextBytes::new(text, above);
     let mut reader = CsvRows::new(bytes, layout.delimiter.unwrap_or(b','), layout.comment);
     let (header, units) = headers(path, &mut reader, (above, layout, options))?;
-    let mut selection = options.selection();
     let plan = plan::build(path, &header, units.as_deref(), options)?;
-    let mut clock = plan.clock.clone();
+    let mut intake = Intake::new(path, &plan, options);
     if full.is_none() {
-        options.limit().check_ahead(path, &plan, options, rows)?;
+        intake.check_ahead(rows)?;
     }
-    let mut columns = Columns::with_channels(plan.channels.len());
     reader.used = plan.used_columns().max().map_or(0, |last| last + 1);
     let mut last_row = 0;
     while let Some(row) = readable(path, reader.next_row())? {
         // A row is passed on only when another follows, because the last one may have to be dropped.
-        selection.check(path, &plan, &mut columns, rows, full.as_deref_mut())?;
+        intake.make_room(rows, full.as_deref_mut())?;
         last_row = above + row.line;
-        columns.rows_read += 1;
-        let taken = take_row(
-            path,
-            &plan,
-            &mut clock,
-            &row,
-            last_row,
-            &mut selection,
-            &mut columns,
-        );
-        columns.origin = clock.origin;
-        let Err(error) = taken else {
+        intake.columns.rows_read += 1;
+        let Err(error) = take_row(path, &plan, &row, last_row, &mut intake) else {
             continue;
         };
         let is_last = readable(path, reader.next_row())?.is_none();
@@ -74,45 +57,45 @@ pub(crate) fn read(
             "{}: cut last row dropped",
             Place::row(path, last_row)
         ));
-        columns.rows_read -= 1;
-        columns.drop_row(last_row);
+        intake.columns.drop_row(last_row);
         last_row = 0;
     }
     if last_row > 0 && !reader.ends_a_line() {
         let row = Place::row(path, last_row);
-        repairs.push(take_unended(&row, options.recover, last_row, &mut columns));
+        repairs.push(match options.recover {
+            true => format!(
+                "{row}: last row dropped: it has no line end, so its last number may be cut"
+            ),
+            false => format!("{row}: the last row has no line end; assumed complete"),
+        });
+        if options.recover {
+            intake.columns.drop_row(last_row);
+        }
     }
-    selection.check(path, &plan, &mut columns, rows, full)?;
-    check_unchanged(path, opened)?;
-    let sha256 = match packed_sha256 {
-        Some(packed) => packed,
-        None => reader.sha256().map_err(io)?,
-    };
-    Ok((plan, columns, sha256))
+    intake.make_room(rows, full)?;
+    let columns = intake.columns;
+    Ok((plan, columns))
 }
 
-/// The text of a file, its rows, and its hash where it is packed.
-type Unpacked = (Box<dyn Read>, Rows, Option<String>);
-
-fn unpacked(path: &Path, opened: &Opened) -> Result<Unpacked, TelemetryError> {
-    let io = |source| TelemetryError::Io {
-        path: path.to_owned(),
-        what: "cannot be read",
-        source,
-    };
-    let mut file = opened.file.try_clone().map_err(io)?;
-    refuse_utf16(path, &mut file)?;
-    let packing = Packing::of(&mut file).map_err(io)?;
-    if let Packing::None = packing {
-        let rows = Rows::of_text(&mut file, opened.len).map_err(io)?;
-        return Ok((packing.reader(file).map_err(io)?, rows, None));
+/// The text of a file, and the number of its rows.
+fn unpacked(path: &Path, opened: &Opened) -> Result<(Box<dyn Read>, Rows), TelemetryError> {
+    let first = opened.first(2).map_err(unreadable(path))?;
+    if first == [0xff, 0xfe] || first == [0xfe, 0xff] {
+        return Err(TelemetryError::Format {
+            place: Place::file(path),
+            why: "the file is UTF-16; save it as UTF-8".into(),
+        });
     }
-    let lines = packing.reader(file.try_clone().map_err(io)?);
-    let rows = lines.and_then(Rows::of_lines);
-    let rows = rows.map_err(|source| damaged(path, source))?;
-    file.rewind().map_err(io)?;
-    let sha256 = sha256_of(path, &mut file, || true)?;
-    Ok((packing.reader(file).map_err(io)?, rows, Some(sha256)))
+    let packing = Packing::of(opened).map_err(unreadable(path))?;
+    let rows = match packing {
+        Packing::None => Rows::of_text(opened).map_err(unreadable(path))?,
+        _ => {
+            let lines = packing.reader(opened).and_then(Rows::of_lines);
+            lines.map_err(|source| damaged(path, source))?
+        }
+    };
+    let text = packing.reader(opened).map_err(unreadable(path))?;
+    Ok((text, rows))
 }
 
 /// Header row, and the row of units where there is one.
@@ -145,30 +128,18 @@ fn headers(
     Ok((header, units))
 }
 
-/// Drops the last row, which has no line end, where files are recovered; what is to be said of it.
-fn take_unended(row: &Place, recover: bool, last_row: u64, columns: &mut Columns) -> String {
-    if !recover {
-        return format!("{row}: the last row has no line end; assumed complete");
-    }
-    columns.rows_read -= 1;
-    columns.drop_row(last_row);
-    format!("{row}: last row dropped: it has no line end, so its last number may be cut")
-}
-
 /// Adds one data row to the columns; on error part of the row may have been added.
 fn take_row(
     path: &Path,
     plan: &Plan,
-    clock: &mut Clock,
     record: &Row,
     row: u64,
-    selection: &mut Selection,
-    columns: &mut Columns,
+    intake: &mut Intake,
 ) -> Result<(), TelemetryError> {
-    if record.len != plan.width {
+    if record.len != plan.header.len() {
         let hint = if record.cell(0).starts_with(b"#") {
             "; leave the line out, or write [telemetry] comment = \"#\""
-        } else if record.len > plan.width {
+        } else if record.len > plan.header.len() {
             ": a decimal comma or a comma in a text without quotes adds fields; write a point, or quotes around the text"
         } else {
             "; complete the row: an empty cell means no sample"
@@ -176,41 +147,22 @@ fn take_row(
         return Err(TelemetryError::Ragged {
             place: Place::row(path, row),
             actual: record.len,
-            expected: plan.width,
+            expected: plan.header.len(),
             hint,
         });
     }
-    for (k, (index, text)) in plan.filter.iter().enumerate() {
-        let cell = record.cell(*index);
-        if k == 0 {
-            columns.saw(&String::from_utf8_lossy(cell));
-        }
-        if cell != text.as_bytes() {
-            return Ok(());
-        }
-    }
-    let fault = |index: usize, column: &str, why: InvalidNumber| TelemetryError::Number {
-        place: Place::cell(path, row, column),
-        value: shown(record.cell(index)),
-        why: why.text(index == plan.time_index),
-    };
-    let text = |index: usize| record.cell(index);
-    let cell = |index: usize| RawCell::Text(text(index));
-    let time = clock.seconds(cell(plan.time_index), plan.week_index.map(cell));
-    let time_s = match time.map_err(|why| fault(plan.time_index, &plan.time_column, why))? {
-        Cell::Number(x) => x,
-        Cell::Empty | Cell::NotANumber => f64::NAN,
-    };
-    columns.origin = clock.origin;
-    if !selection.keeps(time_s, columns.origin) {
+    if !intake.keeps(row, |index| RawCell::Text(record.cell(index)))? {
         return Ok(());
     }
-    columns.time_s.push(time_s);
-    columns.rows.push(row);
     for (k, channel) in plan.channels.iter().enumerate() {
-        let value = channel.conversion.cell(text(channel.index));
-        let value = value.map_err(|why| fault(channel.index, &channel.column, why))?;
-        columns.push(k, row, value);
+        let cell = record.cell(channel.index);
+        let value = channel.conversion.cell(cell);
+        let value = value.map_err(|why| TelemetryError::Number {
+            place: Place::cell(path, row, &channel.column),
+            value: shown(cell),
+            why: why.text(channel.index == plan.time_index),
+        })?;
+        intake.columns.push(k, row, value);
     }
     Ok(())
 }
@@ -260,24 +212,6 @@ fn no_header(header: &[String], comment: Option<u8>) -> Option<String> {
     (usual && comment.is_none()).then(|| {
         format!("the first row begins with '{first}'; write [telemetry] comment = \"{first}\" if such lines are comments, or header_row = N for a header in line N")
     })
-}
-
-fn refuse_utf16<R: Read + Seek>(path: &Path, file: &mut R) -> Result<(), TelemetryError> {
-    let io = |source| TelemetryError::Io {
-        path: path.to_owned(),
-        what: "cannot be read",
-        source,
-    };
-    let mut mark = Vec::new();
-    file.by_ref().take(2).read_to_end(&mut mark).map_err(io)?;
-    file.rewind().map_err(io)?;
-    if mark == [0xff, 0xfe] || mark == [0xfe, 0xff] {
-        return Err(TelemetryError::Format {
-            place: Place::file(path),
-            why: "the file is UTF-16; save it as UTF-8".into(),
-        });
-    }
-    Ok(())
 }
 
 /// What was read of the text; an error names the file.

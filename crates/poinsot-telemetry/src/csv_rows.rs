@@ -75,11 +75,6 @@ impl<R: Read> CsvRows<R> {
         }
     }
 
-    /// SHA-256 of the bytes read, hexadecimal.
-    pub fn sha256(self) -> io::Result<String> {
-        self.bytes.sha256()
-    }
-
     /// Whether the last byte read ends a line.
     pub fn ends_a_line(&self) -> bool {
         self.bytes.ends_a_line()

@@ -3,7 +3,7 @@
 use crate::conventions::{ConventionTest, convention_tests};
 use crate::median::median_step;
 use crate::noise::noise_level;
-use crate::{Channel, Suggestion, Table, full_name, suggest};
+use crate::{Channel, Source, Suggestion, Table, full_name, suggest};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -11,7 +11,7 @@ use serde::Serialize;
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Inspection {
     /// The files.
-    pub sources: Vec<FileSummary>,
+    pub sources: Vec<Source>,
     /// First and last time of any channel, s.
     pub time_s: Option<[f64; 2]>,
     /// One line per channel.
@@ -28,19 +28,6 @@ pub struct Inspection {
     pub notes: Vec<String>,
     /// What the checks found.
     pub findings: Vec<crate::checks::Finding>,
-}
-
-/// A file of the table.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
-pub struct FileSummary {
-    /// As named.
-    pub path: String,
-    /// SHA-256 of its bytes.
-    pub sha256: String,
-    /// Data rows.
-    pub rows: usize,
-    /// First and last time, s.
-    pub time_s: [f64; 2],
 }
 
 /// One channel in numbers, SI.
@@ -97,16 +84,7 @@ pub fn inspect(table: &Table) -> Inspection {
         [a0.min(b0), a1.max(b1)]
     });
     Inspection {
-        sources: table
-            .sources
-            .iter()
-            .map(|s| FileSummary {
-                path: s.path.clone(),
-                sha256: s.sha256.clone(),
-                rows: s.rows,
-                time_s: s.time_s,
-            })
-            .collect(),
+        sources: table.sources.clone(),
         time_s: span,
         conventions: convention_tests(table),
         ignored: table.ignored.clone(),

@@ -2,7 +2,7 @@
 
 use crate::checks::{Finding, SHOWN};
 use crate::columns::Columns;
-use crate::inspect::{ChannelSummary, FileSummary, Inspection, notes};
+use crate::inspect::{ChannelSummary, Inspection, notes};
 use crate::plan::{self, Plan};
 use crate::read::{read, read_file_in_parts};
 use crate::{
@@ -79,7 +79,7 @@ fn in_parts(
 ) -> Result<Inspection, TelemetryError> {
     let mut repairs = Vec::new();
     let map = options.map.for_file(path);
-    let passed_over = unused.pass_over(&map);
+    let passed_over = map.columns.iter().filter(|c| !c.rows.is_empty()).count();
     if passed_over > 0 {
         repairs.push(format!(
             "{}: {passed_over} channels with a row selection are skipped in a file of this size",
@@ -96,7 +96,6 @@ fn in_parts(
     let mut parts = Parts {
         path,
         strict: options.strict,
-        last: None,
         seen: None,
     };
     let (plan, rest, sha256) =
@@ -105,13 +104,13 @@ fn in_parts(
         })?;
     let rows = rest.rows_read;
     parts.take(&plan, rest)?;
-    unused.mark(&plan);
+    unused.mark(path, &plan);
     let mut all = parts.seen.ok_or_else(|| TelemetryError::Empty {
         place: crate::error::Place::file(path),
     })?;
     repairs.append(&mut all.repairs);
     all.repairs = repairs;
-    all.sources = vec![FileSummary {
+    all.sources = vec![Source {
         path: path.display().to_string(),
         sha256,
         rows,
@@ -124,33 +123,21 @@ fn in_parts(
 struct Parts<'a> {
     path: &'a Path,
     strict: bool,
-    last: Option<Columns>,
     seen: Option<Inspection>,
 }
 
 impl Parts<'_> {
     /// Inspects one part; its times must follow those of the previous part.
-    fn take(&mut self, plan: &Plan, part: Columns) -> Result<(), TelemetryError> {
-        if part.rows.is_empty() {
-            return Ok(());
-        }
-        let followed = self.last.take();
-        let last = part.row(part.rows.len() - 1);
-        // Include the previous row, so that times are compared across parts and a repeated row is found.
-        let mut columns = match &followed {
-            Some(before) => before.followed_by(part),
-            None => part,
-        };
+    fn take(&mut self, plan: &Plan, mut columns: Columns) -> Result<(), TelemetryError> {
         let mut table = Table {
             ignored: plan.ignored.clone(),
             ..Table::default()
         };
         let strict = self.strict;
         time_base::check(self.path, plan, &mut columns, strict, &mut table.repairs)?;
-        if followed.is_some() {
+        if columns.follows {
             columns.drop_first();
         }
-        self.last = Some(last);
         if columns.rows.is_empty() {
             return Ok(());
         }

@@ -10,7 +10,7 @@
 //! | what is read | [`Table`], [`Channel`], [`Source`], [`TelemetryError`] |
 //! | columns with other names and units | [`TelemetryMap`], [`suggest`], [`parse_unit`], [`units`], [`classify`] |
 //! | checks | [`checks`], [`inspect`], [`check_conventions`], [`noise_level`] |
-//! | other times | [`resample`], [`resample_attitude`], [`hold`], [`differentiate`] |
+//! | other times | [`resample`], [`resample_attitude`], [`differentiate`] |
 //! | other axes | [`mount`], [`Mounting`] |
 //!
 //! # Example
@@ -50,8 +50,8 @@
 //! - `resample.rs`, `differentiate.rs`: never across a gap.
 //! - `noise.rs`: noise of a channel from its own samples.
 //! - `size.rs`: number of rows before reading.
-//! - `parquet_column.rs`: what a column holds. `parquet_bytes.rs`, `parquet_dictionaries.rs`: guards of the decoder.
-//!   `parquet_pages.rs`: page checksums.
+//! - `intake.rs`: which rows are kept, for every reader.
+//! - `parquet_column.rs`: what a column holds. `parquet_bytes.rs`, `parquet_pages.rs`: guards of the decoder.
 //! - `inspect.rs`, `inspect_parts.rs`: inspection, also of files larger than memory.
 //! - `writer.rs`, `error.rs` (codes E02xx).
 
@@ -76,6 +76,7 @@ mod inspect;
 mod inspect_parts;
 mod inspect_text;
 mod instant;
+mod intake;
 mod map;
 mod map_faults;
 mod median;
@@ -89,8 +90,6 @@ mod packing;
 mod parquet_bytes;
 #[cfg(feature = "parquet")]
 mod parquet_column;
-#[cfg(feature = "parquet")]
-mod parquet_dictionaries;
 #[cfg(feature = "parquet")]
 mod parquet_pages;
 #[cfg_attr(not(feature = "parquet"), path = "parquet_absent.rs")]
@@ -120,7 +119,7 @@ pub use conventions::{
 pub use differentiate::differentiate;
 pub use error::{Place, TelemetryError, advice};
 pub use hypothesis::{Axes, GyroUnit, Hypothesis, Order, Sense};
-pub use inspect::{ChannelSummary, FileSummary, Inspection, inspect};
+pub use inspect::{ChannelSummary, Inspection, inspect};
 pub use inspect_parts::inspect_files;
 pub use instant::{Origin, Scale};
 pub use map::{
@@ -134,7 +133,7 @@ pub use mounting::{Mounting, mount};
 pub use noise::{NoiseLevel, noise_level};
 pub use options::{Encoding, MEMORY_MIB, ReadOptions};
 pub use read::{read, read_parts};
-pub use resample::{GAP, hold, resample, resample_attitude, resample_hermite};
+pub use resample::{GAP, resample, resample_attitude, resample_hermite};
 pub use row_columns::{RowCells, RowColumn};
 pub use rows::{ROWS_EXTENSION, write_rows};
 pub use suggest::{Suggestion, suggest};

@@ -188,9 +188,8 @@ impl TelemetryMap {
     }
 
     pub(crate) fn for_file(&self, path: &Path) -> FileMap {
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
         let mut all = self.all.clone();
-        let fitting = self.files.iter().filter(|(p, _)| fits(p, &name));
+        let fitting = self.files.iter().filter(|(p, _)| fits_path(p, path));
         fitting.for_each(|(_, map)| all.add(map));
         all
     }
@@ -243,6 +242,12 @@ impl FileMap {
         passes
     }
 
+    /// Every column that selects rows, with its text.
+    pub(crate) fn filters(&self) -> impl Iterator<Item = &(String, String)> {
+        let own = self.columns.iter().flat_map(|c| &c.rows);
+        self.row_filter.iter().chain(own)
+    }
+
     /// Every column named in the map, with its purpose.
     pub(crate) fn named(&self) -> Vec<(String, String)> {
         let own = self.columns.iter();
@@ -262,8 +267,14 @@ impl FileMap {
     }
 }
 
+/// Whether the name of a file matches a pattern.
+pub(crate) fn fits_path(pattern: &str, path: &Path) -> bool {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    fits(pattern, &name)
+}
+
 /// Whether a name matches a pattern in which `*` matches any text.
-pub(crate) fn fits(pattern: &str, name: &str) -> bool {
+fn fits(pattern: &str, name: &str) -> bool {
     let mut parts = pattern.split('*');
     let first = parts.next().unwrap_or_default();
     let Some(mut rest) = name.strip_prefix(first) else {

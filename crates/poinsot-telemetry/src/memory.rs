@@ -3,13 +3,13 @@
 use crate::bytes::Opened;
 use crate::columns::Columns;
 use crate::content_hash::hex;
-use crate::error::{Place, shown};
+use crate::error::Place;
+use crate::intake::Intake;
 use crate::number::{Cell, RawCell};
 use crate::plan::{self, Plan};
 use crate::size::Rows;
 use crate::{ReadOptions, TelemetryError};
 use sha2::{Digest, Sha256};
-use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -59,17 +59,17 @@ pub struct MemoryColumns {
 #[derive(Debug)]
 pub struct Spooled {
     name: PathBuf,
-    file: File,
+    pub(crate) opened: Opened,
 }
 
-impl Spooled {
-    pub(crate) fn open(&self) -> io::Result<Opened> {
-        self.file.try_clone().and_then(Opened::stream)
+impl PartialEq for Spooled {
+    fn eq(&self, other: &Self) -> bool {
+        std::ptr::eq(self, other)
     }
 }
 
 /// One telemetry source of a segment.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Part {
     /// A file.
     File(PathBuf),
@@ -77,17 +77,6 @@ pub enum Part {
     Memory(Arc<MemoryColumns>),
     /// Content of a file in memory, or a stream.
     Stream(Arc<Spooled>),
-}
-
-impl PartialEq for Part {
-    fn eq(&self, other: &Self) -> bool {
-        match (self, other) {
-            (Self::File(a), Self::File(b)) => a == b,
-            (Self::Memory(a), Self::Memory(b)) => a == b,
-            (Self::Stream(a), Self::Stream(b)) => Arc::ptr_eq(a, b),
-            _ => false,
-        }
-    }
 }
 
 impl Part {
@@ -99,7 +88,7 @@ impl Part {
     pub fn stream(name: &str, stream: &mut dyn io::Read) -> io::Result<Self> {
         Ok(Self::Stream(Arc::new(Spooled {
             name: name.into(),
-            file: poinsot_files::spooled(stream)?,
+            opened: poinsot_files::spooled(stream).and_then(Opened::stream)?,
         })))
     }
 
@@ -138,12 +127,17 @@ pub(crate) fn read(
     let header: Vec<String> = memory.columns.iter().map(|c| c.0.clone()).collect();
     let plan = plan::build(path, &header, None, options)?;
     let declared = Rows::Declared(rows as u64);
-    options
-        .limit()
-        .check_ahead(path, &plan, options, declared)?;
-    let mut columns = Columns::with_channels(plan.channels.len());
-    columns.rows_read = rows;
-    let kept = take_times(path, memory, &plan, options, &mut columns)?;
+    let mut intake = Intake::new(path, &plan, options);
+    intake.check_ahead(declared)?;
+    intake.columns.rows_read = rows;
+    let mut kept = Vec::new();
+    for row in 0..rows {
+        let column = |index: usize| memory.columns.get(index);
+        let cell = |index| column(index).map_or(RawCell::Empty, |c| c.1.cell(row));
+        if intake.keeps(row as u64 + 1, cell)? {
+            kept.push(row);
+        }
+    }
     for (k, channel) in plan.channels.iter().enumerate() {
         let Some((_, values)) = memory.columns.get(channel.index) else {
             continue;
@@ -159,11 +153,12 @@ pub(crate) fn read(
                 Some(x) if !x.is_nan() => Cell::Number(*x),
                 _ => Cell::Empty,
             };
-            columns.push(k, *row as u64 + 1, channel.conversion.number(cell));
+            let cell = channel.conversion.number(cell);
+            intake.columns.push(k, *row as u64 + 1, cell);
         }
     }
-    let selection = options.selection();
-    selection.check(path, &plan, &mut columns, declared, None)?;
+    intake.make_room(declared, None)?;
+    let columns = intake.columns;
     Ok((plan, columns, sha256_of_columns(memory)))
 }
 
@@ -181,51 +176,6 @@ fn check_lengths(path: &Path, memory: &MemoryColumns) -> Result<usize, Telemetry
             ),
         }),
     }
-}
-
-/// Times and indices of the selected rows.
-fn take_times(
-    path: &Path,
-    memory: &MemoryColumns,
-    plan: &Plan,
-    options: &ReadOptions,
-    columns: &mut Columns,
-) -> Result<Vec<usize>, TelemetryError> {
-    let column = |index: usize| memory.columns.get(index).map(|c| &c.1);
-    let mut clock = plan.clock.clone();
-    let mut selection = options.selection();
-    let mut kept = Vec::new();
-    for row in 0..columns.rows_read {
-        let cell = |index: usize| column(index).map_or(RawCell::Empty, |values| values.cell(row));
-        let mut chosen = true;
-        for (k, (index, wanted)) in plan.filter.iter().enumerate() {
-            let found = cell(*index).text();
-            if k == 0 {
-                columns.saw(&String::from_utf8_lossy(&found));
-            }
-            chosen &= *found == *wanted.as_bytes();
-        }
-        if !chosen {
-            continue;
-        }
-        let time = clock.seconds(cell(plan.time_index), plan.week_index.map(cell));
-        let time = time.map_err(|why| TelemetryError::Number {
-            place: Place::cell(path, row as u64 + 1, &plan.time_column),
-            value: shown(&cell(plan.time_index).text()),
-            why: why.text(true),
-        })?;
-        let time_s = match time {
-            Cell::Number(x) => x,
-            Cell::Empty | Cell::NotANumber => f64::NAN,
-        };
-        columns.origin = clock.origin;
-        if selection.keeps(time_s, columns.origin) {
-            columns.time_s.push(time_s);
-            columns.rows.push(row as u64 + 1);
-            kept.push(row);
-        }
-    }
-    Ok(kept)
 }
 
 /// SHA-256 of all column names and values, little-endian.

@@ -16,6 +16,16 @@ pub(crate) enum Cell {
     NotANumber,
 }
 
+impl Cell {
+    /// The number; NaN for no sample.
+    pub fn or_nan(self) -> f64 {
+        match self {
+            Self::Number(x) => x,
+            Self::Empty | Self::NotANumber => f64::NAN,
+        }
+    }
+}
+
 /// A cell as its source stores it: text, or already a number.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum RawCell<'a> {

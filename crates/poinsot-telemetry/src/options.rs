@@ -35,6 +35,16 @@ pub struct ReadOptions {
     pub one_run: bool,
 }
 
+impl ReadOptions {
+    /// Memory limit with its default, MiB.
+    pub(crate) fn memory_limit_mib(&self) -> usize {
+        match self.memory_mib {
+            0 => MEMORY_MIB,
+            mib => mib,
+        }
+    }
+}
+
 /// Default memory limit for the samples of one file, MiB.
 pub const MEMORY_MIB: usize = 256;
 

@@ -1,9 +1,9 @@
 //! Files compressed with gzip or Zstandard, and standard input.
 
 use crate::TelemetryError;
+use crate::bytes::{Opened, unreadable};
 use crate::error::Place;
-use std::fs::File;
-use std::io::{self, Read, Seek};
+use std::io::{self, Read};
 use std::path::Path;
 
 /// Compression of a file.
@@ -15,12 +15,9 @@ pub(crate) enum Packing {
 }
 
 impl Packing {
-    /// Detects the compression from the first bytes, and rewinds the file.
-    pub(crate) fn of(file: &mut File) -> io::Result<Self> {
-        let mut first = Vec::new();
-        file.by_ref().take(4).read_to_end(&mut first)?;
-        file.rewind()?;
-        Ok(match first.as_slice() {
+    /// Detects the compression from the first bytes.
+    pub(crate) fn of(opened: &Opened) -> io::Result<Self> {
+        Ok(match opened.first(4)?.as_slice() {
             [0x1f, 0x8b, ..] => Self::Gzip,
             [0x28, 0xb5, 0x2f, 0xfd] => Self::Zstd,
             _ => Self::None,
@@ -28,8 +25,8 @@ impl Packing {
     }
 
     /// Reader of the decompressed bytes.
-    pub(crate) fn reader(self, mut file: File) -> io::Result<Box<dyn Read>> {
-        file.rewind()?;
+    pub(crate) fn reader(self, opened: &Opened) -> io::Result<Box<dyn Read>> {
+        let file = opened.file.reader_at(0);
         Ok(match self {
             Self::None => Box::new(file),
             Self::Gzip => Box::new(flate2::read::MultiGzDecoder::new(io::BufReader::new(file))),
@@ -67,14 +64,6 @@ pub(crate) fn damaged(path: &Path, source: io::Error) -> TelemetryError {
                 why: format!("the packed data are damaged ({source}); copy the file again"),
             }
         }
-        _ => TelemetryError::Io {
-            path: path.to_owned(),
-            what: "cannot be read",
-            source,
-        },
+        _ => unreadable(path)(source),
     }
-}
-
-pub(crate) fn is_standard_input(path: &Path) -> bool {
-    path.as_os_str() == "-"
 }

@@ -19,7 +19,7 @@ pub(crate) fn read(
     _: &ReadOptions,
     _: &mut Vec<String>,
     _: Option<&mut WhenFull>,
-) -> Result<(Plan, Columns, String), TelemetryError> {
+) -> Result<(Plan, Columns), TelemetryError> {
     Err(TelemetryError::Parquet {
         place: Place::file(path),
         why: ABSENT.to_owned(),

@@ -2,29 +2,24 @@
 //!
 //! The third-party decoder panics on some damaged files; panics become errors here.
 
-use crate::bytes::{Opened, check_unchanged, sha256_of};
-use crate::clock::Clock;
+use crate::bytes::Opened;
 use crate::columns::Columns;
-use crate::content_hash::{LONG, ended};
-use crate::error::{Place, shown};
-use crate::number::{Cell, RawCell};
-use crate::parquet_bytes::ParquetBytes;
+use crate::error::Place;
+use crate::intake::Intake;
+use crate::number::RawCell;
 use crate::parquet_column::{self, Cells, Column, Kind};
-use crate::parquet_dictionaries;
-use crate::parquet_pages::{self, Checksums};
+use crate::parquet_pages::{self, is_mismatch};
 use crate::plan::{self, Plan};
-use crate::selection::{Selection, WhenFull};
+use crate::selection::WhenFull;
 use crate::size::Rows;
 use crate::{ReadOptions, TelemetryError};
 use parquet::column::reader::ColumnReader;
+use parquet::errors::ParquetError;
 use parquet::file::metadata::ParquetMetaData;
 use parquet::file::reader::{FileReader, RowGroupReader, SerializedFileReader};
 use std::collections::BTreeMap;
-use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::thread::{self, Builder};
 
 /// Rows decoded at a time.
 const BATCH: usize = 8192;
@@ -36,52 +31,10 @@ pub(crate) fn read(
     options: &ReadOptions,
     repairs: &mut Vec<String>,
     full: Option<&mut WhenFull>,
-) -> Result<(Plan, Columns, String), TelemetryError> {
-    let file = opened.file.try_clone();
-    let file = ParquetBytes::new(file.map_err(|source| unreadable(path, source))?);
-    let work = || {
-        let decode = || decode(path, &file, opened.len, options, repairs, full);
-        let decoded = catch_unwind(AssertUnwindSafe(decode));
-        decoded.unwrap_or_else(|_| Err(refused(path, "the file is damaged (the decoder stopped)")))
-    };
-    let ((plan, columns), sha256) = hashed(path, &file, opened.len, work)?;
-    check_unchanged(path, opened)?;
-    Ok((plan, columns, sha256))
-}
-
-/// The result of `work`, and SHA-256 of the file: of a long one on a thread beside it, which ends early if it fails.
-fn hashed<T>(
-    path: &Path,
-    file: &ParquetBytes,
-    bytes: u64,
-    work: impl FnOnce() -> Result<T, TelemetryError>,
-) -> Result<(T, String), TelemetryError> {
-    let failed = AtomicBool::new(false);
-    let hash = || sha256_of(path, file.reader_at(0), || !failed.load(Ordering::Relaxed));
-    thread::scope(|scope| {
-        let beside = match bytes > LONG {
-            true => Builder::new().spawn_scoped(scope, hash).ok(),
-            false => None,
-        };
-        let done = work();
-        failed.store(done.is_err(), Ordering::Relaxed);
-        let done = done?;
-        let sha256 = match beside {
-            Some(thread) => thread
-                .join()
-                .unwrap_or_else(|_| Err(unreadable(path, ended()))),
-            None => hash(),
-        };
-        Ok((done, sha256?))
-    })
-}
-
-fn unreadable(path: &Path, source: io::Error) -> TelemetryError {
-    TelemetryError::Io {
-        path: path.to_owned(),
-        what: "cannot be read",
-        source,
-    }
+) -> Result<(Plan, Columns), TelemetryError> {
+    let decode = || decode(path, opened, options, repairs, full);
+    let decoded = catch_unwind(AssertUnwindSafe(decode));
+    decoded.unwrap_or_else(|_| Err(refused(path, "the file is damaged (the decoder stopped)")))
 }
 
 fn refused(path: &Path, why: impl ToString) -> TelemetryError {
@@ -93,22 +46,24 @@ fn refused(path: &Path, why: impl ToString) -> TelemetryError {
 
 fn decode(
     path: &Path,
-    file: &ParquetBytes,
-    bytes: u64,
+    opened: &Opened,
     options: &ReadOptions,
     repairs: &mut Vec<String>,
     mut full: Option<&mut WhenFull>,
 ) -> Result<(Plan, Columns), TelemetryError> {
-    let reader = SerializedFileReader::new(file.clone()).map_err(|e| refused(path, e))?;
+    let file = &opened.file;
+    let refused = |e: ParquetError| refused(path, e);
+    let reader = SerializedFileReader::new(file.clone()).map_err(refused)?;
     let metadata = reader.metadata();
-    let declared = plausible_rows(path, metadata, bytes)?;
+    let declared = plausible_rows(path, metadata, opened.len)?;
     let schema = metadata.file_metadata().schema_descr();
     let roots = schema.root_schema().get_fields();
     let header: Vec<String> = roots.iter().map(|f| f.name().to_owned()).collect();
     let plan = plan::build(path, &header, None, options)?;
     let rows = Rows::Declared(declared);
+    let mut intake = Intake::new(path, &plan, options);
     if full.is_none() {
-        options.limit().check_ahead(path, &plan, options, rows)?;
+        intake.check_ahead(rows)?;
     }
     let mut used = Used::new();
     for root in plan.used_columns() {
@@ -117,41 +72,107 @@ fn decode(
         used.insert(root, column);
     }
     let leaves: Vec<usize> = used.values().map(|c| c.leaf).collect();
-    let excess = parquet_dictionaries::excess(file, metadata, &leaves);
-    if let Some(why) = excess.map_err(|e| refused(path, e))? {
-        return Err(refused(path, why));
+    if let Some(why) = parquet_pages::excess(file, metadata, &leaves).map_err(refused)? {
+        return Err(self::refused(path, why));
     }
-    let sums = parquet_pages::compare(file, metadata, &leaves);
-    let sums = sums.map_err(|source| unreadable(path, source))?;
-    let sound = sound_rows(path, &sums, declared, options.recover, repairs)?;
-    let mut taken = Taken::new(path, &plan, &used, options);
-    for k in 0..metadata.num_row_groups() {
-        let group = reader.get_row_group(k).map_err(|e| refused(path, e))?;
-        let group = Group::open(group.as_ref(), &used);
-        let mut group = group.map_err(|e| refused(path, e))?;
+    let time = used.get(&plan.time_index).map(|c| c.kind);
+    if matches!(time, Some(Kind::Instant(_))) {
+        intake = intake.instants();
+    }
+    let (mut first, mut sound) = (0, declared);
+    for (k, own) in metadata.row_groups().iter().enumerate() {
+        let open = || {
+            reader
+                .get_row_group(k)
+                .and_then(|g| Group::open(g.as_ref(), &used))
+        };
+        let mut group = open().map_err(refused)?;
         loop {
-            let left = sound - taken.columns.rows_read as u64;
-            let most = usize::try_from(left).map_or(BATCH, |n| n.min(BATCH));
-            let Some(batch) = group.next(most).map_err(|e| refused(path, e))? else {
-                break;
-            };
-            taken.batch(&batch)?;
-            let full = full.as_deref_mut();
-            let columns = &mut taken.columns;
-            taken.selection.check(path, &plan, columns, rows, full)?;
+            let read = intake.columns.rows_read as u64;
+            let most = usize::try_from(sound - read).map_or(BATCH, |n| n.min(BATCH));
+            match group.next(most) {
+                Ok(None) => break,
+                Ok(Some(batch)) => {
+                    take(path, &plan, &used, &batch, &mut intake)?;
+                    intake.make_room(rows, full.as_deref_mut())?;
+                }
+                Err(e) if is_mismatch(&e) && sound == declared => {
+                    let bad = parquet_pages::mismatch(file, own, &leaves);
+                    let (row, column) = bad.ok_or_else(|| refused(e))?;
+                    sound = first + row;
+                    let place = Place::cell(path, sound + 1, &column);
+                    repairs.push(cut(&place, sound, declared, options.recover)?);
+                    // Again, up to that page.
+                    group = open().map_err(refused)?;
+                    group.skip(read - first).map_err(refused)?;
+                }
+                Err(e) => return Err(refused(e)),
+            }
         }
+        first += u64::try_from(own.num_rows()).unwrap_or(0);
     }
-    let columns = taken.columns;
+    let columns = intake.columns;
     if columns.rows_read as u64 != sound {
-        return Err(refused(
-            path,
-            format!(
-                "the footer declares {sound} rows, the columns have {}",
-                columns.rows_read
-            ),
-        ));
+        let read = columns.rows_read;
+        let why = format!("the footer declares {sound} rows, the columns have {read}");
+        return Err(self::refused(path, why));
     }
     Ok((plan, columns))
+}
+
+/// The repair for a page that does not match its checksum: the rows from there on are dropped.
+fn cut(place: &Place, sound: u64, declared: u64, recover: bool) -> Result<String, TelemetryError> {
+    if recover && sound > 0 {
+        return Ok(format!(
+            "{place}: {} rows from here on dropped: a page does not match its checksum",
+            declared - sound
+        ));
+    }
+    let more = match sound {
+        0 => "no row before it is left",
+        _ => "the rows before it can be kept by --recover",
+    };
+    Err(TelemetryError::Parquet {
+        place: place.clone(),
+        why: format!(
+            "the page of this row does not match its checksum: its bytes were changed; {more}"
+        ),
+    })
+}
+
+/// Adds a batch of rows to the columns.
+fn take(
+    path: &Path,
+    plan: &Plan,
+    used: &Used,
+    batch: &Batch,
+    intake: &mut Intake,
+) -> Result<(), TelemetryError> {
+    let rows = batch.values().map(Cells::len).min().unwrap_or(0);
+    let first = intake.columns.rows_read as u64 + 1;
+    let channels = plan.channels.iter().enumerate();
+    let channels = channels.filter_map(|(k, c)| Some((k, c, batch.get(&c.index)?)));
+    for (_, channel, cells) in channels.clone() {
+        if let Some(kind) = cells.no_numbers() {
+            let name = used.get(&channel.index).map_or("", |c| c.name.as_str());
+            return Err(unsupported(path, name, kind));
+        }
+    }
+    let mut kept = Vec::with_capacity(rows);
+    for k in 0..rows {
+        let cell = |index| batch.get(&index).map_or(RawCell::Empty, |c| c.stored(k));
+        if intake.keeps(first + k as u64, cell)? {
+            kept.push(k);
+        }
+    }
+    for (k, channel, cells) in channels {
+        for &row in &kept {
+            let cell = channel.conversion.number(cells.number(row));
+            intake.columns.push(k, first + row as u64, cell);
+        }
+    }
+    intake.columns.rows_read += rows;
+    Ok(())
 }
 
 /// The columns that are read, by their place in the header.
@@ -168,11 +189,6 @@ fn unsupported(path: &Path, name: &str, kind: &str) -> TelemetryError {
 
 /// Cells of some rows, by their column's place in the header.
 type Batch = BTreeMap<usize, Cells>;
-
-/// A cell of a column, empty where the column is missing.
-fn cell(cells: Option<&Cells>, row: usize) -> RawCell<'_> {
-    cells.map_or(RawCell::Empty, |cells| cells.stored(row))
-}
 
 /// The used columns of one row group.
 struct Group {
@@ -191,6 +207,17 @@ impl Group {
         Ok(Self { readers, left })
     }
 
+    /// Leaves out the next rows.
+    fn skip(&mut self, rows: u64) -> parquet::errors::Result<()> {
+        let mut left = usize::try_from(rows).unwrap_or(usize::MAX);
+        while left > 0 {
+            let most = left.min(BATCH);
+            self.next(most)?;
+            left -= most;
+        }
+        Ok(())
+    }
+
     /// The next rows, at most so many; `None` where no row is left, or a column has fewer.
     fn next(&mut self, most: usize) -> parquet::errors::Result<Option<Batch>> {
         let most = most.min(self.left);
@@ -204,44 +231,6 @@ impl Group {
         }
         Ok(batch.values().all(|c| c.len() == most).then_some(batch))
     }
-}
-
-/// Rows before the first page with a wrong checksum; an error without `recover`.
-fn sound_rows(
-    path: &Path,
-    sums: &Checksums,
-    declared: u64,
-    recover: bool,
-    repairs: &mut Vec<String>,
-) -> Result<u64, TelemetryError> {
-    let name = path.display();
-    if let Some(bad) = &sums.bad {
-        let place = Place::cell(path, bad.row + 1, &bad.column);
-        if !recover || bad.row == 0 {
-            let more = match bad.row {
-                0 => "no row before it is left",
-                _ => "the rows before it can be kept by --recover",
-            };
-            return Err(TelemetryError::Parquet {
-                place,
-                why: format!(
-                    "the page of this row does not match its checksum: its bytes were changed; {more}"
-                ),
-            });
-        }
-        repairs.push(format!(
-            "{place}: {} rows from here on dropped: a page does not match its checksum",
-            declared.saturating_sub(bad.row)
-        ));
-        return Ok(bad.row.min(declared));
-    }
-    if sums.compared > 0 {
-        let (compared, pages) = (sums.compared, sums.pages);
-        repairs.push(format!(
-            "{name}: checksums of {compared} of {pages} pages compared"
-        ));
-    }
-    Ok(declared)
 }
 
 /// Rows declared in the footer, after its sizes were compared with the file's.
@@ -281,101 +270,4 @@ fn plausible_rows(
         ));
     }
     Ok(rows)
-}
-
-/// What was taken from the file so far.
-struct Taken<'a> {
-    path: &'a Path,
-    plan: &'a Plan,
-    used: &'a Used,
-    clock: Clock,
-    selection: Selection,
-    columns: Columns,
-}
-
-impl<'a> Taken<'a> {
-    fn new(path: &'a Path, plan: &'a Plan, used: &'a Used, options: &ReadOptions) -> Self {
-        let mut clock = plan.clock.clone();
-        let time = used.get(&plan.time_index).map(|c| c.kind);
-        if matches!(time, Some(Kind::Instant(_))) {
-            clock = clock.instants();
-        }
-        Self {
-            path,
-            plan,
-            used,
-            clock,
-            selection: options.selection(),
-            columns: Columns::with_channels(plan.channels.len()),
-        }
-    }
-
-    fn batch(&mut self, batch: &Batch) -> Result<(), TelemetryError> {
-        let rows = batch.values().map(Cells::len).min().unwrap_or(0);
-        let first = self.columns.rows_read as u64 + 1;
-        let channels = self.plan.channels.iter().enumerate();
-        let channels = channels.filter_map(|(k, c)| Some((k, c, batch.get(&c.index)?)));
-        for (_, channel, cells) in channels.clone() {
-            if let Some(kind) = cells.no_numbers() {
-                let name = self
-                    .used
-                    .get(&channel.index)
-                    .map_or("", |c| c.name.as_str());
-                return Err(unsupported(self.path, name, kind));
-            }
-        }
-        let kept = self.kept(rows, first, batch)?;
-        for (k, channel, cells) in channels {
-            for &row in &kept {
-                let cell = channel.conversion.number(cells.number(row));
-                self.columns.push(k, first + row as u64, cell);
-            }
-        }
-        self.columns.rows_read += rows;
-        Ok(())
-    }
-
-    /// Which rows the filter and the times keep; the times of these are stored.
-    fn kept(
-        &mut self,
-        rows: usize,
-        first: u64,
-        batch: &Batch,
-    ) -> Result<Vec<usize>, TelemetryError> {
-        let filter = self.plan.filter.iter();
-        let filter: Vec<_> = filter.map(|(root, text)| (batch.get(root), text)).collect();
-        let times = batch.get(&self.plan.time_index);
-        let weeks = self.plan.week_index.map(|week| batch.get(&week));
-        let mut kept = Vec::with_capacity(rows);
-        for k in 0..rows {
-            let mut keep = true;
-            for (i, (cells, text)) in filter.iter().enumerate() {
-                let found = cell(*cells, k).text();
-                if i == 0 {
-                    self.columns.saw(&String::from_utf8_lossy(&found));
-                }
-                keep &= *found == *text.as_bytes();
-            }
-            let row = first + k as u64;
-            let time = self
-                .clock
-                .seconds(cell(times, k), weeks.map(|w| cell(w, k)));
-            let time = time.map_err(|why| TelemetryError::Number {
-                place: Place::cell(self.path, row, &self.plan.time_column),
-                value: shown(&cell(times, k).text()),
-                why: why.text(true),
-            })?;
-            let time_s = match time {
-                Cell::Number(x) => x,
-                Cell::Empty | Cell::NotANumber => f64::NAN,
-            };
-            self.columns.origin = self.clock.origin;
-            if keep && self.selection.keeps(time_s, self.columns.origin) {
-                self.columns.rows.push(row);
-                self.columns.time_s.push(time_s);
-                kept.push(k);
-            }
-        }
-        Ok(kept)
-    }
 }

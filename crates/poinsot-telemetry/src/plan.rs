@@ -3,6 +3,7 @@
 use crate::clock::{Clock, check_time};
 use crate::conversion::Conversion;
 use crate::error::Place;
+use crate::map::fits_path;
 use crate::map_faults::resolve;
 use crate::{
     AttitudeForm, AttitudeMap, ChannelName, ColumnMap, Dimension, FileMap, Order, Quantity,
@@ -39,6 +40,8 @@ pub(crate) enum Group {
 /// Columns to read from one file.
 #[derive(Debug, Clone)]
 pub(crate) struct Plan {
+    /// Names of the file's columns.
+    pub header: Vec<String>,
     pub time_index: usize,
     pub time_column: String,
     pub week_index: Option<usize>,
@@ -48,10 +51,8 @@ pub(crate) struct Plan {
     /// Filter columns with the required text.
     pub filter: Vec<(usize, String)>,
     pub ignored: Vec<String>,
-    /// Number of columns in the file.
-    pub width: usize,
-    missing_filters: Vec<String>,
-    used: Vec<(String, String)>,
+    /// Filter columns missing in this file.
+    pub missing_filters: Vec<String>,
 }
 
 impl Plan {
@@ -66,11 +67,6 @@ impl Plan {
         let filter = self.filter.iter().map(|f| f.0);
         let times = [self.time_index].into_iter().chain(self.week_index);
         channels.chain(filter).chain(times)
-    }
-
-    /// Filter columns missing in this file.
-    pub(crate) fn missing_filters(&self) -> &[String] {
-        &self.missing_filters
     }
 }
 
@@ -92,14 +88,12 @@ struct Planner<'a> {
     channels: Vec<PlannedChannel>,
     groups: Vec<Group>,
     taken: HashSet<usize>,
-    used: Vec<(String, String)>,
 }
 
 impl Planner<'_> {
-    /// Index of a column, marked as used for a channel.
-    fn find(&mut self, channel: &str, column: &str) -> Option<usize> {
+    /// Index of a column, which is taken.
+    fn find(&mut self, column: &str) -> Option<usize> {
         let index = self.header.iter().position(|h| h == column)?;
-        self.used.push((channel.to_owned(), column.to_owned()));
         self.taken.insert(index);
         Some(index)
     }
@@ -140,31 +134,22 @@ impl Planner<'_> {
         name: ChannelName,
         conversion: Conversion,
     ) -> Result<(), TelemetryError> {
-        let column = self.header.get(index).cloned().unwrap_or_default();
-        if let Some(first) = self
-            .channels
-            .iter()
-            .find(|c| c.part.is_none() && c.name == name)
-        {
+        let mut alone = self.channels.iter().filter(|c| c.part.is_none());
+        if let Some(first) = alone.find(|c| c.name == name) {
+            let column = self.header.get(index).map_or("", String::as_str);
             return Err(TelemetryError::DuplicateChannel {
                 channel: name.full(),
                 first: Box::new(Place::cell(self.path, 0, &first.column)),
-                second: Box::new(Place::cell(self.path, 0, &column)),
+                second: Box::new(Place::cell(self.path, 0, column)),
             });
         }
-        self.channels.push(PlannedChannel {
-            index,
-            column,
-            name,
-            conversion,
-            part: None,
-        });
+        self.part(index, name, conversion, None);
         Ok(())
     }
 
     /// Assigns one mapped column; returns the clock if it is the time.
     fn column(&mut self, map: &ColumnMap) -> Result<Option<(usize, Clock)>, TelemetryError> {
-        let Some(index) = self.find(&map.channel, &map.column) else {
+        let Some(index) = self.find(&map.column) else {
             return Ok(None);
         };
         let resolved = resolve(map, self.units.is_some());
@@ -200,7 +185,7 @@ impl Planner<'_> {
         channel: &str,
         columns: &[String],
     ) -> Result<Option<Vec<usize>>, TelemetryError> {
-        let found: Vec<Option<usize>> = columns.iter().map(|c| self.find(channel, c)).collect();
+        let found: Vec<Option<usize>> = columns.iter().map(|c| self.find(c)).collect();
         if found.iter().all(Option::is_none) {
             return Ok(None);
         }
@@ -272,7 +257,7 @@ impl Planner<'_> {
                 name.dimension = Dimension::Angle;
                 conversion = Conversion::Unit(self.unit(map.unit.as_deref(), index, &name)?);
             }
-            self.part(index, name, conversion, (group, place));
+            self.part(index, name, conversion, Some((group, place)));
         }
         self.groups.push(Group::Attitude {
             names,
@@ -287,15 +272,14 @@ impl Planner<'_> {
         index: usize,
         name: ChannelName,
         conversion: Conversion,
-        part: (usize, usize),
+        part: Option<(usize, usize)>,
     ) {
-        let column = self.header.get(index).cloned().unwrap_or_default();
         self.channels.push(PlannedChannel {
             index,
-            column,
+            column: self.header.get(index).cloned().unwrap_or_default(),
             name,
             conversion,
-            part: Some(part),
+            part,
         });
     }
 
@@ -331,7 +315,10 @@ impl Planner<'_> {
                 };
                 let conversion = Conversion::Unit(self.unit(unit.as_deref(), index, &name)?);
                 match orbit.earth_fixed {
-                    true => self.part(index, name, conversion, (group, 3 * k + place)),
+                    true => {
+                        let part = Some((group, 3 * k + place));
+                        self.part(index, name, conversion, part);
+                    }
                     false => self.add(index, name, conversion)?,
                 }
             }
@@ -350,7 +337,7 @@ impl Planner<'_> {
         let Some(map) = &map.time else {
             return Ok((None, None));
         };
-        let Some(index) = self.find("time", &map.column) else {
+        let Some(index) = self.find(&map.column) else {
             return Ok((None, None));
         };
         let mut clock = check_time(map)
@@ -364,7 +351,7 @@ impl Planner<'_> {
         let Some(week) = &map.week else {
             return Ok((Some((index, clock)), None));
         };
-        let Some(week) = self.find("time", week) else {
+        let Some(week) = self.find(week) else {
             let why = format!("there is no column '{week}'; correct its name");
             return Err(self.fault("time", why));
         };
@@ -399,13 +386,7 @@ impl Planner<'_> {
                 }
                 Some(name) if is_wanted(&name, options) && !named(&self.channels, &name) => {
                     let unit = self.unit(None, index, &name)?;
-                    self.channels.push(PlannedChannel {
-                        index,
-                        column: column.clone(),
-                        name,
-                        conversion: Conversion::Unit(unit),
-                        part: None,
-                    });
+                    self.part(index, name, Conversion::Unit(unit), None);
                 }
                 _ if filter_columns.contains(column.as_str()) => {}
                 _ if column.is_empty() => {
@@ -437,7 +418,6 @@ pub(crate) fn build(
         channels: Vec::new(),
         groups: Vec::new(),
         taken: HashSet::new(),
-        used: Vec::new(),
     };
     let (mut time, week_index) = planner.mapped_time(&map)?;
     for column in &map.columns {
@@ -457,7 +437,7 @@ pub(crate) fn build(
     let mut filter = Vec::new();
     let mut missing_filters = Vec::new();
     for (column, text) in &map.row_filter {
-        match planner.find("where", column) {
+        match planner.find(column) {
             Some(index) => filter.push((index, text.clone())),
             None => missing_filters.push(column.clone()),
         }
@@ -465,11 +445,11 @@ pub(crate) fn build(
     let Planner {
         mut channels,
         groups,
-        used,
         ..
     } = planner;
     channels.sort_by_key(|c| c.index);
     Ok(Plan {
+        header: header.to_vec(),
         time_index,
         time_column: header.get(time_index).cloned().unwrap_or_default(),
         week_index,
@@ -478,9 +458,7 @@ pub(crate) fn build(
         groups,
         filter,
         ignored,
-        width: header.len(),
         missing_filters,
-        used,
     })
 }
 
@@ -525,10 +503,8 @@ fn check_header(path: &Path, header: &[String]) -> Result<(), TelemetryError> {
 }
 
 fn no_time(path: &Path, header: &[String]) -> TelemetryError {
-    let candidate = header
-        .iter()
-        .filter_map(|h| suggest(h).filter(|s| s.channel == "time_s"))
-        .next();
+    let mut proposed = header.iter().filter_map(|h| suggest(h));
+    let candidate = proposed.find(|s| s.channel == "time_s");
     let hint = match candidate {
         Some(s) => format!(
             "; map '{}' by [telemetry.columns] {}, or run `poinsot inspect FILE` for a whole map",
@@ -549,10 +525,12 @@ fn no_time(path: &Path, header: &[String]) -> TelemetryError {
     }
 }
 
-/// Mapped columns not yet found in any file.
+/// The columns of the files that were read, against those that the map names.
 pub(crate) struct Unused<'a> {
     options: &'a ReadOptions,
-    used: HashSet<(String, String)>,
+    /// Path and header of each file.
+    files: Vec<(PathBuf, Vec<String>)>,
+    /// Columns for messages: those that were left out first, and no times.
     columns: Vec<String>,
 }
 
@@ -560,29 +538,16 @@ impl<'a> Unused<'a> {
     pub(crate) fn new(options: &'a ReadOptions) -> Self {
         Self {
             options,
-            used: HashSet::new(),
+            files: Vec::new(),
             columns: Vec::new(),
         }
     }
 
-    pub(crate) fn mark(&mut self, plan: &Plan) {
-        self.used.extend(plan.used.iter().cloned());
-        self.columns.extend(plan.ignored.iter().cloned());
+    pub(crate) fn mark(&mut self, path: &Path, plan: &Plan) {
+        self.files.push((path.to_owned(), plan.header.clone()));
+        let channels = plan.channels.iter().map(|c| &c.column);
         self.columns
-            .extend(plan.channels.iter().map(|c| c.column.clone()));
-    }
-
-    /// Marks the columns of filters that are not read; returns their number.
-    pub(crate) fn pass_over(&mut self, map: &FileMap) -> usize {
-        let chosen = map.columns.iter().filter(|c| !c.rows.is_empty());
-        let count = chosen.clone().count();
-        for column in chosen {
-            let own = (column.channel.clone(), column.column.clone());
-            let rows = column.rows.iter();
-            let rows = rows.map(|(c, _)| ("where".to_owned(), c.clone()));
-            self.used.extend(rows.chain([own]));
-        }
-        count
+            .extend(plan.ignored.iter().chain(channels).cloned());
     }
 
     /// Checks that every mapped column is in some file; reports map entries that match no file.
@@ -593,46 +558,40 @@ impl<'a> Unused<'a> {
     ) -> Result<(), TelemetryError> {
         let files: Vec<String> = paths.iter().map(|p| p.display().to_string()).collect();
         let files = files.join(", ");
-        let map = &self.options.map;
-        let mut named = map.all.named();
-        let chosen = |map: &FileMap| -> Vec<(String, String)> {
-            let own = map.columns.iter().flat_map(|c| &c.rows);
-            map.row_filter.iter().chain(own).cloned().collect()
-        };
-        let mut filters = chosen(&map.all);
-        for (pattern, own) in &map.files {
-            let fitting = |p: &PathBuf| {
-                crate::map::fits(
-                    pattern,
-                    &p.file_name().unwrap_or_default().to_string_lossy(),
-                )
-            };
-            if paths.iter().any(fitting) {
-                named.extend(own.named());
-                filters.extend(chosen(own));
+        let all = &self.options.map;
+        let mut maps = vec![("*", &all.all)];
+        for (pattern, own) in &all.files {
+            if paths.iter().any(|p| fits_path(pattern, p)) {
+                maps.push((pattern, own));
             } else {
                 repairs.push(format!("{files}: no file is named '{pattern}'; that entry of [[telemetry.file]] is not used"));
             }
         }
-        let unused = |channel: &str, column: &str| {
-            !self.used.contains(&(channel.to_owned(), column.to_owned()))
+        let missing = |pattern: &str, column: &String| {
+            let mut own = self.files.iter().filter(|f| fits_path(pattern, &f.0));
+            !own.any(|(_, header)| header.contains(column))
         };
-        if let Some((column, text)) = filters.iter().find(|(column, _)| unused("where", column)) {
-            return Err(TelemetryError::Filter {
-                column: column.clone(),
-                text: text.clone(),
-                why: format!("no column '{column}' in {files}{}", self.nearest(column)),
-            });
+        let why =
+            |column: &String| format!("no column '{column}' in {files}{}", self.nearest(column));
+        for (pattern, map) in &maps {
+            let mut filters = map.filters();
+            if let Some((column, text)) = filters.find(|f| missing(pattern, &f.0)) {
+                return Err(TelemetryError::Filter {
+                    column: column.clone(),
+                    text: text.clone(),
+                    why: why(column),
+                });
+            }
         }
-        if let Some((channel, column)) = named
-            .iter()
-            .find(|(channel, column)| unused(channel, column))
-        {
-            return Err(TelemetryError::Map {
-                code: "E0212",
-                channel: channel.clone(),
-                why: format!("no column '{column}' in {files}{}", self.nearest(column)),
-            });
+        for (pattern, map) in &maps {
+            let named = map.named();
+            if let Some((channel, column)) = named.iter().find(|n| missing(pattern, &n.1)) {
+                return Err(TelemetryError::Map {
+                    code: "E0212",
+                    channel: channel.clone(),
+                    why: why(column),
+                });
+            }
         }
         Ok(())
     }

@@ -1,11 +1,11 @@
 //! Reads files into a table.
 
-use crate::bytes::open;
+use crate::bytes::{check_unchanged, is_standard_input, open, unreadable};
 use crate::columns::Columns;
+use crate::content_hash::hashed;
 use crate::error::Place;
 use crate::memory::Spooled;
-use crate::options::MEMORY_MIB;
-use crate::packing::{is_standard_input, unpacked_name};
+use crate::packing::unpacked_name;
 use crate::plan::Plan;
 use crate::selection::WhenFull;
 use crate::{
@@ -127,8 +127,8 @@ impl Reading<'_> {
         let (plan, columns, sha256) = read_part(part, &options, &mut self.table.repairs)?;
         check_any_row(path, &plan, &columns, &options)?;
         self.table.origin = columns.origin.or(options.origin);
-        self.unused.mark(&plan);
-        for column in plan.missing_filters() {
+        self.unused.mark(path, &plan);
+        for column in &plan.missing_filters {
             self.table.repairs.push(format!(
                 "{}: no column '{column}' to choose rows by; all its rows are kept",
                 path.display()
@@ -175,7 +175,7 @@ impl Reading<'_> {
         if !plan.has_choice() {
             return Ok(());
         }
-        self.unused.mark(&plan);
+        self.unused.mark(path, &plan);
         if columns.time_s.is_empty() {
             let rows = options.map.all.row_filter.last();
             let (column, text) = rows.map_or(("", ""), |(c, t)| (c.as_str(), t.as_str()));
@@ -214,12 +214,8 @@ pub(crate) fn read_file_in_parts(
     repairs: &mut Vec<String>,
     take: &mut WhenFull,
 ) -> Result<(Plan, Columns, String), TelemetryError> {
-    let mib = match options.memory_mib {
-        0 => MEMORY_MIB,
-        mib => mib,
-    };
     let options = ReadOptions {
-        memory_mib: (mib / share).max(1),
+        memory_mib: (options.memory_limit_mib() / share).max(1),
         ..options.clone()
     };
     decode(path, None, &options, repairs, Some(take))
@@ -281,11 +277,6 @@ fn decode(
     repairs: &mut Vec<String>,
     full: Option<&mut WhenFull>,
 ) -> Result<(Plan, Columns, String), TelemetryError> {
-    let io = |source| TelemetryError::Io {
-        path: path.to_owned(),
-        what: "cannot be read",
-        source,
-    };
     let ending = unpacked_name(path).extension().and_then(|e| e.to_str());
     let named = match ending.map(str::to_lowercase).as_deref() {
         Some("parquet" | "pq") => Some(true),
@@ -300,18 +291,19 @@ fn decode(
                 .into(),
         });
     }
-    let mut opened = match stream {
-        Some(stream) => stream.open().map_err(io)?,
+    let opened = match stream {
+        Some(stream) => stream.opened.clone(),
         None => open(path)?,
     };
     let is_parquet = match by_bytes {
-        true => opened.is_parquet().map_err(io)?,
+        true => opened.first(4).map_err(unreadable(path))? == b"PAR1",
         false => named == Some(true),
     };
-    let (plan, columns, sha256) = match is_parquet {
-        true => parquet_reader::read(path, &opened, options, repairs, full)?,
-        false => csv_reader::read(path, &opened, options, repairs, full)?,
-    };
+    let ((plan, columns), sha256) = hashed(path, &opened, || match is_parquet {
+        true => parquet_reader::read(path, &opened, options, repairs, full),
+        false => csv_reader::read(path, &opened, options, repairs, full),
+    })?;
+    check_unchanged(path, &opened)?;
     if columns.rows_read == 0 {
         return Err(TelemetryError::Empty {
             place: Place::file(path),

@@ -64,16 +64,7 @@ impl<'a> Base<'a> {
 /// assert_eq!(resample(&angle, &[0.5, 5.0, 10.0], None), [Some(1.0), None, None]);
 /// ```
 pub fn resample(channel: &Channel, times_s: &[f64], max_gap_s: Option<f64>) -> Vec<Option<f64>> {
-    let base = Base::new(&channel.time_s, max_gap_s);
-    let at = |&t: &f64| match base.locate(t)? {
-        TimePosition::On(k) => channel.values.get(k).copied(),
-        TimePosition::After(k) => {
-            let (t0, t1) = (base.time_s.get(k)?, base.time_s.get(k + 1)?);
-            let (x0, x1) = (channel.values.get(k)?, channel.values.get(k + 1)?);
-            Some(x0 + (x1 - x0) * (t - t0) / (t1 - t0))
-        }
-    };
-    times_s.iter().map(at).collect()
+    interpolated(channel, &[], times_s, max_gap_s)
 }
 
 /// Like [`resample`], with cubic Hermite interpolation of values and measured derivatives (error `h^4 |x''''| / 384`).
@@ -92,42 +83,30 @@ pub fn resample_hermite(
     times_s: &[f64],
     max_gap_s: Option<f64>,
 ) -> Vec<Option<f64>> {
-    let base = Base::new(&channel.time_s, max_gap_s);
     let slopes = resample(derivative, &channel.time_s, max_gap_s);
+    interpolated(channel, &slopes, times_s, max_gap_s)
+}
+
+/// By a cubic where both neighbours have a slope, linear elsewhere.
+fn interpolated(
+    channel: &Channel,
+    slopes: &[Option<f64>],
+    times_s: &[f64],
+    max_gap_s: Option<f64>,
+) -> Vec<Option<f64>> {
+    let base = Base::new(&channel.time_s, max_gap_s);
+    let slope = |k: usize| slopes.get(k).copied().flatten();
     let at = |&t: &f64| match base.locate(t)? {
         TimePosition::On(k) => channel.values.get(k).copied(),
         TimePosition::After(k) => {
             let (t0, t1) = (base.time_s.get(k)?, base.time_s.get(k + 1)?);
             let (x0, x1) = (*channel.values.get(k)?, *channel.values.get(k + 1)?);
             let (h, u) = (t1 - t0, (t - t0) / (t1 - t0));
-            match (slopes.get(k)?, slopes.get(k + 1)?) {
+            match (slope(k), slope(k + 1)) {
                 (Some(d0), Some(d1)) => Some(hermite(x0, x1, h * d0, h * d1, u)),
-                _ => Some(x0 + (x1 - x0) * u),
+                _ => Some(x0 + (x1 - x0) * (t - t0) / h),
             }
         }
-    };
-    times_s.iter().map(at).collect()
-}
-
-/// Zero-order hold, for thrust and commands: the last sample at or before each time. `None` before the first sample
-/// and more than `max_gap_s` after the last sample (default: no limit).
-///
-/// ```
-#[doc = include_str!("../doc/channel.txt")]
-/// let thrust = channel("thr1_N", "N", &[1.0, 2.0], &[0.0, 10.0]);
-/// assert_eq!(hold(&thrust, &[0.5, 1.9, 2.0, 7.0], None), [None, Some(0.0), Some(10.0), Some(10.0)]);
-/// ```
-pub fn hold(channel: &Channel, times_s: &[f64], max_gap_s: Option<f64>) -> Vec<Option<f64>> {
-    let base = Base::new(&channel.time_s, max_gap_s);
-    let limit = max_gap_s.unwrap_or(f64::INFINITY);
-    let at = |&t: &f64| {
-        let k = base
-            .time_s
-            .partition_point(|&x| x <= t + base.tolerance)
-            .checked_sub(1)?;
-        (t - base.time_s.get(k)? <= limit)
-            .then(|| channel.values.get(k).copied())
-            .flatten()
     };
     times_s.iter().map(at).collect()
 }

@@ -1,42 +1,32 @@
 //! Selection of rows, and the limit on their number.
 
 use crate::columns::Columns;
-use crate::options::{MEMORY_MIB, ReadOptions};
+use crate::error::Place;
 use crate::plan::Plan;
-use crate::size::{Limit, Rows};
-use crate::{Origin, TelemetryError};
+use crate::size::Rows;
+use crate::{Origin, ReadOptions, TelemetryError};
 use std::path::Path;
-
-impl ReadOptions {
-    /// Row selection for the readers.
-    pub(crate) fn selection(&self) -> Selection {
-        Selection {
-            time_s: self.time_s,
-            limit: self.limit(),
-            seen: 0,
-        }
-    }
-
-    /// Limit on the samples kept.
-    pub(crate) fn limit(&self) -> Limit {
-        Limit {
-            bytes: match self.memory_mib {
-                0 => MEMORY_MIB << 20,
-                mib => mib.saturating_mul(1 << 20),
-            },
-            every: self.every.max(1),
-        }
-    }
-}
 
 /// Rows to keep, and their limit.
 pub(crate) struct Selection {
     time_s: Option<[f64; 2]>,
-    limit: Limit,
+    /// Every n-th selected row is kept.
+    every: usize,
+    /// Memory for samples, bytes.
+    bytes: usize,
     seen: usize,
 }
 
 impl Selection {
+    pub(crate) fn new(options: &ReadOptions) -> Self {
+        Self {
+            time_s: options.time_s,
+            every: options.every.max(1),
+            bytes: options.memory_limit_mib().saturating_mul(1 << 20),
+            seen: 0,
+        }
+    }
+
     /// Whether to keep the row at this time of the table. A row without time is kept; it gives an error later.
     pub(crate) fn keeps(&mut self, time_s: f64, origin: Option<Origin>) -> bool {
         if let Some([from, to]) = self.time_s {
@@ -46,7 +36,25 @@ impl Selection {
             }
         }
         self.seen += 1;
-        (self.seen - 1).is_multiple_of(self.limit.every)
+        (self.seen - 1).is_multiple_of(self.every)
+    }
+
+    /// Returns an error before reading if all rows are requested and clearly exceed the limit.
+    ///
+    /// # Errors
+    /// [`TelemetryError::TooLarge`].
+    pub(crate) fn check_ahead(
+        &self,
+        path: &Path,
+        plan: &Plan,
+        rows: Rows,
+    ) -> Result<(), TelemetryError> {
+        let some = self.time_s.is_some() || !plan.filter.is_empty();
+        let kept = rows.least() / self.every as f64;
+        if some || kept <= self.samples(plan) as f64 {
+            return Ok(());
+        }
+        Err(self.refusal(path, plan, rows.most()))
     }
 
     /// Passes the kept rows to `full` when they reach the memory limit; `rows` is the number in the whole file.
@@ -61,7 +69,8 @@ impl Selection {
         rows: Rows,
         full: Option<&mut WhenFull>,
     ) -> Result<(), TelemetryError> {
-        if columns.rows.len() <= self.limit.samples(plan.channels.len()) {
+        let own = columns.rows.len() - usize::from(columns.follows);
+        if own <= self.samples(plan) {
             return Ok(());
         }
         match full {
@@ -69,8 +78,27 @@ impl Selection {
             None => {
                 let rest = rows.most().saturating_sub(columns.rows_read as u64);
                 let chosen = self.seen as u64 + rest;
-                Err(self.limit.refusal(path, plan, chosen))
+                Err(self.refusal(path, plan, chosen))
             }
+        }
+    }
+
+    /// Samples that fit: each row needs a time, a row number and one value per channel.
+    fn samples(&self, plan: &Plan) -> usize {
+        self.bytes / (8 * (plan.channels.len() + 2))
+    }
+
+    /// The error for this many selectable rows; names the row step that fits.
+    fn refusal(&self, path: &Path, plan: &Plan, rows: u64) -> TelemetryError {
+        let fit = self.samples(plan);
+        let every = rows.div_ceil(fit.max(1) as u64);
+        TelemetryError::TooLarge {
+            place: Place::file(path),
+            samples: rows.div_ceil(self.every as u64),
+            fit,
+            channels: plan.channels.len(),
+            mib: self.bytes >> 20,
+            every: every.max(self.every as u64 + 1),
         }
     }
 }

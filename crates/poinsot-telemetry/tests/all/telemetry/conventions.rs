@@ -2,8 +2,8 @@
 
 use crate::telemetry::Folder;
 use poinsot_telemetry::{
-    Channel, ConventionTest, ReadOptions, Sense, Table, Verdict, check_conventions,
-    convention_tests, read, test_sensors, write,
+    Channel, ConventionTest, Mounting, ReadOptions, Sense, Table, Verdict, check_conventions,
+    convention_tests, mount, read, test_sensors, write,
 };
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -233,10 +233,16 @@ fn unit_a_turned_gyro_fits_with_its_mounting() {
     let mut rows = tumble(400, 0.05, 0.2);
     // The gyro is rotated by 90 deg about z: its x axis is along body y.
     rows.iter_mut().for_each(|(_, w)| *w = [w[1], -w[0], w[2]]);
-    let table = table(&rows, 0.05);
+    let mut table = table(&rows, 0.05);
     assert!(check_conventions(&table).is_err());
-    let rotation = [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
-    let test = test_sensors(&table, "", "", Some(rotation)).unwrap();
+    let mounting = Mounting {
+        sensor: "gyro".into(),
+        unnamed: true,
+        prefix: "omega",
+        R_BS: [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]],
+    };
+    mount(&mut table, &[mounting]);
+    let test = test_sensors(&table, "", "").unwrap();
     assert!(test.check().is_ok());
     assert_eq!(test.verdict, Verdict::DeclaredFits);
 }
@@ -255,7 +261,7 @@ fn unit_the_gyro_is_not_averaged_across_its_gaps() {
         c.time_s = kept.iter().map(|k| c.time_s[*k]).collect();
         c.values = kept.iter().map(|k| c.values[*k]).collect();
     }
-    let [whole, gapped] = [whole, gapped].map(|t| test_sensors(&t, "", "", None).unwrap());
+    let [whole, gapped] = [whole, gapped].map(|t| test_sensors(&t, "", "").unwrap());
     assert!(
         gapped.intervals + 9 <= whole.intervals,
         "{} {}",

@@ -1,6 +1,6 @@
-//! Every fault of a CSV file, with the complete error line.
+//! Every fault of a CSV file: code, place and value of its error.
 
-use crate::telemetry::{Folder, read_text};
+use crate::telemetry::{Folder, assert_told, read_text};
 use poinsot_telemetry::{ColumnMap, ReadOptions, TelemetryMap, read};
 
 fn fault(text: impl AsRef<[u8]>) -> String {
@@ -24,42 +24,38 @@ fn map(channel: &str, column: &str, unit: &str) -> ReadOptions {
 
 #[test]
 fn unit_cells_that_are_no_numbers() {
-    for (cell, message) in [
+    for (cell, place, value) in [
         (
             "\"1,5\"",
-            "E0203 run.csv:3 column 'omega_x': '1,5' has a decimal comma; write a point",
+            "E0203 run.csv:3 column 'omega_x'",
+            "'1,5' has a decimal comma",
         ),
         (
             "\u{2212}1.5",
-            "E0203 run.csv:3 column 'omega_x': '\u{2212}1.5' has a typographic minus (U+2212); write the ASCII '-'",
+            "E0203 run.csv:3 column 'omega_x'",
+            "typographic minus",
         ),
         (
             "1e400",
-            "E0203 run.csv:3 column 'omega_x': '1e400' is too large for a double; correct the number",
+            "E0203 run.csv:3 column 'omega_x'",
+            "'1e400' is too large",
         ),
         (
             "inf",
-            "E0203 run.csv:3 column 'omega_x': 'inf' is infinite; write a number, or leave the cell empty where there is no sample",
+            "E0203 run.csv:3 column 'omega_x'",
+            "'inf' is infinite",
         ),
-        (
-            "#N/A",
-            "E0203 run.csv:3 column 'omega_x': '#N/A' is not a number; write a number, or leave the cell empty where there is no sample",
-        ),
-        (
-            "off",
-            "E0203 run.csv:3 column 'omega_x': 'off' is not a number; write a number, or leave the cell empty where there is no sample",
-        ),
-        (
-            "1d-3",
-            "E0203 run.csv:3 column 'omega_x': '1d-3' has a Fortran exponent; write 'e'",
-        ),
+        ("#N/A", "E0203 run.csv:3 column 'omega_x'", "'#N/A'"),
+        ("off", "E0203 run.csv:3 column 'omega_x'", "'off'"),
+        ("1d-3", "E0203 run.csv:3 column 'omega_x'", "Fortran"),
     ] {
         let text = format!("time_s,omega_x\n0,0.5\n0.1,{cell}\n0.2,0.5\n");
-        assert_eq!(fault(text), message);
+        assert_told(&fault(text), place, value);
     }
-    assert_eq!(
-        fault(b"time_s,omega_x\n0,1\n1,2\xb0\n2,3\n"),
-        "E0203 run.csv:3 column 'omega_x': '2\u{fffd}' is not UTF-8 text; save the file as UTF-8"
+    assert_told(
+        &fault(b"time_s,omega_x\n0,1\n1,2\xb0\n2,3\n"),
+        "E0203 run.csv:3 column 'omega_x'",
+        "is not UTF-8",
     );
 }
 
@@ -72,78 +68,73 @@ fn unit_line_numbers_count_blank_lines_and_line_ends_of_any_kind() {
         "time_s,omega_x\n\n0,1\n1,x\n2,2",
         "\u{feff}time_s,omega_x,\n\n0,1,\n1,x,\n",
     ] {
-        assert_eq!(
-            fault(text),
-            "E0203 run.csv:4 column 'omega_x': 'x' is not a number; write a number, or leave the cell empty where there is no sample"
-        );
+        assert_told(&fault(text), "E0203 run.csv:4 column 'omega_x'", "'x'");
     }
 }
 
 #[test]
 fn unit_rows_and_headers() {
-    for (text, message) in [
+    for (text, place, value) in [
         (
             "time_s,omega_x\n0,1\n1\n2,3\n",
-            "E0204 run.csv:3: 1 fields where the header has 2; complete the row: an empty cell means no sample",
+            "E0204 run.csv:3",
+            "1 fields where the header has 2",
         ),
         (
             "time_s,omega_x\n0,1,5\n1,1,5\n",
-            "E0204 run.csv:2: 3 fields where the header has 2: a decimal comma or a comma in a text without quotes adds fields; write a point, or quotes around the text",
+            "E0204 run.csv:2",
+            "3 fields where the header has 2",
         ),
         (
             "time_s,omega_x\n# made by hand\n0,1\n",
-            "E0204 run.csv:2: 1 fields where the header has 2; leave the line out, or write [telemetry] comment = \"#\"",
+            "E0204 run.csv:2",
+            "comment = \"#\"",
         ),
         (
             "time_s,omega_x,omega_x\n0,1,2\n",
-            "E0205 run.csv: column 'omega_x' is twice in the header; rename one",
+            "E0205 run.csv",
+            "'omega_x'",
         ),
         (
             "time_s;omega_x\n0;1,5\n",
-            "E0205 run.csv: the columns are separated by ';'; write [telemetry] delimiter = \";\", and points in decimal numbers",
+            "E0205 run.csv",
+            "delimiter = \";\"",
         ),
         (
             "time_s\tomega_x\n0\t1\n",
-            "E0205 run.csv: the columns are separated by '\\t'; write [telemetry] delimiter = \"tab\", and points in decimal numbers",
+            "E0205 run.csv",
+            "delimiter = \"tab\"",
         ),
-        (
-            "",
-            "E0205 run.csv: the file is empty; begin it with a header row",
-        ),
-        (
-            "time_s,omega_x\n",
-            "E0217 run.csv: no data rows after the header; give a file with samples",
-        ),
+        ("", "E0205 run.csv", "empty"),
+        ("time_s,omega_x\n", "E0217 run.csv", "no data rows"),
         (
             "t_s,omega_x\n0,1\n",
-            "E0207 run.csv: no column 'time_s'; map 't_s' by [telemetry.columns] time_s = { column = \"t_s\", unit = \"s\" }, or run `poinsot inspect FILE` for a whole map",
+            "E0207 run.csv",
+            "{ column = \"t_s\", unit = \"s\" }",
         ),
-        (
-            "omega_x,n\n0,1\n",
-            "E0207 run.csv: no column 'time_s' among [omega_x, n]; run `poinsot inspect FILE`, which proposes a map",
-        ),
+        ("omega_x,n\n0,1\n", "E0207 run.csv", "[omega_x, n]"),
         (
             "time_s,omega_x\n0,1\nnone,2\n",
-            "E0203 run.csv:3 column 'time_s': 'none' is not a number; write the time, or leave the row out",
+            "E0203 run.csv:3 column 'time_s'",
+            "'none'",
         ),
     ] {
-        assert_eq!(fault(text), message);
+        assert_told(&fault(text), place, value);
     }
 }
 
 #[test]
 fn unit_bytes_that_are_not_utf8_text() {
-    assert_eq!(
-        fault(b"\xff\xfet\0i\0m\0e\0"),
-        "E0202 run.csv: the file is UTF-16; save it as UTF-8"
+    assert_told(&fault(b"\xff\xfet\0i\0m\0e\0"), "E0202 run.csv", "UTF-16");
+    assert_told(
+        &fault(b"time_s,omega_x\n0,1\n1,\0\n"),
+        "E0202 run.csv",
+        "byte 21",
     );
-    assert_eq!(
-        fault(b"time_s,omega_x\n0,1\n1,\0\n"),
-        "E0202 run.csv: byte 21 is NUL: the file is not text, or is UTF-16; save it as UTF-8"
-    );
-    assert_eq!(
-        fault(b"time_s,w [\xb0/s]\n0,1\n"),
-        "E0202 run.csv:1: the header is not UTF-8 ('w [\u{fffd}/s]', byte 3 of the name); save the file as UTF-8, or read it by --encoding latin1"
+    assert_told(
+        &fault(b"time_s,w [\xb0/s]\n0,1\n"),
+        "E0202 run.csv:1",
+        "byte 3",
     );
     let mut long = b"time_s,omega_x\n0,1\n".to_vec();
     long.resize(long.len() + (17 << 20), b'7');
@@ -152,29 +143,34 @@ fn unit_bytes_that_are_not_utf8_text() {
 
 #[test]
 fn unit_times_that_cannot_be() {
-    for (text, message) in [
+    for (text, place, value) in [
         (
             "time_s,omega_x\n0,1\n2,2\n1,3\n",
-            "E0208 run.csv:4 column 'time_s': time goes back from 2 s (row 3) to 1 s; choose one run by [telemetry] where, or cut the file into segments",
+            "E0208 run.csv:4 column 'time_s'",
+            "2 s (row 3) to 1 s",
         ),
         (
             "time_s,omega_x\n0,1\n1,2\n1,3\n2,1\n",
-            "E0208 run.csv:4 column 'time_s': time 1 s is already in row 3 with another value of 'omega_x'; keep one of the rows",
+            "E0208 run.csv:4 column 'time_s'",
+            "'omega_x'",
         ),
         (
             "time_s,omega_x\n0,1\n,2\n2,3\n",
-            "E0208 run.csv:3 column 'time_s': the row has no time; give it one or leave the row out",
+            "E0208 run.csv:3 column 'time_s'",
+            "no time",
         ),
         (
             "time_s,omega_x\n0,1\n1e8,2\n2e8,3\n",
-            "E0209 run.csv column 'time_s': the median step is 1e8 s, outside 1e-5 to 1e5 s: its unit is likely ns; map it by [telemetry.columns] time_s = { column = \"time_s\", unit = \"ns\" }",
+            "E0209 run.csv column 'time_s'",
+            "unit = \"ns\"",
         ),
         (
             "time_s,omega_x\n0,1\n1e-6,2\n2e-6,3\n",
-            "E0209 run.csv column 'time_s': the median step is 1e-6 s, outside 1e-5 to 1e5 s: its unit is likely d; map it by [telemetry.columns] time_s = { column = \"time_s\", unit = \"d\" }",
+            "E0209 run.csv column 'time_s'",
+            "unit = \"d\"",
         ),
     ] {
-        assert_eq!(fault(text), message);
+        assert_told(&fault(text), place, value);
     }
 }
 
@@ -187,10 +183,7 @@ fn unit_a_repeated_row_is_dropped_and_listed() {
         table.repairs,
         ["run.csv:4: 1 rows that repeat the row before them dropped (this is the first)"]
     );
-    assert_eq!(
-        strict(text),
-        "E0218 run.csv:4: 1 rows that repeat the row before them dropped: --strict allows no repair; correct the file or leave out --strict"
-    );
+    assert_told(&strict(text), "E0218 run.csv:4", "1 rows");
 }
 
 #[test]
@@ -216,21 +209,24 @@ fn unit_a_cut_file_is_refused_or_recovered() {
         recover: true,
         ..ReadOptions::default()
     };
-    for (text, message) in [
+    for (text, place, value) in [
         (
             "time_s,omega_x\n0,1\n1,2\n2",
-            "E0206 run.csv:4: the file ends inside this row (1 of 2 fields, no line end); use --recover to keep the rows before it",
+            "E0206 run.csv:4",
+            "1 of 2 fields",
         ),
         (
             "time_s,omega_x\n0,1\n1,2\n2,3.1e-",
-            "E0206 run.csv:4: the file ends inside this row ('3.1e-' in column 'omega_x', no line end); use --recover to keep the rows before it",
+            "E0206 run.csv:4",
+            "'3.1e-'",
         ),
         (
             "time_s,omega_x\n0,1\n1,2\n\"2,3",
-            "E0206 run.csv:4: the file ends inside this row (1 of 2 fields, no line end); use --recover to keep the rows before it",
+            "E0206 run.csv:4",
+            "1 of 2 fields",
         ),
     ] {
-        assert_eq!(fault(text), message);
+        assert_told(&fault(text), place, value);
         let table = read_text(text, &recover).unwrap();
         assert_eq!(table.channel("omega_x").unwrap().values, [1.0, 2.0]);
         assert_eq!(table.sources[0].rows, 2);
@@ -250,37 +246,43 @@ fn unit_a_cut_file_is_refused_or_recovered() {
 #[test]
 fn unit_maps_that_cannot_be_followed() {
     let text = "time_s,gyro_wx\n0,1\n1,2\n";
-    for (options, message) in [
+    for (options, place, value) in [
         (
             map("omega_x", "gyro_w", "deg/s"),
-            "E0212 map of channel 'omega_x': no column 'gyro_w' in run.csv; did you mean 'gyro_wx'?",
+            "E0212 map of channel 'omega_x'",
+            "'gyro_wx'",
         ),
         (
             map("omega_x", "gyro_wx", "deg"),
-            "E0212 map of channel 'omega_x': unit 'deg' does not measure it; give a unit that converts to rad/s: rad/s, mrad/s, deg/s, mdeg/s, deg/h, arcsec/s, rpm, rev/s",
+            "E0212 map of channel 'omega_x'",
+            "'deg'",
         ),
         (
             map("omega_x", "gyro_wx", "dgs/s"),
-            "E0211 map of channel 'omega_x': unit 'dgs/s' is not known; did you mean 'deg/s'? Use one of: rad/s, mrad/s, deg/s, mdeg/s, deg/h, arcsec/s, rpm, rev/s",
+            "E0211 map of channel 'omega_x'",
+            "'deg/s'",
         ),
         (
             map("omega", "gyro_wx", "deg/s"),
-            "E0212 map of channel 'omega': not a standard channel name; write one, for example omega_x, joint1_rad, wheel1_rad_s or thr1_N",
+            "E0212 map of channel 'omega'",
+            "standard channel",
         ),
     ] {
-        assert_eq!(read_text(text, &options).unwrap_err(), message);
+        assert_told(&read_text(text, &options).unwrap_err(), place, value);
     }
 }
 
 #[test]
 fn unit_quaternions_that_are_none() {
-    assert_eq!(
-        fault("time_s,q_x,q_y,q_z\n0,0,0,0\n1,0,0,0\n"),
-        "E0214 run.csv: 'q_w' is missing; add it: a quaternion needs q_x, q_y, q_z and q_w in one file"
+    assert_told(
+        &fault("time_s,q_x,q_y,q_z\n0,0,0,0\n1,0,0,0\n"),
+        "E0214 run.csv",
+        "'q_w'",
     );
-    assert_eq!(
-        fault("time_s,q_x,q_y,q_z,q_w\n0,0,0,0,1\n1,0,0,1,1\n"),
-        "E0214 run.csv:3 column 'q_x': the quaternion (0, 0, 1, 1) has norm 1.41421, not 1; correct the row or the order of the columns"
+    assert_told(
+        &fault("time_s,q_x,q_y,q_z,q_w\n0,0,0,0,1\n1,0,0,1,1\n"),
+        "E0214 run.csv:3 column 'q_x'",
+        "1.41421",
     );
 }
 
@@ -288,23 +290,18 @@ fn unit_quaternions_that_are_none() {
 fn unit_files_that_are_none() {
     let folder = Folder::new();
     let missing = read(&[folder.path("none.csv")], &ReadOptions::default()).unwrap_err();
-    assert_eq!(
-        folder.message(&missing),
-        "E0201 none.csv: cannot be read: No such file or directory (os error 2); check the path"
+    assert_told(
+        &folder.message(&missing),
+        "E0201 none.csv",
+        "check the path",
     );
     assert!(!missing.is_environment());
     std::fs::create_dir(folder.path("dir.csv")).unwrap();
     let error = read(&[folder.path("dir.csv")], &ReadOptions::default()).unwrap_err();
-    assert_eq!(
-        folder.message(&error),
-        "E0202 dir.csv: not a regular file; give a .csv or .parquet file"
-    );
+    assert_told(&folder.message(&error), "E0202 dir.csv", "regular file");
     let path = folder.file("run.xlsx", "PK");
     let error = read(&[path], &ReadOptions::default()).unwrap_err();
-    assert_eq!(
-        folder.message(&error),
-        "E0202 run.xlsx: the kind of file is not known from its name; give a .csv, .csv.gz, .csv.zst or .parquet file"
-    );
+    assert_told(&folder.message(&error), "E0202 run.xlsx", ".parquet");
 }
 
 proptest::proptest! {
@@ -347,17 +344,19 @@ proptest::proptest! {
 /// Found by fuzzing: a line end in a quoted column name split the message.
 #[test]
 fn regress_a_column_name_with_a_line_end_stays_in_one_line() {
-    assert_eq!(
-        fault("\"tim\ne\",omega_x\n0,1\n"),
-        "E0207 run.csv: no column 'time_s' among [tim\\ne, omega_x]; run `poinsot inspect FILE`, which proposes a map"
+    assert_told(
+        &fault("\"tim\ne\",omega_x\n0,1\n"),
+        "E0207 run.csv",
+        "[tim\\ne, omega_x]",
     );
 }
 
 /// Found by libFuzzer: a duplicate column name with a line end.
 #[test]
 fn regress_a_column_name_with_a_line_end_that_stands_twice_stays_in_one_line() {
-    assert_eq!(
-        fault("time_s,\"a\nb\",\"a\nb\"\n0,1,2\n"),
-        "E0205 run.csv: column 'a\\nb' is twice in the header; rename one"
+    assert_told(
+        &fault("time_s,\"a\nb\",\"a\nb\"\n0,1,2\n"),
+        "E0205 run.csv",
+        "'a\\nb'",
     );
 }

@@ -16,6 +16,13 @@ use poinsot_telemetry::{ReadOptions, Table, TelemetryError, read};
 use std::path::PathBuf;
 use tempfile::TempDir;
 
+/// An error begins with code and place; its text has the value.
+#[track_caller]
+fn assert_told(message: &str, place: &str, value: &str) {
+    let begins = message.starts_with(&format!("{place}: "));
+    assert!(begins && message.contains(value), "{message}");
+}
+
 /// A temporary folder of files.
 struct Folder(TempDir);
 

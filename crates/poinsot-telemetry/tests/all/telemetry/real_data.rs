@@ -83,7 +83,7 @@ fn xval_simulated_telemetry_has_the_declared_conventions() {
         for name in ["telemetry.parquet", "telemetry_noisy.csv"] {
             let path = outside(&format!("data/ours/{run}/{name}"));
             let table = read(&[path], &ReadOptions::default()).unwrap();
-            let test = test_sensors(&table, "", "", None).unwrap();
+            let test = test_sensors(&table, "", "").unwrap();
             assert!(test.check().is_ok(), "{run}/{name}: {test}");
             let decided = test.verdict == Verdict::DeclaredFits;
             println!("{run}/{name}: {} {}", decided, test.declared.residual_rad_s);

@@ -1,8 +1,6 @@
 //! Interpolation and differentiation against known functions: the error must have the stated order.
 
-use poinsot_telemetry::{
-    Channel, differentiate, hold, resample, resample_attitude, resample_hermite,
-};
+use poinsot_telemetry::{Channel, differentiate, resample, resample_attitude, resample_hermite};
 
 fn channel(name: &str, time_s: &[f64], f: impl Fn(f64) -> f64) -> Channel {
     Channel {
@@ -111,10 +109,6 @@ fn unit_no_value_in_gaps_or_beyond_the_ends() {
             .values
             .iter()
             .all(|d| (d - 1.0).abs() < 1e-10)
-    );
-    assert_eq!(
-        hold(&x, &[-0.1, 0.05, 1.5, 9.0], None),
-        [None, Some(0.0), Some(t[10]), Some(4.0)]
     );
 }
 

@@ -1,6 +1,6 @@
 //! Maps, filters and several files of one segment.
 
-use crate::telemetry::{Folder, read_text};
+use crate::telemetry::{Folder, assert_told, read_text};
 use poinsot_telemetry::{ColumnMap, ReadOptions, TelemetryMap, read};
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -51,19 +51,15 @@ fn unit_rows_are_chosen_before_times_are_checked() {
         (4, [0.0, 1.0])
     );
     assert!(table.ignored.is_empty());
-    assert_eq!(
-        read_text(text, &options("c")).unwrap_err(),
-        "E0213 where run = 'c': no row of run.csv matches; choose among the values there, the first are 'a', 'b'"
-    );
+    let error = read_text(text, &options("c")).unwrap_err();
+    assert_told(&error, "E0213 where run = 'c'", "'a', 'b'");
     let missing = ReadOptions {
         map: TelemetryMap::of(Vec::new(), vec![("runs".into(), "a".into())]),
         ..ReadOptions::default()
     };
     let text = "run,time_s,omega_x\na,0,1\na,1,2\n";
-    assert_eq!(
-        read_text(text, &missing).unwrap_err(),
-        "E0213 where runs = 'a': no column 'runs' in run.csv; did you mean 'run'?"
-    );
+    let error = read_text(text, &missing).unwrap_err();
+    assert_told(&error, "E0213 where runs = 'a'", "'run'");
 }
 
 #[test]
@@ -108,10 +104,9 @@ fn unit_files_of_a_segment_keep_their_time_bases() {
             .ends_with("wheels.csv: no column 'run' to choose rows by; all its rows are kept")
     );
     let error = read(&[&rates, &rates], &ReadOptions::default()).unwrap_err();
-    assert_eq!(
-        folder.message(&error),
-        "E0210 channel 'omega_x' is in rates.csv column 'omega_x' and again in rates.csv column 'omega_x'; leave one out, or name the sensors: '<sensor>.omega_x'"
-    );
+    assert_eq!(error.code(), "E0210");
+    let place = "rates.csv column 'omega_x'";
+    assert_eq!(folder.message(&error).matches(place).count(), 2, "{error}");
 }
 
 #[test]

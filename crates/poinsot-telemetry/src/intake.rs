@@ -1,0 +1,88 @@
+//! Rows as a reader finds them: which are kept, and at what time.
+
+use crate::clock::Clock;
+use crate::columns::Columns;
+use crate::error::{Place, shown};
+use crate::number::RawCell;
+use crate::plan::Plan;
+use crate::selection::{Selection, WhenFull};
+use crate::size::Rows;
+use crate::{ReadOptions, TelemetryError};
+use std::path::Path;
+
+/// What was taken from a file so far.
+pub(crate) struct Intake<'a> {
+    path: &'a Path,
+    plan: &'a Plan,
+    clock: Clock,
+    selection: Selection,
+    pub columns: Columns,
+}
+
+impl<'a> Intake<'a> {
+    pub fn new(path: &'a Path, plan: &'a Plan, options: &ReadOptions) -> Self {
+        Self {
+            path,
+            plan,
+            clock: plan.clock.clone(),
+            selection: Selection::new(options),
+            columns: Columns::with_channels(plan.channels.len()),
+        }
+    }
+
+    /// Returns an error if the rows clearly exceed the memory limit.
+    pub fn check_ahead(&self, rows: Rows) -> Result<(), TelemetryError> {
+        self.selection.check_ahead(self.path, self.plan, rows)
+    }
+
+    /// Reads the times as timestamps since 1970 UTC.
+    #[cfg(feature = "parquet")]
+    pub fn instants(mut self) -> Self {
+        self.clock = self.clock.instants();
+        self
+    }
+
+    /// Whether the row filter and the times keep a row. Its time is stored then; `cell` gives a cell of a column.
+    pub fn keeps<'c>(
+        &mut self,
+        row: u64,
+        cell: impl Fn(usize) -> RawCell<'c>,
+    ) -> Result<bool, TelemetryError> {
+        let plan = self.plan;
+        for (k, (index, text)) in plan.filter.iter().enumerate() {
+            let found = cell(*index).text();
+            if k == 0 {
+                self.columns.saw(&String::from_utf8_lossy(&found));
+            }
+            if *found != *text.as_bytes() {
+                return Ok(false);
+            }
+        }
+        let time = cell(plan.time_index);
+        let seconds = self.clock.seconds(time, plan.week_index.map(&cell));
+        self.columns.origin = self.clock.origin;
+        let time_s = seconds.map_err(|why| TelemetryError::Number {
+            place: Place::cell(self.path, row, &plan.time_column),
+            value: shown(&time.text()),
+            why: why.text(true),
+        })?;
+        let time_s = time_s.or_nan();
+        let keeps = self.selection.keeps(time_s, self.columns.origin);
+        if keeps {
+            self.columns.time_s.push(time_s);
+            self.columns.rows.push(row);
+        }
+        Ok(keeps)
+    }
+
+    /// Passes the kept rows to `full` when they reach the memory limit; see [`Selection::check`].
+    pub fn make_room(
+        &mut self,
+        rows: Rows,
+        full: Option<&mut WhenFull>,
+    ) -> Result<(), TelemetryError> {
+        let Self { path, plan, .. } = *self;
+        self.selection
+            .check(path, plan, &mut self.columns, rows, full)
+    }
+}
