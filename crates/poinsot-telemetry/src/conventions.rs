@@ -63,24 +63,19 @@ const EXPLAINED: f64 = 0.3;
 
 /// Compares an attitude (q_x, q_y, q_z, q_w) with a gyro (omega_x, omega_y, omega_z).
 ///
-/// `R_BS` rotates components from gyro axes to body axes; `None` if they are equal. Returns `None` if the channels of
-/// one sensor have different times, or the sensors overlap in fewer than 8 intervals.
+/// The gyro is in body axes ([`mount`](crate::mount) turns one that is not). Returns `None` if the channels of one sensor
+/// have different times, or the sensors overlap in fewer than 8 intervals.
 ///
 /// ```
 #[doc = include_str!("../doc/spin.txt")]
 /// // The body turns at a constant rate; the gyro measures it.
 /// let [x, y, z] = &gyro(1.0)[..] else { unreachable!() };
-/// let test = test_conventions(attitude.each_ref(), [x, y, z], None).unwrap();
+/// let test = test_conventions(attitude.each_ref(), [x, y, z]).unwrap();
 /// assert_eq!(test.verdict, Verdict::DeclaredFits);
 /// assert!((test.scale - 1.0).abs() < 1.0e-6);
 /// ```
-#[allow(non_snake_case)]
-pub fn test_conventions(
-    attitude: [&Channel; 4],
-    gyro: [&Channel; 3],
-    R_BS: Option<[[f64; 3]; 3]>,
-) -> Option<ConventionTest> {
-    let pairs = Pairs::collect(attitude, gyro, R_BS)?;
+pub fn test_conventions(attitude: [&Channel; 4], gyro: [&Channel; 3]) -> Option<ConventionTest> {
+    let pairs = Pairs::collect(attitude, gyro)?;
     let mut all = Vec::with_capacity(4 * 7 * 48);
     for (order, sense) in READINGS {
         let sums = pairs.sums(order, sense);
@@ -195,7 +190,7 @@ pub fn convention_tests(table: &Table) -> Vec<ConventionTest> {
     let mut tests = Vec::new();
     for attitude in sensors("q_x") {
         for gyro in sensors("omega_x") {
-            if let Some(test) = test_sensors(table, attitude, gyro, None) {
+            if let Some(test) = test_sensors(table, attitude, gyro) {
                 tests.push(test);
             }
         }
@@ -204,7 +199,7 @@ pub fn convention_tests(table: &Table) -> Vec<ConventionTest> {
 }
 
 /// Tests one attitude sensor against one gyro by name (empty: unnamed). `None` if channels are missing or cannot be
-/// compared. `R_BS` as in [`test_conventions`].
+/// compared.
 ///
 /// ```
 #[doc = include_str!("../doc/spin.txt")]
@@ -213,30 +208,22 @@ pub fn convention_tests(table: &Table) -> Vec<ConventionTest> {
 /// for channel in &mut channels[..3] {
 ///     channel.values.iter_mut().for_each(|q| *q = -*q);
 /// }
-/// let test = test_sensors(&Table { channels, ..Table::default() }, "", "", None).unwrap();
+/// let test = test_sensors(&Table { channels, ..Table::default() }, "", "").unwrap();
 /// assert_eq!(test.best.sense, Sense::InertialToBody);
 /// ```
-#[allow(non_snake_case)]
-pub fn test_sensors(
-    table: &Table,
-    attitude: &str,
-    gyro: &str,
-    R_BS: Option<[[f64; 3]; 3]>,
-) -> Option<ConventionTest> {
+pub fn test_sensors(table: &Table, attitude: &str, gyro: &str) -> Option<ConventionTest> {
     let of = |sensor: &str, name: &str| table.sensor_channel(sensor, name);
     let q = |name| of(attitude, name);
     let w = |name| of(gyro, name);
     test_conventions(
         [q("q_x")?, q("q_y")?, q("q_z")?, q("q_w")?],
         [w("omega_x")?, w("omega_y")?, w("omega_z")?],
-        R_BS,
     )
 }
 
 /// Returns an error if attitude and gyro clearly contradict the declared conventions.
 ///
-/// Assumes that every gyro measures in body axes on the body of the attitude. For other mountings use [`test_sensors`]
-/// with its rotation and [`ConventionTest::check`].
+/// Assumes that every gyro measures in body axes on the body of the attitude.
 ///
 /// # Errors
 /// [`TelemetryError::Convention`] names the convention that fits best.

@@ -1,7 +1,7 @@
 //! Exact instants: dates and counts become attoseconds of TAI, then seconds since a first sample.
 
 use crate::number::InvalidNumber;
-use hifitime::{Duration, Epoch, TimeScale};
+use hifitime::{Duration, Epoch, TimeScale, Unit};
 use std::f64::consts::TAU;
 use std::fmt;
 
@@ -162,27 +162,6 @@ fn epoch(at: i128) -> Epoch {
     ))
 }
 
-/// Year, month and day of a number of days after 1970 January 1 (Howard Hinnant, `civil_from_days`).
-fn civil(day: i64) -> (i64, u8, u8) {
-    let z = day + 719_468;
-    let era = z.div_euclid(146_097);
-    let of_era = z.rem_euclid(146_097);
-    let year = (of_era - of_era / 1460 + of_era / 36_524 - of_era / 146_096) / 365;
-    let of_year = of_era - (365 * year + year / 4 - year / 100);
-    let shifted = (5 * of_year + 2) / 153;
-    let day = of_year - (153 * shifted + 2) / 5 + 1;
-    let month = if shifted < 10 {
-        shifted + 3
-    } else {
-        shifted - 9
-    };
-    (
-        year + era * 400 + i64::from(month <= 2),
-        month as u8,
-        day as u8,
-    )
-}
-
 /// Days since 1970 January 1 (Howard Hinnant, `days_from_civil`).
 fn day_number(year: i64, month: i64, day: i64) -> i64 {
     let year = year - i64::from(month <= 2);
@@ -218,10 +197,13 @@ impl Calendar {
         if let Some((_, at)) = self.last.filter(|(known, _)| *known == day) {
             return Some(at);
         }
-        let (year, month, of_month) = civil(day);
-        let year = YEARS.contains(&year).then_some(year as i32)?;
+        let (first, last) = (YEARS.start(), YEARS.end() + 1);
+        if !(day_number(*first, 1, 1)..day_number(last, 1, 1)).contains(&day) {
+            return None;
+        }
         let scale = self.scale.library();
-        let begin = Epoch::maybe_from_gregorian(year, month, of_month, 0, 0, 0, 0, scale).ok()?;
+        let first = Epoch::from_gregorian_at_midnight(1970, 1, 1, scale);
+        let begin = Epoch::from_duration(first.duration + Unit::Day * day, scale);
         let at = begin.to_tai_duration().total_nanoseconds() * 1_000_000_000;
         self.last = Some((day, at));
         Some(at)
@@ -257,8 +239,14 @@ impl Calendar {
             let month = digits(&mut rest, 2)?;
             one_of(&mut rest, b"-/:")?;
             let of_month = digits(&mut rest, 2)?;
-            let day = day_number(year, month, of_month);
-            if !(1..=12).contains(&month) || civil(day).2 as i64 != of_month {
+            let (day, next) = match month {
+                12 => (day_number(year, 12, of_month), day_number(year + 1, 1, 1)),
+                _ => (
+                    day_number(year, month, of_month),
+                    day_number(year, month + 1, 1),
+                ),
+            };
+            if !(1..=12).contains(&month) || of_month < 1 || day >= next {
                 return Err(InvalidNumber(
                     "has no such day of the month",
                     Some("correct it"),

@@ -26,3 +26,18 @@ pub(crate) fn median(values: &mut [f64]) -> Option<f64> {
     let (_, value, _) = values.select_nth_unstable_by(middle, f64::total_cmp);
     Some(*value)
 }
+
+/// Median of a normal magnitude over its sigma.
+const MEDIAN_OF_NORMAL: f64 = 0.6745;
+
+/// Robust sigma from the median of magnitudes.
+pub(crate) fn sigma_of(median_magnitude: f64) -> f64 {
+    median_magnitude / MEDIAN_OF_NORMAL
+}
+
+/// Median, and robust sigma: median of the distances from it over 0.6745.
+pub(crate) fn spread(values: &[f64]) -> Option<(f64, f64)> {
+    let centre = median(&mut values.to_vec())?;
+    let mut distances: Vec<f64> = values.iter().map(|x| (x - centre).abs()).collect();
+    Some((centre, sigma_of(median(&mut distances)?)))
+}

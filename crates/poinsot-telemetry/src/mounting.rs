@@ -4,7 +4,6 @@
 use crate::channel_name::components;
 use crate::{Channel, Table};
 use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
-use std::collections::HashMap;
 use std::sync::Arc;
 
 /// Mounting of a sensor on its body.
@@ -24,21 +23,15 @@ impl Mounting {
     /// The inverse rotation, from body axes to sensor axes.
     #[must_use]
     pub fn inverse(&self) -> Self {
-        let [[a, b, c], [d, e, f], [g, h, i]] = self.R_BS;
         Self {
-            R_BS: [[a, d, g], [b, e, h], [c, f, i]],
+            // By columns.
+            R_BS: self.rotation().into(),
             ..self.clone()
         }
     }
 
     fn rotation(&self) -> Matrix3<f64> {
-        Matrix3::from_fn(|i, j| {
-            self.R_BS
-                .get(i)
-                .and_then(|row| row.get(j))
-                .copied()
-                .unwrap_or(0.0)
-        })
+        Matrix3::from(self.R_BS).transpose()
     }
 }
 
@@ -119,35 +112,19 @@ type Rows = (Arc<[f64]>, Vec<Vec<f64>>);
 fn complete_rows(channels: &[Channel], places: &[usize]) -> Option<Rows> {
     let all: Option<Vec<&Channel>> = places.iter().map(|k| channels.get(*k)).collect();
     let all = all?;
-    let first = all.first()?;
-    let shared = all.iter().all(|c| c.time_s == first.time_s);
-    if shared {
-        let row = |k: usize| {
-            all.iter()
-                .filter_map(|c| c.values.get(k).copied())
-                .collect()
-        };
-        return Some((
-            Arc::clone(&first.time_s),
-            (0..first.values.len()).map(row).collect(),
-        ));
-    }
-    let mut at: HashMap<u64, Vec<f64>> = HashMap::new();
-    for channel in &all {
-        for (time, value) in channel.time_s.iter().zip(&channel.values) {
-            at.entry(time.to_bits()).or_default().push(*value);
-        }
-    }
-    let whole = |time: &&f64| {
-        at.get(&time.to_bits())
-            .is_some_and(|row| row.len() == all.len())
+    let base = &all.first()?.time_s;
+    let sample = |c: &Channel, t: f64| {
+        let k = c.time_s.partition_point(|x| *x < t);
+        let there = c.time_s.get(k) == Some(&t);
+        c.values.get(k).copied().filter(|_| there)
     };
-    let times: Arc<[f64]> = first.time_s.iter().filter(whole).copied().collect();
-    let rows = times
-        .iter()
-        .filter_map(|t| at.get(&t.to_bits()).cloned())
-        .collect();
-    Some((times, rows))
+    let row = |t: &f64| all.iter().map(|c| sample(c, *t)).collect::<Option<_>>();
+    let whole = base.iter().filter_map(|t| Some((*t, row(t)?)));
+    let (times, rows): (Vec<f64>, Vec<Vec<f64>>) = whole.unzip();
+    match times.len() == base.len() {
+        true => Some((Arc::clone(base), rows)),
+        false => Some((times.into(), rows)),
+    }
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Estimates the noise of a channel from its samples.
 
 use crate::Channel;
-use crate::median::{median, median_step};
+use crate::median::{median, median_step, sigma_of};
 use serde::Serialize;
 
 /// First order of differences; it removes a parabola.
@@ -10,8 +10,6 @@ const FIRST_ORDER: usize = 3;
 const LAST_ORDER: usize = 12;
 /// Relative tolerance of equal sampling steps.
 const EVEN: f64 = 0.1;
-/// Median of the magnitude of a normal number over its sigma.
-const MEDIAN_OF_NORMAL: f64 = 0.6745;
 /// Efficiency of the median of magnitudes relative to the mean square, for normal numbers (Huber 1981, sec. 5.1).
 const MEDIAN_EFFICIENCY: f64 = 0.37;
 /// Differences below this multiple of the largest value are round-off.
@@ -146,7 +144,7 @@ fn central_binomial(n: usize) -> f64 {
 }
 
 fn sigma(middle: f64, order: usize) -> f64 {
-    middle / MEDIAN_OF_NORMAL / central_binomial(order).sqrt()
+    sigma_of(middle) / central_binomial(order).sqrt()
 }
 
 /// Neighbouring differences are correlated: the sum of the squared correlations is `C(4d, 2d) / C(2d, d)^2`.

@@ -43,11 +43,7 @@ impl Sums {
 }
 
 impl Pairs {
-    pub(crate) fn collect(
-        attitude: [&Channel; 4],
-        gyro: [&Channel; 3],
-        rotation: Option<[[f64; 3]; 3]>,
-    ) -> Option<Self> {
+    pub(crate) fn collect(attitude: [&Channel; 4], gyro: [&Channel; 3]) -> Option<Self> {
         let [x, y, z, w] = attitude;
         let [gx, gy, gz] = gyro;
         let same = [y, z, w].iter().all(|c| c.time_s == x.time_s)
@@ -76,9 +72,6 @@ impl Pairs {
             let mut mean = [0.0; 3];
             for (m, (a, b)) in mean.iter_mut().zip(a0.iter().zip(a1)) {
                 *m = (b - a) / dt;
-            }
-            if let Some(rows) = rotation {
-                mean = rows.map(|row| row.iter().zip(mean).map(|(r, m)| r * m).sum());
             }
             turns.push(Interval {
                 dt,

@@ -49,9 +49,7 @@ impl Dimension {
             Self::Impulse => "N s",
         }
     }
-}
 
-impl Dimension {
     /// Name, for example `angular velocity`.
     pub fn words(self) -> &'static str {
         match self {
@@ -85,6 +83,15 @@ pub struct Unit {
 }
 
 impl Unit {
+    fn of(&(symbol, dimension, factor, divisor, _): &Row) -> Self {
+        Self {
+            symbol,
+            dimension,
+            factor,
+            divisor,
+        }
+    }
+
     /// The value in SI.
     #[inline]
     pub fn to_si(&self, value: f64) -> f64 {
@@ -180,16 +187,10 @@ fn plain(text: &str) -> String {
 /// ```
 pub fn parse_unit(text: &str) -> Result<Unit, TelemetryError> {
     let wanted = plain(text);
-    let unit = |&(symbol, dimension, factor, divisor, _): &Row| Unit {
-        symbol,
-        dimension,
-        factor,
-        divisor,
-    };
     TABLE
         .iter()
         .find(|row| plain(row.0) == wanted || row.4.contains(&wanted.as_str()))
-        .map(unit)
+        .map(Unit::of)
         .ok_or_else(|| TelemetryError::UnknownUnit {
             unit: text.to_owned(),
             nearest: nearest_unit(text, None).to_owned(),
@@ -205,14 +206,7 @@ pub fn parse_unit(text: &str) -> Result<Unit, TelemetryError> {
 /// assert!(of_time.any(|unit| unit.symbol == "ms" && unit.to_si(1.0) == 0.001));
 /// ```
 pub fn units() -> impl Iterator<Item = Unit> {
-    TABLE
-        .iter()
-        .map(|&(symbol, dimension, factor, divisor, _)| Unit {
-            symbol,
-            dimension,
-            factor,
-            divisor,
-        })
+    TABLE.iter().map(Unit::of)
 }
 
 /// The units of a dimension, separated by commas.

@@ -1,6 +1,6 @@
 //! Time shift between attitude and gyro.
 
-use super::{Check, Finding, Found, Policy};
+use super::{Check, Found};
 use crate::hypothesis::{Axes, Order, Sense};
 use crate::rate_pairs::Pairs;
 use crate::{Channel, Table, full_name, median_step};
@@ -29,7 +29,7 @@ pub(super) fn find(table: &Table) -> Option<Found> {
             time_s: c.time_s.iter().map(|t| t - lag).collect::<Vec<_>>().into(),
             ..c.clone()
         });
-        let pairs = Pairs::collect(q.each_ref(), shifted.each_ref(), None)?;
+        let pairs = Pairs::collect(q.each_ref(), shifted.each_ref())?;
         let sums = pairs.sums(Order::Xyzw, Sense::BodyToInertial);
         Some((
             sums.residual(1.0, Axes::IDENTITY),
@@ -66,25 +66,17 @@ pub(super) fn find(table: &Table) -> Option<Found> {
     }
     let late = if lag > 0.0 { "later" } else { "earlier" };
     let [x, ..] = &w;
-    Some(Found {
-        finding: Finding {
-            check: Check::Lag,
-            channel: format!("{}..z", full_name(&x.sensor, &x.name)),
-            count: x.values.len(),
-            of: x.values.len(),
-            first_times_s: Vec::new(),
-            text: format!(
-                "the gyro is {:.4} s {late} than the attitude ({:.1} samples); that shift reduces their difference from {} to {} rad/s; correct the times, or write lag = \"estimate\" for the sensor",
-                lag.abs(),
-                lag.abs() / fast,
-                rounded(without, 4),
-                rounded(least, 4)
-            ),
-            policy: Policy::Report,
-        },
-        channels: Vec::new(),
-        times_s: Vec::new(),
-    })
+    let text = format!(
+        "the gyro is {:.4} s {late} than the attitude ({:.1} samples); that shift reduces their difference from {} to {} rad/s; correct the times, or write lag = \"estimate\" for the sensor",
+        lag.abs(),
+        lag.abs() / fast,
+        rounded(without, 4),
+        rounded(least, 4)
+    );
+    let name = format!("{}..z", full_name(&x.sensor, &x.name));
+    let mut found = Found::new(Check::Lag, name, x.values.len(), Vec::new(), text);
+    found.finding.count = x.values.len();
+    Some(found)
 }
 
 fn short(channel: &Channel) -> Channel {

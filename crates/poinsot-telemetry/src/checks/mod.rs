@@ -61,53 +61,49 @@ impl Policy {
             Self::Refuse => "refuse",
         }
     }
-
-    fn named(name: &str) -> Option<Self> {
-        [Self::Report, Self::Exclude, Self::Refuse]
-            .into_iter()
-            .find(|p| p.name() == name)
-    }
 }
+
+/// Every check in order of execution, its name, and its valid policies, default first.
+const CHECKS: [(Check, &str, &[Policy]); 9] = {
+    use Policy::{Exclude, Refuse, Report};
+    const LEFT_OUT: &[Policy] = &[Exclude, Report, Refuse];
+    const LISTED: &[Policy] = &[Report, Refuse];
+    [
+        (Check::Gap, "gap", LISTED),
+        (
+            Check::Placeholder,
+            "placeholder",
+            &[Report, Exclude, Refuse],
+        ),
+        (Check::Held, "held", LEFT_OUT),
+        (Check::Saturation, "saturation", LEFT_OUT),
+        (Check::Stuck, "stuck", LEFT_OUT),
+        (Check::Outlier, "outlier", LEFT_OUT),
+        (Check::Lag, "lag", LISTED),
+        (Check::Units, "units", &[Refuse, Report]),
+        (Check::MotorTorque, "motor_torque", LISTED),
+    ]
+};
 
 impl Check {
     /// Every check, in order of execution.
-    pub const ALL: [Self; 9] = [
-        Self::Gap,
-        Self::Placeholder,
-        Self::Held,
-        Self::Saturation,
-        Self::Stuck,
-        Self::Outlier,
-        Self::Lag,
-        Self::Units,
-        Self::MotorTorque,
-    ];
+    pub fn all() -> impl Iterator<Item = Self> {
+        CHECKS.iter().map(|row| row.0)
+    }
+
+    fn row(self) -> (&'static str, &'static [Policy]) {
+        let row = CHECKS.iter().find(|row| row.0 == self);
+        row.map_or(("", &[]), |row| (row.1, row.2))
+    }
 
     /// Name on the command line and in the result.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Gap => "gap",
-            Self::Placeholder => "placeholder",
-            Self::Outlier => "outlier",
-            Self::Held => "held",
-            Self::Stuck => "stuck",
-            Self::Saturation => "saturation",
-            Self::Lag => "lag",
-            Self::Units => "units",
-            Self::MotorTorque => "motor_torque",
-        }
+        self.row().0
     }
 
     /// Valid policies of this check, default first.
     pub fn policies(self) -> &'static [Policy] {
-        match self {
-            Self::Held | Self::Stuck | Self::Saturation | Self::Outlier => {
-                &[Policy::Exclude, Policy::Report, Policy::Refuse]
-            }
-            Self::Placeholder => &[Policy::Report, Policy::Exclude, Policy::Refuse],
-            Self::Gap | Self::Lag | Self::MotorTorque => &[Policy::Report, Policy::Refuse],
-            Self::Units => &[Policy::Refuse, Policy::Report],
-        }
+        self.row().1
     }
 }
 
@@ -130,21 +126,17 @@ impl Policies {
             let (check, policy) = change.split_once('=').ok_or_else(|| {
                 format!("'{change}' has no '='; write CHECK=POLICY, for example outlier=exclude")
             })?;
-            let check = Check::ALL
-                .into_iter()
-                .find(|c| c.name() == check)
-                .ok_or_else(|| {
-                    let names = Check::ALL.map(Check::name).join(", ");
-                    format!("there is no check '{check}'; use one of {names}")
-                })?;
-            let known = check.policies();
-            let policy = Policy::named(policy)
-                .filter(|p| known.contains(p))
-                .ok_or_else(|| {
-                    let names: Vec<&str> = known.iter().map(|p| p.name()).collect();
-                    let name = check.name();
-                    format!("{name} has no such policy; use one of {}", names.join(", "))
-                })?;
+            let check = Check::all().find(|c| c.name() == check).ok_or_else(|| {
+                let names = CHECKS.map(|row| row.1).join(", ");
+                format!("there is no check '{check}'; use one of {names}")
+            })?;
+            let known = check.policies().iter();
+            let named = known.clone().find(|p| p.name() == policy);
+            let policy = *named.ok_or_else(|| {
+                let names: Vec<&str> = known.map(|p| p.name()).collect();
+                let name = check.name();
+                format!("{name} has no such policy; use one of {}", names.join(", "))
+            })?;
             chosen.push((check, policy));
         }
         Ok(Self { chosen, strict })
@@ -190,6 +182,44 @@ struct Found {
     times_s: Vec<f64>,
 }
 
+impl Found {
+    /// Samples of a channel or sensor at these times.
+    fn new(check: Check, channel: String, of: usize, times_s: Vec<f64>, text: String) -> Self {
+        Self {
+            finding: Finding {
+                check,
+                channel,
+                count: times_s.len(),
+                of,
+                first_times_s: times_s.iter().copied().take(SHOWN).collect(),
+                text,
+                policy: Policy::Report,
+            },
+            channels: Vec::new(),
+            times_s,
+        }
+    }
+
+    /// Samples of a channel, given their indices.
+    fn of_channel(check: Check, channel: &Channel, (samples, text): (Vec<usize>, String)) -> Self {
+        let times = samples.iter().filter_map(|&k| channel.time_s.get(k));
+        let name = full_name(&channel.sensor, &channel.name);
+        Self::new(
+            check,
+            name,
+            channel.values.len(),
+            times.copied().collect(),
+            text,
+        )
+    }
+
+    /// The same, with the channels whose samples are left out.
+    fn of_sensor(mut self, channels: &[usize]) -> Self {
+        self.channels = channels.to_vec();
+        self
+    }
+}
+
 /// Checks a table, applies the policies and returns the findings; `label` names the table in errors.
 ///
 /// # Errors
@@ -215,7 +245,7 @@ pub fn apply(
     policies: &Policies,
 ) -> Result<Vec<Finding>, TelemetryError> {
     let mut all = Vec::new();
-    for check in Check::ALL {
+    for check in Check::all() {
         let policy = policies.of(check);
         for mut found in look(table, check) {
             if policy == Policy::Refuse {
@@ -282,8 +312,7 @@ pub fn refused(label: &str, finding: &Finding) -> TelemetryError {
 /// assert_eq!(found[0].first_times_s, [9.0]);
 /// ```
 pub fn findings(table: &Table) -> Vec<Finding> {
-    let mut all: Vec<Finding> = Check::ALL
-        .into_iter()
+    let mut all: Vec<Finding> = Check::all()
         .flat_map(|check| look(table, check))
         .map(|f| f.finding)
         .collect();
@@ -292,8 +321,8 @@ pub fn findings(table: &Table) -> Vec<Finding> {
         if sensors.iter().any(|s| s.channels.contains(&k)) {
             continue;
         }
-        if let Some((samples, text)) = placeholder::find(channel) {
-            all.push(found(Check::Placeholder, channel, &samples, text, &[k]).finding);
+        if let Some(found) = placeholder::find(channel) {
+            all.push(Found::of_channel(Check::Placeholder, channel, found).finding);
         }
     }
     all
@@ -322,42 +351,17 @@ type Find = fn(&Channel) -> Option<(Vec<usize>, String)>;
 fn per_channel(table: &Table, check: Check, find: Find) -> Vec<Found> {
     let mut all = Vec::new();
     for sensor in runs::sensors(table).iter().filter(|s| !s.is_attitude) {
-        for &k in &sensor.channels {
-            let Some(channel) = table.channels.get(k) else {
-                continue;
-            };
-            if let Some((samples, text)) = find(channel) {
-                all.push(found(check, channel, &samples, text, &sensor.channels));
+        for channel in sensor
+            .channels
+            .iter()
+            .filter_map(|&k| table.channels.get(k))
+        {
+            if let Some(found) = find(channel) {
+                all.push(Found::of_channel(check, channel, found).of_sensor(&sensor.channels));
             }
         }
     }
     all
-}
-
-fn found(
-    check: Check,
-    channel: &Channel,
-    samples: &[usize],
-    text: String,
-    channels: &[usize],
-) -> Found {
-    let times_s: Vec<f64> = samples
-        .iter()
-        .filter_map(|&k| channel.time_s.get(k).copied())
-        .collect();
-    Found {
-        finding: Finding {
-            check,
-            channel: full_name(&channel.sensor, &channel.name),
-            count: samples.len(),
-            of: channel.values.len(),
-            first_times_s: times_s.iter().copied().take(SHOWN).collect(),
-            text,
-            policy: Policy::Report,
-        },
-        channels: channels.to_vec(),
-        times_s,
-    }
 }
 
 /// Removes the samples of all channels of the sensor at the times found.
@@ -394,20 +398,13 @@ fn gaps(channel: &Channel) -> Option<Found> {
         .collect();
     let longest = long.iter().map(|g| g.1).fold(0.0, f64::max);
     let lost: f64 = long.iter().map(|g| g.1 - step).sum();
-    (!long.is_empty()).then(|| Found {
-        finding: Finding {
-            check: Check::Gap,
-            channel: full_name(&channel.sensor, &channel.name),
-            count: long.len(),
-            of: channel.values.len(),
-            first_times_s: long.iter().map(|g| g.0).take(SHOWN).collect(),
-            text: format!(
-                "{} gaps, the longest {longest:.6} s, {lost:.6} s lost in all; no value is interpolated across them",
-                long.len()
-            ),
-            policy: Policy::Report,
-        },
-        channels: Vec::new(),
-        times_s: Vec::new(),
+    (!long.is_empty()).then(|| {
+        let text = format!(
+            "{} gaps, the longest {longest:.6} s, {lost:.6} s lost in all; no value is interpolated across them",
+            long.len()
+        );
+        let name = full_name(&channel.sensor, &channel.name);
+        let begins = long.iter().map(|g| g.0).collect();
+        Found::new(Check::Gap, name, channel.values.len(), begins, text)
     })
 }

@@ -1,7 +1,7 @@
 //! Samples far from their neighbours.
 
 use crate::Channel;
-use crate::median::median;
+use crate::median::{median, spread};
 use poinsot_files::rounded;
 
 /// Distance from the median of five, in robust sigmas, above which a sample is an outlier.
@@ -29,8 +29,9 @@ pub(super) fn find(channel: &Channel) -> Option<(Vec<usize>, String)> {
         .iter()
         .map(|w| w[2] - (4.0 * (w[1] + w[3]) - w[0] - w[4]) / 6.0)
         .collect();
-    let sigma = spread(&from_cubic)?;
-    let limit = |residual: &[f64]| Some((FAR * spread(residual)?).max(FLOOR * spread(values)?));
+    let sigma = |of: &[f64]| Some(spread(of)?.1);
+    let limit = |residual: &[f64]| Some((FAR * sigma(residual)?).max(FLOOR * sigma(values)?));
+    let noise = sigma(&from_cubic)?;
     let (limit_median, limit_cubic) = (limit(&from_median)?, limit(&from_cubic)?);
     let far: Vec<usize> = (from_median.iter().zip(&from_cubic))
         .enumerate()
@@ -47,7 +48,7 @@ pub(super) fn find(channel: &Channel) -> Option<(Vec<usize>, String)> {
             far.len(),
             rounded(worst, 4),
             channel.unit,
-            rounded(sigma, 4)
+            rounded(noise, 4)
         );
         (far, text)
     })
@@ -60,13 +61,6 @@ fn stands_alone(w: &[f64; 5]) -> bool {
     let step = (w[3] - w[1]).abs();
     let flank = (w[1] - w[0]).abs().min((w[4] - w[3]).abs());
     height > 4.0 * step.max(flank)
-}
-
-/// Robust sigma: median of the distances from the median over 0.6745.
-fn spread(values: &[f64]) -> Option<f64> {
-    let centre = median(&mut values.to_vec())?;
-    let mut distances: Vec<f64> = values.iter().map(|x| (x - centre).abs()).collect();
-    Some(median(&mut distances)? / 0.6745)
 }
 
 #[cfg(test)]

@@ -1,15 +1,12 @@
 //! Values that mean "no sample".
 
 use crate::Channel;
-use crate::median::median;
+use crate::median::spread;
 
 /// Finds a value that repeats in at least 1 % of the samples, more than 20 robust sigmas from the median.
 pub(super) fn find(channel: &Channel) -> Option<(Vec<usize>, String)> {
     let values = &channel.values;
-    let mut sorted = values.clone();
-    let centre = median(&mut sorted)?;
-    let mut distances: Vec<f64> = values.iter().map(|x| (x - centre).abs()).collect();
-    let sigma = median(&mut distances)? / 0.6745;
+    let (centre, sigma) = spread(values)?;
     let ends = [
         values.iter().copied().reduce(f64::min)?,
         values.iter().copied().reduce(f64::max)?,

@@ -1,7 +1,7 @@
 //! Samples that repeat exactly: a stuck sensor, or one sampled faster than it measures.
 
 use super::runs::{Sensor, noise_is_visible, repeats, runs};
-use super::{Check, Finding, Found, Policy, SHOWN};
+use super::{Check, Found};
 use crate::{Channel, Table};
 
 /// Number of equal consecutive samples that excludes chance in a noisy sensor.
@@ -22,23 +22,10 @@ pub(super) fn find(table: &Table, sensor: &Sensor, check: Check) -> Option<Found
         Check::Held => slow(&all, samples),
         _ => hangs(&channels, samples, sensor),
     }?;
-    let times: Vec<f64> = stuck
-        .iter()
-        .filter_map(|&k| times_s.get(k).copied())
-        .collect();
-    Some(Found {
-        finding: Finding {
-            check,
-            channel: sensor.name.clone(),
-            count: stuck.len(),
-            of: samples,
-            first_times_s: times.iter().copied().take(SHOWN).collect(),
-            text,
-            policy: Policy::Report,
-        },
-        channels: sensor.channels.clone(),
-        times_s: times,
-    })
+    let times = stuck.iter().filter_map(|&k| times_s.get(k).copied());
+    let name = sensor.name.clone();
+    let found = Found::new(check, name, samples, times.collect(), text);
+    Some(found.of_sensor(&sensor.channels))
 }
 
 /// All channels of the sensor repeat in runs of one length: the column is sampled faster than the sensor.
