@@ -137,12 +137,7 @@ impl Space {
         for (mover, command) in self.movers.iter().zip(self.commands(x)) {
             match mover.target {
                 Target::Joint(k) => {
-                    let motion = mover.whole(command, self.from)?;
-                    // If joint torques also move other joints, the motion is in the driven plan.
-                    if let Some(driven) = &mut scenario.driven {
-                        *driven.joints.get_mut(k)? = JointDrive::Motion(motion.clone());
-                    }
-                    *plan.joints.get_mut(k)? = motion;
+                    *plan.joints.get_mut(k)? = mover.whole(command, self.from)?.into();
                 }
                 Target::Wheel(k) => {
                     let JointMotion::Nodes(speed) = mover.whole(command, self.from)? else {
@@ -155,10 +150,6 @@ impl Space {
         }
         plan.firings.retain(|f| !self.valves.replaces(f));
         plan.firings.extend(self.valves.firings(x));
-        if let Some(driven) = &mut scenario.driven {
-            driven.wheels.clone_from(&plan.wheels);
-            driven.firings.clone_from(&plan.firings);
-        }
         Some(())
     }
 
@@ -195,7 +186,10 @@ impl Space {
         let mut x = vec![0.0; self.len()];
         for mover in &self.movers {
             let own = match mover.target {
-                Target::Joint(k) => scenario.plan.joints.get(k).cloned(),
+                Target::Joint(k) => match scenario.plan.joints.get(k) {
+                    Some(JointDrive::Motion(motion)) => Some(motion.clone()),
+                    _ => None,
+                },
                 Target::Wheel(k) => match scenario.plan.wheels.get(k) {
                     Some(WheelMotion::Speed(p)) => Some(JointMotion::Nodes(p.clone())),
                     _ => None,

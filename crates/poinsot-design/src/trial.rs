@@ -170,14 +170,8 @@ impl Question {
             _ => 1.0 / self.case.rate_hz,
         };
         let thinned = step * self.case.rate_hz;
-        let efforts = self.watch.needs_efforts();
-        if efforts {
-            course = self.course(model, &scenario)?;
-        }
-        let exact = simulate_exact_of(&self.case, model, scenario, |sample, motor| {
-            if !efforts {
-                course.push(self.watch.values(sample, motor));
-            }
+        let exact = simulate_exact_of(&self.case, model, scenario, |sample| {
+            course.push(self.watch.values(sample));
         })?;
         let tree = Tree::new(model);
         let bound = bind(model, &tree, &[exact.table])?;
@@ -194,20 +188,14 @@ impl Question {
         })
     }
 
-    /// Simulates the watched values only, with joint motor torques.
+    /// Simulates the watched values only.
     ///
     /// # Errors
     /// The motion cannot be computed.
     pub fn course(&self, model: &Model, scenario: &Scenario) -> Result<Course, Error> {
         let mut course = Course::default();
-        let bodies: Vec<_> = model
-            .bodies
-            .iter()
-            .map(|b| b.nominal.parameters())
-            .collect();
-        let own = self.watch.needs_efforts().then_some(bodies.as_slice());
-        run(&self.case, model, own, scenario, |sample, motor| {
-            course.push(self.watch.values(sample, motor));
+        run(&self.case, model, None, scenario, |sample| {
+            course.push(self.watch.values(sample));
         })?;
         Ok(course)
     }

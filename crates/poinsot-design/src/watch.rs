@@ -134,18 +134,12 @@ impl Watch {
         }
     }
 
-    /// Whether joint motor torques are limited; they need a separate computation.
-    pub fn needs_efforts(&self) -> bool {
-        let effort = |w: &Watched| matches!(w.kind, Kind::JointEffort(_));
-        self.watched.iter().any(effort)
-    }
-
-    /// Limited values at one instant, in their units; motor torques of zero if not computed.
-    pub fn values(&self, sample: &MotionSample, motor: &[f64]) -> Vec<f64> {
+    /// Limited values at one instant, in their units.
+    pub fn values(&self, sample: &MotionSample) -> Vec<f64> {
         let of = |w: &Watched| match w.kind {
             Kind::BodyRate => sample.w_NB_B.norm(),
             Kind::WheelTorque(k) => sample.wheel_torque.get(k).map_or(0.0, |t| t.abs()),
-            Kind::JointEffort(k) => motor.get(k).map_or(0.0, |t| t.abs()),
+            Kind::JointEffort(k) => sample.motor_force.get(k).map_or(0.0, |t| t.abs()),
             Kind::Cone(k, _) => {
                 let cone = &self.limits.cones[k];
                 let axis_N = sample.R_NB * cone.axis_B;

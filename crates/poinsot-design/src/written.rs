@@ -6,7 +6,7 @@ use crate::shape::Space;
 use poinsot::case::{Case, Design, parse_case};
 use poinsot::simulate::SimulateError;
 use poinsot::{Error, result_json, write_files};
-use poinsot_dynamics::{Firing, Jet, Tree, WheelMotion, thrust_held};
+use poinsot_dynamics::{Firing, Jet, JointDrive, Tree, WheelMotion, thrust_held};
 use poinsot_files::read_text;
 use poinsot_formats::case::{CaseFile, FiringFile, JointMotionFile, LimitsFile, WheelMotionFile};
 use poinsot_model::{JointKind, Model};
@@ -138,7 +138,7 @@ fn commands_csv(designed: &Designed, case: &Case) -> Result<String, Error> {
         let joint = tree.coordinates.iter().position(|k| Some(*k) == joint);
         let wheel = model.wheel(name).map(|k| &plan.wheels[k]);
         match (joint.map(|k| &plan.joints[k]), wheel) {
-            (Some(motion), _) => motion.at(t, t),
+            (Some(JointDrive::Motion(motion)), _) => motion.at(t, t),
             (None, Some(WheelMotion::Speed(speed))) => speed.at(t, t),
             _ => Jet::default(),
         }

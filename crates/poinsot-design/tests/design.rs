@@ -105,7 +105,7 @@ fn paper_xus_target_is_told_twice_as_well_within_the_same_peak_angles_and_rates(
     let file: toml::Table = text.parse().unwrap();
     let limits = file["limits"]["joint"].as_array().unwrap();
     let mut largest = 0.0_f64;
-    run(&case, &model, None, &scenario, |sample, _| {
+    run(&case, &model, None, &scenario, |sample| {
         for (k, limit) in limits.iter().enumerate() {
             let angle = limit["position_rad"][1].as_float().unwrap();
             let rate = limit["rate_rad_s"].as_float().unwrap();
@@ -188,7 +188,7 @@ fn prop_vehicles_of_the_prior_hold_the_limits_that_depend_on_them() {
         let vehicle = drawn(&model, 99, k);
         let scenario = flown.bind(&vehicle).unwrap();
         let mut largest = 0.0_f64;
-        run(&flown, &vehicle, None, &scenario, |sample, _| {
+        run(&flown, &vehicle, None, &scenario, |sample| {
             largest = largest.max(sample.w_NB_B.norm() / 0.04);
             for torque in &sample.wheel_torque {
                 largest = largest.max(torque.abs() / 0.05);
@@ -376,7 +376,7 @@ force_N = 4.0
     let flown = poinsot_design::manoeuvre_case(&found, Path::new("")).unwrap();
     let mut scenario = flown.bind(&model).unwrap();
     scenario.times = (0..4000).map(|k| f64::from(k) * 0.01).collect();
-    run(&flown, &model, None, &scenario, |sample, _| {
+    run(&flown, &model, None, &scenario, |sample| {
         let fires = own[0]
             .iter()
             .any(|f| f.0 <= sample.time && sample.time < f.1);

@@ -37,7 +37,6 @@ fn main() {
     for (name, integrator) in [
         ("rk4_10ms", Integrator::RungeKutta4(0.01)),
         ("rk4_1ms", Integrator::RungeKutta4(0.001)),
-        ("dp8_40ms", Integrator::DormandPrince8Fixed(0.04)),
         (
             "dp8_adaptive_1e-10",
             Integrator::DormandPrince8(tolerance(1e-10)),
@@ -113,19 +112,13 @@ fn batches() {
         let done = batch::forward_dynamics(&tree, &parameters, states, &forces, &wrench, out);
         black_box(done.is_ok());
     });
-    let plan = DrivenPlan {
+    let plan = Plan {
         joints: xu_arm::drives(),
-        wheels: Vec::new(),
-        firings: Vec::new(),
+        ..Plan::default()
     };
     let motors: Vec<ForceProfile> = plan.joints.iter().filter_map(motor).cloned().collect();
-    let vehicle = Driven::from_parts(
-        tree.clone(),
-        parameters.clone(),
-        Vec::new(),
-        Vec::new(),
-        &plan,
-    );
+    let vehicle = Vehicle::new(tree.clone(), parameters.clone(), Vec::new(), Vec::new());
+    let vehicle = Flight::new(vehicle, &plan, Tolerance::default());
     let Ok(start) = vehicle.and_then(|v| v.state(&xu_arm::start(), 0.0)) else {
         return;
     };
@@ -282,7 +275,7 @@ struct End {
     L: Vector3,
 }
 
-fn end(sample: &DrivenSample) -> End {
+fn end(sample: &MotionSample) -> End {
     // Momentum by the definition, not from the state that carries it.
     let motion = &sample.motion;
     let R: &UnitQuaternion = &motion.R_NB;
@@ -300,17 +293,17 @@ fn end(sample: &DrivenSample) -> End {
 }
 
 fn simulate(name: &str, integrator: Integrator) {
-    let plan = DrivenPlan {
+    let plan = Plan {
         joints: xu_arm::drives(),
-        wheels: Vec::new(),
-        firings: Vec::new(),
+        ..Plan::default()
     };
     let parts = (xu_arm::tree(), xu_arm::parameters());
-    let Ok(vehicle) = Driven::from_parts(parts.0, parts.1, Vec::new(), Vec::new(), &plan) else {
+    let vehicle = Vehicle::new(parts.0, parts.1, Vec::new(), Vec::new());
+    let Ok(vehicle) = Flight::new(vehicle, &plan, integrator) else {
         return;
     };
-    let run = |seconds: f64, sink: &mut dyn FnMut(&DrivenSample)| {
-        let done = vehicle.run(&xu_arm::start(), &[0.0, seconds], integrator, sink);
+    let run = |seconds: f64, sink: &mut dyn FnMut(&MotionSample)| {
+        let done = vehicle.run(&xu_arm::start(), &[0.0, seconds], sink);
         if let Err(error) = done {
             println!("# {name}: {error}");
         }

@@ -15,8 +15,8 @@
 //! | momentum as a linear function of the parameters | [`momentum_regressor`], [`wheel_regressor`], [`momentum_rate_column`] |
 //! | forces and accelerations | [`ForwardDynamics`], [`InverseDynamics`], [`MassMatrix`], [`joint_jacobian`] |
 //! | environment | [`orbit_state`], [`gravity_gradient_torque`], [`tidal_wrench`] |
-//! | motion | [`Prescribed`] (given joints and wheels), [`Driven`] (given torques), [`ControlledVehicle`] |
-//! | many states at once | [`batch`] |
+//! | motion | [`Flight`] under a [`Plan`]: [`JointDrive`], [`WheelMotion`], [`AttitudeControl`], [`Firing`] |
+//! | many states at once | `batch`, with the feature `batches` |
 //!
 //! # Example
 //! A base with an arm, in free fall without momentum. The arm turns at 1 rad/s; the base turns back:
@@ -51,27 +51,24 @@
 //!   joints.
 //! - `regressor.rs`: momentum as a linear function of the parameters. `rate_regressor.rs`: its time derivative.
 //! - `acceleration.rs`: accelerations.
-//! - `plan.rs`, `joint_motion.rs`, `wheel_motion.rs`, `piecewise.rs`, `thrust.rs`: prescribed motion and thrust.
-//! - `stage.rs`: a vehicle under a plan, one evaluation of its motion, state and equations. `prescribed.rs`: a whole
-//!   run.
 //! - `algebra.rs`: vectors and matrices of three over one number or several side by side. `symmetric.rs`,
 //!   `inertial.rs`: inertia over the same numbers. `lanes.rs`: several numbers in a vector register, their sines and
 //!   cosines.
 //! - `forward_dynamics.rs`: articulated-body algorithm. `articulated.rs`: inertia of a body with what it carries.
-//!   `rates_momentum.rs`: momentum of the joint rates.
 //! - `batch/`: the same recursions over many states. `rows.rs`: rows in memory. `kernels.rs`, `motion.rs`,
 //!   `propagation.rs`, `sensors.rs`: what is computed. `free_motion.rs`: derivative of a motion under joint forces alone.
 //! - `inverse_dynamics.rs`, `mass_matrix.rs`, `jacobian.rs`, `energy.rs`: the other dynamics algorithms.
-//! - `joint_drive.rs`: motors, springs, dampers. `driven.rs`, `driven_stage.rs`: motion under torques, its state and
-//!   equations.
-//! - `integrate.rs`: what integrators share. `dop853.rs`, `dop853_table.rs`: eighth order with step control and dense
-//!   output. `runge_kutta.rs`: fixed steps of fourth order. `run.rs`: motion through the requested times.
+//! - `motion/`: a vehicle in time. `plan.rs`, `joint_drive.rs`, `joint_motion.rs`, `wheel_motion.rs`, `attitude_control.rs`:
+//!   what drives it. `piecewise.rs`: functions of time. `reaction_wheel.rs`: limits and friction of a wheel. `flight.rs`: a
+//!   vehicle under a plan. `stage.rs`: one evaluation of its motion, state and equations. `rates_momentum.rs`: momentum of
+//!   the joint rates. `controller.rs`: the closed loop of a run. `sample.rs`: all ideal measurements. `integrate.rs`: what
+//!   integrators share. `dop853.rs`, `dop853_table.rs`: eighth order with step control and dense output.
+//!   `runge_kutta.rs`: fixed steps of fourth order. `run.rs`: motion through the requested times. `thrust.rs`: thrusters.
 //! - `propagation/`: state of pose and momentum, the vehicle with locked joints, rows of the linearised equations, columns
 //!   over a step (`columns.rs`: several side by side), whole steps. `quaternion.rs`: rotations over one number or several.
 //! - `measurement.rs`, `measurement/`: ideal sensors with derivatives, one file a kind. `sensors.rs`: simulated sensors.
 //!   `sensor_errors.rs`: model of sensor errors.
 //! - `orbit.rs`, `gravity_gradient.rs`: orbit and gravity gradient.
-//! - `attitude_control.rs`, `reaction_wheel.rs`: closed loop.
 #![cfg_attr(not(feature = "std"), no_std)]
 #![allow(non_snake_case)]
 
@@ -80,32 +77,14 @@ extern crate alloc;
 mod acceleration;
 mod algebra;
 mod articulated;
-#[cfg(feature = "std")]
-mod attitude_control;
-#[cfg(feature = "std")]
+#[cfg(feature = "batches")]
 pub mod batch;
-#[cfg(feature = "std")]
-mod dop853;
-#[cfg(feature = "std")]
-mod dop853_table;
-#[cfg(feature = "std")]
-mod driven;
-#[cfg(feature = "std")]
-mod driven_stage;
 mod energy;
 mod forward_dynamics;
-#[cfg(feature = "std")]
-mod free_motion;
 mod gravity_gradient;
 mod inertial;
-#[cfg(feature = "std")]
-mod integrate;
 mod inverse_dynamics;
 mod jacobian;
-#[cfg(feature = "std")]
-mod joint_drive;
-#[cfg(feature = "std")]
-mod joint_motion;
 mod joint_slopes;
 mod kinematics;
 #[cfg(feature = "std")]
@@ -113,60 +92,30 @@ mod lanes;
 mod mass_matrix;
 mod measurement;
 mod momentum;
+#[cfg(feature = "std")]
+mod motion;
 mod orbit;
-#[cfg(feature = "std")]
-mod piecewise;
-#[cfg(feature = "std")]
-mod plan;
-#[cfg(feature = "std")]
-mod prescribed;
 pub mod propagation;
 mod propellant;
 mod quaternion;
 mod rate_regressor;
-#[cfg(feature = "std")]
-mod rates_momentum;
-#[cfg(feature = "std")]
-mod reaction_wheel;
 mod regressor;
-#[cfg(feature = "std")]
-mod run;
-#[cfg(feature = "std")]
-mod runge_kutta;
 mod sensor;
 mod sensor_errors;
 #[cfg(feature = "std")]
 mod sensors;
-#[cfg(feature = "std")]
-mod stage;
 mod symmetric;
 mod thrust;
 mod tree;
 mod vehicle;
-#[cfg(feature = "std")]
-mod wheel_motion;
 
 pub use acceleration::Accelerations;
 pub use algebra::Real;
-#[cfg(feature = "std")]
-pub use attitude_control::{
-    AttitudeControl, ControlError, ControlledVehicle, Target, WheelDrive, WheelUse,
-};
-#[cfg(feature = "std")]
-pub use dop853::DormandPrince8;
-#[cfg(feature = "std")]
-pub use driven_stage::{Driven, DrivenPlan, DrivenSample};
 pub use energy::kinetic_energy;
 pub use forward_dynamics::{ForwardDynamics, JointInput, Singular};
 pub use gravity_gradient::{gravity_gradient_torque, tidal_wrench};
-#[cfg(feature = "std")]
-pub use integrate::{Flow, Halt, Tolerance};
 pub use inverse_dynamics::{InverseDynamics, Wrench};
 pub use jacobian::{base_jacobian, generalise_jacobian, joint_jacobian, point_of_body};
-#[cfg(feature = "std")]
-pub use joint_drive::{ForceProfile, JointDrive, SpringDamper};
-#[cfg(feature = "std")]
-pub use joint_motion::{Fourier, JointMotion};
 pub use joint_slopes::{JointSlope, JointSlopes, SubtreeMotion};
 pub use kinematics::Kinematics;
 #[cfg(feature = "std")]
@@ -179,30 +128,16 @@ pub use momentum::{
     Composite, Twist, body_momentum, composite, composite_and_momentum, momentum, shift_to_body,
     shift_to_inertial, twist_from_momentum, wheel_momentum,
 };
+#[cfg(feature = "std")]
+pub use motion::*;
 pub use orbit::{Orbit, orbit_state};
-#[cfg(feature = "std")]
-pub use piecewise::{Jet, NodeError, PiecewisePolynomial};
-#[cfg(feature = "std")]
-pub use plan::{Plan, SmoothIntervals, Start, StartVelocity};
-#[cfg(feature = "std")]
-pub use prescribed::MotionError;
 pub use propellant::{Leaving, Propellant, point_mass};
 pub use rate_regressor::{momentum_rate_column, wheel_rate};
-#[cfg(feature = "std")]
-pub use reaction_wheel::WheelLimits;
 pub use regressor::{body_regressor, momentum_regressor, wheel_regressor};
-#[cfg(feature = "std")]
-pub use run::Integrator;
-#[cfg(feature = "std")]
-pub use runge_kutta::RungeKutta4;
 pub use sensor::{Axes, ErrorKey, Nuisance, Sensor, SensorKind, printed_unit};
 pub use sensor_errors::{SensorError, SensorErrors};
 #[cfg(feature = "std")]
 pub use sensors::{Instrument, vector_reading};
-#[cfg(feature = "std")]
-pub use stage::{MotionSample, Prescribed};
 pub use thrust::{Firing, Nozzle, SAME_TIME, thrust_held, thrust_levels, thrust_wrench};
 pub use tree::{Link, Motion, Rotor, Tree};
 pub use vehicle::{Gravity, Vehicle};
-#[cfg(feature = "std")]
-pub use wheel_motion::WheelMotion;

@@ -1,9 +1,9 @@
 //! Simulated sensors: the truth with all errors of the estimator's model, noise and quantisation.
 
 use crate::measurement::{BasePose, Ideal, PointMotion, Scene};
+use crate::motion::sample::MotionSample;
 use crate::sensor::{Axes, Nuisance, Sensor, SensorKind};
 use crate::sensor_errors::{SensorError, SensorErrors};
-use crate::stage::MotionSample;
 use crate::tree::Tree;
 use nalgebra::Quaternion;
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};

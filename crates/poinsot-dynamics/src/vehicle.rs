@@ -3,6 +3,7 @@
 use crate::orbit::Orbit;
 use crate::thrust::Nozzle;
 use crate::tree::Tree;
+use alloc::vec;
 use alloc::vec::Vec;
 use poinsot_spatial::InertialParameters;
 
@@ -21,6 +22,25 @@ pub struct Vehicle {
     pub locked_at: Vec<f64>,
     /// Gravity, where it is declared.
     pub gravity: Gravity,
+}
+
+impl Vehicle {
+    /// In free fall, its joints locked at zero.
+    pub fn new(
+        tree: Tree,
+        bodies: Vec<InertialParameters>,
+        spin_inertia: Vec<f64>,
+        nozzles: Vec<Nozzle>,
+    ) -> Self {
+        Self {
+            locked_at: vec![0.0; tree.dof()],
+            gravity: Gravity::default(),
+            tree,
+            bodies,
+            spin_inertia,
+            nozzles,
+        }
+    }
 }
 
 /// Gravity of one attracting body; free fall by default.

@@ -8,9 +8,9 @@ use crate::model::CoreModel;
 use numpy::{PyReadonlyArrayDyn, PyReadwriteArrayDyn};
 use poinsot_dynamics::batch::{self, BatchError};
 use poinsot_dynamics::{
-    Driven, DrivenPlan, ForceProfile, Integrator, JointDrive, Kinematics, MassMatrix,
-    PiecewisePolynomial, SpringDamper, Start, StartVelocity, Tolerance, Tree, WheelMotion,
-    generalise_jacobian, joint_jacobian, point_of_body,
+    Flight, ForceProfile, JointDrive, Kinematics, MassMatrix, PiecewisePolynomial, Plan,
+    SpringDamper, Start, StartVelocity, Tolerance, Tree, Vehicle, WheelMotion, generalise_jacobian,
+    joint_jacobian, point_of_body,
 };
 use poinsot_spatial::{InertialParameters, UnitQuaternion, Vector3, Vector6};
 use pyo3::prelude::*;
@@ -368,25 +368,24 @@ pub fn integrate(
                 initial_position: q[k * dof + j],
                 initial_rate: dq[k * dof + j],
             };
-            let plan = DrivenPlan {
+            let plan = Plan {
                 joints: (0..dof).map(joint).collect(),
                 wheels: vec![WheelMotion::constant(0.0); wheels],
-                firings: Vec::new(),
+                ..Plan::default()
             };
             let refused = |e: poinsot_dynamics::MotionError| singular(k, &e.to_string());
             let tree = (*model.tree).clone();
-            let driven = Driven::from_parts(tree, bodies.clone(), spin.clone(), Vec::new(), &plan);
-            let driven = driven.map_err(refused)?;
+            let vehicle = Vehicle::new(tree, bodies.clone(), spin.clone(), Vec::new());
+            let flight = Flight::new(vehicle, &plan, Tolerance::default()).map_err(refused)?;
             let mut rows = row.chunks_exact_mut(one_time);
-            let integrator = Integrator::DormandPrince8(Tolerance::default());
             let start = start_of(&start[13 * k..13 * k + 13]);
-            driven
-                .run(&start, &times, integrator, |sample| {
-                    if let Some(row) = rows.next() {
-                        put(row, dof, &sample.motion);
-                    }
-                })
-                .map_err(refused)
+            let put = |sample: &_| {
+                if let Some(row) = rows.next() {
+                    put(row, dof, sample);
+                }
+            };
+            flight.run(&start, &times, put).map_err(refused)?;
+            Ok(())
         },
     )
 }

@@ -10,10 +10,7 @@ use crate::error::Error;
 pub use crate::error::SimulateError;
 use crate::progress::step;
 use crate::written::{check_outputs, result_json};
-use poinsot_dynamics::{
-    ControlledVehicle, Driven, DrivenPlan, ForwardDynamics, Integrator, JointDrive, JointInput,
-    Kinematics, MotionError, MotionSample, Prescribed, Singular, Tree, WheelUse,
-};
+use poinsot_dynamics::{Flight, Halt, MotionError, MotionSample, Tree, Vehicle, WheelUse};
 use poinsot_files::Stage;
 use poinsot_formats::TruthFile;
 use poinsot_model::{Joint, Model, Nuisance, SensorKind, read_model};
@@ -188,7 +185,7 @@ pub(crate) fn simulate_exact_watched(
     mut watch: impl FnMut(&MotionSample),
 ) -> Result<Exact, SimulateError> {
     let (mut taken, total) = (0_usize, scenario.times.len());
-    simulate_exact_of(case, model, scenario, |sample, _| {
+    simulate_exact_of(case, model, scenario, |sample| {
         watch(sample);
         taken += 1;
         if taken.is_multiple_of(REPORTED) {
@@ -197,7 +194,7 @@ pub(crate) fn simulate_exact_watched(
     })
 }
 
-/// Ideal measurements of a modified scenario; `watch` receives every instant with the joint motor torques, if known.
+/// Ideal measurements of a modified scenario; `watch` receives every instant.
 ///
 /// # Errors
 /// As [`simulate_case`].
@@ -208,7 +205,7 @@ pub(crate) fn simulate_exact_watched(
 /// let mut scenario = case.bind(&model)?;
 /// scenario.times.truncate(26);
 /// let mut seen = 0;
-/// simulate::simulate_exact_of(&case, &model, scenario, |_, _| seen += 1)?;
+/// simulate::simulate_exact_of(&case, &model, scenario, |_| seen += 1)?;
 /// assert_eq!(seen, 26);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -216,15 +213,15 @@ pub fn simulate_exact_of(
     case: &Case,
     model: &Model,
     mut scenario: Scenario,
-    mut watch: impl FnMut(&MotionSample, &[f64]),
+    mut watch: impl FnMut(&MotionSample),
 ) -> Result<Exact, SimulateError> {
     let perfect = without_errors(model);
     let biases = scenario.sensors.iter_mut().map(|s| s.bias.take()).collect();
     let tree = Tree::new(&perfect);
     let mut recorder = Recorder::new(&perfect, &scenario, &tree, case.seed, 0);
-    run(case, &perfect, None, &scenario, |sample, motor| {
-        watch(sample, motor);
-        recorder.take(sample, motor);
+    run(case, &perfect, None, &scenario, |sample| {
+        watch(sample);
+        recorder.take(sample);
     })?;
     let mut table = recorder.table(&scenario);
     keep_measured(model, &mut table);
@@ -263,8 +260,9 @@ pub(crate) fn perfect_table(
     }
     let tree = Tree::new(&perfect);
     let mut recorder = Recorder::new(&perfect, &scenario, &tree, 0, 0);
-    let take = |sample: &MotionSample, motor: &[f64]| recorder.take(sample, motor);
-    run(case, &perfect, Some(bodies), &scenario, take)?;
+    run(case, &perfect, Some(bodies), &scenario, |s| {
+        recorder.take(s)
+    })?;
     Ok(recorder.table(&scenario))
 }
 
@@ -296,17 +294,16 @@ fn record(
     let mut recorder = Recorder::new(model, scenario, &tree, case.seed, trial);
     let mut first: Option<MotionSample> = None;
     let mut taken = 0_usize;
-    let mut take = |sample: &MotionSample, motor: &[f64]| {
+    let used = run(case, model, None, scenario, |sample| {
         if first.is_none() {
             first = Some(sample.clone());
         }
-        recorder.take(sample, motor);
+        recorder.take(sample);
         taken += 1;
         if taken.is_multiple_of(REPORTED) {
             step("simulating samples", taken, scenario.times.len());
         }
-    };
-    let used = run(case, model, None, scenario, &mut take)?;
+    })?;
     Ok(Recorded {
         recorder,
         first,
@@ -314,8 +311,8 @@ fn record(
     })
 }
 
-/// Simulates the scenario and passes on every sample with the joint motor torques, if known. `bodies` replace the
-/// model's mass properties; then no controller is allowed, and motor torques are known.
+/// Simulates the scenario and passes on every sample; returns the use of the wheels by a controller. `bodies` replace the
+/// model's mass properties.
 ///
 /// # Errors
 /// As [`simulate_case`].
@@ -324,7 +321,7 @@ fn record(
 #[doc = include_str!("../doc/case.txt")]
 /// let mut largest = 0.0_f64;
 /// let scenario = case.bind(&model)?;
-/// simulate::run(&case, &model, None, &scenario, |sample, _| largest = largest.max(sample.w_NB_B.x.abs()))?;
+/// simulate::run(&case, &model, None, &scenario, |sample| largest = largest.max(sample.w_NB_B.x.abs()))?;
 /// // A wheel with 1 N m s in a box with 1 kg m2, nearly at 2.5 s.
 /// assert!((0.9..=1.0).contains(&largest));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -334,112 +331,39 @@ pub fn run(
     model: &Model,
     bodies: Option<&[InertialParameters]>,
     scenario: &Scenario,
-    mut take: impl FnMut(&MotionSample, &[f64]),
+    take: impl FnMut(&MotionSample),
 ) -> Result<Vec<WheelUse>, SimulateError> {
-    let motion = |error| SimulateError::Motion {
-        file: case.path().to_owned(),
-        error,
-    };
-    let (start, times) = (&scenario.start, &scenario.times);
-    let whole;
-    let driven = match (&scenario.driven, bodies) {
-        (None, Some(_)) => {
-            let joints = scenario.plan.joints.iter();
-            whole = DrivenPlan {
-                joints: joints.cloned().map(JointDrive::Motion).collect(),
-                wheels: scenario.plan.wheels.clone(),
-                firings: scenario.plan.firings.clone(),
-            };
-            Some(&whole)
-        }
-        (driven, _) => driven.as_ref(),
-    };
-    if (scenario.control.is_some() || driven.is_some()) && uses_propellant(model, scenario) {
-        return Err(motion(MotionError::Propellant.into()));
+    let mut vehicle = Vehicle::from(model);
+    if let Some(bodies) = bodies {
+        vehicle.bodies = bodies.to_vec();
     }
-    match (&scenario.control, driven) {
-        (None, None) => Prescribed::new(model, &scenario.plan, case.tolerance)
-            .and_then(|vehicle| vehicle.run(start, times, |s| take(s, &[])))
-            .map_err(|e| motion(e.into()))?,
-        (None, Some(plan)) => {
-            let nominal = || model.bodies.iter().map(|b| b.nominal.parameters());
-            let bodies = bodies.map_or_else(|| nominal().collect(), <[_]>::to_vec);
-            free_to_move(model, &bodies, plan, case.path())?;
-            let integrator = Integrator::DormandPrince8(case.tolerance);
-            Driven::with_parameters(model, bodies, plan)
-                .and_then(|vehicle| {
-                    vehicle.run(start, times, integrator, |s| {
-                        take(&s.motion, &s.motor_force)
-                    })
-                })
-                .map_err(|e| motion(e.into()))?;
-        }
-        (Some(c), _) => {
-            return ControlledVehicle::new(model, &c.law, &c.limits, case.tolerance)
-                .map(|vehicle| vehicle.firing(&scenario.plan.firings))
-                .and_then(|vehicle| vehicle.run(start, &c.wheel_speed, times, |s| take(s, &[])))
-                .map_err(motion);
-        }
-    }
-    Ok(Vec::new())
+    Flight::new(vehicle, &scenario.plan, case.tolerance)
+        .and_then(|flight| flight.run(&scenario.start, &scenario.times, take))
+        .map_err(|error| refusal(case, model, error))
 }
 
-/// Whether a thruster that uses propellant fires.
-fn uses_propellant(model: &Model, scenario: &Scenario) -> bool {
-    let driven = scenario.driven.iter().flat_map(|plan| &plan.firings);
-    let mut firings = driven.chain(&scenario.plan.firings);
-    firings.any(|f| {
-        let thruster = model.thrusters.get(f.thruster);
-        thruster.is_some_and(|t| t.propellant.is_some())
-    })
-}
-
-/// Checks that every driven joint has outboard inertia; the error names the joint.
-fn free_to_move(
-    model: &Model,
-    parameters: &[InertialParameters],
-    plan: &DrivenPlan,
-    file: &Path,
-) -> Result<(), SimulateError> {
-    let tree = Tree::new(model);
-    let position = |drive: &JointDrive| match drive {
-        JointDrive::Force {
-            initial_position, ..
-        } => *initial_position,
-        JointDrive::Motion(motion) => motion.at(0.0, 0.0).value,
+/// The error names the joint that cannot move.
+fn refusal(case: &Case, model: &Model, error: MotionError) -> SimulateError {
+    let file = case.path().to_owned();
+    let MotionError::Halt(Halt::Joint { coordinate, .. }) = error else {
+        return SimulateError::Motion { file, error };
     };
-    let q: Vec<f64> = plan.joints.iter().map(position).collect();
-    let input = |drive: &JointDrive| match drive {
-        JointDrive::Force { .. } => JointInput::Force(0.0),
-        JointDrive::Motion(_) => JointInput::Acceleration(0.0),
-    };
-    let inputs: Vec<JointInput> = plan.joints.iter().map(input).collect();
-    let mut kinematics = Kinematics::new(&tree);
-    kinematics.place(&tree, &q);
-    let mut dynamics = ForwardDynamics::new(&tree);
-    dynamics.set_bodies(&tree, parameters, &kinematics);
-    let rates = vec![0.0; q.len()];
-    match dynamics.solve(&tree, &kinematics, &rates, &inputs, &mut rates.clone()) {
-        Err(Singular::Joint(k)) => {
-            let joint = tree.coordinates.get(k).and_then(|k| model.joints.get(*k));
-            Err(SimulateError::Singular {
-                file: file.to_owned(),
-                joint: joint.map_or_else(String::new, |j| j.name.clone()),
-            })
-        }
-        // A base without inertia gives an error at the start of the motion.
-        Ok(()) | Err(Singular::Base) => Ok(()),
+    let joint = Tree::new(model).coordinates.get(coordinate).copied();
+    let joint = joint.and_then(|k| model.joints.get(k));
+    SimulateError::Singular {
+        file,
+        joint: joint.map_or_else(String::new, |j| j.name.clone()),
     }
 }
 
 /// Joints moved by torques or springs in a case, in model order.
 pub(crate) fn free_joints<'m>(model: &'m Model, scenario: &Scenario) -> Vec<&'m Joint> {
     let tree = Tree::new(model);
-    let drives = scenario.driven.iter().flat_map(|plan| &plan.joints);
+    let drives = &scenario.plan.joints;
     tree.coordinates
         .iter()
         .zip(drives)
-        .filter(|(_, drive)| matches!(drive, JointDrive::Force { .. }))
+        .filter(|(_, drive)| drive.is_free())
         .filter_map(|(k, _)| model.joints.get(*k))
         .collect()
 }

@@ -155,6 +155,7 @@ impl Rows {
     }
 
     /// As the kernels take them.
+    #[cfg(feature = "batches")]
     pub fn states(&self) -> poinsot_dynamics::batch::States<'_> {
         poinsot_dynamics::batch::States {
             q: &self.q,

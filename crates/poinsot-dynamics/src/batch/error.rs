@@ -1,7 +1,7 @@
 //! What is wrong with a batch.
 
 use crate::forward_dynamics::Singular;
-use crate::integrate::Halt;
+use crate::motion::integrate::Halt;
 use crate::propagation::StepError;
 use crate::sensor::SensorKind;
 

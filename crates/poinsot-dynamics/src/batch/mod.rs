@@ -5,6 +5,7 @@
 //! number of lanes; only sines and cosines differ from the kernels of one state, in the last bit.
 
 mod error;
+mod free_motion;
 mod kernels;
 mod motion;
 mod propagation;

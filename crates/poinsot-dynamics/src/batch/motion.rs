@@ -1,12 +1,12 @@
 //! Free motion of many vehicles of one tree under the same motors.
 
 use super::error::{BatchError, expect};
+use super::free_motion::{FreeMotion, JOINTS};
 use super::kernels::spread;
 use super::rows::{Groups, Rows};
-use crate::free_motion::{FreeMotion, JOINTS};
-use crate::joint_drive::ForceProfile;
 use crate::lanes::{Lanes, Work, in_lanes};
-use crate::runge_kutta::RungeKutta4;
+use crate::motion::joint_drive::ForceProfile;
+use crate::motion::runge_kutta::RungeKutta4;
 use crate::tree::Tree;
 use fearless_simd::Simd;
 use poinsot_spatial::InertialParameters;

@@ -65,7 +65,7 @@ impl LockedVehicle {
 
 impl<T: Real> LockedVehicle<T> {
     #[inline(always)]
-    pub(super) fn over(
+    pub(crate) fn over(
         whole: &Inertial<T>,
         turning: &Inertial<T>,
         (l_joints, h_joints): (&V3<T>, &V3<T>),

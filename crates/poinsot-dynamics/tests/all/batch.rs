@@ -211,13 +211,14 @@ fn exact_many_vehicles_move_as_one_by_one() {
         bodies[6].mass += k as f64;
         bodies
     };
-    let plan = DrivenPlan {
+    let plan = Plan {
         joints: xu_arm::drives(),
-        wheels: Vec::new(),
-        firings: Vec::new(),
+        ..Plan::default()
     };
-    let driven =
-        |k| Driven::from_parts(tree.clone(), of(k), Vec::new(), Vec::new(), &plan).unwrap();
+    let driven = |k| {
+        let vehicle = Vehicle::new(tree.clone(), of(k), Vec::new(), Vec::new());
+        Flight::new(vehicle, &plan, Integrator::RungeKutta4(0.01)).unwrap()
+    };
     let start = xu_arm::start();
     let state = |k| driven(k).state(&start, 0.0).unwrap();
     let mut states: Vec<f64> = (0..count).flat_map(state).collect();
@@ -238,10 +239,8 @@ fn exact_many_vehicles_move_as_one_by_one() {
     batch::integrate(&tree, &bodies, &motors, steps, &mut states).unwrap();
     for (k, y) in states.chunks_exact(25).enumerate() {
         let mut ends = Vec::new();
-        let integrator = Integrator::RungeKutta4(steps.step);
         driven(k)
-            .run(&start, &[0.0, 0.5], integrator, |s| {
-                let m = &s.motion;
+            .run(&start, &[0.0, 0.5], |m| {
                 let place = [m.R_NB.coords.as_slice(), m.p_NoScm_N.as_slice()].concat();
                 let momenta = [m.l_S_N.as_slice(), m.h_SScm_N.as_slice()].concat();
                 ends.push([place, momenta, m.q.clone(), m.rates.clone()].concat());

@@ -56,12 +56,15 @@ fn turning(w_NB_B: Vector3, v_NBo_N: Vector3) -> Start {
     }
 }
 
-fn samples(vehicle: &Driven, start: &Start, times: &[f64], how: Integrator) -> Vec<DrivenSample> {
+fn samples(flight: &Flight, start: &Start, times: &[f64]) -> Vec<MotionSample> {
     let mut all = Vec::new();
-    vehicle
-        .run(start, times, how, |s| all.push(s.clone()))
-        .unwrap();
+    flight.run(start, times, |s| all.push(s.clone())).unwrap();
     all
+}
+
+fn flight(tree: Tree, bodies: Vec<InertialParameters>, plan: &Plan) -> Flight<'_> {
+    let vehicle = Vehicle::new(tree, bodies, Vec::new(), Vec::new());
+    Flight::new(vehicle, plan, PRECISE).unwrap()
 }
 
 fn attitude_apart(a: &UnitQuaternion, R_NB: &Matrix3) -> f64 {
@@ -71,14 +74,13 @@ fn attitude_apart(a: &UnitQuaternion, R_NB: &Matrix3) -> f64 {
 #[test]
 fn exact_torque_free_asymmetric_top() {
     let moments = [30.0, 45.0, 62.0];
-    let plan = DrivenPlan {
+    let plan = Plan {
         joints: Vec::new(),
-        wheels: Vec::new(),
-        firings: Vec::new(),
+        ..Plan::default()
     };
     // The mass centre is not the origin; the rotation does not depend on it.
     let bodies = vec![body(120.0, [0.3, -0.2, 0.5], moments)];
-    let vehicle = Driven::from_parts(chain(&[]), bodies, Vec::new(), Vec::new(), &plan).unwrap();
+    let vehicle = flight(chain(&[]), bodies, &plan);
     for w in [
         Vector3::new(0.1, 0.7, -0.2),
         Vector3::new(0.5, 0.05, 0.1),
@@ -91,12 +93,12 @@ fn exact_torque_free_asymmetric_top() {
         let I = Matrix3::from_diagonal(&Vector3::from(moments));
         let top = AsymmetricTop::new(&I, &spin).unwrap();
         let times: Vec<f64> = (0..=40).map(|k| 2.5 * f64::from(k)).collect();
-        for sample in samples(&vehicle, &turning(w, Vector3::zeros()), &times, PRECISE) {
-            let exact = top.at(sample.motion.time);
-            let found = attitude_apart(&sample.motion.R_NB, &exact.R_NB);
+        for sample in samples(&vehicle, &turning(w, Vector3::zeros()), &times) {
+            let exact = top.at(sample.time);
+            let found = attitude_apart(&sample.R_NB, &exact.R_NB);
             // 1.3e-11 for the first, which passes its middle axis, where errors grow.
             assert!(found < 5e-11, "{w}: {found:e}");
-            assert!((sample.motion.w_NB_B - exact.w_NB_B).amax() < 5e-11);
+            assert!((sample.w_NB_B - exact.w_NB_B).amax() < 5e-11);
         }
     }
 }
@@ -112,19 +114,20 @@ fn exact_symmetric_gyrostat_with_a_driven_wheel() {
         axis_B: Vector3::z(),
     });
     let (speed, w0) = (20.0, Vector3::new(0.03, 0.0, 0.05));
-    let plan = DrivenPlan {
+    let plan = Plan {
         joints: Vec::new(),
         wheels: vec![WheelMotion::Torque {
             initial_speed: speed,
             torque: PiecewisePolynomial::constant(torque),
         }],
-        firings: Vec::new(),
+        ..Plan::default()
     };
     let bodies = vec![body(120.0, [0.3, -0.2, 0.5], [Ia, Ia, Ic])];
-    let vehicle = Driven::from_parts(tree, bodies, vec![js], Vec::new(), &plan).unwrap();
+    let vehicle = Vehicle::new(tree, bodies, vec![js], Vec::new());
+    let vehicle = Flight::new(vehicle, &plan, PRECISE).unwrap();
     let times: Vec<f64> = (0..=60).map(f64::from).collect();
-    for sample in samples(&vehicle, &turning(w0, Vector3::zeros()), &times, PRECISE) {
-        let t = sample.motion.time;
+    for sample in samples(&vehicle, &turning(w0, Vector3::zeros()), &times) {
+        let t = sample.time;
         let reduced = Ic - js;
         let h_w = js * (speed + w0.z) + torque * t;
         let w_c = w0.z - torque * t / reduced;
@@ -138,9 +141,9 @@ fn exact_symmetric_gyrostat_with_a_driven_wheel() {
         };
         let phase = t * 0.5 * (at(0.0) + at(t));
         let exact = Vector3::new(w0.x * phase.cos(), w0.x * phase.sin(), w_c);
-        let found = (sample.motion.w_NB_B - exact).amax();
+        let found = (sample.w_NB_B - exact).amax();
         assert!(found < 1e-12, "{t}: {found:e}");
-        let wheel = sample.motion.wheel_speed[0] - (h_w / js - w_c);
+        let wheel = sample.wheel_speed[0] - (h_w / js - w_c);
         assert!(wheel.abs() < 1e-9, "{t}: {wheel:e}");
     }
 }
@@ -155,31 +158,30 @@ fn exact_two_body_hinge_with_spring_and_damper() {
         rest: 0.1,
         damping: 0.3,
     };
-    let plan = DrivenPlan {
+    let plan = Plan {
         joints: vec![passive(spring, 0.6, 0.0)],
-        wheels: Vec::new(),
-        firings: Vec::new(),
+        ..Plan::default()
     };
     let tree = chain(&[(Vector3::new(0.0, 0.0, 0.4), Vector3::z())]);
     let bodies = vec![
         body(50.0, [0.0; 3], [20.0, 25.0, I0]),
         body(8.0, [0.0, 0.0, 0.7], [5.0, 6.0, I1]),
     ];
-    let vehicle = Driven::from_parts(tree, bodies, Vec::new(), Vec::new(), &plan).unwrap();
+    let vehicle = flight(tree, bodies, &plan);
     let reduced = I0 * I1 / (I0 + I1);
     let decay = 0.5 * spring.damping / reduced;
     let pace = (spring.stiffness / reduced - decay * decay).sqrt();
     let times: Vec<f64> = (0..=50).map(|k| 0.37 * f64::from(k)).collect();
-    for sample in samples(&vehicle, &Start::at_rest(), &times, PRECISE) {
-        let t = sample.motion.time;
+    for sample in samples(&vehicle, &Start::at_rest(), &times) {
+        let t = sample.time;
         let swing = (pace * t).cos() + decay / pace * (pace * t).sin();
         let exact = 0.1 + 0.5 * (-decay * t).exp() * swing;
-        let q = sample.motion.q[0];
+        let q = sample.q[0];
         assert!((q - exact).abs() < 1e-12, "{t}: {:e}", q - exact);
-        let turn = sample.motion.R_NB.scaled_axis().z;
+        let turn = sample.R_NB.scaled_axis().z;
         let share = -(q - 0.6) * I1 / (I0 + I1);
         assert!((turn - share).abs() < 1e-12, "{t}: {:e}", turn - share);
-        assert!(sample.motion.p_NoBo_N.norm() < 1e-12);
+        assert!(sample.p_NoBo_N.norm() < 1e-12);
     }
 }
 
@@ -188,33 +190,32 @@ fn exact_two_body_hinge_with_spring_and_damper() {
 #[test]
 fn exact_work_of_a_hinge_torque_is_kinetic_energy() {
     let torque = 0.7;
-    let plan = DrivenPlan {
+    let plan = Plan {
         joints: vec![JointDrive::Force {
             motor: ForceProfile::Nodes(PiecewisePolynomial::constant(torque)),
             spring: SpringDamper::default(),
             initial_position: -0.4,
             initial_rate: 0.0,
         }],
-        wheels: Vec::new(),
-        firings: Vec::new(),
+        ..Plan::default()
     };
     let tree = chain(&[(Vector3::new(0.8, 0.1, 0.0), Vector3::z())]);
     let bodies = vec![
         body(50.0, [0.1, 0.0, 0.0], [20.0, 25.0, 30.0]),
         body(8.0, [0.5, 0.2, 0.0], [5.0, 6.0, 4.0]),
     ];
-    let vehicle = Driven::from_parts(tree, bodies.clone(), Vec::new(), Vec::new(), &plan).unwrap();
+    let vehicle = flight(tree, bodies.clone(), &plan);
     let times: Vec<f64> = (0..=20).map(|k| 0.3 * f64::from(k)).collect();
-    let all = samples(&vehicle, &Start::at_rest(), &times, PRECISE);
+    let all = samples(&vehicle, &Start::at_rest(), &times);
     for sample in &all {
-        let work = torque * (sample.motion.q[0] + 0.4);
-        let energy = kinetic_energy(&bodies, &sample.motion.kinematics);
+        let work = torque * (sample.q[0] + 0.4);
+        let energy = kinetic_energy(&bodies, &sample.kinematics);
         assert!(
             (work - energy).abs() < 1e-11 * (1.0 + work),
             "{work} {energy}"
         );
     }
-    assert!(all[20].motion.q[0] > 2.0);
+    assert!(all[20].q[0] > 2.0);
 }
 
 /// A tumbling three-body chain with springs and without damper conserves energy, and momentum to round-off; with a
@@ -236,28 +237,21 @@ fn prop_energy_and_momentum_of_a_springy_chain() {
             rest: 0.2,
             damping,
         };
-        let plan = DrivenPlan {
+        let plan = Plan {
             joints: vec![passive(spring, 0.7, 0.1), passive(spring, -0.5, 0.3)],
-            wheels: Vec::new(),
-            firings: Vec::new(),
+            ..Plan::default()
         };
-        let vehicle = Driven::from_parts(
-            chain(&hinges),
-            bodies.clone(),
-            Vec::new(),
-            Vec::new(),
-            &plan,
-        )
-        .unwrap();
+        let vehicle = Vehicle::new(chain(&hinges), bodies.clone(), Vec::new(), Vec::new());
+        let vehicle = Flight::new(vehicle, &plan, how).unwrap();
         let start = turning(Vector3::new(0.2, -0.3, 0.4), Vector3::new(0.5, 0.1, -0.2));
-        let all = samples(&vehicle, &start, &[0.0, 30.0], how);
-        let total = |s: &DrivenSample| {
-            let springs: f64 = s.motion.q.iter().map(|q| spring.energy(*q)).sum();
-            springs + kinetic_energy(&bodies, &s.motion.kinematics)
+        let all = samples(&vehicle, &start, &[0.0, 30.0]);
+        let total = |s: &MotionSample| {
+            let springs: f64 = s.q.iter().map(|q| spring.energy(*q)).sum();
+            springs + kinetic_energy(&bodies, &s.kinematics)
         };
-        let whole = |s: &DrivenSample| {
-            let m = momentum(&bodies, &s.motion.kinematics);
-            s.motion.R_NB * Vector3::new(m[0], m[1], m[2])
+        let whole = |s: &MotionSample| {
+            let m = momentum(&bodies, &s.kinematics);
+            s.R_NB * Vector3::new(m[0], m[1], m[2])
         };
         let drift = (whole(&all[1]) - whole(&all[0])).norm();
         (total(&all[0]), total(&all[1]), drift)
@@ -276,16 +270,15 @@ fn prop_energy_and_momentum_of_a_springy_chain() {
 /// affect (mass, first moment along the axis, line inertia on it) is transferred to the parent.
 #[test]
 fn exact_base_parameters_move_alike() {
-    let plan = DrivenPlan {
+    let plan = Plan {
         joints: xu_arm::drives(),
-        wheels: Vec::new(),
-        firings: Vec::new(),
+        ..Plan::default()
     };
     let end = |parameters: Vec<InertialParameters>| {
         let tree = xu_arm::tree();
-        let vehicle = Driven::from_parts(tree, parameters, Vec::new(), Vec::new(), &plan).unwrap();
-        let all = samples(&vehicle, &xu_arm::start(), &[0.0, 5.0], PRECISE);
-        all[1].motion.clone()
+        let vehicle = flight(tree, parameters, &plan);
+        let all = samples(&vehicle, &xu_arm::start(), &[0.0, 5.0]);
+        all[1].clone()
     };
     let (tree, mut moved) = (xu_arm::tree(), xu_arm::parameters());
     for i in (1..moved.len()).rev() {
@@ -308,23 +301,30 @@ fn exact_base_parameters_move_alike() {
 
 #[test]
 fn unit_what_cannot_move_is_refused() {
-    let plan = DrivenPlan {
+    let plan = Plan {
         joints: vec![passive(SpringDamper::default(), 0.0, 0.0)],
-        wheels: Vec::new(),
-        firings: Vec::new(),
+        ..Plan::default()
     };
     let tree = chain(&[(Vector3::x(), Vector3::z())]);
     let bodies = vec![
         body(50.0, [0.0; 3], [20.0, 25.0, 30.0]),
         InertialParameters::ZERO,
     ];
-    let vehicle = Driven::from_parts(tree.clone(), bodies, Vec::new(), Vec::new(), &plan).unwrap();
-    let refused = vehicle.run(&Start::at_rest(), &[0.0, 1.0], PRECISE, |_| {});
-    assert!(matches!(refused, Err(MotionError::Halt(_))), "{refused:?}");
+    let vehicle = flight(tree.clone(), bodies, &plan);
+    let refused = vehicle.run(&Start::at_rest(), &[0.0, 1.0], |_| {});
+    let halt = Halt::Joint {
+        time: 0.0,
+        coordinate: 0,
+    };
+    assert_eq!(refused, Err(MotionError::Halt(halt)));
     let empty = vec![InertialParameters::ZERO; 2];
-    let refused = Driven::from_parts(tree.clone(), empty, Vec::new(), Vec::new(), &plan);
+    let new = |bodies| {
+        let vehicle = Vehicle::new(tree.clone(), bodies, Vec::new(), Vec::new());
+        Flight::new(vehicle, &plan, PRECISE)
+    };
+    let refused = new(empty);
     assert!(matches!(refused, Err(MotionError::NoMass)));
     let two = vec![InertialParameters::ZERO; 3];
-    let refused = Driven::from_parts(tree, two, Vec::new(), Vec::new(), &plan);
+    let refused = new(two);
     assert!(matches!(refused, Err(MotionError::Plan { .. })));
 }

@@ -6,11 +6,10 @@ use poinsot_dynamics::*;
 use poinsot_spatial::Vector3;
 
 /// Torques of the recorded run: amplitude N m, frequency rad/s, phase rad.
-fn plan() -> DrivenPlan {
-    DrivenPlan {
+fn plan() -> Plan {
+    Plan {
         joints: xu_arm::drives(),
-        wheels: Vec::new(),
-        firings: Vec::new(),
+        ..Plan::default()
     }
 }
 
@@ -24,21 +23,13 @@ fn start() -> Start {
     }
 }
 
-fn end(plan: &DrivenPlan, integrator: Integrator, seconds: f64) -> DrivenSample {
-    let vehicle = Driven::from_parts(
-        xu_arm::tree(),
-        xu_arm::parameters(),
-        Vec::new(),
-        Vec::new(),
-        plan,
-    )
-    .unwrap();
+fn end(plan: &Plan, integrator: impl Into<Integrator>, seconds: f64) -> MotionSample {
+    let (tree, bodies) = (xu_arm::tree(), xu_arm::parameters());
+    let vehicle = Vehicle::new(tree, bodies, Vec::new(), Vec::new());
+    let flight = Flight::new(vehicle, plan, integrator).unwrap();
     let mut last = None;
-    vehicle
-        .run(&start(), &[0.0, seconds], integrator, |s| {
-            last = Some(s.clone())
-        })
-        .unwrap();
+    let sink = |s: &MotionSample| last = Some(s.clone());
+    flight.run(&start(), &[0.0, seconds], sink).unwrap();
     last.unwrap()
 }
 
@@ -127,7 +118,7 @@ fn apart(found: &MotionSample) -> f64 {
 #[test]
 fn xval_pinocchio_twenty_seconds_of_the_arm() {
     let plan = plan();
-    let found = apart(&end(&plan, Integrator::RungeKutta4(0.001), 20.0).motion);
+    let found = apart(&end(&plan, Integrator::RungeKutta4(0.001), 20.0));
     println!("1 ms: {found:e}");
     assert!(found < 6e-12, "{found:e}");
 }
@@ -135,25 +126,13 @@ fn xval_pinocchio_twenty_seconds_of_the_arm() {
 #[test]
 fn exact_error_of_runge_kutta_falls_with_the_fourth_power_of_the_step() {
     let plan = plan();
-    let errors = [0.02, 0.01, 0.005]
-        .map(|step| apart(&end(&plan, Integrator::RungeKutta4(step), 20.0).motion));
+    let errors =
+        [0.02, 0.01, 0.005].map(|step| apart(&end(&plan, Integrator::RungeKutta4(step), 20.0)));
     println!("{errors:?}");
     for pair in errors.windows(2) {
         let order = (pair[0] / pair[1]).log2();
         assert!((order - 4.0).abs() < 0.2, "{errors:?}");
     }
-}
-
-#[test]
-fn exact_error_of_eighth_order_falls_with_the_eighth_power_of_the_step() {
-    let plan = plan();
-    let errors = [0.1, 0.05].map(|step| {
-        let integrator = Integrator::DormandPrince8Fixed(step);
-        apart(&end(&plan, integrator, 20.0).motion)
-    });
-    println!("{errors:?}");
-    let order = (errors[0] / errors[1]).log2();
-    assert!((7.0..9.5).contains(&order), "{errors:?}");
 }
 
 #[test]
@@ -164,7 +143,7 @@ fn exact_step_control_follows_the_tolerance() {
             relative,
             ..Tolerance::default()
         };
-        let found = apart(&end(&plan, Integrator::DormandPrince8(tolerance), 20.0).motion);
+        let found = apart(&end(&plan, tolerance, 20.0));
         println!("{relative:e}: {found:e}");
         assert!(found < 30.0 * relative, "{relative:e}: {found:e}");
     }

@@ -73,7 +73,7 @@ fn top_error(w: Vector3, relative: f64) -> f64 {
     };
     let top = AsymmetricTop::new(&bus(), &first(w)).unwrap();
     let mut worst = 0.0_f64;
-    Prescribed::new(&model, &plan, tolerance)
+    Flight::new(&model, &plan, tolerance)
         .unwrap()
         .run(&turning(w), &times(200.0, 40), |s| {
             let exact = top.at(s.time);
@@ -120,7 +120,7 @@ fn exact_mass_centre_coasts_and_the_origin_circles_it() {
     let p_cm = start.p_NoBo_N + R * c;
     let v_cm = v_NBo_N + R * w.cross(&c);
     let top = AsymmetricTop::new(&bus(), &first(w)).unwrap();
-    Prescribed::new(&model, &plan, Tolerance::default())
+    Flight::new(&model, &plan, Tolerance::default())
         .unwrap()
         .run(&start, &times(100.0, 20), |s| {
             let (p, v) = coasting_origin(&p_cm, &v_cm, &c, &top.at(s.time), s.time);
@@ -156,7 +156,7 @@ fn exact_axisymmetric_gyrostat() {
         let mut plan = Plan::hold(&model);
         plan.wheels = vec![drive];
         let mut worst = 0.0_f64;
-        Prescribed::new(&model, &plan, Tolerance::default())
+        Flight::new(&model, &plan, Tolerance::default())
             .unwrap()
             .run(&turning(w), &times(150.0, 30), |s| {
                 let exact = gyrostat.at(&first(w), s.time);
@@ -195,7 +195,7 @@ fn exact_zero_momentum_slew_by_wheel_speed_and_by_wheel_torque() {
             ..Start::at_rest()
         };
         let R0 = first(Vector3::zeros()).R_NB;
-        Prescribed::new(&model, &plan, Tolerance::default())
+        Flight::new(&model, &plan, Tolerance::default())
             .unwrap()
             .run(&start, &times(40.0, 80), |s| {
                 let t = s.time;
@@ -238,7 +238,7 @@ fn exact_free_rotors_keep_energy_and_axial_momentum() {
     };
     let kept = [expected(0, 7.0), expected(1, -3.0)];
     let mut change = 0.0_f64;
-    Prescribed::new(&model, &plan, Tolerance::default())
+    Flight::new(&model, &plan, Tolerance::default())
         .unwrap()
         .run(&turning(w), &times(60.0, 60), |s| {
             energies.push(kinetic_energy(&bodies, &wheels, &setup::state(s)));

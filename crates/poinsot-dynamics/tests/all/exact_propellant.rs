@@ -43,7 +43,7 @@ fn rocket(p_BoT_B: Vector3, direction_B: Vector3, p_BoF_B: Vector3) -> Model {
     model
 }
 
-fn last(model: &Model, start: &Start) -> MotionSample {
+fn burn(model: &Model) -> Plan {
     let mut plan = Plan::hold(model);
     plan.firings.push(Firing {
         thruster: 0,
@@ -51,8 +51,16 @@ fn last(model: &Model, start: &Start) -> MotionSample {
         off: OFF,
         force: FORCE,
     });
+    plan
+}
+
+fn last(model: &Model, start: &Start) -> MotionSample {
+    fly(model, &burn(model), start)
+}
+
+fn fly(model: &Model, plan: &Plan, start: &Start) -> MotionSample {
     let mut last = None;
-    Prescribed::new(model, &plan, Tolerance::default())
+    Flight::new(model, plan, Tolerance::default())
         .unwrap()
         .run(start, &[0.0, 20.0, 50.0], |s| last = Some(s.clone()))
         .unwrap();
@@ -114,4 +122,39 @@ fn exact_a_tank_beside_the_thrust_turns_the_vehicle() {
         expected -= h * FORCE * arm * mu / (MASS - mu) / inertia;
     }
     assert!((end.w_NB_B.y - expected).abs() < 1.0e-8 * expected.abs());
+}
+
+/// The upper stage slides off a base that nothing holds: the base stays, and the stage follows the rocket equation.
+#[test]
+fn exact_a_stage_on_a_free_joint_leaves_its_base() {
+    let body = |parent, joint, mass| KitBody {
+        parent,
+        joint,
+        p_PoCo_P: Vector3::x() * 0.5,
+        R_PC_zero: Matrix3::identity(),
+        axis_C: Vector3::x(),
+        mass,
+        p_CoCcm_C: Vector3::zeros(),
+        I_CCcm_C: Matrix3::from_diagonal(&Vector3::new(9.0, 8.0, 11.0)),
+    };
+    let base = KitBody {
+        p_PoCo_P: Vector3::zeros(),
+        ..body(0, KitJoint::Base, 70.0)
+    };
+    let mut model = setup::model(&[base, body(0, KitJoint::Prismatic, MASS)], &[]);
+    model.thrusters = rocket(Vector3::zeros(), Vector3::x(), Vector3::x() * -0.3).thrusters;
+    model.thrusters[0].body = 1;
+    let plan = Plan {
+        joints: vec![JointDrive::Force {
+            motor: ForceProfile::none(),
+            spring: SpringDamper::default(),
+            initial_position: 0.0,
+            initial_rate: 0.0,
+        }],
+        ..burn(&model)
+    };
+    let end = fly(&model, &plan, &Start::at_rest());
+    let gained = EXHAUST * (MASS / (MASS - used())).ln();
+    assert!((end.rates[0] - gained).abs() < 1.0e-9 * gained);
+    assert!(end.v_NBo_N.norm() < 1.0e-9 && end.w_NB_B.norm() < 1.0e-12);
 }

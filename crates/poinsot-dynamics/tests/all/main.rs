@@ -1,7 +1,9 @@
 //! The integration tests of this crate, linked as one binary.
 #![allow(clippy::panic, clippy::unwrap_used, non_snake_case)]
 
+#[cfg(feature = "batches")]
 mod batch;
+#[cfg(feature = "batches")]
 mod batch_measurements;
 mod exact_closed_forms;
 mod exact_driven;

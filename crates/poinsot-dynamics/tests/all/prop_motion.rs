@@ -63,6 +63,7 @@ fn busy(index: usize, firings: Vec<Firing>) -> Busy {
             },
         ],
         firings,
+        ..Plan::default()
     };
     let start = Start {
         R_NB: UnitQuaternion::from_euler_angles(0.2, 0.4, -1.0),
@@ -105,7 +106,7 @@ fn prop_momentum_conserved_and_mass_centre_straight_over_1e5_steps() {
     let times: Vec<f64> = (0..=100_000).map(|k| k as f64 / 1000.0).collect();
     let mut first = None;
     let mut worst = [0.0_f64; 3];
-    Prescribed::new(&model, &plan, Tolerance::default())
+    Flight::new(&model, &plan, Tolerance::default())
         .unwrap()
         .run(&start, &times, |s| {
             let now = system_momentum(&bodies, &wheels, &setup::state(s)).unwrap();
@@ -151,7 +152,7 @@ fn prop_accelerations_are_the_slopes_of_velocities() {
         times.extend(around(9.5, step));
         let (mut v_N, mut w_N, mut rotor) = (Vec::new(), Vec::new(), Vec::new());
         let (mut a, mut alpha, mut torque) = (Vector3::zeros(), Vector3::zeros(), [0.0; 2]);
-        Prescribed::new(&b.model, &b.plan, Tolerance::default())
+        Flight::new(&b.model, &b.plan, Tolerance::default())
             .unwrap()
             .run(&b.start, &times, |s| {
                 if s.time == 0.0 {
@@ -207,7 +208,7 @@ fn prop_momentum_changes_by_the_thrust_on_a_moving_link() {
             times.extend(around(centre, step));
             let (mut l, mut h, mut force, mut torque) =
                 (Vec::new(), Vec::new(), Vector3::zeros(), Vector3::zeros());
-            Prescribed::new(&b.model, &b.plan, Tolerance::default())
+            Flight::new(&b.model, &b.plan, Tolerance::default())
                 .unwrap()
                 .run(&b.start, &times, |s| {
                     if s.time == 0.0 {
@@ -237,7 +238,7 @@ fn exact_start_from_momentum_is_the_start_from_twist() {
     let mut b = busy(choices()[1], Vec::new());
     let end = |b: &Busy| {
         let mut out = None;
-        Prescribed::new(&b.model, &b.plan, Tolerance::default())
+        Flight::new(&b.model, &b.plan, Tolerance::default())
             .unwrap()
             .run(&b.start, &[0.0, 5.0], |s| {
                 out = Some((s.l_S_N, s.h_SScm_N, s.clone()))
@@ -261,7 +262,7 @@ fn unit_questions_that_cannot_be_asked_are_errors() {
     let mut b = busy(choices()[0], Vec::new());
     let start = b.start;
     let run = |b: &Busy, times: &[f64]| {
-        Prescribed::new(&b.model, &b.plan, Tolerance::default())?.run(&start, times, |_| {})
+        Flight::new(&b.model, &b.plan, Tolerance::default())?.run(&start, times, |_| {})
     };
     assert_eq!(run(&b, &[0.0, -1.0]), Err(MotionError::Times(1)));
     assert_eq!(run(&b, &[f64::NAN]), Err(MotionError::Times(0)));

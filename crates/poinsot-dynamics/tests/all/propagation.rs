@@ -355,6 +355,7 @@ fn xval_steps_follow_the_simulated_motion() {
             off: 20.0,
             force: 5.0,
         }],
+        ..Plan::default()
     };
     let nozzle = Nozzle {
         body: 0,
@@ -373,7 +374,7 @@ fn xval_steps_follow_the_simulated_motion() {
     let (steps, dt) = (500, 0.01);
     let times: Vec<f64> = (0..=2 * steps).map(|k| 0.5 * dt * f64::from(k)).collect();
     let mut samples = Vec::new();
-    Prescribed::new(vehicle, &plan, Tolerance::default())
+    Flight::new(vehicle, &plan, Tolerance::default())
         .unwrap()
         .run(&xu_arm::start(), &times, |s| samples.push(s.clone()))
         .unwrap();

@@ -54,7 +54,7 @@ fn instant() -> (Tree, MotionSample) {
         },
         ..Start::at_rest()
     };
-    let vehicle = Prescribed::new(&model, &plan, Tolerance::default()).unwrap();
+    let vehicle = Flight::new(&model, &plan, Tolerance::default()).unwrap();
     let mut sample = None;
     vehicle
         .run(&start, &[0.0, 1.5], |s| sample = Some(s.clone()))

@@ -27,6 +27,23 @@ fn matrix(value: &serde_json::Value) -> Matrix3 {
     Matrix3::from_row_slice(&numbers(value))
 }
 
+/// All wheels under a law.
+fn controlled(law: &AttitudeControl, speeds: &[f64], limits: WheelLimits) -> Plan {
+    let wheel = |speed: &f64| WheelMotion::Controlled {
+        initial_speed: *speed,
+        limits,
+    };
+    Plan {
+        wheels: speeds.iter().map(wheel).collect(),
+        control: Some(law.clone()),
+        ..Plan::default()
+    }
+}
+
+fn free(law: &AttitudeControl, speeds: &[f64]) -> Plan {
+    controlled(law, speeds, WheelLimits::default())
+}
+
 /// The controller of the recorded run in our closed loop; every row is compared.
 fn basilisk(run: &str) -> [f64; 4] {
     let recorded = Run::load(&format!("stsat3/{run}"));
@@ -63,9 +80,10 @@ fn basilisk(run: &str) -> [f64; 4] {
     let speeds: Vec<f64> = (0..3).map(|k| column(k, "rad_s")[0]).collect();
     let times = recorded.column("time_s");
     let (mut worst, mut row) = ([0.0_f64; 4], 0);
-    ControlledVehicle::new(&recorded.model, &control, &[], Tolerance::default())
+    let plan = free(&control, &speeds);
+    Flight::new(&recorded.model, &plan, Tolerance::default())
         .unwrap()
-        .run(&start, &speeds, times, |s| {
+        .run(&start, times, |s| {
             let q = ["q_x", "q_y", "q_z", "q_w"].map(|c| recorded.column(c)[row]);
             let theirs = poinsot_testkit::trees::rotation_from_xyzw(q);
             let ours = s.R_NB.to_rotation_matrix().into_inner();
@@ -115,9 +133,9 @@ fn leak(control: &AttitudeControl) -> f64 {
     let model = stsat3();
     let n = ten_degrees().R_NB.axis().unwrap();
     let (mut off, mut along) = (0.0_f64, 0.0_f64);
-    ControlledVehicle::new(&model, control, &[], Tolerance::default())
+    Flight::new(&model, &free(control, &[0.0; 3]), Tolerance::default())
         .unwrap()
-        .run(&ten_degrees(), &[0.0; 3], &seconds(300), |s| {
+        .run(&ten_degrees(), &seconds(300), |s| {
             let a = s.w_NB_B.dot(&n);
             off = off.max((s.w_NB_B - n.into_inner() * a).norm());
             along = along.max(a.abs());
@@ -145,11 +163,12 @@ fn exact_paper_loop_is_a_pendulum_about_one_axis() {
     }
     let mut pendulum = DormandPrince8::new(vec![1.0, 0.01], Tolerance::default());
     let (mut y, mut t, mut worst) = ([angle, 0.0], 0.0, 0.0_f64);
-    ControlledVehicle::new(&model, &control, &[], Tolerance::default())
+    Flight::new(&model, &free(&control, &[0.0; 3]), Tolerance::default())
         .unwrap()
-        .run(&ten_degrees(), &[0.0; 3], &seconds(300), |s| {
-            pendulum.advance(&mut Pendulum, t, s.time, &mut y).unwrap();
-            t = s.time;
+        .run(&ten_degrees(), &seconds(300), |s| {
+            while t < s.time {
+                t = pendulum.step(&mut Pendulum, t, s.time, &mut y).unwrap();
+            }
             let theirs = UnitQuaternion::from_axis_angle(&axis, y[0]);
             worst = worst.max((theirs.inverse() * s.R_NB).angle());
             worst = worst.max((s.w_NB_B - axis.into_inner() * y[1]).norm());
@@ -223,9 +242,10 @@ fn prop_limited_pyramid_with_friction_conserves_momentum_and_arrives() {
         let mut largest = [0.0_f64; 3];
         let mut last = 0.0;
         let speeds = [20.0, -30.0, 10.0, 5.0];
-        let used = ControlledVehicle::new(&model, &control, &[limits; 4], Tolerance::default())
+        let plan = controlled(&control, &speeds, limits);
+        let used = Flight::new(&model, &plan, Tolerance::default())
             .unwrap()
-            .run(&ten_degrees(), &speeds, &seconds(600), |s| {
+            .run(&ten_degrees(), &seconds(600), |s| {
                 let h = s.wheel_speed.iter().zip(&model.wheels);
                 let h: Vector3 = h
                     .map(|(speed, w)| w.axis_B * (w.spin_inertia * speed))
@@ -251,7 +271,7 @@ fn prop_limited_pyramid_with_friction_conserves_momentum_and_arrives() {
 }
 
 /// A controller with zero command gives the same motion under thrust and gravity gradient as a plan without motor
-/// torque: two code paths, one motion.
+/// torque.
 #[test]
 fn exact_thrust_and_gravity_act_under_a_controller() {
     let mut model = stsat3();
@@ -296,7 +316,6 @@ fn exact_thrust_and_gravity_act_under_a_controller() {
     };
     let (speeds, times) = ([20.0, -30.0, 10.0], seconds(60));
     let plan = Plan {
-        joints: Vec::new(),
         wheels: speeds
             .map(|initial_speed| WheelMotion::Torque {
                 initial_speed,
@@ -304,17 +323,21 @@ fn exact_thrust_and_gravity_act_under_a_controller() {
             })
             .to_vec(),
         firings: firings.to_vec(),
+        ..Plan::default()
     };
     let mut wanted = Vec::new();
-    Prescribed::new(&model, &plan, Tolerance::default())
+    Flight::new(&model, &plan, Tolerance::default())
         .unwrap()
         .run(&start, &times, |s| wanted.push(s.clone()))
         .unwrap();
     let mut found = wanted.iter();
-    ControlledVehicle::new(&model, &control, &[], Tolerance::default())
+    let plan = Plan {
+        firings: firings.to_vec(),
+        ..free(&control, &speeds)
+    };
+    Flight::new(&model, &plan, Tolerance::default())
         .unwrap()
-        .firing(&firings)
-        .run(&start, &speeds, &times, |s| {
+        .run(&start, &times, |s| {
             let w = found.next().unwrap();
             assert!(s.R_NB.angle_to(&w.R_NB) < 1e-10);
             for (ours, theirs) in [
@@ -348,8 +371,9 @@ fn unit_two_wheels_cannot_point() {
     let mut model = stsat3();
     model.wheels.pop();
     let control = table_1(&model.bodies[0].nominal.I_BBcm_B);
-    let error = ControlledVehicle::new(&model, &control, &[], Tolerance::default()).unwrap_err();
-    assert_eq!(error, ControlError::Allocation { wheels: 2, rank: 2 });
+    let plan = free(&control, &[0.0; 2]);
+    let error = Flight::new(&model, &plan, Tolerance::default()).unwrap_err();
+    assert_eq!(error, MotionError::Allocation { wheels: 2, rank: 2 });
     assert!(
         error.to_string().contains("span 2 of 3 directions"),
         "{error}"
@@ -360,35 +384,38 @@ fn unit_two_wheels_cannot_point() {
 fn unit_senseless_numbers_are_refused() {
     let model = stsat3();
     let good = table_1(&model.bodies[0].nominal.I_BBcm_B);
-    let refused = |control: &AttitudeControl, limits: &[WheelLimits]| {
-        ControlledVehicle::new(&model, control, limits, Tolerance::default()).is_err()
+    let refused = |law: &AttitudeControl, limits: WheelLimits| {
+        let plan = controlled(law, &[0.0; 3], limits);
+        Flight::new(&model, &plan, Tolerance::default()).is_err()
     };
-    assert!(!refused(&good, &[]));
+    let none = WheelLimits::default();
+    assert!(!refused(&good, none));
     let mut bad = good.clone();
     bad.period = Some(0.0);
-    assert!(refused(&bad, &[]));
+    assert!(refused(&bad, none));
     bad = good.clone();
     bad.derivative[(1, 1)] = f64::NAN;
-    assert!(refused(&bad, &[]));
+    assert!(refused(&bad, none));
     bad = good.clone();
     let R_NB = UnitQuaternion::identity();
     bad.targets = vec![Target { time: 1.0, R_NB }; 2];
-    assert!(refused(&bad, &[]));
+    assert!(refused(&bad, none));
     let limits = WheelLimits {
         speed: -1.0,
         ..WheelLimits::default()
     };
-    assert!(refused(&good, &[limits; 3]));
-    assert!(refused(&good, &[WheelLimits::default(); 2]));
-    let vehicle = ControlledVehicle::new(&model, &good, &[], Tolerance::default()).unwrap();
-    assert!(
-        vehicle
-            .run(&ten_degrees(), &[0.0; 2], &[0.0], |_| ())
-            .is_err()
-    );
-    assert!(
-        vehicle
-            .run(&ten_degrees(), &[0.0; 3], &[1.0, 0.0], |_| ())
-            .is_err()
-    );
+    assert!(refused(&good, limits));
+    let mut plan = free(&good, &[0.0; 3]);
+    let flight = Flight::new(&model, &plan, Tolerance::default()).unwrap();
+    let backwards = flight.run(&ten_degrees(), &[1.0, 0.0], |_| ());
+    assert_eq!(backwards, Err(MotionError::Times(1)));
+    plan.wheels.pop();
+    let short = Flight::new(&model, &plan, Tolerance::default()).unwrap_err();
+    assert!(matches!(short, MotionError::Plan { found: 2, .. }));
+    let lawless = Plan {
+        control: None,
+        ..free(&good, &[0.0; 3])
+    };
+    let lawless = Flight::new(&model, &lawless, Tolerance::default()).unwrap_err();
+    assert!(matches!(lawless, MotionError::Control(_)));
 }

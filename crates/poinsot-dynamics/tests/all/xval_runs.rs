@@ -33,7 +33,7 @@ fn follow(
     let mut row = 0;
     let grow = |worst: &mut f64, x: f64| *worst = if x.is_nan() { x } else { worst.max(x) };
     let rotation = |x: [f64; 4]| poinsot_testkit::trees::rotation_from_xyzw(x);
-    let vehicle = Prescribed::new(model, plan, Tolerance::default()).unwrap();
+    let vehicle = Flight::new(model, plan, Tolerance::default()).unwrap();
     vehicle
         .run(start, run.column("time_s"), |s| {
             let worst = &mut both[usize::from(s.time >= until)];
@@ -99,8 +99,7 @@ fn ma2008(trajectory: &str) {
         .collect();
     let plan = Plan {
         joints,
-        wheels: Vec::new(),
-        firings: Vec::new(),
+        ..Plan::default()
     };
     let initial = &run.source["initial"];
     let start = Start {
@@ -147,8 +146,7 @@ fn xu2017_one_joint(run: &str) {
     joints[unlocked] = JointMotion::cubic_clamped(&numbers(&nodes["t_s"]), &angles).unwrap();
     let plan = Plan {
         joints,
-        wheels: Vec::new(),
-        firings: Vec::new(),
+        ..Plan::default()
     };
     let sensor = vector(&recorded.source["sensor_point_m"]);
     let [moving, after] = follow(
@@ -211,7 +209,7 @@ fn stsat3(run: &str) {
     let plan = Plan {
         joints: Vec::new(),
         wheels,
-        firings: Vec::new(),
+        ..Plan::default()
     };
     let q = ["q_w", "q_x", "q_y", "q_z"].map(|c| recorded.column(c)[0]);
     let start = Start {
@@ -224,7 +222,7 @@ fn stsat3(run: &str) {
     };
     let mut worst = [0.0_f64; 3];
     let mut row = 0;
-    Prescribed::new(model, &plan, Tolerance::default())
+    Flight::new(model, &plan, Tolerance::default())
         .unwrap()
         .run(&start, times, |s| {
             let q = ["q_x", "q_y", "q_z", "q_w"].map(|c| recorded.column(c)[row]);

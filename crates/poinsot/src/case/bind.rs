@@ -1,12 +1,11 @@
 //! Binds a case to a model: names become indices, and the first instant an initial state.
 
-use super::control::Control;
 use super::planner::Planner;
 use super::sensor_output::{SensorOutput, sensor_outputs};
 use super::window::Open;
 use super::{Case, CaseError, refuse};
 use nalgebra::Quaternion;
-use poinsot_dynamics::{DrivenPlan, Plan, Start, StartVelocity};
+use poinsot_dynamics::{Plan, Start, StartVelocity};
 use poinsot_files::rounded;
 use poinsot_formats::case::{InitialFile, Placed};
 use poinsot_model::Model;
@@ -15,12 +14,8 @@ use poinsot_spatial::{UnitQuaternion, Vector3};
 /// A case bound to a model: all inputs of a simulation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scenario {
-    /// Motion of joints and wheels, firings.
+    /// What drives joints, wheels and thrusters.
     pub plan: Plan,
-    /// Drives of the vehicle, if torques or springs move a joint; it replaces the plan.
-    pub driven: Option<DrivenPlan>,
-    /// Attitude feedback that drives the wheels instead of the plan.
-    pub control: Option<Control>,
     /// Pose and motion at time zero.
     pub start: Start,
     /// Times of the rows, s.
@@ -49,21 +44,12 @@ impl Case {
         planner.open = open;
         let file = &self.file;
         let output = file.output.span();
-        let (control, plan, driven) = match planner.control(file) {
-            Some((control, plan)) => (Some(control), plan, None),
-            None => {
-                let (wheels, firings) = (&file.wheel_motion, &file.firing);
-                let (plan, led) = planner.plan(&file.joint_motion, wheels, firings, output);
-                let torques = &file.joint_torque;
-                let drives = planner.drives(torques, &file.initial.joint, &plan, &led);
-                let driven = drives.map(|joints| DrivenPlan {
-                    joints,
-                    wheels: plan.wheels.clone(),
-                    firings: plan.firings.clone(),
-                });
-                (None, plan, driven)
-            }
-        };
+        let plan = planner.control(file).unwrap_or_else(|| {
+            let (wheels, firings) = (&file.wheel_motion, &file.firing);
+            let (mut plan, led) = planner.plan(&file.joint_motion, wheels, firings, output);
+            planner.drives(&file.joint_torque, &file.initial.joint, &mut plan, &led);
+            plan
+        });
         let start = start(&mut planner, &file.initial);
         let sensors = sensor_outputs(&mut planner, file.output.get_ref());
         if !planner.faults.is_empty() {
@@ -71,8 +57,6 @@ impl Case {
         }
         Ok(Scenario {
             plan,
-            driven,
-            control,
             start,
             times: self.times(),
             sensors_only: file.output.get_ref().sensors_only,

@@ -10,20 +10,9 @@ use poinsot_formats::case::{CaseFile, ControlFile, ControlWheelFile, Placed};
 use poinsot_spatial::{InertialParameters, Matrix3, UnitQuaternion};
 use std::ops::Range;
 
-/// A controller with its wheels.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Control {
-    /// Control law.
-    pub law: AttitudeControl,
-    /// One entry per wheel of the model.
-    pub limits: Vec<WheelLimits>,
-    /// Speed of each wheel at the start, rad/s.
-    pub wheel_speed: Vec<f64>,
-}
-
 impl Planner<'_> {
-    /// The controller of a case; the plan then holds locked joints and no wheel motion.
-    pub fn control(&mut self, file: &CaseFile) -> Option<(Control, Plan)> {
+    /// The plan of a case with a controller: locked joints, and all wheels under the law.
+    pub fn control(&mut self, file: &CaseFile) -> Option<Plan> {
         let given = file.control.as_ref()?;
         let also = [
             ("joint_motion", !file.joint_motion.is_empty(), "E0508"),
@@ -53,16 +42,15 @@ impl Planner<'_> {
             let remedy = "take spring_damper out of the model, or prescribe wheel speeds with [[wheel_motion]]";
             self.refuse("E0508", "control", given.span(), problem, remedy);
         }
-        let control = self.read_control(given.get_ref(), given.span());
-        let mut plan = Plan::hold(self.model);
-        for (motion, speed) in plan.wheels.iter_mut().zip(&control.wheel_speed) {
-            *motion = WheelMotion::constant(*speed);
-        }
-        plan.firings = self.firings(&file.firing);
-        Some((control, plan))
+        Some(Plan {
+            control: Some(self.law(given.get_ref(), given.span())),
+            wheels: self.wheels(given.get_ref()),
+            firings: self.firings(&file.firing),
+            ..Plan::hold(self.model)
+        })
     }
 
-    fn read_control(&mut self, file: &ControlFile, span: Range<usize>) -> Control {
+    fn law(&mut self, file: &ControlFile, span: Range<usize>) -> AttitudeControl {
         let (proportional, derivative) = self.gains(file, span);
         let drive = match file
             .drive
@@ -90,18 +78,12 @@ impl Planner<'_> {
                 remedy,
             );
         }
-        let targets = self.targets(file);
-        let (limits, wheel_speed) = self.wheels(file);
-        Control {
-            law: AttitudeControl {
-                proportional,
-                derivative,
-                targets,
-                period: file.period_s.as_ref().map(|p| *p.get_ref()),
-                drive,
-            },
-            limits,
-            wheel_speed,
+        AttitudeControl {
+            proportional,
+            derivative,
+            targets: self.targets(file),
+            period: file.period_s.as_ref().map(|p| *p.get_ref()),
+            drive,
         }
     }
 
@@ -142,10 +124,12 @@ impl Planner<'_> {
     }
 
     /// Limits and initial speed of every wheel, rad/s.
-    fn wheels(&mut self, file: &ControlFile) -> (Vec<WheelLimits>, Vec<f64>) {
-        let wheels = self.model.wheels.len();
-        let mut limits = vec![WheelLimits::default(); wheels];
-        let mut wheel_speed = vec![0.0; wheels];
+    fn wheels(&mut self, file: &ControlFile) -> Vec<WheelMotion> {
+        let free = WheelMotion::Controlled {
+            initial_speed: 0.0,
+            limits: WheelLimits::default(),
+        };
+        let mut wheels = vec![free; self.model.wheels.len()];
         for (i, table) in file.wheel.iter().enumerate() {
             let Some(k) = self.model.wheel(table.wheel.get_ref()) else {
                 let names = self.model.wheels.iter().map(|w| w.name.as_str());
@@ -158,9 +142,13 @@ impl Planner<'_> {
                 );
                 continue;
             };
-            limits[k] = limits_of(table);
-            wheel_speed[k] = table.initial_speed_rad_s.unwrap_or(0.0);
-            if !limits[k].is_valid() || !wheel_speed[k].is_finite() {
+            let limits = limits_of(table);
+            let initial_speed = table.initial_speed_rad_s.unwrap_or(0.0);
+            wheels[k] = WheelMotion::Controlled {
+                initial_speed,
+                limits,
+            };
+            if !limits.is_valid() || !initial_speed.is_finite() {
                 let problem = "limits must be positive, friction not negative, all finite";
                 let key = format!("control.wheel[{i}]");
                 self.refuse(
@@ -172,7 +160,7 @@ impl Planner<'_> {
                 );
             }
         }
-        (limits, wheel_speed)
+        wheels
     }
 
     /// Gains as given, or as in Table 1 of Kim, Choi, Oh 2010: `2 wn^2 I` and `2 zeta wn I` with the inertia of the

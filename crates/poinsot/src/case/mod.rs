@@ -20,7 +20,6 @@ mod wanted;
 mod window;
 
 pub use bind::Scenario;
-pub use control::Control;
 pub use designed::{Design, Form, Moved};
 pub use limits::{Capsule, Cone, JointLimit, Limits, WheelLimit};
 pub use poinsot_formats::case::{Format, Objective};

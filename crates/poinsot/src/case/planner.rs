@@ -42,7 +42,7 @@ impl Motion for WheelMotion {
     fn profile(self) -> Option<PiecewisePolynomial> {
         match self {
             Self::Speed(profile) => Some(profile),
-            Self::Torque { .. } => None,
+            Self::Torque { .. } | Self::Controlled { .. } => None,
         }
     }
 
@@ -96,7 +96,7 @@ impl Planner<'_> {
         for (k, tables) in led.into_iter().enumerate() {
             let open = self.open.joints.contains(&k);
             if let Some(motion) = self.one_after_another(tables, open) {
-                plan.joints[k] = motion;
+                plan.joints[k] = motion.into();
             }
         }
         let mut driven: Vec<Vec<Led<WheelMotion>>> =

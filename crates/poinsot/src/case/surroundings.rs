@@ -94,7 +94,7 @@ impl Planner<'_> {
             };
             let profile = match motion {
                 WheelMotion::Speed(p) => Some(p),
-                WheelMotion::Torque { .. } => None,
+                WheelMotion::Torque { .. } | WheelMotion::Controlled { .. } => None,
             };
             let place = (key.as_str(), table.wheel.span());
             if self.surround(moved, window, profile, place) {

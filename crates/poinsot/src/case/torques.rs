@@ -39,15 +39,15 @@ impl Forms<'_> {
 pub(super) type Build = fn(&[f64], &[f64]) -> Result<PiecewisePolynomial, NodeError>;
 
 impl Planner<'_> {
-    /// Drives of all joint coordinates; `None` if all motion is prescribed. A joint with a motor, or with a spring and
-    /// no prescribed motion, is free; `led` marks joints with prescribed motion.
+    /// Puts the drives of free joints into the plan. A joint with a motor, or with a spring and no prescribed motion, is
+    /// free; `led` marks joints with prescribed motion.
     pub(super) fn drives(
         &mut self,
         torques: &[JointTorqueFile],
         initial: &[InitialJointFile],
-        plan: &Plan,
+        plan: &mut Plan,
         led: &[bool],
-    ) -> Option<Vec<JointDrive>> {
+    ) {
         let tree = Tree::new(self.model);
         let none = || MotorSettings {
             motor: None,
@@ -92,33 +92,26 @@ impl Planner<'_> {
             }
             (own[k].position, own[k].rate) = self.initial_joint(table, joint.kind, &key);
         }
-        let mut any = false;
-        let drives = own
-            .into_iter()
-            .enumerate()
-            .map(|(k, own)| {
-                let joint = &self.model.joints[tree.coordinates[k]];
-                if led[k] || (own.motor.is_none() && joint.spring_damper.is_none()) {
-                    return JointDrive::Motion(plan.joints[k].clone());
-                }
-                any = true;
-                let spring = joint.spring_damper;
-                JointDrive::Force {
-                    motor: own.motor.unwrap_or_else(ForceProfile::none),
-                    spring: spring.map_or_else(SpringDamper::default, |s| SpringDamper {
-                        stiffness: s.stiffness,
-                        rest: s.rest,
-                        damping: s.damping,
-                    }),
-                    // A spring without initial conditions starts at rest.
-                    initial_position: own
-                        .position
-                        .unwrap_or_else(|| spring.map_or(joint.locked_at, |s| s.rest)),
-                    initial_rate: own.rate.unwrap_or(0.0),
-                }
-            })
-            .collect();
-        any.then_some(drives)
+        for (k, own) in own.into_iter().enumerate() {
+            let joint = &self.model.joints[tree.coordinates[k]];
+            if led[k] || (own.motor.is_none() && joint.spring_damper.is_none()) {
+                continue;
+            }
+            let spring = joint.spring_damper;
+            plan.joints[k] = JointDrive::Force {
+                motor: own.motor.unwrap_or_else(ForceProfile::none),
+                spring: spring.map_or_else(SpringDamper::default, |s| SpringDamper {
+                    stiffness: s.stiffness,
+                    rest: s.rest,
+                    damping: s.damping,
+                }),
+                // A spring without initial conditions starts at rest.
+                initial_position: own
+                    .position
+                    .unwrap_or_else(|| spring.map_or(joint.locked_at, |s| s.rest)),
+                initial_rate: own.rate.unwrap_or(0.0),
+            };
+        }
     }
 
     fn initial_joint(

@@ -1,7 +1,7 @@
 //! Error of a simulation.
 
 use super::CaseError;
-use poinsot_dynamics::ControlError;
+use poinsot_dynamics::MotionError;
 use poinsot_model::ModelError;
 use std::path::PathBuf;
 
@@ -31,7 +31,7 @@ pub enum SimulateError {
         /// The case file.
         file: PathBuf,
         /// Reason.
-        error: ControlError,
+        error: MotionError,
     },
 }
 

@@ -66,13 +66,9 @@ impl Peaks {
                 value: *value,
             })
             .collect();
-        let firings = match &scenario.driven {
-            Some(plan) => &plan.firings,
-            None => &scenario.plan.firings,
-        };
         let end = scenario.times.last().copied().unwrap_or(0.0);
         for (k, thruster) in model.thrusters.iter().enumerate() {
-            let own = firings.iter().filter(|f| f.thruster == k);
+            let own = scenario.plan.firings.iter().filter(|f| f.thruster == k);
             let lengths = own.map(|f| f.force * (f.off.min(end) - f.on.max(0.0)).max(0.0));
             let impulse: f64 = lengths.sum();
             if impulse > 0.0 {

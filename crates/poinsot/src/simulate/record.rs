@@ -4,8 +4,8 @@ use super::{every, stream};
 use crate::case::Scenario;
 use crate::channel_names::{XYZ, names, wheels};
 use poinsot_dynamics::{
-    Firing, ForceProfile, Instrument, JointDrive, MotionSample, SAME_TIME, Tree, WheelDrive,
-    WheelMotion, thrust_held, vector_reading,
+    ForceProfile, Instrument, JointDrive, MotionSample, SAME_TIME, Tree, WheelDrive, WheelMotion,
+    thrust_held, vector_reading,
 };
 use poinsot_model::{Joint, JointKind, Model, SensorKind};
 use poinsot_spatial::Vector3;
@@ -97,8 +97,8 @@ impl Recorder {
         }
     }
 
-    /// Adds a row; `motor` holds the motor torque of every joint coordinate, if known.
-    pub fn take(&mut self, sample: &MotionSample, motor: &[f64]) {
+    /// Adds a row.
+    pub fn take(&mut self, sample: &MotionSample) {
         for group in &mut self.groups {
             if !self.row.is_multiple_of(group.every) {
                 continue;
@@ -111,7 +111,8 @@ impl Recorder {
                 }
                 Reader::Motor(of) => {
                     self.reading.clear();
-                    self.reading.extend(of.iter().filter_map(|k| motor.get(*k)));
+                    self.reading
+                        .extend(of.iter().filter_map(|k| sample.motor_force.get(*k)));
                 }
             }
             if !self.reading.is_empty() {
@@ -191,10 +192,7 @@ fn with_switches(
     thruster: usize,
     rows: &Arc<[f64]>,
 ) -> (Arc<[f64]>, Vec<f64>) {
-    let firings: &[Firing] = match &scenario.driven {
-        Some(plan) => &plan.firings,
-        None => &scenario.plan.firings,
-    };
+    let firings = &scenario.plan.firings;
     let own = firings.iter().filter(|f| f.thruster == thruster);
     let is_between = |t: &f64| {
         let next = rows.partition_point(|row| row < t);
@@ -266,10 +264,13 @@ pub(crate) fn joint_channels(joint: &Joint) -> Vec<String> {
 }
 
 /// Joint coordinates with a motor, and their channels; none if all motion is prescribed, because motor torque is then
-/// unknown.
+/// not commanded.
 fn motor_channels(model: &Model, scenario: &Scenario, tree: &Tree) -> (Vec<usize>, Vec<String>) {
-    let drives = scenario.driven.iter().flat_map(|plan| &plan.joints);
-    let with_motor = drives.enumerate().filter(|(_, drive)| match drive {
+    let drives = &scenario.plan.joints;
+    if !drives.iter().any(JointDrive::is_free) {
+        return (Vec::new(), Vec::new());
+    }
+    let with_motor = drives.iter().enumerate().filter(|(_, drive)| match drive {
         JointDrive::Force { motor, .. } => *motor != ForceProfile::none(),
         JointDrive::Motion(_) => true,
     });
@@ -291,22 +292,25 @@ fn commanded(
     let mut all: HashSet<String> = names(model, SensorKind::Thrust, &thrusters)
         .into_iter()
         .collect();
-    let control = scenario.control.as_ref().map(|c| c.law.drive);
+    let law = scenario.plan.control.as_ref();
     for (k, motion) in scenario.plan.wheels.iter().enumerate() {
-        let suffix = match (control, motion) {
-            (Some(WheelDrive::Acceleration), _) => continue,
-            (Some(WheelDrive::Torque), _) | (None, WheelMotion::Torque { .. }) => "Nm",
-            (None, WheelMotion::Speed(_)) => "rad_s",
+        let suffix = match motion {
+            WheelMotion::Controlled { .. }
+                if law.is_some_and(|law| law.drive == WheelDrive::Acceleration) =>
+            {
+                continue;
+            }
+            WheelMotion::Controlled { .. } | WheelMotion::Torque { .. } => "Nm",
+            WheelMotion::Speed(_) => "rad_s",
         };
         all.extend(wheels(model, &[k], suffix));
     }
-    let drives = scenario.driven.as_ref().map(|plan| &plan.joints);
     for (k, at) in tree.coordinates.iter().enumerate() {
         let Some(joint) = model.joints.get(*at) else {
             continue;
         };
         let channels = joint_channels(joint);
-        match (drives.and_then(|d| d.get(k)), channels.as_slice()) {
+        match (scenario.plan.joints.get(k), channels.as_slice()) {
             (Some(JointDrive::Force { .. }), [.., effort]) => all.extend([effort.clone()]),
             (_, [position, rate, ..]) if !measured.contains(position) => {
                 all.extend([position.clone(), rate.clone()]);

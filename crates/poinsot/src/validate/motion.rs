@@ -70,34 +70,27 @@ pub fn path(case: &Case, mover: &Mover) -> Result<Path, Error> {
             })
             .collect(),
     };
-    run(
-        case,
-        &mover.model,
-        Some(&mover.bodies),
-        &scenario,
-        |s, _| {
-            path.time_s.push(s.time);
-            path.p_NoBo_N.push(s.p_NoBo_N);
-            path.R_NB.push(s.R_NB);
-            for (joint, q) in path.joints.iter_mut().zip(&s.q) {
-                joint.position.push(*q);
-            }
-        },
-    )?;
+    run(case, &mover.model, Some(&mover.bodies), &scenario, |s| {
+        path.time_s.push(s.time);
+        path.p_NoBo_N.push(s.p_NoBo_N);
+        path.R_NB.push(s.R_NB);
+        for (joint, q) in path.joints.iter_mut().zip(&s.q) {
+            joint.position.push(*q);
+        }
+    })?;
     Ok(path)
 }
 
 /// The scenario of a vehicle in a case, with its thruster forces.
 pub(super) fn scenario(case: &Case, mover: &Mover) -> Result<Scenario, Error> {
     let mut scenario = case.bind(&mover.model).map_err(SimulateError::from)?;
-    if scenario.control.is_some() {
+    if scenario.plan.control.is_some() {
         return Err(ValidateError::Control {
             file: case.path().to_owned(),
         }
         .into());
     }
-    let driven = scenario.driven.iter_mut().flat_map(|d| &mut d.firings);
-    for firing in driven.chain(&mut scenario.plan.firings) {
+    for firing in &mut scenario.plan.firings {
         let factor = mover.thrust_factor.get(firing.thruster);
         firing.force *= factor.copied().unwrap_or(1.0);
     }

@@ -1,7 +1,7 @@
 //! Two unknown bodies that tumble while the joint between them moves.
 
 use poinsot_dynamics::{
-    Fourier, JointMotion, MotionSample, Plan, Prescribed, Start, StartVelocity, Tolerance,
+    Flight, Fourier, JointMotion, MotionSample, Plan, Start, StartVelocity, Tolerance,
 };
 use poinsot_model::Model;
 use poinsot_spatial::{UnitQuaternion, Vector3};
@@ -42,12 +42,13 @@ noise_rad_s = 1e-5
 /// Motion number `at`, sample by sample.
 pub fn tumble(model: &Model, at: usize, times: &[f64], see: impl FnMut(&MotionSample)) {
     let mut plan = Plan::hold(model);
-    plan.joints[0] = JointMotion::Fourier(Fourier {
+    let swing = JointMotion::Fourier(Fourier {
         offset: 0.2,
         base_frequency_hz: 0.05,
         sine: vec![0.5, -0.3 + 0.1 * at as f64],
         cosine: vec![0.2, 0.4],
     });
+    plan.joints[0] = swing.into();
     let start = Start {
         R_NB: UnitQuaternion::from_euler_angles(0.3, -0.5, 0.2 + at as f64),
         p_NoBo_N: Vector3::zeros(),
@@ -56,6 +57,6 @@ pub fn tumble(model: &Model, at: usize, times: &[f64], see: impl FnMut(&MotionSa
             w_NB_B: Vector3::new(0.2, 0.15, -0.1 - 0.1 * at as f64),
         },
     };
-    let vehicle = Prescribed::new(model, &plan, Tolerance::default()).unwrap();
+    let vehicle = Flight::new(model, &plan, Tolerance::default()).unwrap();
     vehicle.run(&start, times, see).unwrap();
 }

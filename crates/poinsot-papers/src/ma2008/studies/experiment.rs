@@ -2,7 +2,9 @@
 
 use crate::ma2008::{Known, Raw, Reading, Vehicle};
 use crate::study::{Context, StudyError};
-use poinsot_dynamics::{JointMotion, Plan, Prescribed, Start, StartVelocity, Tolerance, Tree};
+use poinsot_dynamics::{
+    Flight, JointDrive, JointMotion, Plan, Start, StartVelocity, Tolerance, Tree,
+};
 use poinsot_model::Model;
 use poinsot_spatial::{MassProperties, Matrix3, UnitQuaternion, Vector3};
 
@@ -188,15 +190,16 @@ impl Experiment {
     /// The motion cannot be computed.
     pub fn run(&self) -> Result<Run, StudyError> {
         let plan = Plan {
-            joints: (0..6).map(|j| self.joint(j)).collect::<Result<_, _>>()?,
-            wheels: Vec::new(),
-            firings: Vec::new(),
+            joints: (0..6)
+                .map(|j| self.joint(j).map(JointDrive::Motion))
+                .collect::<Result<_, _>>()?,
+            ..Plan::default()
         };
         let tolerance = Tolerance {
             relative: 1.0e-13,
             ..Tolerance::default()
         };
-        let vehicle = Prescribed::new(&self.model, &plan, tolerance)?;
+        let vehicle = Flight::new(&self.model, &plan, tolerance)?;
         let start = Start {
             R_NB: UnitQuaternion::identity(),
             p_NoBo_N: Vector3::zeros(),

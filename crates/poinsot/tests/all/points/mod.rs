@@ -1,7 +1,7 @@
 //! Sensors at points of bodies: their samples and their position in a model.
 
 use crate::vehicle::{Flight, sensor};
-use poinsot_dynamics::{MotionSample, Prescribed, Tolerance, vector_reading};
+use poinsot_dynamics::{MotionSample, Tolerance, vector_reading};
 use poinsot_model::{Model, SensorKind};
 use poinsot_spatial::Vector3;
 use poinsot_telemetry::{Channel, Table};
@@ -17,7 +17,7 @@ pub fn add_point(
     let times = table.channels[0].time_s.clone();
     let mut readings: Vec<Vector3> = Vec::new();
     let read = |s: &MotionSample| readings.push(vector_reading(kind, s, body, &place));
-    Prescribed::new(model, &flight.plan, Tolerance::default())
+    poinsot_dynamics::Flight::new(model, &flight.plan, Tolerance::default())
         .unwrap()
         .run(&flight.start, &times, read)
         .unwrap();

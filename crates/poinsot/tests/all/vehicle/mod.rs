@@ -4,8 +4,8 @@
 use nalgebra::{Rotation3, UnitQuaternion};
 use poinsot::{Identified, Question, identify_tables};
 use poinsot_dynamics::{
-    Firing, Fourier, JointMotion, MotionSample, PiecewisePolynomial, Plan, Prescribed, Start,
-    StartVelocity, Tolerance, Tree, WheelMotion,
+    Firing, Fourier, JointMotion, MotionSample, PiecewisePolynomial, Plan, Start, StartVelocity,
+    Tolerance, Tree, WheelMotion,
 };
 use poinsot_model::{
     Body, Environment, EstimateSet, Joint, JointKind, Model, Momentum, Nuisance, Sensor,
@@ -230,7 +230,7 @@ pub fn flight(model: &Model, seed: u64, drives: &[Drive]) -> Flight {
             JointKind::Prismatic => 0.3,
             _ => 0.6,
         };
-        *motion = match drive {
+        let driven = match drive {
             Drive::Stands(position) => JointMotion::locked(*position),
             Drive::Moves => {
                 let mut list = || (0..3).map(|_| dice.between(-size, size)).collect();
@@ -242,6 +242,7 @@ pub fn flight(model: &Model, seed: u64, drives: &[Drive]) -> Flight {
                 })
             }
         };
+        *motion = driven.into();
     }
     for wheel in &mut plan.wheels {
         let times: Vec<f64> = (0..6).map(|k| 4.0 * f64::from(k)).collect();
@@ -281,7 +282,7 @@ pub fn moving(model: &Model, seed: u64) -> Flight {
 pub fn fly(model: &Model, flight: &Flight) -> Table {
     let rows = (flight.duration_s * flight.rate_hz).round() as usize;
     let times: Vec<f64> = (0..=rows).map(|k| k as f64 / flight.rate_hz).collect();
-    let vehicle = Prescribed::new(model, &flight.plan, Tolerance::default()).unwrap();
+    let vehicle = poinsot_dynamics::Flight::new(model, &flight.plan, Tolerance::default()).unwrap();
     let mut samples: Vec<MotionSample> = Vec::new();
     vehicle
         .run(&flight.start, &times, |s| samples.push(s.clone()))

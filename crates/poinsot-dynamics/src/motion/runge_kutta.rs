@@ -1,12 +1,12 @@
 //! The classical fourth-order Runge-Kutta rule at a fixed step.
 
 use crate::algebra::Real;
-use crate::integrate::{Flow, Halt, equal_steps, finite};
+use crate::motion::integrate::{Flow, Halt, equal_steps, finite};
 
 /// Scratch of the rule.
 ///
 /// ```
-#[doc = include_str!("../doc/oscillator.txt")]
+#[doc = include_str!("../../doc/oscillator.txt")]
 /// // y'' = -y: after half a period the rate is zero. Halving the step divides its error by 16.
 /// let error = |step: f64| {
 ///     let mut y = [1.0, 0.0];

@@ -1,8 +1,8 @@
 //! Motion through the requested times. Steps end where a derivative is discontinuous.
 
-use crate::dop853::DormandPrince8;
-use crate::integrate::{Flow, Halt, Tolerance};
-use crate::runge_kutta::RungeKutta4;
+use crate::motion::dop853::DormandPrince8;
+use crate::motion::integrate::{Flow, Halt, Tolerance};
+use crate::motion::runge_kutta::RungeKutta4;
 
 /// How the motion is integrated.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -11,8 +11,12 @@ pub enum Integrator {
     RungeKutta4(f64),
     /// Dormand and Prince's eighth order with step control; outputs come from dense output.
     DormandPrince8(Tolerance),
-    /// The same in equal steps of at most this length, s.
-    DormandPrince8Fixed(f64),
+}
+
+impl From<Tolerance> for Integrator {
+    fn from(tolerance: Tolerance) -> Self {
+        Self::DormandPrince8(tolerance)
+    }
 }
 
 /// An equation that is smooth between discontinuities, with its measurements.
@@ -58,17 +62,14 @@ pub(crate) fn run<S: SmoothByParts>(
 enum Stepper {
     Fourth(RungeKutta4, f64),
     Eighth(Box<DormandPrince8>),
-    EighthFixed(Box<DormandPrince8>, f64),
 }
 
 impl Stepper {
     fn new(integrator: Integrator, scale: Vec<f64>) -> Self {
-        let eighth = |scale, tolerance| Box::new(DormandPrince8::new(scale, tolerance));
         match integrator {
             Integrator::RungeKutta4(step) => Self::Fourth(RungeKutta4::new(scale.len()), step),
-            Integrator::DormandPrince8(tolerance) => Self::Eighth(eighth(scale, tolerance)),
-            Integrator::DormandPrince8Fixed(step) => {
-                Self::EighthFixed(eighth(scale, Tolerance::default()), step)
+            Integrator::DormandPrince8(tolerance) => {
+                Self::Eighth(Box::new(DormandPrince8::new(scale, tolerance)))
             }
         }
     }
@@ -77,7 +78,7 @@ impl Stepper {
     fn most_steps(&self) -> usize {
         match self {
             Self::Eighth(method) => method.tolerance().max_steps,
-            Self::Fourth(..) | Self::EighthFixed(..) => usize::MAX,
+            Self::Fourth(..) => usize::MAX,
         }
     }
 
@@ -90,18 +91,18 @@ impl Stepper {
         y: &mut [f64],
     ) -> Result<f64, Halt> {
         match self {
-            Self::Fourth(method, step) => method.advance(flow, t, next, *step, y)?,
-            Self::EighthFixed(method, step) => method.advance_fixed(flow, t, next, *step, y)?,
-            Self::Eighth(method) => return method.step(flow, t, far, y),
+            Self::Fourth(method, step) => {
+                method.advance(flow, t, next, *step, y)?;
+                Ok(next)
+            }
+            Self::Eighth(method) => method.step(flow, t, far, y),
         }
-        Ok(next)
     }
 
     /// The derivative is discontinuous here.
     fn restart(&mut self) {
-        match self {
-            Self::Fourth(..) => {}
-            Self::Eighth(method) | Self::EighthFixed(method, _) => method.restart(),
+        if let Self::Eighth(method) = self {
+            method.restart();
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The drive of one joint: a motor force with a spring and a damper, or a prescribed motion.
 
-use crate::joint_motion::JointMotion;
-use crate::piecewise::PiecewisePolynomial;
+use crate::motion::joint_motion::JointMotion;
+use crate::motion::piecewise::PiecewisePolynomial;
 
 /// Force of a motor along its joint axis as a function of time: N m (revolute) or N (prismatic).
 #[derive(Debug, Clone, PartialEq)]
@@ -89,7 +89,28 @@ pub enum JointDrive {
     Motion(JointMotion),
 }
 
+impl From<JointMotion> for JointDrive {
+    fn from(motion: JointMotion) -> Self {
+        Self::Motion(motion)
+    }
+}
+
 impl JointDrive {
+    /// Whether a force moves the joint, so that its position and rate are part of the state.
+    pub fn is_free(&self) -> bool {
+        matches!(self, Self::Force { .. })
+    }
+
+    /// Position at time zero, rad or m.
+    pub(crate) fn first_position(&self) -> f64 {
+        match self {
+            Self::Force {
+                initial_position, ..
+            } => *initial_position,
+            Self::Motion(motion) => motion.at(0.0, 0.0).value,
+        }
+    }
+
     /// The times at which integration restarts, s.
     pub fn breaks(&self) -> &[f64] {
         match self {

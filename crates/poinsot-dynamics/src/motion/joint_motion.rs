@@ -1,6 +1,6 @@
 //! Prescribed motion of one joint: position, rate and acceleration at any time.
 
-use crate::piecewise::{Jet, NodeError, PiecewisePolynomial};
+use crate::motion::piecewise::{Jet, NodeError, PiecewisePolynomial};
 use std::f64::consts::TAU;
 
 /// A sum of harmonics: `offset + sum_k sine_k sin(2 pi k f t) + cosine_k cos(2 pi k f t)`, k from 1.

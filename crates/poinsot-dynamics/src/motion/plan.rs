@@ -1,20 +1,24 @@
-//! The prescribed inputs of a motion, and its initial state.
+//! What drives a vehicle, and its initial state.
 
-use crate::joint_motion::JointMotion;
+use crate::motion::attitude_control::AttitudeControl;
+use crate::motion::joint_drive::JointDrive;
+use crate::motion::joint_motion::JointMotion;
+use crate::motion::wheel_motion::WheelMotion;
 use crate::thrust::Firing;
 use crate::vehicle::Vehicle;
-use crate::wheel_motion::WheelMotion;
 use poinsot_spatial::{UnitQuaternion, Vector3};
 
-/// Joint motion, wheel motion and firings of one simulation.
-#[derive(Debug, Clone, PartialEq)]
+/// What drives a vehicle.
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Plan {
     /// One per joint coordinate of the tree.
-    pub joints: Vec<JointMotion>,
+    pub joints: Vec<JointDrive>,
     /// One per wheel.
     pub wheels: Vec<WheelMotion>,
     /// In any order; firings of one thruster add up.
     pub firings: Vec<Firing>,
+    /// The law of the controlled wheels.
+    pub control: Option<AttitudeControl>,
 }
 
 /// Pose and motion at the first instant.
@@ -67,9 +71,9 @@ impl Plan {
         let vehicle: Vehicle = vehicle.into();
         let locked = vehicle.locked_at.iter();
         Self {
-            joints: locked.map(|at| JointMotion::locked(*at)).collect(),
+            joints: locked.map(|at| JointMotion::locked(*at).into()).collect(),
             wheels: vec![WheelMotion::constant(0.0); vehicle.spin_inertia.len()],
-            firings: Vec::new(),
+            ..Self::default()
         }
     }
 

@@ -1,8 +1,8 @@
 //! An explicit Runge-Kutta method of eighth order with step control and dense output: for small errors its steps are
 //! much longer than those of fifth order (Hairer, Norsett, Wanner 1993, section II.5, code DOP853).
 
-use crate::dop853_table::{A, ALL, C, D, E3, E5, STAGES};
-use crate::integrate::{Flow, Halt, Tolerance, equal_steps, finite};
+use crate::motion::dop853_table::{A, ALL, C, D, E3, E5, STAGES};
+use crate::motion::integrate::{Flow, Halt, Tolerance};
 
 /// One over the order.
 const EXPONENT: f64 = 0.125;
@@ -16,11 +16,14 @@ const DENSE: usize = 7;
 /// Scratch and step size of the method.
 ///
 /// ```
-#[doc = include_str!("../doc/oscillator.txt")]
+#[doc = include_str!("../../doc/oscillator.txt")]
 /// // y'' = -y: after half a period the sign has changed.
 /// let mut y = [1.0, 0.0];
 /// let mut method = DormandPrince8::new(vec![1.0; 2], Tolerance::default());
-/// method.advance(&mut Oscillator, 0.0, PI, &mut y)?;
+/// let mut t = 0.0;
+/// while t < PI {
+///     t = method.step(&mut Oscillator, t, PI, &mut y)?;
+/// }
 /// assert!((y[0] + 1.0).abs() < 1.0e-11);
 /// # Ok::<(), Halt>(())
 /// ```
@@ -107,47 +110,6 @@ impl DormandPrince8 {
                 return Err(Halt::stuck(t, error));
             }
         }
-    }
-
-    /// From `start` to exactly `end` with step control.
-    ///
-    /// # Errors
-    /// The derivative fails, or the tolerance cannot be met.
-    pub fn advance(
-        &mut self,
-        flow: &mut impl Flow,
-        start: f64,
-        end: f64,
-        y: &mut [f64],
-    ) -> Result<(), Halt> {
-        let mut t = start;
-        for _ in 0..self.tolerance.max_steps {
-            if t >= end {
-                return Ok(());
-            }
-            t = self.step(flow, t, end, y)?;
-        }
-        Err(Halt::TooManySteps { time: end })
-    }
-
-    /// From `start` to exactly `end` in equal steps of at most `step` seconds, without error control.
-    ///
-    /// # Errors
-    /// The derivative fails, or the state leaves the finite numbers.
-    pub fn advance_fixed(
-        &mut self,
-        flow: &mut impl Flow,
-        start: f64,
-        end: f64,
-        step: f64,
-        y: &mut [f64],
-    ) -> Result<(), Halt> {
-        equal_steps((start, end), step, |t, h| {
-            self.first_stage(flow, t, y)?;
-            self.attempt(flow, t, h, y)?;
-            self.accept(flow, t, h, t + h, y)
-        })?;
-        finite(y, end)
     }
 
     /// The state at a time within the last step, to seventh order. The first call after a step costs three
@@ -328,6 +290,7 @@ fn combine(out: &mut [f64], y: &[f64], h: f64, stages: &[Vec<f64>], weights: &[(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::motion::integrate::equal_steps;
 
     /// `y'' = -y` as a pair.
     struct Oscillator;
@@ -362,10 +325,13 @@ mod tests {
     #[test]
     fn exact_error_falls_with_the_eighth_power_of_the_step() {
         let errors = [1.0, 0.5, 0.25].map(|step| {
-            let mut y = [0.0, 1.0];
-            method(1e-12)
-                .advance_fixed(&mut Oscillator, 0.0, 10.0, step, &mut y)
-                .unwrap();
+            let (mut y, mut rk, flow) = ([0.0, 1.0], method(1e-12), &mut Oscillator);
+            let advance = |t: f64, h: f64| {
+                rk.first_stage(flow, t, &y)?;
+                rk.attempt(flow, t, h, &y)?;
+                rk.accept(flow, t, h, t + h, &mut y)
+            };
+            equal_steps((0.0, 10.0), step, advance).unwrap();
             (y[0] - 10.0_f64.sin()).hypot(y[1] - 10.0_f64.cos())
         });
         for pair in errors.windows(2) {
@@ -406,13 +372,20 @@ mod tests {
             fn project(&self, _: &mut [f64]) {}
         }
         let mut rk = DormandPrince8::new(vec![1.0], Tolerance::default());
-        let halted = rk.advance(&mut Escape, 0.0, 2.0, &mut [1.0]);
+        let mut end = |mut y: [f64; 1]| {
+            let mut t = 0.0;
+            while t < 2.0 {
+                t = rk.step(&mut Escape, t, 2.0, &mut y)?;
+            }
+            rk.restart();
+            Ok::<_, Halt>(t)
+        };
+        let halted = end([1.0]);
         assert!(
             matches!(halted, Err(Halt::NotFinite { time }) if (time - 1.0).abs() < 1e-6),
             "{halted:?}"
         );
-        rk.restart();
-        let halted = rk.advance(&mut Escape, 0.0, 2.0, &mut [f64::NAN]);
+        let halted = end([f64::NAN]);
         assert!(matches!(halted, Err(Halt::NotFinite { .. })), "{halted:?}");
     }
 }

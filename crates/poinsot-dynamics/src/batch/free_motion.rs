@@ -1,17 +1,19 @@
 //! Free motion of one vehicle, or of several side by side, under joint forces alone.
 //!
-//! The state and the equations are those of `driven_stage.rs` without wheels, thrust and gravity:
+//! The state and the equations are those of `stage.rs` without wheels, thrust and gravity:
 //! `y = [ q_NB (xyzw), p_NoScm, l_S, h_SScm, q, q' ]` in N.
 
 use crate::algebra::{Real, V3};
 use crate::forward_dynamics::{ForwardDynamics, JointInput};
 use crate::inertial::Inertial;
-use crate::integrate::{Flow, Halt};
-use crate::joint_drive::ForceProfile;
 use crate::kinematics::Kinematics;
+use crate::momentum::Twist;
+use crate::motion::integrate::{Flow, Halt};
+use crate::motion::joint_drive::ForceProfile;
+use crate::motion::rates_momentum::RatesMomentum;
+use crate::motion::stage::{ANGULAR, LINEAR, POSITION, WHEELS};
+use crate::propagation::{LockedVehicle, PoseMomentum};
 use crate::quaternion;
-use crate::rates_momentum::RatesMomentum;
-use crate::stage::{ANGULAR, LINEAR, POSITION, WHEELS};
 use crate::tree::Tree;
 
 /// Numbers of a state before the joints.
@@ -72,27 +74,23 @@ impl<T: Real> Flow<T> for FreeMotion<'_, T> {
             }
         }
         let q_NB = quaternion::unit([y[0], y[1], y[2], y[3]]);
-        let R_NB = quaternion::rotation(&q_NB);
         let (q, rates) = (&y[JOINTS..JOINTS + dof], &y[JOINTS + dof..JOINTS + 2 * dof]);
         self.kinematics.place(tree, q);
         self.dynamics
             .set_inertias(tree, self.bodies.iter().copied(), &self.kinematics);
-        let (whole, l_c, h_c) = self.carried.of(tree, &self.dynamics, rates);
-        let c = whole.centre();
-        let l = R_NB.transpose_times(&vector(y, LINEAR));
-        let h = R_NB.transpose_times(&vector(y, ANGULAR));
-        let about_centre = whole.about_centre(&c);
-        let turning = about_centre.solve(&(h - (h_c - c.cross(&l_c))));
-        let w_NB = turning.ok_or(singular)?;
-        let v = (l - l_c) / whole.mass - w_NB.cross(&c);
-        self.kinematics
-            .set_velocities(tree, &v.stored(), &w_NB.stored(), rates);
+        let (whole, l, h) = self.carried.of(tree, &self.dynamics, rates);
+        let locked = LockedVehicle::over(&whole, &whole, (&l, &h)).ok_or(singular)?;
+        let nowhere = V3::all(y[0].all(0.0));
+        let state =
+            PoseMomentum::from_parts(q_NB, &nowhere, &vector(y, LINEAR), &vector(y, ANGULAR));
+        let Twist { v, w } = locked.base_motion(&state).twist;
+        self.kinematics.set_velocities(tree, &v, &w, rates);
         let found = &mut dy[JOINTS + dof..JOINTS + 2 * dof];
         self.dynamics
             .solve(tree, &self.kinematics, rates, &self.inputs, found)
             .map_err(|_| singular)?;
         dy[JOINTS..JOINTS + dof].copy_from_slice(rates);
-        dy[..POSITION].copy_from_slice(&quaternion::rate(&q_NB, &w_NB));
+        dy[..POSITION].copy_from_slice(&quaternion::rate(&q_NB, &V3::of(&w)));
         let velocity = vector(y, LINEAR) / whole.mass;
         [dy[POSITION], dy[POSITION + 1], dy[POSITION + 2]] = [velocity.x, velocity.y, velocity.z];
         // No force from outside: both momenta are constant.

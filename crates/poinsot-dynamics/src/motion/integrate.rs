@@ -30,6 +30,16 @@ pub enum Halt {
         /// Time, s.
         time: f64,
     },
+    /// A free joint has no outboard inertia.
+    #[error(
+        "joint coordinate {coordinate} has no inertia at t = {time} s: give its outboard bodies mass off its axis or inertia about it"
+    )]
+    Joint {
+        /// Time, s.
+        time: f64,
+        /// Coordinate of the tree.
+        coordinate: usize,
+    },
     /// The state left the finite numbers.
     #[error(
         "the motion is not finite at t = {time} s; check the magnitudes of masses, torques, thrust and speeds"
