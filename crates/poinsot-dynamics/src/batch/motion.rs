@@ -24,7 +24,7 @@ pub struct Steps {
 
 /// Moves every vehicle by equal steps of the classical fourth-order Runge-Kutta rule, in free fall without wheels.
 ///
-/// A row of `states` is that of [`crate::Driven::state`]: attitude, mass centre, momenta, joints. `motors` drive the
+/// A row of `states` is that of [`crate::Flight::state`]: attitude, mass centre, momenta, joints. `motors` drive the
 /// joint coordinates of all vehicles; `bodies` are those of all vehicles, or those of each.
 ///
 /// # Errors
