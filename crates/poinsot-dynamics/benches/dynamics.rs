@@ -277,7 +277,7 @@ struct End {
 
 fn end(sample: &MotionSample) -> End {
     // Momentum by the definition, not from the state that carries it.
-    let motion = &sample.motion;
+    let motion = sample;
     let R: &UnitQuaternion = &motion.R_NB;
     let m = momentum(&xu_arm::parameters(), &motion.kinematics);
     let whole = composite(&xu_arm::parameters(), &motion.kinematics);

@@ -47,6 +47,7 @@ fn busy(index: usize, firings: Vec<Firing>) -> Busy {
                 sine: vec![0.2, -0.1],
                 cosine: vec![0.1],
             })
+            .into()
         })
         .collect();
     let speed = PiecewisePolynomial::linear(&[0.0, 8.0, 30.0], &[20.0, 90.0, -40.0]).unwrap();

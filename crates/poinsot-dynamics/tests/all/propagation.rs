@@ -347,7 +347,7 @@ fn xval_steps_follow_the_simulated_motion() {
     });
     let speed = PiecewisePolynomial::linear(&[0.0, 10.0], &[20.0, 120.0]).unwrap();
     let plan = Plan {
-        joints: joints.collect(),
+        joints: joints.map(Into::into).collect(),
         wheels: vec![WheelMotion::Speed(speed)],
         firings: vec![Firing {
             thruster: 0,

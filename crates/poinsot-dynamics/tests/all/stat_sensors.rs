@@ -46,7 +46,11 @@ fn instant() -> (Tree, MotionSample) {
     let bodies = [body(KitJoint::Base, 50.0), body(KitJoint::Revolute, 8.0)];
     let model = setup::model(&bodies, &[]);
     let mut plan = Plan::hold(&model);
-    plan.joints = vec![JointMotion::quintic_rest(&[0.0, 4.0], &[0.2, 1.7]).unwrap()];
+    plan.joints = vec![
+        JointMotion::quintic_rest(&[0.0, 4.0], &[0.2, 1.7])
+            .unwrap()
+            .into(),
+    ];
     let start = Start {
         velocity: StartVelocity::Twist {
             v_NBo_N: Vector3::new(0.1, 0.0, -0.2),

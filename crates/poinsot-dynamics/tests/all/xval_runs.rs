@@ -94,7 +94,7 @@ fn ma2008(trajectory: &str) {
         .map(|j| {
             let angle = |k: &serde_json::Value| k[1][j].as_f64().unwrap().to_radians();
             let angles: Vec<f64> = knots.iter().map(angle).collect();
-            JointMotion::quintic_rest(&times, &angles).unwrap()
+            JointMotion::quintic_rest(&times, &angles).unwrap().into()
         })
         .collect();
     let plan = Plan {
@@ -142,8 +142,10 @@ fn xu2017_one_joint(run: &str) {
         .iter()
         .map(|d| d.to_radians())
         .collect();
-    let mut joints = vec![JointMotion::locked(0.0); 6];
-    joints[unlocked] = JointMotion::cubic_clamped(&numbers(&nodes["t_s"]), &angles).unwrap();
+    let mut joints = vec![JointMotion::locked(0.0).into(); 6];
+    joints[unlocked] = JointMotion::cubic_clamped(&numbers(&nodes["t_s"]), &angles)
+        .unwrap()
+        .into();
     let plan = Plan {
         joints,
         ..Plan::default()
