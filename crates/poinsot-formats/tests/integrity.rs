@@ -1,5 +1,7 @@
 //! Result files that were changed or cut are refused, or read as before.
 
+#![allow(clippy::unwrap_used, clippy::panic)]
+
 use poinsot_formats::{
     CampaignFile, ComparisonFile, DesignFile, EstimateFile, PredictionFile, ReportData, ResultFile,
     TruthFile, ValidationFile, parse_result, result_text, sha256,
