@@ -153,16 +153,6 @@ impl Rows {
             twist: states.iter().flat_map(twist).collect(),
         }
     }
-
-    /// As the kernels take them.
-    #[cfg(feature = "batches")]
-    pub fn states(&self) -> poinsot_dynamics::batch::States<'_> {
-        poinsot_dynamics::batch::States {
-            q: &self.q,
-            rates: &self.rates,
-            twist: &self.twist,
-        }
-    }
 }
 
 /// States in the ring.
