@@ -14,6 +14,7 @@ mod exact_motions;
 mod exact_propellant;
 mod kernels;
 mod prop_motion;
+#[cfg(feature = "batches")]
 mod propagation;
 mod setup;
 mod stat_sensors;
