@@ -209,7 +209,8 @@ fn exact_driven_and_prescribed_motion_agree_in_the_field() {
     let (around, n) = satellite(Vector3::new(2.0, 6.0, 5.0));
     let mut model = setup::model(&bodies, &[]);
     model.environment = around.environment;
-    let led = JointMotion::cubic_clamped(&[0.0, 900.0, 2000.0], &[0.2, 1.4, -0.5]).unwrap();
+    // Beyond the last time: at its end the acceleration jumps.
+    let led = JointMotion::cubic_clamped(&[0.0, 900.0, 2100.0], &[0.2, 1.4, -0.5]).unwrap();
     let prescribed = Plan {
         joints: vec![led.into()],
         ..Plan::hold(&model)
