@@ -1,6 +1,6 @@
 //! Turns a panic into a one-line error and exit code 4.
 
-use crate::verbs::Failure;
+use poinsot::Error;
 use std::panic::{AssertUnwindSafe, PanicHookInfo, catch_unwind, set_hook};
 use std::sync::Mutex;
 
@@ -15,17 +15,17 @@ static LAST: Mutex<String> = Mutex::new(String::new());
 ///
 /// # Errors
 /// Those of the verb, or E0009 and E0006 of a panic.
-pub fn guarded<T>(verb: impl FnOnce() -> Result<T, Failure>) -> Result<T, Failure> {
+pub fn guarded<T>(verb: impl FnOnce() -> Result<T, Error>) -> Result<T, Error> {
     set_hook(Box::new(remember));
     catch_unwind(AssertUnwindSafe(verb)).unwrap_or_else(|_| {
         let what = match LAST.lock() {
             Ok(text) => text.clone(),
             Err(poisoned) => poisoned.into_inner().clone(),
         };
-        Err(Failure::from(match what.contains(NO_MEMORY) {
-            true => poinsot::Error::Memory,
-            false => poinsot::Error::Internal { what },
-        }))
+        Err(match what.contains(NO_MEMORY) {
+            true => Error::memory(),
+            false => Error::internal(what),
+        })
     })
 }
 
@@ -56,11 +56,10 @@ mod tests {
     #[test]
     #[allow(clippy::panic)]
     fn exact_a_panic_is_one_line_and_exit_code_4() {
-        let failure = guarded::<u8>(|| panic!("two\nlines"))
-            .err()
-            .map(|f| (f.file.exit_code, f.message));
-        let (code, message) = failure.unwrap_or_default();
-        assert_eq!(code, 4);
+        let failure = guarded::<u8>(|| panic!("two\nlines")).err();
+        let failure = failure.unwrap_or_default();
+        assert_eq!(failure.kind(), poinsot::ErrorKind::Internal);
+        let message = failure.to_string();
         let line = message.rsplit_once(':').map_or("", |m| m.0);
         assert!(
             line.starts_with("E0009 internal error: two lines (poinsot-cli/src/guard.rs"),

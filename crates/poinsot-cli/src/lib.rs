@@ -16,10 +16,11 @@ mod verbs;
 mod words;
 
 pub use guard::guarded;
-pub use verbs::{Failure, exit_of};
+pub use verbs::exit_of;
 
 use arguments::{Arguments, Verb};
 use clap::{CommandFactory, FromArgMatches};
+use poinsot_formats::ErrorFile;
 use progress::Progress;
 use std::ffi::OsString;
 
@@ -68,16 +69,17 @@ pub fn run(words: Vec<OsString>) -> u8 {
     match result.and_then(verbs::printed) {
         Ok(code) => code,
         Err(failure) => {
-            let message = terminal::error_text(&failure.message);
+            let file = ErrorFile::of(&failure);
+            let message = terminal::error_text(&failure.to_string());
             // A closed standard error is ignored.
             let _ = std::io::Write::write_all(
                 &mut std::io::stderr(),
                 format!("{message}\n").as_bytes(),
             );
             if json {
-                verbs::print_json(&failure.file);
+                verbs::print_json(&file);
             }
-            failure.file.exit_code
+            file.exit_code
         }
     }
 }

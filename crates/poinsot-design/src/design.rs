@@ -12,7 +12,6 @@ use crate::written::manoeuvre_text;
 use poinsot::Error;
 use poinsot::case::{Case, Design, Limits, Objective, Want, parse_case, read_case};
 use poinsot::predict::{against_duration, predict_case, wanted_sigma};
-use poinsot::simulate::SimulateError;
 use poinsot_dynamics::{Firing, Plan, Tree};
 use poinsot_model::{Model, read_model};
 use std::path::{Path, PathBuf};
@@ -68,7 +67,7 @@ pub struct DesignRequest {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn design(request: &DesignRequest) -> Result<Designed, Error> {
-    let case = read_case(&request.case).map_err(SimulateError::from)?;
+    let case = read_case(&request.case)?;
     let model = read_model(&case.model)?;
     design_case(&case, model, request)
 }
@@ -144,21 +143,26 @@ fn manoeuvre_of(designed: &Designed) -> Result<Case, Error> {
 /// The text of a case as if it lay beside the one that asks for the design.
 fn parsed(asked: &Path, text: String) -> Result<Case, Error> {
     let path = asked.with_file_name("case.toml");
-    Ok(parse_case(&path, text).map_err(SimulateError::from)?)
+    parse_case(&path, text)
 }
 
 impl<'c> Asked<'c> {
     fn new(case: &'c Case, model: &'c Model, minutes: Option<f64>) -> Result<Self, Error> {
-        let usage = |why: &str| Error::usage("CASE", case.path().display(), why);
-        let refused = SimulateError::from;
-        let design = case.design(model).map_err(refused)?;
+        let usage = |problem: &str, advice: &str| {
+            Error::usage("CASE", case.path().display(), problem, advice)
+        };
+        let design = case.design(model)?;
         let design = design.ok_or_else(|| {
-            usage("it has no [design]; add it with [[design.joint]], [[design.wheel]] or [[design.thruster]]")
+            usage(
+                "it has no [design]",
+                "add it with [[design.joint]], [[design.wheel]] or [[design.thruster]]",
+            )
         })?;
-        let wants = case.wants(model).map_err(refused)?;
+        let wants = case.wants(model)?;
         if wants.is_empty() {
             return Err(usage(
-                "it has no [[want]]; add one with number = \"BODY.mass_kg\" and sigma",
+                "it has no [[want]]",
+                "add one with number = \"BODY.mass_kg\" and sigma",
             ));
         }
         let minutes = match minutes {
@@ -166,7 +170,8 @@ impl<'c> Asked<'c> {
                 return Err(Error::usage(
                     "--minutes",
                     m,
-                    "must be a positive number; give for example 5",
+                    "must be a positive number",
+                    "give for example 5",
                 ));
             }
             other => other,
@@ -176,8 +181,8 @@ impl<'c> Asked<'c> {
             .coordinates
             .iter()
             .map(|k| model.joints[*k].name.clone());
-        let mut limits = case.limits(model).map_err(refused)?;
-        let scenario = case.bind_around(model, design.open()).map_err(refused)?;
+        let mut limits = case.limits(model)?;
+        let scenario = case.bind_around(model, design.open())?;
         let designed = |f: &Firing| {
             let own = design.thrusters.iter().any(|t| t.index == f.thruster);
             own && !design.window.keeps(f.on, f.off)
@@ -213,6 +218,7 @@ impl<'c> Asked<'c> {
                 "CASE",
                 self.case.path().display(),
                 format!("{}: {why}", self.name(target)),
+                "",
             )
         })
     }
@@ -286,7 +292,8 @@ impl<'c> Asked<'c> {
             return Err(Error::usage(
                 "CASE",
                 self.case.path().display(),
-                "no manoeuvre could be evaluated before the search was stopped; give more time",
+                "no manoeuvre could be evaluated before the search was stopped",
+                "give more time",
             ));
         };
         match self.design.objective {

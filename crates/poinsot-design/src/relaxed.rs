@@ -42,7 +42,8 @@ impl Asked<'_> {
             Error::usage(
                 "--front",
                 what,
-                format!("no such limit; use one of {}", known.join(", ")),
+                "no such limit",
+                format!("use one of {}", known.join(", ")),
             )
         })
     }

@@ -123,7 +123,7 @@ impl Question {
         let mut case = case.clone();
         case.tolerance.relative = case.tolerance.relative.max(TOLERANCE);
         let bound = case.bind_around(&model, design.open());
-        let scenario = bound.map_err(poinsot::simulate::SimulateError::from)?;
+        let scenario = bound?;
         Ok(Self {
             case,
             scenario,

@@ -4,7 +4,6 @@ use crate::mover::{Command, Target};
 use crate::result::Designed;
 use crate::shape::Space;
 use poinsot::case::{Case, Design, parse_case};
-use poinsot::simulate::SimulateError;
 use poinsot::{Error, result_json, write_files};
 use poinsot_dynamics::{Firing, Jet, JointDrive, Tree, WheelMotion, thrust_held};
 use poinsot_files::read_text;
@@ -49,9 +48,12 @@ pub(crate) fn manoeuvre_text(
             off_s: f.off.into(),
             force_N: f.force.into(),
         }));
-    let text = file.text().map_err(|e| Error::Report {
-        path: case.path().to_owned(),
-        why: format!("{e}; report this bug in poinsot with the case"),
+    let text = file.text().map_err(|e| {
+        Error::report(
+            case.path(),
+            format!("{e}"),
+            "report this bug in poinsot with the case",
+        )
     })?;
     let (program, from) = (env!("CARGO_PKG_VERSION"), case.path().display());
     Ok(format!(
@@ -131,7 +133,7 @@ fn wheel_motion(name: &str, command: &Command) -> WheelMotionFile {
 /// Commands of every designed joint and wheel at the sample rate of the case, with standard column names.
 fn commands_csv(designed: &Designed, case: &Case) -> Result<String, Error> {
     let model = &designed.model;
-    let plan = case.bind(model).map_err(SimulateError::from)?.plan;
+    let plan = case.bind(model)?.plan;
     let tree = Tree::new(model);
     let jet = |name: &str, t: f64| {
         let joint = model.joint(name);
@@ -210,7 +212,7 @@ fn unit_of(model: &Model, name: &str) -> Option<&'static str> {
 /// ```
 pub fn manoeuvre_case(designed: &Designed, folder: &Path) -> Result<Case, Error> {
     let path = folder.join("case.toml");
-    Ok(parse_case(&path, designed.manoeuvre.clone()).map_err(SimulateError::from)?)
+    parse_case(&path, designed.manoeuvre.clone())
 }
 
 /// Writes `case.toml`, `model.toml`, `commands.csv`, `firings.csv` of a design that fires, and `design.json` into a
@@ -233,10 +235,7 @@ pub fn write_design(
     designed: &Designed,
     model: &Path,
 ) -> Result<Vec<PathBuf>, Error> {
-    let text = read_text(model, LARGEST_MODEL).map_err(|e| Error::Report {
-        path: model.to_owned(),
-        why: format!("{e}; {}", e.remedy()),
-    })?;
+    let text = read_text(model, LARGEST_MODEL).map_err(|e| Error::report(model, &e, e.advice()))?;
     let case = manoeuvre_case(designed, folder)?;
     let json = result_json(folder, &crate::design_file(designed), true)?;
     let mut files: Vec<(PathBuf, Vec<u8>)> = vec![

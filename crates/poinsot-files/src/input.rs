@@ -1,5 +1,6 @@
 //! Opens inputs: regular files only, read up to a size limit.
 
+use crate::{Fault, FaultKind, Place};
 use std::fs::{File, Metadata, OpenOptions};
 use std::io::{self, ErrorKind, Read};
 use std::path::Path;
@@ -28,13 +29,17 @@ pub enum InputError {
 }
 
 impl InputError {
-    /// Whether the environment (disk, permission) failed, not the choice of file.
-    pub fn is_environment(&self) -> bool {
-        matches!(self, Self::System(_))
+    /// The fault of a file that cannot be read.
+    pub fn fault(&self, code: &'static str, path: &Path) -> Fault {
+        let kind = match self {
+            Self::System(_) => FaultKind::System,
+            _ => FaultKind::Input,
+        };
+        Fault::new(code, Place::file(path), self.to_string(), self.advice()).of_kind(kind)
     }
 
     /// Advice to the user.
-    pub fn remedy(&self) -> &'static str {
+    pub fn advice(&self) -> &'static str {
         match self {
             Self::Missing(_) => "check the path",
             Self::Folder => "name the file in it",

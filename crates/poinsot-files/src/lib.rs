@@ -1,18 +1,23 @@
 //! File input and output. Inputs are opened by [`open`], outputs are put in place by a [`Stage`], and text from files
 //! is printed by [`escaped`] and [`error_line`]. Numbers in text: [`short`], [`rounded`], [`number_with_sigma`].
 //!
+//! Every error of the project is a [`Fault`]; [`Faults`] is the error type of all crates that read or write files.
+//!
 //! # Files
+//! - `fault.rs`: code, place, value, problem and advice of an error as data, and its line of text.
 //! - `input.rs`: opens every input: a regular file, up to a size limit.
 //! - `stage.rs`: drafts in a hidden folder. Earlier files are kept until all drafts are in place, and restored on
 //!   failure. Folders of killed runs are removed.
 //! - `plain.rs`: escapes unprintable characters and shortens error lines to 300 characters.
 //! - `numbers.rs`: numbers in text: significant digits, with a sigma.
 
+mod fault;
 mod input;
 mod numbers;
 mod plain;
 mod stage;
 
+pub use fault::{Fault, FaultKind, Faults, Place, io_advice};
 pub use input::{InputError, open, read, read_text, spooled, standard_input};
 pub use numbers::{
     HALF_WIDTH_95, as_read, list, number_with_sigma, probability, rounded, short, significant,
@@ -21,4 +26,4 @@ pub use numbers::{
 pub use plain::{
     LONGEST_LINE, error_line, escaped, escaped_lines, excerpt, is_unprintable, json_escaped,
 };
-pub use stage::{Stage, StageError, check_target, folder_of, is_same_file, remove_stages};
+pub use stage::{Stage, check_target, folder_of, is_same_file, remove_stages};

@@ -4,6 +4,7 @@
 //! the running process. It is removed at the end, and by [`remove_stages`] on a signal. After a killed process, the
 //! next stage in the same folder removes it.
 
+use crate::Faults;
 use std::collections::BTreeSet;
 use std::fs::{self, File};
 use std::io::{self, ErrorKind};
@@ -42,30 +43,6 @@ pub fn remove_stages() {
     std::mem::forget(open);
 }
 
-/// Why files cannot be put in place. No target has changed, unless `kept` is set.
-#[derive(Debug)]
-pub struct StageError {
-    /// Target path of the file.
-    pub path: PathBuf,
-    /// Failed operation.
-    pub what: &'static str,
-    /// Error of the operating system.
-    pub source: io::Error,
-    /// Folder of earlier files that could not be restored.
-    pub kept: Option<PathBuf>,
-}
-
-impl StageError {
-    fn new(path: &Path, what: &'static str, source: io::Error) -> Self {
-        Self {
-            path: path.to_owned(),
-            what,
-            source,
-            kept: None,
-        }
-    }
-}
-
 struct Draft {
     target: PathBuf,
     draft: PathBuf,
@@ -86,13 +63,13 @@ impl Stage {
     ///
     /// # Errors
     /// Writing fails.
-    pub fn new(folder: &Path) -> Result<Self, StageError> {
+    pub fn new(folder: &Path) -> Result<Self, Faults> {
         let mut made = Vec::new();
         let opened = make_folders(folder, &mut made)
-            .map_err(|e| StageError::new(folder, "its folder cannot be made", e))
+            .map_err(|e| Faults::io(folder, "its folder cannot be made", &e))
             .and_then(|()| {
                 sweep(folder);
-                open_hidden(folder).map_err(|e| StageError::new(folder, "it is not writable", e))
+                open_hidden(folder).map_err(|e| Faults::io(folder, "it is not writable", &e))
             });
         match opened {
             Ok((hidden, lock)) => Ok(Self {
@@ -118,11 +95,11 @@ impl Stage {
     ///
     /// # Errors
     /// Writing fails.
-    pub fn add(&mut self, name: &Path, bytes: &[u8]) -> Result<(), StageError> {
+    pub fn add(&mut self, name: &Path, bytes: &[u8]) -> Result<(), Faults> {
         let target = self.target(name);
         self.fill(name, |file| {
             io::Write::write_all(file, bytes)
-                .map_err(|e| StageError::new(&target, "cannot be written", e))
+                .map_err(|e| Faults::io(&target, "cannot be written", &e))
         })
     }
 
@@ -130,13 +107,13 @@ impl Stage {
     ///
     /// # Errors
     /// As `write`, or writing fails.
-    pub fn fill<E: From<StageError>>(
+    pub fn fill(
         &mut self,
         name: &Path,
-        write: impl FnOnce(&mut File) -> Result<(), E>,
-    ) -> Result<(), E> {
+        write: impl FnOnce(&mut File) -> Result<(), Faults>,
+    ) -> Result<(), Faults> {
         let target = self.target(name);
-        let failed = |e| StageError::new(&target, "cannot be written", e);
+        let failed = |e| Faults::io(&target, "cannot be written", &e);
         let draft = self.hidden().join(format!("new-{}", self.drafts.len()));
         let mut file = File::create_new(&draft).map_err(failed)?;
         write(&mut file)?;
@@ -153,7 +130,7 @@ impl Stage {
     ///
     /// # Errors
     /// A file cannot be put in place; all targets are then unchanged.
-    pub fn commit(mut self) -> Result<Vec<PathBuf>, StageError> {
+    pub fn commit(mut self) -> Result<Vec<PathBuf>, Faults> {
         // Locked until the end, so that another process waits, and an interruption.
         let _folder = locked(&self.folder);
         let open = open_stages();
@@ -166,13 +143,15 @@ impl Stage {
         };
         for (done, draft) in self.drafts.iter().enumerate() {
             if let Err(source) = fs::rename(&draft.draft, &draft.target) {
-                let mut error =
-                    StageError::new(&draft.target, "cannot be written to its path", source);
-                if !self.roll_back(done, &earlier) {
-                    error.kept = self.hidden.take().map(TempDir::keep);
-                }
+                let kept = match self.roll_back(done, &earlier) {
+                    true => None,
+                    false => self.hidden.take().map(TempDir::keep),
+                };
                 drop(open);
-                return Err(error);
+                return Err(match kept {
+                    Some(kept) => Faults::kept(&draft.target, &source, &kept),
+                    None => Faults::io(&draft.target, "cannot be written to its path", &source),
+                });
             }
         }
         self.made.clear();
@@ -182,16 +161,15 @@ impl Stage {
     }
 
     /// Checks every target, creates its folder and keeps a copy of the earlier file. One entry per draft.
-    fn earlier_files(&mut self) -> Result<Vec<Option<PathBuf>>, StageError> {
+    fn earlier_files(&mut self) -> Result<Vec<Option<PathBuf>>, Faults> {
         let mut earlier = Vec::with_capacity(self.drafts.len());
         for (k, draft) in self.drafts.iter().enumerate() {
             check_target(&draft.target)?;
             make_folders(folder_of(&draft.target), &mut self.made)
-                .map_err(|e| StageError::new(&draft.target, "its folder cannot be made", e))?;
+                .map_err(|e| Faults::io(&draft.target, "its folder cannot be made", &e))?;
             let kept = self.hidden().join(format!("old-{k}"));
-            let found = keep(&draft.target, &kept).map_err(|e| {
-                StageError::new(&draft.target, "the earlier file cannot be kept", e)
-            })?;
+            let found = keep(&draft.target, &kept)
+                .map_err(|e| Faults::io(&draft.target, "the earlier file cannot be kept", &e))?;
             earlier.push(found.then_some(kept));
         }
         Ok(earlier)
@@ -254,27 +232,20 @@ fn keep(target: &Path, kept: &Path) -> io::Result<bool> {
 ///
 /// # Errors
 /// The obstacle.
-pub fn check_target(target: &Path) -> Result<(), StageError> {
-    let refuse = |kind: ErrorKind| {
-        Err(StageError::new(
-            target,
-            "cannot be written to its path",
-            kind.into(),
-        ))
-    };
+pub fn check_target(target: &Path) -> Result<(), Faults> {
+    let refuse = |path: &Path, what, kind: ErrorKind| Err(Faults::io(path, what, &kind.into()));
+    let occupied = "cannot be written to its path";
     match fs::metadata(target) {
-        Ok(found) if found.is_dir() => return refuse(ErrorKind::IsADirectory),
-        Ok(found) if !found.is_file() => return refuse(ErrorKind::AlreadyExists),
+        Ok(found) if found.is_dir() => return refuse(target, occupied, ErrorKind::IsADirectory),
+        Ok(found) if !found.is_file() => return refuse(target, occupied, ErrorKind::AlreadyExists),
         Ok(_) => return Ok(()),
         Err(_) => {}
     }
     let above = target.ancestors().skip(1).find(|a| a.exists());
     match above {
-        Some(file) if !file.is_dir() => Err(StageError::new(
-            file,
-            "a folder is needed here",
-            ErrorKind::NotADirectory.into(),
-        )),
+        Some(file) if !file.is_dir() => {
+            refuse(file, "a folder is needed here", ErrorKind::NotADirectory)
+        }
         _ => Ok(()),
     }
 }
@@ -434,7 +405,10 @@ mod tests {
         let error = stage(out, &[("data", "new"), ("new/x", "new"), ("page", "new")])
             .commit()
             .unwrap_err();
-        assert_eq!(error.path, out.join("page"));
+        assert_eq!(
+            error.list[0].place.file,
+            out.join("page").display().to_string()
+        );
         assert_eq!(names(out), ["data", "page"]);
         assert_eq!(fs::read_to_string(out.join("data")).unwrap(), "earlier");
     }
@@ -447,7 +421,7 @@ mod tests {
         let stage = stage(out, &[("data", "new"), ("other", "new"), ("last", "new")]);
         fs::remove_file(&stage.drafts[2].draft).unwrap();
         let error = stage.commit().unwrap_err();
-        assert!(error.kept.is_none());
+        assert_eq!(error.code(), "E0002");
         assert_eq!(names(out), ["data"]);
         assert_eq!(fs::read_to_string(out.join("data")).unwrap(), "earlier");
     }

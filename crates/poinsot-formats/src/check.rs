@@ -46,7 +46,7 @@ pub struct Contradiction {
 /// assert!(contradictions(&estimate).is_empty());
 /// estimate.status = "finished".to_owned();
 /// assert_eq!(contradictions(&estimate)[0].key, "status");
-/// # Ok::<(), FormatError>(())
+/// # Ok::<(), poinsot_files::Faults>(())
 /// ```
 pub fn contradictions(file: &EstimateFile) -> Vec<Contradiction> {
     let mut found = Vec::new();

@@ -27,7 +27,7 @@
 //! for (element, number) in estimate.bodies["bus"].inertia_kg_m2.named() {
 //!     println!("I_{element} = {:?} +- {:?} kg m2", number.value, number.sigma);
 //! }
-//! # Ok::<(), poinsot_formats::FormatError>(())
+//! # Ok::<(), poinsot_files::Faults>(())
 //! ```
 //!
 //! # Files
@@ -106,8 +106,8 @@ pub use prediction::{
     AgainstDurationFile, PREDICTION, PeakFile, PredictionFile, SigmasFile, WantedFile,
 };
 pub use read::{
-    FormatError, LARGEST_RESULT, ResultFile, checksum, parse_estimate, parse_result, read_estimate,
-    read_result, read_truth, result_text, sha256, sha256_of,
+    LARGEST_RESULT, ResultFile, checksum, parse_estimate, parse_result, read_estimate, read_result,
+    read_truth, result_text, sha256, sha256_of,
 };
 pub use report_data::{
     Channel, DrawnBody, DrawnJoint, DrawnSensor, Pointer, REPORT_DATA, ReportData, Row, Segment,

@@ -1,5 +1,6 @@
 //! Results of the commands that list or report: methods, units, error codes, studies, written files, errors.
 
+use poinsot_files::{Fault, FaultKind, Faults};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -265,44 +266,30 @@ impl WrittenFile {
     }
 }
 
-impl FaultFile {
-    /// Parses a printed line: `CODE place: problem; advice`.
-    pub fn of_line(line: &str) -> Self {
-        let (code, rest) = match line.split_once(' ') {
-            Some((code, rest)) if code.starts_with('E') && code.len() == 5 => (code, rest),
-            _ => ("", line),
-        };
-        let (place, rest) = match rest.split_once(": ") {
-            Some((place, rest)) => (Some(place.to_owned()), rest),
-            None => (None, rest),
-        };
-        let (problem, advice) = match rest.split_once("; ") {
-            Some((problem, advice)) => (problem, Some(advice.to_owned())),
-            None => (rest, None),
-        };
+impl ErrorFile {
+    /// All faults, with the exit code that they give: 2 for an input, 3 for the system, 4 for the program.
+    pub fn of(faults: &Faults) -> Self {
         Self {
-            code: code.to_owned(),
-            place,
-            value: None,
-            problem: problem.to_owned(),
-            advice,
+            schema: ERROR.to_owned(),
+            exit_code: match faults.kind() {
+                FaultKind::Input => 2,
+                FaultKind::System => 3,
+                FaultKind::Internal => 4,
+            },
+            errors: faults.list.iter().map(FaultFile::from).collect(),
         }
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn unit_a_line_has_code_place_problem_and_advice() {
-        let fault = FaultFile::of_line("E0203 gyr.csv:1: no column is the time; name one");
-        assert_eq!(fault.code, "E0203");
-        assert_eq!(fault.place.as_deref(), Some("gyr.csv:1"));
-        assert_eq!(fault.problem, "no column is the time");
-        assert_eq!(fault.advice.as_deref(), Some("name one"));
-        let bare = FaultFile::of_line("stopped");
-        assert_eq!((bare.code.as_str(), bare.problem.as_str()), ("", "stopped"));
-        assert_eq!((bare.place, bare.advice), (None, None));
+impl From<&Fault> for FaultFile {
+    fn from(fault: &Fault) -> Self {
+        let some = |text: &str| (!text.is_empty()).then(|| text.to_owned());
+        Self {
+            code: fault.code.to_owned(),
+            place: some(&fault.place.to_string()),
+            value: some(&fault.value),
+            problem: fault.problem.clone(),
+            advice: some(&fault.advice),
+        }
     }
 }

@@ -7,7 +7,7 @@ use crate::check::{Contradiction, contradictions};
 use crate::estimate::{ESTIMATE, EstimateFile};
 use crate::truth::{TRUTH, TruthFile};
 use crate::upgrade;
-use poinsot_files::{InputError, json_escaped};
+use poinsot_files::{Fault, Faults, InputError, Place, json_escaped};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
@@ -15,56 +15,22 @@ use sha2::{Digest, Sha256};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
-/// A result file that cannot be read.
-#[derive(Debug, thiserror::Error)]
-pub enum FormatError {
-    /// File not found.
-    #[error("there is no such file; give the folder of identify --out")]
-    Missing {
-        /// Path.
-        path: PathBuf,
-    },
-    /// Error of the operating system.
-    #[error("{source}")]
-    Io {
-        /// Path.
-        path: PathBuf,
-        /// The error.
-        source: std::io::Error,
-    },
-    /// The file has another format.
-    #[error("{}; give a file as poinsot writes it", schema_found(found, wanted))]
-    Schema {
-        /// Path.
-        path: PathBuf,
-        /// Schema found; empty if absent.
-        found: String,
-        /// Schema of the format.
-        wanted: &'static str,
-    },
-    /// The file does not match the structure of its format, or was changed.
-    #[error("{why}; give a file as poinsot writes it")]
-    Shape {
-        /// Path.
-        path: PathBuf,
-        /// What is wrong, with line and column.
-        why: String,
-    },
-    /// Numbers of the file contradict each other.
-    #[error("it contradicts itself; write it again with `poinsot identify --out DIR`")]
-    Contradicts {
-        /// Path.
-        path: PathBuf,
-        /// At least one.
-        found: Vec<Contradiction>,
-    },
+/// Number of contradictions reported per file.
+const SHOWN: usize = 10;
+
+/// E0601: the file does not match the structure of its format, or was changed.
+fn not_written(path: &Path, problem: impl std::fmt::Display) -> Faults {
+    Faults::report(path, problem, "give a file as poinsot writes it")
 }
 
-fn schema_found(found: &str, wanted: &str) -> String {
-    match found {
-        "" => "it has no key \"schema\"".to_owned(),
-        found => format!("its schema is \"{found}\", not {wanted}"),
-    }
+/// E0604: numbers of the file contradict each other.
+fn contradictory(path: &Path, found: Vec<Contradiction>) -> Faults {
+    let advice = "write the file again with `poinsot identify --out DIR`";
+    let faults = found.into_iter().take(SHOWN).map(|c| {
+        let place = Place::file(path).key(&c.key);
+        Fault::new("E0604", place, c.problem, advice).with_value(c.value)
+    });
+    Faults::sorted(faults.collect())
 }
 /// Size limit of a file, bytes.
 pub const LARGEST_RESULT: u64 = 256 << 20;
@@ -208,9 +174,9 @@ pub fn checksum(text: &str) -> Option<(&str, bool)> {
 /// let (value, sigma) = (I_zz.value.unwrap(), I_zz.sigma.unwrap());
 /// // The true value is 2.5 kg m2.
 /// assert!((value - 2.5).abs() < 3.0 * sigma);
-/// # Ok::<(), poinsot_formats::FormatError>(())
+/// # Ok::<(), poinsot_files::Faults>(())
 /// ```
-pub fn read_estimate(path: &Path) -> Result<(PathBuf, EstimateFile), FormatError> {
+pub fn read_estimate(path: &Path) -> Result<(PathBuf, EstimateFile), Faults> {
     let path = match path.is_dir() {
         true => path.join("estimate.json"),
         false => path.to_owned(),
@@ -231,9 +197,9 @@ pub fn read_estimate(path: &Path) -> Result<(PathBuf, EstimateFile), FormatError
 /// let estimate = parse_estimate("estimate.json".as_ref(), bytes)?;
 /// assert_eq!(estimate.status, "converged");
 /// assert!(parse_estimate("estimate.json".as_ref(), b"{}").is_err());
-/// # Ok::<(), poinsot_formats::FormatError>(())
+/// # Ok::<(), poinsot_files::Faults>(())
 /// ```
-pub fn parse_estimate(path: &Path, bytes: &[u8]) -> Result<EstimateFile, FormatError> {
+pub fn parse_estimate(path: &Path, bytes: &[u8]) -> Result<EstimateFile, Faults> {
     parse_result(path, bytes)
 }
 
@@ -248,9 +214,9 @@ pub fn parse_estimate(path: &Path, bytes: &[u8]) -> Result<EstimateFile, FormatE
 /// let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../data/ma2008/traj1/truth.json");
 /// let truth = read_truth(path.as_ref())?;
 /// assert_eq!(truth.bodies["base"].mass.mass_kg.value, 1000.0);
-/// # Ok::<(), poinsot_formats::FormatError>(())
+/// # Ok::<(), poinsot_files::Faults>(())
 /// ```
-pub fn read_truth(path: &Path) -> Result<TruthFile, FormatError> {
+pub fn read_truth(path: &Path) -> Result<TruthFile, Faults> {
     read_result(path)
 }
 
@@ -264,20 +230,15 @@ pub fn read_truth(path: &Path) -> Result<TruthFile, FormatError> {
 ///
 /// assert!(read_result::<TruthFile>("/nowhere/truth.json".as_ref()).is_err());
 /// ```
-pub fn read_result<T: ResultFile>(path: &Path) -> Result<T, FormatError> {
+pub fn read_result<T: ResultFile>(path: &Path) -> Result<T, Faults> {
     match poinsot_files::read(path, LARGEST_RESULT) {
         Ok(bytes) => parse_result(path, &bytes),
-        Err(InputError::Missing(_)) => Err(FormatError::Missing {
-            path: path.to_owned(),
-        }),
-        Err(InputError::System(source)) => Err(FormatError::Io {
-            path: path.to_owned(),
-            source,
-        }),
-        Err(other) => Err(FormatError::Shape {
-            path: path.to_owned(),
-            why: other.to_string(),
-        }),
+        Err(InputError::Missing(_)) => {
+            let advice = "give the folder of identify --out";
+            Err(Faults::report(path, "there is no such file", advice))
+        }
+        Err(InputError::System(source)) => Err(Faults::io(path, "cannot be read", &source)),
+        Err(other) => Err(not_written(path, &other)),
     }
 }
 
@@ -290,13 +251,10 @@ pub fn read_result<T: ResultFile>(path: &Path) -> Result<T, FormatError> {
 /// use poinsot_formats::{PredictionFile, parse_result};
 ///
 /// let other = parse_result::<PredictionFile>("prediction.json".as_ref(), b"{}");
-/// assert!(other.unwrap_err().to_string().starts_with("it has no key \"schema\""));
+/// assert!(other.unwrap_err().to_string().contains("it has no key \"schema\""));
 /// ```
-pub fn parse_result<T: ResultFile>(path: &Path, bytes: &[u8]) -> Result<T, FormatError> {
-    let refuse = |why: String| FormatError::Shape {
-        path: path.to_owned(),
-        why,
-    };
+pub fn parse_result<T: ResultFile>(path: &Path, bytes: &[u8]) -> Result<T, Faults> {
+    let refuse = |why: String| not_written(path, why);
     let changed = "it was cut or changed: its checksum (sha256) is not that of its content";
     let shape = |e: serde_json::Error| refuse(e.to_string());
     let text = std::str::from_utf8(bytes).map_err(|e| refuse(e.to_string()))?;
@@ -309,11 +267,10 @@ pub fn parse_result<T: ResultFile>(path: &Path, bytes: &[u8]) -> Result<T, Forma
     let found = found.to_owned();
     let current = found == T::SCHEMA;
     if !current && !T::EARLIER.contains(&found.as_str()) {
-        return Err(FormatError::Schema {
-            path: path.to_owned(),
-            found,
-            wanted: T::SCHEMA,
-        });
+        return Err(refuse(match found.as_str() {
+            "" => "it has no key \"schema\"".to_owned(),
+            found => format!("its schema is \"{found}\", not {}", T::SCHEMA),
+        }));
     }
     if current && sum.is_none() {
         return Err(refuse(changed.to_owned()));
@@ -334,10 +291,7 @@ pub fn parse_result<T: ResultFile>(path: &Path, bytes: &[u8]) -> Result<T, Forma
     };
     let contradictions = file.contradictions();
     if !contradictions.is_empty() {
-        return Err(FormatError::Contradicts {
-            path: path.to_owned(),
-            found: contradictions,
-        });
+        return Err(contradictory(path, contradictions));
     }
     if sum.is_none() {
         file.note(format!("unchecked: {found} has no checksum"));

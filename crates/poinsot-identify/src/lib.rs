@@ -99,13 +99,13 @@ pub use diagnosis::{
     SpectralLine, Suspect, SuspectValue,
 };
 pub use evaluation::wanted::{Information, WantedNumber, WantedTerm};
-pub use evaluation::{EvaluatedUnknown, Evaluation, EvaluationError, Evaluator, SensorResiduals};
+pub use evaluation::{EvaluatedUnknown, Evaluation, Evaluator, SensorResiduals};
 pub use likelihood::impulse::{Impulse, Impulses, thrust_impulses};
 pub use methods::cramer_rao::{cramer_rao, predicted_covariance};
 pub use methods::linear::linear;
 pub use methods::maximum_likelihood::{maximum_likelihood, maximum_likelihood_with};
 pub use poinsot_solve::{NotFinite, Spectrum};
-pub use prediction::completion::{CompletedVehicle, Completion, CompletionError, complete};
+pub use prediction::completion::{CompletedVehicle, Completion, complete};
 pub use prediction::held_back::{HeldBack, held_back};
 pub use prediction::{
     HISTOGRAM_BARS, LAGS, PredictedChannel, PredictedMotion, Prediction, linear_predicted,
@@ -113,18 +113,16 @@ pub use prediction::{
 };
 pub use problem::loss::Loss;
 pub use problem::parameters::{
-    Equations, ErrorGroup, KnownUnknown, Parameters, ParametersError, TENSOR, Unknown, UnknownKind,
-    axis_name, tensor_index, tensor_name,
+    Equations, ErrorGroup, KnownUnknown, Parameters, TENSOR, Unknown, UnknownKind, axis_name,
+    tensor_index, tensor_name,
 };
 pub use problem::segment::{
     Accelerations, BetweenReadings, Firing, InputChannel, InputErrors, InputRate, Noise,
     Observations, RoundingError, Samples, Segment, SensorRecord, SensorSample, SensorValue,
     Translation,
 };
-pub use problem::settings::{
-    Coordinates, DiagnosisSettings, IntegrationSettings, Settings, SettingsError,
-};
-pub use problem::{Problem, ProblemError};
+pub use problem::settings::{Coordinates, DiagnosisSettings, IntegrationSettings, Settings};
+pub use problem::{Problem, ProblemError, refusal};
 pub use solution::estimate::{
     BodyEstimate, ChannelFit, DeterminedCombination, Estimate, Identifiability, KnownEffect,
     KnownNumbers, MethodReport, MomentumEstimate, NamedNumber, Number, Principal, SegmentFit,

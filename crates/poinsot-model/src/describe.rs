@@ -139,7 +139,7 @@ pub struct SensorDescription {
 #[doc = include_str!("../doc/box.txt")]
 /// let summary = describe(&model);
 /// assert_eq!((summary.mass_kg, summary.bodies.len()), (10.0, 1));
-/// # Ok::<(), ModelError>(())
+/// # Ok::<(), poinsot_files::Faults>(())
 /// ```
 pub fn describe(model: &Model) -> Description {
     let (mass_kg, system) = whole(model);

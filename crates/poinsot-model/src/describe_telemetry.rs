@@ -65,7 +65,7 @@ fn orbit_words(orbit: &Orbit, gm: f64) -> String {
 /// )?;
 /// let lines = describe_map(&map);
 /// assert!(lines.iter().any(|line| line.contains("omega_x") && line.contains("GYR_X")));
-/// # Ok::<(), poinsot_model::ModelError>(())
+/// # Ok::<(), poinsot_files::Faults>(())
 /// ```
 pub fn telemetry(map: &TelemetryMap) -> Vec<String> {
     let mut lines = file("", &map.all);

@@ -1,6 +1,6 @@
 //! The vehicle: a tree of rigid bodies with joints, wheels, thrusters and sensors, read and checked.
 //!
-//! [`read_model`] reads a `poinsot.model/1` file into a [`Model`], or returns a [`ModelError`] with all faults. The
+//! [`read_model`] reads a `poinsot.model/1` file into a [`Model`], or returns a [`Faults`](poinsot_files::Faults) with all faults. The
 //! raw file (`file`) and the checked vehicle are separate types: invalid data never reach the vehicle.
 //!
 //! | subject | item |
@@ -42,7 +42,7 @@
 //! assert_eq!(model.sensors_of(SensorKind::Gyro).count(), 1);
 //! // The kinematic constants for the kernels of `poinsot-dynamics`.
 //! assert_eq!(Tree::new(&model).bodies(), 1);
-//! # Ok::<(), poinsot_model::ModelError>(())
+//! # Ok::<(), poinsot_files::Faults>(())
 //! ```
 //!
 //! # Files
@@ -88,7 +88,6 @@ mod write_telemetry;
 
 pub use describe::*;
 pub use describe_telemetry::telemetry as describe_map;
-pub use finding::{Finding, ModelError};
 pub use knowledge::{
     Knowledge, KnownNumber, LIKE_WHEELS, NOMINAL_WITHIN, Origin, Uncertain, across,
 };

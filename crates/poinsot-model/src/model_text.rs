@@ -1,6 +1,6 @@
 //! Reads the text of a model file.
 
-use crate::finding::ModelError;
+use poinsot_files::Faults;
 use std::path::Path;
 
 /// Size limit of a model file, bytes.
@@ -16,13 +16,9 @@ const LARGEST: u64 = 16 * 1024 * 1024;
 ///
 /// let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../data/cases/cubesat_model.toml");
 /// assert!(read_model_text(path)?.contains("[[body]]"));
-/// # Ok::<(), poinsot_model::ModelError>(())
+/// # Ok::<(), poinsot_files::Faults>(())
 /// ```
-pub fn read_model_text(path: impl AsRef<Path>) -> Result<String, ModelError> {
+pub fn read_model_text(path: impl AsRef<Path>) -> Result<String, Faults> {
     let path = path.as_ref();
-    poinsot_files::read_text(path, LARGEST).map_err(|error| {
-        let file = path.display().to_string();
-        let environment = error.is_environment();
-        ModelError::unreadable(&file, error.to_string(), error.remedy(), environment)
-    })
+    Ok(poinsot_files::read_text(path, LARGEST).map_err(|e| e.fault("E0101", path))?)
 }

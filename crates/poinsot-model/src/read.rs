@@ -4,11 +4,12 @@ use crate::check::check_model;
 use crate::check_telemetry::check_telemetry;
 use crate::document::{Document, KeyPath};
 use crate::file::{ModelFile, TelemetryMapFile};
-use crate::finding::{Findings, Key, ModelError};
+use crate::finding::{Findings, Key};
 use crate::model_text::read_model_text;
 use crate::schema::{model_schema_ref, telemetry_map_schema_ref};
 use crate::shape::check_shape;
 use crate::vehicle::Model;
+use poinsot_files::{Fault, Faults, Place};
 use poinsot_telemetry::TelemetryMap;
 use serde::Deserialize;
 use std::path::Path;
@@ -28,9 +29,9 @@ pub const MODEL_SCHEMA: &str = "poinsot.model/1";
 /// let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../data/cases/cubesat_model.toml");
 /// let model = read_model(path)?;
 /// assert_eq!((model.bodies.len(), model.wheels.len()), (1, 3));
-/// # Ok::<(), poinsot_model::ModelError>(())
+/// # Ok::<(), poinsot_files::Faults>(())
 /// ```
-pub fn read_model(path: impl AsRef<Path>) -> Result<Model, ModelError> {
+pub fn read_model(path: impl AsRef<Path>) -> Result<Model, Faults> {
     let path = path.as_ref();
     if path
         .extension()
@@ -53,9 +54,9 @@ pub fn read_model(path: impl AsRef<Path>) -> Result<Model, ModelError> {
 /// // A key that does not exist is an error with its line.
 /// let wrong = parse_model(&text.replace("mass_kg", "mass_lb"), "box.toml").unwrap_err();
 /// assert!(wrong.to_string().contains("mass_lb"));
-/// # Ok::<(), ModelError>(())
+/// # Ok::<(), poinsot_files::Faults>(())
 /// ```
-pub fn parse_model(text: &str, file: &str) -> Result<Model, ModelError> {
+pub fn parse_model(text: &str, file: &str) -> Result<Model, Faults> {
     let (document, syntax) = Document::new(text, file);
     let mut findings = Findings::new(&document);
     report_syntax(syntax, &mut findings);
@@ -77,12 +78,13 @@ pub fn parse_model(text: &str, file: &str) -> Result<Model, ModelError> {
     let notes = findings.finish()?;
     match model {
         Some(model) => Ok(Model { notes, ..model }),
-        None => Err(ModelError::unreadable(
-            file,
-            "there is no model".to_owned(),
+        None => Err(Fault::new(
+            "E0101",
+            Place::label(file),
+            "there is no model",
             "add [[body]]",
-            false,
-        )),
+        )
+        .into()),
     }
 }
 
@@ -101,7 +103,7 @@ pub fn parse_model(text: &str, file: &str) -> Result<Model, ModelError> {
 /// # std::fs::remove_file(&path)?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn read_telemetry_map(path: impl AsRef<Path>) -> Result<TelemetryMap, ModelError> {
+pub fn read_telemetry_map(path: impl AsRef<Path>) -> Result<TelemetryMap, Faults> {
     let path = path.as_ref();
     let text = read_model_text(path)?;
     parse_telemetry_map(&text, &path.display().to_string())
@@ -121,9 +123,9 @@ pub fn read_telemetry_map(path: impl AsRef<Path>) -> Result<TelemetryMap, ModelE
 /// };
 /// assert_eq!(map("deg/s")?.all.columns[0].column, "GYR_X");
 /// assert!(map("furlong").is_err());
-/// # Ok::<(), poinsot_model::ModelError>(())
+/// # Ok::<(), poinsot_files::Faults>(())
 /// ```
-pub fn parse_telemetry_map(text: &str, file: &str) -> Result<TelemetryMap, ModelError> {
+pub fn parse_telemetry_map(text: &str, file: &str) -> Result<TelemetryMap, Faults> {
     let (document, syntax) = Document::new(text, file);
     let mut findings = Findings::new(&document);
     report_syntax(syntax, &mut findings);

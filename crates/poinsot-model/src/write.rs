@@ -22,7 +22,7 @@ type Sigmas = HashMap<KnownNumber, f64>;
 /// // What is written reads back equal.
 /// let again = parse_model(&write_model(&model), "again.toml")?;
 /// assert_eq!(again.bodies, model.bodies);
-/// # Ok::<(), ModelError>(())
+/// # Ok::<(), poinsot_files::Faults>(())
 /// ```
 pub fn write_model(model: &Model) -> String {
     let mut out = String::new();

@@ -53,7 +53,6 @@
 
 mod answered;
 mod certified;
-mod error;
 pub mod kim2010;
 pub mod ma2008;
 mod method;
@@ -63,7 +62,6 @@ pub mod study;
 pub mod xu2017;
 
 pub use answered::answered;
-pub use error::MethodError;
 pub use method::{About, Kernel, Method, Named, VariantText};
 pub use registry::{METHODS, identify_by, method, studies};
 pub use setting::{SettingText, Settings};

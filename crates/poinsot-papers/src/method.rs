@@ -1,8 +1,8 @@
 //! Interface of published methods.
 
-use crate::error::MethodError;
 use crate::setting::{SettingText, Settings};
 use crate::study::Study;
+use poinsot_files::Faults;
 use poinsot_identify::{Estimate, Problem};
 use poinsot_spatial::MassProperties;
 use std::ops::Range;
@@ -23,13 +23,13 @@ pub trait Method: Sync {
         problem: &Problem,
         variant: Option<&str>,
         settings: &Settings,
-    ) -> Result<Estimate, MethodError>;
+    ) -> Result<Estimate, Faults>;
 
     /// The kernel of this problem, whose samples have no noise; `None` if the method has none for it.
     ///
     /// # Errors
     /// As [`Self::identify`].
-    fn kernel(&self, _: &Problem, _: Option<&str>) -> Result<Option<Box<dyn Kernel>>, MethodError> {
+    fn kernel(&self, _: &Problem, _: Option<&str>) -> Result<Option<Box<dyn Kernel>>, Faults> {
         Ok(None)
     }
 
@@ -100,14 +100,18 @@ pub trait Named: Copy + PartialEq + 'static {
     }
 
     /// The variant of this name, or the default without a name.
-    fn named(method: &'static str, name: Option<&str>) -> Result<Self, MethodError> {
+    fn named(method: &'static str, name: Option<&str>) -> Result<Self, Faults> {
         let found = Self::ALL
             .iter()
             .find(|v| name.is_none_or(|name| name == v.1));
-        found.map(|v| v.0).ok_or_else(|| MethodError::Variant {
-            method,
-            variant: name.unwrap_or_default().to_owned(),
-            known: Self::ALL.iter().map(|v| v.1).collect(),
+        found.map(|v| v.0).ok_or_else(|| {
+            let known: Vec<&str> = Self::ALL.iter().map(|v| v.1).collect();
+            Faults::usage(
+                "--variant",
+                name.unwrap_or_default(),
+                format!("{method} has no such variant"),
+                format!("use one of {}", known.join(", ")),
+            )
         })
     }
 }

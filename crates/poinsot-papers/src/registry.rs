@@ -1,12 +1,12 @@
 //! Registration of all published methods; no other file of the program names one.
 
-use crate::error::MethodError;
 use crate::kim2010::Kim2010;
 use crate::ma2008::Ma2008;
 use crate::method::Method;
 use crate::setting::Settings;
 use crate::study::Study;
 use crate::xu2017::Xu2017;
+use poinsot_files::Faults;
 use poinsot_identify::{Estimate, Problem};
 
 /// Every published method, by name.
@@ -43,7 +43,7 @@ pub fn identify_by(
     problem: &Problem,
     variant: Option<&str>,
     settings: &[String],
-) -> Result<Estimate, MethodError> {
+) -> Result<Estimate, Faults> {
     let about = method.about();
     let settings = Settings::parse(settings)?;
     settings.check(about.name, about.settings)?;

@@ -1,6 +1,6 @@
 //! Settings of a published method, `key=value`.
 
-use crate::error::MethodError;
+use poinsot_files::Faults;
 
 /// Description of a setting.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -33,19 +33,17 @@ impl Settings {
     ///
     /// # Errors
     /// A text without `=`, or a key given twice.
-    pub fn parse<T: AsRef<str>>(texts: &[T]) -> Result<Self, MethodError> {
+    pub fn parse<T: AsRef<str>>(texts: &[T]) -> Result<Self, Faults> {
         let mut all: Vec<(String, String)> = Vec::new();
         for text in texts {
-            let refuse = |why: String| MethodError::Setting {
-                text: text.as_ref().to_owned(),
-                why,
-            };
+            let refuse =
+                |problem: &str, advice| Faults::usage("--set", text.as_ref(), problem, advice);
             let Some((key, value)) = text.as_ref().split_once('=') else {
-                return Err(refuse("write KEY=VALUE".to_owned()));
+                return Err(refuse("it is not KEY=VALUE", "write KEY=VALUE"));
             };
             let (key, value) = (key.trim(), value.trim());
             if all.iter().any(|(other, _)| other == key) {
-                return Err(refuse(format!("{key} is set twice; set it once")));
+                return Err(refuse("it is set twice", "set it once"));
             }
             all.push((key.to_owned(), value.to_owned()));
         }
@@ -56,24 +54,23 @@ impl Settings {
     ///
     /// # Errors
     /// The first unknown key, with the valid ones.
-    pub fn check(&self, method: &str, known: &[SettingText]) -> Result<(), MethodError> {
+    pub fn check(&self, method: &str, known: &[SettingText]) -> Result<(), Faults> {
         let has = |key: &str| known.iter().any(|s| s.key == key);
         let Some((key, value)) = self.0.iter().find(|(key, _)| !has(key)) else {
             return Ok(());
         };
-        let why = if known.is_empty() {
-            format!("{method} has no settings; leave it out")
-        } else {
-            let keys: Vec<&str> = known.iter().map(|s| s.key).collect();
-            format!(
-                "{method} has no such setting; use one of {}",
-                keys.join(", ")
-            )
+        let keys: Vec<&str> = known.iter().map(|s| s.key).collect();
+        let (what, advice) = match known.is_empty() {
+            true => ("settings", "leave it out".to_owned()),
+            false => ("such setting", format!("use one of {}", keys.join(", "))),
         };
-        Err(MethodError::Setting {
-            text: format!("{key}={value}"),
-            why,
-        })
+        let problem = format!("{method} has no {what}");
+        Err(Faults::usage(
+            "--set",
+            format!("{key}={value}"),
+            problem,
+            advice,
+        ))
     }
 
     /// The value of a key as given.
@@ -86,16 +83,18 @@ impl Settings {
     ///
     /// # Errors
     /// The value is not a number, or outside the limits.
-    pub fn number(&self, key: &str, least: f64, most: f64) -> Result<Option<f64>, MethodError> {
+    pub fn number(&self, key: &str, least: f64, most: f64) -> Result<Option<f64>, Faults> {
         let Some(text) = self.text(key) else {
             return Ok(None);
         };
         match text.parse::<f64>() {
             Ok(x) if (least..=most).contains(&x) => Ok(Some(x)),
-            _ => Err(MethodError::Setting {
-                text: format!("{key}={text}"),
-                why: format!("give a number from {least} to {most}"),
-            }),
+            _ => Err(Faults::usage(
+                "--set",
+                format!("{key}={text}"),
+                "it is out of range",
+                format!("give a number from {least} to {most}"),
+            )),
         }
     }
 
@@ -103,13 +102,15 @@ impl Settings {
     ///
     /// # Errors
     /// As [`Self::number`], or the number is not an integer.
-    pub fn count(&self, key: &str, least: u32, most: u32) -> Result<Option<u32>, MethodError> {
+    pub fn count(&self, key: &str, least: u32, most: u32) -> Result<Option<u32>, Faults> {
         let found = self.number(key, f64::from(least), f64::from(most))?;
         match found {
-            Some(x) if x.fract() != 0.0 => Err(MethodError::Setting {
-                text: format!("{key}={x}"),
-                why: "give a whole number".to_owned(),
-            }),
+            Some(x) if x.fract() != 0.0 => Err(Faults::usage(
+                "--set",
+                format!("{key}={x}"),
+                "it is not a whole number",
+                "give one",
+            )),
             other => Ok(other.map(|x| x as u32)),
         }
     }

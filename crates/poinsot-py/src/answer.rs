@@ -57,14 +57,24 @@ impl Options {
             None => usual.coordinates,
             Some(name) => Coordinates::from_name(&name).ok_or_else(|| {
                 let all = Coordinates::NAMES.join(", ");
-                let why = format!("there are no such coordinates; use one of {all}");
-                Fault::argument("--coordinates", name, why)
+                let advice = format!("use one of {all}");
+                Fault::argument(
+                    "--coordinates",
+                    name,
+                    "there are no such coordinates",
+                    advice,
+                )
             })?,
         };
         let every = match entry::<usize>(given, "every")? {
             Some(0) => {
-                let why = "a whole number of rows is needed: 1 takes all, 10 every tenth";
-                return Err(Fault::argument("--every", "0", why).into());
+                return Err(Fault::argument(
+                    "--every",
+                    "0",
+                    "it is no number of rows",
+                    "give 1 for all, 10 for every tenth",
+                )
+                .into());
             }
             every => every.unwrap_or(1),
         };
@@ -172,12 +182,8 @@ impl CoreAnswer {
         let identified = Arc::clone(&self.identified);
         run(py, None, move || {
             let data = report_data(&identified, &origin());
-            report_html(estimate_file(&identified), data).map_err(|why| {
-                Fault::from(poinsot::Error::Report {
-                    path: "report.html".into(),
-                    why,
-                })
-            })
+            report_html(estimate_file(&identified), data)
+                .map_err(|why| Fault::from(poinsot::Error::report("report.html".as_ref(), why, "")))
         })
     }
 
@@ -240,11 +246,12 @@ fn figure(name: &str) -> Result<FigureFormat, Fault> {
     match name {
         "svg" => Ok(FigureFormat::Svg),
         "png" if FigureFormat::Png.is_built() => Ok(FigureFormat::Png),
-        "png" => Err(Fault::argument("--figures", name, WITHOUT_PNG)),
+        "png" => Err(Fault::argument("--figures", name, WITHOUT_PNG, "")),
         other => Err(Fault::argument(
             "--figures",
             other,
-            "there is no such format; use svg or png",
+            "there is no such format",
+            "use svg or png",
         )),
     }
 }

@@ -16,8 +16,8 @@ pub fn column(name: &str, array: &Bound<'_, PyAny>) -> PyResult<Values> {
     if let Ok(times) = array.extract::<PyReadonlyArray1<'_, i64>>() {
         return Ok(Values::Nanoseconds(times.as_array().to_vec()));
     }
-    let why = "is no array of one dimension and type float64; give one number per time";
-    Err(Fault::argument("column", name, why).into())
+    let why = "is no array of one dimension and type float64";
+    Err(Fault::argument("column", name, why, "give one number per time").into())
 }
 
 /// The numbers of a C-contiguous array whose last axis has `width` entries.
@@ -34,7 +34,8 @@ pub fn rows<'a>(
         return Err(Fault::argument(
             what,
             format!("{:?}", array.shape()),
-            format!("its last axis has {found} entries, expected {width}; give one for each"),
+            format!("its last axis has {found} entries, expected {width}"),
+            "give one for each",
         ));
     }
     array.as_slice().map_err(|_| {
@@ -42,7 +43,8 @@ pub fn rows<'a>(
         Fault::argument(
             what,
             shape,
-            "it is not C-contiguous; use np.ascontiguousarray",
+            "it is not C-contiguous",
+            "use np.ascontiguousarray",
         )
     })
 }

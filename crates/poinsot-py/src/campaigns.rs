@@ -86,9 +86,7 @@ impl CorePlan {
     /// The plan as TOML.
     fn text(&self) -> PyResult<String> {
         let text = self.plan.file.text();
-        let what = |e: toml::ser::Error| Error::Internal {
-            what: e.to_string(),
-        };
+        let what = |e: toml::ser::Error| Error::internal(e.to_string());
         Ok(text.map_err(|e| Fault::from(what(e)))?)
     }
 
@@ -115,7 +113,7 @@ impl CorePlan {
                 return Ok(work()?);
             };
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-            let pool = pool.map_err(|e| Error::Threads { why: e.to_string() })?;
+            let pool = pool.map_err(Error::threads)?;
             Ok(pool.install(work)?)
         })
     }
@@ -140,9 +138,7 @@ impl CorePlan {
             check_outputs("out", &results, &[&input])?;
             let called = |engine: &Py<PyAny>, shards: &[u64]| {
                 let done = Python::attach(|py| engine.call1(py, (shards.to_vec(),)).map(|_| ()));
-                done.map_err(|e| Error::Internal {
-                    what: e.to_string(),
-                })
+                done.map_err(|e| Error::internal(e.to_string()))
             };
             let engine = engine.as_ref();
             let engine = engine.map(|e| move |shards: &[u64]| called(e, shards));
@@ -167,7 +163,7 @@ fn printed(ran: CampaignRun) -> Result<Printed, Fault> {
     } = ran
     else {
         let what = "a campaign of all shards gave no result".to_owned();
-        return Err(Error::Internal { what }.into());
+        return Err(Error::internal(what).into());
     };
     let documents = campaign_document(&result, &folded.statistics());
     let all: Vec<String> = documents.iter().map(text).collect();

@@ -73,7 +73,7 @@ fn fill_each<S>(
 /// The contiguous numbers of an output.
 fn output<'a>(out: &'a mut Output<'_>) -> Result<&'a mut [f64], Fault> {
     out.as_slice_mut()
-        .map_err(|_| Fault::argument("out", "", "it is not C-contiguous; use np.empty"))
+        .map_err(|_| Fault::argument("out", "", "it is not C-contiguous", "use np.empty"))
 }
 
 /// Inertial parameters of each body: those given, ten a body, else the nominal ones.
@@ -89,12 +89,13 @@ fn bodies(model: &CoreModel, given: Option<&Input<'_>>) -> Result<Vec<InertialPa
         .map(InertialParameters::from_array)
         .collect();
     if sets.len() != model.nominal.len() {
-        let why = format!(
-            "{} sets, expected {}; give ten numbers a body",
+        let why = format!("{} sets, expected {}", sets.len(), model.nominal.len());
+        return Err(Fault::argument(
+            "parameters",
             sets.len(),
-            model.nominal.len()
-        );
-        return Err(Fault::argument("parameters", sets.len().to_string(), why));
+            why,
+            "give ten numbers a body",
+        ));
     }
     Ok(sets)
 }
@@ -146,13 +147,9 @@ fn refused(first: usize, error: BatchError) -> Fault {
         BatchError::Singular(k, why) => singular(first + k, &why.to_string()),
         BatchError::Halted(k, why) => singular(first + k, &why.to_string()),
         BatchError::Step(k, why) => singular(first + k, &why.to_string()),
-        BatchError::Length(name, found, _) => {
-            Fault::argument(name, found.to_string(), error.to_string())
-        }
-        BatchError::Unmeasured(kind) => {
-            Fault::argument("kind", kind.word().to_owned(), error.to_string())
-        }
-        BatchError::Body(body, _) => Fault::argument("body", body.to_string(), error.to_string()),
+        BatchError::Length(name, found, _) => Fault::argument(name, found, error.to_string(), ""),
+        BatchError::Unmeasured(kind) => Fault::argument("kind", kind.word(), error.to_string(), ""),
+        BatchError::Body(body, _) => Fault::argument("body", body, error.to_string(), ""),
     }
 }
 
@@ -292,11 +289,7 @@ pub fn jacobian(
 }
 
 fn singular(state: usize, why: &str) -> Fault {
-    Fault::argument(
-        "state",
-        state.to_string(),
-        format!("{why}; give it mass and inertia"),
-    )
+    Fault::argument("state", state.to_string(), why, "give it mass and inertia")
 }
 
 /// `out`: `(n, 6 + dof)`: `a_NBo_B`, `alpha_NB_B`, joint accelerations. `wrench` on the base about `Bo`.

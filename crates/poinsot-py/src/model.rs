@@ -72,8 +72,9 @@ impl CoreModel {
     #[staticmethod]
     fn from_dict(values: &Bound<'_, PyAny>) -> PyResult<Self> {
         let value = to_toml(values, "", 0)?;
-        let text = toml::to_string(&value)
-            .map_err(|e| Fault::argument("model", IN_MEMORY, format!("{e}; give a dictionary")))?;
+        let text = toml::to_string(&value).map_err(|e| {
+            Fault::argument("model", IN_MEMORY, format!("{e}"), "give a dictionary")
+        })?;
         Self::from_text(&text, None)
     }
 
@@ -101,9 +102,7 @@ impl CoreModel {
     fn check(&self) -> PyResult<(String, String)> {
         let description = describe(&self.model);
         let json = serde_json::to_string(&description);
-        let what = |e: serde_json::Error| poinsot::Error::Internal {
-            what: e.to_string(),
-        };
+        let what = |e: serde_json::Error| poinsot::Error::internal(e.to_string());
         let json = json.map_err(what).map_err(Fault::from)?;
         Ok((json, description.to_string()))
     }

@@ -1,14 +1,13 @@
 //! A problem for a method of one's own.
 
 use crate::answer::{Options, parts};
-use crate::fault::Fault;
 use crate::model::CoreModel;
 use crate::record::CoreRecord;
 use crate::run::run;
 use nalgebra::DMatrix;
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1};
 use poinsot::{Gated, gated};
-use poinsot_identify::{EvaluatedUnknown, EvaluationError, Evaluator, Problem};
+use poinsot_identify::{EvaluatedUnknown, Evaluator, Problem};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::sync::Arc;
@@ -20,16 +19,6 @@ pub struct CoreProblem {
     relative_accuracy: f64,
     unknowns: Vec<EvaluatedUnknown>,
     nominal: Vec<f64>,
-}
-
-fn fault(error: EvaluationError) -> Fault {
-    match error {
-        EvaluationError::Problem(problem) => problem.into(),
-        other => Fault {
-            message: other.to_string(),
-            exit_code: 2,
-        },
-    }
 }
 
 fn asked(gated: &Gated, relative_accuracy: f64) -> Problem<'_> {
@@ -57,7 +46,7 @@ impl CoreProblem {
             let Options { question, reading } = options;
             let gated = gated(model, &records, &reading, &question)?;
             let accuracy = question.relative_accuracy;
-            let evaluator = Evaluator::new(&asked(&gated, accuracy)).map_err(fault)?;
+            let evaluator = Evaluator::new(&asked(&gated, accuracy))?;
             let (unknowns, nominal) = (evaluator.unknowns().to_vec(), evaluator.nominal());
             Ok(Self {
                 gated: Arc::new(gated),
@@ -102,8 +91,8 @@ impl CoreProblem {
         let gated = Arc::clone(&self.gated);
         let accuracy = self.relative_accuracy;
         let found = run(py, None, move || {
-            let evaluator = Evaluator::new(&asked(&gated, accuracy)).map_err(fault)?;
-            evaluator.at(&values).map_err(fault)
+            let evaluator = Evaluator::new(&asked(&gated, accuracy))?;
+            Ok(evaluator.at(&values)?)
         })?;
         let out = PyDict::new(py);
         out.set_item(

@@ -132,7 +132,8 @@ pub fn encoding(name: &str) -> Result<Encoding, Fault> {
         other => Err(Fault::argument(
             "--encoding",
             other,
-            "there is no such encoding; use one of utf8, latin1",
+            "there is no such encoding",
+            "use one of utf8, latin1",
         )),
     }
 }

@@ -70,7 +70,7 @@ pub fn run<T: Send + 'static>(
         let _ = send.send(watched(theirs, verb));
     };
     let started = Builder::new().stack_size(STACK).spawn(work);
-    started.map_err(|e| Fault::from(poinsot::Error::Threads { why: e.to_string() }))?;
+    started.map_err(|e| Fault::from(poinsot::Error::threads(e)))?;
     let mut told = Step::default();
     loop {
         let (back, waited) = py.detach(move || {
@@ -82,7 +82,7 @@ pub fn run<T: Send + 'static>(
             Ok(result) => return result.map_err(PyErr::from),
             Err(RecvTimeoutError::Disconnected) => {
                 let what = "a verb ended without an answer".to_owned();
-                return Err(Fault::from(poinsot::Error::Internal { what }).into());
+                return Err(Fault::from(poinsot::Error::internal(what)).into());
             }
             Err(RecvTimeoutError::Timeout) => {}
         }
@@ -119,12 +119,12 @@ fn watched<T: Send>(
     let listened = move || {
         let dispatch = tracing::Dispatch::new(Listener(move |step| watch.take(step)));
         tracing::dispatcher::with_default(&dispatch, || {
-            guarded(|| verb().map_err(Fault::into_failure)).map_err(Fault::of)
+            guarded(|| verb().map_err(|fault| fault.0)).map_err(Fault)
         })
     };
     if FORKED.load(Ordering::Acquire) {
         let pool = rayon::ThreadPoolBuilder::new().build();
-        let pool = pool.map_err(|e| poinsot::Error::Threads { why: e.to_string() })?;
+        let pool = pool.map_err(poinsot::Error::threads)?;
         return pool.install(listened);
     }
     if STARTED.get().is_none() {

@@ -3,7 +3,6 @@
 use crate::run::run;
 use crate::verbs::{Printed, json, text};
 use poinsot::case::read_case;
-use poinsot::simulate::SimulateError;
 use poinsot::study::{find, findings_file, printed_findings, run as run_study};
 use poinsot_design::{DesignRequest, design_file, write_design};
 use poinsot_formats::{FINDINGS, FindingsFile};
@@ -31,7 +30,7 @@ pub fn design(
             front,
         })?;
         if let Some(folder) = &out {
-            let model = read_case(&case).map_err(SimulateError::from)?.model;
+            let model = read_case(&case)?.model;
             write_design(folder, &designed, &model)?;
         }
         Ok((

@@ -85,7 +85,7 @@ fn table_of(table: &Bound<'_, PyDict>, key: &str, depth: usize) -> PyResult<Valu
 }
 
 fn refused(key: &str, what: &str, remedy: &str) -> PyErr {
-    Fault::argument("model", key, format!("{what}; {remedy}")).into()
+    Fault::argument("model", key, what, remedy).into()
 }
 
 /// The same back.

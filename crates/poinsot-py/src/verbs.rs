@@ -10,7 +10,7 @@ use poinsot::compare::compare_estimates;
 use poinsot::predict::{
     Prediction, predict_all, prediction_file, prediction_paths, write_predictions,
 };
-use poinsot::simulate::{SimulateError, simulate_case};
+use poinsot::simulate::simulate_case;
 use poinsot::validate::{ValidateRequest, write_validation};
 use poinsot::{estimate_file, inspection_file};
 use poinsot_figures::{Document, TextStyle};
@@ -35,11 +35,8 @@ pub(crate) fn text(document: &Document) -> String {
 
 /// A document as the text that crosses into Python.
 pub(crate) fn json<T: poinsot_formats::Serialize>(document: &T) -> Result<String, Fault> {
-    serde_json::to_string(document).map_err(|error| {
-        Fault::from(poinsot::Error::Internal {
-            what: error.to_string(),
-        })
-    })
+    serde_json::to_string(document)
+        .map_err(|error| Fault::from(poinsot::Error::internal(error.to_string())))
 }
 
 /// Version of the program.
@@ -94,7 +91,7 @@ pub fn simulate(
             let parts = vec![poinsot_telemetry::Part::File(written.telemetry)];
             return Ok((CoreRecord { parts }, truth));
         }
-        let read = read_case(&case).map_err(SimulateError::from)?;
+        let read = read_case(&case)?;
         let model = read_model(&read.model)?;
         let mut simulation = simulate_case(&read, &model)?;
         // Files are in the axes of the sensors, tables in those of the bodies.
@@ -110,7 +107,7 @@ pub fn simulate(
 
 fn text_of(path: &std::path::Path) -> Result<String, Fault> {
     let text = poinsot_model::read_model_text(path);
-    text.map_err(|error| Fault::from(poinsot::Error::from(error)))
+    text.map_err(Fault::from)
 }
 
 /// `poinsot predict`.
@@ -200,9 +197,7 @@ pub fn compare(py: Python<'_>, answers: Vec<AnswerOrPath<'_>>) -> PyResult<Print
                 let name = format!("<answer {}>", k + 1);
                 (name.into(), estimate_file(&answer.get().identified))
             }
-            AnswerOrPath::Path(path) => read_estimate(&path)
-                .map_err(poinsot::compare::format_error)
-                .map_err(Fault::from)?,
+            AnswerOrPath::Path(path) => read_estimate(&path).map_err(Fault::from)?,
         });
     }
     run(py, None, move || {

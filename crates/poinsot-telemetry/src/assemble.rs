@@ -4,9 +4,10 @@ use crate::channel_name::components;
 use crate::columns::Columns;
 use crate::conversion::Conversion;
 use crate::derive::derive;
-use crate::error::Place;
+use crate::error::{not_strict, number, twice};
 use crate::plan::{Plan, PlannedChannel};
-use crate::{Channel, ChannelName, Quantity, Table, TelemetryError, quaternion};
+use crate::{Channel, ChannelName, Quantity, Table, quaternion};
+use poinsot_files::{Faults, Place};
 use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
@@ -22,7 +23,7 @@ pub(crate) fn add(
     strict: bool,
     found: &mut Found,
     table: &mut Table,
-) -> Result<(), TelemetryError> {
+) -> Result<(), Faults> {
     check_cells(path, plan, &columns, strict, &mut table.repairs)?;
     let channels = derive(path, plan, &mut columns)?;
     tidy_attitudes(path, &channels, &mut columns, strict, &mut table.repairs)?;
@@ -32,11 +33,7 @@ pub(crate) fn add(
         let full = channel.name.full();
         let place = Place::cell(path, 0, &channel.column);
         if let Some(first) = found.get(&full) {
-            return Err(TelemetryError::DuplicateChannel {
-                channel: full,
-                first: Box::new(first.clone()),
-                second: Box::new(place),
-            });
+            return Err(twice(&full, first, &place));
         }
         let (time_s, values) = match channel.conversion {
             Conversion::Pulse(_, force) => {
@@ -69,7 +66,7 @@ fn check_cells(
     columns: &Columns,
     strict: bool,
     repairs: &mut Vec<String>,
-) -> Result<(), TelemetryError> {
+) -> Result<(), Faults> {
     for ((channel, values), &(nan, first)) in plan
         .channels
         .iter()
@@ -77,18 +74,18 @@ fn check_cells(
         .zip(&columns.nan_cells)
     {
         if let Some((value, &row)) = values.iter().zip(&columns.rows).find(|c| c.0.is_infinite()) {
-            return Err(TelemetryError::Number {
-                place: Place::cell(path, row, &channel.column),
-                value: value.to_string(),
-                why: "is infinite; correct it, or leave the cell empty where there is no sample"
-                    .into(),
-            });
+            return Err(number(
+                Place::cell(path, row, &channel.column),
+                value.to_string(),
+                "is infinite",
+                "correct it, or leave the cell empty where there is no sample",
+            ));
         }
         if nan > 0 {
             let place = Place::cell(path, first, &channel.column);
             let repair = format!("{nan} NaN cells treated as missing samples");
             if strict {
-                return Err(TelemetryError::Strict { place, repair });
+                return Err(not_strict(place, &repair));
             }
             repairs.push(format!("{place}: {repair} (this is the first)"));
         }
@@ -102,7 +99,7 @@ fn tidy_attitudes(
     columns: &mut Columns,
     strict: bool,
     repairs: &mut Vec<String>,
-) -> Result<(), TelemetryError> {
+) -> Result<(), Faults> {
     let quaternion = |name: &ChannelName| match name.quantity {
         Quantity::Attitude(_) => Some("q"),
         Quantity::RelativeAttitude(_) => Some("relative_q"),
@@ -122,13 +119,7 @@ fn tidy_attitudes(
         for (axis, index) in components(prefix).iter().zip(&mut indices) {
             let name = format!("{prefix}_{axis}");
             let own = |c: &PlannedChannel| c.name.sensor == sensor && c.name.name == name;
-            *index = channels.iter().position(own).ok_or_else(|| TelemetryError::Quaternion {
-                place: Place::file(path),
-                why: format!(
-                    "'{}' is missing; add it: a quaternion needs {prefix}_x, {prefix}_y, {prefix}_z and {prefix}_w in one file",
-                    crate::full_name(sensor, &name)
-                ),
-            })?;
+            *index = channels.iter().position(own).ok_or_else(|| Faults::one("E0214", Place::file(path), format!("'{}' is missing", crate::full_name(sensor, &name)), format!("add it: a quaternion needs {prefix}_x, {prefix}_y, {prefix}_z and {prefix}_w in one file")))?;
         }
         let mut take = |k: usize| {
             columns
@@ -162,16 +153,17 @@ fn pulses(
     begins: &[f64],
     lasts: &[f64],
     force: f64,
-) -> Result<(Vec<f64>, Vec<f64>), TelemetryError> {
+) -> Result<(Vec<f64>, Vec<f64>), Faults> {
     let (mut times, mut levels) = (Vec::new(), Vec::new());
     let mut end = f64::NEG_INFINITY;
     for ((begin, duration), row) in begins.iter().zip(lasts).zip(rows) {
         if *duration < 0.0 {
-            return Err(TelemetryError::Number {
-                place: place.at(*row),
-                value: duration.to_string(),
-                why: "is a negative duration; correct it, or leave the cell empty where there is no pulse".into(),
-            });
+            return Err(number(
+                place.at(*row),
+                duration.to_string(),
+                "is a negative duration",
+                "correct it, or leave the cell empty where there is no pulse",
+            ));
         }
         if duration.is_nan() || *duration == 0.0 {
             continue;

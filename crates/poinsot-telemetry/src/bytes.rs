@@ -1,9 +1,7 @@
 //! Bytes of a file: shared by several readers, and rejected if they are not text.
 
-use crate::TelemetryError;
-use crate::error::Place;
 use memchr::{memchr, memrchr};
-use poinsot_files::{InputError, standard_input};
+use poinsot_files::{Faults, InputError, Place, standard_input};
 use std::fs::{File, Metadata};
 use std::io::{self, Read, Seek, SeekFrom};
 use std::path::Path;
@@ -12,16 +10,39 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 /// Longest line accepted, bytes; a file without line ends would otherwise fill the memory.
 const MAX_LINE: usize = 16 << 20;
 
-/// Reason why reading stopped.
-#[derive(Debug, thiserror::Error)]
+/// Reason why reading stopped, with the byte.
+#[derive(Debug)]
 pub(crate) enum ByteFault {
-    #[error("byte {0} is NUL: the file is not text, or is UTF-16; save it as UTF-8")]
     Nul(u64),
-    #[error(
-        "a line is longer than 16 MiB (at byte {0}): the file is damaged or is not CSV; write it again, a line for each row"
-    )]
     Line(u64),
 }
+
+impl ByteFault {
+    /// E0202: the fault of this file.
+    pub fn at(&self, path: &Path) -> Faults {
+        let (problem, advice) = match self {
+            Self::Nul(byte) => (
+                format!("byte {byte} is NUL: the file is not text, or is UTF-16"),
+                "save it as UTF-8",
+            ),
+            Self::Line(byte) => (
+                format!(
+                    "a line is longer than 16 MiB (at byte {byte}): the file is damaged or is not CSV"
+                ),
+                "write it again, a line for each row",
+            ),
+        };
+        Faults::one("E0202", Place::file(path), problem, advice)
+    }
+}
+
+impl std::fmt::Display for ByteFault {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{self:?}")
+    }
+}
+
+impl std::error::Error for ByteFault {}
 
 /// A file for several readers, on several threads: its one position is moved and used under a lock.
 #[derive(Debug, Clone)]
@@ -87,12 +108,8 @@ impl Opened {
 }
 
 /// Turns an error of the operating system into that of a file which cannot be read.
-pub(crate) fn unreadable(path: &Path) -> impl Fn(io::Error) -> TelemetryError + '_ {
-    |source| TelemetryError::Io {
-        path: path.to_owned(),
-        what: "cannot be read",
-        source,
-    }
+pub(crate) fn unreadable(path: &Path) -> impl Fn(io::Error) -> Faults + '_ {
+    |source| crate::error::unreadable(path, "cannot be read", &source)
 }
 
 pub(crate) fn is_standard_input(path: &Path) -> bool {
@@ -100,17 +117,19 @@ pub(crate) fn is_standard_input(path: &Path) -> bool {
 }
 
 /// Opens a regular file, or standard input.
-pub(crate) fn open(path: &Path) -> Result<Opened, TelemetryError> {
+pub(crate) fn open(path: &Path) -> Result<Opened, Faults> {
     if is_standard_input(path) {
         let stream = standard_input().and_then(Opened::stream);
         return stream.map_err(unreadable(path));
     }
     let opened = poinsot_files::open(path).map_err(|error| match error {
         InputError::System(source) | InputError::Missing(source) => unreadable(path)(source),
-        _ => TelemetryError::Format {
-            place: Place::file(path),
-            why: "not a regular file; give a .csv or .parquet file".into(),
-        },
+        _ => Faults::one(
+            "E0202",
+            Place::file(path),
+            "not a regular file",
+            "give a .csv or .parquet file",
+        ),
     });
     let (file, before) = opened?;
     Ok(Opened {
@@ -121,7 +140,7 @@ pub(crate) fn open(path: &Path) -> Result<Opened, TelemetryError> {
 }
 
 /// Checks that the path still names the opened file.
-pub(crate) fn check_unchanged(path: &Path, opened: &Opened) -> Result<(), TelemetryError> {
+pub(crate) fn check_unchanged(path: &Path, opened: &Opened) -> Result<(), Faults> {
     let same = opened.before.as_ref().is_none_or(|before| {
         let same = |now: Metadata| {
             now.len() == before.len() && now.modified().ok() == before.modified().ok()
@@ -131,10 +150,12 @@ pub(crate) fn check_unchanged(path: &Path, opened: &Opened) -> Result<(), Teleme
     if same {
         return Ok(());
     }
-    Err(TelemetryError::Format {
-        place: Place::file(path),
-        why: "the file changed during reading; use it when it is complete".into(),
-    })
+    Err(Faults::one(
+        "E0202",
+        Place::file(path),
+        "the file changed during reading",
+        "use it when it is complete",
+    ))
 }
 
 /// Reader that stops at bytes that are not text. It converts line ends to `\n`, so that line numbers are consistent.

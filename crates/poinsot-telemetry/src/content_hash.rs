@@ -1,7 +1,7 @@
 //! SHA-256 of a file; of a long one on a thread of its own, beside the parser.
 
-use crate::TelemetryError;
 use crate::bytes::{Opened, unreadable};
+use poinsot_files::Faults;
 use sha2::{Digest, Sha256};
 use std::io::{self, Read};
 use std::path::Path;
@@ -15,8 +15,8 @@ const LONG: u64 = 4 << 20;
 pub(crate) fn hashed<T>(
     path: &Path,
     opened: &Opened,
-    work: impl FnOnce() -> Result<T, TelemetryError>,
-) -> Result<(T, String), TelemetryError> {
+    work: impl FnOnce() -> Result<T, Faults>,
+) -> Result<(T, String), Faults> {
     let failed = AtomicBool::new(false);
     let hash = || sha256(opened.file.reader_at(0), &failed);
     thread::scope(|scope| {

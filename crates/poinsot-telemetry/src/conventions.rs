@@ -3,7 +3,8 @@
 
 use crate::hypothesis::{Axes, DECLARED, GyroUnit, Hypothesis, Order, Sense};
 use crate::rate_pairs::Pairs;
-use crate::{Channel, Table, TelemetryError, full_name};
+use crate::{Channel, Table, full_name};
+use poinsot_files::{Faults, Place, rounded};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -226,7 +227,7 @@ pub fn test_sensors(table: &Table, attitude: &str, gyro: &str) -> Option<Convent
 /// Assumes that every gyro measures in body axes on the body of the attitude.
 ///
 /// # Errors
-/// [`TelemetryError::Convention`] names the convention that fits best.
+/// E0215 names the convention that fits best.
 ///
 /// ```
 #[doc = include_str!("../doc/spin.txt")]
@@ -238,7 +239,7 @@ pub fn test_sensors(table: &Table, attitude: &str, gyro: &str) -> Option<Convent
 /// // A gyro of opposite sense contradicts the attitude.
 /// assert!(check_conventions(&table(-1.0)).is_err());
 /// ```
-pub fn check_conventions(table: &Table) -> Result<(), TelemetryError> {
+pub fn check_conventions(table: &Table) -> Result<(), Faults> {
     convention_tests(table)
         .iter()
         .try_for_each(ConventionTest::check)
@@ -246,18 +247,21 @@ pub fn check_conventions(table: &Table) -> Result<(), TelemetryError> {
 
 impl ConventionTest {
     /// # Errors
-    /// [`TelemetryError::Convention`] if the declared convention is contradicted.
-    pub fn check(&self) -> Result<(), TelemetryError> {
+    /// E0215 if the declared convention is contradicted.
+    pub fn check(&self) -> Result<(), Faults> {
         if self.verdict != Verdict::DeclaredContradicted {
             return Ok(());
         }
-        Err(TelemetryError::Convention {
-            attitude: self.attitude.clone(),
-            gyro: self.gyro.clone(),
-            declared: DECLARED.to_owned(),
-            declared_residual: self.declared.residual_rad_s,
-            best: self.best.to_string(),
-            best_residual: self.best.residual_rad_s,
-        })
+        let (attitude, gyro, best) = (&self.attitude, &self.gyro, &self.best);
+        let residual = rounded(self.declared.residual_rad_s, 4);
+        let least = rounded(best.residual_rad_s, 4);
+        Err(Faults::one(
+            "E0215",
+            Place::default(),
+            format!(
+                "attitude '{attitude}' and gyro '{gyro}' contradict the declared {DECLARED}: residual {residual} rad/s, but {least} rad/s with {best}"
+            ),
+            "correct the map or the file",
+        ))
     }
 }

@@ -3,14 +3,15 @@
 use crate::bytes::{ByteFault, Opened, TextBytes, unreadable};
 use crate::columns::Columns;
 use crate::csv_rows::{CsvRows, Row};
-use crate::error::{Place, shown};
+use crate::error::shown;
 use crate::intake::Intake;
 use crate::number::RawCell;
 use crate::packing::{Packing, damaged};
 use crate::plan::{self, Plan};
 use crate::selection::WhenFull;
 use crate::size::Rows;
-use crate::{Encoding, Layout, ReadOptions, TelemetryError};
+use crate::{Encoding, Layout, ReadOptions};
+use poinsot_files::{Faults, Place};
 use std::io::{self, Read};
 use std::path::Path;
 
@@ -21,7 +22,7 @@ pub(crate) fn read(
     options: &ReadOptions,
     repairs: &mut Vec<String>,
     mut full: Option<&mut WhenFull>,
-) -> Result<(Plan, Columns), TelemetryError> {
+) -> Result<(Plan, Columns), Faults> {
     let (text, rows) = unpacked(path, opened)?;
     let layout = options.map.for_file(path).layout;
     let above = layout.header_row.unwrap_or(1).saturating_sub(1);
@@ -40,6 +41,7 @@ pub(crate) fn read(
         intake.make_room(rows, full.as_deref_mut())?;
         last_row = above + row.line;
         intake.columns.rows_read += 1;
+        let cells = row.len;
         let Err(error) = take_row(path, &plan, &row, last_row, &mut intake) else {
             continue;
         };
@@ -48,10 +50,15 @@ pub(crate) fn read(
             return Err(error);
         }
         if !options.recover {
-            return Err(TelemetryError::Truncated {
-                place: Place::row(path, last_row),
-                why: how_cut(&error),
-            });
+            return Err(Faults::one(
+                "E0206",
+                Place::row(path, last_row),
+                format!(
+                    "the file ends inside this row ({})",
+                    how_cut(&error, cells, &plan)
+                ),
+                "use --recover to keep the rows before it",
+            ));
         }
         repairs.push(format!(
             "{}: cut last row dropped",
@@ -78,13 +85,15 @@ pub(crate) fn read(
 }
 
 /// The text of a file, and the number of its rows.
-fn unpacked(path: &Path, opened: &Opened) -> Result<(Box<dyn Read>, Rows), TelemetryError> {
+fn unpacked(path: &Path, opened: &Opened) -> Result<(Box<dyn Read>, Rows), Faults> {
     let first = opened.first(2).map_err(unreadable(path))?;
     if first == [0xff, 0xfe] || first == [0xfe, 0xff] {
-        return Err(TelemetryError::Format {
-            place: Place::file(path),
-            why: "the file is UTF-16; save it as UTF-8".into(),
-        });
+        return Err(Faults::one(
+            "E0202",
+            Place::file(path),
+            "the file is UTF-16",
+            "save it as UTF-8",
+        ));
     }
     let packing = Packing::of(opened).map_err(unreadable(path))?;
     let rows = match packing {
@@ -103,20 +112,26 @@ fn headers(
     path: &Path,
     reader: &mut CsvRows<impl Read>,
     (above, layout, options): (u64, Layout, &ReadOptions),
-) -> Result<(Vec<String>, Option<Vec<String>>), TelemetryError> {
+) -> Result<(Vec<String>, Option<Vec<String>>), Faults> {
     let Some(row) = readable(path, reader.next_whole_row())? else {
-        return Err(TelemetryError::Header {
-            place: Place::file(path),
-            why: "the file is empty; begin it with a header row".into(),
-        });
+        return Err(Faults::one(
+            "E0205",
+            Place::file(path),
+            "the file is empty",
+            "begin it with a header row",
+        ));
     };
     let header_line = above + row.line;
     let header = header_of(path, header_line, &row, options.encoding)?;
-    if let Some(why) = no_header(&header, layout.comment) {
-        return Err(TelemetryError::Header {
-            place: Place::row(path, header_line),
-            why,
-        });
+    if let Some(first) = no_header(&header, layout.comment) {
+        return Err(Faults::one(
+            "E0205",
+            Place::row(path, header_line),
+            format!("the first row begins with '{first}'"),
+            format!(
+                "write [telemetry] comment = \"{first}\" if such lines are comments, or header_row = N for a header in line N"
+            ),
+        ));
     }
     if layout.units_row != Some(true) {
         return Ok((header, None));
@@ -135,21 +150,19 @@ fn take_row(
     record: &Row,
     row: u64,
     intake: &mut Intake,
-) -> Result<(), TelemetryError> {
+) -> Result<(), Faults> {
     if record.len != plan.header.len() {
-        let hint = if record.cell(0).starts_with(b"#") {
-            "; leave the line out, or write [telemetry] comment = \"#\""
-        } else if record.len > plan.header.len() {
-            ": a decimal comma or a comma in a text without quotes adds fields; write a point, or quotes around the text"
+        let expected = plan.header.len();
+        let mut problem = format!("{} fields where the header has {expected}", record.len);
+        let advice = if record.cell(0).starts_with(b"#") {
+            "leave the line out, or write [telemetry] comment = \"#\""
+        } else if record.len > expected {
+            problem += ": a decimal comma or a comma in a text without quotes adds fields";
+            "write a point, or quotes around the text"
         } else {
-            "; complete the row: an empty cell means no sample"
+            "complete the row: an empty cell means no sample"
         };
-        return Err(TelemetryError::Ragged {
-            place: Place::row(path, row),
-            actual: record.len,
-            expected: plan.header.len(),
-            hint,
-        });
+        return Err(Faults::one("E0204", Place::row(path, row), problem, advice));
     }
     if !intake.keeps(row, |index| RawCell::Text(record.cell(index)))? {
         return Ok(());
@@ -157,25 +170,23 @@ fn take_row(
     for (k, channel) in plan.channels.iter().enumerate() {
         let cell = record.cell(channel.index);
         let value = channel.conversion.cell(cell);
-        let value = value.map_err(|why| TelemetryError::Number {
-            place: Place::cell(path, row, &channel.column),
-            value: shown(cell),
-            why: why.text(channel.index == plan.time_index),
+        let value = value.map_err(|why| {
+            let place = Place::cell(path, row, &channel.column);
+            why.fault(place, cell, channel.index == plan.time_index)
         })?;
         intake.columns.push(k, row, value);
     }
     Ok(())
 }
 
-fn how_cut(error: &TelemetryError) -> String {
-    match error {
-        TelemetryError::Ragged {
-            actual, expected, ..
-        } => format!("{actual} of {expected} fields, no line end"),
-        TelemetryError::Number { place, value, .. } => {
-            format!("'{value}' in column '{}', no line end", place.column)
+fn how_cut(fault: &Faults, cells: usize, plan: &Plan) -> String {
+    match fault.list.as_slice() {
+        [f] if f.code == "E0204" => format!("{cells} of {} fields, no line end", plan.header.len()),
+        [f] if f.code == "E0203" => {
+            let (value, column) = (&f.value, &f.place.name);
+            format!("'{value}' in column '{column}', no line end")
         }
-        other => other.to_string(),
+        _ => fault.to_string(),
     }
 }
 
@@ -184,7 +195,7 @@ fn header_of(
     line: u64,
     record: &Row,
     encoding: Encoding,
-) -> Result<Vec<String>, TelemetryError> {
+) -> Result<Vec<String>, Faults> {
     let mut header = Vec::with_capacity(record.len);
     for field in record.cells() {
         if encoding == Encoding::Latin1 {
@@ -192,35 +203,37 @@ fn header_of(
             header.push(text.trim().to_owned());
             continue;
         }
-        let text = std::str::from_utf8(field).map_err(|e| TelemetryError::Format {
-            place: Place::row(path, line),
-            why: format!(
-                "the header is not UTF-8 ('{}', byte {} of the name); save the file as UTF-8, or read it by --encoding latin1",
-                shown(field),
-                e.valid_up_to()
-            ),
+        let text = std::str::from_utf8(field).map_err(|e| {
+            Faults::one(
+                "E0202",
+                Place::row(path, line),
+                format!(
+                    "the header is not UTF-8 ('{}', byte {} of the name)",
+                    shown(field),
+                    e.valid_up_to()
+                ),
+                "save the file as UTF-8, or read it by --encoding latin1",
+            )
         })?;
         header.push(text.trim().to_owned());
     }
     Ok(header)
 }
 
-/// Why the first row is not a header.
-fn no_header(header: &[String], comment: Option<u8>) -> Option<String> {
+/// The character that says that the first row is not a header.
+fn no_header(header: &[String], comment: Option<u8>) -> Option<char> {
     let first = header.first()?.chars().next()?;
     let usual = matches!(first, '#' | '%' | '!');
-    (usual && comment.is_none()).then(|| {
-        format!("the first row begins with '{first}'; write [telemetry] comment = \"{first}\" if such lines are comments, or header_row = N for a header in line N")
-    })
+    (usual && comment.is_none()).then_some(first)
 }
 
 /// What was read of the text; an error names the file.
-fn readable<T>(path: &Path, read: io::Result<T>) -> Result<T, TelemetryError> {
-    read.map_err(|source| match source.get_ref() {
-        Some(fault) if fault.is::<ByteFault>() => TelemetryError::Format {
-            place: Place::file(path),
-            why: source.to_string(),
-        },
-        _ => damaged(path, source),
+fn readable<T>(path: &Path, read: io::Result<T>) -> Result<T, Faults> {
+    read.map_err(|source| {
+        let fault = source.get_ref().and_then(|f| f.downcast_ref::<ByteFault>());
+        match fault {
+            Some(fault) => fault.at(path),
+            None => damaged(path, source),
+        }
     })
 }

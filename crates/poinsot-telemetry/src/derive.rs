@@ -3,12 +3,12 @@
 
 use crate::columns::Columns;
 use crate::conversion::Conversion;
-use crate::error::Place;
+use crate::error::map_of;
 use crate::instant::EARTH_RATE;
 use crate::plan::{Group, Plan, PlannedChannel};
-use crate::{AttitudeForm, Sense, TelemetryError, classify};
+use crate::{AttitudeForm, Sense, classify};
 use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
-use poinsot_files::rounded;
+use poinsot_files::{Faults, Place, rounded};
 use std::path::Path;
 
 /// Largest |R'R - 1| of a rotation matrix with rounded elements.
@@ -22,7 +22,7 @@ pub(crate) fn derive(
     path: &Path,
     plan: &Plan,
     columns: &mut Columns,
-) -> Result<Vec<PlannedChannel>, TelemetryError> {
+) -> Result<Vec<PlannedChannel>, Faults> {
     if plan.groups.is_empty() {
         return Ok(plan.channels.clone());
     }
@@ -99,20 +99,20 @@ fn attitude(
     parts: &[Vec<f64>],
     form: AttitudeForm,
     sense: Sense,
-) -> Result<Vec<Vec<f64>>, TelemetryError> {
+) -> Result<Vec<Vec<f64>>, Faults> {
     let mut out = vec![Vec::new(); 4];
     for (k, line) in rows.iter().enumerate() {
         let q = match form {
             AttitudeForm::Matrix => match row::<9>(parts, k) {
                 None => None,
-                Some(cells) => {
-                    Some(
-                        from_matrix(&cells).map_err(|why| TelemetryError::Quaternion {
-                            place: Place::cell(path, *line, column),
-                            why,
-                        })?,
+                Some(cells) => Some(from_matrix(&cells).map_err(|problem| {
+                    Faults::one(
+                        "E0214",
+                        Place::cell(path, *line, column),
+                        problem,
+                        "correct the row or the order of the columns",
                     )
-                }
+                })?),
             },
             AttitudeForm::Euler(axes) => row::<3>(parts, k).map(|a| euler(axes, a)),
             AttitudeForm::Mrp => row::<3>(parts, k).map(mrp),
@@ -133,7 +133,7 @@ fn from_matrix(cells: &[f64; 9]) -> Result<UnitQuaternion<f64>, String> {
     let error = (R.transpose() * R - Matrix3::identity()).amax();
     if error > ORTHONORMAL || R.determinant() < 0.0 {
         return Err(format!(
-            "the matrix is no rotation (R'R differs from 1 by {}, determinant {}); correct the row or the order of the columns",
+            "the matrix is no rotation (R'R differs from 1 by {}, determinant {})",
             rounded(error, 3),
             rounded(R.determinant(), 3)
         ));
@@ -168,17 +168,9 @@ fn inertial(
     plan: &Plan,
     columns: &Columns,
     parts: &[Vec<f64>],
-) -> Result<Vec<Vec<f64>>, TelemetryError> {
+) -> Result<Vec<Vec<f64>>, Faults> {
     let dated = columns.origin.filter(|o| o.date().is_some());
-    let origin = dated.ok_or_else(|| TelemetryError::Map {
-        code: "E0212",
-        channel: "orbit".to_owned(),
-        why: format!(
-            "{}: axes that turn with the Earth need the date, and '{}' counts from an unknown epoch; name its epoch in [telemetry] time",
-            path.display(),
-            plan.time_column
-        ),
-    })?;
+    let origin = dated.ok_or_else(|| map_of("E0212", "orbit", format!("{}: axes that turn with the Earth need the date, and '{}' counts from an unknown epoch", path.display(), plan.time_column), "name its epoch in [telemetry] time"))?;
     let (position, velocity) = parts.split_at(parts.len().min(3));
     let mut out = vec![Vec::new(); parts.len()];
     for (k, time) in columns.time_s.iter().enumerate() {

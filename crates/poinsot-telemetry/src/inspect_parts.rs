@@ -2,12 +2,13 @@
 
 use crate::checks::{Finding, SHOWN};
 use crate::columns::Columns;
+use crate::error::no_rows;
 use crate::inspect::{ChannelSummary, Inspection, notes};
 use crate::plan::{self, Plan};
 use crate::read::{read, read_file_in_parts};
-use crate::{
-    ReadOptions, Source, Table, TelemetryError, TelemetryMap, assemble, inspect, suggest, time_base,
-};
+use crate::selection::TOO_LARGE;
+use crate::{ReadOptions, Source, Table, TelemetryMap, assemble, inspect, suggest, time_base};
+use poinsot_files::{Faults, Place};
 use std::path::{Path, PathBuf};
 
 /// Divisor of the memory limit for one part: its inspection needs more.
@@ -41,10 +42,10 @@ const LINES: usize = 100;
 pub fn inspect_files<P: AsRef<Path>>(
     paths: &[P],
     options: &ReadOptions,
-) -> Result<Inspection, TelemetryError> {
+) -> Result<Inspection, Faults> {
     match read(paths, options) {
         Ok(table) => return Ok(inspect(&table)),
-        Err(TelemetryError::TooLarge { .. }) => {}
+        Err(fault) if fault.code() == TOO_LARGE => {}
         Err(other) => return Err(other),
     }
     let paths: Vec<PathBuf> = paths.iter().map(|p| p.as_ref().to_owned()).collect();
@@ -66,9 +67,8 @@ pub fn inspect_files<P: AsRef<Path>>(
     if let Some(all) = &mut all {
         all.repairs.append(&mut repairs);
     }
-    all.map(finished).ok_or_else(|| TelemetryError::Empty {
-        place: crate::error::Place::file(Path::new("")),
-    })
+    all.map(finished)
+        .ok_or_else(|| no_rows(Place::file(Path::new(""))))
 }
 
 /// Inspects one file.
@@ -76,7 +76,7 @@ fn in_parts(
     path: &Path,
     options: &ReadOptions,
     unused: &mut plan::Unused,
-) -> Result<Inspection, TelemetryError> {
+) -> Result<Inspection, Faults> {
     let mut repairs = Vec::new();
     let map = options.map.for_file(path);
     let passed_over = map.columns.iter().filter(|c| !c.rows.is_empty()).count();
@@ -105,9 +105,7 @@ fn in_parts(
     let rows = rest.rows_read;
     parts.take(&plan, rest)?;
     unused.mark(path, &plan);
-    let mut all = parts.seen.ok_or_else(|| TelemetryError::Empty {
-        place: crate::error::Place::file(path),
-    })?;
+    let mut all = parts.seen.ok_or_else(|| no_rows(Place::file(path)))?;
     repairs.append(&mut all.repairs);
     all.repairs = repairs;
     all.sources = vec![Source {
@@ -128,7 +126,7 @@ struct Parts<'a> {
 
 impl Parts<'_> {
     /// Inspects one part; its times must follow those of the previous part.
-    fn take(&mut self, plan: &Plan, mut columns: Columns) -> Result<(), TelemetryError> {
+    fn take(&mut self, plan: &Plan, mut columns: Columns) -> Result<(), Faults> {
         let mut table = Table {
             ignored: plan.ignored.clone(),
             ..Table::default()

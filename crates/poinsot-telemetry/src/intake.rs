@@ -1,13 +1,13 @@
 //! Rows as a reader finds them: which are kept, and at what time.
 
+use crate::ReadOptions;
 use crate::clock::Clock;
 use crate::columns::Columns;
-use crate::error::{Place, shown};
 use crate::number::RawCell;
 use crate::plan::Plan;
 use crate::selection::{Selection, WhenFull};
 use crate::size::Rows;
-use crate::{ReadOptions, TelemetryError};
+use poinsot_files::{Faults, Place};
 use std::path::Path;
 
 /// What was taken from a file so far.
@@ -31,7 +31,7 @@ impl<'a> Intake<'a> {
     }
 
     /// Returns an error if the rows clearly exceed the memory limit.
-    pub fn check_ahead(&self, rows: Rows) -> Result<(), TelemetryError> {
+    pub fn check_ahead(&self, rows: Rows) -> Result<(), Faults> {
         self.selection.check_ahead(self.path, self.plan, rows)
     }
 
@@ -47,7 +47,7 @@ impl<'a> Intake<'a> {
         &mut self,
         row: u64,
         cell: impl Fn(usize) -> RawCell<'c>,
-    ) -> Result<bool, TelemetryError> {
+    ) -> Result<bool, Faults> {
         let plan = self.plan;
         for (k, (index, text)) in plan.filter.iter().enumerate() {
             let found = cell(*index).text();
@@ -61,10 +61,12 @@ impl<'a> Intake<'a> {
         let time = cell(plan.time_index);
         let seconds = self.clock.seconds(time, plan.week_index.map(&cell));
         self.columns.origin = self.clock.origin;
-        let time_s = seconds.map_err(|why| TelemetryError::Number {
-            place: Place::cell(self.path, row, &plan.time_column),
-            value: shown(&time.text()),
-            why: why.text(true),
+        let time_s = seconds.map_err(|why| {
+            why.fault(
+                Place::cell(self.path, row, &plan.time_column),
+                &time.text(),
+                true,
+            )
         })?;
         let time_s = time_s.or_nan();
         let keeps = self.selection.keeps(time_s, self.columns.origin);
@@ -76,11 +78,7 @@ impl<'a> Intake<'a> {
     }
 
     /// Passes the kept rows to `full` when they reach the memory limit; see [`Selection::check`].
-    pub fn make_room(
-        &mut self,
-        rows: Rows,
-        full: Option<&mut WhenFull>,
-    ) -> Result<(), TelemetryError> {
+    pub fn make_room(&mut self, rows: Rows, full: Option<&mut WhenFull>) -> Result<(), Faults> {
         let Self { path, plan, .. } = *self;
         self.selection
             .check(path, plan, &mut self.columns, rows, full)

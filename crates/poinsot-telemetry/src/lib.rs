@@ -7,7 +7,7 @@
 //! | subject | item |
 //! |---|---|
 //! | files and columns in memory | [`read`], [`read_parts`], [`ReadOptions`], [`Part`], [`write()`] |
-//! | what is read | [`Table`], [`Channel`], [`Source`], [`TelemetryError`] |
+//! | what is read | [`Table`], [`Channel`], [`Source`], [`poinsot_files::Faults`] |
 //! | columns with other names and units | [`TelemetryMap`], [`suggest`], [`parse_unit`], [`units`], [`classify`] |
 //! | checks | [`checks`], [`inspect`], [`check_conventions`], [`noise_level`] |
 //! | other times | [`resample`], [`resample_attitude`], [`differentiate`] |
@@ -34,7 +34,7 @@
 //! // Between samples a channel is interpolated; beyond its end it has no value.
 //! let [inside, beyond] = resample(first, &[0.15, 0.4], None)[..] else { unreachable!() };
 //! assert!((inside.unwrap() - 0.3).abs() < 1.0e-12 && beyond.is_none());
-//! # Ok::<(), poinsot_telemetry::TelemetryError>(())
+//! # Ok::<(), poinsot_files::Faults>(())
 //! ```
 //!
 //! # Files
@@ -117,7 +117,6 @@ pub use conventions::{
     ConventionTest, Verdict, check_conventions, convention_tests, test_conventions, test_sensors,
 };
 pub use differentiate::differentiate;
-pub use error::{Place, TelemetryError, advice};
 pub use hypothesis::{Axes, GyroUnit, Hypothesis, Order, Sense};
 pub use inspect::{ChannelSummary, Inspection, inspect};
 pub use inspect_parts::inspect_files;

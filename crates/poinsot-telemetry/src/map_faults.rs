@@ -1,17 +1,19 @@
 //! Checks of a map before any file is read.
 
 use crate::clock::check_time;
+use crate::error::map_of;
 use crate::unit::{list, nearest_unit};
 use crate::{
-    AttitudeMap, ChannelName, ColumnMap, Dimension, FileMap, Quantity, TelemetryError,
-    TelemetryMap, Unit, classify, parse_unit,
+    AttitudeMap, ChannelName, ColumnMap, Dimension, FileMap, Quantity, TelemetryMap, Unit,
+    classify, parse_unit,
 };
+use poinsot_files::Faults;
 use std::collections::HashMap;
 
 /// A fault of a map, with its key.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MapFault {
-    /// Code of a [`TelemetryError`].
+    /// Code of the fault.
     pub code: &'static str,
     /// Index in [`TelemetryMap::files`]; `None` for the map of every file.
     pub file: Option<usize>,
@@ -27,13 +29,9 @@ pub struct MapFault {
     pub remedy: String,
 }
 
-impl From<MapFault> for TelemetryError {
+impl From<MapFault> for Faults {
     fn from(fault: MapFault) -> Self {
-        Self::Map {
-            code: fault.code,
-            channel: fault.channel,
-            why: format!("{}; {}", fault.problem, fault.remedy),
-        }
+        map_of(fault.code, &fault.channel, fault.problem, fault.remedy)
     }
 }
 

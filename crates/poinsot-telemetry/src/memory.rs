@@ -1,14 +1,15 @@
 //! Columns in memory, treated as a file: names, units, checks and limits.
 
+use crate::ReadOptions;
 use crate::bytes::Opened;
 use crate::columns::Columns;
 use crate::content_hash::hex;
-use crate::error::Place;
+use crate::error::no_rows;
 use crate::intake::Intake;
 use crate::number::{Cell, RawCell};
 use crate::plan::{self, Plan};
 use crate::size::Rows;
-use crate::{ReadOptions, TelemetryError};
+use poinsot_files::{Faults, Place};
 use sha2::{Digest, Sha256};
 use std::io;
 use std::path::{Path, PathBuf};
@@ -117,12 +118,12 @@ impl Part {
 pub(crate) fn read(
     memory: &MemoryColumns,
     options: &ReadOptions,
-) -> Result<(Plan, Columns, String), TelemetryError> {
+) -> Result<(Plan, Columns, String), Faults> {
     let path = Path::new(&memory.name);
     let rows = check_lengths(path, memory)?;
     if rows == 0 {
         let place = Place::file(path);
-        return Err(TelemetryError::Empty { place });
+        return Err(no_rows(place));
     }
     let header: Vec<String> = memory.columns.iter().map(|c| c.0.clone()).collect();
     let plan = plan::build(path, &header, None, options)?;
@@ -143,10 +144,12 @@ pub(crate) fn read(
             continue;
         };
         let Values::Numbers(values) = values else {
-            return Err(TelemetryError::Format {
-                place: Place::cell(path, 0, &channel.column),
-                why: "whole nanoseconds are a time, and this column is none; give numbers".into(),
-            });
+            return Err(Faults::one(
+                "E0202",
+                Place::cell(path, 0, &channel.column),
+                "whole nanoseconds are a time, and this column is none",
+                "give numbers",
+            ));
         };
         for row in &kept {
             let cell = match values.get(*row) {
@@ -163,18 +166,17 @@ pub(crate) fn read(
 }
 
 /// Number of rows, equal for all columns.
-fn check_lengths(path: &Path, memory: &MemoryColumns) -> Result<usize, TelemetryError> {
+fn check_lengths(path: &Path, memory: &MemoryColumns) -> Result<usize, Faults> {
     let rows = memory.columns.first().map_or(0, |c| c.1.len());
     let first = memory.columns.first().map_or("", |c| c.0.as_str());
     match memory.columns.iter().find(|c| c.1.len() != rows) {
         None => Ok(rows),
-        Some((name, values)) => Err(TelemetryError::Format {
-            place: Place::cell(path, 0, name),
-            why: format!(
-                "{} values, and column '{first}' has {rows}; give every column one value per time, NaN where there is no sample",
-                values.len()
-            ),
-        }),
+        Some((name, values)) => Err(Faults::one(
+            "E0202",
+            Place::cell(path, 0, name),
+            format!("{} values, and column '{first}' has {rows}", values.len()),
+            "give every column one value per time, NaN where there is no sample",
+        )),
     }
 }
 

@@ -1,5 +1,7 @@
 //! Parses one cell of text to a number; errors name common mistakes.
 
+use crate::error::{number, shown};
+use poinsot_files::{Faults, Place};
 use std::borrow::Cow;
 
 /// Units of a decimal number in one.
@@ -91,14 +93,14 @@ fn fraction(count: i64, of: i64) -> String {
 pub(crate) struct InvalidNumber(pub &'static str, pub Option<&'static str>);
 
 impl InvalidNumber {
-    /// Text after the value in an error line. A time must not be empty, so other advice is given.
-    pub(crate) fn text(self, is_time: bool) -> String {
-        let Self(what, remedy) = self;
-        let remedy = remedy.unwrap_or(match is_time {
+    /// The fault of a cell. A time must not be empty, so other advice is given.
+    pub(crate) fn fault(self, place: Place, cell: &[u8], is_time: bool) -> Faults {
+        let Self(problem, advice) = self;
+        let advice = advice.unwrap_or(match is_time {
             true => "write the time, or leave the row out",
             false => "write a number, or leave the cell empty where there is no sample",
         });
-        format!("{what}; {remedy}")
+        number(place, shown(cell), problem, advice)
     }
 }
 
@@ -279,15 +281,13 @@ mod tests {
                 "is not a number; write a number, or leave the cell empty",
             ),
         ] {
-            let why = parse(text.as_bytes()).unwrap_err().text(false);
+            let why = parse(text.as_bytes()).unwrap_err();
+            let why = why.fault(Place::default(), b"", false).to_string();
             assert!(why.contains(word), "{text}: {why}");
         }
-        assert!(parse(b"1\xb0").unwrap_err().text(false).contains("UTF-8"));
-        assert!(
-            parse(b"null")
-                .unwrap_err()
-                .text(true)
-                .ends_with("leave the row out")
-        );
+        assert!(parse(b"1\xb0").unwrap_err().0.contains("UTF-8"));
+        let time = parse(b"null").unwrap_err();
+        let time = time.fault(Place::default(), b"null", true);
+        assert!(time.list[0].advice.ends_with("leave the row out"));
     }
 }

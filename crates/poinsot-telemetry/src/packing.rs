@@ -1,8 +1,7 @@
 //! Files compressed with gzip or Zstandard, and standard input.
 
-use crate::TelemetryError;
 use crate::bytes::{Opened, unreadable};
-use crate::error::Place;
+use poinsot_files::{Faults, Place};
 use std::io::{self, Read};
 use std::path::Path;
 
@@ -55,15 +54,15 @@ pub(crate) fn unpacked_name(path: &Path) -> &Path {
 }
 
 /// Converts a read error: damaged data give a format error, others an I/O error.
-pub(crate) fn damaged(path: &Path, source: io::Error) -> TelemetryError {
+pub(crate) fn damaged(path: &Path, source: io::Error) -> Faults {
     use io::ErrorKind as Kind;
     match source.kind() {
-        Kind::InvalidData | Kind::InvalidInput | Kind::UnexpectedEof | Kind::Other => {
-            TelemetryError::Format {
-                place: Place::file(path),
-                why: format!("the packed data are damaged ({source}); copy the file again"),
-            }
-        }
+        Kind::InvalidData | Kind::InvalidInput | Kind::UnexpectedEof | Kind::Other => Faults::one(
+            "E0202",
+            Place::file(path),
+            format!("the packed data are damaged ({source})"),
+            "copy the file again",
+        ),
         _ => unreadable(path)(source),
     }
 }

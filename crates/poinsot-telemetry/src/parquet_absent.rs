@@ -2,10 +2,11 @@
 
 use crate::bytes::Opened;
 use crate::columns::Columns;
-use crate::error::Place;
+use crate::error::parquet;
 use crate::plan::Plan;
 use crate::selection::WhenFull;
-use crate::{Channel, ReadOptions, TelemetryError};
+use crate::{Channel, ReadOptions};
+use poinsot_files::{Faults, Place};
 use std::fs::File;
 use std::path::Path;
 
@@ -19,14 +20,11 @@ pub(crate) fn read(
     _: &ReadOptions,
     _: &mut Vec<String>,
     _: Option<&mut WhenFull>,
-) -> Result<(Plan, Columns), TelemetryError> {
-    Err(TelemetryError::Parquet {
-        place: Place::file(path),
-        why: ABSENT.to_owned(),
-    })
+) -> Result<(Plan, Columns), Faults> {
+    Err(parquet(Place::file(path), ABSENT))
 }
 
 /// Returns the error.
 pub(crate) fn write_parquet(_: &mut File, _: &[f64], _: &[Channel]) -> Result<(), String> {
-    Err(ABSENT.to_owned())
+    Err(ABSENT)
 }

@@ -2,9 +2,10 @@
 //!
 //! The third-party decoder panics on some damaged files; panics become errors here.
 
+use crate::ReadOptions;
 use crate::bytes::Opened;
 use crate::columns::Columns;
-use crate::error::Place;
+use crate::error::{WRITE_AGAIN, parquet};
 use crate::intake::Intake;
 use crate::number::RawCell;
 use crate::parquet_column::{self, Cells, Column, Kind};
@@ -12,11 +13,11 @@ use crate::parquet_pages::{self, is_mismatch};
 use crate::plan::{self, Plan};
 use crate::selection::WhenFull;
 use crate::size::Rows;
-use crate::{ReadOptions, TelemetryError};
 use parquet::column::reader::ColumnReader;
 use parquet::errors::ParquetError;
 use parquet::file::metadata::ParquetMetaData;
 use parquet::file::reader::{FileReader, RowGroupReader, SerializedFileReader};
+use poinsot_files::{Faults, Place};
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -31,17 +32,14 @@ pub(crate) fn read(
     options: &ReadOptions,
     repairs: &mut Vec<String>,
     full: Option<&mut WhenFull>,
-) -> Result<(Plan, Columns), TelemetryError> {
+) -> Result<(Plan, Columns), Faults> {
     let decode = || decode(path, opened, options, repairs, full);
     let decoded = catch_unwind(AssertUnwindSafe(decode));
     decoded.unwrap_or_else(|_| Err(refused(path, "the file is damaged (the decoder stopped)")))
 }
 
-fn refused(path: &Path, why: impl ToString) -> TelemetryError {
-    TelemetryError::Parquet {
-        place: Place::file(path),
-        why: why.to_string().replace('\n', " "),
-    }
+fn refused(path: &Path, why: impl ToString) -> Faults {
+    parquet(Place::file(path), why.to_string().replace('\n', " "))
 }
 
 fn decode(
@@ -50,7 +48,7 @@ fn decode(
     options: &ReadOptions,
     repairs: &mut Vec<String>,
     mut full: Option<&mut WhenFull>,
-) -> Result<(Plan, Columns), TelemetryError> {
+) -> Result<(Plan, Columns), Faults> {
     let file = &opened.file;
     let refused = |e: ParquetError| refused(path, e);
     let reader = SerializedFileReader::new(file.clone()).map_err(refused)?;
@@ -121,7 +119,7 @@ fn decode(
 }
 
 /// The repair for a page that does not match its checksum: the rows from there on are dropped.
-fn cut(place: &Place, sound: u64, declared: u64, recover: bool) -> Result<String, TelemetryError> {
+fn cut(place: &Place, sound: u64, declared: u64, recover: bool) -> Result<String, Faults> {
     if recover && sound > 0 {
         return Ok(format!(
             "{place}: {} rows from here on dropped: a page does not match its checksum",
@@ -132,12 +130,9 @@ fn cut(place: &Place, sound: u64, declared: u64, recover: bool) -> Result<String
         0 => "no row before it is left",
         _ => "the rows before it can be kept by --recover",
     };
-    Err(TelemetryError::Parquet {
-        place: place.clone(),
-        why: format!(
-            "the page of this row does not match its checksum: its bytes were changed; {more}"
-        ),
-    })
+    let what = "the page of this row does not match its checksum: its bytes were changed";
+    let advice = format!("{more}; {WRITE_AGAIN}");
+    Err(Faults::one("E0216", place.clone(), what, advice))
 }
 
 /// Adds a batch of rows to the columns.
@@ -147,7 +142,7 @@ fn take(
     used: &Used,
     batch: &Batch,
     intake: &mut Intake,
-) -> Result<(), TelemetryError> {
+) -> Result<(), Faults> {
     let rows = batch.values().map(Cells::len).min().unwrap_or(0);
     let first = intake.columns.rows_read as u64 + 1;
     let channels = plan.channels.iter().enumerate();
@@ -178,13 +173,10 @@ fn take(
 /// The columns that are read, by their place in the header.
 type Used = BTreeMap<usize, Column>;
 
-fn unsupported(path: &Path, name: &str, kind: &str) -> TelemetryError {
-    TelemetryError::Parquet {
-        place: Place::cell(path, 0, name),
-        why: format!(
-            "type {kind} is not supported; store numbers as float64, times as seconds or timestamps"
-        ),
-    }
+fn unsupported(path: &Path, name: &str, kind: &str) -> Faults {
+    let advice = format!("store numbers as float64, times as seconds or timestamps; {WRITE_AGAIN}");
+    let problem = format!("type {kind} is not supported");
+    Faults::one("E0216", Place::cell(path, 0, name), problem, advice)
 }
 
 /// Cells of some rows, by their column's place in the header.
@@ -234,11 +226,7 @@ impl Group {
 }
 
 /// Rows declared in the footer, after its sizes were compared with the file's.
-fn plausible_rows(
-    path: &Path,
-    metadata: &ParquetMetaData,
-    bytes: u64,
-) -> Result<u64, TelemetryError> {
+fn plausible_rows(path: &Path, metadata: &ParquetMetaData, bytes: u64) -> Result<u64, Faults> {
     let mut rows = 0_u64;
     for group in metadata.row_groups() {
         let n = u64::try_from(group.num_rows())

@@ -2,14 +2,14 @@
 
 use crate::clock::{Clock, check_time};
 use crate::conversion::Conversion;
-use crate::error::Place;
+use crate::error::{map_of, no_match, twice};
 use crate::map::fits_path;
 use crate::map_faults::resolve;
 use crate::{
     AttitudeForm, AttitudeMap, ChannelName, ColumnMap, Dimension, FileMap, Order, Quantity,
-    ReadOptions, Sense, TelemetryError, TimeFormat, Unit, classify, map_faults, parse_unit,
-    suggest,
+    ReadOptions, Sense, TimeFormat, Unit, classify, map_faults, parse_unit, suggest,
 };
+use poinsot_files::{Faults, Place};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
@@ -73,7 +73,7 @@ impl Plan {
 /// Limit on the number of columns; only a damaged header has more.
 const MAX_COLUMNS: usize = 65_536;
 
-pub(crate) fn check_maps(options: &ReadOptions) -> Result<(), TelemetryError> {
+pub(crate) fn check_maps(options: &ReadOptions) -> Result<(), Faults> {
     match map_faults(&options.map).into_iter().next() {
         Some(fault) => Err(fault.into()),
         None => Ok(()),
@@ -98,16 +98,13 @@ impl Planner<'_> {
         Some(index)
     }
 
-    fn fault(&self, channel: &str, why: String) -> TelemetryError {
-        TelemetryError::Map {
-            code: "E0212",
-            channel: channel.to_owned(),
-            why: format!("{}: {why}", self.path.display()),
-        }
+    fn fault(&self, channel: &str, problem: String, advice: impl Into<String>) -> Faults {
+        let problem = format!("{}: {problem}", self.path.display());
+        map_of("E0212", channel, problem, advice)
     }
 
     /// The unit of a column in the units row; `None` without a row or for an empty cell.
-    fn unit_below(&self, index: usize, name: &ChannelName) -> Result<Option<Unit>, TelemetryError> {
+    fn unit_below(&self, index: usize, name: &ChannelName) -> Result<Option<Unit>, Faults> {
         let Some(text) = self.units.and_then(|u| u.get(index)) else {
             return Ok(None);
         };
@@ -120,8 +117,11 @@ impl Planner<'_> {
             _ => Err(self.fault(
                 &name.full(),
                 format!(
-                    "the units row has '{text}', which is no {}; correct it, or write unit in [telemetry], one of: {}",
-                    name.dimension.words(),
+                    "the units row has '{text}', which is no {}",
+                    name.dimension.words()
+                ),
+                format!(
+                    "correct it, or write unit in [telemetry], one of: {}",
                     crate::unit::list(name.dimension)
                 ),
             )),
@@ -133,41 +133,32 @@ impl Planner<'_> {
         index: usize,
         name: ChannelName,
         conversion: Conversion,
-    ) -> Result<(), TelemetryError> {
+    ) -> Result<(), Faults> {
         let mut alone = self.channels.iter().filter(|c| c.part.is_none());
         if let Some(first) = alone.find(|c| c.name == name) {
             let column = self.header.get(index).map_or("", String::as_str);
-            return Err(TelemetryError::DuplicateChannel {
-                channel: name.full(),
-                first: Box::new(Place::cell(self.path, 0, &first.column)),
-                second: Box::new(Place::cell(self.path, 0, column)),
-            });
+            let place = |column: &str| Place::cell(self.path, 0, column);
+            return Err(twice(&name.full(), &place(&first.column), &place(column)));
         }
         self.part(index, name, conversion, None);
         Ok(())
     }
 
     /// Assigns one mapped column; returns the clock if it is the time.
-    fn column(&mut self, map: &ColumnMap) -> Result<Option<(usize, Clock)>, TelemetryError> {
+    fn column(&mut self, map: &ColumnMap) -> Result<Option<(usize, Clock)>, Faults> {
         let Some(index) = self.find(&map.column) else {
             return Ok(None);
         };
         let resolved = resolve(map, self.units.is_some());
-        let (name, unit) =
-            resolved.map_err(|(_, (code, problem, remedy))| TelemetryError::Map {
-                code,
-                channel: map.channel.clone(),
-                why: format!("{problem}; {remedy}"),
-            })?;
+        let (name, unit) = resolved
+            .map_err(|(_, (code, problem, advice))| map_of(code, &map.channel, problem, advice))?;
         let needs_unit = map.nominal_N.is_none() && map.counts_per_revolution.is_none();
         let unit = match unit {
             None if needs_unit => Some(self.unit_below(index, &name)?.ok_or_else(|| {
                 self.fault(
                     &map.channel,
-                    format!(
-                        "its units row is empty below '{}'; write unit in [telemetry]",
-                        map.column
-                    ),
+                    format!("its units row is empty below '{}'", map.column),
+                    "write unit in [telemetry]",
                 )
             })?),
             unit => unit,
@@ -180,11 +171,7 @@ impl Planner<'_> {
     }
 
     /// The columns of a group, or none of them.
-    fn columns(
-        &mut self,
-        channel: &str,
-        columns: &[String],
-    ) -> Result<Option<Vec<usize>>, TelemetryError> {
+    fn columns(&mut self, channel: &str, columns: &[String]) -> Result<Option<Vec<usize>>, Faults> {
         let found: Vec<Option<usize>> = columns.iter().map(|c| self.find(c)).collect();
         if found.iter().all(Option::is_none) {
             return Ok(None);
@@ -195,21 +182,15 @@ impl Planner<'_> {
                 let missing = columns.get(k).cloned().unwrap_or_default();
                 Err(self.fault(
                     channel,
-                    format!(
-                        "column '{missing}' is missing from its group; add it, or correct its name"
-                    ),
+                    format!("column '{missing}' is missing from its group"),
+                    "add it, or correct its name",
                 ))
             }
         }
     }
 
     /// The unit of the map, of the units row, or SI, in this order.
-    fn unit(
-        &self,
-        named: Option<&str>,
-        index: usize,
-        name: &ChannelName,
-    ) -> Result<Unit, TelemetryError> {
+    fn unit(&self, named: Option<&str>, index: usize, name: &ChannelName) -> Result<Unit, Faults> {
         match named {
             Some(text) => parse_unit(text),
             None => match self.unit_below(index, name)? {
@@ -219,7 +200,7 @@ impl Planner<'_> {
         }
     }
 
-    fn attitude(&mut self, map: &AttitudeMap) -> Result<(), TelemetryError> {
+    fn attitude(&mut self, map: &AttitudeMap) -> Result<(), Faults> {
         let label = crate::full_name(&map.sensor, "attitude");
         let Some(found) = self.columns(&label, &map.columns)? else {
             return Ok(());
@@ -229,7 +210,8 @@ impl Planner<'_> {
             classify(name).ok_or_else(|| {
                 self.fault(
                     &label,
-                    format!("'{}' is no name of a sensor; correct it", map.sensor),
+                    format!("'{}' is no name of a sensor", map.sensor),
+                    "correct it",
                 )
             })
         };
@@ -284,7 +266,7 @@ impl Planner<'_> {
     }
 
     /// Assigns an ephemeris: position, and velocity if requested.
-    fn orbit(&mut self, map: &FileMap, options: &ReadOptions) -> Result<(), TelemetryError> {
+    fn orbit(&mut self, map: &FileMap, options: &ReadOptions) -> Result<(), Faults> {
         let Some(orbit) = &map.orbit else {
             return Ok(());
         };
@@ -330,18 +312,15 @@ impl Planner<'_> {
     }
 
     /// The clock that the map names, with its column, and the column of the week.
-    fn mapped_time(
-        &mut self,
-        map: &FileMap,
-    ) -> Result<(PlannedTime, Option<usize>), TelemetryError> {
+    fn mapped_time(&mut self, map: &FileMap) -> Result<(PlannedTime, Option<usize>), Faults> {
         let Some(map) = &map.time else {
             return Ok((None, None));
         };
         let Some(index) = self.find(&map.column) else {
             return Ok((None, None));
         };
-        let mut clock = check_time(map)
-            .map_err(|(_, problem, remedy)| self.fault("time", format!("{problem}; {remedy}")))?;
+        let mut clock =
+            check_time(map).map_err(|(_, problem, advice)| self.fault("time", problem, advice))?;
         if let (None, TimeFormat::Number | TimeFormat::GpsWeek, Some(name)) =
             (&map.unit, map.format, classify("time_s"))
             && let Some(unit) = self.unit_below(index, &name)?
@@ -352,8 +331,8 @@ impl Planner<'_> {
             return Ok((Some((index, clock)), None));
         };
         let Some(week) = self.find(week) else {
-            let why = format!("there is no column '{week}'; correct its name");
-            return Err(self.fault("time", why));
+            let problem = format!("there is no column '{week}'");
+            return Err(self.fault("time", problem, "correct its name"));
         };
         Ok((Some((index, clock)), Some(week)))
     }
@@ -365,7 +344,7 @@ impl Planner<'_> {
         (map, options): (&FileMap, &ReadOptions),
         mapped: usize,
         time: &mut PlannedTime,
-    ) -> Result<Vec<String>, TelemetryError> {
+    ) -> Result<Vec<String>, Faults> {
         let mut ignored = Vec::new();
         let filter_columns: HashSet<&str> = map.row_filter.iter().map(|f| f.0.as_str()).collect();
         for (index, column) in self.header.iter().enumerate() {
@@ -408,7 +387,7 @@ pub(crate) fn build(
     header: &[String],
     units: Option<&[String]>,
     options: &ReadOptions,
-) -> Result<Plan, TelemetryError> {
+) -> Result<Plan, Faults> {
     let map = options.map.for_file(path);
     check_header(path, header)?;
     let mut planner = Planner {
@@ -469,16 +448,14 @@ fn is_wanted(name: &ChannelName, options: &ReadOptions) -> bool {
         .is_none_or(|set| set.contains(&name.name) || set.contains(&name.full()))
 }
 
-fn check_header(path: &Path, header: &[String]) -> Result<(), TelemetryError> {
-    let fault = |why: String| TelemetryError::Header {
-        place: Place::file(path),
-        why,
-    };
+fn check_header(path: &Path, header: &[String]) -> Result<(), Faults> {
+    let fault =
+        |problem: String, advice: String| Faults::one("E0205", Place::file(path), problem, advice);
     if header.len() > MAX_COLUMNS {
-        return Err(fault(format!(
-            "{} columns in the header; leave out what is not needed, the limit is {MAX_COLUMNS}",
-            header.len()
-        )));
+        return Err(fault(
+            format!("{} columns in the header", header.len()),
+            format!("leave out what is not needed, the limit is {MAX_COLUMNS}"),
+        ));
     }
     if let [only] = header
         && let Some(delimiter) = only.chars().find(|c| matches!(c, ';' | '\t' | '|'))
@@ -487,42 +464,43 @@ fn check_header(path: &Path, header: &[String]) -> Result<(), TelemetryError> {
             '\t' => "tab".to_owned(),
             other => other.to_string(),
         };
-        return Err(fault(format!(
-            "the columns are separated by {delimiter:?}; write [telemetry] delimiter = \"{name}\", and points in decimal numbers"
-        )));
+        return Err(fault(
+            format!("the columns are separated by {delimiter:?}"),
+            format!("write [telemetry] delimiter = \"{name}\", and points in decimal numbers"),
+        ));
     }
     let mut seen = HashSet::new();
     for name in header.iter().filter(|h| !h.is_empty()) {
         if !seen.insert(name) {
-            return Err(fault(format!(
-                "column '{name}' is twice in the header; rename one"
-            )));
+            return Err(fault(
+                format!("column '{name}' is twice in the header"),
+                "rename one".to_owned(),
+            ));
         }
     }
     Ok(())
 }
 
-fn no_time(path: &Path, header: &[String]) -> TelemetryError {
+fn no_time(path: &Path, header: &[String]) -> Faults {
     let mut proposed = header.iter().filter_map(|h| suggest(h));
     let candidate = proposed.find(|s| s.channel == "time_s");
-    let hint = match candidate {
-        Some(s) => format!(
-            "; map '{}' by [telemetry.columns] {}, or run `poinsot inspect FILE` for a whole map",
-            s.column, s.toml
+    let (problem, advice) = match candidate {
+        Some(s) => (
+            "no column 'time_s'".to_owned(),
+            format!(
+                "map '{}' by [telemetry.columns] {}, or run `poinsot inspect FILE` for a whole map",
+                s.column, s.toml
+            ),
         ),
         None => {
             let first: Vec<&str> = header.iter().take(8).map(String::as_str).collect();
-            format!(
-                " among [{}]; run `poinsot inspect FILE`, which proposes a map",
-                first.join(", ")
+            (
+                format!("no column 'time_s' among [{}]", first.join(", ")),
+                "run `poinsot inspect FILE`, which proposes a map".to_owned(),
             )
         }
     };
-    let hint = poinsot_files::escaped(&hint).into_owned();
-    TelemetryError::NoTime {
-        place: Place::file(path),
-        hint,
-    }
+    Faults::one("E0207", Place::file(path), problem, advice)
 }
 
 /// The columns of the files that were read, against those that the map names.
@@ -551,11 +529,7 @@ impl<'a> Unused<'a> {
     }
 
     /// Checks that every mapped column is in some file; reports map entries that match no file.
-    pub(crate) fn check(
-        &self,
-        paths: &[PathBuf],
-        repairs: &mut Vec<String>,
-    ) -> Result<(), TelemetryError> {
+    pub(crate) fn check(&self, paths: &[PathBuf], repairs: &mut Vec<String>) -> Result<(), Faults> {
         let files: Vec<String> = paths.iter().map(|p| p.display().to_string()).collect();
         let files = files.join(", ");
         let all = &self.options.map;
@@ -571,26 +545,17 @@ impl<'a> Unused<'a> {
             let mut own = self.files.iter().filter(|f| fits_path(pattern, &f.0));
             !own.any(|(_, header)| header.contains(column))
         };
-        let why =
-            |column: &String| format!("no column '{column}' in {files}{}", self.nearest(column));
+        let why = |column: &String| format!("no column '{column}' in {files}");
         for (pattern, map) in &maps {
             let mut filters = map.filters();
             if let Some((column, text)) = filters.find(|f| missing(pattern, &f.0)) {
-                return Err(TelemetryError::Filter {
-                    column: column.clone(),
-                    text: text.clone(),
-                    why: why(column),
-                });
+                return Err(no_match(column, text, why(column), self.nearest(column)));
             }
         }
         for (pattern, map) in &maps {
             let named = map.named();
             if let Some((channel, column)) = named.iter().find(|n| missing(pattern, &n.1)) {
-                return Err(TelemetryError::Map {
-                    code: "E0212",
-                    channel: channel.clone(),
-                    why: why(column),
-                });
+                return Err(map_of("E0212", channel, why(column), self.nearest(column)));
             }
         }
         Ok(())
@@ -603,10 +568,10 @@ impl<'a> Unused<'a> {
             .map(|c| (strsim::jaro_winkler(c, column), c))
             .filter(|c| c.0 > 0.7);
         match close.max_by(|a, b| a.0.total_cmp(&b.0)) {
-            Some((_, near)) => format!("; did you mean '{near}'?"),
+            Some((_, near)) => format!("did you mean '{near}'?"),
             None => {
                 let first: Vec<&str> = self.columns.iter().take(8).map(String::as_str).collect();
-                format!("; name one that is there: {}", first.join(", "))
+                format!("name one that is there: {}", first.join(", "))
             }
         }
     }

@@ -1,8 +1,7 @@
 //! Checks of quaternions: unit norm, continuous sign.
 
-use crate::TelemetryError;
-use crate::error::Place;
-use poinsot_files::{as_read, rounded};
+use crate::error::not_strict;
+use poinsot_files::{Faults, Place, as_read, rounded};
 use std::path::Path;
 
 /// Norms this close to one are not changed: a few units in the last place.
@@ -28,7 +27,7 @@ pub(crate) fn tidy(
     rows: &[u64],
     q: &mut Components,
     strict: bool,
-) -> Result<Vec<String>, TelemetryError> {
+) -> Result<Vec<String>, Faults> {
     let [x, y, z, w] = q;
     let mut tally = Tally::default();
     let mut last: Option<[f64; 4]> = None;
@@ -45,14 +44,16 @@ pub(crate) fn tidy(
         }
         let deviation = (norm - 1.0).abs();
         if deviation.is_nan() || deviation > LIMIT {
-            return Err(TelemetryError::Quaternion {
-                place: Place::cell(path, row, column),
-                why: format!(
-                    "the quaternion ({}) has norm {}, not 1; correct the row or the order of the columns",
+            return Err(Faults::one(
+                "E0214",
+                Place::cell(path, row, column),
+                format!(
+                    "the quaternion ({}) has norm {}, not 1",
                     here.map(as_read).join(", "),
                     rounded(norm, 6)
                 ),
-            });
+                "correct the row or the order of the columns",
+            ));
         }
         if deviation > tally.worst.0 {
             tally.worst = (deviation, row);
@@ -71,10 +72,7 @@ pub(crate) fn tidy(
     let file = Place::cell(path, 0, column);
     let mut repairs = tally.changes();
     if strict && let Some(repair) = repairs.first() {
-        return Err(TelemetryError::Strict {
-            place: file,
-            repair: repair.clone(),
-        });
+        return Err(not_strict(file, repair));
     }
     if tally.flips > 0 {
         repairs.push(format!(
@@ -140,7 +138,7 @@ mod tests {
         [0, 1, 2, 3].map(|k| rows.iter().map(|r| r[k]).collect())
     }
 
-    fn run(rows: &[[f64; 4]]) -> Result<(Components, Vec<String>), TelemetryError> {
+    fn run(rows: &[[f64; 4]]) -> Result<(Components, Vec<String>), Faults> {
         let mut q = columns(rows);
         let lines: Vec<u64> = (2..).take(rows.len()).collect();
         let repairs = tidy(Path::new("a.csv"), "q_x", &lines, &mut q, false)?;

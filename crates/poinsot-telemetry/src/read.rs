@@ -3,16 +3,16 @@
 use crate::bytes::{check_unchanged, is_standard_input, open, unreadable};
 use crate::columns::Columns;
 use crate::content_hash::hashed;
-use crate::error::Place;
+use crate::error::{no_match, no_rows};
 use crate::memory::Spooled;
 use crate::packing::unpacked_name;
 use crate::plan::Plan;
 use crate::selection::WhenFull;
 use crate::{
-    FileMap, Part, ReadOptions, Source, Table, TelemetryError, TelemetryMap, assemble,
-    check_conventions, csv_reader, memory, mount, parquet_reader, plan, time_base,
+    FileMap, Part, ReadOptions, Source, Table, TelemetryMap, assemble, check_conventions,
+    csv_reader, memory, mount, parquet_reader, plan, time_base,
 };
-use poinsot_files::as_read;
+use poinsot_files::{Faults, Place, as_read};
 use std::collections::{BTreeSet, HashSet};
 use std::path::{Path, PathBuf};
 
@@ -23,7 +23,7 @@ use std::path::{Path, PathBuf};
 /// samples; quaternions are normalised and made continuous in sign. Every repair is listed in [`Table::repairs`].
 ///
 /// # Errors
-/// The first fault found, with its place; see [`TelemetryError`].
+/// The first fault found, with its place; see `E02xx`.
 ///
 /// ```
 /// use poinsot_telemetry::{ReadOptions, read};
@@ -39,7 +39,7 @@ use std::path::{Path, PathBuf};
 /// # std::fs::remove_dir_all(&folder)?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn read<P: AsRef<Path>>(paths: &[P], options: &ReadOptions) -> Result<Table, TelemetryError> {
+pub fn read<P: AsRef<Path>>(paths: &[P], options: &ReadOptions) -> Result<Table, Faults> {
     let file = |path: &P| Part::File(path.as_ref().to_owned());
     read_parts(&paths.iter().map(file).collect::<Vec<_>>(), options)
 }
@@ -47,7 +47,7 @@ pub fn read<P: AsRef<Path>>(paths: &[P], options: &ReadOptions) -> Result<Table,
 /// Reads the sources of one segment (files or columns in memory) into one table; see [`read()`].
 ///
 /// # Errors
-/// The first fault found, with its place; see [`TelemetryError`].
+/// The first fault found, with its place; see `E02xx`.
 ///
 /// ```
 /// use poinsot_telemetry::{MemoryColumns, Part, ReadOptions, Values, read_parts};
@@ -62,9 +62,9 @@ pub fn read<P: AsRef<Path>>(paths: &[P], options: &ReadOptions) -> Result<Table,
 /// let part = Part::Memory(Arc::new(MemoryColumns { name: "<arrays>".to_owned(), columns }));
 /// let table = read_parts(&[part], &ReadOptions::default())?;
 /// assert_eq!(table.channels[0].values, [0.1, 0.4]);
-/// # Ok::<(), poinsot_telemetry::TelemetryError>(())
+/// # Ok::<(), poinsot_files::Faults>(())
 /// ```
-pub fn read_parts(parts: &[Part], options: &ReadOptions) -> Result<Table, TelemetryError> {
+pub fn read_parts(parts: &[Part], options: &ReadOptions) -> Result<Table, Faults> {
     plan::check_maps(options)?;
     let mut reading = Reading {
         options,
@@ -115,7 +115,7 @@ impl Reading<'_> {
     }
 
     /// Reads the columns without row filter of a source.
-    fn all_rows(&mut self, part: &Part, map: FileMap) -> Result<(), TelemetryError> {
+    fn all_rows(&mut self, part: &Part, map: FileMap) -> Result<(), Faults> {
         let path = part.path();
         let options = self.options(map);
         let chosen = self.options.map.for_file(path);
@@ -164,7 +164,7 @@ impl Reading<'_> {
     }
 
     /// Reads the columns of one row filter, which may match no row.
-    fn choice(&mut self, part: &Part, map: FileMap) -> Result<(), TelemetryError> {
+    fn choice(&mut self, part: &Part, map: FileMap) -> Result<(), Faults> {
         let path = part.path();
         let options = ReadOptions {
             wanted: Some(BTreeSet::new()),
@@ -196,7 +196,7 @@ impl Reading<'_> {
         plan: &Plan,
         mut columns: Columns,
         options: &ReadOptions,
-    ) -> Result<(), TelemetryError> {
+    ) -> Result<(), Faults> {
         let (strict, table) = (options.strict, &mut self.table);
         time_base::check(path, plan, &mut columns, strict, &mut table.repairs)?;
         if options.one_run {
@@ -213,7 +213,7 @@ pub(crate) fn read_file_in_parts(
     share: usize,
     repairs: &mut Vec<String>,
     take: &mut WhenFull,
-) -> Result<(Plan, Columns, String), TelemetryError> {
+) -> Result<(Plan, Columns, String), Faults> {
     let options = ReadOptions {
         memory_mib: (options.memory_limit_mib() / share).max(1),
         ..options.clone()
@@ -225,7 +225,7 @@ fn read_part(
     part: &Part,
     options: &ReadOptions,
     repairs: &mut Vec<String>,
-) -> Result<(Plan, Columns, String), TelemetryError> {
+) -> Result<(Plan, Columns, String), Faults> {
     let path = part.path();
     match part {
         Part::File(path) => decode(path, None, options, repairs, None),
@@ -240,31 +240,29 @@ fn check_any_row(
     plan: &Plan,
     columns: &Columns,
     options: &ReadOptions,
-) -> Result<(), TelemetryError> {
+) -> Result<(), Faults> {
     if columns.time_s.is_empty()
         && let Some((column, text)) = options.map.all.row_filter.first()
     {
-        return Err(TelemetryError::Filter {
-            column: column.clone(),
-            text: text.clone(),
-            why: format!(
-                "no row of {} matches; choose among the values there, the first are {}",
-                path.display(),
+        return Err(no_match(
+            column,
+            text,
+            format!("no row of {} matches", path.display()),
+            format!(
+                "choose among the values there, the first are {}",
                 columns.seen()
             ),
-        });
+        ));
     }
     if columns.time_s.is_empty()
         && let Some([from, to]) = options.time_s
     {
-        return Err(TelemetryError::Filter {
-            column: plan.time_column.clone(),
-            text: format!("{},{}", as_read(from), as_read(to)),
-            why: format!(
-                "no row of {} lies between these times, s; choose times of the record (`poinsot inspect` shows them)",
-                path.display()
-            ),
-        });
+        return Err(no_match(
+            &plan.time_column,
+            &format!("{},{}", as_read(from), as_read(to)),
+            format!("no row of {} lies between these times, s", path.display()),
+            "choose times of the record (`poinsot inspect` shows them)",
+        ));
     }
     Ok(())
 }
@@ -276,7 +274,7 @@ fn decode(
     options: &ReadOptions,
     repairs: &mut Vec<String>,
     full: Option<&mut WhenFull>,
-) -> Result<(Plan, Columns, String), TelemetryError> {
+) -> Result<(Plan, Columns, String), Faults> {
     let ending = unpacked_name(path).extension().and_then(|e| e.to_str());
     let named = match ending.map(str::to_lowercase).as_deref() {
         Some("parquet" | "pq") => Some(true),
@@ -285,11 +283,12 @@ fn decode(
     };
     let by_bytes = stream.is_some() || is_standard_input(path);
     if named.is_none() && !by_bytes {
-        return Err(TelemetryError::Format {
-            place: Place::file(path),
-            why: "the kind of file is not known from its name; give a .csv, .csv.gz, .csv.zst or .parquet file"
-                .into(),
-        });
+        return Err(Faults::one(
+            "E0202",
+            Place::file(path),
+            "the kind of file is not known from its name",
+            "give a .csv, .csv.gz, .csv.zst or .parquet file",
+        ));
     }
     let opened = match stream {
         Some(stream) => stream.opened.clone(),
@@ -305,9 +304,7 @@ fn decode(
     })?;
     check_unchanged(path, &opened)?;
     if columns.rows_read == 0 {
-        return Err(TelemetryError::Empty {
-            place: Place::file(path),
-        });
+        return Err(no_rows(Place::file(path)));
     }
     Ok((plan, columns, sha256))
 }

@@ -1,10 +1,10 @@
 //! Selection of rows, and the limit on their number.
 
 use crate::columns::Columns;
-use crate::error::Place;
 use crate::plan::Plan;
 use crate::size::Rows;
-use crate::{Origin, ReadOptions, TelemetryError};
+use crate::{Origin, ReadOptions};
+use poinsot_files::{Faults, Place};
 use std::path::Path;
 
 /// Rows to keep, and their limit.
@@ -42,13 +42,8 @@ impl Selection {
     /// Returns an error before reading if all rows are requested and clearly exceed the limit.
     ///
     /// # Errors
-    /// [`TelemetryError::TooLarge`].
-    pub(crate) fn check_ahead(
-        &self,
-        path: &Path,
-        plan: &Plan,
-        rows: Rows,
-    ) -> Result<(), TelemetryError> {
+    /// E0221.
+    pub(crate) fn check_ahead(&self, path: &Path, plan: &Plan, rows: Rows) -> Result<(), Faults> {
         let some = self.time_s.is_some() || !plan.filter.is_empty();
         let kept = rows.least() / self.every as f64;
         if some || kept <= self.samples(plan) as f64 {
@@ -68,7 +63,7 @@ impl Selection {
         columns: &mut Columns,
         rows: Rows,
         full: Option<&mut WhenFull>,
-    ) -> Result<(), TelemetryError> {
+    ) -> Result<(), Faults> {
         let own = columns.rows.len() - usize::from(columns.follows);
         if own <= self.samples(plan) {
             return Ok(());
@@ -89,19 +84,25 @@ impl Selection {
     }
 
     /// The error for this many selectable rows; names the row step that fits.
-    fn refusal(&self, path: &Path, plan: &Plan, rows: u64) -> TelemetryError {
+    fn refusal(&self, path: &Path, plan: &Plan, rows: u64) -> Faults {
         let fit = self.samples(plan);
         let every = rows.div_ceil(fit.max(1) as u64);
-        TelemetryError::TooLarge {
-            place: Place::file(path),
-            samples: rows.div_ceil(self.every as u64),
-            fit,
-            channels: plan.channels.len(),
-            mib: self.bytes >> 20,
-            every: every.max(self.every as u64 + 1),
-        }
+        let every = every.max(self.every as u64 + 1);
+        let samples = rows.div_ceil(self.every as u64);
+        let (channels, mib) = (plan.channels.len(), self.bytes >> 20);
+        Faults::one(
+            TOO_LARGE,
+            Place::file(path),
+            format!(
+                "up to {samples} samples in {channels} channels are requested, but {fit} fit into {mib} MiB of memory"
+            ),
+            format!("use --every {every}, --time-s FROM,TO, or a larger --memory-mib"),
+        )
     }
 }
 
+/// Code of a file with more samples than the memory limit allows.
+pub(crate) const TOO_LARGE: &str = "E0221";
+
 /// Consumer of the rows read so far.
-pub(crate) type WhenFull<'a> = dyn FnMut(&Plan, Columns) -> Result<(), TelemetryError> + 'a;
+pub(crate) type WhenFull<'a> = dyn FnMut(&Plan, Columns) -> Result<(), Faults> + 'a;

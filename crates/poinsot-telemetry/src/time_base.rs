@@ -1,12 +1,11 @@
 //! Checks the times of a file: present, strictly increasing, in seconds.
 
-use crate::TelemetryError;
 use crate::columns::Columns;
 use crate::conversion::Conversion;
-use crate::error::Place;
+use crate::error::not_strict;
 use crate::median::median_step;
 use crate::plan::{Plan, PlannedChannel};
-use poinsot_files::{as_read, rounded};
+use poinsot_files::{Faults, Place, as_read, rounded};
 use std::path::Path;
 
 /// Median steps outside this range, s, indicate a wrong unit.
@@ -24,10 +23,14 @@ pub(crate) fn check(
     columns: &mut Columns,
     strict: bool,
     repairs: &mut Vec<String>,
-) -> Result<(), TelemetryError> {
-    let fault = |row: u64, why: String| TelemetryError::Time {
-        place: Place::cell(path, row, &plan.time_column),
-        why,
+) -> Result<(), Faults> {
+    let fault = |row: u64, problem: String, advice: &str| {
+        Faults::one(
+            "E0208",
+            Place::cell(path, row, &plan.time_column),
+            problem,
+            advice,
+        )
     };
     let zero = columns.own_zero_s();
     let mut keep = vec![true; columns.rows.len()];
@@ -36,22 +39,22 @@ pub(crate) fn check(
     let rows = columns.time_s.iter().zip(&columns.rows).zip(&mut keep);
     for (k, ((&time, &row), keep)) in rows.enumerate() {
         if !time.is_finite() {
-            let what = match time.is_nan() {
-                true => "the row has no time; give it one or leave the row out",
-                false => "the time is infinite; correct it or leave the row out",
+            let (problem, advice) = match time.is_nan() {
+                true => ("the row has no time", "give it one or leave the row out"),
+                false => ("the time is infinite", "correct it or leave the row out"),
             };
-            return Err(fault(row, what.into()));
+            return Err(fault(row, problem.to_owned(), advice));
         }
         if let Some((before, row_before, k_before)) = previous {
             if time < before {
                 return Err(fault(
                     row,
                     format!(
-                        "time goes back from {} s (row {row_before}) to {} s; \
-                         choose one run by [telemetry] where, or cut the file into segments",
+                        "time goes back from {} s (row {row_before}) to {} s",
                         as_read(before + zero),
                         as_read(time + zero)
                     ),
+                    "choose one run by [telemetry] where, or cut the file into segments",
                 ));
             }
             if time == before {
@@ -59,9 +62,10 @@ pub(crate) fn check(
                     return Err(fault(
                         row,
                         format!(
-                            "time {} s is already in row {row_before} with another value of '{column}'; keep one of the rows",
+                            "time {} s is already in row {row_before} with another value of '{column}'",
                             as_read(time + zero)
                         ),
+                        "keep one of the rows",
                     ));
                 }
                 *keep = false;
@@ -78,7 +82,7 @@ pub(crate) fn check(
         let repair = format!("{repeated} rows that repeat the row before them dropped");
         let place = Place::row(path, first_repeated);
         if strict {
-            return Err(TelemetryError::Strict { place, repair });
+            return Err(not_strict(place, &repair));
         }
         repairs.push(format!("{}: {repair} (this is the first)", place));
         columns.retain(&keep);
@@ -99,11 +103,7 @@ fn difference<'a>(plan: &'a Plan, columns: &Columns, a: usize, b: usize) -> Opti
 }
 
 /// Returns an error for several runs in one file.
-pub(crate) fn check_one_run(
-    path: &Path,
-    plan: &Plan,
-    columns: &Columns,
-) -> Result<(), TelemetryError> {
+pub(crate) fn check_one_run(path: &Path, plan: &Plan, columns: &Columns) -> Result<(), Faults> {
     let pulse = |c: &PlannedChannel| matches!(c.conversion, Conversion::Pulse(..));
     let Some(median_s) = median_step(&columns.time_s) else {
         return Ok(());
@@ -129,18 +129,20 @@ pub(crate) fn check_one_run(
     if step <= APART_STEPS * median_s || apart <= APART * covered {
         return Ok(());
     }
-    Err(TelemetryError::Time {
-        place: Place::cell(path, row, &plan.time_column),
-        why: format!(
-            "time jumps from {} s (row {row_before}) to {} s in a record of {} s: these are several runs; choose one by --time-s or [telemetry] where, or give each as a segment",
+    Err(Faults::one(
+        "E0208",
+        Place::cell(path, row, &plan.time_column),
+        format!(
+            "time jumps from {} s (row {row_before}) to {} s in a record of {} s: these are several runs",
             as_read(from + columns.own_zero_s()),
             as_read(to + columns.own_zero_s()),
             rounded(covered, 9)
         ),
-    })
+        "choose one by --time-s or [telemetry] where, or give each as a segment",
+    ))
 }
 
-fn check_step(path: &Path, plan: &Plan, columns: &Columns) -> Result<(), TelemetryError> {
+fn check_step(path: &Path, plan: &Plan, columns: &Columns) -> Result<(), Faults> {
     let Some(median_s) = median_step(&columns.time_s) else {
         return Ok(());
     };
@@ -157,9 +159,18 @@ fn check_step(path: &Path, plan: &Plan, columns: &Columns) -> Result<(), Telemet
             .into_iter()
             .find(|(factor, _)| usual(*factor))
     };
-    Err(TelemetryError::TimeUnit {
-        place: Place::cell(path, 0, &plan.time_column),
-        median_s,
-        unit: likely.map_or("", |h| h.1),
-    })
+    let (why, unit) = match likely {
+        Some((_, unit)) => (format!(": its unit is likely {unit}"), unit),
+        None => (String::new(), "..."),
+    };
+    let median_s = rounded(median_s, 4);
+    let column = &plan.time_column;
+    Err(Faults::one(
+        "E0209",
+        Place::cell(path, 0, column),
+        format!("the median step is {median_s} s, outside 1e-5 to 1e5 s{why}"),
+        format!(
+            "map it by [telemetry.columns] time_s = {{ column = \"{column}\", unit = \"{unit}\" }}"
+        ),
+    ))
 }

@@ -1,6 +1,6 @@
 //! Units in headers and maps, with their factors to SI.
 
-use crate::TelemetryError;
+use poinsot_files::{Faults, Place};
 use serde::Serialize;
 use std::f64::consts::PI;
 
@@ -175,25 +175,27 @@ fn plain(text: &str) -> String {
 /// Parses a unit: blanks, `^`, `*` and `.` are ignored (`m/s^2`, `N*m`, `N m`), case is not.
 ///
 /// # Errors
-/// [`TelemetryError::UnknownUnit`] names the nearest known unit.
+/// E0211 names the nearest known unit.
 ///
 /// ```
-/// use poinsot_telemetry::{TelemetryError, parse_unit};
+/// use poinsot_telemetry::parse_unit;
 ///
 /// assert!((parse_unit("rpm")?.to_si(30.0) - std::f64::consts::PI).abs() < 1.0e-14);
 /// assert_eq!(parse_unit("m/s^2")?.symbol, "m/s2");
 /// assert!(parse_unit("furlong").is_err());
-/// # Ok::<(), TelemetryError>(())
+/// # Ok::<(), poinsot_files::Faults>(())
 /// ```
-pub fn parse_unit(text: &str) -> Result<Unit, TelemetryError> {
+pub fn parse_unit(text: &str) -> Result<Unit, Faults> {
     let wanted = plain(text);
     TABLE
         .iter()
         .find(|row| plain(row.0) == wanted || row.4.contains(&wanted.as_str()))
         .map(Unit::of)
-        .ok_or_else(|| TelemetryError::UnknownUnit {
-            unit: text.to_owned(),
-            nearest: nearest_unit(text, None).to_owned(),
+        .ok_or_else(|| {
+            let nearest = nearest_unit(text, None);
+            let problem = format!("unit '{text}' is not known");
+            let advice = format!("did you mean '{nearest}'? `poinsot units` lists all");
+            Faults::one("E0211", Place::default(), problem, advice)
         })
 }
 

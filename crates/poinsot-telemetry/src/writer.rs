@@ -1,13 +1,13 @@
 //! Writes channels to CSV or Parquet; reading them back gives the same bits.
 
 use crate::cursor::cursors;
-use crate::error::Place;
+use crate::error::{parquet, unreadable};
 #[cfg(not(feature = "parquet"))]
 use crate::parquet_reader::write_parquet;
 #[cfg(feature = "parquet")]
 use crate::parquet_writer::write_parquet;
-use crate::{Channel, TelemetryError, full_name};
-use poinsot_files::{Stage, folder_of};
+use crate::{Channel, full_name};
+use poinsot_files::{Faults, Place, Stage, folder_of};
 use std::collections::HashSet;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
@@ -21,8 +21,8 @@ use std::sync::Arc;
 /// disk; its folder is created if missing.
 ///
 /// # Errors
-/// [`TelemetryError::Write`] for duplicate names, values that are not finite, or times that do not increase;
-/// [`TelemetryError::Io`] if writing fails.
+/// E0219 for duplicate names, values that are not finite, or times that do not increase;
+/// E0201 if writing fails.
 ///
 /// ```
 #[doc = include_str!("../doc/channel.txt")]
@@ -35,11 +35,11 @@ use std::sync::Arc;
 /// # std::fs::remove_dir_all(&folder)?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn write(path: &Path, channels: &[Channel]) -> Result<(), TelemetryError> {
-    let mut stage = Stage::new(folder_of(path))?;
+pub fn write(path: &Path, channels: &[Channel]) -> Result<(), Faults> {
+    let mut stage = Stage::new(folder_of(path)).map_err(unwritten)?;
     let name = path.file_name().unwrap_or_default();
     write_staged(&mut stage, Path::new(name), channels)?;
-    stage.commit()?;
+    stage.commit().map_err(unwritten)?;
     Ok(())
 }
 
@@ -55,67 +55,72 @@ pub fn write(path: &Path, channels: &[Channel]) -> Result<(), TelemetryError> {
 ///
 /// # let folder = std::env::temp_dir().join(format!("poinsot-staged-{}", std::process::id()));
 /// let angle = channel("joint1_rad", "rad", &[0.0, 0.1], &[0.5, 0.25]);
-/// let mut stage = Stage::new(&folder).map_err(TelemetryError::from)?;
+/// let mut stage = Stage::new(&folder)?;
 /// write_staged(&mut stage, Path::new("arm.csv"), &[angle])?;
 /// // The file appears with the others of its result.
 /// assert!(!folder.join("arm.csv").exists());
-/// stage.commit().map_err(TelemetryError::from)?;
+/// stage.commit()?;
 /// assert!(folder.join("arm.csv").exists());
 /// # std::fs::remove_dir_all(&folder)?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn write_staged(
-    stage: &mut Stage,
-    name: &Path,
-    channels: &[Channel],
-) -> Result<(), TelemetryError> {
+pub fn write_staged(stage: &mut Stage, name: &Path, channels: &[Channel]) -> Result<(), Faults> {
     let path = &stage.target(name);
     check(path, channels)?;
     let times = union_of_times(channels);
     let extension = path.extension().and_then(|e| e.to_str());
-    stage.fill(name, |file| match extension {
+    let filled = stage.fill(name, |file| match extension {
         Some("parquet" | "pq") => {
-            write_parquet(file, &times, channels).map_err(|why| TelemetryError::Parquet {
-                place: Place::file(path),
-                why,
-            })
+            write_parquet(file, &times, channels).map_err(|why| parquet(Place::file(path), why))
         }
-        _ => write_csv(file, &times, channels).map_err(|source| TelemetryError::Io {
-            path: path.to_owned(),
-            what: "cannot be written",
-            source,
-        }),
-    })
+        _ => write_csv(file, &times, channels)
+            .map_err(|source| unreadable(path, "cannot be written", &source)),
+    });
+    filled.map_err(unwritten)
 }
 
-fn check(path: &Path, channels: &[Channel]) -> Result<(), TelemetryError> {
-    let fault = |column: &str, why: &str| TelemetryError::Write {
-        place: Place::cell(path, 0, column),
-        why: why.to_owned(),
+/// E0201 in place of E0002: a telemetry file cannot be written.
+fn unwritten(mut faults: Faults) -> Faults {
+    for fault in faults.list.iter_mut().filter(|f| f.code == "E0002") {
+        fault.code = "E0201";
+    }
+    faults
+}
+
+fn check(path: &Path, channels: &[Channel]) -> Result<(), Faults> {
+    let fault = |column: &str, problem: &str, advice: &str| {
+        Faults::one("E0219", Place::cell(path, 0, column), problem, advice)
     };
     let mut names = HashSet::new();
     for c in channels {
         let name = full_name(&c.sensor, &c.name);
         let mut pairs = c.time_s.iter().zip(c.time_s.iter().skip(1));
         if name == "time_s" || !names.insert(name.clone()) {
-            return Err(fault(&name, "two columns of this name; rename one channel"));
+            return Err(fault(
+                &name,
+                "two columns of this name",
+                "rename one channel",
+            ));
         }
         if c.time_s.len() != c.values.len() {
             return Err(fault(
                 &name,
-                "times and values differ in number; give one time per value",
+                "times and values differ in number",
+                "give one time per value",
             ));
         }
         if !pairs.all(|(a, b)| a < b) || !c.time_s.iter().all(|t| t.is_finite()) {
             return Err(fault(
                 &name,
-                "the times are not strictly increasing numbers; sort them and leave out what repeats",
+                "the times are not strictly increasing numbers",
+                "sort them and leave out what repeats",
             ));
         }
         if !c.values.iter().all(|x| x.is_finite()) {
             return Err(fault(
                 &name,
-                "a value is not finite; correct what it comes from, or leave the sample out",
+                "a value is not finite",
+                "correct what it comes from, or leave the sample out",
             ));
         }
     }

@@ -2,9 +2,7 @@
 
 use crate::campaign::read_plan;
 use crate::case::{describe_case, shaped_case};
-use crate::compare::format_error;
 use crate::error::{Error, unreadable};
-use crate::simulate::SimulateError;
 use poinsot_formats::{DESCRIPTION, PLAN, StatedFile, case::CASE, parse_estimate};
 use poinsot_model::{Description, describe, describe_map, parse_telemetry_map, read_model};
 use poinsot_report::{estimate_lines, plan_lines};
@@ -96,9 +94,9 @@ fn described(path: &Path) -> Result<Described, Error> {
 
 /// Describes a case with its model; errors are all faults that `simulate`, `predict` and `design` would report.
 fn case(path: &Path, text: String) -> Result<Vec<String>, Error> {
-    let (case, faults) = shaped_case(path, text).map_err(SimulateError::from)?;
+    let (case, faults) = shaped_case(path, text)?;
     let model = read_model(&case.model)?;
-    Ok(describe_case(&case, &model, faults).map_err(SimulateError::from)?)
+    describe_case(&case, &model, faults)
 }
 
 fn plan(path: &Path) -> Result<Vec<String>, Error> {
@@ -113,7 +111,7 @@ fn plan(path: &Path) -> Result<Vec<String>, Error> {
 }
 
 fn estimate(path: &Path, text: &str) -> Result<Described, Error> {
-    let file = parse_estimate(path, text.as_bytes()).map_err(format_error)?;
+    let file = parse_estimate(path, text.as_bytes())?;
     Ok(Described::Lines {
         file: "estimate",
         lines: estimate_lines(&file),

@@ -6,12 +6,11 @@
 
 mod statistics;
 
-use crate::case::{CaseError, CaseFault, CaseText};
 use crate::error::Error;
 use poinsot_files::significant;
 use poinsot_formats::{
     Address, COMPARISON, ComparedAnswerFile, ComparedNumberFile, ComparisonFile, DIFFER_BELOW,
-    EstimateFile, FormatError, JointTestFile, NumberFile, read_estimate,
+    EstimateFile, JointTestFile, NumberFile, read_estimate,
 };
 use poinsot_telemetry::Origin;
 use statistics::{Answers, pooled, test};
@@ -20,9 +19,6 @@ use std::path::PathBuf;
 
 /// If independent results would agree this well with a smaller probability, they are assumed to share telemetry.
 const TOO_GOOD: f64 = 1.0e-3;
-
-/// Number of contradictions reported per file.
-const SHOWN: usize = 10;
 
 /// Significant figures of a time in messages.
 const DIGITS: i32 = 4;
@@ -58,7 +54,7 @@ pub fn compare(request: &CompareRequest) -> Result<ComparisonFile, Error> {
     let answers = request
         .answers
         .iter()
-        .map(|path| read_estimate(path).map_err(format_error))
+        .map(|path| read_estimate(path))
         .collect::<Result<Vec<_>, _>>()?;
     compare_estimates(&answers)
 }
@@ -92,12 +88,11 @@ pub fn compare_estimates(answers: &[(PathBuf, EstimateFile)]) -> Result<Comparis
         .filter(|(_, e)| !e.bodies.keys().eq(first.bodies.keys()));
     if let Some((path, other)) = strange.next() {
         let (own, wanted) = (names(other), names(first));
-        return Err(Error::Report {
-            path: path.clone(),
-            why: format!(
-                "its bodies are {own}, those of the first answer {wanted}; give answers of one vehicle"
-            ),
-        });
+        return Err(Error::report(
+            path,
+            format!("its bodies are {own}, those of the first answer {wanted}"),
+            "give answers of one vehicle",
+        ));
     }
     let files: Vec<&EstimateFile> = answers.iter().map(|(_, file)| file).collect();
     let common = Answers::common(&files);
@@ -136,46 +131,9 @@ fn too_few(found: usize) -> Error {
     Error::usage(
         "ANSWER",
         found,
-        "at least two answers are compared; give two folders of identify --out",
+        "at least two answers are compared",
+        "give two folders of identify --out",
     )
-}
-
-/// Converts an error of reading a result file.
-///
-/// ```
-/// use poinsot::compare::format_error;
-///
-/// let missing = poinsot_formats::read_estimate("/nowhere/estimate.json".as_ref()).unwrap_err();
-/// assert!(format_error(missing).to_string().contains("/nowhere"));
-/// ```
-pub fn format_error(error: FormatError) -> Error {
-    let why = error.to_string();
-    match error {
-        FormatError::Io { path, source } => Error::Io {
-            path,
-            what: "cannot be read",
-            source,
-        },
-        FormatError::Missing { path }
-        | FormatError::Schema { path, .. }
-        | FormatError::Shape { path, .. } => Error::Report { path, why },
-        FormatError::Contradicts { path, found } => {
-            let text = CaseText {
-                path,
-                text: String::new(),
-            };
-            let remedy = "write the file again with `poinsot identify --out DIR`";
-            let faults = found.into_iter().take(SHOWN).map(|c| CaseFault {
-                line: 0,
-                value: c.value,
-                ..text.fault("E0604", &c.key, 0..0, c.problem, remedy)
-            });
-            Error::File(CaseError {
-                faults: faults.collect(),
-                environment: false,
-            })
-        }
-    }
 }
 
 fn number(common: &Answers, k: usize, mean: Option<(f64, f64)>) -> ComparedNumberFile {

@@ -1,7 +1,7 @@
 //! The command `identify`: model and telemetry to mass properties.
 
 use crate::bind::{
-    BindError, Bound, RELATIVE_ACCURACY, acceleration_channels, bind, mountings, wanted_channels,
+    Bound, RELATIVE_ACCURACY, acceleration_channels, bind, mountings, wanted_channels,
 };
 use crate::error::Error;
 use crate::methods::{is_own, methods};
@@ -339,15 +339,12 @@ pub fn gated(
 
 /// Adds to a missing-channel error that several `--telemetry` are several segments, so the channel may be in another
 /// file.
-fn join_files(error: Error, segments: usize) -> Error {
-    match error {
-        Error::Bind(BindError::Missing { file, channel, why }) if segments > 1 => {
-            let how = "each --telemetry is a separate segment; join the files of one segment by commas: --telemetry a.csv,b.csv";
-            let why = format!("{why}; {how}");
-            Error::Bind(BindError::Missing { file, channel, why })
-        }
-        other => other,
+fn join_files(mut error: Error, segments: usize) -> Error {
+    let missing = error.list.iter_mut().filter(|f| f.code == "E0301");
+    for fault in missing.filter(|_| segments > 1) {
+        fault.advice += "; each --telemetry is a separate segment; join the files of one segment by commas: --telemetry a.csv,b.csv";
     }
+    error
 }
 
 /// Identifies from tables in memory, one per segment. Files use this function too, so the checks are the same.
@@ -404,7 +401,7 @@ fn gate(model: &Model, tables: &mut [Table], question: &Question) -> Result<Vec<
         finding.policy = policies.of(finding.check);
         if finding.policy == Policy::Refuse {
             let labels: Vec<String> = tables.iter().map(table_label).collect();
-            return Err(checks::refused(&labels.join(","), &finding).into());
+            return Err(checks::refused(&labels.join(","), &finding));
         }
         findings.push(finding);
     }
@@ -413,7 +410,6 @@ fn gate(model: &Model, tables: &mut [Table], question: &Question) -> Result<Vec<
 
 fn policies(question: &Question) -> Result<Policies, Error> {
     Policies::new(&question.policies, question.strict)
-        .map_err(|why| Error::usage("--policy", question.policies.join(" "), why))
 }
 
 /// Duplicate samples would make every sigma too small.
@@ -422,9 +418,8 @@ fn refuse_twice(tables: &[Table]) -> Result<(), Error> {
         Err(Error::usage(
             "--telemetry",
             value,
-            format!(
-                "its content is that of {of}: the same samples would count twice; give each record once"
-            ),
+            format!("its content is that of {of}: the same samples would count twice"),
+            "give each record once",
         ))
     };
     let mut seen: Vec<&Source> = Vec::new();
@@ -488,7 +483,7 @@ fn against_model(
     for mut finding in found.into_iter().chain(by_the_fit) {
         finding.policy = policies.of(finding.check);
         if finding.policy == Policy::Refuse {
-            return Err(checks::refused(label, &finding).into());
+            return Err(checks::refused(label, &finding));
         }
         let text = format!("{}: {}", finding.check.name(), finding.text);
         let row = Remark::test(finding.check.name(), Effect::AgainstAnswer, text.clone());
@@ -600,9 +595,8 @@ fn refuse_unsupported(model: &Model, question: &Question) -> Result<(), Error> {
     Err(Error::usage(
         "--method",
         &question.method,
-        format!(
-            "the model has {what}, which this method does not support; use maximum_likelihood, or take {place}"
-        ),
+        format!("the model has {what}, which this method does not support"),
+        format!("use maximum_likelihood, or take {place}"),
     ))
 }
 
@@ -637,7 +631,8 @@ pub(crate) fn check_method(question: &Question) -> Result<(), Error> {
         return Err(Error::usage(
             "--method",
             &question.method,
-            format!("there is no such method; use one of {}", names.join(", ")),
+            "there is no such method",
+            format!("use one of {}", names.join(", ")),
         ));
     };
     let known: Vec<&str> = method.variants.iter().map(|v| v.name).collect();
@@ -651,27 +646,21 @@ pub(crate) fn check_method(question: &Question) -> Result<(), Error> {
         return Err(Error::usage(
             "--relative-accuracy",
             question.relative_accuracy,
-            "must be a positive number; give for example 1.0",
+            "must be a positive number",
+            "give for example 1.0",
         ));
     }
     Ok(())
 }
 
 fn variant_error(question: &Question, known: &[&str]) -> Error {
-    let why = if known.is_empty() {
-        format!("method {} has no variants; leave it out", question.method)
-    } else {
-        format!(
-            "{} has no such variant; use one of {}",
-            question.method,
-            known.join(", ")
-        )
+    let (what, advice) = match known.is_empty() {
+        true => ("variants", "leave it out".to_owned()),
+        false => ("such variant", format!("use one of {}", known.join(", "))),
     };
-    Error::usage(
-        "--variant",
-        question.variant.clone().unwrap_or_default(),
-        why,
-    )
+    let problem = format!("method {} has no {what}", question.method);
+    let variant = question.variant.clone().unwrap_or_default();
+    Error::usage("--variant", variant, problem, advice)
 }
 
 /// Options of reading telemetry for a model.

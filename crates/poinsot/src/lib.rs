@@ -104,7 +104,6 @@ mod error;
 mod estimate_file;
 pub mod explain;
 pub mod export;
-mod fault_file;
 pub mod identify;
 mod import;
 pub mod methods;
@@ -126,7 +125,7 @@ mod units;
 pub mod validate;
 mod written;
 
-pub use error::{Error, ErrorKind};
+pub use error::{Error, ErrorKind, Fault};
 pub use estimate_file::estimate_file;
 pub use identify::{
     Gated, Identified, IdentifyRequest, Question, Reading, gated, identify, identify_records,

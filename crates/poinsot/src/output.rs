@@ -61,10 +61,9 @@ pub fn write_result(
     if page || !figures.is_empty() {
         let made = page_of(folder, estimate.as_bytes(), data.as_bytes())?;
         if page {
-            let html = made.html().map_err(|e| Error::Report {
-                path: folder.to_owned(),
-                why: no_page(&e),
-            })?;
+            let html = made
+                .html()
+                .map_err(|e| Error::report(folder, no_page(&e), ""))?;
             shown.push(("report.html".into(), html.into_bytes()));
         }
         shown.extend(figure_files(folder, &made, figures)?);

@@ -15,10 +15,10 @@ pub use peaks::Peaks;
 pub use wanted::{Met, covariance_name, wanted_sigma};
 pub use written::{prediction_paths, write_predictions};
 
-use crate::bind::{BindError, bind};
+use crate::bind::bind;
 use crate::case::{Case, Scenario, Want, estimated_numbers, read_case};
-use crate::error::Error;
-use crate::simulate::{SimulateError, free_joints, is_read, simulate_exact_watched};
+use crate::error::{Error, unsupported};
+use crate::simulate::{free_joints, is_read, simulate_exact_watched};
 use poinsot_dynamics::Tree;
 use poinsot_formats::{AgainstDurationFile, PeakFile};
 use poinsot_identify::{Estimate, Problem, predicted_covariance};
@@ -60,7 +60,7 @@ impl Prediction {
     /// # Errors
     /// The case cannot be read or simulated.
     pub fn follow_durations(&mut self, relative_accuracy: f64) -> Result<(), Error> {
-        let case = read_case(Path::new(&self.case)).map_err(SimulateError::from)?;
+        let case = read_case(Path::new(&self.case))?;
         let wants = self.wants.iter().map(|m| m.want.clone());
         let wants = match self.wants.is_empty() {
             true => estimated_numbers(&self.model),
@@ -88,7 +88,7 @@ impl Prediction {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn predict(case: &Path, relative_accuracy: f64) -> Result<Prediction, Error> {
-    let case = read_case(case).map_err(SimulateError::from)?;
+    let case = read_case(case)?;
     let model = read_model(&case.model)?;
     predict_case(&case, model, relative_accuracy)
 }
@@ -151,12 +151,13 @@ pub fn predict_case(
         return Err(Error::usage(
             "--relative-accuracy",
             relative_accuracy,
-            "must be a positive number; give for example 1.0",
+            "must be a positive number",
+            "give for example 1.0",
         ));
     }
-    let scenario = case.bind(&model).map_err(SimulateError::from)?;
+    let scenario = case.bind(&model)?;
     refuse_unread(&scenario, &model)?;
-    let wants = case.wants(&model).map_err(SimulateError::from)?;
+    let wants = case.wants(&model)?;
     let mut peaks = Peaks::default();
     let exact = simulate_exact_watched(case, &model, scenario.clone(), |s| peaks.take(s))?;
     let tree = Tree::new(&model);
@@ -190,12 +191,12 @@ fn refuse_unread(scenario: &Scenario, model: &Model) -> Result<(), Error> {
     let free = free_joints(model, scenario);
     match free.into_iter().find(|joint| !is_read(model, joint)) {
         None => Ok(()),
-        Some(joint) => Err(BindError::Unsupported {
-            what: format!(
-                "joint '{}' moves by torque or spring, but no sensor measures it; add [[sensor]] type = \"joint_position\" for it, or prescribe it with [[joint_motion]]",
+        Some(joint) => Err(unsupported(
+            format!(
+                "joint '{}' moves by torque or spring, but no sensor measures it",
                 joint.name
             ),
-        }
-        .into()),
+            "add [[sensor]] type = \"joint_position\" for it, or prescribe it with [[joint_motion]]",
+        )),
     }
 }

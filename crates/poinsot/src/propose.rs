@@ -73,12 +73,12 @@ pub fn inspect(
         (Ok(inspection), _) => inspection,
         (Err(error), Some(map)) => {
             let Ok(map) = parse_telemetry_map(map, "the proposed map") else {
-                return Err(error.into());
+                return Err(error);
             };
             let proposed = ReadOptions { map, ..options };
             inspect_files(files, &proposed).map_err(|_| error)?
         }
-        (Err(error), None) => return Err(error.into()),
+        (Err(error), None) => return Err(error),
     };
     Ok(InspectionAnswer {
         proposed_sensors: proposed_sensors(&inspection),

@@ -6,7 +6,7 @@ mod placed;
 pub use data::report_data;
 
 use crate::case::read_case;
-use crate::compare::{CompareRequest, compare, format_error};
+use crate::compare::{CompareRequest, compare};
 use crate::error::{Error, unreadable};
 use crate::simulate::simulate_exact_watched;
 use crate::written::{OutputFile, write_files};
@@ -78,10 +78,7 @@ pub fn write_report(
 }
 
 fn fault(path: &Path) -> impl Fn(String) -> Error {
-    move |why| Error::Report {
-        path: path.to_owned(),
-        why,
-    }
+    move |why| Error::report(path, why, "")
 }
 
 /// The page for the two files of `identify`, as bytes.
@@ -89,7 +86,7 @@ pub(crate) fn page_of(folder: &Path, estimate: &[u8], data: &[u8]) -> Result<Pag
     let path = folder.join("report_data.json");
     let data = parse_report_data(data).map_err(fault(&path))?;
     let sum = std::str::from_utf8(estimate).ok().and_then(checksum);
-    let estimate = parse_estimate(&folder.join("estimate.json"), estimate).map_err(format_error)?;
+    let estimate = parse_estimate(&folder.join("estimate.json"), estimate)?;
     // Files of earlier versions have no checksum.
     if sum.map_or("", |(sum, _)| sum) != data.estimate {
         let why = "estimate.json and report_data.json come from different runs; run identify again";

@@ -58,8 +58,9 @@ pub fn schema(name: &str) -> Result<Value, Error> {
         Error::usage(
             "NAME",
             name,
+            "there is no such format",
             format!(
-                "there is no such format; use one of {}",
+                "use one of {}",
                 schema_names().collect::<Vec<_>>().join(", ")
             ),
         )

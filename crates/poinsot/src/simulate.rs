@@ -6,12 +6,11 @@ mod truth;
 use crate::bind::mountings;
 use crate::case::{Case, Format, Scenario, read_case};
 use crate::channel_names::names;
-use crate::error::Error;
-pub use crate::error::SimulateError;
+use crate::error::{Error, no_motion};
 use crate::progress::step;
 use crate::written::{check_outputs, result_json};
 use poinsot_dynamics::{Flight, Halt, MotionError, MotionSample, Tree, Vehicle, WheelUse};
-use poinsot_files::Stage;
+use poinsot_files::{Place, Stage};
 use poinsot_formats::TruthFile;
 use poinsot_model::{Joint, Model, Nuisance, SensorKind, read_model};
 use poinsot_spatial::InertialParameters;
@@ -66,7 +65,7 @@ pub struct Written {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn simulate(case_path: &Path, out: &Path) -> Result<Written, Error> {
-    let case = read_case(case_path).map_err(SimulateError::from)?;
+    let case = read_case(case_path)?;
     let name = match case.format {
         Format::Csv => "telemetry.csv",
         Format::Parquet => "telemetry.parquet",
@@ -105,7 +104,7 @@ pub fn simulate(case_path: &Path, out: &Path) -> Result<Written, Error> {
 /// assert_eq!(simulation.truth.bodies["bus"].mass.inertia_kg_m2.zz.value, 2.5);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn simulate_case(case: &Case, model: &Model) -> Result<Simulation, SimulateError> {
+pub fn simulate_case(case: &Case, model: &Model) -> Result<Simulation, Error> {
     simulate_trial(case, model, 0)
 }
 
@@ -125,7 +124,7 @@ pub fn simulate_case(case: &Case, model: &Model) -> Result<Simulation, SimulateE
 /// assert_ne!(rate(3)?, rate(4)?);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn simulate_trial(case: &Case, model: &Model, trial: u64) -> Result<Simulation, SimulateError> {
+pub fn simulate_trial(case: &Case, model: &Model, trial: u64) -> Result<Simulation, Error> {
     let scenario = case.bind(model)?;
     let Recorded {
         recorder,
@@ -173,7 +172,7 @@ pub struct Exact {
 /// assert!((at.unwrap() + 0.96).abs() < 1.0e-9);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn simulate_exact(case: &Case, model: &Model) -> Result<Exact, SimulateError> {
+pub fn simulate_exact(case: &Case, model: &Model) -> Result<Exact, Error> {
     simulate_exact_watched(case, model, case.bind(model)?, |_| {})
 }
 
@@ -183,7 +182,7 @@ pub(crate) fn simulate_exact_watched(
     model: &Model,
     scenario: Scenario,
     mut watch: impl FnMut(&MotionSample),
-) -> Result<Exact, SimulateError> {
+) -> Result<Exact, Error> {
     let (mut taken, total) = (0_usize, scenario.times.len());
     simulate_exact_of(case, model, scenario, |sample| {
         watch(sample);
@@ -214,7 +213,7 @@ pub fn simulate_exact_of(
     model: &Model,
     mut scenario: Scenario,
     mut watch: impl FnMut(&MotionSample),
-) -> Result<Exact, SimulateError> {
+) -> Result<Exact, Error> {
     let perfect = without_errors(model);
     let biases = scenario.sensors.iter_mut().map(|s| s.bias.take()).collect();
     let tree = Tree::new(&perfect);
@@ -252,7 +251,7 @@ pub(crate) fn perfect_table(
     model: &Model,
     bodies: &[InertialParameters],
     mut scenario: Scenario,
-) -> Result<Table, SimulateError> {
+) -> Result<Table, Error> {
     let perfect = without_errors(model);
     scenario.sensors_only = false;
     for sensor in &mut scenario.sensors {
@@ -284,12 +283,7 @@ struct Recorded {
     used: Vec<WheelUse>,
 }
 
-fn record(
-    case: &Case,
-    model: &Model,
-    scenario: &Scenario,
-    trial: u64,
-) -> Result<Recorded, SimulateError> {
+fn record(case: &Case, model: &Model, scenario: &Scenario, trial: u64) -> Result<Recorded, Error> {
     let tree = Tree::new(model);
     let mut recorder = Recorder::new(model, scenario, &tree, case.seed, trial);
     let mut first: Option<MotionSample> = None;
@@ -332,7 +326,7 @@ pub fn run(
     bodies: Option<&[InertialParameters]>,
     scenario: &Scenario,
     take: impl FnMut(&MotionSample),
-) -> Result<Vec<WheelUse>, SimulateError> {
+) -> Result<Vec<WheelUse>, Error> {
     let mut vehicle = Vehicle::from(model);
     if let Some(bodies) = bodies {
         vehicle.bodies = bodies.to_vec();
@@ -343,17 +337,21 @@ pub fn run(
 }
 
 /// The error names the joint that cannot move.
-fn refusal(case: &Case, model: &Model, error: MotionError) -> SimulateError {
-    let file = case.path().to_owned();
+fn refusal(case: &Case, model: &Model, error: MotionError) -> Error {
     let MotionError::Halt(Halt::Joint { coordinate, .. }) = error else {
-        return SimulateError::Motion { file, error };
+        return no_motion(case.path(), error);
     };
     let joint = Tree::new(model).coordinates.get(coordinate).copied();
     let joint = joint.and_then(|k| model.joints.get(k));
-    SimulateError::Singular {
-        file,
-        joint: joint.map_or_else(String::new, |j| j.name.clone()),
-    }
+    let joint = joint.map_or("", |j| j.name.as_str());
+    Error::one(
+        "E0509",
+        Place::file(case.path()),
+        format!(
+            "joint \"{joint}\" moves by torque or spring, but its outboard bodies have no inertia about its axis (singular mass matrix)"
+        ),
+        "give them mass off the axis or inertia about it, or prescribe its motion with [[joint_motion]]",
+    )
 }
 
 /// Joints moved by torques or springs in a case, in model order.

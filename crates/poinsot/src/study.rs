@@ -8,7 +8,7 @@ use crate::bind::{RELATIVE_ACCURACY, acceleration_channels, bind};
 use crate::case::{Case, parse_case, read_case};
 use crate::identify::{Question, identify_tables, read_options};
 use crate::predict::predict_case;
-use crate::simulate::{SimulateError, simulate_trial};
+use crate::simulate::simulate_trial;
 use crate::validate::{Mover, compare_motion};
 use crate::written::csv_text;
 use poinsot_dynamics::Tree;
@@ -31,15 +31,12 @@ use std::path::{Path, PathBuf};
 pub struct Verbs;
 
 fn parsed(case: &CaseText) -> Result<Case, Error> {
-    let case = parse_case(&case.path, case.text.clone());
-    Ok(case.map_err(SimulateError::from)?)
+    parse_case(&case.path, case.text.clone())
 }
 
 impl Tools for Verbs {
     fn case(&self, path: &Path) -> Result<CaseText, StudyError> {
-        let case = read_case(path)
-            .map_err(SimulateError::from)
-            .map_err(Error::from)?;
+        let case = read_case(path)?;
         Ok(CaseText {
             path: path.to_owned(),
             text: case.text().to_owned(),
@@ -52,7 +49,7 @@ impl Tools for Verbs {
 
     fn simulate(&self, case: &CaseText, vehicle: &Model, trial: u64) -> Result<Table, StudyError> {
         let simulated = simulate_trial(&parsed(case)?, vehicle, trial);
-        Ok(simulated.map_err(Error::from)?.table)
+        Ok(simulated?.table)
     }
 
     fn read(&self, model: &Model, file: &Path) -> Result<Table, StudyError> {
@@ -60,7 +57,7 @@ impl Tools for Verbs {
         if let Some(wanted) = &mut options.wanted {
             wanted.extend(acceleration_channels());
         }
-        Ok(read(&[file], &options).map_err(Error::from)?)
+        Ok(read(&[file], &options)?)
     }
 
     fn bind(
@@ -69,7 +66,7 @@ impl Tools for Verbs {
         tree: &Tree,
         tables: &[Table],
     ) -> Result<(Vec<Segment>, Noise), StudyError> {
-        let bound = bind(model, tree, tables).map_err(Error::from)?;
+        let bound = bind(model, tree, tables)?;
         Ok((bound.segments, bound.noise))
     }
 
@@ -133,8 +130,11 @@ pub fn find(
     let unknown = |value: &str, what: &str, mut known: Vec<&str>| {
         known.dedup();
         let known = known.join(", ");
-        let why = format!("there is no such {what}; use one of {known}");
-        Error::usage("study", value, why)
+        let (problem, advice) = (
+            format!("there is no such {what}"),
+            format!("use one of {known}"),
+        );
+        Error::usage("study", value, problem, advice)
     };
     let of_paper = |s: &&(&'static str, &'static Study)| paper.is_none_or(|p| s.0 == p);
     let own: Vec<_> = studies().filter(|s| of_paper(&s)).collect();
@@ -172,7 +172,8 @@ pub fn run(study: &Study, data: &Path) -> Result<Findings, Error> {
         return Err(Error::usage(
             "--data",
             data.display(),
-            "this folder does not have the project's data (no folder 'cases'); run in the project's folder, or give the path of its folder 'data'",
+            "this folder does not have the project's data (no folder 'cases')",
+            "run in the project's folder, or give the path of its folder 'data'",
         ));
     }
     let context = Context {
@@ -187,11 +188,7 @@ fn told(error: StudyError) -> Error {
     error
         .downcast::<Error>()
         .map(|error| *error)
-        .or_else(|other| other.downcast().map(|error| Error::Model(*error)))
-        .or_else(|other| other.downcast().map(|error| Error::Method(*error)))
-        .unwrap_or_else(|other| Error::Internal {
-            what: format!("a study: {other}"),
-        })
+        .unwrap_or_else(|other| Error::internal(format!("a study: {other}")))
 }
 
 /// The findings as a file: numbers with all digits, null if missing.
@@ -303,9 +300,12 @@ pub fn files(
     }
     for figure in &findings.figures {
         for format in formats {
-            let bytes = figure.file(*format).map_err(|e| Error::Report {
-                path: PathBuf::from(&figure.name),
-                why: poinsot_report::no_page(&e),
+            let bytes = figure.file(*format).map_err(|e| {
+                Error::report(
+                    &PathBuf::from(&figure.name),
+                    poinsot_report::no_page(&e),
+                    "",
+                )
             })?;
             let name = format!("{}.{}", figure.name, format.extension());
             files.extend(bytes.map(|b| (PathBuf::from(name), b)));

@@ -73,7 +73,7 @@ pub fn sweep_plan(request: &SweepRequest) -> Result<PlanFile, Error> {
 
 fn vary(text: &str) -> Result<VaryFile, Error> {
     let wanted = "write ADDRESS=1,2,5, ADDRESS=FROM:TO:COUNT or ADDRESS=FROM:TO:COUNT:log";
-    let refuse = || Error::usage("--vary", text, wanted);
+    let refuse = || Error::usage("--vary", text, "it has another form", wanted);
     let (number, values) = text.split_once('=').ok_or_else(refuse)?;
     let parse = |t: &str| t.trim().parse::<f64>().ok().filter(|x| x.is_finite());
     let mut vary = VaryFile {
@@ -116,7 +116,7 @@ fn set(text: &str, methods: &mut [MethodFile]) -> Result<(), Error> {
     let wanted = "write KEY=VALUE, or METHOD.KEY=VALUE for one of several methods";
     let (key, value) = text
         .split_once('=')
-        .ok_or_else(|| Error::usage("--set", text, wanted))?;
+        .ok_or_else(|| Error::usage("--set", text, "it has another form", wanted))?;
     let address = Address::parse(key.trim());
     let (only, key) = (address.owner(), address.quantity());
     let known = crate::methods::methods();
@@ -133,8 +133,9 @@ fn set(text: &str, methods: &mut [MethodFile]) -> Result<(), Error> {
         }
     }
     if taken == 0 {
-        let why = "no method of this sweep has this setting; `poinsot methods NAME` lists settings";
-        return Err(Error::usage("--set", text, why));
+        let problem = "no method of this sweep has this setting";
+        let advice = "`poinsot methods NAME` lists settings";
+        return Err(Error::usage("--set", text, problem, advice));
     }
     Ok(())
 }

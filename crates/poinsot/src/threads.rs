@@ -22,8 +22,7 @@ pub fn start_threads() -> Result<(), Error> {
         .filter(|n| *n > 0);
     let count = startable(asked.map_or(cores, |n: usize| n.min(cores)))?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(count);
-    pool.build_global()
-        .map_err(|e| Error::Threads { why: e.to_string() })
+    pool.build_global().map_err(Error::threads)
 }
 
 /// Number of these threads that can run at the same time.
@@ -50,9 +49,7 @@ fn startable(wanted: usize) -> Result<usize, Error> {
         let _ = thread.join();
     }
     match refusal {
-        Some(error) if count == 0 => Err(Error::Threads {
-            why: error.to_string(),
-        }),
+        Some(error) if count == 0 => Err(Error::threads(error)),
         _ => Ok(count),
     }
 }

@@ -203,14 +203,15 @@ impl Study {
         let own = method(&question.method);
         let by = |problem: &Problem| {
             let own = own.map(|m| m.kernel(problem, question.variant.as_deref()));
-            Ok(own.transpose()?)
+            own.transpose()
         };
         let kernel = solve(&self.model, &self.exact, question.relative_accuracy, by)?;
         kernel.flatten().ok_or_else(|| {
             Error::usage(
                 "kernel",
                 &question.method,
-                "this method has no kernel for this experiment; take kernel out of the plan",
+                "this method has no kernel for this experiment",
+                "take kernel out of the plan",
             )
         })
     }
@@ -232,8 +233,12 @@ impl Study {
     /// # Errors
     /// Invalid model or telemetry.
     pub fn bound(&self) -> Result<Estimate, Error> {
-        let by = |problem: &Problem| Ok(cramer_rao(problem)?);
-        solve(&self.true_model(), &self.exact, RELATIVE_ACCURACY, by)
+        solve(
+            &self.true_model(),
+            &self.exact,
+            RELATIVE_ACCURACY,
+            cramer_rao,
+        )
     }
 
     /// What `predict` says of the experiment at the true values.
@@ -241,8 +246,12 @@ impl Study {
     /// # Errors
     /// Invalid model or telemetry.
     pub fn predicted(&self) -> Result<Estimate, Error> {
-        let by = |problem: &Problem| Ok(predicted_covariance(problem)?);
-        solve(&self.true_model(), &self.exact, RELATIVE_ACCURACY, by)
+        solve(
+            &self.true_model(),
+            &self.exact,
+            RELATIVE_ACCURACY,
+            predicted_covariance,
+        )
     }
 
     /// The model with the true numbers as nominal ones.

@@ -22,9 +22,7 @@ pub use telemetry::{HeldBackFindings, compare_held_back, compare_with_telemetry}
 
 use crate::case::{Case, read_case};
 use crate::error::Error;
-pub use crate::error::ValidateError;
 use crate::identify::{read_options, segment_files};
-use crate::simulate::SimulateError;
 use poinsot_formats::{
     CompletedFile, EstimateRefFile, VALIDATION, ValidationFile, ValidationLimitsFile,
 };
@@ -91,13 +89,13 @@ pub struct Validation {
 pub fn validate(request: &ValidateRequest) -> Result<Validation, Error> {
     check(request)?;
     let case = request.case.as_deref().map(read_case).transpose();
-    let case = case.map_err(SimulateError::from)?;
+    let case = case?;
     let path = match (&request.model, &case) {
         (Some(path), _) => path.clone(),
         (None, Some(case)) => case.model.clone(),
         (None, None) => {
-            let why = "no model is named; give --model, or a case that names one";
-            return Err(Error::usage("--model", "", why));
+            let advice = "give --model, or a case that names one";
+            return Err(Error::usage("--model", "", "no model is named", advice));
         }
     };
     let mut model = read_model(&path)?;
@@ -124,8 +122,8 @@ pub fn validate(request: &ValidateRequest) -> Result<Validation, Error> {
         (Some(case), false) => asked.against_telemetry(case)?,
         (None, false) => asked.held_back()?,
         (None, true) => {
-            let why = "no case is given; give one with the torques of both vehicles";
-            return Err(Error::usage("CASE", "", why));
+            let advice = "give one with the torques of both vehicles";
+            return Err(Error::usage("CASE", "", "no case is given", advice));
         }
     };
     let file = &mut validation.file;
@@ -208,7 +206,7 @@ impl Asked<'_> {
     fn table(&self) -> Result<poinsot_telemetry::Table, Error> {
         let (model, request) = (self.model, self.request);
         let options = read_options(model, &model.telemetry, request.strict, request.recover);
-        Ok(read(&segment_files(&request.against), &options)?)
+        read(&segment_files(&request.against), &options)
     }
 
     fn answer(
@@ -268,8 +266,8 @@ fn check(request: &ValidateRequest) -> Result<(), Error> {
     ];
     for (option, limit) in limits {
         if let Some(x) = limit.filter(|x| *x < 0.0 || x.is_nan()) {
-            let why = "the limit must be a number of at least zero";
-            return Err(Error::usage(option, x, why));
+            let advice = "give a number of at least zero";
+            return Err(Error::usage(option, x, "it is no limit", advice));
         }
     }
     Ok(())

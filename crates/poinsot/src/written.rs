@@ -20,11 +20,8 @@ pub type OutputFile = (PathBuf, Vec<u8>);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn result_json<T: Serialize>(folder: &Path, file: &T, pretty: bool) -> Result<String, Error> {
-    result_text(file, pretty).map_err(|e| Error::Io {
-        path: folder.to_owned(),
-        what: "the result cannot be written as JSON",
-        source: e.into(),
-    })
+    result_text(file, pretty)
+        .map_err(|e| Error::io(folder, "the result cannot be written as JSON", &e.into()))
 }
 
 /// Rows as CSV (RFC 4180, lines end with LF).
@@ -55,11 +52,11 @@ pub(crate) fn csv_text(rows: impl IntoIterator<Item = Vec<String>>) -> String {
 /// ```
 pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     let Some(name) = path.file_name() else {
-        return Err(Error::Io {
-            path: path.to_owned(),
-            what: "cannot be written",
-            source: std::io::ErrorKind::IsADirectory.into(),
-        });
+        return Err(Error::io(
+            path,
+            "cannot be written",
+            &std::io::ErrorKind::IsADirectory.into(),
+        ));
     };
     write_files(folder_of(path), &[(name.into(), bytes.to_vec())])?;
     Ok(())
@@ -82,7 +79,7 @@ pub fn write_files(folder: &Path, files: &[(PathBuf, Vec<u8>)]) -> Result<Vec<Pa
     for (name, bytes) in files {
         stage.add(name, bytes)?;
     }
-    Ok(stage.commit()?)
+    stage.commit()
 }
 
 /// Checks before a command starts that its result can be written. No output may be an input, and every target must be
@@ -109,7 +106,8 @@ pub fn check_outputs(
             return Err(Error::usage(
                 option,
                 output.display(),
-                "this is an input of the command; name another place",
+                "this is an input of the command",
+                "name another place",
             ));
         }
         check_target(output)?;

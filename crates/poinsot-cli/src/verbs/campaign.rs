@@ -1,12 +1,13 @@
 //! `poinsot campaign`
 
-use super::{Failure, Outcome, exit_of, note, print, print_document, print_json, print_result};
+use super::{Outcome, exit_of, note, print, print_document, print_json, print_result};
 use crate::arguments::{Campaign, Emit};
 use poinsot::campaign::{
     CampaignRequest, CampaignRun, Plan, campaign, campaign_cost, merge_campaign, read_plan,
     slurm_scripts,
 };
-use poinsot::{check_outputs, write_files};
+use poinsot::{Error, ErrorKind, check_outputs, write_files};
+use poinsot_files::{Fault, Place};
 use poinsot_formats::{CampaignFile, WrittenFile};
 use poinsot_report::{campaign_document, cost_document};
 use std::path::Path;
@@ -29,11 +30,12 @@ pub fn run(arguments: &Campaign) -> Outcome {
         return Ok(0);
     }
     let out = arguments.out.as_deref().ok_or_else(|| {
-        Failure::from(poinsot::Error::usage(
+        Error::usage(
             "--out",
             "",
             "a campaign needs a folder for its shards",
-        ))
+            "name one",
+        )
     })?;
     let results = ["campaign.json", "campaign.html"].map(|n| out.join(n));
     check_outputs("--out", &results, &[&arguments.plan])?;
@@ -125,16 +127,13 @@ fn emit(arguments: &Campaign, plan: &Plan, out: &Path) -> Outcome {
 }
 
 /// Runs the shards in separate processes and restarts those that crash.
-fn supervised(
-    arguments: &Campaign,
-    plan: &Plan,
-    out: &Path,
-    processes: u64,
-) -> Result<(), Failure> {
-    let program = std::env::current_exe().map_err(|source| poinsot::Error::Io {
-        path: "poinsot".into(),
-        what: "the program cannot be found again",
-        source,
+fn supervised(arguments: &Campaign, plan: &Plan, out: &Path, processes: u64) -> Result<(), Error> {
+    let program = std::env::current_exe().map_err(|source| {
+        Error::io(
+            Path::new("poinsot"),
+            "the program cannot be found again",
+            &source,
+        )
     })?;
     let threads = (rayon_threads() / processes).max(1).to_string();
     let start = |share: u64| {
@@ -152,11 +151,7 @@ fn supervised(
             ])
             .env("RAYON_NUM_THREADS", &threads)
             .spawn()
-            .map_err(|source| poinsot::Error::Io {
-                path: program.clone(),
-                what: "cannot be started",
-                source,
-            })
+            .map_err(|source| Error::io(&program, "cannot be started", &source))
     };
     let mut running = Vec::new();
     for share in 1..=processes {
@@ -164,11 +159,9 @@ fn supervised(
     }
     let mut failed = None;
     while let Some((share, crashes, mut child)) = running.pop() {
-        let ended = child.wait().map_err(|source| poinsot::Error::Io {
-            path: program.clone(),
-            what: "its end cannot be observed",
-            source,
-        })?;
+        let ended = child
+            .wait()
+            .map_err(|source| Error::io(&program, "its end cannot be observed", &source))?;
         match ended.code() {
             Some(0) => {}
             // The process has already printed its error (input or disk).
@@ -194,10 +187,17 @@ fn supervised(
     }
     match failed {
         None => Ok(()),
-        Some(code) => Err(Failure::of_lines(
-            "E0603 a process of this campaign refused its input or met a full disk; see its message above, then give --resume".to_owned(),
-            u8::try_from(code).unwrap_or(2),
-        )),
+        Some(code) => Err(Fault::new(
+            "E0603",
+            Place::default(),
+            "a process of this campaign refused its input or met a full disk",
+            "see its message above, then give --resume",
+        )
+        .of_kind(match code {
+            3 => ErrorKind::System,
+            _ => ErrorKind::Input,
+        })
+        .into()),
     }
 }
 

@@ -4,7 +4,6 @@ use super::{Outcome, exit_of, note, print_document, print_result};
 use crate::arguments::Design;
 use poinsot::case::read_case;
 use poinsot::check_outputs;
-use poinsot::simulate::SimulateError;
 use poinsot_design::{DesignRequest, design, design_file, write_design};
 use poinsot_report::design_document;
 use std::path::Path;
@@ -19,7 +18,7 @@ const FILES: [&str; 5] = [
 
 pub fn run(arguments: &Design) -> Outcome {
     poinsot::start_threads()?;
-    let case = read_case(&arguments.case).map_err(SimulateError::from)?;
+    let case = read_case(&arguments.case)?;
     if let Some(folder) = &arguments.out {
         let outputs = FILES.map(|name| folder.join(name));
         let inputs: [&Path; 2] = [&arguments.case, &case.model];

@@ -11,7 +11,8 @@ pub fn run(arguments: &Explain) -> Outcome {
             poinsot::Error::usage(
                 "explain",
                 code,
-                "there is no such code; run `poinsot explain` for all",
+                "there is no such code",
+                "run `poinsot explain` for all",
             )
         })?],
     };

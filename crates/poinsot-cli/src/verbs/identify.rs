@@ -1,11 +1,9 @@
 //! `poinsot identify`
 
-use super::{
-    Failure, Outcome, command_line, exit_of, formats, note, print_document, print_result, step,
-};
+use super::{Outcome, command_line, exit_of, formats, note, print_document, print_result, step};
 use crate::arguments::Identify;
 use poinsot::{
-    Coordinates, IdentifyRequest, Question, Reading, check_outputs, estimate_file, identify,
+    Coordinates, Error, IdentifyRequest, Question, Reading, check_outputs, estimate_file, identify,
     segment_files, write_result,
 };
 use poinsot_report::{Detail, estimate_document};
@@ -78,7 +76,7 @@ fn check_places(
     arguments: &Identify,
     folder: &Path,
     request: &IdentifyRequest,
-) -> Result<(), Failure> {
+) -> Result<(), Error> {
     let mut names = vec!["estimate.json", "report_data.json"];
     if arguments.report {
         names.push("report.html");
@@ -90,5 +88,5 @@ fn check_places(
     let mut inputs: Vec<&Path> = vec![&request.model];
     inputs.extend(request.reading.map.as_deref());
     inputs.extend(request.segments.iter().flatten().map(|p| p.as_path()));
-    Ok(check_outputs("--out", &outputs, &inputs)?)
+    check_outputs("--out", &outputs, &inputs)
 }

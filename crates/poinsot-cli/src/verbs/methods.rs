@@ -9,10 +9,15 @@ pub fn run(arguments: &Methods) -> Outcome {
     let mut listed = methods();
     if let Some(name) = &arguments.name {
         let all: Vec<&str> = listed.iter().map(|m| m.name).collect();
-        let why = format!("there is no such method; use one of {}", all.join(", "));
+        let advice = format!("use one of {}", all.join(", "));
         listed.retain(|m| m.name == name);
         if listed.is_empty() {
-            return Err(poinsot::Error::usage("methods", name, why).into());
+            return Err(poinsot::Error::usage(
+                "methods",
+                name,
+                "there is no such method",
+                advice,
+            ));
         }
     }
     if arguments.print.json {

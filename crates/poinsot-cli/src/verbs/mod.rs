@@ -24,57 +24,18 @@ pub mod validate;
 use std::sync::{Mutex, OnceLock};
 
 use crate::arguments::FigureFile;
-use poinsot::ErrorKind;
+use poinsot::Error;
 use poinsot_figures::{Document, FigureFormat, WITHOUT_PNG};
 use poinsot_files::{error_line, escaped_lines, json_escaped};
-use poinsot_formats::{ERROR, ErrorFile, FaultFile, ResultFile, WrittenFile, result_text};
+use poinsot_formats::{ResultFile, WrittenFile, result_text};
 use std::io::IsTerminal;
 
-/// Error of a command, with its text for the terminal.
-pub struct Failure {
-    /// One or several error lines, each with its code.
-    pub message: String,
-    /// The same error for `--json`.
-    pub file: ErrorFile,
-}
-
-impl Failure {
-    /// Creates a failure from printed lines.
-    pub fn of_lines(message: String, exit_code: u8) -> Self {
-        let file = ErrorFile {
-            schema: ERROR.to_owned(),
-            exit_code,
-            errors: message.lines().map(FaultFile::of_line).collect(),
-        };
-        Self { message, file }
-    }
-}
-
 /// Exit code of a command, or its failure.
-pub type Outcome = Result<u8, Failure>;
+pub type Outcome = Result<u8, Error>;
 
 /// Exit code of a result (docs/reference/interface.md): 0 if it passes, 1 otherwise.
 pub fn exit_of(passes: bool) -> u8 {
     u8::from(!passes)
-}
-
-impl<E: Into<poinsot::Error>> From<E> for Failure {
-    fn from(error: E) -> Self {
-        let error = error.into();
-        let file = ErrorFile {
-            schema: ERROR.to_owned(),
-            exit_code: match error.kind() {
-                ErrorKind::Input => 2,
-                ErrorKind::System => 3,
-                ErrorKind::Internal => 4,
-            },
-            errors: error.faults(),
-        };
-        Self {
-            file,
-            message: error.to_string(),
-        }
-    }
 }
 
 /// Command line, recorded in results.
@@ -97,13 +58,14 @@ pub fn command_line() -> &'static [String] {
 }
 
 /// Row step of telemetry (`--every`).
-pub fn step(rows: &crate::arguments::Rows) -> Result<usize, Failure> {
+pub fn step(rows: &crate::arguments::Rows) -> Result<usize, Error> {
     match rows.every {
-        0 => Err(Failure::from(poinsot::Error::usage(
+        0 => Err(Error::usage(
             "--every",
             "0",
-            "a whole number of rows is needed: 1 takes all, 10 every tenth",
-        ))),
+            "it is no number of rows",
+            "give 1 for all, 10 for every tenth",
+        )),
         every => Ok(every),
     }
 }
@@ -126,7 +88,7 @@ pub fn written(paths: &[std::path::PathBuf], json: bool, quiet: bool) {
 }
 
 /// Requested figure formats without duplicates.
-pub fn formats(wanted: &[FigureFile]) -> Result<Vec<FigureFormat>, Failure> {
+pub fn formats(wanted: &[FigureFile]) -> Result<Vec<FigureFormat>, Error> {
     let mut out = Vec::new();
     for format in wanted {
         let format = match format {
@@ -135,7 +97,7 @@ pub fn formats(wanted: &[FigureFile]) -> Result<Vec<FigureFormat>, Failure> {
         };
         if !format.is_built() {
             let name = format.extension();
-            return Err(poinsot::Error::usage("--figures", name, WITHOUT_PNG).into());
+            return Err(Error::usage("--figures", name, WITHOUT_PNG, ""));
         }
         if !out.contains(&format) {
             out.push(format);
@@ -181,7 +143,7 @@ fn print_styled(text: &str) {
 pub fn printed(code: u8) -> Outcome {
     match REFUSED.lock().ok().and_then(|mut refused| refused.take()) {
         None => Ok(code),
-        Some(source) => Err(Failure::from(poinsot::Error::Output { source })),
+        Some(source) => Err(Error::output(&source)),
     }
 }
 

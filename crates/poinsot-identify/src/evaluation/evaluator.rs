@@ -4,6 +4,7 @@ use crate::fit::experiment::{Experiment, Iterate};
 use crate::likelihood::{InitialState, InitialStateColumns};
 use crate::problem::parameters::{Parameters, axis_name};
 use crate::problem::prior;
+use crate::problem::refusal::{no_motion, wrong_length};
 use crate::problem::segment::{Observations, Segment};
 use crate::problem::{Problem, ProblemError};
 use nalgebra::{DMatrix, DVector};
@@ -61,24 +62,6 @@ pub struct Evaluation {
     pub log_likelihood: f64,
     /// Half the sum of squares of the residuals of priors, negative.
     pub log_prior: f64,
-}
-
-/// Why a problem cannot be evaluated.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum EvaluationError {
-    /// The model or the data are not valid for the method.
-    #[error(transparent)]
-    Problem(#[from] ProblemError),
-    /// An array is too short, too long or points beyond the grid.
-    #[error("E0411 {what}: {found} entries, expected {expected}; give one for each")]
-    Length {
-        /// Which array.
-        what: String,
-        /// Entries found.
-        found: usize,
-        /// Entries expected.
-        expected: usize,
-    },
 }
 
 /// A problem with its unknowns, ready to be evaluated.
@@ -181,16 +164,14 @@ impl<'a> Evaluator<'a> {
     ///
     /// # Errors
     /// The model or the data are not valid, or an array is too short, too long or ragged.
-    pub fn new(problem: &Problem<'a>) -> Result<Self, EvaluationError> {
+    pub fn new(problem: &Problem<'a>) -> Result<Self, ProblemError> {
         problem.check_samples()?;
         problem
             .segments
             .iter()
             .try_for_each(|s| check(problem, s))?;
         problem.check_observations()?;
-        let parameters = problem
-            .likelihood_parameters()
-            .map_err(ProblemError::from)?;
+        let parameters = problem.likelihood_parameters()?;
         let experiment = Experiment::new(problem, &parameters);
         let start = experiment.nominal_point();
         let mut unknowns = Vec::new();
@@ -232,7 +213,7 @@ impl<'a> Evaluator<'a> {
     ///
     /// # Errors
     /// There are not as many values as unknowns (E0411), or the vehicle has no motion with them (E0405).
-    pub fn at(&self, values: &[f64]) -> Result<Evaluation, EvaluationError> {
+    pub fn at(&self, values: &[f64]) -> Result<Evaluation, ProblemError> {
         expect("values of the unknowns", values.len(), self.unknowns.len())?;
         let mut experiment = Experiment::new(&self.problem, &self.parameters);
         experiment.keep_rows = true;
@@ -259,7 +240,7 @@ impl<'a> Evaluator<'a> {
             first += count;
         }
         let evaluated = experiment.evaluate(&point, true);
-        let evaluated = evaluated.ok_or(ProblemError::NoMotion)?;
+        let evaluated = evaluated.ok_or_else(no_motion)?;
         let mut rows = Rows::new(self.unknowns.len());
         let (mut sensors, mut deviance) = (Vec::new(), 0.0);
         let segments = self.problem.segments.iter().zip(&evaluated);
@@ -296,7 +277,7 @@ impl<'a> Evaluator<'a> {
         }
         let calibration = prior::calibration(&self.problem, &self.parameters, x).rows;
         let design = prior::design(&self.problem, &self.parameters, x);
-        let design = design.ok_or(ProblemError::NoMotion)?.rows;
+        let design = design.ok_or_else(no_motion)?.rows;
         for row in calibration.iter().chain(&design) {
             rows.push_prior(&row.gradient, row.residual, initial_states.len());
         }
@@ -455,19 +436,15 @@ fn turn_slopes(phi: &Vector3) -> Matrix3 {
     Matrix3::identity() - k * first + k * k * second
 }
 
-fn expect(what: impl Into<String>, found: usize, expected: usize) -> Result<(), EvaluationError> {
+fn expect(what: impl Into<String>, found: usize, expected: usize) -> Result<(), ProblemError> {
     match found == expected {
         true => Ok(()),
-        false => Err(EvaluationError::Length {
-            what: what.into(),
-            found,
-            expected,
-        }),
+        false => Err(wrong_length(&what.into(), found, expected)),
     }
 }
 
 /// Every array of a segment that an evaluation reads.
-fn check(problem: &Problem, segment: &Segment) -> Result<(), EvaluationError> {
+fn check(problem: &Problem, segment: &Segment) -> Result<(), ProblemError> {
     let (dof, wheels) = (problem.tree.dof(), problem.tree.rotors.len());
     let label = &segment.label;
     let array = |name: &str, found: usize, expected: usize| {

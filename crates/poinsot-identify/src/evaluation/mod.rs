@@ -3,4 +3,4 @@
 pub(crate) mod evaluator;
 pub(crate) mod wanted;
 
-pub use evaluator::{EvaluatedUnknown, Evaluation, EvaluationError, Evaluator, SensorResiduals};
+pub use evaluator::{EvaluatedUnknown, Evaluation, Evaluator, SensorResiduals};

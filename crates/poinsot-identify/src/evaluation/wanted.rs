@@ -5,6 +5,7 @@ use crate::fit::alternatives::OtherWheelMotion;
 use crate::fit::experiment::Experiment;
 use crate::problem::parameters::{Equations, Parameters, UnknownKind};
 use crate::problem::quantity::TenParameters;
+use crate::problem::refusal::no_motion;
 use crate::problem::{Problem, ProblemError};
 use faer::Mat;
 use nalgebra::{DMatrix, DVector};
@@ -78,7 +79,7 @@ impl Information {
         let experiment = Experiment::new(problem, &parameters).coarse(steps);
         let point = experiment.nominal_point();
         let evaluated = experiment.evaluate(&point, true);
-        let evaluated = evaluated.ok_or(ProblemError::NoMotion)?;
+        let evaluated = evaluated.ok_or_else(no_motion)?;
         let stacked = experiment.stack(&point, &evaluated, with_priors);
         let r = with_vague_rows(&stacked.r, &parameters);
         Ok(Self {

@@ -21,14 +21,16 @@ use crate::problem::Problem;
 use crate::problem::alternative::Alternative;
 use crate::problem::parameters::Parameters;
 use crate::problem::prior;
+use crate::problem::refusal::not_finite;
 use crate::problem::segment::Segment;
 use crate::problem::settings::Settings;
 use crate::problem::shifted_vehicle::ShiftedVehicle;
 use known_columns::columns_at;
 use nalgebra::UnitQuaternion;
 use poinsot_dynamics::{Kinematics, SensorError, composite, momentum, wheel_momentum};
+use poinsot_files::Faults;
 use poinsot_model::{MomentumKnowledge, Thruster};
-use poinsot_solve::{BlockQr, NotFinite, Spectrum, Triangle};
+use poinsot_solve::{BlockQr, Spectrum, Triangle};
 use poinsot_spatial::Vector3;
 use rayon::prelude::*;
 use std::sync::{Arc, OnceLock};
@@ -334,12 +336,12 @@ impl<'a> Experiment<'a> {
         stacked: &Triangle,
         shared: &SharedTriangle,
         evaluated: &[Evaluated],
-    ) -> Result<(Spectrum, Option<Spectrum>), NotFinite> {
+    ) -> Result<(Spectrum, Option<Spectrum>), Faults> {
         if !self.parameters.has_known() {
             return Ok((self.spectrum(shared, evaluated)?, None));
         }
         let exact = self.spectrum(&SharedTriangle::exact(self.parameters, stacked), evaluated)?;
-        let own = Spectrum::within(&shared.block(), None, &exact)?;
+        let own = Spectrum::within(&shared.block(), None, &exact).map_err(not_finite)?;
         Ok((own, Some(exact)))
     }
 
@@ -349,7 +351,7 @@ impl<'a> Experiment<'a> {
         &self,
         shared: &SharedTriangle,
         evaluated: &[Evaluated],
-    ) -> Result<Spectrum, NotFinite> {
+    ) -> Result<Spectrum, Faults> {
         let m = shared.mass;
         let natural: Vec<f64> = self.parameters.unknowns[..m]
             .iter()
@@ -362,6 +364,7 @@ impl<'a> Experiment<'a> {
             self.longest_column(evaluated),
             self.problem.relative_accuracy.max(MOVED),
         )
+        .map_err(not_finite)
     }
 
     /// The largest value that each nuisance can have.

@@ -14,6 +14,7 @@ use crate::fit::step::{
 use crate::fit::triangle::SharedTriangle;
 use crate::likelihood::Evaluated;
 use crate::problem::ProblemError;
+use crate::problem::refusal::no_motion;
 use crate::problem::settings::Coordinates;
 use poinsot_solve::{End, LeastSquares, Linearised, Minimum, Spectrum, levenberg_marquardt};
 
@@ -93,7 +94,7 @@ fn fit_within(
             break;
         }
     }
-    best.ok_or(ProblemError::NoMotion)
+    best.ok_or_else(no_motion)
 }
 
 /// Fits from near a point, where the bodies are physical, in at most `limit` iterations.
@@ -176,11 +177,7 @@ fn starting_points(
 pub(crate) fn fit_starts(experiment: &Experiment, limit: usize) -> Result<Iterate, ProblemError> {
     let mut at = experiment.nominal_point();
     let evaluate = |at: &Iterate| experiment.evaluate(at, true);
-    let mut here = linearised(
-        experiment,
-        &at,
-        evaluate(&at).ok_or(ProblemError::NoMotion)?,
-    )?;
+    let mut here = linearised(experiment, &at, evaluate(&at).ok_or_else(no_motion)?)?;
     for _ in 0..limit {
         let held = vec![0.0; here.rows.spectrum.natural.len()];
         let next = moved(experiment, &at, here.rows.parts(), &held);

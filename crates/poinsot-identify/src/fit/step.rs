@@ -8,6 +8,7 @@ use crate::fit::experiment::{Experiment, Iterate, drop_old_columns};
 use crate::fit::triangle::{SharedTriangle, conditional_estimate};
 use crate::likelihood::Evaluated;
 use crate::problem::ProblemError;
+use crate::problem::refusal::no_motion;
 use crate::problem::settings::Coordinates;
 use nalgebra::UnitQuaternion;
 use poinsot_solve::{LeastSquares, Linearised, Pace, Spectrum, Step, Triangle};
@@ -277,9 +278,7 @@ pub(crate) fn linearised(
     let mut shared = SharedTriangle::new(experiment.parameters, &stacked);
     shared.hold(&experiment.largest_nuisances());
     let (spectrum, _) = experiment.spectra(&stacked, &shared, &evaluated)?;
-    let cost = experiment
-        .chi2(at, &evaluated)
-        .ok_or(ProblemError::NoMotion)?;
+    let cost = experiment.chi2(at, &evaluated).ok_or_else(no_motion)?;
     let bodies = physical_bodies(experiment, spectrum.natural.len())
         .and_then(|bodies| bodies.separable(&spectrum));
     let linearisation = Linearisation {

@@ -6,6 +6,7 @@ use crate::fit::alternatives::{OtherWheelMotion, better_rest_motion};
 use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::fit_from;
 use crate::methods::maximum_likelihood::{conclude, proportional};
+use crate::problem::refusal::no_motion;
 use crate::problem::{Problem, ProblemError};
 use crate::solution::estimate::Estimate;
 
@@ -56,7 +57,7 @@ fn bound(
     let mut experiment = Experiment::new(problem, &parameters);
     let evaluated = |experiment: &Experiment| {
         let at_truth = fit_from(experiment, experiment.nominal_point(), 0);
-        at_truth.ok_or(ProblemError::NoMotion)
+        at_truth.ok_or_else(no_motion)
     };
     let mut at_truth = evaluated(&experiment)?;
     if let Some(share) = better_rest_motion(&experiment, &at_truth) {

@@ -15,6 +15,7 @@ use crate::likelihood::rows::{RowSetting, Rows, StartMomentum};
 use crate::methods::twist_residual;
 use crate::problem::parameters::{Equations, Parameters};
 use crate::problem::quantity::TenParameters;
+use crate::problem::refusal::not_finite;
 use crate::problem::segment::Segment;
 use crate::problem::settings::Settings;
 use crate::problem::{Problem, ProblemError};
@@ -111,7 +112,8 @@ impl Reduced {
     /// others look determined.
     fn restrict(&mut self, problem: &Problem, experiment: &Spectrum) -> Result<(), ProblemError> {
         let block = self.solution.shared.block();
-        self.solution.spectrum = Spectrum::within(&block, Some(&self.regressor_noise), experiment)?;
+        self.solution.spectrum = Spectrum::within(&block, Some(&self.regressor_noise), experiment)
+            .map_err(not_finite)?;
         self.settle(problem);
         Ok(())
     }
@@ -284,7 +286,8 @@ fn conclude(
         .collect();
     let size = longest_column(&parameters, &segments);
     let accuracy = problem.relative_accuracy;
-    let spectrum = Spectrum::new(&block, &natural, Some(&regressor_noise), size, accuracy)?;
+    let spectrum = Spectrum::new(&block, &natural, Some(&regressor_noise), size, accuracy)
+        .map_err(not_finite)?;
     let solution = Solution {
         method: "linear",
         x: parameters.nominal_vector(),

@@ -24,8 +24,9 @@ use crate::methods::linear::solve_linear;
 use crate::motion::input_curves::extrapolated_inputs;
 use crate::motion::input_noise::approximate;
 use crate::problem::loss::Loss;
-use crate::problem::parameters::{Equations, Parameters, ParametersError, lifted_vector};
+use crate::problem::parameters::{Equations, Parameters, lifted_vector};
 use crate::problem::prior::{Conflict, PriorTest};
+use crate::problem::refusal::NO_VELOCITY;
 use crate::problem::segment::Segment;
 use crate::problem::settings::Settings;
 use crate::problem::shifted_vehicle::ShiftedVehicle;
@@ -170,7 +171,7 @@ impl LinearStart {
     fn new(problem: &Problem) -> Result<Self, ProblemError> {
         let mut linear = match solve_linear(problem) {
             Ok(linear) => linear,
-            Err(ProblemError::Parameters(ParametersError::RotationOfTree { .. })) => {
+            Err(fault) if fault.code() == NO_VELOCITY => {
                 return Ok(Self {
                     parameters: problem.likelihood_parameters()?,
                     linear: None,

@@ -17,40 +17,24 @@ use crate::solution::estimate::DeterminedCombination;
 use faer::Mat;
 use nalgebra::{DMatrix, DVector};
 use poinsot_dynamics::Tree;
+use poinsot_files::{Faults, Place};
 use poinsot_model::Model;
 use poinsot_spatial::InertialParameters;
 
 /// Smallest independent part of a combination, relative to its length.
 const DEPENDENT: f64 = 1.0e-10;
 
-/// Why an estimate cannot be completed.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum CompletionError {
-    /// A combination has a parameter that the model does not estimate.
-    #[error(
-        "the estimate has the parameter '{0}', which is not an unknown of this model; give the model file that the estimate was made with"
-    )]
-    UnknownParameter(String),
-    /// No combination at all: withheld, or nothing was determined.
-    #[error(
-        "the estimate has no determined combination (status rejected, or nothing identified), so it cannot predict; give an estimate from more data"
-    )]
-    Nothing,
-    /// Linear combinations do not express all determined directions.
-    #[error(
-        "the estimate determines {rank} directions but has only {linear} linear combinations, which do not fix a prediction; validate against the model instead, or give an estimate with translation measured"
-    )]
-    Curved {
-        /// Determined directions.
-        rank: usize,
-        /// Linear combinations.
-        linear: usize,
-    },
-    /// Two combinations are dependent.
-    #[error(
-        "the determined combinations of the estimate contradict each other: the file was changed; write it again with identify"
-    )]
-    Dependent,
+/// E0701: the estimate gives no vehicle to simulate.
+fn refused(problem: impl std::fmt::Display, advice: &str) -> Faults {
+    let problem = format!("this estimate cannot be simulated: {problem}");
+    Faults::one("E0701", Place::label("estimate"), problem, advice)
+}
+
+fn dependent() -> Faults {
+    refused(
+        "its determined combinations contradict each other: the file was changed",
+        "write it again with identify",
+    )
 }
 
 /// Parameters that predict what the estimate determines.
@@ -97,33 +81,60 @@ pub fn complete(
     tree: &Tree,
     determined: &[DeterminedCombination],
     rank: usize,
-) -> Result<Completion, CompletionError> {
+) -> Result<Completion, Faults> {
     let nothing = determined.is_empty();
     let linear = determined.iter().filter(|c| !c.coefficients.is_empty());
     let determined: Vec<&DeterminedCombination> = linear.collect();
     let linear = determined.len();
     match linear {
-        0 if nothing => return Err(CompletionError::Nothing),
-        _ if linear < rank => return Err(CompletionError::Curved { rank, linear }),
+        0 if nothing => {
+            return Err(refused(
+                "it has no determined combination (status rejected, or nothing identified), so it cannot predict",
+                "give an estimate from more data",
+            ));
+        }
+        _ if linear < rank => {
+            return Err(refused(
+                format_args!(
+                    "it determines {rank} directions but has only {linear} linear combinations, which do not fix a prediction"
+                ),
+                "validate against the model instead, or give an estimate with translation measured",
+            ));
+        }
         _ => {}
     }
     // The unknowns of an estimate from rotation alone have other names.
     let equations = [Equations::Momentum, Equations::Rotation];
-    let mut refused = CompletionError::Nothing;
+    let mut unknown = "";
     for parameters in equations.map(|e| Parameters::new(model, tree, e, true)) {
         let Ok(parameters) = parameters else { continue };
-        match complete_parameters(&parameters, &determined) {
-            Err(e @ CompletionError::UnknownParameter(_)) => refused = e,
-            done => return done,
+        match stranger(&parameters, &determined) {
+            Some(name) => unknown = name,
+            None => return complete_parameters(&parameters, &determined),
         }
     }
-    Err(refused)
+    Err(refused(
+        format_args!("it has the parameter '{unknown}', which is not an unknown of this model"),
+        "give the model file that the estimate was made with",
+    ))
+}
+
+/// A parameter of the combinations that the model does not estimate.
+fn stranger<'d>(
+    parameters: &Parameters,
+    determined: &[&'d DeterminedCombination],
+) -> Option<&'d str> {
+    let known = |name: &str| parameters.unknowns.iter().any(|u| u.name == name);
+    let mut names = determined.iter().flat_map(|c| &c.coefficients);
+    names
+        .find(|(name, _)| !known(name))
+        .map(|(name, _)| name.as_str())
 }
 
 fn complete_parameters(
     parameters: &Parameters,
     determined: &[&DeterminedCombination],
-) -> Result<Completion, CompletionError> {
+) -> Result<Completion, Faults> {
     let unknowns = &parameters.unknowns;
     let m = unknowns.iter().filter(|u| !u.kind.is_nuisance()).count();
     let (unknowns, r) = (&unknowns[..m], determined.len());
@@ -136,28 +147,28 @@ fn complete_parameters(
         let mut value = one.value;
         for (name, coefficient) in &one.coefficients {
             let at = unknowns.iter().position(|u| u.name == *name);
-            let at = at.ok_or_else(|| CompletionError::UnknownParameter(name.clone()))?;
+            let at = at.ok_or_else(dependent)?;
             rows[(at, k)] = coefficient * natural[at];
             value -= coefficient * nominal[at];
         }
         let size = rows.column(k).norm();
         if !(size > 0.0 && value.is_finite()) {
-            return Err(CompletionError::Dependent);
+            return Err(dependent());
         }
         rows.column_mut(k).scale_mut(1.0 / size);
         lack[k] = value / size;
     }
     if r > m {
-        return Err(CompletionError::Dependent);
+        return Err(dependent());
     }
     let qr = rows.qr();
     let triangle = qr.r();
     if (0..r).any(|k| triangle[(k, k)].abs() < DEPENDENT) {
-        return Err(CompletionError::Dependent);
+        return Err(dependent());
     }
     let along = triangle
         .tr_solve_upper_triangular(&lack)
-        .ok_or(CompletionError::Dependent)?;
+        .ok_or_else(dependent)?;
     // The reflections applied to the unit matrix: the transposed basis, its last rows the unobservable directions.
     let mut basis = DMatrix::<f64>::identity(m, m);
     qr.q_tr_mul(&mut basis);
@@ -268,13 +279,17 @@ estimate = true
         let model = parse_model(MODEL, "m.toml").unwrap();
         let tree = Tree::new(&model);
         let refusal = |given: &[DeterminedCombination]| {
-            complete(&model, &tree, given, given.len()).unwrap_err()
+            let faults = complete(&model, &tree, given, given.len()).unwrap_err();
+            (faults.code(), faults.to_string())
         };
-        let stranger = CompletionError::UnknownParameter("arm.m".into());
-        assert_eq!(refusal(&[combination(&[("arm.m", 1.0)], 1.0)]), stranger);
-        assert_eq!(refusal(&[]), CompletionError::Nothing);
+        let refused = |given: &[DeterminedCombination], words: &str| {
+            let (code, said) = refusal(given);
+            assert!(code == "E0701" && said.contains(words), "{said}");
+        };
+        refused(&[combination(&[("arm.m", 1.0)], 1.0)], "'arm.m'");
+        refused(&[], "no determined combination");
         let one = combination(&[("bus.m", 1.0)], 9.0);
         let same = combination(&[("bus.m", 2.0)], 18.1);
-        assert_eq!(refusal(&[one, same]), CompletionError::Dependent);
+        refused(&[one, same], "contradict each other");
     }
 }

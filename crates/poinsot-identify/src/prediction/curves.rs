@@ -10,7 +10,8 @@ use crate::methods::linear::{linear, solve_linear};
 use crate::methods::maximum_likelihood::{FinishedFit, solve};
 use crate::motion::input_noise::InputNoise;
 use crate::motion::{Motion, State, Vehicle, tilted};
-use crate::problem::parameters::{Equations, Parameters, ParametersError};
+use crate::problem::parameters::{Equations, Parameters};
+use crate::problem::refusal::{NO_MOTION, NO_VELOCITY};
 use crate::problem::segment::{Firing, Segment, SensorRecord, SensorValue};
 use crate::problem::settings::Settings;
 use crate::problem::{Problem, ProblemError};
@@ -174,14 +175,14 @@ pub fn predicted_by(
     let fires = problem.segments.iter().any(|s| !s.firings.is_empty());
     let of = |equations| Parameters::new(&model, problem.tree, equations, fires);
     let parameters = match of(held.linear_equations()) {
-        Err(ParametersError::RotationOfTree { .. }) => of(Equations::Momentum),
+        Err(fault) if fault.code() == NO_VELOCITY => of(Equations::Momentum),
         other => other,
     }?;
     let experiment = Experiment::new(&held, &parameters);
     match fit_starts(&experiment, STARTS) {
         Ok(at) => Ok(predict(&experiment, &at, points)),
         // Bodies without a motion: an answer, but no curve.
-        Err(ProblemError::NoMotion) => Ok(Vec::new()),
+        Err(fault) if fault.code() == NO_MOTION => Ok(Vec::new()),
         Err(other) => Err(other),
     }
 }

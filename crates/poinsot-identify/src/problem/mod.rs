@@ -8,6 +8,7 @@ pub(crate) mod parameters;
 pub(crate) mod prior;
 pub(crate) mod quantity;
 pub(crate) mod question;
+pub mod refusal;
 pub(crate) mod segment;
 pub(crate) mod settings;
 pub(crate) mod shifted_vehicle;

@@ -10,7 +10,9 @@ pub(crate) use registry::{Entry, GRADIENT, Registry};
 pub use registry::{KnownUnknown, UnknownKind};
 pub use sensor_errors::ErrorGroup;
 
+use crate::problem::refusal;
 use poinsot_dynamics::{Kinematics, Tree, composite};
+use poinsot_files::Faults;
 use poinsot_model::{EstimateSet, Model, Nuisance};
 use poinsot_spatial::{
     InertialParameters, MassProperties, PARAMETER_NAMES, Vector3, parallel_axis,
@@ -70,48 +72,6 @@ pub struct Parameters {
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 
-/// Why the linear method cannot solve a problem.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum ParametersError {
-    /// The nominal numbers make a product of unknowns.
-    #[error(
-        "E0401 body '{body}': estimate has the mass centre but not the inertia; the linear method cannot solve that product of unknowns; add \"inertia\" to estimate or use --method maximum_likelihood"
-    )]
-    Nonlinear {
-        /// Body.
-        body: String,
-    },
-    /// Nothing is unknown.
-    #[error(
-        "E0402 the model has nothing to estimate: every body is known; set estimate = true on at least one body"
-    )]
-    NothingUnknown,
-    /// A tree without a translation sensor.
-    #[error(
-        "E0403 no velocity (channels v_x v_y v_z with a [[sensor]] of type \"velocity\"): without it the linear method identifies one fully unknown rigid body only, and this model has {bodies} bodies; add velocity or use --method maximum_likelihood"
-    )]
-    RotationOfTree {
-        /// Number of bodies.
-        bodies: usize,
-    },
-    /// The matrices would exceed memory and computing time.
-    #[error(
-        "E0406 the model has {numbers} mass properties to estimate, more than the limit of {MOST_NUMBERS}; take estimate out of bodies that are known well enough"
-    )]
-    TooMany {
-        /// Numbers asked for.
-        numbers: usize,
-    },
-    /// Each is a column of the fit.
-    #[error(
-        "E0406 the model has {numbers} uncertain known numbers, more than the limit of {MOST_NUMBERS}; write exact = true into tables that are known well enough"
-    )]
-    TooManyKnown {
-        /// Components of uncertain known numbers.
-        numbers: usize,
-    },
-}
-
 /// Most mass properties, or uncertain known numbers, that are solved for together: their spectrum costs the cube of it.
 pub(crate) const MOST_NUMBERS: usize = 1000;
 
@@ -125,7 +85,7 @@ impl Parameters {
         tree: &Tree,
         equations: Equations,
         thrusters_fire: bool,
-    ) -> Result<Self, ParametersError> {
+    ) -> Result<Self, Faults> {
         let nominal = model.bodies.iter().map(|b| b.nominal.parameters());
         let mut parameters = Self::all_known(model, tree, &nominal.collect::<Vec<_>>());
         parameters.equations = equations;
@@ -141,11 +101,16 @@ impl Parameters {
         parameters.mass_unknowns = parameters.unknowns.len();
         if parameters.mass_unknowns > MOST_NUMBERS {
             let numbers = parameters.mass_unknowns;
-            return Err(ParametersError::TooMany { numbers });
+            let advice = "take estimate out of bodies that are known well enough";
+            return Err(refusal::too_many(
+                numbers,
+                "mass properties to estimate",
+                advice,
+            ));
         }
         parameters.add_nuisances(model, tree);
         if parameters.unknowns.is_empty() {
-            return Err(ParametersError::NothingUnknown);
+            return Err(refusal::nothing_unknown());
         }
         Ok(parameters)
     }
@@ -245,14 +210,14 @@ impl Parameters {
     }
 
     /// Unknowns of one body under the momentum equations: linear unless the mass centre alone is estimated.
-    fn add_body(&mut self, body: usize) -> Result<(), ParametersError> {
+    fn add_body(&mut self, body: usize) -> Result<(), Faults> {
         let asked = self.estimate[body];
         if !asked.any() {
             return Ok(());
         }
         let name = self.body_names[body].clone();
         if asked.com && !asked.inertia {
-            return Err(ParametersError::Nonlinear { body: name });
+            return Err(refusal::nonlinear(&name));
         }
         let (m, l) = self.natural[body];
         let pi = self.nominal[body].to_array();
@@ -325,12 +290,10 @@ impl Parameters {
     }
 
     /// Unknowns of one rigid body of which only the rotation is seen.
-    fn add_rotation(&mut self, model: &Model, thrusters_fire: bool) -> Result<(), ParametersError> {
+    fn add_rotation(&mut self, model: &Model, thrusters_fire: bool) -> Result<(), Faults> {
         let asked = self.estimate[0];
         if model.bodies.len() != 1 {
-            return Err(ParametersError::RotationOfTree {
-                bodies: model.bodies.len(),
-            });
+            return Err(refusal::rotation_of_tree(model.bodies.len()));
         }
         let (m, l) = self.natural[0];
         let given = self.nominal_properties[0];

@@ -1,11 +1,10 @@
 //! The problem of an estimator.
 
-use crate::problem::parameters::{Equations, MOST_NUMBERS, Parameters, ParametersError, Registry};
+use crate::problem::parameters::{Equations, MOST_NUMBERS, Parameters, Registry};
+use crate::problem::refusal::{NO_VELOCITY, too_few_samples, too_many};
 use crate::problem::segment::{Noise, Observations, Segment};
-use crate::problem::settings::SettingsError;
 use poinsot_dynamics::Tree;
 use poinsot_model::Model;
-use poinsot_solve::NotFinite;
 
 /// The identification problem: a vehicle and its segments of telemetry.
 #[derive(Clone, Copy)]
@@ -22,34 +21,8 @@ pub struct Problem<'a> {
     pub relative_accuracy: f64,
 }
 
-/// Why a problem has no solution.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum ProblemError {
-    /// The problem is not valid.
-    #[error(transparent)]
-    Parameters(#[from] ParametersError),
-    /// The numbers overflow.
-    #[error(transparent)]
-    NotFinite(#[from] NotFinite),
-    /// A setting is out of its range.
-    #[error(transparent)]
-    Settings(#[from] SettingsError),
-    /// Too few samples.
-    #[error(
-        "E0404 segment '{label}': {samples} samples are not enough, at least 2 are needed; give a longer record"
-    )]
-    TooFewSamples {
-        /// Segment.
-        label: String,
-        /// Samples found.
-        samples: usize,
-    },
-    /// The nominal vehicle has no motion.
-    #[error(
-        "E0405 the motion cannot be predicted from the nominal mass properties (no positive mass or inertia, or a rotation five times faster than measured); check mass_kg and inertia_kg_m2 in the model and the units of wheel and joint columns"
-    )]
-    NoMotion,
-}
+/// Why a problem has no solution: codes E04xx.
+pub use poinsot_files::Faults as ProblemError;
 
 impl<'a> Problem<'a> {
     /// The same vehicle and noise with other records.
@@ -92,7 +65,7 @@ impl Problem<'_> {
     ///
     /// # Errors
     /// The problem is not valid.
-    pub(crate) fn likelihood_parameters(&self) -> Result<Parameters, ParametersError> {
+    pub(crate) fn likelihood_parameters(&self) -> Result<Parameters, ProblemError> {
         let fires = self.segments.iter().any(|s| !s.firings.is_empty());
         let of = |equations| Parameters::new(self.model, self.tree, equations, fires);
         let equations = match self.sees_points() {
@@ -100,7 +73,7 @@ impl Problem<'_> {
             false => self.linear_equations(),
         };
         match of(equations) {
-            Err(ParametersError::RotationOfTree { .. }) => of(Equations::Momentum),
+            Err(fault) if fault.code() == NO_VELOCITY => of(Equations::Momentum),
             other => other,
         }
     }
@@ -124,10 +97,7 @@ impl Problem<'_> {
     /// A segment has fewer than two grid times, or its readings are not all given at them.
     pub(crate) fn check_observations(&self) -> Result<(), ProblemError> {
         match self.segments.iter().find(|s| !self.is_observed(s)) {
-            Some(s) => Err(ProblemError::TooFewSamples {
-                label: s.label.clone(),
-                samples: s.observations.time_s.len(),
-            }),
+            Some(s) => Err(too_few_samples(&s.label, s.observations.time_s.len())),
             None => Ok(()),
         }
     }
@@ -136,10 +106,7 @@ impl Problem<'_> {
     /// A segment has fewer than two samples.
     pub(crate) fn check_samples(&self) -> Result<(), ProblemError> {
         match self.segments.iter().find(|s| s.samples.time_s.len() < 2) {
-            Some(s) => Err(ProblemError::TooFewSamples {
-                label: s.label.clone(),
-                samples: s.samples.time_s.len(),
-            }),
+            Some(s) => Err(too_few_samples(&s.label, s.samples.time_s.len())),
             None => Ok(()),
         }
     }
@@ -149,7 +116,11 @@ impl Problem<'_> {
     pub(crate) fn check_known_numbers(&self) -> Result<(), ProblemError> {
         let numbers = self.model.uncertain().map(|u| u.number.components()).sum();
         match numbers > MOST_NUMBERS {
-            true => Err(ParametersError::TooManyKnown { numbers }.into()),
+            true => Err(too_many(
+                numbers,
+                "uncertain known numbers",
+                "write exact = true into tables that are known well enough",
+            )),
             false => Ok(()),
         }
     }

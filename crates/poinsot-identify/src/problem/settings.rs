@@ -1,6 +1,8 @@
 //! Choices and thresholds of an identification, with their defaults.
 
 use crate::problem::loss::Loss;
+use crate::problem::refusal;
+use poinsot_files::Faults;
 use statrs::function::erf::erfc;
 
 /// Coordinates of the fit's steps.
@@ -39,7 +41,7 @@ impl Coordinates {
 /// assert!(strict.validate().is_ok());
 /// let wrong = Settings { false_alarm: 2.0, ..Settings::default() };
 /// let why = wrong.validate().unwrap_err().to_string();
-/// assert_eq!(why, "E0407 setting 'false_alarm' is 2; give a number above 0 and below 1");
+/// assert_eq!(why, "E0407 setting 'false_alarm' = 2: out of its range; give a number above 0 and below 1");
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
@@ -175,24 +177,12 @@ impl From<Loss> for Settings {
     }
 }
 
-/// A setting out of its range.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("E0407 setting '{name}' is {value}; give {range}")]
-pub struct SettingsError {
-    /// Name of the setting.
-    pub name: &'static str,
-    /// Its value.
-    pub value: f64,
-    /// The values that it may have.
-    pub range: String,
-}
-
 impl Settings {
     /// Checks every threshold.
     ///
     /// # Errors
     /// The first setting out of its range.
-    pub fn validate(&self) -> Result<(), SettingsError> {
+    pub fn validate(&self) -> Result<(), Faults> {
         let least = |limit: f64, name: &str| format!("a finite number of at least {limit}{name}");
         let of_excess = " (negligible_excess)";
         let all = [
@@ -229,7 +219,7 @@ impl Settings {
             .chain(groups)
             .find(|(_, value, holds, _)| !holds || !value.is_finite());
         match wrong {
-            Some((name, value, _, range)) => Err(SettingsError { name, value, range }),
+            Some((name, value, _, range)) => Err(refusal::setting(name, value, &range)),
             None => Ok(()),
         }
     }
@@ -350,7 +340,8 @@ mod tests {
                 let mut settings = default;
                 change(&mut settings, wrong);
                 let error = settings.validate().unwrap_err();
-                assert_eq!(error.name, name, "{wrong}");
+                let place = &error.list[0].place.key;
+                assert_eq!(place, &format!("setting '{name}'"), "{wrong}");
             }
         }
         let contradictory = Settings {
@@ -359,7 +350,7 @@ mod tests {
         };
         assert_eq!(
             contradictory.validate().unwrap_err().to_string(),
-            "E0407 setting 'rejection' is 1.4; give a finite number of at least 1.5 (misfit)"
+            "E0407 setting 'rejection' = 1.4: out of its range; give a finite number of at least 1.5 (misfit)"
         );
     }
 

@@ -12,14 +12,10 @@ pub(crate) use inertial::rotation;
 pub(crate) use limits::excess;
 pub(crate) use raw::ELEMENTS;
 
-use crate::finding::{Finding, ModelError};
 use crate::model_text::read_model_text;
 use crate::vehicle::Model;
-use poinsot_files::excerpt;
+use poinsot_files::{Fault, Faults, Place};
 use std::path::Path;
-
-/// Number of findings listed; the rest is counted.
-const SHOWN: usize = 20;
 
 /// A kind of remark on a URDF file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -92,7 +88,7 @@ pub(crate) struct Remark {
 #[derive(Debug, Clone)]
 pub struct Urdf {
     /// The vehicle, or the error.
-    pub model: Result<Model, ModelError>,
+    pub model: Result<Model, Faults>,
     /// Every kind of remark on the file, without duplicates.
     pub defects: Vec<UrdfDefect>,
 }
@@ -126,7 +122,7 @@ pub fn read_urdf(path: impl AsRef<Path>) -> Urdf {
 /// let model = parse_urdf(text, "box.urdf").model?;
 /// let bus = &model.bodies[0];
 /// assert_eq!((bus.nominal.mass, bus.nominal.p_BoBcm_B.x), (10.0, 0.1));
-/// # Ok::<(), poinsot_model::ModelError>(())
+/// # Ok::<(), poinsot_files::Faults>(())
 /// ```
 pub fn parse_urdf(text: &str, file: &str) -> Urdf {
     let mut remarks = Vec::new();
@@ -149,7 +145,7 @@ fn conclude(
     file: &str,
     mut remarks: Vec<Remark>,
     model: Option<Model>,
-) -> Result<Model, ModelError> {
+) -> Result<Model, Faults> {
     remarks.sort_by_key(|r| r.byte);
     let starts: Vec<usize> = std::iter::once(0)
         .chain(text.match_indices('\n').map(|(at, _)| at + 1))
@@ -170,36 +166,25 @@ fn conclude(
             .collect();
         return Ok(model);
     }
-    let omitted = errors.len().saturating_sub(SHOWN);
-    let findings: Vec<Finding> = errors
-        .into_iter()
-        .take(SHOWN)
-        .map(|r| {
-            let (line, column) = place(r.byte);
-            Finding {
-                code: r.code.unwrap_or("E0120"),
-                file: excerpt(file, 300),
-                line,
-                column,
-                key: r.subject.clone(),
-                subject: String::new(),
-                value: r.value.clone(),
-                problem: r.problem.clone(),
-                remedy: r.remedy.clone(),
-            }
-        })
-        .collect();
-    if findings.is_empty() {
-        return Err(ModelError::unreadable(
-            file,
-            "there is no robot in it".to_owned(),
-            "give a URDF file with links and joints",
-            false,
-        ));
+    if errors.is_empty() {
+        let advice = "give a URDF file with links and joints";
+        return Err(Fault::new(
+            "E0101",
+            Place::label(file),
+            "there is no robot in it",
+            advice,
+        )
+        .into());
     }
-    Err(ModelError {
-        findings,
-        omitted,
-        environment: false,
-    })
+    let fault = |r: &&Remark| {
+        let (line, column) = place(r.byte);
+        let place = Place {
+            line: line as u64,
+            column: column as u64,
+            ..Place::label(file).key(&r.subject)
+        };
+        let code = r.code.unwrap_or("E0120");
+        Fault::new(code, place, &r.problem, &r.remedy).with_value(&r.value)
+    };
+    Err(Faults::sorted(errors.iter().map(fault).collect()))
 }

@@ -1,14 +1,16 @@
 //! The paper's estimators as answers to a [`Problem`]. The linear method certifies (see [`crate::certified`]); numbers
 //! that it does not certify are only in the report of the method.
 
-use super::sums::{Kim2010Error, Manoeuvre, NAMES, StartRate, Sums, wheel_momentum};
+use super::sums::{Manoeuvre, NAMES, StartRate, Sums, wheel_momentum};
 use super::suspicions::suspicions;
 use super::variant::Variant;
 use crate::certified::put;
+use crate::kim2010::error;
 use crate::method::Named;
+use poinsot_files::Faults;
 use poinsot_identify::{
-    Effect, Estimate, MethodReport, NamedNumber, Number, Problem, ProblemError, Remark, Segment,
-    Source, Status, TENSOR, linear, tensor_index, tensor_name,
+    Effect, Estimate, MethodReport, NamedNumber, Number, Problem, Remark, Segment, Source, Status,
+    TENSOR, linear, tensor_index, tensor_name,
 };
 use poinsot_model::Model;
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
@@ -18,23 +20,6 @@ use poinsot_spatial::{MassProperties, Matrix3, Vector3};
 const CERTIFIED: f64 = 0.1;
 /// Rates at the first sample below this many gyro sigmas count as zero.
 const REST: f64 = 5.0;
-
-/// Why the paper's estimators cannot be used.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum Kim2010ProblemError {
-    /// Error of any method.
-    #[error(transparent)]
-    Problem(#[from] ProblemError),
-    /// A division by zero in the estimators.
-    #[error(transparent)]
-    Method(#[from] Kim2010Error),
-    /// Unsuitable vehicle or experiment.
-    #[error("E0425 kim2010 is for one rigid body with wheels and no external torque: {what}")]
-    Unsuited {
-        /// The obstacle and the remedy.
-        what: String,
-    },
-}
 
 /// Identifies the inertia of one body with wheels by one of the paper's estimators.
 ///
@@ -51,7 +36,7 @@ pub enum Kim2010ProblemError {
 /// assert!(estimate.method_report.is_some_and(|report| !report.numbers.is_empty()));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn identify(problem: &Problem, variant: Variant) -> Result<Estimate, Kim2010ProblemError> {
+pub fn identify(problem: &Problem, variant: Variant) -> Result<Estimate, Faults> {
     check(problem)?;
     let mut estimate = linear(&Problem {
         relative_accuracy: problem.relative_accuracy.min(CERTIFIED),
@@ -125,32 +110,38 @@ pub fn identify(problem: &Problem, variant: Variant) -> Result<Estimate, Kim2010
     Ok(estimate)
 }
 
-fn check(problem: &Problem) -> Result<(), Kim2010ProblemError> {
+fn check(problem: &Problem) -> Result<(), Faults> {
     let model: &Model = problem.model;
-    let unsuited = |what: String| Err(Kim2010ProblemError::Unsuited { what });
+    let unsuited = |what: &str, advice| Err(error::unsuited(what, advice));
     if model.bodies.len() != 1 {
-        return unsuited(format!(
-            "the model has {} bodies; use --method maximum_likelihood",
-            model.bodies.len()
-        ));
+        return unsuited(
+            &format!("the model has {} bodies", model.bodies.len()),
+            "use --method maximum_likelihood",
+        );
     }
     if model.wheels.is_empty() {
-        return unsuited("the model has no wheel, so the scale of the inertia is undetermined; use --method maximum_likelihood".into());
+        return unsuited(
+            "the model has no wheel, so the scale of the inertia is undetermined",
+            "use --method maximum_likelihood",
+        );
     }
     if let Some(segment) = problem.segments.iter().find(|s| !s.firings.is_empty()) {
-        return unsuited(format!(
-            "thrusters fire in '{}'; use --method maximum_likelihood",
-            segment.label
-        ));
+        return unsuited(
+            &format!("thrusters fire in '{}'", segment.label),
+            "use --method maximum_likelihood",
+        );
     }
     if !model.bodies[0].estimate.inertia {
-        return unsuited("the inertia is given as known; set estimate = [\"inertia\"]".into());
+        return unsuited(
+            "the inertia is given as known",
+            "set estimate = [\"inertia\"]",
+        );
     }
     Ok(())
 }
 
 /// The sums of all segments, and whether every segment starts at rest.
-fn sums(problem: &Problem) -> Result<(Sums, bool), Kim2010Error> {
+fn sums(problem: &Problem) -> Result<(Sums, bool), Faults> {
     let sigma = problem.noise.gyro.trace().sqrt();
     let rest = |s: &Segment| {
         let first = s.samples.w_NB_B.first();
@@ -198,7 +189,7 @@ struct Found {
     settled: bool,
 }
 
-fn run(sums: &Sums, variant: Variant) -> Result<Found, Kim2010Error> {
+fn run(sums: &Sums, variant: Variant) -> Result<Found, Faults> {
     let mut notes = Vec::new();
     let mut numbers = Vec::new();
     let mut settled = true;

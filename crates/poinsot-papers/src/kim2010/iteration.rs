@@ -1,7 +1,9 @@
 //! The iteration of (14)-(16) that the paper announces.
 
-use super::sums::{Answer, Kim2010Error, ROUND_OFF, Sums, averaged, symmetric};
+use super::sums::{Answer, ROUND_OFF, Sums, averaged, symmetric};
+use crate::kim2010::error;
 use faer::Mat;
+use poinsot_files::Faults;
 
 /// Largest number of sweeps.
 const SWEEPS: usize = 100_000;
@@ -28,7 +30,7 @@ pub struct Iterated {
 impl Sums {
     /// One sweep: (14), (15), (16), each with the elements of the previous sweep on the right-hand side. From zero,
     /// the first sweep is [`Self::suggested`].
-    fn sweep(&self, x: &[f64; 6]) -> Result<[f64; 6], Kim2010Error> {
+    fn sweep(&self, x: &[f64; 6]) -> Result<[f64; 6], Faults> {
         let I = self.moments(&symmetric(x))?;
         Ok(averaged(self.products(&I)).printed)
     }
@@ -39,7 +41,7 @@ impl Sums {
     ///
     /// # Errors
     /// Not finite.
-    pub fn iterated(&self) -> Result<Iterated, Kim2010Error> {
+    pub fn iterated(&self) -> Result<Iterated, Faults> {
         let b = self.sweep(&[0.0; 6])?;
         let mut B = [[0.0; 6]; 6];
         for j in 0..6 {
@@ -67,7 +69,7 @@ impl Sums {
             sweeps += 1;
         }
         let matrix = Mat::from_fn(6, 6, |i, j| B[i][j]);
-        let eigenvalues = matrix.eigenvalues().map_err(|_| Kim2010Error::NotFinite)?;
+        let eigenvalues = matrix.eigenvalues().map_err(|_| error::not_finite())?;
         let spectral_radius = eigenvalues
             .iter()
             .fold(0.0_f64, |m, z| m.max(z.re.hypot(z.im)));
@@ -88,9 +90,9 @@ impl Sums {
 }
 
 /// The solution of `x = B x + b`, and the dimension of its solution set.
-fn fixed_point(B: &[[f64; 6]; 6], b: &[f64; 6]) -> Result<(Option<[f64; 6]>, usize), Kim2010Error> {
+fn fixed_point(B: &[[f64; 6]; 6], b: &[f64; 6]) -> Result<(Option<[f64; 6]>, usize), Faults> {
     let A = Mat::from_fn(6, 6, |i, j| f64::from(u8::from(i == j)) - B[i][j]);
-    let svd = A.svd().map_err(|_| Kim2010Error::NotFinite)?;
+    let svd = A.svd().map_err(|_| error::not_finite())?;
     let (U, S, V) = (svd.U(), svd.S(), svd.V());
     let rank = (0..6).filter(|k| S[*k] > ROUND_OFF * S[0]).count();
     let point = (rank == 6).then(|| {

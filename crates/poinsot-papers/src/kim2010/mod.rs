@@ -30,6 +30,7 @@
 //!
 //! and each estimator sets some elements of the 3 x 3 matrix `E(I)` to zero.
 
+pub mod error;
 mod identify;
 mod iteration;
 pub mod studies;
@@ -37,18 +38,17 @@ mod sums;
 mod suspicions;
 mod variant;
 
-pub use identify::{Kim2010ProblemError, identify};
+pub use identify::identify;
 pub use iteration::Iterated;
 pub use sums::{
-    Answer, ELEMENTS, Kim2010Error, Manoeuvre, NAMES, StartRate, Sums, VISITED, symmetric,
-    wheel_momentum,
+    Answer, ELEMENTS, Manoeuvre, NAMES, StartRate, Sums, VISITED, symmetric, wheel_momentum,
 };
 pub use variant::Variant;
 
-use crate::error::MethodError;
 use crate::method::{About, Method, Named};
 use crate::setting::Settings;
 use crate::study::Study;
+use poinsot_files::Faults;
 use poinsot_identify::{Estimate, Problem};
 
 /// Registration of the method.
@@ -73,9 +73,9 @@ impl Method for Kim2010 {
         problem: &Problem,
         variant: Option<&str>,
         _: &Settings,
-    ) -> Result<Estimate, MethodError> {
+    ) -> Result<Estimate, Faults> {
         let variant = Variant::named(self.about().name, variant)?;
-        identify(problem, variant).map_err(MethodError::refused)
+        identify(problem, variant)
     }
 
     fn studies(&self) -> &'static [Study] {

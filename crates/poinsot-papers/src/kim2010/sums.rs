@@ -1,6 +1,8 @@
 //! The sums that all estimators use, and the estimators (2)-(16).
 
+use crate::kim2010::error;
 use faer::Mat;
+use poinsot_files::Faults;
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
 
 /// Order of the six elements, as in the paper's tables.
@@ -31,37 +33,6 @@ pub struct Manoeuvre<'a> {
     pub h_W_B: &'a [Vector3],
     /// Rates at the first sample.
     pub start: StartRate,
-}
-
-/// Why no estimate exists.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-pub enum Kim2010Error {
-    /// Arrays of different lengths.
-    #[error(
-        "E0420 kim2010: attitude, rates and wheel momentum have different numbers of samples; give one of each per time"
-    )]
-    Lengths,
-    /// Fewer than three samples.
-    #[error("E0421 kim2010: fewer than three samples; give a longer record")]
-    TooFew,
-    /// No rotation about an axis: (14) divides by zero.
-    #[error(
-        "E0422 kim2010: the body never turns about its {axis} axis, and (14) divides by the rate about it; use a manoeuvre that turns about all three axes"
-    )]
-    NoRotation {
-        /// Axis.
-        axis: char,
-    },
-    /// Wheel momentum never changes: z = 0 in (2).
-    #[error(
-        "E0423 kim2010: the wheel momentum never changes: Q = 0 (8), and the scale of the inertia is undetermined; check the wheel columns"
-    )]
-    NoWheelMotion,
-    /// Values that are not finite.
-    #[error(
-        "E0424 kim2010: the telemetry holds numbers that are not finite or overflow; check units and magnitudes"
-    )]
-    NotFinite,
 }
 
 /// Result of one estimator.
@@ -109,7 +80,7 @@ impl Sums {
     ///
     /// # Errors
     /// The estimators would divide by zero.
-    pub fn of(manoeuvres: &[Manoeuvre]) -> Result<Self, Kim2010Error> {
+    pub fn of(manoeuvres: &[Manoeuvre]) -> Result<Self, Faults> {
         let mut sums = Self {
             G: Matrix3::zeros(),
             K: Matrix3::zeros(),
@@ -127,7 +98,7 @@ impl Sums {
     ///
     /// # Errors
     /// The estimators would divide by zero.
-    pub fn at_rest(G: Matrix3, K: Matrix3, samples: usize) -> Result<Self, Kim2010Error> {
+    pub fn at_rest(G: Matrix3, K: Matrix3, samples: usize) -> Result<Self, Faults> {
         let sums = Self {
             G,
             K,
@@ -138,10 +109,10 @@ impl Sums {
         Ok(sums)
     }
 
-    fn add(&mut self, m: &Manoeuvre) -> Result<(), Kim2010Error> {
+    fn add(&mut self, m: &Manoeuvre) -> Result<(), Faults> {
         let n = m.R_NB.len();
         if m.w_NB_B.len() != n || m.h_W_B.len() != n {
-            return Err(Kim2010Error::Lengths);
+            return Err(error::lengths());
         }
         let (Some(R_0), Some(h_0), Some(w_0)) = (m.R_NB.first(), m.h_W_B.first(), m.w_NB_B.first())
         else {
@@ -169,21 +140,21 @@ impl Sums {
         Ok(())
     }
 
-    fn check(&self) -> Result<(), Kim2010Error> {
+    fn check(&self) -> Result<(), Faults> {
         let finite = |m: &Matrix3| m.iter().all(|x| x.is_finite());
         if self.samples < 3 {
-            return Err(Kim2010Error::TooFew);
+            return Err(error::too_few());
         }
         if !finite(&self.G) || !finite(&self.K) {
-            return Err(Kim2010Error::NotFinite);
+            return Err(error::not_finite());
         }
         for (k, axis) in ['x', 'y', 'z'].into_iter().enumerate() {
             if self.G[(k, k)] <= f64::MIN_POSITIVE {
-                return Err(Kim2010Error::NoRotation { axis });
+                return Err(error::no_rotation(axis));
             }
         }
         if self.K == Matrix3::zeros() {
-            return Err(Kim2010Error::NoWheelMotion);
+            return Err(error::no_wheel_motion());
         }
         Ok(())
     }
@@ -205,7 +176,7 @@ impl Sums {
         &self,
         elements: &[(usize, usize)],
         given: &Matrix3,
-    ) -> Result<(Matrix3, usize), Kim2010Error> {
+    ) -> Result<(Matrix3, usize), Faults> {
         let n = elements.len();
         let at_given = self.residual(given);
         let mut A = Mat::<f64>::zeros(n, n);
@@ -217,7 +188,7 @@ impl Sums {
                 A[(row, column)] = change[equation];
             }
         }
-        let svd = A.svd().map_err(|_| Kim2010Error::NotFinite)?;
+        let svd = A.svd().map_err(|_| error::not_finite())?;
         let (U, S, V) = (svd.U(), svd.S(), svd.V());
         let mut I = *given;
         let mut rank = 0;
@@ -236,7 +207,7 @@ impl Sums {
     ///
     /// # Errors
     /// Not finite.
-    pub fn batch(&self) -> Result<(Answer, usize), Kim2010Error> {
+    pub fn batch(&self) -> Result<(Answer, usize), Faults> {
         let all: Vec<(usize, usize)> = (0..9).map(|k| (k / 3, k % 3)).collect();
         let (elements, rank) = self.solve(&all, &Matrix3::zeros())?;
         let printed = ELEMENTS.map(|e| elements[e]);
@@ -244,10 +215,10 @@ impl Sums {
     }
 
     /// Moments of inertia (14), products neglected. With initial rates, the three equations share `I w_0`.
-    pub(super) fn moments(&self, products: &Matrix3) -> Result<Matrix3, Kim2010Error> {
+    pub(super) fn moments(&self, products: &Matrix3) -> Result<Matrix3, Faults> {
         let (I, rank) = self.solve(&ELEMENTS[..3], products)?;
         if rank < 3 {
-            return Err(Kim2010Error::NotFinite);
+            return Err(error::not_finite());
         }
         Ok(I)
     }
@@ -256,7 +227,7 @@ impl Sums {
     ///
     /// # Errors
     /// Not finite.
-    pub fn conventional(&self) -> Result<Answer, Kim2010Error> {
+    pub fn conventional(&self) -> Result<Answer, Faults> {
         let mut I = self.moments(&Matrix3::zeros())?;
         let start = self.residual(&diagonal(&I)) + diagonal(&I) * self.G;
         for (i, j) in PRODUCTS {
@@ -269,7 +240,7 @@ impl Sums {
     ///
     /// # Errors
     /// Not finite.
-    pub fn suggested(&self) -> Result<Answer, Kim2010Error> {
+    pub fn suggested(&self) -> Result<Answer, Faults> {
         let I = self.moments(&Matrix3::zeros())?;
         Ok(averaged(self.products(&I)))
     }
@@ -292,7 +263,7 @@ impl Sums {
     ///
     /// # Errors
     /// Not finite.
-    pub fn pre_estimate(&self) -> Result<Answer, Kim2010Error> {
+    pub fn pre_estimate(&self) -> Result<Answer, Faults> {
         let moments = self.moments(&Matrix3::zeros())?;
         let first = self.products(&moments);
         let mut I = first;
@@ -311,10 +282,7 @@ impl Sums {
     ///
     /// # Errors
     /// Not finite.
-    pub fn pre_estimate_in_order(
-        &self,
-        order: &[(usize, usize); 6],
-    ) -> Result<Answer, Kim2010Error> {
+    pub fn pre_estimate_in_order(&self, order: &[(usize, usize); 6]) -> Result<Answer, Faults> {
         let mut I = self.moments(&Matrix3::zeros())?;
         let moments = I;
         // By symmetry, the element of a pair computed first is used for both.

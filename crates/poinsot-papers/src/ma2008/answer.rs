@@ -5,7 +5,6 @@ use super::both::{NoisySolution, solve_both};
 use super::bounds::Bound;
 use super::data::{Variant, check, raws};
 use super::equations::Given;
-use super::error::Ma2008Error;
 use super::sources::sources;
 use super::ten::{MISFIT, Ten, properties, unit};
 use super::words::{identifiability, warnings};
@@ -13,6 +12,7 @@ use crate::answered::as_one;
 use crate::method::Named;
 use nalgebra::DMatrix;
 use poinsot_dynamics::Kinematics;
+use poinsot_files::Faults;
 use poinsot_identify::{
     BodyEstimate, Effect, Estimate, MethodReport, MomentumEstimate, NamedNumber, Number, Problem,
     Remark, Segment, SegmentFit, Source as From, Status, axis_name, tensor_name,
@@ -38,7 +38,7 @@ const REJECT: f64 = 9.0;
 /// assert!((I_xx.value.unwrap() - 166.67).abs() < 3.0 * I_xx.sigma.unwrap());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn identify(problem: &Problem, variant: Variant) -> Result<Estimate, Ma2008Error> {
+pub fn identify(problem: &Problem, variant: Variant) -> Result<Estimate, Faults> {
     let given = check(problem, variant)?;
     let mut vehicle = Vehicle::new(problem.model, problem.tree);
     let mut data: Vec<Vec<Raw>> = Vec::new();

@@ -5,12 +5,13 @@ use super::bounds::{Bound, stated_angular, stated_linear};
 use super::equations::{
     Given, angular_known, angular_rows, differences, linear_known, linear_rows,
 };
-use super::error::Ma2008Error;
 use super::influence::{Influence, Setting, influence};
 use super::solution::{Directions, Solution};
 use super::solve::{Step, solve};
 use super::sources::Source;
+use crate::ma2008::error;
 use nalgebra::{SMatrix, SVector};
+use poinsot_files::Faults;
 use poinsot_identify::Problem;
 use poinsot_spatial::{MassProperties, elements};
 
@@ -51,7 +52,7 @@ pub(super) fn solve_both(
     data: &[Vec<Raw>],
     sources: &[(Source, f64)],
     given: Given,
-) -> Result<NoisySolution, Ma2008Error> {
+) -> Result<NoisySolution, Faults> {
     let arm_mass = vehicle.arm_mass();
     let bodies = &problem.model.bodies;
     let base = bodies.first().map_or(MassProperties::ZERO, |b| b.nominal);
@@ -97,7 +98,7 @@ struct Fit {
 }
 
 impl Work<'_> {
-    fn step1(&self, vehicle: &mut Vehicle) -> Result<NoisySolution, Ma2008Error> {
+    fn step1(&self, vehicle: &mut Vehicle) -> Result<NoisySolution, Faults> {
         let known = self.setting.known.p_C_N;
         let reference = known.map(|p| linear_known(&p, self.arm_mass));
         let rows = differences(&self.readings, linear_rows, reference);
@@ -130,7 +131,7 @@ impl Work<'_> {
         })
     }
 
-    fn step2(&self, vehicle: &mut Vehicle, solved: &mut NoisySolution) -> Result<(), Ma2008Error> {
+    fn step2(&self, vehicle: &mut Vehicle, solved: &mut NoisySolution) -> Result<(), Faults> {
         let (known, x) = (self.setting.known.h_C_N, solved.x);
         let (m_S, rho_S) = (self.arm_mass / x[0], x.fixed_rows::<3>(1).into_owned());
         let of = |s: &Reading| angular_rows(s, m_S, &rho_S);
@@ -172,9 +173,9 @@ impl Work<'_> {
         (natural, floor, nominal): ([f64; N], f64, SVector<f64, N>),
         at: usize,
         mut influence: impl FnMut(SVector<f64, N>, &Directions<N>) -> (SMatrix<f64, N, N>, Influence),
-    ) -> Result<Supported<N>, Ma2008Error> {
+    ) -> Result<Supported<N>, Faults> {
         let mut directions =
-            Directions::new(&step, natural, floor).ok_or(Ma2008Error::NotFinite)?;
+            Directions::new(&step, natural, floor).ok_or_else(error::not_finite)?;
         let mut x = directions.solve(&step, &nominal);
         let (regressor, mut effect) = influence(x, &directions);
         let variance: [f64; N] = std::array::from_fn(|j| effect.covariance[(at + j, at + j)]);

@@ -2,9 +2,10 @@
 
 use super::arm::Raw;
 use super::equations::Given;
-use super::error::Ma2008Error;
 use super::increments::relative;
+use crate::ma2008::error;
 use crate::method::Named;
+use poinsot_files::Faults;
 use poinsot_identify::{Problem, Segment};
 use poinsot_model::{EstimateSet, MomentumKnowledge};
 use poinsot_spatial::Matrix3;
@@ -34,24 +35,24 @@ impl Named for Variant {
 }
 
 /// The momentum that the variant takes as known, or why the method cannot be applied.
-pub(super) fn check(problem: &Problem, variant: Variant) -> Result<Given, Ma2008Error> {
+pub(super) fn check(problem: &Problem, variant: Variant) -> Result<Given, Faults> {
     let model = problem.model;
     if let Some(body) = model.bodies.iter().skip(1).find(|b| b.estimate.any()) {
         let body = body.name.clone();
-        return Err(Ma2008Error::UnknownArm { body });
+        return Err(error::unknown_arm(&body));
     }
     let base = model.bodies.first().map(|b| (b.name.clone(), b.estimate));
     let (base, asked) = base.unwrap_or_default();
     if asked != EstimateSet::ALL {
-        return Err(Ma2008Error::BasePartlyKnown { body: base });
+        return Err(error::base_partly_known(&base));
     }
     let arm: f64 = model.bodies.iter().skip(1).map(|b| b.nominal.mass).sum();
     if arm.is_nan() || arm <= 0.0 {
-        return Err(Ma2008Error::NoArm { base });
+        return Err(error::no_arm(&base));
     }
     if let Some(wheel) = model.wheels.iter().find(|w| w.estimate) {
         let wheel = wheel.name.clone();
-        return Err(Ma2008Error::UnknownWheel { wheel });
+        return Err(error::unknown_wheel(&wheel));
     }
     let needed = match variant {
         Variant::KnownMomentum => 2,
@@ -61,15 +62,15 @@ pub(super) fn check(problem: &Problem, variant: Variant) -> Result<Given, Ma2008
         let label = segment.label.clone();
         let samples = segment.samples.time_s.len();
         if !segment.firings.is_empty() {
-            return Err(Ma2008Error::Thrust { label });
+            return Err(error::thrust(&label));
         }
         if samples < needed {
-            return Err(Ma2008Error::TooFewSamples {
-                label,
+            return Err(error::too_few_samples(
+                &label,
                 samples,
                 needed,
-                variant: variant.name(),
-            });
+                variant.name(),
+            ));
         }
     }
     if variant == Variant::UnknownMomentum {
@@ -84,7 +85,7 @@ pub(super) fn check(problem: &Problem, variant: Variant) -> Result<Given, Ma2008
         h_C_N: pick(model.momentum.angular),
     };
     match given == Given::default() {
-        true => Err(Ma2008Error::MomentumUnknown),
+        true => Err(error::momentum_unknown()),
         false => Ok(given),
     }
 }
@@ -94,7 +95,7 @@ pub(super) fn raws(
     problem: &Problem,
     segment: &Segment,
     given: &Given,
-) -> Result<(Vec<Raw>, Option<Matrix3>), Ma2008Error> {
+) -> Result<(Vec<Raw>, Option<Matrix3>), Faults> {
     let s = &segment.samples;
     let summed = match (&s.translation, given.p_C_N) {
         (None, None) => relative(segment),
@@ -121,7 +122,7 @@ pub(super) fn raws(
         .collect();
     if raws.len() < 2 {
         let label = segment.label.clone();
-        return Err(Ma2008Error::NoVelocity { label });
+        return Err(error::no_velocity(&label));
     }
     Ok((raws, summed.map(|r| r.step)))
 }

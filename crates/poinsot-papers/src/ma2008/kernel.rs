@@ -6,10 +6,11 @@
 use super::arm::Vehicle;
 use super::data::{Variant, check, raws};
 use super::equations::Known;
-use super::error::Ma2008Error;
 use super::lanes::LANES;
 use super::trials::Trials;
+use crate::ma2008::error;
 use crate::method::Kernel;
+use poinsot_files::Faults;
 use poinsot_identify::Problem;
 use poinsot_spatial::{MassProperties, Matrix3, Vector3, tensor};
 use std::ops::Range;
@@ -19,7 +20,7 @@ use std::ops::Range;
 ///
 /// # Errors
 /// As [`super::identify`].
-pub(super) fn kernel(problem: &Problem, variant: Variant) -> Result<Option<Trials>, Ma2008Error> {
+pub(super) fn kernel(problem: &Problem, variant: Variant) -> Result<Option<Trials>, Faults> {
     let given = check(problem, variant)?;
     let known = match (given.p_C_N, given.h_C_N) {
         (Some(p_C_N), Some(h_C_N)) => Some(Known { p_C_N, h_C_N }),
@@ -31,7 +32,7 @@ pub(super) fn kernel(problem: &Problem, variant: Variant) -> Result<Option<Trial
     };
     if segment.samples.translation.is_none() {
         let label = segment.label.clone();
-        return Err(Ma2008Error::NoVelocity { label });
+        return Err(error::no_velocity(&label));
     }
     let (raws, _) = raws(problem, segment, &given)?;
     let mut vehicle = Vehicle::new(problem.model, problem.tree);

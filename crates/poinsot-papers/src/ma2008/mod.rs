@@ -40,7 +40,7 @@ mod both;
 pub mod bounds;
 mod data;
 mod equations;
-mod error;
+pub mod error;
 mod increments;
 mod influence;
 mod kernel;
@@ -61,17 +61,16 @@ pub use equations::{
     AngularRows, Given, Known, LinearRows, TwoStep, angular_known, angular_rows, differences,
     linear_known, linear_rows, two_step,
 };
-pub use error::Ma2008Error;
 pub use influence::{Influence, Setting, influence};
 pub use solution::{Directions, Solution};
 pub use solve::{Step, solve};
 pub use sources::Source as NoiseSource;
 pub use trials::{Results, Trials};
 
-use crate::error::MethodError;
 use crate::method::{About, Kernel, Method, Named};
 use crate::setting::Settings;
 use crate::study::Study;
+use poinsot_files::Faults;
 use poinsot_identify::{Estimate, Problem, Status};
 
 /// Registration of the method.
@@ -98,23 +97,23 @@ impl Method for Ma2008 {
         problem: &Problem,
         variant: Option<&str>,
         _: &Settings,
-    ) -> Result<Estimate, MethodError> {
+    ) -> Result<Estimate, Faults> {
         let variant = Variant::named(self.about().name, variant)?;
-        identify(problem, variant).map_err(MethodError::refused)
+        identify(problem, variant)
     }
 
     fn kernel(
         &self,
         problem: &Problem,
         variant: Option<&str>,
-    ) -> Result<Option<Box<dyn Kernel>>, MethodError> {
+    ) -> Result<Option<Box<dyn Kernel>>, Faults> {
         let variant = Variant::named(self.about().name, variant)?;
-        let exact = identify(problem, variant).map_err(MethodError::refused)?;
+        let exact = identify(problem, variant)?;
         // A kernel does not test what the samples determine.
         if exact.status != Status::Converged {
             return Ok(None);
         }
-        let kernel = kernel::kernel(problem, variant).map_err(MethodError::refused)?;
+        let kernel = kernel::kernel(problem, variant)?;
         Ok(kernel.map(|k| Box::new(k) as Box<dyn Kernel>))
     }
 

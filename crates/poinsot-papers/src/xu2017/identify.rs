@@ -3,15 +3,16 @@
 //! The linear method, which uses all segments together, weighted by noise, certifies the numbers (see
 //! [`crate::certified`]).
 
-use super::error::Xu2017Error;
 use super::sequence::{Found, Searched, Solver, StepReport, sequence};
 use super::words::{notes, warnings};
 use super::{Kind, Variant};
 use crate::certified::put;
 use crate::method::Named;
+use poinsot_files::Faults;
+use poinsot_identify::refusal::NO_VELOCITY;
 use poinsot_identify::{
-    Effect, Estimate, MethodReport, NamedNumber, Number, ParametersError, Problem, ProblemError,
-    Remark, Settings, Source, linear, maximum_likelihood_with,
+    Effect, Estimate, MethodReport, NamedNumber, Number, Problem, Remark, Settings, Source, linear,
+    maximum_likelihood_with,
 };
 
 /// Identifies the bodies of a robot by the paper's sequence.
@@ -30,7 +31,7 @@ use poinsot_identify::{
 /// assert_eq!(estimate.method, "xu2017");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn identify(problem: &Problem, variant: Variant) -> Result<Estimate, Xu2017Error> {
+pub fn identify(problem: &Problem, variant: Variant) -> Result<Estimate, Faults> {
     let solver = Solver {
         kind: variant.solver,
         ..Solver::default()
@@ -57,7 +58,7 @@ pub fn identify_with(
     problem: &Problem,
     variant: Variant,
     solver: &Solver,
-) -> Result<Estimate, Xu2017Error> {
+) -> Result<Estimate, Faults> {
     // The paper's checks come first, because their messages name its requirements.
     let found = sequence(problem, variant.order, solver)?;
     let mut estimate = certificate(problem)?;
@@ -82,16 +83,16 @@ pub fn identify_with(
 
 /// The certificate: the linear method, or maximum likelihood if thrust segments have attitude only, for which the
 /// linear method has no equations.
-fn certificate(problem: &Problem) -> Result<Estimate, Xu2017Error> {
+fn certificate(problem: &Problem) -> Result<Estimate, Faults> {
     match linear(problem) {
-        Err(ProblemError::Parameters(ParametersError::RotationOfTree { .. })) => {
+        Err(faults) if faults.code() == NO_VELOCITY => {
             let options = Settings {
                 undiagnosed: true,
                 ..Settings::default()
             };
-            Ok(maximum_likelihood_with(problem, options)?)
+            maximum_likelihood_with(problem, options)
         }
-        other => Ok(other?),
+        other => other,
     }
 }
 

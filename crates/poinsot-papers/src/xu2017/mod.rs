@@ -29,7 +29,7 @@
 //! `p0 = (M r_g - m0 A0 a0 - m1 (A0 l0 + A1 a1)) / (m0 + m1)`; (50) is `m0 v0 + m1 v1`; (59) holds Iyy in row 2; (68)
 //! omits `m1 = M - m0`, so that `dP/dm0 = v0 - v1`.
 
-mod error;
+pub mod error;
 mod identify;
 mod least_squares;
 mod roles;
@@ -42,9 +42,9 @@ pub mod swarm;
 mod two_body;
 mod words;
 
-pub use error::Xu2017Error;
 pub use identify::{identify, identify_with};
 pub use least_squares::Answer;
+use poinsot_files::Faults;
 pub use sequence::{Found, Order, Searched, Solver, StepReport, sequence};
 pub use single_body::{
     Form, Part, Push, Single, SingleObjective, SingleRow, accelerations, momenta, solve_single,
@@ -52,7 +52,6 @@ pub use single_body::{
 use swarm::Particle;
 pub use two_body::{MomentumRow, Side, TwoBodyObjective, TwoBodyReading, rows, transported};
 
-use crate::error::MethodError;
 use crate::method::{About, Method, Named};
 use crate::setting::Settings;
 use crate::study::Study;
@@ -134,10 +133,10 @@ impl Method for Xu2017 {
         problem: &Problem,
         variant: Option<&str>,
         settings: &Settings,
-    ) -> Result<Estimate, MethodError> {
+    ) -> Result<Estimate, Faults> {
         let variant = Variant::named(self.about().name, variant)?;
         let solver = settings::solver(variant.solver, settings)?;
-        identify_with(problem, variant, &solver).map_err(MethodError::refused)
+        identify_with(problem, variant, &solver)
     }
 
     fn studies(&self) -> &'static [Study] {

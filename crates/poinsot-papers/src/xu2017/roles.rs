@@ -1,7 +1,8 @@
 //! Role of every segment (thrust on the locked robot, or one joint in motion), and the known bodies.
 
-use super::error::Xu2017Error;
 use super::single_body::Part;
+use crate::xu2017::error;
+use poinsot_files::Faults;
 use poinsot_identify::{Problem, Segment};
 use poinsot_model::EstimateSet;
 
@@ -27,11 +28,11 @@ pub(super) struct Roles {
     pub part: Part,
 }
 
-pub(super) fn roles(problem: &Problem) -> Result<Roles, Xu2017Error> {
+pub(super) fn roles(problem: &Problem) -> Result<Roles, Faults> {
     let model = problem.model;
     if let Some(wheel) = model.wheels.first() {
         let wheel = wheel.name.clone();
-        return Err(Xu2017Error::Wheel { wheel });
+        return Err(error::wheel(&wheel));
     }
     let dof = problem.tree.dof();
     let mut found = Roles {
@@ -59,33 +60,27 @@ pub(super) fn roles(problem: &Problem) -> Result<Roles, Xu2017Error> {
             ([], true) => {}
             (_, true) if segment.samples.translation.is_none() => {
                 let what = "the momentum of a moving joint";
-                return Err(Xu2017Error::NoVelocity {
-                    label: label(),
-                    what,
-                });
+                return Err(error::no_velocity(&label(), what));
             }
             ([one], true) => found.of_joint[*one].push(at),
             (_, true) => found.together.push(at),
             ([first, ..], false) => {
                 let joint = joint_name(problem, *first);
-                return Err(Xu2017Error::ThrustInMotion {
-                    label: label(),
-                    joint,
-                });
+                return Err(error::thrust_in_motion(&label(), &joint));
             }
         }
     }
     let nothing = found.single.is_empty() && found.moving_segments() == 0;
     if nothing {
-        return Err(Xu2017Error::NothingMoves);
+        return Err(error::nothing_moves());
     }
     let several = found.unknown.iter().filter(|u| **u).count() > 1;
     if let Some(&at) = found.together.first().filter(|_| several) {
         let names = moving[at].iter().map(|&j| joint_name(problem, j));
-        return Err(Xu2017Error::JointsTogether {
-            label: problem.segments[at].label.clone(),
-            joints: names.collect::<Vec<_>>().join(", "),
-        });
+        return Err(error::joints_together(
+            &problem.segments[at].label,
+            &names.collect::<Vec<_>>().join(", "),
+        ));
     }
     found.normal = normal(problem, &moving, several)?;
     Ok(found)
@@ -107,15 +102,13 @@ pub(super) const TENSOR_ALONE: EstimateSet = EstimateSet {
 
 /// Classifies each body as known, unknown, or unknown in its tensor only. For the whole only the tensor is requested
 /// if that holds for all unknown bodies.
-fn part(problem: &Problem) -> Result<Part, Xu2017Error> {
+fn part(problem: &Problem) -> Result<Part, Faults> {
     let asked = || problem.model.bodies.iter().filter(|b| b.estimate.any());
     if asked().count() > 0 && asked().all(|b| b.estimate == TENSOR_ALONE) {
         return Ok(Part::Inertia);
     }
     match asked().find(|b| b.estimate != EstimateSet::ALL && b.estimate != TENSOR_ALONE) {
-        Some(b) => Err(Xu2017Error::PartlyKnown {
-            body: b.name.clone(),
-        }),
+        Some(b) => Err(error::partly_known(&b.name)),
         None => Ok(Part::All),
     }
 }
@@ -150,11 +143,7 @@ fn moves(problem: &Problem, segment: &Segment, joint: usize) -> bool {
 
 /// Position of every joint while locked; its first position if it is never locked. With several unknown bodies, only
 /// one configuration is allowed.
-fn normal(
-    problem: &Problem,
-    moving: &[Vec<usize>],
-    one_needed: bool,
-) -> Result<Vec<f64>, Xu2017Error> {
+fn normal(problem: &Problem, moving: &[Vec<usize>], one_needed: bool) -> Result<Vec<f64>, Faults> {
     (0..problem.tree.dof())
         .map(|joint| {
             let first = |at: usize| positions(problem, &problem.segments[at], joint).next();
@@ -165,12 +154,12 @@ fn normal(
             for at in locked.filter(|_| one_needed) {
                 let found = first(at).unwrap_or(reference);
                 if (found - reference).abs() > tolerance(problem, joint) {
-                    return Err(Xu2017Error::OtherConfiguration {
-                        label: problem.segments[at].label.clone(),
-                        joint: joint_name(problem, joint),
+                    return Err(error::other_configuration(
+                        &problem.segments[at].label,
+                        &joint_name(problem, joint),
                         found,
-                        expected: reference,
-                    });
+                        reference,
+                    ));
                 }
             }
             Ok(reference)

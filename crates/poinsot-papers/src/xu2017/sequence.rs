@@ -7,7 +7,6 @@ mod readings;
 mod report;
 mod steps;
 
-use super::error::Xu2017Error;
 use super::least_squares::Answer;
 use super::roles::{Roles, joint_name, roles};
 use super::single_body::{
@@ -15,7 +14,9 @@ use super::single_body::{
 };
 use super::swarm::{Objective, Range, Swarm, fly};
 use super::{Kind, particle, properties};
+use crate::xu2017::error;
 use poinsot_dynamics::Kinematics;
+use poinsot_files::Faults;
 use poinsot_identify::{Problem, Segment};
 use poinsot_model::MomentumKnowledge;
 use poinsot_spatial::{InertialParameters, MassProperties, Vector3};
@@ -82,7 +83,7 @@ struct Work<'a> {
 /// assert_eq!((found.steps.len(), found.total.is_some()), (1, true));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn sequence(problem: &Problem, order: Order, solver: &Solver) -> Result<Found, Xu2017Error> {
+pub fn sequence(problem: &Problem, order: Order, solver: &Solver) -> Result<Found, Faults> {
     let roles = roles(problem)?;
     let mut normal = Kinematics::new(problem.tree);
     normal.place(problem.tree, &roles.normal);
@@ -127,7 +128,7 @@ pub fn sequence(problem: &Problem, order: Order, solver: &Solver) -> Result<Foun
 
 impl Work<'_> {
     /// The equivalent single body, Sec. 3.2.
-    fn single_body(&mut self) -> Result<(), Xu2017Error> {
+    fn single_body(&mut self) -> Result<(), Faults> {
         let problem = self.problem;
         let segments: Vec<&Segment> = self
             .roles
@@ -184,7 +185,7 @@ impl Work<'_> {
     }
 
     /// All two-body steps; returns the tip side of every moving joint, in the frame of its body.
-    fn joints(&mut self) -> Result<Vec<Option<InertialParameters>>, Xu2017Error> {
+    fn joints(&mut self) -> Result<Vec<Option<InertialParameters>>, Faults> {
         let dof = self.problem.tree.dof();
         let mut outers = vec![None; dof];
         let mut order: Vec<usize> = (0..dof)
@@ -199,7 +200,7 @@ impl Work<'_> {
                 let child = self.child(j);
                 self.known(|b| self.carries(child, b)) || self.known(|b| !self.carries(child, b))
             });
-            let first = order.remove(first.ok_or(Xu2017Error::NoScale)?);
+            let first = order.remove(first.ok_or_else(error::no_scale)?);
             outers[first] = Some(self.beside_known(first)?);
         } else if let Some(&joint) = order.first().filter(|_| !self.weighed) {
             self.weigh(joint)?;
@@ -218,9 +219,9 @@ impl Work<'_> {
         linear: Answer<MassProperties>,
         objective: &dyn Objective,
         range: Range,
-    ) -> Result<MassProperties, Xu2017Error> {
+    ) -> Result<MassProperties, Faults> {
         if !linear.finite {
-            return Err(Xu2017Error::NotFinite);
+            return Err(error::not_finite());
         }
         let mut cost_linear = [0.0];
         objective.costs(&[particle(&linear.value)], &mut cost_linear);
@@ -272,7 +273,7 @@ impl Work<'_> {
     }
 
     /// The swarm's objective assumes zero momentum: checks that the vehicle starts at rest.
-    fn check_rest(&mut self, segments: impl Iterator<Item = usize>) -> Result<(), Xu2017Error> {
+    fn check_rest(&mut self, segments: impl Iterator<Item = usize>) -> Result<(), Faults> {
         if !self.momentum_is_free() {
             return Ok(());
         }
@@ -288,12 +289,7 @@ impl Work<'_> {
                 .map_or(0.0, |v| v.norm());
             let still = |x: f64, variance: f64| x <= REST * variance.sqrt() + 1.0e-12;
             if !still(rate, noise.gyro.trace()) || !still(speed, noise.velocity.trace()) {
-                return Err(Xu2017Error::NotAtRest {
-                    label: segment.label.clone(),
-                    rate,
-                    speed,
-                    variant: "swarm",
-                });
+                return Err(error::not_at_rest(&segment.label, rate, speed, "swarm"));
             }
         }
         let note = "assumed: zero momentum, as in (49), because the base is at rest within the noise at first";
@@ -314,10 +310,9 @@ impl Work<'_> {
     }
 }
 
-fn properties_of(pi: &InertialParameters) -> Result<Single, Xu2017Error> {
-    pi.mass_properties().ok_or(Xu2017Error::Problem(
-        poinsot_identify::ProblemError::NoMotion,
-    ))
+fn properties_of(pi: &InertialParameters) -> Result<Single, Faults> {
+    pi.mass_properties()
+        .ok_or_else(poinsot_identify::refusal::no_motion)
 }
 
 /// Mass properties, NaN if the mass is not positive: the cost of such a solution is still computed.

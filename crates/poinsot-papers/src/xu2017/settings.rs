@@ -3,8 +3,8 @@
 use super::Kind;
 use super::sequence::Solver;
 use super::swarm::Swarm;
-use crate::error::MethodError;
 use crate::setting::{SettingText, Settings};
+use poinsot_files::Faults;
 
 /// Largest number of particles or iterations; a larger value is a typing error.
 const MOST: u32 = 10_000_000;
@@ -34,7 +34,7 @@ pub(super) const SETTINGS: &[SettingText] = &[
 ];
 
 /// Solver of a variant with its settings.
-pub(super) fn solver(kind: Kind, settings: &Settings) -> Result<Solver, MethodError> {
+pub(super) fn solver(kind: Kind, settings: &Settings) -> Result<Solver, Faults> {
     let usual = Solver::default();
     let Swarm {
         particles,
@@ -44,12 +44,11 @@ pub(super) fn solver(kind: Kind, settings: &Settings) -> Result<Solver, MethodEr
         patience,
         seed,
     } = usual.swarm;
-    let count = |key, least, usual: usize| -> Result<usize, MethodError> {
+    let count = |key, least, usual: usize| -> Result<usize, Faults> {
         let found = settings.count(key, least, MOST)?;
         Ok(found.map_or(usual, |n| n as usize))
     };
-    let pull =
-        |key, usual| Ok::<f64, MethodError>(settings.number(key, 0.0, 10.0)?.unwrap_or(usual));
+    let pull = |key, usual| Ok::<f64, Faults>(settings.number(key, 0.0, 10.0)?.unwrap_or(usual));
     let seed = settings.count("seed", 0, u32::MAX)?.map_or(seed, u64::from);
     Ok(Solver {
         kind,
@@ -68,7 +67,7 @@ pub(super) fn solver(kind: Kind, settings: &Settings) -> Result<Solver, MethodEr
 }
 
 /// One weight, or the first and the last.
-fn inertia(text: &str) -> Result<[f64; 2], MethodError> {
+fn inertia(text: &str) -> Result<[f64; 2], Faults> {
     let number = |t: &str| {
         t.trim()
             .parse::<f64>()
@@ -79,11 +78,14 @@ fn inertia(text: &str) -> Result<[f64; 2], MethodError> {
         Some((first, last)) => number(first).zip(number(last)),
         None => number(text).map(|w| (w, w)),
     };
-    pair.map(|(first, last)| [first, last])
-        .ok_or_else(|| MethodError::Setting {
-            text: format!("inertia={text}"),
-            why: "give one number from 0 to 2, or two with a comma".to_owned(),
-        })
+    pair.map(|(first, last)| [first, last]).ok_or_else(|| {
+        Faults::usage(
+            "--set",
+            format!("inertia={text}"),
+            "it is out of range",
+            "give one number from 0 to 2, or two with a comma",
+        )
+    })
 }
 
 #[cfg(test)]

@@ -9,7 +9,8 @@ mod runs;
 mod saturation;
 mod stuck;
 
-use crate::{Channel, Dimension, Table, TelemetryError, full_name, median_step};
+use crate::{Channel, Dimension, Table, full_name, median_step};
+use poinsot_files::{Faults, Place};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -119,23 +120,30 @@ impl Policies {
     ///
     /// # Errors
     /// The invalid change and the valid words.
-    pub fn new<S: AsRef<str>>(changes: &[S], strict: bool) -> Result<Self, String> {
+    pub fn new<S: AsRef<str>>(changes: &[S], strict: bool) -> Result<Self, Faults> {
         let mut chosen = Vec::new();
         for change in changes {
             let change = change.as_ref();
+            let refuse = |problem: String, advice: String| {
+                Faults::usage("--policy", change, problem, advice)
+            };
             let (check, policy) = change.split_once('=').ok_or_else(|| {
-                format!("'{change}' has no '='; write CHECK=POLICY, for example outlier=exclude")
+                let advice = "write CHECK=POLICY, for example outlier=exclude";
+                refuse("it has no '='".to_owned(), advice.to_owned())
             })?;
             let check = Check::all().find(|c| c.name() == check).ok_or_else(|| {
                 let names = CHECKS.map(|row| row.1).join(", ");
-                format!("there is no check '{check}'; use one of {names}")
+                refuse(
+                    format!("there is no check '{check}'"),
+                    format!("use one of {names}"),
+                )
             })?;
             let known = check.policies().iter();
             let named = known.clone().find(|p| p.name() == policy);
             let policy = *named.ok_or_else(|| {
                 let names: Vec<&str> = known.map(|p| p.name()).collect();
-                let name = check.name();
-                format!("{name} has no such policy; use one of {}", names.join(", "))
+                let problem = format!("{} has no such policy", check.name());
+                refuse(problem, format!("use one of {}", names.join(", ")))
             })?;
             chosen.push((check, policy));
         }
@@ -223,7 +231,7 @@ impl Found {
 /// Checks a table, applies the policies and returns the findings; `label` names the table in errors.
 ///
 /// # Errors
-/// [`TelemetryError::Check`] for the first finding whose policy is [`Policy::Refuse`].
+/// E0220 for the first finding whose policy is [`Policy::Refuse`].
 ///
 /// ```
 #[doc = include_str!("../../doc/channel.txt")]
@@ -237,13 +245,9 @@ impl Found {
 /// let found = apply(&mut table, "arm.csv", &Policies::default())?;
 /// assert_eq!((found.len(), found[0].check), (1, Check::Gap));
 /// assert_eq!(table.channels[0].values.len(), 20);
-/// # Ok::<(), TelemetryError>(())
+/// # Ok::<(), poinsot_files::Faults>(())
 /// ```
-pub fn apply(
-    table: &mut Table,
-    label: &str,
-    policies: &Policies,
-) -> Result<Vec<Finding>, TelemetryError> {
+pub fn apply(table: &mut Table, label: &str, policies: &Policies) -> Result<Vec<Finding>, Faults> {
     let mut all = Vec::new();
     for check in Check::all() {
         let policy = policies.of(check);
@@ -282,19 +286,17 @@ pub fn apply(
 /// let found = findings(&Table { channels: vec![angle], ..Table::default() });
 /// assert_eq!(refused("arm.csv", &found[0]).code(), "E0220");
 /// ```
-pub fn refused(label: &str, finding: &Finding) -> TelemetryError {
-    TelemetryError::Check {
-        file: label.to_owned(),
-        channel: finding.channel.clone(),
-        check: finding.check.name(),
-        what: finding.text.clone(),
-        lenient: finding
-            .check
-            .policies()
-            .iter()
-            .find(|p| **p != Policy::Refuse)
-            .map_or("report", |p| p.name()),
-    }
+pub fn refused(label: &str, finding: &Finding) -> Faults {
+    let policies = finding.check.policies();
+    let lenient = policies.iter().find(|p| **p != Policy::Refuse);
+    let lenient = lenient.map_or("report", |p| p.name());
+    let check = finding.check.name();
+    Faults::one(
+        "E0220",
+        Place::label(label).key(&format!("channel '{}'", finding.channel)),
+        format!("{check}: {}", finding.text),
+        format!("correct it, or accept it by --policy {check}={lenient} (without --strict)"),
+    )
 }
 
 /// Checks a table without changing it. Placeholders are also searched in single channels.

@@ -1,8 +1,8 @@
 //! Finding the channels of a sensor in a table.
 
-use super::BindError;
 use super::driven_wheels::{DrivenWheels, speed_column, torque_column};
 use super::sensors::{BaseSensors, REFERENCE, is_locked};
+use crate::error::{Error, missing};
 use poinsot_model::{Axes, Joint, JointKind, Model, SensorKind};
 use poinsot_spatial::{Matrix3, Vector3};
 use poinsot_telemetry::{Channel, Mounting, Table};
@@ -74,10 +74,15 @@ impl<'a> Channels<'a> {
     }
 
     /// The gyro, whose times are those of the linear method.
-    pub fn gyro(&self, model: &Model) -> Result<VectorChannels<'a>, BindError> {
+    pub fn gyro(&self, model: &Model) -> Result<VectorChannels<'a>, Error> {
         let gyro = self.vector(model, SensorKind::Gyro);
-        gyro.filter(|g| !g.time_s().is_empty())
-            .ok_or_else(|| self.missing("omega_x omega_y omega_z", "every method starts from measured body rates; add a gyro, or map its columns in [telemetry.columns]"))
+        gyro.filter(|g| !g.time_s().is_empty()).ok_or_else(|| {
+            self.missing(
+                "omega_x omega_y omega_z",
+                "every method starts from measured body rates",
+                "add a gyro, or map its columns in [telemetry.columns]",
+            )
+        })
     }
 
     /// The columns of a joint, by its index in the model.
@@ -106,12 +111,8 @@ impl<'a> Channels<'a> {
         Some((tachometer, self.driven.speed(wheel, tachometer, torque)))
     }
 
-    pub fn missing(&self, channel: &str, why: &str) -> BindError {
-        BindError::Missing {
-            file: self.label.to_owned(),
-            channel: channel.to_owned(),
-            why: why.to_owned(),
-        }
+    pub fn missing(&self, channel: &str, purpose: &str, advice: &str) -> Error {
+        missing(self.label, channel, purpose, advice)
     }
 }
 

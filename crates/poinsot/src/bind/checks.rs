@@ -1,12 +1,12 @@
 //! What a record must hold and may not hold: sensors, attitude, plausible values.
 
-use super::BindError;
 use super::channels::Channels;
 use super::sensors::{
     BaseSensors, REFERENCE, columns_of, covariance, named, names_of, parts_of, without_own,
 };
 use crate::channel_names::XYZ;
-use poinsot_files::rounded;
+use crate::error::{Error, missing, no_noise, unsupported};
+use poinsot_files::{Place, as_read, rounded};
 use poinsot_identify::ErrorGroup;
 use poinsot_model::{Model, MomentumKnowledge, Nuisance, Sensor, SensorKind};
 use poinsot_telemetry::{Channel, Table, full_name, median_step};
@@ -22,7 +22,7 @@ pub(super) fn check_sensors(
     tables: &[Table],
     leading: &BaseSensors,
     repairs: &mut Vec<String>,
-) -> Result<(), BindError> {
+) -> Result<(), Error> {
     refuse_bias_of_frame(model)?;
     for table in tables {
         let label = super::file_label(table);
@@ -50,13 +50,14 @@ pub(super) fn check_sensors(
         // A missing gyro is reported elsewhere.
         let needed = kind != SensorKind::Gyro || !with_columns.is_empty();
         if let Some(sensor) = all.iter().find(|s| needed && asks(s) && !read(s)) {
-            return Err(BindError::Unsupported {
-                what: format!(
-                    "sensor '{}': one of its errors is to be estimated, but no segment has its columns '{}'; add them, or take bias, scale, misalignment and lag out",
+            return Err(unsupported(
+                format!(
+                    "sensor '{}': one of its errors is to be estimated, but no segment has its columns '{}'",
                     sensor.name,
                     names_of(model, kind).join(" ")
                 ),
-            });
+                "add them, or take bias, scale, misalignment and lag out",
+            ));
         }
         let base = with_columns.iter().filter(|s| s.body == 0).count();
         if base > 1
@@ -73,7 +74,7 @@ pub(super) fn check_sensors(
     Ok(())
 }
 
-fn refuse_ambiguous(model: &Model, table: &Table, kind: SensorKind) -> Result<(), BindError> {
+fn refuse_ambiguous(model: &Model, table: &Table, kind: SensorKind) -> Result<(), Error> {
     let nameless: Vec<&str> = without_own(model, table, kind)
         .map(|k| model.sensors[k].name.as_str())
         .collect();
@@ -81,41 +82,45 @@ fn refuse_ambiguous(model: &Model, table: &Table, kind: SensorKind) -> Result<()
         return Ok(());
     }
     let names = names_of(model, kind);
-    Err(BindError::Unsupported {
-        what: format!(
-            "columns '{}' name no sensor, and {} sensors of type {} have no columns of their own ({}); write '{}' and so on, or take a sensor out",
+    Err(unsupported(
+        format!(
+            "columns '{}' name no sensor, and {} sensors of type {} have no columns of their own ({})",
             names.join(" "),
             nameless.len(),
             kind.word(),
-            nameless.join(", "),
+            nameless.join(", ")
+        ),
+        format!(
+            "write '{}' and so on, or take a sensor out",
             full_name(nameless[0], &names[0])
         ),
-    })
+    ))
 }
 
 /// A direction needs its reference vector in N.
-fn refuse_without_reference(model: &Model, table: &Table, label: &str) -> Result<(), BindError> {
+fn refuse_without_reference(model: &Model, table: &Table, label: &str) -> Result<(), Error> {
     for (k, sensor) in model.sensors.iter().enumerate() {
         if sensor.kind != SensorKind::Direction || sensor.reference_N.is_some() {
             continue;
         }
         if columns_of(model, table, k).is_some_and(|c| c.reference.is_none()) {
             let own = |axis| full_name(&sensor.name, &format!("{REFERENCE}_{axis}"));
-            return Err(BindError::Missing {
-                file: label.to_owned(),
-                channel: XYZ.map(own).join(" "),
-                why: format!(
-                    "the direction '{}' needs its reference vector in inertial axes; add the columns, or write reference_N = [x, y, z] in its [[sensor]]",
+            return Err(missing(
+                label,
+                &XYZ.map(own).join(" "),
+                &format!(
+                    "the direction '{}' needs its reference vector in inertial axes",
                     sensor.name
                 ),
-            });
+                "add the columns, or write reference_N = [x, y, z] in its [[sensor]]",
+            ));
         }
     }
     Ok(())
 }
 
 /// The initial state must be measured on the base: rate, attitude, and position or velocity if used.
-fn refuse_links_alone(model: &Model, read: &impl Fn(&Sensor) -> bool) -> Result<(), BindError> {
+fn refuse_links_alone(model: &Model, read: &impl Fn(&Sensor) -> bool) -> Result<(), Error> {
     let groups: [&[SensorKind]; 3] = [
         &[SensorKind::Gyro],
         &[SensorKind::Attitude],
@@ -128,15 +133,16 @@ fn refuse_links_alone(model: &Model, read: &impl Fn(&Sensor) -> bool) -> Result<
         };
         if let (Some(sensor), false) = (own().next(), own().any(|s| s.body == 0)) {
             let words: Vec<&str> = kinds.iter().map(|k| k.word()).collect();
-            return Err(BindError::Unsupported {
-                what: format!(
-                    "sensor '{}' is on body '{}', but the fit needs a {} on the base '{}' for its initial state; add one there, or remove this sensor",
+            return Err(unsupported(
+                format!(
+                    "sensor '{}' is on body '{}', but the fit needs a {} on the base '{}' for its initial state",
                     sensor.name,
                     model.bodies[sensor.body].name,
                     words.join(" or "),
                     model.bodies[0].name
                 ),
-            });
+                "add one there, or remove this sensor",
+            ));
         }
     }
     Ok(())
@@ -180,24 +186,25 @@ fn ownerless(model: &Model, table: &Table, label: &str, repairs: &mut Vec<String
 }
 
 /// Some kinds may be exact if there is only one sensor; other sensors need declared noise.
-fn refuse_noiseless(sensor: &Sensor, of_its_kind: usize) -> Result<(), BindError> {
+fn refuse_noiseless(sensor: &Sensor, of_its_kind: usize) -> Result<(), Error> {
     if covariance(sensor).is_some() {
         return Ok(());
     }
     let kind = sensor.kind;
     if kind.needs_noise() {
-        return Err(BindError::NoNoise { kind });
+        return Err(no_noise(kind));
     }
     if of_its_kind < 2 {
         return Ok(());
     }
-    Err(BindError::Unsupported {
-        what: format!(
-            "sensor '{}' declares no noise, and is one of {of_its_kind} of type {}: their weights are undetermined; declare its noise",
+    Err(unsupported(
+        format!(
+            "sensor '{}' declares no noise, and is one of {of_its_kind} of type {}: their weights are undetermined",
             sensor.name,
             kind.word()
         ),
-    })
+        "declare its noise",
+    ))
 }
 
 /// Whether any error of a sensor is declared unknown.
@@ -208,19 +215,20 @@ fn asks(sensor: &Sensor) -> bool {
 
 /// # Errors
 /// A bias of the only sensor of translation.
-fn refuse_bias_of_frame(model: &Model) -> Result<(), BindError> {
+fn refuse_bias_of_frame(model: &Model) -> Result<(), Error> {
     for sensor in &model.sensors {
         let kind = sensor.kind;
         let moves = matches!(kind, SensorKind::Position | SensorKind::Velocity);
         let biased = sensor.bias != Nuisance::Known;
         if moves && biased && model.sensors_of(kind).nth(1).is_none() {
-            return Err(BindError::Unsupported {
-                what: format!(
-                    "sensor '{}': a bias of the only sensor of type {} is not identifiable: it equals an offset and drift of N; take it out",
+            return Err(unsupported(
+                format!(
+                    "sensor '{}': a bias of the only sensor of type {} is not identifiable: it equals an offset and drift of N",
                     sensor.name,
                     kind.word()
                 ),
-            });
+                "take it out",
+            ));
         }
     }
     Ok(())
@@ -228,7 +236,7 @@ fn refuse_bias_of_frame(model: &Model) -> Result<(), BindError> {
 
 /// # Errors
 /// Momentum, velocity or position are given in N, but no attitude is measured.
-pub(super) fn needs_attitude(model: &Model, channels: &Channels) -> Result<(), BindError> {
+pub(super) fn needs_attitude(model: &Model, channels: &Channels) -> Result<(), Error> {
     let seen = [SensorKind::Attitude, SensorKind::Direction];
     if seen
         .iter()
@@ -236,10 +244,15 @@ pub(super) fn needs_attitude(model: &Model, channels: &Channels) -> Result<(), B
     {
         return Ok(());
     }
-    let fault = |what: String, remedy| BindError::NoAttitude {
-        file: channels.label.to_owned(),
-        what,
-        remedy,
+    let fault = |what: String, advice| {
+        Error::one(
+            "E0307",
+            Place::label(channels.label),
+            format!(
+                "no attitude channel (q_x q_y q_z q_w), but {what} in the axes of N, whose orientation is unknown without it"
+            ),
+            format!("add the attitude, or {advice}"),
+        )
     };
     for (key, known) in [
         ("linear_N_s", model.momentum.linear),
@@ -275,7 +288,7 @@ const LARGEST: [(&str, f64, &str); 6] = [
 ///
 /// # Errors
 /// The first such sample, with channel and time.
-pub(super) fn check_plausible(channels: &Channels) -> Result<(), BindError> {
+pub(super) fn check_plausible(channels: &Channels) -> Result<(), Error> {
     for channel in &channels.table.channels {
         let fault = match channel.name.as_str() {
             "omega_x" | "omega_y" | "omega_z" => turns_too_far(channel),
@@ -289,13 +302,15 @@ pub(super) fn check_plausible(channels: &Channels) -> Result<(), BindError> {
                 .and_then(|(_, most, unit)| beyond(channel, *most, unit)),
         };
         if let Some((at, why)) = fault {
-            return Err(BindError::Implausible {
-                file: channels.label.to_owned(),
-                channel: full_name(&channel.sensor, &channel.name),
-                value: channel.values.get(at).copied().unwrap_or_default(),
-                time_s: channel.time_s.get(at).copied().unwrap_or_default(),
-                why,
-            });
+            let name = poinsot_telemetry::full_name(&channel.sensor, &channel.name);
+            let value = as_read(channel.values.get(at).copied().unwrap_or_default());
+            let time_s = channel.time_s.get(at).copied().unwrap_or_default();
+            return Err(Error::one(
+                "E0306",
+                Place::label(channels.label).key(&format!("channel '{name}'")),
+                format!("{value} at t = {time_s} s: {why}"),
+                "correct the unit, or leave the cell empty where there is no sample",
+            ));
         }
     }
     Ok(())

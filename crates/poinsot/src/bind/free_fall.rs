@@ -4,7 +4,7 @@
 //! `m (r - G)'' = F` holds with the vehicle's own forces, including tides, on any orbit and for any time. Noise of `r`
 //! enters `G` multiplied by the gravity gradient, 1e-6 1/s2 in low orbit, and is negligible.
 
-use super::BindError;
+use crate::error::{Error, unsupported};
 use nalgebra::Vector3;
 use poinsot_files::rounded;
 use poinsot_model::{Model, MomentumKnowledge, SensorKind};
@@ -37,7 +37,7 @@ pub(super) fn relative<'t>(
     model: &Model,
     tables: &'t [Table],
     repairs: &mut Vec<String>,
-) -> Result<Cow<'t, [Table]>, BindError> {
+) -> Result<Cow<'t, [Table]>, Error> {
     let Some(gm) = model.environment.point_mass_gm else {
         return Ok(Cow::Borrowed(tables));
     };
@@ -47,8 +47,8 @@ pub(super) fn relative<'t>(
             continue;
         };
         if matches!(model.momentum.linear, MomentumKnowledge::Known(_)) {
-            let what = "[momentum] linear_N_s is given, but it has no meaning for positions relative to free fall; write linear_N_s = \"estimate\"".to_owned();
-            return Err(BindError::Unsupported { what });
+            let what = "[momentum] linear_N_s is given, but it has no meaning for positions relative to free fall";
+            return Err(unsupported(what, "write linear_N_s = \"estimate\""));
         }
         repairs.push(format!("{}: {}", super::file_label(table), fall.words()));
         fall.apply(model, &mut out.to_mut()[k]);

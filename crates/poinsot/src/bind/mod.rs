@@ -19,11 +19,11 @@ pub use channels::{mountings, wanted_channels};
 pub(crate) use cut::cut_at;
 pub use motion::acceleration_channels;
 
-pub use crate::error::BindError;
-
+use crate::error::Error;
 use driven_wheels::DrivenWheels;
 use noise::declared_noise;
 use poinsot_dynamics::Tree;
+use poinsot_files::Place;
 use poinsot_identify::{Noise, Problem, Samples, Segment};
 use poinsot_model::{Model, SensorKind};
 use poinsot_telemetry::Table;
@@ -74,7 +74,7 @@ impl Bound {
 /// assert_eq!((bound.segments.len(), bound.segments[0].samples.time_s.len()), (1, 51));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn bind(model: &Model, tree: &Tree, tables: &[Table]) -> Result<Bound, BindError> {
+pub fn bind(model: &Model, tree: &Tree, tables: &[Table]) -> Result<Bound, Error> {
     let mut repairs = Vec::new();
     let tables = free_fall::relative(model, tables, &mut repairs)?;
     let tables = tables.as_ref();
@@ -121,7 +121,7 @@ fn bind_table(
     tree: &Tree,
     (table, leading, driven): (&Table, &BaseSensors, &DrivenWheels),
     repairs: &mut Vec<String>,
-) -> Result<(Vec<Segment>, f64), BindError> {
+) -> Result<(Vec<Segment>, f64), Error> {
     let label = file_label(table);
     let channels = channels::Channels {
         table,
@@ -152,11 +152,12 @@ fn bind_table(
         }
     }
     if segments.is_empty() {
-        return Err(BindError::TooFew {
-            file: label.clone(),
-            found: most,
-            needed: 2,
-        });
+        return Err(Error::one(
+            "E0303",
+            Place::label(&label),
+            format!("{most} samples have all required channels at one time, but 2 are required"),
+            "give a longer record, or files whose times overlap",
+        ));
     }
     let lost = whole.len() - kept;
     if lost > 0 {
@@ -199,7 +200,7 @@ fn bind_piece(
     tree: &Tree,
     channels: &channels::Channels,
     repairs: &mut Vec<String>,
-) -> Result<(Option<Segment>, usize), BindError> {
+) -> Result<(Option<Segment>, usize), Error> {
     let Ok(gyro) = channels.gyro(model) else {
         return Ok((None, 0));
     };

@@ -1,13 +1,14 @@
 //! All channels at the gyro's times: attitude, translation, joints, wheels.
 
-use super::BindError;
 use super::attitude_start::{attitudes, base_directions, integrate_rate};
 use super::channels::{Channels, JointColumns, VectorChannels};
 use super::driven_wheels::{speed_at, speed_column};
 use super::free_fall::ORBITAL;
 use super::sensors::SAME;
+use crate::error::Error;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use poinsot_dynamics::Tree;
+use poinsot_files::{Place, rounded};
 use poinsot_identify::{Accelerations, Samples, Translation};
 use poinsot_model::{Model, SensorKind};
 use poinsot_telemetry::{Channel, differentiate, resample, resample_attitude, resample_hermite};
@@ -36,7 +37,7 @@ pub(super) fn align(
     gyro: &VectorChannels,
     times: &[f64],
     repairs: &mut Vec<String>,
-) -> Result<Aligned, BindError> {
+) -> Result<Aligned, Error> {
     let rate = vectors(&gyro.axes.map(|c| resample(c, times, None)));
     let attitude = attitude(model, channels, gyro, times, &rate, repairs);
     let translation = translation(model, channels, times, &rate, &attitude, repairs)?;
@@ -52,7 +53,8 @@ pub(super) fn align(
         let (tachometer, speed) = channels.wheel(model, k).ok_or_else(|| {
             channels.missing(
                 &speed_column(&wheel.name),
-                "the momentum of a wheel has no default; add the column, or take the wheel out of the model",
+                "the momentum of a wheel has no default",
+                "add the column, or take the wheel out of the model",
             )
         })?;
         wheel_speed.push(speed_at(&speed, tachometer, times));
@@ -169,7 +171,7 @@ fn translation(
     rate: &[Option<Vector3<f64>>],
     attitude: &[Option<UnitQuaternion<f64>>],
     repairs: &mut Vec<String>,
-) -> Result<Option<Positions>, BindError> {
+) -> Result<Option<Positions>, Error> {
     let velocity = channels.vector(model, SensorKind::Velocity);
     let position = channels.vector(model, SensorKind::Position);
     let label = channels.label;
@@ -216,15 +218,20 @@ fn translation(
     })
 }
 
-fn refuse_orbital(label: &str, r: &VectorChannels) -> Result<(), BindError> {
+fn refuse_orbital(label: &str, r: &VectorChannels) -> Result<(), Error> {
     let [x, y, z] = r.axes.map(|c| c.values.first().copied().unwrap_or(0.0));
     let distance = Vector3::new(x, y, z).norm();
     if distance > ORBITAL {
-        return Err(BindError::OrbitalPosition {
-            file: label.to_owned(),
-            distance,
-            time: r.time_s().first().copied().unwrap_or(0.0),
-        });
+        let time = r.time_s().first().copied().unwrap_or(0.0);
+        let distance = rounded(distance, 4);
+        return Err(Error::one(
+            "E0304",
+            Place::label(label).key("channel 'r'"),
+            format!(
+                "|r| = {distance} m at t = {time} s: absolute orbital coordinates are too large for this precision"
+            ),
+            "write [environment] gravity = \"point_mass\" with gm_m3_s2 to use them relative to free fall",
+        ));
     }
     Ok(())
 }

@@ -1,7 +1,7 @@
 //! Declared noise of the sensors, and the fraction of it observed in the data.
 
-use super::BindError;
 use super::sensors::{BaseSensors, covariance, scalar_sensor};
+use crate::error::{Error, no_noise};
 use poinsot_dynamics::Tree;
 use poinsot_identify::Noise;
 use poinsot_model::{Model, SensorKind};
@@ -20,7 +20,7 @@ pub(super) fn declared_noise(
     tree: &Tree,
     (tables, leading): (&[Table], &BaseSensors),
     repairs: &mut Vec<String>,
-) -> Result<Noise, BindError> {
+) -> Result<Noise, Error> {
     let columns = |kind| -> Vec<Vec<&Channel>> {
         let own = tables
             .iter()
@@ -29,9 +29,7 @@ pub(super) fn declared_noise(
     };
     let has = |kind| !columns(kind).is_empty();
     let vector = |kind| vector(model, leading, kind);
-    let gyro = vector(SensorKind::Gyro).ok_or(BindError::NoNoise {
-        kind: SensorKind::Gyro,
-    })?;
+    let gyro = vector(SensorKind::Gyro).ok_or(no_noise(SensorKind::Gyro))?;
     let position = vector(SensorKind::Position);
     let velocity = velocity(vector(SensorKind::Velocity), position, &columns)?;
     let mut exact = |value: Option<Matrix3>, kind: SensorKind| {
@@ -91,17 +89,13 @@ fn velocity<'t>(
     declared: Option<Matrix3>,
     position: Option<Matrix3>,
     columns: &dyn Fn(SensorKind) -> Vec<Vec<&'t Channel>>,
-) -> Result<Matrix3, BindError> {
+) -> Result<Matrix3, Error> {
     if !columns(SensorKind::Velocity).is_empty() {
-        return declared.ok_or(BindError::NoNoise {
-            kind: SensorKind::Velocity,
-        });
+        return declared.ok_or(no_noise(SensorKind::Velocity));
     }
     let positions = columns(SensorKind::Position);
     if !positions.is_empty() {
-        let position = position.ok_or(BindError::NoNoise {
-            kind: SensorKind::Position,
-        })?;
+        let position = position.ok_or(no_noise(SensorKind::Position))?;
         let steps = positions.iter().filter_map(|c| median_step(&c[0].time_s));
         let step = steps.fold(f64::INFINITY, f64::min);
         return Ok(position * (DIFFERENCE / step).powi(2));

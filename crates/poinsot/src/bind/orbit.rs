@@ -1,7 +1,7 @@
 //! The reference orbit at the grid times: from telemetry, or from the elements in the model.
 
-use super::BindError;
 use super::channels::Channels;
+use crate::error::{Error, unsupported};
 use nalgebra::Vector3;
 use poinsot_dynamics::{Orbit, orbit_state};
 use poinsot_files::{as_read, rounded};
@@ -64,7 +64,7 @@ fn in_record_time(model: &Model, channels: &Channels) -> Option<Orbit> {
 
 /// # Errors
 /// The epoch is so far from the record that elements without perturbations do not give the orbit.
-fn check_epoch(model: &Model, channels: &Channels) -> Result<(), BindError> {
+fn check_epoch(model: &Model, channels: &Channels) -> Result<(), Error> {
     let epoch = in_record_time(model, channels).and_then(|orbit| orbit.epoch);
     let gyro = channels.gyro(model)?;
     let (Some(epoch), Some(first), Some(last)) =
@@ -78,14 +78,14 @@ fn check_epoch(model: &Model, channels: &Channels) -> Result<(), BindError> {
     }
     let own = model.environment.orbit.and_then(|orbit| orbit.epoch);
     let first_own = own.map_or(*first, |own| own + (first - epoch));
-    Err(BindError::Unsupported {
-        what: format!(
-            "[environment] orbit.epoch_s = {}: the record begins at {} s of its own count, {} days away, and elements without perturbations do not hold that long; write the epoch in the count of the time column, or leave it out where the elements are those of the first sample",
-            as_read(own.unwrap_or(epoch)),
-            as_read(first_own),
-            rounded(apart / 86_400.0, 3)
+    let (own, days) = (as_read(own.unwrap_or(epoch)), rounded(apart / 86_400.0, 3));
+    let first = as_read(first_own);
+    Err(unsupported(
+        format!(
+            "[environment] orbit.epoch_s = {own}: the record begins at {first} s of its own count, {days} days away, and elements without perturbations do not hold that long"
         ),
-    })
+        "write the epoch in the count of the time column, or leave it out where the elements are those of the first sample",
+    ))
 }
 
 /// Reports the source of the orbit; a gravity gradient needs one.
@@ -96,13 +96,14 @@ pub(super) fn check_orbit(
     model: &Model,
     channels: &Channels,
     repairs: &mut Vec<String>,
-) -> Result<(), BindError> {
+) -> Result<(), Error> {
     let around = &model.environment;
     let positions = model.sensors_of(SensorKind::Position).next().is_some();
     if around.point_mass_gm.is_some() && !around.gravity_gradient && !positions {
-        return Err(BindError::Unsupported {
-            what: "[environment] gravity = \"point_mass\" alone has no effect: N is in free fall with the vehicle; add gravity_gradient = true, or remove it".to_owned(),
-        });
+        return Err(unsupported(
+            "[environment] gravity = \"point_mass\" alone has no effect: N is in free fall with the vehicle",
+            "add gravity_gradient = true, or remove it",
+        ));
     }
     if !around.gravity_gradient {
         return Ok(());
@@ -113,7 +114,8 @@ pub(super) fn check_orbit(
     match (read, around.orbit.is_some()) {
         (false, false) => Err(channels.missing(
             "orbit_x orbit_y orbit_z",
-            "the gravity gradient needs the orbit; add its positions from the attracting body in inertial axes, m, or its elements as [environment] orbit",
+            "the gravity gradient needs the orbit",
+            "add its positions from the attracting body in inertial axes, m, or its elements as [environment] orbit",
         )),
         (true, true) => {
             repairs.push(format!(

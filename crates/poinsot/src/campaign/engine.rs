@@ -226,7 +226,7 @@ fn run_some(
 /// A pool of one thread, which runs the parallel parts of a fit one after the other.
 pub(super) fn one_thread() -> Result<rayon::ThreadPool, Error> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
-    pool.map_err(|e| Error::Threads { why: e.to_string() })
+    pool.map_err(Error::threads)
 }
 
 /// Calls `work` on one thread per core; the parallel parts of a fit stay on the thread of its trial.

@@ -5,7 +5,6 @@ use super::faults::{PlanText, whole_fault};
 use crate::case::{Case, parse_case, read_case};
 use crate::error::Error;
 use crate::identify::{Question, read_options};
-use crate::simulate::SimulateError;
 use crate::trials::{Study, mass_names};
 use poinsot_formats::{ExperimentFile, PlanFile, sha256};
 use poinsot_model::{Body, Model, Sensor, parse_model, read_model, read_model_text};
@@ -69,7 +68,7 @@ impl Experiment {
         };
         check(file, &mut refuse);
         let case = match (&file.case, &file.record) {
-            (Some(case), None) => Some(read_case(&folder.join(case)).map_err(SimulateError::from)?),
+            (Some(case), None) => Some(read_case(&folder.join(case))?),
             (None, Some(_)) if file.truth.is_some() && file.model.is_some() => None,
             (None, Some(_)) => {
                 let what = "a record needs a model and a truth file";
@@ -254,7 +253,7 @@ impl Source {
     }
 
     fn case(&self) -> Result<Case, Error> {
-        Ok(parse_case(&self.path, self.text.clone()).map_err(SimulateError::from)?)
+        parse_case(&self.path, self.text.clone())
     }
 }
 

@@ -1,7 +1,8 @@
 //! Faults of a plan with line numbers.
 
-use crate::case::{CaseError, CaseFault, CaseText};
-use crate::error::Error;
+use crate::case::CaseText;
+use crate::error::{Error, Fault};
+use poinsot_files::Place;
 use poinsot_formats::PlanFile;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -11,7 +12,7 @@ use toml::de::{DeTable, DeValue};
 pub(crate) struct PlanText {
     pub path: PathBuf,
     text: CaseText,
-    faults: Vec<CaseFault>,
+    faults: Vec<Fault>,
 }
 
 impl PlanText {
@@ -34,16 +35,16 @@ impl PlanText {
         PlanFile::parse(&self.text.text).map_err(|faults| {
             let remedy = "correct it here; `poinsot schema plan` prints all keys";
             let told = |f| self.text.shape("E0541", f, remedy);
-            refused(faults.iter().map(told).collect())
+            Error::sorted(faults.iter().map(told).collect())
         })
     }
 
     /// A fault at a key such as `vary[1].number`.
-    fn fault(&self, code: &'static str, key: &str, what: String, remedy: &str) -> CaseFault {
+    fn fault(&self, code: &'static str, key: &str, what: String, remedy: &str) -> Fault {
         let (span, found) = self.span(key);
         let mut fault = self.text.fault(code, key, span, what, remedy);
         if self.text.text.is_empty() {
-            fault.line = 0;
+            fault.place.line = 0;
         }
         if !found {
             fault.value.clear();
@@ -68,10 +69,7 @@ impl PlanText {
     /// # Errors
     /// All recorded faults.
     pub fn finish(&mut self) -> Result<(), Error> {
-        match std::mem::take(&mut self.faults) {
-            faults if faults.is_empty() => Ok(()),
-            faults => Err(refused(faults)),
-        }
+        Error::none_or(std::mem::take(&mut self.faults), ())
     }
 
     /// Position of a key's value or of the nearest table above it, and whether the key exists.
@@ -97,15 +95,7 @@ impl PlanText {
     }
 }
 
-fn refused(faults: Vec<CaseFault>) -> Error {
-    Error::File(CaseError {
-        faults,
-        environment: false,
-    })
-}
-
 /// A fault of a whole file or experiment, without a line.
 pub(crate) fn whole_fault(code: &'static str, of: &Path, what: String, remedy: &str) -> Error {
-    let text = PlanText::new(of, String::new());
-    refused(vec![text.fault(code, "", what, remedy)])
+    Error::one(code, Place::file(of), what, remedy)
 }

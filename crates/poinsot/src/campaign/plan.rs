@@ -5,10 +5,9 @@
 
 use super::address::{FileSelector, Refusal, count};
 use super::experiment::{Apply, Experiment, FilesAt};
-use super::faults::{PlanText, whole_fault};
+use super::faults::PlanText;
 use super::methods::MethodChoice;
 use crate::error::Error;
-use crate::simulate::SimulateError;
 use crate::trials::Study;
 use poinsot_formats::{
     DrawFile, NumbersFile, OfFile, PLAN, PlanFile, REPLICATES, SamplingKind, ScaleFile, VaryFile,
@@ -101,13 +100,7 @@ pub struct Shard {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn read_plan(path: &Path) -> Result<Plan, Error> {
-    let text = poinsot_files::read_text(path, LARGEST).map_err(|e| {
-        let mut error = whole_fault("E0541", path, e.to_string(), e.remedy());
-        if let Error::File(fault) = &mut error {
-            fault.environment = e.is_environment();
-        }
-        error
-    })?;
+    let text = poinsot_files::read_text(path, LARGEST).map_err(|e| e.fault("E0541", path))?;
     parse_plan(path, text)
 }
 
@@ -211,7 +204,7 @@ fn plan_of(file: PlanFile, mut text: PlanText) -> Result<Plan, Error> {
         let experiment = plan.experiment(cell);
         let files = plan.files_at(experiment, cell)?;
         if let Some(case) = &files.case {
-            case.bind(&files.truth).map_err(SimulateError::from)?;
+            case.bind(&files.truth)?;
         }
     }
     Ok(plan)
@@ -507,10 +500,8 @@ impl Plan {
             return Err(Error::usage(
                 "--trials",
                 trials,
-                format!(
-                    "a sampling has whole replicates; give a multiple of {}",
-                    self.block
-                ),
+                "a sampling has whole replicates",
+                format!("give a multiple of {}", self.block),
             ));
         }
         self.trials = trials.clamp(1, MOST_TRIALS);

@@ -7,7 +7,7 @@ use super::shard::{Found, ShardSums, find, rows_path, sums_path};
 use super::until::{looks, outside_at_each};
 use crate::error::Error;
 use crate::written::{result_json, write_files};
-use poinsot_files::{Stage, folder_of};
+use poinsot_files::{Place, Stage, folder_of};
 use poinsot_formats::CampaignFile;
 use poinsot_report::{campaign_page, no_page};
 use std::path::{Path, PathBuf};
@@ -83,7 +83,7 @@ impl CampaignRun {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn campaign_in_memory(plan: &Plan) -> Result<CampaignRun, Error> {
-    let damaged = |why: String| Error::Internal { what: why };
+    let damaged = |why: String| Error::internal(why);
     let all: Mutex<Vec<ShardSums>> = Mutex::new(Vec::new());
     let shards: Vec<u64> = (0..plan.shards()).collect();
     run_each(plan, &shards, &|result| {
@@ -174,15 +174,16 @@ pub fn merge_campaign(
     gather(plan, out, from)?;
     let folded = fold_shards(plan, out, plan.trials)?;
     if let Some((number, why)) = folded.missing.first().filter(|_| !partial) {
-        return Err(Error::Shards {
-            code: "E0603",
-            path: sums_path(out, &plan.digest, *number),
-            why: format!(
-                "shard {number} cannot be merged: {why} ({} of {} shards are missing); run the campaign with --resume, or merge with --partial",
+        return Err(Error::one(
+            "E0603",
+            Place::file(sums_path(out, &plan.digest, *number)),
+            format!(
+                "shard {number} cannot be merged: {why} ({} of {} shards are missing)",
                 folded.missing.len(),
                 plan.shards()
             ),
-        });
+            "run the campaign with --resume, or merge with --partial",
+        ));
     }
     let mut ran = CampaignRun::default();
     finish(plan, out, folded, plan.trials, &mut ran)?;
@@ -201,14 +202,15 @@ fn run_missing(
     let there = wanted.len() - missing.len();
     // On later passes, existing shards belong to this run.
     if there > 0 && !request.resume && ran.shards == 0 {
-        return Err(Error::Shards {
-            code: "E0602",
-            path: request.out.clone(),
-            why: format!(
-                "{there} of {} shards of this plan exist already; use --resume to run the missing ones, or another --out",
+        return Err(Error::one(
+            "E0602",
+            Place::file(&request.out),
+            format!(
+                "{there} of {} shards of this plan exist already",
                 wanted.len()
             ),
-        });
+            "use --resume to run the missing ones, or another --out",
+        ));
     }
     ran.damaged.extend(damaged);
     ran.shards += missing.len() as u64;
@@ -242,15 +244,16 @@ fn arrived(plan: &Plan, out: &Path, shards: &[u64]) -> Result<(), Error> {
     let (missing, _) = missing_shards(plan, out, shards.iter().copied())?;
     match missing.first() {
         None => Ok(()),
-        Some(number) => Err(Error::Shards {
-            code: "E0603",
-            path: sums_path(out, &plan.digest, *number),
-            why: format!(
-                "{} of {} shards that workers have run are not readable here; run the campaign again with resume",
+        Some(number) => Err(Error::one(
+            "E0603",
+            Place::file(sums_path(out, &plan.digest, *number)),
+            format!(
+                "{} of {} shards that workers have run are not readable here",
                 missing.len(),
                 shards.len()
             ),
-        }),
+            "run the campaign again with resume",
+        )),
     }
 }
 
@@ -262,10 +265,7 @@ fn finish(
     ran: &mut CampaignRun,
 ) -> Result<(), Error> {
     let result = folded.result(plan, counted);
-    let report = |why: String| Error::Report {
-        path: out.to_owned(),
-        why,
-    };
+    let report = |why: String| Error::report(out, why, "");
     let page = campaign_page(&result).map_err(|e| report(no_page(&e)))?;
     let html = page.html().map_err(|e| report(no_page(&e)))?;
     let text = result_json(out, &result, true)?;
@@ -301,14 +301,15 @@ fn refuse_other_plans(plan: &Plan, out: &Path) -> Result<(), Error> {
         .find(|(digest, _)| !plan.digest.starts_with(digest.as_str()));
     match other {
         None => Ok(()),
-        Some((digest, path)) => Err(Error::Shards {
-            code: "E0602",
-            path,
-            why: format!(
-                "this is a shard of plan {digest}, but the plan or one of its files is {} now; use another --out, or restore the plan",
+        Some((digest, path)) => Err(Error::one(
+            "E0602",
+            Place::file(&path),
+            format!(
+                "this is a shard of plan {digest}, but the plan or one of its files is {} now",
                 plan.digest.get(..digest.len()).unwrap_or(&plan.digest)
             ),
-        }),
+            "use another --out, or restore the plan",
+        )),
     }
 }
 
@@ -324,13 +325,12 @@ fn gather(plan: &Plan, out: &Path, from: &[PathBuf]) -> Result<(), Error> {
             if let Found::Whole(ours) = find(plan, out, &shard)? {
                 if ours.sums.methods != theirs.sums.methods || ours.sums.pairs != theirs.sums.pairs
                 {
-                    return Err(Error::Shards {
-                        code: "E0603",
-                        path: source,
-                        why: format!(
-                            "shard {number} is there twice with different sums; remove one of them"
-                        ),
-                    });
+                    return Err(Error::one(
+                        "E0603",
+                        Place::file(&source),
+                        format!("shard {number} is there twice with different sums"),
+                        "remove one of them",
+                    ));
                 }
                 continue;
             }

@@ -96,16 +96,12 @@ impl ShardResult {
                 sums_of.rows_sha256 = sha256_of(&mut *file)?;
                 Ok(())
             };
-            written().map_err(|source| Error::Io {
-                path: rows.clone(),
-                what: "cannot be written",
-                source,
-            })
+            written().map_err(|source| Error::io(&rows, "cannot be written", &source))
         })?;
         let text = self.sums.text();
         let name = sums.file_name().unwrap_or_default();
         stage.add(Path::new(name), text.as_bytes())?;
-        Ok(stage.commit().map(|_| ())?)
+        stage.commit().map(|_| ())
     }
 }
 
@@ -206,11 +202,7 @@ pub(super) fn find(plan: &Plan, out: &Path, shard: &Shard) -> Result<Found, Erro
         Ok(text) => text,
         Err(InputError::Missing(_)) => return Ok(Found::Missing),
         Err(InputError::System(source)) => {
-            return Err(Error::Io {
-                path,
-                what: "cannot be read",
-                source,
-            });
+            return Err(Error::io(&path, "cannot be read", &source));
         }
         Err(other) => return Ok(Found::Damaged(other.to_string())),
     };

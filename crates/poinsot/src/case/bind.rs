@@ -1,9 +1,10 @@
 //! Binds a case to a model: names become indices, and the first instant an initial state.
 
+use super::Case;
 use super::planner::Planner;
 use super::sensor_output::{SensorOutput, sensor_outputs};
 use super::window::Open;
-use super::{Case, CaseError, refuse};
+use crate::error::Error;
 use nalgebra::Quaternion;
 use poinsot_dynamics::{Plan, Start, StartVelocity};
 use poinsot_files::rounded;
@@ -31,7 +32,7 @@ impl Case {
     ///
     /// # Errors
     /// All faults with this model.
-    pub fn bind(&self, model: &Model) -> Result<Scenario, CaseError> {
+    pub fn bind(&self, model: &Model) -> Result<Scenario, Error> {
         self.bind_around(model, Open::default())
     }
 
@@ -39,7 +40,7 @@ impl Case {
     ///
     /// # Errors
     /// As [`Self::bind`].
-    pub fn bind_around(&self, model: &Model, open: Open) -> Result<Scenario, CaseError> {
+    pub fn bind_around(&self, model: &Model, open: Open) -> Result<Scenario, Error> {
         let mut planner = self.planner(model);
         planner.open = open;
         let file = &self.file;
@@ -53,7 +54,7 @@ impl Case {
         let start = start(&mut planner, &file.initial);
         let sensors = sensor_outputs(&mut planner, file.output.get_ref());
         if !planner.faults.is_empty() {
-            return Err(refuse(planner.faults));
+            return Err(Error::sorted(planner.faults));
         }
         Ok(Scenario {
             plan,

@@ -1,6 +1,7 @@
 //! Describes a case as text.
 
-use super::{Case, CaseError, CaseFault, Design, Open, Want, refuse};
+use super::{Case, Design, Open, Want};
+use crate::error::{Error, Fault};
 use poinsot_model::Model;
 use poinsot_report::{CheckedCase, case_lines};
 
@@ -11,8 +12,8 @@ use poinsot_report::{CheckedCase, case_lines};
 pub(crate) fn describe_case(
     case: &Case,
     model: &Model,
-    mut faults: Vec<CaseFault>,
-) -> Result<Vec<String>, CaseError> {
+    mut faults: Vec<Fault>,
+) -> Result<Vec<String>, Error> {
     let wants = kept(case.wants(model), &mut faults);
     kept(case.limits(model), &mut faults);
     let design = kept(case.design(model), &mut faults);
@@ -28,9 +29,9 @@ pub(crate) fn describe_case(
     let (Some(wants), Some(design), Some(scenario), []) =
         (wants, design, scenario, faults.as_slice())
     else {
-        faults.sort_by_key(|f| f.line);
+        faults.sort_by_key(|f| f.place.line);
         faults.dedup();
-        return Err(refuse(faults));
+        return Err(Error::sorted(faults));
     };
     let want = |w: Want| (w.name, w.sigma, w.unit);
     Ok(case_lines(&CheckedCase {
@@ -46,6 +47,6 @@ pub(crate) fn describe_case(
 }
 
 /// The value read; its faults are added to `faults`.
-fn kept<T>(read: Result<T, CaseError>, faults: &mut Vec<CaseFault>) -> Option<T> {
-    read.map_err(|error| faults.extend(error.faults)).ok()
+fn kept<T>(read: Result<T, Error>, faults: &mut Vec<Fault>) -> Option<T> {
+    read.map_err(|error| faults.extend(error.list)).ok()
 }

@@ -1,9 +1,10 @@
 //! `[design]`: free motion and objective.
 
+use super::Case;
 use super::planner::Planner;
 use super::thrusters::Fired;
 use super::window::{Replaced, Window};
-use super::{Case, CaseError, refuse};
+use crate::error::Error;
 use poinsot_dynamics::{PiecewisePolynomial, Tree};
 use poinsot_formats::case::{
     CaseFile, DesignFile, DesignJointFile, DesignWheelFile, Objective, Placed,
@@ -112,7 +113,7 @@ impl Case {
     ///
     /// # Errors
     /// All faults with this model.
-    pub fn design(&self, model: &Model) -> Result<Option<Design>, CaseError> {
+    pub fn design(&self, model: &Model) -> Result<Option<Design>, Error> {
         let Some(file) = &self.file.design else {
             return Ok(None);
         };
@@ -130,7 +131,7 @@ impl Case {
         let design = planner.design(&self.file, file.get_ref(), file.span());
         match planner.faults.is_empty() {
             true => Ok(Some(design)),
-            false => Err(refuse(planner.faults)),
+            false => Err(Error::sorted(planner.faults)),
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Faults of a case file with line numbers.
 
-use crate::error::CaseFault;
+use crate::error::Fault;
+use poinsot_files::Place;
 use poinsot_formats::ShapeFault;
 use std::ops::Range;
 use std::path::PathBuf;
@@ -21,29 +22,24 @@ impl CaseText {
         span: Range<usize>,
         problem: impl Into<String>,
         remedy: impl Into<String>,
-    ) -> CaseFault {
+    ) -> Fault {
         let before = self.text.get(..span.start).unwrap_or(&self.text);
-        CaseFault {
-            code,
-            file: self.path.display().to_string(),
-            line: before.matches('\n').count() + 1,
-            key: key.to_owned(),
-            value: excerpt(self.text.get(span).unwrap_or("")),
-            problem: problem.into(),
-            remedy: remedy.into(),
-        }
+        let place = Place {
+            line: before.matches('\n').count() as u64 + 1,
+            ..Place::file(&self.path).key(key)
+        };
+        let fault = Fault::new(code, place, problem, remedy);
+        fault.with_value(excerpt(self.text.get(span).unwrap_or("")))
     }
 
     /// A fault of the file's structure; `remedy` is used if no similar name is known.
-    pub fn shape(&self, code: &'static str, fault: &ShapeFault, remedy: &str) -> CaseFault {
+    pub fn shape(&self, code: &'static str, fault: &ShapeFault, remedy: &str) -> Fault {
         let remedy = match &fault.unknown {
             Some((name, known)) => did_you_mean(name, known.iter().map(String::as_str)),
             None => remedy.to_owned(),
         };
-        CaseFault {
-            value: String::new(),
-            ..self.fault(code, "", fault.span.clone(), fault.problem.clone(), remedy)
-        }
+        let told = self.fault(code, "", fault.span.clone(), fault.problem.clone(), remedy);
+        told.with_value("")
     }
 }
 

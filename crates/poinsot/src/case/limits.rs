@@ -1,9 +1,10 @@
 //! `[limits]`: limits of a designed manoeuvre.
 
+use super::Case;
 use super::fault::did_you_mean;
 use super::planner::Planner;
 use super::thrusters::{ImpulseLimit, ThrusterLimit};
-use super::{Case, CaseError, refuse};
+use crate::error::Error;
 use poinsot_dynamics::Tree;
 use poinsot_formats::case::{CapsuleFile, ConeFile, JointLimitFile, Placed, WheelLimitFile};
 use poinsot_model::{JointKind, Model};
@@ -84,13 +85,10 @@ impl Case {
     ///
     /// # Errors
     /// All faults with this model.
-    pub fn limits(&self, model: &Model) -> Result<Limits, CaseError> {
+    pub fn limits(&self, model: &Model) -> Result<Limits, Error> {
         let mut planner = self.planner(model);
         let limits = planner.limits(&self.file.limits);
-        match planner.faults.is_empty() {
-            true => Ok(limits),
-            false => Err(refuse(planner.faults)),
-        }
+        Error::none_or(planner.faults, limits)
     }
 }
 

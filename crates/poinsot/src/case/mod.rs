@@ -28,7 +28,7 @@ pub use thrusters::{Fired, ImpulseLimit, ThrusterLimit};
 pub use wanted::{Want, estimated_numbers};
 pub use window::{Open, Replaced, Window};
 
-pub use crate::error::{CaseError, CaseFault};
+use crate::error::{Error, Fault};
 pub(crate) use describe::describe_case;
 pub(crate) use fault::{CaseText, did_you_mean};
 use planner::Planner;
@@ -74,19 +74,8 @@ pub struct Case {
 /// assert!(case.model.ends_with("model.toml"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn read_case(path: &Path) -> Result<Case, CaseError> {
-    let text = poinsot_files::read_text(path, LARGEST_FILE).map_err(|e| CaseError {
-        faults: vec![CaseFault {
-            code: "E0501",
-            file: path.display().to_string(),
-            line: 0,
-            key: String::new(),
-            value: String::new(),
-            problem: e.to_string(),
-            remedy: e.remedy().to_owned(),
-        }],
-        environment: e.is_environment(),
-    })?;
+pub fn read_case(path: &Path) -> Result<Case, Error> {
+    let text = poinsot_files::read_text(path, LARGEST_FILE).map_err(|e| e.fault("E0501", path))?;
     parse_case(path, text)
 }
 
@@ -110,22 +99,20 @@ pub fn read_case(path: &Path) -> Result<Case, CaseError> {
 /// assert_eq!((case.model, case.duration_s), ("folder/model.toml".into(), 60.0));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn parse_case(path: &Path, text: String) -> Result<Case, CaseError> {
-    match shaped_case(path, text)? {
-        (case, faults) if faults.is_empty() => Ok(case),
-        (_, faults) => Err(refuse(faults)),
-    }
+pub fn parse_case(path: &Path, text: String) -> Result<Case, Error> {
+    let (case, faults) = shaped_case(path, text)?;
+    Error::none_or(faults, case)
 }
 
 /// Reads a case with valid structure; returns also the faults found without the model.
-pub(crate) fn shaped_case(path: &Path, text: String) -> Result<(Case, Vec<CaseFault>), CaseError> {
+pub(crate) fn shaped_case(path: &Path, text: String) -> Result<(Case, Vec<Fault>), Error> {
     let text = CaseText {
         path: path.to_owned(),
         text,
     };
     let file = CaseFile::parse(&text.text).map_err(|faults| {
         let told = |f: &ShapeFault| text.shape("E0502", f, "correct it here");
-        refuse(faults.iter().map(told).collect())
+        Error::sorted(faults.iter().map(told).collect())
     })?;
     let mut faults = Vec::new();
     if ![CASE, CASE_BEFORE].contains(&file.schema.get_ref().as_str()) {
@@ -208,7 +195,7 @@ impl Case {
     ///
     /// # Errors
     /// A file cannot be read.
-    pub fn inputs_sha256(&self) -> Result<Vec<String>, crate::error::Error> {
+    pub fn inputs_sha256(&self) -> Result<Vec<String>, Error> {
         self.inputs()
             .into_iter()
             .map(|path| {
@@ -237,14 +224,7 @@ impl Case {
     }
 }
 
-fn refuse(faults: Vec<CaseFault>) -> CaseError {
-    CaseError {
-        faults,
-        environment: false,
-    }
-}
-
-fn positive(text: &CaseText, faults: &mut Vec<CaseFault>, key: &str, x: &Placed<f64>) {
+fn positive(text: &CaseText, faults: &mut Vec<Fault>, key: &str, x: &Placed<f64>) {
     let value = *x.get_ref();
     if !value.is_finite() || value <= 0.0 {
         let problem = "must be a positive number";

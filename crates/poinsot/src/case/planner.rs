@@ -2,7 +2,7 @@
 
 use super::fault::{CaseText, did_you_mean};
 use super::window::Open;
-use crate::error::CaseFault;
+use crate::error::Fault;
 use poinsot_dynamics::{JointMotion, NodeError, PiecewisePolynomial, Plan, Tree, WheelMotion};
 use poinsot_formats::case::{FiringFile, JointMotionFile, Placed, WheelMotionFile};
 use poinsot_model::Model;
@@ -56,7 +56,7 @@ pub(super) struct Planner<'c> {
     pub model: &'c Model,
     /// What a design fills.
     pub open: Open,
-    pub faults: Vec<CaseFault>,
+    pub faults: Vec<Fault>,
 }
 
 impl Planner<'_> {
@@ -122,13 +122,9 @@ impl Planner<'_> {
                 let problem = format!("the case does not prescribe wheel \"{}\"", wheel.name);
                 let remedy =
                     "add a [[wheel_motion]], with time_s = [0.0], speed_rad_s = [0.0] for rest";
-                let fault =
-                    self.text
-                        .fault("E0504", "wheel_motion", output.clone(), problem, remedy);
-                self.faults.push(CaseFault {
-                    value: String::new(),
-                    ..fault
-                });
+                let text = &self.text;
+                let fault = text.fault("E0504", "wheel_motion", output.clone(), problem, remedy);
+                self.faults.push(fault.with_value(""));
             }
         }
         plan.firings = self.firings(firings);

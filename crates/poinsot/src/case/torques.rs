@@ -7,7 +7,7 @@ use poinsot_dynamics::{
 };
 use poinsot_formats::case::{InitialJointFile, JointTorqueFile, Placed};
 use poinsot_model::{Joint, JointKind};
-use poinsot_telemetry::{ReadOptions, TelemetryError, read};
+use poinsot_telemetry::{ReadOptions, read};
 use std::ops::Range;
 use std::path::Path;
 
@@ -337,9 +337,9 @@ impl Planner<'_> {
         let found = match read(&[&path], &ReadOptions::default()) {
             Ok(found) => found,
             Err(e) => {
-                let (problem, remedy) = match &e {
-                    TelemetryError::Io { source, .. } => (
-                        format!("cannot be read: {source}"),
+                let (problem, remedy) = match e.list.as_slice() {
+                    [fault] if fault.code == "E0201" => (
+                        fault.problem.clone(),
                         "give the path of a telemetry file, from the folder of the case",
                     ),
                     _ => (e.to_string(), "or give another file"),

@@ -1,8 +1,9 @@
 //! `[[want]]`: numbers or combinations of body numbers, with their wanted sigmas.
 
+use super::Case;
 use super::fault::did_you_mean;
 use super::planner::Planner;
-use super::{Case, CaseError, refuse};
+use crate::error::Error;
 use poinsot_formats::Address;
 use poinsot_formats::case::{Placed, WantFile};
 use poinsot_identify::{TENSOR, WantedNumber, WantedTerm, axis_name, tensor_name};
@@ -34,16 +35,13 @@ impl Case {
     ///
     /// # Errors
     /// All faults with this model.
-    pub fn wants(&self, model: &Model) -> Result<Vec<Want>, CaseError> {
+    pub fn wants(&self, model: &Model) -> Result<Vec<Want>, Error> {
         let mut planner = self.planner(model);
         let mut wants = Vec::new();
         for (i, table) in self.file.want.iter().enumerate() {
             wants.extend(planner.want(table.get_ref(), table.span(), &format!("want[{i}]")));
         }
-        match planner.faults.is_empty() {
-            true => Ok(wants),
-            false => Err(refuse(planner.faults)),
-        }
+        Error::none_or(planner.faults, wants)
     }
 }
 

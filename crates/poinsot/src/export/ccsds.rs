@@ -77,7 +77,7 @@ impl<'a> Vehicle<'a> {
         let epoch = e.epoch.as_ref();
         let at = epoch.and_then(|epoch| Some((epoch.at.as_deref()?, epoch.scale.as_deref()?)));
         let (epoch, scale) = at.ok_or_else(|| {
-            source.fault("a CCSDS message needs a date, and the times of the telemetry count from an unknown one; declare `epoch` in the map of the telemetry".to_owned())
+            source.fault("a CCSDS message needs a date, and the times of the telemetry count from an unknown one", "declare `epoch` in the map of the telemetry")
         })?;
         let (body, joints) = match (e.bodies.len(), e.system.first()) {
             (1, _) => (e.bodies.first().map(|(_, b)| b), Vec::new()),
@@ -89,8 +89,8 @@ impl<'a> Vehicle<'a> {
             _ => (None, Vec::new()),
         };
         let Some((body, inertia)) = body.and_then(|b| Some((b, tensor(b)?))) else {
-            let why = "the inertia of the whole vehicle is not determined, but a CCSDS message requires it; identify with more data";
-            return Err(source.fault(why.to_owned()));
+            let why = "the inertia of the whole vehicle is not determined, but a CCSDS message requires it";
+            return Err(source.fault(why, "identify with more data"));
         };
         Ok(Self {
             name: keyword_value(&e.model),

@@ -7,7 +7,6 @@ mod ccsds;
 mod onboard;
 mod table;
 
-use crate::compare::format_error;
 use crate::error::Error;
 use poinsot_formats::{BodyFile, EstimateFile, read_estimate};
 use poinsot_model::{
@@ -110,7 +109,8 @@ impl FromStr for Target {
             Error::usage(
                 "--to",
                 name,
-                format!("there is no such format; use one of {names}"),
+                "there is no such format",
+                format!("use one of {names}"),
             )
         })
     }
@@ -151,7 +151,7 @@ pub fn export(
     onto: Option<&Path>,
     accept_unreliable: bool,
 ) -> Result<Exported, Error> {
-    let (path, estimate) = read_estimate(&folder.join("estimate.json")).map_err(format_error)?;
+    let (path, estimate) = read_estimate(&folder.join("estimate.json"))?;
     export_estimate(&estimate, &path, to, onto, accept_unreliable)
 }
 
@@ -181,21 +181,24 @@ pub fn export_estimate(
     let source = Source { estimate, path };
     let unreliable = estimate.unreliable();
     if let (Some(why), false) = (unreliable.first(), accept_unreliable) {
-        return Err(source.fault(format!(
-            "its numbers are not reliable: {why}; correct the cause, or export them marked with --accept-unreliable"
-        )));
+        return Err(source.fault(
+            &format!("its numbers are not reliable: {why}"),
+            "correct the cause, or export them marked with --accept-unreliable",
+        ));
     }
     match (to.patch(), onto) {
         (Some(patch), Some(onto)) => patched(&source, to, patch, onto),
         (Some(_), None) => Err(Error::usage(
             "--to",
             to.name(),
-            "this format changes a file; name it by --onto",
+            "this format changes a file",
+            "name it by --onto",
         )),
         (None, Some(onto)) => Err(Error::usage(
             "--onto",
             onto.display(),
-            format!("{} is written as a new file; leave --onto out", to.name()),
+            format!("{} is written as a new file", to.name()),
+            "leave --onto out",
         )),
         (None, None) => match to {
             Target::Basilisk => basilisk::text(&source),
@@ -214,11 +217,8 @@ struct Source<'a> {
 }
 
 impl Source<'_> {
-    fn fault(&self, why: String) -> Error {
-        Error::Report {
-            path: self.path.to_owned(),
-            why,
-        }
+    fn fault(&self, problem: &str, advice: &str) -> Error {
+        Error::report(self.path, problem, advice)
     }
 
     /// Requested bodies: the determined ones, and a line for each of the others.
@@ -247,10 +247,8 @@ impl Source<'_> {
 
     /// The error if no body can be exported.
     fn nothing(&self, left_out: &[String], also: &str) -> Error {
-        self.fault(format!(
-            "no body can be exported ({}); identify with more data{also}",
-            left_out.join("; ")
-        ))
+        let problem = format!("no body can be exported ({})", left_out.join("; "));
+        self.fault(&problem, &format!("identify with more data{also}"))
     }
 
     /// Comment lines about the origin of the numbers.
@@ -285,10 +283,7 @@ fn patched(source: &Source, to: Target, patch: Patch, onto: &Path) -> Result<Exp
     left_out
         .iter_mut()
         .for_each(|line| line.push_str("; the file's numbers stay"));
-    let patched = patch(&text, &bodies).map_err(|why| Error::Report {
-        path: onto.to_owned(),
-        why,
-    })?;
+    let patched = patch(&text, &bodies).map_err(|why| Error::report(onto, why, ""))?;
     let missing = patched.missing.iter();
     left_out.extend(missing.map(|name| {
         let what = match to {

@@ -32,10 +32,11 @@ pub(super) fn text(source: &Source) -> Result<Exported, Error> {
         covariance_names: e.covariance.names.clone(),
         covariance_units: e.covariance.units.clone(),
         covariance: matrix.ok_or_else(|| {
-            source.fault("its covariance is incomplete; identify with more data".to_owned())
+            source.fault("its covariance is incomplete", "identify with more data")
         })?,
     };
-    let mut text = serde_json::to_string_pretty(&file).map_err(|e| source.fault(e.to_string()))?;
+    let mut text =
+        serde_json::to_string_pretty(&file).map_err(|e| source.fault(&e.to_string(), ""))?;
     text.push('\n');
     Ok(Exported {
         text,

@@ -32,7 +32,8 @@ pub fn prediction_paths(folder: &Path, cases: &[PathBuf]) -> Result<Vec<PathBuf>
             return Err(Error::usage(
                 "CASE",
                 case.display(),
-                "another case has the same file name, and so the same folder below --out; predict them one by one",
+                "another case has the same file name, and so the same folder below --out",
+                "predict them one by one",
             ));
         }
         all.push(place);

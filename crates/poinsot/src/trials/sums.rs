@@ -3,7 +3,6 @@
 //! A campaign can run in pieces on several machines; each writes its sums as JSON, and `Sums::merge` adds them.
 
 use super::{Trial, estimated_numbers};
-use crate::compare::format_error;
 use crate::error::Error;
 use crate::written::{result_json, write_file};
 use poinsot_formats::{ResultFile, read_result};
@@ -264,7 +263,7 @@ impl Sums {
     /// # Errors
     /// The file cannot be read, is of another schema, or was changed.
     pub fn read(path: &Path) -> Result<Self, Error> {
-        read_result(path).map_err(format_error)
+        read_result(path)
     }
 
     /// Writes the sums as JSON, atomically.

@@ -1,9 +1,9 @@
 //! Converts `estimate.json` to a vehicle for simulation.
 
-use super::{Mover, ValidateError};
-use crate::compare::format_error;
-use crate::error::Error;
+use super::Mover;
+use crate::error::{Error, cannot_simulate};
 use poinsot_dynamics::Tree;
+use poinsot_files::Place;
 use poinsot_formats::{BarycentricFile, EstimateFile, NumberFile, address, unknown_name};
 use poinsot_identify::{CompletedVehicle, Completion, DeterminedCombination, Estimate, complete};
 use poinsot_model::Model;
@@ -43,23 +43,19 @@ pub struct EstimatedVehicle {
 /// ```
 pub fn read_estimate(path: &Path, model: &Model) -> Result<EstimatedVehicle, Error> {
     let (file, read) = estimate_of(path)?;
-    let refuse = |why: String| ValidateError::Estimate {
-        path: file.clone(),
-        why,
-    };
     if read.is_withheld() {
-        let why = format!(
-            "its status is {}: it has no numbers to predict with; give an estimate with status converged or partial",
+        let problem = format!(
+            "its status is {}: it has no numbers to predict with",
             read.status
         );
-        return Err(refuse(why).into());
+        let advice = "give an estimate with status converged or partial";
+        return Err(cannot_simulate(&file, problem, advice));
     }
-    same_model(&read, model).map_err(refuse)?;
-    let vehicle = match whole(&read, model) {
-        Some(vehicle) => Ok((vehicle, None)),
-        None => completed(&read, model),
+    same_model(&read, model, &file)?;
+    let (vehicle, completion) = match whole(&read, model) {
+        Some(vehicle) => (vehicle, None),
+        None => completed(&read, model, &file)?,
     };
-    let (vehicle, completion) = vehicle.map_err(refuse)?;
     Ok(EstimatedVehicle {
         mover: Mover::of_estimate(model, &vehicle),
         completion,
@@ -69,9 +65,17 @@ pub fn read_estimate(path: &Path, model: &Model) -> Result<EstimatedVehicle, Err
 }
 
 fn estimate_of(path: &Path) -> Result<(PathBuf, EstimateFile), Error> {
-    poinsot_formats::read_estimate(path).map_err(|e| match format_error(e) {
-        Error::Report { path, why } => ValidateError::Estimate { path, why }.into(),
-        other => other,
+    // A file that is no estimate is a fault of the comparison (E0701), not of a report.
+    poinsot_formats::read_estimate(path).map_err(|mut faults| {
+        for fault in faults.list.iter_mut().filter(|f| f.code == "E0601") {
+            let (report, simulated) = (
+                "no report or export can be made of this",
+                "this estimate cannot be simulated",
+            );
+            fault.code = "E0701";
+            fault.problem = fault.problem.replacen(report, simulated, 1);
+        }
+        faults
     })
 }
 
@@ -92,11 +96,7 @@ pub fn of_estimate(estimate: &Estimate, model: &Model) -> Result<EstimatedVehicl
         &Tree::new(model),
         &estimate.identifiability.determined,
         estimate.identifiability.rank,
-    );
-    let completion = completion.map_err(|e| ValidateError::Estimate {
-        path: PathBuf::from("estimate"),
-        why: e.to_string(),
-    })?;
+    )?;
     Ok(EstimatedVehicle {
         mover: Mover::of_estimate(model, &completion.vehicle()),
         completion: Some(completion),
@@ -106,20 +106,21 @@ pub fn of_estimate(estimate: &Estimate, model: &Model) -> Result<EstimatedVehicl
 }
 
 /// Checks that bodies and nominal numbers are those of the model.
-fn same_model(read: &EstimateFile, model: &Model) -> Result<(), String> {
+fn same_model(read: &EstimateFile, model: &Model, file: &Path) -> Result<(), Error> {
+    let refuse = |problem: String| {
+        let advice = "give the model that the estimate was made with (--model)";
+        Err(cannot_simulate(file, problem, advice))
+    };
     if read.bodies.len() != model.bodies.len() {
-        return Err(format!(
-            "it has {} bodies, the model {}; give the model that the estimate was made with (--model)",
+        return refuse(format!(
+            "it has {} bodies, the model {}",
             read.bodies.len(),
             model.bodies.len()
         ));
     }
     for body in &model.bodies {
         let Some(found) = read.bodies.get(&body.name) else {
-            return Err(format!(
-                "it has no body \"{}\"; give the model that the estimate was made with (--model)",
-                body.name
-            ));
+            return refuse(format!("it has no body \"{}\"", body.name));
         };
         let own = body.nominal.parameters().to_array();
         let theirs = nominal(&found.barycentric);
@@ -129,8 +130,8 @@ fn same_model(read: &EstimateFile, model: &Model) -> Result<(), String> {
             .zip(&theirs)
             .any(|(a, b)| (a - b).abs() > SAME * scale)
         {
-            return Err(format!(
-                "its nominal numbers of body \"{}\" are not those of the model; give the model that the estimate was made with (--model)",
+            return refuse(format!(
+                "its nominal numbers of body \"{}\" are not those of the model",
                 body.name
             ));
         }
@@ -162,7 +163,8 @@ fn whole(read: &EstimateFile, model: &Model) -> Option<CompletedVehicle> {
 fn completed(
     read: &EstimateFile,
     model: &Model,
-) -> Result<(CompletedVehicle, Option<Completion>), String> {
+    file: &Path,
+) -> Result<(CompletedVehicle, Option<Completion>), Error> {
     let combinations = read.identifiability.identifiable.iter();
     let determined: Option<Vec<DeterminedCombination>> = combinations
         .map(|c| {
@@ -179,11 +181,22 @@ fn completed(
             })
         })
         .collect();
-    let determined =
-        determined.ok_or("some of its combinations are withheld, so it cannot predict; give an estimate from more data")?;
+    let determined = determined.ok_or_else(|| {
+        cannot_simulate(
+            file,
+            "some of its combinations are withheld, so it cannot predict",
+            "give an estimate from more data",
+        )
+    })?;
     let rank = read.identifiability.rank;
     let completion = complete(model, &Tree::new(model), &determined, rank);
-    let completion = completion.map_err(|e| e.to_string())?;
+    let completion = completion.map_err(|mut faults| {
+        faults
+            .list
+            .iter_mut()
+            .for_each(|f| f.place = Place::file(file));
+        faults
+    })?;
     Ok((completion.vehicle(), Some(completion)))
 }
 

@@ -1,11 +1,12 @@
 //! Motion of two vehicles under the same torques, wheels and thrust (Xu et al. 2017, sec. 5.5).
 
+use super::Mover;
 use super::compared::Compared;
-use super::{Mover, ValidateError};
 use crate::case::{Case, Scenario};
 use crate::error::Error;
-use crate::simulate::{SimulateError, run};
+use crate::simulate::run;
 use poinsot_dynamics::Tree;
+use poinsot_files::Place;
 use poinsot_model::JointKind;
 use poinsot_spatial::{UnitQuaternion, Vector3};
 
@@ -83,12 +84,14 @@ pub fn path(case: &Case, mover: &Mover) -> Result<Path, Error> {
 
 /// The scenario of a vehicle in a case, with its thruster forces.
 pub(super) fn scenario(case: &Case, mover: &Mover) -> Result<Scenario, Error> {
-    let mut scenario = case.bind(&mover.model).map_err(SimulateError::from)?;
+    let mut scenario = case.bind(&mover.model)?;
     if scenario.plan.control.is_some() {
-        return Err(ValidateError::Control {
-            file: case.path().to_owned(),
-        }
-        .into());
+        return Err(Error::one(
+            "E0702",
+            Place::file(case.path()),
+            "[control] would command different torques on the two vehicles",
+            "prescribe wheel torques with [[wheel_motion]]",
+        ));
     }
     for firing in &mut scenario.plan.firings {
         let factor = mover.thrust_factor.get(firing.thruster);

@@ -141,7 +141,7 @@ pub fn held_back_effect(
     effect(model, completion, MATTERS_CHI2, none, |moved, changes| {
         let change = match held_back_chi2(moved, tables) {
             Ok(found) => (found - own).abs(),
-            Err(Error::Problem(_)) => f64::INFINITY,
+            Err(faults) if faults.code().starts_with("E04") => f64::INFINITY,
             Err(other) => return Err(other),
         };
         changes[0].largest = changes[0].largest.max(change);

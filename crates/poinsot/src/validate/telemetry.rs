@@ -1,8 +1,8 @@
 //! Compares a vehicle with telemetry: its motion in a case, or a held-back record.
 
+use super::Mover;
 use super::compared::Compared;
 use super::motion::{scenario, turn};
-use super::{Mover, ValidateError};
 use crate::bind::bind;
 use crate::case::Case;
 use crate::channel_names::names;
@@ -10,6 +10,7 @@ use crate::error::Error;
 use crate::simulate::perfect_table;
 use nalgebra::Quaternion;
 use poinsot_dynamics::Tree;
+use poinsot_files::Place;
 use poinsot_formats::InSigmasFile;
 use poinsot_identify::{
     CompletedVehicle, HeldBack, PredictedChannel, Prediction, SegmentFit, held_back,
@@ -62,10 +63,12 @@ pub fn compare_with_telemetry(
         .filter_map(|group| group.compare(&exact, table, case.duration_s))
         .collect();
     if list.is_empty() {
-        return Err(ValidateError::NothingInCommon {
-            file: case.path().to_owned(),
-        }
-        .into());
+        return Err(Error::one(
+            "E0703",
+            Place::file(case.path()),
+            "the telemetry has no attitude, rate, position, velocity, acceleration or joint sample during the case",
+            "give telemetry with times from the start of the case",
+        ));
     }
     Ok(list)
 }

@@ -86,7 +86,7 @@ fn prop_a_fault_found_in_a_file_is_found_in_memory() {
                     "",
                 )
             }
-            Err(error) => told(Err(error.into()), &path.display().to_string()),
+            Err(error) => told(Err(error), &path.display().to_string()),
         };
         assert_eq!(from_file, from_memory, "{name}");
     }

@@ -1,7 +1,8 @@
 //! Several sensors of a kind on any body: gyros and star trackers of different quality on a tug and on its arm.
 
 use crate::shared::undiagnosed;
-use poinsot::bind::{BindError, Bound, bind};
+use poinsot::Error;
+use poinsot::bind::{Bound, bind};
 use poinsot::case::{Case, parse_case};
 use poinsot::simulate::simulate_trial;
 use poinsot::trials::{Study, statistics};
@@ -146,7 +147,7 @@ fn sensed() -> Case {
     written_case(&CASE.replace("seed = 7", "seed = 7\nsensors_only = true"))
 }
 
-fn bound(model: &Model, tables: &[Table]) -> Result<Bound, BindError> {
+fn bound(model: &Model, tables: &[Table]) -> Result<Bound, Error> {
     bind(model, &Tree::new(model), tables)
 }
 

@@ -331,7 +331,7 @@ fn unit_predict_refuses_a_joint_that_nothing_reads() {
 fn unit_a_joint_that_nothing_resists_is_refused_by_name() {
     let case = case("[[joint_torque]]\njoint = \"twist\"\nconstant_N_m = 0.1\n");
     let error = simulate_case(&case, &model()).unwrap_err();
-    assert!(!error.is_environment());
+    assert_eq!(error.kind(), poinsot::ErrorKind::Input);
     assert_eq!(
         error.to_string(),
         "E0509 case.toml: joint \"twist\" moves by torque or spring, but its outboard bodies have no inertia about its axis (singular mass matrix); give them mass off the axis or inertia about it, or prescribe its motion with [[joint_motion]]"

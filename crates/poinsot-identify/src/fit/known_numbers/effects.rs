@@ -6,7 +6,8 @@ use crate::fit::experiment::Experiment;
 use crate::fit::triangle::SharedTriangle;
 use crate::problem::parameters::Parameters;
 use nalgebra::DMatrix;
-use poinsot_solve::{BlockQr, NotFinite, Spectrum, Triangle};
+use poinsot_files::Faults;
+use poinsot_solve::{BlockQr, Spectrum, Triangle};
 
 /// Share of its declared sigma below which a known number counts as estimated.
 const ESTIMATED: f64 = 0.7;
@@ -30,7 +31,7 @@ impl Effects {
     ///
     /// # Errors
     /// The triangle holds NaN or infinity.
-    pub fn new(experiment: &Experiment, fitted: &Fitted) -> Result<Option<Self>, NotFinite> {
+    pub fn new(experiment: &Experiment, fitted: &Fitted) -> Result<Option<Self>, Faults> {
         let parameters = experiment.parameters;
         let places = parameters.known_places();
         if places.is_empty() {

@@ -69,11 +69,11 @@ proptest! {
         match parse_model(&text, "m.toml") {
             Ok(model) => { let _ = describe(&model).to_string(); }
             Err(error) => {
-                prop_assert!(!error.findings.is_empty());
-                for finding in &error.findings {
+                prop_assert!(!error.list.is_empty());
+                for finding in &error.list {
                     let whole = finding.to_string();
                     prop_assert!(!whole.contains('\n'), "{}", whole);
-                    prop_assert!(!finding.problem.is_empty() && !finding.remedy.is_empty());
+                    prop_assert!(!finding.problem.is_empty() && !finding.advice.is_empty());
                 }
             }
         }

@@ -62,12 +62,12 @@ fn exact_twenty_findings_are_shown_in_order_and_the_rest_counted() {
         );
     }
     let error = parse_model(&text, "m.toml").unwrap_err();
-    assert_eq!((error.findings.len(), error.omitted), (20, 10));
+    assert_eq!((error.list.len(), error.omitted), (20, 10));
     assert!(
         error
-            .findings
+            .list
             .windows(2)
-            .all(|pair| pair[0].line < pair[1].line)
+            .all(|pair| pair[0].place.line < pair[1].place.line)
     );
     assert!(error.to_string().ends_with("\nand 10 more"));
 }

@@ -3,8 +3,10 @@
 //! On one axis `K = sum Q w^T = g k^T` with `g = I n` known. `G` and `k` hold eight unknowns, up to a common scale,
 //! which determine every column but one. Gauss-Newton fits them to the 15 other printed numbers.
 
-use crate::kim2010::{Kim2010Error, Sums};
+use crate::kim2010::Sums;
+use crate::kim2010::error;
 use nalgebra::{SMatrix, SVector};
+use poinsot_files::Faults;
 use poinsot_spatial::{Matrix3, Vector3};
 
 /// Half a unit of the last printed digit, kg m2.
@@ -30,7 +32,7 @@ pub struct Fixed {
 
 /// Fits the eight unknowns. `n` is the axis, `g = I n` the momentum direction; `table` is Table 2 in the order batch,
 /// conventional, pre-estimate (not used), suggested.
-pub fn invert(n: &Vector3, g: &Vector3, table: &[[f64; 6]; 4]) -> Result<Fixed, Kim2010Error> {
+pub fn invert(n: &Vector3, g: &Vector3, table: &[[f64; 6]; 4]) -> Result<Fixed, Faults> {
     let wanted = Printed::from_iterator(
         table[0]
             .iter()
@@ -51,7 +53,7 @@ pub fn invert(n: &Vector3, g: &Vector3, table: &[[f64; 6]; 4]) -> Result<Fixed, 
         }
         let step = (J.transpose() * J)
             .cholesky()
-            .ok_or(Kim2010Error::NotFinite)?
+            .ok_or_else(error::not_finite)?
             .solve(&(J.transpose() * rest));
         u += step;
     }
@@ -61,7 +63,7 @@ pub fn invert(n: &Vector3, g: &Vector3, table: &[[f64; 6]; 4]) -> Result<Fixed, 
 }
 
 /// `G`, `k` and the sums from the eight relative deviations from the noise-free record.
-fn build(u: &Unknowns, n: &Vector3, g: &Vector3) -> Result<(Matrix3, Vector3, Sums), Kim2010Error> {
+fn build(u: &Unknowns, n: &Vector3, g: &Vector3) -> Result<(Matrix3, Vector3, Sums), Faults> {
     let G = Matrix3::from_fn(|i, j| {
         let at = if i == j { i } else { 2 + i + j };
         // The ridge of a record of 350 s; without it the initial G is singular.
@@ -73,7 +75,7 @@ fn build(u: &Unknowns, n: &Vector3, g: &Vector3) -> Result<(Matrix3, Vector3, Su
 }
 
 /// The 15 numbers: batch (6), conventional (6), products of suggested (3).
-fn columns(sums: &Sums) -> Result<Printed, Kim2010Error> {
+fn columns(sums: &Sums) -> Result<Printed, Faults> {
     let (batch, conventional) = (sums.batch()?.0.printed, sums.conventional()?.printed);
     let suggested = sums.suggested()?.printed;
     Ok(Printed::from_iterator(

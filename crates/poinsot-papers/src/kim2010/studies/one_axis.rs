@@ -3,9 +3,10 @@
 use super::inversion::{Noise, invert};
 use super::printed::{PRINTED, SIGMA, TRUE};
 use super::records::{PAPER, RATE, Slew, chi_square, columns, noise};
-use crate::kim2010::{Answer, ELEMENTS, Kim2010Error, NAMES, Sums, VISITED};
+use crate::kim2010::{Answer, ELEMENTS, NAMES, Sums, VISITED};
 use crate::study::statistics::largest;
 use crate::study::{Context, Digits, Findings, StudyError, Table};
+use poinsot_files::Faults;
 use poinsot_spatial::{Matrix3, Vector3};
 
 /// `N sigma^2 / sum s^2` in the limit of low noise.
@@ -137,9 +138,9 @@ pub fn orders(context: &Context) -> Result<Findings, StudyError> {
             tried.push((first, *order));
         }
     }
-    let far = |of: &dyn Fn(&Sums) -> Result<Answer, Kim2010Error>| -> Result<f64, Kim2010Error> {
+    let far = |of: &dyn Fn(&Sums) -> Result<Answer, Faults>| -> Result<f64, Faults> {
         let products = sums.iter().map(|s| Ok(of(s)?.printed[3..].to_vec()));
-        let products: Vec<Vec<f64>> = products.collect::<Result<_, Kim2010Error>>()?;
+        let products: Vec<Vec<f64>> = products.collect::<Result<_, Faults>>()?;
         Ok(chi_square(&products, 2, 3))
     };
     let mut best = f64::INFINITY;

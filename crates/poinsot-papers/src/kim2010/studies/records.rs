@@ -1,9 +1,10 @@
 //! The paper's slew, simulated from its case without noise, and noisy records of it.
 
 use super::printed::{PRINTED, SIGMA};
-use crate::kim2010::{Kim2010Error, Manoeuvre, StartRate, Sums, wheel_momentum};
+use crate::kim2010::{Manoeuvre, StartRate, Sums, wheel_momentum};
 use crate::study::statistics::Normals;
 use crate::study::{Context, StudyError};
+use poinsot_files::Faults;
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
 
 /// Rows per second of the record.
@@ -83,12 +84,7 @@ impl Slew {
 
     /// The sums of the paper's estimators over the first `seconds`, every `step`-th row; `noise` (one vector per
     /// sample) is added to the rates.
-    pub fn sums(
-        &self,
-        seconds: usize,
-        step: usize,
-        noise: &[Vector3],
-    ) -> Result<Sums, Kim2010Error> {
+    pub fn sums(&self, seconds: usize, step: usize, noise: &[Vector3]) -> Result<Sums, Faults> {
         let rows = || (0..=seconds * RATE).step_by(step);
         let zero = Vector3::zeros();
         let noisy = |(k, i): (usize, usize)| self.w[i] + noise.get(k).unwrap_or(&zero);
@@ -104,7 +100,7 @@ impl Slew {
     }
 
     /// The sums of every noisy record for each length at one rate; longer records extend shorter ones.
-    pub fn noisy(&self, step: usize, lengths: &[usize]) -> Result<Vec<Vec<Sums>>, Kim2010Error> {
+    pub fn noisy(&self, step: usize, lengths: &[usize]) -> Result<Vec<Vec<Sums>>, Faults> {
         let longest = lengths.iter().max().copied().unwrap_or(0) * RATE / step + 1;
         let mut all: Vec<Vec<Sums>> = lengths.iter().map(|_| Vec::new()).collect();
         for seed in 0..SEEDS {
@@ -124,7 +120,7 @@ pub fn noise(seed: u64, samples: usize) -> Vec<Vector3> {
 }
 
 /// The four columns of Table 2.
-pub fn columns(sums: &Sums) -> Result<[[f64; 6]; 4], Kim2010Error> {
+pub fn columns(sums: &Sums) -> Result<[[f64; 6]; 4], Faults> {
     Ok([
         sums.batch()?.0.printed,
         sums.conventional()?.printed,

@@ -4,13 +4,14 @@
 //! a moving joint, are then affine in the total mass. The ten numbers of one side and the mass are eleven unknowns of
 //! a linear problem.
 
-use super::super::error::Xu2017Error;
 use super::super::least_squares::{Rows, answer, shown};
 use super::super::two_body::{TwoBodyReading, equations, rows, transported_back};
 use super::super::{natural, sum};
 use super::steps::push;
 use super::{Work, properties_of};
+use crate::xu2017::error;
 use nalgebra::SVector;
+use poinsot_files::Faults;
 use poinsot_spatial::{InertialParameters, MassProperties};
 
 /// Change of the total mass for one unit of a column, kg.
@@ -18,8 +19,8 @@ const UNIT: f64 = 1.0;
 
 impl Work<'_> {
     /// Determines the total mass from the motion of one joint.
-    pub(super) fn weigh(&mut self, joint: usize) -> Result<(), Xu2017Error> {
-        let total = self.found.total.ok_or(Xu2017Error::NoScale)?;
+    pub(super) fn weigh(&mut self, joint: usize) -> Result<(), Faults> {
+        let total = self.found.total.ok_or_else(error::no_scale)?;
         let whole = properties_of(&total)?;
         let of_mass = |mass: f64| MassProperties { mass, ..whole }.parameters();
         let child = self.child(joint);
@@ -53,7 +54,7 @@ impl Work<'_> {
         let found = answer(system, &units, &start, seen.as_ref());
         let mass = found.value[10];
         if !found.finite || mass.is_nan() || mass <= 0.0 {
-            return Err(Xu2017Error::NotFinite);
+            return Err(error::not_finite());
         }
         self.found.total = Some(of_mass(mass));
         Ok(())

@@ -1,10 +1,11 @@
 //! Inputs of each step: thrust and accelerations, impulses, both sides of a joint.
 
-use super::super::error::Xu2017Error;
 use super::super::single_body::{Push, SingleRow, momenta};
 use super::super::two_body::{Side, TwoBodyReading};
 use super::Work;
+use crate::xu2017::error;
 use poinsot_dynamics::{Kinematics, body_momentum};
+use poinsot_files::Faults;
 use poinsot_identify::{Segment, thrust_impulses};
 use poinsot_spatial::Vector3;
 
@@ -65,7 +66,7 @@ impl Work<'_> {
     pub(super) fn readings(
         &self,
         joint: usize,
-    ) -> Result<Vec<(usize, Vec<TwoBodyReading>)>, Xu2017Error> {
+    ) -> Result<Vec<(usize, Vec<TwoBodyReading>)>, Faults> {
         let child = self.child(joint);
         let of = |&at: &usize| Ok((at, self.measured(at, child, Some(joint))?));
         self.roles.of_joint[joint].iter().map(of).collect()
@@ -78,13 +79,13 @@ impl Work<'_> {
         at: usize,
         body: usize,
         alone: Option<usize>,
-    ) -> Result<Vec<TwoBodyReading>, Xu2017Error> {
+    ) -> Result<Vec<TwoBodyReading>, Faults> {
         let (tree, segment) = (self.problem.tree, &self.problem.segments[at]);
         let s = &segment.samples;
-        let translation = s.translation.as_ref().ok_or(Xu2017Error::NoVelocity {
-            label: segment.label.clone(),
-            what: "the momentum of a moving joint",
-        })?;
+        let translation = s
+            .translation
+            .as_ref()
+            .ok_or_else(|| error::no_velocity(&segment.label, "the momentum of a moving joint"))?;
         let dof = tree.dof();
         let mut kinematics = Kinematics::new(tree);
         let mut q = self.roles.normal.clone();

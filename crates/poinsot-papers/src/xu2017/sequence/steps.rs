@@ -1,14 +1,15 @@
 //! The steps of one moving joint, Sec. 3.3: one side from the momentum, the other from (43)-(46).
 
-use super::super::error::Xu2017Error;
 use super::super::least_squares::{Rows, answer, shown};
 use super::super::two_body::{
     MomentumRow, TwoBodyObjective, TwoBodyReading, equations, rows, transported, transported_back,
 };
 use super::super::{Kind, natural, sum};
 use super::{Order, Searched, Work, properties_of, properties_or_nan};
+use crate::xu2017::error;
 use nalgebra::SVector;
 use poinsot_dynamics::Kinematics;
+use poinsot_files::Faults;
 use poinsot_spatial::{InertialParameters, Vector3};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -18,7 +19,7 @@ const MOTIONS: usize = 40;
 
 impl Work<'_> {
     /// A joint with one side known: solves for the other side, and so for the whole.
-    pub(super) fn beside_known(&mut self, joint: usize) -> Result<InertialParameters, Xu2017Error> {
+    pub(super) fn beside_known(&mut self, joint: usize) -> Result<InertialParameters, Faults> {
         let child = self.child(joint);
         let inner_known = self.known(|b| !self.carries(child, b));
         let inner = self.composite(0, |b| !self.carries(child, b));
@@ -41,9 +42,9 @@ impl Work<'_> {
     }
 
     /// A joint of a robot with known whole: solves for one side; the other is the difference, (43)-(46).
-    pub(super) fn split(&mut self, joint: usize) -> Result<InertialParameters, Xu2017Error> {
+    pub(super) fn split(&mut self, joint: usize) -> Result<InertialParameters, Faults> {
         let child = self.child(joint);
-        let total = self.found.total.ok_or(Xu2017Error::NoScale)?;
+        let total = self.found.total.ok_or_else(error::no_scale)?;
         let (R, p) = (self.normal.R[child], self.normal.p[child]);
         let rest = |inner: &InertialParameters| transported_back(&sum(&total, inner, -1.0), &R, &p);
         if self.known(|b| !self.carries(child, b)) {
@@ -70,7 +71,7 @@ impl Work<'_> {
     }
 
     /// One unknown body, with any joints in motion.
-    pub(super) fn one_body(&mut self, body: usize) -> Result<(), Xu2017Error> {
+    pub(super) fn one_body(&mut self, body: usize) -> Result<(), Faults> {
         let segments = self.roles.of_joint.iter().flatten();
         let mut list: Vec<usize> = segments.chain(&self.roles.together).copied().collect();
         list.sort_unstable();
@@ -100,7 +101,7 @@ impl Work<'_> {
         compose: &dyn Fn(&InertialParameters) -> [InertialParameters; 2],
         nominal: &InertialParameters,
         total: Option<f64>,
-    ) -> Result<InertialParameters, Xu2017Error> {
+    ) -> Result<InertialParameters, Faults> {
         let properties = properties_of(nominal)?;
         let natural = natural(&properties);
         let free = self.momentum_is_free();

@@ -4,8 +4,9 @@ use crate::answered::as_one;
 use crate::method::Method;
 use crate::study::{Context, StudyError};
 use crate::xu2017::swarm::Swarm;
-use crate::xu2017::{Found, Kind, Order, Solver, Xu2017, Xu2017Error, sequence};
+use crate::xu2017::{Found, Kind, Order, Solver, Xu2017, sequence};
 use poinsot_dynamics::{Kinematics, Tree};
+use poinsot_files::Faults;
 use poinsot_identify::{BodyEstimate, Estimate, Noise, Problem, Segment, TENSOR};
 use poinsot_model::{EstimateSet, Model};
 use poinsot_spatial::{InertialParameters, MassProperties};
@@ -64,7 +65,7 @@ impl Data {
     ///
     /// # Errors
     /// The runs do not suit the method.
-    pub fn linear(&self, order: Order) -> Result<Found, Xu2017Error> {
+    pub fn linear(&self, order: Order) -> Result<Found, Faults> {
         sequence(&self.problem(), order, &Solver::default())
     }
 
@@ -72,12 +73,7 @@ impl Data {
     ///
     /// # Errors
     /// The runs do not suit the method.
-    pub fn swarms(
-        &self,
-        share: f64,
-        order: Order,
-        swarm: Swarm,
-    ) -> Result<Vec<Found>, Xu2017Error> {
+    pub fn swarms(&self, share: f64, order: Order, swarm: Swarm) -> Result<Vec<Found>, Faults> {
         let fly = |seed: u64| {
             let solver = Solver {
                 kind: Kind::Swarm,

@@ -1,5 +1,6 @@
 //! The estimators against closed forms and the printed tables.
 
+use poinsot_files::Faults;
 use poinsot_papers::kim2010::*;
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
 use rand_chacha::ChaCha8Rng;
@@ -17,7 +18,7 @@ struct Record {
 }
 
 impl Record {
-    fn sums(&self, start: StartRate) -> Result<Sums, Kim2010Error> {
+    fn sums(&self, start: StartRate) -> Result<Sums, Faults> {
         Sums::of(&[Manoeuvre {
             R_NB: &self.R,
             w_NB_B: &self.w,
@@ -273,23 +274,17 @@ fn unit_impossible_questions_are_errors() {
             h_W_B: &record.h[..2],
             start: StartRate::Rest,
         }]),
-        Err(Kim2010Error::TooFew)
+        Err(error::too_few())
     );
     for w in &mut record.w {
         w.y = 0.0;
     }
-    assert_eq!(
-        record.sums(StartRate::Rest),
-        Err(Kim2010Error::NoRotation { axis: 'y' })
-    );
+    assert_eq!(record.sums(StartRate::Rest), Err(error::no_rotation('y')));
     record.h.pop();
-    assert_eq!(record.sums(StartRate::Rest), Err(Kim2010Error::Lengths));
+    assert_eq!(record.sums(StartRate::Rest), Err(error::lengths()));
     let (mut record, _) = eigenaxis_slew();
     record.h.iter_mut().for_each(|h| *h = Vector3::zeros());
-    assert_eq!(
-        record.sums(StartRate::Rest),
-        Err(Kim2010Error::NoWheelMotion)
-    );
+    assert_eq!(record.sums(StartRate::Rest), Err(error::no_wheel_motion()));
     record.w[3].x = f64::NAN;
-    assert_eq!(record.sums(StartRate::Rest), Err(Kim2010Error::NotFinite));
+    assert_eq!(record.sums(StartRate::Rest), Err(error::not_finite()));
 }

@@ -297,7 +297,7 @@ fn ask(
     raws: &[ma2008::Raw],
     variant: Variant,
     seen: f64,
-) -> Result<poinsot_identify::Estimate, ma2008::Ma2008Error> {
+) -> Result<poinsot_identify::Estimate, poinsot_files::Faults> {
     let tree = Tree::new(model);
     ma2008::identify(
         &Problem {

@@ -295,7 +295,7 @@ fn unit_files_that_are_none() {
         "E0201 none.csv",
         "check the path",
     );
-    assert!(!missing.is_environment());
+    assert_eq!(missing.kind(), poinsot_files::FaultKind::Input);
     std::fs::create_dir(folder.path("dir.csv")).unwrap();
     let error = read(&[folder.path("dir.csv")], &ReadOptions::default()).unwrap_err();
     assert_told(&folder.message(&error), "E0202 dir.csv", "regular file");

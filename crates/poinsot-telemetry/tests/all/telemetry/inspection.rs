@@ -1,9 +1,8 @@
 //! Inspection of a table.
 
 use crate::telemetry::{Folder, read_text};
-use poinsot_telemetry::{
-    Channel, ReadOptions, Table, TelemetryError, inspect, inspect_files, read, write,
-};
+use poinsot_files::Fault;
+use poinsot_telemetry::{Channel, ReadOptions, Table, inspect, inspect_files, read, write};
 use std::sync::Arc;
 
 #[test]
@@ -177,11 +176,15 @@ fn exact_the_step_that_a_refusal_names_fits() {
                 time_s,
                 ..ReadOptions::default()
             };
-            let Err(TelemetryError::TooLarge { fit, every, .. }) = read(&[&path], &small) else {
-                panic!("not refused");
-            };
+            let error = read(&[&path], &small).unwrap_err();
+            assert_eq!(error.code(), "E0221");
+            let Fault {
+                problem, advice, ..
+            } = &error.list[0];
             // 6 numbers of 8 bytes: channels plus two.
-            assert_eq!(fit, (1 << 20) / 48);
+            let fit = (1 << 20) / 48;
+            assert!(problem.contains(&format!("but {fit} fit")), "{problem}");
+            let every = advice.split([' ', ',']).nth(2).unwrap().parse().unwrap();
             let thin = |every: u64| {
                 let every = usize::try_from(every).unwrap();
                 let options = ReadOptions {

@@ -12,7 +12,7 @@ mod resampling;
 mod round_trip;
 mod segments;
 
-use poinsot_telemetry::{ReadOptions, Table, TelemetryError, read};
+use poinsot_telemetry::{ReadOptions, Table, read};
 use std::path::PathBuf;
 use tempfile::TempDir;
 
@@ -42,7 +42,7 @@ impl Folder {
     }
 
     /// The complete message of an error, without the folder's path.
-    fn message(&self, error: &TelemetryError) -> String {
+    fn message(&self, error: &poinsot_files::Faults) -> String {
         let folder = format!("{}/", self.0.path().display());
         error.to_string().replace(&folder, "")
     }

@@ -1,0 +1,92 @@
+//! Faults of a problem; their codes are stable.
+
+use crate::problem::parameters::MOST_NUMBERS;
+use poinsot_files::{Fault, Faults, Place};
+use poinsot_solve::NotFinite;
+
+/// Code of a tree without a translation sensor.
+pub const NO_VELOCITY: &str = "E0403";
+/// Code of a nominal vehicle that has no motion.
+pub const NO_MOTION: &str = "E0405";
+
+/// E0401: the nominal numbers make a product of unknowns.
+pub(crate) fn nonlinear(body: &str) -> Faults {
+    Faults::one(
+        "E0401",
+        Place::item("body", body),
+        "estimate has the mass centre but not the inertia; the linear method cannot solve that product of unknowns",
+        "add \"inertia\" to estimate or use --method maximum_likelihood",
+    )
+}
+
+/// E0402: nothing is unknown.
+pub(crate) fn nothing_unknown() -> Faults {
+    Faults::one(
+        "E0402",
+        Place::default(),
+        "the model has nothing to estimate: every body is known",
+        "set estimate = true on at least one body",
+    )
+}
+
+/// E0403: a tree without a translation sensor.
+pub(crate) fn rotation_of_tree(bodies: usize) -> Faults {
+    Faults::one(
+        NO_VELOCITY,
+        Place::default(),
+        format!(
+            "no velocity (channels v_x v_y v_z with a [[sensor]] of type \"velocity\"): without it the linear method identifies one fully unknown rigid body only, and this model has {bodies} bodies"
+        ),
+        "add velocity or use --method maximum_likelihood",
+    )
+}
+
+/// E0404: too few samples.
+pub fn too_few_samples(segment: &str, samples: usize) -> Faults {
+    Faults::one(
+        "E0404",
+        Place::item("segment", segment),
+        format!("{samples} samples are not enough, at least 2 are needed"),
+        "give a longer record",
+    )
+}
+
+/// E0405: the nominal vehicle has no motion.
+pub fn no_motion() -> Faults {
+    Faults::one(
+        NO_MOTION,
+        Place::default(),
+        "the motion cannot be predicted from the nominal mass properties (no positive mass or inertia, or a rotation five times faster than measured)",
+        "check mass_kg and inertia_kg_m2 in the model and the units of wheel and joint columns",
+    )
+}
+
+/// E0406: the matrices would exceed memory and computing time.
+pub(crate) fn too_many(numbers: usize, what: &str, advice: &str) -> Faults {
+    let problem = format!("the model has {numbers} {what}, more than the limit of {MOST_NUMBERS}");
+    Faults::one("E0406", Place::default(), problem, advice)
+}
+
+/// E0407: a setting out of its range.
+pub(crate) fn setting(name: &str, value: f64, range: &str) -> Faults {
+    let place = Place::item("setting", name);
+    let fault = Fault::new("E0407", place, "out of its range", format!("give {range}"));
+    fault.with_value(value.to_string()).into()
+}
+
+/// E0410: the numbers overflow.
+pub fn not_finite(_: NotFinite) -> Faults {
+    Faults::one(
+        "E0410",
+        Place::default(),
+        "the equations hold a number that is not finite",
+        "check units and magnitudes of the telemetry",
+    )
+}
+
+/// E0411: an array is too short, too long or points beyond the grid.
+pub fn wrong_length(what: &str, found: usize, expected: usize) -> Faults {
+    let problem = format!("{found} entries, expected {expected}");
+    let place = Place::default().key(what);
+    Faults::one("E0411", place, problem, "give one for each")
+}
