@@ -1,7 +1,9 @@
 //! A document: a verdict and sections of rows and sentences, for terminal and page.
 
-use crate::template::BAR;
 use serde::Serialize;
+
+/// Stands for `|` in a cell of a terminal text; [`escaped`](poinsot_files::escaped) removes it from text of files.
+pub(crate) const BAR: char = '\u{1f}';
 
 /// Quality of a statement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]

@@ -1,25 +1,16 @@
 //! A figure on a page or as a separate file: SVG with its style, or PNG. Output is deterministic: independent of time,
 //! machine and installed fonts.
 
+use crate::drawing::{Drawing, Key, TEMPLATES, px};
 use crate::error::PageError;
 use crate::packed::packed;
 #[cfg(feature = "png")]
 use crate::pixels::pixels;
 use crate::scene::Scene;
 use crate::series::Plot;
-use crate::template::{Html, Templates};
+use crate::template::Html;
 use minijinja::{Value, context};
-use serde::Serialize;
-use std::sync::LazyLock;
 
-static TEMPLATES: LazyLock<Templates> = LazyLock::new(|| {
-    Templates::new(&[
-        ("figure.html", include_str!("../templates/figure.html")),
-        ("figure.svg", include_str!("../templates/figure.svg")),
-        ("plot.svg", include_str!("../templates/plot.svg")),
-        ("scene.svg", include_str!("../templates/scene.svg")),
-    ])
-});
 const STYLE: &str = include_str!("../assets/figure.css");
 /// Height of the title and of each legend row, px.
 const TITLE: f64 = 26.0;
@@ -55,38 +46,6 @@ pub enum FigureFormat {
     Svg,
     /// Pixels, twice the resolution of the SVG.
     Png,
-}
-
-/// A legend entry.
-#[derive(Serialize)]
-pub(crate) struct Key<'a> {
-    name: &'a str,
-    mark: &'static str,
-    colour: usize,
-}
-
-impl<'a> Key<'a> {
-    pub fn new(name: &'a str, (mark, colour): (&'static str, usize)) -> Self {
-        Self { name, mark, colour }
-    }
-}
-
-/// SVG elements of a picture and their size, px.
-pub(crate) struct Drawing {
-    size: [f64; 2],
-    elements: Html,
-}
-
-impl Drawing {
-    pub fn new(size: [f64; 2], template: &str, context: Value) -> Result<Self, PageError> {
-        let elements = TEMPLATES.html(template, context)?;
-        Ok(Self { size, elements })
-    }
-}
-
-/// A place in a drawing, px.
-pub(crate) fn px(x: f64) -> f64 {
-    (x * 100.0).round() / 100.0
 }
 
 impl FigureFormat {

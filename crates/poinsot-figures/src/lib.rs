@@ -38,6 +38,7 @@
 
 mod axis;
 mod document;
+mod drawing;
 mod error;
 mod figure;
 mod packed;

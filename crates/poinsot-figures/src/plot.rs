@@ -1,8 +1,8 @@
 //! A plot as SVG. A time plot is stored on the page as packed samples that `curves.js` draws.
 
 use crate::axis::{exponent, superscript, tick_text, ticks, unit_text};
+use crate::drawing::{Drawing, Key, px};
 use crate::error::PageError;
-use crate::figure::{Drawing, Key, px};
 use crate::series::{Axis, Mark, Plot, Series};
 use minijinja::context;
 use serde::Serialize;

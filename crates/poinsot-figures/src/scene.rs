@@ -2,8 +2,8 @@
 //!
 //! In print and without WebGL2 it is a static SVG; `space.js` draws the same numbers.
 
+use crate::drawing::{Drawing, Key, px};
 use crate::error::PageError;
-use crate::figure::{Drawing, Key, px};
 use crate::template::{Html, island};
 use minijinja::{Value, context};
 use serde::Serialize;

@@ -1,7 +1,7 @@
 //! Templates (minijinja) of pages and terminal texts, with the formats of their numbers. Text from files is escaped; only
 //! HTML made by this program is inserted unescaped.
 
-use crate::document::{Document, Tone};
+use crate::document::{BAR, Document, Tone};
 use crate::error::PageError;
 use minijinja::{AutoEscape, Environment, Error, Output, State, Value, escape_formatter};
 use poinsot_files::{
@@ -10,8 +10,6 @@ use poinsot_files::{
 };
 use serde::Serialize;
 
-/// Stands for `|` in a cell of a terminal text; [`escaped`] removes it from text of files.
-pub(crate) const BAR: char = '\u{1f}';
 /// Name of the escaping of terminal texts.
 const TEXT: AutoEscape = AutoEscape::Custom("text");
 

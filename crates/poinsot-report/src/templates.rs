@@ -8,6 +8,7 @@ pub(crate) static TEMPLATES: LazyLock<Templates> = LazyLock::new(|| {
         ("answer.html", include_str!("../templates/answer.html")),
         ("bodies.html", include_str!("../templates/bodies.html")),
         ("campaign.txt", include_str!("../templates/campaign.txt")),
+        ("case.txt", include_str!("../templates/case.txt")),
         (
             "comparison.txt",
             include_str!("../templates/comparison.txt"),
@@ -21,6 +22,7 @@ pub(crate) static TEMPLATES: LazyLock<Templates> = LazyLock::new(|| {
         ("numbers.html", include_str!("../templates/numbers.html")),
         ("open.html", include_str!("../templates/open.html")),
         ("picture.html", include_str!("../templates/picture.html")),
+        ("plan.txt", include_str!("../templates/plan.txt")),
         (
             "prediction.txt",
             include_str!("../templates/prediction.txt"),

@@ -230,7 +230,7 @@ impl Findings {
 }
 
 /// A plot of curves over axes `quantity, unit`.
-pub fn curves(title: impl Into<String>, x: &str, y: &str, series: Vec<Series>) -> Plot {
+pub(crate) fn curves(title: impl Into<String>, x: &str, y: &str, series: Vec<Series>) -> Plot {
     let axis = |text: &str| {
         let (label, unit) = text.split_once(", ").unwrap_or((text, ""));
         Axis::new(label, unit)

@@ -9,7 +9,8 @@ mod findings;
 pub mod statistics;
 
 pub use context::{CaseText, Context, Difference, StudyError, Tools};
-pub use findings::{Cell, Digits, Findings, Table, curves};
+pub(crate) use findings::curves;
+pub use findings::{Cell, Digits, Findings, Table};
 
 /// Function of a study.
 pub type Run = fn(&Context) -> Result<Findings, StudyError>;

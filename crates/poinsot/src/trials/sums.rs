@@ -380,11 +380,7 @@ mod tests {
         read.numbers[0].square = made.numbers[0].square;
         assert_eq!(read, made);
         std::fs::write(&path, "{}").unwrap();
-        assert!(
-            Sums::read(&path)
-                .unwrap_err()
-                .to_string()
-                .contains("trials/2")
-        );
+        let error = Sums::read(&path).unwrap_err().to_string();
+        assert!(error.contains("sums.json"), "{error}");
     }
 }
