@@ -72,9 +72,6 @@ pub struct Parameters {
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 
-/// Most mass properties, or uncertain known numbers, that are solved for together: their spectrum costs the cube of it.
-pub(crate) const MOST_NUMBERS: usize = 1000;
-
 impl Parameters {
     /// The unknowns of a model under the equations that the data allow.
     ///
@@ -99,7 +96,7 @@ impl Parameters {
             Equations::Rotation => parameters.add_rotation(model, thrusters_fire)?,
         }
         parameters.mass_unknowns = parameters.unknowns.len();
-        if parameters.mass_unknowns > MOST_NUMBERS {
+        if parameters.mass_unknowns > refusal::MOST_NUMBERS {
             let numbers = parameters.mass_unknowns;
             let advice = "take estimate out of bodies that are known well enough";
             return Err(refusal::too_many(

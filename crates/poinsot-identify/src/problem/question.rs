@@ -1,6 +1,6 @@
 //! The problem of an estimator.
 
-use crate::problem::parameters::{Equations, MOST_NUMBERS, Parameters, Registry};
+use crate::problem::parameters::{Equations, Parameters, Registry};
 use crate::problem::refusal::{NO_VELOCITY, too_few_samples, too_many};
 use crate::problem::segment::{Noise, Observations, Segment};
 use poinsot_dynamics::Tree;
@@ -115,7 +115,7 @@ impl Problem<'_> {
     /// More known numbers are uncertain than a fit takes in.
     pub(crate) fn check_known_numbers(&self) -> Result<(), ProblemError> {
         let numbers = self.model.uncertain().map(|u| u.number.components()).sum();
-        match numbers > MOST_NUMBERS {
+        match numbers > crate::problem::refusal::MOST_NUMBERS {
             true => Err(too_many(
                 numbers,
                 "uncertain known numbers",

@@ -1,9 +1,10 @@
 //! Faults of a problem; their codes are stable.
 
-use crate::problem::parameters::MOST_NUMBERS;
 use poinsot_files::{Fault, Faults, Place};
 use poinsot_solve::NotFinite;
 
+/// Most mass properties, or uncertain known numbers, that are solved for together: their spectrum costs the cube of it.
+pub(crate) const MOST_NUMBERS: usize = 1000;
 /// Code of a tree without a translation sensor.
 pub const NO_VELOCITY: &str = "E0403";
 /// Code of a nominal vehicle that has no motion.

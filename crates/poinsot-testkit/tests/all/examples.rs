@@ -26,7 +26,11 @@ const CRATES: [&str; 12] = [
 ];
 
 /// Functions without an example: part of the place, and the reason.
-const WITHOUT: [(&str, &str); 6] = [
+const WITHOUT: [(&str, &str); 7] = [
+    (
+        "/error.rs:",
+        "a fault with its code; `poinsot explain` shows the message",
+    ),
     ("/studies/", "steps of a study; `study::run` has an example"),
     (": campaign_document", "text of a campaign, which has one"),
     (": cost_document", "text of a campaign's cost"),

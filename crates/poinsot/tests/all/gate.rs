@@ -48,7 +48,11 @@ fn told(answer: Result<poinsot::Identified, poinsot::Error>, file: &str) -> Stri
                 .collect();
             format!("{:?} {} {findings:?}", file.bodies, file.status)
         }
-        Err(error) => error.to_string().replace(file, "").replacen(": ", " ", 2),
+        Err(error) => error
+            .to_string()
+            .replace(file, "")
+            .replace(": ", " ")
+            .replace("  ", " "),
     }
 }
 

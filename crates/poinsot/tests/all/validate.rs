@@ -316,14 +316,14 @@ fn unit_refusals() {
             model: Some(own.clone().into()),
             ..base.clone()
         }),
-        "E0001 CASE '': no case is given; give one with the torques of both vehicles"
+        "E0001 CASE: no case is given; give one with the torques of both vehicles"
     );
     assert_eq!(
         refused(&ValidateRequest {
             case: None,
             ..base.clone()
         }),
-        "E0001 --model '': no model is named; give --model, or a case that names one"
+        "E0001 --model: no model is named; give --model, or a case that names one"
     );
     assert_eq!(
         refused(&ValidateRequest {
