@@ -53,7 +53,7 @@ impl Html {
 /// let context = minijinja::context! { verdict => "a < b", m => 1.234 };
 /// assert_eq!(templates.html("a.html", &context)?.as_str(), "<p>a &lt; b: 1.2</p>");
 /// let document = templates.document("a.txt", &context);
-/// assert_eq!(document.to_string(), "a < b\n\nnumbers\n        kg\n mass  1.2\n  a sentence\n");
+/// assert_eq!(document.to_string(), "a < b\n\nnumbers\n         kg\n  mass  1.2\n  a sentence\n");
 /// # Ok::<(), poinsot_figures::PageError>(())
 /// ```
 #[derive(Debug)]
