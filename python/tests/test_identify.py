@@ -63,6 +63,7 @@ def test_exact_bits_of_the_command(path, command, tmp_path):
     # Records are named by their files.
     wanted = json.loads(json.dumps(wanted).replace(str(path), "<arrays>"))
     for document in (of_arrays, wanted):
+        del document["sha256"]
         for entry in document["inputs"]:
             del entry["sha256"]
     of_arrays["repairs"] = [r for r in of_arrays["repairs"] if "checksums" not in r]
