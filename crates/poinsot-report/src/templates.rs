@@ -13,6 +13,7 @@ pub(crate) static TEMPLATES: LazyLock<Templates> = LazyLock::new(|| {
             "comparison.txt",
             include_str!("../templates/comparison.txt"),
         ),
+        ("choose.html", include_str!("../templates/choose.html")),
         ("cost.txt", include_str!("../templates/cost.txt")),
         ("design.txt", include_str!("../templates/design.txt")),
         ("durations.txt", include_str!("../templates/durations.txt")),
