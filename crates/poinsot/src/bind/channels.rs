@@ -9,6 +9,9 @@ use poinsot_telemetry::{Channel, Mounting, Table};
 use std::borrow::Cow;
 use std::collections::BTreeSet;
 
+/// Unused columns that an error names.
+const SHOWN: usize = 5;
+
 /// A table with its name for messages.
 pub(super) struct Channels<'a> {
     pub table: &'a Table,
@@ -112,7 +115,15 @@ impl<'a> Channels<'a> {
     }
 
     pub fn missing(&self, channel: &str, purpose: &str, advice: &str) -> Error {
-        missing(self.label, channel, purpose, advice)
+        let unused = self.table.ignored.as_slice();
+        let named = unused.get(..SHOWN).unwrap_or(unused).join("', '");
+        match unused.len() {
+            0 => missing(self.label, channel, purpose, advice),
+            n => {
+                let purpose = format!("{purpose} ({n} unused columns, the first are '{named}')");
+                missing(self.label, channel, &purpose, advice)
+            }
+        }
     }
 }
 

@@ -54,7 +54,7 @@ pub(super) fn align(
             channels.missing(
                 &speed_column(&wheel.name),
                 "the momentum of a wheel has no default",
-                "add the column, or take the wheel out of the model",
+                "map its column in [telemetry.columns], or take the wheel out of the model if it does not spin",
             )
         })?;
         wheel_speed.push(speed_at(&speed, tachometer, times));
