@@ -96,7 +96,7 @@ fn changed(name: String, unit: &'static str, nominal: f64) -> Unknown {
 }
 
 /// Candidates that the fit did not have at its answer, and whether their rows can be held; those with slopes of their own first,
-/// those made of others last. Where the rows cannot be held, the former are all.
+/// those made of others last. Where the rows cannot be held, only those with slopes of their own are listed.
 pub(super) fn candidates(experiment: &Experiment, fitted: &Fitted) -> (Vec<Candidate>, bool) {
     let mut list = of_registry(experiment);
     let (numbers, drifts) = (untested_numbers(experiment), of_drifts(experiment));

@@ -221,17 +221,17 @@ impl<'a> AlternativeFit<'a> {
         } = self.experiment.alternative;
         let rest = may_rest(problem).then(|| {
             let how = match rest_motion {
-                0.0 => "not at all".to_owned(),
-                1.0 => "by up to a step".to_owned(),
-                share => format!("by {share} of a step"),
+                0.0 => "stand still".to_owned(),
+                1.0 => "move by up to one step".to_owned(),
+                share => format!("move by up to {share} of a step"),
             };
-            format!("joints whose rounded samples stay equal move {how} meanwhile")
+            format!("joints {how} while their rounded samples stay equal")
         });
         let between = problem.assumes_wheel_motion().then(|| {
             let noted = self.other.as_ref().filter(|o| o.added > NOTED_SHARE);
             let choice = noted.map_or(String::new(), |o| {
                 format!(
-                    ", {:.0} % probable; the other way would move the answer by {:.1} sigma, which the sigmas include",
+                    ", {:.0} % probable; the alternative would change the answer by {:.1} sigma, which the sigmas include",
                     100.0 * (1.0 - o.probability),
                     o.shift
                 )
