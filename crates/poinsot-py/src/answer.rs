@@ -71,7 +71,7 @@ impl Options {
                 return Err(Fault::argument(
                     "--every",
                     "0",
-                    "it is no number of rows",
+                    "the number of rows must be at least 1",
                     "give 1 for all, 10 for every tenth",
                 )
                 .into());

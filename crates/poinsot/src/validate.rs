@@ -267,7 +267,12 @@ fn check(request: &ValidateRequest) -> Result<(), Error> {
     for (option, limit) in limits {
         if let Some(x) = limit.filter(|x| *x < 0.0 || x.is_nan()) {
             let advice = "give a number of at least zero";
-            return Err(Error::usage(option, x, "it is no limit", advice));
+            return Err(Error::usage(
+                option,
+                x,
+                "it is negative or not a number",
+                advice,
+            ));
         }
     }
     Ok(())

@@ -63,7 +63,7 @@ pub fn step(rows: &crate::arguments::Rows) -> Result<usize, Error> {
         0 => Err(Error::usage(
             "--every",
             "0",
-            "it is no number of rows",
+            "the number of rows must be at least 1",
             "give 1 for all, 10 for every tenth",
         )),
         every => Ok(every),

@@ -75,7 +75,10 @@ fn cli_every_0_is_refused() {
     let done = identify(&example("model.toml"), &["--every", "0"]);
     assert_eq!(done.status.code(), Some(2));
     let said = String::from_utf8(done.stderr).unwrap();
-    assert!(said.contains("E0001 --every '0': "), "{said}");
+    assert!(
+        said.contains("E0001 --every '0': the number of rows must be at least 1"),
+        "{said}"
+    );
     let mut inspect = Command::cargo_bin("poinsot").unwrap();
     inspect
         .arg("inspect")

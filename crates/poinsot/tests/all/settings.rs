@@ -89,5 +89,8 @@ fn unit_a_threshold_out_of_range_is_refused() {
         ..Settings::default()
     };
     let why = asked(&model, wrong).unwrap_err().to_string();
-    assert!(why.starts_with("E0407 setting 'misfit' = 0.5"), "{why}");
+    assert_eq!(
+        why,
+        "E0407 setting 'misfit' = 0.5: out of its range; give a finite number above 1"
+    );
 }

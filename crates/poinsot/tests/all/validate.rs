@@ -330,7 +330,7 @@ fn unit_refusals() {
             within_m: Some(f64::NAN),
             ..base.clone()
         }),
-        "E0001 --within-m 'NaN': it is no limit; give a number of at least zero"
+        "E0001 --within-m 'NaN': it is negative or not a number; give a number of at least zero"
     );
     let control = shipped().join("cases/stsat3_three_slews.toml");
     let truth = shipped()
