@@ -373,7 +373,11 @@ fn exact_files_hold_what_memory_holds_and_repeat_bit_for_bit() {
         }
         let bytes = std::fs::read(&written.telemetry).unwrap();
         let text = std::fs::read_to_string(&written.truth).unwrap();
-        assert!(text.contains("\"sha256\": \""));
+        // The file ends with the checksum of what memory holds.
+        let truth = serde_json::to_string_pretty(&memory.truth).unwrap();
+        let (content, seal) = text.rsplit_once(",\n  \"sha256\": \"").unwrap();
+        assert_eq!(content, truth.strip_suffix("\n}").unwrap());
+        assert_eq!(seal.len(), 64 + "\"\n}\n".len());
         let read = poinsot_formats::read_truth(&written.truth).unwrap();
         assert_eq!(read, memory.truth);
         let base = &model.bodies[0];
