@@ -34,19 +34,17 @@ const EARTH: f64 = 3.986_004_418e14;
 fn orbit_words(orbit: &Orbit, gm: f64) -> String {
     let period_min = std::f64::consts::TAU * (orbit.semi_major_axis.powi(3) / gm).sqrt() / 60.0;
     format!(
-        "orbit: semi-major axis {} km, eccentricity {}, inclination {} deg, node {} deg, periapsis {} deg, true anomaly {} deg at {}; one one orbit in {} min",
+        "orbit: semi-major axis {} km, eccentricity {}, inclination {} deg, node {} deg, periapsis {} deg, true anomaly {} deg at {}; one orbit in {} min",
         short(orbit.semi_major_axis / 1e3),
         short(orbit.eccentricity),
         short(orbit.inclination.to_degrees()),
         short(orbit.raan.to_degrees()),
         short(orbit.argument_of_periapsis.to_degrees()),
         short(orbit.true_anomaly.to_degrees()),
-        orbit
-            .epoch
-            .map_or("the first sample".to_owned(), |epoch| format!(
-                "{} s",
-                short(epoch)
-            )),
+        orbit.epoch.map_or(
+            "the start of the record's times".to_owned(),
+            |epoch| format!("{} s", short(epoch))
+        ),
         short(period_min)
     )
 }
