@@ -1,9 +1,9 @@
 //! The papers' pages: they are complete, every command exists and runs, and every cell of a study agrees with its
 //! present result.
 //!
-//! A table made by a study is below `<!-- study NAME.TABLE -->`. The last table of a page has a row for every
-//! equation, table, figure, claim and use. If its command is a study, the study gives the number. `POINSOT_BLESS=1`
-//! rewrites these cells and the figures of the pages.
+//! A table made by a study is below `<!-- study NAME.TABLE -->`, on the paper's page or on its page of tables. The last
+//! table of a paper's page has a row for every equation, table, figure, claim and use. If its command is a study, the
+//! study gives the number. `POINSOT_BLESS=1` rewrites these cells and the figures of the pages.
 
 use clap::CommandFactory;
 use poinsot::study::{Findings, Study, run, studies};
@@ -25,6 +25,11 @@ fn repository() -> PathBuf {
 
 fn page(paper: &str) -> PathBuf {
     repository().join(format!("docs/methods/{paper}.md"))
+}
+
+/// The page of the tables that the paper's page does not show.
+fn page_of_tables(paper: &str) -> PathBuf {
+    repository().join(format!("docs/methods/{paper}/tables.md"))
 }
 
 /// Nightly job: of the commands in the tables it has the tests of whole crates, and this file.
@@ -252,7 +257,7 @@ fn below(text: &str, mark: &str) -> Option<std::ops::Range<usize>> {
     Some(start..start + lines.map(|l| l.len() + 1).sum::<usize>())
 }
 
-/// Compares a page with the findings of a study, or rewrites the page. Returns the differences.
+/// Compares the tables of a page with the findings of a study, or rewrites them. Returns the differences.
 fn compared(text: &mut String, name: &str, findings: &Findings, bless: bool) -> Vec<String> {
     let mut wrong = Vec::new();
     for table in &findings.tables {
@@ -279,7 +284,6 @@ fn compared(text: &mut String, name: &str, findings: &Findings, bless: bool) -> 
             }
         }
     }
-    wrong.extend(statements(text, name, findings, bless));
     wrong
 }
 
@@ -331,9 +335,13 @@ fn pages_are_what_studies_say(quick: bool) {
         }
         let findings = run(study, &repository().join("data")).unwrap();
         assert!(!findings.tables.is_empty(), "{paper} {}", study.name);
+        let mut tables = std::fs::read_to_string(page_of_tables(paper)).unwrap();
+        wrong.extend(compared(&mut tables, study.name, &findings, bless));
         let mut text = std::fs::read_to_string(page(paper)).unwrap();
         wrong.extend(compared(&mut text, study.name, &findings, bless));
+        wrong.extend(statements(&mut text, study.name, &findings, bless));
         if bless {
+            std::fs::write(page_of_tables(paper), &tables).unwrap();
             std::fs::write(page(paper), &text).unwrap();
             for figure in &findings.figures {
                 let name = format!("{paper}/{}.svg", figure.name);
@@ -358,11 +366,12 @@ fn paper_pages_have_what_the_slow_studies_say() {
     pages_are_what_studies_say(false);
 }
 
-/// Every mark of a page names a table of an existing study; every table is below exactly one mark.
+/// Every mark of a paper's two pages names a table of an existing study; every table is below exactly one mark.
 #[test]
 fn paper_marks_of_the_pages_name_studies() {
     for (paper, _) in papers() {
-        let text = std::fs::read_to_string(page(paper)).unwrap();
+        let pages = [page(paper), page_of_tables(paper)];
+        let text = pages.map(|p| std::fs::read_to_string(p).unwrap()).concat();
         let mut seen = BTreeSet::new();
         for mark in text.split("<!-- study ").skip(1) {
             let name = mark.split(" -->").next().unwrap();
