@@ -1,7 +1,7 @@
 //! Writes the pages of `docs/` that come from the program, or checks them.
 //!
 //! Committed, because pages of the repository link into them: commands, formats, verdicts, validation. Not committed: the list of
-//! bad input, and the figures of the papers' pages that studies of seconds draw.
+//! bad input.
 
 #![allow(non_snake_case)]
 
@@ -12,7 +12,6 @@ mod validation;
 mod verdicts;
 
 use clap::Parser;
-use poinsot::study::{run, studies};
 use std::error::Error;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -33,7 +32,7 @@ struct Arguments {
     check: bool,
 }
 
-/// A page or figure, by its path in `docs`.
+/// A page, by its path in `docs`.
 struct Made {
     name: String,
     text: String,
@@ -57,10 +56,10 @@ fn write(check: bool) -> Result<(), Fault> {
             put(&page)?;
         }
     }
-    for made in ignored()? {
-        put(&made)?;
-    }
-    Ok(())
+    put(&Made {
+        name: "validation/bad_input.md".to_owned(),
+        text: bad_input::page()?,
+    })
 }
 
 /// A file of the repository.
@@ -88,24 +87,6 @@ fn committed() -> Result<Vec<Made>, Fault> {
         page("reference/verdicts.md", verdicts::page()),
         page("validation.md", validation::page()?),
     ])
-}
-
-fn ignored() -> Result<Vec<Made>, Fault> {
-    let mut all = vec![Made {
-        name: "validation/bad_input.md".to_owned(),
-        text: bad_input::page()?,
-    }];
-    for (paper, study) in studies().filter(|(_, study)| study.quick) {
-        let shown = read(&format!("docs/methods/{paper}.md"))?;
-        for figure in run(study, &repository("data"))?.figures {
-            let name = format!("{paper}/{}.svg", figure.name);
-            if let Some(text) = figure.svg()?.filter(|_| shown.contains(&name)) {
-                let name = format!("methods/{name}");
-                all.push(Made { name, text });
-            }
-        }
-    }
-    Ok(all)
 }
 
 fn current(page: &Made) -> Result<(), Fault> {
