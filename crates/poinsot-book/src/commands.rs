@@ -12,7 +12,7 @@ pub fn page() -> String {
     let mut out = "# Commands\n\n".to_owned();
     out.push_str(GENERATED);
     out.push_str(
-        "Every command ends with an exit code, writes its answer to standard output and all else to standard error. \
+        "Every command returns an exit code and writes its answer to standard output, everything else to standard error. \
          A command that fails leaves nothing under the final name.\n\n\
          | exit code | meaning |\n|---|---|\n",
     );

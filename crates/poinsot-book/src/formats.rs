@@ -10,8 +10,8 @@ pub fn page() -> String {
     let mut out = "# Formats\n\n".to_owned();
     out.push_str(GENERATED);
     out.push_str(
-        "Everything is SI, and every key that holds a quantity ends in its unit. Axes, points and signs are those of \
-         [Notation](notation.md). Case files have [a page of their own](case.md).\n\n",
+        "All numbers are in SI, and every key of a quantity ends in its unit. Axes, points and signs are those of \
+         [Notation](notation.md). [Case files](case.md) have a separate page.\n\n",
     );
     model(&mut out);
     out
@@ -27,9 +27,9 @@ pub fn case_page() -> String {
 }
 
 const CASES: &str = "\
-A case file (TOML, `poinsot.case/2`) says what a vehicle does: `simulate` makes telemetry of it, `predict` its accuracy, \
-`design` a better manoeuvre, `validate` and `campaign` compare with it. An unknown key is an error, with the nearest known \
-key. Files of `poinsot.case/1` are read alike. [The cases](../../data/cases/README.md) are examples.
+A case file (TOML, `poinsot.case/2`) describes what a vehicle does: `simulate` writes its telemetry, `predict` its accuracy, \
+`design` a better manoeuvre; `validate` and `campaign` compare with it. An unknown key is an error that names the nearest \
+known key. Files of `poinsot.case/1` are read too. [The cases](../../data/cases/README.md) are examples.
 
 1. Write the case beside its model:
 
@@ -53,9 +53,9 @@ key. Files of `poinsot.case/1` are read alike. [The cases](../../data/cases/READ
 3. Simulate it: `poinsot simulate case.toml --out sim` writes `telemetry.csv` and `truth.json`.
 4. Predict it: `poinsot predict case.toml` prints the accuracy that the manoeuvre gives.
 
-Gravity of the model, thrusters and attitude feedback act together. Joints move by `joint_motion`, or by `joint_torque` and \
-springs without `control` and without gravity. Motions of wheels and torques of joints come from tables or from telemetry \
-files. `poinsot schema case` prints the JSON Schema from which the tables below are made.
+Gravity, thrusters and attitude feedback may be combined. Joints follow `joint_motion`, or `joint_torque` and springs, then \
+without `control` and gravity. Wheel motions and joint torques come from tables or telemetry files. `poinsot schema case` \
+prints the JSON Schema from which these tables are generated.
 ";
 
 /// The page `reference/results.md`.
@@ -63,9 +63,9 @@ pub fn results_page() -> String {
     let mut out = "# Result formats\n\n".to_owned();
     out.push_str(GENERATED);
     out.push_str(
-        "Every file that Poinsot writes, and every answer under `--json`, names its format in the key `schema`. `poinsot \
-         schema NAME` prints the JSON Schema from which this page is made. Null means: not determined. What was not asked, \
-         or does not apply, is absent. Numbers have the same name, shape and unit in every format.\n\n\
+        "Every file that Poinsot writes, and every answer with `--json`, names its format in the key `schema`. `poinsot \
+         schema NAME` prints the JSON Schema from which this page is generated. Null means not determined. What was not \
+         requested, or does not apply, is absent. Numbers have the same name, shape and unit in every format.\n\n\
          Names of numbers are addresses: the name of a body, joint, wheel, thruster or sensor, a quantity with its unit, and \
          a component: `bus.mass_kg`, `bus.com_m.x`, `bus.inertia_kg_m2.xy`, `gyro.bias_rad_s.x`, `wheel1.spin_inertia_kg_m2`. \
          Plans, `--vary` and `[[want]]` use the same addresses.\n",
@@ -98,8 +98,8 @@ const OTHER_PAGES: [&str; 3] = ["model", "map", "case"];
 fn model(out: &mut String) {
     out.push_str(
         "## The model file: poinsot.model/1\n\n\
-         TOML. An unknown key is an error, with the nearest known key. `poinsot schema` prints the JSON Schema from which \
-         these tables are made and by which a file is checked.\n",
+         TOML. An unknown key is an error that names the nearest known key. `poinsot schema` prints the JSON Schema from \
+         which these tables are generated and with which files are checked.\n",
     );
     schema_tables("model", "top level", out);
 }

@@ -9,22 +9,21 @@ use std::fmt::Write;
 const NINETY_FIVE: f64 = 1.959_964;
 
 const TEXT: &str = "\
-Every number of the table is computed from the files of the repository when the page is made, and a test compares the page with \
-the program. Campaigns of many trials, which take longer, stand on the pages of the methods and in the [README](../README.md).
+With this page you can compare the answers to the shipped records with the truth of their simulation. Every number is computed \
+from files of the repository, and a test compares the page with the program. The pages below this one have the longer studies.
 
 ## Momentum against two engines
 
-The momentum of 1000 random trees with 6650 bodies, revolute, prismatic and fixed joints, some bodies without mass, was recorded \
-from Pinocchio and MuJoCo in `validation/trees`. Tests compare it with a sum over the bodies by definition \
+`validation/trees` contains the momentum that Pinocchio and MuJoCo compute for 1000 random trees with 6650 bodies, some without \
+mass, and revolute, prismatic and fixed joints. Tests compare it with a sum over the bodies by definition \
 (`crates/poinsot-testkit/tests`), and that sum with the kernels (`crates/poinsot-dynamics/tests`), to 1e-12 of the sum of the \
 magnitudes of the terms.
 
 ## The shipped records against the truth of their simulation
 
-Worst error of the numbers that are determined: mass as a share of the mass, mass centre in mm, inertia as a share of the body's \
-largest moment. *Within* counts the 95 % intervals that hold the truth; errors of one record are correlated, so this is no \
-coverage. Noise-free records are answered by the closed form, whose error is round-off; their intervals are those of the declared \
-noise.
+Worst error of the determined numbers: mass relative to the mass, mass centre in mm, inertia relative to the body's largest \
+moment. *Within* counts the 95 % intervals that contain the truth; errors of one record are correlated, so this is not a \
+coverage. The closed form answers noise-free records, with errors of round-off; their intervals are those of the declared noise.
 
 | record | status | rank | numbers determined | mass | mass centre, mm | inertia | within |
 |---|---|---|---|---|---|---|---|

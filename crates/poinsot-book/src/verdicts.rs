@@ -10,8 +10,8 @@ use std::fmt::Write;
 pub fn page() -> String {
     let mut out = format!("{GENERATED}# Verdicts\n\n");
     out.push_str(
-        "Look up here what set a word or a colour of an answer, and what to do about a named cause.\n\n\
-         Of the verdicts of a status the first whose condition holds is given. \
+        "This page lists what sets the word and colour of an answer, and what to do about a named cause.\n\n\
+         For each status the first verdict whose condition holds applies. \
          Green is *good*, amber *fair*, red *bad*. The exit code is that of `poinsot identify`.\n\n\
          | status | condition | colour | word | exit code |\n|---|---|---|---|---|\n",
     );
@@ -28,8 +28,8 @@ pub fn page() -> String {
     }
     out.push_str(
         "\n## Causes\n\n\
-         The diagnosis tests each of these and names the one with the best evidence (Schwarz 1978). \
-         Where the data cannot tell two apart it names both.\n\n\
+         The diagnosis tests each of these and names the one with the best [evidence](../validation/faults.md#how-diagnosis-works). \
+         If the data cannot distinguish two causes, it names both.\n\n\
          | name in `estimate.json` | what it is | what to do |\n|---|---|---|\n",
     );
     for fault in FaultKind::ALL.iter().copied() {
