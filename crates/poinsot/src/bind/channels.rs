@@ -9,9 +9,6 @@ use poinsot_telemetry::{Channel, Mounting, Table};
 use std::borrow::Cow;
 use std::collections::BTreeSet;
 
-/// Unused columns that an error names.
-const SHOWN: usize = 5;
-
 /// A table with its name for messages.
 pub(super) struct Channels<'a> {
     pub table: &'a Table,
@@ -114,16 +111,17 @@ impl<'a> Channels<'a> {
         Some((tachometer, self.driven.speed(wheel, tachometer, torque)))
     }
 
+    /// The error of a channel that is not there, with the unused column whose name is most like it.
     pub fn missing(&self, channel: &str, purpose: &str, advice: &str) -> Error {
-        let unused = self.table.ignored.as_slice();
-        let named = unused.get(..SHOWN).unwrap_or(unused).join("', '");
-        match unused.len() {
-            0 => missing(self.label, channel, purpose, advice),
-            n => {
-                let purpose = format!("{purpose} ({n} unused columns, the first are '{named}')");
-                missing(self.label, channel, &purpose, advice)
-            }
-        }
+        let similar = |column: &String| strsim::jaro_winkler(&column.to_lowercase(), channel);
+        let mut unused = self.table.ignored.iter().map(|c| (similar(c), c));
+        let first = unused.next();
+        let nearest = first.map(|first| unused.fold(first, |a, b| if b.0 > a.0 { b } else { a }));
+        let purpose = match nearest {
+            Some((_, column)) => format!("{purpose} (nearest unused column: '{column}')"),
+            None => purpose.to_owned(),
+        };
+        missing(self.label, channel, &purpose, advice)
     }
 }
 
