@@ -1,5 +1,5 @@
 //! The papers' pages: they are complete, every command exists and runs, and every cell of a study agrees with its
-//! present result.
+//! present result; so do the figures.
 //!
 //! A table made by a study is below `<!-- study NAME.TABLE -->`, on the paper's page or on its page of tables. The last
 //! table of a paper's page has a row for every equation, table, figure, claim and use. If its command is a study, the
@@ -343,12 +343,18 @@ fn pages_are_what_studies_say(quick: bool) {
         if bless {
             std::fs::write(page_of_tables(paper), &tables).unwrap();
             std::fs::write(page(paper), &text).unwrap();
-            for figure in &findings.figures {
-                let name = format!("{paper}/{}.svg", figure.name);
-                if text.contains(&name) {
-                    let path = repository().join("docs/methods").join(&name);
-                    std::fs::write(path, figure.svg().unwrap().unwrap()).unwrap();
-                }
+        }
+        for figure in &findings.figures {
+            let name = format!("{paper}/{}.svg", figure.name);
+            if !text.contains(&name) {
+                continue;
+            }
+            let path = repository().join("docs/methods").join(&name);
+            let drawn = figure.svg().unwrap().unwrap();
+            if bless {
+                std::fs::write(path, drawn).unwrap();
+            } else if std::fs::read_to_string(path).unwrap_or_default() != drawn {
+                wrong.push(format!("docs/methods/{name} is not what the study draws"));
             }
         }
     }
