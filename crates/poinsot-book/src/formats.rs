@@ -163,6 +163,7 @@ fn table(heading: &str, part: &Value, out: &mut String) {
             .get("description")
             .and_then(Value::as_str)
             .unwrap_or_default();
+        let only = value.get("x-only").map(only).unwrap_or_default();
         let needed = if required.contains(&key.as_str()) {
             " **Required.**"
         } else {
@@ -170,11 +171,36 @@ fn table(heading: &str, part: &Value, out: &mut String) {
         };
         let _ = writeln!(
             out,
-            "| `{key}` | {} | {}{needed} |",
+            "| `{key}` | {} | {}{only}{needed} |",
             kind(value),
             cell(about)
         );
     }
+}
+
+/// The values of another key with which a key is allowed.
+fn only(condition: &Value) -> String {
+    let keys = condition.as_object().into_iter().flatten();
+    let words = |values: &Value| {
+        let values = values.as_array().into_iter().flatten();
+        let words: Vec<String> = values.map(|v| format!("`{v}`")).collect();
+        words.join(", ").replace('"', "")
+    };
+    keys.map(|(key, values)| format!(" Only where `{key}` is {}.", words(values)))
+        .collect()
+}
+
+/// The range of a number, as text.
+fn range(value: &Value) -> String {
+    let bounds = [
+        [("exclusiveMinimum", "above"), ("minimum", "from")],
+        [("exclusiveMaximum", "below"), ("maximum", "up to")],
+    ];
+    let bound = |(name, word): (&str, &str)| Some(format!(" {word} {}", value.get(name)?));
+    let all = bounds
+        .into_iter()
+        .filter_map(|two| two.into_iter().find_map(bound));
+    all.collect::<String>().replace(" from 0", "")
 }
 
 /// Possible values of a schema entry, as text.
@@ -226,7 +252,7 @@ fn kind(value: &Value) -> String {
         },
         Some("string") => "text".to_owned(),
         Some("boolean") => "`true`, `false`".to_owned(),
-        Some(other) => other.to_owned(),
+        Some(other) => format!("{other}{}", range(value)),
         None => String::new(),
     }
 }

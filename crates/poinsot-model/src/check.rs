@@ -3,7 +3,7 @@
 
 use crate::check_body::{check_bodies, check_massless, check_together};
 use crate::check_joint::check_joints;
-use crate::check_known::check_known;
+use crate::check_known::known;
 use crate::check_name::check_names;
 use crate::check_rest::{check_environment, check_momentum, check_thrusters, check_wheels};
 use crate::check_sensor::check_sensors;
@@ -14,12 +14,17 @@ use crate::finding::{Findings, Key};
 use crate::knowledge::Knowledge;
 use crate::vehicle::Model;
 use std::collections::HashMap;
+use toml::Table;
 
 /// Largest number of bodies.
 pub(crate) const MOST_BODIES: usize = 10_000;
 
 /// Checks the file. The result is valid only without findings.
-pub(crate) fn check_model(file: &ModelFile, findings: &mut Findings<'_, '_>) -> Option<Model> {
+pub(crate) fn check_model(
+    file: &ModelFile,
+    clean: &Table,
+    findings: &mut Findings<'_, '_>,
+) -> Option<Model> {
     let bodies = file.body.as_deref().unwrap_or(&[]);
     if !check_count(file, findings) {
         return None;
@@ -41,22 +46,19 @@ pub(crate) fn check_model(file: &ModelFile, findings: &mut Findings<'_, '_>) -> 
         model_bodies.push(body);
     }
     let joints = check_joints(joint_files, &resolve, findings);
-    let body_names: Vec<&str> = bodies.iter().filter_map(|b| b.name.as_deref()).collect();
     let wheels = check_wheels(
         file.wheel.as_deref().unwrap_or(&[]),
         &resolve,
-        &body_names,
         &model_bodies,
         findings,
     );
     let thrusters = check_thrusters(
         file.thruster.as_deref().unwrap_or(&[]),
         &resolve,
-        &body_names,
         &model_bodies,
         findings,
     );
-    let sensors = check_sensors(file, &resolve, &body_names, findings);
+    let sensors = check_sensors(file, &resolve, findings);
     let mut model = Model {
         name: file.name.clone().unwrap_or_else(|| "vehicle".to_owned()),
         bodies: model_bodies,
@@ -70,7 +72,7 @@ pub(crate) fn check_model(file: &ModelFile, findings: &mut Findings<'_, '_>) -> 
         knowledge: Knowledge::default(),
         notes: Vec::new(),
     };
-    model.knowledge = check_known(file, &model, findings);
+    model.knowledge = known(clean, &order, &model, findings);
     // These checks need the whole tree, so every body and joint must be valid.
     if model.bodies.len() == bodies.len() && model.joints.len() == joint_files.len() {
         check_massless(&model, &order, findings);

@@ -1,6 +1,5 @@
 //! Mass properties: physical, and sufficient to determine every motion.
 
-use crate::check_rest::positive;
 use crate::file::{BodyFile, EstimateFile, InertiaFile, Parameter};
 use crate::finding::{Findings, Key};
 use crate::vehicle::{Body, EstimateSet, JointKind, Model, Prior};
@@ -30,6 +29,7 @@ fn check_body(k: usize, file: &BodyFile, findings: &mut Findings<'_, '_>) -> Bod
     if let Some(nominal) = &nominal {
         check_estimate(&estimate, nominal, &key, findings);
     }
+    note_idle_prior(file.prior, &estimate, &key, findings);
     Body {
         name: file.name.clone().unwrap_or_default(),
         // An invalid body counts as massive, to avoid errors about joints that move it.
@@ -41,7 +41,7 @@ fn check_body(k: usize, file: &BodyFile, findings: &mut Findings<'_, '_>) -> Bod
             },
         },
         estimate,
-        prior: check_prior(file, &estimate, &key, findings),
+        prior: file.prior,
         joint: None,
     }
 }
@@ -69,16 +69,7 @@ fn check_mass_properties(
     key: &Key,
     findings: &mut Findings<'_, '_>,
 ) -> Option<MassProperties> {
-    let mass = file.mass_kg?;
-    if mass < 0.0 {
-        findings.refuse(
-            "E0115",
-            &key.at("mass_kg"),
-            "the mass is negative".to_owned(),
-            "give a positive mass",
-        );
-        return None;
-    }
+    let mass = file.mass_kg.filter(|mass| *mass >= 0.0)?;
     if mass > 0.0 && mass < SMALLEST_MASS {
         findings.refuse(
             "E0108",
@@ -207,46 +198,26 @@ fn check_estimate(
     }
 }
 
-fn check_prior(
-    file: &BodyFile,
+/// Notes priors of numbers that are not estimated.
+fn note_idle_prior(
+    prior: Option<Prior>,
     estimate: &EstimateSet,
     key: &Key,
     findings: &mut Findings<'_, '_>,
-) -> Option<Prior> {
-    let prior = file.prior.as_ref()?;
-    for (name, given, asked) in [
-        ("mass_kg", prior.mass_kg.is_some(), estimate.mass),
-        ("com_m", prior.com_m.is_some(), estimate.com),
-        (
-            "inertia_kg_m2",
-            prior.inertia_kg_m2.is_some(),
-            estimate.inertia,
-        ),
-    ] {
-        if given && !asked {
+) {
+    let given = prior.map_or([None; 3], |p| [p.mass, p.com, p.inertia]);
+    let asked = [estimate.mass, estimate.com, estimate.inertia];
+    for (k, name) in ["mass_kg", "com_m", "inertia_kg_m2"]
+        .into_iter()
+        .enumerate()
+    {
+        if given[k].is_some() && !asked[k] {
             findings.note(
                 &key.at("prior").at(name),
                 "the prior has no effect: the number is not estimated; remove it, or estimate the number".to_owned(),
             );
         }
     }
-    let mut sigma = |name: &str, value: Option<f64>| {
-        value.and_then(|value| {
-            positive(
-                value,
-                &key.at("prior").at(name),
-                "E0117",
-                "one sigma",
-                findings,
-            )
-        })
-    };
-    Some(Prior {
-        mass: sigma("mass_kg", prior.mass_kg),
-        com: sigma("com_m", prior.com_m),
-        inertia: sigma("inertia_kg_m2", prior.inertia_kg_m2),
-        entropic: sigma("entropic", prior.entropic),
-    })
 }
 
 /// Mass of the subtree of each body, including the body.

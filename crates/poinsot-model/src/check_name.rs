@@ -1,53 +1,18 @@
 //! Checks names: printable, unique, and no two parts with the same telemetry column.
 
-use crate::file::{JointType, ModelFile, NuisanceFile, NuisanceWord, SensorFile, SensorType};
+use crate::file::{ModelFile, NuisanceFile, NuisanceWord, SensorFile};
 use crate::finding::{Findings, Key};
+use crate::vehicle::JointKind;
 use poinsot_files::is_unprintable;
 use std::collections::HashMap;
 
 /// Longest name, bytes.
 const LONGEST: usize = 200;
 
+/// Checks that no two parts have the same column or the same unknown error.
 pub(crate) fn check_names(file: &ModelFile, findings: &mut Findings<'_, '_>) {
-    fn names<T>(list: &Option<Vec<T>>, name: impl Fn(&T) -> Option<&str>) -> Vec<Option<&str>> {
-        list.as_deref().unwrap_or(&[]).iter().map(name).collect()
-    }
-    if let Some(name) = &file.name {
-        spelling("name", None, name, findings);
-    }
-    let bodies = names(&file.body, |b| b.name.as_deref());
-    let joints = names(&file.joint, |j| j.name.as_deref());
-    let wheels = names(&file.wheel, |w| w.name.as_deref());
-    let thrusters = names(&file.thruster, |t| t.name.as_deref());
-    let sensors = names(&file.sensor, |s| s.name.as_deref());
-    for (table, names) in [
-        ("body", &bodies),
-        ("joint", &joints),
-        ("wheel", &wheels),
-        ("thruster", &thrusters),
-        ("sensor", &sensors),
-    ] {
-        for (index, name) in names.iter().enumerate() {
-            if let Some(name) = name {
-                spelling(table, Some(index), name, findings);
-            }
-        }
-        if table != "sensor" {
-            unique(table, names, findings);
-        }
-    }
     sensors_unique(file, findings);
     columns_unique(file, findings);
-}
-
-fn spelling(table: &str, index: Option<usize>, name: &str, findings: &mut Findings<'_, '_>) {
-    let key = match index {
-        Some(index) => Key::entry(table, index, None).at("name"),
-        None => Key::top(table),
-    };
-    if let Some(problem) = misspelt(name) {
-        findings.refuse("E0109", &key, problem.to_owned(), "give it a plain name");
-    }
 }
 
 /// Fault in the spelling of a name in a model file or URDF.
@@ -65,23 +30,6 @@ pub(crate) fn misspelt(name: &str) -> Option<&'static str> {
     }
 }
 
-fn unique(table: &str, names: &[Option<&str>], findings: &mut Findings<'_, '_>) {
-    let mut seen: HashMap<&str, usize> = HashMap::new();
-    for (index, name) in names.iter().enumerate() {
-        let Some(name) = name else { continue };
-        if let Some(first) = seen.get(name) {
-            duplicate(
-                table,
-                index,
-                &format!("{table}[{first}] has the same name"),
-                findings,
-            );
-        } else {
-            seen.insert(name, index);
-        }
-    }
-}
-
 fn duplicate(table: &str, index: usize, problem: &str, findings: &mut Findings<'_, '_>) {
     let key = Key::entry(table, index, None).at("name");
     findings.refuse("E0110", &key, problem.to_owned(), "rename one of them");
@@ -90,28 +38,23 @@ fn duplicate(table: &str, index: usize, problem: &str, findings: &mut Findings<'
 /// Sensors of different kinds may share a name (as gyro and accelerometer of one unit do), unless unknown errors of
 /// both get the same address (`imu.scale.x`).
 fn sensors_unique(file: &ModelFile, findings: &mut Findings<'_, '_>) {
-    let mut seen: HashMap<(SensorType, &str), usize> = HashMap::new();
-    for (index, sensor) in file.sensor.as_deref().unwrap_or(&[]).iter().enumerate() {
-        let (Some(kind), Some(name)) = (sensor.kind, sensor.name.as_deref()) else {
+    let mut seen: HashMap<&str, Vec<usize>> = HashMap::new();
+    let all = file.sensor.as_deref().unwrap_or(&[]);
+    for (index, sensor) in all.iter().enumerate() {
+        let Some(name) = sensor.name.as_deref() else {
             continue;
         };
-        if let Some(first) = seen.get(&(kind, name)) {
-            let problem = format!("sensor[{first}] of the same type has the same name");
-            duplicate("sensor", index, &problem, findings);
-        } else {
-            seen.insert((kind, name), index);
-        }
-        let earlier = seen.iter().filter(|((k, n), _)| *k != kind && *n == name);
-        let earlier: Vec<usize> = earlier.map(|(_, at)| *at).collect();
-        let all = file.sensor.as_deref().unwrap_or(&[]);
-        for first in earlier {
-            if let Some(error) = all.get(first).and_then(|other| shared_error(other, sensor)) {
+        let earlier = seen.entry(name).or_default();
+        for first in earlier.iter() {
+            let other = all.get(*first).filter(|other| other.kind != sensor.kind);
+            if let Some(error) = other.and_then(|other| shared_error(other, sensor)) {
                 let problem = format!(
                     "sensor[{first}] has the same name, and the unknown {error} of both would be {name}.{error}"
                 );
                 duplicate("sensor", index, &problem, findings);
             }
         }
+        earlier.push(index);
     }
 }
 
@@ -153,8 +96,8 @@ fn columns_unique(file: &ModelFile, findings: &mut Findings<'_, '_>) {
     let mut joints: HashMap<(&str, &str), usize> = HashMap::new();
     for (index, joint) in file.joint.as_deref().unwrap_or(&[]).iter().enumerate() {
         let column = match joint.kind {
-            Some(JointType::Revolute) => "rad_s",
-            Some(JointType::Prismatic) => "N",
+            Some(JointKind::Revolute) => "rad_s",
+            Some(JointKind::Prismatic) => "N",
             _ => continue,
         };
         if let Some(name) = joint.name.as_deref() {

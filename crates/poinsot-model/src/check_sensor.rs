@@ -1,29 +1,16 @@
 //! Checks sensors: noise in the unit of the channel, and measured quantities.
 
-use crate::check_rest::{check_host, check_nuisance, positive};
+use crate::check_rest::check_nuisance;
 use crate::check_rotation::check_rotation;
-use crate::check_tree::unknown_name;
-use crate::file::{JointType, ModelFile, NamesFile, NoiseFile, SensorFile};
+use crate::file::{ModelFile, NamesFile, NoiseFile, SensorFile};
 use crate::finding::{Findings, Key};
-use crate::vehicle::{ErrorKey, Nuisance, Sensor, SensorKind};
+use crate::suggest::unknown_name;
+use crate::vehicle::{ErrorKey, JointKind, Nuisance, Sensor, SensorKind};
 use poinsot_files::list;
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
+use serde::Deserialize;
 use std::collections::HashMap;
-
-/// Valid units of a channel, as key suffixes.
-const UNITS: [&str; 6] = ["rad", "rad_s", "m", "m_s", "m_s2", "N"];
-
-/// Whether a key is valid for a sensor type; keys without a unit always are.
-pub(crate) fn key_fits(word: &str, key: &str) -> bool {
-    let unit = key
-        .strip_prefix("noise_")
-        .or_else(|| key.strip_prefix("quantisation_"));
-    let kind = SensorKind::ALL.iter().find(|kind| kind.word() == word);
-    match (unit, kind) {
-        (Some(unit), Some(kind)) => kind.units().contains(&unit),
-        _ => true,
-    }
-}
+use toml::Value;
 
 /// Parts that a sensor of joints, wheels or thrusters can measure, with units.
 struct Readable<'a> {
@@ -57,7 +44,6 @@ impl<'a> Readable<'a> {
 pub(crate) fn check_sensors(
     file: &ModelFile,
     resolve: &impl Fn(&str) -> Option<usize>,
-    body_names: &[&str],
     findings: &mut Findings<'_, '_>,
 ) -> Vec<Sensor> {
     let readable = readables(file);
@@ -65,13 +51,13 @@ pub(crate) fn check_sensors(
     for (k, sensor) in file.sensor.as_deref().unwrap_or(&[]).iter().enumerate() {
         let key = Key::entry("sensor", k, sensor.name.as_deref());
         let body = match sensor.body.as_deref() {
-            Some(name) => check_host(Some(name), &key, resolve, body_names, findings),
+            Some(name) => resolve(name),
             None => Some(0),
         };
         let Some(kind) = sensor.kind.map(|kind| kind.0) else {
             continue;
         };
-        let from = check_seen_from(sensor, (kind, body), &key, resolve, body_names, findings);
+        let from = check_seen_from(sensor, (kind, body), &key, resolve, findings);
         let kind = from.map_or(kind, |(relative, _)| relative);
         if let (Some(body), Some((_, seen_from)), Some(sensor)) = (
             body,
@@ -94,7 +80,6 @@ fn check_seen_from(
     (kind, body): (SensorKind, Option<usize>),
     key: &Key,
     resolve: &impl Fn(&str) -> Option<usize>,
-    body_names: &[&str],
     findings: &mut Findings<'_, '_>,
 ) -> Option<(SensorKind, usize)> {
     let Some(name) = file.seen_from.as_deref() else {
@@ -113,10 +98,7 @@ fn check_seen_from(
         );
         return None;
     };
-    let Some(from) = resolve(name) else {
-        unknown_name(&here, "body", name, body_names, findings);
-        return None;
-    };
+    let from = resolve(name)?;
     if body == Some(from) {
         findings.refuse(
             "E0118",
@@ -135,17 +117,14 @@ fn can_see() -> Vec<String> {
     all.map(|kind| format!("\"{}\"", kind.word())).collect()
 }
 
-/// Smallest noise accepted.
-const SMALLEST_NOISE: f64 = 1e-100;
-
 fn readables(file: &ModelFile) -> [Readable<'_>; 4] {
     let joints = |revolute: &'static str, prismatic: &'static str| {
         let list = file.joint.as_deref().unwrap_or(&[]).iter().enumerate();
         list.filter_map(|(k, joint)| {
             let unit = match joint.kind? {
-                JointType::Revolute => revolute,
-                JointType::Prismatic => prismatic,
-                JointType::Fixed => return None,
+                JointKind::Revolute => revolute,
+                JointKind::Prismatic => prismatic,
+                JointKind::Fixed => return None,
             };
             Some((k, joint.name.as_deref()?, unit))
         })
@@ -171,10 +150,7 @@ fn check_sensor(
     findings: &mut Findings<'_, '_>,
 ) -> Option<Sensor> {
     let before = findings.count();
-    let unit = check_unit(file, kind, key, findings);
-    if kind.is_scalar() {
-        refuse_axes(file, kind, key, findings);
-    }
+    let unit = check_unit(file, key, findings);
     let of = check_of(file, kind, unit, key, readable, findings);
     if kind.is_scalar() && of.is_empty() && findings.count() == before {
         findings.note(
@@ -195,15 +171,14 @@ fn check_sensor(
         })
         .or_else(|| kind.units().first().copied())?;
     let noise_covariance = check_noise(file, kind, unit, key, findings);
-    let quantisation = check_quantisation(file, unit, key, findings);
-    let correlation_s = check_correlation(file, kind, key, findings);
+    let quantisation = file.sample_errors.get(&format!("quantisation_{unit}"));
     let rotation = check_rotation(
         file.rotation_xyzw.as_ref(),
         file.rotation_matrix.as_ref(),
         key,
         findings,
     );
-    let reference_N = check_reference(file, kind, key, findings);
+    let reference_N = check_reference(file, key, findings);
     let mut nuisance = |error: ErrorKey, value, unit_key: &str| -> Nuisance {
         let here = key.at(error.word());
         let found = check_nuisance(value, &here, unit_key, findings);
@@ -217,8 +192,8 @@ fn check_sensor(
         body: 0,
         seen_from: 0,
         noise_covariance,
-        correlation_s: correlation_s.unwrap_or(0.0),
-        quantisation: quantisation.unwrap_or(0.0),
+        correlation_s: file.correlation_s.unwrap_or(0.0),
+        quantisation: quantisation.and_then(Value::as_float).unwrap_or(0.0),
         bias: nuisance(ErrorKey::Bias, file.bias.as_ref(), &format!("sigma_{unit}")),
         scale: nuisance(ErrorKey::Scale, file.scale.as_ref(), "sigma"),
         misalignment: nuisance(
@@ -265,58 +240,22 @@ fn refuse_error(kind: SensorKind, (error, key): (ErrorKey, &Key), findings: &mut
     findings.refuse("E0118", key, problem, remedy);
 }
 
-fn noise_of<'f>(file: &'f SensorFile, unit: &str) -> Option<&'f NoiseFile> {
-    match unit {
-        "rad" => file.noise_rad.as_ref(),
-        "rad_s" => file.noise_rad_s.as_ref(),
-        "m" => file.noise_m.as_ref(),
-        "m_s" => file.noise_m_s.as_ref(),
-        "m_s2" => file.noise_m_s2.as_ref(),
-        _ => file.noise_N.as_ref(),
-    }
-}
-
-fn quantisation_of(file: &SensorFile, unit: &str) -> Option<f64> {
-    match unit {
-        "rad" => file.quantisation_rad,
-        "rad_s" => file.quantisation_rad_s,
-        "m" => file.quantisation_m,
-        "m_s" => file.quantisation_m_s,
-        "m_s2" => file.quantisation_m_s2,
-        _ => file.quantisation_N,
-    }
-}
-
-/// The unit declared by the keys of this sensor; units not allowed for its type are rejected.
+/// The unit declared by the keys of this sensor.
 fn check_unit(
     file: &SensorFile,
-    kind: SensorKind,
     key: &Key,
     findings: &mut Findings<'_, '_>,
 ) -> Option<&'static str> {
-    let allowed = kind.units();
     let mut declared: Option<&'static str> = None;
-    for unit in UNITS {
-        for (what, given) in [
-            ("noise", noise_of(file, unit).is_some()),
-            ("quantisation", quantisation_of(file, unit).is_some()),
-        ] {
-            if !given {
+    for unit in ["rad", "rad_s", "m", "m_s", "m_s2", "N"] {
+        for name in ["noise", "quantisation"].map(|what| format!("{what}_{unit}")) {
+            if !file.sample_errors.contains_key(&name) {
                 continue;
             }
-            let here = key.at(&format!("{what}_{unit}"));
-            if !allowed.contains(&unit) {
-                let keys: Vec<String> = allowed.iter().map(|u| format!("{what}_{u}")).collect();
-                findings.refuse(
-                    "E0105",
-                    &here,
-                    format!("wrong unit for a sensor of type \"{}\"", kind.word()),
-                    format!("write {}", keys.join(" or ")),
-                );
-            } else if declared.is_some_and(|first| first != unit) {
+            if declared.is_some_and(|first| first != unit) {
                 findings.refuse(
                     "E0118",
-                    &here,
+                    &key.at(&name),
                     "one sensor is declared in two units".to_owned(),
                     "write one [[sensor]] for revolute and one for prismatic joints",
                 );
@@ -328,74 +267,14 @@ fn check_unit(
     declared
 }
 
-/// Sensors of joints, wheels and thrusters have no axes and no position.
-fn refuse_axes(file: &SensorFile, kind: SensorKind, key: &Key, findings: &mut Findings<'_, '_>) {
-    for (name, given) in [
-        ("rotation_xyzw", file.rotation_xyzw.is_some()),
-        ("rotation_matrix", file.rotation_matrix.is_some()),
-        ("position_m", file.position_m.is_some()),
-    ] {
-        if given {
-            findings.refuse(
-                "E0118",
-                &key.at(name),
-                format!(
-                    "a sensor of type \"{}\" has no axes and no place",
-                    kind.word()
-                ),
-                "remove it",
-            );
-        }
-    }
-}
-
-fn check_quantisation(
-    file: &SensorFile,
-    unit: &str,
-    key: &Key,
-    findings: &mut Findings<'_, '_>,
-) -> Option<f64> {
-    let lsb = quantisation_of(file, unit)?;
-    let here = key.at(&format!("quantisation_{unit}"));
-    if lsb > 0.0 && lsb < SMALLEST_NOISE {
-        let problem = "the quantisation is below 1e-100".to_owned();
-        findings.refuse("E0118", &here, problem, "give that of a real instrument");
-        return None;
-    }
-    positive(lsb, &here, "E0118", "the quantisation", findings)
-}
-
-fn check_correlation(
-    file: &SensorFile,
-    kind: SensorKind,
-    key: &Key,
-    findings: &mut Findings<'_, '_>,
-) -> Option<f64> {
-    let time = file.correlation_s?;
-    let here = key.at("correlation_s");
-    if kind.is_scalar() {
-        let problem = format!("a {} has no coloured noise", kind.word());
-        let remedy = "leave it out; sensors of three axes can have it";
-        findings.refuse("E0106", &here, problem, remedy);
-        return None;
-    }
-    positive(time, &here, "E0118", "a correlation time", findings)
-}
-
 /// The vector whose direction is measured, normalised.
 fn check_reference(
     file: &SensorFile,
-    kind: SensorKind,
     key: &Key,
     findings: &mut Findings<'_, '_>,
 ) -> Option<Vector3> {
     let given = file.reference_N?;
     let here = key.at("reference_N");
-    if kind != SensorKind::Direction {
-        let problem = format!("a sensor of type \"{}\" has no reference", kind.word());
-        findings.refuse("E0118", &here, problem, "remove it");
-        return None;
-    }
     let unit = Vector3::from(given).try_normalize(0.0);
     if unit.is_none_or(|v| !v.iter().all(|x| x.is_finite())) {
         let problem = "the vector has no direction".to_owned();
@@ -420,17 +299,6 @@ fn check_of(
 ) -> Vec<usize> {
     let here = key.at("of");
     let Some(readable) = readable.iter().find(|r| r.kind == kind) else {
-        if file.of.is_some() {
-            findings.refuse(
-                "E0118",
-                &here,
-                format!(
-                    "a sensor of type \"{}\" measures no joint, wheel or thruster",
-                    kind.word()
-                ),
-                "remove it",
-            );
-        }
         return Vec::new();
     };
     let Some(names) = &file.of else {
@@ -475,7 +343,8 @@ fn check_noise(
     findings: &mut Findings<'_, '_>,
 ) -> Option<Matrix3> {
     let here = key.at(&format!("noise_{unit}"));
-    let noise = noise_of(file, unit)?;
+    let noise = file.sample_errors.get(&format!("noise_{unit}"))?;
+    let noise = NoiseFile::deserialize(noise.clone()).ok()?;
     if kind.is_scalar() && !matches!(noise, NoiseFile::Scalar(_)) {
         findings.refuse(
             "E0118",
@@ -495,14 +364,8 @@ fn check_noise(
         return None;
     }
     match noise {
-        NoiseFile::Scalar(sigma) => {
-            let sigma = noise_sigma(*sigma, &here, findings)?;
-            Some(Matrix3::from_diagonal_element(sigma * sigma))
-        }
+        NoiseFile::Scalar(sigma) => Some(Matrix3::from_diagonal_element(sigma * sigma)),
         NoiseFile::Axes(sigmas) => {
-            for (k, sigma) in sigmas.iter().enumerate() {
-                noise_sigma(*sigma, &here.index(k), findings)?;
-            }
             let variances = Vector3::from(sigmas.map(|sigma| sigma * sigma));
             Some(Matrix3::from_diagonal(&variances))
         }
@@ -531,19 +394,4 @@ fn check_noise(
             Some(root * root)
         }
     }
-}
-
-/// A positive sigma whose square does not underflow to zero.
-fn noise_sigma(sigma: f64, key: &Key, findings: &mut Findings<'_, '_>) -> Option<f64> {
-    let sigma = positive(sigma, key, "E0118", "the noise", findings)?;
-    if sigma >= SMALLEST_NOISE {
-        return Some(sigma);
-    }
-    findings.refuse(
-        "E0118",
-        key,
-        format!("the noise is below {SMALLEST_NOISE:e}"),
-        "give the noise of a real instrument",
-    );
-    None
 }

@@ -1,15 +1,13 @@
 //! Checks the map from columns to channels.
 
-use crate::file::{
-    AttitudeFile, ColumnFile, FrameFile, JointType, ModelFile, OrbitColumnsFile, OrderFile,
-    ScaleFile, SenseFile, TelemetryFile, TimeFile, TimeFormatFile,
-};
+use crate::file::{AttitudeFile, FrameFile, ModelFile, OrbitColumnsFile, PartFile, TelemetryFile};
 use crate::finding::{Findings, Key};
 use crate::suggest;
+use crate::vehicle::JointKind;
 use poinsot_files::excerpt;
 use poinsot_telemetry::{
-    AttitudeForm, AttitudeMap, ColumnMap, FileMap, Layout, OrbitMap, Order, Scale, Sense,
-    TelemetryMap, TimeFormat, TimeMap, map_faults, vector_channels,
+    AttitudeForm, AttitudeMap, ColumnMap, FileMap, Layout, OrbitMap, Order, Sense, TelemetryMap,
+    map_faults, vector_channels,
 };
 use std::collections::{BTreeMap, HashSet};
 
@@ -18,23 +16,6 @@ const LONGEST: usize = 400;
 
 /// Largest header row number.
 const MOST_LINES: f64 = 1e6;
-
-/// The keys that a table for all files and one for the files of one name have in common.
-macro_rules! part {
-    ($file:expr) => {
-        Part {
-            delimiter: &$file.delimiter,
-            comment: &$file.comment,
-            header_row: $file.header_row,
-            units_row: $file.units_row,
-            time: &$file.time,
-            columns: &$file.columns,
-            attitude: &$file.attitude,
-            orbit: &$file.orbit,
-            rows: &$file.rows,
-        }
-    };
-}
 
 /// Checks the map; channel names are checked only if the vehicle is known.
 pub(crate) fn check_telemetry(
@@ -47,11 +28,11 @@ pub(crate) fn check_telemetry(
     };
     let known = model.map(channels);
     let key = Key::top("telemetry");
-    let mut check = |part: &Part<'_>, key: &Key| checked(part, key, known.as_ref(), findings);
-    let all = check(&part!(file), &key);
+    let mut check = |part: &PartFile, key: &Key| checked(part, key, known.as_ref(), findings);
+    let all = check(&file.all, &key);
     let mut files = Vec::new();
     for (k, own) in file.file.iter().flatten().enumerate() {
-        let map = check(&part!(own), &key.at("file").index(k));
+        let map = check(&own.part, &key.at("file").index(k));
         files.push((own.name.clone().unwrap_or_default(), map));
     }
     let map = TelemetryMap { all, files };
@@ -72,21 +53,8 @@ pub(crate) fn check_telemetry(
     map
 }
 
-/// Keys for all files, or for files of one name.
-struct Part<'a> {
-    delimiter: &'a Option<String>,
-    comment: &'a Option<String>,
-    header_row: Option<f64>,
-    units_row: Option<bool>,
-    time: &'a Option<TimeFile>,
-    columns: &'a Option<BTreeMap<String, ColumnFile>>,
-    attitude: &'a Option<Vec<AttitudeFile>>,
-    orbit: &'a Option<OrbitColumnsFile>,
-    rows: &'a Option<BTreeMap<String, String>>,
-}
-
 fn checked(
-    part: &Part<'_>,
+    part: &PartFile,
     key: &Key,
     known: Option<&HashSet<String>>,
     findings: &mut Findings<'_, '_>,
@@ -103,14 +71,6 @@ fn checked(
         let Some(column) = &source.column else {
             continue;
         };
-        if column.is_empty() {
-            findings.refuse(
-                "E0109",
-                &here.at("column"),
-                "the name is empty".to_owned(),
-                "name a column of the telemetry file",
-            );
-        }
         columns.push(ColumnMap {
             channel: channel.clone(),
             column: column.clone(),
@@ -129,10 +89,10 @@ fn checked(
     FileMap {
         attitude: attitude.collect(),
         layout: check_layout(part, key, findings),
-        time: time_map(part),
+        time: part.time.clone(),
         columns,
-        orbit: orbit_map(part),
-        row_filter: chosen(part.rows),
+        orbit: part.orbit.as_ref().and_then(orbit_map),
+        row_filter: chosen(&part.rows),
     }
 }
 
@@ -142,30 +102,7 @@ fn chosen(rows: &Option<BTreeMap<String, String>>) -> Vec<(String, String)> {
     rows.map(|(c, t)| (c.clone(), t.clone())).collect()
 }
 
-fn time_map(part: &Part<'_>) -> Option<TimeMap> {
-    let time = part.time.as_ref()?;
-    Some(TimeMap {
-        column: time.column.clone()?,
-        format: match time.format.unwrap_or(TimeFormatFile::Number) {
-            TimeFormatFile::Number => TimeFormat::Number,
-            TimeFormatFile::Iso8601 => TimeFormat::Iso8601,
-            TimeFormatFile::DayOfYear => TimeFormat::DayOfYear,
-            TimeFormatFile::GpsWeek => TimeFormat::GpsWeek,
-        },
-        week: time.week.clone(),
-        unit: time.unit.clone(),
-        epoch: time.epoch.clone(),
-        scale: time.scale.map(|scale| match scale {
-            ScaleFile::Utc => Scale::Utc,
-            ScaleFile::Tai => Scale::Tai,
-            ScaleFile::Gps => Scale::Gps,
-            ScaleFile::Tt => Scale::Tt,
-        }),
-    })
-}
-
-fn orbit_map(part: &Part<'_>) -> Option<OrbitMap> {
-    let orbit = part.orbit.as_ref()?;
+fn orbit_map(orbit: &OrbitColumnsFile) -> Option<OrbitMap> {
     Some(OrbitMap {
         position: orbit.position.clone()?,
         unit: orbit.unit.clone(),
@@ -175,7 +112,7 @@ fn orbit_map(part: &Part<'_>) -> Option<OrbitMap> {
     })
 }
 
-fn check_layout(part: &Part<'_>, key: &Key, findings: &mut Findings<'_, '_>) -> Layout {
+fn check_layout(part: &PartFile, key: &Key, findings: &mut Findings<'_, '_>) -> Layout {
     let mut one = |text: &Option<String>, name: &str| -> Option<u8> {
         let text = text.as_deref()?;
         let byte = match text {
@@ -202,8 +139,8 @@ fn check_layout(part: &Part<'_>, key: &Key, findings: &mut Findings<'_, '_>) -> 
         };
         Some(byte)
     };
-    let delimiter = one(part.delimiter, "delimiter");
-    let comment = one(part.comment, "comment");
+    let delimiter = one(&part.delimiter, "delimiter");
+    let comment = one(&part.comment, "comment");
     let header_row = part.header_row.and_then(|row| {
         if row >= 1.0 && row.fract() == 0.0 && row <= MOST_LINES {
             return Some(row as u64);
@@ -261,10 +198,7 @@ fn check_attitude(
         );
     }
     let form_of = || match form {
-        0 => Some(AttitudeForm::Quaternion(match file.order {
-            Some(OrderFile::Wxyz) => Order::Wxyz,
-            _ => Order::Xyzw,
-        })),
+        0 => Some(AttitudeForm::Quaternion(file.order.unwrap_or(Order::Xyzw))),
         1 => Some(AttitudeForm::Matrix),
         3 => Some(AttitudeForm::Mrp),
         _ => {
@@ -289,10 +223,7 @@ fn check_attitude(
             .cloned()
             .flatten()
             .unwrap_or_default(),
-        sense: match file.sense {
-            Some(SenseFile::InertialToBody) => Sense::InertialToBody,
-            _ => Sense::BodyToInertial,
-        },
+        sense: file.sense.unwrap_or(Sense::BodyToInertial),
         unit: file.unit.clone(),
         relative: file.relative.unwrap_or(false),
     })
@@ -308,10 +239,10 @@ fn channels(model: &ModelFile) -> HashSet<String> {
     };
     for joint in model.joint.iter().flatten() {
         match joint.kind {
-            Some(JointType::Revolute) => {
+            Some(JointKind::Revolute) => {
                 add(joint.name.as_deref(), &["rad", "rad_s", "rad_s2", "Nm"]);
             }
-            Some(JointType::Prismatic) => {
+            Some(JointKind::Prismatic) => {
                 add(joint.name.as_deref(), &["m", "m_s", "m_s2", "N"]);
             }
             _ => {}

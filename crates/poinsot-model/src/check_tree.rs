@@ -3,7 +3,6 @@
 
 use crate::file::{BodyFile, JointFile};
 use crate::finding::{Findings, Key};
-use crate::suggest;
 use poinsot_files::excerpt;
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
@@ -26,7 +25,6 @@ pub(crate) fn check_tree(
 ) -> Tree {
     let name_of =
         |k: usize| -> &str { bodies.get(k).and_then(|b| b.name.as_deref()).unwrap_or("?") };
-    let names: Vec<&str> = bodies.iter().filter_map(|b| b.name.as_deref()).collect();
     let index: HashMap<&str, usize> = bodies
         .iter()
         .enumerate()
@@ -39,16 +37,9 @@ pub(crate) fn check_tree(
     let mut complete = true;
     for (k, joint) in joints.iter().enumerate() {
         let key = Key::entry("joint", k, joint.name.as_deref());
-        let mut end = |which: &str, name: Option<&str>| {
-            let name = name?;
-            let found = index.get(name).copied();
-            if found.is_none() {
-                unknown_name(&key.at(which), "body", name, &names, findings);
-            }
-            found
-        };
-        let parent = end("parent", joint.parent.as_deref());
-        let child = end("child", joint.child.as_deref());
+        let end = |name: &Option<String>| index.get(name.as_deref()?).copied();
+        let parent = end(&joint.parent);
+        let child = end(&joint.child);
         let Some(child) = child else {
             complete = false;
             continue;
@@ -203,30 +194,4 @@ fn topological(parent_of: &[Option<usize>]) -> Vec<usize> {
         }
     }
     order
-}
-
-/// Reports a reference to an unknown name.
-pub(crate) fn unknown_name(
-    key: &Key,
-    kind: &str,
-    name: &str,
-    names: &[&str],
-    findings: &mut Findings<'_, '_>,
-) {
-    // In a file with many faults no similar name is searched.
-    let near = if findings.count() < 50 {
-        suggest::nearest(name, names)
-    } else {
-        None
-    };
-    let remedy = match near {
-        Some(near) => format!("did you mean \"{}\"?", excerpt(near, 60)),
-        None => format!("name one that a [[{kind}]] has"),
-    };
-    findings.refuse(
-        "E0111",
-        key,
-        format!("there is no {kind} of this name"),
-        remedy,
-    );
 }

@@ -1,10 +1,15 @@
 //! Describes a vehicle as text and tables, for `poinsot check`.
 
-use crate::vehicle::{JointKind, Model, MomentumKnowledge, Nuisance, SensorKind, printed_unit};
+use crate::file::{JointFile, ThrusterFile, WheelFile};
+use crate::vehicle::{Body, JointKind, Model, MomentumKnowledge, Sensor, printed_unit};
+use crate::words::{entry, lines};
+use crate::write::{file_of, telemetry};
 use poinsot_files::{list, short};
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
+use poinsot_telemetry::TelemetryMap;
 use schemars::JsonSchema;
 use serde::Serialize;
+use serde_json::Value;
 use std::fmt;
 
 /// A summary of a [`Model`], for people (`Display`) and programs (`Serialize`).
@@ -20,12 +25,12 @@ pub struct Description {
     pub bodies: Vec<BodyDescription>,
     /// The tree, one line per body.
     pub tree: Vec<String>,
-    /// Joints.
-    pub joints: Vec<JointDescription>,
-    /// Wheels.
-    pub wheels: Vec<WheelDescription>,
-    /// Thrusters.
-    pub thrusters: Vec<ThrusterDescription>,
+    /// Joints, as in the model file.
+    pub joints: Vec<JointFile>,
+    /// Wheels, as in the model file.
+    pub wheels: Vec<WheelFile>,
+    /// Thrusters, as in the model file.
+    pub thrusters: Vec<ThrusterFile>,
     /// Sensors.
     pub sensors: Vec<SensorDescription>,
     /// Forces and torques of the surroundings, in words.
@@ -62,54 +67,6 @@ pub struct BodyDescription {
     pub unknown: Vec<&'static str>,
 }
 
-/// One joint.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
-pub struct JointDescription {
-    /// Name.
-    pub name: String,
-    /// "revolute", "prismatic" or "fixed".
-    #[serde(rename = "type")]
-    pub kind: &'static str,
-    /// Parent body.
-    pub parent: String,
-    /// Child body.
-    pub child: String,
-    /// Origin in the parent's frame, m.
-    pub origin_m: [f64; 3],
-    /// Unit axis in the child's frame; zero for a fixed joint.
-    pub axis: [f64; 3],
-    /// Spring and damper in words; null where the joint has none.
-    pub spring_damper: Option<String>,
-}
-
-/// One wheel.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
-pub struct WheelDescription {
-    /// Name.
-    pub name: String,
-    /// Host body.
-    pub body: String,
-    /// Unit axis in the host's axes.
-    pub axis: [f64; 3],
-    /// Spin inertia, kg m2.
-    pub spin_inertia_kg_m2: f64,
-}
-
-/// One thruster.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
-pub struct ThrusterDescription {
-    /// Name.
-    pub name: String,
-    /// Host body.
-    pub body: String,
-    /// Position in the host's frame, m.
-    pub position_m: [f64; 3],
-    /// Unit direction of the force on the body.
-    pub force_direction: [f64; 3],
-    /// Specific impulse, s; null: no propellant is used up.
-    pub specific_impulse_s: Option<f64>,
-}
-
 /// One sensor.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct SensorDescription {
@@ -143,11 +100,10 @@ pub struct SensorDescription {
 /// ```
 pub fn describe(model: &Model) -> Description {
     let (mass_kg, system) = whole(model);
-    let body_name = |k: usize| {
-        model
-            .bodies
-            .get(k)
-            .map_or_else(String::new, |b| b.name.clone())
+    let file = file_of(model);
+    let environment = match &file.environment {
+        Some(around) => lines(around),
+        None => vec!["free fall".to_owned()],
     };
     Description {
         name: model.name.clone(),
@@ -155,107 +111,65 @@ pub fn describe(model: &Model) -> Description {
         system,
         bodies: model.bodies.iter().map(describe_body).collect(),
         tree: tree(model),
-        joints: model
-            .joints
+        joints: file.joint.unwrap_or_default(),
+        wheels: file.wheel.unwrap_or_default(),
+        thrusters: file.thruster.unwrap_or_default(),
+        sensors: model
+            .sensors
             .iter()
-            .map(|j| JointDescription {
-                name: j.name.clone(),
-                kind: joint_word(j.kind),
-                parent: body_name(j.parent),
-                child: body_name(j.child),
-                origin_m: j.p_PoCo_P.into(),
-                axis: j.axis_C.into(),
-                spring_damper: j.spring_damper.map(|s| spring_words(&s, j.kind)),
-            })
+            .map(|s| describe_sensor(model, s))
             .collect(),
-        wheels: model
-            .wheels
-            .iter()
-            .map(|w| WheelDescription {
-                name: w.name.clone(),
-                body: body_name(w.body),
-                axis: w.axis_B.into(),
-                spin_inertia_kg_m2: w.spin_inertia,
-            })
-            .collect(),
-        thrusters: model
-            .thrusters
-            .iter()
-            .map(|t| ThrusterDescription {
-                name: t.name.clone(),
-                body: body_name(t.body),
-                position_m: t.p_BoT_B.into(),
-                force_direction: t.direction_B.into(),
-                specific_impulse_s: t.propellant.map(|p| p.specific_impulse),
-            })
-            .collect(),
-        sensors: describe_sensors(model),
-        environment: crate::describe_telemetry::environment(&model.environment),
-        telemetry: crate::describe_telemetry::telemetry(&model.telemetry),
+        environment,
+        telemetry: describe_map(&model.telemetry),
         unknown: unknown(model),
         notes: model.notes.clone(),
     }
 }
 
-fn joint_word(kind: JointKind) -> &'static str {
-    match kind {
-        JointKind::Revolute => "revolute",
-        JointKind::Prismatic => "prismatic",
-        JointKind::Fixed => "fixed",
-    }
+/// One line per entry of the map.
+///
+/// ```
+/// use poinsot_model::{describe_map, parse_telemetry_map};
+///
+/// let map = parse_telemetry_map(
+///     r#"
+/// [telemetry.columns]
+/// omega_x = { column = "GYR_X", unit = "deg/s" }
+/// "#,
+///     "map.toml",
+/// )?;
+/// assert_eq!(describe_map(&map), ["omega_x: column GYR_X, unit deg/s"]);
+/// # Ok::<(), poinsot_files::Faults>(())
+/// ```
+pub fn describe_map(map: &TelemetryMap) -> Vec<String> {
+    lines(&telemetry(map))
 }
 
-fn spring_words(spring: &crate::SpringDamper, kind: JointKind) -> String {
-    let [stiffness, damping, unit] = match kind {
-        JointKind::Prismatic => ["N/m", "N s/m", "m"],
-        _ => ["N m/rad", "N m s/rad", "rad"],
-    };
-    format!(
-        "spring {} {stiffness} about {} {unit}, damper {} {damping}",
-        short(spring.stiffness),
-        short(spring.rest),
-        short(spring.damping)
-    )
-}
-
-fn describe_body(body: &crate::Body) -> BodyDescription {
-    let e = body.estimate;
-    let words = [("mass", e.mass), ("com", e.com), ("inertia", e.inertia)];
+fn describe_body(body: &Body) -> BodyDescription {
     BodyDescription {
         name: body.name.clone(),
         mass_kg: body.nominal.mass,
         com_m: body.nominal.p_BoBcm_B.into(),
         principal_kg_m2: body.nominal.principal().0,
-        unknown: words
-            .iter()
-            .filter(|(_, on)| *on)
-            .map(|(w, _)| *w)
-            .collect(),
+        unknown: body.estimate.words(),
     }
 }
 
-fn describe_sensors(model: &Model) -> Vec<SensorDescription> {
+fn describe_sensor(model: &Model, s: &Sensor) -> SensorDescription {
     let body_name = |k: usize| model.bodies.get(k).map(|b| b.name.clone());
-    let describe = |s: &crate::Sensor| {
-        let names = s.of.iter().filter_map(|k| match s.kind {
-            SensorKind::WheelSpeed => model.wheels.get(*k).map(|w| w.name.clone()),
-            SensorKind::Thrust => model.thrusters.get(*k).map(|t| t.name.clone()),
-            _ => model.joints.get(*k).map(|j| j.name.clone()),
-        });
-        SensorDescription {
-            name: s.name.clone(),
-            kind: s.kind.declared_as().word(),
-            body: body_name(s.body).unwrap_or_default(),
-            seen_from: body_name(s.seen_from).filter(|_| s.kind.is_relative()),
-            unit: printed_unit(model.unit_of(s)),
-            noise: s
-                .noise_covariance
-                .map(|c| c.diagonal().map(f64::sqrt).into()),
-            quantisation: s.quantisation,
-            of: names.collect(),
-        }
-    };
-    model.sensors.iter().map(describe).collect()
+    let names = s.of.iter().filter_map(|k| model.measured(s, *k));
+    SensorDescription {
+        name: s.name.clone(),
+        kind: s.kind.declared_as().word(),
+        body: body_name(s.body).unwrap_or_default(),
+        seen_from: body_name(s.seen_from).filter(|_| s.kind.is_relative()),
+        unit: printed_unit(model.unit_of(s)),
+        noise: s
+            .noise_covariance
+            .map(|c| c.diagonal().map(f64::sqrt).into()),
+        quantisation: s.quantisation,
+        of: names.map(str::to_owned).collect(),
+    }
 }
 
 /// Mass, mass centre and principal moments of the whole vehicle, joints at their locked positions.
@@ -329,7 +243,7 @@ fn tree(model: &Model) -> Vec<String> {
         };
         let joint = body.joint.and_then(|j| model.joints.get(j));
         let by = joint.map_or_else(String::new, |j| {
-            format!("  ({}, {})", j.name, joint_word(j.kind))
+            format!("  ({}, {})", j.name, j.kind.word())
         });
         // Deep chains are not indented; their depth is printed instead.
         let indent = match depth {
@@ -348,13 +262,7 @@ fn tree(model: &Model) -> Vec<String> {
 fn unknown(model: &Model) -> Vec<String> {
     let mut out = Vec::new();
     for body in &model.bodies {
-        let e = body.estimate;
-        let words = [("mass", e.mass), ("com", e.com), ("inertia", e.inertia)];
-        let words: Vec<&str> = words
-            .iter()
-            .filter(|(_, on)| *on)
-            .map(|(w, _)| *w)
-            .collect();
+        let words = body.estimate.words();
         if !words.is_empty() {
             let prior = if body.prior.is_some() {
                 " (with prior)"
@@ -364,43 +272,13 @@ fn unknown(model: &Model) -> Vec<String> {
             out.push(format!("{}: {}{prior}", body.name, words.join(", ")));
         }
     }
-    let mut add = |name: &str, what: &str, value: Nuisance| match value {
-        Nuisance::Known => {}
-        Nuisance::Estimate => out.push(format!("{name}: {what}")),
-        Nuisance::Prior(sigma) => {
-            out.push(format!("{name}: {what} (prior sigma {})", short(sigma)))
+    let file = serde_json::to_value(file_of(model)).unwrap_or_default();
+    for list in ["thruster", "wheel", "sensor"] {
+        for table in file[list].as_array().into_iter().flatten() {
+            unknown_of(table["name"].as_str().unwrap_or_default(), table, &mut out);
         }
-    };
-    for thruster in &model.thrusters {
-        add(&thruster.name, "scale", thruster.scale);
     }
-    for wheel in &model.wheels {
-        add(&wheel.name, "misalignment", wheel.misalignment);
-    }
-    for sensor in &model.sensors {
-        add(&sensor.name, "bias", sensor.bias);
-        add(&sensor.name, "scale", sensor.scale);
-        add(&sensor.name, "misalignment", sensor.misalignment);
-        add(&sensor.name, "nonorthogonality", sensor.nonorthogonality);
-        add(&sensor.name, "lag", sensor.lag);
-    }
-    add(
-        "environment",
-        "disturbance torque",
-        model.environment.disturbance_torque,
-    );
-    add(
-        "environment",
-        "disturbance torque in inertial axes",
-        model.environment.disturbance_torque_inertial,
-    );
-    add("environment", "drag torque", model.environment.drag_torque);
-    if let Some(random) = &model.environment.random_torque {
-        out.push(format!(
-            "environment: random torque of {} N m about each axis, correlated over {} s",
-            random.sigma_N_m, random.correlation_s
-        ));
-    }
+    unknown_of("environment", &file["environment"], &mut out);
     for wheel in model.wheels.iter().filter(|w| w.estimate) {
         out.push(format!("{}: spin inertia", wheel.name));
     }
@@ -413,6 +291,23 @@ fn unknown(model: &Model) -> Vec<String> {
         }
     }
     out
+}
+
+/// Keys of a table that are to be estimated, or have a prior.
+fn unknown_of(name: &str, table: &Value, out: &mut Vec<String>) {
+    let keys = table.as_object().into_iter().flatten();
+    for (key, value) in keys.filter(|(key, _)| *key != "uncertainty") {
+        let what = key.replace('_', " ");
+        let one = value.as_object().filter(|keys| keys.len() == 1);
+        let sigma = one.and_then(|keys| keys.values().next()?.as_f64());
+        match (value.as_str(), sigma) {
+            (Some("estimate"), _) => out.push(format!("{name}: {what}")),
+            (_, Some(sigma)) => {
+                out.push(format!("{name}: {what} (prior sigma {})", short(sigma)));
+            }
+            _ => {}
+        }
+    }
 }
 
 impl fmt::Display for Description {
@@ -443,7 +338,10 @@ impl fmt::Display for Description {
                 list(&b.principal_kg_m2)
             )?;
         }
-        self.fmt_parts(f)?;
+        section(f, "Joints", &entries(&self.joints))?;
+        section(f, "Wheels", &entries(&self.wheels))?;
+        section(f, "Thrusters", &entries(&self.thrusters))?;
+        section(f, "Sensors", &entries(&self.sensors))?;
         section(f, "Environment", &self.environment)?;
         section(f, "Telemetry", &self.telemetry)?;
         section(f, "Unknown", &self.unknown)?;
@@ -451,80 +349,8 @@ impl fmt::Display for Description {
     }
 }
 
-impl Description {
-    fn fmt_parts(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let joints: Vec<String> = self
-            .joints
-            .iter()
-            .map(|j| {
-                let axis = if j.kind == "fixed" {
-                    String::new()
-                } else {
-                    format!(", axis ({})", list(&j.axis))
-                };
-                let spring = j.spring_damper.as_ref();
-                let spring = spring.map_or_else(String::new, |words| format!(", {words}"));
-                let (name, kind) = (&j.name, j.kind);
-                format!("{name}: {kind}, {} -> {}{axis}{spring}", j.parent, j.child)
-            })
-            .collect();
-        section(f, "Joints", &joints)?;
-        let wheels: Vec<String> = self
-            .wheels
-            .iter()
-            .map(|w| {
-                let spin = short(w.spin_inertia_kg_m2);
-                format!(
-                    "{}: on {}, axis ({}), {spin} kg m2",
-                    w.name,
-                    w.body,
-                    list(&w.axis)
-                )
-            })
-            .collect();
-        section(f, "Wheels", &wheels)?;
-        let thrusters: Vec<String> = self
-            .thrusters
-            .iter()
-            .map(|t| {
-                let (at, force) = (list(&t.position_m), list(&t.force_direction));
-                format!(
-                    "{}: on {}, at ({at}) m, force along ({force})",
-                    t.name, t.body
-                )
-            })
-            .collect();
-        section(f, "Thrusters", &thrusters)?;
-        let sensors: Vec<String> = self.sensors.iter().map(SensorDescription::line).collect();
-        section(f, "Sensors", &sensors)
-    }
-}
-
-impl SensorDescription {
-    fn line(&self) -> String {
-        let mut text = format!("{}: {} on {}", self.name, self.kind, self.body);
-        if let Some(from) = &self.seen_from {
-            text.push_str(&format!(", seen from {from}"));
-        }
-        if !self.of.is_empty() {
-            text = format!("{}: {} of {}", self.name, self.kind, self.of.join(", "));
-        }
-        match self.noise {
-            Some([x, y, z]) if x == y && y == z => {
-                text.push_str(&format!(", noise {} {}", short(x), self.unit));
-            }
-            Some(sigmas) => text.push_str(&format!(", noise ({}) {}", list(&sigmas), self.unit)),
-            None => text.push_str(", no noise declared"),
-        }
-        if self.quantisation > 0.0 {
-            text.push_str(&format!(
-                ", steps of {} {}",
-                short(self.quantisation),
-                self.unit
-            ));
-        }
-        text
-    }
+fn entries<T: Serialize>(all: &[T]) -> Vec<String> {
+    all.iter().map(entry).collect()
 }
 
 fn section(f: &mut fmt::Formatter<'_>, title: &str, lines: &[String]) -> fmt::Result {

@@ -18,11 +18,30 @@ pub(crate) enum Step {
 pub(crate) struct KeyPath(pub Vec<Step>);
 
 impl KeyPath {
+    /// The path of a text such as `want[1].number`.
+    pub fn parse(text: &str) -> Self {
+        let steps = text.split(['.', '[', ']']).filter(|step| !step.is_empty());
+        let step = |step: &str| match step.parse() {
+            Ok(index) => Step::Index(index),
+            Err(_) => Step::Key(step.to_owned()),
+        };
+        Self(steps.map(step).collect())
+    }
+
     /// The path extended by a key.
     pub fn key(&self, key: &str) -> Self {
         let mut path = self.clone();
         path.0.push(Step::Key(key.to_owned()));
         path
+    }
+
+    /// The name of the last key.
+    pub fn key_name(&self) -> &str {
+        let names = self.0.iter().rev().filter_map(|step| match step {
+            Step::Key(key) => Some(key.as_str()),
+            Step::Index(_) => None,
+        });
+        names.into_iter().next().unwrap_or_default()
     }
 
     /// The path extended by an index.

@@ -4,7 +4,7 @@ use crate::document::{Document, KeyPath};
 use poinsot_files::{Fault, Faults, Place, excerpt};
 
 /// A key with the name of its entry.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Key {
     pub path: KeyPath,
     pub subject: String,

@@ -4,9 +4,13 @@
 //! declare another uncertainty, or none (`exact = true`). The figures are engineering judgement, each with its reason.
 
 use poinsot_spatial::Vector3;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
-/// Source of the numbers of a table.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+/// Where the known numbers of a table come from: it sets how uncertain they are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+#[schemars(rename = "SourceFile")]
 pub enum Origin {
     /// A drawing or a computer model.
     #[default]
@@ -116,6 +120,25 @@ impl KnownNumber {
         match origin {
             Origin::Measured => measured,
             Origin::Cad => cad,
+        }
+    }
+
+    /// List of tables of the model file, index in it (of a body: in the model), and key of the uncertainty.
+    pub(crate) fn key(self) -> (&'static str, usize, &'static str) {
+        match self {
+            Self::Mass(k) => ("body", k, "mass"),
+            Self::MassCentre(k) => ("body", k, "com_m"),
+            Self::Inertia(k) => ("body", k, "inertia"),
+            Self::JointOrigin(k) => ("joint", k, "origin_m"),
+            Self::JointAxis(k) => ("joint", k, "axis_rad"),
+            Self::SpinInertia(k) => ("wheel", k, "spin_inertia"),
+            Self::WheelAxis(k) => ("wheel", k, "axis_rad"),
+            Self::Force(k) => ("thruster", k, "force"),
+            Self::ForceDirection(k) => ("thruster", k, "direction_rad"),
+            Self::ForcePosition(k) => ("thruster", k, "position_m"),
+            Self::SpecificImpulse(k) => ("thruster", k, "specific_impulse"),
+            Self::PropellantPlace(k) => ("thruster", k, "propellant_m"),
+            Self::Mounting(k) => ("sensor", k, "mounting_rad"),
         }
     }
 

@@ -46,12 +46,13 @@
 //! ```
 //!
 //! # Files
-//! - `file/`: the raw file, one type per table. `schema.rs`: JSON Schema from these types.
-//! - `shape.rs`: structure check against the schema.
-//! - `check.rs`, `check_*.rs`: from raw to checked; every finding is reported.
+//! - `file/`: the table of keys, one type per table and one field per key: path, unit, range, words. `schema.rs`: JSON Schema
+//!   from it.
+//! - `shape.rs`: checks a file against the table.
+//! - `check.rs`, `check_*.rs`: what rows cannot say, from raw to checked; every finding is reported.
 //! - `vehicle.rs`: the checked `Model`. `known.rs`: uncertainty of known numbers, in one table.
-//! - `kinematic.rs`: conversion to the tree. `write.rs`: conversion to a file that reads back equal.
-//! - `describe.rs`: description as text. `finding.rs`: codes E01xx.
+//! - `kinematic.rs`: conversion to the tree. `write.rs`: fills the table of keys, which `toml` writes.
+//! - `describe.rs`: description for `check`; `words.rs`: any table of keys in words. `finding.rs`: codes E01xx.
 //! - `urdf/`: reading URDF. `urdf/limits.rs`: limits checked before a tree is built.
 //! - `patch/`: writing mass properties into URDF, SDF, MJCF and model files.
 #![allow(non_snake_case)]
@@ -67,7 +68,6 @@ mod check_sensor;
 mod check_telemetry;
 mod check_tree;
 mod describe;
-mod describe_telemetry;
 mod document;
 mod file;
 mod finding;
@@ -83,11 +83,11 @@ mod suggest;
 mod toml_text;
 mod urdf;
 mod vehicle;
+mod words;
 mod write;
-mod write_telemetry;
 
 pub use describe::*;
-pub use describe_telemetry::telemetry as describe_map;
+pub use file::{JointFile, SpringDamperFile, ThrusterFile, WheelFile};
 pub use knowledge::{
     Knowledge, KnownNumber, LIKE_WHEELS, NOMINAL_WITHIN, Origin, Uncertain, across,
 };
@@ -95,8 +95,12 @@ pub use model_text::read_model_text;
 pub use patch::{BodyProperties, Patch, Patched, patch_mjcf, patch_model, patch_sdf, patch_urdf};
 pub use poinsot_files::rounded;
 pub use poinsot_telemetry::TelemetryMap;
-pub use read::{MODEL_SCHEMA, parse_model, parse_telemetry_map, read_model, read_telemetry_map};
+pub use read::{
+    MODEL_SCHEMA, check_keys, locate, parse_model, parse_telemetry_map, read_model,
+    read_telemetry_map,
+};
 pub use schema::{model_schema, telemetry_map_schema, without_null};
+pub use shape::Format;
 pub use urdf::{Urdf, UrdfDefect, parse_urdf, read_urdf};
 pub use vehicle::*;
 pub use write::write_model;

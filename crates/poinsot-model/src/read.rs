@@ -7,7 +7,7 @@ use crate::file::{ModelFile, TelemetryMapFile};
 use crate::finding::{Findings, Key};
 use crate::model_text::read_model_text;
 use crate::schema::{model_schema_ref, telemetry_map_schema_ref};
-use crate::shape::check_shape;
+use crate::shape::{Format, MODEL, check_shape};
 use crate::vehicle::Model;
 use poinsot_files::{Fault, Faults, Place};
 use poinsot_telemetry::TelemetryMap;
@@ -59,14 +59,14 @@ pub fn read_model(path: impl AsRef<Path>) -> Result<Model, Faults> {
 pub fn parse_model(text: &str, file: &str) -> Result<Model, Faults> {
     let (document, syntax) = Document::new(text, file);
     let mut findings = Findings::new(&document);
-    report_syntax(syntax, &mut findings);
+    report_syntax(&MODEL, syntax, &mut findings);
     check_version(&mut findings);
     if findings.count() > 0 {
         return Err(findings.into_error());
     }
-    let clean = check_shape(model_schema_ref(), &mut findings);
-    let model = match ModelFile::deserialize(toml::Value::Table(clean)) {
-        Ok(raw) => check_model(&raw, &mut findings),
+    let clean = check_shape(&MODEL, model_schema_ref(), &mut findings);
+    let model = match ModelFile::deserialize(clean.clone()) {
+        Ok(raw) => check_model(&raw, &clean, &mut findings),
         Err(error) => {
             report_misfit(&error, &mut findings);
             None
@@ -128,11 +128,11 @@ pub fn read_telemetry_map(path: impl AsRef<Path>) -> Result<TelemetryMap, Faults
 pub fn parse_telemetry_map(text: &str, file: &str) -> Result<TelemetryMap, Faults> {
     let (document, syntax) = Document::new(text, file);
     let mut findings = Findings::new(&document);
-    report_syntax(syntax, &mut findings);
+    report_syntax(&MODEL, syntax, &mut findings);
     if findings.count() > 0 {
         return Err(findings.into_error());
     }
-    let clean = check_shape(telemetry_map_schema_ref(), &mut findings);
+    let clean = check_shape(&MODEL, telemetry_map_schema_ref(), &mut findings);
     let map = match TelemetryMapFile::deserialize(toml::Value::Table(clean)) {
         Ok(raw) => check_telemetry(raw.telemetry.as_ref(), None, &mut findings),
         Err(error) => {
@@ -144,7 +144,38 @@ pub fn parse_telemetry_map(text: &str, file: &str) -> Result<TelemetryMap, Fault
     Ok(map)
 }
 
-fn report_syntax(errors: Vec<toml::de::Error>, findings: &mut Findings<'_, '_>) {
+/// Checks the text of a file against the table of keys of its format.
+///
+/// # Errors
+/// All faults of its keys, with line, column and value.
+pub fn check_keys(
+    text: &str,
+    file: &str,
+    format: &'static Format,
+    rows: &'static serde_json::Value,
+) -> Result<(), Faults> {
+    let (document, syntax) = Document::new(text, file);
+    let mut findings = Findings::new(&document);
+    report_syntax(format, syntax, &mut findings);
+    if findings.count() == 0 {
+        check_shape(format, rows, &mut findings);
+    }
+    findings.finish().map(|_| ())
+}
+
+/// Gives faults of a file the line and the value of their key.
+pub fn locate(text: &str, faults: &mut [Fault]) {
+    let (document, _) = Document::new(text, "");
+    for fault in faults {
+        let (byte, value) = document.place(&KeyPath::parse(&fault.place.key));
+        fault.place.line = document.line_column(byte).0 as u64;
+        if fault.value.is_empty() {
+            fault.value = value;
+        }
+    }
+}
+
+fn report_syntax(format: &Format, errors: Vec<toml::de::Error>, findings: &mut Findings<'_, '_>) {
     for error in errors {
         let at = error.span().map_or(0, |span| span.start);
         let key = Key {
@@ -157,7 +188,7 @@ fn report_syntax(errors: Vec<toml::de::Error>, findings: &mut Findings<'_, '_>) 
             .collect::<Vec<_>>()
             .join(" ");
         findings.push(
-            "E0102",
+            format.syntax,
             &key,
             at,
             String::new(),

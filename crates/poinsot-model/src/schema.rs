@@ -50,6 +50,8 @@ pub fn without_null(value: Value) -> Value {
             let mut clean = serde_json::Map::new();
             for (key, value) in map {
                 let value = match (key.as_str(), value) {
+                    // What a row adds to JSON Schema stays as it is.
+                    (own, value) if own.starts_with("x-") => value,
                     ("type", Value::Array(types)) => {
                         let mut types: Vec<Value> =
                             types.into_iter().filter(|t| t != "null").collect();

@@ -1,92 +1,28 @@
 //! Suggests the key or name that was probably meant.
 
+use crate::finding::{Findings, Key};
+use poinsot_files::excerpt;
+
 /// Units that end keys of the format, longest first.
-const UNITS: [&str; 19] = [
-    "_N_m_s_per_rad",
-    "_N_m_per_rad",
-    "_N_s_per_m",
-    "_N_per_m",
-    "_kg_m2",
-    "_m3_s2",
-    "_N_m_s",
-    "_rad_s",
-    "_m_s2",
-    "_N_m",
-    "_N_s",
-    "_rad",
-    "_m_s",
-    "_xyzw",
-    "_matrix",
-    "_kg",
-    "_m",
-    "_s",
-    "_N",
-];
+const UNITS: &str = "N_m_s_per_rad N_m_per_rad N_s_per_m N_per_m kg_m2 m3_s2 N_m_s rad_s m_s2 N_m N_s rad m_s xyzw matrix kg m s N";
 
 /// Suffixes of form, not unit: two ways to write a rotation.
-const FORMS: [&str; 2] = ["_xyzw", "_matrix"];
+const FORMS: [&str; 2] = ["xyzw", "matrix"];
 
 /// Suffixes used instead of the correct unit.
-const UNIT_PARTS: [&str; 58] = [
-    "kg",
-    "g",
-    "mg",
-    "t",
-    "lb",
-    "lbm",
-    "slug",
-    "m",
-    "mm",
-    "cm",
-    "km",
-    "in",
-    "ft",
-    "s",
-    "ms",
-    "us",
-    "ns",
-    "min",
-    "h",
-    "rad",
-    "mrad",
-    "deg",
-    "arcsec",
-    "rpm",
-    "n",
-    "mn",
-    "kn",
-    "lbf",
-    "nm",
-    "ns",
-    "nms",
-    "kgm2",
-    "gmm2",
-    "kgmm2",
-    "m2",
-    "mm2",
-    "cm2",
-    "in2",
-    "ft2",
-    "s2",
-    "m3",
-    "km3",
-    "per",
-    "xyzw",
-    "wxyz",
-    "quat",
-    "quaternion",
-    "matrix",
-    "euler",
-    "rpy",
-    "dcm",
-    "zyx",
-    "xyz",
-    "si",
-    "sec",
-    "degrees",
-    "meters",
-    "radians",
-];
+const UNIT_PARTS: &str = "kg g mg t lb lbm slug m mm cm km in ft s ms us ns min h rad mrad deg arcsec rpm n mn kn lbf nm ns nms \
+    kgm2 gmm2 kgmm2 m2 mm2 cm2 in2 ft2 s2 m3 km3 per xyzw wxyz quat quaternion matrix euler rpy dcm zyx xyz si sec degrees \
+    meters radians";
+
+/// A unit that ends a key, as it is printed: `kg_m2` is `kg m2`; none for a form.
+pub(crate) fn printed_unit(suffix: &str) -> Option<String> {
+    let text = match suffix {
+        suffix if FORMS.contains(&suffix) => return None,
+        "rad_s" | "m_s" | "m_s2" | "m3_s2" => suffix.replace('_', "/"),
+        _ => suffix.replace("_per_", "/").replace('_', " "),
+    };
+    Some(text)
+}
 
 /// The closest candidate, if it is close enough for a typing error.
 pub(crate) fn nearest<'a>(word: &str, candidates: &[&'a str]) -> Option<&'a str> {
@@ -112,8 +48,9 @@ pub(crate) fn similar(a: &str, b: &str) -> bool {
 }
 
 /// A key without its unit.
-fn stem(key: &str) -> Option<&str> {
-    UNITS.iter().find_map(|unit| key.strip_suffix(unit))
+pub(crate) fn stem(key: &str) -> Option<&str> {
+    let mut units = UNITS.split(' ');
+    units.find_map(|unit| key.strip_suffix(unit)?.strip_suffix('_'))
 }
 
 /// Known keys that equal an unknown one up to a missing or different unit.
@@ -128,8 +65,11 @@ fn other_units<'a>(key: &str, known: &[&'a str]) -> Vec<&'a str> {
                         .strip_prefix(stem)
                         .and_then(|rest| rest.strip_prefix('_'))
                         .is_some_and(|rest| {
-                            rest.split('_')
-                                .all(|part| UNIT_PARTS.contains(&part.to_lowercase().as_str()))
+                            let known = |part: &str| {
+                                let part = part.to_lowercase();
+                                UNIT_PARTS.split_whitespace().any(|unit| unit == part)
+                            };
+                            rest.split('_').all(known)
                         })
             })
         })
@@ -146,22 +86,22 @@ pub(crate) fn meant<'a>(key: &str, known: &[&'a str]) -> Vec<&'a str> {
     }
 }
 
-/// Code, problem and remedy for an unknown key.
-pub(crate) fn unknown_key(key: &str, known: &[&str]) -> (&'static str, String, String) {
+/// For an unknown key: whether only its unit or form is wrong, problem and remedy.
+pub(crate) fn unknown_key(key: &str, known: &[&str]) -> (bool, String, String) {
     let units = other_units(key, known);
     if let Some(first) = units.first() {
         let write = format!("write {}", units.join(" or "));
         let form = FORMS.iter().any(|form| first.ends_with(form));
         return match (stem(first) == Some(key), form) {
-            (true, false) => ("E0105", "missing unit".to_owned(), write),
-            (true, true) => ("E0105", "missing form".to_owned(), write),
+            (true, false) => (true, "missing unit".to_owned(), write),
+            (true, true) => (true, "missing form".to_owned(), write),
             (false, false) => (
-                "E0105",
+                true,
                 "wrong unit".to_owned(),
                 format!("{write} and convert the number"),
             ),
             (false, true) => (
-                "E0105",
+                true,
                 "wrong form".to_owned(),
                 format!("{write} and convert the numbers"),
             ),
@@ -172,5 +112,31 @@ pub(crate) fn unknown_key(key: &str, known: &[&str]) -> (&'static str, String, S
         None if known.is_empty() => "remove it".to_owned(),
         None => format!("remove it; known here: {}", known.join(", ")),
     };
-    ("E0104", "unknown key".to_owned(), remedy)
+    (false, "unknown key".to_owned(), remedy)
+}
+
+/// Reports a reference to an unknown name.
+pub(crate) fn unknown_name(
+    key: &Key,
+    kind: &str,
+    name: &str,
+    names: &[&str],
+    findings: &mut Findings<'_, '_>,
+) {
+    // In a file with many faults no similar name is searched.
+    let near = if findings.count() < 50 {
+        nearest(name, names)
+    } else {
+        None
+    };
+    let remedy = match near {
+        Some(near) => format!("did you mean \"{}\"?", excerpt(near, 60)),
+        None => format!("name one that a [[{kind}]] has"),
+    };
+    findings.refuse(
+        "E0111",
+        key,
+        format!("there is no {kind} of this name"),
+        remedy,
+    );
 }

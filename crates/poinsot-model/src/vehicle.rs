@@ -4,6 +4,8 @@ use crate::knowledge::{Knowledge, across};
 pub use poinsot_dynamics::{Axes, ErrorKey, Nuisance, Orbit, Sensor, SensorKind, printed_unit};
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
 use poinsot_telemetry::{STANDARD_GRAVITY, TelemetryMap};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 /// A checked vehicle: a tree of bodies with joints, wheels, thrusters and sensors.
 #[derive(Debug, Clone, PartialEq)]
@@ -59,6 +61,20 @@ pub struct EstimateSet {
 }
 
 impl EstimateSet {
+    /// Names of what is unknown.
+    pub fn words(&self) -> Vec<&'static str> {
+        let words = [
+            ("mass", self.mass),
+            ("com", self.com),
+            ("inertia", self.inertia),
+        ];
+        words
+            .into_iter()
+            .filter(|(_, on)| *on)
+            .map(|(word, _)| word)
+            .collect()
+    }
+
     /// Everything unknown.
     pub const ALL: Self = Self {
         mass: true,
@@ -72,21 +88,33 @@ impl EstimateSet {
     }
 }
 
-/// One-sigma prior of a body's nominal mass properties (CAD).
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// One sigma of the nominal values of a body.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "PriorFile", extend("x-code" = "E0117"))]
 pub struct Prior {
-    /// Sigma of the mass, kg.
+    /// One sigma of the mass, kg.
+    #[serde(rename = "mass_kg")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub mass: Option<f64>,
-    /// Sigma of each component of the mass centre, m.
+    /// One sigma of each component of the mass centre, m.
+    #[serde(rename = "com_m")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub com: Option<f64>,
-    /// Sigma of each element of the central inertia, kg m2.
+    /// One sigma of each element of the central inertia, kg m2.
+    #[serde(rename = "inertia_kg_m2")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub inertia: Option<f64>,
-    /// Relative sigma of the entropic prior, which keeps the body physical; dimensionless.
+    /// Relative sigma of the entropic prior on the whole body, no unit: 0.1 for a body known to about a
+    /// tenth. It keeps the body physical.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub entropic: Option<f64>,
 }
 
 /// Kind of a joint.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+#[schemars(rename = "JointType")]
 pub enum JointKind {
     /// Rotation about its axis; position in rad.
     Revolute,
@@ -94,6 +122,17 @@ pub enum JointKind {
     Prismatic,
     /// Rigid.
     Fixed,
+}
+
+impl JointKind {
+    /// Name in the model file.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Revolute => "revolute",
+            Self::Prismatic => "prismatic",
+            Self::Fixed => "fixed",
+        }
+    }
 }
 
 /// A joint between parent P and child C; the child's frame origin Co lies in the joint.
@@ -238,12 +277,16 @@ pub struct Environment {
 }
 
 /// A random torque about the mass centre, with equal statistics about every axis of N: a Gauss-Markov process.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "RandomTorqueFile", extend("x-code" = "E0118"))]
 #[allow(non_snake_case)]
 pub struct RandomTorque {
     /// One sigma about each axis, N m.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub sigma_N_m: f64,
-    /// Correlation time (decay to 1/e), s.
+    /// Correlation time, to 1/e, s.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub correlation_s: f64,
 }
 
@@ -254,6 +297,15 @@ impl Model {
         sensor
             .kind
             .unit(read.is_some_and(|j| j.kind == JointKind::Prismatic))
+    }
+
+    /// Name of the joint, wheel or thruster at an index of a sensor's `of`.
+    pub fn measured(&self, sensor: &Sensor, k: usize) -> Option<&str> {
+        match sensor.kind {
+            SensorKind::WheelSpeed => self.wheels.get(k).map(|w| w.name.as_str()),
+            SensorKind::Thrust => self.thrusters.get(k).map(|t| t.name.as_str()),
+            _ => self.joints.get(k).map(|j| j.name.as_str()),
+        }
     }
 
     /// Index of the body with this name.

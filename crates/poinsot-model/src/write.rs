@@ -1,16 +1,22 @@
-//! Writes a checked vehicle as a `poinsot.model/1` file that reads back equal.
+//! Writes a checked vehicle as a `poinsot.model/1` file that reads back equal: fills the rows of `file/`.
 
+use crate::file::{
+    AttitudeFile, BodyFile, ColumnFile, EnvironmentFile, EstimateFile, ExportFile, FrameFile,
+    Gravity, InertiaFile, JointFile, ModelFile, MomentumFile, MomentumVectorFile, MomentumWord,
+    NamesFile, NoiseFile, NuisanceFile, NuisanceWord, OrbitColumnsFile, OrbitFile, Parameter,
+    PartFile, SensorFile, SensorType, Sigmas, SpringDamperFile, TelemetryFile, ThrusterFile,
+    WheelFile,
+};
 use crate::knowledge::{KnownNumber, Origin};
-use crate::toml_text::{line, number, quoted, section};
 use crate::vehicle::{
-    Body, EstimateSet, Joint, JointKind, Model, MomentumKnowledge, Nuisance, Sensor, SensorKind,
-    Thruster, Wheel,
+    Body, Environment, EstimateSet, Joint, JointKind, Model, MomentumKnowledge, Nuisance, Orbit,
+    Sensor, SpringDamper, Thruster, Wheel,
 };
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
-use std::collections::HashMap;
-
-/// One sigma of every uncertain number.
-type Sigmas = HashMap<KnownNumber, f64>;
+use poinsot_telemetry::{
+    AttitudeForm, AttitudeMap, ColumnMap, FileMap, OrbitMap, Order, Sense, TelemetryMap,
+};
+use std::collections::{BTreeMap, HashMap};
 
 /// The text of a model file. Numbers are written with all their digits; `notes` are not written.
 ///
@@ -25,333 +31,228 @@ type Sigmas = HashMap<KnownNumber, f64>;
 /// # Ok::<(), poinsot_files::Faults>(())
 /// ```
 pub fn write_model(model: &Model) -> String {
-    let mut out = String::new();
-    line(&mut out, "schema", quoted(crate::MODEL_SCHEMA));
-    line(&mut out, "name", quoted(&model.name));
-    if model.knowledge.uncertain.is_empty() {
-        line(&mut out, "exact", "true".to_owned());
-    } else if !model.knowledge.assumed {
-        line(&mut out, "source", quoted(Origin::Cad.word()));
-    }
-    if let Some(factor) = model.knowledge.nominal_within {
-        line(&mut out, "nominal_within", number(factor));
-    }
-    let known = model.knowledge.uncertain.iter();
-    let known: Sigmas = known.map(|u| (u.number, u.sigma)).collect();
-    for (k, body) in model.bodies.iter().enumerate() {
-        write_body(&mut out, body);
-        let numbers = [
-            ("mass", KnownNumber::Mass(k)),
-            ("com_m", KnownNumber::MassCentre(k)),
-            ("inertia", KnownNumber::Inertia(k)),
-        ];
-        uncertainty(&mut out, &known, &numbers);
-    }
-    for (k, joint) in model.joints.iter().enumerate() {
-        write_joint(&mut out, model, joint);
-        let numbers = [
-            ("origin_m", KnownNumber::JointOrigin(k)),
-            ("axis_rad", KnownNumber::JointAxis(k)),
-        ];
-        uncertainty(&mut out, &known, &numbers);
-    }
-    for (k, wheel) in model.wheels.iter().enumerate() {
-        write_wheel(&mut out, model, wheel);
-        let numbers = [
-            ("spin_inertia", KnownNumber::SpinInertia(k)),
-            ("axis_rad", KnownNumber::WheelAxis(k)),
-        ];
-        uncertainty(&mut out, &known, &numbers);
-    }
-    for (k, thruster) in model.thrusters.iter().enumerate() {
-        write_thruster(&mut out, model, thruster);
-        let numbers = [
-            ("force", KnownNumber::Force(k)),
-            ("direction_rad", KnownNumber::ForceDirection(k)),
-            ("position_m", KnownNumber::ForcePosition(k)),
-            ("specific_impulse", KnownNumber::SpecificImpulse(k)),
-            ("propellant_m", KnownNumber::PropellantPlace(k)),
-        ];
-        let without_propellant = &numbers[..3];
-        let numbers = match thruster.propellant {
-            Some(_) => numbers.as_slice(),
-            None => without_propellant,
-        };
-        uncertainty(&mut out, &known, numbers);
-    }
-    for (k, sensor) in model.sensors.iter().enumerate() {
-        write_sensor(&mut out, model, sensor);
-        if sensor.turns() {
-            uncertainty(
-                &mut out,
-                &known,
-                &[("mounting_rad", KnownNumber::Mounting(k))],
-            );
-        }
-    }
-    section(&mut out, "[momentum]");
-    line(&mut out, "linear_N_s", momentum(model.momentum.linear));
-    line(&mut out, "angular_N_m_s", momentum(model.momentum.angular));
-    write_environment(&mut out, model);
-    crate::write_telemetry::write_telemetry(&mut out, &model.telemetry);
-    out
+    crate::toml_text::text(&file_of(model))
 }
 
-fn write_wheel(out: &mut String, model: &Model, wheel: &Wheel) {
-    section(out, "[[wheel]]");
-    line(out, "name", quoted(&wheel.name));
-    line(out, "body", body_name(model, wheel.body));
-    line(out, "axis", vector(&wheel.axis_B));
-    line(out, "spin_inertia_kg_m2", number(wheel.spin_inertia));
-    if wheel.estimate {
-        line(out, "estimate", "true".to_owned());
-    }
-    nuisance(out, "misalignment", wheel.misalignment, "sigma_rad");
-}
-
-fn write_thruster(out: &mut String, model: &Model, thruster: &Thruster) {
-    section(out, "[[thruster]]");
-    line(out, "name", quoted(&thruster.name));
-    line(out, "body", body_name(model, thruster.body));
-    line(out, "position_m", vector(&thruster.p_BoT_B));
-    line(out, "force_direction", vector(&thruster.direction_B));
-    if let Some(propellant) = &thruster.propellant {
-        let specific = propellant.specific_impulse;
-        line(out, "specific_impulse_s", number(specific));
-        line(out, "propellant_m", vector(&propellant.p_BoF_B));
-    }
-    nuisance(out, "scale", thruster.scale, "sigma");
-}
-
-/// Uncertainties of one table that differ from those of a drawing.
-fn uncertainty(out: &mut String, known: &Sigmas, numbers: &[(&str, KnownNumber)]) {
-    if known.is_empty() {
-        return;
-    }
-    let entries: Vec<String> = numbers
-        .iter()
-        .filter_map(|(key, of)| {
-            let sigma = known.get(of).copied().unwrap_or(0.0);
-            (sigma != of.usual_sigma(Origin::Cad)).then(|| format!("{key} = {}", number(sigma)))
-        })
-        .collect();
-    if !entries.is_empty() {
-        line(out, "uncertainty", format!("{{ {} }}", entries.join(", ")));
-    }
-}
-
-fn write_body(out: &mut String, body: &Body) {
-    section(out, "[[body]]");
-    line(out, "name", quoted(&body.name));
-    line(out, "mass_kg", number(body.nominal.mass));
-    line(out, "com_m", vector(&body.nominal.p_BoBcm_B));
-    line(out, "inertia_kg_m2", inertia(&body.nominal.I_BBcm_B));
-    if body.estimate == EstimateSet::ALL {
-        line(out, "estimate", "true".to_owned());
-    } else if body.estimate.any() {
-        let e = body.estimate;
-        let words = [
-            ("\"mass\"", e.mass),
-            ("\"com\"", e.com),
-            ("\"inertia\"", e.inertia),
-        ];
-        let words: Vec<&str> = words
-            .iter()
-            .filter(|(_, on)| *on)
-            .map(|(w, _)| *w)
-            .collect();
-        line(out, "estimate", format!("[{}]", words.join(", ")));
-    }
-    if let Some(prior) = &body.prior {
-        let sigmas = [
-            ("mass_kg", prior.mass),
-            ("com_m", prior.com),
-            ("inertia_kg_m2", prior.inertia),
-            ("entropic", prior.entropic),
-        ];
-        let sigmas: Vec<String> = sigmas
-            .iter()
-            .filter_map(|(name, sigma)| Some(format!("{name} = {}", number((*sigma)?))))
-            .collect();
-        line(out, "prior", format!("{{ {} }}", sigmas.join(", ")));
-    }
-}
-
-fn write_joint(out: &mut String, model: &Model, joint: &Joint) {
-    section(out, "[[joint]]");
-    line(out, "name", quoted(&joint.name));
-    let (kind, locked_at) = match joint.kind {
-        JointKind::Revolute => ("revolute", "locked_at_rad"),
-        JointKind::Prismatic => ("prismatic", "locked_at_m"),
-        JointKind::Fixed => ("fixed", ""),
+/// The rows of a file, filled.
+pub(crate) fn file_of(model: &Model) -> ModelFile {
+    let mut sigmas = uncertainties(model);
+    let mut own = |table, k| sigmas.remove(&(table, k));
+    let known = &model.knowledge;
+    let exact = known.uncertain.is_empty();
+    let momentum = MomentumFile {
+        linear_N_s: Some(momentum(model.momentum.linear)),
+        angular_N_m_s: Some(momentum(model.momentum.angular)),
     };
-    line(out, "type", quoted(kind));
-    line(out, "parent", body_name(model, joint.parent));
-    line(out, "child", body_name(model, joint.child));
-    line(out, "origin_m", vector(&joint.p_PoCo_P));
-    if joint.R_PC_zero != Matrix3::identity() {
-        line(out, "rotation_matrix", matrix(&joint.R_PC_zero));
-    }
-    if joint.kind != JointKind::Fixed {
-        line(out, "axis", vector(&joint.axis_C));
-        if joint.locked_at != 0.0 {
-            line(out, locked_at, number(joint.locked_at));
-        }
-        if let Some(spring) = &joint.spring_damper {
-            let keys = match joint.kind {
-                JointKind::Prismatic => ["stiffness_N_per_m", "damping_N_s_per_m", "rest_m"],
-                _ => ["stiffness_N_m_per_rad", "damping_N_m_s_per_rad", "rest_rad"],
-            };
-            let numbers = [spring.stiffness, spring.damping, spring.rest].map(number);
-            let entries: Vec<String> = keys
-                .iter()
-                .zip(&numbers)
-                .map(|(key, number)| format!("{key} = {number}"))
-                .collect();
-            line(
-                out,
-                "spring_damper",
-                format!("{{ {} }}", entries.join(", ")),
-            );
-        }
+    let around = &model.environment;
+    ModelFile {
+        schema: Some(crate::MODEL_SCHEMA.to_owned()),
+        name: Some(model.name.clone()),
+        source: (!exact && !known.assumed).then_some(Origin::Cad),
+        exact: exact.then_some(true),
+        nominal_within: known.nominal_within,
+        body: each(&model.bodies, |k, b| body(b, own("body", k))),
+        joint: each(&model.joints, |k, j| joint(model, j, own("joint", k))),
+        wheel: each(&model.wheels, |k, w| wheel(model, w, own("wheel", k))),
+        thruster: each(&model.thrusters, |k, t| {
+            thruster(model, t, own("thruster", k))
+        }),
+        sensor: each(&model.sensors, |k, s| sensor(model, s, own("sensor", k))),
+        momentum: Some(momentum),
+        environment: (*around != Environment::default()).then(|| environment(around)),
+        telemetry: (model.telemetry != TelemetryMap::default())
+            .then(|| telemetry(&model.telemetry)),
     }
 }
 
-fn write_sensor(out: &mut String, model: &Model, sensor: &Sensor) {
-    section(out, "[[sensor]]");
-    line(out, "name", quoted(&sensor.name));
-    line(out, "type", quoted(sensor.kind.declared_as().word()));
-    if sensor.body != 0 {
-        line(out, "body", body_name(model, sensor.body));
+/// The entries of a list of tables; none for an empty list.
+fn each<T, F>(list: &[T], entry: impl FnMut(usize, &T) -> F) -> Option<Vec<F>> {
+    let mut entry = entry;
+    let all: Vec<F> = list.iter().enumerate().map(|(k, t)| entry(k, t)).collect();
+    (!all.is_empty()).then_some(all)
+}
+
+/// Uncertainties that differ from those of a drawing, by table and index.
+fn uncertainties(model: &Model) -> HashMap<(&'static str, usize), Sigmas> {
+    let uncertain = &model.knowledge.uncertain;
+    let known: HashMap<KnownNumber, f64> = uncertain.iter().map(|u| (u.number, u.sigma)).collect();
+    let mut all: HashMap<_, Sigmas> = HashMap::new();
+    let numbers = model.known_numbers().into_iter();
+    for number in numbers.filter(|_| !known.is_empty()) {
+        let sigma = known.get(&number).copied().unwrap_or(0.0);
+        if sigma != number.usual_sigma(Origin::Cad) {
+            let (table, k, key) = number.key();
+            all.entry((table, k))
+                .or_default()
+                .insert(key.to_owned(), sigma);
+        }
     }
-    if sensor.kind.is_relative() {
-        line(out, "seen_from", body_name(model, sensor.seen_from));
+    all
+}
+
+fn body(body: &Body, uncertainty: Option<Sigmas>) -> BodyFile {
+    let (e, I) = (body.estimate, &body.nominal.I_BBcm_B);
+    let asked = [
+        (Parameter::Mass, e.mass),
+        (Parameter::Com, e.com),
+        (Parameter::Inertia, e.inertia),
+    ];
+    let asked = asked.into_iter().filter(|(_, on)| *on).map(|(p, _)| p);
+    BodyFile {
+        name: Some(body.name.clone()),
+        mass_kg: Some(body.nominal.mass),
+        com_m: Some(body.nominal.p_BoBcm_B.into()),
+        inertia_kg_m2: Some(InertiaFile {
+            xx: Some(I[(0, 0)]),
+            yy: Some(I[(1, 1)]),
+            zz: Some(I[(2, 2)]),
+            xy: Some(I[(0, 1)]),
+            xz: Some(I[(0, 2)]),
+            yz: Some(I[(1, 2)]),
+        }),
+        estimate: match e {
+            EstimateSet::ALL => Some(EstimateFile::All(true)),
+            _ => e.any().then(|| EstimateFile::Some(asked.collect())),
+        },
+        prior: body.prior,
+        uncertainty,
+        ..BodyFile::default()
     }
-    if sensor.kind.is_scalar() {
-        let names: Vec<String> = sensor
-            .of
-            .iter()
-            .map(|k| read_name(model, sensor.kind, *k))
-            .collect();
-        line(out, "of", format!("[{}]", names.join(", ")));
+}
+
+fn joint(model: &Model, joint: &Joint, uncertainty: Option<Sigmas>) -> JointFile {
+    let locked = Some(joint.locked_at).filter(|at| *at != 0.0);
+    let [turns, slides] =
+        [JointKind::Revolute, JointKind::Prismatic].map(|kind| joint.kind == kind);
+    JointFile {
+        name: Some(joint.name.clone()),
+        kind: Some(joint.kind),
+        parent: body_name(model, joint.parent),
+        child: body_name(model, joint.child),
+        origin_m: Some(joint.p_PoCo_P.into()),
+        rotation_matrix: rotation(&joint.R_PC_zero),
+        axis: (turns || slides).then(|| joint.axis_C.into()),
+        locked_at_rad: locked.filter(|_| turns),
+        locked_at_m: locked.filter(|_| slides),
+        spring_damper: joint.spring_damper.map(|s| spring_damper(&s, slides)),
+        uncertainty,
+        ..JointFile::default()
     }
+}
+
+fn spring_damper(spring: &SpringDamper, slides: bool) -> SpringDamperFile {
+    let (stiffness, damping) = (Some(spring.stiffness), Some(spring.damping));
+    match slides {
+        true => SpringDamperFile {
+            stiffness_N_per_m: stiffness,
+            damping_N_s_per_m: damping,
+            rest_m: Some(spring.rest),
+            ..SpringDamperFile::default()
+        },
+        false => SpringDamperFile {
+            stiffness_N_m_per_rad: stiffness,
+            damping_N_m_s_per_rad: damping,
+            rest_rad: Some(spring.rest),
+            ..SpringDamperFile::default()
+        },
+    }
+}
+
+fn wheel(model: &Model, wheel: &Wheel, uncertainty: Option<Sigmas>) -> WheelFile {
+    WheelFile {
+        name: Some(wheel.name.clone()),
+        body: body_name(model, wheel.body),
+        axis: Some(wheel.axis_B.into()),
+        spin_inertia_kg_m2: Some(wheel.spin_inertia),
+        estimate: wheel.estimate.then_some(true),
+        misalignment: nuisance(wheel.misalignment, "sigma_rad"),
+        uncertainty,
+        ..WheelFile::default()
+    }
+}
+
+fn thruster(model: &Model, thruster: &Thruster, uncertainty: Option<Sigmas>) -> ThrusterFile {
+    let propellant = thruster.propellant.as_ref();
+    ThrusterFile {
+        name: Some(thruster.name.clone()),
+        body: body_name(model, thruster.body),
+        position_m: Some(thruster.p_BoT_B.into()),
+        force_direction: Some(thruster.direction_B.into()),
+        scale: nuisance(thruster.scale, "sigma"),
+        specific_impulse_s: propellant.map(|p| p.specific_impulse),
+        propellant_m: propellant.map(|p| p.p_BoF_B.into()),
+        uncertainty,
+        ..ThrusterFile::default()
+    }
+}
+
+fn sensor(model: &Model, sensor: &Sensor, uncertainty: Option<Sigmas>) -> SensorFile {
     let unit = model.unit_of(sensor);
-    if let Some(covariance) = &sensor.noise_covariance {
-        line(out, &format!("noise_{unit}"), noise(covariance));
-    }
-    if sensor.correlation_s > 0.0 {
-        line(out, "correlation_s", number(sensor.correlation_s));
-    }
-    if sensor.quantisation > 0.0 {
-        line(
-            out,
-            &format!("quantisation_{unit}"),
-            number(sensor.quantisation),
-        );
-    }
-    nuisance(out, "bias", sensor.bias, &format!("sigma_{unit}"));
-    nuisance(out, "scale", sensor.scale, "sigma");
-    nuisance(out, "misalignment", sensor.misalignment, "sigma_rad");
-    nuisance(
-        out,
-        "nonorthogonality",
-        sensor.nonorthogonality,
-        "sigma_rad",
-    );
-    nuisance(out, "lag", sensor.lag, "sigma_s");
-    if sensor.R_BS != Matrix3::identity() {
-        line(out, "rotation_matrix", matrix(&sensor.R_BS));
-    }
-    if sensor.p_BoS_B != Vector3::zeros() {
-        line(out, "position_m", vector(&sensor.p_BoS_B));
-    }
-    if let Some(reference) = &sensor.reference_N {
-        line(out, "reference_N", vector(reference));
+    let noise = sensor.noise_covariance.as_ref().map(noise);
+    let noise = noise.and_then(|noise| toml::Value::try_from(noise).ok());
+    let step = Some(sensor.quantisation).filter(|lsb| *lsb > 0.0);
+    let errors = [
+        ("noise", noise),
+        ("quantisation", step.map(toml::Value::Float)),
+    ];
+    let errors = errors.map(|(what, value)| Some((format!("{what}_{unit}"), value?)));
+    let names = sensor.of.iter().filter_map(|k| model.measured(sensor, *k));
+    SensorFile {
+        name: Some(sensor.name.clone()),
+        kind: Some(SensorType(sensor.kind.declared_as())),
+        body: body_name(model, sensor.body).filter(|_| sensor.body != 0),
+        seen_from: body_name(model, sensor.seen_from).filter(|_| sensor.kind.is_relative()),
+        of: (sensor.kind.is_scalar()).then(|| NamesFile::Many(names.map(str::to_owned).collect())),
+        sample_errors: errors.into_iter().flatten().collect(),
+        correlation_s: Some(sensor.correlation_s).filter(|time| *time > 0.0),
+        bias: nuisance(sensor.bias, &format!("sigma_{unit}")),
+        scale: nuisance(sensor.scale, "sigma"),
+        misalignment: nuisance(sensor.misalignment, "sigma_rad"),
+        nonorthogonality: nuisance(sensor.nonorthogonality, "sigma_rad"),
+        lag: nuisance(sensor.lag, "sigma_s"),
+        rotation_matrix: rotation(&sensor.R_BS),
+        position_m: (sensor.p_BoS_B != Vector3::zeros()).then(|| sensor.p_BoS_B.into()),
+        reference_N: sensor.reference_N.map(Into::into),
+        uncertainty,
+        ..SensorFile::default()
     }
 }
 
-fn write_environment(out: &mut String, model: &Model) {
-    let environment = &model.environment;
-    if *environment == crate::Environment::default() {
-        return;
-    }
-    section(out, "[environment]");
-    if let Some(gm) = environment.point_mass_gm {
-        line(out, "gravity", quoted("point_mass"));
-        line(out, "gm_m3_s2", number(gm));
-    }
-    if environment.gravity_gradient {
-        line(out, "gravity_gradient", "true".to_owned());
-    }
-    if let Some(orbit) = &environment.orbit {
-        let elements = [
-            ("semi_major_axis_m", Some(orbit.semi_major_axis)),
-            ("eccentricity", Some(orbit.eccentricity)),
-            ("inclination_rad", Some(orbit.inclination)),
-            ("raan_rad", Some(orbit.raan)),
-            (
-                "argument_of_periapsis_rad",
-                Some(orbit.argument_of_periapsis),
-            ),
-            ("true_anomaly_rad", Some(orbit.true_anomaly)),
-            ("epoch_s", orbit.epoch),
-        ];
-        let elements = elements
-            .iter()
-            .filter_map(|(key, x)| Some(format!("{key} = {}", number((*x)?))));
-        let elements: Vec<String> = elements.collect();
-        line(out, "orbit", format!("{{ {} }}", elements.join(", ")));
-    }
-    nuisance(
-        out,
-        "disturbance_torque_inertial",
-        environment.disturbance_torque_inertial,
-        "sigma_N_m",
-    );
-    nuisance(
-        out,
-        "disturbance_torque",
-        environment.disturbance_torque,
-        "sigma_N_m",
-    );
-    nuisance(out, "drag_torque", environment.drag_torque, "sigma_kg_m2");
-    if let Some(random) = &environment.random_torque {
-        let value = format!(
-            "{{ sigma_N_m = {:?}, correlation_s = {:?} }}",
-            random.sigma_N_m, random.correlation_s
-        );
-        line(out, "random_torque", value);
+fn environment(around: &Environment) -> EnvironmentFile {
+    EnvironmentFile {
+        gravity: around.point_mass_gm.map(|_| Gravity::PointMass),
+        gm_m3_s2: around.point_mass_gm,
+        gravity_gradient: around.gravity_gradient.then_some(true),
+        orbit: around.orbit.as_ref().map(orbit),
+        disturbance_torque: nuisance(around.disturbance_torque, "sigma_N_m"),
+        disturbance_torque_inertial: nuisance(around.disturbance_torque_inertial, "sigma_N_m"),
+        drag_torque: nuisance(around.drag_torque, "sigma_kg_m2"),
+        random_torque: around.random_torque,
     }
 }
 
-fn vector(v: &Vector3) -> String {
-    format!("[{}, {}, {}]", number(v.x), number(v.y), number(v.z))
+fn orbit(orbit: &Orbit) -> OrbitFile {
+    OrbitFile {
+        semi_major_axis_m: Some(orbit.semi_major_axis),
+        eccentricity: Some(orbit.eccentricity),
+        inclination_rad: Some(orbit.inclination),
+        raan_rad: Some(orbit.raan),
+        argument_of_periapsis_rad: Some(orbit.argument_of_periapsis),
+        true_anomaly_rad: Some(orbit.true_anomaly),
+        epoch_s: orbit.epoch,
+    }
 }
 
-fn matrix(m: &Matrix3) -> String {
-    let rows: Vec<String> = m.row_iter().map(|row| vector(&row.transpose())).collect();
-    format!("[{}]", rows.join(", "))
+fn rotation(R: &Matrix3) -> Option<[[f64; 3]; 3]> {
+    (*R != Matrix3::identity()).then(|| R.transpose().into())
 }
 
-fn inertia(i: &Matrix3) -> String {
-    format!(
-        "{{ xx = {}, yy = {}, zz = {}, xy = {}, xz = {}, yz = {} }}",
-        number(i[(0, 0)]),
-        number(i[(1, 1)]),
-        number(i[(2, 2)]),
-        number(i[(0, 1)]),
-        number(i[(0, 2)]),
-        number(i[(1, 2)])
-    )
-}
-
-fn noise(covariance: &Matrix3) -> String {
+fn noise(covariance: &Matrix3) -> NoiseFile {
     let diagonal = covariance.diagonal();
     if *covariance == Matrix3::from_diagonal(&diagonal) {
-        return if diagonal.iter().all(|v| *v == diagonal.x) {
-            number(diagonal.x.sqrt())
-        } else {
-            vector(&diagonal.map(f64::sqrt))
+        return match diagonal.iter().all(|v| *v == diagonal.x) {
+            true => NoiseFile::Scalar(diagonal.x.sqrt()),
+            false => NoiseFile::Axes(diagonal.map(f64::sqrt).into()),
         };
     }
     let (variances, axes) = MassProperties {
@@ -362,35 +263,118 @@ fn noise(covariance: &Matrix3) -> String {
     .principal();
     let sigmas = Vector3::from(variances.map(|v| v.max(0.0).sqrt()));
     let root = axes * Matrix3::from_diagonal(&sigmas) * axes.transpose();
-    matrix(&(0.5 * (root + root.transpose())))
+    NoiseFile::Matrix((0.5 * (root + root.transpose())).into())
 }
 
-fn nuisance(out: &mut String, key: &str, value: Nuisance, unit_key: &str) {
+fn nuisance(value: Nuisance, unit_key: &str) -> Option<NuisanceFile> {
     match value {
-        Nuisance::Known => {}
-        Nuisance::Estimate => line(out, key, quoted("estimate")),
-        Nuisance::Prior(sigma) => line(out, key, format!("{{ {unit_key} = {} }}", number(sigma))),
+        Nuisance::Known => None,
+        Nuisance::Estimate => Some(NuisanceFile::Word(NuisanceWord::Estimate)),
+        Nuisance::Prior(sigma) => {
+            let sigmas = Sigmas::from([(unit_key.to_owned(), sigma)]);
+            Some(NuisanceFile::Sigma(sigmas))
+        }
     }
 }
 
-fn momentum(value: MomentumKnowledge) -> String {
+fn momentum(value: MomentumKnowledge) -> MomentumVectorFile {
     match value {
-        MomentumKnowledge::Estimate => quoted("estimate"),
-        MomentumKnowledge::Known(v) if v == Vector3::zeros() => quoted("zero"),
-        MomentumKnowledge::Known(v) => vector(&v),
+        MomentumKnowledge::Estimate => MomentumVectorFile::Word(MomentumWord::Estimate),
+        MomentumKnowledge::Known(v) if v == Vector3::zeros() => {
+            MomentumVectorFile::Word(MomentumWord::Zero)
+        }
+        MomentumKnowledge::Known(v) => MomentumVectorFile::Known(v.into()),
     }
 }
 
-fn body_name(model: &Model, body: usize) -> String {
-    quoted(model.bodies.get(body).map_or("", |b| b.name.as_str()))
+fn body_name(model: &Model, body: usize) -> Option<String> {
+    model.bodies.get(body).map(|b| b.name.clone())
 }
 
-/// Name of the joint, wheel or thruster measured by a sensor.
-fn read_name(model: &Model, kind: SensorKind, k: usize) -> String {
-    let name = match kind {
-        SensorKind::WheelSpeed => model.wheels.get(k).map(|w| w.name.as_str()),
-        SensorKind::Thrust => model.thrusters.get(k).map(|t| t.name.as_str()),
-        _ => model.joints.get(k).map(|j| j.name.as_str()),
+pub(crate) fn telemetry(map: &TelemetryMap) -> TelemetryFile {
+    TelemetryFile {
+        all: part(&map.all),
+        file: each(&map.files, |_, (name, own)| ExportFile {
+            name: Some(name.clone()),
+            part: part(own),
+        }),
+    }
+}
+
+fn part(map: &FileMap) -> PartFile {
+    let layout = map.layout;
+    let character = |byte: u8| match byte {
+        b'\t' => "tab".to_owned(),
+        byte => char::from(byte).to_string(),
     };
-    quoted(name.unwrap_or(""))
+    let columns = map.columns.iter().map(|c| (c.channel.clone(), column(c)));
+    PartFile {
+        delimiter: layout.delimiter.map(character),
+        comment: layout.comment.map(character),
+        header_row: layout.header_row.map(|row| row as f64),
+        units_row: layout.units_row,
+        time: map.time.clone(),
+        columns: (!map.columns.is_empty()).then(|| columns.collect()),
+        attitude: each(&map.attitude, |_, a| attitude(a)),
+        orbit: map.orbit.as_ref().map(orbit_columns),
+        rows: rows(&map.row_filter),
+    }
+}
+
+fn rows(filter: &[(String, String)]) -> Option<BTreeMap<String, String>> {
+    (!filter.is_empty()).then(|| filter.iter().cloned().collect())
+}
+
+fn column(map: &ColumnMap) -> ColumnFile {
+    ColumnFile {
+        column: Some(map.column.clone()),
+        unit: map.unit.clone(),
+        sign: map.sign,
+        scale: map.scale,
+        offset: map.offset,
+        counts_per_revolution: map.counts_per_revolution,
+        nominal_N: map.nominal_N,
+        rows: rows(&map.rows),
+    }
+}
+
+fn attitude(map: &AttitudeMap) -> AttitudeFile {
+    let columns = Some(map.columns.clone());
+    let base = AttitudeFile {
+        sensor: Some(map.sensor.clone()).filter(|name| !name.is_empty()),
+        sense: (map.sense == Sense::InertialToBody).then_some(map.sense),
+        unit: map.unit.clone(),
+        relative: map.relative.then_some(true),
+        ..AttitudeFile::default()
+    };
+    match map.form {
+        AttitudeForm::Quaternion(order) => AttitudeFile {
+            quaternion: columns,
+            order: Some(order).filter(|order| *order == Order::Wxyz),
+            ..base
+        },
+        AttitudeForm::Matrix => AttitudeFile {
+            matrix: columns,
+            ..base
+        },
+        AttitudeForm::Mrp => AttitudeFile {
+            mrp: columns,
+            ..base
+        },
+        AttitudeForm::Euler(axes) => AttitudeFile {
+            euler: columns,
+            sequence: Some(axes.iter().filter_map(|a| "XYZ".chars().nth(*a)).collect()),
+            ..base
+        },
+    }
+}
+
+fn orbit_columns(map: &OrbitMap) -> OrbitColumnsFile {
+    OrbitColumnsFile {
+        position: Some(map.position.clone()),
+        unit: map.unit.clone(),
+        velocity: map.velocity.clone(),
+        velocity_unit: map.velocity_unit.clone(),
+        frame: map.earth_fixed.then_some(FrameFile::EarthFixed),
+    }
 }

@@ -1,12 +1,12 @@
 //! One hypothesis on the conventions of attitude and gyro: order, sense, unit and axes.
 
 use schemars::JsonSchema;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 use std::fmt;
 
 /// Order of the four numbers in the columns `q_x q_y q_z q_w`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Order {
     /// Scalar last, as declared.
@@ -17,7 +17,7 @@ pub enum Order {
 
 /// What the quaternion rotates. A JPL quaternion has the numbers of the Hamilton quaternion of the inverse sense,
 /// so the eight conventions make only four different readings.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Sense {
     /// Body to inertial, Hamilton, as declared; the same numbers as inertial to body, JPL.

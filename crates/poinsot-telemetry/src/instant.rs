@@ -2,6 +2,8 @@
 
 use crate::number::InvalidNumber;
 use hifitime::{Duration, Epoch, TimeScale, Unit};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 use std::fmt;
 
@@ -15,7 +17,9 @@ const DAY: i64 = 86_400;
 const YEARS: std::ops::RangeInclusive<i64> = 1972..=2199;
 
 /// A time scale.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "UPPERCASE")]
+#[schemars(rename = "TimeScaleFile")]
 pub enum Scale {
     /// Coordinated universal time, with leap seconds.
     Utc,

@@ -1,6 +1,8 @@
 //! The `[telemetry]` table: maps columns of exported files to channels.
 
 use crate::{Order, Scale, Sense};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// The map of all files of a run. [`Self::files`] adds entries to [`Self::all`] for matching file names.
@@ -79,34 +81,40 @@ impl ColumnMap {
     }
 }
 
-/// Times of a file.
-#[derive(Debug, Clone, PartialEq, Default)]
+/// The times of a file. All files of a run count from one instant: with an epoch or dates from the first sample.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[schemars(rename = "TimeFile", deny_unknown_fields, extend("required" = ["column"]))]
 pub struct TimeMap {
-    /// Column of the time; of the seconds of the week for [`TimeFormat::GpsWeek`].
+    /// Column of the time; of the seconds of the week for "gps_week".
+    #[serde(default)]
     pub column: String,
-    /// Format.
+    /// "number" (default), "iso8601" (2026-03-14T18:19:00.25Z, with or without zone), "day_of_year"
+    /// (2026-073T18:19:00.25) or "gps_week".
+    #[serde(default)]
     pub format: TimeFormat,
-    /// Column of the GPS week.
+    /// Column of the GPS week, counted from 1980 without rollover.
     pub week: Option<String>,
-    /// Unit of numbers; default: s.
+    /// Unit of numbers. Default s.
     pub unit: Option<String>,
-    /// Epoch of numbers: `unix`, `gps`, or a date and time in [`Self::scale`]; `None`: unknown.
+    /// What numbers count from: "unix", "gps", or a date and time. Default: unknown.
     pub epoch: Option<String>,
-    /// Time scale of dates; default: UTC.
+    /// Time scale of dates. Default "UTC".
     pub scale: Option<Scale>,
 }
 
-/// Formats of times.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+/// How times are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[schemars(rename = "TimeFormatFile")]
 pub enum TimeFormat {
-    /// As numbers.
+    /// Numbers.
     #[default]
     Number,
-    /// `2026-03-14T18:19:00.25Z`: year, month, day; the zone is optional.
+    /// Year, month, day: `2026-03-14T18:19:00.25Z`; the zone is optional.
     Iso8601,
-    /// `2026-073T18:19:00.25`: year and day of the year.
+    /// Year and day of the year: `2026-073T18:19:00.25`.
     DayOfYear,
-    /// Weeks since 1980-01-06 and seconds of the week, GPS time.
+    /// GPS week and seconds of the week.
     GpsWeek,
 }
 

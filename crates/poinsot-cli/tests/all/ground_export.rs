@@ -477,13 +477,13 @@ fn cli_check_says_the_map_and_the_surroundings_in_words() {
     let said = run(folder.path(), &["check", "model.toml"]);
     let said = String::from_utf8_lossy(&said.stdout).into_owned();
     for line in [
-        "gravity of a point mass of 3.986004418e14 m3/s2 (the Earth)",
-        "gravity-gradient torque: included",
-        "aocs*.csv: time: 'UTC', date and time, UTC where it has no zone",
-        "aocs*.csv: omega_z: -'GYR_Z', unit from the units row",
-        "startracker*.csv: attitude: quaternion, scalar first, inertial to body, from Q0 Q1 Q2 Q3",
-        "thrusters*.csv: thr1_N: flag 'THR_A', 0.9 N where it is on",
-        "ephemeris*.csv: time: 't', s since 1970-01-01 UTC (Unix)",
+        "gravity point_mass, gm 3.986e14 m3/s2",
+        "gravity gradient",
+        "aocs*.csv: time: column UTC, format iso8601",
+        "aocs*.csv: omega_z: column GYR_Z, sign -1",
+        "startracker*.csv: attitude: quaternion Q0 Q1 Q2 Q3, order wxyz, sense inertial_to_body",
+        "thrusters*.csv: thr1_N: column THR_A, nominal 0.9 N",
+        "ephemeris*.csv: time: column t, format number",
     ] {
         assert!(said.contains(line), "{line}\n{said}");
     }

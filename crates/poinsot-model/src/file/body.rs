@@ -1,16 +1,19 @@
-use super::{BodyUncertaintyFile, SourceFile};
+use super::Sigmas;
+use super::rows::BodyUncertaintyFile;
+use crate::knowledge::Origin;
+use crate::vehicle::Prior;
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 /// One rigid body. The origin of its frame is its joint (base: any fixed point of the base).
-#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct BodyFile {
     /// Name, unique among bodies.
-    #[schemars(required)]
+    #[schemars(required, extend("x-name" = true))]
     pub name: Option<String>,
     /// Mass, kg. Zero is allowed where the body carries mass or moves with a body that has mass.
-    #[schemars(required)]
+    #[schemars(required, extend("minimum" = 0, "x-code" = "E0115", "x-advice" = "give a positive mass"))]
     pub mass_kg: Option<f64>,
     /// Mass centre from the origin of the body's frame, in its axes, m. Required where the mass is not zero.
     pub com_m: Option<[f64; 3]>,
@@ -20,19 +23,20 @@ pub(crate) struct BodyFile {
     /// Or a list of what is unknown.
     pub estimate: Option<EstimateFile>,
     /// One sigma of the nominal values. No prior unless given.
-    pub prior: Option<PriorFile>,
+    pub prior: Option<Prior>,
     /// Where the known numbers come from: "measured" or "cad", by default that of the
     /// whole model. It sets how uncertain they are.
-    pub source: Option<SourceFile>,
+    pub source: Option<Origin>,
     /// true: all known numbers of this table are exact.
     pub exact: Option<bool>,
     /// One sigma of known numbers; overrides source and `exact`.
-    pub uncertainty: Option<BodyUncertaintyFile>,
+    #[schemars(with = "Option<BodyUncertaintyFile>")]
+    pub uncertainty: Option<Sigmas>,
 }
 
 /// Inertia tensor about the mass centre, kg m2. Off-diagonal entries are tensor elements
 /// (xy = -integral x y dm).
-#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct InertiaFile {
     /// Moment about x, kg m2.
@@ -53,7 +57,7 @@ pub(crate) struct InertiaFile {
 }
 
 /// Whether, or which, mass properties are unknown.
-#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub(crate) enum EstimateFile {
     /// All or nothing.
@@ -63,7 +67,7 @@ pub(crate) enum EstimateFile {
 }
 
 /// A group of mass properties.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub(crate) enum Parameter {
     /// The mass.
@@ -72,19 +76,4 @@ pub(crate) enum Parameter {
     Com,
     /// The inertia tensor.
     Inertia,
-}
-
-/// One sigma of the nominal values of a body.
-#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct PriorFile {
-    /// One sigma of the mass, kg.
-    pub mass_kg: Option<f64>,
-    /// One sigma of each component of the mass centre, m.
-    pub com_m: Option<f64>,
-    /// One sigma of each element of the central inertia, kg m2.
-    pub inertia_kg_m2: Option<f64>,
-    /// Relative sigma of the entropic prior on the whole body, no unit: 0.1 for a body known to about a
-    /// tenth. It keeps the body physical.
-    pub entropic: Option<f64>,
 }

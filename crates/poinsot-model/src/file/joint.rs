@@ -1,23 +1,26 @@
-use super::{JointUncertaintyFile, SourceFile};
+use super::Sigmas;
+use super::rows::JointUncertaintyFile;
+use crate::knowledge::Origin;
+use crate::vehicle::JointKind;
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 /// A joint between a parent and a child body. The origin of the child's frame lies in the joint.
-#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct JointFile {
+pub struct JointFile {
     /// Name, unique among joints.
-    #[schemars(required)]
+    #[schemars(required, extend("x-name" = true))]
     pub name: Option<String>,
     /// How the child moves.
     #[serde(rename = "type")]
     #[schemars(required)]
-    pub kind: Option<JointType>,
+    pub kind: Option<JointKind>,
     /// Name of the body that carries the joint.
-    #[schemars(required)]
+    #[schemars(required, extend("x-names" = "body"))]
     pub parent: Option<String>,
     /// Name of the body that the joint carries.
-    #[schemars(required)]
+    #[schemars(required, extend("x-names" = "body"))]
     pub child: Option<String>,
     /// Origin of the child's frame at joint position zero, in the parent's frame, m.
     #[schemars(required)]
@@ -27,50 +30,49 @@ pub(crate) struct JointFile {
     /// The same as a matrix of rows: takes components in the child to components in the parent.
     pub rotation_matrix: Option<[[f64; 3]; 3]>,
     /// Axis in the child's frame; right-hand rule. Required unless the joint is fixed.
+    #[schemars(extend("x-required" = {"type": ["revolute", "prismatic"]}))]
     pub axis: Option<[f64; 3]>,
     /// Position of a revolute joint where telemetry has no column for it, rad. Default 0.
+    #[schemars(extend("x-only" = {"type": ["revolute"]}))]
     pub locked_at_rad: Option<f64>,
     /// Position of a prismatic joint where telemetry has no column for it, m. Default 0.
+    #[schemars(extend("x-only" = {"type": ["prismatic"]}))]
     pub locked_at_m: Option<f64>,
     /// Spring and damper in the joint. Where a simulated case does not prescribe the joint's motion, it is then free:
     /// slosh as a pendulum, a hinged panel.
+    #[schemars(extend("x-only" = {"type": ["revolute", "prismatic"]}))]
     pub spring_damper: Option<SpringDamperFile>,
     /// Where the known numbers come from: "measured" or "cad", by default that of the
     /// whole model. It sets how uncertain they are.
-    pub source: Option<SourceFile>,
+    pub source: Option<Origin>,
     /// true: all known numbers of this table are exact.
     pub exact: Option<bool>,
     /// One sigma of known numbers; overrides source and `exact`.
-    pub uncertainty: Option<JointUncertaintyFile>,
+    #[schemars(with = "Option<JointUncertaintyFile>")]
+    pub uncertainty: Option<Sigmas>,
 }
 
 /// Torque `-stiffness (q - rest) - damping q'` on the child about the joint axis (prismatic: force along it).
 #[allow(non_snake_case)]
-#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct SpringDamperFile {
+pub struct SpringDamperFile {
     /// Stiffness of a revolute joint, N m/rad; not negative. Required there.
+    #[schemars(extend("x-only" = {"type": ["revolute"]}, "x-required" = {"type": ["revolute"]}, "minimum" = 0))]
     pub stiffness_N_m_per_rad: Option<f64>,
     /// Stiffness of a prismatic joint, N/m; not negative. Required there.
+    #[schemars(extend("x-only" = {"type": ["prismatic"]}, "x-required" = {"type": ["prismatic"]}, "minimum" = 0))]
     pub stiffness_N_per_m: Option<f64>,
     /// Damping of a revolute joint, N m s/rad; not negative. Default 0.
+    #[schemars(extend("x-only" = {"type": ["revolute"]}, "minimum" = 0))]
     pub damping_N_m_s_per_rad: Option<f64>,
     /// Damping of a prismatic joint, N s/m; not negative. Default 0.
+    #[schemars(extend("x-only" = {"type": ["prismatic"]}, "minimum" = 0))]
     pub damping_N_s_per_m: Option<f64>,
     /// Rest position of the spring of a revolute joint, rad. Default 0.
+    #[schemars(extend("x-only" = {"type": ["revolute"]}))]
     pub rest_rad: Option<f64>,
     /// The same of a prismatic joint, m. Default 0.
+    #[schemars(extend("x-only" = {"type": ["prismatic"]}))]
     pub rest_m: Option<f64>,
-}
-
-/// Kind of a joint.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub(crate) enum JointType {
-    /// Turns about its axis, rad.
-    Revolute,
-    /// Slides along its axis, m.
-    Prismatic,
-    /// Rigid.
-    Fixed,
 }

@@ -1,69 +1,101 @@
-//! The raw model file: one type per table, checked for structure only.
+//! The table of keys: one type per table of the file, one field per key, with its unit, its words and its range.
 //!
-//! Every field is optional here, even if the schema requires it. The structure is checked first, and invalid parts are
-//! dropped, so that the rest can still be checked.
+//! JSON Schema, the reference page, and the checks of `shape.rs` come from these rows; the writer fills them. Beside the
+//! words of JSON Schema, a row may have:
+//! - `x-only`, `x-required`: the values of another key with which this key is allowed, or needed;
+//! - `x-needs`: a key that must be beside it;
+//! - `x-names`: the text is the name of an entry of this list of tables; `x-name`: it is a name itself;
+//! - `x-unique`: no two entries of the list agree in all these keys;
+//! - `x-code`, `x-only-code`: the code of a value out of range, or of a key that is not allowed; `x-advice`: what to do.
+//!
+//! Every field is optional, even if the schema requires it: invalid parts are dropped, so that the rest can still be
+//! checked.
 
 mod body;
 mod environment;
 mod joint;
-mod known;
 mod momentum;
-mod nuisance;
+mod rows;
 mod sensor;
 mod telemetry;
 mod thruster;
 mod wheel;
 
 pub(crate) use body::{BodyFile, EstimateFile, InertiaFile, Parameter};
-pub(crate) use environment::{EnvironmentFile, Gravity, OrbitFile, RandomTorqueFile};
-pub(crate) use joint::{JointFile, JointType, SpringDamperFile};
-pub(crate) use known::{
-    BodyUncertaintyFile, JointUncertaintyFile, SensorUncertaintyFile, SourceFile,
-    ThrusterUncertaintyFile, WheelUncertaintyFile,
-};
+pub(crate) use environment::{EnvironmentFile, Gravity, OrbitFile};
+pub use joint::{JointFile, SpringDamperFile};
 pub(crate) use momentum::{MomentumFile, MomentumVectorFile, MomentumWord};
-pub(crate) use nuisance::{NuisanceFile, NuisanceWord};
 pub(crate) use sensor::{NamesFile, NoiseFile, SensorFile, SensorType};
 pub(crate) use telemetry::{
-    AttitudeFile, ColumnFile, FrameFile, OrbitColumnsFile, OrderFile, ScaleFile, SenseFile,
-    TelemetryFile, TelemetryMapFile, TimeFile, TimeFormatFile,
+    AttitudeFile, ColumnFile, ExportFile, FrameFile, OrbitColumnsFile, PartFile, TelemetryFile,
+    TelemetryMapFile,
 };
-pub(crate) use thruster::ThrusterFile;
-pub(crate) use wheel::WheelFile;
+pub use thruster::ThrusterFile;
+pub use wheel::WheelFile;
 
+use crate::knowledge::Origin;
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// One sigma by key.
+pub(crate) type Sigmas = BTreeMap<String, f64>;
+
+/// Knowledge of a nuisance parameter.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum NuisanceFile {
+    /// A word.
+    Word(NuisanceWord),
+    /// One sigma about the nominal value.
+    Sigma(#[schemars(with = "rows::SigmaFile")] Sigmas),
+}
+
+/// Known or unknown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum NuisanceWord {
+    /// Taken as exact.
+    None,
+    /// Unknown.
+    Estimate,
+}
 
 /// A vehicle: a tree of rigid bodies with joints, wheels, thrusters and sensors. SI; every key that
 /// holds a quantity ends in its unit. Products of inertia are tensor elements (I_xy = -integral x y dm).
-#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(title = "poinsot.model/1")]
 pub(crate) struct ModelFile {
     /// Version of this format: "poinsot.model/1". Read before the rest of the file is.
-    #[allow(dead_code)]
     #[schemars(required)]
     pub schema: Option<String>,
     /// Name of the vehicle. Default "vehicle".
+    #[schemars(extend("x-name" = true))]
     pub name: Option<String>,
     /// Source of the known numbers, for every table that does not declare it: "measured" or "cad", the default. It sets
     /// their uncertainty.
-    pub source: Option<SourceFile>,
+    pub source: Option<Origin>,
     /// true: all known numbers are exact, except in tables that declare otherwise.
     pub exact: Option<bool>,
     /// Largest plausible distance from nominal: a factor above 1 for masses and principal moments, and that many radii
     /// of gyration for a mass centre. Default 3.
+    #[schemars(extend("exclusiveMinimum" = 1, "x-advice" = "give 3 for a third to three times the nominal numbers"))]
     pub nominal_within: Option<f64>,
     /// Bodies; the first is the base.
-    #[schemars(required)]
+    #[schemars(required, extend("x-unique" = ["name"]))]
     pub body: Option<Vec<BodyFile>>,
     /// Joints; one for every body but the base.
+    #[schemars(extend("x-unique" = ["name"]))]
     pub joint: Option<Vec<JointFile>>,
     /// Momentum wheels and geared rotors.
+    #[schemars(extend("x-unique" = ["name"]))]
     pub wheel: Option<Vec<WheelFile>>,
     /// Thrusters.
+    #[schemars(extend("x-unique" = ["name"]))]
     pub thruster: Option<Vec<ThrusterFile>>,
     /// Sensors with their declared noise.
+    #[schemars(extend("x-unique" = ["type", "name"]))]
     pub sensor: Option<Vec<SensorFile>>,
     /// Momentum at the first sample of each segment, as far as known.
     pub momentum: Option<MomentumFile>,

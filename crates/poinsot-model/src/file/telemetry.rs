@@ -1,11 +1,33 @@
+use poinsot_telemetry::{Order, Sense, TimeMap};
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// How columns of telemetry files become channels.
-#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
 pub(crate) struct TelemetryFile {
+    #[serde(flatten)]
+    pub all: PartFile,
+    /// Settings for the files of one name, in addition to those for all.
+    pub file: Option<Vec<ExportFile>>,
+}
+
+/// Settings for the files of one name. Keys given here replace those of [telemetry]; columns, attitudes and rows are
+/// added to them.
+#[derive(Debug, Clone, Default, Serialize, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub(crate) struct ExportFile {
+    /// Name of the files, without folder; "*" stands for any text, for example "tracker*.csv".
+    #[schemars(required)]
+    pub name: Option<String>,
+    #[serde(flatten)]
+    pub part: PartFile,
+}
+
+// Keys for all files, and for the files of one name.
+#[derive(Debug, Clone, Default, Serialize, Deserialize, JsonSchema)]
+pub(crate) struct PartFile {
     /// Character between the fields of a row: "," (default), ";", "|", "tab" or "space".
     pub delimiter: Option<String>,
     /// Character at the start of a line that is a comment, for example "#". Default: no line is a comment.
@@ -15,7 +37,7 @@ pub(crate) struct TelemetryFile {
     /// Whether the row below the header names the units. Default false.
     pub units_row: Option<bool>,
     /// What the times are. Default: the column time_s, s.
-    pub time: Option<TimeFile>,
+    pub time: Option<TimeMap>,
     /// Channel (standard name, SI; or <sensor>.<channel>) and its column.
     pub columns: Option<BTreeMap<String, ColumnFile>>,
     /// Attitudes in any form.
@@ -25,46 +47,15 @@ pub(crate) struct TelemetryFile {
     /// Rows are kept where each of these columns has exactly this text.
     #[serde(rename = "where")]
     pub rows: Option<BTreeMap<String, String>>,
-    /// Settings for the files of one name, in addition to those for all.
-    pub file: Option<Vec<ExportFile>>,
-}
-
-/// Settings for the files of one name. Keys given here replace those of [telemetry]; columns, attitudes and rows are
-/// added to them.
-#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct ExportFile {
-    /// Name of the files, without folder; "*" stands for any text, for example "tracker*.csv".
-    #[schemars(required)]
-    pub name: Option<String>,
-    /// Character between the fields of a row.
-    pub delimiter: Option<String>,
-    /// Character at the start of a line that is a comment.
-    pub comment: Option<String>,
-    /// Line of the header row.
-    pub header_row: Option<f64>,
-    /// Whether the row below the header names the units.
-    pub units_row: Option<bool>,
-    /// What the times are.
-    pub time: Option<TimeFile>,
-    /// Channel and its column.
-    pub columns: Option<BTreeMap<String, ColumnFile>>,
-    /// Attitudes in any form.
-    pub attitude: Option<Vec<AttitudeFile>>,
-    /// Position of the vehicle on its orbit.
-    pub orbit: Option<OrbitColumnsFile>,
-    /// Rows are kept where each of these columns has exactly this text.
-    #[serde(rename = "where")]
-    pub rows: Option<BTreeMap<String, String>>,
 }
 
 /// A column and what its values are: sign * (scale * x + offset) in the unit.
-#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[allow(non_snake_case)]
 pub(crate) struct ColumnFile {
     /// Name of the column in the file.
-    #[schemars(required)]
+    #[schemars(required, extend("minLength" = 1))]
     pub column: Option<String>,
     /// Unit of the column, for example "deg/s"; `poinsot units` lists all. Default: that of the units row.
     pub unit: Option<String>,
@@ -85,56 +76,8 @@ pub(crate) struct ColumnFile {
     pub rows: Option<BTreeMap<String, String>>,
 }
 
-/// The times of a file. All files of a run count from one instant: with an epoch or dates from the first sample.
-#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct TimeFile {
-    /// Column of the time; of the seconds of the week for "gps_week".
-    #[schemars(required)]
-    pub column: Option<String>,
-    /// "number" (default), "iso8601" (2026-03-14T18:19:00.25Z, with or without zone), "day_of_year"
-    /// (2026-073T18:19:00.25) or "gps_week".
-    pub format: Option<TimeFormatFile>,
-    /// Column of the GPS week, counted from 1980 without rollover.
-    pub week: Option<String>,
-    /// Unit of numbers. Default s.
-    pub unit: Option<String>,
-    /// What numbers count from: "unix", "gps", or a date and time. Default: unknown.
-    pub epoch: Option<String>,
-    /// Time scale of dates. Default "UTC".
-    pub scale: Option<ScaleFile>,
-}
-
-/// How times are written.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub(crate) enum TimeFormatFile {
-    /// Numbers.
-    Number,
-    /// Year, month, day.
-    Iso8601,
-    /// Year and day of the year.
-    DayOfYear,
-    /// GPS week and seconds of the week.
-    GpsWeek,
-}
-
-/// Time scales.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
-#[serde(rename_all = "UPPERCASE")]
-pub(crate) enum ScaleFile {
-    /// Universal time, with leap seconds.
-    Utc,
-    /// Atomic time.
-    Tai,
-    /// GPS time.
-    Gps,
-    /// Terrestrial time.
-    Tt,
-}
-
 /// An attitude in one of four forms.
-#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct AttitudeFile {
     /// Name of the sensor. Default: the only one.
@@ -142,7 +85,7 @@ pub(crate) struct AttitudeFile {
     /// Four columns of a Hamilton quaternion, in the order that `order` says.
     pub quaternion: Option<Vec<String>>,
     /// Scalar last, "xyzw" (default), or first, "wxyz".
-    pub order: Option<OrderFile>,
+    pub order: Option<Order>,
     /// Nine columns of the rotation matrix, row by row.
     pub matrix: Option<Vec<String>>,
     /// Three columns of Euler angles, in the order of `sequence`.
@@ -154,34 +97,14 @@ pub(crate) struct AttitudeFile {
     /// Three columns of modified Rodrigues parameters.
     pub mrp: Option<Vec<String>>,
     /// Direction of the rotation: "body_to_inertial" (default) or "inertial_to_body".
-    pub sense: Option<SenseFile>,
+    pub sense: Option<Sense>,
     /// true: of an attitude sensor with `seen_from`. For `sense` the body from which it sees takes the place of inertial
     /// axes. Default: false.
     pub relative: Option<bool>,
 }
 
-/// Order of a quaternion.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub(crate) enum OrderFile {
-    /// Scalar last.
-    Xyzw,
-    /// Scalar first.
-    Wxyz,
-}
-
-/// Sense of a rotation.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub(crate) enum SenseFile {
-    /// Takes components in body axes to components in inertial axes.
-    BodyToInertial,
-    /// The inverse.
-    InertialToBody,
-}
-
 /// Position of the vehicle from the centre of the attracting body.
-#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct OrbitColumnsFile {
     /// Columns of x, y and z. With a position sensor in the model and gravity in [environment], the positions are used
@@ -199,7 +122,7 @@ pub(crate) struct OrbitColumnsFile {
 }
 
 /// Axes of a position.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum FrameFile {
     /// Those of the attitude.
@@ -209,7 +132,7 @@ pub(crate) enum FrameFile {
 }
 
 /// A file with the [telemetry] table alone.
-#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct TelemetryMapFile {
     /// How columns of telemetry files become channels.

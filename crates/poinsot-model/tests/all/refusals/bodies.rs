@@ -188,7 +188,7 @@ estimate = true"#,
         r#"estimate = true"#,
         r#"estimate = true
 prior = { mass_kg = 0.0 }"#,
-        r#"E0117 m.toml:9:21: body[0].prior.mass_kg (body "bus") = 0.0: one sigma must be greater than zero; give a positive number"#,
+        r#"E0117 m.toml:9:21: body[0].prior.mass_kg (body "bus") = 0.0: the mass must be greater than zero; give a positive number"#,
     ),
     (
         r#"mass_kg = 12.0

@@ -44,13 +44,13 @@ name = "test""#,
         r#"name = "test""#,
         r#"name = "test"
 environment = { gravity = "point_mass" }"#,
-        r#"E0106 m.toml:3:15: environment.gm_m3_s2: the key is missing with gravity = "point_mass"; add it: 3.986004418e14 for the Earth"#,
+        r#"E0106 m.toml:3:15: environment.gm_m3_s2: the key is missing; add gm_m3_s2: Gravitational parameter of the attracting body, m3/s2"#,
     ),
     (
         r#"name = "test""#,
         r#"name = "test"
 environment = { gravity_gradient = true }"#,
-        r#"E0106 m.toml:3:36: environment.gravity_gradient = true: a gravity gradient without gravity; add gravity = "point_mass" and gm_m3_s2, or remove it"#,
+        r#"E0106 m.toml:3:36: environment.gravity_gradient = true: the key has no effect without gravity = "point_mass"; remove it, or write gravity = "point_mass""#,
     ),
     (
         r#"name = "test""#,

@@ -17,7 +17,7 @@ pub const CASES: &[Case] = &[
         r#"axis = [0.0, 0.0, 1.0]
 "#,
         r#""#,
-        r#"E0106 m.toml:14:1: joint[0].axis (joint "joint1"): the key is missing on a joint that moves; add axis = [x, y, z] in the child's frame"#,
+        r#"E0106 m.toml:14:1: joint[0].axis (joint "joint1"): the key is missing; add axis: Axis in the child's frame"#,
     ),
     (
         r#"type = "revolute""#,
@@ -156,37 +156,37 @@ rotation_matrix = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]"#,
         r#"axis = [0.0, 0.0, 1.0]"#,
         r#"axis = [0.0, 0.0, 1.0]
 locked_at_m = 0.1"#,
-        r#"E0105 m.toml:22:15: joint[0].locked_at_m (joint "joint1") = 0.1: the key does not fit the type of the joint; write locked_at_rad for a revolute joint"#,
+        r#"E0105 m.toml:22:15: joint[0].locked_at_m (joint "joint1") = 0.1: the key does not fit type = "revolute"; write locked_at_rad"#,
     ),
     (
         r#"axis = [0.0, 0.0, 1.0]"#,
         r#"axis = [0.0, 0.0, 1.0]
 spring_damper = { stiffness_N_per_m = 2.0 }"#,
-        r#"E0105 m.toml:22:39: joint[0].spring_damper.stiffness_N_per_m (joint "joint1") = 2.0: the key does not fit the type of the joint; write stiffness_N_m_per_rad for a revolute joint"#,
+        r#"E0105 m.toml:22:39: joint[0].spring_damper.stiffness_N_per_m (joint "joint1") = 2.0: the key does not fit type = "revolute"; write stiffness_N_m_per_rad"#,
     ),
     (
         r#"axis = [0.0, 0.0, 1.0]"#,
         r#"axis = [0.0, 0.0, 1.0]
 spring_damper = { damping_N_m_s_per_rad = 0.1 }"#,
-        r#"E0106 m.toml:22:17: joint[0].spring_damper.stiffness_N_m_per_rad (joint "joint1"): the key is missing; add it; 0.0 for a hinge without a spring"#,
+        r#"E0106 m.toml:22:17: joint[0].spring_damper.stiffness_N_m_per_rad (joint "joint1"): the key is missing; add stiffness_N_m_per_rad: Stiffness of a revolute joint, N m/rad"#,
     ),
     (
         r#"axis = [0.0, 0.0, 1.0]"#,
         r#"axis = [0.0, 0.0, 1.0]
 spring_damper = { stiffness_N_m_per_rad = -2.0 }"#,
-        r#"E0108 m.toml:22:43: joint[0].spring_damper.stiffness_N_m_per_rad (joint "joint1") = -2.0: stiffness and damping must not be negative: negative values add energy; give zero or a positive number"#,
+        r#"E0108 m.toml:22:43: joint[0].spring_damper.stiffness_N_m_per_rad (joint "joint1") = -2.0: the stiffness is negative; give zero or a positive number"#,
     ),
     (
         r#"type = "revolute""#,
         r#"type = "fixed"
 spring_damper = { stiffness_N_m_per_rad = 2.0 }"#,
-        r#"E0105 m.toml:17:17: joint[0].spring_damper (joint "joint1") = { stiffness_N_m_per_rad = 2.0 }: the key does not fit the type of the joint; remove it: a fixed joint does not move"#,
+        r#"E0105 m.toml:17:17: joint[0].spring_damper (joint "joint1") = { stiffness_N_m_per_rad = 2.0 }: the key does not fit type = "fixed"; remove it, or write type = "revolute" or "prismatic""#,
     ),
     (
         r#"axis = [0.0, 0.0, 1.0]"#,
         r#"axis = [0.0, 0.0, 1.0]
 spring_damper = { stiffness = 2.0 }"#,
-        r#"E0105 m.toml:22:19: joint[0].spring_damper.stiffness (joint "joint1") = 2.0: missing unit; write stiffness_N_m_per_rad or stiffness_N_per_m"#,
+        r#"E0105 m.toml:22:19: joint[0].spring_damper.stiffness (joint "joint1") = 2.0: missing unit; write stiffness_N_m_per_rad"#,
     ),
     (
         r#"axis = [0.0, 0.0, 1.0]"#,
@@ -198,6 +198,6 @@ spring_damper = { stiffness_N_m_per_rad = nan }"#,
         r#"axis = [0.0, 0.0, 1.0]"#,
         r#"axis = [0.0, 0.0, 1.0]
 spring_damper = { stiffness_N_m_per_rad = 2.0, damping_N_m_s_per_rad = -0.1 }"#,
-        r#"E0108 m.toml:22:72: joint[0].spring_damper.damping_N_m_s_per_rad (joint "joint1") = -0.1: stiffness and damping must not be negative: negative values add energy; give zero or a positive number"#,
+        r#"E0108 m.toml:22:72: joint[0].spring_damper.damping_N_m_s_per_rad (joint "joint1") = -0.1: the damping is negative; give zero or a positive number"#,
     ),
 ];

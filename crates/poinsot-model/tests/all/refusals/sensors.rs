@@ -28,7 +28,7 @@ name = "gyro"
 type = "gyro"
 [[wheel]]
 name = "wheel1""#,
-        r#"E0110 m.toml:36:8: sensor[1].name = "gyro": sensor[0] of the same type has the same name; rename one of them"#,
+        r#"E0110 m.toml:36:8: sensor[1].name = "gyro": sensor[0] has the same type and name; rename one of them"#,
     ),
     (
         r#"noise_rad_s = 1.0e-4"#,
@@ -52,7 +52,7 @@ of = ["joint1", "joint2"]"#,
     (
         r#"noise_rad_s = 1.0e-4"#,
         r#"noise_rad = 1.0e-4"#,
-        r#"E0105 m.toml:35:13: sensor[0].noise_rad (sensor "gyro") = 1.0e-4: wrong unit for a sensor of type "gyro"; write noise_rad_s"#,
+        r#"E0105 m.toml:35:13: sensor[0].noise_rad (sensor "gyro") = 1.0e-4: the key does not fit type = "gyro"; write noise_rad_s"#,
     ),
     (
         r#"quantisation_rad = 2.4e-5"#,
@@ -67,13 +67,13 @@ of = ["joint1", "joint2"]"#,
     (
         r#"quantisation_rad = 2.4e-5"#,
         r#"quantisation_rad_s = 2.4e-5"#,
-        r#"E0105 m.toml:39:22: sensor[1].quantisation_rad_s (sensor "encoders") = 2.4e-5: wrong unit for a sensor of type "joint_position"; write quantisation_rad or quantisation_m"#,
+        r#"E0105 m.toml:39:22: sensor[1].quantisation_rad_s (sensor "encoders") = 2.4e-5: the key does not fit type = "joint_position"; write quantisation_rad or quantisation_m"#,
     ),
     (
         r#"quantisation_rad = 2.4e-5"#,
         r#"quantisation_rad = 2.4e-5
 position_m = [0.0, 0.0, 0.0]"#,
-        r#"E0118 m.toml:40:14: sensor[1].position_m (sensor "encoders") = [0.0, 0.0, 0.0]: a sensor of type "joint_position" has no axes and no place; remove it"#,
+        r#"E0118 m.toml:40:14: sensor[1].position_m (sensor "encoders") = [0.0, 0.0, 0.0]: the key does not fit type = "joint_position"; remove it, or write type = "gyro" or "attitude" or "velocity" or "position" or "accelerometer" or "velocity_increment" or "direction""#,
     ),
     (
         r#"quantisation_rad = 2.4e-5"#,
@@ -144,7 +144,7 @@ scale = { sigma = 0.01 }"#,
         r#"noise_rad_s = 1.0e-4"#,
         r#"noise_rad_s = 1.0e-4
 of = "joint1""#,
-        r#"E0118 m.toml:36:6: sensor[0].of (sensor "gyro") = "joint1": a sensor of type "gyro" measures no joint, wheel or thruster; remove it"#,
+        r#"E0118 m.toml:36:6: sensor[0].of (sensor "gyro") = "joint1": the key does not fit type = "gyro"; remove it, or write type = "joint_position" or "joint_rate" or "wheel_speed" or "thrust""#,
     ),
     (
         r#"noise_rad_s = 1.0e-4"#,
@@ -156,6 +156,6 @@ bias = { sigma_rad = 1.0e-5 }"#,
         r#"noise_rad_s = 1.0e-4"#,
         r#"noise_rad_s = 1.0e-4
 lag = { sigma_s = -0.1 }"#,
-        r#"E0118 m.toml:36:19: sensor[0].lag.sigma_s (sensor "gyro") = -0.1: one sigma must be greater than zero; give a positive number"#,
+        r#"E0118 m.toml:36:19: sensor[0].lag.sigma_s (sensor "gyro") = -0.1: the sigma must be greater than zero; give a positive number"#,
     ),
 ];
