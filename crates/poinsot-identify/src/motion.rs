@@ -35,12 +35,12 @@ pub(crate) use vehicle::{Running, Vehicle, parabola_slope, slope_weights, tilted
 use crate::problem::parameters::UnknownKind;
 use crate::problem::segment::{Firing, Observations, Segment};
 use chord::{Chord, ColumnChord};
-use grid::{TURN, gyration};
+use grid::{TURN, gyration, joint_frequency};
 use inputs::InputChange;
 use nalgebra::SVector;
 use poinsot_dynamics::propagation::{LockedVehicle, MassCentre};
 use poinsot_dynamics::{
-    JointEffect, JointSlopes, Kinematics, composite, composite_and_momentum, wheel_momentum,
+    JointEffect, JointSlopes, Kinematics, Tree, composite, composite_and_momentum, wheel_momentum,
 };
 use poinsot_spatial::{
     InertialParameters, Matrix3, UnitQuaternion, Vector3, Vector6, parallel_axis,
@@ -182,24 +182,28 @@ pub(crate) struct Motion<'a> {
     force_scratch: RefCell<Option<Box<ForceScratch>>>,
 }
 
-/// Largest total rotation of a propagated motion, relative to the measured one.
+/// Largest total rotation of a propagated base, relative to the measured one.
 const FASTER: f64 = 3.0;
 
-/// Integration steps for a run: some for each interval, and those of a motion faster than the measured one.
-fn steps_allowed(o: &Observations) -> f64 {
+/// Integration steps for a run: some for each interval, those of its joints, and those of a base faster than the measured one.
+fn steps_allowed(tree: &Tree, o: &Observations, gyration: f64) -> f64 {
     let t = &o.time_s;
+    let joints = o.joint_rate.chunks_exact(tree.dof().max(1));
+    let joints = joints.map(|rates| joint_frequency(tree, rates, gyration));
+    let of_joints = joints.zip(t.windows(2)).map(|(w, t)| w * (t[1] - t[0]));
+    let of_joints = of_joints.sum::<f64>() / TURN;
     let steps = o
         .rates()
         .filter_map(|(k, w)| Some((w, t.get(k + 1)? - t[k])));
     let turn: f64 = steps.map(|(w, h)| w.norm() * h).sum();
     let seen = o.rates().count();
     if seen == 0 {
-        return 1.0e4 * o.time_s.len() as f64;
+        return 1.0e4 * o.time_s.len() as f64 + of_joints;
     }
     // Between the samples of a slow gyro the turn is that of the gap.
     let seen = seen as f64;
     let share = o.time_s.len() as f64 / seen;
-    1000.0 + 6.0 * o.time_s.len() as f64 + FASTER * share * turn / TURN
+    1000.0 + 6.0 * o.time_s.len() as f64 + of_joints + FASTER * share * turn / TURN
 }
 
 impl InputState {
@@ -234,6 +238,7 @@ impl<'a> Motion<'a> {
         let tree = vehicle.tree;
         let o = &segment.observations;
         let thrust = ThrustPlan::new(segment);
+        let gyration = gyration(&composite(&vehicle.bodies, &Kinematics::new(tree)));
         let grid = match vehicle.steps.grid {
             Some(grid) => Cow::Borrowed(grid.steps.as_slice()),
             None => Cow::Owned(Grid::new(vehicle, o).steps),
@@ -242,7 +247,7 @@ impl<'a> Motion<'a> {
             grid,
             chord: None,
             column_chord: None,
-            gyration: gyration(&composite(&vehicle.bodies, &Kinematics::new(tree))),
+            gyration,
             input_state: InputState::new(vehicle),
             middle: InputState::new(vehicle),
             regressor: vec![[[0.0; 6]; 10]; tree.bodies()],
@@ -251,7 +256,7 @@ impl<'a> Motion<'a> {
             impulses: mass_loss::impulses(vehicle, &thrust, o),
             thrust,
             play: inputs::play(vehicle, o),
-            steps_left: steps_allowed(o),
+            steps_left: steps_allowed(tree, o, gyration),
             observations: o,
             initial_columns,
             twist_columns: vec![Vector6::zeros(); columns.len()],
