@@ -1,10 +1,11 @@
-//! Initial attitudes from gyro and directions, without an attitude sensor.
+//! Attitudes and rates of the base from which a fit starts, where no sensor measures them: attitudes from gyro and directions or
+//! from directions alone, across gaps of the attitude sensor by the gyro, and rates from attitudes.
 
 use super::sensors::sensor_columns;
 use nalgebra::{Matrix3, Matrix4, Matrix6, Quaternion, UnitQuaternion, Vector3, Vector6};
 use poinsot_model::{Model, SensorKind};
 use poinsot_spatial::skew;
-use poinsot_telemetry::Table;
+use poinsot_telemetry::{Channel, GAP, Table, differentiate, median_step};
 
 /// First interval, s; each is twice the previous one. A gyro bias of 1e-3 rad/s rotates the attitude by 0.03 rad in
 /// it.
@@ -17,17 +18,155 @@ const DIRECTION: f64 = 1.0e-2;
 const ATTITUDE: f64 = 1.0;
 const BIAS: f64 = 5.0e-2;
 
+/// Sine of the angle between two directions from which they determine an attitude.
+const APART: f64 = 0.05;
+/// Half-width of the polynomial that differentiates an attitude, samples.
+const HALF_WIDTH: usize = 2;
+
 /// A direction measured by the base: time, s, measured in B, known in N.
 pub(super) type Direction = (f64, Vector3<f64>, Vector3<f64>);
 
 type Attitudes = Vec<Option<UnitQuaternion<f64>>>;
 
-/// Directions measured by sensors of the base.
-pub(super) fn base_directions(model: &Model, table: &Table) -> Vec<Direction> {
+/// Directions measured by sensors of the base, one list a sensor.
+pub(super) fn base_directions(model: &Model, table: &Table) -> Vec<Vec<Direction>> {
     let all = sensor_columns(model, table).into_iter();
     let own = all.filter(|c| c.kind == SensorKind::Direction);
     let on_base = own.filter(|c| c.sensor.is_some_and(|k| model.sensors[k].body == 0));
-    on_base.flat_map(|c| c.directions(model)).collect()
+    on_base.map(|c| c.directions(model)).collect()
+}
+
+/// Attitudes from directions alone, as channels: at the times of the sensor that has most samples, where another one has
+/// samples around that determine the rotation about its direction. `None` without such a time.
+pub(super) fn from_directions(sensors: &[Vec<Direction>]) -> Option<[Channel; 4]> {
+    let leading = sensors.iter().max_by_key(|s| s.len())?;
+    let others = || sensors.iter().filter(|s| !std::ptr::eq(*s, leading));
+    let attitude = |(t, seen_B, known_N): &Direction| {
+        let pairs = others().filter_map(|s| direction_at(s, *t));
+        let apart = pairs.filter(|(_, known)| known_N.cross(known).norm() > APART);
+        let mut profile = Matrix3::zeros();
+        apart.for_each(|(seen, known)| profile += known * seen.transpose());
+        let some = profile != Matrix3::zeros();
+        some.then(|| (*t, wahba(&(profile + known_N * seen_B.transpose()))))
+    };
+    let all: Vec<(f64, UnitQuaternion<f64>)> = leading.iter().filter_map(attitude).collect();
+    (!all.is_empty()).then(|| attitude_channels(&all))
+}
+
+/// A direction between two samples that are no gap apart: in B, and known in N.
+fn direction_at(samples: &[Direction], t: f64) -> Option<(Vector3<f64>, Vector3<f64>)> {
+    let times: Vec<f64> = samples.iter().map(|s| s.0).collect();
+    let k = times.partition_point(|x| *x <= t).checked_sub(1)?;
+    let (a, b) = (&samples[k], samples.get(k + 1).unwrap_or(&samples[k]));
+    let h = b.0 - a.0;
+    if h > GAP * median_step(&times)? || t - b.0 > 0.0 {
+        return None;
+    }
+    let share = if h > 0.0 { (t - a.0) / h } else { 0.0 };
+    let between = |a: &Vector3<f64>, b: &Vector3<f64>| (a + (b - a) * share).try_normalize(0.0);
+    Some((between(&a.1, &b.1)?, between(&a.2, &b.2)?))
+}
+
+/// Attitudes as the channels of an attitude sensor, of continuous sign.
+fn attitude_channels(all: &[(f64, UnitQuaternion<f64>)]) -> [Channel; 4] {
+    let time_s: Vec<f64> = all.iter().map(|a| a.0).collect();
+    let mut q: Vec<[f64; 4]> = all.iter().map(|(_, R)| (*R.as_vector()).into()).collect();
+    for k in 1..q.len() {
+        let dot: f64 = q[k - 1].iter().zip(&q[k]).map(|(a, b)| a * b).sum();
+        if dot < 0.0 {
+            q[k] = q[k].map(|x| -x);
+        }
+    }
+    [("q_x", 0), ("q_y", 1), ("q_z", 2), ("q_w", 3)].map(|(name, k)| Channel {
+        name: name.to_owned(),
+        time_s: time_s.as_slice().into(),
+        values: q.iter().map(|q| q[k]).collect(),
+        ..Channel::default()
+    })
+}
+
+/// Body rates as the derivative of an attitude, `w = 2 q* q'`, by the quartic through five samples.
+pub(super) fn differentiated(attitude: [&Channel; 4]) -> [Channel; 3] {
+    let whole = |k: usize| {
+        let part = |c: &Channel| c.values.get(k).copied();
+        let [x, y, z, w] = attitude.map(part);
+        Some((*attitude[0].time_s.get(k)?, rotation([x?, y?, z?, w?])))
+    };
+    let all: Vec<_> = (0..attitude[0].values.len()).filter_map(whole).collect();
+    let smooth = attitude_channels(&all);
+    let slopes = smooth
+        .each_ref()
+        .map(|c| differentiate(c, HALF_WIDTH, None));
+    let times = &slopes[0].time_s;
+    let rate = |(i, t): (usize, &f64)| {
+        let k = smooth[0].time_s.partition_point(|x| x < t);
+        let quaternion = |c: [f64; 4]| Quaternion::new(c[3], c[0], c[1], c[2]);
+        let q = quaternion(smooth.each_ref().map(|c| c.values[k]));
+        let slope = quaternion(slopes.each_ref().map(|c| c.values[i]));
+        2.0 * (q.conjugate() * slope).imag()
+    };
+    let rates: Vec<Vector3<f64>> = times.iter().enumerate().map(rate).collect();
+    [("omega_x", 0), ("omega_y", 1), ("omega_z", 2)].map(|(name, k)| Channel {
+        name: name.to_owned(),
+        unit: "rad/s".to_owned(),
+        time_s: times.clone(),
+        values: rates.iter().map(|w| w[k]).collect(),
+        ..Channel::default()
+    })
+}
+
+fn rotation([x, y, z, w]: [f64; 4]) -> UnitQuaternion<f64> {
+    UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z))
+}
+
+/// Attitudes where none was measured, carried by the rates: from the last one before and from the next one after, and between
+/// both where there are both. A gap of the rates ends it.
+pub(super) fn carried(
+    times: &[f64],
+    rate: &[Option<Vector3<f64>>],
+    measured: Attitudes,
+) -> Attitudes {
+    if measured.iter().all(Option::is_some) {
+        return measured;
+    }
+    let longest = GAP * median_step(times).unwrap_or(f64::INFINITY);
+    // Turn over the interval before time k, in the axes at its start.
+    let turn = |k: usize| {
+        let h = times[k] - times[k - 1];
+        let (a, b) = (rate[k - 1]?, rate[k]?);
+        (h <= longest).then(|| turn_over(h, &a, &b))
+    };
+    let n = times.len();
+    let (mut before, mut after) = (vec![None; n], vec![None; n]);
+    for k in 0..n {
+        let reached = |k: usize| -> Option<(f64, UnitQuaternion<f64>)> {
+            let (since, R) = before[k.checked_sub(1)?]?;
+            Some((since, R * turn(k)?))
+        };
+        before[k] = measured[k].map(|R| (times[k], R)).or_else(|| reached(k));
+    }
+    for k in (0..n).rev() {
+        let reached = |k: usize| -> Option<(f64, UnitQuaternion<f64>)> {
+            let (since, R) = (*after.get(k + 1)?)?;
+            Some((since, R * turn(k + 1)?.inverse()))
+        };
+        after[k] = measured[k].map(|R| (times[k], R)).or_else(|| reached(k));
+    }
+    let between = |k: usize| match (before[k], after[k]) {
+        (Some((from, a)), Some((to, b))) if to > from => {
+            let error = (a.inverse() * b).scaled_axis();
+            let share = (times[k] - from) / (to - from);
+            Some(a * UnitQuaternion::from_scaled_axis(error * share))
+        }
+        (a, b) => a.or(b).map(|(_, R)| R),
+    };
+    (0..n).map(between).collect()
+}
+
+/// The turn over an interval of length `h` between two rates: the rotation vector of the fourth-order Magnus expansion for a
+/// rate linear in time, `h (w0 + w1)/2 + h^2 (w0 x w1)/12` (Iserles et al. 2000, eq. 4.16).
+fn turn_over(h: f64, w0: &Vector3<f64>, w1: &Vector3<f64>) -> UnitQuaternion<f64> {
+    UnitQuaternion::from_scaled_axis((w0 + w1) * (0.5 * h) + w0.cross(w1) * (h * h / 12.0))
 }
 
 /// Attitudes at the gyro's times that fit directions best, with one common gyro bias.
@@ -74,8 +213,7 @@ pub(super) fn attitudes(
     Q
 }
 
-/// Attitude from body rates. Each step uses the rotation vector of the fourth-order Magnus expansion for a rate linear
-/// in time, `h (w0 + w1)/2 + h^2 (w0 x w1)/12` (Iserles et al. 2000, eq. 4.16).
+/// Attitude from body rates.
 pub(super) fn integrate_rate(
     times: &[f64],
     rate: &[Option<Vector3<f64>>],
@@ -86,12 +224,7 @@ pub(super) fn integrate_rate(
         let Some(w) = w else { continue };
         let q = match &last {
             None => UnitQuaternion::identity(),
-            Some((before, q, w0)) => {
-                let h = times[k] - times[*before];
-                q * UnitQuaternion::from_scaled_axis(
-                    (w0 + w) * (0.5 * h) + w0.cross(w) * (h * h / 12.0),
-                )
-            }
+            Some((before, q, w0)) => q * turn_over(times[k] - times[*before], w0, w),
         };
         out[k] = Some(q);
         last = Some((k, q, *w));
@@ -121,6 +254,11 @@ fn start<'a>(
     if profile == Matrix3::zeros() {
         return UnitQuaternion::identity();
     }
+    wahba(&profile)
+}
+
+/// Davenport's solution for a profile `sum n_N s_B^T`: the rotation that maps `s_B` to `n_N` best.
+fn wahba(profile: &Matrix3<f64>) -> UnitQuaternion<f64> {
     let symmetric = profile + profile.transpose();
     let z = Vector3::new(
         profile[(2, 1)] - profile[(1, 2)],
@@ -136,7 +274,7 @@ fn start<'a>(
     K[(3, 3)] = trace;
     let eigen = K.symmetric_eigen();
     let q = eigen.eigenvectors.column(eigen.eigenvalues.imax());
-    UnitQuaternion::from_quaternion(Quaternion::new(q[3], q[0], q[1], q[2]))
+    rotation([q[0], q[1], q[2], q[3]])
 }
 
 /// A Gauss-Newton step of the initial attitude, in N, and of the bias.

@@ -1,5 +1,6 @@
 //! Finding the channels of a sensor in a table.
 
+use super::attitude_start::{base_directions, differentiated, from_directions};
 use super::driven_wheels::{DrivenWheels, speed_column, torque_column};
 use super::sensors::{BaseSensors, REFERENCE, is_locked};
 use crate::error::{Error, missing};
@@ -24,6 +25,25 @@ pub(super) struct Channels<'a> {
 pub(super) struct VectorChannels<'a> {
     pub axes: [&'a Channel; 3],
     pub p_BoS_B: Vector3,
+}
+
+/// Body rates of the base.
+pub(super) struct BaseRates<'a> {
+    pub axes: [Cow<'a, Channel>; 3],
+    /// The attitude of which they are the derivative, where no sensor measures it either.
+    pub attitude: Option<[Channel; 4]>,
+}
+
+impl BaseRates<'_> {
+    /// Times of the first axis, s.
+    pub fn time_s(&self) -> &[f64] {
+        &self.axes[0].time_s
+    }
+
+    /// Whether they are measured.
+    pub fn are_measured(&self) -> bool {
+        matches!(self.axes[0], Cow::Borrowed(_))
+    }
 }
 
 /// The columns of a joint.
@@ -73,15 +93,42 @@ impl<'a> Channels<'a> {
         })
     }
 
-    /// The gyro, whose times are those of the linear method.
-    pub fn gyro(&self, model: &Model) -> Result<VectorChannels<'a>, Error> {
+    /// The body rates at whose times the linear method works: those of the gyro; without a gyro in the model, the derivative
+    /// of the attitude.
+    pub fn base_rates(&self, model: &Model) -> Result<BaseRates<'a>, Error> {
         let gyro = self.vector(model, SensorKind::Gyro);
-        gyro.filter(|g| !g.time_s().is_empty()).ok_or_else(|| {
+        if let Some(gyro) = gyro.filter(|g| !g.time_s().is_empty()) {
+            return Ok(BaseRates {
+                axes: gyro.axes.map(Cow::Borrowed),
+                attitude: None,
+            });
+        }
+        let derived = match model.sensors_of(SensorKind::Gyro).next() {
+            Some(_) => None,
+            None => self.derived_rates(model),
+        };
+        derived.ok_or_else(|| {
             self.missing(
                 "omega_x omega_y omega_z",
-                "every method starts from measured body rates",
-                "add a gyro, or map its columns in [telemetry.columns]",
+                "every fit starts from body rates, measured or differentiated from the attitude",
+                "add the columns of a gyro, of an attitude, or of two directions",
             )
+        })
+    }
+
+    fn derived_rates(&self, model: &Model) -> Option<BaseRates<'a>> {
+        let measured = self.leading(model, SensorKind::Attitude);
+        let measured: Option<[&Channel; 4]> = measured.and_then(|parts| parts.try_into().ok());
+        let attitude = match measured {
+            Some(_) => None,
+            None => Some(from_directions(&base_directions(model, self.table))?),
+        };
+        let parts = measured.or_else(|| attitude.as_ref().map(|a| a.each_ref()))?;
+        let axes = differentiated(parts);
+        let some = axes[0].values.len() > 1;
+        some.then(|| BaseRates {
+            axes: axes.map(Cow::Owned),
+            attitude,
         })
     }
 

@@ -130,10 +130,10 @@ fn bind_table(
         driven,
     };
     checks::check_plausible(&channels)?;
-    let gyro = channels.gyro(model)?;
+    let rates = channels.base_rates(model)?;
     checks::needs_attitude(model, &channels)?;
     orbit::check_orbit(model, &channels, repairs)?;
-    let whole = gyro.time_s();
+    let whole = rates.time_s();
     let (pieces, gaps) = cut::pieces(model, tree, &channels, whole);
     let mut segments = Vec::with_capacity(pieces.len());
     let (mut kept, mut most) = (0, 0);
@@ -162,8 +162,9 @@ fn bind_table(
     let lost = whole.len() - kept;
     if lost > 0 {
         repairs.push(format!(
-            "{label}: {lost} of {} gyro samples left out: another channel has no sample within 3 of its steps",
-            whole.len()
+            "{label}: {lost} of {} {} samples left out: another channel has no sample within 3 of its steps",
+            whole.len(),
+            if rates.are_measured() { "gyro" } else { "attitude" }
         ));
     }
     if !gaps.is_empty() {
@@ -201,11 +202,11 @@ fn bind_piece(
     channels: &channels::Channels,
     repairs: &mut Vec<String>,
 ) -> Result<(Option<Segment>, usize), Error> {
-    let Ok(gyro) = channels.gyro(model) else {
+    let Ok(rates) = channels.base_rates(model) else {
         return Ok((None, 0));
     };
-    let times = gyro.time_s();
-    let aligned = motion::align(model, tree, channels, &gyro, times, repairs)?;
+    let times = rates.time_s();
+    let aligned = motion::align(model, tree, channels, &rates, times, repairs)?;
     let complete: Vec<usize> = (0..times.len()).filter(|&k| aligned.complete(k)).collect();
     if complete.len() < 2 {
         return Ok((None, complete.len()));

@@ -1,7 +1,7 @@
 //! All channels at the gyro's times: attitude, translation, joints, wheels.
 
-use super::attitude_start::{attitudes, base_directions, integrate_rate};
-use super::channels::{Channels, JointColumns, VectorChannels};
+use super::attitude_start::{attitudes, base_directions, carried, integrate_rate};
+use super::channels::{BaseRates, Channels, JointColumns, VectorChannels};
 use super::driven_wheels::{speed_at, speed_column};
 use super::free_fall::ORBITAL;
 use super::sensors::SAME;
@@ -34,12 +34,12 @@ pub(super) fn align(
     model: &Model,
     tree: &Tree,
     channels: &Channels,
-    gyro: &VectorChannels,
+    rates: &BaseRates,
     times: &[f64],
     repairs: &mut Vec<String>,
 ) -> Result<Aligned, Error> {
-    let rate = vectors(&gyro.axes.map(|c| resample(c, times, None)));
-    let attitude = attitude(model, channels, gyro, times, &rate, repairs);
+    let rate = vectors(&rates.axes.each_ref().map(|c| resample(c, times, None)));
+    let attitude = attitude(model, channels, rates, times, &rate, repairs);
     let translation = translation(model, channels, times, &rate, &attitude, repairs)?;
     let mut joint_position = Vec::new();
     let mut joint_rate = Vec::new();
@@ -129,21 +129,35 @@ fn vectors(axes: &[Column; 3]) -> Vec<Option<Vector3<f64>>> {
 fn attitude(
     model: &Model,
     channels: &Channels,
-    gyro: &VectorChannels,
+    rates: &BaseRates,
     times: &[f64],
     rate: &[Option<Vector3<f64>>],
     repairs: &mut Vec<String>,
 ) -> Vec<Option<UnitQuaternion<f64>>> {
     let parts = channels.leading(model, SensorKind::Attitude);
-    if let Some(parts) = parts.and_then(|p| <[&Channel; 4]>::try_from(p).ok()) {
-        return resample_attitude(parts, Some(gyro.axes), times, None)
+    let measured = parts.and_then(|p| <[&Channel; 4]>::try_from(p).ok());
+    if !rates.are_measured() {
+        let from = if measured.is_some() {
+            "the attitude"
+        } else {
+            "attitudes that fit the directions"
+        };
+        repairs.push(format!(
+            "{}: no gyro: the fit starts from body rates differentiated from {from} (quartic through five samples)",
+            channels.label
+        ));
+    }
+    if let Some(parts) = measured.or_else(|| rates.attitude.as_ref().map(|a| a.each_ref())) {
+        let axes = rates.axes.each_ref().map(|c| &**c);
+        let measured = resample_attitude(parts, Some(axes), times, None)
             .into_iter()
             .map(|q| {
                 q.map(|[x, y, z, w]| UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z)))
             })
             .collect();
+        return carried(times, rate, measured);
     }
-    let directions = base_directions(model, channels.table);
+    let directions = base_directions(model, channels.table).concat();
     let (start, found) = match directions.is_empty() {
         true => (
             "from the identity at its first sample",

@@ -29,7 +29,10 @@ pub(super) fn declared_noise(
     };
     let has = |kind| !columns(kind).is_empty();
     let vector = |kind| vector(model, leading, kind);
-    let gyro = vector(SensorKind::Gyro).ok_or(no_noise(SensorKind::Gyro))?;
+    let gyro = match has(SensorKind::Gyro) || model.sensors_of(SensorKind::Gyro).next().is_some() {
+        true => vector(SensorKind::Gyro).ok_or(no_noise(SensorKind::Gyro))?,
+        false => differentiated(&vector, &columns)?,
+    };
     let position = vector(SensorKind::Position);
     let velocity = velocity(vector(SensorKind::Velocity), position, &columns)?;
     let mut exact = |value: Option<Matrix3>, kind: SensorKind| {
@@ -85,6 +88,25 @@ pub(super) fn scalar(model: &Model, kind: SensorKind, of: usize) -> f64 {
         .map_or(0.0, |c| c[(0, 0)])
 }
 
+/// Covariance of body rates that are the derivative of an attitude, or of attitudes from directions.
+fn differentiated<'t>(
+    vector: &dyn Fn(SensorKind) -> Option<Matrix3>,
+    columns: &dyn Fn(SensorKind) -> Vec<Vec<&'t Channel>>,
+) -> Result<Matrix3, Error> {
+    let kinds = [SensorKind::Attitude, SensorKind::Direction];
+    let kind = kinds.into_iter().find(|kind| !columns(*kind).is_empty());
+    let kind = kind.unwrap_or(SensorKind::Gyro);
+    let declared = vector(kind).ok_or(no_noise(kind))?;
+    Ok(derivative(declared, &columns(kind)))
+}
+
+/// Covariance of a derivative by the quartic through five samples.
+fn derivative(of: Matrix3, columns: &[Vec<&Channel>]) -> Matrix3 {
+    let steps = columns.iter().filter_map(|c| median_step(&c[0].time_s));
+    let step = steps.fold(f64::INFINITY, f64::min);
+    of * (DIFFERENCE / step).powi(2)
+}
+
 fn velocity<'t>(
     declared: Option<Matrix3>,
     position: Option<Matrix3>,
@@ -96,9 +118,7 @@ fn velocity<'t>(
     let positions = columns(SensorKind::Position);
     if !positions.is_empty() {
         let position = position.ok_or(no_noise(SensorKind::Position))?;
-        let steps = positions.iter().filter_map(|c| median_step(&c[0].time_s));
-        let step = steps.fold(f64::INFINITY, f64::min);
-        return Ok(position * (DIFFERENCE / step).powi(2));
+        return Ok(derivative(position, &positions));
     }
     Ok(Matrix3::identity())
 }

@@ -66,9 +66,9 @@ fn in_record_time(model: &Model, channels: &Channels) -> Option<Orbit> {
 /// The epoch is so far from the record that elements without perturbations do not give the orbit.
 fn check_epoch(model: &Model, channels: &Channels) -> Result<(), Error> {
     let epoch = in_record_time(model, channels).and_then(|orbit| orbit.epoch);
-    let gyro = channels.gyro(model)?;
+    let rates = channels.base_rates(model)?;
     let (Some(epoch), Some(first), Some(last)) =
-        (epoch, gyro.time_s().first(), gyro.time_s().last())
+        (epoch, rates.time_s().first(), rates.time_s().last())
     else {
         return Ok(());
     };
