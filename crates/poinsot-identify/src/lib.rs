@@ -50,8 +50,8 @@
 //! - `likelihood.rs`, `likelihood/`: predictions against measurements. `rows.rs`, `impulse.rs`: whitened equations of
 //!   the linear method, and thrust between samples.
 //! - `fit/`: `experiment.rs`: a problem at any value of its unknowns, and its Fisher information. `triangle.rs`:
-//!   triangle of the shared unknowns. `step.rs`: one step. `momentum_state.rs`: the fit. `coarse_fit.rs`: a first fit
-//!   to few samples. `coordinates.rs`: steps that keep bodies physical. `step_error.rs`: checks the integration step.
+//!   triangle of the shared unknowns. `step.rs`: one step. `momentum_state.rs`: the fit. `search.rs`: the search from
+//!   every start along the record. `part_of_record.rs`: its beginnings, or few of its samples. `coordinates.rs`: steps that keep bodies physical. `step_error.rs`: checks the integration step.
 //!   `alternatives.rs`: fits of the alternatives of what inputs do between their samples, and the choice.
 //!   `known_numbers.rs`: known numbers within their uncertainty. `degrees_of_freedom.rs`. `experiment/`: columns of
 //!   known numbers, predicted measurements.

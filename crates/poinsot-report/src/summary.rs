@@ -60,20 +60,11 @@ pub(crate) fn action(e: &EstimateFile) -> Option<String> {
                 .or_else(|| first(&e.warnings))
                 .map(|why| format!("correct the model or the telemetry: {why}"))
         }
-        "iteration_limit" => Some(not_converged(e)),
         _ => (against.first()).map(|why| format!("explain the failed test first: {why}")),
     }?;
     let mut letters = found.trim().trim_end_matches('.').chars();
     let head = letters.next()?.to_uppercase();
     Some(format!("{head}{}.", letters.as_str()))
-}
-
-/// What helps a fit to converge: data that determine more, or a start nearer to the answer.
-fn not_converged(e: &EstimateFile) -> String {
-    let open = serves_most(&e.identifiability.not_identifiable);
-    open.map(|o| o.remedy.clone()).unwrap_or_else(|| {
-        "give nominal values nearer to the truth, or declare sigmas of the unknown errors of sensors".to_owned()
-    })
 }
 
 /// The direction whose remedy resolves most directions, the first if equal; numbers in brackets are ignored in the

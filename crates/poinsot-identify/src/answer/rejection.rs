@@ -42,6 +42,11 @@ impl Rejection {
         let impossible =
             bodies.iter().any(|b| unphysical(b, bad_fit)) || pressed(solution, bad_fit);
         let own = solution.likelihood.as_ref();
+        // Where the search failed, only a mistake that a fit of its own confirmed contradicts the model.
+        let mut suspects = own.into_iter().flat_map(|own| &own.diagnostics.suspects);
+        if !solution.is_found() && suspects.next().is_none() {
+            return None;
+        }
         let coloured = coloured && own.is_none_or(|own| own.conflict.is_none());
         let not_rigid = own.is_some_and(OfLikelihood::not_rigid);
         let reasons = [

@@ -26,6 +26,14 @@ pub(crate) struct Reliability {
 
 impl Reliability {
     pub fn of(solution: &Solution) -> Self {
+        if let Some(lost) = solution.likelihood.as_ref().filter(|own| !own.found) {
+            let mistake = suspect(&lost.diagnostics, false);
+            let mistake = mistake.filter(|_| !lost.diagnostics.suspects.is_empty());
+            return Self {
+                coloured: mistake.is_some(),
+                rows: [convergence(lost)].into_iter().chain(mistake).collect(),
+            };
+        }
         let sensors = sensor_noise(&solution.fit, &solution.settings);
         let excesses = || sensors.iter().filter_map(|s| s.excess.as_ref());
         let bad_sensor = excesses().any(|e| !e.is_made_up_for());
@@ -83,9 +91,10 @@ fn priors(own: &OfLikelihood) -> Vec<Remark> {
 /// Convergence of the iteration.
 fn convergence(own: &OfLikelihood) -> Remark {
     let failed = !own.converged;
-    let words = match failed {
-        true => "the iteration did not converge",
-        false => "the iteration converged",
+    let words = match (failed, &own.followed) {
+        (false, _) => "the iteration converged".to_owned(),
+        (true, None) => "the iteration did not converge".to_owned(),
+        (true, Some(part)) => format!("no fit to the whole record converges; one {part} does"),
     };
     let effect = Effect::WithholdsNumbers.if_failed(failed);
     Remark::test("convergence", effect, words).statistic("iterations", own.iterations as f64)

@@ -83,7 +83,10 @@ pub(crate) fn write(problem: &Problem, solution: &Solution) -> Estimate {
         covariance_units: rows.iter().map(|r| r.unit).collect(),
         nuisance,
         identifiability,
-        fit: solution.fit.clone(),
+        fit: match solution.is_found() {
+            true => solution.fit.clone(),
+            false => Vec::new(),
+        },
         states_covariance: true,
         known_numbers: known_numbers(problem.model, solution, &rows),
         diagnostics: own.map(|own| own.diagnostics.clone()),
@@ -130,9 +133,16 @@ fn identifiability(
 ) -> Identifiability {
     let spectrum = solution.of_data();
     let m = spectrum.natural.len();
+    let absent = naming::absent(&solution.parameters);
+    let numbers: usize = absent.iter().map(|c| c.coefficients.len()).sum();
+    if !solution.is_found() {
+        return Identifiability {
+            parameters: m + numbers,
+            ..Identifiability::default()
+        };
+    }
     let mut determined = determined::combinations(solution, estimator);
     determined.extend(determined::functions(problem, solution, estimator));
-    let absent = naming::absent(&solution.parameters);
     let allowed = spectrum.experiment();
     let mut open = naming::unobservable_directions(problem, solution);
     if solution.data_alone().is_none() {
@@ -140,7 +150,6 @@ fn identifiability(
         walks.for_each(|(open, walk)| open.walk = naming::values_along_path(solution, walk));
     }
     open.extend(naming::inaccurate_directions(problem, solution));
-    let numbers: usize = absent.iter().map(|c| c.coefficients.len()).sum();
     open.extend(absent);
     Identifiability {
         parameters: m + numbers,

@@ -6,9 +6,9 @@
 //! record, so their residual has no noise.
 
 use crate::certify::naming;
-use crate::fit::coarse_fit::thinned;
 use crate::fit::experiment::as_predicted::{readings_alone, take_predictions};
 use crate::fit::experiment::{Experiment, Iterate};
+use crate::fit::part_of_record::thinned;
 use crate::fit::step::{Linearisation, moved, predicted_decrease};
 use crate::problem::Problem;
 use crate::problem::parameters::Parameters;

@@ -3,8 +3,8 @@
 //! contradicts the model, where the predicted motion is still close. The whole record confirms it.
 
 use super::types::{FaultKind, Suspect, SuspectValue};
-use crate::fit::coarse_fit::beginning;
 use crate::fit::experiment::Experiment;
+use crate::fit::part_of_record::beginning;
 use crate::fit::{Fitted, fit_from};
 use crate::problem::segment::Segment;
 use poinsot_solve::LeastSquares;

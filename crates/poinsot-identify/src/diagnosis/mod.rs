@@ -59,7 +59,8 @@ impl Diagnostics {
     }
 }
 
-/// Searches the cause of a misfit; `fitted_numbers` were fitted in all.
+/// Searches the cause of a misfit; `fitted_numbers` were fitted in all. Where the search for the minimum failed, columns there
+/// mean nothing, and only a mistake that a fit of its own confirms is a cause.
 pub(crate) fn diagnose(
     experiment: &Experiment,
     fitted: &Fitted,
@@ -93,18 +94,21 @@ pub(crate) fn diagnose(
     match mistake {
         Some(mistake) if excess - mistake.decrease < dof as f64 => {
             out.suspects = vec![mistake];
-            out.held_out = held_out::held_out(experiment, fitted, None, fitted_numbers);
+            if fitted.is_found() {
+                out.held_out = held_out::held_out(experiment, fitted, None, fitted_numbers);
+            }
         }
+        mistake if !fitted.is_found() => out.suspects.extend(mistake),
         mistake => {
             let table = weighed(experiment, fitted, of, mean_square, &mut out, mistake);
             out.held_out = held_out::held_out(experiment, fitted, table.as_ref(), fitted_numbers);
         }
     }
-    if misfit {
+    if misfit && fitted.is_found() {
         out.lines = line::spectral_lines(experiment, fitted);
     }
     out.findings = findings::findings(&out);
-    if misfit && !affordable {
+    if misfit && !affordable && fitted.is_found() {
         out.findings.push(Finding {
             fault: FaultKind::Unexplained,
             or: Vec::new(),

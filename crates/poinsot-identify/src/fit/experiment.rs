@@ -56,6 +56,8 @@ pub(crate) struct Experiment<'a> {
     pub known: Option<Arc<KnownColumns>>,
     /// The last of them that were made.
     pub kept: KeptColumns,
+    /// Whether a fit only leads near an answer.
+    pub only_near: bool,
     /// Whether evaluations keep every whitened row instead of a triangle.
     pub keep_rows: bool,
     /// Errors of sensors by model sensor, each with a column in the rows of its own sensor alone.
@@ -101,6 +103,7 @@ impl<'a> Experiment<'a> {
             fineness: Fineness::default(),
             known: None,
             kept: KeptColumns::default(),
+            only_near: false,
             keep_rows: false,
             own_errors: Vec::new(),
             grids: Arc::default(),
@@ -116,6 +119,14 @@ impl<'a> Experiment<'a> {
         }
         self.grids = Arc::new(OnceLock::from(grids));
         self
+    }
+
+    /// The same experiment, of which a fit only leads near the answer.
+    pub fn near(self) -> Self {
+        Self {
+            only_near: true,
+            ..self
+        }
     }
 
     /// The same experiment under another alternative.

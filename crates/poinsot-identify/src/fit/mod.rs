@@ -1,12 +1,13 @@
 //! The experiment at any value of its unknowns, and the fit of the momentum state.
 
 pub(crate) mod alternatives;
-pub(crate) mod coarse_fit;
 pub(crate) mod coordinates;
 pub(crate) mod degrees_of_freedom;
 pub(crate) mod experiment;
 pub(crate) mod known_numbers;
 pub(crate) mod momentum_state;
+pub(crate) mod part_of_record;
+pub(crate) mod search;
 pub(crate) mod step;
 pub(crate) mod step_error;
 pub(crate) mod triangle;

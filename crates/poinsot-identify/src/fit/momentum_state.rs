@@ -5,11 +5,11 @@
 //! not move. A damped step holds biases, lags and what else is wrong with the instruments back as it does the mass
 //! properties: only pose and momentum follow whole.
 
-use crate::fit::coarse_fit::coarse_fit;
 use crate::fit::coordinates::PhysicalBodies;
 use crate::fit::experiment::{Experiment, Iterate};
+use crate::fit::search::{Search, is_settled, search};
 use crate::fit::step::{
-    BoundaryBodies, ITERATIONS, Linearisation, held, is_close, linearised, moved, physical_bodies,
+    BoundaryBodies, ITERATIONS, Linearisation, close, held, linearised, moved, physical_bodies,
 };
 use crate::fit::triangle::SharedTriangle;
 use crate::likelihood::Evaluated;
@@ -30,12 +30,13 @@ pub(crate) fn fit(
     linear: Option<&Iterate>,
 ) -> Result<Fitted, ProblemError> {
     let bodies = physical_bodies(experiment, experiment.parameters.mass_unknowns);
-    if let Some(bodies) = bodies.as_ref() {
+    let starts = starts(experiment, linear, bodies.as_ref());
+    if let Some(bodies) = bodies {
         let mut free = experiment.with_parameters(experiment.parameters);
         free.settings.coordinates = Coordinates::Linear;
-        let found = fit_within(&free, linear, Some(bodies))?;
+        let found = search(&free, &starts).ok_or_else(no_motion)?;
         if found.converged {
-            let Some(bodies) = bodies.clone().separable(&found.spectrum) else {
+            let Some(bodies) = bodies.separable(&found.spectrum) else {
                 return Ok(found);
             };
             if bodies.contain(&found.at.x) {
@@ -45,12 +46,26 @@ pub(crate) fn fit(
             if let Some(found) = back.filter(|f| f.converged) {
                 return Ok(found);
             }
-        } else if found.crept {
+        } else if !found.explains() {
             // The limit is not the reason for the missing convergence.
             return Ok(found);
         }
     }
-    fit_within(experiment, linear, bodies.as_ref())
+    search(experiment, &starts).ok_or_else(no_motion)
+}
+
+/// The linear solution and the nominal numbers, where the bodies are physical.
+fn starts(
+    experiment: &Experiment,
+    linear: Option<&Iterate>,
+    bodies: Option<&PhysicalBodies>,
+) -> Vec<Iterate> {
+    let mut starts: Vec<Iterate> = linear.cloned().into_iter().collect();
+    if let Some(bodies) = bodies {
+        starts.iter_mut().for_each(|at| bodies.start(&mut at.x));
+    }
+    starts.push(experiment.nominal_point());
+    starts
 }
 
 /// Fits on from the step that leads back to physical bodies at the least cost.
@@ -69,32 +84,6 @@ fn brought_back(
         &step,
     );
     fit_from(experiment, at, ITERATIONS)
-}
-
-/// Fits in the coordinates of the experiment, from starts at which the bodies are physical.
-fn fit_within(
-    experiment: &Experiment,
-    linear: Option<&Iterate>,
-    bodies: Option<&PhysicalBodies>,
-) -> Result<Fitted, ProblemError> {
-    let mut best: Option<Fitted> = None;
-    for start in starting_points(experiment, linear, bodies) {
-        let at = start.point;
-        let Some(here) = start.here.or_else(|| experiment.linearise(&at)) else {
-            continue;
-        };
-        let found = fitted(
-            experiment,
-            levenberg_marquardt(experiment, at, here, ITERATIONS),
-        )?;
-        let converged = found.converged;
-        best = best.filter(|b| b.converged || !converged).or(Some(found));
-        // A far start can change the identified directions during the iteration: try the other start.
-        if converged {
-            break;
-        }
-    }
-    best.ok_or_else(no_motion)
 }
 
 /// Fits from near a point, where the bodies are physical, in at most `limit` iterations.
@@ -119,58 +108,6 @@ pub(crate) fn fit_on(
     limit: usize,
 ) -> Option<Fitted> {
     fitted(experiment, levenberg_marquardt(experiment, at, here, limit)).ok()
-}
-
-/// A point to start from, with the problem there where it is known already.
-struct Start {
-    point: Iterate,
-    here: Option<Linearised<Linearisation>>,
-}
-
-/// Where a few readings lead, if that is close; then the linear solution and the nominal numbers, the better one first
-/// where the few did not lead close.
-fn starting_points(
-    experiment: &Experiment,
-    linear: Option<&Iterate>,
-    bodies: Option<&PhysicalBodies>,
-) -> Vec<Start> {
-    let within = |mut point: Iterate| {
-        if let Some(bodies) = bodies {
-            bodies.start(&mut point.x);
-        }
-        point
-    };
-    let unseen = |point| Start { point, here: None };
-    let linear = linear.cloned().map(within);
-    let nominal = experiment.nominal_point();
-    let far: Vec<Iterate> = linear.iter().chain([&nominal]).cloned().collect();
-    let outside = |point: &Iterate| bodies.is_some_and(|b| !b.contain(&point.x));
-    let physical = |point| {
-        if outside(&point) {
-            within(point)
-        } else {
-            point
-        }
-    };
-    if let Some(point) = coarse_fit(experiment, &far).map(physical)
-        && let Some(here) = experiment.linearise(&point).filter(is_close)
-    {
-        let here = Some(here);
-        let first = [Start { point, here }].into_iter();
-        return first.chain(far.into_iter().map(unseen)).collect();
-    }
-    let Some(point) = linear else {
-        return vec![unseen(nominal)];
-    };
-    let here = experiment.linearise(&point);
-    let worse = |cost: f64| experiment.cost(&nominal).is_none_or(|own| own > cost);
-    let better = |here: &Linearised<Linearisation>| is_close(here) || worse(here.cost);
-    let linear_first = here.as_ref().is_some_and(better);
-    let mut starts = vec![Start { point, here }, unseen(nominal)];
-    if !linear_first {
-        starts.reverse();
-    }
-    starts
 }
 
 /// Pose, momentum and biases that fit best at the nominal mass properties, which are held.
@@ -204,8 +141,10 @@ pub(crate) struct Fitted {
     pub data_alone: Option<Spectrum>,
     pub iterations: usize,
     pub converged: bool,
-    /// Stopped without convergence: slow, with a far too large chi-square.
-    pub crept: bool,
+    /// No step lowers chi-square much: it can contradict the model.
+    pub settled: bool,
+    /// How far along the record the minimum was followed.
+    pub search: Search,
     pub held: Option<BoundaryBodies>,
 }
 
@@ -213,6 +152,7 @@ fn fitted(
     experiment: &Experiment,
     minimum: Minimum<Iterate, Linearisation>,
 ) -> Result<Fitted, ProblemError> {
+    let settled = is_settled(&minimum);
     let Minimum {
         at,
         here,
@@ -246,7 +186,8 @@ fn fitted(
             }
             End::IterationLimit | End::TooSlow => false,
         },
-        crept: end == End::TooSlow,
+        settled,
+        search: Search::Whole,
     })
 }
 
@@ -254,6 +195,17 @@ impl Fitted {
     /// Chi-square of the readings alone.
     pub fn chi2(&self) -> f64 {
         self.evaluated.iter().map(|e| e.chi2).sum()
+    }
+
+    /// Whether it is a minimum by which the model can be judged: the numbers if it converged, else chi-square alone.
+    pub fn is_found(&self) -> bool {
+        let lost = matches!(self.search, Search::Lost(_));
+        !lost && (self.converged || self.settled)
+    }
+
+    /// Whether chi-square is of the size of its expectation.
+    pub fn explains(&self) -> bool {
+        close(self.chi2(), &self.evaluated)
     }
 
     /// How many numbers were compared.

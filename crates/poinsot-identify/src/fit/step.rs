@@ -21,8 +21,8 @@ const CONVERGED_BELOW: f64 = 1.0e-8;
 /// Reduction of chi-square that may be left where the derivatives of an earlier iterate serve: a step of a thousandth of a
 /// sigma.
 const LEFT: f64 = 1.0e-6;
-/// Fall of chi-square by a full step below which columns of known numbers are made where they are used: a step of one
-/// sigma, with columns older than it, may lead away from the answer.
+/// Fall of chi-square by a full step, one sigma, below which columns of known numbers are made where they are used, since older
+/// ones may lead away from the answer, and a fit that only leads near it ends without a look where its last step led.
 const NEAR: f64 = 1.0;
 /// Share of chi-square by which two evaluations may differ.
 const ROUND_OFF: f64 = 1.0e-12;
@@ -97,6 +97,10 @@ impl LeastSquares for Experiment<'_> {
         step: &Step<Iterate>,
         left: f64,
     ) -> Option<Linearised<Linearisation>> {
+        if self.only_near {
+            let near = left <= NEAR;
+            return near.then(|| self.promised(at, here, step)).flatten();
+        }
         // Columns of known numbers have to be as new at an answer as where derivatives are computed there.
         if left > LEFT || self.keep_rows || drop_old_columns(self, &step.to) {
             return None;
@@ -398,7 +402,8 @@ pub(crate) fn is_close(here: &Linearised<Linearisation>) -> bool {
     close(here.cost, &here.rows.evaluated)
 }
 
-fn close(cost: f64, evaluated: &[Evaluated]) -> bool {
+/// The same of a cost.
+pub(crate) fn close(cost: f64, evaluated: &[Evaluated]) -> bool {
     let rows: usize = evaluated.iter().map(|e| e.rows).sum();
     cost < CLOSE_BELOW * rows as f64
 }

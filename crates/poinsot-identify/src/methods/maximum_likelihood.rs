@@ -14,6 +14,8 @@ use crate::fit::alternatives::AlternativeFit;
 use crate::fit::degrees_of_freedom::fitted_numbers;
 use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::known_numbers::{Effects, KnownFit, fit_known};
+use crate::fit::part_of_record::beginning;
+use crate::fit::search::Search;
 use crate::fit::step_error::StepError;
 use crate::fit::triangle::conditional_estimate;
 use crate::fit::{Fitted, fit};
@@ -87,6 +89,22 @@ pub(crate) struct FinishedFit {
     pub segments: Option<Vec<Segment>>,
 }
 
+impl FinishedFit {
+    /// A search that failed: nothing is said of the vehicle but a mistake that a fit of its own confirmed.
+    fn lost(experiment: &Experiment, fitted: &Fitted) -> Self {
+        let found = match experiment.settings.undiagnosed {
+            true => Diagnostics::default(),
+            false => diagnose(experiment, fitted, fitted_numbers(experiment, fitted)),
+        };
+        Self {
+            solution: conclude(experiment, fitted, None, found),
+            at: fitted.at.clone(),
+            shifted: None,
+            segments: None,
+        }
+    }
+}
+
 /// The solved problem, and where the fit ended.
 pub(crate) fn solve(problem: &Problem, settings: Settings) -> Result<FinishedFit, ProblemError> {
     settings.validate()?;
@@ -101,6 +119,10 @@ pub(crate) fn solve(problem: &Problem, settings: Settings) -> Result<FinishedFit
     // The alternatives of what inputs do between their samples, each from the end of the best one before it.
     let explains = |fitted: &Fitted| consistent(&fitted.evaluated, &settings);
     let first = fit(&experiment, start.as_ref())?;
+    let with_known = || fit_known(&experiment, &first);
+    if !first.is_found() && with_known().is_none_or(|known| !known.fitted.converged) {
+        return Ok(FinishedFit::lost(&experiment, &first));
+    }
     let best = AlternativeFit::new(experiment, first)
         .or_other_rest_motion()
         .or_smooth_wheels();
@@ -348,12 +370,30 @@ pub(crate) fn conclude(
             conflict: None,
             iterations: fitted.iterations,
             converged: fitted.converged,
+            found: fitted.is_found(),
+            followed: followed(experiment, fitted),
             held: fitted.held.clone(),
             diagnostics: found,
             alternative: experiment.alternative,
             other_wheel_motion: None,
         }),
     }
+}
+
+/// The part of the record that a failed search explains, in words; `None` of every other one.
+fn followed(experiment: &Experiment, fitted: &Fitted) -> Option<String> {
+    let (Search::Lost(share), segments) = (fitted.search, experiment.problem.segments) else {
+        return None;
+    };
+    let times = |only: &Segment| beginning(only, share).observations.time_s;
+    let words = match segments {
+        [only] => match times(only)[..] {
+            [from, .., to] => format!("from {from} to {to} s (--time-s {from},{to})"),
+            _ => return None,
+        },
+        _ => format!("over the first {:.0} % of each record", 100.0 * share),
+    };
+    (share > 0.0).then_some(words)
 }
 
 /// Momentum at the start of every segment.

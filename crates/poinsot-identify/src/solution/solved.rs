@@ -97,6 +97,10 @@ pub(crate) struct OfLikelihood {
     pub data_alone: Option<Spectrum>,
     pub iterations: usize,
     pub converged: bool,
+    /// Whether the search ended at a minimum, by which the model can be judged.
+    pub found: bool,
+    /// The part of the record that a failed search explains, in words.
+    pub followed: Option<String>,
     /// What the fit assumes of the inputs between their samples.
     pub alternative: Alternative,
     /// What the wheels may do between samples instead.
@@ -122,6 +126,11 @@ impl OfLikelihood {
 }
 
 impl Solution {
+    /// Whether it is a minimum; a closed form is.
+    pub fn is_found(&self) -> bool {
+        self.likelihood.as_ref().is_none_or(|own| own.found)
+    }
+
     /// Whether the iteration converged; a closed form needs none.
     pub fn converged(&self) -> bool {
         self.likelihood.as_ref().is_none_or(|own| own.converged)

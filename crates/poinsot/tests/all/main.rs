@@ -17,6 +17,7 @@ mod compare;
 mod counts;
 mod evaluation;
 mod evidence;
+mod far_starts;
 mod faults;
 mod formats;
 mod gaps;

@@ -1,91 +1,11 @@
-//! A first fit to a few samples.
-//!
-//! The first steps need not be exact: a subset of the samples leads as close, in a fraction of the time. The fit itself
-//! uses all samples.
+//! A part of a record: its beginning, or some of its samples.
 
-use crate::fit::experiment::{Experiment, Iterate};
-use crate::fit::step::{ITERATIONS, Linearisation, is_close};
 use crate::problem::segment::{
     InputChannel, InputErrors, Observations, Samples, Segment, SensorRecord, SensorSample,
 };
-use poinsot_solve::{LeastSquares, Linearised, Pace, Step, levenberg_marquardt};
 
-/// Samples per sensor in a segment up to which none is omitted.
-const START_SAMPLES: usize = 128;
 /// Largest step over readings: beyond it the motion between them may be lost.
 const STRIDE: usize = 16;
-/// Reduction of chi-square that may be left: a step of one sigma of few samples, which all of them move by more.
-const COARSE_LEFT: f64 = 1.0;
-/// Smallest reduction of the grid for a coarse fit.
-const WORTH: usize = 4;
-
-/// End of a fit to a few samples from the best of some points; `None` where it is not close, or the record too
-/// short or of a kind that cannot be thinned.
-pub(crate) fn coarse_fit(experiment: &Experiment, from: &[Iterate]) -> Option<Iterate> {
-    let whole = experiment.problem.segments;
-    let segments = whole
-        .iter()
-        .map(|s| thinned(s, START_SAMPLES))
-        .collect::<Option<Vec<_>>>()?;
-    let times =
-        |all: &[Segment]| -> usize { all.iter().map(|s| s.observations.time_s.len()).sum() };
-    if WORTH * times(&segments) > times(whole) {
-        return None;
-    }
-    let problem = experiment.problem.with_segments(&segments);
-    let few = experiment.with_problem(&problem);
-    let costs = from.iter().map(|point| (point, few.cost(point)));
-    let best = costs.min_by(|a, b| order(a.1).total_cmp(&order(b.1)))?.0;
-    let here = few.linearise(best)?;
-    let end = levenberg_marquardt(&Coarse(&few), best.clone(), here, ITERATIONS);
-    // Few samples also tell less of what drives the vehicle: all of them decide where these are not met.
-    let close = is_close(&end.here) || experiment.is_close(&end.at);
-    close.then_some(end.at)
-}
-
-/// A fit that only leads near an answer: it ends with the step after which little is left, and does not look where that led.
-struct Coarse<'e>(&'e Experiment<'e>);
-
-impl LeastSquares for Coarse<'_> {
-    type Iterate = Iterate;
-    type Rows = Linearisation;
-
-    fn cost(&self, at: &Iterate) -> Option<f64> {
-        self.0.cost(at)
-    }
-
-    fn linearise(&self, at: &Iterate) -> Option<Linearised<Linearisation>> {
-        self.0.linearise(at)
-    }
-
-    fn carried(
-        &self,
-        at: &Iterate,
-        here: &Linearised<Linearisation>,
-        step: &Step<Iterate>,
-        left: f64,
-    ) -> Option<Linearised<Linearisation>> {
-        let near = left <= COARSE_LEFT;
-        near.then(|| self.0.promised(at, here, step)).flatten()
-    }
-
-    fn converged(&self, at: &Iterate, here: &Linearised<Linearisation>) -> bool {
-        self.0.converged(at, here)
-    }
-
-    fn step(&self, at: &Iterate, here: &Linearised<Linearisation>, damping: f64) -> Step<Iterate> {
-        self.0.step(at, here, damping)
-    }
-
-    fn should_continue(&self, here: &Linearised<Linearisation>, pace: Pace) -> bool {
-        self.0.should_continue(here, pace)
-    }
-}
-
-/// A point without a motion comes last.
-fn order(cost: Option<f64>) -> f64 {
-    cost.filter(|c| !c.is_nan()).unwrap_or(f64::INFINITY)
-}
 
 /// A segment with a share of its readings, at least `few` of each sensor; `None` with instruments whose readings span intervals of the grid.
 pub(crate) fn thinned(segment: &Segment, few: usize) -> Option<Segment> {
