@@ -18,7 +18,11 @@ static TEMPLATES: LazyLock<Templates> = LazyLock::new(|| {
         ("tables.html", include_str!("../templates/tables.html")),
     ])
 });
+/// The style of every page, which begins with the licence of uPlot.
 const STYLE: &str = concat!(
+    "/*! uPlot\n",
+    include_str!("../assets/uplot/LICENSE"),
+    "*/\n",
     include_str!("../assets/uplot/uPlot.min.css"),
     "\n",
     include_str!("../assets/style.css")

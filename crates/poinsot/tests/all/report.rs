@@ -140,6 +140,13 @@ fn unit_page_is_complete_and_names_no_address() {
     for a in document.select(&Selector::parse("a").unwrap()) {
         assert!(a.attr("href").unwrap().starts_with('#'));
     }
+    // The licence of what the page holds of others.
+    for words in [
+        "Copyright (c) 2022 Leon Sorokin",
+        "THE SOFTWARE IS PROVIDED \"AS IS\"",
+    ] {
+        assert!(html.contains(words), "{words}");
+    }
     let mut rest = html.clone();
     // An XML namespace and uPlot's home page, never fetched.
     rest = rest.replace("http://www.w3.org/2000/svg", "");
