@@ -340,6 +340,7 @@ fn finer(model: &Model, tree: &Tree, translation: bool, fine: usize) -> Segment 
             }],
             wheels: Vec::new(),
             between_readings: false,
+            expected_errors: Vec::new(),
         },
         accelerations: None,
         firings: vec![Firing {

@@ -14,7 +14,7 @@ pub(crate) use carried_columns::KnownColumns;
 pub(crate) use initial_state::{InitialState, InitialStateColumns, MeasuredMotion, start};
 
 use crate::motion::input_curves::InputCurves;
-use crate::motion::input_noise::InputNoise;
+use crate::motion::input_noise::{FilterSetting, InputNoise};
 use crate::motion::{Column, Grid, Motion, State, Steps, Vehicle, impulse_before, tilted};
 use crate::problem::alternative::Alternative;
 use crate::problem::loss::Loss;
@@ -53,6 +53,8 @@ pub(crate) struct Setting<'a> {
     pub bends: bool,
     /// Whether every whitened row is kept, and no triangle is made.
     pub keep_rows: bool,
+    /// Whether the inputs are smoothed by all samples.
+    pub smooth_inputs: bool,
     /// Errors with a column in the rows of their own sensor alone; where there are any, every sensor has a triangle of its own.
     pub own_errors: &'a [(usize, SensorError)],
     /// How the known numbers move the predictions, where that is asked.
@@ -118,8 +120,15 @@ pub(crate) struct Evaluated {
     pub by_sensor: Vec<Triangle>,
     /// Weighted sum of squares; plain for the Gaussian loss.
     pub chi2: f64,
-    /// What is minimised.
+    /// What is minimised: with `ln det` of the readings' covariance over that of the sensors alone, but about smoothed inputs.
     pub cost: f64,
+    /// What `cost` leaves out: inputs that are free are maximised over, and a determinant that moves with the unknowns would bias
+    /// them.
+    pub left_out: f64,
+    /// How much of the innovations is noise of the inputs: the sum of the shares of their covariance.
+    pub input_share: f64,
+    /// The segment about inputs smoothed by all samples, where that is asked.
+    pub smoothed: Option<Segment>,
     pub rows: usize,
     pub channels: Vec<ChannelResidual>,
     pub kept: KeptRows,
@@ -216,9 +225,15 @@ fn evaluate_driven(
     let mut compare = SegmentComparison::new(setting, segment, x, unknown, with_sensitivities);
     compare.carry(carried);
     let forced = !segment.firings.is_empty() || vehicle.has_environment_torque();
-    let noise = (setting.noise, setting.random_torque);
-    let record = (segment, setting.alternative.rest_motion);
-    compare.inputs = InputNoise::new(noise, record, forced, compare.followed());
+    compare.inputs = InputNoise::new(FilterSetting {
+        noise: setting.noise,
+        random_torque: setting.random_torque,
+        segment,
+        rest_motion: setting.alternative.rest_motion,
+        forced,
+        followed: compare.followed(),
+        records: setting.smooth_inputs,
+    });
     if compare.inputs.tracks_rates() {
         compare.joint_rate.fill(0.0);
     }
@@ -253,8 +268,11 @@ struct SegmentComparison<'a> {
     joint_rate: Vec<f64>,
     joint_rates: RateNoise,
     spare: SpareVectors,
-    /// `ln det` of the covariance of all readings over that of the sensors alone, and a weak prior of the start.
+    /// `ln det` of the covariance of all readings over that of the sensors alone.
     log_det: f64,
+    /// A weak prior of the start.
+    prior: f64,
+    input_share: f64,
     ideal: IdealSeries,
     kept: KeptRows,
     /// Grid time in hand.
@@ -292,6 +310,8 @@ impl<'a> SegmentComparison<'a> {
             joint_rates: RateNoise::default(),
             spare: SpareVectors::default(),
             log_det: 0.0,
+            prior: 0.0,
+            input_share: 0.0,
             ideal: IdealSeries::default(),
             kept: KeptRows::default(),
             now: 0,
@@ -346,6 +366,7 @@ impl<'a> SegmentComparison<'a> {
         for i in 0..self.cursors.len() {
             self.add_sensor_rows(i, motion, (state, k), &instant);
         }
+        self.inputs.end_grid_time();
         Some(())
     }
 
@@ -375,6 +396,7 @@ impl<'a> SegmentComparison<'a> {
         }
         let inverse_root = root.solve_lower_triangular(&Matrix3::identity())?;
         self.inputs.take(slopes, &inverse_root, rows);
+        self.input_share += (inverse_root * spread).component_mul(&inverse_root).sum();
         if let Some(carried) = self.carried.as_ref().filter(|_| self.with_sensitivities) {
             let reading = self.cursors[i].channel.white.len();
             let mut wide = self.spare.take();
@@ -404,7 +426,7 @@ impl<'a> SegmentComparison<'a> {
     fn weak_attitude(&mut self, turn: &UnitQuaternion) {
         let sigma = std::f64::consts::PI;
         let residual = -turn.scaled_axis() / sigma;
-        self.log_det += residual.norm_squared();
+        self.prior += residual.norm_squared();
         let last = self.width() - 1;
         if let Some(qr) = &mut self.qr {
             qr.push(3, |i, j| match j {
@@ -451,7 +473,17 @@ impl<'a> SegmentComparison<'a> {
 
     fn finish(self) -> Option<Evaluated> {
         let loss = self.setting.loss;
-        let (mut chi2, mut cost) = (0.0, self.log_det);
+        let observations = &self.segment.observations;
+        let (counted, left_out) = match observations.is_smoothed() {
+            true => (0.0, self.log_det),
+            false => (self.log_det, 0.0),
+        };
+        let smoothed = self.inputs.smoothed().map(|errors| {
+            let mut segment = self.segment.clone();
+            self.inputs.correct(&errors, &mut segment.observations);
+            segment
+        });
+        let (mut chi2, mut cost) = (0.0, counted + self.prior);
         let channels: Vec<ChannelResidual> = self
             .cursors
             .into_iter()
@@ -470,6 +502,9 @@ impl<'a> SegmentComparison<'a> {
             by_sensor: self.by_sensor.into_iter().map(BlockQr::finish).collect(),
             chi2,
             cost,
+            left_out,
+            input_share: self.input_share,
+            smoothed,
             rows: self.rows,
             kept: self.kept,
             channels,

@@ -11,7 +11,7 @@ use crate::problem::prior;
 /// calibrations, determinants of the sensors' noise with the random torque, of the calibrations', and that of the information.
 /// The noise of joints and wheels counts in chi-square alone.
 pub(crate) fn deviance(experiment: &Experiment, fitted: &Fitted) -> f64 {
-    let mut sum: f64 = fitted.evaluated.iter().map(|e| e.cost).sum();
+    let mut sum: f64 = (fitted.evaluated.iter().map(|e| e.cost + e.left_out)).sum();
     let segments = experiment.problem.segments.iter();
     for (segment, one) in segments.zip(&fitted.evaluated) {
         let records = &segment.observations.sensors;

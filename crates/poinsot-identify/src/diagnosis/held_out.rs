@@ -93,6 +93,7 @@ fn beginning(segment: &Segment) -> Segment {
             joints: o.joints.clone(),
             wheels: o.wheels.clone(),
             between_readings: o.between_readings,
+            expected_errors: o.expected_errors.clone(),
         },
         firings: segment.firings.clone(),
         accelerations: None,

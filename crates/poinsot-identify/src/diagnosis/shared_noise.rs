@@ -3,7 +3,7 @@
 //! Columns are made at measured inputs, whose noise is in the columns and in the residual: both agree without any fault. At rest
 //! the predicted rates are nothing but this noise, and would show a scale of a gyro of about -1. One more draw of the declared
 //! noise on the inputs changes columns and residual, and the products of the changes are what noise alone makes of the products of
-//! columns and residual. Scores are made without it.
+//! columns and residual. Scores are made without it. Columns along smoothed inputs share no noise with the residual.
 
 use super::candidates::Candidate;
 use super::projected::{Projected, Score};
@@ -44,7 +44,11 @@ impl SharedNoise {
     ) -> Option<Self> {
         let (problem, noise) = (experiment.problem, experiment.problem.noise);
         let inputs = [&noise.joint_position, &noise.joint_rate, &noise.wheel_speed];
-        if table.segments.is_empty() || !inputs.into_iter().flatten().any(|v| *v > 0.0) {
+        let smooth = |s: &Segment| s.observations.is_smoothed();
+        if table.segments.is_empty()
+            || !inputs.into_iter().flatten().any(|v| *v > 0.0)
+            || problem.segments.iter().any(smooth)
+        {
             return None;
         }
         let mut random = ChaCha8Rng::seed_from_u64(SEED);

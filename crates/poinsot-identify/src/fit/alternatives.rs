@@ -9,6 +9,7 @@
 
 use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::momentum_state::{Fitted, fit_from, fit_on};
+use crate::fit::smoothed_inputs::SmoothedInputs;
 use crate::fit::step::{ITERATIONS, Linearisation, moved};
 use crate::fit::step_error::{StepError, within_steps};
 use crate::fit::wheel_torque::{RandomTorque, TorqueChanges};
@@ -197,6 +198,26 @@ impl<'a> AlternativeFit<'a> {
                 found.other = there.map(|there| OtherWheelMotion::new(&found, &there));
                 found
             }
+            None => self,
+        }
+    }
+
+    /// The same about smoothed inputs, where noise in the measured ones would bias it; a misfit is looked at along the inputs as
+    /// they were measured.
+    pub fn smoothed(&self, explains: impl Fn(&Fitted) -> bool) -> Option<SmoothedInputs> {
+        let trusted = self.fitted.converged && explains(&self.fitted);
+        let found = trusted.then(|| SmoothedInputs::new(&self.experiment, &self.fitted));
+        found.flatten()
+    }
+
+    /// The fit about smoothed inputs, which `problem` holds.
+    pub fn about(self, smoothed: Option<(&'a Problem<'a>, Fitted)>) -> Self {
+        match smoothed {
+            Some((problem, fitted)) => Self {
+                experiment: (self.experiment).of_vehicle(problem, self.experiment.parameters),
+                fitted,
+                ..self
+            },
             None => self,
         }
     }

@@ -60,6 +60,8 @@ pub(crate) struct Experiment<'a> {
     pub only_near: bool,
     /// Whether evaluations keep every whitened row instead of a triangle.
     pub keep_rows: bool,
+    /// Whether evaluations smooth the inputs.
+    pub smooth_inputs: bool,
     /// Errors of sensors by model sensor, each with a column in the rows of its own sensor alone.
     pub own_errors: Vec<(usize, SensorError)>,
     /// Integration steps, one grid per segment, chosen once for the nominal vehicle.
@@ -105,6 +107,7 @@ impl<'a> Experiment<'a> {
             kept: KeptColumns::default(),
             only_near: false,
             keep_rows: false,
+            smooth_inputs: false,
             own_errors: Vec::new(),
             grids: Arc::default(),
             curves: Arc::default(),
@@ -206,6 +209,7 @@ impl<'a> Experiment<'a> {
             bends: self.bends(),
             known: self.known.as_deref(),
             keep_rows: self.keep_rows,
+            smooth_inputs: self.smooth_inputs,
             own_errors: &self.own_errors,
             // More segments keep the cores busy, and so do other problems solved at the same time.
             split: self.problem.segments.len() == 1

@@ -8,6 +8,7 @@ pub(crate) mod known_numbers;
 pub(crate) mod momentum_state;
 pub(crate) mod part_of_record;
 pub(crate) mod search;
+pub(crate) mod smoothed_inputs;
 pub(crate) mod step;
 pub(crate) mod step_error;
 pub(crate) mod triangle;

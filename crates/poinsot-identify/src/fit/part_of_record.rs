@@ -50,6 +50,7 @@ fn at_times(segment: &Segment, kept: &[usize]) -> Segment {
         joints: at_kept_times(&o.joints, kept),
         wheels: at_kept_times(&o.wheels, kept),
         between_readings: o.between_readings,
+        expected_errors: Vec::new(),
     };
     Segment {
         label: segment.label.clone(),

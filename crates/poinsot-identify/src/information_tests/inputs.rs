@@ -19,7 +19,7 @@ use poinsot_dynamics::Tree;
 use poinsot_model::{SensorKind, parse_model};
 
 /// How the problem is put.
-#[derive(Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy, Default)]
 struct Case {
     translation: bool,
     /// Samples for each of the plain motion.
@@ -29,11 +29,26 @@ struct Case {
     /// Whether joint rates are made of positions.
     derived: bool,
     smooth: bool,
+    /// Whether the noise of some sensors is correlated.
+    coloured: bool,
+}
+
+/// Relative gaps of the filter to the dense covariance.
+#[derive(Debug, Clone, Copy)]
+struct Gaps {
+    /// Of chi-square and of `ln det`.
+    likelihood: f64,
+    /// Of what all samples together make of the inputs' errors, which were expected not to be zero, and of chi-square then.
+    smoothed: f64,
 }
 
 /// Relative gap of chi-square and `ln det` of the filter to those of the dense covariance `C = S + G E G^T`, with `G`
 /// from differences over every sample of every input.
 fn dense(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> f64 {
+    gaps(case, joints, wheel).likelihood
+}
+
+fn gaps(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> Gaps {
     let Case {
         translation, fine, ..
     } = case;
@@ -75,6 +90,9 @@ fn dense(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> f64 {
         let joints = made.observations.joints.iter_mut();
         joints.for_each(|joint| joint.rate = InputRate::Derived);
         derive_rates(&mut made.observations);
+    }
+    if case.coloured {
+        super::colour(&mut made);
     }
     // Nearly nothing: a joint without noise is differentiated otherwise.
     let nothing = |v: &Vec<f64>| v.iter().map(|x| 1.0e-20 * x).collect::<Vec<f64>>();
@@ -128,7 +146,7 @@ fn dense(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> f64 {
         }
         all
     };
-    let evaluate = |segment: &Segment, noise: &Noise| {
+    let evaluate_with = |segment: &Segment, noise: &Noise, smooth_inputs: bool| {
         let problem = Problem {
             model: &model,
             tree: &tree,
@@ -143,8 +161,10 @@ fn dense(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> f64 {
         };
         let mut point = experiment.nominal_point();
         point.initial_states[0] = initial_state;
+        experiment.smooth_inputs = smooth_inputs;
         experiment.evaluate(&point, false).unwrap().remove(0)
     };
+    let evaluate = |segment: &Segment, noise: &Noise| evaluate_with(segment, noise, false);
     // Close to the prediction: slopes of residuals in turning axes depend on the residual.
     let mut before: Vec<SensorValue> = Vec::new();
     for (k, values) in predicted(&made, &initial_state).into_iter().enumerate() {
@@ -187,6 +207,7 @@ fn dense(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> f64 {
     let samples = made.observations.time_s.len();
     let mut C = nalgebra::DMatrix::identity(residual.len(), residual.len());
     let rates = if case.points && !case.derived { 2 } else { 0 };
+    let mut inputs = Vec::new();
     for input in 0..3 + rates {
         let (variance, errors, step) = match input {
             3.. => (
@@ -218,24 +239,74 @@ fn dense(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> f64 {
             (&ends[0] - &ends[1]) / (2.0 * step)
         };
         let G: Vec<_> = (0..samples).map(slope).collect();
-        for i in 0..samples {
-            for j in 0..samples {
-                let correlation = correlation(&errors, i, j);
-                C += &G[i] * G[j].transpose() * (variance * correlation);
-            }
-        }
+        let all = nalgebra::DMatrix::from_columns(&G);
+        let own = |i: usize, j: usize| variance * correlation(&errors, i, j);
+        C += &all * nalgebra::DMatrix::from_fn(samples, samples, own) * all.transpose();
+        inputs.push((variance, errors, G));
     }
     let solution = C.clone().cholesky().unwrap().solve(&residual);
     let expected = residual.dot(&solution);
     let found = evaluate(&made, &noise);
-    let log_det = 2.0 * C.cholesky().unwrap().l().diagonal().map(f64::ln).sum();
+    let log_det = 2.0
+        * C.clone()
+            .cholesky()
+            .unwrap()
+            .l()
+            .diagonal()
+            .map(f64::ln)
+            .sum();
     let plain = residual.norm_squared();
     assert!(
         expected < 0.97 * plain,
         "the inputs' noise must matter: {expected} of {plain}"
     );
     let gap = (found.chi2 / expected - 1.0).abs();
-    gap.max(((found.cost - found.chi2) / log_det - 1.0).abs())
+    let likelihood = gap.max(((found.cost - found.chi2) / log_det - 1.0).abs());
+    if matches!(
+        wheel,
+        InputErrors::Process(_) | InputErrors::Interpolated(_)
+    ) {
+        return Gaps {
+            likelihood,
+            smoothed: f64::NAN,
+        };
+    }
+    // Errors that are expected to be something: the residual is `n - G e`.
+    let width = inputs.len();
+    let mean = |c: usize, k: usize| inputs[c].0.sqrt() * (1.0 + (k * width + c) as f64).sin();
+    let mut moved = made.clone();
+    let rows = (0..samples * width).map(|i| mean(i % width, i / width));
+    moved.observations.expected_errors = rows.collect();
+    let mut left = residual.clone();
+    for (c, (_, _, G)) in inputs.iter().enumerate() {
+        (0..samples).for_each(|k| left += &G[k] * mean(c, k));
+    }
+    let solution = C.cholesky().unwrap().solve(&left);
+    let found = evaluate_with(&moved, &noise, true);
+    let chi2 = (found.chi2 / left.dot(&solution) - 1.0).abs();
+    let smoothed = found.smoothed.unwrap().observations;
+    let (mut off, mut size): (f64, f64) = (0.0, 0.0);
+    for (c, (variance, errors, G)) in inputs.iter().enumerate() {
+        for k in 0..samples {
+            let toward = |j: usize| variance * correlation(errors, k, j) * G[j].dot(&solution);
+            let change = -(0..samples).map(toward).sum::<f64>();
+            let error = mean(c, k) - smoothed.expected_errors[k * width + c];
+            let (now, before) = match c {
+                3.. => (&smoothed.joint_rate, &made.observations.joint_rate),
+                2 => (&smoothed.wheel_speed, &made.observations.wheel_speed),
+                _ => (&smoothed.joint_position, &made.observations.joint_position),
+            };
+            let at = if c == 2 { k } else { 2 * k + c % 3 };
+            assert!((now[at] - before[at] - error).abs() < 1.0e-9);
+            off = off.max((error - mean(c, k) - change).abs() / variance.sqrt());
+            size = size.max(change.abs() / variance.sqrt());
+        }
+    }
+    assert!(size > 0.3, "the samples tell of the errors: {size}");
+    Gaps {
+        likelihood,
+        smoothed: chi2.max(off / size),
+    }
 }
 
 /// Correlation of the errors at two grid times, for unit variance of a reading.
@@ -353,6 +424,7 @@ fn exact_chi2_of_instruments_at_points_with_noise_in_the_inputs_is_that_of_the_d
             derived,
             smooth,
             points: true,
+            coloured: false,
         };
         let fresh = dense(case, white(), InputErrors::Independent);
         let lasting = dense(case, [kept(0.5), kept(0.7)], kept(0.9));
@@ -361,5 +433,26 @@ fn exact_chi2_of_instruments_at_points_with_noise_in_the_inputs_is_that_of_the_d
         assert!(between < 2.0e-4, "{between:e}");
         let driven = dense(case, [kept(0.5), kept(0.7)], process());
         assert!(driven < 2.0e-4, "{driven:e}");
+    }
+}
+
+/// The backward pass, and expected errors, against the normal distribution of all readings; white and coloured ones.
+#[test]
+fn exact_smoothed_inputs_are_those_of_the_dense_covariance() {
+    let kept = |a: f64| InputErrors::Kept(vec![a; 200]);
+    let white = || [InputErrors::Independent, InputErrors::Independent];
+    for (translation, coloured) in [(true, false), (false, true)] {
+        let case = Case {
+            translation,
+            fine: 4,
+            coloured,
+            ..Case::default()
+        };
+        let fresh = gaps(case, white(), InputErrors::Independent);
+        let lasting = gaps(case, [InputErrors::Locked, kept(0.7)], kept(0.9));
+        for found in [fresh, lasting] {
+            assert!(found.likelihood < 1.0e-3, "{case:?} {found:?}");
+            assert!(found.smoothed < 1.0e-2, "{case:?} {found:?}");
+        }
     }
 }

@@ -2,6 +2,7 @@
 
 use super::whitener::NoiseWhitener;
 use super::{ChannelResidual, SegmentComparison, Setting};
+use crate::motion::input_noise::increments;
 use crate::motion::{Instant, Motion, State};
 use crate::problem::parameters::UnknownKind;
 use crate::problem::segment::{SensorRecord, SensorValue};
@@ -20,6 +21,8 @@ pub(super) struct SensorCursor {
     /// Root of the determinant of its own covariance; `None` for a sensor taken as exact.
     pub own_root_det: Option<f64>,
     whitener: NoiseWhitener,
+    /// Where its noise is correlated: place of the inputs' errors in its last sample among those that the filter keeps.
+    colour: Option<usize>,
     pub channel: ChannelResidual,
     /// The errors that are unknown: column, error.
     unknown: Vec<(usize, SensorError)>,
@@ -37,6 +40,7 @@ impl SensorCursor {
     ) -> Vec<Self> {
         let parameters = setting.parameters;
         let streams = SampleStream::all(records);
+        let mut places = increments(records)..;
         let one = |((sensor, record), stream): ((usize, &SensorRecord), SampleStream)| {
             let columns = parameters.unknowns.iter().enumerate();
             let unknown: Vec<(usize, SensorError)> = columns
@@ -55,6 +59,9 @@ impl SensorCursor {
                 stream,
                 own_root_det: Cholesky::new(record.covariance).map(|c| c.l().diagonal().product()),
                 whitener: NoiseWhitener::new(record.correlation_s),
+                colour: (record.correlation_s > 0.0)
+                    .then(|| places.next())
+                    .flatten(),
                 channel: ChannelResidual {
                     sensor,
                     name: record.name.clone(),
@@ -122,7 +129,7 @@ impl SegmentComparison<'_> {
         let residual = new.residual;
         let mut rows = std::mem::take(&mut new.columns);
         rows.push(residual);
-        self.coloured(i, at, &mut rows, &mut new.errors);
+        let here = self.coloured(i, at, &mut rows, &mut new.errors);
         let sensor = &record.covariance;
         let common = self
             .joint_rates
@@ -131,27 +138,34 @@ impl SegmentComparison<'_> {
         if let Some(white) = white {
             self.note(i, &residual, white);
         }
+        if let (Some(place), Some(here)) = (self.cursors[i].colour, here) {
+            self.inputs.keep(place, &here);
+            self.spare.give_back(here);
+        }
         for list in [rows, new.errors, new.gains] {
             self.spare.give_back(list);
         }
     }
 
-    /// Subtracts the correlation with the previous sample. The white noise that joint rates add is taken as new at
-    /// every sample.
-    fn coloured(&mut self, i: usize, k: usize, rows: &mut [Vector3], slopes: &mut [Vector3]) {
+    /// Subtracts the correlation with the previous sample, where the inputs' errors were those of another time: gives the slopes over
+    /// them at this one. The white noise that joint rates add is taken as new at every sample.
+    fn coloured(
+        &mut self,
+        i: usize,
+        k: usize,
+        rows: &mut [Vector3],
+        slopes: &mut [Vector3],
+    ) -> Option<Vec<Vector3>> {
         let cursor = &mut self.cursors[i];
-        if cursor.whitener.is_white() {
-            return;
-        }
-        let t = self.segment.observations.time_s[k];
-        let mut block = self.spare.take();
-        block.extend(rows.iter().chain(slopes.iter()));
-        let log_det = cursor.whitener.take(t, &mut block);
-        cursor.channel.log_det += cursor.channel.numbers as f64 * log_det;
-        for (row, new) in rows.iter_mut().chain(slopes).zip(&block) {
-            *row = *new;
-        }
-        self.spare.give_back(block);
+        let place = cursor.colour?;
+        let stayed = (cursor.whitener).take(self.segment.observations.time_s[k], rows);
+        cursor.channel.log_det += cursor.channel.numbers as f64 * stayed.new.ln();
+        let mut here = self.spare.take();
+        here.extend_from_slice(slopes);
+        let scale = 1.0 / stayed.new.sqrt();
+        slopes.iter_mut().for_each(|slope| *slope *= scale);
+        self.inputs.less_kept(place, stayed.share * scale, slopes);
+        Some(here)
     }
 }
 

@@ -9,7 +9,7 @@ use poinsot_spatial::Vector3;
 #[derive(Debug, Default)]
 pub(super) struct NoiseWhitener {
     correlation_s: f64,
-    /// Time and block (sensitivities, residual, slopes over the inputs' errors) of the reading before.
+    /// Time and block (sensitivities and residual) of the reading before.
     before: Option<(f64, Vec<Vector3>)>,
     /// Memory for the next one.
     own: Vec<Vector3>,
@@ -23,32 +23,44 @@ impl NoiseWhitener {
         }
     }
 
-    /// Whether it has no effect.
-    pub fn is_white(&self) -> bool {
-        self.correlation_s <= 0.0
-    }
-
-    /// Subtracts the correlation with the previous sample. Returns the log-determinant of the innovation, per axis.
-    pub fn take(&mut self, t: f64, block: &mut [Vector3]) -> f64 {
-        if self.is_white() {
-            return 0.0;
-        }
+    /// Subtracts the correlation with the previous sample, and says how much of the error stayed from there.
+    pub fn take(&mut self, t: f64, block: &mut [Vector3]) -> Stayed {
         let mut own = std::mem::take(&mut self.own);
         own.clear();
         own.extend_from_slice(block);
-        let mut log_det = 0.0;
+        let mut stayed = Stayed::default();
         if let Some((earlier, before)) = &self.before {
             let a = (-(t - earlier) / self.correlation_s).exp();
-            let new = 1.0 - a * a;
+            stayed = Stayed {
+                share: a,
+                new: 1.0 - a * a,
+            };
             for (x, y) in block.iter_mut().zip(before) {
-                *x = (*x - y * a) / new.sqrt();
+                *x = (*x - y * a) / stayed.new.sqrt();
             }
-            log_det = new.ln();
         }
         if let Some((_, old)) = self.before.replace((t, own)) {
             self.own = old;
         }
-        log_det
+        stayed
+    }
+}
+
+/// What is left in a correlated error of the one at the reading before.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Stayed {
+    /// Its share.
+    pub share: f64,
+    /// Share of the variance that is new: the logarithm is the log-determinant of the innovation, per axis.
+    pub new: f64,
+}
+
+impl Default for Stayed {
+    fn default() -> Self {
+        Self {
+            share: 0.0,
+            new: 1.0,
+        }
     }
 }
 
@@ -69,7 +81,7 @@ mod tests {
         let (mut sum, mut log_det) = (0.0, 0.0);
         for (t, e) in t.iter().zip(e) {
             let mut block = [Vector3::new(e, 0.0, 0.0)];
-            log_det += whitener.take(*t, &mut block);
+            log_det += whitener.take(*t, &mut block).new.ln();
             sum += block[0].norm_squared();
         }
         assert!((sum - wanted).abs() < 1.0e-12);

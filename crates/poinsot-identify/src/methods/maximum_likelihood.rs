@@ -85,7 +85,7 @@ pub(crate) struct FinishedFit {
     pub at: Iterate,
     /// The vehicle with the estimated values of its known numbers.
     pub shifted: Option<ShiftedVehicle>,
-    /// The records as the fit took them, where the torque of wheels is a process.
+    /// The records as the fit took them, where the torque of wheels is a process or the inputs are smoothed.
     pub segments: Option<Vec<Segment>>,
 }
 
@@ -128,9 +128,11 @@ pub(crate) fn solve(problem: &Problem, settings: Settings) -> Result<FinishedFit
         .or_smooth_wheels();
     let process = best.wheel_process(explains);
     let driven = process.as_ref().map(|process| process.problem(problem));
-    let (best, step_error) = best
-        .or_random_torque(driven.as_ref(), explains)
-        .within_steps();
+    let best = best.or_random_torque(driven.as_ref(), explains);
+    let smoothed = best.smoothed(explains);
+    let (smooth, fitted) = smoothed.map(|s| (s.segments, s.fitted)).unzip();
+    let about = smooth.as_ref().map(|s| problem.with_segments(s));
+    let (best, step_error) = best.about(about.as_ref().zip(fitted)).within_steps();
 
     // The known numbers within their uncertainty, and what explains a misfit.
     let known = fit_known(&best.experiment, &best.fitted);
@@ -179,7 +181,7 @@ pub(crate) fn solve(problem: &Problem, settings: Settings) -> Result<FinishedFit
         solution,
         at,
         shifted,
-        segments: process.filter(|_| at_random).map(|p| p.segments),
+        segments: smooth.or(process.filter(|_| at_random).map(|p| p.segments)),
     })
 }
 

@@ -16,19 +16,24 @@
 //!
 //! An accelerometer measures changes of rates and speeds, so it depends on the errors at neighbouring grid times. With
 //! one, the filter's state has the errors of a window of grid times, including later ones, and those of joint rates. A
-//! velocity increment depends on two instants: the errors at its beginning are kept until its end.
+//! velocity increment depends on two instants, and so does what is new in correlated noise: the errors at the earlier one are kept
+//! until the later one.
+//!
+//! Inputs along which a fit goes may be smoothed by all samples instead of measured: then their errors have the expected values
+//! that [`Observations::expected_errors`] holds, and [`InputNoise::smoothed`] gives what the samples make of them.
 //!
 //! A random torque about the mass centre is part of the state and drives the momentum ([`random_torque`]).
 
 mod filter;
 mod points;
 mod random_torque;
+mod smoother;
 
-pub(crate) use points::approximate;
+pub(crate) use points::{approximate, increments};
 
 use crate::motion::{Column, Instant, Matrix6x12, Motion, State, matrix, pose_change};
 use crate::problem::error_process::{ErrorProcess, ErrorStep};
-use crate::problem::segment::{InputChannel, InputErrors, InputRate, Noise, Segment};
+use crate::problem::segment::{InputChannel, InputErrors, InputRate, Noise, Observations, Segment};
 use filter::{Filter, SparseRows};
 use nalgebra::{Matrix2, Vector2};
 use poinsot_dynamics::JointSlopes;
@@ -92,11 +97,25 @@ struct DynamicsJacobian {
 struct StepScratch {
     jacobian: Option<Box<DynamicsJacobian>>,
     upper: Vec<f64>,
-    faded: Vec<f64>,
     fresh: Vec<f64>,
     vector: Vec<f64>,
     torque: Vec<f64>,
     rows: SparseRows,
+}
+
+/// What the filter of a segment depends on.
+pub(crate) struct FilterSetting<'a> {
+    pub noise: &'a Noise,
+    pub random_torque: Option<RandomTorque>,
+    pub segment: &'a Segment,
+    /// Share of a rounding step by which a joint at rest moves unseen.
+    pub rest_motion: f64,
+    /// Whether external forces or torques act.
+    pub forced: bool,
+    /// Number of sequences that go through the filter: sensitivities and residual.
+    pub followed: usize,
+    /// Whether a backward pass follows.
+    pub records: bool,
 }
 
 /// The filter along one segment.
@@ -108,6 +127,8 @@ pub(crate) struct InputNoise {
     memory: Vec<Memory>,
     /// Share of each error in its input at every grid time; one where the list is empty.
     shares: Vec<Vec<f64>>,
+    /// As in [`Observations::expected_errors`].
+    expected: Vec<f64>,
     /// Components of `s` that inputs can reach.
     active: Vec<usize>,
     /// Number of these and of the components of the random torque, which follow them.
@@ -176,18 +197,24 @@ fn noisy<'a>(
 }
 
 impl InputNoise {
-    /// `followed` is the number of sequences that go through the filter: sensitivities and residual.
-    pub fn new(
-        (noise, random_torque): (&Noise, Option<RandomTorque>),
-        (segment, rest_motion): (&Segment, f64),
-        forced: bool,
-        followed: usize,
-    ) -> Self {
+    /// The filter before the first grid time.
+    pub fn new(of: FilterSetting) -> Self {
+        let FilterSetting {
+            noise,
+            random_torque,
+            segment,
+            rest_motion,
+            forced,
+            followed,
+            records,
+        } = of;
         let o = &segment.observations;
-        let increments = points::increments(&o.sensors);
+        let increments = increments(&o.sensors);
+        let coloured = o.sensors.iter().filter(|r| r.correlation_s > 0.0);
+        let kept = increments + coloured.count();
         let translation = o.reads_translation() || increments > 0;
-        let tracks_rates = o.reads_points();
-        let derived = if tracks_rates {
+        let tracks_rates = o.reads_points() || o.is_smoothed() || records;
+        let derived = if o.reads_points() {
             let derived = |j: &InputChannel| j.rate == InputRate::Derived;
             o.joints.iter().map(derived).collect()
         } else {
@@ -217,7 +244,7 @@ impl InputNoise {
             false => points::reach(o, &derived),
         };
         let lead = active.len() + 3 * usize::from(torque);
-        let size = lead + (2 * reach + 1) * inputs.len() + 3 * increments;
+        let size = lead + (2 * reach + 1) * inputs.len() + 3 * kept;
         let size = if silent { 0 } else { size };
         let mut columns = vec![Column::zeros(); size];
         for (column, &at) in columns.iter_mut().zip(&active) {
@@ -230,12 +257,13 @@ impl InputNoise {
             reach,
             tracks_rates,
             derived,
+            expected: o.expected_errors.clone(),
             time_s: if reach > 0 {
                 o.time_s.clone()
             } else {
                 Vec::new()
             },
-            filter: Filter::new(size, followed),
+            filter: Filter::new(size, followed, records),
             columns,
             twists: vec![Vector6::zeros(); size],
             rate_gain: vec![Vector6::zeros(); noise.joint_rate.len()],
@@ -246,6 +274,68 @@ impl InputNoise {
             memory,
             shares,
             active,
+        }
+    }
+
+    /// Expected value of what is new in an error after grid time k.
+    fn newly_expected(&self, input: usize, k: usize) -> f64 {
+        let stays = self.memory[input].alone(k) * self.expected_error(input, k);
+        self.expected_error(input, k + 1) - stays
+    }
+
+    /// Expected value of an error at grid time k.
+    fn expected_error(&self, input: usize, k: usize) -> f64 {
+        let row = self.expected.chunks_exact(self.inputs.len().max(1)).nth(k);
+        row.map_or(0.0, |row| row[input])
+    }
+
+    /// After the samples of a grid time.
+    pub fn end_grid_time(&mut self) {
+        if let Some(mut trace) = self.filter.trace.take() {
+            trace.known(
+                &self.filter,
+                (0..self.inputs.len()).map(|c| self.place(c, 0)),
+            );
+            self.filter.trace = Some(trace);
+        }
+    }
+
+    /// The errors as all samples, earlier and later ones, have them: one row per grid time.
+    pub fn smoothed(&self) -> Option<Vec<f64>> {
+        let trace = self.filter.trace.as_ref()?;
+        Some(trace.smoothed(self.filter.size))
+    }
+
+    /// Adds errors to the inputs of a record, which then expects as much less of them. Those of a process stay: it is integrated
+    /// out, and its mean is that of the tachometer alone.
+    pub fn correct(&self, errors: &[f64], o: &mut Observations) {
+        let (width, times) = (self.inputs.len(), o.time_s.len());
+        if width == 0 || errors.len() != width * times {
+            return;
+        }
+        o.expected_errors.resize(errors.len(), 0.0);
+        let (dof, wheels) = (o.joint_position.len() / times, o.wheel_speed.len() / times);
+        for (c, (input, _)) in self.inputs.iter().enumerate() {
+            if !matches!(self.memory[c], Memory::Alone(_)) {
+                continue;
+            }
+            for k in 0..times {
+                let error = errors[k * width + c];
+                o.expected_errors[k * width + c] -= error;
+                match *input {
+                    Input::Joint(j) => {
+                        o.joint_position[k * dof + j] += error;
+                        if self.derived.get(j) == Some(&true) {
+                            let near = points::rate_weights(&o.time_s, k).into_iter();
+                            let rate = near.map(|(i, weight)| weight * errors[i * width + c]);
+                            o.joint_rate[k * dof + j] += rate.sum::<f64>();
+                        }
+                    }
+                    Input::Rate(j) => o.joint_rate[k * dof + j] += error,
+                    Input::Wheel(w) => o.wheel_speed[k * wheels + w] += error * self.share(c, k),
+                    Input::WheelSlope => {}
+                }
+            }
         }
     }
 
@@ -431,6 +521,14 @@ impl InputNoise {
                 vector.fill(0.0);
                 fresh = variance * (1.0 - self.memory[c].alone(first).powi(2));
             }
+            for (i, &row) in self.active.iter().enumerate() {
+                let at_once = now.at_once[c].get(row).copied().unwrap_or_default();
+                (self.filter).add_mean(i, -at_once * self.expected_error(c, 0));
+            }
+            for after in 0..=self.reach {
+                let at = self.place(c, after as isize);
+                self.filter.add_mean(at, self.expected_error(c, after));
+            }
         }
     }
 
@@ -477,7 +575,7 @@ impl InputNoise {
 
     /// From one grid time to the next, k: `s = Phi s + (h/2) (B e + B_next e_next)`.
     fn carry(&mut self, before: &DynamicsJacobian, now: &DynamicsJacobian, h: f64, k: usize) {
-        let (n, size, ahead) = (self.lead, self.filter.size, self.reach > 0);
+        let (n, ahead) = (self.lead, self.reach > 0);
         let stride = self.filter.stride();
         let pose = (before.pose + now.pose) * 0.5;
         let (lower, pushed_by) = &before.push;
@@ -487,7 +585,6 @@ impl InputNoise {
         };
         let StepScratch {
             mut upper,
-            mut faded,
             mut fresh,
             mut vector,
             mut torque,
@@ -498,12 +595,10 @@ impl InputNoise {
         // Rows of the active components; the errors of the inputs only fade.
         upper.clear();
         upper.resize(n * stride, 0.0);
-        faded.clear();
-        faded.extend(self.memory.iter().map(|m| m.alone(k - 1)));
         fresh.clear();
         self.state_rows(&A, h, &mut upper);
         self.torque_rows(&A, h, &mut upper, &mut torque);
-        for (c, a) in faded.iter().enumerate() {
+        for (c, memory) in self.memory.iter().enumerate() {
             let turn = (now.at_once[c] - before.at_once[c]) * 0.5;
             let ends = [before, now].map(|s| {
                 let slow = s.drive[c] * (0.5 * h) - turn;
@@ -513,8 +608,9 @@ impl InputNoise {
                 move |row: usize| if row < 6 { slow[row] } else { pushed[row - 6] }
             });
             let here = self.place(c, 0);
-            let pair = self.memory[c].pair().and_then(|p| p.steps.get(k - 1));
-            let (kept, slope) = pair.map_or((*a, 0.0), |s| (s.memory[(0, 0)], s.memory[(0, 1)]));
+            let pair = memory.pair().and_then(|p| p.steps.get(k - 1));
+            let alone = (memory.alone(k - 1), 0.0);
+            let (kept, slope) = pair.map_or(alone, |s| (s.memory[(0, 0)], s.memory[(0, 1)]));
             for (i, &row) in self.active.iter().enumerate() {
                 upper[i * stride + here] += ends[0](row);
                 if ahead {
@@ -528,21 +624,11 @@ impl InputNoise {
                 fresh.push(ends[1](row));
             }
         }
-        if ahead {
-            self.shift(&upper, k);
-        } else {
-            // The errors at the beginning of an increment stay.
-            faded.resize(size - n, 1.0);
-            match self.memory.iter().any(|m| m.pair().is_some()) {
-                false => self.filter.advance(&upper, &faded),
-                true => self.advance_pairs(&upper, k - 1),
-            }
-            self.innovate(&faded, &fresh, &mut vector, k - 1);
-        }
+        self.advance(&upper, k - 1 + self.reach);
+        self.innovate(&fresh, &mut vector, k - 1 + self.reach);
         self.renew(&torque);
         self.scratch = StepScratch {
             upper,
-            faded,
             fresh,
             vector,
             torque,
@@ -565,13 +651,18 @@ impl InputNoise {
         }
     }
 
-    /// Carries the filter on from grid time k, where some errors go on in pairs: `upper` holds the rows of `s`.
-    fn advance_pairs(&mut self, upper: &[f64], k: usize) {
+    /// Moves the window of errors one grid time on: `upper` holds the rows of `s`, the last errors in hand are those of grid time
+    /// `last`, and what is kept stays.
+    fn advance(&mut self, upper: &[f64], last: usize) {
         let mut rows = std::mem::take(&mut self.scratch.rows);
         rows.clear();
         let dense = upper.chunks_exact(self.filter.stride());
         dense.for_each(|row| rows.push_dense(row));
-        self.memory_rows(&mut rows, k, 0);
+        let inputs = self.inputs.len();
+        for i in rows.len()..self.lead + 2 * self.reach * inputs {
+            rows.push([(i + inputs, 1.0)]);
+        }
+        self.memory_rows(&mut rows, last, self.reach as isize);
         for i in rows.len()..self.filter.size {
             rows.push([(i, 1.0)]);
         }
@@ -579,19 +670,26 @@ impl InputNoise {
         self.scratch.rows = rows;
     }
 
-    /// Adds what is new in every error after grid time k, with what it does to the state at once.
-    fn innovate(&mut self, faded: &[f64], fresh: &[f64], vector: &mut Vec<f64>, k: usize) {
-        let n = self.lead;
+    /// Adds what is new in every error after grid time k, with what it does to the state at once: nothing where it is of a later
+    /// time.
+    fn innovate(&mut self, fresh: &[f64], vector: &mut Vec<f64>, k: usize) {
         vector.resize(self.filter.size, 0.0);
         let reached = self.active.len();
-        for (c, ((_, variance), a)) in self.inputs.iter().zip(faded).enumerate() {
-            let at_once = &fresh[c * reached..(c + 1) * reached];
+        for (c, (_, variance)) in self.inputs.iter().enumerate() {
+            let own = self.place(c, self.reach as isize);
+            let at_once = fresh.get(c * reached..(c + 1) * reached).unwrap_or(&[]);
             match &self.memory[c] {
                 Memory::Second => {}
-                Memory::Alone(_) => {
-                    let new = variance * (1.0 - a * a);
+                Memory::Alone(errors) => {
+                    let new = variance * (1.0 - errors.memory(k).powi(2));
                     if new > 0.0 {
-                        self.filter.add_outer_of(at_once, n + c, new);
+                        self.filter.add_outer_of(at_once, own, new);
+                    }
+                    let expected = self.newly_expected(c, k);
+                    if expected != 0.0 {
+                        let reaches = at_once.iter().enumerate();
+                        reaches.for_each(|(i, once)| self.filter.add_mean(i, once * expected));
+                        self.filter.add_mean(own, expected);
                     }
                 }
                 Memory::Pair(process) => {
@@ -600,7 +698,7 @@ impl InputNoise {
                         vector.fill(0.0);
                         let reaches = vector.iter_mut().zip(at_once);
                         reaches.for_each(|(v, once)| *v = once * new.x);
-                        (vector[n + c], vector[n + c + 1]) = (new.x, new.y);
+                        (vector[own], vector[own + 1]) = (new.x, new.y);
                         self.filter.add_outer(vector, 1.0);
                     }
                 }

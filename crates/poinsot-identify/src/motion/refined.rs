@@ -37,6 +37,7 @@ pub(crate) fn refined(o: &Observations, further_s: &[f64]) -> Observations {
         joints: at_places(&o.joints, &places),
         wheels: at_places(&o.wheels, &places),
         between_readings: o.between_readings || places.len() > n,
+        expected_errors: Vec::new(),
         sensors: Vec::new(),
     };
     let mut old = Vec::with_capacity(n);

@@ -205,6 +205,9 @@ pub struct Observations {
     pub wheels: Vec<InputChannel>,
     /// Whether joints or wheels are read at other times than those of the grid, and interpolated.
     pub between_readings: bool,
+    /// Where the inputs above are smoothed by the samples of all sensors: what each of their errors is expected to be, the
+    /// measured value less the smoothed one, a row per time with the errors in the order of their filter. Empty otherwise.
+    pub expected_errors: Vec<f64>,
 }
 
 impl Observations {
@@ -220,6 +223,11 @@ impl Observations {
             && self.joint_position.len() == n * dof
             && self.joint_rate.len() == n * dof
             && self.wheel_speed.len() == n * wheels
+    }
+
+    /// Whether the inputs are smoothed.
+    pub(crate) fn is_smoothed(&self) -> bool {
+        !self.expected_errors.is_empty()
     }
 
     /// Whether the speed of a wheel is smooth at the grid times, where the speeds of wheels are.

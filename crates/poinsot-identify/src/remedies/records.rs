@@ -268,6 +268,7 @@ impl Baseline<'_> {
             factor: 1,
             bends: false,
             keep_rows: false,
+            smooth_inputs: false,
             own_errors: &[],
             split: false,
         };

@@ -92,7 +92,7 @@ impl SampleStream {
             let pairs = now.columns.iter().zip(&before.columns);
             columns.extend(pairs.map(|(b, a)| b - a));
             errors.extend_from_slice(&now.errors);
-            around.inputs.less_kept(self.increment, &mut errors);
+            around.inputs.less_kept(self.increment, 1.0, &mut errors);
             DueSample {
                 sample,
                 predicted: PredictedMeasurement {

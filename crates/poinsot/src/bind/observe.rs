@@ -81,6 +81,7 @@ pub(super) fn observe(
         joints: joint_inputs(model, tree, channels, &time_s),
         wheels: wheel_inputs(model, channels, &time_s),
         between_readings: between_readings(model, tree, channels, &time_s),
+        expected_errors: Vec::new(),
         time_s,
     }
 }

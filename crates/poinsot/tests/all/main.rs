@@ -39,6 +39,7 @@ mod mixed_up;
 mod motor_torque;
 mod mutations;
 mod noisy_files;
+mod noisy_inputs;
 mod nutation;
 mod open_set;
 mod physical;

@@ -28,6 +28,9 @@ pub(crate) fn take_predictions(
     at: &Iterate,
     segments: &mut [Segment],
 ) -> Option<()> {
+    // Readings as predicted are those of the inputs in hand.
+    let inputs = segments.iter_mut().map(|s| &mut s.observations);
+    inputs.for_each(|o| o.expected_errors.clear());
     for _ in 0..ROUNDS {
         let problem = experiment.problem.with_segments(segments);
         let mut own = readings_alone(experiment, &problem);

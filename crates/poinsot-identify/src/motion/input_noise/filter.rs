@@ -3,6 +3,7 @@
 //! Rows of the covariance and of the means are padded with zeros to whole vectors, and the loops over them are compiled for
 //! the vector instructions of the machine. The order of every sum is that of plain loops: the bits do not depend on it.
 
+use super::smoother::Trace;
 use poinsot_dynamics::vectorised;
 use poinsot_spatial::{Matrix3, Vector3};
 
@@ -11,7 +12,7 @@ const LANES: usize = 8;
 type Lanes = [f64; LANES];
 
 /// Rows of a matrix by their elements that are not zero, one row behind the other.
-#[derive(Default)]
+#[derive(Default, Clone)]
 pub(super) struct SparseRows {
     elements: Vec<(usize, f64)>,
     /// Where each row ends.
@@ -119,6 +120,8 @@ pub(super) struct Filter {
     gain_axes: Vec<[Lanes; 3]>,
     /// The gains error by error.
     gains: Vec<Vector3>,
+    /// What was done, where a backward pass follows.
+    pub(super) trace: Option<Trace>,
 }
 
 /// `to += from * factor`, element by element.
@@ -130,7 +133,7 @@ fn add_scaled(to: &mut Lanes, from: &Lanes, factor: f64) {
 }
 
 impl Filter {
-    pub(super) fn new(size: usize, followed: usize) -> Self {
+    pub(super) fn new(size: usize, followed: usize, records: bool) -> Self {
         let covariance = PaddedRows::new(size, size);
         let axes = vec![[[0.0; LANES]; 3]; covariance.width];
         Self {
@@ -143,10 +146,27 @@ impl Filter {
             means: PaddedRows::new(size, followed),
             product: PaddedRows::new(size, size),
             next: PaddedRows::new(size, followed),
+            trace: records.then(Trace::default),
         }
     }
 
-    /// Numbers from row to row of the matrix that [`Self::advance`] takes.
+    /// Mean of an error for the last sequence.
+    pub(super) fn mean(&self, i: usize) -> f64 {
+        let last = self.followed.saturating_sub(1);
+        self.means.row(i).as_flattened()[last]
+    }
+
+    /// Adds to that mean.
+    pub(super) fn add_mean(&mut self, i: usize, more: f64) {
+        let last = self.followed.saturating_sub(1);
+        *self.means.at(i, last) += more;
+    }
+
+    pub(super) fn covariance_row(&self, i: usize) -> &[f64] {
+        &self.covariance.row(i).as_flattened()[..self.size]
+    }
+
+    /// Numbers from row to row of a matrix whose rows [`SparseRows::push_dense`] takes.
     pub(super) fn stride(&self) -> usize {
         self.covariance.width * LANES
     }
@@ -179,59 +199,11 @@ impl Filter {
         *self.covariance.at(i, j) += covariance;
     }
 
-    /// `P = F P F^T`, and every mean `F m`: the upper rows of `F` are given, below it is diagonal.
-    pub(super) fn advance(&mut self, upper: &[f64], faded: &[f64]) {
-        vectorised(
-            #[inline(always)]
-            || {
-                self.advance_covariance(upper, faded);
-                self.advance_means(upper, faded);
-            },
-        );
-    }
-
-    #[inline(always)]
-    fn advance_covariance(&mut self, upper: &[f64], faded: &[f64]) {
-        let (size, stride) = (self.size, self.stride());
-        let n = size - faded.len();
-        let (product, covariance) = (&mut self.product, &mut self.covariance);
-        for (i, factors) in upper.chunks_exact(stride).enumerate().take(n) {
-            let factors = factors[..size].iter().copied().enumerate();
-            product.combine(i, covariance, factors);
-        }
-        for i in 0..n {
-            let row = product.row(i).as_flattened();
-            for (j, f) in upper.chunks_exact(stride).enumerate().take(i + 1) {
-                let pairs = row.iter().zip(f).take(size);
-                covariance.set_both(i, j, pairs.map(|(a, b)| a * b).sum());
-            }
-            for (j, a) in faded.iter().enumerate() {
-                covariance.set_both(i, n + j, row[n + j] * a);
-            }
-        }
-        for (i, a) in faded.iter().enumerate() {
-            let own = &mut covariance.row_mut(n + i).as_flattened_mut()[n..];
-            own.iter_mut().zip(faded).for_each(|(p, b)| *p *= a * b);
-        }
-    }
-
-    #[inline(always)]
-    fn advance_means(&mut self, upper: &[f64], faded: &[f64]) {
-        let (size, stride) = (self.size, self.stride());
-        let n = size - faded.len();
-        for (i, factors) in upper.chunks_exact(stride).enumerate().take(n) {
-            let factors = factors[..size].iter().copied().enumerate();
-            self.next.combine(i, &self.means, factors);
-        }
-        let (first, rest) = self.means.lanes.split_at_mut(n * self.means.width);
-        first.copy_from_slice(&self.next.lanes[..first.len()]);
-        for (mean, a) in rest.chunks_exact_mut(self.means.width.max(1)).zip(faded) {
-            mean.as_flattened_mut().iter_mut().for_each(|m| *m *= a);
-        }
-    }
-
-    /// The same for any `F`, row by row in elements that are not zero.
+    /// `P = F P F^T`, and every mean `F m`: `F` row by row in elements that are not zero.
     pub(super) fn map(&mut self, rows: &SparseRows) {
+        if let Some(trace) = &mut self.trace {
+            trace.carried(rows.clone());
+        }
         vectorised(
             #[inline(always)]
             || self.map_rows(rows),
@@ -286,10 +258,9 @@ impl Filter {
 
     /// The last sequence at a sample, minus its prediction.
     pub(super) fn innovation(&self, slopes: &[Vector3], residual: Vector3) -> Vector3 {
-        let last = self.followed.saturating_sub(1);
         let mut sum = Vector3::zeros();
         for (i, slope) in slopes.iter().enumerate().take(self.size) {
-            sum += slope * self.means.row(i).as_flattened()[last];
+            sum += slope * self.mean(i);
         }
         residual - sum
     }
@@ -314,6 +285,9 @@ impl Filter {
                 self.take_covariance();
             },
         );
+        if let Some(trace) = &mut self.trace {
+            trace.taken((slopes, &self.gains), inverse_root, rows.last());
+        }
     }
 
     #[inline(always)]

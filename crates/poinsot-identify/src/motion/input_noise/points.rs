@@ -1,11 +1,10 @@
 //! Input errors in accelerometer samples, at several grid times together.
 
-use super::{Filter, Input, InputNoise, Memory, SparseRows};
+use super::{Filter, Input, InputNoise, SparseRows};
 use crate::motion::slope_weights;
 use crate::motion::{BodyPoint, Instant, Motion, State};
 use crate::problem::Problem;
 use crate::problem::segment::{Observations, SensorRecord};
-use nalgebra::Matrix2;
 use poinsot_model::SensorKind;
 use poinsot_spatial::Vector3;
 
@@ -28,7 +27,7 @@ pub(crate) fn approximate(problem: &Problem) -> Option<String> {
 }
 
 /// Sensors whose readings are changes of velocity.
-pub(super) fn increments(sensors: &[SensorRecord]) -> usize {
+pub(crate) fn increments(sensors: &[SensorRecord]) -> usize {
     let kinds = sensors.iter().map(|r| r.kind);
     kinds
         .filter(|k| *k == SensorKind::VelocityIncrement)
@@ -44,7 +43,7 @@ pub(super) fn reach(o: &Observations, derived: &[bool]) -> usize {
 }
 
 /// Weights of the positions in the slope at grid time k of the polynomial through the five nearest.
-fn rate_weights(t: &[f64], k: usize) -> [(usize, f64); STENCIL] {
+pub(super) fn rate_weights(t: &[f64], k: usize) -> [(usize, f64); STENCIL] {
     let width = STENCIL.min(t.len());
     let first = k.saturating_sub(STENCIL / 2).min(t.len() - width);
     let others = |i: usize| (first..first + width).filter(move |j| *j != i);
@@ -66,49 +65,6 @@ fn rate_weights(t: &[f64], k: usize) -> [(usize, f64); STENCIL] {
 }
 
 impl InputNoise {
-    /// Moves the window one grid time on, to k: `upper` holds the rows of `s`.
-    pub(super) fn shift(&mut self, upper: &[f64], k: usize) {
-        let (size, inputs) = (self.filter.size, self.inputs.len());
-        let stride = self.filter.stride();
-        let mut rows = std::mem::take(&mut self.scratch.rows);
-        rows.clear();
-        upper
-            .chunks_exact(stride)
-            .for_each(|row| rows.push_dense(row));
-        let errors = 2 * self.reach * inputs;
-        for i in rows.len()..self.lead + errors {
-            rows.push([(i + inputs, 1.0)]);
-        }
-        let reach = self.reach as isize;
-        let last = k - 1 + self.reach;
-        self.memory_rows(&mut rows, last, reach);
-        // The errors at the beginning of an increment stay.
-        for i in rows.len()..size {
-            rows.push([(i, 1.0)]);
-        }
-        self.filter.map(&rows);
-        self.scratch.rows = rows;
-        for c in 0..inputs {
-            let at = self.place(c, reach);
-            let fresh = match &self.memory[c] {
-                Memory::Alone(errors) => {
-                    let own = 1.0 - errors.memory(last).powi(2);
-                    Matrix2::new(self.inputs[c].1 * own, 0.0, 0.0, 0.0)
-                }
-                Memory::Second => continue,
-                Memory::Pair(process) => match process.steps.get(last) {
-                    Some(step) => step.fresh,
-                    None => continue,
-                },
-            };
-            for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
-                if fresh[(i, j)] != 0.0 {
-                    self.filter.add((at + i, at + j), fresh[(i, j)]);
-                }
-            }
-        }
-    }
-
     /// Joints whose rate is made of positions: what it errs by, as change of the twist.
     pub(super) fn add_derived_rates(&mut self, k: usize) {
         let mut twists = std::mem::take(&mut self.twists);
@@ -204,7 +160,8 @@ impl InputNoise {
         all.chain(derived.map(|(at, weight, j)| (at, j, 0.0, weight)))
     }
 
-    /// Keeps the velocity error at the beginning of an increment until its end: in slot `which`.
+    /// Keeps the errors of an instrument in this sample until its next one, at place `which`: those of the velocity at the beginning
+    /// of an increment, or of a reading whose noise is correlated with that of the next one.
     pub fn keep(&mut self, which: usize, slopes: &[Vector3]) {
         if !self.is_silent() {
             let at = self.kept(which);
@@ -214,12 +171,12 @@ impl InputNoise {
         }
     }
 
-    /// Subtracts the kept slopes from those of the velocity at the end.
-    pub fn less_kept(&self, which: usize, slopes: &mut [Vector3]) {
+    /// Subtracts a share of the kept errors from slopes.
+    pub fn less_kept(&self, which: usize, share: f64, slopes: &mut [Vector3]) {
         if !self.is_silent() {
             let at = self.kept(which);
             for (axis, slope) in slopes[at..at + 3].iter_mut().enumerate() {
-                slope[axis] -= 1.0;
+                slope[axis] -= share;
             }
         }
     }

@@ -1,0 +1,147 @@
+//! Noisy inputs, smoothed by all sensors.
+//!
+//! Along measured inputs the columns hold the inputs' noise, and so does the residual `r = n - G e`: their product has a mean.
+//! With S the covariance of the readings, it is half the slope of `ln det S`, and the fit ends `C b` from the truth with
+//!
+//! ```text
+//! b = 1/2 d ln det S / dx
+//! ```
+//!
+//! which grows with the root of the number of samples in units of sigma. About inputs `u` that all sensors smooth, with the
+//! expected errors `u_measured - u` in the filter, a step is the one of Gauss and Newton for unknowns and inputs together, the
+//! inputs eliminated: columns and residual have no noise in common. What is minimised is the sum of squares of readings and
+//! inputs; a determinant would bring the bias back. Where the torque of a wheel is a process, its speed has a proper law, the
+//! mean of the tachometer's posterior drives, and nothing has to be smoothed: the error is independent of that mean.
+
+use crate::fit::experiment::{Experiment, Iterate};
+use crate::fit::step::ITERATIONS;
+use crate::fit::{Fitted, fit_on};
+use crate::likelihood::{Evaluated, InitialState, start};
+use crate::motion::{Motion, tilted};
+use crate::problem::segment::{InputErrors, Segment};
+use poinsot_dynamics::JointSlopes;
+use poinsot_solve::{LeastSquares, Spectrum};
+use poinsot_spatial::{Vector3, Vector6};
+
+/// Bias, and distance that is left, that do not matter in any number, sigmas.
+const SMALL: f64 = 0.05;
+/// Most times that the inputs are smoothed: each time what is left falls to a tenth and less.
+const ROUNDS: usize = 8;
+/// Grid times at which the effect of the inputs is looked at.
+const PLACES: usize = 12;
+/// Change of an unknown for a slope, natural units.
+const DIFFERENCE: f64 = 1.0e-4;
+
+/// A fit about smoothed inputs.
+pub(crate) struct SmoothedInputs {
+    pub segments: Vec<Segment>,
+    pub fitted: Fitted,
+}
+
+impl SmoothedInputs {
+    /// From a fit along measured inputs; `None` where its bias is small.
+    pub fn new(experiment: &Experiment, fitted: &Fitted) -> Option<Self> {
+        let own = (fitted.evaluated.as_slice(), &fitted.spectrum);
+        if bias(experiment, &fitted.at, own)? < SMALL {
+            return None;
+        }
+        let (mut at, mut iterations) = (fitted.at.clone(), fitted.iterations);
+        let mut segments = smoothed(experiment, &at)?;
+        for round in 1..=ROUNDS {
+            let problem = experiment.problem.with_segments(&segments);
+            let about = experiment.of_vehicle(&problem, experiment.parameters);
+            let here = about.linearise(&at)?;
+            let near = here.rows.mass_shift() < SMALL;
+            let mut fitted = fit_on(&about, at, here, ITERATIONS)?;
+            iterations += fitted.iterations;
+            fitted.iterations = iterations;
+            if near || round == ROUNDS {
+                fitted.converged &= near;
+                return Some(Self { segments, fitted });
+            }
+            at = fitted.at;
+            segments = smoothed(&about, &at)?;
+        }
+        None
+    }
+}
+
+/// The records about inputs that all samples smooth at a point.
+fn smoothed(experiment: &Experiment, at: &Iterate) -> Option<Vec<Segment>> {
+    let mut recorded = experiment.clone();
+    recorded.smooth_inputs = true;
+    let evaluated = recorded.evaluate(at, false)?;
+    evaluated.into_iter().map(|e| e.smoothed).collect()
+}
+
+/// Largest bias of a number of the answer, sigmas: `|C^(1/2) b|`.
+///
+/// If all inputs' noise grows by a factor, `ln det S` grows by at most the sum of the inputs' shares of the innovations'
+/// covariance. It does so where the effect of the inputs' noise on the base's velocity grows by that factor, as by a smaller inertia.
+fn bias(
+    experiment: &Experiment,
+    at: &Iterate,
+    (evaluated, spectrum): (&[Evaluated], &Spectrum),
+) -> Option<f64> {
+    let share: f64 = evaluated.iter().map(|e| e.input_share).sum();
+    let size = |x: &[f64]| effect(experiment, x, &at.initial_states);
+    let x = &at.x;
+    if share == 0.0 || size(x)? == 0.0 {
+        return None;
+    }
+    let slope = |(j, unit): (usize, &f64)| {
+        let ends = [DIFFERENCE, -DIFFERENCE].map(|d| {
+            let mut moved = x.clone();
+            moved[j] += d * unit;
+            size(&moved)
+        });
+        let [a, b] = ends;
+        // The effect is a mean square.
+        Some(0.5 * share * (a?.ln() - b?.ln()) / (2.0 * DIFFERENCE))
+    };
+    let slopes = spectrum.natural.iter().enumerate().map(slope);
+    let b: Vec<f64> = slopes.collect::<Option<_>>()?;
+    let along = |k: usize| {
+        let sum = b.iter().enumerate();
+        sum.map(|(i, b)| b * spectrum.directions[(i, k)])
+            .sum::<f64>()
+    };
+    let squares = (0..spectrum.rank).map(|k| (along(k) / spectrum.singular[k]).powi(2));
+    Some(squares.sum::<f64>().sqrt())
+}
+
+/// Mean square of the change of the base's velocity by the noise of free inputs, at some times; `None` where the vehicle
+/// cannot move.
+fn effect(experiment: &Experiment, x: &[f64], starts: &[InitialState]) -> Option<f64> {
+    let (setting, mut sum) = (experiment.setting(), 0.0);
+    let tree = tilted(setting.tree, experiment.parameters, x);
+    let mut slopes = JointSlopes::default();
+    let square = |v: Vector6, length: f64| {
+        v.fixed_rows::<3>(3).norm_squared() + v.fixed_rows::<3>(0).norm_squared() / length.powi(2)
+    };
+    for (index, segment) in setting.segments.iter().enumerate() {
+        let o = &segment.observations;
+        let vehicle = setting.vehicle(&tree, (index, segment), x);
+        let (state, _) = start(&starts[index], experiment.unknown[index], x.len());
+        let mut motion = Motion::new(&vehicle, segment, Vec::new(), 0);
+        let length = motion.gyration();
+        for k in (0..o.time_s.len()).step_by(o.time_s.len().div_ceil(PLACES).max(1)) {
+            let (instant, _) = motion.velocity(&state, k)?;
+            for (w, variance) in setting.noise.wheel_speed.iter().enumerate() {
+                if !matches!(o.wheel(w).errors, InputErrors::Process(_)) {
+                    sum += variance * square(motion.wheel_gain(&instant, w), length);
+                }
+            }
+            motion.joint_slopes(&instant, &mut slopes);
+            let step = motion.step_s(k.max(1)).max(f64::MIN_POSITIVE);
+            for (j, slope) in slopes.of.iter().enumerate() {
+                let variance = |all: &[f64]| all.get(j).copied().unwrap_or(0.0);
+                let noise = variance(&setting.noise.joint_rate)
+                    + variance(&setting.noise.joint_position) / (step * step);
+                let gain = instant.twist_slope(&slope.rate, &Vector3::zeros());
+                sum += noise * square(gain, length);
+            }
+        }
+    }
+    Some(sum)
+}
