@@ -67,7 +67,7 @@ def body_text(name, mass, com, inertia, estimate=None):
     return "\n".join(lines) + "\n\n"
 
 
-def joint_text(body):
+def joint_text(body, more=None):
     joint = body["joint"]
     lines = [
         "[[joint]]",
@@ -81,6 +81,8 @@ def joint_text(body):
     if rotation != [[1, 0, 0], [0, 1, 0], [0, 0, 1]]:
         lines.append(f"rotation_matrix = {matrix(rotation)}")
     lines.append(f"axis = {vector(joint['axis_in_child_frame'])}")
+    if more:
+        lines.append(more)
     return "\n".join(lines) + "\n\n"
 
 
@@ -170,13 +172,15 @@ def xu2017(truth):
             for row in body["inertia_about_com_body_axes_kgm2"]
         ]
         text += body_text(body["name"], round(mass_factor * body["mass_kg"], 6), com, inertia, "true")
+    # Some campaigns have the arm at rest, the others no thrust.
     for body in truth["bodies"][1:]:
-        text += joint_text(body)
+        text += joint_text(body, "locked_at_rad = 0.0")
     for thruster in truth["thrusters"]:
         text += (
             f'[[thruster]]\nname = "{thruster["name"]}"\nbody = "base"\n'
             f"position_m = {vector(thruster['position_m'])}\n"
-            f"force_direction = {vector(thruster['force_direction_body'])}\n\n"
+            f"force_direction = {vector(thruster['force_direction_body'])}\n"
+            "never_fires = true\n\n"
         )
     noise = truth["noise_of_noisy_file"]
     return {

@@ -52,7 +52,7 @@ fn check_joint(
         p_PoCo_P: Vector3::from(file.origin_m?),
         R_PC_zero: rotation?,
         axis_C: axis?,
-        locked_at: file.locked_at_rad.or(file.locked_at_m).unwrap_or(0.0),
+        locked_at: file.locked_at_rad.or(file.locked_at_m),
         spring_damper: file.spring_damper.as_ref().map(spring_damper),
     })
 }

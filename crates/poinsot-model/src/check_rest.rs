@@ -73,6 +73,7 @@ pub(crate) fn check_wheels(
             body,
             axis_B: axis,
             spin_inertia: spin,
+            at_rest: file.at_rest.unwrap_or(false),
             estimate: file.estimate.unwrap_or(false),
             misalignment: check_nuisance(
                 file.misalignment.as_ref(),
@@ -115,6 +116,7 @@ pub(crate) fn check_thrusters(
             body,
             p_BoT_B: Vector3::from(position),
             direction_B: direction,
+            never_fires: file.never_fires.unwrap_or(false),
             scale,
             propellant: propellant(file, host),
         });

@@ -189,10 +189,10 @@ fn whole(model: &Model) -> (f64, SystemDescription) {
                 let p_C = p_P + R_P * joint.p_PoCo_P;
                 match joint.kind {
                     JointKind::Revolute => {
-                        let turn = rotation_about(&joint.axis_C, joint.locked_at);
+                        let turn = rotation_about(&joint.axis_C, joint.standing_at());
                         (R_C * turn, p_C)
                     }
-                    JointKind::Prismatic => (R_C, p_C + R_C * joint.axis_C * joint.locked_at),
+                    JointKind::Prismatic => (R_C, p_C + R_C * joint.axis_C * joint.standing_at()),
                     JointKind::Fixed => (R_C, p_C),
                 }
             }

@@ -1,6 +1,6 @@
 //! Converts the checked model to the types of `poinsot-dynamics`.
 
-use crate::vehicle::{JointKind, Model};
+use crate::vehicle::{Joint, JointKind, Model};
 use poinsot_dynamics::{Gravity, Link, Motion, Nozzle, Rotor, Tree, Vehicle};
 
 impl From<&Model> for Tree {
@@ -71,7 +71,7 @@ impl From<&Model> for Vehicle {
                 .collect(),
             spin_inertia: model.wheels.iter().map(|w| w.spin_inertia).collect(),
             nozzles: nozzles.collect(),
-            locked_at: joints.map(|j| j.locked_at).collect(),
+            locked_at: joints.map(Joint::standing_at).collect(),
             gravity: Gravity {
                 gm: around.point_mass_gm,
                 gradient: around.gravity_gradient,

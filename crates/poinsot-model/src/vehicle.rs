@@ -152,10 +152,29 @@ pub struct Joint {
     pub R_PC_zero: Matrix3,
     /// Unit axis in C (the same components in P before `R_PC_zero` is applied); zero for a fixed joint.
     pub axis_C: Vector3,
-    /// Position if telemetry has no column for the joint, rad or m.
-    pub locked_at: f64,
+    /// Position at which the joint is locked where telemetry has no column for it, rad or m; `None`: not declared.
+    pub locked_at: Option<f64>,
     /// Spring and damper, if any. Only forward dynamics uses them; identification uses the measured joint motion.
     pub spring_damper: Option<SpringDamper>,
+}
+
+impl Joint {
+    /// Position where nothing moves it, rad or m: where it is locked, at the rest of its spring, or zero.
+    pub fn standing_at(&self) -> f64 {
+        let rest = self.spring_damper.map(|s| s.rest);
+        self.locked_at.or(rest).unwrap_or(0.0)
+    }
+
+    /// Where a joint without a column stands, rad or m, and the key that says so; `None` where nothing does.
+    pub fn declared_at(&self) -> Option<(f64, &'static str)> {
+        let spring = self.spring_damper.filter(|s| s.stiffness > 0.0);
+        let key = match self.kind {
+            JointKind::Prismatic => "locked_at_m",
+            _ => "locked_at_rad",
+        };
+        let rest = || spring.map(|s| (s.rest, "rest of its spring"));
+        self.locked_at.map(|at| (at, key)).or_else(rest)
+    }
 }
 
 /// A linear spring with a viscous damper in a joint: `-stiffness (q - rest) - damping q'` on the child.
@@ -190,6 +209,8 @@ pub struct Wheel {
     pub spin_inertia: f64,
     /// Whether the spin inertia is unknown.
     pub estimate: bool,
+    /// Whether it stands still where telemetry has no column for it.
+    pub at_rest: bool,
     /// Unknown small tilt angles of the spin axis, rad, about the two directions of [`Self::tilt_axes`].
     pub misalignment: Nuisance,
 }
@@ -213,6 +234,8 @@ pub struct Thruster {
     pub p_BoT_B: Vector3,
     /// Unit direction of the force on the body, in B.
     pub direction_B: Vector3,
+    /// Whether it is off where telemetry has no column for it.
+    pub never_fires: bool,
     /// Knowledge of the factor between declared and true thrust.
     pub scale: Nuisance,
     /// Propellant that it uses up; `None`: its mass is neglected.

@@ -121,7 +121,7 @@ fn body(body: &Body, uncertainty: Option<Sigmas>) -> BodyFile {
 }
 
 fn joint(model: &Model, joint: &Joint, uncertainty: Option<Sigmas>) -> JointFile {
-    let locked = Some(joint.locked_at).filter(|at| *at != 0.0);
+    let locked = joint.locked_at;
     let [turns, slides] =
         [JointKind::Revolute, JointKind::Prismatic].map(|kind| joint.kind == kind);
     JointFile {
@@ -164,6 +164,7 @@ fn wheel(model: &Model, wheel: &Wheel, uncertainty: Option<Sigmas>) -> WheelFile
         body: body_name(model, wheel.body),
         axis: Some(wheel.axis_B.into()),
         spin_inertia_kg_m2: Some(wheel.spin_inertia),
+        at_rest: wheel.at_rest.then_some(true),
         estimate: wheel.estimate.then_some(true),
         misalignment: nuisance(wheel.misalignment, "sigma_rad"),
         uncertainty,
@@ -178,6 +179,7 @@ fn thruster(model: &Model, thruster: &Thruster, uncertainty: Option<Sigmas>) -> 
         body: body_name(model, thruster.body),
         position_m: Some(thruster.p_BoT_B.into()),
         force_direction: Some(thruster.direction_B.into()),
+        never_fires: thruster.never_fires.then_some(true),
         scale: nuisance(thruster.scale, "sigma"),
         specific_impulse_s: propellant.map(|p| p.specific_impulse),
         propellant_m: propellant.map(|p| p.p_BoF_B.into()),

@@ -21,6 +21,9 @@ pub enum Detail {
     Everything,
 }
 
+/// Unused columns told in one line.
+const COLUMNS_OF_LINE: usize = 8;
+
 /// Title of the numbers of the whole vehicle.
 pub(crate) const WHOLE: &str =
     "whole vehicle at the first sample (base axes, from the base origin)";
@@ -65,6 +68,7 @@ pub fn estimate_document(e: &EstimateFile, detail: Detail) -> Document {
         sensitive => sensitivities(e),
         found => found.map(line).collect::<Vec<_>>(),
         repairs => e.repairs,
+        unused => unused_lines(&e.ignored_columns),
         method => e.method,
         fit => e.fit,
     };
@@ -122,6 +126,14 @@ fn is_tabled(c: &DeterminedFile) -> bool {
         }
         _ => false,
     }
+}
+
+/// Unused columns, some to a line.
+fn unused_lines(columns: &[String]) -> Vec<String> {
+    columns
+        .chunks(COLUMNS_OF_LINE)
+        .map(|c| c.join(", "))
+        .collect()
 }
 
 /// Whether all known numbers are exact, and whether their source is assumed.

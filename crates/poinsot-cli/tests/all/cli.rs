@@ -390,10 +390,11 @@ fn cli_a_missing_column_is_named_in_one_whole_line() {
         row.remove(at);
     });
     let message = satellite.refused(&file);
-    let expected =
-        format!("E0301 {file}: no channel 'wheel3_rad_s': the momentum of a wheel has no default");
+    let expected = format!(
+        "E0301 {file}: no channel 'wheel3_rad_s', and the model does not say what wheel3 does; "
+    );
     assert!(message.starts_with(&expected), "{message}");
-    assert!(message.contains("[telemetry.columns]"), "{message}");
+    assert!(message.contains("at_rest = true"), "{message}");
     assert_eq!(message.lines().count(), 1);
 }
 
@@ -613,4 +614,22 @@ fn cli_methods_lists_what_identify_takes() {
     for name in names {
         assert!(help.contains(name), "{help}");
     }
+}
+
+#[test]
+fn cli_unused_columns_are_printed() {
+    let satellite = Satellite::new();
+    let file = satellite.changed("spare.csv", |names, row| {
+        names.push("spare_temperature".to_owned());
+        row.push("20".to_owned());
+    });
+    let printed = stdout(&poinsot(identify(&satellite.model, &file, &[])));
+    let unused = printed
+        .split("unused columns\n")
+        .nth(1)
+        .unwrap_or_else(|| panic!("{printed}"));
+    assert!(
+        unused.lines().next().unwrap().contains("spare_temperature"),
+        "{printed}"
+    );
 }

@@ -34,6 +34,7 @@ fn rocket(p_BoT_B: Vector3, direction_B: Vector3, p_BoF_B: Vector3) -> Model {
         body: 0,
         p_BoT_B,
         direction_B,
+        never_fires: false,
         scale: Nuisance::Known,
         propellant: Some(Propellant {
             specific_impulse: EXHAUST / 9.806_65,

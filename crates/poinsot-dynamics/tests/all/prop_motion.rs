@@ -36,6 +36,7 @@ fn busy(index: usize, firings: Vec<Firing>) -> Busy {
         body: last,
         p_BoT_B: Vector3::new(0.3, -0.4, 0.2),
         direction_B: Vector3::new(0.0, -0.6, 0.8),
+        never_fires: false,
         scale: Nuisance::Known,
         propellant: None,
     });

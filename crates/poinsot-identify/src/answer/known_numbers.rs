@@ -1,11 +1,14 @@
 //! Sensitivity of the answer to the known numbers.
 
 use crate::answer::covariance::Row;
+use crate::diagnosis::Assumed;
 use crate::fit::known_numbers::Effects;
 use crate::problem::parameters::KnownUnknown;
 use crate::solution::estimate::{KnownEffect, KnownNumbers};
+use crate::solution::evidence::Remark;
 use crate::solution::solved::Solution;
 use poinsot_model::{KnownNumber, Model};
+use std::collections::HashSet;
 
 /// One per cent, one millimetre or one milliradian.
 const SHOWN_STEP: f64 = 1.0e-2;
@@ -26,25 +29,14 @@ pub(crate) fn known_numbers(model: &Model, solution: &Solution, rows: &[Row]) ->
     let asked = |row: &Row| row.nuisance.is_none();
     let sigma = |row: &Row| known.exact.sigma(&row.gradient).filter(|_| asked(row));
     out.sigma_data = rows.iter().map(sigma).collect();
-    let total = |row: &Row| {
-        let sigma = solution.spectrum.sigma(&row.gradient).unwrap_or(0.0);
-        let chosen = solution.other_wheel_motion().map_or(0.0, |o| {
-            let change = o.change(&row.gradient);
-            o.covariance(change, change)
-        });
-        (sigma * sigma + chosen).sqrt()
-    };
-    let totals: Vec<f64> = rows.iter().map(total).collect();
+    let totals: Vec<f64> = rows.iter().map(|row| sigma_of_row(solution, row)).collect();
     for (k, place) in known.places.iter().enumerate() {
         let unknown = &solution.parameters.unknowns[*place];
         let Some(number) = unknown.kind.known() else {
             continue;
         };
         let (step, step_words) = step(model, number);
-        let slope = |of: usize, row: &Row| -> f64 {
-            let pairs = row.gradient.iter().zip(&known.shift[of]);
-            pairs.map(|(g, s)| g * s).sum()
-        };
+        let slope = |of: usize, row: &Row| along(row, &known.shift[of]);
         let change = |row: &Row| asked(row).then(|| step * slope(k, row));
         // The square of the correlation: what the variance would lose if this number were known exactly. Numbers that the data
         // tie together, as spin inertias of wheels are, have it in common.
@@ -72,6 +64,49 @@ pub(crate) fn known_numbers(model: &Model, solution: &Solution, rows: &[Row]) ->
     let size = |e: &KnownEffect| e.largest().map_or(0.0, |l| l.1);
     out.effects.sort_by(|a, b| size(b).total_cmp(&size(a)));
     out
+}
+
+/// Sigma of a row with what the choice of the wheel motion adds.
+fn sigma_of_row(solution: &Solution, row: &Row) -> f64 {
+    let sigma = solution.spectrum.sigma(&row.gradient).unwrap_or(0.0);
+    let chosen = solution.other_wheel_motion().map_or(0.0, |o| {
+        let change = o.change(&row.gradient);
+        o.covariance(change, change)
+    });
+    (sigma * sigma + chosen).sqrt()
+}
+
+/// Change of a row with a move of the mass properties.
+fn along(row: &Row, shift: &[f64]) -> f64 {
+    row.gradient.iter().zip(shift).map(|(g, s)| g * s).sum()
+}
+
+/// One remark for each assumption that no sample tells of: what the answer owes to it. Of those of one kind the largest is told.
+pub(crate) fn assumptions(solution: &Solution, rows: &[Row]) -> Vec<Remark> {
+    let own = solution.likelihood.as_ref();
+    let all = own.map_or(&[][..], |own| &own.diagnostics.assumed);
+    let largest = |of: &Assumed| {
+        let asked = rows.iter().filter(|row| row.nuisance.is_none());
+        let changes = asked.filter_map(|row| {
+            let sigma = sigma_of_row(solution, row);
+            (sigma > 0.0).then(|| (along(row, &of.shift).abs() / sigma, &row.name))
+        });
+        changes.max_by(|a, b| a.0.total_cmp(&b.0))
+    };
+    let mut effects: Vec<_> = all.iter().map(|of| (of, largest(of))).collect();
+    let size = |effect: &Option<(f64, &String)>| effect.as_ref().map_or(0.0, |e| e.0);
+    effects.sort_by(|a, b| size(&b.1).total_cmp(&size(&a.1)));
+    let mut told: HashSet<&str> = HashSet::new();
+    effects.retain(|(of, _)| told.insert(&of.what));
+    let words = |(of, largest): (&Assumed, Option<(f64, &String)>)| match largest {
+        Some((size, name)) => format!(
+            "assumed: {}; {} would change {name} by {size:.1} sigma",
+            of.what, of.change
+        ),
+        None => format!("assumed: {}", of.what),
+    };
+    let effects = effects.into_iter();
+    effects.map(|e| Remark::assumption(words(e))).collect()
 }
 
 fn sigma_of(known: &Effects, k: usize) -> f64 {

@@ -3,7 +3,7 @@
 use crate::answer::body::{QuantityEstimator, body, system};
 use crate::answer::covariance::{covariance, covariance_rows};
 use crate::answer::determined;
-use crate::answer::known_numbers::known_numbers;
+use crate::answer::known_numbers::{assumptions, known_numbers};
 use crate::answer::momentum::{momentum, nuisances};
 use crate::answer::nominal::distances_from_nominal;
 use crate::answer::rejection::Rejection;
@@ -64,6 +64,7 @@ pub(crate) fn write(problem: &Problem, solution: &Solution) -> Estimate {
     remarks.extend(said.filter(|r| r.kind != RemarkKind::Test).cloned());
     remarks.extend(warnings.into_iter().map(Remark::warning));
     let rows = covariance_rows(solution, &bodies, &nuisance);
+    remarks.extend(assumptions(solution, &rows));
     let own = solution.likelihood.as_ref();
     Estimate {
         method: solution.method.to_owned(),

@@ -9,7 +9,8 @@ use crate::problem::Problem;
 use crate::problem::parameters::{Entry, Unknown, UnknownKind, axis_name};
 use crate::problem::segment::{InputErrors, InputRate};
 use poinsot_dynamics::SensorError;
-use poinsot_model::{KnownNumber, Origin, SensorKind};
+use poinsot_model::{Joint, JointKind, KnownNumber, Origin, SensorKind, Wheel};
+use poinsot_spatial::TENSOR;
 
 /// Largest number of firings tested one by one.
 const FIRINGS: usize = 48;
@@ -18,6 +19,13 @@ const CHANGE_STEP: f64 = 1.0e-3;
 
 /// Largest number of values in the rows: 64 MiB.
 const NUMBERS: usize = 8_000_000;
+
+/// Cosine above which two axes are one.
+const ALONG: f64 = 0.99;
+/// What is tried of a joint that the model holds, rad and m, and of a rotor, as a share of the inertia of its link.
+const HELD_OFF_RAD: f64 = 0.1;
+const HELD_OFF_M: f64 = 0.01;
+const ROTOR: f64 = 0.01;
 
 /// Candidate faults of one kind.
 pub(super) struct Candidate {
@@ -99,15 +107,22 @@ fn changed(name: String, unit: &'static str, nominal: f64) -> Unknown {
 /// those made of others last. Where the rows cannot be held, only those with slopes of their own are listed.
 pub(super) fn candidates(experiment: &Experiment, fitted: &Fitted) -> (Vec<Candidate>, bool) {
     let mut list = of_registry(experiment);
+    let rotors = of_rotors(experiment);
     let (numbers, drifts) = (untested_numbers(experiment), of_drifts(experiment));
-    let own = list.iter().chain(&drifts).map(|c| c.unknowns.len());
+    let own = list
+        .iter()
+        .chain(&rotors)
+        .chain(&drifts)
+        .map(|c| c.unknowns.len());
     let known = numbers.iter().map(|n| n.components());
     let held = holds(experiment, fitted, own.chain(known).sum());
     if held {
+        list.extend(rotors);
         list.extend(of_known_numbers(experiment, &fitted.at, numbers));
         list.extend(drifts);
     } else {
         list.retain(|c| matches!(c.columns, Columns::Slopes));
+        list.extend(rotors);
     }
     (list, held)
 }
@@ -164,6 +179,7 @@ fn shows(experiment: &Experiment, read: &[(usize, String)], kind: &UnknownKind) 
     let rotation = experiment.measured_motion == MeasuredMotion::Rotation;
     match kind {
         UnknownKind::Sensor { sensor, error } => is_no_frame(experiment, read, *sensor, error),
+        UnknownKind::JointOffset(k) if is_held(experiment.problem, *k) => true,
         UnknownKind::JointOffset(k) | UnknownKind::JointScale(k) | UnknownKind::JointPlay(k) => {
             moves(experiment.problem, *k)
         }
@@ -188,6 +204,103 @@ fn moves(problem: &Problem, joint: usize) -> bool {
         let mut rates = o.joint_rate.iter().skip(joint).step_by(problem.tree.dof());
         o.joint(joint).errors != InputErrors::None && rates.any(|r| *r != 0.0)
     })
+}
+
+/// Whether a joint has no samples: it stands where the model says.
+fn is_held(problem: &Problem, joint: usize) -> bool {
+    let mut segments = problem.segments.iter();
+    segments.all(|s| s.observations.joint(joint).errors == InputErrors::None)
+}
+
+/// The joint of a coordinate.
+fn joint_of<'a>(problem: &Problem<'a>, coordinate: usize) -> Option<&'a Joint> {
+    let at = problem.tree.coordinates.get(coordinate)?;
+    problem.model.joints.get(*at)
+}
+
+/// Rotors of geared motors that the model does not have, one in each joint that turns.
+///
+/// A rotor of spin inertia J and gear ratio n has the momentum `n J q'` along the joint axis, beside the one that its
+/// carrier has anyway: that of a link with more inertia `n J` about the axis, and a parent with as much less.
+fn of_rotors(experiment: &Experiment) -> Vec<Candidate> {
+    let problem = experiment.problem;
+    let of = |coordinate: usize| {
+        let joint = joint_of(problem, coordinate)?;
+        let (axis_C, axis_P) = (joint.axis_C, joint.R_PC_zero * joint.axis_C);
+        let along = |w: &Wheel| w.axis_B.dot(&axis_P).abs() > ALONG;
+        let mut wheels = problem.model.wheels.iter();
+        let declared = wheels.any(|w| w.body == joint.parent && along(w));
+        if joint.kind != JointKind::Revolute || declared || !moves(problem, coordinate) {
+            return None;
+        }
+        let parts = [(joint.child, axis_C, 1.0), (joint.parent, axis_P, -1.0)];
+        let slopes = parts.iter().flat_map(|(body, a, sign)| {
+            let elements = TENSOR.iter().enumerate();
+            elements.map(move |(k, &(i, j))| (10 * body + 4 + k, sign * a[i] * a[j]))
+        });
+        let number = changed(format!("{}.rotor", joint.name), "kg m2", 0.0);
+        let twin = Unknown {
+            kind: UnknownKind::Barycentric(slopes.collect()),
+            ..number.clone()
+        };
+        Some(Candidate {
+            name: format!("a geared rotor in {}", joint.name),
+            fault: FaultKind::GearedRotor,
+            columns: Columns::Twins(vec![Twin::itself(&twin)]),
+            unknowns: vec![number],
+        })
+    };
+    (0..problem.tree.dof()).filter_map(of).collect()
+}
+
+/// What an answer takes for granted without a sample, and by how much that is tried.
+pub(super) struct Assumption {
+    /// Place among the numbers of all candidates.
+    pub place: usize,
+    pub what: String,
+    /// What is tried, in words and in the unit of the number.
+    pub change: String,
+    pub step: f64,
+}
+
+/// The assumptions among the candidates: joints that the model holds, and no geared rotors.
+pub(super) fn assumptions(problem: &Problem, candidates: &[Candidate]) -> Vec<Assumption> {
+    let numbers = candidates.iter().flat_map(|c| &c.unknowns);
+    let kinds = candidates
+        .iter()
+        .flat_map(|c| c.unknowns.iter().map(move |u| (c.fault, &u.kind)));
+    let of = |(place, (unknown, (fault, kind))): (usize, (&Unknown, (FaultKind, &UnknownKind)))| {
+        match kind {
+            UnknownKind::JointOffset(k) if is_held(problem, *k) => {
+                let joint = joint_of(problem, *k)?;
+                let step = match joint.kind {
+                    JointKind::Prismatic => HELD_OFF_M,
+                    _ => HELD_OFF_RAD,
+                };
+                let (name, unit) = (&joint.name, unknown.unit);
+                Some(Assumption {
+                    place,
+                    what: format!("{name} locked at {} {unit}", joint.standing_at()),
+                    change: format!("{step} {unit} off"),
+                    step,
+                })
+            }
+            _ if fault == FaultKind::GearedRotor => {
+                let name = unknown.name.strip_suffix(".rotor")?;
+                let joint = problem.model.joints.iter().find(|j| j.name == name)?;
+                let link = problem.model.bodies.get(joint.child)?.nominal.parameters();
+                let step = ROTOR * joint.axis_C.dot(&(link.I_BBo_B * joint.axis_C));
+                Some(Assumption {
+                    place,
+                    what: "no geared rotors in the joints".to_owned(),
+                    change: format!("1 % of the inertia of the link of {name} in one"),
+                    step,
+                })
+            }
+            _ => None,
+        }
+    };
+    numbers.zip(kinds).enumerate().filter_map(of).collect()
 }
 
 /// Whether an error of a sensor is one, if the sensor is read. A bias, scale or turn of the only sensor of the pose, or of a

@@ -27,7 +27,7 @@ mod table;
 mod types;
 
 pub(crate) use channels::whiteness;
-pub(crate) use types::COLOURED;
+pub(crate) use types::{Assumed, COLOURED};
 pub use types::{
     ChannelDiagnosis, Diagnostics, FaultKind, Finding, HeldOut, MomentumDrift, SensorLag,
     SpectralLine, Suspect, SuspectValue,
@@ -35,7 +35,7 @@ pub use types::{
 
 use crate::fit::Fitted;
 use crate::fit::experiment::Experiment;
-use candidates::candidates;
+use candidates::{assumptions, candidates};
 use shared_noise::SharedNoise;
 use suspects::Misfit;
 use table::Table;
@@ -135,6 +135,7 @@ fn weighed(
     let mut others = noise_models::noise_models(experiment, fitted, &out.channels, about, of);
     if let Some(table) = &table {
         let projected = table.projected(experiment, fitted, None);
+        out.assumed = assumed(experiment, fitted, &candidates, table);
         others.extend(onset::onsets(
             experiment,
             fitted,
@@ -165,6 +166,25 @@ fn weighed(
         out.suspects.insert(0, mistake);
     }
     table
+}
+
+/// How the answer moves where an assumption fails.
+fn assumed(
+    experiment: &Experiment,
+    fitted: &Fitted,
+    candidates: &[candidates::Candidate],
+    table: &Table,
+) -> Vec<Assumed> {
+    let list = assumptions(experiment.problem, candidates);
+    let places: Vec<usize> = list.iter().map(|a| a.place).collect();
+    let shifts = table.shifts(experiment, fitted, &places);
+    let pairs = list.into_iter().zip(shifts.into_iter().flatten());
+    let of = |(assumption, slope): (candidates::Assumption, Vec<f64>)| Assumed {
+        what: assumption.what,
+        change: assumption.change,
+        shift: slope.iter().map(|s| s * assumption.step).collect(),
+    };
+    pairs.map(of).collect()
 }
 
 /// Mean turn between grid times by the gyro, rad.

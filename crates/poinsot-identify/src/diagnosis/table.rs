@@ -8,7 +8,7 @@ use super::projected::Projected;
 use super::sensor_blocks::{SensorBlock, own_errors, sensor_blocks};
 use crate::fit::Fitted;
 use crate::fit::experiment::{Experiment, Iterate};
-use crate::fit::known_numbers::SILENT;
+use crate::fit::known_numbers::{SILENT, shifts};
 use crate::fit::triangle::conditional_estimate;
 use crate::likelihood::{Evaluated, Transition};
 use crate::problem::parameters::{Unknown, UnknownKind};
@@ -272,6 +272,22 @@ impl Table {
         }
         table.evaluated = evaluated;
         Some(table)
+    }
+
+    /// How the mass properties move with each of these numbers of the candidates; zero for one without a column.
+    pub fn shifts(
+        &self,
+        experiment: &Experiment,
+        fitted: &Fitted,
+        numbers: &[usize],
+    ) -> Option<Vec<Vec<f64>>> {
+        let column = |number: &usize| {
+            let place = self.shared.iter().position(|own| own == number)?;
+            Some(self.base + place)
+        };
+        let places: Option<Vec<usize>> = numbers.iter().map(column).collect();
+        let found = shifts(experiment, fitted, &self.stacked, &places?).ok()?;
+        Some(found.1)
     }
 
     /// Moves the kept rows.

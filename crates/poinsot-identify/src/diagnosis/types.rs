@@ -35,6 +35,17 @@ pub struct Diagnostics {
     pub lines: Vec<SpectralLine>,
     /// Conclusions, the most important first; empty if the fit matches the declared noise.
     pub findings: Vec<Finding>,
+    /// Assumptions that no sample tells of.
+    pub(crate) assumed: Vec<Assumed>,
+}
+
+/// An assumption, and how the mass properties move where it fails by a stated change.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Assumed {
+    pub what: String,
+    pub change: String,
+    /// Over the mass properties among the unknowns.
+    pub shift: Vec<f64>,
 }
 
 /// The residual of one sensor.

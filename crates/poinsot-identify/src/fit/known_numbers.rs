@@ -8,7 +8,7 @@
 
 mod effects;
 
-pub(crate) use effects::Effects;
+pub(crate) use effects::{Effects, shifts};
 
 use crate::fit::degrees_of_freedom::{fitted_numbers, known_covariance};
 use crate::fit::experiment::{DIFFERENCE, Experiment, Iterate, KeptColumns, body_slopes, slopes};

@@ -47,6 +47,8 @@ faults! {
         "; write bias = \"estimate\" for the sensor of the joint";
     JointScale: "joint_scale", "scale of the position or the rate of a joint",
         "; write scale = \"estimate\" for the sensor of the joint";
+    GearedRotor: "geared_rotor", "rotor of a geared motor that the model does not have",
+        "; declare it as [[wheel]] on the body that carries the motor, with its speed";
     Backlash: "backlash", "a joint has play between its drive and its link", "; measure the joint on the link side";
     WheelSign: "wheel_sign", "the sign of a wheel's speed or axis", "; reverse the axis, or the sign of the column";
     WheelExchange: "wheel_exchange", "the speed columns of two wheels are exchanged",

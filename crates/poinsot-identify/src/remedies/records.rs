@@ -219,6 +219,7 @@ impl Baseline<'_> {
                 body: 0,
                 p_BoT_B: Vector3::new(arm, 0.0, 0.0),
                 direction_B: Vector3::y(),
+                never_fires: false,
                 scale: Default::default(),
                 propellant: None,
             });

@@ -32,10 +32,11 @@ pub struct JointFile {
     /// Axis in the child's frame; right-hand rule. Required unless the joint is fixed.
     #[schemars(extend("x-required" = {"type": ["revolute", "prismatic"]}))]
     pub axis: Option<[f64; 3]>,
-    /// Position of a revolute joint where telemetry has no column for it, rad. Default 0.
+    /// The joint is locked at this position, rad, where telemetry has no column for it. Without a column and without
+    /// this key the telemetry is refused.
     #[schemars(extend("x-only" = {"type": ["revolute"]}))]
     pub locked_at_rad: Option<f64>,
-    /// Position of a prismatic joint where telemetry has no column for it, m. Default 0.
+    /// The same of a prismatic joint, m.
     #[schemars(extend("x-only" = {"type": ["prismatic"]}))]
     pub locked_at_m: Option<f64>,
     /// Spring and damper in the joint. Where a simulated case does not prescribe the joint's motion, it is then free:

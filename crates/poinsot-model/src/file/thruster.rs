@@ -20,6 +20,8 @@ pub struct ThrusterFile {
     /// Direction of the force on the body, in its axes.
     #[schemars(required)]
     pub force_direction: Option<[f64; 3]>,
+    /// true: the thruster is off where telemetry has no column for it. Default: such telemetry is refused.
+    pub never_fires: Option<bool>,
     /// Factor between declared and true thrust: "none" (default: exact), "estimate", or { sigma = x }.
     pub scale: Option<NuisanceFile>,
     /// Specific impulse, s: the body loses mass as the thruster fires. Without it no mass is lost.

@@ -20,6 +20,8 @@ pub struct WheelFile {
     /// Inertia of the rotor about its spin axis, kg m2.
     #[schemars(required, extend("exclusiveMinimum" = 0))]
     pub spin_inertia_kg_m2: Option<f64>,
+    /// true: the wheel stands still where telemetry has no column for it. Default: such telemetry is refused.
+    pub at_rest: Option<bool>,
     /// Whether the spin inertia is unknown. Default false.
     pub estimate: Option<bool>,
     /// Small tilt of the spin axis about the two directions across it: "none" (default), "estimate", or

@@ -65,7 +65,7 @@ pub(super) fn model(
                     Kind::Fixed => Vector3::zeros(),
                     _ => Vector3::from(j.axis),
                 },
-                locked_at: 0.0,
+                locked_at: None,
                 spring_damper: None,
             })
         })

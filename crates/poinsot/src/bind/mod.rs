@@ -8,6 +8,7 @@ mod checks;
 mod cut;
 mod driven_wheels;
 mod free_fall;
+mod held;
 mod input_errors;
 mod motion;
 mod noise;
@@ -133,6 +134,7 @@ fn bind_table(
     let rates = channels.base_rates(model)?;
     checks::needs_attitude(model, &channels)?;
     orbit::check_orbit(model, &channels, repairs)?;
+    held::held(model, tree, &channels, repairs)?;
     let whole = rates.time_s();
     let (pieces, gaps) = cut::pieces(model, tree, &channels, whole);
     let mut segments = Vec::with_capacity(pieces.len());
@@ -212,7 +214,7 @@ fn bind_piece(
         return Ok((None, complete.len()));
     }
     let samples: Samples = aligned.take(&complete, tree);
-    let firings = observe::firings(model, channels, &samples, repairs);
+    let firings = observe::firings(model, channels, &samples);
     let observations = observe::observe(model, tree, channels, &samples, &firings);
     let accelerations = motion::accelerations(model, channels, &samples);
     let segment = Segment {

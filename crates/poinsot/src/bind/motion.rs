@@ -2,7 +2,7 @@
 
 use super::attitude_start::{attitudes, base_directions, carried, integrate_rate};
 use super::channels::{BaseRates, Channels, JointColumns, VectorChannels};
-use super::driven_wheels::{speed_at, speed_column};
+use super::driven_wheels::speed_at;
 use super::free_fall::ORBITAL;
 use super::sensors::SAME;
 use crate::error::Error;
@@ -49,15 +49,11 @@ pub(super) fn align(
         joint_rate.push(motion.rate);
     }
     let mut wheel_speed = Vec::new();
-    for (k, wheel) in model.wheels.iter().enumerate() {
-        let (tachometer, speed) = channels.wheel(model, k).ok_or_else(|| {
-            channels.missing(
-                &speed_column(&wheel.name),
-                "the momentum of a wheel has no default",
-                "map its column in [telemetry.columns], or take the wheel out of the model if it does not spin",
-            )
-        })?;
-        wheel_speed.push(speed_at(&speed, tachometer, times));
+    for k in 0..model.wheels.len() {
+        wheel_speed.push(match channels.wheel(model, k) {
+            Some((tachometer, speed)) => speed_at(&speed, tachometer, times),
+            None => vec![Some(0.0); times.len()],
+        });
     }
     Ok(Aligned {
         time_s: times.to_vec(),
@@ -280,7 +276,7 @@ fn integrate_velocity(
     out
 }
 
-/// Position and rate of one joint at the gyro's times: measured, derived, or locked.
+/// Position and rate of one joint at the gyro's times: measured, derived, or locked (see [`super::held`]).
 fn joint(
     model: &Model,
     channels: &Channels,
@@ -288,8 +284,8 @@ fn joint(
     times: &[f64],
     repairs: &mut Vec<String>,
 ) -> JointMotion {
-    let (joint, columns) = (&model.joints[at], channels.joint(model, at));
-    let (label, name) = (channels.label, &joint.name);
+    let columns = channels.joint(model, at);
+    let (label, name) = (channels.label, &model.joints[at].name);
     let JointColumns {
         position_name,
         rate_name,
@@ -311,21 +307,7 @@ fn joint(
             ));
             motion.position = resample(q, times, None);
         }
-        (None, rate) => {
-            let unused = rate.map_or(String::new(), |_| {
-                format!("; its '{rate_name}' is not used without a position")
-            });
-            let springs = match joint.spring_damper {
-                Some(_) => {
-                    " although it has a spring: add its samples, or remove the spring from the model"
-                }
-                None => "",
-            };
-            repairs.push(format!(
-                "{label}: no channel '{position_name}': assumed: {name} locked at {}{unused}{springs}",
-                joint.locked_at
-            ));
-        }
+        (None, _) => {}
     }
     motion
 }
@@ -344,7 +326,7 @@ pub(super) fn joint_at(
     times: &[f64],
 ) -> JointMotion {
     let Some(q) = columns.moving() else {
-        let still = vec![Some(model.joints[at].locked_at); times.len()];
+        let still = vec![Some(model.joints[at].standing_at()); times.len()];
         return JointMotion {
             position: columns.position.map_or(still, |q| resample(q, times, None)),
             rate: vec![Some(0.0); times.len()],

@@ -123,7 +123,7 @@ fn velocity<'t>(
     Ok(Matrix3::identity())
 }
 
-/// A joint without a column is given, so without noise. With positions only, the noise of the rate is that of
+/// A joint or wheel without a column is given, so without noise. With positions only, the noise of the rate of a joint is that of
 /// differences.
 fn silence_given(model: &Model, tree: &Tree, tables: &[Table], noise: &mut Noise) {
     for (k, &at) in tree.coordinates.iter().enumerate() {
@@ -140,6 +140,12 @@ fn silence_given(model: &Model, tree: &Tree, tables: &[Table], noise: &mut Noise
                 noise.joint_rate[k] = noise.joint_position[k] * (DIFFERENCE / step).powi(2);
             }
             _ => {}
+        }
+    }
+    for (wheel, variance) in model.wheels.iter().zip(&mut noise.wheel_speed) {
+        let column = super::driven_wheels::speed_column(&wheel.name);
+        if tables.iter().all(|t| t.channel(&column).is_none()) {
+            *variance = 0.0;
         }
     }
 }

@@ -157,18 +157,21 @@ fn wheel_speeds<'a>(model: &Model, channels: &Channels<'a>) -> Vec<Option<WheelS
 /// Wheel speeds interpolated by cubic Hermite polynomials, but where the torque drives them; empty if all are sampled at
 /// every grid time.
 fn smooth_wheels(wheels: &[Option<WheelSpeed>], grid: &[f64]) -> Vec<f64> {
-    let wheels = || wheels.iter().flatten();
-    if wheels().all(|w| own_values(w.tachometer, grid).iter().all(Option::is_some)) {
+    let mut read = wheels.iter().flatten();
+    if read.all(|w| own_values(w.tachometer, grid).iter().all(Option::is_some)) {
         return Vec::new();
     }
-    let column = |w: &WheelSpeed| {
+    let column = |w: &Option<WheelSpeed>| {
+        let Some(w) = w else {
+            return vec![Some(0.0); grid.len()];
+        };
         let c = w.tachometer;
         match w.driven {
             true => speed_at(&w.speed, c, grid),
             false => resample_hermite(c, &differentiate(c, HALF_WIDTH, None), grid, None),
         }
     };
-    let columns: Vec<Vec<Option<f64>>> = wheels().map(column).collect();
+    let columns: Vec<Vec<Option<f64>>> = wheels.iter().map(column).collect();
     let row = |k: usize| columns.iter().map(move |c| c[k].unwrap_or(0.0));
     (0..grid.len()).flat_map(row).collect()
 }
@@ -186,23 +189,16 @@ fn inputs(
     let (positions, rates): (Vec<_>, Vec<_>) = joints.map(|m| (m.position, m.rate)).unzip();
     let wheels = wheels.iter().map(|w| match w {
         Some(w) => speed_at(&w.speed, w.tachometer, grid),
-        None => vec![None; grid.len()],
+        None => vec![Some(0.0); grid.len()],
     });
     positions.into_iter().chain(rates).chain(wheels).collect()
 }
 
 /// Firings of every thruster with a column, whose values hold until the next sample; others are off.
-pub(super) fn firings(
-    model: &Model,
-    channels: &Channels,
-    samples: &Samples,
-    repairs: &mut Vec<String>,
-) -> Vec<Firing> {
+pub(super) fn firings(model: &Model, channels: &Channels, samples: &Samples) -> Vec<Firing> {
     let mut list = Vec::new();
-    let mut off = Vec::new();
     for (thruster, item) in model.thrusters.iter().enumerate() {
         let Some(channel) = channels.find(None, &format!("{}_N", item.name)) else {
-            off.push(item.name.as_str());
             continue;
         };
         let mut pairs = channel.time_s.iter().zip(&channel.values).peekable();
@@ -229,13 +225,6 @@ pub(super) fn firings(
                 force,
             });
         }
-    }
-    if !off.is_empty() {
-        repairs.push(format!(
-            "{}: no column for {}: assumed off",
-            channels.label,
-            off.join(", ")
-        ));
     }
     list.sort_by(|a, b| a.start_s.total_cmp(&b.start_s));
     list

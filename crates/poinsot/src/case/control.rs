@@ -196,7 +196,7 @@ impl Planner<'_> {
             .coordinates
             .iter()
             .filter_map(|k| self.model.joints.get(*k));
-        let locked: Vec<f64> = joints.map(|j| j.locked_at).collect();
+        let locked: Vec<f64> = joints.map(poinsot_model::Joint::standing_at).collect();
         let mut kinematics = Kinematics::new(&tree);
         kinematics.place(&tree, &locked);
         let bodies = self.model.bodies.iter();

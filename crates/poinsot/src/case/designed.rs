@@ -149,7 +149,7 @@ impl Planner<'_> {
             for index in of {
                 let joint = &self.model.joints[tree.coordinates[index]];
                 let slides = joint.kind == JointKind::Prismatic;
-                let one = Moved::new((index, slides), form, joint.locked_at, returns);
+                let one = Moved::new((index, slides), form, joint.standing_at(), returns);
                 self.add(&mut joints, one, table.span(), &key);
             }
         }

@@ -108,7 +108,7 @@ impl Planner<'_> {
                 // A spring without initial conditions starts at rest.
                 initial_position: own
                     .position
-                    .unwrap_or_else(|| spring.map_or(joint.locked_at, |s| s.rest)),
+                    .unwrap_or_else(|| spring.map_or(joint.standing_at(), |s| s.rest)),
                 initial_rate: own.rate.unwrap_or(0.0),
             };
         }

@@ -97,6 +97,7 @@ fn exact_held_attitude_shows_four_combinations() {
             body: 0,
             axis_B: axis,
             spin_inertia: 0.05,
+            at_rest: false,
             estimate: false,
             misalignment: Nuisance::Known,
         });

@@ -53,7 +53,7 @@ pub fn model(bodies: &[KitBody], wheels: &[KitWheel]) -> Model {
                 p_PoCo_P: body.p_PoCo_P,
                 R_PC_zero: body.R_PC_zero,
                 axis_C: body.axis_C,
-                locked_at: 0.0,
+                locked_at: None,
                 spring_damper: None,
             });
         }
@@ -64,6 +64,7 @@ pub fn model(bodies: &[KitBody], wheels: &[KitWheel]) -> Model {
             body: wheel.host,
             axis_B: wheel.axis_C,
             spin_inertia: wheel.spin_inertia,
+            at_rest: false,
             estimate: false,
             misalignment: Nuisance::Known,
         });

@@ -38,19 +38,10 @@ impl Effects {
             return Ok(None);
         }
         let stacked = experiment.stack(&fitted.at, &fitted.evaluated, true);
-        let shared = behind(parameters, &stacked, &places);
-        let exact = experiment.spectrum(&shared, &fitted.evaluated)?;
-        let exact = exact.judged(experiment.problem.relative_accuracy);
-        let (b, m) = (shared.nuisances, shared.mass);
-        let shift = (0..places.len()).map(|k| {
-            let column: Vec<f64> = (0..m).map(|i| -shared.r[(b + i, b + m + k)]).collect();
-            let step = exact.solve(&column);
-            let units = step.iter().zip(&exact.natural);
-            units.map(|(z, unit)| z * unit).collect()
-        });
+        let (exact, shift) = shifts(experiment, fitted, &stacked, &places)?;
         let declared = parameters.known_covariance();
         Ok(Some(Self {
-            shift: shift.collect(),
+            shift,
             covariance: known_covariance(parameters, fitted),
             declared: (0..places.len()).map(|k| declared[(k, k)].sqrt()).collect(),
             exact,
@@ -65,6 +56,31 @@ impl Effects {
     }
 }
 
+/// What the data determine where the numbers at these places of a stacked triangle are exact, and how the mass properties move
+/// with each of them: one row a number. The others are those of the fit.
+///
+/// # Errors
+/// The triangle holds NaN or infinity.
+pub(crate) fn shifts(
+    experiment: &Experiment,
+    fitted: &Fitted,
+    stacked: &Triangle,
+    places: &[usize],
+) -> Result<(Spectrum, Vec<Vec<f64>>), Faults> {
+    let shared = behind(experiment.parameters, stacked, places);
+    let exact = experiment.spectrum(&shared, &fitted.evaluated)?;
+    let exact = exact.judged(experiment.problem.relative_accuracy);
+    let (b, m) = (shared.nuisances, shared.mass);
+    let shift = |k: usize| {
+        let column: Vec<f64> = (0..m).map(|i| -shared.r[(b + i, b + m + k)]).collect();
+        let step = exact.solve(&column);
+        let units = step.iter().zip(&exact.natural);
+        units.map(|(z, unit)| z * unit).collect()
+    };
+    let shift = (0..places.len()).map(shift).collect();
+    Ok((exact, shift))
+}
+
 /// Nuisances first, mass properties, known numbers, right-hand side.
 fn behind(parameters: &Parameters, stacked: &Triangle, places: &[usize]) -> SharedTriangle {
     let n = parameters.len();
@@ -72,8 +88,9 @@ fn behind(parameters: &Parameters, stacked: &Triangle, places: &[usize]) -> Shar
     let asked = (0..n).filter(|k| !places.contains(k));
     let (front, back): (Vec<usize>, Vec<usize>) = asked.partition(nuisance);
     let blocks = front.iter().chain(&back).chain(places);
-    let order: Vec<usize> = blocks.copied().chain([n]).collect();
-    let mut qr = BlockQr::new(n + 1);
+    let last = stacked.r.ncols() - 1;
+    let order: Vec<usize> = blocks.copied().chain([last]).collect();
+    let mut qr = BlockQr::new(order.len());
     qr.push(stacked.r.nrows(), |i, j| stacked.r[(i, order[j])]);
     SharedTriangle::of(qr.finish().r, front.len(), back.len())
 }

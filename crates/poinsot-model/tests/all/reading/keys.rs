@@ -129,8 +129,8 @@ fn exact_every_key_is_read() {
         (prior.mass, prior.com, prior.inertia),
         (Some(5.0), None, Some(0.25))
     );
-    assert_eq!(model.joints[1].locked_at, 0.25);
-    assert_eq!(model.joints[2].locked_at, -0.125);
+    assert_eq!(model.joints[1].locked_at, Some(0.25));
+    assert_eq!(model.joints[2].locked_at, Some(-0.125));
     let spring = model.joints[1].spring_damper.unwrap();
     let numbers = (spring.stiffness, spring.damping, spring.rest);
     assert_eq!(numbers, (2.5, 0.0625, -0.5));

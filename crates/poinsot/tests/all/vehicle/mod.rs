@@ -120,7 +120,7 @@ pub fn tree(seed: u64, joints: &str) -> Model {
             p_PoCo_P: dice.vector(0.8),
             R_PC_zero,
             axis_C,
-            locked_at: 0.0,
+            locked_at: None,
             spring_damper: None,
         });
     }
@@ -180,6 +180,7 @@ pub fn with_wheels(mut model: Model) -> Model {
             body: 0,
             axis_B: dice.direction(),
             spin_inertia: 0.05,
+            at_rest: false,
             estimate: false,
             misalignment: Nuisance::Known,
         });
@@ -196,6 +197,7 @@ pub fn with_thrusters(mut model: Model) -> Model {
             body: 0,
             p_BoT_B: dice.vector(1.0),
             direction_B: dice.direction(),
+            never_fires: false,
             scale: Nuisance::Known,
             propellant: None,
         });
