@@ -1,13 +1,16 @@
 //! Checks the map from columns to channels.
 
-use crate::file::{AttitudeFile, FrameFile, ModelFile, OrbitColumnsFile, PartFile, TelemetryFile};
+use crate::file::{
+    AttitudeColumnFile, AttitudeFile, ColumnFile, DecimalFile, FrameFile, InvalidFile, ModelFile,
+    OrbitColumnsFile, PartFile, TelemetryFile,
+};
 use crate::finding::{Findings, Key};
 use crate::suggest;
 use crate::vehicle::JointKind;
 use poinsot_files::excerpt;
 use poinsot_telemetry::{
-    AttitudeForm, AttitudeMap, ColumnMap, FileMap, Layout, OrbitMap, Order, Sense, TelemetryMap,
-    map_faults, vector_channels,
+    AttitudeForm, AttitudeMap, ColumnMap, FileMap, Layout, OrbitMap, OrbitalMap, Order, Sense,
+    TelemetryMap, map_faults, vector_channels,
 };
 use std::collections::{BTreeMap, HashSet};
 
@@ -35,7 +38,16 @@ pub(crate) fn check_telemetry(
         let map = check(&own.part, &key.at("file").index(k));
         files.push((own.name.clone().unwrap_or_default(), map));
     }
-    let map = TelemetryMap { all, files };
+    let orbital = file.orbital_frame.as_ref().and_then(|frame| {
+        Some(OrbitalMap {
+            rate_rad_s: frame.rate_rad_s?,
+            rates: frame.rates.unwrap_or(false),
+        })
+    });
+    let map = TelemetryMap {
+        all: FileMap { orbital, ..all },
+        files,
+    };
     for fault in map_faults(&map) {
         let mut here = match fault.file {
             None => key.clone(),
@@ -71,17 +83,7 @@ fn checked(
         let Some(column) = &source.column else {
             continue;
         };
-        columns.push(ColumnMap {
-            channel: channel.clone(),
-            column: column.clone(),
-            unit: source.unit.clone(),
-            scale: source.scale,
-            offset: source.offset,
-            sign: source.sign,
-            counts_per_revolution: source.counts_per_revolution,
-            nominal_N: source.nominal_N,
-            rows: chosen(&source.rows),
-        });
+        columns.push(column_map(channel, column, source));
     }
     let attitude = part.attitude.iter().flatten().enumerate();
     let attitude =
@@ -92,8 +94,38 @@ fn checked(
         time: part.time.clone(),
         columns,
         orbit: part.orbit.as_ref().and_then(orbit_map),
+        orbital: None,
         row_filter: chosen(&part.rows),
     }
+}
+
+fn column_map(channel: &str, column: &str, source: &ColumnFile) -> ColumnMap {
+    ColumnMap {
+        channel: channel.to_owned(),
+        column: column.to_owned(),
+        unit: source.unit.clone(),
+        scale: source.scale,
+        offset: source.offset,
+        sign: source.sign,
+        counts_per_revolution: source.counts_per_revolution,
+        nominal_N: source.nominal_N,
+        rows: chosen(&source.rows),
+        invalid: texts(&source.invalid),
+        signed_range: source.signed_range,
+        wraps_at: source.wraps_at,
+        increments: source.increments.unwrap_or(false),
+        opens_late_s: source.opens_late_s,
+        closes_late_s: source.closes_late_s,
+        overlap: source.overlap,
+    }
+}
+
+fn texts(invalid: &Option<Vec<InvalidFile>>) -> Vec<String> {
+    let text = |one: &InvalidFile| match one {
+        InvalidFile::Number(x) => x.to_string(),
+        InvalidFile::Text(text) => text.clone(),
+    };
+    invalid.iter().flatten().map(text).collect()
 }
 
 /// Columns and texts of row filters.
@@ -142,15 +174,15 @@ fn check_layout(part: &PartFile, key: &Key, findings: &mut Findings<'_, '_>) -> 
     let delimiter = one(&part.delimiter, "delimiter");
     let comment = one(&part.comment, "comment");
     let header_row = part.header_row.and_then(|row| {
-        if row >= 1.0 && row.fract() == 0.0 && row <= MOST_LINES {
+        if row >= 0.0 && row.fract() == 0.0 && row <= MOST_LINES {
             return Some(row as u64);
         }
-        let problem = "the line of the header is a whole number from 1 to 1e6".to_owned();
+        let problem = "the line of the header is a whole number from 0 to 1e6".to_owned();
         findings.refuse(
             "E0108",
             &key.at("header_row"),
             problem,
-            "count lines from 1",
+            "count lines from 1; 0 means that there is no header",
         );
         None
     });
@@ -159,6 +191,7 @@ fn check_layout(part: &PartFile, key: &Key, findings: &mut Findings<'_, '_>) -> 
         comment,
         header_row,
         units_row: part.units_row,
+        decimal_comma: part.decimal.map(|sign| sign == DecimalFile::Comma),
     }
 }
 
@@ -197,7 +230,16 @@ fn check_attitude(
             "write for example sequence = \"ZYX\" for yaw, pitch, roll, or remove it",
         );
     }
+    let columns: Vec<ColumnMap> = forms
+        .get(form)
+        .copied()
+        .into_iter()
+        .flatten()
+        .flatten()
+        .map(|column| attitude_column(column, file))
+        .collect();
     let form_of = || match form {
+        0 if columns.len() == 3 => Some(AttitudeForm::VectorPart),
         0 => Some(AttitudeForm::Quaternion(file.order.unwrap_or(Order::Xyzw))),
         1 => Some(AttitudeForm::Matrix),
         3 => Some(AttitudeForm::Mrp),
@@ -217,16 +259,24 @@ fn check_attitude(
     Some(AttitudeMap {
         sensor: file.sensor.clone().unwrap_or_default(),
         form: kind,
-        columns: forms
-            .get(form)
-            .copied()
-            .cloned()
-            .flatten()
-            .unwrap_or_default(),
+        columns,
         sense: file.sense.unwrap_or(Sense::BodyToInertial),
         unit: file.unit.clone(),
         relative: file.relative.unwrap_or(false),
     })
+}
+
+/// A column of an attitude, with what holds for all of them.
+fn attitude_column(column: &AttitudeColumnFile, file: &AttitudeFile) -> ColumnMap {
+    let mut map = match column {
+        AttitudeColumnFile::Name(column) => ColumnMap::part(column),
+        AttitudeColumnFile::Column(own) => {
+            column_map("", own.column.as_deref().unwrap_or_default(), own)
+        }
+    };
+    map.rows.extend(chosen(&file.rows));
+    map.invalid.extend(texts(&file.invalid));
+    map
 }
 
 /// All possible channels of this vehicle.

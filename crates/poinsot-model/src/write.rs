@@ -1,11 +1,11 @@
 //! Writes a checked vehicle as a `poinsot.model/1` file that reads back equal: fills the rows of `file/`.
 
 use crate::file::{
-    AttitudeFile, BodyFile, ColumnFile, EnvironmentFile, EstimateFile, ExportFile, FrameFile,
-    Gravity, InertiaFile, JointFile, ModelFile, MomentumFile, MomentumVectorFile, MomentumWord,
-    NamesFile, NoiseFile, NuisanceFile, NuisanceWord, OrbitColumnsFile, OrbitFile, Parameter,
-    PartFile, SensorFile, SensorType, Sigmas, SpringDamperFile, TelemetryFile, ThrusterFile,
-    WheelFile,
+    AttitudeColumnFile, AttitudeFile, BodyFile, ColumnFile, DecimalFile, EnvironmentFile,
+    EstimateFile, ExportFile, FrameFile, Gravity, InertiaFile, InvalidFile, JointFile, ModelFile,
+    MomentumFile, MomentumVectorFile, MomentumWord, NamesFile, NoiseFile, NuisanceFile,
+    NuisanceWord, OrbitColumnsFile, OrbitFile, OrbitalFile, Parameter, PartFile, SensorFile,
+    SensorType, Sigmas, SpringDamperFile, TelemetryFile, ThrusterFile, WheelFile,
 };
 use crate::knowledge::{KnownNumber, Origin};
 use crate::vehicle::{
@@ -296,6 +296,10 @@ fn body_name(model: &Model, body: usize) -> Option<String> {
 pub(crate) fn telemetry(map: &TelemetryMap) -> TelemetryFile {
     TelemetryFile {
         all: part(&map.all),
+        orbital_frame: map.all.orbital.map(|frame| OrbitalFile {
+            rate_rad_s: Some(frame.rate_rad_s),
+            rates: frame.rates.then_some(true),
+        }),
         file: each(&map.files, |_, (name, own)| ExportFile {
             name: Some(name.clone()),
             part: part(own),
@@ -315,6 +319,10 @@ fn part(map: &FileMap) -> PartFile {
         comment: layout.comment.map(character),
         header_row: layout.header_row.map(|row| row as f64),
         units_row: layout.units_row,
+        decimal: layout.decimal_comma.map(|comma| match comma {
+            true => DecimalFile::Comma,
+            false => DecimalFile::Point,
+        }),
         time: map.time.clone(),
         columns: (!map.columns.is_empty()).then(|| columns.collect()),
         attitude: each(&map.attitude, |_, a| attitude(a)),
@@ -337,11 +345,25 @@ fn column(map: &ColumnMap) -> ColumnFile {
         counts_per_revolution: map.counts_per_revolution,
         nominal_N: map.nominal_N,
         rows: rows(&map.rows),
+        invalid: each(&map.invalid, |_, text| InvalidFile::Text(text.clone())),
+        signed_range: map.signed_range,
+        wraps_at: map.wraps_at,
+        increments: map.increments.then_some(true),
+        opens_late_s: map.opens_late_s,
+        closes_late_s: map.closes_late_s,
+        overlap: map.overlap,
+    }
+}
+
+fn attitude_column(map: &ColumnMap) -> AttitudeColumnFile {
+    match *map == ColumnMap::part(&map.column) {
+        true => AttitudeColumnFile::Name(map.column.clone()),
+        false => AttitudeColumnFile::Column(Box::new(column(map))),
     }
 }
 
 fn attitude(map: &AttitudeMap) -> AttitudeFile {
-    let columns = Some(map.columns.clone());
+    let columns = Some(map.columns.iter().map(attitude_column).collect());
     let base = AttitudeFile {
         sensor: Some(map.sensor.clone()).filter(|name| !name.is_empty()),
         sense: (map.sense == Sense::InertialToBody).then_some(map.sense),
@@ -353,6 +375,10 @@ fn attitude(map: &AttitudeMap) -> AttitudeFile {
         AttitudeForm::Quaternion(order) => AttitudeFile {
             quaternion: columns,
             order: Some(order).filter(|order| *order == Order::Wxyz),
+            ..base
+        },
+        AttitudeForm::VectorPart => AttitudeFile {
+            quaternion: columns,
             ..base
         },
         AttitudeForm::Matrix => AttitudeFile {

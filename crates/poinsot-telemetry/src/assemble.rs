@@ -2,11 +2,12 @@
 
 use crate::channel_name::components;
 use crate::columns::Columns;
-use crate::conversion::Conversion;
+use crate::conversion::{Conversion, Transform};
 use crate::derive::derive;
 use crate::error::{not_strict, number, twice};
+use crate::median::median_step;
 use crate::plan::{Plan, PlannedChannel};
-use crate::{Channel, ChannelName, Quantity, Table, quaternion};
+use crate::{Channel, ChannelName, Overlap, Quantity, Table, quaternion};
 use poinsot_files::{Faults, Place};
 use std::collections::HashMap;
 use std::path::Path;
@@ -25,6 +26,8 @@ pub(crate) fn add(
     table: &mut Table,
 ) -> Result<(), Faults> {
     check_cells(path, plan, &columns, strict, &mut table.repairs)?;
+    let pairs = plan.channels.iter().zip(&mut columns.values);
+    pairs.for_each(|(channel, values)| channel.transform.continue_across_jumps(values));
     let channels = derive(path, plan, &mut columns)?;
     tidy_attitudes(path, &channels, &mut columns, strict, &mut table.repairs)?;
     let whole: Arc<[f64]> = columns.time_s.as_slice().into();
@@ -35,12 +38,23 @@ pub(crate) fn add(
         if let Some(first) = found.get(&full) {
             return Err(twice(&full, first, &place));
         }
-        let (time_s, values) = match channel.conversion {
+        let transform = &channel.transform;
+        let (time_s, values) = match transform.conversion {
             Conversion::Pulse(_, force) => {
-                let (times, levels) = pulses(&place, &columns.rows, &whole, &values, force)?;
+                let of = (transform, force);
+                let (times, levels) = pulses(&place, &columns.rows, &whole, &values, of)?;
                 (times.into(), levels)
             }
+            _ if transform.increments => {
+                let (times, rates) = mean_rates(&whole, &values);
+                (shared(times, &mut bases), rates)
+            }
             _ => without_gaps(&whole, values, &mut bases),
+        };
+        let is_held = !matches!(transform.conversion, Conversion::Pulse(..));
+        let (time_s, values) = match transform.late_s != [0.0; 2] && is_held {
+            true => late(&time_s, &values, transform.late_s),
+            false => (time_s, values),
         };
         if values.is_empty() {
             table.repairs.push(format!("{place}: no samples; left out"));
@@ -145,17 +159,21 @@ fn tidy_attitudes(
     Ok(())
 }
 
+/// Times closer than this are one, s.
+const SAME: f64 = 1.0e-9;
+
 /// Converts pulses to a thrust held between samples. A pulse starts at the time of its row and lasts for the cell's
-/// duration, s; overlapping pulses are merged.
+/// duration, s; the thrust is as late as the valve.
 fn pulses(
     place: &Place,
     rows: &[u64],
     begins: &[f64],
     lasts: &[f64],
-    force: f64,
+    (transform, force): (&Transform, f64),
 ) -> Result<(Vec<f64>, Vec<f64>), Faults> {
     let (mut times, mut levels) = (Vec::new(), Vec::new());
     let mut end = f64::NEG_INFINITY;
+    let [opens, closes] = transform.late_s;
     for ((begin, duration), row) in begins.iter().zip(lasts).zip(rows) {
         if *duration < 0.0 {
             return Err(number(
@@ -165,18 +183,33 @@ fn pulses(
                 "correct it, or leave the cell empty where there is no pulse",
             ));
         }
-        if duration.is_nan() || *duration == 0.0 {
+        let (begin, stop) = (begin + opens, begin + duration + closes);
+        // A valve that opens later than it closes does not open.
+        if duration.is_nan() || *duration == 0.0 || begin >= stop {
             continue;
         }
-        if *begin > end {
+        if begin > end {
             if end.is_finite() {
                 times.push(end);
                 levels.push(0.0);
             }
-            times.push(*begin);
+            times.push(begin);
             levels.push(force);
+        } else if begin < end - SAME && transform.overlap.is_none() {
+            return Err(Faults::one(
+                "E0208",
+                place.at(*row),
+                format!(
+                    "the pulse begins {} s before the one before it ends",
+                    poinsot_files::rounded(end - begin, 4)
+                ),
+                "write overlap = \"merged\" for the column where the valve is open until both have ended, or \"replaced\" where a new command takes the place of the one before",
+            ));
         }
-        end = end.max(begin + duration);
+        end = match transform.overlap {
+            Some(Overlap::Replaced) => stop,
+            _ => end.max(stop),
+        };
     }
     match (end.is_finite(), begins.first()) {
         (true, _) => times.push(end),
@@ -184,6 +217,47 @@ fn pulses(
     }
     levels.resize(times.len(), 0.0);
     Ok((times, levels))
+}
+
+/// Thrust held between samples that begins and ends late by these times, s.
+fn late(times: &[f64], levels: &[f64], [opens, closes]: [f64; 2]) -> (Arc<[f64]>, Vec<f64>) {
+    let (mut at, mut held): (Vec<f64>, Vec<f64>) = (Vec::new(), Vec::new());
+    for (time, level) in times.iter().zip(levels) {
+        if held.last() == Some(level) {
+            continue;
+        }
+        let shift = match (held.is_empty(), *level == 0.0) {
+            (true, _) => 0.0,
+            (_, true) => closes,
+            (_, false) => opens,
+        };
+        // A command that is shorter than the delays has no effect.
+        while at.last().is_some_and(|last| *last >= time + shift) {
+            at.pop();
+            held.pop();
+        }
+        if held.last() != Some(level) {
+            at.push(time + shift);
+            held.push(*level);
+        }
+    }
+    (at.into(), held)
+}
+
+/// Longest interval of an increment relative to the usual one; beyond it, the increment before is missing.
+const WHOLE_INTERVAL: f64 = 1.5;
+
+/// Mean rates of increments since the sample before, at the middle of the intervals.
+fn mean_rates(times: &[f64], increments: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    let whole = times.iter().zip(increments).filter(|(_, x)| !x.is_nan());
+    let whole: Vec<(&f64, &f64)> = whole.collect();
+    let usual = median_step(times).unwrap_or(f64::INFINITY);
+    let pairs = whole.iter().zip(whole.iter().skip(1));
+    let rate = |((before, _), (time, x)): (&(&f64, &f64), &(&f64, &f64))| {
+        let step = *time - *before;
+        (step < WHOLE_INTERVAL * usual).then(|| (0.5 * (*time + *before), *x / step))
+    };
+    pairs.filter_map(rate).unzip()
 }
 
 /// Removes missing samples; columns with the same gaps share one time base.
@@ -200,10 +274,15 @@ fn without_gaps(
         .zip(values)
         .filter(|(_, x)| !x.is_nan())
         .unzip();
+    (shared(times, bases), values)
+}
+
+/// The time base with these times.
+fn shared(times: Vec<f64>, bases: &mut Vec<Arc<[f64]>>) -> Arc<[f64]> {
     if let Some(base) = bases.iter().find(|b| b.as_ref() == times.as_slice()) {
-        return (Arc::clone(base), values);
+        return Arc::clone(base);
     }
     let base: Arc<[f64]> = times.into();
     bases.push(Arc::clone(&base));
-    (base, values)
+    base
 }

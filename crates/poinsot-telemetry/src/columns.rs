@@ -18,17 +18,21 @@ pub(crate) struct Columns {
     pub rows_read: usize,
     /// Number of NaN cells of each channel, and the row of the first.
     pub nan_cells: Vec<(u64, u64)>,
-    /// The first distinct texts in the first filter column.
-    pub filter_seen: Vec<String>,
+    /// For each choice of rows and each kept row, whether it is one of them.
+    pub chosen: Vec<Vec<bool>>,
+    /// The first distinct texts in the first filter column, and in the last one of each choice.
+    pub seen: Vec<Vec<String>>,
     /// Whether the first row is the last one of the part before.
     pub follows: bool,
 }
 
 impl Columns {
-    pub(crate) fn with_channels(n: usize) -> Self {
+    pub(crate) fn new(channels: usize, choices: usize) -> Self {
         Self {
-            values: vec![Vec::new(); n],
-            nan_cells: vec![(0, 0); n],
+            values: vec![Vec::new(); channels],
+            nan_cells: vec![(0, 0); channels],
+            chosen: vec![Vec::new(); choices],
+            seen: vec![Vec::new(); choices + 1],
             ..Self::default()
         }
     }
@@ -36,6 +40,12 @@ impl Columns {
     /// Offset from a time to the file's own count, s.
     pub(crate) fn own_zero_s(&self) -> f64 {
         self.origin.map_or(0.0, |o| o.own_zero_s())
+    }
+
+    /// Whether the next sample of a channel is in a row that has it.
+    pub(crate) fn reads(&self, channel: usize, choice: Option<usize>) -> bool {
+        let next = self.values.get(channel).map_or(0, Vec::len);
+        choice.is_none_or(|c| self.chosen.get(c).and_then(|rows| rows.get(next)) == Some(&true))
     }
 
     /// Appends one cell to a channel; NaN text is counted.
@@ -61,9 +71,8 @@ impl Columns {
         }
         let n = self.rows.len();
         self.time_s.truncate(n);
-        for values in &mut self.values {
-            values.truncate(n);
-        }
+        self.values.iter_mut().for_each(|v| v.truncate(n));
+        self.chosen.iter_mut().for_each(|v| v.truncate(n));
     }
 
     /// Removes the first row.
@@ -78,43 +87,75 @@ impl Columns {
     /// Takes the rows so far; later rows continue the count. The last row stays as well, so that the next part begins with
     /// the row that its times must follow.
     pub(crate) fn split(&mut self) -> Self {
-        let last = |v: &[f64]| v.last().copied().into_iter().collect();
+        fn last<T: Copy>(v: &[T]) -> Vec<T> {
+            v.last().copied().into_iter().collect()
+        }
         let next = Self {
             origin: self.origin,
             rows_read: self.rows_read,
-            filter_seen: std::mem::take(&mut self.filter_seen),
+            chosen: self.chosen.iter().map(|v| last(v)).collect(),
+            seen: std::mem::take(&mut self.seen),
             follows: true,
             time_s: last(&self.time_s),
-            rows: self.rows.last().copied().into_iter().collect(),
+            rows: last(&self.rows),
             values: self.values.iter().map(|v| last(v)).collect(),
             nan_cells: vec![(0, 0); self.values.len()],
         };
         std::mem::replace(self, next)
     }
 
-    /// Keeps the rows marked in `keep`.
-    pub(crate) fn retain(&mut self, keep: &[bool]) {
-        fn filter<T: Copy>(v: &mut Vec<T>, keep: &[bool]) {
-            let mut keep = keep.iter();
-            v.retain(|_| keep.next().copied().unwrap_or(true));
-        }
-        filter(&mut self.time_s, keep);
-        filter(&mut self.rows, keep);
-        for values in &mut self.values {
-            filter(values, keep);
-        }
+    /// Keeps the channels marked in `keep`.
+    pub(crate) fn keep_channels(&mut self, keep: &[bool]) {
+        filter(&mut self.values, keep);
+        filter(&mut self.nan_cells, keep);
     }
 
-    /// Texts in the first filter column, for messages.
-    pub(crate) fn seen(&self) -> String {
-        let seen = self.filter_seen.iter().map(|s| format!("'{s}'"));
-        seen.collect::<Vec<_>>().join(", ")
+    /// Keeps the rows marked in `keep`.
+    pub(crate) fn retain(&mut self, keep: &[bool]) {
+        filter(&mut self.time_s, keep);
+        filter(&mut self.rows, keep);
+        self.values.iter_mut().for_each(|v| filter(v, keep));
+        self.chosen.iter_mut().for_each(|v| filter(v, keep));
+    }
+
+    /// Sorts the rows by time; rows of one time keep their order.
+    pub(crate) fn sort(&mut self) {
+        if self.time_s.is_sorted() {
+            return;
+        }
+        let mut order: Vec<usize> = (0..self.time_s.len()).collect();
+        order.sort_by(|a, b| self.time_s[*a].total_cmp(&self.time_s[*b]));
+        fn sorted<T: Copy>(v: &mut Vec<T>, order: &[usize]) {
+            *v = order.iter().map(|k| v[*k]).collect();
+        }
+        sorted(&mut self.time_s, &order);
+        sorted(&mut self.rows, &order);
+        self.values.iter_mut().for_each(|v| sorted(v, &order));
+        self.chosen.iter_mut().for_each(|v| sorted(v, &order));
+    }
+
+    /// Texts in the first filter column, and in the last one of each choice, for messages.
+    pub(crate) fn seen(&self, list: usize) -> String {
+        let seen = self.seen.get(list).into_iter().flatten();
+        seen.map(|s| format!("'{s}'"))
+            .collect::<Vec<_>>()
+            .join(", ")
     }
 
     /// Records a text of a filter column, for the error when no row matches.
-    pub(crate) fn saw(&mut self, text: &str) {
-        if self.filter_seen.len() < 5 && !self.filter_seen.iter().any(|s| s == text) {
-            self.filter_seen.push(text.to_owned());
+    pub(crate) fn saw(&mut self, list: usize, text: &[u8]) {
+        let Some(seen) = self.seen.get_mut(list).filter(|s| s.len() < 5) else {
+            return;
+        };
+        let text = String::from_utf8_lossy(text);
+        if !seen.iter().any(|s| *s == text) {
+            seen.push(text.into_owned());
         }
     }
+}
+
+/// Keeps what is marked.
+fn filter<T>(v: &mut Vec<T>, keep: &[bool]) {
+    let mut keep = keep.iter();
+    v.retain(|_| keep.next().copied().unwrap_or(true));
 }

@@ -1,7 +1,7 @@
 //! Conversion of a cell to SI.
 
 use crate::number::{self, Cell, InvalidNumber};
-use crate::{ColumnMap, Unit};
+use crate::{ColumnMap, Overlap, Unit};
 use std::f64::consts::TAU;
 
 /// Rule that converts a cell to SI.
@@ -36,15 +36,20 @@ impl Conversion {
         }
     }
 
-    /// Parses and converts the text of a cell.
-    pub(crate) fn cell(&self, text: &[u8]) -> Result<Cell, InvalidNumber> {
+    /// Size of a step of the column, SI.
+    pub(crate) fn size(&self, step: f64) -> f64 {
         match self {
-            Self::Flag(force) => Ok(match number::flag(text)? {
-                Some(on) => Cell::Number(if on { *force } else { 0.0 }),
-                None => Cell::Empty,
-            }),
-            _ => number::parse(text).map(|cell| self.number(cell)),
+            Self::Unit(unit) | Self::Pulse(unit, _) => unit.to_si(step).abs(),
+            Self::Linear(factor, _) | Self::Flag(factor) => (factor * step).abs(),
         }
+    }
+
+    /// The force of a flag's text; `None` where it is no flag.
+    fn flag(&self, text: &[u8]) -> Option<Result<Cell, InvalidNumber>> {
+        let Self::Flag(force) = self else { return None };
+        let force = |on| if on { *force } else { 0.0 };
+        let cell = |on: Option<bool>| on.map_or(Cell::Empty, |on| Cell::Number(force(on)));
+        Some(number::flag(text).map(cell))
     }
 
     /// Converts a parsed cell.
@@ -55,6 +60,79 @@ impl Conversion {
             Self::Linear(factor, offset) => factor * x + offset,
             Self::Flag(force) => force * x,
         })
+    }
+}
+
+/// From the cells of a column to samples in SI.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Transform {
+    pub conversion: Conversion,
+    /// Cells without a sample, as text and as a number.
+    invalid: Vec<(String, Option<f64>)>,
+    signed_range: Option<f64>,
+    /// Where the samples begin anew, SI.
+    pub wraps_at: Option<f64>,
+    pub increments: bool,
+    /// How late thrust begins and ends, s.
+    pub late_s: [f64; 2],
+    pub overlap: Option<Overlap>,
+}
+
+impl From<Conversion> for Transform {
+    fn from(conversion: Conversion) -> Self {
+        Self::of(&ColumnMap::default(), conversion)
+    }
+}
+
+impl Transform {
+    /// What a map declares of a column beside its conversion.
+    pub fn of(map: &ColumnMap, conversion: Conversion) -> Self {
+        let invalid = map.invalid.iter();
+        Self {
+            conversion,
+            invalid: invalid.map(|t| (t.clone(), t.parse().ok())).collect(),
+            signed_range: map.signed_range,
+            wraps_at: map.wraps_at.map(|step| conversion.size(step)),
+            increments: map.increments,
+            late_s: [map.opens_late_s, map.closes_late_s].map(|s| s.unwrap_or(0.0)),
+            overlap: map.overlap,
+        }
+    }
+
+    /// Parses and converts the text of a cell.
+    pub fn cell(&self, text: &[u8]) -> Result<Cell, InvalidNumber> {
+        let is_text = |(own, _): &(String, _)| own.as_bytes() == text.trim_ascii();
+        if self.invalid.iter().any(is_text) {
+            return Ok(Cell::Empty);
+        }
+        let flag = self.conversion.flag(text);
+        flag.unwrap_or_else(|| number::parse(text).map(|cell| self.number(cell)))
+    }
+
+    /// Converts a parsed cell.
+    pub fn number(&self, cell: Cell) -> Cell {
+        let Cell::Number(x) = cell else { return cell };
+        if self.invalid.iter().any(|(_, own)| *own == Some(x)) {
+            return Cell::Empty;
+        }
+        let own = match self.signed_range {
+            Some(range) if x >= 0.5 * range => x - range,
+            _ => x,
+        };
+        self.conversion.number(Cell::Number(own))
+    }
+
+    /// Continues samples across the places where they begin anew.
+    pub fn continue_across_jumps(&self, values: &mut [f64]) {
+        let Some(period) = self.wraps_at else { return };
+        let mut before = f64::NAN;
+        for x in values.iter_mut().filter(|x| !x.is_nan()) {
+            let turns = ((*x - before) / period).round();
+            if turns.abs() >= 1.0 {
+                *x -= turns * period;
+            }
+            before = *x;
+        }
     }
 }
 
@@ -73,7 +151,7 @@ mod tests {
         };
         let degrees = Conversion::of(&map, parse_unit("deg").ok());
         // -(2 * 3 + 0.5) deg.
-        let Ok(Cell::Number(angle)) = degrees.cell(b"3") else {
+        let Ok(Cell::Number(angle)) = Transform::from(degrees).cell(b"3") else {
             panic!()
         };
         assert!((angle + 6.5_f64.to_radians()).abs() < 1e-15);
@@ -82,7 +160,7 @@ mod tests {
             ..ColumnMap::default()
         };
         assert_eq!(
-            Conversion::of(&encoder, None).cell(b"1024"),
+            Transform::from(Conversion::of(&encoder, None)).cell(b"1024"),
             Ok(Cell::Number(TAU / 4.0))
         );
     }
@@ -93,7 +171,7 @@ mod tests {
             nominal_N: Some(0.9),
             ..ColumnMap::default()
         };
-        let flag = Conversion::of(&map, None);
+        let flag = Transform::from(Conversion::of(&map, None));
         for (text, force) in [("1", 0.9), ("ON", 0.9), ("0", 0.0), ("closed", 0.0)] {
             assert_eq!(
                 flag.cell(text.as_bytes()),

@@ -5,7 +5,7 @@ use crate::columns::Columns;
 use crate::csv_rows::{CsvRows, Row};
 use crate::error::shown;
 use crate::intake::Intake;
-use crate::number::RawCell;
+use crate::number::{self, Cell, RawCell};
 use crate::packing::{Packing, damaged};
 use crate::plan::{self, Plan};
 use crate::selection::WhenFull;
@@ -25,10 +25,26 @@ pub(crate) fn read(
 ) -> Result<(Plan, Columns), Faults> {
     let (text, rows) = unpacked(path, opened)?;
     let layout = options.map.for_file(path).layout;
-    let above = layout.header_row.unwrap_or(1).saturating_sub(1);
-    let bytes = TextBytes::new(text, above);
-    let mut reader = CsvRows::new(bytes, layout.delimiter.unwrap_or(b','), layout.comment);
-    let (header, units) = headers(path, &mut reader, (above, layout, options))?;
+    let delimiter = layout.delimiter.unwrap_or(b',');
+    let named = match layout.header_row {
+        Some(line) => Some(named_header(
+            path,
+            opened,
+            line,
+            (delimiter, options.encoding),
+        )?),
+        None => None,
+    };
+    let above = named.as_ref().map_or(0, |n| n.lines);
+    let mut reader = CsvRows::new(TextBytes::new(text, above), delimiter, layout.comment);
+    let header = match named {
+        Some(named) => named.header,
+        None => header(path, &mut reader, (layout, options))?,
+    };
+    let units = match layout.units_row {
+        Some(true) => units(path, &mut reader, (above, options))?,
+        _ => None,
+    };
     let plan = plan::build(path, &header, units.as_deref(), options)?;
     let mut intake = Intake::new(path, &plan, options);
     if full.is_none() {
@@ -107,40 +123,86 @@ fn unpacked(path: &Path, opened: &Opened) -> Result<(Box<dyn Read>, Rows), Fault
     Ok((text, rows))
 }
 
-/// Header row, and the row of units where there is one.
-fn headers(
+/// A header at a line that the map names.
+struct NamedHeader {
+    header: Vec<String>,
+    /// Lines up to its end.
+    lines: u64,
+}
+
+/// The header in a line, behind a sign of a comment; without a header, the numbers of the columns.
+fn named_header(
+    path: &Path,
+    opened: &Opened,
+    line: u64,
+    (delimiter, encoding): (u8, Encoding),
+) -> Result<NamedHeader, Faults> {
+    let (text, _) = unpacked(path, opened)?;
+    let above = line.saturating_sub(1);
+    let mut reader = CsvRows::new(TextBytes::new(text, above), delimiter, None);
+    let Some(row) = readable(path, reader.next_whole_row())? else {
+        return Err(empty(path));
+    };
+    if line == 0 {
+        let header = (1..=row.len).map(|k| k.to_string()).collect();
+        return Ok(NamedHeader { header, lines: 0 });
+    }
+    let mut header = header_of(path, above + row.line, &row, encoding)?;
+    if let Some(first) = header.first_mut() {
+        *first = first.trim_start_matches(SIGNS).trim().to_owned();
+        if first.is_empty() {
+            header.remove(0);
+        }
+    }
+    let lines = above + reader.lines();
+    Ok(NamedHeader { header, lines })
+}
+
+/// Signs of a comment.
+const SIGNS: [char; 3] = ['#', '%', '!'];
+
+fn empty(path: &Path) -> Faults {
+    Faults::one(
+        "E0205",
+        Place::file(path),
+        "the file is empty",
+        "begin it with a header row",
+    )
+}
+
+/// The header of a file in which no line is named.
+fn header(
     path: &Path,
     reader: &mut CsvRows<impl Read>,
-    (above, layout, options): (u64, Layout, &ReadOptions),
-) -> Result<(Vec<String>, Option<Vec<String>>), Faults> {
+    (layout, options): (Layout, &ReadOptions),
+) -> Result<Vec<String>, Faults> {
     let Some(row) = readable(path, reader.next_whole_row())? else {
-        return Err(Faults::one(
-            "E0205",
-            Place::file(path),
-            "the file is empty",
-            "begin it with a header row",
-        ));
+        return Err(empty(path));
     };
-    let header_line = above + row.line;
-    let header = header_of(path, header_line, &row, options.encoding)?;
+    let line = row.line;
+    let header = header_of(path, line, &row, options.encoding)?;
     if let Some(first) = no_header(&header, layout.comment) {
         return Err(Faults::one(
             "E0205",
-            Place::row(path, header_line),
+            Place::row(path, line),
             format!("the first row begins with '{first}'"),
             format!(
-                "write [telemetry] comment = \"{first}\" if such lines are comments, or header_row = N for a header in line N"
+                "write [telemetry] header_row = {line} if it has the names, header_row = N for a header in line N, or comment = \"{first}\" if such lines are comments"
             ),
         ));
     }
-    if layout.units_row != Some(true) {
-        return Ok((header, None));
-    }
-    let units = match readable(path, reader.next_whole_row())? {
-        Some(row) => Some(header_of(path, above + row.line, &row, options.encoding)?),
-        None => None,
-    };
-    Ok((header, units))
+    Ok(header)
+}
+
+/// The row of units below the header.
+fn units(
+    path: &Path,
+    reader: &mut CsvRows<impl Read>,
+    (above, options): (u64, &ReadOptions),
+) -> Result<Option<Vec<String>>, Faults> {
+    let row = readable(path, reader.next_whole_row())?;
+    row.map(|row| header_of(path, above + row.line, &row, options.encoding))
+        .transpose()
 }
 
 /// Adds one data row to the columns; on error part of the row may have been added.
@@ -164,16 +226,26 @@ fn take_row(
         };
         return Err(Faults::one("E0204", Place::row(path, row), problem, advice));
     }
-    if !intake.keeps(row, |index| RawCell::Text(record.cell(index)))? {
+    let number_of = |cell| number::with_point(cell, plan.decimal_comma);
+    let time = number_of(record.cell(plan.time_index));
+    let cell = |index: usize| match index == plan.time_index {
+        true => &*time,
+        false => record.cell(index),
+    };
+    if !intake.keeps(row, |index| RawCell::Text(cell(index)))? {
         return Ok(());
     }
     for (k, channel) in plan.channels.iter().enumerate() {
-        let cell = record.cell(channel.index);
-        let value = channel.conversion.cell(cell);
-        let value = value.map_err(|why| {
-            let place = Place::cell(path, row, &channel.column);
-            why.fault(place, cell, channel.index == plan.time_index)
-        })?;
+        let value = match intake.columns.reads(k, channel.choice) {
+            false => Cell::Empty,
+            true => {
+                let cell = number_of(record.cell(channel.index));
+                channel.transform.cell(&cell).map_err(|why| {
+                    let place = Place::cell(path, row, &channel.column);
+                    why.fault(place, &cell, channel.index == plan.time_index)
+                })?
+            }
+        };
         intake.columns.push(k, row, value);
     }
     Ok(())
@@ -223,7 +295,7 @@ fn header_of(
 /// The character that says that the first row is not a header.
 fn no_header(header: &[String], comment: Option<u8>) -> Option<char> {
     let first = header.first()?.chars().next()?;
-    let usual = matches!(first, '#' | '%' | '!');
+    let usual = SIGNS.contains(&first);
     (usual && comment.is_none()).then_some(first)
 }
 

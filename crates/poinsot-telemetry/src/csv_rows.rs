@@ -75,6 +75,11 @@ impl<R: Read> CsvRows<R> {
         }
     }
 
+    /// How many lines were read.
+    pub fn lines(&self) -> u64 {
+        self.line - 1
+    }
+
     /// Whether the last byte read ends a line.
     pub fn ends_a_line(&self) -> bool {
         self.bytes.ends_a_line()

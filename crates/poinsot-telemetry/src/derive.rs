@@ -2,11 +2,11 @@
 #![allow(non_snake_case)]
 
 use crate::columns::Columns;
-use crate::conversion::Conversion;
+use crate::conversion::{Conversion, Transform};
 use crate::error::map_of;
 use crate::instant::EARTH_RATE;
 use crate::plan::{Group, Plan, PlannedChannel};
-use crate::{AttitudeForm, Sense, classify};
+use crate::{AttitudeForm, Order, Sense, classify};
 use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 use poinsot_files::{Faults, Place, rounded};
 use std::path::Path;
@@ -47,6 +47,10 @@ pub(crate) fn derive(
     for ((k, group), mut parts) in plan.groups.iter().enumerate().zip(parts) {
         parts.sort_by_key(|p| p.0);
         let parts: Vec<Vec<f64>> = parts.into_iter().map(|p| p.1).collect();
+        // Every part, or no row has any of them.
+        if parts.is_empty() {
+            continue;
+        }
         let first = plan
             .channels
             .iter()
@@ -66,13 +70,13 @@ pub(crate) fn derive(
         };
         for (name, value) in names.iter().zip(made) {
             let Some(name) = classify(name) else { continue };
-            let conversion = Conversion::Linear(1.0, 0.0);
             channels.push(PlannedChannel {
                 index,
                 column: column.to_owned(),
                 name,
-                conversion,
+                transform: Transform::from(Conversion::Linear(1.0, 0.0)),
                 part: None,
+                choice: None,
             });
             values.push(value);
             nan_cells.push((0, 0));
@@ -101,6 +105,24 @@ fn attitude(
     sense: Sense,
 ) -> Result<Vec<Vec<f64>>, Faults> {
     let mut out = vec![Vec::new(); 4];
+    // The inverse rotation has the negative vector part.
+    let sign = if sense == Sense::InertialToBody {
+        -1.0
+    } else {
+        1.0
+    };
+    if let AttitudeForm::Quaternion(order) = form {
+        let places = match order {
+            Order::Xyzw => [0, 1, 2, 3],
+            Order::Wxyz => [1, 2, 3, 0],
+        };
+        let component = |(axis, place): (usize, usize)| {
+            let cells = parts.get(place).into_iter().flatten();
+            let sign = if axis < 3 { sign } else { 1.0 };
+            cells.map(|x| sign * x).collect()
+        };
+        return Ok(places.into_iter().enumerate().map(component).collect());
+    }
     for (k, line) in rows.iter().enumerate() {
         let q = match form {
             AttitudeForm::Matrix => match row::<9>(parts, k) {
@@ -116,6 +138,17 @@ fn attitude(
             },
             AttitudeForm::Euler(axes) => row::<3>(parts, k).map(|a| euler(axes, a)),
             AttitudeForm::Mrp => row::<3>(parts, k).map(mrp),
+            AttitudeForm::VectorPart => match row::<3>(parts, k).map(with_scalar) {
+                Some(None) => {
+                    return Err(Faults::one(
+                        "E0214",
+                        Place::cell(path, *line, column),
+                        "the vector part of the quaternion is longer than 1",
+                        "correct the row, or the scale of the columns",
+                    ));
+                }
+                q => q.flatten(),
+            },
             AttitudeForm::Quaternion(_) => None,
         };
         let q = q.map(|q| match sense {
@@ -152,6 +185,14 @@ fn euler(axes: [usize; 3], angles: [f64; 3]) -> UnitQuaternion<f64> {
         )
     });
     turns.fold(UnitQuaternion::identity(), |q, turn| q * turn)
+}
+
+/// The quaternion with this vector part and a scalar part that is not negative; `None` beyond rounding of length one.
+fn with_scalar(v: [f64; 3]) -> Option<UnitQuaternion<f64>> {
+    let v = Vector3::from(v);
+    let square = 1.0 - v.norm_squared();
+    let q = Quaternion::new(square.max(0.0).sqrt(), v.x, v.y, v.z);
+    (square > -ORTHONORMAL).then(|| UnitQuaternion::new_normalize(q))
 }
 
 /// The quaternion of modified Rodrigues parameters (Schaub and Junkins, 4th ed., eq. 3.144).

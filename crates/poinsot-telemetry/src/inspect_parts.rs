@@ -78,8 +78,10 @@ fn in_parts(
     unused: &mut plan::Unused,
 ) -> Result<Inspection, Faults> {
     let mut repairs = Vec::new();
-    let map = options.map.for_file(path);
-    let passed_over = map.columns.iter().filter(|c| !c.rows.is_empty()).count();
+    let mut map = options.map.for_file(path);
+    let all = map.columns.len();
+    map.columns.retain(|c| c.rows.is_empty());
+    let passed_over = all - map.columns.len();
     if passed_over > 0 {
         repairs.push(format!(
             "{}: {passed_over} channels with a row selection are skipped in a file of this size",
@@ -88,7 +90,7 @@ fn in_parts(
     }
     let options = &ReadOptions {
         map: TelemetryMap {
-            all: map.passes().into_iter().next().unwrap_or_default(),
+            all: map,
             files: Vec::new(),
         },
         ..options.clone()

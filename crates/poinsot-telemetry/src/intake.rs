@@ -26,7 +26,7 @@ impl<'a> Intake<'a> {
             plan,
             clock: plan.clock.clone(),
             selection: Selection::new(options),
-            columns: Columns::with_channels(plan.channels.len()),
+            columns: Columns::new(plan.channels.len(), plan.choices.len()),
         }
     }
 
@@ -52,11 +52,22 @@ impl<'a> Intake<'a> {
         for (k, (index, text)) in plan.filter.iter().enumerate() {
             let found = cell(*index).text();
             if k == 0 {
-                self.columns.saw(&String::from_utf8_lossy(&found));
+                self.columns.saw(0, &found);
             }
             if *found != *text.as_bytes() {
                 return Ok(false);
             }
+        }
+        let mut chosen = Vec::new();
+        for (k, choice) in plan.choices.iter().enumerate() {
+            let fits = |(index, text): &(usize, String)| *cell(*index).text() == *text.as_bytes();
+            if let Some((index, _)) = choice.last() {
+                self.columns.saw(k + 1, &cell(*index).text());
+            }
+            chosen.push(choice.iter().all(fits));
+        }
+        if plan.chooses_all() && !chosen.contains(&true) {
+            return Ok(false);
         }
         let time = cell(plan.time_index);
         let seconds = self.clock.seconds(time, plan.week_index.map(&cell));
@@ -69,8 +80,14 @@ impl<'a> Intake<'a> {
             )
         })?;
         let time_s = time_s.or_nan();
-        let keeps = self.selection.keeps(time_s, self.columns.origin);
+        let origin = self.columns.origin;
+        let every_row = !plan.chooses_all();
+        let keeps = self
+            .selection
+            .keeps((time_s, origin), every_row, &mut chosen);
         if keeps {
+            let lists = self.columns.chosen.iter_mut().zip(chosen);
+            lists.for_each(|(list, chosen)| list.push(chosen));
             self.columns.time_s.push(time_s);
             self.columns.rows.push(row);
         }

@@ -43,7 +43,7 @@
 //!   cells of a text.
 //! - `map.rs`, `map_faults.rs`: the `[telemetry]` table. `plan.rs`: which column becomes which channel.
 //! - `clock.rs`, `instant.rs`: exact dates and counts.
-//! - `conversion.rs`, `derive.rs`, `mounting.rs`: conversion to SI and body axes.
+//! - `conversion.rs`, `derive.rs`, `mounting.rs`, `orbital.rs`: conversion to SI, body axes and inertial axes.
 //! - `channel_name.rs`: standard names. `unit.rs`: units and factors.
 //! - `time_base.rs`, `quaternion.rs`: checks.
 //! - `conventions.rs`, `hypothesis.rs`, `rate_pairs.rs`: attitude against gyro under every convention of both.
@@ -85,6 +85,7 @@ mod mounting;
 mod noise;
 mod number;
 mod options;
+mod orbital;
 mod packing;
 #[cfg(feature = "parquet")]
 mod parquet_bytes;
@@ -122,8 +123,8 @@ pub use inspect::{ChannelSummary, Inspection, inspect};
 pub use inspect_parts::inspect_files;
 pub use instant::{Origin, Scale};
 pub use map::{
-    AttitudeForm, AttitudeMap, ColumnMap, FileMap, Layout, OrbitMap, TelemetryMap, TimeFormat,
-    TimeMap,
+    AttitudeForm, AttitudeMap, ColumnMap, FileMap, Layout, OrbitMap, OrbitalMap, Overlap,
+    TelemetryMap, TimeFormat, TimeMap,
 };
 pub use map_faults::{MapFault, map_faults};
 pub use median::median_step;

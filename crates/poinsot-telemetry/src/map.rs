@@ -27,6 +27,8 @@ pub struct FileMap {
     pub attitude: Vec<AttitudeMap>,
     /// Position of the vehicle on its orbit.
     pub orbit: Option<OrbitMap>,
+    /// Attitudes that are relative to the orbital frame.
+    pub orbital: Option<OrbitalMap>,
     /// Only rows in which each of these columns holds exactly this text are kept.
     pub row_filter: Vec<(String, String)>,
 }
@@ -38,13 +40,16 @@ pub struct Layout {
     pub delimiter: Option<u8>,
     /// Lines that start with this character are comments; default: none.
     pub comment: Option<u8>,
-    /// Line of the header row, from 1; earlier lines are skipped.
+    /// Line of the header row, from 1; earlier lines are skipped. 0: there is none, and the columns are named 1, 2, 3 and so on.
     pub header_row: Option<u64>,
     /// Whether the row below the header holds the units.
     pub units_row: Option<bool>,
+    /// Whether numbers have a decimal comma.
+    pub decimal_comma: Option<bool>,
 }
 
-/// A column that is not a standard name in SI, and its channel: `sign * (scale * x + offset)` in its unit.
+/// A column that is not a standard name in SI, and its channel: `sign * (scale * x + offset)` in its unit, where x is the cell
+/// after [`Self::invalid`], [`Self::signed_range`] and [`Self::wraps_at`].
 #[derive(Debug, Clone, PartialEq, Default)]
 #[allow(non_snake_case)]
 pub struct ColumnMap {
@@ -67,9 +72,48 @@ pub struct ColumnMap {
     pub nominal_N: Option<f64>,
     /// Only rows in which each of these columns holds exactly this text; empty for all rows.
     pub rows: Vec<(String, String)>,
+    /// Texts or numbers that mean that there is no sample.
+    pub invalid: Vec<String>,
+    /// The column counts modulo this range, and its upper half are the negative numbers, as of a two's complement read as
+    /// unsigned.
+    pub signed_range: Option<f64>,
+    /// The column begins anew at this value: its samples are continued across the jump.
+    pub wraps_at: Option<f64>,
+    /// Values are increments since the sample before, in the unit of the integral: the channel is their mean rate.
+    pub increments: bool,
+    /// Time from a command to the thrust, s.
+    pub opens_late_s: Option<f64>,
+    /// Time from the end of a command to the end of the thrust, s.
+    pub closes_late_s: Option<f64>,
+    /// What a pulse means that begins before the one before it ends; `None`: such pulses are refused.
+    pub overlap: Option<Overlap>,
+}
+
+/// What a pulse means that begins before the one before it ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[schemars(rename = "OverlapFile")]
+pub enum Overlap {
+    /// The valve is open until both have ended.
+    Merged,
+    /// It takes the place of the one before.
+    Replaced,
 }
 
 impl ColumnMap {
+    /// A column of a group, whose unit is that of the group.
+    pub fn part(column: &str) -> Self {
+        Self {
+            column: column.to_owned(),
+            ..Self::default()
+        }
+    }
+
+    /// Whether the values are changed beyond their unit.
+    pub fn is_changed(&self) -> bool {
+        self.scale.or(self.offset).or(self.sign).is_some()
+    }
+
     /// A column in a unit.
     pub fn new(channel: &str, column: &str, unit: &str) -> Self {
         Self {
@@ -125,8 +169,8 @@ pub struct AttitudeMap {
     pub sensor: String,
     /// Form.
     pub form: AttitudeForm,
-    /// Columns, in the order of the form.
-    pub columns: Vec<String>,
+    /// Columns, in the order of the form; their channel is empty.
+    pub columns: Vec<ColumnMap>,
     /// Direction of the rotation.
     pub sense: Sense,
     /// Unit of Euler angles; `None`: from the units row.
@@ -148,6 +192,8 @@ impl AttitudeMap {
 pub enum AttitudeForm {
     /// Hamilton quaternion.
     Quaternion(Order),
+    /// The vector part of a quaternion whose scalar part is not negative.
+    VectorPart,
     /// Rotation matrix, row by row.
     Matrix,
     /// Intrinsic angles about these axes (0, 1, 2).
@@ -162,9 +208,18 @@ impl AttitudeForm {
         match self {
             Self::Quaternion(_) => 4,
             Self::Matrix => 9,
-            Self::Euler(_) | Self::Mrp => 3,
+            Self::Euler(_) | Self::Mrp | Self::VectorPart => 3,
         }
     }
+}
+
+/// Attitudes relative to the orbital frame of a circular orbit: x along the velocity, z down.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OrbitalMap {
+    /// Rate of the frame, about its -y axis, rad/s.
+    pub rate_rad_s: f64,
+    /// Whether angular velocities are relative to it too.
+    pub rates: bool,
 }
 
 /// Position relative to the centre of the attracting body.
@@ -216,61 +271,39 @@ impl FileMap {
         all.comment = own.comment.or(all.comment);
         all.header_row = own.header_row.or(all.header_row);
         all.units_row = own.units_row.or(all.units_row);
+        all.decimal_comma = own.decimal_comma.or(all.decimal_comma);
         self.time = more.time.clone().or(self.time.take());
         self.columns.extend(more.columns.iter().cloned());
         self.attitude.extend(more.attitude.iter().cloned());
         self.orbit = more.orbit.clone().or(self.orbit.take());
+        self.orbital = more.orbital.or(self.orbital);
         self.row_filter.extend(more.row_filter.iter().cloned());
-    }
-
-    /// Splits the map into passes with one row filter each: first the columns of all rows, then one pass per filter.
-    pub(crate) fn passes(&self) -> Vec<Self> {
-        let mut passes = vec![Self {
-            columns: Vec::new(),
-            ..self.clone()
-        }];
-        let mut choices: Vec<&[(String, String)]> = vec![&[]];
-        for column in &self.columns {
-            let own = choices.iter().position(|rows| *rows == column.rows);
-            let own = own.unwrap_or_else(|| {
-                choices.push(&column.rows);
-                let row_filter = [self.row_filter.as_slice(), &column.rows].concat();
-                passes.push(Self {
-                    layout: self.layout,
-                    time: self.time.clone(),
-                    row_filter,
-                    ..Self::default()
-                });
-                passes.len() - 1
-            });
-            if let Some(pass) = passes.get_mut(own) {
-                pass.columns.push(column.clone());
-            }
-        }
-        passes
     }
 
     /// Every column that selects rows, with its text.
     pub(crate) fn filters(&self) -> impl Iterator<Item = &(String, String)> {
-        let own = self.columns.iter().flat_map(|c| &c.rows);
+        let parts = self.attitude.iter().flat_map(|a| &a.columns);
+        let own = self.columns.iter().chain(parts).flat_map(|c| &c.rows);
         self.row_filter.iter().chain(own)
     }
 
-    /// Every column named in the map, with its purpose.
-    pub(crate) fn named(&self) -> Vec<(String, String)> {
-        let own = self.columns.iter();
-        let mut all: Vec<(String, String)> =
-            own.map(|c| (c.channel.clone(), c.column.clone())).collect();
+    /// Every column named in the map, with its purpose as the channel.
+    pub(crate) fn named(&self) -> Vec<ColumnMap> {
+        let of = |channel: &str, column: &ColumnMap| ColumnMap {
+            channel: channel.to_owned(),
+            ..column.clone()
+        };
+        let mut all = self.columns.clone();
         let time = self.time.iter();
         let time = time.flat_map(|t| std::iter::once(&t.column).chain(&t.week));
-        all.extend(time.map(|c| ("time".to_owned(), c.clone())));
+        all.extend(time.map(|c| of("time", &ColumnMap::part(c))));
         for attitude in &self.attitude {
             let name = crate::full_name(&attitude.sensor, "attitude");
-            all.extend(attitude.columns.iter().map(|c| (name.clone(), c.clone())));
+            all.extend(attitude.columns.iter().map(|c| of(&name, c)));
         }
         let orbit = self.orbit.iter();
         let orbit = orbit.flat_map(|o| o.position.iter().chain(o.velocity.iter().flatten()));
-        all.extend(orbit.map(|c| ("orbit".to_owned(), c.clone())));
+        all.extend(orbit.map(|c| of("orbit", &ColumnMap::part(c))));
         all
     }
 }

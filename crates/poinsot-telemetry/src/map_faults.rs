@@ -102,18 +102,16 @@ pub fn map_faults(map: &TelemetryMap) -> Vec<MapFault> {
 /// Finds a column used for two channels.
 fn column_twice(map: &FileMap) -> Option<(Vec<String>, String, Wrong)> {
     let mut seen: HashMap<_, String> = HashMap::new();
-    for (channel, column) in map.named() {
-        // Two channels may share a column if each has its own row filter.
-        let mut columns = map.columns.iter();
-        let rows = columns.find(|c| c.channel == channel && c.column == column);
-        let rows = rows.map(|c| c.rows.clone()).unwrap_or_default();
+    // Two channels may share a column if each has its own row filter, or one says by what factor or offset it differs.
+    for own in map.named().into_iter().filter(|c| !c.is_changed()) {
+        let (channel, column, rows) = (own.channel, own.column, own.rows);
         if let Some(first) = seen.insert((column.clone(), rows), channel.clone()) {
             let keys = match map.columns.iter().any(|c| c.channel == channel) {
                 true => vec!["columns".to_owned(), channel.clone()],
                 false => vec![channel.rsplit('.').next().unwrap_or_default().to_owned()],
             };
             let problem = format!("column '{column}' is mapped to '{first}' too");
-            let remedy = "map each column once".to_owned();
+            let remedy = "map each column once; a channel that is the same up to a factor or an offset says so by scale, sign or offset".to_owned();
             return Some((keys, channel, ("E0210", problem, remedy)));
         }
     }
@@ -171,6 +169,8 @@ pub(crate) fn resolve(map: &ColumnMap, units_row: bool) -> Result<Resolved, Refu
     for (key, value) in [
         ("scale", map.scale),
         ("counts_per_revolution", map.counts_per_revolution),
+        ("signed_range", map.signed_range),
+        ("wraps_at", map.wraps_at),
     ] {
         if value == Some(0.0) || value.is_some_and(|x| key != "scale" && x < 0.0) {
             return fault(
@@ -187,8 +187,11 @@ pub(crate) fn resolve(map: &ColumnMap, units_row: bool) -> Result<Resolved, Refu
             "write 1 or -1; scale is for other factors",
         );
     }
+    if let Some(wrong) = misplaced(map, &name) {
+        return Err(wrong);
+    }
     let time = name.quantity == Quantity::Time;
-    let changed = map.scale.or(map.offset).or(map.sign).is_some();
+    let changed = map.is_changed();
     if time && (changed || map.counts_per_revolution.or(map.nominal_N).is_some()) {
         return fault(
             "",
@@ -212,9 +215,49 @@ pub(crate) fn resolve(map: &ColumnMap, units_row: bool) -> Result<Resolved, Refu
         );
         return fault("", "there is no unit".to_owned(), &remedy);
     };
-    match unit_of(unit, name.dimension) {
+    let measures = match map.increments {
+        true => integral(name.dimension).unwrap_or(name.dimension),
+        false => name.dimension,
+    };
+    match unit_of(unit, measures) {
         Ok(unit) => Ok((name, Some(unit))),
         Err(wrong) => Err(("unit", wrong)),
+    }
+}
+
+/// Dimension of the increments of a rate.
+fn integral(rate: Dimension) -> Option<Dimension> {
+    match rate {
+        Dimension::AngularVelocity => Some(Dimension::Angle),
+        Dimension::AngularAcceleration => Some(Dimension::AngularVelocity),
+        Dimension::Velocity => Some(Dimension::Length),
+        Dimension::Acceleration => Some(Dimension::Velocity),
+        _ => None,
+    }
+}
+
+/// A key that the channel cannot have.
+fn misplaced(map: &ColumnMap, name: &ChannelName) -> Option<Refused> {
+    let fault = |key, problem: &str, remedy: &str| {
+        Some((key, ("E0212", problem.to_owned(), remedy.to_owned())))
+    };
+    if map.increments && integral(name.dimension).is_none() {
+        let problem = "only a rate has increments";
+        return fault("increments", problem, "remove it, or map the rate");
+    }
+    if name.dimension == Dimension::Force {
+        return None;
+    }
+    let (remedy, problem) = ("remove it", "only a thruster has a valve");
+    if map.opens_late_s.is_some() {
+        return fault("opens_late_s", problem, remedy);
+    }
+    if map.closes_late_s.is_some() {
+        return fault("closes_late_s", problem, remedy);
+    }
+    match map.overlap {
+        Some(_) => fault("overlap", problem, remedy),
+        None => None,
     }
 }
 
@@ -282,13 +325,35 @@ fn attitude_fault(map: &AttitudeMap, units_row: bool) -> Option<Wrong> {
         );
         return fault(problem, "name them in their order");
     }
+    let euler = matches!(map.form, Euler(_));
+    let odd = |c: &&ColumnMap| {
+        let thrust = c.nominal_N.or(c.opens_late_s).or(c.closes_late_s).is_some();
+        let unit = c.unit.is_some() || c.counts_per_revolution.is_some();
+        thrust || c.overlap.is_some() || c.increments || (unit && !euler)
+    };
+    if let Some(column) = map.columns.iter().find(odd) {
+        let problem = format!(
+            "'{}' has a key that no column of an attitude has",
+            column.column
+        );
+        return fault(problem, "remove it");
+    }
+    if let Some(Err(wrong)) = map
+        .columns
+        .iter()
+        .filter_map(|c| c.unit.as_ref())
+        .map(|unit| unit_of(unit, Dimension::Angle))
+        .find(Result::is_err)
+    {
+        return Some(wrong);
+    }
     match (map.form, &map.unit) {
         (Euler([a, b, c]), _) if a == b || b == c => fault(
             "two turns in a row are about one axis".to_owned(),
             "correct the sequence, for example \"ZYX\"",
         ),
         (Euler(_), Some(unit)) => unit_of(unit, Dimension::Angle).err(),
-        (Euler(_), None) if !units_row => fault(
+        (Euler(_), None) if !units_row && map.columns.iter().any(|c| c.unit.is_none()) => fault(
             "the angles have no unit".to_owned(),
             "write unit = \"deg\" or another angle",
         ),

@@ -153,10 +153,11 @@ pub(crate) fn read(
         };
         for row in &kept {
             let cell = match values.get(*row) {
-                Some(x) if !x.is_nan() => Cell::Number(*x),
+                Some(x) if !x.is_nan() && intake.columns.reads(k, channel.choice) => {
+                    channel.transform.number(Cell::Number(*x))
+                }
                 _ => Cell::Empty,
             };
-            let cell = channel.conversion.number(cell);
             intake.columns.push(k, *row as u64 + 1, cell);
         }
     }

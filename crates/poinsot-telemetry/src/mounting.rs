@@ -77,26 +77,34 @@ pub fn mount(table: &mut Table, mountings: &[Mounting]) {
 }
 
 fn turn(channels: &mut [Channel], places: &[usize], mounting: &Mounting) {
-    let Some((times, mut rows)) = complete_rows(channels, places) else {
-        return;
-    };
     let R_BS = mounting.rotation();
     let R = Rotation3::from_matrix_unchecked(R_BS);
     // R_NB = R_NS R_SB, and alike for an attitude seen from another body.
     let back = UnitQuaternion::from_rotation_matrix(&R).inverse();
-    for row in &mut rows {
-        match row.as_mut_slice() {
-            [x, y, z, w] => {
-                let q = UnitQuaternion::new_unchecked(Quaternion::new(*w, *x, *y, *z)) * back;
-                (*x, *y, *z, *w) = (q.i, q.j, q.k, q.w);
-            }
-            [x, y, z] => {
-                let v = R_BS * Vector3::new(*x, *y, *z);
-                (*x, *y, *z) = (v.x, v.y, v.z);
-            }
-            _ => {}
+    each_row(channels, places, |_, row| match row {
+        [x, y, z, w] => {
+            let q = UnitQuaternion::new_unchecked(Quaternion::new(*w, *x, *y, *z)) * back;
+            (*x, *y, *z, *w) = (q.i, q.j, q.k, q.w);
         }
-    }
+        [x, y, z] => {
+            let v = R_BS * Vector3::new(*x, *y, *z);
+            (*x, *y, *z) = (v.x, v.y, v.z);
+        }
+        _ => {}
+    });
+}
+
+/// Changes the samples of channels that belong together, at each time at which all of them have one.
+pub(crate) fn each_row(
+    channels: &mut [Channel],
+    places: &[usize],
+    mut change: impl FnMut(f64, &mut [f64]),
+) {
+    let Some((times, mut rows)) = complete_rows(channels, places) else {
+        return;
+    };
+    let all = times.iter().zip(&mut rows);
+    all.for_each(|(time, row)| change(*time, row));
     for (k, place) in places.iter().enumerate() {
         if let Some(channel) = channels.get_mut(*place) {
             channel.time_s = Arc::clone(&times);

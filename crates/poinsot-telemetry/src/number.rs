@@ -128,6 +128,19 @@ pub(crate) fn parse(cell: &[u8]) -> Result<Cell, InvalidNumber> {
     }
 }
 
+/// A number whose decimal comma is a point; other text as it is.
+pub(crate) fn with_point(cell: &[u8], decimal_comma: bool) -> Cow<'_, [u8]> {
+    let of_number = |b: &u8| b.is_ascii_digit() || b"+-.,eE \t".contains(b);
+    match decimal_comma && cell.contains(&b',') && cell.iter().all(of_number) {
+        true => Cow::Owned(
+            cell.iter()
+                .map(|b| if *b == b',' { b'.' } else { *b })
+                .collect(),
+        ),
+        false => Cow::Borrowed(cell),
+    }
+}
+
 /// A decimal number in units of 1e-18, truncated; `None` if invalid or out of range.
 pub(crate) fn decimal(cell: &[u8]) -> Option<i128> {
     let text = std::str::from_utf8(cell).ok()?;
@@ -194,7 +207,10 @@ fn cause(cell: &[u8]) -> InvalidNumber {
     let (what, remedy) = if text.contains('\u{2212}') {
         ("has a typographic minus (U+2212)", "write the ASCII '-'")
     } else if digits && text.contains(',') {
-        ("has a decimal comma", "write a point")
+        (
+            "has a decimal comma",
+            "write [telemetry] decimal = \",\" where all numbers have one, or write a point",
+        )
     } else if text.len() > 9 && text.contains(':') && text.contains(['-', '/', 'T']) {
         (
             "is a date",

@@ -7,7 +7,7 @@ use crate::bytes::Opened;
 use crate::columns::Columns;
 use crate::error::{WRITE_AGAIN, parquet};
 use crate::intake::Intake;
-use crate::number::RawCell;
+use crate::number::{Cell, RawCell};
 use crate::parquet_column::{self, Cells, Column, Kind};
 use crate::parquet_pages::{self, is_mismatch};
 use crate::plan::{self, Plan};
@@ -162,7 +162,10 @@ fn take(
     }
     for (k, channel, cells) in channels {
         for &row in &kept {
-            let cell = channel.conversion.number(cells.number(row));
+            let cell = match intake.columns.reads(k, channel.choice) {
+                true => channel.transform.number(cells.number(row)),
+                false => Cell::Empty,
+            };
             intake.columns.push(k, first + row as u64, cell);
         }
     }

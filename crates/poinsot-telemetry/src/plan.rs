@@ -1,13 +1,13 @@
 //! Assigns the columns of a file to channels.
 
 use crate::clock::{Clock, check_time};
-use crate::conversion::Conversion;
+use crate::conversion::{Conversion, Transform};
 use crate::error::{map_of, no_match, twice};
 use crate::map::fits_path;
 use crate::map_faults::resolve;
 use crate::{
-    AttitudeForm, AttitudeMap, ChannelName, ColumnMap, Dimension, FileMap, Order, Quantity,
-    ReadOptions, Sense, TimeFormat, Unit, classify, map_faults, parse_unit, suggest,
+    AttitudeForm, AttitudeMap, ChannelName, ColumnMap, Dimension, FileMap, Quantity, ReadOptions,
+    Sense, TimeFormat, Unit, classify, map_faults, parse_unit, suggest,
 };
 use poinsot_files::{Faults, Place};
 use std::collections::HashSet;
@@ -19,9 +19,11 @@ pub(crate) struct PlannedChannel {
     pub index: usize,
     pub column: String,
     pub name: ChannelName,
-    pub conversion: Conversion,
+    pub transform: Transform,
     /// Group and index in it, if several columns give channels together.
     pub part: Option<(usize, usize)>,
+    /// Which of [`Plan::choices`] has its samples; `None`: every row.
+    pub choice: Option<usize>,
 }
 
 /// Result of a group of columns.
@@ -49,22 +51,30 @@ pub(crate) struct Plan {
     pub channels: Vec<PlannedChannel>,
     pub groups: Vec<Group>,
     /// Filter columns with the required text.
-    pub filter: Vec<(usize, String)>,
+    pub filter: Choice,
+    /// The same of the rows of some channels.
+    pub choices: Vec<Choice>,
     pub ignored: Vec<String>,
     /// Filter columns missing in this file.
     pub missing_filters: Vec<String>,
+    /// Whether numbers have a decimal comma.
+    pub decimal_comma: bool,
 }
 
+/// Columns that have to hold these texts.
+pub(crate) type Choice = Vec<(usize, String)>;
+
 impl Plan {
-    /// Whether this file has a column of a channel and every filter column.
-    pub(crate) fn has_choice(&self) -> bool {
-        !self.channels.is_empty() && self.missing_filters.is_empty()
+    /// Whether every channel has rows of its own.
+    pub(crate) fn chooses_all(&self) -> bool {
+        !self.choices.is_empty() && self.channels.iter().all(|c| c.choice.is_some())
     }
 
     /// The columns that are read.
     pub(crate) fn used_columns(&self) -> impl Iterator<Item = usize> {
         let channels = self.channels.iter().map(|c| c.index);
-        let filter = self.filter.iter().map(|f| f.0);
+        let filters = self.filter.iter().chain(self.choices.iter().flatten());
+        let filter = filters.map(|f| f.0);
         let times = [self.time_index].into_iter().chain(self.week_index);
         channels.chain(filter).chain(times)
     }
@@ -87,7 +97,10 @@ struct Planner<'a> {
     units: Option<&'a [String]>,
     channels: Vec<PlannedChannel>,
     groups: Vec<Group>,
+    choices: Vec<Choice>,
     taken: HashSet<usize>,
+    /// Columns of a joint or wheel that the map gives to others with a factor or an offset; they keep their own channel.
+    shared: HashSet<usize>,
 }
 
 impl Planner<'_> {
@@ -128,11 +141,28 @@ impl Planner<'_> {
         }
     }
 
+    /// The choice of the rows that a map names: `None` for all rows, an error value where the file lacks one of the columns.
+    fn choice(&mut self, rows: &[(String, String)]) -> Result<Option<usize>, ()> {
+        if rows.is_empty() {
+            return Ok(None);
+        }
+        let place = |column: &String| self.header.iter().position(|h| h == column);
+        let found = rows.iter().map(|(c, text)| Some((place(c)?, text.clone())));
+        let found: Choice = found.collect::<Option<_>>().ok_or(())?;
+        self.taken.extend(found.iter().map(|f| f.0));
+        let own = self.choices.iter().position(|c| *c == found);
+        Ok(Some(own.unwrap_or_else(|| {
+            self.choices.push(found);
+            self.choices.len() - 1
+        })))
+    }
+
     fn add(
         &mut self,
         index: usize,
         name: ChannelName,
-        conversion: Conversion,
+        transform: Transform,
+        choice: Option<usize>,
     ) -> Result<(), Faults> {
         let mut alone = self.channels.iter().filter(|c| c.part.is_none());
         if let Some(first) = alone.find(|c| c.name == name) {
@@ -140,12 +170,15 @@ impl Planner<'_> {
             let place = |column: &str| Place::cell(self.path, 0, column);
             return Err(twice(&name.full(), &place(&first.column), &place(column)));
         }
-        self.part(index, name, conversion, None);
+        self.push(index, name, transform, (None, choice));
         Ok(())
     }
 
     /// Assigns one mapped column; returns the clock if it is the time.
     fn column(&mut self, map: &ColumnMap) -> Result<Option<(usize, Clock)>, Faults> {
+        let Ok(choice) = self.choice(&map.rows) else {
+            return Ok(None);
+        };
         let Some(index) = self.find(&map.column) else {
             return Ok(None);
         };
@@ -166,7 +199,12 @@ impl Planner<'_> {
         if let (Quantity::Time, Some(unit)) = (name.quantity, unit) {
             return Ok(Some((index, Clock::own(unit))));
         }
-        self.add(index, name, Conversion::of(map, unit))?;
+        let transform = Transform::of(map, Conversion::of(map, unit));
+        let own = classify(&map.column).filter(|own| !own.subject.is_empty() && *own != name);
+        if own.is_some() && map.is_changed() {
+            self.shared.insert(index);
+        }
+        self.add(index, name, transform, choice)?;
         Ok(None)
     }
 
@@ -202,44 +240,32 @@ impl Planner<'_> {
 
     fn attitude(&mut self, map: &AttitudeMap) -> Result<(), Faults> {
         let label = crate::full_name(&map.sensor, "attitude");
-        let Some(found) = self.columns(&label, &map.columns)? else {
+        let columns: Vec<String> = map.columns.iter().map(|c| c.column.clone()).collect();
+        let choices: Result<Vec<_>, ()> =
+            map.columns.iter().map(|c| self.choice(&c.rows)).collect();
+        let (Ok(choices), Some(found)) = (choices, self.columns(&label, &columns)?) else {
             return Ok(());
         };
         let names = map.names();
-        let component = |name: &String| {
-            classify(name).ok_or_else(|| {
-                self.fault(
-                    &label,
-                    format!("'{}' is no name of a sensor", map.sensor),
-                    "correct it",
-                )
-            })
+        let Some(name) = classify(&names[0]) else {
+            return Err(self.fault(
+                &label,
+                format!("'{}' is no name of a sensor", map.sensor),
+                "correct it",
+            ));
         };
-        let [x, y, z, w] = &names;
-        let [x, y, z, w] = [component(x)?, component(y)?, component(z)?, component(w)?];
-        if let AttitudeForm::Quaternion(order) = map.form {
-            let scalar = w.quantity;
-            let names = match order {
-                Order::Xyzw => [x, y, z, w],
-                Order::Wxyz => [w, x, y, z],
-            };
-            for (index, name) in found.into_iter().zip(names) {
-                // The inverse rotation has the negative vector part.
-                let turned = map.sense == Sense::InertialToBody && name.quantity != scalar;
-                let sign = if turned { -1.0 } else { 1.0 };
-                self.add(index, name, Conversion::Linear(sign, 0.0))?;
-            }
-            return Ok(());
-        }
         let group = self.groups.len();
-        for (place, index) in found.into_iter().enumerate() {
-            let mut name = x.clone();
-            let mut conversion = Conversion::Linear(1.0, 0.0);
+        let parts = found.into_iter().zip(&map.columns).zip(choices);
+        for (place, ((index, column), choice)) in parts.enumerate() {
+            let mut name = name.clone();
+            let mut unit = None;
             if matches!(map.form, AttitudeForm::Euler(_)) {
                 name.dimension = Dimension::Angle;
-                conversion = Conversion::Unit(self.unit(map.unit.as_deref(), index, &name)?);
+                let own = column.unit.as_deref().or(map.unit.as_deref());
+                unit = Some(self.unit(own, index, &name)?);
             }
-            self.part(index, name, conversion, Some((group, place)));
+            let transform = Transform::of(column, Conversion::of(column, unit));
+            self.push(index, name, transform, (Some((group, place)), choice));
         }
         self.groups.push(Group::Attitude {
             names,
@@ -249,19 +275,21 @@ impl Planner<'_> {
         Ok(())
     }
 
-    fn part(
+    /// Adds a channel that is a part of a group, or has rows of its own.
+    fn push(
         &mut self,
         index: usize,
         name: ChannelName,
-        conversion: Conversion,
-        part: Option<(usize, usize)>,
+        transform: impl Into<Transform>,
+        (part, choice): (Option<(usize, usize)>, Option<usize>),
     ) {
         self.channels.push(PlannedChannel {
             index,
             column: self.header.get(index).cloned().unwrap_or_default(),
             name,
-            conversion,
+            transform: transform.into(),
             part,
+            choice,
         });
     }
 
@@ -299,9 +327,9 @@ impl Planner<'_> {
                 match orbit.earth_fixed {
                     true => {
                         let part = Some((group, 3 * k + place));
-                        self.part(index, name, conversion, part);
+                        self.push(index, name, conversion, (part, None));
                     }
-                    false => self.add(index, name, conversion)?,
+                    false => self.add(index, name, conversion.into(), None)?,
                 }
             }
         }
@@ -346,14 +374,24 @@ impl Planner<'_> {
         time: &mut PlannedTime,
     ) -> Result<Vec<String>, Faults> {
         let mut ignored = Vec::new();
-        let filter_columns: HashSet<&str> = map.row_filter.iter().map(|f| f.0.as_str()).collect();
+        // Those of all rows, and those of some channels where this file lacks others of them.
+        let chosen = map.columns.iter().filter(|c| !c.rows.is_empty());
+        let filter_columns: HashSet<&str> = map
+            .filters()
+            .map(|f| f.0.as_str())
+            .chain(chosen.map(|c| c.column.as_str()))
+            .collect();
         for (index, column) in self.header.iter().enumerate() {
-            if self.taken.contains(&index) {
-                continue;
-            }
             let named = |all: &[PlannedChannel], name: &ChannelName| {
                 all.iter().take(mapped).any(|c| c.name == *name)
             };
+            let shares = || {
+                let own = classify(column).filter(|_| self.shared.contains(&index));
+                own.is_some_and(|name| !named(&self.channels, &name))
+            };
+            if self.taken.contains(&index) && !shares() {
+                continue;
+            }
             match classify(column) {
                 Some(name) if name.quantity == Quantity::Time => {
                     if time.is_none() {
@@ -365,7 +403,7 @@ impl Planner<'_> {
                 }
                 Some(name) if is_wanted(&name, options) && !named(&self.channels, &name) => {
                     let unit = self.unit(None, index, &name)?;
-                    self.part(index, name, Conversion::Unit(unit), None);
+                    self.push(index, name, Conversion::Unit(unit), (None, None));
                 }
                 _ if filter_columns.contains(column.as_str()) => {}
                 _ if column.is_empty() => {
@@ -396,7 +434,9 @@ pub(crate) fn build(
         units,
         channels: Vec::new(),
         groups: Vec::new(),
+        choices: Vec::new(),
         taken: HashSet::new(),
+        shared: HashSet::new(),
     };
     let (mut time, week_index) = planner.mapped_time(&map)?;
     for column in &map.columns {
@@ -424,6 +464,7 @@ pub(crate) fn build(
     let Planner {
         mut channels,
         groups,
+        choices,
         ..
     } = planner;
     channels.sort_by_key(|c| c.index);
@@ -436,8 +477,10 @@ pub(crate) fn build(
         channels,
         groups,
         filter,
+        choices,
         ignored,
         missing_filters,
+        decimal_comma: map.layout.decimal_comma == Some(true),
     })
 }
 
@@ -466,7 +509,9 @@ fn check_header(path: &Path, header: &[String]) -> Result<(), Faults> {
         };
         return Err(fault(
             format!("the columns are separated by {delimiter:?}"),
-            format!("write [telemetry] delimiter = \"{name}\", and points in decimal numbers"),
+            format!(
+                "write [telemetry] delimiter = \"{name}\", and decimal = \",\" where numbers have a decimal comma"
+            ),
         ));
     }
     let mut seen = HashSet::new();
@@ -494,9 +539,16 @@ fn no_time(path: &Path, header: &[String]) -> Faults {
         ),
         None => {
             let first: Vec<&str> = header.iter().take(8).map(String::as_str).collect();
+            let no_name = header.iter().all(|name| name.parse::<f64>().is_ok());
+            let advice = match no_name {
+                true => {
+                    "write [telemetry] header_row = 0 where the file has no header: its columns are then \"1\", \"2\" and so on"
+                }
+                false => "run `poinsot inspect FILE`, which proposes a map",
+            };
             (
                 format!("no column 'time_s' among [{}]", first.join(", ")),
-                "run `poinsot inspect FILE`, which proposes a map".to_owned(),
+                advice.to_owned(),
             )
         }
     };
@@ -554,8 +606,14 @@ impl<'a> Unused<'a> {
         }
         for (pattern, map) in &maps {
             let named = map.named();
-            if let Some((channel, column)) = named.iter().find(|n| missing(pattern, &n.1)) {
-                return Err(map_of("E0212", channel, why(column), self.nearest(column)));
+            if let Some(own) = named.iter().find(|n| missing(pattern, &n.column)) {
+                let column = &own.column;
+                return Err(map_of(
+                    "E0212",
+                    &own.channel,
+                    why(column),
+                    self.nearest(column),
+                ));
             }
         }
         Ok(())

@@ -6,14 +6,14 @@ use crate::content_hash::hashed;
 use crate::error::{no_match, no_rows};
 use crate::memory::Spooled;
 use crate::packing::unpacked_name;
-use crate::plan::Plan;
+use crate::plan::{Plan, PlannedChannel};
 use crate::selection::WhenFull;
 use crate::{
     FileMap, Part, ReadOptions, Source, Table, TelemetryMap, assemble, check_conventions,
-    csv_reader, memory, mount, parquet_reader, plan, time_base,
+    csv_reader, memory, mount, orbital, parquet_reader, plan, time_base,
 };
 use poinsot_files::{Faults, Place, as_read};
-use std::collections::{BTreeSet, HashSet};
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 /// Reads the files of one segment into one table.
@@ -73,13 +73,7 @@ pub fn read_parts(parts: &[Part], options: &ReadOptions) -> Result<Table, Faults
         unused: plan::Unused::new(options),
     };
     for part in parts {
-        let mut passes = options.map.for_file(part.path()).passes().into_iter();
-        if let Some(all_rows) = passes.next() {
-            reading.all_rows(part, all_rows)?;
-        }
-        for choice in passes {
-            reading.choice(part, choice)?;
-        }
+        reading.part(part)?;
     }
     let Reading {
         mut table, unused, ..
@@ -87,6 +81,9 @@ pub fn read_parts(parts: &[Part], options: &ReadOptions) -> Result<Table, Faults
     let paths: Vec<PathBuf> = parts.iter().map(|p| p.path().to_owned()).collect();
     unused.check(&paths, &mut table.repairs)?;
     mount(&mut table, &options.mountings);
+    if let Some(map) = &options.map.all.orbital {
+        orbital::to_inertial(&mut table, map);
+    }
     if options.check_conventions {
         check_conventions(&table)?;
     }
@@ -114,17 +111,11 @@ impl Reading<'_> {
         }
     }
 
-    /// Reads the columns without row filter of a source.
-    fn all_rows(&mut self, part: &Part, map: FileMap) -> Result<(), Faults> {
+    /// Reads a source.
+    fn part(&mut self, part: &Part) -> Result<(), Faults> {
         let path = part.path();
-        let options = self.options(map);
-        let chosen = self.options.map.for_file(path);
-        let chosen = chosen.columns.iter().filter(|c| !c.rows.is_empty());
-        let chosen: HashSet<&str> = chosen
-            .flat_map(|c| c.rows.iter().map(|r| &r.0).chain([&c.column]))
-            .map(String::as_str)
-            .collect();
-        let (plan, columns, sha256) = read_part(part, &options, &mut self.table.repairs)?;
+        let options = self.options(self.options.map.for_file(path));
+        let (plan, mut columns, sha256) = read_part(part, &options, &mut self.table.repairs)?;
         check_any_row(path, &plan, &columns, &options)?;
         self.table.origin = columns.origin.or(options.origin);
         self.unused.mark(path, &plan);
@@ -135,7 +126,7 @@ impl Reading<'_> {
             ));
         }
         for name in &plan.ignored {
-            if !self.table.ignored.contains(name) && !chosen.contains(name.as_str()) {
+            if !self.table.ignored.contains(name) {
                 self.table.ignored.push(name.clone());
             }
         }
@@ -156,38 +147,48 @@ impl Reading<'_> {
                 columns.time_s.last().copied().unwrap_or_default(),
             ],
         });
-        // If every channel has its own row filter, several rows may have the same time.
-        if plan.channels.is_empty() && !chosen.is_empty() {
-            return Ok(());
-        }
+        let mut plan = plan;
+        self.without_rows(path, &mut plan, &mut columns);
         self.add(path, &plan, columns, &options)
     }
 
-    /// Reads the columns of one row filter, which may match no row.
-    fn choice(&mut self, part: &Part, map: FileMap) -> Result<(), Faults> {
-        let path = part.path();
-        let options = ReadOptions {
-            wanted: Some(BTreeSet::new()),
-            ..self.options(map)
-        };
-        // Repairs of the file were reported when all rows were read.
-        let (plan, columns, _) = read_part(part, &options, &mut Vec::new())?;
-        if !plan.has_choice() {
-            return Ok(());
+    /// Leaves out the channels for which there is no row.
+    fn without_rows(&mut self, path: &Path, plan: &mut Plan, columns: &mut Columns) {
+        for (k, choice) in plan.choices.iter().enumerate() {
+            if columns
+                .chosen
+                .get(k)
+                .is_some_and(|rows| rows.contains(&true))
+            {
+                continue;
+            }
+            let of_choice = |c: &&PlannedChannel| c.choice == Some(k);
+            let group = |c: &PlannedChannel| Some(c.part?.0);
+            let groups: HashSet<usize> = plan
+                .channels
+                .iter()
+                .filter(of_choice)
+                .filter_map(group)
+                .collect();
+            let own = |c: &PlannedChannel| {
+                c.choice == Some(k) || group(c).is_some_and(|g| groups.contains(&g))
+            };
+            let names = plan.channels.iter().filter(|c| own(c));
+            let names: Vec<String> = names.map(|c| c.name.full()).collect();
+            if let Some((index, text)) = choice.last().filter(|_| !names.is_empty()) {
+                self.table.repairs.push(format!(
+                    "{}: no row has '{text}' in '{}', so there is no {}; the first values there are {}",
+                    path.display(),
+                    plan.header.get(*index).map_or("", String::as_str),
+                    names.join(", "),
+                    columns.seen(k + 1)
+                ));
+            }
+            let keep: Vec<bool> = plan.channels.iter().map(|c| !own(c)).collect();
+            columns.keep_channels(&keep);
+            let mut keep = keep.into_iter();
+            plan.channels.retain(|_| keep.next() == Some(true));
         }
-        self.unused.mark(path, &plan);
-        if columns.time_s.is_empty() {
-            let rows = options.map.all.row_filter.last();
-            let (column, text) = rows.map_or(("", ""), |(c, t)| (c.as_str(), t.as_str()));
-            self.table.repairs.push(format!(
-                "{}: no row has '{text}' in '{column}', so there is no {}; the first values there are {}",
-                path.display(),
-                plan.channels.iter().map(|c| c.name.full()).collect::<Vec<_>>().join(", "),
-                columns.seen()
-            ));
-            return Ok(());
-        }
-        self.add(path, &plan, columns, &options)
     }
 
     fn add(
@@ -250,7 +251,7 @@ fn check_any_row(
             format!("no row of {} matches", path.display()),
             format!(
                 "choose among the values there, the first are {}",
-                columns.seen()
+                columns.seen(0)
             ),
         ));
     }

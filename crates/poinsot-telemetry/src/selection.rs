@@ -15,6 +15,8 @@ pub(crate) struct Selection {
     /// Memory for samples, bytes.
     bytes: usize,
     seen: usize,
+    /// The same of each choice of rows.
+    of_choice: Vec<usize>,
 }
 
 impl Selection {
@@ -24,11 +26,18 @@ impl Selection {
             every: options.every.max(1),
             bytes: options.memory_limit_mib().saturating_mul(1 << 20),
             seen: 0,
+            of_choice: Vec::new(),
         }
     }
 
-    /// Whether to keep the row at this time of the table. A row without time is kept; it gives an error later.
-    pub(crate) fn keeps(&mut self, time_s: f64, origin: Option<Origin>) -> bool {
+    /// Whether to keep the row at this time of the table. A row without time is kept; it gives an error later. Where not every row
+    /// counts, each choice of rows counts its own.
+    pub(crate) fn keeps(
+        &mut self,
+        (time_s, origin): (f64, Option<Origin>),
+        every_row: bool,
+        chosen: &mut [bool],
+    ) -> bool {
         if let Some([from, to]) = self.time_s {
             let own = time_s + origin.map_or(0.0, |o| o.own_zero_s());
             if own < from || own > to {
@@ -36,7 +45,16 @@ impl Selection {
             }
         }
         self.seen += 1;
-        (self.seen - 1).is_multiple_of(self.every)
+        if every_row {
+            return (self.seen - 1).is_multiple_of(self.every);
+        }
+        self.of_choice.resize(chosen.len(), 0);
+        for (count, chosen) in self.of_choice.iter_mut().zip(chosen.iter_mut()) {
+            let own = *chosen;
+            *chosen = own && count.is_multiple_of(self.every);
+            *count += usize::from(own);
+        }
+        chosen.contains(&true)
     }
 
     /// Returns an error before reading if all rows are requested and clearly exceed the limit.
@@ -44,7 +62,7 @@ impl Selection {
     /// # Errors
     /// E0221.
     pub(crate) fn check_ahead(&self, path: &Path, plan: &Plan, rows: Rows) -> Result<(), Faults> {
-        let some = self.time_s.is_some() || !plan.filter.is_empty();
+        let some = self.time_s.is_some() || !plan.filter.is_empty() || plan.chooses_all();
         let kept = rows.least() / self.every as f64;
         if some || kept <= self.samples(plan) as f64 {
             return Ok(());

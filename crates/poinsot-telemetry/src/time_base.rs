@@ -16,7 +16,7 @@ const PLAUSIBLE_STEP: std::ops::RangeInclusive<f64> = 1e-5..=1e5;
 const APART: f64 = 30.0;
 const APART_STEPS: f64 = 1e4;
 
-/// Drops rows that repeat the previous row; other disorder is an error.
+/// Puts the rows in the order of time and joins those of one time; other disorder is an error.
 pub(crate) fn check(
     path: &Path,
     plan: &Plan,
@@ -24,87 +24,144 @@ pub(crate) fn check(
     strict: bool,
     repairs: &mut Vec<String>,
 ) -> Result<(), Faults> {
-    let fault = |row: u64, problem: String, advice: &str| {
-        Faults::one(
-            "E0208",
-            Place::cell(path, row, &plan.time_column),
-            problem,
-            advice,
-        )
+    let records = records(plan, columns);
+    for rows in &records {
+        check_order(path, plan, columns, rows)?;
+    }
+    let times = |rows: &Vec<usize>| rows.iter().map(|k| columns.time_s[*k]).collect();
+    let steps: Vec<Vec<f64>> = records.iter().map(times).collect();
+    columns.sort();
+    join(path, plan, columns, strict, repairs)?;
+    steps
+        .iter()
+        .try_for_each(|times| check_step(path, plan, times))
+}
+
+/// The rows that follow each other in time: all, or those of each choice where every channel has rows of its own.
+fn records(plan: &Plan, columns: &Columns) -> Vec<Vec<usize>> {
+    if !plan.chooses_all() {
+        return vec![(0..columns.rows.len()).collect()];
+    }
+    let of = |chosen: &Vec<bool>| {
+        let rows = chosen.iter().enumerate().filter(|(_, own)| **own);
+        rows.map(|(k, _)| k).collect()
     };
+    columns.chosen.iter().map(of).collect()
+}
+
+fn no_order(path: &Path, plan: &Plan, row: u64, problem: String, advice: &str) -> Faults {
+    let place = Place::cell(path, row, &plan.time_column);
+    Faults::one("E0208", place, problem, advice)
+}
+
+/// Every row has a time, not before the one of the row above it.
+fn check_order(path: &Path, plan: &Plan, columns: &Columns, rows: &[usize]) -> Result<(), Faults> {
     let zero = columns.own_zero_s();
-    let mut keep = vec![true; columns.rows.len()];
-    let (mut repeated, mut first_repeated) = (0_u64, 0_u64);
-    let mut previous: Option<(f64, u64, usize)> = None;
-    let rows = columns.time_s.iter().zip(&columns.rows).zip(&mut keep);
-    for (k, ((&time, &row), keep)) in rows.enumerate() {
-        if !time.is_finite() {
-            let (problem, advice) = match time.is_nan() {
-                true => ("the row has no time", "give it one or leave the row out"),
-                false => ("the time is infinite", "correct it or leave the row out"),
-            };
-            return Err(fault(row, problem.to_owned(), advice));
-        }
-        if let Some((before, row_before, k_before)) = previous {
-            if time < before {
-                return Err(fault(
-                    row,
-                    format!(
-                        "time goes back from {} s (row {row_before}) to {} s",
-                        as_read(before + zero),
-                        as_read(time + zero)
-                    ),
-                    "choose one run by [telemetry] where, or cut the file into segments",
-                ));
-            }
-            if time == before {
-                if let Some(column) = difference(plan, columns, k_before, k) {
-                    return Err(fault(
-                        row,
-                        format!(
-                            "time {} s is already in row {row_before} with another value of '{column}'",
-                            as_read(time + zero)
-                        ),
-                        "keep one of the rows",
-                    ));
-                }
-                *keep = false;
-                repeated += 1;
-                if repeated == 1 {
-                    first_repeated = row;
-                }
+    let mut before = (f64::NEG_INFINITY, 0);
+    for k in rows {
+        let (time, row) = (columns.time_s[*k], columns.rows[*k]);
+        let (problem, advice) = match time {
+            _ if time.is_nan() => (
+                "the row has no time".to_owned(),
+                "give it one or leave the row out",
+            ),
+            _ if time.is_infinite() => (
+                "the time is infinite".to_owned(),
+                "correct it or leave the row out",
+            ),
+            _ if time < before.0 => (
+                format!(
+                    "time goes back from {} s (row {}) to {} s",
+                    as_read(before.0 + zero),
+                    before.1,
+                    as_read(time + zero)
+                ),
+                "choose one run by [telemetry] where, or cut the file into segments",
+            ),
+            _ => {
+                before = (time, row);
                 continue;
             }
-        }
-        previous = Some((time, row, k));
+        };
+        return Err(no_order(path, plan, row, problem, advice));
     }
-    if repeated > 0 {
-        let repair = format!("{repeated} rows that repeat the row before them dropped");
-        let place = Place::row(path, first_repeated);
+    Ok(())
+}
+
+/// Joins the rows of one time, of which each has the samples that the others lack; drops those that repeat another.
+fn join(
+    path: &Path,
+    plan: &Plan,
+    columns: &mut Columns,
+    strict: bool,
+    repairs: &mut Vec<String>,
+) -> Result<(), Faults> {
+    let mut keep = vec![true; columns.rows.len()];
+    // Rows that repeat one, and that complete one: how many, and the first.
+    let (mut repeated, mut completed) = ((0_u64, 0_u64), (0_u64, 0_u64));
+    let (mut first, zero) = (0, columns.own_zero_s());
+    for (k, keep) in keep.iter_mut().enumerate().skip(1) {
+        if columns.time_s[k] != columns.time_s[first] {
+            first = k;
+            continue;
+        }
+        let (row_before, row) = (columns.rows[first], columns.rows[k]);
+        let time = as_read(columns.time_s[k] + zero);
+        let mut adds = false;
+        for (channel, values) in plan.channels.iter().zip(&mut columns.values) {
+            let (old, new) = (values[first], values[k]);
+            if new.is_nan() || new == old {
+                continue;
+            }
+            if !old.is_nan() {
+                let column = &channel.column;
+                return Err(no_order(
+                    path,
+                    plan,
+                    row,
+                    format!(
+                        "time {time} s is already in row {row_before} with another value of '{column}'"
+                    ),
+                    "keep one of the rows",
+                ));
+            }
+            values[first] = new;
+            adds = true;
+        }
+        *keep = false;
+        let count = if adds { &mut completed } else { &mut repeated };
+        if count.0 == 0 {
+            count.1 = row;
+        }
+        count.0 += 1;
+    }
+    if !keep.contains(&false) {
+        return Ok(());
+    }
+    columns.retain(&keep);
+    let told = [
+        (repeated, "that repeat the row before them dropped"),
+        (
+            completed,
+            "joined to the row before them, which has their time",
+        ),
+    ];
+    // Rows that belong to one channel each, or to none, are no repetition.
+    let every_row = !plan.chooses_all() && !plan.channels.is_empty();
+    for ((count, first), what) in told.into_iter().filter(|t| every_row && t.0.0 > 0) {
+        let place = Place::row(path, first);
+        let repair = format!("{count} rows {what}");
         if strict {
             return Err(not_strict(place, &repair));
         }
-        repairs.push(format!("{}: {repair} (this is the first)", place));
-        columns.retain(&keep);
+        repairs.push(format!("{place}: {repair} (this is the first)"));
     }
-    check_step(path, plan, columns)
-}
-
-/// The first column in which two rows differ; two missing samples count as equal.
-fn difference<'a>(plan: &'a Plan, columns: &Columns, a: usize, b: usize) -> Option<&'a str> {
-    plan.channels
-        .iter()
-        .zip(&columns.values)
-        .find(|(_, values)| {
-            let bits = |k: usize| values.get(k).filter(|x| !x.is_nan());
-            bits(a) != bits(b)
-        })
-        .map(|(channel, _)| channel.column.as_str())
+    Ok(())
 }
 
 /// Returns an error for several runs in one file.
 pub(crate) fn check_one_run(path: &Path, plan: &Plan, columns: &Columns) -> Result<(), Faults> {
-    let pulse = |c: &PlannedChannel| matches!(c.conversion, Conversion::Pulse(..));
+    let pulse = |c: &PlannedChannel| matches!(c.transform.conversion, Conversion::Pulse(..));
     let Some(median_s) = median_step(&columns.time_s) else {
         return Ok(());
     };
@@ -142,8 +199,8 @@ pub(crate) fn check_one_run(path: &Path, plan: &Plan, columns: &Columns) -> Resu
     ))
 }
 
-fn check_step(path: &Path, plan: &Plan, columns: &Columns) -> Result<(), Faults> {
-    let Some(median_s) = median_step(&columns.time_s) else {
+fn check_step(path: &Path, plan: &Plan, times: &[f64]) -> Result<(), Faults> {
+    let Some(median_s) = median_step(times) else {
         return Ok(());
     };
     if PLAUSIBLE_STEP.contains(&median_s) {

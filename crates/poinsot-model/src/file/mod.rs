@@ -27,8 +27,8 @@ pub use joint::{JointFile, SpringDamperFile};
 pub(crate) use momentum::{MomentumFile, MomentumVectorFile, MomentumWord};
 pub(crate) use sensor::{NamesFile, NoiseFile, SensorFile, SensorType};
 pub(crate) use telemetry::{
-    AttitudeFile, ColumnFile, ExportFile, FrameFile, OrbitColumnsFile, PartFile, TelemetryFile,
-    TelemetryMapFile,
+    AttitudeColumnFile, AttitudeFile, ColumnFile, DecimalFile, ExportFile, FrameFile, InvalidFile,
+    OrbitColumnsFile, OrbitalFile, PartFile, TelemetryFile, TelemetryMapFile,
 };
 pub use thruster::ThrusterFile;
 pub use wheel::WheelFile;

@@ -3,6 +3,7 @@
 mod bodies;
 mod description;
 mod findings;
+mod formats;
 mod keys;
 mod schema;
 

@@ -2,8 +2,8 @@
 
 use crate::telemetry::{Folder, read_text};
 use poinsot_telemetry::{
-    AttitudeForm, AttitudeMap, ColumnMap, FileMap, Layout, OrbitMap, Order, ReadOptions, Scale,
-    Sense, TelemetryMap, TimeFormat, TimeMap, read,
+    AttitudeForm, AttitudeMap, ColumnMap, FileMap, Layout, OrbitMap, Order, Overlap, ReadOptions,
+    Scale, Sense, TelemetryMap, TimeFormat, TimeMap, read,
 };
 use std::f64::consts::PI;
 use std::io::Write;
@@ -36,6 +36,7 @@ fn exact_layout_units_row_and_dates() {
             comment: Some(b'#'),
             header_row: Some(4),
             units_row: Some(true),
+            ..Layout::default()
         },
         time: iso("UTC"),
         columns: vec![
@@ -92,7 +93,7 @@ fn exact_files_with_clocks_of_their_own_share_one_origin() {
         attitude: vec![AttitudeMap {
             sensor: String::new(),
             form: AttitudeForm::Mrp,
-            columns: ["s1", "s2", "s3"].map(str::to_owned).to_vec(),
+            columns: ["s1", "s2", "s3"].map(ColumnMap::part).to_vec(),
             sense: Sense::InertialToBody,
             unit: None,
             relative: false,
@@ -229,6 +230,7 @@ fn exact_pulse_tables_hold_the_nominal_force_for_their_duration() {
     let text = "time_s,ON1,ON2\n0,0,\n1,250,\n2,,\n3,1500,\n4,1000,\n";
     let pulse = |channel: &str, column: &str| ColumnMap {
         nominal_N: Some(0.9),
+        overlap: Some(Overlap::Merged),
         ..ColumnMap::new(channel, column, "ms")
     };
     let options = of(FileMap {
@@ -361,7 +363,7 @@ fn exact_a_relative_attitude_has_every_form() {
     let map = |sensor: &str, form, columns: &[&str], sense| AttitudeMap {
         sensor: sensor.to_owned(),
         form,
-        columns: columns.iter().map(|c| (*c).to_owned()).collect(),
+        columns: columns.iter().map(|c| ColumnMap::part(c)).collect(),
         sense,
         unit: None,
         relative: true,
