@@ -245,6 +245,9 @@ pub struct Import {
     /// Model file to write. Default: standard output.
     #[arg(long, short = 'o', value_name = "MODEL.toml")]
     pub out: Option<PathBuf>,
+    /// Fix links to their parents that move without mass (dummy links), instead of refusing them.
+    #[arg(long)]
+    pub allow_massless: bool,
     /// Print what was written as JSON on standard output.
     #[arg(long, requires = "out")]
     pub json: bool,

@@ -72,6 +72,16 @@ pub(crate) fn check_model(
         knowledge: Knowledge::default(),
         notes: Vec::new(),
     };
+    if model.bodies.len() == bodies.len() && model.joints.len() == joint_files.len() {
+        for k in model.seat_sensors() {
+            let name = model.sensors.get(k).map(|s| s.name.as_str());
+            findings.note(
+                &Key::entry("sensor", k, name).at("body"),
+                "the body is fixed to the base, and the sensor is taken as one of the base"
+                    .to_owned(),
+            );
+        }
+    }
     model.knowledge = known(clean, &order, &model, findings);
     // These checks need the whole tree, so every body and joint must be valid.
     if model.bodies.len() == bodies.len() && model.joints.len() == joint_files.len() {

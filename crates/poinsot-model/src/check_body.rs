@@ -10,7 +10,7 @@ use poinsot_spatial::{MassProperties, Matrix3, Unphysical, Vector3};
 pub(crate) const PHYSICAL_TOLERANCE: f64 = 1e-6;
 
 /// Smallest mass accepted, kg: a nanogram.
-const SMALLEST_MASS: f64 = 1e-12;
+pub(crate) const SMALLEST_MASS: f64 = 1e-12;
 
 /// Checks the bodies in file order; an invalid one is replaced by a default.
 pub(crate) fn check_bodies(bodies: &[BodyFile], findings: &mut Findings<'_, '_>) -> Vec<Body> {

@@ -53,7 +53,7 @@
 //! - `vehicle.rs`: the checked `Model`. `known.rs`: uncertainty of known numbers, in one table.
 //! - `kinematic.rs`: conversion to the tree. `write.rs`: fills the table of keys, which `toml` writes.
 //! - `describe.rs`: description for `check`; `words.rs`: any table of keys in words. `finding.rs`: codes E01xx.
-//! - `urdf/`: reading URDF. `urdf/limits.rs`: limits checked before a tree is built.
+//! - `urdf/`: reading URDF. `urdf/limits.rs`: limits checked before a tree is built. `vehicle_file.rs`: a file of either kind.
 //! - `patch/`: writing mass properties into URDF, SDF, MJCF and model files.
 #![allow(non_snake_case)]
 
@@ -83,6 +83,7 @@ mod suggest;
 mod toml_text;
 mod urdf;
 mod vehicle;
+mod vehicle_file;
 mod words;
 mod write;
 
@@ -96,11 +97,11 @@ pub use patch::{BodyProperties, Patch, Patched, patch_mjcf, patch_model, patch_s
 pub use poinsot_files::rounded;
 pub use poinsot_telemetry::TelemetryMap;
 pub use read::{
-    MODEL_SCHEMA, check_keys, locate, parse_model, parse_telemetry_map, read_model,
-    read_telemetry_map,
+    MODEL_SCHEMA, check_keys, locate, parse_model, parse_telemetry_map, read_telemetry_map,
 };
 pub use schema::{model_schema, telemetry_map_schema, without_null};
 pub use shape::Format;
-pub use urdf::{Urdf, UrdfDefect, parse_urdf, read_urdf};
+pub use urdf::{Urdf, UrdfDefect, UrdfOptions, parse_urdf, read_urdf, read_urdf_with};
 pub use vehicle::*;
+pub use vehicle_file::{read_model, read_robot};
 pub use write::write_model;

@@ -18,35 +18,10 @@ use toml::de::DeValue;
 /// Version of the format.
 pub const MODEL_SCHEMA: &str = "poinsot.model/1";
 
-/// Reads and checks a vehicle (`poinsot.model/1`, TOML; or URDF, by file suffix).
-///
-/// # Errors
-/// All faults of the file, each with line and column.
-///
-/// ```
-/// use poinsot_model::read_model;
-///
-/// let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../data/cases/cubesat_model.toml");
-/// let model = read_model(path)?;
-/// assert_eq!((model.bodies.len(), model.wheels.len()), (1, 3));
-/// # Ok::<(), poinsot_files::Faults>(())
-/// ```
-pub fn read_model(path: impl AsRef<Path>) -> Result<Model, Faults> {
-    let path = path.as_ref();
-    if path
-        .extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("urdf"))
-    {
-        return crate::read_urdf(path).model;
-    }
-    let text = read_model_text(path)?;
-    parse_model(&text, &path.display().to_string())
-}
-
 /// Checks a vehicle given as text; `file` is its name in messages.
 ///
 /// # Errors
-/// As [`read_model`].
+/// All faults of the text, each with line and column.
 ///
 /// ```
 #[doc = include_str!("../doc/box.txt")]

@@ -331,6 +331,43 @@ impl Model {
         }
     }
 
+    /// Where a body is on the base if only fixed joints lie between: rotation from its axes to those of the base, and its origin, m.
+    fn fixed_to_base(&self, body: usize) -> Option<(Matrix3, Vector3)> {
+        let (mut R, mut p, mut at) = (Matrix3::identity(), Vector3::zeros(), body);
+        for _ in 0..self.bodies.len() {
+            let Some(joint) = self.bodies.get(at)?.joint else {
+                return Some((R, p));
+            };
+            let joint = self.joints.get(joint)?;
+            if joint.kind != JointKind::Fixed {
+                return None;
+            }
+            p = joint.p_PoCo_P + joint.R_PC_zero * p;
+            R = joint.R_PC_zero * R;
+            at = joint.parent;
+        }
+        None
+    }
+
+    /// Takes the sensors of links that are fixed to the base as sensors of the base, where they measure the same; returns which.
+    pub(crate) fn seat_sensors(&mut self) -> Vec<usize> {
+        let own = |s: &Sensor| s.body != 0 && !s.kind.is_scalar() && !s.kind.is_relative();
+        let mut seated = Vec::new();
+        for k in 0..self.sensors.len() {
+            let Some(body) = Some(&self.sensors[k]).filter(|s| own(s)).map(|s| s.body) else {
+                continue;
+            };
+            let Some((R, p)) = self.fixed_to_base(body) else {
+                continue;
+            };
+            let sensor = &mut self.sensors[k];
+            (sensor.R_BS, sensor.p_BoS_B) = (R * sensor.R_BS, p + R * sensor.p_BoS_B);
+            sensor.body = 0;
+            seated.push(k);
+        }
+        seated
+    }
+
     /// Index of the body with this name.
     pub fn body(&self, name: &str) -> Option<usize> {
         self.bodies.iter().position(|b| b.name == name)

@@ -1,7 +1,7 @@
 //! The command `import`: a URDF as a model file.
 
 use crate::error::Error;
-use poinsot_model::{Model, parse_model, read_urdf, write_model};
+use poinsot_model::{Model, UrdfOptions, read_robot, write_model};
 use std::path::Path;
 
 /// The model of a URDF, and its model file.
@@ -15,14 +15,13 @@ use std::path::Path;
 /// let text = r#"<robot name="box"><link name="bus"><inertial><mass value="10"/>
 /// <inertia ixx="1" ixy="0" ixz="0" iyy="2" iyz="0" izz="2.5"/></inertial></link></robot>"#;
 /// std::fs::write(&urdf, text)?;
-/// let (model, file) = poinsot::import(&urdf)?;
+/// let (model, file) = poinsot::import(&urdf, &Default::default())?;
 /// assert_eq!(model.bodies[0].nominal.mass, 10.0);
 /// assert!(file.contains("mass_kg = 10"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn import(urdf: &Path) -> Result<(Model, String), Error> {
-    let model = read_urdf(urdf).model?;
+pub fn import(urdf: &Path, options: &UrdfOptions) -> Result<(Model, String), Error> {
+    let model = read_robot(urdf, options)?;
     let text = write_model(&model);
-    parse_model(&text, &urdf.display().to_string())?;
     Ok((model, text))
 }

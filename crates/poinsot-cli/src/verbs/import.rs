@@ -3,10 +3,14 @@
 use super::{Outcome, note, print_file, written};
 use crate::arguments::Import;
 use poinsot::check_outputs;
+use poinsot_model::UrdfOptions;
 
 pub fn run(arguments: &Import) -> Outcome {
     check_outputs("-o", arguments.out.as_slice(), &[&arguments.urdf])?;
-    let (model, text) = poinsot::import(&arguments.urdf)?;
+    let options = UrdfOptions {
+        allow_massless: arguments.allow_massless,
+    };
+    let (model, text) = poinsot::import(&arguments.urdf, &options)?;
     match &arguments.out {
         Some(path) => {
             poinsot::write_file(path, text.as_bytes())?;

@@ -152,3 +152,30 @@ fn cli_export_of_what_is_not_determined_is_refused() {
     );
     assert!(!folder.path().join("new.urdf").exists());
 }
+
+/// Dummy links that move no mass are fixed on demand.
+#[test]
+fn cli_links_that_move_no_mass_are_fixed_on_demand() {
+    let folder = tempfile::tempdir().unwrap();
+    let robot = r#"<robot name="r"><link name="base"><inertial><mass value="20"/><inertia ixx="0.4" ixy="0" ixz="0" iyy="0.5" iyz="0" izz="0.6"/></inertial></link>
+        <link name="tip"/><joint name="wrist" type="revolute"><parent link="base"/><child link="tip"/><axis xyz="0 0 1"/></joint></robot>"#;
+    std::fs::write(folder.path().join("r.urdf"), robot).unwrap();
+    let refused = poinsot(folder.path(), &["import", "r.urdf"]);
+    assert_eq!(refused.status.code(), Some(2));
+    let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert!(
+        said.starts_with("E0116 r.urdf:2:") && said.contains("--allow-massless"),
+        "{said}"
+    );
+    let told = good(&poinsot(
+        folder.path(),
+        &["import", "r.urdf", "--allow-massless", "-o", "m.toml"],
+    ));
+    assert!(
+        told.contains("neither it nor its outboard bodies have mass"),
+        "{told}"
+    );
+    let model = std::fs::read_to_string(folder.path().join("m.toml")).unwrap();
+    assert!(model.contains("type = \"fixed\""), "{model}");
+    good(&poinsot(folder.path(), &["check", "m.toml"]));
+}

@@ -3,7 +3,7 @@
 use super::raw::{Inertial, Kind, Link, Robot};
 use super::tree::Order;
 use super::{Remark, UrdfDefect};
-use crate::check_body::PHYSICAL_TOLERANCE;
+use crate::check_body::{PHYSICAL_TOLERANCE, SMALLEST_MASS};
 use poinsot_files::{excerpt, list, short};
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
 
@@ -27,21 +27,45 @@ pub(crate) fn rotation([roll, pitch, yaw]: [f64; 3]) -> Matrix3 {
 
 /// Mass properties of every link in its own frame; zero if it has none.
 pub(super) fn check(
-    robot: &Robot,
+    robot: &mut Robot,
     order: &Order,
+    allow_massless: bool,
     remarks: &mut Vec<Remark>,
 ) -> Vec<MassProperties> {
     let all: Vec<MassProperties> = robot.links.iter().map(|l| one(l, remarks)).collect();
+    units(robot, remarks);
     // With unreadable numbers, massless moving links cannot be determined.
     if !remarks.iter().any(|r| r.code == Some("E0107")) {
-        moving_without_mass(robot, order, &all, remarks);
+        let moved = moving_without_mass(robot, order, &all, allow_massless, remarks);
+        for joint in moved {
+            robot.joints[joint].kind = Kind::Fixed;
+        }
     }
     all
 }
 
+/// What a program writes for zero: a share of a mass at a millimetre, or at the distance of the mass centre.
+const ROUNDING: f64 = 1.0e-12;
+const SMALLEST_SIZE: f64 = 1.0e-3;
+
+/// The same with zeros for what is zero but for rounding.
+fn rounded(inertial: &Inertial) -> Inertial {
+    let mut own = inertial.clone();
+    if own.mass.abs() < SMALLEST_MASS {
+        own.mass = 0.0;
+    }
+    let size = Vector3::from(own.xyz).norm().max(SMALLEST_SIZE);
+    let zero = ROUNDING * own.mass.max(SMALLEST_MASS) * size * size;
+    if own.elements.iter().all(|x| x.abs() <= zero) {
+        own.elements = [0.0; 6];
+    }
+    own
+}
+
 fn one(link: &Link, remarks: &mut Vec<Remark>) -> MassProperties {
     let mut judge = Remarks { link, remarks };
-    let Some(inertial) = &link.inertial else {
+    let inertial = &link.inertial.as_ref().map(rounded);
+    let Some(inertial) = inertial else {
         let problem = "no <inertial>: assumed massless".to_owned();
         judge.push(UrdfDefect::NoInertial, None, problem, "");
         return MassProperties::ZERO;
@@ -78,12 +102,16 @@ fn one(link: &Link, remarks: &mut Vec<Remark>) -> MassProperties {
     }
     .principal();
     judge.gyration(inertial.mass, &moments);
+    judge.density(&found);
     judge.moments(&moments);
     found
 }
 
 /// Plausible radii of gyration of a link in metres and kilograms, m.
 const GYRATION: [f64; 2] = [1.0e-3, 5.0];
+/// Side of a cube over its radius of gyration, and density of osmium, kg/m3, with a margin for thin bodies, which are smaller.
+const SIDE: f64 = 2.45;
+const DENSEST: f64 = 3.0e5;
 /// Moments below this fraction of the largest count as zero.
 const ZERO_MOMENT: f64 = 1.0e-12;
 
@@ -152,6 +180,18 @@ impl Remarks<'_> {
         self.push(defect, None, problem, "");
     }
 
+    /// A mass in grams.
+    fn density(&mut self, found: &MassProperties) {
+        let side = SIDE * found.radius_of_gyration();
+        if side > 0.0 && found.mass > DENSEST * side.powi(3) {
+            let problem = format!(
+                "a body of {} kg with this inertia is denser than any metal; is the mass in grams?",
+                short(found.mass)
+            );
+            self.push(UrdfDefect::Units, None, problem, "");
+        }
+    }
+
     /// Unphysical principal moments.
     fn moments(&mut self, moments: &[f64; 3]) {
         let [a, b, c] = *moments;
@@ -180,13 +220,51 @@ fn largest(moments: &[f64; 3]) -> f64 {
     moments.iter().fold(0.0_f64, |m, x| m.max(x.abs()))
 }
 
+/// Distance of a joint from its parent beyond which it is in mm, m, and angle that is more than a turn, rad.
+const FAR: f64 = 50.0;
+const TURN: f64 = 6.3;
+
+/// Notes joints whose origins look like millimetres or degrees.
+fn units(robot: &Robot, remarks: &mut Vec<Remark>) {
+    for joint in &robot.joints {
+        let far = Vector3::from(joint.xyz).norm();
+        let turn = joint.rpy.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        let told = [
+            (far > FAR).then(|| {
+                format!(
+                    "the joint is {} m from its parent; is it in mm?",
+                    short(far)
+                )
+            }),
+            (turn > TURN).then(|| {
+                format!(
+                    "the angle {} rad is more than a turn; is it in degrees?",
+                    short(turn)
+                )
+            }),
+        ];
+        remarks.extend(told.into_iter().flatten().map(|problem| Remark {
+            defect: UrdfDefect::Units,
+            code: None,
+            byte: joint.byte,
+            subject: format!("joint \"{}\" <origin>", excerpt(&joint.name, 60)),
+            value: String::new(),
+            problem,
+            remedy: String::new(),
+        }));
+    }
+}
+
 /// Reports joints that move no mass: momentum does not depend on their rate.
+///
+/// Where massless links are allowed, returns these joints: what they move has no effect.
 fn moving_without_mass(
     robot: &Robot,
     order: &Order,
     all: &[MassProperties],
+    allowed: bool,
     remarks: &mut Vec<Remark>,
-) {
+) -> Vec<usize> {
     let mut carried: Vec<f64> = all.iter().map(|m| m.mass).collect();
     let joint_of = |k: usize| {
         let joint = order.carried_by.get(k).copied().flatten()?;
@@ -227,17 +305,19 @@ fn moving_without_mass(
             problem: "no link has mass".to_owned(),
             remedy: "give the base a mass".to_owned(),
         });
-        return;
+        return Vec::new();
     }
+    let mut still = Vec::new();
     for &k in &order.links {
         let Some(joint) = joint_of(k) else { continue };
         if joint.kind != Kind::Fixed && carried.get(k) == Some(&0.0) {
             let Some(link) = robot.links.get(k) else {
                 continue;
             };
+            still.extend(order.carried_by.get(k).copied().flatten());
             remarks.push(Remark {
                 defect: UrdfDefect::MovesMassless,
-                code: Some("E0116"),
+                code: (!allowed).then_some("E0116"),
                 byte: link.byte,
                 subject: format!("link \"{}\"", excerpt(&link.name, 60)),
                 value: String::new(),
@@ -245,8 +325,9 @@ fn moving_without_mass(
                     "the link moves on joint \"{}\", but neither it nor its outboard bodies have mass",
                     excerpt(&joint.name, 60)
                 ),
-                remedy: "give it an <inertial>, or make its joint fixed".to_owned(),
+                remedy: "give it an <inertial>, make its joint fixed, or import it by --allow-massless".to_owned(),
             });
         }
     }
+    still
 }

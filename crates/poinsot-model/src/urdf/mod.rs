@@ -66,6 +66,8 @@ pub enum UrdfDefect {
     Mimic,
     /// An unsupported joint type.
     JointType,
+    /// A number that looks like millimetres, degrees or grams.
+    Units,
     /// Ignored elements.
     Ignored,
 }
@@ -102,9 +104,28 @@ pub struct Urdf {
 /// assert!(read_urdf("/nowhere/arm.urdf").model.is_err());
 /// ```
 pub fn read_urdf(path: impl AsRef<Path>) -> Urdf {
+    read_urdf_with(path, &UrdfOptions::default())
+}
+
+/// How a URDF file is read.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct UrdfOptions {
+    /// Links that move no mass are fixed to their parents, instead of refused.
+    pub allow_massless: bool,
+}
+
+/// Reads a URDF file as [`read_urdf`] does, with options.
+///
+/// ```
+/// use poinsot_model::{UrdfOptions, read_urdf_with};
+///
+/// let options = UrdfOptions { allow_massless: true };
+/// assert!(read_urdf_with("/nowhere/arm.urdf", &options).model.is_err());
+/// ```
+pub fn read_urdf_with(path: impl AsRef<Path>, options: &UrdfOptions) -> Urdf {
     let path = path.as_ref();
     match read_model_text(path) {
-        Ok(text) => parse_urdf(&text, &path.display().to_string()),
+        Ok(text) => parsed(&text, &path.display().to_string(), options),
         Err(error) => Urdf {
             model: Err(error),
             defects: Vec::new(),
@@ -125,10 +146,15 @@ pub fn read_urdf(path: impl AsRef<Path>) -> Urdf {
 /// # Ok::<(), poinsot_files::Faults>(())
 /// ```
 pub fn parse_urdf(text: &str, file: &str) -> Urdf {
+    parsed(text, file, &UrdfOptions::default())
+}
+
+fn parsed(text: &str, file: &str, options: &UrdfOptions) -> Urdf {
     let mut remarks = Vec::new();
-    let model = raw::read(text, &mut remarks).and_then(|robot| {
+    let model = raw::read(text, &mut remarks).and_then(|mut robot| {
         let order = tree::check(&robot, &mut remarks);
-        let inertials = inertial::check(&robot, &order, &mut remarks);
+        let massless = options.allow_massless;
+        let inertials = inertial::check(&mut robot, &order, massless, &mut remarks);
         build::model(&robot, &order, &inertials, &mut remarks)
     });
     let mut defects: Vec<UrdfDefect> = remarks.iter().map(|r| r.defect).collect();

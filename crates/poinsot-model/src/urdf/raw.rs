@@ -24,6 +24,7 @@ pub(super) struct Link {
 }
 
 /// Mass, pose of the inertial frame, tensor elements in it: xx, xy, xz, yy, yz, zz.
+#[derive(Clone)]
 pub(super) struct Inertial {
     pub byte: usize,
     pub mass: f64,

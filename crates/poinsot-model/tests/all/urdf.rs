@@ -89,3 +89,55 @@ fn regress_numbers_that_no_model_file_takes_are_refused() {
         "E0107 r.urdf:1:45: link \"base\" <origin xyz> = \"2.2e103 0 0\": '2.2e103' is larger than 1e30; check its unit: all quantities are SI"
     );
 }
+
+/// A base and a link, on a joint with this origin.
+fn with_link(inertial: &str, origin: &str) -> Result<poinsot_model::Model, poinsot_files::Faults> {
+    let text = format!(
+        r#"<robot name="r"><link name="base"><inertial><mass value="20"/><inertia ixx="0.4" ixy="0" ixz="0" iyy="0.5" iyz="0" izz="0.6"/></inertial></link>
+        <link name="head"><inertial>{inertial}</inertial></link>
+        <joint name="neck" type="fixed"><parent link="base"/><child link="head"/><origin {origin}/></joint></robot>"#
+    );
+    parse_urdf(&text, "r.urdf").model
+}
+
+/// Files of programs that compute a product of inertia: 2.4e-35 on a link of 1.3 kg, and a mass of 4e-15 kg.
+#[test]
+fn regress_what_is_zero_but_for_rounding_is_zero() {
+    let inertia =
+        |x: f64| format!(r#"<inertia ixx="0" ixy="0" ixz="{x:e}" iyy="0" iyz="0" izz="0"/>"#);
+    let head = |mass: &str, x: f64| {
+        let inertial = format!(
+            r#"<origin xyz="0.02 -0.1 0"/><mass value="{mass}"/>{}"#,
+            inertia(x)
+        );
+        with_link(&inertial, "")
+    };
+    let model = head("1.3", 2.4e-35).unwrap();
+    assert_eq!(model.bodies[1].nominal.I_BBcm_B, Matrix3::zeros());
+    assert!(
+        model.notes.iter().any(|n| n.contains("a point mass")),
+        "{:?}",
+        model.notes
+    );
+    let model = head("4e-15", 1.0e-17).unwrap();
+    assert_eq!(model.bodies[1].nominal, MassProperties::ZERO);
+    // What is read can be written.
+    poinsot_model::parse_model(&poinsot_model::write_model(&model), "m.toml").unwrap();
+    // A product of inertia that is no rounding is refused.
+    assert!(
+        head("1.3", 1.0e-9)
+            .unwrap_err()
+            .to_string()
+            .starts_with("E0115 ")
+    );
+}
+
+#[test]
+fn unit_millimetres_degrees_and_grams_are_noticed() {
+    let good = r#"<mass value="1.3"/><inertia ixx="0.002" ixy="0" ixz="0" iyy="0.002" iyz="0" izz="0.002"/>"#;
+    let told = |inertial: &str, origin: &str| with_link(inertial, origin).unwrap().notes.join("\n");
+    assert_eq!(told(good, r#"xyz="0.3 0 0" rpy="3.14 0 0""#), "");
+    assert!(told(good, r#"xyz="300 0 0""#).contains("is it in mm?"));
+    assert!(told(good, r#"rpy="0 0 90""#).contains("is it in degrees?"));
+    assert!(told(&good.replace("1.3", "1300"), "").contains("is the mass in grams?"));
+}

@@ -51,6 +51,7 @@ mod random_torque;
 mod real_data;
 mod remedies;
 mod report;
+mod reported_inputs;
 mod scalar_errors;
 mod settings;
 mod setups;
