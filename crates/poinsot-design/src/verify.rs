@@ -8,7 +8,7 @@ use crate::watch::fine_times;
 use poinsot::Error;
 use poinsot::case::{Case, Want};
 use poinsot::predict::{covariance_name, wanted_sigma};
-use poinsot::trials::{Answer, Band, Study};
+use poinsot::trials::{Band, Row, Study};
 use poinsot_formats::address;
 use poinsot_identify::Estimate;
 use poinsot_model::Model;
@@ -70,10 +70,11 @@ fn flight(case: &Case, model: &Model, question: &Question, wants: &[&Want], k: u
     let mut study = Study::of_case(case, &truth, without_priors(model)).map_err(words)?;
     study.diagnose = false;
     let predicted = study.predicted().map_err(words)?;
-    let answer = study.trial(k).outcome?;
+    let row = study.trial(k);
+    let answer = row.answer()?;
     let ratio = |want: &&Want| {
         let sigma = wanted_sigma(&predicted, want);
-        let error = error_of(&predicted, &answer, want);
+        let error = error_of(&predicted, answer, want);
         match (error, sigma) {
             (Some(error), Some(sigma)) => Ok(error / sigma),
             _ => Err(format!("{} is not determined", want.name)),
@@ -94,12 +95,11 @@ fn without_priors(model: &Model) -> Model {
     model
 }
 
-fn error_of(bound: &Estimate, answer: &Answer, want: &Want) -> Option<f64> {
+fn error_of(bound: &Estimate, answer: &Row, want: &Want) -> Option<f64> {
     let mut sum = 0.0;
     for term in &want.terms {
         let name = address(&covariance_name(bound.bodies.get(term.body)?, term), "");
-        let number = answer.numbers.iter().find(|n| n.name == name)?;
-        sum += term.factor * number.error;
+        sum += term.factor * answer.number(&name)?.error()?;
     }
     Some(sum)
 }

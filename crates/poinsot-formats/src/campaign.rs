@@ -1,5 +1,6 @@
 //! The result of a campaign (`campaign.json`, `poinsot.campaign/2`).
 
+use crate::band::{Band, BandedFile};
 use crate::check::Contradiction;
 use crate::read::ResultFile;
 use indexmap::IndexMap;
@@ -47,17 +48,6 @@ pub struct CellFile {
     pub comparisons: Vec<PairFile>,
 }
 
-/// A statistic with its interval.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct BandedFile {
-    /// Value.
-    pub value: Option<f64>,
-    /// Lower end.
-    pub low: Option<f64>,
-    /// Upper end.
-    pub high: Option<f64>,
-}
-
 /// One method on the trials of one cell.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct MethodResultFile {
@@ -79,6 +69,9 @@ pub struct MethodResultFile {
     pub nees_dof: u64,
     /// Mean of chi-square per degree of freedom.
     pub chi2_per_dof: Option<f64>,
+    /// Mean chi-square per number of each kind of sensor; empty in files of earlier versions.
+    #[serde(default)]
+    pub channels: IndexMap<String, f64>,
     /// Mean and most iterations.
     pub iterations: (f64, u64),
     /// Processor time of one trial, s; the simulation is shared among the methods.
@@ -87,6 +80,80 @@ pub struct MethodResultFile {
     pub numbers: IndexMap<String, NumberResultFile>,
     /// Statistics outside the limits of a calibrated estimator, in words.
     pub misses: Vec<String>,
+}
+
+impl MethodResultFile {
+    /// Number of failed trials.
+    pub fn failure_count(&self) -> u64 {
+        (self.failed.value.unwrap_or(0.0) * self.trials as f64).round() as u64
+    }
+
+    /// The first failed trials, and statistics outside their 99.9 % bands. Empty if the stated uncertainty is correct.
+    pub fn faults(&self) -> Vec<String> {
+        let failed = |(trial, why): &(u64, String)| format!("trial {trial} failed: {why}");
+        let failed = self.failures.iter().map(failed);
+        failed.chain(self.outside(false)).collect()
+    }
+
+    /// Number of failed trials, and of statistics outside their bands.
+    pub fn fault_count(&self) -> u64 {
+        self.failure_count() + self.outside(false).len() as u64
+    }
+
+    /// Violations of the requirements for 10^4 trials. RMSE is at most 1.05 times the bound, bias below 0.1 sigma,
+    /// coverage of 95 % intervals 94 to 96 %. NEES is in its 99.9 % band, spread within 5 % of the prediction, and no
+    /// trial failed. With fewer trials each limit is widened to its 99.9 % band.
+    pub fn find_misses(&self) -> Vec<String> {
+        let failed = self.failure_count();
+        let failed = (failed > 0).then(|| format!("{failed} failed trials"));
+        failed.into_iter().chain(self.outside(true)).collect()
+    }
+
+    /// Statistics outside their 99.9 % bands, which `required` widens to the requirements.
+    fn outside(&self, required: bool) -> Vec<String> {
+        let mut list = Vec::new();
+        let mut judge = |name: &str, x: Option<f64>, band: Band| {
+            // A number that a method does not state is not a failure.
+            if let Some(x) = x.filter(|x| !x.is_nan() && !band.holds(*x)) {
+                let (low, high) = (band.low, band.high);
+                list.push(format!("{name} {x:.4}, required {low:.4} to {high:.4}"));
+            }
+        };
+        let widened = |band: Band, low, high| if required { band.and(low, high) } else { band };
+        for (name, n) in &self.numbers {
+            let mut judge = |what: &str, x, band| judge(&format!("{name}: {what}"), x, band);
+            let (rms, held) = (Band::of_rms(n.trials), Band::of_coverage(n.trials));
+            judge(
+                "RMSE over bound",
+                n.in_sigmas(n.rmse.value),
+                widened(rms, 0.0, 1.05),
+            );
+            let bias = n.bias.value.map(f64::abs);
+            let of_bias = widened(Band::of_bias(n.trials), 0.0, 0.1);
+            judge("|bias| over sigma", n.in_sigmas(bias), of_bias);
+            judge(
+                "coverage",
+                n.coverage_answered.value,
+                widened(held, 0.94, 0.96),
+            );
+            if required {
+                let spread = n.in_sigmas(n.spread());
+                judge("spread over prediction", spread, rms.and(0.95, 1.05));
+            }
+        }
+        if let Some(nees) = self.nees {
+            judge("NEES", nees.value, Band::of_mean_square(self.nees_dof));
+        }
+        list
+    }
+
+    /// Largest relative difference between predicted sigma and observed spread, with its number.
+    pub fn worst_prediction(&self) -> Option<(&str, f64)> {
+        let ratio = |(name, n): (_, &NumberResultFile)| Some((name, n.spread()? / n.bound? - 1.0));
+        let all = self.numbers.iter().map(|(name, n)| (name.as_str(), n));
+        all.filter_map(ratio)
+            .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
+    }
 }
 
 /// One number over the trials that determined it.
@@ -109,6 +176,20 @@ pub struct NumberResultFile {
     pub coverage_answered: BandedFile,
     /// The same of all trials: a trial without an answer counts as a miss.
     pub coverage_all: BandedFile,
+}
+
+impl NumberResultFile {
+    /// A statistic over the reference sigma: the bound, or the stated sigma without a bound.
+    pub fn in_sigmas(&self, x: Option<f64>) -> Option<f64> {
+        Some(x? / self.bound.or(self.stated)?)
+    }
+
+    /// Standard deviation of the error.
+    pub fn spread(&self) -> Option<f64> {
+        let (n, bias, rmse) = (self.trials as f64, self.bias.value?, self.rmse.value?);
+        let variance = (rmse * rmse - bias * bias).max(0.0);
+        Some((variance * n / (n - 1.0).max(1.0)).sqrt())
+    }
 }
 
 /// Another method beside the first.

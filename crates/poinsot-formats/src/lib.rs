@@ -35,7 +35,7 @@
 //! - `address.rs`: addresses of numbers, with their one grammar.
 //! - `case.rs`, `plan.rs`: case and plan, read and written. `toml_file.rs`: all faults in the structure of a TOML file.
 //! - `check.rs`: consistency of an answer. `read.rs`: the reader. `upgrade.rs`: earlier versions.
-//! - `statistics.rs`, `band.rs`: statistics of trials and their bands.
+//! - `band.rs`: bands and confidence intervals of statistics of trials.
 //! - `listing.rs`: answers of the commands that list, and errors as data.
 #![allow(non_snake_case)]
 
@@ -56,18 +56,17 @@ mod plan;
 mod prediction;
 mod read;
 mod report_data;
-mod statistics;
 mod toml_file;
 mod truth;
 mod upgrade;
 mod validation;
 
 pub use address::{Address, address, element, unknown_name};
-pub use band::Band;
+pub use band::{Band, BandedFile};
 pub use body::{BarycentricFile, BodyFile, MassFile, PrincipalFile};
 pub use campaign::{
-    BandedFile, CAMPAIGN, CampaignCost, CampaignFile, CellFile, MethodResultFile, NumberResultFile,
-    PairFile, PairNumberFile,
+    CAMPAIGN, CampaignCost, CampaignFile, CellFile, MethodResultFile, NumberResultFile, PairFile,
+    PairNumberFile,
 };
 pub use check::{Contradiction, contradictions};
 pub use comparison::{
@@ -113,7 +112,6 @@ pub use report_data::{
     Channel, DrawnBody, DrawnJoint, DrawnSensor, Pointer, REPORT_DATA, ReportData, Row, Segment,
     TrueNumbers, Vehicle,
 };
-pub use statistics::{ParameterStatistics, Statistics};
 pub use toml_file::ShapeFault;
 pub use truth::{
     InitialFile, JointStateFile, TRUTH, TrueBodyFile, TrueRunFile, TrueSensorFile, TruthFile,

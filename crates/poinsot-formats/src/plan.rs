@@ -12,7 +12,7 @@ pub const PLAN: &str = "poinsot.plan/1";
 pub const REPLICATES: u64 = 20;
 
 /// A campaign: every combination of experiments, varied numbers and methods, with trials of each.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PlanFile {
     /// "poinsot.plan/1".

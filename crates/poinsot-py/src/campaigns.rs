@@ -156,16 +156,10 @@ impl CorePlan {
 
 fn printed(ran: CampaignRun) -> Result<Printed, Fault> {
     let code = poinsot_cli::exit_of(ran.passes());
-    let CampaignRun {
-        result: Some(result),
-        folded: Some(folded),
-        ..
-    } = ran
-    else {
-        let what = "a campaign of all shards gave no result".to_owned();
-        return Err(Error::internal(what).into());
+    let Some(result) = ran.result else {
+        return Err(Error::internal("a campaign of all shards gave no result").into());
     };
-    let documents = campaign_document(&result, &folded.statistics());
+    let documents = campaign_document(&result);
     let all: Vec<String> = documents.iter().map(text).collect();
     Ok((json(&result)?, all.join("\n"), code))
 }

@@ -5,7 +5,7 @@ use minijinja::{Value, context};
 use poinsot_figures::{Document, Tone};
 use poinsot_files::{short, significant};
 use poinsot_formats::{
-    Band, CampaignCost, CampaignFile, CellFile, MethodResultFile, ParameterStatistics, Statistics,
+    Band, CampaignCost, CampaignFile, CellFile, MethodResultFile, NumberResultFile,
 };
 
 /// Numbers of trials with a reported cost, in addition to the plan's.
@@ -84,14 +84,12 @@ fn label(result: &CampaignFile, cell: &CellFile, method: &MethodResultFile) -> S
     words.join(" ")
 }
 
-/// The result of a campaign; where that is short, also the statistics of every method with their bands. `statistics`
-/// has one list per cell, with one entry per method.
-pub fn campaign_document(result: &CampaignFile, statistics: &[Vec<Statistics>]) -> Vec<Document> {
+/// The result of a campaign; where that is short, also the statistics of every method with their bands.
+pub fn campaign_document(result: &CampaignFile) -> Vec<Document> {
     let mut documents = Vec::new();
-    let shown = result.cells.iter().zip(statistics);
     let count: usize = result.cells.iter().map(|c| c.methods.len()).sum();
-    for (cell, statistics) in shown.filter(|_| count <= DETAILED) {
-        for (method, statistics) in cell.methods.iter().zip(statistics) {
+    for cell in result.cells.iter().filter(|_| count <= DETAILED) {
+        for method in &cell.methods {
             let mut title = cell.experiment.clone();
             if !result.about.is_empty() {
                 title.push_str(&format!(": {}", result.about));
@@ -100,59 +98,49 @@ pub fn campaign_document(result: &CampaignFile, statistics: &[Vec<Statistics>]) 
             if cell.methods.len() > 1 {
                 title.push_str(&format!(", {}", method.method));
             }
-            documents.push(of_trials(&title, statistics, Some(&method.misses)));
+            documents.push(statistics_document(&title, method));
         }
     }
     documents.push(table_document(result));
     documents
 }
 
-/// The statistics as a document; values outside their 99.9 % band have an exclamation mark.
-pub fn statistics_document(title: &str, s: &Statistics) -> Document {
-    of_trials(title, s, None)
-}
-
-fn of_trials(title: &str, s: &Statistics, misses: Option<&Vec<String>>) -> Document {
-    let n = s.trials;
+/// The statistics of a method as a document; values outside their 99.9 % band have an exclamation mark.
+pub fn statistics_document(title: &str, m: &MethodResultFile) -> Document {
+    let n = m.trials;
     let (rms, coverage) = (Band::of_rms(n), Band::of_coverage(n));
-    let nees = s.nees.map(|(mean, dof)| {
-        let band = Band::of_mean_square(dof);
+    let nees = m.nees.and_then(|nees| nees.value).map(|mean| {
+        let band = Band::of_mean_square(m.nees_dof);
         context! { mean, low => band.low, high => band.high, holds => band.holds(mean) }
     });
     let context = context! {
-        title, misses, nees,
-        trials => n,
-        faults => s.faults().len(),
-        parameters => s.parameters.iter().map(parameter).collect::<Vec<_>>(),
+        title, nees,
+        faults => m.fault_count(),
+        parameters => m.numbers.iter().map(parameter).collect::<Vec<_>>(),
         rms => [rms.low, rms.high],
         coverage => [coverage.low, coverage.high],
         bias => Band::of_bias(n).high,
-        chi2_per_dof => s.chi2_per_dof,
-        channels => s.channels,
-        iterations => s.iterations,
-        statuses => s.statuses,
-        worst => s.worst_prediction(),
-        failures => s.failures,
-        failed => s.failed,
+        worst => m.worst_prediction(),
+        failure_count => m.failure_count(),
+        ..Value::from_serialize(m)
     };
     TEMPLATES.document("statistics.txt", context)
 }
 
 /// A number against its bound.
-fn parameter(p: &ParameterStatistics) -> Value {
-    let (n, sigma) = (p.trials, p.sigma());
-    let (rmse, bias) = (p.rmse / sigma, p.bias.abs() / sigma);
-    let holds = |band: Band, x: f64| x.is_nan() || band.holds(x);
+fn parameter((name, n): (&String, &NumberResultFile)) -> Value {
+    let rmse = n.in_sigmas(n.rmse.value);
+    let bias = n.in_sigmas(n.bias.value.map(f64::abs));
+    let coverage = n.coverage_answered.value;
+    let holds = |band: Band, x: Option<f64>| x.is_none_or(|x| x.is_nan() || band.holds(x));
     context! {
-        rmse, bias,
-        name => p.name,
-        trials => n,
-        bound => p.bound,
-        stated => p.stated / sigma,
-        rmse_holds => holds(Band::of_rms(n), rmse),
-        bias_holds => holds(Band::of_bias(n), bias),
-        coverage => p.coverage,
-        coverage_holds => holds(Band::of_coverage(n), p.coverage),
+        name, rmse, bias, coverage,
+        trials => n.trials,
+        bound => n.bound,
+        stated => n.in_sigmas(n.stated),
+        rmse_holds => holds(Band::of_rms(n.trials), rmse),
+        bias_holds => holds(Band::of_bias(n.trials), bias),
+        coverage_holds => holds(Band::of_coverage(n.trials), coverage),
     }
 }
 

@@ -1,17 +1,16 @@
 //! Monte Carlo: one exact motion, many draws of sensor noise, one identification each.
 //!
-//! The trial number selects the random stream of a sensor, so every trial can be repeated separately. Trials run in
-//! parallel and are reduced in order, so the result does not depend on the number of threads.
+//! The trial number selects the random stream of a sensor, so every trial can be repeated separately. A trial by a
+//! method is a [`Row`]; every statistic is made from rows.
 
-mod interval;
-pub(crate) mod statistics;
+mod row;
 mod sums;
 
-pub use interval::Interval;
-pub use poinsot_formats::{Band, ParameterStatistics, Statistics};
-pub use statistics::{statistics, statistics_of};
-pub(crate) use sums::position;
-pub use sums::{NumberSums, SUMS_SCHEMA, Sums};
+pub use poinsot_formats::{Band, BandedFile};
+pub use row::{Nees, Row, RowNumber, judged};
+pub(crate) use row::{estimated_numbers, mass_names, values};
+pub use sums::{NumberSums, OUTSIDE, Sums, statistics};
+pub(crate) use sums::{found_or_new, position};
 
 use crate::bind::{RELATIVE_ACCURACY, bind};
 use crate::case::Case;
@@ -20,13 +19,9 @@ use crate::error::Error;
 use crate::identify::{Question, estimate_by};
 use crate::progress::step;
 use crate::simulate::{Exact, keep_measured, scalar_errors, simulate_exact, stream};
-use nalgebra::{DMatrix, DVector};
 use poinsot_dynamics::{Instrument, Tree};
 use poinsot_formats::address;
-use poinsot_identify::{
-    BodyEstimate, Estimate, Problem, Source, Status, TENSOR, axis_name, cramer_rao,
-    predicted_covariance, tensor_name,
-};
+use poinsot_identify::{Estimate, Problem, axis_name, cramer_rao, predicted_covariance};
 use poinsot_model::{Axes, Model, Sensor};
 use poinsot_papers::{Kernel, method};
 use poinsot_spatial::MassProperties;
@@ -35,6 +30,9 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Sigmas of the Cramer-Rao bound by address; empty if it does not exist.
+pub type Bound = HashMap<String, f64>;
 
 /// A repeatable experiment.
 #[derive(Debug, Clone)]
@@ -61,47 +59,6 @@ pub struct Study {
     /// Relative range around the declared rounding step from which each trial draws the true step. The motion then
     /// passes the steps differently in each trial, as in experiments that are not exact copies.
     pub step_spread: f64,
-}
-
-/// One number of one trial.
-#[derive(Debug, Clone, PartialEq)]
-pub struct TrialNumber {
-    /// Address, for example `base.mass_kg`, `base.inertia_kg_m2.xx`, `gyro.bias_rad_s.x`.
-    pub name: String,
-    /// Estimate.
-    pub value: f64,
-    /// Estimate minus truth.
-    pub error: f64,
-    /// Stated sigma; NaN if the method has none.
-    pub sigma: f64,
-}
-
-/// Result of one trial.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Answer {
-    /// Status of the estimate.
-    pub status: Status,
-    /// Why the result is not reliable.
-    pub doubts: Vec<String>,
-    /// Iterations taken.
-    pub iterations: usize,
-    /// Chi-square per degree of freedom, mean over the segments.
-    pub chi2_per_dof: f64,
-    /// Chi-square per number of each kind of sensor, mean over the segments.
-    pub channels: Vec<(String, f64)>,
-    /// Every determined number with known truth.
-    pub numbers: Vec<TrialNumber>,
-    /// Normalised squared error of all determined mass properties, and their number.
-    pub nees: Option<(f64, usize)>,
-}
-
-/// One trial. A failed trial has its reason.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Trial {
-    /// Number.
-    pub number: u64,
-    /// Result, or the reason of the failure.
-    pub outcome: Result<Answer, String>,
 }
 
 impl Study {
@@ -170,29 +127,29 @@ impl Study {
     }
 
     /// Runs one trial.
-    pub fn trial(&self, number: u64) -> Trial {
-        let (tables, biases) = self.draw(number);
-        let truth = self.true_numbers(&biases);
-        let outcome = self
-            .answer(&tables, &truth, &self.question, self.diagnose)
-            .map_err(|error| error.to_string());
-        Trial { number, outcome }
+    pub fn trial(&self, number: u64) -> Row {
+        self.trial_beside(number, &Bound::new())
     }
 
-    /// Applies a method to measurements from [`Self::draw`] and compares the result with the truth.
+    fn trial_beside(&self, number: u64, bound: &Bound) -> Row {
+        let (tables, biases) = self.draw(number);
+        let found = self.estimate(&tables, &self.question, self.diagnose);
+        let found = found.map_err(|error| error.to_string());
+        Row::judged(number, found, &self.expected(&biases, bound))
+    }
+
+    /// Applies a method to measurements from [`Self::draw`].
     ///
     /// # Errors
     /// The method fails.
-    pub fn answer(
+    pub fn estimate(
         &self,
         tables: &[Table],
-        truth: &HashMap<String, f64>,
         question: &Question,
         diagnose: bool,
-    ) -> Result<Answer, Error> {
+    ) -> Result<Estimate, Error> {
         let by = |problem: &Problem| estimate_by(problem, question, diagnose);
-        let estimate = solve(&self.model, tables, question.relative_accuracy, by)?;
-        Ok(judged(&estimate, truth))
+        solve(&self.model, tables, question.relative_accuracy, by)
     }
 
     /// The kernel of a published method for this experiment, which draws and solves trials itself.
@@ -216,14 +173,14 @@ impl Study {
         })
     }
 
-    /// Runs trials in parallel; the results are in order of their numbers.
-    pub fn run(&self, trials: Range<u64>) -> Vec<Trial> {
+    /// Runs trials in parallel; the rows are in order of their numbers, each with the bound.
+    pub fn run(&self, trials: Range<u64>) -> Vec<Row> {
         let total = usize::try_from(trials.end.saturating_sub(trials.start)).unwrap_or(usize::MAX);
-        let done = AtomicUsize::new(0);
+        let (done, bound) = (AtomicUsize::new(0), self.bound_sigmas());
         let run = |n| {
-            let trial = self.trial(n);
+            let row = self.trial_beside(n, &bound);
             step("trials", done.fetch_add(1, Ordering::Relaxed) + 1, total);
-            trial
+            row
         };
         trials.into_par_iter().map(run).collect()
     }
@@ -263,11 +220,29 @@ impl Study {
         model
     }
 
-    /// True mass properties and the biases from [`Self::draw`], by address.
-    pub fn true_numbers(&self, biases: &[Vec<f64>]) -> HashMap<String, f64> {
-        let mut all = HashMap::new();
+    pub(crate) fn bound_sigmas(&self) -> Bound {
+        let numbers = self.bound().map(|bound| estimated_numbers(&bound));
+        let numbers = numbers.unwrap_or_default().into_iter();
+        numbers.filter_map(|n| Some((n.name, n.sigma?))).collect()
+    }
+
+    /// True mass properties and the biases from [`Self::draw`], without an estimate.
+    pub fn true_numbers(&self, biases: &[Vec<f64>]) -> Vec<RowNumber> {
+        self.expected(biases, &Bound::new())
+    }
+
+    /// The true numbers with their bounds.
+    pub(crate) fn expected(&self, biases: &[Vec<f64>], bound: &Bound) -> Vec<RowNumber> {
+        let mut all = Vec::new();
+        let mut add = |name: String, truth| {
+            all.push(RowNumber {
+                bound: bound.get(&name).copied(),
+                ..RowNumber::of(name, truth)
+            });
+        };
         for (body, truth) in self.model.bodies.iter().zip(&self.truth) {
-            all.extend(mass_names(&body.name).into_iter().zip(values(truth)));
+            let named = mass_names(&body.name).into_iter().zip(values(truth));
+            named.for_each(|(name, x)| add(name, x));
         }
         for (sensor, bias) in self.sensors.iter().zip(biases) {
             let turned = match sensor.kind.axes() {
@@ -275,7 +250,7 @@ impl Study {
                 Axes::Inertial => nalgebra::Matrix3::identity(),
                 Axes::None => {
                     let own = scalar_errors(&self.model, sensor, bias, &[]).into_iter();
-                    all.extend(own.map(|(name, unit, x)| (address(&name, unit), x)));
+                    own.for_each(|(name, unit, x)| add(address(&name, unit), x));
                     continue;
                 }
             };
@@ -284,7 +259,7 @@ impl Study {
                 let unit = self.model.unit_of(sensor);
                 for k in 0..3 {
                     let name = format!("{}.bias_{}", sensor.name, axis_name(k));
-                    all.insert(address(&name, unit), bias[k]);
+                    add(address(&name, unit), bias[k]);
                 }
             }
         }
@@ -293,7 +268,7 @@ impl Study {
 }
 
 /// Binds measurements to a model and solves their problem.
-fn solve<T>(
+pub(crate) fn solve<T>(
     model: &Model,
     tables: &[Table],
     relative_accuracy: f64,
@@ -305,73 +280,6 @@ fn solve<T>(
         relative_accuracy,
         ..bound.problem(model, &tree)
     })
-}
-
-/// Compares the estimate of a kernel with true numbers by address; `names` as of [`mass_names`].
-pub(crate) fn judged_body(
-    body: &MassProperties,
-    names: &[String],
-    truth: &HashMap<String, f64>,
-) -> Answer {
-    let number = |(name, value): (&String, f64)| {
-        Some(TrialNumber {
-            error: value - truth.get(name)?,
-            value,
-            sigma: f64::NAN,
-            name: name.clone(),
-        })
-    };
-    Answer {
-        status: Status::Converged,
-        doubts: Vec::new(),
-        iterations: 1,
-        chi2_per_dof: f64::NAN,
-        channels: Vec::new(),
-        nees: None,
-        numbers: names.iter().zip(values(body)).filter_map(number).collect(),
-    }
-}
-
-/// Compares an estimate with true numbers by address, as from [`Study::true_numbers`].
-///
-/// ```
-#[doc = include_str!("../doc/answer.txt")]
-/// let truth = [("bus.inertia_kg_m2.zz".to_owned(), 2.5)].into();
-/// let judged = trials::judged(&identified.estimate, &truth);
-/// let number = &judged.numbers[0];
-/// assert_eq!(number.error, number.value - 2.5);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-pub fn judged(estimate: &Estimate, truth: &HashMap<String, f64>) -> Answer {
-    let numbers: Vec<TrialNumber> = estimated_numbers(estimate)
-        .into_iter()
-        .filter_map(|(name, value, sigma)| {
-            Some(TrialNumber {
-                error: value - truth.get(&name)?,
-                value,
-                sigma,
-                name,
-            })
-        })
-        .collect();
-    let segments = estimate.fit.len().max(1) as f64;
-    let mut channels: Vec<(String, f64)> = Vec::new();
-    for channel in estimate.fit.iter().flat_map(|f| &f.channels) {
-        let share = channel.chi2_per_number.unwrap_or(f64::NAN) / segments;
-        match channels.iter_mut().find(|(name, _)| *name == channel.name) {
-            Some((_, sum)) => *sum += share,
-            None => channels.push((channel.name.clone(), share)),
-        }
-    }
-    Answer {
-        status: estimate.status,
-        doubts: estimate.doubts(),
-        iterations: estimate.iterations,
-        chi2_per_dof: estimate.fit.iter().map(|f| f.chi2_per_dof).sum::<f64>() / segments,
-        channels,
-        nees: nees(estimate, &numbers),
-        numbers,
-    }
 }
 
 /// Applies the errors of a sensor to its channels; missing channels are ignored.
@@ -403,79 +311,4 @@ fn disturb(table: &mut Table, sensor: &str, channels: &[String], instrument: &mu
             }
         }
     }
-}
-
-/// Every number determined by data: address, value, sigma (NaN if the method states none).
-pub(crate) fn estimated_numbers(estimate: &Estimate) -> Vec<(String, f64, f64)> {
-    let mut list = Vec::new();
-    for body in estimate.bodies.iter().filter(|b| b.asked) {
-        for (name, number) in numbers_of(body) {
-            if let (Source::Data, Some(value)) = (number.source, number.value) {
-                let sigma = number.sigma.unwrap_or(f64::NAN);
-                let name = address(&format!("{}.{name}", body.name), "");
-                list.push((name, value, sigma));
-            }
-        }
-    }
-    for item in &estimate.nuisance {
-        if let (Some(value), Some(sigma)) = (item.number.value, item.number.sigma) {
-            list.push((address(&item.name, item.unit), value, sigma));
-        }
-    }
-    list
-}
-
-/// Mass, mass centre and central inertia in the order of [`mass_names`].
-fn values(body: &MassProperties) -> impl Iterator<Item = f64> {
-    let centre = body.p_BoBcm_B.iter().copied();
-    let inertia = TENSOR.into_iter().map(|at| body.I_BBcm_B[at]);
-    std::iter::once(body.mass).chain(centre).chain(inertia)
-}
-
-/// Addresses of mass, mass centre and central inertia of a body.
-pub(crate) fn mass_names(body: &str) -> Vec<String> {
-    let com = (0..3).map(|k| format!("com_{}", axis_name(k)));
-    let inertia = (0..6).map(|k| format!("inertia_{}", tensor_name(k)));
-    let all = std::iter::once("mass".to_owned()).chain(com).chain(inertia);
-    all.map(|name| address(&format!("{body}.{name}"), ""))
-        .collect()
-}
-
-/// Mass, mass centre and central inertia of a body with their names.
-pub(crate) fn numbers_of(
-    body: &BodyEstimate,
-) -> impl Iterator<Item = (String, &poinsot_identify::Number)> {
-    let mass = std::iter::once(("mass".to_owned(), &body.mass));
-    let com = (0..3).map(|k| (format!("com_{}", axis_name(k)), &body.com[k]));
-    let inertia = (0..6).map(|k| (format!("inertia_{}", tensor_name(k)), &body.inertia[k]));
-    mass.chain(com).chain(inertia)
-}
-
-/// `e^T C^-1 e` over the mass properties with the stated covariance; `None` if it is singular or a true value is
-/// missing.
-fn nees(estimate: &Estimate, numbers: &[TrialNumber]) -> Option<(f64, usize)> {
-    let is_mass = |name: &str| estimate.nuisance.iter().all(|n| n.name != name);
-    let all = estimate.covariance_names.iter().enumerate();
-    let (at, names): (Vec<usize>, Vec<&String>) = all.filter(|(_, name)| is_mass(name)).unzip();
-    let n = names.len();
-    if n == 0 {
-        return None;
-    }
-    let mut scaled = DVector::zeros(n);
-    let mut sigma = vec![1.0; n];
-    for (i, name) in names.iter().enumerate() {
-        let wanted = address(name, estimate.covariance_units[at[i]]);
-        let number = numbers.iter().find(|x| x.name == wanted)?;
-        sigma[i] = estimate.covariance[at[i]][at[i]].sqrt();
-        scaled[i] = number.error / sigma[i];
-    }
-    let correlation = DMatrix::from_fn(n, n, |i, j| {
-        estimate.covariance[at[i]][at[j]] / (sigma[i] * sigma[j])
-    });
-    let l = correlation.cholesky()?.unpack();
-    if (0..n).any(|i| l[(i, i)] < 1.0e-6) {
-        return None;
-    }
-    let white = l.solve_lower_triangular(&scaled)?;
-    Some((white.norm_squared(), n))
 }

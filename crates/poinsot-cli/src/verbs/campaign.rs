@@ -68,11 +68,11 @@ pub fn run(arguments: &Campaign) -> Outcome {
 /// Prints the result of a campaign or sweep and returns the exit code.
 pub fn shown(json: bool, quiet: bool, ran: &CampaignRun) -> Outcome {
     if !quiet {
-        for (shard, why) in ran.damaged.iter().take(10) {
-            note(&format!("shard {shard}: {why}"));
+        for shard in ran.damaged.iter().take(10) {
+            note(&shard.to_string());
         }
     }
-    let (Some(result), Some(folded)) = (&ran.result, &ran.folded) else {
+    let Some(result) = &ran.result else {
         if json {
             print_json(&WrittenFile {
                 shards: Some(ran.shards),
@@ -86,7 +86,7 @@ pub fn shown(json: bool, quiet: bool, ran: &CampaignRun) -> Outcome {
     if json {
         print_result(result);
     } else if !quiet {
-        for document in campaign_document(result, &folded.statistics()) {
+        for document in campaign_document(result) {
             print_document(&document);
             print("\n");
         }
@@ -168,8 +168,9 @@ fn supervised(arguments: &Campaign, plan: &Plan, out: &Path, processes: u64) -> 
             Some(code @ (2 | 3)) => failed = Some(code),
             _ => {
                 let of_share = (0..plan.shards()).filter(|s| s % processes == share - 1);
-                let (missing, _) = poinsot::campaign::missing_shards(plan, out, of_share)?;
-                let at = missing.first().map_or("none".to_owned(), u64::to_string);
+                let missing = poinsot::campaign::missing_shards(plan, out, of_share)?;
+                let at = missing.first();
+                let at = at.map_or("none".to_owned(), |m| m.number.to_string());
                 let again = if crashes < TRIES {
                     "it is restarted"
                 } else {

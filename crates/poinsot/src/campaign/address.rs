@@ -39,7 +39,7 @@ pub(crate) struct Documents {
 }
 
 /// New value of a number, from its index in the address and its value in the file.
-pub(crate) type Edit<'a> = &'a dyn Fn(usize, f64) -> f64;
+pub(crate) type Edit<'a> = dyn FnMut(usize, f64) -> f64 + 'a;
 
 /// Why an address names no number, and what to do.
 pub(crate) type Refusal = (String, String);
@@ -52,7 +52,7 @@ pub(crate) fn edit(
     documents: &mut Documents,
     address: &str,
     of: FileSelector,
-    change: Edit<'_>,
+    change: &mut Edit<'_>,
 ) -> Result<(), Refusal> {
     let address = Address::parse(address);
     if let Some(case) = documents.case.as_mut()
@@ -218,7 +218,7 @@ fn absent(step: &str, known: &[String]) -> Refusal {
 }
 
 /// Scales the declared noise of a sensor, or of all if `wanted` is empty.
-fn scale_noise(model: &mut Value, wanted: &str, change: Edit<'_>) -> Result<(), Refusal> {
+fn scale_noise(model: &mut Value, wanted: &str, change: &mut Edit<'_>) -> Result<(), Refusal> {
     let factor = change(0, 1.0);
     let sensors = model.get_mut("sensor").and_then(Value::as_array_mut);
     let (mut names, mut scaled) = (Vec::new(), false);
@@ -228,7 +228,7 @@ fn scale_noise(model: &mut Value, wanted: &str, change: Edit<'_>) -> Result<(), 
         let own = wanted.is_empty() || wanted == name;
         let keys = sensor.as_table_mut().filter(|_| own).into_iter().flatten();
         for (_, value) in keys.filter(|(key, _)| NOISY.iter().any(|n| key.starts_with(n))) {
-            change_leaves(value, &|_, x| factor * x)?;
+            change_leaves(value, &mut |_, x| factor * x)?;
             scaled = true;
         }
         names.push(name);
@@ -247,7 +247,7 @@ fn scale_noise(model: &mut Value, wanted: &str, change: Edit<'_>) -> Result<(), 
 }
 
 /// Changes every number of a value: a number, a list, a table, or nested lists.
-fn change_leaves(value: &mut Value, change: Edit<'_>) -> Result<(), Refusal> {
+fn change_leaves(value: &mut Value, change: &mut Edit<'_>) -> Result<(), Refusal> {
     let mut count = 0;
     visit(value, &mut count, change);
     if count == 0 {
@@ -257,7 +257,7 @@ fn change_leaves(value: &mut Value, change: Edit<'_>) -> Result<(), Refusal> {
     Ok(())
 }
 
-fn visit(value: &mut Value, count: &mut usize, change: Edit<'_>) {
+fn visit(value: &mut Value, count: &mut usize, change: &mut Edit<'_>) {
     match value {
         Value::Integer(old) => {
             let new = change(*count, *old as f64);
@@ -287,13 +287,12 @@ pub(crate) fn count(
     address: &str,
     of: FileSelector,
 ) -> Result<usize, Refusal> {
-    let most = std::cell::Cell::new(0);
-    let mut copy = documents.clone();
-    edit(&mut copy, address, of, &|k, x| {
-        most.set(most.get().max(k + 1));
+    let (mut most, mut copy) = (0, documents.clone());
+    edit(&mut copy, address, of, &mut |k, x| {
+        most = most.max(k + 1);
         x
     })?;
-    Ok(most.get())
+    Ok(most)
 }
 
 #[cfg(test)]
@@ -360,7 +359,7 @@ bias_rad_s = [0.0, 0.0, 0.0]
 
     fn set(address: &str, x: f64) -> Documents {
         let mut all = documents();
-        edit(&mut all, address, BOTH, &|_, _| x).unwrap();
+        edit(&mut all, address, BOTH, &mut |_, _| x).unwrap();
         all
     }
 
@@ -433,7 +432,7 @@ bias_rad_s = [0.0, 0.0, 0.0]
             ("giro.noise", "no sensor \"giro\"", "did you mean \"gyro\"?"),
             ("bus.mass_kg.x", "no \"x\"", "end the address before it"),
         ] {
-            let (said, advice) = edit(&mut documents(), address, BOTH, &|_, x| x).unwrap_err();
+            let (said, advice) = edit(&mut documents(), address, BOTH, &mut |_, x| x).unwrap_err();
             assert!(
                 said.contains(what) && advice.contains(remedy),
                 "{address}: {said}; {advice}"
@@ -448,7 +447,7 @@ bias_rad_s = [0.0, 0.0, 0.0]
             truth: true,
             nominal: false,
         };
-        edit(&mut all, "bus.mass_kg", truth, &|_, x| 1.1 * x).unwrap();
+        edit(&mut all, "bus.mass_kg", truth, &mut |_, x| 1.1 * x).unwrap();
         assert_eq!(
             all.truth.unwrap()["body"][0]["mass_kg"].as_float(),
             Some(5.5)

@@ -6,34 +6,25 @@
 
 use super::faults::whole_fault;
 use super::plan::{Plan, Shard};
-use super::shard::{Found, ShardResult, find};
-use super::trial::{Done, Prepared, at_once};
+use super::shard::{MissingShard, ShardResult, find};
+use super::trial::{Prepared, at_once};
 use crate::error::Error;
 use crate::progress::step;
-use std::collections::VecDeque;
+use crate::trials::Row;
+use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
-/// Data shared by the trials of a cell, computed by the first trial.
-type Shared = Arc<OnceLock<Result<Prepared, String>>>;
-
-/// Numbers of damaged shards, with the reason.
-pub type Damaged = Vec<(u64, String)>;
-
 /// A shard whose trials are running.
 struct Active {
     shard: Shard,
-    prepared: Shared,
-    done: Mutex<Vec<Option<Done>>>,
+    /// Data shared by the trials of a cell, computed by the first trial.
+    prepared: Arc<OnceLock<Result<Prepared, String>>>,
+    /// Finished rows by their first trial.
+    done: Mutex<BTreeMap<u64, Vec<Row>>>,
     left: AtomicUsize,
-}
-
-/// The remaining trials.
-struct Queue {
-    shards: VecDeque<u64>,
-    current: Option<(Arc<Active>, u64)>,
 }
 
 /// Runs shards into the folder of a campaign; `watch` is called after each.
@@ -44,9 +35,8 @@ struct Queue {
 /// ```
 #[doc = include_str!("../../doc/plan.txt")]
 /// # let out = std::env::temp_dir().join(format!("poinsot-shards-{}", std::process::id()));
-/// let (missing, _) = missing_shards(&plan, &out, 0..plan.shards())?;
-/// run_shards(&plan, &out, &missing, &|_| {})?;
-/// assert!(missing_shards(&plan, &out, 0..plan.shards())?.0.is_empty());
+/// run_shards(&plan, &out, &[0], &|_| {})?;
+/// assert!(missing_shards(&plan, &out, 0..plan.shards())?.is_empty());
 /// # std::fs::remove_dir_all(&out)?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -68,26 +58,19 @@ pub(super) fn run_each(
     shards: &[u64],
     take: &(dyn Fn(ShardResult) -> Result<(), Error> + Sync),
 ) -> Result<(), Error> {
-    let total: u64 = shards.iter().map(|s| size(&plan.shard(*s))).sum();
-    let total = usize::try_from(total).unwrap_or(usize::MAX);
-    let queue = Mutex::new(Queue {
-        shards: shards.iter().copied().collect(),
-        current: None,
-    });
+    let total = shards.iter().map(|s| size(&plan.shard(*s))).sum();
+    let pieces = Mutex::new(pieces(plan, shards));
     let failure: Mutex<Option<Error>> = Mutex::new(None);
     let count = AtomicUsize::new(0);
     let work = || {
         while locked(&failure).is_none() {
-            let Some((active, trials)) = next(plan, &queue) else {
+            let Some((active, trials)) = locked(&pieces).next() else {
                 return;
             };
             let many = (trials.end - trials.start) as usize;
             let finished = run_some(plan, &active, trials);
-            step(
-                "trials",
-                count.fetch_add(many, Ordering::Relaxed) + many,
-                total,
-            );
+            let done = count.fetch_add(many, Ordering::Relaxed) + many;
+            step("trials", done, total);
             let taken = finished.and_then(|result| result.map_or(Ok(()), take));
             if let Err(error) = taken {
                 locked(&failure).get_or_insert(error);
@@ -95,10 +78,8 @@ pub(super) fn run_each(
         }
     };
     on_all_cores(&work)?;
-    match failure.into_inner().unwrap_or_else(PoisonError::into_inner) {
-        Some(error) => Err(error),
-        None => Ok(()),
-    }
+    let failure = failure.into_inner().unwrap_or_else(PoisonError::into_inner);
+    failure.map_or(Ok(()), Err)
 }
 
 /// Runs one shard in memory, on this thread.
@@ -114,9 +95,8 @@ pub(super) fn run_each(
 /// ```
 pub fn run_shard(plan: &Plan, shard: u64) -> Result<ShardResult, Error> {
     let shard = plan.shard(shard);
-    let prepared = Prepared::new(plan, &shard)?;
-    let done = prepared.run(plan, &shard, shard.trials.clone());
-    Ok(ShardResult::new(plan, &shard, &prepared.bound(), &done))
+    let rows = Prepared::new(plan, &shard)?.run(plan, &shard, shard.trials.clone());
+    Ok(ShardResult::new(plan, &shard, &rows))
 }
 
 /// Missing shards among these, and damaged ones with the reason.
@@ -127,63 +107,51 @@ pub fn run_shard(plan: &Plan, shard: u64) -> Result<ShardResult, Error> {
 /// ```
 #[doc = include_str!("../../doc/plan.txt")]
 /// # let out = std::env::temp_dir().join(format!("poinsot-missing-{}", std::process::id()));
-/// let (missing, damaged) = missing_shards(&plan, &out, 0..plan.shards())?;
-/// assert_eq!((missing, damaged.len()), (vec![0], 0));
+/// let missing = missing_shards(&plan, &out, 0..plan.shards())?;
+/// assert_eq!((missing[0].number, &missing[0].damage), (0, &None));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn missing_shards(
     plan: &Plan,
     out: &Path,
     shards: impl Iterator<Item = u64>,
-) -> Result<(Vec<u64>, Damaged), Error> {
-    let (mut missing, mut damaged) = (Vec::new(), Vec::new());
-    for number in shards {
-        match find(plan, out, &plan.shard(number))? {
-            Found::Whole(_) => continue,
-            Found::Missing => {}
-            Found::Damaged(why) => damaged.push((number, why)),
-        }
-        missing.push(number);
-    }
-    Ok((missing, damaged))
+) -> Result<Vec<MissingShard>, Error> {
+    let found = shards.map(|number| Ok(find(plan, out, number)?.err()));
+    found.filter_map(Result::transpose).collect()
 }
 
-fn size(shard: &Shard) -> u64 {
-    shard.trials.end - shard.trials.start
+fn size(shard: &Shard) -> usize {
+    usize::try_from(shard.trials.end - shard.trials.start).unwrap_or(usize::MAX)
 }
 
-fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+pub(super) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// The next trials, and their shard.
-fn next(plan: &Plan, queue: &Mutex<Queue>) -> Option<(Arc<Active>, Range<u64>)> {
-    let mut queue = locked(queue);
-    let queue = &mut *queue;
-    loop {
-        if let Some((active, at)) = &mut queue.current
-            && *at < active.shard.trials.end
-        {
-            let first = *at;
-            *at = active.shard.trials.end.min(first + at_once(plan));
-            return Some((Arc::clone(active), first..*at));
-        }
-        let shard = plan.shard(queue.shards.pop_front()?);
-        let kept = queue.current.take().filter(|(last, _)| {
-            // The points of a sampling belong to one shard.
-            last.shard.cell == shard.cell && plan.sampling.is_none()
-        });
-        let prepared = kept.map_or_else(Arc::default, |(last, _)| Arc::clone(&last.prepared));
-        let n = usize::try_from(size(&shard)).unwrap_or(usize::MAX);
-        let first = shard.trials.start;
-        let active = Active {
-            done: Mutex::new((0..n).map(|_| None).collect()),
-            left: AtomicUsize::new(n),
-            prepared,
+/// The trials of all shards in pieces, each with its shard.
+fn pieces<'a>(
+    plan: &'a Plan,
+    shards: &'a [u64],
+) -> impl Iterator<Item = (Arc<Active>, Range<u64>)> + Send + 'a {
+    let mut last: Option<Arc<Active>> = None;
+    let many = at_once(plan);
+    shards.iter().flat_map(move |number| {
+        let shard = plan.shard(*number);
+        // The points of a sampling belong to one shard.
+        let same = |l: &Arc<Active>| l.shard.cell == shard.cell && plan.sampling.is_none();
+        let kept = last.take().filter(same);
+        let active = Arc::new(Active {
+            prepared: kept.map_or_else(Arc::default, |l| Arc::clone(&l.prepared)),
+            done: Mutex::default(),
+            left: AtomicUsize::new(size(&shard)),
             shard,
-        };
-        queue.current = Some((Arc::new(active), first));
-    }
+        });
+        last = Some(Arc::clone(&active));
+        let trials = active.shard.trials.clone();
+        let end = trials.end;
+        let piece = move |first| (Arc::clone(&active), first..end.min(first + many));
+        trials.step_by(many as usize).map(piece)
+    })
 }
 
 /// Runs trials; returns the shard after its last ones.
@@ -198,29 +166,19 @@ fn run_some(
     let prepared = prepared.as_ref().map_err(|why| {
         // The error already names file and remedy.
         let what = format!("cell {} cannot be simulated: {why}", shard.cell);
-        whole_fault(
-            "E0541",
-            Path::new(&plan.name),
-            what,
-            "correct case, model or plan",
-        )
+        let remedy = "correct case, model or plan";
+        whole_fault("E0541", Path::new(&plan.name), what, remedy)
     })?;
-    let first = (trials.start - shard.trials.start) as usize;
-    let done = prepared.run(plan, shard, trials);
-    let many = done.len();
-    for (place, one) in locked(&active.done)[first..].iter_mut().zip(done) {
-        *place = Some(one);
-    }
+    let many = (trials.end - trials.start) as usize;
+    let first = trials.start;
+    let rows = prepared.run(plan, shard, trials);
+    locked(&active.done).insert(first, rows);
     if active.left.fetch_sub(many, Ordering::AcqRel) > many {
         return Ok(None);
     }
-    let done: Vec<Done> = locked(&active.done).drain(..).flatten().collect();
-    Ok(Some(ShardResult::new(
-        plan,
-        shard,
-        &prepared.bound(),
-        &done,
-    )))
+    let done = std::mem::take(&mut *locked(&active.done));
+    let rows: Vec<Row> = done.into_values().flatten().collect();
+    Ok(Some(ShardResult::new(plan, shard, &rows)))
 }
 
 /// A pool of one thread, which runs the parallel parts of a fit one after the other.

@@ -5,6 +5,7 @@ use super::plan::{Plan, Shard};
 use super::shard::ShardResult;
 use super::trial::{Prepared, at_once};
 use crate::error::Error;
+use crate::trials::Row;
 use poinsot_formats::CampaignCost;
 use poinsot_telemetry::RowCells;
 
@@ -44,15 +45,15 @@ fn measured_cost(plan: &Plan) -> Result<CampaignCost, Error> {
             trials: whole.trials.start..past,
             ..whole
         };
-        let prepared = Prepared::new(plan, &shard)?;
-        let done = prepared.run(plan, &shard, shard.trials.clone());
-        let warm = if done.len() > 1 { 1 } else { 0 };
-        for trial in &done[warm..] {
-            seconds += trial.seconds.iter().sum::<f64>();
+        let rows = Prepared::new(plan, &shard)?.run(plan, &shard, shard.trials.clone());
+        let trials: Vec<&[Row]> = rows.chunks(plan.methods.len()).collect();
+        let warm = usize::from(trials.len() > 1);
+        for trial in &trials[warm..] {
+            seconds += trial.iter().map(|row| row.seconds).sum::<f64>();
             count += 1.0;
         }
-        let result = ShardResult::new(plan, &shard, &prepared.bound(), &done);
-        bytes = bytes.max(bytes_of(&result) / done.len() as f64);
+        let result = ShardResult::new(plan, &shard, &rows);
+        bytes = bytes.max(bytes_of(&result) / trials.len() as f64);
     }
     let seconds = seconds / count;
     let in_time = |s: f64| (s / seconds.max(1.0e-9)).ceil() as u64;

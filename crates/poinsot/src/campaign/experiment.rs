@@ -4,24 +4,23 @@ use super::address::{Documents, Edit, FileSelector, Refusal, edit};
 use super::faults::{PlanText, whole_fault};
 use crate::case::{Case, parse_case, read_case};
 use crate::error::Error;
-use crate::identify::{Question, read_options};
+use crate::identify::read_options;
 use crate::trials::{Study, mass_names};
 use poinsot_formats::{ExperimentFile, PlanFile, sha256};
 use poinsot_model::{Body, Model, Sensor, parse_model, read_model, read_model_text};
 use poinsot_telemetry::{Channel, Table, read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use toml::Value;
 
 /// All changes of a cell or trial, applied by [`Apply`].
-pub(crate) type Changes<'a> = dyn Fn(&mut Apply<'_>) -> Result<(), Refusal> + 'a;
+pub(crate) type Changes<'a> = dyn FnMut(&mut Apply<'_>) -> Result<(), Refusal> + 'a;
 
 /// Applies one change to the files.
-pub(crate) type Apply<'a> = dyn FnMut(&str, FileSelector, Edit<'_>) -> Result<(), Refusal> + 'a;
+pub(crate) type Apply<'a> =
+    dyn FnMut(&str, FileSelector, &mut Edit<'_>) -> Result<(), Refusal> + 'a;
 
-/// Default seed of a record.
-const SEED: u64 = 1;
-
-/// A file as read, and as a table if it is TOML.
+/// A file as read.
 #[derive(Debug, Clone)]
 struct Source {
     path: PathBuf,
@@ -85,45 +84,36 @@ impl Experiment {
         let of_case = case.as_ref().map(|c| c.model.clone());
         let truth = path(&file.truth).or(of_case).unwrap_or_default();
         let nominal = path(&file.model).unwrap_or_else(|| truth.clone());
-        let (truth, nominal) = (Source::model(truth)?, Source::model(nominal)?);
-        let mut hashes = vec![
-            sha256(truth.text.as_bytes()),
-            sha256(nominal.text.as_bytes()),
-        ];
+        let [truth, nominal] = [Source::model(truth)?, Source::model(nominal)?];
+        let model = nominal.read(None)?;
+        let mut hashes = [&truth, &nominal]
+            .map(|s| sha256(s.text.as_bytes()))
+            .to_vec();
         let mut paths = vec![truth.path.clone(), nominal.path.clone()];
-        let record = match &file.record {
-            Some(record) => {
-                let record = folder.join(record);
-                let tables = read_record(&record, &nominal.read()?, file.every)?;
-                paths.push(record);
-                let sources = tables.iter().flat_map(|t| &t.sources);
-                hashes.extend(sources.map(|s| s.sha256.clone()));
-                check_biases(file, &nominal.read()?, &mut refuse);
-                Some(tables.into())
-            }
-            None => None,
-        };
-        let case = match case {
-            Some(case) => {
-                hashes.push(sha256(case.text().as_bytes()));
-                hashes.extend(case.inputs_sha256()?);
-                paths.push(case.path().to_owned());
-                paths.extend(case.inputs());
-                Some(Source {
-                    path: case.path().to_owned(),
-                    text: case.text().to_owned(),
-                })
-            }
-            None => None,
-        };
+        let mut record = None;
+        if let Some(path) = path(&file.record) {
+            let tables = read_record(&path, &model, file.every)?;
+            let sources = tables.iter().flat_map(|t| &t.sources);
+            hashes.extend(sources.map(|s| s.sha256.clone()));
+            paths.push(path);
+            check_biases(file, &model, &mut refuse);
+            record = Some(tables.into());
+        }
+        if let Some(case) = &case {
+            hashes.push(sha256(case.text().as_bytes()));
+            hashes.extend(case.inputs_sha256()?);
+            paths.push(case.path().to_owned());
+            paths.extend(case.inputs());
+        }
+        let case = case.map(|case| Source {
+            path: case.path().to_owned(),
+            text: case.text().to_owned(),
+        });
         let named = file.case.as_ref().or(file.record.as_ref());
-        let stem = named
-            .map(Path::new)
-            .and_then(Path::file_stem)
-            .unwrap_or_default();
+        let stem = named.map(Path::new).and_then(Path::file_stem);
         Ok(Some(Self {
             name: match file.name.as_str() {
-                "" => stem.to_string_lossy().into_owned(),
+                "" => stem.unwrap_or_default().to_string_lossy().into_owned(),
                 name => name.to_owned(),
             },
             documents: Documents {
@@ -135,7 +125,7 @@ impl Experiment {
             paths,
             case,
             record,
-            bodies: nominal.read()?.bodies,
+            bodies: model.bodies,
             truth,
             nominal,
             file: file.clone(),
@@ -147,7 +137,7 @@ impl Experiment {
     ///
     /// # Errors
     /// A changed file is invalid.
-    pub fn files(&self, changes: &Changes<'_>) -> Result<FilesAt, Error> {
+    pub fn files(&self, changes: &mut Changes<'_>) -> Result<FilesAt, Error> {
         let mut documents = self.documents.clone();
         let mut changed = false;
         changes(&mut |address, of, change| {
@@ -155,15 +145,18 @@ impl Experiment {
             edit(&mut documents, address, of, change)
         })
         .map_err(|(what, remedy)| whole_fault("E0542", Path::new(&self.name), what, &remedy))?;
-        let of = |source: &Source, table: &Option<toml::Value>| match table {
-            Some(table) if changed => source.with(table),
-            _ => source.clone(),
-        };
-        let case = self.case.as_ref();
+        let of = |table: Option<Value>| table.filter(|_| changed);
+        let Documents {
+            case,
+            truth,
+            nominal,
+        } = documents;
+        let with_case = self.case.as_ref().zip(Some(of(case)));
+        let case = with_case.map(|(c, table)| parse_case(&c.path, c.with(table)));
         Ok(FilesAt {
-            case: case.map(|c| of(c, &documents.case).case()).transpose()?,
-            truth: of(&self.truth, &documents.truth).read()?,
-            nominal: of(&self.nominal, &documents.nominal).read()?,
+            case: case.transpose()?,
+            truth: self.truth.read(of(truth))?,
+            nominal: self.nominal.read(of(nominal))?,
         })
     }
 
@@ -172,12 +165,6 @@ impl Experiment {
         let of = |b: &Body| mass_names(&b.name);
         let asked = self.bodies.iter().filter(|b| b.estimate.any());
         asked.flat_map(of).collect()
-    }
-
-    /// Mass properties of the first body.
-    pub fn first(&self) -> Vec<String> {
-        let first = self.bodies.first();
-        first.map_or_else(Vec::new, |b| mass_names(&b.name))
     }
 
     /// The repeatable experiment.
@@ -190,18 +177,19 @@ impl Experiment {
             truth,
             nominal,
         } = files;
-        let mut study = match case {
-            Some(mut case) => {
+        let mut study = match (case, &self.record) {
+            (Some(mut case), _) => {
                 case.rate_hz /= self.file.every.unwrap_or(1) as f64;
                 Study::of_case(&case, &truth, nominal)?
             }
-            None => {
-                let tables = self.record.as_deref().unwrap_or(&[]).to_vec();
-                let biases = biases(&self.file, &nominal);
-                let mut study = Study::of_tables(tables, &truth, nominal);
-                study.biases = biases;
-                study.seed = SEED;
-                study
+            (None, record) => {
+                let tables = record.as_deref().unwrap_or_default().to_vec();
+                let bias = |s: &Sensor| self.file.bias.get(&s.name).cloned();
+                let biases = nominal.sensors.iter().map(bias).collect();
+                Study {
+                    biases,
+                    ..Study::of_tables(tables, &truth, nominal)
+                }
             }
         };
         // Noise and rounding are the true ones; other declared errors are those of the nominal model.
@@ -213,7 +201,6 @@ impl Experiment {
                 sensor.correlation_s = t.correlation_s;
             }
         }
-        study.question = Question::default();
         study.draw_phase = self.file.draw_phase.unwrap_or(true);
         study.step_spread = self.file.step_spread.unwrap_or(0.0);
         study.seed = self.seed.unwrap_or(study.seed);
@@ -227,33 +214,22 @@ impl Source {
         Ok(Self { path, text })
     }
 
-    fn is_urdf(&self) -> bool {
-        let extension = self.path.extension();
-        extension.is_some_and(|e| e.eq_ignore_ascii_case("urdf"))
+    /// Its table; an URDF file has none.
+    fn table(&self) -> Option<Value> {
+        self.text.parse().map(Value::Table).ok()
     }
 
-    fn table(&self) -> Option<toml::Value> {
-        let table = self.text.parse().map(toml::Value::Table);
-        table.ok().filter(|_| !self.is_urdf())
+    /// The text of a changed table, or the text as read.
+    fn with(&self, changed: Option<Value>) -> String {
+        let written = changed.map(|table| toml::to_string(&table).unwrap_or_default());
+        written.unwrap_or_else(|| self.text.clone())
     }
 
-    fn with(&self, table: &toml::Value) -> Self {
-        Self {
-            path: self.path.clone(),
-            // A changed table is written as text again.
-            text: toml::to_string(table).unwrap_or_default(),
-        }
-    }
-
-    fn read(&self) -> Result<Model, Error> {
-        Ok(match self.is_urdf() {
-            true => read_model(&self.path)?,
-            false => parse_model(&self.text, &self.path.display().to_string())?,
+    fn read(&self, changed: Option<Value>) -> Result<Model, Error> {
+        Ok(match self.path.extension() {
+            Some(urdf) if urdf.eq_ignore_ascii_case("urdf") => read_model(&self.path)?,
+            _ => parse_model(&self.with(changed), &self.path.display().to_string())?,
         })
-    }
-
-    fn case(&self) -> Result<Case, Error> {
-        parse_case(&self.path, self.text.clone())
     }
 }
 
@@ -279,26 +255,20 @@ fn check_biases(
     refuse: &mut impl FnMut(&'static str, &str, &str),
 ) {
     for (name, bias) in &file.bias {
-        let Some(sensor) = model.sensors.iter().find(|s| s.name == *name) else {
+        let sensor = model.sensors.iter().find(|s| s.name == *name);
+        let Some(sensor) = sensor else {
             let what = format!("the model has no sensor \"{name}\"");
             refuse("bias", &what, "use the name of a sensor");
             continue;
         };
-        let wanted = match sensor.kind.is_scalar() {
-            true => sensor.of.len(),
-            false => 3,
-        };
+        let scalar = sensor.kind.is_scalar();
+        let wanted = if scalar { sensor.of.len() } else { 3 };
         if bias.len() != wanted || !bias.iter().all(|b| b.is_finite()) {
             let what = format!("{name} needs {wanted} finite numbers");
             let remedy = "give one for each axis, joint, wheel or thruster";
             refuse("bias", &what, remedy);
         }
     }
-}
-
-fn biases(file: &ExperimentFile, model: &Model) -> Vec<Option<Vec<f64>>> {
-    let of = |s: &Sensor| file.bias.get(&s.name).cloned();
-    model.sensors.iter().map(of).collect()
 }
 
 /// Noise-free telemetry at every n-th sample of each channel.

@@ -3,8 +3,8 @@
 //! The bootstrap draws every trial a Poisson(1) number of times (Chamandy, Muralidharan, Najmi, Naidu 2012). Its sums
 //! are additive, so shards can be processed separately.
 
-use crate::trials::{Answer, Interval};
-use poinsot_formats::{BandedFile, PairNumberFile, finite};
+use crate::trials::{Row, RowNumber, found_or_new};
+use poinsot_formats::{BandedFile, PairNumberFile};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
@@ -26,11 +26,11 @@ pub struct PairNumberSums {
     /// Trials in which both also stated a sigma.
     pub stated: u64,
     /// Trials whose interval holds the truth only by the first method, and only by the other.
-    pub alone: (u64, u64),
+    pub alone: [u64; 2],
     /// Sums of squared errors.
-    pub squares: (f64, f64),
+    pub squares: [f64; 2],
     /// The same sums in every resample.
-    pub resampled: Vec<(f64, f64)>,
+    pub resampled: Vec<[f64; 2]>,
 }
 
 /// A method compared with the first.
@@ -63,67 +63,66 @@ fn weights(trial: u64) -> Vec<f64> {
 
 impl PairSums {
     /// Adds a trial that both methods answered.
-    pub fn add(&mut self, trial: u64, first: &Answer, other: &Answer) {
-        let weights = weights(trial);
-        let reach = poinsot_formats::HALF_WIDTH_95;
+    pub(super) fn add(&mut self, first: &Row, other: &Row) {
+        let weights = weights(first.trial);
         for a in &first.numbers {
-            let Some(b) = other.numbers.iter().find(|b| b.name == a.name) else {
-                continue;
-            };
-            if !(a.error.is_finite() && b.error.is_finite()) {
-                continue;
-            }
-            let holds = |n: &crate::trials::TrialNumber| n.error.abs() <= reach * n.sigma;
-            let sums = self.number(&a.name);
-            sums.trials += 1;
-            sums.stated += u64::from(a.sigma.is_finite() && b.sigma.is_finite());
-            if a.sigma.is_finite() && b.sigma.is_finite() {
-                sums.alone.0 += u64::from(holds(a) && !holds(b));
-                sums.alone.1 += u64::from(holds(b) && !holds(a));
-            }
-            let (a, b) = (a.error * a.error, b.error * b.error);
-            sums.squares = (sums.squares.0 + a, sums.squares.1 + b);
-            for (sum, w) in sums.resampled.iter_mut().zip(&weights) {
-                *sum = (sum.0 + w * a, sum.1 + w * b);
+            let b = other.numbers.iter().find(|b| b.name == a.name);
+            if let Some(sums) = b.and_then(|b| PairNumberSums::of(a, b, &weights)) {
+                self.number(&a.name).add(&sums);
             }
         }
     }
 
     /// Adds the sums of other trials.
-    pub fn merge(&mut self, other: &Self) {
+    pub(super) fn merge(&mut self, other: &Self) {
         for theirs in &other.numbers {
-            let ours = self.number(&theirs.name);
-            ours.trials += theirs.trials;
-            ours.stated += theirs.stated;
-            ours.alone = (ours.alone.0 + theirs.alone.0, ours.alone.1 + theirs.alone.1);
-            ours.squares = (
-                ours.squares.0 + theirs.squares.0,
-                ours.squares.1 + theirs.squares.1,
-            );
-            for (ours, theirs) in ours.resampled.iter_mut().zip(&theirs.resampled) {
-                *ours = (ours.0 + theirs.0, ours.1 + theirs.1);
-            }
+            self.number(&theirs.name).add(theirs);
         }
     }
 
     fn number(&mut self, name: &str) -> &mut PairNumberSums {
-        let at = self.numbers.iter().position(|n| n.name == name);
-        let at = at.unwrap_or_else(|| {
-            self.numbers.push(PairNumberSums {
-                name: name.to_owned(),
-                resampled: vec![(0.0, 0.0); RESAMPLES],
-                ..PairNumberSums::default()
-            });
-            self.numbers.len() - 1
-        });
-        &mut self.numbers[at]
+        let new = || PairNumberSums {
+            name: name.to_owned(),
+            resampled: vec![[0.0; 2]; RESAMPLES],
+            ..PairNumberSums::default()
+        };
+        found_or_new(&mut self.numbers, 0, |n| n.name == name, new)
     }
 }
 
 impl PairNumberSums {
-    /// The comparison as a file; `outside` is the probability outside its interval.
-    pub fn file(&self, outside: f64) -> PairNumberFile {
-        let ratio = |(a, b): (f64, f64)| (b / a).sqrt();
+    /// One trial; `None` if a method did not determine the number.
+    fn of(a: &RowNumber, b: &RowNumber, weights: &[f64]) -> Option<Self> {
+        let errors = [a.error()?, b.error()?];
+        let squares = errors.map(|e| e * e);
+        let stated = [a, b].iter().all(|n| n.sigma.is_some_and(f64::is_finite));
+        let held = [a.holds(errors[0]), b.holds(errors[1])];
+        let alone = [held[0] && !held[1], held[1] && !held[0]];
+        squares.iter().all(|s| s.is_finite()).then(|| Self {
+            trials: 1,
+            stated: u64::from(stated),
+            alone: alone.map(|alone| u64::from(stated && alone)),
+            resampled: weights.iter().map(|w| squares.map(|s| w * s)).collect(),
+            squares,
+            name: String::new(),
+        })
+    }
+
+    fn add(&mut self, more: &Self) {
+        self.trials += more.trials;
+        self.stated += more.stated;
+        for k in 0..2 {
+            self.alone[k] += more.alone[k];
+            self.squares[k] += more.squares[k];
+        }
+        for (ours, theirs) in self.resampled.iter_mut().zip(&more.resampled) {
+            ours.iter_mut().zip(theirs).for_each(|(a, b)| *a += b);
+        }
+    }
+
+    /// The comparison with its name; `outside` is the probability outside its interval.
+    pub(super) fn entry(&self, outside: f64) -> (String, PairNumberFile) {
+        let ratio = |[a, b]: [f64; 2]| (b / a).sqrt();
         let mut resampled: Vec<f64> = self.resampled.iter().map(|s| ratio(*s)).collect();
         resampled.retain(|r| r.is_finite());
         resampled.sort_by(f64::total_cmp);
@@ -132,24 +131,21 @@ impl PairNumberSums {
             let found = resampled.get((share * last).round() as usize);
             found.copied().unwrap_or(f64::NAN)
         };
-        let interval = Interval {
-            value: ratio(self.squares),
-            low: at(0.5 * outside),
-            high: at(1.0 - 0.5 * outside),
-        };
-        PairNumberFile {
+        let (low, high) = (at(0.5 * outside), at(1.0 - 0.5 * outside));
+        let file = PairNumberFile {
             trials: self.trials,
-            held_by_first_alone: self.alone.0,
-            held_by_other_alone: self.alone.1,
+            held_by_first_alone: self.alone[0],
+            held_by_other_alone: self.alone[1],
             mcnemar_p: (self.stated > 0).then(|| mcnemar(self.alone)),
-            rmse_ratio: banded(interval),
-        }
+            rmse_ratio: BandedFile::of(ratio(self.squares), low, high),
+        };
+        (self.name.clone(), file)
     }
 }
 
 /// Two-sided exact McNemar test (McNemar 1947): under the null hypothesis each discordant trial favours either method
 /// with probability 1/2.
-fn mcnemar((first, other): (u64, u64)) -> f64 {
+fn mcnemar([first, other]: [u64; 2]) -> f64 {
     let n = first + other;
     match Binomial::new(0.5, n) {
         Ok(binomial) if n > 0 => (2.0 * binomial.cdf(first.min(other))).min(1.0),
@@ -157,45 +153,31 @@ fn mcnemar((first, other): (u64, u64)) -> f64 {
     }
 }
 
-/// An interval in the format of the file.
-pub(super) fn banded(interval: Interval) -> BandedFile {
-    BandedFile {
-        value: finite(interval.value),
-        low: finite(interval.low),
-        high: finite(interval.high),
-    }
-}
-
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::trials::TrialNumber;
     use poinsot_identify::Status;
 
     /// R: binom.test(5, 20)$p.value, binom.test(10, 10)$p.value.
     #[test]
     fn xval_mcnemar_is_the_exact_binomial_test_of_r() {
-        assert!((mcnemar((5, 15)) - 0.041_389_47).abs() < 1.0e-7);
-        assert!((mcnemar((10, 0)) - 0.001_953_125).abs() < 1.0e-9);
-        assert_eq!(mcnemar((0, 0)), 1.0);
-        assert_eq!(mcnemar((7, 7)), 1.0);
+        assert!((mcnemar([5, 15]) - 0.041_389_47).abs() < 1.0e-7);
+        assert!((mcnemar([10, 0]) - 0.001_953_125).abs() < 1.0e-9);
+        assert_eq!(mcnemar([0, 0]), 1.0);
+        assert_eq!(mcnemar([7, 7]), 1.0);
     }
 
-    fn answer(error: f64, sigma: f64) -> Answer {
-        Answer {
-            status: Status::Converged,
-            doubts: Vec::new(),
-            iterations: 1,
-            chi2_per_dof: 1.0,
-            channels: Vec::new(),
-            nees: None,
-            numbers: vec![TrialNumber {
-                name: "a".to_owned(),
-                value: error,
-                error,
-                sigma,
+    fn row(trial: u64, error: f64) -> Row {
+        Row {
+            trial,
+            status: Some(Status::Converged),
+            numbers: vec![RowNumber {
+                estimate: Some(error),
+                sigma: Some(1.0),
+                ..RowNumber::of("a".to_owned(), 0.0)
             }],
+            ..Row::default()
         }
     }
 
@@ -217,16 +199,13 @@ mod tests {
         let sums = |range: std::ops::Range<usize>| {
             let mut sums = PairSums::default();
             for k in range {
-                sums.add(
-                    k as u64,
-                    &answer(errors[k].0, 1.0),
-                    &answer(errors[k].1, 1.0),
-                );
+                let (a, b) = errors[k];
+                sums.add(&row(k as u64, a), &row(k as u64, b));
             }
             sums
         };
         let whole = sums(0..400);
-        let file = whole.numbers[0].file(0.05);
+        let file = whole.numbers[0].entry(0.05).1;
         let r = file.rmse_ratio;
         assert!(r.low.unwrap() > 1.6 && r.low.unwrap() < 2.0, "{r:?}");
         assert!(r.high.unwrap() > 2.0 && r.high.unwrap() < 2.4, "{r:?}");
@@ -234,7 +213,7 @@ mod tests {
         let mut merged = sums(0..150);
         merged.merge(&sums(150..400));
         assert_eq!(merged.numbers[0].alone, whole.numbers[0].alone);
-        let gap = merged.numbers[0].resampled[7].0 / whole.numbers[0].resampled[7].0 - 1.0;
+        let gap = merged.numbers[0].resampled[7][0] / whole.numbers[0].resampled[7][0] - 1.0;
         assert!(gap.abs() < 1.0e-12);
         let mean = (0..2000).flat_map(weights).sum::<f64>() / (2000.0 * RESAMPLES as f64);
         assert!((mean - 1.0).abs() < 0.01, "{mean}");

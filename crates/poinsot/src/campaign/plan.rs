@@ -584,7 +584,7 @@ impl Plan {
     /// # Errors
     /// A changed file is invalid.
     pub(crate) fn files_at(&self, experiment: &Experiment, cell: u64) -> Result<FilesAt, Error> {
-        experiment.files(&|apply| self.fixed(cell, apply))
+        experiment.files(&mut |apply| self.fixed(cell, apply))
     }
 
     /// Changes common to all trials of a cell.
@@ -598,7 +598,7 @@ impl Plan {
             apply(
                 &change.number,
                 of,
-                &|k, x| match (&change.value, change.times, &change.plus) {
+                &mut |k, x| match (&change.value, change.times, &change.plus) {
                     (Some(v), _, _) => pick(v, k),
                     (_, Some(factor), _) => factor * x,
                     (_, _, Some(v)) => x + pick(v, k),
@@ -607,7 +607,7 @@ impl Plan {
             )?;
         }
         for (axis, (_, value)) in self.grid.iter().zip(self.point(cell)) {
-            apply(&axis.number, axis.of, &|_, _| value)?;
+            apply(&axis.number, axis.of, &mut |_, _| value)?;
         }
         Ok(())
     }

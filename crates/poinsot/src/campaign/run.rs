@@ -1,11 +1,12 @@
 //! Runs a campaign: missing shards are run, all shards are added, and the result is written.
 
-use super::engine::{missing_shards, run_each, run_shards};
+use super::engine::{locked, missing_shards, run_each, run_shards};
 use super::plan::Plan;
-use super::result::{Folded, OUTSIDE, fold_shards, fold_sums};
-use super::shard::{Found, ShardSums, find, rows_path, sums_path};
+use super::result::{Folded, fold_shards, fold_sums, widest_coverage};
+use super::shard::{MissingShard, ShardSums, find, rows_path, sums_path};
 use super::until::{looks, outside_at_each};
 use crate::error::Error;
+use crate::trials::OUTSIDE;
 use crate::written::{result_json, write_files};
 use poinsot_files::{Place, Stage, folder_of};
 use poinsot_formats::CampaignFile;
@@ -44,12 +45,10 @@ pub struct CampaignRequest<'a> {
 pub struct CampaignRun {
     /// Statistics with intervals; `None` for one share of the shards.
     pub result: Option<CampaignFile>,
-    /// The sums of the shards.
-    pub folded: Option<Folded>,
     /// Number of shards run now.
     pub shards: u64,
-    /// Damaged shards that were run again, with the reason.
-    pub damaged: Vec<(u64, String)>,
+    /// Damaged shards that were run again, and missing ones.
+    pub damaged: Vec<MissingShard>,
     /// Whether `until` was reached; `None` if not requested.
     pub reached: Option<bool>,
     /// Files of the result.
@@ -83,22 +82,17 @@ impl CampaignRun {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn campaign_in_memory(plan: &Plan) -> Result<CampaignRun, Error> {
-    let damaged = |why: String| Error::internal(why);
-    let all: Mutex<Vec<ShardSums>> = Mutex::new(Vec::new());
+    let all: Mutex<Vec<ShardSums>> = Mutex::default();
     let shards: Vec<u64> = (0..plan.shards()).collect();
     run_each(plan, &shards, &|result| {
         // Written as text and parsed, so that the result is identical to that of a campaign with files.
-        let sums = ShardSums::parse(&result.sums.text()).map_err(damaged)?;
-        all.lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .push(sums);
+        let sums = ShardSums::parse(&result.sums.text()).map_err(Error::internal)?;
+        locked(&all).push(sums);
         Ok(())
     })?;
     let all = all.into_inner().unwrap_or_else(PoisonError::into_inner);
-    let folded = fold_sums(plan, &all).map_err(damaged)?;
     Ok(CampaignRun {
-        result: Some(folded.result(plan, plan.trials)),
-        folded: Some(folded),
+        result: Some(fold_sums(plan, all)?.result(plan, plan.trials, OUTSIDE)),
         shards: plan.shards(),
         ..CampaignRun::default()
     })
@@ -137,8 +131,8 @@ pub fn campaign(plan: &Plan, request: &CampaignRequest<'_>) -> Result<CampaignRu
         let shards = 0..plan.shards_up_to(trials);
         run_missing(plan, request, shards, trials, &mut ran)?;
         let folded = fold_shards(plan, &request.out, trials)?;
-        let enough = |until| folded.widest_coverage(outside) <= until;
-        ran.reached = request.until.map(enough);
+        let widest = || widest_coverage(&folded.result(plan, trials, outside));
+        ran.reached = request.until.map(|until| widest() <= until);
         if ran.reached == Some(true) || trials == plan.trials {
             finish(plan, &request.out, folded, trials, &mut ran)?;
             break;
@@ -173,15 +167,12 @@ pub fn merge_campaign(
     }
     gather(plan, out, from)?;
     let folded = fold_shards(plan, out, plan.trials)?;
-    if let Some((number, why)) = folded.missing.first().filter(|_| !partial) {
-        return Err(Error::one(
+    if let Some(missing) = folded.missing.first().filter(|_| !partial) {
+        let (many, all) = (folded.missing.len(), plan.shards());
+        return Err(refused(
             "E0603",
-            Place::file(sums_path(out, &plan.digest, *number)),
-            format!(
-                "shard {number} cannot be merged: {why} ({} of {} shards are missing)",
-                folded.missing.len(),
-                plan.shards()
-            ),
+            sums_path(out, &plan.digest, missing.number),
+            format!("{missing}; {many} of {all} shards are missing"),
             "run the campaign with --resume, or merge with --partial",
         ));
     }
@@ -198,20 +189,19 @@ fn run_missing(
     ran: &mut CampaignRun,
 ) -> Result<(), Error> {
     let wanted: Vec<u64> = shards.collect();
-    let (missing, damaged) = missing_shards(plan, &request.out, wanted.iter().copied())?;
-    let there = wanted.len() - missing.len();
+    let found = missing_shards(plan, &request.out, wanted.iter().copied())?;
+    let missing: Vec<u64> = found.iter().map(|m| m.number).collect();
+    let (all, there) = (wanted.len(), wanted.len() - missing.len());
     // On later passes, existing shards belong to this run.
     if there > 0 && !request.resume && ran.shards == 0 {
-        return Err(Error::one(
+        return Err(refused(
             "E0602",
-            Place::file(&request.out),
-            format!(
-                "{there} of {} shards of this plan exist already",
-                wanted.len()
-            ),
+            &request.out,
+            format!("{there} of {all} shards of this plan exist already"),
             "use --resume to run the missing ones, or another --out",
         ));
     }
+    let damaged = found.into_iter().filter(|m| m.damage.is_some());
     ran.damaged.extend(damaged);
     ran.shards += missing.len() as u64;
     let last = Mutex::new((Instant::now(), FOLLOWED));
@@ -226,7 +216,7 @@ fn run_missing(
             return;
         }
         if let Ok(folded) = fold_shards(plan, &request.out, trials) {
-            follow(&folded.result(plan, trials));
+            follow(&folded.result(plan, trials, OUTSIDE));
         }
         *last = (Instant::now(), FOLLOWED.max(10 * now.elapsed()));
     };
@@ -241,20 +231,21 @@ fn run_missing(
 
 /// Checks that the shards of an engine are in the folder.
 fn arrived(plan: &Plan, out: &Path, shards: &[u64]) -> Result<(), Error> {
-    let (missing, _) = missing_shards(plan, out, shards.iter().copied())?;
-    match missing.first() {
-        None => Ok(()),
-        Some(number) => Err(Error::one(
-            "E0603",
-            Place::file(sums_path(out, &plan.digest, *number)),
-            format!(
-                "{} of {} shards that workers have run are not readable here",
-                missing.len(),
-                shards.len()
-            ),
-            "run the campaign again with resume",
-        )),
-    }
+    let missing = missing_shards(plan, out, shards.iter().copied())?;
+    let Some(first) = missing.first() else {
+        return Ok(());
+    };
+    let (many, all) = (missing.len(), shards.len());
+    Err(refused(
+        "E0603",
+        sums_path(out, &plan.digest, first.number),
+        format!("{many} of {all} shards that workers have run are not readable here"),
+        "run the campaign again with resume",
+    ))
+}
+
+fn refused(code: &'static str, at: impl AsRef<Path>, what: String, advice: &str) -> Error {
+    Error::one(code, Place::file(at), what, advice)
 }
 
 fn finish(
@@ -264,7 +255,7 @@ fn finish(
     counted: u64,
     ran: &mut CampaignRun,
 ) -> Result<(), Error> {
-    let result = folded.result(plan, counted);
+    let result = folded.result(plan, counted, OUTSIDE);
     let report = |why: String| Error::report(out, why, "");
     let page = campaign_page(&result).map_err(|e| report(no_page(&e)))?;
     let html = page.html().map_err(|e| report(no_page(&e)))?;
@@ -274,9 +265,8 @@ fn finish(
         ("campaign.json".into(), text.into_bytes()),
     ];
     ran.written = write_files(out, &files)?;
-    ran.damaged.extend(folded.missing.iter().cloned());
+    ran.damaged.extend(folded.missing);
     ran.result = Some(result);
-    ran.folded = Some(folded);
     Ok(())
 }
 
@@ -299,50 +289,42 @@ fn refuse_other_plans(plan: &Plan, out: &Path) -> Result<(), Error> {
     let other = files
         .filter_map(|f| Some((short(&f)?, f)))
         .find(|(digest, _)| !plan.digest.starts_with(digest.as_str()));
-    match other {
-        None => Ok(()),
-        Some((digest, path)) => Err(Error::one(
-            "E0602",
-            Place::file(&path),
-            format!(
-                "this is a shard of plan {digest}, but the plan or one of its files is {} now",
-                plan.digest.get(..digest.len()).unwrap_or(&plan.digest)
-            ),
-            "use another --out, or restore the plan",
-        )),
-    }
+    let Some((digest, path)) = other else {
+        return Ok(());
+    };
+    let own = plan.digest.get(..digest.len()).unwrap_or(&plan.digest);
+    let what =
+        format!("this is a shard of plan {digest}, but the plan or one of its files is {own} now");
+    let advice = "use another --out, or restore the plan";
+    Err(refused("E0602", path, what, advice))
 }
 
 /// Copies shards from other folders; duplicates must have the same sums.
 fn gather(plan: &Plan, out: &Path, from: &[PathBuf]) -> Result<(), Error> {
-    for folder in from {
-        for number in 0..plan.shards() {
-            let shard = plan.shard(number);
-            let Found::Whole(theirs) = find(plan, folder, &shard)? else {
-                continue;
-            };
-            let source = sums_path(folder, &plan.digest, number);
-            if let Found::Whole(ours) = find(plan, out, &shard)? {
-                if ours.sums.methods != theirs.sums.methods || ours.sums.pairs != theirs.sums.pairs
-                {
-                    return Err(Error::one(
-                        "E0603",
-                        Place::file(&source),
-                        format!("shard {number} is there twice with different sums"),
-                        "remove one of them",
-                    ));
-                }
-                continue;
+    let pairs = from
+        .iter()
+        .flat_map(|f| (0..plan.shards()).map(move |n| (f, n)));
+    for (folder, number) in pairs {
+        let Ok(theirs) = find(plan, folder, number)? else {
+            continue;
+        };
+        let source = sums_path(folder, &plan.digest, number);
+        if let Ok(ours) = find(plan, out, number)? {
+            let (ours, theirs) = (ours.sums, theirs.sums);
+            if ours.methods != theirs.methods || ours.pairs != theirs.pairs {
+                let what = format!("shard {number} is there twice with different sums");
+                return Err(refused("E0603", source, what, "remove one of them"));
             }
-            let target = sums_path(out, &plan.digest, number);
-            let mut stage = Stage::new(folder_of(&target))?;
-            for (from, to) in [(rows_path(&source), rows_path(&target)), (source, target)] {
-                let bytes = poinsot_files::read(&from, LARGEST_ROWS);
-                let bytes = bytes.map_err(|e| crate::error::unreadable(&from, e))?;
-                stage.add(Path::new(to.file_name().unwrap_or_default()), &bytes)?;
-            }
-            stage.commit()?;
+            continue;
         }
+        let target = sums_path(out, &plan.digest, number);
+        let mut stage = Stage::new(folder_of(&target))?;
+        for (from, to) in [(rows_path(&source), rows_path(&target)), (source, target)] {
+            let bytes = poinsot_files::read(&from, LARGEST_ROWS);
+            let bytes = bytes.map_err(|e| crate::error::unreadable(&from, e))?;
+            stage.add(Path::new(to.file_name().unwrap_or_default()), &bytes)?;
+        }
+        stage.commit()?;
     }
     Ok(())
 }

@@ -2,22 +2,23 @@
 
 use super::plan::{Plan, Shard};
 use super::sums::CellSums;
-use super::trial::{Bound, Done};
+use super::trial::CRASHED;
 use crate::error::Error;
-use crate::trials::{Answer, position};
+use crate::trials::{Row, RowNumber, position};
 use indexmap::IndexSet;
 use poinsot_files::{InputError, Stage, open, read_text};
-use poinsot_formats::{ResultFile, checksum, finite, parse_result, result_text, sha256_of};
+use poinsot_formats::{ResultFile, checksum, parse_result, result_text, sha256_of};
 use poinsot_identify::Status;
 use poinsot_telemetry::{ROWS_EXTENSION, RowCells, RowColumn, write_rows};
 use serde::{Deserialize, Serialize};
 use std::cell::Cell;
 use std::collections::BTreeSet;
+use std::fmt;
 use std::io::Seek;
 use std::path::{Path, PathBuf};
 
 /// Schema of the file.
-const SCHEMA: &str = "poinsot.shard/2";
+const SCHEMA: &str = "poinsot.shard/3";
 /// Size limit of a file of sums, bytes.
 const LARGEST: u64 = 256 << 20;
 /// Digits of the digest in file names.
@@ -30,7 +31,7 @@ const ELSEWHERE: &str = "elsewhere";
 /// Sums of a shard.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ShardSums {
-    /// "poinsot.shard/2".
+    /// "poinsot.shard/3".
     pub schema: String,
     /// Digest of the plan.
     pub digest: String,
@@ -59,9 +60,7 @@ pub struct ShardResult {
 }
 
 impl ShardResult {
-    pub(super) fn new(plan: &Plan, shard: &Shard, bound: &Bound, done: &[Done]) -> Self {
-        let mut sums = CellSums::new(plan, bound);
-        done.iter().for_each(|trial| sums.add(trial));
+    pub(super) fn new(plan: &Plan, shard: &Shard, rows: &[Row]) -> Self {
         Self {
             sums: ShardSums {
                 schema: SCHEMA.to_owned(),
@@ -69,11 +68,11 @@ impl ShardResult {
                 shard: shard.number,
                 cell: shard.cell,
                 trials: (shard.trials.start, shard.trials.end),
-                sums,
+                sums: CellSums::of(plan, rows),
                 rows_bytes: 0,
                 rows_sha256: String::new(),
             },
-            rows: rows(plan, shard, done),
+            rows: columns(plan, shard, rows),
         }
     }
 
@@ -115,6 +114,11 @@ pub(super) fn rows_path(sums: &Path) -> PathBuf {
     sums.with_extension(ROWS_EXTENSION)
 }
 
+impl ResultFile for ShardSums {
+    const SCHEMA: &'static str = SCHEMA;
+    const EARLIER: &'static [&'static str] = &["poinsot.shard/1", "poinsot.shard/2"];
+}
+
 impl ShardSums {
     /// JSON that ends with its checksum.
     pub fn text(&self) -> String {
@@ -129,21 +133,14 @@ impl ShardSums {
         checksum(text).ok_or("it is cut or was changed: it has no checksum")?;
         parse_result(Path::new("sums"), text.as_bytes()).map_err(|e| e.to_string())
     }
-}
 
-impl ResultFile for ShardSums {
-    const SCHEMA: &'static str = SCHEMA;
-    const EARLIER: &'static [&'static str] = &["poinsot.shard/1"];
-}
-
-impl ShardSums {
     /// Checks that these are the sums of a shard of the plan: its methods, each with every trial once.
     ///
     /// # Errors
     /// What differs.
-    pub(super) fn check(&self, plan: &Plan, shard: &Shard) -> Result<(), String> {
-        let range = (shard.trials.start, shard.trials.end);
-        let own = (self.shard, self.cell, self.trials) == (shard.number, shard.cell, range);
+    pub(super) fn check(&self, plan: &Plan) -> Result<(), String> {
+        let Shard { cell, trials, .. } = plan.shard(self.shard);
+        let own = (self.cell, self.trials) == (cell, (trials.start, trials.end));
         if !own || self.digest != plan.digest {
             return Err("it is of another plan or another shard".to_owned());
         }
@@ -153,7 +150,8 @@ impl ShardSums {
         if !methods.eq(plan.method_labels()) || lists.iter().any(|n| *n != plan.methods.len()) {
             return Err("its methods are not those of the plan".to_owned());
         }
-        match sums.methods.iter().all(|m| m.is_of(range)) {
+        let count = trials.end - trials.start;
+        match sums.methods.iter().all(|m| m.is_of(count)) {
             true => Ok(()),
             false => Err("its counts are not those of its trials".to_owned()),
         }
@@ -181,184 +179,135 @@ impl ShardSums {
     }
 }
 
-/// Content of a shard's path.
-pub(super) enum Found {
-    /// Nothing.
-    Missing,
-    /// Not a valid shard of this plan, with the reason.
-    Damaged(String),
-    /// The shard.
-    Whole(Box<ShardSums>),
+/// A shard that is not there, or is damaged.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct MissingShard {
+    /// Number.
+    pub number: u64,
+    /// Why it is damaged; `None` where there is no file.
+    pub damage: Option<String>,
 }
+
+impl fmt::Display for MissingShard {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let why = self.damage.as_deref().unwrap_or("it is not there");
+        write!(f, "shard {}: {why}", self.number)
+    }
+}
+
+/// The sums of a shard, or why they are missing.
+pub(super) type Found = Result<ShardSums, MissingShard>;
 
 /// Looks for a shard in the folder of a campaign.
 ///
 /// # Errors
 /// Reading fails.
-pub(super) fn find(plan: &Plan, out: &Path, shard: &Shard) -> Result<Found, Error> {
-    let path = sums_path(out, &plan.digest, shard.number);
+pub(super) fn find(plan: &Plan, out: &Path, number: u64) -> Result<Found, Error> {
+    let missing = |damage| Ok(Err(MissingShard { number, damage }));
+    let path = sums_path(out, &plan.digest, number);
     let text = match read_text(&path, LARGEST) {
         Ok(text) => text,
-        Err(InputError::Missing(_)) => return Ok(Found::Missing),
+        Err(InputError::Missing(_)) => return missing(None),
         Err(InputError::System(source)) => {
             return Err(Error::io(&path, "cannot be read", &source));
         }
-        Err(other) => return Ok(Found::Damaged(other.to_string())),
+        Err(other) => return missing(Some(other.to_string())),
     };
-    let sums = match ShardSums::parse(&text) {
-        Ok(sums) => sums,
-        Err(why) => return Ok(Found::Damaged(why)),
+    let Shard { trials, .. } = plan.shard(number);
+    let whole = |sums: &ShardSums| {
+        let other = "it is of another plan or another shard".to_owned();
+        (sums.shard == number).then_some(()).ok_or(other)?;
+        sums.check(plan)?;
+        sums.check_rows(&rows_path(&path))
     };
-    // A plan with another number of trials may have a different last shard.
-    if sums.trials.0 == shard.trials.start && sums.trials.1 != shard.trials.end {
-        return Ok(Found::Missing);
-    }
-    let rows = match sums.check(plan, shard) {
-        Ok(()) => sums.check_rows(&rows_path(&path)),
-        Err(why) => Err(why),
-    };
-    Ok(match rows {
-        Ok(()) => Found::Whole(Box::new(sums)),
-        Err(why) => Found::Damaged(why),
-    })
-}
-
-/// Makes columns with one cell per trial and method.
-struct Cells<'a> {
-    done: &'a [Done],
-    methods: usize,
-}
-
-impl Cells<'_> {
-    fn of<T>(&self, f: impl Fn(&Done, usize) -> T) -> Vec<T> {
-        let of_trial = |d| (0..self.methods).map(move |m| (d, m));
-        let all = self.done.iter().flat_map(of_trial);
-        all.map(|(d, m)| f(d, m)).collect()
-    }
-
-    fn number(&self, name: String, f: impl Fn(&Done, usize) -> Option<f64>) -> RowColumn {
-        let cells = RowCells::Number(self.of(f));
-        RowColumn { name, cells }
+    match ShardSums::parse(&text) {
+        // A plan with another number of trials may have a different last shard.
+        Ok(sums) if sums.trials.0 == trials.start && sums.trials.1 != trials.end => missing(None),
+        Ok(sums) => match whole(&sums) {
+            Ok(()) => Ok(Ok(sums)),
+            Err(why) => missing(Some(why)),
+        },
+        Err(why) => missing(Some(why)),
     }
 }
 
-fn answer(d: &Done, m: usize) -> Option<&Answer> {
-    d.trials[m].outcome.as_ref().ok()
-}
+type Of<T> = fn(&T) -> Option<f64>;
 
-fn status(d: &Done, m: usize) -> String {
-    match &d.trials[m].outcome {
-        Ok(a) => a.status.name().to_owned(),
-        Err(why) if why.starts_with(super::trial::CRASHED) => "crashed".to_owned(),
-        Err(_) => "refused".to_owned(),
-    }
-}
-
-fn why(d: &Done, m: usize) -> String {
-    match &d.trials[m].outcome {
-        Ok(a) => a.doubts.join("; "),
-        Err(why) => why.clone(),
-    }
-}
-
-/// Rows of a shard, one per trial and method.
-fn rows(plan: &Plan, shard: &Shard, done: &[Done]) -> Vec<RowColumn> {
-    let experiment = &plan.experiment(shard.cell).name;
-    let labels = plan.method_labels();
-    let cells = Cells {
-        done,
-        methods: labels.len(),
-    };
-    let passes = |d: &Done, m: usize| {
-        let passed = |a: &Answer| a.status == Status::Converged && a.doubts.is_empty();
-        u64::from(answer(d, m).is_some_and(passed))
-    };
-    let seed = plan.file.seed.unwrap_or(0);
-    let words = [
-        (
-            "experiment",
-            RowCells::Text(cells.of(|_, _| experiment.clone())),
-        ),
-        (
-            "trial",
-            RowCells::Count(cells.of(|d, m| d.trials[m].number)),
-        ),
-        (
-            "method",
-            RowCells::Text(cells.of(|_, m| labels[m].to_owned())),
-        ),
-        ("status", RowCells::Text(cells.of(status))),
-        ("passes", RowCells::Count(cells.of(passes))),
-        ("why", RowCells::Text(cells.of(why))),
-        ("seed", RowCells::Count(cells.of(|_, _| seed))),
-    ];
-    let words = words.into_iter().map(|(name, cells)| RowColumn {
-        name: name.to_owned(),
-        cells,
-    });
-    let number = |name: &str, f: &dyn Fn(&Answer) -> Option<f64>| {
-        cells.number(name.to_owned(), |d, m| answer(d, m).and_then(f))
-    };
-    let mut columns: Vec<RowColumn> = words.collect();
-    columns.extend([
-        cells.number("seconds".to_owned(), |d, m| Some(d.seconds[m])),
-        number("iterations", &|a| Some(a.iterations as f64)),
-        number("chi2_per_dof", &|a| finite(a.chi2_per_dof)),
-        number("nees", &|a| a.nees.map(|n| n.0)),
-        number("nees_dof", &|a| a.nees.map(|n| n.1 as f64)),
-    ]);
-    columns.extend(number_columns(plan, shard, &cells));
-    columns
-}
-
-/// Where a shard is, what was drawn, and every number that an answer may have.
-fn number_columns(plan: &Plan, shard: &Shard, cells: &Cells) -> Vec<RowColumn> {
-    let done = cells.done;
+/// Rows as columns: what the row is, where its shard is, what was drawn, and every number that an answer may have.
+fn columns(plan: &Plan, shard: &Shard, rows: &[Row]) -> Vec<RowColumn> {
+    let experiment = plan.experiment(shard.cell);
+    let (labels, seed) = (plan.method_labels(), plan.file.seed.unwrap_or(0));
     let mut columns = Vec::new();
+    let mut add = |name: String, cells| columns.push(RowColumn { name, cells });
+    let label = |k: usize| labels[k % labels.len()].to_owned();
+    let labels = (0..rows.len()).map(label).collect();
+    let text = |f: fn(&Row) -> String| RowCells::Text(rows.iter().map(f).collect());
+    let count = |f: &dyn Fn(&Row) -> u64| RowCells::Count(rows.iter().map(f).collect());
+    let number = |f: &dyn Fn(&Row) -> Option<f64>| RowCells::Number(rows.iter().map(f).collect());
+    let names = vec![experiment.name.clone(); rows.len()];
+    add("experiment".to_owned(), RowCells::Text(names));
+    add("trial".to_owned(), count(&|r| r.trial));
+    add("method".to_owned(), RowCells::Text(labels));
+    add("status".to_owned(), text(status));
+    add("passes".to_owned(), count(&passes));
+    add("why".to_owned(), text(|r| r.evidence.join("; ")));
+    add("seed".to_owned(), count(&|_| seed));
+    let numbers: [(&str, Of<Row>); 5] = [
+        ("seconds", |r| Some(r.seconds)),
+        ("iterations", |r| r.status.map(|_| r.iterations as f64)),
+        ("chi2_per_dof", |r| r.chi2_per_dof),
+        ("nees", |r| r.nees.map(|n| n.square)),
+        ("nees_dof", |r| r.nees.map(|n| n.dof as f64)),
+    ];
+    for (name, of) in numbers {
+        add(name.to_owned(), number(&of));
+    }
     for (address, value) in plan.point(shard.cell) {
-        columns.push(cells.number(format!("at.{address}"), |_, _| Some(value)));
+        add(format!("at.{address}"), number(&|_| Some(value)));
     }
-    // A number has the same place in most trials.
+    // A number has the same place in most rows.
     let place = Cell::new(0);
-    let named = |list: &[(String, f64)], name: &str| {
-        found(list, &place, |(n, _)| n == name).map(|(_, x)| *x)
-    };
-    let drawn = done.iter().flat_map(|d| &d.drawn);
-    let drawn: IndexSet<&String> = drawn.map(|(name, _)| name).collect();
-    for name in drawn {
-        columns.push(cells.number(format!("drawn.{name}"), |d, _| named(&d.drawn, name)));
+    let drawn = rows.iter().flat_map(|r| &r.drawn);
+    for name in drawn.map(|d| &d.0).collect::<IndexSet<_>>() {
+        let value = |r: &Row| Some(found(&r.drawn, &place, |d| d.0 == *name)?.1);
+        add(format!("drawn.{name}"), number(&value));
     }
-    let estimated = |d: &Done, m: usize, name: &str, k: usize| {
-        let numbers = &answer(d, m)?.numbers;
-        let n = found(numbers, &place, |n| n.name == name)?;
-        Some([n.value, n.sigma, n.error / n.sigma][k])
-    };
-    for name in asked(plan, shard, done) {
-        columns.push(cells.number(format!("truth.{name}"), |d, _| named(&d.truth, &name)));
-        for (k, kind) in ["estimate", "sigma", "z"].into_iter().enumerate() {
-            let cell = |d: &Done, m| estimated(d, m, &name, k);
-            columns.push(cells.number(format!("{kind}.{name}"), cell));
+    // All shards of a cell begin with the requested numbers, determined or not.
+    let mut names: IndexSet<String> = experiment.asked().into_iter().collect();
+    let determined = rows.iter().flat_map(|r| r.determined().map(|n| &n.name));
+    names.extend(determined.collect::<BTreeSet<_>>().into_iter().cloned());
+    let kinds: [(&str, Of<RowNumber>); 4] = [
+        ("truth", |n| Some(n.truth)),
+        ("estimate", |n| n.estimate),
+        ("sigma", |n| n.sigma),
+        ("z", RowNumber::z),
+    ];
+    for name in &names {
+        for (kind, of) in kinds {
+            let value = |r: &Row| of(found(&r.numbers, &place, |n| n.name == *name)?);
+            add(format!("{kind}.{name}"), number(&value));
         }
     }
     columns
+}
+
+fn status(row: &Row) -> String {
+    let crashed = || row.evidence.iter().any(|why| why.starts_with(CRASHED));
+    match row.status {
+        Some(status) => status.name().to_owned(),
+        None if crashed() => "crashed".to_owned(),
+        None => "refused".to_owned(),
+    }
+}
+
+fn passes(row: &Row) -> u64 {
+    u64::from(row.status == Some(Status::Converged) && row.evidence.is_empty())
 }
 
 /// The item that is meant; `place` is where the last one was.
 fn found<'a, T>(list: &'a [T], place: &Cell<usize>, is: impl Fn(&T) -> bool) -> Option<&'a T> {
     place.set(position(list, place.get(), is)?);
     list.get(place.get())
-}
-
-/// Numbers with columns: requested numbers of every body, whether determined or not, then biases and other nuisance
-/// parameters. All shards of a cell have the same first columns.
-fn asked(plan: &Plan, shard: &Shard, done: &[Done]) -> IndexSet<String> {
-    let mut all: IndexSet<String> = plan.experiment(shard.cell).asked().into_iter().collect();
-    let answers = done.iter().flat_map(|d| &d.trials).flat_map(|t| &t.outcome);
-    let others: BTreeSet<&String> = answers
-        .flat_map(|a| a.numbers.iter().map(|n| &n.name))
-        .collect();
-    all.extend(others.into_iter().cloned());
-    all
 }
 
 #[cfg(test)]
@@ -374,7 +323,7 @@ mod tests {
             cell: 1,
             trials: (10, 20),
             sums: CellSums {
-                methods: vec![crate::trials::Sums::new("auto", None)],
+                methods: vec![crate::trials::Sums::default()],
                 seconds: vec![1.0],
                 ..CellSums::default()
             },

@@ -1,32 +1,57 @@
-//! Mergeable sums over many trials.
-//!
-//! A campaign can run in pieces on several machines; each writes its sums as JSON, and `Sums::merge` adds them.
+//! Sums over the rows of one method, and the statistics made from them.
 
-use super::{Trial, estimated_numbers};
-use crate::error::Error;
-use crate::written::{result_json, write_file};
-use poinsot_formats::{ResultFile, read_result};
-use poinsot_identify::{Estimate, Status};
+use super::{Nees, Row, RowNumber};
+use poinsot_formats::{BandedFile, MethodResultFile, NumberResultFile, finite};
+use poinsot_identify::Status;
 use serde::{Deserialize, Serialize};
-use std::path::Path;
 
-/// Schema of the file.
-pub const SUMS_SCHEMA: &str = "poinsot.trials/2";
+/// Number of failed trials named in sums, and in a result; all are counted.
+const NAMED: [usize; 2] = [100, 10];
+/// Probability outside an interval of a result.
+pub const OUTSIDE: f64 = 0.05;
 
-/// Number of failed trials listed; all are counted.
-const NAMED_FAILURES: usize = 100;
+/// Statistics of rows of one method.
+///
+/// ```
+#[doc = include_str!("../../doc/case.txt")]
+/// let study = trials::Study::of_case(&case, &model.clone(), model)?;
+/// let found = trials::statistics(&study.run(0..4));
+/// assert_eq!((found.trials, found.failure_count(), found.numbers.len()), (4, 0, 6));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn statistics(rows: &[Row]) -> MethodResultFile {
+    let mut sums = Sums::default();
+    rows.iter().for_each(|row| sums.add(row));
+    sums.result(OUTSIDE)
+}
 
-/// Sums over one number of the answers.
+/// A count with a sum.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Squares {
+    /// Trials.
+    pub count: u64,
+    /// Sum of the squares.
+    pub sum: f64,
+}
+
+/// Sum and maximum.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Iterations {
+    sum: u64,
+    most: u64,
+}
+
+/// Sums over one number of the rows.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct NumberSums {
-    /// Name, for example `base.mass`; SI units throughout.
+    /// Address; SI units throughout.
     pub name: String,
-    /// Sigma of the Cramer-Rao bound if equal in every trial; absent if the number is not identifiable.
-    pub bound: Option<f64>,
-    /// If the truth differs between trials: trials with a bound, and the sum of its squares.
+    /// Sigma of the bound in sums of earlier versions, if equal in every trial.
+    #[serde(default, skip_serializing)]
+    bound: Option<f64>,
+    /// Sigmas of the Cramer-Rao bound.
     #[serde(default)]
-    pub bounds: (u64, f64),
+    pub bounds: Squares,
     /// Trials that determined it.
     pub trials: u64,
     /// Sum of the errors.
@@ -40,17 +65,153 @@ pub struct NumberSums {
     pub variance: f64,
     /// Trials whose stated 95 % interval holds the truth.
     pub held: u64,
+    #[serde(skip)]
+    replicates: Replicates,
 }
 
-/// Sums over trials of one set-up.
+/// Sum and sum of squares of a statistic over replicates.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Scatter {
+    sum: f64,
+    square: f64,
+}
+
+/// Scatter of the coverage and of the mean square over the bound between the replicates of a sampling.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Replicates {
+    count: u64,
+    answered: Scatter,
+    all: Scatter,
+    square: Scatter,
+}
+
+impl Scatter {
+    fn add(&mut self, x: f64) {
+        self.sum += x;
+        self.square += x * x;
+    }
+
+    /// A value with Student's interval over `count` replicates.
+    fn interval(self, count: u64, value: Option<f64>, outside: f64) -> BandedFile {
+        let n = count as f64;
+        let mean = self.sum / n;
+        let variance = (self.square / n - mean * mean).max(0.0) * n / (n - 1.0).max(1.0);
+        let about = BandedFile::mean(mean, variance.sqrt(), count, outside);
+        BandedFile { value, ..about }
+    }
+}
+
+impl NumberSums {
+    fn of(number: &RowNumber) -> Self {
+        let mut sums = Self::default();
+        if let Some(bound) = number.bound {
+            (sums.bounds.count, sums.bounds.sum) = (1, bound * bound);
+        }
+        let Some(error) = number.error().filter(|e| e.is_finite()) else {
+            return sums;
+        };
+        (sums.trials, sums.error, sums.square) = (1, error, error * error);
+        match number.sigma.filter(|s| s.is_finite()) {
+            Some(sigma) => {
+                sums.variance = sigma * sigma;
+                sums.held = u64::from(number.holds(error));
+            }
+            None => sums.unstated = 1,
+        }
+        sums
+    }
+
+    fn add(&mut self, more: &Self) {
+        self.bound = self.bound.or(more.bound);
+        self.bounds.count += more.bounds.count;
+        self.bounds.sum += more.bounds.sum;
+        self.trials += more.trials;
+        self.error += more.error;
+        self.square += more.square;
+        self.unstated += more.unstated;
+        self.variance += more.variance;
+        self.held += more.held;
+    }
+
+    /// Mean square of the bound.
+    fn bound_square(&self) -> Option<f64> {
+        match self.bounds.count {
+            0 => self.bound.map(|b| b * b),
+            n => Some(self.bounds.sum / n as f64),
+        }
+    }
+
+    fn add_replicate(&mut self, own: &Self, trials: u64) {
+        let stated = (own.trials - own.unstated).max(1);
+        let all = own.trials as f64;
+        let yardstick = own.bound_square().map_or(own.variance, |b| b * all);
+        self.replicates.count += 1;
+        self.replicates
+            .answered
+            .add(own.held as f64 / stated as f64);
+        self.replicates.all.add(own.held as f64 / trials as f64);
+        self.replicates.square.add(own.square / yardstick);
+    }
+
+    /// Coverage over the trials that determined the number, and over all; null where none states an interval.
+    fn coverage(&self, trials: u64, outside: f64) -> [BandedFile; 2] {
+        let r = &self.replicates;
+        let stated = self.trials - self.unstated;
+        if stated == 0 {
+            return [BandedFile::default(); 2];
+        }
+        [(stated, r.answered), (trials, r.all)].map(|(of, scatter)| {
+            let wilson = BandedFile::share(self.held, of, outside);
+            let own = scatter.interval(r.count, wilson.value, outside);
+            // Equal replicates have no scatter; an interval of zero width is not used.
+            match r.count == 0 || own.half() == Some(0.0) {
+                true => wilson,
+                false => own,
+            }
+        })
+    }
+
+    fn result(&self, trials: u64, outside: f64) -> NumberResultFile {
+        let n = self.trials as f64;
+        let (bias, square) = (self.error / n, self.square / n);
+        let spread = ((square - bias * bias).max(0.0) * n / (n - 1.0).max(1.0)).sqrt();
+        let stated = (self.trials - self.unstated) as f64;
+        let bound = self.bound_square().map(f64::sqrt);
+        let rmse = BandedFile::mean_square(square, self.trials, outside).root();
+        let over = |bound: f64| match self.replicates.count {
+            0 => rmse.over(bound),
+            n => {
+                let value = finite(square / (bound * bound));
+                let scatter = self.replicates.square;
+                scatter.interval(n, value, outside).root()
+            }
+        };
+        let [coverage_answered, coverage_all] = self.coverage(trials, outside);
+        NumberResultFile {
+            trials: self.trials,
+            bound,
+            stated: finite((self.variance / stated).sqrt()),
+            bias: BandedFile::mean(bias, spread, self.trials, outside),
+            rmse,
+            rmse_over_bound: bound.map_or_else(BandedFile::default, over),
+            coverage_answered,
+            coverage_all,
+        }
+    }
+
+    fn is_possible(&self, answers: u64) -> bool {
+        let stated = self.trials.checked_sub(self.unstated);
+        let sums = [self.error, self.square, self.variance, self.bounds.sum];
+        let counts = self.trials <= answers && stated.is_some_and(|s| self.held <= s);
+        counts && sums.iter().all(|x| x.is_finite())
+    }
+}
+
+/// Sums over the rows of one method.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Sums {
-    /// `poinsot.trials/2`.
-    pub schema: String,
-    /// Name and options of the set-up.
+    /// Method, with variant and settings.
     pub setup: String,
-    /// Trial range of every piece (end exclusive), in order.
-    pub ranges: Vec<(u64, u64)>,
     /// Trials run.
     pub trials: u64,
     /// Trials with a result.
@@ -67,147 +228,71 @@ pub struct Sums {
     pub statuses: Vec<(String, u64)>,
     /// One entry per number.
     pub numbers: Vec<NumberSums>,
-    /// Sum of the normalised squared errors, and of their degrees of freedom.
-    pub nees: (f64, u64),
+    /// Normalised squared errors.
+    pub nees: Nees,
     /// Sum of chi-square per degree of freedom.
     pub chi2_per_dof: f64,
     /// Sum of chi-square per number of each kind of sensor.
     pub channels: Vec<(String, f64)>,
-    /// Sum and maximum of the iterations.
-    pub iterations: (u64, u64),
-    /// CPU time of the trials, s.
-    pub seconds: f64,
+    /// Iterations taken.
+    pub iterations: Iterations,
 }
 
 impl Sums {
-    /// Empty sums; `bound` gives the reference sigma of every number.
-    pub fn new(setup: &str, bound: Option<&Estimate>) -> Self {
-        let bounds = bound.map(estimated_numbers).unwrap_or_default();
-        let named: Vec<(String, f64)> = bounds.into_iter().map(|(n, _, s)| (n, s)).collect();
-        Self::with_bound(setup, &named)
-    }
-
-    /// Empty sums with the bound's sigmas by name.
-    pub fn with_bound(setup: &str, bound: &[(String, f64)]) -> Self {
-        let number = |(name, sigma): &(String, f64)| NumberSums {
-            name: name.clone(),
-            bound: Some(*sigma),
-            ..NumberSums::default()
-        };
-        Self {
-            schema: SUMS_SCHEMA.to_owned(),
-            setup: setup.to_owned(),
-            numbers: bound
-                .iter()
-                .filter(|b| b.1.is_finite())
-                .map(number)
-                .collect(),
-            ..Self::default()
-        }
-    }
-
-    /// Adds a trial. A failed trial is counted; its numbers, if any, are included.
-    pub fn add(&mut self, trial: &Trial) {
+    /// Adds a row. A failed trial is counted; its numbers, if any, are included.
+    pub fn add(&mut self, row: &Row) {
         self.trials += 1;
-        match self.ranges.last_mut() {
-            Some(last) if last.1 == trial.number => last.1 += 1,
-            _ => self.ranges.push((trial.number, trial.number + 1)),
+        for (place, number) in row.numbers.iter().enumerate() {
+            if number.estimate.is_some() || number.bound.is_some() {
+                self.number(place, &number.name)
+                    .add(&NumberSums::of(number));
+            }
         }
-        let answer = match &trial.outcome {
-            Ok(answer) => answer,
-            Err(why) => return self.fail(trial.number, why),
+        let failure = match row.status {
+            None => Some(row.evidence.join("; ")),
+            Some(Status::IterationLimit | Status::Rejected) => row.status.map(|s| s.name().into()),
+            Some(_) => None,
         };
-        if matches!(answer.status, Status::IterationLimit | Status::Rejected) {
-            self.fail(trial.number, answer.status.name());
+        if let Some(why) = failure {
+            self.failures += 1;
+            self.failed.push((row.trial, why));
+            self.failed.truncate(NAMED[0]);
         }
-        self.doubted += u64::from(!answer.doubts.is_empty());
+        let Some(status) = row.status else { return };
         self.answers += 1;
-        *entry(&mut self.statuses, answer.status.name()) += 1;
+        self.doubted += u64::from(!row.evidence.is_empty());
+        *entry(&mut self.statuses, status.name()) += 1;
         // Values that are not finite would hide the others.
-        for (name, chi2) in answer.channels.iter().filter(|c| c.1.is_finite()) {
+        for (name, chi2) in row.channels.iter().filter(|c| c.1.is_finite()) {
             *entry(&mut self.channels, name) += chi2;
         }
-        if answer.chi2_per_dof.is_finite() {
-            self.chi2_per_dof += answer.chi2_per_dof;
-        }
-        let taken = answer.iterations as u64;
-        self.iterations = (self.iterations.0 + taken, self.iterations.1.max(taken));
-        if let Some((square, dof)) = answer.nees.filter(|n| n.0.is_finite()) {
-            self.nees.0 += square;
-            self.nees.1 += dof as u64;
-        }
-        let reach = poinsot_formats::HALF_WIDTH_95;
-        for (place, number) in answer.numbers.iter().enumerate() {
-            if !number.error.is_finite() {
-                continue;
-            }
-            let sums = self.number(place, &number.name);
-            sums.trials += 1;
-            sums.error += number.error;
-            sums.square += number.error * number.error;
-            if !number.sigma.is_finite() {
-                sums.unstated += 1;
-                continue;
-            }
-            sums.variance += number.sigma * number.sigma;
-            sums.held += u64::from(number.error.abs() <= reach * number.sigma);
+        self.chi2_per_dof += row.chi2_per_dof.unwrap_or(0.0);
+        self.iterations.sum += row.iterations;
+        self.iterations.most = self.iterations.most.max(row.iterations);
+        if let Some(nees) = row.nees.filter(|n| n.square.is_finite()) {
+            self.nees.square += nees.square;
+            self.nees.dof += nees.dof;
         }
     }
 
-    fn fail(&mut self, trial: u64, why: &str) {
-        self.failures += 1;
-        if self.failed.len() < NAMED_FAILURES {
-            self.failed.push((trial, why.to_owned()));
-        }
-    }
-
-    /// Adds the bound of one trial, if every trial has its own true values.
-    pub fn add_bound(&mut self, bound: &[(String, f64)]) {
-        for (place, (name, sigma)) in bound.iter().enumerate() {
-            if !sigma.is_finite() {
-                continue;
-            }
-            let sums = self.number(place, name);
-            sums.bounds = (sums.bounds.0 + 1, sums.bounds.1 + sigma * sigma);
-        }
-    }
-
-    /// The sums of a name, which is looked for at `place` first.
+    /// The sums of a number, which is looked for at `place` first.
     fn number(&mut self, place: usize, name: &str) -> &mut NumberSums {
-        let at = position(&self.numbers, place, |n| n.name == name);
-        let at = at.unwrap_or_else(|| {
-            self.numbers.push(NumberSums {
-                name: name.to_owned(),
-                ..NumberSums::default()
-            });
-            self.numbers.len() - 1
-        });
-        &mut self.numbers[at]
+        let new = || NumberSums {
+            name: name.to_owned(),
+            ..NumberSums::default()
+        };
+        found_or_new(&mut self.numbers, place, |n| n.name == name, new)
     }
 
-    /// Adds another piece of the same campaign.
-    ///
-    /// # Errors
-    /// The pieces have different set-ups or contain the same trial.
-    pub fn merge(&mut self, other: &Self) -> Result<(), String> {
-        if self.setup != other.setup {
-            return Err(format!("'{}' is not '{}'", other.setup, self.setup));
-        }
-        for (a, b) in &other.ranges {
-            if let Some((c, d)) = self.ranges.iter().find(|(c, d)| a < d && c < b) {
-                return Err(format!("trials {a} to {b} and {c} to {d} overlap"));
-            }
-        }
-        self.ranges.extend(&other.ranges);
-        self.ranges.sort_unstable();
-        self.ranges = joined(&self.ranges);
+    /// Adds the sums of other trials, which are a replicate if the plan is a sampling.
+    pub(crate) fn merge(&mut self, other: &Self, replicated: bool) {
         self.trials += other.trials;
         self.answers += other.answers;
         self.failures += other.failures;
         self.doubted += other.doubted;
         self.failed.extend(other.failed.iter().cloned());
         self.failed.sort();
-        self.failed.truncate(NAMED_FAILURES);
+        self.failed.truncate(NAMED[0]);
         for (name, count) in &other.statuses {
             *entry(&mut self.statuses, name) += count;
         }
@@ -215,69 +300,59 @@ impl Sums {
             *entry(&mut self.channels, name) += sum;
         }
         self.chi2_per_dof += other.chi2_per_dof;
-        self.iterations.0 += other.iterations.0;
-        self.iterations.1 = self.iterations.1.max(other.iterations.1);
-        self.nees = (self.nees.0 + other.nees.0, self.nees.1 + other.nees.1);
-        self.seconds += other.seconds;
+        self.iterations.sum += other.iterations.sum;
+        self.iterations.most = self.iterations.most.max(other.iterations.most);
+        self.nees.square += other.nees.square;
+        self.nees.dof += other.nees.dof;
         for (place, theirs) in other.numbers.iter().enumerate() {
             let ours = self.number(place, &theirs.name);
-            ours.bound = ours.bound.or(theirs.bound);
-            ours.bounds = (
-                ours.bounds.0 + theirs.bounds.0,
-                ours.bounds.1 + theirs.bounds.1,
-            );
-            ours.trials += theirs.trials;
-            ours.error += theirs.error;
-            ours.square += theirs.square;
-            ours.unstated += theirs.unstated;
-            ours.variance += theirs.variance;
-            ours.held += theirs.held;
+            ours.add(theirs);
+            if replicated && theirs.trials > 0 {
+                ours.add_replicate(theirs, other.trials);
+            }
         }
-        Ok(())
     }
 
-    /// Whether these are sums of the trials of a range, each counted once.
-    pub(crate) fn is_of(&self, range: (u64, u64)) -> bool {
-        let statuses = self
-            .statuses
-            .iter()
-            .try_fold(0, |n: u64, (_, m)| n.checked_add(*m));
-        let number = |n: &NumberSums| {
-            let stated = n.trials.checked_sub(n.unstated);
-            let finite = [n.error, n.square, n.variance]
-                .iter()
-                .all(|x| x.is_finite());
-            n.trials <= self.answers && stated.is_some_and(|s| n.held <= s) && finite
-        };
-        self.ranges == [range]
-            && self.trials == range.1 - range.0
-            && self.answers <= self.trials
-            && self.failures <= self.trials
+    /// Whether these can be the sums of this many trials.
+    pub(crate) fn is_of(&self, trials: u64) -> bool {
+        let add = |n: u64, (_, m): &(String, u64)| n.checked_add(*m);
+        self.trials == trials
+            && self.answers <= trials
+            && self.failures <= trials
             && self.doubted <= self.answers
-            && statuses == Some(self.answers)
-            && self.numbers.iter().all(number)
+            && self.statuses.iter().try_fold(0, add) == Some(self.answers)
+            && self.numbers.iter().all(|n| n.is_possible(self.answers))
     }
 
-    /// Reads a file of [`Self::write`].
-    ///
-    /// # Errors
-    /// The file cannot be read, is of another schema, or was changed.
-    pub fn read(path: &Path) -> Result<Self, Error> {
-        read_result(path)
+    /// The statistics; `outside` is the probability outside each interval.
+    pub fn result(&self, outside: f64) -> MethodResultFile {
+        let count = self.answers.max(1) as f64;
+        let numbers = self.numbers.iter().filter(|n| n.trials > 0);
+        let number = |n: &NumberSums| (n.name.clone(), n.result(self.trials, outside));
+        let mean = |(name, sum): &(String, f64)| (name.clone(), sum / count);
+        let Nees { square, dof } = self.nees;
+        // Files of earlier versions have only the list.
+        let failures = self.failures.max(self.failed.len() as u64);
+        let mut result = MethodResultFile {
+            method: self.setup.clone(),
+            trials: self.trials,
+            failed: BandedFile::share(failures, self.trials, outside),
+            doubted: BandedFile::share(self.doubted, self.answers, outside),
+            statuses: self.statuses.iter().cloned().collect(),
+            failures: self.failed.iter().take(NAMED[1]).cloned().collect(),
+            nees: (dof > 0).then(|| BandedFile::mean_square(square / dof as f64, dof, outside)),
+            nees_dof: dof,
+            // Exactly zero where no answer has residuals: a kernel states none.
+            chi2_per_dof: finite(self.chi2_per_dof / count).filter(|chi2| *chi2 > 0.0),
+            channels: self.channels.iter().map(mean).collect(),
+            iterations: (self.iterations.sum as f64 / count, self.iterations.most),
+            seconds_per_trial: None,
+            numbers: numbers.map(number).collect(),
+            misses: Vec::new(),
+        };
+        result.misses = result.find_misses();
+        result
     }
-
-    /// Writes the sums as JSON, atomically.
-    ///
-    /// # Errors
-    /// Writing fails.
-    pub fn write(&self, path: &Path) -> Result<(), Error> {
-        write_file(path, result_json(path, self, true)?.as_bytes())
-    }
-}
-
-impl ResultFile for Sums {
-    const SCHEMA: &'static str = SUMS_SCHEMA;
-    const EARLIER: &'static [&'static str] = &["poinsot.trials/1"];
 }
 
 /// The position of the item that is meant, which most often is `place`.
@@ -288,99 +363,21 @@ pub(crate) fn position<T>(list: &[T], place: usize, is: impl Fn(&T) -> bool) -> 
     }
 }
 
-/// Sorted ranges; adjacent ones are joined.
-fn joined(ranges: &[(u64, u64)]) -> Vec<(u64, u64)> {
-    let mut all: Vec<(u64, u64)> = Vec::new();
-    for &(first, past) in ranges {
-        match all.last_mut() {
-            Some(last) if last.1 == first => last.1 = past,
-            _ => all.push((first, past)),
-        }
-    }
-    all
+/// The item that is meant, made if it is not there.
+pub(crate) fn found_or_new<T>(
+    list: &mut Vec<T>,
+    place: usize,
+    is: impl Fn(&T) -> bool,
+    new: impl FnOnce() -> T,
+) -> &mut T {
+    let at = position(list, place, is).unwrap_or_else(|| {
+        list.push(new());
+        list.len() - 1
+    });
+    &mut list[at]
 }
 
 fn entry<'a, T: Default>(list: &'a mut Vec<(String, T)>, name: &str) -> &'a mut T {
-    let at = list.iter().position(|(n, _)| n == name);
-    let at = at.unwrap_or_else(|| {
-        list.push((name.to_owned(), T::default()));
-        list.len() - 1
-    });
-    &mut list[at].1
-}
-
-#[cfg(test)]
-#[allow(clippy::unwrap_used)]
-mod tests {
-    use super::super::{Answer, TrialNumber, statistics_of};
-    use super::*;
-
-    fn trial(number: u64) -> Trial {
-        let wave = (number as f64).sin();
-        Trial {
-            number,
-            outcome: if number == 3 {
-                Err("no".to_owned())
-            } else {
-                Ok(Answer {
-                    status: Status::Converged,
-                    doubts: Vec::new(),
-                    iterations: 2 + number as usize % 2,
-                    chi2_per_dof: 1.0 + 0.1 * wave,
-                    channels: vec![("gyro".to_owned(), 1.0 - 0.1 * wave)],
-                    numbers: vec![TrialNumber {
-                        name: "base.mass".to_owned(),
-                        value: 1.0 + wave,
-                        error: wave,
-                        sigma: 0.5,
-                    }],
-                    nees: Some((wave * wave / 0.25, 1)),
-                })
-            },
-        }
-    }
-
-    fn sums(trials: std::ops::Range<u64>) -> Sums {
-        let mut sums = Sums::new("made", None);
-        trials.for_each(|n| sums.add(&trial(n)));
-        sums
-    }
-
-    #[test]
-    fn exact_sums_of_pieces_are_the_sums_of_the_whole() {
-        let whole = sums(0..20);
-        let mut merged = sums(12..20);
-        merged.merge(&sums(0..12)).unwrap();
-        assert_eq!(merged.ranges, [(0, 20)]);
-        let (a, b) = (statistics_of(&whole), statistics_of(&merged));
-        assert_eq!((a.trials, a.failures, a.iterations.1), (20, 1, 3));
-        assert!((a.parameters[0].rmse - b.parameters[0].rmse).abs() < 1.0e-14);
-        assert!((a.parameters[0].coverage - b.parameters[0].coverage).abs() < 1.0e-14);
-        assert!((a.nees.unwrap().0 - b.nees.unwrap().0).abs() < 1.0e-13);
-    }
-
-    #[test]
-    fn unit_pieces_that_overlap_or_differ_are_refused() {
-        let why = sums(0..12).merge(&sums(10..20)).unwrap_err();
-        assert!(why.contains("overlap"), "{why}");
-        let mut other = sums(20..25);
-        other.setup = "another".to_owned();
-        assert!(sums(0..12).merge(&other).unwrap_err().contains("another"));
-    }
-
-    #[test]
-    fn unit_a_file_of_sums_reads_equal() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("sums.json");
-        sums(0..20).write(&path).unwrap();
-        let (mut read, made) = (Sums::read(&path).unwrap(), sums(0..20));
-        // Parsing may change the last bit.
-        let gap = read.numbers[0].square - made.numbers[0].square;
-        assert!(gap.abs() < 1.0e-14);
-        read.numbers[0].square = made.numbers[0].square;
-        assert_eq!(read, made);
-        std::fs::write(&path, "{}").unwrap();
-        let error = Sums::read(&path).unwrap_err().to_string();
-        assert!(error.contains("sums.json"), "{error}");
-    }
+    let new = || (name.to_owned(), T::default());
+    &mut found_or_new(list, 0, |(n, _)| n == name, new).1
 }

@@ -297,8 +297,7 @@ fn exact_sensors_on_a_link_tell_of_the_base() {
 fn stat_two_gyros_and_two_trackers_are_calibrated() {
     let model = model(&[COARSE, SUN, FINE, STAR, SPEED, ON_ARM, ARM_STAR]);
     let study = study(&model);
-    let bound = study.bound().unwrap();
-    let result = statistics(&study.run(0..60), Some(&bound));
+    let result = statistics(&study.run(0..60));
     assert!(result.nees.is_some());
     let faults = result.faults();
     assert!(faults.is_empty(), "{}", faults.join("\n"));
@@ -399,8 +398,7 @@ fn exact_a_direction_is_the_turned_reference() {
 fn stat_directions_without_a_tracker_are_calibrated() {
     let model = model(&[FINE, SUNLIGHT, FIELD, ARM_SUN, SPEED]);
     let study = study_of(&sensed(), &model);
-    let bound = study.bound().unwrap();
-    let result = statistics(&study.run(0..60), Some(&bound));
+    let result = statistics(&study.run(0..60));
     println!("NEES {:?}", result.nees);
     assert!(result.nees.is_some());
     let faults = result.faults();
@@ -582,7 +580,7 @@ fn stat_a_camera_and_a_biased_encoder_are_calibrated() {
     println!("offset {sigma:.3e} rad, of the camera alone {expected:.3e} rad");
     let gap = (sigma / expected - 1.0).abs();
     assert!(gap < 2.0e-2, "{gap:e}");
-    let result = statistics(&study.run(0..60), Some(&bound));
+    let result = statistics(&study.run(0..60));
     println!("NEES {:?}", result.nees);
     assert!(result.nees.is_some());
     let faults = result.faults();
@@ -713,8 +711,7 @@ fn stat_optical_flow_is_calibrated() {
     let flow = ("flow", "velocity", 1.0e-3, more.as_str());
     let model = model(&[gyro, star, speed, encoder, rate, flow]);
     let study = study_of(&sensed(), &model);
-    let bound = study.bound().unwrap();
-    let result = statistics(&study.run(0..60), Some(&bound));
+    let result = statistics(&study.run(0..60));
     println!("NEES {:?}", result.nees);
     assert!(result.nees.is_some());
     let faults = result.faults();

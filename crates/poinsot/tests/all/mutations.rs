@@ -138,9 +138,9 @@ fn trial(all: &[Vehicle], number: u64) -> Trial {
     let (confident, worst, listed, said) = match &answer {
         Err(refused) => (false, 0.0, false, refused.clone()),
         Ok(found) => {
-            let all = judged(&found.estimate, &truth).numbers;
-            let masses = all.iter().filter(|n| is_mass(&found.model, &n.name));
-            let z = masses.map(|n| (n.error / n.sigma).abs());
+            let all = judged(&found.estimate, &truth);
+            let masses = all.determined().filter(|n| is_mass(&found.model, &n.name));
+            let z = masses.filter_map(|n| n.z()).map(f64::abs);
             (
                 found.passes(),
                 z.fold(0.0, f64::max),

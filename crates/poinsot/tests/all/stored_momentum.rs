@@ -6,7 +6,7 @@
 use crate::nutation;
 
 use nutation::{Cell, study, table};
-use poinsot::trials::Answer;
+use poinsot::trials::Row;
 use poinsot_identify::Status;
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 
@@ -37,18 +37,20 @@ struct Shown {
 impl Shown {
     fn of(cell: Cell, seeds: u64) -> Self {
         let outcomes = study(cell).run(0..seeds);
-        if let Some(why) = outcomes.iter().find_map(|t| t.outcome.as_ref().err()) {
+        if let Some(why) = outcomes.iter().find_map(|row| row.answer().err()) {
             println!("{cell:?}: {why}");
         }
-        let answers: Vec<&Answer> = outcomes.iter().flat_map(|t| &t.outcome).collect();
-        if let Some(other) = answers.iter().find(|a| a.status != Status::Converged) {
+        let answers: Vec<&Row> = outcomes.iter().filter(|r| r.status.is_some()).collect();
+        let converged = Some(Status::Converged);
+        if let Some(other) = answers.iter().find(|a| a.status != converged) {
             println!("{cell:?}: {:?}", other.status);
         }
-        let right = |a: &&&Answer| a.status == Status::Converged && a.numbers.len() == NUMBERS;
-        let good: Vec<&Answer> = answers.iter().filter(right).copied().collect();
+        let zs = |a: &Row| a.determined().filter_map(|n| n.z()).collect::<Vec<f64>>();
+        let right = |a: &&&Row| a.status == converged && zs(a).len() == NUMBERS;
+        let good: Vec<&Row> = answers.iter().filter(right).copied().collect();
         let n = good.len().max(1) as f64;
-        let z = |a: &Answer, k: usize| a.numbers[k].error / a.numbers[k].sigma;
-        let held = |a: &&Answer| {
+        let z = |a: &Row, k: usize| zs(a)[k];
+        let held = |a: &&Row| {
             let inside = (0..NUMBERS).filter(|k| z(a, *k).abs() < 1.959_964);
             inside.count() as f64 / NUMBERS as f64
         };
@@ -61,7 +63,11 @@ impl Shown {
             mean_z: (0..NUMBERS)
                 .map(|k| good.iter().map(|a| z(a, k)).sum::<f64>() / n)
                 .collect(),
-            nees: good.iter().filter_map(|a| Some(a.nees?.0)).sum::<f64>() / n,
+            nees: good
+                .iter()
+                .filter_map(|a| Some(a.nees?.square))
+                .sum::<f64>()
+                / n,
             coverage: (share, (scatter / (n - 1.0).max(1.0) / n).sqrt()),
         }
     }

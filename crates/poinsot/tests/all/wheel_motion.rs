@@ -1,7 +1,7 @@
 //! What wheels do between their samples: where the data can hardly tell, the sigmas hold the choice.
 
 use poinsot::case::parse_case;
-use poinsot::trials::{Answer, Band, Study};
+use poinsot::trials::{Band, Row, Study};
 use poinsot_model::read_model;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -85,17 +85,20 @@ fn stat_a_wheel_motion_that_the_data_can_hardly_tell_is_in_the_sigmas() {
         let predicted = study.predicted().unwrap().bodies[0].inertia;
         let bound = study.bound().unwrap().bodies[0].inertia;
         let trials = study.run(0..TRIALS);
-        let answers: Vec<&Answer> = trials.iter().flat_map(|t| &t.outcome).collect();
+        let answers: Vec<&Row> = trials.iter().filter(|r| r.status.is_some()).collect();
         assert_eq!(answers.len() as u64, TRIALS);
         let band = Band::of_rms(TRIALS);
         for k in 0..6 {
             let sigma = predicted[k].sigma.unwrap();
-            let all = || answers.iter().map(|a| &a.numbers[k]);
-            let square = all().map(|n| (n.error / sigma).powi(2)).sum::<f64>();
+            let all = || answers.iter().map(|a| a.determined().nth(k).unwrap());
+            let errors = || all().map(|n| n.error().unwrap());
+            let square = errors().map(|e| (e / sigma).powi(2)).sum::<f64>();
             let rms = (square / TRIALS as f64).sqrt();
-            let stated = all().map(|n| (n.sigma / sigma).powi(2)).sum::<f64>();
+            let stated = all()
+                .map(|n| (n.sigma.unwrap() / sigma).powi(2))
+                .sum::<f64>();
             let stated = (stated / TRIALS as f64).sqrt();
-            let held = all().filter(|n| n.error.abs() < 1.959_964 * n.sigma);
+            let held = all().filter(|n| n.z().unwrap().abs() < 1.959_964);
             let held = held.count() as f64 / TRIALS as f64;
             let alone = bound[k].sigma.unwrap() / sigma;
             println!(
