@@ -13,7 +13,7 @@ use poinsot_formats::{
     EstimateFile, JointTestFile, NumberFile, read_estimate,
 };
 use poinsot_telemetry::Origin;
-use statistics::{Answers, pooled, test};
+use statistics::{Answers, Mean, pooled, test};
 use std::collections::HashSet;
 use std::path::PathBuf;
 
@@ -136,27 +136,20 @@ fn too_few(found: usize) -> Error {
     )
 }
 
-fn number(common: &Answers, k: usize, mean: Option<(f64, f64)>) -> ComparedNumberFile {
+fn number(common: &Answers, k: usize, mean: Option<Mean>) -> ComparedNumberFile {
     let values: Vec<f64> = common.values.iter().map(|x| x[k]).collect();
-    let sigmas: Vec<f64> = common
-        .covariances
-        .iter()
-        .map(|c| c[(k, k)].sqrt())
-        .collect();
-    let ends = |list: &[f64]| {
-        let first = list.first().copied().unwrap_or_default();
-        (first, list.last().copied().unwrap_or_default())
-    };
-    let ((a, b), (sa, sb)) = (ends(&values), ends(&sigmas));
+    let sigmas = common.covariances.iter().map(|c| c[(k, k)].sqrt());
+    let sigmas: Vec<f64> = sigmas.collect();
+    let last = values.len() - 1;
     ComparedNumberFile {
         unit: common.units[k].clone(),
-        difference: b - a,
-        difference_sigma: sa.hypot(sb),
-        p: test(common, &[k]).2,
+        difference: values[last] - values[0],
+        difference_sigma: sigmas[0].hypot(sigmas[last]),
+        p: test(common, &[k]).p,
         values,
         sigmas,
-        pooled: mean.map(|m| m.0),
-        pooled_sigma: mean.map(|m| m.1),
+        pooled: mean.map(|m| m.value),
+        pooled_sigma: mean.map(|m| m.sigma),
     }
 }
 
@@ -174,13 +167,11 @@ fn tests(common: &Answers) -> Vec<JointTestFile> {
             None => groups.push((group, vec![k])),
         }
     }
-    let groups = groups.into_iter();
-    groups
-        .map(|(what, members)| {
-            let (chi2, dof, p) = test(common, &members);
-            JointTestFile { what, chi2, dof, p }
-        })
-        .collect()
+    let of = |(what, members): (String, Vec<usize>)| JointTestFile {
+        what,
+        ..test(common, &members)
+    };
+    groups.into_iter().map(of).collect()
 }
 
 /// Group of an address: `bus.inertia_kg_m2.xy` belongs to the inertia of bus.

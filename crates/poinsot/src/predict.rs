@@ -22,7 +22,7 @@ use crate::simulate::{free_joints, is_read, simulate_exact_watched};
 use poinsot_dynamics::Tree;
 use poinsot_formats::{AgainstDurationFile, PeakFile};
 use poinsot_identify::{Estimate, Problem, predicted_covariance};
-use poinsot_model::{Model, read_model};
+use poinsot_model::{Joint, Model, read_model};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
@@ -166,6 +166,7 @@ pub fn predict_case(
         relative_accuracy,
         ..bound.problem(&model, &tree)
     })?;
+    let without_label = |r: &String| r.trim_start_matches(": ").to_owned();
     let met = |want: Want| Met {
         sigma: wanted_sigma(&estimate, &want),
         want,
@@ -177,26 +178,20 @@ pub fn predict_case(
         case: case.path().display().to_string(),
         duration_s: case.duration_s,
         bound: estimate,
-        assumptions: bound
-            .repairs
-            .iter()
-            .map(|r| r.trim_start_matches(": ").to_owned())
-            .collect(),
+        assumptions: bound.repairs.iter().map(without_label).collect(),
         model,
     })
 }
 
 /// A joint without command must have a sensor.
 fn refuse_unread(scenario: &Scenario, model: &Model) -> Result<(), Error> {
-    let free = free_joints(model, scenario);
-    match free.into_iter().find(|joint| !is_read(model, joint)) {
-        None => Ok(()),
-        Some(joint) => Err(unsupported(
-            format!(
-                "joint '{}' moves by torque or spring, but no sensor measures it",
-                joint.name
-            ),
-            "add [[sensor]] type = \"joint_position\" for it, or prescribe it with [[joint_motion]]",
-        )),
-    }
+    let free = free_joints(model, scenario).into_iter();
+    let mut unread = free.filter(|joint| !is_read(model, joint));
+    let Some(Joint { name, .. }) = unread.next() else {
+        return Ok(());
+    };
+    Err(unsupported(
+        format!("joint '{name}' moves by torque or spring, but no sensor measures it"),
+        "add [[sensor]] type = \"joint_position\" for it, or prescribe it with [[joint_motion]]",
+    ))
 }

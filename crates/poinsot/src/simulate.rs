@@ -126,11 +126,13 @@ pub fn simulate_case(case: &Case, model: &Model) -> Result<Simulation, Error> {
 /// ```
 pub fn simulate_trial(case: &Case, model: &Model, trial: u64) -> Result<Simulation, Error> {
     let scenario = case.bind(model)?;
-    let Recorded {
-        recorder,
-        first,
-        used,
-    } = record(case, model, &scenario, trial)?;
+    let mut recorder = Recorder::new(model, &scenario, &Tree::new(model), case.seed, trial);
+    let (mut first, mut taken) = (None, 0);
+    let used = run(case, model, None, &scenario, |sample| {
+        first.get_or_insert_with(|| sample.clone());
+        recorder.take(sample);
+        report(&mut taken, scenario.times.len());
+    })?;
     let truth = Drawn {
         case,
         model,
@@ -183,13 +185,10 @@ pub(crate) fn simulate_exact_watched(
     scenario: Scenario,
     mut watch: impl FnMut(&MotionSample),
 ) -> Result<Exact, Error> {
-    let (mut taken, total) = (0_usize, scenario.times.len());
+    let (mut taken, total) = (0, scenario.times.len());
     simulate_exact_of(case, model, scenario, |sample| {
         watch(sample);
-        taken += 1;
-        if taken.is_multiple_of(REPORTED) {
-            step("simulating samples", taken, total);
-        }
+        report(&mut taken, total);
     })
 }
 
@@ -276,33 +275,12 @@ fn without_errors(model: &Model) -> Model {
     perfect
 }
 
-/// Result of a run: channels, first instant, and use of the wheels by a controller.
-struct Recorded {
-    recorder: Recorder,
-    first: Option<MotionSample>,
-    used: Vec<WheelUse>,
-}
-
-fn record(case: &Case, model: &Model, scenario: &Scenario, trial: u64) -> Result<Recorded, Error> {
-    let tree = Tree::new(model);
-    let mut recorder = Recorder::new(model, scenario, &tree, case.seed, trial);
-    let mut first: Option<MotionSample> = None;
-    let mut taken = 0_usize;
-    let used = run(case, model, None, scenario, |sample| {
-        if first.is_none() {
-            first = Some(sample.clone());
-        }
-        recorder.take(sample);
-        taken += 1;
-        if taken.is_multiple_of(REPORTED) {
-            step("simulating samples", taken, scenario.times.len());
-        }
-    })?;
-    Ok(Recorded {
-        recorder,
-        first,
-        used,
-    })
+/// Reports progress after some samples.
+fn report(taken: &mut usize, total: usize) {
+    *taken += 1;
+    if taken.is_multiple_of(REPORTED) {
+        step("simulating samples", *taken, total);
+    }
 }
 
 /// Simulates the scenario and passes on every sample; returns the use of the wheels by a controller. `bodies` replace the

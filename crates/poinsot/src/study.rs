@@ -11,6 +11,7 @@ use crate::predict::predict_case;
 use crate::simulate::simulate_trial;
 use crate::validate::{Mover, compare_motion};
 use crate::written::csv_text;
+use indexmap::IndexSet;
 use poinsot_dynamics::Tree;
 use poinsot_figures::FigureFormat;
 use poinsot_formats::{
@@ -23,6 +24,7 @@ use poinsot_papers::Method;
 pub use poinsot_papers::studies;
 use poinsot_papers::study::{CaseText, Difference, Tools};
 pub use poinsot_papers::study::{Cell, Context, Findings, Study, StudyError, Table as FoundTable};
+use poinsot_report::no_page;
 use poinsot_spatial::InertialParameters;
 use poinsot_telemetry::{Table, read};
 use std::path::{Path, PathBuf};
@@ -100,13 +102,13 @@ impl Tools for Verbs {
             ..own.clone()
         });
         let compared = compare_motion(&parsed(case)?, &of, &against)?;
-        let difference = |c: crate::validate::Compared| Difference {
+        let compared = compared.into_iter().map(|c| Difference {
             name: c.name,
             time_s: c.time_s,
             rows: c.difference,
             largest: c.largest,
-        };
-        Ok(compared.into_iter().map(difference).collect())
+        });
+        Ok(compared.collect())
     }
 }
 
@@ -127,25 +129,23 @@ pub fn find(
     paper: Option<&str>,
     name: Option<&str>,
 ) -> Result<Vec<(&'static str, &'static Study)>, Error> {
-    let unknown = |value: &str, what: &str, mut known: Vec<&str>| {
-        known.dedup();
-        let known = known.join(", ");
-        let (problem, advice) = (
-            format!("there is no such {what}"),
-            format!("use one of {known}"),
-        );
-        Error::usage("study", value, problem, advice)
+    let refuse = |value: Option<&str>, what: &str, known: Vec<&str>| {
+        let problem = format!("there is no such {what}");
+        let known = IndexSet::<&str>::from_iter(known);
+        let advice = format!("use one of {}", Vec::from_iter(known).join(", "));
+        Error::usage("study", value.unwrap_or_default(), problem, advice)
     };
-    let of_paper = |s: &&(&'static str, &'static Study)| paper.is_none_or(|p| s.0 == p);
-    let own: Vec<_> = studies().filter(|s| of_paper(&s)).collect();
-    if let (Some(paper), true) = (paper, own.is_empty()) {
-        return Err(unknown(paper, "paper", studies().map(|s| s.0).collect()));
+    let own: Vec<_> = studies()
+        .filter(|s| paper.is_none_or(|p| p == s.0))
+        .collect();
+    if own.is_empty() {
+        return Err(refuse(paper, "paper", studies().map(|s| s.0).collect()));
     }
     let named = |s: &&(_, &Study)| name.is_none_or(|n| [s.1.name, ALL].contains(&n));
     let found: Vec<_> = own.iter().filter(named).copied().collect();
-    if let (Some(name), true) = (name, found.is_empty()) {
+    if found.is_empty() {
         let known = own.iter().map(|s| s.1.name).chain([ALL]);
-        return Err(unknown(name, "study", known.collect()));
+        return Err(refuse(name, "study", known.collect()));
     }
     Ok(found)
 }
@@ -231,15 +231,12 @@ fn filed(
     findings: &Findings,
     cell: impl Fn(&Cell) -> FoundCellFile,
 ) -> StudyFindingsFile {
+    let row = |row: &Vec<Cell>| row.iter().map(&cell).collect();
     let table = |t: &FoundTable| FoundTableFile {
         name: t.name.to_string(),
         title: t.title.to_string(),
         columns: t.head.clone(),
-        rows: t
-            .rows
-            .iter()
-            .map(|r| r.iter().map(&cell).collect())
-            .collect(),
+        rows: t.rows.iter().map(row).collect(),
     };
     let statement = |(what, number): &(String, String)| StatementFile {
         in_the_paper: what.clone(),
@@ -300,13 +297,8 @@ pub fn files(
     }
     for figure in &findings.figures {
         for format in formats {
-            let bytes = figure.file(*format).map_err(|e| {
-                Error::report(
-                    &PathBuf::from(&figure.name),
-                    poinsot_report::no_page(&e),
-                    "",
-                )
-            })?;
+            let refuse = |e| Error::report(Path::new(&figure.name), no_page(&e), "");
+            let bytes = figure.file(*format).map_err(refuse)?;
             let name = format!("{}.{}", figure.name, format.extension());
             files.extend(bytes.map(|b| (PathBuf::from(name), b)));
         }

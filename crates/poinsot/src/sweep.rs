@@ -2,8 +2,7 @@
 
 use crate::error::Error;
 use poinsot_formats::{
-    Address, ExperimentFile, MethodFile, PLAN, PlanFile, SamplingFile, ScaleFile, SettingFile,
-    VaryFile,
+    Address, ExperimentFile, MethodFile, PLAN, PlanFile, ScaleFile, SettingFile, VaryFile,
 };
 
 /// Arguments of `sweep`.
@@ -54,9 +53,7 @@ pub fn sweep_plan(request: &SweepRequest) -> Result<PlanFile, Error> {
     Ok(PlanFile {
         schema: PLAN.to_owned(),
         name: "sweep".to_owned(),
-        about: String::new(),
         trials: Some(request.trials),
-        trials_per_shard: None,
         seed: request.seed,
         experiment: vec![ExperimentFile {
             case: Some(request.case.clone()),
@@ -65,48 +62,40 @@ pub fn sweep_plan(request: &SweepRequest) -> Result<PlanFile, Error> {
         }],
         method: methods,
         vary: vary.collect::<Result<_, _>>()?,
-        sampling: None::<SamplingFile>,
-        change: Vec::new(),
-        draw: Vec::new(),
+        ..PlanFile::default()
     })
 }
 
 fn vary(text: &str) -> Result<VaryFile, Error> {
-    let wanted = "write ADDRESS=1,2,5, ADDRESS=FROM:TO:COUNT or ADDRESS=FROM:TO:COUNT:log";
-    let refuse = || Error::usage("--vary", text, "it has another form", wanted);
-    let (number, values) = text.split_once('=').ok_or_else(refuse)?;
     let parse = |t: &str| t.trim().parse::<f64>().ok().filter(|x| x.is_finite());
-    let mut vary = VaryFile {
-        number: number.trim().to_owned(),
-        ..VaryFile::default()
-    };
-    match values.split(':').collect::<Vec<_>>().as_slice() {
-        [list] => {
-            let values: Option<Vec<f64>> = list.split(',').map(parse).collect();
-            vary.values = Some(values.ok_or_else(refuse)?);
-        }
-        [from, to, count, log @ ..] if matches!(log, [] | ["log"]) => {
-            let count = count.trim().parse().map_err(|_| refuse())?;
-            vary.from = Some(parse(from).ok_or_else(refuse)?);
-            vary.to = Some(parse(to).ok_or_else(refuse)?);
-            vary.count = Some(count);
-            if !log.is_empty() {
-                vary.scale = ScaleFile::Log;
+    let parsed = || {
+        let (number, values) = text.split_once('=')?;
+        let mut vary = VaryFile {
+            number: number.trim().to_owned(),
+            ..VaryFile::default()
+        };
+        match values.split(':').collect::<Vec<_>>()[..] {
+            [list] => vary.values = Some(list.split(',').map(parse).collect::<Option<_>>()?),
+            [from, to, count, ref log @ ..] if matches!(log, [] | ["log"]) => {
+                (vary.from, vary.to) = (Some(parse(from)?), Some(parse(to)?));
+                vary.count = Some(count.trim().parse().ok()?);
+                if !log.is_empty() {
+                    vary.scale = ScaleFile::Log;
+                }
             }
+            _ => return None,
         }
-        _ => return Err(refuse()),
-    }
-    Ok(vary)
+        Some(vary)
+    };
+    let wanted = "write ADDRESS=1,2,5, ADDRESS=FROM:TO:COUNT or ADDRESS=FROM:TO:COUNT:log";
+    parsed().ok_or_else(|| Error::usage("--vary", text, "it has another form", wanted))
 }
 
 fn method(text: &str) -> MethodFile {
-    let (name, variant) = match text.split_once('/') {
-        Some((name, variant)) => (name, Some(variant.to_owned())),
-        None => (text, None),
-    };
+    let (name, variant) = text.split_once('/').unzip();
     MethodFile {
-        name: name.to_owned(),
-        variant,
+        name: name.unwrap_or(text).to_owned(),
+        variant: variant.map(str::to_owned),
         ..MethodFile::default()
     }
 }
@@ -124,20 +113,17 @@ fn set(text: &str, methods: &mut [MethodFile]) -> Result<(), Error> {
         let found = known.iter().find(|k| k.name == m.name);
         found.is_some_and(|k| k.settings.iter().any(|s| s.key == key))
     };
-    let mut taken = 0;
-    for method in methods.iter_mut() {
-        if ["", method.name.as_str()].contains(&only) && has(method) {
-            let value = SettingFile::Text(value.trim().to_owned());
-            method.set.insert(key.to_owned(), value);
-            taken += 1;
-        }
+    let mut taken = false;
+    let own = |m: &&mut MethodFile| ["", m.name.as_str()].contains(&only) && has(m);
+    for method in methods.iter_mut().filter(own) {
+        let value = SettingFile::Text(value.trim().to_owned());
+        method.set.insert(key.to_owned(), value);
+        taken = true;
     }
-    if taken == 0 {
-        let problem = "no method of this sweep has this setting";
-        let advice = "`poinsot methods NAME` lists settings";
-        return Err(Error::usage("--set", text, problem, advice));
-    }
-    Ok(())
+    let problem = "no method of this sweep has this setting";
+    let advice = "`poinsot methods NAME` lists settings";
+    let refuse = || Error::usage("--set", text, problem, advice);
+    taken.then_some(()).ok_or_else(refuse)
 }
 
 #[cfg(test)]

@@ -88,8 +88,7 @@ pub struct Validation {
 /// ```
 pub fn validate(request: &ValidateRequest) -> Result<Validation, Error> {
     check(request)?;
-    let case = request.case.as_deref().map(read_case).transpose();
-    let case = case?;
+    let case = request.case.as_deref().map(read_case).transpose()?;
     let path = match (&request.model, &case) {
         (Some(path), _) => path.clone(),
         (None, Some(case)) => case.model.clone(),
@@ -102,14 +101,12 @@ pub fn validate(request: &ValidateRequest) -> Result<Validation, Error> {
     if let Some(map) = &request.map {
         model.telemetry = read_telemetry_map(map)?;
     }
-    let estimated = match &request.estimate {
-        Some(path) => Some(read_estimate(path, &model)?),
-        None => None,
-    };
-    let mover = match &estimated {
-        Some(estimated) => estimated.mover.clone(),
-        None => Mover::of_model(model.clone()),
-    };
+    let estimate = request.estimate.as_deref();
+    let estimated = estimate
+        .map(|path| read_estimate(path, &model))
+        .transpose()?;
+    let own = || Mover::of_model(model.clone());
+    let mover = estimated.as_ref().map_or_else(own, |e| e.mover.clone());
     let completion = estimated.as_ref().and_then(|e| e.completion.as_ref());
     let asked = Asked {
         request,
@@ -166,13 +163,8 @@ impl Asked<'_> {
     fn against_telemetry(&self, case: &Case) -> Result<Validation, Error> {
         let table = self.table()?;
         let compared = compare_with_telemetry(case, self.mover, &table)?;
-        let effect = match self.completion {
-            Some(c) => {
-                let own = path(case, self.mover)?;
-                Some(motion_effect(case, self.model, c, &own)?)
-            }
-            None => None,
-        };
+        let moved = |c| motion_effect(case, self.model, c, &path(case, self.mover)?);
+        let effect = self.completion.map(moved).transpose()?;
         let judged = compared.iter().filter_map(|c| c.sigmas);
         let worst = judged.map(|s| s.rms * s.rms).reduce(f64::max);
         let verdict = match worst {
@@ -242,21 +234,18 @@ impl Asked<'_> {
 
 /// Whether every position and angle stays within the given limits.
 fn within(compared: &[Compared], request: &ValidateRequest) -> &'static str {
-    let mut verdict = "compared";
-    for one in compared {
-        let limit = match one.unit {
-            "m" => request.within_m,
-            "rad" => request.within_rad,
-            _ => None,
-        };
-        let Some(limit) = limit else { continue };
+    let holds = |one: &Compared| match one.unit {
         // NaN exceeds every limit.
-        if one.largest > limit || one.largest.is_nan() {
-            return "differs";
-        }
-        verdict = "agrees";
+        "m" => request.within_m.map(|limit| one.largest <= limit),
+        "rad" => request.within_rad.map(|limit| one.largest <= limit),
+        _ => None,
+    };
+    let held: Vec<bool> = compared.iter().filter_map(holds).collect();
+    match (held.is_empty(), held.iter().all(|h| *h)) {
+        (true, _) => "compared",
+        (false, true) => "agrees",
+        (false, false) => "differs",
     }
-    verdict
 }
 
 fn check(request: &ValidateRequest) -> Result<(), Error> {

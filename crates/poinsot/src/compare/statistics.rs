@@ -1,7 +1,7 @@
 //! Tests and means of numbers determined by several results.
 
 use nalgebra::{DMatrix, DVector};
-use poinsot_formats::EstimateFile;
+use poinsot_formats::{EstimateFile, JointTestFile};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 use std::collections::HashMap;
 
@@ -68,8 +68,8 @@ fn values(file: &EstimateFile) -> HashMap<String, f64> {
         .collect()
 }
 
-/// Chi-square, degrees of freedom and p-value of the differences of some numbers.
-pub(super) fn test(answers: &Answers, of: &[usize]) -> (f64, usize, f64) {
+/// The test of the differences of some numbers, without a name.
+pub(super) fn test(answers: &Answers, of: &[usize]) -> JointTestFile {
     let (k, others) = (of.len(), answers.values.len().saturating_sub(1));
     let n = k * others;
     let x = |i: usize, j: usize| answers.values[i][of[j]];
@@ -101,11 +101,19 @@ pub(super) fn test(answers: &Answers, of: &[usize]) -> (f64, usize, f64) {
         }
     }
     let p = ChiSquared::new(dof as f64).map_or(1.0, |law| law.sf(chi2));
-    (chi2, dof, p)
+    let what = String::new();
+    JointTestFile { what, chi2, dof, p }
 }
 
-/// Information-weighted mean with sigma; `None` if a covariance is singular.
-pub(super) fn pooled(answers: &Answers) -> Option<Vec<(f64, f64)>> {
+/// A mean with its sigma.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Mean {
+    pub value: f64,
+    pub sigma: f64,
+}
+
+/// Information-weighted means; `None` if a covariance is singular.
+pub(super) fn pooled(answers: &Answers) -> Option<Vec<Mean>> {
     let n = answers.names.len();
     let first = answers.covariances.first()?;
     let scale = DVector::from_fn(n, |k, _| first[(k, k)].sqrt());
@@ -120,7 +128,10 @@ pub(super) fn pooled(answers: &Answers) -> Option<Vec<(f64, f64)>> {
     }
     let covariance = information.cholesky()?.inverse();
     let mean = &covariance * weighted;
-    let one = |k: usize| (mean[k] * scale[k], covariance[(k, k)].sqrt() * scale[k]);
+    let one = |k: usize| Mean {
+        value: mean[k] * scale[k],
+        sigma: covariance[(k, k)].sqrt() * scale[k],
+    };
     Some((0..n).map(one).collect())
 }
 
@@ -166,12 +177,12 @@ mod tests {
         let (trials, mut small, mut squares) = (2000, 0, 0.0);
         for _ in 0..trials {
             let answers = draw(&mut rng, &truth);
-            let (_, dof, p) = test(&answers, &[0, 1, 2, 3]);
+            let JointTestFile { dof, p, .. } = test(&answers, &[0, 1, 2, 3]);
             assert_eq!(dof, 8);
             small += usize::from(p < 0.05);
             let mean = pooled(&answers).unwrap();
             squares += (0..4)
-                .map(|k| ((mean[k].0 - truth[k]) / mean[k].1).powi(2))
+                .map(|k| ((mean[k].value - truth[k]) / mean[k].sigma).powi(2))
                 .sum::<f64>();
         }
         // 99.9 % bands of 2,000 trials and 8,000 squares (their correlation widens the second).

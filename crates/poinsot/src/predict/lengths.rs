@@ -1,13 +1,13 @@
 //! Accuracy of shorter records of the same motion.
 
 use super::wanted_sigma;
-use crate::bind::{bind, cut_at};
+use crate::bind::cut_at;
 use crate::case::{Case, Want};
 use crate::error::Error;
 use crate::simulate::simulate_exact;
-use poinsot_dynamics::Tree;
+use crate::trials::solve;
 use poinsot_formats::{AgainstDurationFile, SigmasFile, finite};
-use poinsot_identify::{Problem, predicted_covariance};
+use poinsot_identify::predicted_covariance;
 use poinsot_model::Model;
 use rayon::prelude::*;
 
@@ -37,20 +37,13 @@ pub fn against_duration(
     relative_accuracy: f64,
 ) -> Result<AgainstDurationFile, Error> {
     let exact = simulate_exact(case, model)?.table;
-    let tree = Tree::new(model);
     let parts = 1..=PARTS;
     let end = |part: u32| case.duration_s * f64::from(part) / f64::from(PARTS);
     let end_s: Vec<f64> = parts.map(end).collect();
     let sigmas = |end_s: &f64| -> Vec<Option<f64>> {
-        let bound = bind(model, &tree, &[cut_at(&exact, *end_s)]).ok();
+        let record = [cut_at(&exact, *end_s)];
         // A record with too few samples determines nothing.
-        let estimate = bound.and_then(|bound| {
-            let problem = Problem {
-                relative_accuracy,
-                ..bound.problem(model, &tree)
-            };
-            predicted_covariance(&problem).ok()
-        });
+        let estimate = solve(model, &record, relative_accuracy, predicted_covariance).ok();
         let sigma = |want: &Want| wanted_sigma(estimate.as_ref()?, want);
         wants.iter().map(sigma).collect()
     };

@@ -2,11 +2,8 @@
 
 use poinsot_formats::{ComparedQuantityFile, InSigmasFile};
 
-/// Names and values, one row per component.
-pub type Rows = (Vec<String>, Vec<Vec<f64>>);
-
 /// One quantity from two sources.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Compared {
     /// Name, for example `base position`, `joint joint1`, `gyro`.
     pub name: String,
@@ -35,45 +32,23 @@ pub struct Compared {
 }
 
 impl Compared {
-    /// A quantity with its statistics; `sides` holds names, model and other side, `difference` names and rows.
-    pub fn new(
-        name: &str,
-        unit: &'static str,
-        time_s: Vec<f64>,
-        sides: (Vec<String>, Vec<Vec<f64>>, Vec<Vec<f64>>),
-        difference: Rows,
-    ) -> Self {
-        let (components, model, against) = sides;
-        let (difference_components, difference) = difference;
-        let mut largest = (0.0_f64, time_s.first().copied().unwrap_or(0.0));
+    /// The quantity with the statistics of its difference.
+    pub(super) fn measured(mut self) -> Self {
+        self.largest_at_s = self.time_s.first().copied().unwrap_or(0.0);
         let mut square = 0.0;
-        for (k, time) in time_s.iter().enumerate() {
-            let own: f64 = difference
-                .iter()
-                .filter_map(|row| row.get(k))
-                .map(|x| x * x)
-                .sum();
+        for (k, time) in self.time_s.iter().enumerate() {
+            let rows = self.difference.iter().filter_map(|row| row.get(k));
+            let own: f64 = rows.map(|x| x * x).sum();
             square += own;
             // NaN must not count as agreement.
-            if own.sqrt() > largest.0 || own.is_nan() {
-                largest = (own.sqrt(), *time);
+            if own.sqrt() > self.largest || own.is_nan() {
+                (self.largest, self.largest_at_s) = (own.sqrt(), *time);
             }
         }
-        Self {
-            name: name.to_owned(),
-            unit,
-            rms: (square / time_s.len().max(1) as f64).sqrt(),
-            time_s,
-            components,
-            model,
-            against,
-            difference_components,
-            difference,
-            largest: largest.0,
-            largest_at_s: largest.1,
-            sigmas: None,
-        }
+        self.rms = (square / self.time_s.len().max(1) as f64).sqrt();
+        self
     }
+
     /// The quantity in the result file.
     pub(super) fn file(&self) -> ComparedQuantityFile {
         ComparedQuantityFile {

@@ -111,28 +111,24 @@ fn same_model(read: &EstimateFile, model: &Model, file: &Path) -> Result<(), Err
         let advice = "give the model that the estimate was made with (--model)";
         Err(cannot_simulate(file, problem, advice))
     };
-    if read.bodies.len() != model.bodies.len() {
-        return refuse(format!(
-            "it has {} bodies, the model {}",
-            read.bodies.len(),
-            model.bodies.len()
-        ));
+    let (found, own) = (read.bodies.len(), model.bodies.len());
+    if found != own {
+        return refuse(format!("it has {found} bodies, the model {own}"));
     }
     for body in &model.bodies {
-        let Some(found) = read.bodies.get(&body.name) else {
-            return refuse(format!("it has no body \"{}\"", body.name));
+        let name = &body.name;
+        let Some(found) = read.bodies.get(name) else {
+            return refuse(format!("it has no body \"{name}\""));
         };
         let own = body.nominal.parameters().to_array();
-        let theirs = nominal(&found.barycentric);
+        // Every number in the file has a nominal value.
+        let theirs = ten(&found.barycentric, |n| Some(n.nominal));
+        let theirs = theirs.map_or([f64::NAN; 10], |p| p.to_array());
         let scale = own.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
-        if own
-            .iter()
-            .zip(&theirs)
-            .any(|(a, b)| (a - b).abs() > SAME * scale)
-        {
+        let mut pairs = own.iter().zip(&theirs);
+        if pairs.any(|(a, b)| (a - b).abs() > SAME * scale) {
             return refuse(format!(
-                "its nominal numbers of body \"{}\" are not those of the model",
-                body.name
+                "its nominal numbers of body \"{name}\" are not those of the model"
             ));
         }
     }
@@ -142,17 +138,16 @@ fn same_model(read: &EstimateFile, model: &Model, file: &Path) -> Result<(), Err
 /// The vehicle, if the estimate determines every number of every body.
 fn whole(read: &EstimateFile, model: &Model) -> Option<CompletedVehicle> {
     let bodies = model.bodies.iter();
-    let bodies = bodies.map(|b| values(&read.bodies.get(&b.name)?.barycentric));
-    let spin = |name: &str| {
-        read.nuisance
-            .get(&address(&format!("{name}.spin_inertia"), ""))
+    let bodies = bodies.map(|b| ten(&read.bodies.get(&b.name)?.barycentric, |n| n.value));
+    let nuisance = |name: &str, of: &str| {
+        let number = read.nuisance.get(&address(&format!("{name}.{of}"), ""));
+        number?.value
     };
     let wheels = model.wheels.iter().enumerate().filter(|(_, w)| w.estimate);
-    let spin_inertia = wheels.map(|(k, w)| Some((k, spin(&w.name)?.value?)));
-    let scale = |name: &str| read.nuisance.get(&address(&format!("{name}.scale"), ""));
+    let spin_inertia = wheels.map(|(k, w)| Some((k, nuisance(&w.name, "spin_inertia")?)));
     let thrusters = model.thrusters.iter().enumerate();
     let thrusters = thrusters.filter(|(_, t)| t.scale != poinsot_model::Nuisance::Known);
-    let thrust_factor = thrusters.map(|(k, t)| Some((k, 1.0 + scale(&t.name)?.value?)));
+    let thrust_factor = thrusters.map(|(k, t)| Some((k, 1.0 + nuisance(&t.name, "scale")?)));
     Some(CompletedVehicle {
         bodies: bodies.collect::<Option<Vec<_>>>()?,
         spin_inertia: spin_inertia.collect::<Option<Vec<_>>>()?,
@@ -165,22 +160,19 @@ fn completed(
     model: &Model,
     file: &Path,
 ) -> Result<(CompletedVehicle, Option<Completion>), Error> {
-    let combinations = read.identifiability.identifiable.iter();
-    let determined: Option<Vec<DeterminedCombination>> = combinations
-        .map(|c| {
-            Some(DeterminedCombination {
-                text: String::new(),
-                coefficients: c
-                    .coefficients
-                    .iter()
-                    .map(|(name, x)| (unknown_name(name), *x))
-                    .collect(),
-                unit: "",
-                value: c.value?,
-                sigma: 0.0,
-            })
+    let combinations = read.identifiability.identifiable.iter().map(|c| {
+        let coefficients = c.coefficients.iter();
+        Some(DeterminedCombination {
+            text: String::new(),
+            coefficients: coefficients
+                .map(|(name, x)| (unknown_name(name), *x))
+                .collect(),
+            unit: "",
+            value: c.value?,
+            sigma: 0.0,
         })
-        .collect();
+    });
+    let determined: Option<Vec<DeterminedCombination>> = combinations.collect();
     let determined = determined.ok_or_else(|| {
         cannot_simulate(
             file,
@@ -191,23 +183,11 @@ fn completed(
     let rank = read.identifiability.rank;
     let completion = complete(model, &Tree::new(model), &determined, rank);
     let completion = completion.map_err(|mut faults| {
-        faults
-            .list
-            .iter_mut()
-            .for_each(|f| f.place = Place::file(file));
+        let list = faults.list.iter_mut();
+        list.for_each(|f| f.place = Place::file(file));
         faults
     })?;
     Ok((completion.vehicle(), Some(completion)))
-}
-
-fn nominal(b: &BarycentricFile) -> [f64; 10] {
-    // Every number in the file has a nominal value.
-    let all = ten(b, |n| Some(n.nominal));
-    all.map_or([f64::NAN; 10], |p| p.to_array())
-}
-
-fn values(b: &BarycentricFile) -> Option<InertialParameters> {
-    ten(b, |n| n.value)
 }
 
 fn ten(b: &BarycentricFile, of: impl Fn(&NumberFile) -> Option<f64>) -> Option<InertialParameters> {

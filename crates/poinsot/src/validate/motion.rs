@@ -138,52 +138,59 @@ pub fn compare_paths(model: &Path, against: &Path) -> Vec<Compared> {
             .to_vec()
     };
     let rows = |v: &[Vector3]| (0..3).map(|k| v.iter().map(|v| v[k]).collect()).collect();
-    let mut list = Vec::new();
-    let pairs = || model.p_NoBo_N.iter().zip(&against.p_NoBo_N);
-    let off: Vec<Vector3> = pairs().map(|(a, b)| a - b).collect();
-    list.push(Compared::new(
-        "base position",
-        "m",
-        model.time_s.clone(),
-        (xyz("r"), rows(&model.p_NoBo_N), rows(&against.p_NoBo_N)),
-        (xyz("r"), rows(&off)),
-    ));
-    let pairs = || model.R_NB.iter().zip(&against.R_NB);
+    let pairs = model.p_NoBo_N.iter().zip(&against.p_NoBo_N);
+    let off: Vec<Vector3> = pairs.map(|(a, b)| a - b).collect();
+    let time_s = &model.time_s;
+    let position = Compared {
+        name: "base position".to_owned(),
+        unit: "m",
+        components: xyz("r"),
+        model: rows(&model.p_NoBo_N),
+        against: rows(&against.p_NoBo_N),
+        difference_components: xyz("r"),
+        difference: rows(&off),
+        ..Compared::default()
+    };
+    let pairs = model.R_NB.iter().zip(&against.R_NB);
     // Small rotation from the second attitude to the first, in base axes.
-    let turn: Vec<Vector3> = pairs().map(|(a, b)| turn(b, a)).collect();
+    let turn: Vec<Vector3> = pairs.map(|(a, b)| turn(b, a)).collect();
     let quaternions = |q: &[UnitQuaternion]| {
         let component = |k| q.iter().map(|q| q.coords[k]).collect();
         (0..4).map(component).collect()
     };
-    let names = ["q_x", "q_y", "q_z", "q_w"].map(str::to_owned).to_vec();
-    list.push(Compared::new(
-        "base attitude",
-        "rad",
-        model.time_s.clone(),
-        (names, quaternions(&model.R_NB), quaternions(&against.R_NB)),
-        (xyz("turn"), rows(&turn)),
-    ));
-    for joint in &model.joints {
+    let attitude = Compared {
+        name: "base attitude".to_owned(),
+        unit: "rad",
+        components: ["q_x", "q_y", "q_z", "q_w"].map(str::to_owned).to_vec(),
+        model: quaternions(&model.R_NB),
+        against: quaternions(&against.R_NB),
+        difference_components: xyz("turn"),
+        difference: rows(&turn),
+        ..Compared::default()
+    };
+    let joint = |joint: &JointPath| {
         let same = |other: &&JointPath| other.name == joint.name && other.unit == joint.unit;
-        let Some(other) = against.joints.iter().find(same) else {
-            continue;
-        };
+        let other = against.joints.iter().find(same)?;
         let pairs = joint.position.iter().zip(&other.position);
-        let off = pairs.map(|(a, b)| a - b).collect();
         let name = vec![format!("{}_{}", joint.name, joint.unit)];
-        list.push(Compared::new(
-            &format!("joint {}", joint.name),
-            joint.unit,
-            model.time_s.clone(),
-            (
-                name.clone(),
-                vec![joint.position.clone()],
-                vec![other.position.clone()],
-            ),
-            (name, vec![off]),
-        ));
-    }
-    list
+        Some(Compared {
+            name: format!("joint {}", joint.name),
+            unit: joint.unit,
+            components: name.clone(),
+            model: vec![joint.position.clone()],
+            against: vec![other.position.clone()],
+            difference_components: name,
+            difference: vec![pairs.map(|(a, b)| a - b).collect()],
+            ..Compared::default()
+        })
+    };
+    let base = [position, attitude].into_iter();
+    let all = base.chain(model.joints.iter().filter_map(joint));
+    all.map(|one| {
+        let time_s = time_s.clone();
+        Compared { time_s, ..one }.measured()
+    })
+    .collect()
 }
 
 /// Rotation vector from attitude `from` to attitude `to`, in the axes of `from`, rad. Accurate for tiny rotations,

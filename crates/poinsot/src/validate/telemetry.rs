@@ -46,14 +46,9 @@ pub fn compare_with_telemetry(
 ) -> Result<Vec<Compared>, Error> {
     let mut scenario = scenario(case, mover)?;
     let inside = |t: &f64| (0.0..=case.duration_s).contains(t);
-    let mut times: Vec<f64> = table
-        .channels
-        .iter()
-        .flat_map(|c| c.time_s.iter().copied())
-        .collect();
-    times.retain(inside);
+    let sampled = table.channels.iter().flat_map(|c| c.time_s.iter().copied());
     // The motion starts at zero, even if the first sample is later.
-    times.push(0.0);
+    let mut times: Vec<f64> = sampled.filter(inside).chain([0.0]).collect();
     times.sort_by(f64::total_cmp);
     times.dedup();
     scenario.times = times;
@@ -128,8 +123,7 @@ fn of_kind(model: &Model, kind: SensorKind) -> Vec<Group<'_>> {
         [] => vec![group(None, kind.word().to_owned(), true)],
         [one] => vec![group(Some(*one), kind.word().to_owned(), true)],
         _ => {
-            let each = all.iter().enumerate();
-            let named = each.map(|(k, sensor)| {
+            let named = all.iter().enumerate().map(|(k, sensor)| {
                 let name = format!("{} {}", kind.word(), sensor.name);
                 group(Some(*sensor), name, first == Some(k))
             });
@@ -155,14 +149,10 @@ impl Group<'_> {
 
     fn compare(&self, exact: &Table, measured: &Table, until: f64) -> Option<Compared> {
         let of = |table| {
-            self.channels
-                .iter()
-                .map(|name| self.find(table, name))
-                .collect()
+            let found = self.channels.iter().map(|name| self.find(table, name));
+            found.collect::<Option<Vec<&Channel>>>()
         };
-        let found: Vec<&Channel> = Option::filter(of(measured), |c: &Vec<_>| !c.is_empty())?;
-        let computed: Option<Vec<&Channel>> = of(exact);
-        let computed = computed?;
+        let (found, computed) = (of(measured)?, of(exact)?);
         let has = |c: &&Channel, t: &f64| c.time_s.binary_search_by(|own| own.total_cmp(t)).is_ok();
         let together = |t: &f64| (0.0..=until).contains(t) && found.iter().all(|c| has(c, t));
         let times = found.first()?.time_s.iter().copied();
@@ -172,32 +162,30 @@ impl Group<'_> {
         }
         let model: Vec<Vec<f64>> = computed.iter().map(|c| at(c, &times)).collect();
         let against: Vec<Vec<f64>> = found.iter().map(|c| at(c, &times)).collect();
-        let (components, difference) = if self.channels.len() == 4 {
-            let pairs =
-                (0..times.len()).map(|k| turn(&quaternion(&against, k), &quaternion(&model, k)));
-            let turns: Vec<Vector3> = pairs.collect();
-            let rows = (0..3)
-                .map(|k| turns.iter().map(|v| v[k]).collect())
-                .collect();
-            (
-                ["turn_x", "turn_y", "turn_z"].map(str::to_owned).to_vec(),
-                rows,
-            )
+        let (difference_components, difference) = if self.channels.len() == 4 {
+            let turn = |k| turn(&quaternion(&against, k), &quaternion(&model, k));
+            let turns: Vec<Vector3> = (0..times.len()).map(turn).collect();
+            let row = |k| turns.iter().map(|v| v[k]).collect();
+            let names = ["turn_x", "turn_y", "turn_z"].map(str::to_owned).to_vec();
+            (names, (0..3).map(row).collect::<Vec<Vec<f64>>>())
         } else {
             let rows = model.iter().zip(&against);
             let rows = rows.map(|(a, b)| a.iter().zip(b).map(|(a, b)| a - b).collect());
-            (self.channels.clone(), rows.collect::<Vec<Vec<f64>>>())
+            (self.channels.clone(), rows.collect())
         };
-        let sigmas = self.sigmas(&difference);
-        let mut compared = Compared::new(
-            &self.name,
-            self.unit,
-            times,
-            (self.channels.clone(), model, against),
-            (components, difference),
-        );
-        compared.sigmas = sigmas;
-        Some(compared)
+        let compared = Compared {
+            name: self.name.clone(),
+            unit: self.unit,
+            time_s: times,
+            components: self.channels.clone(),
+            model,
+            against,
+            sigmas: self.sigmas(&difference),
+            difference_components,
+            difference,
+            ..Compared::default()
+        };
+        Some(compared.measured())
     }
 
     /// Differences in units of the declared noise including rounding, per axis.
@@ -212,9 +200,9 @@ impl Group<'_> {
             if sigma <= 0.0 {
                 return None;
             }
+            count += row.len();
             for x in row {
                 square += (x / sigma).powi(2);
-                count += 1;
                 largest = largest.max((x / sigma).abs());
             }
         }
@@ -228,10 +216,8 @@ impl Group<'_> {
 
 fn quaternion(rows: &[Vec<f64>], k: usize) -> UnitQuaternion {
     let part = |row: usize| {
-        rows.get(row)
-            .and_then(|r| r.get(k))
-            .copied()
-            .unwrap_or(f64::NAN)
+        let x = rows.get(row).and_then(|r| r.get(k));
+        x.copied().unwrap_or(f64::NAN)
     };
     UnitQuaternion::new_normalize(Quaternion::new(part(3), part(0), part(1), part(2)))
 }
@@ -362,27 +348,24 @@ fn of_segment(
 
 /// Report curves are measured minus predicted; here the sign is reversed.
 fn of_curves(curves: &PredictedChannel) -> Compared {
-    let own = |names: &[&str]| {
-        names
-            .iter()
-            .map(|n| (*n).to_owned())
-            .collect::<Vec<String>>()
-    };
-    let residual = if curves.residual.len() == curves.components.len() {
-        own(&curves.components)
-    } else {
-        own(&["turn_x", "turn_y", "turn_z"])
-    };
+    let own = |names: &[&str]| names.iter().map(|n| (*n).to_owned()).collect();
+    let same = curves.residual.len() == curves.components.len();
+    let turn = ["turn_x", "turn_y", "turn_z"];
     let negative = |row: &Vec<f64>| row.iter().map(|x| -x).collect();
-    Compared::new(
-        &curves.name,
-        curves.residual_unit,
-        curves.time_s.clone(),
-        (
-            own(&curves.components),
-            curves.predicted.clone(),
-            curves.measured.clone(),
-        ),
-        (residual, curves.residual.iter().map(negative).collect()),
-    )
+    let compared = Compared {
+        name: curves.name.clone(),
+        unit: curves.residual_unit,
+        time_s: curves.time_s.clone(),
+        components: own(&curves.components),
+        model: curves.predicted.clone(),
+        against: curves.measured.clone(),
+        difference_components: own(if same {
+            &curves.components[..]
+        } else {
+            &turn[..]
+        }),
+        difference: curves.residual.iter().map(negative).collect(),
+        ..Compared::default()
+    };
+    compared.measured()
 }
