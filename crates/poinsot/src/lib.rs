@@ -75,10 +75,10 @@
 //! # Files
 //! - `methods.rs`, `study.rs`, `identify.rs`, `simulate.rs`, `predict.rs`, `validate.rs`, `report.rs`: the commands.
 //!   `report/` fills what a page draws.
-//! - `trials.rs`, `trials/`: many trials of one set-up, their sums, bands and intervals.
+//! - `trials.rs`, `trials/`: many trials of one set-up. `row.rs`: one trial by one method. `sums.rs`: statistics of rows.
 //! - `campaign/`: many trials of many experiments. `plan.rs`: the checked plan. `address.rs`: numbers of case or model
-//!   by address. `trial.rs`, `shard.rs`, `engine.rs`: one trial, a block of trials, all cores. `result.rs`: statistics
-//!   from sums. `run.rs`: resume and merge, around any engine; `python/poinsot/_cluster.py` is that of Dask and of
+//!   by address. `trial.rs`, `shard.rs`, `engine.rs`: one trial, a block of trials, all cores. `result.rs`: the result
+//!   from the sums of shards. `run.rs`: resume and merge, around any engine; `python/poinsot/_cluster.py` is that of Dask and of
 //!   object stores.
 //! - `sweep.rs`: a plan of one case. `import.rs`: the command `import`. `progress.rs`: progress, and its listener.
 //! - `check.rs`: the command `check`. `propose.rs`, `propose_sensors.rs`: the command `inspect`.
@@ -139,6 +139,6 @@ pub use progress::{Listener, Step};
 pub use propose::{InspectionAnswer, inspect, inspection_file, proposed_map};
 pub use report::write_report;
 pub use schema::{schema, schema_names};
-pub use threads::start_threads;
+pub use threads::{start_threads, thread_count};
 pub use units::units_file;
 pub use written::{OutputFile, check_outputs, result_json, write_file, write_files};

@@ -15,14 +15,22 @@ use std::thread::{Builder, JoinHandle};
 /// # Ok::<(), poinsot::Error>(())
 /// ```
 pub fn start_threads() -> Result<(), Error> {
-    let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
-    let asked = std::env::var("RAYON_NUM_THREADS")
-        .ok()
-        .and_then(|n| n.trim().parse().ok())
-        .filter(|n| *n > 0);
-    let count = startable(asked.map_or(cores, |n: usize| n.min(cores)))?;
+    let count = startable(thread_count())?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(count);
     pool.build_global().map_err(Error::threads)
+}
+
+/// Number of threads that a command starts: one per core, or fewer by `RAYON_NUM_THREADS`.
+///
+/// ```
+/// assert!(poinsot::thread_count() > 0);
+/// ```
+pub fn thread_count() -> usize {
+    let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
+    let asked = std::env::var("RAYON_NUM_THREADS").ok();
+    let asked = asked.and_then(|n| n.trim().parse().ok());
+    let asked = asked.filter(|n| *n > 0);
+    asked.map_or(cores, |n: usize| n.min(cores))
 }
 
 /// Number of these threads that can run at the same time.

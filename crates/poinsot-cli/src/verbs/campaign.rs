@@ -6,7 +6,7 @@ use poinsot::campaign::{
     CampaignRequest, CampaignRun, Plan, campaign, campaign_cost, merge_campaign, read_plan,
     slurm_scripts,
 };
-use poinsot::{Error, ErrorKind, check_outputs, write_files};
+use poinsot::{Error, ErrorKind, check_outputs, thread_count, write_files};
 use poinsot_files::{Fault, Place};
 use poinsot_formats::{CampaignFile, WrittenFile};
 use poinsot_report::{campaign_document, cost_document};
@@ -69,7 +69,7 @@ pub fn run(arguments: &Campaign) -> Outcome {
 pub fn shown(json: bool, quiet: bool, ran: &CampaignRun) -> Outcome {
     if !quiet {
         for shard in ran.damaged.iter().take(10) {
-            note(&shard.to_string());
+            note(&format!("shard {}: {}", shard.number, shard.why()));
         }
     }
     let Some(result) = &ran.result else {
@@ -135,7 +135,7 @@ fn supervised(arguments: &Campaign, plan: &Plan, out: &Path, processes: u64) -> 
             &source,
         )
     })?;
-    let threads = (rayon_threads() / processes).max(1).to_string();
+    let threads = (thread_count() as u64 / processes).max(1).to_string();
     let start = |share: u64| {
         Command::new(&program)
             .arg("campaign")
@@ -200,12 +200,4 @@ fn supervised(arguments: &Campaign, plan: &Plan, out: &Path, processes: u64) -> 
         })
         .into()),
     }
-}
-
-/// Number of threads of this process.
-fn rayon_threads() -> u64 {
-    let cores = std::thread::available_parallelism().map_or(1, |n| n.get() as u64);
-    let asked = std::env::var("RAYON_NUM_THREADS").ok();
-    let asked = asked.and_then(|n| n.trim().parse().ok()).filter(|n| *n > 0);
-    asked.map_or(cores, |n: u64| n.min(cores))
 }

@@ -64,23 +64,18 @@ pub(crate) fn edit(
         }
         return change_leaves(walk(case, &way)?, change);
     }
-    let sides = [
-        (of.truth, &mut documents.truth),
-        (of.nominal, &mut documents.nominal),
-    ];
-    for (_, model) in sides.into_iter().filter(|(wanted, _)| *wanted) {
+    let nominal = Some(&mut documents.nominal).filter(|_| of.nominal);
+    let truth = Some(&mut documents.truth).filter(|_| of.truth);
+    for model in truth.into_iter().chain(nominal) {
         let model = model.as_mut().ok_or_else(|| {
             let what = "the model is not TOML, and an address is a key of TOML";
             let remedy = "make a model file of it: poinsot import ROBOT.urdf -o MODEL.toml";
             (what.to_owned(), remedy.to_owned())
         })?;
         if address.quantity() == NOISE && address.component().is_none() {
-            let sensor = address.owner();
-            scale_noise(
-                model,
-                sensor.strip_prefix("sensor.").unwrap_or(sensor),
-                change,
-            )?;
+            let owner = address.owner();
+            let sensor = owner.strip_prefix("sensor.").unwrap_or(owner);
+            scale_noise(model, sensor, change)?;
         } else {
             let way = way_in_model(model, address, documents.case.as_ref())?;
             change_leaves(walk(model, &way)?, change)?;
@@ -233,17 +228,17 @@ fn scale_noise(model: &mut Value, wanted: &str, change: &mut Edit<'_>) -> Result
         }
         names.push(name);
     }
-    match (scaled, wanted) {
-        (true, _) => Ok(()),
-        (false, "") => Err((
+    let (what, remedy) = match wanted {
+        "" => (
             "no sensor declares noise".to_owned(),
             "add [[sensor]] with its noise to the model".to_owned(),
-        )),
-        (false, name) => Err((
+        ),
+        name => (
             format!("no sensor \"{name}\" that declares noise"),
             did_you_mean(name, names.iter().map(String::as_str)),
-        )),
-    }
+        ),
+    };
+    scaled.then_some(()).ok_or((what, remedy))
 }
 
 /// Changes every number of a value: a number, a list, a table, or nested lists.

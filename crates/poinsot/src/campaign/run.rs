@@ -169,10 +169,11 @@ pub fn merge_campaign(
     let folded = fold_shards(plan, out, plan.trials)?;
     if let Some(missing) = folded.missing.first().filter(|_| !partial) {
         let (many, all) = (folded.missing.len(), plan.shards());
+        let (number, why) = (missing.number, missing.why());
         return Err(refused(
             "E0603",
-            sums_path(out, &plan.digest, missing.number),
-            format!("{missing}; {many} of {all} shards are missing"),
+            sums_path(out, &plan.digest, number),
+            format!("shard {number} cannot be merged: {why} ({many} of {all} shards are missing)"),
             "run the campaign with --resume, or merge with --partial",
         ));
     }

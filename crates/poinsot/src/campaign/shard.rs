@@ -13,7 +13,6 @@ use poinsot_telemetry::{ROWS_EXTENSION, RowCells, RowColumn, write_rows};
 use serde::{Deserialize, Serialize};
 use std::cell::Cell;
 use std::collections::BTreeSet;
-use std::fmt;
 use std::io::Seek;
 use std::path::{Path, PathBuf};
 
@@ -188,10 +187,10 @@ pub struct MissingShard {
     pub damage: Option<String>,
 }
 
-impl fmt::Display for MissingShard {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let why = self.damage.as_deref().unwrap_or("it is not there");
-        write!(f, "shard {}: {why}", self.number)
+impl MissingShard {
+    /// Why the shard cannot be used.
+    pub fn why(&self) -> &str {
+        self.damage.as_deref().unwrap_or("it is not there")
     }
 }
 
