@@ -25,8 +25,8 @@ pub(crate) fn manoeuvre_text(
     let mut file = case.file().clone();
     file.design = None;
     file.limits = LimitsFile::default();
-    file.model = "model.toml".to_owned().into();
-    file.duration_s = space.record().into();
+    file.model = "model.toml".to_owned();
+    file.duration_s = space.record();
     absolute_files(&mut file, case.path());
     leave_out(&mut file.joint_motion, &design.replaced.joint_motion);
     leave_out(&mut file.wheel_motion, &design.replaced.wheel_motion);
@@ -43,10 +43,10 @@ pub(crate) fn manoeuvre_text(
     }
     file.firing
         .extend(firings.iter().map(|(name, f)| FiringFile {
-            thruster: name.clone().into(),
-            on_s: f.on.into(),
-            off_s: f.off.into(),
-            force_N: f.force.into(),
+            thruster: name.clone(),
+            on_s: f.on,
+            off_s: f.off,
+            force_N: f.force,
         }));
     let text = file.text().map_err(|e| {
         Error::report(
@@ -70,8 +70,8 @@ fn leave_out<T>(list: &mut Vec<T>, places: &[usize]) {
 fn absolute_files(file: &mut CaseFile, case: &Path) {
     let folder = case.parent().unwrap_or(Path::new(""));
     for name in file.files_mut() {
-        if let Ok(path) = folder.join(name.get_ref()).canonicalize() {
-            *name = path.display().to_string().into();
+        if let Ok(path) = folder.join(&*name).canonicalize() {
+            *name = path.display().to_string();
         }
     }
 }
@@ -86,8 +86,8 @@ fn interpolation(command: &Command) -> &'static str {
 
 fn joint_motion(name: &str, command: &Command, slides: bool) -> JointMotionFile {
     let mut motion = JointMotionFile {
-        joint: name.to_owned().into(),
-        interpolation: interpolation(command).to_owned().into(),
+        joint: name.to_owned(),
+        interpolation: interpolation(command).to_owned(),
         ..JointMotionFile::default()
     };
     let m = &mut motion;
@@ -97,18 +97,18 @@ fn joint_motion(name: &str, command: &Command, slides: bool) -> JointMotionFile 
                 true => (&mut m.offset_m, &mut m.sine_m, &mut m.cosine_m),
                 false => (&mut m.offset_rad, &mut m.sine_rad, &mut m.cosine_rad),
             };
-            *offset = Some(f.offset.into());
-            *sine = Some(f.sine.clone().into());
-            *cosine = Some(f.cosine.clone().into());
-            m.base_frequency_hz = Some(f.base_frequency_hz.into());
+            *offset = Some(f.offset);
+            *sine = Some(f.sine.clone());
+            *cosine = Some(f.cosine.clone());
+            m.base_frequency_hz = Some(f.base_frequency_hz);
         }
         Command::Spline(time, values) | Command::Slews(time, values) => {
             let position = match slides {
                 true => &mut m.position_m,
                 false => &mut m.position_rad,
             };
-            *position = Some(values.clone().into());
-            m.time_s = Some(time.clone().into());
+            *position = Some(values.clone());
+            m.time_s = Some(time.clone());
         }
     }
     motion
@@ -122,10 +122,10 @@ fn wheel_motion(name: &str, command: &Command) -> WheelMotionFile {
     };
     let (time, speed) = nodes.unzip();
     WheelMotionFile {
-        wheel: name.to_owned().into(),
-        time_s: time.cloned().map(Into::into),
-        speed_rad_s: speed.cloned().map(Into::into),
-        interpolation: Some(interpolation(command).to_owned().into()),
+        wheel: name.to_owned(),
+        time_s: time.cloned(),
+        speed_rad_s: speed.cloned(),
+        interpolation: Some(interpolation(command).to_owned()),
         ..WheelMotionFile::default()
     }
 }

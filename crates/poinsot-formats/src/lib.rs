@@ -33,7 +33,7 @@
 //! # Files
 //! - One file per format. `number.rs`, `body.rs`: numbers, vectors, tensors, bodies.
 //! - `address.rs`: addresses of numbers, with their one grammar.
-//! - `case.rs`, `plan.rs`: case and plan, read and written. `toml_file.rs`: all faults in the structure of a TOML file.
+//! - `case.rs`, `plan.rs`: case and plan, read and written.
 //! - `check.rs`: consistency of an answer. `read.rs`: the reader. `upgrade.rs`: earlier versions.
 //! - `band.rs`: bands and confidence intervals of statistics of trials.
 //! - `listing.rs`: answers of the commands that list, and errors as data.
@@ -56,7 +56,6 @@ mod plan;
 mod prediction;
 mod read;
 mod report_data;
-mod toml_file;
 mod truth;
 mod upgrade;
 mod validation;
@@ -112,7 +111,6 @@ pub use report_data::{
     Channel, DrawnBody, DrawnJoint, DrawnSensor, Pointer, REPORT_DATA, ReportData, Row, Segment,
     TrueNumbers, Vehicle,
 };
-pub use toml_file::ShapeFault;
 pub use truth::{
     InitialFile, JointStateFile, TRUTH, TrueBodyFile, TrueRunFile, TrueSensorFile, TruthFile,
     WheelUseFile,

@@ -1,6 +1,5 @@
 //! The plan of a campaign (`poinsot.plan/1`, TOML): experiments, methods, varied numbers, random numbers.
 
-use crate::toml_file::{ShapeFault, parse_toml};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -24,8 +23,10 @@ pub struct PlanFile {
     #[serde(default)]
     pub about: String,
     /// Trials of every experiment at every point. A sampling has its own number.
+    #[schemars(extend("minimum" = 1, "maximum" = 1_u64 << 48))]
     pub trials: Option<u64>,
     /// Trials of one shard. Default 100; of a sampling its points.
+    #[schemars(extend("minimum" = 1, "maximum" = 1_u64 << 48))]
     pub trials_per_shard: Option<u64>,
     /// Seed of all random numbers. Default: the seed of the case; 1 for a record.
     pub seed: Option<u64>,
@@ -52,8 +53,8 @@ impl PlanFile {
     ///
     /// # Errors
     /// The text is not TOML, or keys are unknown, missing or of a wrong type.
-    pub fn parse(text: &str) -> Result<Self, Vec<ShapeFault>> {
-        parse_toml(text)
+    pub fn parse(text: &str) -> Result<Self, toml::de::Error> {
+        toml::from_str(text)
     }
 
     /// The text of the plan.
@@ -157,6 +158,7 @@ pub struct VaryFile {
     /// Upper end of a range.
     pub to: Option<f64>,
     /// Values of the range, both ends among them. Without it the range is sampled.
+    #[schemars(extend("minimum" = 2, "maximum" = 1_000_000, "x-advice" = "a range has two values or more"))]
     pub count: Option<u64>,
     /// Steps of the range.
     #[serde(default)]
@@ -182,8 +184,10 @@ pub struct SamplingFile {
     /// Kind.
     pub kind: SamplingKind,
     /// Points of one replicate.
+    #[schemars(extend("minimum" = 1, "maximum" = 1 << 20))]
     pub points: u64,
     /// Replicates, at least 20. Default 20.
+    #[schemars(extend("minimum" = REPLICATES, "maximum" = 1 << 20, "x-advice" = "bands are computed from the scatter between replicates: give 20 to 1048576"))]
     pub replicates: Option<u64>,
 }
 
@@ -220,8 +224,10 @@ pub struct DrawFile {
     /// Address.
     pub number: String,
     /// Normal about the value of the file, one sigma in its unit.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub sigma: Option<f64>,
     /// The same as a share of the value.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub relative_sigma: Option<f64>,
     /// Uniform: lower end.
     pub from: Option<f64>,

@@ -1,17 +1,31 @@
 //! Faults of a plan with line numbers.
 
-use crate::case::CaseText;
+use crate::case::{KeyText, rows};
 use crate::error::{Error, Fault};
 use poinsot_files::Place;
-use poinsot_formats::PlanFile;
-use std::ops::Range;
+use poinsot_formats::{PLAN, PlanFile};
+use poinsot_model::Format;
+use serde_json::Value;
 use std::path::{Path, PathBuf};
-use toml::de::{DeTable, DeValue};
+use std::sync::OnceLock;
+
+/// The plan, with the code of its faults.
+const FORMAT: Format = Format {
+    name: PLAN,
+    syntax: "E0541",
+    version: "E0541",
+    unknown: "E0541",
+    unit: "E0541",
+    missing: "E0541",
+    kind: "E0541",
+    range: "E0541",
+    unfit: "E0541",
+};
 
 /// The text of a plan and its faults. A plan made by a program has no text, so its faults have no line.
 pub(crate) struct PlanText {
     pub path: PathBuf,
-    text: CaseText,
+    text: KeyText,
     faults: Vec<Fault>,
 }
 
@@ -19,7 +33,7 @@ impl PlanText {
     pub fn new(path: &Path, text: String) -> Self {
         Self {
             path: path.to_owned(),
-            text: CaseText {
+            text: KeyText {
                 path: path.to_owned(),
                 text,
             },
@@ -30,38 +44,24 @@ impl PlanText {
     /// Parses the file.
     ///
     /// # Errors
-    /// Invalid TOML, unknown keys, or values of a wrong type.
+    /// All faults of its keys.
     pub fn parse(&self) -> Result<PlanFile, Error> {
-        PlanFile::parse(&self.text.text).map_err(|faults| {
-            let remedy = "correct it here; `poinsot schema plan` prints all keys";
-            let told = |f| self.text.shape("E0541", f, remedy);
-            Error::sorted(faults.iter().map(told).collect())
-        })
+        static ROWS: OnceLock<Value> = OnceLock::new();
+        let rows = ROWS.get_or_init(rows::<PlanFile>);
+        let (file, faults) = self.text.parse(&FORMAT, rows)?;
+        Error::none_or(faults, file)
     }
 
-    /// A fault at a key such as `vary[1].number`.
-    fn fault(&self, code: &'static str, key: &str, what: String, remedy: &str) -> Fault {
-        let (span, found) = self.span(key);
-        let mut fault = self.text.fault(code, key, span, what, remedy);
-        if self.text.text.is_empty() {
-            fault.place.line = 0;
-        }
-        if !found {
-            fault.value.clear();
-        }
-        fault
-    }
-
-    /// Records a fault.
+    /// Records a fault at a key such as `vary[1].number`.
     pub fn refuse(&mut self, key: &str, what: impl Into<String>, remedy: &str) {
-        let fault = self.fault("E0541", key, what.into(), remedy);
-        self.faults.push(fault);
+        self.faults
+            .push(self.text.fault("E0541", key, what, remedy));
     }
 
     /// Records an address that names no number, or not as many as are given.
     pub fn refuse_address(&mut self, key: &str, what: impl Into<String>, remedy: &str) {
-        let fault = self.fault("E0542", key, what.into(), remedy);
-        self.faults.push(fault);
+        self.faults
+            .push(self.text.fault("E0542", key, what, remedy));
     }
 
     /// Returns an error if any fault was recorded.
@@ -69,29 +69,7 @@ impl PlanText {
     /// # Errors
     /// All recorded faults.
     pub fn finish(&mut self) -> Result<(), Error> {
-        Error::none_or(std::mem::take(&mut self.faults), ())
-    }
-
-    /// Position of a key's value or of the nearest table above it, and whether the key exists.
-    fn span(&self, key: &str) -> (Range<usize>, bool) {
-        let (table, _) = DeTable::parse_recoverable(&self.text.text);
-        let table = table.into_inner();
-        let mut steps = key.split(['.', '[', ']']).filter(|s| !s.is_empty());
-        let Some(mut value) = steps.next().and_then(|first| table.get(first)) else {
-            return (0..0, false);
-        };
-        for step in steps {
-            let next = match value.get_ref() {
-                DeValue::Table(t) => t.get(step),
-                DeValue::Array(a) => step.parse().ok().and_then(|k: usize| a.get(k)),
-                _ => None,
-            };
-            match next {
-                Some(next) => value = next,
-                None => return (value.span(), false),
-            }
-        }
-        (value.span(), true)
+        self.text.none_or(std::mem::take(&mut self.faults), ())
     }
 }
 

@@ -8,7 +8,7 @@ use crate::error::Error;
 use nalgebra::Quaternion;
 use poinsot_dynamics::{Plan, Start, StartVelocity};
 use poinsot_files::rounded;
-use poinsot_formats::case::{InitialFile, Placed};
+use poinsot_formats::case::InitialFile;
 use poinsot_model::Model;
 use poinsot_spatial::{UnitQuaternion, Vector3};
 
@@ -44,63 +44,50 @@ impl Case {
         let mut planner = self.planner(model);
         planner.open = open;
         let file = &self.file;
-        let output = file.output.span();
         let plan = planner.control(file).unwrap_or_else(|| {
             let (wheels, firings) = (&file.wheel_motion, &file.firing);
-            let (mut plan, led) = planner.plan(&file.joint_motion, wheels, firings, output);
+            let (mut plan, led) = planner.plan(&file.joint_motion, wheels, firings);
             planner.drives(&file.joint_torque, &file.initial.joint, &mut plan, &led);
             plan
         });
         let start = start(&mut planner, &file.initial);
-        let sensors = sensor_outputs(&mut planner, file.output.get_ref());
-        if !planner.faults.is_empty() {
-            return Err(Error::sorted(planner.faults));
-        }
-        Ok(Scenario {
+        let sensors = sensor_outputs(&mut planner, &file.output);
+        let scenario = Scenario {
             plan,
             start,
             times: self.times(),
-            sensors_only: file.output.get_ref().sensors_only,
+            sensors_only: file.output.sensors_only,
             sensors,
-        })
+        };
+        self.text.none_or(planner.faults, scenario)
     }
 }
 
 fn start(planner: &mut Planner, initial: &InitialFile) -> Start {
-    let mut vector = |key: &str, x: &Option<Placed<[f64; 3]>>| {
-        let Some(x) = x else {
-            return Vector3::zeros();
-        };
-        if !x.get_ref().iter().all(|x| x.is_finite()) {
-            let key = format!("initial.{key}");
-            planner.refuse(
-                "E0505",
-                &key,
-                x.span(),
-                "not finite",
-                "write finite numbers",
-            );
-        }
-        Vector3::from(*x.get_ref())
-    };
-    let p_NoBo_N = vector("r_m", &initial.r_m);
-    let v_NBo_N = vector("v_m_s", &initial.v_m_s);
-    let w_NB_B = vector("omega_rad_s", &initial.omega_rad_s);
-    let l_S_N = vector("linear_N_s", &initial.linear_N_s);
-    let h_SScm_N = vector("angular_N_m_s", &initial.angular_N_m_s);
+    let vector = |x: Option<[f64; 3]>| x.map_or_else(Vector3::zeros, Vector3::from);
+    let p_NoBo_N = vector(initial.r_m);
+    let v_NBo_N = vector(initial.v_m_s);
+    let w_NB_B = vector(initial.omega_rad_s);
+    let l_S_N = vector(initial.linear_N_s);
+    let h_SScm_N = vector(initial.angular_N_m_s);
 
-    let twist = [&initial.v_m_s, &initial.omega_rad_s];
-    let momentum = [&initial.linear_N_s, &initial.angular_N_m_s];
-    let twist = twist.into_iter().flatten().next().map(Placed::span);
-    let momentum = momentum.into_iter().flatten().next().map(Placed::span);
-    let zero = initial.momentum_zero.as_ref();
-    let zero = zero.filter(|z| *z.get_ref()).map(Placed::span);
-    let mut given = [&twist, &momentum, &zero].into_iter().flatten();
-    if let Some(second) = given.nth(1).cloned() {
+    let twist = [
+        ("v_m_s", initial.v_m_s.is_some()),
+        ("omega_rad_s", initial.omega_rad_s.is_some()),
+    ];
+    let momentum = [
+        ("linear_N_s", initial.linear_N_s.is_some()),
+        ("angular_N_m_s", initial.angular_N_m_s.is_some()),
+    ];
+    let given = |keys: [(&'static str, bool); 2]| keys.into_iter().find(|(_, given)| *given);
+    let (twist, momentum) = (given(twist), given(momentum));
+    let zero = initial.momentum_zero.filter(|zero| *zero);
+    let zero = zero.map(|zero| ("momentum_zero", zero));
+    if let Some((second, _)) = [twist, momentum, zero].into_iter().flatten().nth(1) {
         let problem = "the initial motion is given twice";
         let remedy =
             "give either omega_rad_s and v_m_s, or linear_N_s and angular_N_m_s, or momentum_zero";
-        planner.refuse("E0507", "initial", second, problem, remedy);
+        planner.refuse("E0507", &format!("initial.{second}"), problem, remedy);
     }
     let velocity = if momentum.is_some() || zero.is_some() {
         StartVelocity::Momentum { l_S_N, h_SScm_N }
@@ -115,16 +102,15 @@ fn start(planner: &mut Planner, initial: &InitialFile) -> Start {
 }
 
 fn attitude(planner: &mut Planner, initial: &InitialFile) -> UnitQuaternion {
-    let Some(given) = &initial.q_xyzw else {
+    let Some([x, y, z, w]) = initial.q_xyzw else {
         return UnitQuaternion::identity();
     };
-    let [x, y, z, w] = *given.get_ref();
     let q = Quaternion::new(w, x, y, z);
     // Printed quaternions are rounded; a larger deviation is another mistake.
     if !q.norm().is_finite() || (q.norm() - 1.0).abs() > 1e-3 {
         let problem = format!("norm {} is not 1", rounded(q.norm(), 6));
         let remedy = "give a unit quaternion, scalar last, body to inertial";
-        planner.refuse("E0505", "initial.q_xyzw", given.span(), problem, remedy);
+        planner.refuse("E0505", "initial.q_xyzw", problem, remedy);
         return UnitQuaternion::identity();
     }
     UnitQuaternion::new_normalize(q)

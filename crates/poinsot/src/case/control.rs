@@ -1,14 +1,12 @@
 //! `[control]`: attitude feedback by the wheels of the base.
 
-use super::fault::did_you_mean;
 use super::planner::Planner;
 use nalgebra::Quaternion;
 use poinsot_dynamics::{AttitudeControl, Plan, Target, Tree, WheelDrive, WheelLimits, composite};
 use poinsot_dynamics::{Kinematics, WheelMotion};
 use poinsot_files::rounded;
-use poinsot_formats::case::{CaseFile, ControlFile, ControlWheelFile, Placed};
+use poinsot_formats::case::{CaseFile, ControlFile, ControlWheelFile};
 use poinsot_spatial::{InertialParameters, Matrix3, UnitQuaternion};
-use std::ops::Range;
 
 impl Planner<'_> {
     /// The plan of a case with a controller: locked joints, and all wheels under the law.
@@ -31,7 +29,7 @@ impl Planner<'_> {
                     "take it out, or prescribe wheel speeds with [[wheel_motion]]",
                 ),
             };
-            self.refuse(code, key, given.span(), problem, remedy);
+            self.refuse(code, key, problem, remedy);
         }
         let mut joints = self.model.joints.iter();
         if let Some(joint) = joints.find(|j| j.spring_damper.is_some()) {
@@ -40,49 +38,27 @@ impl Planner<'_> {
                 joint.name
             );
             let remedy = "take spring_damper out of the model, or prescribe wheel speeds with [[wheel_motion]]";
-            self.refuse("E0508", "control", given.span(), problem, remedy);
+            self.refuse("E0508", "control", problem, remedy);
         }
         Some(Plan {
-            control: Some(self.law(given.get_ref(), given.span())),
-            wheels: self.wheels(given.get_ref()),
+            control: Some(self.law(given)),
+            wheels: self.wheels(given),
             firings: self.firings(&file.firing),
             ..Plan::hold(self.model)
         })
     }
 
-    fn law(&mut self, file: &ControlFile, span: Range<usize>) -> AttitudeControl {
-        let (proportional, derivative) = self.gains(file, span);
-        let drive = match file
-            .drive
-            .as_ref()
-            .map(|d| (d.get_ref().as_str(), d.span()))
-        {
-            None | Some(("torque", _)) => WheelDrive::Torque,
-            Some(("acceleration", _)) => WheelDrive::Acceleration,
-            Some((_, span)) => {
-                let remedy = "use \"torque\" (of the motors) or \"acceleration\" (of the wheels)";
-                self.refuse("E0507", "control.drive", span, "no such drive", remedy);
-                WheelDrive::Torque
-            }
+    fn law(&mut self, file: &ControlFile) -> AttitudeControl {
+        let (proportional, derivative) = self.gains(file);
+        let drive = match file.drive.as_deref() {
+            Some("acceleration") => WheelDrive::Acceleration,
+            _ => WheelDrive::Torque,
         };
-        if let Some(period) = &file.period_s
-            && !(period.get_ref().is_finite() && *period.get_ref() > 0.0)
-        {
-            let remedy =
-                "give the time between two commands, or leave it out for a continuous controller";
-            self.refuse(
-                "E0505",
-                "control.period_s",
-                period.span(),
-                "must be positive",
-                remedy,
-            );
-        }
         AttitudeControl {
             proportional,
             derivative,
             targets: self.targets(file),
-            period: file.period_s.as_ref().map(|p| *p.get_ref()),
+            period: file.period_s,
             drive,
         }
     }
@@ -92,29 +68,17 @@ impl Planner<'_> {
         let mut targets: Vec<Target> = Vec::new();
         for (i, target) in file.target.iter().enumerate() {
             let key = |name: &str| format!("control.target[{i}].{name}");
-            let time = *target.time_s.get_ref();
-            if !time.is_finite() || targets.last().is_some_and(|last| last.time >= time) {
+            let time = target.time_s;
+            if targets.last().is_some_and(|last| last.time >= time) {
                 let problem = "the times of the targets must increase";
-                self.refuse(
-                    "E0506",
-                    &key("time_s"),
-                    target.time_s.span(),
-                    problem,
-                    "sort them",
-                );
+                self.refuse("E0506", &key("time_s"), problem, "sort them");
             }
-            let [x, y, z, w] = *target.q_xyzw.get_ref();
+            let [x, y, z, w] = target.q_xyzw;
             let q = Quaternion::new(w, x, y, z);
             if !q.norm().is_finite() || (q.norm() - 1.0).abs() > 1e-3 {
                 let problem = format!("norm {} is not 1", rounded(q.norm(), 6));
                 let remedy = "give a unit quaternion, scalar last, body to inertial";
-                self.refuse(
-                    "E0505",
-                    &key("q_xyzw"),
-                    target.q_xyzw.span(),
-                    problem,
-                    remedy,
-                );
+                self.refuse("E0505", &key("q_xyzw"), problem, remedy);
                 continue;
             }
             let R_NB = UnitQuaternion::new_normalize(q);
@@ -131,33 +95,12 @@ impl Planner<'_> {
         };
         let mut wheels = vec![free; self.model.wheels.len()];
         for (i, table) in file.wheel.iter().enumerate() {
-            let Some(k) = self.model.wheel(table.wheel.get_ref()) else {
-                let names = self.model.wheels.iter().map(|w| w.name.as_str());
-                let remedy = did_you_mean(table.wheel.get_ref(), names);
-                self.unknown(
-                    "wheel",
-                    &format!("control.wheel[{i}].wheel"),
-                    &table.wheel,
-                    remedy,
-                );
-                continue;
-            };
-            let limits = limits_of(table);
-            let initial_speed = table.initial_speed_rad_s.unwrap_or(0.0);
-            wheels[k] = WheelMotion::Controlled {
-                initial_speed,
-                limits,
-            };
-            if !limits.is_valid() || !initial_speed.is_finite() {
-                let problem = "limits must be positive, friction not negative, all finite";
-                let key = format!("control.wheel[{i}]");
-                self.refuse(
-                    "E0505",
-                    &key,
-                    table.wheel.span(),
-                    problem,
-                    "correct its numbers",
-                );
+            let key = format!("control.wheel[{i}].wheel");
+            if let Some(k) = self.wheel(&table.wheel, &key) {
+                wheels[k] = WheelMotion::Controlled {
+                    initial_speed: table.initial_speed_rad_s.unwrap_or(0.0),
+                    limits: limits_of(table),
+                };
             }
         }
         wheels
@@ -165,17 +108,15 @@ impl Planner<'_> {
 
     /// Gains as given, or as in Table 1 of Kim, Choi, Oh 2010: `2 wn^2 I` and `2 zeta wn I` with the inertia of the
     /// model.
-    fn gains(&mut self, file: &ControlFile, span: Range<usize>) -> (Matrix3, Matrix3) {
-        let finite =
-            |x: &Option<Placed<f64>>| x.as_ref().map(|x| *x.get_ref()).filter(|x| *x > 0.0);
+    fn gains(&mut self, file: &ControlFile) -> (Matrix3, Matrix3) {
         let matrix = |m: &[[f64; 3]; 3]| Matrix3::from_fn(|i, j| m[i][j]);
         match (
             &file.proportional_N_m,
             &file.derivative_N_m_s,
-            finite(&file.natural_frequency_rad_s),
-            finite(&file.damping_ratio),
+            file.natural_frequency_rad_s,
+            file.damping_ratio,
         ) {
-            (Some(p), Some(d), None, None) => (matrix(p.get_ref()), matrix(d.get_ref())),
+            (Some(p), Some(d), None, None) => (matrix(p), matrix(d)),
             (None, None, Some(wn), Some(zeta)) => {
                 let I = self.locked_inertia();
                 (I * (2.0 * wn * wn), I * (2.0 * zeta * wn))
@@ -183,7 +124,7 @@ impl Planner<'_> {
             _ => {
                 let problem = "the controller needs two gains";
                 let remedy = "give proportional_N_m and derivative_N_m_s (3 x 3), or a positive natural_frequency_rad_s and damping_ratio";
-                self.refuse("E0507", "control", span, problem, remedy);
+                self.refuse("E0507", "control", problem, remedy);
                 (Matrix3::zeros(), Matrix3::zeros())
             }
         }

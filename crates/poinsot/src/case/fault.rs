@@ -1,59 +1,96 @@
-//! Faults of a case file with line numbers.
+//! The text of a case or plan, checked against its table of keys, and its faults with line numbers.
 
-use crate::error::Fault;
+use crate::error::{Error, Fault};
 use poinsot_files::Place;
-use poinsot_formats::ShapeFault;
-use std::ops::Range;
+use poinsot_formats::case::{CASE, CaseFile};
+use poinsot_model::{Format, check_keys, locate, without_null};
+use schemars::{JsonSchema, schema_for};
+use serde::de::DeserializeOwned;
+use serde_json::Value;
 use std::path::PathBuf;
+use std::sync::OnceLock;
 
-/// Name and text of a case file; converts byte ranges to lines.
+/// The case file, with the codes of its faults.
+const FORMAT: Format = Format {
+    name: CASE,
+    syntax: "E0502",
+    version: "E0502",
+    unknown: "E0502",
+    unit: "E0502",
+    missing: "E0502",
+    kind: "E0502",
+    range: "E0505",
+    unfit: "E0507",
+};
+
+/// Name and text of a file of keys; gives its faults their lines.
 #[derive(Debug, Clone)]
-pub(crate) struct CaseText {
+pub(crate) struct KeyText {
     pub path: PathBuf,
     pub text: String,
 }
 
-impl CaseText {
-    /// A fault at the byte range of a value.
+impl KeyText {
+    /// The file, and the faults of its keys that leave it readable.
+    ///
+    /// # Errors
+    /// All faults of its keys, where it cannot be read.
+    pub fn parse<T: DeserializeOwned>(
+        &self,
+        format: &'static Format,
+        rows: &'static Value,
+    ) -> Result<(T, Vec<Fault>), Error> {
+        let name = self.path.display().to_string();
+        let checked = check_keys(&self.text, &name, format, rows);
+        let mut faults = checked.err().map_or_else(Vec::new, |error| error.list);
+        faults.iter_mut().for_each(|f| f.place.column = 0);
+        let read = toml::from_str(&self.text).map_err(|error| {
+            let before = self.text.get(..error.span().unwrap_or_default().start);
+            let line = before.unwrap_or_default().matches('\n').count() as u64 + 1;
+            let place = Place::file(&self.path).at(line);
+            Error::one(format.kind, place, error.message(), "correct it here")
+        });
+        match read {
+            Ok(file) => Ok((file, faults)),
+            Err(_) if !faults.is_empty() => Err(Error::sorted(faults)),
+            Err(error) => Err(error),
+        }
+    }
+
+    /// A fault at a key, still without its line.
     pub fn fault(
         &self,
         code: &'static str,
         key: &str,
-        span: Range<usize>,
         problem: impl Into<String>,
         remedy: impl Into<String>,
     ) -> Fault {
-        let before = self.text.get(..span.start).unwrap_or(&self.text);
-        let place = Place {
-            line: before.matches('\n').count() as u64 + 1,
-            ..Place::file(&self.path).key(key)
-        };
-        let fault = Fault::new(code, place, problem, remedy);
-        fault.with_value(excerpt(self.text.get(span).unwrap_or("")))
+        Fault::new(code, Place::file(&self.path).key(key), problem, remedy)
     }
 
-    /// A fault of the file's structure; `remedy` is used if no similar name is known.
-    pub fn shape(&self, code: &'static str, fault: &ShapeFault, remedy: &str) -> Fault {
-        let remedy = match &fault.unknown {
-            Some((name, known)) => did_you_mean(name, known.iter().map(String::as_str)),
-            None => remedy.to_owned(),
-        };
-        let told = self.fault(code, "", fault.span.clone(), fault.problem.clone(), remedy);
-        told.with_value("")
+    /// The faults with their lines and values, in the order of the file.
+    pub fn located(&self, mut faults: Vec<Fault>) -> Vec<Fault> {
+        if !self.text.is_empty() {
+            locate(&self.text, &mut faults);
+        }
+        faults
+    }
+
+    /// The value, or the faults.
+    pub fn none_or<T>(&self, faults: Vec<Fault>, value: T) -> Result<T, Error> {
+        Error::none_or(self.located(faults), value)
+    }
+
+    /// The case of this text.
+    pub fn case(&self) -> Result<(CaseFile, Vec<Fault>), Error> {
+        static ROWS: OnceLock<Value> = OnceLock::new();
+        self.parse(&FORMAT, ROWS.get_or_init(rows::<CaseFile>))
     }
 }
 
-/// A value on one line, shortened; empty for a whole section.
-fn excerpt(text: &str) -> String {
-    if text.contains("[[") || text.contains('=') {
-        return String::new();
-    }
-    let line = text.split_whitespace().collect::<Vec<_>>().join(" ");
-    let mut short: String = line.chars().filter(|c| !c.is_control()).take(60).collect();
-    if short.len() < line.len() {
-        short.push_str("...");
-    }
-    short
+/// The table of keys of a format.
+pub(crate) fn rows<T: JsonSchema>() -> Value {
+    without_null(schema_for!(T).to_value())
 }
 
 /// Suggests the nearest known name as remedy.

@@ -1,15 +1,13 @@
 //! `[limits]`: limits of a designed manoeuvre.
 
 use super::Case;
-use super::fault::did_you_mean;
 use super::planner::Planner;
 use super::thrusters::{ImpulseLimit, ThrusterLimit};
 use crate::error::Error;
 use poinsot_dynamics::Tree;
-use poinsot_formats::case::{CapsuleFile, ConeFile, JointLimitFile, Placed, WheelLimitFile};
+use poinsot_formats::case::{CapsuleFile, ConeFile, JointLimitFile, WheelLimitFile};
 use poinsot_model::{JointKind, Model};
 use poinsot_spatial::Vector3;
-use std::ops::Range;
 
 /// Limits of one joint coordinate, rad or m and derivatives; infinite if unlimited.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -88,7 +86,7 @@ impl Case {
     pub fn limits(&self, model: &Model) -> Result<Limits, Error> {
         let mut planner = self.planner(model);
         let limits = planner.limits(&self.file.limits);
-        Error::none_or(planner.faults, limits)
+        self.text.none_or(planner.faults, limits)
     }
 }
 
@@ -104,10 +102,9 @@ impl Planner<'_> {
         let mut joints = vec![free; tree.dof()];
         for (i, table) in file.joint.iter().enumerate() {
             let key = format!("limits.joint[{i}]");
-            let span = table.span();
-            for k in self.joints_of(&tree, table.get_ref().joints.as_deref(), &key) {
+            for k in self.joints_of(&tree, table.joints.as_deref(), &key) {
                 let kind = self.model.joints[tree.coordinates[k]].kind;
-                if let Some(given) = self.joint_limit(table.get_ref(), kind, &key, span.clone()) {
+                if let Some(given) = self.joint_limit(table, kind, &key) {
                     joints[k] = tighter(joints[k], given);
                 }
             }
@@ -121,19 +118,19 @@ impl Planner<'_> {
         ];
         for (i, table) in file.wheel.iter().enumerate() {
             let key = format!("limits.wheel[{i}]");
-            for k in self.wheels_of(table.get_ref().wheels.as_deref(), &key) {
-                let given = self.wheel_limit(table.get_ref(), k, &key);
+            for k in self.wheels_of(table.wheels.as_deref(), &key) {
+                let given = self.wheel_limit(table, k);
                 wheels[k].speed = wheels[k].speed.min(given.speed);
                 wheels[k].torque = wheels[k].torque.min(given.torque);
             }
         }
         let (thrusters, impulses) = self.thruster_limits(&file.thruster);
         let cones = file.cone.iter().enumerate();
-        let cones = cones.filter_map(|(i, c)| self.cone(c.get_ref(), &format!("limits.cone[{i}]")));
+        let cones = cones.filter_map(|(i, c)| self.cone(c, &format!("limits.cone[{i}]")));
         let cones = cones.collect();
         let capsules = file.capsule.iter().enumerate();
-        let capsules = capsules
-            .filter_map(|(i, c)| self.capsule(c.get_ref(), &format!("limits.capsule[{i}]")));
+        let capsules =
+            capsules.filter_map(|(i, c)| self.capsule(c, &format!("limits.capsule[{i}]")));
         Limits {
             joints,
             wheels,
@@ -141,61 +138,35 @@ impl Planner<'_> {
             impulses,
             cones,
             capsules: capsules.collect(),
-            body_rate: self.limit("limits.body_rate_rad_s", file.body_rate_rad_s.as_ref()),
-            clearance: match &file.clearance_m {
-                None => 0.0,
-                given => self.limit("limits.clearance_m", given.as_ref()),
-            },
+            body_rate: file.body_rate_rad_s.unwrap_or(f64::INFINITY),
+            clearance: file.clearance_m.unwrap_or(0.0),
         }
-    }
-
-    /// A positive limit; infinite if not given.
-    pub(super) fn limit(&mut self, key: &str, given: Option<&Placed<f64>>) -> f64 {
-        let Some(x) = given else {
-            return f64::INFINITY;
-        };
-        if !(x.get_ref().is_finite() && *x.get_ref() > 0.0) {
-            self.refuse(
-                "E0505",
-                key,
-                x.span(),
-                "a limit must be a positive number",
-                "give one, or leave it out",
-            );
-        }
-        *x.get_ref()
     }
 
     /// Joint coordinates of a list of names; all without a list.
     pub(super) fn joints_of(
         &mut self,
         tree: &Tree,
-        names: Option<&[Placed<String>]>,
+        names: Option<&[String]>,
         key: &str,
     ) -> Vec<usize> {
-        match names {
-            None => (0..tree.dof()).collect(),
-            Some(names) => names
-                .iter()
-                .filter_map(|n| self.joint(tree, n, key))
-                .collect(),
+        let Some(names) = names else {
+            return (0..tree.dof()).collect();
+        };
+        let mut found = Vec::new();
+        for (k, name) in names.iter().enumerate() {
+            found.extend(self.joint(tree, name, &format!("{key}.joints[{k}]")));
         }
+        found
     }
 
-    pub(super) fn wheels_of(&mut self, names: Option<&[Placed<String>]>, key: &str) -> Vec<usize> {
+    pub(super) fn wheels_of(&mut self, names: Option<&[String]>, key: &str) -> Vec<usize> {
         let Some(names) = names else {
             return (0..self.model.wheels.len()).collect();
         };
         let mut found = Vec::new();
-        for name in names {
-            match self.model.wheel(name.get_ref()) {
-                Some(k) => found.push(k),
-                None => {
-                    let known = self.model.wheels.iter().map(|w| w.name.as_str());
-                    let remedy = did_you_mean(name.get_ref(), known);
-                    self.unknown("wheel", &format!("{key}.wheels"), name, remedy);
-                }
-            }
+        for (k, name) in names.iter().enumerate() {
+            found.extend(self.wheel(name, &format!("{key}.wheels[{k}]")));
         }
         found
     }
@@ -205,108 +176,82 @@ impl Planner<'_> {
         table: &JointLimitFile,
         kind: JointKind,
         key: &str,
-        span: Range<usize>,
     ) -> Option<JointLimit> {
-        let turning = [
-            &table.rate_rad_s,
-            &table.acceleration_rad_s2,
-            &table.torque_N_m,
+        let keys = [
+            [
+                ("position_rad", table.position_rad.is_some()),
+                ("position_m", table.position_m.is_some()),
+            ],
+            [
+                ("rate_rad_s", table.rate_rad_s.is_some()),
+                ("rate_m_s", table.rate_m_s.is_some()),
+            ],
+            [
+                ("acceleration_rad_s2", table.acceleration_rad_s2.is_some()),
+                ("acceleration_m_s2", table.acceleration_m_s2.is_some()),
+            ],
+            [
+                ("torque_N_m", table.torque_N_m.is_some()),
+                ("force_N", table.force_N.is_some()),
+            ],
         ];
-        let sliding = [&table.rate_m_s, &table.acceleration_m_s2, &table.force_N];
-        let slides = kind == JointKind::Prismatic;
-        let (own, other) = match slides {
-            true => ((&table.position_m, sliding), (&table.position_rad, turning)),
-            false => ((&table.position_rad, turning), (&table.position_m, sliding)),
-        };
-        if other.0.is_some() || other.1.iter().any(|x| x.is_some()) {
-            let (problem, remedy) = match slides {
-                true => (
-                    "a prismatic joint moves in metres",
-                    "use the keys of m and N",
-                ),
-                false => (
-                    "a revolute joint moves in radians",
-                    "use the keys of rad and N_m",
-                ),
-            };
-            self.refuse("E0507", key, span, problem, remedy);
+        if self.other_unit(kind, key, &keys) {
             return None;
         }
-        let position = match own.0 {
-            None => (f64::NEG_INFINITY, f64::INFINITY),
-            Some(x) => {
-                let [low, high] = *x.get_ref();
-                if !(low.is_finite() && high.is_finite() && low < high) {
-                    let key = format!("{key}.position");
-                    let problem = "the range of positions is empty or not finite";
-                    self.refuse("E0505", &key, x.span(), problem, "give [lowest, highest]");
-                    return None;
-                }
-                (low, high)
-            }
-        };
-        let [rate, acceleration, effort] = own.1;
+        let position = table.position_rad.or(table.position_m);
+        if position.is_some_and(|[low, high]| low >= high) {
+            let name = if table.position_m.is_some() {
+                "m"
+            } else {
+                "rad"
+            };
+            let key = format!("{key}.position_{name}");
+            let problem = "the range of positions is empty";
+            self.refuse("E0505", &key, problem, "give [lowest, highest]");
+            return None;
+        }
+        let limit = |rad: Option<f64>, m: Option<f64>| rad.or(m).unwrap_or(f64::INFINITY);
         Some(JointLimit {
-            position,
-            rate: self.limit(&format!("{key}.rate"), rate.as_ref()),
-            acceleration: self.limit(&format!("{key}.acceleration"), acceleration.as_ref()),
-            effort: self.limit(&format!("{key}.torque"), effort.as_ref()),
+            position: position.map_or((f64::NEG_INFINITY, f64::INFINITY), |[a, b]| (a, b)),
+            rate: limit(table.rate_rad_s, table.rate_m_s),
+            acceleration: limit(table.acceleration_rad_s2, table.acceleration_m_s2),
+            effort: limit(table.torque_N_m, table.force_N),
         })
     }
 
-    fn wheel_limit(&mut self, table: &WheelLimitFile, wheel: usize, key: &str) -> WheelLimit {
-        let speed = self.limit(&format!("{key}.speed_rad_s"), table.speed_rad_s.as_ref());
-        let torque = self.limit(&format!("{key}.torque_N_m"), table.torque_N_m.as_ref());
-        let momentum = table.momentum_N_m_s.as_ref();
-        let momentum = self.limit(&format!("{key}.momentum_N_m_s"), momentum);
+    fn wheel_limit(&self, table: &WheelLimitFile, wheel: usize) -> WheelLimit {
+        let limit = |x: Option<f64>| x.unwrap_or(f64::INFINITY);
         let spin = self.model.wheels[wheel].spin_inertia;
+        let momentum = limit(table.momentum_N_m_s);
         WheelLimit {
-            speed: speed.min(momentum / spin.abs().max(f64::MIN_POSITIVE)),
-            torque,
+            speed: limit(table.speed_rad_s).min(momentum / spin.abs().max(f64::MIN_POSITIVE)),
+            torque: limit(table.torque_N_m),
         }
     }
 
     fn cone(&mut self, table: &ConeFile, key: &str) -> Option<Cone> {
-        let mut unit = |name: &str, x: &Placed<[f64; 3]>| {
-            let v = Vector3::from(*x.get_ref());
-            if !(v.norm().is_finite() && v.norm() > 0.0) {
+        let mut unit = |name: &str, x: [f64; 3]| {
+            let unit = Vector3::from(x).try_normalize(0.0);
+            if unit.is_none() {
                 let key = format!("{key}.{name}");
-                self.refuse(
-                    "E0505",
-                    &key,
-                    x.span(),
-                    "a direction must not be zero",
-                    "give three finite numbers",
-                );
-                return None;
+                let problem = "a direction must not be zero";
+                self.refuse("E0505", &key, problem, "give three finite numbers");
             }
-            Some(v.normalize())
+            unit
         };
-        let axis_B = unit("axis_B", &table.axis_B)?;
-        let direction_N = unit("direction_N", &table.direction_N)?;
-        let (angle, keep_in) = match (&table.keep_out_rad, &table.keep_in_rad) {
+        let axis_B = unit("axis_B", table.axis_B)?;
+        let direction_N = unit("direction_N", table.direction_N)?;
+        let (half_angle, keep_in) = match (table.keep_out_rad, table.keep_in_rad) {
             (Some(x), None) => (x, false),
             (None, Some(x)) => (x, true),
             _ => {
                 let problem = "a cone needs either keep_out_rad or keep_in_rad";
-                self.refuse(
-                    "E0507",
-                    key,
-                    table.name.span(),
-                    problem,
-                    "give one of the two",
-                );
+                self.refuse("E0507", key, problem, "give one of the two");
                 return None;
             }
         };
-        let half_angle = *angle.get_ref();
-        if !(half_angle > 0.0 && half_angle < std::f64::consts::PI) {
-            let problem = "the half angle of a cone must be between 0 and pi";
-            self.refuse("E0505", key, angle.span(), problem, "give it in rad");
-            return None;
-        }
         Some(Cone {
-            name: table.name.get_ref().clone(),
+            name: table.name.clone(),
             axis_B,
             direction_N,
             half_angle,
@@ -315,22 +260,10 @@ impl Planner<'_> {
     }
 
     fn capsule(&mut self, table: &CapsuleFile, key: &str) -> Option<Capsule> {
-        let name = table.body.get_ref();
-        let Some(body) = self.model.bodies.iter().position(|b| b.name == *name) else {
-            let names = self.model.bodies.iter().map(|b| b.name.as_str());
-            let remedy = did_you_mean(name, names);
-            self.unknown("body", &format!("{key}.body"), &table.body, remedy);
-            return None;
-        };
-        let to = table.to_m.as_ref().unwrap_or(&table.from_m);
-        let ends = [&table.from_m, to].map(|x| Vector3::from(*x.get_ref()));
-        let radius = *table.radius_m.get_ref();
-        let finite = ends.iter().all(|e| e.iter().all(|x| x.is_finite()));
-        if !(finite && radius.is_finite() && radius >= 0.0) {
-            let problem = "a capsule needs finite ends and a radius that is not negative";
-            self.refuse("E0505", key, table.radius_m.span(), problem, "correct them");
-            return None;
-        }
+        let body = self.body(&table.body, &format!("{key}.body"))?;
+        let to = table.to_m.unwrap_or(table.from_m);
+        let ends = [table.from_m, to].map(Vector3::from);
+        let radius = table.radius_m;
         Some(Capsule { body, ends, radius })
     }
 }

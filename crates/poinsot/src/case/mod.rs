@@ -30,12 +30,11 @@ pub use window::{Open, Replaced, Window};
 
 use crate::error::{Error, Fault};
 pub(crate) use describe::describe_case;
-pub(crate) use fault::{CaseText, did_you_mean};
+pub(crate) use fault::{KeyText, did_you_mean, rows};
 use planner::Planner;
 use poinsot_dynamics::Tolerance;
 use poinsot_files::rounded;
-use poinsot_formats::ShapeFault;
-use poinsot_formats::case::{CASE, CASE_BEFORE, CaseFile, Placed};
+use poinsot_formats::case::{CASE, CASE_BEFORE, CaseFile};
 use poinsot_model::Model;
 use std::path::{Path, PathBuf};
 
@@ -59,7 +58,7 @@ pub struct Case {
     pub seed: u64,
     /// Accuracy of the integrator.
     pub tolerance: Tolerance,
-    text: CaseText,
+    text: KeyText,
     file: CaseFile,
 }
 
@@ -106,65 +105,47 @@ pub fn parse_case(path: &Path, text: String) -> Result<Case, Error> {
 
 /// Reads a case with valid structure; returns also the faults found without the model.
 pub(crate) fn shaped_case(path: &Path, text: String) -> Result<(Case, Vec<Fault>), Error> {
-    let text = CaseText {
+    let text = KeyText {
         path: path.to_owned(),
         text,
     };
-    let file = CaseFile::parse(&text.text).map_err(|faults| {
-        let told = |f: &ShapeFault| text.shape("E0502", f, "correct it here");
-        Error::sorted(faults.iter().map(told).collect())
-    })?;
+    let (file, shape) = text.case()?;
     let mut faults = Vec::new();
-    if ![CASE, CASE_BEFORE].contains(&file.schema.get_ref().as_str()) {
+    if ![CASE, CASE_BEFORE].contains(&file.schema.as_str()) {
         faults.push(text.fault(
             "E0503",
             "schema",
-            file.schema.span(),
             "this is not the format of a case",
             format!("write schema = \"{CASE}\""),
         ));
     }
-    let output = file.output.get_ref();
-    positive(&text, &mut faults, "duration_s", &file.duration_s);
-    positive(&text, &mut faults, "output.rate_hz", &output.rate_hz);
-    let (duration_s, rate_hz) = (*file.duration_s.get_ref(), *output.rate_hz.get_ref());
+    let (duration_s, rate_hz) = (file.duration_s, file.output.rate_hz);
     if duration_s * rate_hz > MOST_ROWS {
+        let rows = rounded(duration_s * rate_hz, 4);
         faults.push(text.fault(
             "E0505",
             "output.rate_hz",
-            output.rate_hz.span(),
-            format!(
-                "{} rows are more than the program writes",
-                rounded(duration_s * rate_hz, 4)
-            ),
+            format!("{rows} rows are more than the program writes"),
             "lower the rate or the duration",
         ));
     }
     let mut tolerance = Tolerance::default();
     if let Some(integration) = &file.integration {
-        let key = "integration.relative_tolerance";
-        tolerance.relative = *integration.relative_tolerance.get_ref();
-        if !(1e-14..=1e-3).contains(&tolerance.relative) {
-            faults.push(text.fault(
-                "E0505",
-                key,
-                integration.relative_tolerance.span(),
-                "the tolerance must lie between 1e-14 and 1e-3",
-                "leave it out for 1e-12",
-            ));
-        }
+        tolerance.relative = integration.relative_tolerance;
     }
     let folder = path.parent().unwrap_or(Path::new(""));
     let case = Case {
-        model: folder.join(file.model.get_ref()),
+        model: folder.join(&file.model),
         duration_s,
         rate_hz,
-        format: output.format,
-        seed: output.seed,
+        format: file.output.format,
+        seed: file.output.seed,
         tolerance,
         text,
         file,
     };
+    let mut faults = case.text.located(faults);
+    faults.extend(shape);
     Ok((case, faults))
 }
 
@@ -188,7 +169,7 @@ impl Case {
     pub fn inputs(&self) -> Vec<PathBuf> {
         let folder = self.text.path.parent().unwrap_or(Path::new(""));
         let files = self.file.files();
-        files.map(|file| folder.join(file.get_ref())).collect()
+        files.map(|file| folder.join(file)).collect()
     }
 
     /// SHA-256 of every file of [`Self::inputs`].
@@ -221,13 +202,5 @@ impl Case {
             open: Open::default(),
             faults: Vec::new(),
         }
-    }
-}
-
-fn positive(text: &CaseText, faults: &mut Vec<Fault>, key: &str, x: &Placed<f64>) {
-    let value = *x.get_ref();
-    if !value.is_finite() || value <= 0.0 {
-        let problem = "must be a positive number";
-        faults.push(text.fault("E0505", key, x.span(), problem, "give one"));
     }
 }

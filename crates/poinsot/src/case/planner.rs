@@ -1,21 +1,17 @@
 //! Builds the plan of a case for a model and collects faults.
 
-use super::fault::{CaseText, did_you_mean};
+use super::fault::{KeyText, did_you_mean};
 use super::window::Open;
 use crate::error::Fault;
 use poinsot_dynamics::{JointMotion, NodeError, PiecewisePolynomial, Plan, Tree, WheelMotion};
-use poinsot_formats::case::{FiringFile, JointMotionFile, Placed, WheelMotionFile};
+use poinsot_formats::case::{FiringFile, JointMotionFile, WheelMotionFile};
 use poinsot_model::Model;
-use std::ops::Range;
-
-/// Times and values.
-pub(super) type Nodes<'f> = (&'f Placed<Vec<f64>>, &'f Placed<Vec<f64>>);
 
 /// Difference of two numbers in a file that are meant to be equal, relative to a number above one.
 const SAME: f64 = 1.0e-9;
 
-/// A motion with its key and the name that it is for; `None` if it is faulty.
-type Led<'f, M> = (String, &'f Placed<String>, Option<M>);
+/// A motion with its key; `None` if it is faulty.
+type Led<M> = (String, Option<M>);
 
 /// A motion of a joint or wheel.
 trait Motion {
@@ -52,7 +48,7 @@ impl Motion for WheelMotion {
 }
 
 pub(super) struct Planner<'c> {
-    pub text: &'c CaseText,
+    pub text: &'c KeyText,
     pub model: &'c Model,
     /// What a design fills.
     pub open: Open,
@@ -64,11 +60,10 @@ impl Planner<'_> {
         &mut self,
         code: &'static str,
         key: &str,
-        span: Range<usize>,
         problem: impl Into<String>,
         remedy: impl Into<String>,
     ) {
-        let fault = self.text.fault(code, key, span, problem, remedy);
+        let fault = self.text.fault(code, key, problem, remedy);
         self.faults.push(fault);
     }
 
@@ -78,7 +73,6 @@ impl Planner<'_> {
         joints: &[JointMotionFile],
         wheels: &[WheelMotionFile],
         firings: &[FiringFile],
-        output: Range<usize>,
     ) -> (Plan, Vec<bool>) {
         let tree = Tree::new(self.model);
         let mut plan = Plan::hold(self.model);
@@ -90,7 +84,7 @@ impl Planner<'_> {
             };
             let kind = self.model.joints[tree.coordinates[k]].kind;
             let motion = self.joint_motion(table, kind, &key);
-            led[k].push((format!("{key}.joint"), &table.joint, motion));
+            led[k].push((format!("{key}.joint"), motion));
         }
         let moved: Vec<bool> = led.iter().map(|tables| !tables.is_empty()).collect();
         for (k, tables) in led.into_iter().enumerate() {
@@ -103,14 +97,11 @@ impl Planner<'_> {
             plan.wheels.iter().map(|_| Vec::new()).collect();
         for (i, table) in wheels.iter().enumerate() {
             let key = format!("wheel_motion[{i}]");
-            let Some(k) = self.model.wheel(table.wheel.get_ref()) else {
-                let names = self.model.wheels.iter().map(|w| w.name.as_str());
-                let remedy = did_you_mean(table.wheel.get_ref(), names);
-                self.unknown("wheel", &format!("{key}.wheel"), &table.wheel, remedy);
+            let Some(k) = self.wheel(&table.wheel, &format!("{key}.wheel")) else {
                 continue;
             };
             let motion = self.wheel_motion(table, &key);
-            driven[k].push((format!("{key}.wheel"), &table.wheel, motion));
+            driven[k].push((format!("{key}.wheel"), motion));
         }
         for (k, (wheel, tables)) in self.model.wheels.iter().zip(driven).enumerate() {
             let is_driven = !tables.is_empty();
@@ -122,9 +113,7 @@ impl Planner<'_> {
                 let problem = format!("the case does not prescribe wheel \"{}\"", wheel.name);
                 let remedy =
                     "add a [[wheel_motion]], with time_s = [0.0], speed_rad_s = [0.0] for rest";
-                let text = &self.text;
-                let fault = text.fault("E0504", "wheel_motion", output.clone(), problem, remedy);
-                self.faults.push(fault.with_value(""));
+                self.refuse("E0504", "wheel_motion", problem, remedy);
             }
         }
         plan.firings = self.firings(firings);
@@ -134,28 +123,28 @@ impl Planner<'_> {
     /// The motions of one joint or wheel as one. It must not jump, except where a design fills the time between.
     fn one_after_another<M: Motion>(&mut self, mut tables: Vec<Led<M>>, open: bool) -> Option<M> {
         if tables.len() < 2 {
-            return tables.pop()?.2;
+            return tables.pop()?.1;
         }
-        let mut profiles: Vec<(String, &Placed<String>, PiecewisePolynomial)> = Vec::new();
-        for (key, name, motion) in tables {
+        let mut profiles: Vec<(String, PiecewisePolynomial)> = Vec::new();
+        for (key, motion) in tables {
             match motion?.profile() {
-                Some(profile) => profiles.push((key, name, profile)),
+                Some(profile) => profiles.push((key, profile)),
                 None => {
                     let problem = "a second motion for the same joint or wheel";
                     let remedy = "only nodes of positions or speeds follow each other; keep one";
-                    self.refuse("E0504", &key, name.span(), problem, remedy);
+                    self.refuse("E0504", &key, problem, remedy);
                     return None;
                 }
             }
         }
         let begin = |p: &PiecewisePolynomial| p.nodes().first().copied().unwrap_or(0.0);
-        profiles.sort_by(|a, b| begin(&a.2).total_cmp(&begin(&b.2)));
+        profiles.sort_by(|a, b| begin(&a.1).total_cmp(&begin(&b.1)));
         let mut all = PiecewisePolynomial::default();
-        for (key, name, next) in profiles {
+        for (key, next) in profiles {
             let Ok(both) = all.clone().then(&next) else {
                 let problem = "a second motion for the same joint or wheel at the same time";
                 let remedy = "keep one of the two, or let one begin after the other has ended";
-                self.refuse("E0504", &key, name.span(), problem, remedy);
+                self.refuse("E0504", &key, problem, remedy);
                 return None;
             };
             let (from, to) = (all.ends().1, next.ends().0);
@@ -166,7 +155,7 @@ impl Planner<'_> {
             if jumps && !is_designed {
                 let problem = format!("it begins at {to}, but the motion before it ends at {from}");
                 let remedy = "let one begin where the other ends";
-                self.refuse("E0507", &key, name.span(), problem, remedy);
+                self.refuse("E0507", &key, problem, remedy);
                 return None;
             }
             all = both;
@@ -174,34 +163,85 @@ impl Planner<'_> {
         Some(M::of(all))
     }
 
-    pub(super) fn unknown(&mut self, what: &str, key: &str, name: &Placed<String>, remedy: String) {
-        let problem = format!("the model has no {what} of this name");
-        self.refuse("E0504", key, name.span(), problem, remedy);
+    /// Index of a name; reports one that the model does not have.
+    fn named<'n>(
+        &mut self,
+        what: &str,
+        name: &str,
+        key: &str,
+        names: impl Iterator<Item = &'n str> + Clone,
+    ) -> Option<usize> {
+        let found = names.clone().position(|own| own == name);
+        if found.is_none() {
+            let problem = format!("the model has no {what} of this name");
+            self.refuse("E0504", key, problem, did_you_mean(name, names));
+        }
+        found
     }
 
-    pub(super) fn twice(&mut self, key: &str, name: &Placed<String>) {
+    pub(super) fn joint_named(&mut self, name: &str, key: &str) -> Option<usize> {
+        let model = self.model;
+        self.named(
+            "joint",
+            name,
+            key,
+            model.joints.iter().map(|j| j.name.as_str()),
+        )
+    }
+
+    pub(super) fn wheel(&mut self, name: &str, key: &str) -> Option<usize> {
+        let model = self.model;
+        self.named(
+            "wheel",
+            name,
+            key,
+            model.wheels.iter().map(|w| w.name.as_str()),
+        )
+    }
+
+    pub(super) fn thruster(&mut self, name: &str, key: &str) -> Option<usize> {
+        let model = self.model;
+        self.named(
+            "thruster",
+            name,
+            key,
+            model.thrusters.iter().map(|t| t.name.as_str()),
+        )
+    }
+
+    pub(super) fn body(&mut self, name: &str, key: &str) -> Option<usize> {
+        let model = self.model;
+        self.named(
+            "body",
+            name,
+            key,
+            model.bodies.iter().map(|b| b.name.as_str()),
+        )
+    }
+
+    pub(super) fn twice(&mut self, key: &str) {
         let problem = "a second motion for the same joint or wheel";
-        self.refuse("E0504", key, name.span(), problem, "keep one of the two");
+        self.refuse("E0504", key, problem, "keep one of the two");
     }
 
+    /// What was built from times and values; `values` is the key of the values below `key`.
     pub(super) fn checked<T>(
         &mut self,
         built: Result<T, NodeError>,
-        nodes: Nodes,
         key: &str,
+        values: &str,
     ) -> Option<T> {
         let error = match built {
             Ok(built) => return Some(built),
             Err(error) => error,
         };
-        let (code, key, span) = match error {
-            NodeError::Empty | NodeError::Length { .. } => {
-                ("E0506", key.to_owned(), nodes.1.span())
-            }
-            NodeError::NotFinite(_) => ("E0505", key.to_owned(), nodes.1.span()),
-            NodeError::NotIncreasing(_) => ("E0506", format!("{key}.time_s"), nodes.0.span()),
+        let (code, name) = match error {
+            NodeError::Empty | NodeError::Length { .. } => ("E0506", values),
+            NodeError::NotFinite(_) => ("E0505", values),
+            NodeError::NotIncreasing(_) => ("E0506", "time_s"),
         };
-        self.refuse(code, &key, span, error.to_string(), node_remedy(&error));
+        let key = format!("{key}.{name}");
+        self.refuse(code, &key, error.to_string(), node_remedy(&error));
         None
     }
 }

@@ -3,10 +3,9 @@
 use super::fault::did_you_mean;
 use super::planner::Planner;
 use poinsot_dynamics::SensorError;
-use poinsot_formats::case::{OutputFile, Placed, SensorOutputFile};
+use poinsot_formats::case::{OutputFile, SensorOutputFile};
 use poinsot_identify::ErrorGroup;
 use poinsot_model::{ErrorKey, Sensor};
-use std::ops::Range;
 
 /// Sample rate and errors of one sensor.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,7 +34,7 @@ pub(super) fn sensor_outputs(planner: &mut Planner, output: &OutputFile) -> Vec<
     ];
     for (i, table) in output.sensor.iter().enumerate() {
         let key = format!("output.sensor[{i}]");
-        let name = table.name.get_ref();
+        let name = &table.name;
         let found: Vec<usize> = (0..model.sensors.len())
             .filter(|k| model.sensors[*k].name == *name)
             .collect();
@@ -51,28 +50,16 @@ pub(super) fn sensor_outputs(planner: &mut Planner, output: &OutputFile) -> Vec<
                     "give them different names in the model".to_owned(),
                 ),
             };
-            planner.refuse(
-                "E0504",
-                &format!("{key}.name"),
-                table.name.span(),
-                problem,
-                remedy,
-            );
+            planner.refuse("E0504", &format!("{key}.name"), problem, remedy);
             continue;
         };
-        if let Some(rate) = &table.rate_hz {
-            let ratio = *output.rate_hz.get_ref() / *rate.get_ref();
+        if let Some(rate) = table.rate_hz {
+            let ratio = output.rate_hz / rate;
             let every = ratio.round();
             if !(1.0..1e9).contains(&every) || (ratio - every).abs() > 1e-9 * every {
                 let problem = "the sensor's rate does not divide the output rate";
                 let remedy = "choose output.rate_hz as a multiple of every sensor's rate";
-                planner.refuse(
-                    "E0505",
-                    &format!("{key}.rate_hz"),
-                    rate.span(),
-                    problem,
-                    remedy,
-                );
+                planner.refuse("E0505", &format!("{key}.rate_hz"), problem, remedy);
             } else {
                 outputs[*k].every = every as usize;
             }
@@ -91,30 +78,25 @@ fn errors(
     sensor: &Sensor,
     key: &str,
 ) -> Vec<(SensorError, f64)> {
-    let three = |value: &Option<Placed<[f64; 3]>>| {
-        let value = value.as_ref();
-        value.map(|v| (v.span(), v.get_ref().to_vec()))
-    };
-    let lag = table.lag_s.as_ref().map(|v| (v.span(), vec![*v.get_ref()]));
-    let scale = table.scale.as_ref().filter(|_| !sensor.kind.is_scalar());
-    let scale = scale.map(|v| (v.span(), v.get_ref().clone()));
+    let three = |value: Option<[f64; 3]>| value.map(|v| v.to_vec());
+    let scale = table.scale.clone().filter(|_| !sensor.kind.is_scalar());
     let given = [
         (ErrorKey::Scale, "scale", scale),
         (
             ErrorKey::Misalignment,
             "misalignment_rad",
-            three(&table.misalignment_rad),
+            three(table.misalignment_rad),
         ),
         (
             ErrorKey::Nonorthogonality,
             "nonorthogonality_rad",
-            three(&table.nonorthogonality_rad),
+            three(table.nonorthogonality_rad),
         ),
-        (ErrorKey::Lag, "lag_s", lag),
+        (ErrorKey::Lag, "lag_s", table.lag_s.map(|lag| vec![lag])),
     ];
     let mut found = Vec::new();
     for (error, name, value) in given {
-        let Some((span, numbers)) = value else {
+        let Some(numbers) = value else {
             continue;
         };
         let here = format!("{key}.{name}");
@@ -126,8 +108,8 @@ fn errors(
         };
         if known.is_empty() {
             let problem = format!("a sensor of type {} has no such error", sensor.kind.word());
-            planner.refuse("E0507", &here, span, problem, "take it out");
-        } else if let Some(numbers) = checked(planner, (&here, span), &numbers, known.len()) {
+            planner.refuse("E0507", &here, problem, "take it out");
+        } else if let Some(numbers) = checked(planner, &here, &numbers, known.len()) {
             found.extend(known.into_iter().zip(numbers));
         }
     }
@@ -143,29 +125,21 @@ fn scales(
 ) -> Option<Vec<f64>> {
     let scale = table.scale.as_ref().filter(|_| sensor.kind.is_scalar())?;
     let here = format!("{key}.scale");
-    let channels = match scale.get_ref().len() {
+    let channels = match scale.len() {
         1 => 1,
         _ => sensor.of.len(),
     };
-    checked(planner, (&here, scale.span()), scale.get_ref(), channels)
+    checked(planner, &here, scale, channels)
 }
 
-/// So many finite numbers.
-fn checked(
-    planner: &mut Planner,
-    (key, span): (&str, Range<usize>),
-    numbers: &[f64],
-    channels: usize,
-) -> Option<Vec<f64>> {
-    if !numbers.iter().all(|x| x.is_finite()) {
-        planner.refuse("E0505", key, span, "not finite", "write finite numbers");
-    } else if numbers.len() != channels {
+/// So many numbers.
+fn checked(planner: &mut Planner, key: &str, numbers: &[f64], channels: usize) -> Option<Vec<f64>> {
+    if numbers.len() != channels {
         let problem = format!("{} numbers for {channels} channels", numbers.len());
-        planner.refuse("E0506", key, span, problem, "give one per channel");
-    } else {
-        return Some(numbers.to_vec());
+        planner.refuse("E0506", key, problem, "give one per channel");
+        return None;
     }
-    None
+    Some(numbers.to_vec())
 }
 
 fn bias(
@@ -175,7 +149,7 @@ fn bias(
     key: &str,
 ) -> Option<Vec<f64>> {
     let wanted = planner.model.unit_of(sensor);
-    let all: [(&str, &Option<Placed<Vec<f64>>>); 6] = [
+    let all = [
         ("rad", &table.bias_rad),
         ("rad_s", &table.bias_rad_s),
         ("m", &table.bias_m),
@@ -185,9 +159,8 @@ fn bias(
     ];
     let mut found = None;
     for (suffix, value) in all {
-        let Some(value) = value else { continue };
+        let Some(numbers) = value else { continue };
         let key = format!("{key}.bias_{suffix}");
-        let numbers = value.get_ref();
         let channels = match (sensor.kind.is_scalar(), numbers.len()) {
             (true, 1) => 1,
             (true, _) => sensor.of.len(),
@@ -196,8 +169,8 @@ fn bias(
         if suffix != wanted {
             let problem = "this sensor has another unit";
             let remedy = format!("use bias_{wanted}");
-            planner.refuse("E0507", &key, value.span(), problem, remedy);
-        } else if let Some(numbers) = checked(planner, (&key, value.span()), numbers, channels) {
+            planner.refuse("E0507", &key, problem, remedy);
+        } else if let Some(numbers) = checked(planner, &key, numbers, channels) {
             found = Some(numbers);
         }
     }

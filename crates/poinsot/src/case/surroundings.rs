@@ -5,8 +5,7 @@ use super::planner::Planner;
 use super::thrusters::Fired;
 use super::window::{Open, Part, Replaced, Window};
 use poinsot_dynamics::{JointMotion, PiecewisePolynomial, Tree, WheelMotion};
-use poinsot_formats::case::{CaseFile, DesignFile, FiringFile, Objective, Placed};
-use std::ops::Range;
+use poinsot_formats::case::{CaseFile, DesignFile, FiringFile, Objective};
 
 impl Design {
     /// What it fills in its case.
@@ -22,34 +21,30 @@ impl Design {
 
 impl Planner<'_> {
     pub(super) fn window(&mut self, file: &DesignFile, duration_s: f64) -> Window {
-        let value = |x: &Option<Placed<f64>>| x.as_ref().map(|x| *x.get_ref());
         let window = Window {
-            from: value(&file.from_s),
-            until: value(&file.until_s),
+            from: file.from_s,
+            until: file.until_s,
         };
         let until = window.until.unwrap_or(duration_s);
         let within = |t: f64| (0.0..=duration_s).contains(&t);
         let holds = within(window.begin()) && within(until) && window.begin() < until;
-        let given = [("from_s", &file.from_s), ("until_s", &file.until_s)];
-        let placed = given.into_iter().find_map(|(k, x)| Some((k, x.as_ref()?)));
-        if let Some((key, x)) = placed.filter(|_| !holds) {
+        let given = [("from_s", file.from_s), ("until_s", file.until_s)];
+        let placed = given.into_iter().find(|(_, x)| x.is_some());
+        if let Some((key, _)) = placed.filter(|_| !holds) {
             let problem =
                 "the designed part must lie within the duration, and begin before it ends";
             let key = format!("design.{key}");
             self.refuse(
                 "E0505",
                 &key,
-                x.span(),
                 problem,
                 "correct from_s, until_s or duration_s",
             );
         }
-        if let Some(x) = &file.until_s
-            && file.objective == Objective::ShortestTime
-        {
+        if file.until_s.is_some() && file.objective == Objective::ShortestTime {
             let problem = "the shortest time moves what is flown next";
             let remedy = "leave until_s out, or design for a fixed time";
-            self.refuse("E0507", "design.until_s", x.span(), problem, remedy);
+            self.refuse("E0507", "design.until_s", problem, remedy);
         }
         window
     }
@@ -64,7 +59,7 @@ impl Planner<'_> {
         let mut replaced = Replaced::default();
         let tree = Tree::new(self.model);
         for (i, table) in file.joint_motion.iter().enumerate() {
-            let joint = self.model.joint(table.joint.get_ref());
+            let joint = self.model.joint(&table.joint);
             let own = tree.coordinates.iter().position(|k| Some(*k) == joint);
             let Some(moved) = joints.iter_mut().find(|m| Some(m.index) == own) else {
                 continue;
@@ -78,13 +73,12 @@ impl Planner<'_> {
                 JointMotion::Nodes(p) => Some(p),
                 JointMotion::Fourier(_) => None,
             };
-            let place = (key.as_str(), table.joint.span());
-            if self.surround(moved, window, profile, place) {
+            if self.surround(moved, window, profile, &key) {
                 replaced.joint_motion.push(i);
             }
         }
         for (i, table) in file.wheel_motion.iter().enumerate() {
-            let own = self.model.wheel(table.wheel.get_ref());
+            let own = self.model.wheel(&table.wheel);
             let Some(moved) = wheels.iter_mut().find(|m| Some(m.index) == own) else {
                 continue;
             };
@@ -96,8 +90,7 @@ impl Planner<'_> {
                 WheelMotion::Speed(p) => Some(p),
                 WheelMotion::Torque { .. } | WheelMotion::Controlled { .. } => None,
             };
-            let place = (key.as_str(), table.wheel.span());
-            if self.surround(moved, window, profile, place) {
+            if self.surround(moved, window, profile, &key) {
                 replaced.wheel_motion.push(i);
             }
         }
@@ -110,7 +103,7 @@ impl Planner<'_> {
         moved: &mut Moved,
         window: Window,
         profile: Option<PiecewisePolynomial>,
-        (key, span): (&str, Range<usize>),
+        key: &str,
     ) -> bool {
         let nodes = profile.as_ref().map_or(&[][..], |p| p.nodes());
         let (begin, end) = match nodes {
@@ -125,7 +118,7 @@ impl Planner<'_> {
             _ => {
                 let problem = "this motion goes on across from_s or until_s of the design";
                 let remedy = "let it end at from_s, or begin at until_s";
-                self.refuse("E0507", key, span, problem, remedy);
+                self.refuse("E0507", key, problem, remedy);
                 return false;
             }
         };
@@ -135,12 +128,12 @@ impl Planner<'_> {
     }
 
     /// Starts a motion where the one before it ends, and ends it where the one after it begins.
-    pub(super) fn take_up(&mut self, moved: &mut Moved, window: Window, span: Range<usize>) {
+    pub(super) fn take_up(&mut self, moved: &mut Moved, window: Window) {
         let series = matches!(moved.form, Form::Fourier { .. });
         if series && window != Window::default() {
             let problem = "a Fourier series fills the whole record";
             let remedy = "use form = \"spline\" or \"slews\" with from_s and until_s";
-            self.refuse("E0507", "design.joint", span, problem, remedy);
+            self.refuse("E0507", "design.joint", problem, remedy);
             return;
         }
         if let Some(first) = moved.before.last() {
@@ -153,13 +146,7 @@ impl Planner<'_> {
         }
         if matches!(moved.form, Form::Slews { slews: 1 }) && moved.end.is_some() {
             let problem = "one slew between given ends has nothing free";
-            self.refuse(
-                "E0507",
-                "design.joint",
-                span,
-                problem,
-                "give slews = 2 or more",
-            );
+            self.refuse("E0507", "design.joint", problem, "give slews = 2 or more");
         }
     }
 
@@ -172,11 +159,11 @@ impl Planner<'_> {
     ) -> Vec<usize> {
         let mut replaced = Vec::new();
         for (i, table) in tables.iter().enumerate() {
-            let own = self.model.thruster(table.thruster.get_ref());
+            let own = self.model.thruster(&table.thruster);
             let Some(fired) = thrusters.iter_mut().find(|f| Some(f.index) == own) else {
                 continue;
             };
-            let (on, off) = (*table.on_s.get_ref(), *table.off_s.get_ref());
+            let (on, off) = (table.on_s, table.off_s);
             match window.part(on, off) {
                 Part::Before => fired.last_off = fired.last_off.max(off),
                 Part::After => fired.next_on = fired.next_on.min(on),
@@ -185,7 +172,7 @@ impl Planner<'_> {
                     let problem = "this firing goes on across from_s or until_s of the design";
                     let remedy = "let it end at from_s, or begin at until_s";
                     let key = format!("firing[{i}].on_s");
-                    self.refuse("E0507", &key, table.on_s.span(), problem, remedy);
+                    self.refuse("E0507", &key, problem, remedy);
                 }
             }
         }

@@ -1,10 +1,8 @@
 //! `[[design.thruster]]` and `[[limits.thruster]]`: firings with free times, and their limits.
 
-use super::fault::did_you_mean;
 use super::planner::Planner;
-use poinsot_formats::case::{DesignThrusterFile, Placed, ThrusterLimitFile};
+use poinsot_formats::case::{DesignThrusterFile, ThrusterLimitFile};
 use poinsot_telemetry::STANDARD_GRAVITY;
-use std::f64::consts::FRAC_PI_2;
 
 /// One thruster whose firings a design times.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,48 +44,32 @@ pub struct ImpulseLimit {
 }
 
 impl Planner<'_> {
-    pub(super) fn thrusters_of(
-        &mut self,
-        names: Option<&[Placed<String>]>,
-        key: &str,
-    ) -> Vec<usize> {
+    pub(super) fn thrusters_of(&mut self, names: Option<&[String]>, key: &str) -> Vec<usize> {
         let Some(names) = names else {
             return (0..self.model.thrusters.len()).collect();
         };
         let mut found = Vec::new();
-        for name in names {
-            match self.model.thruster(name.get_ref()) {
-                Some(k) => found.push(k),
-                None => {
-                    let known = self.model.thrusters.iter().map(|t| t.name.as_str());
-                    let remedy = did_you_mean(name.get_ref(), known);
-                    self.unknown("thruster", &format!("{key}.thrusters"), name, remedy);
-                }
-            }
+        for (k, name) in names.iter().enumerate() {
+            found.extend(self.thruster(name, &format!("{key}.thrusters[{k}]")));
         }
         found
     }
 
-    pub(super) fn fired(&mut self, tables: &[Placed<DesignThrusterFile>]) -> Vec<Fired> {
+    pub(super) fn fired(&mut self, tables: &[DesignThrusterFile]) -> Vec<Fired> {
         let mut list: Vec<Fired> = Vec::new();
         for (i, table) in tables.iter().enumerate() {
-            let (key, file) = (format!("design.thruster[{i}]"), table.get_ref());
-            let of = self.thrusters_of(file.thrusters.as_deref(), &key);
-            let span = file.firings.span();
-            let Some(firings) = self.needed(Some(&file.firings), "firings", 1, span, &key) else {
-                continue;
-            };
-            let force = self.limit(&format!("{key}.force_N"), Some(&file.force_N));
+            let key = format!("design.thruster[{i}]");
+            let of = self.thrusters_of(table.thrusters.as_deref(), &key);
             for index in of {
                 if list.iter().any(|f| f.index == index) {
                     let problem = "the same thruster is designed twice";
-                    self.refuse("E0504", &key, table.span(), problem, "name it in one table");
+                    self.refuse("E0504", &key, problem, "name it in one table");
                     continue;
                 }
                 list.push(Fired {
                     index,
-                    firings,
-                    force,
+                    firings: table.firings,
+                    force: table.force_N,
                     last_off: f64::NEG_INFINITY,
                     next_on: f64::INFINITY,
                 });
@@ -98,35 +80,21 @@ impl Planner<'_> {
 
     pub(super) fn thruster_limits(
         &mut self,
-        tables: &[Placed<ThrusterLimitFile>],
+        tables: &[ThrusterLimitFile],
     ) -> (Vec<ThrusterLimit>, Vec<ImpulseLimit>) {
         let mut each = vec![ThrusterLimit::default(); self.model.thrusters.len()];
         let mut together = Vec::new();
         for (i, table) in tables.iter().enumerate() {
-            let (key, file) = (format!("limits.thruster[{i}]"), table.get_ref());
-            let of = self.thrusters_of(file.thrusters.as_deref(), &key);
-            let mut shortest = |name: &str, given: Option<&Placed<f64>>| match given {
-                None => 0.0,
-                given => self.limit(&format!("{key}.{name}"), given),
-            };
-            let on = shortest("minimum_on_s", file.minimum_on_s.as_ref());
-            let off = shortest("minimum_off_s", file.minimum_off_s.as_ref());
-            let plume = file.plume_rad.as_ref().map(|x| (*x.get_ref(), x.span()));
-            if let Some((half, span)) = plume.clone()
-                && !(half > 0.0 && half < FRAC_PI_2)
-            {
-                let problem = "the half angle of a plume lies between 0 and pi/2";
-                let key = format!("{key}.plume_rad");
-                self.refuse("E0505", &key, span, problem, "give it in rad");
-            }
+            let key = format!("limits.thruster[{i}]");
+            let of = self.thrusters_of(table.thrusters.as_deref(), &key);
             for &k in &of {
                 let limit = &mut each[k];
-                limit.minimum_on = limit.minimum_on.max(on);
-                limit.minimum_off = limit.minimum_off.max(off);
-                let wider = plume.iter().map(|p| p.0).chain(limit.plume);
+                limit.minimum_on = limit.minimum_on.max(table.minimum_on_s.unwrap_or(0.0));
+                limit.minimum_off = limit.minimum_off.max(table.minimum_off_s.unwrap_or(0.0));
+                let wider = table.plume_rad.into_iter().chain(limit.plume);
                 limit.plume = wider.reduce(f64::max);
             }
-            together.extend(self.impulse_limit(file, of, table.span(), &key));
+            together.extend(self.impulse_limit(table, of, &key));
         }
         (each, together)
     }
@@ -135,33 +103,23 @@ impl Planner<'_> {
         &mut self,
         file: &ThrusterLimitFile,
         thrusters: Vec<usize>,
-        span: std::ops::Range<usize>,
         key: &str,
     ) -> Option<ImpulseLimit> {
         let (impulse, exhaust) = match (
-            &file.impulse_N_s,
-            &file.propellant_kg,
-            &file.specific_impulse_s,
+            file.impulse_N_s,
+            file.propellant_kg,
+            file.specific_impulse_s,
         ) {
             (None, None, None) => return None,
-            (Some(_), None, None) => {
-                let impulse = file.impulse_N_s.as_ref();
-                (self.limit(&format!("{key}.impulse_N_s"), impulse), None)
-            }
-            (None, Some(_), Some(_)) => {
-                let (mass, specific) = (
-                    file.propellant_kg.as_ref(),
-                    file.specific_impulse_s.as_ref(),
-                );
-                let mass = self.limit(&format!("{key}.propellant_kg"), mass);
-                let specific = self.limit(&format!("{key}.specific_impulse_s"), specific);
+            (Some(impulse), None, None) => (impulse, None),
+            (None, Some(mass), Some(specific)) => {
                 let exhaust = STANDARD_GRAVITY * specific;
                 (mass * exhaust, Some(exhaust))
             }
             _ => {
                 let problem =
                     "a budget is impulse_N_s, or propellant_kg together with specific_impulse_s";
-                self.refuse("E0507", key, span, problem, "give one of the two");
+                self.refuse("E0507", key, problem, "give one of the two");
                 return None;
             }
         };

@@ -5,10 +5,9 @@ use super::planner::{Planner, node_remedy};
 use poinsot_dynamics::{
     ForceProfile, JointDrive, NodeError, PiecewisePolynomial, Plan, SpringDamper, Tree,
 };
-use poinsot_formats::case::{InitialJointFile, JointTorqueFile, Placed};
+use poinsot_formats::case::{InitialJointFile, JointTorqueFile};
 use poinsot_model::{Joint, JointKind};
 use poinsot_telemetry::{ReadOptions, read};
-use std::ops::Range;
 use std::path::Path;
 
 /// Motor and initial state of each joint coordinate.
@@ -16,23 +15,6 @@ struct MotorSettings {
     motor: Option<ForceProfile>,
     position: Option<f64>,
     rate: Option<f64>,
-}
-
-/// Motor forms in the units of one joint type, with their keys.
-struct Forms<'f> {
-    constant: (&'static str, Option<&'f Placed<f64>>),
-    amplitude: (&'static str, Option<&'f Placed<f64>>),
-    values: (&'static str, Option<&'f Placed<Vec<f64>>>),
-}
-
-impl Forms<'_> {
-    fn spans(&self) -> [(&'static str, Option<Range<usize>>); 3] {
-        [
-            (self.constant.0, self.constant.1.map(Placed::span)),
-            (self.amplitude.0, self.amplitude.1.map(Placed::span)),
-            (self.values.0, self.values.1.map(Placed::span)),
-        ]
-    }
 }
 
 /// Creates a profile from times and values.
@@ -57,11 +39,11 @@ impl Planner<'_> {
         let mut own: Vec<MotorSettings> = (0..tree.dof()).map(|_| none()).collect();
         for (i, table) in torques.iter().enumerate() {
             let key = format!("joint_torque[{i}]");
-            let Some(k) = self.joint(&tree, &table.joint, &key) else {
+            let Some(k) = self.joint(&tree, &table.joint, &format!("{key}.joint")) else {
                 continue;
             };
             if led[k] || own[k].motor.is_some() {
-                self.twice(&format!("{key}.joint"), &table.joint);
+                self.twice(&format!("{key}.joint"));
                 continue;
             }
             let joint = &self.model.joints[tree.coordinates[k]];
@@ -70,7 +52,7 @@ impl Planner<'_> {
         }
         for (i, table) in initial.iter().enumerate() {
             let key = format!("initial.joint[{i}]");
-            let Some(k) = self.joint(&tree, &table.joint, &key) else {
+            let Some(k) = self.joint(&tree, &table.joint, &format!("{key}.joint")) else {
                 continue;
             };
             let joint = &self.model.joints[tree.coordinates[k]];
@@ -82,12 +64,11 @@ impl Planner<'_> {
                     "this joint has no drive: it stays locked at the model's position"
                 };
                 let remedy = "leave it out; a start belongs to a joint with [[joint_torque]] or with spring_damper in the model";
-                let span = table.joint.span();
-                self.refuse("E0507", &format!("{key}.joint"), span, problem, remedy);
+                self.refuse("E0507", &format!("{key}.joint"), problem, remedy);
                 continue;
             }
             if own[k].position.is_some() || own[k].rate.is_some() {
-                self.twice(&format!("{key}.joint"), &table.joint);
+                self.twice(&format!("{key}.joint"));
                 continue;
             }
             (own[k].position, own[k].rate) = self.initial_joint(table, joint.kind, &key);
@@ -120,85 +101,68 @@ impl Planner<'_> {
         kind: JointKind,
         key: &str,
     ) -> (Option<f64>, Option<f64>) {
-        let turning = [
-            ("position_rad", &table.position_rad),
-            ("rate_rad_s", &table.rate_rad_s),
+        let keys = [
+            [
+                ("position_rad", table.position_rad.is_some()),
+                ("position_m", table.position_m.is_some()),
+            ],
+            [
+                ("rate_rad_s", table.rate_rad_s.is_some()),
+                ("rate_m_s", table.rate_m_s.is_some()),
+            ],
         ];
-        let sliding = [
-            ("position_m", &table.position_m),
-            ("rate_m_s", &table.rate_m_s),
-        ];
-        let (own, other) = match kind {
-            JointKind::Prismatic => (sliding, turning),
-            _ => (turning, sliding),
-        };
-        for ((name, value), (wanted, _)) in other.into_iter().zip(own) {
-            if let Some(value) = value {
-                self.wrong_unit(&format!("{key}.{name}"), value.span(), kind, wanted);
-            }
-        }
-        let [position, rate] = own.map(|(name, value)| {
-            let value = value.as_ref()?;
-            if !value.get_ref().is_finite() {
-                let key = format!("{key}.{name}");
-                self.refuse(
-                    "E0505",
-                    &key,
-                    value.span(),
-                    "not finite",
-                    "write a finite number",
-                );
-            }
-            Some(*value.get_ref())
-        });
-        (position, rate)
+        self.other_unit(kind, key, &keys);
+        (
+            table.position_rad.or(table.position_m),
+            table.rate_rad_s.or(table.rate_m_s),
+        )
     }
 
     /// The motor of one table: exactly one of constant, sinusoid, table or file.
     fn motor(&mut self, table: &JointTorqueFile, joint: &Joint, key: &str) -> Option<ForceProfile> {
-        let turning = Forms {
-            constant: ("constant_N_m", table.constant_N_m.as_ref()),
-            amplitude: ("amplitude_N_m", table.amplitude_N_m.as_ref()),
-            values: ("torque_N_m", table.torque_N_m.as_ref()),
-        };
-        let sliding = Forms {
-            constant: ("constant_N", table.constant_N.as_ref()),
-            amplitude: ("amplitude_N", table.amplitude_N.as_ref()),
-            values: ("force_N", table.force_N.as_ref()),
-        };
-        let (own, other) = match joint.kind {
-            JointKind::Prismatic => (sliding, turning),
-            _ => (turning, sliding),
-        };
-        for ((name, span), (wanted, _)) in other.spans().into_iter().zip(own.spans()) {
-            if let Some(span) = span {
-                self.wrong_unit(&format!("{key}.{name}"), span, joint.kind, wanted);
-                return None;
-            }
+        let keys = [
+            [
+                ("constant_N_m", table.constant_N_m.is_some()),
+                ("constant_N", table.constant_N.is_some()),
+            ],
+            [
+                ("amplitude_N_m", table.amplitude_N_m.is_some()),
+                ("amplitude_N", table.amplitude_N.is_some()),
+            ],
+            [
+                ("torque_N_m", table.torque_N_m.is_some()),
+                ("force_N", table.force_N.is_some()),
+            ],
+        ];
+        if self.other_unit(joint.kind, key, &keys) {
+            return None;
         }
-        match (own.constant.1, own.amplitude.1, own.values.1, &table.file) {
+        let (unit, name) = match joint.kind {
+            JointKind::Prismatic => ("N", "force_N"),
+            _ => ("N_m", "torque_N_m"),
+        };
+        let constant = table.constant_N_m.or(table.constant_N);
+        let amplitude = table.amplitude_N_m.or(table.amplitude_N);
+        let values = table.torque_N_m.as_ref().or(table.force_N.as_ref());
+        match (constant, amplitude, values, &table.file) {
             (Some(x), None, None, None) => {
-                self.finite(&format!("{key}.{}", own.constant.0), x)?;
                 self.only(table, key, &["constant"])?;
-                let held = PiecewisePolynomial::constant(*x.get_ref());
+                let held = PiecewisePolynomial::constant(x);
                 Some(ForceProfile::Nodes(held))
             }
             (None, Some(x), None, None) => {
-                self.finite(&format!("{key}.{}", own.amplitude.0), x)?;
                 self.only(table, key, &["sinusoid"])?;
-                self.sinusoid(table, *x.get_ref(), key)
+                self.sinusoid(table, x, key)
             }
             (None, None, Some(x), None) => {
                 self.only(table, key, &["table", "interpolation"])?;
                 let Some(time) = &table.time_s else {
-                    let problem = format!("{} needs time_s", own.values.0);
-                    let span = table.joint.span();
-                    self.refuse("E0502", key, span, problem, "add time_s = [...]");
+                    let problem = format!("{name} needs time_s");
+                    self.refuse("E0502", key, problem, "add time_s = [...]");
                     return None;
                 };
                 let build = self.interpolation(table, key)?;
-                let built = build(time.get_ref(), x.get_ref());
-                let profile = self.checked(built, (time, x), key)?;
+                let profile = self.checked(build(time, x), key, name)?;
                 Some(ForceProfile::Nodes(profile.starting_from(0.0)))
             }
             (None, None, None, Some(file)) => {
@@ -209,10 +173,9 @@ impl Planner<'_> {
                 let problem =
                     "a joint's motor needs exactly one of constant, sinusoid, table and file";
                 let remedy = format!(
-                    "give {}; or {} with frequency_rad_s; or time_s with {}; or file",
-                    own.constant.0, own.amplitude.0, own.values.0
+                    "give constant_{unit}; or amplitude_{unit} with frequency_rad_s; or time_s with {name}; or file"
                 );
-                self.refuse("E0507", key, table.joint.span(), problem, remedy);
+                self.refuse("E0507", key, problem, remedy);
                 None
             }
         }
@@ -220,39 +183,28 @@ impl Planner<'_> {
 
     /// Rejects keys of another motor form.
     fn only(&mut self, table: &JointTorqueFile, key: &str, forms: &[&str]) -> Option<()> {
-        let keys: [(&str, Option<Range<usize>>, &str); 5] = [
+        let keys = [
             (
                 "frequency_rad_s",
-                table.frequency_rad_s.as_ref().map(Placed::span),
+                table.frequency_rad_s.is_some(),
                 "sinusoid",
             ),
-            (
-                "phase_rad",
-                table.phase_rad.as_ref().map(Placed::span),
-                "sinusoid",
-            ),
-            ("time_s", table.time_s.as_ref().map(Placed::span), "table"),
-            ("column", table.column.as_ref().map(Placed::span), "file"),
+            ("phase_rad", table.phase_rad.is_some(), "sinusoid"),
+            ("time_s", table.time_s.is_some(), "table"),
+            ("column", table.column.is_some(), "file"),
             (
                 "interpolation",
-                table.interpolation.as_ref().map(Placed::span),
+                table.interpolation.is_some(),
                 "interpolation",
             ),
         ];
-        for (name, span, form) in keys {
-            if let Some(span) = span.filter(|_| !forms.contains(&form)) {
-                let problem = format!("this key does not belong to a motor given as {}", forms[0]);
-                self.refuse(
-                    "E0507",
-                    &format!("{key}.{name}"),
-                    span,
-                    problem,
-                    "leave it out",
-                );
-                return None;
-            }
-        }
-        Some(())
+        let mut stray = keys.iter().filter(|(_, given, _)| *given);
+        let Some((name, ..)) = stray.find(|(.., form)| !forms.contains(form)) else {
+            return Some(());
+        };
+        let problem = format!("this key does not belong to a motor given as {}", forms[0]);
+        self.refuse("E0507", &format!("{key}.{name}"), problem, "leave it out");
+        None
     }
 
     fn sinusoid(
@@ -261,43 +213,30 @@ impl Planner<'_> {
         amplitude: f64,
         key: &str,
     ) -> Option<ForceProfile> {
-        let Some(frequency) = &table.frequency_rad_s else {
+        let Some(frequency) = table.frequency_rad_s else {
             let problem = "a sinusoid needs frequency_rad_s";
             let remedy = "add it: torque = amplitude sin(frequency t + phase)";
-            self.refuse("E0502", key, table.joint.span(), problem, remedy);
+            self.refuse("E0502", key, problem, remedy);
             return None;
         };
-        self.finite(&format!("{key}.frequency_rad_s"), frequency)?;
-        if let Some(phase) = &table.phase_rad {
-            self.finite(&format!("{key}.phase_rad"), phase)?;
-        }
         Some(ForceProfile::Sine {
             amplitude,
-            frequency: *frequency.get_ref(),
-            phase: table.phase_rad.as_ref().map_or(0.0, |x| *x.get_ref()),
+            frequency,
+            phase: table.phase_rad.unwrap_or(0.0),
         })
     }
 
     /// Interpolation between nodes: constant (as from a digital controller) or linear.
     fn interpolation(&mut self, table: &JointTorqueFile, key: &str) -> Option<Build> {
-        match &table.interpolation {
-            None => Some(PiecewisePolynomial::steps),
-            Some(word) => match word.get_ref().as_str() {
-                "constant" => Some(PiecewisePolynomial::steps),
-                "linear" => Some(PiecewisePolynomial::linear),
-                _ => {
-                    let key = format!("{key}.interpolation");
-                    let remedy = "use \"constant\" or \"linear\"";
-                    self.refuse(
-                        "E0507",
-                        &key,
-                        word.span(),
-                        "no such interpolation here",
-                        remedy,
-                    );
-                    None
-                }
-            },
+        match table.interpolation.as_deref() {
+            None | Some("constant") => Some(PiecewisePolynomial::steps),
+            Some("linear") => Some(PiecewisePolynomial::linear),
+            Some(_) => {
+                let key = format!("{key}.interpolation");
+                let remedy = "use \"constant\" or \"linear\"";
+                self.refuse("E0507", &key, "no such interpolation here", remedy);
+                None
+            }
         }
     }
 
@@ -305,7 +244,7 @@ impl Planner<'_> {
     fn torque_file(
         &mut self,
         table: &JointTorqueFile,
-        file: &Placed<String>,
+        file: &str,
         joint: &Joint,
         key: &str,
     ) -> Option<ForceProfile> {
@@ -315,7 +254,7 @@ impl Planner<'_> {
             _ => "Nm",
         };
         let column = match &table.column {
-            Some(column) => column.get_ref().clone(),
+            Some(column) => column.clone(),
             None => format!("{}_{unit}", joint.name),
         };
         let profile = self.column(file, &column, &[&format!("_{unit}")], build, key)?;
@@ -325,14 +264,14 @@ impl Planner<'_> {
     /// A column of a telemetry file next to the case; its name ends in one of `units`.
     pub(super) fn column(
         &mut self,
-        file: &Placed<String>,
+        file: &str,
         column: &str,
         units: &[&str],
         build: Build,
         key: &str,
     ) -> Option<PiecewisePolynomial> {
         let folder = self.text.path.parent().unwrap_or(Path::new(""));
-        let path = folder.join(file.get_ref());
+        let path = folder.join(file);
         let key = format!("{key}.file");
         let found = match read(&[&path], &ReadOptions::default()) {
             Ok(found) => found,
@@ -344,7 +283,7 @@ impl Planner<'_> {
                     ),
                     _ => (e.to_string(), "or give another file"),
                 };
-                self.refuse("E0511", &key, file.span(), problem, remedy);
+                self.refuse("E0511", &key, problem, remedy);
                 return None;
             }
         };
@@ -352,44 +291,22 @@ impl Planner<'_> {
             let names = found.channels.iter().map(|c| c.name.as_str());
             let remedy = did_you_mean(column, names);
             let problem = format!("the file has no column \"{column}\"");
-            self.refuse("E0511", &key, file.span(), problem, remedy);
+            self.refuse("E0511", &key, problem, remedy);
             return None;
         };
         if !units.iter().any(|unit| column.ends_with(unit)) {
             let problem = format!("column \"{column}\" is of another quantity");
             let remedy = format!("name a column that ends in {}", units.join(" or "));
-            self.refuse("E0511", &key, file.span(), problem, remedy);
+            self.refuse("E0511", &key, problem, remedy);
             return None;
         }
         match build(&channel.time_s, &channel.values) {
             Ok(profile) => Some(profile),
             Err(e) => {
                 let problem = format!("column \"{column}\": {e}");
-                self.refuse("E0511", &key, file.span(), problem, node_remedy(&e));
+                self.refuse("E0511", &key, problem, node_remedy(&e));
                 None
             }
         }
-    }
-
-    fn finite(&mut self, key: &str, x: &Placed<f64>) -> Option<()> {
-        if x.get_ref().is_finite() {
-            return Some(());
-        }
-        self.refuse(
-            "E0505",
-            key,
-            x.span(),
-            "not finite",
-            "write a finite number",
-        );
-        None
-    }
-
-    fn wrong_unit(&mut self, key: &str, span: Range<usize>, kind: JointKind, wanted: &str) {
-        let problem = match kind {
-            JointKind::Prismatic => "a prismatic joint moves in metres and newtons",
-            _ => "a revolute joint moves in radians and newton metres",
-        };
-        self.refuse("E0507", key, span, problem, format!("use {wanted}"));
     }
 }

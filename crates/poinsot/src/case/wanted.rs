@@ -5,10 +5,10 @@ use super::fault::did_you_mean;
 use super::planner::Planner;
 use crate::error::Error;
 use poinsot_formats::Address;
-use poinsot_formats::case::{Placed, WantFile};
+use poinsot_formats::case::WantFile;
 use poinsot_identify::{TENSOR, WantedNumber, WantedTerm, axis_name, tensor_name};
 use poinsot_model::Model;
-use std::ops::Range;
+use std::collections::BTreeMap;
 
 /// A number or combination with its wanted sigma.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,27 +39,27 @@ impl Case {
         let mut planner = self.planner(model);
         let mut wants = Vec::new();
         for (i, table) in self.file.want.iter().enumerate() {
-            wants.extend(planner.want(table.get_ref(), table.span(), &format!("want[{i}]")));
+            wants.extend(planner.want(table, &format!("want[{i}]")));
         }
-        Error::none_or(planner.faults, wants)
+        self.text.none_or(planner.faults, wants)
     }
 }
 
 impl Planner<'_> {
-    fn want(&mut self, table: &WantFile, span: Range<usize>, key: &str) -> Vec<Want> {
+    fn want(&mut self, table: &WantFile, key: &str) -> Vec<Want> {
         let numbers = match (&table.number, &table.combination) {
-            (Some(number), None) => self.numbers(number.get_ref(), number.span(), key),
+            (Some(number), None) => self.numbers(number, &format!("{key}.number")),
             (None, Some(sum)) => self.combination(sum, key),
             _ => {
                 let problem = "each [[want]] needs either number or combination";
                 let remedy = "write number = \"BODY.mass_kg\", or combination = { \"BODY.inertia_kg_m2.xx\" = 1.0, ... }";
-                self.refuse("E0507", key, span, problem, remedy);
+                self.refuse("E0507", key, problem, remedy);
                 return Vec::new();
             }
         };
         let mut wants = Vec::new();
         for (name, unit, terms) in numbers {
-            if let Some(sigma) = self.wanted_sigma(table, &span, &terms, key) {
+            if let Some(sigma) = self.wanted_sigma(table, &terms, key) {
                 wants.push(Want {
                     name,
                     unit,
@@ -71,41 +71,22 @@ impl Planner<'_> {
         wants
     }
 
-    fn wanted_sigma(
-        &mut self,
-        table: &WantFile,
-        span: &Range<usize>,
-        terms: &[WantedTerm],
-        key: &str,
-    ) -> Option<f64> {
-        let (given, scale, name) = match (&table.sigma, &table.relative) {
-            (Some(x), None) => (x, 1.0, "sigma"),
-            (None, Some(x)) => (x, self.scale(terms, x.span(), key)?, "relative"),
+    fn wanted_sigma(&mut self, table: &WantFile, terms: &[WantedTerm], key: &str) -> Option<f64> {
+        match (table.sigma, table.relative) {
+            (Some(sigma), None) => Some(sigma),
+            (None, Some(share)) => Some(share * self.scale(terms, key)?),
             _ => {
                 let problem = "each [[want]] needs either sigma or relative";
                 let remedy =
                     "write sigma = X in the unit of the number, or relative = X as a share of it";
-                self.refuse("E0507", key, span.clone(), problem, remedy);
-                return None;
+                self.refuse("E0507", key, problem, remedy);
+                None
             }
-        };
-        let sigma = *given.get_ref() * scale;
-        if sigma.is_finite() && sigma > 0.0 {
-            return Some(sigma);
         }
-        let key = format!("{key}.{name}");
-        self.refuse(
-            "E0505",
-            &key,
-            given.span(),
-            "a wanted sigma must be positive",
-            "give one",
-        );
-        None
     }
 
     /// Reference of `relative`: the mass, or the mean principal moment of the body.
-    fn scale(&mut self, terms: &[WantedTerm], span: Range<usize>, key: &str) -> Option<f64> {
+    fn scale(&mut self, terms: &[WantedTerm], key: &str) -> Option<f64> {
         if let [term] = terms {
             let nominal = &self.model.bodies[term.body].nominal;
             match term.number {
@@ -116,35 +97,29 @@ impl Planner<'_> {
         }
         let problem = "a mass centre or a combination has no natural scale";
         let key = format!("{key}.relative");
-        self.refuse("E0507", &key, span, problem, "give sigma in its unit");
+        self.refuse("E0507", &key, problem, "give sigma in its unit");
         None
     }
 
     fn combination(
         &mut self,
-        sum: &Placed<std::collections::BTreeMap<String, f64>>,
+        sum: &BTreeMap<String, f64>,
         key: &str,
     ) -> Vec<(String, &'static str, Vec<WantedTerm>)> {
         let key = format!("{key}.combination");
         let (mut names, mut terms, mut unit) = (Vec::new(), Vec::new(), None);
-        for (address, factor) in sum.get_ref() {
-            let found = self.numbers(address, sum.span(), &key);
+        for (address, factor) in sum {
+            let found = self.numbers(address, &key);
             let [(_, own, one)] = found.as_slice() else {
                 if !found.is_empty() {
                     let problem = format!("\"{address}\" is a group of numbers");
-                    self.refuse("E0507", &key, sum.span(), problem, "name single numbers");
+                    self.refuse("E0507", &key, problem, "name single numbers");
                 }
                 return Vec::new();
             };
-            if !factor.is_finite() || unit.is_some_and(|u| u != *own) {
-                let problem = "the numbers have different units, or a factor is not finite";
-                self.refuse(
-                    "E0507",
-                    &key,
-                    sum.span(),
-                    problem,
-                    "add numbers of one unit",
-                );
+            if unit.is_some_and(|u| u != *own) {
+                let problem = "the numbers have different units";
+                self.refuse("E0507", &key, problem, "add numbers of one unit");
                 return Vec::new();
             }
             unit = Some(*own);
@@ -157,13 +132,7 @@ impl Planner<'_> {
         match unit {
             Some(unit) => vec![(names.join(" + "), unit, terms)],
             None => {
-                self.refuse(
-                    "E0507",
-                    &key,
-                    sum.span(),
-                    "the combination is empty",
-                    "name numbers",
-                );
+                self.refuse("E0507", &key, "the combination is empty", "name numbers");
                 Vec::new()
             }
         }
@@ -173,7 +142,6 @@ impl Planner<'_> {
     fn numbers(
         &mut self,
         address: &str,
-        span: Range<usize>,
         key: &str,
     ) -> Vec<(String, &'static str, Vec<WantedTerm>)> {
         let known = known_addresses(self.model);
@@ -188,7 +156,7 @@ impl Planner<'_> {
         if wanted.is_empty() {
             let remedy = did_you_mean(address, known.iter().map(|(name, _, _)| name.as_str()));
             let problem = "the model has no number of this address";
-            self.refuse("E0504", key, span, problem, remedy);
+            self.refuse("E0504", key, problem, remedy);
             return Vec::new();
         }
         let mut terms = wanted.iter().map(|(_, _, term)| term);
@@ -198,7 +166,7 @@ impl Planner<'_> {
             let name = &self.model.bodies[body].name;
             let problem = format!("\"{address}\" is known: body \"{name}\" does not estimate it");
             let remedy = "set estimate in the model, or leave the want out";
-            self.refuse("E0507", key, span, problem, remedy);
+            self.refuse("E0507", key, problem, remedy);
             return Vec::new();
         }
         let one = |(name, unit, term)| (name, unit, vec![term]);

@@ -321,12 +321,12 @@ fn unit_a_plan_that_cannot_be_run_says_why() {
         (
             "trials = 12",
             "trails = 12",
-            "plan.toml:4: unknown field `trails`; did you mean \"trials\"?",
+            "plan.toml:4: trails = 12: unknown key; did you mean trials?",
         ),
         (
             "trials = 12",
             "trials = 0",
-            "plan.toml:4: trials = 0: must be from 1",
+            "plan.toml:4: trials = 0: the trials must be at least 1",
         ),
         ("\"noise\"", "\"noisy\"", "E0542"),
         ("\"noise\"", "\"bus.mas_kg\"", "did you mean \"mass_kg\"?"),

@@ -350,11 +350,11 @@ const REFUSALS: &[(&str, &str)] = &[
     ),
     (
         "[[joint_torque]]\njoint = \"elbow\"",
-        "E0507 case.toml:5: joint_torque[0] = \"elbow\": a joint's motor needs exactly one of constant, sinusoid, table and file; give constant_N_m; or amplitude_N_m with frequency_rad_s; or time_s with torque_N_m; or file",
+        "E0507 case.toml:4: joint_torque[0]: a joint's motor needs exactly one of constant, sinusoid, table and file; give constant_N_m; or amplitude_N_m with frequency_rad_s; or time_s with torque_N_m; or file",
     ),
     (
         "[[joint_torque]]\njoint = \"elbow\"\nconstant_N_m = 1.0\namplitude_N_m = 1.0",
-        "E0507 case.toml:5: joint_torque[0] = \"elbow\": a joint's motor needs exactly one of constant, sinusoid, table and file; give constant_N_m; or amplitude_N_m with frequency_rad_s; or time_s with torque_N_m; or file",
+        "E0507 case.toml:4: joint_torque[0]: a joint's motor needs exactly one of constant, sinusoid, table and file; give constant_N_m; or amplitude_N_m with frequency_rad_s; or time_s with torque_N_m; or file",
     ),
     (
         "[[joint_torque]]\njoint = \"elbow\"\nconstant_N = 1.0",
@@ -366,11 +366,11 @@ const REFUSALS: &[(&str, &str)] = &[
     ),
     (
         "[[joint_torque]]\njoint = \"elbow\"\nconstant_N_m = inf",
-        "E0505 case.toml:6: joint_torque[0].constant_N_m = inf: not finite; write a finite number",
+        "E0505 case.toml:6: joint_torque[0].constant_N_m = inf: the number is not finite; write a finite number",
     ),
     (
         "[[joint_torque]]\njoint = \"elbow\"\namplitude_N_m = 1.0",
-        "E0502 case.toml:5: joint_torque[0] = \"elbow\": a sinusoid needs frequency_rad_s; add it: torque = amplitude sin(frequency t + phase)",
+        "E0502 case.toml:4: joint_torque[0]: a sinusoid needs frequency_rad_s; add it: torque = amplitude sin(frequency t + phase)",
     ),
     (
         "[[joint_torque]]\njoint = \"elbow\"\nconstant_N_m = 1.0\nphase_rad = 1.0",
@@ -378,11 +378,11 @@ const REFUSALS: &[(&str, &str)] = &[
     ),
     (
         "[[joint_torque]]\njoint = \"elbow\"\ntorque_N_m = [1.0]",
-        "E0502 case.toml:5: joint_torque[0] = \"elbow\": torque_N_m needs time_s; add time_s = [...]",
+        "E0502 case.toml:4: joint_torque[0]: torque_N_m needs time_s; add time_s = [...]",
     ),
     (
         "[[joint_torque]]\njoint = \"elbow\"\ntime_s = [0.0, 1.0]\ntorque_N_m = [1.0]",
-        "E0506 case.toml:7: joint_torque[0] = [1.0]: 2 times but 1 values; give one value per time",
+        "E0506 case.toml:7: joint_torque[0].torque_N_m = [1.0]: 2 times but 1 values; give one value per time",
     ),
     (
         "[[joint_torque]]\njoint = \"elbow\"\ntime_s = [0.0]\ntorque_N_m = [1.0]\ninterpolation = \"cubic\"",
@@ -410,7 +410,7 @@ const REFUSALS: &[(&str, &str)] = &[
     ),
     (
         "[[initial.joint]]\njoint = \"slide\"\nrate_m_s = nan",
-        "E0505 case.toml:6: initial.joint[0].rate_m_s = nan: not finite; write a finite number",
+        "E0505 case.toml:6: initial.joint[0].rate_m_s = nan: the number is not finite; write a finite number",
     ),
     (
         "[[initial.joint]]\njoint = \"slide\"\nrate_m_s = 1.0\n[[initial.joint]]\njoint = \"slide\"\nrate_m_s = 1.0",
@@ -418,7 +418,7 @@ const REFUSALS: &[(&str, &str)] = &[
     ),
     (
         "[[initial.joint]]\njoint = \"slide\"\nrate_m = 1.0",
-        "E0502 case.toml:6: unknown field `rate_m`; did you mean \"rate_m_s\"?",
+        "E0502 case.toml:6: initial.joint[0].rate_m = 1.0: wrong unit; write rate_rad_s or rate_m_s and convert the number",
     ),
     (
         "[[joint_torque]]\njoint = \"elbow\"\nfile = \"elbow.csv\"",
