@@ -1,8 +1,7 @@
 //! MJCF, the model file of MuJoCo.
 
-use super::xml::{Edits, document, named, patched};
+use super::xml::{Element, Format, document, numbers, only, symmetric, words};
 use super::{BodyProperties, Patched};
-use crate::patch::xml::child;
 use poinsot_spatial::MassProperties;
 use roxmltree::{Document, Node};
 
@@ -25,7 +24,7 @@ const OVERRIDES: [(&str, &[&str]); 3] = [
 /// Writes mass properties into the text of an MJCF file, in the axes of each body.
 ///
 /// # Errors
-/// The text is not XML, or its `<compiler>` changes inertias after reading.
+/// The text is not XML, the result does not read back, or its `<compiler>` changes inertias after reading.
 ///
 /// ```
 #[doc = include_str!("../../doc/measured.txt")]
@@ -37,10 +36,14 @@ const OVERRIDES: [(&str, &[&str]); 3] = [
 /// # Ok::<(), String>(())
 /// ```
 pub fn patch_mjcf(text: &str, bodies: &[BodyProperties]) -> Result<Patched, String> {
-    let document = document(text)?;
-    refuse_overrides(&document)?;
-    let find = |name: &str| named(&document, "body", name);
-    Ok(patched(text, bodies, find, edit_body))
+    refuse_overrides(&document(text)?)?;
+    let format = Format {
+        tag: "body",
+        depth: usize::MAX,
+        edit,
+        read,
+    };
+    format.patched(text, bodies)
 }
 
 fn refuse_overrides(document: &Document<'_>) -> Result<(), String> {
@@ -61,34 +64,25 @@ fn refuse_overrides(document: &Document<'_>) -> Result<(), String> {
     Ok(())
 }
 
-fn edit_body(body: Node<'_, '_>, new: &MassProperties, edits: &mut Edits) {
-    let (c, i) = (&new.p_BoBcm_B, &new.I_BBcm_B);
-    let attributes = [
-        ("pos", format!("{:?} {:?} {:?}", c.x, c.y, c.z)),
-        ("mass", format!("{:?}", new.mass)),
-        (
-            "fullinertia",
-            format!(
-                "{:?} {:?} {:?} {:?} {:?} {:?}",
-                i[(0, 0)],
-                i[(1, 1)],
-                i[(2, 2)],
-                i[(0, 1)],
-                i[(0, 2)],
-                i[(1, 2)]
-            ),
-        ),
-    ];
-    match child(body, "inertial") {
-        Some(inertial) => {
-            AXES.iter().for_each(|name| edits.remove(inertial, name));
-            for (name, value) in &attributes {
-                edits.set(inertial, name, value);
-            }
-        }
-        None => {
-            let all = attributes.map(|(name, value)| format!(" {name}=\"{value}\""));
-            edits.insert_inside(body, &format!("<inertial{}/>", all.concat()));
-        }
-    }
+fn edit(mut body: Element<'_>, new: &MassProperties) {
+    let i = &new.I_BBcm_B;
+    let [xx, yy, zz] = [i[(0, 0)], i[(1, 1)], i[(2, 2)]];
+    let tensor = [xx, yy, zz, i[(0, 1)], i[(0, 2)], i[(1, 2)]];
+    let mut inertial = body.child("inertial");
+    inertial.remove(&AXES);
+    inertial.set("pos", words(new.p_BoBcm_B.as_slice()));
+    inertial.set("mass", words(&[new.mass]));
+    inertial.set("fullinertia", words(&tensor));
+}
+
+fn read(body: Node<'_, '_>) -> Option<MassProperties> {
+    let inertial = only(body, "inertial")?;
+    let [mass] = numbers(inertial.attribute("mass"))?;
+    let [xx, yy, zz, xy, xz, yz] = numbers(inertial.attribute("fullinertia"))?;
+    let turned = AXES.iter().any(|name| inertial.has_attribute(*name));
+    (!turned).then_some(MassProperties {
+        mass,
+        p_BoBcm_B: numbers(inertial.attribute("pos"))?.into(),
+        I_BBcm_B: symmetric([xx, xy, xz, yy, yz, zz]),
+    })
 }

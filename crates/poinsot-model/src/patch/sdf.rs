@@ -1,24 +1,15 @@
 //! SDF, the robot description of Gazebo and Drake.
 
-use super::xml::{Edits, child, document, named, patched};
+use super::xml::{Element, Format, UPPER, numbers, only, tensor, words};
 use super::{BodyProperties, Patched};
+use crate::urdf::ELEMENTS;
 use poinsot_spatial::MassProperties;
 use roxmltree::Node;
-
-/// Tensor elements with their indices.
-const ELEMENTS: [(&str, (usize, usize)); 6] = [
-    ("ixx", (0, 0)),
-    ("ixy", (0, 1)),
-    ("ixz", (0, 2)),
-    ("iyy", (1, 1)),
-    ("iyz", (1, 2)),
-    ("izz", (2, 2)),
-];
 
 /// Writes mass properties into the text of an SDF file. The axes of an `<inertial>` become those of its link.
 ///
 /// # Errors
-/// The text is not XML.
+/// The text is not XML, or the result does not read back.
 ///
 /// ```
 #[doc = include_str!("../../doc/measured.txt")]
@@ -30,46 +21,40 @@ const ELEMENTS: [(&str, (usize, usize)); 6] = [
 /// # Ok::<(), String>(())
 /// ```
 pub fn patch_sdf(text: &str, bodies: &[BodyProperties]) -> Result<Patched, String> {
-    let document = document(text)?;
-    let find = |name: &str| named(&document, "link", name);
-    Ok(patched(text, bodies, find, edit_link))
+    let format = Format {
+        tag: "link",
+        depth: usize::MAX,
+        edit,
+        read,
+    };
+    format.patched(text, bodies)
 }
 
-fn edit_link(link: Node<'_, '_>, new: &MassProperties, edits: &mut Edits) {
-    let (pose, mass, inertia) = (pose(new), mass(new), inertia(new));
-    let Some(inertial) = child(link, "inertial") else {
-        edits.insert_inside(link, &format!("<inertial>{pose}{mass}{inertia}</inertial>"));
-        return;
-    };
-    for (name, element) in [("pose", pose), ("mass", mass)] {
-        match child(inertial, name) {
-            Some(old) => edits.replace(old, element),
-            None => edits.insert_inside(inertial, &element),
-        }
-    }
-    let Some(old) = child(inertial, "inertia") else {
-        edits.insert_inside(inertial, &inertia);
-        return;
-    };
-    for (name, at) in ELEMENTS {
-        let element = format!("<{name}>{:?}</{name}>", new.I_BBcm_B[at]);
-        match child(old, name) {
-            Some(node) => edits.replace(node, element),
-            None => edits.insert_inside(old, &element),
-        }
+fn edit(mut link: Element<'_>, new: &MassProperties) {
+    let inertial = link.child("inertial");
+    let mut inertial = inertial.with_children(&["pose", "mass", "inertia"]);
+    // With `auto`, Gazebo computes other numbers from the shapes.
+    inertial.remove(&["auto"]);
+    let mut pose = inertial.child("pose");
+    pose.remove(&["relative_to", "degrees", "rotation_format"]);
+    inertial.set_text("pose", &(words(new.p_BoBcm_B.as_slice()) + " 0 0 0"));
+    inertial.set_text("mass", &words(&[new.mass]));
+    let mut inertia = inertial.child("inertia").with_children(&ELEMENTS);
+    for (name, at) in ELEMENTS.into_iter().zip(UPPER) {
+        inertia.set_text(name, &words(&[new.I_BBcm_B[at]]));
     }
 }
 
-fn pose(new: &MassProperties) -> String {
-    let c = &new.p_BoBcm_B;
-    format!("<pose>{:?} {:?} {:?} 0 0 0</pose>", c.x, c.y, c.z)
-}
-
-fn mass(new: &MassProperties) -> String {
-    format!("<mass>{:?}</mass>", new.mass)
-}
-
-fn inertia(new: &MassProperties) -> String {
-    let elements = ELEMENTS.map(|(name, at)| format!("<{name}>{:?}</{name}>", new.I_BBcm_B[at]));
-    format!("<inertia>{}</inertia>", elements.concat())
+fn read(link: Node<'_, '_>) -> Option<MassProperties> {
+    let inertial = only(link, "inertial")?;
+    let inertia = only(inertial, "inertia")?;
+    let [mass] = numbers(only(inertial, "mass")?.text())?;
+    let [x, y, z, 0.0, 0.0, 0.0] = numbers(only(inertial, "pose")?.text())? else {
+        return None;
+    };
+    Some(MassProperties {
+        mass,
+        p_BoBcm_B: [x, y, z].into(),
+        I_BBcm_B: tensor(|name| only(inertia, name)?.text())?,
+    })
 }

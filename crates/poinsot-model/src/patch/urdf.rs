@@ -1,9 +1,9 @@
 //! URDF, the robot description of ROS.
 
-use super::xml::{Edits, child, document, patched};
+use super::xml::{Element, Format, UPPER, numbers, only, tensor, words};
 use super::{BodyProperties, Patched};
 use crate::urdf::{ELEMENTS, rotation};
-use poinsot_spatial::MassProperties;
+use poinsot_spatial::{MassProperties, Matrix3};
 use roxmltree::Node;
 
 /// Writes mass properties into the text of a valid URDF file.
@@ -12,7 +12,7 @@ use roxmltree::Node;
 /// `<origin>`) are added.
 ///
 /// # Errors
-/// The text is not XML.
+/// The text is not XML, or the result does not read back.
 ///
 /// ```
 #[doc = include_str!("../../doc/measured.txt")]
@@ -23,77 +23,43 @@ use roxmltree::Node;
 /// # Ok::<(), String>(())
 /// ```
 pub fn patch_urdf(text: &str, bodies: &[BodyProperties]) -> Result<Patched, String> {
-    let document = document(text)?;
-    let find = |name: &str| {
-        let mut links = document.root_element().children();
-        links.find(|n| n.tag_name().name() == "link" && n.attribute("name") == Some(name))
+    let format = Format {
+        tag: "link",
+        depth: 2,
+        edit,
+        read,
     };
-    Ok(patched(text, bodies, find, edit_link))
+    format.patched(text, bodies)
 }
 
-fn edit_link(link: Node<'_, '_>, new: &MassProperties, edits: &mut Edits) {
-    let c = &new.p_BoBcm_B;
-    let centre = format!("{:?} {:?} {:?}", c.x, c.y, c.z);
-    let Some(inertial) = child(link, "inertial") else {
-        let whole = format!(
-            "<inertial><origin xyz=\"{centre}\"/><mass value=\"{:?}\"/>{}</inertial>",
-            new.mass,
-            tensor_element(new, [0.0; 3])
-        );
-        edits.insert_inside(link, &whole);
-        return;
-    };
-    let origin = child(inertial, "origin");
-    let rpy = origin
-        .and_then(|o| o.attribute("rpy"))
-        .map(|t| {
-            t.split_whitespace()
-                .filter_map(|w| w.parse().ok())
-                .collect::<Vec<f64>>()
-        })
-        .and_then(|v| <[f64; 3]>::try_from(v).ok())
-        .unwrap_or_default();
-    match origin {
-        Some(origin) => edits.set(origin, "xyz", &centre),
-        None => edits.insert_inside(inertial, &format!("<origin xyz=\"{centre}\"/>")),
-    }
-    match child(inertial, "mass") {
-        Some(mass) => edits.set(mass, "value", &format!("{:?}", new.mass)),
-        None => edits.insert_inside(inertial, &format!("<mass value=\"{:?}\"/>", new.mass)),
-    }
-    match child(inertial, "inertia") {
-        Some(inertia) => {
-            for (name, value) in ELEMENTS.iter().zip(elements(new, rpy)) {
-                edits.set(inertia, name, &format!("{value:?}"));
-            }
-        }
-        None => edits.insert_inside(inertial, &tensor_element(new, rpy)),
+fn edit(mut link: Element<'_>, new: &MassProperties) {
+    let inertial = link.child("inertial");
+    let mut inertial = inertial.with_children(&["origin", "mass", "inertia"]);
+    let mut origin = inertial.child("origin");
+    origin.set("xyz", words(new.p_BoBcm_B.as_slice()));
+    let turn = turn(origin.attribute("rpy").as_deref()).unwrap_or_else(Matrix3::identity);
+    inertial.child("mass").set("value", words(&[new.mass]));
+    let i = turn.transpose() * new.I_BBcm_B * turn;
+    let mut inertia = inertial.child("inertia");
+    for (name, at) in ELEMENTS.into_iter().zip(UPPER) {
+        inertia.set(name, words(&[i[at]]));
     }
 }
 
-/// Tensor elements in the axes of the inertial frame.
-fn elements(new: &MassProperties, rpy: [f64; 3]) -> [f64; 6] {
-    let i = if rpy == [0.0; 3] {
-        new.I_BBcm_B
-    } else {
-        let turn = rotation(rpy);
-        turn.transpose() * new.I_BBcm_B * turn
-    };
-    [
-        i[(0, 0)],
-        i[(0, 1)],
-        i[(0, 2)],
-        i[(1, 1)],
-        i[(1, 2)],
-        i[(2, 2)],
-    ]
+fn read(link: Node<'_, '_>) -> Option<MassProperties> {
+    let inertial = only(link, "inertial")?;
+    let (origin, inertia) = (only(inertial, "origin")?, only(inertial, "inertia")?);
+    let [mass] = numbers(only(inertial, "mass")?.attribute("value"))?;
+    let turn = turn(origin.attribute("rpy"))?;
+    Some(MassProperties {
+        mass,
+        p_BoBcm_B: numbers(origin.attribute("xyz"))?.into(),
+        I_BBcm_B: turn * tensor(|name| inertia.attribute(name))? * turn.transpose(),
+    })
 }
 
-fn tensor_element(new: &MassProperties, rpy: [f64; 3]) -> String {
-    let attributes: Vec<String> = ELEMENTS
-        .iter()
-        .zip(elements(new, rpy))
-        .map(|(name, value)| format!("{name}=\"{value:?}\""))
-        .collect();
-    format!("<inertia {}/>", attributes.join(" "))
+/// The rotation from the axes of the inertial frame to the link; `None` for unreadable angles.
+fn turn(rpy: Option<&str>) -> Option<Matrix3> {
+    rpy.map_or(Some([0.0; 3]), |text| numbers(Some(text)))
+        .map(rotation)
 }

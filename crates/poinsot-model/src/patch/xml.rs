@@ -1,18 +1,107 @@
-//! Edits of an XML text that leave all other bytes unchanged.
+//! Edits on the tree of an XML text. What is not edited keeps its bytes: comments, blanks, order, quotes.
 
 use super::{BodyProperties, Patched};
-use crate::urdf::excess;
-use poinsot_spatial::MassProperties;
+use crate::urdf::{ELEMENTS, excess};
+use poinsot_spatial::{MassProperties, Matrix3};
+use quick_xml::events::{BytesStart, BytesText, Event};
+use quick_xml::{Reader, Writer};
 use roxmltree::{Document, Node};
-use std::ops::Range;
+
+/// Largest relative change of a tensor element by rotation and back.
+const ROUNDING: f64 = 1.0e-12;
+
+/// Indices of the tensor elements in the order `xx, xy, xz, yy, yz, zz`.
+pub(super) const UPPER: [(usize, usize); 6] = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
+
+/// How a file states mass properties.
+pub(super) struct Format {
+    /// Element of a body; its attribute `name` is the body's.
+    pub tag: &'static str,
+    /// Largest depth of that element; the root has 1.
+    pub depth: usize,
+    /// Writes the mass properties into the element, as far as it can.
+    pub edit: fn(Element<'_>, &MassProperties),
+    /// Reads them; `None` if they are not there exactly once.
+    pub read: fn(Node<'_, '_>) -> Option<MassProperties>,
+}
+
+impl Format {
+    /// Edits the element of every body, and reads the written text back.
+    pub fn patched(&self, text: &str, bodies: &[BodyProperties]) -> Result<Patched, String> {
+        let old = document(text)?;
+        let (there, absent): (Vec<_>, Vec<_>) = bodies
+            .iter()
+            .partition(|new| self.found(&old, &new.body).is_some());
+        let unread = |why| format!("this is not XML: {why}; give the robot's file");
+        let mut events = events(text).map_err(|error| unread(error.to_string()))?;
+        for new in &there {
+            if let Some(at) = self.place(&events, &new.body) {
+                let events = &mut events;
+                (self.edit)(Element { events, at }, &new.properties);
+            }
+        }
+        let text = self::text(events, text).map_err(|error| unread(error.to_string()))?;
+        let written = document(&text)?;
+        for new in there {
+            let read = self.found(&written, &new.body).and_then(self.read);
+            if !read.is_some_and(|read| is_same(&read, &new.properties)) {
+                return Err(format!(
+                    "<{}> \"{}\": the new mass, mass centre and inertia would not be read back; state each element of its <inertial> once",
+                    self.tag, new.body
+                ));
+            }
+        }
+        Ok(Patched {
+            text,
+            missing: absent.into_iter().map(|new| new.body.clone()).collect(),
+        })
+    }
+
+    /// The place of the first element of a body.
+    fn place(&self, events: &[Event<'_>], body: &str) -> Option<usize> {
+        let mut depth = 0;
+        events.iter().position(|event| {
+            match event {
+                Event::Start(_) => depth += 1,
+                Event::End(_) => depth -= 1,
+                _ => {}
+            }
+            let (tag, depth) = match event {
+                Event::Start(tag) => (tag, depth),
+                Event::Empty(tag) => (tag, depth + 1),
+                _ => return false,
+            };
+            let name = tag.try_get_attribute("name").ok().flatten();
+            depth <= self.depth
+                && is(tag, self.tag)
+                && name.is_some_and(|a| a.unescape_value().is_ok_and(|name| name == body))
+        })
+    }
+
+    /// The element of a body; `None` if there is none or several.
+    fn found<'a, 'i>(&self, document: &'a Document<'i>, body: &str) -> Option<Node<'a, 'i>> {
+        let mut found = document.descendants().filter(|n| {
+            n.has_tag_name(self.tag)
+                && n.attribute("name") == Some(body)
+                && n.ancestors().filter(Node::is_element).count() <= self.depth
+        });
+        let first = found.next()?;
+        found.next().is_none().then_some(first)
+    }
+}
+
+fn is_same(read: &MassProperties, new: &MassProperties) -> bool {
+    let rounding = ROUNDING * new.I_BBcm_B.amax();
+    read.mass == new.mass
+        && read.p_BoBcm_B == new.p_BoBcm_B
+        && (read.I_BBcm_B - new.I_BBcm_B).amax() <= rounding
+}
 
 /// Parses an XML text after checking its limits.
 pub(super) fn document(text: &str) -> Result<Document<'_>, String> {
     if let Some(excess) = excess(text) {
-        let line = 1 + text.as_bytes()[..excess.byte.min(text.len())]
-            .iter()
-            .filter(|b| **b == b'\n')
-            .count();
+        let before = text.get(..excess.byte).unwrap_or(text);
+        let line = 1 + before.matches('\n').count();
         return Err(format!(
             "line {line}: {}; simplify the file",
             excess.problem
@@ -22,118 +111,180 @@ pub(super) fn document(text: &str) -> Result<Document<'_>, String> {
         .map_err(|error| format!("this is not XML: {error}; give the robot's file"))
 }
 
-/// The first child element of a name.
-pub(super) fn child<'a, 'i>(node: Node<'a, 'i>, name: &str) -> Option<Node<'a, 'i>> {
-    node.children()
-        .find(|n| n.is_element() && n.tag_name().name() == name)
+/// The child element of a name, if there is exactly one.
+pub(super) fn only<'a, 'i>(node: Node<'a, 'i>, name: &str) -> Option<Node<'a, 'i>> {
+    let mut found = node.children().filter(|n| n.has_tag_name(name));
+    found.next().filter(|_| found.next().is_none())
 }
 
-/// The element with this tag and `name`, anywhere in the document; `None` if there is none or several.
-pub(super) fn named<'a, 'i>(
-    document: &'a Document<'i>,
-    tag: &str,
-    name: &str,
-) -> Option<Node<'a, 'i>> {
-    let mut found = document
-        .descendants()
-        .filter(|n| n.has_tag_name(tag) && n.attribute("name") == Some(name));
-    let first = found.next()?;
-    found.next().is_none().then_some(first)
+/// Numbers of an attribute or a text.
+pub(super) fn numbers<const N: usize>(text: Option<&str>) -> Option<[f64; N]> {
+    let words = text?.split_whitespace();
+    let all: Option<Vec<f64>> = words.map(|word| word.parse().ok()).collect();
+    all?.try_into().ok()
 }
 
-/// Edits the element of every body; a body without one is missing.
-pub(super) fn patched<'a, 'i: 'a>(
-    text: &str,
-    bodies: &[BodyProperties],
-    find: impl Fn(&str) -> Option<Node<'a, 'i>>,
-    edit: impl Fn(Node<'a, 'i>, &MassProperties, &mut Edits),
-) -> Patched {
-    let mut edits = Edits::new(text);
-    let mut missing = Vec::new();
-    for new in bodies {
-        match find(&new.body) {
-            Some(element) => edit(element, &new.properties, &mut edits),
-            None => missing.push(new.body.clone()),
-        }
+/// The tensor of `xx, xy, xz, yy, yz, zz`.
+pub(super) fn symmetric([xx, xy, xz, yy, yz, zz]: [f64; 6]) -> Matrix3 {
+    Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
+}
+
+/// The tensor whose elements have the names of URDF and SDF.
+pub(super) fn tensor<'t>(text: impl Fn(&str) -> Option<&'t str>) -> Option<Matrix3> {
+    let mut elements = [0.0; 6];
+    for (element, name) in elements.iter_mut().zip(ELEMENTS) {
+        [*element] = numbers(text(name))?;
     }
-    Patched {
-        text: edits.finish(),
-        missing,
-    }
+    Some(symmetric(elements))
 }
 
-/// Edits of a text, collected and then applied together.
-pub(super) struct Edits<'t> {
-    text: &'t str,
-    edits: Vec<(Range<usize>, String)>,
+/// Numbers as text that reads back to the same bits.
+pub(super) fn words(numbers: &[f64]) -> String {
+    let words: Vec<String> = numbers.iter().map(|x| format!("{x:?}")).collect();
+    words.join(" ")
 }
 
-impl<'t> Edits<'t> {
-    pub fn new(text: &'t str) -> Self {
-        Self {
-            text,
-            edits: Vec::new(),
+/// An element in the list of what a text consists of; children are what stands before its end tag.
+pub(super) struct Element<'t> {
+    events: &'t mut Vec<Event<'static>>,
+    at: usize,
+}
+
+impl Element<'_> {
+    /// Gives a self-closing element an end tag.
+    fn open(&mut self) {
+        if let Some(Event::Empty(tag)) = self.events.get(self.at) {
+            let (tag, end) = (tag.clone(), tag.to_end().into_owned());
+            let opened = [Event::Start(tag), Event::End(end)];
+            self.events.splice(self.at..=self.at, opened);
         }
     }
 
-    /// Replaces the value of an attribute, or adds it after the tag's name.
-    pub fn set(&mut self, node: Node<'_, '_>, name: &str, value: &str) {
-        match node.attribute_node(name) {
-            Some(attribute) => self.edits.push((attribute.range_value(), value.to_owned())),
-            None => {
-                let at = node.range().start + 1 + node.tag_name().name().len();
-                self.edits.push((at..at, format!(" {name}=\"{value}\"")));
+    /// The first child element of a name; a new one in front if there is none.
+    pub fn child(&mut self, name: &str) -> Element<'_> {
+        self.open();
+        let at = self.scan(name).unwrap_or_else(|_| {
+            let prefix = self.tag().and_then(|tag| tag.name().prefix().map(text_of));
+            let name = prefix.map_or(name.to_owned(), |prefix| format!("{prefix}:{name}"));
+            let new = Event::Empty(BytesStart::new(name));
+            self.events.insert(self.at + 1, new);
+            self.at + 1
+        });
+        let events = &mut *self.events;
+        Element { events, at }
+    }
+
+    /// Makes missing children, in this order.
+    pub fn with_children(mut self, names: &[&str]) -> Self {
+        for name in names.iter().rev() {
+            self.child(name);
+        }
+        self
+    }
+
+    /// The value of an attribute as written.
+    pub fn attribute(&self, name: &str) -> Option<String> {
+        let mut all = self.attributes().into_iter();
+        all.find(|a| a.0 == name).map(|a| a.1)
+    }
+
+    /// Replaces an attribute, or adds it.
+    pub fn set(&mut self, name: &str, value: String) {
+        let mut all = self.attributes();
+        match all.iter_mut().find(|a| a.0 == name) {
+            Some(old) => old.1 = value,
+            None => all.push((name.to_owned(), value)),
+        }
+        self.set_all(&all);
+    }
+
+    /// Removes attributes.
+    pub fn remove(&mut self, names: &[&str]) {
+        let mut all = self.attributes();
+        all.retain(|a| !names.contains(&a.0.as_str()));
+        self.set_all(&all);
+    }
+
+    /// Replaces the content of a child element by a text.
+    pub fn set_text(&mut self, name: &str, text: &str) {
+        let mut child = self.child(name);
+        child.open();
+        let end = child.scan("").unwrap_or_else(|end| end);
+        let text = Event::Text(BytesText::new(text).into_owned());
+        child.events.splice(child.at + 1..end, [text]);
+    }
+
+    /// The index of the first child of a name; otherwise that of the end tag.
+    fn scan(&self, name: &str) -> Result<usize, usize> {
+        let mut depth = 0;
+        for (k, event) in self.events.iter().enumerate().skip(self.at + 1) {
+            match event {
+                Event::Start(tag) | Event::Empty(tag) if depth == 0 && is(tag, name) => {
+                    return Ok(k);
+                }
+                Event::End(_) if depth == 0 => return Err(k),
+                Event::Start(_) => depth += 1,
+                Event::End(_) => depth -= 1,
+                _ => {}
             }
         }
+        Err(self.events.len())
     }
 
-    /// Removes an attribute and the preceding blank.
-    pub fn remove(&mut self, node: Node<'_, '_>, name: &str) {
-        if let Some(attribute) = node.attribute_node(name) {
-            let range = attribute.range();
-            let before = self.text.get(..range.start).unwrap_or_default();
-            let blank = before.len() - before.trim_end().len();
-            self.edits
-                .push((range.start - blank..range.end, String::new()));
+    fn tag(&self) -> Option<&BytesStart<'static>> {
+        match self.events.get(self.at) {
+            Some(Event::Start(tag) | Event::Empty(tag)) => Some(tag),
+            _ => None,
         }
     }
 
-    /// Replaces an element.
-    pub fn replace(&mut self, node: Node<'_, '_>, element: String) {
-        self.edits.push((node.range(), element));
+    /// Names and values as written, in double quotes.
+    fn attributes(&self) -> Vec<(String, String)> {
+        let all = self.tag().into_iter().flat_map(BytesStart::attributes);
+        all.flatten()
+            .map(|a| (text_of(a.key), text_of(&a.value).replace('"', "&quot;")))
+            .collect()
     }
 
-    /// Inserts an element as first child of another, which may be self-closing.
-    pub fn insert_inside(&mut self, node: Node<'_, '_>, element: &str) {
-        let range = node.range();
-        if let Some(first) = node.first_child() {
-            let at = first.range().start;
-            self.edits.push((at..at, element.to_owned()));
-            return;
-        }
-        let whole = self.text.get(range.clone()).unwrap_or_default();
-        let name = node.tag_name().name();
-        if whole.ends_with("/>") {
-            let at = range.end - 2;
-            self.edits
-                .push((at..range.end, format!(">{element}</{name}>")));
-        } else if let Some(close) = whole.rfind("</") {
-            let at = range.start + close;
-            self.edits.push((at..at, element.to_owned()));
+    fn set_all(&mut self, all: &[(String, String)]) {
+        if let Some(Event::Start(tag) | Event::Empty(tag)) = self.events.get_mut(self.at) {
+            tag.clear_attributes();
+            tag.extend_attributes(all.iter().map(|(k, v)| (k.as_bytes(), v.as_bytes())));
         }
     }
+}
 
-    /// The text with all edits.
-    pub fn finish(mut self) -> String {
-        self.edits.sort_by_key(|e| e.0.start);
-        let mut out = String::with_capacity(self.text.len() + 256);
-        let mut at = 0;
-        for (range, new) in &self.edits {
-            out.push_str(self.text.get(at..range.start).unwrap_or_default());
-            out.push_str(new);
-            at = range.end;
+fn text_of(bytes: impl AsRef<[u8]>) -> String {
+    String::from_utf8_lossy(bytes.as_ref()).into_owned()
+}
+
+fn is(tag: &BytesStart<'_>, name: &str) -> bool {
+    tag.local_name().as_ref() == name.as_bytes()
+}
+
+/// What a text consists of, in order.
+fn events(text: &str) -> quick_xml::Result<Vec<Event<'static>>> {
+    let mut reader = Reader::from_str(text);
+    // The other reader has matched the tags.
+    reader.config_mut().check_end_names = false;
+    reader.config_mut().trim_markup_names_in_closing_tags = false;
+    let mut events = Vec::new();
+    loop {
+        match reader.read_event()? {
+            Event::Eof => return Ok(events),
+            event => events.push(event.into_owned()),
         }
-        out.push_str(self.text.get(at..).unwrap_or_default());
-        out
     }
+}
+
+/// The text of what [`events`] gave, with the byte order mark of the first.
+fn text(events: Vec<Event<'static>>, first: &str) -> std::io::Result<String> {
+    let mut writer = Writer::new(Vec::new());
+    if first.starts_with('\u{feff}') {
+        writer.write_bom()?;
+    }
+    for event in events {
+        writer.write_event(event)?;
+    }
+    String::from_utf8(writer.into_inner()).map_err(std::io::Error::other)
 }

@@ -6,6 +6,7 @@ use super::{Remark, UrdfDefect};
 use crate::check_body::{PHYSICAL_TOLERANCE, SMALLEST_MASS};
 use poinsot_files::{excerpt, list, short};
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
+use std::collections::HashMap;
 
 /// Fixed-axis roll, pitch, yaw: the rotation `Rz(yaw) Ry(pitch) Rx(roll)` from the frame to its parent.
 pub(crate) fn rotation([roll, pitch, yaw]: [f64; 3]) -> Matrix3 {
@@ -129,15 +130,9 @@ impl Remarks<'_> {
         remedy: &str,
     ) {
         let inertial = self.link.inertial.as_ref();
-        self.remarks.push(Remark {
-            defect,
-            code,
-            byte: inertial.map_or(self.link.byte, |i| i.byte),
-            subject: format!("link \"{}\"", excerpt(&self.link.name, 60)),
-            value: String::new(),
-            problem,
-            remedy: remedy.to_owned(),
-        });
+        let byte = inertial.map_or(self.link.byte, |i| i.byte);
+        let remark = Remark::new(defect, code, byte, problem, remedy);
+        self.remarks.push(remark.on(named(self.link)));
     }
 
     /// Whether the link has mass, or neither mass nor inertia.
@@ -152,12 +147,8 @@ impl Remarks<'_> {
             let empty = inertial.elements == [0.0; 6];
             let code = (!empty).then_some("E0116");
             let remedy = "give it a mass, or zero inertia";
-            self.push(
-                UrdfDefect::ZeroMass,
-                code,
-                "the mass is zero".to_owned(),
-                remedy,
-            );
+            let problem = "the mass is zero".to_owned();
+            self.push(UrdfDefect::ZeroMass, code, problem, remedy);
             return empty;
         }
         true
@@ -243,16 +234,20 @@ fn units(robot: &Robot, remarks: &mut Vec<Remark>) {
                 )
             }),
         ];
-        remarks.extend(told.into_iter().flatten().map(|problem| Remark {
-            defect: UrdfDefect::Units,
-            code: None,
-            byte: joint.byte,
-            subject: format!("joint \"{}\" <origin>", excerpt(&joint.name, 60)),
-            value: String::new(),
-            problem,
-            remedy: String::new(),
-        }));
+        let subject = format!("joint \"{}\" <origin>", excerpt(&joint.name, 60));
+        let note = |problem| Remark::new(UrdfDefect::Units, None, joint.byte, problem, "");
+        let told = told.into_iter().flatten();
+        remarks.extend(told.map(|problem: String| note(problem).on(&subject)));
     }
+}
+
+fn named(link: &Link) -> String {
+    format!("link \"{}\"", excerpt(&link.name, 60))
+}
+
+fn massless(byte: usize, problem: &str, remedy: &str) -> Remark {
+    let code = Some("E0116");
+    Remark::new(UrdfDefect::MovesMassless, code, byte, problem, remedy)
 }
 
 /// Reports joints that move no mass: momentum does not depend on their rate.
@@ -270,41 +265,21 @@ fn moving_without_mass(
         let joint = order.carried_by.get(k).copied().flatten()?;
         robot.joints.get(joint)
     };
-    let place = |name: &str| robot.links.iter().position(|l| l.name == name);
-    let parents: Vec<Option<usize>> = if robot.links.len() > 200 {
-        let index: std::collections::HashMap<&str, usize> = robot
-            .links
-            .iter()
-            .enumerate()
-            .rev()
-            .map(|(k, l)| (l.name.as_str(), k))
-            .collect();
-        (0..robot.links.len())
-            .map(|k| joint_of(k).and_then(|j| index.get(j.parent.as_str()).copied()))
-            .collect()
-    } else {
-        (0..robot.links.len())
-            .map(|k| joint_of(k).and_then(|j| place(&j.parent)))
-            .collect()
-    };
+    let names = robot.links.iter().enumerate();
+    let names = names.map(|(k, link)| (link.name.as_str(), k));
+    // Of equal names the first.
+    let index: HashMap<&str, usize> = names.rev().collect();
     for &k in order.links.iter().rev() {
         let own = carried.get(k).copied().unwrap_or(0.0);
-        let parent = parents.get(k).copied().flatten();
+        let parent = joint_of(k).and_then(|joint| index.get(joint.parent.as_str()).copied());
         if let Some(sum) = parent.and_then(|p| carried.get_mut(p)) {
             *sum += own;
         }
     }
     let whole = order.links.first().and_then(|k| carried.get(*k).copied());
     if whole == Some(0.0) {
-        remarks.push(Remark {
-            defect: UrdfDefect::MovesMassless,
-            code: Some("E0116"),
-            byte: 0,
-            subject: "robot".to_owned(),
-            value: String::new(),
-            problem: "no link has mass".to_owned(),
-            remedy: "give the base a mass".to_owned(),
-        });
+        let remark = massless(0, "no link has mass", "give the base a mass");
+        remarks.push(remark.on("robot"));
         return Vec::new();
     }
     let mut still = Vec::new();
@@ -315,18 +290,15 @@ fn moving_without_mass(
                 continue;
             };
             still.extend(order.carried_by.get(k).copied().flatten());
-            remarks.push(Remark {
-                defect: UrdfDefect::MovesMassless,
-                code: (!allowed).then_some("E0116"),
-                byte: link.byte,
-                subject: format!("link \"{}\"", excerpt(&link.name, 60)),
-                value: String::new(),
-                problem: format!(
-                    "the link moves on joint \"{}\", but neither it nor its outboard bodies have mass",
-                    excerpt(&joint.name, 60)
-                ),
-                remedy: "give it an <inertial>, make its joint fixed, or import it by --allow-massless".to_owned(),
-            });
+            let problem = format!(
+                "the link moves on joint \"{}\", but neither it nor its outboard bodies have mass",
+                excerpt(&joint.name, 60)
+            );
+            let remedy =
+                "give it an <inertial>, make its joint fixed, or import it by --allow-massless";
+            let remark = massless(link.byte, &problem, remedy).on(named(link));
+            let code = remark.code.filter(|_| !allowed);
+            remarks.push(Remark { code, ..remark });
         }
     }
     still

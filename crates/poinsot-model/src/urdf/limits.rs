@@ -1,6 +1,9 @@
 //! Limits that protect the XML reader, checked in one pass before a tree is built. The reader's time grows with depth
 //! times namespaces, and with the square of an element's attributes.
 
+use quick_xml::Reader;
+use quick_xml::events::Event;
+
 /// Limit on the nesting of elements; URDF needs 6.
 const DEPTH: usize = 64;
 /// Limit on the attributes of an element, including namespace declarations; URDF needs 6.
@@ -15,131 +18,43 @@ pub(crate) struct Excess {
     pub problem: String,
 }
 
-/// The first exceeded limit of a text. For malformed text the result is arbitrary, because the XML reader rejects it
-/// anyway.
+/// The first exceeded limit of a text. Malformed text is counted up to its fault, at which the XML reader stops too.
 pub(crate) fn excess(text: &str) -> Option<Excess> {
-    let (mut depth, mut namespaces, mut at) = (0_usize, 0_usize, 0_usize);
-    let over = |byte, count: &str, limit| {
-        Some(Excess {
-            byte,
-            problem: format!("more than {limit} {count}"),
-        })
-    };
-    while let Some(start) = find(text, at, "<") {
-        at = match skipped(text, start) {
-            Skip::Past(end) => end,
-            Skip::Close(end) => {
+    let mut reader = Reader::from_str(text);
+    reader.config_mut().check_end_names = false;
+    let (mut depth, mut namespaces) = (0_usize, 0);
+    loop {
+        let byte = reader.buffer_position();
+        let (tag, closed) = match reader.read_event() {
+            Ok(Event::Start(tag)) => (tag, 0),
+            Ok(Event::Empty(tag)) => (tag, 1),
+            Ok(Event::End(_)) => {
                 depth = depth.saturating_sub(1);
-                end
+                continue;
             }
-            Skip::Open => {
-                let tag = tag(text, start);
-                namespaces += tag.namespaces;
-                depth += 1;
-                if depth > DEPTH {
-                    return over(start, "elements inside each other", DEPTH);
-                }
-                if tag.attributes > ATTRIBUTES {
-                    return over(start, "attributes of one element", ATTRIBUTES);
-                }
-                if namespaces > NAMESPACES {
-                    return over(start, "declarations of namespaces", NAMESPACES);
-                }
-                depth -= usize::from(tag.closed);
-                tag.end
-            }
+            Ok(Event::Eof) | Err(_) => return None,
+            Ok(_) => continue,
         };
-    }
-    None
-}
-
-/// Markup that starts with `<`.
-enum Skip {
-    /// Comment, CDATA, processing instruction or declaration that ends at this byte.
-    Past(usize),
-    /// End tag that ends at this byte.
-    Close(usize),
-    /// A start tag.
-    Open,
-}
-
-fn skipped(text: &str, start: usize) -> Skip {
-    let rest = text.get(start..).unwrap_or_default();
-    for (begin, end) in [
-        ("<!--", "-->"),
-        ("<![CDATA[", "]]>"),
-        ("<?", "?>"),
-        ("<!", ">"),
-    ] {
-        if rest.starts_with(begin) {
-            return Skip::Past(past(text, start + begin.len(), end));
+        depth += 1;
+        let mut attributes = 0;
+        for attribute in tag.attributes().with_checks(false) {
+            attributes += 1;
+            namespaces +=
+                usize::from(attribute.is_ok_and(|a| a.key.as_ref().starts_with(b"xmlns")));
         }
-    }
-    match rest.starts_with("</") {
-        true => Skip::Close(past(text, start, ">")),
-        false => Skip::Open,
-    }
-}
-
-struct Tag {
-    end: usize,
-    attributes: usize,
-    namespaces: usize,
-    closed: bool,
-}
-
-fn tag(text: &str, start: usize) -> Tag {
-    let (mut attributes, mut namespaces) = (0, 0);
-    let mut word = start + 1;
-    let mut at = word;
-    let bytes = text.as_bytes();
-    while let Some(&byte) = bytes.get(at) {
-        match byte {
-            b'>' => {
-                let closed = bytes.get(at - 1) == Some(&b'/');
-                return Tag {
-                    end: at + 1,
-                    attributes,
-                    namespaces,
-                    closed,
-                };
-            }
-            b'=' => {
-                attributes += 1;
-                let name = bytes.get(word..at).unwrap_or_default();
-                namespaces += usize::from(name.starts_with(b"xmlns"));
-                at += 1;
-            }
-            quote @ (b'"' | b'\'') => {
-                let end = if quote == b'"' { "\"" } else { "'" };
-                at = past(text, at + 1, end);
-                word = at;
-            }
-            b' ' | b'\t' | b'\r' | b'\n' => {
-                at += 1;
-                // Blanks may precede the equals sign.
-                if bytes.get(at).is_some_and(|b| b.is_ascii_alphabetic()) {
-                    word = at;
-                }
-            }
-            _ => at += 1,
+        let counted = [
+            (depth, DEPTH, "elements inside each other"),
+            (attributes, ATTRIBUTES, "attributes of one element"),
+            (namespaces, NAMESPACES, "declarations of namespaces"),
+        ];
+        if let Some((_, limit, what)) = counted.into_iter().find(|(n, limit, _)| n > limit) {
+            return Some(Excess {
+                byte: usize::try_from(byte).unwrap_or(text.len()),
+                problem: format!("more than {limit} {what}"),
+            });
         }
+        depth -= closed;
     }
-    Tag {
-        end: text.len(),
-        attributes,
-        namespaces,
-        closed: false,
-    }
-}
-
-fn find(text: &str, from: usize, what: &str) -> Option<usize> {
-    text.get(from..)?.find(what).map(|at| from + at)
-}
-
-/// Offset after the next `what`, or the end of the text.
-fn past(text: &str, from: usize, what: &str) -> usize {
-    find(text, from, what).map_or(text.len(), |at| at + what.len())
 }
 
 #[cfg(test)]

@@ -14,7 +14,7 @@ pub(crate) use raw::ELEMENTS;
 
 use crate::model_text::read_model_text;
 use crate::vehicle::Model;
-use poinsot_files::{Fault, Faults, Place};
+use poinsot_files::{Fault, Faults, Place, excerpt};
 use std::path::Path;
 
 /// A kind of remark on a URDF file.
@@ -84,6 +84,38 @@ pub(crate) struct Remark {
     pub value: String,
     pub problem: String,
     pub remedy: String,
+}
+
+impl Remark {
+    fn new(
+        defect: UrdfDefect,
+        code: Option<&'static str>,
+        byte: usize,
+        problem: impl Into<String>,
+        remedy: &str,
+    ) -> Self {
+        Self {
+            defect,
+            code,
+            byte,
+            subject: String::new(),
+            value: String::new(),
+            problem: problem.into(),
+            remedy: remedy.to_owned(),
+        }
+    }
+
+    /// The same with its subject.
+    fn on(self, subject: impl Into<String>) -> Self {
+        let subject = subject.into();
+        Self { subject, ..self }
+    }
+
+    /// The same with the value as read.
+    fn with_value(self, value: &str, most: usize) -> Self {
+        let value = format!("\"{}\"", excerpt(value, most));
+        Self { value, ..self }
+    }
 }
 
 /// Content of a URDF file.
@@ -193,14 +225,9 @@ fn conclude(
         return Ok(model);
     }
     if errors.is_empty() {
+        let (place, problem) = (Place::label(file), "there is no robot in it");
         let advice = "give a URDF file with links and joints";
-        return Err(Fault::new(
-            "E0101",
-            Place::label(file),
-            "there is no robot in it",
-            advice,
-        )
-        .into());
+        return Err(Faults::one("E0101", place, problem, advice));
     }
     let fault = |r: &&Remark| {
         let (line, column) = place(r.byte);

@@ -58,15 +58,8 @@ pub(crate) const ELEMENTS: [&str; 6] = ["ixx", "ixy", "ixz", "iyy", "iyz", "izz"
 /// Parses the text; `None` if it contains no robot.
 pub(super) fn read(text: &str, remarks: &mut Vec<Remark>) -> Option<Robot> {
     if let Some(excess) = excess(text) {
-        remarks.push(Remark {
-            defect: UrdfDefect::NotXml,
-            code: Some("E0120"),
-            byte: excess.byte,
-            subject: String::new(),
-            value: String::new(),
-            problem: excess.problem,
-            remedy: "name a URDF file".to_owned(),
-        });
+        let remedy = "name a URDF file";
+        remarks.push(not_xml(excess.byte, excess.problem, remedy));
         return None;
     }
     let options = ParsingOptions {
@@ -77,24 +70,23 @@ pub(super) fn read(text: &str, remarks: &mut Vec<Remark>) -> Option<Robot> {
     let document = match Document::parse_with_options(text, options) {
         Ok(document) => document,
         Err(error) => {
-            remarks.push(not_xml(text, &error));
+            remarks.push(ill_formed(text, &error));
             return None;
         }
     };
     let root = document.root_element();
     if root.tag_name().name() != "robot" {
-        remarks.push(Remark {
-            defect: UrdfDefect::NotRobot,
-            code: Some("E0103"),
-            byte: root.range().start,
-            subject: String::new(),
-            value: String::new(),
-            problem: format!(
-                "the root element is <{}>, not <robot>",
-                excerpt(root.tag_name().name(), 60)
-            ),
-            remedy: "give a URDF file".to_owned(),
-        });
+        let name = excerpt(root.tag_name().name(), 60);
+        let problem = format!("the root element is <{name}>, not <robot>");
+        let (byte, code) = (root.range().start, Some("E0103"));
+        let remark = Remark::new(
+            UrdfDefect::NotRobot,
+            code,
+            byte,
+            problem,
+            "give a URDF file",
+        );
+        remarks.push(remark);
         return None;
     }
     find_xacro(&document, remarks);
@@ -123,20 +115,18 @@ pub(super) fn read(text: &str, remarks: &mut Vec<Remark>) -> Option<Robot> {
             .take(12)
             .map(|(name, n)| format!("{n} <{}>", excerpt(name, 40)))
             .collect();
-        remarks.push(Remark {
-            defect: UrdfDefect::Ignored,
-            code: None,
-            byte: root.range().start,
-            subject: "robot".to_owned(),
-            value: String::new(),
-            problem: format!("not read: {}", names.join(", ")),
-            remedy: String::new(),
-        });
+        let problem = format!("not read: {}", names.join(", "));
+        let remark = Remark::new(UrdfDefect::Ignored, None, root.range().start, problem, "");
+        remarks.push(remark.on("robot"));
     }
     Some(robot)
 }
 
-fn not_xml(text: &str, error: &roxmltree::Error) -> Remark {
+fn not_xml(byte: usize, problem: String, remedy: &str) -> Remark {
+    Remark::new(UrdfDefect::NotXml, Some("E0120"), byte, problem, remedy)
+}
+
+fn ill_formed(text: &str, error: &roxmltree::Error) -> Remark {
     let place = error.pos();
     let start = text
         .match_indices('\n')
@@ -169,15 +159,7 @@ fn not_xml(text: &str, error: &roxmltree::Error) -> Remark {
             (format!("not well-formed XML: {words}"), "correct it here")
         }
     };
-    Remark {
-        defect: UrdfDefect::NotXml,
-        code: Some("E0120"),
-        byte,
-        subject: String::new(),
-        value: String::new(),
-        problem,
-        remedy: remedy.to_owned(),
-    }
+    not_xml(byte, problem, remedy)
 }
 
 /// Finds xacro tags anywhere, or `${...}` and `$(...)` in names and numbers.
@@ -205,15 +187,11 @@ fn find_xacro(document: &Document<'_>, remarks: &mut Vec<Remark>) {
     };
     let mut elements = document.descendants().filter(Node::is_element);
     if let Some(node) = elements.find(|n| is_tag(n) || substitutes(n)) {
-        remarks.push(Remark {
-            defect: UrdfDefect::Xacro,
-            code: Some("E0121"),
-            byte: node.range().start,
-            subject: format!("<{}>", excerpt(node.tag_name().name(), 60)),
-            value: String::new(),
-            problem: "this is xacro, which has not been expanded".to_owned(),
-            remedy: "run xacro first: xacro FILE > robot.urdf".to_owned(),
-        });
+        let problem = "this is xacro, which has not been expanded";
+        let remedy = "run xacro first: xacro FILE > robot.urdf";
+        let (byte, code) = (node.range().start, Some("E0121"));
+        let remark = Remark::new(UrdfDefect::Xacro, code, byte, problem, remedy);
+        remarks.push(remark.on(format!("<{}>", excerpt(node.tag_name().name(), 60))));
     }
 }
 
@@ -235,18 +213,11 @@ impl Reader<'_> {
         problem: String,
         remedy: &str,
     ) {
-        self.remarks.push(Remark {
-            defect: UrdfDefect::Number,
-            code: Some("E0107"),
-            byte: node.range().start,
-            subject: subject.to_owned(),
-            value: if value.is_empty() {
-                String::new()
-            } else {
-                format!("\"{}\"", excerpt(value, 60))
-            },
-            problem,
-            remedy: remedy.to_owned(),
+        let (byte, code) = (node.range().start, Some("E0107"));
+        let remark = Remark::new(UrdfDefect::Number, code, byte, problem, remedy).on(subject);
+        self.remarks.push(match value {
+            "" => remark,
+            value => remark.with_value(value, 60),
         });
     }
 
@@ -292,13 +263,8 @@ impl Reader<'_> {
             }
             None => {
                 let problem = "<inertial> has no <inertia ixx=...>".to_owned();
-                self.refuse(
-                    node,
-                    subject,
-                    "",
-                    problem,
-                    "add it, kg m2 about the mass centre",
-                );
+                let remedy = "add it, kg m2 about the mass centre";
+                self.refuse(node, subject, "", problem, remedy);
                 whole = false;
             }
         }
@@ -379,32 +345,23 @@ impl Reader<'_> {
             _ => None,
         };
         if kind.is_none() {
-            self.remarks.push(Remark {
-                defect: UrdfDefect::JointType,
-                code: Some("E0122"),
-                byte,
-                subject: format!("{subject} type"),
-                value: format!("\"{}\"", excerpt(word, 40)),
-                problem: "this type of joint is not supported".to_owned(),
-                remedy: "write revolute, continuous, prismatic or fixed; a base that floats needs no joint"
-                    .to_owned(),
-            });
+            let problem = "this type of joint is not supported";
+            let remedy =
+                "write revolute, continuous, prismatic or fixed; a base that floats needs no joint";
+            let remark = Remark::new(UrdfDefect::JointType, Some("E0122"), byte, problem, remedy);
+            let remark = remark.on(format!("{subject} type"));
+            self.remarks.push(remark.with_value(word, 40));
         }
         if let Some(mimic) = child(node, "mimic") {
-            self.remarks.push(Remark {
-                defect: UrdfDefect::Mimic,
-                code: None,
-                byte: mimic.range().start,
-                subject: subject.clone(),
-                value: String::new(),
-                problem: format!(
-                    "mimics \"{}\" (multiplier {}, offset {}): it is used as an independent joint, and telemetry needs its column",
-                    excerpt(mimic.attribute("joint").unwrap_or_default(), 60),
-                    excerpt(mimic.attribute("multiplier").unwrap_or("1"), 20),
-                    excerpt(mimic.attribute("offset").unwrap_or("0"), 20),
-                ),
-                remedy: String::new(),
-            });
+            let problem = format!(
+                "mimics \"{}\" (multiplier {}, offset {}): it is used as an independent joint, and telemetry needs its column",
+                excerpt(mimic.attribute("joint").unwrap_or_default(), 60),
+                excerpt(mimic.attribute("multiplier").unwrap_or("1"), 20),
+                excerpt(mimic.attribute("offset").unwrap_or("0"), 20),
+            );
+            let byte = mimic.range().start;
+            let remark = Remark::new(UrdfDefect::Mimic, None, byte, problem, "");
+            self.remarks.push(remark.on(&subject));
         }
         let mut end = |which: &str| match child(node, which).and_then(|n| n.attribute("link")) {
             Some(link) => link.to_owned(),
@@ -435,27 +392,11 @@ impl Reader<'_> {
         if kind == Kind::Fixed {
             return None;
         }
-        let mut note = |defect, code, byte, value: String, problem: String, remedy: &str| {
-            self.remarks.push(Remark {
-                defect,
-                code,
-                byte,
-                subject: format!("{subject} <axis>"),
-                value,
-                problem,
-                remedy: remedy.to_owned(),
-            });
-        };
         let Some(axis) = child(node, "axis") else {
-            let problem = "no axis is given: x, the default of URDF".to_owned();
-            note(
-                UrdfDefect::NoAxis,
-                None,
-                node.range().start,
-                String::new(),
-                problem,
-                "",
-            );
+            let problem = "no axis is given: x, the default of URDF";
+            let byte = node.range().start;
+            let remark = Remark::new(UrdfDefect::NoAxis, None, byte, problem, "");
+            self.remarks.push(remark.on(format!("{subject} <axis>")));
             return None;
         };
         let text = axis.attribute("xyz").unwrap_or("1 0 0");
@@ -463,24 +404,14 @@ impl Reader<'_> {
         let [x, y, z] = self.numbers(axis, "xyz", subject, Some([1.0, 0.0, 0.0]))?;
         let length = (x * x + y * y + z * z).sqrt();
         let mut note = |defect, code, problem: String, remedy: &str| {
-            self.remarks.push(Remark {
-                defect,
-                code,
-                byte,
-                subject: format!("{subject} <axis xyz>"),
-                value: format!("\"{}\"", excerpt(text, 60)),
-                problem,
-                remedy: remedy.to_owned(),
-            });
+            let remark = Remark::new(defect, code, byte, problem, remedy).with_value(text, 60);
+            self.remarks
+                .push(remark.on(format!("{subject} <axis xyz>")));
         };
         if length <= 0.0 || !length.is_finite() {
             let problem = "the axis has no direction".to_owned();
-            note(
-                UrdfDefect::ZeroAxis,
-                Some("E0113"),
-                problem,
-                "give its direction in the joint's frame",
-            );
+            let remedy = "give its direction in the joint's frame";
+            note(UrdfDefect::ZeroAxis, Some("E0113"), problem, remedy);
             return None;
         }
         if (length - 1.0).abs() > 1e-6 {
@@ -492,31 +423,20 @@ impl Reader<'_> {
 }
 
 fn cause(word: &str) -> (String, &'static str) {
-    let shown = excerpt(word, 40);
-    if word.contains("${") || word.contains("$(") {
-        return (
-            format!("'{shown}' is xacro"),
-            "run xacro first: xacro FILE > robot.urdf",
-        );
-    }
-    if word.contains(',') {
-        return (
-            format!("'{shown}' has a comma"),
-            "write a decimal point, and blanks between numbers",
-        );
-    }
-    match word.parse::<f64>() {
-        Ok(x) if x.is_finite() => {
-            return (
-                format!("'{shown}' is larger than 1e30"),
-                "check its unit: all quantities are SI",
-            );
+    let (what, remedy) = match word.parse::<f64>() {
+        _ if word.contains("${") || word.contains("$(") => {
+            ("is xacro", "run xacro first: xacro FILE > robot.urdf")
         }
-        Ok(_) => return (format!("'{shown}' is not finite"), "write a finite number"),
-        Err(_) => {}
-    }
-    (
-        format!("'{shown}' is not a number"),
-        "write a decimal number",
-    )
+        _ if word.contains(',') => (
+            "has a comma",
+            "write a decimal point, and blanks between numbers",
+        ),
+        Ok(x) if x.is_finite() => (
+            "is larger than 1e30",
+            "check its unit: all quantities are SI",
+        ),
+        Ok(_) => ("is not finite", "write a finite number"),
+        Err(_) => ("is not a number", "write a decimal number"),
+    };
+    (format!("'{}' {what}", excerpt(word, 40)), remedy)
 }

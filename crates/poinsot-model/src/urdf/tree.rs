@@ -72,15 +72,8 @@ impl<'a> Tree<'a> {
 
     fn push(&mut self, place: Place, subject: String, problem: String, remedy: &str) {
         let (defect, code, byte) = place;
-        self.remarks.push(Remark {
-            defect,
-            code: Some(code),
-            byte,
-            subject,
-            value: String::new(),
-            problem,
-            remedy: remedy.to_owned(),
-        });
+        let remark = Remark::new(defect, Some(code), byte, problem, remedy);
+        self.remarks.push(remark.on(subject));
     }
 
     fn refuse(&mut self, place: Place, problem: String, remedy: &str) {

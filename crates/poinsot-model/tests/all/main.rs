@@ -7,6 +7,7 @@
 )]
 
 mod corpora;
+mod patch;
 mod reading;
 mod refusals;
 mod urdf;

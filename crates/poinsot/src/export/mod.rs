@@ -45,45 +45,44 @@ pub enum Target {
 
 impl Target {
     /// All formats.
-    pub const ALL: [Self; 9] = [
-        Self::Model,
-        Self::Urdf,
-        Self::Sdf,
-        Self::Mjcf,
-        Self::Basilisk,
-        Self::Apm,
-        Self::Acm,
-        Self::Csv,
-        Self::Onboard,
-    ];
+    pub const ALL: [Self; 9] = {
+        use Target::*;
+        [Model, Urdf, Sdf, Mjcf, Basilisk, Apm, Acm, Csv, Onboard]
+    };
 
     /// Name on the command line.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Model => "model",
-            Self::Urdf => "urdf",
-            Self::Sdf => "sdf",
-            Self::Mjcf => "mjcf",
-            Self::Basilisk => "basilisk",
-            Self::Apm => "apm",
-            Self::Acm => "acm",
-            Self::Csv => "csv",
-            Self::Onboard => "onboard",
-        }
+        self.words()[0]
     }
 
     /// One line of help.
     pub fn about(self) -> &'static str {
+        self.words()[1]
+    }
+
+    fn words(self) -> [&'static str; 2] {
         match self {
-            Self::Model => "Model file of Poinsot, changed in place",
-            Self::Urdf => "Robot description of ROS, changed in place",
-            Self::Sdf => "Robot description of Gazebo and Drake, changed in place",
-            Self::Mjcf => "Model of MuJoCo, changed in place",
-            Self::Basilisk => "Python that sets the hub of a Basilisk spacecraft",
-            Self::Apm => "Attitude parameter message, CCSDS 504.0-B-2: inertia",
-            Self::Acm => "Attitude comprehensive message, CCSDS 504.0-B-2: mass and inertia",
-            Self::Csv => "Table, one row a number",
-            Self::Onboard => "On-board table with covariance, JSON",
+            Self::Model => ["model", "Model file of Poinsot, changed in place"],
+            Self::Urdf => ["urdf", "Robot description of ROS, changed in place"],
+            Self::Sdf => [
+                "sdf",
+                "Robot description of Gazebo and Drake, changed in place",
+            ],
+            Self::Mjcf => ["mjcf", "Model of MuJoCo, changed in place"],
+            Self::Basilisk => [
+                "basilisk",
+                "Python that sets the hub of a Basilisk spacecraft",
+            ],
+            Self::Apm => [
+                "apm",
+                "Attitude parameter message, CCSDS 504.0-B-2: inertia",
+            ],
+            Self::Acm => [
+                "acm",
+                "Attitude comprehensive message, CCSDS 504.0-B-2: mass and inertia",
+            ],
+            Self::Csv => ["csv", "Table, one row a number"],
+            Self::Onboard => ["onboard", "On-board table with covariance, JSON"],
         }
     }
 
@@ -106,12 +105,8 @@ impl FromStr for Target {
         let names = Self::ALL.map(Self::name).join(", ");
         let found = Self::ALL.into_iter().find(|t| t.name() == name);
         found.ok_or_else(|| {
-            Error::usage(
-                "--to",
-                name,
-                "there is no such format",
-                format!("use one of {names}"),
-            )
+            let advice = format!("use one of {names}");
+            Error::usage("--to", name, "there is no such format", advice)
         })
     }
 }
@@ -311,12 +306,11 @@ fn marked(source: &Source, to: Target, text: String) -> String {
         _ => format!("<!-- {} -->\n", mark.replace("--", "- -")),
     };
     let comments: String = source.marks().map(comment).collect();
-    let declared = text.starts_with("<?xml");
-    match text.split_once('\n') {
-        Some((first, rest)) if declared && !comments.is_empty() => {
-            format!("{first}\n{comments}{rest}")
-        }
-        _ => comments + &text,
+    let declared = text.starts_with("<?xml") || text.starts_with("\u{feff}<?xml");
+    let at = text.find("?>").filter(|_| declared && !comments.is_empty());
+    match at.map(|at| text.split_at(at + 2)) {
+        Some((declaration, rest)) => format!("{declaration}\n{comments}{}", rest.trim_start()),
+        None => comments + &text,
     }
 }
 
