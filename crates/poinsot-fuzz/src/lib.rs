@@ -6,14 +6,18 @@
 
 mod identify;
 mod model;
+mod results;
 mod small_problem;
 mod telemetry;
 mod urdf;
+mod xml;
 
 pub use identify::identify;
 pub use model::model;
+pub use results::results;
 pub use telemetry::{csv, parquet};
 pub use urdf::urdf;
+pub use xml::xml;
 
 /// A target; it panics on a fault.
 pub type Target = fn(&[u8]);

@@ -1,7 +1,7 @@
 //! Runs the committed corpus through every target, and some problems of drawn bytes through `identify`.
 #![allow(clippy::unwrap_used)]
 
-use poinsot_fuzz::{Target, csv, identify, model, parquet, urdf};
+use poinsot_fuzz::{Target, csv, identify, model, parquet, results, urdf, xml};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::io::Read;
@@ -63,6 +63,16 @@ fn prop_model_corpus() {
 #[test]
 fn prop_urdf_corpus() {
     replay(urdf, &corpus("urdf"));
+}
+
+#[test]
+fn prop_results_corpus() {
+    replay(results, &corpus("results"));
+}
+
+#[test]
+fn prop_xml_corpus() {
+    replay(xml, &corpus("xml"));
 }
 
 #[test]
