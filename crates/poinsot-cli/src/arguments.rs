@@ -3,6 +3,7 @@
 use crate::words::Words;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use poinsot::Coordinates;
+use std::ffi::OsString;
 use std::path::PathBuf;
 
 /// Exit codes with their meaning.
@@ -24,6 +25,9 @@ pub const EXIT_CODES: [(u8, &str); 5] = [
 #[derive(Debug, Parser)]
 #[command(name = "poinsot", version)]
 pub struct Arguments {
+    /// Memory that the work may need by its estimate, MiB. Default: 80 % of what is free.
+    #[arg(long, value_name = "MIB", global = true, value_parser = clap::value_parser!(u64).range(1..=1 << 32))]
+    pub limit_memory: Option<u64>,
     /// What to do.
     #[command(subcommand)]
     pub verb: Verb,
@@ -111,21 +115,10 @@ pub enum FigureFile {
 /// How a result is printed.
 #[derive(Debug, Args)]
 pub struct Print {
-    /// Print the result as JSON on standard output.
+    /// Print the result, or what was written, as JSON on standard output.
     #[arg(long)]
     pub json: bool,
     /// Print only errors; the exit code tells the result. Excludes --json.
-    #[arg(long, conflicts_with = "json")]
-    pub quiet: bool,
-}
-
-/// How written files are listed.
-#[derive(Debug, Args)]
-pub struct PrintWritten {
-    /// Print what was written as JSON on standard output.
-    #[arg(long)]
-    pub json: bool,
-    /// Print only errors; excludes --json.
     #[arg(long, conflicts_with = "json")]
     pub quiet: bool,
 }
@@ -139,7 +132,7 @@ pub struct Identify {
     /// Telemetry of one segment (CSV or Parquet); files of one segment joined by commas. Repeat for more
     /// segments: the bodies are shared, each has its own initial momentum.
     #[arg(long, value_name = "FILE[,FILE]", required = true)]
-    pub telemetry: Vec<String>,
+    pub telemetry: Vec<OsString>,
     /// Method; `poinsot methods` lists them.
     #[arg(long, default_value = "auto", value_parser = Words::methods())]
     pub method: String,
@@ -336,7 +329,7 @@ pub struct Simulate {
     pub out: PathBuf,
     /// How the answer is printed.
     #[command(flatten)]
-    pub print: PrintWritten,
+    pub print: Print,
 }
 
 /// Arguments of `predict`.
@@ -396,7 +389,7 @@ pub struct Validate {
     pub estimate: Option<PathBuf>,
     /// Another model (.toml), or telemetry of one record (CSV or Parquet, files joined by commas).
     #[arg(long, value_name = "MODEL.toml|FILE[,FILE]")]
-    pub against: String,
+    pub against: OsString,
     /// File whose `[telemetry]` table replaces that of the model.
     #[arg(long, value_name = "MAP.toml")]
     pub map: Option<PathBuf>,
@@ -564,14 +557,14 @@ pub struct Report {
     pub figures: Vec<FigureFile>,
     /// How the answer is printed.
     #[command(flatten)]
-    pub print: PrintWritten,
+    pub print: Print,
 }
 
 /// Arguments of `inspect`.
 #[derive(Debug, Args)]
 pub struct Inspect {
     /// Telemetry (CSV or Parquet); files of one segment joined by commas.
-    pub telemetry: String,
+    pub telemetry: OsString,
     /// Model with the `[telemetry]` table and the sensor mountings to use.
     #[arg(long, value_name = "MODEL.toml")]
     pub model: Option<PathBuf>,
@@ -623,5 +616,5 @@ pub struct Man {
     pub folder: PathBuf,
     /// How the answer is printed.
     #[command(flatten)]
-    pub print: PrintWritten,
+    pub print: Print,
 }

@@ -4,8 +4,8 @@ use poinsot::Error;
 use std::panic::{AssertUnwindSafe, PanicHookInfo, catch_unwind, set_hook};
 use std::sync::Mutex;
 
-/// Text in a library's panic message after a failed allocation.
-const NO_MEMORY: &str = "AllocError";
+/// Texts in the message of a panic after a failed allocation.
+const NO_MEMORY: [&str; 2] = ["AllocError", "capacity overflow"];
 
 /// Message and source location of the last panic.
 static LAST: Mutex<String> = Mutex::new(String::new());
@@ -22,8 +22,8 @@ pub fn guarded<T>(verb: impl FnOnce() -> Result<T, Error>) -> Result<T, Error> {
             Ok(text) => text.clone(),
             Err(poisoned) => poisoned.into_inner().clone(),
         };
-        Err(match what.contains(NO_MEMORY) {
-            true => Error::memory(),
+        Err(match NO_MEMORY.iter().any(|text| what.contains(text)) {
+            true => Error::memory("out of memory".to_owned()),
             false => Error::internal(what),
         })
     })

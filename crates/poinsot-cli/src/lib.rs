@@ -20,29 +20,46 @@ pub use verbs::exit_of;
 
 use arguments::{Arguments, Verb};
 use clap::{CommandFactory, FromArgMatches};
+use poinsot::Error;
+use poinsot_files::limit_memory;
 use poinsot_formats::ErrorFile;
 use progress::Progress;
 use std::ffi::OsString;
+
+/// Stack of the thread that runs a verb, bytes; that of the main thread is the user's limit.
+const STACK: usize = 8 << 20;
 
 /// Runs the command line `words` (program name first) and returns the exit code. Call it once at program
 /// start: it installs handlers for signals and panics and configures the thread pool.
 pub fn run(words: Vec<OsString>) -> u8 {
     signals::install();
+    let json = words.iter().any(|word| word == "--json");
+    let thread = std::thread::Builder::new().stack_size(STACK);
+    let ran = guard::guarded(|| {
+        let answer = thread
+            .spawn(move || answer(words))
+            .map_err(Error::threads)?;
+        answer
+            .join()
+            .unwrap_or_else(|cause| std::panic::resume_unwind(cause))
+    });
+    ended(ran, json)
+}
+
+/// Runs the command line.
+fn answer(words: Vec<OsString>) -> verbs::Outcome {
     verbs::remember(&words);
     let parsed = Arguments::command()
         .try_get_matches_from(words)
         .and_then(|matches| Ok((Arguments::from_arg_matches(&matches)?, matches)));
     let (arguments, matches) = match parsed {
         Ok(parsed) => parsed,
-        Err(usage) => return terminal::usage_exit(&usage),
+        Err(usage) => return terminal::usage(&usage),
     };
-    let asked = |word: &str| {
-        let verb = matches.subcommand();
-        verb.and_then(|(_, m)| m.try_get_one::<bool>(word).ok().flatten())
-            .is_some_and(|given| *given)
-    };
-    let (quiet, json) = (asked("quiet"), asked("json"));
-    let progress = Progress::start(quiet);
+    arguments.limit_memory.into_iter().for_each(limit_memory);
+    let verb = matches.subcommand();
+    let quiet = verb.and_then(|(_, m)| m.try_get_one::<bool>("quiet").ok().flatten());
+    let progress = Progress::start(quiet == Some(&true));
     let result = guard::guarded(|| match &arguments.verb {
         Verb::Identify(a) => verbs::identify::run(a),
         Verb::Simulate(a) => verbs::simulate::run(a),
@@ -66,6 +83,11 @@ pub fn run(words: Vec<OsString>) -> u8 {
         Verb::Man(a) => verbs::man::run(a),
     });
     progress.clear();
+    result
+}
+
+/// Prints why there is no answer, and returns the exit code.
+fn ended(result: verbs::Outcome, json: bool) -> u8 {
     match result.and_then(verbs::printed) {
         Ok(code) => code,
         Err(failure) => {

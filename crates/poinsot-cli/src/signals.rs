@@ -3,9 +3,6 @@
 /// Exit code for errors of the operating system.
 #[cfg(unix)]
 const ENVIRONMENT: i32 = 3;
-/// Stack of the main thread that is taken at the start, bytes: several times what a command uses there.
-#[cfg(unix)]
-const STACK: usize = 512 << 10;
 
 /// Installs the signal handlers.
 #[cfg(unix)]
@@ -14,7 +11,6 @@ pub fn install() {
     use std::sync::Arc;
     use std::sync::atomic::AtomicBool;
 
-    reserve_stack();
     // With SIGXFSZ caught, the write returns an error instead of ending the process.
     let _ = signal_hook::flag::register(libc::SIGXFSZ, Arc::new(AtomicBool::new(false)));
     // Rust aborts after a failed allocation and prints a line about it; the program is not at fault.
@@ -43,13 +39,6 @@ pub fn install() {
     });
     // Wait until the handler is installed, before any draft is written.
     let _ = is_ready.recv();
-}
-
-/// At a memory limit the stack cannot grow any more, and the line about the limit needs some of it.
-#[cfg(unix)]
-#[inline(never)]
-fn reserve_stack() {
-    std::hint::black_box([0_u8; STACK]);
 }
 
 /// Other systems: no signal handlers.

@@ -124,13 +124,10 @@ impl fmt::Display for Place {
             write!(f, " column '{}'", escaped(&self.name))?;
         }
         let is_alone = self.file.is_empty() && self.option.is_empty();
-        let parted = !self.key.is_empty() && !is_alone;
-        write!(
-            f,
-            "{}{}",
-            if parted { ": " } else { "" },
-            escaped(&self.key)
-        )
+        if !self.key.is_empty() && !is_alone {
+            write!(f, ": ")?;
+        }
+        write!(f, "{}", escaped(&self.key))
     }
 }
 
@@ -186,12 +183,8 @@ impl Fault {
 /// `CODE place: problem; advice`, with the value behind the place, in one line.
 impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Place {
-            key,
-            subject,
-            option,
-            ..
-        } = &self.place;
+        let (key, subject) = (&self.place.key, &self.place.subject);
+        let option = self.place.option;
         write!(f, "{} ", self.code)?;
         let place = self.place.to_string();
         write!(f, "{place}")?;
@@ -306,22 +299,16 @@ impl Faults {
 
     /// E0005: the system starts no thread.
     pub fn threads(why: impl fmt::Display) -> Self {
-        Self::system(
-            "E0005",
-            Place::default(),
-            format!("the system cannot start a thread: {why}"),
-            "raise the limit of processes or memory (ulimit -u, ulimit -v), or end other programs",
-        )
+        let problem = format!("the system cannot start a thread: {why}");
+        let advice =
+            "raise the limit of processes or memory (ulimit -u, ulimit -v), or end other programs";
+        Self::system("E0005", Place::default(), problem, advice)
     }
 
-    /// E0006: out of memory.
-    pub fn memory() -> Self {
-        Self::system(
-            "E0006",
-            Place::default(),
-            "out of memory".to_owned(),
-            "raise the limit (ulimit -v), take fewer rows by --every, or end other programs",
-        )
+    /// E0006: out of memory, or above its limit.
+    pub fn memory(problem: String) -> Self {
+        let advice = "ask for less, end other programs, or raise --limit-memory and ulimit -v";
+        Self::system("E0006", Place::default(), problem, advice)
     }
 
     /// E0009: a bug, with its message and place in the source.

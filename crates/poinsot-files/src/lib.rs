@@ -5,18 +5,21 @@
 //!
 //! # Files
 //! - `fault.rs`: code, place, value, problem and advice of an error as data, and its line of text.
+//! - `budget.rs`: refuses work whose estimated memory is above a limit.
 //! - `input.rs`: opens every input: a regular file, up to a size limit.
 //! - `stage.rs`: drafts in a hidden folder. Earlier files are kept until all drafts are in place, and restored on
 //!   failure. Folders of killed runs are removed.
 //! - `plain.rs`: escapes unprintable characters and shortens error lines to 300 characters.
 //! - `numbers.rs`: numbers in text: significant digits, with a sigma.
 
+mod budget;
 mod fault;
 mod input;
 mod numbers;
 mod plain;
 mod stage;
 
+pub use budget::{check_memory, limit_memory};
 pub use fault::{Fault, FaultKind, Faults, Place, io_advice};
 pub use input::{InputError, open, read, read_text, spooled, standard_input};
 pub use numbers::{

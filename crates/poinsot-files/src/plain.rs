@@ -32,6 +32,15 @@ pub fn escaped_lines(text: &str) -> Cow<'_, str> {
 }
 
 fn escaped_except(text: &str, kept: impl Fn(char) -> bool) -> Cow<'_, str> {
+    rewritten(text, kept, |c| c.escape_default().to_string())
+}
+
+/// Text in which `escape` replaces every unprintable character that is not kept.
+fn rewritten(
+    text: &str,
+    kept: impl Fn(char) -> bool,
+    escape: impl Fn(char) -> String,
+) -> Cow<'_, str> {
     let bad = |c: char| is_unprintable(c) && !kept(c);
     if !text.contains(bad) {
         return text.into();
@@ -39,7 +48,7 @@ fn escaped_except(text: &str, kept: impl Fn(char) -> bool) -> Cow<'_, str> {
     let mut out = String::with_capacity(text.len() + 16);
     for c in text.chars() {
         match bad(c) {
-            true => out.extend(c.escape_default()),
+            true => out.push_str(&escape(c)),
             false => out.push(c),
         }
     }
@@ -57,19 +66,9 @@ pub fn excerpt(text: &str, limit: usize) -> String {
 /// JSON text with unprintable characters in strings as `\u....`; the document is unchanged. Line ends and tabs between
 /// tokens are kept.
 pub fn json_escaped(text: &str) -> Cow<'_, str> {
-    let bad = |c: char| is_unprintable(c) && !matches!(c, '\n' | '\t' | '\r');
-    if !text.contains(bad) {
-        return text.into();
-    }
-    let mut out = String::with_capacity(text.len() + 16);
-    for c in text.chars() {
-        match bad(c) {
-            // All unprintable characters lie below U+10000: one UTF-16 unit.
-            true => out.push_str(&format!("\\u{:04x}", u32::from(c))),
-            false => out.push(c),
-        }
-    }
-    out.into()
+    let kept = |c| matches!(c, '\n' | '\t' | '\r');
+    // All unprintable characters lie below U+10000: one UTF-16 unit.
+    rewritten(text, kept, |c| format!("\\u{:04x}", u32::from(c)))
 }
 
 /// One line of an error: escaped, at most [`LONGEST_LINE`] characters. The longest values and words are shortened

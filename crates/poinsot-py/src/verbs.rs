@@ -156,7 +156,7 @@ pub fn validate(
     let request = ValidateRequest {
         model,
         estimate,
-        against,
+        against: against.into(),
         case,
         map,
         within_m,

@@ -1,6 +1,6 @@
 //! Converts the time of a row to seconds since the origin of the segment.
 
-use crate::instant::{ATTO, Calendar};
+use crate::instant::{ATTO, Calendar, NO_YEAR, in_years};
 use crate::number::{self, Cell, InvalidNumber, RawCell};
 use crate::{Dimension, Origin, Scale, TimeFormat, TimeMap, Unit, parse_unit};
 
@@ -164,6 +164,9 @@ impl Clock {
             TimeFormat::Iso8601 => self.calendar.instant(&cell.text(), false)?,
             TimeFormat::DayOfYear => self.calendar.instant(&cell.text(), true)?,
         };
+        if !in_years(at) {
+            return Err(NO_YEAR);
+        }
         let scale = Some(self.calendar.scale());
         let origin = *self.origin.get_or_insert(Origin {
             at,
@@ -257,6 +260,27 @@ mod tests {
             other => panic!("{cell}: {other:?}"),
         };
         cells.iter().map(&mut of).collect()
+    }
+
+    #[test]
+    fn regress_years_that_no_record_has_are_refused() {
+        for (epoch, time, fits) in [
+            ("gps", "1.4e9", true),
+            // The year 11, and milliseconds read as seconds: the year 58,000.
+            ("gps", "-6.2e10", false),
+            ("gps", "1.77e12", false),
+            ("2026-03-14T00:00:00", "100", true),
+            ("2026-03-14T00:00:00", "-6.213e10", false),
+            ("2026-03-14T00:00:00", "1.77e12", false),
+            ("unix", "1.77e12", false),
+        ] {
+            let map = TimeMap {
+                epoch: Some(epoch.to_owned()),
+                ..TimeMap::default()
+            };
+            let read = check_time(&map).unwrap().seconds(text(time), None);
+            assert_eq!(read.is_ok(), fits, "{epoch} {time}: {read:?}");
+        }
     }
 
     #[test]

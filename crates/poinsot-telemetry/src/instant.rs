@@ -187,6 +187,20 @@ const NO_DATE: InvalidNumber = InvalidNumber(
     Some("write for example 2026-03-14T18:19:00.25"),
 );
 
+pub(crate) const NO_YEAR: InvalidNumber = InvalidNumber(
+    "is no time between 1972 and 2199",
+    Some("correct the unit or the epoch in [telemetry] time"),
+);
+
+/// Whether an instant is in the years of the calendar.
+pub(crate) fn in_years(at: i128) -> bool {
+    let begin = |year| {
+        let days = day_number(year, 1, 1) - day_number(1900, 1, 1);
+        i128::from(days * DAY) * ATTO
+    };
+    (begin(*YEARS.start())..begin(YEARS.end() + 1)).contains(&at)
+}
+
 impl Calendar {
     pub(crate) fn new(scale: Scale) -> Self {
         Self { scale, last: None }
@@ -218,10 +232,7 @@ impl Calendar {
         let day = atto.div_euclid(ATTO * i128::from(DAY));
         let rest = atto.rem_euclid(ATTO * i128::from(DAY));
         let midnight = i64::try_from(day).ok().and_then(|day| self.midnight(day));
-        midnight.map(|at| at + rest).ok_or(InvalidNumber(
-            "is no time between 1972 and 2199",
-            Some("correct the unit or the epoch in [telemetry] time"),
-        ))
+        midnight.map(|at| at + rest).ok_or(NO_YEAR)
     }
 
     /// The instant of a text: date, `T` or blank, time of day, and optional zone.
@@ -259,10 +270,7 @@ impl Calendar {
             day
         };
         if !YEARS.contains(&year) {
-            return Err(InvalidNumber(
-                "is outside 1972 to 2199",
-                Some("correct the year"),
-            ));
+            return Err(NO_YEAR);
         }
         one_of(&mut rest, b"T t:/")?;
         let hour = digits(&mut rest, 2)?;

@@ -18,7 +18,8 @@ use poinsot_papers::{Settings as MethodSettings, answered, identify_by, method};
 use poinsot_telemetry::checks::{self, Check, Finding, Policies, Policy};
 use poinsot_telemetry::{Encoding, Origin, Part, ReadOptions, Source, Table, read_parts};
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
+use std::ffi::OsStr;
+use std::path::PathBuf;
 
 /// Fraction of dropped samples above which the result is not acceptable.
 const ALLOWED_LOSS: f64 = 0.2;
@@ -691,9 +692,17 @@ pub fn read_options(model: &Model, map: &TelemetryMap, strict: bool, recover: bo
 ///
 /// assert_eq!(segment_files("attitude.csv,gyro.csv").len(), 2);
 /// ```
-pub fn segment_files(argument: &str) -> Vec<PathBuf> {
-    argument
-        .split(',')
-        .map(|p| Path::new(p).to_owned())
-        .collect()
+pub fn segment_files(argument: impl AsRef<OsStr>) -> Vec<PathBuf> {
+    let argument = argument.as_ref();
+    #[cfg(unix)]
+    {
+        use std::os::unix::ffi::OsStrExt;
+        let names = argument.as_bytes().split(|byte| *byte == b',');
+        names.map(|name| OsStr::from_bytes(name).into()).collect()
+    }
+    #[cfg(not(unix))]
+    {
+        let names = argument.to_string_lossy();
+        names.split(',').map(PathBuf::from).collect()
+    }
 }

@@ -26,6 +26,9 @@ use poinsot_model::{Joint, Model, read_model};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
+/// Memory of the measurements and derivatives of a row, bytes.
+const OF_ROW: f64 = 1100.0;
+
 /// Predicted accuracy of a case.
 pub struct Prediction {
     /// The vehicle; its numbers are the true values.
@@ -148,16 +151,18 @@ pub fn predict_case(
     relative_accuracy: f64,
 ) -> Result<Prediction, Error> {
     if !(relative_accuracy > 0.0 && relative_accuracy.is_finite()) {
+        let (option, problem) = ("--relative-accuracy", "must be a positive number");
         return Err(Error::usage(
-            "--relative-accuracy",
+            option,
             relative_accuracy,
-            "must be a positive number",
+            problem,
             "give for example 1.0",
         ));
     }
     let scenario = case.bind(&model)?;
     refuse_unread(&scenario, &model)?;
     let wants = case.wants(&model)?;
+    case.check_memory(OF_ROW)?;
     let mut peaks = Peaks::default();
     let exact = simulate_exact_watched(case, &model, scenario.clone(), |s| peaks.take(s))?;
     let tree = Tree::new(&model);

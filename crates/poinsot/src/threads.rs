@@ -1,8 +1,8 @@
 //! Thread pool of a command.
 
 use crate::error::Error;
-use std::sync::mpsc::channel;
-use std::thread::{Builder, JoinHandle};
+use std::sync::Mutex;
+use std::thread::Builder;
 
 /// Starts the thread pool: one thread per core, or fewer if `RAYON_NUM_THREADS` or the system limits them. For program
 /// start only; libraries use the existing pool.
@@ -35,29 +35,19 @@ pub fn thread_count() -> usize {
 
 /// Number of these threads that can run at the same time.
 fn startable(wanted: usize) -> Result<usize, Error> {
-    let mut waiting = Vec::new();
-    let mut started: Vec<JoinHandle<()>> = Vec::new();
-    let mut refusal = None;
-    for _ in 0..wanted {
-        let (end, ended) = channel::<()>();
-        match Builder::new().spawn(move || {
-            let _ = ended.recv();
-        }) {
-            Ok(thread) => started.push(thread),
-            Err(error) => refusal = Some(error),
+    let gate = Mutex::new(());
+    let closed = gate.lock();
+    std::thread::scope(|scope| {
+        let mut refusal = None;
+        let start = |_| Builder::new().spawn_scoped(scope, || drop(gate.lock()));
+        let started = (0..wanted).map(start);
+        let count = started
+            .map_while(|thread| thread.map_err(|error| refusal = Some(error)).ok())
+            .count();
+        drop(closed);
+        match refusal {
+            Some(error) if count == 0 => Err(Error::threads(error)),
+            _ => Ok(count),
         }
-        waiting.push(end);
-        if refusal.is_some() {
-            break;
-        }
-    }
-    drop(waiting);
-    let count = started.len();
-    for thread in started {
-        let _ = thread.join();
-    }
-    match refusal {
-        Some(error) if count == 0 => Err(Error::threads(error)),
-        _ => Ok(count),
-    }
+    })
 }

@@ -29,7 +29,8 @@ use poinsot_formats::{
 use poinsot_identify::Completion;
 use poinsot_model::{Model, read_model, read_telemetry_map};
 use poinsot_telemetry::read;
-use std::path::PathBuf;
+use std::ffi::{OsStr, OsString};
+use std::path::{Path, PathBuf};
 
 /// Mean square in sigmas above which a difference exceeds the declared noise.
 const MISFIT: f64 = 1.5;
@@ -42,7 +43,7 @@ pub struct ValidateRequest {
     /// Estimate of this model (folder or file); its numbers replace the nominal ones.
     pub estimate: Option<PathBuf>,
     /// Another model (`.toml`), or telemetry files joined by commas.
-    pub against: String,
+    pub against: OsString,
     /// Case; not needed for held-back telemetry.
     pub case: Option<PathBuf>,
     /// File with a `[telemetry]` table that replaces the model's.
@@ -78,7 +79,7 @@ pub struct Validation {
 /// // The same model twice: the motions are equal.
 /// let request = ValidateRequest {
 ///     case: Some(folder.join("case.toml")),
-///     against: folder.join("model.toml").display().to_string(),
+///     against: folder.join("model.toml").into(),
 ///     within_rad: Some(1.0e-9),
 ///     ..ValidateRequest::default()
 /// };
@@ -114,7 +115,10 @@ pub fn validate(request: &ValidateRequest) -> Result<Validation, Error> {
         model: &model,
         completion,
     };
-    let mut validation = match (&case, request.against.ends_with(".toml")) {
+    let mut validation = match (
+        &case,
+        Path::new(&request.against).extension() == Some(OsStr::new("toml")),
+    ) {
         (Some(case), true) => asked.against_model(case)?,
         (Some(case), false) => asked.against_telemetry(case)?,
         (None, false) => asked.held_back()?,
@@ -216,7 +220,7 @@ impl Asked<'_> {
             verdict: if open { "undetermined" } else { verdict }.to_owned(),
             model: String::new(),
             estimate: None,
-            against: self.request.against.clone(),
+            against: self.request.against.to_string_lossy().into_owned(),
             case: None,
             limits: ValidationLimitsFile {
                 within_m: self.request.within_m,

@@ -1,6 +1,6 @@
 //! `poinsot campaign`
 
-use super::{Outcome, exit_of, note, print, print_document, print_json, print_result};
+use super::{Outcome, exit_of, note, noted, print, print_document, print_json, print_result};
 use crate::arguments::{Campaign, Emit};
 use poinsot::campaign::{
     CampaignRequest, CampaignRun, Plan, campaign, campaign_cost, merge_campaign, read_plan,
@@ -30,12 +30,8 @@ pub fn run(arguments: &Campaign) -> Outcome {
         return Ok(0);
     }
     let out = arguments.out.as_deref().ok_or_else(|| {
-        Error::usage(
-            "--out",
-            "",
-            "a campaign needs a folder for its shards",
-            "name one",
-        )
+        let problem = "a campaign needs a folder for its shards";
+        Error::usage("--out", "", problem, "name one")
     })?;
     let results = ["campaign.json", "campaign.html"].map(|n| out.join(n));
     check_outputs("--out", &results, &[&arguments.plan])?;
@@ -91,9 +87,7 @@ pub fn shown(json: bool, quiet: bool, ran: &CampaignRun) -> Outcome {
             print("\n");
         }
     }
-    for path in ran.written.iter().filter(|_| !quiet) {
-        note(&format!("written: {}", path.display()));
-    }
+    noted(&ran.written, quiet);
     Ok(exit_of(ran.passes()))
 }
 
@@ -129,11 +123,8 @@ fn emit(arguments: &Campaign, plan: &Plan, out: &Path) -> Outcome {
 /// Runs the shards in separate processes and restarts those that crash.
 fn supervised(arguments: &Campaign, plan: &Plan, out: &Path, processes: u64) -> Result<(), Error> {
     let program = std::env::current_exe().map_err(|source| {
-        Error::io(
-            Path::new("poinsot"),
-            "the program cannot be found again",
-            &source,
-        )
+        let what = "the program cannot be found again";
+        Error::io(Path::new("poinsot"), what, &source)
     })?;
     let threads = (thread_count() as u64 / processes).max(1).to_string();
     let start = |share: u64| {
@@ -143,12 +134,8 @@ fn supervised(arguments: &Campaign, plan: &Plan, out: &Path, processes: u64) -> 
             .arg("--out")
             .arg(out)
             .args(["--trials", &plan.trials.to_string()])
-            .args([
-                "--shard",
-                &format!("{share}/{processes}"),
-                "--resume",
-                "--quiet",
-            ])
+            .args(["--resume", "--quiet", "--shard"])
+            .arg(format!("{share}/{processes}"))
             .env("RAYON_NUM_THREADS", &threads)
             .spawn()
             .map_err(|source| Error::io(&program, "cannot be started", &source))
@@ -171,10 +158,9 @@ fn supervised(arguments: &Campaign, plan: &Plan, out: &Path, processes: u64) -> 
                 let missing = poinsot::campaign::missing_shards(plan, out, of_share)?;
                 let at = missing.first();
                 let at = at.map_or("none".to_owned(), |m| m.number.to_string());
-                let again = if crashes < TRIES {
-                    "it is restarted"
-                } else {
-                    "given up"
+                let again = match crashes < TRIES {
+                    true => "it is restarted",
+                    false => "given up",
                 };
                 note(&format!(
                     "process {share} of {processes} ended by {ended} with {} shards missing, the first {at}: {again}",

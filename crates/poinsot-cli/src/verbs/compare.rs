@@ -1,6 +1,6 @@
 //! `poinsot compare`
 
-use super::{Outcome, exit_of, print_document, print_result};
+use super::{Outcome, exit_of, print_document, print_result, shown};
 use crate::arguments::Compare;
 use poinsot::compare::{CompareRequest, compare};
 use poinsot_report::comparison_document;
@@ -9,10 +9,10 @@ pub fn run(arguments: &Compare) -> Outcome {
     let comparison = compare(&CompareRequest {
         answers: arguments.answers.clone(),
     })?;
-    if arguments.print.json {
-        print_result(&comparison);
-    } else if !arguments.print.quiet {
-        print_document(&comparison_document(&comparison));
-    }
+    shown(
+        &arguments.print,
+        || print_result(&comparison),
+        || print_document(&comparison_document(&comparison)),
+    );
     Ok(exit_of(comparison.passes()))
 }

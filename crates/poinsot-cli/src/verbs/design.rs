@@ -1,6 +1,6 @@
 //! `poinsot design`
 
-use super::{Outcome, exit_of, note, print_document, print_result};
+use super::{Outcome, exit_of, noted, print_document, print_result, shown};
 use crate::arguments::Design;
 use poinsot::case::read_case;
 use poinsot::check_outputs;
@@ -34,13 +34,11 @@ pub fn run(arguments: &Design) -> Outcome {
         Some(folder) => write_design(folder, &designed, &case.model)?,
         None => Vec::new(),
     };
-    if arguments.print.json {
-        print_result(&design_file(&designed));
-    } else if !arguments.print.quiet {
-        print_document(&design_document(&design_file(&designed)));
-    }
-    for path in written.iter().filter(|_| !arguments.print.quiet) {
-        note(&format!("written: {}", path.display()));
-    }
+    shown(
+        &arguments.print,
+        || print_result(&design_file(&designed)),
+        || print_document(&design_document(&design_file(&designed))),
+    );
+    noted(&written, arguments.print.quiet);
     Ok(exit_of(designed.passes()))
 }

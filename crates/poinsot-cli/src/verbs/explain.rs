@@ -1,6 +1,6 @@
 //! `poinsot explain`
 
-use super::{Outcome, print, print_json};
+use super::{Outcome, print, print_json, shown};
 use crate::arguments::Explain;
 use poinsot::explain::{codes_file, error_codes, explain};
 
@@ -8,26 +8,18 @@ pub fn run(arguments: &Explain) -> Outcome {
     let codes = match &arguments.code {
         None => error_codes(),
         Some(code) => vec![explain(code).ok_or_else(|| {
-            poinsot::Error::usage(
-                "explain",
-                code,
-                "there is no such code",
-                "run `poinsot explain` for all",
-            )
+            let advice = "run `poinsot explain` for all";
+            poinsot::Error::usage("explain", code, "there is no such code", advice)
         })?],
     };
-    if arguments.print.json {
-        print_json(&codes_file(&codes));
-    } else if arguments.print.quiet {
-        return Ok(0);
-    } else if arguments.code.is_some() {
-        codes.iter().for_each(|c| print(&c.to_string()));
-    } else {
-        let lines: Vec<String> = codes
-            .iter()
-            .map(|c| format!("{}  {}\n", c.code, c.meaning))
-            .collect();
-        print(&lines.concat());
-    }
+    let text = || {
+        for code in &codes {
+            match arguments.code {
+                Some(_) => print(&code.to_string()),
+                None => print(&format!("{}  {}\n", code.code, code.meaning)),
+            }
+        }
+    };
+    shown(&arguments.print, || print_json(&codes_file(&codes)), text);
     Ok(0)
 }

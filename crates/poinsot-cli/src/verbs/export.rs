@@ -10,12 +10,8 @@ pub fn run(arguments: &Export) -> Outcome {
     let onto = arguments.onto.as_deref();
     let inputs: Vec<&std::path::Path> = std::iter::once(estimate.as_path()).chain(onto).collect();
     check_outputs("-o", arguments.out.as_slice(), &inputs)?;
-    let exported = export(
-        &arguments.folder,
-        arguments.to.parse()?,
-        onto,
-        arguments.accept_unreliable,
-    )?;
+    let (folder, to) = (&arguments.folder, arguments.to.parse()?);
+    let exported = export(folder, to, onto, arguments.accept_unreliable)?;
     if !arguments.quiet {
         let lines = exported.left_out.iter().chain(&exported.no_field);
         lines.for_each(|line| note(line));

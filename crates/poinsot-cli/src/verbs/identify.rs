@@ -1,6 +1,8 @@
 //! `poinsot identify`
 
-use super::{Outcome, command_line, exit_of, formats, note, print_document, print_result, step};
+use super::{
+    Outcome, command_line, exit_of, formats, noted, print_document, print_result, shown, step,
+};
 use crate::arguments::Identify;
 use poinsot::{
     Coordinates, Error, IdentifyRequest, Question, Reading, check_outputs, estimate_file, identify,
@@ -17,11 +19,7 @@ pub fn run(arguments: &Identify) -> Outcome {
     let rows = &arguments.rows;
     let request = IdentifyRequest {
         model: arguments.model.clone(),
-        segments: arguments
-            .telemetry
-            .iter()
-            .map(|t| segment_files(t))
-            .collect(),
+        segments: arguments.telemetry.iter().map(segment_files).collect(),
         reading: Reading {
             model: None,
             map: arguments.map.clone(),
@@ -47,27 +45,24 @@ pub fn run(arguments: &Identify) -> Outcome {
     }
     let identified = identify(&request)?;
     let written = match &arguments.out {
-        Some(folder) => write_result(
-            folder,
-            &identified,
-            command_line(),
-            arguments.report,
-            &figures,
-        )?,
+        Some(folder) => {
+            let words = command_line();
+            write_result(folder, &identified, words, arguments.report, &figures)?
+        }
         None => Vec::new(),
     };
-    if arguments.print.json {
-        print_result(&estimate_file(&identified));
-    } else if !arguments.print.quiet {
-        let detail = match arguments.verbose {
-            true => Detail::Everything,
-            false => Detail::Answer,
-        };
-        print_document(&estimate_document(&estimate_file(&identified), detail));
-    }
-    for path in written.iter().filter(|_| !arguments.print.quiet) {
-        note(&format!("written: {}", path.display()));
-    }
+    shown(
+        &arguments.print,
+        || print_result(&estimate_file(&identified)),
+        || {
+            let detail = match arguments.verbose {
+                true => Detail::Everything,
+                false => Detail::Answer,
+            };
+            print_document(&estimate_document(&estimate_file(&identified), detail));
+        },
+    );
+    noted(&written, arguments.print.quiet);
     Ok(exit_of(identified.passes()))
 }
 

@@ -1,6 +1,6 @@
 //! `poinsot inspect`
 
-use super::{Outcome, print, print_json, step};
+use super::{Outcome, print, print_json, shown, step};
 use crate::arguments::Inspect;
 use poinsot::{inspect, inspection_file, segment_files};
 use poinsot_telemetry::ReadOptions;
@@ -18,10 +18,8 @@ pub fn run(arguments: &Inspect) -> Outcome {
     let files = segment_files(&arguments.telemetry);
     let (model, map) = (arguments.model.as_deref(), arguments.map.as_deref());
     let found = inspect(&files, &options, model, map)?;
-    if arguments.print.json {
-        print_json(&inspection_file(found));
-    } else if !arguments.print.quiet {
-        print(&format!("{found}\n"));
-    }
+    let text = format!("{found}\n");
+    let json = || print_json(&inspection_file(found));
+    shown(&arguments.print, json, || print(&text));
     Ok(0)
 }

@@ -1,6 +1,6 @@
 //! `poinsot methods`
 
-use super::{Outcome, print, print_json};
+use super::{Outcome, print, print_json, shown};
 use crate::arguments::Methods;
 use poinsot::methods::{MethodText, methods, methods_file};
 use std::fmt::Write;
@@ -12,20 +12,18 @@ pub fn run(arguments: &Methods) -> Outcome {
         let advice = format!("use one of {}", all.join(", "));
         listed.retain(|m| m.name == name);
         if listed.is_empty() {
-            return Err(poinsot::Error::usage(
-                "methods",
-                name,
-                "there is no such method",
-                advice,
-            ));
+            let problem = "there is no such method";
+            return Err(poinsot::Error::usage("methods", name, problem, advice));
         }
     }
-    if arguments.print.json {
-        print_json(&methods_file(&listed));
-    } else if !arguments.print.quiet {
-        let texts: Vec<String> = listed.iter().map(text).collect();
-        print(&texts.join("\n"));
-    }
+    shown(
+        &arguments.print,
+        || print_json(&methods_file(&listed)),
+        || {
+            let texts: Vec<String> = listed.iter().map(text).collect();
+            print(&texts.join("\n"));
+        },
+    );
     Ok(0)
 }
 
@@ -46,10 +44,8 @@ fn text(method: &MethodText) -> String {
             width = width.unwrap_or(0)
         );
     }
-    let width = method
-        .settings
-        .iter()
-        .map(|s| s.key.len() + s.default.len());
+    let settings = method.settings.iter();
+    let width = settings.map(|s| s.key.len() + s.default.len());
     let width = width.max().unwrap_or(0) + 1;
     for setting in method.settings {
         let pair = format!("{}={}", setting.key, setting.default);

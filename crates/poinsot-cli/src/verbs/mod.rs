@@ -23,12 +23,13 @@ pub mod validate;
 
 use std::sync::{Mutex, OnceLock};
 
-use crate::arguments::FigureFile;
+use crate::arguments::{FigureFile, Print};
 use poinsot::Error;
 use poinsot_figures::{Document, FigureFormat, WITHOUT_PNG};
 use poinsot_files::{error_line, escaped_lines, json_escaped};
 use poinsot_formats::{ResultFile, WrittenFile, result_text};
 use std::io::IsTerminal;
+use std::path::PathBuf;
 
 /// Exit code of a command, or its failure.
 pub type Outcome = Result<u8, Error>;
@@ -60,12 +61,11 @@ pub fn command_line() -> &'static [String] {
 /// Row step of telemetry (`--every`).
 pub fn step(rows: &crate::arguments::Rows) -> Result<usize, Error> {
     match rows.every {
-        0 => Err(Error::usage(
-            "--every",
-            "0",
-            "the number of rows must be at least 1",
-            "give 1 for all, 10 for every tenth",
-        )),
+        0 => {
+            let problem = "the number of rows must be at least 1";
+            let advice = "give 1 for all, 10 for every tenth";
+            Err(Error::usage("--every", "0", problem, advice))
+        }
         every => Ok(every),
     }
 }
@@ -76,14 +76,27 @@ pub fn note(line: &str) {
     let _ = writeln!(std::io::stderr(), "{}", error_line(line));
 }
 
+/// Prints an answer: as JSON, as text, or not.
+pub fn shown(how: &Print, json: impl FnOnce(), text: impl FnOnce()) {
+    match how {
+        Print { json: true, .. } => json(),
+        Print { quiet: true, .. } => {}
+        _ => text(),
+    }
+}
+
 /// Lists the written files: on standard error, or as JSON on standard output.
-pub fn written(paths: &[std::path::PathBuf], json: bool, quiet: bool) {
-    if json {
-        print_json(&WrittenFile::of(paths));
-    } else if !quiet {
-        for path in paths {
-            note(&format!("written: {}", path.display()));
-        }
+pub fn written(paths: &[PathBuf], json: bool, quiet: bool) {
+    match json {
+        true => print_json(&WrittenFile::of(paths)),
+        false => noted(paths, quiet),
+    }
+}
+
+/// Lists the written files on standard error.
+pub fn noted(paths: &[PathBuf], quiet: bool) {
+    for path in paths.iter().filter(|_| !quiet) {
+        note(&format!("written: {}", path.display()));
     }
 }
 
@@ -127,7 +140,8 @@ pub fn print_document(document: &Document) {
     print_styled(&crate::terminal::document_text(document));
 }
 
-fn print_styled(text: &str) {
+/// Prints to standard output without escapes.
+pub fn print_styled(text: &str) {
     use std::io::{ErrorKind, Write};
     let mut out = std::io::stdout().lock();
     let done = out.write_all(text.as_bytes()).and_then(|()| out.flush());

@@ -1,6 +1,6 @@
 //! `poinsot predict`
 
-use super::{Outcome, exit_of, note, print_document, print_json, print_result};
+use super::{Outcome, exit_of, noted, print_document, print_json, print_result};
 use crate::arguments::Predict;
 use poinsot::predict::{
     Prediction, predict_all, prediction_file, prediction_paths, write_predictions,
@@ -25,8 +25,6 @@ pub fn run(arguments: &Predict) -> Outcome {
         (false, [one]) => print_document(&prediction_document(one)),
         (false, several) => print_document(&several_document(several)),
     }
-    for path in paths.iter().filter(|_| !arguments.print.quiet) {
-        note(&format!("written: {}", path.display()));
-    }
+    noted(&paths, arguments.print.quiet);
     Ok(exit_of(all.iter().all(Prediction::passes)))
 }

@@ -5,11 +5,8 @@ use crate::arguments::Report;
 use poinsot::write_report;
 
 pub fn run(arguments: &Report) -> Outcome {
-    let paths = write_report(
-        &arguments.result,
-        &arguments.compare,
-        &formats(&arguments.figures)?,
-    )?;
+    let figures = formats(&arguments.figures)?;
+    let paths = write_report(&arguments.result, &arguments.compare, &figures)?;
     written(&paths, arguments.print.json, arguments.print.quiet);
     Ok(0)
 }

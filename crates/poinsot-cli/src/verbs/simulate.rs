@@ -6,10 +6,7 @@ use poinsot::simulate::simulate;
 
 pub fn run(arguments: &Simulate) -> Outcome {
     let made = simulate(&arguments.case, &arguments.out)?;
-    written(
-        &[made.telemetry, made.truth],
-        arguments.print.json,
-        arguments.print.quiet,
-    );
+    let (print, paths) = (&arguments.print, [made.telemetry, made.truth]);
+    written(&paths, print.json, print.quiet);
     Ok(0)
 }

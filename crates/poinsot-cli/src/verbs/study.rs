@@ -1,12 +1,14 @@
 //! `poinsot study`
 
-use super::{Outcome, command_line, formats, note, print, print_document, print_json, written};
+use super::{
+    Outcome, command_line, formats, note, print, print_document, print_json, shown, written,
+};
 use crate::arguments::{FigureFile, Study};
 use poinsot::study::{
     files, find, findings_file, printed_findings, run as run_study, studies_file,
 };
 use poinsot::write_files;
-use poinsot_formats::{FINDINGS, FindingsFile, PaperFile};
+use poinsot_formats::{FINDINGS, FindingsFile, PaperFile, StudiesFile};
 use poinsot_report::study_document;
 use std::fmt::Write;
 
@@ -54,19 +56,20 @@ pub fn run(arguments: &Study) -> Outcome {
 
 fn list(arguments: &Study) {
     let all = studies_file(arguments.paper.as_deref());
-    if arguments.print.json {
-        print_json(&all);
-        return;
-    }
-    if arguments.print.quiet {
-        return;
-    }
+    shown(
+        &arguments.print,
+        || print_json(&all),
+        || print(&listed(&all)),
+    );
+}
+
+fn listed(all: &StudiesFile) -> String {
     let mut out = String::new();
     for PaperFile {
         paper,
         citation,
         studies,
-    } in all.papers
+    } in &all.papers
     {
         let _ = writeln!(out, "{paper}: {citation}");
         let width = studies.iter().map(|s| s.name.len()).max().unwrap_or(0);
@@ -79,5 +82,5 @@ fn list(arguments: &Study) {
             );
         }
     }
-    print(&out);
+    out
 }

@@ -1,18 +1,16 @@
 //! `poinsot units`
 
-use super::{Outcome, print, print_json};
+use super::{Outcome, print, print_json, shown};
 use crate::arguments::Units;
 use poinsot::units_file;
 use poinsot_telemetry::{Dimension, units};
 
 pub fn run(arguments: &Units) -> Outcome {
-    if arguments.print.json {
-        print_json(&units_file());
-        return Ok(0);
-    }
-    if arguments.print.quiet {
-        return Ok(0);
-    }
+    shown(&arguments.print, || print_json(&units_file()), list);
+    Ok(0)
+}
+
+fn list() {
     let mut dimensions: Vec<Dimension> = Vec::new();
     for unit in units() {
         if !dimensions.contains(&unit.dimension) {
@@ -31,5 +29,4 @@ pub fn run(arguments: &Units) -> Outcome {
             of.join(", ")
         ));
     }
-    Ok(0)
 }

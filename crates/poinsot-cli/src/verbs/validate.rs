@@ -1,6 +1,6 @@
 //! `poinsot validate`
 
-use super::{Outcome, exit_of, note, print_document, print_result};
+use super::{Outcome, exit_of, noted, print_document, print_result, shown};
 use crate::arguments::Validate;
 use poinsot::validate::{ValidateRequest, validate, write_validation};
 use poinsot::{check_outputs, segment_files};
@@ -40,13 +40,11 @@ pub fn run(arguments: &Validate) -> Outcome {
         None => Vec::new(),
     };
     let file = &validation.file;
-    if arguments.print.json {
-        print_result(file);
-    } else if !arguments.print.quiet {
-        print_document(&validation_document(file));
-    }
-    for path in written.iter().filter(|_| !arguments.print.quiet) {
-        note(&format!("written: {}", path.display()));
-    }
+    shown(
+        &arguments.print,
+        || print_result(file),
+        || print_document(&validation_document(file)),
+    );
+    noted(&written, arguments.print.quiet);
     Ok(exit_of(file.passes()))
 }

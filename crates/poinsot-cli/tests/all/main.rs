@@ -7,6 +7,7 @@
 )]
 
 mod bad_input;
+mod bounds;
 mod campaign;
 mod cli;
 mod environment;

@@ -8,7 +8,7 @@ use super::until::{looks, outside_at_each};
 use crate::error::Error;
 use crate::trials::OUTSIDE;
 use crate::written::{result_json, write_files};
-use poinsot_files::{Place, Stage, folder_of};
+use poinsot_files::{Place, Stage, check_memory, folder_of};
 use poinsot_formats::CampaignFile;
 use poinsot_report::{campaign_page, no_page};
 use std::path::{Path, PathBuf};
@@ -17,6 +17,8 @@ use std::time::{Duration, Instant};
 
 /// Size limit of a copied file of rows, bytes.
 const LARGEST_ROWS: u64 = 1 << 34;
+/// Memory of a listed shard, bytes: its number in three lists.
+const OF_SHARD: f64 = 48.0;
 /// Interval of `--follow`: at least this, and ten times its computing time.
 const FOLLOWED: Duration = Duration::from_secs(5);
 
@@ -86,7 +88,10 @@ pub fn campaign_in_memory(plan: &Plan) -> Result<CampaignRun, Error> {
     let shards: Vec<u64> = (0..plan.shards()).collect();
     run_each(plan, &shards, &|result| {
         // Written as text and parsed, so that the result is identical to that of a campaign with files.
-        let sums = ShardSums::parse(&result.sums.text()).map_err(Error::internal)?;
+        let text = result.sums.text();
+        let what = format!("the sums of {} shards", plan.shards());
+        check_memory(&what, text.len() as f64 * plan.shards() as f64)?;
+        let sums = ShardSums::parse(&text).map_err(Error::internal)?;
         locked(&all).push(sums);
         Ok(())
     })?;
@@ -165,6 +170,10 @@ pub fn merge_campaign(
     for folder in std::iter::once(out).chain(from.iter().map(PathBuf::as_path)) {
         refuse_other_plans(plan, folder)?;
     }
+    if let Some(folder) = from.iter().find(|folder| !folder.is_dir()) {
+        let what = "there is no such folder of shards".to_owned();
+        return Err(refused("E0603", folder, what, "check the path"));
+    }
     gather(plan, out, from)?;
     let folded = fold_shards(plan, out, plan.trials)?;
     if let Some(missing) = folded.missing.first().filter(|_| !partial) {
@@ -189,6 +198,8 @@ fn run_missing(
     trials: u64,
     ran: &mut CampaignRun,
 ) -> Result<(), Error> {
+    let count = plan.shards_up_to(trials) as f64;
+    check_memory(&format!("the {count:.3e} shards"), count * OF_SHARD)?;
     let wanted: Vec<u64> = shards.collect();
     let found = missing_shards(plan, &request.out, wanted.iter().copied())?;
     let missing: Vec<u64> = found.iter().map(|m| m.number).collect();

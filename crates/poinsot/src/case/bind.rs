@@ -12,6 +12,13 @@ use poinsot_formats::case::InitialFile;
 use poinsot_model::Model;
 use poinsot_spatial::{UnitQuaternion, Vector3};
 
+/// Numbers of a row: time and motion of the base, of a joint or wheel, of a sensor.
+const MOTION: usize = 16;
+const OF_JOINT: usize = 2;
+const OF_SENSOR: usize = 4;
+/// Copies of a row in memory: as simulated, as written, and in between.
+const COPIES: usize = 2;
+
 /// A case bound to a model: all inputs of a simulation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scenario {
@@ -52,6 +59,10 @@ impl Case {
         });
         let start = start(&mut planner, &file.initial);
         let sensors = sensor_outputs(&mut planner, &file.output);
+        if planner.faults.is_empty() {
+            let numbers = MOTION + model.joints.len() * OF_JOINT + sensors.len() * OF_SENSOR;
+            self.check_memory((8 * COPIES * numbers) as f64)?;
+        }
         let scenario = Scenario {
             plan,
             start,

@@ -41,7 +41,6 @@ use std::path::{Path, PathBuf};
 const LARGEST_FILE: u64 = 16 << 20;
 /// Size limit of a file of torques, bytes.
 const LARGEST_TORQUE_FILE: u64 = 1 << 30;
-const MOST_ROWS: f64 = 1e7;
 
 /// A parsed case; names are not yet resolved.
 #[derive(Debug, Clone)]
@@ -120,15 +119,6 @@ pub(crate) fn shaped_case(path: &Path, text: String) -> Result<(Case, Vec<Fault>
         ));
     }
     let (duration_s, rate_hz) = (file.duration_s, file.output.rate_hz);
-    if duration_s * rate_hz > MOST_ROWS {
-        let rows = rounded(duration_s * rate_hz, 4);
-        faults.push(text.fault(
-            "E0505",
-            "output.rate_hz",
-            format!("{rows} rows are more than the program writes"),
-            "lower the rate or the duration",
-        ));
-    }
     let mut tolerance = Tolerance::default();
     if let Some(integration) = &file.integration {
         tolerance.relative = integration.relative_tolerance;
@@ -189,9 +179,21 @@ impl Case {
 
     /// Times of the samples, s: `k / rate_hz` up to the duration.
     pub fn times(&self) -> Vec<f64> {
-        // With whole periods the last sample must not be lost to round-off.
-        let rows = (self.duration_s * self.rate_hz * (1.0 + 1e-12)).floor();
-        (0..=rows as u64).map(|k| k as f64 / self.rate_hz).collect()
+        (0..=self.last_row() as u64)
+            .map(|k| k as f64 / self.rate_hz)
+            .collect()
+    }
+
+    /// Index of the last sample; with whole periods it must not be lost to round-off.
+    fn last_row(&self) -> f64 {
+        (self.duration_s * self.rate_hz * (1.0 + 1e-12)).floor()
+    }
+
+    /// Checks that the memory is there for some bytes of every row.
+    pub(crate) fn check_memory(&self, bytes_of_row: f64) -> Result<(), Error> {
+        let rows = 1.0 + self.last_row();
+        let what = format!("the {} rows of {}", rounded(rows, 4), self.path().display());
+        poinsot_files::check_memory(&what, rows * bytes_of_row)
     }
 
     /// Collects the plan and the faults of the case for a model.

@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 /// let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("doc");
 /// let request = ValidateRequest {
 ///     case: Some(folder.join("case.toml")),
-///     against: folder.join("model.toml").display().to_string(),
+///     against: folder.join("model.toml").into(),
 ///     ..ValidateRequest::default()
 /// };
 /// let rows = validation_csv(&validate(&request)?);
@@ -64,7 +64,7 @@ pub fn validation_csv(validation: &Validation) -> String {
 /// let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("doc");
 /// let request = ValidateRequest {
 ///     case: Some(folder.join("case.toml")),
-///     against: folder.join("model.toml").display().to_string(),
+///     against: folder.join("model.toml").into(),
 ///     ..ValidateRequest::default()
 /// };
 /// write_validation(&out, &validate(&request)?)?;

@@ -181,7 +181,7 @@ fn exact_every_reader_refuses_an_estimate_that_contradicts_itself() {
             let request = ValidateRequest {
                 estimate: Some(path.clone()),
                 case: Some(crates("poinsot/doc/case.toml")),
-                against: model.display().to_string(),
+                against: model.clone().into(),
                 ..ValidateRequest::default()
             };
             validate(&request).err()

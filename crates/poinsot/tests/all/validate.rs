@@ -18,10 +18,7 @@ fn table13(estimate: &Path) -> ValidateRequest {
     ValidateRequest {
         model: Some(shipped().join("xu2017/model.toml")),
         estimate: Some(estimate.to_owned()),
-        against: shipped()
-            .join("cases/xu2017_truth.toml")
-            .display()
-            .to_string(),
+        against: shipped().join("cases/xu2017_truth.toml").into(),
         case: Some(shipped().join("cases/xu2017_table13.toml")),
         within_m: Some(1e-9),
         within_rad: Some(1e-9),
@@ -109,10 +106,7 @@ fn stat_held_back_telemetry_agrees_with_a_good_estimate_only() {
     let held_back = ValidateRequest {
         model: Some(shipped().join("stsat3/model.toml")),
         estimate: Some(folder.path().to_owned()),
-        against: shipped()
-            .join("stsat3/paper/telemetry_noisy.csv")
-            .display()
-            .to_string(),
+        against: shipped().join("stsat3/paper/telemetry_noisy.csv").into(),
         ..ValidateRequest::default()
     };
     let good = validate(&held_back).unwrap();
@@ -217,7 +211,7 @@ fn exact_histories_and_their_file() {
     }
     let request = ValidateRequest {
         case: Some(case.path().to_owned()),
-        against: case.model.display().to_string(),
+        against: case.model.clone().into(),
         ..ValidateRequest::default()
     };
     let validation = Validation {
@@ -256,7 +250,7 @@ fn unit_refusals() {
         .display()
         .to_string();
     let base = ValidateRequest {
-        against: own.clone(),
+        against: own.clone().into(),
         case: Some(case.clone()),
         ..ValidateRequest::default()
     };
@@ -340,7 +334,7 @@ fn unit_refusals() {
     assert_eq!(
         refused(&ValidateRequest {
             case: Some(control),
-            against: truth,
+            against: truth.into(),
             ..base.clone()
         }),
         "E0702 cases/stsat3_three_slews.toml: [control] would command different torques on the two vehicles; prescribe wheel torques with [[wheel_motion]]"
@@ -351,7 +345,7 @@ fn unit_refusals() {
     );
     assert_eq!(
         refused(&ValidateRequest {
-            against: at("late.csv").display().to_string(),
+            against: at("late.csv").into(),
             ..base.clone()
         }),
         "E0703 cases/xu2017_table13.toml: the telemetry has no attitude, rate, position, velocity, acceleration or joint sample during the case; give telemetry with times from the start of the case"

@@ -1,0 +1,253 @@
+//! Bounded work, usage errors and strange names, by the command as a user runs it.
+#![cfg(target_os = "linux")]
+
+use serde_json::Value;
+use std::ffi::{OsStr, OsString};
+use std::os::unix::ffi::OsStrExt;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::time::{Duration, Instant};
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_poinsot");
+
+fn data(path: &str) -> PathBuf {
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data");
+    data.join(path)
+}
+
+fn run<S: AsRef<OsStr>>(folder: &Path, words: &[S]) -> Output {
+    let mut command = Command::new(PROGRAM);
+    command.current_dir(folder).args(words).output().unwrap()
+}
+
+/// Runs the program by a shell; `$P` is the program.
+fn shell(folder: &Path, script: &str) -> Output {
+    let mut command = Command::new("sh");
+    command.args(["-c", script]).env("P", PROGRAM);
+    command.current_dir(folder).output().unwrap()
+}
+
+fn said(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+#[track_caller]
+fn refused(output: &Output, exit: i32, start: &str) {
+    assert_eq!(output.status.code(), Some(exit), "{}", said(output));
+    assert!(said(output).starts_with(start), "{}", said(output));
+}
+
+/// A folder with the spinning satellite at another rate, and a plan of it.
+fn satellite(rate_hz: &str) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let case = std::fs::read_to_string(data("cases/stsat3_spin.toml")).unwrap();
+    let case = case.replacen("rate_hz = 10\n", &format!("rate_hz = {rate_hz}\n"), 1);
+    let case = case.replace("rate_hz = 2 ", &format!("rate_hz = {rate_hz} "));
+    std::fs::write(folder.path().join("case.toml"), case).unwrap();
+    let truth = "stsat3_truth.toml";
+    std::fs::copy(data("cases").join(truth), folder.path().join(truth)).unwrap();
+    let plan = "schema = \"poinsot.plan/1\"\nname = \"p\"\ntrials = 2\n[[experiment]]\ncase = \"case.toml\"\n";
+    std::fs::write(folder.path().join("plan.toml"), plan).unwrap();
+    folder
+}
+
+#[test]
+fn cli_a_usage_error_has_a_code_and_is_json_where_json_is_asked() {
+    let folder = tempfile::tempdir().unwrap();
+    let plain = run(folder.path(), &["check", "--nope"]);
+    refused(&plain, 2, "E0001 unexpected argument '--nope' found; ");
+    assert!(plain.stdout.is_empty());
+    assert!(
+        said(&plain).contains("Usage: poinsot check"),
+        "{}",
+        said(&plain)
+    );
+    for words in [
+        &["check", "m.toml", "--json", "--nope"][..],
+        &["identify", "--json"],
+        &["campaign", "p.toml", "--json", "--trials", "many"],
+        &["--json"],
+    ] {
+        let output = run(folder.path(), words);
+        refused(&output, 2, "E0001 ");
+        let file: Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert_eq!(file["exit_code"], 2, "{words:?}");
+        assert_eq!(file["errors"][0]["code"], "E0001", "{words:?}");
+    }
+}
+
+#[test]
+fn cli_help_is_printed_or_its_loss_is_an_error() {
+    let folder = tempfile::tempdir().unwrap();
+    for words in ["--help", "identify --help", "--version"] {
+        let full = shell(folder.path(), &format!("\"$P\" {words} > /dev/full"));
+        refused(&full, 3, "E0003 standard output: ");
+        let plain = shell(folder.path(), &format!("\"$P\" {words}"));
+        assert_eq!(plain.status.code(), Some(0));
+        assert!(plain.stdout.starts_with(b"poinsot 0.") || plain.stdout.len() > 500);
+    }
+    let bare = shell(folder.path(), "\"$P\"");
+    assert_eq!(bare.status.code(), Some(2));
+    assert!(said(&bare).contains("identify"), "{}", said(&bare));
+}
+
+#[test]
+fn cli_names_that_are_not_utf8_are_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let name = |text: &[u8]| OsStr::from_bytes(text).to_owned();
+    let (model, rows) = (name(b"m\xff.toml"), name(b"t\xff.csv"));
+    let place = |name: &OsString| folder.path().join(name);
+    std::fs::copy(data("stsat3/model.toml"), place(&model)).unwrap();
+    std::fs::copy(data("stsat3/paper/telemetry_noisy.csv"), place(&rows)).unwrap();
+    let word = |text: &str| OsString::from(text);
+    let inspect = run(folder.path(), &[word("inspect"), rows.clone()]);
+    assert_eq!(inspect.status.code(), Some(0), "{}", said(&inspect));
+    let identify = run(
+        folder.path(),
+        &[
+            word("identify"),
+            word("--model"),
+            model.clone(),
+            word("--telemetry"),
+            rows.clone(),
+            word("--out"),
+            name(b"o\xff"),
+            word("--json"),
+        ],
+    );
+    assert!(
+        matches!(identify.status.code(), Some(0 | 1)),
+        "{}",
+        said(&identify)
+    );
+    assert!(place(&name(b"o\xff")).join("estimate.json").exists());
+    let against = [
+        word("validate"),
+        word("--model"),
+        model,
+        word("--against"),
+        rows,
+    ];
+    let validate = run(folder.path(), &against);
+    assert!(!said(&validate).contains("E0001"), "{}", said(&validate));
+}
+
+#[test]
+fn cli_a_small_stack_is_enough() {
+    for verb in ["check m.toml", "schema", "simulate case.toml --out out"] {
+        let folder = satellite("10");
+        std::fs::copy(data("stsat3/model.toml"), folder.path().join("m.toml")).unwrap();
+        let output = shell(folder.path(), &format!("ulimit -s 256; exec \"$P\" {verb}"));
+        assert_eq!(output.status.code(), Some(0), "{verb}: {}", said(&output));
+    }
+}
+
+#[test]
+fn cli_a_folder_of_shards_that_is_not_there_is_refused() {
+    let folder = satellite("10");
+    let words = [
+        "campaign",
+        "plan.toml",
+        "--out",
+        "o",
+        "--partial",
+        "--merge",
+        "gone",
+    ];
+    let output = run(folder.path(), &words);
+    refused(&output, 2, "E0603 gone: there is no such folder of shards");
+}
+
+/// A frame of Zstandard (RFC 8878) in blocks that repeat one byte.
+fn repeated(byte: u8, blocks: u32) -> Vec<u8> {
+    let mut frame = vec![0x28, 0xb5, 0x2f, 0xfd, 0x00, 0x38];
+    for k in 0..blocks {
+        let header = (128 << 10 << 3) | (1 << 1) | u32::from(k + 1 == blocks);
+        frame.extend(&header.to_le_bytes()[..3]);
+        frame.push(byte);
+    }
+    frame
+}
+
+#[test]
+fn cli_data_packed_to_fill_memory_and_time_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    for byte in [b'\n', 0, b'1'] {
+        // 362 kB that unpack to 11.8 GB.
+        std::fs::write(folder.path().join("t.csv.zst"), repeated(byte, 90_000)).unwrap();
+        let started = Instant::now();
+        let output = run(folder.path(), &["inspect", "t.csv.zst"]);
+        assert_eq!(output.status.code(), Some(2), "{}", said(&output));
+        assert!(started.elapsed() < Duration::from_secs(20), "{byte}");
+    }
+}
+
+#[test]
+fn cli_a_frame_to_be_skipped_may_come_first() {
+    let folder = tempfile::tempdir().unwrap();
+    let rows = "time_s,omega_x\n0,0.1\n1,0.2\n2,0.3\n";
+    let mut packed = vec![0x5a, 0x2a, 0x4d, 0x18, 3, 0, 0, 0, 1, 2, 3];
+    packed.extend([0x28, 0xb5, 0x2f, 0xfd, 0x20, rows.len() as u8]);
+    packed.extend(&(((rows.len() as u32) << 3) | 1).to_le_bytes()[..3]);
+    packed.extend(rows.as_bytes());
+    std::fs::write(folder.path().join("t.csv"), packed).unwrap();
+    let output = run(folder.path(), &["inspect", "t.csv", "--json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    assert!(String::from_utf8_lossy(&output.stdout).contains("omega_x"));
+}
+
+#[test]
+fn cli_work_above_the_memory_is_refused_with_both_figures() {
+    // 1.2e14 rows; 10^12 trials.
+    let folder = satellite("1e12");
+    for words in [
+        "simulate case.toml --out o",
+        "predict case.toml",
+        "validate case.toml --against stsat3_truth.toml",
+        "sweep case.toml --vary noise=1,2 --trials 2",
+        "campaign plan.toml --out o",
+        "campaign plan.toml --estimate",
+    ] {
+        let output = shell(folder.path(), &format!("exec \"$P\" {words}"));
+        refused(&output, 3, "E0006 the 1.2e14 rows of ");
+        let text = said(&output);
+        assert!(text.contains(" GiB of memory, and the limit is "), "{text}");
+        assert!(text.contains("--limit-memory"), "{text}");
+    }
+    let folder = satellite("10");
+    for words in [
+        "campaign plan.toml --out o --trials 1000000000000",
+        "campaign plan.toml --out o --trials 1000000000000 --resume --shard 1/2",
+    ] {
+        let script = format!("ulimit -v 4194304; exec \"$P\" {words}");
+        refused(&shell(folder.path(), &script), 3, "E0006 the 1.000e");
+    }
+}
+
+/// Every verb whose memory grows with the request, with the largest request of a limit: inside of the limit it works,
+/// just above it is refused. The address space is held to the limit and what the program takes without any work.
+#[test]
+fn cli_each_verb_stays_within_its_limit() {
+    const LIMIT_MIB: u64 = 48;
+    let program = 8 + 64 * (1 + std::thread::available_parallelism().unwrap().get() as u64);
+    let script = |verb: &str, mib: u64| {
+        let space = (1 << 10) * (mib + 256 + program);
+        format!("ulimit -v {space}; exec \"$P\" {verb} --limit-memory {mib} --quiet")
+    };
+    for verb in ["simulate case.toml --out o", "predict case.toml"] {
+        let fits = |rate: u64| {
+            let folder = satellite(&rate.to_string());
+            let output = shell(folder.path(), &script(verb, LIMIT_MIB));
+            match output.status.code() {
+                Some(0 | 1) => true,
+                Some(3) if said(&output).starts_with("E0006 the ") => false,
+                other => panic!("{verb} at {rate} Hz: {other:?} {}", said(&output)),
+            }
+        };
+        let mut rate = 20_000;
+        while !fits(rate) {
+            rate = rate * 2 / 3;
+        }
+        assert!((200..20_000).contains(&rate), "{verb}: {rate}");
+    }
+}
