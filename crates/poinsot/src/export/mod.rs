@@ -306,12 +306,18 @@ fn marked(source: &Source, to: Target, text: String) -> String {
         _ => format!("<!-- {} -->\n", mark.replace("--", "- -")),
     };
     let comments: String = source.marks().map(comment).collect();
-    let declared = text.starts_with("<?xml") || text.starts_with("\u{feff}<?xml");
-    let at = text.find("?>").filter(|_| declared && !comments.is_empty());
-    match at.map(|at| text.split_at(at + 2)) {
-        Some((declaration, rest)) => format!("{declaration}\n{comments}{}", rest.trim_start()),
-        None => comments + &text,
+    if comments.is_empty() {
+        return text;
     }
+    // Nothing stands before a byte order mark or a declaration.
+    let declaration = text.find("?>").map_or(0, |at| at + 2);
+    let begin = text.trim_start_matches('\u{feff}');
+    let (end, gap) = match begin.starts_with("<?xml") {
+        true => (declaration, "\n"),
+        false => (text.len() - begin.len(), ""),
+    };
+    let (before, after) = text.split_at(end);
+    format!("{before}{gap}{comments}{}", after.trim_start())
 }
 
 fn properties(body: &BodyFile) -> Option<MassProperties> {
