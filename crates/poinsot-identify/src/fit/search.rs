@@ -52,10 +52,17 @@ pub(crate) fn search(experiment: &Experiment, starts: &[Iterate]) -> Option<Fitt
     }
     let path = follow(experiment, starts);
     let onward = match (path.end, path.at) {
-        (Search::Lost(_), at) => {
+        (Search::Lost(share), at) => {
             let found = direct.or_else(|| fit_from(experiment, at?, 0))?;
             if found.explains() {
                 return Some(found);
+            }
+            // What no motion over a few samples explains is no matter of the start.
+            if share == 0.0 && found.settled {
+                return Some(Fitted {
+                    search: Search::Contradicted,
+                    ..found
+                });
             }
             return Some(Fitted {
                 search: path.end,
