@@ -166,7 +166,7 @@ impl Shape<'_, '_, '_> {
                 replaced.extend(self.refuse_unfit(property, name.get_ref(), &here, scope));
                 continue;
             }
-            self.check_needs(property, name.get_ref(), scope);
+            self.check_needs(property, &here, scope);
             let own = self.code;
             self.code = text_of(property, "x-code").unwrap_or(own);
             self.word = text_of(property, "x-word-code").unwrap_or(self.format.kind);
@@ -267,7 +267,7 @@ impl Shape<'_, '_, '_> {
     }
 
     /// Reports a key without the one that it needs.
-    fn check_needs(&mut self, row: &'static Schema, name: &str, scope: &Scope<'_>) {
+    fn check_needs(&mut self, row: &'static Schema, key: &Key, scope: &Scope<'_>) {
         let needed = text_of(row, "x-needs");
         let Some((needed, (table, row))) = needed.and_then(|n| Some((n, scope.row(n)?))) else {
             return;
@@ -276,7 +276,7 @@ impl Shape<'_, '_, '_> {
         if !table.table.contains_key(needed) && !self.findings.has_near(&here) {
             let about = text_of(row, "description").unwrap_or_default();
             let about = about.split([':', '.']).next().unwrap_or_default();
-            let problem = format!("required key missing beside {name}");
+            let problem = format!("required key missing beside {}", key.path);
             let remedy = format!("add {needed}: {about}");
             self.findings
                 .refuse(self.format.missing, &here, problem, remedy);

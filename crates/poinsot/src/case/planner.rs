@@ -79,7 +79,7 @@ impl Planner<'_> {
         let mut led: Vec<Vec<Led<JointMotion>>> = plan.joints.iter().map(|_| Vec::new()).collect();
         for (i, table) in joints.iter().enumerate() {
             let key = format!("joint_motion[{i}]");
-            let Some(k) = self.joint(&tree, &table.joint, &key) else {
+            let Some(k) = self.joint(&tree, &table.joint, &format!("{key}.joint")) else {
                 continue;
             };
             let kind = self.model.joints[tree.coordinates[k]].kind;

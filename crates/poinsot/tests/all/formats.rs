@@ -161,7 +161,7 @@ fn cli_every_kind_of_file_is_checked_and_said_in_words() {
     };
     let map = "[telemetry.columns]\nthr1_N = { column = \"ON\", unit = \"ms\", nominal_N = 0.9 }\n";
     let said = say(&write("map.toml", map)).unwrap();
-    assert_eq!(said, "thr1_N: pulses of 0.9 N, as long as 'ON', ms");
+    assert_eq!(said, "thr1_N: column ON, unit ms, nominal 0.9 N");
     let request = IdentifyRequest::new(
         shipped.join("stsat3/model.toml"),
         [shipped.join("stsat3/multiaxis/telemetry_noisy.csv")],
