@@ -113,7 +113,6 @@ fn unit_a_fit_that_does_not_converge_repeats_no_warning_as_what_to_do() {
     estimate["status"] = "iteration_limit".into();
     estimate["warnings"] = serde_json::json!([warning]);
     let text = estimate_document(&typed(&estimate), Detail::Answer).to_string();
-    assert!(text.contains("what to do"), "{text}");
     assert_eq!(text.matches(&warning[1..]).count(), 1, "{text}");
 }
 
