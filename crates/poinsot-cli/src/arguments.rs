@@ -40,18 +40,24 @@ pub enum Verb {
     ///
     /// Exit code 0: every requested parameter is identified and every check passed. 1: some parameter is not identified or
     /// some check failed. 2: invalid arguments, model or telemetry. 3: disk or permission. 4: internal error.
+    #[command(
+        after_help = "Examples:\n  poinsot identify -m model.toml flight.csv\n  poinsot identify -m model.toml day1.csv day2.csv --out answer --report"
+    )]
     Identify(Identify),
     /// Simulate a case: prescribed and driven joints, springs, wheels, thrusters, sensors with noise.
+    #[command(after_help = "Example: poinsot simulate case.toml --out flight")]
     Simulate(Simulate),
     /// Predict the accuracy of a planned manoeuvre before it is flown (Cramer-Rao bound).
     ///
     /// Exit code 0: every requested parameter will be identified. 1: some will not. 2: invalid arguments, case or model.
+    #[command(after_help = "Example: poinsot predict case.toml --durations")]
     Predict(Predict),
     /// Design a manoeuvre that reaches the wanted sigmas of a case within its limits.
     ///
     /// Exit code 0: every wanted sigma is reached, and trial flights (--verify) agree. 1: otherwise; the answer names the
     /// active limits. 2: invalid arguments, case or model. 3: disk or permission. An interruption (Ctrl-C) ends the search with the
     /// best manoeuvre so far; a second one ends the program.
+    #[command(after_help = "Example: poinsot design case.toml --minutes 2 --out manoeuvre")]
     Design(Design),
     /// Compare the motion of a model, or of an estimate, with another model or with telemetry.
     ///
@@ -59,31 +65,45 @@ pub enum Verb {
     /// Without a case: the vehicle predicts a held-back record. Exit code 0: the differences are within the limits or the
     /// declared noise. 1: they are larger, or the motion depends on undetermined numbers. 2: invalid arguments, model,
     /// case or telemetry. 3: disk or permission.
+    #[command(
+        after_help = "Example: poinsot validate --model model.toml --estimate answer --against held_back.csv"
+    )]
     Validate(Validate),
     /// Compare answers of one vehicle: before and after refuelling, two nights, two methods.
     ///
     /// Exit code 0: they agree. 1: they differ, share telemetry, or one of them is not reliable. 2: invalid arguments or
     /// files.
+    #[command(after_help = "Example: poinsot compare before after")]
     Compare(Compare),
     /// Repeat experiments with new noise many times: bias, error over bound, coverage, failures.
     ///
     /// The plan has experiments, methods, varied numbers and random numbers. Exit code 0: every trial was run.
     /// 1: shards are missing, a trial crashed, or `--until` was not reached. 2: invalid plan, or shards of another plan. 3:
     /// disk or permission.
+    #[command(after_help = "Example: poinsot campaign plan.toml --out trials")]
     Campaign(Campaign),
     /// Vary numbers of one case and compare methods: errors, bounds, figures. A campaign of one case.
     Sweep(Sweep),
     /// Write a result of identify, validate, predict, compare, design or campaign as one page, report.html, without network.
+    #[command(after_help = "Example: poinsot report answer")]
     Report(Report),
     /// Summarise a telemetry file, propose its map, and test its conventions against the gyro.
+    #[command(
+        after_help = "Examples:\n  poinsot inspect flight.csv\n  poinsot inspect flight.csv --model model.toml"
+    )]
     Inspect(Inspect),
     /// Check a model, map, case, plan or answer, and print its content.
+    #[command(after_help = "Example: poinsot check model.toml")]
     Check(Check),
     /// Convert a URDF file into a model file (poinsot.model/1).
+    #[command(after_help = "Example: poinsot import robot.urdf -o model.toml")]
     Import(Import),
     /// Write the answer of `identify` into the file of another program.
     ///
     /// Exit code 1: some bodies are not fully determined and keep their values.
+    #[command(
+        after_help = "Example: poinsot export answer --to urdf --onto robot.urdf -o robot_identified.urdf"
+    )]
     Export(Export),
     /// Explain an error code: meaning, usual cause and remedy. Without a code, explain all.
     Explain(Explain),
@@ -126,12 +146,15 @@ pub struct Print {
 /// Arguments of `identify`.
 #[derive(Debug, Args)]
 pub struct Identify {
-    /// Model of the vehicle (TOML, poinsot.model/1).
-    #[arg(long, value_name = "MODEL.toml")]
-    pub model: PathBuf,
-    /// Telemetry of one segment (CSV or Parquet); files of one segment joined by commas. Repeat for more
+    /// Telemetry of one segment (CSV or Parquet); files of one segment joined by commas. Give more for more
     /// segments: the bodies are shared, each has its own initial momentum.
-    #[arg(long, value_name = "FILE[,FILE]", required = true)]
+    #[arg(value_name = "FILE[,FILE]", required_unless_present = "telemetry")]
+    pub files: Vec<OsString>,
+    /// Model of the vehicle (TOML, poinsot.model/1).
+    #[arg(long, short = 'm', value_name = "MODEL.toml")]
+    pub model: PathBuf,
+    /// Telemetry of one more segment, before those without a name of an option.
+    #[arg(long, short = 't', value_name = "FILE[,FILE]")]
     pub telemetry: Vec<OsString>,
     /// Method; `poinsot methods` lists them.
     #[arg(long, default_value = "auto", value_parser = Words::methods())]

@@ -68,6 +68,11 @@ fn described(path: &Path) -> Result<Described, Error> {
         let text = poinsot_files::read_text(path, LARGEST).map_err(|e| unreadable(path, e))?;
         return estimate(path, &text);
     }
+    if ["csv", "parquet", "pq"].iter().any(|e| ending == *e) {
+        let shown = path.display();
+        let advice = format!("'poinsot inspect {shown}' reads it");
+        return Err(Error::usage("FILE", shown, "this is telemetry", advice));
+    }
     let text = match ending == "urdf" {
         true => String::new(),
         false => poinsot_model::read_model_text(path)?,

@@ -19,7 +19,9 @@ pub fn run(arguments: &Identify) -> Outcome {
     let rows = &arguments.rows;
     let request = IdentifyRequest {
         model: arguments.model.clone(),
-        segments: arguments.telemetry.iter().map(segment_files).collect(),
+        segments: (arguments.telemetry.iter().chain(&arguments.files))
+            .map(segment_files)
+            .collect(),
         reading: Reading {
             model: None,
             map: arguments.map.clone(),
