@@ -2,7 +2,7 @@
 
 use crate::interrupt::Listening;
 use crate::mover::{Command, Target};
-use crate::result::{Designed, LimitUse, Reach, Robust};
+use crate::result::{Designed, LimitUse, Reach, Robust, Shorter};
 use crate::search::{Found, refine, search};
 use crate::shape::Space;
 use crate::trial::{Deadline, Question, Rows};
@@ -72,6 +72,25 @@ pub fn design(request: &DesignRequest) -> Result<Designed, Error> {
     design_case(&case, model, request)
 }
 
+/// The best manoeuvre of the nominal vehicle.
+struct Nominal {
+    space: Space,
+    found: Found,
+    /// Where the shortest manoeuvre is asked.
+    shorter: Option<Shorter>,
+}
+
+impl Nominal {
+    /// Whether the search has been stopped.
+    fn is_stopped_by(&mut self, question: &Question) -> bool {
+        let stopped = question.is_over();
+        if let Some(shorter) = &mut self.shorter {
+            shorter.stopped |= stopped;
+        }
+        stopped
+    }
+}
+
 /// Inputs that are equal for all searches.
 pub(crate) struct Asked<'c> {
     pub case: &'c Case,
@@ -104,7 +123,11 @@ pub fn design_case(case: &Case, model: Model, request: &DesignRequest) -> Result
     let designed = case.duration_s - window.begin() - window.rest(case.duration_s);
     let space = asked.space(&asked.limits, designed)?;
     let reference = asked.reference(&question);
-    let (space, mut found) = asked.nominal(&mut question, space)?;
+    let Nominal {
+        space,
+        mut found,
+        shorter,
+    } = asked.nominal(&mut question, space)?;
     asked.leave_margins(&mut question, &space, &mut found.reached)?;
     let nominal = found.reached.x.clone();
     if asked.design.robust {
@@ -113,6 +136,7 @@ pub fn design_case(case: &Case, model: Model, request: &DesignRequest) -> Result
     let drawn_inside = space.drawn_inside(found.reached.x.clone());
     let (x, uses) = asked.held(&question, &space, drawn_inside)?;
     let mut designed = asked.told(&space, (&x, &found), (uses, reference))?;
+    designed.shorter = shorter;
     if asked.design.robust {
         designed.robust = Some(Robust {
             searched: found.reached.values.worst(),
@@ -273,15 +297,16 @@ impl<'c> Asked<'c> {
     }
 
     /// The best manoeuvre of the nominal vehicle, at fixed or shortest duration; its prediction sets the surcharge.
-    fn nominal(&self, question: &mut Question, space: Space) -> Result<(Space, Found), Error> {
+    fn nominal(&self, question: &mut Question, space: Space) -> Result<Nominal, Error> {
         let own = space.nearest(&question.scenario);
         let given = match own.iter().any(|x| x.abs() > 1.0e-6) {
             true => vec![own],
             false => Vec::new(),
         };
+        // The first manoeuvre that reaches everything is the start of shorter ones.
         let part = match self.design.objective {
-            Objective::ShortestTime => self.design.evaluations / TIME_PARTS,
-            _ => self.design.evaluations,
+            Objective::ShortestTime => (self.design.evaluations / TIME_PARTS, -SURE),
+            _ => (self.design.evaluations, f64::NEG_INFINITY),
         };
         let Some(found) = search(question, &space, &given, part) else {
             // Return the error of the simulation if the vehicle cannot fly even at rest.
@@ -296,40 +321,50 @@ impl<'c> Asked<'c> {
                 "give more time",
             ));
         };
-        match self.design.objective {
-            Objective::ShortestTime if found.reached.values.merit() <= -SURE => {
-                let (space, found) = self.shortest(question, space, found);
-                // The best manoeuvre of the shortest duration may be far from that of the longest: search again at
-                // that duration.
-                let given = [found.reached.x.clone()];
-                let merit = |f: &Found| f.reached.values.merit();
-                let (space, found) = match search(question, &space, &given, part) {
-                    Some(again) if merit(&again) < merit(&found) => {
-                        self.shortest(question, space, again)
-                    }
-                    _ => (space, found),
-                };
-                self.as_predicted(question, space, found)
+        let reaches = found.reached.values.merit() <= -SURE;
+        let mut nominal = Nominal {
+            space,
+            found,
+            shorter: None,
+        };
+        if self.design.objective == Objective::ShortestTime {
+            nominal.shorter = Some(Shorter {
+                missed_s: None,
+                stopped: question.is_over(),
+            });
+            if reaches {
+                let spent = question.evaluations.load(Ordering::Relaxed);
+                self.shorten(question, &mut nominal);
+                self.search_again(question, &mut nominal, (2 * part.0).saturating_sub(spent));
+                self.as_predicted(question, &mut nominal)?;
             }
-            _ => Ok((space, found)),
         }
+        Ok(nominal)
+    }
+
+    /// Searches again at the shortest duration: its best manoeuvre may be far from that of the longest.
+    fn search_again(&self, question: &Question, nominal: &mut Nominal, part: usize) {
+        let given = [nominal.found.reached.x.clone()];
+        let again = search(question, &nominal.space, &given, (part, f64::NEG_INFINITY));
+        let merit = |f: &Found| f.reached.values.merit();
+        if let Some(again) = again.filter(|f| merit(f) < merit(&nominal.found)) {
+            nominal.found = again;
+            self.shorten(question, nominal);
+        }
+        nominal.is_stopped_by(question);
     }
 
     /// A longer manoeuvre, where the whole prediction of this one misses a wanted sigma that its candidate reached.
-    fn as_predicted(
-        &self,
-        question: &mut Question,
-        mut space: Space,
-        mut found: Found,
-    ) -> Result<(Space, Found), Error> {
-        let mut reached = space.duration;
+    fn as_predicted(&self, question: &mut Question, nominal: &mut Nominal) -> Result<(), Error> {
+        let mut reached = nominal.space.duration;
         for _ in 0..PREDICTIONS {
-            let predicted = self.predicted_ratios(&space, &found.reached.x)?;
+            let from = nominal.found.reached.x.clone();
+            let predicted = self.predicted_ratios(&nominal.space, &from)?;
             let missed = predicted.iter().fold(f64::NEG_INFINITY, |a, b| a.max(*b));
             if missed.is_nan() || missed <= 0.0 {
                 break;
             }
-            let candidate = found.reached.values.objectives.iter();
+            let candidate = nominal.found.reached.values.objectives.iter();
             let differences = predicted.iter().zip(candidate).map(|(p, c)| p - c);
             let sums = question
                 .surcharge
@@ -342,22 +377,18 @@ impl<'c> Asked<'c> {
                 break;
             };
             let part = (self.design.evaluations / (TIME_PARTS * TIMES)).max(8 * longer.len());
-            let Some(better) = refine(
-                question,
-                (&longer, Rows::Share(1.0)),
-                &found.reached.x,
-                part,
-            ) else {
+            let usual = (&longer, Rows::Share(1.0));
+            let Some(better) = refine(question, usual, &from, part) else {
                 break;
             };
             let is_enough = better.values.merit() <= -SURE;
-            (space, found.reached) = (longer, better);
+            (nominal.space, nominal.found.reached) = (longer, better);
             if is_enough {
-                (space, found) = self.shortest(question, space, found);
-                reached = space.duration;
+                self.shorten(question, nominal);
+                reached = nominal.space.duration;
             }
         }
-        Ok((space, found))
+        Ok(())
     }
 
     /// Logarithm of predicted over wanted sigma of every wanted number.
@@ -396,10 +427,12 @@ impl<'c> Asked<'c> {
     }
 
     /// Shortest duration that reaches every wanted sigma: bracketed, then divided by the secant rule in logarithms.
-    fn shortest(&self, question: &Question, space: Space, found: Found) -> (Space, Found) {
+    fn shorten(&self, question: &Question, nominal: &mut Nominal) {
         let part = self.design.evaluations / (TIME_PARTS * TIMES);
-        let (mut best, mut found) = (space, found);
-        let mut long = (best.duration.ln(), found.reached.values.worst() + SURE);
+        let mut long = (
+            nominal.space.duration.ln(),
+            nominal.found.reached.values.worst() + SURE,
+        );
         let mut short: Option<(f64, f64)> = None;
         let expected = |long: (f64, f64)| long.0 + (long.1 / FALL).clamp(-1.0, -TIME_LEFT);
         for _ in 0..TIMES {
@@ -413,27 +446,34 @@ impl<'c> Asked<'c> {
             if short.is_some_and(|s| long.0 - s.0 < TIME_LEFT) {
                 break;
             }
-            let Ok(space) = self.space(&self.limits, rounded_up(next.exp(), self.case.rate_hz))
-            else {
+            let duration = rounded_up(next.exp(), self.case.rate_hz);
+            let Ok(space) = self.space(&self.limits, duration) else {
+                // So short a manoeuvre does not exist.
+                short = short.or(Some((duration.ln(), f64::INFINITY)));
                 break;
             };
-            let from = &found.reached.x;
+            let from = &nominal.found.reached.x;
             let usual = (&space, Rows::Share(1.0));
             let Some(reached) = refine(question, usual, from, part.max(8 * space.len())) else {
                 break;
             };
             let time = space.duration.ln();
-            match reached.values.merit() <= -SURE {
-                true => {
-                    long = (time, reached.values.worst() + SURE);
-                    (best, found.reached) = (space, reached);
-                    // This manoeuvre is much better: the shorter one failed by its search, not by its duration.
-                    short = short.filter(|s| s.0 < expected(long));
-                }
-                false => short = Some((time, reached.values.merit() + SURE)),
+            if reached.values.merit() <= -SURE {
+                long = (time, reached.values.worst() + SURE);
+                (nominal.space, nominal.found.reached) = (space, reached);
+                // This manoeuvre is much better: the shorter one failed by its search, not by its duration.
+                short = short.filter(|s| s.0 < expected(long));
+            } else if nominal.is_stopped_by(question) {
+                // A search that was stopped says nothing of this duration.
+                break;
+            } else {
+                short = Some((time, reached.values.merit() + SURE));
             }
         }
-        (best, found)
+        let around = nominal.space.record() - nominal.space.duration;
+        if let Some(shorter) = &mut nominal.shorter {
+            shorter.missed_s = short.map(|s| s.0.exp() + around);
+        }
     }
 
     fn told(
@@ -451,6 +491,7 @@ impl<'c> Asked<'c> {
             firings,
             duration_s: space.record(),
             objective: word(self.design.objective),
+            shorter: None,
             wants: Vec::new(),
             limits,
             relaxed: Vec::new(),

@@ -3,7 +3,7 @@
 use crate::result::{Designed, Relaxed};
 use poinsot_formats::{
     DESIGN, DesignFile, DesignVerificationFile, DesignedNumberFile, LimitUseFile, RelaxedFile,
-    SearchFile, VerifiedNumberFile, finite,
+    SearchFile, ShorterFile, VerifiedNumberFile, finite,
 };
 use poinsot_report::design_sentence;
 
@@ -40,9 +40,10 @@ pub fn design_file(designed: &Designed) -> DesignFile {
         all.iter().map(point).collect()
     };
     let verification = designed.verification.as_ref();
-    let verdict = match designed.is_reached() {
-        true => "reached",
-        false => "not_reached",
+    let verdict = match (designed.is_reached(), designed.is_unshortened()) {
+        (true, true) => "stopped",
+        (true, false) => "reached",
+        (false, _) => "not_reached",
     };
     let mut file = DesignFile {
         schema: DESIGN.to_owned(),
@@ -53,6 +54,10 @@ pub fn design_file(designed: &Designed) -> DesignFile {
         in_words: String::new(),
         objective: designed.objective.to_owned(),
         duration_s: designed.duration_s,
+        shorter: designed.shorter.map(|s| ShorterFile {
+            missed_s: s.missed_s,
+            stopped: s.stopped,
+        }),
         worst_ratio: finite(designed.worst_ratio()),
         robust_log_ratio: designed.robust.map(|r| r.searched),
         robust_log_ratio_others: designed.robust.and_then(|r| r.others),

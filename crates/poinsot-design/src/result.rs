@@ -113,6 +113,8 @@ pub struct Designed {
     pub duration_s: f64,
     /// Name of the objective.
     pub objective: &'static str,
+    /// How far shorter manoeuvres were searched, where the shortest one is asked.
+    pub shorter: Option<Shorter>,
     /// Wanted numbers with their predicted sigmas.
     pub wants: Vec<Reach>,
     /// Use of every limit.
@@ -133,6 +135,15 @@ pub struct Designed {
     pub robust: Option<Robust>,
     /// Trial flights, if requested.
     pub verification: Option<Verification>,
+}
+
+/// The search for shorter manoeuvres.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Shorter {
+    /// Longest duration of the manoeuvre, s, at which a search did not reach every wanted sigma; `None` if none was searched.
+    pub missed_s: Option<f64>,
+    /// Whether the search was stopped before its end.
+    pub stopped: bool,
 }
 
 /// Conditional value at risk of the logarithm of the largest ratio over vehicles of the prior.
@@ -170,10 +181,16 @@ impl Designed {
         self.limits.iter().filter(|l| l.margin < -ROUNDED)
     }
 
-    /// Whether every wanted sigma is reached and the trial flights agree.
+    /// Whether the shortest manoeuvre is asked, and the search was stopped before any shorter one was tried.
+    pub fn is_unshortened(&self) -> bool {
+        self.shorter
+            .is_some_and(|s| s.stopped && s.missed_s.is_none())
+    }
+
+    /// Whether every wanted sigma is reached, by the shortest manoeuvre where that is asked, and the trial flights agree.
     pub fn passes(&self) -> bool {
         let agrees = self.verification.as_ref().is_none_or(Verification::agrees);
-        self.is_reached() && agrees
+        self.is_reached() && !self.is_unshortened() && agrees
     }
 }
 

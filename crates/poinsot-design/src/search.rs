@@ -60,21 +60,27 @@ pub struct Found {
     pub starts: Vec<f64>,
 }
 
-/// Searches the whole space from the manoeuvres `given` and random ones, then by hops until the evaluations are used.
+/// Searches the whole space from the manoeuvres `given` and random ones, then by hops until the evaluations are used or a
+/// merit of `enough` is reached.
 pub fn search(
     question: &Question,
     space: &Space,
     given: &[Vec<f64>],
-    evaluations: usize,
+    (evaluations, enough): (usize, f64),
 ) -> Option<Found> {
     let program = Program::new(question, space);
     let mut rng = ChaCha8Rng::seed_from_u64(question.design.seed);
     let last = last_steps(question);
     let polish = (last.each * space.len()).min(evaluations / last.share);
     let mut left = evaluations.saturating_sub(polish);
-    let mut best = round(&program, &mut rng, given.to_vec(), &mut left)?;
+    let starts = begun(&program, &mut rng, given.to_vec(), &mut left);
+    if starts.first()?.reached.values.merit() <= enough {
+        return found(starts);
+    }
+    let mut best = halved(&program, starts, &mut left)?;
     let mut ends = vec![best.reached.x.clone()];
-    while left > HOP_POINTS + 2 * space.len() && !program.stop() {
+    let is_enough = |best: &Found| best.reached.values.merit() <= enough;
+    while left > HOP_POINTS + 2 * space.len() && !program.stop() && !is_enough(&best) {
         let Some(hopped) = hop(&program, &mut rng, &best.reached, &mut left) else {
             break;
         };
@@ -83,6 +89,9 @@ pub fn search(
         if hopped.values.merit() < best.reached.values.merit() {
             best.reached = hopped;
         }
+    }
+    if is_enough(&best) {
+        return Some(best);
     }
     if let Some(polished) = polished(&program, ends, &best.reached.x, polish + left) {
         best.reached = polished;
@@ -144,15 +153,11 @@ fn last_steps(question: &Question) -> LastSteps {
     }
 }
 
-/// The search from the best of the random manoeuvres and those given.
-fn round(
-    program: &Program,
-    rng: &mut ChaCha8Rng,
-    given: Vec<Vec<f64>>,
-    left: &mut usize,
-) -> Option<Found> {
-    let ends = begun(program, rng, given, left);
-    halved(program, ends, left)
+/// The first of the searches, and where each of them stands.
+fn found(searches: Vec<MinimaxSearch>) -> Option<Found> {
+    let starts = searches.iter().map(|s| s.reached.values.worst()).collect();
+    let reached = searches.into_iter().next()?.reached;
+    Some(Found { reached, starts })
 }
 
 /// A few steps of each search, the worse half dropped, until one is left.

@@ -112,6 +112,12 @@ pub struct Flight {
 }
 
 impl Question {
+    /// Whether the time for the search is over.
+    pub fn is_over(&self) -> bool {
+        let late = self.deadline.is_some_and(|d| Instant::now() >= d.of_all);
+        late || crate::interrupt::is_requested()
+    }
+
     /// Creates the design problem of a case; `deadline` ends the search.
     pub fn new(
         case: &Case,

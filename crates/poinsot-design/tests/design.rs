@@ -5,7 +5,7 @@ use poinsot::case::{Case, parse_case, read_case};
 use poinsot::predict::{predict_case, wanted_sigma};
 use poinsot::simulate::run;
 use poinsot::write_report;
-use poinsot_design::{DesignRequest, Designed, design_case, drawn, write_design};
+use poinsot_design::{DesignRequest, Designed, design_case, design_file, drawn, write_design};
 use poinsot_model::{Model, parse_model, read_model};
 use poinsot_testkit::vehicles::ModelText;
 use std::path::{Path, PathBuf};
@@ -445,6 +445,30 @@ fn prop_minutes_end_a_search_with_the_best_manoeuvre_so_far() {
     let (case, model) = boxed("", 1.0e-3);
     let error = design_case(&case, model, &none).unwrap_err();
     assert!(error.to_string().contains("--minutes"), "{error}");
+}
+
+/// However early the search for the shortest manoeuvre is stopped, an unshortened one is not called the shortest.
+#[test]
+fn prop_a_search_that_is_stopped_says_which_shorter_manoeuvres_it_tried() {
+    let (case, model) = changed("stsat3_design.toml", "seed = 1\n", "seed = 1\nstarts = 2\n");
+    for minutes in [0.02, 0.1, 0.3] {
+        let request = DesignRequest {
+            minutes: Some(minutes),
+            ..DesignRequest::default()
+        };
+        let found = design_case(&case, model.clone(), &request).unwrap();
+        let file = design_file(&found);
+        let shorter = found.shorter.unwrap();
+        println!("{minutes} min: {}", file.in_words);
+        assert!(shorter.missed_s.is_none_or(|s| s < found.duration_s));
+        assert_eq!(
+            found.passes(),
+            found.is_reached() && file.verdict == "reached"
+        );
+        if found.duration_s == case.duration_s {
+            assert!(!found.passes() && file.verdict != "reached");
+        }
+    }
 }
 
 /// A wheel that spins up first and down last, with the design between.

@@ -19,7 +19,7 @@ pub struct DesignFile {
     pub case: String,
     /// Name of the vehicle.
     pub model: String,
-    /// "reached" or "not_reached".
+    /// "reached", "not_reached", or "stopped": reached, but the search was stopped before any shorter manoeuvre was tried.
     pub verdict: String,
     /// The answer in one sentence.
     pub in_words: String,
@@ -27,6 +27,9 @@ pub struct DesignFile {
     pub objective: String,
     /// Duration of the manoeuvre, s.
     pub duration_s: f64,
+    /// How far shorter manoeuvres were searched, where the objective is "shortest_time".
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shorter: Option<ShorterFile>,
     /// Largest ratio of predicted to wanted sigma; null if a wanted number is not identifiable.
     pub worst_ratio: Option<f64>,
     /// Mean of the worst tenth of ln(largest ratio) over the vehicles of the prior, of a robust design.
@@ -55,6 +58,15 @@ pub struct DesignFile {
     /// Trial flights, if requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub verification: Option<DesignVerificationFile>,
+}
+
+/// The search for shorter manoeuvres.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ShorterFile {
+    /// Longest duration, s, at which a search did not reach every wanted sigma; null if none was searched.
+    pub missed_s: Option<f64>,
+    /// Whether the search was stopped before its end.
+    pub stopped: bool,
 }
 
 /// One wanted number.

@@ -73,7 +73,7 @@ pub use comparison::{
 };
 pub use design::{
     DESIGN, DesignFile, DesignVerificationFile, DesignedNumberFile, LimitUseFile, RelaxedFile,
-    SearchFile, VerifiedNumberFile,
+    SearchFile, ShorterFile, VerifiedNumberFile,
 };
 pub use diagnostics::{
     ChannelFile, DiagnosticsFile, DriftFile, FindingFile, HeldOutFile, LagFile, LineFile,

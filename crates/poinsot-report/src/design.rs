@@ -4,7 +4,7 @@ use crate::templates::TEMPLATES;
 use minijinja::{Value, context};
 use poinsot_figures::{Document, Tone};
 use poinsot_files::significant;
-use poinsot_formats::DesignFile;
+use poinsot_formats::{DesignFile, ShorterFile};
 
 /// Round-off tolerance of a limit, relative.
 pub(crate) const ROUNDED: f64 = 1.0e-4;
@@ -12,7 +12,7 @@ pub(crate) const ROUNDED: f64 = 1.0e-4;
 /// The design as a document.
 ///
 /// ```
-/// use poinsot_formats::DesignFile;
+/// use poinsot_formats::{DesignFile, ShorterFile};
 ///
 /// let text = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/design.json"));
 /// let design: DesignFile = serde_json::from_str(text)?;
@@ -54,9 +54,10 @@ pub fn design_sentence(design: &DesignFile) -> String {
         );
     }
     let ratio = significant(design.worst_ratio.unwrap_or(f64::INFINITY), 3);
-    if design.verdict == "reached" {
+    if design.verdict != "not_reached" {
+        let shortest = design.shorter.as_ref().map_or_else(String::new, shortest);
         return format!(
-            "{seconds} s reach all {of}: the largest sigma is {ratio} of the wanted one."
+            "{seconds} s reach all {of}: the largest sigma is {ratio} of the wanted one.{shortest}"
         );
     }
     let active = design.limits.iter().filter(|l| l.active).take(3);
@@ -68,4 +69,15 @@ pub fn design_sentence(design: &DesignFile) -> String {
     format!(
         "{seconds} s do not reach all {of}: the largest sigma is {ratio} of the wanted one. Active limits: {by}."
     )
+}
+
+/// The bracket of the shortest duration.
+fn shortest(shorter: &ShorterFile) -> String {
+    let missed = |s: f64| format!("{} s do not", significant(s, 4));
+    match (shorter.missed_s.map(missed), shorter.stopped) {
+        (Some(missed), false) => format!(" {missed}."),
+        (Some(missed), true) => format!(" {missed}; the search was stopped between them."),
+        (None, true) => " The search was stopped before any shorter one was tried.".to_owned(),
+        (None, false) => " Every shorter one that was tried does too.".to_owned(),
+    }
 }
