@@ -1,7 +1,7 @@
 //! `predict --json`: the predicted accuracy of a case.
 
 use crate::body::MassFile;
-use crate::estimate::{CovarianceFile, IdentifiabilityFile, ReferenceFile};
+use crate::estimate::{CovarianceFile, IdentifiabilityFile, KnownNumbersFile, ReferenceFile};
 use crate::number::PredictedNumberFile;
 use crate::read::ResultFile;
 use indexmap::IndexMap;
@@ -43,6 +43,10 @@ pub struct PredictionFile {
     pub covariance: CovarianceFile,
     /// Identifiable and unidentifiable combinations.
     pub identifiability: IdentifiabilityFile,
+    /// What the known numbers add: sigmas without them, and the share of each. Absent in files of earlier versions, whose
+    /// sigmas take them as exact.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub known_numbers: Option<KnownNumbersFile>,
     /// What was assumed.
     pub assumptions: Vec<String>,
     /// Largest values of the motion.

@@ -8,7 +8,8 @@ use indexmap::IndexMap;
 use minijinja::{Value, context};
 use poinsot_figures::Document;
 use poinsot_formats::{
-    Address, BodyFile, CheckFile, DeterminedFile, EstimateFile, SensitivityFile, UndeterminedFile,
+    Address, BodyFile, CheckFile, CovarianceFile, DeterminedFile, EstimateFile, KnownNumbersFile,
+    SensitivityFile, UndeterminedFile,
 };
 
 /// Detail of the printed result.
@@ -65,7 +66,7 @@ pub fn estimate_document(e: &EstimateFile, detail: Detail) -> Document {
         causes => e.diagnostics.iter().flat_map(causes).collect::<Vec<_>>(),
         report => e.method_report,
         known => known_numbers(e),
-        sensitive => sensitivities(e),
+        sensitive => sensitivities(&e.known_numbers, &e.covariance),
         found => found.map(line).collect::<Vec<_>>(),
         repairs => e.repairs,
         unused => unused_lines(&e.ignored_columns),
@@ -143,10 +144,10 @@ pub(crate) fn known_numbers(e: &EstimateFile) -> Value {
 }
 
 /// Each known number with the result number that has its largest share of variance.
-pub(crate) fn sensitivities(e: &EstimateFile) -> Vec<Value> {
+pub(crate) fn sensitivities(known: &KnownNumbersFile, covariance: &CovarianceFile) -> Vec<Value> {
     let row = |s: &SensitivityFile| {
         let (most, share) = s.most_sensitive()?;
-        let unit = e.covariance.unit_of(most).unwrap_or_default();
+        let unit = covariance.unit_of(most).unwrap_or_default();
         Some(context! {
             share,
             number => Address::parse(&s.number).without_unit(&s.unit),
@@ -156,9 +157,5 @@ pub(crate) fn sensitivities(e: &EstimateFile) -> Vec<Value> {
             ..Value::from_serialize(s)
         })
     };
-    e.known_numbers
-        .sensitivities
-        .iter()
-        .filter_map(row)
-        .collect()
+    known.sensitivities.iter().filter_map(row).collect()
 }

@@ -1,14 +1,18 @@
 //! A prediction as text: one sentence, then the numbers.
 
-use crate::estimate::{WHOLE, body_title, open_sentences};
+use crate::estimate::{WHOLE, body_title, open_sentences, sensitivities};
 use crate::templates::TEMPLATES;
 use minijinja::{Value, context};
 use poinsot_figures::{Document, Tone};
 use poinsot_files::significant;
-use poinsot_formats::{MassFile, PredictedNumberFile, PredictionFile};
+use poinsot_formats::{
+    KnownNumbersFile, MassFile, PredictedNumberFile, PredictionFile, SensitivityFile, WantedFile,
+};
 
 type Body = MassFile<PredictedNumberFile>;
 
+/// How well a known number may be measured, of its value.
+const MEASURED: f64 = 0.01;
 /// Significant figures of a predicted sigma.
 const FIGURES: i32 = 2;
 
@@ -37,8 +41,13 @@ pub(crate) fn document(p: &PredictionFile, page: bool) -> Document {
     let whole = p.system.iter().map(|b| (WHOLE.to_owned(), b));
     let shown = bodies.chain(whole).filter(|(_, b)| is_shown(b));
     let shown = shown.map(|(title, b)| context! { title, numbers => b.numbers() });
+    let known = p.known_numbers.as_ref();
+    let sensitive = known.map(|known| sensitivities(known, &p.covariance));
+    let missed = p.wants.iter().filter(|w| !w.met);
+    let limited = missed.filter_map(|w| limited(w, known?));
     let context = context! {
-        page,
+        page, sensitive,
+        limited => limited.collect::<Vec<String>>(),
         in_words => p.in_words,
         wants => p.wants,
         shown => shown.collect::<Vec<Value>>(),
@@ -51,6 +60,28 @@ pub(crate) fn document(p: &PredictionFile, page: bool) -> Document {
     };
     let tone = if enough { Tone::Good } else { Tone::Fair };
     TEMPLATES.document("prediction.txt", context).toned(tone)
+}
+
+/// What a wanted sigma owes to the known numbers, where the data alone reach it: the one that has the largest share, and
+/// the sigma with that one measured to 1 %.
+fn limited(want: &WantedFile, known: &KnownNumbersFile) -> Option<String> {
+    let sigma = want.sigma?;
+    let data = known.sigma_data.get(&want.name)?;
+    let share = |s: &SensitivityFile| s.variance_share.get(&want.name).copied().unwrap_or(0.0);
+    let all = known.sensitivities.iter().map(|s| (s, share(s)));
+    let (largest, share) = all.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let better = (MEASURED * largest.value.abs() / largest.sigma).min(1.0);
+    let then = sigma * (1.0 - share * (1.0 - better * better)).max(0.0).sqrt();
+    (*data <= want.wanted_sigma).then(|| {
+        format!(
+            "{}: the data alone give {}; {} has {} % of the variance, and measured to 1 % leaves {}",
+            want.name,
+            significant(*data, FIGURES),
+            largest.number,
+            significant(100.0 * share, FIGURES),
+            significant(then, FIGURES),
+        )
+    })
 }
 
 /// Whether any single number of a body will be determined.

@@ -17,6 +17,7 @@ pub(crate) static TEMPLATES: LazyLock<Templates> = LazyLock::new(|| {
         ("cost.txt", include_str!("../templates/cost.txt")),
         ("design.txt", include_str!("../templates/design.txt")),
         ("durations.txt", include_str!("../templates/durations.txt")),
+        ("limits.txt", include_str!("../templates/limits.txt")),
         ("estimate.txt", include_str!("../templates/estimate.txt")),
         ("flown.html", include_str!("../templates/flown.html")),
         ("known.html", include_str!("../templates/known.html")),

@@ -173,7 +173,8 @@ fn nuisance(e: &Estimate) -> indexmap::IndexMap<String, NumberFile> {
         .collect()
 }
 
-fn known_numbers(e: &Estimate) -> KnownNumbersFile {
+/// What the known numbers add to the sigmas of an answer.
+pub(crate) fn known_numbers(e: &Estimate) -> KnownNumbersFile {
     let known = &e.known_numbers;
     let named = |list: &[Option<f64>]| {
         let pairs = rows(e).zip(list);

@@ -198,17 +198,14 @@ impl Study {
         )
     }
 
-    /// What `predict` says of the experiment at the true values.
+    /// What `predict` says of the experiment at the true values, with exact known numbers: trials do not draw them.
     ///
     /// # Errors
     /// Invalid model or telemetry.
     pub fn predicted(&self) -> Result<Estimate, Error> {
-        solve(
-            &self.true_model(),
-            &self.exact,
-            RELATIVE_ACCURACY,
-            predicted_covariance,
-        )
+        let mut model = self.true_model();
+        model.knowledge.uncertain.clear();
+        solve(&model, &self.exact, RELATIVE_ACCURACY, predicted_covariance)
     }
 
     /// The model with the true numbers as nominal ones.

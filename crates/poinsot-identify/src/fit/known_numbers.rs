@@ -28,11 +28,38 @@ const KNOWN_ITERATIONS: usize = 12;
 /// Fall of chi-square that a full step may still promise where columns are those of an iterate near it.
 const CONVERGED_BELOW_KEPT_COLUMNS: f64 = 1.0e-3;
 
-/// The fit with known numbers within their uncertainty.
-pub(crate) struct KnownFit {
+/// The unknowns of an experiment with the known numbers that show behind them.
+struct Widened {
     kept: KeptColumns,
     /// All unknowns, the known numbers last.
     parameters: Parameters,
+    /// The point where the known numbers have the values of the model.
+    first: Iterate,
+}
+
+impl Widened {
+    /// `None` where all known numbers are exact, or nothing depends on them.
+    fn new(experiment: &Experiment, at: &Iterate) -> Option<Self> {
+        let problem = experiment.problem;
+        let (all, columns) = shown(experiment, at, unknowns(problem.model))?;
+        let nominal = all.iter().map(|u| u.nominal / u.natural).collect();
+        Some(Self {
+            kept: Arc::new(Mutex::new(Some((nominal, Arc::new(columns))))),
+            parameters: extended(problem, experiment.parameters, &all),
+            first: behind(at, &all),
+        })
+    }
+
+    fn experiment<'b>(&'b self, experiment: &'b Experiment<'b>) -> Experiment<'b> {
+        let mut own = experiment.with_parameters(&self.parameters);
+        own.kept = Arc::clone(&self.kept);
+        own
+    }
+}
+
+/// The fit with known numbers within their uncertainty.
+pub(crate) struct KnownFit {
+    widened: Widened,
     pub fitted: Fitted,
     /// Whether the known numbers were left at their values, because no such vehicle fits.
     pub left: bool,
@@ -45,24 +72,29 @@ pub(crate) struct KnownFit {
 impl KnownFit {
     /// The experiment of which [`Self::fitted`] is the fit.
     pub fn experiment<'b>(&'b self, experiment: &'b Experiment<'b>) -> Experiment<'b> {
-        let mut own = experiment.with_parameters(&self.parameters);
-        own.kept = Arc::clone(&self.kept);
-        own
+        self.widened.experiment(experiment)
     }
+}
+
+/// The known numbers at the values of the model, with their uncertainty: what a fit of ideal measurements would end with.
+pub(crate) fn known_at(experiment: &Experiment, at: &Iterate) -> Option<KnownFit> {
+    let widened = Widened::new(experiment, at)?;
+    let fitted = fit_from(&widened.experiment(experiment), widened.first.clone(), 0)?;
+    Some(KnownFit {
+        widened,
+        fitted,
+        left: false,
+        contradiction: None,
+        test: None,
+    })
 }
 
 /// Fits on with the known numbers within their uncertainty; `None` where all of them are exact, or nothing depends on them.
 pub(crate) fn fit_known(experiment: &Experiment, fitted: &Fitted) -> Option<KnownFit> {
-    let problem = experiment.problem;
-    let all = unknowns(problem.model);
-    let (all, columns) = shown(experiment, &fitted.at, all)?;
-    let parameters = extended(problem, experiment.parameters, &all);
-    let mut wide = experiment.with_parameters(&parameters);
-    let nominal = all.iter().map(|u| u.nominal / u.natural).collect();
-    wide.kept = Arc::new(Mutex::new(Some((nominal, Arc::new(columns)))));
-    let first = behind(&fitted.at, &all);
-    let start = fit_from(&wide, first.clone(), 0)?;
-    let found = fit_from(&wide, first, KNOWN_ITERATIONS)?;
+    let widened = Widened::new(experiment, &fitted.at)?;
+    let wide = widened.experiment(experiment);
+    let start = fit_from(&wide, widened.first.clone(), 0)?;
+    let found = fit_from(&wide, widened.first.clone(), KNOWN_ITERATIONS)?;
     let done = found.converged || predicted_reduction(&found) < CONVERGED_BELOW_KEPT_COLUMNS;
     let (worst, per_number, test) = contradicted(&wide, &found);
     // A misfit beyond the uncertainty of known numbers needs another cause.
@@ -80,14 +112,12 @@ pub(crate) fn fit_known(experiment: &Experiment, fitted: &Fitted) -> Option<Know
             ..found
         },
     };
-    let kept = Arc::clone(&wide.kept);
     Some(KnownFit {
-        kept,
+        widened,
         fitted,
         left,
         contradiction: worst.filter(|_| !left && done),
         test: test.filter(|_| !left && done),
-        parameters,
     })
 }
 

@@ -3,8 +3,9 @@
 use crate::answer;
 use crate::diagnosis::Diagnostics;
 use crate::fit::alternatives::{OtherWheelMotion, better_rest_motion};
-use crate::fit::experiment::{Experiment, Iterate};
+use crate::fit::experiment::Experiment;
 use crate::fit::fit_from;
+use crate::fit::known_numbers::known_at;
 use crate::methods::maximum_likelihood::{conclude, proportional};
 use crate::problem::refusal::no_motion;
 use crate::problem::{Problem, ProblemError};
@@ -14,7 +15,7 @@ use crate::solution::estimate::Estimate;
 /// noise is the declared one.
 ///
 /// Values of the answer are those of the model; its sigmas are the bound (Rao 1945, Cramer 1946), pose,
-/// momentum and biases projected out.
+/// momentum and biases projected out. Known numbers are exact.
 ///
 /// # Errors
 /// The model or the data are not valid for the method.
@@ -27,11 +28,12 @@ use crate::solution::estimate::Estimate;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn cramer_rao(problem: &Problem) -> Result<Estimate, ProblemError> {
-    bound(problem, |_, _| None)
+    bound(problem, Knowledge::Exact)
 }
 
-/// The sigmas that an identification of such measurements will state: the bound, and where they can hardly tell what the
-/// wheels do between samples, the mean square of what the choice adds.
+/// The sigmas that an identification of such measurements will state: the bound with the known numbers within their
+/// uncertainty, and where the measurements can hardly tell what the wheels do between samples, the mean square of what the
+/// choice adds.
 ///
 /// # Errors
 /// As [`cramer_rao`].
@@ -44,13 +46,19 @@ pub fn cramer_rao(problem: &Problem) -> Result<Estimate, ProblemError> {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn predicted_covariance(problem: &Problem) -> Result<Estimate, ProblemError> {
-    bound(problem, OtherWheelMotion::expected)
+    bound(problem, Knowledge::Declared)
 }
 
-fn bound(
-    problem: &Problem,
-    other: impl Fn(&Experiment, &Iterate) -> Option<OtherWheelMotion>,
-) -> Result<Estimate, ProblemError> {
+/// How well what is not asked is known.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Knowledge {
+    /// Known numbers are exact, and so is the motion of wheels between samples.
+    Exact,
+    /// As the model declares, and as an identification takes it.
+    Declared,
+}
+
+fn bound(problem: &Problem, knowledge: Knowledge) -> Result<Estimate, ProblemError> {
     problem.check_samples()?;
     problem.check_observations()?;
     let parameters = problem.likelihood_parameters()?;
@@ -64,8 +72,19 @@ fn bound(
         experiment = experiment.resting(share);
         at_truth = evaluated(&experiment)?;
     }
+    let (other, known) = match knowledge {
+        Knowledge::Exact => (None, None),
+        Knowledge::Declared => (
+            OtherWheelMotion::expected(&experiment, &at_truth.at),
+            known_at(&experiment, &at_truth.at),
+        ),
+    };
+    let wide = known.as_ref().map(|k| k.experiment(&experiment));
+    let (experiment, mut at_truth) = match (&wide, &known) {
+        (Some(wide), Some(known)) => (wide, known.fitted.clone()),
+        _ => (&experiment, at_truth),
+    };
     at_truth.converged = true;
-    let other = other(&experiment, &at_truth.at);
     // A bound has no misfit: interpolation errors of wheel motion are not noise.
     for segment in &mut at_truth.evaluated {
         segment.chi2 = 0.0;
@@ -73,10 +92,10 @@ fn bound(
         segment.channels.clear();
     }
     let explained = (!proportional(problem)).then_some(1.0);
-    let mut solution = conclude(&experiment, &at_truth, explained, Diagnostics::default());
+    let mut solution = conclude(experiment, &at_truth, explained, Diagnostics::default());
     solution.method = "cramer_rao";
     if let Some(own) = &mut solution.likelihood {
-        own.other_wheel_motion = other;
+        own.other_wheel_motion = other.map(|o| o.among(&parameters, &solution.parameters));
     }
     Ok(answer::write_with_remedies(problem, &solution))
 }

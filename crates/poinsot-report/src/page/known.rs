@@ -8,7 +8,8 @@ use poinsot_figures::{PageError, Part};
 
 pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
     let e = &answer.estimate;
-    let context = context! { rows => sensitivities(e), known => known_numbers(e) };
+    let rows = sensitivities(&e.known_numbers, &e.covariance);
+    let context = context! { rows, known => known_numbers(e) };
     let body = TEMPLATES.html("known.html", context)?;
     Ok(Part::new("known", "Sensitivity to known numbers", body))
 }

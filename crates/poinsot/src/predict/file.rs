@@ -1,7 +1,7 @@
 //! The machine-readable prediction, `poinsot.prediction/3`.
 
 use super::Prediction;
-use crate::estimate_file::{covariance, identifiability, reference};
+use crate::estimate_file::{covariance, identifiability, known_numbers, reference};
 use poinsot_formats::{
     Axes, Elements, MassFile, PREDICTION, PredictedNumberFile, PredictionFile, WantedFile, address,
     finite,
@@ -51,6 +51,7 @@ pub fn prediction_file(prediction: &Prediction) -> PredictionFile {
             .collect(),
         covariance: covariance(bound),
         identifiability: identifiability(&bound.identifiability),
+        known_numbers: Some(known_numbers(bound)),
         assumptions: prediction.assumptions.clone(),
         peaks: prediction.peaks.clone(),
         against_duration: prediction.against_duration.clone(),
