@@ -54,7 +54,7 @@ fn answer(words: Vec<OsString>) -> verbs::Outcome {
         .and_then(|matches| Ok((Arguments::from_arg_matches(&matches)?, matches)));
     let (arguments, matches) = match parsed {
         Ok(parsed) => parsed,
-        Err(usage) => return terminal::usage(&usage),
+        Err(usage) => return verbs::usage(&usage),
     };
     arguments.limit_memory.into_iter().for_each(limit_memory);
     let verb = matches.subcommand();

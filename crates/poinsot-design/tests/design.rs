@@ -660,7 +660,7 @@ fn cli_what_is_wrong_with_a_design_is_said_with_its_line() {
         ),
         (
             format!("{want}[[limits.wheel]]\nspeed_rad_s = -1.0\n[design]\n{wheel}"),
-            "a limit must be a positive number",
+            "the speed must be greater than zero",
         ),
         (
             format!(
@@ -670,8 +670,9 @@ fn cli_what_is_wrong_with_a_design_is_said_with_its_line() {
         ),
     ];
     for (text, expected) in faults {
-        let case = parse_case(Path::new("box_case.toml"), format!("{base}{text}")).unwrap();
-        let error = design_case(&case, model.clone(), &DesignRequest::default()).unwrap_err();
+        let case = parse_case(Path::new("box_case.toml"), format!("{base}{text}"));
+        let design = |case| design_case(&case, model.clone(), &DesignRequest::default());
+        let error = case.and_then(design).unwrap_err();
         assert!(error.to_string().contains(expected), "{expected}: {error}");
         assert_eq!(error.kind(), poinsot::ErrorKind::Input);
     }

@@ -2,8 +2,9 @@
 
 use crate::file::{ModelFile, NuisanceFile, NuisanceWord, SensorFile};
 use crate::finding::{Findings, Key};
+use crate::suggest;
 use crate::vehicle::JointKind;
-use poinsot_files::is_unprintable;
+use poinsot_files::{excerpt, is_unprintable};
 use std::collections::HashMap;
 
 /// Longest name, bytes.
@@ -124,4 +125,30 @@ fn columns_unique(file: &ModelFile, findings: &mut Findings<'_, '_>) {
     for (table, index, problem) in clashes {
         duplicate(table, index, &problem, findings);
     }
+}
+
+/// Reports a reference to an unknown name.
+pub(crate) fn unknown_name(
+    key: &Key,
+    kind: &str,
+    name: &str,
+    names: &[&str],
+    findings: &mut Findings<'_, '_>,
+) {
+    // In a file with many faults no similar name is searched.
+    let near = if findings.count() < 50 {
+        suggest::nearest(name, names)
+    } else {
+        None
+    };
+    let remedy = match near {
+        Some(near) => format!("did you mean \"{}\"?", excerpt(near, 60)),
+        None => format!("name one that a [[{kind}]] has"),
+    };
+    findings.refuse(
+        "E0111",
+        key,
+        format!("there is no {kind} of this name"),
+        remedy,
+    );
 }

@@ -1,10 +1,10 @@
 //! Checks sensors: noise in the unit of the channel, and measured quantities.
 
+use crate::check_name::unknown_name;
 use crate::check_rest::check_nuisance;
 use crate::check_rotation::check_rotation;
 use crate::file::{ModelFile, NamesFile, NoiseFile, SensorFile};
 use crate::finding::{Findings, Key};
-use crate::suggest::unknown_name;
 use crate::vehicle::{ErrorKey, JointKind, Nuisance, Sensor, SensorKind};
 use poinsot_files::list;
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};

@@ -96,11 +96,9 @@ pub use model_text::read_model_text;
 pub use patch::{BodyProperties, Patch, Patched, patch_mjcf, patch_model, patch_sdf, patch_urdf};
 pub use poinsot_files::rounded;
 pub use poinsot_telemetry::TelemetryMap;
-pub use read::{
-    MODEL_SCHEMA, check_keys, locate, parse_model, parse_telemetry_map, read_telemetry_map,
-};
+pub use read::{check_keys, locate, parse_model, parse_telemetry_map, read_telemetry_map};
 pub use schema::{model_schema, telemetry_map_schema, without_null};
-pub use shape::Format;
+pub use shape::{Format, MODEL_SCHEMA};
 pub use urdf::{Urdf, UrdfDefect, UrdfOptions, parse_urdf, read_urdf, read_urdf_with};
 pub use vehicle::*;
 pub use vehicle_file::{read_model, read_robot};

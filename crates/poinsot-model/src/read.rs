@@ -7,16 +7,13 @@ use crate::file::{ModelFile, TelemetryMapFile};
 use crate::finding::{Findings, Key};
 use crate::model_text::read_model_text;
 use crate::schema::{model_schema_ref, telemetry_map_schema_ref};
-use crate::shape::{Format, MODEL, check_shape};
+use crate::shape::{Format, MODEL, MODEL_SCHEMA, check_shape};
 use crate::vehicle::Model;
 use poinsot_files::{Fault, Faults, Place};
 use poinsot_telemetry::TelemetryMap;
 use serde::Deserialize;
 use std::path::Path;
 use toml::de::DeValue;
-
-/// Version of the format.
-pub const MODEL_SCHEMA: &str = "poinsot.model/1";
 
 /// Checks a vehicle given as text; `file` is its name in messages.
 ///
@@ -123,6 +120,21 @@ pub fn parse_telemetry_map(text: &str, file: &str) -> Result<TelemetryMap, Fault
 ///
 /// # Errors
 /// All faults of its keys, with line, column and value.
+///
+/// ```
+/// use poinsot_model::{Format, check_keys};
+/// use std::sync::LazyLock;
+///
+/// static FORMAT: Format = Format {
+///     name: "pump/1", syntax: "P1", version: "P2", unknown: "P3", unit: "P4", missing: "P5", kind: "P6", range: "P7", unfit: "P8",
+/// };
+/// static ROWS: LazyLock<serde_json::Value> = LazyLock::new(|| {
+///     serde_json::json!({ "properties": { "speed_rad_s": { "type": "number" } } })
+/// });
+/// assert!(check_keys("speed_rad_s = 3.0", "pump.toml", &FORMAT, &ROWS).is_ok());
+/// let error = check_keys("sped_rad_s = 3.0", "pump.toml", &FORMAT, &ROWS).unwrap_err();
+/// assert!(error.to_string().starts_with("P3 pump.toml:1:1: sped_rad_s"), "{error}");
+/// ```
 pub fn check_keys(
     text: &str,
     file: &str,
@@ -139,6 +151,15 @@ pub fn check_keys(
 }
 
 /// Gives faults of a file the line and the value of their key.
+///
+/// ```
+/// use poinsot_files::{Fault, Place};
+///
+/// let place = Place::file("pump.toml").key("pump.speed_rad_s");
+/// let mut faults = [Fault::new("E0505", place, "too fast", "slow down")];
+/// poinsot_model::locate("[pump]\nspeed_rad_s = 900.0", &mut faults);
+/// assert_eq!((faults[0].place.line, faults[0].value.as_str()), (2, "900.0"));
+/// ```
 pub fn locate(text: &str, faults: &mut [Fault]) {
     let (document, _) = Document::new(text, "");
     for fault in faults {

@@ -1,7 +1,7 @@
 //! Checks a parsed file against the table of keys: unknown, missing and misplaced keys, wrong types and words, names, and
 //! numbers out of range. Parts that cannot be read are dropped, so that one fault does not hide others.
 
-use crate::check_name::misspelt;
+use crate::check_name::{misspelt, unknown_name};
 use crate::document::KeyPath;
 use crate::finding::{Findings, Key};
 use crate::suggest;
@@ -11,6 +11,9 @@ use std::collections::{HashMap, HashSet};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 use toml::{Table, Value};
+
+/// Version of the format.
+pub const MODEL_SCHEMA: &str = "poinsot.model/1";
 
 /// Larger numbers are meaningless in SI for a spacecraft, and their squares overflow.
 pub(crate) const LARGEST: f64 = 1e30;
@@ -42,7 +45,7 @@ pub struct Format {
 
 /// The model file.
 pub(crate) const MODEL: Format = Format {
-    name: crate::read::MODEL_SCHEMA,
+    name: MODEL_SCHEMA,
     syntax: "E0102",
     version: "E0103",
     unknown: "E0104",
@@ -428,7 +431,7 @@ impl Shape<'_, '_, '_> {
         if !found {
             let mut names: Vec<&str> = names.iter().map(String::as_str).collect();
             names.sort_unstable();
-            suggest::unknown_name(key, list, text, &names, self.findings);
+            unknown_name(key, list, text, &names, self.findings);
         }
         found
     }

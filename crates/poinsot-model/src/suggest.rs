@@ -1,8 +1,5 @@
 //! Suggests the key or name that was probably meant.
 
-use crate::finding::{Findings, Key};
-use poinsot_files::excerpt;
-
 /// Units that end keys of the format, longest first.
 const UNITS: &str = "N_m_s_per_rad N_m_per_rad N_s_per_m N_per_m kg_m2 m3_s2 N_m_s rad_s m_s2 N_m N_s rad m_s xyzw matrix kg m s N";
 
@@ -113,30 +110,4 @@ pub(crate) fn unknown_key(key: &str, known: &[&str]) -> (bool, String, String) {
         None => format!("remove it; known here: {}", known.join(", ")),
     };
     (false, "unknown key".to_owned(), remedy)
-}
-
-/// Reports a reference to an unknown name.
-pub(crate) fn unknown_name(
-    key: &Key,
-    kind: &str,
-    name: &str,
-    names: &[&str],
-    findings: &mut Findings<'_, '_>,
-) {
-    // In a file with many faults no similar name is searched.
-    let near = if findings.count() < 50 {
-        nearest(name, names)
-    } else {
-        None
-    };
-    let remedy = match near {
-        Some(near) => format!("did you mean \"{}\"?", excerpt(near, 60)),
-        None => format!("name one that a [[{kind}]] has"),
-    };
-    findings.refuse(
-        "E0111",
-        key,
-        format!("there is no {kind} of this name"),
-        remedy,
-    );
 }

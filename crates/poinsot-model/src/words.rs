@@ -62,7 +62,9 @@ fn text(value: &Value) -> String {
 }
 
 fn phrases(keys: &Map<String, Value>) -> String {
-    let given = keys.iter().filter(|(_, value)| !value.is_null());
+    let nothing = |value: &Value| value.as_array().is_some_and(Vec::is_empty);
+    let given = keys.iter();
+    let given = given.filter(|(_, value)| !value.is_null() && !nothing(value));
     let all: Vec<String> = given.map(|(key, value)| phrase(key, value)).collect();
     all.join(", ")
 }

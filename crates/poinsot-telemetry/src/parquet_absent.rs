@@ -26,5 +26,5 @@ pub(crate) fn read(
 
 /// Returns the error.
 pub(crate) fn write_parquet(_: &mut File, _: &[f64], _: &[Channel]) -> Result<(), String> {
-    Err(ABSENT)
+    Err(ABSENT.to_owned())
 }

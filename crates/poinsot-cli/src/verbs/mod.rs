@@ -26,13 +26,16 @@ use std::sync::{Mutex, OnceLock};
 use crate::arguments::{FigureFile, Print};
 use poinsot::Error;
 use poinsot_figures::{Document, FigureFormat, WITHOUT_PNG};
-use poinsot_files::{error_line, escaped_lines, json_escaped};
+use poinsot_files::{Fault, Place, error_line, escaped_lines, json_escaped};
 use poinsot_formats::{ResultFile, WrittenFile, result_text};
 use std::io::IsTerminal;
 use std::path::PathBuf;
 
 /// Exit code of a command, or its failure.
 pub type Outcome = Result<u8, Error>;
+
+/// Exit code of an invalid command line.
+const USAGE: u8 = 2;
 
 /// Exit code of a result (docs/reference/interface.md): 0 if it passes, 1 otherwise.
 pub fn exit_of(passes: bool) -> u8 {
@@ -68,6 +71,29 @@ pub fn step(rows: &crate::arguments::Rows) -> Result<usize, Error> {
         }
         every => Ok(every),
     }
+}
+
+/// Prints a text of clap, for example the help.
+///
+/// # Errors
+/// An invalid command line.
+pub fn usage(usage: &clap::Error) -> Outcome {
+    let plain = usage.render().to_string();
+    let Some(text) = plain.strip_prefix("error: ") else {
+        match (usage.use_stderr(), crate::terminal::style().colour) {
+            (true, _) => note(&plain),
+            (false, true) => print_styled(&usage.render().ansi().to_string()),
+            (false, false) => print_styled(&plain),
+        }
+        return Ok(u8::try_from(usage.exit_code()).unwrap_or(USAGE));
+    };
+    let mut parts = text.split("\n\n").map(|part| {
+        let words: Vec<&str> = part.split_whitespace().collect();
+        words.join(" ")
+    });
+    let problem = parts.next().unwrap_or_default();
+    let advice: Vec<String> = parts.collect();
+    Err(Fault::new("E0001", Place::default(), problem, advice.join("; ")).into())
 }
 
 /// Prints one line on standard error; a closed stream is ignored.

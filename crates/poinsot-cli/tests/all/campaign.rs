@@ -145,11 +145,12 @@ fn cli_workers_that_are_killed_lose_nothing_and_count_nothing_twice() {
 
 /// Child processes, from the system's list.
 fn children(parent: u32) -> Vec<u32> {
-    let text = std::fs::read_to_string(format!("/proc/{parent}/task/{parent}/children"));
-    text.unwrap_or_default()
-        .split_whitespace()
-        .filter_map(|p| p.parse().ok())
-        .collect()
+    let tasks = std::fs::read_dir(format!("/proc/{parent}/task"));
+    let tasks = tasks.into_iter().flatten().flatten();
+    let texts = tasks.filter_map(|task| std::fs::read_to_string(task.path().join("children")).ok());
+    let all: Vec<String> = texts.collect();
+    let words = all.iter().flat_map(|text| text.split_whitespace());
+    words.filter_map(|p| p.parse().ok()).collect()
 }
 
 #[test]

@@ -140,6 +140,6 @@ fn cli_check_says_what_a_spring_is() {
     let checked = poinsot(&["check", &example("cases/slosh_truth.toml")]);
     assert_eq!(checked.status.code(), Some(0));
     let words = text(&checked.stdout);
-    let own = "slosh: revolute, bus -> propellant, axis (0, 1, 0), spring 1 N m/rad about 0 rad, damper 0.002 N m s/rad";
+    let own = "spring damper (stiffness 1 N m/rad, damping 0.002 N m s/rad, rest 0 rad)";
     assert!(words.contains(own), "{words}");
 }

@@ -42,10 +42,11 @@ impl Rejection {
         let impossible =
             bodies.iter().any(|b| unphysical(b, bad_fit)) || pressed(solution, bad_fit);
         let own = solution.likelihood.as_ref();
-        // Where the search failed, only a mistake that a fit of its own confirmed contradicts the model.
+        // Where the search failed, a mistake that a fit of its own confirmed contradicts the model, or a part of the record.
         let mut suspects = own.into_iter().flat_map(|own| &own.diagnostics.suspects);
         if !solution.is_found() && suspects.next().is_none() {
-            return None;
+            let contradicted = own.is_some_and(|own| own.contradicted);
+            return contradicted.then_some(Self::Contradicted);
         }
         let coloured = coloured && own.is_none_or(|own| own.conflict.is_none());
         let not_rigid = own.is_some_and(OfLikelihood::not_rigid);

@@ -118,6 +118,11 @@ impl<'a> AlternativeFit<'a> {
         }
     }
 
+    /// A fit that ends at no minimum replaces none that does.
+    fn may_become(&self, other: &Fitted) -> bool {
+        other.is_found() || !self.fitted.is_found()
+    }
+
     /// -2 ln L at its end, up to a constant.
     fn cost(&self) -> f64 {
         self.experiment.cost_of(&self.fitted)
@@ -130,8 +135,8 @@ impl<'a> AlternativeFit<'a> {
         };
         let experiment = self.experiment.resting(share);
         match fit_from(&experiment, self.fitted.at.clone(), ITERATIONS) {
-            Some(fitted) => Self::new(experiment, fitted),
-            None => self,
+            Some(fitted) if self.may_become(&fitted) => Self::new(experiment, fitted),
+            _ => self,
         }
     }
 
@@ -150,7 +155,8 @@ impl<'a> AlternativeFit<'a> {
         self.other = converged.map(|there| OtherWheelMotion::new(&self, there));
         let promising = there.filter(|there| least(there) < cost);
         let found = promising.and_then(|t| fit_on(&smooth, self.fitted.at.clone(), t, ITERATIONS));
-        if let Some(fitted) = found.filter(|found| smooth.cost_of(found) < cost) {
+        let better = |found: &Fitted| smooth.cost_of(found) < cost && self.may_become(found);
+        if let Some(fitted) = found.filter(better) {
             let there = self.experiment.linearise(&fitted.at);
             self = Self::new(smooth, fitted);
             self.other = there.map(|there| OtherWheelMotion::new(&self, &there));

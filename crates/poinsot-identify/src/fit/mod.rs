@@ -15,5 +15,6 @@ pub(crate) mod triangle;
 pub(crate) mod wheel_process;
 pub(crate) mod wheel_torque;
 
-pub(crate) use momentum_state::{Fitted, fit, fit_from, fit_near, fit_on, fit_starts};
+pub(crate) use momentum_state::{Fitted, Search, fit_from, fit_near, fit_on, fit_starts};
+pub(crate) use search::fit;
 pub(crate) use step::ITERATIONS;

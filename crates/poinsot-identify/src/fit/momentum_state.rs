@@ -5,86 +5,20 @@
 //! not move. A damped step holds biases, lags and what else is wrong with the instruments back as it does the mass
 //! properties: only pose and momentum follow whole.
 
-use crate::fit::coordinates::PhysicalBodies;
 use crate::fit::experiment::{Experiment, Iterate};
-use crate::fit::search::{Search, is_settled, search};
 use crate::fit::step::{
-    BoundaryBodies, ITERATIONS, Linearisation, close, held, linearised, moved, physical_bodies,
+    BoundaryBodies, Linearisation, close, held, linearised, moved, physical_bodies,
 };
 use crate::fit::triangle::SharedTriangle;
 use crate::likelihood::Evaluated;
 use crate::problem::ProblemError;
 use crate::problem::refusal::no_motion;
-use crate::problem::settings::Coordinates;
 use poinsot_solve::{End, LeastSquares, Linearised, Minimum, Spectrum, levenberg_marquardt};
 
+/// Share of the cost that a full step may still promise where the cost is known well enough to contradict a model.
+const SETTLED: f64 = 1.0e-2;
 /// Share of chi-square that may be left where no step lowers it: round-off, not a failure.
 const NEGLIGIBLE_PROMISE: f64 = 1.0e-4;
-
-/// Fits from the better of the linear solution and the nominal numbers.
-///
-/// The bodies are free at first: near the physical limit and far from the answer the equations are more nonlinear than
-/// beyond it. An unphysical result is then moved back at the least cost and fitted within the limit.
-pub(crate) fn fit(
-    experiment: &Experiment,
-    linear: Option<&Iterate>,
-) -> Result<Fitted, ProblemError> {
-    let bodies = physical_bodies(experiment, experiment.parameters.mass_unknowns);
-    let starts = starts(experiment, linear, bodies.as_ref());
-    if let Some(bodies) = bodies {
-        let mut free = experiment.with_parameters(experiment.parameters);
-        free.settings.coordinates = Coordinates::Linear;
-        let found = search(&free, &starts).ok_or_else(no_motion)?;
-        if found.converged {
-            let Some(bodies) = bodies.separable(&found.spectrum) else {
-                return Ok(found);
-            };
-            if bodies.contain(&found.at.x) {
-                return Ok(found);
-            }
-            let back = brought_back(experiment, &found, &bodies);
-            if let Some(found) = back.filter(|f| f.converged) {
-                return Ok(found);
-            }
-        } else if !found.explains() {
-            // The limit is not the reason for the missing convergence.
-            return Ok(found);
-        }
-    }
-    search(experiment, &starts).ok_or_else(no_motion)
-}
-
-/// The linear solution and the nominal numbers, where the bodies are physical.
-fn starts(
-    experiment: &Experiment,
-    linear: Option<&Iterate>,
-    bodies: Option<&PhysicalBodies>,
-) -> Vec<Iterate> {
-    let mut starts: Vec<Iterate> = linear.cloned().into_iter().collect();
-    if let Some(bodies) = bodies {
-        starts.iter_mut().for_each(|at| bodies.start(&mut at.x));
-    }
-    starts.push(experiment.nominal_point());
-    starts
-}
-
-/// Fits on from the step that leads back to physical bodies at the least cost.
-fn brought_back(
-    experiment: &Experiment,
-    beyond: &Fitted,
-    bodies: &PhysicalBodies,
-) -> Option<Fitted> {
-    let rhs = beyond.shared.rhs();
-    let (step, _) = bodies.step(&beyond.spectrum, &rhs, 0.0, &beyond.at.x);
-    let (shared, natural) = (&beyond.shared, &beyond.spectrum.natural);
-    let at = moved(
-        experiment,
-        &beyond.at,
-        (&beyond.evaluated, shared, natural),
-        &step,
-    );
-    fit_from(experiment, at, ITERATIONS)
-}
 
 /// Fits from near a point, where the bodies are physical, in at most `limit` iterations.
 pub(crate) fn fit_near(experiment: &Experiment, mut at: Iterate, limit: usize) -> Option<Fitted> {
@@ -128,6 +62,22 @@ pub(crate) fn fit_starts(experiment: &Experiment, limit: usize) -> Result<Iterat
         (at, here) = (next, there);
     }
     Ok(at)
+}
+
+/// Where a search ended.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Search {
+    /// At a minimum of the whole record.
+    Whole,
+    /// At a minimum of a beginning of the record that the model does not explain.
+    Contradicted,
+    /// Nowhere: beyond this share of the record no fit converges.
+    Lost(f64),
+}
+
+/// Whether no step lowers the cost by more than a negligible share.
+pub(super) fn is_settled(end: &Minimum<Iterate, Linearisation>) -> bool {
+    end.here.predicted_reduction < SETTLED * end.here.cost.max(1.0)
 }
 
 /// Where the iteration ended.

@@ -10,12 +10,16 @@
 //!
 //! The first steps need not be exact: a few samples lead as close in a fraction of the time.
 
+use crate::fit::coordinates::PhysicalBodies;
 use crate::fit::experiment::{Experiment, Iterate};
-use crate::fit::momentum_state::{Fitted, fit_from, fit_on};
+use crate::fit::momentum_state::{Fitted, Search, fit_from, fit_on, is_settled};
 use crate::fit::part_of_record::{beginning, thinned};
-use crate::fit::step::{ITERATIONS, Linearisation, is_close};
+use crate::fit::step::{ITERATIONS, is_close, moved, physical_bodies};
+use crate::problem::ProblemError;
+use crate::problem::refusal::no_motion;
 use crate::problem::segment::Segment;
-use poinsot_solve::{LeastSquares, Minimum, levenberg_marquardt};
+use crate::problem::settings::Coordinates;
+use poinsot_solve::{LeastSquares, levenberg_marquardt};
 
 /// Samples per sensor in a segment up to which none is omitted.
 const START_SAMPLES: usize = 128;
@@ -30,22 +34,74 @@ const LEAST_TIMES: usize = 4;
 /// Factor by which a beginning is extended, and the smallest one that is tried: its root is taken where a fit fails.
 const LONGER: f64 = 2.0;
 const LEAST_LONGER: f64 = 1.1;
-/// Share of the cost that a full step may still promise where the cost is known well enough to contradict a model.
-const SETTLED: f64 = 1.0e-2;
 
-/// Where a search ended.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Search {
-    /// At a minimum of the whole record.
-    Whole,
-    /// At a minimum of a beginning of the record that the model does not explain.
-    Contradicted,
-    /// Nowhere: beyond this share of the record no fit converges.
-    Lost(f64),
+/// Fits from the better of the linear solution and the nominal numbers.
+///
+/// The bodies are free at first: near the physical limit and far from the answer the equations are more nonlinear than
+/// beyond it. An unphysical result is then moved back at the least cost and fitted within the limit.
+pub(crate) fn fit(
+    experiment: &Experiment,
+    linear: Option<&Iterate>,
+) -> Result<Fitted, ProblemError> {
+    let bodies = physical_bodies(experiment, experiment.parameters.mass_unknowns);
+    let starts = starts(experiment, linear, bodies.as_ref());
+    if let Some(bodies) = bodies {
+        let mut free = experiment.with_parameters(experiment.parameters);
+        free.settings.coordinates = Coordinates::Linear;
+        let found = search(&free, &starts).ok_or_else(no_motion)?;
+        if found.converged {
+            let Some(bodies) = bodies.separable(&found.spectrum) else {
+                return Ok(found);
+            };
+            if bodies.contain(&found.at.x) {
+                return Ok(found);
+            }
+            let back = brought_back(experiment, &found, &bodies);
+            if let Some(found) = back.filter(|f| f.converged) {
+                return Ok(found);
+            }
+        } else if !found.explains() {
+            // The limit is not the reason for the missing convergence.
+            return Ok(found);
+        }
+    }
+    search(experiment, &starts).ok_or_else(no_motion)
+}
+
+/// The linear solution and the nominal numbers, where the bodies are physical.
+fn starts(
+    experiment: &Experiment,
+    linear: Option<&Iterate>,
+    bodies: Option<&PhysicalBodies>,
+) -> Vec<Iterate> {
+    let mut starts: Vec<Iterate> = linear.cloned().into_iter().collect();
+    if let Some(bodies) = bodies {
+        starts.iter_mut().for_each(|at| bodies.start(&mut at.x));
+    }
+    starts.push(experiment.nominal_point());
+    starts
+}
+
+/// Fits on from the step that leads back to physical bodies at the least cost.
+fn brought_back(
+    experiment: &Experiment,
+    beyond: &Fitted,
+    bodies: &PhysicalBodies,
+) -> Option<Fitted> {
+    let rhs = beyond.shared.rhs();
+    let (step, _) = bodies.step(&beyond.spectrum, &rhs, 0.0, &beyond.at.x);
+    let (shared, natural) = (&beyond.shared, &beyond.spectrum.natural);
+    let at = moved(
+        experiment,
+        &beyond.at,
+        (&beyond.evaluated, shared, natural),
+        &step,
+    );
+    fit_from(experiment, at, ITERATIONS)
 }
 
 /// Fits from the better of some starts; `None` where the vehicle moves from none of them.
-pub(crate) fn search(experiment: &Experiment, starts: &[Iterate]) -> Option<Fitted> {
+fn search(experiment: &Experiment, starts: &[Iterate]) -> Option<Fitted> {
     let direct = from_better(experiment, starts);
     if direct.as_ref().is_some_and(|d| d.converged && d.explains()) {
         return direct;
@@ -87,27 +143,38 @@ pub(crate) fn search(experiment: &Experiment, starts: &[Iterate]) -> Option<Fitt
     })
 }
 
-/// The fit of the whole record from the better start: over a few samples where there are many and these lead close.
+/// The fit of the whole record from the better start: over a few samples where there are many and these lead close. A
+/// start can change the directions that are identified as the fit goes on; where it does not converge, the other is tried.
 fn from_better(experiment: &Experiment, starts: &[Iterate]) -> Option<Fitted> {
     let close = few_samples(experiment.problem.segments)
         .and_then(|few| coarse_fit(experiment, starts, &few))
         .and_then(|at| Some((experiment.linearise(&at).filter(is_close)?, at)));
-    if let Some((here, at)) = close {
-        return fit_on(experiment, at, here, ITERATIONS);
+    let mut best = close.and_then(|(here, at)| fit_on(experiment, at, here, ITERATIONS));
+    if best.as_ref().is_some_and(|b| b.converged) {
+        return best;
     }
-    let start = better(experiment, starts)?.clone();
-    let found = fit_from(experiment, start, ARC_ITERATIONS)?;
-    match found.converged || !found.explains() {
-        true => Some(found),
-        false => fit_from(experiment, found.at, ITERATIONS),
+    let whole = |at: &Iterate| {
+        let found = fit_from(experiment, at.clone(), ARC_ITERATIONS)?;
+        match found.converged || !found.explains() {
+            true => Some(found),
+            false => fit_from(experiment, found.at, ITERATIONS),
+        }
+    };
+    for found in by_cost(experiment, starts).into_iter().filter_map(whole) {
+        if found.converged {
+            return Some(found);
+        }
+        let stays = |b: &Fitted| b.explains() || !found.explains();
+        best = best.filter(stays).or(Some(found));
     }
+    best
 }
 
 /// End of a fit to a few samples from the better of some starts; `None` where it is not close.
 fn coarse_fit(experiment: &Experiment, starts: &[Iterate], few: &[Segment]) -> Option<Iterate> {
     let problem = experiment.problem.with_segments(few);
     let few = experiment.with_problem(&problem).near();
-    let start = better(&few, starts)?;
+    let start = *by_cost(&few, starts).first()?;
     let here = few.linearise(start)?;
     let end = levenberg_marquardt(&few, start.clone(), here, ITERATIONS);
     // Few samples also tell less of what drives the vehicle: all of them decide where these are not met.
@@ -115,16 +182,18 @@ fn coarse_fit(experiment: &Experiment, starts: &[Iterate], few: &[Segment]) -> O
     close.then_some(end.at)
 }
 
-/// The start of the smallest cost; one without a motion comes last.
-fn better<'s>(experiment: &Experiment, starts: &'s [Iterate]) -> Option<&'s Iterate> {
+/// The start of the smallest cost first; one without a motion comes last.
+fn by_cost<'s>(experiment: &Experiment, starts: &'s [Iterate]) -> Vec<&'s Iterate> {
     if let [only] = starts {
-        return Some(only);
+        return vec![only];
     }
-    let cost = |at: &Iterate| experiment.cost(at).filter(|c| !c.is_nan());
+    let cost = |at| experiment.cost(at).filter(|c| !c.is_nan());
     let costs = starts
         .iter()
-        .map(|at| (at, cost(at).unwrap_or(f64::INFINITY)));
-    Some(costs.min_by(|a, b| a.1.total_cmp(&b.1))?.0)
+        .map(|at| (cost(at).unwrap_or(f64::INFINITY), at));
+    let mut costs: Vec<(f64, &Iterate)> = costs.collect();
+    costs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    costs.into_iter().map(|(_, at)| at).collect()
 }
 
 /// How far along a record the fits of its beginnings led.
@@ -216,11 +285,6 @@ fn fit_beginning(experiment: &Experiment, start: &Iterate, share: f64) -> Option
     };
     let few = few_samples(&whole).and_then(|few| fit(&few));
     few.filter(|f| f.explains).or_else(|| fit(&whole))
-}
-
-/// Whether no step lowers the cost by more than a negligible share.
-pub(crate) fn is_settled(end: &Minimum<Iterate, Linearisation>) -> bool {
-    end.here.predicted_reduction < SETTLED * end.here.cost.max(1.0)
 }
 
 /// A few samples of a record; `None` where that saves little.

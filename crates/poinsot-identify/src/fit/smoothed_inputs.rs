@@ -25,6 +25,9 @@ use poinsot_spatial::{Vector3, Vector6};
 
 /// Bias, and distance that is left, that do not matter in any number, sigmas.
 const SMALL: f64 = 0.05;
+/// Sigma, in natural units, up to which the predictions are linear in a direction: the bias of a weaker one is no number, and
+/// a fit about inputs that follow it leads anywhere along it.
+const LINEAR: f64 = 0.25;
 /// Most times that the inputs are smoothed: each time what is left falls to a tenth and less.
 const ROUNDS: usize = 8;
 /// Grid times at which the effect of the inputs is looked at.
@@ -39,10 +42,11 @@ pub(crate) struct SmoothedInputs {
 }
 
 impl SmoothedInputs {
-    /// From a fit along measured inputs; `None` where its bias is small.
+    /// From a fit along measured inputs; `None` where its bias is small in what the data determine well.
     pub fn new(experiment: &Experiment, fitted: &Fitted) -> Option<Self> {
-        let own = (fitted.evaluated.as_slice(), &fitted.spectrum);
-        if bias(experiment, &fitted.at, own)? < SMALL {
+        let accuracy = experiment.problem.relative_accuracy.min(LINEAR);
+        let told = fitted.spectrum.clone().judged(accuracy);
+        if bias(experiment, &fitted.at, (&fitted.evaluated, &told))? < SMALL {
             return None;
         }
         let (mut at, mut iterations) = (fitted.at.clone(), fitted.iterations);
@@ -51,8 +55,8 @@ impl SmoothedInputs {
             let problem = experiment.problem.with_segments(&segments);
             let about = experiment.of_vehicle(&problem, experiment.parameters);
             let here = about.linearise(&at)?;
-            let near = here.rows.mass_shift() < SMALL;
-            let mut fitted = fit_on(&about, at, here, ITERATIONS)?;
+            let mut fitted = fit_on(&about, at.clone(), here, ITERATIONS)?;
+            let near = moved(&told, (&at.x, &fitted.at.x)) < SMALL;
             iterations += fitted.iterations;
             fitted.iterations = iterations;
             if near || round == ROUNDS {
@@ -64,6 +68,18 @@ impl SmoothedInputs {
         }
         None
     }
+}
+
+/// How far a fit has moved what the data determine, sigmas; at the limit of physical bodies less than its full step would.
+fn moved(told: &Spectrum, (from, to): (&[f64], &[f64])) -> f64 {
+    let changes = told.natural.iter().zip(from.iter().zip(to));
+    let changes: Vec<f64> = changes.map(|(unit, (a, b))| (b - a) / unit).collect();
+    let along = |k: usize| {
+        let parts = changes.iter().enumerate();
+        let sum: f64 = parts.map(|(i, c)| c * told.directions[(i, k)]).sum();
+        (sum * told.singular[k]).powi(2)
+    };
+    (0..told.accurate).map(along).sum::<f64>().sqrt()
 }
 
 /// The records about inputs that all samples smooth at a point.
@@ -106,7 +122,7 @@ fn bias(
         sum.map(|(i, b)| b * spectrum.directions[(i, k)])
             .sum::<f64>()
     };
-    let squares = (0..spectrum.rank).map(|k| (along(k) / spectrum.singular[k]).powi(2));
+    let squares = (0..spectrum.accurate).map(|k| (along(k) / spectrum.singular[k]).powi(2));
     Some(squares.sum::<f64>().sqrt())
 }
 

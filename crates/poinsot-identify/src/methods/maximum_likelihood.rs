@@ -15,10 +15,9 @@ use crate::fit::degrees_of_freedom::fitted_numbers;
 use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::known_numbers::{Effects, KnownFit, fit_known};
 use crate::fit::part_of_record::beginning;
-use crate::fit::search::Search;
 use crate::fit::step_error::StepError;
 use crate::fit::triangle::conditional_estimate;
-use crate::fit::{Fitted, fit};
+use crate::fit::{Fitted, Search, fit};
 use crate::likelihood::{
     ChannelResidual, Evaluated, InitialState, InitialStateColumns, MeasuredMotion,
 };
@@ -373,6 +372,7 @@ pub(crate) fn conclude(
             iterations: fitted.iterations,
             converged: fitted.converged,
             found: fitted.is_found(),
+            contradicted: fitted.search == Search::Contradicted,
             followed: followed(experiment, fitted),
             held: fitted.held.clone(),
             diagnostics: found,

@@ -28,17 +28,20 @@ mod filter;
 mod points;
 mod random_torque;
 mod smoother;
+mod sparse;
 
 pub(crate) use points::{approximate, increments};
 
 use crate::motion::{Column, Instant, Matrix6x12, Motion, State, matrix, pose_change};
 use crate::problem::error_process::{ErrorProcess, ErrorStep};
 use crate::problem::segment::{InputChannel, InputErrors, InputRate, Noise, Observations, Segment};
-use filter::{Filter, SparseRows};
+use filter::Filter;
 use nalgebra::{Matrix2, Vector2};
 use poinsot_dynamics::JointSlopes;
 use poinsot_model::RandomTorque;
 use poinsot_spatial::{Matrix3, Vector3, Vector6};
+use smoother::KnownError;
+use sparse::SparseRows;
 
 /// An input with noise.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -292,10 +295,15 @@ impl InputNoise {
     /// After the samples of a grid time.
     pub fn end_grid_time(&mut self) {
         if let Some(mut trace) = self.filter.trace.take() {
-            trace.known(
-                &self.filter,
-                (0..self.inputs.len()).map(|c| self.place(c, 0)),
-            );
+            let known = |c| {
+                let at = self.place(c, 0);
+                KnownError {
+                    mean: self.filter.mean(at),
+                    covariance: self.filter.covariance_row(at).to_vec(),
+                }
+            };
+            let errors = (0..self.inputs.len()).map(known).collect();
+            trace.known(self.filter.size, errors);
             self.filter.trace = Some(trace);
         }
     }

@@ -99,6 +99,8 @@ pub(crate) struct OfLikelihood {
     pub converged: bool,
     /// Whether the search ended at a minimum, by which the model can be judged.
     pub found: bool,
+    /// Whether the model does not explain a beginning of the record to which a fit converged.
+    pub contradicted: bool,
     /// The part of the record that a failed search explains, in words.
     pub followed: Option<String>,
     /// What the fit assumes of the inputs between their samples.

@@ -1,4 +1,4 @@
-use super::rows::{SampleErrorFile, SensorUncertaintyFile, Sigma};
+use super::rows::{SensorUncertaintyFile, Sigma, Step};
 use super::{NuisanceFile, Sigmas};
 use crate::knowledge::Origin;
 use poinsot_dynamics::SensorKind;
@@ -156,4 +156,47 @@ impl NamesFile {
             Self::Many(names) => names,
         }
     }
+}
+
+/// Noise and quantisation of a sensor.
+#[derive(JsonSchema)]
+#[allow(non_snake_case)]
+#[expect(dead_code, reason = "rows for the schema; their values are in maps")]
+struct SampleErrorFile {
+    /// One sigma per sample of an attitude (small rotation in body axes), a direction (angle across it; one number) or a revolute joint's position, rad.
+    #[schemars(extend("x-only" = in_unit("rad")))]
+    noise_rad: Option<NoiseFile>,
+    /// One sigma per sample of an angular velocity, a revolute joint's rate or a wheel speed, rad/s.
+    #[schemars(extend("x-only" = in_unit("rad_s")))]
+    noise_rad_s: Option<NoiseFile>,
+    /// One sigma per sample of a position or a prismatic joint's position, m.
+    #[schemars(extend("x-only" = in_unit("m")))]
+    noise_m: Option<NoiseFile>,
+    /// One sigma per sample of a velocity, a velocity increment or a prismatic joint's rate, m/s.
+    #[schemars(extend("x-only" = in_unit("m_s")))]
+    noise_m_s: Option<NoiseFile>,
+    /// One sigma per sample of a specific force, m/s2.
+    #[schemars(extend("x-only" = in_unit("m_s2")))]
+    noise_m_s2: Option<NoiseFile>,
+    /// One sigma per sample of a thrust, N.
+    #[schemars(extend("x-only" = in_unit("N")))]
+    noise_N: Option<NoiseFile>,
+    /// Least significant bit, rad. Its variance is LSB^2/12.
+    #[schemars(extend("x-only" = in_unit("rad")))]
+    quantisation_rad: Option<Step>,
+    /// Least significant bit, rad/s.
+    #[schemars(extend("x-only" = in_unit("rad_s")))]
+    quantisation_rad_s: Option<Step>,
+    /// Least significant bit, m.
+    #[schemars(extend("x-only" = in_unit("m")))]
+    quantisation_m: Option<Step>,
+    /// Least significant bit, m/s.
+    #[schemars(extend("x-only" = in_unit("m_s")))]
+    quantisation_m_s: Option<Step>,
+    /// Least significant bit, m/s2.
+    #[schemars(extend("x-only" = in_unit("m_s2")))]
+    quantisation_m_s2: Option<Step>,
+    /// Least significant bit, N.
+    #[schemars(extend("x-only" = in_unit("N")))]
+    quantisation_N: Option<Step>,
 }

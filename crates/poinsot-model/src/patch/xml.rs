@@ -6,6 +6,7 @@ use poinsot_spatial::{MassProperties, Matrix3};
 use quick_xml::events::{BytesStart, BytesText, Event};
 use quick_xml::{Reader, Writer};
 use roxmltree::{Document, Node};
+use std::ops::Range;
 
 /// Largest relative change of a tensor element by rotation and back.
 const ROUNDING: f64 = 1.0e-12;
@@ -184,25 +185,28 @@ impl Element<'_> {
 
     /// The value of an attribute as written.
     pub fn attribute(&self, name: &str) -> Option<String> {
-        let mut all = self.attributes().into_iter();
-        all.find(|a| a.0 == name).map(|a| a.1)
+        let value = self.placed(name)?.value;
+        self.tag().and_then(|tag| tag.get(value)).map(text_of)
     }
 
-    /// Replaces an attribute, or adds it.
+    /// Replaces the value of an attribute, or adds the attribute.
     pub fn set(&mut self, name: &str, value: String) {
-        let mut all = self.attributes();
-        match all.iter_mut().find(|a| a.0 == name) {
-            Some(old) => old.1 = value,
-            None => all.push((name.to_owned(), value)),
+        match self.placed(name) {
+            Some(old) => self.write(old.value, &value),
+            None => {
+                let end = self.tag().map_or(0, |tag| tag.trim_ascii_end().len());
+                self.write(end..end, &format!(" {name}=\"{value}\""));
+            }
         }
-        self.set_all(&all);
     }
 
     /// Removes attributes.
     pub fn remove(&mut self, names: &[&str]) {
-        let mut all = self.attributes();
-        all.retain(|a| !names.contains(&a.0.as_str()));
-        self.set_all(&all);
+        for name in names {
+            if let Some(old) = self.placed(name) {
+                self.write(old.whole, "");
+            }
+        }
     }
 
     /// Replaces the content of a child element by a text.
@@ -238,20 +242,36 @@ impl Element<'_> {
         }
     }
 
-    /// Names and values as written, in double quotes.
-    fn attributes(&self) -> Vec<(String, String)> {
-        let all = self.tag().into_iter().flat_map(BytesStart::attributes);
-        all.flatten()
-            .map(|a| (text_of(a.key), text_of(&a.value).replace('"', "&quot;")))
-            .collect()
+    /// Where an attribute stands in its tag.
+    fn placed(&self, name: &str) -> Option<Placed> {
+        let tag = self.tag()?;
+        let mut all = tag.attributes().flatten();
+        let found = all.find(|a| a.key.as_ref() == name.as_bytes())?;
+        let at = |part: &[u8]| (part.as_ptr() as usize).checked_sub(tag.as_ptr() as usize);
+        let (key, value) = (at(found.key.as_ref())?, at(&found.value)?);
+        let end = value + found.value.len();
+        let before = tag.get(..key)?.trim_ascii_end().len();
+        Some(Placed {
+            whole: before..end + 1,
+            value: value..end,
+        })
     }
 
-    fn set_all(&mut self, all: &[(String, String)]) {
+    /// Replaces a part of the tag.
+    fn write(&mut self, part: Range<usize>, new: &str) {
         if let Some(Event::Start(tag) | Event::Empty(tag)) = self.events.get_mut(self.at) {
-            tag.clear_attributes();
-            tag.extend_attributes(all.iter().map(|(k, v)| (k.as_bytes(), v.as_bytes())));
+            let (mut text, name) = (text_of(&**tag), tag.name().as_ref().len());
+            text.replace_range(part, new);
+            *tag = BytesStart::from_content(text, name);
         }
     }
+}
+
+/// Bytes of an attribute in its tag.
+struct Placed {
+    /// From the blank before its name to its last quote.
+    whole: Range<usize>,
+    value: Range<usize>,
 }
 
 fn text_of(bytes: impl AsRef<[u8]>) -> String {

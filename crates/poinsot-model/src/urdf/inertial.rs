@@ -56,7 +56,11 @@ fn rounded(inertial: &Inertial) -> Inertial {
         own.mass = 0.0;
     }
     let size = Vector3::from(own.xyz).norm().max(SMALLEST_SIZE);
-    let zero = ROUNDING * own.mass.max(SMALLEST_MASS) * size * size;
+    let mass = match own.mass {
+        0.0 => SMALLEST_MASS,
+        mass => ROUNDING * mass.max(SMALLEST_MASS),
+    };
+    let zero = mass * size * size;
     if own.elements.iter().all(|x| x.abs() <= zero) {
         own.elements = [0.0; 6];
     }

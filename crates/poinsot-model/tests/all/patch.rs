@@ -41,7 +41,7 @@ fn exact_urdf_attributes_have_any_order_and_quotes() {
     let text = "\u{feff}<robot name='a\"b' note=\"&lt;\"><link name='bus'><inertial>\n<inertia izz='9' iyz='0' ixx='9' iyy='9'\n ixz='0' ixy='0' unit='\"'/><origin rpy='0 0 0' xyz='9 9 9'/><mass note='old' value='9' /></inertial></link></robot>";
     assert_eq!(
         written(patch_urdf, text),
-        "\u{feff}<robot name='a\"b' note=\"&lt;\"><link name='bus'><inertial>\n<inertia izz=\"2.5\" iyz=\"0.25\" ixx=\"1.0\" iyy=\"2.0\" ixz=\"0.0\" ixy=\"0.125\" unit=\"&quot;\"/><origin rpy=\"0 0 0\" xyz=\"0.1 0.2 0.3\"/><mass note=\"old\" value=\"10.0\"/></inertial></link></robot>"
+        "\u{feff}<robot name='a\"b' note=\"&lt;\"><link name='bus'><inertial>\n<inertia izz='2.5' iyz='0.25' ixx='1.0' iyy='2.0'\n ixz='0.0' ixy='0.125' unit='\"'/><origin rpy='0 0 0' xyz='0.1 0.2 0.3'/><mass note='old' value='10.0' /></inertial></link></robot>"
     );
 }
 

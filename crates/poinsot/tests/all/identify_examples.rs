@@ -111,7 +111,10 @@ fn paper_kim2010_published_manoeuvre_shows_three_of_six() {
             let found = &answer.estimate.identifiability;
             assert_eq!(answer.estimate.status, Status::Partial, "{method} {file}");
             assert!(!answer.passes());
-            assert_eq!((found.rank, found.parameters), (3, 6), "{method} {file}");
+            // The fourth direction is known to about its nominal size: a hair's breadth decides whether it counts.
+            let sigmas = &found.sigmas_natural;
+            assert_eq!(found.parameters, 6, "{method} {file}");
+            assert!(sigmas[2] < 1.0e-3 && sigmas[3] > 0.5, "{sigmas:?}");
             let body = &answer.estimate.bodies[0];
             assert!(body.inertia.iter().all(|n| n.value.is_none()));
             assert!(found.open[0].reason.contains("one axis only"));

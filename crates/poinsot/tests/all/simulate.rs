@@ -591,7 +591,7 @@ fn unit_faults_name_line_key_and_remedy() {
     }
     for (tail, parts) in [
         ("\n[output]\nrate_hz = 0\n", vec!["E0505", "output.rate_hz"]),
-        ("\n[output]\nrate_hz = 1e12\n", vec!["E0505", "rows"]),
+        ("\n[output]\nrate_hz = 1e12\n", vec!["E0006", "rows"]),
         (
             "\n[output]\nrate_hz = 10\nformat = \"hdf5\"\n",
             vec!["E0502", "hdf5"],

@@ -4,47 +4,13 @@
 //! the vector instructions of the machine. The order of every sum is that of plain loops: the bits do not depend on it.
 
 use super::smoother::Trace;
+use super::sparse::SparseRows;
 use poinsot_dynamics::vectorised;
 use poinsot_spatial::{Matrix3, Vector3};
 
 /// Numbers in a whole vector: those of the widest registers.
 const LANES: usize = 8;
 type Lanes = [f64; LANES];
-
-/// Rows of a matrix by their elements that are not zero, one row behind the other.
-#[derive(Default, Clone)]
-pub(super) struct SparseRows {
-    elements: Vec<(usize, f64)>,
-    /// Where each row ends.
-    ends: Vec<usize>,
-}
-
-impl SparseRows {
-    pub(super) fn clear(&mut self) {
-        self.elements.clear();
-        self.ends.clear();
-    }
-
-    pub(super) fn len(&self) -> usize {
-        self.ends.len()
-    }
-
-    pub(super) fn push(&mut self, row: impl IntoIterator<Item = (usize, f64)>) {
-        self.elements.extend(row);
-        self.ends.push(self.elements.len());
-    }
-
-    pub(super) fn push_dense(&mut self, row: &[f64]) {
-        let pairs = row.iter().copied().enumerate();
-        self.push(pairs.filter(|(_, f)| *f != 0.0));
-    }
-
-    pub(super) fn iter(&self) -> impl Iterator<Item = &[(usize, f64)]> {
-        let begins = std::iter::once(0).chain(self.ends.iter().copied());
-        let places = begins.zip(&self.ends);
-        places.map(|(begin, end)| &self.elements[begin..*end])
-    }
-}
 
 /// A matrix whose rows are padded to whole vectors.
 #[derive(Default)]

@@ -5,7 +5,7 @@
 //! No covariance is inverted, and exact inputs need no exception. Of a long record a part is gone back over as soon as as many
 //! grid times follow it: what is later does not reach it.
 
-use super::filter::{Filter, SparseRows};
+use super::sparse::SparseRows;
 use poinsot_spatial::{Matrix3, Vector3};
 
 /// Grid times of a part.
@@ -25,9 +25,10 @@ enum Event {
     Known(Vec<KnownError>),
 }
 
-struct KnownError {
-    mean: f64,
-    covariance: Vec<f64>,
+/// Mean of an error, and its row of the covariance.
+pub(super) struct KnownError {
+    pub mean: f64,
+    pub covariance: Vec<f64>,
 }
 
 /// The filter's record along a segment.
@@ -61,17 +62,14 @@ impl Trace {
         });
     }
 
-    pub(super) fn known(&mut self, filter: &Filter, places: impl Iterator<Item = usize>) {
-        let one = |at: usize| KnownError {
-            mean: filter.mean(at),
-            covariance: filter.covariance_row(at).to_vec(),
-        };
-        self.events.push(Event::Known(places.map(one).collect()));
+    /// Ends a grid time with the errors that are smoothed, of so many that the filter has.
+    pub(super) fn known(&mut self, size: usize, errors: Vec<KnownError>) {
+        self.events.push(Event::Known(errors));
         self.times += 1;
         match self.times {
             PART => self.second = self.events.len(),
             n if n == 2 * PART => {
-                let rows = self.backward(filter.size);
+                let rows = self.backward(size);
                 self.done.extend(rows.into_iter().take(PART));
                 self.events.drain(..self.second);
                 (self.times, self.second) = (PART, self.events.len());
