@@ -29,7 +29,7 @@ pub fn limit_memory(mib: u64) {
 ///
 /// assert!(check_memory("3 rows", 3.0 * 64.0).is_ok());
 /// let refused = check_memory("1e18 rows", 64e18).unwrap_err().to_string();
-/// assert!(refused.starts_with("E0006 1e18 rows need about 6e+10 GiB of memory"), "{refused}");
+/// assert!(refused.starts_with("E0006 1e18 rows need about 5.96"), "{refused}");
 /// ```
 pub fn check_memory(what: &str, bytes: f64) -> Result<(), Faults> {
     let limit = match LIMIT_MIB.load(Ordering::Relaxed) {
