@@ -227,7 +227,7 @@ def silhouette(axes):
 
 def unobservable(runs):
     """Elements of the tensor along one unobservable direction, and a combination that stays."""
-    answer = runs.json("identify", "--model", "data/stsat3/model.toml", "--telemetry", "data/stsat3/paper/telemetry_noisy.csv")
+    answer = runs.json("identify", "--model", "data/stsat3/model.toml", "--telemetry", "data/stsat3/paper/telemetry.parquet")
     found = answer["identifiability"]
     walk = found["not_identifiable"][0]["walk"]
     kept = found["identifiable"][0]
