@@ -31,8 +31,10 @@ const FALL: f64 = 1.5;
 /// Margin on the logarithm of the ratio while the shortest duration is sought. Thinned rows and limits checked at the
 /// end can cost as much.
 const SURE: f64 = 0.01;
-/// Largest number of times that a whole prediction lengthens the shortest manoeuvre.
-const PREDICTIONS: usize = 4;
+/// Largest number of times that a whole prediction lengthens the shortest manoeuvre, and of those after which it is
+/// shortened again.
+const PREDICTIONS: usize = 8;
+const SHORTENED: usize = 4;
 /// Divisor of the evaluations of a robust design, each of which flies all its vehicles.
 pub(crate) const ROBUST_PART: usize = 16;
 
@@ -357,12 +359,15 @@ impl<'c> Asked<'c> {
     /// A longer manoeuvre, where the whole prediction of this one misses a wanted sigma that its candidate reached.
     fn as_predicted(&self, question: &mut Question, nominal: &mut Nominal) -> Result<(), Error> {
         let mut reached = nominal.space.duration;
-        for _ in 0..PREDICTIONS {
+        for round in 0..PREDICTIONS {
             let from = nominal.found.reached.x.clone();
             let predicted = self.predicted_ratios(&nominal.space, &from)?;
             let missed = predicted.iter().fold(f64::NEG_INFINITY, |a, b| a.max(*b));
             if missed.is_nan() || missed <= 0.0 {
                 break;
+            }
+            if let Some(shorter) = &mut nominal.shorter {
+                shorter.missed_s = Some(nominal.space.record());
             }
             let candidate = nominal.found.reached.values.objectives.iter();
             let differences = predicted.iter().zip(candidate).map(|(p, c)| p - c);
@@ -383,7 +388,7 @@ impl<'c> Asked<'c> {
             };
             let is_enough = better.values.merit() <= -SURE;
             (nominal.space, nominal.found.reached) = (longer, better);
-            if is_enough {
+            if is_enough && round < SHORTENED {
                 self.shorten(question, nominal);
                 reached = nominal.space.duration;
             }
