@@ -4,6 +4,17 @@ use super::planner::Planner;
 use poinsot_dynamics::{Fourier, JointMotion, Tree};
 use poinsot_formats::case::JointMotionFile;
 use poinsot_model::JointKind;
+use serde::Serialize;
+use serde_json::Value;
+
+/// Ends of the keys of a revolute and of a prismatic joint.
+const OF_KINDS: [[&str; 2]; 5] = [
+    ["torque_N_m", "force_N"],
+    ["_N_m", "_N"],
+    ["_rad_s2", "_m_s2"],
+    ["_rad_s", "_m_s"],
+    ["_rad", "_m"],
+];
 
 impl Planner<'_> {
     /// The joint coordinate of a name at a key.
@@ -22,21 +33,31 @@ impl Planner<'_> {
         &mut self,
         kind: JointKind,
         key: &str,
-        keys: &[[(&str, bool); 2]],
+        table: &impl Serialize,
     ) -> bool {
         let slides = kind == JointKind::Prismatic;
-        let mut wrong = keys.iter().map(|[turning, sliding]| match slides {
-            true => (turning, sliding.0),
-            false => (sliding, turning.0),
+        let Ok(Value::Object(keys)) = serde_json::to_value(table) else {
+            return false;
+        };
+        let mut given = keys.iter().filter(|(_, value)| !value.is_null());
+        let wrong = given.find_map(|(name, _)| {
+            let mut ends = OF_KINDS.iter().map(|[turning, sliding]| match slides {
+                true => (turning, sliding),
+                false => (sliding, turning),
+            });
+            ends.find_map(|(other, own)| {
+                let wanted = format!("{}{own}", name.strip_suffix(*other)?);
+                keys.contains_key(&wanted).then_some((name, wanted))
+            })
         });
-        let Some((given, wanted)) = wrong.find(|(other, _)| other.1) else {
+        let Some((name, wanted)) = wrong else {
             return false;
         };
         let problem = match slides {
             true => "a prismatic joint moves in metres and newtons",
             false => "a revolute joint moves in radians and newton metres",
         };
-        let key = format!("{key}.{}", given.0);
+        let key = format!("{key}.{name}");
         self.refuse("E0507", &key, problem, format!("use {wanted}"));
         true
     }
@@ -48,25 +69,7 @@ impl Planner<'_> {
         key: &str,
     ) -> Option<JointMotion> {
         let slides = kind == JointKind::Prismatic;
-        let keys = [
-            [
-                ("position_rad", table.position_rad.is_some()),
-                ("position_m", table.position_m.is_some()),
-            ],
-            [
-                ("offset_rad", table.offset_rad.is_some()),
-                ("offset_m", table.offset_m.is_some()),
-            ],
-            [
-                ("sine_rad", table.sine_rad.is_some()),
-                ("sine_m", table.sine_m.is_some()),
-            ],
-            [
-                ("cosine_rad", table.cosine_rad.is_some()),
-                ("cosine_m", table.cosine_m.is_some()),
-            ],
-        ];
-        if self.other_unit(kind, key, &keys) {
+        if self.other_unit(kind, key, table) {
             return None;
         }
         if table.interpolation == "fourier" {

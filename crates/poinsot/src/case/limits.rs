@@ -177,25 +177,7 @@ impl Planner<'_> {
         kind: JointKind,
         key: &str,
     ) -> Option<JointLimit> {
-        let keys = [
-            [
-                ("position_rad", table.position_rad.is_some()),
-                ("position_m", table.position_m.is_some()),
-            ],
-            [
-                ("rate_rad_s", table.rate_rad_s.is_some()),
-                ("rate_m_s", table.rate_m_s.is_some()),
-            ],
-            [
-                ("acceleration_rad_s2", table.acceleration_rad_s2.is_some()),
-                ("acceleration_m_s2", table.acceleration_m_s2.is_some()),
-            ],
-            [
-                ("torque_N_m", table.torque_N_m.is_some()),
-                ("force_N", table.force_N.is_some()),
-            ],
-        ];
-        if self.other_unit(kind, key, &keys) {
+        if self.other_unit(kind, key, table) {
             return None;
         }
         let position = table.position_rad.or(table.position_m);

@@ -180,43 +180,23 @@ impl Planner<'_> {
     }
 
     pub(super) fn joint_named(&mut self, name: &str, key: &str) -> Option<usize> {
-        let model = self.model;
-        self.named(
-            "joint",
-            name,
-            key,
-            model.joints.iter().map(|j| j.name.as_str()),
-        )
+        let names = self.model.joints.iter().map(|j| j.name.as_str());
+        self.named("joint", name, key, names)
     }
 
     pub(super) fn wheel(&mut self, name: &str, key: &str) -> Option<usize> {
-        let model = self.model;
-        self.named(
-            "wheel",
-            name,
-            key,
-            model.wheels.iter().map(|w| w.name.as_str()),
-        )
+        let names = self.model.wheels.iter().map(|w| w.name.as_str());
+        self.named("wheel", name, key, names)
     }
 
     pub(super) fn thruster(&mut self, name: &str, key: &str) -> Option<usize> {
-        let model = self.model;
-        self.named(
-            "thruster",
-            name,
-            key,
-            model.thrusters.iter().map(|t| t.name.as_str()),
-        )
+        let names = self.model.thrusters.iter().map(|t| t.name.as_str());
+        self.named("thruster", name, key, names)
     }
 
     pub(super) fn body(&mut self, name: &str, key: &str) -> Option<usize> {
-        let model = self.model;
-        self.named(
-            "body",
-            name,
-            key,
-            model.bodies.iter().map(|b| b.name.as_str()),
-        )
+        let names = self.model.bodies.iter().map(|b| b.name.as_str());
+        self.named("body", name, key, names)
     }
 
     pub(super) fn twice(&mut self, key: &str) {

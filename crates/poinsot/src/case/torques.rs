@@ -10,6 +10,15 @@ use poinsot_model::{Joint, JointKind};
 use poinsot_telemetry::{ReadOptions, read};
 use std::path::Path;
 
+/// Keys that belong to one form of a motor.
+const FORMS: [(&str, &str); 5] = [
+    ("frequency_rad_s", "sinusoid"),
+    ("phase_rad", "sinusoid"),
+    ("time_s", "table"),
+    ("column", "file"),
+    ("interpolation", "interpolation"),
+];
+
 /// Motor and initial state of each joint coordinate.
 struct MotorSettings {
     motor: Option<ForceProfile>,
@@ -101,17 +110,7 @@ impl Planner<'_> {
         kind: JointKind,
         key: &str,
     ) -> (Option<f64>, Option<f64>) {
-        let keys = [
-            [
-                ("position_rad", table.position_rad.is_some()),
-                ("position_m", table.position_m.is_some()),
-            ],
-            [
-                ("rate_rad_s", table.rate_rad_s.is_some()),
-                ("rate_m_s", table.rate_m_s.is_some()),
-            ],
-        ];
-        self.other_unit(kind, key, &keys);
+        self.other_unit(kind, key, table);
         (
             table.position_rad.or(table.position_m),
             table.rate_rad_s.or(table.rate_m_s),
@@ -120,21 +119,7 @@ impl Planner<'_> {
 
     /// The motor of one table: exactly one of constant, sinusoid, table or file.
     fn motor(&mut self, table: &JointTorqueFile, joint: &Joint, key: &str) -> Option<ForceProfile> {
-        let keys = [
-            [
-                ("constant_N_m", table.constant_N_m.is_some()),
-                ("constant_N", table.constant_N.is_some()),
-            ],
-            [
-                ("amplitude_N_m", table.amplitude_N_m.is_some()),
-                ("amplitude_N", table.amplitude_N.is_some()),
-            ],
-            [
-                ("torque_N_m", table.torque_N_m.is_some()),
-                ("force_N", table.force_N.is_some()),
-            ],
-        ];
-        if self.other_unit(joint.kind, key, &keys) {
+        if self.other_unit(joint.kind, key, table) {
             return None;
         }
         let (unit, name) = match joint.kind {
@@ -183,23 +168,9 @@ impl Planner<'_> {
 
     /// Rejects keys of another motor form.
     fn only(&mut self, table: &JointTorqueFile, key: &str, forms: &[&str]) -> Option<()> {
-        let keys = [
-            (
-                "frequency_rad_s",
-                table.frequency_rad_s.is_some(),
-                "sinusoid",
-            ),
-            ("phase_rad", table.phase_rad.is_some(), "sinusoid"),
-            ("time_s", table.time_s.is_some(), "table"),
-            ("column", table.column.is_some(), "file"),
-            (
-                "interpolation",
-                table.interpolation.is_some(),
-                "interpolation",
-            ),
-        ];
-        let mut stray = keys.iter().filter(|(_, given, _)| *given);
-        let Some((name, ..)) = stray.find(|(.., form)| !forms.contains(form)) else {
+        let given = serde_json::to_value(table).unwrap_or_default();
+        let mut stray = FORMS.iter().filter(|(name, _)| !given[name].is_null());
+        let Some((name, _)) = stray.find(|(_, form)| !forms.contains(form)) else {
             return Some(());
         };
         let problem = format!("this key does not belong to a motor given as {}", forms[0]);
