@@ -97,23 +97,33 @@ impl<'a> Channels<'a> {
     /// of the attitude.
     pub fn base_rates(&self, model: &Model) -> Result<BaseRates<'a>, Error> {
         let gyro = self.vector(model, SensorKind::Gyro);
-        if let Some(gyro) = gyro.filter(|g| !g.time_s().is_empty()) {
+        if let Some(gyro) = gyro.as_ref().filter(|g| !g.time_s().is_empty()) {
             return Ok(BaseRates {
                 axes: gyro.axes.map(Cow::Borrowed),
                 attitude: None,
             });
         }
-        let derived = match model.sensors_of(SensorKind::Gyro).next() {
-            Some(_) => None,
-            None => self.derived_rates(model),
+        let mut gyros = model.sensors_of(SensorKind::Gyro);
+        let (purpose, advice) = match (gyros.next(), gyro) {
+            (None, _) => {
+                if let Some(derived) = self.derived_rates(model) {
+                    return Ok(derived);
+                }
+                (
+                    "every fit starts from body rates, measured or differentiated from the attitude",
+                    "add the columns of a gyro, of an attitude, or of two directions",
+                )
+            }
+            (Some(_), None) => (
+                "the model has a gyro",
+                "map its columns in [telemetry.columns], or take it out of the model: an attitude starts a fit too",
+            ),
+            (Some(_), Some(_)) => (
+                "the columns of the gyro hold no sample",
+                "correct them, or take the gyro out of the model: an attitude starts a fit too",
+            ),
         };
-        derived.ok_or_else(|| {
-            self.missing(
-                "omega_x omega_y omega_z",
-                "every fit starts from body rates, measured or differentiated from the attitude",
-                "add the columns of a gyro, of an attitude, or of two directions",
-            )
-        })
+        Err(self.missing("omega_x omega_y omega_z", purpose, advice))
     }
 
     fn derived_rates(&self, model: &Model) -> Option<BaseRates<'a>> {
