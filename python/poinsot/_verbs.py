@@ -142,7 +142,7 @@ def identify(
     settings
         Settings of a published method, for example ``{"particles": 40}``.
     relative_accuracy
-        One sigma, relative to the nominal value, up to which a direction counts as identifiable.
+        Half-width of the 95 % interval, relative to the nominal value, up to which a number is given.
     coordinates
         ``"physical"`` keeps every unknown body one of positive mass, ``"linear"`` lets an impossible tensor pass.
     strict

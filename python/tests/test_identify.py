@@ -91,7 +91,7 @@ def test_exact_answer_holds_the_document(answer):
 
 def test_exact_undetermined_is_nan_and_named():
     """One slew determines three of six: no single entry has a number."""
-    answer = pn.identify(STSAT3, ONE_SLEW, relative_accuracy=0.5)
+    answer = pn.identify(STSAT3, ONE_SLEW)
     body = answer.bodies["spacecraft"]
     assert answer.rank == (3, 6) and answer.status == "partial" and not answer.acceptable
     for element, (i, j) in {"xx": (0, 0), "xy": (0, 1), "zz": (2, 2)}.items():

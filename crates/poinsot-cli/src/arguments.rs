@@ -177,7 +177,7 @@ pub struct Identify {
     /// Also write every figure as a file in DIR/figures: svg, or png if built with the feature `png`.
     #[arg(long, value_delimiter = ',', value_name = "FORMAT", requires = "out")]
     pub figures: Vec<FigureFile>,
-    /// Largest one-sigma uncertainty, relative to nominal, of a number that is printed.
+    /// Largest half-width of the 95 % interval, relative to nominal, of a number that is printed.
     #[arg(long, default_value_t = 1.0)]
     pub relative_accuracy: f64,
     /// Coordinates of the fit: physical keeps every unknown body physical, linear allows a tensor that is not physical
@@ -367,7 +367,7 @@ pub struct Predict {
     /// Give the sigmas also for the record ended after each twelfth of its time.
     #[arg(long)]
     pub durations: bool,
-    /// Largest one-sigma uncertainty, relative to nominal, of a number that is printed.
+    /// Largest half-width of the 95 % interval, relative to nominal, of a number that is printed.
     #[arg(long, default_value_t = 1.0)]
     pub relative_accuracy: f64,
     /// How the answer is printed.

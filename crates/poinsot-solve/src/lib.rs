@@ -68,4 +68,4 @@ pub use levenberg_marquardt::{
 pub use minimax::{Minimax, MinimaxOptions, MinimaxSearch, Reached, Values, minimax};
 pub use polytope::{Polytope, Side};
 pub use refine::{Refined, refine, solve_triangle};
-pub use spectrum::{NotFinite, Spectrum};
+pub use spectrum::{DirectionSigma, NotFinite, Spectrum};

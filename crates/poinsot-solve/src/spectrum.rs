@@ -48,6 +48,17 @@ pub struct Spectrum {
     experiment: Option<Box<Spectrum>>,
 }
 
+/// Sigma along a direction of a [`Spectrum`] where its curvature does not give it, natural units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DirectionSigma {
+    /// Index among the identified directions.
+    pub direction: usize,
+    /// Sigma that is stated.
+    pub stated: f64,
+    /// Sigma by which it is decided whether a number is determined.
+    pub judged: f64,
+}
+
 /// The matrix holds NaN or infinity and cannot be decomposed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error(
@@ -137,6 +148,34 @@ impl Spectrum {
             accuracy: relative_accuracy,
             ..self
         }
+    }
+
+    /// With other sigmas along some directions. What the experiment allows is weakened along each of its own directions as much
+    /// as the variance along it grows.
+    pub fn with_sigmas(mut self, sigmas: &[DirectionSigma]) -> Self {
+        if sigmas.is_empty() {
+            return self;
+        }
+        let mut judged: Vec<f64> = self.sigmas();
+        let mut allowed = self.experiment().clone();
+        for of in sigmas {
+            judged[of.direction] = of.judged;
+        }
+        for j in 0..allowed.rank {
+            let own: Vec<f64> = (0..self.natural.len())
+                .map(|i| allowed.directions[(i, j)])
+                .collect();
+            let variance = |sigmas: &[f64]| {
+                let along = |k: usize| (self.along(&own, k) * sigmas[k]).powi(2);
+                (0..self.rank).map(along).sum::<f64>()
+            };
+            allowed.singular[j] *= (variance(&self.sigmas()) / variance(&judged)).sqrt();
+        }
+        for of in sigmas {
+            self.singular[of.direction] = of.stated.recip();
+        }
+        self.experiment = Some(Box::new(allowed));
+        self
     }
 
     /// What the experiment allows: itself, save for an estimator within it.
@@ -276,6 +315,12 @@ impl Spectrum {
     ///
     /// The sigma includes the declared noise and the bias from noise in the regressor.
     pub fn sigma(&self, gradient: &[f64]) -> Option<f64> {
+        self.sigma_within(gradient, 1.0)
+    }
+
+    /// The same where all sigmas are to be widened by a factor: a number that is then less accurate than asked is undetermined. The
+    /// factor is not in the sigma.
+    pub fn sigma_within(&self, gradient: &[f64], factor: f64) -> Option<f64> {
         let g = self.natural_gradient(gradient);
         let length = norm(&g);
         if length == 0.0 {
@@ -285,7 +330,7 @@ impl Spectrum {
             return None;
         }
         let allowed = self.experiment();
-        if allowed.variance(&g).sqrt() >= allowed.accuracy * length {
+        if factor * allowed.variance(&g).sqrt() >= allowed.accuracy * length {
             return None;
         }
         let noise = self.variance(&g);

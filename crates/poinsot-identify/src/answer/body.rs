@@ -79,7 +79,7 @@ impl<'a> QuantityEstimator<'a> {
         if self.rejected || !quantity.value.is_finite() {
             return Number::undetermined(nominal);
         }
-        match self.spectrum.sigma(used) {
+        match self.spectrum.sigma_within(used, self.inflation) {
             Some(sigma) if self.unobservable_set.holds(quantity, sigma, at) => {
                 let sigma = sigma.hypot(own.sqrt()) * self.inflation;
                 let mut number = Number::data(quantity.value, sigma, nominal);
@@ -98,7 +98,7 @@ impl<'a> QuantityEstimator<'a> {
             return None;
         }
         let (used, known) = self.folded(gradient);
-        let sigma = self.spectrum.sigma(&used)?;
+        let sigma = self.spectrum.sigma_within(&used, self.inflation)?;
         Some((sigma * sigma + own + known).sqrt() * self.inflation)
     }
 }

@@ -10,6 +10,7 @@ mod rejection;
 pub(crate) mod reliability;
 mod residual_tests;
 mod sensor_noise;
+mod signatures;
 pub(crate) mod write;
 
 pub(crate) use write::{write, write_with_remedies};

@@ -1,4 +1,5 @@
-//! Further tests of the residuals, which have no effect on the answer by themselves.
+//! Further tests of the residuals. Held-out samples, drift and lags have no effect on the answer by themselves: what explains
+//! them is among the suspects of the diagnosis, whose test has.
 
 use crate::diagnosis::{COLOURED, Diagnostics};
 use crate::solution::evidence::{Effect, Remark};
@@ -44,11 +45,15 @@ fn whiteness(found: &Diagnostics) -> Vec<Remark> {
                 true => format!("the residual of the {} is white", c.name),
                 false => format!("the residual of the {} is correlated in time", c.name),
             };
-            Some(of(
+            let row = of(
                 format!("whiteness of the {}", c.name),
                 c.whiteness_p?,
                 words,
-            ))
+            );
+            Some(Remark {
+                effect: Effect::AgainstAnswer.if_failed(!c.is_white()),
+                ..row
+            })
         })
         .collect()
 }

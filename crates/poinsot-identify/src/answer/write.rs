@@ -8,6 +8,7 @@ use crate::answer::momentum::{momentum, nuisances};
 use crate::answer::nominal::distances_from_nominal;
 use crate::answer::rejection::Rejection;
 use crate::answer::reliability::{NOISE_FREE, Reliability};
+use crate::answer::signatures::{at_origin, equal_scales};
 use crate::certify::naming;
 use crate::problem::Problem;
 use crate::problem::parameters::Equations;
@@ -53,10 +54,18 @@ pub(crate) fn write(problem: &Problem, solution: &Solution) -> Estimate {
         remarks.extend(distances_from_nominal(problem, &bodies));
     }
     remarks.extend(bodies.iter().filter_map(physical_tensor));
+    let nominal = problem.model.bodies.iter().map(|b| &b.nominal);
+    remarks.extend(
+        bodies
+            .iter()
+            .zip(nominal)
+            .filter_map(|(b, n)| at_origin(b, n)),
+    );
+    let nuisance = nuisances(&estimator, solution);
+    remarks.extend(equal_scales(problem, solution, &nuisance));
     let identifiability = identifiability(problem, solution, &estimator);
     let effects = remarks.iter().map(|remark| remark.effect);
     let status = effects.fold(Status::of_numbers(&bodies, &identifiability), Status::after);
-    let nuisance = nuisances(&estimator, solution);
     let mut warnings = warnings(solution, &remarks, rejection);
     warnings.extend(said_of_numbers(solution, rejection, &bodies, &nuisance));
     warnings.extend(determined::withheld(&identifiability));

@@ -6,6 +6,7 @@ use crate::problem::parameters::{
     Equations, Parameters, Part, TENSOR, Unknown, UnknownKind, axis_name,
 };
 use crate::problem::quantity::parameters_in_base;
+use crate::problem::question::INTERVAL;
 use crate::solution::estimate::UnobservableCombination;
 use crate::solution::solved::Solution;
 use crate::solution::unobservable_set::{ContinuationPath, POINTS, REACH};
@@ -88,15 +89,16 @@ pub(crate) fn inaccurate_directions(
     let asked = problem.relative_accuracy;
     let worst = allowed.sigmas()[allowed.accurate..allowed.rank]
         .iter()
-        .fold(0.0, |a, b| f64::max(a, *b));
+        .fold(0.0, |a, b| f64::max(a, INTERVAL * b));
     let one = |combination: &Combination| UnobservableCombination {
         text: format!(
             "{} is determined less accurately than asked",
             sentence(solution, combination)
         ),
         reason: format!(
-            "in these directions one sigma is up to {worst:.1e} of nominal, beyond the requested {asked:e}"
+            "in these directions the 95 % interval is up to +-{worst:.1e} of nominal, wider than the requested +-{asked:e}"
         ),
+        remedy: "record longer or with a larger motion along these directions".to_owned(),
         ..in_numbers(problem, solution, combination)
     };
     let found = split(&directions, &allowed.natural, &weights(solution)).open;

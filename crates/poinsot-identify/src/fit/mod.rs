@@ -7,6 +7,7 @@ pub(crate) mod experiment;
 pub(crate) mod known_numbers;
 pub(crate) mod momentum_state;
 pub(crate) mod part_of_record;
+pub(crate) mod profile;
 pub(crate) mod search;
 pub(crate) mod smoothed_inputs;
 pub(crate) mod step;

@@ -6,6 +6,7 @@ use crate::fit::alternatives::{OtherWheelMotion, better_rest_motion};
 use crate::fit::experiment::Experiment;
 use crate::fit::fit_from;
 use crate::fit::known_numbers::known_at;
+use crate::fit::profile::profiled;
 use crate::methods::maximum_likelihood::{conclude, proportional};
 use crate::problem::refusal::no_motion;
 use crate::problem::{Problem, ProblemError};
@@ -93,6 +94,9 @@ fn bound(problem: &Problem, knowledge: Knowledge) -> Result<Estimate, ProblemErr
     }
     let explained = (!proportional(problem)).then_some(1.0);
     let mut solution = conclude(experiment, &at_truth, explained, Diagnostics::default());
+    if knowledge == Knowledge::Declared {
+        solution.spectrum = profiled(experiment, &at_truth, solution.spectrum).0;
+    }
     solution.method = "cramer_rao";
     if let Some(own) = &mut solution.likelihood {
         own.other_wheel_motion = other.map(|o| o.among(&parameters, &solution.parameters));

@@ -67,7 +67,7 @@ pub fn linear(problem: &Problem) -> Result<Estimate, ProblemError> {
     let observed = problem.segments.iter().all(|s| problem.is_observed(s));
     let start = found.solution.point(&experiment);
     if observed && let Some(fitted) = fit_near(&experiment, start, CERTIFICATE_STEPS) {
-        found.restrict(problem, &fitted.spectrum.judged(problem.relative_accuracy))?;
+        found.restrict(problem, &fitted.spectrum.judged(problem.largest_sigma()))?;
     }
     let mut solution = found.solution;
     solution.unobservable_set = linear_set(problem, &solution);
@@ -287,7 +287,8 @@ fn conclude(
     let size = longest_column(&parameters, &segments);
     let accuracy = problem.relative_accuracy;
     let spectrum = Spectrum::new(&block, &natural, Some(&regressor_noise), size, accuracy)
-        .map_err(not_finite)?;
+        .map_err(not_finite)?
+        .judged(problem.largest_sigma());
     let solution = Solution {
         method: "linear",
         x: parameters.nominal_vector(),

@@ -15,6 +15,7 @@ use crate::fit::degrees_of_freedom::fitted_numbers;
 use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::known_numbers::{Effects, KnownFit, fit_known};
 use crate::fit::part_of_record::beginning;
+use crate::fit::profile::profiled;
 use crate::fit::step_error::StepError;
 use crate::fit::triangle::conditional_estimate;
 use crate::fit::{Fitted, Search, fit};
@@ -154,6 +155,11 @@ pub(crate) fn solve(problem: &Problem, settings: Settings) -> Result<FinishedFit
         None => (!proportional(problem)).then_some(1.0),
     };
     let mut solution = conclude(experiment, fitted, explained, causes.diagnostics);
+    let (spectrum, curved) = profiled(experiment, fitted, solution.spectrum);
+    solution.spectrum = spectrum;
+    if curved > 0 {
+        solution.remarks.push(by_profile(curved));
+    }
     solution.unobservable_set = unobservable_set(experiment, &fitted.at, &solution);
 
     // What the answer owes to its assumptions.
@@ -254,6 +260,13 @@ impl Causes {
     }
 }
 
+/// Directions whose interval is that of the profile.
+fn by_profile(curved: usize) -> Remark {
+    let words = format!("in {curved} directions the interval is that of the profile likelihood");
+    Remark::test("shape of the likelihood", Effect::None, words)
+        .statistic("directions", curved as f64)
+}
+
 /// How much the answer depends on each assumption: tests, and what the user has to know.
 fn sensitivities(
     best: &AlternativeFit,
@@ -343,7 +356,7 @@ pub(crate) fn conclude(
 ) -> Solution {
     let numbers = fitted_numbers(experiment, fitted);
     // The fit uses all information; identifiability is evaluated afterwards with exact known numbers.
-    let judged = |spectrum: Spectrum| spectrum.judged(experiment.problem.relative_accuracy);
+    let judged = |spectrum: Spectrum| spectrum.judged(experiment.problem.largest_sigma());
     let known = Effects::new(experiment, fitted).ok().flatten();
     let within = |k: &Effects| Spectrum::within(&fitted.shared.block(), None, &k.exact).ok();
     let spectrum = known.as_ref().and_then(within);

@@ -17,9 +17,12 @@ pub struct Problem<'a> {
     pub segments: &'a [Segment],
     /// Declared noise.
     pub noise: &'a Noise,
-    /// One-sigma accuracy in natural units that counts as identified (docs/reference/interface.md: 1.0).
+    /// Half-width of the 95 % interval in natural units up to which a number is given (docs/reference/interface.md: 1.0).
     pub relative_accuracy: f64,
 }
+
+/// Half-width of a normal's 95 % interval, sigmas.
+pub(crate) const INTERVAL: f64 = 1.96;
 
 /// Why a problem has no solution: codes E04xx.
 pub use poinsot_files::Faults as ProblemError;
@@ -32,6 +35,11 @@ impl<'a> Problem<'a> {
 }
 
 impl Problem<'_> {
+    /// Sigma in natural units up to which a number is given.
+    pub(crate) fn largest_sigma(&self) -> f64 {
+        self.relative_accuracy / INTERVAL
+    }
+
     /// The registry of its unknowns.
     pub(crate) fn registry(&self) -> Registry<'_> {
         Registry {

@@ -92,7 +92,7 @@ impl<'a> Baseline<'a> {
     /// The experiment with more rows, ready for further ones; `None` where they need decompositions of their own.
     pub fn gains(&self, more: &[&Row]) -> Option<Gains> {
         let (shared, spectrum, size) = self.decomposed(more)?;
-        let accuracy = self.problem.relative_accuracy;
+        let accuracy = self.problem.largest_sigma();
         Gains::new(&self.parameters, shared, spectrum, (accuracy, size))
     }
 
@@ -120,7 +120,7 @@ impl<'a> Baseline<'a> {
             })
             .fold(0.0, f64::max);
         let shared = SharedTriangle::new(&self.parameters, &triangle);
-        let accuracy = self.problem.relative_accuracy;
+        let accuracy = self.problem.largest_sigma();
         let spectrum = Spectrum::new(&shared.block(), natural, None, size, accuracy).ok()?;
         Some((shared, spectrum, size))
     }

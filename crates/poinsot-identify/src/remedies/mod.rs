@@ -149,6 +149,10 @@ pub(crate) fn try_changes(
         return;
     };
     for (k, direction) in open.iter_mut().enumerate() {
+        // What the curvature would give, but not the profile: a change that is tried by the curvature says nothing.
+        if tried.narrow[k] {
+            continue;
+        }
         direction.remedy = tried.sentence(k);
     }
 }
@@ -159,6 +163,8 @@ struct Tried<'a> {
     /// Rank of the experiment as it is.
     rank: usize,
     directions: Vec<Vec<f64>>,
+    /// Whether the experiment as it is resolves a direction by its curvature.
+    narrow: Vec<bool>,
     changes: Vec<(Change, Effect)>,
     /// What is needed for the directions that no single change resolves, once it is known.
     together: Option<Together>,
@@ -171,8 +177,11 @@ impl<'a> Tried<'a> {
         open: &[UnobservableCombination],
     ) -> Option<Self> {
         let baseline = Baseline::new(problem, solution)?;
-        let rank = baseline.spectrum(&[])?.rank;
+        let before = baseline.spectrum(&[])?;
+        let rank = before.rank;
         let directions: Vec<Vec<f64>> = open.iter().map(|o| baseline.direction(o)).collect();
+        let narrow = directions.iter().map(|z| seen(&before, z).0 > CLOSED);
+        let narrow = narrow.collect();
         let changes: Vec<(Change, Effect)> = baseline
             .changes()
             .into_iter()
@@ -185,6 +194,7 @@ impl<'a> Tried<'a> {
             baseline,
             rank,
             directions,
+            narrow,
             changes,
             together: None,
         })

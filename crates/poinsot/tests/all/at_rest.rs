@@ -92,3 +92,20 @@ fn regress_unknown_biases_of_tachometers_at_rest_converge() {
         assert!(estimate.iterations < 20, "{trial}: {}", estimate.iterations);
     }
 }
+
+/// Noise of the wheels looks like the response of a small inertia; nothing is determined.
+#[test]
+fn stat_noise_at_rest_determines_nothing() {
+    let model = model("");
+    let trials = 8;
+    let open = (0..trials).filter(|trial| {
+        let estimate = answer(&model, 100 + trial).estimate;
+        for c in &estimate.identifiability.determined {
+            println!("{trial}: {} = {} +- {}", c.text, c.value, c.sigma);
+        }
+        println!("{trial}: {:?} {:?}", estimate.status, estimate.doubts());
+        estimate.status == Status::NotIdentifiable
+    });
+    let open = open.count();
+    assert!(open >= 7, "{open} of {trials}");
+}

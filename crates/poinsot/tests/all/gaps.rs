@@ -177,7 +177,7 @@ fn regress_a_strict_accuracy_leaves_the_fit_as_it_is() {
     sorted.sort_by(f64::total_cmp);
     let nominal = &model.bodies[0].nominal;
     let scale = nominal.mass * nominal.radius_of_gyration().powi(2);
-    let between = asked((sorted[2] * sorted[3]).sqrt() / scale);
+    let between = asked(1.96 * (sorted[2] * sorted[3]).sqrt() / scale);
     let kept = sigmas(&between).iter().flatten().count();
     assert!((1..6).contains(&kept), "{:?}", sigmas(&between));
     for (strict, plain) in sigmas(&between).iter().zip(all) {

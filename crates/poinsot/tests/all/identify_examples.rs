@@ -147,18 +147,19 @@ const XU: [&str; 7] = [
 ];
 
 #[test]
-fn xval_mujoco_xu2017_as_one_problem_shows_52_of_70() {
+fn xval_mujoco_xu2017_as_one_problem_shows_51_of_70() {
     let answer = identified("xu2017/model.toml", &XU, "linear");
     let found = &answer.estimate.identifiability;
     assert_eq!(
         (found.rank, found.structural_rank, found.parameters),
-        (52, 52, 70)
+        // One of the structural rank is known to +-170 % by the declared noise.
+        (51, 52, 70)
     );
-    assert_eq!(found.open.len(), 18);
+    assert_eq!(found.open.len(), 19);
     assert!(!answer.passes());
     let truth = truth("xu2017/C1/truth.json");
     let mut worst: f64 = 0.0;
-    assert_eq!(found.determined.len(), 52);
+    assert_eq!(found.determined.len(), 51);
     for c in &found.determined {
         let expected: f64 = c.coefficients.iter().map(|(n, a)| a * truth[n]).sum();
         let scale: f64 = c
@@ -169,13 +170,14 @@ fn xval_mujoco_xu2017_as_one_problem_shows_52_of_70() {
         let error = (c.value - expected).abs() / scale.max(natural_scale(&c.coefficients[0].0));
         worst = worst.max(error);
     }
-    println!("worst relative error of 52 combinations {worst:.1e}");
+    println!("worst relative error of 51 combinations {worst:.1e}");
     assert!(worst < 1.0e-7, "{worst:.1e}");
     // A number that changes along unobservable directions must not be given (FINDINGS xu2017, 1).
     for body in &answer.estimate.bodies {
         assert!(body.mass.value.is_none(), "{}", body.name);
     }
-    for open in &found.open {
+    let inaccurate = "less accurately than asked";
+    for open in found.open.iter().filter(|o| !o.text.ends_with(inaccurate)) {
         assert!(
             !open.remedy.is_empty() && open.combination_names_a_joint(),
             "{}",

@@ -66,4 +66,5 @@ mod trust;
 mod uncertainty;
 mod validate;
 mod vehicle;
+mod weak_numbers;
 mod wheel_motion;

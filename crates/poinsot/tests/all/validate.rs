@@ -11,7 +11,10 @@ use std::path::Path;
 fn xu(runs: std::ops::RangeInclusive<usize>) -> Identified {
     let run = |k| shipped().join(format!("xu2017/C{k}/telemetry.parquet"));
     let model = shipped().join("xu2017/model.toml");
-    identify(&IdentifyRequest::new(model, runs.map(run)).by("linear")).unwrap()
+    let mut request = IdentifyRequest::new(model, runs.map(run)).by("linear");
+    // One combination of 52 is known to +-170 % by the declared noise, although the records are free of it.
+    request.question.relative_accuracy = 2.0;
+    identify(&request).unwrap()
 }
 
 fn table13(estimate: &Path) -> ValidateRequest {

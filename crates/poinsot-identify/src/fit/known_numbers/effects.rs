@@ -69,7 +69,7 @@ pub(crate) fn shifts(
 ) -> Result<(Spectrum, Vec<Vec<f64>>), Faults> {
     let shared = behind(experiment.parameters, stacked, places);
     let exact = experiment.spectrum(&shared, &fitted.evaluated)?;
-    let exact = exact.judged(experiment.problem.relative_accuracy);
+    let exact = exact.judged(experiment.problem.largest_sigma());
     let (b, m) = (shared.nuisances, shared.mass);
     let shift = |k: usize| {
         let column: Vec<f64> = (0..m).map(|i| -shared.r[(b + i, b + m + k)]).collect();

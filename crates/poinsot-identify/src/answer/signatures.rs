@@ -1,0 +1,77 @@
+//! Values that a mistaken reference gives to an answer, and hardly any vehicle does: each is evidence against it.
+
+use crate::problem::Problem;
+use crate::problem::parameters::UnknownKind;
+use crate::solution::estimate::{BodyEstimate, NamedNumber, Number};
+use crate::solution::evidence::{Effect, Remark};
+use crate::solution::solved::Solution;
+use poinsot_dynamics::SensorError;
+use poinsot_spatial::{MassProperties, Vector3};
+
+/// Sigmas within which values are equal.
+const EQUAL: f64 = 3.0;
+/// Sigmas from which a value is not what it would be without a mistake.
+const APART: f64 = 20.0;
+
+/// A mass centre that is the origin of its body although nominal is far from it: what a velocity or position of the mass centre
+/// gives. Most drawings have their origin elsewhere.
+pub(super) fn at_origin(body: &BodyEstimate, nominal: &MassProperties) -> Option<Remark> {
+    let value = all(&body.com, |n| n.value)?;
+    let sigma = all(&body.com, |n| n.sigma.filter(|s| *s > 0.0))?;
+    let within = (0..3).all(|k| value[k].abs() < EQUAL * sigma[k]);
+    let away = nominal.p_BoBcm_B.norm();
+    let name = &body.name;
+    (body.asked && within && away > APART * sigma.max()).then(|| {
+        let words = format!(
+            "the mass centre of {name} is the origin of its axes within {:.1e} m, and nominal is {away:.2} m away: a velocity or position of the mass centre, not of the origin, gives that",
+            EQUAL * sigma.max()
+        );
+        Remark::test(format!("mass centre of {name} at the origin"), Effect::AgainstAnswer, words)
+            .statistic("distance of nominal, sigma", away / sigma.max())
+    })
+}
+
+/// Three scales of one sensor that are equal and not one: what a clock at another rate gives, or another unit.
+pub(super) fn equal_scales(
+    problem: &Problem,
+    solution: &Solution,
+    nuisances: &[NamedNumber],
+) -> Vec<Remark> {
+    let unknowns = solution.parameters.unknowns.iter();
+    let reported = unknowns.filter(|u| u.kind.is_reported()).zip(nuisances);
+    let scales: Vec<(usize, &Number)> = reported
+        .filter_map(|(unknown, found)| match unknown.kind {
+            UnknownKind::Sensor {
+                sensor,
+                error: SensorError::Scale(_),
+            } => Some((sensor, &found.number)),
+            _ => None,
+        })
+        .collect();
+    let groups = scales.chunk_by(|a, b| a.0 == b.0);
+    groups.filter_map(|of| equal(problem, of)).collect()
+}
+
+fn equal(problem: &Problem, scales: &[(usize, &Number)]) -> Option<Remark> {
+    let [(sensor, x), (_, y), (_, z)] = scales else {
+        return None;
+    };
+    let three = [**x, **y, **z];
+    let (value, sigma) = (all(&three, |n| n.value)?, all(&three, |n| n.sigma)?);
+    let mean = value.mean();
+    let equal = (0..3).all(|k| (value[k] - mean).abs() < EQUAL * sigma[k]);
+    let name = &problem.model.sensors.get(*sensor)?.name;
+    (equal && mean.abs() > APART * sigma.max()).then(|| {
+        let words = format!(
+            "the three scales of {name} are equal, {:.3} %: a clock that runs fast or slow by that gives the same",
+            100.0 * mean
+        );
+        Remark::test(format!("equal scales of {name}"), Effect::AgainstAnswer, words)
+            .statistic("scale, sigma", mean / sigma.max())
+    })
+}
+
+fn all(numbers: &[Number; 3], of: impl Fn(&Number) -> Option<f64>) -> Option<Vector3> {
+    let [x, y, z] = numbers;
+    Some(Vector3::new(of(x)?, of(y)?, of(z)?))
+}
