@@ -92,6 +92,15 @@ pub enum Verb {
         after_help = "Examples:\n  poinsot inspect flight.csv\n  poinsot inspect flight.csv --model model.toml"
     )]
     Inspect(Inspect),
+    /// Draft a model file from telemetry: channels, units, conventions and noise from the files, a question for the rest.
+    ///
+    /// In a terminal it asks the questions; otherwise they are marked lines of the file, which `check` and `identify` refuse
+    /// until they are answered. Exit code 0: every question is answered. 1: the printed ones are open. 2: invalid arguments
+    /// or telemetry. 3: disk or permission.
+    #[command(
+        after_help = "Examples:\n  poinsot init flight.csv\n  poinsot init aocs.csv tracker.csv -o model.toml\n  poinsot init arm.csv --urdf robot.urdf"
+    )]
+    Init(Init),
     /// Check a model, map, case, plan or answer, and print its content.
     #[command(after_help = "Example: poinsot check model.toml")]
     Check(Check),
@@ -150,9 +159,9 @@ pub struct Identify {
     /// segments: the bodies are shared, each has its own initial momentum.
     #[arg(value_name = "FILE[,FILE]", required_unless_present = "telemetry")]
     pub files: Vec<OsString>,
-    /// Model of the vehicle (TOML, poinsot.model/1).
+    /// Model of the vehicle (TOML, poinsot.model/1); `poinsot init` drafts one. Required.
     #[arg(long, short = 'm', value_name = "MODEL.toml")]
-    pub model: PathBuf,
+    pub model: Option<PathBuf>,
     /// Telemetry of one more segment, before those without a name of an option.
     #[arg(long, short = 't', value_name = "FILE[,FILE]")]
     pub telemetry: Vec<OsString>,
@@ -600,6 +609,31 @@ pub struct Inspect {
     /// Keep the complete rows of a file that ends inside a row.
     #[arg(long)]
     pub recover: bool,
+    /// How telemetry is read from its files.
+    #[command(flatten)]
+    pub rows: Rows,
+}
+
+/// Arguments of `init`.
+#[derive(Debug, Args)]
+pub struct Init {
+    /// Telemetry of one record (CSV or Parquet).
+    #[arg(value_name = "FILE", required = true)]
+    pub files: Vec<OsString>,
+    /// Robot of the joints (URDF).
+    #[arg(long, value_name = "ROBOT.urdf")]
+    pub urdf: Option<PathBuf>,
+    /// Model file to write; it must not exist.
+    #[arg(
+        long,
+        short = 'o',
+        value_name = "MODEL.toml",
+        default_value = "model.toml"
+    )]
+    pub out: PathBuf,
+    /// How the answer is printed.
+    #[command(flatten)]
+    pub print: Print,
     /// How telemetry is read from its files.
     #[command(flatten)]
     pub rows: Rows,

@@ -71,6 +71,7 @@ fn answer(words: Vec<OsString>) -> verbs::Outcome {
         Verb::Sweep(a) => verbs::sweep::run(a),
         Verb::Report(a) => verbs::report::run(a),
         Verb::Inspect(a) => verbs::inspect::run(a),
+        Verb::Init(a) => verbs::init::run(a),
         Verb::Check(a) => verbs::check::run(a),
         Verb::Import(a) => verbs::import::run(a),
         Verb::Export(a) => verbs::export::run(a),

@@ -1,7 +1,7 @@
 //! Bytes as a telemetry file.
 
 use poinsot_telemetry::checks::findings;
-use poinsot_telemetry::{Encoding, ReadOptions, Table, inspect, read, suggest};
+use poinsot_telemetry::{Encoding, ReadOptions, Table, inspect, read, suggestions};
 use std::path::Path;
 use tempfile::TempDir;
 
@@ -50,9 +50,7 @@ fn check(path: &Path, options: &ReadOptions) {
             check_table(&table);
             let _ = inspect(&table);
             let _ = findings(&table);
-            for column in &table.ignored {
-                let _ = suggest(column);
-            }
+            let _ = suggestions(&table.ignored);
         }
         Err(error) => {
             let text = error.to_string();

@@ -295,6 +295,14 @@ impl Shape<'_, '_, '_> {
     ) -> Option<Value> {
         let alternatives = self.alternatives(schema);
         match value.get_ref() {
+            DeValue::String(text) if text == "?" => {
+                let problem = "the question has no answer".to_owned();
+                let remedy =
+                    "write the value in place of \"?\": the comment of the line says which";
+                self.findings
+                    .refuse(self.format.missing, key, problem, remedy);
+                None
+            }
             DeValue::String(text) => self.string(&alternatives, text, value, key),
             DeValue::Integer(integer) => {
                 let number = i64::from_str_radix(integer.as_str(), integer.radix())

@@ -3,7 +3,7 @@
 use crate::conventions::{ConventionTest, convention_tests};
 use crate::median::median_step;
 use crate::noise::noise_level;
-use crate::{Channel, Source, Suggestion, Table, full_name, suggest};
+use crate::{Channel, Source, Suggestion, Table, full_name, suggestions};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -88,7 +88,7 @@ pub fn inspect(table: &Table) -> Inspection {
         time_s: span,
         conventions: convention_tests(table),
         ignored: table.ignored.clone(),
-        suggestions: table.ignored.iter().filter_map(|c| suggest(c)).collect(),
+        suggestions: suggestions(&table.ignored),
         repairs: table.repairs.clone(),
         notes: channels.iter().flat_map(notes).collect(),
         findings: crate::checks::findings(table),

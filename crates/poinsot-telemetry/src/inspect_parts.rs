@@ -7,7 +7,7 @@ use crate::inspect::{ChannelSummary, Inspection, notes};
 use crate::plan::{self, Plan};
 use crate::read::{read, read_file_in_parts};
 use crate::selection::TOO_LARGE;
-use crate::{ReadOptions, Source, Table, TelemetryMap, assemble, inspect, suggest, time_base};
+use crate::{ReadOptions, Source, Table, TelemetryMap, assemble, inspect, suggestions, time_base};
 use poinsot_files::{Faults, Place};
 use std::path::{Path, PathBuf};
 
@@ -237,6 +237,6 @@ fn finished(mut all: Inspection) -> Inspection {
         "the files are larger than --memory-mib and were read in parts: noise is the mean over the parts; rate, quantum and the text of a finding are of the first part"
             .to_owned(),
     );
-    all.suggestions = all.ignored.iter().filter_map(|c| suggest(c)).collect();
+    all.suggestions = suggestions(&all.ignored);
     all
 }

@@ -8,7 +8,7 @@
 //! |---|---|
 //! | files and columns in memory | [`read`], [`read_parts`], [`ReadOptions`], [`Part`], [`write()`] |
 //! | what is read | [`Table`], [`Channel`], [`Source`], [`poinsot_files::Faults`] |
-//! | columns with other names and units | [`TelemetryMap`], [`suggest`], [`parse_unit`], [`units`], [`classify`] |
+//! | columns with other names and units | [`TelemetryMap`], [`recognise()`], [`suggestions`], [`parse_unit`], [`units`], [`classify`] |
 //! | checks | [`checks`], [`inspect`], [`check_conventions`], [`noise_level`] |
 //! | other times | [`resample`], [`resample_attitude`], [`differentiate`] |
 //! | other axes | [`mount`], [`Mounting`] |
@@ -44,6 +44,7 @@
 //! - `map.rs`, `map_faults.rs`: the `[telemetry]` table. `plan.rs`: which column becomes which channel.
 //! - `clock.rs`, `instant.rs`: exact dates and counts.
 //! - `conversion.rs`, `derive.rs`, `mounting.rs`, `orbital.rs`: conversion to SI, body axes and inertial axes.
+//! - `recognise/`: what columns with other names measure. `suggest.rs`: lines of a map for them.
 //! - `channel_name.rs`: standard names. `unit.rs`: units and factors.
 //! - `time_base.rs`, `quaternion.rs`: checks.
 //! - `conventions.rs`, `hypothesis.rs`, `rate_pairs.rs`: attitude against gyro under every convention of both.
@@ -101,6 +102,7 @@ mod plan;
 mod quaternion;
 mod rate_pairs;
 mod read;
+mod recognise;
 mod resample;
 mod rotation;
 mod row_columns;
@@ -133,9 +135,10 @@ pub use mounting::{Mounting, mount};
 pub use noise::{NoiseLevel, noise_level};
 pub use options::{Encoding, MEMORY_MIB, ReadOptions};
 pub use read::{read, read_parts};
+pub use recognise::{Found, FoundAttitude, Kind, Recognition, recognise};
 pub use resample::{GAP, resample, resample_attitude, resample_hermite};
 pub use row_columns::{RowCells, RowColumn};
 pub use rows::{ROWS_EXTENSION, write_rows};
-pub use suggest::{Suggestion, suggest};
+pub use suggest::{Suggestion, suggestions};
 pub use unit::{Dimension, STANDARD_GRAVITY, Unit, parse_unit, units};
 pub use writer::{write, write_staged};

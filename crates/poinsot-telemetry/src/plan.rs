@@ -7,7 +7,7 @@ use crate::map::fits_path;
 use crate::map_faults::resolve;
 use crate::{
     AttitudeForm, AttitudeMap, ChannelName, ColumnMap, Dimension, FileMap, Quantity, ReadOptions,
-    Sense, TimeFormat, Unit, classify, map_faults, parse_unit, suggest,
+    Sense, TimeFormat, Unit, classify, map_faults, parse_unit, suggestions,
 };
 use poinsot_files::{Faults, Place};
 use std::collections::HashSet;
@@ -527,7 +527,7 @@ fn check_header(path: &Path, header: &[String]) -> Result<(), Faults> {
 }
 
 fn no_time(path: &Path, header: &[String]) -> Faults {
-    let mut proposed = header.iter().filter_map(|h| suggest(h));
+    let mut proposed = suggestions(header).into_iter();
     let candidate = proposed.find(|s| s.channel == "time_s");
     let (problem, advice) = match candidate {
         Some(s) => (

@@ -1,6 +1,6 @@
 //! Proposes a map for an unknown column; it is never applied.
 
-use crate::{classify, parse_unit};
+use crate::{Found, Kind, classify, recognise};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -17,167 +17,51 @@ pub struct Suggestion {
     pub toml: String,
 }
 
-/// A standard channel for a column such as `wx [deg/s]`, `gyro_x_dps`, `rw1 (rpm)` or `t_ms`. `None` if the name is
-/// unknown, or already a standard name in SI.
+/// What the columns of a header may be, such as `wx [deg/s]`, `gyro_x_dps`, `rw1 (rpm)` or `t_ms`; without names that are
+/// unknown, or standard names in SI.
 ///
 /// ```
-/// use poinsot_telemetry::suggest;
+/// use poinsot_telemetry::suggestions;
 ///
-/// let line = suggest("wx [deg/s]").unwrap().toml;
-/// assert_eq!(line, r#"omega_x = { column = "wx [deg/s]", unit = "deg/s" }"#);
+/// let found = suggestions(&["wx [deg/s]".to_owned(), "Mode".to_owned()]);
+/// assert_eq!(found[0].toml, r#"omega_x = { column = "wx [deg/s]", unit = "deg/s" }"#);
+/// assert_eq!(found.len(), 1);
 /// ```
-pub fn suggest(column: &str) -> Option<Suggestion> {
-    let (stem, unit) = split_unit(column);
-    let channel = channel_of(&stem, unit.as_deref())?;
-    let is_vector = classify(&channel).is_some_and(|c| !c.frame.is_empty());
-    if channel == column || (classify(column).is_some() && !is_vector) {
-        return None;
-    }
-    let quoted = |text: &str| format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""));
-    let key = if channel.contains('.') {
-        quoted(&channel)
-    } else {
-        channel.clone()
-    };
-    let toml = format!(
-        "{key} = {{ column = {}, unit = {} }}",
-        quoted(column),
-        quoted(unit.as_deref().unwrap_or("?"))
-    );
-    Some(Suggestion {
-        column: column.to_owned(),
-        channel,
-        unit,
-        toml,
-    })
+pub fn suggestions(header: &[String]) -> Vec<Suggestion> {
+    let found = recognise(header, &[]).channels.into_iter();
+    let fits = |f: &Found| f.named && !matches!(f.kind, Kind::Firing | Kind::Pulse);
+    let lines = found.filter(|f| fits(f) && classify(&f.channel).is_some());
+    let all = lines.filter_map(|f| Some((header.get(f.column)?, f)));
+    all.filter(|(column, f)| f.channel != **column)
+        .map(|(column, f)| {
+            let unit = f.unit.map(|unit| unit.symbol.to_owned());
+            let key = match f.channel.contains('.') {
+                true => quoted(&f.channel),
+                false => f.channel.clone(),
+            };
+            let (name, symbol) = (quoted(column), quoted(unit.as_deref().unwrap_or("?")));
+            Suggestion {
+                column: column.clone(),
+                toml: format!("{key} = {{ column = {name}, unit = {symbol} }}"),
+                channel: f.channel,
+                unit,
+            }
+        })
+        .collect()
 }
 
-/// Suffixes that name a unit, longest first, with the unit.
-const UNIT_SUFFIXES: [(&str, &str); 19] = [
-    ("_rad_s2", "rad/s2"),
-    ("_rad_s", "rad/s"),
-    ("_radps", "rad/s"),
-    ("_deg_s", "deg/s"),
-    ("_degps", "deg/s"),
-    ("_dps", "deg/s"),
-    ("_mps2", "m/s2"),
-    ("_m_s2", "m/s2"),
-    ("_mps", "m/s"),
-    ("_m_s", "m/s"),
-    ("_rpm", "rpm"),
-    ("_deg", "deg"),
-    ("_rad", "rad"),
-    ("_mm", "mm"),
-    ("_ms", "ms"),
-    ("_us", "us"),
-    ("_ns", "ns"),
-    ("_s", "s"),
-    ("_m", "m"),
-];
-
-/// The name without its unit, lower case with `_` for blanks, and the unit if known.
-fn split_unit(column: &str) -> (String, Option<String>) {
-    for (open, close) in [('[', ']'), ('(', ')')] {
-        if let Some((stem, rest)) = column.split_once(open)
-            && let Some((inside, _)) = rest.split_once(close)
-            && let Ok(unit) = parse_unit(inside)
-        {
-            return (plain(stem), Some(unit.symbol.to_owned()));
-        }
-    }
-    if let Some((stem, last)) = column.rsplit_once(", ")
-        && let Ok(unit) = parse_unit(last)
-    {
-        return (plain(stem), Some(unit.symbol.to_owned()));
-    }
-    let name = plain(column);
-    for (suffix, unit) in UNIT_SUFFIXES {
-        if let Some(stem) = name.strip_suffix(suffix).filter(|s| !s.is_empty()) {
-            return (stem.to_owned(), Some(unit.to_owned()));
-        }
-    }
-    (name, None)
-}
-
-fn plain(name: &str) -> String {
-    name.trim().to_lowercase().replace([' ', '-', '.'], "_")
-}
-
-/// Common stems of vector columns, with the standard prefix.
-const VECTOR_STEMS: [(&str, &[&str]); 4] = [
-    (
-        "omega",
-        &[
-            "w",
-            "omega",
-            "gyro",
-            "gyr",
-            "g",
-            "rate",
-            "ang_vel",
-            "angular_velocity",
-            "p_q_r",
-        ],
-    ),
-    (
-        "acc",
-        &["a", "acc", "accel", "acceleration", "specific_force", "f"],
-    ),
-    ("v", &["vel", "velocity", "v"]),
-    ("r", &["pos", "position", "p", "r"]),
-];
-
-fn channel_of(stem: &str, unit: Option<&str>) -> Option<String> {
-    if matches!(
-        stem,
-        "t" | "time" | "timestamp" | "epoch" | "seconds" | "obt" | "obts" | "met"
-    ) {
-        return Some("time_s".into());
-    }
-    if let Some(component) = stem
-        .strip_prefix("quaternion_")
-        .or_else(|| stem.strip_prefix("quat_"))
-        .or_else(|| stem.strip_prefix("q_"))
-        .or_else(|| stem.strip_prefix('q'))
-        && matches!(component, "x" | "y" | "z" | "w")
-    {
-        return Some(format!("q_{component}"));
-    }
-    let axis = stem
-        .chars()
-        .next_back()
-        .filter(|c| matches!(c, 'x' | 'y' | 'z'));
-    if let Some(axis) = axis {
-        let prefix = stem.trim_end_matches(axis).trim_end_matches('_');
-        if let Some((standard, _)) = VECTOR_STEMS
-            .iter()
-            .find(|(_, stems)| stems.contains(&prefix))
-        {
-            return Some(format!("{standard}_{axis}"));
-        }
-    }
-    let letters = stem.trim_end_matches(|c: char| c.is_ascii_digit());
-    let digits = stem.get(letters.len()..).unwrap_or_default();
-    let wheel = ["wheel", "rw", "mrw", "reaction_wheel", "momentum_wheel"];
-    if wheel.contains(&letters.trim_end_matches('_'))
-        && matches!(unit, None | Some("rpm" | "rad/s" | "deg/s"))
-    {
-        return Some(format!("wheel{digits}_rad_s"));
-    }
-    let joint = ["joint", "jnt", "theta"];
-    if joint.contains(&letters.trim_end_matches('_')) {
-        return match unit {
-            None | Some("rad" | "deg") => Some(format!("joint{digits}_rad")),
-            Some("rad/s" | "deg/s") => Some(format!("joint{digits}_rad_s")),
-            _ => None,
-        };
-    }
-    None
+/// A text as TOML writes it.
+fn quoted(text: &str) -> String {
+    format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn suggestion(column: &str) -> Option<Suggestion> {
+        suggestions(&[column.to_owned()]).pop()
+    }
 
     #[test]
     fn unit_headers_in_the_wild() {
@@ -195,7 +79,7 @@ mod tests {
             ("wz_rad_s", "omega_z", Some("rad/s")),
             ("joint3 [deg]", "joint3_rad", Some("deg")),
         ] {
-            let s = suggest(column).unwrap_or_else(|| panic!("{column}"));
+            let s = suggestion(column).unwrap_or_else(|| panic!("{column}"));
             assert_eq!(
                 (s.channel.as_str(), s.unit.as_deref()),
                 (channel, unit),
@@ -203,7 +87,7 @@ mod tests {
             );
         }
         assert_eq!(
-            suggest("wx [deg/s]").unwrap().toml,
+            suggestion("wx [deg/s]").unwrap().toml,
             "omega_x = { column = \"wx [deg/s]\", unit = \"deg/s\" }"
         );
         for column in [
@@ -214,7 +98,7 @@ mod tests {
             "i_meas1",
             "",
         ] {
-            assert_eq!(suggest(column), None, "{column}");
+            assert_eq!(suggestion(column), None, "{column}");
         }
     }
 }

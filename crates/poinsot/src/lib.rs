@@ -24,7 +24,7 @@
 //! | repeat experiments with new noise | [`campaign::campaign`] | [`campaign::campaign_in_memory`] |
 //! | write the answer | [`write_estimate`], [`write_result`], [`write_report`] | [`estimate_file()`] |
 //! | write it for another program | [`export::export`] | [`export::export_estimate`] |
-//! | check a file, inspect telemetry | [`check::check`], [`inspect`] | |
+//! | check a file, inspect telemetry, draft a model | [`check::check`], [`inspect`], [`init`] | |
 //! | reproduce a paper | [`study::find`], [`study::run`] | |
 //!
 //! The command `design`, which searches for a manoeuvre, is the crate `poinsot-design`.
@@ -81,7 +81,8 @@
 //!   from the sums of shards. `run.rs`: resume and merge, around any engine; `python/poinsot/_cluster.py` is that of Dask and of
 //!   object stores.
 //! - `sweep.rs`: a plan of one case. `import.rs`: the command `import`. `progress.rs`: progress, and its listener.
-//! - `check.rs`: the command `check`. `propose.rs`, `propose_sensors.rs`: the command `inspect`.
+//! - `check.rs`: the command `check`. `propose.rs`, `propose_sensors.rs`: the command `inspect`. `init.rs`, `draft.rs`: the command `init`.
+//!   `file_head.rs`, `proposal.rs`, `survey.rs`: the map of files without one, for both.
 //! - `bind/`: table and model become samples and noise. `bind/cut.rs`: pieces between gaps. `bind/free_fall.rs`:
 //!   positions on an orbit.
 //! - `case/`: the case file.
@@ -100,24 +101,29 @@ mod channel_names;
 pub mod check;
 pub mod compare;
 mod diagnostics_file;
+mod draft;
 mod error;
 mod estimate_file;
 pub mod explain;
 pub mod export;
+mod file_head;
 pub mod identify;
 mod import;
+mod init;
 pub mod methods;
 mod mixups;
 mod motor_torque;
 mod output;
 pub mod predict;
 mod progress;
+mod proposal;
 mod propose;
 mod propose_sensors;
 pub mod report;
 mod schema;
 pub mod simulate;
 pub mod study;
+mod survey;
 pub mod sweep;
 mod threads;
 pub mod trials;
@@ -125,6 +131,7 @@ mod units;
 pub mod validate;
 mod written;
 
+pub use draft::{Draft, DraftQuestion};
 pub use error::{Error, ErrorKind, Fault};
 pub use estimate_file::estimate_file;
 pub use identify::{
@@ -132,11 +139,12 @@ pub use identify::{
     identify_tables, segment_files,
 };
 pub use import::import;
+pub use init::init;
 pub use output::{estimate_text, write_estimate, write_result};
 pub use poinsot_formats::EstimateFile;
 pub use poinsot_identify::Coordinates;
 pub use progress::{Listener, Step};
-pub use propose::{InspectionAnswer, inspect, inspection_file, proposed_map};
+pub use propose::{InspectionAnswer, inspect, inspection_file};
 pub use report::write_report;
 pub use schema::{schema, schema_names};
 pub use threads::{start_threads, thread_count};

@@ -27,7 +27,7 @@ pub(crate) fn proposed_sensors(inspection: &Inspection) -> Option<String> {
                 own == owner && kind.columns().contains(&name)
             };
             let channels: Vec<&ChannelSummary> = inspection.channels.iter().filter(of).collect();
-            if let Some(noise) = noise(&channels, kind) {
+            if let Some(noise) = noise(&channels, kind, false) {
                 let word = kind.word();
                 let name = if owner.is_empty() { word } else { owner };
                 let word = kind.declared_as().word();
@@ -56,16 +56,20 @@ pub(crate) fn proposed_sensors(inspection: &Inspection) -> Option<String> {
 }
 
 /// Sensor (may be empty) and channel.
-fn owner(channel: &ChannelSummary) -> (&str, &str) {
+pub(crate) fn owner(channel: &ChannelSummary) -> (&str, &str) {
     channel
         .name
         .rsplit_once('.')
         .unwrap_or(("", channel.name.as_str()))
 }
 
-/// The line of a sensor: noise, or the rounding step if it explains the scatter.
-fn noise(channels: &[&ChannelSummary], kind: SensorKind) -> Option<String> {
-    let unit = kind.unit(false);
+/// The line of a sensor: noise, or the rounding step if it explains the scatter. `slides`: of a prismatic joint.
+pub(crate) fn noise(
+    channels: &[&ChannelSummary],
+    kind: SensorKind,
+    slides: bool,
+) -> Option<String> {
+    let unit = kind.unit(slides);
     let sigmas: Vec<f64> = channels.iter().filter_map(|c| c.noise).collect();
     if sigmas.is_empty() || sigmas.len() != channels.len() {
         return None;
@@ -82,21 +86,28 @@ fn noise(channels: &[&ChannelSummary], kind: SensorKind) -> Option<String> {
     // three hold two angles.
     let share = match kind {
         SensorKind::Direction => Some(1.0),
+        // One number for all joints or wheels: the mean of their variances.
+        kind if kind.is_scalar() => Some(1.0),
         kind if kind.is_rotation() => Some(2.0),
         _ => None,
     };
-    if let Some(share) = share {
-        let sum: f64 = sigmas.iter().map(|s| s * s).sum();
-        let angle = share * (sum / kind.numbers() as f64).sqrt();
-        return Some(format!(
-            "noise_{unit} = {}   # {error}",
-            rounded(angle, DIGITS)
-        ));
-    }
-    if steps.len() == channels.len() {
+    if steps.len() == channels.len() && (share.is_none() || kind.is_scalar()) {
         return Some(format!(
             "quantisation_{unit} = {}",
             rounded(largest, DIGITS)
+        ));
+    }
+    if let Some(share) = share {
+        let sum: f64 = sigmas.iter().map(|s| s * s).sum();
+        let numbers = if kind.is_scalar() {
+            sigmas.len()
+        } else {
+            kind.numbers()
+        };
+        let angle = share * (sum / numbers as f64).sqrt();
+        return Some(format!(
+            "noise_{unit} = {}   # {error}",
+            rounded(angle, DIGITS)
         ));
     }
     let sigmas: Vec<String> = sigmas.iter().map(|s| rounded(*s, DIGITS)).collect();

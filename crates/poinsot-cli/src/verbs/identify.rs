@@ -8,6 +8,7 @@ use poinsot::{
     Coordinates, Error, IdentifyRequest, Question, Reading, check_outputs, estimate_file, identify,
     segment_files, write_result,
 };
+use poinsot_files::{Fault, Place};
 use poinsot_report::{Detail, estimate_document};
 use std::path::Path;
 
@@ -17,8 +18,11 @@ const IDENTIFY_MIB: usize = 64;
 pub fn run(arguments: &Identify) -> Outcome {
     poinsot::start_threads()?;
     let rows = &arguments.rows;
+    let Some(model) = &arguments.model else {
+        return Err(no_model(arguments));
+    };
     let request = IdentifyRequest {
-        model: arguments.model.clone(),
+        model: model.clone(),
         segments: (arguments.telemetry.iter().chain(&arguments.files))
             .map(segment_files)
             .collect(),
@@ -66,6 +70,18 @@ pub fn run(arguments: &Identify) -> Outcome {
     );
     noted(&written, arguments.print.quiet);
     Ok(exit_of(identified.passes()))
+}
+
+/// Without a model: the command that drafts one.
+fn no_model(arguments: &Identify) -> Error {
+    let files = arguments.telemetry.iter().chain(&arguments.files);
+    let files: Vec<_> = files.map(|file| file.to_string_lossy()).collect();
+    let files = files.join(" ");
+    let problem = "no model says what the vehicle consists of";
+    let advice = format!(
+        "draft one: poinsot init {files} -o model.toml, then poinsot identify -m model.toml {files}"
+    );
+    Fault::new("E0001", Place::option("--model"), problem, advice).into()
 }
 
 /// Checks the output paths before the computation starts.

@@ -1,19 +1,14 @@
 //! `poinsot inspect`
 
-use super::{Outcome, print, print_json, shown, step};
+use super::{Outcome, print, print_json, reading, shown};
 use crate::arguments::Inspect;
 use poinsot::{inspect, inspection_file, segment_files};
 use poinsot_telemetry::ReadOptions;
 
 pub fn run(arguments: &Inspect) -> Outcome {
-    let rows = &arguments.rows;
     let options = ReadOptions {
-        encoding: rows.encoding.into(),
         recover: arguments.recover,
-        time_s: rows.time_s,
-        every: step(rows)?,
-        memory_mib: rows.memory_mib.unwrap_or(poinsot_telemetry::MEMORY_MIB),
-        ..ReadOptions::default()
+        ..reading(&arguments.rows)?
     };
     let files = segment_files(&arguments.telemetry);
     let (model, map) = (arguments.model.as_deref(), arguments.map.as_deref());

@@ -9,6 +9,7 @@ pub mod explain;
 pub mod export;
 pub mod identify;
 pub mod import;
+pub mod init;
 pub mod inspect;
 pub mod man;
 pub mod methods;
@@ -71,6 +72,17 @@ pub fn step(rows: &crate::arguments::Rows) -> Result<usize, Error> {
         }
         every => Ok(every),
     }
+}
+
+/// Options of reading telemetry.
+pub fn reading(rows: &crate::arguments::Rows) -> Result<poinsot_telemetry::ReadOptions, Error> {
+    Ok(poinsot_telemetry::ReadOptions {
+        encoding: rows.encoding.into(),
+        time_s: rows.time_s,
+        every: step(rows)?,
+        memory_mib: rows.memory_mib.unwrap_or(poinsot_telemetry::MEMORY_MIB),
+        ..Default::default()
+    })
 }
 
 /// Prints a text of clap, for example the help.

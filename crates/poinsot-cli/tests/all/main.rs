@@ -13,6 +13,7 @@ mod cli;
 mod environment;
 mod export;
 mod ground_export;
+mod init;
 mod paper_tables;
 mod report;
 mod study;

@@ -5,6 +5,7 @@ mod conventions;
 mod exports;
 mod faults;
 mod inspection;
+mod newcomers;
 mod noise;
 mod parquet_files;
 mod real_data;

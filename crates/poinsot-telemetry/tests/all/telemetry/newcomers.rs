@@ -1,0 +1,52 @@
+//! Header lines of real systems: what their names alone say.
+
+use poinsot_telemetry::{Kind, recognise};
+
+/// Names as public repositories write them, and the channel of each.
+const HEADERS: &str = include_str!("headers.tsv");
+
+/// What a name was taken for: its channel without the sensor, the form of an attitude whose order or unit is open, or "-".
+fn taken(header: &[String]) -> Vec<String> {
+    let found = recognise(header, &[]);
+    let mut all = vec!["-".to_owned(); header.len()];
+    for one in &found.channels {
+        let channel = one.channel.rsplit('.').next().unwrap();
+        all[one.column] = match one.kind {
+            Kind::Quaternion if !one.named => "q".to_owned(),
+            Kind::Euler => "euler".to_owned(),
+            Kind::Rodrigues => "mrp".to_owned(),
+            _ => channel.to_owned(),
+        };
+    }
+    all
+}
+
+/// At least 90 % of the channels are recognised, and no column is taken for something that it is not.
+#[test]
+fn xval_names_of_forty_real_headers() {
+    let lines: Vec<&str> = HEADERS.lines().skip(1).collect();
+    let (mut channels, mut recognised, mut wrong) = (0, 0, Vec::new());
+    let mut missed = Vec::new();
+    for three in lines.chunks(3) {
+        let split = |line: &str| line.split('\t').map(str::to_owned).collect::<Vec<_>>();
+        let (header, wanted) = (split(three[1]), split(three[2]));
+        for ((name, wanted), taken) in header.iter().zip(&wanted).zip(taken(&header)) {
+            channels += usize::from(wanted != "-");
+            recognised += usize::from(wanted != "-" && *wanted == taken);
+            if taken != "-" && *wanted != taken {
+                wrong.push(format!(
+                    "{}: {name} is {wanted}, taken for {taken}",
+                    three[0]
+                ));
+            } else if *wanted != taken {
+                missed.push(format!("{}: {name}", three[0]));
+            }
+        }
+    }
+    assert!(lines.len() / 3 >= 40);
+    assert!(wrong.is_empty(), "{wrong:#?}");
+    let share = recognised as f64 / channels as f64;
+    assert!(share >= 0.9, "{recognised} of {channels}: {missed:#?}");
+    // The figure that the documentation states.
+    assert_eq!((recognised, channels), (379, 382), "{missed:#?}");
+}

@@ -1,0 +1,115 @@
+//! A model file with questions, and their answers.
+
+use crate::error::Error;
+use crate::file_head::quoted;
+use poinsot_model::parse_model;
+use schemars::JsonSchema;
+use serde::Serialize;
+
+/// What stands for an answer.
+const OPEN: &str = "\"?\"";
+/// What begins a question.
+const MARK: &str = "# ? ";
+
+/// A model file with questions.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Draft {
+    /// The text.
+    pub text: String,
+}
+
+/// A question of a draft.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
+pub struct DraftQuestion {
+    /// The lines that have it, from 1.
+    pub lines: Vec<usize>,
+    /// The question.
+    pub text: String,
+}
+
+impl Draft {
+    /// The questions that have no answer, in the order of their lines. Lines with one question share its answer.
+    ///
+    /// ```
+    /// let draft = poinsot::Draft { text: "mass_kg = \"?\"   # ? mass, kg\n".to_owned() };
+    /// let questions = draft.questions();
+    /// assert_eq!((questions[0].lines[0], questions[0].text.as_str()), (1, "mass, kg"));
+    /// ```
+    pub fn questions(&self) -> Vec<DraftQuestion> {
+        let mut all: Vec<DraftQuestion> = Vec::new();
+        let lines = self.text.lines().enumerate();
+        for (k, line) in lines.filter(|(_, line)| line.contains(OPEN)) {
+            let Some((_, text)) = line.split_once(MARK) else {
+                continue;
+            };
+            match all.iter_mut().find(|question| question.text == text) {
+                Some(question) => question.lines.push(k + 1),
+                None => all.push(DraftQuestion {
+                    lines: vec![k + 1],
+                    text: text.to_owned(),
+                }),
+            }
+        }
+        all
+    }
+
+    /// Writes an answer in place of the marks of a question: a number, a word, or values with blanks between them.
+    ///
+    /// # Errors
+    /// What the model file says of the answer; the draft is then unchanged.
+    ///
+    /// ```
+    /// let text = "schema = \"poinsot.model/1\"\n[[body]]\nname = \"bus\"\nmass_kg = \"?\"   # ? mass, kg\n";
+    /// let mut draft = poinsot::Draft { text: text.to_owned() };
+    /// let question = draft.questions().remove(0);
+    /// assert!(draft.answer(&question, "-3").is_err());
+    /// draft.answer(&question, "12.5").unwrap();
+    /// assert!(draft.text.contains("mass_kg = 12.5") && draft.questions().is_empty());
+    /// ```
+    pub fn answer(&mut self, question: &DraftQuestion, answer: &str) -> Result<(), Error> {
+        let mut text = String::new();
+        for (k, line) in self.text.lines().enumerate() {
+            match question.lines.contains(&(k + 1)) {
+                true => text.push_str(&answered(line, answer)),
+                false => text.push_str(line),
+            }
+            text.push('\n');
+        }
+        if let Err(faults) = parse_model(&text, "answer") {
+            let own = |line: &usize| faults.list.iter().find(|f| f.place.line == *line as u64);
+            if let Some(fault) = question.lines.iter().find_map(own) {
+                return Err(fault.clone().into());
+            }
+        }
+        self.text = text;
+        Ok(())
+    }
+}
+
+/// A line with its marks replaced.
+fn answered(line: &str, answer: &str) -> String {
+    let (code, comment) = line.split_once(MARK).unwrap_or((line, ""));
+    let parts = answer.split([' ', ',', '[', ']']);
+    let parts: Vec<String> = parts.filter(|word| !word.is_empty()).map(value).collect();
+    let open = code.matches(OPEN).count();
+    let numbers = parts.iter().all(|part| part.parse::<f64>().is_ok());
+    let values = match parts.len() {
+        many if many > 1 && many == open => parts,
+        many if many > 1 && numbers => vec![format!("[{}]", parts.join(", ")); open],
+        _ => vec![value(answer.trim()); open],
+    };
+    let code = values
+        .iter()
+        .fold(code.to_owned(), |code, value| code.replacen(OPEN, value, 1));
+    format!("{}   # {comment}", code.trim_end())
+}
+
+/// A value as TOML writes it.
+fn value(answer: &str) -> String {
+    let is_toml = || format!("x = {answer}").parse::<toml::Table>().is_ok();
+    match answer.parse::<f64>() {
+        Ok(number) if number.is_finite() => format!("{number:?}"),
+        _ if is_toml() => answer.to_owned(),
+        _ => quoted(answer),
+    }
+}

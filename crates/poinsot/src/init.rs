@@ -1,0 +1,427 @@
+//! The command `init`: telemetry files become a model file, with a question wherever neither names nor data say.
+
+use crate::channel_names;
+use crate::draft::Draft;
+use crate::error::Error;
+use crate::proposal::{Line, Proposal, Style};
+use crate::propose_sensors::{noise, owner};
+use crate::survey::Survey;
+use poinsot_model::{JointKind, Model, SensorKind, UrdfOptions, read_robot, write_model};
+use poinsot_telemetry::{
+    ChannelName, ChannelSummary, Kind, Quantity, ReadOptions, classify, recognise,
+};
+use std::path::{Path, PathBuf};
+
+/// Positions beyond this are those of an orbit, m.
+const ORBIT: f64 = 1.0e5;
+
+/// Drafts the model of a vehicle from the files of one record, and its URDF if it has joints.
+///
+/// # Errors
+/// Files or URDF cannot be read, or the files have joints and there is no URDF.
+///
+/// ```
+/// let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("night.csv");
+/// std::fs::write(&path, "t_s,GyroX_dps,GyroY_dps,GyroZ_dps,RW1_rpm\n0,1,2,3,900\n1,1,2,3,910\n2,1,2,4,920\n")?;
+/// let draft = poinsot::init(&[path], None, &Default::default())?;
+/// assert!(draft.text.contains(r#"wheel1_rad_s = { column = "RW1_rpm", unit = "rpm" }"#));
+/// assert!(draft.questions().iter().any(|q| q.text == "mass, kg"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn init(files: &[PathBuf], urdf: Option<&Path>, options: &ReadOptions) -> Result<Draft, Error> {
+    let robot = urdf
+        .map(|urdf| read_robot(urdf, &UrdfOptions::default()))
+        .transpose()?;
+    let own = robot
+        .as_ref()
+        .map(channel_names::of_parts)
+        .unwrap_or_default();
+    let heads = files.iter().filter_map(|path| Proposal::of(path, &own));
+    let mut proposals: Vec<Proposal> = heads.collect();
+    if let Some(robot) = &robot {
+        proposals.iter_mut().for_each(|p| p.name_joints(robot));
+    }
+    let survey = Survey::with(files, options, proposals)?;
+    let parts = Parts::of(&survey, robot.as_ref());
+    if let (None, Some(joint)) = (&robot, parts.joints.first()) {
+        let problem = format!("the files have a joint, '{joint}', and nothing says where it is");
+        return Err(Error::usage(
+            "--urdf",
+            "",
+            problem,
+            "give the robot: --urdf ROBOT.urdf",
+        ));
+    }
+    let mut out = block("head", &[]);
+    match &robot {
+        Some(robot) => out.push_str(&robot_text(robot, &parts)),
+        None => out.push_str(&parts.vehicle()),
+    }
+    let base = robot.as_ref().and_then(|robot| robot.bodies.first());
+    let base = base.map_or("spacecraft", |body| body.name.as_str());
+    for (table, names) in [("thruster", &parts.thrusters), ("wheel", &parts.wheels)] {
+        for name in names {
+            out.push_str(&block(table, &[("name", name), ("body", base)]));
+        }
+    }
+    let sensors = Sensors {
+        survey: &survey,
+        parts: &parts,
+    };
+    sensors.write(&mut out);
+    write_map(&survey, &mut out);
+    Ok(Draft { text: out })
+}
+
+/// A part of `init.txt` with its gaps filled.
+fn block(name: &str, gaps: &[(&str, &str)]) -> String {
+    let mut parts = include_str!("init.txt").split("== ");
+    let text = parts.find_map(|part| part.strip_prefix(name)?.strip_prefix('\n'));
+    let fill =
+        |text: String, (gap, value): &(&str, &str)| text.replace(&format!("{{{gap}}}"), value);
+    gaps.iter().fold(text.unwrap_or_default().to_owned(), fill)
+}
+
+/// The parts of the vehicle that the channels name.
+#[derive(Default)]
+struct Parts {
+    wheels: Vec<String>,
+    thrusters: Vec<String>,
+    joints: Vec<String>,
+    /// Whether there is a velocity or a position that can show mass and mass centre.
+    moves: bool,
+}
+
+impl Parts {
+    fn of(survey: &Survey, robot: Option<&Model>) -> Self {
+        let mut parts = Self::default();
+        let lines = survey.proposals.iter().flat_map(|p| &p.lines);
+        let flags = lines
+            .filter(|line| line.lacks_value())
+            .map(|line| &line.key);
+        let read = survey.inspection.channels.iter().map(|c| &c.name);
+        let channels: Vec<ChannelName> = read.chain(flags).filter_map(|c| classify(c)).collect();
+        let is_joint = |channel: &ChannelName| {
+            let name = &channel.subject;
+            let angle = |c: &ChannelName| c.subject == *name && c.quantity == Quantity::Angle;
+            let found = recognise(std::slice::from_ref(&channel.name), &[]).channels;
+            channels.iter().any(angle)
+                || robot.is_some_and(|robot| robot.joints.iter().any(|j| j.name == *name))
+                || found.first().is_some_and(|f| f.kind == Kind::JointRate)
+        };
+        for channel in &channels {
+            parts.moves |= matches!(channel.quantity, Quantity::Velocity(_));
+            let list = match channel.quantity {
+                Quantity::Angle | Quantity::Displacement => &mut parts.joints,
+                Quantity::AngleRate if is_joint(channel) => &mut parts.joints,
+                Quantity::AngleRate => &mut parts.wheels,
+                Quantity::Force => &mut parts.thrusters,
+                _ => continue,
+            };
+            if !list.contains(&channel.subject) {
+                list.push(channel.subject.clone());
+            }
+        }
+        parts
+    }
+
+    fn vehicle(&self) -> String {
+        let (com, estimate) = match (self.thrusters.is_empty(), self.moves) {
+            (true, _) => ("com known", r#"["inertia"]"#),
+            (false, false) => ("com asked", r#"["com", "inertia"]"#),
+            (false, true) => ("com asked", r#"["mass", "com", "inertia"]"#),
+        };
+        let com = block(com, &[]);
+        block(
+            "vehicle",
+            &[("com", com.trim_end()), ("estimate", estimate)],
+        )
+    }
+}
+
+/// The model of a robot, with what is unknown and the locked joints as questions.
+fn robot_text(robot: &Model, parts: &Parts) -> String {
+    let (mut out, mut table, mut bodies) = (String::new(), String::new(), 0);
+    for line in write_model(robot).lines() {
+        out.push_str(line);
+        out.push('\n');
+        if line.starts_with('[') {
+            line.clone_into(&mut table);
+        }
+        let Some(name) = line
+            .strip_prefix("name = ")
+            .map(|name| name.trim_matches('"'))
+        else {
+            continue;
+        };
+        if table == "[[body]]" {
+            bodies += 1;
+            out.push_str(&match bodies {
+                1 => block("unknown", &[("name", name)]),
+                _ => "estimate = false\n".to_owned(),
+            });
+        }
+        let own = |joint: &&poinsot_model::Joint| table == "[[joint]]" && joint.name == name;
+        let unit = match robot.joints.iter().find(own).map(|joint| joint.kind) {
+            None | Some(JointKind::Fixed) => continue,
+            Some(JointKind::Prismatic) => "m",
+            Some(_) => "rad",
+        };
+        if !parts.joints.iter().any(|joint| joint == name) {
+            out.push_str(&block("locked", &[("name", name), ("unit", unit)]));
+        }
+    }
+    out
+}
+
+/// The sensors and their noise.
+struct Sensors<'a> {
+    survey: &'a Survey,
+    parts: &'a Parts,
+}
+
+/// The channels of a sensor.
+struct SensorChannels<'a> {
+    name: String,
+    kind: SensorKind,
+    slides: bool,
+    channels: Vec<&'a ChannelSummary>,
+}
+
+impl Sensors<'_> {
+    fn write(&self, out: &mut String) {
+        let channels = &self.survey.inspection.channels;
+        let mut owners: Vec<&str> = channels.iter().map(|c| owner(c).0).collect();
+        owners.sort_unstable();
+        owners.dedup();
+        for (own, kind) in owners
+            .iter()
+            .flat_map(|own| SensorKind::with_axes().map(move |kind| (own, kind)))
+        {
+            let of = |c: &&ChannelSummary| {
+                let (sensor, name) = owner(c);
+                sensor == *own && kind.columns().contains(&name)
+            };
+            let channels: Vec<_> = channels.iter().filter(of).collect();
+            if channels.len() == kind.columns().len() {
+                let name = if own.is_empty() { kind.word() } else { own };
+                let name = name.to_owned();
+                self.sensor(
+                    &SensorChannels {
+                        name,
+                        kind,
+                        slides: false,
+                        channels,
+                    },
+                    out,
+                );
+            }
+        }
+        use SensorKind::{JointPosition, JointRate, WheelSpeed};
+        for (kind, slides) in [
+            (WheelSpeed, false),
+            (JointPosition, false),
+            (JointPosition, true),
+            (JointRate, false),
+            (JointRate, true),
+        ] {
+            let parts = if kind == WheelSpeed {
+                &self.parts.wheels
+            } else {
+                &self.parts.joints
+            };
+            let of = |c: &&ChannelSummary| {
+                let subject = c
+                    .name
+                    .strip_suffix(kind.unit(slides))
+                    .and_then(|s| s.strip_suffix('_'));
+                subject.is_some_and(|subject| parts.iter().any(|part| part == subject))
+            };
+            let channels: Vec<_> = channels.iter().filter(of).collect();
+            if !channels.is_empty() {
+                let name = format!("{}{}", kind.word(), if slides { "_m" } else { "" });
+                self.sensor(
+                    &SensorChannels {
+                        name,
+                        kind,
+                        slides,
+                        channels,
+                    },
+                    out,
+                );
+            }
+        }
+    }
+
+    fn sensor(&self, of: &SensorChannels<'_>, out: &mut String) {
+        let (kind, channels) = (of.kind, &of.channels);
+        let gaps = [("name", of.name.as_str()), ("type", kind.word())];
+        if let Some(missing) = self.missing(of) {
+            out.push_str(&block(
+                "unused",
+                &[&gaps[..], &[("missing", missing)]].concat(),
+            ));
+            return;
+        }
+        let line = noise(channels, kind, of.slides).filter(|_| !self.is_open(channels));
+        let mut line = match line {
+            Some(line) => line,
+            // Joints and wheels without noise are taken as exact.
+            None if kind.is_scalar() && !self.is_open(channels) => return,
+            None => self.question(of),
+        };
+        if kind.is_scalar() && kind != SensorKind::WheelSpeed {
+            let unit = kind.unit(of.slides);
+            let joints = channels
+                .iter()
+                .filter_map(|c| c.name.strip_suffix(unit)?.strip_suffix('_'));
+            line = format!("of = {:?}\n{line}", joints.collect::<Vec<_>>());
+        }
+        out.push_str(&block("sensor", &[&gaps[..], &[("line", &line)]].concat()));
+        let attitude = self
+            .survey
+            .inspection
+            .channels
+            .iter()
+            .any(|c| owner(c).1 == "q_w");
+        if kind == SensorKind::Gyro && attitude {
+            out.push_str(&block("gyro", &[]));
+        }
+    }
+
+    /// What a sensor needs that no file says.
+    fn missing(&self, of: &SensorChannels<'_>) -> Option<&'static str> {
+        let largest = of
+            .channels
+            .iter()
+            .map(|c| c.max.abs().max(c.min.abs()))
+            .fold(0.0, f64::max);
+        match of.kind {
+            SensorKind::Gyro | SensorKind::Attitude => None,
+            kind if kind.is_scalar() => None,
+            kind if kind.is_relative() => Some("the bodies: body and seen_from"),
+            SensorKind::Direction => Some("the measured vector in inertial axes, reference_N"),
+            SensorKind::Accelerometer => Some("its position, position_m"),
+            SensorKind::Position if largest > ORBIT => Some("gravity in [environment]"),
+            _ if self.parts.thrusters.is_empty() && self.parts.joints.is_empty() => {
+                Some("a thruster or a joint: nothing else changes it")
+            }
+            _ => None,
+        }
+    }
+
+    /// Whether the unit of a channel is a question.
+    fn is_open(&self, channels: &[&ChannelSummary]) -> bool {
+        let open = |line: &&Line| line.choices.iter().any(|c| c.key == "unit" && !c.sure);
+        let mut lines = self
+            .survey
+            .proposals
+            .iter()
+            .flat_map(|p| &p.lines)
+            .filter(open);
+        lines.any(|line| channels.iter().any(|c| c.name == line.key))
+    }
+
+    fn question(&self, of: &SensorChannels<'_>) -> String {
+        let unit = of.kind.unit(of.slides);
+        let largest = of
+            .channels
+            .iter()
+            .filter_map(|c| c.noise)
+            .fold(0.0, f64::max);
+        let shown = match largest > 0.0 {
+            true => format!(
+                "{} in the unit of the columns",
+                poinsot_files::rounded(largest, 2)
+            ),
+            false => "the data show none".to_owned(),
+        };
+        let gaps = [
+            ("unit", unit),
+            ("name", &of.name),
+            ("printed", &unit.replace('_', "/")),
+            ("shown", &shown),
+        ];
+        block("noise", &gaps).trim_end().to_owned()
+    }
+}
+
+fn write_map(survey: &Survey, out: &mut String) {
+    let style = match survey.inspection.sources.len() {
+        1 => Style::AskedOfAll,
+        _ => Style::Asked,
+    };
+    for proposal in survey.proposals.iter().filter(|p| !p.is_plain()) {
+        out.push('\n');
+        proposal.write(style, out);
+    }
+    let rest: Vec<&str> = survey
+        .proposals
+        .iter()
+        .flat_map(|p| &p.rest)
+        .map(String::as_str)
+        .collect();
+    if !rest.is_empty() {
+        out.push_str(&block(
+            "rest",
+            &[("list", &rest.join(", ").replace(['\n', '\r'], " "))],
+        ));
+    }
+    for faults in survey
+        .inspection
+        .conventions
+        .iter()
+        .filter_map(|test| test.check().err())
+    {
+        out.push_str(&block("contradiction", &[("problem", &faults.to_string())]));
+    }
+}
+
+impl Proposal {
+    /// Gives the columns of joints the names of the model's joints: by the words of the name, or by the number.
+    fn name_joints(&mut self, robot: &Model) {
+        let plain = |text: &str| {
+            text.to_lowercase()
+                .replace(|c: char| !c.is_alphanumeric(), "")
+        };
+        let number = |text: &str| text.replace(|c: char| !c.is_ascii_digit(), "");
+        let rest = &mut self.rest;
+        self.lines.retain_mut(|line| {
+            let rate = match line.kind {
+                Kind::JointAngle | Kind::JointPlace => "",
+                Kind::JointRate | Kind::JointSpeed => "_s",
+                _ => return true,
+            };
+            let column = line.columns.concat();
+            let own = line.key.split('_').next().map(number).unwrap_or_default();
+            let turning = || robot.joints.iter().filter(|j| j.kind != JointKind::Fixed);
+            let named: Vec<_> = turning()
+                .filter(|j| plain(&column).contains(&plain(&j.name)))
+                .collect();
+            let numbered = turning().filter(|j| !own.is_empty() && number(&j.name) == own);
+            let numbered: Vec<_> = numbered.collect();
+            let joint = match (&named[..], &numbered[..]) {
+                ([joint], _) | ([], [joint]) => joint,
+                _ => {
+                    rest.push(column);
+                    return false;
+                }
+            };
+            let unit = if joint.kind == JointKind::Prismatic {
+                "m"
+            } else {
+                "rad"
+            };
+            line.key = format!("{}_{unit}{rate}", joint.name);
+            // A unit that is a question is that of the joint.
+            if let (Some(choice), Some(channel)) = (
+                line.choice("unit").filter(|c| !c.sure),
+                classify(&format!("x_{unit}{rate}")),
+            ) {
+                channel.dimension.si().clone_into(&mut choice.word);
+            }
+            true
+        });
+    }
+}
