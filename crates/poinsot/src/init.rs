@@ -3,7 +3,7 @@
 use crate::channel_names;
 use crate::draft::Draft;
 use crate::error::Error;
-use crate::proposal::{Line, Proposal, Style};
+use crate::proposal::{Line, Proposal};
 use crate::propose_sensors::{noise, owner};
 use crate::survey::Survey;
 use poinsot_model::{JointKind, Model, SensorKind, UrdfOptions, read_robot, write_model};
@@ -348,13 +348,10 @@ impl Sensors<'_> {
 }
 
 fn write_map(survey: &Survey, out: &mut String) {
-    let style = match survey.inspection.sources.len() {
-        1 => Style::AskedOfAll,
-        _ => Style::Asked,
-    };
+    let of_all = survey.inspection.sources.len() == 1;
     for proposal in survey.proposals.iter().filter(|p| !p.is_plain()) {
         out.push('\n');
-        proposal.write(style, out);
+        proposal.write(true, of_all, out);
     }
     let rest: Vec<&str> = survey
         .proposals

@@ -2,7 +2,7 @@
 
 use crate::file_head::{FileHead, quoted};
 use poinsot_telemetry::{
-    Dimension, Found, FoundAttitude, Kind, Order, Recognition, Unit, classify, recognise,
+    Dimension, Found, FoundAttitude, Kind, Recognition, Unit, classify, recognise,
 };
 use std::fmt::Write;
 use std::path::Path;
@@ -99,17 +99,6 @@ pub(crate) struct Proposal {
     pub rest: Vec<String>,
 }
 
-/// How what is unsure is written.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Style {
-    /// The likely word, marked as unsure, in a table for files of one name.
-    Likely,
-    /// The mark of a question, in a table for files of one name.
-    Asked,
-    /// The same in the table of all files.
-    AskedOfAll,
-}
-
 impl Proposal {
     /// The table of a file; `None` if its head cannot be read. A column named in `own` is that of a joint, wheel or
     /// thruster of the model.
@@ -145,16 +134,16 @@ impl Proposal {
         self.layout.is_empty() && self.lines.is_empty()
     }
 
-    /// Writes the table.
-    pub fn write(&self, style: Style, out: &mut String) {
-        let asked = style != Style::Likely;
-        let table = match style {
-            Style::AskedOfAll => "telemetry",
-            _ => "telemetry.file",
+    /// Writes the table: with a mark for what is unsure, or (`asked`) a question; for files of this name, or for all files.
+    pub fn write(&self, asked: bool, of_all: bool, out: &mut String) {
+        let table = if of_all {
+            "telemetry"
+        } else {
+            "telemetry.file"
         };
-        let _ = match style {
-            Style::AskedOfAll => writeln!(out, "[telemetry]"),
-            _ => writeln!(out, "[[telemetry.file]]\nname = {}", quoted(&self.name)),
+        let _ = match of_all {
+            true => writeln!(out, "[telemetry]"),
+            false => writeln!(out, "[[telemetry.file]]\nname = {}", quoted(&self.name)),
         };
         out.push_str(&self.layout);
         let of = |key: &str| {
@@ -308,11 +297,6 @@ impl FileHead {
             .iter()
             .find(|f| found.columns.first() == Some(&f.column));
         let unit = first.and_then(|f| f.unit).map(|unit| unit.symbol);
-        let order = if found.order == Order::Wxyz {
-            "wxyz"
-        } else {
-            "xyzw"
-        };
         let of = columns.join(", ");
         let mut choices = Vec::new();
         let form = match found.kind {
@@ -331,7 +315,7 @@ impl FileHead {
             Kind::Rodrigues => "mrp",
             _ => {
                 let question = format!("order of {of}: \"wxyz\" (scalar first) or \"xyzw\"");
-                choices.push(Choice::new("order", order, found.named, question));
+                choices.push(Choice::new("order", "xyzw", found.named, question));
                 "quaternion"
             }
         };

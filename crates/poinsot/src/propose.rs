@@ -149,7 +149,7 @@ mod tests {
         let map = proposed(&path, &[]).unwrap();
         let wanted = "[[telemetry.file]]\nname = \"aocs.csv\"\ncomment = \"#\"\ndelimiter = \";\"\nunits_row = true\n\
             time = { column = \"UTC\", format = \"iso8601\" }   # no zone is written, UTC is assumed\n\
-            attitude = [{ quaternion = [\"Q0\", \"Q1\", \"Q2\", \"Q3\"], order = \"wxyz\", sense = \"body_to_inertial\" }]   # unsure: of Q0, Q1, Q2, Q3: order \"wxyz\" or \"xyzw\"; sense \"body_to_inertial\" or \"inertial_to_body\"\n\n\
+            attitude = [{ quaternion = [\"Q0\", \"Q1\", \"Q2\", \"Q3\"], order = \"xyzw\", sense = \"body_to_inertial\" }]   # unsure: order of Q0, Q1, Q2, Q3: \"wxyz\" (scalar first) or \"xyzw\"; sense of Q0, Q1, Q2, Q3: \"body_to_inertial\" or \"inertial_to_body\"\n\n\
             [telemetry.file.columns]\nomega_x = { column = \"wx\" }\nomega_y = { column = \"wy\" }\nomega_z = { column = \"wz\" }\n\
             wheel1_rad_s = { column = \"RW1\" }\n\
             # thr1_N = { column = \"THR1\", nominal_N = ... }   # unsure: force of THR1 while it is on, N\n";

@@ -1,7 +1,7 @@
 //! Reads files with the map that their names propose, and settles by the tests of conventions what the names leave open.
 
 use crate::error::Error;
-use crate::proposal::{Choice, Line, Proposal, Style};
+use crate::proposal::{Line, Proposal};
 use poinsot_model::parse_telemetry_map;
 use poinsot_telemetry::{
     ConventionTest, GyroUnit, Hypothesis, Inspection, Kind, Order, ReadOptions, Sense, Verdict,
@@ -34,8 +34,6 @@ impl Survey {
         options: &ReadOptions,
         mut proposals: Vec<Proposal>,
     ) -> Result<Self, Error> {
-        // The test knows both orders of a quaternion that is read as xyzw.
-        let guesses: Vec<Vec<String>> = proposals.iter_mut().map(Proposal::assume_xyzw).collect();
         let mut inspection = match read(files, options, &proposals) {
             Ok(inspection) => inspection,
             Err(error) if proposals.iter().all(Proposal::is_plain) => return Err(error),
@@ -56,13 +54,6 @@ impl Survey {
             }
             inspection = read(files, options, &proposals)?;
         }
-        let mut restored = false;
-        for (proposal, guesses) in proposals.iter_mut().zip(&guesses) {
-            restored |= proposal.restore_orders(guesses);
-        }
-        if restored {
-            inspection = read(files, options, &proposals)?;
-        }
         Ok(Self {
             proposals,
             inspection,
@@ -80,7 +71,7 @@ fn likely(proposals: &[Proposal]) -> Option<String> {
     let tables: Vec<String> = written
         .map(|proposal| {
             let mut out = String::new();
-            proposal.write(Style::Likely, &mut out);
+            proposal.write(false, false, &mut out);
             out
         })
         .collect();
@@ -100,33 +91,6 @@ fn read(
 }
 
 impl Proposal {
-    fn unsure_orders(&mut self) -> impl Iterator<Item = &mut Choice> {
-        let orders = self
-            .lines
-            .iter_mut()
-            .filter_map(|line| line.choice("order"));
-        orders.filter(|order| !order.sure)
-    }
-
-    /// Reads quaternions of unsure order as xyzw; returns what the names propose.
-    fn assume_xyzw(&mut self) -> Vec<String> {
-        let all = self.unsure_orders();
-        all.map(|order| std::mem::replace(&mut order.word, "xyzw".to_owned()))
-            .collect()
-    }
-
-    /// Restores them where the data settled none of them; returns whether one changed.
-    fn restore_orders(&mut self, guesses: &[String]) -> bool {
-        let mut changed = false;
-        if self.unsure_orders().count() == guesses.len() {
-            for (order, guess) in self.unsure_orders().zip(guesses) {
-                changed |= order.word != *guess;
-                order.word.clone_from(guess);
-            }
-        }
-        changed
-    }
-
     /// The lines of the attitude, the gyro and the times of a test.
     fn tested(&mut self, test: &ConventionTest) -> impl Iterator<Item = &mut Line> {
         let attitude = test

@@ -4,7 +4,7 @@
 mod name;
 mod words;
 
-use crate::{Dimension, Order, Unit, classify, full_name};
+use crate::{Dimension, Unit, classify, full_name};
 use name::Name;
 use serde::Deserialize;
 use words::{Rule, Word, vocabulary};
@@ -87,7 +87,7 @@ pub struct Found {
     /// Whether the name says which component it is, or there is only one.
     pub named: bool,
     component: usize,
-    rank: u8,
+    rank: usize,
 }
 
 /// The columns of one attitude.
@@ -99,9 +99,7 @@ pub struct FoundAttitude {
     pub kind: Kind,
     /// The columns, in the order of the form: of Euler angles yaw, pitch, roll.
     pub columns: Vec<usize>,
-    /// Order of a quaternion.
-    pub order: Order,
-    /// Whether the names say the order.
+    /// Whether the names say which component each is. Numbered ones of a quaternion are listed in their order.
     pub named: bool,
 }
 
@@ -128,11 +126,8 @@ pub struct Recognition {
 pub fn recognise(header: &[String], units: &[Option<Unit>]) -> Recognition {
     let below = |k: usize| units.get(k).copied().flatten();
     let columns = header.iter().enumerate();
-    let all = columns.filter_map(|(k, column)| found(k, column, below(k)));
-    let mut all: Vec<Found> = all.collect();
-    keep_best_times(&mut all);
     let mut groups: Vec<Vec<Found>> = Vec::new();
-    for one in all {
+    for one in columns.filter_map(|(k, column)| found(k, column, below(k))) {
         let same = |g: &&mut Vec<Found>| {
             g.first()
                 .is_some_and(|f| (f.kind, &f.owner) == (one.kind, &one.owner))
@@ -185,7 +180,7 @@ fn found(column: usize, text: &str, below: Option<Unit>) -> Option<Found> {
         unit: name.unit.filter(fits),
         component: component.unwrap_or_default(),
         named: rule.suffix != "." || name.component().is_some(),
-        rank: rank(&name),
+        rank: rank(&name, rule.kind),
         owner: name.owner,
     })
 }
@@ -198,21 +193,14 @@ fn axis(component: usize) -> &'static str {
         .unwrap_or_default()
 }
 
-/// What a measurement is called comes first; an estimate and a command come after it.
-fn rank(name: &Name) -> u8 {
-    match (name.has(Word::Command), name.has(Word::Estimate)) {
-        (true, _) => 2,
-        (_, true) => 1,
-        _ => 0,
+/// A measurement comes first, then an estimate, then a command; of times the one with the fewest words, a letter last.
+fn rank(name: &Name, kind: Kind) -> usize {
+    let letter = usize::from(name.owner.concat().len() == 1);
+    match kind {
+        Kind::Time => 2 * name.owner.len() + letter,
+        _ if name.has(Word::Command) => 2,
+        _ => usize::from(name.has(Word::Estimate)),
     }
-}
-
-/// Keeps one column of time: a standard name, then one whose words are all known, then the first.
-fn keep_best_times(all: &mut Vec<Found>) {
-    let order = |f: &Found| (f.rank, f.owner.len(), f.owner.concat().len() == 1, f.column);
-    let times = all.iter().filter(|f| f.kind == Kind::Time);
-    let best = times.min_by_key(|f| order(f)).map(|f| f.column);
-    all.retain(|f| f.kind != Kind::Time || Some(f.column) == best);
 }
 
 /// Whether the components of a vector are named by letters, or numbered from 0 or 1 without a gap; renumbers them.
@@ -244,12 +232,6 @@ fn complete(group: &mut [Found]) -> bool {
     for one in group.iter_mut().filter(|f| !f.named) {
         one.component -= first;
         one.named = wanted == 3;
-    }
-    // A quaternion from 0 has its scalar first as a rule, one from 1 last; `attitude` marks it as a choice.
-    if wanted == 4 && first == 0 {
-        group
-            .iter_mut()
-            .for_each(|f| f.component = (f.component + 3) % 4);
     }
     true
 }
@@ -305,12 +287,7 @@ fn attitude(group: &[Found]) -> Option<FoundAttitude> {
         _ => return None,
     };
     let of = |k: &usize| group.iter().find(|f| f.component == *k).map(|f| f.column);
-    let mut columns: Vec<usize> = order.iter().map(of).collect::<Option<_>>()?;
-    let named = group.iter().all(|f| f.named);
-    let scalar_first = columns.last() < columns.first();
-    if scalar_first && kind == Kind::Quaternion && !named {
-        columns.rotate_right(1);
-    }
+    let columns = order.iter().map(of).collect::<Option<_>>()?;
     let sensor = group
         .first()?
         .channel
@@ -320,11 +297,7 @@ fn attitude(group: &[Found]) -> Option<FoundAttitude> {
         sensor: sensor.to_owned(),
         kind,
         columns,
-        order: match scalar_first && !named {
-            true => Order::Wxyz,
-            false => Order::Xyzw,
-        },
-        named,
+        named: group.iter().all(|f| f.named),
     })
 }
 

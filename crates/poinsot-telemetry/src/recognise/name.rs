@@ -30,7 +30,7 @@ pub(super) struct Name {
     pub axis: Option<usize>,
     /// The last number.
     pub number: Option<usize>,
-    /// The number or letter that follows the word of a wheel, joint or thruster, or the last one.
+    /// Which wheel, joint or thruster: the number or letter after that word, or the last one, or the words that are unknown.
     pub index: String,
     /// Everything but component and unit.
     pub owner: Vec<String>,
@@ -76,15 +76,16 @@ impl Name {
         if tokens.first().is_some_and(|t| t == "b") && second.is_some() && !counted {
             self.words.push(Word::Other);
         }
-        let mut known = true;
+        let mut unknown = Vec::new();
         let lone = tokens.iter().position(|t| head(t).is_some() && !counted);
         for (k, (token, word)) in tokens.iter().zip(long).enumerate() {
             let frame = tokens.get(k + 1).is_some_and(|t| t == "bn");
             let numbered = tokens.get(k + 1).is_some_and(|t| is_number(t));
             let word = match (word, lone == Some(k)) {
                 (None, true) => head(token),
-                // A joint is written J1.
+                // A joint is written J1, and its position q.
                 (None, _) if token == "j" && numbered => Some(Word::Joint),
+                (None, _) if token == "q" && self.has(Word::Joint) => Some(Word::Place),
                 // Basilisk writes the Rodrigues parameters of the body as sigma_BN.
                 _ if token == "sigma" && frame => Some(Word::Rodrigues),
                 (word, _) => word,
@@ -94,23 +95,25 @@ impl Name {
                 continue;
             }
             self.words.extend(word);
-            known &= word.is_some();
+            if word.is_none() {
+                unknown.push(token.as_str());
+            }
             if !word.is_some_and(|word| TURNS.contains(&word)) {
                 self.owner.push(token.clone());
             }
         }
         for (word, is) in [
-            (Word::Silent, self.words.is_empty() && known),
-            (Word::Bare, known),
+            (Word::Silent, self.words.is_empty() && unknown.is_empty()),
+            (Word::Bare, unknown.is_empty()),
             (Word::Axis, self.axis.is_some()),
         ] {
             self.words.extend(is.then_some(word));
         }
-        let last = |name: &Self| name.number.map_or(String::new(), |n| n.to_string());
         if self.index.is_empty() {
-            self.index = match self.axis.and_then(|k| ["x", "y", "z", "w"].get(k)) {
-                Some(axis) if self.number.is_none() => (*axis).to_owned(),
-                _ => last(self),
+            self.index = match (self.number, self.axis) {
+                (Some(number), _) => number.to_string(),
+                (None, Some(axis)) => super::axis(axis).to_owned(),
+                (None, None) => unknown.join("_"),
             };
         }
     }
