@@ -88,8 +88,8 @@ pub use estimate::{
 pub use listing::{
     CODES, CodeFile, CodesFile, DESCRIPTION, ERROR, ErrorFile, FINDINGS, FaultFile, FindingsFile,
     FoundCellFile, FoundTableFile, INSPECTION, ListedMethodFile, ListedSettingFile, METHODS,
-    MethodsFile, PaperFile, STUDIES, StatedFile, StatementFile, StudiesFile, StudyFile,
-    StudyFindingsFile, UNITS, UnitFile, UnitsFile, VariantFile, WRITTEN, WrittenFile,
+    MethodsFile, PaperFile, QuestionFile, STUDIES, StatedFile, StatementFile, StudiesFile,
+    StudyFile, StudyFindingsFile, UNITS, UnitFile, UnitsFile, VariantFile, WRITTEN, WrittenFile,
 };
 pub use number::{
     Axes, Elements, NumberFile, PredictedNumberFile, TensorFile, TrueNumberFile, VectorFile, finite,

@@ -223,6 +223,18 @@ pub struct WrittenFile {
     /// Shards of a campaign. Absent for other verbs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub shards: Option<u64>,
+    /// Questions of the model that `init` wrote. Absent for other verbs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub questions: Option<Vec<QuestionFile>>,
+}
+
+/// A question in a model file.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct QuestionFile {
+    /// The lines that have it, from 1.
+    pub lines: Vec<usize>,
+    /// The question.
+    pub text: String,
 }
 
 /// Why there is no answer.
@@ -261,7 +273,7 @@ impl WrittenFile {
         Self {
             schema: WRITTEN.to_owned(),
             written: paths.collect(),
-            shards: None,
+            ..Self::default()
         }
     }
 }

@@ -2,9 +2,8 @@
 
 use crate::error::Error;
 use crate::file_head::quoted;
+use poinsot_formats::QuestionFile;
 use poinsot_model::parse_model;
-use schemars::JsonSchema;
-use serde::Serialize;
 
 /// What stands for an answer.
 const OPEN: &str = "\"?\"";
@@ -18,15 +17,6 @@ pub struct Draft {
     pub text: String,
 }
 
-/// A question of a draft.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
-pub struct DraftQuestion {
-    /// The lines that have it, from 1.
-    pub lines: Vec<usize>,
-    /// The question.
-    pub text: String,
-}
-
 impl Draft {
     /// The questions that have no answer, in the order of their lines. Lines with one question share its answer.
     ///
@@ -35,8 +25,8 @@ impl Draft {
     /// let questions = draft.questions();
     /// assert_eq!((questions[0].lines[0], questions[0].text.as_str()), (1, "mass, kg"));
     /// ```
-    pub fn questions(&self) -> Vec<DraftQuestion> {
-        let mut all: Vec<DraftQuestion> = Vec::new();
+    pub fn questions(&self) -> Vec<QuestionFile> {
+        let mut all: Vec<QuestionFile> = Vec::new();
         let lines = self.text.lines().enumerate();
         for (k, line) in lines.filter(|(_, line)| line.contains(OPEN)) {
             let Some((_, text)) = line.split_once(MARK) else {
@@ -44,7 +34,7 @@ impl Draft {
             };
             match all.iter_mut().find(|question| question.text == text) {
                 Some(question) => question.lines.push(k + 1),
-                None => all.push(DraftQuestion {
+                None => all.push(QuestionFile {
                     lines: vec![k + 1],
                     text: text.to_owned(),
                 }),
@@ -66,7 +56,7 @@ impl Draft {
     /// draft.answer(&question, "12.5").unwrap();
     /// assert!(draft.text.contains("mass_kg = 12.5") && draft.questions().is_empty());
     /// ```
-    pub fn answer(&mut self, question: &DraftQuestion, answer: &str) -> Result<(), Error> {
+    pub fn answer(&mut self, question: &QuestionFile, answer: &str) -> Result<(), Error> {
         let mut text = String::new();
         for (k, line) in self.text.lines().enumerate() {
             match question.lines.contains(&(k + 1)) {

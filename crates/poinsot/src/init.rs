@@ -4,9 +4,10 @@ use crate::channel_names;
 use crate::draft::Draft;
 use crate::error::Error;
 use crate::proposal::{Line, Proposal};
-use crate::propose_sensors::{noise, owner};
+use crate::propose_sensors::{SensorChannels, noise, owner, vector_sensors};
 use crate::survey::Survey;
-use poinsot_model::{JointKind, Model, SensorKind, UrdfOptions, read_robot, write_model};
+use poinsot_files::rounded;
+use poinsot_model::{Joint, JointKind, Model, SensorKind, UrdfOptions, read_robot, write_model};
 use poinsot_telemetry::{
     ChannelName, ChannelSummary, Kind, Quantity, ReadOptions, classify, recognise,
 };
@@ -42,8 +43,9 @@ pub fn init(files: &[PathBuf], urdf: Option<&Path>, options: &ReadOptions) -> Re
     if let Some(robot) = &robot {
         proposals.iter_mut().for_each(|p| p.name_joints(robot));
     }
-    let survey = Survey::with(files, options, proposals)?;
+    let mut survey = Survey::with(files, options, proposals)?;
     let parts = Parts::of(&survey, robot.as_ref());
+    survey.proposals.iter_mut().for_each(|p| p.ask_less(&parts));
     if let (None, Some(joint)) = (&robot, parts.joints.first()) {
         let problem = format!("the files have a joint, '{joint}', and nothing says where it is");
         return Err(Error::usage(
@@ -96,10 +98,8 @@ struct Parts {
 impl Parts {
     fn of(survey: &Survey, robot: Option<&Model>) -> Self {
         let mut parts = Self::default();
-        let lines = survey.proposals.iter().flat_map(|p| &p.lines);
-        let flags = lines
-            .filter(|line| line.lacks_value())
-            .map(|line| &line.key);
+        let flags = survey.lines().filter(|line| line.lacks_value());
+        let flags = flags.map(|line| &line.key);
         let read = survey.inspection.channels.iter().map(|c| &c.name);
         let channels: Vec<ChannelName> = read.chain(flags).filter_map(|c| classify(c)).collect();
         let is_joint = |channel: &ChannelName| {
@@ -126,6 +126,11 @@ impl Parts {
         parts
     }
 
+    /// Whether something moves the mass centre, so that velocity and position count.
+    fn shows_mass(&self) -> bool {
+        !self.thrusters.is_empty() || !self.joints.is_empty()
+    }
+
     fn vehicle(&self) -> String {
         let (com, estimate) = match (self.thrusters.is_empty(), self.moves) {
             (true, _) => ("com known", r#"["inertia"]"#),
@@ -133,10 +138,8 @@ impl Parts {
             (false, true) => ("com asked", r#"["mass", "com", "inertia"]"#),
         };
         let com = block(com, &[]);
-        block(
-            "vehicle",
-            &[("com", com.trim_end()), ("estimate", estimate)],
-        )
+        let gaps = [("com", com.trim_end()), ("estimate", estimate)];
+        block("vehicle", &gaps)
     }
 }
 
@@ -149,12 +152,10 @@ fn robot_text(robot: &Model, parts: &Parts) -> String {
         if line.starts_with('[') {
             line.clone_into(&mut table);
         }
-        let Some(name) = line
-            .strip_prefix("name = ")
-            .map(|name| name.trim_matches('"'))
-        else {
+        let Some(name) = line.strip_prefix("name = ") else {
             continue;
         };
+        let name = name.trim_matches('"');
         if table == "[[body]]" {
             bodies += 1;
             out.push_str(&match bodies {
@@ -162,7 +163,7 @@ fn robot_text(robot: &Model, parts: &Parts) -> String {
                 _ => "estimate = false\n".to_owned(),
             });
         }
-        let own = |joint: &&poinsot_model::Joint| table == "[[joint]]" && joint.name == name;
+        let own = |joint: &&Joint| table == "[[joint]]" && joint.name == name;
         let unit = match robot.joints.iter().find(own).map(|joint| joint.kind) {
             None | Some(JointKind::Fixed) => continue,
             Some(JointKind::Prismatic) => "m",
@@ -181,132 +182,79 @@ struct Sensors<'a> {
     parts: &'a Parts,
 }
 
-/// The channels of a sensor.
-struct SensorChannels<'a> {
-    name: String,
-    kind: SensorKind,
-    slides: bool,
-    channels: Vec<&'a ChannelSummary>,
-}
-
 impl Sensors<'_> {
     fn write(&self, out: &mut String) {
-        let channels = &self.survey.inspection.channels;
-        let mut owners: Vec<&str> = channels.iter().map(|c| owner(c).0).collect();
-        owners.sort_unstable();
-        owners.dedup();
-        for (own, kind) in owners
-            .iter()
-            .flat_map(|own| SensorKind::with_axes().map(move |kind| (own, kind)))
-        {
-            let of = |c: &&ChannelSummary| {
-                let (sensor, name) = owner(c);
-                sensor == *own && kind.columns().contains(&name)
-            };
-            let channels: Vec<_> = channels.iter().filter(of).collect();
-            if channels.len() == kind.columns().len() {
-                let name = if own.is_empty() { kind.word() } else { own };
-                let name = name.to_owned();
-                self.sensor(
-                    &SensorChannels {
-                        name,
-                        kind,
-                        slides: false,
-                        channels,
-                    },
-                    out,
-                );
-            }
-        }
-        use SensorKind::{JointPosition, JointRate, WheelSpeed};
+        let inspection = &self.survey.inspection;
+        let complete = |s: &&SensorChannels<'_>| s.channels.len() == s.kind.columns().len();
+        let vectors = vector_sensors(inspection);
+        let vectors = vectors.iter().filter(complete);
+        vectors.for_each(|sensor| self.sensor(sensor, out));
         for (kind, slides) in [
-            (WheelSpeed, false),
-            (JointPosition, false),
-            (JointPosition, true),
-            (JointRate, false),
-            (JointRate, true),
+            (SensorKind::WheelSpeed, false),
+            (SensorKind::JointPosition, false),
+            (SensorKind::JointPosition, true),
+            (SensorKind::JointRate, false),
+            (SensorKind::JointRate, true),
         ] {
-            let parts = if kind == WheelSpeed {
-                &self.parts.wheels
-            } else {
-                &self.parts.joints
+            let parts = match kind {
+                SensorKind::WheelSpeed => &self.parts.wheels,
+                _ => &self.parts.joints,
             };
-            let of = |c: &&ChannelSummary| {
-                let subject = c
-                    .name
-                    .strip_suffix(kind.unit(slides))
-                    .and_then(|s| s.strip_suffix('_'));
-                subject.is_some_and(|subject| parts.iter().any(|part| part == subject))
+            let unit = kind.unit(slides);
+            let names: Vec<String> = parts.iter().map(|part| format!("{part}_{unit}")).collect();
+            let own = inspection
+                .channels
+                .iter()
+                .filter(|c| names.contains(&c.name));
+            let sensor = SensorChannels {
+                name: format!("{}{}", kind.word(), if slides { "_m" } else { "" }),
+                kind,
+                slides,
+                channels: own.collect(),
             };
-            let channels: Vec<_> = channels.iter().filter(of).collect();
-            if !channels.is_empty() {
-                let name = format!("{}{}", kind.word(), if slides { "_m" } else { "" });
-                self.sensor(
-                    &SensorChannels {
-                        name,
-                        kind,
-                        slides,
-                        channels,
-                    },
-                    out,
-                );
+            if !sensor.channels.is_empty() {
+                self.sensor(&sensor, out);
             }
         }
     }
 
     fn sensor(&self, of: &SensorChannels<'_>, out: &mut String) {
         let (kind, channels) = (of.kind, &of.channels);
-        let gaps = [("name", of.name.as_str()), ("type", kind.word())];
+        let table = |last| [("name", of.name.as_str()), ("type", kind.word()), last];
         if let Some(missing) = self.missing(of) {
-            out.push_str(&block(
-                "unused",
-                &[&gaps[..], &[("missing", missing)]].concat(),
-            ));
+            out.push_str(&block("unused", &table(("missing", missing))));
             return;
         }
-        let line = noise(channels, kind, of.slides).filter(|_| !self.is_open(channels));
-        let mut line = match line {
-            Some(line) => line,
+        let open = self.is_open(channels);
+        let mut line = match noise(of) {
+            Some(line) if !open => line,
             // Joints and wheels without noise are taken as exact.
-            None if kind.is_scalar() && !self.is_open(channels) => return,
-            None => self.question(of),
+            None if kind.is_scalar() && !open => return,
+            _ => question(of),
         };
         if kind.is_scalar() && kind != SensorKind::WheelSpeed {
-            let unit = kind.unit(of.slides);
-            let joints = channels
-                .iter()
-                .filter_map(|c| c.name.strip_suffix(unit)?.strip_suffix('_'));
+            let end = format!("_{}", kind.unit(of.slides));
+            let joints = channels.iter().filter_map(|c| c.name.strip_suffix(&end));
             line = format!("of = {:?}\n{line}", joints.collect::<Vec<_>>());
         }
-        out.push_str(&block("sensor", &[&gaps[..], &[("line", &line)]].concat()));
-        let attitude = self
-            .survey
-            .inspection
-            .channels
-            .iter()
-            .any(|c| owner(c).1 == "q_w");
-        if kind == SensorKind::Gyro && attitude {
+        out.push_str(&block("sensor", &table(("line", &line))));
+        let mut all = self.survey.inspection.channels.iter();
+        if kind == SensorKind::Gyro && all.any(|c| owner(c).1 == "q_w") {
             out.push_str(&block("gyro", &[]));
         }
     }
 
     /// What a sensor needs that no file says.
     fn missing(&self, of: &SensorChannels<'_>) -> Option<&'static str> {
-        let largest = of
-            .channels
-            .iter()
-            .map(|c| c.max.abs().max(c.min.abs()))
-            .fold(0.0, f64::max);
+        let far = |c: &&ChannelSummary| c.max.abs().max(c.min.abs()) > ORBIT;
         match of.kind {
             SensorKind::Gyro | SensorKind::Attitude => None,
             kind if kind.is_scalar() => None,
             kind if kind.is_relative() => Some("the bodies: body and seen_from"),
             SensorKind::Direction => Some("the measured vector in inertial axes, reference_N"),
             SensorKind::Accelerometer => Some("its position, position_m"),
-            SensorKind::Position if largest > ORBIT => Some("gravity in [environment]"),
-            _ if self.parts.thrusters.is_empty() && self.parts.joints.is_empty() => {
-                Some("a thruster or a joint: nothing else changes it")
-            }
+            SensorKind::Position if of.channels.iter().any(far) => Some("gravity in [environment]"),
+            _ if !self.parts.shows_mass() => Some("a thruster or a joint: nothing else changes it"),
             _ => None,
         }
     }
@@ -314,37 +262,27 @@ impl Sensors<'_> {
     /// Whether the unit of a channel is a question.
     fn is_open(&self, channels: &[&ChannelSummary]) -> bool {
         let open = |line: &&Line| line.choices.iter().any(|c| c.key == "unit" && !c.sure);
-        let mut lines = self
-            .survey
-            .proposals
-            .iter()
-            .flat_map(|p| &p.lines)
-            .filter(open);
+        let mut lines = self.survey.lines().filter(open);
         lines.any(|line| channels.iter().any(|c| c.name == line.key))
     }
+}
 
-    fn question(&self, of: &SensorChannels<'_>) -> String {
-        let unit = of.kind.unit(of.slides);
-        let largest = of
-            .channels
-            .iter()
-            .filter_map(|c| c.noise)
-            .fold(0.0, f64::max);
-        let shown = match largest > 0.0 {
-            true => format!(
-                "{} in the unit of the columns",
-                poinsot_files::rounded(largest, 2)
-            ),
-            false => "the data show none".to_owned(),
-        };
-        let gaps = [
-            ("unit", unit),
-            ("name", &of.name),
-            ("printed", &unit.replace('_', "/")),
-            ("shown", &shown),
-        ];
-        block("noise", &gaps).trim_end().to_owned()
-    }
+/// The question for a noise that the data do not show, or show in a unit that is a question.
+fn question(of: &SensorChannels<'_>) -> String {
+    let unit = of.kind.unit(of.slides);
+    let seen = of.channels.iter().filter_map(|c| c.noise);
+    let shown = match seen.reduce(f64::max) {
+        Some(largest) => format!("{} in the unit of the columns", rounded(largest, 2)),
+        None => "the data show none".to_owned(),
+    };
+    let printed = unit.replace('_', "/");
+    let gaps = [
+        ("unit", unit),
+        ("name", &of.name),
+        ("printed", &printed),
+        ("shown", &shown),
+    ];
+    block("noise", &gaps).trim_end().to_owned()
 }
 
 fn write_map(survey: &Survey, out: &mut String) {
@@ -353,35 +291,38 @@ fn write_map(survey: &Survey, out: &mut String) {
         out.push('\n');
         proposal.write(true, of_all, out);
     }
-    let rest: Vec<&str> = survey
-        .proposals
-        .iter()
-        .flat_map(|p| &p.rest)
-        .map(String::as_str)
-        .collect();
+    let rest = survey.proposals.iter().flat_map(|p| &p.rest);
+    let rest: Vec<&str> = rest.map(String::as_str).collect();
+    let rest = rest.join(", ").replace(['\n', '\r'], " ");
     if !rest.is_empty() {
-        out.push_str(&block(
-            "rest",
-            &[("list", &rest.join(", ").replace(['\n', '\r'], " "))],
-        ));
+        out.push_str(&block("rest", &[("list", &rest)]));
     }
-    for faults in survey
-        .inspection
-        .conventions
-        .iter()
-        .filter_map(|test| test.check().err())
-    {
+    let tests = survey.inspection.conventions.iter();
+    for faults in tests.filter_map(|test| test.check().err()) {
         out.push_str(&block("contradiction", &[("problem", &faults.to_string())]));
     }
 }
 
 impl Proposal {
+    /// Leaves out columns with questions that no sensor of the draft uses.
+    fn ask_less(&mut self, parts: &Parts) {
+        let rest = &mut self.rest;
+        self.lines.retain(|line| {
+            let used = match line.kind {
+                Kind::SpecificForce | Kind::AngularAcceleration => false,
+                Kind::Velocity | Kind::Position => parts.shows_mass(),
+                _ => true,
+            };
+            let kept = used || line.choices.iter().all(|choice| choice.sure);
+            rest.extend(line.columns.iter().filter(|_| !kept).cloned());
+            kept
+        });
+    }
+
     /// Gives the columns of joints the names of the model's joints: by the words of the name, or by the number.
     fn name_joints(&mut self, robot: &Model) {
-        let plain = |text: &str| {
-            text.to_lowercase()
-                .replace(|c: char| !c.is_alphanumeric(), "")
-        };
+        let letters = |c: char| !c.is_alphanumeric();
+        let plain = |text: &str| text.to_lowercase().replace(letters, "");
         let number = |text: &str| text.replace(|c: char| !c.is_ascii_digit(), "");
         let rest = &mut self.rest;
         self.lines.retain_mut(|line| {
@@ -392,23 +333,18 @@ impl Proposal {
             };
             let column = line.columns.concat();
             let own = line.key.split('_').next().map(number).unwrap_or_default();
-            let turning = || robot.joints.iter().filter(|j| j.kind != JointKind::Fixed);
-            let named: Vec<_> = turning()
-                .filter(|j| plain(&column).contains(&plain(&j.name)))
-                .collect();
-            let numbered = turning().filter(|j| !own.is_empty() && number(&j.name) == own);
-            let numbered: Vec<_> = numbered.collect();
-            let joint = match (&named[..], &numbered[..]) {
-                ([joint], _) | ([], [joint]) => joint,
-                _ => {
-                    rest.push(column);
-                    return false;
-                }
+            let named = |j: &&Joint| plain(&column).contains(&plain(&j.name));
+            let numbered = |j: &&Joint| !own.is_empty() && number(&j.name) == own;
+            let turning = robot.joints.iter().filter(|j| j.kind != JointKind::Fixed);
+            let named: Vec<&Joint> = turning.clone().filter(named).collect();
+            let numbered: Vec<&Joint> = turning.filter(numbered).collect();
+            let (([joint], _) | ([], [joint])) = (&named[..], &numbered[..]) else {
+                rest.push(column);
+                return false;
             };
-            let unit = if joint.kind == JointKind::Prismatic {
-                "m"
-            } else {
-                "rad"
+            let unit = match joint.kind {
+                JointKind::Prismatic => "m",
+                _ => "rad",
             };
             line.key = format!("{}_{unit}{rate}", joint.name);
             // A unit that is a question is that of the joint.

@@ -131,7 +131,7 @@ mod units;
 pub mod validate;
 mod written;
 
-pub use draft::{Draft, DraftQuestion};
+pub use draft::Draft;
 pub use error::{Error, ErrorKind, Fault};
 pub use estimate_file::estimate_file;
 pub use identify::{

@@ -19,6 +19,8 @@ pub(crate) struct Choice {
     pub word: String,
     /// Whether names or data say it.
     pub sure: bool,
+    /// Whether the gyro says it.
+    pub shown: bool,
     question: String,
 }
 
@@ -28,6 +30,7 @@ impl Choice {
             key,
             word: word.to_owned(),
             sure,
+            shown: false,
             question: question.into(),
         }
     }
@@ -80,8 +83,11 @@ impl Line {
         let open = self.choices.iter().filter(|choice| !choice.sure);
         let open: Vec<&str> = open.map(|choice| choice.question.as_str()).collect();
         let sign = if asked { "?" } else { "unsure:" };
+        let shown = self.choices.iter().filter(|choice| choice.shown);
+        let shown: Vec<&str> = shown.map(|choice| choice.key).collect();
         let comment = match (open.is_empty(), self.note) {
-            (true, "") => String::new(),
+            (true, "") if shown.is_empty() => String::new(),
+            (true, "") => format!("   # {} by comparison with the gyro", shown.join(", ")),
             (true, note) => format!("   # {note}"),
             (false, _) => format!("   # {sign} {}", open.join("; ")),
         };
@@ -107,25 +113,23 @@ impl Proposal {
         let units = head.units.clone().unwrap_or_default();
         let found = recognise(&head.header, &units);
         let mut lines: Vec<Line> = head.time(&found).into_iter().collect();
-        lines.extend(
-            found
-                .attitudes
-                .iter()
-                .filter_map(|a| head.attitude(a, &found)),
-        );
+        let attitudes = found.attitudes.iter();
+        lines.extend(attitudes.filter_map(|a| head.attitude(a, &found)));
         let of_attitude = |k: usize| found.attitudes.iter().any(|a| a.columns.contains(&k));
         let single = found.channels.iter().filter(|f| !of_attitude(f.column));
         let single = single.filter(|f| head.header.get(f.column).is_some_and(|n| !own.contains(n)));
         lines.extend(single.filter_map(|f| head.column(f, &found)));
-        let known = |name: &String| classify(name).is_some() || name.is_empty();
+        let time = lines.iter().find(|line| line.key == "time");
+        let used = |name: &String| time.is_some_and(|t| t.fixed.contains(&quoted(name)));
+        let known = |name: &String| name.is_empty() || classify(name).is_some() || used(name);
         let taken = |k: usize| found.channels.iter().any(|f| f.column == k);
         let rest = head.header.iter().enumerate();
         let rest = rest.filter(|(k, name)| !taken(*k) && !known(name));
         Some(Self {
             name: path.file_name()?.to_string_lossy().into_owned(),
             layout: head.layout(),
-            lines,
             rest: rest.map(|(_, name)| name.clone()).collect(),
+            lines,
         })
     }
 
@@ -136,26 +140,15 @@ impl Proposal {
 
     /// Writes the table: with a mark for what is unsure, or (`asked`) a question; for files of this name, or for all files.
     pub fn write(&self, asked: bool, of_all: bool, out: &mut String) {
-        let table = if of_all {
-            "telemetry"
-        } else {
-            "telemetry.file"
+        let named = format!("[[telemetry.file]]\nname = {}", quoted(&self.name));
+        let (head, table) = match of_all {
+            true => ("[telemetry]", "telemetry"),
+            false => (named.as_str(), "telemetry.file"),
         };
-        let _ = match of_all {
-            true => writeln!(out, "[telemetry]"),
-            false => writeln!(out, "[[telemetry.file]]\nname = {}", quoted(&self.name)),
-        };
-        out.push_str(&self.layout);
-        let of = |key: &str| {
-            self.lines
-                .iter()
-                .filter(move |line| line.key == key)
-                .collect()
-        };
-        let (times, attitudes): (Vec<&Line>, Vec<&Line>) = (of("time"), of("attitude"));
-        times
-            .iter()
-            .for_each(|line| write_line(line, "time", asked, out));
+        let _ = write!(out, "{head}\n{}", self.layout);
+        let of = |key: &'static str| self.lines.iter().filter(move |line| line.key == key);
+        of("time").for_each(|line| write_line(line, "time", asked, out));
+        let attitudes: Vec<&Line> = of("attitude").collect();
         if let [one] = attitudes[..] {
             let (keys, comment) = one.text(asked);
             let _ = writeln!(out, "attitude = [{keys}]{comment}");
@@ -166,10 +159,8 @@ impl Proposal {
             }
             out.push_str("]\n");
         }
-        let columns = self
-            .lines
-            .iter()
-            .filter(|l| l.key != "time" && l.key != "attitude");
+        let group = |line: &&Line| ["time", "attitude"].contains(&line.key.as_str());
+        let columns = self.lines.iter().filter(|line| !group(line));
         for (k, line) in columns.enumerate() {
             if k == 0 {
                 let _ = writeln!(out, "\n[{table}.columns]");
@@ -186,11 +177,7 @@ impl Proposal {
 /// Writes a line; without a likely value it is a comment.
 fn write_line(line: &Line, key: &str, asked: bool, out: &mut String) {
     let (keys, comment) = line.text(asked);
-    let sign = if line.lacks_value() && !asked {
-        "# "
-    } else {
-        ""
-    };
+    let sign = ["", "# "][usize::from(line.lacks_value() && !asked)];
     let _ = writeln!(out, "{sign}{key} = {keys}{comment}");
 }
 

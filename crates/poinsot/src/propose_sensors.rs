@@ -14,33 +14,54 @@ const HEAD: &str = "\
 # Estimated from the data by differences of neighbouring samples. A data sheet is better.
 ";
 
-/// The tables to paste into a model; `None` if no channel has noise.
-pub(crate) fn proposed_sensors(inspection: &Inspection) -> Option<String> {
-    let mut out = String::new();
+/// The channels of a sensor.
+pub(crate) struct SensorChannels<'a> {
+    /// Name; that of the kind where the columns name none.
+    pub name: String,
+    pub kind: SensorKind,
+    /// Of prismatic joints.
+    pub slides: bool,
+    pub channels: Vec<&'a ChannelSummary>,
+}
+
+/// The sensors with axes.
+pub(crate) fn vector_sensors(inspection: &Inspection) -> Vec<SensorChannels<'_>> {
     let mut owners: Vec<&str> = inspection.channels.iter().map(|c| owner(c).0).collect();
     owners.sort_unstable();
     owners.dedup();
-    for owner in owners {
-        for kind in SensorKind::with_axes() {
-            let of = |c: &&ChannelSummary| {
-                let (own, name) = self::owner(c);
-                own == owner && kind.columns().contains(&name)
+    let of = |(own, kind): (&str, SensorKind)| {
+        let channels = inspection.channels.iter();
+        let own_channel = |c: &&ChannelSummary| {
+            let (sensor, name) = owner(c);
+            sensor == own && kind.columns().contains(&name)
+        };
+        SensorChannels {
+            name: if own.is_empty() { kind.word() } else { own }.to_owned(),
+            kind,
+            slides: false,
+            channels: channels.filter(own_channel).collect(),
+        }
+    };
+    let kinds = |own| SensorKind::with_axes().map(move |kind| (own, kind));
+    let all = owners.into_iter().flat_map(kinds).map(of);
+    all.filter(|s| !s.channels.is_empty()).collect()
+}
+
+/// The tables to paste into a model; `None` if no channel has noise.
+pub(crate) fn proposed_sensors(inspection: &Inspection) -> Option<String> {
+    let mut out = String::new();
+    for sensor in vector_sensors(inspection) {
+        if let Some(noise) = noise(&sensor) {
+            let (name, word) = (&sensor.name, sensor.kind.declared_as().word());
+            let bodies = if sensor.kind.is_relative() {
+                "body = \"SEEN BODY\"\nseen_from = \"BODY OF THE CAMERA\"\n"
+            } else {
+                ""
             };
-            let channels: Vec<&ChannelSummary> = inspection.channels.iter().filter(of).collect();
-            if let Some(noise) = noise(&channels, kind, false) {
-                let word = kind.word();
-                let name = if owner.is_empty() { word } else { owner };
-                let word = kind.declared_as().word();
-                let bodies = if kind.is_relative() {
-                    "body = \"SEEN BODY\"\nseen_from = \"BODY OF THE CAMERA\"\n"
-                } else {
-                    ""
-                };
-                let _ = write!(
-                    out,
-                    "[[sensor]]\nname = \"{name}\"\ntype = \"{word}\"\n{bodies}{noise}\n\n"
-                );
-            }
+            let _ = write!(
+                out,
+                "[[sensor]]\nname = \"{name}\"\ntype = \"{word}\"\n{bodies}{noise}\n\n"
+            );
         }
     }
     for channel in &inspection.channels {
@@ -63,13 +84,10 @@ pub(crate) fn owner(channel: &ChannelSummary) -> (&str, &str) {
         .unwrap_or(("", channel.name.as_str()))
 }
 
-/// The line of a sensor: noise, or the rounding step if it explains the scatter. `slides`: of a prismatic joint.
-pub(crate) fn noise(
-    channels: &[&ChannelSummary],
-    kind: SensorKind,
-    slides: bool,
-) -> Option<String> {
-    let unit = kind.unit(slides);
+/// The line of a sensor: noise, or the rounding step if it explains the scatter.
+pub(crate) fn noise(sensor: &SensorChannels<'_>) -> Option<String> {
+    let (kind, channels) = (sensor.kind, &sensor.channels);
+    let unit = kind.unit(sensor.slides);
     let sigmas: Vec<f64> = channels.iter().filter_map(|c| c.noise).collect();
     if sigmas.is_empty() || sigmas.len() != channels.len() {
         return None;

@@ -47,8 +47,10 @@ impl Survey {
             },
         };
         for _ in 0..CHANGES {
-            let tests = inspection.conventions.iter();
-            let changed = tests.fold(false, |any, test| settle(&mut proposals, test) || any);
+            let mut changed = false;
+            for test in &inspection.conventions {
+                changed |= settle(&mut proposals, test);
+            }
             if !changed {
                 break;
             }
@@ -58,6 +60,11 @@ impl Survey {
             proposals,
             inspection,
         })
+    }
+
+    /// The lines of all maps.
+    pub fn lines(&self) -> impl Iterator<Item = &Line> {
+        self.proposals.iter().flat_map(|p| &p.lines)
     }
 
     /// The map with what is likely; `None` where all names are standard.
@@ -131,7 +138,10 @@ fn settle(proposals: &mut [Proposal], test: &ConventionTest) -> bool {
     });
     match test.verdict {
         Verdict::DeclaredFits if only.is_declared() => {
-            unsure.for_each(|(_, choice)| choice.sure = true);
+            unsure.for_each(|(kind, choice)| {
+                choice.sure = true;
+                choice.shown = kind != Kind::Time;
+            });
             false
         }
         Verdict::DeclaredContradicted => unsure.fold(false, |any, (kind, choice)| {

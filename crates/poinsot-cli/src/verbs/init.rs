@@ -2,17 +2,11 @@
 
 use super::{Outcome, exit_of, note, print, print_json, reading};
 use crate::arguments::Init;
-use poinsot::{Draft, DraftQuestion, Error, check_outputs, init, segment_files};
+use poinsot::{Draft, Error, check_outputs, init, segment_files};
 use poinsot_files::error_line;
+use poinsot_formats::{QuestionFile, WrittenFile};
 use std::io::{BufRead, IsTerminal, Write};
 use std::path::{Path, PathBuf};
-
-/// The answer with `--json`.
-#[derive(serde::Serialize)]
-struct InitAnswer<'a> {
-    written: &'a Path,
-    questions: Vec<DraftQuestion>,
-}
 
 pub fn run(arguments: &Init) -> Outcome {
     let files: Vec<PathBuf> = arguments.files.iter().flat_map(segment_files).collect();
@@ -33,9 +27,9 @@ pub fn run(arguments: &Init) -> Outcome {
     let questions = draft.questions();
     let code = exit_of(questions.is_empty());
     if arguments.print.json {
-        print_json(&InitAnswer {
-            written: out,
-            questions,
+        print_json(&WrittenFile {
+            questions: Some(questions),
+            ..WrittenFile::of(std::slice::from_ref(out))
         });
     } else if plain {
         note(&format!("written: {}", out.display()));
@@ -67,7 +61,7 @@ fn ask(draft: &mut Draft) {
 }
 
 /// The open questions, and the next command.
-fn remaining(out: &Path, questions: &[DraftQuestion], files: &[PathBuf]) -> String {
+fn remaining(out: &Path, questions: &[QuestionFile], files: &[PathBuf]) -> String {
     let path = out.display();
     let mut text = String::new();
     for question in questions {

@@ -202,7 +202,7 @@ fn xval_init_units_in_names_and_an_inverse_quaternion() {
         "omega_z ",
         "wheel_c_rad_s ",
         "q_w ",
-        "sense = \"inertial_to_body\" }]\n",
+        "sense = \"inertial_to_body\" }]   # sense by comparison with the gyro\n",
         "Next: `poinsot init flight.csv`",
     ] {
         assert!(seen.contains(part), "{part}: {seen}");
@@ -480,7 +480,9 @@ fn cli_init_lists_its_questions_and_keeps_files() {
     }
     let draft = std::fs::read_to_string(folder.path().join("m.toml")).unwrap();
     assert!(
-        draft.ends_with("# Not used, because the name does not say what it is: Mode\n"),
+        draft.ends_with(
+            "# Not used, because the name does not say what it is or no sensor needs it: Mode\n"
+        ),
         "{draft}"
     );
     let again = poinsot(folder.path(), &["init", "a.csv", "-o", "m.toml"]);

@@ -9,6 +9,9 @@ use name::Name;
 use serde::Deserialize;
 use words::{Rule, Word, vocabulary};
 
+/// Most columns of a header that are looked at: their groups are compared with one another.
+const MOST: usize = 4000;
+
 /// What a column measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Deserialize)]
 pub enum Kind {
@@ -125,7 +128,7 @@ pub struct Recognition {
 /// ```
 pub fn recognise(header: &[String], units: &[Option<Unit>]) -> Recognition {
     let below = |k: usize| units.get(k).copied().flatten();
-    let columns = header.iter().enumerate();
+    let columns = header.iter().enumerate().take(MOST);
     let mut groups: Vec<Vec<Found>> = Vec::new();
     for one in columns.filter_map(|(k, column)| found(k, column, below(k))) {
         let same = |g: &&mut Vec<Found>| {
@@ -247,7 +250,8 @@ fn keep_measured(groups: &mut Vec<Vec<Found>>) {
         let Some(own) = group.first() else {
             return false;
         };
-        let same = ranks.iter().filter(|(k, _)| *k == key(own));
+        let wanted = key(own);
+        let same = ranks.iter().filter(|(k, _)| *k == wanted);
         same.map(|(_, rank)| *rank).min() == Some(own.rank)
     });
 }

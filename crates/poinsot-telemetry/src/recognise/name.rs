@@ -7,6 +7,8 @@ use crate::{Unit, parse_unit};
 const TURNS: [Word; 3] = [Word::Roll, Word::Pitch, Word::Yaw];
 /// Most tokens of a unit.
 const UNIT_TOKENS: usize = 3;
+/// Longest token that is parted into words.
+const LONGEST: usize = 40;
 /// Shortest unit of one token that may be inside of a name and not only at its end.
 const INSIDE: usize = 3;
 
@@ -217,7 +219,7 @@ fn squared(tokens: &[String]) -> bool {
 /// The words of which a token consists, as `omegax` or `wheelspeed`; `None` if it does not.
 fn segments(token: &str) -> Option<Vec<String>> {
     let is_word = |text: &str| meaning(text).is_some() || vocabulary().units.contains_key(text);
-    if is_word(token) || token.len() < 2 || !token.is_ascii() {
+    if is_word(token) || !(2..=LONGEST).contains(&token.len()) || !token.is_ascii() {
         return None;
     }
     let is_axis = |text: &str| matches!(text, "x" | "y" | "z" | "w");
@@ -247,9 +249,7 @@ fn segments(token: &str) -> Option<Vec<String>> {
 
 /// Takes the unit that the tokens spell out of them.
 fn spelled(tokens: &mut Vec<String>) -> Option<Unit> {
-    let is_component = |t: &String| {
-        matches!(t.as_str(), "x" | "y" | "z" | "w") || t.bytes().all(|b| b.is_ascii_digit())
-    };
+    let is_component = |t: &String| matches!(t.as_str(), "x" | "y" | "z" | "w") || is_number(t);
     for length in (1..=UNIT_TOKENS).rev() {
         for at in (0..(tokens.len() + 1).saturating_sub(length)).rev() {
             let Some(part) = tokens.get(at..at + length) else {
@@ -262,9 +262,7 @@ fn spelled(tokens: &mut Vec<String>) -> Option<Unit> {
             let after = tokens.get(at + length..).unwrap_or_default();
             let at_end = after.iter().all(is_component);
             let alone = at == 0 && (length == 1 && text.len() < INSIDE);
-            let minimum =
-                text == "min" && tokens.first().and_then(|t| meaning(t)) != Some(Word::Time);
-            if alone || minimum || !(at_end || length > 1 || text.len() >= INSIDE) {
+            if alone || !(at_end || length > 1 || text.len() >= INSIDE) {
                 continue;
             }
             tokens.drain(at..at + length);
