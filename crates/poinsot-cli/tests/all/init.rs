@@ -157,7 +157,7 @@ fn assert_inertia(estimate: &Value, body: &str, truth: [f64; 6]) {
 const STSAT3: [f64; 6] = [13.916, 16.954, 19.894, 0.085, 0.133, 0.5896];
 
 /// What an engineer knows of STSAT-3, by the name of its three wheels.
-fn satellite<'a>(wheels: [&'a str; 3]) -> Vec<(&'a str, &'a str)> {
+fn satellite(wheels: [&str; 3]) -> Vec<(&str, &str)> {
     let axes = ["[1.0, 0.0, 0.0]", "[0.0, 1.0, 0.0]", "[0.0, 0.0, 1.0]"];
     let mut all = vec![("mass, kg", "150.0"), ("nominal moments", "15.0|16.0|21.0")];
     for (wheel, axis) in wheels.into_iter().zip(axes) {
