@@ -103,3 +103,40 @@ fn value(answer: &str) -> String {
         _ => quoted(answer),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn unit_an_answer_is_checked_on_its_line() {
+        let text = "schema = \"poinsot.model/1\"\n[[body]]\nname = \"bus\"\nmass_kg = \"?\"   # ? mass, kg\n\
+                    inertia_kg_m2 = { xx = \"?\", yy = \"?\", zz = \"?\" }   # ? moments\n";
+        let mut draft = Draft {
+            text: text.to_owned(),
+        };
+        let [mass, moments] = &draft.questions()[..] else {
+            panic!("{:?}", draft.questions());
+        };
+        assert!(draft.answer(mass, "-3").is_err());
+        draft.answer(mass, "12.5").unwrap();
+        draft.answer(moments, "1 2, 2.5").unwrap();
+        assert!(draft.text.contains("mass_kg = 12.5   # mass, kg\n"));
+        let filled = "inertia_kg_m2 = { xx = 1.0, yy = 2.0, zz = 2.5 }   # moments\n";
+        assert!(draft.text.ends_with(filled), "{}", draft.text);
+        assert!(draft.questions().is_empty());
+    }
+
+    #[test]
+    fn unit_an_answer_becomes_a_value() {
+        for (answer, line) in [
+            ("deg/s", "x = \"deg/s\"   # unit"),
+            ("\"rpm\"", "x = \"rpm\"   # unit"),
+            ("0 1 0", "x = [0.0, 1.0, 0.0]   # unit"),
+            ("[\"mass\", \"com\"]", "x = [\"mass\", \"com\"]   # unit"),
+            ("true", "x = true   # unit"),
+        ] {
+            assert_eq!(answered("x = \"?\"   # ? unit", answer), line);
+        }
+    }
+}

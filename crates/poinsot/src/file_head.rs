@@ -125,7 +125,15 @@ fn bare(cell: &str) -> &str {
     cell.trim().trim_matches(['[', ']', '(', ')']).trim()
 }
 
-/// A text as TOML writes it.
+/// A text as TOML writes it, on one line.
 pub(crate) fn quoted(text: &str) -> String {
-    format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""))
+    let mut out = String::from("\"");
+    for c in text.chars() {
+        let _ = match c {
+            '"' | '\\' => write!(out, "\\{c}"),
+            c if c.is_control() => write!(out, "\\u{:04X}", u32::from(c)),
+            c => write!(out, "{c}"),
+        };
+    }
+    out + "\""
 }

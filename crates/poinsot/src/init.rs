@@ -6,7 +6,7 @@ use crate::error::Error;
 use crate::proposal::{Line, Proposal};
 use crate::propose_sensors::{SensorChannels, noise, owner, vector_sensors};
 use crate::survey::Survey;
-use poinsot_files::rounded;
+use poinsot_files::{escaped, rounded};
 use poinsot_model::{Joint, JointKind, Model, SensorKind, UrdfOptions, read_robot, write_model};
 use poinsot_telemetry::{
     ChannelName, ChannelSummary, Kind, Quantity, ReadOptions, classify, recognise,
@@ -293,9 +293,8 @@ fn write_map(survey: &Survey, out: &mut String) {
     }
     let rest = survey.proposals.iter().flat_map(|p| &p.rest);
     let rest: Vec<&str> = rest.map(String::as_str).collect();
-    let rest = rest.join(", ").replace(['\n', '\r'], " ");
     if !rest.is_empty() {
-        out.push_str(&block("rest", &[("list", &rest)]));
+        out.push_str(&block("rest", &[("list", &escaped(&rest.join(", ")))]));
     }
     let tests = survey.inspection.conventions.iter();
     for faults in tests.filter_map(|test| test.check().err()) {

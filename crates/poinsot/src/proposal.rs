@@ -1,6 +1,7 @@
 //! The `[telemetry]` table of a file by its head, with a question wherever names and data leave a choice.
 
 use crate::file_head::{FileHead, quoted};
+use poinsot_files::escaped;
 use poinsot_telemetry::{
     Dimension, Found, FoundAttitude, Kind, Recognition, Unit, classify, recognise,
 };
@@ -91,7 +92,7 @@ impl Line {
             (true, note) => format!("   # {note}"),
             (false, _) => format!("   # {sign} {}", open.join("; ")),
         };
-        (format!("{{ {keys} }}"), comment)
+        (format!("{{ {keys} }}"), escaped(&comment).to_string())
     }
 }
 
