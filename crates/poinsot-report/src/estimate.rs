@@ -62,7 +62,7 @@ pub fn estimate_document(e: &EstimateFile, detail: Detail) -> Document {
         open => open_sentences(&e.identifiability.not_identifiable),
         determined => determined.filter(|c| !is_tabled(c)).collect::<Vec<_>>(),
         warnings => e.warnings,
-        tests => e.diagnostics.iter().flat_map(checks).collect::<Vec<_>>(),
+        tests => checks(e),
         causes => e.diagnostics.iter().flat_map(causes).collect::<Vec<_>>(),
         report => e.method_report,
         known => known_numbers(e),

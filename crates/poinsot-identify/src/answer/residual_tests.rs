@@ -1,5 +1,5 @@
-//! Further tests of the residuals. Held-out samples, drift and lags have no effect on the answer by themselves: what explains
-//! them is among the suspects of the diagnosis, whose test has.
+//! Further tests of the residuals, which have no effect on the answer by themselves: the size of each residual over every time
+//! scale has, and so have the suspects of the diagnosis, which explain drift, lags and held-out samples.
 
 use crate::diagnosis::{COLOURED, Diagnostics};
 use crate::solution::evidence::{Effect, Remark};
@@ -43,17 +43,16 @@ fn whiteness(found: &Diagnostics) -> Vec<Remark> {
         .filter_map(|c| {
             let words = match c.is_white() {
                 true => format!("the residual of the {} is white", c.name),
-                false => format!("the residual of the {} is correlated in time", c.name),
+                false => format!(
+                    "the residual of the {} is correlated in time; whether it is larger than its noise at any time scale decides",
+                    c.name
+                ),
             };
-            let row = of(
+            Some(of(
                 format!("whiteness of the {}", c.name),
                 c.whiteness_p?,
                 words,
-            );
-            Some(Remark {
-                effect: Effect::AgainstAnswer.if_failed(!c.is_white()),
-                ..row
-            })
+            ))
         })
         .collect()
 }

@@ -12,6 +12,8 @@ use poinsot_spatial::{MassProperties, Vector3};
 const EQUAL: f64 = 3.0;
 /// Sigmas from which a value is not what it would be without a mistake.
 const APART: f64 = 20.0;
+/// Distance from nominal, radii of gyration, that a drawing is hardly wrong by: a frame may have its origin in the mass centre.
+const FAR: f64 = 0.1;
 
 /// A mass centre that is the origin of its body although nominal is far from it: what a velocity or position of the mass centre
 /// gives. Most drawings have their origin elsewhere.
@@ -21,7 +23,8 @@ pub(super) fn at_origin(body: &BodyEstimate, nominal: &MassProperties) -> Option
     let within = (0..3).all(|k| value[k].abs() < EQUAL * sigma[k]);
     let away = nominal.p_BoBcm_B.norm();
     let name = &body.name;
-    (body.asked && within && away > APART * sigma.max()).then(|| {
+    let far = away > FAR * nominal.radius_of_gyration() && away > APART * sigma.max();
+    (body.asked && within && far).then(|| {
         let words = format!(
             "the mass centre of {name} is the origin of its axes within {:.1e} m, and nominal is {away:.2} m away: a velocity or position of the mass centre, not of the origin, gives that",
             EQUAL * sigma.max()

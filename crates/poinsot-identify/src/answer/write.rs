@@ -180,11 +180,17 @@ fn warnings(solution: &Solution, evidence: &[Remark], rejection: Option<Rejectio
     match rejection {
         Some(rejection) => list.push(rejection.message(solution)),
         None if doubts.is_empty() => {}
-        None => list.push(format!(
-            "the covariance is not trustworthy (chi-square per degree of freedom {chi2:.2}): {}; sigmas are widened {:.1} times",
-            doubts.join("; "),
-            evidence::sigma_factor(evidence)
-        )),
+        None => {
+            let factor = evidence::sigma_factor(evidence);
+            let widened = match factor > 1.0 {
+                true => format!("; sigmas are widened {factor:.1} times"),
+                false => String::new(),
+            };
+            list.push(format!(
+                "the covariance is not trustworthy (chi-square per degree of freedom {chi2:.2}): {}{widened}",
+                doubts.join("; ")
+            ));
+        }
     }
     if solution.noise_accumulates && rejection.is_none() && chi2 > NOISE_FREE {
         list.push(

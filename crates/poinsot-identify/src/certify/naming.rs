@@ -28,6 +28,8 @@ struct Symmetry {
 const INSIDE: f64 = 1.0e-4;
 /// A part of a direction smaller than this share adds nothing new.
 const NEW_DIRECTION: f64 = 1.0e-3;
+/// Half-width of an interval, natural units, from which on it has no end.
+const ENDLESS: f64 = 1.0e3;
 /// Coefficients below this share of the largest are left out of sentences.
 const SHOWN_SHARE: f64 = 1.0e-3;
 
@@ -90,13 +92,17 @@ pub(crate) fn inaccurate_directions(
     let worst = allowed.sigmas()[allowed.accurate..allowed.rank]
         .iter()
         .fold(0.0, |a, b| f64::max(a, INTERVAL * b));
+    let reaches = match worst < ENDLESS {
+        true => format!("is up to +-{worst:.1e} of nominal"),
+        false => "has no end".to_owned(),
+    };
     let one = |combination: &Combination| UnobservableCombination {
         text: format!(
             "{} is determined less accurately than asked",
             sentence(solution, combination)
         ),
         reason: format!(
-            "in these directions the 95 % interval is up to +-{worst:.1e} of nominal, wider than the requested +-{asked:e}"
+            "in these directions the 95 % interval {reaches}, wider than the requested +-{asked:e}"
         ),
         remedy: "record longer or with a larger motion along these directions".to_owned(),
         ..in_numbers(problem, solution, combination)

@@ -1,10 +1,9 @@
-//! Tests of the residuals, the evidence with every test, and one row per sensor with its curves. Green is folded, red is
-//! open; the evidence is always folded.
+//! The evidence with every test, possible causes, and one row per sensor with its curves. Green is folded, red is open.
 
 use super::Answer;
 use super::curves::{Differences, named, over_time, picked, series};
 use super::envelope::Envelope;
-use crate::checks::{Check, SIGNIFICANT, Verdict, causes, checks};
+use crate::checks::{SIGNIFICANT, Verdict, causes};
 use crate::templates::TEMPLATES;
 use minijinja::{Value, context};
 use poinsot_figures::{Axis, Figure, Mark, PageError, Part, Plot, Series, Tone};
@@ -22,11 +21,6 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 
 pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
     let e = &answer.estimate;
-    let tests: Vec<Check> = e
-        .diagnostics
-        .iter()
-        .flat_map(|d| checks(d).into_iter().chain(causes(d)))
-        .collect();
     let envelope = Envelope::of(&answer.data);
     let mut figures = Vec::new();
     let mut records: Vec<Value> = Vec::new();
@@ -39,8 +33,7 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
         "trust.html",
         context! {
             records,
-            red => tests.iter().any(|t| t.tone == Tone::Bad),
-            tests,
+            causes => e.diagnostics.iter().flat_map(causes).collect::<Vec<_>>(),
             evidence => e.evidence,
             against => e.evidence.iter().filter(against).count(),
             reduced => envelope.words(),
