@@ -12,6 +12,7 @@ use crate::solution::solved::Solution;
 use crate::solution::unobservable_set::{ContinuationPath, POINTS, REACH};
 use faer::Mat;
 use poinsot_dynamics::{Link, Motion, Tree};
+use poinsot_files::significant;
 use poinsot_model::{EstimateSet, Model, rounded};
 use poinsot_spatial::{InertialParameters, Matrix3, PARAMETER_NAMES, Vector3};
 
@@ -93,7 +94,7 @@ pub(crate) fn inaccurate_directions(
         .iter()
         .fold(0.0, |a, b| f64::max(a, INTERVAL * b));
     let reaches = match worst < ENDLESS {
-        true => format!("is up to +-{worst:.1e} of nominal"),
+        true => format!("is up to +-{} % of nominal", significant(100.0 * worst, 2)),
         false => "has no end".to_owned(),
     };
     let one = |combination: &Combination| UnobservableCombination {
@@ -102,7 +103,8 @@ pub(crate) fn inaccurate_directions(
             sentence(solution, combination)
         ),
         reason: format!(
-            "in these directions the 95 % interval {reaches}, wider than the requested +-{asked:e}"
+            "in these directions the 95 % interval {reaches}, wider than the requested +-{} %",
+            significant(100.0 * asked, 2)
         ),
         remedy: "record longer or with a larger motion along these directions".to_owned(),
         ..in_numbers(problem, solution, combination)
