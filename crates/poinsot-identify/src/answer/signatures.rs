@@ -78,3 +78,38 @@ fn all(numbers: &[Number; 3], of: impl Fn(&Number) -> Option<f64>) -> Option<Vec
     let [x, y, z] = numbers;
     Some(Vector3::new(of(x)?, of(y)?, of(z)?))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use poinsot_spatial::Matrix3;
+
+    /// A body whose mass centre is estimated at these multiples of sigma along x, and whose nominal one is that far away.
+    fn doubt(sigmas: f64, away: f64) -> Option<Remark> {
+        let nominal = MassProperties {
+            mass: 120.0,
+            p_BoBcm_B: Vector3::new(away, 0.0, 0.0),
+            I_BBcm_B: Matrix3::from_diagonal(&Vector3::new(15.0, 16.0, 12.0)),
+        };
+        let sigma = 7.0e-5;
+        let com = [sigmas, 0.5, -0.3].map(|z| Number::data(z * sigma, sigma, away));
+        let known = Number::known(1.0);
+        let body =
+            BodyEstimate::from_numbers("bus".to_owned(), known, com, [known; 6], [known; 10]);
+        at_origin(&body, &nominal)
+    }
+
+    #[test]
+    fn unit_a_mass_centre_at_the_origin_is_doubted_where_nominal_is_far() {
+        let found = doubt(0.2, 0.1).unwrap();
+        assert_eq!(found.effect, Effect::AgainstAnswer);
+        assert!(
+            found.words.contains("nominal is 0.10 m away"),
+            "{}",
+            found.words
+        );
+        // Another place, and an origin that was put into the mass centre.
+        assert_eq!(doubt(4.0, 0.1), None);
+        assert_eq!(doubt(0.2, 0.02), None);
+    }
+}

@@ -247,3 +247,32 @@ fn unit_a_file_that_differs_from_its_rows_is_noticed() {
     assert!(Standing::of(&earlier).doubted);
     assert_eq!(earlier.evidence_against(), ["a prior contradicts the data"]);
 }
+
+/// Times that are 1 % too long scale all rates alike: 110 sigma, and trusted, before the equal scales were a doubt.
+#[test]
+fn regress_a_wrong_clock_is_not_three_scales_of_a_gyro() {
+    let folder = tempfile::tempdir().unwrap();
+    let model = std::fs::read_to_string(crate::shared::stsat3().join("model.toml")).unwrap();
+    let gyro = "noise_rad_s = 0.0001\n";
+    assert!(model.contains(gyro));
+    let model = model.replace(gyro, &format!("{gyro}scale = \"estimate\"\n"));
+    let [file, stretched] = ["model.toml", "telemetry.csv"].map(|name| folder.path().join(name));
+    std::fs::write(&file, model).unwrap();
+    let record = crate::shared::stsat3().join("multiaxis/telemetry_noisy.csv");
+    let text = std::fs::read_to_string(&record).unwrap();
+    let slow = |line: &str| {
+        let (time, rest) = line.split_once(',').unwrap();
+        let time = time.parse::<f64>().map(|t| (1.01 * t).to_string());
+        format!("{},{rest}\n", time.unwrap_or_else(|_| "time_s".to_owned()))
+    };
+    std::fs::write(&stretched, text.lines().map(slow).collect::<String>()).unwrap();
+    let doubts = |telemetry| {
+        let answer = identify(&IdentifyRequest::new(file.clone(), [telemetry])).unwrap();
+        answer.estimate.doubts()
+    };
+    assert_eq!(doubts(record), Vec::<String>::new());
+    let of_clock = doubts(stretched);
+    println!("{of_clock:?}");
+    let equal = |d: &String| d.starts_with("the three scales of gyro are equal, 0.99");
+    assert!(of_clock.iter().any(equal), "{of_clock:?}");
+}
