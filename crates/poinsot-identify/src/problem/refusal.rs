@@ -15,8 +15,8 @@ pub(crate) fn nonlinear(body: &str) -> Faults {
     Faults::one(
         "E0401",
         Place::item("body", body),
-        "estimate has the mass centre but not the inertia; the linear method cannot solve that product of unknowns",
-        "add \"inertia\" to estimate or use --method maximum_likelihood",
+        "estimate has the mass centre but not the inertia; about the origin of the body the inertia then holds a product of unknowns",
+        "add \"inertia\" to estimate",
     )
 }
 
