@@ -33,7 +33,7 @@ fn unit_an_inspection_lists_rates_gaps_and_proposals() {
     assert_eq!(
         seen.notes,
         [
-            "wheel1_rad_s reaches 6000 rad/s (57296 rpm); if the file has rpm, map it with unit = \"rpm\". Attitude and gyro cannot decide",
+            "wheel1_rad_s reaches 6000 rad/s (57296 rpm): check its unit, which attitude and gyro cannot tell",
         ]
     );
     let found: Vec<&str> = seen.findings.iter().map(|f| f.text.as_str()).collect();
