@@ -374,7 +374,7 @@ impl Spectrum {
     }
 
     /// Variance along the identified directions of a number with this gradient in natural units.
-    fn variance(&self, g: &[f64]) -> f64 {
+    pub fn variance(&self, g: &[f64]) -> f64 {
         let along = |k: usize| (self.along(g, k) / self.singular[k]).powi(2);
         (0..self.rank).map(along).sum()
     }
@@ -387,7 +387,13 @@ impl Spectrum {
             .collect()
     }
 
-    fn along(&self, g: &[f64], k: usize) -> f64 {
+    /// Share of the square of a vector in natural units that the identified directions hold, for a vector of length one.
+    pub fn identified_share(&self, z: &[f64]) -> f64 {
+        (0..self.rank).map(|k| self.along(z, k).powi(2)).sum()
+    }
+
+    /// Component of a vector in natural units along direction k.
+    pub fn along(&self, g: &[f64], k: usize) -> f64 {
         g.iter()
             .enumerate()
             .map(|(i, x)| x * self.directions[(i, k)])

@@ -44,7 +44,7 @@ fn whiteness(found: &Diagnostics) -> Vec<Remark> {
             let words = match c.is_white() {
                 true => format!("the residual of the {} is white", c.name),
                 false => format!(
-                    "the residual of the {} is correlated in time; whether it is larger than its noise at any time scale decides",
+                    "the residual of the {} is correlated in time; the tests of its mean over several samples decide whether that matters",
                     c.name
                 ),
             };

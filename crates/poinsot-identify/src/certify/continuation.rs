@@ -256,11 +256,8 @@ impl Continuation<'_> {
     /// The path if both far ends of a straight step have equal prediction.
     fn straight(&self, tangent: &[f64]) -> Option<ContinuationPath> {
         let spectrum = &self.here.spectrum;
-        let excited = (self.rank..tangent.len()).map(|k| {
-            let along = tangent.iter().enumerate();
-            let share: f64 = along.map(|(i, t)| t * spectrum.directions[(i, k)]).sum();
-            (spectrum.singular[k] * share).powi(2)
-        });
+        let excited = (self.rank..tangent.len())
+            .map(|k| (spectrum.singular[k] * spectrum.along(tangent, k)).powi(2));
         let own: f64 = excited.sum();
         let far = |reach: f64| {
             let step: Vec<f64> = tangent.iter().map(|t| reach * t).collect();
@@ -344,9 +341,7 @@ fn along(spectrum: &Spectrum, rank: usize, direction: &[f64]) -> Vec<f64> {
     let n = direction.len();
     let mut out = vec![0.0; n];
     for k in rank..n {
-        let share: f64 = (0..n)
-            .map(|i| direction[i] * spectrum.directions[(i, k)])
-            .sum();
+        let share = spectrum.along(direction, k);
         (0..n).for_each(|i| out[i] += share * spectrum.directions[(i, k)]);
     }
     let size = largest(&out);

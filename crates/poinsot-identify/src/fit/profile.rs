@@ -213,12 +213,9 @@ fn across(here: &Linearisation, held: &Direction) -> Vec<f64> {
 /// Sigma along a direction with all others free.
 fn sigma_along(here: &Linearisation, direction: &Direction) -> f64 {
     let spectrum = &here.spectrum;
-    let seen: f64 = (0..spectrum.rank)
-        .map(|k| share(spectrum, direction, k).powi(2))
-        .sum();
-    match 1.0 - seen > OPEN * OPEN {
+    match 1.0 - spectrum.identified_share(direction) > OPEN * OPEN {
         true => UNBOUNDED,
-        false => dot(direction, &inverse_times(spectrum, direction)).sqrt(),
+        false => spectrum.variance(direction).sqrt(),
     }
 }
 
@@ -226,17 +223,12 @@ fn sigma_along(here: &Linearisation, direction: &Direction) -> f64 {
 fn inverse_times(spectrum: &Spectrum, z: &[f64]) -> Vec<f64> {
     let mut out = vec![0.0; z.len()];
     for k in 0..spectrum.rank {
-        let part = share(spectrum, z, k) / spectrum.singular[k].powi(2);
+        let part = spectrum.along(z, k) / spectrum.singular[k].powi(2);
         for (i, out) in out.iter_mut().enumerate() {
             *out += part * spectrum.directions[(i, k)];
         }
     }
     out
-}
-
-fn share(spectrum: &Spectrum, z: &[f64], k: usize) -> f64 {
-    let parts = z.iter().enumerate();
-    parts.map(|(i, z)| z * spectrum.directions[(i, k)]).sum()
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {

@@ -74,11 +74,7 @@ impl SmoothedInputs {
 fn moved(told: &Spectrum, (from, to): (&[f64], &[f64])) -> f64 {
     let changes = told.natural.iter().zip(from.iter().zip(to));
     let changes: Vec<f64> = changes.map(|(unit, (a, b))| (b - a) / unit).collect();
-    let along = |k: usize| {
-        let parts = changes.iter().enumerate();
-        let sum: f64 = parts.map(|(i, c)| c * told.directions[(i, k)]).sum();
-        (sum * told.singular[k]).powi(2)
-    };
+    let along = |k: usize| (told.along(&changes, k) * told.singular[k]).powi(2);
     (0..told.accurate).map(along).sum::<f64>().sqrt()
 }
 
@@ -117,12 +113,8 @@ fn bias(
     };
     let slopes = spectrum.natural.iter().enumerate().map(slope);
     let b: Vec<f64> = slopes.collect::<Option<_>>()?;
-    let along = |k: usize| {
-        let sum = b.iter().enumerate();
-        sum.map(|(i, b)| b * spectrum.directions[(i, k)])
-            .sum::<f64>()
-    };
-    let squares = (0..spectrum.accurate).map(|k| (along(k) / spectrum.singular[k]).powi(2));
+    let squares =
+        (0..spectrum.accurate).map(|k| (spectrum.along(&b, k) / spectrum.singular[k]).powi(2));
     Some(squares.sum::<f64>().sqrt())
 }
 

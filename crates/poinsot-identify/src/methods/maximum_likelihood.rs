@@ -262,7 +262,7 @@ impl Causes {
 
 /// Directions whose interval is that of the profile.
 fn by_profile(curved: usize) -> Remark {
-    let words = format!("in {curved} directions the interval is that of the profile likelihood");
+    let words = format!("directions with the interval of the profile likelihood: {curved}");
     Remark::test("shape of the likelihood", Effect::None, words)
         .statistic("directions", curved as f64)
 }

@@ -340,15 +340,5 @@ fn percent(sigma: f64) -> String {
 
 /// Share of a direction, by squares, that a spectrum identifies, and the one sigma of that part.
 fn seen(spectrum: &Spectrum, z: &[f64]) -> (f64, f64) {
-    let (mut share, mut variance) = (0.0, 0.0);
-    for k in 0..spectrum.rank {
-        let along: f64 = z
-            .iter()
-            .enumerate()
-            .map(|(i, x)| x * spectrum.directions[(i, k)])
-            .sum();
-        share += along * along;
-        variance += (along / spectrum.singular[k]).powi(2);
-    }
-    (share, variance.sqrt())
+    (spectrum.identified_share(z), spectrum.variance(z).sqrt())
 }

@@ -1,7 +1,7 @@
 //! Sigmas of problems with two unknowns, inverted by hand.
 
 use faer::Mat;
-use poinsot_solve::Spectrum;
+use poinsot_solve::{DirectionSigma, Spectrum};
 
 fn spectrum(R: [[f64; 2]; 2], natural: [f64; 2]) -> Spectrum {
     let R = Mat::from_fn(2, 2, |i, j| R[i][j]);
@@ -51,4 +51,33 @@ fn exact_an_accuracy_judges_each_number_by_its_own_sigma() {
     let own = Spectrum::within(&R, None, &s).unwrap();
     assert!((own.sigma(&[1.0, 0.0]).unwrap() - 10.0 * sigma([1.0, 0.0])).abs() < 1e-13);
     assert_eq!(own.sigma(&[0.0, 1.0]), None);
+}
+
+/// Sigmas 0.1 along (0.6, 0.8) and 0.001 across it; the first is 0.2 by another law, and 0.4 somewhere in its interval.
+#[test]
+fn exact_other_sigmas_are_stated_and_decide() {
+    let R = [[10.0 * 0.6, 10.0 * 0.8], [-1000.0 * 0.8, 1000.0 * 0.6]];
+    let own = spectrum(R, [1.0, 1.0]);
+    let along = usize::from(own.singular[0] > own.singular[1]);
+    let other = DirectionSigma {
+        direction: along,
+        stated: 0.2,
+        judged: 0.4,
+    };
+    let found = own.with_sigmas(&[other]);
+    let stated =
+        |g: [f64; 2]| (0.2 * (g[0] * 0.6 + g[1] * 0.8)).hypot(1e-3 * (g[1] * 0.6 - g[0] * 0.8));
+    for g in [[1.0, 0.0], [0.0, 1.0], [0.6, 0.8]] {
+        assert!((found.sigma(&g).unwrap() - stated(g)).abs() < 1e-13);
+        let c = found.covariance();
+        let variance =
+            g[0] * g[0] * c[(0, 0)] + 2.0 * g[0] * g[1] * c[(0, 1)] + g[1] * g[1] * c[(1, 1)];
+        assert!((variance.sqrt() - stated(g)).abs() < 1e-13);
+    }
+    // The larger sigma decides: 0.24 of x and 0.32 of y. A factor on all sigmas counts.
+    let judged = found.judged(0.3);
+    assert!((judged.sigma(&[1.0, 0.0]).unwrap() - stated([1.0, 0.0])).abs() < 1e-13);
+    assert_eq!(judged.sigma(&[0.0, 1.0]), None);
+    assert_eq!(judged.sigma_within(&[1.0, 0.0], 1.3), None);
+    assert_eq!(judged.experiment().accurate, 1);
 }
