@@ -118,6 +118,7 @@ def identify(
     settings: Mapping[str, object] | None = None,
     relative_accuracy: float = 1.0,
     coordinates: str | None = None,
+    modes: str | None = None,
     strict: bool = False,
     policies: Mapping[str, str] | Sequence[str] | None = None,
     map: PathLike | None = None,
@@ -145,6 +146,8 @@ def identify(
         Half-width of the 95 % interval, relative to the nominal value, up to which a number is given.
     coordinates
         ``"physical"`` keeps every unknown body one of positive mass, ``"linear"`` lets an impossible tensor pass.
+    modes
+        ``"found"`` adds flexible modes that the data show and the model does not declare, ``"none"`` keeps it rigid.
     strict
         No repairs: what would be repaired is an error.
     policies
@@ -188,6 +191,7 @@ def identify(
         settings=None if settings is None else [f"{key}={value}" for key, value in settings.items()],
         relative_accuracy=float(relative_accuracy),
         coordinates=coordinates,
+        modes=modes,
         strict=strict,
         policies=policies,
         map=map,

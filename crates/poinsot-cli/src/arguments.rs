@@ -2,7 +2,7 @@
 
 use crate::words::Words;
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use poinsot::Coordinates;
+use poinsot::{Coordinates, Modes};
 use std::ffi::OsString;
 use std::path::PathBuf;
 
@@ -192,6 +192,9 @@ pub struct Identify {
     /// Coordinates of the fit: physical keeps every unknown body physical, linear allows a tensor that is not physical
     #[arg(long, default_value = Coordinates::NAMES[0], value_parser = Coordinates::NAMES, value_name = "COORDINATES")]
     pub coordinates: String,
+    /// Flexible modes that the model does not declare: found adds those that the data show, none keeps it rigid
+    #[arg(long, default_value = Modes::NAMES[0], value_parser = Modes::NAMES, value_name = "MODES")]
+    pub modes: String,
     /// How the answer is printed.
     #[command(flatten)]
     pub print: Print,

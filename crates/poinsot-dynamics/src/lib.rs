@@ -60,12 +60,12 @@
 //! - `inverse_dynamics.rs`, `mass_matrix.rs`, `jacobian.rs`, `energy.rs`: the other dynamics algorithms.
 //! - `motion/`: a vehicle in time. `plan.rs`, `joint_drive.rs`, `joint_motion.rs`, `wheel_motion.rs`, `attitude_control.rs`:
 //!   what drives it. `piecewise.rs`: functions of time. `reaction_wheel.rs`: limits and friction of a wheel. `flight.rs`: a
-//!   vehicle under a plan. `stage.rs`: one evaluation of its motion, state and equations. `rates_momentum.rs`: momentum of
-//!   the joint rates. `controller.rs`: the closed loop of a run. `sample.rs`: all ideal measurements. `integrate.rs`: what
-//!   integrators share. `dop853.rs`, `dop853_table.rs`: eighth order with step control and dense output.
-//!   `runge_kutta.rs`: fixed steps of fourth order. `run.rs`: motion through the requested times. `thrust.rs`: thrusters.
+//!   vehicle under a plan. `stage.rs`: one evaluation of its motion, state and equations. `flexing.rs`: accelerations with
+//!   modes. `rates_momentum.rs`: momentum of the joint rates. `controller.rs`: the closed loop of a run. `sample.rs`: all ideal
+//!   measurements. `integrate.rs`: what integrators share. `dop853.rs`, `dop853_table.rs`: eighth order with step control and
+//!   dense output. `runge_kutta.rs`: fixed steps of fourth order. `run.rs`: motion through the requested times. `thrust.rs`: thrusters.
 //! - `propagation/`: state of pose and momentum, the vehicle with locked joints, rows of the linearised equations, columns
-//!   over a step (`columns.rs`: several side by side), whole steps. `quaternion.rs`: rotations over one number or several.
+//!   over a step (`columns.rs`: several side by side), whole steps; `modes.rs`: flexible modes beside them. `quaternion.rs`: rotations over one number or several.
 //! - `measurement.rs`, `measurement/`: ideal sensors with derivatives, one file a kind. `sensors.rs`: simulated sensors.
 //!   `sensor_errors.rs`: model of sensor errors.
 //! - `orbit.rs`, `gravity_gradient.rs`: orbit and gravity gradient.

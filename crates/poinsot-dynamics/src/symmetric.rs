@@ -97,6 +97,26 @@ impl<T: Real> Symmetric<T> {
         self.zz = self.zz - a.z * b.z;
     }
 
+    /// `self + other`.
+    #[inline(always)]
+    pub fn plus(mut self, other: &Self) -> Self {
+        self += *other;
+        self
+    }
+
+    /// `self - other`.
+    #[inline(always)]
+    pub fn minus(self, other: &Self) -> Self {
+        Self {
+            xx: self.xx - other.xx,
+            xy: self.xy - other.xy,
+            yy: self.yy - other.yy,
+            xz: self.xz - other.xz,
+            yz: self.yz - other.yz,
+            zz: self.zz - other.zz,
+        }
+    }
+
     /// The factors of `L D L^T`, without square roots. The caller checks that the pivots are positive.
     #[inline(always)]
     pub fn factor(&self) -> Factor<T> {

@@ -1,6 +1,7 @@
 //! The vehicle parameters of a motion: numbers only, no names and no files.
 
 use crate::orbit::Orbit;
+use crate::propagation::Mode;
 use crate::thrust::Nozzle;
 use crate::tree::Tree;
 use alloc::vec;
@@ -18,6 +19,8 @@ pub struct Vehicle {
     pub spin_inertia: Vec<f64>,
     /// Thrusters.
     pub nozzles: Vec<Nozzle>,
+    /// Flexible modes of its bodies.
+    pub modes: Vec<Mode>,
     /// Locked position of each joint coordinate, rad or m.
     pub locked_at: Vec<f64>,
     /// Gravity, where it is declared.
@@ -39,6 +42,7 @@ impl Vehicle {
             bodies,
             spin_inertia,
             nozzles,
+            modes: Vec::new(),
         }
     }
 }

@@ -38,7 +38,7 @@ pub struct TruthFile {
     /// Momentum at the first sample.
     #[serde(default)]
     pub momentum: Vec<MomentumFile<TrueNumberFile>>,
-    /// Spin inertias and errors of sensors by address, for example "gyro.bias_rad_s.x". An error that is absent is zero.
+    /// Spin inertias, numbers of flexible modes and errors of sensors by address, for example "gyro.bias_rad_s.x". An error that is absent is zero.
     #[serde(default)]
     pub nuisance: IndexMap<String, TrueNumberFile>,
     /// Random stream and noise of every sensor, by name.

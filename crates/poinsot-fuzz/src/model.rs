@@ -29,6 +29,7 @@ pub(crate) fn check_model(model: &Model) {
             assert_eq!(back.joints, model.joints, "{written}");
             assert_eq!(back.wheels, model.wheels, "{written}");
             assert_eq!(back.thrusters, model.thrusters, "{written}");
+            assert_eq!(back.modes, model.modes, "{written}");
             assert_eq!(back.sensors.len(), model.sensors.len(), "{written}");
         }
         Err(error) => assert_eq!(

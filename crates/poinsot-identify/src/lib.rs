@@ -55,7 +55,7 @@
 //!   `alternatives.rs`: fits of the alternatives of what inputs do between their samples, and the choice.
 //!   `known_numbers.rs`: known numbers within their uncertainty. `degrees_of_freedom.rs`. `experiment/`: columns of
 //!   known numbers, predicted measurements.
-//! - `diagnosis/`: causes of a misfit. `candidates.rs`: numbers of the registry that telemetry can show, and known numbers.
+//! - `diagnosis/`: causes of a misfit. `oscillation.rs`: a mode in the residual. `candidates.rs`: numbers of the registry that telemetry can show, and known numbers.
 //!   `table.rs`: their columns. `sensor_blocks.rs`: errors of many sensors, one triangle each. `onset.rs`, `pulse.rs`: causes that start within a record. `score.rs`: misfit explained
 //!   by columns. `noise_models.rs`: other noise models. `suspects.rs`: evidence. `conflict.rs`: priors against data.
 //!   `octaves.rs`: residuals by octave. `deviance.rs`: likelihood under the declared noise.
@@ -68,7 +68,8 @@
 //! - `answer/`: from the solved problem to the `Estimate`. `write.rs`, and one file per part. `reliability.rs`: the
 //!   tests of the answer. `sensor_noise.rs`: every sensor against its declared noise. `determined.rs`: combinations
 //!   printed instead of single numbers.
-//! - `methods/`: `linear.rs`, `maximum_likelihood.rs`: the two methods. `cramer_rao.rs`: the bound.
+//! - `methods/`: `linear.rs`, `maximum_likelihood.rs`: the two methods. `flexible.rs`: modes that the data show, and the entry to
+//!   maximum likelihood. `cramer_rao.rs`: the bound.
 //! - `prediction/`: `curves.rs`: curves of the report. `held_back.rs`: a record that was not used. `completion.rs`:
 //!   completion of undetermined numbers for a prediction.
 //! - `evaluation/`: `evaluator.rs`: all quantities at any value of the unknowns, for other methods. `wanted.rs`: sigmas
@@ -102,8 +103,8 @@ pub use evaluation::wanted::{Information, WantedNumber, WantedTerm};
 pub use evaluation::{EvaluatedUnknown, Evaluation, Evaluator, SensorResiduals};
 pub use likelihood::impulse::{Impulse, Impulses, thrust_impulses};
 pub use methods::cramer_rao::{cramer_rao, predicted_covariance};
+pub use methods::flexible::{maximum_likelihood, maximum_likelihood_with};
 pub use methods::linear::linear;
-pub use methods::maximum_likelihood::{maximum_likelihood, maximum_likelihood_with};
 pub use poinsot_solve::{NotFinite, Spectrum};
 pub use prediction::completion::{CompletedVehicle, Completion, complete};
 pub use prediction::held_back::{HeldBack, held_back};
@@ -121,7 +122,7 @@ pub use problem::segment::{
     Observations, RoundingError, Samples, Segment, SensorRecord, SensorSample, SensorValue,
     Translation,
 };
-pub use problem::settings::{Coordinates, DiagnosisSettings, IntegrationSettings, Settings};
+pub use problem::settings::{Coordinates, DiagnosisSettings, IntegrationSettings, Modes, Settings};
 pub use problem::{Problem, ProblemError, refusal};
 pub use solution::estimate::{
     BodyEstimate, ChannelFit, DeterminedCombination, Estimate, Identifiability, KnownEffect,

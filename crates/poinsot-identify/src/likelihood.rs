@@ -30,6 +30,10 @@ use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
 use rate_noise::RateNoise;
 use sensor_rows::SensorCursor;
 
+/// Sigma of modes at the start, in those of a body that turns at the measured rate, rad/s, and of a slower one.
+const WIDE: f64 = 30.0;
+const SLOW: f64 = 0.01;
+
 /// What stays the same over all evaluations.
 #[derive(Clone, Copy)]
 pub(crate) struct Setting<'a> {
@@ -247,6 +251,7 @@ fn evaluate_driven(
         let from = segment.samples.R_NB.first().copied().unwrap_or_default();
         compare.weak_attitude(&(from.inverse() * initial_state.R_NB));
     }
+    compare.weak_modes(initial_state);
     compare.finish()
 }
 
@@ -424,28 +429,57 @@ impl<'a> SegmentComparison<'a> {
     /// A weak prior of an unmeasured initial attitude, for motions that do not determine it. `turn` takes the axes of
     /// that one to those in hand.
     fn weak_attitude(&mut self, turn: &UnitQuaternion) {
-        let sigma = std::f64::consts::PI;
-        let residual = -turn.scaled_axis() / sigma;
-        self.prior += residual.norm_squared();
+        self.weak_start(
+            0,
+            &-turn.scaled_axis(),
+            &Vector3::repeat(std::f64::consts::PI),
+        );
+    }
+
+    /// The same for modes that no sensor sees: a wide prior of what they are at the start.
+    fn weak_modes(&mut self, start: &InitialState) {
+        let setting = self.setting;
+        let inertia = setting.parameters.nominal.iter();
+        let inertia: f64 = inertia.map(|body| body.I_BBo_B.trace()).sum();
+        let rate = self
+            .segment
+            .samples
+            .w_NB_B
+            .first()
+            .map_or(0.0, Vector3::norm);
+        let momentum = WIDE * inertia.sqrt() * (rate + SLOW);
+        let own = self.initial_columns - 2 * setting.parameters.modes.len();
+        for (k, mode) in setting.parameters.modes.iter().enumerate() {
+            let state = Vector3::new(start.internal[2 * k], start.internal[2 * k + 1], 0.0);
+            let amplitude = momentum / (std::f64::consts::TAU * mode.frequency_Hz);
+            let sigma = Vector3::new(amplitude, momentum, f64::INFINITY);
+            self.weak_start(own + 2 * k, &-state, &sigma);
+        }
+    }
+
+    /// A prior of up to three numbers of the start from a column on; those of infinite sigma have none.
+    fn weak_start(&mut self, first: usize, residual: &Vector3, sigma: &Vector3) {
+        let white = residual.component_div(sigma);
+        self.prior += white.norm_squared();
         let last = self.width() - 1;
         if let Some(qr) = &mut self.qr {
             qr.push(3, |i, j| match j {
-                j if j == i => 1.0 / sigma,
-                j if j == last => residual[i],
+                j if j == last => white[i],
+                j if j == first + i && j < last => 1.0 / sigma[i],
                 _ => 0.0,
             });
         }
         if self.setting.keep_rows {
             let row = |i: usize| {
                 let mut row = vec![0.0; last + 1];
-                (row[i], row[last]) = (1.0 / sigma, residual[i]);
+                (row[(first + i).min(last)], row[last]) = (1.0 / sigma[i], white[i]);
                 row
             };
             self.kept.rows.push(KeptRow {
                 sensor: None,
                 at: 0,
-                raw: residual * sigma,
-                white: residual,
+                raw: *residual,
+                white,
                 log_det: 0.0,
                 rows: (0..3).map(row).collect(),
             });

@@ -26,7 +26,7 @@ pub(crate) use acceleration::BodyPoint;
 use acceleration::ForceScratch;
 pub(crate) use mass_loss::impulse_before;
 pub(crate) use poinsot_dynamics::propagation::{
-    BaseMotion as Instant, Matrix6x12, PoseMomentum as State, pose_change,
+    Column, FlexibleMotion as Instant, FlexibleState as State, Matrix6x12, pose_change,
 };
 pub(crate) use point_kinematics::PointKinematics;
 pub(crate) use steps::{Fineness, Grid, Steps};
@@ -37,8 +37,7 @@ use crate::problem::segment::{Firing, Observations, Segment};
 use chord::{Chord, ColumnChord};
 use grid::{TURN, gyration, joint_frequency};
 use inputs::InputChange;
-use nalgebra::SVector;
-use poinsot_dynamics::propagation::{LockedVehicle, MassCentre};
+use poinsot_dynamics::propagation::{Flexibility, LockedVehicle, MassCentre};
 use poinsot_dynamics::{
     JointEffect, JointSlopes, Kinematics, Tree, composite, composite_and_momentum, wheel_momentum,
 };
@@ -50,9 +49,6 @@ use std::cell::RefCell;
 use std::sync::Arc;
 use variation::Variation;
 use vehicle::{Thrust, ThrustPlan};
-
-/// A column of the state's sensitivity.
-pub(crate) type Column = SVector<f64, 12>;
 
 /// Corrected inputs at one instant, and all quantities that depend on them alone.
 struct InputState {
@@ -77,6 +73,10 @@ struct InputState {
     free: Vec<(Vector3, f64)>,
     /// `None` where the parameters have no positive mass or inertia.
     locked: Option<LockedVehicle>,
+    /// Its modes, where it has any.
+    flexible: Option<Flexibility>,
+    /// The grid time before.
+    interval: usize,
 }
 
 /// An evaluated state; its inputs are those in [`Motion::input_state`].
@@ -223,6 +223,8 @@ impl InputState {
             kinematics: Kinematics::new(tree),
             free: Vec::new(),
             locked: None,
+            flexible: None,
+            interval: 0,
         }
     }
 }
@@ -312,7 +314,11 @@ impl<'a> Motion<'a> {
     /// Evaluates the state at grid time k; reuses the end of the previous interval if no sensor error moves the inputs.
     fn evaluate_at_grid_time(&mut self, state: &State, k: usize) -> Option<()> {
         let moved = self.vehicle.input_faults.iter().any(|f| f.value != 0.0);
-        let end = |at: (usize, f64)| !moved && at.1 == 1.0 && at.0 + 1 == k;
+        // Thrust drives modes at once.
+        let other_force = |before: usize| {
+            !self.vehicle.modes.is_empty() && self.thrust.at(before) != self.thrust.at(k)
+        };
+        let end = |at: (usize, f64)| !moved && at.1 == 1.0 && at.0 + 1 == k && !other_force(at.0);
         match self.evaluated.take() {
             Some(evaluated) if evaluated.state != *state => self.spare.retire(evaluated),
             Some(evaluated) if evaluated.at == (k, 0.0) => {
@@ -397,12 +403,30 @@ impl<'a> Motion<'a> {
         );
         let joints = joints + Vector6::new(0.0, 0.0, 0.0, wheels.x, wheels.y, wheels.z);
         input_state.locked = LockedVehicle::new(&whole, &turning, &joints);
+        if !v.modes.is_empty() {
+            let place = |locked: &LockedVehicle| {
+                Flexibility::new(&v.modes, &input_state.kinematics, locked)
+            };
+            input_state.flexible = input_state.locked.as_ref().and_then(place);
+            if input_state.flexible.is_none() || !v.has_stable_modes() {
+                input_state.locked = None;
+            }
+        }
     }
 
     /// Velocity of a state at the current inputs.
     fn instant(&self, state: &State) -> Option<Instant> {
         let locked = self.input_state.locked.as_ref()?;
-        Some(locked.base_motion(state))
+        match &self.input_state.flexible {
+            Some(flexible) => flexible.motion(locked, state),
+            None => Some(locked.base_motion(&state.rigid).into()),
+        }
+    }
+
+    /// Sum of the thrust in the interval in hand, N, in B.
+    fn force_now(&self, instant: &Instant) -> Vector3 {
+        let forces = self.thrust_now(instant, self.input_state.interval);
+        forces.map(|f| f.F_B).sum()
     }
 
     /// Thrusters with their arms from the system's mass centre.

@@ -4,6 +4,7 @@
 use crate::check_body::{check_bodies, check_massless, check_together};
 use crate::check_joint::check_joints;
 use crate::check_known::known;
+use crate::check_mode::{check_carried, check_modes};
 use crate::check_name::check_names;
 use crate::check_rest::{check_environment, check_momentum, check_thrusters, check_wheels};
 use crate::check_sensor::check_sensors;
@@ -58,6 +59,7 @@ pub(crate) fn check_model(
         &model_bodies,
         findings,
     );
+    let modes = check_modes(file, &resolve, findings);
     let sensors = check_sensors(file, &resolve, findings);
     let mut model = Model {
         name: file.name.clone().unwrap_or_else(|| "vehicle".to_owned()),
@@ -65,6 +67,7 @@ pub(crate) fn check_model(
         joints,
         wheels,
         thrusters,
+        modes,
         sensors,
         momentum: check_momentum(file.momentum.as_ref()),
         environment: check_environment(file.environment.as_ref(), findings),
@@ -87,6 +90,9 @@ pub(crate) fn check_model(
     if model.bodies.len() == bodies.len() && model.joints.len() == joint_files.len() {
         check_massless(&model, &order, findings);
         check_together(&model, &order, findings);
+    }
+    if findings.count() == 0 {
+        check_carried(&mut model, file, findings);
     }
     Some(model)
 }

@@ -1,6 +1,6 @@
 //! Describes a vehicle as text and tables, for `poinsot check`.
 
-use crate::file::{JointFile, ThrusterFile, WheelFile};
+use crate::file::{JointFile, ModeFile, ThrusterFile, WheelFile};
 use crate::vehicle::{Body, JointKind, Model, MomentumKnowledge, Sensor, printed_unit};
 use crate::words::{entry, lines};
 use crate::write::{file_of, telemetry};
@@ -31,6 +31,8 @@ pub struct Description {
     pub wheels: Vec<WheelFile>,
     /// Thrusters, as in the model file.
     pub thrusters: Vec<ThrusterFile>,
+    /// Flexible modes, as in the model file.
+    pub modes: Vec<ModeFile>,
     /// Sensors.
     pub sensors: Vec<SensorDescription>,
     /// Forces and torques of the surroundings, in words.
@@ -114,6 +116,7 @@ pub fn describe(model: &Model) -> Description {
         joints: file.joint.unwrap_or_default(),
         wheels: file.wheel.unwrap_or_default(),
         thrusters: file.thruster.unwrap_or_default(),
+        modes: file.mode.unwrap_or_default(),
         sensors: model
             .sensors
             .iter()
@@ -282,6 +285,14 @@ fn unknown(model: &Model) -> Vec<String> {
     for wheel in model.wheels.iter().filter(|w| w.estimate) {
         out.push(format!("{}: spin inertia", wheel.name));
     }
+    for mode in model
+        .modes
+        .iter()
+        .filter(|m| !m.estimate.words().is_empty())
+    {
+        let words = mode.estimate.words();
+        out.push(format!("{}: {}", mode.name, words.join(", ")));
+    }
     for (what, value) in [
         ("linear momentum", model.momentum.linear),
         ("angular momentum", model.momentum.angular),
@@ -341,6 +352,7 @@ impl fmt::Display for Description {
         section(f, "Joints", &entries(&self.joints))?;
         section(f, "Wheels", &entries(&self.wheels))?;
         section(f, "Thrusters", &entries(&self.thrusters))?;
+        section(f, "Modes", &entries(&self.modes))?;
         section(f, "Sensors", &entries(&self.sensors))?;
         section(f, "Environment", &self.environment)?;
         section(f, "Telemetry", &self.telemetry)?;

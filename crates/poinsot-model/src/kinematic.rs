@@ -71,6 +71,7 @@ impl From<&Model> for Vehicle {
                 .collect(),
             spin_inertia: model.wheels.iter().map(|w| w.spin_inertia).collect(),
             nozzles: nozzles.collect(),
+            modes: model.modes.iter().map(|m| m.mode).collect(),
             locked_at: joints.map(Joint::standing_at).collect(),
             gravity: Gravity {
                 gm: around.point_mass_gm,

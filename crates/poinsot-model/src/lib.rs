@@ -5,7 +5,7 @@
 //!
 //! | subject | item |
 //! |---|---|
-//! | the vehicle | [`Model`], [`Body`], [`Joint`], [`Wheel`], [`Thruster`], [`Sensor`], [`Momentum`], [`Environment`] |
+//! | the vehicle | [`Model`], [`Body`], [`Joint`], [`Wheel`], [`Thruster`], [`FlexibleMode`], [`Sensor`], [`Momentum`], [`Environment`] |
 //! | known and uncertain numbers | [`Knowledge`], [`KnownNumber`] |
 //! | reading and writing | [`read_model`], [`parse_model`], [`write_model`], [`read_urdf`], [`parse_urdf`] |
 //! | mass properties into files of other programs | [`patch_urdf`], [`patch_sdf`], [`patch_mjcf`], [`patch_model`] |
@@ -61,6 +61,7 @@ mod check;
 mod check_body;
 mod check_joint;
 mod check_known;
+mod check_mode;
 mod check_name;
 mod check_rest;
 mod check_rotation;
@@ -88,7 +89,10 @@ mod words;
 mod write;
 
 pub use describe::*;
-pub use file::{JointFile, SpringDamperFile, ThrusterFile, WheelFile};
+pub use file::{
+    JointFile, ModeEstimateFile, ModeFile, ModeParameter, SlopeFile, SpringDamperFile,
+    ThrusterFile, WheelFile,
+};
 pub use knowledge::{
     Knowledge, KnownNumber, LIKE_WHEELS, NOMINAL_WITHIN, Origin, Uncertain, across,
 };

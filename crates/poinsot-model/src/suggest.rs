@@ -1,13 +1,14 @@
 //! Suggests the key or name that was probably meant.
 
 /// Units that end keys of the format, longest first.
-const UNITS: &str = "N_m_s_per_rad N_m_per_rad N_s_per_m N_per_m kg_m2 m3_s2 N_m_s rad_s m_s2 N_m N_s rad m_s xyzw matrix kg m s N";
+const UNITS: &str = "N_m_s_per_rad N_m_per_rad N_s_per_m N_per_m kg_m2 m3_s2 kg05_m N_m_s rad_s \
+    m_s2 kg05 N_m N_s rad m_s xyzw matrix kg Hz m s N";
 
 /// Suffixes of form, not unit: two ways to write a rotation.
 const FORMS: [&str; 2] = ["xyzw", "matrix"];
 
 /// Suffixes used instead of the correct unit.
-const UNIT_PARTS: &str = "kg g mg t lb lbm slug m mm cm km in ft s ms us ns min h rad mrad deg arcsec rpm n mn kn lbf nm ns nms \
+const UNIT_PARTS: &str = "kg05 hz khz mhz kg g mg t lb lbm slug m mm cm km in ft s ms us ns min h rad mrad deg arcsec rpm n mn kn lbf nm ns nms \
     kgm2 gmm2 kgmm2 m2 mm2 cm2 in2 ft2 s2 m3 km3 per xyzw wxyz quat quaternion matrix euler rpy dcm zyx xyz si sec degrees \
     meters radians";
 
@@ -16,7 +17,10 @@ pub(crate) fn printed_unit(suffix: &str) -> Option<String> {
     let text = match suffix {
         suffix if FORMS.contains(&suffix) => return None,
         "rad_s" | "m_s" | "m_s2" | "m3_s2" => suffix.replace('_', "/"),
-        _ => suffix.replace("_per_", "/").replace('_', " "),
+        _ => suffix
+            .replace("_per_", "/")
+            .replace('_', " ")
+            .replace("kg05", "kg^1/2"),
     };
     Some(text)
 }

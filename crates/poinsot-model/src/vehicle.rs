@@ -1,6 +1,7 @@
 //! The checked vehicle: in SI, names resolved to indices.
 
 use crate::knowledge::{Knowledge, across};
+pub use poinsot_dynamics::propagation::Mode;
 pub use poinsot_dynamics::{Axes, ErrorKey, Nuisance, Orbit, Sensor, SensorKind, printed_unit};
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
 use poinsot_telemetry::{STANDARD_GRAVITY, TelemetryMap};
@@ -20,6 +21,8 @@ pub struct Model {
     pub wheels: Vec<Wheel>,
     /// Thrusters.
     pub thrusters: Vec<Thruster>,
+    /// Flexible modes: panels, booms, propellant that moves.
+    pub modes: Vec<FlexibleMode>,
     /// Sensors with their declared noise.
     pub sensors: Vec<Sensor>,
     /// Knowledge of the initial momentum.
@@ -220,6 +223,47 @@ impl Wheel {
     /// orthogonalised, and the one that completes `axis, first, second` to a right-handed triad.
     pub fn tilt_axes(&self) -> [Vector3; 2] {
         across(&self.axis_B)
+    }
+}
+
+/// A flexible mode of a body: its nominal numbers, and which of them are unknown.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FlexibleMode {
+    /// Name, unique among modes.
+    pub name: String,
+    /// The numbers.
+    pub mode: Mode,
+    /// Which of them are unknown.
+    pub estimate: ModeEstimate,
+}
+
+/// Which numbers of a mode are unknown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct ModeEstimate {
+    /// Frequency.
+    pub frequency: bool,
+    /// Damping ratio.
+    pub damping: bool,
+    /// Participation in translation.
+    pub translation: bool,
+    /// Participation in rotation.
+    pub rotation: bool,
+    /// Slope of the inertia.
+    pub inertia_slope: bool,
+}
+
+impl ModeEstimate {
+    /// Names of what is unknown.
+    pub fn words(&self) -> Vec<&'static str> {
+        let words = [
+            ("frequency", self.frequency),
+            ("damping", self.damping),
+            ("translation", self.translation),
+            ("rotation", self.rotation),
+            ("inertia slope", self.inertia_slope),
+        ];
+        let asked = words.into_iter().filter(|(_, on)| *on);
+        asked.map(|(word, _)| word).collect()
     }
 }
 

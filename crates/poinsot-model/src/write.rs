@@ -2,15 +2,16 @@
 
 use crate::file::{
     AttitudeColumnFile, AttitudeFile, BodyFile, ColumnFile, DecimalFile, EnvironmentFile,
-    EstimateFile, ExportFile, FrameFile, Gravity, InertiaFile, InvalidFile, JointFile, ModelFile,
-    MomentumFile, MomentumVectorFile, MomentumWord, NamesFile, NoiseFile, NuisanceFile,
-    NuisanceWord, OrbitColumnsFile, OrbitFile, OrbitalFile, Parameter, PartFile, SensorFile,
-    SensorType, Sigmas, SpringDamperFile, TelemetryFile, ThrusterFile, WheelFile,
+    EstimateFile, ExportFile, FrameFile, Gravity, InertiaFile, InvalidFile, JointFile,
+    ModeEstimateFile, ModeFile, ModeParameter, ModelFile, MomentumFile, MomentumVectorFile,
+    MomentumWord, NamesFile, NoiseFile, NuisanceFile, NuisanceWord, OrbitColumnsFile, OrbitFile,
+    OrbitalFile, Parameter, PartFile, SensorFile, SensorType, Sigmas, SlopeFile, SpringDamperFile,
+    TelemetryFile, ThrusterFile, WheelFile,
 };
 use crate::knowledge::{KnownNumber, Origin};
 use crate::vehicle::{
-    Body, Environment, EstimateSet, Joint, JointKind, Model, MomentumKnowledge, Nuisance, Orbit,
-    Sensor, SpringDamper, Thruster, Wheel,
+    Body, Environment, EstimateSet, FlexibleMode, Joint, JointKind, Model, MomentumKnowledge,
+    Nuisance, Orbit, Sensor, SpringDamper, Thruster, Wheel,
 };
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
 use poinsot_telemetry::{
@@ -57,6 +58,9 @@ pub(crate) fn file_of(model: &Model) -> ModelFile {
         thruster: each(&model.thrusters, |k, t| {
             thruster(model, t, own("thruster", k))
         }),
+        mode: each(&model.modes, |_, m| mode(model, m)),
+        panel: None,
+        tank: None,
         sensor: each(&model.sensors, |k, s| sensor(model, s, own("sensor", k))),
         momentum: Some(momentum),
         environment: (*around != Environment::default()).then(|| environment(around)),
@@ -185,6 +189,41 @@ fn thruster(model: &Model, thruster: &Thruster, uncertainty: Option<Sigmas>) -> 
         propellant_m: propellant.map(|p| p.p_BoF_B.into()),
         uncertainty,
         ..ThrusterFile::default()
+    }
+}
+
+fn mode(model: &Model, flexible: &FlexibleMode) -> ModeFile {
+    let (mode, e) = (&flexible.mode, &flexible.estimate);
+    let vector = |v: &Vector3| (*v != Vector3::zeros()).then(|| (*v).into());
+    let S = &mode.inertia_slope;
+    let asked = [
+        (ModeParameter::Frequency, e.frequency),
+        (ModeParameter::Damping, e.damping),
+        (ModeParameter::Translation, e.translation),
+        (ModeParameter::Rotation, e.rotation),
+        (ModeParameter::InertiaSlope, e.inertia_slope),
+    ];
+    let asked: Vec<_> = asked.into_iter().filter(|(_, on)| *on).collect();
+    ModeFile {
+        name: Some(flexible.name.clone()),
+        body: body_name(model, mode.body),
+        frequency_Hz: Some(mode.frequency_Hz),
+        damping_ratio: Some(mode.damping_ratio),
+        translation_kg05: vector(&mode.translation),
+        rotation_kg05_m: vector(&mode.rotation),
+        inertia_slope_kg05_m: (*S != Matrix3::zeros()).then(|| SlopeFile {
+            xx: Some(S[(0, 0)]),
+            yy: Some(S[(1, 1)]),
+            zz: Some(S[(2, 2)]),
+            xy: Some(S[(0, 1)]),
+            xz: Some(S[(0, 2)]),
+            yz: Some(S[(1, 2)]),
+        }),
+        estimate: match asked.len() {
+            0 => None,
+            5 => Some(ModeEstimateFile::All(true)),
+            _ => Some(ModeEstimateFile::Some(asked.iter().map(|a| a.0).collect())),
+        },
     }
 }
 

@@ -7,8 +7,8 @@ use crate::run::run;
 use numpy::{PyArray1, PyArray2};
 use poinsot::report::report_data;
 use poinsot::{
-    Coordinates, Identified, Question, Reading, estimate_file, estimate_text, identify_records,
-    write_result,
+    Coordinates, Identified, Modes, Question, Reading, estimate_file, estimate_text,
+    identify_records, write_result,
 };
 use poinsot_figures::{FigureFormat, TextStyle, WITHOUT_PNG};
 use poinsot_identify::PredictedChannel;
@@ -66,6 +66,13 @@ impl Options {
                 )
             })?,
         };
+        let modes = match entry::<String>(given, "modes")? {
+            None => usual.modes,
+            Some(name) => Modes::from_name(&name).ok_or_else(|| {
+                let advice = format!("use one of {}", Modes::NAMES.join(", "));
+                Fault::argument("--modes", name, "there is no such choice", advice)
+            })?,
+        };
         let every = match entry::<usize>(given, "every")? {
             Some(0) => {
                 return Err(Fault::argument(
@@ -87,6 +94,7 @@ impl Options {
                 relative_accuracy: entry(given, "relative_accuracy")?
                     .unwrap_or(usual.relative_accuracy),
                 coordinates,
+                modes,
                 strict: entry(given, "strict")?.unwrap_or(usual.strict),
                 policies: entry(given, "policies")?.unwrap_or_default(),
             },

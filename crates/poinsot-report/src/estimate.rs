@@ -7,9 +7,10 @@ use crate::verdict::Standing;
 use indexmap::IndexMap;
 use minijinja::{Value, context};
 use poinsot_figures::Document;
+use poinsot_files::significant;
 use poinsot_formats::{
-    Address, BodyFile, CheckFile, CovarianceFile, DeterminedFile, EstimateFile, KnownNumbersFile,
-    SensitivityFile, UndeterminedFile,
+    Address, BodyFile, CheckFile, CovarianceFile, DeterminedFile, EstimateFile, EvidenceFile,
+    KnownNumbersFile, SensitivityFile, UndeterminedFile,
 };
 
 /// Detail of the printed result.
@@ -52,6 +53,8 @@ pub fn estimate_document(e: &EstimateFile, detail: Detail) -> Document {
     let context = context! {
         word,
         model => e.model,
+        modes => modes_found(e).map(|row| format!(" {}", row.words)),
+        mode_lines => mode_lines(e),
         sentence => summary::sentence(e),
         action => summary::action(e),
         withheld => e.is_withheld(),
@@ -74,6 +77,70 @@ pub fn estimate_document(e: &EstimateFile, detail: Detail) -> Document {
         fit => e.fit,
     };
     TEMPLATES.document("estimate.txt", context).toned(tone)
+}
+
+/// The row of modes that the data show although the model declares none.
+pub(crate) fn modes_found(e: &EstimateFile) -> Option<&EvidenceFile> {
+    e.evidence.iter().find(|row| row.test == "flexible modes")
+}
+
+/// Elements and values of each key of a mode.
+type ModeKeys<'a> = IndexMap<&'a str, Vec<(&'a str, String)>>;
+
+/// The tables that declare them, line by line.
+fn mode_lines(e: &EstimateFile) -> Vec<String> {
+    let (Some(_), Some(base)) = (modes_found(e), e.bodies.keys().next()) else {
+        return Vec::new();
+    };
+    let mut modes: IndexMap<&str, ModeKeys> = IndexMap::new();
+    for (address, number) in &e.nuisance {
+        let parts: Vec<&str> = address.split('.').collect();
+        let ([mode, key, ..], Some(value)) = (parts.as_slice(), number.value) else {
+            continue;
+        };
+        let of = modes.entry(*mode).or_default().entry(*key).or_default();
+        let element = parts.get(2).copied().unwrap_or_default();
+        of.push((element, figures_of(value, number.sigma)));
+    }
+    let mut lines = Vec::new();
+    for (name, keys) in modes
+        .iter()
+        .filter(|(_, keys)| keys.contains_key("frequency_Hz"))
+    {
+        lines.push("[[mode]]".to_owned());
+        lines.push(format!("name = \"{name}\""));
+        lines.push(format!("body = \"{base}\""));
+        for (key, values) in keys {
+            let value = match values.as_slice() {
+                [(_, only)] => only.clone(),
+                [(x, _), ..] if x.len() == 1 => {
+                    let each: Vec<&str> = values.iter().map(|(_, v)| v.as_str()).collect();
+                    format!("[{}]", each.join(", "))
+                }
+                _ => {
+                    let each: Vec<String> =
+                        values.iter().map(|(e, v)| format!("{e} = {v}")).collect();
+                    format!("{{ {} }}", each.join(", "))
+                }
+            };
+            lines.push(format!("{key} = {value}"));
+        }
+        let slopes = match keys.keys().any(|key| key.starts_with("inertia_slope")) {
+            true => ", \"inertia_slope\"",
+            false => "",
+        };
+        lines.push(format!(
+            "estimate = [\"frequency\", \"damping\", \"rotation\"{slopes}]"
+        ));
+    }
+    lines
+}
+
+/// A number to a hundredth of its sigma.
+fn figures_of(value: f64, sigma: Option<f64>) -> String {
+    let size = |x: f64| x.abs().log10().floor() as i32;
+    let figures = sigma.map_or(6, |s| size(value).saturating_sub(size(s)).saturating_add(2));
+    significant(value, figures.clamp(1, 9))
 }
 
 /// Title of the numbers of a body.

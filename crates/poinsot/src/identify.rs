@@ -10,8 +10,8 @@ use crate::{mixups, motor_torque};
 use poinsot_dynamics::Tree;
 use poinsot_formats::{ModelInputFile, sha256};
 use poinsot_identify::{
-    Coordinates, Effect, Estimate, Loss, Prediction, Problem, Remark, RemarkKind, Settings, linear,
-    linear_predicted, maximum_likelihood_predicted, maximum_likelihood_with, predicted_by,
+    Coordinates, Effect, Estimate, Loss, Modes, Prediction, Problem, Remark, RemarkKind, Settings,
+    linear, linear_predicted, maximum_likelihood_predicted, maximum_likelihood_with, predicted_by,
 };
 use poinsot_model::{Model, TelemetryMap, read_model, read_model_text, read_telemetry_map};
 use poinsot_papers::{Settings as MethodSettings, answered, identify_by, method};
@@ -40,6 +40,8 @@ pub struct Question {
     pub relative_accuracy: f64,
     /// Coordinates of a maximum-likelihood fit.
     pub coordinates: Coordinates,
+    /// Whether flexible modes that the model does not declare are searched.
+    pub modes: Modes,
     /// No repairs; every check refuses its findings, except the check for gaps.
     pub strict: bool,
     /// Changes of check policies, `check=policy`.
@@ -64,6 +66,7 @@ impl Default for Question {
             settings: Vec::new(),
             relative_accuracy: RELATIVE_ACCURACY,
             coordinates: Coordinates::default(),
+            modes: Modes::default(),
             strict: false,
             policies: Vec::new(),
         }
@@ -518,6 +521,7 @@ fn answer(model: Model, tables: Vec<Table>, question: &Question) -> Result<Ident
             let settings = Settings {
                 loss: loss.unwrap_or_default(),
                 coordinates: question.coordinates,
+                modes: question.modes,
                 ..Settings::default()
             };
             let (mut estimate, predictions) =
@@ -590,6 +594,8 @@ fn refuse_unsupported(model: &Model, question: &Question) -> Result<(), Error> {
         ["a gravity gradient", "it out of [environment]"]
     } else if loses_mass {
         ["propellant use", "specific_impulse_s out of the thrusters"]
+    } else if !model.modes.is_empty() {
+        ["flexible modes", "[[mode]] out of it"]
     } else {
         return Ok(());
     };
@@ -617,6 +623,7 @@ pub(crate) fn estimate_by(
             let options = Settings {
                 loss: variant.and_then(Loss::from_name).unwrap_or_default(),
                 coordinates: question.coordinates,
+                modes: question.modes,
                 undiagnosed: !diagnose,
                 ..Settings::default()
             };

@@ -142,7 +142,7 @@ pub use import::import;
 pub use init::init;
 pub use output::{estimate_text, write_estimate, write_result};
 pub use poinsot_formats::EstimateFile;
-pub use poinsot_identify::Coordinates;
+pub use poinsot_identify::{Coordinates, Modes};
 pub use progress::{Listener, Step};
 pub use propose::{InspectionAnswer, inspect, inspection_file};
 pub use report::write_report;

@@ -5,8 +5,8 @@ use super::{
 };
 use crate::arguments::Identify;
 use poinsot::{
-    Coordinates, Error, IdentifyRequest, Question, Reading, check_outputs, estimate_file, identify,
-    segment_files, write_result,
+    Coordinates, Error, IdentifyRequest, Modes, Question, Reading, check_outputs, estimate_file,
+    identify, segment_files, write_result,
 };
 use poinsot_files::{Fault, Place};
 use poinsot_report::{Detail, estimate_document};
@@ -41,6 +41,7 @@ pub fn run(arguments: &Identify) -> Outcome {
             settings: arguments.set.clone(),
             relative_accuracy: arguments.relative_accuracy,
             coordinates: Coordinates::from_name(&arguments.coordinates).unwrap_or_default(),
+            modes: Modes::from_name(&arguments.modes).unwrap_or_default(),
             strict: arguments.strict,
             policies: arguments.policy.clone(),
         },

@@ -8,6 +8,8 @@ use crate::motion::plan::Plan;
 use crate::motion::run::Integrator;
 use crate::motion::wheel_motion::{Axial, WheelMotion};
 use crate::orbit::Orbit;
+use crate::propagation::MOST_MODES;
+use crate::thrust::Firing;
 use crate::tree::{Motion, Tree};
 use crate::vehicle::{Gravity, Vehicle};
 use poinsot_spatial::{InertialParameters, Vector3};
@@ -24,6 +26,9 @@ pub enum MotionError {
     /// This form of gravity is not simulated.
     #[error("{0}")]
     Gravity(&'static str),
+    /// Beside flexible modes this is not simulated.
+    #[error("{0} beside flexible modes is not simulated; take [[mode]] out of the model, or {1}")]
+    Modes(&'static str, &'static str),
     /// The plan does not fit the vehicle.
     #[error("the plan has {found} {what}, the model {expected}; give one for each of the model")]
     Plan {
@@ -128,9 +133,38 @@ impl<'p> Flight<'p> {
         {
             return Err(MotionError::InertialessWheel(i));
         }
-        let allocation = allocate(tree, plan)?;
+        let (allocation, free) = (allocate(tree, plan)?, free(tree, plan));
+        let burns = |firing: &Firing| {
+            let nozzle = vehicle.nozzles.get(firing.thruster);
+            nozzle.is_some_and(|nozzle| nozzle.propellant.is_some())
+        };
+        let beside = [
+            (
+                !free.is_empty(),
+                "a joint that is free",
+                "prescribe its motion",
+            ),
+            (
+                orbit.is_some(),
+                "the gravity gradient",
+                "take it out of [environment]",
+            ),
+            (
+                plan.firings.iter().any(burns),
+                "mass that leaves",
+                "take specific_impulse_s out of the thruster",
+            ),
+            (
+                vehicle.modes.len() > MOST_MODES,
+                "a seventh mode",
+                "keep the six of the lowest frequencies",
+            ),
+        ];
+        if let Some((_, what, instead)) = beside.iter().find(|b| b.0 && !vehicle.modes.is_empty()) {
+            return Err(MotionError::Modes(what, instead));
+        }
         Ok(Self {
-            free: free(tree, plan),
+            free,
             axial,
             allocation,
             orbit,

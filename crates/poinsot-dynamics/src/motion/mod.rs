@@ -4,6 +4,7 @@ pub(crate) mod attitude_control;
 pub(crate) mod controller;
 pub(crate) mod dop853;
 pub(crate) mod dop853_table;
+pub(crate) mod flexing;
 pub(crate) mod flight;
 pub(crate) mod integrate;
 pub(crate) mod joint_drive;

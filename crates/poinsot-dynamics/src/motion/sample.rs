@@ -2,7 +2,7 @@
 
 use crate::acceleration::Accelerations;
 use crate::kinematics::Kinematics;
-use crate::tree::Tree;
+use crate::vehicle::Vehicle;
 use poinsot_spatial::{UnitQuaternion, Vector3};
 
 /// The vehicle at one instant, with all ideal measurements.
@@ -41,6 +41,10 @@ pub struct MotionSample {
     pub wheel_torque: Vec<f64>,
     /// Thrust, N; at a switch the value just after it.
     pub thrust: Vec<f64>,
+    /// Amplitude of each mode, kg^1/2 m.
+    pub mode_amplitude: Vec<f64>,
+    /// Its rate, kg^1/2 m/s.
+    pub mode_rate: Vec<f64>,
     /// Position of the reference orbit from the attracting body, in N, m; zero where none is simulated.
     pub p_orbit_N: Vector3,
     /// Placement and velocity of every body, in base axes.
@@ -51,8 +55,11 @@ pub struct MotionSample {
 }
 
 impl MotionSample {
-    /// Everything zero, with room for the coordinates of a tree, wheels and thrusters.
-    pub(crate) fn new(tree: &Tree, wheels: usize, thrusters: usize) -> Self {
+    /// Everything zero, with room for a vehicle.
+    pub(crate) fn new(vehicle: &Vehicle) -> Self {
+        let tree = &vehicle.tree;
+        let (wheels, thrusters) = (vehicle.spin_inertia.len(), vehicle.nozzles.len());
+        let modes = vec![0.0; vehicle.modes.len()];
         let joints = vec![0.0; tree.dof()];
         Self {
             time: 0.0,
@@ -71,6 +78,8 @@ impl MotionSample {
             wheel_speed: vec![0.0; wheels],
             wheel_torque: vec![0.0; wheels],
             thrust: vec![0.0; thrusters],
+            mode_amplitude: modes.clone(),
+            mode_rate: modes,
             p_orbit_N: Vector3::zeros(),
             kinematics: Kinematics::new(tree),
             body: Accelerations::new(tree),

@@ -3,7 +3,7 @@
 //! State (DESIGN, "state = pose and momentum"), in N, continued by what a torque, a controller or a spring drives:
 //!
 //! ```text
-//! y = [ q_NB (xyzw), p_NoScm, l_S, h_SScm, z of each driven wheel, q, q' of each free joint ]
+//! y = [ q_NB (xyzw), p_NoScm, l_S, h_SScm, z of each driven wheel, q, q' of each free joint, y, p of each mode ]
 //! ```
 //!
 //! Angular momentum is carried about the **system's mass centre** and the position is that of the mass
@@ -21,12 +21,16 @@
 //! A wheel adds `a z` to `h_wheels` and the reaction `-(a z' + w_host x a z)` to its host. Where its speed is given, or its
 //! acceleration commanded, `z = Js Omega`. One driven by a torque has `z = Js (Omega + a . w_host)`, `z' = torque`; its host
 //! then moves like one whose inertia lacks `Js a a^T`.
+//!
+//! Flexible modes change the twist and move the mass centre (`propagation/modes.rs`); they begin at rest. Accelerations with them are in
+//! `flexing.rs`.
 
 use crate::algebra::V3;
 use crate::forward_dynamics::{ForwardDynamics, JointInput, Singular};
 use crate::gravity_gradient::{gravity_gradient_torque, tidal_wrench};
 use crate::inverse_dynamics::{InverseDynamics, Wrench};
 use crate::motion::controller::{Controller, WheelUse};
+use crate::motion::flexing::Flexing;
 use crate::motion::flight::{Flight, MotionError, check_times};
 use crate::motion::integrate::{Flow, Halt};
 use crate::motion::joint_drive::JointDrive;
@@ -36,10 +40,13 @@ use crate::motion::run::{SmoothByParts, run};
 use crate::motion::sample::MotionSample;
 use crate::motion::wheel_motion::{Axial, WheelMotion};
 use crate::orbit::orbit_state;
-use crate::propagation::{BaseMotion, LockedVehicle, PoseMomentum};
+use crate::propagation::{
+    BaseMotion, Flexibility, FlexibleMotion, FlexibleState, Internal, LockedVehicle, PoseMomentum,
+};
 use crate::propellant::Leaving;
 use crate::quaternion;
 use crate::thrust::{thrust_levels, thrust_wrench};
+use core::f64::consts::TAU;
 use nalgebra::Quaternion;
 use poinsot_spatial::{InertialParameters, UnitQuaternion, Vector3};
 
@@ -50,7 +57,7 @@ pub(crate) const WHEELS: usize = 13;
 
 impl Flight<'_> {
     /// The state at time `t`, s: `q_NB` (scalar last), `p_NoScm`, `l_S`, `h_SScm` in N, momenta of the wheels that a torque
-    /// or a controller drives, positions and then rates of the free joints.
+    /// or a controller drives, positions and then rates of the free joints, amplitude and conjugate momentum of each mode.
     ///
     /// # Errors
     /// The vehicle has no inertia.
@@ -88,6 +95,13 @@ fn pose_momentum(y: &[f64]) -> PoseMomentum {
     }
 }
 
+/// A vehicle with modes at one instant.
+#[derive(Clone, Copy)]
+struct Flexed {
+    flexibility: Flexibility,
+    motion: FlexibleMotion,
+}
+
 /// The plan evaluated at one instant, and the scratch for it.
 pub(crate) struct Stage<'s> {
     flight: &'s Flight<'s>,
@@ -108,6 +122,10 @@ pub(crate) struct Stage<'s> {
     /// Axial momentum `z` of each wheel and its rate, N m s and N m.
     wheel_momentum: Vec<f64>,
     wheel_rate: Vec<f64>,
+    /// State of the modes, its rate, and the motion of a vehicle that has some.
+    internal: Internal,
+    internal_rate: Internal,
+    flexed: Option<Flexed>,
     dynamics: ForwardDynamics,
     carried: RatesMomentum,
     inverse: InverseDynamics,
@@ -141,11 +159,14 @@ impl<'s> Stage<'s> {
             joints: vec![JointInput::Force(0.0); dof],
             wheel_momentum: vec![0.0; wheels],
             wheel_rate: vec![0.0; wheels],
+            internal: Internal::zeros(),
+            internal_rate: Internal::zeros(),
+            flexed: None,
             dynamics: ForwardDynamics::new(tree),
             carried: RatesMomentum::new(tree),
             inverse: InverseDynamics::new(tree),
             outside: vec![Wrench::ZERO; tree.bodies()],
-            sample: MotionSample::new(tree, wheels, vehicle.nozzles.len()),
+            sample: MotionSample::new(vehicle),
         }
     }
 
@@ -213,7 +234,7 @@ impl<'s> Stage<'s> {
         self.flight.reduce(&mut self.reduced);
     }
 
-    /// Takes wheels and free joints from the state.
+    /// Takes wheels, free joints and modes from the state.
     #[inline]
     fn read_state(&mut self, y: &[f64]) {
         let flight = self.flight;
@@ -229,6 +250,8 @@ impl<'s> Stage<'s> {
             self.sample.q[*k] = *q;
             self.sample.rates[*k] = *rate;
         }
+        let modes = &y[y.len() - 2 * flight.vehicle.modes.len()..];
+        self.internal.as_mut_slice()[..modes.len()].copy_from_slice(modes);
     }
 
     /// Springs, placement and inertias at the joint positions and rates of the sample; the wheels are part of their hosts
@@ -251,9 +274,9 @@ impl<'s> Stage<'s> {
         self.dynamics.set_bodies(tree, bodies, kinematics);
     }
 
-    /// The motion of the base at the placement in hand.
+    /// The vehicle as one body at the placement in hand.
     #[inline]
-    fn base_motion(&mut self, t: f64, state: &PoseMomentum) -> Result<BaseMotion, Halt> {
+    fn locked(&mut self, t: f64) -> Result<LockedVehicle, Halt> {
         let tree = &self.flight.vehicle.tree;
         let sample = &mut self.sample;
         let (whole, l, mut h) = self.carried.of(tree, &self.dynamics, &sample.rates);
@@ -261,10 +284,93 @@ impl<'s> Stage<'s> {
             h += V3::of(&(sample.kinematics.R[rotor.body] * rotor.axis_B)) * *z;
         }
         let locked = LockedVehicle::over(&whole, &whole, (&l, &h));
-        let base = locked.ok_or(Halt::Singular { time: t })?.base_motion(state);
+        locked.ok_or(Halt::Singular { time: t })
+    }
+
+    /// The motion of the base at the placement in hand, with modes at rest.
+    #[inline]
+    fn base_motion(&mut self, t: f64, state: &PoseMomentum) -> Result<BaseMotion, Halt> {
+        let base = self.locked(t)?.base_motion(state);
+        self.set_velocities(&base);
+        Ok(base)
+    }
+
+    #[inline]
+    fn set_velocities(&mut self, base: &BaseMotion) {
+        let (tree, sample) = (&self.flight.vehicle.tree, &mut self.sample);
         let (v, w) = (&base.twist.v, &base.twist.w);
         sample.kinematics.set_velocities(tree, v, w, &sample.rates);
-        Ok(base)
+    }
+
+    /// The modes at the placement in hand; the kinematics are then those while the base is still.
+    fn flexibility(&mut self, t: f64, locked: &LockedVehicle) -> Result<Flexibility, Halt> {
+        let (vehicle, sample) = (&self.flight.vehicle, &mut self.sample);
+        let (still, k) = (Vector3::zeros(), &mut sample.kinematics);
+        k.set_velocities(&vehicle.tree, &still, &still, &sample.rates);
+        let found = Flexibility::new(&vehicle.modes, k, locked);
+        found.ok_or(Halt::Singular { time: t })
+    }
+
+    /// The motion of the base with the modes as they are.
+    #[inline]
+    fn motion(&mut self, t: f64, state: &PoseMomentum) -> Result<BaseMotion, Halt> {
+        if self.flight.vehicle.modes.is_empty() {
+            return self.base_motion(t, state);
+        }
+        let locked = self.locked(t)?;
+        let flexibility = self.flexibility(t, &locked)?;
+        let state = FlexibleState {
+            rigid: *state,
+            internal: self.internal,
+        };
+        let motion = flexibility.motion(&locked, &state);
+        let mut motion = motion.ok_or(Halt::Singular { time: t })?;
+        // Deflections turn with hosts that joints turn, and with them the mass centre.
+        let (k, centre) = (&self.sample.kinematics, &motion.base.centre);
+        for (i, mode) in self.flight.vehicle.modes.iter().enumerate() {
+            let deflection = k.R[mode.body] * mode.translation * self.internal[2 * i];
+            motion.base.twist.v -= k.w[mode.body].cross(&deflection) / centre.mass;
+        }
+        self.set_velocities(&motion.base);
+        self.flexed = Some(Flexed {
+            flexibility,
+            motion,
+        });
+        Ok(motion.base)
+    }
+
+    /// Rate of the modes under a force on the vehicle, in B.
+    fn rate_modes(&mut self, force: &Vector3) {
+        if let Some(flexed) = &self.flexed {
+            let Flexed {
+                flexibility,
+                motion,
+            } = flexed;
+            self.internal_rate = flexibility.rate(motion, &self.internal, force);
+        }
+    }
+
+    /// What the modes change of the accelerations and exert on the bodies, and their sample.
+    fn bend(&mut self, t: f64, force: Vector3) -> Result<(), Halt> {
+        self.rate_modes(&force);
+        let (modes, sample) = (&self.flight.vehicle.modes, &mut self.sample);
+        let Some(Flexed { motion, .. }) = &self.flexed else {
+            return Ok(());
+        };
+        for i in 0..modes.len() {
+            sample.mode_amplitude[i] = self.internal[2 * i];
+            sample.mode_rate[i] = motion.rates[i];
+        }
+        let flexing = Flexing {
+            modes,
+            kinematics: &sample.kinematics,
+            motion,
+            internal: &self.internal,
+            rate: &self.internal_rate,
+            force,
+        };
+        let added = flexing.add(&mut sample.body, &mut self.outside);
+        added.ok_or(Halt::Singular { time: t })
     }
 
     /// Drives, placement, velocities and the command of the wheels.
@@ -274,7 +380,7 @@ impl<'s> Stage<'s> {
         self.read_drives(t);
         self.read_state(y);
         self.place(false);
-        let base = self.base_motion(t, &state)?;
+        let base = self.motion(t, &state)?;
         if let Some(mut controller) = self.controller.take() {
             self.set_wheel_speeds();
             if controller.is_continuous() {
@@ -404,7 +510,7 @@ impl<'s> Stage<'s> {
     }
 
     /// The state at the first instant, and the natural magnitudes of its components: 1 rad, 1 m, and the momenta of the
-    /// vehicle moving at 1 cm/s and turning at 0.01 rad/s; joint rates 0.01 rad/s.
+    /// vehicle moving at 1 cm/s and turning at 0.01 rad/s; joint rates 0.01 rad/s. Modes are at rest without deflection.
     pub fn start(&mut self, start: &Start, t: f64) -> Result<(Vec<f64>, Vec<f64>), Halt> {
         let flight = self.flight;
         self.read_drives(t);
@@ -452,6 +558,15 @@ impl<'s> Stage<'s> {
         y.extend(flight.free.iter().map(|k| sample.rates[*k]));
         scale.resize(scale.len() + flight.free.len(), 1.0);
         scale.resize(scale.len() + flight.free.len(), 0.01);
+        if !flight.vehicle.modes.is_empty() {
+            let locked = self.locked(t)?;
+            let resting = self.flexibility(t, &locked)?.at_rest(&base.twist.w);
+            y.extend(resting.iter().take(2 * flight.vehicle.modes.len()));
+            // The momentum of a mode whose energy is that of the turning vehicle.
+            let usual = 0.01 * (base.centre.I_SScm_B.trace() / 3.0).sqrt();
+            let each = flight.vehicle.modes.iter();
+            scale.extend(each.flat_map(|mode| [usual / (TAU * mode.frequency_Hz), usual]));
+        }
         Ok((y, scale))
     }
 
@@ -543,7 +658,7 @@ impl SmoothByParts for Stage<'_> {
     fn sample(&mut self, t: f64, y: &[f64]) -> Result<&MotionSample, Halt> {
         let (state, base) = self.evaluate(t, y)?;
         let R_NB = state.R_NB;
-        self.load(t, &R_NB, &base);
+        let (force, _) = self.load(t, &R_NB, &base);
         self.accelerate(t, &R_NB, &base)?;
         let sample = &mut self.sample;
         sample.time = t;
@@ -557,6 +672,7 @@ impl SmoothByParts for Stage<'_> {
         for (i, (a, alpha)) in bodies.enumerate() {
             (*a, *alpha) = self.dynamics.acceleration(i);
         }
+        self.bend(t, force)?;
         for (k, input) in self.joints.iter().enumerate() {
             if let JointInput::Acceleration(given) = input {
                 self.sample.accelerations[k] = *given;
@@ -606,6 +722,10 @@ impl Flow for Stage<'_> {
             *rate = self.sample.rates[*k];
             *acceleration = self.sample.accelerations[*k];
         }
+        self.rate_modes(&force);
+        let modes = 2 * flight.vehicle.modes.len();
+        let at = dy.len() - modes;
+        dy[at..].copy_from_slice(&self.internal_rate.as_slice()[..modes]);
         Ok(())
     }
 

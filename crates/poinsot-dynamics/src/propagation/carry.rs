@@ -1,7 +1,8 @@
 //! Columns of the state's sensitivity over a step.
 
+use super::modes::{INTERNAL, ModeRows};
 use super::rows::{StateRows, add, halves};
-use super::{HALF, STATE};
+use super::{COLUMN, HALF, STATE};
 use crate::algebra::Real;
 use core::ops::Mul;
 
@@ -12,6 +13,16 @@ pub struct StepRows<'v, R = f64> {
     pub pose: [&'v StateRows<R>; 3],
     /// Lower half of `A`, where the state changes the momentum's rate.
     pub momentum: [Option<&'v StateRows<R>>; 3],
+    /// The rows of the modes, where there are any.
+    pub modes: [Option<&'v ModeRows>; 3],
+}
+
+/// `b` of a column at the three points: of pose, momenta and modes.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Drives<T> {
+    pub pose: [[T; HALF]; 3],
+    pub push: [[T; HALF]; 3],
+    pub internal: [[T; INTERNAL]; 3],
 }
 
 impl<R: Copy> StepRows<'_, R> {
@@ -116,6 +127,75 @@ impl<R: Copy> StepRows<'_, R> {
             }
         }
         slope
+    }
+}
+
+impl StepRows<'_> {
+    /// Carries a column of a vehicle with modes over a step of `dt` seconds, its pose, momenta and modes.
+    #[inline(always)]
+    pub(super) fn carry_flexible<T: Real>(&self, x: &mut [T; COLUMN], drives: &Drives<T>, dt: f64) {
+        let start = *x;
+        let mut slope = self.flexible_slope(0, x, drives);
+        let mut sum = slope;
+        for (at, share, weight) in [(1, 0.5, 2.0), (1, 0.5, 2.0), (2, 1.0, 1.0)] {
+            for ((x, start), slope) in x.iter_mut().zip(&start).zip(&slope) {
+                *x = *start + *slope * (share * dt);
+            }
+            slope = self.flexible_slope(at, x, drives);
+            for (sum, slope) in sum.iter_mut().zip(&slope) {
+                *sum = *sum + *slope * weight;
+            }
+        }
+        for ((x, start), sum) in x.iter_mut().zip(&start).zip(&sum) {
+            *x = *start + *sum * (dt / 6.0);
+        }
+    }
+
+    /// `A x + b` at one of the three points.
+    #[inline(always)]
+    fn flexible_slope<T: Real>(
+        &self,
+        at: usize,
+        x: &[T; COLUMN],
+        drives: &Drives<T>,
+    ) -> [T; COLUMN] {
+        let [p, q, r, _, _, _, a, b, c, d, e, f, internal @ ..] = x;
+        let (phi, momentum, one) = ([*p, *q, *r], [*a, *b, *c, *d, *e, *f], p.all(1.0));
+        let mut pose = self.pose[at].attitude_times(&phi);
+        add(&mut pose, &self.pose[at].momentum_times(&momentum), one);
+        add(&mut pose, &drives.pose[at], one);
+        let mut push = drives.push[at];
+        if let Some(rows) = self.momentum[at] {
+            add(&mut push, &rows.attitude_times(&phi), one);
+            if rows.is_coupled() {
+                add(&mut push, &rows.momentum_times(&momentum), one);
+            }
+        }
+        let mut own = drives.internal[at];
+        if let Some(rows) = self.modes[at] {
+            let columns = rows.attitude.iter().chain(&rows.momentum);
+            for (column, x) in columns.zip(phi.iter().chain(&momentum)) {
+                add_first(&mut own, column, *x, rows.count);
+            }
+            for (j, x) in internal.iter().enumerate().take(rows.count) {
+                add_first(&mut own, &rows.internal[j], *x, rows.count);
+                add(&mut pose, &rows.pose[j], *x);
+                add(&mut push, &rows.push[j], *x);
+            }
+        }
+        let mut out = [p.all(0.0); COLUMN];
+        out[..HALF].copy_from_slice(&pose);
+        out[HALF..STATE].copy_from_slice(&push);
+        out[STATE..].copy_from_slice(&own);
+        out
+    }
+}
+
+/// `sum += x factor` of the first `count` numbers.
+#[inline(always)]
+fn add_first<T: Real>(sum: &mut [T; INTERNAL], x: &[f64; INTERNAL], factor: T, count: usize) {
+    for (sum, x) in sum.iter_mut().zip(x).take(count) {
+        *sum = *sum + factor * *x;
     }
 }
 

@@ -2,35 +2,38 @@
 //!
 //! Every column has the bits that [`StepRows::carry`] and [`StepRows::carry_pose`] give it alone, but for the signs of zeros.
 
-use super::carry::StepRows;
+use super::carry::{Drives, StepRows};
+use super::modes::Internal;
 use super::rows::{StateRows, add};
-use super::{HALF, STATE};
+use super::{COLUMN, Column, HALF, ModeRows, STATE};
 use crate::algebra::Real;
 use crate::lanes::{Lanes, MOST, Work, in_lanes};
 use fearless_simd::Simd;
 use nalgebra::{SVector, Vector6};
 
-type Column = SVector<f64, STATE>;
-/// Half of `b` for each column at the start, in the middle and at the end of a step.
-type Drive<'a> = [&'a [Vector6<f64>]; 3];
+/// `b` of columns at the start, in the middle and at the end of a step, one for each of them: of pose, momenta and modes. `None` is
+/// zero.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct ColumnDrives<'a> {
+    /// Of the pose.
+    pub pose: Option<[&'a [Vector6<f64>]; 3]>,
+    /// Of the momenta.
+    pub push: Option<[&'a [Vector6<f64>]; 3]>,
+    /// Of the modes.
+    pub internal: Option<[&'a [Internal]; 3]>,
+}
 
 impl StepRows<'_> {
-    /// Carries columns over a step of `dt` seconds. `pose` and `push` are the two halves of `b`, one for each column at the three points;
-    /// `None` is zero. The momenta stay where neither `push` nor [`Self::momentum`] is there.
+    /// Carries columns over a step of `dt` seconds. The momenta stay where neither [`ColumnDrives::push`] nor [`Self::momentum`] is
+    /// there.
     ///
     /// # Panics
     /// A drive has fewer columns than `columns`.
-    pub fn carry_columns(
-        &self,
-        columns: &mut [Column],
-        (pose, push): (Option<Drive>, Option<Drive>),
-        dt: f64,
-    ) {
+    pub fn carry_columns(&self, columns: &mut [Column], drives: ColumnDrives, dt: f64) {
         in_lanes(Carrying {
             rows: self,
             columns,
-            pose,
-            push,
+            drives,
             dt,
         });
     }
@@ -39,8 +42,7 @@ impl StepRows<'_> {
 struct Carrying<'a> {
     rows: &'a StepRows<'a>,
     columns: &'a mut [Column],
-    pose: Option<Drive<'a>>,
-    push: Option<Drive<'a>>,
+    drives: ColumnDrives<'a>,
     dt: f64,
 }
 
@@ -52,13 +54,29 @@ impl Work for Carrying<'_> {
         let Self {
             rows,
             columns,
-            pose,
-            push,
+            drives:
+                ColumnDrives {
+                    pose,
+                    push,
+                    internal,
+                },
             dt,
         } = self;
         let pushed = push.is_some() || rows.momentum.iter().any(Option::is_some);
+        let flexible = rows.modes.iter().any(Option::is_some);
         for first in (0..columns.len()).step_by(Lanes::<S>::COUNT) {
-            let mut x = gather(simd, columns, first);
+            if flexible {
+                let mut x: [Lanes<S>; COLUMN] = gather(simd, columns, first);
+                let drives = Drives {
+                    pose: driven(simd, pose, first),
+                    push: driven(simd, push, first),
+                    internal: driven(simd, internal, first),
+                };
+                rows.carry_flexible(&mut x, &drives, dt);
+                scatter(&x, columns, first);
+                continue;
+            }
+            let mut x: [Lanes<S>; STATE] = gather(simd, columns, first);
             let pose = driven(simd, pose, first);
             if pushed {
                 rows.carry(&mut x, &pose, &driven(simd, push, first), dt);
@@ -78,13 +96,21 @@ impl Work for Carrying<'_> {
 }
 
 impl StateRows {
-    /// Adds [`Self::times`] of each column to its place in `sums`.
-    pub fn add_times_columns(&self, columns: &[Column], sums: &mut [Vector6<f64>]) {
+    /// Adds [`Self::times`] of each column, and of its modes, to its place in `sums`.
+    pub fn add_times_columns(
+        &self,
+        modes: Option<&ModeRows>,
+        columns: &[Column],
+        sums: &mut [Vector6<f64>],
+    ) {
         in_lanes(Multiplying {
             rows: self,
             columns,
-            sums,
+            sums: &mut *sums,
         });
+        for (sum, column) in sums.iter_mut().zip(columns).filter(|_| modes.is_some()) {
+            *sum += modes.map_or_else(Vector6::zeros, |m| m.twist_times(column));
+        }
     }
 }
 
@@ -106,14 +132,16 @@ impl Work for Multiplying<'_> {
         } = self;
         let count = columns.len().min(sums.len());
         for first in (0..count).step_by(Lanes::<S>::COUNT) {
-            let [px, py, pz, _, _, _, a, b, c, d, e, f] = gather(simd, columns, first);
+            let [px, py, pz, _, _, _, a, b, c, d, e, f]: [Lanes<S>; STATE] =
+                gather(simd, columns, first);
             let momentum = [a, b, c, d, e, f];
             let mut sum = rows.attitude_times(&[px, py, pz]);
             let one = px.all(1.0);
             if !rest(&momentum) {
                 add(&mut sum, &rows.momentum_times(&momentum), one);
             }
-            add(&mut sum, &gather(simd, sums, first), one);
+            let own: [Lanes<S>; HALF] = gather(simd, sums, first);
+            add(&mut sum, &own, one);
             scatter(&sum, &mut sums[..count], first);
         }
     }
@@ -127,11 +155,11 @@ fn rest<S: Simd>([a, b, c, d, e, f]: &[Lanes<S>; HALF]) -> bool {
     sum == sum.all(0.0)
 }
 
-/// The columns from `first` on in lanes; beyond the last one, that one again.
+/// The first `N` numbers of the columns from `first` on in lanes; beyond the last one, that one again.
 #[inline(always)]
-fn gather<S: Simd, const N: usize>(
+fn gather<S: Simd, const N: usize, const M: usize>(
     simd: S,
-    columns: &[SVector<f64, N>],
+    columns: &[SVector<f64, M>],
     first: usize,
 ) -> [Lanes<S>; N] {
     let last = columns.len() - 1;
@@ -155,8 +183,12 @@ fn start_of_four(k: usize, n: usize) -> usize {
 }
 
 #[inline(always)]
-fn driven<S: Simd>(simd: S, drive: Option<Drive>, first: usize) -> [[Lanes<S>; HALF]; 3] {
-    let zero = [Lanes::new(simd, 0.0); HALF];
+fn driven<S: Simd, const N: usize>(
+    simd: S,
+    drive: Option<[&[SVector<f64, N>]; 3]>,
+    first: usize,
+) -> [[Lanes<S>; N]; 3] {
+    let zero = [Lanes::new(simd, 0.0); N];
     let Some([begin, middle, end]) = drive else {
         return [zero; 3];
     };
@@ -169,9 +201,9 @@ fn driven<S: Simd>(simd: S, drive: Option<Drive>, first: usize) -> [[Lanes<S>; H
 
 /// Puts the lanes of [`gather`] into the columns from `first` on, as many as there are.
 #[inline(always)]
-fn scatter<S: Simd, const N: usize>(
+fn scatter<S: Simd, const N: usize, const M: usize>(
     x: &[Lanes<S>; N],
-    columns: &mut [SVector<f64, N>],
+    columns: &mut [SVector<f64, M>],
     first: usize,
 ) {
     for k in 0..N.div_ceil(4) {
@@ -209,7 +241,7 @@ mod tests {
             false => 0.0,
         };
         (0..count)
-            .map(|j| Column::from_fn(|k, _| inside(j, k)))
+            .map(|j| Column::from_fn(|k, _| if k < STATE { inside(j, k) } else { 0.0 }))
             .collect()
     }
 
@@ -230,6 +262,7 @@ mod tests {
                 let mut step = StepRows {
                     pose: pose.each_ref(),
                     momentum: [None; 3],
+                    modes: [None; 3],
                 };
                 if case == 3 {
                     step.momentum = torque.each_ref().map(Some);
@@ -237,9 +270,14 @@ mod tests {
                 let push = (case >= 2).then_some([d, e, f]);
                 let mut together = columns(count, momentum);
                 let mut alone = together.clone();
-                step.carry_columns(&mut together, (Some([a, b, c]), push), 0.1);
+                let drives = ColumnDrives {
+                    pose: Some([a, b, c]),
+                    push,
+                    internal: None,
+                };
+                step.carry_columns(&mut together, drives, 0.1);
                 for (j, column) in alone.iter_mut().enumerate() {
-                    let x = &mut column.data.0[0];
+                    let x = column.data.0[0].first_chunk_mut::<STATE>().unwrap();
                     let own = [a, b, c].map(|of| of[j].data.0[0]);
                     match push {
                         Some(push) => step.carry(x, &own, &push.map(|of| of[j].data.0[0]), 0.1),
@@ -252,7 +290,7 @@ mod tests {
                 }
                 assert_eq!(together, alone, "{count} columns, case {case}");
                 let mut sums = a[..count].to_vec();
-                pose[0].add_times_columns(&together, &mut sums);
+                pose[0].add_times_columns(None, &together, &mut sums);
                 let one = |(x, own): (&Column, &Vector6<f64>)| pose[0].times(x) + own;
                 assert_eq!(sums, together.iter().zip(a).map(one).collect::<Vec<_>>());
             }

@@ -87,6 +87,30 @@ impl<T: Real> LockedVehicle<T> {
         })
     }
 
+    /// The vehicle with deflected modes: its mass centre moves by `dc`, its inertia by `dI`; `turning` is what of it follows the base
+    /// at once, and the modes have the momentum `h`.
+    pub(super) fn deflected(
+        &self,
+        dc: &V3<T>,
+        dI: &Symmetric<T>,
+        (held, h): (&Symmetric<T>, &V3<T>),
+    ) -> Option<Self> {
+        let turning = self.turning.plus(dI).minus(held);
+        Some(Self {
+            c: self.c + *dc,
+            I_SScm: self.I_SScm.plus(dI),
+            turning,
+            inverse: turning.inverse()?,
+            h_joints: self.h_joints + *h - dc.cross(&self.l_joints),
+            ..*self
+        })
+    }
+
+    /// Mass, mass centre and momentum of the joints.
+    pub(super) fn parts(&self) -> (T, V3<T>, V3<T>) {
+        (self.mass, self.c, self.l_joints)
+    }
+
     /// About the mass centre the equations decouple: `I w = h - h_joints`, `v = (l - l_joints) / m - w x c`.
     #[inline(always)]
     pub fn base_motion(&self, state: &PoseMomentum<T>) -> BaseMotion<T> {

@@ -19,15 +19,22 @@ mod carry;
 #[cfg(feature = "std")]
 mod columns;
 mod locked;
+mod modes;
 mod rows;
 mod state;
 mod vehicle;
 
 pub use carry::StepRows;
+#[cfg(feature = "std")]
+pub use columns::ColumnDrives;
 pub use locked::{BaseMotion, LockedVehicle, MassCentre};
+pub use modes::{
+    BodyChange, Flexibility, FlexibleChange, FlexibleMotion, FlexibleRate, FlexibleState, INTERNAL,
+    Internal, MOST_MODES, Mode, ModeNumber, ModeRows, PerMode,
+};
 pub use rows::{Matrix6x12, StateRows, pose_change};
 pub use state::{
-    PoseMomentum, PoseMomentumRate, Rates, StepPoint, runge_kutta_step, state_in_middle,
+    Moving, PoseMomentum, PoseMomentumRate, Rates, StepPoint, runge_kutta_step, state_in_middle,
 };
 pub use vehicle::{Inputs, Linearisation, Propagation, StepError};
 
@@ -35,3 +42,7 @@ pub use vehicle::{Inputs, Linearisation, Propagation, StepError};
 pub const STATE: usize = 12;
 /// Numbers of a twist, or of half a change of the state.
 pub const HALF: usize = 6;
+/// Numbers of a [`Column`].
+pub const COLUMN: usize = STATE + INTERNAL;
+/// Change of the state with a number: of pose and momentum, then of the modes.
+pub type Column = nalgebra::SVector<f64, COLUMN>;

@@ -2,11 +2,11 @@
 
 use super::locked::{BaseMotion, stack};
 use super::state::PoseMomentum;
-use super::{HALF, STATE};
+use super::{Column, HALF, STATE};
 use crate::algebra::{M3, Real, V3};
 use crate::quaternion;
 use core::ops::Mul;
-use nalgebra::{Matrix3, SMatrix, SVector, Vector3, Vector6};
+use nalgebra::{Matrix3, SMatrix, Vector3, Vector6};
 
 /// Six rows over a change of the state, position included.
 pub type Matrix6x12 = SMatrix<f64, HALF, STATE>;
@@ -109,6 +109,11 @@ impl StateRows {
         }
     }
 
+    /// The columns of attitude and momenta.
+    pub(super) fn columns_mut(&mut self) -> (&mut [[f64; HALF]], &mut [[f64; HALF]]) {
+        (&mut self.attitude, &mut self.momentum)
+    }
+
     /// All twelve columns.
     pub fn matrix(&self) -> Matrix6x12 {
         let mut rows = Matrix6x12::zeros();
@@ -119,8 +124,9 @@ impl StateRows {
 
     /// `rows x` for a change `x` of the state.
     #[inline]
-    pub fn times(&self, x: &SVector<f64, STATE>) -> Vector6<f64> {
-        let ([phi_x, phi_y, phi_z, ..], momentum) = halves(&x.data.0[0]);
+    pub fn times(&self, x: &Column) -> Vector6<f64> {
+        let [phi_x, phi_y, phi_z, _, _, _, a, b, c, d, e, f, ..] = &x.data.0[0];
+        let momentum = &[*a, *b, *c, *d, *e, *f];
         let mut sum = self.attitude_times(&[*phi_x, *phi_y, *phi_z]);
         if *momentum != [0.0; HALF] {
             add(&mut sum, &self.momentum_times(momentum), 1.0);

@@ -129,10 +129,44 @@ pub enum StepPoint {
     End,
 }
 
+/// A state that moves along its rate.
+pub trait Moving: Copy {
+    /// Its time derivative.
+    type Rate: Copy;
+
+    /// The state after `dt` seconds at a constant rate.
+    fn after(&self, rate: &Self::Rate, dt: f64) -> Self;
+
+    /// `rate + other * factor`.
+    fn sum(rate: &Self::Rate, other: &Self::Rate, factor: f64) -> Self::Rate;
+
+    /// `to - self`.
+    fn until(&self, to: &Self) -> Self::Rate;
+}
+
+impl<T: Real> Moving for PoseMomentum<T> {
+    type Rate = PoseMomentumRate<T>;
+
+    #[inline(always)]
+    fn after(&self, rate: &Self::Rate, dt: f64) -> Self {
+        self.moved(rate, dt)
+    }
+
+    #[inline(always)]
+    fn sum(rate: &Self::Rate, other: &Self::Rate, factor: f64) -> Self::Rate {
+        rate.plus(other, factor)
+    }
+
+    #[inline(always)]
+    fn until(&self, to: &Self) -> Self::Rate {
+        self.difference(to)
+    }
+}
+
 /// What moves a vehicle within a step.
-pub trait Rates<T: Real = f64> {
+pub trait Rates<S: Moving = PoseMomentum> {
     /// Rate of a state at a time of the step; `None` ends the step.
-    fn rate(&mut self, at: StepPoint, state: &PoseMomentum<T>) -> Option<PoseMomentumRate<T>>;
+    fn rate(&mut self, at: StepPoint, state: &S) -> Option<S::Rate>;
 }
 
 /// One step of the classical Runge-Kutta rule of fourth order. `rate` is that of `start`; the rates in the middle are asked for
@@ -151,17 +185,17 @@ pub trait Rates<T: Real = f64> {
 /// assert!((end.P.x - 12.0).abs() < 1.0e-12);
 /// ```
 #[inline(always)]
-pub fn runge_kutta_step<T: Real>(
-    start: &PoseMomentum<T>,
-    rate: &PoseMomentumRate<T>,
+pub fn runge_kutta_step<S: Moving>(
+    start: &S,
+    rate: &S::Rate,
     dt: f64,
-    rates: &mut impl Rates<T>,
-) -> Option<PoseMomentum<T>> {
-    let b = rates.rate(StepPoint::Middle, &start.moved(rate, 0.5 * dt))?;
-    let c = rates.rate(StepPoint::Middle, &start.moved(&b, 0.5 * dt))?;
-    let d = rates.rate(StepPoint::End, &start.moved(&c, dt))?;
-    let sum = rate.plus(&b, 2.0).plus(&c, 2.0).plus(&d, 1.0);
-    Some(start.moved(&sum, dt / 6.0))
+    rates: &mut impl Rates<S>,
+) -> Option<S> {
+    let b = rates.rate(StepPoint::Middle, &start.after(rate, 0.5 * dt))?;
+    let c = rates.rate(StepPoint::Middle, &start.after(&b, 0.5 * dt))?;
+    let d = rates.rate(StepPoint::End, &start.after(&c, dt))?;
+    let sum = S::sum(&S::sum(rate, &b, 2.0), &c, 2.0);
+    Some(start.after(&S::sum(&sum, &d, 1.0), dt / 6.0))
 }
 
 /// The state in the middle of a step: on the cubic through states and rates at both ends, as good as the step itself.
@@ -180,14 +214,12 @@ pub fn runge_kutta_step<T: Real>(
 /// assert!((middle.p_NoBo_N.x - 4.0).abs() < 1.0e-12);
 /// ```
 #[inline(always)]
-pub fn state_in_middle<T: Real>(
-    (start, rate_at_start): (&PoseMomentum<T>, &PoseMomentumRate<T>),
-    (end, rate_at_end): (&PoseMomentum<T>, &PoseMomentumRate<T>),
+pub fn state_in_middle<S: Moving>(
+    (start, rate_at_start): (&S, &S::Rate),
+    (end, rate_at_end): (&S, &S::Rate),
     dt: f64,
-) -> PoseMomentum<T> {
-    let half = start.difference(end);
-    let bend = half
-        .plus(rate_at_start, 0.25 * dt)
-        .plus(rate_at_end, -0.25 * dt);
-    start.moved(&bend, 0.5)
+) -> S {
+    let half = start.until(end);
+    let bend = S::sum(&half, rate_at_start, 0.25 * dt);
+    start.after(&S::sum(&bend, rate_at_end, -0.25 * dt), 0.5)
 }

@@ -282,7 +282,7 @@ struct OverPoints<'p, T> {
     wrench: Option<&'p Wrench<T>>,
 }
 
-impl<T: Real> Rates<T> for OverPoints<'_, T> {
+impl<T: Real> Rates<PoseMomentum<T>> for OverPoints<'_, T> {
     #[inline(always)]
     fn rate(&mut self, at: StepPoint, state: &PoseMomentum<T>) -> Option<PoseMomentumRate<T>> {
         let [begin, middle, end] = self.points;
@@ -473,6 +473,7 @@ impl<'a, T: Real> Propagation<'a, T> {
                     middle.momentum.as_ref(),
                     end.momentum.as_ref(),
                 ],
+                modes: [None; 3],
             },
             pushed,
             zero,

@@ -10,6 +10,7 @@ mod exact_driven;
 mod exact_gravity_gradient;
 mod exact_joint_plans;
 mod exact_measurements;
+mod exact_modes;
 mod exact_motions;
 mod exact_propellant;
 mod kernels;

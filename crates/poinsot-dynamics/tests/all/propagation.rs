@@ -364,6 +364,7 @@ fn xval_steps_follow_the_simulated_motion() {
         propellant: None,
     };
     let vehicle = Vehicle {
+        modes: Vec::new(),
         tree: tree.clone(),
         bodies: bodies.clone(),
         spin_inertia: vec![0.1],

@@ -17,6 +17,7 @@ mod naming;
 mod noise_models;
 pub(crate) mod octaves;
 mod onset;
+pub(crate) mod oscillation;
 mod projected;
 mod pulse;
 mod score;

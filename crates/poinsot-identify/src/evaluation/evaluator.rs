@@ -182,6 +182,13 @@ impl<'a> Evaluator<'a> {
                     unit,
                 }));
             }
+            for mode in &problem.model.modes {
+                let parts = [("amplitude", "kg^0.5 m"), ("momentum", "kg^0.5 m/s")];
+                unknowns.extend(parts.map(|(part, unit)| EvaluatedUnknown {
+                    name: format!("{}.start.{}.{part}", segment.label, mode.name),
+                    unit,
+                }));
+            }
         }
         unknowns.extend(parameters.unknowns.iter().map(|u| EvaluatedUnknown {
             name: u.name.clone(),
@@ -407,6 +414,13 @@ fn values(initial_state: &InitialState, columns: &InitialStateColumns) -> Vec<f6
     .into_iter()
     .filter(|(wanted, _)| *wanted)
     .flat_map(|(_, v)| [v.x, v.y, v.z])
+    .chain(
+        initial_state
+            .internal
+            .iter()
+            .take(2 * columns.modes)
+            .copied(),
+    )
     .collect()
 }
 
@@ -419,6 +433,9 @@ fn put(initial_state: &mut InitialState, columns: &InitialStateColumns, values: 
     initial_state.p_NoBo_N = take(columns.position).unwrap_or(initial_state.p_NoBo_N);
     initial_state.P = take(columns.linear).unwrap_or(initial_state.P);
     initial_state.h_SScm_N = take(columns.angular).unwrap_or(initial_state.h_SScm_N);
+    let own = values.iter().skip(columns.count() - 2 * columns.modes);
+    let internal = initial_state.internal.iter_mut();
+    internal.zip(own).for_each(|(x, value)| *x = *value);
     turn
 }
 

@@ -27,7 +27,10 @@ use crate::problem::settings::Settings;
 use crate::problem::shifted_vehicle::ShiftedVehicle;
 use known_columns::columns_at;
 use nalgebra::UnitQuaternion;
-use poinsot_dynamics::{Kinematics, SensorError, composite, momentum, wheel_momentum};
+use poinsot_dynamics::propagation::{Flexibility, Internal, LockedVehicle, PoseMomentum};
+use poinsot_dynamics::{
+    Kinematics, SensorError, composite, composite_and_momentum, momentum, wheel_momentum,
+};
 use poinsot_files::Faults;
 use poinsot_model::{MomentumKnowledge, Thruster};
 use poinsot_solve::{BlockQr, Spectrum, Triangle};
@@ -97,7 +100,7 @@ impl<'a> Experiment<'a> {
             unknown: problem
                 .segments
                 .iter()
-                .map(|s| InitialStateColumns::of(s, &problem.model.momentum, measured_motion))
+                .map(|s| InitialStateColumns::of(s, problem.model, measured_motion))
                 .collect(),
             measured_motion,
             settings: Settings::default(),
@@ -387,7 +390,7 @@ impl<'a> Experiment<'a> {
         let all = self.parameters.unknowns.iter();
         let nuisances = all.filter(|u| u.kind.is_nuisance());
         nuisances
-            .map(|u| u.kind.largest(self.problem.segments))
+            .map(|u| u.kind.largest(u.natural, self.problem.segments))
             .collect()
     }
 
@@ -452,11 +455,19 @@ impl<'a> Experiment<'a> {
             // Without a translation sensor N may move with the mass centre.
             MeasuredMotion::Rotation => Vector3::zeros(),
         };
-        InitialState {
+        let rigid = PoseMomentum {
             R_NB: R,
             p_NoBo_N: Vector3::zeros(),
             P: linear,
             h_SScm_N: pick(given.angular, R * (h - c.cross(&l))),
+        };
+        kinematics.set_velocities(tree, &Vector3::zeros(), &Vector3::zeros(), rates);
+        let (whole, still) = composite_and_momentum(&bodies, &kinematics);
+        let locked = LockedVehicle::new(&whole, &whole, &still);
+        let flexible = locked.and_then(|l| Flexibility::new(&vehicle.modes, &kinematics, &l));
+        InitialState {
+            rigid,
+            internal: flexible.map_or_else(Internal::zeros, |f| f.at_rest(&w)),
         }
     }
 

@@ -377,6 +377,8 @@ pub(crate) fn moved(
             new.p_NoBo_N += take(unknown.position);
             new.P += take(unknown.linear);
             new.h_SScm_N += take(unknown.angular);
+            let own = d.iter().skip(unknown.count() - 2 * unknown.modes);
+            new.internal.iter_mut().zip(own).for_each(|(x, d)| *x += d);
             new
         })
         .collect();

@@ -16,6 +16,7 @@ use crate::problem::segment::{
 use crate::sensors::ideal_measurement;
 use nalgebra::{Matrix2, UnitQuaternion, Vector3};
 use poinsot_dynamics::Tree;
+use poinsot_dynamics::propagation::PoseMomentum;
 use poinsot_model::{SensorKind, parse_model};
 
 /// How the problem is put.
@@ -104,12 +105,12 @@ fn gaps(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> Gaps {
     };
     let parameters = Parameters::new(&model, &tree, Equations::Momentum, true).unwrap();
     // The start must not follow what the readings say.
-    let initial_state = InitialState {
+    let initial_state = InitialState::from(PoseMomentum {
         R_NB: UnitQuaternion::from_euler_angles(0.1, 0.2, -0.3),
         p_NoBo_N: Vector3::zeros(),
         P: Vector3::new(1.0, 2.0, -1.0) * f64::from(u8::from(translation)),
         h_SScm_N: Vector3::new(0.4, -0.3, 0.5),
-    };
+    });
     let predicted = |segment: &Segment, initial_state: &InitialState| {
         let spin = [0.002];
         let x = parameters.nominal_vector();
@@ -120,6 +121,7 @@ fn gaps(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> Gaps {
         let (mut state, _) = start(
             initial_state,
             InitialStateColumns {
+                modes: 0,
                 attitude: false,
                 position: false,
                 linear: false,

@@ -4,6 +4,7 @@ use crate::motion::Column;
 /// Pose and momentum at the first grid time; angular momentum about the system's mass centre, all in N.
 pub(crate) use crate::motion::State as InitialState;
 use crate::problem::segment::{Segment, SensorRecord};
+use poinsot_dynamics::propagation::STATE;
 use poinsot_model::{MomentumKnowledge, SensorKind};
 
 /// Unknown parts of the initial state: a column for each component.
@@ -13,6 +14,8 @@ pub(crate) struct InitialStateColumns {
     pub position: bool,
     pub linear: bool,
     pub angular: bool,
+    /// Number of modes, whose amplitudes and momenta are unknown.
+    pub modes: usize,
 }
 
 impl InitialStateColumns {
@@ -21,10 +24,10 @@ impl InitialStateColumns {
     /// One that is taken as exact is known, at its first sample.
     pub fn of(
         segment: &Segment,
-        momentum: &poinsot_model::Momentum,
+        model: &poinsot_model::Model,
         measured_motion: MeasuredMotion,
     ) -> Self {
-        let o = &segment.observations;
+        let (o, momentum, modes) = (&segment.observations, &model.momentum, model.modes.len());
         let seen = measured_motion == MeasuredMotion::Translation;
         let noisy = |kind| !o.of_kind(kind).any(SensorRecord::is_exact);
         Self {
@@ -36,6 +39,7 @@ impl InitialStateColumns {
             position: seen && o.reads(SensorKind::Position) && noisy(SensorKind::Position),
             linear: seen && momentum.linear == MomentumKnowledge::Estimate,
             angular: momentum.angular == MomentumKnowledge::Estimate,
+            modes,
         }
     }
 
@@ -44,7 +48,8 @@ impl InitialStateColumns {
         [self.attitude, self.position, self.linear, self.angular]
             .iter()
             .map(|b| 3 * usize::from(*b))
-            .sum()
+            .sum::<usize>()
+            + 2 * self.modes
     }
 
     /// First column of the linear and of the angular momentum.
@@ -86,6 +91,11 @@ pub(crate) fn start(
             column[3 * part + k] = 1.0;
             columns.push(column);
         }
+    }
+    for number in 0..2 * unknown.modes {
+        let mut column = Column::zeros();
+        column[STATE + number] = 1.0;
+        columns.push(column);
     }
     columns.resize(unknown.count() + unknowns, Column::zeros());
     (*initial_state, columns)

@@ -5,7 +5,6 @@
 //! not in the regressor, so there is no attenuation. Levenberg-Marquardt on the triangle of the shared unknowns;
 //! unobservable directions do not move.
 
-use crate::answer;
 use crate::certify::continuation::unobservable_set;
 use crate::diagnosis::conflict::{self, priors_against_data};
 use crate::diagnosis::octaves::{consistent, octaves};
@@ -33,50 +32,13 @@ use crate::problem::segment::Segment;
 use crate::problem::settings::Settings;
 use crate::problem::shifted_vehicle::ShiftedVehicle;
 use crate::problem::{Problem, ProblemError};
-use crate::solution::estimate::{ChannelFit, Estimate, SegmentFit};
+use crate::solution::estimate::{ChannelFit, SegmentFit};
 use crate::solution::evidence::{Effect, Remark};
 use crate::solution::solved::{OfLikelihood, Solution, StartOfSegment, VectorQuantity};
 use crate::solution::unobservable_set::UnobservableSet;
 use poinsot_model::{EstimateSet, MomentumKnowledge};
 use poinsot_solve::Spectrum;
 use poinsot_spatial::Vector3;
-
-/// Identifies by maximum likelihood, started from the linear solution where there is one.
-///
-/// # Errors
-/// The model or the data are not valid for the method. Undetermined numbers are an answer, not an error.
-///
-/// ```
-#[doc = include_str!("../../doc/spun_box.txt")]
-/// // A box whose wheel runs up about z; the gyro shows how the box answers.
-/// let estimate = maximum_likelihood(&problem)?;
-/// assert_eq!(estimate.status, Status::Partial);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-pub fn maximum_likelihood(problem: &Problem) -> Result<Estimate, ProblemError> {
-    maximum_likelihood_with(problem, Loss::Gaussian)
-}
-
-/// The same with other settings; a [`Loss`] alone bounds what a few bad samples can do.
-///
-/// # Errors
-/// As [`maximum_likelihood`], or a setting is out of its range.
-///
-/// ```
-#[doc = include_str!("../../doc/spun_box.txt")]
-/// // A box whose wheel runs up about z; the gyro shows how the box answers.
-/// // A robust loss, with the default of every other setting.
-/// let estimate = maximum_likelihood_with(&problem, Loss::from_name("huber").unwrap())?;
-/// assert_eq!(estimate.status, Status::Partial);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-pub fn maximum_likelihood_with(
-    problem: &Problem,
-    settings: impl Into<Settings>,
-) -> Result<Estimate, ProblemError> {
-    let ended = solve(problem, settings.into())?;
-    Ok(answer::write(problem, &ended.solution))
-}
 
 /// The solution of a problem.
 pub(crate) struct FinishedFit {
@@ -107,14 +69,24 @@ impl FinishedFit {
 
 /// The solved problem, and where the fit ended.
 pub(crate) fn solve(problem: &Problem, settings: Settings) -> Result<FinishedFit, ProblemError> {
+    solve_from(problem, settings, None)
+}
+
+/// The same from a point near the solution, where one is known.
+pub(super) fn solve_from(
+    problem: &Problem,
+    settings: Settings,
+    near: Option<Iterate>,
+) -> Result<FinishedFit, ProblemError> {
     settings.validate()?;
     problem.check_samples()?;
     problem.check_observations()?;
     let LinearStart { parameters, linear } = LinearStart::new(problem)?;
     problem.check_known_numbers()?;
+    problem.check_modes()?;
     let mut experiment = Experiment::new(problem, &parameters);
     experiment.settings = settings;
-    let start = linear.as_ref().map(|solution| solution.point(&experiment));
+    let start = near.or_else(|| linear.as_ref().map(|solution| solution.point(&experiment)));
 
     // The alternatives of what inputs do between their samples, each from the end of the best one before it.
     let explains = |fitted: &Fitted| consistent(&fitted.evaluated, &settings);
@@ -191,13 +163,13 @@ pub(crate) fn solve(problem: &Problem, settings: Settings) -> Result<FinishedFit
 }
 
 /// The unknowns, and the linear solution in them where there is one.
-struct LinearStart {
-    parameters: Parameters,
+pub(super) struct LinearStart {
+    pub parameters: Parameters,
     linear: Option<Solution>,
 }
 
 impl LinearStart {
-    fn new(problem: &Problem) -> Result<Self, ProblemError> {
+    pub fn new(problem: &Problem) -> Result<Self, ProblemError> {
         let mut linear = match solve_linear(problem) {
             Ok(linear) => linear,
             Err(fault) if fault.code() == NO_VELOCITY => {

@@ -1,6 +1,7 @@
 //! The methods, each from top to bottom.
 
 pub(crate) mod cramer_rao;
+pub(crate) mod flexible;
 pub(crate) mod linear;
 pub(crate) mod maximum_likelihood;
 pub(crate) mod twist_residual;

@@ -7,7 +7,7 @@ use super::grid::{TURN, joint_frequency};
 use super::variation::StepEquation;
 use super::{Instant, Motion, State};
 use poinsot_dynamics::propagation::{
-    PoseMomentumRate, Rates, StepPoint, runge_kutta_step, state_in_middle,
+    FlexibleRate, Internal, PoseMomentumRate, Rates, StepPoint, runge_kutta_step, state_in_middle,
 };
 use poinsot_spatial::Vector3;
 use std::sync::Arc;
@@ -20,8 +20,8 @@ struct WithinStep<'m, 'a> {
     at: StepPoint,
 }
 
-impl Rates for WithinStep<'_, '_> {
-    fn rate(&mut self, at: StepPoint, state: &State) -> Option<PoseMomentumRate> {
+impl Rates<State> for WithinStep<'_, '_> {
+    fn rate(&mut self, at: StepPoint, state: &State) -> Option<FlexibleRate> {
         let motion = &mut *self.motion;
         if at != self.at {
             self.at = at;
@@ -133,7 +133,7 @@ impl Motion<'_> {
         Some(end)
     }
 
-    fn rate(&self, state: &State, instant: &Instant, k: usize) -> PoseMomentumRate {
+    fn rate(&self, state: &State, instant: &Instant, k: usize) -> FlexibleRate {
         let (mut force, mut torque) = (Vector3::zeros(), Vector3::zeros());
         if self.has_external_wrench(k) {
             torque = self.environment_torque(state, &instant.twist.w, &instant.centre);
@@ -144,6 +144,12 @@ impl Motion<'_> {
             let (l_out, h_out) = self.momentum_loss(instant, k);
             (force, torque) = (force - l_out, torque - h_out);
         }
-        PoseMomentumRate::new(state, &instant.twist, (&force, &torque))
+        let flexible = self.input_state.flexible.as_ref();
+        FlexibleRate {
+            rigid: PoseMomentumRate::new(state, &instant.twist, (&force, &torque)),
+            internal: flexible.map_or_else(Internal::zeros, |f| {
+                f.rate(instant, &state.internal, &force)
+            }),
+        }
     }
 }

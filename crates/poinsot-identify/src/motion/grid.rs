@@ -14,6 +14,8 @@ pub(super) const TURN: f64 = 0.02;
 /// Largest phase of nutation about stored momentum in a step, rad. The end of a fit refines it if the sensors are more
 /// accurate.
 const NUTATION: f64 = 0.06;
+/// Phase of nutation that counts as much as one of a flexible mode.
+const OSCILLATION: f64 = 0.5;
 /// Phase of motion in an interval from which the relative speed of a wheel is not straight within it, rad: the bend is an
 /// eighth of its square.
 const BEND: f64 = 0.1;
@@ -63,6 +65,8 @@ impl Frequencies {
         let mut whole = place(&mut kinematics, 0);
         let length = gyration(&whole);
         let base = measured_rate(o);
+        let modes = vehicle.modes.iter().map(|m| m.frequency_Hz);
+        let modes = OSCILLATION * std::f64::consts::TAU * modes.fold(0.0, f64::max);
         let mut all = Self {
             turn: Vec::with_capacity(base.len()),
             nutation: Vec::with_capacity(base.len()),
@@ -81,7 +85,7 @@ impl Frequencies {
             });
             let joints = joint_frequency(tree, rates, length);
             all.turn.push(finite(w + joints + orbit));
-            all.nutation.push(finite(nutation));
+            all.nutation.push(finite(nutation + modes));
         }
         all
     }

@@ -34,6 +34,7 @@ impl Motion<'_> {
     pub(super) fn inputs(&mut self, k: usize, at: f64) {
         self.set_orbit(k, at);
         let input_state = &mut self.input_state;
+        input_state.interval = k;
         fill_inputs(self.observations, self.vehicle, k, at, input_state);
         input_state.changes.clear();
         let t = time_at(&self.observations.time_s, k, at);

@@ -9,9 +9,13 @@
 
 use super::{Column, Instant, Matrix6x12, Motion, State, matrix, pose_change};
 use crate::problem::parameters::UnknownKind;
-use poinsot_dynamics::propagation::{StateRows, StepRows};
+use poinsot_dynamics::propagation::{
+    BodyChange, ColumnDrives, Flexibility, FlexibleChange, Internal, ModeNumber, ModeRows,
+    StateRows, StepRows,
+};
 use poinsot_dynamics::{body_regressor, wheel_regressor};
 use poinsot_spatial::{Vector3, Vector6};
+use std::borrow::Cow;
 
 /// Change of the pose around one instant.
 #[derive(Clone, Default)]
@@ -25,6 +29,10 @@ pub(crate) struct Variation {
     pub(super) drive: Vec<Vector6>,
     /// The same per wheel, for a unit of its axial momentum per spin inertia, where wheels run along a chord.
     chord: Vec<Vector6>,
+    /// The rows of the modes, where there are any, and the rest of `b` for each unknown and wheel.
+    pub(super) modes: Option<Box<ModeRows>>,
+    pub(super) internal: Vec<Internal>,
+    chord_internal: Vec<Internal>,
 }
 
 /// Change of the momentum around one instant by external forces and torques.
@@ -33,6 +41,8 @@ pub(super) struct MomentumVariation {
     momentum: Option<StateRows>,
     /// The lower half of `b`, per unknown.
     pub(super) drive: Vec<Vector6>,
+    /// What the change of a force adds to that of the modes, per unknown; empty where there are none.
+    internal: Vec<Internal>,
 }
 
 impl Variation {
@@ -41,12 +51,16 @@ impl Variation {
         let (start, unknowns) = out.split_at_mut(initial);
         start.fill(Vector6::zeros());
         unknowns.copy_from_slice(&self.twists);
-        self.map.add_times_columns(columns, out);
+        self.map
+            .add_times_columns(self.modes.as_deref(), columns, out);
     }
 
     /// Change of the twist with a column, that of the given unknown.
     pub fn twist(&self, column: &Column, unknown: Option<usize>) -> Vector6 {
-        self.map.times(column) + unknown.map_or_else(Vector6::zeros, |u| self.twists[u])
+        let modes = self.modes.as_deref();
+        self.map.times(column)
+            + modes.map_or_else(Vector6::zeros, |m| m.twist_times(column))
+            + unknown.map_or_else(Vector6::zeros, |u| self.twists[u])
     }
 }
 
@@ -75,6 +89,7 @@ impl StepEquation<'_> {
         StepRows {
             pose: self.variation.map(|v| &v.pose),
             momentum,
+            modes: self.variation.map(|v| v.modes.as_deref()),
         }
     }
 
@@ -87,7 +102,8 @@ impl StepEquation<'_> {
         dt: f64,
     ) {
         let rows = self.rows();
-        rows.carry_columns(start, (None, None), dt);
+        rows.carry_columns(start, ColumnDrives::default(), dt);
+        let internal = self.internal();
         let turned = rows.momentum.iter().any(Option::is_some);
         let of = |u: usize| match &self.push {
             _ if !moving[u] => Moves::Nothing,
@@ -106,26 +122,52 @@ impl StepEquation<'_> {
             if moves == Moves::Nothing {
                 continue;
             }
-            let pose = self.variation.map(|v| &v.drive[run.clone()]);
             let push = self.push.as_ref();
             let push = push.filter(|_| moves == Moves::PoseAndMomentum);
-            let push = push.map(|push| push.each_ref().map(|p| &p.drive[run.clone()]));
-            rows.carry_columns(&mut unknowns[run], (Some(pose), push), dt);
+            let drives = ColumnDrives {
+                pose: Some(self.variation.map(|v| &v.drive[run.clone()])),
+                push: push.map(|push| push.each_ref().map(|p| &p.drive[run.clone()])),
+                internal: internal
+                    .as_ref()
+                    .map(|i| i.each_ref().map(|of| &of[run.clone()])),
+            };
+            rows.carry_columns(&mut unknowns[run], drives, dt);
         }
+    }
+
+    /// `b` of the modes for every unknown, where there are any.
+    fn internal(&self) -> Option<[Cow<'_, [Internal]>; 3]> {
+        self.variation[0].modes.as_ref()?;
+        Some([0, 1, 2].map(|at| {
+            let own = self.variation[at].internal.as_slice();
+            let Some(push) = self.push.as_ref().map(|p| p[at].internal.as_slice()) else {
+                return Cow::Borrowed(own);
+            };
+            Cow::Owned(own.iter().zip(push).map(|(a, b)| a + b).collect())
+        }))
     }
 
     /// Carries the column of a chord over a step of dt; `wheels` are the wheel and its share of the chord's unit at the start, in
     /// the middle and at the end of it.
     pub fn carry_chord(&self, column: &mut Column, wheels: [(usize, f64); 3], dt: f64) {
+        // At the ends of an interval speeds are measured: no chord.
         let drive = [0, 1, 2].map(|at| {
             let (wheel, share) = wheels[at];
-            // At the ends of an interval speeds are measured: no chord.
             let unit = self.variation[at].chord.get(wheel);
             [unit.map_or_else(Vector6::zeros, |unit| unit * share)]
         });
-        let drive = Some(drive.each_ref().map(|of| of.as_slice()));
+        let internal = [0, 1, 2].map(|at| {
+            let (wheel, share) = wheels[at];
+            let unit = self.variation[at].chord_internal.get(wheel);
+            [unit.map_or_else(Internal::zeros, |unit| unit * share)]
+        });
+        let drives = ColumnDrives {
+            pose: Some(drive.each_ref().map(|of| of.as_slice())),
+            push: None,
+            internal: Some(internal.each_ref().map(|of| of.as_slice())),
+        };
         let column = std::slice::from_mut(column);
-        self.rows().carry_columns(column, (drive, None), dt);
+        self.rows().carry_columns(column, drives, dt);
     }
 }
 
@@ -166,14 +208,92 @@ impl Motion<'_> {
 
         let R = matrix(&state.R_NB);
         out.map = instant.twist_rows(state);
+        self.follow_modes(state, instant, out);
         out.pose = instant.pose_rows(state, &out.map);
         out.drive.clear();
         let drive = out.twists.iter().map(|twist| pose_change(&R, twist));
         out.drive.extend(drive);
         out.chord.clear();
         let wheels = 0..self.input_state.free.len();
-        out.chord
-            .extend(wheels.map(|wheel| pose_change(&R, &self.wheel_gain(instant, wheel))));
+        out.chord_internal.clear();
+        for wheel in wheels {
+            let gain = self.wheel_gain(instant, wheel);
+            let at = (instant, &state.internal);
+            let change = match &self.input_state.flexible {
+                Some(flexible) => flexible.with_bodies(at, &gain, &BodyChange::default()),
+                None => FlexibleChange::of_twist(gain),
+            };
+            out.chord.push(pose_change(&R, &change.twist));
+            out.chord_internal.push(self.mode_rates(instant, &change));
+        }
+    }
+
+    /// The modes follow what the unknowns do to the base.
+    fn follow_modes(&self, state: &State, instant: &Instant, out: &mut Variation) {
+        out.internal.clear();
+        let Some(flexible) = &self.input_state.flexible else {
+            return;
+        };
+        let force = self.force_now(instant);
+        out.modes = Some(Box::new(flexible.rows(
+            instant,
+            &state.rigid,
+            &mut out.map,
+            &force,
+        )));
+        for (unknown, twist) in out.twists.iter_mut().enumerate() {
+            let (mut push, mut lighter) = (None, 0.0);
+            let change = match &self.vehicle.kinds[unknown] {
+                UnknownKind::Mode(k, number) => {
+                    let at = (instant, &state.internal);
+                    let (change, own) = flexible.with_number(at, (*k, *number), &force);
+                    push = Some((2 * k + 1, own));
+                    change
+                }
+                _ => {
+                    let of = self.body_change(unknown, instant);
+                    lighter = -of.dm / instant.centre.mass;
+                    flexible.with_bodies((instant, &state.internal), twist, &of)
+                }
+            };
+            *twist = change.twist;
+            let mut rate = flexible.rate_change(instant, &change, &(force * lighter));
+            if let Some((at, own)) = push {
+                rate[at] += own;
+            }
+            out.internal.push(rate);
+        }
+    }
+
+    /// What an unknown does to the bodies, at the velocities set last.
+    fn body_change(&self, unknown: usize, instant: &Instant) -> BodyChange {
+        let factor = self.slope_factor(unknown);
+        let k = &self.input_state.kinematics;
+        let mut of = BodyChange {
+            dc: self.mass_centre_change((unknown, factor), instant),
+            ..BodyChange::default()
+        };
+        for &(at, slope) in &self.vehicle.slopes[unknown] {
+            let (body, size) = (at / 10, slope * factor);
+            let turn = k.w[body] - k.w[0];
+            match at % 10 {
+                0 => {
+                    of.dm += size;
+                    of.dl_joints += (k.v[body] - k.v[0] - k.w[0].cross(&k.p[body])) * size;
+                }
+                axis @ 1..=3 => of.dl_joints += turn.cross(&k.R[body].column(axis - 1)) * size,
+                _ => {}
+            }
+        }
+        of
+    }
+
+    /// Change of the modes' rates with a change of the motion.
+    fn mode_rates(&self, instant: &Instant, change: &FlexibleChange) -> Internal {
+        let flexible = self.input_state.flexible.as_ref();
+        flexible.map_or_else(Internal::zeros, |f| {
+            f.rate_change(instant, change, &Vector3::zeros())
+        })
     }
 
     /// Slopes of the pose's rate over the state: the upper half of `A`.
@@ -253,12 +373,17 @@ impl Motion<'_> {
         let mut drives = self.spare.drive();
         let (centre, w) = (&instant.centre, &instant.twist.w);
         let (R, still) = (matrix(&state.R_NB), Vector3::zeros());
+        let flexible = self.input_state.flexible.as_ref();
         let drive = |(u, twist): (usize, &Vector6)| {
             let kind = &self.vehicle.kinds[u];
             let dw: Vector3 = twist.fixed_rows::<3>(3).into();
             let mut dF = Vector3::zeros();
             let mut dT = self.environment_torque_change(state, centre, (w, &dw), &still, Some(u));
-            let dc = self.mass_centre_change((u, self.slope_factor(u)), instant);
+            let mut dc = self.mass_centre_change((u, self.slope_factor(u)), instant);
+            if let (Some(f), UnknownKind::Mode(k, ModeNumber::Translation(axis))) = (flexible, kind)
+            {
+                dc += f.centre_change(&state.internal, *k, *axis);
+            }
             for force in &forces {
                 dT -= dc.cross(&force.F_B);
                 let change = force.change(kind);
@@ -290,7 +415,14 @@ impl Motion<'_> {
             }
         }
         self.spare.forces = forces;
+        let of_force = |f: &Flexibility, drive: &Vector6| {
+            let dF: Vector3 = R.transpose() * drive.fixed_rows::<3>(0);
+            f.rate_change(instant, &FlexibleChange::of_twist(Vector6::zeros()), &dF)
+        };
+        let internal = flexible.into_iter();
+        let internal = internal.flat_map(|f| drives.iter().map(move |d| of_force(f, d)));
         Some(MomentumVariation {
+            internal: internal.collect(),
             drive: drives,
             momentum: acts.then(|| {
                 StateRows::of_matrix(&self.wrench_slopes(

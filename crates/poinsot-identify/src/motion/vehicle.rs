@@ -6,6 +6,7 @@ use super::virtual_joints::{VirtualJoint, virtual_joints};
 use crate::motion::input_curves::InputCurves;
 use crate::problem::parameters::{Parameters, UnknownKind};
 use crate::problem::segment::{Firing, Observations, Segment};
+use poinsot_dynamics::propagation::Mode;
 use poinsot_dynamics::{Propellant, SubtreeMotion, Tree};
 use poinsot_model::Thruster;
 use poinsot_spatial::{InertialParameters, Vector3};
@@ -19,6 +20,8 @@ pub(crate) struct Vehicle<'a> {
     pub segment: usize,
     pub bodies: Vec<InertialParameters>,
     pub spin: Vec<f64>,
+    /// Flexible modes of the bodies.
+    pub modes: Vec<Mode>,
     /// Factor on each thruster's declared force.
     pub thrust_factor: Vec<f64>,
     /// How unknowns move the barycentric parameters.
@@ -104,6 +107,7 @@ impl<'a> Vehicle<'a> {
             thrusters,
             segment: 0,
             bodies: parameters.bodies(x),
+            modes: parameters.modes_at(x),
             spin,
             thrust_factor,
             slopes: parameters.slopes(x),
@@ -155,6 +159,12 @@ impl<'a> Vehicle<'a> {
     /// Whether bodies lose mass as thrusters fire.
     pub fn loses_mass(&self) -> bool {
         self.propellant.iter().any(Option::is_some) || self.kinds.iter().any(|k| k.lost().is_some())
+    }
+
+    /// Whether every mode has a frequency.
+    pub fn has_stable_modes(&self) -> bool {
+        let mut modes = self.modes.iter();
+        modes.all(|m| m.frequency_Hz > 0.0 && m.damping_ratio.abs() < 1.0)
     }
 
     /// Whether external torques depend on attitude or motion.
@@ -291,7 +301,7 @@ pub(crate) fn slope_weights(t: &[f64], i: usize) -> [(usize, f64); 3] {
 }
 
 /// A thruster that fires.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Thrust {
     pub thruster: usize,
     /// Declared force, N.

@@ -6,8 +6,9 @@ use crate::answer;
 use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::fit_starts;
 use crate::likelihood::{ChannelResidual, InitialState, start};
+use crate::methods::flexible::explained;
 use crate::methods::linear::{linear, solve_linear};
-use crate::methods::maximum_likelihood::{FinishedFit, solve};
+use crate::methods::maximum_likelihood::FinishedFit;
 use crate::motion::input_noise::InputNoise;
 use crate::motion::{Motion, State, Vehicle, tilted};
 use crate::problem::parameters::{Equations, Parameters};
@@ -105,20 +106,22 @@ pub fn maximum_likelihood_predicted(
     options: impl Into<Settings>,
     points: usize,
 ) -> Result<(Estimate, Vec<Prediction>), ProblemError> {
+    let explained = explained(problem, options.into())?;
+    let problem = &explained.problem(problem);
     let FinishedFit {
         solution,
         at,
         shifted,
         segments,
-    } = solve(problem, options.into())?;
+    } = &explained.ended;
     let taken = problem.with_segments(segments.as_deref().unwrap_or(problem.segments));
     let moved = shifted.as_ref().map(|c| c.problem(&taken));
     let mut experiment = Experiment::new(moved.as_ref().unwrap_or(&taken), &solution.parameters);
     if let Some(own) = &solution.likelihood {
         experiment.alternative = own.alternative;
     }
-    let predictions = predict(&experiment, &at, points);
-    Ok((answer::write_with_remedies(problem, &solution), predictions))
+    let predictions = predict(&experiment, at, points);
+    Ok((answer::write_with_remedies(problem, solution), predictions))
 }
 
 /// The linear method with what its answer predicts, at most `points` points a curve.

@@ -11,6 +11,7 @@ pub use registry::{KnownUnknown, UnknownKind};
 pub use sensor_errors::ErrorGroup;
 
 use crate::problem::refusal;
+use poinsot_dynamics::propagation::Mode;
 use poinsot_dynamics::{Kinematics, Tree, composite};
 use poinsot_files::Faults;
 use poinsot_model::{EstimateSet, Model, Nuisance};
@@ -68,6 +69,8 @@ pub struct Parameters {
     pub wheel_axes: Vec<(Vector3, [Vector3; 2])>,
     /// Gravitational parameter of the gravity gradient, where one acts, m3/s2.
     pub gm: Option<f64>,
+    /// Nominal modes.
+    pub modes: Vec<Mode>,
 }
 
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -134,6 +137,7 @@ impl Parameters {
             nominal_properties: properties,
             wheel_axes: wheel_axes(model),
             gm: gradient_gm(model),
+            modes: model.modes.iter().map(|m| m.mode).collect(),
         }
     }
 
@@ -147,6 +151,7 @@ impl Parameters {
         let mut out = self.clone();
         (out.known, out.nominal) = (other.known, other.nominal);
         out.nominal_properties = other.nominal_properties;
+        out.modes = other.modes;
         // Tilts stay about the directions of the nominal vehicle.
         let axes = out.wheel_axes.iter_mut().zip(other.wheel_axes);
         axes.for_each(|(own, new)| own.0 = new.0);
@@ -352,6 +357,17 @@ impl Parameters {
             }
         }
         pi.iter().map(InertialParameters::from_array).collect()
+    }
+
+    /// The modes for values of the unknowns.
+    pub fn modes_at(&self, x: &[f64]) -> Vec<Mode> {
+        let mut modes = self.modes.clone();
+        for (unknown, value) in self.unknowns.iter().zip(x) {
+            if let UnknownKind::Mode(k, number) = unknown.kind {
+                modes[k].set(number, *value);
+            }
+        }
+        modes
     }
 
     /// How each unknown moves the barycentric parameters at `x`: pairs of index `10 body + k` and slope.

@@ -1,10 +1,11 @@
 //! The problem of an estimator.
 
 use crate::problem::parameters::{Equations, Parameters, Registry};
-use crate::problem::refusal::{NO_VELOCITY, too_few_samples, too_many};
+use crate::problem::refusal::{self, NO_VELOCITY, too_few_samples, too_many};
 use crate::problem::segment::{Noise, Observations, Segment};
 use poinsot_dynamics::Tree;
-use poinsot_model::Model;
+use poinsot_files::Faults;
+use poinsot_model::{JointKind, Model};
 
 /// The identification problem: a vehicle and its segments of telemetry.
 #[derive(Clone, Copy)]
@@ -66,6 +67,41 @@ impl Problem<'_> {
     /// Whether an instrument at a point (accelerometer, velocity increments) has readings.
     pub(crate) fn sees_points(&self) -> bool {
         self.segments.iter().any(|s| s.observations.reads_points())
+    }
+
+    /// Whether flexible modes can be identified, those of the model.
+    ///
+    /// # Errors
+    /// E0408: one is on a body that joints move, or beside an accelerometer.
+    pub(crate) fn check_modes(&self) -> Result<(), Faults> {
+        for own in &self.model.modes {
+            if self.moves_on_base(own.mode.body) {
+                let advice = "declare it on the base or on a body that is fixed to it";
+                return Err(refusal::mode(
+                    &own.name,
+                    "joints that move its body",
+                    advice,
+                ));
+            }
+            if self.sees_points() {
+                let advice = "take accelerometers and velocity increments out of the map";
+                return Err(refusal::mode(&own.name, "an accelerometer", advice));
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether joints move a body against the base.
+    fn moves_on_base(&self, body: usize) -> bool {
+        let mut at = body;
+        while let Some(joint) = self.model.bodies.get(at).and_then(|b| b.joint) {
+            let joint = &self.model.joints[joint];
+            if joint.kind != JointKind::Fixed {
+                return true;
+            }
+            at = joint.parent;
+        }
+        false
     }
 
     /// The unknowns of maximum likelihood: barycentric ones unless nothing but the rotation of one body is

@@ -75,6 +75,12 @@ pub(crate) fn setting(name: &str, value: f64, range: &str) -> Faults {
     fault.with_value(value.to_string()).into()
 }
 
+/// E0408: a mode with what its equations do not hold yet.
+pub(crate) fn mode(name: &str, with: &str, advice: &str) -> Faults {
+    let problem = format!("a flexible mode is not identified together with {with}");
+    Faults::one("E0408", Place::item("mode", name), problem, advice)
+}
+
 /// E0410: the numbers overflow.
 pub fn not_finite(_: NotFinite) -> Faults {
     Faults::one(

@@ -29,6 +29,20 @@ impl Coordinates {
     }
 }
 
+impl Modes {
+    /// Names for the command line.
+    pub const NAMES: [&'static str; 2] = ["found", "none"];
+
+    /// By its name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        match name {
+            "found" => Some(Self::Found),
+            "none" => Some(Self::None),
+            _ => None,
+        }
+    }
+}
+
 /// Choices of a maximum-likelihood fit, and thresholds of the tests of its answer.
 ///
 /// [`crate::maximum_likelihood_with`] validates and uses them. The defaults are those of the command `identify`, and the
@@ -49,6 +63,8 @@ pub struct Settings {
     pub loss: Loss,
     /// Space of the steps. Default: physical bodies.
     pub coordinates: Coordinates,
+    /// Whether modes that no model declares are searched. Default: they are.
+    pub modes: Modes,
     /// Skips the search for the cause of a misfit. It changes no number, only the verdict. Default: false.
     pub undiagnosed: bool,
     /// Probability that any sensor of a correct record fails a test against its declared noise, above 0 and below 1. All
@@ -76,6 +92,16 @@ pub struct Settings {
     pub diagnosis: DiagnosisSettings,
     /// Thresholds of the test of the integration steps.
     pub integration: IntegrationSettings,
+}
+
+/// Flexible modes that a model does not declare.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Modes {
+    /// Searched where the rigid model does not explain the data.
+    #[default]
+    Found,
+    /// None: the vehicle is rigid but for what the model declares.
+    None,
 }
 
 /// Thresholds of the search for the cause of a misfit. They change no number of an answer, only the causes that are named.
@@ -154,6 +180,7 @@ impl Default for Settings {
         Self {
             loss: Loss::default(),
             coordinates: Coordinates::default(),
+            modes: Modes::default(),
             undiagnosed: false,
             false_alarm: 2.0e-5,
             negligible_excess: 0.02,

@@ -241,6 +241,7 @@ impl Baseline<'_> {
             position: false,
             linear: seen,
             angular: !trial.known_momentum,
+            modes: self.problem.model.modes.len(),
         };
         let late = self
             .parameters

@@ -156,13 +156,14 @@ impl Solution {
     /// Its values of all unknowns.
     pub fn point(&self, experiment: &Experiment) -> Iterate {
         let segments = experiment.problem.segments.iter().zip(&self.starts);
-        let initial_states = segments.map(|(segment, start)| InitialState {
-            P: match experiment.measured_motion {
+        let initial_states = segments.map(|(segment, start)| {
+            let mut at: InitialState = experiment.measured_initial_state(segment, &self.x);
+            at.P = match experiment.measured_motion {
                 MeasuredMotion::Translation => start.linear.value,
                 MeasuredMotion::Rotation => Vector3::zeros(),
-            },
-            h_SScm_N: start.angular.value,
-            ..experiment.measured_initial_state(segment, &self.x)
+            };
+            at.h_SScm_N = start.angular.value;
+            at
         });
         Iterate {
             initial_states: initial_states.collect(),

@@ -14,6 +14,7 @@
 mod body;
 mod environment;
 mod joint;
+mod mode;
 mod momentum;
 mod rows;
 mod sensor;
@@ -24,6 +25,8 @@ mod wheel;
 pub(crate) use body::{BodyFile, EstimateFile, InertiaFile, Parameter};
 pub(crate) use environment::{EnvironmentFile, Gravity, OrbitFile};
 pub use joint::{JointFile, SpringDamperFile};
+pub(crate) use mode::PanelFile;
+pub use mode::{ModeEstimateFile, ModeFile, ModeParameter, SlopeFile, TankFile};
 pub(crate) use momentum::{MomentumFile, MomentumVectorFile, MomentumWord};
 pub(crate) use sensor::{NamesFile, NoiseFile, SensorFile, SensorType};
 pub(crate) use telemetry::{
@@ -94,6 +97,15 @@ pub(crate) struct ModelFile {
     /// Thrusters.
     #[schemars(extend("x-unique" = ["name"]))]
     pub thruster: Option<Vec<ThrusterFile>>,
+    /// Flexible modes of bodies: panels, booms, propellant that moves. At most 6.
+    #[schemars(extend("x-unique" = ["name"]))]
+    pub mode: Option<Vec<ModeFile>>,
+    /// Panels on hinges with springs, each a mode.
+    #[schemars(extend("x-unique" = ["name"]))]
+    pub panel: Option<Vec<PanelFile>>,
+    /// Propellant that moves against springs, each a mode for every direction.
+    #[schemars(extend("x-unique" = ["name"]))]
+    pub tank: Option<Vec<TankFile>>,
     /// Sensors with their declared noise.
     #[schemars(extend("x-unique" = ["type", "name"]))]
     pub sensor: Option<Vec<SensorFile>>,

@@ -76,6 +76,7 @@ pub(super) fn model(
         joints,
         wheels: Vec::new(),
         thrusters: Vec::new(),
+        modes: Vec::new(),
         sensors: Vec::new(),
         momentum: Momentum::default(),
         environment: Environment::default(),

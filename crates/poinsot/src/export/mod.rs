@@ -181,7 +181,7 @@ pub fn export_estimate(
             "correct the cause, or export them marked with --accept-unreliable",
         ));
     }
-    match (to.patch(), onto) {
+    let mut exported = match (to.patch(), onto) {
         (Some(patch), Some(onto)) => patched(&source, to, patch, onto),
         (Some(_), None) => Err(Error::usage(
             "--to",
@@ -202,7 +202,19 @@ pub fn export_estimate(
             Target::Csv => Ok(table::text(&source)),
             _ => onboard::text(&source),
         },
+    }?;
+    let modes = estimate
+        .nuisance
+        .keys()
+        .filter(|n| n.ends_with(".frequency_Hz"));
+    let modes: Vec<&str> = modes.filter_map(|n| n.split('.').next()).collect();
+    if !modes.is_empty() && !matches!(to, Target::Csv | Target::Onboard) {
+        exported.no_field.push(format!(
+            "not exported: flexible modes {}: the mass properties are those of the undeformed vehicle",
+            modes.join(", ")
+        ));
     }
+    Ok(exported)
 }
 
 /// Estimate to be exported, and its name in messages.

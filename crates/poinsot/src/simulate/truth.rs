@@ -5,6 +5,7 @@ use super::{every, stream};
 use crate::case::{Case, Scenario};
 use crate::estimate_file::{position_key, reference};
 use indexmap::IndexMap;
+use poinsot_dynamics::propagation::ModeNumber;
 use poinsot_dynamics::{MotionSample, WheelUse, composite};
 use poinsot_formats::{
     Axes, BarycentricFile, Elements, InitialFile, JointStateFile, MassFile, MomentumFile,
@@ -13,7 +14,9 @@ use poinsot_formats::{
 };
 use poinsot_identify::ErrorGroup;
 use poinsot_model::{ErrorKey, Joint, JointKind, Model, Sensor, SensorKind};
-use poinsot_spatial::{InertialParameters, MassProperties, Matrix3, UnitQuaternion, Vector3};
+use poinsot_spatial::{
+    InertialParameters, MassProperties, Matrix3, UnitQuaternion, Vector3, tensor_name,
+};
 
 /// Input of a truth file.
 pub(super) struct Drawn<'a> {
@@ -59,7 +62,7 @@ impl Drawn<'_> {
         }
     }
 
-    /// Spin inertias and the nonzero errors of sensors.
+    /// Spin inertias, numbers of modes and the nonzero errors of sensors.
     fn nuisance(&self) -> IndexMap<String, TrueNumberFile> {
         let mut out = IndexMap::new();
         let mut put = |name: String, unit: &str, value: f64| {
@@ -71,6 +74,13 @@ impl Drawn<'_> {
                 "",
                 wheel.spin_inertia,
             );
+        }
+        for flexible in &self.model.modes {
+            for number in ModeNumber::groups().into_iter().flatten() {
+                let (what, unit) = mode_number(*number);
+                let value = flexible.mode.get(*number);
+                put(format!("{}.{what}", flexible.name), unit, value);
+            }
         }
         for (i, sensor) in self.model.sensors.iter().enumerate() {
             let Some(instrument) = self.recorder.instrument(i) else {
@@ -112,6 +122,18 @@ impl Drawn<'_> {
             covariance,
             quantisation: sensor.quantisation,
         }
+    }
+}
+
+/// Name and unit of a number of a mode: those of an estimate.
+fn mode_number(number: ModeNumber) -> (String, &'static str) {
+    let axis = |axis: usize| ["x", "y", "z"][axis];
+    match number {
+        ModeNumber::Frequency => ("frequency".to_owned(), "Hz"),
+        ModeNumber::Damping => ("damping_ratio".to_owned(), ""),
+        ModeNumber::Translation(k) => (format!("translation_{}", axis(k)), "kg05"),
+        ModeNumber::Rotation(k) => (format!("rotation_{}", axis(k)), "kg05 m"),
+        ModeNumber::InertiaSlope(k) => (format!("inertia_slope_{}", tensor_name(k)), "kg05 m"),
     }
 }
 

@@ -3,7 +3,9 @@
 use crate::trust::{Record, STSAT3, example, run, with_prior};
 use poinsot::case::read_case;
 use poinsot::simulate::simulate_case;
-use poinsot::{Identified, IdentifyRequest, Question, estimate_file, identify, identify_tables};
+use poinsot::{
+    Identified, IdentifyRequest, Modes, Question, estimate_file, identify, identify_tables,
+};
 use poinsot_formats::{EstimateFile, contradictions};
 use poinsot_identify::{Effect, Remark};
 use poinsot_model::read_model;
@@ -161,7 +163,11 @@ fn stat_a_vehicle_that_is_not_rigid_is_rejected_by_its_rows() {
         .unwrap()
         .table;
     let model = read_model(example("cases/rigid_bus.toml")).unwrap();
-    let answer = identify_tables(model, vec![table], &Question::default()).unwrap();
+    let rigid = Question {
+        modes: Modes::None,
+        ..Question::default()
+    };
+    let answer = identify_tables(model, vec![table], &rigid).unwrap();
     let words = answer.estimate.doubts();
     let line = "a spectral line in the residual: the vehicle is not rigid";
     assert_eq!(words[0], "the data contradict the rigid model");

@@ -9,7 +9,7 @@ use crate::tables;
 use poinsot::case::{Case, parse_case, read_case};
 use poinsot::simulate::simulate_case;
 use poinsot::trials::Study;
-use poinsot::{Question, identify_tables};
+use poinsot::{Modes, Question, identify_tables};
 use poinsot_identify::{Estimate, Status};
 use poinsot_model::{Model, read_model};
 use rayon::prelude::*;
@@ -39,6 +39,14 @@ fn stat_table_of_hidden_oscillators() {
     for (name, joint, masses) in HIDDEN {
         let masses = masses.iter().copied().map(Some);
         masses.chain([None]).for_each(|mass| row(name, joint, mass));
+    }
+}
+
+/// The model stays rigid.
+fn rigid() -> Question {
+    Question {
+        modes: Modes::None,
+        ..Question::default()
     }
 }
 
@@ -74,7 +82,7 @@ fn row(name: &str, joint: &str, mass: Option<f64>) {
     let study = Study::of_case(&case, &truth, model.clone()).unwrap();
     let all: Vec<Estimate> = (0..tables::trials(100))
         .into_par_iter()
-        .map(|trial| identify_tables(model.clone(), study.draw(trial).0, &Question::default()))
+        .map(|trial| identify_tables(model.clone(), study.draw(trial).0, &rigid()))
         .map(|answer| answer.unwrap().estimate)
         .collect();
     let count = |of: &dyn Fn(&Estimate) -> bool| all.iter().filter(|e| of(e)).count();

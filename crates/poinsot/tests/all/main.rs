@@ -24,6 +24,7 @@ mod gaps;
 mod gate;
 mod gravity_gradient;
 mod held_out;
+mod hidden_modes;
 mod hidden_oscillator;
 mod identify_examples;
 mod input_faults;

@@ -3,7 +3,7 @@
 use crate::shared::shipped;
 use poinsot::case::{Case, parse_case, read_case};
 use poinsot::simulate::{simulate, simulate_case, simulate_trial};
-use poinsot_model::{JointKind, Model, SensorKind, read_model};
+use poinsot_model::{FlexibleMode, JointKind, Mode, ModeEstimate, Model, SensorKind, read_model};
 use poinsot_telemetry::{ReadOptions, Table, read};
 use poinsot_testkit::compare::attitude_apart;
 use poinsot_testkit::joint_plans::fourier;
@@ -425,6 +425,39 @@ fn exact_truth_states_momentum_and_errors() {
         (sigma / 1e-5 - 1.0).abs() < 5.0 / (2.0 * n).sqrt(),
         "{sigma:e}"
     );
+}
+
+#[test]
+fn exact_a_mode_is_felt_and_stated() {
+    let (case, mut model) = load("stsat3_spin.toml");
+    let case = without_sensors(case);
+    let rigid = simulate_case(&case, &exact(model.clone())).unwrap();
+    model.modes.push(FlexibleMode {
+        name: "panel".into(),
+        mode: Mode {
+            body: 0,
+            frequency_Hz: 0.3,
+            damping_ratio: 0.01,
+            translation: [0.5, 0.0, 0.0].into(),
+            rotation: [0.2, 0.3, -0.4].into(),
+            inertia_slope: Matrix3::zeros(),
+        },
+        estimate: ModeEstimate::default(),
+    });
+    let flexible = simulate_case(&case, &exact(model)).unwrap();
+    let rates = |table: &Table| rows(table, ["omega_x", "omega_y", "omega_z"]);
+    let (a, b) = (rates(&rigid.table), rates(&flexible.table));
+    let apart = |k: usize| {
+        (0..3)
+            .map(|i| (a[k][i] - b[k][i]).abs())
+            .fold(0.0, f64::max)
+    };
+    assert!(apart(0) < 1e-15, "{:e}", apart(0));
+    assert!(apart(a.len() - 1) > 1e-9, "{:e}", apart(a.len() - 1));
+    let stated = |address: &str| flexible.truth.nuisance[address].value;
+    assert_eq!(stated("panel.frequency_Hz"), 0.3);
+    assert_eq!(stated("panel.damping_ratio"), 0.01);
+    assert_eq!(stated("panel.rotation_kg05_m.z"), -0.4);
 }
 
 #[test]

@@ -18,6 +18,7 @@ pub fn model(bodies: &[KitBody], wheels: &[KitWheel]) -> Model {
         bodies: Vec::new(),
         joints: Vec::new(),
         wheels: Vec::new(),
+        modes: Vec::new(),
         thrusters: Vec::new(),
         sensors: Vec::new(),
         momentum: Momentum::default(),

@@ -60,8 +60,8 @@ impl UnknownKind {
         matches!(self.traits().0, Acts::Inputs | Acts::InputTimes)
     }
 
-    /// The largest size that it can have; infinite where nothing is known of it.
-    pub(crate) fn largest(&self, segments: &[Segment]) -> f64 {
+    /// The largest size that it can have, `natural` its natural scale; infinite where nothing is known of it.
+    pub(crate) fn largest(&self, natural: f64, segments: &[Segment]) -> f64 {
         match self {
             // A shaft that turns does not seem to stand still.
             Self::WheelSpeedBias(wheel) => {
@@ -80,6 +80,7 @@ impl UnknownKind {
                 | SensorError::Nonorthogonality(_) => 1.0,
                 SensorError::Bias(_) | SensorError::Lag => f64::INFINITY,
             },
+            Self::Mode(..) => natural,
             _ => f64::INFINITY,
         }
     }

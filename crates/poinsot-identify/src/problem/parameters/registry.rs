@@ -8,11 +8,12 @@ use super::sensor_errors::ErrorGroup;
 use super::{AXES, Unknown};
 use crate::problem::fault::FaultKind;
 use crate::problem::segment::Segment;
+use poinsot_dynamics::propagation::ModeNumber;
 use poinsot_dynamics::{SensorError, Tree};
 use poinsot_model::{
     ErrorKey, JointKind, KnownNumber, Model, Nuisance, Sensor, SensorKind, printed_unit,
 };
-use poinsot_spatial::Vector3;
+use poinsot_spatial::{Vector3, tensor_name};
 
 /// Components of a symmetric tensor without a trace.
 pub(crate) const GRADIENT: usize = 5;
@@ -30,6 +31,8 @@ pub enum UnknownKind {
     MassCentre(usize),
     /// Spin inertia of a wheel.
     SpinInertia(usize),
+    /// A number of a flexible mode.
+    Mode(usize, ModeNumber),
     /// Factor of a thruster, less one.
     ThrusterScale(usize),
     /// Direction and position of a thruster, with their slopes in the axes of its body. Tested only.
@@ -135,6 +138,8 @@ pub struct KnownUnknown {
 pub(super) enum Acts {
     /// Mass properties.
     Bodies,
+    /// Flexible modes.
+    Modes,
     /// Wheels and thrusters.
     Actuators,
     /// Times of thrust.
@@ -173,6 +178,7 @@ impl UnknownKind {
                 (Acts::Bodies, Main)
             }
             Self::SpinInertia(_) | Self::ThrusterScale(_) => (Acts::Actuators, Main),
+            Self::Mode(..) => (Acts::Modes, Nuisance),
             Self::WheelTilt(..) => (Acts::Actuators, Nuisance),
             Self::ThrusterPlace { .. } | Self::Firing { .. } | Self::PropellantUse { .. } => {
                 (Acts::Actuators, Tested)
@@ -252,6 +258,7 @@ impl Registry<'_> {
     pub fn entry(&self, kind: &UnknownKind) -> Option<Entry> {
         match *kind {
             UnknownKind::SpinInertia(k) | UnknownKind::WheelTilt(k, _) => self.of_wheel(kind, k),
+            UnknownKind::Mode(k, number) => self.of_mode(kind, (k, number)),
             UnknownKind::ThrusterScale(k) | UnknownKind::Firing { thruster: k, .. } => {
                 self.of_thruster(kind, k)
             }
@@ -318,6 +325,54 @@ impl Registry<'_> {
         );
         let declared = tilt.declare(wheel.misalignment);
         Some(declared.changes(KnownNumber::WheelAxis(k)))
+    }
+
+    /// Natural scales are the largest plausible sizes: a mode carries no more than its vehicle.
+    fn of_mode(&self, kind: &UnknownKind, (k, number): (usize, ModeNumber)) -> Option<Entry> {
+        let own = self.model.modes.get(k)?;
+        let asked = own.estimate;
+        let bodies = self.model.bodies.iter().map(|b| &b.nominal);
+        let mass: f64 = bodies.clone().map(|b| b.mass).sum();
+        let inertia: f64 = bodies.map(|b| b.parameters().I_BBo_B.trace()).sum();
+        let (what, unit, natural, asked) = match number {
+            ModeNumber::Frequency => (
+                "frequency".into(),
+                "Hz",
+                own.mode.frequency_Hz,
+                asked.frequency,
+            ),
+            ModeNumber::Damping => ("damping_ratio".into(), "1", 1.0, asked.damping),
+            ModeNumber::Translation(axis) => (
+                format!("translation_{}", AXES[axis]),
+                "kg05",
+                mass.sqrt(),
+                asked.translation,
+            ),
+            ModeNumber::Rotation(axis) => (
+                format!("rotation_{}", AXES[axis]),
+                "kg05 m",
+                inertia.sqrt(),
+                asked.rotation,
+            ),
+            ModeNumber::InertiaSlope(element) => (
+                format!("inertia_slope_{}", tensor_name(element)),
+                "kg05 m",
+                inertia.sqrt(),
+                asked.inertia_slope,
+            ),
+        };
+        let mut entry = entry(
+            kind,
+            (format!("{}.{what}", own.name), unit),
+            FaultKind::NotRigid,
+            format!("another {what} of {}", own.name),
+        );
+        entry.unknown.nominal = own.mode.get(number);
+        entry.unknown.natural = natural;
+        Some(entry.declare(match asked {
+            true => Nuisance::Estimate,
+            false => Nuisance::Known,
+        }))
     }
 
     fn of_thruster(&self, kind: &UnknownKind, k: usize) -> Option<Entry> {
@@ -509,6 +564,10 @@ impl Registry<'_> {
         let mut all: Vec<Vec<UnknownKind>> = Vec::new();
         all.extend(wheels.clone().map(|k| vec![UnknownKind::SpinInertia(k)]));
         all.extend(thrusters.map(|k| vec![UnknownKind::ThrusterScale(k)]));
+        for k in 0..model.modes.len() {
+            let groups = ModeNumber::groups();
+            all.extend(groups.map(|g| g.iter().map(|n| UnknownKind::Mode(k, *n)).collect()));
+        }
         all.extend(self.sensor_groups());
         all.extend(self.input_groups());
         let tilts = |k| [0, 1].map(|i| UnknownKind::WheelTilt(k, i)).to_vec();

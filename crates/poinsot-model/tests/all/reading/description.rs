@@ -38,6 +38,8 @@ fn exact_a_description_names_what_is_there_and_what_is_unknown() {
     let text = description.to_string();
     assert!(text.contains("bus: 100 kg, mass centre (0, 0, 0.1) m, principal moments 0.3, 0.4, 0.5 kg m2; unknown: mass, inertia"));
     assert!(text.contains("w1: spin inertia"));
+    assert!(text.contains("panel: body arm, frequency 0.31 Hz, damping ratio 0.005, translation (0.5, 0, -0.25) kg^1/2, rotation (0.1, 0.2, 0.3) kg^1/2 m, inertia slope"), "{text}");
+    assert!(text.contains("panel: frequency, inertia slope\n"), "{text}");
     assert!(text.contains("imu: bias (prior sigma 0.001)"));
     let json = serde_json::to_value(&description).unwrap();
     assert_eq!(json["sensors"][2]["of"][0], "turn");

@@ -34,6 +34,15 @@ body = "arm"
 position_m = [0.1, 0.2, 0.3]
 force_direction = [0.0, 0.0, 1.0]
 scale = { sigma = 0.05 }
+[[mode]]
+name = "panel"
+body = "arm"
+frequency_Hz = 0.31
+damping_ratio = 0.005
+translation_kg05 = [0.5, 0.0, -0.25]
+rotation_kg05_m = [0.1, 0.2, 0.3]
+inertia_slope_kg05_m = { xx = 0.01, yz = -0.02 }
+estimate = ["frequency", "inertia_slope"]
 [[sensor]]
 name = "imu"
 type = "gyro"
@@ -143,6 +152,21 @@ fn exact_every_key_is_read() {
     assert!((model.wheels[0].axis_B.norm() - 1.0).abs() < 1e-15);
     assert_eq!(model.thrusters[0].scale, Nuisance::Prior(0.05));
     assert_eq!(model.thrusters[0].body, 2);
+    let panel = &model.modes[0];
+    let numbers = (
+        panel.mode.body,
+        panel.mode.frequency_Hz,
+        panel.mode.damping_ratio,
+    );
+    assert_eq!(numbers, (2, 0.31, 0.005));
+    assert_eq!(panel.mode.translation.as_slice(), [0.5, 0.0, -0.25]);
+    assert_eq!(panel.mode.rotation.as_slice(), [0.1, 0.2, 0.3]);
+    let slope = &panel.mode.inertia_slope;
+    assert_eq!(
+        (slope[(0, 0)], slope[(2, 1)], slope[(1, 2)]),
+        (0.01, -0.02, -0.02)
+    );
+    assert_eq!(panel.estimate.words(), ["frequency", "inertia slope"]);
     let gyro = &model.sensors[0];
     assert_eq!(gyro.noise_covariance.unwrap()[(2, 2)], 3e-4 * 3e-4);
     assert_eq!(gyro.bias, Nuisance::Prior(1e-3));

@@ -3,6 +3,7 @@
 mod bodies;
 mod file;
 mod joints;
+mod modes;
 mod sensors;
 
 use poinsot_model::parse_model;
@@ -53,7 +54,13 @@ quantisation_rad = 2.4e-5
 type Case = (&'static str, &'static str, &'static str);
 
 /// All cases, by subject.
-const CASES: [&[Case]; 4] = [file::CASES, bodies::CASES, joints::CASES, sensors::CASES];
+const CASES: [&[Case]; 5] = [
+    file::CASES,
+    bodies::CASES,
+    joints::CASES,
+    modes::CASES,
+    sensors::CASES,
+];
 
 #[test]
 fn exact_every_refusal_says_where_what_and_what_to_do() {

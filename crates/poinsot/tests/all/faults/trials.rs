@@ -10,7 +10,9 @@ use poinsot::bind::bind;
 use poinsot::case::parse_case;
 use poinsot::trials::Study;
 use poinsot_dynamics::Tree;
-use poinsot_identify::{Diagnostics, Estimate, FaultKind, Suspect, maximum_likelihood};
+use poinsot_identify::{
+    Diagnostics, Estimate, FaultKind, Modes, Settings, Suspect, maximum_likelihood_with,
+};
 use poinsot_model::{Model, read_model};
 use poinsot_spatial::Vector3;
 use poinsot_telemetry::{Table, check_conventions};
@@ -302,10 +304,16 @@ fn diagnosed(model: &Model, tables: &[Table]) -> (Vec<Said>, bool) {
     (said.collect(), doubted)
 }
 
+/// Modes are searched but on the vehicles that have one, which are to be named as not rigid.
 fn fit(model: &Model, tables: &[Table]) -> Result<Estimate, String> {
+    let flexible = model.name == "satellite, rigid";
+    let settings = Settings {
+        modes: if flexible { Modes::None } else { Modes::Found },
+        ..Settings::default()
+    };
     let tree = Tree::new(model);
     let bound = bind(model, &tree, tables).map_err(|e| e.to_string())?;
-    maximum_likelihood(&bound.problem(model, &tree)).map_err(|e| e.to_string())
+    maximum_likelihood_with(&bound.problem(model, &tree), settings).map_err(|e| e.to_string())
 }
 
 /// The smallest size detectable at five sigma; not a number for one that no noise-free sample shows.

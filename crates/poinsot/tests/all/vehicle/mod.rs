@@ -92,6 +92,7 @@ pub fn tree(seed: u64, joints: &str) -> Model {
         bodies: vec![body("bus", base, None)],
         joints: Vec::new(),
         wheels: Vec::new(),
+        modes: Vec::new(),
         thrusters: Vec::new(),
         sensors: sensors(NOISE),
         momentum: Momentum::default(),

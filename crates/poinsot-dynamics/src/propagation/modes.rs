@@ -1,0 +1,586 @@
+//! Flexible modes: internal coordinates beside pose and momentum.
+//!
+//! A mode k of a body has an amplitude `y` and mass-normalised participations in translation and rotation. About the mass
+//! centre c of the undeformed vehicle, in B, with `p` the momentum conjugate to `y`
+//!
+//! ```text
+//! d = delta_R + (p_host - c) x delta_T,   G = 1 - delta_T^T delta_T / m,   J(y) = J + sum y S
+//! h = J(y) w + h_joints + D y',           p = D^T w + G y' + c_y
+//! (J(y) - D G^-1 D^T) w = h - h_joints - D G^-1 (p - c_y)
+//! p' = -(2 pi f)^2 y - 2 zeta (2 pi f) y' - delta_T^T F / m + w^T S w / 2
+//! ```
+//!
+//! where `c_y` is what joint rates add to `p`. The mass centre moves by `delta_T y / m`. No acceleration appears, and a uniform
+//! drift changes nothing (Likins 1970 has the equations with accelerations). First order in the amplitude but for `J(y)`.
+
+use super::locked::{BaseMotion, LockedVehicle};
+use super::rows::{StateRows, pose_change};
+use super::state::{Moving, PoseMomentum, PoseMomentumRate};
+use super::{Column, HALF, STATE};
+use crate::algebra::V3;
+use crate::kinematics::Kinematics;
+use crate::symmetric::Symmetric;
+use core::f64::consts::TAU;
+use nalgebra::{Cholesky, Matrix3, SMatrix, SVector, Vector3, Vector6};
+use poinsot_spatial::TENSOR;
+
+/// Most modes of a vehicle.
+pub const MOST_MODES: usize = 6;
+const AXES: usize = 3;
+/// Amplitude and conjugate momentum of every mode, one pair after the other: kg^1/2 m and kg^1/2 m/s.
+pub type Internal = SVector<f64, INTERNAL>;
+/// Numbers of an [`Internal`].
+pub const INTERNAL: usize = 2 * MOST_MODES;
+/// One number for each mode.
+pub type PerMode = SVector<f64, MOST_MODES>;
+
+/// A mode of a body, mass-normalised: the body held, its kinetic energy is `y'^2 / 2`. The mass properties of the body include
+/// the undeformed appendage.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mode {
+    /// Index of the body.
+    pub body: usize,
+    /// Natural frequency with the body held, Hz.
+    pub frequency_Hz: f64,
+    /// Share of critical damping.
+    pub damping_ratio: f64,
+    /// Linear momentum per `y'`, in the body, kg^1/2.
+    pub translation: Vector3<f64>,
+    /// Angular momentum per `y'` about the body's origin, in the body, kg^1/2 m.
+    pub rotation: Vector3<f64>,
+    /// Slope of the body's inertia over `y`, in the body, kg^1/2 m.
+    pub inertia_slope: Matrix3<f64>,
+}
+
+/// A number of a mode.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum ModeNumber {
+    /// Its frequency, Hz.
+    Frequency,
+    /// Its damping ratio.
+    Damping,
+    /// A component of its participation in translation.
+    Translation(usize),
+    /// A component of its participation in rotation.
+    Rotation(usize),
+    /// An element of its slope of inertia, in the order of [`poinsot_spatial::TENSOR`].
+    InertiaSlope(usize),
+}
+
+impl Mode {
+    /// One of its numbers.
+    pub fn get(&self, number: ModeNumber) -> f64 {
+        match number {
+            ModeNumber::Frequency => self.frequency_Hz,
+            ModeNumber::Damping => self.damping_ratio,
+            ModeNumber::Translation(axis) => self.translation[axis],
+            ModeNumber::Rotation(axis) => self.rotation[axis],
+            ModeNumber::InertiaSlope(k) => self.inertia_slope[TENSOR[k]],
+        }
+    }
+
+    /// Sets one of its numbers.
+    pub fn set(&mut self, number: ModeNumber, value: f64) {
+        match number {
+            ModeNumber::Frequency => self.frequency_Hz = value,
+            ModeNumber::Damping => self.damping_ratio = value,
+            ModeNumber::Translation(axis) => self.translation[axis] = value,
+            ModeNumber::Rotation(axis) => self.rotation[axis] = value,
+            ModeNumber::InertiaSlope(k) => {
+                let (i, j) = TENSOR[k];
+                self.inertia_slope[(i, j)] = value;
+                self.inertia_slope[(j, i)] = value;
+            }
+        }
+    }
+}
+
+impl ModeNumber {
+    /// All numbers of a mode; those of one group belong together.
+    pub fn groups() -> [&'static [Self]; 5] {
+        use ModeNumber::{Damping, Frequency, InertiaSlope, Rotation, Translation};
+        [
+            &[Frequency],
+            &[Damping],
+            &[Translation(0), Translation(1), Translation(2)],
+            &[Rotation(0), Rotation(1), Rotation(2)],
+            &[
+                InertiaSlope(0),
+                InertiaSlope(1),
+                InertiaSlope(2),
+                InertiaSlope(3),
+                InertiaSlope(4),
+                InertiaSlope(5),
+            ],
+        ]
+    }
+}
+
+/// A mode at a placement of its vehicle, in B.
+#[derive(Debug, Clone, Copy, Default)]
+struct Placed {
+    /// Axes of its host.
+    R: Matrix3<f64>,
+    /// The host's origin from the mass centre of the undeformed vehicle.
+    arm: Vector3<f64>,
+    translation: Vector3<f64>,
+    rotation: Vector3<f64>,
+    d: Vector3<f64>,
+    slope: Matrix3<f64>,
+    /// Velocity and rate of its host while the base is still, less those of the mass centre.
+    still: (Vector3<f64>, Vector3<f64>),
+    omega: f64,
+    damping: f64,
+}
+
+/// The modes of a vehicle at one placement.
+#[derive(Debug, Clone, Copy)]
+pub struct Flexibility {
+    count: usize,
+    of: [Placed; MOST_MODES],
+    /// `G^-1`.
+    inverse: SMatrix<f64, MOST_MODES, MOST_MODES>,
+    mass: f64,
+    l_joints: Vector3<f64>,
+}
+
+/// Motion of a vehicle with modes.
+#[derive(Debug, Clone, Copy)]
+pub struct FlexibleMotion {
+    /// Of the base; the mass centre is that of the deflected vehicle.
+    pub base: BaseMotion,
+    /// `y'` of each mode.
+    pub rates: PerMode,
+}
+
+/// What an unknown does to the bodies of a vehicle, in B.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct BodyChange {
+    /// Change of the mass centre.
+    pub dc: Vector3<f64>,
+    /// Change of the mass.
+    pub dm: f64,
+    /// Change of the linear momentum of the joint rates.
+    pub dl_joints: Vector3<f64>,
+}
+
+/// A change of a motion.
+#[derive(Debug, Clone, Copy)]
+pub struct FlexibleChange {
+    /// Of the twist `[v; w]` of the base.
+    pub twist: Vector6<f64>,
+    /// Of `y'`.
+    pub rates: PerMode,
+}
+
+/// Pose and momentum with the modes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FlexibleState {
+    /// Pose and momentum.
+    pub rigid: PoseMomentum,
+    /// The modes.
+    pub internal: Internal,
+}
+
+/// Time derivative of a [`FlexibleState`].
+#[derive(Debug, Clone, Copy)]
+pub struct FlexibleRate {
+    /// Of pose and momentum.
+    pub rigid: PoseMomentumRate,
+    /// Of the modes.
+    pub internal: Internal,
+}
+
+impl From<BaseMotion> for FlexibleMotion {
+    fn from(base: BaseMotion) -> Self {
+        let rates = PerMode::zeros();
+        Self { base, rates }
+    }
+}
+
+impl core::ops::Deref for FlexibleMotion {
+    type Target = BaseMotion;
+
+    fn deref(&self) -> &BaseMotion {
+        &self.base
+    }
+}
+
+impl FlexibleChange {
+    /// The modes go on as before.
+    pub fn of_twist(twist: Vector6<f64>) -> Self {
+        let rates = PerMode::zeros();
+        Self { twist, rates }
+    }
+}
+
+impl From<PoseMomentum> for FlexibleState {
+    fn from(rigid: PoseMomentum) -> Self {
+        let internal = Internal::zeros();
+        Self { rigid, internal }
+    }
+}
+
+impl core::ops::Deref for FlexibleState {
+    type Target = PoseMomentum;
+
+    fn deref(&self) -> &PoseMomentum {
+        &self.rigid
+    }
+}
+
+impl core::ops::DerefMut for FlexibleState {
+    fn deref_mut(&mut self) -> &mut PoseMomentum {
+        &mut self.rigid
+    }
+}
+
+impl Moving for FlexibleState {
+    type Rate = FlexibleRate;
+
+    #[inline(always)]
+    fn after(&self, rate: &FlexibleRate, dt: f64) -> Self {
+        Self {
+            rigid: self.rigid.after(&rate.rigid, dt),
+            internal: self.internal + rate.internal * dt,
+        }
+    }
+
+    #[inline(always)]
+    fn sum(rate: &FlexibleRate, other: &FlexibleRate, factor: f64) -> FlexibleRate {
+        FlexibleRate {
+            rigid: PoseMomentum::sum(&rate.rigid, &other.rigid, factor),
+            internal: rate.internal + other.internal * factor,
+        }
+    }
+
+    #[inline(always)]
+    fn until(&self, to: &Self) -> FlexibleRate {
+        FlexibleRate {
+            rigid: self.rigid.until(&to.rigid),
+            internal: to.internal - self.internal,
+        }
+    }
+}
+
+impl Flexibility {
+    /// Places the modes on a vehicle; `kinematics` has the velocities of its bodies while the base is still. `None` where the modes
+    /// carry more than the vehicle weighs.
+    pub fn new(modes: &[Mode], kinematics: &Kinematics, locked: &LockedVehicle) -> Option<Self> {
+        let (mass, c, l_joints) = locked.parts();
+        let (c, l_joints) = (c.stored(), l_joints.stored());
+        let count = modes.len().min(MOST_MODES);
+        let mut of = [Placed::default(); MOST_MODES];
+        for (out, mode) in of.iter_mut().zip(modes) {
+            let R = kinematics.R[mode.body];
+            let arm = kinematics.p[mode.body] - c;
+            let (translation, rotation) = (R * mode.translation, R * mode.rotation);
+            let v = kinematics.v[mode.body] - l_joints / mass;
+            *out = Placed {
+                R,
+                arm,
+                translation,
+                rotation,
+                d: rotation + arm.cross(&translation),
+                slope: R * mode.inertia_slope * R.transpose(),
+                still: (v, kinematics.w[mode.body]),
+                omega: TAU * mode.frequency_Hz,
+                damping: mode.damping_ratio,
+            };
+        }
+        let coupling = SMatrix::from_fn(|i, j| {
+            f64::from(u8::from(i == j)) - of[i].translation.dot(&of[j].translation) / mass
+        });
+        Some(Self {
+            count,
+            of,
+            inverse: Cholesky::new(coupling)?.inverse(),
+            mass,
+            l_joints,
+        })
+    }
+
+    fn modes(&self) -> &[Placed] {
+        &self.of[..self.count]
+    }
+
+    /// `D x`.
+    fn spun(&self, x: &PerMode) -> Vector3<f64> {
+        let each = self.modes().iter().zip(x.iter());
+        each.map(|(mode, x)| mode.d * *x).sum()
+    }
+
+    /// `sum delta_T x`.
+    fn shifted(&self, x: &PerMode) -> Vector3<f64> {
+        let each = self.modes().iter().zip(x.iter());
+        each.map(|(mode, x)| mode.translation * *x).sum()
+    }
+
+    /// `D^T w`.
+    fn along(&self, w: &Vector3<f64>) -> PerMode {
+        let mut out = PerMode::zeros();
+        for (out, mode) in out.iter_mut().zip(self.modes()) {
+            *out = mode.d.dot(w);
+        }
+        out
+    }
+
+    /// Motion of a vehicle, which `locked` describes without its modes; `None` where the deflected vehicle has no positive inertia.
+    pub fn motion(&self, locked: &LockedVehicle, state: &FlexibleState) -> Option<FlexibleMotion> {
+        let (y, mut free) = (amplitudes(&state.internal), momenta(&state.internal));
+        for (free, mode) in free.iter_mut().zip(self.modes()) {
+            *free -= mode.translation.dot(&mode.still.0) + mode.rotation.dot(&mode.still.1);
+        }
+        let free = self.inverse * free;
+        let mut held = Matrix3::zeros();
+        let mut slope = Matrix3::zeros();
+        for (i, a) in self.modes().iter().enumerate() {
+            slope += a.slope * y[i];
+            for (j, b) in self.modes().iter().enumerate() {
+                held += a.d * b.d.transpose() * self.inverse[(i, j)];
+            }
+        }
+        let dc = self.shifted(&y) / self.mass;
+        let own = (&Symmetric::of(&held), &V3::of(&self.spun(&free)));
+        let deflected = locked.deflected(&V3::of(&dc), &Symmetric::of(&slope), own)?;
+        let mut base = deflected.base_motion(&state.rigid);
+        let rates = free - self.inverse * self.along(&base.twist.w);
+        base.twist.v -= self.shifted(&rates) / self.mass;
+        Some(FlexibleMotion { base, rates })
+    }
+
+    /// Modes at rest without deflection while the base turns, rad/s in B: `p = D^T w + c_y`.
+    pub fn at_rest(&self, w: &Vector3<f64>) -> Internal {
+        let mut out = Internal::zeros();
+        for (k, mode) in self.modes().iter().enumerate() {
+            let carried = mode.translation.dot(&mode.still.0) + mode.rotation.dot(&mode.still.1);
+            out[2 * k + 1] = mode.d.dot(w) + carried;
+        }
+        out
+    }
+
+    /// Rate of the modes under a force on the vehicle, N, in B.
+    pub fn rate(
+        &self,
+        motion: &FlexibleMotion,
+        internal: &Internal,
+        force_B: &Vector3<f64>,
+    ) -> Internal {
+        let w = &motion.base.twist.w;
+        let mut out = Internal::zeros();
+        for (k, mode) in self.modes().iter().enumerate() {
+            let (y, rate) = (internal[2 * k], motion.rates[k]);
+            out[2 * k] = rate;
+            out[2 * k + 1] = 0.5 * w.dot(&(mode.slope * w))
+                - mode.omega * (mode.omega * y + 2.0 * mode.damping * rate)
+                - mode.translation.dot(force_B) / self.mass;
+        }
+        out
+    }
+
+    /// The change of a motion where pose and momenta stay. `held` is the change of the twist if `y'` did not follow, by
+    /// [`BaseMotion::twist_slope`] or [`Self::turned`]; `dp` is what the momenta of the modes would lack then.
+    fn answer(&self, motion: &FlexibleMotion, held: &Vector6<f64>, dp: &PerMode) -> FlexibleChange {
+        let free = self.inverse * dp;
+        let (none, h) = (Vector3::zeros(), -self.spun(&free));
+        let turn = motion.base.of_central(&V3::of(&none), &V3::of(&h));
+        let mut twist = held + stacked(&turn);
+        let w: Vector3<f64> = twist.fixed_rows::<3>(3).into();
+        let rates = free - self.inverse * self.along(&w);
+        let v = self.shifted(&rates) / self.mass;
+        twist.fixed_rows_mut::<3>(0).zip_apply(&v, |a, b| *a -= b);
+        FlexibleChange { twist, rates }
+    }
+
+    /// Change of the twist where the momentum at the present motion changes by these, the angular one about the mass centre.
+    fn turned(motion: &FlexibleMotion, l: &Vector3<f64>, h: &Vector3<f64>) -> Vector6<f64> {
+        let held = motion.base.of_central(&V3::of(&-l), &V3::of(&-h));
+        stacked(&held)
+    }
+
+    /// The change of a motion with an unknown that moves the momentum at the present twist: `held` is its
+    /// [`BaseMotion::twist_slope`], `of` what it does to the bodies.
+    pub fn with_bodies(
+        &self,
+        (motion, internal): (&FlexibleMotion, &Internal),
+        held: &Vector6<f64>,
+        of: &BodyChange,
+    ) -> FlexibleChange {
+        let (w, m, dl) = (&motion.base.twist.w, self.mass, of.dl_joints);
+        let (deflection, growth) = (self.shifted(&amplitudes(internal)) / m, of.dm / m);
+        let dc = of.dc + deflection * growth;
+        // `held` takes the deflected mass centre, the inertia is that about the other one.
+        let turn = dc.cross(&w.cross(&deflection)) + deflection.cross(&w.cross(&dc));
+        let along = self.shifted(&motion.rates) / m;
+        let h = turn * m - deflection.cross(&(w.cross(&deflection) + along)) * of.dm;
+        let slower = (dl - self.l_joints * growth) / m - along * growth;
+        let mut dp = PerMode::zeros();
+        for (dp, mode) in dp.iter_mut().zip(self.modes()) {
+            *dp = dc.cross(&mode.translation).dot(w) + mode.translation.dot(&slower);
+        }
+        let held = held + Self::turned(motion, &Vector3::zeros(), &h);
+        self.answer(motion, &held, &dp)
+    }
+
+    /// The change of a motion with one number of the modes' state.
+    fn with_internal(&self, motion: &FlexibleMotion, number: usize) -> FlexibleChange {
+        let (k, is_momentum) = (number / 2, number % 2 == 1);
+        let (mode, w) = (&self.of[k], &motion.base.twist.w);
+        let mut dp = PerMode::zeros();
+        if is_momentum {
+            dp[k] = 1.0;
+            return self.answer(motion, &Vector6::zeros(), &dp);
+        }
+        let h = mode.slope * w - mode.translation.cross(&self.l_joints) / self.mass;
+        let held = Self::turned(motion, &w.cross(&mode.translation), &h);
+        self.answer(motion, &held, &dp)
+    }
+
+    /// The change of a motion with a number of mode k, and what it adds to the rate of the mode's momentum under a force, N, in B.
+    pub fn with_number(
+        &self,
+        (motion, internal): (&FlexibleMotion, &Internal),
+        (k, number): (usize, ModeNumber),
+        force_B: &Vector3<f64>,
+    ) -> (FlexibleChange, f64) {
+        let (mode, w) = (&self.of[k], &motion.base.twist.w);
+        let (y, rate) = (internal[2 * k], motion.rates[k]);
+        let mut dp = PerMode::zeros();
+        let (mut l, mut h, mut push) = (Vector3::zeros(), Vector3::zeros(), 0.0);
+        match number {
+            ModeNumber::Frequency => {
+                push = -2.0 * TAU * (mode.omega * y + mode.damping * rate);
+            }
+            ModeNumber::Damping => push = -2.0 * mode.omega * rate,
+            ModeNumber::Translation(axis) => {
+                let dt: Vector3<f64> = mode.R.column(axis).into();
+                let dd = mode.arm.cross(&dt);
+                l = dt * rate + w.cross(&dt) * y;
+                h = dd * rate - dt.cross(&self.l_joints) * (y / self.mass);
+                push = -dt.dot(force_B) / self.mass;
+                for (j, other) in self.modes().iter().enumerate() {
+                    dp[j] += dt.dot(&other.translation) * rate / self.mass;
+                }
+                dp[k] += dt.dot(&self.shifted(&motion.rates)) / self.mass;
+                dp[k] -= dd.dot(w) + dt.dot(&mode.still.0);
+            }
+            ModeNumber::Rotation(axis) => {
+                let dd: Vector3<f64> = mode.R.column(axis).into();
+                h = dd * rate;
+                dp[k] = -dd.dot(&(w + mode.still.1));
+            }
+            ModeNumber::InertiaSlope(element) => {
+                let (i, j) = TENSOR[element];
+                let (a, b) = (mode.R.column(i), mode.R.column(j));
+                let share = if i == j { 0.5 } else { 1.0 };
+                let turned = (a * b.dot(w) + b * a.dot(w)) * share;
+                (h, push) = (turned * y, 0.5 * turned.dot(w));
+            }
+        }
+        let held = Self::turned(motion, &l, &h);
+        (self.answer(motion, &held, &dp), push)
+    }
+
+    /// How far the mass centre moves with a participation in translation, per unit of it, in B.
+    pub fn centre_change(&self, internal: &Internal, k: usize, axis: usize) -> Vector3<f64> {
+        self.of[k].R.column(axis) * (internal[2 * k] / self.mass)
+    }
+
+    /// Change of the modes' rates with a change of the motion and of the force, the modes' state held.
+    pub fn rate_change(
+        &self,
+        motion: &FlexibleMotion,
+        change: &FlexibleChange,
+        dF_B: &Vector3<f64>,
+    ) -> Internal {
+        let dw: Vector3<f64> = change.twist.fixed_rows::<3>(3).into();
+        let mut out = Internal::zeros();
+        for (k, mode) in self.modes().iter().enumerate() {
+            let rate = change.rates[k];
+            out[2 * k] = rate;
+            out[2 * k + 1] = (mode.slope * motion.base.twist.w).dot(&dw)
+                - 2.0 * mode.damping * mode.omega * rate
+                - mode.translation.dot(dF_B) / self.mass;
+        }
+        out
+    }
+
+    /// The linearised equations of the modes about a motion under a force, N, in B; `map` and `pose` are
+    /// [`BaseMotion::twist_rows`] and, after this, [`BaseMotion::pose_rows`] of it.
+    pub fn rows(
+        &self,
+        motion: &FlexibleMotion,
+        state: &PoseMomentum,
+        map: &mut StateRows,
+        force_B: &Vector3<f64>,
+    ) -> ModeRows {
+        let (none, no_force) = (PerMode::zeros(), Vector3::zeros());
+        let mut rows = ModeRows {
+            count: 2 * self.count,
+            ..ModeRows::default()
+        };
+        let follow = |held: &mut [f64; HALF]| {
+            let change = self.answer(motion, &Vector6::from(*held), &none);
+            *held = change.twist.into();
+            self.rate_change(motion, &change, &no_force)
+        };
+        let (attitude, momentum) = map.columns_mut();
+        for (out, held) in rows.attitude.iter_mut().zip(attitude) {
+            *out = follow(held).into();
+        }
+        for (out, held) in rows.momentum.iter_mut().zip(momentum) {
+            *out = follow(held).into();
+        }
+        let R = *state.R_NB.to_rotation_matrix().matrix();
+        for number in 0..rows.count {
+            let mode = &self.of[number / 2];
+            let change = self.with_internal(motion, number);
+            let mut rate = self.rate_change(motion, &change, &no_force);
+            if number.is_multiple_of(2) {
+                rate[number + 1] -= mode.omega * mode.omega;
+                let torque = R * force_B.cross(&mode.translation) / self.mass;
+                rows.push[number][AXES..].copy_from_slice(torque.as_slice());
+            }
+            rows.internal[number] = rate.into();
+            rows.twist[number] = change.twist.into();
+            rows.pose[number] = pose_change(&R, &change.twist).into();
+        }
+        rows
+    }
+}
+
+impl ModeRows {
+    /// Change of the twist with the modes of a column.
+    pub fn twist_times(&self, x: &Column) -> Vector6<f64> {
+        let own = x.iter().skip(STATE).zip(&self.twist).take(self.count);
+        own.map(|(x, twist)| Vector6::from(*twist) * *x).sum()
+    }
+}
+
+fn amplitudes(internal: &Internal) -> PerMode {
+    PerMode::from_fn(|k, _| internal[2 * k])
+}
+
+fn momenta(internal: &Internal) -> PerMode {
+    PerMode::from_fn(|k, _| internal[2 * k + 1])
+}
+
+fn stacked((v, w): &(V3<f64>, V3<f64>)) -> Vector6<f64> {
+    Vector6::new(v.x, v.y, v.z, w.x, w.y, w.z)
+}
+
+/// The linearised equations of the modes at one instant, column by column.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct ModeRows {
+    /// Numbers of the modes' state that are used.
+    pub count: usize,
+    /// Change of the twist with each of them.
+    pub twist: [[f64; HALF]; INTERNAL],
+    /// Change of the pose's rate, and of that of the momenta.
+    pub(super) pose: [[f64; HALF]; INTERNAL],
+    pub(super) push: [[f64; HALF]; INTERNAL],
+    /// Change of the rate of the modes' state with attitude, momenta and itself.
+    pub(super) attitude: [[f64; INTERNAL]; AXES],
+    pub(super) momentum: [[f64; INTERNAL]; HALF],
+    pub(super) internal: [[f64; INTERNAL]; INTERNAL],
+}

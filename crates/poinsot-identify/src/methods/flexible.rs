@@ -1,0 +1,386 @@
+//! Flexible modes that the data show although the model declares none.
+//!
+//! Where the rigid model does not explain the data and no mistake does, the fit goes on with a mode started where the residual has
+//! one (`diagnosis/oscillation.rs`), and with further ones as long as each lowers chi-square by more than its numbers can by
+//! chance; then with the slopes of their inertia. What comes out is an answer where it passes every test of one.
+
+use super::maximum_likelihood::{FinishedFit, LinearStart, solve, solve_from};
+use crate::answer;
+use crate::diagnosis::Suspect;
+use crate::diagnosis::octaves::consistent;
+use crate::diagnosis::oscillation::{Oscillation, oscillation};
+use crate::fit::experiment::{Experiment, Iterate};
+use crate::fit::momentum_state::fit_near;
+use crate::fit::{Fitted, step::ITERATIONS};
+use crate::problem::loss::Loss;
+use crate::problem::parameters::Parameters;
+use crate::problem::settings::{Modes, Settings};
+use crate::problem::{Problem, ProblemError};
+use crate::solution::estimate::{Estimate, Number, SegmentFit};
+use crate::solution::evidence::{Effect, Remark};
+use nalgebra::SymmetricEigen;
+use poinsot_dynamics::propagation::{MOST_MODES, ModeNumber};
+use poinsot_dynamics::{Kinematics, composite};
+use poinsot_model::{FlexibleMode, Mode, ModeEstimate, Model};
+use poinsot_spatial::{Matrix3, Vector3};
+
+/// Least decrease of chi-square for a mode, which a scan over some thousand frequencies lowers by up to 40 by chance, and for the
+/// slopes of all.
+const EVIDENCE: f64 = 60.0;
+const OF_SLOPES: f64 = 30.0;
+/// Share of the inertia about its axis that a mode carries at the start of its fit, at least, at most, and where its answer to
+/// the motion does not tell.
+const LEAST_SHARE: f64 = 0.01;
+const MOST_SHARE: f64 = 0.8;
+const USUAL_SHARE: f64 = 0.1;
+/// Share of the misfit from which another cause explains it.
+const MOST_OF_MISFIT: f64 = 0.8;
+/// Least share of the excess of chi-square that a mode explains, and the largest one that all leave.
+const OF_EXCESS: f64 = 0.1;
+const LEFT: f64 = 0.1;
+/// p-value below which a residual is correlated in time.
+const WHITE: f64 = 1.0e-6;
+/// Iterations with one more mode.
+const REFITS: usize = 15;
+/// Damping, in its sigmas, below which a mode is not told from a disturbance of constant amplitude.
+const DAMPED: f64 = 3.0;
+
+/// A vehicle with modes, and where its fit ended.
+struct Found {
+    model: Model,
+    at: Iterate,
+    fitted: Fitted,
+    parameters: Parameters,
+}
+
+/// Identifies by maximum likelihood, started from the linear solution where there is one.
+///
+/// # Errors
+/// The model or the data are not valid for the method. Undetermined numbers are an answer, not an error.
+///
+/// ```
+#[doc = include_str!("../../doc/spun_box.txt")]
+/// // A box whose wheel runs up about z; the gyro shows how the box answers.
+/// let estimate = maximum_likelihood(&problem)?;
+/// assert_eq!(estimate.status, Status::Partial);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn maximum_likelihood(problem: &Problem) -> Result<Estimate, ProblemError> {
+    maximum_likelihood_with(problem, Loss::Gaussian)
+}
+
+/// The same with other settings; a [`Loss`] alone bounds what a few bad samples can do.
+///
+/// # Errors
+/// As [`maximum_likelihood`], or a setting is out of its range.
+///
+/// ```
+#[doc = include_str!("../../doc/spun_box.txt")]
+/// // A box whose wheel runs up about z; the gyro shows how the box answers.
+/// // A robust loss, with the default of every other setting.
+/// let estimate = maximum_likelihood_with(&problem, Loss::from_name("huber").unwrap())?;
+/// assert_eq!(estimate.status, Status::Partial);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn maximum_likelihood_with(
+    problem: &Problem,
+    settings: impl Into<Settings>,
+) -> Result<Estimate, ProblemError> {
+    let explained = explained(problem, settings.into())?;
+    let own = explained.problem(problem);
+    Ok(answer::write(&own, &explained.ended.solution))
+}
+
+/// A solved problem, of the vehicle that explains the data.
+pub(crate) struct Explained {
+    pub ended: FinishedFit,
+    /// The model with the modes that the data show, where they show any.
+    model: Option<Model>,
+}
+
+impl Explained {
+    /// The problem that is solved.
+    pub fn problem<'a>(&'a self, asked: &Problem<'a>) -> Problem<'a> {
+        let model = self.model.as_ref().unwrap_or(asked.model);
+        Problem { model, ..*asked }
+    }
+}
+
+/// Solves a problem, with the modes that the data show where the declared vehicle does not explain them.
+pub(crate) fn explained(problem: &Problem, settings: Settings) -> Result<Explained, ProblemError> {
+    let rigid = solve(problem, settings)?;
+    let flexible = with_modes(problem, settings, &rigid)?;
+    Ok(flexible.unwrap_or(Explained {
+        ended: rigid,
+        model: None,
+    }))
+}
+
+/// `None` where the rigid solution stays.
+fn with_modes(
+    problem: &Problem,
+    settings: Settings,
+    rigid: &FinishedFit,
+) -> Result<Option<Explained>, ProblemError> {
+    if !is_asked(problem, settings, rigid) {
+        return Ok(None);
+    }
+    let Some(mut found) = search(problem, settings, rigid)? else {
+        return Ok(None);
+    };
+    // What stands as nominal is about where the search ended.
+    let modes = found.parameters.modes_at(&found.at.x);
+    for (own, mode) in found.model.modes.iter_mut().zip(&modes) {
+        for number in ModeNumber::groups().into_iter().flatten() {
+            own.mode.set(*number, about(mode.get(*number)));
+        }
+    }
+    let own = Problem {
+        model: &found.model,
+        ..*problem
+    };
+    let mut ended = solve_from(&own, settings, Some(found.at))?;
+    let before = rigid.solution.residual.0;
+    ended.solution.remarks.push(evidence(&own, before, &ended));
+    let estimate = answer::write(&own, &ended.solution);
+    if estimate.is_doubted() {
+        return Ok(None);
+    }
+    ended.solution.remarks.extend(undamped(&own, &estimate));
+    Ok(Some(Explained {
+        ended,
+        model: Some(found.model),
+    }))
+}
+
+/// Whether modes may explain the data: the rigid fit ended without explaining them, and so does no other cause.
+fn is_asked(problem: &Problem, settings: Settings, rigid: &FinishedFit) -> bool {
+    let Some(own) = rigid.solution.likelihood.as_ref() else {
+        return false;
+    };
+    let found = &own.diagnostics;
+    let excess = found.chi2 - found.dof as f64;
+    let explained = |s: &Suspect| s.decrease > MOST_OF_MISFIT * excess;
+    settings.modes == Modes::Found
+        && !settings.undiagnosed
+        && problem.model.modes.is_empty()
+        && rigid.solution.fit.iter().any(is_coloured)
+        && !problem.sees_points()
+        && own.found
+        && found.is_misfit()
+        && !found.suspects.first().is_some_and(explained)
+}
+
+/// Whether a residual is correlated in time.
+fn is_coloured(fit: &SegmentFit) -> bool {
+    let mut p = fit.channels.iter().filter_map(|c| c.whiteness_p);
+    p.any(|p| p < WHITE)
+}
+
+/// Adds modes one by one, then slopes.
+fn search(
+    problem: &Problem,
+    settings: Settings,
+    rigid: &FinishedFit,
+) -> Result<Option<Found>, ProblemError> {
+    let mut experiment = Experiment::new(problem, &rigid.solution.parameters);
+    experiment.settings = settings;
+    let Some(start) = fit_near(&experiment, rigid.at.clone(), ITERATIONS) else {
+        return Ok(None);
+    };
+    let rigid_excess = excess(&start);
+    let mut now = Found {
+        model: problem.model.clone(),
+        at: start.at.clone(),
+        fitted: start,
+        parameters: rigid.solution.parameters.clone(),
+    };
+    while now.model.modes.len() < MOST_MODES && !consistent(&now.fitted.evaluated, &settings) {
+        let Some(mode) = seen_mode(problem, settings, &now) else {
+            break;
+        };
+        let mut model = now.model.clone();
+        model.modes.push(mode);
+        match refitted(problem, settings, &now, model)? {
+            Some(next) if next.fitted.is_found() && lowers(&next, &now, EVIDENCE) => now = next,
+            _ => break,
+        }
+    }
+    if now.model.modes.is_empty() {
+        return Ok(None);
+    }
+    if !consistent(&now.fitted.evaluated, &settings) {
+        let mut model = now.model.clone();
+        for mode in &mut model.modes {
+            mode.estimate.inertia_slope = true;
+        }
+        if let Some(next) = refitted(problem, settings, &now, model)?
+            && lowers(&next, &now, OF_SLOPES)
+        {
+            now = next;
+        }
+    }
+    let left = excess(&now.fitted) < LEFT * rigid_excess;
+    Ok(Some(now).filter(|now| left || consistent(&now.fitted.evaluated, &settings)))
+}
+
+/// Chi-square beyond its expectation.
+fn excess(fitted: &Fitted) -> f64 {
+    fitted.chi2() - fitted.rows() as f64
+}
+
+fn lowers(next: &Found, last: &Found, by: f64) -> bool {
+    next.fitted.chi2() + by < last.fitted.chi2()
+}
+
+/// Fits a vehicle with other modes from where the last fit ended.
+fn refitted(
+    problem: &Problem,
+    settings: Settings,
+    last: &Found,
+    mut model: Model,
+) -> Result<Option<Found>, ProblemError> {
+    let modes = last.parameters.modes_at(&last.at.x);
+    for (own, mode) in model.modes.iter_mut().zip(modes) {
+        own.mode = mode;
+    }
+    let own = Problem {
+        model: &model,
+        ..*problem
+    };
+    let parameters = LinearStart::new(&own)?.parameters;
+    let mut experiment = Experiment::new(&own, &parameters);
+    experiment.settings = settings;
+    let mut at = experiment.nominal_point();
+    for (x, unknown) in at.x.iter_mut().zip(&parameters.unknowns) {
+        if let Some(place) = last.parameters.place(&unknown.kind) {
+            *x = last.at.x[place];
+        }
+    }
+    let known = 2 * last.model.modes.len();
+    let starts = at.initial_states.iter_mut().zip(&last.at.initial_states);
+    for ((to, from), segment) in starts.zip(own.segments) {
+        let fresh = experiment.measured_initial_state(segment, &at.x).internal;
+        (*to, to.internal) = (*from, fresh);
+        let old = to.internal.iter_mut().zip(&from.internal).take(known);
+        old.for_each(|(to, from)| *to = *from);
+    }
+    let Some(fitted) = fit_near(&experiment, at, REFITS) else {
+        return Ok(None);
+    };
+    let at = fitted.at.clone();
+    Ok(Some(Found {
+        at,
+        fitted,
+        parameters,
+        model,
+    }))
+}
+
+/// The mode that the residual shows, as far as it does.
+fn seen_mode(problem: &Problem, settings: Settings, now: &Found) -> Option<FlexibleMode> {
+    let own = Problem {
+        model: &now.model,
+        ..*problem
+    };
+    let mut experiment = Experiment::new(&own, &now.parameters);
+    experiment.settings = settings;
+    let seen = oscillation(&experiment, &now.fitted.evaluated)?;
+    let excess = excess(&now.fitted).max(0.0);
+    if seen.decrease < (EVIDENCE + seen.steady).max(OF_EXCESS * excess) {
+        return None;
+    }
+    let bodies = now.parameters.bodies(&now.at.x);
+    let J = composite(&bodies, &Kinematics::new(own.tree)).I_SScm_B();
+    let (d, share) = participation(&seen, &J)?;
+    let every = ModeEstimate {
+        frequency: true,
+        damping: true,
+        rotation: true,
+        ..ModeEstimate::default()
+    };
+    Some(FlexibleMode {
+        name: format!("mode{}", now.model.modes.len() + 1),
+        mode: Mode {
+            body: 0,
+            frequency_Hz: seen.frequency_Hz * (1.0 - share).sqrt(),
+            damping_ratio: seen.damping_ratio,
+            translation: Vector3::zeros(),
+            rotation: d,
+            inertia_slope: Matrix3::zeros(),
+        },
+        estimate: every,
+    })
+}
+
+/// `d` of a mode about the mass centre, by its answer to the motion or along the axis of its free oscillation, and the share of the
+/// inertia that it carries.
+fn participation(seen: &Oscillation, J: &Matrix3) -> Option<(Vector3, f64)> {
+    let outer = J * seen.driven;
+    let (moment, axis) = largest((outer + outer.transpose()) * 0.5);
+    let inverse = J.try_inverse()?;
+    let carries = |d: &Vector3, share: f64| (d * (share / d.dot(&(inverse * d))).sqrt(), share);
+    // s / (1 - s).
+    let carried = moment * axis.dot(&(inverse * axis));
+    if carried > LEAST_SHARE {
+        return Some(carries(&axis, (carried / (1.0 + carried)).min(MOST_SHARE)));
+    }
+    Some(carries(&(J * largest(seen.free).1), USUAL_SHARE))
+}
+
+/// Two significant figures.
+fn about(x: f64) -> f64 {
+    format!("{x:.1e}").parse().unwrap_or(x)
+}
+
+/// The largest eigenvalue of a symmetric matrix, and its axis.
+fn largest(matrix: Matrix3) -> (f64, Vector3) {
+    let eigen = SymmetricEigen::new(matrix);
+    let at = eigen.eigenvalues.imax();
+    (eigen.eigenvalues[at], eigen.eigenvectors.column(at).into())
+}
+
+/// What the modes explain.
+fn evidence(problem: &Problem, before: f64, ended: &FinishedFit) -> Remark {
+    let solution = &ended.solution;
+    let modes = solution.parameters.modes_at(&solution.x);
+    let each = |m: &Mode| {
+        let damping = 100.0 * m.damping_ratio.max(0.0);
+        format!("{:.3} Hz ({damping:.1} % damping)", m.frequency_Hz)
+    };
+    let list: Vec<String> = modes.iter().map(each).collect();
+    let count = problem.model.modes.len();
+    let words = format!(
+        "with {count} flexible mode{} found in the data: {}",
+        if count == 1 { "" } else { "s" },
+        list.join(", ")
+    );
+    let decrease = before - solution.residual.0;
+    Remark::test("flexible modes", Effect::None, words)
+        .statistic("decrease of chi-square", decrease)
+}
+
+/// Modes whose damping the data do not tell from none.
+fn undamped(problem: &Problem, estimate: &Estimate) -> Vec<Remark> {
+    let number = |name: String| estimate.nuisance.iter().find(|n| n.name == name);
+    let damped = |n: &Number| matches!((n.value, n.sigma), (Some(v), Some(s)) if v > DAMPED * s);
+    let modes = problem.model.modes.iter();
+    let open = modes.filter(|m| {
+        let own = number(format!("{}.damping_ratio", m.name));
+        !own.is_some_and(|n| damped(&n.number))
+    });
+    let words = |m: &FlexibleMode| {
+        format!(
+            "cannot tell {} from a disturbance of constant amplitude: its damping is not determined",
+            m.name
+        )
+    };
+    open.map(|m| {
+        Remark::test(
+            format!("damping of {}", m.name),
+            Effect::AgainstAnswer,
+            words(m),
+        )
+    })
+    .collect()
+}
