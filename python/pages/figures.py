@@ -298,12 +298,30 @@ def nutation(runs):
     return svg(f"Nutation: a wheel about y stores {stored:.3f} N m s, and the body turns about x and z", out)
 
 
+def flexible(runs):
+    """Gyro residual of a vehicle with sloshing propellant, without and with the mode that is found."""
+    simulated = [runs.poinsot, "simulate", "data/cases/slosh.toml", "--out", f"{WORK}/flexible", "--quiet"]
+    subprocess.run(simulated, cwd=ROOT, check=True, stdout=subprocess.PIPE)
+    names, begin, end = {"none": "rigid model", "found": "with the mode that is found"}, 30, 90
+    out, place = frame([*range(begin, end + 1, 10)], [-80, -40, 0, 40, 80], "time, s", "residual of the gyro about y, µrad/s")
+    for modes, colour in zip(names, LINES):
+        folder = f"{WORK}/flexible/{modes}"
+        asked = ["identify", "-m", "data/cases/rigid_bus.toml", "-t", f"{WORK}/flexible/telemetry.csv", "--modes", modes]
+        runs.json(*asked, "--out", folder, "--report")
+        gyro = json.loads((ROOT / folder / "report_data.json").read_text())["segments"][0]["channels"][0]
+        shown = [(t, 1e6 * r) for t, r in zip(gyro["time_s"], gyro["residual"][1]) if begin <= t <= end]
+        out.append(line([place(*point) for point in shown], colour, 1.6))
+    out += legend([(name, colour, "") for name, colour in zip(names.values(), LINES)], LEFT + 12, 74)
+    return svg("Slosh: a rigid model leaves an oscillation, a mode leaves noise", out)
+
+
 FIGURES = {
     ROOT / "docs/picture.svg": picture,
     FOLDER / "polhode.svg": polhode,
     FOLDER / "unobservable_direction.svg": unobservable,
     FOLDER / "errors_in_variables.svg": errors_in_variables,
     FOLDER / "nutation.svg": nutation,
+    FOLDER / "flexible.svg": flexible,
 }
 
 
