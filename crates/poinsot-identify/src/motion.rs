@@ -73,8 +73,8 @@ struct InputState {
     free: Vec<(Vector3, f64)>,
     /// `None` where the parameters have no positive mass or inertia.
     locked: Option<LockedVehicle>,
-    /// Its modes, where it has any.
-    flexible: Option<Flexibility>,
+    /// Its modes, where it has any. Boxed: it is large, and inputs are exchanged at every step.
+    flexible: Option<Box<Flexibility>>,
     /// The grid time before.
     interval: usize,
 }
@@ -407,9 +407,14 @@ impl<'a> Motion<'a> {
             let place = |locked: &LockedVehicle| {
                 Flexibility::new(&v.modes, &input_state.kinematics, locked)
             };
-            input_state.flexible = input_state.locked.as_ref().and_then(place);
-            if input_state.flexible.is_none() || !v.has_stable_modes() {
-                input_state.locked = None;
+            let placed = input_state.locked.as_ref().and_then(place);
+            match (
+                placed.filter(|_| v.has_stable_modes()),
+                &mut input_state.flexible,
+            ) {
+                (Some(placed), Some(old)) => **old = placed,
+                (Some(placed), none) => *none = Some(Box::new(placed)),
+                (None, _) => input_state.locked = None,
             }
         }
     }

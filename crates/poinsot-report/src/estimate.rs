@@ -94,12 +94,12 @@ fn mode_lines(e: &EstimateFile) -> Vec<String> {
     };
     let mut modes: IndexMap<&str, ModeKeys> = IndexMap::new();
     for (address, number) in &e.nuisance {
-        let parts: Vec<&str> = address.split('.').collect();
-        let ([mode, key, ..], Some(value)) = (parts.as_slice(), number.value) else {
+        let (parts, Some(value)) = (Address::parse(address), number.value) else {
             continue;
         };
-        let of = modes.entry(*mode).or_default().entry(*key).or_default();
-        let element = parts.get(2).copied().unwrap_or_default();
+        let keys = modes.entry(parts.owner()).or_default();
+        let of = keys.entry(parts.quantity()).or_default();
+        let element = parts.component().unwrap_or_default();
         of.push((element, figures_of(value, number.sigma)));
     }
     let mut lines = Vec::new();

@@ -36,7 +36,7 @@ pub type PerMode = SVector<f64, MOST_MODES>;
 
 /// A mode of a body, mass-normalised: the body held, its kinetic energy is `y'^2 / 2`. The mass properties of the body include
 /// the undeformed appendage.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Mode {
     /// Index of the body.
     pub body: usize,
@@ -48,9 +48,19 @@ pub struct Mode {
     pub translation: Vector3<f64>,
     /// Angular momentum per `y'` about the body's origin, in the body, kg^1/2 m.
     pub rotation: Vector3<f64>,
-    /// Slope of the body's inertia over `y`, in the body, kg^1/2 m.
+    /// Slope of the inertia about the vehicle's mass centre over `y`, in the body, kg^1/2 m.
     pub inertia_slope: Matrix3<f64>,
 }
+
+/// Names of the elements of a slope, in the order of [`poinsot_spatial::TENSOR`].
+const SLOPES: [&str; 6] = [
+    "inertia_slope_xx",
+    "inertia_slope_xy",
+    "inertia_slope_yy",
+    "inertia_slope_xz",
+    "inertia_slope_yz",
+    "inertia_slope_zz",
+];
 
 /// A number of a mode.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -96,6 +106,27 @@ impl Mode {
 }
 
 impl ModeNumber {
+    /// Its name in results.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Frequency => "frequency",
+            Self::Damping => "damping_ratio",
+            Self::Translation(k) => ["translation_x", "translation_y", "translation_z"][k],
+            Self::Rotation(k) => ["rotation_x", "rotation_y", "rotation_z"][k],
+            Self::InertiaSlope(k) => SLOPES[k],
+        }
+    }
+
+    /// Its unit in results.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::Frequency => "Hz",
+            Self::Damping => "1",
+            Self::Translation(_) => "kg05",
+            Self::Rotation(_) | Self::InertiaSlope(_) => "kg05 m",
+        }
+    }
+
     /// All numbers of a mode; those of one group belong together.
     pub fn groups() -> [&'static [Self]; 5] {
         use ModeNumber::{Damping, Frequency, InertiaSlope, Rotation, Translation};
@@ -505,20 +536,17 @@ impl Flexibility {
         out
     }
 
-    /// The linearised equations of the modes about a motion under a force, N, in B; `map` and `pose` are
-    /// [`BaseMotion::twist_rows`] and, after this, [`BaseMotion::pose_rows`] of it.
+    /// Fills the linearised equations of the modes about a motion under a force, N, in B. `map` is [`BaseMotion::twist_rows`], and
+    /// holds what becomes of it as the modes follow.
     pub fn rows(
         &self,
         motion: &FlexibleMotion,
         state: &PoseMomentum,
-        map: &mut StateRows,
+        (map, rows): (&mut StateRows, &mut ModeRows),
         force_B: &Vector3<f64>,
-    ) -> ModeRows {
+    ) {
         let (none, no_force) = (PerMode::zeros(), Vector3::zeros());
-        let mut rows = ModeRows {
-            count: 2 * self.count,
-            ..ModeRows::default()
-        };
+        rows.count = 2 * self.count;
         let follow = |held: &mut [f64; HALF]| {
             let change = self.answer(motion, &Vector6::from(*held), &none);
             *held = change.twist.into();
@@ -545,7 +573,6 @@ impl Flexibility {
             rows.twist[number] = change.twist.into();
             rows.pose[number] = pose_change(&R, &change.twist).into();
         }
-        rows
     }
 }
 

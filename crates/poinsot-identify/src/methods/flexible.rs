@@ -12,6 +12,7 @@ use crate::diagnosis::oscillation::{Oscillation, oscillation};
 use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::momentum_state::fit_near;
 use crate::fit::{Fitted, step::ITERATIONS};
+use crate::problem::alternative::Alternative;
 use crate::problem::loss::Loss;
 use crate::problem::parameters::Parameters;
 use crate::problem::settings::{Modes, Settings};
@@ -22,25 +23,21 @@ use nalgebra::SymmetricEigen;
 use poinsot_dynamics::propagation::{MOST_MODES, ModeNumber};
 use poinsot_dynamics::{Kinematics, composite};
 use poinsot_model::{FlexibleMode, Mode, ModeEstimate, Model};
-use poinsot_spatial::{Matrix3, Vector3};
+use poinsot_spatial::{Matrix3, TENSOR, Vector3};
+use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-/// Least decrease of chi-square for a mode, which a scan over some thousand frequencies lowers by up to 40 by chance, and for the
-/// slopes of all.
+/// Least decrease of chi-square for a mode, beyond that of a wave of constant amplitude: a scan over some thousand frequencies finds
+/// up to 40 by chance.
 const EVIDENCE: f64 = 60.0;
-const OF_SLOPES: f64 = 30.0;
 /// Share of the inertia about its axis that a mode carries at the start of its fit, at least, at most, and where its answer to
 /// the motion does not tell.
 const LEAST_SHARE: f64 = 0.01;
 const MOST_SHARE: f64 = 0.8;
 const USUAL_SHARE: f64 = 0.1;
-/// Share of the misfit from which another cause explains it.
-const MOST_OF_MISFIT: f64 = 0.8;
-/// Least share of the excess of chi-square that a mode explains, and the largest one that all leave.
-const OF_EXCESS: f64 = 0.1;
-const LEFT: f64 = 0.1;
-/// p-value below which a residual is correlated in time.
-const WHITE: f64 = 1.0e-6;
-/// Iterations with one more mode.
+/// Least share of the excess of chi-square that a mode explains, and the largest one that all leave: a search that leads nowhere
+/// ends soon.
+const NOTABLE: f64 = 0.1;
+/// Iterations with one more mode: a good start needs five to ten.
 const REFITS: usize = 15;
 /// Damping, in its sigmas, below which a mode is not told from a disturbance of constant amplitude.
 const DAMPED: f64 = 3.0;
@@ -125,7 +122,8 @@ fn with_modes(
     if !is_asked(problem, settings, rigid) {
         return Ok(None);
     }
-    let Some(mut found) = search(problem, settings, rigid)? else {
+    let search = Search::new(problem, settings, rigid);
+    let Some(mut found) = search.run(rigid)? else {
         return Ok(None);
     };
     // What stands as nominal is about where the search ended.
@@ -160,68 +158,178 @@ fn is_asked(problem: &Problem, settings: Settings, rigid: &FinishedFit) -> bool 
     };
     let found = &own.diagnostics;
     let excess = found.chi2 - found.dof as f64;
-    let explained = |s: &Suspect| s.decrease > MOST_OF_MISFIT * excess;
+    let explained = |s: &Suspect| excess - s.decrease < NOTABLE * excess;
+    let coloured = |fit: &SegmentFit| {
+        let mut p = fit.channels.iter().filter_map(|c| c.whiteness_p);
+        p.any(|p| p < settings.false_alarm)
+    };
     settings.modes == Modes::Found
         && !settings.undiagnosed
         && problem.model.modes.is_empty()
-        && rigid.solution.fit.iter().any(is_coloured)
+        && rigid.solution.fit.iter().any(coloured)
         && !problem.sees_points()
         && own.found
         && found.is_misfit()
         && !found.suspects.first().is_some_and(explained)
 }
 
-/// Whether a residual is correlated in time.
-fn is_coloured(fit: &SegmentFit) -> bool {
-    let mut p = fit.channels.iter().filter_map(|c| c.whiteness_p);
-    p.any(|p| p < WHITE)
+/// The search for modes of a vehicle.
+struct Search<'a> {
+    /// With the records as the rigid fit took them.
+    problem: Problem<'a>,
+    settings: Settings,
+    alternative: Alternative,
 }
 
-/// Adds modes one by one, then slopes.
-fn search(
-    problem: &Problem,
-    settings: Settings,
-    rigid: &FinishedFit,
-) -> Result<Option<Found>, ProblemError> {
-    let mut experiment = Experiment::new(problem, &rigid.solution.parameters);
-    experiment.settings = settings;
-    let Some(start) = fit_near(&experiment, rigid.at.clone(), ITERATIONS) else {
-        return Ok(None);
-    };
-    let rigid_excess = excess(&start);
-    let mut now = Found {
-        model: problem.model.clone(),
-        at: start.at.clone(),
-        fitted: start,
-        parameters: rigid.solution.parameters.clone(),
-    };
-    while now.model.modes.len() < MOST_MODES && !consistent(&now.fitted.evaluated, &settings) {
-        let Some(mode) = seen_mode(problem, settings, &now) else {
-            break;
+impl<'a> Search<'a> {
+    fn new(problem: &Problem<'a>, settings: Settings, rigid: &'a FinishedFit) -> Self {
+        let own = rigid.solution.likelihood.as_ref();
+        Self {
+            problem: problem.with_segments(rigid.segments.as_deref().unwrap_or(problem.segments)),
+            settings,
+            alternative: own.map_or_else(Alternative::default, |own| own.alternative),
+        }
+    }
+
+    /// The problem of a vehicle with other modes.
+    fn of<'b>(&'b self, model: &'b Model) -> Problem<'b> {
+        Problem {
+            model,
+            ..self.problem
+        }
+    }
+
+    fn experiment<'b>(
+        &self,
+        problem: &'b Problem<'b>,
+        parameters: &'b Parameters,
+    ) -> Experiment<'b> {
+        let mut experiment = Experiment::new(problem, parameters);
+        (experiment.settings, experiment.alternative) = (self.settings, self.alternative);
+        experiment
+    }
+
+    fn explains(&self, found: &Found) -> bool {
+        consistent(&found.fitted.evaluated, &self.settings)
+    }
+
+    /// Adds modes one by one, then slopes.
+    fn run(&self, rigid: &FinishedFit) -> Result<Option<Found>, ProblemError> {
+        let parameters = rigid.solution.parameters.clone();
+        let experiment = self.experiment(&self.problem, &parameters);
+        let Some(start) = fit_near(&experiment, rigid.at.clone(), ITERATIONS) else {
+            return Ok(None);
         };
-        let mut model = now.model.clone();
-        model.modes.push(mode);
-        match refitted(problem, settings, &now, model)? {
-            Some(next) if next.fitted.is_found() && lowers(&next, &now, EVIDENCE) => now = next,
-            _ => break,
+        let rigid_excess = excess(&start);
+        let mut now = Found {
+            model: self.problem.model.clone(),
+            at: start.at.clone(),
+            fitted: start,
+            parameters,
+        };
+        while now.model.modes.len() < MOST_MODES && !self.explains(&now) {
+            let Some(mode) = self.seen_mode(&now) else {
+                break;
+            };
+            let mut model = now.model.clone();
+            model.modes.push(mode);
+            match self.refitted(&now, model)? {
+                Some(next) if next.fitted.is_found() && next.lowers(&now) > EVIDENCE => now = next,
+                _ => break,
+            }
         }
-    }
-    if now.model.modes.is_empty() {
-        return Ok(None);
-    }
-    if !consistent(&now.fitted.evaluated, &settings) {
-        let mut model = now.model.clone();
-        for mode in &mut model.modes {
-            mode.estimate.inertia_slope = true;
+        if now.model.modes.is_empty() {
+            return Ok(None);
         }
-        if let Some(next) = refitted(problem, settings, &now, model)?
-            && lowers(&next, &now, OF_SLOPES)
-        {
-            now = next;
+        if !self.explains(&now) {
+            let mut model = now.model.clone();
+            for mode in &mut model.modes {
+                mode.estimate.inertia_slope = true;
+            }
+            if let Some(next) = self.refitted(&now, model)?
+                && next.lowers(&now) > self.by_chance(TENSOR.len() * now.model.modes.len())
+            {
+                now = next;
+            }
         }
+        let left = excess(&now.fitted) < NOTABLE * rigid_excess;
+        Ok((left || self.explains(&now)).then_some(now))
     }
-    let left = excess(&now.fitted) < LEFT * rigid_excess;
-    Ok(Some(now).filter(|now| left || consistent(&now.fitted.evaluated, &settings)))
+
+    /// How much so many numbers more lower chi-square by chance.
+    fn by_chance(&self, numbers: usize) -> f64 {
+        let tail = ChiSquared::new(numbers as f64);
+        tail.map_or(f64::INFINITY, |c| {
+            c.inverse_cdf(1.0 - self.settings.false_alarm)
+        })
+    }
+
+    /// Fits a vehicle with other modes from where the last fit ended.
+    fn refitted(&self, last: &Found, mut model: Model) -> Result<Option<Found>, ProblemError> {
+        let modes = last.parameters.modes_at(&last.at.x);
+        for (own, mode) in model.modes.iter_mut().zip(modes) {
+            own.mode = mode;
+        }
+        let own = self.of(&model);
+        let parameters = LinearStart::new(&own)?.parameters;
+        let experiment = self.experiment(&own, &parameters);
+        let mut at = experiment.nominal_point();
+        for (x, unknown) in at.x.iter_mut().zip(&parameters.unknowns) {
+            if let Some(place) = last.parameters.place(&unknown.kind) {
+                *x = last.at.x[place];
+            }
+        }
+        let known = 2 * last.model.modes.len();
+        let starts = at.initial_states.iter_mut().zip(&last.at.initial_states);
+        for ((to, from), segment) in starts.zip(own.segments) {
+            let fresh = experiment.measured_initial_state(segment, &at.x).internal;
+            (*to, to.internal) = (*from, fresh);
+            let old = to.internal.iter_mut().zip(&from.internal).take(known);
+            old.for_each(|(to, from)| *to = *from);
+        }
+        let Some(fitted) = fit_near(&experiment, at, REFITS) else {
+            return Ok(None);
+        };
+        let at = fitted.at.clone();
+        Ok(Some(Found {
+            at,
+            fitted,
+            parameters,
+            model,
+        }))
+    }
+
+    /// The mode that the residual shows, as far as it does.
+    fn seen_mode(&self, now: &Found) -> Option<FlexibleMode> {
+        let own = self.of(&now.model);
+        let experiment = self.experiment(&own, &now.parameters);
+        let seen = oscillation(&experiment, &now.fitted.evaluated)?;
+        let excess = excess(&now.fitted).max(0.0);
+        if seen.decrease < (EVIDENCE + seen.steady).max(NOTABLE * excess) {
+            return None;
+        }
+        let bodies = now.parameters.bodies(&now.at.x);
+        let J = composite(&bodies, &Kinematics::new(own.tree)).I_SScm_B();
+        let (d, share) = participation(&seen, &J)?;
+        let every = ModeEstimate {
+            frequency: true,
+            damping: true,
+            rotation: true,
+            ..ModeEstimate::default()
+        };
+        Some(FlexibleMode {
+            name: format!("mode{}", now.model.modes.len() + 1),
+            mode: Mode {
+                body: 0,
+                frequency_Hz: seen.frequency_Hz * (1.0 - share).sqrt(),
+                damping_ratio: seen.damping_ratio,
+                translation: Vector3::zeros(),
+                rotation: d,
+                inertia_slope: Matrix3::zeros(),
+            },
+            estimate: every,
+        })
+    }
 }
 
 /// Chi-square beyond its expectation.
@@ -229,88 +337,11 @@ fn excess(fitted: &Fitted) -> f64 {
     fitted.chi2() - fitted.rows() as f64
 }
 
-fn lowers(next: &Found, last: &Found, by: f64) -> bool {
-    next.fitted.chi2() + by < last.fitted.chi2()
-}
-
-/// Fits a vehicle with other modes from where the last fit ended.
-fn refitted(
-    problem: &Problem,
-    settings: Settings,
-    last: &Found,
-    mut model: Model,
-) -> Result<Option<Found>, ProblemError> {
-    let modes = last.parameters.modes_at(&last.at.x);
-    for (own, mode) in model.modes.iter_mut().zip(modes) {
-        own.mode = mode;
+impl Found {
+    /// How much lower chi-square is than that of another.
+    fn lowers(&self, other: &Self) -> f64 {
+        other.fitted.chi2() - self.fitted.chi2()
     }
-    let own = Problem {
-        model: &model,
-        ..*problem
-    };
-    let parameters = LinearStart::new(&own)?.parameters;
-    let mut experiment = Experiment::new(&own, &parameters);
-    experiment.settings = settings;
-    let mut at = experiment.nominal_point();
-    for (x, unknown) in at.x.iter_mut().zip(&parameters.unknowns) {
-        if let Some(place) = last.parameters.place(&unknown.kind) {
-            *x = last.at.x[place];
-        }
-    }
-    let known = 2 * last.model.modes.len();
-    let starts = at.initial_states.iter_mut().zip(&last.at.initial_states);
-    for ((to, from), segment) in starts.zip(own.segments) {
-        let fresh = experiment.measured_initial_state(segment, &at.x).internal;
-        (*to, to.internal) = (*from, fresh);
-        let old = to.internal.iter_mut().zip(&from.internal).take(known);
-        old.for_each(|(to, from)| *to = *from);
-    }
-    let Some(fitted) = fit_near(&experiment, at, REFITS) else {
-        return Ok(None);
-    };
-    let at = fitted.at.clone();
-    Ok(Some(Found {
-        at,
-        fitted,
-        parameters,
-        model,
-    }))
-}
-
-/// The mode that the residual shows, as far as it does.
-fn seen_mode(problem: &Problem, settings: Settings, now: &Found) -> Option<FlexibleMode> {
-    let own = Problem {
-        model: &now.model,
-        ..*problem
-    };
-    let mut experiment = Experiment::new(&own, &now.parameters);
-    experiment.settings = settings;
-    let seen = oscillation(&experiment, &now.fitted.evaluated)?;
-    let excess = excess(&now.fitted).max(0.0);
-    if seen.decrease < (EVIDENCE + seen.steady).max(OF_EXCESS * excess) {
-        return None;
-    }
-    let bodies = now.parameters.bodies(&now.at.x);
-    let J = composite(&bodies, &Kinematics::new(own.tree)).I_SScm_B();
-    let (d, share) = participation(&seen, &J)?;
-    let every = ModeEstimate {
-        frequency: true,
-        damping: true,
-        rotation: true,
-        ..ModeEstimate::default()
-    };
-    Some(FlexibleMode {
-        name: format!("mode{}", now.model.modes.len() + 1),
-        mode: Mode {
-            body: 0,
-            frequency_Hz: seen.frequency_Hz * (1.0 - share).sqrt(),
-            damping_ratio: seen.damping_ratio,
-            translation: Vector3::zeros(),
-            rotation: d,
-            inertia_slope: Matrix3::zeros(),
-        },
-        estimate: every,
-    })
 }
 
 /// `d` of a mode about the mass centre, by its answer to the motion or along the axis of its free oscillation, and the share of the

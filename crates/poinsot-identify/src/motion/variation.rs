@@ -235,12 +235,8 @@ impl Motion<'_> {
             return;
         };
         let force = self.force_now(instant);
-        out.modes = Some(Box::new(flexible.rows(
-            instant,
-            &state.rigid,
-            &mut out.map,
-            &force,
-        )));
+        let rows = out.modes.get_or_insert_default();
+        flexible.rows(instant, &state.rigid, (&mut out.map, rows), &force);
         for (unknown, twist) in out.twists.iter_mut().enumerate() {
             let (mut push, mut lighter) = (None, 0.0);
             let change = match &self.vehicle.kinds[unknown] {

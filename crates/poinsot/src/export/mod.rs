@@ -8,7 +8,7 @@ mod onboard;
 mod table;
 
 use crate::error::Error;
-use poinsot_formats::{BodyFile, EstimateFile, read_estimate};
+use poinsot_formats::{Address, BodyFile, EstimateFile, read_estimate};
 use poinsot_model::{
     BodyProperties, Patch, parse_urdf, patch_mjcf, patch_model, patch_sdf, patch_urdf,
     read_model_text,
@@ -203,11 +203,9 @@ pub fn export_estimate(
             _ => onboard::text(&source),
         },
     }?;
-    let modes = estimate
-        .nuisance
-        .keys()
-        .filter(|n| n.ends_with(".frequency_Hz"));
-    let modes: Vec<&str> = modes.filter_map(|n| n.split('.').next()).collect();
+    let all = estimate.nuisance.keys().map(|key| Address::parse(key));
+    let modes = all.filter(|a| a.quantity() == "frequency_Hz");
+    let modes: Vec<&str> = modes.map(|a| a.owner()).collect();
     if !modes.is_empty() && !matches!(to, Target::Csv | Target::Onboard) {
         exported.no_field.push(format!(
             "not exported: flexible modes {}: the mass properties are those of the undeformed vehicle",

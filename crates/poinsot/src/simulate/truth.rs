@@ -14,9 +14,7 @@ use poinsot_formats::{
 };
 use poinsot_identify::ErrorGroup;
 use poinsot_model::{ErrorKey, Joint, JointKind, Model, Sensor, SensorKind};
-use poinsot_spatial::{
-    InertialParameters, MassProperties, Matrix3, UnitQuaternion, Vector3, tensor_name,
-};
+use poinsot_spatial::{InertialParameters, MassProperties, Matrix3, UnitQuaternion, Vector3};
 
 /// Input of a truth file.
 pub(super) struct Drawn<'a> {
@@ -77,9 +75,8 @@ impl Drawn<'_> {
         }
         for flexible in &self.model.modes {
             for number in ModeNumber::groups().into_iter().flatten() {
-                let (what, unit) = mode_number(*number);
-                let value = flexible.mode.get(*number);
-                put(format!("{}.{what}", flexible.name), unit, value);
+                let name = format!("{}.{}", flexible.name, number.name());
+                put(name, number.unit(), flexible.mode.get(*number));
             }
         }
         for (i, sensor) in self.model.sensors.iter().enumerate() {
@@ -122,18 +119,6 @@ impl Drawn<'_> {
             covariance,
             quantisation: sensor.quantisation,
         }
-    }
-}
-
-/// Name and unit of a number of a mode: those of an estimate.
-fn mode_number(number: ModeNumber) -> (String, &'static str) {
-    let axis = |axis: usize| ["x", "y", "z"][axis];
-    match number {
-        ModeNumber::Frequency => ("frequency".to_owned(), "Hz"),
-        ModeNumber::Damping => ("damping_ratio".to_owned(), ""),
-        ModeNumber::Translation(k) => (format!("translation_{}", axis(k)), "kg05"),
-        ModeNumber::Rotation(k) => (format!("rotation_{}", axis(k)), "kg05 m"),
-        ModeNumber::InertiaSlope(k) => (format!("inertia_slope_{}", tensor_name(k)), "kg05 m"),
     }
 }
 

@@ -3,10 +3,11 @@
 use super::Mover;
 use crate::error::{Error, cannot_simulate};
 use poinsot_dynamics::Tree;
+use poinsot_dynamics::propagation::ModeNumber;
 use poinsot_files::Place;
-use poinsot_formats::{BarycentricFile, EstimateFile, NumberFile, address, unknown_name};
+use poinsot_formats::{Address, BarycentricFile, EstimateFile, NumberFile, address, unknown_name};
 use poinsot_identify::{CompletedVehicle, Completion, DeterminedCombination, Estimate, complete};
-use poinsot_model::Model;
+use poinsot_model::{FlexibleMode, Mode, ModeEstimate, Model};
 use poinsot_spatial::{InertialParameters, Matrix3, Vector3};
 use std::path::{Path, PathBuf};
 
@@ -52,6 +53,11 @@ pub fn read_estimate(path: &Path, model: &Model) -> Result<EstimatedVehicle, Err
         return Err(cannot_simulate(&file, problem, advice));
     }
     same_model(&read, model, &file)?;
+    let names = read.nuisance.keys().map(|key| Address::parse(key));
+    let names = names.filter(|a| a.quantity() == "frequency_Hz");
+    let model = &with_modes(model, names.map(|a| a.owner().to_owned()), |name, unit| {
+        read.nuisance.get(&address(name, unit))?.value
+    });
     let (vehicle, completion) = match whole(&read, model) {
         Some(vehicle) => (vehicle, None),
         None => completed(&read, model, &file)?,
@@ -91,6 +97,11 @@ fn estimate_of(path: &Path) -> Result<(PathBuf, EstimateFile), Error> {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn of_estimate(estimate: &Estimate, model: &Model) -> Result<EstimatedVehicle, Error> {
+    let numbers = || estimate.nuisance.iter();
+    let names = numbers().filter_map(|n| n.name.strip_suffix(".frequency"));
+    let model = &with_modes(model, names.map(str::to_owned), |name, _| {
+        numbers().find(|n| n.name == name)?.number.value
+    });
     let completion = complete(
         model,
         &Tree::new(model),
@@ -103,6 +114,34 @@ pub fn of_estimate(estimate: &Estimate, model: &Model) -> Result<EstimatedVehicl
         status: estimate.status.name().to_owned(),
         trustworthy: estimate.covariance_trustworthy(),
     })
+}
+
+/// The model with the modes of an estimate, also those that it found, as known.
+fn with_modes(
+    model: &Model,
+    names: impl Iterator<Item = String>,
+    value: impl Fn(&str, &str) -> Option<f64>,
+) -> Model {
+    let mut model = model.clone();
+    for name in names {
+        if !model.modes.iter().any(|m| m.name == name) {
+            model.modes.push(FlexibleMode {
+                name,
+                mode: Mode::default(),
+                estimate: ModeEstimate::default(),
+            });
+        }
+    }
+    for own in &mut model.modes {
+        own.estimate = ModeEstimate::default();
+        for number in ModeNumber::groups().into_iter().flatten() {
+            let name = format!("{}.{}", own.name, number.name());
+            if let Some(found) = value(&name, number.unit()) {
+                own.mode.set(*number, found);
+            }
+        }
+    }
+    model
 }
 
 /// Checks that bodies and nominal numbers are those of the model.

@@ -13,7 +13,7 @@ use poinsot_dynamics::{SensorError, Tree};
 use poinsot_model::{
     ErrorKey, JointKind, KnownNumber, Model, Nuisance, Sensor, SensorKind, printed_unit,
 };
-use poinsot_spatial::{Vector3, tensor_name};
+use poinsot_spatial::Vector3;
 
 /// Components of a symmetric tensor without a trace.
 pub(crate) const GRADIENT: usize = 5;
@@ -334,37 +334,18 @@ impl Registry<'_> {
         let bodies = self.model.bodies.iter().map(|b| &b.nominal);
         let mass: f64 = bodies.clone().map(|b| b.mass).sum();
         let inertia: f64 = bodies.map(|b| b.parameters().I_BBo_B.trace()).sum();
-        let (what, unit, natural, asked) = match number {
-            ModeNumber::Frequency => (
-                "frequency".into(),
-                "Hz",
-                own.mode.frequency_Hz,
-                asked.frequency,
-            ),
-            ModeNumber::Damping => ("damping_ratio".into(), "1", 1.0, asked.damping),
-            ModeNumber::Translation(axis) => (
-                format!("translation_{}", AXES[axis]),
-                "kg05",
-                mass.sqrt(),
-                asked.translation,
-            ),
-            ModeNumber::Rotation(axis) => (
-                format!("rotation_{}", AXES[axis]),
-                "kg05 m",
-                inertia.sqrt(),
-                asked.rotation,
-            ),
-            ModeNumber::InertiaSlope(element) => (
-                format!("inertia_slope_{}", tensor_name(element)),
-                "kg05 m",
-                inertia.sqrt(),
-                asked.inertia_slope,
-            ),
+        let (natural, asked) = match number {
+            ModeNumber::Frequency => (own.mode.frequency_Hz, asked.frequency),
+            ModeNumber::Damping => (1.0, asked.damping),
+            ModeNumber::Translation(_) => (mass.sqrt(), asked.translation),
+            ModeNumber::Rotation(_) => (inertia.sqrt(), asked.rotation),
+            ModeNumber::InertiaSlope(_) => (inertia.sqrt(), asked.inertia_slope),
         };
+        let what = number.name();
         let mut entry = entry(
             kind,
-            (format!("{}.{what}", own.name), unit),
-            FaultKind::NotRigid,
+            (format!("{}.{what}", own.name), number.unit()),
+            FaultKind::KnownNumber,
             format!("another {what} of {}", own.name),
         );
         entry.unknown.nominal = own.mode.get(number);
