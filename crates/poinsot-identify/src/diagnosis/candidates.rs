@@ -198,7 +198,7 @@ fn shows(experiment: &Experiment, read: &[(usize, String)], kind: &UnknownKind) 
 }
 
 /// Whether a joint moves and its samples may have errors.
-fn moves(problem: &Problem, joint: usize) -> bool {
+pub(super) fn moves(problem: &Problem, joint: usize) -> bool {
     problem.segments.iter().any(|s| {
         let o = &s.observations;
         let mut rates = o.joint_rate.iter().skip(joint).step_by(problem.tree.dof());

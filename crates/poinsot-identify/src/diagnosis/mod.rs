@@ -7,10 +7,10 @@
 mod candidates;
 mod channels;
 pub(crate) mod conflict;
+mod conventions;
 pub(crate) mod deviance;
 mod drift;
 mod findings;
-mod gross;
 mod held_out;
 mod line;
 mod naming;
@@ -88,9 +88,9 @@ pub(crate) fn diagnose(
         misfit,
         affordable,
     };
-    // A gross error that explains chi-square needs no other cause; testing all is slow.
+    // A convention that explains chi-square needs no other cause; testing all is slow.
     let mistake = affordable
-        .then(|| gross::gross(experiment, fitted, (excess, dof as f64)))
+        .then(|| conventions::conventions(experiment, fitted, (excess, dof as f64)))
         .flatten();
     match mistake {
         Some(mistake) if excess - mistake.decrease < dof as f64 => {

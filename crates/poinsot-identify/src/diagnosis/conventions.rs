@@ -1,0 +1,195 @@
+//! Conventions of channels: signs, units, ratios, zeros, exchanged columns, axes, dead thrusters, pulses of another length.
+//!
+//! Each is a change of the record that puts it right. First-order scores are meaningless so far from the answer, so each is tested
+//! by a separate fit from the nominal numbers, on the shortest beginning of the record that contradicts the model, where the
+//! predicted motion is still close. The whole record confirms it, as it would be read with the correction.
+
+mod change;
+mod table;
+
+use super::types::{FaultKind, Suspect, SuspectValue};
+use crate::fit::experiment::Experiment;
+use crate::fit::part_of_record::beginning;
+use crate::fit::{Fitted, fit_from};
+use crate::problem::segment::Segment;
+use change::put_right;
+use poinsot_solve::LeastSquares;
+use table::Convention;
+
+/// Shares of the record that are tried as its beginning: each twice the one before, so that all fits together take no longer
+/// than one of the whole record.
+const BEGINNINGS: [f64; 4] = [0.0625, 0.125, 0.25, 0.5];
+/// Iterations of such a fit: enough for a decision.
+const MISTAKE_ITERATIONS: usize = 8;
+/// Share of the misfit that a mistake must explain.
+const EXPLAINS: f64 = 0.99;
+/// Largest excess of chi-square per number of a corrected fit.
+const RIGHT: f64 = 10.0;
+/// How many of a kind are fitted, those that lead nearest.
+const FITTED: usize = 6;
+/// Factor of the cost with the nominal numbers beyond which nothing is fitted, and of that after a few iterations to which a
+/// convention lowers it.
+const WILD: f64 = 100.0;
+const BETTER: f64 = 0.5;
+/// Golden ratio, and steps of a search along a value.
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
+const STEPS: usize = 10;
+
+/// The convention that explains nearly all of a very bad fit.
+pub(super) fn conventions(
+    experiment: &Experiment,
+    fitted: &Fitted,
+    (excess, dof): (f64, f64),
+) -> Option<Suspect> {
+    if excess < experiment.settings.diagnosis.gross_misfit * dof {
+        return None;
+    }
+    let kinds = table::all(experiment);
+    if kinds.is_empty() {
+        return None;
+    }
+    let before = experiment.chi2(&fitted.at, &fitted.evaluated)?;
+    let record = contradicting(experiment);
+    let whole = experiment.problem;
+    let problem = whole.with_segments(record.as_deref().unwrap_or(whole.segments));
+    let short = experiment.with_problem(&problem);
+    let mut best: Option<Suspect> = None;
+    // Kinds outside, places inside: large factors cause fast motions, which are slow to compute.
+    for kind in &kinds {
+        for convention in promising(&short, kind) {
+            let least = best.as_ref().map_or(EXPLAINS * excess, |b| b.decrease);
+            let convention = settled(&short, convention);
+            let after = of_record(experiment, &short, &convention);
+            let Some(decrease) = after.map(|a| before - a).filter(|d| *d > least) else {
+                continue;
+            };
+            best = Some(named(&convention, decrease, excess));
+            // Correct, not only better: the others need no test.
+            if excess - decrease < RIGHT * dof {
+                return best;
+            }
+        }
+    }
+    best
+}
+
+/// The shortest beginning of the record that contradicts the model; `None` where it takes all of it.
+fn contradicting(experiment: &Experiment) -> Option<Vec<Segment>> {
+    let gross = experiment.settings.diagnosis.gross_misfit;
+    BEGINNINGS.into_iter().find_map(|share| {
+        let segments = experiment.problem.segments.iter();
+        let segments: Vec<Segment> = segments.map(|s| beginning(s, share)).collect();
+        let problem = experiment.problem.with_segments(&segments);
+        let short = experiment.with_problem(&problem);
+        let contradicts = fit_from(&short, short.nominal_point(), MISTAKE_ITERATIONS)
+            .is_none_or(|found| short.cost_of(&found) > gross * found.rows() as f64);
+        contradicts.then_some(segments)
+    })
+}
+
+/// Those with which a few iterations lead nearer than without, the best first.
+fn promising(experiment: &Experiment, kind: &[Convention]) -> Vec<Convention> {
+    let [nominal, fitted] = {
+        let own = experiment.nominal_point();
+        let nominal = experiment.cost(&own);
+        let found = fit_from(experiment, own, MISTAKE_ITERATIONS / 2);
+        [nominal, found.map(|f| experiment.cost_of(&f))].map(|c| c.unwrap_or(f64::INFINITY))
+    };
+    // What is far worse with the nominal numbers moves too fast to be fitted.
+    let cost = |c: &Convention| {
+        let tame = nominal_cost(experiment, c)? < WILD * nominal;
+        let cost = if tame {
+            fitted_cost(experiment, c)
+        } else {
+            None
+        };
+        Some((cost.filter(|cost| *cost < BETTER * fitted)?, c.clone()))
+    };
+    let mut list: Vec<(f64, Convention)> = kind.iter().filter_map(cost).collect();
+    list.sort_by(|a, b| a.0.total_cmp(&b.0));
+    // Of one place with a free value the best is enough: the others lead to it.
+    let mut kept: Vec<Convention> = Vec::new();
+    for (_, convention) in list {
+        let known = |k: &Convention| convention.free.is_some() && k.place == convention.place;
+        if kept.len() < FITTED && !kept.iter().any(known) {
+            kept.push(convention);
+        }
+    }
+    kept
+}
+
+fn nominal_cost(experiment: &Experiment, convention: &Convention) -> Option<f64> {
+    put_right(experiment, convention, |other| {
+        other.cost(&other.nominal_point())
+    })
+}
+
+/// What the fit of a record with the correction leaves after a few iterations.
+fn fitted_cost(experiment: &Experiment, convention: &Convention) -> Option<f64> {
+    put_right(experiment, convention, |other| {
+        let found = fit_from(other, other.nominal_point(), MISTAKE_ITERATIONS / 2)?;
+        Some(other.cost_of(&found))
+    })
+}
+
+/// A convention with its value where it has a free one.
+fn settled(experiment: &Experiment, convention: Convention) -> Convention {
+    let Some(width) = convention.free else {
+        return convention;
+    };
+    let ends = [convention.value() - width, convention.value() + width];
+    let at = |value: f64| convention.clone().with_value(value);
+    let cost = |c: &Convention| fitted_cost(experiment, c).unwrap_or(f64::INFINITY);
+    let own = at(least(|value| cost(&at(value)), ends, STEPS));
+    // The number that an engineer would write, where it fits about as well.
+    match own.rounded() {
+        Some(known) if cost(&known) < RIGHT * cost(&own) => known,
+        _ => own,
+    }
+}
+
+/// The least value between two ends by the golden section.
+fn least(cost: impl Fn(f64) -> f64, [mut a, mut b]: [f64; 2], steps: usize) -> f64 {
+    let [mut c, mut d] = [b - GOLDEN * (b - a), a + GOLDEN * (b - a)];
+    let [mut at_c, mut at_d] = [cost(c), cost(d)];
+    for _ in 0..steps {
+        if at_c < at_d {
+            (b, d, at_d) = (d, c, at_c);
+            c = b - GOLDEN * (b - a);
+            at_c = cost(c);
+        } else {
+            (a, c, at_c) = (c, d, at_d);
+            d = a + GOLDEN * (b - a);
+            at_d = cost(d);
+        }
+    }
+    if at_c < at_d { c } else { d }
+}
+
+/// Chi-square of the whole record with the correction; `None` where the beginning of it does not fit by half of the iterations.
+fn of_record(experiment: &Experiment, short: &Experiment, convention: &Convention) -> Option<f64> {
+    let x = put_right(short, convention, |other| {
+        let half = fit_from(other, other.nominal_point(), MISTAKE_ITERATIONS / 2)?;
+        let gross = other.settings.diagnosis.gross_misfit;
+        let fits = other.cost_of(&half) < gross * half.rows() as f64;
+        fits.then_some(half.at)
+    })?;
+    put_right(experiment, convention, |other| {
+        let found = fit_from(other, x, MISTAKE_ITERATIONS)?;
+        other.chi2(&found.at, &found.evaluated)
+    })
+}
+
+fn named(convention: &Convention, decrease: f64, excess: f64) -> Suspect {
+    let values = convention.values();
+    let values = values.map(|(name, value, unit)| SuspectValue::other(name, value, unit));
+    Suspect {
+        explains: (decrease / excess).clamp(0.0, 1.0),
+        ..Suspect::new(
+            convention.words(),
+            convention.fault(),
+            decrease,
+            values.into_iter().collect(),
+        )
+    }
+}

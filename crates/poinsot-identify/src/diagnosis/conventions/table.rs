@@ -1,0 +1,374 @@
+//! The table of conventions: one row for each kind of channel and change.
+
+use super::FaultKind;
+use crate::diagnosis::candidates::moves;
+use crate::fit::experiment::Experiment;
+use crate::problem::segment::{SensorRecord, SensorValue};
+use poinsot_model::{JointKind, SensorKind, rounded};
+use poinsot_spatial::Matrix3;
+use std::f64::consts::{PI, TAU};
+
+/// Factors that make a number of a wrong unit right, and the mistake.
+const UNITS: [(f64, &str); 4] = [
+    (PI / 180.0, "degrees used as radians"),
+    (PI / 30.0, "revolutions per minute used as rad/s"),
+    (TAU, "revolutions used as radians"),
+    (180.0 / PI, "radians used as degrees"),
+];
+/// Ratios that are tried of a joint, of either sign.
+const RATIOS: [f64; 9] = [0.2, 0.333, 0.5, 0.667, 0.8, 1.25, 1.5, 2.0, 3.0];
+/// Share of a ratio to which it is sought about those, and within which it is one of whole numbers.
+const ABOUT: f64 = 0.2;
+const SAME: f64 = 0.01;
+/// Largest whole number in a ratio that is printed as one.
+const TEETH: u32 = 6;
+/// Zeros of a joint that are tried, rad, to either side.
+const ZERO_STEP: f64 = PI / 12.0;
+/// Shares of a typical pulse by which all may be longer or shorter.
+const PULSES: [f64; 6] = [-0.3, -0.1, -0.03, 0.03, 0.1, 0.3];
+
+/// What is read by another convention than declared.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Place {
+    /// Speeds of these wheels.
+    Wheels(Vec<usize>),
+    /// Positions and rates of a joint.
+    Joint(usize),
+    /// Force of a thruster.
+    Thruster(usize),
+    /// The length of every pulse.
+    Pulses,
+    /// A sensor by its place among those of the first segment.
+    Sensor(usize),
+}
+
+/// What puts it right.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Change {
+    Factor(f64),
+    /// Added to a joint, rad; to the length of a pulse, s.
+    Offset(f64),
+    /// The columns of this wheel or joint in its place, and the reverse.
+    ExchangedWith(usize),
+    /// Components in the axes of the body from those that are read.
+    Axes(Matrix3),
+}
+
+/// A row of the table.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Convention {
+    pub place: Place,
+    pub change: Change,
+    /// The channel in words.
+    pub owner: String,
+    /// How far the value may lie from the true one, where it is free.
+    pub free: Option<f64>,
+}
+
+/// All kinds of conventions that the record can have, those whose trial is quick first.
+pub(super) fn all(experiment: &Experiment) -> Vec<Vec<Convention>> {
+    let mut all = thrusters(experiment);
+    all.extend(wheels(experiment));
+    all.push(pulses(experiment));
+    all.extend(joints(experiment));
+    all.extend(gyro(experiment));
+    all.retain(|kind| !kind.is_empty());
+    all
+}
+
+fn row(place: Place, change: Change, owner: &str) -> Convention {
+    Convention {
+        place,
+        change,
+        owner: owner.to_owned(),
+        free: None,
+    }
+}
+
+fn thrusters(experiment: &Experiment) -> Vec<Vec<Convention>> {
+    let segments = experiment.problem.segments;
+    let fires = |k: usize| {
+        let mut firings = segments.iter().flat_map(|s| &s.firings);
+        firings.any(|f| f.thruster == k)
+    };
+    let of = |factor: f64| {
+        let all = experiment.thrusters.iter().enumerate();
+        let firing = all.filter(|(k, _)| fires(*k));
+        let rows = firing.map(|(k, t)| row(Place::Thruster(k), Change::Factor(factor), &t.name));
+        rows.collect()
+    };
+    [0.0, -1.0].map(of).into()
+}
+
+fn wheels(experiment: &Experiment) -> Vec<Vec<Convention>> {
+    let wheels = &experiment.problem.model.wheels;
+    let names: Vec<&str> = wheels.iter().map(|w| w.name.as_str()).collect();
+    let exchanged = pairs(&names, |i| Place::Wheels(vec![i]));
+    let of = |factor: f64| {
+        let own = names.iter().enumerate();
+        let own = own.map(|(k, name)| row(Place::Wheels(vec![k]), Change::Factor(factor), name));
+        let mut list: Vec<Convention> = own.collect();
+        if names.len() > 1 {
+            let all = Place::Wheels((0..names.len()).collect());
+            list.push(row(all, Change::Factor(factor), "all wheels"));
+        }
+        list
+    };
+    let factors = [-1.0].into_iter().chain(UNITS.map(|u| u.0));
+    [exchanged].into_iter().chain(factors.map(of)).collect()
+}
+
+/// Each two of a kind in each other's column.
+fn pairs(names: &[&str], place: impl Fn(usize) -> Place) -> Vec<Convention> {
+    let of = |j: usize| {
+        let place = &place;
+        (0..j).map(move |i| {
+            let owner = format!("{} and {}", names[i], names[j]);
+            row(place(i), Change::ExchangedWith(j), &owner)
+        })
+    };
+    (1..names.len()).flat_map(of).collect()
+}
+
+/// All pulses longer or shorter by one time.
+fn pulses(experiment: &Experiment) -> Vec<Convention> {
+    let segments = experiment.problem.segments.iter();
+    let firings = segments.flat_map(|s| &s.firings);
+    let mut lengths: Vec<f64> = firings.map(|f| f.end_s - f.start_s).collect();
+    if lengths.len() < 2 {
+        return Vec::new();
+    }
+    lengths.sort_by(f64::total_cmp);
+    let typical = lengths[lengths.len() / 2];
+    let of = |share: f64| Convention {
+        free: Some(0.8 * share.abs() * typical),
+        ..row(
+            Place::Pulses,
+            Change::Offset(share * typical),
+            "every pulse",
+        )
+    };
+    PULSES.map(of).into()
+}
+
+fn joints(experiment: &Experiment) -> Vec<Vec<Convention>> {
+    let problem = experiment.problem;
+    let model_joints = problem.tree.coordinates.iter();
+    let joints = model_joints.filter_map(|at| problem.model.joints.get(*at));
+    let all: Vec<(usize, &poinsot_model::Joint)> = joints.enumerate().collect();
+    let moving = |(k, _): &&(usize, &poinsot_model::Joint)| moves(problem, *k);
+    let names: Vec<&str> = all.iter().map(|(_, j)| j.name.as_str()).collect();
+    let own = |change: &dyn Fn(usize, &str) -> Vec<Convention>| -> Vec<Convention> {
+        let moving = all.iter().filter(moving);
+        moving.flat_map(|(k, j)| change(*k, &j.name)).collect()
+    };
+    let factors = |values: &[f64], free: bool| {
+        own(&|k, name| {
+            let one = |value: &f64| Convention {
+                free: free.then_some(ABOUT * value.abs()),
+                ..row(Place::Joint(k), Change::Factor(*value), name)
+            };
+            values.iter().map(one).collect()
+        })
+    };
+    let ratios: Vec<f64> = RATIOS.iter().flat_map(|r| [*r, -r]).collect();
+    let zeros = own(&|k, name| {
+        if all[k].1.kind == JointKind::Prismatic {
+            return Vec::new();
+        }
+        let steps = (-11..=12).filter(|s| *s != 0);
+        let one = |s: i32| Convention {
+            free: Some(0.6 * ZERO_STEP),
+            ..row(
+                Place::Joint(k),
+                Change::Offset(f64::from(s) * ZERO_STEP),
+                name,
+            )
+        };
+        steps.map(one).collect()
+    });
+    let alike = |c: &Convention| match (&c.place, c.change) {
+        (Place::Joint(i), Change::ExchangedWith(j)) => all[*i].1.kind == all[j].1.kind,
+        _ => true,
+    };
+    let exchanged = pairs(&names, Place::Joint).into_iter().filter(alike);
+    let units: Vec<f64> = UNITS.iter().map(|u| u.0).collect();
+    vec![
+        factors(&[-1.0], false),
+        exchanged.collect(),
+        zeros,
+        factors(&ratios, true),
+        factors(&units, false),
+    ]
+}
+
+/// Axes and units of the gyro of a record without attitude; with one, both are compared as they are read.
+fn gyro(experiment: &Experiment) -> Vec<Vec<Convention>> {
+    let segments = experiment.problem.segments;
+    if segments
+        .iter()
+        .any(|s| s.observations.reads(SensorKind::Attitude))
+    {
+        return Vec::new();
+    }
+    let Some(sensors) = segments.first().map(|s| &s.observations.sensors) else {
+        return Vec::new();
+    };
+    let gyros = sensors
+        .iter()
+        .enumerate()
+        .filter(|(_, s)| s.kind == SensorKind::Gyro);
+    let gyros: Vec<(usize, &SensorRecord)> = gyros.collect();
+    let of = |changes: Vec<Change>| -> Vec<Convention> {
+        let each = |(k, s): &(usize, &SensorRecord)| {
+            let (place, name) = (Place::Sensor(*k), format!("the {}", s.name));
+            let rows = changes.iter().map(|c| row(place.clone(), *c, &name));
+            rows.collect::<Vec<_>>()
+        };
+        gyros.iter().flat_map(each).collect()
+    };
+    let axes = signed_permutations().filter(|m| *m != Matrix3::identity());
+    let units = UNITS.iter().take(2).map(|u| Change::Factor(u.0));
+    vec![of(axes.map(Change::Axes).collect()), of(units.collect())]
+}
+
+/// Every matrix that exchanges or reverses axes.
+fn signed_permutations() -> impl Iterator<Item = Matrix3> {
+    let orders = [
+        [0, 1, 2],
+        [1, 0, 2],
+        [0, 2, 1],
+        [2, 1, 0],
+        [1, 2, 0],
+        [2, 0, 1],
+    ];
+    orders.into_iter().flat_map(|order: [usize; 3]| {
+        (0..8_u8).map(move |bits| {
+            Matrix3::from_fn(|i, j| match (order[i] == j, bits >> i & 1) {
+                (false, _) => 0.0,
+                (true, 0) => 1.0,
+                (true, _) => -1.0,
+            })
+        })
+    })
+}
+
+impl Convention {
+    pub fn value(&self) -> f64 {
+        match self.change {
+            Change::Factor(x) | Change::Offset(x) => x,
+            _ => f64::NAN,
+        }
+    }
+
+    pub fn with_value(mut self, value: f64) -> Self {
+        match &mut self.change {
+            Change::Factor(x) | Change::Offset(x) => *x = value,
+            _ => {}
+        }
+        self
+    }
+
+    /// The same with a ratio of whole numbers or a zero by an eighth of a turn, where the value is near one.
+    pub fn rounded(&self) -> Option<Self> {
+        let value = self.value();
+        let known = match (&self.place, self.change) {
+            (Place::Joint(_), Change::Offset(_)) => (value / (PI / 4.0)).round() * (PI / 4.0),
+            (_, Change::Factor(_)) => ratio(value)?,
+            _ => return None,
+        };
+        let near = (known - value).abs() < SAME * value.abs();
+        near.then(|| self.clone().with_value(known))
+    }
+
+    pub fn fault(&self) -> FaultKind {
+        match (&self.place, self.change) {
+            (Place::Thruster(_), _) => FaultKind::Thrust,
+            (Place::Wheels(_), Change::ExchangedWith(_)) => FaultKind::WheelExchange,
+            (Place::Wheels(_), Change::Factor(x)) if x < 0.0 => FaultKind::WheelSign,
+            (_, Change::Factor(x)) if unit(x).is_some() => FaultKind::Units,
+            _ => FaultKind::Convention,
+        }
+    }
+
+    /// The mistake.
+    pub fn words(&self) -> String {
+        let owner = &self.owner;
+        match (&self.place, self.change) {
+            (Place::Thruster(_), Change::Factor(x)) if x == 0.0 => format!("no force of {owner}"),
+            (Place::Thruster(_), _) => format!("a wrong direction of {owner}"),
+            (Place::Pulses, change) => {
+                let (by, off) = match change {
+                    Change::Offset(x) if x < 0.0 => (-x, "shorter"),
+                    Change::Offset(x) => (x, "longer"),
+                    _ => (0.0, "other"),
+                };
+                let key = rounded(if off == "shorter" { -by } else { by }, 3);
+                format!(
+                    "thrust {} s {off} than {owner} (closes_late_s = {key} in the columns of the thrusters)",
+                    rounded(by, 3)
+                )
+            }
+            (Place::Wheels(_), Change::ExchangedWith(_)) => format!("exchanged speeds of {owner}"),
+            (_, Change::ExchangedWith(_)) => format!("exchanged columns of {owner}"),
+            (_, Change::Offset(x)) => {
+                let degrees = rounded(x.to_degrees(), 4);
+                format!("another zero of {owner} (offset = {degrees} deg in its column)")
+            }
+            (_, Change::Axes(m)) => {
+                format!("other axes of {owner} (body axes = {})", axes_words(&m))
+            }
+            (_, Change::Factor(x)) => match unit(x) {
+                Some(words) => format!("a wrong unit of {owner} ({words})"),
+                None if x == -1.0 => format!("a wrong sign of {owner}"),
+                None => format!(
+                    "another ratio of {owner} (scale = {} in its column)",
+                    rounded(x, 4)
+                ),
+            },
+        }
+    }
+
+    /// Name, value and unit of what puts it right.
+    pub fn values(&self) -> Option<(String, f64, &'static str)> {
+        let owner = &self.owner;
+        match (&self.place, self.change) {
+            (_, Change::Factor(x)) => Some((format!("{owner}.factor"), x, "1")),
+            (Place::Pulses, Change::Offset(x)) => Some(("thrust.closes_late".to_owned(), x, "s")),
+            (_, Change::Offset(x)) => Some((format!("{owner}.offset"), x, "rad")),
+            _ => None,
+        }
+    }
+}
+
+fn unit(factor: f64) -> Option<&'static str> {
+    let same = |x: f64| (factor / x - 1.0).abs() < SAME;
+    UNITS.iter().find(|u| same(u.0)).map(|u| u.1)
+}
+
+/// The nearest ratio of small whole numbers.
+fn ratio(value: f64) -> Option<f64> {
+    let all = (1..=TEETH).flat_map(|a| (1..=TEETH).map(move |b| f64::from(a) / f64::from(b)));
+    let distance = |r: &f64| (r - value.abs()).abs();
+    let nearest = all.min_by(|a, b| distance(a).total_cmp(&distance(b)));
+    nearest.map(|r| r.copysign(value))
+}
+
+/// Body axes by those that are read: `(x, -z, y)`.
+fn axes_words(m: &Matrix3) -> String {
+    let word = |i: usize| {
+        let read = (0..3).find(|&j| m[(i, j)] != 0.0).unwrap_or(i);
+        let sign = if m[(i, read)] < 0.0 { "-" } else { "" };
+        format!("{sign}{}", ["x", "y", "z"][read])
+    };
+    format!("({})", [0, 1, 2].map(word).join(", "))
+}
+
+/// A value of a sensor in other axes or units.
+pub(super) fn changed(value: SensorValue, change: Change) -> SensorValue {
+    match (value, change) {
+        (SensorValue::Vector(v), Change::Axes(m)) => SensorValue::Vector(m * v),
+        (SensorValue::Vector(v), Change::Factor(x)) => SensorValue::Vector(x * v),
+        (value, _) => value,
+    }
+}
