@@ -2,8 +2,9 @@
 //! under every combination of conventions.
 
 use crate::hypothesis::{Axes, DECLARED, GyroUnit, Hypothesis, Order, Sense};
+use crate::median::median_step;
 use crate::rate_pairs::Pairs;
-use crate::{Channel, Table, full_name};
+use crate::{Channel, Table, direction_axes, full_name};
 use poinsot_files::{Faults, Place, rounded};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -77,7 +78,8 @@ const EXPLAINED: f64 = 0.3;
 /// ```
 pub fn test_conventions(attitude: [&Channel; 4], gyro: [&Channel; 3]) -> Option<ConventionTest> {
     let pairs = Pairs::collect(attitude, gyro)?;
-    let mut all = Vec::with_capacity(4 * 7 * 48);
+    let step_s = median_step(&gyro[0].time_s)?;
+    let mut all = Vec::with_capacity(4 * 8 * 48);
     for (order, sense) in READINGS {
         let sums = pairs.sums(order, sense);
         for gyro_unit in GyroUnit::ALL {
@@ -86,7 +88,7 @@ pub fn test_conventions(attitude: [&Channel; 4], gyro: [&Channel; 3]) -> Option<
                 sense,
                 gyro_unit,
                 gyro_axes,
-                residual_rad_s: sums.residual(gyro_unit.factor(), gyro_axes),
+                residual_rad_s: sums.residual(gyro_unit.factor(step_s), gyro_axes),
             }));
         }
     }
@@ -145,7 +147,7 @@ pub fn test_conventions(attitude: [&Channel; 4], gyro: [&Channel; 3]) -> Option<
 }
 
 /// What the lowest residual and that of the declared convention say beside the rate, rad/s.
-fn verdict(still: bool, [lowest, declared, rate]: [f64; 3]) -> Verdict {
+pub(crate) fn verdict(still: bool, [lowest, declared, rate]: [f64; 3]) -> Verdict {
     if still {
         undecided("the attitude does not move")
     } else if lowest > EXPLAINED * rate {
@@ -222,7 +224,7 @@ pub fn test_sensors(table: &Table, attitude: &str, gyro: &str) -> Option<Convent
     )
 }
 
-/// Returns an error if attitude and gyro clearly contradict the declared conventions.
+/// Returns an error if attitude and gyro, or a direction and the gyro, clearly contradict the declared conventions.
 ///
 /// Assumes that every gyro measures in body axes on the body of the attitude.
 ///
@@ -242,7 +244,8 @@ pub fn test_sensors(table: &Table, attitude: &str, gyro: &str) -> Option<Convent
 pub fn check_conventions(table: &Table) -> Result<(), Faults> {
     convention_tests(table)
         .iter()
-        .try_for_each(ConventionTest::check)
+        .try_for_each(ConventionTest::check)?;
+    direction_axes::check(table)
 }
 
 impl ConventionTest {

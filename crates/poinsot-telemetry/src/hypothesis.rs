@@ -44,10 +44,12 @@ pub enum GyroUnit {
     TimeInMilliseconds,
     /// Times in s taken for ms and converted. A gyro in rad/s that is taken for mrad/s looks the same.
     TimeTakenForMilliseconds,
+    /// Angles turned since the sample before, taken for rates.
+    Increments,
 }
 
 impl GyroUnit {
-    pub(crate) const ALL: [Self; 7] = [
+    pub(crate) const ALL: [Self; 8] = [
         Self::AsDeclared,
         Self::DegPerS,
         Self::Rpm,
@@ -55,10 +57,11 @@ impl GyroUnit {
         Self::RadPerSTakenForRpm,
         Self::TimeInMilliseconds,
         Self::TimeTakenForMilliseconds,
+        Self::Increments,
     ];
 
-    /// Factor from the table's values to the rate in rad/s, given its attitude and times.
-    pub fn factor(self) -> f64 {
+    /// Factor from the table's values to the rate in rad/s, given its attitude, times and the step of the gyro, s.
+    pub fn factor(self, step_s: f64) -> f64 {
         match self {
             Self::AsDeclared => 1.0,
             Self::DegPerS => PI / 180.0,
@@ -67,6 +70,7 @@ impl GyroUnit {
             Self::RadPerSTakenForRpm => 30.0 / PI,
             Self::TimeInMilliseconds => 1.0e-3,
             Self::TimeTakenForMilliseconds => 1.0e3,
+            Self::Increments => 1.0 / step_s,
         }
     }
 }
@@ -84,6 +88,10 @@ impl Axes {
     pub(crate) const IDENTITY: Self = Self {
         axis: [0, 1, 2],
         sign: [1, 1, 1],
+    };
+    const REVERSED: Self = Self {
+        axis: [0, 1, 2],
+        sign: [-1, -1, -1],
     };
 
     pub(crate) fn all() -> impl Iterator<Item = Self> {
@@ -133,8 +141,22 @@ pub struct Hypothesis {
 }
 
 impl Hypothesis {
+    /// Whether the gyro is in inertial axes: the inverse attitude turns by the opposite of that rate, and no gyro has all of its
+    /// axes reversed.
+    fn is_inertial(&self) -> bool {
+        self.sense == Sense::InertialToBody && self.gyro_axes == Axes::REVERSED
+    }
+
     /// Number of changes from the declared convention; a permutation counts more than a sign.
     pub(crate) fn departures(&self) -> usize {
+        if self.is_inertial() {
+            let as_declared = Self {
+                sense: Sense::BodyToInertial,
+                gyro_axes: Axes::IDENTITY,
+                ..*self
+            };
+            return as_declared.departures() + 2;
+        }
         let axes = self.gyro_axes.axis != Axes::IDENTITY.axis;
         let signs = self.gyro_axes.sign.iter().filter(|s| **s < 0).count();
         usize::from(self.order != Order::Xyzw) * 2
@@ -156,7 +178,9 @@ impl fmt::Display for Hypothesis {
         if self.order == Order::Wxyz {
             parts.push("quaternion scalar first (wxyz)".to_owned());
         }
-        if self.sense == Sense::InertialToBody {
+        if self.is_inertial() {
+            parts.push("gyro in inertial axes, not in body axes".to_owned());
+        } else if self.sense == Sense::InertialToBody {
             parts.push(
                 "quaternion inertial to body (or body to inertial in JPL algebra)".to_owned(),
             );
@@ -177,8 +201,12 @@ impl fmt::Display for Hypothesis {
             GyroUnit::TimeTakenForMilliseconds => {
                 parts.push("times in s used as ms (or a gyro used as mrad/s)".into());
             }
+            GyroUnit::Increments => parts.push(
+                "angles since the sample before in the columns of the gyro (increments = true)"
+                    .into(),
+            ),
         }
-        if self.gyro_axes != Axes::IDENTITY {
+        if self.gyro_axes != Axes::IDENTITY && !self.is_inertial() {
             parts.push(format!("body rates = gyro {}", self.gyro_axes));
         }
         if parts.is_empty() {

@@ -48,6 +48,7 @@
 //! - `channel_name.rs`: standard names. `unit.rs`: units and factors.
 //! - `time_base.rs`, `quaternion.rs`: checks.
 //! - `conventions.rs`, `hypothesis.rs`, `rate_pairs.rs`: attitude against gyro under every convention of both.
+//!   `direction_axes.rs`: directions against the gyro.
 //! - `resample.rs`, `differentiate.rs`: never across a gap.
 //! - `noise.rs`: noise of a channel from its own samples.
 //! - `size.rs`: number of rows before reading.
@@ -71,6 +72,7 @@ mod csv_rows;
 mod cursor;
 mod derive;
 mod differentiate;
+mod direction_axes;
 mod error;
 mod hypothesis;
 mod inspect;

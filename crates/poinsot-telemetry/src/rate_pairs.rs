@@ -138,7 +138,7 @@ fn stride(q: &[[f64; 4]]) -> usize {
 
 /// Integral of the gyro, linear between samples, from the start of a run to each time, with the index of the run.
 /// `None` outside its samples and in gaps.
-fn integrals(gyro: [&Channel; 3], times_s: &[f64]) -> Vec<Option<(usize, [f64; 3])>> {
+pub(crate) fn integrals(gyro: [&Channel; 3], times_s: &[f64]) -> Vec<Option<(usize, [f64; 3])>> {
     let [x, y, z] = gyro;
     let gap = 3.0 * median_step(&x.time_s).unwrap_or(0.0);
     let mut knots = Vec::with_capacity(x.values.len());

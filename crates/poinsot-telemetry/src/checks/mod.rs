@@ -8,6 +8,7 @@ mod placeholder;
 mod runs;
 mod saturation;
 mod stuck;
+mod wrap;
 
 use crate::{Channel, Dimension, Table, full_name, median_step};
 use poinsot_files::{Faults, Place};
@@ -25,6 +26,8 @@ pub enum Check {
     Gap,
     /// A value far off that repeats: a placeholder for no sample.
     Placeholder,
+    /// A channel that begins anew at a value: an angle within one turn, an integer read as unsigned.
+    Wrap,
     /// Single readings far from their neighbours.
     Outlier,
     /// Each reading stands several times in a row: the sensor is slower than its column.
@@ -65,7 +68,7 @@ impl Policy {
 }
 
 /// Every check in order of execution, its name, and its valid policies, default first.
-const CHECKS: [(Check, &str, &[Policy]); 9] = {
+const CHECKS: [(Check, &str, &[Policy]); 10] = {
     use Policy::{Exclude, Refuse, Report};
     const LEFT_OUT: &[Policy] = &[Exclude, Report, Refuse];
     const LISTED: &[Policy] = &[Report, Refuse];
@@ -76,6 +79,7 @@ const CHECKS: [(Check, &str, &[Policy]); 9] = {
             "placeholder",
             &[Report, Exclude, Refuse],
         ),
+        (Check::Wrap, "wrap", &[Refuse, Report]),
         (Check::Held, "held", LEFT_OUT),
         (Check::Saturation, "saturation", LEFT_OUT),
         (Check::Stuck, "stuck", LEFT_OUT),
@@ -334,6 +338,7 @@ fn look(table: &Table, check: Check) -> Vec<Found> {
     let sensors = || runs::sensors(table);
     match check {
         Check::Gap => table.channels.iter().filter_map(gaps).collect(),
+        Check::Wrap => table.channels.iter().filter_map(wrap::find).collect(),
         Check::Placeholder => per_channel(table, check, placeholder::find),
         Check::Outlier => per_channel(table, check, outlier::find),
         Check::Saturation => per_channel(table, check, saturation::find),

@@ -8,6 +8,8 @@ use crate::{Channel, Table};
 const LONG: usize = 8;
 /// Fraction of samples that may repeat by chance in a sensor without coarse quantisation.
 const CHANCE: f64 = 0.02;
+/// Share of its usual rate from which a gyro turns.
+const TURNS: f64 = 0.3;
 
 pub(super) fn find(table: &Table, sensor: &Sensor, check: Check) -> Option<Found> {
     let channels: Vec<&Channel> = sensor
@@ -20,7 +22,9 @@ pub(super) fn find(table: &Table, sensor: &Sensor, check: Check) -> Option<Found
     let times_s = channels.first()?.time_s.clone();
     let (stuck, text) = match check {
         Check::Held => slow(&all, samples),
-        _ => hangs(&channels, samples, sensor),
+        _ => {
+            hangs(&channels, samples, sensor).or_else(|| rests_alone(table, &all, samples, sensor))
+        }
     }?;
     let times = stuck.iter().filter_map(|&k| times_s.get(k).copied());
     let name = sensor.name.clone();
@@ -95,4 +99,47 @@ fn hangs(channels: &[&Channel], samples: usize, sensor: &Sensor) -> Option<(Vec<
             names.join("; ")
         ),
     ))
+}
+
+/// An attitude that repeats exactly while the gyro turns as elsewhere.
+fn rests_alone(
+    table: &Table,
+    all: &[(usize, usize)],
+    samples: usize,
+    sensor: &Sensor,
+) -> Option<(Vec<usize>, String)> {
+    let times = &table.channels.get(*sensor.channels.first()?)?.time_s;
+    let gyro = ["omega_x", "omega_y", "omega_z"]
+        .map(|name| table.channels.iter().find(|c| c.name == name));
+    let [Some(x), Some(y), Some(z)] = gyro else {
+        return None;
+    };
+    let mean = |run: &[(usize, usize)]| {
+        let within = |t: f64| {
+            let ends = |&(k, n): &(usize, usize)| Some((*times.get(k)?, *times.get(k + n - 1)?));
+            run.iter().filter_map(ends).any(|(a, b)| a <= t && t <= b)
+        };
+        let kept = (0..x.values.len()).filter(|&k| within(x.time_s[k]));
+        let square = |k: usize| -> f64 {
+            let each = [x, y, z].map(|c| c.values.get(k).copied().unwrap_or(0.0));
+            each.iter().map(|w| w * w).sum()
+        };
+        let squares: Vec<f64> = kept.map(square).collect();
+        (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt()
+    };
+    let long: Vec<(usize, usize)> = all.iter().copied().filter(|r| r.1 >= LONG).collect();
+    let others: usize = all.iter().filter(|r| r.1 < LONG).map(|r| r.1 - 1).sum();
+    if !sensor.is_attitude || long.is_empty() || others as f64 >= CHANCE * samples as f64 {
+        return None;
+    }
+    let whole = mean(&[(0, samples)]);
+    let held: Vec<(usize, usize)> = long
+        .into_iter()
+        .filter(|r| mean(&[*r]) > TURNS * whole)
+        .collect();
+    let stuck: Vec<usize> = held.iter().flat_map(|&(k, n)| k + 1..k + n).collect();
+    let text = format!(
+        "all four numbers repeat exactly {LONG} times or more while the gyro turns: the sensor holds its last value"
+    );
+    (!stuck.is_empty()).then_some((stuck, text))
 }

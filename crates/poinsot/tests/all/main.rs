@@ -14,6 +14,7 @@ mod book;
 mod campaign;
 mod campaign_page;
 mod compare;
+mod conventions;
 mod counts;
 mod evaluation;
 mod evidence;

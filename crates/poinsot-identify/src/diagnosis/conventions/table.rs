@@ -320,10 +320,13 @@ impl Convention {
             }
             (_, Change::Factor(x)) => match unit(x) {
                 Some(words) => format!("a wrong unit of {owner} ({words})"),
+                None if x == -1.0 && matches!(self.place, Place::Joint(_)) => {
+                    format!("a wrong sign of {owner} (sign = -1 in its columns)")
+                }
                 None if x == -1.0 => format!("a wrong sign of {owner}"),
                 None => format!(
-                    "another ratio of {owner} (scale = {} in its column)",
-                    rounded(x, 4)
+                    "another ratio of {owner} (scale = {} in its columns)",
+                    rounded(x, 6)
                 ),
             },
         }

@@ -76,6 +76,68 @@ fn exact_each_fault_is_found_with_its_count() {
     assert_eq!(names(&held), [(Check::Held, 300)]);
 }
 
+/// An angle within one turn, and 16 bits of a two's complement read as unsigned; a joint that oscillates, and one that jumps, do neither.
+#[test]
+fn exact_a_channel_that_begins_anew_is_found() {
+    let of = |name: &str, value: &dyn Fn(f64) -> f64| {
+        let mut text = format!("time_s,{name}\n");
+        for k in 0..400 {
+            let t = 0.1 * f64::from(k);
+            text.push_str(&format!("{t},{}\n", value(t)));
+        }
+        let table = read_text(text, &ReadOptions::default()).unwrap();
+        names(&table).iter().filter(|n| n.0 == Check::Wrap).count()
+    };
+    let (turn, pi) = (std::f64::consts::TAU, std::f64::consts::PI);
+    let angle = |t: f64| 2.0 + 0.3 * t + 0.5 * (0.4 * t).sin();
+    assert_eq!(of("J1_rad", &|t| (angle(t) + pi).rem_euclid(turn) - pi), 1);
+    assert_eq!(of("J1_rad", &|t| angle(t).rem_euclid(turn)), 1);
+    assert_eq!(of("J1_rad", &angle), 0);
+    assert_eq!(of("J1_rad", &|t| 3.1 * (0.3 * t).sin()), 0);
+    let counts = |t: f64| (800.0 * (0.4 * t).sin()).round();
+    assert_eq!(
+        of("w1_rad_s", &|t| 1.0e-4 * counts(t).rem_euclid(65536.0)),
+        1
+    );
+    assert_eq!(of("w1_rad_s", &|t| 1.0e-4 * counts(t)), 0);
+    let step = |t: f64| {
+        if t < 20.0 {
+            counts(t)
+        } else {
+            counts(t) + 9000.0
+        }
+    };
+    assert_eq!(of("w1_rad_s", &|t| 1.0e-4 * step(t)), 0);
+}
+
+/// A tracker that holds its last value while the vehicle turns.
+#[test]
+fn exact_an_attitude_that_holds_while_the_gyro_turns_is_found() {
+    let record = |turns: bool| {
+        let mut text = String::from("time_s,q_x,q_y,q_z,q_w,omega_x,omega_y,omega_z\n");
+        for k in 0..400_i32 {
+            let at = if (100..150).contains(&k) { 100 } else { k };
+            let half = 0.005 * f64::from(at);
+            let rate = if turns || !(100..150).contains(&k) {
+                0.1
+            } else {
+                0.0
+            };
+            let t = 0.1 * f64::from(k);
+            text.push_str(&format!(
+                "{t},{},0,0,{},{rate},0,0\n",
+                half.sin(),
+                half.cos()
+            ));
+        }
+        let table = read_text(text, &ReadOptions::default()).unwrap();
+        let held = names(&table).into_iter().find(|n| n.0 == Check::Held);
+        held.map(|n| n.1)
+    };
+    assert_eq!(record(true), Some(49));
+    assert_eq!(record(false), None);
+}
+
 #[test]
 fn exact_policies_do_what_they_say() {
     let faulty = || gyro(|k, [x, y, z]| [if k % 50 == 7 { x + 0.5 } else { x }, y, z]);

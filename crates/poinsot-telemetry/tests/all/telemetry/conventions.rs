@@ -119,7 +119,7 @@ fn exact_every_wrong_convention_is_named() {
     let deg = 180.0 / std::f64::consts::PI;
     type Change = fn([f64; 4], [f64; 3]) -> ([f64; 4], [f64; 3]);
     let scalar_first: Change = |[x, y, z, w], rate| ([w, x, y, z], rate);
-    let cases: [(Change, &str); 9] = [
+    let cases: [(Change, &str); 11] = [
         (scalar_first, "quaternion scalar first (wxyz)"),
         (
             |q, w| (conjugate(q), w),
@@ -152,6 +152,18 @@ fn exact_every_wrong_convention_is_named() {
         (
             |[x, y, z, w], rate| ([w, x, y, z], rate.map(f64::to_degrees)),
             "quaternion scalar first (wxyz), gyro in deg/s",
+        ),
+        (
+            |q, rate| (q, rate.map(|w| 0.05 * w)),
+            "angles since the sample before in the columns of the gyro (increments = true)",
+        ),
+        (
+            |[x, y, z, w], rate| {
+                let R =
+                    nalgebra::UnitQuaternion::new_normalize(nalgebra::Quaternion::new(w, x, y, z));
+                ([x, y, z, w], (R * nalgebra::Vector3::from(rate)).into())
+            },
+            "gyro in inertial axes, not in body axes",
         ),
     ];
     for (change, name) in cases {
@@ -285,4 +297,41 @@ fn exact_times_in_another_unit_are_told_by_their_factor() {
         assert!(message.starts_with("E0215"), "{message}");
         assert!(message.contains(says), "{message}");
     }
+}
+
+/// A sun at rest in inertial axes, seen with two axes exchanged.
+#[test]
+fn exact_exchanged_axes_of_a_direction_are_named() {
+    let rows = tumble(400, 0.05, 0.2);
+    let seen = |order: [usize; 3]| {
+        let mut table = table(&rows, 0.05);
+        let time_s = table.channels[0].time_s.clone();
+        let sun = |([x, y, z, w], _): &([f64; 4], [f64; 3])| {
+            let R =
+                nalgebra::UnitQuaternion::new_normalize(nalgebra::Quaternion::new(*w, *x, *y, *z));
+            let s: [f64; 3] = (R.inverse() * nalgebra::Vector3::new(0.6, 0.64, -0.48)).into();
+            order.map(|k| s[k])
+        };
+        let all: Vec<[f64; 3]> = rows.iter().map(sun).collect();
+        for (k, name) in ["direction_x", "direction_y", "direction_z"]
+            .into_iter()
+            .enumerate()
+        {
+            table.channels.push(Channel {
+                name: name.to_owned(),
+                sensor: "sun".to_owned(),
+                unit: "1".to_owned(),
+                time_s: time_s.clone(),
+                values: all.iter().map(|s| s[k]).collect(),
+                ..Channel::default()
+            });
+        }
+        check_conventions(&table)
+    };
+    assert!(seen([0, 1, 2]).is_ok());
+    let message = seen([0, 2, 1]).unwrap_err().to_string();
+    assert!(
+        message.ends_with("body axes = sensor (x, z, y); correct the map or the file"),
+        "{message}"
+    );
 }

@@ -1,0 +1,99 @@
+//! Channels that begin anew at a value: angles within one turn, counters, and integers of a two's complement read as unsigned.
+
+use super::{Check, Found};
+use crate::Channel;
+use crate::median::median;
+use poinsot_files::rounded;
+use std::f64::consts::TAU;
+
+/// Fewest samples that tell.
+const FEW: usize = 16;
+/// Steps, in typical ones, from which a step is a jump, and to which it falls where the channel is continued.
+const JUMP: f64 = 20.0;
+const CONTINUED: f64 = 10.0;
+/// Widths of integers, bits.
+const WIDTHS: std::ops::RangeInclusive<i32> = 8..=32;
+/// Share of a period that the values of a channel cover about its ends.
+const ENDS: f64 = 0.1;
+/// Deviation of a multiple of the least step, in steps.
+const OFF_STEP: f64 = 0.01;
+
+pub(super) fn find(channel: &Channel) -> Option<Found> {
+    let v = &channel.values;
+    let steps: Vec<f64> = v.windows(2).map(|w| w[1] - w[0]).collect();
+    let typical = median(
+        &mut steps
+            .iter()
+            .map(|d| d.abs())
+            .filter(|d| *d > 0.0)
+            .collect::<Vec<_>>(),
+    )?;
+    let largest = steps.iter().fold(0.0_f64, |a, d| a.max(d.abs()));
+    // A quaternion may change its sign.
+    if v.len() < FEW || largest < JUMP * typical || channel.unit == "1" {
+        return None;
+    }
+    let turn = (channel.unit == "rad").then_some((TAU, "wraps_at"));
+    let counts = least_step(v).map(|q| WIDTHS.map(move |n| (q * 2.0_f64.powi(n), "signed_range")));
+    let mut periods = turn.into_iter().chain(counts.into_iter().flatten());
+    let (period, key) = periods.find(|(p, _)| begins_anew(v, &steps, *p, (typical, largest)))?;
+    let jumps: Vec<usize> = (1..v.len())
+        .filter(|&k| steps[k - 1].abs() > 0.5 * period)
+        .collect();
+    let of = rounded(period, 6);
+    let what = match key {
+        "wraps_at" => {
+            format!("jumps by one turn; write {key} = 360 deg, in the numbers of its column, there")
+        }
+        _ => {
+            let q = least_step(v).unwrap_or(period);
+            format!(
+                "jumps by {of} {}, {} of its steps: an integer read as unsigned; write {key} = that range, in the numbers of its column, there",
+                channel.unit,
+                (period / q).round()
+            )
+        }
+    };
+    Some(Found::of_channel(Check::Wrap, channel, (jumps, what)))
+}
+
+/// The least difference of values that are all multiples of it.
+fn least_step(v: &[f64]) -> Option<f64> {
+    let mut sorted = v.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let differences = sorted.windows(2).map(|w| w[1] - w[0]);
+    let size = sorted.last()?.abs().max(sorted.first()?.abs());
+    let apart = differences.filter(|d| *d > 1.0e-9 * size);
+    let q = apart.fold(f64::INFINITY, f64::min);
+    let off = |x: &f64| ((x / q).round() - x / q).abs();
+    let first = sorted.first().copied()?;
+    let even = sorted
+        .iter()
+        .all(|x| off(&(x - first)) < OFF_STEP.max(1.0e-9 * size / q));
+    (q.is_finite() && even).then_some(q)
+}
+
+/// Whether the channel stays within one period, jumps only between its ends, and is continuous when it is continued there.
+fn begins_anew(v: &[f64], steps: &[f64], period: f64, (typical, largest): (f64, f64)) -> bool {
+    let (low, high) = v
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| {
+            (a.min(*x), b.max(*x))
+        });
+    let within = high - low < (1.0 + 1.0e-9) * period && high - low > (1.0 - ENDS) * period;
+    let jumps = steps
+        .iter()
+        .zip(v.windows(2))
+        .filter(|(d, _)| d.abs() > 0.5 * period);
+    let between = |w: &[f64]| {
+        let (a, b) = (w[0].min(w[1]), w[0].max(w[1]));
+        a - low < ENDS * period && high - b < ENDS * period
+    };
+    let continued = steps
+        .iter()
+        .map(|d| (d - period * (d / period).round()).abs());
+    let most = continued.fold(0.0, f64::max);
+    let mut count = 0;
+    let at_ends = jumps.inspect(|_| count += 1).all(|(_, w)| between(w));
+    within && at_ends && count > 0 && most < (CONTINUED * typical).max(0.05 * largest)
+}
