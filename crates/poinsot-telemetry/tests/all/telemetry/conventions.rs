@@ -159,9 +159,12 @@ fn exact_every_wrong_convention_is_named() {
         ),
         (
             |[x, y, z, w], rate| {
-                let R =
+                let attitude =
                     nalgebra::UnitQuaternion::new_normalize(nalgebra::Quaternion::new(w, x, y, z));
-                ([x, y, z, w], (R * nalgebra::Vector3::from(rate)).into())
+                (
+                    [x, y, z, w],
+                    (attitude * nalgebra::Vector3::from(rate)).into(),
+                )
             },
             "gyro in inertial axes, not in body axes",
         ),
@@ -307,9 +310,10 @@ fn exact_exchanged_axes_of_a_direction_are_named() {
         let mut table = table(&rows, 0.05);
         let time_s = table.channels[0].time_s.clone();
         let sun = |([x, y, z, w], _): &([f64; 4], [f64; 3])| {
-            let R =
+            let attitude =
                 nalgebra::UnitQuaternion::new_normalize(nalgebra::Quaternion::new(*w, *x, *y, *z));
-            let s: [f64; 3] = (R.inverse() * nalgebra::Vector3::new(0.6, 0.64, -0.48)).into();
+            let s: [f64; 3] =
+                (attitude.inverse() * nalgebra::Vector3::new(0.6, 0.64, -0.48)).into();
             order.map(|k| s[k])
         };
         let all: Vec<[f64; 3]> = rows.iter().map(sun).collect();
