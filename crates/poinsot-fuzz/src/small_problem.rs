@@ -30,7 +30,7 @@ impl SmallProblem {
             ("maximum_likelihood", Some("huber")),
             ("maximum_likelihood", Some("student_t")),
         ];
-        methods.extend(poinsot_papers::METHODS.map(|m| (m.about().name, None)));
+        methods.extend(poinsot_papers::METHODS.map(|m| (m.name, None)));
         let (method, variant) = *u.choose(&methods)?;
         let mut model = String::from("schema = \"poinsot.model/1\"\nname = \"fuzzed\"\n");
         let mut columns = Vec::new();

@@ -5,11 +5,9 @@
 //! with the certificate's sigma and the difference between both estimates. The error of an estimator is that of an
 //! efficient one plus an independent difference (Hausman 1978).
 
-use crate::answered::as_one;
+use crate::numbers::{TEN, as_one, natural_ten, ten, ten_of};
 use poinsot_dynamics::Kinematics;
-use poinsot_identify::{
-    BodyEstimate, Effect, Estimate, Number, Problem, Remark, Source, TENSOR, axis_name, tensor_name,
-};
+use poinsot_identify::{BodyEstimate, Effect, Estimate, Number, Problem, Remark, Source};
 use poinsot_spatial::{InertialParameters, MassProperties, PARAMETER_NAMES};
 use std::collections::HashMap;
 
@@ -27,40 +25,30 @@ pub(crate) fn put(
     withheld: bool,
 ) {
     let values = values(problem, bodies);
-    let certified = self::certified(estimate);
-    let difference = |name: &String| match (values.get(name), certified.get(name)) {
-        (Some(value), Some(certified)) => value - certified,
-        _ => 0.0,
-    };
-    let differences: Vec<f64> = estimate.covariance_names.iter().map(difference).collect();
+    let differences = differences(&values, estimate);
     for (row, a) in estimate.covariance.iter_mut().zip(&differences) {
         for (c, b) in row.iter_mut().zip(&differences) {
             *c += a * b;
         }
     }
-    let limit = problem.relative_accuracy.min(APART);
     let mut worst: Option<(f64, String)> = None;
     for (k, (body, pi)) in estimate.bodies.iter_mut().zip(bodies).enumerate() {
         let found = replaced(body, pi, withheld);
-        let gap = apart(body, &found, &problem.model.bodies[k].nominal);
-        worst = worst
-            .into_iter()
-            .chain(gap)
-            .max_by(|a, b| a.0.total_cmp(&b.0));
+        let gaps = gaps(body, &found, &problem.model.bodies[k].nominal);
+        let all = worst.into_iter().chain(gaps);
+        worst = all.max_by(|a, b| a.0.total_cmp(&b.0));
         *body = found;
     }
-    estimate.add(difference_row(worst, limit));
+    estimate.add(difference_row(worst, problem.relative_accuracy.min(APART)));
     if let Some((system, q)) = &mut estimate.system {
         let mut kinematics = Kinematics::new(problem.tree);
         kinematics.place(problem.tree, q);
-        let whole = as_one(bodies, &kinematics);
-        *system = replaced(system, &whole, withheld);
+        *system = replaced(system, &as_one(bodies, &kinematics), withheld);
     }
     for combination in &mut estimate.identifiability.determined {
+        let value = |name: &String| values.get(name).copied().unwrap_or(f64::NAN);
         let terms = combination.coefficients.iter();
-        let value: f64 = terms
-            .map(|(name, c)| c * values.get(name).copied().unwrap_or(f64::NAN))
-            .sum();
+        let value: f64 = terms.map(|(name, c)| c * value(name)).sum();
         if value.is_finite() {
             combination.sigma = combination.sigma.hypot(value - combination.value);
             combination.value = value;
@@ -94,73 +82,57 @@ fn difference_row(worst: Option<(f64, String)>, limit: f64) -> Remark {
     Remark::test(test, effect, words).statistic("share of the natural unit", gap)
 }
 
-/// The number with the largest difference from the certificate, in natural units, among those that differ
-/// significantly.
-fn apart(
+/// Numbers that differ significantly from the certificate, with the difference in natural units.
+fn gaps(
     certified: &BodyEstimate,
     found: &BodyEstimate,
     nominal: &MassProperties,
-) -> Option<(f64, String)> {
-    let (m, L) = (nominal.mass, nominal.radius_of_gyration());
-    let pairs = numbers(certified).into_iter().zip(numbers(found));
-    let gaps = pairs.filter_map(|((name, a), (_, b))| {
-        let gap = (b.value? - a.value?).abs();
-        let unit = match name.split('_').next() {
-            Some("mass") => m,
-            Some("com") => L,
-            _ => m * L * L,
-        };
-        (gap > APART_SIGMAS * a.sigma?).then(|| (gap / unit, format!("{}.{name}", found.name)))
-    });
-    gaps.max_by(|a, b| a.0.total_cmp(&b.0))
-}
-
-/// The ten numbers of a body, by their names in the covariance.
-fn numbers(body: &BodyEstimate) -> Vec<(String, &Number)> {
-    let com = (0..3).map(|k| (format!("com_{}", axis_name(k)), &body.com[k]));
-    let inertia = (0..6).map(|k| (format!("inertia_{}", tensor_name(k)), &body.inertia[k]));
-    let mass = std::iter::once(("mass".to_owned(), &body.mass));
-    mass.chain(com).chain(inertia).collect()
-}
-
-/// Certified values, by their names in the covariance.
-fn certified(estimate: &Estimate) -> HashMap<String, f64> {
-    let of = |b: &BodyEstimate| {
-        let all = numbers(b).into_iter();
-        let given = all.filter_map(|(name, n)| Some((format!("{}.{name}", b.name), n.value?)));
-        given.collect::<Vec<_>>()
+) -> Vec<(f64, String)> {
+    let (before, after, units) = (ten_of(certified), ten_of(found), natural_ten(nominal));
+    let gap = |k: usize| {
+        let gap = (after[k].value? - before[k].value?).abs();
+        let name = format!("{}.{}", found.name, TEN[k]);
+        (gap > APART_SIGMAS * before[k].sigma?).then_some((gap / units[k], name))
     };
-    estimate.bodies.iter().flat_map(of).collect()
+    (0..10).filter_map(gap).collect()
+}
+
+/// Difference of every number in the covariance from the certificate; zero without one.
+fn differences(values: &HashMap<String, f64>, estimate: &Estimate) -> Vec<f64> {
+    let of = |name: &String| {
+        let (body, number) = name.rsplit_once('.')?;
+        let body = estimate.bodies.iter().find(|b| b.name == body)?;
+        let at = TEN.iter().position(|n| *n == number)?;
+        Some(values.get(name)? - ten_of(body)[at].value?)
+    };
+    let names = estimate.covariance_names.iter();
+    names.map(|name| of(name).unwrap_or(0.0)).collect()
+}
+
+/// Names of the ten parameters as unknowns.
+pub(crate) fn parameter_names() -> [String; 10] {
+    std::array::from_fn(|k| PARAMETER_NAMES[k].replace("I_", "I_BBo_"))
 }
 
 /// Every number of every body, by its names as unknown and in the covariance.
 fn values(problem: &Problem, bodies: &[InertialParameters]) -> HashMap<String, f64> {
     let mut all = HashMap::new();
     for (body, pi) in problem.model.bodies.iter().zip(bodies) {
-        let mut add = |name: String, value: f64| all.insert(format!("{}.{name}", body.name), value);
-        let array = pi.to_array();
-        add("mass".to_owned(), array[0]);
-        for (k, value) in array.into_iter().enumerate() {
-            match k {
-                0..=3 => add(PARAMETER_NAMES[k].to_owned(), value),
-                _ => add(format!("I_BBo_{}", tensor_name(k - 4)), value),
-            };
+        let mut add = |name: &str, value: f64| all.insert(format!("{}.{name}", body.name), value);
+        add(TEN[0], pi.mass);
+        for (name, value) in parameter_names().iter().zip(pi.to_array()) {
+            add(name, value);
         }
-        if let Some(p) = pi.mass_properties() {
-            for k in 0..3 {
-                add(format!("com_{}", axis_name(k)), p.p_BoBcm_B[k]);
-            }
-            for (k, e) in TENSOR.into_iter().enumerate() {
-                add(format!("I_BBcm_{}", tensor_name(k)), p.I_BBcm_B[e]);
-                add(format!("inertia_{}", tensor_name(k)), p.I_BBcm_B[e]);
-            }
+        let properties = pi.mass_properties();
+        for (name, value) in TEN.iter().zip(properties.iter().flat_map(ten)) {
+            add(name, value);
+            add(&name.replace("inertia_", "I_BBcm_"), value);
         }
     }
     all
 }
 
 fn replaced(body: &BodyEstimate, pi: &InertialParameters, withheld: bool) -> BodyEstimate {
-    let p = pi.mass_properties().filter(|_| !withheld);
     let of = |number: &Number, value: Option<f64>| match (number.source, value) {
         (Source::Known | Source::Open, _) => *number,
         (_, None) => Number::undetermined(number.nominal),
@@ -170,14 +142,16 @@ fn replaced(body: &BodyEstimate, pi: &InertialParameters, withheld: bool) -> Bod
             Number::data(value, sigma, number.nominal)
         }
     };
-    let array = pi.to_array();
-    let raw = |k: usize| (!withheld).then_some(array[k]);
+    let given = (!withheld).then_some(pi);
+    let properties = given.and_then(InertialParameters::mass_properties);
+    let ten = properties.as_ref().map(ten);
+    let parameters = given.map(InertialParameters::to_array);
     let mut out = BodyEstimate::from_numbers(
         body.name.clone(),
-        of(&body.mass, raw(0)),
-        [0, 1, 2].map(|k| of(&body.com[k], p.map(|p| p.p_BoBcm_B[k]))),
-        [0, 1, 2, 3, 4, 5].map(|k| of(&body.inertia[k], p.map(|p| p.I_BBcm_B[TENSOR[k]]))),
-        std::array::from_fn(|k| of(&body.barycentric[k], raw(k))),
+        of(&body.mass, parameters.map(|p| p[0])),
+        std::array::from_fn(|k| of(&body.com[k], ten.map(|t| t[1 + k]))),
+        std::array::from_fn(|k| of(&body.inertia[k], ten.map(|t| t[4 + k]))),
+        std::array::from_fn(|k| of(&body.barycentric[k], parameters.map(|p| p[k]))),
     );
     out.asked = body.asked;
     out

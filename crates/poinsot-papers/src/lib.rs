@@ -27,9 +27,8 @@
 //!
 //! ```
 //! for method in poinsot_papers::METHODS {
-//!     let about = method.about();
-//!     println!("{}: {} ({})", about.name, about.summary, about.citation);
-//!     for variant in about.variants {
+//!     println!("{}: {} ({})", method.name, method.summary, method.citation);
+//!     for variant in (method.variants)() {
 //!         println!("    {}: {}", variant.name, variant.summary);
 //!     }
 //! }
@@ -38,9 +37,9 @@
 //!
 //! # Files
 //! - `kim2010/`, `ma2008/`, `xu2017/`: the methods, each with its `studies/`.
-//! - `method.rs`: the trait. `registry.rs`: the list `METHODS`. The command line, `poinsot methods`, `poinsot study`,
-//!   help and error codes are made from it.
-//! - `certified.rs`: numbers of a method in the answer that certifies them.
+//! - `method.rs`: the list `METHODS`, from which the command line, `poinsot methods`, `poinsot study`, help and error
+//!   codes are made.
+//! - `numbers.rs`: the ten numbers of a body. `certified.rs`: numbers of a method in the answer that certifies them.
 //! - `study/`: input (`context.rs`) and output (`findings.rs`) of a study, noise and quantiles (`statistics.rs`).
 //!
 //! # Studies
@@ -51,17 +50,16 @@
 //! `poinsot` for studies would split each paper.
 #![allow(non_snake_case)]
 
-mod answered;
 mod certified;
 pub mod kim2010;
 pub mod ma2008;
 mod method;
-mod registry;
+mod numbers;
+mod samples;
 mod setting;
 pub mod study;
 pub mod xu2017;
 
-pub use answered::answered;
-pub use method::{About, Kernel, Method, Named, VariantText};
-pub use registry::{METHODS, identify_by, method, studies};
+pub use method::{Kernel, METHODS, Method, Named, VariantText, identify_by, method, studies};
+pub use numbers::answered;
 pub use setting::{SettingText, Settings};

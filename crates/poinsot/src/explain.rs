@@ -69,7 +69,7 @@ impl fmt::Display for ErrorCode {
 /// assert!(codes.iter().any(|c| c.code == "E0103" && !c.remedy.is_empty()));
 /// ```
 pub fn error_codes() -> Vec<ErrorCode> {
-    let published = poinsot_papers::METHODS.iter().flat_map(|m| m.about().codes);
+    let published = poinsot_papers::METHODS.iter().flat_map(|m| m.codes);
     let texts = TEXTS.iter().chain(published);
     let mut all: Vec<ErrorCode> = texts.map(|text| ErrorCode::parse(text)).collect();
     all.sort_by_key(|c| c.code);

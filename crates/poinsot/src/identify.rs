@@ -278,7 +278,7 @@ fn read_records(
     if let Some(wanted) = options
         .wanted
         .as_mut()
-        .filter(|_| method(&question.method).is_some_and(|m| m.about().reads_accelerations))
+        .filter(|_| method(&question.method).is_some_and(|m| m.reads_accelerations))
     {
         wanted.extend(acceleration_channels());
     }

@@ -102,15 +102,12 @@ pub fn methods() -> Vec<MethodText> {
         },
         settings: &[],
     });
-    let published = poinsot_papers::METHODS.into_iter().map(|method| {
-        let about = method.about();
-        MethodText {
-            name: about.name,
-            summary: about.summary,
-            paper: Some(about.citation),
-            variants: about.variants,
-            settings: about.settings,
-        }
+    let published = poinsot_papers::METHODS.map(|method| MethodText {
+        name: method.name,
+        summary: method.summary,
+        paper: Some(method.citation),
+        variants: (method.variants)(),
+        settings: method.settings,
     });
     own.into_iter().chain(published).collect()
 }

@@ -320,10 +320,10 @@ pub fn studies_file(paper: Option<&str>) -> StudiesFile {
         summary: s.summary.to_owned(),
         quick: s.quick,
     };
-    let of = |m: &'static dyn Method| PaperFile {
-        paper: m.about().name.to_owned(),
-        citation: m.about().citation.to_owned(),
-        studies: m.studies().iter().map(study).collect(),
+    let of = |m: &Method| PaperFile {
+        paper: m.name.to_owned(),
+        citation: m.citation.to_owned(),
+        studies: m.studies.iter().map(study).collect(),
     };
     let papers = poinsot_papers::METHODS.into_iter().map(of);
     StudiesFile {

@@ -156,10 +156,10 @@ impl Study {
     ///
     /// # Errors
     /// The method has no kernel for it.
-    pub fn kernel(&self, question: &Question) -> Result<Box<dyn Kernel>, Error> {
+    pub fn kernel(&self, question: &Question) -> Result<Kernel, Error> {
         let own = method(&question.method);
         let by = |problem: &Problem| {
-            let own = own.map(|m| m.kernel(problem, question.variant.as_deref()));
+            let own = own.map(|m| (m.kernel)(problem, question.variant.as_deref()));
             own.transpose()
         };
         let kernel = solve(&self.model, &self.exact, question.relative_accuracy, by)?;

@@ -15,8 +15,7 @@ use std::process::Command;
 
 /// Papers by name, with their numbers of equations, tables and figures.
 fn papers() -> impl Iterator<Item = (&'static str, [usize; 3])> {
-    let abouts = METHODS.iter().map(|m| m.about());
-    abouts.map(|a| (a.name, a.numbered))
+    METHODS.iter().map(|m| (m.name, m.numbered))
 }
 
 fn repository() -> PathBuf {

@@ -1,7 +1,8 @@
 //! The iteration of (14)-(16) that the paper announces.
 
-use super::sums::{Answer, ROUND_OFF, Sums, averaged, symmetric};
-use crate::kim2010::error;
+use super::sums::{Answer, ROUND_OFF, Sums, averaged, not_finite, symmetric};
+use crate::samples::add_smallest;
+use crate::study::statistics::largest;
 use faer::Mat;
 use poinsot_files::Faults;
 
@@ -56,51 +57,31 @@ impl Sums {
             let next: [f64; 6] = std::array::from_fn(|i| {
                 b[i] + B[i].iter().zip(&x).map(|(a, x)| a * x).sum::<f64>()
             });
-            let largest = next.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-            let change = next
-                .iter()
-                .zip(&x)
-                .fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
-            if !largest.is_finite() {
+            let size = largest(next.iter().map(|x| x.abs()));
+            if !size.is_finite() {
                 break;
             }
-            converged = change <= SETTLED * largest;
+            let change = largest(next.iter().zip(&x).map(|(a, b)| (a - b).abs()));
+            converged = change <= SETTLED * size;
             x = next;
             sweeps += 1;
         }
         let matrix = Mat::from_fn(6, 6, |i, j| B[i][j]);
-        let eigenvalues = matrix.eigenvalues().map_err(|_| error::not_finite())?;
-        let spectral_radius = eigenvalues
-            .iter()
-            .fold(0.0_f64, |m, z| m.max(z.re.hypot(z.im)));
-        let (fixed_point, free_directions) = fixed_point(&B, &b)?;
-        let elements = symmetric(&x);
+        let eigenvalues = matrix.eigenvalues().map_err(|_| not_finite())?;
+        // The solution of `x = B x + b`.
+        let A = Mat::from_fn(6, 6, |i, j| f64::from(u8::from(i == j)) - B[i][j]);
+        let mut point = [0.0; 6];
+        let rank = add_smallest(&A, &b, ROUND_OFF, &mut point).ok_or_else(not_finite)?;
         Ok(Iterated {
             answer: Answer {
-                elements,
+                elements: symmetric(&x),
                 printed: x,
             },
             converged,
             sweeps,
-            spectral_radius,
-            free_directions,
-            fixed_point,
+            spectral_radius: largest(eigenvalues.iter().map(|z| z.re.hypot(z.im))),
+            free_directions: 6 - rank,
+            fixed_point: (rank == 6).then_some(point),
         })
     }
-}
-
-/// The solution of `x = B x + b`, and the dimension of its solution set.
-fn fixed_point(B: &[[f64; 6]; 6], b: &[f64; 6]) -> Result<(Option<[f64; 6]>, usize), Faults> {
-    let A = Mat::from_fn(6, 6, |i, j| f64::from(u8::from(i == j)) - B[i][j]);
-    let svd = A.svd().map_err(|_| error::not_finite())?;
-    let (U, S, V) = (svd.U(), svd.S(), svd.V());
-    let rank = (0..6).filter(|k| S[*k] > ROUND_OFF * S[0]).count();
-    let point = (rank == 6).then(|| {
-        std::array::from_fn(|i| {
-            (0..6)
-                .map(|k| V[(i, k)] * (0..6).map(|j| U[(j, k)] * b[j]).sum::<f64>() / S[k])
-                .sum()
-        })
-    });
-    Ok((point, 6 - rank))
 }

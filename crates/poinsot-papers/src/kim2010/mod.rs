@@ -30,55 +30,72 @@
 //!
 //! and each estimator sets some elements of the 3 x 3 matrix `E(I)` to zero.
 
-pub mod error;
 mod identify;
 mod iteration;
 pub mod studies;
 mod sums;
 mod suspicions;
-mod variant;
 
 pub use identify::identify;
 pub use iteration::Iterated;
 pub use sums::{
     Answer, ELEMENTS, Manoeuvre, NAMES, StartRate, Sums, VISITED, symmetric, wheel_momentum,
 };
-pub use variant::Variant;
 
-use crate::method::{About, Method, Named};
-use crate::setting::Settings;
-use crate::study::Study;
-use poinsot_files::Faults;
-use poinsot_identify::{Estimate, Problem};
+use crate::method::{Method, Named};
 
-/// Registration of the method.
-pub struct Kim2010;
-
-impl Method for Kim2010 {
-    fn about(&self) -> About {
-        About {
-            name: "kim2010",
-            summary: "inertia of one body from the momentum of its wheels, attitude and rates",
-            citation: "Kim, Choi, Oh, J. Astron. Space Sci. 27(4), 2010, doi 10.5140/JASS.2010.27.4.353",
-            numbered: [17, 3, 4],
-            variants: Variant::texts(),
-            settings: &[],
-            reads_accelerations: false,
-            codes: &crate::explanations!["E0420", "E0421", "E0422", "E0423", "E0424", "E0425"],
-        }
-    }
-
-    fn identify(
-        &self,
-        problem: &Problem,
-        variant: Option<&str>,
-        _: &Settings,
-    ) -> Result<Estimate, Faults> {
-        let variant = Variant::named(self.about().name, variant)?;
-        identify(problem, variant)
-    }
-
-    fn studies(&self) -> &'static [Study] {
-        studies::STUDIES
-    }
+/// The five estimators.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Variant {
+    /// Nine elements together, (2)-(4).
+    Batch,
+    /// Each element separately, (8)-(10), (14).
+    Conventional,
+    /// Products from the moments and the other product of the row, (15).
+    PreEstimate,
+    /// Products from the moments only, (14)-(16).
+    Suggested,
+    /// (14)-(16) iterated: announced in the paper as future work.
+    Iterated,
 }
+
+impl Named for Variant {
+    const ALL: &'static [(Self, &'static str, &'static str)] = &[
+        (
+            Self::Suggested,
+            "suggested",
+            "products of inertia from the moments alone, (14)-(16)",
+        ),
+        (Self::Batch, "batch", "nine elements at once, (2)-(4)"),
+        (
+            Self::Conventional,
+            "conventional",
+            "every element alone, (8)-(10), (14)",
+        ),
+        (
+            Self::PreEstimate,
+            "pre-estimate",
+            "each product with the other one of its row as (15) gives it",
+        ),
+        (
+            Self::Iterated,
+            "iterated",
+            "(14)-(16) repeated, the paper's future work",
+        ),
+    ];
+}
+
+/// The method.
+pub static METHOD: Method = Method {
+    name: "kim2010",
+    summary: "inertia of one body from the momentum of its wheels, attitude and rates",
+    citation: "Kim, Choi, Oh, J. Astron. Space Sci. 27(4), 2010, doi 10.5140/JASS.2010.27.4.353",
+    numbered: [17, 3, 4],
+    variants: Variant::texts,
+    settings: &[],
+    reads_accelerations: false,
+    codes: &crate::explanations!["E0420", "E0421", "E0422", "E0423", "E0424", "E0425"],
+    identify: |problem, variant, _| identify(problem, Variant::named("kim2010", variant)?),
+    kernel: |_, _| Ok(None),
+    studies: studies::STUDIES,
+};

@@ -1,8 +1,8 @@
 //! The sums that all estimators use, and the estimators (2)-(16).
 
-use crate::kim2010::error;
+use crate::samples::add_smallest;
 use faer::Mat;
-use poinsot_files::Faults;
+use poinsot_files::{Faults, Place};
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
 
 /// Order of the six elements, as in the paper's tables.
@@ -63,7 +63,7 @@ pub fn wheel_momentum(axes: &[Vector3], spin_inertia: &[f64], speed: &[f64]) -> 
 }
 
 /// The sums over any number of manoeuvres.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Sums {
     /// `sum w w^T`.
     pub G: Matrix3,
@@ -81,17 +81,11 @@ impl Sums {
     /// # Errors
     /// The estimators would divide by zero.
     pub fn of(manoeuvres: &[Manoeuvre]) -> Result<Self, Faults> {
-        let mut sums = Self {
-            G: Matrix3::zeros(),
-            K: Matrix3::zeros(),
-            start: [[Matrix3::zeros(); 3]; 3],
-            samples: 0,
-        };
+        let mut sums = Self::default();
         for manoeuvre in manoeuvres {
             sums.add(manoeuvre)?;
         }
-        sums.check()?;
-        Ok(sums)
+        sums.checked()
     }
 
     /// Wraps the sums `sum w w^T` and `sum Q w^T` of a record that starts at rest.
@@ -102,17 +96,20 @@ impl Sums {
         let sums = Self {
             G,
             K,
-            start: [[Matrix3::zeros(); 3]; 3],
             samples,
+            ..Self::default()
         };
-        sums.check()?;
-        Ok(sums)
+        sums.checked()
     }
 
     fn add(&mut self, m: &Manoeuvre) -> Result<(), Faults> {
         let n = m.R_NB.len();
         if m.w_NB_B.len() != n || m.h_W_B.len() != n {
-            return Err(error::lengths());
+            return Err(refused(
+                "E0420",
+                "attitude, rates and wheel momentum have different numbers of samples",
+                "give one of each per time",
+            ));
         }
         let (Some(R_0), Some(h_0), Some(w_0)) = (m.R_NB.first(), m.h_W_B.first(), m.w_NB_B.first())
         else {
@@ -140,23 +137,33 @@ impl Sums {
         Ok(())
     }
 
-    fn check(&self) -> Result<(), Faults> {
-        let finite = |m: &Matrix3| m.iter().all(|x| x.is_finite());
+    fn checked(self) -> Result<Self, Faults> {
         if self.samples < 3 {
-            return Err(error::too_few());
+            let problem = "fewer than three samples";
+            return Err(refused("E0421", problem, "give a longer record"));
         }
-        if !finite(&self.G) || !finite(&self.K) {
-            return Err(error::not_finite());
+        if self.G.iter().chain(&self.K).any(|x| !x.is_finite()) {
+            return Err(not_finite());
         }
         for (k, axis) in ['x', 'y', 'z'].into_iter().enumerate() {
             if self.G[(k, k)] <= f64::MIN_POSITIVE {
-                return Err(error::no_rotation(axis));
+                return Err(refused(
+                    "E0422",
+                    &format!(
+                        "the body never turns about its {axis} axis, and (14) divides by the rate about it"
+                    ),
+                    "use a manoeuvre that turns about all three axes",
+                ));
             }
         }
         if self.K == Matrix3::zeros() {
-            return Err(error::no_wheel_motion());
+            return Err(refused(
+                "E0423",
+                "the wheel momentum never changes: Q = 0 (8), and the scale of the inertia is undetermined",
+                "check the wheel columns",
+            ));
         }
-        Ok(())
+        Ok(self)
     }
 
     /// `E(I)` as defined above: residual of (11) correlated with the rates.
@@ -188,16 +195,12 @@ impl Sums {
                 A[(row, column)] = change[equation];
             }
         }
-        let svd = A.svd().map_err(|_| error::not_finite())?;
-        let (U, S, V) = (svd.U(), svd.S(), svd.V());
+        let [rest, mut found] =
+            [&at_given, given].map(|m| elements.iter().map(|e| m[*e]).collect::<Vec<_>>());
+        let rank = add_smallest(&A, &rest, ROUND_OFF, &mut found).ok_or_else(not_finite)?;
         let mut I = *given;
-        let mut rank = 0;
-        for k in (0..n).take_while(|k| S[*k] > ROUND_OFF * S[0]) {
-            rank += 1;
-            let along: f64 = (0..n).map(|i| U[(i, k)] * at_given[elements[i]]).sum();
-            for (j, &element) in elements.iter().enumerate() {
-                I[element] += V[(j, k)] * along / S[k];
-            }
+        for (&element, value) in elements.iter().zip(found) {
+            I[element] = value;
         }
         Ok((I, rank))
     }
@@ -218,7 +221,7 @@ impl Sums {
     pub(super) fn moments(&self, products: &Matrix3) -> Result<Matrix3, Faults> {
         let (I, rank) = self.solve(&ELEMENTS[..3], products)?;
         if rank < 3 {
-            return Err(error::not_finite());
+            return Err(not_finite());
         }
         Ok(I)
     }
@@ -300,6 +303,18 @@ impl Sums {
         }
         Ok(averaged(I))
     }
+}
+
+fn refused(code: &'static str, problem: &str, advice: &str) -> Faults {
+    Faults::one(code, Place::default().key("kim2010"), problem, advice)
+}
+
+pub(super) fn not_finite() -> Faults {
+    refused(
+        "E0424",
+        "the telemetry holds numbers that are not finite or overflow",
+        "check units and magnitudes",
+    )
 }
 
 /// Off-diagonal elements in the order of (15).

@@ -1,23 +1,23 @@
 //! From model and telemetry to the answer: both steps, identifiability, sigmas and notes.
 
+use super::Variant;
 use super::arm::{Raw, Vehicle};
 use super::both::{NoisySolution, solve_both};
-use super::bounds::Bound;
-use super::data::{Variant, check, raws};
+use super::data::{check, raws};
 use super::equations::Given;
 use super::sources::sources;
-use super::ten::{MISFIT, Ten, properties, unit};
-use super::words::{identifiability, warnings};
-use crate::answered::as_one;
+use super::ten::{MISFIT, Ten};
+use super::words::{UNITS, identifiability, warnings};
 use crate::method::Named;
-use nalgebra::DMatrix;
+use crate::numbers::{self, TEN, as_one, ten, ten_of};
 use poinsot_dynamics::Kinematics;
 use poinsot_files::Faults;
 use poinsot_identify::{
-    BodyEstimate, Effect, Estimate, MethodReport, MomentumEstimate, NamedNumber, Number, Problem,
-    Remark, Segment, SegmentFit, Source as From, Status, axis_name, tensor_name,
+    BodyEstimate, Effect, Estimate, MethodReport, MomentumEstimate, Number, Problem, Remark,
+    SegmentFit, Source, Status,
 };
-use poinsot_spatial::{InertialParameters, MassProperties};
+use poinsot_model::Body;
+use poinsot_spatial::{InertialParameters, MassProperties, Vector3};
 
 /// Ratio above which the answer is rejected: the model explains little, or the given momentum explains less than none.
 const REJECT: f64 = 9.0;
@@ -57,75 +57,68 @@ pub fn identify(problem: &Problem, variant: Variant) -> Result<Estimate, Faults>
         let free = solve_both(problem, &mut vehicle, &data, &sources, Given::default())?;
         contradicted = (solved.chi2 > 4.0 * free.chi2).then_some(free.chi2);
     }
-    let mut estimate = write(problem, variant, given, &solved, contradicted);
+    let rejected = contradicted.is_some() || (solved.chi2 > REJECT && solved.explained < 0.5);
+    let ten = Ten::new(&solved, rejected);
+    let mut estimate = write(problem, given, &solved, &ten);
+    estimate.variant = Some(variant.name().to_owned());
+    estimate.add_all(tests(solved.chi2, rejected));
+    let warnings = warnings(problem, &solved, &ten, contradicted, &estimate.bodies[0]);
+    estimate.add_all(warnings.into_iter().map(Remark::warning));
     if step.is_some() {
         estimate.add(Remark::assumption("velocity: summed from the first sample over velocity increments or specific force; its unknown constant is eliminated"));
     }
     Ok(estimate)
 }
 
-fn write(
-    problem: &Problem,
-    variant: Variant,
-    given: Given,
-    solved: &NoisySolution,
-    contradicted: Option<f64>,
-) -> Estimate {
-    let model = problem.model;
-    let rejected = contradicted.is_some() || (solved.chi2 > REJECT && solved.explained < 0.5);
-    let ten = Ten::new(solved, solved.chi2.sqrt().max(1.0), rejected);
-    let first = model.bodies.first();
+fn write(problem: &Problem, given: Given, solved: &NoisySolution, ten: &Ten) -> Estimate {
+    let bodies = &problem.model.bodies;
+    let first = bodies.first();
     let nominal = first.map_or(MassProperties::ZERO, |b| b.nominal);
     let name = first.map_or(String::new(), |b| b.name.clone());
-    let base = body(&ten, name.clone(), &nominal, properties);
-    let numbers = || {
-        std::iter::once(&base.mass)
-            .chain(&base.com)
-            .chain(&base.inertia)
+    let base = body(ten, &name, &nominal, |base| base);
+    let numbers = ten_of(&base);
+    let open = numbers.iter().filter(|n| n.source == Source::Open).count();
+    let system = || system(problem, ten, &nominal);
+    let links = bodies.iter().skip(1);
+    let links = links.map(|b: &Body| BodyEstimate::known(b.name.clone(), &b.nominal));
+    let kept: Vec<usize> = (0..10).filter(|&k| !ten.open[k]).collect();
+    let scale = ten.inflation * ten.inflation;
+    let row = |&i: &usize| {
+        kept.iter()
+            .map(|&j| scale * ten.mean_square(i, j))
+            .collect()
     };
-    let open = numbers().filter(|n| n.source == From::Open).count();
-    let status = match open {
-        0 => Status::Converged,
-        10 => Status::NotIdentifiable,
-        _ => Status::Partial,
-    };
-    let (covariance_names, covariance_units, covariance) = covariance(&ten, &name);
-    let system = (open == 0)
-        .then(|| system(problem, &ten, &nominal))
-        .flatten();
-    let mut bodies = vec![base];
-    bodies.extend(
-        model
-            .bodies
-            .iter()
-            .skip(1)
-            .map(|b| BodyEstimate::known(b.name.clone(), &b.nominal)),
-    );
-    let warnings = warnings(problem, solved, &ten, contradicted, rejected, &bodies[0]);
-    let warnings = warnings.into_iter().map(Remark::warning);
-    let mut estimate = Estimate {
+    let segments = problem.segments.iter().zip(&solved.chi2_segment);
+    let fit = segments.map(|(s, chi2)| SegmentFit {
+        label: s.label.clone(),
+        samples: s.samples.time_s.len(),
+        chi2_per_dof: *chi2,
+        channels: Vec::new(),
+    });
+    Estimate {
         method: "ma2008".to_owned(),
-        variant: Some(variant.name().to_owned()),
-        status,
-        system,
-        momentum: momentum(given, solved, &ten),
+        variant: None,
+        status: match open {
+            0 => Status::Converged,
+            10 => Status::NotIdentifiable,
+            _ => Status::Partial,
+        },
+        system: (open == 0).then(system).flatten(),
+        momentum: momentum(given, solved, ten),
         nuisance: Vec::new(),
-        covariance_names,
-        covariance_units,
-        covariance,
-        identifiability: identifiability(&name, solved, &ten, rejected),
-        fit: fit(problem, solved),
+        covariance_names: kept.iter().map(|&k| format!("{name}.{}", TEN[k])).collect(),
+        covariance_units: kept.iter().map(|&k| UNITS[k]).collect(),
+        covariance: kept.iter().map(row).collect(),
+        identifiability: identifiability(&name, solved, ten),
+        fit: fit.collect(),
         states_covariance: true,
         remarks: Vec::new(),
         diagnostics: None,
         known_numbers: Default::default(),
         method_report: Some(report(solved)),
         iterations: 1,
-        bodies,
-    };
-    estimate.add_all(tests(solved.chi2, rejected));
-    estimate.add_all(warnings);
-    estimate
+        bodies: std::iter::once(base).chain(links).collect(),
+    }
 }
 
 fn tests(chi2: f64, rejected: bool) -> [Remark; 2] {
@@ -133,11 +126,8 @@ fn tests(chi2: f64, rejected: bool) -> [Remark; 2] {
         true => "the data contradict the rigid model",
         false => "the data do not contradict the rigid model",
     };
-    let model = Remark::test(
-        "rigid model",
-        Effect::RejectsModel.if_failed(rejected),
-        words,
-    );
+    let effect = Effect::RejectsModel.if_failed(rejected);
+    let model = Remark::test("rigid model", effect, words);
     let effect = Effect::AgainstAnswer.if_failed(!rejected && chi2 > MISFIT);
     let words = format!("residuals are {:.1} times the declared noise", chi2.sqrt());
     let residuals = Remark::test("all residuals", effect, words)
@@ -146,20 +136,24 @@ fn tests(chi2: f64, rejected: bool) -> [Remark; 2] {
     [model, residuals]
 }
 
+/// A body that follows from the base.
 fn body(
     ten: &Ten,
-    name: String,
+    name: &str,
     nominal: &MassProperties,
-    of: impl Fn(&[f64; 10]) -> MassProperties,
+    of: impl Fn(MassProperties) -> MassProperties,
 ) -> BodyEstimate {
-    let pi = nominal.parameters().to_array();
-    let mass = ten.number(nominal.mass, |u| of(u).mass);
-    let com = [0, 1, 2].map(|k| ten.number(nominal.p_BoBcm_B[k], |u| of(u).p_BoBcm_B[k]));
-    let inertia =
-        poinsot_identify::TENSOR.map(|e| ten.number(nominal.I_BBcm_B[e], |u| of(u).I_BBcm_B[e]));
-    let barycentric =
-        std::array::from_fn(|k| ten.number(pi[k], |u| of(u).parameters().to_array()[k]));
-    BodyEstimate::from_numbers(name, mass, com, inertia, barycentric)
+    let at = |u: &[f64; 10]| of(numbers::body(*u));
+    let (known, pi) = (self::ten(nominal), nominal.parameters().to_array());
+    let number = |k: usize| ten.number(known[k], |u| self::ten(&at(u))[k]);
+    let parameter = |k: usize| ten.number(pi[k], |u| at(u).parameters().to_array()[k]);
+    BodyEstimate::from_numbers(
+        name.to_owned(),
+        number(0),
+        [1, 2, 3].map(number),
+        [4, 5, 6, 7, 8, 9].map(number),
+        std::array::from_fn(parameter),
+    )
 }
 
 fn system(
@@ -167,91 +161,38 @@ fn system(
     ten: &Ten,
     nominal: &MassProperties,
 ) -> Option<(BodyEstimate, Vec<f64>)> {
-    let q = problem
-        .segments
-        .first()?
-        .samples
-        .joint_position
-        .get(..problem.tree.dof())?
-        .to_vec();
+    let samples = &problem.segments.first()?.samples;
+    let q = samples.joint_position.get(..problem.tree.dof())?;
     let mut kinematics = Kinematics::new(problem.tree);
-    kinematics.place(problem.tree, &q);
-    let arm: Vec<InertialParameters> = problem
-        .model
-        .bodies
-        .iter()
-        .map(|b| b.nominal.parameters())
-        .collect();
-    let whole = |base: &MassProperties| {
-        let mut all = arm.clone();
-        if let Some(first) = all.first_mut() {
-            *first = base.parameters();
-        }
+    kinematics.place(problem.tree, q);
+    let bodies = problem.model.bodies.iter();
+    let bodies: Vec<InertialParameters> = bodies.map(|b| b.nominal.parameters()).collect();
+    let whole = |base: MassProperties| {
+        let mut all = bodies.clone();
+        all[0] = base.parameters();
         let whole = as_one(&all, &kinematics).mass_properties();
         whole.unwrap_or(MassProperties::ZERO)
     };
-    let of = |u: &[f64; 10]| whole(&properties(u));
-    Some((body(ten, "system".to_owned(), &whole(nominal), of), q))
-}
-
-type Covariance = (Vec<String>, Vec<&'static str>, Vec<Vec<f64>>);
-
-fn covariance(ten: &Ten, name: &str) -> Covariance {
-    let kept: Vec<usize> = (0..10).filter(|&k| !ten.open[k]).collect();
-    let label = |k: usize| match k {
-        0 => format!("{name}.mass"),
-        1..=3 => format!("{name}.com_{}", axis_name(k - 1)),
-        _ => format!("{name}.inertia_{}", tensor_name(k - 4)),
-    };
-    let scale = ten.inflation * ten.inflation;
-    (
-        kept.iter().map(|&k| label(k)).collect(),
-        kept.iter().map(|&k| unit(k)).collect(),
-        kept.iter()
-            .map(|&i| {
-                kept.iter()
-                    .map(|&j| scale * ten.mean_square(i, j))
-                    .collect()
-            })
-            .collect(),
-    )
+    Some((body(ten, "system", &whole(*nominal), whole), q.to_vec()))
 }
 
 fn momentum(given: Given, solved: &NoisySolution, ten: &Ten) -> Vec<MomentumEstimate> {
-    let cov: &DMatrix<f64> = &solved.influence.covariance;
-    let number = |value: f64, at: usize, open: bool| {
-        if open {
-            Number::undetermined(0.0)
-        } else {
-            Number::data(value, ten.inflation * cov[(at, at)].sqrt(), 0.0)
-        }
-    };
+    let covariance = &solved.influence.covariance;
     let (open_P, open_H) = (ten.open[..4].contains(&true), ten.open.contains(&true));
-    solved
-        .influence
-        .momentum
-        .iter()
-        .enumerate()
-        .map(|(s, (P, H))| MomentumEstimate {
-            linear: [0, 1, 2].map(|k| match given.p_C_N {
-                Some(p) => Number::known(p[k]),
-                None => number(P[k], 10 + 6 * s + k, open_P),
-            }),
-            angular: [0, 1, 2].map(|k| match given.h_C_N {
-                Some(h) => Number::known(h[k]),
-                None => number(H[k], 13 + 6 * s + k, open_H),
-            }),
+    let three = |given: Option<Vector3>, found: &Vector3, at: usize, open: bool| {
+        [0, 1, 2].map(|k| match given {
+            Some(given) => Number::known(given[k]),
+            None if open => Number::undetermined(0.0),
+            None => {
+                let sigma = ten.inflation * covariance[(at + k, at + k)].sqrt();
+                Number::data(found[k], sigma, 0.0)
+            }
         })
-        .collect()
-}
-
-fn fit(problem: &Problem, solved: &NoisySolution) -> Vec<SegmentFit> {
-    let segments = problem.segments.iter().zip(&solved.chi2_segment);
-    let of = |(s, chi2): (&Segment, &f64)| SegmentFit {
-        label: s.label.clone(),
-        samples: s.samples.time_s.len(),
-        chi2_per_dof: *chi2,
-        channels: Vec::new(),
+    };
+    let segments = solved.influence.momentum.iter().enumerate();
+    let of = |(s, (P, H)): (usize, &(Vector3, Vector3))| MomentumEstimate {
+        linear: three(given.p_C_N, P, 10 + 6 * s, open_P),
+        angular: three(given.h_C_N, H, 13 + 6 * s, open_H),
     };
     segments.map(of).collect()
 }
@@ -259,32 +200,32 @@ fn fit(problem: &Problem, solved: &NoisySolution) -> Vec<SegmentFit> {
 /// Sec. IV with the declared noise: errors, bounds, condition numbers of both steps.
 fn report(solved: &NoisySolution) -> MethodReport {
     let units = [
-        ["1", "mixed", "m/s", "mixed (1, m)", "1"],
-        ["1", "rad/s", "N m s", "kg m2", "1"],
+        ["mixed", "m/s", "mixed (1, m)"],
+        ["rad/s", "N m s", "kg m2"],
     ];
-    let steps = solved.bounds.iter().zip(units).zip(1..);
-    let of = |((bound, units), n): ((&Bound, [&'static str; 5]), i32)| {
-        let numbers = [
-            ("condition number of the matrix", bound.condition),
-            ("size of the matrix error, limit", bound.epsilon_A),
-            ("size of the right-hand side error, limit", bound.epsilon_b),
-            ("first-order bound of the error, eq. (35)", bound.absolute),
-            ("relative bound, eq. (36)", bound.relative),
-        ];
-        let named = move |((what, value), unit): ((&str, f64), &'static str)| NamedNumber {
-            name: format!("step {n}: {what}"),
-            unit,
-            number: Number {
-                value: value.is_finite().then_some(value),
-                sigma: None,
-                nominal: 0.0,
-                source: From::Data,
-            },
-        };
-        numbers.into_iter().zip(units).map(named)
-    };
+    let mut numbers = Vec::new();
+    for (n, (bound, [matrix, right, error])) in (1..).zip(solved.bounds.iter().zip(units)) {
+        numbers.extend(
+            [
+                ("condition number of the matrix", "1", bound.condition),
+                ("size of the matrix error, limit", matrix, bound.epsilon_A),
+                (
+                    "size of the right-hand side error, limit",
+                    right,
+                    bound.epsilon_b,
+                ),
+                (
+                    "first-order bound of the error, eq. (35)",
+                    error,
+                    bound.absolute,
+                ),
+                ("relative bound, eq. (36)", "1", bound.relative),
+            ]
+            .map(|(what, unit, x)| numbers::printed(format!("step {n}: {what}"), unit, x, 0.0)),
+        );
+    }
     MethodReport {
         note: "Ma, Dang and Pham 2008, Sec. IV: first-order bounds of the errors and condition numbers of both steps. The sizes of the error matrices are limits that the declared noise exceeds with a probability below 0.1 %".to_owned(),
-        numbers: steps.flat_map(of).collect(),
+        numbers,
     }
 }

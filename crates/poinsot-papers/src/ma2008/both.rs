@@ -5,13 +5,12 @@ use super::bounds::{Bound, stated_angular, stated_linear};
 use super::equations::{
     Given, angular_known, angular_rows, differences, linear_known, linear_rows,
 };
-use super::influence::{Influence, Setting, influence};
+use super::influence::{Influence, Setting, StepNoise, influence};
 use super::solution::{Directions, Solution};
 use super::solve::{Step, solve};
 use super::sources::Source;
-use crate::ma2008::error;
 use nalgebra::{SMatrix, SVector};
-use poinsot_files::Faults;
+use poinsot_files::{Faults, Place};
 use poinsot_identify::Problem;
 use poinsot_spatial::{MassProperties, elements};
 
@@ -57,6 +56,7 @@ pub(super) fn solve_both(
     let bodies = &problem.model.bodies;
     let base = bodies.first().map_or(MassProperties::ZERO, |b| b.nominal);
     let gyration = base.radius_of_gyration();
+    let mut readings = |s: &Vec<Raw>| s.iter().map(|raw| vehicle.reading(raw)).collect();
     let work = Work {
         problem,
         setting: Setting {
@@ -64,10 +64,7 @@ pub(super) fn solve_both(
             known: given,
             sources,
         },
-        readings: data
-            .iter()
-            .map(|s| s.iter().map(|raw| vehicle.reading(raw)).collect())
-            .collect(),
+        readings: data.iter().map(&mut readings).collect(),
         arm_mass,
         m: if base.mass > 0.0 { base.mass } else { arm_mass },
         L: if gyration > 0.0 { gyration } else { 1.0 },
@@ -81,47 +78,51 @@ pub(super) fn solve_both(
     Ok(solved)
 }
 
+/// A step as posed: unknowns in natural units, and the index of its first direction in the covariance.
+struct Posed<const N: usize> {
+    natural: [f64; N],
+    nominal: SVector<f64, N>,
+    at: usize,
+}
+
 /// One step within the directions that its data support.
-struct Supported<const N: usize> {
+struct Found<const N: usize> {
     step: Step<N>,
     x: SVector<f64, N>,
     directions: Directions<N>,
     effect: Influence,
-}
-
-/// How a solution fits the rows of a step.
-struct Fit {
     /// Residual per degree of freedom, relative to the declared variance.
     chi2: f64,
     of_segments: Vec<f64>,
+    /// Explained fraction of the right-hand side.
     explained: f64,
 }
 
 impl Work<'_> {
     fn step1(&self, vehicle: &mut Vehicle) -> Result<NoisySolution, Faults> {
         let known = self.setting.known.p_C_N;
-        let reference = known.map(|p| linear_known(&p, self.arm_mass));
-        let rows = differences(&self.readings, linear_rows, reference);
-        let natural = [self.arm_mass / self.m, self.L, self.L, self.L];
-        let floor = round_off(self.readings.iter().flatten().map(linear_rows), &natural);
+        let known = known.map(|p| linear_known(&p, self.arm_mass));
         let c = self.base.p_BoBcm_B;
-        let nominal = SVector::<f64, 4>::new(natural[0], c.x, c.y, c.z);
+        let ratio = self.arm_mass / self.m;
+        let posed = Posed {
+            natural: [ratio, self.L, self.L, self.L],
+            nominal: SVector::<f64, 4>::new(ratio, c.x, c.y, c.z),
+            at: 0,
+        };
         let alone = |x, linear: &Directions<4>| {
             let solution = Solution {
                 x,
                 linear,
                 angular: None,
             };
-            let effect = influence(vehicle, &self.setting, &solution);
-            (effect.linear.regressor, effect)
+            influence(vehicle, &self.setting, &solution)
         };
-        let found = self.supported(solve::<4, 5>(&rows), (natural, floor, nominal), 0, alone)?;
-        let expected = found.expected(found.effect.linear.residual, 0);
-        let fit = self.fit(&rows, &found.x.push(1.0), known.is_some(), expected);
+        let of = |effect: &Influence| (effect.linear.clone(), 0.0);
+        let found = self.step::<4, 5>(linear_rows, known, &posed, alone, of)?;
         Ok(NoisySolution {
-            chi2: fit.chi2,
-            chi2_segment: fit.of_segments,
-            explained: fit.explained,
+            chi2: found.chi2,
+            chi2_segment: found.of_segments,
+            explained: found.explained,
             bounds: vec![stated_linear(&found.step, &found.effect)],
             x: found.x,
             linear: found.directions,
@@ -132,136 +133,113 @@ impl Work<'_> {
     }
 
     fn step2(&self, vehicle: &mut Vehicle, solved: &mut NoisySolution) -> Result<(), Faults> {
-        let (known, x) = (self.setting.known.h_C_N, solved.x);
+        let x = solved.x;
         let (m_S, rho_S) = (self.arm_mass / x[0], x.fixed_rows::<3>(1).into_owned());
-        let of = |s: &Reading| angular_rows(s, m_S, &rho_S);
-        let rows = differences(&self.readings, of, known.map(|h| angular_known(&h)));
-        let natural = [self.m * self.L * self.L; 6];
-        let floor = round_off(self.readings.iter().flatten().map(of), &natural);
-        let nominal = SVector::<f64, 6>::from(elements(&self.base.I_BBcm_B));
+        let rows = |s: &Reading| angular_rows(s, m_S, &rho_S);
+        let known = self.setting.known.h_C_N.map(|h| angular_known(&h));
+        let posed = Posed {
+            natural: [self.m * self.L * self.L; 6],
+            nominal: SVector::<f64, 6>::from(elements(&self.base.I_BBcm_B)),
+            at: 4,
+        };
         let both = |y, directions: &Directions<6>| {
             let solution = Solution {
                 x,
                 linear: &solved.linear,
                 angular: Some((y, directions)),
             };
-            let effect = influence(vehicle, &self.setting, &solution);
-            (effect.angular.regressor, effect)
+            influence(vehicle, &self.setting, &solution)
         };
-        let found = self.supported(solve::<6, 7>(&rows), (natural, floor, nominal), 4, both)?;
-        let all = found.effect.angular.residual + found.effect.inherited;
-        let expected = found.expected(all, 4);
-        let fit = self.fit(&rows, &found.x.push(1.0), known.is_some(), expected);
-        solved.chi2 = solved.chi2.max(fit.chi2);
-        for (a, b) in solved.chi2_segment.iter_mut().zip(fit.of_segments) {
+        let of = |effect: &Influence| (effect.angular.clone(), effect.inherited);
+        let found = self.step::<6, 7>(rows, known, &posed, both, of)?;
+        solved.chi2 = solved.chi2.max(found.chi2);
+        for (a, b) in solved.chi2_segment.iter_mut().zip(found.of_segments) {
             *a = 0.5 * (*a + b);
         }
-        solved.explained = solved.explained.min(fit.explained);
-        solved
-            .bounds
-            .push(stated_angular(&found.step, &found.effect));
+        solved.explained = solved.explained.min(found.explained);
+        let bound = stated_angular(&found.step, &found.effect);
+        solved.bounds.push(bound);
         solved.angular = Some((found.x, found.directions));
         solved.influence = found.effect;
         Ok(())
     }
 
-    /// Solves a step, and again without the directions that the noise hides. `influence` gives the noise in the
-    /// regressor and all effects; `at` is the index of the step's directions in the covariance.
-    fn supported<const N: usize>(
+    /// Solves a step, and again without the directions that the noise hides. `influence` propagates the noise, and `of`
+    /// gives its effect on this step with what the step inherits from the other one.
+    fn step<const N: usize, const W: usize>(
         &self,
-        step: Step<N>,
-        (natural, floor, nominal): ([f64; N], f64, SVector<f64, N>),
-        at: usize,
-        mut influence: impl FnMut(SVector<f64, N>, &Directions<N>) -> (SMatrix<f64, N, N>, Influence),
-    ) -> Result<Supported<N>, Faults> {
-        let mut directions =
-            Directions::new(&step, natural, floor).ok_or_else(error::not_finite)?;
-        let mut x = directions.solve(&step, &nominal);
-        let (regressor, mut effect) = influence(x, &directions);
-        let variance: [f64; N] = std::array::from_fn(|j| effect.covariance[(at + j, at + j)]);
-        let accuracy = self.problem.relative_accuracy;
-        if believe(&mut directions, &variance, &regressor, accuracy) {
-            x = directions.solve(&step, &nominal);
-            effect = influence(x, &directions).1;
+        row: impl Fn(&Reading) -> SMatrix<f64, 3, W>,
+        known: Option<SMatrix<f64, 3, W>>,
+        posed: &Posed<N>,
+        mut influence: impl FnMut(SVector<f64, N>, &Directions<N>) -> Influence,
+        of: impl Fn(&Influence) -> (StepNoise<N>, f64),
+    ) -> Result<Found<N>, Faults> {
+        let rows = differences(&self.readings, &row, known);
+        let step = solve::<N, W>(&rows);
+        // Round-off of the singular values, which come from differences of rounded numbers.
+        let columns = |r: SMatrix<f64, 3, W>| {
+            let square = |j: usize| (r.column(j) * posed.natural[j]).norm_squared();
+            (0..N).map(square).sum::<f64>()
+        };
+        let square: f64 = self
+            .readings
+            .iter()
+            .flatten()
+            .map(|s| columns(row(s)))
+            .sum();
+        let floor = 64.0 * f64::EPSILON * square.sqrt();
+        let directions = Directions::new(&step, posed.natural, floor);
+        let mut directions = directions.ok_or_else(|| {
+            Faults::one(
+                "E0529",
+                Place::default(),
+                "the equations hold a number that is not finite",
+                "check units and magnitudes of the telemetry",
+            )
+        })?;
+        let mut x = directions.solve(&step, &posed.nominal);
+        let mut effect = influence(x, &directions);
+        let variance =
+            |effect: &Influence, j: usize| effect.covariance[(posed.at + j, posed.at + j)];
+        let believed: [bool; N] = std::array::from_fn(|j| {
+            let v = SVector::<f64, N>::from_fn(|i, _| directions.V[(i, j)] * posed.natural[i]);
+            let noise = (of(&effect).0.regressor * v).dot(&v);
+            directions.usable[j]
+                && variance(&effect, j).sqrt() < self.problem.relative_accuracy
+                && noise <= NOISE_SHARE * directions.singular[j] * directions.singular[j]
+        });
+        if believed != directions.usable {
+            directions.usable = believed;
+            x = directions.solve(&step, &posed.nominal);
+            effect = influence(x, &directions);
         }
-        Ok(Supported {
+        // Expected residual under the declared noise: `E ||e||^2` minus the fitted part `E ||A dx||^2`.
+        let (noise, inherited) = of(&effect);
+        let usable = (0..N).filter(|&j| directions.usable[j]);
+        let fitted = usable.map(|j| directions.singular[j].powi(2) * variance(&effect, j));
+        let expected = (noise.residual + inherited - fitted.sum::<f64>()).max(f64::MIN_POSITIVE);
+        let x1 = SVector::<f64, W>::from_fn(|i, _| if i < N { x[i] } else { 1.0 });
+        let square = |rows: &[SMatrix<f64, 3, W>]| -> f64 {
+            rows.iter().map(|r| (r * x1).norm_squared()).sum()
+        };
+        let right = rows.iter().map(|r| r.column(N).norm_squared());
+        let (left, whole): (f64, f64) = (square(&rows), right.sum());
+        let total = rows.len().max(1) as f64;
+        let mut rest = rows.as_slice();
+        let of_segment = |segment: &Vec<Reading>| {
+            let count = segment.len().saturating_sub(usize::from(known.is_none()));
+            let (own, others) = rest.split_at(count.min(rest.len()));
+            rest = others;
+            square(own) / (expected * count as f64 / total).max(f64::MIN_POSITIVE)
+        };
+        Ok(Found {
+            chi2: left / expected,
+            of_segments: self.readings.iter().map(of_segment).collect(),
+            explained: 1.0 - left / whole.max(f64::MIN_POSITIVE),
             step,
             x,
             directions,
             effect,
         })
     }
-
-    /// Residuals of `T x1`, relative to the expected ones.
-    fn fit<const W: usize>(
-        &self,
-        rows: &[SMatrix<f64, 3, W>],
-        x1: &SVector<f64, W>,
-        known: bool,
-        expected: f64,
-    ) -> Fit {
-        let square = |rows: &[SMatrix<f64, 3, W>]| -> f64 {
-            rows.iter().map(|r| (r * x1).norm_squared()).sum()
-        };
-        let right = |r: &SMatrix<f64, 3, W>| r.column(W - 1).norm_squared();
-        let (left, whole): (f64, f64) = (square(rows), rows.iter().map(right).sum());
-        let total = rows.len().max(1) as f64;
-        let mut at = 0;
-        let of_segment = |segment: &Vec<Reading>| {
-            let count = segment.len() - usize::from(!known && !segment.is_empty());
-            let own = rows.get(at..at + count).unwrap_or(&[]);
-            at += count;
-            square(own) / (expected * count as f64 / total).max(f64::MIN_POSITIVE)
-        };
-        Fit {
-            chi2: left / expected,
-            of_segments: self.readings.iter().map(of_segment).collect(),
-            explained: 1.0 - left / whole.max(f64::MIN_POSITIVE),
-        }
-    }
-}
-
-impl<const N: usize> Supported<N> {
-    /// Expected residual under the declared noise: `E ||e||^2` minus the fitted part `E ||A dx||^2`.
-    fn expected(&self, all: f64, at: usize) -> f64 {
-        let d = &self.directions;
-        let fitted: f64 = (0..N)
-            .filter(|&j| d.usable[j])
-            .map(|j| d.singular[j] * d.singular[j] * self.effect.covariance[(at + j, at + j)])
-            .sum();
-        (all - fitted).max(f64::MIN_POSITIVE)
-    }
-}
-
-/// Round-off level of the singular values, which come from differences of rounded numbers.
-fn round_off<const N: usize, const W: usize>(
-    rows: impl Iterator<Item = SMatrix<f64, 3, W>>,
-    natural: &[f64; N],
-) -> f64 {
-    let square: f64 = rows
-        .map(|r| {
-            (0..N)
-                .map(|j| (r.column(j) * natural[j]).norm_squared())
-                .sum::<f64>()
-        })
-        .sum();
-    64.0 * f64::EPSILON * square.sqrt()
-}
-
-/// Keeps the directions with sigma below the wanted accuracy and signal above the noise in the regressor. Returns
-/// whether any was dropped.
-fn believe<const N: usize>(
-    directions: &mut Directions<N>,
-    variance: &[f64; N],
-    regressor: &SMatrix<f64, N, N>,
-    accuracy: f64,
-) -> bool {
-    let before = directions.usable;
-    for (j, variance) in variance.iter().enumerate() {
-        let v = SVector::<f64, N>::from_fn(|i, _| directions.V[(i, j)] * directions.natural[i]);
-        let noise = (regressor * v).dot(&v);
-        directions.usable[j] &= variance.sqrt() < accuracy
-            && noise <= NOISE_SHARE * directions.singular[j] * directions.singular[j];
-    }
-    before != directions.usable
 }

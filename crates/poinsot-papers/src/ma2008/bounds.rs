@@ -17,10 +17,6 @@ const LIMIT: f64 = 4.717;
 /// The bound for one step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bound {
-    /// `||A||`, the largest singular value.
-    pub norm: f64,
-    /// `||A^+||`, the reciprocal of the smallest singular value.
-    pub inverse_norm: f64,
     /// Condition number, (37).
     pub condition: f64,
     /// `||dA||`, Frobenius.
@@ -46,8 +42,8 @@ pub struct Bound {
 /// assert!((found.absolute - 0.15).abs() < 1.0e-12);
 /// ```
 pub fn bound<const N: usize>(step: &Step<N>, epsilon_A: f64, epsilon_b: f64) -> Bound {
-    let (norm, smallest) = (step.singular[0], step.singular[N - 1]);
-    let inverse_norm = 1.0 / smallest;
+    // `||A||`, and `||A^+||` as the reciprocal of the smallest singular value.
+    let (norm, inverse_norm) = (step.singular[0], 1.0 / step.singular[N - 1]);
     let condition = norm * inverse_norm;
     let (x, r, b) = (
         step.x.norm(),
@@ -60,8 +56,6 @@ pub fn bound<const N: usize>(step: &Step<N>, epsilon_A: f64, epsilon_b: f64) -> 
     let relative = condition * condition * epsilon_A / norm * zeta
         + condition * (epsilon_A / norm + epsilon_b / b * gamma);
     Bound {
-        norm,
-        inverse_norm,
         condition,
         epsilon_A,
         epsilon_b,

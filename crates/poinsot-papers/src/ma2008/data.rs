@@ -1,75 +1,79 @@
 //! Input of the method from a problem: requirements and samples.
 
+use super::Variant;
 use super::arm::Raw;
 use super::equations::Given;
 use super::increments::relative;
-use crate::ma2008::error;
 use crate::method::Named;
-use poinsot_files::Faults;
+use poinsot_files::{Faults, Place};
 use poinsot_identify::{Problem, Segment};
 use poinsot_model::{EstimateSet, MomentumKnowledge};
 use poinsot_spatial::Matrix3;
-
-/// Option for both steps.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Variant {
-    /// Option 1 for linear momentum, angular momentum or both, as given in the model.
-    KnownMomentum,
-    /// Option 2: both momenta are eliminated by differences.
-    UnknownMomentum,
-}
-
-impl Named for Variant {
-    const ALL: &'static [(Self, &'static str, &'static str)] = &[
-        (
-            Self::UnknownMomentum,
-            "unknown-momentum",
-            "option 2: increments eliminate the momentum",
-        ),
-        (
-            Self::KnownMomentum,
-            "known-momentum",
-            "option 1: the model gives linear or angular momentum, or both",
-        ),
-    ];
-}
 
 /// The momentum that the variant takes as known, or why the method cannot be applied.
 pub(super) fn check(problem: &Problem, variant: Variant) -> Result<Given, Faults> {
     let model = problem.model;
     if let Some(body) = model.bodies.iter().skip(1).find(|b| b.estimate.any()) {
-        let body = body.name.clone();
-        return Err(error::unknown_arm(&body));
+        return Err(Faults::one(
+            "E0521",
+            Place::item("body", &body.name),
+            "estimate: ma2008 needs every body but the base known",
+            "take estimate out of it, or use --method auto",
+        ));
     }
-    let base = model.bodies.first().map(|b| (b.name.clone(), b.estimate));
+    let base = model.bodies.first().map(|b| (b.name.as_str(), b.estimate));
     let (base, asked) = base.unwrap_or_default();
     if asked != EstimateSet::ALL {
-        return Err(error::base_partly_known(&base));
+        return Err(Faults::one(
+            "E0522",
+            Place::item("body", base),
+            "estimate: ma2008 identifies mass, mass centre and inertia of the base together",
+            "write estimate = true, or use --method auto",
+        ));
     }
     let arm: f64 = model.bodies.iter().skip(1).map(|b| b.nominal.mass).sum();
     if arm.is_nan() || arm <= 0.0 {
-        return Err(error::no_arm(&base));
+        return Err(Faults::one(
+            "E0523",
+            Place::default().key("model"),
+            format!(
+                "the bodies beyond the base '{base}' have no mass: ma2008 needs an arm of known mass"
+            ),
+            "describe it, or use --method auto",
+        ));
     }
     if let Some(wheel) = model.wheels.iter().find(|w| w.estimate) {
-        let wheel = wheel.name.clone();
-        return Err(error::unknown_wheel(&wheel));
+        return Err(Faults::one(
+            "E0527",
+            Place::item("wheel", &wheel.name),
+            "estimate: ma2008 needs its spin inertia known",
+            "take estimate out of it, or use --method auto",
+        ));
     }
     let needed = match variant {
         Variant::KnownMomentum => 2,
         Variant::UnknownMomentum => 3,
     };
     for segment in problem.segments {
-        let label = segment.label.clone();
+        let place = Place::item("segment", &segment.label);
         let samples = segment.samples.time_s.len();
         if !segment.firings.is_empty() {
-            return Err(error::thrust(&label));
+            return Err(Faults::one(
+                "E0526",
+                place,
+                "a thruster fires: ma2008 assumes that momentum is conserved",
+                "cut the firing out, or use --method auto",
+            ));
         }
         if samples < needed {
-            return Err(error::too_few_samples(
-                &label,
-                samples,
-                needed,
-                variant.name(),
+            let variant = variant.name();
+            return Err(Faults::one(
+                "E0528",
+                place,
+                format!(
+                    "{samples} samples: variant {variant} needs at least {needed} for four unknowns"
+                ),
+                "add samples at other arm configurations",
             ));
         }
     }
@@ -85,7 +89,12 @@ pub(super) fn check(problem: &Problem, variant: Variant) -> Result<Given, Faults
         h_C_N: pick(model.momentum.angular),
     };
     match given == Given::default() {
-        true => Err(error::momentum_unknown()),
+        true => Err(Faults::one(
+            "E0524",
+            Place::default(),
+            "[momentum] linear_N_s and angular_N_m_s are both \"estimate\": variant known-momentum needs one of them or both in N (N s; N m s about the system mass centre at the first sample)",
+            "give it, or use --variant unknown-momentum",
+        )),
         false => Ok(given),
     }
 }
@@ -121,8 +130,16 @@ pub(super) fn raws(
         })
         .collect();
     if raws.len() < 2 {
-        let label = segment.label.clone();
-        return Err(error::no_velocity(&label));
+        return Err(no_velocity(segment));
     }
     Ok((raws, summed.map(|r| r.step)))
+}
+
+pub(super) fn no_velocity(segment: &Segment) -> Faults {
+    Faults::one(
+        "E0525",
+        Place::item("segment", &segment.label),
+        "no velocity channel (v_x v_y v_z): ma2008 needs it for step 1",
+        "add it, or velocity increments (dv_x dv_y dv_z) for variant unknown-momentum, or use --method maximum_likelihood",
+    )
 }

@@ -3,7 +3,7 @@
 use super::arm::Reading;
 use super::solve::{Step, solve};
 use nalgebra::SMatrix;
-use poinsot_spatial::{Matrix3, Vector3, skew, tensor, tensor_regressor};
+use poinsot_spatial::{MassProperties, Matrix3, Vector3, skew, tensor, tensor_regressor};
 
 /// Step 1 of one sample in N: columns `[a, Omega | v]` of (13); momentum is `m_S (a m_R/m_S + Omega rho_S + v)`.
 pub type LinearRows = SMatrix<f64, 3, 5>;
@@ -57,6 +57,15 @@ impl TwoStep {
     /// Mass centre of the base from its origin, in B, m.
     pub fn rho_S(&self) -> Vector3 {
         self.linear.x.fixed_rows::<3>(1).into_owned()
+    }
+
+    /// The base, if step 2 is solved.
+    pub fn base(&self) -> Option<MassProperties> {
+        Some(MassProperties {
+            mass: self.mass(),
+            p_BoBcm_B: self.rho_S(),
+            I_BBcm_B: self.I_S()?,
+        })
     }
 
     /// Central inertia of the base, kg m2, if step 2 is solved.

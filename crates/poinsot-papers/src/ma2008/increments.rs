@@ -24,12 +24,8 @@ pub(super) fn relative(segment: &Segment) -> Option<Relative> {
     let instrument = segment.observations.sensors.iter().find(own)?;
     let s = &segment.samples;
     // Sample at each grid time.
-    let samples: Vec<Option<usize>> = segment
-        .observations
-        .time_s
-        .iter()
-        .map(|t| at(&s.time_s, *t))
-        .collect();
+    let grid = segment.observations.time_s.iter();
+    let samples: Vec<Option<usize>> = grid.map(|t| at(&s.time_s, *t)).collect();
     let sample = |grid: usize| samples.get(grid).copied().flatten();
     let mut velocity = vec![None; s.time_s.len()];
     let mut sum = Vector3::zeros();
@@ -40,18 +36,10 @@ pub(super) fn relative(segment: &Segment) -> Option<Relative> {
         velocity[k] = Some(sum - arm);
     };
     let mut longest: f64 = 0.0;
-    for pair in std::iter::once(None)
-        .chain(instrument.samples.iter().map(Some))
-        .zip(&instrument.samples)
-    {
-        let (before, reading) = pair;
-        let (from, change) = match instrument.kind {
-            SensorKind::VelocityIncrement => (reading.from, Some(vector(reading))),
-            _ => (
-                before.map_or(reading.to, |b| b.to),
-                before.and_then(|b| trapezoid(segment, &sample, b, reading)),
-            ),
-        };
+    let mut before = instrument.samples.first()?;
+    for reading in &instrument.samples {
+        let increment = instrument.kind == SensorKind::VelocityIncrement;
+        let from = if increment { reading.from } else { before.to };
         let (Some(start), Some(end)) = (sample(from), sample(reading.to)) else {
             break;
         };
@@ -63,12 +51,19 @@ pub(super) fn relative(segment: &Segment) -> Option<Relative> {
             set(start, &sum);
         }
         if start != end {
-            let Some(change) = change else { break };
-            sum += change;
+            let dt = s.time_s[end] - s.time_s[start];
+            sum += match increment {
+                true => vector(reading),
+                // The specific force by the trapezoid rule.
+                false => {
+                    let ends = s.R_NB[start] * vector(before) + s.R_NB[end] * vector(reading);
+                    ends * (0.5 * dt)
+                }
+            };
             set(end, &sum);
-            longest = longest.max(s.time_s[end] - s.time_s[start]);
+            longest = longest.max(dt);
         }
-        last = Some(end);
+        (before, last) = (reading, Some(end));
     }
     let step = match instrument.kind {
         SensorKind::VelocityIncrement => instrument.covariance,
@@ -87,21 +82,6 @@ fn vector(sample: &SensorSample) -> Vector3 {
 /// Index of the sample at a time.
 fn at(times: &[f64], t: f64) -> Option<usize> {
     let k = times.partition_point(|own| *own < t - SAME);
-    times
-        .get(k)
-        .filter(|own| (*own - t).abs() <= SAME)
-        .map(|_| k)
-}
-
-/// Integral of the specific force over one interval, in N, by the trapezoid rule.
-fn trapezoid(
-    segment: &Segment,
-    sample: &impl Fn(usize) -> Option<usize>,
-    before: &SensorSample,
-    now: &SensorSample,
-) -> Option<Vector3> {
-    let (a, b) = (sample(before.to)?, sample(now.to)?);
-    let s = &segment.samples;
-    let dt = s.time_s[b] - s.time_s[a];
-    Some((s.R_NB[a] * vector(before) + s.R_NB[b] * vector(now)) * (0.5 * dt))
+    let same = times.get(k).is_some_and(|own| (own - t).abs() <= SAME);
+    same.then_some(k)
 }

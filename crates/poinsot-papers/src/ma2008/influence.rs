@@ -27,8 +27,8 @@ pub struct StepNoise<const N: usize> {
     pub residual: f64,
 }
 
-impl<const N: usize> StepNoise<N> {
-    fn new() -> Self {
+impl<const N: usize> Default for StepNoise<N> {
+    fn default() -> Self {
         Self {
             regressor: SMatrix::zeros(),
             bias: SVector::zeros(),
@@ -37,7 +37,9 @@ impl<const N: usize> StepNoise<N> {
             residual: 0.0,
         }
     }
+}
 
+impl<const N: usize> StepNoise<N> {
     fn add<const W: usize>(
         &mut self,
         dT: &SMatrix<f64, 3, W>,
@@ -55,7 +57,7 @@ impl<const N: usize> StepNoise<N> {
 }
 
 /// First-order effect of the declared noise on both steps and on the momentum of each segment.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Influence {
     /// Covariance of `[directions of step 1 (4), of step 2 (6), P (3) and H (3) of every segment]`.
     pub covariance: DMatrix<f64>,
@@ -104,7 +106,11 @@ const FOLLOWED: usize = 400;
 pub fn influence(vehicle: &mut Vehicle, setting: &Setting, solution: &Solution) -> Influence {
     let both = Both::new(vehicle.arm_mass(), setting.known, solution);
     // First pass: sums over samples that the first sample and the momentum need.
-    let mut out = Influence::new(setting.segments.len());
+    let size = 10 + 6 * setting.segments.len();
+    let mut out = Influence {
+        covariance: DMatrix::zeros(size, size),
+        ..Influence::default()
+    };
     let mut inherited = SMatrix::<f64, 4, 4>::zeros();
     let mut sums = Vec::new();
     for segment in setting.segments {
@@ -121,14 +127,11 @@ pub fn influence(vehicle: &mut Vehicle, setting: &Setting, solution: &Solution) 
     for (at, (segment, own)) in setting.segments.iter().zip(&sums).enumerate() {
         let stride = segment.len().div_ceil(FOLLOWED).max(1);
         let followed = (segment.len().saturating_sub(1)).div_ceil(stride).max(1) as f64;
-        for (k, raw) in segment.iter().enumerate() {
-            if k > 0 && (k - 1) % stride != 0 {
-                continue;
-            }
-            let weight = if k == 0 {
-                1.0
-            } else {
-                (own.count - 1.0) / followed
+        let followed_rows = segment.iter().enumerate();
+        for (k, raw) in followed_rows.filter(|(k, _)| *k == 0 || (k - 1) % stride == 0) {
+            let weight = match k {
+                0 => 1.0,
+                _ => (own.count - 1.0) / followed,
             };
             let rows = both.sample(own, k, weight);
             for (source, seen) in setting.sources {
@@ -146,21 +149,6 @@ pub fn influence(vehicle: &mut Vehicle, setting: &Setting, solution: &Solution) 
         }
     }
     out
-}
-
-impl Influence {
-    fn new(segments: usize) -> Self {
-        let n = 10 + 6 * segments;
-        Self {
-            covariance: DMatrix::zeros(n, n),
-            linear: StepNoise::new(),
-            angular: StepNoise::new(),
-            momentum: Vec::new(),
-            coupling: SMatrix::zeros(),
-            inherited: 0.0,
-            passed_on: 0.0,
-        }
-    }
 }
 
 /// Rows of a sample at the solution: step 1 `[A | -b]`, step 2 `[B | -c]`, and the derivative `C` of step 2 with respect
@@ -237,18 +225,12 @@ impl<'a> Both<'a> {
         rows
     }
 
+    /// Rows of both steps with `C = d(B y + g)/dx` by central differences; nearly exact, because `g` is almost quadratic.
     fn rows(&self, reading: &Reading) -> Rows {
         let mut rows = self.steps(reading);
-        if self.solution.angular.is_some() {
-            rows.fixed_columns_mut::<4>(SLOPE)
-                .copy_from(&self.slope(reading));
+        if self.solution.angular.is_none() {
+            return rows;
         }
-        rows
-    }
-
-    /// `C = d(B y + g)/dx` by central differences; nearly exact, because `g` is almost quadratic.
-    fn slope(&self, reading: &Reading) -> SMatrix<f64, 3, 4> {
-        let mut C = SMatrix::<f64, 3, 4>::zeros();
         for j in 0..4 {
             let h = if j == 0 { 1.0e-4 * self.x1[0] } else { 1.0e-4 };
             let at = |sign: f64| {
@@ -257,9 +239,9 @@ impl<'a> Both<'a> {
                 let rho_S = Vector3::new(x[1], x[2], x[3]);
                 angular_rows(reading, self.arm_mass / x[0], &rho_S) * self.y1
             };
-            C.set_column(j, &((at(1.0) - at(-1.0)) / (2.0 * h)));
+            rows.set_column(SLOPE + j, &((at(1.0) - at(-1.0)) / (2.0 * h)));
         }
-        C
+        rows
     }
 
     /// What is subtracted from the rows of a segment with this first sample: known momentum, or the first rows.

@@ -40,10 +40,8 @@ mod both;
 pub mod bounds;
 mod data;
 mod equations;
-pub mod error;
 mod increments;
 mod influence;
-mod kernel;
 mod lanes;
 pub mod printed;
 mod solution;
@@ -56,7 +54,6 @@ mod words;
 
 pub use answer::identify;
 pub use arm::{Arm, Raw, Reading, Vehicle};
-pub use data::Variant;
 pub use equations::{
     AngularRows, Given, Known, LinearRows, TwoStep, angular_known, angular_rows, differences,
     linear_known, linear_rows, two_step,
@@ -67,57 +64,45 @@ pub use solve::{Step, solve};
 pub use sources::Source as NoiseSource;
 pub use trials::{Results, Trials};
 
-use crate::method::{About, Kernel, Method, Named};
-use crate::setting::Settings;
-use crate::study::Study;
-use poinsot_files::Faults;
-use poinsot_identify::{Estimate, Problem, Status};
+use crate::method::{Method, Named};
 
-/// Registration of the method.
-pub struct Ma2008;
-
-impl Method for Ma2008 {
-    fn about(&self) -> About {
-        About {
-            name: "ma2008",
-            summary: "mass, mass centre and inertia of the base from the motion of a known arm",
-            citation: "Ma, Dang, Pham, J. Guidance Control Dynamics 31(6), 2008, doi 10.2514/1.35188",
-            numbered: [45, 1, 14],
-            variants: Variant::texts(),
-            settings: &[],
-            reads_accelerations: false,
-            codes: &crate::explanations![
-                "E0521", "E0522", "E0523", "E0524", "E0525", "E0526", "E0527", "E0528", "E0529"
-            ],
-        }
-    }
-
-    fn identify(
-        &self,
-        problem: &Problem,
-        variant: Option<&str>,
-        _: &Settings,
-    ) -> Result<Estimate, Faults> {
-        let variant = Variant::named(self.about().name, variant)?;
-        identify(problem, variant)
-    }
-
-    fn kernel(
-        &self,
-        problem: &Problem,
-        variant: Option<&str>,
-    ) -> Result<Option<Box<dyn Kernel>>, Faults> {
-        let variant = Variant::named(self.about().name, variant)?;
-        let exact = identify(problem, variant)?;
-        // A kernel does not test what the samples determine.
-        if exact.status != Status::Converged {
-            return Ok(None);
-        }
-        let kernel = kernel::kernel(problem, variant)?;
-        Ok(kernel.map(|k| Box::new(k) as Box<dyn Kernel>))
-    }
-
-    fn studies(&self) -> &'static [Study] {
-        studies::STUDIES
-    }
+/// Option for both steps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Variant {
+    /// Option 1 for linear momentum, angular momentum or both, as given in the model.
+    KnownMomentum,
+    /// Option 2: both momenta are eliminated by differences.
+    UnknownMomentum,
 }
+
+impl Named for Variant {
+    const ALL: &'static [(Self, &'static str, &'static str)] = &[
+        (
+            Self::UnknownMomentum,
+            "unknown-momentum",
+            "option 2: increments eliminate the momentum",
+        ),
+        (
+            Self::KnownMomentum,
+            "known-momentum",
+            "option 1: the model gives linear or angular momentum, or both",
+        ),
+    ];
+}
+
+/// The method.
+pub static METHOD: Method = Method {
+    name: "ma2008",
+    summary: "mass, mass centre and inertia of the base from the motion of a known arm",
+    citation: "Ma, Dang, Pham, J. Guidance Control Dynamics 31(6), 2008, doi 10.2514/1.35188",
+    numbered: [45, 1, 14],
+    variants: Variant::texts,
+    settings: &[],
+    reads_accelerations: false,
+    codes: &crate::explanations![
+        "E0521", "E0522", "E0523", "E0524", "E0525", "E0526", "E0527", "E0528", "E0529"
+    ],
+    identify: |problem, variant, _| identify(problem, Variant::named("ma2008", variant)?),
+    kernel: |problem, variant| trials::kernel(problem, Variant::named("ma2008", variant)?),
+    studies: studies::STUDIES,
+};

@@ -20,8 +20,6 @@ pub struct Step<const N: usize> {
     pub residual: f64,
     /// `||b||^2`.
     pub rhs: f64,
-    /// Number of equations.
-    pub rows: usize,
     /// Triangle of `A`.
     pub triangle: SMatrix<f64, N, N>,
     /// `Q^T b`.
@@ -49,44 +47,33 @@ pub fn solve<const N: usize, const W: usize>(rows: &[SMatrix<f64, 3, W>]) -> Ste
     let r = qr.finish().r;
     let triangle = SMatrix::<f64, N, N>::from_fn(|i, j| r[(i, j)]);
     let rhs = SVector::<f64, N>::from_fn(|i, _| -r[(i, N)]);
-    let unit = [1.0; N];
-    let Some((singular, V, U)) = decompose(&triangle, &unit) else {
-        return Step {
-            x: SVector::zeros(),
-            singular: [f64::NAN; N],
-            structural_rank: 0,
-            residual: f64::NAN,
-            rhs: f64::NAN,
-            rows: 3 * rows.len(),
-            triangle,
-            rotated: rhs,
-        };
-    };
-    let round_off = 32.0 * N as f64 * f64::EPSILON * singular[0];
-    let structural_rank = singular
-        .iter()
-        .filter(|s| **s > round_off.max(f64::MIN_POSITIVE))
-        .count();
-    let mut x = SVector::<f64, N>::zeros();
-    if structural_rank == N {
-        // At full rank, back substitution is the most accurate.
-        x = triangle.solve_upper_triangular(&rhs).unwrap_or(x);
-    } else {
-        for (k, s) in singular.iter().enumerate().take(structural_rank) {
-            x += V.column(k) * (U.column(k).dot(&rhs) / s);
-        }
-    }
-    let residual = (triangle * x - rhs).norm_squared() + r[(N, N)] * r[(N, N)];
-    Step {
-        x,
-        singular,
-        structural_rank,
-        residual,
-        rhs: rhs.norm_squared() + r[(N, N)] * r[(N, N)],
-        rows: 3 * rows.len(),
+    let mut step = Step {
+        x: SVector::zeros(),
+        singular: [f64::NAN; N],
+        structural_rank: 0,
+        residual: f64::NAN,
+        rhs: f64::NAN,
         triangle,
         rotated: rhs,
+    };
+    let Some((singular, V, U)) = decompose(&triangle, &[1.0; N]) else {
+        return step;
+    };
+    let floor = (32.0 * N as f64 * f64::EPSILON * singular[0]).max(f64::MIN_POSITIVE);
+    step.structural_rank = singular.iter().filter(|s| **s > floor).count();
+    if step.structural_rank == N {
+        // At full rank, back substitution is the most accurate.
+        step.x = triangle.solve_upper_triangular(&rhs).unwrap_or(step.x);
+    } else {
+        for (k, s) in singular.iter().enumerate().take(step.structural_rank) {
+            step.x += V.column(k) * (U.column(k).dot(&rhs) / s);
+        }
     }
+    let rest = r[(N, N)] * r[(N, N)];
+    step.residual = (triangle * step.x - rhs).norm_squared() + rest;
+    step.rhs = rhs.norm_squared() + rest;
+    step.singular = singular;
+    step
 }
 
 type Decomposed<const N: usize> = ([f64; N], SMatrix<f64, N, N>, SMatrix<f64, N, N>);

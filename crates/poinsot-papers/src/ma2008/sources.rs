@@ -49,53 +49,26 @@ impl Source {
 /// `velocity`: whether the segment measures velocity. `step`: covariance of velocity increments, whose noise is
 /// assumed to be fully present.
 pub(super) fn sources(noise: &Noise, velocity: bool, step: Option<Matrix3>) -> Vec<(Source, f64)> {
-    let axes = |covariance: &Matrix3| -> Vec<Vector3> {
-        let e = SymmetricEigen::new(*covariance);
-        (0..3)
-            .filter(|&k| e.eigenvalues[k] > 0.0)
-            .map(|k| e.eigenvectors.column(k) * e.eigenvalues[k].sqrt())
-            .collect()
-    };
-    let scalars = |list: &[f64]| -> Vec<(usize, f64)> {
-        list.iter()
-            .enumerate()
-            .filter(|(_, v)| **v > 0.0)
-            .map(|(k, v)| (k, v.sqrt()))
-            .collect()
-    };
     let mut out = Vec::new();
-    let rate = noise.seen_gyro;
-    out.extend(
-        axes(&noise.gyro)
-            .into_iter()
-            .map(|s| (Source::Rate(s), rate)),
-    );
+    let mut axes = |covariance: &Matrix3, seen: f64, source: fn(Vector3) -> Source| {
+        let e = SymmetricEigen::new(*covariance);
+        let own = (0..3).filter(|&k| e.eigenvalues[k] > 0.0);
+        let axis = |k: usize| e.eigenvectors.column(k) * e.eigenvalues[k].sqrt();
+        out.extend(own.map(|k| (source(axis(k)), seen)));
+    };
     let v = noise.seen_velocity;
-    out.extend(
-        axes(&noise.velocity)
-            .into_iter()
-            .filter(|_| velocity)
-            .map(|s| (Source::Velocity(s), v)),
-    );
-    out.extend(
-        axes(&noise.attitude)
-            .into_iter()
-            .map(|s| (Source::Attitude(s), v)),
-    );
-    out.extend(
-        axes(&step.unwrap_or_default())
-            .into_iter()
-            .map(|s| (Source::VelocityStep(s), 1.0)),
-    );
-    let joint = noise.seen_joint_rate;
-    for (k, s) in scalars(&noise.joint_position) {
-        out.push((Source::JointPosition(k, s), joint));
+    axes(&noise.gyro, noise.seen_gyro, Source::Rate);
+    if velocity {
+        axes(&noise.velocity, v, Source::Velocity);
     }
-    for (k, s) in scalars(&noise.joint_rate) {
-        out.push((Source::JointRate(k, s), joint));
-    }
-    for (k, s) in scalars(&noise.wheel_speed) {
-        out.push((Source::WheelSpeed(k, s), joint));
-    }
+    axes(&noise.attitude, v, Source::Attitude);
+    axes(&step.unwrap_or_default(), 1.0, Source::VelocityStep);
+    let mut scalars = |variances: &[f64], source: fn(usize, f64) -> Source| {
+        let own = variances.iter().enumerate().filter(|(_, v)| **v > 0.0);
+        out.extend(own.map(|(k, v)| (source(k, v.sqrt()), noise.seen_joint_rate)));
+    };
+    scalars(&noise.joint_position, Source::JointPosition);
+    scalars(&noise.joint_rate, Source::JointRate);
+    scalars(&noise.wheel_speed, Source::WheelSpeed);
     out
 }

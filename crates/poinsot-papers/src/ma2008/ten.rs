@@ -4,7 +4,6 @@ use super::both::NoisySolution;
 use super::solution::Directions;
 use nalgebra::{SMatrix, SVector};
 use poinsot_identify::Number;
-use poinsot_spatial::{MassProperties, Vector3, tensor};
 
 /// Chi-square per degree of freedom above which the declared noise is inconsistent.
 pub(super) const MISFIT: f64 = 1.5;
@@ -17,52 +16,52 @@ pub(super) struct Ten {
     pub(super) covariance: SMatrix<f64, 10, 10>,
     pub(super) bias: SVector<f64, 10>,
     pub(super) open: [bool; 10],
+    /// Factor of sigmas for residuals above the declared noise.
     pub(super) inflation: f64,
+    pub(super) rejected: bool,
 }
 
 impl Ten {
-    pub(super) fn new(solved: &NoisySolution, inflation: f64, rejected: bool) -> Self {
-        let x = &solved.x;
+    pub(super) fn new(solved: &NoisySolution, rejected: bool) -> Self {
+        let (x, effect) = (&solved.x, &solved.influence);
         let m = solved.arm_mass / x[0];
-        let mut value = [0.0; 10];
-        value[..4].copy_from_slice(&[m, x[1], x[2], x[3]]);
         // Map from directions to u, by columns.
-        let effect = &solved.influence;
         let mut map = SMatrix::<f64, 10, 10>::zeros();
-        let d = SVector::<f64, 4>::new(-m / x[0], 1.0, 1.0, 1.0);
-        let bias_x = solved
-            .linear
-            .in_units(&solved.linear.along(&effect.linear.bias));
-        let mut bias = SVector::<f64, 10>::zeros();
+        let mut ten = Self {
+            value: [0.0; 10],
+            covariance: map,
+            bias: SVector::zeros(),
+            open: [true; 10],
+            inflation: solved.chi2.sqrt().max(1.0),
+            rejected,
+        };
+        let d = [-m / x[0], 1.0, 1.0, 1.0];
+        let bias_x = solved.linear.along(&effect.linear.bias);
+        let bias_x = solved.linear.in_units(&bias_x);
+        ten.value[..4].copy_from_slice(&[m, x[1], x[2], x[3]]);
         for i in 0..4 {
-            bias[i] = d[i] * bias_x[i];
+            ten.bias[i] = d[i] * bias_x[i];
             for j in 0..4 {
                 map[(i, j)] = d[i] * solved.linear.natural[i] * solved.linear.V[(i, j)];
             }
         }
-        let mut open = [true; 10];
-        mask(&solved.linear, &mut open[..4]);
+        mask(&solved.linear, &mut ten.open[..4]);
         if let Some((y, directions)) = &solved.angular {
-            mask(directions, &mut open[4..]);
+            mask(directions, &mut ten.open[4..]);
             let rhs = effect.angular.bias + effect.coupling * bias_x;
             let bias_y = directions.in_units(&directions.along(&rhs));
             for i in 0..6 {
-                value[4 + i] = y[i];
-                bias[4 + i] = bias_y[i];
+                ten.value[4 + i] = y[i];
+                ten.bias[4 + i] = bias_y[i];
                 for j in 0..6 {
                     map[(4 + i, 4 + j)] = directions.natural[i] * directions.V[(i, j)];
                 }
             }
         }
-        let covariance = map * effect.covariance.fixed_view::<10, 10>(0, 0) * map.transpose();
+        ten.covariance = map * effect.covariance.fixed_view::<10, 10>(0, 0) * map.transpose();
         let broken = rejected || x[0] <= 0.0;
-        Self {
-            value,
-            covariance,
-            bias,
-            open: open.map(|o| o || broken),
-            inflation,
-        }
+        ten.open = ten.open.map(|o| o || broken);
+        ten
     }
 
     /// Mean product of the errors of two of the ten numbers: covariance and bias, equal both ways to the last bit.
@@ -72,14 +71,13 @@ impl Ten {
 
     /// A function of the ten numbers; undetermined if it depends on an undetermined one.
     pub(super) fn number(&self, nominal: f64, f: impl Fn(&[f64; 10]) -> f64) -> Number {
-        let mut gradient = SVector::<f64, 10>::zeros();
-        for k in 0..10 {
+        let gradient = SVector::<f64, 10>::from_fn(|k, _| {
             let h = 1.0e-5 * (self.value[k].abs() + 1.0e-3 * self.value[0].abs().max(1.0));
             let (mut a, mut b) = (self.value, self.value);
             a[k] += h;
             b[k] -= h;
-            gradient[k] = (f(&a) - f(&b)) / (2.0 * h);
-        }
+            (f(&a) - f(&b)) / (2.0 * h)
+        });
         let value = f(&self.value);
         let open = (0..10).any(|k| self.open[k] && gradient[k] != 0.0);
         if open || !value.is_finite() {
@@ -94,27 +92,8 @@ impl Ten {
 
 fn mask<const N: usize>(d: &Directions<N>, open: &mut [bool]) {
     for (i, o) in open.iter_mut().enumerate() {
-        let touch: f64 = (0..N)
-            .filter(|&j| !d.usable[j])
-            .map(|j| d.V[(i, j)] * d.V[(i, j)])
-            .sum();
+        let unusable = (0..N).filter(|&j| !d.usable[j]);
+        let touch: f64 = unusable.map(|j| d.V[(i, j)] * d.V[(i, j)]).sum();
         *o = touch.sqrt() > TOUCH;
-    }
-}
-
-pub(super) fn properties(u: &[f64; 10]) -> MassProperties {
-    let y = [u[4], u[5], u[6], u[7], u[8], u[9]];
-    MassProperties {
-        mass: u[0],
-        p_BoBcm_B: Vector3::new(u[1], u[2], u[3]),
-        I_BBcm_B: tensor(y),
-    }
-}
-
-pub(super) fn unit(k: usize) -> &'static str {
-    match k {
-        0 => "kg",
-        1..=3 => "m",
-        _ => "kg m2",
     }
 }

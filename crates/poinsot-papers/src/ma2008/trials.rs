@@ -5,12 +5,20 @@
 //! `t / 8`. Group g uses ChaCha8 stream g, so a trial does not depend on the number of trials.
 #![allow(clippy::needless_range_loop)]
 
-use super::arm::Reading;
+use super::Variant;
+use super::arm::{Reading, Vehicle};
+use super::data::{check, no_velocity, raws};
 use super::equations::Known;
 use super::lanes::{LANES, V, normals, solve};
+use crate::method::Kernel;
+use crate::numbers::body;
 use fearless_simd::{Level, dispatch};
+use poinsot_files::Faults;
+use poinsot_identify::{Problem, Status};
+use poinsot_spatial::{MassProperties, Matrix3};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use std::ops::Range;
 
 /// The ten numbers of eight trials: mass kg, mass centre m, elements of the tensor kg m2.
 pub type Results = [[f64; LANES]; 10];
@@ -35,8 +43,9 @@ struct Fixed {
     I: [[f64; 3]; 3],
     u: [f64; 3],
     h_R: [f64; 3],
-    /// Known momentum in base axes.
-    p: [f64; 3],
+    /// `u` less the known linear momentum over the mass of the arm.
+    relative: [f64; 3],
+    /// Known angular momentum in base axes.
     h: [f64; 3],
 }
 
@@ -49,9 +58,8 @@ impl Trials {
         sigma_v: [f64; 3],
         sigma_w: [f64; 3],
     ) -> Self {
-        let row = |m: &poinsot_spatial::Matrix3| {
-            std::array::from_fn(|i| std::array::from_fn(|j| m[(i, j)]))
-        };
+        let arm_mass = samples.first().map_or(0.0, |s| s.arm.mass);
+        let row = |m: &Matrix3| std::array::from_fn(|i| std::array::from_fn(|j| m[(i, j)]));
         let fixed = |s: &Reading| {
             let inverse = s.R_NB.transpose();
             let (p, h) =
@@ -64,13 +72,13 @@ impl Trials {
                 I: row(&s.arm.I_R),
                 u: s.arm.u.into(),
                 h_R: s.arm.h_R.into(),
-                p: p.into(),
+                relative: (s.arm.u - p / arm_mass).into(),
                 h: h.into(),
             }
         };
         Self {
             samples: samples.iter().map(fixed).collect(),
-            arm_mass: samples.first().map_or(0.0, |s| s.arm.mass),
+            arm_mass,
             known: known.is_some(),
             sigma_v,
             sigma_w,
@@ -78,7 +86,7 @@ impl Trials {
     }
 
     /// Runs the groups of eight trials in `groups` and passes each to `sink`.
-    pub fn run(&self, seed: u64, groups: std::ops::Range<u64>, mut sink: impl FnMut(&Results)) {
+    pub fn run(&self, seed: u64, groups: Range<u64>, mut sink: impl FnMut(&Results)) {
         let mut noisy = vec![[V::ZERO; 6]; self.samples.len()];
         let mut words = vec![[0_u64; LANES]; 3 * self.samples.len()];
         let base = ChaCha8Rng::seed_from_u64(seed);
@@ -95,14 +103,72 @@ impl Trials {
         }
     }
 
+    /// Bodies of these trials.
+    fn bodies(&self, seed: u64, numbers: Range<u64>) -> Vec<MassProperties> {
+        let lanes = LANES as u64;
+        let groups = numbers.start / lanes..numbers.end.div_ceil(lanes);
+        let mut number = groups.start * lanes;
+        let mut bodies = Vec::new();
+        self.run(seed, groups, |results| {
+            for lane in 0..LANES {
+                if numbers.contains(&number) {
+                    bodies.push(body(results.map(|of_lanes| of_lanes[lane])));
+                }
+                number += 1;
+            }
+        });
+        bodies
+    }
+
     /// One group of trials. Compiled for every instruction set that the machine may have.
     #[inline(always)]
     fn group(&self, words: &[[u64; LANES]], noisy: &mut [[V; 6]]) -> Results {
         self.draw(words, noisy);
-        match self.known {
-            true => self.option1(noisy),
-            false => self.option2(noisy),
+        let m_R = V::all(self.arm_mass);
+        let x: [V; 4] = self.step(noisy, linear, &[V::ZERO; 4]);
+        let m = m_R / x[0];
+        let mu = m_R * m / (m_R + m);
+        let y: [V; 6] = self.step(noisy, angular, &[mu, x[1], x[2], x[3]]);
+        [
+            m.0, x[1].0, x[2].0, x[3].0, y[0].0, y[1].0, y[2].0, y[3].0, y[4].0, y[5].0,
+        ]
+    }
+
+    /// Solves a step from its columns `[A | -b]` of every sample: option 1 in base axes, option 2 rotated to N and less
+    /// those of the first sample.
+    #[inline(always)]
+    fn step<const N: usize, const W: usize>(
+        &self,
+        noisy: &[[V; 6]],
+        columns: impl Fn(&Fixed, &[V; 6], &[V; 4]) -> [[V; 3]; W],
+        before: &[V; 4],
+    ) -> [V; N] {
+        let mut first = [[V::ZERO; 3]; W];
+        let mut normal = [[V::ZERO; N]; N];
+        let mut rhs = [V::ZERO; N];
+        for k in 0..self.samples.len() {
+            let s = &self.samples[k];
+            let mut T = columns(s, &noisy[k], before);
+            if !self.known {
+                for j in 0..W {
+                    T[j] = turn(s, &T[j]);
+                }
+                if k == 0 {
+                    first = T;
+                    continue;
+                }
+                for j in 0..W {
+                    T[j] = less(&T[j], &first[j]);
+                }
+            }
+            for i in 0..N {
+                for j in 0..=i {
+                    normal[i][j] = add_dot(normal[i][j], &T[i], &T[j]);
+                }
+                rhs[i] = rhs[i] - dot(&T[i], &T[N]);
+            }
         }
+        solve(normal, rhs)
     }
 
     /// Noisy velocities: six normal numbers per sample and lane.
@@ -117,137 +183,78 @@ impl Trials {
             }
         }
     }
-
-    /// Option 1 in base axes, (13) and (20): the normal equations are sums of `w w^T`, `a`, `w x a`.
-    #[inline(always)]
-    fn option1(&self, noisy: &[[V; 6]]) -> Results {
-        let m_R = V::all(self.arm_mass);
-        let inverse = 1.0 / self.arm_mass;
-        let mut W = [V::ZERO; 6];
-        let (mut aa, mut ab) = (V::ZERO, V::ZERO);
-        let (mut Oa, mut Ob) = ([V::ZERO; 3], [V::ZERO; 3]);
-        for k in 0..self.samples.len() {
-            let (s, noisy) = (&self.samples[k], &noisy[k]);
-            let (v, w) = (
-                [noisy[0], noisy[1], noisy[2]],
-                [noisy[3], noisy[4], noisy[5]],
-            );
-            let wr = cross_fixed(&w, &s.rho);
-            let mut a = wr;
-            for i in 0..3 {
-                a[i] = a[i] + v[i] + V::all(s.u[i] - s.p[i] * inverse);
-            }
-            aa = add_dot(aa, &a, &a);
-            ab = add_dot(ab, &a, &v);
-            let (wa, wv) = (cross(&w, &a), cross(&w, &v));
-            for i in 0..3 {
-                Oa[i] = Oa[i] - wa[i];
-                Ob[i] = Ob[i] - wv[i];
-            }
-            add_outer(&mut W, &w);
-        }
-        let [xx, xy, yy, xz, yz, zz] = W;
-        let trace = xx + yy + zz;
-        // Columns [a, Omega]; b = -v.
-        let N = [
-            [aa, V::ZERO, V::ZERO, V::ZERO],
-            [Oa[0], trace - xx, V::ZERO, V::ZERO],
-            [Oa[1], V::ZERO - xy, trace - yy, V::ZERO],
-            [Oa[2], V::ZERO - xz, V::ZERO - yz, trace - zz],
-        ];
-        let zero = V::ZERO;
-        let x = solve(N, [zero - ab, zero - Ob[0], zero - Ob[1], zero - Ob[2]]);
-        let m = m_R / x[0];
-        let mu = m_R * m / (m_R + m);
-        let c = [x[1], x[2], x[3]];
-
-        let mut r = [V::ZERO; 6];
-        for k in 0..self.samples.len() {
-            let (s, noisy) = (&self.samples[k], &noisy[k]);
-            let w = [noisy[3], noisy[4], noisy[5]];
-            let g = arm_momentum(s, &w, &c, mu);
-            let y = [
-                V::all(s.h[0]) - g[0],
-                V::all(s.h[1]) - g[1],
-                V::all(s.h[2]) - g[2],
-            ];
-            add_tensor_rhs(&mut r, &w, &y);
-        }
-        let y = solve(tensor_normal(&W), r);
-        pack(m, &c, &y)
-    }
-
-    /// Option 2: rows rotated to N, minus those of the first sample.
-    #[inline(always)]
-    fn option2(&self, noisy: &[[V; 6]]) -> Results {
-        let m_R = V::all(self.arm_mass);
-        let mut first = [[V::ZERO; 3]; 5];
-        let mut N = [[V::ZERO; 4]; 4];
-        let mut r = [V::ZERO; 4];
-        for k in 0..self.samples.len() {
-            let (s, noisy) = (&self.samples[k], &noisy[k]);
-            let (v, w) = (
-                [noisy[0], noisy[1], noisy[2]],
-                [noisy[3], noisy[4], noisy[5]],
-            );
-            let wr = cross_fixed(&w, &s.rho);
-            let mut a = wr;
-            for i in 0..3 {
-                a[i] = a[i] + v[i] + V::all(s.u[i]);
-            }
-            let z = V::ZERO;
-            let mut T = [
-                turn(s, &a),
-                turn(s, &[z, w[2], z - w[1]]),
-                turn(s, &[z - w[2], z, w[0]]),
-                turn(s, &[w[1], z - w[0], z]),
-                turn(s, &v),
-            ];
-            if k == 0 {
-                first = T;
-                continue;
-            }
-            subtract(&mut T, &first);
-            accumulate(&mut N, &mut r, &T);
-        }
-        let x = solve(N, r);
-        let m = m_R / x[0];
-        let mu = m_R * m / (m_R + m);
-        let c = [x[1], x[2], x[3]];
-
-        let mut first = [[V::ZERO; 3]; 7];
-        let mut N = [[V::ZERO; 6]; 6];
-        let mut r = [V::ZERO; 6];
-        for k in 0..self.samples.len() {
-            let (s, noisy) = (&self.samples[k], &noisy[k]);
-            let w = [noisy[3], noisy[4], noisy[5]];
-            let g = arm_momentum(s, &w, &c, mu);
-            let z = V::ZERO;
-            let mut T = [
-                turn(s, &[w[0], z, z]),
-                turn(s, &[w[1], w[0], z]),
-                turn(s, &[z, w[1], z]),
-                turn(s, &[w[2], z, w[0]]),
-                turn(s, &[z, w[2], w[1]]),
-                turn(s, &[z, z, w[2]]),
-                turn(s, &g),
-            ];
-            if k == 0 {
-                first = T;
-                continue;
-            }
-            subtract(&mut T, &first);
-            accumulate(&mut N, &mut r, &T);
-        }
-        let y = solve(N, r);
-        pack(m, &c, &y)
-    }
 }
 
+/// The kernel of a problem whose samples determine the whole base; `None` unless it has one segment, equal noise on the
+/// axes of gyro and of velocity, and both momenta known or none.
+///
+/// Gyro and velocity have their declared noise; attitude, joints and wheels are exact. Both steps are solved without
+/// the effect of noise on their regressors, so no sigma is stated.
+pub(super) fn kernel(problem: &Problem, variant: Variant) -> Result<Option<Kernel>, Faults> {
+    // A kernel does not test what the samples determine.
+    if super::identify(problem, variant)?.status != Status::Converged {
+        return Ok(None);
+    }
+    let given = check(problem, variant)?;
+    let known = match (given.p_C_N, given.h_C_N) {
+        (Some(p_C_N), Some(h_C_N)) => Some(Known { p_C_N, h_C_N }),
+        (None, None) => None,
+        _ => return Ok(None),
+    };
+    let [segment] = problem.segments else {
+        return Ok(None);
+    };
+    if segment.samples.translation.is_none() {
+        return Err(no_velocity(segment));
+    }
+    let (raws, _) = raws(problem, segment, &given)?;
+    let mut vehicle = Vehicle::new(problem.model, problem.tree);
+    let samples: Vec<_> = raws.iter().map(|raw| vehicle.reading(raw)).collect();
+    let sigma = |covariance: &Matrix3| {
+        let variance = covariance[(0, 0)];
+        // The kernel draws in base axes, the velocity is measured in N: only equal noise of all axes is the same.
+        (*covariance == Matrix3::identity() * variance).then(|| [variance.sqrt(); 3])
+    };
+    let noise = problem.noise;
+    let (Some(v), Some(w)) = (sigma(&noise.velocity), sigma(&noise.gyro)) else {
+        return Ok(None);
+    };
+    let trials = Trials::new(&samples, known, v, w);
+    Ok(Some(Box::new(move |seed, numbers| {
+        trials.bodies(seed, numbers)
+    })))
+}
+
+/// Columns of step 1, (13): `[a, w x | v]`.
 #[inline(always)]
-fn pack(m: V, c: &[V; 3], y: &[V; 6]) -> Results {
+fn linear(s: &Fixed, [v0, v1, v2, w0, w1, w2]: &[V; 6], _: &[V; 4]) -> [[V; 3]; 5] {
+    let (v, w, z) = ([*v0, *v1, *v2], [*w0, *w1, *w2], V::ZERO);
+    let mut a = cross_fixed(&w, &s.rho);
+    for i in 0..3 {
+        a[i] = a[i] + v[i] + V::all(s.relative[i]);
+    }
     [
-        m.0, c[0].0, c[1].0, c[2].0, y[0].0, y[1].0, y[2].0, y[3].0, y[4].0, y[5].0,
+        a,
+        [z, w[2], z - w[1]],
+        [z - w[2], z, w[0]],
+        [w[1], z - w[0], z],
+        v,
+    ]
+}
+
+/// Columns of step 2, (20): `[B | g]`, with the reduced mass and the mass centre of step 1.
+#[inline(always)]
+fn angular(s: &Fixed, noisy: &[V; 6], [mu, x, y, z]: &[V; 4]) -> [[V; 3]; 7] {
+    let (w, c, zero) = ([noisy[3], noisy[4], noisy[5]], [*x, *y, *z], V::ZERO);
+    let g = arm_momentum(s, &w, &c, *mu);
+    [
+        [w[0], zero, zero],
+        [w[1], w[0], zero],
+        [zero, w[1], zero],
+        [w[2], zero, w[0]],
+        [zero, w[2], w[1]],
+        [zero, zero, w[2]],
+        less(&g, &all(&s.h)),
     ]
 }
 
@@ -274,64 +281,9 @@ fn all(a: &[f64; 3]) -> [V; 3] {
     [V::all(a[0]), V::all(a[1]), V::all(a[2])]
 }
 
-/// Adds the elements of `w w^T`.
 #[inline(always)]
-fn add_outer(W: &mut [V; 6], w: &[V; 3]) {
-    W[0] = W[0].plus(w[0], w[0]);
-    W[1] = W[1].plus(w[0], w[1]);
-    W[2] = W[2].plus(w[1], w[1]);
-    W[3] = W[3].plus(w[0], w[2]);
-    W[4] = W[4].plus(w[1], w[2]);
-    W[5] = W[5].plus(w[2], w[2]);
-}
-
-/// `B^T B` from the sums of `w w^T`, lower triangle.
-#[inline(always)]
-fn tensor_normal(W: &[V; 6]) -> [[V; 6]; 6] {
-    let z = V::ZERO;
-    let [xx, xy, yy, xz, yz, zz] = *W;
-    [
-        [xx, z, z, z, z, z],
-        [xy, xx + yy, z, z, z, z],
-        [z, xy, yy, z, z, z],
-        [xz, yz, z, xx + zz, z, z],
-        [z, xz, yz, xy, yy + zz, z],
-        [z, z, z, xz, yz, zz],
-    ]
-}
-
-#[inline(always)]
-fn add_tensor_rhs(r: &mut [V; 6], w: &[V; 3], y: &[V; 3]) {
-    r[0] = r[0].plus(w[0], y[0]);
-    r[1] = r[1].plus(w[1], y[0]).plus(w[0], y[1]);
-    r[2] = r[2].plus(w[1], y[1]);
-    r[3] = r[3].plus(w[2], y[0]).plus(w[0], y[2]);
-    r[4] = r[4].plus(w[2], y[1]).plus(w[1], y[2]);
-    r[5] = r[5].plus(w[2], y[2]);
-}
-
-#[inline(always)]
-fn subtract<const W: usize>(T: &mut [[V; 3]; W], first: &[[V; 3]; W]) {
-    for j in 0..W {
-        for i in 0..3 {
-            T[j][i] = T[j][i] - first[j][i];
-        }
-    }
-}
-
-/// Adds three rows `[A | -b]`, given by columns, to `A^T A` (lower triangle) and `A^T b`.
-#[inline(always)]
-fn accumulate<const N: usize, const W: usize>(
-    normal: &mut [[V; N]; N],
-    rhs: &mut [V; N],
-    T: &[[V; 3]; W],
-) {
-    for i in 0..N {
-        for j in 0..=i {
-            normal[i][j] = add_dot(normal[i][j], &T[i], &T[j]);
-        }
-        rhs[i] = rhs[i] - dot(&T[i], &T[N]);
-    }
+fn less(a: &[V; 3], b: &[V; 3]) -> [V; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
 #[inline(always)]

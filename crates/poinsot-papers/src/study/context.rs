@@ -136,3 +136,11 @@ impl CaseText {
         self
     }
 }
+
+/// Removes translation: attitude and rates remain.
+pub fn without_translation(tables: &mut [Table]) {
+    let turns = |name: &str| !name.starts_with("r_") && !name.starts_with("v_");
+    for table in tables {
+        table.channels.retain(|c| turns(&c.name));
+    }
+}

@@ -8,7 +8,7 @@ mod context;
 mod findings;
 pub mod statistics;
 
-pub use context::{CaseText, Context, Difference, StudyError, Tools};
+pub use context::{CaseText, Context, Difference, StudyError, Tools, without_translation};
 pub(crate) use findings::curves;
 pub use findings::{Cell, Digits, Findings, Table};
 

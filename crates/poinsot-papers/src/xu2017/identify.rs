@@ -3,15 +3,16 @@
 //! The linear method, which uses all segments together, weighted by noise, certifies the numbers (see
 //! [`crate::certified`]).
 
-use super::sequence::{Found, Searched, Solver, StepReport, sequence};
+use super::sequence::{Searched, Solver, StepReport, sequence};
 use super::words::{notes, warnings};
-use super::{Kind, Variant};
+use super::{Variant, roles::roles};
 use crate::certified::put;
 use crate::method::Named;
+use crate::numbers::printed;
 use poinsot_files::Faults;
 use poinsot_identify::refusal::NO_VELOCITY;
 use poinsot_identify::{
-    Effect, Estimate, MethodReport, NamedNumber, Number, Problem, Remark, Settings, Source, linear,
+    Effect, Estimate, MethodReport, NamedNumber, Problem, Remark, Settings, linear,
     maximum_likelihood_with,
 };
 
@@ -67,9 +68,11 @@ pub fn identify_with(
     estimate.add_all(found.notes.iter().cloned().map(Remark::assumption));
     let withheld = !found.steps.iter().all(StepReport::arrived);
     put(problem, &mut estimate, &found.bodies, withheld);
-    let warnings = warnings(problem, &found, solver.share);
+    let warnings = warnings(problem, &roles(problem)?, &found, solver.share);
     estimate.add_all(warnings.into_iter().map(Remark::warning));
-    estimate.iterations = iterations(&found);
+    let flights = found.steps.iter().filter_map(|s| s.flight.as_ref());
+    let flown: usize = flights.map(|f| f.0.history.len() - 1).sum();
+    estimate.iterations = flown.max(1);
     estimate.method_report = Some(MethodReport {
         note: notes(variant, &found, &estimate),
         numbers: found.steps.iter().flat_map(numbers).collect(),
@@ -96,55 +99,25 @@ fn certificate(problem: &Problem) -> Result<Estimate, Faults> {
     }
 }
 
-fn iterations(found: &Found) -> usize {
-    let flights = found.steps.iter().filter_map(|s| s.flight.as_ref());
-    let flown: usize = flights.map(|f| f.0.history.len() - 1).sum();
-    flown.max(1)
-}
-
 /// Result of one step, with the method's names.
 fn numbers(step: &StepReport) -> Vec<NamedNumber> {
-    let plain = |name: &str, unit: &'static str, value: f64| NamedNumber {
-        name: format!("{}: {name}", step.name),
-        unit,
-        number: Number {
-            value: value.is_finite().then_some(value),
-            sigma: None,
-            nominal: 0.0,
-            source: Source::Data,
-        },
-    };
-    let of = match step.part {
+    let plain =
+        |name: &str, unit, value| printed(format!("{}: {name}", step.name), unit, value, 0.0);
+    let cost = match step.part {
         Searched::Single => "cost (37)",
         _ => "cost (52)",
     };
+    let linear = format!("{cost} of the linear solution");
+    let directions = "directions of ten that this step determines";
     let mut list = vec![
-        plain(
-            &format!("{of} of the linear solution"),
-            "mixed",
-            step.cost_linear,
-        ),
-        plain(
-            "directions of ten that this step determines",
-            "1",
-            step.rank as f64,
-        ),
+        plain(&linear, "mixed", step.cost_linear),
+        plain(directions, "1", step.rank as f64),
         plain("condition of these", "1", step.condition),
     ];
     if let Some((flight, _)) = &step.flight {
-        list.push(plain(&format!("{of} of the swarm"), "mixed", flight.cost));
         let iterations = (flight.history.len() - 1) as f64;
+        list.push(plain(&format!("{cost} of the swarm"), "mixed", flight.cost));
         list.push(plain("iterations of the swarm", "1", iterations));
     }
     list
-}
-
-impl Kind {
-    /// Name.
-    pub(super) fn words(self) -> &'static str {
-        match self {
-            Self::Linear => "linear solution",
-            Self::Swarm => "particle swarm",
-        }
-    }
 }

@@ -29,7 +29,6 @@
 //! `p0 = (M r_g - m0 A0 a0 - m1 (A0 l0 + A1 a1)) / (m0 + m1)`; (50) is `m0 v0 + m1 v1`; (59) holds Iyy in row 2; (68)
 //! omits `m1 = M - m0`, so that `dP/dm0 = v0 - v1`.
 
-pub mod error;
 mod identify;
 mod least_squares;
 mod roles;
@@ -44,7 +43,6 @@ mod words;
 
 pub use identify::{identify, identify_with};
 pub use least_squares::Answer;
-use poinsot_files::Faults;
 pub use sequence::{Found, Order, Searched, Solver, StepReport, sequence};
 pub use single_body::{
     Form, Part, Push, Single, SingleObjective, SingleRow, accelerations, momenta, solve_single,
@@ -52,12 +50,9 @@ pub use single_body::{
 use swarm::Particle;
 pub use two_body::{MomentumRow, Side, TwoBodyObjective, TwoBodyReading, rows, transported};
 
-use crate::method::{About, Method, Named};
-use crate::setting::Settings;
-use crate::study::Study;
+use crate::method::{Method, Named};
 use nalgebra::SMatrix;
-use poinsot_identify::{Estimate, Problem};
-use poinsot_spatial::{InertialParameters, MassProperties, Matrix3, Vector3};
+use poinsot_spatial::{MassProperties, Matrix3, Vector3};
 
 /// Solver and joint order, as named on the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -108,41 +103,29 @@ impl Named for Variant {
     ];
 }
 
-/// Registration of the method.
-pub struct Xu2017;
-
-impl Method for Xu2017 {
-    fn about(&self) -> About {
-        About {
-            name: "xu2017",
-            summary: "every body of an arm, joint after joint, from thrust and conserved momentum",
-            citation: "Xu, Hu, Zhang, Liang, Acta Astronautica, 2017",
-            numbered: [75, 13, 13],
-            variants: Variant::texts(),
-            settings: settings::SETTINGS,
-            reads_accelerations: true,
-            codes: &crate::explanations![
-                "E0531", "E0532", "E0533", "E0534", "E0535", "E0536", "E0537", "E0538", "E0539",
-                "E0540"
-            ],
-        }
-    }
-
-    fn identify(
-        &self,
-        problem: &Problem,
-        variant: Option<&str>,
-        settings: &Settings,
-    ) -> Result<Estimate, Faults> {
-        let variant = Variant::named(self.about().name, variant)?;
-        let solver = settings::solver(variant.solver, settings)?;
-        identify_with(problem, variant, &solver)
-    }
-
-    fn studies(&self) -> &'static [Study] {
-        studies::STUDIES
-    }
-}
+/// The method.
+pub static METHOD: Method = Method {
+    name: "xu2017",
+    summary: "every body of an arm, joint after joint, from thrust and conserved momentum",
+    citation: "Xu, Hu, Zhang, Liang, Acta Astronautica, 2017",
+    numbered: [75, 13, 13],
+    variants: Variant::texts,
+    settings: settings::SETTINGS,
+    reads_accelerations: true,
+    codes: &crate::explanations![
+        "E0531", "E0532", "E0533", "E0534", "E0535", "E0536", "E0537", "E0538", "E0539", "E0540"
+    ],
+    identify: |problem, variant, settings| {
+        let variant = Variant::named("xu2017", variant)?;
+        identify_with(
+            problem,
+            variant,
+            &settings::solver(variant.solver, settings)?,
+        )
+    },
+    kernel: |_, _| Ok(None),
+    studies: studies::STUDIES,
+};
 
 /// `K` with `I w = K y`, `y = [xx, yy, zz, xy, xz, yz]` in the order of (61).
 #[inline]
@@ -198,13 +181,4 @@ fn natural(body: &MassProperties) -> [f64; 10] {
         1..=3 => m * L,
         _ => m * L * L,
     })
-}
-
-/// Sum of two bodies about one origin, in one set of axes.
-fn sum(a: &InertialParameters, b: &InertialParameters, sign: f64) -> InertialParameters {
-    InertialParameters {
-        mass: a.mass + sign * b.mass,
-        mc_B: a.mc_B + b.mc_B * sign,
-        I_BBo_B: a.I_BBo_B + b.I_BBo_B * sign,
-    }
 }

@@ -1,8 +1,8 @@
 //! Role of every segment (thrust on the locked robot, or one joint in motion), and the known bodies.
 
 use super::single_body::Part;
-use crate::xu2017::error;
-use poinsot_files::Faults;
+use crate::samples::{column, spread};
+use poinsot_files::{Faults, Place, rounded};
 use poinsot_identify::{Problem, Segment};
 use poinsot_model::EstimateSet;
 
@@ -29,61 +29,82 @@ pub(super) struct Roles {
 }
 
 pub(super) fn roles(problem: &Problem) -> Result<Roles, Faults> {
-    let model = problem.model;
+    let (model, dof) = (problem.model, problem.tree.dof());
     if let Some(wheel) = model.wheels.first() {
-        let wheel = wheel.name.clone();
-        return Err(error::wheel(&wheel));
+        return Err(Faults::one(
+            "E0531",
+            Place::item("wheel", &wheel.name),
+            "xu2017 knows no momentum wheels",
+            "take it out of the model if it stands still, or use --method auto",
+        ));
     }
-    let dof = problem.tree.dof();
+    let tensor_alone = model.bodies.iter().map(|b| b.estimate == TENSOR_ALONE);
     let mut found = Roles {
         single: Vec::new(),
         of_joint: vec![Vec::new(); dof],
         together: Vec::new(),
         normal: vec![0.0; dof],
         unknown: model.bodies.iter().map(|b| b.estimate.any()).collect(),
-        tensor_alone: model
-            .bodies
-            .iter()
-            .map(|b| b.estimate == TENSOR_ALONE)
-            .collect(),
+        tensor_alone: tensor_alone.collect(),
         part: part(problem)?,
     };
-    let moving: Vec<Vec<usize>> = problem
-        .segments
-        .iter()
-        .map(|s| (0..dof).filter(|&j| moves(problem, s, j)).collect())
-        .collect();
+    let moving = |s: &Segment| (0..dof).filter(|&j| moves(problem, s, j)).collect();
+    let moving: Vec<Vec<usize>> = problem.segments.iter().map(moving).collect();
     for (at, (segment, joints)) in problem.segments.iter().zip(&moving).enumerate() {
-        let label = || segment.label.clone();
         match (joints.as_slice(), segment.firings.is_empty()) {
             ([], false) => found.single.push(at),
             ([], true) => {}
             (_, true) if segment.samples.translation.is_none() => {
-                let what = "the momentum of a moving joint";
-                return Err(error::no_velocity(&label(), what));
+                return Err(no_velocity(segment));
             }
             ([one], true) => found.of_joint[*one].push(at),
             (_, true) => found.together.push(at),
             ([first, ..], false) => {
                 let joint = joint_name(problem, *first);
-                return Err(error::thrust_in_motion(&label(), &joint));
+                return Err(Faults::one(
+                    "E0536",
+                    Place::item("segment", &segment.label),
+                    format!(
+                        "a thruster fires while joint '{joint}' moves: xu2017 takes momentum as conserved then"
+                    ),
+                    "cut the firing out, or use --method auto",
+                ));
             }
         }
     }
-    let nothing = found.single.is_empty() && found.moving_segments() == 0;
-    if nothing {
-        return Err(error::nothing_moves());
+    if found.single.is_empty() && found.moving_segments() == 0 {
+        return Err(Faults::one(
+            "E0539",
+            Place::default(),
+            "no segment has thrust with the joints locked, and in none does a joint move: xu2017 has nothing to work on",
+            "fire thrusters or drive a joint, or use --method auto",
+        ));
     }
     let several = found.unknown.iter().filter(|u| **u).count() > 1;
     if let Some(&at) = found.together.first().filter(|_| several) {
         let names = moving[at].iter().map(|&j| joint_name(problem, j));
-        return Err(error::joints_together(
-            &problem.segments[at].label,
-            &names.collect::<Vec<_>>().join(", "),
+        let joints = names.collect::<Vec<_>>().join(", ");
+        return Err(Faults::one(
+            "E0535",
+            Place::item("segment", &problem.segments[at].label),
+            format!(
+                "joints {joints} move together: xu2017 unlocks one joint at a time unless a single body is unknown"
+            ),
+            "split the motion, or use --method auto",
         ));
     }
     found.normal = normal(problem, &moving, several)?;
     Ok(found)
+}
+
+/// A moving joint without measured velocity.
+pub(super) fn no_velocity(segment: &Segment) -> Faults {
+    Faults::one(
+        "E0534",
+        Place::item("segment", &segment.label),
+        "no velocity channel (v_x v_y v_z): xu2017 needs it for the momentum of a moving joint",
+        "add it, or use --method auto",
+    )
 }
 
 impl Roles {
@@ -108,7 +129,12 @@ fn part(problem: &Problem) -> Result<Part, Faults> {
         return Ok(Part::Inertia);
     }
     match asked().find(|b| b.estimate != EstimateSet::ALL && b.estimate != TENSOR_ALONE) {
-        Some(b) => Err(error::partly_known(&b.name)),
+        Some(b) => Err(Faults::one(
+            "E0532",
+            Place::item("body", &b.name),
+            "estimate: xu2017 takes a body as known, as unknown (estimate = true), or with known mass and mass centre (estimate = [\"inertia\"])",
+            "change it, or use --method auto",
+        )),
         None => Ok(Part::All),
     }
 }
@@ -118,14 +144,7 @@ fn positions<'a>(
     segment: &'a Segment,
     joint: usize,
 ) -> impl Iterator<Item = f64> + 'a {
-    let dof = problem.tree.dof().max(1);
-    segment
-        .samples
-        .joint_position
-        .iter()
-        .skip(joint)
-        .step_by(dof)
-        .copied()
+    column(&segment.samples.joint_position, joint, problem.tree.dof())
 }
 
 fn tolerance(problem: &Problem, joint: usize) -> f64 {
@@ -134,37 +153,37 @@ fn tolerance(problem: &Problem, joint: usize) -> f64 {
 }
 
 fn moves(problem: &Problem, segment: &Segment, joint: usize) -> bool {
-    let (low, high) = positions(problem, segment, joint)
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), q| {
-            (a.min(q), b.max(q))
-        });
-    high - low > tolerance(problem, joint)
+    spread(positions(problem, segment, joint)) > tolerance(problem, joint)
 }
 
 /// Position of every joint while locked; its first position if it is never locked. With several unknown bodies, only
 /// one configuration is allowed.
 fn normal(problem: &Problem, moving: &[Vec<usize>], one_needed: bool) -> Result<Vec<f64>, Faults> {
-    (0..problem.tree.dof())
-        .map(|joint| {
-            let first = |at: usize| positions(problem, &problem.segments[at], joint).next();
-            let mut locked = (0..moving.len()).filter(|&at| !moving[at].contains(&joint));
-            let Some(reference) = locked.next().and_then(first) else {
-                return Ok(first(0).unwrap_or(0.0));
-            };
-            for at in locked.filter(|_| one_needed) {
-                let found = first(at).unwrap_or(reference);
-                if (found - reference).abs() > tolerance(problem, joint) {
-                    return Err(error::other_configuration(
-                        &problem.segments[at].label,
-                        &joint_name(problem, joint),
-                        found,
-                        reference,
-                    ));
-                }
+    let of = |joint: usize| {
+        let first = |at: usize| positions(problem, &problem.segments[at], joint).next();
+        let mut locked = (0..moving.len()).filter(|&at| !moving[at].contains(&joint));
+        let Some(reference) = locked.next().and_then(first) else {
+            return Ok(first(0).unwrap_or(0.0));
+        };
+        for at in locked.filter(|_| one_needed) {
+            let found = first(at).unwrap_or(reference);
+            if (found - reference).abs() > tolerance(problem, joint) {
+                return Err(Faults::one(
+                    "E0537",
+                    Place::item("segment", &problem.segments[at].label),
+                    format!(
+                        "joint '{}' is locked at {}, elsewhere at {} (rad or m): (43)-(46) need one normal configuration in all segments",
+                        joint_name(problem, joint),
+                        rounded(found, 6),
+                        rounded(reference, 6)
+                    ),
+                    "bring the joint back, or use --method auto",
+                ));
             }
-            Ok(reference)
-        })
-        .collect()
+        }
+        Ok(reference)
+    };
+    (0..problem.tree.dof()).map(of).collect()
 }
 
 pub(super) fn joint_name(problem: &Problem, coordinate: usize) -> String {

@@ -1,9 +1,9 @@
 //! Sec. 5.6: sensitivity of momentum to each parameter, (63)-(75), and the joint path that maximises it.
 
 use super::least_squares::shown;
+use super::natural;
 use super::two_body::{TwoBodyReading, equations, rows, transported_back};
-use super::{natural, sum};
-use crate::answered::as_one;
+use crate::numbers::as_one;
 use faer::Mat;
 use nalgebra::SMatrix;
 use poinsot_dynamics::{Kinematics, Motion, Tree, composite, momentum, twist_from_momentum};
@@ -100,7 +100,8 @@ pub fn path_sensitivity(
     kinematics.place(tree, normal);
     let (R, p) = (kinematics.R[child], kinematics.p[child]);
     let total = as_one(bodies, &kinematics);
-    let compose = |x: &InertialParameters| [*x, transported_back(&sum(&total, x, -1.0), &R, &p)];
+    let compose =
+        |x: &InertialParameters| [*x, transported_back(&total.with_added(-1.0, x), &R, &p)];
     let carried = |mut b: usize| {
         while b != child && b != 0 {
             b = tree.links[b].parent;

@@ -2,28 +2,28 @@
 
 mod bodies;
 mod known;
-mod mass;
 mod readings;
-mod report;
 mod steps;
 
 use super::least_squares::Answer;
-use super::roles::{Roles, joint_name, roles};
+use super::roles::{Roles, roles};
 use super::single_body::{
     Form, Part, Single, SingleObjective, SingleRow, accelerations, solve_single,
 };
-use super::swarm::{Objective, Range, Swarm, fly};
+use super::swarm::{Flight, Objective, Range, Swarm, fly};
 use super::{Kind, particle, properties};
-use crate::xu2017::error;
 use poinsot_dynamics::Kinematics;
-use poinsot_files::Faults;
+use poinsot_files::{Faults, Place, rounded};
 use poinsot_identify::{Problem, Segment};
 use poinsot_model::MomentumKnowledge;
 use poinsot_spatial::{InertialParameters, MassProperties, Vector3};
-pub use report::{Found, Searched, StepReport};
 
 /// Sigmas that count as rest.
 const REST: f64 = 5.0;
+/// A swarm whose cost stays above this fraction of its first best has not converged.
+const ARRIVED: f64 = 1.0e-6;
+/// Fraction of the noise cost below which cost differences are negligible.
+const UNSEEN: f64 = 0.1;
 
 /// Joints from base to tip, or reverse.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,6 +53,77 @@ impl Default for Solver {
             share: 0.5,
         }
     }
+}
+
+/// Part identified by a step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Searched {
+    /// The locked robot.
+    Single,
+    /// The base side of a joint coordinate.
+    Inner(usize),
+    /// The tip side of a joint coordinate.
+    Outer(usize),
+    /// One body among known ones.
+    Body(usize),
+}
+
+/// Report of one step.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StepReport {
+    /// Identified part.
+    pub part: Searched,
+    /// Name.
+    pub name: String,
+    /// Result: mass, mass centre and central inertia in its own frame.
+    pub found: MassProperties,
+    /// The linear solution of the same step.
+    pub linear: MassProperties,
+    /// Cost (37) or (52) of the linear solution, mean over the samples.
+    pub cost_linear: f64,
+    /// Expected cost from the declared velocity noise; zero without measured velocity.
+    pub cost_noise: f64,
+    /// Number of directions determined by the linear solution.
+    pub rank: usize,
+    /// Condition number of these directions in natural units.
+    pub condition: f64,
+    /// Result and range of the swarm.
+    pub flight: Option<(Flight, Range)>,
+}
+
+impl StepReport {
+    /// Whether the swarm stopped on a bound of its range and the linear solution lies outside.
+    pub fn excluded(&self) -> bool {
+        let stuck =
+            |f: &(Flight, Range)| !f.0.on_bound.is_empty() && !f.1.holds(&particle(&self.linear));
+        self.flight.as_ref().is_some_and(stuck) && !self.arrived()
+    }
+
+    /// Whether the swarm's cost reached that of the linear solution, within the declared noise.
+    pub fn arrived(&self) -> bool {
+        self.flight.as_ref().is_none_or(|(flight, _)| {
+            let first = flight.history.first().copied().unwrap_or(0.0);
+            let floor = ARRIVED * first + UNSEEN * self.cost_noise;
+            flight.cost <= 2.0 * self.cost_linear + floor
+        })
+    }
+}
+
+/// All bodies, with the steps.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Found {
+    /// Barycentric parameters of every body about its own origin.
+    pub bodies: Vec<InertialParameters>,
+    /// The locked robot in the normal configuration about the base origin.
+    pub total: Option<InertialParameters>,
+    /// Normal configuration, rad or m.
+    pub normal: Vec<f64>,
+    /// Steps in the order taken.
+    pub steps: Vec<StepReport>,
+    /// Form of (35) used.
+    pub form: Option<Form>,
+    /// Assumptions made.
+    pub notes: Vec<String>,
 }
 
 /// Common data of the steps.
@@ -104,25 +175,23 @@ pub fn sequence(problem: &Problem, order: Order, solver: &Solver) -> Result<Foun
         },
         roles,
     };
-    let unknown: Vec<usize> = (0..problem.model.bodies.len())
-        .filter(|&b| work.roles.unknown[b])
-        .collect();
-    match (unknown.as_slice(), work.roles.moving_segments()) {
+    let bodies = 0..problem.model.bodies.len();
+    let unknown: Vec<usize> = bodies.filter(|&b| work.roles.unknown[b]).collect();
+    let moving = work.roles.moving_segments();
+    if let ([one], 1..) = (unknown.as_slice(), moving) {
         // Fourth use: all else is known, so any motion determines the body.
-        ([one], 1..) => work.one_body(*one)?,
-        (_, 0) => {
-            work.single_body()?;
-            work.share_out(&vec![None; problem.tree.dof()]);
-        }
-        _ => {
-            if !work.roles.single.is_empty() {
-                work.single_body()?;
-            }
-            let outers = work.joints()?;
-            work.share_out(&outers);
-            work.keep_known(&outers);
-        }
+        work.one_body(*one)?;
+        return Ok(work.found);
     }
+    if !work.roles.single.is_empty() {
+        work.single_body()?;
+    }
+    let outers = match moving {
+        0 => vec![None; problem.tree.dof()],
+        _ => work.joints()?,
+    };
+    work.share_out(&outers);
+    work.keep_known(&outers);
     Ok(work.found)
 }
 
@@ -130,56 +199,42 @@ impl Work<'_> {
     /// The equivalent single body, Sec. 3.2.
     fn single_body(&mut self) -> Result<(), Faults> {
         let problem = self.problem;
-        let segments: Vec<&Segment> = self
-            .roles
-            .single
-            .iter()
-            .map(|&k| &problem.segments[k])
-            .collect();
+        let segments = self.roles.single.iter().map(|&k| &problem.segments[k]);
+        let segments: Vec<&Segment> = segments.collect();
         let measured = |s: &&Segment| s.accelerations.as_ref().is_some_and(|a| a.a_NS_B.is_some());
-        let form = if segments.iter().all(measured) {
-            Form::Acceleration
-        } else {
-            Form::Momentum
+        let form = match segments.iter().all(measured) {
+            true => Form::Acceleration,
+            false => Form::Momentum,
         };
-        let rows: Vec<Vec<SingleRow>> = segments
-            .iter()
-            .map(|s| match form {
-                Form::Acceleration => accelerations(&self.pushes(s)),
-                Form::Momentum => self.impulses(s),
-            })
-            .collect();
-        self.weighed =
-            self.roles.part == Part::Inertia || rows.iter().flatten().any(|r| r.D.is_some());
+        let rows = |s: &&Segment| match form {
+            Form::Acceleration => accelerations(&self.pushes(s)),
+            Form::Momentum => self.impulses(s),
+        };
+        let rows: Vec<Vec<SingleRow>> = segments.iter().map(rows).collect();
+        let part = self.roles.part;
+        self.weighed = part == Part::Inertia || rows.iter().flatten().any(|r| r.D.is_some());
         if !self.weighed {
-            let note = match self.roles.moving_segments() {
-                0 => {
-                    "translation is not measured: the mass keeps its nominal value, which does not affect the answer"
-                }
-                _ => {
-                    "the thrust segments show no translation: the mass of the whole follows from the first joint that moves"
-                }
-            };
-            self.found.notes.push(note.to_owned());
+            self.found.notes.push(match self.roles.moving_segments() {
+                0 => "translation is not measured: the mass keeps its nominal value, which does not affect the answer",
+                _ => "the thrust segments show no translation: the mass of the whole follows from the first joint that moves",
+            }.to_owned());
         }
         let nominal = properties_of(&self.composite(0, |_| true))?;
-        let linear = solve_single(&rows, form, &nominal, self.roles.part);
+        let linear = solve_single(&rows, form, &nominal, part);
         let all: Vec<SingleRow> = rows.into_iter().flatten().collect();
-        let objective = SingleObjective::new(&all);
         let mut range = self.range(&nominal);
-        if self.roles.part == Part::Inertia || all.iter().any(|r| r.D.is_none()) {
-            let x = particle(&nominal);
-            let fixed: &[usize] = match self.roles.part {
-                Part::Inertia => &[0, 7, 8, 9],
-                Part::All => &[0],
-            };
-            for &d in fixed {
-                (range.low[d], range.high[d]) = (x[d], x[d]);
-            }
+        let x = particle(&nominal);
+        let fixed: &[usize] = match part {
+            Part::Inertia => &[0, 7, 8, 9],
+            Part::All if all.iter().any(|r| r.D.is_none()) => &[0],
+            Part::All => &[],
+        };
+        for &d in fixed {
+            (range.low[d], range.high[d]) = (x[d], x[d]);
         }
-        let name = "equivalent single body".to_owned();
         self.found.form = Some(form);
-        let found = self.finish(Searched::Single, name, linear, &objective, range)?;
+        let objective = SingleObjective::new(&all);
+        let found = self.finish(Searched::Single, linear, &objective, range)?;
         self.found.total = Some(found.parameters());
         Ok(())
     }
@@ -187,24 +242,21 @@ impl Work<'_> {
     /// All two-body steps; returns the tip side of every moving joint, in the frame of its body.
     fn joints(&mut self) -> Result<Vec<Option<InertialParameters>>, Faults> {
         let dof = self.problem.tree.dof();
-        let mut outers = vec![None; dof];
-        let mut order: Vec<usize> = (0..dof)
-            .filter(|&j| !self.roles.of_joint[j].is_empty())
-            .collect();
+        let moved = (0..dof).filter(|&j| !self.roles.of_joint[j].is_empty());
+        let mut order: Vec<usize> = moved.collect();
         if self.order == Order::Inward {
             order.reverse();
         }
         if self.found.total.is_none() {
             // Third use: a known side of some joint sets the scale.
-            let first = order.iter().position(|&j| {
-                let child = self.child(j);
-                self.known(|b| self.carries(child, b)) || self.known(|b| !self.carries(child, b))
-            });
-            let first = order.remove(first.ok_or_else(error::no_scale)?);
-            outers[first] = Some(self.beside_known(first)?);
+            let known = |&j: &usize| self.sides_known(j).contains(&true);
+            let first = order.iter().position(known).ok_or_else(no_scale)?;
+            let joint = order.remove(first);
+            order.insert(0, joint);
         } else if let Some(&joint) = order.first().filter(|_| !self.weighed) {
             self.weigh(joint)?;
         }
+        let mut outers = vec![None; dof];
         for joint in order {
             outers[joint] = Some(self.split(joint)?);
         }
@@ -215,13 +267,12 @@ impl Work<'_> {
     fn finish(
         &mut self,
         part: Searched,
-        name: String,
         linear: Answer<MassProperties>,
         objective: &dyn Objective,
         range: Range,
     ) -> Result<MassProperties, Faults> {
         if !linear.finite {
-            return Err(error::not_finite());
+            return Err(not_finite());
         }
         let mut cost_linear = [0.0];
         objective.costs(&[particle(&linear.value)], &mut cost_linear);
@@ -232,24 +283,19 @@ impl Work<'_> {
             };
             (fly(&swarm, &range, objective, |_, _, _| {}), range)
         });
-        let found = match &flight {
-            Some((flight, _)) => properties(&flight.best),
-            None => linear.value,
-        };
+        let best = flight.as_ref().map(|(flight, _)| properties(&flight.best));
+        let found = best.unwrap_or(linear.value);
         let smallest = linear.singular.get(linear.rank.wrapping_sub(1));
-        let condition = match (linear.singular.first(), smallest) {
-            (Some(a), Some(b)) => a / b,
-            _ => f64::INFINITY,
-        };
+        let ends = linear.singular.first().zip(smallest);
         self.found.steps.push(StepReport {
             part,
-            name,
+            name: self.name(part),
             found,
             linear: linear.value,
             cost_linear: cost_linear[0],
             cost_noise: self.cost_noise(),
             rank: linear.rank,
-            condition,
+            condition: ends.map_or(f64::INFINITY, |(a, b)| a / b),
             flight,
         });
         Ok(found)
@@ -258,9 +304,9 @@ impl Work<'_> {
     /// Momentum equivalent to the velocity noise; accelerations have no declared noise.
     fn cost_noise(&self) -> f64 {
         let accelerations = self.found.form == Some(Form::Acceleration);
-        let segments = self.problem.segments.iter();
-        let seen = segments.filter(|s| s.samples.translation.is_some()).count();
-        if seen == 0 || accelerations && self.roles.moving_segments() == 0 {
+        let mut segments = self.problem.segments.iter();
+        let seen = segments.any(|s| s.samples.translation.is_some());
+        if !seen || accelerations && self.roles.moving_segments() == 0 {
             return 0.0;
         }
         self.composite(0, |_| true).mass * self.problem.noise.velocity.trace().sqrt()
@@ -278,18 +324,22 @@ impl Work<'_> {
             return Ok(());
         }
         let noise = self.problem.noise;
-        for at in segments {
-            let segment = &self.problem.segments[at];
+        for segment in segments.map(|at| &self.problem.segments[at]) {
             let s = &segment.samples;
-            let rate = s.w_NB_B.first().map_or(0.0, |w| w.norm());
-            let speed = s
-                .translation
-                .as_ref()
-                .and_then(|t| t.v_NBo_N.first())
-                .map_or(0.0, |v| v.norm());
+            let velocity = s.translation.as_ref().and_then(|t| t.v_NBo_N.first());
+            let [rate, speed] = [s.w_NB_B.first(), velocity].map(|v| v.map_or(0.0, |v| v.norm()));
             let still = |x: f64, variance: f64| x <= REST * variance.sqrt() + 1.0e-12;
             if !still(rate, noise.gyro.trace()) || !still(speed, noise.velocity.trace()) {
-                return Err(error::not_at_rest(&segment.label, rate, speed, "swarm"));
+                return Err(Faults::one(
+                    "E0538",
+                    Place::item("segment", &segment.label),
+                    format!(
+                        "the vehicle moves at {} rad/s and {} m/s at the first sample: the objective (52) assumes zero momentum, so variant swarm must start at rest",
+                        rounded(rate, 2),
+                        rounded(speed, 2)
+                    ),
+                    "use --variant linear, which takes the momentum as unknown",
+                ));
             }
         }
         let note = "assumed: zero momentum, as in (49), because the base is at rest within the noise at first";
@@ -298,28 +348,28 @@ impl Work<'_> {
         }
         Ok(())
     }
+}
 
-    fn words(&self, part: Searched) -> String {
-        let joint = |j| joint_name(self.problem, j);
-        match part {
-            Searched::Single => "equivalent single body".to_owned(),
-            Searched::Inner(j) => format!("base side of {}", joint(j)),
-            Searched::Outer(j) => format!("tip side of {}", joint(j)),
-            Searched::Body(b) => self.problem.model.bodies[b].name.clone(),
-        }
-    }
+/// Neither thrust nor a known body sets the scale.
+fn no_scale() -> Faults {
+    Faults::one(
+        "E0533",
+        Place::default(),
+        "no thruster fires with the joints locked, and no body fixes the scale of the momentum equations (35)",
+        "add a segment with thrust, take estimate out of the base or the arm, or use --method auto",
+    )
+}
+
+fn not_finite() -> Faults {
+    Faults::one(
+        "E0540",
+        Place::default(),
+        "the equations hold a number that is not finite",
+        "check units and magnitudes of the telemetry",
+    )
 }
 
 fn properties_of(pi: &InertialParameters) -> Result<Single, Faults> {
-    pi.mass_properties()
-        .ok_or_else(poinsot_identify::refusal::no_motion)
-}
-
-/// Mass properties, NaN if the mass is not positive: the cost of such a solution is still computed.
-fn properties_or_nan(pi: &InertialParameters) -> MassProperties {
-    pi.mass_properties().unwrap_or(MassProperties {
-        mass: pi.mass,
-        p_BoBcm_B: Vector3::repeat(f64::NAN),
-        I_BBcm_B: pi.I_BBo_B,
-    })
+    let found = pi.mass_properties();
+    found.ok_or_else(poinsot_identify::refusal::no_motion)
 }

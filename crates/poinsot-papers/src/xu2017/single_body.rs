@@ -1,10 +1,10 @@
 //! The equivalent single body: all joints locked, thrusters firing, (27)-(37).
 
 use super::least_squares::{Answer, Rows, answer};
-use super::swarm::{Mean, Particle};
+use super::swarm::{Cost, Mean, Particle};
 use super::{particle, properties, tensor_regressor};
 use nalgebra::SMatrix;
-use poinsot_solve::lanes::{LANES, V};
+use poinsot_solve::lanes::V;
 use poinsot_spatial::{MassProperties, Matrix3, UnitQuaternion, Vector3, skew};
 
 /// The locked robot: mass, mass centre from the base origin and central inertia, base axes.
@@ -221,47 +221,28 @@ pub fn solve_single(
     })
 }
 
-/// The cost (37), averaged over the samples, for many particles; eight samples in parallel.
-pub struct SingleObjective {
-    chunks: Vec<[V; 45]>,
-    samples: usize,
-}
+/// The cost (37), averaged over the samples, for many particles.
+pub type SingleObjective = Mean<SingleCost, 45>;
+
+/// (37): `|g| + |h|`.
+pub struct SingleCost;
 
 impl SingleObjective {
     /// From rows of [`accelerations`] or [`momenta`].
     pub fn new(rows: &[SingleRow]) -> Self {
-        let chunks = rows.chunks(LANES).map(|chunk| {
-            let mut lanes = [V::ZERO; 45];
-            for (k, row) in chunk.iter().enumerate() {
-                let numbers = row.G.iter().chain(row.B.iter()).chain(row.A.iter());
-                let D = row.D.unwrap_or_default();
-                let E = row.D.map_or_else(Matrix3::zeros, |_| row.E);
-                let J = row.D.map_or_else(Vector3::zeros, |_| row.J);
-                let all = numbers.chain(D.iter()).chain(E.iter()).chain(J.iter());
-                for (lane, x) in lanes.iter_mut().zip(all) {
-                    lane.0[k] = *x;
-                }
-            }
-            lanes
-        });
-        Self {
-            chunks: chunks.collect(),
-            samples: rows.len(),
-        }
+        let numbers = |row: &SingleRow| {
+            let seen = f64::from(u8::from(row.D.is_some()));
+            let (D, E, J) = (row.D.unwrap_or_default(), row.E * seen, row.J * seen);
+            let moment = row.G.iter().chain(row.B.iter()).chain(row.A.iter());
+            let motion = D.iter().chain(E.iter()).chain(J.iter());
+            moment.chain(motion).copied().collect()
+        };
+        Self::of(SingleCost, rows.iter().map(numbers))
     }
 }
 
-impl Mean for SingleObjective {
-    type Chunk = [V; 45];
+impl Cost<45> for SingleCost {
     type Body = Particle;
-
-    fn chunks(&self) -> &[[V; 45]] {
-        &self.chunks
-    }
-
-    fn count(&self) -> usize {
-        self.samples
-    }
 
     #[inline(always)]
     fn body(&self, x: &Particle) -> Particle {
@@ -269,32 +250,26 @@ impl Mean for SingleObjective {
     }
 
     #[inline(always)]
-    fn cost(chunk: &[V; 45], x: &Particle) -> V {
-        cost(chunk, x)
-    }
-}
-
-/// (37): `|g| + |h|` of eight samples.
-#[inline(always)]
-fn cost(s: &[V; 45], x: &Particle) -> V {
-    let mass = V::all(x[0]);
-    let y: [V; 6] = [x[1], x[2], x[3], x[4], x[5], x[6]].map(V::all);
-    let c: [V; 3] = [x[7], x[8], x[9]].map(V::all);
-    let mut square_g = V::ZERO;
-    let mut square_h = V::ZERO;
-    for i in 0..3 {
-        let mut g = V::ZERO - s[27 + i];
-        let mut d = s[30 + i];
-        for j in 0..6 {
-            g = g.plus(s[3 * j + i], y[j]);
+    fn cost(s: &[V; 45], x: &Particle) -> V {
+        let mass = V::all(x[0]);
+        let y: [V; 6] = [x[1], x[2], x[3], x[4], x[5], x[6]].map(V::all);
+        let c: [V; 3] = [x[7], x[8], x[9]].map(V::all);
+        let mut square_g = V::ZERO;
+        let mut square_h = V::ZERO;
+        for i in 0..3 {
+            let mut g = V::ZERO - s[27 + i];
+            let mut d = s[30 + i];
+            for j in 0..6 {
+                g = g.plus(s[3 * j + i], y[j]);
+            }
+            for j in 0..3 {
+                g = g.plus(s[18 + 3 * j + i], c[j]);
+                d = d.plus(s[33 + 3 * j + i], c[j]);
+            }
+            let h = (V::ZERO - s[42 + i]).plus(mass, d);
+            square_g = square_g.plus(g, g);
+            square_h = square_h.plus(h, h);
         }
-        for j in 0..3 {
-            g = g.plus(s[18 + 3 * j + i], c[j]);
-            d = d.plus(s[33 + 3 * j + i], c[j]);
-        }
-        let h = (V::ZERO - s[42 + i]).plus(mass, d);
-        square_g = square_g.plus(g, g);
-        square_h = square_h.plus(h, h);
+        square_g.root() + square_h.root()
     }
-    square_g.root() + square_h.root()
 }

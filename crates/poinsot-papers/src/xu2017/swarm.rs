@@ -4,7 +4,7 @@
 //! random stream (ChaCha8, stream = particle), and each iteration uses the best position of the previous one. The
 //! result is therefore identical for any number of threads.
 
-use poinsot_solve::lanes::V;
+use poinsot_solve::lanes::{LANES, V};
 use pulp::{Arch, Simd, WithSimd};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -28,23 +28,44 @@ pub trait Objective: Sync {
     fn samples(&self) -> usize;
 }
 
-/// An objective that is a mean over samples, several in parallel.
-pub trait Mean: Sync {
-    /// Samples evaluated in parallel.
-    type Chunk;
+/// Cost of one particle for a chunk of samples.
+pub trait Cost<const N: usize>: Sync {
     /// A particle in the form used by the cost.
     type Body: Copy;
-    /// All samples.
-    fn chunks(&self) -> &[Self::Chunk];
-    /// Number of samples.
-    fn count(&self) -> usize;
+
     /// Converts a particle for the cost.
     fn body(&self, x: &Particle) -> Self::Body;
-    /// Cost of one particle for a chunk of samples.
-    fn cost(chunk: &Self::Chunk, body: &Self::Body) -> V;
+
+    /// Cost of one particle for each sample of a chunk, which holds N numbers of every sample.
+    fn cost(chunk: &[V; N], body: &Self::Body) -> V;
 }
 
-impl<M: Mean> Objective for M {
+/// An objective that is a mean over samples, eight in parallel.
+pub struct Mean<C, const N: usize> {
+    cost: C,
+    chunks: Vec<[V; N]>,
+    samples: usize,
+}
+
+impl<C: Cost<N>, const N: usize> Mean<C, N> {
+    /// The mean of a cost over samples of N numbers each.
+    pub(super) fn of(cost: C, samples: impl ExactSizeIterator<Item = Vec<f64>>) -> Self {
+        let count = samples.len();
+        let mut chunks = vec![[V::ZERO; N]; count.div_ceil(LANES)];
+        for (k, numbers) in samples.enumerate() {
+            for (lane, x) in chunks[k / LANES].iter_mut().zip(numbers) {
+                lane.0[k % LANES] = x;
+            }
+        }
+        Self {
+            cost,
+            chunks,
+            samples: count,
+        }
+    }
+}
+
+impl<C: Cost<N>, const N: usize> Objective for Mean<C, N> {
     fn costs(&self, particles: &[Particle], out: &mut [f64]) {
         Arch::new().dispatch(Costs {
             objective: self,
@@ -52,15 +73,14 @@ impl<M: Mean> Objective for M {
             out,
         });
     }
-
     fn samples(&self) -> usize {
-        self.count()
+        self.samples
     }
 }
 
 /// Costs of a block of particles, compiled for several instruction sets.
-struct Costs<'a, M> {
-    objective: &'a M,
+struct Costs<'a, C, const N: usize> {
+    objective: &'a Mean<C, N>,
     particles: &'a [Particle],
     out: &'a mut [f64],
 }
@@ -68,27 +88,27 @@ struct Costs<'a, M> {
 /// Particles whose sums fit in the L1 cache.
 const NEAR: usize = 64;
 
-impl<M: Mean> WithSimd for Costs<'_, M> {
+impl<C: Cost<N>, const N: usize> WithSimd for Costs<'_, C, N> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _simd: S) {
         let of = self.objective;
-        let none = of.body(&[0.0; 10]);
+        let none = of.cost.body(&[0.0; 10]);
         for (particles, out) in self.particles.chunks(NEAR).zip(self.out.chunks_mut(NEAR)) {
             let mut sums = [V::ZERO; NEAR];
             let mut bodies = [none; NEAR];
             for (x, body) in particles.iter().zip(bodies.iter_mut()) {
-                *body = of.body(x);
+                *body = of.cost.body(x);
             }
             // One chunk of samples stays in the cache while all particles are evaluated.
-            for chunk in of.chunks() {
+            for chunk in &of.chunks {
                 for (body, total) in bodies.iter().zip(sums.iter_mut()).take(particles.len()) {
-                    *total = *total + M::cost(chunk, body);
+                    *total = *total + C::cost(chunk, body);
                 }
             }
             for (out, total) in out.iter_mut().zip(&sums) {
-                *out = total.0.iter().sum::<f64>() / of.count().max(1) as f64;
+                *out = total.0.iter().sum::<f64>() / of.samples.max(1) as f64;
             }
         }
     }
@@ -174,20 +194,9 @@ pub struct Flight {
     pub on_bound: Vec<usize>,
 }
 
-/// Random numbers of one particle.
-struct Dice(ChaCha8Rng);
-
-impl Dice {
-    fn new(seed: u64, particle: usize) -> Self {
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        rng.set_stream(particle as u64);
-        Self(rng)
-    }
-
-    /// Uniform in [0, 1).
-    fn unit(&mut self) -> f64 {
-        (self.0.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
-    }
+/// Uniform in [0, 1).
+fn unit(dice: &mut ChaCha8Rng) -> f64 {
+    (dice.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
 }
 
 /// Minimises within a range; `watch` receives the best position after every iteration.
@@ -219,11 +228,15 @@ pub fn fly(
     mut watch: impl FnMut(usize, &Particle, f64),
 ) -> Flight {
     let n = swarm.particles.max(1);
-    let mut dice: Vec<Dice> = (0..n).map(|i| Dice::new(swarm.seed, i)).collect();
-    let mut x: Vec<Particle> = dice
-        .iter_mut()
-        .map(|die| std::array::from_fn(|d| range.low[d] + range.width(d) * die.unit()))
-        .collect();
+    let die = |particle: usize| {
+        let mut die = ChaCha8Rng::seed_from_u64(swarm.seed);
+        die.set_stream(particle as u64);
+        die
+    };
+    let mut dice: Vec<ChaCha8Rng> = (0..n).map(die).collect();
+    let anywhere =
+        |die: &mut ChaCha8Rng| std::array::from_fn(|d| range.low[d] + range.width(d) * unit(die));
+    let mut x: Vec<Particle> = dice.iter_mut().map(anywhere).collect();
     let mut v = vec![[0.0; 10]; n];
     let mut cost = vec![f64::INFINITY; n];
     evaluate(objective, &x, &mut cost);
@@ -237,12 +250,12 @@ pub fn fly(
         let w = swarm.weight[0] + (swarm.weight[1] - swarm.weight[0]) * share;
         let best = own[leader];
         for i in 0..n {
+            let pulls = (w, swarm.attraction);
             step(
                 &mut x[i],
                 &mut v[i],
-                &own[i],
-                &best,
-                (w, swarm.attraction),
+                [&own[i], &best],
+                pulls,
                 range,
                 &mut dice[i],
             );
@@ -278,15 +291,14 @@ pub fn fly(
 fn step(
     x: &mut Particle,
     v: &mut Particle,
-    own: &Particle,
-    best: &Particle,
+    [own, best]: [&Particle; 2],
     (w, [c1, c2]): (f64, [f64; 2]),
     range: &Range,
-    dice: &mut Dice,
+    die: &mut ChaCha8Rng,
 ) {
     for d in 0..10 {
         let fastest = 0.5 * range.width(d);
-        let pull = c1 * dice.unit() * (own[d] - x[d]) + c2 * dice.unit() * (best[d] - x[d]);
+        let pull = c1 * unit(die) * (own[d] - x[d]) + c2 * unit(die) * (best[d] - x[d]);
         v[d] = (w * v[d] + pull).clamp(-fastest, fastest);
         x[d] += v[d];
         if x[d] < range.low[d] || x[d] > range.high[d] {

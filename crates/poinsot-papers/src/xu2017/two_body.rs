@@ -4,10 +4,10 @@
 //! (43), (44), (46). Every sample therefore gives rows in ten numbers: [`rows`].
 
 use super::properties;
-use super::swarm::{Mean, Particle};
+use super::swarm::{Cost, Mean, Particle};
 use nalgebra::{SMatrix, SVector};
 use poinsot_dynamics::{Kinematics, body_momentum};
-use poinsot_solve::lanes::{LANES, V};
+use poinsot_solve::lanes::V;
 use poinsot_spatial::{InertialParameters, Matrix3, UnitQuaternion, Vector3, parallel_axis};
 
 /// Frame and motion of a side, (38), in base axes.
@@ -138,12 +138,12 @@ pub fn rows(
     readings.iter().map(of).collect()
 }
 
+/// Rows of linear and angular momentum in a [`MomentumRow`].
+pub(super) const LINES: [usize; 6] = [0, 1, 2, 6, 7, 8];
+
 /// The six equations of every row in base axes.
 pub(super) fn equations(list: &[MomentumRow]) -> Vec<[f64; 10]> {
-    let of = |row: &MomentumRow| {
-        let slope = row.slope;
-        [0, 1, 2, 6, 7, 8].map(|i| std::array::from_fn(|j| slope[(i, j)]))
-    };
+    let of = |row: &MomentumRow| LINES.map(|i| std::array::from_fn(|j| row.slope[(i, j)]));
     list.iter().flat_map(of).collect()
 }
 
@@ -176,103 +176,73 @@ pub fn transported_back(body: &InertialParameters, R: &Matrix3, p: &Vector3) -> 
     transported(body, &inverse, &-(inverse * p))
 }
 
-/// Total mass at an evaluated row.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Whole {
-    /// Mass without the searched body, or the given total mass, kg.
-    pub constant: f64,
-    /// 1 if the searched body adds its mass, otherwise 0.
-    pub slope: f64,
-}
-
 const L: usize = 9;
-const SLOPES: usize = 12 + 12 + 30;
+/// Numbers of a sample: the tensor does not enter linear momentum and first moment.
+const NUMBERS: usize = L + 6 * 4 + 3 * 10;
 
-/// The cost (52), averaged over the samples, for many particles; eight samples in parallel.
+/// The cost (52), averaged over the samples, for many particles.
 ///
 /// `H` of (51) is taken about the origin of the inertial frame, which is the system's mass centre. (42) locates the
 /// base there, so `H = h - (s/M) x l` in base axes.
-pub struct TwoBodyObjective {
-    chunks: Vec<[V; L + SLOPES]>,
-    samples: usize,
-    whole: Whole,
+pub type TwoBodyObjective = Mean<TwoBodyCost, NUMBERS>;
+
+/// (52): `|P| + |H|`.
+pub struct TwoBodyCost {
+    /// Total mass without the searched body, or the given total mass, kg.
+    constant: f64,
+    /// 1 if the searched body adds its mass, otherwise 0.
+    slope: f64,
 }
 
 impl TwoBodyObjective {
-    /// From rows with zero momentum; `total` is the total mass, if known.
+    /// From rows with zero momentum; `total` is the total mass, if known, and `rest` that of all but the searched body.
     pub fn new(rows: &[MomentumRow], total: Option<f64>, rest: f64) -> Self {
-        let whole = Whole {
+        let cost = TwoBodyCost {
             constant: total.unwrap_or(rest),
             slope: f64::from(u8::from(total.is_none())),
         };
-        let chunks = rows.chunks(LANES).map(|chunk| {
-            let mut lanes = [V::ZERO; L + SLOPES];
-            for (k, row) in chunk.iter().enumerate() {
-                // The tensor does not enter linear momentum and first moment: four columns, then ten.
-                let upper = row.slope.fixed_view::<6, 4>(0, 0);
-                let lower = row.slope.fixed_view::<3, 10>(6, 0);
-                let all = row.constant.iter().chain(upper.iter()).chain(lower.iter());
-                for (lane, x) in lanes.iter_mut().zip(all) {
-                    lane.0[k] = *x;
-                }
-            }
-            lanes
-        });
-        Self {
-            chunks: chunks.collect(),
-            samples: rows.len(),
-            whole,
-        }
+        let numbers = |row: &MomentumRow| {
+            let upper = row.slope.fixed_view::<6, 4>(0, 0);
+            let lower = row.slope.fixed_view::<3, 10>(6, 0);
+            let all = row.constant.iter().chain(upper.iter()).chain(lower.iter());
+            all.copied().collect()
+        };
+        Self::of(cost, rows.iter().map(numbers))
     }
 }
 
-impl Mean for TwoBodyObjective {
-    type Chunk = [V; L + SLOPES];
+impl Cost<NUMBERS> for TwoBodyCost {
     /// Ten parameters, and the reciprocal of the total mass.
     type Body = ([V; 10], V);
 
-    fn chunks(&self) -> &[[V; L + SLOPES]] {
-        &self.chunks
-    }
-
-    fn count(&self) -> usize {
-        self.samples
-    }
-
     #[inline(always)]
     fn body(&self, x: &Particle) -> ([V; 10], V) {
-        let mass = self.whole.constant + self.whole.slope * x[0];
         let ten = properties(x).parameters().to_array();
+        let mass = self.constant + self.slope * x[0];
         (ten.map(V::all), V::all(1.0 / mass))
     }
 
     #[inline(always)]
-    fn cost(chunk: &[V; L + SLOPES], (ten, inverse_mass): &([V; 10], V)) -> V {
-        cost(chunk, ten, *inverse_mass)
-    }
-}
-
-/// (52): `|P| + |H|` of eight samples.
-#[inline(always)]
-fn cost(s: &[V; L + SLOPES], x: &[V; 10], inverse_mass: V) -> V {
-    let mut upper = [s[0], s[1], s[2], s[3], s[4], s[5]];
-    for j in 0..4 {
-        for i in 0..6 {
-            upper[i] = upper[i].plus(s[L + 6 * j + i], x[j]);
+    fn cost(s: &[V; NUMBERS], &(x, inverse_mass): &([V; 10], V)) -> V {
+        let mut upper = [s[0], s[1], s[2], s[3], s[4], s[5]];
+        for j in 0..4 {
+            for i in 0..6 {
+                upper[i] = upper[i].plus(s[L + 6 * j + i], x[j]);
+            }
         }
-    }
-    let mut h = [s[6], s[7], s[8]];
-    for j in 0..10 {
-        for i in 0..3 {
-            h[i] = h[i].plus(s[L + 24 + 3 * j + i], x[j]);
+        let mut h = [s[6], s[7], s[8]];
+        for j in 0..10 {
+            for i in 0..3 {
+                h[i] = h[i].plus(s[L + 24 + 3 * j + i], x[j]);
+            }
         }
+        let [lx, ly, lz, sx, sy, sz] = upper;
+        let [cx, cy, cz] = [sx * inverse_mass, sy * inverse_mass, sz * inverse_mass];
+        let hx = h[0].less(cy, lz).plus(cz, ly);
+        let hy = h[1].less(cz, lx).plus(cx, lz);
+        let hz = h[2].less(cx, ly).plus(cy, lx);
+        let P = (lx * lx).plus(ly, ly).plus(lz, lz);
+        let H = (hx * hx).plus(hy, hy).plus(hz, hz);
+        P.root() + H.root()
     }
-    let [lx, ly, lz, sx, sy, sz] = upper;
-    let [cx, cy, cz] = [sx * inverse_mass, sy * inverse_mass, sz * inverse_mass];
-    let hx = h[0].less(cy, lz).plus(cz, ly);
-    let hy = h[1].less(cz, lx).plus(cx, lz);
-    let hz = h[2].less(cx, ly).plus(cy, lx);
-    let P = (lx * lx).plus(ly, ly).plus(lz, lz);
-    let H = (hx * hx).plus(hy, hy).plus(hz, hz);
-    P.root() + H.root()
 }

@@ -30,7 +30,7 @@ pub(super) struct Prepared {
     /// The experiment, if all trials have the same true values.
     shared: Option<Repeated>,
     /// Kernels of all methods, or none.
-    kernels: Vec<Box<dyn Kernel>>,
+    kernels: Vec<Kernel>,
     /// Points of the sampling, one per trial.
     points: Vec<Vec<f64>>,
 }
@@ -120,7 +120,7 @@ impl Prepared {
         let mut by_kernel = Vec::new();
         for kernel in &self.kernels {
             let start = processor_time();
-            let bodies = kernel.trials(shared.study.seed, numbers.clone());
+            let bodies = kernel(shared.study.seed, numbers.clone());
             let seconds = since(start) / bodies.len().max(1) as f64;
             // A kernel estimates the first body.
             let rows = bodies.iter().zip(numbers.clone()).map(|(body, trial)| Row {

@@ -1,7 +1,6 @@
 //! Tables 2 and 3 and Fig. 1 to 4 compared with noisy records of several rates and lengths.
 
-use super::printed::{COLUMNS, PRINTED, TRUE};
-use super::records::{PAPER, RATE, SEEDS, Slew, chi_square, columns};
+use super::records::{COLUMNS, PAPER, PRINTED, RATE, SEEDS, Slew, TRUE, chi_square, columns};
 use crate::kim2010::NAMES;
 use crate::study::statistics::{largest, median, quantile};
 use crate::study::{Context, Findings, StudyError, Table, curves};
@@ -21,22 +20,22 @@ struct Records {
     trials: Vec<[[f64; 6]; 4]>,
 }
 
-impl Records {
-    fn rate(&self) -> f64 {
-        RATE as f64 / self.step as f64
-    }
+fn rate(step: usize) -> String {
+    format!("{} Hz", RATE as f64 / step as f64)
+}
 
+impl Records {
     fn quantile(&self, column: usize, element: usize, share: f64) -> f64 {
         quantile(self.trials.iter().map(|t| t[column][element]), share)
     }
 
     /// Number of printed values of a column in its band.
-    fn inside(&self, column: usize) -> usize {
+    fn inside(&self, column: usize) -> f64 {
         let holds = |k: &usize| {
             let [low, high] = BAND.map(|q| self.quantile(column, *k, q));
             (low..=high).contains(&PRINTED[column][*k])
         };
-        (0..6).filter(holds).count()
+        (0..6).filter(holds).count() as f64
     }
 
     /// Chi-square of the suggested column.
@@ -61,9 +60,9 @@ pub fn run(context: &Context) -> Result<Findings, StudyError> {
         }
     }
     let of = |step: usize, length: usize| {
-        all.iter()
-            .find(move |r| r.step == step && r.length == length)
-            .ok_or("no such records")
+        let mut all = all.iter();
+        let found = all.find(|r| r.step == step && r.length == length);
+        found.ok_or("no such records")
     };
     let (one, half) = (of(10, PAPER.0)?, of(20, PAPER.0)?);
     let mut inside = Table::new(
@@ -72,15 +71,23 @@ pub fn run(context: &Context) -> Result<Findings, StudyError> {
         &format!(" | {} :.0", COLUMNS.join(" :.0 | ")),
     );
     for records in [one, half] {
-        let cells = (0..4).map(|c| records.inside(c) as f64);
-        inside.row(format!("{} Hz", records.rate()), cells);
+        inside.row(rate(records.step), (0..4).map(|c| records.inside(c)));
     }
-    let errors = [("1hz", one), ("half_hz", half)].map(|(name, records)| errors(name, records));
-    let mut findings = Findings::of([distances(&all), inside].into_iter().chain(errors));
-    let off = |k: usize| 100.0 * (one.quantile(3, k, 0.5) / TRUE[k] - 1.0);
-    let text = format!("moments {:.1}, {:.1}, {:.1} % off", off(0), off(1), off(2));
-    findings.state("Table 3", text);
-    let [a, b, c] = [3, 4, 5].map(|k| one.quantile(3, k, 0.5));
+    let mut distances = Table::new(
+        "chi_square",
+        "Chi-square of the six suggested numbers on 6, by rate and length of the record",
+        " | 200 s | 300 s | 350 s | 400 s | 600 s",
+    );
+    for step in STEPS {
+        let of_rate = all.iter().filter(|r| r.step == step && r.length >= 200);
+        distances.row(rate(step), of_rate.map(Records::chi_square));
+    }
+    let errors = [errors("1hz", one), errors("half_hz", half)];
+    let mut findings = Findings::of([distances, inside].into_iter().chain(errors));
+    let middle = |k: usize| one.quantile(3, k, 0.5);
+    let [x, y, z] = [0, 1, 2].map(|k| 100.0 * (middle(k) / TRUE[k] - 1.0));
+    findings.state("Table 3", format!("moments {x:.1}, {y:.1}, {z:.1} % off"));
+    let [a, b, c] = [3, 4, 5].map(middle);
     let text = format!("{a:.2}, {b:.2}, {c:.2} kg m2, true 0.085, 0.590, 0.133");
     findings.state("I_yz suffers from I_yy and I_zz", text);
     let [a, b] = [of(10, 200)?, of(10, 400)?].map(|r| r.quantile(3, 3, 0.5));
@@ -97,26 +104,11 @@ pub fn run(context: &Context) -> Result<Findings, StudyError> {
     ]))
 }
 
-fn distances(all: &[Records]) -> Table {
-    let mut table = Table::new(
-        "chi_square",
-        "Chi-square of the six suggested numbers on 6, by rate and length of the record",
-        " | 200 s | 300 s | 350 s | 400 s | 600 s",
-    );
-    for step in STEPS {
-        let of_rate = all.iter().filter(|r| r.step == step && r.length >= 200);
-        let title = format!("{} Hz", RATE as f64 / step as f64);
-        table.row(title, of_rate.map(Records::chi_square));
-    }
-    table
-}
-
 /// Table 3 and the records of one rate.
 fn errors(name: &str, records: &Records) -> Table {
-    let title = format!(
-        "Table 3 at 350 s, {} Hz: error of the median, and printed, % of the element",
-        records.rate()
-    );
+    let rate = rate(records.step);
+    let title =
+        format!("Table 3 at 350 s, {rate}: error of the median, and printed, % of the element");
     let head = format!(" | {} :3 | printed :3", COLUMNS.join(" :3 | printed :3 | "));
     let mut table = Table::new(format!("table3_{name}"), title, &head);
     for (k, element) in NAMES.iter().enumerate() {
@@ -127,43 +119,35 @@ fn errors(name: &str, records: &Records) -> Table {
     table
 }
 
-/// A vector at a row of the record.
-type Of<'a> = &'a dyn Fn(usize) -> Vector3;
-
 /// Fig. 1 and 2.
 fn histories(slew: &Slew, findings: &mut Findings) {
     let rows: Vec<usize> = (0..=PAPER.0 * RATE).step_by(RATE / 2).collect();
     let time: Vec<f64> = rows.iter().map(|k| slew.time[*k]).collect();
-    let angles = |k: usize| {
-        let (roll, pitch, yaw) = slew.R_NB[k].euler_angles();
+    let angles = |k: &usize| {
+        let (roll, pitch, yaw) = slew.R_NB[*k].euler_angles();
         Vector3::new(roll, pitch, yaw).map(f64::to_degrees)
     };
-    let rates = |k: usize| slew.w[k].map(f64::to_degrees);
-    let torque = |k: usize| slew.u[k];
-    let mut draw = |name, (figure, y): (&str, &str), names: [&str; 3], value: Of| {
+    let angles: Vec<Vector3> = rows.iter().map(angles).collect();
+    let rates = rows.iter().map(|k| slew.w[*k].map(f64::to_degrees));
+    let torques = rows.iter().map(|k| slew.u[*k]).collect();
+    let (euler, axes) = (["roll", "pitch", "yaw"], ["x", "y", "z"]);
+    let control = "control torque on the body, N m";
+    for (name, figure, y, names, vectors) in [
+        ("fig1_euler_angles", 1, "Euler angles, deg", euler, angles),
+        ("fig2_rates", 2, "body rates, deg/s", axes, rates.collect()),
+        ("fig2_torques", 2, control, axes, torques),
+    ] {
         let curve = |axis: usize| {
-            let values: Vec<f64> = rows.iter().map(|k| value(*k)[axis]).collect();
+            let values: Vec<f64> = vectors.iter().map(|v| v[axis]).collect();
             // Two of the three curves coincide: the last is dashed.
             let mark = if axis == 2 { Mark::Dashed } else { Mark::Line };
             Series::new(names[axis], mark, axis, &time, &values)
         };
-        let title = format!("{figure}: {}", y.split(", ").next().unwrap_or_default());
-        findings.plot(
-            name,
-            curves(title, "time, s", y, (0..3).map(curve).collect()),
-        );
-    };
-    let euler = ["roll", "pitch", "yaw"];
-    let axes = ["x", "y", "z"];
-    draw(
-        "fig1_euler_angles",
-        ("Fig. 1", "Euler angles, deg"),
-        euler,
-        &angles,
-    );
-    draw("fig2_rates", ("Fig. 2", "body rates, deg/s"), axes, &rates);
-    let control = ("Fig. 2", "control torque on the body, N m");
-    draw("fig2_torques", control, axes, &torque);
+        let label = y.split(", ").next().unwrap_or_default();
+        let title = format!("Fig. {figure}: {label}");
+        let plot = curves(title, "time, s", y, (0..3).map(curve).collect());
+        findings.plot(name, plot);
+    }
 }
 
 /// Fig. 3 and 4, and the effect of noise at other rates.
@@ -176,11 +160,8 @@ fn draw(slew: &Slew, all: &[Records], findings: &mut Findings) -> Result<(), Stu
     }
     let time: Vec<f64> = lengths.iter().map(|t| *t as f64).collect();
     for (k, name) in NAMES.iter().enumerate() {
-        let at = |q: f64| -> Vec<f64> {
-            let each = suggested.iter();
-            each.map(|list| quantile(list.iter().map(|x| x[k]), q))
-                .collect()
-        };
+        let of = |list: &Vec<[f64; 6]>, q| quantile(list.iter().map(|x| x[k]), q);
+        let at = |q: f64| -> Vec<f64> { suggested.iter().map(|list| of(list, q)).collect() };
         let band = format!("5 to 95 % of {SEEDS} records");
         let series = vec![
             Series::band(&band, 0, &time, &at(BAND[0]), &at(BAND[1])),
@@ -194,11 +175,10 @@ fn draw(slew: &Slew, all: &[Records], findings: &mut Findings) -> Result<(), Stu
     for (k, name) in NAMES.iter().enumerate().skip(3) {
         let curve = |(i, step): (usize, usize)| {
             let of_rate = all.iter().filter(|r| r.step == step);
-            let (x, y): (Vec<f64>, Vec<f64>) = of_rate
-                .map(|r| (r.length as f64, median(r.trials.iter().map(|t| t[3][k]))))
-                .unzip();
-            let rate = format!("{} Hz", RATE as f64 / step as f64);
-            Series::new(&rate, Mark::Line, i, &x, &y)
+            let middle = |r: &Records| median(r.trials.iter().map(|t| t[3][k]));
+            let points = of_rate.map(|r| (r.length as f64, middle(r)));
+            let (x, y): (Vec<f64>, Vec<f64>) = points.unzip();
+            Series::new(&rate(step), Mark::Line, i, &x, &y)
         };
         let series = STEPS.into_iter().enumerate().map(curve).collect();
         let title = format!("I_{name} of the suggested method at several rates");

@@ -4,7 +4,7 @@
 //! which determine every column but one. Gauss-Newton fits them to the 15 other printed numbers.
 
 use crate::kim2010::Sums;
-use crate::kim2010::error;
+use crate::kim2010::sums::not_finite;
 use nalgebra::{SMatrix, SVector};
 use poinsot_files::Faults;
 use poinsot_spatial::{Matrix3, Vector3};
@@ -33,13 +33,7 @@ pub struct Fixed {
 /// Fits the eight unknowns. `n` is the axis, `g = I n` the momentum direction; `table` is Table 2 in the order batch,
 /// conventional, pre-estimate (not used), suggested.
 pub fn invert(n: &Vector3, g: &Vector3, table: &[[f64; 6]; 4]) -> Result<Fixed, Faults> {
-    let wanted = Printed::from_iterator(
-        table[0]
-            .iter()
-            .chain(&table[1])
-            .chain(&table[3][3..])
-            .copied(),
-    );
+    let wanted = used(&table[0], &table[1], &table[3]);
     let mut u = Unknowns::zeros();
     for _ in 0..ITERATIONS {
         let rest = wanted - columns(&build(&u, n, g)?.2)?;
@@ -51,11 +45,10 @@ pub fn invert(n: &Vector3, g: &Vector3, table: &[[f64; 6]; 4]) -> Result<Fixed, 
             let [a, b] = [&moved[0], &moved[1]].map(|u| build(u, n, g).and_then(|s| columns(&s.2)));
             J.set_column(j, &((a? - b?) / (2.0 * STEP)));
         }
-        let step = (J.transpose() * J)
-            .cholesky()
-            .ok_or_else(error::not_finite)?
+        let normal = (J.transpose() * J).cholesky();
+        u += normal
+            .ok_or_else(not_finite)?
             .solve(&(J.transpose() * rest));
-        u += step;
     }
     let (G, k, sums) = build(&u, n, g)?;
     let worst = (wanted - columns(&sums)?).amax() / HALF_DIGIT;
@@ -75,16 +68,14 @@ fn build(u: &Unknowns, n: &Vector3, g: &Vector3) -> Result<(Matrix3, Vector3, Su
 }
 
 /// The 15 numbers: batch (6), conventional (6), products of suggested (3).
+fn used(batch: &[f64; 6], conventional: &[f64; 6], suggested: &[f64; 6]) -> Printed {
+    let all = batch.iter().chain(conventional).chain(&suggested[3..]);
+    Printed::from_iterator(all.copied())
+}
+
 fn columns(sums: &Sums) -> Result<Printed, Faults> {
     let (batch, conventional) = (sums.batch()?.0.printed, sums.conventional()?.printed);
-    let suggested = sums.suggested()?.printed;
-    Ok(Printed::from_iterator(
-        batch
-            .iter()
-            .chain(&conventional)
-            .chain(&suggested[3..])
-            .copied(),
-    ))
+    Ok(used(&batch, &conventional, &sums.suggested()?.printed))
 }
 
 /// Noise inferred from the sums, in units of `sum s^2`.

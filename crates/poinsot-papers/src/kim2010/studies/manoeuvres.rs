@@ -1,12 +1,12 @@
 //! One slew, and three slews about different axes in the same duration, with the sensors of the shipped model.
 
-use super::printed::{COLUMNS, PRINTED, TRUE};
-use crate::kim2010::{ELEMENTS, Kim2010, NAMES};
-use crate::method::Method;
+use super::records::{COLUMNS, PRINTED, TRUE};
+use crate::kim2010::{ELEMENTS, NAMES};
+use crate::numbers::TEN;
 use crate::study::statistics::{largest, rms};
-use crate::study::{Context, Findings, StudyError, Table, curves};
+use crate::study::{Context, Findings, StudyError, Table, curves, without_translation};
 use poinsot_figures::{Mark, Plot, Series};
-use poinsot_identify::{Estimate, tensor_index, tensor_name};
+use poinsot_identify::{Estimate, tensor_index};
 
 /// Noise trials.
 const TRIALS: u64 = 20;
@@ -68,14 +68,14 @@ pub fn run(context: &Context) -> Result<Findings, StudyError> {
 
 /// Every column of Table 2, the iteration, the linear method and maximum likelihood for one case.
 fn answers(context: &Context, case: &str) -> Result<Vec<Answer>, StudyError> {
-    let own = Kim2010.about().name;
+    let published = COLUMNS.into_iter().chain(["iterated"]);
+    let published = published.map(|column| ("kim2010", Some(column)));
+    let own = ["linear", "maximum_likelihood"].map(|method| (method, None));
+    let all: Vec<_> = published.chain(own).collect();
     let mut list = Vec::new();
     for noisy in [false, true] {
-        for column in COLUMNS.into_iter().chain(["iterated"]) {
-            list.push(answer(context, case, own, Some(column), noisy)?);
-        }
-        for method in ["linear", "maximum_likelihood"] {
-            list.push(answer(context, case, method, None, noisy)?);
+        for by in &all {
+            list.push(answer(context, case, *by, noisy)?);
         }
     }
     Ok(list)
@@ -84,16 +84,14 @@ fn answers(context: &Context, case: &str) -> Result<Vec<Answer>, StudyError> {
 fn answer(
     context: &Context,
     case: &str,
-    method: &str,
-    variant: Option<&str>,
+    (method, variant): (&str, Option<&str>),
     noisy: bool,
 ) -> Result<Answer, StudyError> {
     let tools = context.tools;
     let mut case = context.case(case)?;
     let mut vehicle = tools.vehicle(&case)?;
     let nominal = context.model("stsat3/model.toml")?;
-    let I = vehicle.bodies[0].nominal.I_BBcm_B;
-    let wanted = ELEMENTS.map(|e| I[e]);
+    let wanted = ELEMENTS.map(|e| vehicle.bodies[0].nominal.I_BBcm_B[e]);
     if !noisy {
         // Without sensors, the channels are the exact motion.
         vehicle.sensors.clear();
@@ -101,42 +99,30 @@ fn answer(
     }
     let mut found = Vec::new();
     for trial in 0..if noisy { TRIALS } else { 1 } {
-        let mut table = tools.simulate(&case, &vehicle, trial)?;
-        let kept = |name: &str| !name.starts_with("r_") && !name.starts_with("v_");
-        table.channels.retain(|c| kept(&c.name));
-        found.push(numbers(&tools.identify(
-            &nominal,
-            vec![table],
-            method,
-            variant,
-        )?));
+        let mut tables = vec![tools.simulate(&case, &vehicle, trial)?];
+        without_translation(&mut tables);
+        let estimate = tools.identify(&nominal, tables, method, variant)?;
+        found.push(numbers(&estimate));
     }
     let share = 1.0 / found.len() as f64;
-    let mean = |pick: &dyn Fn(&(f64, f64)) -> f64| -> [f64; 6] {
-        std::array::from_fn(|k| found.iter().map(|f| pick(&f[k])).sum::<f64>() * share)
-    };
-    let sigma = mean(&|n| n.1);
+    let mean = |k: usize, of: usize| found.iter().map(|f| f[k][of]).sum::<f64>() * share;
     Ok(Answer {
         name: variant.unwrap_or(method).replace('_', " "),
         noisy,
-        mean: mean(&|n| n.0),
-        error: std::array::from_fn(|k| rms(found.iter().map(|f| f[k].0 / wanted[k] - 1.0))),
-        sigma: std::array::from_fn(|k| sigma[k] / wanted[k]),
+        mean: std::array::from_fn(|k| mean(k, 0)),
+        error: std::array::from_fn(|k| rms(found.iter().map(|f| f[k][0] / wanted[k] - 1.0))),
+        sigma: std::array::from_fn(|k| mean(k, 1) / wanted[k]),
     })
 }
 
 /// The six numbers of a method with their sigmas.
-fn numbers(estimate: &Estimate) -> [(f64, f64); 6] {
-    std::array::from_fn(|k| {
-        let printed = estimate.method_report.iter().flat_map(|r| &r.numbers);
-        let element = tensor_index(NAMES[k]);
-        let name = format!("inertia_{}", tensor_name(element));
-        let number = printed.into_iter().find(|n| n.name == name);
+fn numbers(estimate: &Estimate) -> [[f64; 2]; 6] {
+    NAMES.map(|name| {
+        let element = tensor_index(name);
+        let mut printed = estimate.method_report.iter().flat_map(|r| &r.numbers);
+        let number = printed.find(|n| n.name == TEN[4 + element]);
         let number = number.map_or(estimate.bodies[0].inertia[element], |n| n.number);
-        (
-            number.value.unwrap_or(f64::NAN),
-            number.sigma.unwrap_or(f64::NAN),
-        )
+        [number.value, number.sigma].map(|x| x.unwrap_or(f64::NAN))
     })
 }
 

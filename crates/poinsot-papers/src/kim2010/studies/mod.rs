@@ -5,8 +5,7 @@ mod bands;
 pub mod inversion;
 mod manoeuvres;
 mod one_axis;
-pub mod printed;
-mod records;
+pub mod records;
 
 use crate::study::Study;
 

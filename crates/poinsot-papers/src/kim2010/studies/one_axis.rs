@@ -1,13 +1,12 @@
 //! Each column for a slew about one axis, and the record inferred from the printed numbers.
 
 use super::inversion::{Noise, invert};
-use super::printed::{PRINTED, SIGMA, TRUE};
-use super::records::{PAPER, RATE, Slew, chi_square, columns, noise};
+use super::records::{PAPER, PRINTED, RATE, SIGMA, Slew, TRUE, chi_square, columns, noise};
 use crate::kim2010::{Answer, ELEMENTS, NAMES, Sums, VISITED};
 use crate::study::statistics::largest;
 use crate::study::{Context, Digits, Findings, StudyError, Table};
 use poinsot_files::Faults;
-use poinsot_spatial::{Matrix3, Vector3};
+use poinsot_spatial::Matrix3;
 
 /// `N sigma^2 / sum s^2` in the limit of low noise.
 const SMALL_RIDGE: f64 = 1.0e-5;
@@ -57,14 +56,10 @@ pub fn table2(context: &Context) -> Result<Findings, StudyError> {
     let off = |k: usize| 100.0 * (found[1][k] / TRUE[k] - 1.0);
     let most = largest(found[3][3..].iter().map(|x| x.abs()));
     let mut findings = Findings::of([table]);
-    findings.state(
-        "(11)-(14) moments alone",
-        format!("{:.1}, {:.1}, {:.1} %", off(0), off(1), off(2)),
-    );
-    findings.state(
-        "(15), (16) suggested products",
-        format!("{most:.0e} kg m2, printed 0.12 to 0.16"),
-    );
+    let text = format!("{:.1}, {:.1}, {:.1} %", off(0), off(1), off(2));
+    findings.state("(11)-(14) moments alone", text);
+    let text = format!("{most:.0e} kg m2, printed 0.12 to 0.16");
+    findings.state("(15), (16) suggested products", text);
     Ok(findings.say(&[
         "conventional: moments well estimated, products not = products {columns.3.4:.1}, {columns.4.4:.1}, {columns.5.4:.1} kg m2, true 0.085, 0.590, 0.133",
     ]))
@@ -83,31 +78,23 @@ pub fn pre_estimate(context: &Context) -> Result<Findings, StudyError> {
         "reading | I_xy :.4 | I_yz :.4 | I_zx :.4",
     );
     readings.row("printed", PRINTED[2][3..].iter().copied());
-    readings.row(
-        "every product with the other product of its row as (15) gives it, all at once",
-        [],
-    );
+    let at_once = "every product with the other product of its row as (15) gives it, all at once";
+    readings.row(at_once, []);
     let five = Digits::Decimals(5);
     found[3..].iter().for_each(|x| readings.with(*x, five));
-    readings.row(
-        "one after the other, column by column [1]",
-        ordered[3..].iter().copied(),
-    );
+    let by_columns = "one after the other, column by column [1]";
+    readings.row(by_columns, ordered[3..].iter().copied());
     // Integral of s^2 over the slew, which ends long before the record.
     let squares: f64 = slew.w.iter().map(|w| w.dot(&n).powi(2)).sum();
     let integral = squares / RATE as f64;
     let noise = Noise::of(&fixed, &n);
     let mut record = Table::new("record", "The record behind the sums", " | number :.2");
-    record.row(
-        "largest misfit of the 15 numbers, half digits",
-        [fixed.worst],
-    );
+    let misfit = "largest misfit of the 15 numbers, half digits";
+    record.row(misfit, [fixed.worst]);
     record.row("length of the record, s", []);
     record.with(noise.length(SIGMA, integral), Digits::Decimals(0));
-    record.row(
-        "common shift of the rates against Q, %",
-        [100.0 * noise.along],
-    );
+    let shift = "common shift of the rates against Q, %";
+    record.row(shift, [100.0 * noise.along]);
     let mut rates = Table::new(
         "rates",
         "Residual sums as white gyro noise at a rate: chi-square on 6, common shift in sigmas",
@@ -129,7 +116,7 @@ pub fn orders(context: &Context) -> Result<Findings, StudyError> {
     let sums = slew.noisy(PAPER.1, &[PAPER.0])?.swap_remove(0);
     let mut all = Vec::new();
     permutations(&mut VISITED.clone(), 0, &mut all);
-    // First result and order of each distinct interpretation.
+    // The first result and order of each distinct interpretation.
     let mut tried: Vec<([f64; 6], Order)> = Vec::new();
     for order in &all {
         let first = sums[0].pre_estimate_in_order(order)?.printed;
@@ -139,9 +126,8 @@ pub fn orders(context: &Context) -> Result<Findings, StudyError> {
         }
     }
     let far = |of: &dyn Fn(&Sums) -> Result<Answer, Faults>| -> Result<f64, Faults> {
-        let products = sums.iter().map(|s| Ok(of(s)?.printed[3..].to_vec()));
-        let products: Vec<Vec<f64>> = products.collect::<Result<_, Faults>>()?;
-        Ok(chi_square(&products, 2, 3))
+        let products = sums.iter().map(|s| of(s).map(|a| a.printed[3..].to_vec()));
+        Ok(chi_square(&products.collect::<Result<Vec<_>, _>>()?, 2, 3))
     };
     let mut best = f64::INFINITY;
     for (_, order) in &tried {
@@ -200,16 +186,10 @@ pub fn iteration(context: &Context) -> Result<Findings, StudyError> {
     let limit = Sums::at_rest(G, g * n.transpose(), PAPER.0)?.iterated()?;
     let fixed = limit.fixed_point.unwrap_or([f64::NAN; 6]);
     ends.row("little noise, fixed point", fixed);
-    let I = symmetric_fit(&n, &g);
-    ends.row(
-        "little noise, symmetric least squares",
-        ELEMENTS.map(|e| I[e]),
-    );
+    // The symmetric tensor of least Frobenius norm with `I n = g`. Least squares tends to it as noise, which adds
+    // `N sigma^2 |I|^2` to the sum of squares, goes to zero.
+    let I = g * n.transpose() + n * g.transpose() - n * n.transpose() * g.dot(&n);
+    let fit = "little noise, symmetric least squares";
+    ends.row(fit, ELEMENTS.map(|e| I[e]));
     Ok(Findings::of([table, ends]))
-}
-
-/// The symmetric tensor of least Frobenius norm with `I n = g`. Least squares tends to it as noise, which adds
-/// `N sigma^2 |I|^2` to the sum of squares, goes to zero.
-fn symmetric_fit(n: &Vector3, g: &Vector3) -> Matrix3 {
-    g * n.transpose() + n * g.transpose() - n * n.transpose() * g.dot(n)
 }

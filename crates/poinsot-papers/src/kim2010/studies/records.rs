@@ -1,12 +1,25 @@
-//! The paper's slew, simulated from its case without noise, and noisy records of it.
+//! Numbers printed in the paper, its slew, simulated from its case without noise, and noisy records of it.
 
-use super::printed::{PRINTED, SIGMA};
 use crate::kim2010::{Manoeuvre, StartRate, Sums, wheel_momentum};
 use crate::study::statistics::Normals;
 use crate::study::{Context, StudyError};
+use nalgebra::{DMatrix, DVector, Quaternion};
 use poinsot_files::Faults;
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
 
+/// Columns of Table 2, by variant.
+pub const COLUMNS: [&str; 4] = ["batch", "conventional", "pre-estimate", "suggested"];
+/// Table 2, kg m2; elements in the order xx, yy, zz, xy, yz, zx.
+pub const PRINTED: [[f64; 6]; 4] = [
+    [4.2859, 7.1157, 6.1224, 4.8224, 6.1667, 6.2786],
+    [14.1181, 17.5350, 20.6816, 16.3578, 19.1201, 17.4000],
+    [14.1181, 17.5350, 20.6816, -0.0019, 0.0062, 0.0589],
+    [14.1181, 17.5350, 20.6816, 0.1197, 0.1538, 0.1560],
+];
+/// Table 1: the tensor in the same order, kg m2.
+pub const TRUE: [f64; 6] = [13.916, 16.954, 19.894, 0.085, 0.5896, 0.133];
+/// Table 1: gyro noise, rad/s.
+pub const SIGMA: f64 = 1.0e-4;
 /// Rows per second of the record.
 pub const RATE: usize = 10;
 /// Length of the longest record, s.
@@ -48,14 +61,13 @@ impl Slew {
         };
         let three = |names: [&str; 3]| -> Result<Vec<Vector3>, StudyError> {
             let [x, y, z] = [column(names[0])?, column(names[1])?, column(names[2])?];
-            let all = x.iter().zip(&y).zip(&z);
-            Ok(all.map(|((x, y), z)| Vector3::new(*x, *y, *z)).collect())
+            let row = |k: usize| Vector3::new(x[k], y[k], z[k]);
+            Ok((0..x.len()).map(row).collect())
         };
         let (vector, scalar) = (three(["q_x", "q_y", "q_z"])?, column("q_w")?);
-        let attitude = |(v, w): (&Vector3, &f64)| {
-            UnitQuaternion::new_normalize(nalgebra::Quaternion::new(*w, v.x, v.y, v.z))
-        };
-        let R_NB: Vec<UnitQuaternion> = vector.iter().zip(&scalar).map(attitude).collect();
+        let quaternion = |k: usize| Quaternion::from_parts(scalar[k], vector[k]);
+        let attitude = |k| UnitQuaternion::new_normalize(quaternion(k));
+        let R_NB: Vec<UnitQuaternion> = (0..vector.len()).map(attitude).collect();
         let w = three(["omega_x", "omega_y", "omega_z"])?;
         let speed = three(["wheel1_rad_s", "wheel2_rad_s", "wheel3_rad_s"])?;
         let axes: Vec<Vector3> = model.wheels.iter().map(|w| w.axis_B).collect();
@@ -136,12 +148,11 @@ pub fn chi_square(trials: &[Vec<f64>], column: usize, from: usize) -> f64 {
     let mean: Vec<f64> = (0..p)
         .map(|i| trials.iter().map(|t| t[i]).sum::<f64>() / n)
         .collect();
-    let covariance = nalgebra::DMatrix::from_fn(p, p, |i, j| {
+    let covariance = DMatrix::from_fn(p, p, |i, j| {
         let products = trials.iter().map(|t| (t[i] - mean[i]) * (t[j] - mean[j]));
         products.sum::<f64>() / (n - 1.0)
     });
-    let gap = nalgebra::DVector::from_fn(p, |i, _| printed[i] - mean[i]);
-    covariance
-        .cholesky()
-        .map_or(f64::NAN, |c| gap.dot(&c.solve(&gap)))
+    let gap = DVector::from_fn(p, |i, _| printed[i] - mean[i]);
+    let cholesky = covariance.cholesky();
+    cholesky.map_or(f64::NAN, |c| gap.dot(&c.solve(&gap)))
 }

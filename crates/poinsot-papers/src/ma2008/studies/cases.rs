@@ -1,8 +1,7 @@
 //! The engine of the tables of cases in `cases.toml`: flight, draws of noise, both steps, statistic.
 
-use super::experiment::{Experiment, Run, scale_arm, unsymmetric};
-use super::linear::linear_trials;
-use super::noise::{Errors, SEEDS, Scaling, Sigma};
+use super::experiment::{Errors, Experiment, Run, Sigma, scale_arm, unsymmetric};
+use super::linear;
 use crate::ma2008::printed::{PrintedAxes, two_step_printed};
 use crate::study::statistics::{largest, quantile, rms};
 use crate::study::{Context, Digits, Findings, StudyError, Table, curves};
@@ -11,6 +10,10 @@ use poinsot_spatial::Vector3;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
+/// Trials of one cell.
+const SEEDS: u64 = 200;
+/// Trials of the linear method with more than ten samples.
+const FEW: u64 = 30;
 /// Condition number of step 2 above which the tensor is not determined.
 const DETERMINED: f64 = 1.0e12;
 
@@ -52,10 +55,8 @@ impl Study {
     }
 
     fn rows(&self, cases: &Cases) -> Result<&[toml::Table], StudyError> {
-        Ok(match &cases.like {
-            Some(like) => &self.table(like)?.rows,
-            None => &self.table(&cases.name)?.rows,
-        })
+        let own = cases.like.as_ref().unwrap_or(&cases.name);
+        Ok(&self.table(own)?.rows)
     }
 }
 
@@ -234,15 +235,14 @@ impl Engine<'_> {
     fn sigma(&self, case: &Case, run: &Run) -> Result<Sigma, StudyError> {
         Ok(match case.noise {
             Noise::Fixed => self.fixed,
-            Noise::Own => run.sigma(case.share, Scaling::Component),
-            Noise::Largest => run.sigma(case.share, Scaling::Largest),
+            Noise::Own => run.sigma(case.share),
+            Noise::Largest => run.equal_sigma(case.share),
             Noise::AtRest => {
                 let quiet = Case {
                     velocity: [0.0; 3],
                     ..case.clone()
                 };
-                let run = quiet.run(self.context)?;
-                run.sigma(case.share, Scaling::Component)
+                quiet.run(self.context)?.sigma(case.share)
             }
         })
     }
@@ -250,13 +250,24 @@ impl Engine<'_> {
     fn errors(&self, case: &Case, run: &Run) -> Result<Vec<Errors>, StudyError> {
         let sigma = self.sigma(case, run)?;
         let exact = case.share == 0.0 && case.noise == Noise::Own;
+        let bound = || run.bound(sigma, case.known);
+        let draw = |seed| run.noisy(sigma, seed);
         let mut found = match case.estimator {
-            Estimator::Bound => vec![run.bound(sigma, case.known)],
-            Estimator::Linear => linear_trials(run, sigma, case.known),
-            Estimator::Steps => run.trials(sigma, case.known, if exact { 1 } else { SEEDS }),
+            Estimator::Bound => vec![bound()],
+            Estimator::Linear => {
+                let seeds = if run.raws.len() > 10 { FEW } else { SEEDS };
+                let answer = |seed| linear::answer(run, &draw(seed), sigma, case.known);
+                let answers = (0..seeds).filter_map(answer);
+                answers.map(|found| run.errors(Some(found))).collect()
+            }
+            Estimator::Steps => {
+                let seeds = if exact { 1 } else { SEEDS };
+                let answer = |seed| run.solved(&draw(seed), case.known).base();
+                (0..seeds).map(|seed| run.errors(answer(seed))).collect()
+            }
         };
         if case.bounded {
-            let bound = run.bound(sigma, case.known);
+            let bound = bound();
             for k in (0..3).filter(|k| !bound[*k].is_finite()) {
                 found.iter_mut().for_each(|errors| errors[k] = f64::NAN);
             }
@@ -267,16 +278,13 @@ impl Engine<'_> {
     /// The run of a case, and the errors of its trials.
     fn done(&mut self, case: &Case) -> Result<(&Run, &[Errors]), StudyError> {
         let key = case.trials();
-        let at = match self.done.iter().position(|d| d.0 == key) {
-            Some(at) => at,
-            None => {
-                let run = case.run(self.context)?;
-                let errors = self.errors(case, &run)?;
-                self.done.push((key, run, errors));
-                self.done.len() - 1
-            }
-        };
-        let (_, run, errors) = &self.done[at];
+        let at = self.done.iter().position(|d| d.0 == key);
+        if at.is_none() {
+            let run = case.run(self.context)?;
+            let errors = self.errors(case, &run)?;
+            self.done.push((key, run, errors));
+        }
+        let (_, run, errors) = &self.done[at.unwrap_or(self.done.len() - 1)];
         Ok((run, errors))
     }
 
@@ -291,20 +299,20 @@ impl Engine<'_> {
             found.map_or(f64::NAN, |p| p.mass())
         };
         let steps = || run.solved(&run.raws, case.known);
-        Ok(case.scale
-            * match case.quantity {
-                Quantity::Mass => of(&|e| e[0]),
-                Quantity::MassCentre => of(&|e| e[1]),
-                Quantity::Tensor => of(&|e| e[2]),
-                Quantity::Worst => of(&|e| largest(*e)),
-                Quantity::Kilograms => steps().mass(),
-                Quantity::PrintedInBody => printed(PrintedAxes::Body),
-                Quantity::PrintedInN => printed(PrintedAxes::Inertial),
-                Quantity::Condition => {
-                    let step = steps().angular.map(|s| s.singular[0] / s.singular[5]);
-                    step.filter(|c| *c < DETERMINED).unwrap_or(f64::INFINITY)
-                }
-            })
+        let number = match case.quantity {
+            Quantity::Mass => of(&|e| e[0]),
+            Quantity::MassCentre => of(&|e| e[1]),
+            Quantity::Tensor => of(&|e| e[2]),
+            Quantity::Worst => of(&|e| largest(*e)),
+            Quantity::Kilograms => steps().mass(),
+            Quantity::PrintedInBody => printed(PrintedAxes::Body),
+            Quantity::PrintedInN => printed(PrintedAxes::Inertial),
+            Quantity::Condition => {
+                let step = steps().angular.map(|s| s.singular[0] / s.singular[5]);
+                step.filter(|c| *c < DETERMINED).unwrap_or(f64::INFINITY)
+            }
+        };
+        Ok(case.scale * number)
     }
 
     fn table(&mut self, cases: &Cases, rows: &[toml::Table]) -> Result<Table, StudyError> {
@@ -330,10 +338,9 @@ impl Engine<'_> {
         for (colour, name) in figure.tables.iter().enumerate() {
             let cases = study.table(name)?;
             let column = &cases.columns[figure.column];
-            let mut rows = Vec::new();
-            for row in study.rows(cases)? {
-                rows.push(Case::of(&[self.usual, &cases.case, column, row])?);
-            }
+            let parts = |row| [self.usual, &cases.case, column, row];
+            let rows = study.rows(cases)?.iter().map(|row| Case::of(&parts(row)));
+            let rows: Vec<Case> = rows.collect::<Result<_, _>>()?;
             names = rows.iter().map(|c| c.words.clone()).collect();
             let place = |(k, case): (usize, &Case)| match figure.named {
                 true => (k + 1) as f64,
@@ -369,7 +376,7 @@ pub fn study(context: &Context, name: &str) -> Result<Findings, StudyError> {
     let mut engine = Engine {
         context,
         usual: &file.usual,
-        fixed: run.sigma(0.01, Scaling::Largest),
+        fixed: run.equal_sigma(0.01),
         done: Vec::new(),
     };
     let mut findings = Findings::default();

@@ -1,11 +1,11 @@
 //! The Cramer-Rao bound for the data of the two steps.
 
-use super::experiment::Run;
-use super::noise::{Errors, Sigma};
+use super::experiment::{Errors, Run, Sigma};
 use crate::ma2008::{Reading, angular_rows, linear_rows};
+use crate::numbers::ten;
+use crate::study::statistics::largest;
 use nalgebra::{DMatrix, SVector};
-use poinsot_identify::TENSOR;
-use poinsot_spatial::{Matrix6, Vector3, Vector6, elements};
+use poinsot_spatial::{Matrix6, TENSOR, Vector3, Vector6};
 
 /// Step of the finite differences, in units of the unknowns.
 const STEP: f64 = 1.0e-5;
@@ -26,17 +26,16 @@ struct Unknowns<'a> {
 impl<'a> Unknowns<'a> {
     fn new(run: &'a Run, known: bool) -> Self {
         let truth = run.truth();
-        let (I, c) = (&truth.I_BBcm_B, truth.p_BoBcm_B);
         let arm_mass: f64 = run.model.bodies[1..].iter().map(|b| b.nominal.mass).sum();
-        let ratio = arm_mass / truth.mass;
-        let mut theta = vec![ratio, c.x, c.y, c.z];
-        theta.extend(elements(I));
-        let mut unit = vec![ratio, 1.0, 1.0, 1.0];
-        unit.extend([I.norm(); 6]);
+        let mut theta = ten(&truth).to_vec();
+        theta[0] = arm_mass / truth.mass;
+        let size = truth.I_BBcm_B.norm();
+        let mut unit = vec![theta[0], 1.0, 1.0, 1.0];
+        unit.extend([size; 6]);
         if !known {
             theta.extend(&(run.known.p_C_N / truth.mass));
             theta.extend(&run.known.h_C_N);
-            unit.extend([1.0, 1.0, 1.0, I.norm(), I.norm(), I.norm()]);
+            unit.extend([1.0, 1.0, 1.0, size, size, size]);
         }
         Self {
             theta,
@@ -66,22 +65,22 @@ impl<'a> Unknowns<'a> {
     /// Information of one sample: `D^T S^-1 D`; `None` if a velocity is exact.
     fn information(&self, s: &Reading, sigma: Sigma) -> Option<DMatrix<f64>> {
         let mut S = Matrix6::zeros();
+        let mut add = |change: &dyn Fn(&mut Reading, f64)| {
+            let at = |sign: f64| {
+                let mut moved = *s;
+                change(&mut moved, sign);
+                self.equations(&moved, &self.theta)
+            };
+            let e = (at(1.0) - at(-1.0)) * 0.5;
+            S += e * e.transpose();
+        };
         for k in 0..3 {
-            let mut moved = [*s; 4];
             let dv = s.R_NB.transpose().column(k) * sigma.v[k];
-            moved[0].v_NBo_B += dv;
-            moved[1].v_NBo_B -= dv;
-            moved[2].w_NB_B[k] += sigma.w[k];
-            moved[3].w_NB_B[k] -= sigma.w[k];
-            for pair in moved.chunks_exact(2) {
-                let of = |s| self.equations(s, &self.theta);
-                let e = (of(&pair[0]) - of(&pair[1])) * 0.5;
-                S += e * e.transpose();
-            }
+            add(&|moved, sign| moved.v_NBo_B += dv * sign);
+            add(&|moved, sign| moved.w_NB_B[k] += sign * sigma.w[k]);
         }
-        let n = self.theta.len();
-        let mut D = DMatrix::<f64>::zeros(6, n);
-        for j in 0..n {
+        let mut D = DMatrix::<f64>::zeros(6, self.theta.len());
+        for j in 0..self.theta.len() {
             let moved = |by: f64| {
                 let mut t = self.theta.clone();
                 t[j] += by * self.unit[j];
@@ -115,11 +114,8 @@ impl Run {
         let times = |(i, j)| if i == j { 1.0 } else { 2.0 };
         let elements = TENSOR.into_iter().enumerate();
         let tensor: f64 = elements.map(|(k, e)| times(e) * variance[4 + k]).sum();
-        [
-            variance[0].sqrt(),
-            variance[1..4].iter().sum::<f64>().sqrt(),
-            tensor.sqrt(),
-        ]
+        let mass_centre: f64 = variance[1..4].iter().sum();
+        [variance[0], mass_centre, tensor].map(f64::sqrt)
     }
 }
 
@@ -129,8 +125,8 @@ fn variances(information: &DMatrix<f64>) -> Vec<f64> {
     // Scale to units of the unknowns, then to equal diagonals: with orbital velocity the columns differ by many powers
     // of ten. A column of round-off is zero.
     let size: Vec<f64> = (0..n).map(|i| information[(i, i)].sqrt()).collect();
-    let largest = size.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
-    let some = |s: f64| if s > NONE * largest { s } else { f64::INFINITY };
+    let floor = NONE * largest(size.iter().copied()).max(f64::MIN_POSITIVE);
+    let some = |s: f64| if s > floor { s } else { f64::INFINITY };
     let size: Vec<f64> = size.into_iter().map(some).collect();
     let scaled = DMatrix::from_fn(n, n, |i, j| information[(i, j)] / size[i] / size[j]);
     let eigen = scaled.symmetric_eigen();

@@ -1,6 +1,7 @@
-//! The Table 1 system with both trajectories.
+//! The Table 1 system with both trajectories, and draws of noise.
 
-use crate::ma2008::{Known, Raw, Reading, Vehicle};
+use crate::ma2008::{Known, Raw, Reading, TwoStep, Vehicle, two_step};
+use crate::study::statistics::Normals;
 use crate::study::{Context, StudyError};
 use poinsot_dynamics::{
     Flight, JointDrive, JointMotion, Plan, Start, StartVelocity, Tolerance, Tree,
@@ -10,6 +11,9 @@ use poinsot_spatial::{MassProperties, Matrix3, UnitQuaternion, Vector3};
 
 /// Mass of the arm of Table 1 relative to the base.
 const ARM: f64 = 93.184 / 1000.0;
+
+/// Seed of all trials; each uses its own stream.
+const SEED: u64 = 2008;
 
 /// A base with offset mass centre and full tensor.
 pub fn unsymmetric() -> MassProperties {
@@ -39,45 +43,29 @@ pub struct Experiment {
     pub detour_deg: f64,
 }
 
+const HOME: [f64; 6] = [0.0; 6];
+const UP: [f64; 6] = [0.0, -90.0, 180.0, 0.0, 0.0, 0.0];
+const DOWN: [f64; 6] = [0.0, -180.0, 180.0, 0.0, 0.0, 0.0];
+const TURNED: [f64; 6] = [150.0, -180.0, 180.0, 0.0, 0.0, 0.0];
+
 /// Trajectory 1: stretch up, swing down to the top plane, rotate joint 1. Trajectory 2: stretch up and fold back.
-fn knots(trajectory: usize) -> Vec<(f64, [f64; 6])> {
-    let home = [0.0; 6];
-    let (up, down) = (
-        [0.0, -90.0, 180.0, 0.0, 0.0, 0.0],
-        [0.0, -180.0, 180.0, 0.0, 0.0, 0.0],
-    );
-    let turned = [150.0, -180.0, 180.0, 0.0, 0.0, 0.0];
-    match trajectory {
-        1 => vec![
-            (0.0, home),
-            (5.0, home),
-            (45.0, up),
-            (75.0, down),
-            (125.0, turned),
-            (135.0, turned),
-        ],
-        _ => vec![
-            (0.0, home),
-            (5.0, home),
-            (45.0, up),
-            (85.0, home),
-            (90.0, home),
-        ],
-    }
-}
+/// Times, s, and joints, deg.
+const TRAJECTORIES: [(&[f64], &[[f64; 6]]); 2] = [
+    (
+        &[0.0, 5.0, 45.0, 75.0, 125.0, 135.0],
+        &[HOME, HOME, UP, DOWN, TURNED, TURNED],
+    ),
+    (&[0.0, 5.0, 45.0, 85.0, 90.0], &[HOME, HOME, UP, HOME, HOME]),
+];
 
 /// The same stops with a swing by `angle` half-way between them.
 fn detour(stops: &[f64], place: &[f64], angle: f64) -> (Vec<f64>, Vec<f64>) {
-    let mut out = (Vec::new(), Vec::new());
-    for (k, (stop, at)) in stops.iter().zip(place).enumerate() {
-        out.0.push(*stop);
-        out.1.push(*at);
-        if let (Some(t), Some(q)) = (stops.get(k + 1), place.get(k + 1)) {
-            out.0.push(0.5 * (stop + t));
-            out.1.push(0.5 * (at + q) + angle);
-        }
-    }
-    out
+    let middle = |list: &[f64], by: f64| -> Vec<f64> {
+        let pairs = list.windows(2);
+        let swung = pairs.flat_map(|pair| [pair[0], 0.5 * (pair[0] + pair[1]) + by]);
+        swung.chain(list.last().copied()).collect()
+    };
+    (middle(stops, 0.0), middle(place, angle))
 }
 
 /// Result of a run: vehicle, samples and the true momentum.
@@ -98,40 +86,27 @@ pub struct Run {
 impl Experiment {
     /// The base at rest on trajectory 1 or 2, ten samples at stops.
     pub fn new(table1: &Model, trajectory: usize, spin_deg_s: [f64; 3]) -> Self {
-        Self {
+        let (times, joints) = TRAJECTORIES[usize::from(trajectory != 1)];
+        let knots = times.iter().copied().zip(joints.iter().copied());
+        let own = Self {
             model: table1.clone(),
             times: Vec::new(),
-            knots: knots(trajectory),
+            knots: knots.collect(),
             spin_deg_s,
             velocity: [0.0; 3],
             stops: true,
             detour_deg: 0.0,
-        }
-        .sampled(10, true)
+        };
+        own.sampled(10, true)
     }
 
     /// The Table 1 system of the shipped examples.
     ///
     /// # Errors
     /// The model cannot be read.
-    pub fn of(
-        context: &Context,
-        trajectory: usize,
-        spin_deg_s: [f64; 3],
-    ) -> Result<Self, StudyError> {
+    pub fn of(context: &Context, trajectory: usize, spin: [f64; 3]) -> Result<Self, StudyError> {
         let table1 = context.model("cases/ma2008_truth.toml")?;
-        Ok(Self::new(&table1, trajectory, spin_deg_s))
-    }
-
-    /// Example 1 or 2 of Sec. III.D.
-    ///
-    /// # Errors
-    /// As [`Self::of`].
-    pub fn example(context: &Context, n: usize) -> Result<Self, StudyError> {
-        match n {
-            1 => Self::of(context, 1, [0.0, 0.0, 1.0]),
-            _ => Self::of(context, 2, [0.0, 1.0, 5.0]),
-        }
+        Ok(Self::new(&table1, trajectory, spin))
     }
 
     /// Replaces the base.
@@ -189,10 +164,9 @@ impl Experiment {
     /// # Errors
     /// The motion cannot be computed.
     pub fn run(&self) -> Result<Run, StudyError> {
+        let joints = (0..6).map(|j| self.joint(j).map(JointDrive::Motion));
         let plan = Plan {
-            joints: (0..6)
-                .map(|j| self.joint(j).map(JointDrive::Motion))
-                .collect::<Result<_, _>>()?,
+            joints: joints.collect::<Result<_, _>>()?,
             ..Plan::default()
         };
         let tolerance = Tolerance {
@@ -256,5 +230,83 @@ pub fn scale_arm(model: &mut Model, ratio: f64) {
     for body in &mut model.bodies[1..] {
         body.nominal.mass *= ratio / ARM;
         body.nominal.I_BBcm_B *= ratio / ARM;
+    }
+}
+
+/// One sigma of each velocity component: linear in N, m/s; angular in B, rad/s.
+#[derive(Debug, Clone, Copy)]
+pub struct Sigma {
+    /// Linear.
+    pub v: Vector3,
+    /// Angular.
+    pub w: Vector3,
+}
+
+/// Errors of one answer: mass (relative), mass centre (m), tensor (relative to its norm). Infinite without an answer.
+pub type Errors = [f64; 3];
+
+impl Run {
+    /// The true base.
+    pub fn truth(&self) -> MassProperties {
+        self.model.bodies[0].nominal
+    }
+
+    /// A fraction of the maximum of each velocity component.
+    pub fn sigma(&self, share: f64) -> Sigma {
+        let most = |of: fn(&Raw) -> Vector3| {
+            let larger = |m: Vector3, r: &Raw| m.zip_map(&of(r), |a, b| a.max(b.abs()));
+            self.raws.iter().fold(Vector3::zeros(), larger) * share
+        };
+        Sigma {
+            v: most(|r| r.v_NBo_N),
+            w: most(|r| r.w_NB_B),
+        }
+    }
+
+    /// A fraction of the largest linear and of the largest angular component.
+    pub fn equal_sigma(&self, share: f64) -> Sigma {
+        let most = self.sigma(1.0);
+        Sigma {
+            v: Vector3::repeat(most.v.amax()) * share,
+            w: Vector3::repeat(most.w.amax()) * share,
+        }
+    }
+
+    /// The samples in the form used by both steps.
+    pub fn readings(&self) -> Vec<Reading> {
+        readings(&self.model, &self.raws)
+    }
+
+    /// The samples with one draw of noise.
+    pub fn noisy(&self, sigma: Sigma, seed: u64) -> Vec<Raw> {
+        let mut normals = Normals::new(SEED, seed);
+        let moved = |r: &Raw| {
+            let mut r = r.clone();
+            r.v_NBo_N += sigma.v.component_mul(&normals.vector());
+            r.w_NB_B += sigma.w.component_mul(&normals.vector());
+            r
+        };
+        self.raws.iter().map(moved).collect()
+    }
+
+    /// Both steps for samples of this run.
+    pub fn solved(&self, raws: &[Raw], known: bool) -> TwoStep {
+        let samples = readings(&self.model, raws);
+        two_step(&[samples], known.then_some(self.known))
+    }
+
+    /// Errors of an answer.
+    pub fn errors(&self, found: Option<MassProperties>) -> Errors {
+        let Some(found) = found else {
+            return [f64::INFINITY; 3];
+        };
+        let truth = self.truth();
+        let I = &truth.I_BBcm_B;
+        let errors = [
+            (found.mass / truth.mass - 1.0).abs(),
+            (found.p_BoBcm_B - truth.p_BoBcm_B).norm(),
+            (found.I_BBcm_B - I).norm() / I.norm(),
+        ];
+        errors.map(|e| if e.is_nan() { f64::INFINITY } else { e })
     }
 }

@@ -7,7 +7,6 @@ mod cramer_rao;
 pub mod experiment;
 mod histories;
 mod linear;
-pub mod noise;
 mod reach;
 
 use crate::study::statistics::{largest, rms};

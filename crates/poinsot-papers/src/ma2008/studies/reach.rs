@@ -1,8 +1,7 @@
 //! Claims of Sec. III and V on the motion: span, number of joints, path, internal torque, mass ratio.
 
 use super::cases;
-use super::experiment::{Experiment, Run, scale_arm};
-use super::noise::{Scaling, Sigma};
+use super::experiment::{Experiment, Run, Sigma, scale_arm};
 use crate::ma2008::Raw;
 use crate::study::statistics::largest;
 use crate::study::{CaseText, Context, Findings, StudyError, Table};
@@ -38,27 +37,24 @@ pub fn run(context: &Context) -> Result<Findings, StudyError> {
 
 /// Ten of many stops: equally spaced, and those with the largest velocities relative to each component's maximum.
 fn large_velocities(context: &Context) -> Result<Table, StudyError> {
-    let sigma = Experiment::of(context, 1, SPIN)?.run()?;
-    let sigma = sigma.sigma(0.01, Scaling::Largest);
+    let sigma = Experiment::of(context, 1, SPIN)?.run()?.equal_sigma(0.01);
     let mut table = Table::new(
         "large",
         "Cramer-Rao bounds in %: ten stopped samples of forty, base origin at rest",
         "samples | mass, known | tensor, known | mass, unknown | tensor, unknown",
     );
-    let mut run = Experiment::of(context, 1, SPIN)?
-        .sampled(STOPS, true)
-        .run()?;
-    let most = run.sigma(1.0, Scaling::Component);
+    let experiment = Experiment::of(context, 1, SPIN)?.sampled(STOPS, true);
+    let mut run = experiment.run()?;
+    let most = run.sigma(1.0);
     let size = |r: &Raw| {
         let v = r.v_NBo_N.component_div(&most.v);
         v.norm_squared() + r.w_NB_B.component_div(&most.w).norm_squared()
     };
-    let all = run.raws.clone();
+    let mut all = run.raws.clone();
     run.raws = all.iter().step_by(STOPS / 10).cloned().collect();
     table.row("equally spaced", bounds(&run, sigma));
-    run.raws = all;
-    run.raws.sort_by(|a, b| size(b).total_cmp(&size(a)));
-    run.raws.truncate(10);
+    all.sort_by(|a, b| size(b).total_cmp(&size(a)));
+    run.raws = all[..10].to_vec();
     table.row("largest velocities", bounds(&run, sigma));
     Ok(table)
 }
@@ -92,7 +88,7 @@ fn predicted(context: &Context) -> Result<[Table; 2], StudyError> {
 fn swung(case: &CaseText, factor: f64) -> CaseText {
     let line = |line: &str| {
         let list = line.strip_prefix("position_rad = [");
-        let Some(list) = list.and_then(|l| l.strip_suffix(']')) else {
+        let Some(list) = list.and_then(|l| l.strip_suffix("]")) else {
             return line.to_owned();
         };
         let angles = list.split(',').filter_map(|x| x.trim().parse::<f64>().ok());
@@ -101,8 +97,8 @@ fn swung(case: &CaseText, factor: f64) -> CaseText {
     };
     let lines: Vec<String> = case.text.lines().map(line).collect();
     CaseText {
-        path: case.path.clone(),
         text: lines.join("\n"),
+        ..case.clone()
     }
 }
 

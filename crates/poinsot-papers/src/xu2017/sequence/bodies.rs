@@ -2,7 +2,7 @@
 
 use super::super::swarm::{Particle, Range};
 use super::super::two_body::transported;
-use super::super::{particle, sum};
+use super::super::{particle, roles::joint_name};
 use super::{Searched, Work};
 use poinsot_spatial::{InertialParameters, MassProperties};
 
@@ -26,14 +26,14 @@ impl Work<'_> {
                 let Some(outer) = outer.filter(|_| root[self.parent(c)] == r && c != r) else {
                     continue;
                 };
-                own = sum(&own, &self.moved(&outer, c, r), -1.0);
+                own = own.with_added(-1.0, &self.moved(&outer, c, r));
             }
             let members: Vec<usize> = (0..bodies).filter(|&b| root[b] == r).collect();
             let Some(&takes) = members.iter().find(|&&b| self.roles.unknown[b]) else {
                 continue;
             };
             for &b in members.iter().filter(|&&b| b != takes) {
-                own = sum(&own, &self.moved(&self.found.bodies[b], b, r), -1.0);
+                own = own.with_added(-1.0, &self.moved(&self.found.bodies[b], b, r));
             }
             self.found.bodies[takes] = self.moved(&own, r, takes);
         }
@@ -72,11 +72,10 @@ impl Work<'_> {
         takes: impl Fn(usize) -> bool,
     ) -> InertialParameters {
         let bodies = self.problem.model.bodies.iter().enumerate();
-        bodies
-            .filter(|(b, _)| takes(*b))
-            .fold(InertialParameters::ZERO, |all, (b, body)| {
-                sum(&all, &self.moved(&body.nominal.parameters(), b, frame), 1.0)
-            })
+        let taken = bodies.filter(|(b, _)| takes(*b));
+        taken.fold(InertialParameters::ZERO, |all, (b, body)| {
+            all.with_added(1.0, &self.moved(&body.nominal.parameters(), b, frame))
+        })
     }
 
     pub(super) fn child(&self, joint: usize) -> usize {
@@ -95,8 +94,21 @@ impl Work<'_> {
         b == root
     }
 
-    pub(super) fn known(&self, among: impl Fn(usize) -> bool) -> bool {
-        (0..self.roles.unknown.len()).all(|b| !among(b) || !self.roles.unknown[b])
+    /// Whether every body of the base side, and of the tip side, of a joint is known.
+    pub(super) fn sides_known(&self, joint: usize) -> [bool; 2] {
+        let (child, unknown) = (self.child(joint), &self.roles.unknown);
+        [false, true]
+            .map(|tip| (0..unknown.len()).all(|b| self.carries(child, b) != tip || !unknown[b]))
+    }
+
+    pub(super) fn name(&self, part: Searched) -> String {
+        let joint = |j| joint_name(self.problem, j);
+        match part {
+            Searched::Single => "equivalent single body".to_owned(),
+            Searched::Inner(j) => format!("base side of {}", joint(j)),
+            Searched::Outer(j) => format!("tip side of {}", joint(j)),
+            Searched::Body(b) => self.problem.model.bodies[b].name.clone(),
+        }
     }
 
     pub(super) fn rest_mass(&self, part: Searched) -> f64 {

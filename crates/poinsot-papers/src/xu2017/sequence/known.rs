@@ -1,9 +1,10 @@
 //! Bodies with known mass and mass centre: unobservable parts are transferred across joints to meet these values.
 
-use super::super::least_squares::{shown_and_hidden, smallest};
+use super::super::least_squares::shown_and_hidden;
+use super::super::natural;
 use super::super::two_body::{equations, rows, transported};
-use super::super::{natural, sum};
 use super::Work;
+use crate::samples::add_smallest;
 use faer::Mat;
 use poinsot_spatial::InertialParameters;
 
@@ -26,35 +27,28 @@ impl Work<'_> {
         if kept.is_empty() || moves.is_empty() {
             return;
         }
-        let gain = |t: &Transfer, b: usize, k: usize| -> f64 {
-            let of = |body: usize, which: usize| {
-                if body == b {
-                    t.gains[which].to_array()[k]
-                } else {
-                    0.0
-                }
-            };
-            of(t.child, 0) + of(t.parent, 1)
-        };
-        let unit = |b: usize, k: usize| natural(&self.problem.model.bodies[b].nominal)[k];
-        let at = |row: usize| (kept[row / 4], row % 4);
+        // Mass and first moment of the kept bodies, in natural units.
+        let natural = |b: usize| natural(&self.problem.model.bodies[b].nominal);
+        let units: Vec<[f64; 10]> = kept.iter().map(|&b| natural(b)).collect();
         let A = Mat::from_fn(4 * kept.len(), moves.len(), |i, j| {
-            let (b, k) = at(i);
-            gain(&moves[j], b, k) / unit(b, k)
+            let (b, k, t) = (kept[i / 4], i % 4, &moves[j]);
+            let ends = [t.child, t.parent].into_iter().zip(&t.gains);
+            let own = ends.filter(|(body, _)| *body == b);
+            own.map(|(_, gain)| gain.to_array()[k]).sum::<f64>() / units[i / 4][k]
         });
-        let wanted: Vec<f64> = (0..4 * kept.len())
-            .map(|i| {
-                let (b, k) = at(i);
-                let nominal = self.problem.model.bodies[b].nominal.parameters().to_array()[k];
-                (nominal - self.found.bodies[b].to_array()[k]) / unit(b, k)
-            })
-            .collect();
-        let Some(amounts) = smallest(&A, &wanted) else {
-            return;
+        let missing = |i: usize| {
+            let (b, k) = (kept[i / 4], i % 4);
+            let nominal = self.problem.model.bodies[b].nominal.parameters();
+            (nominal.to_array()[k] - self.found.bodies[b].to_array()[k]) / units[i / 4][k]
         };
+        let missing: Vec<f64> = (0..4 * kept.len()).map(missing).collect();
+        let mut amounts = vec![0.0; moves.len()];
+        if add_smallest(&A, &missing, 1.0e-9, &mut amounts).is_none() {
+            return;
+        }
         for (t, amount) in moves.iter().zip(amounts) {
             for (body, gain) in [t.child, t.parent].into_iter().zip(&t.gains) {
-                self.found.bodies[body] = sum(&self.found.bodies[body], gain, amount);
+                self.found.bodies[body] = self.found.bodies[body].with_added(amount, gain);
             }
         }
     }
@@ -70,17 +64,12 @@ impl Work<'_> {
                 continue;
             };
             let (R, p) = (self.normal.R[c], self.normal.p[c]);
-            let across = |x: &InertialParameters| {
-                [
-                    sum(&InertialParameters::ZERO, &transported(x, &R, &p), -1.0),
-                    *x,
-                ]
-            };
+            let negative = |x: &InertialParameters| InertialParameters::ZERO.with_added(-1.0, x);
+            let across = |x: &InertialParameters| [negative(&transported(x, &R, &p)), *x];
             let nominal = self.composite(c, |b| self.carries(c, b));
-            let Some(body) = nominal.mass_properties() else {
+            let Some(units) = nominal.mass_properties().map(|body| natural(&body)) else {
                 continue;
             };
-            let units = natural(&body);
             let seen = equations(&rows(&self.motions(joint), across));
             let Some((_, hidden)) = shown_and_hidden(&seen, &units) else {
                 continue;
@@ -88,11 +77,13 @@ impl Work<'_> {
             list.extend((0..hidden.ncols()).map(|h| {
                 let d = std::array::from_fn(|k| units[k] * hidden[(k, h)]);
                 let d = InertialParameters::from_array(&d);
-                let back = sum(&InertialParameters::ZERO, &self.moved(&d, c, parent), -1.0);
                 Transfer {
                     child,
                     parent,
-                    gains: [self.moved(&d, c, child), back],
+                    gains: [
+                        self.moved(&d, c, child),
+                        negative(&self.moved(&d, c, parent)),
+                    ],
                 }
             }));
         }

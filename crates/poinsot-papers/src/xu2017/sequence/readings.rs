@@ -1,9 +1,9 @@
 //! Inputs of each step: thrust and accelerations, impulses, both sides of a joint.
 
+use super::super::roles::no_velocity;
 use super::super::single_body::{Push, SingleRow, momenta};
 use super::super::two_body::{Side, TwoBodyReading};
 use super::Work;
-use crate::xu2017::error;
 use poinsot_dynamics::{Kinematics, body_momentum};
 use poinsot_files::Faults;
 use poinsot_identify::{Segment, thrust_impulses};
@@ -16,27 +16,26 @@ impl Work<'_> {
             return Vec::new();
         };
         let s = &segment.samples;
-        (0..s.time_s.len().min(measured.dw_NB_B.len()))
-            .map(|k| {
-                let (F_B, T_B) = self.thrust(segment, s.time_s[k]);
-                Push {
-                    w_NB_B: s.w_NB_B[k],
-                    dw_NB_B: measured.dw_NB_B[k],
-                    a_NS_B: measured.a_NS_B.as_ref().map(|a| a[k]),
-                    p_BoS_B: measured.p_BoS_B,
-                    F_B,
-                    T_B,
-                }
-            })
-            .collect()
+        let push = |k: usize| {
+            let (F_B, T_B) = self.thrust(segment, s.time_s[k]);
+            Push {
+                w_NB_B: s.w_NB_B[k],
+                dw_NB_B: measured.dw_NB_B[k],
+                a_NS_B: measured.a_NS_B.as_ref().map(|a| a[k]),
+                p_BoS_B: measured.p_BoS_B,
+                F_B,
+                T_B,
+            }
+        };
+        let count = s.time_s.len().min(measured.dw_NB_B.len());
+        (0..count).map(push).collect()
     }
 
     /// Force and moment about the base origin just after a time.
     pub(super) fn thrust(&self, segment: &Segment, time: f64) -> (Vector3, Vector3) {
-        let on = segment
-            .firings
-            .iter()
-            .filter(|f| f.start_s <= time + 1.0e-9 && time + 1.0e-9 < f.end_s);
+        let later = time + 1.0e-9;
+        let on = segment.firings.iter();
+        let on = on.filter(|f| f.start_s <= later && later < f.end_s);
         on.fold((Vector3::zeros(), Vector3::zeros()), |(F, T), firing| {
             let thruster = &self.problem.model.thrusters[firing.thruster];
             let R = &self.normal.R[thruster.body];
@@ -52,9 +51,8 @@ impl Work<'_> {
         turning.samples.translation = None;
         let tree = self.problem.tree;
         let sums = thrust_impulses(tree, &self.problem.model.thrusters, &turning);
-        let since: Vec<_> = sums
-            .total
-            .iter()
+        let since = sums.total.iter();
+        let since: Vec<_> = since
             .map(|i| (i.linear, i.angular, i.per_mass_centre))
             .collect();
         let s = &segment.samples;
@@ -82,10 +80,8 @@ impl Work<'_> {
     ) -> Result<Vec<TwoBodyReading>, Faults> {
         let (tree, segment) = (self.problem.tree, &self.problem.segments[at]);
         let s = &segment.samples;
-        let translation = s
-            .translation
-            .as_ref()
-            .ok_or_else(|| error::no_velocity(&segment.label, "the momentum of a moving joint"))?;
+        let translation = s.translation.as_ref();
+        let translation = translation.ok_or_else(|| no_velocity(segment))?;
         let dof = tree.dof();
         let mut kinematics = Kinematics::new(tree);
         let mut q = self.roles.normal.clone();
@@ -99,19 +95,12 @@ impl Work<'_> {
             kinematics.place(tree, &q);
             kinematics.set_velocities(tree, &v, &s.w_NB_B[k], &rates);
             let mut rest = [Vector3::zeros(); 3];
-            if alone.is_none() {
-                for (b, pi) in self
-                    .found
-                    .bodies
-                    .iter()
-                    .enumerate()
-                    .filter(|(b, _)| *b != body)
-                {
-                    let m = &kinematics;
-                    let (l, h) = body_momentum(pi, &m.R[b], &m.p[b], &m.v[b], &m.w[b]);
-                    let first = m.R[b] * pi.mc_B + m.p[b] * pi.mass;
-                    rest = [rest[0] + l, rest[1] + h, rest[2] + first];
-                }
+            let others = self.found.bodies.iter().enumerate();
+            for (b, pi) in others.filter(|(b, _)| alone.is_none() && *b != body) {
+                let m = &kinematics;
+                let (l, h) = body_momentum(pi, &m.R[b], &m.p[b], &m.v[b], &m.w[b]);
+                let first = m.R[b] * pi.mc_B + m.p[b] * pi.mass;
+                rest = [rest[0] + l, rest[1] + h, rest[2] + first];
             }
             TwoBodyReading {
                 R_NB: s.R_NB[k],

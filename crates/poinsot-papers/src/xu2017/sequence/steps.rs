@@ -2,72 +2,59 @@
 
 use super::super::least_squares::{Rows, answer, shown};
 use super::super::two_body::{
-    MomentumRow, TwoBodyObjective, TwoBodyReading, equations, rows, transported, transported_back,
+    LINES, MomentumRow, TwoBodyObjective, TwoBodyReading, equations, rows, transported,
+    transported_back,
 };
-use super::super::{Kind, natural, sum};
-use super::{Order, Searched, Work, properties_of, properties_or_nan};
-use crate::xu2017::error;
+use super::super::{Kind, natural};
+use super::{Order, Searched, Work, no_scale, not_finite, properties_of};
 use nalgebra::SVector;
 use poinsot_dynamics::Kinematics;
 use poinsot_files::Faults;
-use poinsot_spatial::{InertialParameters, Vector3};
+use poinsot_spatial::{InertialParameters, MassProperties, Vector3};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 /// Number of random motions that define the identifiable directions of a joint.
 const MOTIONS: usize = 40;
 
-impl Work<'_> {
-    /// A joint with one side known: solves for the other side, and so for the whole.
-    pub(super) fn beside_known(&mut self, joint: usize) -> Result<InertialParameters, Faults> {
-        let child = self.child(joint);
-        let inner_known = self.known(|b| !self.carries(child, b));
-        let inner = self.composite(0, |b| !self.carries(child, b));
-        let outer = self.composite(child, |b| self.carries(child, b));
-        let readings = self.readings(joint)?;
-        let (R, p) = (self.normal.R[child], self.normal.p[child]);
-        let outer = if inner_known {
-            let compose = |x: &InertialParameters| [inner, *x];
-            let part = Searched::Outer(joint);
-            self.two_body(part, &readings, &compose, &outer, None)?
-        } else {
-            let compose = |x: &InertialParameters| [*x, outer];
-            let part = Searched::Inner(joint);
-            let inner = self.two_body(part, &readings, &compose, &inner, None)?;
-            self.found.total = Some(sum(&inner, &transported(&outer, &R, &p), 1.0));
-            return Ok(outer);
-        };
-        self.found.total = Some(sum(&inner, &transported(&outer, &R, &p), 1.0));
-        Ok(outer)
-    }
+/// Samples of a segment, with its index.
+type Readings = (usize, Vec<TwoBodyReading>);
 
-    /// A joint of a robot with known whole: solves for one side; the other is the difference, (43)-(46).
+impl Work<'_> {
+    /// One joint: solves for one side, from the momentum. The other side is the difference from the whole, (43)-(46), or
+    /// is known and gives the whole. Returns the tip side.
     pub(super) fn split(&mut self, joint: usize) -> Result<InertialParameters, Faults> {
         let child = self.child(joint);
-        let total = self.found.total.ok_or_else(error::no_scale)?;
         let (R, p) = (self.normal.R[child], self.normal.p[child]);
-        let rest = |inner: &InertialParameters| transported_back(&sum(&total, inner, -1.0), &R, &p);
-        if self.known(|b| !self.carries(child, b)) {
-            return Ok(rest(&self.composite(0, |b| !self.carries(child, b))));
+        let [inner_known, _] = self.sides_known(joint);
+        let inner = self.composite(0, |b| !self.carries(child, b));
+        let outer = self.composite(child, |b| self.carries(child, b));
+        let total = self.found.total;
+        let inward = match total {
+            Some(_) => self.order == Order::Inward,
+            None => inner_known,
+        };
+        // Both sides from the searched one: affine in it.
+        let compose = |x: &InertialParameters| match (total, inward) {
+            (Some(total), false) => [*x, transported_back(&total.with_added(-1.0, x), &R, &p)],
+            (Some(total), true) => [total.with_added(-1.0, &transported(x, &R, &p)), *x],
+            (None, false) => [*x, outer],
+            (None, true) => [inner, *x],
+        };
+        if let Some(total) = total.filter(|_| inner_known) {
+            return Ok(transported_back(&total.with_added(-1.0, &inner), &R, &p));
         }
+        let (part, nominal) = match inward {
+            false => (Searched::Inner(joint), inner),
+            true => (Searched::Outer(joint), outer),
+        };
         let readings = self.readings(joint)?;
-        // `compose` subtracts the searched side from the whole, so rows are affine in it.
-        match self.order {
-            Order::Outward => {
-                let nominal = self.composite(0, |b| !self.carries(child, b));
-                let compose = |x: &InertialParameters| [*x, rest(x)];
-                let part = Searched::Inner(joint);
-                let inner = self.two_body(part, &readings, &compose, &nominal, Some(total.mass))?;
-                Ok(rest(&inner))
-            }
-            Order::Inward => {
-                let nominal = self.composite(child, |b| self.carries(child, b));
-                let compose =
-                    |x: &InertialParameters| [sum(&total, &transported(x, &R, &p), -1.0), *x];
-                let part = Searched::Outer(joint);
-                self.two_body(part, &readings, &compose, &nominal, Some(total.mass))
-            }
-        }
+        let mass = total.map(|t| t.mass);
+        let found = self.two_body(part, &readings, &compose, &nominal, mass)?;
+        let [inner, outer] = compose(&found);
+        let whole = inner.with_added(1.0, &transported(&outer, &R, &p));
+        self.found.total.get_or_insert(whole);
+        Ok(outer)
     }
 
     /// One unknown body, with any joints in motion.
@@ -76,16 +63,11 @@ impl Work<'_> {
         let mut list: Vec<usize> = segments.chain(&self.roles.together).copied().collect();
         list.sort_unstable();
         if !self.roles.single.is_empty() {
-            self.found.notes.push(
-                "segments with thrust are not used: one body among known ones follows from the momentum alone"
-                    .to_owned(),
-            );
+            let note = "segments with thrust are not used: one body among known ones follows from the momentum alone";
+            self.found.notes.push(note.to_owned());
         }
-        let mut readings = Vec::new();
-        for at in list {
-            let measured = self.measured(at, body, None)?;
-            readings.push((at, measured));
-        }
+        let of = |at: usize| Ok((at, self.measured(at, body, None)?));
+        let readings: Vec<Readings> = list.into_iter().map(of).collect::<Result<_, Faults>>()?;
         let compose = |x: &InertialParameters| [InertialParameters::ZERO, *x];
         let nominal = self.found.bodies[body];
         let part = Searched::Body(body);
@@ -93,117 +75,153 @@ impl Work<'_> {
         Ok(())
     }
 
+    /// Empty equations of these segments: without known momentum each has six more unknowns.
+    fn system(&self, readings: &[Readings], unknowns: usize) -> Rows {
+        let each = if self.momentum_is_free() { 6 } else { 0 };
+        Rows::new(each * readings.len(), unknowns)
+    }
+
     /// Solves (49) for one side, by the swarm or linearly. Samples are listed per segment.
     fn two_body(
         &mut self,
         part: Searched,
-        readings: &[(usize, Vec<TwoBodyReading>)],
+        readings: &[Readings],
         compose: &dyn Fn(&InertialParameters) -> [InertialParameters; 2],
         nominal: &InertialParameters,
         total: Option<f64>,
     ) -> Result<InertialParameters, Faults> {
         let properties = properties_of(nominal)?;
         let natural = natural(&properties);
-        let free = self.momentum_is_free();
-        let heads = if free { 6 * readings.len() } else { 0 };
-        let mut system = Rows::new(heads, 10);
+        let mut system = self.system(readings, 10);
         let mut all = Vec::new();
         for (k, (_, list)) in readings.iter().enumerate() {
             let list = rows(list, compose);
-            let head = free.then_some(6 * k);
-            list.iter()
-                .for_each(|row| push(&mut system, row, &[], head, heads));
+            list.iter().for_each(|row| push(&mut system, row, &[], k));
             all.extend(list);
         }
-        let seen = self.seen(part, compose, &natural);
-        let start = nominal.to_array();
-        let linear = answer(system, &natural, &start, seen.as_ref());
-        let linear = linear.map(|x| {
-            let mut ten = [0.0; 10];
-            ten.copy_from_slice(&x);
-            InertialParameters::from_array(&ten)
-        });
+        // Directions that some motion of the joint can excite; a revolute joint leaves three of ten unobservable.
+        let seen = match part {
+            Searched::Inner(joint) | Searched::Outer(joint) => {
+                shown(&equations(&rows(&self.motions(joint), compose)), &natural)
+            }
+            _ => None,
+        };
+        let linear = answer(system, &natural, &nominal.to_array(), seen.as_ref());
+        let linear = linear.map(|x| InertialParameters::from_array(&std::array::from_fn(|k| x[k])));
         if self.solver.kind == Kind::Swarm {
             self.check_rest(readings.iter().map(|r| r.0))?;
         }
-        let rest = self.rest_mass(part);
-        let objective = TwoBodyObjective::new(&all, total, rest);
+        let objective = TwoBodyObjective::new(&all, total, self.rest_mass(part));
         let range = self.range(&properties);
-        let name = self.words(part);
         let barycentric = linear.value;
-        let as_properties = linear.map(|x| properties_or_nan(&x));
-        let found = self.finish(part, name, as_properties, &objective, range)?;
+        // Without a positive mass there is no mass centre: the cost of such a solution is still computed.
+        let as_properties = linear.map(|x| {
+            x.mass_properties().unwrap_or(MassProperties {
+                mass: x.mass,
+                p_BoBcm_B: Vector3::repeat(f64::NAN),
+                I_BBcm_B: x.I_BBo_B,
+            })
+        });
+        let found = self.finish(part, as_properties, &objective, range)?;
         // The linear parameters directly, without conversion to a mass centre.
-        Ok(if self.solver.kind == Kind::Linear {
-            barycentric
-        } else {
-            found.parameters()
+        Ok(match self.solver.kind {
+            Kind::Linear => barycentric,
+            Kind::Swarm => found.parameters(),
         })
     }
 
-    /// Directions that some motion of the joint can excite; a revolute joint leaves three of ten unobservable.
-    fn seen(
-        &self,
-        part: Searched,
-        compose: &dyn Fn(&InertialParameters) -> [InertialParameters; 2],
-        natural: &[f64; 10],
-    ) -> Option<faer::Mat<f64>> {
-        let (Searched::Inner(joint) | Searched::Outer(joint)) = part else {
-            return None;
+    /// Determines the total mass from the motion of one joint, if thrust segments have no translation: the second use of
+    /// the Conclusion as printed.
+    ///
+    /// Attitude determines tensor and mass centre of the locked robot. The parameters of the whole, and so the momentum
+    /// of a moving joint, are then affine in the total mass. The ten numbers of one side and the mass are eleven
+    /// unknowns of a linear problem.
+    pub(super) fn weigh(&mut self, joint: usize) -> Result<(), Faults> {
+        let whole = properties_of(&self.found.total.ok_or_else(no_scale)?)?;
+        let of_mass = |mass: f64| MassProperties { mass, ..whole }.parameters();
+        let child = self.child(joint);
+        let (R, p) = (self.normal.R[child], self.normal.p[child]);
+        // Rows in the base side, and their change for one kilogram more.
+        let pairs = |list: &[TwoBodyReading]| {
+            let of = |mass: f64| {
+                let total = of_mass(mass);
+                rows(list, |x| {
+                    [*x, transported_back(&total.with_added(-1.0, x), &R, &p)]
+                })
+            };
+            let pairs = of(whole.mass).into_iter().zip(of(whole.mass + 1.0));
+            let with_change = pairs.map(|(row, heavy)| (row, heavy.constant - row.constant));
+            with_change.collect::<Vec<(MomentumRow, SVector<f64, 9>)>>()
         };
-        shown(&equations(&rows(&self.motions(joint), compose)), natural)
+        let nominal = self.composite(0, |b| !self.carries(child, b));
+        let mut units = natural(&properties_of(&nominal)?).to_vec();
+        let mut start = nominal.to_array().to_vec();
+        units.push(whole.mass);
+        start.push(whole.mass);
+        let eleven = |(row, change): &(MomentumRow, SVector<f64, 9>)| {
+            let element = |i: usize, j: usize| if j < 10 { row.slope[(i, j)] } else { change[i] };
+            LINES.map(|i| std::array::from_fn(|j| element(i, j)))
+        };
+        let shown_rows = pairs(&self.motions(joint));
+        let shown_rows: Vec<[f64; 11]> = shown_rows.iter().flat_map(eleven).collect();
+        let seen = shown(&shown_rows, &units);
+        let readings = self.readings(joint)?;
+        let mut system = self.system(&readings, 11);
+        for (k, (_, list)) in readings.iter().enumerate() {
+            for (mut row, change) in pairs(list) {
+                // The unknown is the mass itself, so its nominal part is removed from the constant.
+                row.constant -= change * whole.mass;
+                push(&mut system, &row, &[change], k);
+            }
+        }
+        let found = answer(system, &units, &start, seen.as_ref());
+        let mass = found.value[10];
+        if !found.finite || mass.is_nan() || mass <= 0.0 {
+            return Err(not_finite());
+        }
+        self.found.total = Some(of_mass(mass));
+        Ok(())
     }
 
     /// Random motions of one joint and the base.
     pub(super) fn motions(&self, joint: usize) -> Vec<TwoBodyReading> {
-        let child = self.child(joint);
+        let (child, tree) = (self.child(joint), self.problem.tree);
         let mut rng = ChaCha8Rng::seed_from_u64(2017);
         let mut number = || (rng.next_u64() >> 11) as f64 / (1_u64 << 52) as f64 - 1.0;
-        let mut kinematics = Kinematics::new(self.problem.tree);
+        let mut kinematics = Kinematics::new(tree);
         let mut q = self.roles.normal.clone();
         let mut rates = vec![0.0; q.len()];
-        (0..MOTIONS)
-            .map(|_| {
-                q[joint] = self.roles.normal[joint] + number();
-                rates[joint] = number();
-                let mut vector = || Vector3::new(number(), number(), number());
-                let (v, w) = (vector(), vector());
-                kinematics.place(self.problem.tree, &q);
-                kinematics.set_velocities(self.problem.tree, &v, &w, &rates);
-                TwoBodyReading::in_base(&kinematics, child)
-            })
-            .collect()
+        let motion = |_| {
+            q[joint] = self.roles.normal[joint] + number();
+            rates[joint] = number();
+            let mut vector = || Vector3::new(number(), number(), number());
+            let (v, w) = (vector(), vector());
+            kinematics.place(tree, &q);
+            kinematics.set_velocities(tree, &v, &w, &rates);
+            TwoBodyReading::in_base(&kinematics, child)
+        };
+        (0..MOTIONS).map(motion).collect()
     }
 }
 
-/// The six equations of a sample in N: momentum about the inertial origin is zero, or that of the segment. `extra`
-/// holds columns of further unknowns.
-pub(super) fn push(
-    system: &mut Rows,
-    row: &MomentumRow,
-    extra: &[SVector<f64, 9>],
-    head: Option<usize>,
-    heads: usize,
-) {
+/// The six equations of a sample in N: momentum about the inertial origin is zero, or that of its segment. `extra` holds
+/// columns of further unknowns.
+fn push(system: &mut Rows, row: &MomentumRow, extra: &[SVector<f64, 9>], segment: usize) {
     let to_N = |column: &[f64]| {
-        let l = Vector3::from_column_slice(&column[..3]);
-        let h = Vector3::from_column_slice(&column[6..9]);
-        let P = row.R_NB * l;
-        (P, row.R_NB * h + row.p_NoBo_N.cross(&P))
+        let P = row.R_NB * Vector3::from_column_slice(&column[..3]);
+        let H = row.R_NB * Vector3::from_column_slice(&column[6..9]) + row.p_NoBo_N.cross(&P);
+        [P.x, P.y, P.z, H.x, H.y, H.z]
     };
     let own = (0..10).map(|j| to_N(row.slope.column(j).as_slice()));
     let more = extra.iter().map(|column| to_N(column.as_slice()));
-    let columns: Vec<(Vector3, Vector3)> = own.chain(more).collect();
-    let (P, H) = to_N(row.constant.as_slice());
+    let columns: Vec<[f64; 6]> = own.chain(more).collect();
+    let constant = to_N(row.constant.as_slice());
     for i in 0..6 {
-        let pick = |c: &(Vector3, Vector3)| if i < 3 { c.0[i] } else { c.1[i - 3] };
-        let mut left = vec![0.0; heads + columns.len()];
-        if let Some(head) = head {
-            left[head + i] = -1.0;
+        let mut left = vec![0.0; system.head];
+        if let Some(momentum) = left.get_mut(6 * segment + i) {
+            *momentum = -1.0;
         }
-        for (slot, column) in left[heads..].iter_mut().zip(&columns) {
-            *slot = pick(column);
-        }
-        system.push(&left, -pick(&(P, H)));
+        left.extend(columns.iter().map(|column| column[i]));
+        system.push(&left, -constant[i]);
     }
 }

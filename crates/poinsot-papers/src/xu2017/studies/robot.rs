@@ -1,10 +1,9 @@
 //! The robot of the paper and its seven runs, from the shipped example.
 
-use crate::answered::as_one;
-use crate::method::Method;
+use crate::numbers::as_one;
 use crate::study::{Context, StudyError};
 use crate::xu2017::swarm::Swarm;
-use crate::xu2017::{Found, Kind, Order, Solver, Xu2017, sequence};
+use crate::xu2017::{Found, Kind, Order, Solver, sequence};
 use poinsot_dynamics::{Kinematics, Tree};
 use poinsot_files::Faults;
 use poinsot_identify::{BodyEstimate, Estimate, Noise, Problem, Segment, TENSOR};
@@ -228,7 +227,7 @@ impl<'a> Robot<'a> {
         tables: Vec<Table>,
         variant: &str,
     ) -> Result<Estimate, StudyError> {
-        let own = Xu2017.about().name;
+        let own = "xu2017";
         self.context
             .tools
             .identify(model, tables, own, Some(variant))
@@ -256,15 +255,6 @@ pub fn thinned(mut tables: Vec<Table>, every: usize) -> Vec<Table> {
         channel.values = channel.values.iter().copied().step_by(every).collect();
     }
     tables
-}
-
-/// Removes translation: attitude and rates remain.
-pub fn without_translation(tables: &mut [Table]) {
-    for table in tables {
-        table
-            .channels
-            .retain(|c| !c.name.starts_with("r_") && !c.name.starts_with("v_"));
-    }
 }
 
 /// Largest error of the given numbers, relative to mass, size and inertia, and their number.

@@ -1,10 +1,9 @@
 //! A grasped target: one joint at a time, as in the paper, compared with all joints together.
 
 use super::robot::{ALL, Data, Robot, errors};
-use crate::method::Method;
 use crate::study::statistics::{largest, rms};
 use crate::study::{CaseText, Context, Digits, Findings, StudyError, Table};
-use crate::xu2017::Xu2017;
+
 use poinsot_identify::{BodyEstimate, Estimate, Number, TENSOR, linear};
 use poinsot_model::Model;
 use poinsot_spatial::MassProperties;
@@ -110,7 +109,7 @@ pub fn answer(
         flown.sensors.clear();
     }
     let table = context.tools.simulate(case, &flown, trial.unwrap_or(0))?;
-    let variant = (method == Xu2017.about().name).then_some("linear");
+    let variant = (method == "xu2017").then_some("linear");
     let found = context
         .tools
         .identify(&off(&vehicle), vec![table], method, variant)?;
@@ -119,7 +118,7 @@ pub fn answer(
 
 /// One joint compared with all joints.
 pub fn run(context: &Context) -> Result<Findings, StudyError> {
-    let own = Xu2017.about().name;
+    let own = "xu2017";
     let mut exact = Table::new(
         "exact",
         "Grasped target, 60 s at 10 Hz, no noise: condition of its ten numbers, largest error",
@@ -177,7 +176,7 @@ fn every_body(context: &Context) -> Result<Table, StudyError> {
 
 /// The grasped target with all joints moving, drift and rotation.
 pub fn target(context: &Context) -> Result<Findings, StudyError> {
-    let own = Xu2017.about().name;
+    let own = "xu2017";
     let case = context.case(CASE)?;
     let mut table = Table::new(
         "target_errors",

@@ -1,7 +1,7 @@
 //! The five uses of the Conclusion, without noise.
 
-use super::robot::{ALL, ARM, Robot, errors, without_translation};
-use crate::study::{Context, Findings, StudyError, Table};
+use super::robot::{ALL, ARM, Robot, errors};
+use crate::study::{Context, Findings, StudyError, Table, without_translation};
 use poinsot_identify::Estimate;
 
 /// The study.

@@ -9,7 +9,7 @@ use poinsot::{Question, identify_tables};
 use poinsot_identify::{Estimate, Status};
 use poinsot_model::read_model;
 use poinsot_papers::kim2010::studies::inversion::{self, Noise, invert};
-use poinsot_papers::kim2010::studies::printed;
+use poinsot_papers::kim2010::studies::records as printed;
 use poinsot_papers::kim2010::symmetric;
 use poinsot_spatial::UnitQuaternion;
 use poinsot_telemetry::Table;
