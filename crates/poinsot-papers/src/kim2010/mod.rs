@@ -31,15 +31,13 @@
 //! and each estimator sets some elements of the 3 x 3 matrix `E(I)` to zero.
 
 mod identify;
-mod iteration;
 pub mod studies;
 mod sums;
-mod suspicions;
 
 pub use identify::identify;
-pub use iteration::Iterated;
 pub use sums::{
-    Answer, ELEMENTS, Manoeuvre, NAMES, StartRate, Sums, VISITED, symmetric, wheel_momentum,
+    Answer, ELEMENTS, Iterated, Manoeuvre, NAMES, StartRate, Sums, VISITED, symmetric,
+    wheel_momentum,
 };
 
 use crate::method::{Method, Named};

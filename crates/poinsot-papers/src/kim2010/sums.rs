@@ -1,6 +1,7 @@
 //! The sums that all estimators use, and the estimators (2)-(16).
 
 use crate::samples::add_smallest;
+use crate::study::statistics::largest;
 use faer::Mat;
 use poinsot_files::{Faults, Place};
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
@@ -11,7 +12,7 @@ pub const ELEMENTS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2
 pub const NAMES: [&str; 6] = ["xx", "yy", "zz", "xy", "yz", "zx"];
 
 /// Singular values of `G` below this fraction of the largest are round-off.
-pub(super) const ROUND_OFF: f64 = 1.0e-10;
+const ROUND_OFF: f64 = 1.0e-10;
 /// Assumption on the rates at the first sample.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum StartRate {
@@ -218,7 +219,7 @@ impl Sums {
     }
 
     /// Moments of inertia (14), products neglected. With initial rates, the three equations share `I w_0`.
-    pub(super) fn moments(&self, products: &Matrix3) -> Result<Matrix3, Faults> {
+    fn moments(&self, products: &Matrix3) -> Result<Matrix3, Faults> {
         let (I, rank) = self.solve(&ELEMENTS[..3], products)?;
         if rank < 3 {
             return Err(not_finite());
@@ -249,7 +250,7 @@ impl Sums {
     }
 
     /// (15) with the elements of `I` on the right-hand side.
-    pub(super) fn products(&self, I: &Matrix3) -> Matrix3 {
+    fn products(&self, I: &Matrix3) -> Matrix3 {
         let E = self.residual(I);
         let mut found = *I;
         for (i, j) in PRODUCTS {
@@ -328,7 +329,7 @@ fn diagonal(I: &Matrix3) -> Matrix3 {
 }
 
 /// Pairs of products averaged (16).
-pub(super) fn averaged(elements: Matrix3) -> Answer {
+fn averaged(elements: Matrix3) -> Answer {
     let printed = ELEMENTS.map(|(i, j)| 0.5 * (elements[(i, j)] + elements[(j, i)]));
     Answer { elements, printed }
 }
@@ -349,4 +350,84 @@ pub fn symmetric(x: &[f64; 6]) -> Matrix3 {
         I[(j, i)] = *value;
     }
     I
+}
+
+/// Largest number of sweeps.
+const SWEEPS: usize = 100_000;
+/// Change of an element in one sweep, relative to the largest, at which the iteration has converged.
+const SETTLED: f64 = 1.0e-13;
+
+/// Result of the iteration and its convergence.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Iterated {
+    /// Values after the last sweep.
+    pub answer: Answer,
+    /// Whether it converged.
+    pub converged: bool,
+    /// Number of sweeps.
+    pub sweeps: usize,
+    /// Spectral radius of one sweep: below one it converges from any start.
+    pub spectral_radius: f64,
+    /// Number of independent directions of fixed points.
+    pub free_directions: usize,
+    /// The fixed point, if unique.
+    pub fixed_point: Option<[f64; 6]>,
+}
+
+impl Sums {
+    /// One sweep: (14), (15), (16), each with the elements of the previous sweep on the right-hand side. From zero,
+    /// the first sweep is [`Self::suggested`].
+    fn sweep(&self, x: &[f64; 6]) -> Result<[f64; 6], Faults> {
+        let I = self.moments(&symmetric(x))?;
+        Ok(averaged(self.products(&I)).printed)
+    }
+
+    /// Repeats (14)-(16) from zero to convergence.
+    ///
+    /// A sweep is affine, `x <- B x + b`: B gives its fixed points and rate.
+    ///
+    /// # Errors
+    /// Not finite.
+    pub fn iterated(&self) -> Result<Iterated, Faults> {
+        let b = self.sweep(&[0.0; 6])?;
+        let mut B = [[0.0; 6]; 6];
+        for j in 0..6 {
+            let mut unit = [0.0; 6];
+            unit[j] = 1.0;
+            for (row, (moved, b)) in B.iter_mut().zip(self.sweep(&unit)?.into_iter().zip(b)) {
+                row[j] = moved - b;
+            }
+        }
+        let (mut x, mut sweeps, mut converged) = (b, 1, false);
+        while sweeps < SWEEPS && !converged {
+            let next: [f64; 6] = std::array::from_fn(|i| {
+                b[i] + B[i].iter().zip(&x).map(|(a, x)| a * x).sum::<f64>()
+            });
+            let size = largest(next.iter().map(|x| x.abs()));
+            if !size.is_finite() {
+                break;
+            }
+            let change = largest(next.iter().zip(&x).map(|(a, b)| (a - b).abs()));
+            converged = change <= SETTLED * size;
+            x = next;
+            sweeps += 1;
+        }
+        let matrix = Mat::from_fn(6, 6, |i, j| B[i][j]);
+        let eigenvalues = matrix.eigenvalues().map_err(|_| not_finite())?;
+        // The solution of `x = B x + b`.
+        let A = Mat::from_fn(6, 6, |i, j| f64::from(u8::from(i == j)) - B[i][j]);
+        let mut point = [0.0; 6];
+        let rank = add_smallest(&A, &b, ROUND_OFF, &mut point).ok_or_else(not_finite)?;
+        Ok(Iterated {
+            answer: Answer {
+                elements: symmetric(&x),
+                printed: x,
+            },
+            converged,
+            sweeps,
+            spectral_radius: largest(eigenvalues.iter().map(|z| z.re.hypot(z.im))),
+            free_directions: 6 - rank,
+            fixed_point: (rank == 6).then_some(point),
+        })
+    }
 }

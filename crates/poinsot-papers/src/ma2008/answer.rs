@@ -5,7 +5,7 @@ use super::arm::{Raw, Vehicle};
 use super::both::{NoisySolution, solve_both};
 use super::data::{check, raws};
 use super::equations::Given;
-use super::sources::sources;
+use super::influence::sources;
 use super::ten::{MISFIT, Ten};
 use super::words::{UNITS, identifiability, warnings};
 use crate::method::Named;

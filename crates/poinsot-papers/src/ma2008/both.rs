@@ -5,10 +5,8 @@ use super::bounds::{Bound, stated_angular, stated_linear};
 use super::equations::{
     Given, angular_known, angular_rows, differences, linear_known, linear_rows,
 };
-use super::influence::{Influence, Setting, StepNoise, influence};
-use super::solution::{Directions, Solution};
-use super::solve::{Step, solve};
-use super::sources::Source;
+use super::influence::{Influence, Setting, Source, StepNoise, influence};
+use super::solve::{Directions, Solution, Step, solve};
 use nalgebra::{SMatrix, SVector};
 use poinsot_files::{Faults, Place};
 use poinsot_identify::Problem;

@@ -4,7 +4,7 @@
 //! and mass centre: (45) has no term for the error of step 1.
 
 use super::arm::Reading;
-use super::equations::{AngularRows, LinearRows};
+use super::equations::{AngularRows, LinearRows, put};
 use super::influence::Influence;
 use super::solve::Step;
 use nalgebra::SMatrix;
@@ -80,8 +80,7 @@ pub fn bound<const N: usize>(step: &Step<N>, epsilon_A: f64, epsilon_b: f64) -> 
 pub fn linear_error(s: &Reading, dv: &Vector3, dw: &Vector3) -> LinearRows {
     let mut rows = LinearRows::zeros();
     rows.set_column(0, &(s.R_NB * (dv + dw.cross(&s.arm.rho_R))));
-    rows.fixed_columns_mut::<3>(1)
-        .copy_from(&(s.R_NB * skew(dw)));
+    put(&mut rows, 1, &(s.R_NB * skew(dw)));
     rows.set_column(4, &(s.R_NB * dv));
     rows
 }
@@ -103,8 +102,7 @@ pub fn angular_error(s: &Reading, m_S: f64, rho_S: &Vector3, dw: &Vector3) -> An
     let d = rho_S - s.arm.rho_R;
     let dc = -s.arm.I_R * dw - d.cross(&dw.cross(&d)) * mu;
     let mut rows = AngularRows::zeros();
-    rows.fixed_columns_mut::<6>(0)
-        .copy_from(&(s.R_NB * tensor_regressor(dw)));
+    put(&mut rows, 0, &(s.R_NB * tensor_regressor(dw)));
     rows.set_column(6, &(s.R_NB * -dc));
     rows
 }

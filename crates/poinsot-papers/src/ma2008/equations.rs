@@ -10,6 +10,15 @@ pub type LinearRows = SMatrix<f64, 3, 5>;
 /// Step 2 of one sample in N: columns `[B | g]` of (20); angular momentum is `B y + g`.
 pub type AngularRows = SMatrix<f64, 3, 7>;
 
+/// Writes columns into rows.
+pub(super) fn put<const W: usize, const N: usize>(
+    rows: &mut SMatrix<f64, 3, W>,
+    at: usize,
+    columns: &SMatrix<f64, 3, N>,
+) {
+    rows.fixed_columns_mut::<N>(at).copy_from(columns);
+}
+
 /// Known momentum of the system, in N.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Known {
@@ -26,15 +35,6 @@ pub struct Given {
     pub p_C_N: Option<Vector3>,
     /// Angular, about the system's mass centre, N m s.
     pub h_C_N: Option<Vector3>,
-}
-
-impl From<Option<Known>> for Given {
-    fn from(known: Option<Known>) -> Self {
-        Self {
-            p_C_N: known.map(|k| k.p_C_N),
-            h_C_N: known.map(|k| k.h_C_N),
-        }
-    }
 }
 
 /// Solution of both steps.
@@ -88,14 +88,10 @@ impl TwoStep {
 /// assert!((found.I_S().unwrap() - I_S).norm() < 1.0e-6);
 /// ```
 pub fn two_step(segments: &[Vec<Reading>], known: Option<Known>) -> TwoStep {
-    let given = Given::from(known);
     let arm_mass = segments.iter().flatten().next().map_or(0.0, |s| s.arm.mass);
     // Step 1: A x = b, (11)-(13) or (15)-(17). The natural scale of x is unknown here, so columns are scaled equally.
-    let rows = differences(
-        segments,
-        linear_rows,
-        given.p_C_N.map(|p| linear_known(&p, arm_mass)),
-    );
+    let given = known.map(|k| linear_known(&k.p_C_N, arm_mass));
+    let rows = differences(segments, linear_rows, given);
     let linear: Step<4> = solve::<4, 5>(&rows);
     let mut answer = TwoStep {
         linear,
@@ -108,7 +104,7 @@ pub fn two_step(segments: &[Vec<Reading>], known: Option<Known>) -> TwoStep {
     // Step 2: B y = c, (18)-(20) or (22)-(24), with mass and mass centre of step 1.
     let (m_S, rho_S) = (answer.mass(), answer.rho_S());
     let of = |s: &Reading| angular_rows(s, m_S, &rho_S);
-    let rows = differences(segments, of, given.h_C_N.map(|h| angular_known(&h)));
+    let rows = differences(segments, of, known.map(|k| angular_known(&k.h_C_N)));
     answer.angular = Some(solve::<6, 7>(&rows));
     answer
 }
@@ -127,8 +123,7 @@ pub fn linear_rows(s: &Reading) -> LinearRows {
     let a = s.v_NBo_B + w.cross(&arm.rho_R) + arm.u;
     let mut rows = LinearRows::zeros();
     rows.set_column(0, &(s.R_NB * a));
-    rows.fixed_columns_mut::<3>(1)
-        .copy_from(&(s.R_NB * skew(w)));
+    put(&mut rows, 1, &(s.R_NB * skew(w)));
     rows.set_column(4, &(s.R_NB * s.v_NBo_B));
     rows
 }
@@ -149,8 +144,7 @@ pub fn angular_rows(s: &Reading, m_S: f64, rho_S: &Vector3) -> AngularRows {
     let d = arm.rho_R - rho_S;
     let g = arm.I_R * w + arm.h_R + d.cross(&(w.cross(&d) + arm.u)) * mu;
     let mut rows = AngularRows::zeros();
-    rows.fixed_columns_mut::<6>(0)
-        .copy_from(&(s.R_NB * tensor_regressor(w)));
+    put(&mut rows, 0, &(s.R_NB * tensor_regressor(w)));
     rows.set_column(6, &(s.R_NB * g));
     rows
 }

@@ -6,11 +6,79 @@
 //! `C = d(B y + g)/dx`. `dT_kj` is computed by central differences of one sigma.
 
 use super::arm::{Raw, Reading, Vehicle};
-use super::equations::{Given, angular_known, angular_rows, linear_known, linear_rows};
-use super::solution::Solution;
-use super::sources::Source;
-use nalgebra::{DMatrix, DVector, SMatrix, SVector};
-use poinsot_spatial::Vector3;
+use super::equations::{Given, angular_known, angular_rows, linear_known, linear_rows, put};
+use super::solve::Solution;
+use nalgebra::{DMatrix, DVector, SMatrix, SVector, SymmetricEigen};
+use poinsot_identify::Noise;
+use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
+
+/// One independent error of one sample, one sigma.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Source {
+    /// Angular velocity, in B, rad/s.
+    Rate(Vector3),
+    /// Velocity, in N, m/s.
+    Velocity(Vector3),
+    /// Change of velocity since the previous sample, in N, m/s; it remains in all later samples.
+    VelocityStep(Vector3),
+    /// Attitude: a small rotation in B, rad.
+    Attitude(Vector3),
+    /// Position of a joint, rad or m.
+    JointPosition(usize, f64),
+    /// Rate of a joint.
+    JointRate(usize, f64),
+    /// Speed of a wheel, rad/s.
+    WheelSpeed(usize, f64),
+}
+
+impl Source {
+    pub(super) fn moved(&self, raw: &Raw, sign: f64) -> Raw {
+        let mut raw = raw.clone();
+        let push = |list: &mut Vec<f64>, k: usize, s: f64| {
+            if let Some(x) = list.get_mut(k) {
+                *x += sign * s;
+            }
+        };
+        match *self {
+            Self::Rate(s) => raw.w_NB_B += s * sign,
+            Self::Velocity(s) | Self::VelocityStep(s) => raw.v_NBo_N += s * sign,
+            Self::Attitude(s) => raw.R_NB *= UnitQuaternion::from_scaled_axis(s * sign),
+            Self::JointPosition(k, s) => push(&mut raw.q, k, s),
+            Self::JointRate(k, s) => push(&mut raw.rates, k, s),
+            Self::WheelSpeed(k, s) => push(&mut raw.wheel_speed, k, s),
+        }
+        raw
+    }
+}
+
+/// Independent one-sigma errors of one sample, with the fraction of their variance present in the data.
+///
+/// `velocity`: whether the segment measures velocity. `step`: covariance of velocity increments, whose noise is
+/// assumed to be fully present.
+pub(super) fn sources(noise: &Noise, velocity: bool, step: Option<Matrix3>) -> Vec<(Source, f64)> {
+    let mut out = Vec::new();
+    let mut axes = |covariance: &Matrix3, seen: f64, source: fn(Vector3) -> Source| {
+        let e = SymmetricEigen::new(*covariance);
+        let own = (0..3).filter(|&k| e.eigenvalues[k] > 0.0);
+        let axis = |k: usize| e.eigenvectors.column(k) * e.eigenvalues[k].sqrt();
+        out.extend(own.map(|k| (source(axis(k)), seen)));
+    };
+    let v = noise.seen_velocity;
+    axes(&noise.gyro, noise.seen_gyro, Source::Rate);
+    if velocity {
+        axes(&noise.velocity, v, Source::Velocity);
+    }
+    axes(&noise.attitude, v, Source::Attitude);
+    axes(&step.unwrap_or_default(), 1.0, Source::VelocityStep);
+    let mut scalars = |variances: &[f64], source: fn(usize, f64) -> Source| {
+        let own = variances.iter().enumerate().filter(|(_, v)| **v > 0.0);
+        out.extend(own.map(|(k, v)| (source(k, v.sqrt()), noise.seen_joint_rate)));
+    };
+    scalars(&noise.joint_position, Source::JointPosition);
+    scalars(&noise.joint_rate, Source::JointRate);
+    scalars(&noise.wheel_speed, Source::WheelSpeed);
+    out
+}
 
 /// First-order effect of the declared noise on one step.
 #[derive(Debug, Clone)]
@@ -40,6 +108,7 @@ impl<const N: usize> Default for StepNoise<N> {
 }
 
 impl<const N: usize> StepNoise<N> {
+    /// Adds an error `dT` of rows with this weight, and its effect `e`.
     fn add<const W: usize>(
         &mut self,
         dT: &SMatrix<f64, 3, W>,
@@ -120,7 +189,10 @@ pub fn influence(vehicle: &mut Vehicle, setting: &Setting, solution: &Solution) 
             out.coupling += own.fixed_columns::<6>(ANGULAR).transpose() * C;
             inherited += C.transpose() * C;
         }
-        out.momentum.push(both.momentum(&sum));
+        out.momentum.push((
+            sum.rows.fixed_columns::<5>(0) * both.x1 * (both.m_S / sum.count),
+            sum.rows.fixed_columns::<7>(ANGULAR) * both.y1 / sum.count,
+        ));
         sums.push(sum);
     }
     // Second pass: every source of every propagated sample.
@@ -215,12 +287,10 @@ impl<'a> Both<'a> {
     /// Rows of both steps, without the derivative.
     fn steps(&self, reading: &Reading) -> Rows {
         let mut rows = Rows::zeros();
-        rows.fixed_columns_mut::<5>(0)
-            .copy_from(&linear_rows(reading));
+        put(&mut rows, 0, &linear_rows(reading));
         if self.solution.angular.is_some() {
             let rho_S = Vector3::new(self.x1[1], self.x1[2], self.x1[3]);
-            rows.fixed_columns_mut::<7>(ANGULAR)
-                .copy_from(&angular_rows(reading, self.m_S, &rho_S));
+            put(&mut rows, ANGULAR, &angular_rows(reading, self.m_S, &rho_S));
         }
         rows
     }
@@ -249,11 +319,11 @@ impl<'a> Both<'a> {
         let mut reference = *first;
         if let Some(p) = &self.known.p_C_N {
             let known = linear_known(p, self.arm_mass);
-            reference.fixed_columns_mut::<5>(0).copy_from(&known);
+            put(&mut reference, 0, &known);
         }
         if let Some(h) = &self.known.h_C_N {
             let known = angular_known(h);
-            reference.fixed_columns_mut::<7>(ANGULAR).copy_from(&known);
+            put(&mut reference, ANGULAR, &known);
             reference.fixed_columns_mut::<4>(SLOPE).fill(0.0);
         }
         reference
@@ -276,25 +346,16 @@ impl<'a> Both<'a> {
         }
     }
 
-    fn momentum(&self, sums: &SegmentSums) -> (Vector3, Vector3) {
-        (
-            sums.rows.fixed_columns::<5>(0) * self.x1 * (self.m_S / sums.count),
-            sums.rows.fixed_columns::<7>(ANGULAR) * self.y1 / sums.count,
-        )
-    }
-
     fn sample(&self, sums: &SegmentSums, k: usize, weight: f64) -> SampleRows {
         let all = sums.before[sums.own.len()];
         // In option 2 the first sample is in all rows of its segment.
         let in_all = [self.known.p_C_N, self.known.h_C_N].map(|known| k == 0 && known.is_none());
         let mut rows = sums.own[k];
         if in_all[0] {
-            rows.fixed_columns_mut::<5>(0)
-                .copy_from(&-all.fixed_columns::<5>(0));
+            put::<16, 5>(&mut rows, 0, &-all.fixed_columns::<5>(0));
         }
         if in_all[1] {
-            rows.fixed_columns_mut::<11>(ANGULAR)
-                .copy_from(&-all.fixed_columns::<11>(ANGULAR));
+            put::<16, 11>(&mut rows, ANGULAR, &-all.fixed_columns::<11>(ANGULAR));
         }
         let later = (all - sums.before[k]).fixed_columns::<4>(0).into_owned();
         SampleRows {

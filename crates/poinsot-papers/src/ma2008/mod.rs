@@ -40,13 +40,9 @@ mod both;
 pub mod bounds;
 mod data;
 mod equations;
-mod increments;
 mod influence;
-mod lanes;
 pub mod printed;
-mod solution;
 mod solve;
-mod sources;
 pub mod studies;
 mod ten;
 mod trials;
@@ -58,10 +54,8 @@ pub use equations::{
     AngularRows, Given, Known, LinearRows, TwoStep, angular_known, angular_rows, differences,
     linear_known, linear_rows, two_step,
 };
-pub use influence::{Influence, Setting, influence};
-pub use solution::{Directions, Solution};
-pub use solve::{Step, solve};
-pub use sources::Source as NoiseSource;
+pub use influence::{Influence, Setting, Source as NoiseSource, influence};
+pub use solve::{Directions, Solution, Step, solve};
 pub use trials::{Results, Trials};
 
 use crate::method::{Method, Named};

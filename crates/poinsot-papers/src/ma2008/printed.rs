@@ -4,10 +4,10 @@
 //! rotate, or if `rho_S = 0` and `I_S` is a multiple of the unit tensor. They also assume stopped joints.
 
 use super::arm::Reading;
-use super::equations::TwoStep;
+use super::equations::{TwoStep, put};
 use super::solve::{Step, solve};
 use nalgebra::SMatrix;
-use poinsot_spatial::{Matrix3, Vector3, parallel_axis, skew, tensor_regressor};
+use poinsot_spatial::{Matrix3, parallel_axis, skew, tensor_regressor};
 
 /// Assumed axes of the printed vectors; the paper does not define them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -19,24 +19,17 @@ pub enum PrintedAxes {
 }
 
 /// One sample in the assumed axes.
-struct Turned {
-    v: Vector3,
-    w: Vector3,
-    rho_R: Vector3,
-    I_R: Matrix3,
-}
-
-fn turned(s: &Reading, axes: PrintedAxes) -> Turned {
+fn turned(s: &Reading, axes: PrintedAxes) -> Reading {
     let R = match axes {
         PrintedAxes::Body => Matrix3::identity(),
         PrintedAxes::Inertial => s.R_NB,
     };
-    Turned {
-        v: R * s.v_NBo_B,
-        w: R * s.w_NB_B,
-        rho_R: R * s.arm.rho_R,
-        I_R: R * s.arm.I_R * R.transpose(),
-    }
+    let mut turned = *s;
+    turned.v_NBo_B = R * s.v_NBo_B;
+    turned.w_NB_B = R * s.w_NB_B;
+    turned.arm.rho_R = R * s.arm.rho_R;
+    turned.arm.I_R = R * s.arm.I_R * R.transpose();
+    turned
 }
 
 /// Option 2 of both steps with the increments as printed, for one segment; `None` without samples.
@@ -51,15 +44,15 @@ fn turned(s: &Reading, axes: PrintedAxes) -> Turned {
 /// ```
 pub fn two_step_printed(segment: &[Reading], axes: PrintedAxes) -> Option<TwoStep> {
     let arm_mass = segment.first()?.arm.mass;
-    let samples: Vec<Turned> = segment.iter().map(|s| turned(s, axes)).collect();
+    let samples: Vec<Reading> = segment.iter().map(|s| turned(s, axes)).collect();
     let first = samples.first()?;
     // (17): A_k = [dv + dw x rho_Rk + w_0 x drho_R, [dw]x], b_k = -dv.
-    let linear_rows = |s: &Turned| {
-        let (dv, dw) = (s.v - first.v, s.w - first.w);
-        let a = dv + dw.cross(&s.rho_R) + first.w.cross(&(s.rho_R - first.rho_R));
+    let linear_rows = |s: &Reading| {
+        let (dv, dw) = (s.v_NBo_B - first.v_NBo_B, s.w_NB_B - first.w_NB_B);
+        let a = dv + dw.cross(&s.arm.rho_R) + first.w_NB_B.cross(&(s.arm.rho_R - first.arm.rho_R));
         let mut T = SMatrix::<f64, 3, 5>::zeros();
         T.set_column(0, &a);
-        T.fixed_columns_mut::<3>(1).copy_from(&skew(&dw));
+        put(&mut T, 1, &skew(&dw));
         T.set_column(4, &dv);
         T
     };
@@ -73,13 +66,12 @@ pub fn two_step_printed(segment: &[Reading], axes: PrintedAxes) -> Option<TwoSte
     // (24), with T_k the parallel-axis tensor of a unit mass at rho_S - rho_Rk.
     let (m_S, rho_S) = (answer.mass(), answer.rho_S());
     let mu = m_S * arm_mass / (m_S + arm_mass);
-    let locked = |s: &Turned| -> Matrix3 { s.I_R + parallel_axis(mu, &(rho_S - s.rho_R)) };
-    let angular_rows = |s: &Turned| {
-        let dw = s.w - first.w;
-        let c = -locked(s) * dw - (locked(s) - locked(first)) * first.w;
+    let locked = |s: &Reading| -> Matrix3 { s.arm.I_R + parallel_axis(mu, &(rho_S - s.arm.rho_R)) };
+    let angular_rows = |s: &Reading| {
+        let dw = s.w_NB_B - first.w_NB_B;
+        let c = -locked(s) * dw - (locked(s) - locked(first)) * first.w_NB_B;
         let mut T = SMatrix::<f64, 3, 7>::zeros();
-        T.fixed_columns_mut::<6>(0)
-            .copy_from(&tensor_regressor(&dw));
+        put(&mut T, 0, &tensor_regressor(&dw));
         T.set_column(6, &-c);
         T
     };

@@ -1,7 +1,7 @@
 //! The ten parameters of the base with their covariance and identifiability.
 
 use super::both::NoisySolution;
-use super::solution::Directions;
+use super::solve::Directions;
 use nalgebra::{SMatrix, SVector};
 use poinsot_identify::Number;
 

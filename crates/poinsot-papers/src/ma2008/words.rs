@@ -1,7 +1,7 @@
 //! Texts about determined and undetermined directions, and warnings.
 
 use super::both::NoisySolution;
-use super::solution::Directions;
+use super::solve::Directions;
 use super::ten::{MISFIT, Ten};
 use crate::numbers::TEN;
 use crate::study::statistics::largest;

@@ -39,9 +39,8 @@ mod single_body;
 pub mod studies;
 pub mod swarm;
 mod two_body;
-mod words;
 
-pub use identify::{identify, identify_with};
+pub use identify::identify;
 pub use least_squares::Answer;
 pub use sequence::{Found, Order, Searched, Solver, StepReport, sequence};
 pub use single_body::{
@@ -117,7 +116,7 @@ pub static METHOD: Method = Method {
     ],
     identify: |problem, variant, settings| {
         let variant = Variant::named("xu2017", variant)?;
-        identify_with(
+        identify(
             problem,
             variant,
             &settings::solver(variant.solver, settings)?,

@@ -1,8 +1,6 @@
 //! Sec. 3.1: the locked robot, then each joint, 1..n or n..1, with the composition rules (43)-(46).
 
-mod bodies;
-mod known;
-mod readings;
+mod parts;
 mod steps;
 
 use super::least_squares::Answer;
@@ -116,8 +114,6 @@ pub struct Found {
     pub bodies: Vec<InertialParameters>,
     /// The locked robot in the normal configuration about the base origin.
     pub total: Option<InertialParameters>,
-    /// Normal configuration, rad or m.
-    pub normal: Vec<f64>,
     /// Steps in the order taken.
     pub steps: Vec<StepReport>,
     /// Form of (35) used.
@@ -168,7 +164,6 @@ pub fn sequence(problem: &Problem, order: Order, solver: &Solver) -> Result<Foun
         found: Found {
             bodies: nominal.collect(),
             total: None,
-            normal: roles.normal.clone(),
             steps: Vec::new(),
             form: None,
             notes: Vec::new(),

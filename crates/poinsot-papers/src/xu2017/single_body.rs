@@ -158,57 +158,46 @@ pub fn solve_single(
         (Form::Momentum, true) => 6,
         (Form::Momentum, false) => 3,
     };
-    let offsets = per_segment * segments.len();
+    let heads = per_segment * segments.len();
     let unknowns = if known { 6 } else { 10 };
-    let mut system = Rows::new(offsets, unknowns);
-    let tagged = segments.iter().enumerate();
-    for (start, row) in tagged.flat_map(|(k, rows)| rows.iter().map(move |r| (per_segment * k, r)))
-    {
-        for i in 0..3 {
-            let mut left = vec![0.0; offsets + 10];
-            let mut right = row.A[i];
-            (0..6).for_each(|j| left[offsets + j] = row.G[(i, j)]);
-            for j in 0..3 {
-                if known {
-                    right -= row.B[(i, j)] * x[7 + j];
-                } else {
-                    left[offsets + 6 + j] = row.B[(i, j)];
-                }
-            }
-            if offsets > 0 {
-                left[start + i] = 1.0;
-            }
-            system.push(&left, right);
+    let mut system = Rows::new(heads, unknowns);
+    let mut add = |head: usize, columns: &[f64; 10], right: f64| {
+        let mut left = vec![0.0; heads];
+        left.get_mut(head).into_iter().for_each(|own| *own = 1.0);
+        left.extend(columns);
+        system.push(&left, right);
+    };
+    for (segment, rows) in segments.iter().enumerate() {
+        let start = per_segment * segment;
+        for (row, i) in rows.iter().flat_map(|row| [0, 1, 2].map(|i| (row, i))) {
+            let (G, B) = (row.G.row(i), row.B.row(i));
+            let columns = std::array::from_fn(|j| match j {
+                0..=5 => G[j],
+                6..=8 => B[j - 6],
+                _ => 0.0,
+            });
+            let given = (0..3).filter(|_| known);
+            let right = given.fold(row.A[i], |right, j| right - B[j] * x[7 + j]);
+            add(start + i, &columns, right);
         }
-        let Some(D) = row.D.filter(|_| !known) else {
-            continue;
-        };
-        for i in 0..3 {
-            let mut left = vec![0.0; offsets + 10];
-            (0..3).for_each(|j| left[offsets + 6 + j] = m * row.E[(i, j)]);
-            left[offsets + 9] = -m * row.J[i];
-            if offsets > 0 {
-                left[start + 3 + i] = 1.0;
+        let moved = rows.iter().filter(|_| !known);
+        for (row, D) in moved.filter_map(|row| Some((row, row.D?))) {
+            for i in 0..3 {
+                let columns = std::array::from_fn(|j| match j {
+                    0..=5 => 0.0,
+                    6..=8 => m * row.E[(i, j - 6)],
+                    _ => -m * row.J[i],
+                });
+                add(start + 3 + i, &columns, -m * D[i]);
             }
-            system.push(&left, -m * D[i]);
         }
     }
     let L = nominal.radius_of_gyration().max(1.0e-3);
     let mut natural = [m * L * L; 10];
     natural[6..9].fill(L);
     natural[9] = 1.0 / m;
-    let start = [
-        x[1],
-        x[2],
-        x[3],
-        x[4],
-        x[5],
-        x[6],
-        x[7],
-        x[8],
-        x[9],
-        1.0 / m,
-    ];
+    let mut start = [1.0 / m; 10];
+    start[..9].copy_from_slice(&x[1..]);
     let found = answer(system, &natural[..unknowns], &start[..unknowns], None);
     found.map(|y| {
         let mut x = x;

@@ -4,8 +4,8 @@
 //! random stream (ChaCha8, stream = particle), and each iteration uses the best position of the previous one. The
 //! result is therefore identical for any number of threads.
 
+use fearless_simd::{Level, dispatch};
 use poinsot_solve::lanes::{LANES, V};
-use pulp::{Arch, Simd, WithSimd};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -67,48 +67,36 @@ impl<C: Cost<N>, const N: usize> Mean<C, N> {
 
 impl<C: Cost<N>, const N: usize> Objective for Mean<C, N> {
     fn costs(&self, particles: &[Particle], out: &mut [f64]) {
-        Arch::new().dispatch(Costs {
-            objective: self,
-            particles,
-            out,
-        });
+        dispatch!(Level::new(), _ => self.means(particles, out));
     }
+
     fn samples(&self) -> usize {
         self.samples
     }
 }
 
-/// Costs of a block of particles, compiled for several instruction sets.
-struct Costs<'a, C, const N: usize> {
-    objective: &'a Mean<C, N>,
-    particles: &'a [Particle],
-    out: &'a mut [f64],
-}
-
 /// Particles whose sums fit in the L1 cache.
 const NEAR: usize = 64;
 
-impl<C: Cost<N>, const N: usize> WithSimd for Costs<'_, C, N> {
-    type Output = ();
-
+impl<C: Cost<N>, const N: usize> Mean<C, N> {
+    /// Costs of particles. Compiled for every instruction set that the machine may have.
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _simd: S) {
-        let of = self.objective;
-        let none = of.cost.body(&[0.0; 10]);
-        for (particles, out) in self.particles.chunks(NEAR).zip(self.out.chunks_mut(NEAR)) {
+    fn means(&self, particles: &[Particle], out: &mut [f64]) {
+        let none = self.cost.body(&[0.0; 10]);
+        for (particles, out) in particles.chunks(NEAR).zip(out.chunks_mut(NEAR)) {
             let mut sums = [V::ZERO; NEAR];
             let mut bodies = [none; NEAR];
             for (x, body) in particles.iter().zip(bodies.iter_mut()) {
-                *body = of.cost.body(x);
+                *body = self.cost.body(x);
             }
             // One chunk of samples stays in the cache while all particles are evaluated.
-            for chunk in &of.chunks {
+            for chunk in &self.chunks {
                 for (body, total) in bodies.iter().zip(sums.iter_mut()).take(particles.len()) {
                     *total = *total + C::cost(chunk, body);
                 }
             }
             for (out, total) in out.iter_mut().zip(&sums) {
-                *out = total.0.iter().sum::<f64>() / of.samples.max(1) as f64;
+                *out = total.0.iter().sum::<f64>() / self.samples.max(1) as f64;
             }
         }
     }

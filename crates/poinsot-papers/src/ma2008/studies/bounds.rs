@@ -6,8 +6,8 @@ use crate::ma2008::bounds::{
     angular_error, bound, linear_error, sizes, stated_angular, stated_linear,
 };
 use crate::ma2008::{
-    Directions, Influence, NoiseSource, Reading, Setting, Solution, TwoStep, Vehicle, angular_rows,
-    differences, influence,
+    Directions, Given, Influence, NoiseSource, Reading, Setting, Solution, TwoStep, Vehicle,
+    angular_rows, differences, influence,
 };
 use crate::study::statistics::{median, quantile, rms};
 use crate::study::{Context, Digits, Findings, StudyError, Table};
@@ -135,9 +135,13 @@ fn declared(run: &Run, sigma: Sigma, known: bool, truth: &TwoStep) -> Option<Inf
     let angular = truth.angular.as_ref()?;
     let linear = Directions::new(&truth.linear, [1.0; 4], 0.0)?;
     let tensor = Directions::new(angular, [1.0; 6], 0.0)?;
+    let given = Given {
+        p_C_N: known.then_some(run.known.p_C_N),
+        h_C_N: known.then_some(run.known.h_C_N),
+    };
     let setting = Setting {
         segments: std::slice::from_ref(&run.raws),
-        known: known.then_some(run.known).into(),
+        known: given,
         sources: &sources,
     };
     let solution = Solution {

@@ -14,7 +14,8 @@ const ANY_ACCURACY: f64 = 1.0e6;
 const EXACT: f64 = 1.0e-7;
 
 /// The linear method for one draw of noise of the two velocities: all else is exact, with the position of the base, which
-/// the two steps do not use. `None` without a complete answer.
+/// the two steps do not use. `None` without an answer; an undetermined number
+/// is NaN.
 pub fn answer(run: &Run, raws: &[Raw], sigma: Sigma, known: bool) -> Option<MassProperties> {
     let mut model = run.model.clone();
     if known {
@@ -60,7 +61,6 @@ pub fn answer(run: &Run, raws: &[Raw], sigma: Sigma, known: bool) -> Option<Mass
         relative_accuracy: ANY_ACCURACY,
     };
     let found = linear(&problem).ok()?;
-    let ten = ten_of(found.bodies.first()?).map(|n| n.value);
-    let complete = ten.iter().all(Option::is_some);
-    complete.then(|| body(ten.map(Option::unwrap_or_default)))
+    let ten = ten_of(found.bodies.first()?);
+    Some(body(ten.map(|n| n.value.unwrap_or(f64::NAN))))
 }

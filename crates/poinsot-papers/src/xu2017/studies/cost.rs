@@ -17,11 +17,8 @@ const RANGE: f64 = 0.5;
 /// The study.
 pub fn run(context: &Context) -> Result<Findings, StudyError> {
     let robot = Robot::new(context)?;
-    let single = Data::new(
-        context,
-        robot.centred(),
-        &robot.runs(&robot.centred(), &["C1"])?,
-    )?;
+    let model = robot.centred();
+    let single = Data::new(context, model.clone(), &robot.runs(&model, &["C1"])?)?;
     let tip = robot.centred_data(&["C1", "C7"])?;
     let swarm = Swarm {
         iterations: ITERATIONS,
@@ -30,21 +27,11 @@ pub fn run(context: &Context) -> Result<Findings, StudyError> {
     };
     let mut findings = Findings::of([accuracy(&robot, &single)?]);
     let mut arrived = Vec::new();
+    let whole = "Fig. 9: equivalent single body, cost (37), run C1 integrated";
+    let body = "Fig. 10: body 6 by joint 6, cost (52), runs C1 and C7";
     for (name, title, data, order, part) in [
-        (
-            "fig09",
-            "Fig. 9: equivalent single body, cost (37), run C1 integrated",
-            &single,
-            Order::Outward,
-            Searched::Single,
-        ),
-        (
-            "fig10",
-            "Fig. 10: body 6 by joint 6, cost (52), runs C1 and C7",
-            &tip,
-            Order::Inward,
-            Searched::Outer(5),
-        ),
+        ("fig09", whole, &single, Order::Outward, Searched::Single),
+        ("fig10", body, &tip, Order::Inward, Searched::Outer(5)),
     ] {
         let flown = data.swarms(RANGE, order, swarm.clone())?;
         let steps = flown
@@ -54,38 +41,28 @@ pub fn run(context: &Context) -> Result<Findings, StudyError> {
         arrived.push(steps.iter().filter(|s| s.arrived()).count());
         findings.plot(name, plot(title, &steps));
     }
-    let text = format!(
-        "{} and {} of {SEEDS} flights arrive",
-        arrived[0], arrived[1]
-    );
+    let [a, b] = [arrived[0], arrived[1]];
+    let text = format!("{a} and {b} of {SEEDS} flights arrive");
     findings.state("Fig. 9, 10 cost of the swarm", text);
     Ok(findings)
 }
 
 /// Median and the band of all seeds, and the linear solution.
 fn plot(title: &str, steps: &[&StepReport]) -> Plot {
-    let histories = || {
-        steps
-            .iter()
-            .filter_map(|s| Some(&s.flight.as_ref()?.0.history))
-    };
+    let flights = || steps.iter().filter_map(|s| s.flight.as_ref());
     let linear = steps.first().map_or(f64::NAN, |s| s.cost_linear);
-    let n = histories().map(Vec::len).min().unwrap_or(0);
+    let n = flights().map(|f| f.0.history.len()).min().unwrap_or(0);
     let x: Vec<f64> = (0..n).step_by(STEP).map(|k| k as f64).collect();
     let at = |share: f64| -> Vec<f64> {
-        let one = |k: usize| quantile(histories().map(|h| h[k]), share);
+        let one = |k: usize| quantile(flights().map(|f| f.0.history[k]), share);
         (0..n).step_by(STEP).map(one).collect()
     };
+    let seeds = format!("all {SEEDS} seeds");
+    let (ends, level) = ([0.0, n as f64], [linear; 2]);
     let series = vec![
-        Series::band(&format!("all {SEEDS} seeds"), 0, &x, &at(0.0), &at(1.0)),
+        Series::band(&seeds, 0, &x, &at(0.0), &at(1.0)),
         Series::new("swarm, median", Mark::Line, 0, &x, &at(0.5)),
-        Series::new(
-            "linear solution",
-            Mark::Dashed,
-            1,
-            &[0.0, n as f64],
-            &[linear; 2],
-        ),
+        Series::new("linear solution", Mark::Dashed, 1, &ends, &level),
     ];
     Plot {
         log: true,

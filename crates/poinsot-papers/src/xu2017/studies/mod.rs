@@ -1,7 +1,6 @@
 //! Tables 4 and 6 to 13, Fig. 9 to 13, the five uses of the Conclusion, and the sensitivities of Sec. 5.6. One joint
 //! is compared with all joints.
 
-mod coefficients;
 mod cost;
 pub mod null;
 pub mod printed;
@@ -12,7 +11,7 @@ pub mod together;
 pub mod uses;
 mod validation;
 
-pub use coefficients::{RATE, largest_coefficients};
+pub use sensitivity::{RATE, largest_coefficients};
 
 use crate::study::Study;
 
@@ -42,12 +41,12 @@ pub const STUDIES: &[Study] = &[
     Study::quick(
         "sensitivity",
         "Sec. 5.6: weakest direction of candidate paths of each joint",
-        sensitivity::run,
+        sensitivity::paths,
     ),
     Study::quick(
         "coefficients",
         "(63) to (75): the coefficients along the runs, and how tight (75) is",
-        coefficients::run,
+        sensitivity::coefficients,
     ),
     Study::slow(
         "validation",

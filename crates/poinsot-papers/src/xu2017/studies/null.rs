@@ -1,88 +1,64 @@
 //! Unobservable part of an error: projection on the unobservable directions, in natural units.
 
+use crate::certified::parameter_names;
 use crate::xu2017::natural;
-use poinsot_identify::{Estimate, tensor_name};
-use poinsot_spatial::{InertialParameters, MassProperties, PARAMETER_NAMES};
+use nalgebra::{DMatrix, DVector};
+use poinsot_identify::Estimate;
+use poinsot_spatial::{InertialParameters, MassProperties};
 
 /// Orthonormal unobservable directions of all ten parameters of all bodies, natural units.
 pub struct Null {
     natural: Vec<f64>,
-    directions: Vec<Vec<f64>>,
+    directions: DMatrix<f64>,
 }
 
 impl Null {
     /// From the undetermined combinations of an estimate from all data; natural units of the true bodies.
     pub fn new(estimate: &Estimate, truth: &[MassProperties]) -> Self {
-        let names: Vec<String> = estimate
-            .bodies
-            .iter()
-            .flat_map(|b| {
-                (0..10).map(|k| match k {
-                    0 => format!("{}.m", b.name),
-                    1..=3 => format!("{}.{}", b.name, PARAMETER_NAMES[k]),
-                    _ => format!("{}.I_BBo_{}", b.name, tensor_name(k - 4)),
-                })
-            })
-            .collect();
+        let bodies = estimate.bodies.iter();
+        let names = bodies.flat_map(|b| parameter_names().map(|name| format!("{}.{name}", b.name)));
+        let names: Vec<String> = names.collect();
         let natural: Vec<f64> = truth.iter().flat_map(natural).collect();
-        let mut directions: Vec<Vec<f64>> = Vec::new();
-        for open in &estimate.identifiability.open {
-            let mut d = vec![0.0; names.len()];
-            for (name, c) in &open.coefficients {
+        let open = &estimate.identifiability.open;
+        let mut directions = DMatrix::zeros(names.len(), open.len());
+        for (k, direction) in open.iter().enumerate() {
+            for (name, c) in &direction.coefficients {
                 if let Some(at) = names.iter().position(|n| n == name) {
-                    d[at] = c / natural[at];
+                    directions[(at, k)] = c / natural[at];
                 }
             }
-            // Gram-Schmidt, twice against round-off.
-            for _ in 0..2 {
-                for before in &directions {
-                    let share = dot(&d, before);
-                    d.iter_mut().zip(before).for_each(|(x, b)| *x -= share * b);
-                }
-                let length = dot(&d, &d).sqrt();
-                d.iter_mut().for_each(|x| *x /= length);
-            }
-            directions.push(d);
         }
         Self {
             natural,
-            directions,
+            directions: directions.qr().q(),
         }
     }
 
     /// Number of unobservable directions.
     pub fn count(&self) -> usize {
-        self.directions.len()
+        self.directions.ncols()
     }
 
-    /// Squared scaled error, and its fraction along unobservable directions.
-    pub fn share(&self, found: &[InertialParameters], truth: &[InertialParameters]) -> (f64, f64) {
+    /// Fraction of the squared scaled error along unobservable directions.
+    pub fn share(&self, found: &[InertialParameters], truth: &[InertialParameters]) -> f64 {
         let error = self.error(found, truth);
-        let whole = dot(&error, &error);
-        let inside: f64 = self.directions.iter().map(|d| dot(&error, d).powi(2)).sum();
-        (whole, inside / whole)
+        self.directions.tr_mul(&error).norm_squared() / error.norm_squared()
     }
 
     /// RSS of the observable error, natural units.
     pub fn visible(&self, found: &[InertialParameters], truth: &[InertialParameters]) -> f64 {
         let mut error = self.error(found, truth);
-        for d in self.directions.iter().chain(&self.directions) {
-            let share = dot(&error, d);
-            error.iter_mut().zip(d).for_each(|(e, x)| *e -= share * x);
+        // The second projection removes the round-off of the first.
+        for _ in 0..2 {
+            error -= &self.directions * self.directions.tr_mul(&error);
         }
-        dot(&error, &error).sqrt()
+        error.norm()
     }
 
-    fn error(&self, found: &[InertialParameters], truth: &[InertialParameters]) -> Vec<f64> {
+    fn error(&self, found: &[InertialParameters], truth: &[InertialParameters]) -> DVector<f64> {
         let pairs = found.iter().zip(truth);
-        let plain = pairs.flat_map(|(a, b)| {
-            let (a, b) = (a.to_array(), b.to_array());
-            (0..10).map(move |k| a[k] - b[k])
-        });
-        plain.zip(&self.natural).map(|(e, unit)| e / unit).collect()
+        let plain = pairs.flat_map(|(a, b)| a.with_added(-1.0, b).to_array());
+        let scaled = plain.zip(&self.natural).map(|(e, unit)| e / unit);
+        DVector::from_vec(scaled.collect())
     }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
 }

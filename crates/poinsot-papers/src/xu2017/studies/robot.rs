@@ -1,13 +1,15 @@
 //! The robot of the paper and its seven runs, from the shipped example.
 
-use crate::numbers::as_one;
+use crate::numbers::{as_one, natural_ten, ten, ten_of};
+use crate::study::statistics::largest;
 use crate::study::{Context, StudyError};
+use crate::xu2017::roles::TENSOR_ALONE;
 use crate::xu2017::swarm::Swarm;
 use crate::xu2017::{Found, Kind, Order, Solver, sequence};
 use poinsot_dynamics::{Kinematics, Tree};
 use poinsot_files::Faults;
-use poinsot_identify::{BodyEstimate, Estimate, Noise, Problem, Segment, TENSOR};
-use poinsot_model::{EstimateSet, Model};
+use poinsot_identify::{BodyEstimate, Estimate, Noise, Problem, Segment};
+use poinsot_model::{Body, EstimateSet, Model};
 use poinsot_spatial::{InertialParameters, MassProperties};
 use poinsot_telemetry::Table;
 use rayon::prelude::*;
@@ -105,14 +107,11 @@ impl<'a> Robot<'a> {
     /// The models cannot be read.
     pub fn new(context: &Context<'a>) -> Result<Self, StudyError> {
         let right = context.model("cases/xu2017_truth.toml")?;
+        let truth = right.bodies.iter().map(|b| b.nominal.parameters());
         Ok(Self {
             context: *context,
             model: context.model("xu2017/model.toml")?,
-            truth: right
-                .bodies
-                .iter()
-                .map(|b| b.nominal.parameters())
-                .collect(),
+            truth: truth.collect(),
         })
     }
 
@@ -182,37 +181,21 @@ impl<'a> Robot<'a> {
     /// The model with mass and mass centre of one body known.
     pub fn mass_known(&self, body: usize) -> Model {
         let mut model = self.model.clone();
-        let right = self.properties()[body];
-        model.bodies[body].nominal.mass = right.mass;
-        model.bodies[body].nominal.p_BoBcm_B = right.p_BoBcm_B;
-        model.bodies[body].estimate = EstimateSet {
-            inertia: true,
-            ..EstimateSet::default()
-        };
+        know_mass(&mut model.bodies[body], &self.properties()[body]);
         model
     }
 
     /// The robot as one body, for the equivalent single body.
     pub fn one_body(&self, inertia_only: bool) -> Model {
         let mut model = self.model.clone();
-        let nominal: Vec<_> = model
-            .bodies
-            .iter()
-            .map(|b| b.nominal.parameters())
-            .collect();
-        let (guess, right) = (whole(&Tree::new(&model), &nominal), self.whole());
+        let nominal = model.bodies.iter().map(|b| b.nominal.parameters());
+        let guess = whole(&Tree::new(&model), &nominal.collect::<Vec<_>>());
         model.bodies.truncate(1);
         model.joints.clear();
         model.sensors.retain(|s| !s.kind.is_scalar());
-        let base = &mut model.bodies[0];
-        base.nominal = guess;
+        model.bodies[0].nominal = guess;
         if inertia_only {
-            base.nominal.mass = right.mass;
-            base.nominal.p_BoBcm_B = right.p_BoBcm_B;
-            base.estimate = EstimateSet {
-                inertia: true,
-                ..EstimateSet::default()
-            };
+            know_mass(&mut model.bodies[0], &self.whole());
         }
         model
     }
@@ -227,11 +210,16 @@ impl<'a> Robot<'a> {
         tables: Vec<Table>,
         variant: &str,
     ) -> Result<Estimate, StudyError> {
-        let own = "xu2017";
-        self.context
-            .tools
-            .identify(model, tables, own, Some(variant))
+        let tools = self.context.tools;
+        tools.identify(model, tables, "xu2017", Some(variant))
     }
+}
+
+/// Mass and mass centre of a body are known, its tensor is not.
+fn know_mass(body: &mut Body, right: &MassProperties) {
+    body.nominal.mass = right.mass;
+    body.nominal.p_BoBcm_B = right.p_BoBcm_B;
+    body.estimate = TENSOR_ALONE;
 }
 
 /// Mass properties of bodies; zero for a body of negative mass.
@@ -259,13 +247,8 @@ pub fn thinned(mut tables: Vec<Table>, every: usize) -> Vec<Table> {
 
 /// Largest error of the given numbers, relative to mass, size and inertia, and their number.
 pub fn errors(found: &BodyEstimate, truth: &MassProperties) -> (f64, usize) {
-    let L = truth.radius_of_gyration();
-    let scale = truth.mass * L * L;
-    let mut list: Vec<f64> = Vec::new();
-    list.extend(found.mass.value.map(|m| (m / truth.mass - 1.0).abs()));
-    let mass_centre = found.com.iter().zip(truth.p_BoBcm_B.iter());
-    list.extend(mass_centre.filter_map(|(c, t)| Some((c.value? - t).abs() / L)));
-    let tensor = found.inertia.iter().zip(TENSOR);
-    list.extend(tensor.filter_map(|(n, e)| Some((n.value? - truth.I_BBcm_B[e]).abs() / scale)));
-    (list.iter().copied().fold(0.0, f64::max), list.len())
+    let (found, units, truth) = (ten_of(found), natural_ten(truth), ten(truth));
+    let error = |k: usize| Some((found[k].value? - truth[k]).abs() / units[k]);
+    let list: Vec<f64> = (0..10).filter_map(error).collect();
+    (largest(list.iter().copied()), list.len())
 }

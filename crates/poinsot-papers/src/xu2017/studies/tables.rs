@@ -3,18 +3,19 @@
 use super::null::Null;
 use super::printed::{IDENTIFIED, NAMES, TABLE4_ERRORS, printed_bodies};
 use super::robot::{ALL, Data, Robot, SEEDS, properties};
+use crate::numbers::ten_of;
 use crate::study::statistics::{largest, mean_and_scatter, median, quantile};
 use crate::study::{Context, Digits, Findings, StudyError, Table};
 use crate::xu2017::swarm::Swarm;
-use crate::xu2017::{Found, Kind, Order, StepReport, Variant, identify, particle};
-use poinsot_identify::{Estimate, linear, tensor_index};
+use crate::xu2017::{Found, Kind, Order, Solver, StepReport, Variant, identify, particle};
+use poinsot_identify::{Estimate, linear};
 use poinsot_spatial::InertialParameters;
 
 /// Half-widths of the swarm's search ranges, relative to the true values. The ranges are centred on the true values:
 /// the most favourable choice.
 const SHARES: [f64; 3] = [0.05, 0.2, 0.5];
-/// The paper's order of a tensor.
-const ELEMENTS: [&str; 6] = ["xx", "yy", "zz", "xy", "xz", "yz"];
+/// The paper's order among the ten numbers of an answer.
+const ORDER: [usize; 10] = [0, 4, 6, 9, 5, 7, 8, 1, 2, 3];
 
 /// The study.
 pub fn run(context: &Context) -> Result<Findings, StudyError> {
@@ -46,32 +47,24 @@ fn identifiable(robot: &Robot, answer: &Estimate, null: &Null) -> Table {
     let found = &answer.identifiability;
     let (rank, all) = (found.rank, found.parameters);
     let sigma = |k: usize| found.sigmas_natural.get(k).copied().unwrap_or(f64::NAN);
-    let share = null.share(&printed_bodies(), &robot.truth).1;
+    let share = null.share(&printed_bodies(), &robot.truth);
     let random = null.count() as f64 / 70.0;
     let title = "Runs C1 to C7, every body unknown";
     let mut table = Table::new("identifiable", title, " | number");
     table.row(format!("combinations determined | {rank} of {all}"), []);
-    table.row(
-        "sigma of the last determined, natural units",
-        [sigma(rank - 1)],
-    );
+    let last = "sigma of the last determined, natural units";
+    table.row(last, [sigma(rank - 1)]);
     table.row("sigma of the first undetermined", [sigma(rank)]);
-    for (title, number, decimals) in [
-        (
-            "squared scaled error of Tables 6 to 12 in undetermined directions, %",
-            100.0 * share,
-            0,
-        ),
-        ("the same of a random error, %", 100.0 * random, 0),
-        (
-            "sum of the printed masses, kg; (46) demands 476",
-            IDENTIFIED.iter().map(|b| b[0]).sum(),
-            2,
-        ),
-    ] {
-        table.row(title, []);
-        table.with(number, Digits::Decimals(decimals));
-    }
+    table.row(
+        "squared scaled error of Tables 6 to 12 in undetermined directions, %",
+        [],
+    );
+    table.with(100.0 * share, Digits::Decimals(0));
+    table.row("the same of a random error, %", []);
+    table.with(100.0 * random, Digits::Decimals(0));
+    table.row("sum of the printed masses, kg; (46) demands 476", []);
+    let sum = IDENTIFIED.iter().map(|b| b[0]).sum();
+    table.with(sum, Digits::Decimals(2));
     table
 }
 
@@ -104,14 +97,14 @@ fn bodies(
         solver: Kind::Linear,
         order: Order::Outward,
     };
-    let answer = identify(&full.problem(), variant)?;
+    let answer = identify(&full.problem(), variant, &Solver::default())?;
     let head = " | true :.4 | paper :.4 | swarm 50 % :.3 | swarm 5 % :.3 | 1..n :.4 | n..1 :.4 | determined";
     let mut tables = Vec::new();
     for (b, estimate) in answer.bodies.iter().enumerate() {
         let n = 6 + b;
         let title = format!("Table {n}: body B{b}; swarms: 5 to 95 % of {SEEDS} seeds");
         let mut table = Table::new(format!("table{n}"), title, head);
-        let x = particle(&robot.properties()[b]);
+        let (x, determined) = (particle(&robot.properties()[b]), ten_of(estimate));
         for (k, name) in NAMES.into_iter().enumerate() {
             table.row(name, [x[k], IDENTIFIED[b][k]]);
             for list in [&flown[2], &flown[0]] {
@@ -127,12 +120,8 @@ fn bodies(
                 let found = particle(&properties(list)[b])[k];
                 table.with(found, Digits::Decimals(4));
             }
-            let number = match k {
-                0 => &estimate.mass,
-                1..=6 => &estimate.inertia[tensor_index(ELEMENTS[k - 1])],
-                _ => &estimate.com[k - 7],
-            };
-            table.word(if number.value.is_some() { "yes" } else { "no" });
+            let given = determined[ORDER[k]].value.is_some();
+            table.word(if given { "yes" } else { "no" });
         }
         tables.push(table);
     }
@@ -147,11 +136,9 @@ fn visible(
     lines: &[Vec<InertialParameters>],
 ) -> Table {
     let size = |list: &[InertialParameters]| null.visible(list, &robot.truth);
-    let mut table = Table::new(
-        "determined_error",
-        "Error in the 52 determined combinations, natural units, root of the sum of squares",
-        " | error",
-    );
+    let title =
+        "Error in the 52 determined combinations, natural units, root of the sum of squares";
+    let mut table = Table::new("determined_error", title, " | error");
     table.row("paper, as printed", [size(&printed_bodies())]);
     for (share, list) in SHARES.into_iter().zip(flown) {
         let title = format!("swarm, range {} %, median", 100.0 * share);

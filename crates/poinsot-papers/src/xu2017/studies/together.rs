@@ -1,10 +1,11 @@
 //! A grasped target: one joint at a time, as in the paper, compared with all joints together.
 
 use super::robot::{ALL, Data, Robot, errors};
+use crate::numbers::{ten, ten_of};
 use crate::study::statistics::{largest, rms};
 use crate::study::{CaseText, Context, Digits, Findings, StudyError, Table};
 
-use poinsot_identify::{BodyEstimate, Estimate, Number, TENSOR, linear};
+use poinsot_identify::{BodyEstimate, Estimate, Number, linear};
 use poinsot_model::Model;
 use poinsot_spatial::MassProperties;
 
@@ -39,48 +40,39 @@ pub fn cases(context: &Context) -> Result<[CaseText; 4], StudyError> {
     let shipped = context.case(CASE)?;
     let text = &shipped.text;
     let part = |mark: &str| text.find(mark).ok_or(format!("{CASE} has no part {mark}"));
-    let (initial, joints, output) = (
-        part("[initial]")?,
-        part("[[joint_motion]]")?,
-        part("[output]")?,
-    );
+    let marks = ["[initial]", "[[joint_motion]]", "[output]"].map(part);
+    let [initial, joints, output] = marks;
+    let (initial, joints, output) = (initial?, joints?, output?);
     let (head, start) = (&text[..initial], &text[initial..joints]);
     let (all, tail) = (&text[joints..output], &text[output..]);
-    let make = |start: &str, motion: &str| CaseText {
+    let starts = [
+        (AT_REST, ALONE),
+        (AT_REST, all),
+        (start, ALONE),
+        (start, all),
+    ];
+    Ok(starts.map(|(start, motion)| CaseText {
         path: shipped.path.clone(),
         text: format!("{head}{start}\n{motion}\n{tail}"),
-    };
-    Ok([
-        make(AT_REST, ALONE),
-        make(AT_REST, all),
-        make(start, ALONE),
-        make(start, all),
-    ])
+    }))
 }
 
 /// Condition number of the target's ten numbers in the method's equations.
 pub fn condition(e: &Estimate) -> f64 {
-    let numbers = e.method_report.iter().flat_map(|r| &r.numbers);
-    let found = numbers
-        .into_iter()
-        .find(|n| n.name.ends_with("condition of these"));
+    let mut numbers = e.method_report.iter().flat_map(|r| &r.numbers);
+    let found = numbers.find(|n| n.name.ends_with("condition of these"));
     found.and_then(|n| n.number.value).unwrap_or(f64::NAN)
 }
 
-/// Errors of mass (relative), mass centre (m), tensor (kg m2, largest element).
-fn parts(b: &BodyEstimate, t: &MassProperties) -> [f64; 3] {
-    let off = |n: &Number, x: f64| n.value.map_or(f64::INFINITY, |v| (v - x).abs());
-    let tensor = b.inertia.iter().zip(TENSOR);
-    [
-        off(&b.mass, t.mass) / t.mass,
-        largest(
-            b.com
-                .iter()
-                .zip(t.p_BoBcm_B.iter())
-                .map(|(n, x)| off(n, *x)),
-        ),
-        largest(tensor.map(|(n, e)| off(n, t.I_BBcm_B[e]))),
-    ]
+/// Errors of mass (relative), mass centre (m), tensor (kg m2, largest element); infinite without a number.
+fn parts(found: &BodyEstimate, truth: &MassProperties) -> [f64; 3] {
+    let (found, truth) = (ten_of(found), ten(truth));
+    let error = |k: usize| {
+        let value = found[k].value;
+        value.map_or(f64::INFINITY, |x| (x - truth[k]).abs())
+    };
+    let most = |range: std::ops::Range<usize>| largest(range.map(error));
+    [error(0) / truth[0], most(1..4), most(4..10)]
 }
 
 /// The vehicle with errors of 20 to 30 % in the target's nominal numbers.
@@ -110,15 +102,13 @@ pub fn answer(
     }
     let table = context.tools.simulate(case, &flown, trial.unwrap_or(0))?;
     let variant = (method == "xu2017").then_some("linear");
-    let found = context
-        .tools
-        .identify(&off(&vehicle), vec![table], method, variant)?;
+    let tools = context.tools;
+    let found = tools.identify(&off(&vehicle), vec![table], method, variant)?;
     Ok((found, vehicle.bodies[TARGET].nominal))
 }
 
 /// One joint compared with all joints.
 pub fn run(context: &Context) -> Result<Findings, StudyError> {
-    let own = "xu2017";
     let mut exact = Table::new(
         "exact",
         "Grasped target, 60 s at 10 Hz, no noise: condition of its ten numbers, largest error",
@@ -128,13 +118,11 @@ pub fn run(context: &Context) -> Result<Findings, StudyError> {
     let head = "motion | method | mass, % | mass centre, mm | tensor, kg m2";
     let mut noisy = Table::new("noisy", title, head);
     for (name, case) in MOTIONS.into_iter().zip(cases(context)?) {
-        let (e, truth) = answer(context, &case, own, None)?;
+        let (e, truth) = answer(context, &case, "xu2017", None)?;
         let (worst, _) = errors(&e.bodies[TARGET], &truth);
         exact.row(name, [condition(&e), worst]);
-        for (method, title) in [
-            (own, "linear steps"),
-            ("maximum_likelihood", "maximum likelihood"),
-        ] {
+        let best = ("maximum_likelihood", "maximum likelihood");
+        for (method, title) in [("xu2017", "linear steps"), best] {
             let mut found = Vec::new();
             for trial in 0..TRIALS {
                 let (e, truth) = answer(context, &case, method, Some(trial))?;
@@ -163,10 +151,8 @@ fn every_body(context: &Context) -> Result<Table, StudyError> {
     let [_, all, ..] = cases(context)?;
     tables.push(context.tools.simulate(&all, &exact, 0)?);
     let both = Data::new(context, robot.model.clone(), &tables)?;
-    for (title, data) in [
-        ("C1 and C2 to C7, 62 s each", robot.data(&ALL)?),
-        ("C1 and all joints at once, 60 s", both),
-    ] {
+    let each = ("C1 and C2 to C7, 62 s each", robot.data(&ALL)?);
+    for (title, data) in [each, ("C1 and all joints at once, 60 s", both)] {
         let found = linear(&data.problem())?.identifiability;
         let sigma = found.sigmas_natural.get(51).copied().unwrap_or(f64::NAN);
         table.row(format!("{title} | {} of 70", found.rank), [sigma]);
@@ -176,28 +162,22 @@ fn every_body(context: &Context) -> Result<Table, StudyError> {
 
 /// The grasped target with all joints moving, drift and rotation.
 pub fn target(context: &Context) -> Result<Findings, StudyError> {
-    let own = "xu2017";
     let case = context.case(CASE)?;
     let mut table = Table::new(
         "target_errors",
         "Largest errors: mass in kg with sigma, mass centre in m, tensor in kg m2, in sigmas",
         " | mass :.4 | mass centre | tensor | worst in sigmas",
     );
-    for (method, title) in [(own, "linear steps"), ("auto", "maximum likelihood")] {
+    for (method, title) in [("xu2017", "linear steps"), ("auto", "maximum likelihood")] {
         let (e, truth) = answer(context, &case, method, Some(0))?;
         let body = &e.bodies[TARGET];
         let [_, c, i] = parts(body, &truth);
+        let numbers = ten_of(body).into_iter().zip(ten(&truth));
         let number = |x: Option<f64>| x.unwrap_or(f64::NAN);
+        let sigmas = |(n, x): (Number, f64)| ((number(n.value) - x) / number(n.sigma)).abs();
         table.row(title, []);
         table.pair([body.mass.value, body.mass.sigma].map(number), "+-");
-        let sigmas = |n: &Number, x: f64| ((number(n.value) - x) / number(n.sigma)).abs();
-        let com = body.com.iter().zip(truth.p_BoBcm_B.iter());
-        let tensor = body.inertia.iter().zip(TENSOR);
-        let worst = com
-            .map(|(n, x)| sigmas(n, *x))
-            .chain(tensor.map(|(n, e)| sigmas(n, truth.I_BBcm_B[e])))
-            .chain([sigmas(&body.mass, truth.mass)]);
-        for x in [c, i, largest(worst)] {
+        for x in [c, i, largest(numbers.map(sigmas))] {
             table.with(x, Digits::Figures(2));
         }
     }

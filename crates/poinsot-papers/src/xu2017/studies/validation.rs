@@ -34,10 +34,8 @@ pub fn run(context: &Context) -> Result<Findings, StudyError> {
     );
     table.row("paper, as printed", VALIDATION);
     let of_paper = moved(&printed_bodies())?;
-    table.row(
-        "paper, from its Tables 6 to 12, in our posture",
-        three(&of_paper),
-    );
+    let own = "paper, from its Tables 6 to 12, in our posture";
+    table.row(own, three(&of_paper));
     let full = robot.data(&ALL)?;
     let mut inward = Vec::new();
     for (name, order) in [("1..n", Order::Outward), ("n..1", Order::Inward)] {
@@ -46,13 +44,10 @@ pub fn run(context: &Context) -> Result<Findings, StudyError> {
         let title = format!("linear, {name} (base {:.2} kg)", found.bodies[0].mass);
         table.row(title, three(&inward));
     }
-    let flown = robot
-        .centred_data(&ALL)?
-        .swarms(RANGE, Order::Outward, Swarm::default())?;
-    let mut all = Vec::new();
-    for found in &flown {
-        all.push(three(&moved(&found.bodies)?));
-    }
+    let centred = robot.centred_data(&ALL)?;
+    let flown = centred.swarms(RANGE, Order::Outward, Swarm::default())?;
+    let all = flown.iter().map(|f| Ok(three(&moved(&f.bodies)?)));
+    let all: Vec<[f64; 3]> = all.collect::<Result<_, StudyError>>()?;
     let column = |k: usize| all.iter().map(move |d| d[k]);
     let swarm = |what| format!("swarm, range 50 %, {what} of {SEEDS} seeds");
     table.row(swarm("median"), [0, 1, 2].map(|k| median(column(k))));
@@ -69,15 +64,14 @@ pub fn run(context: &Context) -> Result<Findings, StudyError> {
     let times = three(&of_paper);
     let [a, b, c] = [0, 1, 2].map(|k| VALIDATION[k] / times[k]);
     let mut findings = Findings::of([table, masses]);
-    findings.state(
-        "Fig. 11-13 validation",
-        format!("{a:.0}, {b:.0}, {c:.0} times"),
-    );
+    let text = format!("{a:.0}, {b:.0}, {c:.0} times");
+    findings.state("Fig. 11-13 validation", text);
     let sources = [
         ("paper's tables", of_paper),
         ("swarm, worst seed", moved(worst)?),
         ("linear, n..1", inward),
     ];
+    let joints = "Fig. 13: joint angles, root of the sum of squares";
     for (name, title, unit, prefix) in [
         (
             "fig12_position",
@@ -91,12 +85,7 @@ pub fn run(context: &Context) -> Result<Findings, StudyError> {
             "rad",
             "base attitude",
         ),
-        (
-            "fig13_joints",
-            "Fig. 13: joint angles, root of the sum of squares",
-            "rad",
-            "joint",
-        ),
+        ("fig13_joints", joints, "rad", "joint"),
     ] {
         findings.plot(name, plot(title, unit, prefix, &sources));
     }
