@@ -19,6 +19,11 @@ pub(crate) const TEN: [&str; 10] = [
     "inertia_zz",
 ];
 
+/// Units of the ten numbers.
+pub(crate) const UNITS: [&str; 10] = [
+    "kg", "m", "m", "m", "kg m2", "kg m2", "kg m2", "kg m2", "kg m2", "kg m2",
+];
+
 /// The ten numbers.
 pub(crate) fn ten(body: &MassProperties) -> [f64; 10] {
     let c = &body.p_BoBcm_B;

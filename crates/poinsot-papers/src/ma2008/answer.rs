@@ -7,9 +7,9 @@ use super::data::{check, raws};
 use super::equations::Given;
 use super::influence::sources;
 use super::ten::{MISFIT, Ten};
-use super::words::{UNITS, identifiability, warnings};
+use super::words::{identifiability, warnings};
 use crate::method::Named;
-use crate::numbers::{self, TEN, as_one, ten, ten_of};
+use crate::numbers::{self, TEN, UNITS, as_one, ten, ten_of};
 use poinsot_dynamics::Kinematics;
 use poinsot_files::Faults;
 use poinsot_identify::{

@@ -41,6 +41,7 @@ pub mod bounds;
 mod data;
 mod equations;
 mod influence;
+mod lanes;
 pub mod printed;
 mod solve;
 pub mod studies;

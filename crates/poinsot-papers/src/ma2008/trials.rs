@@ -2,22 +2,22 @@
 //!
 //! Every trial adds noise to the six velocities of fixed samples and solves both steps by normal equations, whose sums
 //! fit in registers. Condition numbers of 4 to 1000 leave at least ten digits. Trial t is lane `t % 8` of group
-//! `t / 8`. Group g uses ChaCha8 stream g, so a trial does not depend on the number of trials. Index loops instead of
-//! closures: a closure does not inherit the instruction set of its caller.
+//! `t / 8`. Group g uses ChaCha8 stream g, so a trial does not depend on the number of trials.
 #![allow(clippy::needless_range_loop)]
 
 use super::Variant;
 use super::arm::{Reading, Vehicle};
 use super::data::{check, no_velocity, raws};
 use super::equations::Known;
+use super::lanes::{LANES, V, normals, solve};
 use crate::method::Kernel;
 use crate::numbers::body;
-use crate::study::statistics::Normals;
 use fearless_simd::{Level, dispatch};
 use poinsot_files::Faults;
 use poinsot_identify::{Problem, Status};
-use poinsot_solve::lanes::{LANES, V};
 use poinsot_spatial::{MassProperties, Matrix3};
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 use std::ops::Range;
 
 /// The ten numbers of eight trials: mass kg, mass centre m, elements of the tensor kg m2.
@@ -88,17 +88,17 @@ impl Trials {
     /// Runs the groups of eight trials in `groups` and passes each to `sink`.
     pub fn run(&self, seed: u64, groups: Range<u64>, mut sink: impl FnMut(&Results)) {
         let mut noisy = vec![[V::ZERO; 6]; self.samples.len()];
+        let mut words = vec![[0_u64; LANES]; 3 * self.samples.len()];
+        let base = ChaCha8Rng::seed_from_u64(seed);
         let level = Level::new();
         for group in groups {
-            let mut normals = Normals::new(seed, group);
-            for (s, out) in self.samples.iter().zip(&mut noisy) {
-                let exact = s.v.into_iter().chain(s.w);
-                let sigma = self.sigma_v.into_iter().chain(self.sigma_w);
-                for (out, (exact, sigma)) in out.iter_mut().zip(exact.zip(sigma)) {
-                    *out = V([(); LANES].map(|()| exact + sigma * normals.number()));
-                }
+            let mut rng = base.clone();
+            rng.set_stream(group);
+            // Word by word: to fill bytes takes four times as long.
+            for word in words.as_flattened_mut() {
+                *word = rng.next_u64();
             }
-            let result = dispatch!(level, _ => self.group(&noisy));
+            let result = dispatch!(level, _ => self.group(&words, &mut noisy));
             sink(&result);
         }
     }
@@ -122,7 +122,8 @@ impl Trials {
 
     /// One group of trials. Compiled for every instruction set that the machine may have.
     #[inline(always)]
-    fn group(&self, noisy: &[[V; 6]]) -> Results {
+    fn group(&self, words: &[[u64; LANES]], noisy: &mut [[V; 6]]) -> Results {
+        self.draw(words, noisy);
         let m_R = V::all(self.arm_mass);
         let x: [V; 4] = self.step(noisy, linear, &[V::ZERO; 4]);
         let m = m_R / x[0];
@@ -168,6 +169,19 @@ impl Trials {
             }
         }
         solve(normal, rhs)
+    }
+
+    /// Noisy velocities: six normal numbers per sample and lane.
+    #[inline(always)]
+    fn draw(&self, words: &[[u64; LANES]], noisy: &mut [[V; 6]]) {
+        for at in 0..self.samples.len() {
+            let (s, out) = (&self.samples[at], &mut noisy[at]);
+            for k in 0..3 {
+                let (a, b) = normals(&words[3 * at + k]);
+                out[k] = V::all(s.v[k]).plus(a, V::all(self.sigma_v[k]));
+                out[3 + k] = V::all(s.w[k]).plus(b, V::all(self.sigma_w[k]));
+            }
+        }
     }
 }
 
@@ -303,44 +317,4 @@ fn turn(s: &Fixed, a: &[V; 3]) -> [V; 3] {
         dot(a, &all(&s.R[1])),
         dot(a, &all(&s.R[2])),
     ]
-}
-
-/// Solves a symmetric system by `L D L^T`; only the lower triangle is used.
-#[inline(always)]
-fn solve<const N: usize>(mut A: [[V; N]; N], mut b: [V; N]) -> [V; N] {
-    let mut inverse = [V::ZERO; N];
-    for j in 0..N {
-        inverse[j] = V::all(1.0) / A[j][j];
-        for i in j + 1..N {
-            let l = A[i][j] * inverse[j];
-            for k in j + 1..=i {
-                A[i][k] = A[i][k].less(l, A[k][j]);
-            }
-            b[i] = b[i].less(l, b[j]);
-        }
-    }
-    for i in (0..N).rev() {
-        let mut x = b[i];
-        for k in i + 1..N {
-            x = x.less(A[k][i], b[k]);
-        }
-        b[i] = x * inverse[i];
-    }
-    b
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn exact_solve_of_a_known_system() {
-        let A = [[4.0, 0.0, 0.0], [1.0, 3.0, 0.0], [-2.0, 0.5, 5.0]].map(|r| r.map(V::all));
-        // Full matrix times (1, -2, 3).
-        let b = [4.0 - 2.0 - 6.0, 1.0 - 6.0 + 1.5, -2.0 - 1.0 + 15.0].map(V::all);
-        let x = solve(A, b);
-        for (x, e) in x.iter().zip([1.0, -2.0, 3.0]) {
-            assert!((x.0[5] - e).abs() < 1.0e-14);
-        }
-    }
 }

@@ -3,7 +3,7 @@
 use super::both::NoisySolution;
 use super::solve::Directions;
 use super::ten::{MISFIT, Ten};
-use crate::numbers::TEN;
+use crate::numbers::{TEN, UNITS};
 use crate::study::statistics::largest;
 use poinsot_identify::{
     BodyEstimate, DeterminedCombination, Identifiability, Problem, UnobservableCombination,
@@ -12,11 +12,6 @@ use poinsot_model::{Nuisance, SensorKind};
 
 /// Range of the ratio of arm mass to base mass in the paper.
 const STUDIED: [f64; 2] = [0.005, 0.5];
-
-/// Units of the ten numbers.
-pub(super) const UNITS: [&str; 10] = [
-    "kg", "m", "m", "m", "kg m2", "kg m2", "kg m2", "kg m2", "kg m2", "kg m2",
-];
 
 /// Why a direction is not determined, and what to do.
 #[derive(Clone, Copy)]

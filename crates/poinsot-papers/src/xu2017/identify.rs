@@ -6,10 +6,10 @@
 use super::roles::{Roles, joint_name, roles};
 use super::sequence::{Found, Searched, Solver, StepReport, sequence};
 use super::single_body::Form;
-use super::{Kind, Order, Variant};
+use super::{Kind, ORDER, Order, Variant};
 use crate::certified::put;
 use crate::method::Named;
-use crate::numbers::printed;
+use crate::numbers::{TEN, UNITS, printed};
 use crate::study::statistics::largest;
 use poinsot_dynamics::Kinematics;
 use poinsot_files::Faults;
@@ -101,20 +101,6 @@ fn numbers(step: &StepReport) -> Vec<NamedNumber> {
 
 /// Lever arms below this fraction of the radius of gyration are zero.
 const NO_LEVER: f64 = 1.0e-6;
-
-/// Names of the ten coordinates of a particle, with units.
-const COORDINATES: [(&str, &str); 10] = [
-    ("mass", "kg"),
-    ("inertia xx", "kg m2"),
-    ("inertia yy", "kg m2"),
-    ("inertia zz", "kg m2"),
-    ("inertia xy", "kg m2"),
-    ("inertia xz", "kg m2"),
-    ("inertia yz", "kg m2"),
-    ("mass centre x", "m"),
-    ("mass centre y", "m"),
-    ("mass centre z", "m"),
-];
 
 /// First notes of the report.
 fn notes(variant: Variant, found: &Found, estimate: &Estimate) -> String {
@@ -240,7 +226,8 @@ fn standing(problem: &Problem, roles: &Roles) -> Vec<String> {
 fn search(step: &StepReport, share: f64) -> Option<String> {
     let (flight, range) = step.flight.as_ref()?;
     let place = |&d: &usize| {
-        let (name, unit) = COORDINATES[d];
+        let (name, unit) = (TEN[ORDER[d]], UNITS[ORDER[d]]);
+        let name = name.replace("com_", "mass centre ").replace('_', " ");
         format!(
             "{name} = {:.6} {unit} of [{:.6}, {:.6}]",
             flight.best[d], range.low[d], range.high[d]

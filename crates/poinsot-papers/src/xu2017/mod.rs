@@ -50,8 +50,9 @@ use swarm::Particle;
 pub use two_body::{MomentumRow, Side, TwoBodyObjective, TwoBodyReading, rows, transported};
 
 use crate::method::{Method, Named};
+use crate::numbers::{body, ten};
 use nalgebra::SMatrix;
-use poinsot_spatial::{MassProperties, Matrix3, Vector3};
+use poinsot_spatial::{MassProperties, Vector3};
 
 /// Solver and joint order, as named on the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -138,11 +139,14 @@ fn tensor_regressor(w: &Vector3) -> SMatrix<f64, 3, 6> {
     k
 }
 
+/// The paper's order (61), (62) among the ten numbers of a body.
+const ORDER: [usize; 10] = [0, 4, 6, 9, 5, 7, 8, 1, 2, 3];
+
 /// The ten numbers of (61), (62): mass, central inertia in the paper's order, mass centre.
 ///
 /// ```
 /// use poinsot_papers::xu2017::{particle, properties};
-/// use poinsot_spatial::{MassProperties, Matrix3, Vector3};
+/// use poinsot_spatial::{MassProperties, Vector3};
 ///
 /// let I_BBcm_B = Matrix3::from_diagonal(&Vector3::new(1.0, 2.0, 2.5));
 /// let body = MassProperties { mass: 10.0, p_BoBcm_B: Vector3::x(), I_BBcm_B };
@@ -150,10 +154,8 @@ fn tensor_regressor(w: &Vector3) -> SMatrix<f64, 3, 6> {
 /// assert_eq!(properties(&particle(&body)), body);
 /// ```
 pub fn particle(body: &MassProperties) -> Particle {
-    let (I, c) = (&body.I_BBcm_B, &body.p_BoBcm_B);
-    [
-        body.mass, I.m11, I.m22, I.m33, I.m12, I.m13, I.m23, c.x, c.y, c.z,
-    ]
+    let ten = ten(body);
+    ORDER.map(|k| ten[k])
 }
 
 /// The inverse of [`particle`].
@@ -165,11 +167,9 @@ pub fn particle(body: &MassProperties) -> Particle {
 /// assert_eq!((body.mass, body.I_BBcm_B[(1, 2)], body.p_BoBcm_B.x), (10.0, 0.3, 1.0));
 /// ```
 pub fn properties(x: &Particle) -> MassProperties {
-    MassProperties {
-        mass: x[0],
-        I_BBcm_B: Matrix3::new(x[1], x[4], x[5], x[4], x[2], x[6], x[5], x[6], x[3]),
-        p_BoBcm_B: Vector3::new(x[7], x[8], x[9]),
-    }
+    let mut ten = [0.0; 10];
+    ORDER.into_iter().zip(x).for_each(|(k, x)| ten[k] = *x);
+    body(ten)
 }
 
 /// Natural units m, m L, m L^2 of the ten parameters.

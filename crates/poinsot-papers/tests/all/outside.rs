@@ -4,7 +4,7 @@ use crate::kim2010::{fly, identify};
 use crate::xu2017::{linear_null, truth};
 use poinsot::study::{Cell, Context, Findings, Verbs, run, studies};
 use poinsot_papers::kim2010::NAMES;
-use poinsot_papers::xu2017::studies::printed::{IDENTIFIED, printed_bodies};
+use poinsot_papers::xu2017::studies::robot::{IDENTIFIED, printed_bodies};
 use poinsot_papers::xu2017::studies::together;
 use serde_json::Value;
 use std::path::{Path, PathBuf};

@@ -2,8 +2,6 @@
 //! is compared with all joints.
 
 mod cost;
-pub mod null;
-pub mod printed;
 pub mod robot;
 mod sensitivity;
 mod tables;

@@ -1,21 +1,24 @@
 //! Tables 4 and 6 to 12: paper, swarm and linear solution compared, with identifiability.
 
-use super::null::Null;
-use super::printed::{IDENTIFIED, NAMES, TABLE4_ERRORS, printed_bodies};
-use super::robot::{ALL, Data, Robot, SEEDS, properties};
-use crate::numbers::ten_of;
+use super::robot::{
+    ALL, Data, IDENTIFIED, Null, Robot, SEEDS, TABLE4_ERRORS, printed_bodies, properties,
+};
+use crate::numbers::{TEN, UNITS, ten_of};
 use crate::study::statistics::{largest, mean_and_scatter, median, quantile};
 use crate::study::{Context, Digits, Findings, StudyError, Table};
 use crate::xu2017::swarm::Swarm;
-use crate::xu2017::{Found, Kind, Order, Solver, StepReport, Variant, identify, particle};
+use crate::xu2017::{Found, Kind, ORDER, Order, Solver, StepReport, Variant, identify, particle};
 use poinsot_identify::{Estimate, linear};
 use poinsot_spatial::InertialParameters;
 
 /// Half-widths of the swarm's search ranges, relative to the true values. The ranges are centred on the true values:
 /// the most favourable choice.
 const SHARES: [f64; 3] = [0.05, 0.2, 0.5];
-/// The paper's order among the ten numbers of an answer.
-const ORDER: [usize; 10] = [0, 4, 6, 9, 5, 7, 8, 1, 2, 3];
+/// Name of a row of Tables 4 and 6 to 12, with its unit.
+fn name(k: usize) -> String {
+    let name = TEN[ORDER[k]].replace("inertia", "I");
+    format!("{name}, {}", UNITS[ORDER[k]])
+}
 
 /// The study.
 pub fn run(context: &Context) -> Result<Findings, StudyError> {
@@ -79,9 +82,10 @@ fn table4(robot: &Robot, full: &Data, flown: &[Found]) -> Result<Table, StudyErr
         format!("Table 4: equivalent single body, error in %; swarm: worst of {SEEDS} seeds");
     let head = " | true :.4 | paper | swarm | linear";
     let mut table = Table::new("table4", title, head);
-    for (k, name) in NAMES.into_iter().enumerate() {
+    for k in 0..10 {
+        let printed = usize::checked_sub(k, 1).map_or(f64::NAN, |k| TABLE4_ERRORS[k]);
         let worst = largest(flown.iter().map(|f| error(f, k)));
-        table.row(name, [x[k], TABLE4_ERRORS[k], worst, error(&linear, k)]);
+        table.row(name(k), [x[k], printed, worst, error(&linear, k)]);
     }
     Ok(table)
 }
@@ -105,8 +109,8 @@ fn bodies(
         let title = format!("Table {n}: body B{b}; swarms: 5 to 95 % of {SEEDS} seeds");
         let mut table = Table::new(format!("table{n}"), title, head);
         let (x, determined) = (particle(&robot.properties()[b]), ten_of(estimate));
-        for (k, name) in NAMES.into_iter().enumerate() {
-            table.row(name, [x[k], IDENTIFIED[b][k]]);
+        for k in 0..10 {
+            table.row(name(k), [x[k], IDENTIFIED[b][k]]);
             for list in [&flown[2], &flown[0]] {
                 // A body of negative mass has no mass centre; its mass is in the first row.
                 let number = |f: &Found| match k {

@@ -1,7 +1,6 @@
 //! Sec. 5.5: the torques of Table 13 applied to the true and the identified robot; Fig. 12 and 13.
 
-use super::printed::{VALIDATION, printed_bodies};
-use super::robot::{ALL, Robot, SEEDS};
+use super::robot::{ALL, Robot, SEEDS, VALIDATION, printed_bodies};
 use crate::study::statistics::{largest, median};
 use crate::study::{Context, Difference, Findings, StudyError, Table, curves};
 use crate::xu2017::Order;

@@ -14,9 +14,9 @@ use poinsot::{Identified, Question};
 use poinsot_identify::{Estimate, Status, linear};
 use poinsot_model::{EstimateSet, Model, read_model};
 use poinsot_papers::study::{Context, without_translation};
-use poinsot_papers::xu2017::studies::null::Null;
-use poinsot_papers::xu2017::studies::printed::{IDENTIFIED, printed_bodies};
-use poinsot_papers::xu2017::studies::robot::{ALL, ARM, Data, Robot, errors, properties, thinned};
+use poinsot_papers::xu2017::studies::robot::{
+    ALL, ARM, Data, IDENTIFIED, Null, Robot, errors, printed_bodies, properties, thinned,
+};
 use poinsot_papers::xu2017::studies::{RATE, largest_coefficients, together};
 use poinsot_papers::xu2017::swarm::Swarm;
 use poinsot_papers::xu2017::{Form, Kind, Order, Solver, particle, sequence};
