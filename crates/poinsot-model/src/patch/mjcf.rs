@@ -1,8 +1,8 @@
 //! MJCF, the model file of MuJoCo.
 
-use super::xml::{Element, Format, document, numbers, only, symmetric, words};
+use super::xml::{Format, Wanted, document, numbers, only, words};
 use super::{BodyProperties, Patched};
-use poinsot_spatial::MassProperties;
+use poinsot_spatial::{MassProperties, elements, tensor};
 use roxmltree::{Document, Node};
 
 /// Attributes that rotate the axes of an `<inertial>` or give a diagonal tensor: excluded by a full tensor.
@@ -40,7 +40,7 @@ pub fn patch_mjcf(text: &str, bodies: &[BodyProperties]) -> Result<Patched, Stri
     let format = Format {
         tag: "body",
         depth: usize::MAX,
-        edit,
+        wanted,
         read,
     };
     format.patched(text, bodies)
@@ -64,15 +64,14 @@ fn refuse_overrides(document: &Document<'_>) -> Result<(), String> {
     Ok(())
 }
 
-fn edit(mut body: Element<'_>, new: &MassProperties) {
-    let i = &new.I_BBcm_B;
-    let [xx, yy, zz] = [i[(0, 0)], i[(1, 1)], i[(2, 2)]];
-    let tensor = [xx, yy, zz, i[(0, 1)], i[(0, 2)], i[(1, 2)]];
-    let mut inertial = body.child("inertial");
-    inertial.remove(&AXES);
-    inertial.set("pos", words(new.p_BoBcm_B.as_slice()));
-    inertial.set("mass", words(&[new.mass]));
-    inertial.set("fullinertia", words(&tensor));
+fn wanted(_: Node<'_, '_>, new: &MassProperties) -> Wanted {
+    let [xx, xy, yy, xz, yz, zz] = elements(&new.I_BBcm_B);
+    let attributes = vec![
+        ("pos", words(new.p_BoBcm_B.as_slice())),
+        ("mass", words(&[new.mass])),
+        ("fullinertia", words(&[xx, yy, zz, xy, xz, yz])),
+    ];
+    Wanted::new("inertial", attributes).without(&AXES)
 }
 
 fn read(body: Node<'_, '_>) -> Option<MassProperties> {
@@ -83,6 +82,6 @@ fn read(body: Node<'_, '_>) -> Option<MassProperties> {
     (!turned).then_some(MassProperties {
         mass,
         p_BoBcm_B: numbers(inertial.attribute("pos"))?.into(),
-        I_BBcm_B: symmetric([xx, xy, xz, yy, yz, zz]),
+        I_BBcm_B: tensor([xx, xy, yy, xz, yz, zz]),
     })
 }

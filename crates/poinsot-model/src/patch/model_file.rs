@@ -1,18 +1,8 @@
 //! The model file of Poinsot: comments, order and all other keys stay unchanged.
 
 use super::{BodyProperties, Patched};
-use poinsot_spatial::MassProperties;
+use poinsot_spatial::{MassProperties, TENSOR, tensor_name};
 use toml_edit::{Array, DocumentMut, InlineTable, Item, Table, Value};
-
-/// Tensor elements with their indices.
-const ELEMENTS: [(&str, (usize, usize)); 6] = [
-    ("xx", (0, 0)),
-    ("yy", (1, 1)),
-    ("zz", (2, 2)),
-    ("xy", (0, 1)),
-    ("xz", (0, 2)),
-    ("yz", (1, 2)),
-];
 
 /// Writes mass properties into the text of a model file.
 ///
@@ -65,9 +55,9 @@ fn edit_body(table: &mut Table, new: &MassProperties) {
         .entry("inertia_kg_m2")
         .or_insert_with(|| Item::Value(InlineTable::new().into()));
     if let Some(elements) = inertia.as_table_like_mut() {
-        for (name, at) in ELEMENTS {
+        for (k, at) in TENSOR.into_iter().enumerate() {
             let value = Value::from(new.I_BBcm_B[at]);
-            set(elements.entry(name), value);
+            set(elements.entry(tensor_name(k)), value);
         }
     }
 }

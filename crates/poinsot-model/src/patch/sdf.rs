@@ -1,6 +1,6 @@
 //! SDF, the robot description of Gazebo and Drake.
 
-use super::xml::{Element, Format, UPPER, numbers, only, tensor, words};
+use super::xml::{Format, UPPER, Wanted, numbers, only, tensor, words};
 use super::{BodyProperties, Patched};
 use crate::urdf::ELEMENTS;
 use poinsot_spatial::MassProperties;
@@ -24,25 +24,23 @@ pub fn patch_sdf(text: &str, bodies: &[BodyProperties]) -> Result<Patched, Strin
     let format = Format {
         tag: "link",
         depth: usize::MAX,
-        edit,
+        wanted,
         read,
     };
     format.patched(text, bodies)
 }
 
-fn edit(mut link: Element<'_>, new: &MassProperties) {
-    let inertial = link.child("inertial");
-    let mut inertial = inertial.with_children(&["pose", "mass", "inertia"]);
+fn wanted(_: Node<'_, '_>, new: &MassProperties) -> Wanted {
+    let element = |(name, at)| Wanted::saying(name, words(&[new.I_BBcm_B[at]]));
+    let elements = ELEMENTS.into_iter().zip(UPPER).map(element).collect();
+    let pose = words(new.p_BoBcm_B.as_slice()) + " 0 0 0";
+    let parts = vec![
+        Wanted::saying("pose", pose).without(&["relative_to", "degrees", "rotation_format"]),
+        Wanted::saying("mass", words(&[new.mass])),
+        Wanted::holding("inertia", elements),
+    ];
     // With `auto`, Gazebo computes other numbers from the shapes.
-    inertial.remove(&["auto"]);
-    let mut pose = inertial.child("pose");
-    pose.remove(&["relative_to", "degrees", "rotation_format"]);
-    inertial.set_text("pose", &(words(new.p_BoBcm_B.as_slice()) + " 0 0 0"));
-    inertial.set_text("mass", &words(&[new.mass]));
-    let mut inertia = inertial.child("inertia").with_children(&ELEMENTS);
-    for (name, at) in ELEMENTS.into_iter().zip(UPPER) {
-        inertia.set_text(name, &words(&[new.I_BBcm_B[at]]));
-    }
+    Wanted::holding("inertial", parts).without(&["auto"])
 }
 
 fn read(link: Node<'_, '_>) -> Option<MassProperties> {

@@ -1,6 +1,6 @@
 //! URDF, the robot description of ROS.
 
-use super::xml::{Element, Format, UPPER, numbers, only, tensor, words};
+use super::xml::{Format, UPPER, Wanted, numbers, only, tensor, words};
 use super::{BodyProperties, Patched};
 use crate::urdf::{ELEMENTS, rotation};
 use poinsot_spatial::{MassProperties, Matrix3};
@@ -26,24 +26,29 @@ pub fn patch_urdf(text: &str, bodies: &[BodyProperties]) -> Result<Patched, Stri
     let format = Format {
         tag: "link",
         depth: 2,
-        edit,
+        wanted,
         read,
     };
     format.patched(text, bodies)
 }
 
-fn edit(mut link: Element<'_>, new: &MassProperties) {
-    let inertial = link.child("inertial");
-    let mut inertial = inertial.with_children(&["origin", "mass", "inertia"]);
-    let mut origin = inertial.child("origin");
-    origin.set("xyz", words(new.p_BoBcm_B.as_slice()));
-    let turn = turn(origin.attribute("rpy").as_deref()).unwrap_or_else(Matrix3::identity);
-    inertial.child("mass").set("value", words(&[new.mass]));
+fn wanted(link: Node<'_, '_>, new: &MassProperties) -> Wanted {
+    let mut inertial = link.children().filter(|n| n.has_tag_name("inertial"));
+    let origin = inertial.next().and_then(|own| {
+        let mut origins = own.children().filter(|n| n.has_tag_name("origin"));
+        origins.next()
+    });
+    let rpy = origin.and_then(|origin| origin.attribute("rpy"));
+    let turn = turn(rpy).unwrap_or_else(Matrix3::identity);
     let i = turn.transpose() * new.I_BBcm_B * turn;
-    let mut inertia = inertial.child("inertia");
-    for (name, at) in ELEMENTS.into_iter().zip(UPPER) {
-        inertia.set(name, words(&[i[at]]));
-    }
+    let element = |(name, at)| (name, words(&[i[at]]));
+    let elements = ELEMENTS.into_iter().zip(UPPER).map(element);
+    let parts = vec![
+        Wanted::new("origin", vec![("xyz", words(new.p_BoBcm_B.as_slice()))]),
+        Wanted::new("mass", vec![("value", words(&[new.mass]))]),
+        Wanted::new("inertia", elements.collect()),
+    ];
+    Wanted::holding("inertial", parts)
 }
 
 fn read(link: Node<'_, '_>) -> Option<MassProperties> {

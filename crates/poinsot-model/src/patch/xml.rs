@@ -1,11 +1,9 @@
-//! Edits on the tree of an XML text. What is not edited keeps its bytes: comments, blanks, order, quotes.
+//! Edits of an XML text at the places of its elements. What is not edited keeps its bytes: comments, blanks, order, quotes.
 
 use super::{BodyProperties, Patched};
 use crate::urdf::{ELEMENTS, excess};
 use poinsot_spatial::{MassProperties, Matrix3};
-use quick_xml::events::{BytesStart, BytesText, Event};
-use quick_xml::{Reader, Writer};
-use roxmltree::{Document, Node};
+use roxmltree::{Attribute, Document, Node};
 use std::ops::Range;
 
 /// Largest relative change of a tensor element by rotation and back.
@@ -20,8 +18,8 @@ pub(super) struct Format {
     pub tag: &'static str,
     /// Largest depth of that element; the root has 1.
     pub depth: usize,
-    /// Writes the mass properties into the element, as far as it can.
-    pub edit: fn(Element<'_>, &MassProperties),
+    /// The `<inertial>` that states the mass properties in this element.
+    pub wanted: fn(Node<'_, '_>, &MassProperties) -> Wanted,
     /// Reads them; `None` if they are not there exactly once.
     pub read: fn(Node<'_, '_>) -> Option<MassProperties>,
 }
@@ -30,21 +28,25 @@ impl Format {
     /// Edits the element of every body, and reads the written text back.
     pub fn patched(&self, text: &str, bodies: &[BodyProperties]) -> Result<Patched, String> {
         let old = document(text)?;
-        let (there, absent): (Vec<_>, Vec<_>) = bodies
-            .iter()
-            .partition(|new| self.found(&old, &new.body).is_some());
-        let unread = |why| format!("this is not XML: {why}; give the robot's file");
-        let mut events = events(text).map_err(|error| unread(error.to_string()))?;
-        for new in &there {
-            if let Some(at) = self.place(&events, &new.body) {
-                let events = &mut events;
-                (self.edit)(Element { events, at }, &new.properties);
+        let (mut edits, mut missing) = (Edits::new(), Vec::new());
+        for new in bodies {
+            match self.found(&old, &new.body) {
+                Some(node) => {
+                    let inertial = (self.wanted)(node, &new.properties);
+                    Wanted::holding(self.tag, vec![inertial]).edit(node, &mut edits);
+                }
+                None => missing.push(new.body.clone()),
             }
         }
-        let text = self::text(events, text).map_err(|error| unread(error.to_string()))?;
-        let written = document(&text)?;
-        for new in there {
-            let read = self.found(&written, &new.body).and_then(self.read);
+        edits.sort_by_key(|(place, _)| (place.start, place.end));
+        edits.dedup_by(|a, b| a.0 == b.0);
+        let mut written = text.to_owned();
+        for (place, new) in edits.into_iter().rev() {
+            written.replace_range(place, &new);
+        }
+        let again = document(&written)?;
+        for new in bodies.iter().filter(|new| !missing.contains(&new.body)) {
+            let read = self.found(&again, &new.body).and_then(self.read);
             if !read.is_some_and(|read| is_same(&read, &new.properties)) {
                 return Err(format!(
                     "<{}> \"{}\": the new mass, mass centre and inertia would not be read back; state each element of its <inertial> once",
@@ -52,31 +54,8 @@ impl Format {
                 ));
             }
         }
-        Ok(Patched {
-            text,
-            missing: absent.into_iter().map(|new| new.body.clone()).collect(),
-        })
-    }
-
-    /// The place of the first element of a body.
-    fn place(&self, events: &[Event<'_>], body: &str) -> Option<usize> {
-        let mut depth = 0;
-        events.iter().position(|event| {
-            match event {
-                Event::Start(_) => depth += 1,
-                Event::End(_) => depth -= 1,
-                _ => {}
-            }
-            let (tag, depth) = match event {
-                Event::Start(tag) => (tag, depth),
-                Event::Empty(tag) => (tag, depth + 1),
-                _ => return false,
-            };
-            let name = tag.try_get_attribute("name").ok().flatten();
-            depth <= self.depth
-                && is(tag, self.tag)
-                && name.is_some_and(|a| a.unescape_value().is_ok_and(|name| name == body))
-        })
+        let text = written;
+        Ok(Patched { text, missing })
     }
 
     /// The element of a body; `None` if there is none or several.
@@ -125,18 +104,14 @@ pub(super) fn numbers<const N: usize>(text: Option<&str>) -> Option<[f64; N]> {
     all?.try_into().ok()
 }
 
-/// The tensor of `xx, xy, xz, yy, yz, zz`.
-pub(super) fn symmetric([xx, xy, xz, yy, yz, zz]: [f64; 6]) -> Matrix3 {
-    Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
-}
-
 /// The tensor whose elements have the names of URDF and SDF.
 pub(super) fn tensor<'t>(text: impl Fn(&str) -> Option<&'t str>) -> Option<Matrix3> {
     let mut elements = [0.0; 6];
     for (element, name) in elements.iter_mut().zip(ELEMENTS) {
         [*element] = numbers(text(name))?;
     }
-    Some(symmetric(elements))
+    let [xx, xy, xz, yy, yz, zz] = elements;
+    Some(poinsot_spatial::tensor([xx, xy, yy, xz, yz, zz]))
 }
 
 /// Numbers as text that reads back to the same bits.
@@ -145,166 +120,141 @@ pub(super) fn words(numbers: &[f64]) -> String {
     words.join(" ")
 }
 
-/// An element in the list of what a text consists of; children are what stands before its end tag.
-pub(super) struct Element<'t> {
-    events: &'t mut Vec<Event<'static>>,
-    at: usize,
+/// Bytes of a text, and what takes their place.
+type Edits = Vec<(Range<usize>, String)>;
+
+/// What an element is to state; all else that it states stays.
+#[derive(Default)]
+pub(super) struct Wanted {
+    tag: &'static str,
+    /// Attributes with their values; `None` where an attribute is removed.
+    attributes: Vec<(&'static str, Option<String>)>,
+    /// Text in place of all content; empty for no text.
+    text: String,
+    children: Vec<Wanted>,
 }
 
-impl Element<'_> {
-    /// Gives a self-closing element an end tag.
-    fn open(&mut self) {
-        if let Some(Event::Empty(tag)) = self.events.get(self.at) {
-            let (tag, end) = (tag.clone(), tag.to_end().into_owned());
-            let opened = [Event::Start(tag), Event::End(end)];
-            self.events.splice(self.at..=self.at, opened);
+impl Wanted {
+    /// An element with attributes.
+    pub fn new(tag: &'static str, attributes: Vec<(&'static str, String)>) -> Self {
+        let given = attributes.into_iter();
+        Self {
+            tag,
+            attributes: given.map(|(name, value)| (name, Some(value))).collect(),
+            ..Self::default()
         }
     }
 
-    /// The first child element of a name; a new one in front if there is none.
-    pub fn child(&mut self, name: &str) -> Element<'_> {
-        self.open();
-        let at = self.scan(name).unwrap_or_else(|_| {
-            let prefix = self.tag().and_then(|tag| tag.name().prefix().map(text_of));
-            let name = prefix.map_or(name.to_owned(), |prefix| format!("{prefix}:{name}"));
-            let new = Event::Empty(BytesStart::new(name));
-            self.events.insert(self.at + 1, new);
-            self.at + 1
-        });
-        let events = &mut *self.events;
-        Element { events, at }
+    /// An element with child elements; missing ones are put in front, in this order.
+    pub fn holding(tag: &'static str, children: Vec<Self>) -> Self {
+        Self {
+            children,
+            ..Self::new(tag, Vec::new())
+        }
     }
 
-    /// Makes missing children, in this order.
-    pub fn with_children(mut self, names: &[&str]) -> Self {
-        for name in names.iter().rev() {
-            self.child(name);
+    /// An element with a text.
+    pub fn saying(tag: &'static str, text: String) -> Self {
+        Self {
+            text,
+            ..Self::new(tag, Vec::new())
         }
+    }
+
+    /// The same without these attributes.
+    pub fn without(mut self, names: &[&'static str]) -> Self {
+        self.attributes
+            .extend(names.iter().map(|name| (*name, None)));
         self
     }
 
-    /// The value of an attribute as written.
-    pub fn attribute(&self, name: &str) -> Option<String> {
-        let value = self.placed(name)?.value;
-        self.tag().and_then(|tag| tag.get(value)).map(text_of)
-    }
-
-    /// Replaces the value of an attribute, or adds the attribute.
-    pub fn set(&mut self, name: &str, value: String) {
-        match self.placed(name) {
-            Some(old) => self.write(old.value, &value),
-            None => {
-                let end = self.tag().map_or(0, |tag| tag.trim_ascii_end().len());
-                self.write(end..end, &format!(" {name}=\"{value}\""));
-            }
+    /// A new element, with the prefix of the one around it.
+    fn element(&self, prefix: &str) -> String {
+        let given = self.attributes.iter();
+        let given =
+            given.filter_map(|(name, value)| Some(format!(" {name}=\"{}\"", value.as_ref()?)));
+        let (tag, attributes) = (self.tag, given.collect::<String>());
+        let children = self.children.iter().map(|child| child.element(prefix));
+        match self.text.clone() + &children.collect::<String>() {
+            content if content.is_empty() => format!("<{prefix}{tag}{attributes}/>"),
+            content => format!("<{prefix}{tag}{attributes}>{content}</{prefix}{tag}>"),
         }
     }
 
-    /// Removes attributes.
-    pub fn remove(&mut self, names: &[&str]) {
-        for name in names {
-            if let Some(old) = self.placed(name) {
-                self.write(old.whole, "");
-            }
-        }
-    }
-
-    /// Replaces the content of a child element by a text.
-    pub fn set_text(&mut self, name: &str, text: &str) {
-        let mut child = self.child(name);
-        child.open();
-        let end = child.scan("").unwrap_or_else(|end| end);
-        let text = Event::Text(BytesText::new(text).into_owned());
-        child.events.splice(child.at + 1..end, [text]);
-    }
-
-    /// The index of the first child of a name; otherwise that of the end tag.
-    fn scan(&self, name: &str) -> Result<usize, usize> {
-        let mut depth = 0;
-        for (k, event) in self.events.iter().enumerate().skip(self.at + 1) {
-            match event {
-                Event::Start(tag) | Event::Empty(tag) if depth == 0 && is(tag, name) => {
-                    return Ok(k);
+    /// Adds the edits of an element that is there.
+    fn edit(&self, node: Node<'_, '_>, edits: &mut Edits) {
+        let source = node.document().input_text();
+        let start = start_tag(source, node.range());
+        let head = source.get(start.clone()).unwrap_or_default();
+        let name = head.trim_start_matches('<');
+        let name = name.split(|c: char| c.is_whitespace() || "/>".contains(c));
+        let name = name.into_iter().next().unwrap_or_default();
+        let prefix = name
+            .strip_suffix(node.tag_name().name())
+            .unwrap_or_default();
+        let is_empty = head.ends_with("/>");
+        let close = start.end - if is_empty { 2 } else { 1 };
+        let before = |at: usize| source.get(..at).unwrap_or_default().trim_end().len();
+        let mut added = String::new();
+        for (name, value) in &self.attributes {
+            let old = node
+                .attributes()
+                .find(|a| a.name() == *name && a.namespace().is_none());
+            match (old, value) {
+                (Some(old), Some(value)) => edits.push((value_of(source, &old), value.clone())),
+                (Some(old), None) => {
+                    let place = old.range();
+                    edits.push((before(place.start)..place.end, String::new()));
                 }
-                Event::End(_) if depth == 0 => return Err(k),
-                Event::Start(_) => depth += 1,
-                Event::End(_) => depth -= 1,
-                _ => {}
+                (None, Some(value)) => added += &format!(" {name}=\"{value}\""),
+                (None, None) => {}
             }
         }
-        Err(self.events.len())
-    }
-
-    fn tag(&self) -> Option<&BytesStart<'static>> {
-        match self.events.get(self.at) {
-            Some(Event::Start(tag) | Event::Empty(tag)) => Some(tag),
-            _ => None,
+        if !added.is_empty() {
+            edits.push((before(close)..before(close), added));
         }
-    }
-
-    /// Where an attribute stands in its tag.
-    fn placed(&self, name: &str) -> Option<Placed> {
-        let tag = self.tag()?;
-        let mut all = tag.attributes().flatten();
-        let found = all.find(|a| a.key.as_ref() == name.as_bytes())?;
-        let at = |part: &[u8]| (part.as_ptr() as usize).checked_sub(tag.as_ptr() as usize);
-        let (key, value) = (at(found.key.as_ref())?, at(&found.value)?);
-        let end = value + found.value.len();
-        let before = tag.get(..key)?.trim_ascii_end().len();
-        Some(Placed {
-            whole: before..end + 1,
-            value: value..end,
-        })
-    }
-
-    /// Replaces a part of the tag.
-    fn write(&mut self, part: Range<usize>, new: &str) {
-        if let Some(Event::Start(tag) | Event::Empty(tag)) = self.events.get_mut(self.at) {
-            let (mut text, name) = (text_of(&**tag), tag.name().as_ref().len());
-            text.replace_range(part, new);
-            *tag = BytesStart::from_content(text, name);
+        let mut content = self.text.clone();
+        for child in &self.children {
+            let mut there = node.children().filter(|n| n.has_tag_name(child.tag));
+            match there.next() {
+                Some(there) => child.edit(there, edits),
+                None => content += &child.element(prefix),
+            }
+        }
+        let end_tag = source.get(..node.range().end).and_then(|s| s.rfind("</"));
+        let inside = match (self.text.is_empty(), end_tag) {
+            (false, Some(end)) => start.end..end,
+            _ => start.end..start.end,
+        };
+        match (content.is_empty(), is_empty) {
+            (true, _) => {}
+            (false, true) => edits.push((close..start.end, format!(">{content}</{name}>"))),
+            (false, false) => edits.push((inside, content)),
         }
     }
 }
 
-/// Bytes of an attribute in its tag.
-struct Placed {
-    /// From the blank before its name to its last quote.
-    whole: Range<usize>,
-    value: Range<usize>,
-}
-
-fn text_of(bytes: impl AsRef<[u8]>) -> String {
-    String::from_utf8_lossy(bytes.as_ref()).into_owned()
-}
-
-fn is(tag: &BytesStart<'_>, name: &str) -> bool {
-    tag.local_name().as_ref() == name.as_bytes()
-}
-
-/// What a text consists of, in order.
-fn events(text: &str) -> quick_xml::Result<Vec<Event<'static>>> {
-    let mut reader = Reader::from_str(text);
-    // The other reader has matched the tags.
-    reader.config_mut().check_end_names = false;
-    reader.config_mut().trim_markup_names_in_closing_tags = false;
-    let mut events = Vec::new();
-    loop {
-        match reader.read_event()? {
-            Event::Eof => return Ok(events),
-            event => events.push(event.into_owned()),
+/// The start tag of an element: to the first `>` outside quotes.
+fn start_tag(source: &str, element: Range<usize>) -> Range<usize> {
+    let text = source.get(element.clone()).unwrap_or_default();
+    let mut quote = None;
+    let end = text.bytes().position(|byte| {
+        match (quote, byte) {
+            (None, b'"' | b'\'') => quote = Some(byte),
+            (Some(open), _) if open == byte => quote = None,
+            _ => {}
         }
-    }
+        quote.is_none() && byte == b'>'
+    });
+    element.start..end.map_or(element.end, |end| element.start + end + 1)
 }
 
-/// The text of what [`events`] gave, with the byte order mark of the first.
-fn text(events: Vec<Event<'static>>, first: &str) -> std::io::Result<String> {
-    let mut writer = Writer::new(Vec::new());
-    if first.starts_with('\u{feff}') {
-        writer.write_bom()?;
-    }
-    for event in events {
-        writer.write_event(event)?;
-    }
-    String::from_utf8(writer.into_inner()).map_err(std::io::Error::other)
+/// The value of an attribute, between its quotes.
+fn value_of(source: &str, attribute: &Attribute<'_, '_>) -> Range<usize> {
+    let (place, last) = (attribute.range(), attribute.range().end - 1);
+    let text = source.get(place.start..last).unwrap_or_default();
+    let open = text
+        .find(['"', '\''])
+        .map_or(last, |at| place.start + at + 1);
+    open..last
 }
