@@ -1,11 +1,12 @@
 //! Describes a vehicle as text and tables, for `poinsot check`.
 
 use crate::file::{JointFile, ModeFile, ThrusterFile, WheelFile};
-use crate::vehicle::{Body, JointKind, Model, MomentumKnowledge, Sensor, printed_unit};
+use crate::vehicle::{Body, Model, MomentumKnowledge, Sensor, printed_unit};
 use crate::words::{entry, lines};
-use crate::write::{file_of, telemetry};
+use crate::write::file_of;
+use poinsot_dynamics::{Kinematics, Vehicle, composite};
 use poinsot_files::{list, short};
-use poinsot_spatial::{MassProperties, Matrix3, Vector3};
+use poinsot_spatial::MassProperties;
 use poinsot_telemetry::TelemetryMap;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -145,7 +146,7 @@ pub fn describe(model: &Model) -> Description {
 /// # Ok::<(), poinsot_files::Faults>(())
 /// ```
 pub fn describe_map(map: &TelemetryMap) -> Vec<String> {
-    lines(&telemetry(map))
+    lines(map)
 }
 
 fn describe_body(body: &Body) -> BodyDescription {
@@ -177,53 +178,20 @@ fn describe_sensor(model: &Model, s: &Sensor) -> SensorDescription {
 
 /// Mass, mass centre and principal moments of the whole vehicle, joints at their locked positions.
 fn whole(model: &Model) -> (f64, SystemDescription) {
-    let mut poses: Vec<(Matrix3, Vector3)> = Vec::with_capacity(model.bodies.len());
-    let mut sum = poinsot_spatial::InertialParameters::ZERO;
-    for body in &model.bodies {
-        let joint = body.joint.and_then(|j| model.joints.get(j));
-        let (R_BaseB, p_BaseB) = match joint {
-            None => (Matrix3::identity(), Vector3::zeros()),
-            Some(joint) => {
-                let (R_P, p_P) = poses
-                    .get(joint.parent)
-                    .copied()
-                    .unwrap_or((Matrix3::identity(), Vector3::zeros()));
-                let R_C = R_P * joint.R_PC_zero;
-                let p_C = p_P + R_P * joint.p_PoCo_P;
-                match joint.kind {
-                    JointKind::Revolute => {
-                        let turn = rotation_about(&joint.axis_C, joint.standing_at());
-                        (R_C * turn, p_C)
-                    }
-                    JointKind::Prismatic => (R_C, p_C + R_C * joint.axis_C * joint.standing_at()),
-                    JointKind::Fixed => (R_C, p_C),
-                }
-            }
-        };
-        let nominal = &body.nominal;
-        let moved = MassProperties {
-            mass: nominal.mass,
-            p_BoBcm_B: p_BaseB + R_BaseB * nominal.p_BoBcm_B,
-            I_BBcm_B: R_BaseB * nominal.I_BBcm_B * R_BaseB.transpose(),
-        }
-        .parameters();
-        sum.mass += moved.mass;
-        sum.mc_B += moved.mc_B;
-        sum.I_BBo_B += moved.I_BBo_B;
-        poses.push((R_BaseB, p_BaseB));
-    }
-    let total = sum.mass_properties().unwrap_or(MassProperties::ZERO);
-    let system = SystemDescription {
-        com_m: total.p_BoBcm_B.into(),
-        principal_kg_m2: total.principal().0,
+    let vehicle = Vehicle::from(model);
+    let mut kinematics = Kinematics::new(&vehicle.tree);
+    kinematics.place(&vehicle.tree, &vehicle.locked_at);
+    let whole = composite(&vehicle.bodies, &kinematics);
+    let properties = MassProperties {
+        mass: whole.mass,
+        p_BoBcm_B: whole.p_BoScm_B(),
+        I_BBcm_B: whole.I_SScm_B(),
     };
-    (sum.mass, system)
-}
-
-/// Rotation by an angle about a unit axis (Rodrigues).
-fn rotation_about(axis: &Vector3, angle: f64) -> Matrix3 {
-    let k = poinsot_spatial::skew(axis);
-    Matrix3::identity() + k * angle.sin() + k * k * (1.0 - angle.cos())
+    let system = SystemDescription {
+        com_m: properties.p_BoBcm_B.into(),
+        principal_kg_m2: properties.principal().0,
+    };
+    (whole.mass, system)
 }
 
 /// One line per body, without recursion: a chain may have thousands of links.

@@ -97,61 +97,30 @@ pub fn full_name(sensor: &str, name: &str) -> String {
 type Vector = (&'static str, fn(usize) -> Quantity, Dimension, &'static str);
 
 /// Prefix of a three-vector's columns, quantity, dimension, axes.
-const VECTORS: [Vector; 13] = [
-    (
-        "omega",
-        Quantity::AngularVelocity,
-        Dimension::AngularVelocity,
-        "body",
-    ),
-    (
-        "domega",
-        Quantity::AngularAcceleration,
-        Dimension::AngularAcceleration,
-        "body",
-    ),
-    (
-        "orbit",
-        Quantity::OrbitPosition,
-        Dimension::Length,
-        "inertial",
-    ),
-    ("r", Quantity::Position, Dimension::Length, "inertial"),
-    ("v", Quantity::Velocity, Dimension::Velocity, "inertial"),
-    (
-        "dv",
-        Quantity::VelocityIncrement,
-        Dimension::Velocity,
-        "inertial",
-    ),
-    (
-        "acc",
-        Quantity::SpecificForce,
-        Dimension::Acceleration,
-        "body",
-    ),
-    ("direction", Quantity::Direction, Dimension::One, "body"),
-    ("reference", Quantity::Reference, Dimension::One, "inertial"),
-    ("q", Quantity::Attitude, Dimension::One, "inertial"),
-    (
-        "relative_q",
-        Quantity::RelativeAttitude,
-        Dimension::One,
-        "body",
-    ),
-    (
-        "relative_r",
-        Quantity::RelativePosition,
-        Dimension::Length,
-        "body",
-    ),
-    (
-        "relative_v",
-        Quantity::RelativeVelocity,
-        Dimension::Velocity,
-        "body",
-    ),
-];
+const VECTORS: [Vector; 13] = {
+    use Dimension as D;
+    use Quantity as Q;
+    [
+        ("omega", Q::AngularVelocity, D::AngularVelocity, "body"),
+        (
+            "domega",
+            Q::AngularAcceleration,
+            D::AngularAcceleration,
+            "body",
+        ),
+        ("orbit", Q::OrbitPosition, D::Length, "inertial"),
+        ("r", Q::Position, D::Length, "inertial"),
+        ("v", Q::Velocity, D::Velocity, "inertial"),
+        ("dv", Q::VelocityIncrement, D::Velocity, "inertial"),
+        ("acc", Q::SpecificForce, D::Acceleration, "body"),
+        ("direction", Q::Direction, D::One, "body"),
+        ("reference", Q::Reference, D::One, "inertial"),
+        ("q", Q::Attitude, D::One, "inertial"),
+        ("relative_q", Q::RelativeAttitude, D::One, "body"),
+        ("relative_r", Q::RelativePosition, D::Length, "body"),
+        ("relative_v", Q::RelativeVelocity, D::Velocity, "body"),
+    ]
+};
 
 /// Components of a vector with this prefix: four of a quaternion.
 pub(crate) fn components(prefix: &str) -> &'static [&'static str] {
@@ -162,24 +131,20 @@ pub(crate) fn components(prefix: &str) -> &'static [&'static str] {
 }
 
 /// Suffix of a named scalar, longest first, with quantity and dimension.
-const SUFFIXES: [(&str, Quantity, Dimension); 8] = [
-    (
-        "_rad_s2",
-        Quantity::AngleAcceleration,
-        Dimension::AngularAcceleration,
-    ),
-    ("_rad_s", Quantity::AngleRate, Dimension::AngularVelocity),
-    (
-        "_m_s2",
-        Quantity::DisplacementAcceleration,
-        Dimension::Acceleration,
-    ),
-    ("_rad", Quantity::Angle, Dimension::Angle),
-    ("_m_s", Quantity::DisplacementRate, Dimension::Velocity),
-    ("_Nm", Quantity::Torque, Dimension::Torque),
-    ("_m", Quantity::Displacement, Dimension::Length),
-    ("_N", Quantity::Force, Dimension::Force),
-];
+const SUFFIXES: [(&str, Quantity, Dimension); 8] = {
+    use Dimension as D;
+    use Quantity as Q;
+    [
+        ("_rad_s2", Q::AngleAcceleration, D::AngularAcceleration),
+        ("_rad_s", Q::AngleRate, D::AngularVelocity),
+        ("_m_s2", Q::DisplacementAcceleration, D::Acceleration),
+        ("_rad", Q::Angle, D::Angle),
+        ("_m_s", Q::DisplacementRate, D::Velocity),
+        ("_Nm", Q::Torque, D::Torque),
+        ("_m", Q::Displacement, D::Length),
+        ("_N", Q::Force, D::Force),
+    ]
+};
 
 /// Standard names that belong to no joint, wheel or thruster.
 ///

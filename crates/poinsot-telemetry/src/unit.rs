@@ -33,21 +33,10 @@ pub enum Dimension {
 }
 
 impl Dimension {
-    /// The SI unit, for example `rad/s`.
+    /// The SI unit, for example `rad/s`: the first of its dimension in the table.
     pub fn si(self) -> &'static str {
-        match self {
-            Self::One => "1",
-            Self::Time => "s",
-            Self::Angle => "rad",
-            Self::AngularVelocity => "rad/s",
-            Self::AngularAcceleration => "rad/s2",
-            Self::Length => "m",
-            Self::Velocity => "m/s",
-            Self::Acceleration => "m/s2",
-            Self::Force => "N",
-            Self::Torque => "N m",
-            Self::Impulse => "N s",
-        }
+        let first = TABLE.iter().find(|row| row.1 == self);
+        first.map_or("1", |row| row.0)
     }
 
     /// Name, for example `angular velocity`.
