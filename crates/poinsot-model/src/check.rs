@@ -71,7 +71,7 @@ pub(crate) fn check_model(
         sensors,
         momentum: check_momentum(file.momentum.as_ref()),
         environment: check_environment(file.environment.as_ref(), findings),
-        telemetry: check_telemetry(file.telemetry.as_ref(), Some(file), findings),
+        telemetry: check_telemetry(file.telemetry.clone(), Some(file), findings),
         knowledge: Knowledge::default(),
         notes: Vec::new(),
     };
@@ -80,8 +80,7 @@ pub(crate) fn check_model(
             let name = model.sensors.get(k).map(|s| s.name.as_str());
             findings.note(
                 &Key::entry("sensor", k, name).at("body"),
-                "the body is fixed to the base, and the sensor is taken as one of the base"
-                    .to_owned(),
+                "the body is fixed to the base, and the sensor is taken as one of the base",
             );
         }
     }
@@ -105,7 +104,7 @@ fn check_count(file: &ModelFile, findings: &mut Findings<'_, '_>) -> bool {
         Some([]) => findings.refuse(
             "E0106",
             &top,
-            "there is no body".to_owned(),
+            "there is no body",
             "add [[body]]; the first one is the base",
         ),
         Some(bodies) if bodies.len() > MOST_BODIES => findings.refuse(

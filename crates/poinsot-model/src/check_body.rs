@@ -122,7 +122,7 @@ fn check_mass_properties(
     if inertia == Matrix3::identity() {
         findings.note(
             &key.at("inertia_kg_m2"),
-            "the inertia is 1 kg m2 about every axis; is it a placeholder?".to_owned(),
+            "the inertia is 1 kg m2 about every axis; is it a placeholder?",
         );
     }
     Some(nominal)
@@ -139,7 +139,7 @@ fn refuse_unphysical(fault: Unphysical, key: &Key, findings: &mut Findings<'_, '
         Unphysical::MasslessWithInertia => findings.refuse(
             "E0116",
             &inertia,
-            "the body has inertia but no mass".to_owned(),
+            "the body has inertia but no mass",
             "give it a mass, or zero inertia",
         ),
         Unphysical::Indefinite(moments) => findings.refuse(
@@ -176,7 +176,7 @@ fn check_estimate(
         findings.refuse(
             "E0117",
             &key.at("estimate"),
-            "the body is to be estimated but its nominal mass is zero".to_owned(),
+            "the body is to be estimated but its nominal mass is zero",
             "give a rough positive mass_kg, com_m and inertia_kg_m2, or remove estimate",
         );
         return;
@@ -186,14 +186,13 @@ fn check_estimate(
         findings.refuse(
             "E0117",
             &key.at("estimate"),
-            "the body is to be estimated but its nominal inertia is zero".to_owned(),
+            "the body is to be estimated but its nominal inertia is zero",
             "give a rough positive inertia_kg_m2: it sets the scale of the estimate",
         );
     } else if moments[0] + moments[1] - moments[2] <= PHYSICAL_TOLERANCE * moments[2] {
         findings.note(
             &key.at("inertia_kg_m2"),
-            "the nominal body is flat or thin to rounding: it is at the limit of physical mass properties"
-                .to_owned(),
+            "the nominal body is flat or thin to rounding: it is at the limit of physical mass properties",
         );
     }
 }
@@ -214,7 +213,7 @@ fn note_idle_prior(
         if given[k].is_some() && !asked[k] {
             findings.note(
                 &key.at("prior").at(name),
-                "the prior has no effect: the number is not estimated; remove it, or estimate the number".to_owned(),
+                "the prior has no effect: the number is not estimated; remove it, or estimate the number",
             );
         }
     }
@@ -247,7 +246,7 @@ pub(crate) fn check_massless(model: &Model, order: &[usize], findings: &mut Find
         findings.refuse(
             "E0116",
             &key(0),
-            "no body of the vehicle has mass".to_owned(),
+            "no body of the vehicle has mass",
             "give the base a mass",
         );
         return;

@@ -36,7 +36,7 @@ fn check_joint(
     let axis = match (kind, &file.axis) {
         (JointKind::Fixed, given) => {
             if given.is_some() {
-                findings.note(&here, "the axis of a fixed joint has no effect".to_owned());
+                findings.note(&here, "the axis of a fixed joint has no effect");
             }
             Some(Vector3::zeros())
         }

@@ -241,7 +241,7 @@ pub(crate) fn check_carried(model: &mut Model, file: &ModelFile, findings: &mut 
         findings.refuse(
             "E0115",
             &key.at("rotation_kg05_m"),
-            "no positive inertia is left of the vehicle without what this mode and those before it carry".to_owned(),
+            "no positive inertia is left of the vehicle without what this mode and those before it carry",
             "correct the participations: the squares of their rotations are below the vehicle's moments of inertia",
         );
     }

@@ -26,11 +26,11 @@ pub(crate) fn check_nuisance(
     };
     for name in sigma.keys().filter(|name| *name != unit_key) {
         let remedy = format!("write {unit_key} here");
-        findings.refuse("E0105", &key.at(name), "wrong unit".to_owned(), remedy);
+        findings.refuse("E0105", &key.at(name), "wrong unit", remedy);
     }
     if sigma.is_empty() && !findings.has_near(key) {
         let remedy = format!("write {{ {unit_key} = x }} or \"estimate\"");
-        findings.refuse("E0118", key, "the table is empty".to_owned(), remedy);
+        findings.refuse("E0118", key, "the table is empty", remedy);
     }
     let sigma = sigma.get(unit_key);
     sigma.map_or(Nuisance::Known, |sigma| Nuisance::Prior(*sigma))

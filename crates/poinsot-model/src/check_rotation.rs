@@ -57,7 +57,7 @@ pub(crate) fn check_rotation(
             findings.refuse(
                 "E0114",
                 &key.at("rotation_matrix"),
-                "rotation_xyzw is given too".to_owned(),
+                "rotation_xyzw is given too",
                 "keep one of the two",
             );
             None
@@ -75,7 +75,7 @@ fn check_quaternion(
         findings.refuse(
             "E0114",
             key,
-            "the quaternion is zero".to_owned(),
+            "the quaternion is zero",
             "write [0.0, 0.0, 0.0, 1.0] for no rotation",
         );
         return None;
@@ -135,7 +135,7 @@ fn check_matrix(
         findings.refuse(
             "E0114",
             key,
-            "the matrix has determinant -1: it mirrors (left-handed axes)".to_owned(),
+            "the matrix has determinant -1: it mirrors (left-handed axes)",
             "reverse one axis",
         );
         return None;

@@ -103,7 +103,7 @@ fn check_seen_from(
         findings.refuse(
             "E0118",
             &here,
-            "the sensor would see its own body".to_owned(),
+            "the sensor would see its own body",
             "write the seen body as body, and the body that carries the camera as seen_from",
         );
         return None;
@@ -155,7 +155,7 @@ fn check_sensor(
     if kind.is_scalar() && of.is_empty() && findings.count() == before {
         findings.note(
             &key.at("type"),
-            "the sensor has no effect: the model has nothing that it could measure; remove it, or add what it measures".to_owned(),
+            "the sensor has no effect: the model has nothing that it could measure; remove it, or add what it measures",
         );
     }
     // A joint sensor without declared noise has the unit of its joints.
@@ -256,7 +256,7 @@ fn check_unit(
                 findings.refuse(
                     "E0118",
                     &key.at(&name),
-                    "one sensor is declared in two units".to_owned(),
+                    "one sensor is declared in two units",
                     "write one [[sensor]] for revolute and one for prismatic joints",
                 );
             } else {
@@ -358,7 +358,7 @@ fn check_noise(
         findings.refuse(
             "E0118",
             &here,
-            "the noise of a direction is an angle, alike in every sense across it".to_owned(),
+            "the noise of a direction is an angle, alike in every sense across it",
             "write one number",
         );
         return None;

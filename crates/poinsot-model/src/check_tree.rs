@@ -71,8 +71,7 @@ pub(crate) fn check_tree(
                 findings.refuse(
                     "E0112",
                     &Key::entry("body", k, None).at("name"),
-                    "no joint has this body as its child: it is not connected to the base"
-                        .to_owned(),
+                    "no joint has this body as its child: it is not connected to the base",
                     "add a [[joint]] with this child, type = \"fixed\" where it does not move",
                 );
             }

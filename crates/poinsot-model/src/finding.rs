@@ -2,6 +2,7 @@
 
 use crate::document::{Document, KeyPath};
 use poinsot_files::{Fault, Faults, Place, excerpt};
+use std::fmt;
 
 /// A key with the name of its entry.
 #[derive(Debug, Clone, Default)]
@@ -32,22 +33,23 @@ impl Key {
 
     /// A key of this entry; dots separate nested keys.
     pub fn at(&self, keys: &str) -> Self {
-        let mut path = self.path.clone();
-        for key in keys.split('.') {
-            path = path.key(key);
-        }
-        Self {
-            path,
-            subject: self.subject.clone(),
-        }
+        let step = |path: KeyPath, key| path.key(key);
+        self.with_path(keys.split('.').fold(self.path.clone(), step))
     }
 
     /// An element of this list.
     pub fn index(&self, index: usize) -> Self {
-        Self {
-            path: self.path.index(index),
-            subject: self.subject.clone(),
-        }
+        self.with_path(self.path.index(index))
+    }
+
+    /// The key of one name, which may contain dots.
+    pub fn named(&self, name: &str) -> Self {
+        self.with_path(self.path.key(name))
+    }
+
+    fn with_path(&self, path: KeyPath) -> Self {
+        let subject = self.subject.clone();
+        Self { path, subject }
     }
 }
 
@@ -73,11 +75,11 @@ impl<'d, 'i> Findings<'d, 'i> {
         &mut self,
         code: &'static str,
         key: &Key,
-        problem: String,
+        problem: impl Into<String>,
         remedy: impl Into<String>,
     ) {
         let (byte, value) = self.document.place(&key.path);
-        self.push(code, key, byte, value, problem, remedy.into());
+        self.push(code, key, byte, value, problem.into(), remedy.into());
     }
 
     /// Reports a fault at a byte range, for example at a key instead of its value.
@@ -102,7 +104,7 @@ impl<'d, 'i> Findings<'d, 'i> {
     }
 
     /// Adds a note that is not an error.
-    pub fn note(&mut self, key: &Key, text: String) {
+    pub fn note(&mut self, key: &Key, text: impl fmt::Display) {
         let (line, _) = self.document.line_column(self.document.place(&key.path).0);
         let subject = match key.subject.as_str() {
             "" => String::new(),
@@ -114,7 +116,7 @@ impl<'d, 'i> Findings<'d, 'i> {
 
     /// Reports a missing key at its entry.
     pub fn missing(&mut self, key: &Key, problem: &str, remedy: &str) {
-        self.refuse("E0106", key, problem.to_owned(), remedy);
+        self.refuse("E0106", key, problem, remedy);
     }
 
     /// Whether a finding exists at this key, below it, or at another spelling of it; the key is then not missing.

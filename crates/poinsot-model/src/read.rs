@@ -106,7 +106,7 @@ pub fn parse_telemetry_map(text: &str, file: &str) -> Result<TelemetryMap, Fault
     }
     let clean = check_shape(&MODEL, telemetry_map_schema_ref(), &mut findings);
     let map = match TelemetryMapFile::deserialize(toml::Value::Table(clean)) {
-        Ok(raw) => check_telemetry(raw.telemetry.as_ref(), None, &mut findings),
+        Ok(raw) => check_telemetry(raw.telemetry, None, &mut findings),
         Err(error) => {
             report_misfit(&error, &mut findings);
             TelemetryMap::default()
@@ -174,23 +174,10 @@ pub fn locate(text: &str, faults: &mut [Fault]) {
 fn report_syntax(format: &Format, errors: Vec<toml::de::Error>, findings: &mut Findings<'_, '_>) {
     for error in errors {
         let at = error.span().map_or(0, |span| span.start);
-        let key = Key {
-            path: KeyPath::default(),
-            subject: String::new(),
-        };
-        let text = error
-            .message()
-            .split_whitespace()
-            .collect::<Vec<_>>()
-            .join(" ");
-        findings.push(
-            format.syntax,
-            &key,
-            at,
-            String::new(),
-            format!("not valid TOML: {text}"),
-            "correct it here".to_owned(),
-        );
+        let words: Vec<&str> = error.message().split_whitespace().collect();
+        let problem = format!("not valid TOML: {}", words.join(" "));
+        let (key, remedy) = (Key::default(), "correct it here".to_owned());
+        findings.push(format.syntax, &key, at, String::new(), problem, remedy);
     }
 }
 
@@ -203,18 +190,7 @@ fn report_misfit(error: &toml::de::Error, findings: &mut Findings<'_, '_>) {
 }
 
 fn refuse_file(code: &'static str, problem: &str, remedy: &str, findings: &mut Findings<'_, '_>) {
-    let key = Key {
-        path: KeyPath::default(),
-        subject: String::new(),
-    };
-    findings.push(
-        code,
-        &key,
-        0,
-        String::new(),
-        problem.to_owned(),
-        remedy.to_owned(),
-    );
+    findings.refuse(code, &Key::default(), problem, remedy);
 }
 
 /// Reports an empty file, or a file of another format.
@@ -232,7 +208,7 @@ fn check_version(findings: &mut Findings<'_, '_>) {
         findings.refuse(
             "E0103",
             &Key::top("schema"),
-            "this program does not support this format".to_owned(),
+            "this program does not support this format",
             format!("write schema = \"{MODEL_SCHEMA}\""),
         );
     }

@@ -48,7 +48,7 @@ pub fn without_null(value: Value) -> Value {
         Value::Array(items) => Value::Array(items.into_iter().map(without_null).collect()),
         Value::Object(map) => {
             let mut clean = serde_json::Map::new();
-            for (key, value) in map {
+            for (key, value) in map.into_iter().filter(|(key, _)| key != "default") {
                 let value = match (key.as_str(), value) {
                     // What a row adds to JSON Schema stays as it is.
                     (own, value) if own.starts_with("x-") => value,

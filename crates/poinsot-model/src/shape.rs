@@ -146,10 +146,7 @@ impl Shape<'_, '_, '_> {
         let mut clean = Table::new();
         let mut replaced: Vec<&str> = Vec::new();
         for (name, value) in table {
-            let here = Key {
-                path: key.path.key(name.get_ref()),
-                subject: key.subject.clone(),
-            };
+            let here = key.named(name.get_ref());
             let property = known.and_then(|known| known.get(name.get_ref().as_ref()));
             let Some(property) = property.or(free) else {
                 let names = self.allowed(scope);
@@ -201,11 +198,7 @@ impl Shape<'_, '_, '_> {
             ),
             _ => (self.format.missing, format!("add {name}: {about}")),
         };
-        let key = Key {
-            path: key.path.key(name),
-            subject: key.subject.clone(),
-        };
-        let problem = "the key is missing".to_owned();
+        let (key, problem) = (key.named(name), "the key is missing".to_owned());
         self.findings
             .push(code, &key, byte, String::new(), problem, remedy);
     }
@@ -471,7 +464,7 @@ impl Shape<'_, '_, '_> {
         self.findings.refuse(
             self.word,
             key,
-            "the word is not one of those allowed here".to_owned(),
+            "the word is not one of those allowed here",
             format!("write {}{nearest}", self.expected(alternatives)),
         );
         None
@@ -491,7 +484,7 @@ impl Shape<'_, '_, '_> {
             self.findings.refuse(
                 self.format.range,
                 key,
-                "the number is not finite".to_owned(),
+                "the number is not finite",
                 "write a finite number",
             );
             return None;
@@ -500,12 +493,13 @@ impl Shape<'_, '_, '_> {
             self.findings.refuse(
                 self.format.range,
                 key,
-                "the number is larger than 1e30".to_owned(),
+                "the number is larger than 1e30",
                 "check its unit: all quantities are SI",
             );
             return None;
         }
-        if schema.get("type").is_some_and(|t| t == "integer") && number.fract() != 0.0 {
+        let whole = schema.get("type").is_some_and(|t| t == "integer");
+        if whole && number.fract() != 0.0 {
             let problem = "the number is not whole".to_owned();
             self.findings
                 .refuse(self.format.kind, key, problem, "write a whole number");
@@ -513,8 +507,14 @@ impl Shape<'_, '_, '_> {
         }
         if let Some((problem, remedy)) = out_of_range(schema, &key.path, number) {
             self.findings.refuse(self.code, key, problem, remedy);
+            if whole {
+                return None;
+            }
         }
-        Some(Value::Float(number))
+        Some(match whole {
+            true => Value::Integer(number as i64),
+            false => Value::Float(number),
+        })
     }
 
     fn wrong_type(

@@ -1,12 +1,10 @@
 //! Writes a checked vehicle as a `poinsot.model/1` file that reads back equal: fills the rows of `file/`.
 
 use crate::file::{
-    AttitudeColumnFile, AttitudeFile, BodyFile, ColumnFile, DecimalFile, EnvironmentFile,
-    EstimateFile, ExportFile, FrameFile, Gravity, InertiaFile, InvalidFile, JointFile,
-    ModeEstimateFile, ModeFile, ModeParameter, ModelFile, MomentumFile, MomentumVectorFile,
-    MomentumWord, NamesFile, NoiseFile, NuisanceFile, NuisanceWord, OrbitColumnsFile, OrbitFile,
-    OrbitalFile, Parameter, PartFile, SensorFile, SensorType, Sigmas, SlopeFile, SpringDamperFile,
-    TelemetryFile, ThrusterFile, WheelFile,
+    BodyFile, EnvironmentFile, EstimateFile, Gravity, InertiaFile, JointFile, ModeEstimateFile,
+    ModeFile, ModeParameter, ModelFile, MomentumFile, MomentumVectorFile, MomentumWord, NamesFile,
+    NoiseFile, NuisanceFile, NuisanceWord, OrbitFile, Parameter, SensorFile, SensorType, Sigmas,
+    SlopeFile, SpringDamperFile, ThrusterFile, WheelFile,
 };
 use crate::knowledge::{KnownNumber, Origin};
 use crate::vehicle::{
@@ -14,10 +12,8 @@ use crate::vehicle::{
     Nuisance, Orbit, Sensor, SpringDamper, Thruster, Wheel,
 };
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
-use poinsot_telemetry::{
-    AttitudeForm, AttitudeMap, ColumnMap, FileMap, OrbitMap, Order, Sense, TelemetryMap,
-};
-use std::collections::{BTreeMap, HashMap};
+use poinsot_telemetry::TelemetryMap;
+use std::collections::HashMap;
 
 /// The text of a model file. Numbers are written with all their digits; `notes` are not written.
 ///
@@ -64,8 +60,7 @@ pub(crate) fn file_of(model: &Model) -> ModelFile {
         sensor: each(&model.sensors, |k, s| sensor(model, s, own("sensor", k))),
         momentum: Some(momentum),
         environment: (*around != Environment::default()).then(|| environment(around)),
-        telemetry: (model.telemetry != TelemetryMap::default())
-            .then(|| telemetry(&model.telemetry)),
+        telemetry: (model.telemetry != TelemetryMap::default()).then(|| model.telemetry.clone()),
     }
 }
 
@@ -330,118 +325,4 @@ fn momentum(value: MomentumKnowledge) -> MomentumVectorFile {
 
 fn body_name(model: &Model, body: usize) -> Option<String> {
     model.bodies.get(body).map(|b| b.name.clone())
-}
-
-pub(crate) fn telemetry(map: &TelemetryMap) -> TelemetryFile {
-    TelemetryFile {
-        all: part(&map.all),
-        orbital_frame: map.all.orbital.map(|frame| OrbitalFile {
-            rate_rad_s: Some(frame.rate_rad_s),
-            rates: frame.rates.then_some(true),
-        }),
-        file: each(&map.files, |_, (name, own)| ExportFile {
-            name: Some(name.clone()),
-            part: part(own),
-        }),
-    }
-}
-
-fn part(map: &FileMap) -> PartFile {
-    let layout = map.layout;
-    let character = |byte: u8| match byte {
-        b'\t' => "tab".to_owned(),
-        byte => char::from(byte).to_string(),
-    };
-    let columns = map.columns.iter().map(|c| (c.channel.clone(), column(c)));
-    PartFile {
-        delimiter: layout.delimiter.map(character),
-        comment: layout.comment.map(character),
-        header_row: layout.header_row.map(|row| row as f64),
-        units_row: layout.units_row,
-        decimal: layout.decimal_comma.map(|comma| match comma {
-            true => DecimalFile::Comma,
-            false => DecimalFile::Point,
-        }),
-        time: map.time.clone(),
-        columns: (!map.columns.is_empty()).then(|| columns.collect()),
-        attitude: each(&map.attitude, |_, a| attitude(a)),
-        orbit: map.orbit.as_ref().map(orbit_columns),
-        rows: rows(&map.row_filter),
-    }
-}
-
-fn rows(filter: &[(String, String)]) -> Option<BTreeMap<String, String>> {
-    (!filter.is_empty()).then(|| filter.iter().cloned().collect())
-}
-
-fn column(map: &ColumnMap) -> ColumnFile {
-    ColumnFile {
-        column: Some(map.column.clone()),
-        unit: map.unit.clone(),
-        sign: map.sign,
-        scale: map.scale,
-        offset: map.offset,
-        counts_per_revolution: map.counts_per_revolution,
-        nominal_N: map.nominal_N,
-        rows: rows(&map.rows),
-        invalid: each(&map.invalid, |_, text| InvalidFile::Text(text.clone())),
-        signed_range: map.signed_range,
-        wraps_at: map.wraps_at,
-        increments: map.increments.then_some(true),
-        opens_late_s: map.opens_late_s,
-        closes_late_s: map.closes_late_s,
-        overlap: map.overlap,
-    }
-}
-
-fn attitude_column(map: &ColumnMap) -> AttitudeColumnFile {
-    match *map == ColumnMap::part(&map.column) {
-        true => AttitudeColumnFile::Name(map.column.clone()),
-        false => AttitudeColumnFile::Column(Box::new(column(map))),
-    }
-}
-
-fn attitude(map: &AttitudeMap) -> AttitudeFile {
-    let columns = Some(map.columns.iter().map(attitude_column).collect());
-    let base = AttitudeFile {
-        sensor: Some(map.sensor.clone()).filter(|name| !name.is_empty()),
-        sense: (map.sense == Sense::InertialToBody).then_some(map.sense),
-        unit: map.unit.clone(),
-        relative: map.relative.then_some(true),
-        ..AttitudeFile::default()
-    };
-    match map.form {
-        AttitudeForm::Quaternion(order) => AttitudeFile {
-            quaternion: columns,
-            order: Some(order).filter(|order| *order == Order::Wxyz),
-            ..base
-        },
-        AttitudeForm::VectorPart => AttitudeFile {
-            quaternion: columns,
-            ..base
-        },
-        AttitudeForm::Matrix => AttitudeFile {
-            matrix: columns,
-            ..base
-        },
-        AttitudeForm::Mrp => AttitudeFile {
-            mrp: columns,
-            ..base
-        },
-        AttitudeForm::Euler(axes) => AttitudeFile {
-            euler: columns,
-            sequence: Some(axes.iter().filter_map(|a| "XYZ".chars().nth(*a)).collect()),
-            ..base
-        },
-    }
-}
-
-fn orbit_columns(map: &OrbitMap) -> OrbitColumnsFile {
-    OrbitColumnsFile {
-        position: Some(map.position.clone()),
-        unit: map.unit.clone(),
-        velocity: map.velocity.clone(),
-        velocity_unit: map.velocity_unit.clone(),
-        frame: map.earth_fixed.then_some(FrameFile::EarthFixed),
-    }
 }

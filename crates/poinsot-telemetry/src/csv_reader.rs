@@ -10,7 +10,7 @@ use crate::packing::{Packing, damaged};
 use crate::plan::{self, Plan};
 use crate::selection::WhenFull;
 use crate::size::Rows;
-use crate::{Encoding, Layout, ReadOptions};
+use crate::{Encoding, ReadOptions};
 use poinsot_files::{Faults, Place};
 use std::io::{self, Read};
 use std::path::Path;
@@ -25,7 +25,7 @@ pub(crate) fn read(
 ) -> Result<(Plan, Columns), Faults> {
     let (text, rows) = unpacked(path, opened)?;
     let layout = options.map.for_file(path).layout;
-    let delimiter = layout.delimiter.unwrap_or(b',');
+    let (delimiter, comment) = (layout.separator(), layout.comment_sign());
     let named = match layout.header_row {
         Some(line) => Some(named_header(
             path,
@@ -36,10 +36,10 @@ pub(crate) fn read(
         None => None,
     };
     let above = named.as_ref().map_or(0, |n| n.lines);
-    let mut reader = CsvRows::new(TextBytes::new(text, above), delimiter, layout.comment);
+    let mut reader = CsvRows::new(TextBytes::new(text, above), delimiter, comment);
     let header = match named {
         Some(named) => named.header,
-        None => header(path, &mut reader, (layout, options))?,
+        None => header(path, &mut reader, (comment, options))?,
     };
     let units = match layout.units_row {
         Some(true) => units(path, &mut reader, (above, options))?,
@@ -174,14 +174,14 @@ fn empty(path: &Path) -> Faults {
 fn header(
     path: &Path,
     reader: &mut CsvRows<impl Read>,
-    (layout, options): (Layout, &ReadOptions),
+    (comment, options): (Option<u8>, &ReadOptions),
 ) -> Result<Vec<String>, Faults> {
     let Some(row) = readable(path, reader.next_whole_row())? else {
         return Err(empty(path));
     };
     let line = row.line;
     let header = header_of(path, line, &row, options.encoding)?;
-    if let Some(first) = no_header(&header, layout.comment) {
+    if let Some(first) = no_header(&header, comment) {
         return Err(Faults::one(
             "E0205",
             Place::row(path, line),

@@ -91,7 +91,7 @@ fn in_parts(
     let options = &ReadOptions {
         map: TelemetryMap {
             all: map,
-            files: Vec::new(),
+            ..TelemetryMap::default()
         },
         ..options.clone()
     };

@@ -127,8 +127,8 @@ pub use inspect::{ChannelSummary, Inspection, inspect};
 pub use inspect_parts::inspect_files;
 pub use instant::{Origin, Scale};
 pub use map::{
-    AttitudeForm, AttitudeMap, ColumnMap, FileMap, Layout, OrbitMap, OrbitalMap, Overlap,
-    TelemetryMap, TimeFormat, TimeMap,
+    AttitudeColumn, AttitudeMap, ColumnMap, DecimalSign, FileMap, Layout, NamedMap, OrbitFrame,
+    OrbitMap, OrbitalMap, Overlap, TelemetryMap, TimeFormat, TimeMap,
 };
 pub use map_faults::{MapFault, map_faults};
 pub use median::median_step;

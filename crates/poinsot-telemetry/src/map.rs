@@ -2,91 +2,228 @@
 
 use crate::{Order, Scale, Sense};
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use std::collections::BTreeMap;
 use std::path::Path;
 
-/// The map of all files of a run. [`Self::files`] adds entries to [`Self::all`] for matching file names.
-#[derive(Debug, Clone, PartialEq, Default)]
+/// How columns of telemetry files become channels.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+#[schemars(rename = "TelemetryFile", deny_unknown_fields)]
 pub struct TelemetryMap {
     /// Map of every file.
+    #[serde(flatten)]
     pub all: FileMap,
-    /// Maps of some files: a pattern of the file name, in which `*` matches any text, and the map.
-    pub files: Vec<(String, FileMap)>,
+    /// The attitudes are relative to the orbital frame of a circular orbit.
+    pub orbital_frame: Option<OrbitalMap>,
+    /// Settings for the files of one name, in addition to those for all.
+    #[serde(rename = "file", skip_serializing_if = "is_usual")]
+    pub files: Vec<NamedMap>,
 }
 
+/// Settings for the files of one name. Keys given here replace those of [telemetry]; columns, attitudes and rows are
+/// added to them.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+#[schemars(rename = "ExportFile", deny_unknown_fields, extend("required" = ["name"]))]
+pub struct NamedMap {
+    /// Name of the files, without folder; "*" stands for any text, for example "tracker*.csv".
+    pub name: String,
+    /// Their map.
+    #[serde(flatten)]
+    pub map: FileMap,
+}
+
+// Keys for all files, and for the files of one name.
 /// Map of one kind of file.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
 pub struct FileMap {
     /// Text layout.
+    #[serde(flatten)]
     pub layout: Layout,
-    /// Column and format of the times; `None`: the column `time_s`, s.
+    /// What the times are. Default: the column time_s, s.
     pub time: Option<TimeMap>,
-    /// Columns that are not standard names in SI.
+    /// Channel (standard name, SI; or <sensor>.<channel>) and its column.
+    #[serde(with = "by_channel", skip_serializing_if = "is_usual")]
+    #[schemars(with = "BTreeMap<String, ColumnMap>")]
     pub columns: Vec<ColumnMap>,
     /// Attitudes in any form.
+    #[serde(skip_serializing_if = "is_usual")]
     pub attitude: Vec<AttitudeMap>,
-    /// Position of the vehicle on its orbit.
+    /// Position of the vehicle from the centre of the attracting body: the orbit of the gravity gradient.
     pub orbit: Option<OrbitMap>,
-    /// Attitudes that are relative to the orbital frame.
-    pub orbital: Option<OrbitalMap>,
-    /// Only rows in which each of these columns holds exactly this text are kept.
+    /// Rows are kept where each of these columns has exactly this text.
+    #[serde(rename = "where", with = "texts", skip_serializing_if = "is_usual")]
+    #[schemars(with = "BTreeMap<String, String>")]
     pub row_filter: Vec<(String, String)>,
 }
 
 /// Text layout of a CSV file; `None` is the default.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
 pub struct Layout {
-    /// Field separator; default: comma.
-    pub delimiter: Option<u8>,
-    /// Lines that start with this character are comments; default: none.
-    pub comment: Option<u8>,
-    /// Line of the header row, from 1; earlier lines are skipped. 0: there is none, and the columns are named 1, 2, 3 and so on.
+    /// Character between the fields of a row: "," (default), ";", "|", "tab" or "space".
+    pub delimiter: Option<String>,
+    /// Character at the start of a line that is a comment, for example "#". Default: no line is a comment.
+    pub comment: Option<String>,
+    /// Line of the header row; the lines above it are skipped, and "#" before its names. 0: the file has no header, and its
+    /// columns are named "1", "2" and so on. Default: the first line that is no comment.
+    #[schemars(extend("maximum" = 1e6, "x-advice" = "count lines from 1; 0 means that there is no header"))]
     pub header_row: Option<u64>,
-    /// Whether the row below the header holds the units.
+    /// Sign before the decimals of a number: "." (default) or ",".
+    pub decimal: Option<DecimalSign>,
+    /// Whether the row below the header names the units. Default false.
     pub units_row: Option<bool>,
-    /// Whether numbers have a decimal comma.
-    pub decimal_comma: Option<bool>,
 }
 
-/// A column that is not a standard name in SI, and its channel: `sign * (scale * x + offset)` in its unit, where x is the cell
-/// after [`Self::invalid`], [`Self::signed_range`] and [`Self::wraps_at`].
-#[derive(Debug, Clone, PartialEq, Default)]
+impl Layout {
+    /// The separator of fields; a comma without one.
+    pub(crate) fn separator(&self) -> u8 {
+        self.delimiter.as_deref().and_then(mark).unwrap_or(b',')
+    }
+
+    /// The sign of a comment.
+    pub(crate) fn comment_sign(&self) -> Option<u8> {
+        self.comment.as_deref().and_then(mark)
+    }
+}
+
+/// A character that is in no number or name.
+pub(crate) fn mark(text: &str) -> Option<u8> {
+    let in_number = |byte: u8| byte.is_ascii_alphanumeric() || b"\".-+\n\r".contains(&byte);
+    match text {
+        "tab" => Some(b'\t'),
+        "space" => Some(b' '),
+        _ => match text.as_bytes() {
+            [byte] => Some(*byte).filter(|byte| !in_number(*byte)),
+            _ => None,
+        },
+    }
+}
+
+/// Sign before the decimals of a number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[schemars(rename = "DecimalFile")]
+pub enum DecimalSign {
+    /// A point.
+    #[serde(rename = ".")]
+    Point,
+    /// A comma.
+    #[serde(rename = ",")]
+    Comma,
+}
+
+/// A column and what its values are: sign * (scale * x + offset) in the unit. Several channels may share a column where all but
+/// one have a sign, scale or offset: a finger that mimics another, rotors with one speed.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+#[schemars(rename = "ColumnFile", extend("required" = ["column"]))]
 #[allow(non_snake_case)]
 pub struct ColumnMap {
     /// Standard channel name, for example `omega_x`, `imu2.omega_x` or `time_s`.
+    #[serde(skip)]
     pub channel: String,
-    /// Column in the file.
+    /// Name of the column in the file.
+    #[schemars(extend("minLength" = 1))]
     pub column: String,
-    /// Unit of the column, for example `deg/s`; `None`: from the units row.
+    /// Unit of the column, for example "deg/s"; `poinsot units` lists all. Default: that of the units row.
     pub unit: Option<String>,
-    /// Factor of the values.
-    pub scale: Option<f64>,
-    /// Offset of the scaled values, in the unit of the column.
-    pub offset: Option<f64>,
-    /// `1` or `-1`.
+    /// 1 or -1. Default 1.
     pub sign: Option<f64>,
-    /// Values are counts (or counts per second), this many per revolution; no unit is given then.
+    /// Factor of the values. Default 1.
+    pub scale: Option<f64>,
+    /// Added to the scaled values, in the unit of the column. Default 0.
+    pub offset: Option<f64>,
+    /// Values are counts of an encoder (of a rate: counts per second), so many to one revolution. In place of a unit.
     pub counts_per_revolution: Option<f64>,
-    /// Force of a column that is an on/off flag. If the column's unit is a time, it is the firing duration from the
-    /// time of the row.
+    /// The column is the on/off flag of a thruster, and on means this force, N. With a unit of time (`unit = "ms"`) the
+    /// column is the duration of a pulse that begins at the time of the row; zero or empty: no pulse.
     pub nominal_N: Option<f64>,
-    /// Only rows in which each of these columns holds exactly this text; empty for all rows.
+    /// The samples are those of the rows where each of these columns has exactly this text: a table of pulses with a
+    /// column that names the thruster, or one column for the values of several channels.
+    #[serde(rename = "where", with = "texts", skip_serializing_if = "is_usual")]
+    #[schemars(with = "BTreeMap<String, String>")]
     pub rows: Vec<(String, String)>,
-    /// Texts or numbers that mean that there is no sample.
+    /// Texts or numbers of the column that mean that there is no sample.
+    #[serde(deserialize_with = "invalid", skip_serializing_if = "is_usual")]
+    #[schemars(with = "Vec<Invalid>")]
     pub invalid: Vec<String>,
-    /// The column counts modulo this range, and its upper half are the negative numbers, as of a two's complement read as
-    /// unsigned.
+    /// The column counts modulo this range, and its upper half are the negative numbers: 65536 for 16 bits of a two's complement
+    /// read as unsigned. In the numbers of the column.
     pub signed_range: Option<f64>,
-    /// The column begins anew at this value: its samples are continued across the jump.
+    /// The column begins anew at this value (360 for an angle in deg, 65536 for a counter of 16 bits): its samples are continued
+    /// across the jump. In the numbers of the column.
     pub wraps_at: Option<f64>,
-    /// Values are increments since the sample before, in the unit of the integral: the channel is their mean rate.
+    /// true: the values are increments since the sample before (angles of a gyro), and the unit is theirs. The channel is their
+    /// mean rate, at the middle of the interval. Default false.
+    #[serde(skip_serializing_if = "is_usual")]
     pub increments: bool,
-    /// Time from a command to the thrust, s.
+    /// Of a thruster: time from a command to its thrust (dead time of the valve), s. Default 0.
     pub opens_late_s: Option<f64>,
-    /// Time from the end of a command to the end of the thrust, s.
+    /// Of a thruster: time from the end of a command to that of its thrust, s. Default 0.
     pub closes_late_s: Option<f64>,
-    /// What a pulse means that begins before the one before it ends; `None`: such pulses are refused.
+    /// Of durations of pulses: what one means that begins before the one before it ends: "merged" (the valve is open until both
+    /// have ended) or "replaced" (it takes the place of the one before). Default: such a pulse is refused.
     pub overlap: Option<Overlap>,
+}
+
+/// Whether a value equals its default.
+fn is_usual<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
+}
+
+/// Columns by channel.
+mod by_channel {
+    use super::{BTreeMap, ColumnMap, Deserialize, Deserializer, Serializer};
+
+    pub fn serialize<S: Serializer>(all: &[ColumnMap], writer: S) -> Result<S::Ok, S::Error> {
+        writer.collect_map(all.iter().map(|own| (&own.channel, own)))
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(reader: D) -> Result<Vec<ColumnMap>, D::Error> {
+        let all = BTreeMap::<String, ColumnMap>::deserialize(reader)?.into_iter();
+        Ok(all
+            .map(|(channel, own)| ColumnMap { channel, ..own })
+            .collect())
+    }
+}
+
+/// Texts by column.
+mod texts {
+    use super::{BTreeMap, Deserialize, Deserializer, Serializer};
+
+    pub fn serialize<S: Serializer>(
+        all: &[(String, String)],
+        writer: S,
+    ) -> Result<S::Ok, S::Error> {
+        writer.collect_map(all.iter().map(|(column, text)| (column, text)))
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(
+        reader: D,
+    ) -> Result<Vec<(String, String)>, D::Error> {
+        Ok(BTreeMap::deserialize(reader)?.into_iter().collect())
+    }
+}
+
+/// What means that there is no sample.
+#[derive(Deserialize, JsonSchema)]
+#[serde(untagged)]
+#[schemars(rename = "InvalidFile")]
+enum Invalid {
+    /// A number.
+    Number(f64),
+    /// A text.
+    Text(String),
+}
+
+fn invalid<'de, D: Deserializer<'de>>(reader: D) -> Result<Vec<String>, D::Error> {
+    let text = |one: Invalid| match one {
+        Invalid::Number(x) => x.to_string(),
+        Invalid::Text(text) => text,
+    };
+    Ok(Vec::deserialize(reader)?.into_iter().map(text).collect())
 }
 
 /// What a pulse means that begins before the one before it ends.
@@ -127,14 +264,13 @@ impl ColumnMap {
 
 /// The times of a file. All files of a run count from one instant: with an epoch or dates from the first sample.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
 #[schemars(rename = "TimeFile", deny_unknown_fields, extend("required" = ["column"]))]
 pub struct TimeMap {
     /// Column of the time; of the seconds of the week for "gps_week".
-    #[serde(default)]
     pub column: String,
     /// "number" (default), "iso8601" (2026-03-14T18:19:00.25Z, with or without zone), "day_of_year"
     /// (2026-073T18:19:00.25) or "gps_week".
-    #[serde(default)]
     pub format: TimeFormat,
     /// Column of the GPS week, counted from 1980 without rollover.
     pub week: Option<String>,
@@ -162,24 +298,114 @@ pub enum TimeFormat {
     GpsWeek,
 }
 
-/// Form of an attitude.
-#[derive(Debug, Clone, PartialEq)]
+/// An attitude in one of four forms.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+#[schemars(rename = "AttitudeFile")]
 pub struct AttitudeMap {
-    /// Sensor; empty if there is only one.
+    /// Name of the sensor. Default: the only one.
+    #[serde(skip_serializing_if = "is_usual")]
     pub sensor: String,
-    /// Form.
-    pub form: AttitudeForm,
-    /// Columns, in the order of the form; their channel is empty.
-    pub columns: Vec<ColumnMap>,
-    /// Direction of the rotation.
-    pub sense: Sense,
-    /// Unit of Euler angles; `None`: from the units row.
+    /// Four columns of a Hamilton quaternion, in the order that `order` says; or the three of its vector part, where the scalar part
+    /// is never negative. A column is a name, or a table as in `columns`.
+    pub quaternion: Option<Vec<AttitudeColumn>>,
+    /// Scalar last, "xyzw" (default), or first, "wxyz".
+    pub order: Option<Order>,
+    /// Nine columns of the rotation matrix, row by row.
+    pub matrix: Option<Vec<AttitudeColumn>>,
+    /// Three columns of Euler angles, in the order of `sequence`. Right ascension, declination and roll of the axis x are
+    /// "ZYX" with the declination of sign -1; of the axis z, "ZYZ" with it of sign -1 and offset -90 deg.
+    pub euler: Option<Vec<AttitudeColumn>>,
+    /// Axes of the three turns, each about the axis rotated by those before: "ZYX" for yaw, pitch, roll.
+    pub sequence: Option<String>,
+    /// Unit of the Euler angles. Default: that of the units row.
     pub unit: Option<String>,
-    /// Whether it is the attitude of a body seen from another one, instead of in N.
+    /// Three columns of modified Rodrigues parameters.
+    pub mrp: Option<Vec<AttitudeColumn>>,
+    /// Direction of the rotation: "body_to_inertial" (default) or "inertial_to_body".
+    pub sense: Option<Sense>,
+    /// true: of an attitude sensor with `seen_from`. For `sense` the body from which it sees takes the place of inertial
+    /// axes. Default: false.
+    #[serde(skip_serializing_if = "is_usual")]
     pub relative: bool,
+    /// The attitude is that of the rows where each of these columns has exactly this text: a flag of validity.
+    #[serde(rename = "where", with = "texts", skip_serializing_if = "is_usual")]
+    #[schemars(with = "BTreeMap<String, String>")]
+    pub rows: Vec<(String, String)>,
+    /// Texts or numbers that mean, in any of its columns, that there is no attitude.
+    #[serde(deserialize_with = "invalid", skip_serializing_if = "is_usual")]
+    #[schemars(with = "Vec<Invalid>")]
+    pub invalid: Vec<String>,
+}
+
+/// A column of an attitude.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+#[schemars(rename = "AttitudeColumnFile")]
+pub enum AttitudeColumn {
+    /// Its name.
+    Name(String),
+    /// Its name, and what its values are.
+    Column(Box<ColumnMap>),
 }
 
 impl AttitudeMap {
+    /// The lists of columns that are given, by the names of the forms.
+    pub(crate) fn given(&self) -> Vec<(&'static str, &[AttitudeColumn])> {
+        let all = [
+            ("quaternion", &self.quaternion),
+            ("matrix", &self.matrix),
+            ("euler", &self.euler),
+            ("mrp", &self.mrp),
+        ];
+        let given = all.into_iter();
+        given
+            .filter_map(|(name, list)| Some((name, list.as_deref()?)))
+            .collect()
+    }
+
+    /// The form; `None` without exactly one, or without the sequence of Euler angles.
+    pub(crate) fn form(&self) -> Option<AttitudeForm> {
+        match self.given()[..] {
+            [("quaternion", [_, _, _])] => Some(AttitudeForm::VectorPart),
+            [("quaternion", _)] => {
+                Some(AttitudeForm::Quaternion(self.order.unwrap_or(Order::Xyzw)))
+            }
+            [("matrix", _)] => Some(AttitudeForm::Matrix),
+            [("mrp", _)] => Some(AttitudeForm::Mrp),
+            [_] => {
+                let axis = |c: char| "XYZ".find(c.to_ascii_uppercase());
+                let axes: Option<Vec<usize>> =
+                    self.sequence.as_deref()?.chars().map(axis).collect();
+                axes?.try_into().ok().map(AttitudeForm::Euler)
+            }
+            _ => None,
+        }
+    }
+
+    /// The columns in the order of the form, each with what holds for all of them; their channel is empty.
+    pub(crate) fn columns(&self) -> Vec<ColumnMap> {
+        let map = |column: &AttitudeColumn| {
+            let mut map = match column {
+                AttitudeColumn::Name(column) => ColumnMap::part(column),
+                AttitudeColumn::Column(own) => (**own).clone(),
+            };
+            map.rows.extend(self.rows.iter().cloned());
+            map.invalid.extend(self.invalid.iter().cloned());
+            map
+        };
+        self.given()
+            .into_iter()
+            .flat_map(|(_, list)| list)
+            .map(map)
+            .collect()
+    }
+
+    /// Direction of the rotation.
+    pub(crate) fn sense(&self) -> Sense {
+        self.sense.unwrap_or(Sense::BodyToInertial)
+    }
+
     /// Standard names of the quaternion: x, y, z, w.
     pub(crate) fn names(&self) -> [String; 4] {
         let prefix = if self.relative { "relative_q" } else { "q" };
@@ -189,7 +415,7 @@ impl AttitudeMap {
 
 /// Forms of an attitude.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum AttitudeForm {
+pub(crate) enum AttitudeForm {
     /// Hamilton quaternion.
     Quaternion(Order),
     /// The vector part of a quaternion whose scalar part is not negative.
@@ -213,28 +439,46 @@ impl AttitudeForm {
     }
 }
 
-/// Attitudes relative to the orbital frame of a circular orbit: x along the velocity, z down.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// The frame to which attitudes are relative: x along the velocity of a circular orbit, y opposite to its normal, z down. Inertial
+/// axes are then those of this frame at time zero.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+#[schemars(rename = "OrbitalFile", extend("required" = ["rate_rad_s"]))]
 pub struct OrbitalMap {
     /// Rate of the frame, about its -y axis, rad/s.
     pub rate_rad_s: f64,
-    /// Whether angular velocities are relative to it too.
+    /// true: the angular velocities are relative to it too, as in logs of simulations; those of a gyro are not. Default false.
+    #[serde(skip_serializing_if = "is_usual")]
     pub rates: bool,
 }
 
-/// Position relative to the centre of the attracting body.
-#[derive(Debug, Clone, PartialEq)]
+/// Position of the vehicle from the centre of the attracting body.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+#[schemars(rename = "OrbitColumnsFile", extend("required" = ["position"]))]
 pub struct OrbitMap {
-    /// Columns of x, y, z.
+    /// Columns of x, y and z. With a position sensor in the model and gravity in [environment], the positions are used
+    /// relative to free fall.
     pub position: [String; 3],
-    /// Unit; `None`: from the units row.
+    /// Unit. Default: that of the units row.
     pub unit: Option<String>,
     /// Columns of the velocity in the same axes.
     pub velocity: Option<[String; 3]>,
-    /// Its unit; `None`: from the units row.
+    /// Unit of the velocity. Default: that of the units row.
     pub velocity_unit: Option<String>,
-    /// Whether the axes are Earth-fixed.
-    pub earth_fixed: bool,
+    /// "inertial" (default), or "earth_fixed": turned to inertial axes by the Earth rotation angle.
+    pub frame: Option<OrbitFrame>,
+}
+
+/// Axes of a position.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[schemars(rename = "FrameFile")]
+pub enum OrbitFrame {
+    /// Those of the attitude.
+    Inertial,
+    /// Turning with the Earth.
+    EarthFixed,
 }
 
 impl TelemetryMap {
@@ -246,45 +490,49 @@ impl TelemetryMap {
                 row_filter,
                 ..FileMap::default()
             },
-            files: Vec::new(),
+            ..Self::default()
         }
     }
 
     pub(crate) fn for_file(&self, path: &Path) -> FileMap {
         let mut all = self.all.clone();
-        let fitting = self.files.iter().filter(|(p, _)| fits_path(p, path));
-        fitting.for_each(|(_, map)| all.add(map));
+        let fitting = self.files.iter().filter(|own| fits_path(&own.name, path));
+        fitting.for_each(|own| all.add(&own.map));
         all
     }
 
     /// All maps, with an index for those of single files.
     pub(crate) fn maps(&self) -> impl Iterator<Item = (Option<usize>, &FileMap)> {
         let files = self.files.iter().enumerate();
-        std::iter::once((None, &self.all)).chain(files.map(|(k, (_, map))| (Some(k), map)))
+        std::iter::once((None, &self.all)).chain(files.map(|(k, own)| (Some(k), &own.map)))
     }
 }
 
 impl FileMap {
     fn add(&mut self, more: &Self) {
-        let (all, own) = (&mut self.layout, more.layout);
-        all.delimiter = own.delimiter.or(all.delimiter);
-        all.comment = own.comment.or(all.comment);
+        let (all, own) = (&mut self.layout, more.layout.clone());
+        all.delimiter = own.delimiter.or(all.delimiter.take());
+        all.comment = own.comment.or(all.comment.take());
         all.header_row = own.header_row.or(all.header_row);
         all.units_row = own.units_row.or(all.units_row);
-        all.decimal_comma = own.decimal_comma.or(all.decimal_comma);
+        all.decimal = own.decimal.or(all.decimal);
         self.time = more.time.clone().or(self.time.take());
         self.columns.extend(more.columns.iter().cloned());
         self.attitude.extend(more.attitude.iter().cloned());
         self.orbit = more.orbit.clone().or(self.orbit.take());
-        self.orbital = more.orbital.or(self.orbital);
         self.row_filter.extend(more.row_filter.iter().cloned());
     }
 
     /// Every column that selects rows, with its text.
-    pub(crate) fn filters(&self) -> impl Iterator<Item = &(String, String)> {
-        let parts = self.attitude.iter().flat_map(|a| &a.columns);
-        let own = self.columns.iter().chain(parts).flat_map(|c| &c.rows);
-        self.row_filter.iter().chain(own)
+    pub(crate) fn filters(&self) -> impl Iterator<Item = (String, String)> {
+        let parts = self.attitude.iter().flat_map(AttitudeMap::columns);
+        let own = self
+            .columns
+            .iter()
+            .cloned()
+            .chain(parts)
+            .flat_map(|c| c.rows);
+        self.row_filter.iter().cloned().chain(own)
     }
 
     /// Every column named in the map, with its purpose as the channel.
@@ -299,11 +547,12 @@ impl FileMap {
         all.extend(time.map(|c| of("time", &ColumnMap::part(c))));
         for attitude in &self.attitude {
             let name = crate::full_name(&attitude.sensor, "attitude");
-            all.extend(attitude.columns.iter().map(|c| of(&name, c)));
+            all.extend(attitude.columns().iter().map(|c| of(&name, c)));
         }
         let orbit = self.orbit.iter();
         let orbit = orbit.flat_map(|o| o.position.iter().chain(o.velocity.iter().flatten()));
         all.extend(orbit.map(|c| of("orbit", &ColumnMap::part(c))));
+        all.retain(|own| !own.column.is_empty());
         all
     }
 }

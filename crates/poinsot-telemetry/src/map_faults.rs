@@ -2,6 +2,7 @@
 
 use crate::clock::check_time;
 use crate::error::map_of;
+use crate::map::{AttitudeForm, mark};
 use crate::unit::{list, nearest_unit};
 use crate::{
     AttitudeMap, ChannelName, ColumnMap, Dimension, FileMap, Quantity, TelemetryMap, Unit,
@@ -21,6 +22,8 @@ pub struct MapFault {
     pub keys: Vec<String>,
     /// Index in a list.
     pub index: Option<usize>,
+    /// Key of that entry; empty for the entry itself.
+    pub key: &'static str,
     /// The mapped channel.
     pub channel: String,
     /// What is wrong.
@@ -50,19 +53,38 @@ pub fn map_faults(map: &TelemetryMap) -> Vec<MapFault> {
     let mut faults = Vec::new();
     let all = &map.all;
     for (file, map) in map.maps() {
-        let mut add = |keys: &[&str], index, channel: &str, wrong: Wrong| {
+        let mut add = |keys: &[&str], entry: Option<(usize, _)>, channel: &str, wrong: Wrong| {
             let (code, problem, remedy) = wrong;
             faults.push(MapFault {
                 code,
                 file,
                 keys: keys.iter().map(|k| (*k).to_owned()).collect(),
-                index,
+                index: entry.map(|e| e.0),
+                key: entry.map_or("", |e| e.1),
                 channel: channel.to_owned(),
                 problem,
                 remedy,
             });
         };
         let units_row = map.layout.units_row.or(all.layout.units_row) == Some(true);
+        for (name, text) in [
+            ("delimiter", &map.layout.delimiter),
+            ("comment", &map.layout.comment),
+        ] {
+            if text.as_deref().is_some_and(|text| mark(text).is_none()) {
+                let remedy = match name {
+                    "comment" => "write for example \"#\"",
+                    _ => "write \",\", \";\", \"|\", \"tab\" or \"space\"",
+                };
+                let problem = "the value must be one character that is in no number or name";
+                add(
+                    &[name],
+                    None,
+                    name,
+                    ("E0107", problem.to_owned(), remedy.to_owned()),
+                );
+            }
+        }
         for column in &map.columns {
             if let Err((key, wrong)) = resolve(column, units_row) {
                 let keys = ["columns", &column.channel, key];
@@ -76,9 +98,9 @@ pub fn map_faults(map: &TelemetryMap) -> Vec<MapFault> {
             add(&["time", key], None, "time", ("E0212", problem, remedy));
         }
         for (k, attitude) in map.attitude.iter().enumerate() {
-            if let Some(wrong) = attitude_fault(attitude, units_row) {
+            if let Err((key, wrong)) = attitude_fault(attitude, units_row) {
                 let name = crate::full_name(&attitude.sensor, "attitude");
-                add(&["attitude"], Some(k), &name, wrong);
+                add(&["attitude"], Some((k, key)), &name, wrong);
             }
         }
         if let Some(orbit) = &map.orbit {
@@ -314,50 +336,67 @@ fn counts(map: &ColumnMap, name: ChannelName) -> Result<Resolved, Refused> {
     Ok((name, None))
 }
 
-fn attitude_fault(map: &AttitudeMap, units_row: bool) -> Option<Wrong> {
-    use crate::AttitudeForm::Euler;
-    let fault = |problem: String, remedy: &str| Some(("E0212", problem, remedy.to_owned()));
-    let wanted = map.form.width();
-    if map.columns.len() != wanted {
-        let problem = format!(
-            "{} columns are named where the form has {wanted}",
-            map.columns.len()
-        );
-        return fault(problem, "name them in their order");
+fn attitude_fault(map: &AttitudeMap, units_row: bool) -> Result<(), Refused> {
+    let refuse = |code, key, problem: &str, remedy: &str| {
+        Err((key, (code, problem.to_owned(), remedy.to_owned())))
+    };
+    let given = map.given();
+    let &[(name, _)] = given.as_slice() else {
+        let remedy = "give one of quaternion, matrix, euler, mrp";
+        return refuse("E0107", "", "an attitude has one form", remedy);
+    };
+    if map.order.is_some() && name != "quaternion" {
+        let problem = "only a quaternion has an order";
+        return refuse("E0107", "order", problem, "remove it");
     }
-    let euler = matches!(map.form, Euler(_));
+    if map.sequence.is_some() != (name == "euler") {
+        let problem = "Euler angles and their sequence belong together";
+        let remedy = "write for example sequence = \"ZYX\" for yaw, pitch, roll, or remove it";
+        return refuse("E0107", "sequence", problem, remedy);
+    }
+    let Some(form) = map.form() else {
+        let problem = "the sequence is not three of X, Y, Z";
+        let remedy = "write for example \"ZYX\" for yaw, pitch, roll";
+        return refuse("E0107", "sequence", problem, remedy);
+    };
+    let fault = |problem: &str, remedy: &str| refuse("E0212", "", problem, remedy);
+    let (columns, wanted) = (map.columns(), form.width());
+    if columns.len() != wanted {
+        let named = columns.len();
+        let problem = format!("{named} columns are named where the form has {wanted}");
+        return fault(&problem, "name them in their order");
+    }
+    let euler = name == "euler";
     let odd = |c: &&ColumnMap| {
         let thrust = c.nominal_N.or(c.opens_late_s).or(c.closes_late_s).is_some();
         let unit = c.unit.is_some() || c.counts_per_revolution.is_some();
         thrust || c.overlap.is_some() || c.increments || (unit && !euler)
     };
-    if let Some(column) = map.columns.iter().find(odd) {
-        let problem = format!(
-            "'{}' has a key that no column of an attitude has",
-            column.column
-        );
-        return fault(problem, "remove it");
+    if let Some(ColumnMap { column, .. }) = columns.iter().find(odd) {
+        let problem = format!("'{column}' has a key that no column of an attitude has");
+        return fault(&problem, "remove it");
     }
-    if let Some(Err(wrong)) = map
-        .columns
+    match form {
+        AttitudeForm::Euler([a, b, c]) if a == b || b == c => {
+            let problem = "two turns in a row are about one axis";
+            return fault(problem, "correct the sequence, for example \"ZYX\"");
+        }
+        AttitudeForm::Euler(_) => {}
+        _ if map.unit.is_some() => return fault("only Euler angles have a unit", "remove it"),
+        _ => return Ok(()),
+    }
+    let units = columns
         .iter()
-        .filter_map(|c| c.unit.as_ref())
-        .map(|unit| unit_of(unit, Dimension::Angle))
-        .find(Result::is_err)
-    {
-        return Some(wrong);
+        .map(|c| c.unit.as_ref().or(map.unit.as_ref()));
+    for unit in units {
+        match unit {
+            Some(unit) => unit_of(unit, Dimension::Angle).map_err(|wrong| ("", wrong))?,
+            None if units_row => continue,
+            None => {
+                let remedy = "write unit = \"deg\" or another angle";
+                return fault("the angles have no unit", remedy);
+            }
+        };
     }
-    match (map.form, &map.unit) {
-        (Euler([a, b, c]), _) if a == b || b == c => fault(
-            "two turns in a row are about one axis".to_owned(),
-            "correct the sequence, for example \"ZYX\"",
-        ),
-        (Euler(_), Some(unit)) => unit_of(unit, Dimension::Angle).err(),
-        (Euler(_), None) if !units_row && map.columns.iter().any(|c| c.unit.is_none()) => fault(
-            "the angles have no unit".to_owned(),
-            "write unit = \"deg\" or another angle",
-        ),
-        (Euler(_), None) | (_, None) => None,
-        (_, Some(_)) => fault("only Euler angles have a unit".to_owned(), "remove it"),
-    }
+    Ok(())
 }

@@ -3,11 +3,11 @@
 use crate::clock::{Clock, check_time};
 use crate::conversion::{Conversion, Transform};
 use crate::error::{map_of, no_match, twice};
-use crate::map::fits_path;
+use crate::map::{AttitudeForm, fits_path};
 use crate::map_faults::resolve;
 use crate::{
-    AttitudeForm, AttitudeMap, ChannelName, ColumnMap, Dimension, FileMap, Quantity, ReadOptions,
-    Sense, TimeFormat, Unit, classify, map_faults, parse_unit, suggestions,
+    AttitudeMap, ChannelName, ColumnMap, DecimalSign, Dimension, FileMap, NamedMap, OrbitFrame,
+    Quantity, ReadOptions, Sense, TimeFormat, Unit, classify, map_faults, parse_unit, suggestions,
 };
 use poinsot_files::{Faults, Place};
 use std::collections::HashSet;
@@ -240,14 +240,14 @@ impl Planner<'_> {
 
     fn attitude(&mut self, map: &AttitudeMap) -> Result<(), Faults> {
         let label = crate::full_name(&map.sensor, "attitude");
-        let columns: Vec<String> = map.columns.iter().map(|c| c.column.clone()).collect();
-        let choices: Result<Vec<_>, ()> =
-            map.columns.iter().map(|c| self.choice(&c.rows)).collect();
+        let maps = map.columns();
+        let columns: Vec<String> = maps.iter().map(|c| c.column.clone()).collect();
+        let choices: Result<Vec<_>, ()> = maps.iter().map(|c| self.choice(&c.rows)).collect();
         let (Ok(choices), Some(found)) = (choices, self.columns(&label, &columns)?) else {
             return Ok(());
         };
         let names = map.names();
-        let Some(name) = classify(&names[0]) else {
+        let (Some(name), Some(form)) = (classify(&names[0]), map.form()) else {
             return Err(self.fault(
                 &label,
                 format!("'{}' is no name of a sensor", map.sensor),
@@ -255,11 +255,11 @@ impl Planner<'_> {
             ));
         };
         let group = self.groups.len();
-        let parts = found.into_iter().zip(&map.columns).zip(choices);
+        let parts = found.into_iter().zip(&maps).zip(choices);
         for (place, ((index, column), choice)) in parts.enumerate() {
             let mut name = name.clone();
             let mut unit = None;
-            if matches!(map.form, AttitudeForm::Euler(_)) {
+            if matches!(form, AttitudeForm::Euler(_)) {
                 name.dimension = Dimension::Angle;
                 let own = column.unit.as_deref().or(map.unit.as_deref());
                 unit = Some(self.unit(own, index, &name)?);
@@ -269,8 +269,8 @@ impl Planner<'_> {
         }
         self.groups.push(Group::Attitude {
             names,
-            form: map.form,
-            sense: map.sense,
+            form,
+            sense: map.sense(),
         });
         Ok(())
     }
@@ -298,6 +298,7 @@ impl Planner<'_> {
         let Some(orbit) = &map.orbit else {
             return Ok(());
         };
+        let earth_fixed = orbit.frame == Some(OrbitFrame::EarthFixed);
         let none = String::new;
         let velocity = orbit
             .velocity
@@ -324,7 +325,7 @@ impl Planner<'_> {
                     continue;
                 };
                 let conversion = Conversion::Unit(self.unit(unit.as_deref(), index, &name)?);
-                match orbit.earth_fixed {
+                match earth_fixed {
                     true => {
                         let part = Some((group, 3 * k + place));
                         self.push(index, name, conversion, (part, None));
@@ -333,7 +334,7 @@ impl Planner<'_> {
                 }
             }
         }
-        if orbit.earth_fixed {
+        if earth_fixed {
             self.groups.push(Group::EarthFixed);
         }
         Ok(())
@@ -376,11 +377,9 @@ impl Planner<'_> {
         let mut ignored = Vec::new();
         // Those of all rows, and those of some channels where this file lacks others of them.
         let chosen = map.columns.iter().filter(|c| !c.rows.is_empty());
-        let filter_columns: HashSet<&str> = map
-            .filters()
-            .map(|f| f.0.as_str())
-            .chain(chosen.map(|c| c.column.as_str()))
-            .collect();
+        let filters = map.filters().map(|f| f.0);
+        let filter_columns: HashSet<String> =
+            filters.chain(chosen.map(|c| c.column.clone())).collect();
         for (index, column) in self.header.iter().enumerate() {
             let named = |all: &[PlannedChannel], name: &ChannelName| {
                 all.iter().take(mapped).any(|c| c.name == *name)
@@ -405,7 +404,7 @@ impl Planner<'_> {
                     let unit = self.unit(None, index, &name)?;
                     self.push(index, name, Conversion::Unit(unit), (None, None));
                 }
-                _ if filter_columns.contains(column.as_str()) => {}
+                _ if filter_columns.contains(column) => {}
                 _ if column.is_empty() => {
                     ignored.push(format!("(column {} without name)", index + 1));
                 }
@@ -480,7 +479,7 @@ pub(crate) fn build(
         choices,
         ignored,
         missing_filters,
-        decimal_comma: map.layout.decimal_comma == Some(true),
+        decimal_comma: map.layout.decimal == Some(DecimalSign::Comma),
     })
 }
 
@@ -586,9 +585,9 @@ impl<'a> Unused<'a> {
         let files = files.join(", ");
         let all = &self.options.map;
         let mut maps = vec![("*", &all.all)];
-        for (pattern, own) in &all.files {
+        for NamedMap { name: pattern, map } in &all.files {
             if paths.iter().any(|p| fits_path(pattern, p)) {
-                maps.push((pattern, own));
+                maps.push((pattern, map));
             } else {
                 repairs.push(format!("{files}: no file is named '{pattern}'; that entry of [[telemetry.file]] is not used"));
             }
@@ -601,7 +600,12 @@ impl<'a> Unused<'a> {
         for (pattern, map) in &maps {
             let mut filters = map.filters();
             if let Some((column, text)) = filters.find(|f| missing(pattern, &f.0)) {
-                return Err(no_match(column, text, why(column), self.nearest(column)));
+                return Err(no_match(
+                    &column,
+                    &text,
+                    why(&column),
+                    self.nearest(&column),
+                ));
             }
         }
         for (pattern, map) in &maps {

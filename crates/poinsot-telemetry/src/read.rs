@@ -81,7 +81,7 @@ pub fn read_parts(parts: &[Part], options: &ReadOptions) -> Result<Table, Faults
     let paths: Vec<PathBuf> = parts.iter().map(|p| p.path().to_owned()).collect();
     unused.check(&paths, &mut table.repairs)?;
     mount(&mut table, &options.mountings);
-    if let Some(map) = &options.map.all.orbital {
+    if let Some(map) = &options.map.orbital_frame {
         orbital::to_inertial(&mut table, map);
     }
     if options.check_conventions {
@@ -105,7 +105,7 @@ impl Reading<'_> {
             origin: self.table.origin.or(self.options.origin),
             map: TelemetryMap {
                 all: map,
-                files: Vec::new(),
+                ..TelemetryMap::default()
             },
             ..self.options.clone()
         }

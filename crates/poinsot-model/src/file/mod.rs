@@ -18,7 +18,6 @@ mod mode;
 mod momentum;
 mod rows;
 mod sensor;
-mod telemetry;
 mod thruster;
 mod wheel;
 
@@ -29,14 +28,11 @@ pub(crate) use mode::PanelFile;
 pub use mode::{ModeEstimateFile, ModeFile, ModeParameter, SlopeFile, TankFile};
 pub(crate) use momentum::{MomentumFile, MomentumVectorFile, MomentumWord};
 pub(crate) use sensor::{NamesFile, NoiseFile, SensorFile, SensorType};
-pub(crate) use telemetry::{
-    AttitudeColumnFile, AttitudeFile, ColumnFile, DecimalFile, ExportFile, FrameFile, InvalidFile,
-    OrbitColumnsFile, OrbitalFile, PartFile, TelemetryFile, TelemetryMapFile,
-};
 pub use thruster::ThrusterFile;
 pub use wheel::WheelFile;
 
 use crate::knowledge::Origin;
+use poinsot_telemetry::TelemetryMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -114,5 +110,14 @@ pub(crate) struct ModelFile {
     /// External forces and torques.
     pub environment: Option<EnvironmentFile>,
     /// How columns of a telemetry file become channels.
-    pub telemetry: Option<TelemetryFile>,
+    pub telemetry: Option<TelemetryMap>,
+}
+
+/// A file with the [telemetry] table alone.
+#[derive(Debug, Clone, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct TelemetryMapFile {
+    /// How columns of telemetry files become channels.
+    #[schemars(required)]
+    pub telemetry: Option<TelemetryMap>,
 }

@@ -2,8 +2,8 @@
 
 use crate::telemetry::{Folder, read_text};
 use poinsot_telemetry::{
-    AttitudeForm, AttitudeMap, ColumnMap, FileMap, Layout, OrbitMap, Order, Overlap, ReadOptions,
-    Scale, Sense, TelemetryMap, TimeFormat, TimeMap, read,
+    AttitudeColumn, AttitudeMap, ColumnMap, FileMap, Layout, NamedMap, OrbitFrame, OrbitMap, Order,
+    Overlap, ReadOptions, Scale, Sense, TelemetryMap, TimeFormat, TimeMap, read,
 };
 use std::f64::consts::PI;
 use std::io::Write;
@@ -12,10 +12,15 @@ fn of(all: FileMap) -> ReadOptions {
     ReadOptions {
         map: TelemetryMap {
             all,
-            files: Vec::new(),
+            ..TelemetryMap::default()
         },
         ..ReadOptions::default()
     }
+}
+
+fn named(columns: &[&str]) -> Option<Vec<AttitudeColumn>> {
+    let name = |column: &&str| AttitudeColumn::Name((*column).to_owned());
+    Some(columns.iter().map(name).collect())
 }
 
 fn iso(column: &str) -> Option<TimeMap> {
@@ -32,8 +37,8 @@ fn exact_layout_units_row_and_dates() {
                 2026-03-14T18:19:00.5Z;180;60\n2026-03-14T18:19:00.7Z;-90;30\n";
     let options = of(FileMap {
         layout: Layout {
-            delimiter: Some(b';'),
-            comment: Some(b'#'),
+            delimiter: Some(";".to_owned()),
+            comment: Some("#".to_owned()),
             header_row: Some(4),
             units_row: Some(true),
             ..Layout::default()
@@ -91,16 +96,16 @@ fn exact_files_with_clocks_of_their_own_share_one_origin() {
             ..iso("TAI").unwrap()
         }),
         attitude: vec![AttitudeMap {
-            sensor: String::new(),
-            form: AttitudeForm::Mrp,
-            columns: ["s1", "s2", "s3"].map(ColumnMap::part).to_vec(),
-            sense: Sense::InertialToBody,
-            unit: None,
-            relative: false,
+            mrp: named(&["s1", "s2", "s3"]),
+            sense: Some(Sense::InertialToBody),
+            ..AttitudeMap::default()
         }],
         ..FileMap::default()
     };
-    options.map.files = vec![("tracker*".to_owned(), own)];
+    options.map.files = vec![NamedMap {
+        name: "tracker*".to_owned(),
+        map: own,
+    }];
     let table = read(&[&gyro, &tracker], &options).unwrap();
     assert_eq!(*table.channel("q_z").unwrap().time_s, [0.1, 0.3]);
     // tan(90 deg / 4), inverted: a rotation by -90 deg about z.
@@ -108,7 +113,10 @@ fn exact_files_with_clocks_of_their_own_share_one_origin() {
     assert!((z + (PI / 4.0).sin()).abs() < 1e-15, "{z}");
     let unused = ReadOptions {
         map: TelemetryMap {
-            files: vec![("pulses*".to_owned(), FileMap::default())],
+            files: vec![NamedMap {
+                name: "pulses*".to_owned(),
+                ..NamedMap::default()
+            }],
             ..options.map.clone()
         },
         ..options.clone()
@@ -128,7 +136,7 @@ fn exact_positions_in_axes_of_the_earth() {
             velocity_unit: None,
             position: ["x", "y", "z"].map(str::to_owned),
             unit: Some("km".into()),
-            earth_fixed: true,
+            frame: Some(OrbitFrame::EarthFixed),
         }),
         ..FileMap::default()
     });
@@ -177,7 +185,7 @@ fn exact_velocities_in_axes_of_the_earth() {
             unit: Some("km".into()),
             velocity: Some(["u", "v", "w"].map(str::to_owned)),
             velocity_unit: Some("km/s".into()),
-            earth_fixed: true,
+            frame: Some(OrbitFrame::EarthFixed),
         }),
         ..FileMap::default()
     });
@@ -360,33 +368,26 @@ fn unit_scattered_losses_are_counted_and_noise_is_proposed() {
 #[test]
 fn exact_a_relative_attitude_has_every_form() {
     let text = "t,w,x,y,z,p1,p2,p3\n0,1,0,0,0,0,0,0\n0.1,0.6,0,0,-0.8,0,0,-0.5\n";
-    let map = |sensor: &str, form, columns: &[&str], sense| AttitudeMap {
-        sensor: sensor.to_owned(),
-        form,
-        columns: columns.iter().map(|c| ColumnMap::part(c)).collect(),
-        sense,
-        unit: None,
-        relative: true,
-    };
-    let scalar_first = AttitudeForm::Quaternion(Order::Wxyz);
     let options = of(FileMap {
         time: Some(TimeMap {
             column: "t".into(),
             ..TimeMap::default()
         }),
         attitude: vec![
-            map(
-                "back",
-                scalar_first,
-                &["w", "x", "y", "z"],
-                Sense::InertialToBody,
-            ),
-            map(
-                "camera",
-                AttitudeForm::Mrp,
-                &["p1", "p2", "p3"],
-                Sense::BodyToInertial,
-            ),
+            AttitudeMap {
+                sensor: "back".to_owned(),
+                quaternion: named(&["w", "x", "y", "z"]),
+                order: Some(Order::Wxyz),
+                sense: Some(Sense::InertialToBody),
+                relative: true,
+                ..AttitudeMap::default()
+            },
+            AttitudeMap {
+                sensor: "camera".to_owned(),
+                mrp: named(&["p1", "p2", "p3"]),
+                relative: true,
+                ..AttitudeMap::default()
+            },
         ],
         ..FileMap::default()
     });
