@@ -1,60 +1,42 @@
 //! Checks joints: unit axes and proper rotations.
 
-use crate::check_rotation::{check_axis, check_rotation};
+use crate::check::{Check, all};
 use crate::file::{JointFile, SpringDamperFile};
-use crate::finding::{Findings, Key};
+use crate::finding::Key;
 use crate::vehicle::{Joint, JointKind, SpringDamper};
 use poinsot_spatial::Vector3;
 
-pub(crate) fn check_joints(
-    files: &[JointFile],
-    resolve: &impl Fn(&str) -> Option<usize>,
-    findings: &mut Findings<'_, '_>,
-) -> Vec<Joint> {
-    files
-        .iter()
-        .enumerate()
-        .filter_map(|(k, file)| check_joint(k, file, resolve, findings))
-        .collect()
-}
+impl Check<'_, '_> {
+    pub fn joints(&mut self) -> Vec<Joint> {
+        let joints = all(&self.file.joint).iter().enumerate();
+        joints.filter_map(|(k, file)| self.joint(k, file)).collect()
+    }
 
-fn check_joint(
-    k: usize,
-    file: &JointFile,
-    resolve: &impl Fn(&str) -> Option<usize>,
-    findings: &mut Findings<'_, '_>,
-) -> Option<Joint> {
-    let key = Key::entry("joint", k, file.name.as_deref());
-    let rotation = check_rotation(
-        file.rotation_xyzw.as_ref(),
-        file.rotation_matrix.as_ref(),
-        &key,
-        findings,
-    );
-    let kind = file.kind?;
-    let here = key.at("axis");
-    let axis = match (kind, &file.axis) {
-        (JointKind::Fixed, given) => {
-            if given.is_some() {
-                findings.note(&here, "the axis of a fixed joint has no effect");
+    fn joint(&mut self, k: usize, file: &JointFile) -> Option<Joint> {
+        let key = Key::entry("joint", k, file.name.as_deref());
+        let rotation = self.rotation(file.rotation_xyzw, file.rotation_matrix, &key);
+        let (kind, here) = (file.kind?, key.at("axis"));
+        let axis = match (kind, file.axis) {
+            (JointKind::Fixed, given) => {
+                if given.is_some() {
+                    self.note(&here, "the axis of a fixed joint has no effect");
+                }
+                Some(Vector3::zeros())
             }
-            Some(Vector3::zeros())
-        }
-        (_, axis) => axis
-            .as_ref()
-            .and_then(|axis| check_axis(axis, &here, "axis", findings)),
-    };
-    Some(Joint {
-        name: file.name.clone()?,
-        kind,
-        parent: resolve(file.parent.as_deref()?)?,
-        child: resolve(file.child.as_deref()?)?,
-        p_PoCo_P: Vector3::from(file.origin_m?),
-        R_PC_zero: rotation?,
-        axis_C: axis?,
-        locked_at: file.locked_at_rad.or(file.locked_at_m),
-        spring_damper: file.spring_damper.as_ref().map(spring_damper),
-    })
+            (_, axis) => axis.and_then(|axis| self.axis(&axis, &here, "axis")),
+        };
+        Some(Joint {
+            name: file.name.clone()?,
+            kind,
+            parent: self.body_of(file.parent.as_deref())?,
+            child: self.body_of(file.child.as_deref())?,
+            p_PoCo_P: Vector3::from(file.origin_m?),
+            R_PC_zero: rotation?,
+            axis_C: axis?,
+            locked_at: file.locked_at_rad.or(file.locked_at_m),
+            spring_damper: file.spring_damper.as_ref().map(spring_damper),
+        })
+    }
 }
 
 /// The numbers in the unit of the joint: keys of the other unit have been refused.

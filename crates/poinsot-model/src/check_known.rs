@@ -10,7 +10,7 @@ pub(crate) fn known(
     file: &Table,
     order: &[usize],
     model: &Model,
-    findings: &mut Findings<'_, '_>,
+    findings: &mut Findings<'_>,
 ) -> Knowledge {
     let mut out = Knowledge::default();
     for number in model.known_numbers() {

@@ -1,5 +1,6 @@
 //! Checks names: printable, unique, and no two parts with the same telemetry column.
 
+use crate::check::all;
 use crate::file::{ModelFile, NuisanceFile, NuisanceWord, SensorFile};
 use crate::finding::{Findings, Key};
 use crate::suggest;
@@ -11,7 +12,7 @@ use std::collections::HashMap;
 const LONGEST: usize = 200;
 
 /// Checks that no two parts have the same column or the same unknown error.
-pub(crate) fn check_names(file: &ModelFile, findings: &mut Findings<'_, '_>) {
+pub(crate) fn check_names(file: &ModelFile, findings: &mut Findings<'_>) {
     sensors_unique(file, findings);
     columns_unique(file, findings);
 }
@@ -31,28 +32,30 @@ pub(crate) fn misspelt(name: &str) -> Option<&'static str> {
     }
 }
 
-fn duplicate(table: &str, index: usize, problem: &str, findings: &mut Findings<'_, '_>) {
+fn duplicate(table: &str, index: usize, problem: String, findings: &mut Findings<'_>) {
     let key = Key::entry(table, index, None).at("name");
-    findings.refuse("E0110", &key, problem.to_owned(), "rename one of them");
+    findings.refuse("E0110", &key, problem, "rename one of them");
 }
 
 /// Sensors of different kinds may share a name (as gyro and accelerometer of one unit do), unless unknown errors of
 /// both get the same address (`imu.scale.x`).
-fn sensors_unique(file: &ModelFile, findings: &mut Findings<'_, '_>) {
+fn sensors_unique(file: &ModelFile, findings: &mut Findings<'_>) {
     let mut seen: HashMap<&str, Vec<usize>> = HashMap::new();
-    let all = file.sensor.as_deref().unwrap_or(&[]);
-    for (index, sensor) in all.iter().enumerate() {
+    let sensors = all(&file.sensor);
+    for (index, sensor) in sensors.iter().enumerate() {
         let Some(name) = sensor.name.as_deref() else {
             continue;
         };
         let earlier = seen.entry(name).or_default();
         for first in earlier.iter() {
-            let other = all.get(*first).filter(|other| other.kind != sensor.kind);
+            let other = sensors
+                .get(*first)
+                .filter(|other| other.kind != sensor.kind);
             if let Some(error) = other.and_then(|other| shared_error(other, sensor)) {
                 let problem = format!(
                     "sensor[{first}] has the same name, and the unknown {error} of both would be {name}.{error}"
                 );
-                duplicate("sensor", index, &problem, findings);
+                duplicate("sensor", index, problem, findings);
             }
         }
         earlier.push(index);
@@ -61,41 +64,35 @@ fn sensors_unique(file: &ModelFile, findings: &mut Findings<'_, '_>) {
 
 /// An error unknown in both sensors, with the same unit.
 fn shared_error(one: &SensorFile, other: &SensorFile) -> Option<&'static str> {
-    let declared = |error: &Option<NuisanceFile>| {
-        !matches!(error, None | Some(NuisanceFile::Word(NuisanceWord::None)))
-    };
     // Joint offsets are named after the joints.
     let vector = |s: &SensorFile| s.kind.map(|kind| kind.0).filter(|k| !k.is_scalar());
     let units = [one, other].map(|s| vector(s).map(|k| k.units()));
     let same_bias = units[0].is_some() && units[0] == units[1];
-    let pairs = [
-        ("bias", &one.bias, &other.bias, same_bias),
-        ("scale", &one.scale, &other.scale, true),
-        (
-            "misalignment_rad",
-            &one.misalignment,
-            &other.misalignment,
-            true,
-        ),
-        (
-            "nonorthogonality_rad",
-            &one.nonorthogonality,
-            &other.nonorthogonality,
-            true,
-        ),
-        ("lag_s", &one.lag, &other.lag, true),
+    let mut both = unknown_errors(one).into_iter().zip(unknown_errors(other));
+    let shared = both.find(|(a, b)| a.is_some() && a == b && (same_bias || *a != Some("bias")));
+    shared?.0
+}
+
+/// What the addresses of a sensor's unknown errors end with.
+fn unknown_errors(s: &SensorFile) -> [Option<&'static str>; 5] {
+    let errors = [
+        ("bias", &s.bias),
+        ("scale", &s.scale),
+        ("misalignment_rad", &s.misalignment),
+        ("nonorthogonality_rad", &s.nonorthogonality),
+        ("lag_s", &s.lag),
     ];
-    let mut pairs = pairs.into_iter();
-    pairs
-        .find(|(_, a, b, same)| *same && declared(a) && declared(b))
-        .map(|(error, ..)| error)
+    errors.map(|(end, error)| match error {
+        None | Some(NuisanceFile::Word(NuisanceWord::None)) => None,
+        Some(_) => Some(end),
+    })
 }
 
 /// A wheel and a revolute joint with equal names share `<name>_rad_s`; a thruster and a prismatic joint share
 /// `<name>_N`.
-fn columns_unique(file: &ModelFile, findings: &mut Findings<'_, '_>) {
+fn columns_unique(file: &ModelFile, findings: &mut Findings<'_>) {
     let mut joints: HashMap<(&str, &str), usize> = HashMap::new();
-    for (index, joint) in file.joint.as_deref().unwrap_or(&[]).iter().enumerate() {
+    for (index, joint) in all(&file.joint).iter().enumerate() {
         let column = match joint.kind {
             Some(JointKind::Revolute) => "rad_s",
             Some(JointKind::Prismatic) => "N",
@@ -105,25 +102,18 @@ fn columns_unique(file: &ModelFile, findings: &mut Findings<'_, '_>) {
             joints.insert((name, column), index);
         }
     }
-    let wheels = file.wheel.as_deref().unwrap_or(&[]).iter();
-    let thrusters = file.thruster.as_deref().unwrap_or(&[]).iter();
-    let others = wheels
-        .enumerate()
-        .map(|(k, w)| ("wheel", k, w.name.as_deref(), "rad_s"))
-        .chain(
-            thrusters
-                .enumerate()
-                .map(|(k, t)| ("thruster", k, t.name.as_deref(), "N")),
-        );
-    let mut clashes = Vec::new();
-    for (table, index, name, column) in others {
+    let wheels = all(&file.wheel).iter().enumerate();
+    let wheels = wheels.map(|(k, w)| ("wheel", k, &w.name, "rad_s"));
+    let thrusters = all(&file.thruster).iter().enumerate();
+    let thrusters = thrusters.map(|(k, t)| ("thruster", k, &t.name, "N"));
+    for (table, index, name, column) in wheels.chain(thrusters) {
         let Some(name) = name else { continue };
-        if let Some(joint) = joints.get(&(name, column)) {
-            clashes.push((table, index, format!("joint[{joint}] has the same name, and both would have the column {name}_{column}")));
+        if let Some(joint) = joints.get(&(name.as_str(), column)) {
+            let problem = format!(
+                "joint[{joint}] has the same name, and both would have the column {name}_{column}"
+            );
+            duplicate(table, index, problem, findings);
         }
-    }
-    for (table, index, problem) in clashes {
-        duplicate(table, index, &problem, findings);
     }
 }
 
@@ -133,22 +123,15 @@ pub(crate) fn unknown_name(
     kind: &str,
     name: &str,
     names: &[&str],
-    findings: &mut Findings<'_, '_>,
+    findings: &mut Findings<'_>,
 ) {
     // In a file with many faults no similar name is searched.
-    let near = if findings.count() < 50 {
-        suggest::nearest(name, names)
-    } else {
-        None
-    };
+    let few = findings.count() < 50;
+    let near = few.then(|| suggest::nearest(name, names)).flatten();
     let remedy = match near {
         Some(near) => format!("did you mean \"{}\"?", excerpt(near, 60)),
         None => format!("name one that a [[{kind}]] has"),
     };
-    findings.refuse(
-        "E0111",
-        key,
-        format!("there is no {kind} of this name"),
-        remedy,
-    );
+    let problem = format!("there is no {kind} of this name");
+    findings.refuse("E0111", key, problem, remedy);
 }

@@ -15,7 +15,7 @@ const LONGEST: usize = 400;
 pub(crate) fn check_telemetry(
     file: Option<TelemetryMap>,
     model: Option<&ModelFile>,
-    findings: &mut Findings<'_, '_>,
+    findings: &mut Findings<'_>,
 ) -> TelemetryMap {
     let mut map = file.unwrap_or_default();
     let key = Key::top("telemetry");
@@ -88,7 +88,7 @@ fn check_channel(
     channel: &str,
     known: &HashSet<String>,
     key: &Key,
-    findings: &mut Findings<'_, '_>,
+    findings: &mut Findings<'_>,
 ) -> bool {
     if known.contains(channel) && !channel.ends_with('.') {
         return true;

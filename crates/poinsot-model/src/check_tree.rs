@@ -21,7 +21,7 @@ pub(crate) struct Tree {
 pub(crate) fn check_tree(
     bodies: &[BodyFile],
     joints: &[JointFile],
-    findings: &mut Findings<'_, '_>,
+    findings: &mut Findings<'_>,
 ) -> Tree {
     let name_of =
         |k: usize| -> &str { bodies.get(k).and_then(|b| b.name.as_deref()).unwrap_or("?") };
@@ -117,7 +117,7 @@ fn report_cycles<'n>(
     carried_by: &[Option<usize>],
     joints: &[JointFile],
     name_of: &impl Fn(usize) -> &'n str,
-    findings: &mut Findings<'_, '_>,
+    findings: &mut Findings<'_>,
 ) {
     // Zero: not visited. Otherwise the number of the walk that visited it.
     let mut visited = vec![0_usize; parent_of.len()];

@@ -54,15 +54,15 @@ impl Key {
 }
 
 /// Collects findings and notes during the checks.
-pub(crate) struct Findings<'d, 'i> {
-    pub document: &'d Document<'i>,
+pub(crate) struct Findings<'d> {
+    pub document: &'d Document<'d>,
     faults: Vec<Fault>,
     /// Line and text; notes are finally sorted by position.
     notes: Vec<(usize, String)>,
 }
 
-impl<'d, 'i> Findings<'d, 'i> {
-    pub fn new(document: &'d Document<'i>) -> Self {
+impl<'d> Findings<'d> {
+    pub fn new(document: &'d Document<'d>) -> Self {
         Self {
             document,
             faults: Vec::new(),

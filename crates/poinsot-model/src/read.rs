@@ -171,7 +171,7 @@ pub fn locate(text: &str, faults: &mut [Fault]) {
     }
 }
 
-fn report_syntax(format: &Format, errors: Vec<toml::de::Error>, findings: &mut Findings<'_, '_>) {
+fn report_syntax(format: &Format, errors: Vec<toml::de::Error>, findings: &mut Findings<'_>) {
     for error in errors {
         let at = error.span().map_or(0, |span| span.start);
         let words: Vec<&str> = error.message().split_whitespace().collect();
@@ -182,19 +182,19 @@ fn report_syntax(format: &Format, errors: Vec<toml::de::Error>, findings: &mut F
 }
 
 /// A fault that the structure check missed: a bug, reported without panic.
-fn report_misfit(error: &toml::de::Error, findings: &mut Findings<'_, '_>) {
+fn report_misfit(error: &toml::de::Error, findings: &mut Findings<'_>) {
     if findings.count() == 0 {
         let text = error.message().to_owned();
         refuse_file("E0107", &text, "compare with `poinsot schema`", findings);
     }
 }
 
-fn refuse_file(code: &'static str, problem: &str, remedy: &str, findings: &mut Findings<'_, '_>) {
+fn refuse_file(code: &'static str, problem: &str, remedy: &str, findings: &mut Findings<'_>) {
     findings.refuse(code, &Key::default(), problem, remedy);
 }
 
 /// Reports an empty file, or a file of another format.
-fn check_version(findings: &mut Findings<'_, '_>) {
+fn check_version(findings: &mut Findings<'_>) {
     let table = &findings.document.table;
     if findings.document.text.trim().is_empty() {
         let remedy = "begin with schema = \"poinsot.model/1\"; `poinsot schema` prints all keys";

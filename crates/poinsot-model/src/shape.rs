@@ -60,7 +60,7 @@ pub(crate) const MODEL: Format = Format {
 pub(crate) fn check_shape(
     format: &'static Format,
     root: &'static Schema,
-    findings: &mut Findings<'_, '_>,
+    findings: &mut Findings<'_>,
 ) -> Table {
     let document = findings.document;
     let mut shape = Shape {
@@ -74,10 +74,10 @@ pub(crate) fn check_shape(
     shape.table(root, &document.table, &Key::default(), 0, None)
 }
 
-struct Shape<'f, 'd, 'i> {
+struct Shape<'f, 'd> {
     format: &'static Format,
     root: &'static Schema,
-    findings: &'f mut Findings<'d, 'i>,
+    findings: &'f mut Findings<'d>,
     /// Code of a number out of range in the present table.
     code: &'static str,
     /// Code of a wrong word in the present key.
@@ -103,7 +103,7 @@ impl Scope<'_> {
     }
 }
 
-impl Shape<'_, '_, '_> {
+impl Shape<'_, '_> {
     /// The schema, or the one it refers to.
     fn resolve(&self, schema: &'static Schema) -> &'static Schema {
         schema
