@@ -1,6 +1,7 @@
 //! Standard names of the channels of a sensor.
 
 use poinsot_model::{JointKind, Model, SensorKind};
+use poinsot_telemetry::{Channel, Table};
 
 pub(crate) const XYZ: [&str; 3] = ["x", "y", "z"];
 
@@ -48,4 +49,10 @@ pub(crate) fn wheels(model: &Model, of: &[usize], suffix: &str) -> Vec<String> {
         .filter_map(|i| model.wheels.get(*i))
         .map(|wheel| format!("{}_{suffix}", wheel.name))
         .collect()
+}
+
+/// The three channels of a vector, of the sensor of this name.
+pub(crate) fn axes<'t>(table: &'t Table, sensor: &str, vector: &str) -> Option<[&'t Channel; 3]> {
+    let [x, y, z] = XYZ.map(|k| table.sensor_channel(sensor, &format!("{vector}_{k}")));
+    Some([x?, y?, z?])
 }

@@ -1,11 +1,12 @@
 //! Attitudes and rates of the base from which a fit starts, where no sensor measures them: attitudes from gyro and directions or
 //! from directions alone, across gaps of the attitude sensor by the gyro, and rates from attitudes.
 
+use super::channels::Channels;
 use super::sensors::sensor_columns;
-use nalgebra::{Matrix3, Matrix4, Matrix6, Quaternion, UnitQuaternion, Vector3, Vector6};
-use poinsot_model::{Model, SensorKind};
-use poinsot_spatial::skew;
-use poinsot_telemetry::{Channel, GAP, Table, differentiate, median_step};
+use nalgebra::{Matrix4, Quaternion};
+use poinsot_model::SensorKind;
+use poinsot_spatial::{Matrix3, Matrix6, UnitQuaternion, Vector3, Vector6, skew};
+use poinsot_telemetry::{Channel, GAP, differentiate, median_step};
 
 /// First interval, s; each is twice the previous one. A gyro bias of 1e-3 rad/s rotates the attitude by 0.03 rad in
 /// it.
@@ -24,13 +25,14 @@ const APART: f64 = 0.05;
 const HALF_WIDTH: usize = 2;
 
 /// A direction measured by the base: time, s, measured in B, known in N.
-pub(super) type Direction = (f64, Vector3<f64>, Vector3<f64>);
+pub(super) type Direction = (f64, Vector3, Vector3);
 
-type Attitudes = Vec<Option<UnitQuaternion<f64>>>;
+type Attitudes = Vec<Option<UnitQuaternion>>;
 
 /// Directions measured by sensors of the base, one list a sensor.
-pub(super) fn base_directions(model: &Model, table: &Table) -> Vec<Vec<Direction>> {
-    let all = sensor_columns(model, table).into_iter();
+pub(super) fn base_directions(channels: &Channels) -> Vec<Vec<Direction>> {
+    let model = channels.model;
+    let all = sensor_columns(model, channels.table).into_iter();
     let own = all.filter(|c| c.kind == SensorKind::Direction);
     let on_base = own.filter(|c| c.sensor.is_some_and(|k| model.sensors[k].body == 0));
     on_base.map(|c| c.directions(model)).collect()
@@ -49,12 +51,12 @@ pub(super) fn from_directions(sensors: &[Vec<Direction>]) -> Option<[Channel; 4]
         let some = profile != Matrix3::zeros();
         some.then(|| (*t, wahba(&(profile + known_N * seen_B.transpose()))))
     };
-    let all: Vec<(f64, UnitQuaternion<f64>)> = leading.iter().filter_map(attitude).collect();
+    let all: Vec<(f64, UnitQuaternion)> = leading.iter().filter_map(attitude).collect();
     (!all.is_empty()).then(|| attitude_channels(&all))
 }
 
 /// A direction between two samples that are no gap apart: in B, and known in N.
-fn direction_at(samples: &[Direction], t: f64) -> Option<(Vector3<f64>, Vector3<f64>)> {
+fn direction_at(samples: &[Direction], t: f64) -> Option<(Vector3, Vector3)> {
     let times: Vec<f64> = samples.iter().map(|s| s.0).collect();
     let k = times.partition_point(|x| *x <= t).checked_sub(1)?;
     let (a, b) = (&samples[k], samples.get(k + 1).unwrap_or(&samples[k]));
@@ -63,12 +65,12 @@ fn direction_at(samples: &[Direction], t: f64) -> Option<(Vector3<f64>, Vector3<
         return None;
     }
     let share = if h > 0.0 { (t - a.0) / h } else { 0.0 };
-    let between = |a: &Vector3<f64>, b: &Vector3<f64>| (a + (b - a) * share).try_normalize(0.0);
+    let between = |a: &Vector3, b: &Vector3| (a + (b - a) * share).try_normalize(0.0);
     Some((between(&a.1, &b.1)?, between(&a.2, &b.2)?))
 }
 
 /// Attitudes as the channels of an attitude sensor, of continuous sign.
-fn attitude_channels(all: &[(f64, UnitQuaternion<f64>)]) -> [Channel; 4] {
+fn attitude_channels(all: &[(f64, UnitQuaternion)]) -> [Channel; 4] {
     let time_s: Vec<f64> = all.iter().map(|a| a.0).collect();
     let mut q: Vec<[f64; 4]> = all.iter().map(|(_, R)| (*R.as_vector()).into()).collect();
     for k in 1..q.len() {
@@ -105,7 +107,7 @@ pub(super) fn differentiated(attitude: [&Channel; 4]) -> [Channel; 3] {
         let slope = quaternion(slopes.each_ref().map(|c| c.values[i]));
         2.0 * (q.conjugate() * slope).imag()
     };
-    let rates: Vec<Vector3<f64>> = times.iter().enumerate().map(rate).collect();
+    let rates: Vec<Vector3> = times.iter().enumerate().map(rate).collect();
     [("omega_x", 0), ("omega_y", 1), ("omega_z", 2)].map(|(name, k)| Channel {
         name: name.to_owned(),
         unit: "rad/s".to_owned(),
@@ -115,17 +117,13 @@ pub(super) fn differentiated(attitude: [&Channel; 4]) -> [Channel; 3] {
     })
 }
 
-fn rotation([x, y, z, w]: [f64; 4]) -> UnitQuaternion<f64> {
+fn rotation([x, y, z, w]: [f64; 4]) -> UnitQuaternion {
     UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z))
 }
 
 /// Attitudes where none was measured, carried by the rates: from the last one before and from the next one after, and between
 /// both where there are both. A gap of the rates ends it.
-pub(super) fn carried(
-    times: &[f64],
-    rate: &[Option<Vector3<f64>>],
-    measured: Attitudes,
-) -> Attitudes {
+pub(super) fn carried(times: &[f64], rate: &[Option<Vector3>], measured: Attitudes) -> Attitudes {
     if measured.iter().all(Option::is_some) {
         return measured;
     }
@@ -139,14 +137,14 @@ pub(super) fn carried(
     let n = times.len();
     let (mut before, mut after) = (vec![None; n], vec![None; n]);
     for k in 0..n {
-        let reached = |k: usize| -> Option<(f64, UnitQuaternion<f64>)> {
+        let reached = |k: usize| -> Option<(f64, UnitQuaternion)> {
             let (since, R) = before[k.checked_sub(1)?]?;
             Some((since, R * turn(k)?))
         };
         before[k] = measured[k].map(|R| (times[k], R)).or_else(|| reached(k));
     }
     for k in (0..n).rev() {
-        let reached = |k: usize| -> Option<(f64, UnitQuaternion<f64>)> {
+        let reached = |k: usize| -> Option<(f64, UnitQuaternion)> {
             let (since, R) = (*after.get(k + 1)?)?;
             Some((since, R * turn(k + 1)?.inverse()))
         };
@@ -165,7 +163,7 @@ pub(super) fn carried(
 
 /// The turn over an interval of length `h` between two rates: the rotation vector of the fourth-order Magnus expansion for a
 /// rate linear in time, `h (w0 + w1)/2 + h^2 (w0 x w1)/12` (Iserles et al. 2000, eq. 4.16).
-fn turn_over(h: f64, w0: &Vector3<f64>, w1: &Vector3<f64>) -> UnitQuaternion<f64> {
+fn turn_over(h: f64, w0: &Vector3, w1: &Vector3) -> UnitQuaternion {
     UnitQuaternion::from_scaled_axis((w0 + w1) * (0.5 * h) + w0.cross(w1) * (h * h / 12.0))
 }
 
@@ -176,7 +174,7 @@ fn turn_over(h: f64, w0: &Vector3<f64>, w1: &Vector3<f64>) -> UnitQuaternion<f64
 /// the drift stays small.
 pub(super) fn attitudes(
     times: &[f64],
-    rate: &[Option<Vector3<f64>>],
+    rate: &[Option<Vector3>],
     directions: &[Direction],
 ) -> Attitudes {
     let mut Q = integrate_rate(times, rate);
@@ -198,8 +196,7 @@ pub(super) fn attitudes(
             };
             R = UnitQuaternion::from_scaled_axis(turn) * R;
             bias += more;
-            let free: Vec<Option<Vector3<f64>>> =
-                rate.iter().map(|w| w.map(|w| w - bias)).collect();
+            let free: Vec<Option<Vector3>> = rate.iter().map(|w| w.map(|w| w - bias)).collect();
             Q = integrate_rate(times, &free);
         }
         if first + span >= *last {
@@ -216,10 +213,10 @@ pub(super) fn attitudes(
 /// Attitude from body rates.
 pub(super) fn integrate_rate(
     times: &[f64],
-    rate: &[Option<Vector3<f64>>],
-) -> Vec<Option<UnitQuaternion<f64>>> {
+    rate: &[Option<Vector3>],
+) -> Vec<Option<UnitQuaternion>> {
     let mut out = vec![None; times.len()];
-    let mut last: Option<(usize, UnitQuaternion<f64>, Vector3<f64>)> = None;
+    let mut last: Option<(usize, UnitQuaternion, Vector3)> = None;
     for (k, w) in rate.iter().enumerate() {
         let Some(w) = w else { continue };
         let q = match &last {
@@ -233,7 +230,7 @@ pub(super) fn integrate_rate(
 }
 
 /// The attitude at a time, or at the next sample.
-fn at(times: &[f64], Q: &Attitudes, t: f64) -> Option<(usize, UnitQuaternion<f64>)> {
+fn at(times: &[f64], Q: &Attitudes, t: f64) -> Option<(usize, UnitQuaternion)> {
     let k = times.partition_point(|x| *x < t);
     Some((k, (*Q.get(k)?)?))
 }
@@ -244,7 +241,7 @@ fn start<'a>(
     times: &[f64],
     Q: &Attitudes,
     directions: impl Iterator<Item = &'a Direction>,
-) -> UnitQuaternion<f64> {
+) -> UnitQuaternion {
     let mut profile = Matrix3::zeros();
     for (t, seen_B, known_N) in directions {
         if let Some((_, Q)) = at(times, Q, *t) {
@@ -258,7 +255,7 @@ fn start<'a>(
 }
 
 /// Davenport's solution for a profile `sum n_N s_B^T`: the rotation that maps `s_B` to `n_N` best.
-fn wahba(profile: &Matrix3<f64>) -> UnitQuaternion<f64> {
+fn wahba(profile: &Matrix3) -> UnitQuaternion {
     let symmetric = profile + profile.transpose();
     let z = Vector3::new(
         profile[(2, 1)] - profile[(1, 2)],
@@ -283,13 +280,13 @@ fn wahba(profile: &Matrix3<f64>) -> UnitQuaternion<f64> {
 /// `A^T (n x d)`. A bias `b` rotates `Q` by `-int Q b dt` in the axes of the initial attitude.
 fn step<'a>(
     times: &[f64],
-    (R, Q, bias): (&UnitQuaternion<f64>, &Attitudes, &Vector3<f64>),
+    (R, Q, bias): (&UnitQuaternion, &Attitudes, &Vector3),
     directions: impl Iterator<Item = &'a Direction>,
-) -> Option<(Vector3<f64>, Vector3<f64>)> {
-    let matrix = |q: &UnitQuaternion<f64>| *q.to_rotation_matrix().matrix();
+) -> Option<(Vector3, Vector3)> {
+    let matrix = |q: &UnitQuaternion| *q.to_rotation_matrix().matrix();
     let mut turned = vec![Matrix3::zeros(); times.len()];
     let mut sum = Matrix3::zeros();
-    let mut before: Option<(f64, Matrix3<f64>)> = None;
+    let mut before: Option<(f64, Matrix3)> = None;
     for ((t, Q), turned) in times.iter().zip(Q).zip(&mut turned) {
         if let Some(now) = Q.as_ref().map(matrix) {
             if let Some((then, was)) = before {
@@ -330,13 +327,13 @@ mod tests {
 
     struct Tumble {
         times: Vec<f64>,
-        read: Vec<Option<Vector3<f64>>>,
+        read: Vec<Option<Vector3>>,
         truth: Attitudes,
         seen: Vec<Direction>,
     }
 
     /// A tumbling base with a gyro bias, and its measurements of the known vectors.
-    fn tumble(bias: Vector3<f64>, known: &[Vector3<f64>]) -> Tumble {
+    fn tumble(bias: Vector3, known: &[Vector3]) -> Tumble {
         let times: Vec<f64> = (0..3000).map(|k| 0.1 * f64::from(k)).collect();
         let w = |t: &f64| Vector3::new(0.02, -0.03 * (0.05 * t).cos(), 0.025 * (0.03 * t).sin());
         let true_rate: Vec<_> = times.iter().map(|t| Some(w(t))).collect();

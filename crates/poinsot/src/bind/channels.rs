@@ -3,19 +3,24 @@
 use super::attitude_start::{base_directions, differentiated, from_directions};
 use super::driven_wheels::{DrivenWheels, speed_column, torque_column};
 use super::sensors::{BaseSensors, REFERENCE, is_locked};
+use crate::channel_names::XYZ;
 use crate::error::{Error, missing};
-use poinsot_model::{Axes, Joint, JointKind, Model, SensorKind};
+use poinsot_dynamics::Tree;
+use poinsot_model::{Axes, JointKind, Model, SensorKind};
 use poinsot_spatial::{Matrix3, Vector3};
 use poinsot_telemetry::{Channel, Mounting, Table};
 use std::borrow::Cow;
 use std::collections::BTreeSet;
 
-/// A table with its name for messages.
+/// A table with the model to which it is bound, and its name for messages.
+#[derive(Clone, Copy)]
 pub(super) struct Channels<'a> {
+    pub model: &'a Model,
+    pub tree: &'a Tree,
     pub table: &'a Table,
     pub label: &'a str,
     /// Sensors that provide the aligned samples.
-    pub leading: &'a BaseSensors,
+    pub leading: &'a BaseSensors<'a>,
     /// Wheels whose measured torque drives them between tachometer samples.
     pub driven: &'a DrivenWheels,
 }
@@ -48,6 +53,8 @@ impl BaseRates<'_> {
 
 /// The columns of a joint.
 pub(super) struct JointColumns<'a> {
+    /// Index in the model.
+    pub at: usize,
     pub position_name: String,
     pub rate_name: String,
     pub position: Option<&'a Channel>,
@@ -79,14 +86,14 @@ impl<'a> Channels<'a> {
     }
 
     /// The columns of the leading sensor of a kind: see [`BaseSensors::columns`].
-    pub fn leading(&self, model: &Model, kind: SensorKind) -> Option<Vec<&'a Channel>> {
-        self.leading.columns(model, self.table, kind)
+    pub fn leading(&self, kind: SensorKind) -> Option<Vec<&'a Channel>> {
+        self.leading.columns(self.table, kind)
     }
 
     /// The columns of the leading three-axis sensor of a kind.
-    pub fn vector(&self, model: &Model, kind: SensorKind) -> Option<VectorChannels<'a>> {
-        let sensor = self.leading.sensor(model, kind);
-        let axes: [&Channel; 3] = self.leading(model, kind)?.try_into().ok()?;
+    pub fn vector(&self, kind: SensorKind) -> Option<VectorChannels<'a>> {
+        let sensor = self.leading.sensor(kind);
+        let axes: [&Channel; 3] = self.leading(kind)?.try_into().ok()?;
         Some(VectorChannels {
             axes,
             p_BoS_B: sensor.map_or_else(Vector3::zeros, |s| s.p_BoS_B),
@@ -95,18 +102,18 @@ impl<'a> Channels<'a> {
 
     /// The body rates at whose times the linear method works: those of the gyro; without a gyro in the model, the derivative
     /// of the attitude.
-    pub fn base_rates(&self, model: &Model) -> Result<BaseRates<'a>, Error> {
-        let gyro = self.vector(model, SensorKind::Gyro);
+    pub fn base_rates(&self) -> Result<BaseRates<'a>, Error> {
+        let gyro = self.vector(SensorKind::Gyro);
         if let Some(gyro) = gyro.as_ref().filter(|g| !g.time_s().is_empty()) {
             return Ok(BaseRates {
                 axes: gyro.axes.map(Cow::Borrowed),
                 attitude: None,
             });
         }
-        let mut gyros = model.sensors_of(SensorKind::Gyro);
+        let mut gyros = self.model.sensors_of(SensorKind::Gyro);
         let (purpose, advice) = match (gyros.next(), gyro) {
             (None, _) => {
-                if let Some(derived) = self.derived_rates(model) {
+                if let Some(derived) = self.derived_rates() {
                     return Ok(derived);
                 }
                 (
@@ -126,12 +133,11 @@ impl<'a> Channels<'a> {
         Err(self.missing("omega_x omega_y omega_z", purpose, advice))
     }
 
-    fn derived_rates(&self, model: &Model) -> Option<BaseRates<'a>> {
-        let measured = self.leading(model, SensorKind::Attitude);
-        let measured: Option<[&Channel; 4]> = measured.and_then(|parts| parts.try_into().ok());
+    fn derived_rates(&self) -> Option<BaseRates<'a>> {
+        let measured = self.quaternion();
         let attitude = match measured {
             Some(_) => None,
-            None => Some(from_directions(&base_directions(model, self.table))?),
+            None => Some(from_directions(&base_directions(self))?),
         };
         let parts = measured.or_else(|| attitude.as_ref().map(|a| a.each_ref()))?;
         let axes = differentiated(parts);
@@ -142,14 +148,26 @@ impl<'a> Channels<'a> {
         })
     }
 
+    /// The columns of the leading attitude sensor.
+    pub fn quaternion(&self) -> Option<[&'a Channel; 4]> {
+        self.leading(SensorKind::Attitude)?.try_into().ok()
+    }
+
+    /// The columns of the moving joints, by coordinate.
+    pub fn joints(&self) -> impl Iterator<Item = JointColumns<'a>> {
+        let at = self.tree.coordinates.iter();
+        at.map(|at| self.joint(*at))
+    }
+
     /// The columns of a joint, by its index in the model.
-    pub fn joint(&self, model: &Model, at: usize) -> JointColumns<'a> {
-        let joint: &Joint = &model.joints[at];
+    fn joint(&self, at: usize) -> JointColumns<'a> {
+        let joint = &self.model.joints[at];
         let (position_name, rate_name) = joint_columns(&joint.name, joint.kind);
         let position = self.find(None, &position_name);
         JointColumns {
+            at,
             rate: self.find(None, &rate_name),
-            locked: position.is_some_and(|q| is_locked(model, at, q)),
+            locked: position.is_some_and(|q| is_locked(self.model, at, q)),
             position,
             position_name,
             rate_name,
@@ -157,14 +175,19 @@ impl<'a> Channels<'a> {
     }
 
     /// The column of a wheel's speed.
-    pub fn tachometer(&self, model: &Model, wheel: usize) -> Option<&'a Channel> {
-        self.find(None, &speed_column(&model.wheels.get(wheel)?.name))
+    pub fn tachometer(&self, wheel: usize) -> Option<&'a Channel> {
+        self.find(None, &speed_column(&self.model.wheels.get(wheel)?.name))
+    }
+
+    /// The tachometer of every wheel.
+    pub fn tachometers(&self) -> impl Iterator<Item = Option<&'a Channel>> {
+        (0..self.model.wheels.len()).map(|k| self.tachometer(k))
     }
 
     /// Tachometer of a wheel, and its speed at that and where its measured torque bends it.
-    pub fn wheel(&self, model: &Model, wheel: usize) -> Option<(&'a Channel, Cow<'a, Channel>)> {
-        let tachometer = self.tachometer(model, wheel)?;
-        let torque = self.find(None, &torque_column(&model.wheels[wheel].name));
+    pub fn wheel(&self, wheel: usize) -> Option<(&'a Channel, Cow<'a, Channel>)> {
+        let tachometer = self.tachometer(wheel)?;
+        let torque = self.find(None, &torque_column(&self.model.wheels[wheel].name));
         Some((tachometer, self.driven.speed(wheel, tachometer, torque)))
     }
 
@@ -202,10 +225,10 @@ pub fn wanted_channels(model: &Model) -> BTreeSet<String> {
         .map(|column| (*column).to_owned())
         .collect();
     if model.sensors_of(SensorKind::Direction).next().is_some() {
-        wanted.extend(["x", "y", "z"].map(|k| format!("{REFERENCE}_{k}")));
+        wanted.extend(XYZ.map(|k| format!("{REFERENCE}_{k}")));
     }
     if model.environment.gravity_gradient {
-        wanted.extend(["x", "y", "z"].map(|k| format!("orbit_{k}")));
+        wanted.extend(XYZ.map(|k| format!("orbit_{k}")));
     }
     for joint in &model.joints {
         let (position, rate) = joint_columns(&joint.name, joint.kind);

@@ -18,11 +18,11 @@ use std::f64::consts::PI;
 /// Columns without a sensor name that several sensors could have written; columns of a sensor without declared noise;
 /// an unknown error of a sensor without columns.
 pub(super) fn check_sensors(
-    model: &Model,
-    tables: &[Table],
     leading: &BaseSensors,
+    tables: &[Table],
     repairs: &mut Vec<String>,
 ) -> Result<(), Error> {
+    let model = leading.model;
     refuse_bias_of_frame(model)?;
     for table in tables {
         let label = super::file_label(table);
@@ -62,7 +62,7 @@ pub(super) fn check_sensors(
         let base = with_columns.iter().filter(|s| s.body == 0).count();
         if base > 1
             && !kind.is_relative()
-            && let Some(first) = leading.sensor(model, kind)
+            && let Some(first) = leading.sensor(kind)
         {
             repairs.push(format!(
                 "{base} sensors of type {} on the base: the linear start uses '{}', maximum likelihood uses all",
@@ -236,14 +236,12 @@ fn refuse_bias_of_frame(model: &Model) -> Result<(), Error> {
 
 /// # Errors
 /// Momentum, velocity or position are given in N, but no attitude is measured.
-pub(super) fn needs_attitude(model: &Model, channels: &Channels) -> Result<(), Error> {
+pub(super) fn needs_attitude(channels: &Channels) -> Result<(), Error> {
     let seen = [SensorKind::Attitude, SensorKind::Direction];
-    if seen
-        .iter()
-        .any(|kind| channels.leading(model, *kind).is_some())
-    {
+    if seen.iter().any(|kind| channels.leading(*kind).is_some()) {
         return Ok(());
     }
+    let momentum = &channels.model.momentum;
     let fault = |what: String, advice| {
         Error::one(
             "E0307",
@@ -255,8 +253,8 @@ pub(super) fn needs_attitude(model: &Model, channels: &Channels) -> Result<(), E
         )
     };
     for (key, known) in [
-        ("linear_N_s", model.momentum.linear),
-        ("angular_N_m_s", model.momentum.angular),
+        ("linear_N_s", momentum.linear),
+        ("angular_N_m_s", momentum.angular),
     ] {
         if let MomentumKnowledge::Known(p) = known
             && p.norm() > 0.0
@@ -266,7 +264,7 @@ pub(super) fn needs_attitude(model: &Model, channels: &Channels) -> Result<(), E
         }
     }
     for (kind, prefix) in [(SensorKind::Velocity, "v"), (SensorKind::Position, "r")] {
-        if channels.vector(model, kind).is_some() {
+        if channels.vector(kind).is_some() {
             let what = format!("{prefix}_x {prefix}_y {prefix}_z");
             return Err(fault(what, "take the sensor out of the model"));
         }

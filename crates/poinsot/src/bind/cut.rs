@@ -4,38 +4,29 @@
 //! separate initial state, and shares the bodies.
 
 use super::channels::Channels;
-use poinsot_dynamics::Tree;
-use poinsot_model::Model;
 use poinsot_telemetry::{Channel, GAP, Table, median_step};
 use std::borrow::Cow;
 use std::sync::Arc;
 
 /// Joint, wheel and thrust channels that drive the motion.
-pub(super) fn input_channels<'a>(
-    model: &Model,
-    tree: &Tree,
-    channels: &Channels<'a>,
-) -> Vec<&'a Channel> {
-    let joints = tree.coordinates.iter().flat_map(|&at| {
-        let joint = channels.joint(model, at);
+pub(super) fn input_channels<'a>(channels: &Channels<'a>) -> Vec<&'a Channel> {
+    let joints = channels.joints().flat_map(|joint| {
         // A rate without a position is not used; a locked joint needs none.
         let position = joint.moving();
         [position, position.and(joint.rate)]
     });
-    let wheels = (0..model.wheels.len()).map(|k| channels.tachometer(model, k));
+    let wheels = channels.tachometers();
     joints.chain(wheels).flatten().collect()
 }
 
 /// The pieces of a table between the gaps of its inputs, and the gaps, s; the table itself without gaps.
 pub(super) fn pieces<'a>(
-    model: &Model,
-    tree: &Tree,
     channels: &Channels<'a>,
     clock: &[f64],
 ) -> (Vec<Cow<'a, Table>>, Vec<(f64, f64)>) {
-    let mut inputs = input_channels(model, tree, channels);
+    let mut inputs = input_channels(channels);
     // Thrust sampled with the gyro has the gyro's gaps; valve switching times are not samples.
-    let thrust = model.thrusters.iter();
+    let thrust = channels.model.thrusters.iter();
     let thrust = thrust.filter_map(|t| channels.find(None, &format!("{}_N", t.name)));
     inputs.extend(thrust.filter(|c| *c.time_s == *clock));
     let gaps = merged(inputs.iter().flat_map(|c| gaps(&c.time_s)).collect());

@@ -4,15 +4,14 @@
 //! `m (r - G)'' = F` holds with the vehicle's own forces, including tides, on any orbit and for any time. Noise of `r`
 //! enters `G` multiplied by the gravity gradient, 1e-6 1/s2 in low orbit, and is negligible.
 
+use crate::channel_names::{XYZ, axes};
 use crate::error::{Error, unsupported};
-use nalgebra::Vector3;
 use poinsot_files::rounded;
 use poinsot_model::{Model, MomentumKnowledge, SensorKind};
+use poinsot_spatial::Vector3;
 use poinsot_telemetry::{Channel, Table, differentiate, resample_hermite};
 use std::borrow::Cow;
 use std::sync::Arc;
-
-type Vector = Vector3<f64>;
 
 /// Distance above which positions are orbital, m.
 pub(super) const ORBITAL: f64 = 1.0e5;
@@ -27,7 +26,6 @@ const SAME_BODY: f64 = 1.0e-3;
 const NEGLECTED: f64 = 1.0e-4;
 /// Samples each side of the polynomial that differentiates gravity.
 const HALF_WIDTH: usize = 2;
-const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// Converts orbital positions and velocities of the tables to values relative to free fall.
 ///
@@ -71,18 +69,16 @@ fn three(table: &Table, prefix: &str) -> Option<[Channel; 3]> {
         .channels
         .iter()
         .find(|c| c.name == format!("{prefix}_x"))?;
-    let own = |axis: &str| table.sensor_channel(&first.sensor, &format!("{prefix}_{axis}"));
-    let [x, y, z] = AXES.map(own);
-    Some([x?.clone(), y?.clone(), z?.clone()])
+    Some(axes(table, &first.sensor, prefix)?.map(Clone::clone))
 }
 
-fn at(channels: &[Channel; 3], k: usize) -> Option<Vector> {
+fn at(channels: &[Channel; 3], k: usize) -> Option<Vector3> {
     let [x, y, z] = channels.each_ref().map(|c| c.values.get(k).copied());
-    Some(Vector::new(x?, y?, z?))
+    Some(Vector3::new(x?, y?, z?))
 }
 
 /// Gravity at a position relative to the attracting body, m/s2; with J2 of the Earth about axis z of N.
-fn gravity(gm: f64, oblate: bool, r: &Vector) -> Vector {
+fn gravity(gm: f64, oblate: bool, r: &Vector3) -> Vector3 {
     let d = r.norm();
     let point = -r * (gm / d.powi(3));
     if !oblate {
@@ -90,7 +86,7 @@ fn gravity(gm: f64, oblate: bool, r: &Vector) -> Vector {
     }
     let ratio = 1.5 * EARTH_J2 * gm * EARTH_RADIUS.powi(2) / d.powi(5);
     let s = 5.0 * (r.z / d).powi(2);
-    point + Vector::new(r.x * (s - 1.0), r.y * (s - 1.0), r.z * (s - 3.0)) * ratio
+    point + Vector3::new(r.x * (s - 1.0), r.y * (s - 1.0), r.z * (s - 3.0)) * ratio
 }
 
 impl FreeFall {
@@ -101,9 +97,9 @@ impl FreeFall {
         let position = position.filter(far)?;
         let oblate = (gm / EARTH_GM - 1.0).abs() < SAME_BODY;
         let times = position[0].time_s.clone();
-        let points: Option<Vec<Vector>> = (0..times.len()).map(|k| at(&position, k)).collect();
+        let points: Option<Vec<Vector3>> = (0..times.len()).map(|k| at(&position, k)).collect();
         let points = points?;
-        let pulls: Vec<Vector> = points.iter().map(|r| gravity(gm, oblate, r)).collect();
+        let pulls: Vec<Vector3> = points.iter().map(|r| gravity(gm, oblate, r)).collect();
         let channel = |k: usize, values: Vec<f64>| Channel {
             values,
             ..position[k].clone()
@@ -162,7 +158,7 @@ impl FreeFall {
     /// Replaces positions and velocities; the orbit is kept for the gravity gradient.
     fn apply(&self, model: &Model, table: &mut Table) {
         if three(table, "orbit").is_none() {
-            for (axis, channel) in AXES.iter().zip(&self.position) {
+            for (axis, channel) in XYZ.iter().zip(&self.position) {
                 table.channels.push(Channel {
                     name: format!("orbit_{axis}"),
                     sensor: String::new(),
@@ -170,7 +166,7 @@ impl FreeFall {
                 });
             }
         }
-        for (k, axis) in AXES.iter().enumerate() {
+        for (k, axis) in XYZ.iter().enumerate() {
             let values = self.position[k].values.iter().zip(&self.origin[k].values);
             let rest = Channel {
                 name: format!("r_{axis}"),

@@ -1,10 +1,9 @@
 //! Joints, wheels and thrusters without a column: the model says that they stand still, or the record is refused.
 
-use super::channels::Channels;
+use super::channels::{Channels, JointColumns};
 use super::driven_wheels::speed_column;
-use poinsot_dynamics::Tree;
 use poinsot_files::{Fault, Faults, Place};
-use poinsot_model::{JointKind, Model};
+use poinsot_model::JointKind;
 use poinsot_telemetry::{Channel, noise_level};
 
 /// Likeness of two names from which one is told beside the other.
@@ -21,12 +20,8 @@ const OF_EFFORTS: [&str; 5] = ["torque", "effort", "current", "volt", "temp"];
 ///
 /// # Errors
 /// The model does not say what one of them does, or a rate contradicts it.
-pub(super) fn held(
-    model: &Model,
-    tree: &Tree,
-    channels: &Channels,
-    repairs: &mut Vec<String>,
-) -> Result<(), Faults> {
+pub(super) fn held(channels: &Channels, repairs: &mut Vec<String>) -> Result<(), Faults> {
+    let model = channels.model;
     let mut faults = Vec::new();
     let mut one = |said: Result<Option<String>, Faults>| match said {
         Ok(words) => {
@@ -35,46 +30,50 @@ pub(super) fn held(
         }
         Err(missing) => faults.extend(missing.list),
     };
-    tree.coordinates
-        .iter()
-        .for_each(|&at| one(joint(model, channels, at)));
-    for (wheel, declared) in model.wheels.iter().enumerate() {
-        let name = speed_column(&declared.name);
-        one(match channels.tachometer(model, wheel) {
-            Some(_) => Ok(None),
-            None if declared.at_rest => Ok(Some(format!(
-                "no channel '{name}': assumed: {} at rest (at_rest)",
-                declared.name
-            ))),
-            None => Err(nothing_says(
-                channels,
-                (&declared.name, &name, &OF_EFFORTS),
-                "at_rest = true where it stands still",
-            )
-            .into()),
-        });
+    let joints = channels.joints();
+    joints.for_each(|columns| one(joint(channels, &columns)));
+    for (wheel, speed) in model.wheels.iter().zip(channels.tachometers()) {
+        let name = speed_column(&wheel.name);
+        let still = wheel.at_rest.then_some("at rest (at_rest)");
+        let declare = "at_rest = true where it stands still";
+        let of = (wheel.name.as_str(), name.as_str(), &OF_EFFORTS[..]);
+        one(unless_read(
+            speed.is_some(),
+            channels,
+            of,
+            still.ok_or(declare),
+        ));
     }
-    for declared in &model.thrusters {
-        let name = format!("{}_N", declared.name);
-        one(match channels.find(None, &name) {
-            Some(_) => Ok(None),
-            None if declared.never_fires => Ok(Some(format!(
-                "no channel '{name}': assumed: {} off (never_fires)",
-                declared.name
-            ))),
-            None => Err(nothing_says(
-                channels,
-                (&declared.name, &name, &[]),
-                "never_fires = true where it is off",
-            )
-            .into()),
-        });
+    for thruster in &model.thrusters {
+        let name = format!("{}_N", thruster.name);
+        let still = thruster.never_fires.then_some("off (never_fires)");
+        let declare = "never_fires = true where it is off";
+        let of = (thruster.name.as_str(), name.as_str(), &[][..]);
+        let read = channels.find(None, &name).is_some();
+        one(unless_read(read, channels, of, still.ok_or(declare)));
     }
     Faults::none_or(faults, ())
 }
 
-fn joint(model: &Model, channels: &Channels, at: usize) -> Result<Option<String>, Faults> {
-    let (joint, columns) = (&model.joints[at], channels.joint(model, at));
+/// What is said of a wheel or thruster without a channel: what the model declares, or what would declare it.
+fn unless_read(
+    is_read: bool,
+    channels: &Channels,
+    of: (&str, &str, &[&str]),
+    declared: Result<&str, &str>,
+) -> Result<Option<String>, Faults> {
+    let (subject, name, _) = of;
+    match declared {
+        _ if is_read => Ok(None),
+        Ok(still) => Ok(Some(format!(
+            "no channel '{name}': assumed: {subject} {still}"
+        ))),
+        Err(declare) => Err(nothing_says(channels, of, declare).into()),
+    }
+}
+
+fn joint(channels: &Channels, columns: &JointColumns) -> Result<Option<String>, Faults> {
+    let joint = &channels.model.joints[columns.at];
     let (name, rate_name) = (&columns.position_name, &columns.rate_name);
     if columns.position.is_some() {
         return Ok(None);
@@ -84,7 +83,8 @@ fn joint(model: &Model, channels: &Channels, at: usize) -> Result<Option<String>
         JointKind::Prismatic => "locked_at_m where it is locked",
         _ => "locked_at_rad where it is locked",
     };
-    let mut fault = nothing_says(channels, (&joint.name, name, &no_position), advice);
+    let of = (joint.name.as_str(), name.as_str(), &no_position[..]);
+    let mut fault = nothing_says(channels, of, advice);
     let moves = columns.rate.is_some_and(moves);
     match (joint.declared_at(), moves) {
         (Some((position, key)), false) => Ok(Some(format!(

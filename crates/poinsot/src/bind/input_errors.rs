@@ -7,11 +7,10 @@
 //! indistinguishable by the run alone. A joint may be at rest where the runs beside it are much
 //! shorter; the fit decides by the likelihood.
 
-use super::channels::Channels;
+use super::channels::{Channels, JointColumns};
 use super::sensors::{rounding, runs, scalar_sensor};
-use poinsot_dynamics::Tree;
 use poinsot_identify::{BetweenReadings, InputChannel, InputErrors, InputRate, RoundingError};
-use poinsot_model::{Model, Sensor, SensorKind};
+use poinsot_model::{Sensor, SensorKind};
 use poinsot_telemetry::{Channel, median_step};
 
 /// Correlation of neighbouring errors below which all are independent.
@@ -21,18 +20,13 @@ const UNCORRELATED: f64 = 1.0e-3;
 const STARTS: f64 = 3.85;
 
 /// What is known of every joint on the grid of a segment.
-pub(super) fn joint_inputs(
-    model: &Model,
-    tree: &Tree,
-    channels: &Channels,
-    grid: &[f64],
-) -> Vec<InputChannel> {
-    let of = |&at: &usize| {
-        let sensor = scalar_sensor(model, SensorKind::JointPosition, at);
-        let joint = channels.joint(model, at);
-        let read = joint.position;
+pub(super) fn joint_inputs(channels: &Channels, grid: &[f64]) -> Vec<InputChannel> {
+    let of = |joint: JointColumns| {
+        let sensor = scalar_sensor(channels.model, SensorKind::JointPosition, joint.at);
         InputChannel {
-            errors: read.map_or(InputErrors::None, |c| errors(c, sensor, grid, true)),
+            errors: joint
+                .position
+                .map_or(InputErrors::None, |c| errors(c, sensor, grid, true)),
             rate: match (joint.moving(), joint.rate) {
                 (Some(_), Some(_)) => InputRate::Measured,
                 (Some(position), None) if whole_at(position, grid) => InputRate::Derived,
@@ -40,7 +34,7 @@ pub(super) fn joint_inputs(
             },
         }
     };
-    tree.coordinates.iter().map(of).collect()
+    channels.joints().map(of).collect()
 }
 
 /// Whether a channel is sampled exactly at the grid times, without a gap.
@@ -51,10 +45,9 @@ fn whole_at(channel: &Channel, grid: &[f64]) -> bool {
 }
 
 /// What is known of every wheel on the grid of a segment.
-pub(super) fn wheel_inputs(model: &Model, channels: &Channels, grid: &[f64]) -> Vec<InputChannel> {
-    let of = |wheel: usize| {
-        let sensor = scalar_sensor(model, SensorKind::WheelSpeed, wheel);
-        let speed = channels.tachometer(model, wheel);
+pub(super) fn wheel_inputs(channels: &Channels, grid: &[f64]) -> Vec<InputChannel> {
+    let of = |(wheel, speed): (usize, Option<&Channel>)| {
+        let sensor = scalar_sensor(channels.model, SensorKind::WheelSpeed, wheel);
         InputChannel {
             errors: speed.map_or(InputErrors::None, |c| of_wheel(c, sensor, grid)),
             rate: match speed.is_some() && channels.driven.drives(wheel) {
@@ -63,22 +56,13 @@ pub(super) fn wheel_inputs(model: &Model, channels: &Channels, grid: &[f64]) -> 
             },
         }
     };
-    (0..model.wheels.len()).map(of).collect()
+    channels.tachometers().enumerate().map(of).collect()
 }
 
 /// Whether some joint or wheel has no sample at some grid times.
-pub(super) fn between_readings(
-    model: &Model,
-    tree: &Tree,
-    channels: &Channels,
-    grid: &[f64],
-) -> bool {
-    let joints = tree.coordinates.iter().flat_map(|&at| {
-        let joint = channels.joint(model, at);
-        [joint.position, joint.rate]
-    });
-    let wheels = (0..model.wheels.len()).map(|k| channels.tachometer(model, k));
-    let mut all = joints.chain(wheels).flatten();
+pub(super) fn between_readings(channels: &Channels, grid: &[f64]) -> bool {
+    let joints = channels.joints().flat_map(|j| [j.position, j.rate]);
+    let mut all = joints.chain(channels.tachometers()).flatten();
     all.any(|channel| !read_at(channel, grid))
 }
 

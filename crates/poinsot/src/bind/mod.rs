@@ -21,6 +21,7 @@ pub(crate) use cut::cut_at;
 pub use motion::acceleration_channels;
 
 use crate::error::Error;
+use channels::Channels;
 use driven_wheels::DrivenWheels;
 use noise::declared_noise;
 use poinsot_dynamics::Tree;
@@ -80,7 +81,7 @@ pub fn bind(model: &Model, tree: &Tree, tables: &[Table]) -> Result<Bound, Error
     let tables = free_fall::relative(model, tables, &mut repairs)?;
     let tables = tables.as_ref();
     let leading = BaseSensors::new(model, tables);
-    checks::check_sensors(model, tables, &leading, &mut repairs)?;
+    checks::check_sensors(&leading, tables, &mut repairs)?;
     let of_wheel = |k| noise::scalar(model, SensorKind::WheelSpeed, k);
     let tachometers: Vec<f64> = (0..model.wheels.len()).map(of_wheel).collect();
     let driven = DrivenWheels::new(model, tables, &tachometers);
@@ -89,13 +90,21 @@ pub fn bind(model: &Model, tree: &Tree, tables: &[Table]) -> Result<Bound, Error
     let mut pieces = Vec::with_capacity(tables.len());
     let mut dropped: f64 = 0.0;
     for table in tables {
-        let from = (table, &leading, &driven);
-        let (own, lost) = bind_table(model, tree, from, &mut repairs)?;
+        let label = file_label(table);
+        let channels = Channels {
+            model,
+            tree,
+            table,
+            label: &label,
+            leading: &leading,
+            driven: &driven,
+        };
+        let (own, lost) = bind_table(&channels, &mut repairs)?;
         dropped = dropped.max(lost);
         pieces.push(own.len());
         segments.extend(own);
     }
-    let mut noise = declared_noise(model, tree, (tables, &leading), &mut repairs)?;
+    let mut noise = declared_noise(tree, tables, &leading, &mut repairs)?;
     for (wheel, variance) in noise.wheel_speed.iter_mut().enumerate() {
         *variance += driven.added(wheel, *variance);
     }
@@ -118,35 +127,22 @@ fn file_label(table: &Table) -> String {
 
 /// The segments of a table, cut at the gaps of its inputs, and the fraction of samples dropped.
 fn bind_table(
-    model: &Model,
-    tree: &Tree,
-    (table, leading, driven): (&Table, &BaseSensors, &DrivenWheels),
+    channels: &Channels,
     repairs: &mut Vec<String>,
 ) -> Result<(Vec<Segment>, f64), Error> {
-    let label = file_label(table);
-    let channels = channels::Channels {
-        table,
-        label: &label,
-        leading,
-        driven,
-    };
-    checks::check_plausible(&channels)?;
-    let rates = channels.base_rates(model)?;
-    checks::needs_attitude(model, &channels)?;
-    orbit::check_orbit(model, &channels, repairs)?;
-    held::held(model, tree, &channels, repairs)?;
+    let label = channels.label;
+    checks::check_plausible(channels)?;
+    let rates = channels.base_rates()?;
+    checks::needs_attitude(channels)?;
+    orbit::check_orbit(channels, repairs)?;
+    held::held(channels, repairs)?;
     let whole = rates.time_s();
-    let (pieces, gaps) = cut::pieces(model, tree, &channels, whole);
+    let (pieces, gaps) = cut::pieces(channels, whole);
     let mut segments = Vec::with_capacity(pieces.len());
     let (mut kept, mut most) = (0, 0);
     for table in &pieces {
-        let own = channels::Channels {
-            table,
-            label: &label,
-            leading,
-            driven,
-        };
-        let (segment, found) = bind_piece(model, tree, &own, repairs)?;
+        let own = Channels { table, ..*channels };
+        let (segment, found) = bind_piece(&own, repairs)?;
         most = most.max(found);
         if let Some(segment) = segment {
             kept += found;
@@ -156,7 +152,7 @@ fn bind_table(
     if segments.is_empty() {
         return Err(Error::one(
             "E0303",
-            Place::label(&label),
+            Place::label(label),
             format!("{most} samples have all required channels at one time, but 2 are required"),
             "give a longer record, or files whose times overlap",
         ));
@@ -170,7 +166,7 @@ fn bind_table(
         ));
     }
     if !gaps.is_empty() {
-        repairs.push(told_gaps(&label, &gaps, segments.len()));
+        repairs.push(told_gaps(label, &gaps, segments.len()));
     }
     if pieces.len() > 1 {
         for segment in &mut segments {
@@ -199,24 +195,22 @@ fn told_gaps(label: &str, gaps: &[(f64, f64)], pieces: usize) -> String {
 
 /// One piece, and the number of its complete gyro samples; no segment with fewer than two.
 fn bind_piece(
-    model: &Model,
-    tree: &Tree,
-    channels: &channels::Channels,
+    channels: &Channels,
     repairs: &mut Vec<String>,
 ) -> Result<(Option<Segment>, usize), Error> {
-    let Ok(rates) = channels.base_rates(model) else {
+    let Ok(rates) = channels.base_rates() else {
         return Ok((None, 0));
     };
     let times = rates.time_s();
-    let aligned = motion::align(model, tree, channels, &rates, times, repairs)?;
+    let aligned = motion::align(channels, &rates, repairs)?;
     let complete: Vec<usize> = (0..times.len()).filter(|&k| aligned.complete(k)).collect();
     if complete.len() < 2 {
         return Ok((None, complete.len()));
     }
-    let samples: Samples = aligned.take(&complete, tree);
-    let firings = observe::firings(model, channels, &samples);
-    let observations = observe::observe(model, tree, channels, &samples, &firings);
-    let accelerations = motion::accelerations(model, channels, &samples);
+    let samples: Samples = aligned.take(&complete);
+    let firings = observe::firings(channels, &samples);
+    let observations = observe::observe(channels, &samples, &firings);
+    let accelerations = motion::accelerations(channels, &samples);
     let segment = Segment {
         label: channels.label.to_owned(),
         samples,

@@ -4,25 +4,24 @@ use super::attitude_start::{attitudes, base_directions, carried, integrate_rate}
 use super::channels::{BaseRates, Channels, JointColumns, VectorChannels};
 use super::driven_wheels::speed_at;
 use super::free_fall::ORBITAL;
-use super::sensors::SAME;
+use super::sensors::{Column, SAME, vectors};
+use crate::channel_names::{XYZ, axes};
 use crate::error::Error;
-use nalgebra::{Quaternion, UnitQuaternion, Vector3};
-use poinsot_dynamics::Tree;
+use nalgebra::Quaternion;
 use poinsot_files::{Place, rounded};
 use poinsot_identify::{Accelerations, Samples, Translation};
 use poinsot_model::{Model, SensorKind};
+use poinsot_spatial::{UnitQuaternion, Vector3};
 use poinsot_telemetry::{Channel, differentiate, resample, resample_attitude, resample_hermite};
 
 /// Half-width of the polynomial that differentiates a channel without rate, in samples.
 const HALF_WIDTH: usize = 2;
 
-pub(super) type Column = Vec<Option<f64>>;
-
 /// Channels at the gyro's times; `None` without a sample.
 pub(super) struct Aligned {
     time_s: Vec<f64>,
-    rate: Vec<Option<Vector3<f64>>>,
-    attitude: Vec<Option<UnitQuaternion<f64>>>,
+    rate: Vec<Option<Vector3>>,
+    attitude: Vec<Option<UnitQuaternion>>,
     /// Position and velocity of the base origin in N.
     translation: Option<Positions>,
     joint_position: Vec<Column>,
@@ -31,30 +30,22 @@ pub(super) struct Aligned {
 }
 
 pub(super) fn align(
-    model: &Model,
-    tree: &Tree,
     channels: &Channels,
     rates: &BaseRates,
-    times: &[f64],
     repairs: &mut Vec<String>,
 ) -> Result<Aligned, Error> {
+    let times = rates.time_s();
     let rate = vectors(&rates.axes.each_ref().map(|c| resample(c, times, None)));
-    let attitude = attitude(model, channels, rates, times, &rate, repairs);
-    let translation = translation(model, channels, times, &rate, &attitude, repairs)?;
-    let mut joint_position = Vec::new();
-    let mut joint_rate = Vec::new();
-    for &at in &tree.coordinates {
-        let motion = joint(model, channels, at, times, repairs);
-        joint_position.push(motion.position);
-        joint_rate.push(motion.rate);
-    }
-    let mut wheel_speed = Vec::new();
-    for k in 0..model.wheels.len() {
-        wheel_speed.push(match channels.wheel(model, k) {
-            Some((tachometer, speed)) => speed_at(&speed, tachometer, times),
-            None => vec![Some(0.0); times.len()],
-        });
-    }
+    let attitude = attitude(channels, rates, &rate, repairs);
+    let translation = translation(channels, times, &rate, &attitude, repairs)?;
+    let joints = channels.joints();
+    let joints = joints.map(|columns| joint(channels, &columns, times, repairs));
+    let (joint_position, joint_rate) = joints.map(|m| (m.position, m.rate)).unzip();
+    let wheel = |k| match channels.wheel(k) {
+        Some((tachometer, speed)) => speed_at(&speed, tachometer, times),
+        None => vec![Some(0.0); times.len()],
+    };
+    let wheel_speed = (0..channels.model.wheels.len()).map(wheel).collect();
     Ok(Aligned {
         time_s: times.to_vec(),
         rate,
@@ -80,16 +71,15 @@ impl Aligned {
     }
 
     /// The samples at these times; positions are relative to the first one.
-    pub fn take(&self, picked: &[usize], tree: &Tree) -> Samples {
+    pub fn take(&self, picked: &[usize]) -> Samples {
         let rows = |columns: &[Column]| -> Vec<f64> {
             picked
                 .iter()
                 .flat_map(|&k| columns.iter().map(move |c| c[k].unwrap_or(0.0)))
                 .collect()
         };
-        debug_assert_eq!(self.joint_position.len(), tree.dof());
         let translation = self.translation.as_ref().map(|(r, v)| {
-            let all = |list: &[Option<Vector3<f64>>]| -> Vec<Vector3<f64>> {
+            let all = |list: &[Option<Vector3>]| -> Vec<Vector3> {
                 picked.iter().filter_map(|&k| list[k]).collect()
             };
             let mut p_NoBo_N = all(r);
@@ -113,25 +103,13 @@ impl Aligned {
     }
 }
 
-fn vectors(axes: &[Column; 3]) -> Vec<Option<Vector3<f64>>> {
-    axes[0]
-        .iter()
-        .zip(&axes[1])
-        .zip(&axes[2])
-        .map(|((x, y), z)| Some(Vector3::new((*x)?, (*y)?, (*z)?)))
-        .collect()
-}
-
 fn attitude(
-    model: &Model,
     channels: &Channels,
     rates: &BaseRates,
-    times: &[f64],
-    rate: &[Option<Vector3<f64>>],
+    rate: &[Option<Vector3>],
     repairs: &mut Vec<String>,
-) -> Vec<Option<UnitQuaternion<f64>>> {
-    let parts = channels.leading(model, SensorKind::Attitude);
-    let measured = parts.and_then(|p| <[&Channel; 4]>::try_from(p).ok());
+) -> Vec<Option<UnitQuaternion>> {
+    let (times, measured) = (rates.time_s(), channels.quaternion());
     if !rates.are_measured() {
         let from = if measured.is_some() {
             "the attitude"
@@ -153,7 +131,7 @@ fn attitude(
             .collect();
         return carried(times, rate, measured);
     }
-    let directions = base_directions(model, channels.table).concat();
+    let directions = base_directions(channels).concat();
     let (start, found) = match directions.is_empty() {
         true => (
             "from the identity at its first sample",
@@ -171,24 +149,23 @@ fn attitude(
     found
 }
 
-type Positions = (Vec<Option<Vector3<f64>>>, Vec<Option<Vector3<f64>>>);
+type Positions = (Vec<Option<Vector3>>, Vec<Option<Vector3>>);
 
 /// Position and velocity of the base origin in N, corrected for the sensor positions.
 fn translation(
-    model: &Model,
     channels: &Channels,
     times: &[f64],
-    rate: &[Option<Vector3<f64>>],
-    attitude: &[Option<UnitQuaternion<f64>>],
+    rate: &[Option<Vector3>],
+    attitude: &[Option<UnitQuaternion>],
     repairs: &mut Vec<String>,
 ) -> Result<Option<Positions>, Error> {
-    let velocity = channels.vector(model, SensorKind::Velocity);
-    let position = channels.vector(model, SensorKind::Position);
+    let velocity = channels.vector(SensorKind::Velocity);
+    let position = channels.vector(SensorKind::Position);
     let label = channels.label;
     if let Some(r) = &position {
         refuse_orbital(label, r)?;
     }
-    let corrected = |list: Vec<Option<Vector3<f64>>>, arm: nalgebra::Vector3<f64>, moving: bool| {
+    let corrected = |list: Vec<Option<Vector3>>, arm: Vector3, moving: bool| {
         list.into_iter()
             .zip(rate.iter().zip(attitude))
             .map(|(x, (w, R))| {
@@ -247,10 +224,7 @@ fn refuse_orbital(label: &str, r: &VectorChannels) -> Result<(), Error> {
 }
 
 /// Position from velocity by the trapezoid rule with end correction from central slopes.
-fn integrate_velocity(
-    times: &[f64],
-    velocity: &[Option<Vector3<f64>>],
-) -> Vec<Option<Vector3<f64>>> {
+fn integrate_velocity(times: &[f64], velocity: &[Option<Vector3>]) -> Vec<Option<Vector3>> {
     let known: Vec<usize> = (0..times.len())
         .filter(|&k| velocity[k].is_some())
         .collect();
@@ -278,20 +252,18 @@ fn integrate_velocity(
 
 /// Position and rate of one joint at the gyro's times: measured, derived, or locked (see [`super::held`]).
 fn joint(
-    model: &Model,
     channels: &Channels,
-    at: usize,
+    columns: &JointColumns,
     times: &[f64],
     repairs: &mut Vec<String>,
 ) -> JointMotion {
-    let columns = channels.joint(model, at);
-    let (label, name) = (channels.label, &model.joints[at].name);
+    let (label, name) = (channels.label, &channels.model.joints[columns.at].name);
     let JointColumns {
         position_name,
         rate_name,
         ..
-    } = &columns;
-    let mut motion = joint_at(model, at, &columns, times);
+    } = columns;
+    let mut motion = joint_at(channels.model, columns, times);
     match (columns.position, columns.rate) {
         (Some(_), rate) if columns.locked => {
             if rate.is_some_and(|r| r.values.iter().any(|x| *x != 0.0)) {
@@ -319,14 +291,9 @@ pub(super) struct JointMotion {
 }
 
 /// Position and rate of a joint at some times: cubic between samples; at rest without a column, or where it is locked.
-pub(super) fn joint_at(
-    model: &Model,
-    at: usize,
-    columns: &JointColumns,
-    times: &[f64],
-) -> JointMotion {
+pub(super) fn joint_at(model: &Model, columns: &JointColumns, times: &[f64]) -> JointMotion {
     let Some(q) = columns.moving() else {
-        let still = vec![Some(model.joints[at].standing_at()); times.len()];
+        let still = vec![Some(model.joints[columns.at].standing_at()); times.len()];
         return JointMotion {
             position: columns.position.map_or(still, |q| resample(q, times, None)),
             rate: vec![Some(0.0); times.len()],
@@ -351,23 +318,16 @@ pub(super) fn joint_at(
 pub fn acceleration_channels() -> impl Iterator<Item = String> {
     ["domega", "acc"]
         .into_iter()
-        .flat_map(|name| ["x", "y", "z"].map(|k| format!("{name}_{k}")))
+        .flat_map(|name| XYZ.map(|k| format!("{name}_{k}")))
 }
 
 /// Angular acceleration at every sample, and specific force if the accelerometer has a value at every sample.
 ///
 /// Nothing is interpolated: thrust switches between samples.
-pub(super) fn accelerations(
-    model: &Model,
-    channels: &Channels,
-    samples: &Samples,
-) -> Option<Accelerations> {
-    let angular = ["x", "y", "z"].map(|k| channels.find(None, &format!("domega_{k}")));
-    let [Some(x), Some(y), Some(z)] = angular else {
-        return None;
-    };
-    let dw_NB_B = at_samples(&[x, y, z], &samples.time_s)?;
-    let linear = channels.vector(model, SensorKind::Accelerometer);
+pub(super) fn accelerations(channels: &Channels, samples: &Samples) -> Option<Accelerations> {
+    let angular = axes(channels.table, "", "domega")?;
+    let dw_NB_B = at_samples(&angular, &samples.time_s)?;
+    let linear = channels.vector(SensorKind::Accelerometer);
     let p_BoS_B = linear.as_ref().map_or_else(Vector3::zeros, |a| a.p_BoS_B);
     Some(Accelerations {
         dw_NB_B,
@@ -376,7 +336,7 @@ pub(super) fn accelerations(
     })
 }
 
-fn at_samples(axes: &[&Channel; 3], times: &[f64]) -> Option<Vec<Vector3<f64>>> {
+fn at_samples(axes: &[&Channel; 3], times: &[f64]) -> Option<Vec<Vector3>> {
     let mut at = [0; 3];
     times
         .iter()

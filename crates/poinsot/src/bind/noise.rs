@@ -16,19 +16,21 @@ const DIFFERENCE: f64 = 0.95;
 /// # Errors
 /// The gyro or a measured velocity has no declared noise.
 pub(super) fn declared_noise(
-    model: &Model,
     tree: &Tree,
-    (tables, leading): (&[Table], &BaseSensors),
+    tables: &[Table],
+    leading: &BaseSensors,
     repairs: &mut Vec<String>,
 ) -> Result<Noise, Error> {
+    let model = leading.model;
     let columns = |kind| -> Vec<Vec<&Channel>> {
-        let own = tables
-            .iter()
-            .filter_map(|t| leading.columns(model, t, kind));
+        let own = tables.iter().filter_map(|t| leading.columns(t, kind));
         own.collect()
     };
     let has = |kind| !columns(kind).is_empty();
-    let vector = |kind| vector(model, leading, kind);
+    let vector = |kind| {
+        let sensor = leading.sensor(kind)?;
+        Some(sensor.R_BS * covariance(sensor)? * sensor.R_BS.transpose())
+    };
     let gyro = match has(SensorKind::Gyro) || model.sensors_of(SensorKind::Gyro).next().is_some() {
         true => vector(SensorKind::Gyro).ok_or(no_noise(SensorKind::Gyro))?,
         false => differentiated(&vector, &columns)?,
@@ -47,10 +49,8 @@ pub(super) fn declared_noise(
     let attitude = exact(vector(SensorKind::Attitude), SensorKind::Attitude);
     let position = exact(position, SensorKind::Position);
     let of_joints = |kind: SensorKind| -> Vec<f64> {
-        tree.coordinates
-            .iter()
-            .map(|&at| scalar(model, kind, at))
-            .collect()
+        let joints = tree.coordinates.iter();
+        joints.map(|&at| scalar(model, kind, at)).collect()
     };
     let mut noise = Noise {
         gyro_sensor: leading.index(SensorKind::Gyro),
@@ -72,13 +72,6 @@ pub(super) fn declared_noise(
     noise.seen_velocity = seen(&columns(SensorKind::Velocity), &noise.velocity);
     noise.seen_joint_rate = seen_rates(model, tree, tables, &noise.joint_rate);
     Ok(noise)
-}
-
-/// Covariance of a leading sensor in body axes, including quantisation.
-fn vector(model: &Model, leading: &BaseSensors, kind: SensorKind) -> Option<Matrix3> {
-    let sensor = leading.sensor(model, kind)?;
-    let covariance = covariance(sensor)?;
-    Some(sensor.R_BS * covariance * sensor.R_BS.transpose())
 }
 
 /// Declared variance of a sensor of one number, zero without.

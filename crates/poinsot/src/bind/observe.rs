@@ -4,13 +4,12 @@ use super::channels::{Channels, VectorChannels};
 use super::cut::input_channels;
 use super::driven_wheels::speed_at;
 use super::input_errors::{between_readings, joint_inputs, wheel_inputs};
-use super::motion::{Column, joint_at};
+use super::motion::joint_at;
 use super::orbit::orbit_at;
-use super::sensors::{SAME, SensorColumns, sensor_columns};
-use nalgebra::Vector3;
-use poinsot_dynamics::Tree;
+use super::sensors::{Column, SAME, SensorColumns, sensor_columns, vectors};
 use poinsot_identify::{Firing, Observations, Samples};
-use poinsot_model::{Model, SensorKind};
+use poinsot_model::SensorKind;
+use poinsot_spatial::Vector3;
 use poinsot_telemetry::{Channel, differentiate, resample, resample_hermite};
 use std::borrow::Cow;
 
@@ -21,20 +20,15 @@ const HALF_WIDTH: usize = 2;
 ///
 /// Joints and wheels are inputs: all their samples are on the grid, and they are interpolated to the other grid times.
 /// Times without an input are dropped.
-pub(super) fn observe(
-    model: &Model,
-    tree: &Tree,
-    channels: &Channels,
-    samples: &Samples,
-    firings: &[Firing],
-) -> Observations {
+pub(super) fn observe(channels: &Channels, samples: &Samples, firings: &[Firing]) -> Observations {
+    let model = channels.model;
     let sensors = sensor_columns(model, channels.table);
     let (from, to) = match (samples.time_s.first(), samples.time_s.last()) {
         (Some(a), Some(b)) => (*a, *b),
         _ => return Observations::default(),
     };
-    let wheels = wheel_speeds(model, channels);
-    let mut driven = input_channels(model, tree, channels);
+    let wheels = wheel_speeds(channels);
+    let mut driven = input_channels(channels);
     driven.extend(wheels.iter().flatten().map(|w| &*w.speed));
     let driven = clocks(&driven);
     let mut time_s: Vec<f64> = sensors
@@ -46,8 +40,8 @@ pub(super) fn observe(
         .collect();
     time_s.sort_by(f64::total_cmp);
     time_s.dedup_by(|a, b| *a - *b < SAME);
-    let inputs = inputs(model, tree, channels, &wheels, &time_s);
-    let orbit = orbit_at(model, channels, &time_s);
+    let inputs = inputs(channels, &wheels, &time_s);
+    let orbit = orbit_at(channels, &time_s);
     let complete: Vec<usize> = (0..time_s.len())
         .filter(|&k| inputs.iter().all(|c| c[k].is_some()))
         .filter(|&k| orbit.get(k).is_none_or(Option::is_some))
@@ -63,8 +57,8 @@ pub(super) fn observe(
             .flat_map(|&k| inputs[from..to].iter().map(move |c| c[k].unwrap_or(0.0)))
             .collect()
     };
-    let dof = tree.dof();
-    let origin = match channels.vector(model, SensorKind::Position) {
+    let dof = channels.tree.dof();
+    let origin = match channels.vector(SensorKind::Position) {
         Some(position) => first_position(&position, samples),
         None => first_value(&sensors),
     };
@@ -78,9 +72,9 @@ pub(super) fn observe(
         joint_rate: rows(dof, 2 * dof),
         wheel_speed: rows(2 * dof, inputs.len()),
         smooth_wheel_speed: smooth_wheels(&wheels, &time_s),
-        joints: joint_inputs(model, tree, channels, &time_s),
-        wheels: wheel_inputs(model, channels, &time_s),
-        between_readings: between_readings(model, tree, channels, &time_s),
+        joints: joint_inputs(channels, &time_s),
+        wheels: wheel_inputs(channels, &time_s),
+        between_readings: between_readings(channels, &time_s),
         expected_errors: Vec::new(),
         time_s,
     }
@@ -98,7 +92,7 @@ fn clocks<'a>(channels: &[&'a Channel]) -> Vec<&'a [f64]> {
 }
 
 /// Position of the base origin at the first sample, from the position sensor.
-fn first_position(r: &VectorChannels, samples: &Samples) -> Vector3<f64> {
+fn first_position(r: &VectorChannels, samples: &Samples) -> Vector3 {
     let (Some(t), Some(R)) = (samples.time_s.first(), samples.R_NB.first()) else {
         return Vector3::zeros();
     };
@@ -106,7 +100,7 @@ fn first_position(r: &VectorChannels, samples: &Samples) -> Vector3<f64> {
 }
 
 /// The first position measured by any sensor; an approximation if none is on the base.
-fn first_value(sensors: &[SensorColumns]) -> Vector3<f64> {
+fn first_value(sensors: &[SensorColumns]) -> Vector3 {
     let position = sensors.iter().find(|s| s.kind == SensorKind::Position);
     let at = |s: &SensorColumns, k: usize| s.parts[k].values.first().copied().unwrap_or(0.0);
     position.map_or_else(Vector3::zeros, |s| {
@@ -114,9 +108,8 @@ fn first_value(sensors: &[SensorColumns]) -> Vector3<f64> {
     })
 }
 
-fn own_or_between(axes: &[&Channel; 3], t: f64) -> Option<Vector3<f64>> {
-    let at = |c: &Channel| resample(c, &[t], None).first().copied().flatten();
-    Some(Vector3::new(at(axes[0])?, at(axes[1])?, at(axes[2])?))
+fn own_or_between(axes: &[&Channel; 3], t: f64) -> Option<Vector3> {
+    *vectors(&axes.map(|c| resample(c, &[t], None))).first()?
 }
 
 /// The samples of a channel at grid times; `None` elsewhere.
@@ -142,16 +135,16 @@ struct WheelSpeed<'a> {
     driven: bool,
 }
 
-fn wheel_speeds<'a>(model: &Model, channels: &Channels<'a>) -> Vec<Option<WheelSpeed<'a>>> {
+fn wheel_speeds<'a>(channels: &Channels<'a>) -> Vec<Option<WheelSpeed<'a>>> {
     let of = |k: usize| {
-        let (tachometer, speed) = channels.wheel(model, k)?;
+        let (tachometer, speed) = channels.wheel(k)?;
         Some(WheelSpeed {
             tachometer,
             speed,
             driven: channels.driven.drives(k),
         })
     };
-    (0..model.wheels.len()).map(of).collect()
+    (0..channels.model.wheels.len()).map(of).collect()
 }
 
 /// Wheel speeds interpolated by cubic Hermite polynomials, but where the torque drives them; empty if all are sampled at
@@ -177,15 +170,9 @@ fn smooth_wheels(wheels: &[Option<WheelSpeed>], grid: &[f64]) -> Vec<f64> {
 }
 
 /// Joint positions, joint rates and wheel speeds at the grid times, one column each.
-fn inputs(
-    model: &Model,
-    tree: &Tree,
-    channels: &Channels,
-    wheels: &[Option<WheelSpeed>],
-    grid: &[f64],
-) -> Vec<Column> {
-    let joints = tree.coordinates.iter();
-    let joints = joints.map(|&at| joint_at(model, at, &channels.joint(model, at), grid));
+fn inputs(channels: &Channels, wheels: &[Option<WheelSpeed>], grid: &[f64]) -> Vec<Column> {
+    let joints = channels.joints();
+    let joints = joints.map(|columns| joint_at(channels.model, &columns, grid));
     let (positions, rates): (Vec<_>, Vec<_>) = joints.map(|m| (m.position, m.rate)).unzip();
     let wheels = wheels.iter().map(|w| match w {
         Some(w) => speed_at(&w.speed, w.tachometer, grid),
@@ -195,9 +182,9 @@ fn inputs(
 }
 
 /// Firings of every thruster with a column, whose values hold until the next sample; others are off.
-pub(super) fn firings(model: &Model, channels: &Channels, samples: &Samples) -> Vec<Firing> {
+pub(super) fn firings(channels: &Channels, samples: &Samples) -> Vec<Firing> {
     let mut list = Vec::new();
-    for (thruster, item) in model.thrusters.iter().enumerate() {
+    for (thruster, item) in channels.model.thrusters.iter().enumerate() {
         let Some(channel) = channels.find(None, &format!("{}_N", item.name)) else {
             continue;
         };

@@ -1,15 +1,17 @@
 //! The reference orbit at the grid times: from telemetry, or from the elements in the model.
 
 use super::channels::Channels;
+use super::sensors::vectors;
+use crate::channel_names::axes;
 use crate::error::{Error, unsupported};
-use nalgebra::Vector3;
 use poinsot_dynamics::{Orbit, orbit_state};
 use poinsot_files::{as_read, rounded};
-use poinsot_model::{Model, SensorKind};
+use poinsot_model::SensorKind;
+use poinsot_spatial::Vector3;
 use poinsot_telemetry::{differentiate, resample, resample_hermite};
 
 /// Position and velocity in N, m and m/s, at one time; `None` if telemetry has no value there.
-type OrbitPoint = Option<(Vector3<f64>, Vector3<f64>)>;
+type OrbitPoint = Option<(Vector3, Vector3)>;
 
 /// Largest time between epoch and record, s: the node of a low orbit moves by 7 degrees a day.
 const OLDEST_S: f64 = 30.0 * 86_400.0;
@@ -18,30 +20,19 @@ const OLDEST_S: f64 = 30.0 * 86_400.0;
 const HALF_WIDTH: usize = 2;
 
 /// The orbit at every time of the grid; empty without gravity gradient.
-pub(super) fn orbit_at(model: &Model, channels: &Channels, grid: &[f64]) -> Vec<OrbitPoint> {
-    let around = &model.environment;
+pub(super) fn orbit_at(channels: &Channels, grid: &[f64]) -> Vec<OrbitPoint> {
+    let around = &channels.model.environment;
     let Some(gm) = around.point_mass_gm.filter(|_| around.gravity_gradient) else {
         return Vec::new();
     };
-    let axis = |k: &str| channels.find(None, &format!("orbit_{k}"));
-    if let (Some(x), Some(y), Some(z)) = (axis("x"), axis("y"), axis("z")) {
-        let columns = [x, y, z].map(|c| {
-            let rate = differentiate(c, HALF_WIDTH, None);
-            (
-                resample_hermite(c, &rate, grid, None),
-                resample(&rate, grid, None),
-            )
-        });
-        let at = |k: usize| -> OrbitPoint {
-            let [x, y, z] = &columns;
-            Some((
-                Vector3::new(x.0[k]?, y.0[k]?, z.0[k]?),
-                Vector3::new(x.1[k]?, y.1[k]?, z.1[k]?),
-            ))
-        };
-        return (0..grid.len()).map(at).collect();
+    if let Some(axes) = axes(channels.table, "", "orbit") {
+        let rates = axes.map(|c| differentiate(c, HALF_WIDTH, None));
+        let smooth = [0, 1, 2].map(|k| resample_hermite(axes[k], &rates[k], grid, None));
+        let positions = vectors(&smooth).into_iter();
+        let velocities = vectors(&rates.each_ref().map(|c| resample(c, grid, None)));
+        return positions.zip(velocities).map(|(p, v)| p.zip(v)).collect();
     }
-    let Some(orbit) = in_record_time(model, channels) else {
+    let Some(orbit) = in_record_time(channels) else {
         return vec![None; grid.len()];
     };
     grid.iter()
@@ -50,8 +41,8 @@ pub(super) fn orbit_at(model: &Model, channels: &Channels, grid: &[f64]) -> Vec<
 }
 
 /// The elements with their epoch in the times of the record, which may begin to count at the first sample.
-fn in_record_time(model: &Model, channels: &Channels) -> Option<Orbit> {
-    let orbit = model.environment.orbit?;
+fn in_record_time(channels: &Channels) -> Option<Orbit> {
+    let orbit = channels.model.environment.orbit?;
     let since = |own_s| {
         let origin = channels.table.origin;
         origin.map_or(own_s, |origin| origin.since_origin_s(own_s))
@@ -64,9 +55,9 @@ fn in_record_time(model: &Model, channels: &Channels) -> Option<Orbit> {
 
 /// # Errors
 /// The epoch is so far from the record that elements without perturbations do not give the orbit.
-fn check_epoch(model: &Model, channels: &Channels) -> Result<(), Error> {
-    let epoch = in_record_time(model, channels).and_then(|orbit| orbit.epoch);
-    let rates = channels.base_rates(model)?;
+fn check_epoch(channels: &Channels) -> Result<(), Error> {
+    let epoch = in_record_time(channels).and_then(|orbit| orbit.epoch);
+    let rates = channels.base_rates()?;
     let (Some(epoch), Some(first), Some(last)) =
         (epoch, rates.time_s().first(), rates.time_s().last())
     else {
@@ -76,7 +67,11 @@ fn check_epoch(model: &Model, channels: &Channels) -> Result<(), Error> {
     if apart <= OLDEST_S {
         return Ok(());
     }
-    let own = model.environment.orbit.and_then(|orbit| orbit.epoch);
+    let own = channels
+        .model
+        .environment
+        .orbit
+        .and_then(|orbit| orbit.epoch);
     let first_own = own.map_or(*first, |own| own + (first - epoch));
     let (own, days) = (as_read(own.unwrap_or(epoch)), rounded(apart / 86_400.0, 3));
     let first = as_read(first_own);
@@ -92,11 +87,8 @@ fn check_epoch(model: &Model, channels: &Channels) -> Result<(), Error> {
 ///
 /// # Errors
 /// Neither columns nor elements are given.
-pub(super) fn check_orbit(
-    model: &Model,
-    channels: &Channels,
-    repairs: &mut Vec<String>,
-) -> Result<(), Error> {
+pub(super) fn check_orbit(channels: &Channels, repairs: &mut Vec<String>) -> Result<(), Error> {
+    let model = channels.model;
     let around = &model.environment;
     let positions = model.sensors_of(SensorKind::Position).next().is_some();
     if around.point_mass_gm.is_some() && !around.gravity_gradient && !positions {
@@ -108,9 +100,7 @@ pub(super) fn check_orbit(
     if !around.gravity_gradient {
         return Ok(());
     }
-    let read = ["orbit_x", "orbit_y", "orbit_z"]
-        .iter()
-        .all(|name| channels.find(None, name).is_some());
+    let read = axes(channels.table, "", "orbit").is_some();
     match (read, around.orbit.is_some()) {
         (false, false) => Err(channels.missing(
             "orbit_x orbit_y orbit_z",
@@ -125,6 +115,6 @@ pub(super) fn check_orbit(
             Ok(())
         }
         (true, false) => Ok(()),
-        (false, true) => check_epoch(model, channels),
+        (false, true) => check_epoch(channels),
     }
 }

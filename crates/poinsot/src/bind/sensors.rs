@@ -1,10 +1,10 @@
 //! Three-axis sensors: their columns and samples on the grid. Any number of each kind, on any body.
 
-use crate::channel_names::{XYZ, names};
-use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use crate::channel_names::{axes, names};
+use nalgebra::Quaternion;
 use poinsot_identify::{SensorRecord, SensorSample, SensorValue};
 use poinsot_model::{Model, Sensor, SensorKind};
-use poinsot_spatial::Matrix3;
+use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
 use poinsot_telemetry::{Channel, Table, median_step, resample};
 
 /// Times closer than this are equal, s.
@@ -19,6 +19,15 @@ const DITHER: f64 = 0.25;
 const ONE_LEVEL: f64 = 0.9;
 /// Columns of the vector in N whose direction a sensor measures.
 pub(super) const REFERENCE: &str = "reference";
+
+/// Values of a channel at some times; `None` without a sample.
+pub(super) type Column = Vec<Option<f64>>;
+/// Three columns as vectors.
+pub(super) fn vectors([x, y, z]: &[Column; 3]) -> Vec<Option<Vector3>> {
+    let all = x.iter().zip(y).zip(z);
+    all.map(|((x, y), z)| Some(Vector3::new((*x)?, (*y)?, (*z)?)))
+        .collect()
+}
 
 pub(super) struct SensorColumns<'a> {
     /// Index in the model; `None` for an undeclared attitude sensor.
@@ -42,18 +51,9 @@ pub(super) fn columns_of<'a>(
 ) -> Option<SensorColumns<'a>> {
     let of = &model.sensors[sensor];
     let parts = parts_of(model, table, sensor)?;
-    let axis = |axis: &str| {
-        let name = format!("{REFERENCE}_{axis}");
-        let own = table.sensor_channel(&of.name, &name);
-        own.or_else(|| table.sensor_channel("", &name))
-    };
-    let reference = match of.kind {
-        SensorKind::Direction => match XYZ.map(axis) {
-            [Some(x), Some(y), Some(z)] => Some([x, y, z]),
-            _ => None,
-        },
-        _ => None,
-    };
+    let is_direction = of.kind == SensorKind::Direction;
+    let reference = || axes(table, &of.name, REFERENCE).or_else(|| axes(table, "", REFERENCE));
+    let reference = is_direction.then(reference).flatten();
     Some(SensorColumns {
         reference,
         ..SensorColumns::new(Some(sensor), of.kind, parts)
@@ -179,7 +179,7 @@ impl<'a> SensorColumns<'a> {
     }
 
     /// The samples at grid times; positions relative to `origin`.
-    pub fn record(&self, model: &Model, grid: &[f64], origin: &Vector3<f64>) -> SensorRecord {
+    pub fn record(&self, model: &Model, grid: &[f64], origin: &Vector3) -> SensorRecord {
         let at = |t: f64| {
             let k = grid.partition_point(|g| *g < t - SAME);
             grid.get(k).filter(|g| (*g - t).abs() <= SAME).map(|_| k)
@@ -219,7 +219,7 @@ impl<'a> SensorColumns<'a> {
     }
 
     /// Directions measured on the base, each with its time and the vector in N.
-    pub fn directions(&self, model: &Model) -> Vec<(f64, Vector3<f64>, Vector3<f64>)> {
+    pub fn directions(&self, model: &Model) -> Vec<(f64, Vector3, Vector3)> {
         let declared = self.sensor.map(|k| &model.sensors[k]);
         let references = declared.map(|s| self.references(s)).unwrap_or_default();
         let origin = Vector3::zeros();
@@ -236,15 +236,13 @@ impl<'a> SensorColumns<'a> {
     }
 
     /// The unit vector in N of each direction sample; empty for other kinds.
-    fn references(&self, sensor: &Sensor) -> Vec<Option<Vector3<f64>>> {
-        let unit = |v: Vector3<f64>| v.try_normalize(0.0);
+    fn references(&self, sensor: &Sensor) -> Vec<Option<Vector3>> {
+        let unit = |v: Vector3| v.try_normalize(0.0);
         match (self.kind, sensor.reference_N, self.reference) {
             (SensorKind::Direction, Some(constant), _) => vec![Some(constant); self.time_s.len()],
             (SensorKind::Direction, None, Some(axes)) => {
-                let [x, y, z] = axes.map(|c| resample(c, &self.time_s, None));
-                let all = x.iter().zip(&y).zip(&z);
-                all.map(|((x, y), z)| unit(Vector3::new((*x)?, (*y)?, (*z)?)))
-                    .collect()
+                let all = vectors(&axes.map(|c| resample(c, &self.time_s, None)));
+                all.into_iter().map(|v| unit(v?)).collect()
             }
             _ => Vec::new(),
         }
@@ -253,7 +251,7 @@ impl<'a> SensorColumns<'a> {
     fn value(
         &self,
         i: usize,
-        (origin, references): (&Vector3<f64>, &[Option<Vector3<f64>>]),
+        (origin, references): (&Vector3, &[Option<Vector3>]),
     ) -> Option<SensorValue> {
         let at = self.at.get(i)?;
         let part = |k: usize| self.parts.get(k)?.values.get(*at.get(k)?).copied();
@@ -291,13 +289,14 @@ pub(super) fn covariance(sensor: &Sensor) -> Option<Matrix3> {
 }
 
 /// The base sensors used for the aligned samples of the linear method, one of each kind.
-pub(super) struct BaseSensors {
+pub(super) struct BaseSensors<'m> {
+    pub model: &'m Model,
     of: Vec<(SensorKind, usize)>,
 }
 
-impl BaseSensors {
+impl<'m> BaseSensors<'m> {
     /// For each kind, the sensor present in most tables, then the one with the most samples per variance.
-    pub fn new(model: &Model, tables: &[Table]) -> Self {
+    pub fn new(model: &'m Model, tables: &[Table]) -> Self {
         let worth = |k: usize| {
             let lengths = tables.iter().filter_map(|t| columns_of(model, t, k));
             let lengths: Vec<usize> = lengths.map(|c| c.time_s.len()).collect();
@@ -314,7 +313,10 @@ impl BaseSensors {
             })
         };
         let of = SensorKind::with_axes().filter_map(|kind| Some((kind, best(kind)?.0)));
-        Self { of: of.collect() }
+        Self {
+            model,
+            of: of.collect(),
+        }
     }
 
     /// Index in the model.
@@ -323,12 +325,8 @@ impl BaseSensors {
     }
 
     /// Its columns; columns without a sensor name if the model declares no such sensor.
-    pub fn columns<'a>(
-        &self,
-        model: &Model,
-        table: &'a Table,
-        kind: SensorKind,
-    ) -> Option<Vec<&'a Channel>> {
+    pub fn columns<'a>(&self, table: &'a Table, kind: SensorKind) -> Option<Vec<&'a Channel>> {
+        let model = self.model;
         match self.index(kind) {
             Some(sensor) => parts_of(model, table, sensor),
             None if model.sensors_of(kind).next().is_none() => named(model, table, kind, ""),
@@ -336,8 +334,8 @@ impl BaseSensors {
         }
     }
 
-    pub fn sensor<'m>(&self, model: &'m Model, kind: SensorKind) -> Option<&'m Sensor> {
-        self.index(kind).map(|k| &model.sensors[k])
+    pub fn sensor(&self, kind: SensorKind) -> Option<&'m Sensor> {
+        self.index(kind).map(|k| &self.model.sensors[k])
     }
 }
 

@@ -1,6 +1,6 @@
 //! `[[wheel_motion]]` and `[[firing]]` as motion of wheels and firings of thrusters.
 
-use super::planner::Planner;
+use super::planner::{Part, Planner};
 use super::torques::Build;
 use poinsot_dynamics::{Firing, PiecewisePolynomial, WheelMotion};
 use poinsot_formats::case::{FiringFile, WheelMotionFile};
@@ -91,7 +91,8 @@ impl Planner<'_> {
                 let problem = "the firing ends before it begins";
                 self.refuse("E0505", &key("off_s"), problem, "set off_s after on_s");
             }
-            let Some(thruster) = self.thruster(&table.thruster, &key("thruster")) else {
+            let Some(thruster) = self.part(Part::Thruster, &table.thruster, &key("thruster"))
+            else {
                 continue;
             };
             let same = |f: &&Firing| f.thruster == thruster && f.on < off && on < f.off;

@@ -5,12 +5,10 @@ use super::planner::Planner;
 use super::sensor_output::{SensorOutput, sensor_outputs};
 use super::window::Open;
 use crate::error::Error;
-use nalgebra::Quaternion;
 use poinsot_dynamics::{Plan, Start, StartVelocity};
-use poinsot_files::rounded;
 use poinsot_formats::case::InitialFile;
 use poinsot_model::Model;
-use poinsot_spatial::{UnitQuaternion, Vector3};
+use poinsot_spatial::Vector3;
 
 /// Numbers of a row: time and motion of the base, of a joint or wheel, of a sensor.
 const MOTION: usize = 16;
@@ -105,24 +103,11 @@ fn start(planner: &mut Planner, initial: &InitialFile) -> Start {
     } else {
         StartVelocity::Twist { v_NBo_N, w_NB_B }
     };
+    let q_xyzw = initial.q_xyzw;
+    let R_NB = q_xyzw.and_then(|q| planner.attitude(q, "initial.q_xyzw"));
     Start {
-        R_NB: attitude(planner, initial),
+        R_NB: R_NB.unwrap_or_default(),
         p_NoBo_N,
         velocity,
     }
-}
-
-fn attitude(planner: &mut Planner, initial: &InitialFile) -> UnitQuaternion {
-    let Some([x, y, z, w]) = initial.q_xyzw else {
-        return UnitQuaternion::identity();
-    };
-    let q = Quaternion::new(w, x, y, z);
-    // Printed quaternions are rounded; a larger deviation is another mistake.
-    if !q.norm().is_finite() || (q.norm() - 1.0).abs() > 1e-3 {
-        let problem = format!("norm {} is not 1", rounded(q.norm(), 6));
-        let remedy = "give a unit quaternion, scalar last, body to inertial";
-        planner.refuse("E0505", "initial.q_xyzw", problem, remedy);
-        return UnitQuaternion::identity();
-    }
-    UnitQuaternion::new_normalize(q)
 }

@@ -1,12 +1,10 @@
 //! `[control]`: attitude feedback by the wheels of the base.
 
-use super::planner::Planner;
-use nalgebra::Quaternion;
-use poinsot_dynamics::{AttitudeControl, Plan, Target, Tree, WheelDrive, WheelLimits, composite};
+use super::planner::{Part, Planner};
+use poinsot_dynamics::{AttitudeControl, Plan, Target, WheelDrive, WheelLimits, composite};
 use poinsot_dynamics::{Kinematics, WheelMotion};
-use poinsot_files::rounded;
 use poinsot_formats::case::{CaseFile, ControlFile, ControlWheelFile};
-use poinsot_spatial::{InertialParameters, Matrix3, UnitQuaternion};
+use poinsot_spatial::{InertialParameters, Matrix3};
 
 impl Planner<'_> {
     /// The plan of a case with a controller: locked joints, and all wheels under the law.
@@ -73,16 +71,8 @@ impl Planner<'_> {
                 let problem = "the times of the targets must increase";
                 self.refuse("E0506", &key("time_s"), problem, "sort them");
             }
-            let [x, y, z, w] = target.q_xyzw;
-            let q = Quaternion::new(w, x, y, z);
-            if !q.norm().is_finite() || (q.norm() - 1.0).abs() > 1e-3 {
-                let problem = format!("norm {} is not 1", rounded(q.norm(), 6));
-                let remedy = "give a unit quaternion, scalar last, body to inertial";
-                self.refuse("E0505", &key("q_xyzw"), problem, remedy);
-                continue;
-            }
-            let R_NB = UnitQuaternion::new_normalize(q);
-            targets.push(Target { time, R_NB });
+            let R_NB = self.attitude(target.q_xyzw, &key("q_xyzw"));
+            targets.extend(R_NB.map(|R_NB| Target { time, R_NB }));
         }
         targets
     }
@@ -96,7 +86,7 @@ impl Planner<'_> {
         let mut wheels = vec![free; self.model.wheels.len()];
         for (i, table) in file.wheel.iter().enumerate() {
             let key = format!("control.wheel[{i}].wheel");
-            if let Some(k) = self.wheel(&table.wheel, &key) {
+            if let Some(k) = self.part(Part::Wheel, &table.wheel, &key) {
                 wheels[k] = WheelMotion::Controlled {
                     initial_speed: table.initial_speed_rad_s.unwrap_or(0.0),
                     limits: limits_of(table),
@@ -132,14 +122,10 @@ impl Planner<'_> {
 
     /// Inertia of the vehicle about its mass centre, with joints and wheels locked.
     fn locked_inertia(&self) -> Matrix3 {
-        let tree = Tree::new(self.model);
-        let joints = tree
-            .coordinates
-            .iter()
-            .filter_map(|k| self.model.joints.get(*k));
-        let locked: Vec<f64> = joints.map(poinsot_model::Joint::standing_at).collect();
-        let mut kinematics = Kinematics::new(&tree);
-        kinematics.place(&tree, &locked);
+        let tree = &self.tree;
+        let locked = (0..tree.dof()).map(|k| self.joint(k).standing_at());
+        let mut kinematics = Kinematics::new(tree);
+        kinematics.place(tree, &locked.collect::<Vec<_>>());
         let bodies = self.model.bodies.iter();
         let parameters: Vec<InertialParameters> = bodies.map(|b| b.nominal.parameters()).collect();
         composite(&parameters, &kinematics).I_SScm_B()

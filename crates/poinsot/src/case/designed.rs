@@ -1,11 +1,11 @@
 //! `[design]`: free motion and objective.
 
 use super::Case;
-use super::planner::Planner;
+use super::planner::{Part, Planner};
 use super::thrusters::Fired;
 use super::window::{Replaced, Window};
 use crate::error::Error;
-use poinsot_dynamics::{PiecewisePolynomial, Tree};
+use poinsot_dynamics::PiecewisePolynomial;
 use poinsot_formats::case::{CaseFile, DesignFile, DesignJointFile, Objective};
 use poinsot_model::{JointKind, Model};
 
@@ -124,16 +124,15 @@ impl Case {
 
 impl Planner<'_> {
     fn design(&mut self, case: &CaseFile, file: &DesignFile) -> Design {
-        let tree = Tree::new(self.model);
         let mut joints: Vec<Moved> = Vec::new();
         for (i, table) in file.joint.iter().enumerate() {
             let key = format!("design.joint[{i}]");
-            let of = self.joints_of(&tree, table.joints.as_deref(), &key);
+            let of = self.parts(Part::Joint, table.joints.as_deref(), &key);
             let Some((form, returns)) = self.joint_form(table, &key) else {
                 continue;
             };
             for index in of {
-                let joint = &self.model.joints[tree.coordinates[index]];
+                let joint = self.joint(index);
                 let slides = joint.kind == JointKind::Prismatic;
                 let one = Moved::new((index, slides), form, joint.standing_at(), returns);
                 self.add(&mut joints, one, &key);
@@ -145,7 +144,7 @@ impl Planner<'_> {
             let key = format!("design.wheel[{i}]");
             let form = Form::Spline { nodes: table.nodes };
             let (start, returns) = (table.start_speed_rad_s, table.returns.unwrap_or(true));
-            for index in self.wheels_of(table.wheels.as_deref(), &key) {
+            for index in self.parts(Part::Wheel, table.wheels.as_deref(), &key) {
                 let one = Moved::new((index, false), form, start.unwrap_or(0.0), returns);
                 self.add(&mut wheels, one, &key);
                 started.extend(start.map(|_| (index, format!("{key}.start_speed_rad_s"))));

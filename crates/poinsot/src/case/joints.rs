@@ -1,7 +1,7 @@
 //! `[[joint_motion]]` as motion of a joint.
 
 use super::planner::Planner;
-use poinsot_dynamics::{Fourier, JointMotion, Tree};
+use poinsot_dynamics::{Fourier, JointMotion};
 use poinsot_formats::case::JointMotionFile;
 use poinsot_model::JointKind;
 use serde::Serialize;
@@ -17,25 +17,9 @@ const OF_KINDS: [[&str; 2]; 5] = [
 ];
 
 impl Planner<'_> {
-    /// The joint coordinate of a name at a key.
-    pub(super) fn joint(&mut self, tree: &Tree, name: &str, key: &str) -> Option<usize> {
-        let joint = self.joint_named(name, key)?;
-        let coordinate = tree.coordinates.iter().position(|k| *k == joint);
-        if coordinate.is_none() {
-            let problem = "a fixed joint does not move";
-            self.refuse("E0507", key, problem, "leave it out");
-        }
-        coordinate
-    }
-
     /// Whether a key of the other type of joint is given; it is refused, with the key to use.
-    pub(super) fn other_unit(
-        &mut self,
-        kind: JointKind,
-        key: &str,
-        table: &impl Serialize,
-    ) -> bool {
-        let slides = kind == JointKind::Prismatic;
+    pub(super) fn other_unit(&mut self, joint: usize, key: &str, table: &impl Serialize) -> bool {
+        let slides = self.joint(joint).kind == JointKind::Prismatic;
         let Ok(Value::Object(keys)) = serde_json::to_value(table) else {
             return false;
         };
@@ -65,11 +49,10 @@ impl Planner<'_> {
     pub(super) fn joint_motion(
         &mut self,
         table: &JointMotionFile,
-        kind: JointKind,
+        joint: usize,
         key: &str,
     ) -> Option<JointMotion> {
-        let slides = kind == JointKind::Prismatic;
-        if self.other_unit(kind, key, table) {
+        if self.other_unit(joint, key, table) {
             return None;
         }
         if table.interpolation == "fourier" {
@@ -86,7 +69,10 @@ impl Planner<'_> {
             "quintic_rest" => JointMotion::quintic_rest,
             _ => JointMotion::cubic_clamped,
         };
-        let name = if slides { "position_m" } else { "position_rad" };
+        let name = match self.joint(joint).kind {
+            JointKind::Prismatic => "position_m",
+            _ => "position_rad",
+        };
         self.checked(motion(time, position), key, name)
     }
 }

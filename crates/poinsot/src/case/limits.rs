@@ -1,12 +1,11 @@
 //! `[limits]`: limits of a designed manoeuvre.
 
 use super::Case;
-use super::planner::Planner;
+use super::planner::{Part, Planner};
 use super::thrusters::{ImpulseLimit, ThrusterLimit};
 use crate::error::Error;
-use poinsot_dynamics::Tree;
 use poinsot_formats::case::{CapsuleFile, ConeFile, JointLimitFile, WheelLimitFile};
-use poinsot_model::{JointKind, Model};
+use poinsot_model::Model;
 use poinsot_spatial::Vector3;
 
 /// Limits of one joint coordinate, rad or m and derivatives; infinite if unlimited.
@@ -92,19 +91,17 @@ impl Case {
 
 impl Planner<'_> {
     fn limits(&mut self, file: &poinsot_formats::case::LimitsFile) -> Limits {
-        let tree = Tree::new(self.model);
         let free = JointLimit {
             position: (f64::NEG_INFINITY, f64::INFINITY),
             rate: f64::INFINITY,
             acceleration: f64::INFINITY,
             effort: f64::INFINITY,
         };
-        let mut joints = vec![free; tree.dof()];
+        let mut joints = vec![free; self.tree.dof()];
         for (i, table) in file.joint.iter().enumerate() {
             let key = format!("limits.joint[{i}]");
-            for k in self.joints_of(&tree, table.joints.as_deref(), &key) {
-                let kind = self.model.joints[tree.coordinates[k]].kind;
-                if let Some(given) = self.joint_limit(table, kind, &key) {
+            for k in self.parts(Part::Joint, table.joints.as_deref(), &key) {
+                if let Some(given) = self.joint_limit(table, k, &key) {
                     joints[k] = tighter(joints[k], given);
                 }
             }
@@ -118,7 +115,7 @@ impl Planner<'_> {
         ];
         for (i, table) in file.wheel.iter().enumerate() {
             let key = format!("limits.wheel[{i}]");
-            for k in self.wheels_of(table.wheels.as_deref(), &key) {
+            for k in self.parts(Part::Wheel, table.wheels.as_deref(), &key) {
                 let given = self.wheel_limit(table, k);
                 wheels[k].speed = wheels[k].speed.min(given.speed);
                 wheels[k].torque = wheels[k].torque.min(given.torque);
@@ -143,51 +140,19 @@ impl Planner<'_> {
         }
     }
 
-    /// Joint coordinates of a list of names; all without a list.
-    pub(super) fn joints_of(
-        &mut self,
-        tree: &Tree,
-        names: Option<&[String]>,
-        key: &str,
-    ) -> Vec<usize> {
-        let Some(names) = names else {
-            return (0..tree.dof()).collect();
-        };
-        let mut found = Vec::new();
-        for (k, name) in names.iter().enumerate() {
-            found.extend(self.joint(tree, name, &format!("{key}.joints[{k}]")));
-        }
-        found
-    }
-
-    pub(super) fn wheels_of(&mut self, names: Option<&[String]>, key: &str) -> Vec<usize> {
-        let Some(names) = names else {
-            return (0..self.model.wheels.len()).collect();
-        };
-        let mut found = Vec::new();
-        for (k, name) in names.iter().enumerate() {
-            found.extend(self.wheel(name, &format!("{key}.wheels[{k}]")));
-        }
-        found
-    }
-
     fn joint_limit(
         &mut self,
         table: &JointLimitFile,
-        kind: JointKind,
+        joint: usize,
         key: &str,
     ) -> Option<JointLimit> {
-        if self.other_unit(kind, key, table) {
+        if self.other_unit(joint, key, table) {
             return None;
         }
         let position = table.position_rad.or(table.position_m);
         if position.is_some_and(|[low, high]| low >= high) {
-            let name = if table.position_m.is_some() {
-                "m"
-            } else {
-                "rad"
-            };
-            let key = format!("{key}.position_{name}");
+            let unit = table.position_m.map_or("rad", |_| "m");
+            let key = format!("{key}.position_{unit}");
             let problem = "the range of positions is empty";
             self.refuse("E0505", &key, problem, "give [lowest, highest]");
             return None;
@@ -242,7 +207,7 @@ impl Planner<'_> {
     }
 
     fn capsule(&mut self, table: &CapsuleFile, key: &str) -> Option<Capsule> {
-        let body = self.body(&table.body, &format!("{key}.body"))?;
+        let body = self.part(Part::Body, &table.body, &format!("{key}.body"))?;
         let to = table.to_m.unwrap_or(table.from_m);
         let ends = [table.from_m, to].map(Vector3::from);
         let radius = table.radius_m;

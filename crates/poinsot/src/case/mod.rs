@@ -32,7 +32,7 @@ use crate::error::{Error, Fault};
 pub(crate) use describe::describe_case;
 pub(crate) use fault::{KeyText, did_you_mean, rows};
 use planner::Planner;
-use poinsot_dynamics::Tolerance;
+use poinsot_dynamics::{Tolerance, Tree};
 use poinsot_files::rounded;
 use poinsot_formats::case::{CASE, CASE_BEFORE, CaseFile};
 use poinsot_model::Model;
@@ -201,6 +201,7 @@ impl Case {
         Planner {
             text: &self.text,
             model,
+            tree: Tree::new(model),
             open: Open::default(),
             faults: Vec::new(),
         }

@@ -3,9 +3,12 @@
 use super::fault::{KeyText, did_you_mean};
 use super::window::Open;
 use crate::error::Fault;
+use nalgebra::Quaternion;
 use poinsot_dynamics::{JointMotion, NodeError, PiecewisePolynomial, Plan, Tree, WheelMotion};
+use poinsot_files::rounded;
 use poinsot_formats::case::{FiringFile, JointMotionFile, WheelMotionFile};
-use poinsot_model::Model;
+use poinsot_model::{Joint, Model};
+use poinsot_spatial::UnitQuaternion;
 
 /// Difference of two numbers in a file that are meant to be equal, relative to a number above one.
 const SAME: f64 = 1.0e-9;
@@ -14,7 +17,7 @@ const SAME: f64 = 1.0e-9;
 type Led<M> = (String, Option<M>);
 
 /// A motion of a joint or wheel.
-trait Motion {
+pub(super) trait Motion {
     /// Its nodes, if it has any.
     fn profile(self) -> Option<PiecewisePolynomial>;
     /// The motion through nodes.
@@ -47,15 +50,47 @@ impl Motion for WheelMotion {
     }
 }
 
+/// A kind of parts that a case names.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Part {
+    Body,
+    /// A moving joint, by its coordinate.
+    Joint,
+    Wheel,
+    Thruster,
+}
+
+impl Part {
+    fn word(self) -> &'static str {
+        match self {
+            Self::Body => "body",
+            Self::Joint => "joint",
+            Self::Wheel => "wheel",
+            Self::Thruster => "thruster",
+        }
+    }
+
+    /// The names of all parts of this kind.
+    fn names(self, model: &Model) -> Vec<&str> {
+        match self {
+            Self::Body => model.bodies.iter().map(|b| b.name.as_str()).collect(),
+            Self::Joint => model.joints.iter().map(|j| j.name.as_str()).collect(),
+            Self::Wheel => model.wheels.iter().map(|w| w.name.as_str()).collect(),
+            Self::Thruster => model.thrusters.iter().map(|t| t.name.as_str()).collect(),
+        }
+    }
+}
+
 pub(super) struct Planner<'c> {
     pub text: &'c KeyText,
     pub model: &'c Model,
+    pub tree: Tree,
     /// What a design fills.
     pub open: Open,
     pub faults: Vec<Fault>,
 }
 
-impl Planner<'_> {
+impl<'c> Planner<'c> {
     pub fn refuse(
         &mut self,
         code: &'static str,
@@ -74,17 +109,14 @@ impl Planner<'_> {
         wheels: &[WheelMotionFile],
         firings: &[FiringFile],
     ) -> (Plan, Vec<bool>) {
-        let tree = Tree::new(self.model);
         let mut plan = Plan::hold(self.model);
         let mut led: Vec<Vec<Led<JointMotion>>> = plan.joints.iter().map(|_| Vec::new()).collect();
         for (i, table) in joints.iter().enumerate() {
             let key = format!("joint_motion[{i}]");
-            let Some(k) = self.joint(&tree, &table.joint, &format!("{key}.joint")) else {
-                continue;
-            };
-            let kind = self.model.joints[tree.coordinates[k]].kind;
-            let motion = self.joint_motion(table, kind, &key);
-            led[k].push((format!("{key}.joint"), motion));
+            let own = format!("{key}.joint");
+            if let Some(k) = self.part(Part::Joint, &table.joint, &own) {
+                led[k].push((own, self.joint_motion(table, k, &key)));
+            }
         }
         let moved: Vec<bool> = led.iter().map(|tables| !tables.is_empty()).collect();
         for (k, tables) in led.into_iter().enumerate() {
@@ -97,23 +129,21 @@ impl Planner<'_> {
             plan.wheels.iter().map(|_| Vec::new()).collect();
         for (i, table) in wheels.iter().enumerate() {
             let key = format!("wheel_motion[{i}]");
-            let Some(k) = self.wheel(&table.wheel, &format!("{key}.wheel")) else {
-                continue;
-            };
-            let motion = self.wheel_motion(table, &key);
-            driven[k].push((format!("{key}.wheel"), motion));
+            let own = format!("{key}.wheel");
+            if let Some(k) = self.part(Part::Wheel, &table.wheel, &own) {
+                driven[k].push((own, self.wheel_motion(table, &key)));
+            }
         }
         for (k, (wheel, tables)) in self.model.wheels.iter().zip(driven).enumerate() {
-            let is_driven = !tables.is_empty();
             let open = self.open.wheels.contains(&k);
-            if let Some(motion) = self.one_after_another(tables, open) {
-                plan.wheels[k] = motion;
-            }
-            if !is_driven && !self.open.wheels.contains(&k) {
+            if tables.is_empty() && !open {
                 let problem = format!("the case does not prescribe wheel \"{}\"", wheel.name);
                 let remedy =
                     "add a [[wheel_motion]], with time_s = [0.0], speed_rad_s = [0.0] for rest";
                 self.refuse("E0504", "wheel_motion", problem, remedy);
+            }
+            if let Some(motion) = self.one_after_another(tables, open) {
+                plan.wheels[k] = motion;
             }
         }
         plan.firings = self.firings(firings);
@@ -163,40 +193,55 @@ impl Planner<'_> {
         Some(M::of(all))
     }
 
-    /// Index of a name; reports one that the model does not have.
-    fn named<'n>(
-        &mut self,
-        what: &str,
-        name: &str,
-        key: &str,
-        names: impl Iterator<Item = &'n str> + Clone,
-    ) -> Option<usize> {
-        let found = names.clone().position(|own| own == name);
-        if found.is_none() {
-            let problem = format!("the model has no {what} of this name");
-            self.refuse("E0504", key, problem, did_you_mean(name, names));
+    /// Index of a part; reports a name that the model does not have, and a joint that does not move.
+    pub(super) fn part(&mut self, kind: Part, name: &str, key: &str) -> Option<usize> {
+        let names = kind.names(self.model);
+        let found = names.iter().position(|own| *own == name);
+        let Some(at) = found else {
+            let problem = format!("the model has no {} of this name", kind.word());
+            self.refuse("E0504", key, problem, did_you_mean(name, names.into_iter()));
+            return None;
+        };
+        if kind != Part::Joint {
+            return found;
         }
-        found
+        let coordinate = self.tree.coordinates.iter().position(|k| *k == at);
+        if coordinate.is_none() {
+            let problem = "a fixed joint does not move";
+            self.refuse("E0507", key, problem, "leave it out");
+        }
+        coordinate
     }
 
-    pub(super) fn joint_named(&mut self, name: &str, key: &str) -> Option<usize> {
-        let names = self.model.joints.iter().map(|j| j.name.as_str());
-        self.named("joint", name, key, names)
+    /// Indices of the parts of a list of names; of all without a list.
+    pub(super) fn parts(&mut self, kind: Part, names: Option<&[String]>, key: &str) -> Vec<usize> {
+        let Some(names) = names else {
+            return match kind {
+                Part::Joint => (0..self.tree.dof()).collect(),
+                _ => (0..kind.names(self.model).len()).collect(),
+            };
+        };
+        let of = |(k, name): (usize, &String)| {
+            self.part(kind, name, &format!("{key}.{}s[{k}]", kind.word()))
+        };
+        names.iter().enumerate().filter_map(of).collect()
     }
 
-    pub(super) fn wheel(&mut self, name: &str, key: &str) -> Option<usize> {
-        let names = self.model.wheels.iter().map(|w| w.name.as_str());
-        self.named("wheel", name, key, names)
+    /// The joint of a coordinate.
+    pub(super) fn joint(&self, coordinate: usize) -> &'c Joint {
+        &self.model.joints[self.tree.coordinates[coordinate]]
     }
 
-    pub(super) fn thruster(&mut self, name: &str, key: &str) -> Option<usize> {
-        let names = self.model.thrusters.iter().map(|t| t.name.as_str());
-        self.named("thruster", name, key, names)
-    }
-
-    pub(super) fn body(&mut self, name: &str, key: &str) -> Option<usize> {
-        let names = self.model.bodies.iter().map(|b| b.name.as_str());
-        self.named("body", name, key, names)
+    /// An attitude; printed quaternions are rounded, a larger deviation of the norm is another mistake.
+    pub(super) fn attitude(&mut self, [x, y, z, w]: [f64; 4], key: &str) -> Option<UnitQuaternion> {
+        let q = Quaternion::new(w, x, y, z);
+        if !q.norm().is_finite() || (q.norm() - 1.0).abs() > 1e-3 {
+            let problem = format!("norm {} is not 1", rounded(q.norm(), 6));
+            let remedy = "give a unit quaternion, scalar last, body to inertial";
+            self.refuse("E0505", key, problem, remedy);
+            return None;
+        }
+        Some(UnitQuaternion::new_normalize(q))
     }
 
     pub(super) fn twice(&mut self, key: &str) {

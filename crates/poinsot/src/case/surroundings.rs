@@ -1,10 +1,10 @@
 //! What a case flies before and after the part that a design fills.
 
 use super::designed::{Design, Form, Moved};
-use super::planner::Planner;
+use super::planner::{Motion, Planner};
 use super::thrusters::Fired;
 use super::window::{Open, Part, Replaced, Window};
-use poinsot_dynamics::{JointMotion, PiecewisePolynomial, Tree, WheelMotion};
+use poinsot_dynamics::PiecewisePolynomial;
 use poinsot_formats::case::{CaseFile, DesignFile, FiringFile, Objective};
 
 impl Design {
@@ -34,12 +34,8 @@ impl Planner<'_> {
             let problem =
                 "the designed part must lie within the duration, and begin before it ends";
             let key = format!("design.{key}");
-            self.refuse(
-                "E0505",
-                &key,
-                problem,
-                "correct from_s, until_s or duration_s",
-            );
+            let remedy = "correct from_s, until_s or duration_s";
+            self.refuse("E0505", &key, problem, remedy);
         }
         if file.until_s.is_some() && file.objective == Objective::ShortestTime {
             let problem = "the shortest time moves what is flown next";
@@ -57,23 +53,17 @@ impl Planner<'_> {
         (joints, wheels): (&mut [Moved], &mut [Moved]),
     ) -> Replaced {
         let mut replaced = Replaced::default();
-        let tree = Tree::new(self.model);
         for (i, table) in file.joint_motion.iter().enumerate() {
             let joint = self.model.joint(&table.joint);
-            let own = tree.coordinates.iter().position(|k| Some(*k) == joint);
+            let own = self.tree.coordinates.iter().position(|k| Some(*k) == joint);
             let Some(moved) = joints.iter_mut().find(|m| Some(m.index) == own) else {
                 continue;
             };
-            let kind = self.model.joints[tree.coordinates[moved.index]].kind;
             let key = format!("joint_motion[{i}]");
-            let Some(motion) = self.joint_motion(table, kind, &key) else {
+            let Some(motion) = self.joint_motion(table, moved.index, &key) else {
                 continue;
             };
-            let profile = match motion {
-                JointMotion::Nodes(p) => Some(p),
-                JointMotion::Fourier(_) => None,
-            };
-            if self.surround(moved, window, profile, &key) {
+            if self.surround(moved, window, motion.profile(), &key) {
                 replaced.joint_motion.push(i);
             }
         }
@@ -86,11 +76,7 @@ impl Planner<'_> {
             let Some(motion) = self.wheel_motion(table, &key) else {
                 continue;
             };
-            let profile = match motion {
-                WheelMotion::Speed(p) => Some(p),
-                WheelMotion::Torque { .. } | WheelMotion::Controlled { .. } => None,
-            };
-            if self.surround(moved, window, profile, &key) {
+            if self.surround(moved, window, motion.profile(), &key) {
                 replaced.wheel_motion.push(i);
             }
         }

@@ -1,6 +1,6 @@
 //! `[[design.thruster]]` and `[[limits.thruster]]`: firings with free times, and their limits.
 
-use super::planner::Planner;
+use super::planner::{Part, Planner};
 use poinsot_formats::case::{DesignThrusterFile, ThrusterLimitFile};
 use poinsot_telemetry::STANDARD_GRAVITY;
 
@@ -44,22 +44,11 @@ pub struct ImpulseLimit {
 }
 
 impl Planner<'_> {
-    pub(super) fn thrusters_of(&mut self, names: Option<&[String]>, key: &str) -> Vec<usize> {
-        let Some(names) = names else {
-            return (0..self.model.thrusters.len()).collect();
-        };
-        let mut found = Vec::new();
-        for (k, name) in names.iter().enumerate() {
-            found.extend(self.thruster(name, &format!("{key}.thrusters[{k}]")));
-        }
-        found
-    }
-
     pub(super) fn fired(&mut self, tables: &[DesignThrusterFile]) -> Vec<Fired> {
         let mut list: Vec<Fired> = Vec::new();
         for (i, table) in tables.iter().enumerate() {
             let key = format!("design.thruster[{i}]");
-            let of = self.thrusters_of(table.thrusters.as_deref(), &key);
+            let of = self.parts(Part::Thruster, table.thrusters.as_deref(), &key);
             for index in of {
                 if list.iter().any(|f| f.index == index) {
                     let problem = "the same thruster is designed twice";
@@ -86,7 +75,7 @@ impl Planner<'_> {
         let mut together = Vec::new();
         for (i, table) in tables.iter().enumerate() {
             let key = format!("limits.thruster[{i}]");
-            let of = self.thrusters_of(table.thrusters.as_deref(), &key);
+            let of = self.parts(Part::Thruster, table.thrusters.as_deref(), &key);
             for &k in &of {
                 let limit = &mut each[k];
                 limit.minimum_on = limit.minimum_on.max(table.minimum_on_s.unwrap_or(0.0));

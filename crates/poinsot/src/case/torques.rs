@@ -1,9 +1,9 @@
 //! `[[joint_torque]]`, `[[initial.joint]]` and the springs of the model as drives of the joints.
 
 use super::fault::did_you_mean;
-use super::planner::{Planner, node_remedy};
+use super::planner::{Part, Planner, node_remedy};
 use poinsot_dynamics::{
-    ForceProfile, JointDrive, NodeError, PiecewisePolynomial, Plan, SpringDamper, Tree,
+    ForceProfile, JointDrive, NodeError, PiecewisePolynomial, Plan, SpringDamper,
 };
 use poinsot_formats::case::{InitialJointFile, JointTorqueFile};
 use poinsot_model::{Joint, JointKind};
@@ -20,6 +20,7 @@ const FORMS: [(&str, &str); 5] = [
 ];
 
 /// Motor and initial state of each joint coordinate.
+#[derive(Default)]
 struct MotorSettings {
     motor: Option<ForceProfile>,
     position: Option<f64>,
@@ -39,33 +40,27 @@ impl Planner<'_> {
         plan: &mut Plan,
         led: &[bool],
     ) {
-        let tree = Tree::new(self.model);
-        let none = || MotorSettings {
-            motor: None,
-            position: None,
-            rate: None,
-        };
-        let mut own: Vec<MotorSettings> = (0..tree.dof()).map(|_| none()).collect();
+        let mut own: Vec<MotorSettings> = led.iter().map(|_| MotorSettings::default()).collect();
         for (i, table) in torques.iter().enumerate() {
             let key = format!("joint_torque[{i}]");
-            let Some(k) = self.joint(&tree, &table.joint, &format!("{key}.joint")) else {
+            let named = format!("{key}.joint");
+            let Some(k) = self.part(Part::Joint, &table.joint, &named) else {
                 continue;
             };
             if led[k] || own[k].motor.is_some() {
-                self.twice(&format!("{key}.joint"));
+                self.twice(&named);
                 continue;
             }
-            let joint = &self.model.joints[tree.coordinates[k]];
-            let motor = self.motor(table, joint, &key);
+            let motor = self.motor(table, k, &key);
             own[k].motor = Some(motor.unwrap_or_else(ForceProfile::none));
         }
         for (i, table) in initial.iter().enumerate() {
             let key = format!("initial.joint[{i}]");
-            let Some(k) = self.joint(&tree, &table.joint, &format!("{key}.joint")) else {
+            let named = format!("{key}.joint");
+            let Some(k) = self.part(Part::Joint, &table.joint, &named) else {
                 continue;
             };
-            let joint = &self.model.joints[tree.coordinates[k]];
-            let free = own[k].motor.is_some() || joint.spring_damper.is_some();
+            let free = own[k].motor.is_some() || self.joint(k).spring_damper.is_some();
             if led[k] || !free {
                 let problem = if led[k] {
                     "the joint's motion is prescribed, and so is its initial state"
@@ -73,17 +68,19 @@ impl Planner<'_> {
                     "this joint has no drive: it stays locked at the model's position"
                 };
                 let remedy = "leave it out; a start belongs to a joint with [[joint_torque]] or with spring_damper in the model";
-                self.refuse("E0507", &format!("{key}.joint"), problem, remedy);
+                self.refuse("E0507", &named, problem, remedy);
                 continue;
             }
             if own[k].position.is_some() || own[k].rate.is_some() {
-                self.twice(&format!("{key}.joint"));
+                self.twice(&named);
                 continue;
             }
-            (own[k].position, own[k].rate) = self.initial_joint(table, joint.kind, &key);
+            self.other_unit(k, &key, table);
+            own[k].position = table.position_rad.or(table.position_m);
+            own[k].rate = table.rate_rad_s.or(table.rate_m_s);
         }
         for (k, own) in own.into_iter().enumerate() {
-            let joint = &self.model.joints[tree.coordinates[k]];
+            let joint = self.joint(k);
             if led[k] || (own.motor.is_none() && joint.spring_damper.is_none()) {
                 continue;
             }
@@ -104,24 +101,12 @@ impl Planner<'_> {
         }
     }
 
-    fn initial_joint(
-        &mut self,
-        table: &InitialJointFile,
-        kind: JointKind,
-        key: &str,
-    ) -> (Option<f64>, Option<f64>) {
-        self.other_unit(kind, key, table);
-        (
-            table.position_rad.or(table.position_m),
-            table.rate_rad_s.or(table.rate_m_s),
-        )
-    }
-
     /// The motor of one table: exactly one of constant, sinusoid, table or file.
-    fn motor(&mut self, table: &JointTorqueFile, joint: &Joint, key: &str) -> Option<ForceProfile> {
-        if self.other_unit(joint.kind, key, table) {
+    fn motor(&mut self, table: &JointTorqueFile, k: usize, key: &str) -> Option<ForceProfile> {
+        if self.other_unit(k, key, table) {
             return None;
         }
+        let joint = self.joint(k);
         let (unit, name) = match joint.kind {
             JointKind::Prismatic => ("N", "force_N"),
             _ => ("N_m", "torque_N_m"),
@@ -132,8 +117,7 @@ impl Planner<'_> {
         match (constant, amplitude, values, &table.file) {
             (Some(x), None, None, None) => {
                 self.only(table, key, &["constant"])?;
-                let held = PiecewisePolynomial::constant(x);
-                Some(ForceProfile::Nodes(held))
+                Some(ForceProfile::Nodes(PiecewisePolynomial::constant(x)))
             }
             (None, Some(x), None, None) => {
                 self.only(table, key, &["sinusoid"])?;

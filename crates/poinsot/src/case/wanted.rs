@@ -4,9 +4,10 @@ use super::Case;
 use super::fault::did_you_mean;
 use super::planner::Planner;
 use crate::error::Error;
+use crate::trials::mass_names;
 use poinsot_formats::Address;
 use poinsot_formats::case::WantFile;
-use poinsot_identify::{TENSOR, WantedNumber, WantedTerm, axis_name, tensor_name};
+use poinsot_identify::{WantedNumber, WantedTerm};
 use poinsot_model::Model;
 use std::collections::BTreeMap;
 
@@ -24,11 +25,7 @@ pub struct Want {
 }
 
 /// Groups of body numbers, by the end of their address.
-const GROUPS: [(&str, &str); 3] = [
-    ("mass_kg", "kg"),
-    ("com_m", "m"),
-    ("inertia_kg_m2", "kg m2"),
-];
+const GROUPS: [&str; 3] = ["mass_kg", "com_m", "inertia_kg_m2"];
 
 impl Case {
     /// Wanted numbers of a model; empty without `[[want]]`.
@@ -57,18 +54,11 @@ impl Planner<'_> {
                 return Vec::new();
             }
         };
-        let mut wants = Vec::new();
-        for (name, unit, terms) in numbers {
-            if let Some(sigma) = self.wanted_sigma(table, &terms, key) {
-                wants.push(Want {
-                    name,
-                    unit,
-                    terms,
-                    sigma,
-                });
-            }
-        }
-        wants
+        let stated = |want: Want| {
+            let sigma = self.wanted_sigma(table, &want.terms, key)?;
+            Some(Want { sigma, ..want })
+        };
+        numbers.into_iter().filter_map(stated).collect()
     }
 
     fn wanted_sigma(&mut self, table: &WantFile, terms: &[WantedTerm], key: &str) -> Option<f64> {
@@ -101,76 +91,66 @@ impl Planner<'_> {
         None
     }
 
-    fn combination(
-        &mut self,
-        sum: &BTreeMap<String, f64>,
-        key: &str,
-    ) -> Vec<(String, &'static str, Vec<WantedTerm>)> {
+    fn combination(&mut self, sum: &BTreeMap<String, f64>, key: &str) -> Vec<Want> {
         let key = format!("{key}.combination");
         let (mut names, mut terms, mut unit) = (Vec::new(), Vec::new(), None);
         for (address, factor) in sum {
             let found = self.numbers(address, &key);
-            let [(_, own, one)] = found.as_slice() else {
+            let [one] = found.as_slice() else {
                 if !found.is_empty() {
                     let problem = format!("\"{address}\" is a group of numbers");
                     self.refuse("E0507", &key, problem, "name single numbers");
                 }
                 return Vec::new();
             };
-            if unit.is_some_and(|u| u != *own) {
+            if unit.is_some_and(|u| u != one.unit) {
                 let problem = "the numbers have different units";
                 self.refuse("E0507", &key, problem, "add numbers of one unit");
                 return Vec::new();
             }
-            unit = Some(*own);
+            unit = Some(one.unit);
             names.push(format!("{factor} {address}"));
-            terms.extend(one.iter().map(|t| WantedTerm {
+            terms.extend(one.terms.iter().map(|t| WantedTerm {
                 factor: *factor,
                 ..*t
             }));
         }
-        match unit {
-            Some(unit) => vec![(names.join(" + "), unit, terms)],
-            None => {
-                self.refuse("E0507", &key, "the combination is empty", "name numbers");
-                Vec::new()
-            }
+        if unit.is_none() {
+            self.refuse("E0507", &key, "the combination is empty", "name numbers");
         }
+        let name = names.join(" + ");
+        let one = |unit| Want {
+            name,
+            unit,
+            terms,
+            sigma: f64::NAN,
+        };
+        unit.map(one).into_iter().collect()
     }
 
     /// The numbers of an address: `bus.mass_kg`, `bus.com_m.x`, `bus.com_m` (all three), ...
-    fn numbers(
-        &mut self,
-        address: &str,
-        key: &str,
-    ) -> Vec<(String, &'static str, Vec<WantedTerm>)> {
-        let known = known_addresses(self.model);
-        let wanted: Vec<_> = known
-            .iter()
-            .filter(|(name, _, _)| {
-                let rest = name.strip_prefix(address);
-                rest.is_some_and(|r| r.is_empty() || (r.starts_with('.') && is_group(address)))
-            })
-            .cloned()
-            .collect();
+    fn numbers(&mut self, address: &str, key: &str) -> Vec<Want> {
+        let known = all_numbers(self.model);
+        let is_meant = |want: &&Want| {
+            let rest = want.name.strip_prefix(address);
+            rest.is_some_and(|r| r.is_empty() || (r.starts_with('.') && is_group(address)))
+        };
+        let wanted: Vec<Want> = known.iter().filter(is_meant).cloned().collect();
         if wanted.is_empty() {
-            let remedy = did_you_mean(address, known.iter().map(|(name, _, _)| name.as_str()));
+            let remedy = did_you_mean(address, known.iter().map(|want| want.name.as_str()));
             let problem = "the model has no number of this address";
             self.refuse("E0504", key, problem, remedy);
             return Vec::new();
         }
-        let mut terms = wanted.iter().map(|(_, _, term)| term);
-        let known = terms.find(|term| !is_estimated(self.model, term));
-        let body = known.map(|term| term.body);
-        if let Some(body) = body {
-            let name = &self.model.bodies[body].name;
+        let mut terms = wanted.iter().flat_map(|want| &want.terms);
+        if let Some(term) = terms.find(|term| !is_estimated(self.model, term)) {
+            let name = &self.model.bodies[term.body].name;
             let problem = format!("\"{address}\" is known: body \"{name}\" does not estimate it");
             let remedy = "set estimate in the model, or leave the want out";
             self.refuse("E0507", key, problem, remedy);
             return Vec::new();
         }
-        let one = |(name, unit, term)| (name, unit, vec![term]);
-        wanted.into_iter().map(one).collect()
+        wanted
     }
 }
 
@@ -183,15 +163,9 @@ impl Planner<'_> {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn estimated_numbers(model: &Model) -> Vec<Want> {
-    let known = known_addresses(model).into_iter();
-    let estimated = known.filter(|(_, _, term)| is_estimated(model, term));
-    let want = |(name, unit, term)| Want {
-        name,
-        unit,
-        terms: vec![term],
-        sigma: f64::NAN,
-    };
-    estimated.map(want).collect()
+    let mut all = all_numbers(model);
+    all.retain(|want| want.terms.iter().all(|term| is_estimated(model, term)));
+    all
 }
 
 fn is_estimated(model: &Model, term: &WantedTerm) -> bool {
@@ -205,35 +179,36 @@ fn is_estimated(model: &Model, term: &WantedTerm) -> bool {
 
 fn is_group(address: &str) -> bool {
     let parts = Address::parse(address);
-    parts.component().is_none() && GROUPS.iter().any(|(key, _)| *key == parts.quantity())
+    parts.component().is_none() && GROUPS.contains(&parts.quantity())
 }
 
-/// Every number of every body with its address and unit.
-fn known_addresses(model: &Model) -> Vec<(String, &'static str, WantedTerm)> {
-    let mut all = Vec::new();
-    for (body, name) in model.bodies.iter().map(|b| &b.name).enumerate() {
-        let [mass, com, inertia] = GROUPS.map(|(end, unit)| (format!("{name}.{end}"), unit));
-        let mut push = |address, unit, number| {
-            let factor = 1.0;
-            all.push((
-                address,
-                unit,
-                WantedTerm {
-                    body,
-                    number,
-                    factor,
-                },
-            ));
-        };
-        push(mass.0, mass.1, WantedNumber::Mass);
-        for k in 0..3 {
-            let address = format!("{}.{}", com.0, axis_name(k));
-            push(address, com.1, WantedNumber::MassCentre(k));
-        }
-        for k in 0..TENSOR.len() {
-            let address = format!("{}.{}", inertia.0, tensor_name(k));
-            push(address, inertia.1, WantedNumber::Inertia(k));
-        }
-    }
-    all
+/// Every number of every body, with infinite wanted sigma.
+fn all_numbers(model: &Model) -> Vec<Want> {
+    let numbers = || {
+        let centre = (0..3).map(WantedNumber::MassCentre);
+        let inertia = (0..6).map(WantedNumber::Inertia);
+        std::iter::once(WantedNumber::Mass)
+            .chain(centre)
+            .chain(inertia)
+    };
+    let of_body = |(body, name): (usize, &String)| {
+        let pairs = mass_names(name).into_iter().zip(numbers());
+        let want = pairs.map(move |(name, number)| Want {
+            name,
+            unit: match number {
+                WantedNumber::Mass => "kg",
+                WantedNumber::MassCentre(_) => "m",
+                WantedNumber::Inertia(_) => "kg m2",
+            },
+            terms: vec![WantedTerm {
+                body,
+                number,
+                factor: 1.0,
+            }],
+            sigma: f64::NAN,
+        });
+        want.collect::<Vec<_>>()
+    };
+    let names = model.bodies.iter().map(|b| &b.name).enumerate();
+    names.flat_map(of_body).collect()
 }
