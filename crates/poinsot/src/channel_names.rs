@@ -1,20 +1,17 @@
 //! Standard names of the channels of a sensor.
 
-use poinsot_model::{JointKind, Model, SensorKind};
+use poinsot_model::{Joint, JointKind, Model, SensorKind};
 use poinsot_telemetry::{Channel, Table};
 
 pub(crate) const XYZ: [&str; 3] = ["x", "y", "z"];
 
 /// Channel names of a sensor kind; `of` for scalars.
 pub(crate) fn names(model: &Model, kind: SensorKind, of: &[usize]) -> Vec<String> {
-    let joints = |suffix: &str| {
-        of.iter()
-            .filter_map(|j| model.joints.get(*j))
-            .filter(|joint| joint.kind != JointKind::Fixed)
-            .map(|joint| match joint.kind {
-                JointKind::Prismatic => format!("{}_m{suffix}", joint.name),
-                _ => format!("{}_rad{suffix}", joint.name),
-            })
+    let joints = |rate: &str| {
+        let own = of.iter().filter_map(|j| model.joints.get(*j));
+        let moving = own.filter(|joint| joint.kind != JointKind::Fixed);
+        moving
+            .map(|joint| format!("{}{rate}", position(joint)))
             .collect()
     };
     match kind {
@@ -55,4 +52,14 @@ pub(crate) fn wheels(model: &Model, of: &[usize], suffix: &str) -> Vec<String> {
 pub(crate) fn axes<'t>(table: &'t Table, sensor: &str, vector: &str) -> Option<[&'t Channel; 3]> {
     let [x, y, z] = XYZ.map(|k| table.sensor_channel(sensor, &format!("{vector}_{k}")));
     Some([x?, y?, z?])
+}
+
+/// Unit of the position of a joint.
+pub(crate) fn joint_unit(joint: &Joint) -> &'static str {
+    SensorKind::JointPosition.unit(joint.kind == JointKind::Prismatic)
+}
+
+/// Channel of the position of a joint.
+pub(crate) fn position(joint: &Joint) -> String {
+    format!("{}_{}", joint.name, joint_unit(joint))
 }

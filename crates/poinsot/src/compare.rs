@@ -23,21 +23,14 @@ const TOO_GOOD: f64 = 1.0e-3;
 /// Significant figures of a time in messages.
 const DIGITS: i32 = 4;
 
-/// Arguments of `compare`.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct CompareRequest {
-    /// Folders of `identify --out`, or their `estimate.json`; two or more.
-    pub answers: Vec<PathBuf>,
-}
-
-/// Compares results of one vehicle.
+/// Compares results of one vehicle: folders of `identify --out`, or their `estimate.json`; two or more.
 ///
 /// # Errors
 /// Fewer than two answers, files that cannot be read, or answers of different vehicles.
 ///
 /// ```
 #[doc = include_str!("../doc/answer.txt")]
-/// use poinsot::compare::{CompareRequest, compare};
+/// use poinsot::compare::compare;
 ///
 /// # let out = std::env::temp_dir().join(format!("poinsot-compare-{}", std::process::id()));
 /// // Two answers from records with other noise.
@@ -46,16 +39,13 @@ pub struct CompareRequest {
 /// let answers = vec![out.join("first"), out.join("second")];
 /// write_estimate(&answers[0], &identified)?;
 /// write_estimate(&answers[1], &other)?;
-/// assert_eq!(compare(&CompareRequest { answers })?.verdict, "agree");
+/// assert_eq!(compare(&answers)?.verdict, "agree");
 /// # std::fs::remove_dir_all(&out)?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn compare(request: &CompareRequest) -> Result<ComparisonFile, Error> {
-    let answers = request
-        .answers
-        .iter()
-        .map(|path| read_estimate(path))
-        .collect::<Result<Vec<_>, _>>()?;
+pub fn compare(answers: &[PathBuf]) -> Result<ComparisonFile, Error> {
+    let answers = answers.iter().map(|path| read_estimate(path));
+    let answers = answers.collect::<Result<Vec<_>, _>>()?;
     compare_estimates(&answers)
 }
 
@@ -77,7 +67,7 @@ pub fn compare(request: &CompareRequest) -> Result<ComparisonFile, Error> {
 /// ```
 pub fn compare_estimates(answers: &[(PathBuf, EstimateFile)]) -> Result<ComparisonFile, Error> {
     let [(_, first), others @ ..] = answers else {
-        return Err(too_few(0));
+        return Err(too_few(answers.len()));
     };
     if others.is_empty() {
         return Err(too_few(1));

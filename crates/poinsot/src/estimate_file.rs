@@ -1,5 +1,6 @@
 //! Converts an estimate to the result file, `poinsot.estimate/3`.
 
+use crate::channel_names::position;
 use crate::diagnostics_file::diagnostics_file;
 use crate::identify::Identified;
 use poinsot_formats::{
@@ -12,7 +13,7 @@ use poinsot_identify::{
     BodyEstimate, Estimate, Identifiability, MethodReport, MomentumEstimate, Number, Remark,
     RemarkKind, SegmentFit, tensor_index,
 };
-use poinsot_model::{Joint, JointKind, Model};
+use poinsot_model::{JointKind, Model};
 use poinsot_telemetry::checks::Finding;
 
 /// The estimate as result file.
@@ -38,8 +39,8 @@ pub fn estimate_file(identified: &Identified) -> EstimateFile {
         model: identified.model.name.clone(),
         reference: reference(&identified.model),
         epoch: Some(epoch(identified)),
-        model_file: identified.files.model.clone(),
-        map_file: identified.files.map.clone(),
+        model_file: identified.model_file.clone(),
+        map_file: identified.map_file.clone(),
         inputs: inputs(identified),
         bodies: e.bodies.iter().map(|b| (b.name.clone(), body(b))).collect(),
         covariance: covariance(e),
@@ -139,21 +140,13 @@ fn number(n: &Number) -> NumberFile {
     }
 }
 
-pub(crate) fn position_key(joint: &Joint) -> String {
-    let unit = match joint.kind {
-        JointKind::Prismatic => "m",
-        _ => "rad",
-    };
-    format!("{}_{unit}", joint.name)
-}
-
 fn system(identified: &Identified) -> Vec<SystemFile> {
-    let Some((whole, position)) = &identified.estimate.system else {
+    let Some((whole, at)) = &identified.estimate.system else {
         return Vec::new();
     };
     let joints = identified.model.joints.iter();
     let moving = joints.filter(|j| j.kind != JointKind::Fixed);
-    let joint_positions = moving.zip(position).map(|(j, q)| (position_key(j), *q));
+    let joint_positions = moving.zip(at).map(|(j, q)| (position(j), *q));
     vec![SystemFile {
         body: body(whole),
         joint_positions: joint_positions.collect(),

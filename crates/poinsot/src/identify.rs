@@ -1,7 +1,7 @@
 //! The command `identify`: model and telemetry to mass properties.
 
 use crate::bind::{
-    Bound, RELATIVE_ACCURACY, acceleration_channels, bind, mountings, wanted_channels,
+    Bound, RELATIVE_ACCURACY, acceleration_channels, bind, file_label, mountings, wanted_channels,
 };
 use crate::error::Error;
 use crate::methods::{is_own, methods};
@@ -136,40 +136,25 @@ pub struct Identified {
     pub predictions: Vec<Prediction>,
     /// Files of each segment.
     pub inputs: Vec<Vec<Source>>,
-    /// Files of the model and of the telemetry map.
-    pub files: ModelFiles,
+    /// File of the model.
+    pub model_file: Option<ModelInputFile>,
+    /// File of the telemetry map.
+    pub map_file: Option<ModelInputFile>,
     /// Origin of all times; `None` for tables in memory.
     pub origin: Option<Origin>,
     /// Findings of the telemetry checks.
     pub findings: Vec<Finding>,
 }
 
-/// The model file and the telemetry map.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct ModelFiles {
-    /// Model.
-    pub model: Option<ModelInputFile>,
-    /// Map.
-    pub map: Option<ModelInputFile>,
-}
-
-impl ModelFiles {
-    fn of(reading: &Reading) -> Result<Self, Error> {
-        let file = |path: &Option<PathBuf>| {
-            let hashed = path.as_ref().map(|path| {
-                let text = read_model_text(path)?;
-                Ok::<_, Error>(ModelInputFile {
-                    path: path.display().to_string(),
-                    sha256: sha256(text.as_bytes()),
-                })
-            });
-            hashed.transpose()
-        };
-        Ok(Self {
-            model: file(&reading.model)?,
-            map: file(&reading.map)?,
+/// A file of the model or of the map, with its hash.
+fn hashed(path: Option<&PathBuf>) -> Result<Option<ModelInputFile>, Error> {
+    let hashed = path.map(|path| {
+        Ok(ModelInputFile {
+            path: path.display().to_string(),
+            sha256: sha256(read_model_text(path)?.as_bytes()),
         })
-    }
+    });
+    hashed.transpose()
 }
 
 impl Identified {
@@ -246,12 +231,15 @@ pub fn identify_records(
 ) -> Result<Identified, Error> {
     check_method(question)?;
     policies(question)?;
-    let files = ModelFiles::of(reading)?;
+    let files = [
+        hashed(reading.model.as_ref())?,
+        hashed(reading.map.as_ref())?,
+    ];
     let (model, tables) = read_records(model, records, reading, question)?;
     let segments = tables.len();
     let identified = identify_tables(model, tables, question);
     let mut identified = identified.map_err(|error| join_files(error, segments))?;
-    identified.files = files;
+    [identified.model_file, identified.map_file] = files;
     if reading.every > 1 {
         distrust_thinned(&mut identified.estimate, reading.every);
     }
@@ -375,7 +363,7 @@ pub fn identify_tables(
 ) -> Result<Identified, Error> {
     check_method(question)?;
     let policies = policies(question)?;
-    let labels = tables.iter().map(table_label).collect::<Vec<_>>().join(",");
+    let labels = labels(&tables);
     let findings = gate(&model, &mut tables, question)?;
     let mut identified = answer(model, tables, question)?;
     for f in &findings {
@@ -396,18 +384,13 @@ fn gate(model: &Model, tables: &mut [Table], question: &Question) -> Result<Vec<
     step("preparing", 0, 0);
     let mut findings = Vec::new();
     for table in &mut *tables {
-        let label = table_label(table);
+        let label = file_label(table);
         findings.extend(checks::apply(table, &label, &policies)?);
     }
     if is_own(&question.method)
-        && let Some(mut finding) = mixups::times(model, tables)
+        && let Some(finding) = mixups::times(model, tables)
     {
-        finding.policy = policies.of(finding.check);
-        if finding.policy == Policy::Refuse {
-            let labels: Vec<String> = tables.iter().map(table_label).collect();
-            return Err(checks::refused(&labels.join(","), &finding));
-        }
-        findings.push(finding);
+        findings.push(unless_refused(finding, &policies, &labels(tables))?);
     }
     Ok(findings)
 }
@@ -470,9 +453,22 @@ fn distrust_thinned(estimate: &mut Estimate, every: usize) {
     }
 }
 
-fn table_label(table: &Table) -> String {
-    let names: Vec<&str> = table.sources.iter().map(|s| s.path.as_str()).collect();
-    names.join(",")
+fn labels(tables: &[Table]) -> String {
+    let all: Vec<String> = tables.iter().map(file_label).collect();
+    all.join(",")
+}
+
+/// The finding under its policy.
+fn unless_refused(
+    mut finding: Finding,
+    policies: &Policies,
+    label: &str,
+) -> Result<Finding, Error> {
+    finding.policy = policies.of(finding.check);
+    match finding.policy {
+        Policy::Refuse => Err(checks::refused(label, &finding)),
+        _ => Ok(finding),
+    }
 }
 
 /// Checks of the telemetry that need the result.
@@ -484,11 +480,8 @@ fn against_model(
 ) -> Result<(), Error> {
     let estimate = &identified.estimate;
     let found = mixups::units(estimate);
-    for mut finding in found.into_iter().chain(by_the_fit) {
-        finding.policy = policies.of(finding.check);
-        if finding.policy == Policy::Refuse {
-            return Err(checks::refused(label, &finding));
-        }
+    for finding in found.into_iter().chain(by_the_fit) {
+        let finding = unless_refused(finding, policies, label)?;
         let text = format!("{}: {}", finding.check.name(), finding.text);
         let row = Remark::test(finding.check.name(), Effect::AgainstAnswer, text.clone());
         identified.estimate.add(row);
@@ -510,20 +503,13 @@ fn answer(model: Model, tables: Vec<Table>, question: &Question) -> Result<Ident
     let points = (CURVE_POINTS.1 / tables.len().max(1)).clamp(100, CURVE_POINTS.0);
     let (mut estimate, predictions) = match question.method.as_str() {
         "linear" => linear_predicted(&problem, points)?,
-        name if let Some(published) = method(name) => {
-            let variant = question.variant.as_deref();
-            let estimate = identify_by(published, &problem, variant, &question.settings)?;
+        name if method(name).is_some() => {
+            let estimate = estimate_by(&problem, question, true)?;
             let predictions = predicted_by(&problem, &answered(&model, &estimate), points)?;
             (estimate, predictions)
         }
         _ => {
-            let loss = question.variant.as_deref().and_then(Loss::from_name);
-            let settings = Settings {
-                loss: loss.unwrap_or_default(),
-                coordinates: question.coordinates,
-                modes: question.modes,
-                ..Settings::default()
-            };
+            let settings = settings(question, true);
             let (mut estimate, predictions) =
                 maximum_likelihood_predicted(&problem, settings, points)?;
             estimate.variant.clone_from(&question.variant);
@@ -533,7 +519,7 @@ fn answer(model: Model, tables: Vec<Table>, question: &Question) -> Result<Ident
     known_as_exact(&model, &mut estimate);
     let mut findings = motor_torque::contradictions((&model, &tree), &tables, &bound);
     if is_own(&question.method) {
-        findings.extend(mixups::rates(&problem, &tables, &estimate));
+        findings.extend(mixups::rates(&model, &tables, &estimate));
     }
     if bound.dropped > ALLOWED_LOSS {
         not_acceptable(&mut estimate, bound.dropped, "a segment");
@@ -555,7 +541,8 @@ fn answer(model: Model, tables: Vec<Table>, question: &Question) -> Result<Ident
         estimate,
         predictions,
         origin,
-        files: ModelFiles::default(),
+        model_file: None,
+        map_file: None,
         inputs: tables.into_iter().map(|t| t.sources).collect(),
         findings,
     })
@@ -619,17 +606,20 @@ pub(crate) fn estimate_by(
         name if let Some(published) = method(name) => {
             identify_by(published, problem, variant, &question.settings)?
         }
-        _ => {
-            let options = Settings {
-                loss: variant.and_then(Loss::from_name).unwrap_or_default(),
-                coordinates: question.coordinates,
-                modes: question.modes,
-                undiagnosed: !diagnose,
-                ..Settings::default()
-            };
-            maximum_likelihood_with(problem, options)?
-        }
+        _ => maximum_likelihood_with(problem, settings(question, diagnose))?,
     })
+}
+
+/// Settings of a maximum-likelihood fit.
+fn settings(question: &Question, diagnose: bool) -> Settings {
+    let loss = question.variant.as_deref().and_then(Loss::from_name);
+    Settings {
+        loss: loss.unwrap_or_default(),
+        coordinates: question.coordinates,
+        modes: question.modes,
+        undiagnosed: !diagnose,
+        ..Settings::default()
+    }
 }
 
 pub(crate) fn check_method(question: &Question) -> Result<(), Error> {

@@ -1,6 +1,6 @@
 //! The command `init`: telemetry files become a model file, with a question wherever neither names nor data say.
 
-use crate::channel_names;
+use crate::channel_names::{joint_unit, of_parts, position};
 use crate::draft::Draft;
 use crate::error::Error;
 use crate::proposal::{Line, Proposal};
@@ -34,10 +34,7 @@ pub fn init(files: &[PathBuf], urdf: Option<&Path>, options: &ReadOptions) -> Re
     let robot = urdf
         .map(|urdf| read_robot(urdf, &UrdfOptions::default()))
         .transpose()?;
-    let own = robot
-        .as_ref()
-        .map(channel_names::of_parts)
-        .unwrap_or_default();
+    let own = robot.as_ref().map(of_parts).unwrap_or_default();
     let heads = files.iter().filter_map(|path| Proposal::of(path, &own));
     let mut proposals: Vec<Proposal> = heads.collect();
     if let Some(robot) = &robot {
@@ -164,11 +161,11 @@ fn robot_text(robot: &Model, parts: &Parts) -> String {
             });
         }
         let own = |joint: &&Joint| table == "[[joint]]" && joint.name == name;
-        let unit = match robot.joints.iter().find(own).map(|joint| joint.kind) {
-            None | Some(JointKind::Fixed) => continue,
-            Some(JointKind::Prismatic) => "m",
-            Some(_) => "rad",
+        let joint = robot.joints.iter().find(own);
+        let Some(joint) = joint.filter(|joint| joint.kind != JointKind::Fixed) else {
+            continue;
         };
+        let unit = joint_unit(joint);
         if !parts.joints.iter().any(|joint| joint == name) {
             out.push_str(&block("locked", &[("name", name), ("unit", unit)]));
         }
@@ -341,16 +338,12 @@ impl Proposal {
                 rest.push(column);
                 return false;
             };
-            let unit = match joint.kind {
-                JointKind::Prismatic => "m",
-                _ => "rad",
-            };
-            line.key = format!("{}_{unit}{rate}", joint.name);
+            line.key = format!("{}{rate}", position(joint));
             // A unit that is a question is that of the joint.
-            if let (Some(choice), Some(channel)) = (
-                line.choice("unit").filter(|c| !c.sure),
-                classify(&format!("x_{unit}{rate}")),
-            ) {
+            let channel = classify(&line.key);
+            if let (Some(choice), Some(channel)) = (line.choice("unit"), channel)
+                && !choice.sure
+            {
                 channel.dimension.si().clone_into(&mut choice.word);
             }
             true

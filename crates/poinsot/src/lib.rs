@@ -91,9 +91,11 @@
 //! - `channel_names.rs`: standard names of a sensor. `threads.rs`: at most one thread per core.
 //! - `error.rs`, `error/`: errors of the commands. `explain.rs`: every error code with cause and remedy.
 //! - `export/`: the answer as a file of another program, one file per format.
+//! - `mass_numbers.rs`: mass, mass centre and inertia of a body, in one order.
 //! - `mixups.rs`: unit and axis errors that only the answer reveals.
 #![allow(non_snake_case)]
 
+#[doc(hidden)]
 pub mod bind;
 pub mod campaign;
 pub mod case;
@@ -110,6 +112,7 @@ mod file_head;
 pub mod identify;
 mod import;
 mod init;
+mod mass_numbers;
 pub mod methods;
 mod mixups;
 mod motor_torque;
@@ -126,6 +129,7 @@ pub mod study;
 mod survey;
 pub mod sweep;
 mod threads;
+#[doc(hidden)]
 pub mod trials;
 mod units;
 pub mod validate;
@@ -134,9 +138,11 @@ mod written;
 pub use draft::Draft;
 pub use error::{Error, ErrorKind, Fault};
 pub use estimate_file::estimate_file;
+#[doc(hidden)]
+pub use identify::{Gated, gated};
 pub use identify::{
-    Gated, Identified, IdentifyRequest, Question, Reading, gated, identify, identify_records,
-    identify_tables, segment_files,
+    Identified, IdentifyRequest, Question, Reading, identify, identify_records, identify_tables,
+    segment_files,
 };
 pub use import::import;
 pub use init::init;

@@ -1,8 +1,7 @@
 //! Unit errors that telemetry alone does not contradict: detected by the size of the result, or by a fit in another
 //! unit.
 
-use crate::bind::bind;
-use poinsot_dynamics::Tree;
+use crate::bind::{RELATIVE_ACCURACY, solve};
 use poinsot_identify::{Estimate, Problem, Settings, Status, maximum_likelihood_with};
 use poinsot_model::Model;
 use poinsot_telemetry::checks::{Check, Finding, Policy};
@@ -89,29 +88,23 @@ pub(crate) fn units(estimate: &Estimate) -> Vec<Finding> {
 
 /// Detects exchanged axes or a wrong unit of body rates, if a record without attitude contradicts the model. Records
 /// with attitude are tested on reading.
-pub(crate) fn rates(problem: &Problem, tables: &[Table], estimate: &Estimate) -> Option<Finding> {
+pub(crate) fn rates(model: &Model, tables: &[Table], estimate: &Estimate) -> Option<Finding> {
     let answered = !matches!(estimate.status, Status::Rejected | Status::IterationLimit);
-    let has_attitude = |t: &Table| t.channels.iter().any(|c| c.name == "q_w");
-    if answered || tables.iter().any(has_attitude) {
+    if answered || has_attitude(tables) {
         return None;
     }
-    let exchanged = ORDERS
-        .iter()
-        .map(|order| (read_along(tables, *order), along(*order)));
-    let scaled = RATES
-        .iter()
-        .map(|(factor, words)| (scaled(tables, *factor), (*words).to_owned()));
-    let mut all: Vec<(Vec<Table>, String)> = exchanged.chain(scaled).collect();
+    let exchanged = ORDERS.map(|order| (read_along(tables, order), along(order)));
+    let scaled = RATES.map(|(factor, words)| (scaled(tables, factor), words.to_owned()));
+    let mut all: Vec<(Vec<Table>, String)> = exchanged.into_iter().chain(scaled).collect();
     if turn_per_reading(tables) > FAST {
         // Fast motion is slow to integrate in any axes: test units first.
         all.rotate_left(ORDERS.len());
     }
-    let mut all = all.into_iter();
     let explained = |other: &[Table]| {
-        let begins = left(problem, &beginning(other)).is_none_or(|left| left < FITS);
-        begins && fits(problem, other).unwrap_or(false)
+        let left = fit(model, &beginning(other), |_, found| Some(largest(found)));
+        left.is_none_or(|left| left < FITS) && fits(model, other).unwrap_or(false)
     };
-    let (_, words) = all.find(|(other, _)| explained(other))?;
+    let (_, words) = all.into_iter().find(|(other, _)| explained(other))?;
     let text = format!("the data contradict the model; they fit with {words}");
     Some(finding(Check::Units, "omega", text))
 }
@@ -119,26 +112,31 @@ pub(crate) fn rates(problem: &Problem, tables: &[Table], estimate: &Estimate) ->
 /// Detects times in milliseconds: a record without attitude with large rotation between samples that fits after
 /// conversion. Tested before the fit, which would take minutes.
 pub(crate) fn times(model: &Model, tables: &[Table]) -> Option<Finding> {
-    let has_attitude = |t: &Table| t.channels.iter().any(|c| c.name == "q_w");
     let turn = turn_per_reading(tables);
-    if turn < FAR || tables.iter().any(has_attitude) {
+    if turn < FAR || has_attitude(tables) {
         return None;
     }
-    let mut other = tables.to_vec();
-    for channel in other.iter_mut().flat_map(|t| &mut t.channels) {
+    let other = changed(tables, |channel| {
         channel.time_s = channel.time_s.iter().map(|t| t * 1.0e-3).collect();
-    }
-    let problem = Problem {
-        model,
-        tree: &Tree::new(model),
-        segments: &[],
-        noise: &bind(model, &Tree::new(model), &other).ok()?.noise,
-        relative_accuracy: 1.0,
-    };
+    });
     let text = format!(
         "the vehicle turns by {turn:.1} rad between samples; the times are probably in ms, not s"
     );
-    fits(&problem, &other)?.then(|| finding(Check::Units, "time_s", text))
+    fits(model, &other)?.then(|| finding(Check::Units, "time_s", text))
+}
+
+fn has_attitude(tables: &[Table]) -> bool {
+    let mut channels = tables.iter().flat_map(|t| &t.channels);
+    channels.any(|c| c.name == "q_w")
+}
+
+/// The tables with every channel changed.
+fn changed(tables: &[Table], change: impl FnMut(&mut Channel)) -> Vec<Table> {
+    let mut all = tables.to_vec();
+    all.iter_mut()
+        .flat_map(|t| &mut t.channels)
+        .for_each(change);
+    all
 }
 
 /// Typical rotation between gyro samples, rad; the largest of all tables.
@@ -169,16 +167,11 @@ fn along(order: [usize; 3]) -> String {
 
 /// The tables with body rates from other columns.
 fn read_along(tables: &[Table], order: [usize; 3]) -> Vec<Table> {
-    let mut all = tables.to_vec();
-    for table in &mut all {
-        for channel in &mut table.channels {
-            let axis = RATE_COLUMNS.iter().position(|name| *name == channel.name);
-            if let Some(axis) = axis {
-                RATE_COLUMNS[inverse(order)[axis]].clone_into(&mut channel.name);
-            }
+    changed(tables, |channel| {
+        if let Some(axis) = RATE_COLUMNS.iter().position(|name| *name == channel.name) {
+            RATE_COLUMNS[inverse(order)[axis]].clone_into(&mut channel.name);
         }
-    }
-    all
+    })
 }
 
 fn inverse(order: [usize; 3]) -> [usize; 3] {
@@ -187,12 +180,11 @@ fn inverse(order: [usize; 3]) -> [usize; 3] {
 
 /// The tables with body rates multiplied by a factor.
 fn scaled(tables: &[Table], factor: f64) -> Vec<Table> {
-    let mut all = tables.to_vec();
-    let channels = all.iter_mut().flat_map(|t| &mut t.channels);
-    for channel in channels.filter(|c| c.name.starts_with("omega_")) {
-        channel.values.iter_mut().for_each(|w| *w *= factor);
-    }
-    all
+    changed(tables, |channel| {
+        if channel.name.starts_with("omega_") {
+            channel.values.iter_mut().for_each(|w| *w *= factor);
+        }
+    })
 }
 
 /// The first samples of every column, up to one time for all columns of a table.
@@ -217,21 +209,16 @@ fn beginning(tables: &[Table]) -> Vec<Table> {
 
 /// A fit to these tables. `None` if the problem is invalid.
 fn fit<T>(
-    problem: &Problem,
+    model: &Model,
     tables: &[Table],
     ask: impl FnOnce(&Problem, &Estimate) -> Option<T>,
 ) -> Option<T> {
-    let bound = bind(problem.model, problem.tree, tables).ok()?;
-    let other = Problem {
-        segments: &bound.segments,
-        noise: &bound.noise,
-        ..*problem
-    };
     let options = Settings {
         undiagnosed: true,
         ..Settings::default()
     };
-    ask(&other, &maximum_likelihood_with(&other, options).ok()?)
+    let asked = |problem: &Problem| Ok(ask(problem, &maximum_likelihood_with(problem, options)?));
+    solve(model, tables, RELATIVE_ACCURACY, asked).ok()?
 }
 
 /// Largest chi-square per degree of freedom of a segment.
@@ -239,15 +226,10 @@ fn largest(found: &Estimate) -> f64 {
     found.fit.iter().map(|f| f.chi2_per_dof).fold(0.0, f64::max)
 }
 
-/// What a fit to these tables leaves.
-fn left(problem: &Problem, tables: &[Table]) -> Option<f64> {
-    fit(problem, tables, |_, found| Some(largest(found)))
-}
-
 /// Whether the model explains these tables: chi-square is small, also compared with that of the rates themselves.
 /// Rates below the declared noise fit any model. `None` if the problem is invalid.
-fn fits(problem: &Problem, tables: &[Table]) -> Option<bool> {
-    fit(problem, tables, |other, found| {
+fn fits(model: &Model, tables: &[Table]) -> Option<bool> {
+    fit(model, tables, |other, found| {
         let answered = matches!(found.status, Status::Converged | Status::Partial);
         let mut asked = found.bodies.iter().filter(|b| b.asked);
         let determined = asked.any(|b| b.inertia.iter().any(|n| n.value.is_some()));
@@ -267,7 +249,8 @@ fn rates_over_noise(problem: &Problem) -> Option<f64> {
     Some(sum / (3.0 * rates().count().max(1) as f64))
 }
 
-fn finding(check: Check, channel: &str, text: String) -> Finding {
+/// A finding of the fit, which concerns no single samples.
+pub(crate) fn finding(check: Check, channel: &str, text: String) -> Finding {
     Finding {
         check,
         channel: channel.to_owned(),

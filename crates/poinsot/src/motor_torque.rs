@@ -2,12 +2,13 @@
 //! whatever its scale, so a wrong scale, unit or sign is told here.
 
 use crate::bind::Bound;
+use crate::mixups::finding;
 use nalgebra::{DMatrix, DVector};
 use poinsot_dynamics::{Kinematics, Tree};
 use poinsot_identify::{Samples, Segment};
 use poinsot_model::{Model, Wheel};
 use poinsot_spatial::Vector3;
-use poinsot_telemetry::checks::{Check, Finding, Policy};
+use poinsot_telemetry::checks::{Check, Finding};
 use poinsot_telemetry::{Channel, Table, resample};
 
 /// Sigma of the scale of an uncalibrated torque (current times nominal constant).
@@ -55,18 +56,12 @@ fn contradiction(
     }
     let (scale, sigma) = scale(&changes, wheel.spin_inertia)?;
     let sigma = sigma.hypot(SCALE);
-    ((scale - 1.0).abs() > CONTRADICTED * sigma).then(|| Finding {
-        check: Check::MotorTorque,
-        channel: speed.clone(),
-        count: 0,
-        of: 0,
-        first_times_s: Vec::new(),
-        text: format!(
-            "the speed of {0} changes {scale:.2} +- {sigma:.2} times as much as its motor torque predicts ({torque}, spin inertia {1} kg m2); check spin inertia, units and signs",
-            wheel.name, wheel.spin_inertia
-        ),
-        policy: Policy::Report,
-    })
+    let text = format!(
+        "the speed of {0} changes {scale:.2} +- {sigma:.2} times as much as its motor torque predicts ({torque}, spin inertia {1} kg m2); check spin inertia, units and signs",
+        wheel.name, wheel.spin_inertia
+    );
+    let contradicted = (scale - 1.0).abs() > CONTRADICTED * sigma;
+    contradicted.then(|| finding(Check::MotorTorque, &speed, text))
 }
 
 /// Rate of a wheel's host about its axis, rad/s, at the times of the wheel's tachometer.

@@ -57,22 +57,6 @@ impl Prediction {
             false => self.wants.iter().all(Met::is_met),
         }
     }
-
-    /// Adds sigmas for shorter records: of the wanted numbers, or of every estimated number.
-    ///
-    /// # Errors
-    /// The case cannot be read or simulated.
-    pub fn follow_durations(&mut self, relative_accuracy: f64) -> Result<(), Error> {
-        let case = read_case(Path::new(&self.case))?;
-        let wants = self.wants.iter().map(|m| m.want.clone());
-        let wants = match self.wants.is_empty() {
-            true => estimated_numbers(&self.model),
-            false => wants.collect(),
-        };
-        let found = against_duration(&case, &self.model, &wants, relative_accuracy)?;
-        self.against_duration = Some(found);
-        Ok(())
-    }
 }
 
 /// Predicts the accuracy of a case.
@@ -116,9 +100,16 @@ pub fn predict_all(
     durations: bool,
 ) -> Result<Vec<Prediction>, Error> {
     let one = |case: &PathBuf| {
-        let mut prediction = predict(case, relative_accuracy)?;
+        let case = read_case(case)?;
+        let mut prediction = predict_case(&case, read_model(&case.model)?, relative_accuracy)?;
         if durations {
-            prediction.follow_durations(relative_accuracy)?;
+            let model = &prediction.model;
+            let wants = match prediction.wants.is_empty() {
+                true => estimated_numbers(model),
+                false => prediction.wants.iter().map(|m| m.want.clone()).collect(),
+            };
+            let found = against_duration(&case, model, &wants, relative_accuracy)?;
+            prediction.against_duration = Some(found);
         }
         Ok(prediction)
     };

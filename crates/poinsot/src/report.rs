@@ -6,13 +6,13 @@ mod placed;
 pub use data::report_data;
 
 use crate::case::read_case;
-use crate::compare::{CompareRequest, compare};
+use crate::compare::compare;
 use crate::error::{Error, unreadable};
 use crate::simulate::simulate_exact_watched;
 use crate::written::{OutputFile, write_files};
 use placed::nominal;
 use poinsot_dynamics::Tree;
-use poinsot_figures::{FigureFormat, Page, PageError};
+use poinsot_figures::{Figure, FigureFormat, Page, PageError};
 use poinsot_files::read;
 use poinsot_formats::{LARGEST_RESULT, Vehicle, checksum, parse_estimate};
 use poinsot_model::read_model;
@@ -66,8 +66,8 @@ pub fn write_report(
     };
     if !earlier.is_empty() {
         let this = std::iter::once(folder.to_owned());
-        let answers = earlier.iter().cloned().chain(this).collect();
-        let found = compare(&CompareRequest { answers })?;
+        let answers: Vec<PathBuf> = earlier.iter().cloned().chain(this).collect();
+        let found = compare(&answers)?;
         page.parts
             .push(comparison_part(&found).map_err(fault(folder))?);
     }
@@ -95,19 +95,30 @@ pub(crate) fn page_of(folder: &Path, estimate: &[u8], data: &[u8]) -> Result<Pag
     report_page(estimate, data).map_err(fault(folder))
 }
 
-/// Every figure of the page as separate files: SVG, PNG or both.
+/// The figures of a page as separate files: SVG, PNG or both.
 pub(crate) fn figure_files(
     folder: &Path,
     page: &Page,
     formats: &[FigureFormat],
 ) -> Result<Vec<OutputFile>, Error> {
-    let unmade = |e: PageError| fault(folder)(no_page(&e));
+    let figures = page.parts.iter().flat_map(|p| &p.figures);
+    let files = drawn(figures, formats).map_err(|(_, why)| fault(folder)(why))?;
+    let below = |(name, bytes): OutputFile| (Path::new("figures").join(name), bytes);
+    Ok(files.into_iter().map(below).collect())
+}
+
+/// Figures in some formats; the name of one that cannot be drawn, and why.
+pub(crate) fn drawn<'a>(
+    figures: impl Iterator<Item = &'a Figure>,
+    formats: &[FigureFormat],
+) -> Result<Vec<OutputFile>, (String, String)> {
     let mut files = Vec::new();
-    for figure in page.parts.iter().flat_map(|p| &p.figures) {
+    for figure in figures {
         for format in formats {
-            let bytes = figure.file(*format).map_err(unmade)?;
+            let why = |e: PageError| (figure.name.to_string(), no_page(&e));
             let name = format!("{}.{}", figure.name, format.extension());
-            files.extend(bytes.map(|b| (Path::new("figures").join(name), b)));
+            let bytes = figure.file(*format).map_err(why)?;
+            files.extend(bytes.map(|b| (PathBuf::from(name), b)));
         }
     }
     Ok(files)

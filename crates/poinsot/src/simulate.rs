@@ -211,17 +211,11 @@ pub fn simulate_exact_of(
     case: &Case,
     model: &Model,
     mut scenario: Scenario,
-    mut watch: impl FnMut(&MotionSample),
+    watch: impl FnMut(&MotionSample),
 ) -> Result<Exact, Error> {
     let perfect = without_errors(model);
     let biases = scenario.sensors.iter_mut().map(|s| s.bias.take()).collect();
-    let tree = Tree::new(&perfect);
-    let mut recorder = Recorder::new(&perfect, &scenario, &tree, case.seed, 0);
-    run(case, &perfect, None, &scenario, |sample| {
-        watch(sample);
-        recorder.take(sample);
-    })?;
-    let mut table = recorder.table(&scenario);
+    let mut table = recorded(case, &perfect, None, &scenario, watch)?;
     keep_measured(model, &mut table);
     // Motion by torques and springs is not commanded, so it needs a sensor.
     for joint in free_joints(model, &scenario) {
@@ -256,12 +250,23 @@ pub(crate) fn perfect_table(
     for sensor in &mut scenario.sensors {
         (sensor.every, sensor.bias) = (1, None);
     }
-    let tree = Tree::new(&perfect);
-    let mut recorder = Recorder::new(&perfect, &scenario, &tree, 0, 0);
-    run(case, &perfect, Some(bodies), &scenario, |s| {
-        recorder.take(s)
+    recorded(case, &perfect, Some(bodies), &scenario, |_| {})
+}
+
+/// What perfect sensors measure; `watch` receives every sample.
+fn recorded(
+    case: &Case,
+    perfect: &Model,
+    bodies: Option<&[InertialParameters]>,
+    scenario: &Scenario,
+    mut watch: impl FnMut(&MotionSample),
+) -> Result<Table, Error> {
+    let mut recorder = Recorder::new(perfect, scenario, &Tree::new(perfect), case.seed, 0);
+    run(case, perfect, bodies, scenario, |sample| {
+        watch(sample);
+        recorder.take(sample);
     })?;
-    Ok(recorder.table(&scenario))
+    Ok(recorder.table(scenario))
 }
 
 /// The model with ideal sensors.

@@ -8,6 +8,7 @@ use crate::bind::{RELATIVE_ACCURACY, acceleration_channels, bind};
 use crate::case::{Case, parse_case, read_case};
 use crate::identify::{Question, identify_tables, read_options};
 use crate::predict::predict_case;
+use crate::report::drawn;
 use crate::simulate::simulate_trial;
 use crate::validate::{Mover, compare_motion};
 use crate::written::csv_text;
@@ -24,7 +25,6 @@ use poinsot_papers::Method;
 pub use poinsot_papers::studies;
 use poinsot_papers::study::{CaseText, Difference, Tools};
 pub use poinsot_papers::study::{Cell, Context, Findings, Study, StudyError, Table as FoundTable};
-use poinsot_report::no_page;
 use poinsot_spatial::InertialParameters;
 use poinsot_telemetry::{Table, read};
 use std::path::{Path, PathBuf};
@@ -295,14 +295,9 @@ pub fn files(
         let name = format!("{}_{}.csv", study.name, table.name);
         files.push((PathBuf::from(name), csv(table).into_bytes()));
     }
-    for figure in &findings.figures {
-        for format in formats {
-            let refuse = |e| Error::report(Path::new(&figure.name), no_page(&e), "");
-            let bytes = figure.file(*format).map_err(refuse)?;
-            let name = format!("{}.{}", figure.name, format.extension());
-            files.extend(bytes.map(|b| (PathBuf::from(name), b)));
-        }
-    }
+    let figures = drawn(findings.figures.iter(), formats);
+    let refuse = |(name, why): (String, String)| Error::report(Path::new(&name), why, "");
+    files.extend(figures.map_err(refuse)?);
     Ok(files)
 }
 

@@ -7,16 +7,17 @@ mod row;
 mod sums;
 
 pub use poinsot_formats::{Band, BandedFile};
+pub(crate) use row::estimated_numbers;
 pub use row::{Nees, Row, RowNumber, judged};
-pub(crate) use row::{estimated_numbers, mass_names, values};
 pub use sums::{NumberSums, OUTSIDE, Sums, statistics};
 pub(crate) use sums::{found_or_new, position};
 
-use crate::bind::{RELATIVE_ACCURACY, bind};
+use crate::bind::{RELATIVE_ACCURACY, solve};
 use crate::case::Case;
 use crate::channel_names::names;
 use crate::error::Error;
 use crate::identify::{Question, estimate_by};
+use crate::mass_numbers::{names as mass_names, values};
 use crate::progress::step;
 use crate::simulate::{Exact, keep_measured, scalar_errors, simulate_exact, stream};
 use poinsot_dynamics::{Instrument, Tree};
@@ -262,21 +263,6 @@ impl Study {
         }
         all
     }
-}
-
-/// Binds measurements to a model and solves their problem.
-pub(crate) fn solve<T>(
-    model: &Model,
-    tables: &[Table],
-    relative_accuracy: f64,
-    by: impl FnOnce(&Problem) -> Result<T, Error>,
-) -> Result<T, Error> {
-    let tree = Tree::new(model);
-    let bound = bind(model, &tree, tables)?;
-    by(&Problem {
-        relative_accuracy,
-        ..bound.problem(model, &tree)
-    })
 }
 
 /// Applies the errors of a sensor to its channels; missing channels are ignored.

@@ -12,17 +12,12 @@ mod mover;
 mod open;
 mod telemetry;
 
-pub use compared::Compared;
-pub use estimate::{EstimatedVehicle, of_estimate, read_estimate};
-pub use file::{validation_csv, write_validation};
-pub use motion::{JointPath, Path as MotionPath, compare_motion, compare_paths, path};
-pub use mover::Mover;
-pub use open::{held_back_effect, motion_effect};
-pub use telemetry::{HeldBackFindings, compare_held_back, compare_with_telemetry};
-
 use crate::case::{Case, read_case};
 use crate::error::Error;
 use crate::identify::{read_options, segment_files};
+pub use file::{validation_csv, write_validation};
+use motion::{compare_paths, path};
+use open::{held_back_effect, motion_effect};
 use poinsot_formats::{
     CompletedFile, EstimateRefFile, VALIDATION, ValidationFile, ValidationLimitsFile,
 };
@@ -31,6 +26,15 @@ use poinsot_model::{Model, read_model, read_telemetry_map};
 use poinsot_telemetry::read;
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
+use telemetry::{HeldBackFindings, POINTS};
+#[doc(hidden)]
+pub use {
+    compared::Compared,
+    estimate::{of_estimate, read_estimate},
+    motion::compare_motion,
+    mover::Mover,
+    telemetry::compare_with_telemetry,
+};
 
 /// Mean square in sigmas above which a difference exceeds the declared noise.
 const MISFIT: f64 = 1.5;
@@ -156,7 +160,7 @@ impl Asked<'_> {
     fn against_model(&self, case: &Case) -> Result<Validation, Error> {
         let other = Mover::of_model(read_model(PathBuf::from(&self.request.against))?);
         let (own, theirs) = (path(case, self.mover)?, path(case, &other)?);
-        let compared = compare_paths(&own, &theirs);
+        let compared = compare_paths(self.model, &own, &theirs);
         let effect = self
             .completion
             .map(|c| motion_effect(case, self.model, c, &own));
@@ -183,19 +187,21 @@ impl Asked<'_> {
 
     fn held_back(&self) -> Result<Validation, Error> {
         let table = [self.table()?];
-        let found = compare_held_back(self.mover, &table)?;
+        let found = HeldBackFindings::of(self.mover, &table, Some(POINTS))?;
+        let chi2 = found.chi2_per_dof();
         let effect = self
             .completion
-            .map(|c| held_back_effect(self.model, c, &table, found.chi2_per_dof));
-        let verdict = match found.beyond_noise {
+            .map(|c| held_back_effect(self.model, c, &table, chi2));
+        let verdict = match found.beyond_noise() {
             false => "agrees",
             true => "differs",
         };
         let kind = "held_back_telemetry";
-        let mut validation = self.answer(kind, found.compared, verdict, effect.transpose()?);
-        validation.file.chi2_per_dof = Some(found.chi2_per_dof);
-        validation.file.warnings = found.warnings;
-        validation.file.repairs = found.repairs;
+        let mut validation = self.answer(kind, found.compared(), verdict, effect.transpose()?);
+        validation.file.chi2_per_dof = Some(chi2);
+        validation.file.warnings = found.warnings();
+        let [table] = table;
+        validation.file.repairs = table.repairs.into_iter().chain(found.repairs).collect();
         Ok(validation)
     }
 

@@ -2,13 +2,11 @@
 
 use super::{Outcome, exit_of, print_document, print_result, shown};
 use crate::arguments::Compare;
-use poinsot::compare::{CompareRequest, compare};
+use poinsot::compare::compare;
 use poinsot_report::comparison_document;
 
 pub fn run(arguments: &Compare) -> Outcome {
-    let comparison = compare(&CompareRequest {
-        answers: arguments.answers.clone(),
-    })?;
+    let comparison = compare(&arguments.answers)?;
     shown(
         &arguments.print,
         || print_result(&comparison),

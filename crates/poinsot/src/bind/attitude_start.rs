@@ -1,12 +1,11 @@
 //! Attitudes and rates of the base from which a fit starts, where no sensor measures them: attitudes from gyro and directions or
 //! from directions alone, across gaps of the attitude sensor by the gyro, and rates from attitudes.
 
-use super::channels::Channels;
 use super::sensors::sensor_columns;
 use nalgebra::{Matrix4, Quaternion};
-use poinsot_model::SensorKind;
+use poinsot_model::{Model, SensorKind};
 use poinsot_spatial::{Matrix3, Matrix6, UnitQuaternion, Vector3, Vector6, skew};
-use poinsot_telemetry::{Channel, GAP, differentiate, median_step};
+use poinsot_telemetry::{Channel, GAP, Table, differentiate, median_step};
 
 /// First interval, s; each is twice the previous one. A gyro bias of 1e-3 rad/s rotates the attitude by 0.03 rad in
 /// it.
@@ -30,9 +29,8 @@ pub(super) type Direction = (f64, Vector3, Vector3);
 type Attitudes = Vec<Option<UnitQuaternion>>;
 
 /// Directions measured by sensors of the base, one list a sensor.
-pub(super) fn base_directions(channels: &Channels) -> Vec<Vec<Direction>> {
-    let model = channels.model;
-    let all = sensor_columns(model, channels.table).into_iter();
+pub(super) fn base_directions(model: &Model, table: &Table) -> Vec<Vec<Direction>> {
+    let all = sensor_columns(model, table).into_iter();
     let own = all.filter(|c| c.kind == SensorKind::Direction);
     let on_base = own.filter(|c| c.sensor.is_some_and(|k| model.sensors[k].body == 0));
     on_base.map(|c| c.directions(model)).collect()

@@ -3,10 +3,10 @@
 use super::attitude_start::{base_directions, differentiated, from_directions};
 use super::driven_wheels::{DrivenWheels, speed_column, torque_column};
 use super::sensors::{BaseSensors, REFERENCE, is_locked};
-use crate::channel_names::XYZ;
+use crate::channel_names::{XYZ, position};
 use crate::error::{Error, missing};
 use poinsot_dynamics::Tree;
-use poinsot_model::{Axes, JointKind, Model, SensorKind};
+use poinsot_model::{Axes, Joint, Model, SensorKind};
 use poinsot_spatial::{Matrix3, Vector3};
 use poinsot_telemetry::{Channel, Mounting, Table};
 use std::borrow::Cow;
@@ -137,7 +137,7 @@ impl<'a> Channels<'a> {
         let measured = self.quaternion();
         let attitude = match measured {
             Some(_) => None,
-            None => Some(from_directions(&base_directions(self))?),
+            None => Some(from_directions(&base_directions(self.model, self.table))?),
         };
         let parts = measured.or_else(|| attitude.as_ref().map(|a| a.each_ref()))?;
         let axes = differentiated(parts);
@@ -162,7 +162,7 @@ impl<'a> Channels<'a> {
     /// The columns of a joint, by its index in the model.
     fn joint(&self, at: usize) -> JointColumns<'a> {
         let joint = &self.model.joints[at];
-        let (position_name, rate_name) = joint_columns(&joint.name, joint.kind);
+        let [position_name, rate_name] = joint_columns(joint);
         let position = self.find(None, &position_name);
         JointColumns {
             at,
@@ -231,9 +231,7 @@ pub fn wanted_channels(model: &Model) -> BTreeSet<String> {
         wanted.extend(XYZ.map(|k| format!("orbit_{k}")));
     }
     for joint in &model.joints {
-        let (position, rate) = joint_columns(&joint.name, joint.kind);
-        wanted.insert(position);
-        wanted.insert(rate);
+        wanted.extend(joint_columns(joint));
     }
     for unit in ["rad_s", "Nm"] {
         wanted.extend(model.wheels.iter().map(|w| format!("{}_{unit}", w.name)));
@@ -243,11 +241,10 @@ pub fn wanted_channels(model: &Model) -> BTreeSet<String> {
 }
 
 /// Columns of a joint's position and rate.
-pub(super) fn joint_columns(name: &str, kind: JointKind) -> (String, String) {
-    match kind {
-        JointKind::Prismatic => (format!("{name}_m"), format!("{name}_m_s")),
-        JointKind::Revolute | JointKind::Fixed => (format!("{name}_rad"), format!("{name}_rad_s")),
-    }
+pub(super) fn joint_columns(joint: &Joint) -> [String; 2] {
+    let position = position(joint);
+    let rate = format!("{position}_s");
+    [position, rate]
 }
 
 /// Mountings of all rotated sensors of the model.

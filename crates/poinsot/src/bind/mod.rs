@@ -119,8 +119,23 @@ pub fn bind(model: &Model, tree: &Tree, tables: &[Table]) -> Result<Bound, Error
     })
 }
 
+/// Binds measurements to a model and solves their problem.
+pub(crate) fn solve<T>(
+    model: &Model,
+    tables: &[Table],
+    relative_accuracy: f64,
+    by: impl FnOnce(&Problem) -> Result<T, Error>,
+) -> Result<T, Error> {
+    let tree = Tree::new(model);
+    let bound = bind(model, &tree, tables)?;
+    by(&Problem {
+        relative_accuracy,
+        ..bound.problem(model, &tree)
+    })
+}
+
 /// Name of a segment in messages: its file names.
-fn file_label(table: &Table) -> String {
+pub(crate) fn file_label(table: &Table) -> String {
     let names: Vec<&str> = table.sources.iter().map(|s| s.path.as_str()).collect();
     names.join(",")
 }

@@ -131,7 +131,7 @@ fn attitude(
             .collect();
         return carried(times, rate, measured);
     }
-    let directions = base_directions(channels).concat();
+    let directions = base_directions(channels.model, channels.table).concat();
     let (start, found) = match directions.is_empty() {
         true => (
             "from the identity at its first sample",

@@ -1,5 +1,6 @@
 //! Declared noise of the sensors, and the fraction of it observed in the data.
 
+use super::channels::joint_columns;
 use super::sensors::{BaseSensors, covariance, scalar_sensor};
 use crate::error::{Error, no_noise};
 use poinsot_dynamics::Tree;
@@ -121,7 +122,7 @@ fn velocity<'t>(
 fn silence_given(model: &Model, tree: &Tree, tables: &[Table], noise: &mut Noise) {
     for (k, &at) in tree.coordinates.iter().enumerate() {
         let joint = &model.joints[at];
-        let (position, rate) = super::channels::joint_columns(&joint.name, joint.kind);
+        let [position, rate] = joint_columns(joint);
         let channels = |name: &str| tables.iter().filter_map(|t| t.channel(name)).next();
         match (channels(&position), channels(&rate)) {
             (None, _) => {
@@ -162,8 +163,7 @@ fn seen_rates(model: &Model, tree: &Tree, tables: &[Table], declared: &[f64]) ->
         if *variance <= 0.0 {
             continue;
         }
-        let joint = &model.joints[at];
-        let (_, rate) = super::channels::joint_columns(&joint.name, joint.kind);
+        let [_, rate] = joint_columns(&model.joints[at]);
         for channel in tables.iter().filter_map(|t| t.channel(&rate)) {
             if let Some(level) = noise_level(channel) {
                 worst = worst.max(level.sigma.powi(2) / variance);

@@ -8,7 +8,8 @@
 //! is meant.
 
 use crate::case::did_you_mean;
-use poinsot_formats::{Address, element as number_of};
+use poinsot_formats::{Address, OfFile, element as number_of};
+use std::path::PathBuf;
 use toml::Value;
 
 /// Lists of the model whose element names may start an address.
@@ -20,22 +21,32 @@ const NOISE: &str = "noise";
 /// Prefixes of the sensor keys that the noise factor scales.
 const NOISY: [&str; 2] = ["noise_", "quantisation_"];
 
-/// Files in which a number changes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct FileSelector {
-    pub truth: bool,
-    pub nominal: bool,
+/// A file of an experiment.
+#[derive(Debug, Clone)]
+pub(crate) struct Document {
+    pub path: PathBuf,
+    /// As read.
+    pub text: String,
+    /// Its table; an URDF file has none.
+    pub table: Option<Value>,
 }
 
-/// The files of an experiment as tables.
+/// The files of an experiment.
 #[derive(Debug, Clone)]
 pub(crate) struct Documents {
     /// The case, if the experiment is simulated.
-    pub case: Option<Value>,
-    /// The model with the true numbers; `None` if the model is not TOML.
-    pub truth: Option<Value>,
+    pub case: Option<Document>,
+    /// The model with the true numbers.
+    pub truth: Document,
     /// The nominal model of the identification.
-    pub nominal: Option<Value>,
+    pub nominal: Document,
+}
+
+impl Document {
+    pub fn new(path: PathBuf, text: String) -> Self {
+        let table = text.parse().map(Value::Table).ok();
+        Self { path, text, table }
+    }
 }
 
 /// New value of a number, from its index in the address and its value in the file.
@@ -51,23 +62,24 @@ pub(crate) type Refusal = (String, String);
 pub(crate) fn edit(
     documents: &mut Documents,
     address: &str,
-    of: FileSelector,
+    of: OfFile,
     change: &mut Edit<'_>,
 ) -> Result<(), Refusal> {
     let address = Address::parse(address);
-    if let Some(case) = documents.case.as_mut()
+    let mut case = documents.case.as_mut().and_then(|d| d.table.as_mut());
+    if let Some(case) = case.as_deref_mut()
         && let Some(way) = way_in_case(case, address)
     {
-        if !of.truth {
+        if of == OfFile::Nominal {
             let what = "a case has no nominal numbers: identification uses telemetry, not the case";
             return Err((what.to_owned(), "write of = \"both\"".to_owned()));
         }
         return change_leaves(walk(case, &way)?, change);
     }
-    let nominal = Some(&mut documents.nominal).filter(|_| of.nominal);
-    let truth = Some(&mut documents.truth).filter(|_| of.truth);
+    let nominal = Some(&mut documents.nominal).filter(|_| of != OfFile::Truth);
+    let truth = Some(&mut documents.truth).filter(|_| of != OfFile::Nominal);
     for model in truth.into_iter().chain(nominal) {
-        let model = model.as_mut().ok_or_else(|| {
+        let model = model.table.as_mut().ok_or_else(|| {
             let what = "the model is not TOML, and an address is a key of TOML";
             let remedy = "make a model file of it: poinsot import ROBOT.urdf -o MODEL.toml";
             (what.to_owned(), remedy.to_owned())
@@ -77,7 +89,7 @@ pub(crate) fn edit(
             let sensor = owner.strip_prefix("sensor.").unwrap_or(owner);
             scale_noise(model, sensor, change)?;
         } else {
-            let way = way_in_model(model, address, documents.case.as_ref())?;
+            let way = way_in_model(model, address, case.as_deref())?;
             change_leaves(walk(model, &way)?, change)?;
         }
     }
@@ -277,11 +289,7 @@ fn visit(value: &mut Value, count: &mut usize, change: &mut Edit<'_>) {
 ///
 /// # Errors
 /// As [`edit`].
-pub(crate) fn count(
-    documents: &Documents,
-    address: &str,
-    of: FileSelector,
-) -> Result<usize, Refusal> {
+pub(crate) fn count(documents: &Documents, address: &str, of: OfFile) -> Result<usize, Refusal> {
     let (mut most, mut copy) = (0, documents.clone());
     edit(&mut copy, address, of, &mut |k, x| {
         most = most.max(k + 1);
@@ -295,10 +303,7 @@ pub(crate) fn count(
 mod tests {
     use super::*;
 
-    const BOTH: FileSelector = FileSelector {
-        truth: true,
-        nominal: true,
-    };
+    const BOTH: OfFile = OfFile::Both;
 
     fn documents() -> Documents {
         let model: Value = toml::from_str(
@@ -345,10 +350,14 @@ bias_rad_s = [0.0, 0.0, 0.0]
 "#,
         )
         .unwrap();
+        let document = |table| Document {
+            table: Some(table),
+            ..Document::new(PathBuf::new(), String::new())
+        };
         Documents {
-            case: Some(case),
-            truth: Some(model.clone()),
-            nominal: Some(model),
+            case: Some(document(case)),
+            truth: document(model.clone()),
+            nominal: document(model),
         }
     }
 
@@ -360,7 +369,7 @@ bias_rad_s = [0.0, 0.0, 0.0]
 
     #[test]
     fn unit_addresses_reach_their_numbers() {
-        let model = |address: &str| set(address, 7.5).truth.unwrap();
+        let model = |address: &str| set(address, 7.5).truth.table.unwrap();
         assert_eq!(
             model("body.bus.mass_kg")["body"][0]["mass_kg"].as_float(),
             Some(7.5)
@@ -389,15 +398,15 @@ bias_rad_s = [0.0, 0.0, 0.0]
             model("body.1.mass_kg")["body"][1]["mass_kg"].as_float(),
             Some(7.5)
         );
-        let noisy = set("noise", 2.0).nominal.unwrap();
+        let noisy = set("noise", 2.0).nominal.table.unwrap();
         assert_eq!(noisy["sensor"][0]["noise_rad_s"][2].as_float(), Some(6e-4));
         assert_eq!(
             noisy["sensor"][0]["quantisation_rad_s"].as_float(),
             Some(2e-5)
         );
-        let gyro = set("gyro.noise", 2.0).truth.unwrap();
+        let gyro = set("gyro.noise", 2.0).truth.table.unwrap();
         assert_eq!(gyro["sensor"][1]["noise_rad"].as_float(), Some(1e-3));
-        let case = |address: &str| set(address, 7.5).case.unwrap();
+        let case = |address: &str| set(address, 7.5).case.unwrap().table.unwrap();
         assert_eq!(case("duration_s")["duration_s"].as_float(), Some(7.5));
         assert_eq!(
             case("firing.1.on_s")["firing"][1]["on_s"].as_float(),
@@ -438,17 +447,14 @@ bias_rad_s = [0.0, 0.0, 0.0]
     #[test]
     fn unit_one_side_leaves_the_other() {
         let mut all = documents();
-        let truth = FileSelector {
-            truth: true,
-            nominal: false,
-        };
+        let truth = OfFile::Truth;
         edit(&mut all, "bus.mass_kg", truth, &mut |_, x| 1.1 * x).unwrap();
         assert_eq!(
-            all.truth.unwrap()["body"][0]["mass_kg"].as_float(),
+            all.truth.table.unwrap()["body"][0]["mass_kg"].as_float(),
             Some(5.5)
         );
         assert_eq!(
-            all.nominal.unwrap()["body"][0]["mass_kg"].as_integer(),
+            all.nominal.table.unwrap()["body"][0]["mass_kg"].as_integer(),
             Some(5)
         );
     }

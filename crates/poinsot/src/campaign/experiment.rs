@@ -1,31 +1,23 @@
 //! An experiment of a plan: its files as tables, and the study at one point.
 
-use super::address::{Documents, Edit, FileSelector, Refusal, edit};
+use super::address::{Document, Documents, Edit, Refusal, edit};
 use super::faults::{PlanText, whole_fault};
 use crate::case::{Case, parse_case, read_case};
 use crate::error::Error;
 use crate::identify::read_options;
-use crate::trials::{Study, mass_names};
-use poinsot_formats::{ExperimentFile, PlanFile, sha256};
+use crate::mass_numbers::names as mass_names;
+use crate::trials::Study;
+use poinsot_formats::{ExperimentFile, OfFile, PlanFile, sha256};
 use poinsot_model::{Body, Model, Sensor, parse_model, read_model, read_model_text};
 use poinsot_telemetry::{Channel, Table, read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use toml::Value;
 
 /// All changes of a cell or trial, applied by [`Apply`].
 pub(crate) type Changes<'a> = dyn FnMut(&mut Apply<'_>) -> Result<(), Refusal> + 'a;
 
 /// Applies one change to the files.
-pub(crate) type Apply<'a> =
-    dyn FnMut(&str, FileSelector, &mut Edit<'_>) -> Result<(), Refusal> + 'a;
-
-/// A file as read.
-#[derive(Debug, Clone)]
-struct Source {
-    path: PathBuf,
-    text: String,
-}
+pub(crate) type Apply<'a> = dyn FnMut(&str, OfFile, &mut Edit<'_>) -> Result<(), Refusal> + 'a;
 
 pub(crate) struct Experiment {
     pub name: String,
@@ -34,10 +26,7 @@ pub(crate) struct Experiment {
     pub hashes: Vec<String>,
     /// Paths of the files.
     pub paths: Vec<PathBuf>,
-    case: Option<Source>,
     record: Option<Arc<[Table]>>,
-    truth: Source,
-    nominal: Source,
     bodies: Vec<Body>,
     file: ExperimentFile,
     seed: Option<u64>,
@@ -84,8 +73,8 @@ impl Experiment {
         let of_case = case.as_ref().map(|c| c.model.clone());
         let truth = path(&file.truth).or(of_case).unwrap_or_default();
         let nominal = path(&file.model).unwrap_or_else(|| truth.clone());
-        let [truth, nominal] = [Source::model(truth)?, Source::model(nominal)?];
-        let model = nominal.read(None)?;
+        let [truth, nominal] = [model_file(truth)?, model_file(nominal)?];
+        let model = read_document(&nominal, false)?;
         let mut hashes = [&truth, &nominal]
             .map(|s| sha256(s.text.as_bytes()))
             .to_vec();
@@ -105,10 +94,7 @@ impl Experiment {
             paths.push(case.path().to_owned());
             paths.extend(case.inputs());
         }
-        let case = case.map(|case| Source {
-            path: case.path().to_owned(),
-            text: case.text().to_owned(),
-        });
+        let case = case.map(|c| Document::new(c.path().to_owned(), c.text().to_owned()));
         let named = file.case.as_ref().or(file.record.as_ref());
         let stem = named.map(Path::new).and_then(Path::file_stem);
         Ok(Some(Self {
@@ -117,17 +103,14 @@ impl Experiment {
                 name => name.to_owned(),
             },
             documents: Documents {
-                case: case.as_ref().and_then(Source::table),
-                truth: truth.table(),
-                nominal: nominal.table(),
+                case,
+                truth,
+                nominal,
             },
             hashes,
             paths,
-            case,
             record,
             bodies: model.bodies,
-            truth,
-            nominal,
             file: file.clone(),
             seed: plan.seed,
         }))
@@ -145,18 +128,12 @@ impl Experiment {
             edit(&mut documents, address, of, change)
         })
         .map_err(|(what, remedy)| whole_fault("E0542", Path::new(&self.name), what, &remedy))?;
-        let of = |table: Option<Value>| table.filter(|_| changed);
-        let Documents {
-            case,
-            truth,
-            nominal,
-        } = documents;
-        let with_case = self.case.as_ref().zip(Some(of(case)));
-        let case = with_case.map(|(c, table)| parse_case(&c.path, c.with(table)));
+        let case = documents.case.as_ref();
+        let case = case.map(|c| parse_case(&c.path, text(c, changed)));
         Ok(FilesAt {
             case: case.transpose()?,
-            truth: self.truth.read(of(truth))?,
-            nominal: self.nominal.read(of(nominal))?,
+            truth: read_document(&documents.truth, changed)?,
+            nominal: read_document(&documents.nominal, changed)?,
         })
     }
 
@@ -208,28 +185,23 @@ impl Experiment {
     }
 }
 
-impl Source {
-    fn model(path: PathBuf) -> Result<Self, Error> {
-        let text = read_model_text(&path)?;
-        Ok(Self { path, text })
-    }
+fn model_file(path: PathBuf) -> Result<Document, Error> {
+    let text = read_model_text(&path)?;
+    Ok(Document::new(path, text))
+}
 
-    /// Its table; an URDF file has none.
-    fn table(&self) -> Option<Value> {
-        self.text.parse().map(Value::Table).ok()
+/// The text of a changed table, or the text as read.
+fn text(of: &Document, changed: bool) -> String {
+    match of.table.as_ref().filter(|_| changed) {
+        Some(table) => toml::to_string(table).unwrap_or_default(),
+        None => of.text.clone(),
     }
+}
 
-    /// The text of a changed table, or the text as read.
-    fn with(&self, changed: Option<Value>) -> String {
-        let written = changed.map(|table| toml::to_string(&table).unwrap_or_default());
-        written.unwrap_or_else(|| self.text.clone())
-    }
-
-    fn read(&self, changed: Option<Value>) -> Result<Model, Error> {
-        Ok(match self.path.extension() {
-            Some(urdf) if urdf.eq_ignore_ascii_case("urdf") => read_model(&self.path)?,
-            _ => parse_model(&self.with(changed), &self.path.display().to_string())?,
-        })
+fn read_document(of: &Document, changed: bool) -> Result<Model, Error> {
+    match of.path.extension() {
+        Some(urdf) if urdf.eq_ignore_ascii_case("urdf") => read_model(&of.path),
+        _ => parse_model(&text(of, changed), &of.path.display().to_string()),
     }
 }
 

@@ -74,6 +74,11 @@ impl PlanText {
 }
 
 /// A fault of a whole file or experiment, without a line.
-pub(crate) fn whole_fault(code: &'static str, of: &Path, what: String, remedy: &str) -> Error {
+pub(crate) fn whole_fault(
+    code: &'static str,
+    of: impl AsRef<Path>,
+    what: String,
+    remedy: &str,
+) -> Error {
     Error::one(code, Place::file(of), what, remedy)
 }

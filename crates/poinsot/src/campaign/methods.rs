@@ -25,14 +25,13 @@ impl MethodChoice {
         for (k, file) in files.iter().enumerate() {
             let choice = Self::of(file);
             let key = format!("method[{k}].name");
-            if let Err(error) = check_method(&choice.question) {
-                let said = error.to_string();
-                // The text without code and option, which the plan adds itself.
-                let what = said
-                    .split_once(": ")
-                    .map_or(said.as_str(), |(_, rest)| rest);
-                let (what, remedy) = what.rsplit_once("; ").unwrap_or((what, "correct it here"));
-                text.refuse(&key, what, remedy);
+            let faults = check_method(&choice.question).err();
+            for fault in faults.iter().flat_map(|error| &error.list) {
+                let remedy = match fault.advice.as_str() {
+                    "" => "correct it here",
+                    advice => advice,
+                };
+                text.refuse(&key, fault.problem.as_str(), remedy);
             }
             if all.iter().any(|other| other.label == choice.label) {
                 let what = format!("the method {} is given twice", choice.label);
@@ -53,13 +52,13 @@ impl MethodChoice {
             })
             .collect();
         let variant = file.variant.as_ref().map(|v| format!(" {v}"));
-        let kernel = if file.kernel { " kernel" } else { "" };
-        let label = format!(
-            "{}{}{kernel}{}",
-            file.name,
-            variant.unwrap_or_default(),
-            settings.iter().map(|s| format!(" {s}")).collect::<String>()
-        );
+        let mut label = format!("{}{}", file.name, variant.unwrap_or_default());
+        if file.kernel {
+            label.push_str(" kernel");
+        }
+        settings
+            .iter()
+            .for_each(|s| label.extend([" ", s.as_str()]));
         Self {
             label,
             diagnose: file.diagnose,

@@ -3,7 +3,7 @@
 //! A cell is one experiment at one point of the grid. A shard is a block of trials of one cell. Shards are numbered
 //! block by block: the first blocks of all cells come before the second ones.
 
-use super::address::{FileSelector, Refusal, count};
+use super::address::{Refusal, count};
 use super::experiment::{Apply, Experiment, FilesAt};
 use super::faults::PlanText;
 use super::methods::MethodChoice;
@@ -36,7 +36,7 @@ const SOBOL_DIMENSIONS: usize = 256;
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct GridAxis {
     pub number: String,
-    pub of: FileSelector,
+    pub of: OfFile,
     pub values: Vec<f64>,
 }
 
@@ -44,7 +44,7 @@ pub(crate) struct GridAxis {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct SampledAxis {
     pub number: String,
-    pub of: FileSelector,
+    pub of: OfFile,
     pub range: [f64; 2],
     pub log: bool,
 }
@@ -273,14 +273,6 @@ fn sampling(file: &PlanFile, text: &mut PlanText) -> Option<Sampling> {
     })
 }
 
-pub(super) fn of(given: Option<OfFile>, usual: OfFile) -> FileSelector {
-    let of = given.unwrap_or(usual);
-    FileSelector {
-        truth: of != OfFile::Nominal,
-        nominal: of != OfFile::Truth,
-    }
-}
-
 /// One `[[vary]]`: values, a range with a count, or a sampled range.
 fn axis(
     vary: &VaryFile,
@@ -290,63 +282,60 @@ fn axis(
     grid: &mut Vec<GridAxis>,
     sampled: &mut Vec<SampledAxis>,
 ) {
-    let of = of(vary.of, OfFile::Both);
+    let of = vary.of.unwrap_or(OfFile::Both);
     let number = vary.number.clone();
     let log = vary.scale == ScaleFile::Log;
     let fault = match (&vary.values, vary.from, vary.to, vary.count, sampling) {
+        (Some(values), None, None, None, _) if values.is_empty() => {
+            ["values", "the list is empty", "write values = [1.0, 2.0]"]
+        }
         (Some(values), None, None, None, _) => {
-            grid.push(GridAxis {
-                number,
-                of,
-                values: values.clone(),
-            });
-            values.is_empty().then_some([
-                "values",
-                "the list is empty",
-                "write values = [1.0, 2.0]",
-            ])
+            let values = values.clone();
+            return grid.push(GridAxis { number, of, values });
         }
         (None, Some(from), Some(to), ..) if from >= to => {
-            Some(["from", "from must be below to", "give both ends of a range"])
+            ["from", "from must be below to", "give both ends of a range"]
         }
-        (None, Some(from), Some(_), ..) if log && from <= 0.0 => Some([
+        (None, Some(from), Some(_), ..) if log && from <= 0.0 => [
             "scale",
             "equal ratios need positive ends",
             "write scale = \"linear\"",
-        ]),
+        ],
         (None, Some(from), Some(to), Some(n), _) => {
             let values = range(from, to, n, log);
-            grid.push(GridAxis { number, of, values });
-            None
+            return grid.push(GridAxis { number, of, values });
         }
-        (None, Some(from), Some(to), None, Some(s)) => {
-            let many = s.kind == SamplingKind::Sobol && sampled.len() == SOBOL_DIMENSIONS;
-            sampled.push(SampledAxis {
-                number,
-                of,
-                range: [from, to],
-                log,
-            });
-            many.then_some([
+        (None, Some(_), Some(_), None, Some(s))
+            if s.kind == SamplingKind::Sobol && sampled.len() == SOBOL_DIMENSIONS =>
+        {
+            [
                 "number",
                 "more numbers than Sobol's sequence has dimensions",
                 "sample at most 256",
-            ])
+            ]
         }
-        (None, Some(_), Some(_), None, None) => Some([
+        (None, Some(from), Some(to), None, Some(_)) => {
+            let range = [from, to];
+            return sampled.push(SampledAxis {
+                number,
+                of,
+                range,
+                log,
+            });
+        }
+        (None, Some(_), Some(_), None, None) => [
             "count",
             "a range without a count is sampled, and there is no [sampling]",
             "add count = 10, or [sampling] with kind and points",
-        ]),
-        _ => Some([
+        ],
+        _ => [
             "number",
             "needs either values or one range",
             "give values = [...], or from and to with count",
-        ]),
+        ],
     };
-    if let Some([key, what, remedy]) = fault {
-        text.refuse(&format!("vary[{k}].{key}"), what, remedy);
-    }
+    let [key, what, remedy] = fault;
+    text.refuse(&format!("vary[{k}].{key}"), what, remedy);
 }
 
 /// Values of a range, with exact ends.
@@ -368,75 +357,49 @@ pub(super) fn between(from: f64, to: f64, share: f64, log: bool) -> f64 {
     }
 }
 
-/// An address of the plan: its key, its files, and how many numbers it must name.
-struct Named<'a> {
-    key: String,
-    number: &'a str,
-    of: FileSelector,
-    wanted: Option<usize>,
-}
-
-/// The addresses of the plan; a change or draw that is none is refused.
-fn named<'a>(file: &'a PlanFile, text: &mut PlanText) -> Vec<Named<'a>> {
-    let mut all = Vec::new();
-    let mut add = |list: &str, k: usize, number, of, wanted, fault: Option<&str>| {
-        let key = format!("{list}[{k}].number");
+/// Checks that every change and draw is one, and that every address names numbers in every experiment.
+fn check_addresses(plan: &Plan, text: &mut PlanText) {
+    let mut check = |key: String, number: &str, of, wanted: Option<usize>, fault: Option<&str>| {
         if let Some(what) = fault {
             text.refuse(&key, what, "give one of them");
         }
-        all.push(Named {
-            key,
-            number,
-            of,
-            wanted,
-        });
+        for experiment in &plan.experiments {
+            match (count(&experiment.documents, number, of), wanted) {
+                (Err((what, remedy)), _) => {
+                    let what = format!("{what} (experiment {})", experiment.name);
+                    text.refuse_address(&key, what, &remedy);
+                }
+                (Ok(n), Some(wanted)) if wanted != n => {
+                    let what = format!("the address names {n} numbers, not {wanted}");
+                    let remedy =
+                        "end the address at one number, as in com_m.x, or give one value for each";
+                    text.refuse_address(&key, what, remedy);
+                }
+                (Ok(_), _) => {}
+            }
+        }
     };
-    for (k, vary) in file.vary.iter().enumerate() {
-        let of = of(vary.of, OfFile::Both);
-        add("vary", k, vary.number.as_str(), of, Some(1), None);
+    let key = |list: &str, k: usize| format!("{list}[{k}].number");
+    for (k, vary) in plan.file.vary.iter().enumerate() {
+        let of = vary.of.unwrap_or(OfFile::Both);
+        check(key("vary", k), &vary.number, of, Some(1), None);
     }
-    for (k, change) in file.change.iter().enumerate() {
+    for (k, change) in plan.file.change.iter().enumerate() {
         let lists = change.value.iter().chain(&change.plus);
         let given = lists.clone().count() + usize::from(change.times.is_some());
         let wanted = lists.into_iter().find_map(|n| match n {
             NumbersFile::Each(list) => Some(list.len()),
             NumbersFile::One(_) => None,
         });
-        let fault = "exactly one of value, times, plus is needed";
-        let fault = (given != 1).then_some(fault);
-        let of = of(change.of, OfFile::Both);
-        add("change", k, &change.number, of, wanted, fault);
+        let fault = (given != 1).then_some("exactly one of value, times, plus is needed");
+        let of = change.of.unwrap_or(OfFile::Both);
+        check(key("change", k), &change.number, of, wanted, fault);
     }
-    for (k, draw) in file.draw.iter().enumerate() {
+    for (k, draw) in plan.file.draw.iter().enumerate() {
         let fault = "exactly one of sigma, relative_sigma, or from below to is needed";
         let fault = (!drawable(draw)).then_some(fault);
-        let of = of(draw.of, OfFile::Truth);
-        add("draw", k, &draw.number, of, None, fault);
-    }
-    all
-}
-
-/// Checks that every address names numbers in every experiment.
-fn check_addresses(plan: &Plan, text: &mut PlanText) {
-    for named in named(&plan.file, text) {
-        for experiment in &plan.experiments {
-            match (
-                count(&experiment.documents, named.number, named.of),
-                named.wanted,
-            ) {
-                (Err((what, remedy)), _) => {
-                    let what = format!("{what} (experiment {})", experiment.name);
-                    text.refuse_address(&named.key, what, &remedy);
-                }
-                (Ok(n), Some(wanted)) if wanted != n => {
-                    let what = format!("the address names {n} numbers, not {wanted}");
-                    let remedy =
-                        "end the address at one number, as in com_m.x, or give one value for each";
-                    text.refuse_address(&named.key, what, remedy);
-                }
-                (Ok(_), _) => {}
-            }
-        }
+        let of = draw.of.unwrap_or(OfFile::Truth);
+        check(key("draw", k), &draw.number, of, None, fault);
     }
 }
 
@@ -578,21 +541,18 @@ impl Plan {
     /// Changes common to all trials of a cell.
     pub(crate) fn fixed(&self, cell: u64, apply: &mut Apply<'_>) -> Result<(), Refusal> {
         for change in &self.file.change {
-            let of = of(change.of, OfFile::Both);
+            let of = change.of.unwrap_or(OfFile::Both);
             let pick = |n: &NumbersFile, k: usize| match n {
                 NumbersFile::One(x) => *x,
                 NumbersFile::Each(list) => list.get(k).copied().unwrap_or(f64::NAN),
             };
-            apply(
-                &change.number,
-                of,
-                &mut |k, x| match (&change.value, change.times, &change.plus) {
-                    (Some(v), _, _) => pick(v, k),
-                    (_, Some(factor), _) => factor * x,
-                    (_, _, Some(v)) => x + pick(v, k),
-                    _ => x,
-                },
-            )?;
+            let mut changed = |k: usize, x: f64| match (&change.value, change.times, &change.plus) {
+                (Some(v), _, _) => pick(v, k),
+                (_, Some(factor), _) => factor * x,
+                (_, _, Some(v)) => x + pick(v, k),
+                _ => x,
+            };
+            apply(&change.number, of, &mut changed)?;
         }
         for (axis, (_, value)) in self.grid.iter().zip(self.point(cell)) {
             apply(&axis.number, axis.of, &mut |_, _| value)?;

@@ -2,10 +2,11 @@
 
 use super::experiment::Apply;
 use super::methods::MethodChoice;
-use super::plan::{Plan, Shard, between, of};
+use super::plan::{Plan, Shard, between};
 use super::sampling::{Deviates, points};
 use crate::error::Error;
-use crate::trials::{Bound, Row, RowNumber, Study, values};
+use crate::mass_numbers::values;
+use crate::trials::{Bound, Row, RowNumber, Study};
 use poinsot_formats::{DrawFile, OfFile};
 use poinsot_identify::{Estimate, Status};
 use poinsot_papers::Kernel;
@@ -171,11 +172,10 @@ impl Prepared {
                     trial: number,
                     draw: k as u64,
                 };
-                apply(&draw.number, of(draw.of, OfFile::Truth), &mut |at, old| {
-                    let (name, value) = (
-                        format!("{}[{at}]", draw.number),
-                        drawn_value(draw, deviates, at, old),
-                    );
+                let of = draw.of.unwrap_or(OfFile::Truth);
+                apply(&draw.number, of, &mut |at, old| {
+                    let name = format!("{}[{at}]", draw.number);
+                    let value = drawn_value(draw, deviates, at, old);
                     // Both files use the same deviates, each about its own numbers.
                     if drawn.iter().all(|(other, _)| *other != name) {
                         drawn.push((name, value));

@@ -33,12 +33,6 @@ pub fn looks(plan: &Plan) -> Vec<u64> {
 }
 
 /// Probability outside the interval of one test, so that it is `outside` for all tests together (Bonferroni).
-///
-/// ```
-/// use poinsot::campaign::outside_at_each;
-///
-/// assert_eq!(outside_at_each(0.05, 5), 0.01);
-/// ```
-pub fn outside_at_each(outside: f64, looks: usize) -> f64 {
+pub(super) fn outside_at_each(outside: f64, looks: usize) -> f64 {
     outside / looks.max(1) as f64
 }

@@ -1,13 +1,17 @@
 //! `[[wheel_motion]]` and `[[firing]]` as motion of wheels and firings of thrusters.
 
 use super::planner::{Part, Planner};
-use super::torques::Build;
+use super::torques::{Build, OF_TORQUE};
 use poinsot_dynamics::{Firing, PiecewisePolynomial, WheelMotion};
 use poinsot_formats::case::{FiringFile, WheelMotionFile};
 
 /// Suffix of wheel speed columns.
 const SPEED: &str = "_rad_s";
 const TORQUE: &str = "_Nm";
+const OF_SPEED: [(&str, Build); 2] = [
+    ("linear", PiecewisePolynomial::linear),
+    ("cubic_clamped", PiecewisePolynomial::cubic_clamped),
+];
 
 impl Planner<'_> {
     pub(super) fn wheel_motion(
@@ -32,7 +36,8 @@ impl Planner<'_> {
                 return wrong(self, problem, "give one of them");
             }
         };
-        let build = self.wheel_interpolation(table, torque, key)?;
+        let possible = if torque { OF_TORQUE } else { OF_SPEED };
+        let build = self.interpolation(table.interpolation.as_deref(), possible, key)?;
         let profile = match (nodes, &table.time_s, &table.file) {
             (None, None, Some(file)) => self.column(file, &column, &[SPEED, TORQUE], build, key)?,
             (Some(values), Some(time), _) if table.column.is_none() => {
@@ -57,29 +62,6 @@ impl Planner<'_> {
             self.refuse("E0507", &key, problem, "leave it out");
         }
         Some(WheelMotion::Speed(profile))
-    }
-
-    fn wheel_interpolation(
-        &mut self,
-        table: &WheelMotionFile,
-        torque: bool,
-        key: &str,
-    ) -> Option<Build> {
-        Some(match (table.interpolation.as_deref(), torque) {
-            (None | Some("linear"), false) | (Some("linear"), true) => PiecewisePolynomial::linear,
-            (None | Some("constant"), true) => PiecewisePolynomial::steps,
-            (Some("cubic_clamped"), false) => PiecewisePolynomial::cubic_clamped,
-            (Some(_), _) => {
-                let problem = "no such interpolation here";
-                let remedy = match torque {
-                    true => "use \"constant\" or \"linear\"",
-                    false => "use \"linear\" or \"cubic_clamped\"",
-                };
-                let key = format!("{key}.interpolation");
-                self.refuse("E0507", &key, problem, remedy);
-                return None;
-            }
-        })
     }
 
     pub(super) fn firings(&mut self, tables: &[FiringFile]) -> Vec<Firing> {

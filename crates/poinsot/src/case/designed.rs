@@ -158,10 +158,8 @@ impl Planner<'_> {
             self.take_up(moved, window);
         }
         for (index, key) in started {
-            if wheels
-                .iter()
-                .any(|m| m.index == index && !m.before.is_empty())
-            {
+            let flown = |m: &Moved| m.index == index && !m.before.is_empty();
+            if wheels.iter().any(flown) {
                 let problem = "the motion flown first already gives the speed at the start";
                 self.refuse("E0507", &key, problem, "leave it out");
             }

@@ -91,28 +91,16 @@ impl Case {
 
 impl Planner<'_> {
     fn limits(&mut self, file: &poinsot_formats::case::LimitsFile) -> Limits {
-        let free = JointLimit {
-            position: (f64::NEG_INFINITY, f64::INFINITY),
-            rate: f64::INFINITY,
-            acceleration: f64::INFINITY,
-            effort: f64::INFINITY,
-        };
-        let mut joints = vec![free; self.tree.dof()];
+        let mut joints = vec![JointLimit::FREE; self.tree.dof()];
         for (i, table) in file.joint.iter().enumerate() {
             let key = format!("limits.joint[{i}]");
             for k in self.parts(Part::Joint, table.joints.as_deref(), &key) {
                 if let Some(given) = self.joint_limit(table, k, &key) {
-                    joints[k] = tighter(joints[k], given);
+                    joints[k].tighten(given);
                 }
             }
         }
-        let mut wheels = vec![
-            WheelLimit {
-                speed: f64::INFINITY,
-                torque: f64::INFINITY,
-            };
-            self.model.wheels.len()
-        ];
+        let mut wheels = vec![WheelLimit::FREE; self.model.wheels.len()];
         for (i, table) in file.wheel.iter().enumerate() {
             let key = format!("limits.wheel[{i}]");
             for k in self.parts(Part::Wheel, table.wheels.as_deref(), &key) {
@@ -159,7 +147,7 @@ impl Planner<'_> {
         }
         let limit = |rad: Option<f64>, m: Option<f64>| rad.or(m).unwrap_or(f64::INFINITY);
         Some(JointLimit {
-            position: position.map_or((f64::NEG_INFINITY, f64::INFINITY), |[a, b]| (a, b)),
+            position: position.map_or(JointLimit::FREE.position, |[a, b]| (a, b)),
             rate: limit(table.rate_rad_s, table.rate_m_s),
             acceleration: limit(table.acceleration_rad_s2, table.acceleration_m_s2),
             effort: limit(table.torque_N_m, table.force_N),
@@ -215,14 +203,28 @@ impl Planner<'_> {
     }
 }
 
-fn tighter(a: JointLimit, b: JointLimit) -> JointLimit {
-    JointLimit {
-        position: (
-            a.position.0.max(b.position.0),
-            a.position.1.min(b.position.1),
-        ),
-        rate: a.rate.min(b.rate),
-        acceleration: a.acceleration.min(b.acceleration),
-        effort: a.effort.min(b.effort),
+impl JointLimit {
+    /// Without limits.
+    const FREE: Self = Self {
+        position: (f64::NEG_INFINITY, f64::INFINITY),
+        rate: f64::INFINITY,
+        acceleration: f64::INFINITY,
+        effort: f64::INFINITY,
+    };
+
+    fn tighten(&mut self, other: Self) {
+        let (low, high) = other.position;
+        self.position = (self.position.0.max(low), self.position.1.min(high));
+        self.rate = self.rate.min(other.rate);
+        self.acceleration = self.acceleration.min(other.acceleration);
+        self.effort = self.effort.min(other.effort);
     }
+}
+
+impl WheelLimit {
+    /// Without limits.
+    const FREE: Self = Self {
+        speed: f64::INFINITY,
+        torque: f64::INFINITY,
+    };
 }

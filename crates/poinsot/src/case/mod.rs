@@ -19,15 +19,6 @@ mod torques;
 mod wanted;
 mod window;
 
-pub use bind::Scenario;
-pub use designed::{Design, Form, Moved};
-pub use limits::{Capsule, Cone, JointLimit, Limits, WheelLimit};
-pub use poinsot_formats::case::{Format, Objective};
-pub use sensor_output::SensorOutput;
-pub use thrusters::{Fired, ImpulseLimit, ThrusterLimit};
-pub use wanted::{Want, estimated_numbers};
-pub use window::{Open, Replaced, Window};
-
 use crate::error::{Error, Fault};
 pub(crate) use describe::describe_case;
 pub(crate) use fault::{KeyText, did_you_mean, rows};
@@ -35,8 +26,19 @@ use planner::Planner;
 use poinsot_dynamics::{Tolerance, Tree};
 use poinsot_files::rounded;
 use poinsot_formats::case::{CASE, CASE_BEFORE, CaseFile};
+pub use poinsot_formats::case::{Format, Objective};
 use poinsot_model::Model;
 use std::path::{Path, PathBuf};
+#[doc(hidden)]
+pub use {
+    bind::Scenario,
+    designed::{Design, Form, Moved},
+    limits::{Capsule, Limits},
+    sensor_output::SensorOutput,
+    thrusters::{Fired, ImpulseLimit, ThrusterLimit},
+    wanted::{Want, estimated_numbers},
+    window::{Open, Window},
+};
 
 const LARGEST_FILE: u64 = 16 << 20;
 /// Size limit of a file of torques, bytes.

@@ -8,7 +8,7 @@ use poinsot_identify::ErrorGroup;
 use poinsot_model::{ErrorKey, Sensor};
 
 /// Sample rate and errors of one sensor.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct SensorOutput {
     /// Rows per sample.
     pub every: usize,
@@ -23,15 +23,11 @@ pub struct SensorOutput {
 /// One entry per sensor of the model.
 pub(super) fn sensor_outputs(planner: &mut Planner, output: &OutputFile) -> Vec<SensorOutput> {
     let model = planner.model;
-    let mut outputs = vec![
-        SensorOutput {
-            every: 1,
-            bias: None,
-            scales: None,
-            errors: Vec::new(),
-        };
-        model.sensors.len()
-    ];
+    let usual = SensorOutput {
+        every: 1,
+        ..SensorOutput::default()
+    };
+    let mut outputs = vec![usual; model.sensors.len()];
     for (i, table) in output.sensor.iter().enumerate() {
         let key = format!("output.sensor[{i}]");
         let name = &table.name;
@@ -64,115 +60,100 @@ pub(super) fn sensor_outputs(planner: &mut Planner, output: &OutputFile) -> Vec<
                 outputs[*k].every = every as usize;
             }
         }
-        outputs[*k].bias = bias(planner, table, &model.sensors[*k], &key);
-        outputs[*k].scales = scales(planner, table, &model.sensors[*k], &key);
-        outputs[*k].errors = errors(planner, table, &model.sensors[*k], &key);
+        let sensor = &model.sensors[*k];
+        outputs[*k].bias = planner.bias(table, sensor, &key);
+        // Relative errors of a sensor of joints, wheels or thrusters.
+        let scale = table.scale.as_ref().filter(|_| sensor.kind.is_scalar());
+        let here = format!("{key}.scale");
+        outputs[*k].scales = scale.and_then(|scale| planner.of_sensor(&here, scale, sensor));
+        outputs[*k].errors = planner.errors(table, sensor, &key);
     }
     outputs
 }
 
-/// Errors given for a sensor; those not defined for its kind are faults.
-fn errors(
-    planner: &mut Planner,
-    table: &SensorOutputFile,
-    sensor: &Sensor,
-    key: &str,
-) -> Vec<(SensorError, f64)> {
-    let three = |value: Option<[f64; 3]>| value.map(|v| v.to_vec());
-    let scale = table.scale.clone().filter(|_| !sensor.kind.is_scalar());
-    let given = [
-        (ErrorKey::Scale, "scale", scale),
-        (
-            ErrorKey::Misalignment,
-            "misalignment_rad",
-            three(table.misalignment_rad),
-        ),
-        (
-            ErrorKey::Nonorthogonality,
-            "nonorthogonality_rad",
-            three(table.nonorthogonality_rad),
-        ),
-        (ErrorKey::Lag, "lag_s", table.lag_s.map(|lag| vec![lag])),
-    ];
-    let mut found = Vec::new();
-    for (error, name, value) in given {
-        let Some(numbers) = value else {
-            continue;
-        };
-        let here = format!("{key}.{name}");
-        let late = error == ErrorKey::Lag && sensor.kind.unknown_errors().contains(&error);
-        let known: Vec<SensorError> = match ErrorGroup::of(sensor.kind).find(|g| g.key == error) {
-            Some(group) => group.errors.iter().map(|e| e.0).collect(),
-            None if late => vec![SensorError::Lag],
-            None => Vec::new(),
-        };
-        if known.is_empty() {
-            let problem = format!("a sensor of type {} has no such error", sensor.kind.word());
-            planner.refuse("E0507", &here, problem, "take it out");
-        } else if let Some(numbers) = checked(planner, &here, &numbers, known.len()) {
-            found.extend(known.into_iter().zip(numbers));
+impl Planner<'_> {
+    /// Errors given for a sensor; those not defined for its kind are faults.
+    fn errors(
+        &mut self,
+        table: &SensorOutputFile,
+        sensor: &Sensor,
+        key: &str,
+    ) -> Vec<(SensorError, f64)> {
+        let three = |value: Option<[f64; 3]>| value.map(|v| v.to_vec());
+        let scale = table.scale.clone().filter(|_| !sensor.kind.is_scalar());
+        let lag = table.lag_s.map(|lag| vec![lag]);
+        let turn = three(table.misalignment_rad);
+        let shear = three(table.nonorthogonality_rad);
+        let given = [
+            (ErrorKey::Scale, "scale", scale),
+            (ErrorKey::Misalignment, "misalignment_rad", turn),
+            (ErrorKey::Nonorthogonality, "nonorthogonality_rad", shear),
+            (ErrorKey::Lag, "lag_s", lag),
+        ];
+        let mut found = Vec::new();
+        for (error, name, value) in given {
+            let Some(numbers) = value else {
+                continue;
+            };
+            let here = format!("{key}.{name}");
+            let late = error == ErrorKey::Lag && sensor.kind.unknown_errors().contains(&error);
+            let group = ErrorGroup::of(sensor.kind).find(|g| g.key == error);
+            let known: Vec<SensorError> = match group {
+                Some(group) => group.errors.iter().map(|e| e.0).collect(),
+                None if late => vec![SensorError::Lag],
+                None => Vec::new(),
+            };
+            if known.is_empty() {
+                let problem = format!("a sensor of type {} has no such error", sensor.kind.word());
+                self.refuse("E0507", &here, problem, "take it out");
+            } else if let Some(numbers) = self.per_channel(&here, &numbers, known.len()) {
+                found.extend(known.into_iter().zip(numbers));
+            }
         }
+        found
     }
-    found
-}
 
-/// Relative errors of a sensor of joints, wheels or thrusters: one each, or one for all.
-fn scales(
-    planner: &mut Planner,
-    table: &SensorOutputFile,
-    sensor: &Sensor,
-    key: &str,
-) -> Option<Vec<f64>> {
-    let scale = table.scale.as_ref().filter(|_| sensor.kind.is_scalar())?;
-    let here = format!("{key}.scale");
-    let channels = match scale.len() {
-        1 => 1,
-        _ => sensor.of.len(),
-    };
-    checked(planner, &here, scale, channels)
-}
-
-/// So many numbers.
-fn checked(planner: &mut Planner, key: &str, numbers: &[f64], channels: usize) -> Option<Vec<f64>> {
-    if numbers.len() != channels {
+    /// So many numbers.
+    fn per_channel(&mut self, key: &str, numbers: &[f64], channels: usize) -> Option<Vec<f64>> {
+        if numbers.len() == channels {
+            return Some(numbers.to_vec());
+        }
         let problem = format!("{} numbers for {channels} channels", numbers.len());
-        planner.refuse("E0506", key, problem, "give one per channel");
-        return None;
+        self.refuse("E0506", key, problem, "give one per channel");
+        None
     }
-    Some(numbers.to_vec())
-}
 
-fn bias(
-    planner: &mut Planner,
-    table: &SensorOutputFile,
-    sensor: &Sensor,
-    key: &str,
-) -> Option<Vec<f64>> {
-    let wanted = planner.model.unit_of(sensor);
-    let all = [
-        ("rad", &table.bias_rad),
-        ("rad_s", &table.bias_rad_s),
-        ("m", &table.bias_m),
-        ("m_s", &table.bias_m_s),
-        ("m_s2", &table.bias_m_s2),
-        ("N", &table.bias_N),
-    ];
-    let mut found = None;
-    for (suffix, value) in all {
-        let Some(numbers) = value else { continue };
-        let key = format!("{key}.bias_{suffix}");
+    /// One number for each joint, wheel or thruster of a sensor, or one for all; three of a sensor with axes.
+    fn of_sensor(&mut self, key: &str, numbers: &[f64], sensor: &Sensor) -> Option<Vec<f64>> {
         let channels = match (sensor.kind.is_scalar(), numbers.len()) {
             (true, 1) => 1,
             (true, _) => sensor.of.len(),
             (false, _) => 3,
         };
-        if suffix != wanted {
-            let problem = "this sensor has another unit";
-            let remedy = format!("use bias_{wanted}");
-            planner.refuse("E0507", &key, problem, remedy);
-        } else if let Some(numbers) = checked(planner, &key, numbers, channels) {
-            found = Some(numbers);
-        }
+        self.per_channel(key, numbers, channels)
     }
-    found
+
+    fn bias(&mut self, table: &SensorOutputFile, sensor: &Sensor, key: &str) -> Option<Vec<f64>> {
+        let wanted = self.model.unit_of(sensor);
+        let all = [
+            ("rad", &table.bias_rad),
+            ("rad_s", &table.bias_rad_s),
+            ("m", &table.bias_m),
+            ("m_s", &table.bias_m_s),
+            ("m_s2", &table.bias_m_s2),
+            ("N", &table.bias_N),
+        ];
+        let mut found = None;
+        for (suffix, value) in all {
+            let Some(numbers) = value else { continue };
+            let key = format!("{key}.bias_{suffix}");
+            if suffix == wanted {
+                found = self.of_sensor(&key, numbers, sensor);
+            } else {
+                let remedy = format!("use bias_{wanted}");
+                self.refuse("E0507", &key, "this sensor has another unit", remedy);
+            }
+        }
+        found
+    }
 }

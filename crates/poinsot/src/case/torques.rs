@@ -30,6 +30,12 @@ struct MotorSettings {
 /// Creates a profile from times and values.
 pub(super) type Build = fn(&[f64], &[f64]) -> Result<PiecewisePolynomial, NodeError>;
 
+/// Interpolations of a torque; constant as from a digital controller.
+pub(super) const OF_TORQUE: [(&str, Build); 2] = [
+    ("constant", PiecewisePolynomial::steps),
+    ("linear", PiecewisePolynomial::linear),
+];
+
 impl Planner<'_> {
     /// Puts the drives of free joints into the plan. A joint with a motor, or with a spring and no prescribed motion, is
     /// free; `led` marks joints with prescribed motion.
@@ -130,7 +136,7 @@ impl Planner<'_> {
                     self.refuse("E0502", key, problem, "add time_s = [...]");
                     return None;
                 };
-                let build = self.interpolation(table, key)?;
+                let build = self.interpolation(table.interpolation.as_deref(), OF_TORQUE, key)?;
                 let profile = self.checked(build(time, x), key, name)?;
                 Some(ForceProfile::Nodes(profile.starting_from(0.0)))
             }
@@ -168,31 +174,33 @@ impl Planner<'_> {
         amplitude: f64,
         key: &str,
     ) -> Option<ForceProfile> {
-        let Some(frequency) = table.frequency_rad_s else {
-            let problem = "a sinusoid needs frequency_rad_s";
+        if table.frequency_rad_s.is_none() {
             let remedy = "add it: torque = amplitude sin(frequency t + phase)";
-            self.refuse("E0502", key, problem, remedy);
-            return None;
-        };
+            self.refuse("E0502", key, "a sinusoid needs frequency_rad_s", remedy);
+        }
         Some(ForceProfile::Sine {
             amplitude,
-            frequency,
+            frequency: table.frequency_rad_s?,
             phase: table.phase_rad.unwrap_or(0.0),
         })
     }
 
-    /// Interpolation between nodes: constant (as from a digital controller) or linear.
-    fn interpolation(&mut self, table: &JointTorqueFile, key: &str) -> Option<Build> {
-        match table.interpolation.as_deref() {
-            None | Some("constant") => Some(PiecewisePolynomial::steps),
-            Some("linear") => Some(PiecewisePolynomial::linear),
-            Some(_) => {
-                let key = format!("{key}.interpolation");
-                let remedy = "use \"constant\" or \"linear\"";
-                self.refuse("E0507", &key, "no such interpolation here", remedy);
-                None
-            }
+    /// What an interpolation builds; the first of those that are possible where none is given.
+    pub(super) fn interpolation(
+        &mut self,
+        given: Option<&str>,
+        possible: [(&str, Build); 2],
+        key: &str,
+    ) -> Option<Build> {
+        let [(usual, _), (other, _)] = possible;
+        let word = given.unwrap_or(usual);
+        let found = possible.iter().find(|(name, _)| *name == word);
+        if found.is_none() {
+            let remedy = format!("use \"{usual}\" or \"{other}\"");
+            let key = format!("{key}.interpolation");
+            self.refuse("E0507", &key, "no such interpolation here", remedy);
         }
+        found.map(|(_, build)| *build)
     }
 
     /// The torque of a joint in a file.
@@ -203,7 +211,7 @@ impl Planner<'_> {
         joint: &Joint,
         key: &str,
     ) -> Option<ForceProfile> {
-        let build = self.interpolation(table, key)?;
+        let build = self.interpolation(table.interpolation.as_deref(), OF_TORQUE, key)?;
         let unit = match joint.kind {
             JointKind::Prismatic => "N",
             _ => "Nm",

@@ -4,7 +4,7 @@ use super::Case;
 use super::fault::did_you_mean;
 use super::planner::Planner;
 use crate::error::Error;
-use crate::trials::mass_names;
+use crate::mass_numbers::names;
 use poinsot_formats::Address;
 use poinsot_formats::case::WantFile;
 use poinsot_identify::{WantedNumber, WantedTerm};
@@ -192,7 +192,7 @@ fn all_numbers(model: &Model) -> Vec<Want> {
             .chain(inertia)
     };
     let of_body = |(body, name): (usize, &String)| {
-        let pairs = mass_names(name).into_iter().zip(numbers());
+        let pairs = names(name).into_iter().zip(numbers());
         let want = pairs.map(move |(name, number)| Want {
             name,
             unit: match number {

@@ -1,11 +1,10 @@
 //! Accuracy of shorter records of the same motion.
 
 use super::wanted_sigma;
-use crate::bind::cut_at;
+use crate::bind::{cut_at, solve};
 use crate::case::{Case, Want};
 use crate::error::Error;
 use crate::simulate::simulate_exact;
-use crate::trials::solve;
 use poinsot_formats::{AgainstDurationFile, SigmasFile, finite};
 use poinsot_identify::predicted_covariance;
 use poinsot_model::Model;

@@ -1,9 +1,10 @@
 //! Largest values of a motion: the demands of a manoeuvre on the vehicle.
 
 use crate::case::Scenario;
+use crate::channel_names::joint_unit;
 use poinsot_dynamics::{MotionSample, Tree};
 use poinsot_formats::PeakFile;
-use poinsot_model::{JointKind, Model};
+use poinsot_model::Model;
 use poinsot_spatial::UnitQuaternion;
 
 /// Collects peaks sample by sample, in a fixed order.
@@ -40,29 +41,29 @@ impl Peaks {
 
     /// The peaks with names, and the impulse of every firing thruster.
     pub fn named(&self, model: &Model, scenario: &Scenario) -> Vec<PeakFile> {
-        let mut names: Vec<(String, &'static str)> = vec![
-            ("body rate".to_owned(), "rad/s"),
-            ("turn from the first attitude".to_owned(), "rad"),
+        let mut names: Vec<(String, String)> = vec![
+            ("body rate".to_owned(), "rad/s".to_owned()),
+            ("turn from the first attitude".to_owned(), "rad".to_owned()),
         ];
         for k in Tree::new(model).coordinates {
             let joint = &model.joints[k];
-            let units = match joint.kind {
-                JointKind::Prismatic => ["m", "m/s", "m/s2"],
-                _ => ["rad", "rad/s", "rad/s2"],
-            };
-            let words = ["position", "rate", "acceleration"];
-            let own = words.into_iter().zip(units);
+            let unit = joint_unit(joint);
+            let own = [
+                ("position", unit.to_owned()),
+                ("rate", format!("{unit}/s")),
+                ("acceleration", format!("{unit}/s2")),
+            ];
             names.extend(own.map(|(word, unit)| (format!("{word} of {}", joint.name), unit)));
         }
         for wheel in &model.wheels {
-            names.push((format!("speed of {}", wheel.name), "rad/s"));
-            names.push((format!("torque of {}", wheel.name), "N m"));
+            names.push((format!("speed of {}", wheel.name), "rad/s".to_owned()));
+            names.push((format!("torque of {}", wheel.name), "N m".to_owned()));
         }
         let named = names.into_iter().zip(&self.values);
         let mut all: Vec<PeakFile> = named
             .map(|((what, unit), value)| PeakFile {
                 what,
-                unit: unit.to_owned(),
+                unit,
                 value: *value,
             })
             .collect();

@@ -1,6 +1,7 @@
 //! Fills the report data in addition to `estimate.json`: curves, vehicle geometry, truth, command line.
 
 use super::placed::{placed, rows};
+use crate::channel_names::joint_unit;
 use crate::identify::Identified;
 use crate::simulate::true_mass;
 use indexmap::IndexMap;
@@ -149,12 +150,7 @@ fn segment(identified: &Identified, p: &Prediction) -> Segment {
             .zip(&p.joint_position)
             .map(|(j, values)| Row {
                 name: j.name.clone(),
-                unit: if j.kind == JointKind::Prismatic {
-                    "m"
-                } else {
-                    "rad"
-                }
-                .to_owned(),
+                unit: joint_unit(j).to_owned(),
                 values: rounded(values),
             })
             .collect(),

@@ -2,7 +2,7 @@
 
 use super::{every, stream};
 use crate::case::Scenario;
-use crate::channel_names::{XYZ, names, wheels};
+use crate::channel_names::{XYZ, names, position, wheels};
 use poinsot_dynamics::{
     ForceProfile, Instrument, JointDrive, MotionSample, SAME_TIME, Tree, WheelDrive, WheelMotion,
     thrust_held, vector_reading,
@@ -13,14 +13,15 @@ use poinsot_telemetry::{Channel, Table, classify};
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
+/// Reads numbers of the exact motion.
+type Read = Box<dyn Fn(&MotionSample, &mut Vec<f64>)>;
+
 /// Source of a group of channels.
 enum Reader {
     /// A sensor with its errors.
     Sensor(Box<Instrument>),
     /// The exact motion.
-    Exact(fn(&MotionSample, &mut Vec<f64>)),
-    /// Motor torques of these joint coordinates.
-    Motor(Vec<usize>),
+    Exact(Read),
 }
 
 /// Channels sampled together.
@@ -62,13 +63,8 @@ impl Recorder {
             }
             let reader = Reader::Sensor(Box::new(instrument));
             let names = names(model, sensor.kind, &sensor.of);
-            let every = every(scenario, i);
-            groups.push(Group::new(
-                Some((i, sensor.name.clone())),
-                names,
-                every,
-                reader,
-            ));
+            let own = Some((i, sensor.name.clone()));
+            groups.push(Group::new(own, names, every(scenario, i), reader));
         }
         let measured: HashSet<String> = groups.iter().flat_map(|g| g.names.clone()).collect();
         let only = scenario.sensors_only;
@@ -77,14 +73,10 @@ impl Recorder {
             let wanted = commanded.as_ref().is_none_or(|c| c.contains(name));
             wanted && !measured.contains(name)
         };
-        for (names, read) in exact_channels(model, tree) {
+        for (names, read) in exact_channels(model, scenario, tree) {
             if names.iter().any(written) {
                 groups.push(Group::new(None, names, 1, Reader::Exact(read)));
             }
-        }
-        let (motors, efforts) = motor_channels(model, scenario, tree);
-        if efforts.iter().any(written) {
-            groups.push(Group::new(None, efforts, 1, Reader::Motor(motors)));
         }
         let thrusters: Vec<usize> = (0..model.thrusters.len()).collect();
         // Scalars with a sensor are removed from their exact group later.
@@ -109,11 +101,6 @@ impl Recorder {
                     self.reading.clear();
                     read(sample, &mut self.reading);
                 }
-                Reader::Motor(of) => {
-                    self.reading.clear();
-                    self.reading
-                        .extend(of.iter().filter_map(|k| sample.motor_force.get(*k)));
-                }
             }
             if !self.reading.is_empty() {
                 group.first.get_or_insert(self.row);
@@ -136,15 +123,11 @@ impl Recorder {
 
     /// The table; if two sensors write one channel, both get their names.
     pub fn table(self, scenario: &Scenario) -> Table {
-        let mut readers: HashMap<&str, usize> = HashMap::new();
+        let mut readers: HashMap<String, usize> = HashMap::new();
         let by_sensor = self.groups.iter().filter(|g| g.sensor.is_some());
         for name in by_sensor.flat_map(|g| &g.names) {
-            *readers.entry(name).or_default() += 1;
+            *readers.entry(name.clone()).or_default() += 1;
         }
-        let readers: HashMap<String, usize> = readers
-            .into_iter()
-            .map(|(k, v)| (k.to_owned(), v))
-            .collect();
         let mut bases: HashMap<(usize, usize, u64), Arc<[f64]>> = HashMap::new();
         let mut channels = Vec::new();
         for group in self.groups {
@@ -250,17 +233,16 @@ fn channel(name: String, sensor: String, time_s: Arc<[f64]>, values: Vec<f64>) -
     }
 }
 
-pub(crate) fn joint_channels(joint: &Joint) -> Vec<String> {
-    let (unit, effort) = match joint.kind {
-        JointKind::Prismatic => ("m", "N"),
-        _ => ("rad", "Nm"),
+/// Position, rate, acceleration and effort of a joint.
+pub(crate) fn joint_channels(joint: &Joint) -> [String; 4] {
+    let effort = match joint.kind {
+        JointKind::Prismatic => "N",
+        _ => "Nm",
     };
-    let name = &joint.name;
-    let mut channels = ["", "_s", "_s2"]
-        .map(|s| format!("{name}_{unit}{s}"))
-        .to_vec();
-    channels.push(format!("{name}_{effort}"));
-    channels
+    let position = position(joint);
+    let [rate, acceleration] = ["s", "s2"].map(|end| format!("{position}_{end}"));
+    let effort = format!("{}_{effort}", joint.name);
+    [position, rate, acceleration, effort]
 }
 
 /// Joint coordinates with a motor, and their channels; none if all motion is prescribed, because motor torque is then
@@ -274,11 +256,12 @@ fn motor_channels(model: &Model, scenario: &Scenario, tree: &Tree) -> (Vec<usize
         JointDrive::Force { motor, .. } => *motor != ForceProfile::none(),
         JointDrive::Motion(_) => true,
     });
-    let joints =
-        with_motor.filter_map(|(k, _)| Some((k, model.joints.get(*tree.coordinates.get(k)?)?)));
-    joints
-        .filter_map(|(k, joint)| Some((k, joint_channels(joint).pop()?)))
-        .unzip()
+    let named = with_motor.filter_map(|(k, _)| {
+        let joint = model.joints.get(*tree.coordinates.get(k)?)?;
+        let [.., effort] = joint_channels(joint);
+        Some((k, effort))
+    });
+    named.unzip()
 }
 
 /// Commanded channels: thrust, motor torques, and prescribed motions without a sensor.
@@ -309,69 +292,70 @@ fn commanded(
         let Some(joint) = model.joints.get(*at) else {
             continue;
         };
-        let channels = joint_channels(joint);
-        match (scenario.plan.joints.get(k), channels.as_slice()) {
-            (Some(JointDrive::Force { .. }), [.., effort]) => all.extend([effort.clone()]),
-            (_, [position, rate, ..]) if !measured.contains(position) => {
-                all.extend([position.clone(), rate.clone()]);
-            }
+        let [position, rate, _, effort] = joint_channels(joint);
+        match scenario.plan.joints.get(k) {
+            Some(JointDrive::Force { .. }) => all.extend([effort]),
+            _ if !measured.contains(&position) => all.extend([position, rate]),
             _ => {}
         }
     }
     all
 }
 
-type Exact = (Vec<String>, fn(&MotionSample, &mut Vec<f64>));
-
-/// All channels of the exact motion of the base origin.
-fn exact_channels(model: &Model, tree: &Tree) -> Vec<Exact> {
-    let all = |n: usize| (0..n).collect::<Vec<_>>();
-    let (joints, wheel_list) = (&tree.coordinates, all(model.wheels.len()));
+/// All channels of the exact motion of the base origin, in the order of a file.
+fn exact_channels(model: &Model, scenario: &Scenario, tree: &Tree) -> Vec<(Vec<String>, Read)> {
+    let count = |n: usize| (0..n).collect::<Vec<_>>();
+    let (joints, wheel_list) = (&tree.coordinates, count(model.wheels.len()));
     let of = |kind, list: &[usize]| names(model, kind, list);
+    let vector = |name: &str| XYZ.map(|axis| format!("{name}_{axis}")).to_vec();
     let rates = of(SensorKind::JointRate, joints);
+    let accelerations = rates.iter().map(|name| format!("{name}2")).collect();
+    let accelerometer: Read = Box::new(|s, out| {
+        let origin = Vector3::zeros();
+        out.extend(vector_reading(SensorKind::Accelerometer, s, 0, &origin).iter());
+    });
     let orbit = match model.environment.gravity_gradient {
-        true => XYZ.map(|axis| format!("orbit_{axis}")).to_vec(),
+        true => vector("orbit"),
         false => Vec::new(),
     };
-    let accelerations = rates.iter().map(|name| format!("{name}2")).collect();
+    let thrusters = count(model.thrusters.len());
+    let (motors, efforts) = motor_channels(model, scenario, tree);
+    let motor: Read = Box::new(move |s, out| {
+        out.extend(motors.iter().filter_map(|k| s.motor_force.get(*k)));
+    });
     vec![
-        (of(SensorKind::Attitude, &[]), |s, out| {
-            out.extend(s.R_NB.coords.iter())
-        }),
-        (of(SensorKind::Gyro, &[]), |s, out| {
-            out.extend(s.w_NB_B.iter())
-        }),
         (
-            XYZ.map(|axis| format!("domega_{axis}")).to_vec(),
-            |s, out| {
-                out.extend(s.body.alpha[0].iter());
-            },
+            of(SensorKind::Attitude, &[]),
+            numbers(|s| s.R_NB.coords.as_slice()),
         ),
-        (of(SensorKind::Position, &[]), |s, out| {
-            out.extend(s.p_NoBo_N.iter())
-        }),
-        (of(SensorKind::Velocity, &[]), |s, out| {
-            out.extend(s.v_NBo_N.iter())
-        }),
-        (of(SensorKind::Accelerometer, &[]), |s, out| {
-            let origin = Vector3::zeros();
-            out.extend(vector_reading(SensorKind::Accelerometer, s, 0, &origin).iter());
-        }),
-        (orbit, |s, out| out.extend(s.p_orbit_N.iter())),
-        (of(SensorKind::JointPosition, joints), |s, out| {
-            out.extend(&s.q)
-        }),
-        (rates, |s, out| out.extend(&s.rates)),
-        (accelerations, |s, out| out.extend(&s.accelerations)),
-        (of(SensorKind::WheelSpeed, &wheel_list), |s, out| {
-            out.extend(&s.wheel_speed)
-        }),
-        (wheels(model, &wheel_list, "Nm"), |s, out| {
-            out.extend(&s.wheel_torque)
-        }),
+        (of(SensorKind::Gyro, &[]), numbers(|s| s.w_NB_B.as_slice())),
+        (vector("domega"), numbers(|s| s.body.alpha[0].as_slice())),
         (
-            of(SensorKind::Thrust, &all(model.thrusters.len())),
-            |s, out| out.extend(&s.thrust),
+            of(SensorKind::Position, &[]),
+            numbers(|s| s.p_NoBo_N.as_slice()),
         ),
+        (
+            of(SensorKind::Velocity, &[]),
+            numbers(|s| s.v_NBo_N.as_slice()),
+        ),
+        (of(SensorKind::Accelerometer, &[]), accelerometer),
+        (orbit, numbers(|s| s.p_orbit_N.as_slice())),
+        (of(SensorKind::JointPosition, joints), numbers(|s| &s.q)),
+        (rates, numbers(|s| &s.rates)),
+        (accelerations, numbers(|s| &s.accelerations)),
+        (
+            of(SensorKind::WheelSpeed, &wheel_list),
+            numbers(|s| &s.wheel_speed),
+        ),
+        (
+            wheels(model, &wheel_list, "Nm"),
+            numbers(|s| &s.wheel_torque),
+        ),
+        (of(SensorKind::Thrust, &thrusters), numbers(|s| &s.thrust)),
+        (efforts, motor),
     ]
+}
+
+fn numbers(of: fn(&MotionSample) -> &[f64]) -> Read {
+    Box::new(move |sample, out| out.extend(of(sample)))
 }

@@ -3,7 +3,8 @@
 use super::record::Recorder;
 use super::{every, stream};
 use crate::case::{Case, Scenario};
-use crate::estimate_file::{position_key, reference};
+use crate::channel_names::position;
+use crate::estimate_file::reference;
 use indexmap::IndexMap;
 use poinsot_dynamics::propagation::ModeNumber;
 use poinsot_dynamics::{MotionSample, WheelUse, composite};
@@ -239,7 +240,7 @@ fn system(model: &Model, s: &MotionSample) -> TrueBodyFile {
     let whole = composite(&parameters, &s.kinematics);
     let joints = moving(model).zip(&s.q);
     TrueBodyFile {
-        joint_positions: joints.map(|(j, q)| (position_key(j), *q)).collect(),
+        joint_positions: joints.map(|(j, q)| (position(j), *q)).collect(),
         ..TrueBodyFile::of(mass(&MassProperties {
             mass: whole.mass,
             p_BoBcm_B: whole.p_BoScm_B(),

@@ -1,9 +1,9 @@
 //! One trial by one method.
 
+use crate::mass_numbers::names as mass_names;
 use nalgebra::{DMatrix, DVector};
 use poinsot_formats::address;
-use poinsot_identify::{Estimate, Source, Status, TENSOR, axis_name, tensor_name};
-use poinsot_spatial::MassProperties;
+use poinsot_identify::{Estimate, Source, Status};
 use serde::{Deserialize, Serialize};
 
 /// One number of a row.
@@ -193,22 +193,6 @@ pub(crate) fn estimated_numbers(estimate: &Estimate) -> Vec<RowNumber> {
         }
     }
     list
-}
-
-/// Mass, mass centre and central inertia in the order of [`mass_names`].
-pub(crate) fn values(body: &MassProperties) -> impl Iterator<Item = f64> {
-    let centre = body.p_BoBcm_B.iter().copied();
-    let inertia = TENSOR.into_iter().map(|at| body.I_BBcm_B[at]);
-    std::iter::once(body.mass).chain(centre).chain(inertia)
-}
-
-/// Addresses of mass, mass centre and central inertia of a body.
-pub(crate) fn mass_names(body: &str) -> Vec<String> {
-    let com = (0..3).map(|k| format!("com_{}", axis_name(k)));
-    let inertia = (0..6).map(|k| format!("inertia_{}", tensor_name(k)));
-    let all = std::iter::once("mass".to_owned()).chain(com).chain(inertia);
-    all.map(|name| address(&format!("{body}.{name}"), ""))
-        .collect()
 }
 
 /// `e^T C^-1 e` over the mass properties with the stated covariance; `None` if it is singular or a true value is

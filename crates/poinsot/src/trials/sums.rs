@@ -46,11 +46,7 @@ pub struct Iterations {
 pub struct NumberSums {
     /// Address; SI units throughout.
     pub name: String,
-    /// Sigma of the bound in sums of earlier versions, if equal in every trial.
-    #[serde(default, skip_serializing)]
-    bound: Option<f64>,
     /// Sigmas of the Cramer-Rao bound.
-    #[serde(default)]
     pub bounds: Squares,
     /// Trials that determined it.
     pub trials: u64,
@@ -59,7 +55,6 @@ pub struct NumberSums {
     /// Sum of their squares.
     pub square: f64,
     /// Trials among these without a stated sigma.
-    #[serde(default)]
     pub unstated: u64,
     /// Sum of the stated variances.
     pub variance: f64,
@@ -122,7 +117,6 @@ impl NumberSums {
     }
 
     fn add(&mut self, more: &Self) {
-        self.bound = self.bound.or(more.bound);
         self.bounds.count += more.bounds.count;
         self.bounds.sum += more.bounds.sum;
         self.trials += more.trials;
@@ -135,10 +129,7 @@ impl NumberSums {
 
     /// Mean square of the bound.
     fn bound_square(&self) -> Option<f64> {
-        match self.bounds.count {
-            0 => self.bound.map(|b| b * b),
-            n => Some(self.bounds.sum / n as f64),
-        }
+        finite(self.bounds.sum / self.bounds.count as f64)
     }
 
     fn add_replicate(&mut self, own: &Self, trials: u64) {
@@ -219,10 +210,8 @@ pub struct Sums {
     /// The first failed or not converged trials: number and reason.
     pub failed: Vec<(u64, String)>,
     /// Number of failed trials.
-    #[serde(default)]
     pub failures: u64,
     /// Results that are not reliable.
-    #[serde(default)]
     pub doubted: u64,
     /// Trials by status.
     pub statuses: Vec<(String, u64)>,
@@ -331,12 +320,10 @@ impl Sums {
         let number = |n: &NumberSums| (n.name.clone(), n.result(self.trials, outside));
         let mean = |(name, sum): &(String, f64)| (name.clone(), sum / count);
         let Nees { square, dof } = self.nees;
-        // Files of earlier versions have only the list.
-        let failures = self.failures.max(self.failed.len() as u64);
         let mut result = MethodResultFile {
             method: self.setup.clone(),
             trials: self.trials,
-            failed: BandedFile::share(failures, self.trials, outside),
+            failed: BandedFile::share(self.failures, self.trials, outside),
             doubted: BandedFile::share(self.doubted, self.answers, outside),
             statuses: self.statuses.iter().cloned().collect(),
             failures: self.failed.iter().take(NAMED[1]).cloned().collect(),

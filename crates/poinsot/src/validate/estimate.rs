@@ -6,7 +6,7 @@ use poinsot_dynamics::Tree;
 use poinsot_dynamics::propagation::ModeNumber;
 use poinsot_files::Place;
 use poinsot_formats::{Address, BarycentricFile, EstimateFile, NumberFile, address, unknown_name};
-use poinsot_identify::{CompletedVehicle, Completion, DeterminedCombination, Estimate, complete};
+use poinsot_identify::{CompletedVehicle, Completion, DeterminedCombination, complete};
 use poinsot_model::{FlexibleMode, Mode, ModeEstimate, Model};
 use poinsot_spatial::{InertialParameters, Matrix3, Vector3};
 use std::path::{Path, PathBuf};
@@ -43,31 +43,8 @@ pub struct EstimatedVehicle {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn read_estimate(path: &Path, model: &Model) -> Result<EstimatedVehicle, Error> {
-    let (file, read) = estimate_of(path)?;
-    if read.is_withheld() {
-        let problem = format!(
-            "its status is {}: it has no numbers to predict with",
-            read.status
-        );
-        let advice = "give an estimate with status converged or partial";
-        return Err(cannot_simulate(&file, problem, advice));
-    }
-    same_model(&read, model, &file)?;
-    let names = read.nuisance.keys().map(|key| Address::parse(key));
-    let names = names.filter(|a| a.quantity() == "frequency_Hz");
-    let model = &with_modes(model, names.map(|a| a.owner().to_owned()), |name, unit| {
-        read.nuisance.get(&address(name, unit))?.value
-    });
-    let (vehicle, completion) = match whole(&read, model) {
-        Some(vehicle) => (vehicle, None),
-        None => completed(&read, model, &file)?,
-    };
-    Ok(EstimatedVehicle {
-        mover: Mover::of_estimate(model, &vehicle),
-        completion,
-        status: read.status,
-        trustworthy: read.covariance_trustworthy,
-    })
+    let (path, read) = estimate_of(path)?;
+    of_estimate(&read, model, &path)
 }
 
 fn estimate_of(path: &Path) -> Result<(PathBuf, EstimateFile), Error> {
@@ -85,48 +62,43 @@ fn estimate_of(path: &Path) -> Result<(PathBuf, EstimateFile), Error> {
     })
 }
 
-/// Converts an estimate in memory.
+/// Converts an estimate in memory; errors name it `path`.
 ///
 /// # Errors
-/// The estimate has no numbers for a prediction.
-///
-/// ```
-#[doc = include_str!("../../doc/answer.txt")]
-/// let vehicle = validate::of_estimate(&identified.estimate, &model)?;
-/// assert!((vehicle.mover.bodies[0].I_BBo_B[(2, 2)] - 2.5).abs() < 1.0e-3);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-pub fn of_estimate(estimate: &Estimate, model: &Model) -> Result<EstimatedVehicle, Error> {
-    let numbers = || estimate.nuisance.iter();
-    let names = numbers().filter_map(|n| n.name.strip_suffix(".frequency"));
-    let model = &with_modes(model, names.map(str::to_owned), |name, _| {
-        numbers().find(|n| n.name == name)?.number.value
-    });
-    let completion = complete(
-        model,
-        &Tree::new(model),
-        &estimate.identifiability.determined,
-        estimate.identifiability.rank,
-    )?;
+/// As [`read_estimate`].
+pub fn of_estimate(
+    read: &EstimateFile,
+    model: &Model,
+    path: &Path,
+) -> Result<EstimatedVehicle, Error> {
+    if read.is_withheld() {
+        let status = &read.status;
+        let problem = format!("its status is {status}: it has no numbers to predict with");
+        let advice = "give an estimate with status converged or partial";
+        return Err(cannot_simulate(path, problem, advice));
+    }
+    same_model(read, model, path)?;
+    let model = &with_modes(model, read);
+    let (vehicle, completion) = match whole(read, model) {
+        Some(vehicle) => (vehicle, None),
+        None => completed(read, model, path)?,
+    };
     Ok(EstimatedVehicle {
-        mover: Mover::of_estimate(model, &completion.vehicle()),
-        completion: Some(completion),
-        status: estimate.status.name().to_owned(),
-        trustworthy: estimate.covariance_trustworthy(),
+        mover: Mover::of_estimate(model, &vehicle),
+        completion,
+        status: read.status.clone(),
+        trustworthy: read.covariance_trustworthy,
     })
 }
 
 /// The model with the modes of an estimate, also those that it found, as known.
-fn with_modes(
-    model: &Model,
-    names: impl Iterator<Item = String>,
-    value: impl Fn(&str, &str) -> Option<f64>,
-) -> Model {
+fn with_modes(model: &Model, read: &EstimateFile) -> Model {
     let mut model = model.clone();
-    for name in names {
-        if !model.modes.iter().any(|m| m.name == name) {
+    let names = read.nuisance.keys().map(|key| Address::parse(key));
+    for found in names.filter(|a| a.quantity() == "frequency_Hz") {
+        if !model.modes.iter().any(|m| m.name == found.owner()) {
             model.modes.push(FlexibleMode {
-                name,
+                name: found.owner().to_owned(),
                 mode: Mode::default(),
                 estimate: ModeEstimate::default(),
             });
@@ -135,8 +107,8 @@ fn with_modes(
     for own in &mut model.modes {
         own.estimate = ModeEstimate::default();
         for number in ModeNumber::groups().into_iter().flatten() {
-            let name = format!("{}.{}", own.name, number.name());
-            if let Some(found) = value(&name, number.unit()) {
+            let name = address(&format!("{}.{}", own.name, number.name()), number.unit());
+            if let Some(found) = read.nuisance.get(&name).and_then(|n| n.value) {
                 own.mode.set(*number, found);
             }
         }

@@ -4,14 +4,14 @@
 //! every unobservable direction, and the change of the prediction is measured.
 
 use super::Mover;
-use super::motion::{Path, compare_paths, path};
-use super::telemetry::held_back_chi2;
+use super::motion::{compare_paths, path};
+use super::telemetry::HeldBackFindings;
 use crate::case::Case;
 use crate::error::Error;
 use poinsot_formats::{CompletedFile, PredictionChangeFile};
 use poinsot_identify::Completion;
 use poinsot_model::Model;
-use poinsot_telemetry::Table;
+use poinsot_telemetry::{Channel, Table};
 
 /// Variation of each unobservable direction, in natural units of its unique parameter.
 const MOVED: f64 = 0.1;
@@ -24,31 +24,20 @@ const MATTERS_CHI2: f64 = 1.0e-3;
 ///
 /// # Errors
 /// A motion cannot be computed.
-///
-/// ```
-#[doc = include_str!("../../doc/answer.txt")]
-/// use poinsot::validate::{Mover, motion_effect, of_estimate, path};
-///
-/// let vehicle = of_estimate(&identified.estimate, &model)?;
-/// let own = path(&case, &vehicle.mover)?;
-/// // No direction is open, so none matters.
-/// assert!(motion_effect(&case, &model, &vehicle.completion.unwrap(), &own)?.depends_on.is_empty());
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-pub fn motion_effect(
+pub(super) fn motion_effect(
     case: &Case,
     model: &Model,
     completion: &Completion,
-    own: &Path,
+    own: &Table,
 ) -> Result<CompletedFile, Error> {
-    let travel = travel(own);
+    let travel = travel(model, own);
     effect(model, completion, MATTERS, Vec::new(), |moved, changes| {
         // A vehicle that cannot be simulated counts as changed.
         let Ok(other) = path(case, moved) else {
             return Ok(f64::INFINITY);
         };
         let mut strongest = 0.0_f64;
-        for (one, travel) in compare_paths(own, &other).iter().zip(&travel) {
+        for (one, travel) in compare_paths(model, own, &other).iter().zip(&travel) {
             match changes.iter_mut().find(|c| c.quantity == one.name) {
                 Some(known) => known.largest = known.largest.max(one.largest),
                 None => changes.push(change(&one.name, one.unit, one.largest)),
@@ -99,21 +88,16 @@ fn effect(
 }
 
 /// Largest displacement of each quantity of a path from its start, at least 1e-3 m or rad.
-fn travel(path: &Path) -> Vec<f64> {
-    let still = Path {
-        p_NoBo_N: path.p_NoBo_N.iter().map(|_| path.p_NoBo_N[0]).collect(),
-        R_NB: path.R_NB.iter().map(|_| path.R_NB[0]).collect(),
-        joints: path
-            .joints
-            .iter()
-            .map(|joint| super::JointPath {
-                position: joint.position.iter().map(|_| joint.position[0]).collect(),
-                ..joint.clone()
-            })
-            .collect(),
-        time_s: path.time_s.clone(),
+fn travel(model: &Model, path: &Table) -> Vec<f64> {
+    let still = |c: &Channel| Channel {
+        values: vec![c.values.first().copied().unwrap_or(0.0); c.values.len()],
+        ..c.clone()
     };
-    let moved = compare_paths(path, &still);
+    let still = Table {
+        channels: path.channels.iter().map(still).collect(),
+        ..Table::default()
+    };
+    let moved = compare_paths(model, path, &still);
     moved.iter().map(|c| c.largest.max(1.0e-3)).collect()
 }
 
@@ -121,17 +105,7 @@ fn travel(path: &Path) -> Vec<f64> {
 ///
 /// # Errors
 /// Model and telemetry do not match.
-///
-/// ```
-#[doc = include_str!("../../doc/answer.txt")]
-/// use poinsot::validate::{held_back_effect, of_estimate};
-///
-/// let completion = of_estimate(&identified.estimate, &model)?.completion.unwrap();
-/// // No direction is open, so none matters.
-/// assert!(held_back_effect(&model, &completion, &[table], 1.0)?.depends_on.is_empty());
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-pub fn held_back_effect(
+pub(super) fn held_back_effect(
     model: &Model,
     completion: &Completion,
     tables: &[Table],
@@ -139,8 +113,8 @@ pub fn held_back_effect(
 ) -> Result<CompletedFile, Error> {
     let none = vec![change("chi-square per degree of freedom", "", 0.0)];
     effect(model, completion, MATTERS_CHI2, none, |moved, changes| {
-        let change = match held_back_chi2(moved, tables) {
-            Ok(found) => (found - own).abs(),
+        let change = match HeldBackFindings::of(moved, tables, None) {
+            Ok(found) => (found.chi2_per_dof() - own).abs(),
             Err(faults) if faults.code().starts_with("E04") => f64::INFINITY,
             Err(other) => return Err(other),
         };

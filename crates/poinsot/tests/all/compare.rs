@@ -1,7 +1,7 @@
 //! Comparison of answers of one vehicle.
 
 use crate::shared::stsat3;
-use poinsot::compare::{CompareRequest, compare, compare_estimates};
+use poinsot::compare::{compare, compare_estimates};
 use poinsot::{EstimateFile, IdentifyRequest, estimate_file, identify};
 use poinsot_formats::ComparisonFile;
 use poinsot_report::comparison_document;
@@ -75,14 +75,9 @@ fn cli_answers_of_different_vehicles_are_refused() {
         path
     };
     let answers = vec![write("a.json", &first), write("b.json", &other)];
-    let error = compare(&CompareRequest { answers })
-        .unwrap_err()
-        .to_string();
+    let error = compare(&answers).unwrap_err().to_string();
     assert!(error.contains("E0601") && error.contains("bus"), "{error}");
-    let alone = CompareRequest {
-        answers: vec![write("a.json", &first)],
-    };
-    let error = compare(&alone).unwrap_err().to_string();
+    let error = compare(&[write("a.json", &first)]).unwrap_err().to_string();
     assert!(error.contains("at least two answers"), "{error}");
 }
 

@@ -2,7 +2,7 @@
 //! `crates/poinsot-formats/tests/integrity.rs`.
 
 use poinsot::campaign::{Plan, missing_shards, read_plan, run_shards};
-use poinsot::compare::{CompareRequest, compare};
+use poinsot::compare::compare;
 use poinsot::export::{Target, export};
 use poinsot::validate::{ValidateRequest, validate};
 use poinsot::*;
@@ -175,7 +175,7 @@ fn exact_every_reader_refuses_an_estimate_that_contradicts_itself() {
         ("check", &|| check::check(&path).err()),
         ("compare", &|| {
             let answers = vec![path.clone(), path.clone()];
-            compare(&CompareRequest { answers }).err()
+            compare(&answers).err()
         }),
         ("validate", &|| {
             let request = ValidateRequest {

@@ -93,7 +93,8 @@ fn exact_without_thrust_the_motion_under_torques_is_not_determined() {
         "{words}"
     );
     // A given total mass sets the scale.
-    let memory = of_estimate(&identified.estimate, &identified.model).unwrap();
+    let file = poinsot::estimate_file(&identified);
+    let memory = of_estimate(&file, &identified.model, folder.path()).unwrap();
     assert_eq!(memory.completion.unwrap().open.len(), 19);
 }
 
