@@ -52,3 +52,25 @@ pub(crate) fn cannot_simulate(path: &Path, problem: impl Display, advice: &str) 
     let problem = format!("this estimate cannot be simulated: {problem}");
     Error::one("E0701", Place::file(path), problem, advice)
 }
+
+/// E0001: a name that is none of the known ones.
+pub(crate) fn unknown(
+    option: &'static str,
+    name: impl Display,
+    what: &str,
+    known: impl IntoIterator<Item = &'static str>,
+) -> Error {
+    let known: Vec<&str> = known.into_iter().collect();
+    let (problem, advice) = (format!("there is no such {what}"), known.join(", "));
+    Error::usage(option, name, problem, format!("use one of {advice}"))
+}
+
+/// E0001: an accuracy that is no positive number.
+pub(crate) fn check_accuracy(relative_accuracy: f64) -> Result<(), Error> {
+    if relative_accuracy > 0.0 && relative_accuracy.is_finite() {
+        return Ok(());
+    }
+    let (option, problem) = ("--relative-accuracy", "must be a positive number");
+    let advice = "give for example 1.0";
+    Err(Error::usage(option, relative_accuracy, problem, advice))
+}

@@ -3,7 +3,7 @@
 use crate::bind::{
     Bound, RELATIVE_ACCURACY, acceleration_channels, bind, file_label, mountings, wanted_channels,
 };
-use crate::error::Error;
+use crate::error::{Error, check_accuracy, unknown};
 use crate::methods::{is_own, methods};
 use crate::progress::step;
 use crate::{mixups, motor_torque};
@@ -625,13 +625,8 @@ fn settings(question: &Question, diagnose: bool) -> Settings {
 pub(crate) fn check_method(question: &Question) -> Result<(), Error> {
     let methods = methods();
     let Some(method) = methods.iter().find(|m| m.name == question.method) else {
-        let names: Vec<&str> = methods.iter().map(|m| m.name).collect();
-        return Err(Error::usage(
-            "--method",
-            &question.method,
-            "there is no such method",
-            format!("use one of {}", names.join(", ")),
-        ));
+        let names = methods.iter().map(|m| m.name);
+        return Err(unknown("--method", &question.method, "method", names));
     };
     let known: Vec<&str> = method.variants.iter().map(|v| v.name).collect();
     if let Some(variant) = &question.variant
@@ -640,15 +635,7 @@ pub(crate) fn check_method(question: &Question) -> Result<(), Error> {
         return Err(variant_error(question, &known));
     }
     MethodSettings::parse(&question.settings)?.check(method.name, method.settings)?;
-    if !(question.relative_accuracy > 0.0 && question.relative_accuracy.is_finite()) {
-        return Err(Error::usage(
-            "--relative-accuracy",
-            question.relative_accuracy,
-            "must be a positive number",
-            "give for example 1.0",
-        ));
-    }
-    Ok(())
+    check_accuracy(question.relative_accuracy)
 }
 
 fn variant_error(question: &Question, known: &[&str]) -> Error {

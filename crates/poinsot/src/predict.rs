@@ -17,7 +17,7 @@ pub use written::{prediction_paths, write_predictions};
 
 use crate::bind::bind;
 use crate::case::{Case, Scenario, Want, estimated_numbers, read_case};
-use crate::error::{Error, unsupported};
+use crate::error::{Error, check_accuracy, unsupported};
 use crate::simulate::{free_joints, is_read, simulate_exact_watched};
 use poinsot_dynamics::Tree;
 use poinsot_formats::{AgainstDurationFile, PeakFile};
@@ -141,15 +141,7 @@ pub fn predict_case(
     model: Model,
     relative_accuracy: f64,
 ) -> Result<Prediction, Error> {
-    if !(relative_accuracy > 0.0 && relative_accuracy.is_finite()) {
-        let (option, problem) = ("--relative-accuracy", "must be a positive number");
-        return Err(Error::usage(
-            option,
-            relative_accuracy,
-            problem,
-            "give for example 1.0",
-        ));
-    }
+    check_accuracy(relative_accuracy)?;
     let scenario = case.bind(&model)?;
     refuse_unread(&scenario, &model)?;
     let wants = case.wants(&model)?;

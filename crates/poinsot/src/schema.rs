@@ -1,7 +1,7 @@
 //! JSON Schemas of the file formats by name.
 
 use crate::check::Described;
-use crate::error::Error;
+use crate::error::{Error, unknown};
 use crate::propose::InspectionAnswer;
 use poinsot_formats::StatedFile;
 use schemars::{JsonSchema, schema_for};
@@ -54,15 +54,5 @@ pub fn schema(name: &str) -> Result<Value, Error> {
         true => poinsot_model::without_null(schema),
         false => schema,
     });
-    found.ok_or_else(|| {
-        Error::usage(
-            "NAME",
-            name,
-            "there is no such format",
-            format!(
-                "use one of {}",
-                schema_names().collect::<Vec<_>>().join(", ")
-            ),
-        )
-    })
+    found.ok_or_else(|| unknown("NAME", name, "format", schema_names()))
 }

@@ -6,6 +6,7 @@
 use crate::Error;
 use crate::bind::{RELATIVE_ACCURACY, acceleration_channels, bind};
 use crate::case::{Case, parse_case, read_case};
+use crate::error::unknown;
 use crate::identify::{Question, identify_tables, read_options};
 use crate::predict::predict_case;
 use crate::report::drawn;
@@ -129,11 +130,13 @@ pub fn find(
     paper: Option<&str>,
     name: Option<&str>,
 ) -> Result<Vec<(&'static str, &'static Study)>, Error> {
-    let refuse = |value: Option<&str>, what: &str, known: Vec<&str>| {
-        let problem = format!("there is no such {what}");
-        let known = IndexSet::<&str>::from_iter(known);
-        let advice = format!("use one of {}", Vec::from_iter(known).join(", "));
-        Error::usage("study", value.unwrap_or_default(), problem, advice)
+    let refuse = |value: Option<&str>, what: &str, known: Vec<&'static str>| {
+        unknown(
+            "study",
+            value.unwrap_or_default(),
+            what,
+            IndexSet::<&str>::from_iter(known),
+        )
     };
     let own: Vec<_> = studies()
         .filter(|s| paper.is_none_or(|p| p == s.0))

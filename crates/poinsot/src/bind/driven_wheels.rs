@@ -175,35 +175,22 @@ impl<'a> Impulse<'a> {
         (step <= self.longest).then(|| self.sum[k] + since * (x[k] + 0.5 * slope * since))
     }
 
-    /// What is known of it between two times; nothing where samples are missing.
-    fn between(&self, from: f64, to: f64) -> Option<Stretch<'_>> {
+    /// Whether no sample is missing between two times.
+    fn is_whole(&self, from: f64, to: f64) -> Option<bool> {
         let t = &self.torque.time_s;
         let first = t.partition_point(|x| *x <= from).checked_sub(1)?;
         let past = t.partition_point(|x| *x < to);
         let inside = t.get(first..=past.min(t.len() - 1))?;
-        let whole = inside.windows(2).all(|w| w[1] - w[0] <= self.longest);
-        let stretch = Stretch {
-            impulse: self,
-            ends_s: [from, to],
-            ends: [self.at(from)?, self.at(to)?],
-        };
-        whole.then_some(stretch)
+        Some(inside.windows(2).all(|w| w[1] - w[0] <= self.longest))
     }
-}
 
-/// The integral of a torque between two times.
-struct Stretch<'a> {
-    impulse: &'a Impulse<'a>,
-    ends_s: [f64; 2],
-    ends: [f64; 2],
-}
-
-impl Stretch<'_> {
-    /// What it deviates at a time in between from the straight line through its ends.
-    fn deviation(&self, time_s: f64) -> Option<f64> {
-        let share = (time_s - self.ends_s[0]) / (self.ends_s[1] - self.ends_s[0]);
-        let line = self.ends[0] + share * (self.ends[1] - self.ends[0]);
-        Some(self.impulse.at(time_s)? - line)
+    /// What it deviates at a time between two others from the straight line through both; nothing where samples are
+    /// missing.
+    fn deviation(&self, [from, to]: [f64; 2], time_s: f64) -> Option<f64> {
+        let (first, last) = (self.at(from)?, self.at(to)?);
+        let share = (time_s - from) / (to - from);
+        let line = first + share * (last - first);
+        self.is_whole(from, to)?.then_some(self.at(time_s)? - line)
     }
 }
 
@@ -221,7 +208,7 @@ fn predictions(speed: &Channel, impulse: &Impulse) -> Vec<Prediction> {
         let share = (t[1] - t[0]) / (t[2] - t[0]);
         Some(Prediction {
             speed: x[1] - x[0] - share * (x[2] - x[0]),
-            impulse: impulse.between(t[0], t[2])?.deviation(t[1])?,
+            impulse: impulse.deviation([t[0], t[2]], t[1])?,
             variance: 1.0 + share * share + (1.0 - share) * (1.0 - share),
         })
     };
@@ -269,9 +256,9 @@ fn bridge(speed: &Channel, impulse: &Impulse, drive: &Drive) -> Channel {
     let pairs = speed.time_s.windows(2).zip(speed.values.windows(2));
     for (t, x) in pairs {
         points.push((t[0], x[0]));
-        let Some(stretch) = impulse.between(t[0], t[1]) else {
+        if impulse.deviation([t[0], t[1]], t[0]).is_none() {
             continue;
-        };
+        }
         let from = torque.partition_point(|s| *s <= t[0]);
         let to = torque.partition_point(|s| *s < t[1]);
         let driven = torque
@@ -280,7 +267,10 @@ fn bridge(speed: &Channel, impulse: &Impulse, drive: &Drive) -> Channel {
             .iter()
             .filter_map(|&at| {
                 let line = x[0] + (at - t[0]) / (t[1] - t[0]) * (x[1] - x[0]);
-                Some((at, line + drive.scale * stretch.deviation(at)?))
+                Some((
+                    at,
+                    line + drive.scale * impulse.deviation([t[0], t[1]], at)?,
+                ))
             });
         let all: Vec<_> = std::iter::once((t[0], x[0]))
             .chain(driven)

@@ -69,9 +69,16 @@ pub(super) fn declared_noise(
         seen_joint_rate: 0.0,
     };
     silence_given(model, tree, tables, &mut noise);
-    noise.seen_gyro = seen(&columns(SensorKind::Gyro), &gyro);
-    noise.seen_velocity = seen(&columns(SensorKind::Velocity), &noise.velocity);
-    noise.seen_joint_rate = seen_rates(model, tree, tables, &noise.joint_rate);
+    noise.seen_gyro = seen(axes(columns(SensorKind::Gyro), &gyro));
+    noise.seen_velocity = seen(axes(columns(SensorKind::Velocity), &noise.velocity));
+    let rates = tree.coordinates.iter().zip(&noise.joint_rate);
+    let rates = rates.filter(|(_, variance)| **variance > 0.0);
+    let rates = rates.flat_map(|(&at, variance)| {
+        let [_, rate] = joint_columns(&model.joints[at]);
+        let read = tables.iter().filter_map(move |t| t.channel(&rate));
+        read.map(|channel| (channel, *variance))
+    });
+    noise.seen_joint_rate = seen(rates);
     Ok(noise)
 }
 
@@ -144,31 +151,20 @@ fn silence_given(model: &Model, tree: &Tree, tables: &[Table], noise: &mut Noise
     }
 }
 
-/// Observed over declared variance, at most one: the largest over axes and segments.
-fn seen(tables: &[Vec<&Channel>], declared: &Matrix3) -> f64 {
-    let mut worst: f64 = 0.0;
-    for columns in tables {
-        for (axis, channel) in columns.iter().enumerate() {
-            if let Some(level) = noise_level(channel) {
-                worst = worst.max(level.sigma.powi(2) / declared[(axis, axis)]);
-            }
-        }
-    }
-    worst.min(1.0)
+/// Observed over declared variance, at most one: the largest over channels with their declared variances.
+fn seen<'t>(all: impl Iterator<Item = (&'t Channel, f64)>) -> f64 {
+    let share = |(channel, variance): (&Channel, f64)| {
+        let level = noise_level(channel)?;
+        Some(level.sigma.powi(2) / variance)
+    };
+    all.filter_map(share).fold(0.0, f64::max).min(1.0)
 }
 
-fn seen_rates(model: &Model, tree: &Tree, tables: &[Table], declared: &[f64]) -> f64 {
-    let mut worst: f64 = 0.0;
-    for (&at, variance) in tree.coordinates.iter().zip(declared) {
-        if *variance <= 0.0 {
-            continue;
-        }
-        let [_, rate] = joint_columns(&model.joints[at]);
-        for channel in tables.iter().filter_map(|t| t.channel(&rate)) {
-            if let Some(level) = noise_level(channel) {
-                worst = worst.max(level.sigma.powi(2) / variance);
-            }
-        }
-    }
-    worst.min(1.0)
+/// The columns of a sensor with the variances of its axes.
+fn axes<'t>(
+    columns: Vec<Vec<&'t Channel>>,
+    declared: &Matrix3,
+) -> impl Iterator<Item = (&'t Channel, f64)> {
+    let axes = columns.into_iter().flat_map(|c| c.into_iter().enumerate());
+    axes.map(|(axis, channel)| (channel, declared[(axis, axis)]))
 }

@@ -60,86 +60,20 @@ pub(super) struct Deviates {
 }
 
 impl Deviates {
-    fn stream(self) -> ChaCha8Rng {
+    /// What the stream of a draw gives for the k-th number of the address.
+    fn nth(self, k: usize, draw: impl Fn(&mut ChaCha8Rng) -> f64) -> f64 {
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed ^ DRAWS);
         rng.set_stream((self.trial << 16) | (self.draw & 0xffff));
-        rng
+        (0..=k).fold(0.0, |_, _| draw(&mut rng))
     }
 
     /// Standard normal, for the k-th number of the address.
     pub fn normal(self, k: usize) -> f64 {
-        let mut rng = self.stream();
-        let mut x = 0.0;
-        for _ in 0..=k {
-            x = StandardNormal.sample(&mut rng);
-        }
-        x
+        self.nth(k, |rng| StandardNormal.sample(rng))
     }
 
     /// Uniform in [0, 1), for the k-th number of the address.
     pub fn unit(self, k: usize) -> f64 {
-        let mut rng = self.stream();
-        let mut x = 0.0;
-        for _ in 0..=k {
-            x = unit(&mut rng);
-        }
-        x
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn sampled(kind: SamplingKind, points: u64, replicate: u64) -> Vec<Vec<f64>> {
-        super::points(Sampling { kind, points }, 3, 7, replicate)
-    }
-
-    #[test]
-    fn exact_a_latin_hypercube_has_one_point_in_every_slice() {
-        let rows = sampled(SamplingKind::LatinHypercube, 50, 4);
-        for d in 0..3 {
-            let mut slices: Vec<usize> = rows.iter().map(|r| (50.0 * r[d]) as usize).collect();
-            slices.sort_unstable();
-            assert_eq!(slices, (0..50).collect::<Vec<_>>());
-        }
-        assert_ne!(rows, sampled(SamplingKind::LatinHypercube, 50, 5));
-        assert_eq!(rows, sampled(SamplingKind::LatinHypercube, 50, 4));
-    }
-
-    /// A (t, m, s)-net has one point in every slice of each axis. The mean of a smooth function is much closer than
-    /// with independent points (variance 1/12 per number: 0.018 for 256 points).
-    #[test]
-    fn prop_scrambled_sobol_points_are_balanced() {
-        let rows = sampled(SamplingKind::Sobol, 256, 0);
-        for d in 0..3 {
-            let mut slices: Vec<usize> = rows.iter().map(|r| (256.0 * r[d]) as usize).collect();
-            slices.sort_unstable();
-            assert_eq!(slices, (0..256).collect::<Vec<_>>());
-        }
-        let mean: f64 = rows.iter().map(|r| r[0] * r[1] * r[2]).sum::<f64>() / 256.0;
-        assert!((mean - 0.125).abs() < 0.004, "{mean}");
-        assert_ne!(rows, sampled(SamplingKind::Sobol, 256, 1));
-    }
-
-    #[test]
-    fn exact_deviates_depend_on_trial_draw_and_index_alone() {
-        let of = |trial, draw| Deviates {
-            seed: 1,
-            trial,
-            draw,
-        };
-        assert_eq!(of(3, 0).normal(2), of(3, 0).normal(2));
-        let mut all = vec![
-            of(3, 0).normal(0),
-            of(3, 0).normal(1),
-            of(3, 1).normal(0),
-            of(4, 0).normal(0),
-        ];
-        all.sort_by(f64::total_cmp);
-        all.dedup();
-        assert_eq!(all.len(), 4);
-        let mean = (0..4000).map(|t| of(t, 0).normal(0)).sum::<f64>() / 4000.0;
-        assert!(mean.abs() < 4.0 / 4000.0_f64.sqrt(), "{mean}");
+        self.nth(k, unit)
     }
 }

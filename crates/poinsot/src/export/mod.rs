@@ -7,7 +7,7 @@ mod ccsds;
 mod onboard;
 mod table;
 
-use crate::error::Error;
+use crate::error::{Error, unknown};
 use poinsot_formats::{Address, BodyFile, EstimateFile, read_estimate};
 use poinsot_model::{
     BodyProperties, Patch, parse_urdf, patch_mjcf, patch_model, patch_sdf, patch_urdf,
@@ -102,12 +102,8 @@ impl FromStr for Target {
     type Err = Error;
 
     fn from_str(name: &str) -> Result<Self, Error> {
-        let names = Self::ALL.map(Self::name).join(", ");
         let found = Self::ALL.into_iter().find(|t| t.name() == name);
-        found.ok_or_else(|| {
-            let advice = format!("use one of {names}");
-            Error::usage("--to", name, "there is no such format", advice)
-        })
+        found.ok_or_else(|| unknown("--to", name, "format", Self::ALL.map(Self::name)))
     }
 }
 

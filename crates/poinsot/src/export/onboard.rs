@@ -3,6 +3,7 @@
 use super::{Exported, Source};
 use crate::error::Error;
 use poinsot_formats::{ONBOARD, OnboardBodyFile, OnboardFile};
+use poinsot_spatial::MassProperties;
 
 pub(super) fn text(source: &Source) -> Result<Exported, Error> {
     let e = source.estimate;
@@ -11,14 +12,17 @@ pub(super) fn text(source: &Source) -> Result<Exported, Error> {
         return Err(source.nothing(&left_out, ""));
     }
     let body = |p: &poinsot_model::BodyProperties| {
-        let p = (&p.body, &p.properties);
-        let rows = std::array::from_fn(|i| std::array::from_fn(|j| p.1.I_BBcm_B[(i, j)]));
+        let MassProperties {
+            mass,
+            p_BoBcm_B,
+            I_BBcm_B,
+        } = p.properties;
         let numbers = OnboardBodyFile {
-            mass_kg: p.1.mass,
-            com_m: p.1.p_BoBcm_B.into(),
-            inertia_kg_m2: rows,
+            mass_kg: mass,
+            com_m: p_BoBcm_B.into(),
+            inertia_kg_m2: std::array::from_fn(|i| std::array::from_fn(|j| I_BBcm_B[(i, j)])),
         };
-        (p.0.clone(), numbers)
+        (p.body.clone(), numbers)
     };
     let finite = |row: &Vec<Option<f64>>| row.iter().copied().collect::<Option<Vec<f64>>>();
     let matrix: Option<Vec<Vec<f64>>> = e.covariance.matrix.iter().map(finite).collect();

@@ -1,18 +1,18 @@
 //! Fills the report data in addition to `estimate.json`: curves, vehicle geometry, truth, command line.
 
-use super::placed::{placed, rows};
+use super::placed::placed;
 use crate::channel_names::joint_unit;
 use crate::identify::Identified;
 use crate::simulate::true_mass;
 use indexmap::IndexMap;
 use poinsot_dynamics::{Kinematics, Tree, composite};
 use poinsot_formats::{
-    Channel, DrawnBody, MassFile, REPORT_DATA, ReportData, Row, Segment, TrueBodyFile,
-    TrueNumberFile, TrueNumbers, Vehicle, read_truth,
+    Channel, MassFile, REPORT_DATA, ReportData, Row, Segment, TrueBodyFile, TrueNumberFile,
+    TrueNumbers, Vehicle, read_truth,
 };
 use poinsot_identify::{BodyEstimate, Number, PredictedChannel, Prediction};
 use poinsot_model::JointKind;
-use poinsot_spatial::{MassProperties, Matrix3};
+use poinsot_spatial::{MassProperties, Matrix3, TENSOR};
 use std::path::Path;
 
 /// Largest number of firings kept per segment.
@@ -113,21 +113,22 @@ fn vehicle(identified: &Identified) -> Vehicle {
     if let Some(q) = position.filter(|q| q.len() == tree.dof()) {
         kinematics.place(&tree, &q);
     }
-    let bodies = identified.estimate.bodies.iter().enumerate();
-    let bodies = bodies.map(|(at, b)| drawn_body(b, kinematics.p[at].into(), &kinematics.R[at]));
-    placed(model, &kinematics, bodies.collect())
+    let bodies = identified.estimate.bodies.iter();
+    placed(model, &kinematics, bodies.map(|b| (best(b), b.asked)))
 }
 
-fn drawn_body(b: &BodyEstimate, origin_m: [f64; 3], R: &Matrix3) -> DrawnBody {
+/// Estimates, and nominal numbers where there are none.
+fn best(b: &BodyEstimate) -> MassProperties {
     let best = |n: &Number| n.value.unwrap_or(n.nominal);
-    DrawnBody {
-        name: b.name.clone(),
-        origin_m,
-        rotation: rows(R),
-        mass_kg: best(&b.mass),
-        com_m: [0, 1, 2].map(|k| best(&b.com[k])),
-        inertia_kg_m2: std::array::from_fn(|k| best(&b.inertia[k])),
-        estimated: b.asked,
+    let mut I_BBcm_B = Matrix3::zeros();
+    for ((i, j), n) in TENSOR.into_iter().zip(&b.inertia) {
+        I_BBcm_B[(i, j)] = best(n);
+        I_BBcm_B[(j, i)] = best(n);
+    }
+    MassProperties {
+        mass: best(&b.mass),
+        p_BoBcm_B: b.com.each_ref().map(best).into(),
+        I_BBcm_B,
     }
 }
 

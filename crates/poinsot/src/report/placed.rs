@@ -3,35 +3,30 @@
 use poinsot_dynamics::Kinematics;
 use poinsot_formats::{DrawnBody, DrawnJoint, DrawnSensor, Pointer, Vehicle};
 use poinsot_model::{JointKind, Model};
-use poinsot_spatial::{MassProperties, Matrix3, TENSOR, Vector3};
+use poinsot_spatial::{MassProperties, TENSOR, Vector3};
 
 /// With the nominal numbers of every body.
 pub(super) fn nominal(model: &Model, kinematics: &Kinematics) -> Vehicle {
-    let bodies = model.bodies.iter().enumerate().map(|(at, body)| {
-        let MassProperties {
-            mass,
-            p_BoBcm_B,
-            I_BBcm_B,
-        } = body.nominal;
-        DrawnBody {
-            name: body.name.clone(),
-            origin_m: kinematics.p[at].into(),
-            rotation: rows(&kinematics.R[at]),
-            mass_kg: mass,
-            com_m: p_BoBcm_B.into(),
-            inertia_kg_m2: TENSOR.map(|at| I_BBcm_B[at]),
-            estimated: body.estimate.any(),
-        }
-    });
-    placed(model, kinematics, bodies.collect())
+    let bodies = model.bodies.iter();
+    let bodies = bodies.map(|body| (body.nominal, body.estimate.any()));
+    placed(model, kinematics, bodies)
 }
 
-pub(super) fn rows(R: &Matrix3) -> [[f64; 3]; 3] {
-    [0, 1, 2].map(|i| [0, 1, 2].map(|j| R[(i, j)]))
-}
-
-/// With these bodies.
-pub(super) fn placed(model: &Model, kinematics: &Kinematics, bodies: Vec<DrawnBody>) -> Vehicle {
+/// With these mass properties of its bodies, estimated or not.
+pub(super) fn placed(
+    model: &Model,
+    kinematics: &Kinematics,
+    bodies: impl Iterator<Item = (MassProperties, bool)>,
+) -> Vehicle {
+    let drawn = |(at, (own, estimated)): (usize, (MassProperties, bool))| DrawnBody {
+        name: model.bodies[at].name.clone(),
+        origin_m: kinematics.p[at].into(),
+        rotation: [0, 1, 2].map(|i| [0, 1, 2].map(|j| kinematics.R[at][(i, j)])),
+        mass_kg: own.mass,
+        com_m: own.p_BoBcm_B.into(),
+        inertia_kg_m2: TENSOR.map(|at| own.I_BBcm_B[at]),
+        estimated,
+    };
     let name = |body: usize| {
         let found = model.bodies.get(body).map(|b| b.name.clone());
         found.unwrap_or_default()
@@ -64,7 +59,7 @@ pub(super) fn placed(model: &Model, kinematics: &Kinematics, bodies: Vec<DrawnBo
         quantisation: s.quantisation,
     });
     Vehicle {
-        bodies,
+        bodies: bodies.enumerate().map(drawn).collect(),
         joints: joints.collect(),
         wheels: wheels.collect(),
         thrusters: thrusters.collect(),
