@@ -86,7 +86,7 @@
 //! - `bind/`: table and model become samples and noise. `bind/cut.rs`: pieces between gaps. `bind/free_fall.rs`:
 //!   positions on an orbit.
 //! - `case/`: the case file.
-//! - `estimate_file.rs`, `diagnostics_file.rs`: the answer as result file.
+//! - `estimate_file.rs`: the answer as result file.
 //! - `output.rs`: files of an estimate. `written.rs`: files of one answer, put in place together.
 //! - `channel_names.rs`: standard names of a sensor. `threads.rs`: at most one thread per core.
 //! - `error.rs`, `error/`: errors of the commands. `explain.rs`: every error code with cause and remedy.
@@ -102,7 +102,6 @@ pub mod case;
 mod channel_names;
 pub mod check;
 pub mod compare;
-mod diagnostics_file;
 mod draft;
 mod error;
 mod estimate_file;

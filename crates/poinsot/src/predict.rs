@@ -4,27 +4,26 @@
 //! noise this gives the Cramer-Rao bound. Neither telemetry nor an estimator is used.
 
 mod file;
-mod lengths;
 mod peaks;
-mod wanted;
 mod written;
 
-pub use file::prediction_file;
-pub use lengths::against_duration;
-pub use peaks::Peaks;
-pub use wanted::{Met, covariance_name, wanted_sigma};
-pub use written::{prediction_paths, write_predictions};
-
-use crate::bind::bind;
+use crate::bind::{bind, cut_at, solve};
 use crate::case::{Case, Scenario, Want, estimated_numbers, read_case};
 use crate::error::{Error, check_accuracy, unsupported};
-use crate::simulate::{free_joints, is_read, simulate_exact_watched};
+use crate::simulate::{free_joints, is_read, simulate_exact, simulate_exact_watched};
+pub use file::prediction_file;
+#[doc(hidden)]
+pub use peaks::Peaks;
 use poinsot_dynamics::Tree;
-use poinsot_formats::{AgainstDurationFile, PeakFile};
-use poinsot_identify::{Estimate, Problem, predicted_covariance};
+use poinsot_formats::{AgainstDurationFile, PeakFile, SigmasFile, finite};
+use poinsot_identify::{
+    BodyEstimate, Estimate, Problem, Source, WantedNumber, WantedTerm, axis_name,
+    predicted_covariance, tensor_name,
+};
 use poinsot_model::{Joint, Model, read_model};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
+pub use written::{prediction_paths, write_predictions};
 
 /// Memory of the measurements and derivatives of a row, bytes.
 const OF_ROW: f64 = 1100.0;
@@ -182,4 +181,93 @@ fn refuse_unread(scenario: &Scenario, model: &Model) -> Result<(), Error> {
         format!("joint '{name}' moves by torque or spring, but no sensor measures it"),
         "add [[sensor]] type = \"joint_position\" for it, or prescribe it with [[joint_motion]]",
     ))
+}
+
+/// A wanted number with its predicted sigma.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Met {
+    /// Wanted number.
+    pub want: Want,
+    /// Predicted sigma; `None` if not identifiable.
+    pub sigma: Option<f64>,
+}
+
+impl Met {
+    /// Whether the predicted sigma reaches the wanted one.
+    pub fn is_met(&self) -> bool {
+        self.sigma.is_some_and(|s| s <= self.want.sigma)
+    }
+}
+
+/// Sigma of a wanted number under the covariance of an estimate or bound.
+pub fn wanted_sigma(estimate: &Estimate, want: &Want) -> Option<f64> {
+    let mut parts: Vec<(usize, f64)> = Vec::new();
+    for term in &want.terms {
+        let body = estimate.bodies.get(term.body)?;
+        if source(body, term.number) == Source::Known {
+            continue;
+        }
+        let name = covariance_name(body, term);
+        let at = estimate.covariance_names.iter().position(|n| *n == name)?;
+        parts.push((at, term.factor));
+    }
+    let covariance = &estimate.covariance;
+    let row = |(i, a): &(usize, f64)| -> f64 {
+        parts.iter().map(|(j, b)| a * b * covariance[*i][*j]).sum()
+    };
+    let variance: f64 = parts.iter().map(row).sum();
+    variance.is_finite().then(|| variance.max(0.0).sqrt())
+}
+
+/// Name of a number in the covariance of an estimate: `bus.mass`, `bus.com_x`, `bus.inertia_xx`.
+pub fn covariance_name(body: &BodyEstimate, term: &WantedTerm) -> String {
+    let own = match term.number {
+        WantedNumber::Mass => "mass".to_owned(),
+        WantedNumber::MassCentre(k) => format!("com_{}", axis_name(k)),
+        WantedNumber::Inertia(k) => format!("inertia_{}", tensor_name(k)),
+    };
+    format!("{}.{own}", body.name)
+}
+
+fn source(body: &BodyEstimate, number: WantedNumber) -> Source {
+    match number {
+        WantedNumber::Mass => body.mass.source,
+        WantedNumber::MassCentre(k) => body.com[k].source,
+        WantedNumber::Inertia(k) => body.inertia[k].source,
+    }
+}
+
+/// Number of equally spaced ends of the record.
+const PARTS: u32 = 12;
+
+/// Sigmas of the wanted numbers for records that end after each twelfth of the duration.
+///
+/// # Errors
+/// The case cannot be simulated.
+pub fn against_duration(
+    case: &Case,
+    model: &Model,
+    wants: &[Want],
+    relative_accuracy: f64,
+) -> Result<AgainstDurationFile, Error> {
+    let exact = simulate_exact(case, model)?.table;
+    let parts = 1..=PARTS;
+    let end = |part: u32| case.duration_s * f64::from(part) / f64::from(PARTS);
+    let end_s: Vec<f64> = parts.map(end).collect();
+    let sigmas = |end_s: &f64| -> Vec<Option<f64>> {
+        let record = [cut_at(&exact, *end_s)];
+        // A record with too few samples determines nothing.
+        let estimate = solve(model, &record, relative_accuracy, predicted_covariance).ok();
+        let sigma = |want: &Want| wanted_sigma(estimate.as_ref()?, want);
+        wants.iter().map(sigma).collect()
+    };
+    let sigmas: Vec<Vec<Option<f64>>> = end_s.par_iter().map(sigmas).collect();
+    let number = |(k, want): (usize, &Want)| SigmasFile {
+        name: want.name.clone(),
+        unit: want.unit.to_owned(),
+        wanted_sigma: finite(want.sigma),
+        sigma: sigmas.iter().map(|of_end| of_end[k]).collect(),
+    };
+    let numbers = wants.iter().enumerate().map(number).collect();
+    Ok(AgainstDurationFile { end_s, numbers })
 }

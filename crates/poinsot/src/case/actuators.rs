@@ -20,8 +20,7 @@ impl Planner<'_> {
         key: &str,
     ) -> Option<WheelMotion> {
         let wrong = |planner: &mut Self, problem: &str, remedy: &str| {
-            planner.refuse("E0507", key, problem, remedy);
-            None
+            planner.refused("E0507", key, problem, remedy)
         };
         let column = match &table.column {
             Some(column) => column.clone(),

@@ -46,29 +46,29 @@ impl Case {
     /// # Errors
     /// As [`Self::bind`].
     pub fn bind_around(&self, model: &Model, open: Open) -> Result<Scenario, Error> {
-        let mut planner = self.planner(model);
-        planner.open = open;
         let file = &self.file;
-        let plan = planner.control(file).unwrap_or_else(|| {
-            let (wheels, firings) = (&file.wheel_motion, &file.firing);
-            let (mut plan, led) = planner.plan(&file.joint_motion, wheels, firings);
-            planner.drives(&file.joint_torque, &file.initial.joint, &mut plan, &led);
-            plan
-        });
-        let start = start(&mut planner, &file.initial);
-        let sensors = sensor_outputs(&mut planner, &file.output);
-        if planner.faults.is_empty() {
-            let numbers = MOTION + model.joints.len() * OF_JOINT + sensors.len() * OF_SENSOR;
-            self.check_memory((8 * COPIES * numbers) as f64)?;
-        }
-        let scenario = Scenario {
-            plan,
-            start,
-            times: self.times(),
-            sensors_only: file.output.sensors_only,
-            sensors,
-        };
-        self.text.none_or(planner.faults, scenario)
+        self.planned(model, |planner| {
+            planner.open = open;
+            let plan = planner.control(file).unwrap_or_else(|| {
+                let (wheels, firings) = (&file.wheel_motion, &file.firing);
+                let (mut plan, led) = planner.plan(&file.joint_motion, wheels, firings);
+                planner.drives(&file.joint_torque, &file.initial.joint, &mut plan, &led);
+                plan
+            });
+            let start = start(planner, &file.initial);
+            let sensors = sensor_outputs(planner, &file.output);
+            if planner.faults.is_empty() {
+                let numbers = MOTION + model.joints.len() * OF_JOINT + sensors.len() * OF_SENSOR;
+                self.check_memory((8 * COPIES * numbers) as f64)?;
+            }
+            Ok(Scenario {
+                plan,
+                start,
+                times: self.times(),
+                sensors_only: file.output.sensors_only,
+                sensors,
+            })
+        })?
     }
 }
 

@@ -112,13 +112,13 @@ impl Case {
         let Some(file) = &self.file.design else {
             return Ok(None);
         };
-        let mut planner = self.planner(model);
-        if self.file.control.is_some() {
-            let problem = "a design commands joints and wheels itself";
-            planner.refuse("E0507", "control", problem, "leave [control] out");
-        }
-        let design = planner.design(&self.file, file);
-        self.text.none_or(planner.faults, Some(design))
+        self.planned(model, |planner| {
+            if self.file.control.is_some() {
+                let problem = "a design commands joints and wheels itself";
+                planner.refuse("E0507", "control", problem, "leave [control] out");
+            }
+            Some(planner.design(&self.file, file))
+        })
     }
 }
 
@@ -224,7 +224,6 @@ impl Planner<'_> {
             ),
             _ => return Some((form, returns)),
         };
-        self.refuse("E0507", key, problem, remedy);
-        None
+        self.refused("E0507", key, problem, remedy)
     }
 }

@@ -62,8 +62,7 @@ impl Planner<'_> {
         let (Some(time), Some(position)) = (&table.time_s, position) else {
             let problem = "time_s and position are needed";
             let remedy = "add time_s = [...] and position_rad = [...] (prismatic: position_m)";
-            self.refuse("E0502", key, problem, remedy);
-            return None;
+            return self.refused("E0502", key, problem, remedy);
         };
         let motion = match table.interpolation.as_str() {
             "quintic_rest" => JointMotion::quintic_rest,

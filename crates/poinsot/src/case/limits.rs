@@ -83,9 +83,7 @@ impl Case {
     /// # Errors
     /// All faults with this model.
     pub fn limits(&self, model: &Model) -> Result<Limits, Error> {
-        let mut planner = self.planner(model);
-        let limits = planner.limits(&self.file.limits);
-        self.text.none_or(planner.faults, limits)
+        self.planned(model, |planner| planner.limits(&self.file.limits))
     }
 }
 
@@ -142,8 +140,7 @@ impl Planner<'_> {
             let unit = table.position_m.map_or("rad", |_| "m");
             let key = format!("{key}.position_{unit}");
             let problem = "the range of positions is empty";
-            self.refuse("E0505", &key, problem, "give [lowest, highest]");
-            return None;
+            return self.refused("E0505", &key, problem, "give [lowest, highest]");
         }
         let limit = |rad: Option<f64>, m: Option<f64>| rad.or(m).unwrap_or(f64::INFINITY);
         Some(JointLimit {
@@ -181,8 +178,7 @@ impl Planner<'_> {
             (None, Some(x)) => (x, true),
             _ => {
                 let problem = "a cone needs either keep_out_rad or keep_in_rad";
-                self.refuse("E0507", key, problem, "give one of the two");
-                return None;
+                return self.refused("E0507", key, problem, "give one of the two");
             }
         };
         Some(Cone {

@@ -198,14 +198,23 @@ impl Case {
         poinsot_files::check_memory(&what, rows * bytes_of_row)
     }
 
-    /// Collects the plan and the faults of the case for a model.
-    fn planner<'c>(&'c self, model: &'c Model) -> Planner<'c> {
-        Planner {
+    /// What a planner makes of the case for a model.
+    ///
+    /// # Errors
+    /// All faults that it has found.
+    fn planned<'c, T>(
+        &'c self,
+        model: &'c Model,
+        plan: impl FnOnce(&mut Planner<'c>) -> T,
+    ) -> Result<T, Error> {
+        let mut planner = Planner {
             text: &self.text,
             model,
             tree: Tree::new(model),
             open: Open::default(),
             faults: Vec::new(),
-        }
+        };
+        let planned = plan(&mut planner);
+        self.text.none_or(planner.faults, planned)
     }
 }

@@ -102,6 +102,18 @@ impl<'c> Planner<'c> {
         self.faults.push(fault);
     }
 
+    /// Nothing in place of what is refused.
+    pub fn refused<T>(
+        &mut self,
+        code: &'static str,
+        key: &str,
+        problem: impl Into<String>,
+        remedy: impl Into<String>,
+    ) -> Option<T> {
+        self.refuse(code, key, problem, remedy);
+        None
+    }
+
     /// The plan of a case, and the joint coordinates that it moves; other joints keep their locked position.
     pub fn plan(
         &mut self,
@@ -162,8 +174,7 @@ impl<'c> Planner<'c> {
                 None => {
                     let problem = "a second motion for the same joint or wheel";
                     let remedy = "only nodes of positions or speeds follow each other; keep one";
-                    self.refuse("E0504", &key, problem, remedy);
-                    return None;
+                    return self.refused("E0504", &key, problem, remedy);
                 }
             }
         }
@@ -174,8 +185,7 @@ impl<'c> Planner<'c> {
             let Ok(both) = all.clone().then(&next) else {
                 let problem = "a second motion for the same joint or wheel at the same time";
                 let remedy = "keep one of the two, or let one begin after the other has ended";
-                self.refuse("E0504", &key, problem, remedy);
-                return None;
+                return self.refused("E0504", &key, problem, remedy);
             };
             let (from, to) = (all.ends().1, next.ends().0);
             let end = all.nodes().last().copied();
@@ -185,8 +195,7 @@ impl<'c> Planner<'c> {
             if jumps && !is_designed {
                 let problem = format!("it begins at {to}, but the motion before it ends at {from}");
                 let remedy = "let one begin where the other ends";
-                self.refuse("E0507", &key, problem, remedy);
-                return None;
+                return self.refused("E0507", &key, problem, remedy);
             }
             all = both;
         }
@@ -199,8 +208,7 @@ impl<'c> Planner<'c> {
         let found = names.iter().position(|own| *own == name);
         let Some(at) = found else {
             let problem = format!("the model has no {} of this name", kind.word());
-            self.refuse("E0504", key, problem, did_you_mean(name, names.into_iter()));
-            return None;
+            return self.refused("E0504", key, problem, did_you_mean(name, names.into_iter()));
         };
         if kind != Part::Joint {
             return found;
@@ -238,8 +246,7 @@ impl<'c> Planner<'c> {
         if !q.norm().is_finite() || (q.norm() - 1.0).abs() > 1e-3 {
             let problem = format!("norm {} is not 1", rounded(q.norm(), 6));
             let remedy = "give a unit quaternion, scalar last, body to inertial";
-            self.refuse("E0505", key, problem, remedy);
-            return None;
+            return self.refused("E0505", key, problem, remedy);
         }
         Some(UnitQuaternion::new_normalize(q))
     }
@@ -266,8 +273,7 @@ impl<'c> Planner<'c> {
             NodeError::NotIncreasing(_) => ("E0506", "time_s"),
         };
         let key = format!("{key}.{name}");
-        self.refuse(code, &key, error.to_string(), node_remedy(&error));
-        None
+        self.refused(code, &key, error.to_string(), node_remedy(&error))
     }
 }
 

@@ -119,8 +119,7 @@ impl Planner<'_> {
             return Some(numbers.to_vec());
         }
         let problem = format!("{} numbers for {channels} channels", numbers.len());
-        self.refuse("E0506", key, problem, "give one per channel");
-        None
+        self.refused("E0506", key, problem, "give one per channel")
     }
 
     /// One number for each joint, wheel or thruster of a sensor, or one for all; three of a sensor with axes.

@@ -108,8 +108,7 @@ impl Planner<'_> {
             _ => {
                 let problem =
                     "a budget is impulse_N_s, or propellant_kg together with specific_impulse_s";
-                self.refuse("E0507", key, problem, "give one of the two");
-                return None;
+                return self.refused("E0507", key, problem, "give one of the two");
             }
         };
         Some(ImpulseLimit {

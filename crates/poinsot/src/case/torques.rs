@@ -133,8 +133,7 @@ impl Planner<'_> {
                 self.only(table, key, &["table", "interpolation"])?;
                 let Some(time) = &table.time_s else {
                     let problem = format!("{name} needs time_s");
-                    self.refuse("E0502", key, problem, "add time_s = [...]");
-                    return None;
+                    return self.refused("E0502", key, problem, "add time_s = [...]");
                 };
                 let build = self.interpolation(table.interpolation.as_deref(), OF_TORQUE, key)?;
                 let profile = self.checked(build(time, x), key, name)?;
@@ -150,8 +149,7 @@ impl Planner<'_> {
                 let remedy = format!(
                     "give constant_{unit}; or amplitude_{unit} with frequency_rad_s; or time_s with {name}; or file"
                 );
-                self.refuse("E0507", key, problem, remedy);
-                None
+                self.refused("E0507", key, problem, remedy)
             }
         }
     }
@@ -164,8 +162,7 @@ impl Planner<'_> {
             return Some(());
         };
         let problem = format!("this key does not belong to a motor given as {}", forms[0]);
-        self.refuse("E0507", &format!("{key}.{name}"), problem, "leave it out");
-        None
+        self.refused("E0507", &format!("{key}.{name}"), problem, "leave it out")
     }
 
     fn sinusoid(
@@ -246,29 +243,25 @@ impl Planner<'_> {
                     ),
                     _ => (e.to_string(), "or give another file"),
                 };
-                self.refuse("E0511", &key, problem, remedy);
-                return None;
+                return self.refused("E0511", &key, problem, remedy);
             }
         };
         let Some(channel) = found.channel(column) else {
             let names = found.channels.iter().map(|c| c.name.as_str());
             let remedy = did_you_mean(column, names);
             let problem = format!("the file has no column \"{column}\"");
-            self.refuse("E0511", &key, problem, remedy);
-            return None;
+            return self.refused("E0511", &key, problem, remedy);
         };
         if !units.iter().any(|unit| column.ends_with(unit)) {
             let problem = format!("column \"{column}\" is of another quantity");
             let remedy = format!("name a column that ends in {}", units.join(" or "));
-            self.refuse("E0511", &key, problem, remedy);
-            return None;
+            return self.refused("E0511", &key, problem, remedy);
         }
         match build(&channel.time_s, &channel.values) {
             Ok(profile) => Some(profile),
             Err(e) => {
                 let problem = format!("column \"{column}\": {e}");
-                self.refuse("E0511", &key, problem, node_remedy(&e));
-                None
+                self.refused("E0511", &key, problem, node_remedy(&e))
             }
         }
     }

@@ -33,12 +33,11 @@ impl Case {
     /// # Errors
     /// All faults with this model.
     pub fn wants(&self, model: &Model) -> Result<Vec<Want>, Error> {
-        let mut planner = self.planner(model);
-        let mut wants = Vec::new();
-        for (i, table) in self.file.want.iter().enumerate() {
-            wants.extend(planner.want(table, &format!("want[{i}]")));
-        }
-        self.text.none_or(planner.faults, wants)
+        let tables = self.file.want.iter().enumerate();
+        self.planned(model, |planner| {
+            let wants = tables.flat_map(|(i, table)| planner.want(table, &format!("want[{i}]")));
+            wants.collect()
+        })
     }
 }
 
@@ -69,8 +68,7 @@ impl Planner<'_> {
                 let problem = "each [[want]] needs either sigma or relative";
                 let remedy =
                     "write sigma = X in the unit of the number, or relative = X as a share of it";
-                self.refuse("E0507", key, problem, remedy);
-                None
+                self.refused("E0507", key, problem, remedy)
             }
         }
     }
@@ -87,8 +85,7 @@ impl Planner<'_> {
         }
         let problem = "a mass centre or a combination has no natural scale";
         let key = format!("{key}.relative");
-        self.refuse("E0507", &key, problem, "give sigma in its unit");
-        None
+        self.refused("E0507", &key, problem, "give sigma in its unit")
     }
 
     fn combination(&mut self, sum: &BTreeMap<String, f64>, key: &str) -> Vec<Want> {
@@ -155,13 +152,6 @@ impl Planner<'_> {
 }
 
 /// Every number estimated in the model, with infinite wanted sigma.
-///
-/// ```
-#[doc = include_str!("../../doc/case.txt")]
-/// // The six elements of its tensor.
-/// assert_eq!(case::estimated_numbers(&model).len(), 6);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
 pub fn estimated_numbers(model: &Model) -> Vec<Want> {
     let mut all = all_numbers(model);
     all.retain(|want| want.terms.iter().all(|term| is_estimated(model, term)));

@@ -31,17 +31,6 @@ pub struct EstimatedVehicle {
 ///
 /// # Errors
 /// The file cannot be read, belongs to another model, or has no determined numbers.
-///
-/// ```
-#[doc = include_str!("../../doc/answer.txt")]
-/// # let out = std::env::temp_dir().join(format!("poinsot-vehicle-{}", std::process::id()));
-/// write_estimate(&out, &identified)?;
-/// let vehicle = validate::read_estimate(&out, &model)?;
-/// // Every number is determined: nothing was completed.
-/// assert!(vehicle.trustworthy && vehicle.completion.is_none());
-/// # std::fs::remove_dir_all(&out)?;
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
 pub fn read_estimate(path: &Path, model: &Model) -> Result<EstimatedVehicle, Error> {
     let (path, read) = estimate_of(path)?;
     of_estimate(&read, model, &path)
