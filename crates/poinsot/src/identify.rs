@@ -504,10 +504,7 @@ fn answer(model: Model, tables: Vec<Table>, question: &Question) -> Result<Ident
         }
     };
     known_as_exact(&model, &mut estimate);
-    let mut findings = motor_torque::contradictions((&model, &tree), &tables, &bound);
-    if is_own(&question.method) {
-        findings.extend(mixups::rates(&model, &tables, &estimate));
-    }
+    let findings = motor_torque::contradictions((&model, &tree), &tables, &bound);
     if bound.dropped > ALLOWED_LOSS {
         not_acceptable(&mut estimate, bound.dropped, "a segment");
     }

@@ -92,7 +92,7 @@
 //! - `error.rs`, `error/`: errors of the commands. `explain.rs`: every error code with cause and remedy.
 //! - `export/`: the answer as a file of another program, one file per format.
 //! - `mass_numbers.rs`: mass, mass centre and inertia of a body, in one order.
-//! - `mixups.rs`: unit and axis errors that only the answer reveals.
+//! - `mixups.rs`: unit errors that only the answer reveals.
 #![allow(non_snake_case)]
 
 #[doc(hidden)]
