@@ -16,6 +16,8 @@ use change::put_right;
 use poinsot_solve::LeastSquares;
 use table::Convention;
 
+pub(super) use table::UNITS;
+
 /// Shares of the record that are tried as its beginning: each twice the one before, so that all fits together take no longer
 /// than one of the whole record.
 const BEGINNINGS: [f64; 4] = [0.0625, 0.125, 0.25, 0.5];

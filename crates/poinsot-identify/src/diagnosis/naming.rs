@@ -1,16 +1,9 @@
 //! Meaning of a suspect's values, if clear: a wrong sign, a wrong unit.
 
+use super::conventions::UNITS;
 use super::types::{FaultKind, Suspect};
 use crate::fit::experiment::Experiment;
 use crate::problem::parameters::UnknownKind;
-
-/// Factors of common unit errors.
-const MISTAKEN: [(f64, &str); 4] = [
-    (57.295_779_5, "radians used as degrees"),
-    (0.017_453_293, "degrees used as radians"),
-    (0.104_719_755, "revolutions per minute used as rad/s"),
-    (std::f64::consts::TAU, "revolutions used as radians"),
-];
 
 pub(super) fn near(value: f64, wanted: f64) -> bool {
     (value / wanted - 1.0).abs() < 0.2
@@ -31,7 +24,7 @@ pub(super) fn name(experiment: &Experiment, suspect: &mut Suspect) {
             if near(ratio, -1.0) {
                 suspect.fault = FaultKind::WheelSign;
                 suspect.name = format!("a wrong sign of {}", wheel.name);
-            } else if let Some((_, what)) = MISTAKEN.iter().find(|(f, _)| near(ratio, *f)) {
+            } else if let Some((_, what)) = UNITS.iter().find(|(f, _)| near(ratio, *f)) {
                 suspect.fault = FaultKind::Units;
                 suspect.name = format!("a wrong unit of {} ({what})", wheel.name);
             }
@@ -53,7 +46,7 @@ pub(super) fn name(experiment: &Experiment, suspect: &mut Suspect) {
             "delayed thrust samples".clone_into(&mut suspect.name);
         }
         UnknownKind::Sensor { .. } if suspect.fault == FaultKind::GyroScale => {
-            for (factor, what) in MISTAKEN {
+            for (factor, what) in UNITS {
                 // The gyro reads (1 + scale) w: the reading is 1/factor of what it should be.
                 let mut scales = suspect.values.iter().map(|v| 1.0 + v.value);
                 if scales.all(|scale| near(scale, 1.0 / factor)) {

@@ -9,7 +9,7 @@ use poinsot_spatial::Matrix3;
 use std::f64::consts::{PI, TAU};
 
 /// Factors that make a number of a wrong unit right, and the mistake.
-const UNITS: [(f64, &str); 4] = [
+pub(in crate::diagnosis) const UNITS: [(f64, &str); 4] = [
     (PI / 180.0, "degrees used as radians"),
     (PI / 30.0, "revolutions per minute used as rad/s"),
     (TAU, "revolutions used as radians"),
