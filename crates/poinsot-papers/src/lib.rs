@@ -37,8 +37,8 @@
 //!
 //! # Files
 //! - `kim2010/`, `ma2008/`, `xu2017/`: the methods, each with its `studies/`.
-//! - `method.rs`: the list `METHODS`, from which the command line, `poinsot methods`, `poinsot study`, help and error
-//!   codes are made.
+//! - `method.rs`: what a method is. `registry.rs`: the list `METHODS`, from which the command line, `poinsot methods`,
+//!   `poinsot study`, help and error codes are made.
 //! - `numbers.rs`: the ten numbers of a body. `certified.rs`: numbers of a method in the answer that certifies them.
 //! - `study/`: input (`context.rs`) and output (`findings.rs`) of a study, noise and quantiles (`statistics.rs`).
 //!
@@ -55,11 +55,13 @@ pub mod kim2010;
 pub mod ma2008;
 mod method;
 mod numbers;
+mod registry;
 mod samples;
 mod setting;
 pub mod study;
 pub mod xu2017;
 
-pub use method::{Kernel, METHODS, Method, Named, VariantText, identify_by, method, studies};
+pub use method::{Kernel, Method, Named, VariantText};
 pub use numbers::answered;
+pub use registry::{METHODS, identify_by, method, studies};
 pub use setting::{SettingText, Settings};

@@ -83,11 +83,8 @@ fn write(problem: &Problem, given: Given, solved: &NoisySolution, ten: &Ten) -> 
     let links = links.map(|b: &Body| BodyEstimate::known(b.name.clone(), &b.nominal));
     let kept: Vec<usize> = (0..10).filter(|&k| !ten.open[k]).collect();
     let scale = ten.inflation * ten.inflation;
-    let row = |&i: &usize| {
-        kept.iter()
-            .map(|&j| scale * ten.mean_square(i, j))
-            .collect()
-    };
+    let element = |i: usize, j: usize| scale * ten.mean_square(i, j);
+    let row = |&i: &usize| kept.iter().map(|&j| element(i, j)).collect();
     let segments = problem.segments.iter().zip(&solved.chi2_segment);
     let fit = segments.map(|(s, chi2)| SegmentFit {
         label: s.label.clone(),
@@ -203,29 +200,22 @@ fn report(solved: &NoisySolution) -> MethodReport {
         ["mixed", "m/s", "mixed (1, m)"],
         ["rad/s", "N m s", "kg m2"],
     ];
-    let mut numbers = Vec::new();
+    let mut list = Vec::new();
     for (n, (bound, [matrix, right, error])) in (1..).zip(solved.bounds.iter().zip(units)) {
-        numbers.extend(
-            [
-                ("condition number of the matrix", "1", bound.condition),
-                ("size of the matrix error, limit", matrix, bound.epsilon_A),
-                (
-                    "size of the right-hand side error, limit",
-                    right,
-                    bound.epsilon_b,
-                ),
-                (
-                    "first-order bound of the error, eq. (35)",
-                    error,
-                    bound.absolute,
-                ),
-                ("relative bound, eq. (36)", "1", bound.relative),
-            ]
-            .map(|(what, unit, x)| numbers::printed(format!("step {n}: {what}"), unit, x, 0.0)),
-        );
+        let mut add = |what: &str, unit, x| {
+            let name = format!("step {n}: {what}");
+            list.push(numbers::printed(name, unit, x, 0.0));
+        };
+        add("condition number of the matrix", "1", bound.condition);
+        add("size of the matrix error, limit", matrix, bound.epsilon_A);
+        let size = "size of the right-hand side error, limit";
+        add(size, right, bound.epsilon_b);
+        let first_order = "first-order bound of the error, eq. (35)";
+        add(first_order, error, bound.absolute);
+        add("relative bound, eq. (36)", "1", bound.relative);
     }
     MethodReport {
         note: "Ma, Dang and Pham 2008, Sec. IV: first-order bounds of the errors and condition numbers of both steps. The sizes of the error matrices are limits that the declared noise exceeds with a probability below 0.1 %".to_owned(),
-        numbers,
+        numbers: list,
     }
 }

@@ -179,12 +179,8 @@ impl Work<'_> {
             let square = |j: usize| (r.column(j) * posed.natural[j]).norm_squared();
             (0..N).map(square).sum::<f64>()
         };
-        let square: f64 = self
-            .readings
-            .iter()
-            .flatten()
-            .map(|s| columns(row(s)))
-            .sum();
+        let readings = self.readings.iter().flatten();
+        let square: f64 = readings.map(|s| columns(row(s))).sum();
         let floor = 64.0 * f64::EPSILON * square.sqrt();
         let directions = Directions::new(&step, posed.natural, floor);
         let mut directions = directions.ok_or_else(|| {

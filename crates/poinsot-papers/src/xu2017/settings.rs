@@ -35,49 +35,40 @@ pub(super) const SETTINGS: &[SettingText] = &[
 
 /// Solver of a variant with its settings.
 pub(super) fn solver(kind: Kind, settings: &Settings) -> Result<Solver, Faults> {
-    let usual = Solver::default();
-    let Swarm {
-        particles,
-        iterations,
-        weight,
-        attraction: [c1, c2],
-        patience,
-        seed,
-    } = usual.swarm;
-    let count = |key, least, usual: usize| -> Result<usize, Faults> {
-        let found = settings.count(key, least, MOST)?;
-        Ok(found.map_or(usual, |n| n as usize))
-    };
-    let pull = |key, usual| Ok::<f64, Faults>(settings.number(key, 0.0, 10.0)?.unwrap_or(usual));
-    let seed = settings.count("seed", 0, u32::MAX)?.map_or(seed, u64::from);
-    Ok(Solver {
+    let mut solver = Solver {
         kind,
-        swarm: Swarm {
-            particles: count("particles", 1, particles)?,
-            iterations: count("iterations", 1, iterations)?,
-            weight: settings.text("inertia").map_or(Ok(weight), inertia)?,
-            attraction: [pull("c1", c1)?, pull("c2", c2)?],
-            patience: count("patience", 1, patience)?,
-            seed,
-        },
-        share: settings
-            .number("range", 1.0e-6, 1.0e6)?
-            .unwrap_or(usual.share),
-    })
+        ..Solver::default()
+    };
+    let swarm = &mut solver.swarm;
+    for (key, value) in [
+        ("particles", &mut swarm.particles),
+        ("iterations", &mut swarm.iterations),
+        ("patience", &mut swarm.patience),
+    ] {
+        let given = settings.count(key, 1, MOST)?;
+        *value = given.map_or(*value, |n| n as usize);
+    }
+    let [c1, c2] = &mut swarm.attraction;
+    for (key, least, most, value) in [
+        ("c1", 0.0, 10.0, c1),
+        ("c2", 0.0, 10.0, c2),
+        ("range", 1.0e-6, 1.0e6, &mut solver.share),
+    ] {
+        *value = settings.number(key, least, most)?.unwrap_or(*value);
+    }
+    let seed = settings.count("seed", 0, u32::MAX)?;
+    swarm.seed = seed.map_or(swarm.seed, u64::from);
+    if let Some(text) = settings.text("inertia") {
+        swarm.weight = inertia(text)?;
+    }
+    Ok(solver)
 }
 
 /// One weight, or the first and the last.
 fn inertia(text: &str) -> Result<[f64; 2], Faults> {
-    let number = |t: &str| {
-        t.trim()
-            .parse::<f64>()
-            .ok()
-            .filter(|w| (0.0..=2.0).contains(w))
-    };
-    let pair = match text.split_once(',') {
-        Some((first, last)) => number(first).zip(number(last)),
-        None => number(text).map(|w| (w, w)),
-    };
+    let number = |t: &str| t.trim().parse().ok().filter(|w| (0.0..=2.0).contains(w));
+    let (first, last) = text.split_once(',').unwrap_or((text, text));
+    let pair = number(first).zip(number(last));
     pair.map(|(first, last)| [first, last]).ok_or_else(|| {
         Faults::usage(
             "--set",

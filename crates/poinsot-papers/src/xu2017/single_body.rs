@@ -108,16 +108,16 @@ pub fn momenta(
     let turned = |k: usize| *R_NB[k].to_rotation_matrix().matrix();
     let spin = |k: usize| turned(k) * tensor_regressor(&w_NB_B[k]);
     let arm = |k: usize| turned(k) * skew(&w_NB_B[k]);
-    (0..R_NB.len().min(w_NB_B.len()).min(impulse.len()))
-        .map(|k| SingleRow {
-            G: spin(k) - spin(0),
-            B: -impulse[k].2,
-            A: impulse[k].1,
-            D: v_NBo_N.map(|v| v[k] - v[0]),
-            E: arm(k) - arm(0),
-            J: impulse[k].0,
-        })
-        .collect()
+    let row = |k: usize| SingleRow {
+        G: spin(k) - spin(0),
+        B: -impulse[k].2,
+        A: impulse[k].1,
+        D: v_NBo_N.map(|v| v[k] - v[0]),
+        E: arm(k) - arm(0),
+        J: impulse[k].0,
+    };
+    let count = R_NB.len().min(w_NB_B.len()).min(impulse.len());
+    (0..count).map(row).collect()
 }
 
 /// Known part of the locked robot.
@@ -169,26 +169,26 @@ pub fn solve_single(
     };
     for (segment, rows) in segments.iter().enumerate() {
         let start = per_segment * segment;
-        for (row, i) in rows.iter().flat_map(|row| [0, 1, 2].map(|i| (row, i))) {
-            let (G, B) = (row.G.row(i), row.B.row(i));
-            let columns = std::array::from_fn(|j| match j {
-                0..=5 => G[j],
-                6..=8 => B[j - 6],
-                _ => 0.0,
-            });
-            let given = (0..3).filter(|_| known);
-            let right = given.fold(row.A[i], |right, j| right - B[j] * x[7 + j]);
-            add(start + i, &columns, right);
-        }
-        let moved = rows.iter().filter(|_| !known);
-        for (row, D) in moved.filter_map(|row| Some((row, row.D?))) {
+        for row in rows {
             for i in 0..3 {
+                let (G, B) = (row.G.row(i), row.B.row(i));
+                let columns = std::array::from_fn(|j| match j {
+                    0..=5 => G[j],
+                    6..=8 => B[j - 6],
+                    _ => 0.0,
+                });
+                let given = (0..3).filter(|_| known);
+                let right = given.fold(row.A[i], |right, j| right - B[j] * x[7 + j]);
+                add(start + i, &columns, right);
+            }
+            let motion = row.D.iter().filter(|_| !known).flat_map(|D| D.iter());
+            for (i, D) in motion.enumerate() {
                 let columns = std::array::from_fn(|j| match j {
                     0..=5 => 0.0,
                     6..=8 => m * row.E[(i, j - 6)],
                     _ => -m * row.J[i],
                 });
-                add(start + 3 + i, &columns, -m * D[i]);
+                add(start + 3 + i, &columns, -m * D);
             }
         }
     }

@@ -2,10 +2,12 @@
 
 use super::experiment::{Errors, Experiment, Run, Sigma, scale_arm, unsymmetric};
 use super::linear;
+use crate::ma2008::Raw;
 use crate::ma2008::printed::{PrintedAxes, two_step_printed};
 use crate::study::statistics::{largest, quantile, rms};
-use crate::study::{Context, Digits, Findings, StudyError, Table, curves};
+use crate::study::{CaseText, Context, Digits, Findings, StudyError, Table, curves};
 use poinsot_figures::{Mark, Plot, Series};
+use poinsot_identify::{Number, tensor_index};
 use poinsot_spatial::Vector3;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -25,12 +27,11 @@ struct File {
     study: BTreeMap<String, Study>,
 }
 
-#[derive(Deserialize)]
+#[derive(Default, Deserialize)]
+#[serde(default)]
 struct Study {
-    #[serde(default)]
     statements: Vec<String>,
     table: Vec<Cases>,
-    #[serde(default)]
     figure: Vec<Drawn>,
 }
 
@@ -61,20 +62,18 @@ impl Study {
 }
 
 /// A table: its columns and rows are cases.
-#[derive(Deserialize)]
+#[derive(Default, Deserialize)]
+#[serde(default)]
 struct Cases {
     name: String,
     title: String,
     head: String,
-    #[serde(default)]
     case: toml::Table,
     columns: Vec<toml::Table>,
-    #[serde(default)]
     rows: Vec<toml::Table>,
     /// Table of the same study with the same rows.
     like: Option<String>,
     /// Name of its curve in figures.
-    #[serde(default)]
     curve: String,
 }
 
@@ -90,6 +89,10 @@ struct Case {
     velocity: [f64; 3],
     unsymmetric: bool,
     samples: usize,
+    /// Number of stops of which the samples are taken: equally spaced, or those with the largest velocities relative to
+    /// each component's maximum.
+    of: Option<usize>,
+    largest: bool,
     moving: bool,
     /// Samples at 2 Hz over the whole trajectory.
     whole: bool,
@@ -142,6 +145,9 @@ enum Estimator {
     Steps,
     Linear,
     Bound,
+    /// The bounds of mass and `I_yy` by `predict` for the shipped case at 2 Hz: all sensors, momentum unknown, joints
+    /// moving.
+    Predicted,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
@@ -175,7 +181,7 @@ impl Case {
 
     fn experiment(&self, context: &Context) -> Result<Experiment, StudyError> {
         let mut e = Experiment::of(context, self.trajectory, self.spin)?;
-        e = e.sampled(self.samples, !self.moving);
+        e = e.sampled(self.of.unwrap_or(self.samples), !self.moving);
         e.velocity = self.velocity;
         if self.unsymmetric {
             e = e.with_base(unsymmetric());
@@ -204,6 +210,23 @@ impl Case {
 
     fn run(&self, context: &Context) -> Result<Run, StudyError> {
         let mut run = self.experiment(context)?.run()?;
+        if let Some(stops) = self.of {
+            let most = run.sigma(1.0);
+            let size = |r: &Raw| {
+                let v = r.v_NBo_N.component_div(&most.v);
+                v.norm_squared() + r.w_NB_B.component_div(&most.w).norm_squared()
+            };
+            if self.largest {
+                run.raws.sort_by(|a, b| size(b).total_cmp(&size(a)));
+            }
+            let every = if self.largest {
+                1
+            } else {
+                stops / self.samples
+            };
+            let kept = run.raws.into_iter().step_by(every);
+            run.raws = kept.take(self.samples).collect();
+        }
         for raw in &mut run.raws {
             raw.v_NBo_N += Vector3::from(self.velocity_error);
             raw.w_NB_B += Vector3::from(self.rate_error);
@@ -254,6 +277,7 @@ impl Engine<'_> {
         let draw = |seed| run.noisy(sigma, seed);
         let mut found = match case.estimator {
             Estimator::Bound => vec![bound()],
+            Estimator::Predicted => vec![self.predicted(case)?],
             Estimator::Linear => {
                 let seeds = if run.raws.len() > 10 { FEW } else { SEEDS };
                 let answer = |seed| linear::answer(run, &draw(seed), sigma, case.known);
@@ -273,6 +297,21 @@ impl Engine<'_> {
             }
         }
         Ok(found)
+    }
+
+    fn predicted(&self, case: &Case) -> Result<Errors, StudyError> {
+        let shipped = self.context.case("ma2008_traj1.toml")?;
+        let shipped = shipped.with(&[("rate_hz = 20", "rate_hz = 2")]);
+        let flown = swung(&shipped, case.span);
+        let mut vehicle = self.context.tools.vehicle(&flown)?;
+        if let Some(ratio) = case.ratio {
+            scale_arm(&mut vehicle, ratio);
+        }
+        let bound = self.context.tools.bound(&flown, &vehicle)?;
+        let share = |n: &Number| n.sigma.map_or(f64::INFINITY, |s| s / n.nominal);
+        let base = &bound.bodies[0];
+        let I_yy = &base.inertia[tensor_index("yy")];
+        Ok([share(&base.mass), f64::NAN, share(I_yy)])
     }
 
     /// The run of a case, and the errors of its trials.
@@ -362,6 +401,24 @@ impl Engine<'_> {
             names: if figure.named { names } else { Vec::new() },
             ..curves(&figure.title, &figure.x, &figure.y, series)
         })
+    }
+}
+
+/// A case with scaled joint positions.
+fn swung(case: &CaseText, factor: f64) -> CaseText {
+    let line = |line: &str| {
+        let list = line.strip_prefix("position_rad = [");
+        let Some(list) = list.and_then(|l| l.strip_suffix("]")) else {
+            return line.to_owned();
+        };
+        let angles = list.split(',').filter_map(|x| x.trim().parse::<f64>().ok());
+        let angles: Vec<f64> = angles.map(|x| factor * x).collect();
+        format!("position_rad = {angles:?}")
+    };
+    let lines: Vec<String> = case.text.lines().map(line).collect();
+    CaseText {
+        text: lines.join("\n"),
+        ..case.clone()
     }
 }
 

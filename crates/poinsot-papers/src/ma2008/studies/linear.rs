@@ -4,8 +4,11 @@ use super::experiment::{Run, Sigma};
 use crate::ma2008::Raw;
 use crate::numbers::{body, ten_of};
 use poinsot_dynamics::Tree;
-use poinsot_identify::{Noise, Problem, Samples, Segment, Translation, linear};
+use poinsot_identify::{
+    Noise, Observations, Problem, Samples, Segment, SensorRecord, SensorValue, Translation, linear,
+};
 use poinsot_model::MomentumKnowledge;
+use poinsot_model::SensorKind::{Attitude, Gyro, Velocity};
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
 
 /// Accuracy limit at which everything counts as identified, because only errors are compared.
@@ -14,8 +17,7 @@ const ANY_ACCURACY: f64 = 1.0e6;
 const EXACT: f64 = 1.0e-7;
 
 /// The linear method for one draw of noise of the two velocities: all else is exact, with the position of the base, which
-/// the two steps do not use. `None` without an answer; an undetermined number
-/// is NaN.
+/// the two steps do not use. `None` without a complete answer.
 pub fn answer(run: &Run, raws: &[Raw], sigma: Sigma, known: bool) -> Option<MassProperties> {
     let mut model = run.model.clone();
     if known {
@@ -48,9 +50,24 @@ pub fn answer(run: &Run, raws: &[Raw], sigma: Sigma, known: bool) -> Option<Mass
         joint_rate: raws.iter().flat_map(|r| r.rates.clone()).collect(),
         wheel_speed: Vec::new(),
     };
+    let of = |kind, covariance, value: fn(&Raw) -> SensorValue| {
+        SensorRecord::of_base(kind, covariance).at_every_time(raws.iter().map(value))
+    };
+    let observations = Observations {
+        time_s: run.times.clone(),
+        sensors: vec![
+            of(Gyro, noise.gyro, |r| SensorValue::Vector(r.w_NB_B)),
+            of(Attitude, noise.attitude, |r| SensorValue::Attitude(r.R_NB)),
+            of(Velocity, noise.velocity, |r| SensorValue::Vector(r.v_NBo_N)),
+        ],
+        joint_position: samples.joint_position.clone(),
+        joint_rate: samples.joint_rate.clone(),
+        ..Observations::default()
+    };
     let segment = Segment {
         label: "study".to_owned(),
         samples,
+        observations,
         ..Segment::default()
     };
     let problem = Problem {
@@ -61,6 +78,7 @@ pub fn answer(run: &Run, raws: &[Raw], sigma: Sigma, known: bool) -> Option<Mass
         relative_accuracy: ANY_ACCURACY,
     };
     let found = linear(&problem).ok()?;
-    let ten = ten_of(found.bodies.first()?);
-    Some(body(ten.map(|n| n.value.unwrap_or(f64::NAN))))
+    let ten = ten_of(found.bodies.first()?).map(|n| n.value);
+    let complete = ten.iter().all(Option::is_some);
+    complete.then(|| body(ten.map(Option::unwrap_or_default)))
 }

@@ -11,7 +11,7 @@ use crate::samples::add_smallest;
 use faer::Mat;
 use poinsot_dynamics::{Kinematics, body_momentum};
 use poinsot_files::Faults;
-use poinsot_identify::{Segment, thrust_impulses};
+use poinsot_identify::{Impulse, Segment, thrust_impulses};
 use poinsot_spatial::{InertialParameters, MassProperties, Vector3};
 
 impl Work<'_> {
@@ -24,10 +24,8 @@ impl Work<'_> {
         let bodies = self.problem.model.bodies.len();
         let root = self.roots(outers);
         for r in (0..bodies).filter(|&r| root[r] == r) {
-            let whole = (0..outers.len())
-                .find(|&j| r != 0 && self.child(j) == r)
-                .and_then(|j| outers[j])
-                .unwrap_or(total);
+            let cut = (0..outers.len()).find(|&j| r != 0 && self.child(j) == r);
+            let whole = cut.and_then(|j| outers[j]).unwrap_or(total);
             let mut own = whole;
             for (j, outer) in outers.iter().enumerate() {
                 let c = self.child(j);
@@ -155,9 +153,8 @@ impl Work<'_> {
     pub(super) fn keep_known(&mut self, outers: &[Option<InertialParameters>]) {
         let roots = self.roots(outers);
         let alone = |b: usize| roots.iter().filter(|r| **r == roots[b]).count() == 1;
-        let kept: Vec<usize> = (0..roots.len())
-            .filter(|&b| self.roles.tensor_alone[b] && alone(b))
-            .collect();
+        let known = (0..roots.len()).filter(|&b| self.roles.tensor_alone[b]);
+        let kept: Vec<usize> = known.filter(|&b| alone(b)).collect();
         let moves = self.transfers(outers, &roots);
         if kept.is_empty() || moves.is_empty() {
             return;
@@ -268,10 +265,8 @@ impl Work<'_> {
         turning.samples.translation = None;
         let tree = self.problem.tree;
         let sums = thrust_impulses(tree, &self.problem.model.thrusters, &turning);
-        let since = sums.total.iter();
-        let since: Vec<_> = since
-            .map(|i| (i.linear, i.angular, i.per_mass_centre))
-            .collect();
+        let three = |i: &Impulse| (i.linear, i.angular, i.per_mass_centre);
+        let since: Vec<_> = sums.total.iter().map(three).collect();
         let s = &segment.samples;
         let velocity = s.translation.as_ref().map(|t| t.v_NBo_N.as_slice());
         momenta(&s.R_NB, velocity, &s.w_NB_B, &since)
