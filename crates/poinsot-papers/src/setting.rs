@@ -65,12 +65,7 @@ impl Settings {
             false => ("such setting", format!("use one of {}", keys.join(", "))),
         };
         let problem = format!("{method} has no {what}");
-        Err(Faults::usage(
-            "--set",
-            format!("{key}={value}"),
-            problem,
-            advice,
-        ))
+        Err(refused(key, value, &problem, advice))
     }
 
     /// The value of a key as given.
@@ -89,12 +84,10 @@ impl Settings {
         };
         match text.parse::<f64>() {
             Ok(x) if (least..=most).contains(&x) => Ok(Some(x)),
-            _ => Err(Faults::usage(
-                "--set",
-                format!("{key}={text}"),
-                "it is out of range",
-                format!("give a number from {least} to {most}"),
-            )),
+            _ => {
+                let advice = format!("give a number from {least} to {most}");
+                Err(refused(key, text, "it is out of range", advice))
+            }
         }
     }
 
@@ -105,15 +98,23 @@ impl Settings {
     pub fn count(&self, key: &str, least: u32, most: u32) -> Result<Option<u32>, Faults> {
         let found = self.number(key, f64::from(least), f64::from(most))?;
         match found {
-            Some(x) if x.fract() != 0.0 => Err(Faults::usage(
-                "--set",
-                format!("{key}={x}"),
-                "it is not a whole number",
-                "give one",
-            )),
+            Some(x) if x.fract() != 0.0 => {
+                let problem = "it is not a whole number";
+                Err(refused(key, x, problem, "give one"))
+            }
             other => Ok(other.map(|x| x as u32)),
         }
     }
+}
+
+/// A refused setting.
+pub(crate) fn refused(
+    key: &str,
+    value: impl std::fmt::Display,
+    problem: &str,
+    advice: impl Into<String>,
+) -> Faults {
+    Faults::usage("--set", format!("{key}={value}"), problem, advice)
 }
 
 #[cfg(test)]

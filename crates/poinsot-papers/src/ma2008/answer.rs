@@ -196,12 +196,13 @@ fn momentum(given: Given, solved: &NoisySolution, ten: &Ten) -> Vec<MomentumEsti
 
 /// Sec. IV with the declared noise: errors, bounds, condition numbers of both steps.
 fn report(solved: &NoisySolution) -> MethodReport {
-    let units = [
+    let (linear, angular) = (
         ["mixed", "m/s", "mixed (1, m)"],
         ["rad/s", "N m s", "kg m2"],
-    ];
+    );
+    let steps = solved.bounds.iter().zip([linear, angular]);
     let mut list = Vec::new();
-    for (n, (bound, [matrix, right, error])) in (1..).zip(solved.bounds.iter().zip(units)) {
+    for (n, (bound, [matrix, right, error])) in (1..).zip(steps) {
         let mut add = |what: &str, unit, x| {
             let name = format!("step {n}: {what}");
             list.push(numbers::printed(name, unit, x, 0.0));

@@ -45,11 +45,8 @@ pub fn bound<const N: usize>(step: &Step<N>, epsilon_A: f64, epsilon_b: f64) -> 
     // `||A||`, and `||A^+||` as the reciprocal of the smallest singular value.
     let (norm, inverse_norm) = (step.singular[0], 1.0 / step.singular[N - 1]);
     let condition = norm * inverse_norm;
-    let (x, r, b) = (
-        step.x.norm(),
-        step.residual.max(0.0).sqrt(),
-        step.rhs.sqrt(),
-    );
+    let (x, b) = (step.x.norm(), step.rhs.sqrt());
+    let r = step.residual.max(0.0).sqrt();
     let absolute =
         inverse_norm * inverse_norm * r * epsilon_A + inverse_norm * (x * epsilon_A + epsilon_b);
     let (zeta, gamma) = (r / (norm * x), b / (norm * x));

@@ -261,11 +261,7 @@ fn angular(s: &Fixed, noisy: &[V; 6], [mu, x, y, z]: &[V; 4]) -> [[V; 3]; 7] {
 /// `g = I_R w + h_R + mu (w d.d - d d.w + d x u)`, `d = rho_R - rho_S`, in base axes.
 #[inline(always)]
 fn arm_momentum(s: &Fixed, w: &[V; 3], c: &[V; 3], mu: V) -> [V; 3] {
-    let d = [
-        V::all(s.rho[0]) - c[0],
-        V::all(s.rho[1]) - c[1],
-        V::all(s.rho[2]) - c[2],
-    ];
+    let d = less(&all(&s.rho), c);
     let (dd, dw) = (dot(&d, &d), dot(&d, w));
     let du = cross_fixed(&d, &s.u);
     let mut g = [V::ZERO; 3];
@@ -312,9 +308,6 @@ fn cross_fixed(a: &[V; 3], b: &[f64; 3]) -> [V; 3] {
 
 #[inline(always)]
 fn turn(s: &Fixed, a: &[V; 3]) -> [V; 3] {
-    [
-        dot(a, &all(&s.R[0])),
-        dot(a, &all(&s.R[1])),
-        dot(a, &all(&s.R[2])),
-    ]
+    let [x, y, z] = &s.R;
+    [dot(a, &all(x)), dot(a, &all(y)), dot(a, &all(z))]
 }

@@ -117,11 +117,8 @@ pub static METHOD: Method = Method {
     ],
     identify: |problem, variant, settings| {
         let variant = Variant::named("xu2017", variant)?;
-        identify(
-            problem,
-            variant,
-            &settings::solver(variant.solver, settings)?,
-        )
+        let solver = settings::solver(variant.solver, settings)?;
+        identify(problem, variant, &solver)
     },
     kernel: |_, _| Ok(None),
     studies: studies::STUDIES,

@@ -2,8 +2,7 @@
 
 use super::Kind;
 use super::sequence::Solver;
-use super::swarm::Swarm;
-use crate::setting::{SettingText, Settings};
+use crate::setting::{SettingText, Settings, refused};
 use poinsot_files::Faults;
 
 /// Largest number of particles or iterations; a larger value is a typing error.
@@ -70,12 +69,8 @@ fn inertia(text: &str) -> Result<[f64; 2], Faults> {
     let (first, last) = text.split_once(',').unwrap_or((text, text));
     let pair = number(first).zip(number(last));
     pair.map(|(first, last)| [first, last]).ok_or_else(|| {
-        Faults::usage(
-            "--set",
-            format!("inertia={text}"),
-            "it is out of range",
-            "give one number from 0 to 2, or two with a comma",
-        )
+        let advice = "give one number from 0 to 2, or two with a comma";
+        refused("inertia", text, "it is out of range", advice)
     })
 }
 
@@ -83,6 +78,7 @@ fn inertia(text: &str) -> Result<[f64; 2], Faults> {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+    use crate::xu2017::swarm::Swarm;
 
     #[test]
     fn unit_defaults_in_words_are_those_of_the_solver() {

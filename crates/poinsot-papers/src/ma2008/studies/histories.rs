@@ -30,10 +30,8 @@ pub fn run(context: &Context) -> Result<Findings, StudyError> {
         let run = e.run()?;
         let most = VELOCITIES.map(|(_, _, of)| largest(run.raws.iter().map(|r| of(r).norm())));
         let end = e.times[e.times.len() - 1];
-        findings.tables[0].row(
-            format!("Fig. {figure}, trajectory {trajectory}"),
-            [end, most[0], most[1]],
-        );
+        let words = format!("Fig. {figure}, trajectory {trajectory}");
+        findings.tables[0].row(words, [end, most[0], most[1]]);
         let names = marks.iter().zip(["A", "B", "C", "D"]);
         let names: Vec<String> = names.map(|(t, m)| format!("{m} at {t} s")).collect();
         for (kind, y, of) in VELOCITIES {

@@ -58,10 +58,8 @@ fn identifiable(robot: &Robot, answer: &Estimate, null: &Null) -> Table {
     let last = "sigma of the last determined, natural units";
     table.row(last, [sigma(rank - 1)]);
     table.row("sigma of the first undetermined", [sigma(rank)]);
-    table.row(
-        "squared scaled error of Tables 6 to 12 in undetermined directions, %",
-        [],
-    );
+    let undetermined = "squared scaled error of Tables 6 to 12 in undetermined directions, %";
+    table.row(undetermined, []);
     table.with(100.0 * share, Digits::Decimals(0));
     table.row("the same of a random error, %", []);
     table.with(100.0 * random, Digits::Decimals(0));
