@@ -113,11 +113,7 @@ fn check_channel(
             "name a standard channel, for example omega_x, joint1_rad or gyro.omega_x".to_owned()
         }
     };
-    findings.refuse(
-        "E0111",
-        key,
-        "this vehicle has no channel of this name",
-        remedy,
-    );
+    let problem = "this vehicle has no channel of this name";
+    findings.refuse("E0111", key, problem, remedy);
     false
 }

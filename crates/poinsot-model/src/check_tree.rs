@@ -23,61 +23,42 @@ pub(crate) fn check_tree(
     joints: &[JointFile],
     findings: &mut Findings<'_>,
 ) -> Tree {
-    let name_of =
-        |k: usize| -> &str { bodies.get(k).and_then(|b| b.name.as_deref()).unwrap_or("?") };
-    let index: HashMap<&str, usize> = bodies
-        .iter()
-        .enumerate()
-        .rev()
-        .filter_map(|(k, b)| Some((b.name.as_deref()?, k)))
-        .collect();
+    let names = bodies.iter().enumerate().rev();
+    let names = names.filter_map(|(k, b)| Some((b.name.as_deref()?, k)));
+    let index: HashMap<&str, usize> = names.collect();
     let mut carried_by: Vec<Option<usize>> = vec![None; bodies.len()];
     let mut parent_of: Vec<Option<usize>> = vec![None; bodies.len()];
     // An unreadable joint may have any child, so bodies without a joint are not reported.
     let mut complete = true;
     for (k, joint) in joints.iter().enumerate() {
-        let key = Key::entry("joint", k, joint.name.as_deref());
         let end = |name: &Option<String>| index.get(name.as_deref()?).copied();
         let parent = end(&joint.parent);
-        let child = end(&joint.child);
-        let Some(child) = child else {
+        let Some(child) = end(&joint.child) else {
             complete = false;
             continue;
         };
-        let first = carried_by.get(child).copied().flatten();
-        let first = first.map(|f| joints.get(f).and_then(|j| j.name.as_deref()));
-        if let Some((problem, remedy)) = wrong_child(child, parent, first) {
-            findings.refuse("E0112", &key.at("child"), problem, remedy);
-            if parent == Some(child)
-                && child != 0
-                && let Some(carried) = carried_by.get_mut(child)
-            {
-                carried.get_or_insert(k);
-            }
+        let first = carried_by[child].map(|first| joints[first].name.as_deref());
+        let Some((problem, remedy)) = wrong_child(child, parent, first) else {
+            (carried_by[child], parent_of[child]) = (Some(k), parent);
             continue;
-        }
-        if let Some(carried) = carried_by.get_mut(child) {
-            *carried = Some(k);
-        }
-        if let (Some(parent), Some(slot)) = (parent, parent_of.get_mut(child)) {
-            *slot = Some(parent);
+        };
+        let key = Key::entry("joint", k, joint.name.as_deref()).at("child");
+        findings.refuse("E0112", &key, problem, remedy);
+        if parent == Some(child) && child != 0 {
+            carried_by[child].get_or_insert(k);
         }
     }
-
     for (k, body) in bodies.iter().enumerate().skip(1) {
-        if complete && body.name.is_some() && carried_by.get(k) == Some(&None) {
-            let duplicate = body.name.as_deref().and_then(|n| index.get(n)) != Some(&k);
-            if !duplicate {
-                findings.refuse(
-                    "E0112",
-                    &Key::entry("body", k, None).at("name"),
-                    "no joint has this body as its child: it is not connected to the base",
-                    "add a [[joint]] with this child, type = \"fixed\" where it does not move",
-                );
-            }
+        // Of equal names the first has the joint.
+        let first = body.name.as_deref().and_then(|n| index.get(n)) == Some(&k);
+        if complete && first && carried_by[k].is_none() {
+            let key = Key::entry("body", k, None).at("name");
+            let problem = "no joint has this body as its child: it is not connected to the base";
+            let remedy = "add a [[joint]] with this child, type = \"fixed\" where it does not move";
+            findings.refuse("E0112", &key, problem, remedy);
         }
     }
-    report_cycles(&parent_of, &carried_by, joints, &name_of, findings);
+    report_cycles(&parent_of, &carried_by, (bodies, joints), findings);
     Tree {
         order: topological(&parent_of),
         carried_by,
@@ -91,83 +72,56 @@ fn wrong_child(
     first: Option<Option<&str>>,
 ) -> Option<(String, &'static str)> {
     if child == 0 {
-        return Some((
-            "the base has no parent".to_owned(),
-            "the first [[body]] is the base: name another child, or move the base to the top",
-        ));
+        let remedy =
+            "the first [[body]] is the base: name another child, or move the base to the top";
+        return Some(("the base has no parent".to_owned(), remedy));
     }
     if parent == Some(child) {
-        return Some((
-            "the joint connects the body with itself".to_owned(),
-            "name another parent or child",
-        ));
+        let problem = "the joint connects the body with itself";
+        return Some((problem.to_owned(), "name another parent or child"));
     }
-    first.map(|other| {
-        let other = excerpt(other.unwrap_or("?"), 60);
-        (
-            format!("the body has two parents: it is also the child of joint \"{other}\""),
-            "remove one of the joints; closed loops are not supported",
-        )
-    })
+    let other = excerpt(first?.unwrap_or("?"), 60);
+    let problem = format!("the body has two parents: it is also the child of joint \"{other}\"");
+    let remedy = "remove one of the joints; closed loops are not supported";
+    Some((problem, remedy))
 }
 
 /// Follows every body to its root once; a path that returns to itself is a cycle.
-fn report_cycles<'n>(
+fn report_cycles(
     parent_of: &[Option<usize>],
     carried_by: &[Option<usize>],
-    joints: &[JointFile],
-    name_of: &impl Fn(usize) -> &'n str,
+    (bodies, joints): (&[BodyFile], &[JointFile]),
     findings: &mut Findings<'_>,
 ) {
+    let name = |body: usize| excerpt(bodies[body].name.as_deref().unwrap_or("?"), 60);
     // Zero: not visited. Otherwise the number of the walk that visited it.
     let mut visited = vec![0_usize; parent_of.len()];
     for start in 0..parent_of.len() {
-        let walk = start + 1;
-        let mut here = start;
-        let met = loop {
-            match visited.get_mut(here) {
-                Some(mark) if *mark == 0 => *mark = walk,
-                Some(mark) => break (*mark == walk).then_some(here),
-                None => break None,
-            }
-            match parent_of.get(here).copied().flatten() {
-                Some(parent) => here = parent,
-                None => break None,
-            }
-        };
-        let Some(met) = met else { continue };
-        let mut cycle = vec![met];
-        let mut at = parent_of.get(met).copied().flatten();
-        while let Some(body) = at.filter(|body| *body != met) {
-            cycle.push(body);
-            at = parent_of.get(body).copied().flatten();
+        let mut here = Some(start);
+        while let Some(body) = here.filter(|body| visited[*body] == 0) {
+            visited[body] = start + 1;
+            here = parent_of[body];
         }
+        let Some(met) = here.filter(|body| visited[*body] == start + 1) else {
+            continue;
+        };
+        let next = |body: &usize| parent_of[*body].filter(|parent| *parent != met);
+        let mut cycle: Vec<usize> = std::iter::successors(Some(met), next).collect();
         // From parent to child, starting with the first body in the file.
         cycle.reverse();
-        let lowest = cycle
-            .iter()
-            .enumerate()
-            .min_by_key(|(_, body)| **body)
-            .map_or(0, |(at, _)| at);
-        cycle.rotate_left(lowest);
-        let first = cycle.first().copied().unwrap_or(met);
-        let mut path: Vec<String> = cycle
-            .iter()
-            .take(SHOWN)
-            .map(|body| excerpt(name_of(*body), 60))
-            .collect();
+        let lowest = (0..cycle.len()).min_by_key(|at| cycle[*at]);
+        cycle.rotate_left(lowest.unwrap_or(0));
+        let first = cycle[0];
+        let mut path: Vec<String> = cycle.iter().take(SHOWN).map(|body| name(*body)).collect();
         if cycle.len() > SHOWN {
             path.push(format!("... ({} bodies)", cycle.len()));
         }
-        path.push(excerpt(name_of(first), 60));
-        let joint = carried_by.get(first).copied().flatten().unwrap_or(0);
-        let name = joints.get(joint).and_then(|j| j.name.as_deref());
-        findings.refuse(
-            "E0112",
-            &Key::entry("joint", joint, name).at("parent"),
-            format!("the joints form a loop: {}", path.join(" -> ")),
-            "connect one of these bodies with the base instead",
-        );
+        path.push(name(first));
+        let joint = carried_by[first].unwrap_or(0);
+        let key = Key::entry("joint", joint, joints[joint].name.as_deref()).at("parent");
+        let problem = format!("the joints form a loop: {}", path.join(" -> "));
+        let remedy = "connect one of these bodies with the base instead";
+        findings.refuse("E0112", &key, problem, remedy);
     }
 }
 
@@ -177,20 +131,14 @@ fn topological(parent_of: &[Option<usize>]) -> Vec<usize> {
     let mut ready = BinaryHeap::new();
     for (k, parent) in parent_of.iter().enumerate() {
         match parent {
-            Some(parent) => {
-                if let Some(list) = children.get_mut(*parent) {
-                    list.push(k);
-                }
-            }
+            Some(parent) => children[*parent].push(k),
             None => ready.push(Reverse(k)),
         }
     }
     let mut order = Vec::with_capacity(parent_of.len());
     while let Some(Reverse(k)) = ready.pop() {
         order.push(k);
-        if let Some(list) = children.get(k) {
-            ready.extend(list.iter().copied().map(Reverse));
-        }
+        ready.extend(children[k].iter().copied().map(Reverse));
     }
     order
 }

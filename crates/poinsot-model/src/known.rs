@@ -7,45 +7,32 @@ use poinsot_spatial::{MassProperties, Matrix3, TENSOR, Vector3, tensor_name};
 impl KnownNumber {
     /// Name of a component in results.
     pub fn name(self, model: &Model, component: usize) -> String {
-        let of = |list: Option<&str>, what: &str| format!("{}.{what}", list.unwrap_or("?"));
-        let body = |k: usize| model.bodies.get(k).map(|b| b.name.as_str());
-        let wheel = |k: usize| model.wheels.get(k).map(|w| w.name.as_str());
-        let joint = |k: usize| model.joints.get(k).map(|j| j.name.as_str());
-        let thruster = |k: usize| model.thrusters.get(k).map(|t| t.name.as_str());
-        let axis = ["x", "y", "z"][component % 3];
-        let across = component + 1;
-        match self {
-            Self::Mass(k) => of(body(k), "mass"),
-            Self::MassCentre(k) => of(body(k), &format!("com_{axis}")),
-            Self::Inertia(k) => of(body(k), &format!("inertia_{}", tensor_name(component))),
-            Self::SpinInertia(k) => of(wheel(k), "spin_inertia"),
-            Self::WheelAxis(k) => of(wheel(k), &format!("axis_{across}")),
-            Self::JointOrigin(k) => of(joint(k), &format!("origin_{axis}")),
-            Self::JointAxis(k) => of(joint(k), &format!("axis_{across}")),
-            Self::Force(k) => of(thruster(k), "force"),
-            Self::ForceDirection(k) => of(thruster(k), &format!("direction_{across}")),
-            Self::ForcePosition(k) => of(thruster(k), &format!("position_{axis}")),
-            Self::SpecificImpulse(k) => of(thruster(k), "specific_impulse"),
-            Self::PropellantPlace(k) => of(thruster(k), &format!("propellant_{axis}")),
-            Self::Mounting(k) => {
-                let sensor = model.sensors.get(k).map(|s| s.name.as_str());
-                of(sensor, &format!("mounting_{axis}"))
-            }
+        let (table, k, key) = self.key();
+        let part = match table {
+            "body" => model.bodies.get(k).map(|b| &b.name),
+            "joint" => model.joints.get(k).map(|j| &j.name),
+            "wheel" => model.wheels.get(k).map(|w| &w.name),
+            "thruster" => model.thrusters.get(k).map(|t| &t.name),
+            _ => model.sensors.get(k).map(|s| &s.name),
+        };
+        let part = part.map_or("?", String::as_str);
+        let what = key.trim_end_matches("_m").trim_end_matches("_rad");
+        match self.components() {
+            1 => format!("{part}.{what}"),
+            2 => format!("{part}.{what}_{}", component + 1),
+            3 => format!("{part}.{what}_{}", ["x", "y", "z"][component % 3]),
+            _ => format!("{part}.{what}_{}", tensor_name(component)),
         }
     }
 
     /// Unit of its components in results.
     pub fn unit(self) -> &'static str {
-        match self {
-            Self::Mass(_) => "kg",
-            Self::Inertia(_) | Self::SpinInertia(_) => "kg m2",
-            Self::Force(_) => "1",
-            Self::SpecificImpulse(_) => "s",
-            Self::MassCentre(_)
-            | Self::JointOrigin(_)
-            | Self::ForcePosition(_)
-            | Self::PropellantPlace(_) => "m",
-            _ => "rad",
+        match self.key().2 {
+            "mass" => "kg",
+            "inertia" | "spin_inertia" => "kg m2",
+            "force" => "1",
+            "specific_impulse" => "s",
+            key => key.rsplit('_').next().unwrap_or_default(),
         }
     }
 
@@ -74,10 +61,8 @@ impl KnownNumber {
             }
             Self::Inertia(k) => {
                 let (i, j) = TENSOR[component % 6];
-                let I = model
-                    .bodies
-                    .get(k)
-                    .map_or(Matrix3::zeros(), |b| b.nominal.I_BBcm_B);
+                let body = model.bodies.get(k);
+                let I = body.map_or_else(Matrix3::zeros, |b| b.nominal.I_BBcm_B);
                 sigma * (I[(i, i)] * I[(j, j)]).max(0.0).sqrt()
             }
             _ => sigma,
@@ -86,42 +71,30 @@ impl KnownNumber {
 
     /// Whether the number is known: neither estimated nor with its own error parameter.
     pub fn is_known(self, model: &Model) -> bool {
-        let known = || match self {
-            Self::Mass(k) => model
-                .bodies
-                .get(k)
-                .map(|b| !b.estimate.mass && b.nominal.mass > 0.0),
-            Self::MassCentre(k) => model
-                .bodies
-                .get(k)
-                .map(|b| !b.estimate.com && b.nominal.mass > 0.0),
-            Self::Inertia(k) => model
-                .bodies
-                .get(k)
-                .map(|b| !b.estimate.inertia && b.nominal.mass > 0.0),
-            Self::SpinInertia(k) => model.wheels.get(k).map(|w| !w.estimate),
-            Self::WheelAxis(k) => model
-                .wheels
-                .get(k)
-                .map(|w| w.misalignment == Nuisance::Known),
-            Self::JointOrigin(k) => model.joints.get(k).map(|_| true),
-            Self::JointAxis(k) => model.joints.get(k).map(|j| j.axis_C != Vector3::zeros()),
-            Self::Force(k) => model.thrusters.get(k).map(|t| t.scale == Nuisance::Known),
-            Self::ForceDirection(k) | Self::ForcePosition(k) => {
-                model.thrusters.get(k).map(|_| true)
-            }
+        let body = |k: usize| model.bodies.get(k).filter(|b| b.nominal.mass > 0.0);
+        let (wheel, joint) = (|k| model.wheels.get(k), |k| model.joints.get(k));
+        let thruster = |k| model.thrusters.get(k);
+        match self {
+            Self::Mass(k) => body(k).is_some_and(|b| !b.estimate.mass),
+            Self::MassCentre(k) => body(k).is_some_and(|b| !b.estimate.com),
+            Self::Inertia(k) => body(k).is_some_and(|b| !b.estimate.inertia),
+            Self::SpinInertia(k) => wheel(k).is_some_and(|w| !w.estimate),
+            Self::WheelAxis(k) => wheel(k).is_some_and(|w| w.misalignment == Nuisance::Known),
+            Self::JointOrigin(k) => joint(k).is_some(),
+            Self::JointAxis(k) => joint(k).is_some_and(|j| j.axis_C != Vector3::zeros()),
+            Self::Force(k) => thruster(k).is_some_and(|t| t.scale == Nuisance::Known),
+            Self::ForceDirection(k) | Self::ForcePosition(k) => thruster(k).is_some(),
             Self::SpecificImpulse(k) | Self::PropellantPlace(k) => {
-                Some(propellant_of(model, k).is_some())
+                propellant_of(model, k).is_some()
             }
-            Self::Mounting(k) => model.sensors.get(k).map(|s| {
+            Self::Mounting(k) => model.sensors.get(k).is_some_and(|s| {
                 let own = match s.kind {
                     kind if kind.is_rotation() => s.bias,
                     _ => s.misalignment,
                 };
                 own == Nuisance::Known && reference_of(model, s.body) != Some(k)
             }),
-        };
-        known().unwrap_or(false)
+        }
     }
 
     /// Changes a component of the mass, mass centre or inertia of a body by `change`: kg, m, kg m2. Other numbers leave it as it
@@ -145,55 +118,75 @@ impl KnownNumber {
     /// of `nominal`. Force and mounting are not numbers of the model: they act on measurements, and the model is
     /// unchanged.
     pub fn shift(self, nominal: &Model, model: &mut Model, component: usize, change: f64) {
-        match self {
+        let turn = |a: Option<&mut Vector3>, nominal: Option<&Vector3>| {
+            if let Some((a, nominal)) = a.zip(nominal) {
+                let about = across(nominal)[component % 2];
+                *a = (*a + about.cross(nominal) * change).normalize();
+            }
+        };
+        let (bodies, joints) = (&mut model.bodies, &mut model.joints);
+        let (wheels, thrusters) = (&mut model.wheels, &mut model.thrusters);
+        let number = match self {
             Self::Mass(k) | Self::MassCentre(k) | Self::Inertia(k) => {
-                if let Some(body) = model.bodies.get_mut(k) {
+                if let Some(body) = bodies.get_mut(k) {
                     self.shift_body(&mut body.nominal, component, change);
                 }
-            }
-            Self::SpinInertia(k) => {
-                if let Some(w) = model.wheels.get_mut(k) {
-                    w.spin_inertia += change;
-                }
+                None
             }
             Self::WheelAxis(k) => {
-                if let (Some(w), Some(of)) = (model.wheels.get_mut(k), nominal.wheels.get(k)) {
-                    w.axis_B = turned(&w.axis_B, &of.axis_B, component, change);
-                }
-            }
-            Self::JointOrigin(k) => {
-                if let Some(j) = model.joints.get_mut(k) {
-                    j.p_PoCo_P[component % 3] += change;
-                }
+                let of = nominal.wheels.get(k).map(|w| &w.axis_B);
+                turn(wheels.get_mut(k).map(|w| &mut w.axis_B), of);
+                None
             }
             Self::JointAxis(k) => {
-                if let (Some(j), Some(of)) = (model.joints.get_mut(k), nominal.joints.get(k)) {
-                    j.axis_C = turned(&j.axis_C, &of.axis_C, component, change);
-                }
+                let of = nominal.joints.get(k).map(|j| &j.axis_C);
+                turn(joints.get_mut(k).map(|j| &mut j.axis_C), of);
+                None
             }
             Self::ForceDirection(k) => {
-                let of = nominal.thrusters.get(k);
-                if let (Some(t), Some(of)) = (model.thrusters.get_mut(k), of) {
-                    t.direction_B = turned(&t.direction_B, &of.direction_B, component, change);
-                }
+                let of = nominal.thrusters.get(k).map(|t| &t.direction_B);
+                turn(thrusters.get_mut(k).map(|t| &mut t.direction_B), of);
+                None
             }
-            Self::ForcePosition(k) => {
-                if let Some(t) = model.thrusters.get_mut(k) {
-                    t.p_BoT_B[component % 3] += change;
-                }
-            }
+            Self::SpinInertia(k) => wheels.get_mut(k).map(|w| &mut w.spin_inertia),
+            Self::JointOrigin(k) => joints.get_mut(k).map(|j| &mut j.p_PoCo_P[component % 3]),
+            Self::ForcePosition(k) => thrusters.get_mut(k).map(|t| &mut t.p_BoT_B[component % 3]),
             Self::SpecificImpulse(k) => {
-                if let Some(p) = propellant_of_mut(model, k) {
-                    p.specific_impulse += change;
-                }
+                propellant_of_mut(model, k).map(|p| &mut p.specific_impulse)
             }
             Self::PropellantPlace(k) => {
-                if let Some(p) = propellant_of_mut(model, k) {
-                    p.p_BoF_B[component % 3] += change;
-                }
+                propellant_of_mut(model, k).map(|p| &mut p.p_BoF_B[component % 3])
             }
-            Self::Force(_) | Self::Mounting(_) => {}
+            Self::Force(_) | Self::Mounting(_) => None,
+        };
+        if let Some(number) = number {
+            *number += change;
         }
+    }
+
+    /// Every number of a model, requested or known.
+    fn all_of(model: &Model) -> Vec<Self> {
+        let bodies = 0..model.bodies.len();
+        let bodies = bodies.flat_map(|k| [Self::Mass(k), Self::MassCentre(k), Self::Inertia(k)]);
+        let joints = 0..model.joints.len();
+        let joints = joints.flat_map(|k| [Self::JointOrigin(k), Self::JointAxis(k)]);
+        let wheels = 0..model.wheels.len();
+        let wheels = wheels.flat_map(|k| [Self::SpinInertia(k), Self::WheelAxis(k)]);
+        let thrusters = model.thrusters.iter().enumerate();
+        let thrusters = thrusters.flat_map(|(k, thruster)| {
+            let force = [
+                Self::Force(k),
+                Self::ForceDirection(k),
+                Self::ForcePosition(k),
+            ];
+            let propellant = [Self::SpecificImpulse(k), Self::PropellantPlace(k)];
+            let propellant = thruster.propellant.is_some().then_some(propellant);
+            force.into_iter().chain(propellant.into_iter().flatten())
+        });
+        let sensors = model.sensors.iter().enumerate().filter(|(_, s)| s.turns());
+        let sensors = sensors.map(|(k, _)| Self::Mounting(k));
+        let rigid = bodies.chain(joints).chain(wheels);
+        rigid.chain(thrusters).chain(sensors).collect()
     }
 }
 
@@ -203,11 +196,6 @@ fn propellant_of(model: &Model, thruster: usize) -> Option<&Propellant> {
 
 fn propellant_of_mut(model: &mut Model, thruster: usize) -> Option<&mut Propellant> {
     model.thrusters.get_mut(thruster)?.propellant.as_mut()
-}
-
-/// A unit vector after a small rotation about one of the directions across the nominal one.
-fn turned(a: &Vector3, nominal: &Vector3, component: usize, angle: f64) -> Vector3 {
-    (a + across(nominal)[component % 2].cross(nominal) * angle).normalize()
 }
 
 /// The sensor that defines the axes of its body: the first gyro, otherwise the first star tracker, otherwise the first
@@ -228,37 +216,7 @@ fn reference_of(model: &Model, body: usize) -> Option<usize> {
 impl Model {
     /// Every number of a model, requested or known.
     pub fn known_numbers(&self) -> Vec<KnownNumber> {
-        let mut all = Vec::new();
-        for k in 0..self.bodies.len() {
-            all.extend([
-                KnownNumber::Mass(k),
-                KnownNumber::MassCentre(k),
-                KnownNumber::Inertia(k),
-            ]);
-        }
-        for k in 0..self.joints.len() {
-            all.extend([KnownNumber::JointOrigin(k), KnownNumber::JointAxis(k)]);
-        }
-        for k in 0..self.wheels.len() {
-            all.extend([KnownNumber::SpinInertia(k), KnownNumber::WheelAxis(k)]);
-        }
-        for (k, thruster) in self.thrusters.iter().enumerate() {
-            all.extend([
-                KnownNumber::Force(k),
-                KnownNumber::ForceDirection(k),
-                KnownNumber::ForcePosition(k),
-            ]);
-            if thruster.propellant.is_some() {
-                all.extend([
-                    KnownNumber::SpecificImpulse(k),
-                    KnownNumber::PropellantPlace(k),
-                ]);
-            }
-        }
-        let sensors = self.sensors.iter().enumerate();
-        let turning = sensors.filter(|(_, s)| s.turns());
-        all.extend(turning.map(|(k, _)| KnownNumber::Mounting(k)));
-        all
+        KnownNumber::all_of(self)
     }
 
     /// The model with every known number uncertain by the defaults of one source.

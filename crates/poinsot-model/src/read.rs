@@ -205,11 +205,8 @@ fn check_version(findings: &mut Findings<'_>) {
         return;
     };
     if !matches!(value.get_ref(), DeValue::String(text) if text == MODEL_SCHEMA) {
-        findings.refuse(
-            "E0103",
-            &Key::top("schema"),
-            "this program does not support this format",
-            format!("write schema = \"{MODEL_SCHEMA}\""),
-        );
+        let problem = "this program does not support this format";
+        let remedy = format!("write schema = \"{MODEL_SCHEMA}\"");
+        findings.refuse("E0103", &Key::top("schema"), problem, remedy);
     }
 }

@@ -353,12 +353,9 @@ impl Shape<'_, '_> {
         if bound("minItems").is_some_and(|n| length < n)
             || bound("maxItems").is_some_and(|n| length > n)
         {
-            self.findings.refuse(
-                self.format.kind,
-                key,
-                format!("the list has {length} entries"),
-                format!("write {}", self.expected(&[chosen])),
-            );
+            let problem = format!("the list has {length} entries");
+            let remedy = format!("write {}", self.expected(&[chosen]));
+            self.findings.refuse(self.format.kind, key, problem, remedy);
             return None;
         }
         self.check_unique(row, items, key);
@@ -461,12 +458,9 @@ impl Shape<'_, '_> {
             Some(word) => format!("; did you mean \"{word}\"?"),
             None => String::new(),
         };
-        self.findings.refuse(
-            self.word,
-            key,
-            "the word is not one of those allowed here",
-            format!("write {}{nearest}", self.expected(alternatives)),
-        );
+        let problem = "the word is not one of those allowed here";
+        let remedy = format!("write {}{nearest}", self.expected(alternatives));
+        self.findings.refuse(self.word, key, problem, remedy);
         None
     }
 
@@ -481,21 +475,17 @@ impl Shape<'_, '_> {
             return self.wrong_type(alternatives, value, key);
         };
         if !number.is_finite() {
-            self.findings.refuse(
-                self.format.range,
-                key,
-                "the number is not finite",
-                "write a finite number",
-            );
+            let problem = "the number is not finite";
+            let remedy = "write a finite number";
+            self.findings
+                .refuse(self.format.range, key, problem, remedy);
             return None;
         }
         if number.abs() > LARGEST {
-            self.findings.refuse(
-                self.format.range,
-                key,
-                "the number is larger than 1e30",
-                "check its unit: all quantities are SI",
-            );
+            let problem = "the number is larger than 1e30";
+            let remedy = "check its unit: all quantities are SI";
+            self.findings
+                .refuse(self.format.range, key, problem, remedy);
             return None;
         }
         let whole = schema.get("type").is_some_and(|t| t == "integer");
@@ -542,12 +532,8 @@ impl Shape<'_, '_> {
         } else {
             format!("write {}", self.expected(alternatives))
         };
-        self.findings.refuse(
-            self.format.kind,
-            key,
-            format!("{found} is here, but another type is needed"),
-            remedy,
-        );
+        let problem = format!("{found} is here, but another type is needed");
+        self.findings.refuse(self.format.kind, key, problem, remedy);
         None
     }
 

@@ -2,7 +2,7 @@
 
 use super::Remark;
 use super::inertial::rotation;
-use super::raw::{Kind, Robot};
+use super::raw::{self, Kind, Robot};
 use super::tree::Order;
 use crate::Environment;
 use crate::knowledge::{Knowledge, Origin};
@@ -21,59 +21,43 @@ pub(super) fn model(
     if remarks.iter().any(|r| r.code.is_some()) {
         return None;
     }
-    let place: HashMap<&str, usize> = order
-        .links
-        .iter()
-        .enumerate()
-        .filter_map(|(at, k)| Some((robot.links.get(*k)?.name.as_str(), at)))
-        .collect();
-    let bodies = order
-        .links
-        .iter()
-        .map(|&k| {
-            Some(Body {
-                name: robot.links.get(k)?.name.clone(),
-                nominal: *inertials.get(k)?,
-                estimate: EstimateSet::default(),
-                prior: None,
-                joint: order.carried_by.get(k).copied().flatten(),
-            })
+    let links = order.links.iter().enumerate();
+    let names = links.map(|(at, k)| (robot.links[*k].name.as_str(), at));
+    let place: HashMap<&str, usize> = names.collect();
+    let body = |k: &usize| Body {
+        name: robot.links[*k].name.clone(),
+        nominal: inertials[*k],
+        estimate: EstimateSet::default(),
+        prior: None,
+        joint: order.carried_by[*k],
+    };
+    let joint = |j: &raw::Joint| {
+        let (kind, axis) = match j.kind {
+            Kind::Turns => (JointKind::Revolute, j.axis),
+            Kind::Slides => (JointKind::Prismatic, j.axis),
+            Kind::Fixed => (JointKind::Fixed, [0.0; 3]),
+        };
+        let straight = j.rpy == [0.0; 3];
+        Some(Joint {
+            name: j.name.clone(),
+            kind,
+            parent: *place.get(j.parent.as_str())?,
+            child: *place.get(j.child.as_str())?,
+            p_PoCo_P: Vector3::from(j.xyz),
+            R_PC_zero: match straight {
+                true => Matrix3::identity(),
+                false => rotation(j.rpy),
+            },
+            axis_C: Vector3::from(axis),
+            locked_at: None,
+            spring_damper: None,
         })
-        .collect::<Option<Vec<Body>>>()?;
-    let joints = robot
-        .joints
-        .iter()
-        .map(|j| {
-            let kind = match j.kind {
-                Kind::Turns => JointKind::Revolute,
-                Kind::Slides => JointKind::Prismatic,
-                Kind::Fixed => JointKind::Fixed,
-            };
-            let straight = j.rpy == [0.0; 3];
-            Some(Joint {
-                name: j.name.clone(),
-                kind,
-                parent: *place.get(j.parent.as_str())?,
-                child: *place.get(j.child.as_str())?,
-                p_PoCo_P: Vector3::from(j.xyz),
-                R_PC_zero: if straight {
-                    Matrix3::identity()
-                } else {
-                    rotation(j.rpy)
-                },
-                axis_C: match j.kind {
-                    Kind::Fixed => Vector3::zeros(),
-                    _ => Vector3::from(j.axis),
-                },
-                locked_at: None,
-                spring_damper: None,
-            })
-        })
-        .collect::<Option<Vec<Joint>>>()?;
+    };
+    let joints: Option<Vec<Joint>> = robot.joints.iter().map(joint).collect();
     let model = Model {
         name: robot.name.clone(),
-        bodies,
-        joints,
+        bodies: order.links.iter().map(body).collect(),
+        joints: joints?,
         wheels: Vec::new(),
         thrusters: Vec::new(),
         modes: Vec::new(),

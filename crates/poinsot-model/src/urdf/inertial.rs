@@ -224,24 +224,15 @@ fn units(robot: &Robot, remarks: &mut Vec<Remark>) {
     for joint in &robot.joints {
         let far = Vector3::from(joint.xyz).norm();
         let turn = joint.rpy.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-        let told = [
-            (far > FAR).then(|| {
-                format!(
-                    "the joint is {} m from its parent; is it in mm?",
-                    short(far)
-                )
-            }),
-            (turn > TURN).then(|| {
-                format!(
-                    "the angle {} rad is more than a turn; is it in degrees?",
-                    short(turn)
-                )
-            }),
-        ];
+        let (apart, angle) = (short(far), short(turn));
+        let apart = format!("the joint is {apart} m from its parent; is it in mm?");
+        let angle = format!("the angle {angle} rad is more than a turn; is it in degrees?");
+        let told = [(far > FAR, apart), (turn > TURN, angle)].into_iter();
         let subject = format!("joint \"{}\" <origin>", excerpt(&joint.name, 60));
-        let note = |problem| Remark::new(UrdfDefect::Units, None, joint.byte, problem, "");
-        let told = told.into_iter().flatten();
-        remarks.extend(told.map(|problem: String| note(problem).on(&subject)));
+        for (_, problem) in told.filter(|told| told.0) {
+            let note = Remark::new(UrdfDefect::Units, None, joint.byte, problem, "");
+            remarks.push(note.on(&subject));
+        }
     }
 }
 
