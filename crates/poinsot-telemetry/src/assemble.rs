@@ -8,7 +8,7 @@ use crate::error::{not_strict, number, twice};
 use crate::median::median_step;
 use crate::plan::{Plan, PlannedChannel};
 use crate::{Channel, ChannelName, Overlap, Quantity, Table, quaternion};
-use poinsot_files::{Faults, Place};
+use poinsot_files::{Faults, Place, rounded};
 use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
@@ -81,19 +81,12 @@ fn check_cells(
     strict: bool,
     repairs: &mut Vec<String>,
 ) -> Result<(), Faults> {
-    for ((channel, values), &(nan, first)) in plan
-        .channels
-        .iter()
-        .zip(&columns.values)
-        .zip(&columns.nan_cells)
-    {
+    let cells = columns.values.iter().zip(&columns.nan_cells);
+    for (channel, (values, &(nan, first))) in plan.channels.iter().zip(cells) {
         if let Some((value, &row)) = values.iter().zip(&columns.rows).find(|c| c.0.is_infinite()) {
-            return Err(number(
-                Place::cell(path, row, &channel.column),
-                value.to_string(),
-                "is infinite",
-                "correct it, or leave the cell empty where there is no sample",
-            ));
+            let place = Place::cell(path, row, &channel.column);
+            let advice = "correct it, or leave the cell empty where there is no sample";
+            return Err(number(place, value.to_string(), "is infinite", advice));
         }
         if nan > 0 {
             let place = Place::cell(path, first, &channel.column);
@@ -119,11 +112,11 @@ fn tidy_attitudes(
         Quantity::RelativeAttitude(_) => Some("relative_q"),
         _ => None,
     };
-    let firsts = channels
-        .iter()
-        .filter_map(|c| Some((c, quaternion(&c.name)?)));
     let mut done: Vec<(&str, &str)> = Vec::new();
-    for (first, prefix) in firsts {
+    for first in channels {
+        let Some(prefix) = quaternion(&first.name) else {
+            continue;
+        };
         let sensor = first.name.sensor.as_str();
         if done.contains(&(sensor, prefix)) {
             continue;
@@ -133,27 +126,20 @@ fn tidy_attitudes(
         for (axis, index) in components(prefix).iter().zip(&mut indices) {
             let name = format!("{prefix}_{axis}");
             let own = |c: &PlannedChannel| c.name.sensor == sensor && c.name.name == name;
-            *index = channels.iter().position(own).ok_or_else(|| Faults::one("E0214", Place::file(path), format!("'{}' is missing", crate::full_name(sensor, &name)), format!("add it: a quaternion needs {prefix}_x, {prefix}_y, {prefix}_z and {prefix}_w in one file")))?;
+            let Some(found) = channels.iter().position(own) else {
+                let problem = format!("'{}' is missing", crate::full_name(sensor, &name));
+                let advice = format!(
+                    "add it: a quaternion needs {prefix}_x, {prefix}_y, {prefix}_z and {prefix}_w in one file"
+                );
+                return Err(Faults::one("E0214", Place::file(path), problem, advice));
+            };
+            *index = found;
         }
-        let mut take = |k: usize| {
-            columns
-                .values
-                .get_mut(k)
-                .map(std::mem::take)
-                .unwrap_or_default()
-        };
-        let mut q = indices.map(&mut take);
-        repairs.extend(quaternion::tidy(
-            path,
-            &first.column,
-            &columns.rows,
-            &mut q,
-            strict,
-        )?);
+        let mut q = indices.map(|k| std::mem::take(&mut columns.values[k]));
+        let repaired = quaternion::tidy(path, &first.column, &columns.rows, &mut q, strict)?;
+        repairs.extend(repaired);
         for (k, values) in indices.into_iter().zip(q) {
-            if let Some(slot) = columns.values.get_mut(k) {
-                *slot = values;
-            }
+            columns.values[k] = values;
         }
     }
     Ok(())
@@ -176,12 +162,9 @@ fn pulses(
     let [opens, closes] = transform.late_s;
     for ((begin, duration), row) in begins.iter().zip(lasts).zip(rows) {
         if *duration < 0.0 {
-            return Err(number(
-                place.at(*row),
-                duration.to_string(),
-                "is a negative duration",
-                "correct it, or leave the cell empty where there is no pulse",
-            ));
+            let (place, value) = (place.at(*row), duration.to_string());
+            let advice = "correct it, or leave the cell empty where there is no pulse";
+            return Err(number(place, value, "is a negative duration", advice));
         }
         let (begin, stop) = (begin + opens, begin + duration + closes);
         // A valve that opens later than it closes does not open.
@@ -196,15 +179,10 @@ fn pulses(
             times.push(begin);
             levels.push(force);
         } else if begin < end - SAME && transform.overlap.is_none() {
-            return Err(Faults::one(
-                "E0208",
-                place.at(*row),
-                format!(
-                    "the pulse begins {} s before the one before it ends",
-                    poinsot_files::rounded(end - begin, 4)
-                ),
-                "write overlap = \"merged\" for the column where the valve is open until both have ended, or \"replaced\" where a new command takes the place of the one before",
-            ));
+            let before = rounded(end - begin, 4);
+            let problem = format!("the pulse begins {before} s before the one before it ends");
+            let advice = "write overlap = \"merged\" for the column where the valve is open until both have ended, or \"replaced\" where a new command takes the place of the one before";
+            return Err(Faults::one("E0208", place.at(*row), problem, advice));
         }
         end = match transform.overlap {
             Some(Overlap::Replaced) => stop,
@@ -269,11 +247,8 @@ fn without_gaps(
     if !values.iter().any(|x| x.is_nan()) {
         return (Arc::clone(whole), values);
     }
-    let (times, values): (Vec<f64>, Vec<f64>) = whole
-        .iter()
-        .zip(values)
-        .filter(|(_, x)| !x.is_nan())
-        .unzip();
+    let samples = whole.iter().zip(values).filter(|(_, x)| !x.is_nan());
+    let (times, values): (Vec<f64>, Vec<f64>) = samples.unzip();
     (shared(times, bases), values)
 }
 

@@ -150,12 +150,9 @@ pub(crate) fn check_unchanged(path: &Path, opened: &Opened) -> Result<(), Faults
     if same {
         return Ok(());
     }
-    Err(Faults::one(
-        "E0202",
-        Place::file(path),
-        "the file changed during reading",
-        "use it when it is complete",
-    ))
+    let problem = "the file changed during reading";
+    let advice = "use it when it is complete";
+    Err(Faults::one("E0202", Place::file(path), problem, advice))
 }
 
 /// Reader that stops at bytes that are not text. It converts line ends to `\n`, so that line numbers are consistent.

@@ -1,6 +1,7 @@
 //! Converts the time of a row to seconds since the origin of the segment.
 
 use crate::instant::{ATTO, Calendar, NO_YEAR, in_years};
+use crate::map_faults::{Refused, refuse};
 use crate::number::{self, Cell, InvalidNumber, RawCell};
 use crate::{Dimension, Origin, Scale, TimeFormat, TimeMap, Unit, parse_unit};
 
@@ -31,39 +32,34 @@ pub(crate) struct Clock {
     pub(crate) origin: Option<Origin>,
 }
 
-/// The clock described by a map; otherwise the faulty key, the fault and the remedy.
-pub(crate) fn check_time(map: &TimeMap) -> Result<Clock, (&'static str, String, String)> {
+/// The clock described by a map; otherwise the faulty key.
+pub(crate) fn check_time(map: &TimeMap) -> Result<Clock, Refused> {
     let scale = map.scale;
     let counts = map.format == TimeFormat::Number;
     let unit = map.unit.as_deref().unwrap_or("s");
-    let fault = |key, what: String, remedy: &str| Err((key, what, remedy.to_owned()));
     let unit = match parse_unit(unit) {
         Ok(unit) if unit.dimension == Dimension::Time => unit,
         _ => {
-            let what = format!("unit '{unit}' is not a time");
-            return fault(
-                "unit",
-                what,
-                &format!("use one of: {}", crate::unit::list(Dimension::Time)),
-            );
+            let remedy = format!("use one of: {}", crate::unit::list(Dimension::Time));
+            return refuse("unit", format!("unit '{unit}' is not a time"), remedy);
         }
     };
     let weeks = map.format == TimeFormat::GpsWeek;
     if map.week.is_some() != weeks {
-        let what = "a column of weeks and the format \"gps_week\" belong together".to_owned();
-        return fault("week", what, "write both, or neither");
+        let problem = "a column of weeks and the format \"gps_week\" belong together";
+        return refuse("week", problem, "write both, or neither");
     }
     if (map.unit.is_some() && !counts && !weeks) || (map.epoch.is_some() && !counts) {
         let key = if map.epoch.is_some() { "epoch" } else { "unit" };
-        let what = "a date has no unit and no epoch".to_owned();
-        return fault(key, what, "remove it, or write format = \"number\"");
+        let remedy = "remove it, or write format = \"number\"";
+        return refuse(key, "a date has no unit and no epoch", remedy);
     }
     if scale.is_some() && ((counts && map.epoch.is_none()) || weeks) {
-        let what = match weeks {
-            true => "GPS weeks are in GPS time".to_owned(),
-            false => "numbers without an epoch have no scale".to_owned(),
+        let problem = match weeks {
+            true => "GPS weeks are in GPS time",
+            false => "numbers without an epoch have no scale",
         };
-        return fault("scale", what, "remove it, or add epoch");
+        return refuse("scale", problem, "remove it, or add epoch");
     }
     let mut calendar = Calendar::new(scale.unwrap_or(Scale::Utc));
     let since = match map.epoch.as_deref() {
@@ -74,14 +70,14 @@ pub(crate) fn check_time(map: &TimeMap) -> Result<Clock, (&'static str, String, 
             TimeOrigin::At(gps_epoch())
         }
         Some("unix" | "gps") => {
-            let what = "\"unix\" counts in UTC, \"gps\" in GPS time".to_owned();
-            return fault("scale", what, "remove the scale");
+            let problem = "\"unix\" counts in UTC, \"gps\" in GPS time";
+            return refuse("scale", problem, "remove the scale");
         }
         Some(date) => match calendar.instant(date.as_bytes(), false) {
             Ok(at) => TimeOrigin::At(at),
             Err(why) => {
-                let what = format!("the epoch {}", why.0);
-                return fault("epoch", what, "use \"unix\", \"gps\", or a date and time");
+                let remedy = "use \"unix\", \"gps\", or a date and time";
+                return refuse("epoch", format!("the epoch {}", why.0), remedy);
             }
         },
     };
@@ -90,10 +86,9 @@ pub(crate) fn check_time(map: &TimeMap) -> Result<Clock, (&'static str, String, 
     }
     Ok(Clock {
         format: map.format,
-        unit,
         since,
         calendar,
-        origin: None,
+        ..Clock::own(unit)
     })
 }
 
@@ -378,6 +373,6 @@ mod tests {
             epoch: Some("tomorrow".into()),
             ..TimeMap::default()
         };
-        assert_eq!(check_time(&wrong).unwrap_err().0, "epoch");
+        assert_eq!(check_time(&wrong).unwrap_err().key, "epoch");
     }
 }

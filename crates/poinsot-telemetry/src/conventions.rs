@@ -97,11 +97,8 @@ pub fn test_conventions(attitude: [&Channel; 4], gyro: [&Channel; 3]) -> Option<
     let rate = (sums.aa / sums.n).sqrt();
     let level = |h: &Hypothesis| h.residual_rad_s.max(RESOLUTION * rate);
     let lowest = all.iter().map(level).fold(f64::INFINITY, f64::min);
-    let mut good: Vec<Hypothesis> = all
-        .iter()
-        .copied()
-        .filter(|h| level(h) <= 1.5 * lowest)
-        .collect();
+    let good = all.iter().copied().filter(|h| level(h) <= 1.5 * lowest);
+    let mut good: Vec<Hypothesis> = good.collect();
     good.sort_by(|a, b| {
         (a.departures().cmp(&b.departures())).then(a.residual_rad_s.total_cmp(&b.residual_rad_s))
     });
@@ -112,11 +109,8 @@ pub fn test_conventions(attitude: [&Channel; 4], gyro: [&Channel; 3]) -> Option<
             && h.gyro_unit == best.gyro_unit
             && (h.residual_rad_s - best.residual_rad_s).abs() <= 1e-7 * (rate + best.residual_rad_s)
     };
-    let twin = good
-        .iter()
-        .position(is_twin)
-        .filter(|_| rate > 0.0)
-        .map(|k| good.remove(k));
+    let twin = good.iter().position(is_twin).filter(|_| rate > 0.0);
+    let twin = twin.map(|k| good.remove(k));
     let still = rate * pairs.longest_s() < ROUND_OFF;
     let verdict = verdict(still, [lowest, level(&declared), rate]);
     let only =
@@ -127,13 +121,7 @@ pub fn test_conventions(attitude: [&Channel; 4], gyro: [&Channel; 3]) -> Option<
         gyro: format!("{}..z", full_name(&gyro[0].sensor, "omega_x")),
         intervals: pairs.turns.len(),
         rate_rad_s: rate,
-        scale: sums
-            .cross
-            .iter()
-            .enumerate()
-            .filter_map(|(k, row)| row.get(k))
-            .sum::<f64>()
-            / sums.gg,
+        scale: sums.along(Axes::IDENTITY) / sums.gg,
         declared,
         attitude_readings: only(&|h| as_declared(h) && h.gyro_unit == GyroUnit::AsDeclared),
         gyro_units: only(&|h| {
@@ -151,9 +139,9 @@ pub(crate) fn verdict(still: bool, [lowest, declared, rate]: [f64; 3]) -> Verdic
     if still {
         undecided("the attitude does not move")
     } else if lowest > EXPLAINED * rate {
-        undecided(
-            "motion too small, or attitude and gyro too noisy: no convention explains the rates",
-        )
+        let why =
+            "motion too small, or attitude and gyro too noisy: no convention explains the rates";
+        undecided(why)
     } else if declared >= DECISIVE * lowest {
         Verdict::DeclaredContradicted
     } else if declared <= 2.0 * lowest {
@@ -258,13 +246,10 @@ impl ConventionTest {
         let (attitude, gyro, best) = (&self.attitude, &self.gyro, &self.best);
         let residual = rounded(self.declared.residual_rad_s, 4);
         let least = rounded(best.residual_rad_s, 4);
-        Err(Faults::one(
-            "E0215",
-            Place::default(),
-            format!(
-                "attitude '{attitude}' and gyro '{gyro}' contradict the declared {DECLARED}: residual {residual} rad/s, but {least} rad/s with {best}"
-            ),
-            "correct the map or the file",
-        ))
+        let problem = format!(
+            "attitude '{attitude}' and gyro '{gyro}' contradict the declared {DECLARED}: residual {residual} rad/s, but {least} rad/s with {best}"
+        );
+        let advice = "correct the map or the file";
+        Err(Faults::one("E0215", Place::default(), problem, advice))
     }
 }

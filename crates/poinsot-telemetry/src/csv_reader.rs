@@ -66,15 +66,13 @@ pub(crate) fn read(
             return Err(error);
         }
         if !options.recover {
-            return Err(Faults::one(
-                "E0206",
-                Place::row(path, last_row),
-                format!(
-                    "the file ends inside this row ({})",
-                    how_cut(&error, cells, &plan)
-                ),
-                "use --recover to keep the rows before it",
-            ));
+            let place = Place::row(path, last_row);
+            let problem = format!(
+                "the file ends inside this row ({})",
+                how_cut(&error, cells, &plan)
+            );
+            let advice = "use --recover to keep the rows before it";
+            return Err(Faults::one("E0206", place, problem, advice));
         }
         repairs.push(format!(
             "{}: cut last row dropped",
@@ -104,12 +102,9 @@ pub(crate) fn read(
 fn unpacked(path: &Path, opened: &Opened) -> Result<(Box<dyn Read>, Rows), Faults> {
     let first = opened.first(2).map_err(unreadable(path))?;
     if first == [0xff, 0xfe] || first == [0xfe, 0xff] {
-        return Err(Faults::one(
-            "E0202",
-            Place::file(path),
-            "the file is UTF-16",
-            "save it as UTF-8",
-        ));
+        let problem = "the file is UTF-16";
+        let advice = "save it as UTF-8";
+        return Err(Faults::one("E0202", Place::file(path), problem, advice));
     }
     let packing = Packing::of(opened).map_err(unreadable(path))?;
     let rows = match packing {
@@ -162,12 +157,9 @@ fn named_header(
 const SIGNS: [char; 3] = ['#', '%', '!'];
 
 fn empty(path: &Path) -> Faults {
-    Faults::one(
-        "E0205",
-        Place::file(path),
-        "the file is empty",
-        "begin it with a header row",
-    )
+    let problem = "the file is empty";
+    let advice = "begin it with a header row";
+    Faults::one("E0205", Place::file(path), problem, advice)
 }
 
 /// The header of a file in which no line is named.
@@ -182,13 +174,15 @@ fn header(
     let line = row.line;
     let header = header_of(path, line, &row, options.encoding)?;
     if let Some(first) = no_header(&header, comment) {
+        let problem = format!("the first row begins with '{first}'");
+        let advice = format!(
+            "write [telemetry] header_row = {line} if it has the names, header_row = N for a header in line N, or comment = \"{first}\" if such lines are comments"
+        );
         return Err(Faults::one(
             "E0205",
             Place::row(path, line),
-            format!("the first row begins with '{first}'"),
-            format!(
-                "write [telemetry] header_row = {line} if it has the names, header_row = N for a header in line N, or comment = \"{first}\" if such lines are comments"
-            ),
+            problem,
+            advice,
         ));
     }
     Ok(header)
@@ -276,16 +270,13 @@ fn header_of(
             continue;
         }
         let text = std::str::from_utf8(field).map_err(|e| {
-            Faults::one(
-                "E0202",
-                Place::row(path, line),
-                format!(
-                    "the header is not UTF-8 ('{}', byte {} of the name)",
-                    shown(field),
-                    e.valid_up_to()
-                ),
-                "save the file as UTF-8, or read it by --encoding latin1",
-            )
+            let problem = format!(
+                "the header is not UTF-8 ('{}', byte {} of the name)",
+                shown(field),
+                e.valid_up_to()
+            );
+            let advice = "save the file as UTF-8, or read it by --encoding latin1";
+            Faults::one("E0202", Place::row(path, line), problem, advice)
         })?;
         header.push(text.trim().to_owned());
     }

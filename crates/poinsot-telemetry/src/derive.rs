@@ -129,24 +129,19 @@ fn attitude(
             AttitudeForm::Matrix => match row::<9>(parts, k) {
                 None => None,
                 Some(cells) => Some(from_matrix(&cells).map_err(|problem| {
-                    Faults::one(
-                        "E0214",
-                        Place::cell(path, *line, column),
-                        problem,
-                        "correct the row or the order of the columns",
-                    )
+                    let place = Place::cell(path, *line, column);
+                    let advice = "correct the row or the order of the columns";
+                    Faults::one("E0214", place, problem, advice)
                 })?),
             },
             AttitudeForm::Euler(axes) => row::<3>(parts, k).map(|a| euler(axes, a)),
             AttitudeForm::Mrp => row::<3>(parts, k).map(mrp),
             AttitudeForm::VectorPart => match row::<3>(parts, k).map(with_scalar) {
                 Some(None) => {
-                    return Err(Faults::one(
-                        "E0214",
-                        Place::cell(path, *line, column),
-                        "the vector part of the quaternion is longer than 1",
-                        "correct the row, or the scale of the columns",
-                    ));
+                    let place = Place::cell(path, *line, column);
+                    let problem = "the vector part of the quaternion is longer than 1";
+                    let advice = "correct the row, or the scale of the columns";
+                    return Err(Faults::one("E0214", place, problem, advice));
                 }
                 q => q.flatten(),
             },

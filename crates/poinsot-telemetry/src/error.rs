@@ -28,12 +28,9 @@ pub(crate) fn number(place: Place, value: String, problem: &str, advice: &str) -
 /// E0210: one channel is in two places.
 pub(crate) fn twice(channel: &str, first: &Place, second: &Place) -> Faults {
     let name = channel.rsplit('.').next().unwrap_or_default();
-    Faults::one(
-        "E0210",
-        Place::default(),
-        format!("channel '{channel}' is in {first} and again in {second}"),
-        format!("leave one out, or name the sensors: '<sensor>.{name}'"),
-    )
+    let problem = format!("channel '{channel}' is in {first} and again in {second}");
+    let advice = format!("leave one out, or name the sensors: '<sensor>.{name}'");
+    Faults::one("E0210", Place::default(), problem, advice)
 }
 
 /// E0212, or another code of a map: the entry of a channel.
@@ -76,12 +73,8 @@ pub(crate) fn no_rows(place: Place) -> Faults {
 /// E0218: a repair is needed, but `--strict` forbids it.
 pub(crate) fn not_strict(place: Place, repair: &str) -> Faults {
     let problem = format!("{repair}: --strict allows no repair");
-    Faults::one(
-        "E0218",
-        place,
-        problem,
-        "correct the file or leave out --strict",
-    )
+    let advice = "correct the file or leave out --strict";
+    Faults::one("E0218", place, problem, advice)
 }
 
 /// A cell as shown in errors: control characters escaped, at most 40 characters.

@@ -62,15 +62,25 @@ impl GyroUnit {
 
     /// Factor from the table's values to the rate in rad/s, given its attitude, times and the step of the gyro, s.
     pub fn factor(self, step_s: f64) -> f64 {
+        self.facts(step_s).0
+    }
+
+    /// The factor, and how the reading differs from the declared one.
+    fn facts(self, step_s: f64) -> (f64, &'static str) {
         match self {
-            Self::AsDeclared => 1.0,
-            Self::DegPerS => PI / 180.0,
-            Self::Rpm => PI / 30.0,
-            Self::RadPerSTakenForDeg => 180.0 / PI,
-            Self::RadPerSTakenForRpm => 30.0 / PI,
-            Self::TimeInMilliseconds => 1.0e-3,
-            Self::TimeTakenForMilliseconds => 1.0e3,
-            Self::Increments => 1.0 / step_s,
+            Self::AsDeclared => (1.0, ""),
+            Self::DegPerS => (PI / 180.0, "gyro in deg/s"),
+            Self::Rpm => (PI / 30.0, "gyro in rpm"),
+            Self::RadPerSTakenForDeg => (180.0 / PI, "gyro in rad/s (it is mapped as deg/s)"),
+            Self::RadPerSTakenForRpm => (30.0 / PI, "gyro in rad/s (it is mapped as rpm)"),
+            Self::TimeInMilliseconds => (1.0e-3, "times in ms used as s (or a gyro in mrad/s)"),
+            Self::TimeTakenForMilliseconds => {
+                (1.0e3, "times in s used as ms (or a gyro used as mrad/s)")
+            }
+            Self::Increments => (
+                1.0 / step_s,
+                "angles since the sample before in the columns of the gyro (increments = true)",
+            ),
         }
     }
 }
@@ -174,38 +184,22 @@ impl Hypothesis {
 
 impl fmt::Display for Hypothesis {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let mut parts = Vec::new();
-        if self.order == Order::Wxyz {
-            parts.push("quaternion scalar first (wxyz)".to_owned());
-        }
-        if self.is_inertial() {
-            parts.push("gyro in inertial axes, not in body axes".to_owned());
-        } else if self.sense == Sense::InertialToBody {
-            parts.push(
-                "quaternion inertial to body (or body to inertial in JPL algebra)".to_owned(),
-            );
-        }
-        match self.gyro_unit {
-            GyroUnit::AsDeclared => {}
-            GyroUnit::DegPerS => parts.push("gyro in deg/s".into()),
-            GyroUnit::Rpm => parts.push("gyro in rpm".into()),
-            GyroUnit::RadPerSTakenForDeg => {
-                parts.push("gyro in rad/s (it is mapped as deg/s)".into());
-            }
-            GyroUnit::RadPerSTakenForRpm => {
-                parts.push("gyro in rad/s (it is mapped as rpm)".into())
-            }
-            GyroUnit::TimeInMilliseconds => {
-                parts.push("times in ms used as s (or a gyro in mrad/s)".into());
-            }
-            GyroUnit::TimeTakenForMilliseconds => {
-                parts.push("times in s used as ms (or a gyro used as mrad/s)".into());
-            }
-            GyroUnit::Increments => parts.push(
-                "angles since the sample before in the columns of the gyro (increments = true)"
-                    .into(),
+        let jpl = "quaternion inertial to body (or body to inertial in JPL algebra)";
+        let inverse = self.sense == Sense::InertialToBody && !self.is_inertial();
+        let changes = [
+            (self.order == Order::Wxyz, "quaternion scalar first (wxyz)"),
+            (
+                self.is_inertial(),
+                "gyro in inertial axes, not in body axes",
             ),
-        }
+            (inverse, jpl),
+            (
+                self.gyro_unit != GyroUnit::AsDeclared,
+                self.gyro_unit.facts(1.0).1,
+            ),
+        ];
+        let changes = changes.into_iter().filter(|change| change.0);
+        let mut parts: Vec<String> = changes.map(|change| change.1.to_owned()).collect();
         if self.gyro_axes != Axes::IDENTITY && !self.is_inertial() {
             parts.push(format!("body rates = gyro {}", self.gyro_axes));
         }

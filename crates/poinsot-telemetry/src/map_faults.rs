@@ -38,8 +38,45 @@ impl From<MapFault> for Faults {
     }
 }
 
-/// Code, problem, remedy.
-type Wrong = (&'static str, String, String);
+/// A fault of a key of one entry; the key is empty for the entry itself.
+#[derive(Debug)]
+pub(crate) struct Refused {
+    pub code: &'static str,
+    pub key: &'static str,
+    pub problem: String,
+    pub remedy: String,
+}
+
+impl Refused {
+    /// The fault with the channel of its entry.
+    pub fn of(self, channel: &str) -> Faults {
+        map_of(self.code, channel, self.problem, self.remedy)
+    }
+}
+
+/// Refuses what the value of a key means: E0212.
+pub(crate) fn refuse<T>(
+    key: &'static str,
+    problem: impl Into<String>,
+    remedy: impl Into<String>,
+) -> Result<T, Refused> {
+    refuse_as("E0212", key, problem, remedy)
+}
+
+fn refuse_as<T>(
+    code: &'static str,
+    key: &'static str,
+    problem: impl Into<String>,
+    remedy: impl Into<String>,
+) -> Result<T, Refused> {
+    let (problem, remedy) = (problem.into(), remedy.into());
+    Err(Refused {
+        code,
+        key,
+        problem,
+        remedy,
+    })
+}
 
 /// All faults of a map.
 ///
@@ -53,76 +90,92 @@ pub fn map_faults(map: &TelemetryMap) -> Vec<MapFault> {
     let mut faults = Vec::new();
     let all = &map.all;
     for (file, map) in map.maps() {
-        let mut add = |keys: &[&str], entry: Option<(usize, _)>, channel: &str, wrong: Wrong| {
-            let (code, problem, remedy) = wrong;
-            faults.push(MapFault {
-                code,
-                file,
-                keys: keys.iter().map(|k| (*k).to_owned()).collect(),
-                index: entry.map(|e| e.0),
-                key: entry.map_or("", |e| e.1),
-                channel: channel.to_owned(),
-                problem,
-                remedy,
-            });
-        };
         let units_row = map.layout.units_row.or(all.layout.units_row) == Some(true);
-        for (name, text) in [
-            ("delimiter", &map.layout.delimiter),
-            ("comment", &map.layout.comment),
+        let of_file = file_faults(map, units_row).into_iter();
+        faults.extend(of_file.map(|fault| MapFault { file, ..fault }));
+    }
+    faults
+}
+
+/// Faults of the map of one kind of file.
+fn file_faults(map: &FileMap, units_row: bool) -> Vec<MapFault> {
+    let mut faults = Vec::new();
+    let mut add = |table: &[&str], index: Option<usize>, channel: &str, found: Option<Refused>| {
+        let Some(found) = found else { return };
+        let below = Some(found.key).filter(|key| index.is_none() && !key.is_empty());
+        faults.push(MapFault {
+            code: found.code,
+            file: None,
+            keys: table
+                .iter()
+                .copied()
+                .chain(below)
+                .map(str::to_owned)
+                .collect(),
+            index,
+            key: index.map_or("", |_| found.key),
+            channel: channel.to_owned(),
+            problem: found.problem,
+            remedy: found.remedy,
+        });
+    };
+    for (key, text, remedy) in [
+        (
+            "delimiter",
+            &map.layout.delimiter,
+            "write \",\", \";\", \"|\", \"tab\" or \"space\"",
+        ),
+        ("comment", &map.layout.comment, "write for example \"#\""),
+    ] {
+        if text.as_deref().is_some_and(|text| mark(text).is_none()) {
+            let problem = "the value must be one character that is in no number or name";
+            add(
+                &[],
+                None,
+                key,
+                refuse_as::<()>("E0107", key, problem, remedy).err(),
+            );
+        }
+    }
+    for column in &map.columns {
+        let channel = column.channel.as_str();
+        add(
+            &["columns", channel],
+            None,
+            channel,
+            resolve(column, units_row).err(),
+        );
+    }
+    if let Some(time) = &map.time {
+        add(&["time"], None, "time", check_time(time).err());
+    }
+    for (k, attitude) in map.attitude.iter().enumerate() {
+        let name = crate::full_name(&attitude.sensor, "attitude");
+        add(
+            &["attitude"],
+            Some(k),
+            &name,
+            check_attitude(attitude, units_row).err(),
+        );
+    }
+    if let Some(orbit) = &map.orbit {
+        for (key, unit, dimension) in [
+            ("unit", &orbit.unit, Dimension::Length),
+            ("velocity_unit", &orbit.velocity_unit, Dimension::Velocity),
         ] {
-            if text.as_deref().is_some_and(|text| mark(text).is_none()) {
-                let remedy = match name {
-                    "comment" => "write for example \"#\"",
-                    _ => "write \",\", \";\", \"|\", \"tab\" or \"space\"",
-                };
-                let problem = "the value must be one character that is in no number or name";
-                add(
-                    &[name],
-                    None,
-                    name,
-                    ("E0107", problem.to_owned(), remedy.to_owned()),
-                );
-            }
+            let found = unit.as_ref().and_then(|u| unit_of(key, u, dimension).err());
+            add(&["orbit"], None, "orbit", found);
         }
-        for column in &map.columns {
-            if let Err((key, wrong)) = resolve(column, units_row) {
-                let keys = ["columns", &column.channel, key];
-                let keys = if key.is_empty() { &keys[..2] } else { &keys };
-                add(keys, None, &column.channel, wrong);
-            }
-        }
-        if let Some(time) = &map.time
-            && let Err((key, problem, remedy)) = check_time(time)
-        {
-            add(&["time", key], None, "time", ("E0212", problem, remedy));
-        }
-        for (k, attitude) in map.attitude.iter().enumerate() {
-            if let Err((key, wrong)) = attitude_fault(attitude, units_row) {
-                let name = crate::full_name(&attitude.sensor, "attitude");
-                add(&["attitude"], Some((k, key)), &name, wrong);
-            }
-        }
-        if let Some(orbit) = &map.orbit {
-            for (key, unit, dimension) in [
-                ("unit", &orbit.unit, Dimension::Length),
-                ("velocity_unit", &orbit.velocity_unit, Dimension::Velocity),
-            ] {
-                if let Some(Err(wrong)) = unit.as_ref().map(|u| unit_of(u, dimension)) {
-                    add(&["orbit", key], None, "orbit", wrong);
-                }
-            }
-        }
-        if let Some((keys, channel, wrong)) = column_twice(map) {
-            let keys: Vec<&str> = keys.iter().map(String::as_str).collect();
-            add(&keys, None, &channel, wrong);
-        }
+    }
+    if let Some((keys, channel, found)) = column_twice(map) {
+        let keys: Vec<&str> = keys.iter().map(String::as_str).collect();
+        add(&keys, None, &channel, Some(found));
     }
     faults
 }
 
 /// Finds a column used for two channels.
-fn column_twice(map: &FileMap) -> Option<(Vec<String>, String, Wrong)> {
+fn column_twice(map: &FileMap) -> Option<(Vec<String>, String, Refused)> {
     let mut seen: HashMap<_, String> = HashMap::new();
     // Two channels may share a column if each has its own row filter, or one says by what factor or offset it differs.
     for own in map.named().into_iter().filter(|c| !c.is_changed()) {
@@ -133,118 +186,95 @@ fn column_twice(map: &FileMap) -> Option<(Vec<String>, String, Wrong)> {
                 false => vec![channel.rsplit('.').next().unwrap_or_default().to_owned()],
             };
             let problem = format!("column '{column}' is mapped to '{first}' too");
-            let remedy = "map each column once; a channel that is the same up to a factor or an offset says so by scale, sign or offset".to_owned();
-            return Some((keys, channel, ("E0210", problem, remedy)));
+            let remedy = "map each column once; a channel that is the same up to a factor or an offset says so by scale, sign or offset";
+            let found = refuse_as::<()>("E0210", "", problem, remedy).err()?;
+            return Some((keys, channel, found));
         }
     }
     None
 }
 
-/// The unit, if it has this dimension.
-fn unit_of(text: &str, dimension: Dimension) -> Result<Unit, Wrong> {
-    let remedy = format!("use one of: {}", list(dimension));
+/// The unit at a key, if it has this dimension.
+fn unit_of(key: &'static str, text: &str, dimension: Dimension) -> Result<Unit, Refused> {
+    let all = list(dimension);
     match parse_unit(text) {
         Ok(unit) if unit.dimension == dimension => Ok(unit),
         Ok(_) => {
             let problem = format!("unit '{text}' does not measure it");
-            let remedy = format!(
-                "give a unit that converts to {}: {}",
-                dimension.si(),
-                list(dimension)
-            );
-            Err(("E0212", problem, remedy))
+            let si = dimension.si();
+            let remedy = format!("give a unit that converts to {si}: {all}");
+            refuse(key, problem, remedy)
         }
         Err(_) => {
             let near = nearest_unit(text, Some(dimension));
             let problem = format!("unit '{text}' is not known");
-            Err((
-                "E0211",
-                problem,
-                format!(
-                    "did you mean '{near}'? {}{}",
-                    remedy[..1].to_uppercase(),
-                    &remedy[1..]
-                ),
-            ))
+            let remedy = format!("did you mean '{near}'? Use one of: {all}");
+            refuse_as("E0211", key, problem, remedy)
         }
     }
 }
 
-/// Standard name of a column, and its unit where it is its own.
-type Resolved = (ChannelName, Option<Unit>);
-/// A faulty key, and the fault.
-type Refused = (&'static str, Wrong);
-
-/// The standard name and unit of a column map; otherwise the faulty key and the fault. Without a unit it needs a units
-/// row.
-pub(crate) fn resolve(map: &ColumnMap, units_row: bool) -> Result<Resolved, Refused> {
-    let fault =
-        |key, problem: String, remedy: &str| Err((key, ("E0212", problem, remedy.to_owned())));
+/// The standard name of a column map, and its unit where it is its own; otherwise the fault. Without a unit it needs a units row.
+pub(crate) fn resolve(
+    map: &ColumnMap,
+    units_row: bool,
+) -> Result<(ChannelName, Option<Unit>), Refused> {
     let Some(name) = classify(&map.channel) else {
-        let problem = "not a standard channel name".to_owned();
-        return fault(
-            "",
-            problem,
-            "write one, for example omega_x, joint1_rad, wheel1_rad_s or thr1_N",
-        );
+        let problem = "not a standard channel name";
+        let remedy = "write one, for example omega_x, joint1_rad, wheel1_rad_s or thr1_N";
+        return refuse("", problem, remedy);
     };
-    for (key, value) in [
-        ("scale", map.scale),
-        ("counts_per_revolution", map.counts_per_revolution),
-        ("signed_range", map.signed_range),
-        ("wraps_at", map.wraps_at),
-    ] {
-        if value == Some(0.0) || value.is_some_and(|x| key != "scale" && x < 0.0) {
-            return fault(
-                key,
-                format!("the {} is not positive", key.replace('_', " ")),
-                "correct the number; sign = -1 turns the sign",
-            );
-        }
-    }
-    if map.sign.is_some_and(|s| s.abs() != 1.0) {
-        return fault(
-            "sign",
-            "the sign is neither 1 nor -1".to_owned(),
-            "write 1 or -1; scale is for other factors",
-        );
-    }
-    if let Some(wrong) = misplaced(map, &name) {
-        return Err(wrong);
-    }
-    let time = name.quantity == Quantity::Time;
+    check_numbers(map)?;
+    check_place(map, name.dimension)?;
+    let counts = map.counts_per_revolution.is_some();
     let changed = map.is_changed();
-    if time && (changed || map.counts_per_revolution.or(map.nominal_N).is_some()) {
-        return fault(
-            "",
-            "a time has a unit alone".to_owned(),
-            "remove the other keys, or write [telemetry] time",
-        );
+    if name.quantity == Quantity::Time && (changed || counts || map.nominal_N.is_some()) {
+        let remedy = "remove the other keys, or write [telemetry] time";
+        return refuse("", "a time has a unit alone", remedy);
     }
-    if map.nominal_N.is_some() {
-        return flag(map, name, changed);
-    }
-    if map.counts_per_revolution.is_some() {
-        return counts(map, name);
-    }
-    let Some(unit) = &map.unit else {
-        if units_row {
-            return Ok((name, None));
+    let unit = match &map.unit {
+        // Whether a thruster fires, or how long.
+        unit if map.nominal_N.is_some() => {
+            if name.dimension != Dimension::Force {
+                let problem = "only a thruster has a nominal force";
+                return refuse("nominal_N", problem, "map the column with its unit");
+            }
+            if changed || counts {
+                let problem = "a flag has no sign, scale or offset";
+                return refuse("nominal_N", problem, "remove them, or nominal_N");
+            }
+            let duration = unit.as_ref().map(|u| unit_of("unit", u, Dimension::Time));
+            duration.transpose()?
         }
-        let remedy = format!(
-            "write unit = \"...\", one of: {}; or units_row = true where the file has a row of units",
-            list(name.dimension)
-        );
-        return fault("", "there is no unit".to_owned(), &remedy);
+        unit if counts => {
+            let key = "counts_per_revolution";
+            if !matches!(
+                name.dimension,
+                Dimension::Angle | Dimension::AngularVelocity
+            ) {
+                let problem = "only an angle or its rate has counts per revolution";
+                return refuse(key, problem, "map the column with its unit");
+            }
+            if unit.is_some() {
+                let remedy = "remove unit or counts_per_revolution";
+                return refuse("unit", "counts have no unit", remedy);
+            }
+            None
+        }
+        None if units_row => None,
+        None => {
+            let all = list(name.dimension);
+            let remedy = format!(
+                "write unit = \"...\", one of: {all}; or units_row = true where the file has a row of units"
+            );
+            return refuse("", "there is no unit", remedy);
+        }
+        Some(unit) => {
+            let own = integral(name.dimension).filter(|_| map.increments);
+            Some(unit_of("unit", unit, own.unwrap_or(name.dimension))?)
+        }
     };
-    let measures = match map.increments {
-        true => integral(name.dimension).unwrap_or(name.dimension),
-        false => name.dimension,
-    };
-    match unit_of(unit, measures) {
-        Ok(unit) => Ok((name, Some(unit))),
-        Err(wrong) => Err(("unit", wrong)),
-    }
+    Ok((name, unit))
 }
 
 /// Dimension of the increments of a rate.
@@ -258,115 +288,72 @@ fn integral(rate: Dimension) -> Option<Dimension> {
     }
 }
 
-/// A key that the channel cannot have.
-fn misplaced(map: &ColumnMap, name: &ChannelName) -> Option<Refused> {
-    let fault = |key, problem: &str, remedy: &str| {
-        Some((key, ("E0212", problem.to_owned(), remedy.to_owned())))
-    };
-    if map.increments && integral(name.dimension).is_none() {
+/// Signs of the numbers.
+fn check_numbers(map: &ColumnMap) -> Result<(), Refused> {
+    for (key, value) in [
+        ("scale", map.scale),
+        ("counts_per_revolution", map.counts_per_revolution),
+        ("signed_range", map.signed_range),
+        ("wraps_at", map.wraps_at),
+    ] {
+        if value == Some(0.0) || value.is_some_and(|x| key != "scale" && x < 0.0) {
+            let problem = format!("the {} is not positive", key.replace('_', " "));
+            let remedy = "correct the number; sign = -1 turns the sign";
+            return refuse(key, problem, remedy);
+        }
+    }
+    if map.sign.is_some_and(|s| s.abs() != 1.0) {
+        let remedy = "write 1 or -1; scale is for other factors";
+        return refuse("sign", "the sign is neither 1 nor -1", remedy);
+    }
+    Ok(())
+}
+
+/// Keys that the channel cannot have.
+fn check_place(map: &ColumnMap, dimension: Dimension) -> Result<(), Refused> {
+    if map.increments && integral(dimension).is_none() {
         let problem = "only a rate has increments";
-        return fault("increments", problem, "remove it, or map the rate");
+        return refuse("increments", problem, "remove it, or map the rate");
     }
-    if name.dimension == Dimension::Force {
-        return None;
+    for (key, given) in [
+        ("opens_late_s", map.opens_late_s.is_some()),
+        ("closes_late_s", map.closes_late_s.is_some()),
+        ("overlap", map.overlap.is_some()),
+    ] {
+        if given && dimension != Dimension::Force {
+            return refuse(key, "only a thruster has a valve", "remove it");
+        }
     }
-    let (remedy, problem) = ("remove it", "only a thruster has a valve");
-    if map.opens_late_s.is_some() {
-        return fault("opens_late_s", problem, remedy);
-    }
-    if map.closes_late_s.is_some() {
-        return fault("closes_late_s", problem, remedy);
-    }
-    match map.overlap {
-        Some(_) => fault("overlap", problem, remedy),
-        None => None,
-    }
+    Ok(())
 }
 
-/// The same for a column that says whether a thruster fires: its unit is that of a duration.
-fn flag(map: &ColumnMap, name: ChannelName, changed: bool) -> Result<Resolved, Refused> {
-    let fault = |problem: &str, remedy: &str| {
-        Err((
-            "nominal_N",
-            ("E0212", problem.to_owned(), remedy.to_owned()),
-        ))
-    };
-    if name.dimension != Dimension::Force {
-        return fault(
-            "only a thruster has a nominal force",
-            "map the column with its unit",
-        );
-    }
-    if changed || map.counts_per_revolution.is_some() {
-        return fault(
-            "a flag has no sign, scale or offset",
-            "remove them, or nominal_N",
-        );
-    }
-    let duration = map.unit.as_ref().map(|u| unit_of(u, Dimension::Time));
-    match duration.transpose() {
-        Ok(unit) => Ok((name, unit)),
-        Err(wrong) => Err(("unit", wrong)),
-    }
-}
-
-/// The same for a column of counts.
-fn counts(map: &ColumnMap, name: ChannelName) -> Result<Resolved, Refused> {
-    let fault = |key, problem: &str, remedy: &str| {
-        Err((key, ("E0212", problem.to_owned(), remedy.to_owned())))
-    };
-    let turns = matches!(
-        name.dimension,
-        Dimension::Angle | Dimension::AngularVelocity
-    );
-    if !turns {
-        return fault(
-            "counts_per_revolution",
-            "only an angle or its rate has counts per revolution",
-            "map the column with its unit",
-        );
-    }
-    if map.unit.is_some() {
-        return fault(
-            "unit",
-            "counts have no unit",
-            "remove unit or counts_per_revolution",
-        );
-    }
-    Ok((name, None))
-}
-
-fn attitude_fault(map: &AttitudeMap, units_row: bool) -> Result<(), Refused> {
-    let refuse = |code, key, problem: &str, remedy: &str| {
-        Err((key, (code, problem.to_owned(), remedy.to_owned())))
-    };
+fn check_attitude(map: &AttitudeMap, units_row: bool) -> Result<(), Refused> {
     let given = map.given();
     let &[(name, _)] = given.as_slice() else {
         let remedy = "give one of quaternion, matrix, euler, mrp";
-        return refuse("E0107", "", "an attitude has one form", remedy);
+        return refuse_as("E0107", "", "an attitude has one form", remedy);
     };
     if map.order.is_some() && name != "quaternion" {
         let problem = "only a quaternion has an order";
-        return refuse("E0107", "order", problem, "remove it");
+        return refuse_as("E0107", "order", problem, "remove it");
     }
-    if map.sequence.is_some() != (name == "euler") {
+    let euler = name == "euler";
+    if map.sequence.is_some() != euler {
         let problem = "Euler angles and their sequence belong together";
         let remedy = "write for example sequence = \"ZYX\" for yaw, pitch, roll, or remove it";
-        return refuse("E0107", "sequence", problem, remedy);
+        return refuse_as("E0107", "sequence", problem, remedy);
     }
     let Some(form) = map.form() else {
         let problem = "the sequence is not three of X, Y, Z";
         let remedy = "write for example \"ZYX\" for yaw, pitch, roll";
-        return refuse("E0107", "sequence", problem, remedy);
+        return refuse_as("E0107", "sequence", problem, remedy);
     };
-    let fault = |problem: &str, remedy: &str| refuse("E0212", "", problem, remedy);
     let (columns, wanted) = (map.columns(), form.width());
     if columns.len() != wanted {
         let named = columns.len();
         let problem = format!("{named} columns are named where the form has {wanted}");
-        return fault(&problem, "name them in their order");
+        return refuse("", problem, "name them in their order");
     }
-    let euler = name == "euler";
     let odd = |c: &&ColumnMap| {
         let thrust = c.nominal_N.or(c.opens_late_s).or(c.closes_late_s).is_some();
         let unit = c.unit.is_some() || c.counts_per_revolution.is_some();
@@ -374,27 +361,24 @@ fn attitude_fault(map: &AttitudeMap, units_row: bool) -> Result<(), Refused> {
     };
     if let Some(ColumnMap { column, .. }) = columns.iter().find(odd) {
         let problem = format!("'{column}' has a key that no column of an attitude has");
-        return fault(&problem, "remove it");
+        return refuse("", problem, "remove it");
     }
     match form {
         AttitudeForm::Euler([a, b, c]) if a == b || b == c => {
             let problem = "two turns in a row are about one axis";
-            return fault(problem, "correct the sequence, for example \"ZYX\"");
+            return refuse("", problem, "correct the sequence, for example \"ZYX\"");
         }
         AttitudeForm::Euler(_) => {}
-        _ if map.unit.is_some() => return fault("only Euler angles have a unit", "remove it"),
+        _ if map.unit.is_some() => return refuse("", "only Euler angles have a unit", "remove it"),
         _ => return Ok(()),
     }
-    let units = columns
-        .iter()
-        .map(|c| c.unit.as_ref().or(map.unit.as_ref()));
-    for unit in units {
-        match unit {
-            Some(unit) => unit_of(unit, Dimension::Angle).map_err(|wrong| ("", wrong))?,
+    for column in &columns {
+        match column.unit.as_ref().or(map.unit.as_ref()) {
+            Some(unit) => unit_of("", unit, Dimension::Angle)?,
             None if units_row => continue,
             None => {
                 let remedy = "write unit = \"deg\" or another angle";
-                return fault("the angles have no unit", remedy);
+                return refuse("", "the angles have no unit", remedy);
             }
         };
     }

@@ -144,12 +144,9 @@ pub(crate) fn read(
             continue;
         };
         let Values::Numbers(values) = values else {
-            return Err(Faults::one(
-                "E0202",
-                Place::cell(path, 0, &channel.column),
-                "whole nanoseconds are a time, and this column is none",
-                "give numbers",
-            ));
+            let place = Place::cell(path, 0, &channel.column);
+            let problem = "whole nanoseconds are a time, and this column is none";
+            return Err(Faults::one("E0202", place, problem, "give numbers"));
         };
         for row in &kept {
             let cell = match values.get(*row) {

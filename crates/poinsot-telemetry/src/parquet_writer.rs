@@ -4,7 +4,7 @@ use crate::cursor::cursors;
 use crate::row_columns::{RowCells, RowColumn};
 use crate::{Channel, full_name};
 use parquet::basic::{Compression, ConvertedType, LogicalType, Repetition, Type as Stored};
-use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int64Type};
+use parquet::data_type::{ByteArray, ByteArrayType, DataType, DoubleType, Int64Type};
 use parquet::errors::Result;
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
@@ -34,11 +34,8 @@ fn encode(file: &mut File, times: &[f64], channels: &[Channel]) -> Result<()> {
     let mut cursors = cursors(channels);
     for times in times.chunks(GROUP) {
         let mut group = writer.next_row_group()?;
-        if let Some(mut column) = group.next_column()? {
-            column
-                .typed::<DoubleType>()
-                .write_batch(times, None, None)?;
-            column.close()?;
+        if let Some(column) = group.next_column()? {
+            write_whole::<DoubleType>(column, times)?;
         }
         for cursor in &mut cursors {
             if let Some(column) = group.next_column()? {
@@ -61,7 +58,7 @@ pub(crate) fn write_rows(file: &mut File, columns: &[RowColumn]) -> Result<()> {
     let mut writer = open(file, fields.collect::<Result<_>>()?)?;
     let mut group = writer.next_row_group()?;
     for column in columns {
-        let Some(mut writer) = group.next_column()? else {
+        let Some(writer) = group.next_column()? else {
             break;
         };
         match &column.cells {
@@ -70,17 +67,11 @@ pub(crate) fn write_rows(file: &mut File, columns: &[RowColumn]) -> Result<()> {
             }
             RowCells::Count(cells) => {
                 let cells: Vec<i64> = cells.iter().map(|n| n.cast_signed()).collect();
-                writer
-                    .typed::<Int64Type>()
-                    .write_batch(&cells, None, None)?;
-                writer.close()?;
+                write_whole::<Int64Type>(writer, &cells)?;
             }
             RowCells::Text(cells) => {
                 let cells: Vec<ByteArray> = cells.iter().map(|s| s.as_str().into()).collect();
-                writer
-                    .typed::<ByteArrayType>()
-                    .write_batch(&cells, None, None)?;
-                writer.close()?;
+                write_whole::<ByteArrayType>(writer, &cells)?;
             }
         }
     }
@@ -112,6 +103,12 @@ fn primitive(name: &str, stored: Stored, logical: LogicalType) -> Result<Type> {
         .with_converted_type(ConvertedType::from(Some(logical.clone())))
         .with_logical_type(Some(logical))
         .build()
+}
+
+/// A column without empty cells.
+fn write_whole<T: DataType>(mut column: SerializedColumnWriter<'_>, cells: &[T::T]) -> Result<()> {
+    column.typed::<T>().write_batch(cells, None, None)?;
+    column.close()
 }
 
 /// Numbers of which some cells are empty.

@@ -183,16 +183,13 @@ impl Planner<'_> {
             return Ok(None);
         };
         let resolved = resolve(map, self.units.is_some());
-        let (name, unit) = resolved
-            .map_err(|(_, (code, problem, advice))| map_of(code, &map.channel, problem, advice))?;
+        let (name, unit) = resolved.map_err(|refused| refused.of(&map.channel))?;
         let needs_unit = map.nominal_N.is_none() && map.counts_per_revolution.is_none();
         let unit = match unit {
             None if needs_unit => Some(self.unit_below(index, &name)?.ok_or_else(|| {
-                self.fault(
-                    &map.channel,
-                    format!("its units row is empty below '{}'", map.column),
-                    "write unit in [telemetry]",
-                )
+                let problem = format!("its units row is empty below '{}'", map.column);
+                let advice = "write unit in [telemetry]";
+                self.fault(&map.channel, problem, advice)
             })?),
             unit => unit,
         };
@@ -218,11 +215,9 @@ impl Planner<'_> {
             None => Ok(Some(found.into_iter().flatten().collect())),
             Some(k) => {
                 let missing = columns.get(k).cloned().unwrap_or_default();
-                Err(self.fault(
-                    channel,
-                    format!("column '{missing}' is missing from its group"),
-                    "add it, or correct its name",
-                ))
+                let problem = format!("column '{missing}' is missing from its group");
+                let advice = "add it, or correct its name";
+                Err(self.fault(channel, problem, advice))
             }
         }
     }
@@ -248,11 +243,8 @@ impl Planner<'_> {
         };
         let names = map.names();
         let (Some(name), Some(form)) = (classify(&names[0]), map.form()) else {
-            return Err(self.fault(
-                &label,
-                format!("'{}' is no name of a sensor", map.sensor),
-                "correct it",
-            ));
+            let problem = format!("'{}' is no name of a sensor", map.sensor);
+            return Err(self.fault(&label, problem, "correct it"));
         };
         let group = self.groups.len();
         let parts = found.into_iter().zip(&maps).zip(choices);
@@ -349,7 +341,7 @@ impl Planner<'_> {
             return Ok((None, None));
         };
         let mut clock =
-            check_time(map).map_err(|(_, problem, advice)| self.fault("time", problem, advice))?;
+            check_time(map).map_err(|wrong| self.fault("time", wrong.problem, wrong.remedy))?;
         if let (None, TimeFormat::Number | TimeFormat::GpsWeek, Some(name)) =
             (&map.unit, map.format, classify("time_s"))
             && let Some(unit) = self.unit_below(index, &name)?
@@ -494,10 +486,9 @@ fn check_header(path: &Path, header: &[String]) -> Result<(), Faults> {
     let fault =
         |problem: String, advice: String| Faults::one("E0205", Place::file(path), problem, advice);
     if header.len() > MAX_COLUMNS {
-        return Err(fault(
-            format!("{} columns in the header", header.len()),
-            format!("leave out what is not needed, the limit is {MAX_COLUMNS}"),
-        ));
+        let problem = format!("{} columns in the header", header.len());
+        let advice = format!("leave out what is not needed, the limit is {MAX_COLUMNS}");
+        return Err(fault(problem, advice));
     }
     if let [only] = header
         && let Some(delimiter) = only.chars().find(|c| matches!(c, ';' | '\t' | '|'))
@@ -506,20 +497,18 @@ fn check_header(path: &Path, header: &[String]) -> Result<(), Faults> {
             '\t' => "tab".to_owned(),
             other => other.to_string(),
         };
-        return Err(fault(
-            format!("the columns are separated by {delimiter:?}"),
-            format!(
-                "write [telemetry] delimiter = \"{name}\", and decimal = \",\" where numbers have a decimal comma"
-            ),
-        ));
+        let problem = format!("the columns are separated by {delimiter:?}");
+        let advice = format!(
+            "write [telemetry] delimiter = \"{name}\", and decimal = \",\" where numbers have a decimal comma"
+        );
+        return Err(fault(problem, advice));
     }
     let mut seen = HashSet::new();
     for name in header.iter().filter(|h| !h.is_empty()) {
         if !seen.insert(name) {
-            return Err(fault(
-                format!("column '{name}' is twice in the header"),
-                "rename one".to_owned(),
-            ));
+            let problem = format!("column '{name}' is twice in the header");
+            let advice = "rename one".to_owned();
+            return Err(fault(problem, advice));
         }
     }
     Ok(())
@@ -600,24 +589,18 @@ impl<'a> Unused<'a> {
         for (pattern, map) in &maps {
             let mut filters = map.filters();
             if let Some((column, text)) = filters.find(|f| missing(pattern, &f.0)) {
-                return Err(no_match(
-                    &column,
-                    &text,
-                    why(&column),
-                    self.nearest(&column),
-                ));
+                let problem = why(&column);
+                let advice = self.nearest(&column);
+                return Err(no_match(&column, &text, problem, advice));
             }
         }
         for (pattern, map) in &maps {
             let named = map.named();
             if let Some(own) = named.iter().find(|n| missing(pattern, &n.column)) {
                 let column = &own.column;
-                return Err(map_of(
-                    "E0212",
-                    &own.channel,
-                    why(column),
-                    self.nearest(column),
-                ));
+                let problem = why(column);
+                let advice = self.nearest(column);
+                return Err(map_of("E0212", &own.channel, problem, advice));
             }
         }
         Ok(())

@@ -44,16 +44,14 @@ pub(crate) fn tidy(
         }
         let deviation = (norm - 1.0).abs();
         if deviation.is_nan() || deviation > LIMIT {
-            return Err(Faults::one(
-                "E0214",
-                Place::cell(path, row, column),
-                format!(
-                    "the quaternion ({}) has norm {}, not 1",
-                    here.map(as_read).join(", "),
-                    rounded(norm, 6)
-                ),
-                "correct the row or the order of the columns",
-            ));
+            let place = Place::cell(path, row, column);
+            let problem = format!(
+                "the quaternion ({}) has norm {}, not 1",
+                here.map(as_read).join(", "),
+                rounded(norm, 6)
+            );
+            let advice = "correct the row or the order of the columns";
+            return Err(Faults::one("E0214", place, problem, advice));
         }
         if deviation > tally.worst.0 {
             tally.worst = (deviation, row);

@@ -29,15 +29,15 @@ pub(crate) struct Sums {
 }
 
 impl Sums {
+    /// Sum of the products of the rates from the attitude and of the gyro in these axes.
+    pub(crate) fn along(&self, axes: Axes) -> f64 {
+        let rows = self.cross.iter().zip(axes.axis).zip(axes.sign);
+        let products = rows.map(|((row, axis), sign)| row[axis] * f64::from(sign));
+        products.sum()
+    }
+
     pub(crate) fn residual(&self, factor: f64, axes: Axes) -> f64 {
-        let along: f64 = self
-            .cross
-            .iter()
-            .zip(axes.axis)
-            .zip(axes.sign)
-            .filter_map(|((row, axis), sign)| Some(row.get(axis)? * f64::from(sign)))
-            .sum();
-        let square = self.aa - 2.0 * factor * along + factor * factor * self.gg;
+        let square = self.aa - 2.0 * factor * self.along(axes) + factor * factor * self.gg;
         (square.max(0.0) / self.n).sqrt()
     }
 }

@@ -245,25 +245,20 @@ fn check_any_row(
     if columns.time_s.is_empty()
         && let Some((column, text)) = options.map.all.row_filter.first()
     {
-        return Err(no_match(
-            column,
-            text,
-            format!("no row of {} matches", path.display()),
-            format!(
-                "choose among the values there, the first are {}",
-                columns.seen(0)
-            ),
-        ));
+        let problem = format!("no row of {} matches", path.display());
+        let advice = format!(
+            "choose among the values there, the first are {}",
+            columns.seen(0)
+        );
+        return Err(no_match(column, text, problem, advice));
     }
     if columns.time_s.is_empty()
         && let Some([from, to]) = options.time_s
     {
-        return Err(no_match(
-            &plan.time_column,
-            &format!("{},{}", as_read(from), as_read(to)),
-            format!("no row of {} lies between these times, s", path.display()),
-            "choose times of the record (`poinsot inspect` shows them)",
-        ));
+        let text = format!("{},{}", as_read(from), as_read(to));
+        let problem = format!("no row of {} lies between these times, s", path.display());
+        let advice = "choose times of the record (`poinsot inspect` shows them)";
+        return Err(no_match(&plan.time_column, &text, problem, advice));
     }
     Ok(())
 }
@@ -284,12 +279,9 @@ fn decode(
     };
     let by_bytes = stream.is_some() || is_standard_input(path);
     if named.is_none() && !by_bytes {
-        return Err(Faults::one(
-            "E0202",
-            Place::file(path),
-            "the kind of file is not known from its name",
-            "give a .csv, .csv.gz, .csv.zst or .parquet file",
-        ));
+        let problem = "the kind of file is not known from its name";
+        let advice = "give a .csv, .csv.gz, .csv.zst or .parquet file";
+        return Err(Faults::one("E0202", Place::file(path), problem, advice));
     }
     let opened = match stream {
         Some(stream) => stream.opened.clone(),

@@ -108,14 +108,11 @@ impl Selection {
         let every = every.max(self.every as u64 + 1);
         let samples = rows.div_ceil(self.every as u64);
         let (channels, mib) = (plan.channels.len(), self.bytes >> 20);
-        Faults::one(
-            TOO_LARGE,
-            Place::file(path),
-            format!(
-                "up to {samples} samples in {channels} channels are requested, but {fit} fit into {mib} MiB of memory"
-            ),
-            format!("use --every {every}, --time-s FROM,TO, or a larger --memory-mib"),
-        )
+        let problem = format!(
+            "up to {samples} samples in {channels} channels are requested, but {fit} fit into {mib} MiB of memory"
+        );
+        let advice = format!("use --every {every}, --time-s FROM,TO, or a larger --memory-mib");
+        Faults::one(TOO_LARGE, Place::file(path), problem, advice)
     }
 }
 

@@ -60,28 +60,21 @@ fn check_order(path: &Path, plan: &Plan, columns: &Columns, rows: &[usize]) -> R
     let mut before = (f64::NEG_INFINITY, 0);
     for k in rows {
         let (time, row) = (columns.time_s[*k], columns.rows[*k]);
-        let (problem, advice) = match time {
-            _ if time.is_nan() => (
-                "the row has no time".to_owned(),
-                "give it one or leave the row out",
-            ),
-            _ if time.is_infinite() => (
-                "the time is infinite".to_owned(),
-                "correct it or leave the row out",
-            ),
-            _ if time < before.0 => (
-                format!(
-                    "time goes back from {} s (row {}) to {} s",
-                    as_read(before.0 + zero),
-                    before.1,
-                    as_read(time + zero)
-                ),
-                "choose one run by [telemetry] where, or cut the file into segments",
-            ),
-            _ => {
-                before = (time, row);
-                continue;
-            }
+        let (problem, advice) = if time.is_nan() {
+            let problem = "the row has no time".to_owned();
+            (problem, "give it one or leave the row out")
+        } else if time.is_infinite() {
+            let problem = "the time is infinite".to_owned();
+            (problem, "correct it or leave the row out")
+        } else if time < before.0 {
+            let [from, to] = [before.0, time].map(|t| as_read(t + zero));
+            let above = before.1;
+            let problem = format!("time goes back from {from} s (row {above}) to {to} s");
+            let advice = "choose one run by [telemetry] where, or cut the file into segments";
+            (problem, advice)
+        } else {
+            before = (time, row);
+            continue;
         };
         return Err(no_order(path, plan, row, problem, advice));
     }
@@ -115,15 +108,10 @@ fn join(
             }
             if !old.is_nan() {
                 let column = &channel.column;
-                return Err(no_order(
-                    path,
-                    plan,
-                    row,
-                    format!(
-                        "time {time} s is already in row {row_before} with another value of '{column}'"
-                    ),
-                    "keep one of the rows",
-                ));
+                let problem = format!(
+                    "time {time} s is already in row {row_before} with another value of '{column}'"
+                );
+                return Err(no_order(path, plan, row, problem, "keep one of the rows"));
             }
             values[first] = new;
             adds = true;
@@ -139,12 +127,10 @@ fn join(
         return Ok(());
     }
     columns.retain(&keep);
+    let joined = "joined to the row before them, which has their time";
     let told = [
         (repeated, "that repeat the row before them dropped"),
-        (
-            completed,
-            "joined to the row before them, which has their time",
-        ),
+        (completed, joined),
     ];
     // Rows that belong to one channel each, or to none, are no repetition.
     let every_row = !plan.chooses_all() && !plan.channels.is_empty();
@@ -186,17 +172,13 @@ pub(crate) fn check_one_run(path: &Path, plan: &Plan, columns: &Columns) -> Resu
     if step <= APART_STEPS * median_s || apart <= APART * covered {
         return Ok(());
     }
-    Err(Faults::one(
-        "E0208",
-        Place::cell(path, row, &plan.time_column),
-        format!(
-            "time jumps from {} s (row {row_before}) to {} s in a record of {} s: these are several runs",
-            as_read(from + columns.own_zero_s()),
-            as_read(to + columns.own_zero_s()),
-            rounded(covered, 9)
-        ),
-        "choose one by --time-s or [telemetry] where, or give each as a segment",
-    ))
+    let [from, to] = [from, to].map(|t| as_read(t + columns.own_zero_s()));
+    let covered = rounded(covered, 9);
+    let problem = format!(
+        "time jumps from {from} s (row {row_before}) to {to} s in a record of {covered} s: these are several runs"
+    );
+    let advice = "choose one by --time-s or [telemetry] where, or give each as a segment";
+    Err(no_order(path, plan, row, problem, advice))
 }
 
 fn check_step(path: &Path, plan: &Plan, times: &[f64]) -> Result<(), Faults> {
@@ -207,27 +189,22 @@ fn check_step(path: &Path, plan: &Plan, times: &[f64]) -> Result<(), Faults> {
         return Ok(());
     }
     let usual = |factor: f64| (1e-3..=60.0).contains(&(median_s * factor));
-    let likely = if median_s < 1.0 {
-        [(86400.0, "d"), (3600.0, "h")]
-            .into_iter()
-            .find(|(factor, _)| usual(*factor))
-    } else {
-        [(1e-3, "ms"), (1e-6, "us"), (1e-9, "ns")]
-            .into_iter()
-            .find(|(factor, _)| usual(*factor))
-    };
-    let (why, unit) = match likely {
+    let units = [
+        (86400.0, "d"),
+        (3600.0, "h"),
+        (1e-3, "ms"),
+        (1e-6, "us"),
+        (1e-9, "ns"),
+    ];
+    let (why, unit) = match units.into_iter().find(|(factor, _)| usual(*factor)) {
         Some((_, unit)) => (format!(": its unit is likely {unit}"), unit),
         None => (String::new(), "..."),
     };
-    let median_s = rounded(median_s, 4);
-    let column = &plan.time_column;
-    Err(Faults::one(
-        "E0209",
-        Place::cell(path, 0, column),
-        format!("the median step is {median_s} s, outside 1e-5 to 1e5 s{why}"),
-        format!(
-            "map it by [telemetry.columns] time_s = {{ column = \"{column}\", unit = \"{unit}\" }}"
-        ),
-    ))
+    let (median_s, column) = (rounded(median_s, 4), &plan.time_column);
+    let problem = format!("the median step is {median_s} s, outside 1e-5 to 1e5 s{why}");
+    let advice = format!(
+        "map it by [telemetry.columns] time_s = {{ column = \"{column}\", unit = \"{unit}\" }}"
+    );
+    let place = Place::cell(path, 0, column);
+    Err(Faults::one("E0209", place, problem, advice))
 }

@@ -88,41 +88,27 @@ fn unwritten(mut faults: Faults) -> Faults {
 }
 
 fn check(path: &Path, channels: &[Channel]) -> Result<(), Faults> {
-    let fault = |column: &str, problem: &str, advice: &str| {
-        Faults::one("E0219", Place::cell(path, 0, column), problem, advice)
-    };
     let mut names = HashSet::new();
     for c in channels {
         let name = full_name(&c.sensor, &c.name);
         let mut pairs = c.time_s.iter().zip(c.time_s.iter().skip(1));
-        if name == "time_s" || !names.insert(name.clone()) {
-            return Err(fault(
-                &name,
-                "two columns of this name",
-                "rename one channel",
-            ));
-        }
-        if c.time_s.len() != c.values.len() {
-            return Err(fault(
-                &name,
-                "times and values differ in number",
-                "give one time per value",
-            ));
-        }
-        if !pairs.all(|(a, b)| a < b) || !c.time_s.iter().all(|t| t.is_finite()) {
-            return Err(fault(
-                &name,
-                "the times are not strictly increasing numbers",
-                "sort them and leave out what repeats",
-            ));
-        }
-        if !c.values.iter().all(|x| x.is_finite()) {
-            return Err(fault(
-                &name,
-                "a value is not finite",
-                "correct what it comes from, or leave the sample out",
-            ));
-        }
+        let increase = pairs.all(|(a, b)| a < b) && c.time_s.iter().all(|t| t.is_finite());
+        let (problem, advice) = if name == "time_s" || !names.insert(name.clone()) {
+            ("two columns of this name", "rename one channel")
+        } else if c.time_s.len() != c.values.len() {
+            let problem = "times and values differ in number";
+            (problem, "give one time per value")
+        } else if !increase {
+            let problem = "the times are not strictly increasing numbers";
+            (problem, "sort them and leave out what repeats")
+        } else if !c.values.iter().all(|x| x.is_finite()) {
+            let advice = "correct what it comes from, or leave the sample out";
+            ("a value is not finite", advice)
+        } else {
+            continue;
+        };
+        let place = Place::cell(path, 0, &name);
+        return Err(Faults::one("E0219", place, problem, advice));
     }
     Ok(())
 }

@@ -295,12 +295,11 @@ pub fn refused(label: &str, finding: &Finding) -> Faults {
     let lenient = policies.iter().find(|p| **p != Policy::Refuse);
     let lenient = lenient.map_or("report", |p| p.name());
     let check = finding.check.name();
-    Faults::one(
-        "E0220",
-        Place::label(label).key(&format!("channel '{}'", finding.channel)),
-        format!("{check}: {}", finding.text),
-        format!("correct it, or accept it by --policy {check}={lenient} (without --strict)"),
-    )
+    let place = Place::label(label).key(&format!("channel '{}'", finding.channel));
+    let problem = format!("{check}: {}", finding.text);
+    let advice =
+        format!("correct it, or accept it by --policy {check}={lenient} (without --strict)");
+    Faults::one("E0220", place, problem, advice)
 }
 
 /// Checks a table without changing it. Placeholders are also searched in single channels.
