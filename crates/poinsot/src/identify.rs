@@ -297,6 +297,19 @@ pub struct Gated {
 ///
 /// # Errors
 /// As [`identify`].
+///
+/// ```
+#[doc = include_str!("../doc/case.txt")]
+/// use poinsot_telemetry::Part;
+///
+/// # let out = std::env::temp_dir().join(format!("poinsot-gated-{}", std::process::id()));
+/// let written = simulate::simulate(&folder.join("case.toml"), &out)?;
+/// let records = [vec![Part::File(written.telemetry)]];
+/// let input = gated(model, &records, &Reading::default(), &Question::default())?;
+/// assert_eq!((input.tree.bodies(), input.bound.segments.len(), input.findings.len()), (1, 1, 0));
+/// # std::fs::remove_dir_all(&out)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn gated(
     model: Model,
     records: &[Vec<Part>],
@@ -633,6 +646,13 @@ fn variant_error(question: &Question, known: &[&str]) -> Error {
 }
 
 /// Options of reading telemetry for a model.
+///
+/// ```
+#[doc = include_str!("../doc/case.txt")]
+/// let options = identify::read_options(&model, &model.telemetry, false, false);
+/// assert!(options.check_conventions && options.wanted.unwrap().contains("omega_x"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn read_options(model: &Model, map: &TelemetryMap, strict: bool, recover: bool) -> ReadOptions {
     ReadOptions {
         map: map.clone(),

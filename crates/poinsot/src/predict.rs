@@ -200,6 +200,15 @@ impl Met {
 }
 
 /// Sigma of a wanted number under the covariance of an estimate or bound.
+///
+/// ```
+#[doc = include_str!("../doc/answer.txt")]
+/// let numbers = case::estimated_numbers(&model);
+/// let sigma = predict::wanted_sigma(&identified.estimate, &numbers[0]).unwrap();
+/// let stated = identified.estimate.bodies[0].inertia[0].sigma.unwrap();
+/// assert!((sigma / stated - 1.0).abs() < 1.0e-9);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn wanted_sigma(estimate: &Estimate, want: &Want) -> Option<f64> {
     let mut parts: Vec<(usize, f64)> = Vec::new();
     for term in &want.terms {
@@ -220,6 +229,16 @@ pub fn wanted_sigma(estimate: &Estimate, want: &Want) -> Option<f64> {
 }
 
 /// Name of a number in the covariance of an estimate: `bus.mass`, `bus.com_x`, `bus.inertia_xx`.
+///
+/// ```
+#[doc = include_str!("../doc/answer.txt")]
+/// use poinsot_identify::{WantedNumber, WantedTerm};
+///
+/// let term = WantedTerm { body: 0, number: WantedNumber::Inertia(5), factor: 1.0 };
+/// let name = predict::covariance_name(&identified.estimate.bodies[0], &term);
+/// assert!(name == "bus.inertia_zz" && identified.estimate.covariance_names.contains(&name));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn covariance_name(body: &BodyEstimate, term: &WantedTerm) -> String {
     let own = match term.number {
         WantedNumber::Mass => "mass".to_owned(),
@@ -244,6 +263,18 @@ const PARTS: u32 = 12;
 ///
 /// # Errors
 /// The case cannot be simulated.
+///
+/// ```
+#[doc = include_str!("../doc/case.txt")]
+/// use poinsot::predict::against_duration;
+///
+/// let found = against_duration(&case, &model, &case::estimated_numbers(&model), 1.0)?;
+/// assert_eq!((found.end_s.len(), found.end_s[11], found.numbers.len()), (12, 10.0, 6));
+/// // A longer record is never worse.
+/// let of_xx: Vec<f64> = found.numbers[0].sigma.iter().copied().flatten().collect();
+/// assert!(of_xx.windows(2).all(|pair| pair[1] < 1.001 * pair[0]));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn against_duration(
     case: &Case,
     model: &Model,

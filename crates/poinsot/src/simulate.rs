@@ -162,6 +162,18 @@ pub struct Exact {
 ///
 /// # Errors
 /// As [`simulate_case`].
+///
+/// ```
+#[doc = include_str!("../doc/case.txt")]
+/// // Without noise. All wheels at rest again at 10 s: the box, without momentum, is at rest too.
+/// let exact = simulate::simulate_exact(&case, &model)?.table;
+/// let rate = exact.channel("omega_x").unwrap();
+/// assert!(rate.values.last().unwrap().abs() < 1.0e-12);
+/// // At 2.5 s the wheel about x has 1 N m s, and the box with 1 kg m2 the opposite.
+/// let [at] = poinsot_telemetry::resample(rate, &[2.4], None)[..] else { unreachable!() };
+/// assert!((at.unwrap() + 0.96).abs() < 1.0e-9);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn simulate_exact(case: &Case, model: &Model) -> Result<Exact, Error> {
     simulate_exact_watched(case, model, case.bind(model)?, |_| {})
 }
@@ -184,6 +196,17 @@ pub(crate) fn simulate_exact_watched(
 ///
 /// # Errors
 /// As [`simulate_case`].
+///
+/// ```
+#[doc = include_str!("../doc/case.txt")]
+/// // A bound case may be changed before it runs: half the times.
+/// let mut scenario = case.bind(&model)?;
+/// scenario.times.truncate(26);
+/// let mut seen = 0;
+/// simulate::simulate_exact_of(&case, &model, scenario, |_| seen += 1)?;
+/// assert_eq!(seen, 26);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn simulate_exact_of(
     case: &Case,
     model: &Model,
@@ -270,6 +293,16 @@ fn report(taken: &mut usize, total: usize) {
 ///
 /// # Errors
 /// As [`simulate_case`].
+///
+/// ```
+#[doc = include_str!("../doc/case.txt")]
+/// let mut largest = 0.0_f64;
+/// let scenario = case.bind(&model)?;
+/// simulate::run(&case, &model, None, &scenario, |sample| largest = largest.max(sample.w_NB_B.x.abs()))?;
+/// // A wheel with 1 N m s in a box with 1 kg m2, nearly at 2.5 s.
+/// assert!((0.9..=1.0).contains(&largest));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn run(
     case: &Case,
     model: &Model,

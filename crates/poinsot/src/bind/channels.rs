@@ -206,6 +206,15 @@ impl<'a> Channels<'a> {
 }
 
 /// Names of all channels that a model can use; translation and specific force only if the model has a sensor for them.
+///
+/// ```
+#[doc = include_str!("../../doc/case.txt")]
+/// let wanted = bind::wanted_channels(&model);
+/// assert!(wanted.contains("omega_x") && wanted.contains("wx_rad_s"));
+/// // The box has no accelerometer.
+/// assert!(!wanted.contains("acc_x"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn wanted_channels(model: &Model) -> BTreeSet<String> {
     // Translation and similar channels need a sensor with declared noise.
     let always = [SensorKind::Gyro, SensorKind::Attitude];
@@ -239,6 +248,13 @@ pub(super) fn joint_columns(joint: &Joint) -> [String; 2] {
 }
 
 /// Mountings of all rotated sensors of the model.
+///
+/// ```
+#[doc = include_str!("../../doc/case.txt")]
+/// // Its gyro measures in the axes of its body.
+/// assert!(bind::mountings(&model).is_empty());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn mountings(model: &Model) -> Vec<Mounting> {
     let of_columns = |(kind, prefix): (SensorKind, &'static str)| {
         let alone = model.sensors_of(kind).nth(1).is_none();

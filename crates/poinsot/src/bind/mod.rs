@@ -66,6 +66,16 @@ impl Bound {
 ///
 /// # Errors
 /// A required channel or noise is missing.
+///
+/// ```
+#[doc = include_str!("../../doc/case.txt")]
+/// let table = simulate::simulate_case(&case, &model)?.table;
+/// let tree = poinsot_dynamics::Tree::new(&model);
+/// let bound = bind::bind(&model, &tree, &[table])?;
+/// // One segment without gaps: 10 s at 5 Hz.
+/// assert_eq!((bound.segments.len(), bound.segments[0].samples.time_s.len()), (1, 51));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn bind(model: &Model, tree: &Tree, tables: &[Table]) -> Result<Bound, Error> {
     let mut repairs = Vec::new();
     let tables = free_fall::relative(model, tables, &mut repairs)?;

@@ -309,6 +309,12 @@ pub(super) fn joint_at(model: &Model, columns: &JointColumns, times: &[f64]) -> 
 }
 
 /// Channels of accelerations: `domega` and those of the accelerometer.
+///
+/// ```
+/// use poinsot::bind::acceleration_channels;
+///
+/// assert!(acceleration_channels().any(|name| name == "domega_x"));
+/// ```
 pub fn acceleration_channels() -> impl Iterator<Item = String> {
     ["domega", "acc"]
         .into_iter()

@@ -31,6 +31,15 @@ struct Active {
 ///
 /// # Errors
 /// Writing fails, or an experiment cannot be simulated. Finished shards are kept.
+///
+/// ```
+#[doc = include_str!("../../doc/plan.txt")]
+/// # let out = std::env::temp_dir().join(format!("poinsot-shards-{}", std::process::id()));
+/// run_shards(&plan, &out, &[0], &|_| {})?;
+/// assert!(missing_shards(&plan, &out, 0..plan.shards())?.is_empty());
+/// # std::fs::remove_dir_all(&out)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn run_shards(
     plan: &Plan,
     out: &Path,
@@ -77,6 +86,13 @@ pub(super) fn run_each(
 ///
 /// # Errors
 /// An experiment cannot be simulated.
+///
+/// ```
+#[doc = include_str!("../../doc/plan.txt")]
+/// let shard = run_shard(&plan, 0)?;
+/// assert_eq!(shard.sums.trials, (0, 4));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn run_shard(plan: &Plan, shard: u64) -> Result<ShardResult, Error> {
     let shard = plan.shard(shard);
     let rows = Prepared::new(plan, &shard)?.run(plan, &shard, shard.trials.clone());
@@ -87,6 +103,14 @@ pub fn run_shard(plan: &Plan, shard: u64) -> Result<ShardResult, Error> {
 ///
 /// # Errors
 /// Reading fails.
+///
+/// ```
+#[doc = include_str!("../../doc/plan.txt")]
+/// # let out = std::env::temp_dir().join(format!("poinsot-missing-{}", std::process::id()));
+/// let missing = missing_shards(&plan, &out, 0..plan.shards())?;
+/// assert_eq!((missing[0].number, &missing[0].damage), (0, &None));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn missing_shards(
     plan: &Plan,
     out: &Path,

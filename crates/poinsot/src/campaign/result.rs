@@ -23,6 +23,17 @@ pub struct Folded {
 ///
 /// # Errors
 /// Reading fails, or two shards hold the same trial.
+///
+/// ```
+#[doc = include_str!("../../doc/plan.txt")]
+/// # let out = std::env::temp_dir().join(format!("poinsot-fold-{}", std::process::id()));
+/// run_shards(&plan, &out, &[0], &|_| {})?;
+/// let folded = fold_shards(&plan, &out, plan.trials)?;
+/// let answer = folded.result(&plan, plan.trials, 0.05);
+/// assert!(answer.cells[0].methods[0].numbers.contains_key("bus.inertia_kg_m2.zz"));
+/// # std::fs::remove_dir_all(&out)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn fold_shards(plan: &Plan, out: &Path, trials: u64) -> Result<Folded, Error> {
     Folded::of(plan, trials, |number| find(plan, out, number))
 }
@@ -31,6 +42,14 @@ pub fn fold_shards(plan: &Plan, out: &Path, trials: u64) -> Result<Folded, Error
 ///
 /// # Errors
 /// A shard belongs to another plan or is given twice.
+///
+/// ```
+#[doc = include_str!("../../doc/plan.txt")]
+/// // The sums of all shards, from wherever they were run.
+/// let folded = fold_sums(&plan, vec![run_shard(&plan, 0)?.sums])?;
+/// assert!(folded.missing.is_empty());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn fold_sums(plan: &Plan, shards: Vec<ShardSums>) -> Result<Folded, Error> {
     let mut given = BTreeMap::new();
     for sums in shards {

@@ -7,6 +7,13 @@ const FIRST_LOOK: u64 = 1000;
 
 /// Trial numbers of the tests: 1000, 2000, 4000 and so on; with a sampling 20, 40, 80 and so on replicates. They are
 /// rounded up to whole shards, and the last test is at the end.
+///
+/// ```
+#[doc = include_str!("../../doc/plan.txt")]
+/// // Fewer than 1000 trials: one test, at the end.
+/// assert_eq!(looks(&plan), [4]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn looks(plan: &Plan) -> Vec<u64> {
     let first = match plan.sampling {
         Some(s) => s.points * poinsot_formats::REPLICATES,

@@ -152,6 +152,13 @@ impl Planner<'_> {
 }
 
 /// Every number estimated in the model, with infinite wanted sigma.
+///
+/// ```
+#[doc = include_str!("../../doc/case.txt")]
+/// // The six elements of its tensor.
+/// assert_eq!(case::estimated_numbers(&model).len(), 6);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn estimated_numbers(model: &Model) -> Vec<Want> {
     let mut all = all_numbers(model);
     all.retain(|want| want.terms.iter().all(|term| is_estimated(model, term)));

@@ -19,6 +19,13 @@ use std::path::Path;
 const FIRINGS: usize = 2000;
 
 /// Report data of a result, in addition to `estimate.json`.
+///
+/// ```
+#[doc = include_str!("../../doc/answer.txt")]
+/// let data = report::report_data(&identified, &["poinsot".to_owned()]);
+/// assert_eq!((data.vehicle.bodies.len(), data.segments.len()), (1, 1));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn report_data(identified: &Identified, command: &[String]) -> ReportData {
     ReportData {
         schema: REPORT_DATA.to_owned(),

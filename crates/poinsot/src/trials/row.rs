@@ -130,6 +130,15 @@ impl Row {
 }
 
 /// Compares an estimate with true numbers, as from [`super::Study::true_numbers`].
+///
+/// ```
+#[doc = include_str!("../../doc/answer.txt")]
+/// let study = trials::Study::of_case(&case, &model.clone(), model)?;
+/// let judged = trials::judged(&identified.estimate, &study.true_numbers(&[]));
+/// let number = judged.number("bus.inertia_kg_m2.zz").unwrap();
+/// assert_eq!(number.error().unwrap(), number.estimate.unwrap() - 2.5);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn judged(estimate: &Estimate, expected: &[RowNumber]) -> Row {
     let mut numbers = expected.to_vec();
     for found in estimated_numbers(estimate) {

@@ -31,6 +31,17 @@ pub struct EstimatedVehicle {
 ///
 /// # Errors
 /// The file cannot be read, belongs to another model, or has no determined numbers.
+///
+/// ```
+#[doc = include_str!("../../doc/answer.txt")]
+/// # let out = std::env::temp_dir().join(format!("poinsot-vehicle-{}", std::process::id()));
+/// write_estimate(&out, &identified)?;
+/// let vehicle = validate::read_estimate(&out, &model)?;
+/// // Every number is determined: nothing was completed.
+/// assert!(vehicle.trustworthy && vehicle.completion.is_none());
+/// # std::fs::remove_dir_all(&out)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn read_estimate(path: &Path, model: &Model) -> Result<EstimatedVehicle, Error> {
     let (path, read) = estimate_of(path)?;
     of_estimate(&read, model, &path)
@@ -55,6 +66,13 @@ fn estimate_of(path: &Path) -> Result<(PathBuf, EstimateFile), Error> {
 ///
 /// # Errors
 /// As [`read_estimate`].
+///
+/// ```
+#[doc = include_str!("../../doc/answer.txt")]
+/// let vehicle = validate::of_estimate(&estimate_file(&identified), &model, "estimate.json".as_ref())?;
+/// assert!((vehicle.mover.bodies[0].I_BBo_B[(2, 2)] - 2.5).abs() < 1.0e-3);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn of_estimate(
     read: &EstimateFile,
     model: &Model,

@@ -44,6 +44,18 @@ pub(super) fn scenario(case: &Case, mover: &Mover) -> Result<Scenario, Error> {
 ///
 /// # Errors
 /// The case does not fit the vehicle, has a controller, or the motion cannot be computed.
+///
+/// ```
+#[doc = include_str!("../../doc/case.txt")]
+/// use poinsot::validate::{Mover, compare_motion};
+///
+/// // Twice the inertia turns half as far.
+/// let mut heavy = model.clone();
+/// heavy.bodies[0].nominal.I_BBcm_B *= 2.0;
+/// let compared = compare_motion(&case, &Mover::of_model(model), &Mover::of_model(heavy))?;
+/// assert!(compared[0].largest < 1.0e-12 && compared[1].largest > 0.1);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn compare_motion(case: &Case, model: &Mover, against: &Mover) -> Result<Vec<Compared>, Error> {
     let (own, theirs) = (path(case, model)?, path(case, against)?);
     Ok(compare_paths(&model.model, &own, &theirs))

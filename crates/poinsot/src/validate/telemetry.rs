@@ -26,6 +26,18 @@ pub(super) const POINTS: usize = 100_000;
 ///
 /// # Errors
 /// The case does not fit the vehicle or cannot be computed, or the telemetry has no sample within its duration.
+///
+/// ```
+#[doc = include_str!("../../doc/case.txt")]
+/// use poinsot::validate::{Mover, compare_with_telemetry};
+///
+/// let table = simulate::simulate_case(&case, &model)?.table;
+/// let compared = compare_with_telemetry(&case, &Mover::of_model(model), &table)?;
+/// let gyro = compared.iter().find(|c| c.name == "gyro").unwrap();
+/// // The difference is the noise.
+/// assert!((gyro.sigmas.unwrap().rms - 1.0).abs() < 0.3);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn compare_with_telemetry(
     case: &Case,
     mover: &Mover,
