@@ -1,0 +1,219 @@
+//! What a filter is told before it starts.
+
+use crate::information::required_capacity;
+use nalgebra::SymmetricEigen;
+use poinsot_spatial::{InertialParameters, Matrix3, Vector3};
+
+/// Most wheels.
+pub const WHEELS: usize = 8;
+/// Inertial parameters of a body.
+pub(crate) const PARAMETERS: usize = 10;
+/// Numbers of an attitude, a bias or another vector.
+pub(crate) const AXES: usize = 3;
+/// Most passes over the first window.
+pub(crate) const PASSES: u32 = 10;
+
+/// A reaction wheel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Wheel {
+    /// Unit spin axis in B.
+    pub axis_B: [f64; 3],
+    /// Spin inertia, kg m2.
+    pub spin_inertia: f64,
+    /// Noise of its measured speed, rad/s, one sigma; zero: exact.
+    pub noise: f64,
+}
+
+/// Noise of sensors and motion, one sigma.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Noise {
+    /// Of the gyro, rad/s, per axis and sample.
+    pub gyro: f64,
+    /// Of the measured attitude, rad, per axis.
+    pub attitude: f64,
+    /// Of the measured position of `Bo`, m, per axis; zero: not measured, and the filter leaves out translation.
+    pub position: f64,
+    /// Prior of the gyro bias, rad/s.
+    pub bias: f64,
+    /// Random walk of the gyro bias, rad/s per square root of a second.
+    pub bias_walk: f64,
+    /// Random walk of the angular momentum by torques without a model, N m s per square root of a second.
+    pub torque_walk: f64,
+}
+
+/// Vehicle, priors, noise and limits.
+///
+/// All bodies are fixed to B. The unknown body has its frame at `Bo`, in the axes of B.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Configuration {
+    /// The ten parameters of all known bodies together, about `Bo`, in the order of `poinsot_spatial::PARAMETER_NAMES`.
+    pub known: [f64; PARAMETERS],
+    /// Nominal parameters of the unknown body.
+    pub nominal: [f64; PARAMETERS],
+    /// Which of them are unknown.
+    pub unknown: [bool; PARAMETERS],
+    /// Square root of the prior information over the unknown ones: the upper triangle of its first rows and columns. The prior
+    /// is `R (theta - nominal) = white noise`.
+    pub prior: [[f64; PARAMETERS]; PARAMETERS],
+    /// Wheels; the first `wheel_count` count.
+    pub wheels: [Wheel; WHEELS],
+    /// Number of wheels.
+    pub wheel_count: usize,
+    /// Noise.
+    pub noise: Noise,
+    /// Longest time between two samples that the motion is followed over, s. After a longer one the motion starts anew.
+    pub longest_gap_s: f64,
+    /// Time after which an answer without a new sample is stale, s.
+    pub stale_s: f64,
+    /// Samples that are held back to be put in order; at most 4.
+    pub reorder: usize,
+}
+
+/// Why a configuration is refused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Invalid {
+    /// The filter is built with too few columns; this many are needed.
+    Capacity(usize),
+    /// A number is NaN or infinite.
+    NotFinite,
+    /// More wheels than [`WHEELS`], or more samples held back than 4.
+    Count,
+    /// A noise, a limit or a spin inertia is negative, or the noise of gyro or attitude is zero.
+    Noise,
+    /// The axis of a wheel has not length one.
+    Axis,
+    /// A diagonal number of the prior is not positive.
+    Prior,
+    /// The nominal vehicle has no positive mass or inertia.
+    Unphysical,
+    /// Mass or first moment is unknown, but no position is measured.
+    NeedsPosition,
+}
+
+impl Configuration {
+    /// A vehicle of one body without wheels, nothing of it unknown. Gaps of 10 s; stale after 10 s; nothing is held back.
+    pub fn new(nominal: [f64; PARAMETERS], noise: Noise) -> Self {
+        Self {
+            known: [0.0; PARAMETERS],
+            nominal,
+            unknown: [false; PARAMETERS],
+            prior: [[0.0; PARAMETERS]; PARAMETERS],
+            wheels: [Wheel {
+                axis_B: [0.0, 0.0, 1.0],
+                spin_inertia: 0.0,
+                noise: 0.0,
+            }; WHEELS],
+            wheel_count: 0,
+            noise,
+            longest_gap_s: 10.0,
+            stale_s: 10.0,
+            reorder: 0,
+        }
+    }
+
+    /// Makes parameters unknown, each with a prior sigma in its unit: those whose sigma is positive.
+    #[must_use]
+    pub fn with_unknown(mut self, sigma: &[f64; PARAMETERS]) -> Self {
+        self.prior = [[0.0; PARAMETERS]; PARAMETERS];
+        let mut at = 0;
+        for (unknown, sigma) in self.unknown.iter_mut().zip(sigma) {
+            *unknown = *sigma > 0.0;
+            if *unknown {
+                self.prior[at][at] = 1.0 / sigma;
+                at += 1;
+            }
+        }
+        self
+    }
+
+    /// Adds a wheel; beyond [`WHEELS`] it is counted, and the configuration is refused.
+    #[must_use]
+    pub fn with_wheel(mut self, wheel: Wheel) -> Self {
+        if let Some(place) = self.wheels.get_mut(self.wheel_count) {
+            *place = wheel;
+        }
+        self.wheel_count += 1;
+        self
+    }
+
+    /// Whether the position is measured.
+    pub(crate) fn translates(&self) -> bool {
+        self.noise.position > 0.0
+    }
+
+    pub(crate) fn wheels(&self) -> &[Wheel] {
+        self.wheels.get(..self.wheel_count).unwrap_or_default()
+    }
+
+    /// All bodies with these parameters of the unknown one.
+    pub(crate) fn whole(&self, body: &[f64; PARAMETERS]) -> InertialParameters {
+        InertialParameters::from_array(&self.known)
+            .with_added(1.0, &InertialParameters::from_array(body))
+    }
+
+    /// Whether the vehicle has a positive mass and central inertia with these parameters.
+    pub(crate) fn is_possible(&self, body: &[f64; PARAMETERS]) -> bool {
+        central_moments(&self.whole(body)).is_some_and(|smallest| smallest > 0.0)
+    }
+
+    /// Checks all numbers, for a filter of `capacity` columns.
+    ///
+    /// # Errors
+    /// The first condition that fails.
+    pub fn check(&self, capacity: usize) -> Result<(), Invalid> {
+        let noise = &self.noise;
+        let levels = [
+            noise.gyro,
+            noise.attitude,
+            noise.position,
+            noise.bias,
+            noise.bias_walk,
+            noise.torque_walk,
+            self.longest_gap_s,
+            self.stale_s,
+        ];
+        let wheels = self.wheels.iter();
+        let of_wheels = wheels.flat_map(|w| w.axis_B.into_iter().chain([w.spin_inertia, w.noise]));
+        let all = self.known.iter().chain(&self.nominal).chain(&levels);
+        let mut all = all.chain(self.prior.as_flattened()).copied().chain(of_wheels);
+        if !all.all(f64::is_finite) {
+            return Err(Invalid::NotFinite);
+        }
+        if self.wheel_count > WHEELS || self.reorder > crate::stream::HELD_BACK {
+            return Err(Invalid::Count);
+        }
+        let wheels_valid = self.wheels().iter();
+        let wheels_valid = wheels_valid.clone().all(|w| w.spin_inertia >= 0.0 && w.noise >= 0.0);
+        let positive = [noise.gyro, noise.attitude, self.longest_gap_s, self.stale_s];
+        let valid = levels.iter().all(|x| *x >= 0.0) && positive.iter().all(|x| *x > 0.0);
+        if !valid || !wheels_valid {
+            return Err(Invalid::Noise);
+        }
+        let long = |w: &Wheel| (Vector3::from(w.axis_B).norm_squared() - 1.0).abs() < 1.0e-6;
+        if !self.wheels().iter().all(long) {
+            return Err(Invalid::Axis);
+        }
+        let unknowns = self.unknown.iter().filter(|u| **u).count();
+        let mut diagonal = (0..unknowns).map(|k| self.prior[k][k]);
+        if !diagonal.all(|x| x > 0.0) {
+            return Err(Invalid::Prior);
+        }
+        if !self.is_possible(&self.nominal) {
+            return Err(Invalid::Unphysical);
+        }
+        if !self.translates() && self.unknown[..=AXES].contains(&true) {
+            return Err(Invalid::NeedsPosition);
+        }
+        match required_capacity(self) {
+            needed if needed > capacity => Err(Invalid::Capacity(needed)),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Smallest principal moment about the mass centre; `None` without positive mass.
+fn central_moments(whole: &InertialParameters) -> Option<f64> {
+    let central: Matrix3 = whole.mass_properties()?.I_BBcm_B;
+    let finite = central.iter().all(|x| x.is_finite());
+    finite.then(|| SymmetricEigen::new(central).eigenvalues.min())
+}

@@ -1,0 +1,570 @@
+//! Time and measurement updates.
+
+use crate::configuration::{AXES, Configuration, Invalid, PARAMETERS, WHEELS};
+use crate::health::{Checkpoints, SENSORS, SensorCounts, Tests};
+use crate::information::{Layout, OfParameters, Rows, back_substitute, eliminate, noises};
+use crate::motion::{
+    Columns, HeldRate, Interval, Moving, ParameterSlope, StateVector, angular, parameter_slopes,
+    wheel_twists,
+};
+use crate::replay::Window;
+use crate::stream::Stream;
+use nalgebra::{Quaternion, SMatrix, UnitQuaternion};
+use poinsot_dynamics::propagation::{BaseMotion, PoseMomentum, STATE};
+use poinsot_spatial::{Matrix3, Vector3, Vector6};
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField;
+
+/// Squared normalised innovation of three numbers beyond which a measurement is not used: a false alarm of 3e-7.
+pub(crate) const GATE: f64 = 33.0;
+/// Share of its sigma by which a parameter moves before the motion is linearised anew.
+pub(crate) const MOVED: f64 = 0.1;
+/// Samples after a start whose innovations are not tested: they set the state.
+const SETTLING: u32 = 3;
+/// Components of momentum in the kernels' state.
+const LINEAR: usize = 6;
+const ANGULAR: usize = 9;
+/// Diagonal elements of the inertia among the parameters.
+const MOMENTS: [usize; AXES] = [4, 6, 9];
+
+/// What is measured at one time, and what acts until the next.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sample {
+    /// Time, s.
+    pub time_s: f64,
+    /// Angular velocity in B, rad/s.
+    pub gyro: Option<[f64; AXES]>,
+    /// Attitude `R_NB` as a quaternion x, y, z, w.
+    pub attitude: Option<[f64; 4]>,
+    /// Position of `Bo` in N, m.
+    pub position: Option<[f64; AXES]>,
+    /// Wheel speeds relative to the base, rad/s; those beyond the number of wheels do not count.
+    pub wheel_speed: [f64; WHEELS],
+    /// Force of the thrusters until the next sample, in B, N.
+    pub force_B: [f64; AXES],
+    /// Their torque about `Bo`, N m.
+    pub torque_B: [f64; AXES],
+}
+
+impl Sample {
+    /// Nothing measured, nothing acting.
+    pub const fn at(time_s: f64) -> Self {
+        Self {
+            time_s,
+            gyro: None,
+            attitude: None,
+            position: None,
+            wheel_speed: [0.0; WHEELS],
+            force_B: [0.0; AXES],
+            torque_B: [0.0; AXES],
+        }
+    }
+
+    pub(crate) fn rotation(&self) -> Option<UnitQuaternion<f64>> {
+        let [x, y, z, w] = self.attitude?;
+        Some(UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z)))
+    }
+}
+
+/// The motion that is followed.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Running {
+    pub time_s: f64,
+    state: PoseMomentum,
+    bias: Vector3,
+    /// Most likely wheel speeds.
+    speeds: [f64; WHEELS],
+    force_B: Vector3,
+    torque_B: Vector3,
+    held: HeldRate,
+    /// Samples since the start.
+    age: u32,
+}
+
+/// Recursive estimate of mass properties.
+///
+/// `N` is the number of columns that it has room for (a configuration that needs more is refused with their number), `WINDOW` the
+/// number of samples that are replayed at the beginning.
+#[derive(Debug, Clone)]
+pub struct Filter<const N: usize, const WINDOW: usize> {
+    pub(crate) configuration: Configuration,
+    pub(crate) layout: Layout,
+    /// Parameters about which the motion is linearised.
+    pub(crate) body: [f64; PARAMETERS],
+    pub(crate) rows: Rows<N>,
+    work: Rows<N>,
+    pub(crate) gate: f64,
+    pub(crate) running: Option<Running>,
+    pub(crate) window: Window<WINDOW>,
+    pub(crate) stream: Stream,
+    pub(crate) tests: Tests,
+    pub(crate) checkpoints: Checkpoints,
+}
+
+/// Three rows of a measurement.
+struct Measurement<const N: usize> {
+    sensor: usize,
+    rows: [[f64; N]; AXES],
+}
+
+/// The motion in hand with what its measurements depend on.
+struct Here {
+    motion: BaseMotion,
+    R: Matrix3,
+    slopes: [ParameterSlope; PARAMETERS],
+}
+
+impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
+    /// A filter before its first sample.
+    ///
+    /// # Errors
+    /// The configuration is invalid, or needs more columns than `N`.
+    pub fn new(configuration: Configuration) -> Result<Self, Invalid> {
+        configuration.check(N)?;
+        let layout = Layout::new(&configuration);
+        let prior = OfParameters {
+            R: configuration.prior,
+            z: [0.0; PARAMETERS],
+        };
+        let mut filter = Self {
+            body: configuration.nominal,
+            rows: [[0.0; N]; N],
+            work: [[0.0; N]; N],
+            gate: GATE,
+            running: None,
+            window: Window::new(),
+            stream: Stream::new(),
+            tests: Tests::new(),
+            checkpoints: Checkpoints::new(configuration.nominal, prior),
+            configuration,
+            layout,
+        };
+        filter.set_prior();
+        Ok(filter)
+    }
+
+    /// What is known of the sensors' innovations, in the order gyro, attitude, position.
+    pub fn counts(&self) -> [SensorCounts; SENSORS] {
+        self.tests.counts()
+    }
+
+    /// Information about the parameters alone, whatever the motion.
+    pub(crate) fn of_parameters(&self) -> OfParameters {
+        let (first, count) = (self.layout.theta(), self.layout.parameters);
+        let mut out = OfParameters {
+            R: [[0.0; PARAMETERS]; PARAMETERS],
+            z: [0.0; PARAMETERS],
+        };
+        for i in 0..count {
+            let row = &self.rows[first + i];
+            out.R[i][..count].copy_from_slice(&row[first..first + count]);
+            out.z[i] = row[N - 1];
+        }
+        out
+    }
+
+    /// The prior at the parameters in hand, without a motion.
+    pub(crate) fn set_prior(&mut self) {
+        let mut prior = OfParameters {
+            R: self.configuration.prior,
+            z: [0.0; PARAMETERS],
+        };
+        for i in 0..self.layout.parameters {
+            let off = self.layout.unknown().iter().enumerate().skip(i);
+            prior.z[i] = off
+                .map(|(j, &k)| prior.R[i][j] * (self.configuration.nominal[k] - self.body[k]))
+                .sum();
+        }
+        self.set_parameters(&prior);
+    }
+
+    /// Forgets the motion, and knows this of the parameters.
+    pub(crate) fn set_parameters(&mut self, info: &OfParameters) {
+        let (first, count) = (self.layout.theta(), self.layout.parameters);
+        self.rows = [[0.0; N]; N];
+        for i in 0..count {
+            let row = &mut self.rows[first + i];
+            row[first + i..first + count].copy_from_slice(&info.R[i][i..count]);
+            row[N - 1] = info.z[i];
+        }
+        self.running = None;
+    }
+
+    fn moving(&self) -> Moving<'_> {
+        Moving {
+            configuration: &self.configuration,
+            body: &self.body,
+        }
+    }
+
+    /// Begins to follow a motion at a sample that has all that it takes.
+    fn start(&mut self, sample: &Sample) -> Option<()> {
+        let (R_NB, w) = (sample.rotation()?, Vector3::from(sample.gyro?));
+        let p_NoBo_N = match self.configuration.translates() {
+            true => Vector3::from(sample.position?),
+            false => Vector3::zeros(),
+        };
+        let whole = self.configuration.whole(&self.body).mass_properties()?;
+        let moving = self.moving();
+        let h_B = whole.I_BBcm_B * w + moving.wheel_momentum(&sample.wheel_speed);
+        let state = PoseMomentum {
+            R_NB,
+            p_NoBo_N,
+            P: Vector3::zeros(),
+            h_SScm_N: R_NB * h_B,
+        };
+        let motion = moving.locked(&sample.wheel_speed)?.base_motion(&state);
+        let held = HeldRate::new(&moving, &motion);
+        self.running = Some(Running {
+            time_s: sample.time_s,
+            state,
+            bias: Vector3::zeros(),
+            speeds: sample.wheel_speed,
+            force_B: sample.force_B.into(),
+            torque_B: sample.torque_B.into(),
+            held,
+            age: 0,
+        });
+        let layout = self.layout;
+        self.rows[..layout.theta()].fill([0.0; N]);
+        for k in 0..layout.wheels {
+            self.rows[k][k] = 1.0;
+        }
+        // An exact gyro has a bias of nothing.
+        let of_bias = 1.0 / self.configuration.noise.bias.max(f64::EPSILON);
+        for k in layout.bias()..layout.theta() {
+            self.rows[k][k] = of_bias;
+        }
+        Some(())
+    }
+
+    /// Takes a sample that is in order; `None` where the numbers do not allow it.
+    pub(crate) fn take(&mut self, sample: &Sample) -> Option<()> {
+        if self.running.is_some_and(|r| sample.time_s - r.time_s > self.configuration.longest_gap_s)
+        {
+            self.set_parameters(&self.of_parameters());
+        }
+        if self.running.is_some() {
+            self.advance(sample)?;
+        } else if self.start(sample).is_none() {
+            // Without a start there is nothing to update.
+            return Some(());
+        }
+        self.measure(sample)?;
+        self.follow_estimate()
+    }
+
+    /// Follows the motion to the time of a sample.
+    fn advance(&mut self, sample: &Sample) -> Option<()> {
+        let mut running = self.running?;
+        let interval = Interval {
+            speeds: [running.speeds, sample.wheel_speed],
+            force_B: running.force_B,
+            torque_B: running.torque_B,
+            dt: sample.time_s - running.time_s,
+        };
+        let mut columns = Columns::new();
+        let linear = Some((&mut columns, &mut running.held));
+        running.state = self.moving().follow(&running.state, &interval, linear)?;
+        running.time_s = sample.time_s;
+        running.speeds = sample.wheel_speed;
+        running.force_B = sample.force_B.into();
+        running.torque_B = sample.torque_B.into();
+        running.age = running.age.saturating_add(1);
+        self.running = Some(running);
+        self.update_time(&columns, interval.dt)
+    }
+
+    /// The triangle over the state at the end of an interval: the old state is replaced, the noises that entered are eliminated.
+    fn update_time(&mut self, columns: &Columns, dt: f64) -> Option<()> {
+        let layout = self.layout;
+        let noise = self.configuration.noise;
+        let (wheels, gone) = (layout.wheels, layout.wheels + noises(&self.configuration));
+        let (theta, width) = (layout.theta(), gone + layout.columns());
+        let back = SMatrix::<f64, STATE, STATE>::from_columns(&columns.state).try_inverse()?;
+        let walk = dt.abs().sqrt();
+        for i in 0..theta {
+            let (row, out) = (&self.rows[i], &mut self.work[i]);
+            let mut over = StateVector::zeros();
+            for (k, component) in layout.state().iter().enumerate() {
+                over[*component] = row[layout.pose() + k];
+            }
+            let over = back.tr_mul(&over);
+            *out = [0.0; N];
+            for k in 0..wheels {
+                out[k] = row[k] - over.dot(&columns.wheels[0][k]);
+                out[gone + k] = -over.dot(&columns.wheels[1][k]);
+            }
+            let mut at = wheels;
+            if noise.torque_walk > 0.0 {
+                for axis in 0..AXES {
+                    out[at + axis] = -over[ANGULAR + axis] * noise.torque_walk * walk;
+                }
+                at += AXES;
+            }
+            if noise.bias_walk > 0.0 {
+                for axis in 0..AXES {
+                    out[at + axis] = -row[layout.bias() + axis] * noise.bias_walk * walk;
+                }
+            }
+            for (k, component) in layout.state().iter().enumerate() {
+                out[gone + layout.pose() + k] = over[*component];
+            }
+            for axis in layout.bias()..theta {
+                out[gone + axis] = row[axis];
+            }
+            for (j, &k) in layout.unknown().iter().enumerate() {
+                out[gone + theta + j] = row[theta + j] - over.dot(&columns.parameters[k]);
+            }
+            out[N - 1] = row[N - 1];
+        }
+        // The noises of unit size: those of the wheels at the end, which stay, and those that go.
+        let end = theta + gone;
+        for k in 0..gone {
+            let out = &mut self.work[theta + k];
+            *out = [0.0; N];
+            out[if k < wheels { gone + k } else { k }] = 1.0;
+        }
+        for pivot in 0..end {
+            eliminate(&mut self.work, (pivot, pivot), pivot + 1..end, width);
+        }
+        for i in 0..theta {
+            let (row, out) = (&self.work[gone + i], &mut self.rows[i]);
+            for k in i..layout.columns() {
+                out[k] = row[gone + k];
+            }
+            out[N - 1] = row[N - 1];
+        }
+        Some(())
+    }
+
+    /// The motion in hand.
+    fn here(&mut self) -> Option<Here> {
+        let running = self.running.as_mut()?;
+        let moving = Moving {
+            configuration: &self.configuration,
+            body: &self.body,
+        };
+        let motion = moving.locked(&running.speeds)?.base_motion(&running.state);
+        Some(Here {
+            R: running.state.R_NB.to_rotation_matrix().into_inner(),
+            slopes: parameter_slopes(&motion, &mut running.held),
+            motion,
+        })
+    }
+
+    /// All measurements of a sample.
+    fn measure(&mut self, sample: &Sample) -> Option<()> {
+        let here = self.here()?;
+        let running = self.running?;
+        if let Some(gyro) = sample.gyro {
+            let measurement = self.gyro(&here, &running, gyro.into());
+            self.update(&measurement, running.age);
+        }
+        if let Some(R_NB) = sample.rotation() {
+            let residual = (running.state.R_NB.inverse() * R_NB).scaled_axis();
+            let mut measurement = self.rows_of(1, &residual, self.configuration.noise.attitude);
+            for (axis, row) in measurement.rows.iter_mut().enumerate() {
+                row[self.layout.pose() + axis] = 1.0 / self.configuration.noise.attitude;
+            }
+            self.update(&measurement, running.age);
+        }
+        if let (Some(position), true) = (sample.position, self.configuration.translates()) {
+            let residual = Vector3::from(position) - running.state.p_NoBo_N;
+            let noise = self.configuration.noise.position;
+            let mut measurement = self.rows_of(2, &residual, noise);
+            // After attitude and angular momentum.
+            let first = self.layout.pose() + 2 * AXES;
+            for (axis, row) in measurement.rows.iter_mut().enumerate() {
+                row[first + axis] = 1.0 / noise;
+            }
+            self.update(&measurement, running.age);
+        }
+        Some(())
+    }
+
+    /// Rows without slopes.
+    fn rows_of(&self, sensor: usize, residual: &Vector3, noise: f64) -> Measurement<N> {
+        let mut rows = [[0.0; N]; AXES];
+        for (row, residual) in rows.iter_mut().zip(residual) {
+            row[N - 1] = residual / noise;
+        }
+        Measurement { sensor, rows }
+    }
+
+    fn gyro(&self, here: &Here, running: &Running, measured: Vector3) -> Measurement<N> {
+        let (layout, motion) = (self.layout, &here.motion);
+        let noise = self.configuration.noise.gyro;
+        let residual = measured - motion.twist.w - running.bias;
+        let mut out = self.rows_of(0, &residual, noise);
+        let over_state = motion.twist_rows(&running.state).matrix();
+        let wheels = wheel_twists(&self.configuration, motion).map(|t| angular(&t));
+        for (axis, row) in out.rows.iter_mut().enumerate() {
+            for (k, w) in wheels.iter().take(layout.wheels).enumerate() {
+                row[k] = w[axis] / noise;
+            }
+            for (k, component) in layout.state().iter().enumerate() {
+                row[layout.pose() + k] = over_state[(AXES + axis, *component)] / noise;
+            }
+            row[layout.bias() + axis] = 1.0 / noise;
+            for (j, &k) in layout.unknown().iter().enumerate() {
+                row[layout.theta() + j] = angular(&here.slopes[k].twist)[axis] / noise;
+            }
+        }
+        out
+    }
+
+    /// Adds the rows of a measurement, unless its innovation is too large to be noise.
+    fn update(&mut self, measurement: &Measurement<N>, age: u32) {
+        let columns = self.layout.columns();
+        self.work[..columns].copy_from_slice(&self.rows[..columns]);
+        self.work[columns..columns + AXES].copy_from_slice(&measurement.rows);
+        for pivot in 0..columns {
+            let below = columns..columns + AXES;
+            eliminate(&mut self.work, (pivot, pivot), below, columns);
+        }
+        // What no change of the state explains: the whitened innovation.
+        let innovation = [0, 1, 2].map(|k| self.work[columns + k][N - 1]);
+        let size: f64 = innovation.iter().map(|x| x * x).sum();
+        let accepted = size <= self.gate;
+        if accepted {
+            self.rows[..columns].copy_from_slice(&self.work[..columns]);
+        }
+        if age >= SETTLING {
+            self.tests.add(measurement.sensor, &innovation, accepted);
+        }
+    }
+
+    /// Moves the motion to the most likely one at the present parameters.
+    fn follow_estimate(&mut self) -> Option<()> {
+        let none = [0.0; PARAMETERS];
+        let mut change = [0.0; N];
+        // At the beginning not all of the state is known.
+        if back_substitute(&self.rows, 0..self.layout.theta(), &none, &mut change).is_none() {
+            return Some(());
+        }
+        let body = self.body;
+        self.shift(&change, body)?;
+        for row in &mut self.rows[..self.layout.theta()] {
+            row[N - 1] = 0.0;
+        }
+        Some(())
+    }
+
+    /// Moves the parameters to their estimate where they moved by more than a tenth of a sigma, and the motion with them.
+    pub(crate) fn follow_parameters(&mut self) -> Option<()> {
+        let count = self.layout.parameters;
+        let info = self.of_parameters();
+        let change = info.solution(count)?;
+        let sigma = info.sigma(count);
+        let moved = change.iter().zip(&sigma).take(count);
+        if moved.clone().all(|(change, sigma)| change.abs() <= MOVED * sigma) {
+            return Some(());
+        }
+        let mut body = self.body;
+        for (&k, change) in self.layout.unknown().iter().zip(&change) {
+            body[k] += change;
+        }
+        let mut of_state = [0.0; N];
+        let known = back_substitute(&self.rows, 0..self.layout.theta(), &change, &mut of_state);
+        // An impossible vehicle has no motion: the last possible one stays the point of linearisation.
+        if known.is_none() || !self.configuration.is_possible(&body) {
+            return Some(());
+        }
+        self.shift(&of_state, body)?;
+        let first = self.layout.theta();
+        for row in &mut self.rows[first..first + count] {
+            row[N - 1] = 0.0;
+        }
+        Some(())
+    }
+
+    /// Moves the point of linearisation, and the triangle with it.
+    ///
+    /// What is known of a momentum came from rates: `h = I(theta) w + ...` is linear in the parameters at a known rate. So the
+    /// triangle is the same over rates and parameters before and after, not over momentum and parameters. With it directions
+    /// of which the data know nothing keep their prior, however often the point moves: a common factor of inertia and momentum in
+    /// free rotation, of mass and momentum without a force.
+    fn shift(&mut self, change: &[f64; N], body: [f64; PARAMETERS]) -> Option<()> {
+        let before = self.momentum_slopes()?;
+        let layout = self.layout;
+        let running = self.running.as_mut()?;
+        for ((speed, wheel), x) in running
+            .speeds
+            .iter_mut()
+            .zip(self.configuration.wheels())
+            .zip(change)
+        {
+            *speed += wheel.noise * x;
+        }
+        let mut state = StateVector::zeros();
+        for (k, component) in layout.state().iter().enumerate() {
+            state[*component] = change[layout.pose() + k];
+        }
+        let part = |first: usize| Vector3::new(state[first], state[first + 1], state[first + 2]);
+        let of_state = &mut running.state;
+        of_state.R_NB *= UnitQuaternion::from_scaled_axis(part(0));
+        of_state.R_NB.renormalize_fast();
+        of_state.p_NoBo_N += part(AXES);
+        of_state.P += part(LINEAR);
+        of_state.h_SScm_N += part(ANGULAR);
+        for axis in 0..AXES {
+            running.bias[axis] += change[layout.bias() + axis];
+        }
+        let moved: [f64; PARAMETERS] = core::array::from_fn(|k| body[k] - self.body[k]);
+        self.body = body;
+        let after = self.momentum_slopes()?;
+        let scales = self.scales();
+        let theta = layout.theta();
+        for row in &mut self.rows[..layout.columns()] {
+            let mut over = StateVector::zeros();
+            for (k, component) in layout.state().iter().enumerate() {
+                over[*component] = row[layout.pose() + k];
+            }
+            let over = over.fixed_rows::<6>(LINEAR).into_owned();
+            let mut by_scale = [0.0; 2];
+            for (j, &k) in layout.unknown().iter().enumerate() {
+                let with_rate = row[theta + j] + over.dot(&before[k]);
+                by_scale[usize::from(k > AXES)] += with_rate * moved[k];
+                row[theta + j] -= over.dot(&(after[k] - before[k]));
+            }
+            for (j, &k) in layout.unknown().iter().enumerate() {
+                row[theta + j] -= by_scale[usize::from(k > AXES)] * scales[k];
+            }
+        }
+        if moved == [0.0; PARAMETERS] {
+            return Some(());
+        }
+        // The parameters' own rows are no triangle any more.
+        let end = layout.columns();
+        for pivot in theta..end {
+            eliminate(&mut self.rows, (pivot, pivot), pivot + 1..end, end);
+        }
+        Some(())
+    }
+
+    /// What each parameter does to linear and angular momentum in N, pose and rates held.
+    fn momentum_slopes(&mut self) -> Option<[Vector6; PARAMETERS]> {
+        let here = self.here()?;
+        Some(here.slopes.map(|slope| {
+            let [a, b, c, d, e, f] = slope.momentum.into();
+            let (l, h) = (here.R * Vector3::new(a, b, c), here.R * Vector3::new(d, e, f));
+            Vector6::new(l.x, l.y, l.z, h.x, h.y, h.z)
+        }))
+    }
+
+    /// Share of each parameter in a common factor of inertia, and in one of mass and first moments.
+    fn scales(&self) -> [f64; PARAMETERS] {
+        let (unknown, mut out) = (&self.configuration.unknown, [0.0; PARAMETERS]);
+        if unknown[0] {
+            out[0] = 1.0 / self.body[0];
+        }
+        let whole = self.configuration.whole(&self.body).mass_properties();
+        if let (Some(whole), true) = (whole, MOMENTS.iter().all(|k| unknown[*k])) {
+            for k in MOMENTS {
+                out[k] = 1.0 / whole.I_BBcm_B.trace();
+            }
+        }
+        out
+    }
+}

@@ -1,0 +1,203 @@
+//! The triangle `R` with `R x = z + white noise`.
+
+use crate::configuration::{AXES, Configuration, PARAMETERS};
+use core::ops::Range;
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField;
+
+/// Components of the kernels' state `[dphi_B, dp_N, dP_N, dh_N]`, in the order of the filter's columns.
+const ROTATION: [usize; 6] = [0, 1, 2, 9, 10, 11];
+const FREE: [usize; 12] = [0, 1, 2, 9, 10, 11, 3, 4, 5, 6, 7, 8];
+
+/// Places of the columns.
+#[derive(Debug, Clone, Copy)]
+pub struct Layout {
+    /// Errors of the wheel speeds, the first columns.
+    pub wheels: usize,
+    translates: bool,
+    /// Unknown parameters, the last columns.
+    pub parameters: usize,
+    unknown: [usize; PARAMETERS],
+}
+
+impl Layout {
+    pub fn new(configuration: &Configuration) -> Self {
+        let mut layout = Self {
+            wheels: configuration.wheel_count,
+            translates: configuration.translates(),
+            parameters: 0,
+            unknown: [0; PARAMETERS],
+        };
+        let unknown = configuration.unknown.iter().enumerate().filter(|u| *u.1);
+        for (place, (k, _)) in layout.unknown.iter_mut().zip(unknown) {
+            *place = k;
+            layout.parameters += 1;
+        }
+        layout
+    }
+
+    /// Indices of the unknown parameters.
+    pub fn unknown(&self) -> &[usize] {
+        &self.unknown[..self.parameters]
+    }
+
+    /// Components of the kernels' state, in the order of the columns.
+    pub fn state(&self) -> &'static [usize] {
+        match self.translates {
+            true => &FREE,
+            false => &ROTATION,
+        }
+    }
+
+    /// First column of the state.
+    pub fn pose(&self) -> usize {
+        self.wheels
+    }
+
+    /// First column of the gyro bias.
+    pub fn bias(&self) -> usize {
+        self.pose() + self.state().len()
+    }
+
+    /// First column of the parameters.
+    pub fn theta(&self) -> usize {
+        self.bias() + AXES
+    }
+
+    /// Number of columns.
+    pub fn columns(&self) -> usize {
+        self.theta() + self.parameters
+    }
+}
+
+/// Columns that a filter must have room for.
+pub fn required_capacity(configuration: &Configuration) -> usize {
+    let layout = Layout::new(configuration);
+    let update = layout.columns() + layout.wheels + noises(configuration) + 1;
+    update.max(layout.columns() + AXES)
+}
+
+/// Number of white noises that enter a step beside those of the wheels.
+pub fn noises(configuration: &Configuration) -> usize {
+    let noise = &configuration.noise;
+    let count = |sigma: f64| if sigma > 0.0 { AXES } else { 0 };
+    count(noise.torque_walk) + count(noise.bias_walk)
+}
+
+/// Rows of `[R z]`; `z` is in the last column.
+pub type Rows<const N: usize> = [[f64; N]; N];
+
+/// Zeroes a column below its pivot by one Householder reflection of the rows, which have `width` columns and `z`.
+pub fn eliminate<const N: usize>(
+    rows: &mut Rows<N>,
+    (pivot, column): (usize, usize),
+    below: Range<usize>,
+    width: usize,
+) {
+    let mut rest = 0.0;
+    for row in &rows[below.clone()] {
+        rest += row[column] * row[column];
+    }
+    if rest == 0.0 {
+        return;
+    }
+    let mut top = rows[pivot];
+    let first = top[column];
+    let norm = (first * first + rest).sqrt();
+    let signed = if first > 0.0 { -norm } else { norm };
+    let lead = first - signed;
+    let scale = 1.0 / (norm * (norm + first.abs()));
+    let mut sums = [0.0; N];
+    for (sum, top) in sums.iter_mut().zip(&top) {
+        *sum = lead * top;
+    }
+    for row in &rows[below.clone()] {
+        let factor = row[column];
+        for k in column + 1..width {
+            sums[k] += factor * row[k];
+        }
+        sums[N - 1] += factor * row[N - 1];
+    }
+    let places = (column + 1..width).chain([N - 1]);
+    for k in places.clone() {
+        sums[k] *= scale;
+        top[k] -= lead * sums[k];
+    }
+    top[column] = signed;
+    for row in &mut rows[below] {
+        let factor = row[column];
+        row[column] = 0.0;
+        for k in places.clone() {
+            row[k] -= factor * sums[k];
+        }
+    }
+    rows[pivot] = top;
+}
+
+/// Solves the triangle of columns `range` for `z` less what the columns after them take; `None` where a diagonal number is too
+/// small.
+pub fn back_substitute<const N: usize>(
+    rows: &Rows<N>,
+    range: Range<usize>,
+    later: &[f64; PARAMETERS],
+    out: &mut [f64; N],
+) -> Option<()> {
+    for i in range.clone().rev() {
+        let mut sum = rows[i][N - 1];
+        for k in i + 1..range.end {
+            sum -= rows[i][k] * out[k];
+        }
+        for (coefficient, x) in rows[i][range.end..N - 1].iter().zip(later) {
+            sum -= coefficient * x;
+        }
+        let diagonal = rows[i][i];
+        if diagonal.abs() < f64::MIN_POSITIVE {
+            return None;
+        }
+        out[i] = sum / diagonal;
+    }
+    out[range].iter().all(|x| x.is_finite()).then_some(())
+}
+
+/// A triangle over the parameters alone, and `z`.
+#[derive(Debug, Clone, Copy)]
+pub struct OfParameters {
+    pub R: [[f64; PARAMETERS]; PARAMETERS],
+    pub z: [f64; PARAMETERS],
+}
+
+impl OfParameters {
+    /// `R^-1 z` of the first `count`.
+    pub fn solution(&self, count: usize) -> Option<[f64; PARAMETERS]> {
+        let mut out = [0.0; PARAMETERS];
+        for i in (0..count).rev() {
+            let mut sum = self.z[i];
+            for k in i + 1..count {
+                sum -= self.R[i][k] * out[k];
+            }
+            out[i] = sum / self.R[i][i];
+        }
+        out.iter().all(|x| x.is_finite()).then_some(out)
+    }
+
+    /// Rows of `R^-1`, whose product with its transpose is the covariance.
+    pub fn inverse(&self, count: usize) -> [[f64; PARAMETERS]; PARAMETERS] {
+        let mut inverse = [[0.0; PARAMETERS]; PARAMETERS];
+        for j in 0..count {
+            for i in (0..=j).rev() {
+                let mut sum = if i == j { 1.0 } else { 0.0 };
+                for k in i + 1..=j {
+                    sum -= self.R[i][k] * inverse[k][j];
+                }
+                inverse[i][j] = sum / self.R[i][i];
+            }
+        }
+        inverse
+    }
+
+    /// Sigma of each of the first `count`.
+    pub fn sigma(&self, count: usize) -> [f64; PARAMETERS] {
+        self.inverse(count)
+            .map(|row| row.iter().map(|x| x * x).sum::<f64>().sqrt())
+    }
+}

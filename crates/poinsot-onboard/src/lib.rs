@@ -1,0 +1,42 @@
+//! Mass properties from a stream of samples: a recursive filter for on-board software.
+//!
+//! [`Filter`] estimates some of the ten inertial parameters of one body of a vehicle with locked joints, from gyro, attitude and,
+//! where it is measured, position. Wheel speeds, thruster force and torque are inputs. It needs neither the standard library
+//! nor an allocator at run time, contains no `unsafe`, and its loops have the bounds that [`Configuration`] states.
+//!
+//! State of the filter, in the order of its columns:
+//!
+//! ```text
+//! x = [e, dphi_B, dh_N, (dp_N, dP_N), db, dtheta]
+//! ```
+//!
+//! the present errors of the wheel speeds in units of their noise, the changes of attitude, angular momentum about the mass centre,
+//! position and linear momentum (where the position is measured), gyro bias, and unknown parameters. Its information is held as
+//! an upper triangle `R` with `R x = z + white noise` (Bierman 1977, chapter 5): `R^T R` cannot lose symmetry or sign, and what is
+//! not yet known has a row of zeros.
+//!
+//! The motion about which all is linearised is the most likely one *at the present parameters*. The first samples are kept and
+//! replayed until the parameters stay; see [`Filter::push`].
+//!
+//! # Files
+//! - `configuration.rs`: vehicle, priors, noise, limits. `table.rs`: the same as checked bytes.
+//! - `motion.rs`: one interval between samples, with columns. `information.rs`: the triangle.
+//! - `filter.rs`: time and measurement updates. `replay.rs`: first window, relinearisation. `stream.rs`: order and clock of samples.
+//! - `health.rs`: tests of innovations, health word. `answer.rs`: numbers that leave the filter.
+#![cfg_attr(not(feature = "std"), no_std)]
+#![allow(non_snake_case)]
+
+mod answer;
+mod configuration;
+mod filter;
+mod health;
+mod information;
+mod motion;
+mod replay;
+mod stream;
+
+pub use answer::{Answer, Number};
+pub use configuration::{Configuration, Invalid, Noise, WHEELS, Wheel};
+pub use filter::{Filter, Sample};
+pub use health::{Health, SensorCounts};
+pub use stream::Refusal;

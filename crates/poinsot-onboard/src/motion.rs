@@ -1,0 +1,313 @@
+//! The motion over one interval between samples, with the columns of the linearised equations.
+
+use crate::configuration::{AXES, Configuration, PARAMETERS, WHEELS};
+use nalgebra::SVector;
+use poinsot_dynamics::Composite;
+use poinsot_dynamics::propagation::{
+    BaseMotion, HALF, LockedVehicle, PoseMomentum, PoseMomentumRate, Rates, STATE, StateRows,
+    StepPoint, StepRows, pose_change, runge_kutta_step, state_in_middle,
+};
+use poinsot_spatial::{Matrix3, Vector3, Vector6, tensor_regressor};
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField;
+
+/// Largest turn of one step, rad.
+const TURN: f64 = 0.1;
+/// Most steps of an interval.
+const STEPS: u32 = 64;
+/// Deviation of a rate that is taken for noise of the wheel speeds, in their sigma.
+const JITTER: f64 = 4.0;
+
+/// Numbers of a column.
+pub type StateVector = SVector<f64, STATE>;
+
+/// What acts between two samples.
+#[derive(Debug, Clone, Copy)]
+pub struct Interval {
+    /// Wheel speeds at both ends, rad/s; straight between them.
+    pub speeds: [[f64; WHEELS]; 2],
+    /// Force and torque about `Bo` in B, constant.
+    pub force_B: Vector3,
+    pub torque_B: Vector3,
+    /// Length, s.
+    pub dt: f64,
+}
+
+/// The state at the end of an interval over what it depends on.
+#[derive(Debug, Clone, Copy)]
+pub struct Columns {
+    pub state: [StateVector; STATE],
+    /// Over the noise of each wheel speed at both ends, one sigma.
+    pub wheels: [[StateVector; WHEELS]; 2],
+    /// Over all parameters of the unknown body.
+    pub parameters: [StateVector; PARAMETERS],
+}
+
+impl Columns {
+    pub fn new() -> Self {
+        let none = StateVector::zeros();
+        let unit = |k: usize| StateVector::from_fn(|i, _| if i == k { 1.0 } else { 0.0 });
+        Self {
+            state: core::array::from_fn(unit),
+            wheels: [[none; WHEELS]; 2],
+            parameters: [none; PARAMETERS],
+        }
+    }
+}
+
+/// The vehicle at one value of the parameters.
+pub struct Moving<'a> {
+    pub configuration: &'a Configuration,
+    pub body: &'a [f64; PARAMETERS],
+}
+
+/// Rate at which the regressor of the parameters is taken: it stays until the rate has changed by more than the noise of the wheel
+/// speeds. A regressor that follows noise would find information where there is none.
+#[derive(Debug, Clone, Copy)]
+pub struct HeldRate {
+    w: Vector3,
+    band: Vector3,
+}
+
+impl HeldRate {
+    pub fn new(moving: &Moving, motion: &BaseMotion) -> Self {
+        let mut variance = Vector3::zeros();
+        for twist in wheel_twists(moving.configuration, motion)
+            .iter()
+            .take(moving.configuration.wheel_count)
+        {
+            let w = angular(twist);
+            variance += w.component_mul(&w);
+        }
+        Self {
+            w: motion.twist.w,
+            band: variance.map(|x| JITTER * x.sqrt()),
+        }
+    }
+
+    fn follow(&mut self, w: &Vector3) -> Vector3 {
+        for ((held, band), w) in self.w.iter_mut().zip(&self.band).zip(w) {
+            if (*w - *held).abs() >= *band {
+                *held = *w;
+            }
+        }
+        self.w
+    }
+}
+
+/// Angular part of a twist.
+pub fn angular(twist: &Vector6) -> Vector3 {
+    Vector3::new(twist.w, twist.a, twist.b)
+}
+
+/// Change of the base's twist with one sigma of each wheel speed.
+pub fn wheel_twists(configuration: &Configuration, motion: &BaseMotion) -> [Vector6; WHEELS] {
+    let mut out = [Vector6::zeros(); WHEELS];
+    for (out, wheel) in out.iter_mut().zip(configuration.wheels()) {
+        let h = Vector3::from(wheel.axis_B) * (wheel.spin_inertia * wheel.noise);
+        let momentum = Vector6::new(0.0, 0.0, 0.0, h.x, h.y, h.z);
+        *out = motion.twist_slope(&momentum, &Vector3::zeros());
+    }
+    out
+}
+
+/// What one parameter does at the present motion.
+#[derive(Debug, Clone, Copy)]
+pub struct ParameterSlope {
+    /// To the base's twist, pose and momentum held.
+    pub twist: Vector6,
+    /// To the momentum about the mass centre in B, pose and twist held.
+    pub momentum: Vector6,
+    /// To the mass centre in B.
+    pub centre: Vector3,
+}
+
+/// What each parameter does, with the rates of `held`.
+pub fn parameter_slopes(
+    motion: &BaseMotion,
+    held: &mut HeldRate,
+) -> [ParameterSlope; PARAMETERS] {
+    let (c, l_B) = (motion.centre.p_BoScm_B, motion.centre.l_B);
+    let w = held.follow(&motion.twist.w);
+    let v = motion.twist.v + (motion.twist.w - w).cross(&c);
+    let tensor = tensor_regressor(&w);
+    core::array::from_fn(|k| {
+        let (l, h) = match k {
+            0 => (v, Vector3::zeros()),
+            1..=AXES => {
+                let axis = Vector3::from_fn(|i, _| if i + 1 == k { 1.0 } else { 0.0 });
+                (w.cross(&axis), axis.cross(&v))
+            }
+            _ => (Vector3::zeros(), tensor.column(k - AXES - 1).into()),
+        };
+        let centre = motion.mass_centre_slope(&Matrix3::identity(), &Vector3::zeros(), k);
+        let about_Bo = Vector6::new(l.x, l.y, l.z, h.x, h.y, h.z);
+        let about_centre = h - c.cross(&l) - centre.cross(&l_B);
+        ParameterSlope {
+            twist: motion.twist_slope(&about_Bo, &centre),
+            momentum: Vector6::new(l.x, l.y, l.z, about_centre.x, about_centre.y, about_centre.z),
+            centre,
+        }
+    })
+}
+
+/// The equations at one point of a step.
+struct Point {
+    pose: StateRows,
+    push: StateRows,
+    wheels: [Vector6; WHEELS],
+    parameters: [Vector6; PARAMETERS],
+    pushes: [Vector6; PARAMETERS],
+}
+
+/// The locked vehicle at the three points of a step.
+struct OverStep<'a> {
+    locked: &'a [LockedVehicle; 3],
+    interval: &'a Interval,
+}
+
+impl Rates for OverStep<'_> {
+    fn rate(&mut self, at: StepPoint, state: &PoseMomentum) -> Option<PoseMomentumRate> {
+        let locked = match at {
+            StepPoint::Begin => &self.locked[0],
+            StepPoint::Middle => &self.locked[1],
+            StepPoint::End => &self.locked[2],
+        };
+        let motion = locked.base_motion(state);
+        let torque = self.interval.central_torque(&motion);
+        let wrench = (&self.interval.force_B, &torque);
+        Some(PoseMomentumRate::new(state, &motion.twist, wrench))
+    }
+}
+
+impl Interval {
+    fn central_torque(&self, motion: &BaseMotion) -> Vector3 {
+        self.torque_B - motion.centre.p_BoScm_B.cross(&self.force_B)
+    }
+
+    fn speeds_at(&self, share: f64) -> [f64; WHEELS] {
+        let [from, to] = &self.speeds;
+        core::array::from_fn(|k| from[k] + share * (to[k] - from[k]))
+    }
+}
+
+impl Moving<'_> {
+    /// The locked vehicle at these wheel speeds.
+    pub fn locked(&self, speeds: &[f64; WHEELS]) -> Option<LockedVehicle> {
+        let whole = self.configuration.whole(self.body);
+        let composite = Composite {
+            mass: whole.mass,
+            mc: whole.mc_B,
+            I_SBo_B: whole.I_BBo_B,
+        };
+        let h = self.wheel_momentum(speeds);
+        let joints = Vector6::new(0.0, 0.0, 0.0, h.x, h.y, h.z);
+        LockedVehicle::new(&composite, &composite, &joints)
+    }
+
+    /// Momentum of the wheels relative to the base, N m s.
+    pub fn wheel_momentum(&self, speeds: &[f64; WHEELS]) -> Vector3 {
+        let wheels = self.configuration.wheels().iter().zip(speeds);
+        wheels.fold(Vector3::zeros(), |h, (wheel, speed)| {
+            h + Vector3::from(wheel.axis_B) * (wheel.spin_inertia * speed)
+        })
+    }
+
+    /// Follows a state over an interval, and its columns where they are asked for.
+    pub fn follow(
+        &self,
+        state: &PoseMomentum,
+        interval: &Interval,
+        mut linear: Option<(&mut Columns, &mut HeldRate)>,
+    ) -> Option<PoseMomentum> {
+        let start = self.locked(&interval.speeds[0])?.base_motion(state);
+        let turns = (start.twist.w.norm() * interval.dt.abs() / TURN).ceil();
+        if !turns.is_finite() || turns > f64::from(STEPS) {
+            return None;
+        }
+        // At least one, at most STEPS.
+        let steps = turns.max(1.0);
+        let mut state = *state;
+        let mut step = 0.0;
+        while step < steps {
+            let shares = [step, step + 0.5, step + 1.0].map(|x| x / steps);
+            let dt = interval.dt / steps;
+            state = self.step(&state, interval, (shares, dt), &mut linear)?;
+            step += 1.0;
+        }
+        Some(state)
+    }
+
+    fn step(
+        &self,
+        state: &PoseMomentum,
+        interval: &Interval,
+        (shares, dt): ([f64; 3], f64),
+        linear: &mut Option<(&mut Columns, &mut HeldRate)>,
+    ) -> Option<PoseMomentum> {
+        let [a, b, c] = shares.map(|share| self.locked(&interval.speeds_at(share)));
+        let locked = &[a?, b?, c?];
+        let mut over = OverStep { locked, interval };
+        let rate = over.rate(StepPoint::Begin, state)?;
+        let end = runge_kutta_step(state, &rate, dt, &mut over)?;
+        if let Some((columns, held)) = linear {
+            let last = over.rate(StepPoint::End, &end)?;
+            let middle = state_in_middle((state, &rate), (&end, &last), dt);
+            let [first, second, third] = locked;
+            let points = [(first, state), (second, &middle), (third, &end)];
+            let points =
+                points.map(|(locked, state)| self.point(&locked.base_motion(state), state, interval, held));
+            carry(&points, shares, dt, columns);
+        }
+        Some(end)
+    }
+
+    fn point(
+        &self,
+        motion: &BaseMotion,
+        state: &PoseMomentum,
+        interval: &Interval,
+        held: &mut HeldRate,
+    ) -> Point {
+        let R: Matrix3 = state.R_NB.to_rotation_matrix().into_inner();
+        let torque = interval.central_torque(motion);
+        let slopes = parameter_slopes(motion, held);
+        Point {
+            pose: motion.pose_rows(state, &motion.twist_rows(state)),
+            push: StateRows::of_wrench(state, &interval.force_B, &torque),
+            wheels: wheel_twists(self.configuration, motion).map(|t| pose_change(&R, &t)),
+            parameters: slopes.map(|s| pose_change(&R, &s.twist)),
+            pushes: slopes.map(|s| {
+                let h = R * interval.force_B.cross(&s.centre);
+                Vector6::new(0.0, 0.0, 0.0, h.x, h.y, h.z)
+            }),
+        }
+    }
+}
+
+/// Carries all columns over a step.
+fn carry(points: &[Point; 3], shares: [f64; 3], dt: f64, columns: &mut Columns) {
+    let [begin, middle, end] = points;
+    let rows = StepRows {
+        pose: [&begin.pose, &middle.pose, &end.pose],
+        momentum: [Some(&begin.push), Some(&middle.push), Some(&end.push)],
+        modes: [None; 3],
+    };
+    let none = [[0.0; HALF]; 3];
+    for column in &mut columns.state {
+        rows.carry(&mut column.data.0[0], &none, &none, dt);
+    }
+    let [at_start, at_end] = &mut columns.wheels;
+    for k in 0..WHEELS {
+        let drive = |weight: fn(f64) -> f64| {
+            [0, 1, 2].map(|at| (points[at].wheels[k] * weight(shares[at])).into())
+        };
+        rows.carry(&mut at_start[k].data.0[0], &drive(|s| 1.0 - s), &none, dt);
+        rows.carry(&mut at_end[k].data.0[0], &drive(|s| s), &none, dt);
+    }
+    for (k, column) in columns.parameters.iter_mut().enumerate() {
+        let pose = points.each_ref().map(|p| p.parameters[k].into());
+        let push = points.each_ref().map(|p| p.pushes[k].into());
+        rows.carry(&mut column.data.0[0], &pose, &push, dt);
+    }
+}

@@ -1,0 +1,137 @@
+//! The first window, and what happens with each sample in order.
+
+use crate::configuration::{PARAMETERS, PASSES};
+use crate::filter::{Filter, GATE, MOVED, Sample};
+use crate::health::{Checkpoint, Verdict};
+
+/// Factor on the gate in the first pass, which is linearised at the nominal parameters.
+const FIRST_GATE: f64 = 100.0;
+/// Most times that a step to an impossible vehicle is halved.
+const HALVINGS: u32 = 20;
+
+/// The first samples.
+#[derive(Debug, Clone)]
+pub(crate) struct Window<const WINDOW: usize> {
+    samples: [Sample; WINDOW],
+    count: usize,
+    /// Whether they were replayed.
+    pub done: bool,
+}
+
+impl<const WINDOW: usize> Window<WINDOW> {
+    pub fn new() -> Self {
+        Self {
+            samples: [Sample::at(0.0); WINDOW],
+            count: 0,
+            done: false,
+        }
+    }
+}
+
+impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
+    /// The next sample in order.
+    pub(crate) fn process(&mut self, sample: &Sample) {
+        if self.window.done {
+            let verdict = self.step(sample, true);
+            self.conclude(verdict);
+            return;
+        }
+        if let Some(place) = self.window.samples.get_mut(self.window.count) {
+            *place = *sample;
+            self.window.count += 1;
+        }
+        if self.window.count == WINDOW {
+            self.window.done = true;
+            let verdict = self.replay();
+            self.conclude(verdict);
+        }
+    }
+
+    /// One sample. Parameters stay while the window is replayed.
+    fn step(&mut self, sample: &Sample, moves: bool) -> Verdict {
+        let mut done = self.take(sample);
+        if moves && self.running.is_some() {
+            done = done.and_then(|()| self.follow_parameters());
+        }
+        match done {
+            Some(()) => self.tests.verdict(),
+            None => Verdict::Alarm,
+        }
+    }
+
+    /// Passes over the window.
+    fn replay(&mut self) -> Verdict {
+        let mut worst = Verdict::Open;
+        for pass in 1..=PASSES {
+            self.gate = if pass == 1 { GATE * FIRST_GATE } else { GATE };
+            self.tests.begin();
+            self.set_prior();
+            worst = Verdict::Open;
+            for k in 0..WINDOW {
+                let sample = self.window.samples[k];
+                let verdict = self.step(&sample, false);
+                if matches!(verdict, Verdict::Alarm | Verdict::LongAlarm) {
+                    worst = verdict;
+                }
+            }
+            let count = self.layout.parameters;
+            let info = self.of_parameters();
+            let Some(change) = info.solution(count) else {
+                return Verdict::Alarm;
+            };
+            let sigma = info.sigma(count);
+            let mut moved = change.iter().zip(&sigma).take(count);
+            if pass == PASSES
+                || (pass > 1 && moved.all(|(change, sigma)| change.abs() <= MOVED * sigma))
+            {
+                break;
+            }
+            self.body = self.nearest(&change);
+        }
+        match (worst, self.follow_parameters()) {
+            (Verdict::Open, Some(())) => Verdict::Clean,
+            (Verdict::Open, None) => Verdict::Alarm,
+            (alarm, _) => alarm,
+        }
+    }
+
+    /// The parameters after a change, which is halved until the vehicle is possible.
+    fn nearest(&self, change: &[f64; PARAMETERS]) -> [f64; PARAMETERS] {
+        let mut share = 1.0;
+        for _ in 0..HALVINGS {
+            let mut body = self.body;
+            for (&k, change) in self.layout.unknown().iter().zip(change) {
+                body[k] += change * share;
+            }
+            if self.configuration.is_possible(&body) {
+                return body;
+            }
+            share *= 0.5;
+        }
+        self.body
+    }
+
+    /// What the tests of innovations lead to.
+    fn conclude(&mut self, verdict: Verdict) {
+        let here = Checkpoint {
+            body: self.body,
+            info: self.of_parameters(),
+            is_prior: false,
+        };
+        match verdict {
+            Verdict::Open => {}
+            Verdict::Clean => self.checkpoints.keep(here, false),
+            Verdict::LongClean => self.checkpoints.keep(here, true),
+            Verdict::Alarm | Verdict::LongAlarm => {
+                let back = self.checkpoints.back(verdict == Verdict::LongAlarm);
+                self.tests.alarm();
+                self.body = back.body;
+                self.set_parameters(&back.info);
+                if back.is_prior {
+                    self.window.done = false;
+                    self.window.count = 0;
+                }
+            }
+        }
+    }
+}

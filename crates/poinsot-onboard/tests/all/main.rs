@@ -1,0 +1,6 @@
+//! Trials of the filter against motions computed by code that shares nothing with it.
+#![allow(non_snake_case)]
+
+mod setups;
+mod stat_trials;
+mod truth;

@@ -1,0 +1,183 @@
+//! A rigid body with wheels in time: Newton and Euler about the mass centre, Runge-Kutta at a hundredth of a second.
+
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+use poinsot_onboard::{Configuration, Sample, WHEELS};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+/// Longest step of the integration, s.
+const STEP: f64 = 0.01;
+
+/// Mass, mass centre and central inertia of the truth, and what drives it.
+#[derive(Clone)]
+pub struct Truth {
+    pub mass: f64,
+    pub c: Vector3<f64>,
+    pub I: Matrix3<f64>,
+    pub start: Motion,
+    /// Torque of each wheel's motor in the interval that begins at sample k, N m.
+    pub motors: fn(usize) -> [f64; WHEELS],
+    /// Force and torque about `Bo` in that interval, in B.
+    pub wrench: fn(usize) -> (Vector3<f64>, Vector3<f64>),
+    pub dt: f64,
+    pub samples: usize,
+}
+
+#[derive(Clone, Copy)]
+pub struct Motion {
+    pub R: UnitQuaternion<f64>,
+    pub w: Vector3<f64>,
+    pub speeds: [f64; WHEELS],
+    /// Of the mass centre, in N.
+    pub p: Vector3<f64>,
+    pub v: Vector3<f64>,
+}
+
+impl Truth {
+    /// The ten parameters about `Bo`.
+    pub fn parameters(&self) -> [f64; 10] {
+        let (m, c) = (self.mass, self.c);
+        let I = self.I + (Matrix3::identity() * c.norm_squared() - c * c.transpose()) * m;
+        [
+            m,
+            m * c.x,
+            m * c.y,
+            m * c.z,
+            I.m11,
+            I.m12,
+            I.m22,
+            I.m13,
+            I.m23,
+            I.m33,
+        ]
+    }
+
+    /// The motion at all samples.
+    pub fn motions(&self, configuration: &Configuration) -> Vec<Motion> {
+        let steps = (self.dt / STEP).ceil() as usize;
+        let mut now = self.start;
+        let mut out = vec![now];
+        for k in 1..self.samples {
+            for _ in 0..steps {
+                now = self.step(configuration, &now, k - 1, self.dt / steps as f64);
+            }
+            out.push(now);
+        }
+        out
+    }
+
+    fn step(&self, configuration: &Configuration, now: &Motion, k: usize, dt: f64) -> Motion {
+        let add = |m: &Motion, r: &Rates, dt: f64| Motion {
+            R: m.R * UnitQuaternion::from_scaled_axis(r.turn * dt),
+            w: m.w + r.w * dt,
+            speeds: std::array::from_fn(|j| m.speeds[j] + r.speeds[j] * dt),
+            p: m.p + r.p * dt,
+            v: m.v + r.v * dt,
+        };
+        // The turn of a step by the mean rate of Simpson's rule and its commutator (Magnus, fourth order).
+        let a = self.rates(configuration, now, k);
+        let b = self.rates(configuration, &add(now, &a, 0.5 * dt), k);
+        let c = self.rates(configuration, &add(now, &b, 0.5 * dt), k);
+        let d = self.rates(configuration, &add(now, &c, dt), k);
+        let mean = |f: fn(&Rates) -> Vector3<f64>| (f(&a) + f(&b) * 2.0 + f(&c) * 2.0 + f(&d)) / 6.0;
+        let turn = mean(|r| r.turn) + a.turn.cross(&d.turn) * (dt / 12.0);
+        Motion {
+            R: now.R * UnitQuaternion::from_scaled_axis(turn * dt),
+            w: now.w + mean(|r| r.w) * dt,
+            speeds: std::array::from_fn(|j| {
+                let sum = a.speeds[j] + 2.0 * b.speeds[j] + 2.0 * c.speeds[j] + d.speeds[j];
+                now.speeds[j] + sum * dt / 6.0
+            }),
+            p: now.p + mean(|r| r.p) * dt,
+            v: now.v + mean(|r| r.v) * dt,
+        }
+    }
+
+    fn rates(&self, configuration: &Configuration, m: &Motion, k: usize) -> Rates {
+        let (force, torque) = (self.wrench)(k);
+        let motors = (self.motors)(k);
+        let mut h = self.I * m.w;
+        let mut inertia = self.I;
+        let mut push = torque - self.c.cross(&force);
+        let wheels = &configuration.wheels[..configuration.wheel_count];
+        for (j, wheel) in wheels.iter().enumerate() {
+            let a = Vector3::from(wheel.axis_B);
+            h += a * (wheel.spin_inertia * m.speeds[j]);
+            inertia -= a * a.transpose() * wheel.spin_inertia;
+            push -= a * motors[j];
+        }
+        let w = inertia.try_inverse().unwrap() * (push - m.w.cross(&h));
+        let mut speeds = [0.0; WHEELS];
+        for (j, wheel) in wheels.iter().enumerate() {
+            let a = Vector3::from(wheel.axis_B);
+            speeds[j] = motors[j] / wheel.spin_inertia - a.dot(&w);
+        }
+        Rates {
+            turn: m.w,
+            w,
+            speeds,
+            p: m.v,
+            v: m.R * force / self.mass,
+        }
+    }
+}
+
+struct Rates {
+    turn: Vector3<f64>,
+    w: Vector3<f64>,
+    speeds: [f64; WHEELS],
+    p: Vector3<f64>,
+    v: Vector3<f64>,
+}
+
+/// Normal deviates of one trial.
+pub struct Noise(ChaCha8Rng);
+
+impl Noise {
+    pub fn new(seed: u64) -> Self {
+        Self(ChaCha8Rng::seed_from_u64(seed))
+    }
+
+    pub fn one(&mut self) -> f64 {
+        StandardNormal.sample(&mut self.0)
+    }
+
+    pub fn vector(&mut self, sigma: f64) -> Vector3<f64> {
+        Vector3::from_fn(|_, _| self.one()) * sigma
+    }
+}
+
+/// Samples of a motion, with noise of the configuration where `noise` is given.
+pub fn samples(
+    truth: &Truth,
+    configuration: &Configuration,
+    motions: &[Motion],
+    mut noise: Option<&mut Noise>,
+) -> Vec<Sample> {
+    let levels = configuration.noise;
+    let mut vector = |sigma: f64| noise.as_mut().map_or(Vector3::zeros(), |n| n.vector(sigma));
+    let mut bias = vector(levels.bias);
+    let mut out = Vec::new();
+    for (k, m) in motions.iter().enumerate() {
+        let (force, torque) = (truth.wrench)(k);
+        let R = m.R * UnitQuaternion::from_scaled_axis(vector(levels.attitude));
+        let gyro = m.w + bias + vector(levels.gyro);
+        bias += vector(levels.bias_walk * truth.dt.sqrt());
+        let mut sample = Sample::at(k as f64 * truth.dt);
+        sample.gyro = Some(gyro.into());
+        sample.attitude = Some(R.coords.into());
+        if levels.position > 0.0 {
+            let position = m.p - m.R * truth.c + vector(levels.position);
+            sample.position = Some(position.into());
+        }
+        sample.wheel_speed = m.speeds;
+        let wheels = &configuration.wheels[..configuration.wheel_count];
+        for (speed, wheel) in sample.wheel_speed.iter_mut().zip(wheels) {
+            *speed += vector(wheel.noise).x;
+        }
+        (sample.force_B, sample.torque_B) = (force.into(), torque.into());
+        out.push(sample);
+    }
+    out
+}
