@@ -72,6 +72,8 @@ pub(crate) struct Running {
     pub time_s: f64,
     state: PoseMomentum,
     bias: Vector3,
+    /// Angular velocity, in B.
+    rate: Vector3,
     /// Most likely wheel speeds.
     speeds: [f64; WHEELS],
     force_B: Vector3,
@@ -94,6 +96,10 @@ pub struct Filter<const N: usize, const WINDOW: usize> {
     pub(crate) rows: Rows<N>,
     work: Rows<N>,
     pub(crate) gate: f64,
+    /// Share of the prior that the motion is loosened by, see [`Self::momentum_noise`].
+    pub(crate) looseness: f64,
+    /// Largest prior sigma of mass, first moments and inertia.
+    prior_spread: [f64; 3],
     pub(crate) running: Option<Running>,
     pub(crate) window: Window<WINDOW>,
     pub(crate) stream: Stream,
@@ -131,6 +137,8 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             rows: [[0.0; N]; N],
             work: [[0.0; N]; N],
             gate: GATE,
+            looseness: 0.0,
+            prior_spread: [0.0; 3],
             running: None,
             window: Window::new(),
             stream: Stream::new(),
@@ -139,6 +147,11 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             configuration,
             layout,
         };
+        let sigma = prior.sigma(layout.parameters);
+        for (&k, sigma) in layout.unknown().iter().zip(&sigma) {
+            let kind = usize::from(k > 0) + usize::from(k > AXES);
+            filter.prior_spread[kind] = filter.prior_spread[kind].max(*sigma);
+        }
         filter.set_prior();
         Ok(filter)
     }
@@ -219,6 +232,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             time_s: sample.time_s,
             state,
             bias: Vector3::zeros(),
+            rate: w,
             speeds: sample.wheel_speed,
             force_B: sample.force_B.into(),
             torque_B: sample.torque_B.into(),
@@ -283,6 +297,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         let (theta, width) = (layout.theta(), gone + layout.columns());
         let back = SMatrix::<f64, STATE, STATE>::from_columns(&columns.state).try_inverse()?;
         let walk = dt.abs().sqrt();
+        let [angular, linear] = self.momentum_noise(dt);
         for i in 0..theta {
             let (row, out) = (&self.rows[i], &mut self.work[i]);
             let mut over = StateVector::zeros();
@@ -295,16 +310,18 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
                 out[k] = row[k] - over.dot(&columns.wheels[0][k]);
                 out[gone + k] = -over.dot(&columns.wheels[1][k]);
             }
-            let mut at = wheels;
-            if noise.torque_walk > 0.0 {
-                for axis in 0..AXES {
-                    out[at + axis] = -over[ANGULAR + axis] * noise.torque_walk * walk;
-                }
-                at += AXES;
-            }
-            if noise.bias_walk > 0.0 {
-                for axis in 0..AXES {
-                    out[at + axis] = -row[layout.bias() + axis] * noise.bias_walk * walk;
+            let of_bias: [f64; AXES] = core::array::from_fn(|axis| row[layout.bias() + axis]);
+            let entering = [
+                (over.fixed_rows::<AXES>(ANGULAR).into(), angular),
+                (over.fixed_rows::<AXES>(LINEAR).into(), linear),
+                (of_bias, noise.bias_walk * walk),
+            ];
+            let counted = [true, self.configuration.translates(), noise.bias_walk > 0.0];
+            let entering = entering.iter().zip(counted).filter(|(_, counts)| *counts);
+            let places = out[wheels..gone].chunks_exact_mut(AXES);
+            for (places, ((slopes, sigma), _)) in places.zip(entering) {
+                for (place, slope) in places.iter_mut().zip(slopes) {
+                    *place = -slope * sigma;
                 }
             }
             for (k, component) in layout.state().iter().enumerate() {
@@ -338,6 +355,21 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         Some(())
     }
 
+    /// Noise of angular and linear momentum that enters over `dt`: the declared one, and in the first passes of a replay what the
+    /// errors of the parameters do, so that the motion follows the data.
+    fn momentum_noise(&self, dt: f64) -> [f64; 2] {
+        let declared = self.configuration.noise.torque_walk * dt.abs().sqrt();
+        let Some(running) = self.running.filter(|_| self.looseness > 0.0) else {
+            return [declared, 0.0];
+        };
+        let force = running.force_B.norm();
+        let [mass, moment, inertia] = self.prior_spread;
+        let per_mass = force / self.configuration.whole(&self.body).mass;
+        let torque = inertia * running.rate.norm_squared() + moment * per_mass;
+        let loose = self.looseness * dt.abs();
+        [declared.hypot(loose * torque), loose * mass * per_mass]
+    }
+
     /// The motion in hand.
     fn here(&mut self) -> Option<Here> {
         let running = self.running.as_mut()?;
@@ -346,6 +378,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             body: &self.body,
         };
         let motion = moving.locked(&running.speeds)?.base_motion(&running.state);
+        running.rate = motion.twist.w;
         Some(Here {
             R: running.state.R_NB.to_rotation_matrix().into_inner(),
             slopes: parameter_slopes(&motion, &mut running.held),

@@ -77,11 +77,11 @@ pub fn required_capacity(configuration: &Configuration) -> usize {
     update.max(layout.columns() + AXES)
 }
 
-/// Number of white noises that enter a step beside those of the wheels.
+/// Number of white noises that enter a step beside those of the wheels: of the momenta, and of the bias where it walks.
 pub fn noises(configuration: &Configuration) -> usize {
-    let noise = &configuration.noise;
-    let count = |sigma: f64| if sigma > 0.0 { AXES } else { 0 };
-    count(noise.torque_walk) + count(noise.bias_walk)
+    let momenta = if configuration.translates() { 2 } else { 1 };
+    let bias = usize::from(configuration.noise.bias_walk > 0.0);
+    (momenta + bias) * AXES
 }
 
 /// Rows of `[R z]`; `z` is in the last column.

@@ -4,8 +4,9 @@ use crate::configuration::{PARAMETERS, PASSES};
 use crate::filter::{Filter, GATE, MOVED, Sample};
 use crate::health::{Checkpoint, Verdict};
 
-/// Factor on the gate in the first pass, which is linearised at the nominal parameters.
-const FIRST_GATE: f64 = 100.0;
+/// Shares of the prior by which the motion may deviate from that of the parameters in the first passes: far from the truth a motion
+/// without noise leaves the data, and its linearisation with it.
+const LOOSE: [f64; 7] = [1.0, 1.0, 0.3, 0.1, 0.03, 0.01, 0.003];
 /// Most times that a step to an impossible vehicle is halved.
 const HALVINGS: u32 = 20;
 
@@ -63,7 +64,10 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
     fn replay(&mut self) -> Verdict {
         let mut worst = Verdict::Open;
         for pass in 1..=PASSES {
-            self.gate = if pass == 1 { GATE * FIRST_GATE } else { GATE };
+            let loose = LOOSE.get(pass - 1).copied();
+            self.looseness = loose.unwrap_or(0.0);
+            // Until the first pass without looseness has brought the parameters close, a misfit is theirs.
+            self.gate = if pass > LOOSE.len() + 1 { GATE } else { f64::MAX };
             self.tests.begin();
             self.set_prior();
             worst = Verdict::Open;
@@ -82,7 +86,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             let sigma = info.sigma(count);
             let mut moved = change.iter().zip(&sigma).take(count);
             if pass == PASSES
-                || (pass > 1 && moved.all(|(change, sigma)| change.abs() <= MOVED * sigma))
+                || (pass > LOOSE.len() + 1 && moved.all(|(change, sigma)| change.abs() <= MOVED * sigma))
             {
                 break;
             }
