@@ -11,7 +11,7 @@ pub(crate) const PARAMETERS: usize = 10;
 /// Numbers of an attitude, a bias or another vector.
 pub(crate) const AXES: usize = 3;
 /// Most passes over the first window.
-pub(crate) const PASSES: usize = 16;
+pub(crate) const PASSES: usize = 24;
 
 /// A reaction wheel.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -51,6 +51,8 @@ pub(crate) enum Verdict {
     Clean,
     /// A long block and a short one ended, both consistent.
     LongClean,
+    /// The passes over a window did not end.
+    Lost,
     Alarm,
     LongAlarm,
 }

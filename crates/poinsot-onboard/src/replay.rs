@@ -7,6 +7,8 @@ use crate::health::{Checkpoint, Verdict};
 /// Shares of the prior by which the motion may deviate from that of the parameters in the first passes: far from the truth a motion
 /// without noise leaves the data, and its linearisation with it.
 const LOOSE: [f64; 7] = [1.0, 1.0, 0.3, 0.1, 0.03, 0.01, 0.003];
+/// Largest move in sigma after which a pass is followed by one that is less loose.
+const FAR: f64 = 10.0;
 /// Most times that a step to an impossible vehicle is halved.
 const HALVINGS: u32 = 20;
 
@@ -62,41 +64,43 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
 
     /// Passes over the window.
     fn replay(&mut self) -> Verdict {
-        let mut worst = Verdict::Open;
-        for pass in 1..=PASSES {
-            let loose = LOOSE.get(pass - 1).copied();
+        let count = self.layout.parameters;
+        let mut level = 0;
+        for _ in 0..PASSES {
+            let loose = LOOSE.get(level).copied();
             self.looseness = loose.unwrap_or(0.0);
-            // Until the first pass without looseness has brought the parameters close, a misfit is theirs.
-            self.gate = if pass > LOOSE.len() + 1 { GATE } else { f64::MAX };
-            self.tests.begin();
-            self.set_prior();
-            worst = Verdict::Open;
-            for k in 0..WINDOW {
-                let sample = self.window.samples[k];
-                let verdict = self.step(&sample, false);
-                if matches!(verdict, Verdict::Alarm | Verdict::LongAlarm) {
-                    worst = verdict;
-                }
-            }
-            let count = self.layout.parameters;
-            let info = self.of_parameters();
-            let Some(change) = info.solution(count) else {
-                return Verdict::Alarm;
-            };
-            let sigma = info.sigma(count);
-            let mut moved = change.iter().zip(&sigma).take(count);
-            if pass == PASSES
-                || (pass > LOOSE.len() + 1 && moved.all(|(change, sigma)| change.abs() <= MOVED * sigma))
-            {
+            // Until a pass without looseness has brought the parameters close, a misfit is theirs.
+            self.gate = if level > LOOSE.len() { GATE } else { f64::MAX };
+            let verdict = self.pass();
+            self.looseness = 0.0;
+            let Some(change) = self.of_parameters().solution(count) else {
                 break;
+            };
+            let sigma = self.of_parameters().sigma(count);
+            let moved = change.iter().zip(&sigma).take(count);
+            let farthest = moved.fold(0.0, |most: f64, (x, s)| most.max((x / s).abs()));
+            if level > LOOSE.len() && farthest <= MOVED {
+                return verdict;
             }
+            level += usize::from(farthest <= FAR || level >= LOOSE.len());
             self.body = self.nearest(&change);
         }
-        match (worst, self.follow_parameters()) {
-            (Verdict::Open, Some(())) => Verdict::Clean,
-            (Verdict::Open, None) => Verdict::Alarm,
-            (alarm, _) => alarm,
+        Verdict::Lost
+    }
+
+    /// One pass over the window, with its worst verdict.
+    fn pass(&mut self) -> Verdict {
+        self.tests.begin();
+        self.set_prior();
+        let mut worst = Verdict::Clean;
+        for k in 0..WINDOW {
+            let sample = self.window.samples[k];
+            let verdict = self.step(&sample, false);
+            if matches!(verdict, Verdict::Alarm | Verdict::LongAlarm) {
+                worst = verdict;
+            }
         }
+        worst
     }
 
     /// The parameters after a change, which is halved until the vehicle is possible.
@@ -126,6 +130,12 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             Verdict::Open => {}
             Verdict::Clean => self.checkpoints.keep(here, false),
             Verdict::LongClean => self.checkpoints.keep(here, true),
+            // The parameters found are where the passes over the next samples begin.
+            Verdict::Lost => {
+                self.window.done = false;
+                self.window.count = 0;
+                self.set_prior();
+            }
             Verdict::Alarm | Verdict::LongAlarm => {
                 let back = self.checkpoints.back(verdict == Verdict::LongAlarm);
                 self.tests.alarm();
