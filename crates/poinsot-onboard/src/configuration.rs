@@ -175,7 +175,10 @@ impl Configuration {
         let wheels = self.wheels.iter();
         let of_wheels = wheels.flat_map(|w| w.axis_B.into_iter().chain([w.spin_inertia, w.noise]));
         let all = self.known.iter().chain(&self.nominal).chain(&levels);
-        let mut all = all.chain(self.prior.as_flattened()).copied().chain(of_wheels);
+        let mut all = all
+            .chain(self.prior.as_flattened())
+            .copied()
+            .chain(of_wheels);
         if !all.all(f64::is_finite) {
             return Err(Invalid::NotFinite);
         }
@@ -183,7 +186,9 @@ impl Configuration {
             return Err(Invalid::Count);
         }
         let wheels_valid = self.wheels().iter();
-        let wheels_valid = wheels_valid.clone().all(|w| w.spin_inertia >= 0.0 && w.noise >= 0.0);
+        let wheels_valid = wheels_valid
+            .clone()
+            .all(|w| w.spin_inertia >= 0.0 && w.noise >= 0.0);
         let positive = [noise.gyro, noise.attitude, self.longest_gap_s, self.stale_s];
         let valid = levels.iter().all(|x| *x >= 0.0) && positive.iter().all(|x| *x > 0.0);
         if !valid || !wheels_valid {

@@ -9,11 +9,11 @@ use crate::motion::{
 };
 use crate::replay::Window;
 use crate::stream::Stream;
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField;
 use nalgebra::{Quaternion, SMatrix, UnitQuaternion};
 use poinsot_dynamics::propagation::{BaseMotion, PoseMomentum, STATE};
 use poinsot_spatial::{Matrix3, Vector3, Vector6};
-#[cfg(not(feature = "std"))]
-use nalgebra::ComplexField;
 
 /// Squared normalised innovation of three numbers beyond which a measurement is not used: a false alarm of 3e-7.
 pub(crate) const GATE: f64 = 33.0;
@@ -254,7 +254,9 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
 
     /// Takes a sample that is in order; `None` where the numbers do not allow it.
     pub(crate) fn take(&mut self, sample: &Sample) -> Option<()> {
-        if self.running.is_some_and(|r| sample.time_s - r.time_s > self.configuration.longest_gap_s)
+        if self
+            .running
+            .is_some_and(|r| sample.time_s - r.time_s > self.configuration.longest_gap_s)
         {
             self.set_parameters(&self.of_parameters());
         }
@@ -491,7 +493,10 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         let change = info.solution(count)?;
         let sigma = info.sigma(count);
         let moved = change.iter().zip(&sigma).take(count);
-        if moved.clone().all(|(change, sigma)| change.abs() <= MOVED * sigma) {
+        if moved
+            .clone()
+            .all(|(change, sigma)| change.abs() <= MOVED * sigma)
+        {
             return Some(());
         }
         let mut body = self.body;
@@ -581,7 +586,10 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         let here = self.here()?;
         Some(here.slopes.map(|slope| {
             let [a, b, c, d, e, f] = slope.momentum.into();
-            let (l, h) = (here.R * Vector3::new(a, b, c), here.R * Vector3::new(d, e, f));
+            let (l, h) = (
+                here.R * Vector3::new(a, b, c),
+                here.R * Vector3::new(d, e, f),
+            );
             Vector6::new(l.x, l.y, l.z, h.x, h.y, h.z)
         }))
     }

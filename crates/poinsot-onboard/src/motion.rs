@@ -1,6 +1,8 @@
 //! The motion over one interval between samples, with the columns of the linearised equations.
 
 use crate::configuration::{AXES, Configuration, PARAMETERS, WHEELS};
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField;
 use nalgebra::SVector;
 use poinsot_dynamics::Composite;
 use poinsot_dynamics::propagation::{
@@ -8,8 +10,6 @@ use poinsot_dynamics::propagation::{
     StepPoint, StepRows, pose_change, runge_kutta_step, state_in_middle,
 };
 use poinsot_spatial::{Matrix3, Vector3, Vector6, tensor_regressor};
-#[cfg(not(feature = "std"))]
-use nalgebra::ComplexField;
 
 /// Largest turn of one step, rad.
 const TURN: f64 = 0.1;
@@ -123,10 +123,7 @@ pub struct ParameterSlope {
 }
 
 /// What each parameter does, with the rates of `held`.
-pub fn parameter_slopes(
-    motion: &BaseMotion,
-    held: &mut HeldRate,
-) -> [ParameterSlope; PARAMETERS] {
+pub fn parameter_slopes(motion: &BaseMotion, held: &mut HeldRate) -> [ParameterSlope; PARAMETERS] {
     let (c, l_B) = (motion.centre.p_BoScm_B, motion.centre.l_B);
     let w = held.follow(&motion.twist.w);
     let v = motion.twist.v + (motion.twist.w - w).cross(&c);
@@ -145,7 +142,14 @@ pub fn parameter_slopes(
         let about_centre = h - c.cross(&l) - centre.cross(&l_B);
         ParameterSlope {
             twist: motion.twist_slope(&about_Bo, &centre),
-            momentum: Vector6::new(l.x, l.y, l.z, about_centre.x, about_centre.y, about_centre.z),
+            momentum: Vector6::new(
+                l.x,
+                l.y,
+                l.z,
+                about_centre.x,
+                about_centre.y,
+                about_centre.z,
+            ),
             centre,
         }
     })
@@ -255,8 +259,9 @@ impl Moving<'_> {
             let middle = state_in_middle((state, &rate), (&end, &last), dt);
             let [first, second, third] = locked;
             let points = [(first, state), (second, &middle), (third, &end)];
-            let points =
-                points.map(|(locked, state)| self.point(&locked.base_motion(state), state, interval, held));
+            let points = points.map(|(locked, state)| {
+                self.point(&locked.base_motion(state), state, interval, held)
+            });
             carry(&points, shares, dt, columns);
         }
         Some(end)

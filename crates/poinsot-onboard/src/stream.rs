@@ -64,14 +64,20 @@ impl Stream {
             return Err(Refusal::Duplicate);
         }
         let late = self.taken.is_some_and(|taken| time < taken);
-        let far = self.newest.is_some_and(|newest| (time - newest).abs() > longest_gap_s);
+        let far = self
+            .newest
+            .is_some_and(|newest| (time - newest).abs() > longest_gap_s);
         if late || far {
             let follows = |last: f64| time > last && time - last <= longest_gap_s;
             let before = self.refused.filter(|(last, _)| follows(*last));
             let in_a_row = before.map_or(1, |(_, n)| n + 1);
             self.refused = Some((time, in_a_row));
             if in_a_row < NEW_CLOCK {
-                return Err(if far { Refusal::ClockJump } else { Refusal::Late });
+                return Err(if far {
+                    Refusal::ClockJump
+                } else {
+                    Refusal::Late
+                });
             }
             (self.count, self.taken, self.newest) = (0, None, None);
         }
@@ -105,11 +111,18 @@ fn waiting_before(waiting: &[Sample], time: f64) -> usize {
 /// The sample with a quaternion of length one.
 fn checked(sample: &Sample, wheels: usize) -> Result<Sample, Refusal> {
     let mut sample = *sample;
-    let vectors = [sample.gyro, sample.position].into_iter().flatten().flatten();
+    let vectors = [sample.gyro, sample.position]
+        .into_iter()
+        .flatten()
+        .flatten();
     let acting = sample.force_B.into_iter().chain(sample.torque_B);
     let speeds = sample.wheel_speed.into_iter().take(wheels.min(WHEELS));
     let attitude = sample.attitude.into_iter().flatten();
-    let mut all = vectors.chain(acting).chain(speeds).chain(attitude).chain([sample.time_s]);
+    let mut all = vectors
+        .chain(acting)
+        .chain(speeds)
+        .chain(attitude)
+        .chain([sample.time_s]);
     if !all.all(f64::is_finite) {
         return Err(Refusal::NotFinite);
     }
@@ -132,7 +145,8 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
     /// The sample is not used, and the filter is as before.
     pub fn push(&mut self, sample: &Sample) -> Result<(), Refusal> {
         let sample = checked(sample, self.configuration.wheel_count)?;
-        self.stream.insert(sample, self.configuration.longest_gap_s)?;
+        self.stream
+            .insert(sample, self.configuration.longest_gap_s)?;
         while let Some(next) = self.stream.next(self.configuration.reorder) {
             self.process(&next);
         }

@@ -1,6 +1,7 @@
 //! Trials of the filter against motions computed by code that shares nothing with it.
 #![allow(non_snake_case)]
 
+mod dense;
 mod setups;
 mod stat_trials;
 mod truth;

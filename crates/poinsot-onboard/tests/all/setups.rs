@@ -2,7 +2,7 @@
 
 use crate::truth::{Motion, Noise, Truth};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
-use poinsot_onboard::{Configuration, Filter, Wheel, WHEELS};
+use poinsot_onboard::{Configuration, Filter, WHEELS, Wheel};
 
 /// The filter of the trials: 30 s are replayed.
 pub type OnBoard = Filter<48, 150>;
@@ -52,12 +52,25 @@ fn natural(truth: &Truth) -> [f64; 10] {
     let p = truth.parameters();
     let arm = (truth.mass * truth.I.trace() / 2.0).sqrt();
     let mean = truth.I.trace() / 3.0;
-    [truth.mass, arm, arm, arm, p[4], mean, p[6], mean, mean, p[9]]
+    [
+        truth.mass, arm, arm, arm, p[4], mean, p[6], mean, mean, p[9],
+    ]
 }
 
-fn setup(name: &'static str, truth: Truth, mut configuration: Configuration, unknown: usize) -> Setup {
+fn setup(
+    name: &'static str,
+    truth: Truth,
+    mut configuration: Configuration,
+    unknown: usize,
+) -> Setup {
     let natural = natural(&truth);
-    let sigma = std::array::from_fn(|k| if k >= unknown { PRIOR * natural[k] } else { 0.0 });
+    let sigma = std::array::from_fn(|k| {
+        if k >= unknown {
+            PRIOR * natural[k]
+        } else {
+            0.0
+        }
+    });
     configuration.nominal = truth.parameters();
     configuration.longest_gap_s = 1.0;
     Setup {

@@ -1,12 +1,13 @@
 //! Calibration over many trials.
 
+use crate::dense;
 use crate::setups::{self, OnBoard, Setup};
 use crate::truth::{Noise, samples};
 use nalgebra::{DMatrix, DVector};
 use poinsot_onboard::{Answer, Health};
 
 /// Trials of each set-up; `POINSOT_TRIALS` gives another number.
-fn trials() -> u64 {
+pub fn trials() -> u64 {
     let given = std::env::var("POINSOT_TRIALS").ok();
     given.and_then(|n| n.parse().ok()).unwrap_or(20)
 }
@@ -16,17 +17,27 @@ pub fn errors(setup: &Setup, answer: &Answer) -> (Vec<f64>, f64) {
     let truth = setup.truth.parameters();
     let unknown: Vec<usize> = (0..10).filter(|k| setup.sigma[*k] > 0.0).collect();
     let n = unknown.len();
-    let error = DVector::from_fn(n, |j, _| answer.numbers[unknown[j]].value - truth[unknown[j]]);
+    let error = DVector::from_fn(n, |j, _| {
+        answer.numbers[unknown[j]].value - truth[unknown[j]]
+    });
     let C = DMatrix::from_fn(n, n, |i, j| answer.covariance[i][j]);
     let squared = (error.transpose() * C.cholesky().unwrap().solve(&error))[0];
     let each = unknown.iter().zip(error.iter());
-    (each.map(|(k, e)| e / answer.numbers[*k].sigma).collect(), squared)
+    (
+        each.map(|(k, e)| e / answer.numbers[*k].sigma).collect(),
+        squared,
+    )
 }
 
-fn run(setup: &Setup, seed: u64) -> (Vec<Answer>, Box<OnBoard>) {
+pub fn run(setup: &Setup, seed: u64) -> (Vec<Answer>, Box<OnBoard>) {
     let mut noise = Noise::new(seed);
     let motions = setup.truth.motions(&setup.configuration);
-    let stream = samples(&setup.truth, &setup.configuration, &motions, Some(&mut noise));
+    let stream = samples(
+        &setup.truth,
+        &setup.configuration,
+        &motions,
+        Some(&mut noise),
+    );
     let mut filter = setup.filter(&mut noise);
     let mut out = Vec::new();
     for sample in &stream {
@@ -36,35 +47,68 @@ fn run(setup: &Setup, seed: u64) -> (Vec<Answer>, Box<OnBoard>) {
     (out, filter)
 }
 
+/// Whether a chi-square of so many degrees of freedom is within limits that one of twelve such tests exceeds by chance in a
+/// thousandth of all cases (Wilson and Hilferty 1931).
+fn is_chi_square(sum: f64, freedom: f64) -> bool {
+    let spread = 2.0 / (9.0 * freedom);
+    (((sum / freedom).cbrt() - 1.0 + spread) / spread.sqrt()).abs() < 3.76
+}
+
 #[test]
 fn stat_errors_are_those_of_the_covariance() {
     for setup in setups::all() {
         let (mut at_half, mut at_end, mut inconsistent, mut worst) = (0.0, 0.0, 0, 0.0_f64);
-        let mut first = Vec::new();
+        let mut determined = Vec::new();
         for seed in 0..trials() {
             let (answers, filter) = run(&setup, seed);
             let last = answers.len() - 1;
-            let half = errors(&setup, &answers[last / 2]).1;
-            let end = errors(&setup, &answers[last]).1;
-            at_half += half;
-            at_end += end;
-            let bad = answers.iter().any(|a| a.health == Health::Inconsistent);
-            inconsistent += usize::from(bad);
-            for a in &answers {
-                if a.health == Health::Determined {
-                    worst = errors(&setup, a).0.iter().fold(worst, |w, e| w.max(e.abs()));
-                }
+            at_half += errors(&setup, &answers[last / 2]).1;
+            at_end += errors(&setup, &answers[last]).1;
+            inconsistent += u64::from(answers.iter().any(|a| a.health == Health::Inconsistent));
+            let good = answers.iter().filter(|a| a.health == Health::Determined);
+            for answer in good {
+                let errors = errors(&setup, answer).0;
+                worst = errors.iter().fold(worst, |w, e| w.max(e.abs()));
             }
-            first.extend(answers.iter().position(|a| a.health == Health::Determined));
-            if std::env::var("VERBOSE").is_ok() {
-                println!("{seed} half {half:.2} end {end:.2} {bad} {:?} {:?}", filter.counts(), answers[last].numbers.map(|n| n.sigma));
-            }
+            let first = answers.iter().position(|a| a.health == Health::Determined);
+            determined.extend(first);
+            assert!(
+                filter.counts().iter().all(|c| c.gated <= 3),
+                "{seed} {:?}",
+                filter.counts()
+            );
         }
-        let n = setup.sigma.iter().filter(|s| **s > 0.0).count() as f64 * trials() as f64;
-        first.sort();
+        let numbers = setup.sigma.iter().filter(|s| **s > 0.0).count() as f64;
+        let freedom = numbers * trials() as f64;
+        determined.sort_unstable();
         println!(
-            "{}: NEES half {:.3} end {:.3}, inconsistent {inconsistent}, worst {worst:.2}, determined {} median {:?}",
-            setup.name, at_half / n, at_end / n, first.len(), first.get(first.len() / 2)
+            "{}: {} trials, NEES per number {:.3} at half, {:.3} at the end; {inconsistent} inconsistent; largest error {worst:.2} sigma; determined after {} samples (median)",
+            setup.name,
+            trials(),
+            at_half / freedom,
+            at_end / freedom,
+            determined[determined.len() / 2] + 1,
         );
+        assert!(is_chi_square(at_half, freedom) && is_chi_square(at_end, freedom));
+        assert!(inconsistent * 100 <= trials());
+        assert!(worst < 6.0);
+        assert_eq!(determined.len() as u64, trials());
+    }
+}
+
+#[test]
+fn xval_sigma_is_that_of_one_least_squares_problem() {
+    for setup in setups::all() {
+        let motions = setup.truth.motions(&setup.configuration);
+        let count = setup.truth.samples / 2;
+        let bound = dense::bound(&setup, &motions, count);
+        for seed in 0..3 {
+            let (answers, _) = run(&setup, seed);
+            let numbers = answers[count - 1].numbers;
+            let sigma = numbers.iter().map(|n| n.sigma).filter(|s| *s > 0.0);
+            let ratios: Vec<f64> = sigma.zip(&bound).map(|(a, b)| a / b).collect();
+            println!("{}: sigma over the bound {ratios:.4?}", setup.name);
+            assert!(ratios.iter().all(|r| (0.95..1.2).contains(r)));
+        }
     }
 }

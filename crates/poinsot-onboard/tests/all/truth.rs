@@ -80,7 +80,8 @@ impl Truth {
         let b = self.rates(configuration, &add(now, &a, 0.5 * dt), k);
         let c = self.rates(configuration, &add(now, &b, 0.5 * dt), k);
         let d = self.rates(configuration, &add(now, &c, dt), k);
-        let mean = |f: fn(&Rates) -> Vector3<f64>| (f(&a) + f(&b) * 2.0 + f(&c) * 2.0 + f(&d)) / 6.0;
+        let mean =
+            |f: fn(&Rates) -> Vector3<f64>| (f(&a) + f(&b) * 2.0 + f(&c) * 2.0 + f(&d)) / 6.0;
         let turn = mean(|r| r.turn) + a.turn.cross(&d.turn) * (dt / 12.0);
         Motion {
             R: now.R * UnitQuaternion::from_scaled_axis(turn * dt),
