@@ -4,7 +4,7 @@ use crate::configuration::{AXES, Configuration, Invalid, PARAMETERS, WHEELS};
 use crate::health::{Checkpoints, SENSORS, SensorCounts, Tests};
 use crate::information::{Layout, OfParameters, Rows, back_substitute, eliminate, noises};
 use crate::motion::{
-    Columns, HeldRate, Interval, Moving, ParameterSlope, StateVector, angular, parameter_slopes,
+    Columns, Excitation, Interval, Moving, ParameterSlope, StateVector, angular, parameter_slopes,
     wheel_twists,
 };
 use crate::replay::Window;
@@ -24,8 +24,6 @@ const SETTLING: u32 = 3;
 /// Components of momentum in the kernels' state.
 const LINEAR: usize = 6;
 const ANGULAR: usize = 9;
-/// Diagonal elements of the inertia among the parameters.
-const MOMENTS: [usize; AXES] = [4, 6, 9];
 
 /// What is measured at one time, and what acts until the next.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -78,7 +76,6 @@ pub(crate) struct Running {
     speeds: [f64; WHEELS],
     force_B: Vector3,
     torque_B: Vector3,
-    held: HeldRate,
     /// Samples since the start.
     age: u32,
 }
@@ -98,6 +95,8 @@ pub struct Filter<const N: usize, const WINDOW: usize> {
     pub(crate) gate: f64,
     /// Share of the prior that the motion is loosened by, see [`Self::momentum_noise`].
     pub(crate) looseness: f64,
+    /// What of the angular velocity the record has shown.
+    pub(crate) shown: Excitation,
     /// Largest prior sigma of mass, first moments and inertia.
     prior_spread: [f64; 3],
     pub(crate) running: Option<Running>,
@@ -114,8 +113,8 @@ struct Measurement<const N: usize> {
 }
 
 /// The motion in hand with what its measurements depend on.
-struct Here {
-    motion: BaseMotion,
+pub(crate) struct Here {
+    pub motion: BaseMotion,
     R: Matrix3,
     slopes: [ParameterSlope; PARAMETERS],
 }
@@ -138,6 +137,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             work: [[0.0; N]; N],
             gate: GATE,
             looseness: 0.0,
+            shown: Excitation::new(),
             prior_spread: [0.0; 3],
             running: None,
             window: Window::new(),
@@ -226,8 +226,6 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             P: Vector3::zeros(),
             h_SScm_N: R_NB * h_B,
         };
-        let motion = moving.locked(&sample.wheel_speed)?.base_motion(&state);
-        let held = HeldRate::new(&moving, &motion);
         self.running = Some(Running {
             time_s: sample.time_s,
             state,
@@ -236,7 +234,6 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             speeds: sample.wheel_speed,
             force_B: sample.force_B.into(),
             torque_B: sample.torque_B.into(),
-            held,
             age: 0,
         });
         let layout = self.layout;
@@ -280,7 +277,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             dt: sample.time_s - running.time_s,
         };
         let mut columns = Columns::new();
-        let linear = Some((&mut columns, &mut running.held));
+        let linear = Some((&mut columns, &self.shown));
         running.state = self.moving().follow(&running.state, &interval, linear)?;
         running.time_s = sample.time_s;
         running.speeds = sample.wheel_speed;
@@ -373,7 +370,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
     }
 
     /// The motion in hand.
-    fn here(&mut self) -> Option<Here> {
+    pub(crate) fn here(&mut self) -> Option<Here> {
         let running = self.running.as_mut()?;
         let moving = Moving {
             configuration: &self.configuration,
@@ -383,7 +380,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         running.rate = motion.twist.w;
         Some(Here {
             R: running.state.R_NB.to_rotation_matrix().into_inner(),
-            slopes: parameter_slopes(&motion, &mut running.held),
+            slopes: parameter_slopes(&motion, &self.shown),
             motion,
         })
     }
@@ -551,6 +548,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         }
         let moved: [f64; PARAMETERS] = core::array::from_fn(|k| body[k] - self.body[k]);
         self.body = body;
+        self.look()?;
         let after = self.momentum_slopes()?;
         let scales = self.scales();
         let theta = layout.theta();
@@ -581,6 +579,13 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         Some(())
     }
 
+    /// Takes the velocity in hand as shown.
+    fn look(&mut self) -> Option<()> {
+        let motion = self.here()?.motion;
+        self.shown.add(&self.configuration, &motion);
+        Some(())
+    }
+
     /// What each parameter does to linear and angular momentum in N, pose and rates held.
     fn momentum_slopes(&mut self) -> Option<[Vector6; PARAMETERS]> {
         let here = self.here()?;
@@ -594,17 +599,16 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         }))
     }
 
-    /// Share of each parameter in a common factor of inertia, and in one of mass and first moments.
+    /// What a common factor of the inertia changes by per unit of each element, and one of mass and first moments by per kilogram.
     fn scales(&self) -> [f64; PARAMETERS] {
         let (unknown, mut out) = (&self.configuration.unknown, [0.0; PARAMETERS]);
         if unknown[0] {
             out[0] = 1.0 / self.body[0];
         }
         let whole = self.configuration.whole(&self.body).mass_properties();
-        if let (Some(whole), true) = (whole, MOMENTS.iter().all(|k| unknown[*k])) {
-            for k in MOMENTS {
-                out[k] = 1.0 / whole.I_BBcm_B.trace();
-            }
+        if let Some(whole) = whole {
+            let shares = self.shown.shares(&whole.I_BBcm_B);
+            out[AXES + 1..].copy_from_slice(&shares);
         }
         out
     }

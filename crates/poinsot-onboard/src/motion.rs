@@ -3,20 +3,28 @@
 use crate::configuration::{AXES, Configuration, PARAMETERS, WHEELS};
 #[cfg(not(feature = "std"))]
 use nalgebra::ComplexField;
-use nalgebra::SVector;
+use nalgebra::{SVector, SymmetricEigen};
 use poinsot_dynamics::Composite;
 use poinsot_dynamics::propagation::{
     BaseMotion, HALF, LockedVehicle, PoseMomentum, PoseMomentumRate, Rates, STATE, StateRows,
     StepPoint, StepRows, pose_change, runge_kutta_step, state_in_middle,
 };
-use poinsot_spatial::{Matrix3, Vector3, Vector6, tensor_regressor};
+use poinsot_spatial::{Matrix3, TENSOR, Vector3, Vector6, tensor_regressor};
 
 /// Largest turn of one step, rad.
 const TURN: f64 = 0.1;
 /// Most steps of an interval.
 const STEPS: u32 = 64;
-/// Deviation of a rate that is taken for noise of the wheel speeds, in their sigma.
-const JITTER: f64 = 4.0;
+/// Samples that an excitation is remembered for.
+const MEMORY: f64 = 1000.0;
+/// Mean square of a velocity that may be noise of the wheel speeds, in their variance.
+const JITTER: f64 = 16.0;
+/// Sum of squares of a velocity that may be the error of the estimate at its beginning, in the variance of gyro and bias.
+const STARTING: f64 = 40.0;
+/// Factor on the noise that a direction must exceed to be added: then it is accurate.
+const ADDED: f64 = 25.0;
+/// Share of the sum of squares of the velocity that is no direction of its own: 1 % of its size.
+const ACROSS: f64 = 1.0e-4;
 
 /// Numbers of a column.
 pub type StateVector = SVector<f64, STATE>;
@@ -61,37 +69,98 @@ pub struct Moving<'a> {
     pub body: &'a [f64; PARAMETERS],
 }
 
-/// Rate at which the regressor of the parameters is taken: it stays until the rate has changed by more than the noise of the wheel
-/// speeds. A regressor that follows noise would find information where there is none.
+/// Directions of the angular velocity that the record has shown: the regressor of the inertia takes the velocity along them alone. A
+/// velocity that is noise of the estimate would find information about inertia that does not show. The directions come from the
+/// first window; from then on some are added, but none changes, for a change would be such a velocity. What the rest of the velocity
+/// does to a common factor of the inertia is kept: without wheels and torque momentum and inertia have a common factor that does not
+/// show either.
 #[derive(Debug, Clone, Copy)]
-pub struct HeldRate {
-    w: Vector3,
-    band: Vector3,
+pub struct Excitation {
+    /// Sum of `w w^T` with a memory of [`MEMORY`] samples.
+    scatter: Matrix3,
+    samples: f64,
+    projector: Matrix3,
+    /// Whether directions may be added.
+    pub grows: bool,
 }
 
-impl HeldRate {
-    pub fn new(moving: &Moving, motion: &BaseMotion) -> Self {
-        let mut variance = Vector3::zeros();
-        for twist in wheel_twists(moving.configuration, motion)
-            .iter()
-            .take(moving.configuration.wheel_count)
-        {
-            let w = angular(twist);
-            variance += w.component_mul(&w);
-        }
+impl Excitation {
+    /// All directions, until [`Self::settle`].
+    pub fn new() -> Self {
         Self {
-            w: motion.twist.w,
-            band: variance.map(|x| JITTER * x.sqrt()),
+            scatter: Matrix3::zeros(),
+            samples: 0.0,
+            projector: Matrix3::identity(),
+            grows: false,
         }
     }
 
-    fn follow(&mut self, w: &Vector3) -> Vector3 {
-        for ((held, band), w) in self.w.iter_mut().zip(&self.band).zip(w) {
-            if (*w - *held).abs() >= *band {
-                *held = *w;
+    /// Begins to collect anew; the directions stay.
+    pub fn begin(&mut self) {
+        (self.scatter, self.samples) = (Matrix3::zeros(), 0.0);
+    }
+
+    /// Takes the directions from what was collected.
+    pub fn settle(&mut self, configuration: &Configuration, motion: &BaseMotion) {
+        let noise = self.noise(configuration, motion) + ACROSS * self.scatter.trace();
+        let eigen = SymmetricEigen::new(self.scatter);
+        self.projector = Matrix3::zeros();
+        for (k, value) in eigen.eigenvalues.iter().enumerate() {
+            if *value > noise {
+                let direction = eigen.eigenvectors.column(k);
+                self.projector += direction * direction.transpose();
             }
         }
-        self.w
+    }
+
+    /// One sample more at this motion.
+    pub fn add(&mut self, configuration: &Configuration, motion: &BaseMotion) {
+        let w = &motion.twist.w;
+        let kept = if self.samples < MEMORY {
+            1.0
+        } else {
+            1.0 - 1.0 / MEMORY
+        };
+        self.samples = (self.samples + 1.0).min(MEMORY);
+        self.scatter = self.scatter * kept + w * w.transpose();
+        if !self.grows {
+            return;
+        }
+        let rest = Matrix3::identity() - self.projector;
+        let noise = ADDED * self.noise(configuration, motion) + ACROSS * self.scatter.trace();
+        let across = rest * self.scatter * rest;
+        if across.trace() <= noise {
+            return;
+        }
+        let eigen = SymmetricEigen::new(across);
+        let (largest, value) = eigen.eigenvalues.argmax();
+        if value > noise {
+            let direction = rest * eigen.eigenvectors.column(largest);
+            let direction = direction.normalize();
+            self.projector += direction * direction.transpose();
+        }
+    }
+
+    /// Sum of squares of a velocity that may be noise.
+    fn noise(&self, configuration: &Configuration, motion: &BaseMotion) -> f64 {
+        let (of_gyro, of_bias) = (configuration.noise.gyro, configuration.noise.bias);
+        let wheels = wheel_twists(configuration, motion);
+        let of_wheels: f64 = wheels.iter().map(|t| angular(t).norm_squared()).sum();
+        STARTING * (of_gyro * of_gyro + of_bias * of_bias) + JITTER * self.samples * of_wheels
+    }
+
+    /// Relative change of the inertia along the shown directions, `tr(P dI) / tr(P I)`, per unit of each element; zero where nothing is
+    /// shown.
+    pub fn shares(&self, I: &Matrix3) -> [f64; 6] {
+        let whole = (self.projector * I).trace();
+        core::array::from_fn(|k| {
+            let (i, j) = TENSOR[k];
+            let both = if i == j { 1.0 } else { 2.0 };
+            match whole > 0.0 {
+                true => both * self.projector[(i, j)] / whole,
+                false => 0.0,
+            }
+        })
     }
 }
 
@@ -123,11 +192,13 @@ pub struct ParameterSlope {
 }
 
 /// What each parameter does, with the rates of `held`.
-pub fn parameter_slopes(motion: &BaseMotion, held: &mut HeldRate) -> [ParameterSlope; PARAMETERS] {
+pub fn parameter_slopes(motion: &BaseMotion, shown: &Excitation) -> [ParameterSlope; PARAMETERS] {
     let (c, l_B) = (motion.centre.p_BoScm_B, motion.centre.l_B);
-    let w = held.follow(&motion.twist.w);
+    let w = shown.projector * motion.twist.w;
     let v = motion.twist.v + (motion.twist.w - w).cross(&c);
     let tensor = tensor_regressor(&w);
+    let rest = motion.centre.I_SScm_B * (motion.twist.w - w);
+    let shares = shown.shares(&motion.centre.I_SScm_B);
     core::array::from_fn(|k| {
         let (l, h) = match k {
             0 => (v, Vector3::zeros()),
@@ -135,7 +206,11 @@ pub fn parameter_slopes(motion: &BaseMotion, held: &mut HeldRate) -> [ParameterS
                 let axis = Vector3::from_fn(|i, _| if i + 1 == k { 1.0 } else { 0.0 });
                 (w.cross(&axis), axis.cross(&v))
             }
-            _ => (Vector3::zeros(), tensor.column(k - AXES - 1).into()),
+            _ => {
+                let element = k - AXES - 1;
+                let h = tensor.column(element) + rest * shares[element];
+                (Vector3::zeros(), h)
+            }
         };
         let centre = motion.mass_centre_slope(&Matrix3::identity(), &Vector3::zeros(), k);
         let about_Bo = Vector6::new(l.x, l.y, l.z, h.x, h.y, h.z);
@@ -222,7 +297,7 @@ impl Moving<'_> {
         &self,
         state: &PoseMomentum,
         interval: &Interval,
-        mut linear: Option<(&mut Columns, &mut HeldRate)>,
+        mut linear: Option<(&mut Columns, &Excitation)>,
     ) -> Option<PoseMomentum> {
         let start = self.locked(&interval.speeds[0])?.base_motion(state);
         let turns = (start.twist.w.norm() * interval.dt.abs() / TURN).ceil();
@@ -247,20 +322,20 @@ impl Moving<'_> {
         state: &PoseMomentum,
         interval: &Interval,
         (shares, dt): ([f64; 3], f64),
-        linear: &mut Option<(&mut Columns, &mut HeldRate)>,
+        linear: &mut Option<(&mut Columns, &Excitation)>,
     ) -> Option<PoseMomentum> {
         let [a, b, c] = shares.map(|share| self.locked(&interval.speeds_at(share)));
         let locked = &[a?, b?, c?];
         let mut over = OverStep { locked, interval };
         let rate = over.rate(StepPoint::Begin, state)?;
         let end = runge_kutta_step(state, &rate, dt, &mut over)?;
-        if let Some((columns, held)) = linear {
+        if let Some((columns, shown)) = linear {
             let last = over.rate(StepPoint::End, &end)?;
             let middle = state_in_middle((state, &rate), (&end, &last), dt);
             let [first, second, third] = locked;
             let points = [(first, state), (second, &middle), (third, &end)];
             let points = points.map(|(locked, state)| {
-                self.point(&locked.base_motion(state), state, interval, held)
+                self.point(&locked.base_motion(state), state, interval, shown)
             });
             carry(&points, shares, dt, columns);
         }
@@ -272,11 +347,11 @@ impl Moving<'_> {
         motion: &BaseMotion,
         state: &PoseMomentum,
         interval: &Interval,
-        held: &mut HeldRate,
+        shown: &Excitation,
     ) -> Point {
         let R: Matrix3 = state.R_NB.to_rotation_matrix().into_inner();
         let torque = interval.central_torque(motion);
-        let slopes = parameter_slopes(motion, held);
+        let slopes = parameter_slopes(motion, shown);
         Point {
             pose: motion.pose_rows(state, &motion.twist_rows(state)),
             push: StateRows::of_wrench(state, &interval.force_B, &torque),

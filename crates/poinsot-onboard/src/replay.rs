@@ -3,6 +3,7 @@
 use crate::configuration::{PARAMETERS, PASSES};
 use crate::filter::{Filter, GATE, MOVED, Sample};
 use crate::health::{Checkpoint, Verdict};
+use crate::motion::Excitation;
 
 /// Shares of the prior by which the motion may deviate from that of the parameters in the first passes: far from the truth a motion
 /// without noise leaves the data, and its linearisation with it.
@@ -64,6 +65,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
 
     /// Passes over the window.
     fn replay(&mut self) -> Verdict {
+        self.shown = Excitation::new();
         let count = self.layout.parameters;
         let mut level = 0;
         for _ in 0..PASSES {
@@ -80,7 +82,11 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             let moved = change.iter().zip(&sigma).take(count);
             let farthest = moved.fold(0.0, |most: f64, (x, s)| most.max((x / s).abs()));
             if level > LOOSE.len() && farthest <= MOVED {
+                self.shown.grows = true;
                 return verdict;
+            }
+            if let Some(here) = self.here() {
+                self.shown.settle(&self.configuration, &here.motion);
             }
             level += usize::from(farthest <= FAR || level >= LOOSE.len());
             self.body = self.nearest(&change);
@@ -92,6 +98,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
     fn pass(&mut self) -> Verdict {
         self.tests.begin();
         self.set_prior();
+        self.shown.begin();
         let mut worst = Verdict::Clean;
         for k in 0..WINDOW {
             let sample = self.window.samples[k];

@@ -3,5 +3,7 @@
 
 mod dense;
 mod setups;
+mod stat_faults;
+mod stat_long;
 mod stat_trials;
 mod truth;

@@ -1,0 +1,97 @@
+//! Long records.
+
+use crate::setups::{self, Setup};
+use crate::truth::{Noise, samples};
+use poinsot_onboard::Answer;
+
+const LENGTH: usize = 100_000;
+
+fn long_run(setup: &mut Setup) -> Answer {
+    setup.truth.samples = LENGTH;
+    let motions = setup.truth.motions(&setup.configuration);
+    let mut noise = Noise::new(5);
+    let stream = samples(
+        &setup.truth,
+        &setup.configuration,
+        &motions,
+        Some(&mut noise),
+    );
+    let mut filter = setup.filter(&mut noise);
+    let mut before = [f64::MAX; 10];
+    for (k, sample) in stream.iter().enumerate() {
+        filter.push(sample).unwrap();
+        if k % 1000 == 999 {
+            let answer = filter.answer(sample.time_s);
+            let n = answer.unknowns;
+            let C = nalgebra::DMatrix::from_fn(n, n, |i, j| answer.covariance[i][j]);
+            assert!(C.cholesky().is_some());
+            for (before, number) in before.iter_mut().zip(&answer.numbers) {
+                assert!(number.sigma.is_finite() && number.sigma <= 1.01 * *before);
+                *before = number.sigma;
+            }
+        }
+    }
+    println!(
+        "{}: {:?}, {:?}",
+        setup.name,
+        filter.counts(),
+        filter.answer(0.0).health
+    );
+    filter.answer(0.0)
+}
+
+#[test]
+fn stat_a_long_record_keeps_a_covariance() {
+    let mut setup = setups::bus_with_wheels();
+    let answer = long_run(&mut setup);
+    let truth = setup.truth.parameters();
+    let errors = (4..10).map(|k| (answer.numbers[k].value - truth[k]) / answer.numbers[k].sigma);
+    println!("{:?}", errors.collect::<Vec<_>>());
+}
+
+/// Without wheels and torque only the ratios of the inertia show.
+#[test]
+fn stat_a_common_factor_of_the_inertia_keeps_its_prior() {
+    let mut setup = setups::tumbling();
+    setup.configuration.wheel_count = 0;
+    let answer = long_run(&mut setup);
+    let known = setup.truth.parameters();
+    let (m, c) = (setup.truth.mass, setup.truth.c);
+    let shift = (nalgebra::Matrix3::identity() * c.norm_squared() - c * c.transpose()) * m;
+    let shift = [
+        shift.m11, shift.m12, shift.m22, shift.m13, shift.m23, shift.m33,
+    ];
+    let central: Vec<f64> = (0..6)
+        .map(|j| answer.numbers[4 + j].value - shift[j])
+        .collect();
+    let prior: f64 = central
+        .iter()
+        .zip(&setup.sigma[4..])
+        .map(|(n, s)| (n / s).powi(2))
+        .sum();
+    let factor = answer.numbers[9].sigma / central[5];
+    let kept = factor * prior.sqrt();
+    println!(
+        "factor: sigma {factor:.4}, {kept:.4} of the prior; {:?}",
+        known[9]
+    );
+}
+
+/// A turn about one axis, which its wheel drives: the inertia about the other axes does not show.
+#[test]
+fn stat_inertia_that_does_not_show_keeps_its_prior() {
+    let mut setup = setups::bus_with_wheels();
+    setup.truth.I = nalgebra::Matrix3::from_diagonal(&nalgebra::Vector3::new(10.0, 12.0, 8.0));
+    setup.truth.c = nalgebra::Vector3::zeros();
+    setup.configuration.nominal = setup.truth.parameters();
+    setup.truth.start.w = nalgebra::Vector3::new(0.0, 0.0, 0.004);
+    setup.configuration.wheels[0].axis_B = [0.0, 0.0, 1.0];
+    setup.configuration.wheel_count = 1;
+    let answer = long_run(&mut setup);
+    for k in 4..10 {
+        println!(
+            "{k}: {:.5} of the prior",
+            answer.numbers[k].sigma / setup.sigma[k]
+        );
+    }
+}
