@@ -3,7 +3,6 @@
 use crate::configuration::{AXES, PARAMETERS};
 use crate::filter::Filter;
 use crate::health::Health;
-use crate::information::OfParameters;
 use nalgebra::SymmetricEigen;
 use poinsot_spatial::{InertialParameters, pseudo_inertia};
 
@@ -45,18 +44,14 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             body[k] += change;
         }
         let body = physical(&body);
-        let prior = OfParameters {
-            R: self.configuration.prior,
-            z: [0.0; PARAMETERS],
-        };
-        let (sigma, before) = (info.sigma(count), prior.sigma(count));
+        let sigma = info.sigma(count);
         let mut numbers = body.map(|value| Number {
             value,
             ..Number::default()
         });
         let (mut all, consistent) = (self.window.done, self.tests.consistent);
         for (j, &k) in layout.unknown().iter().enumerate() {
-            let determined = sigma[j] < DETERMINED * before[j];
+            let determined = sigma[j] < DETERMINED * self.prior_sigma[k];
             all &= determined;
             numbers[k].sigma = sigma[j];
             numbers[k].determined = determined && consistent && self.window.done;

@@ -21,6 +21,8 @@ pub(crate) const GATE: f64 = 33.0;
 pub(crate) const MOVED: f64 = 0.1;
 /// Samples after a start whose innovations are not tested: they set the state.
 const SETTLING: u32 = 3;
+/// Most starts in a row that do not go on.
+const STARTS: u32 = 5;
 /// Components of momentum in the kernels' state.
 const LINEAR: usize = 6;
 const ANGULAR: usize = 9;
@@ -97,7 +99,12 @@ pub struct Filter<const N: usize, const WINDOW: usize> {
     pub(crate) looseness: f64,
     /// What of the angular velocity the record has shown.
     pub(crate) shown: Excitation,
-    /// Largest prior sigma of mass, first moments and inertia.
+    /// What was known of the parameters when the motion began, and how often it began without going on.
+    before_start: OfParameters,
+    pub(crate) starts: u32,
+    /// Prior sigma of each parameter, zero where it is known.
+    pub(crate) prior_sigma: [f64; PARAMETERS],
+    /// The largest of mass, first moments and inertia.
     prior_spread: [f64; 3],
     pub(crate) running: Option<Running>,
     pub(crate) window: Window<WINDOW>,
@@ -138,6 +145,9 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             gate: GATE,
             looseness: 0.0,
             shown: Excitation::new(),
+            before_start: prior,
+            starts: 0,
+            prior_sigma: [0.0; PARAMETERS],
             prior_spread: [0.0; 3],
             running: None,
             window: Window::new(),
@@ -149,6 +159,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         };
         let sigma = prior.sigma(layout.parameters);
         for (&k, sigma) in layout.unknown().iter().zip(&sigma) {
+            filter.prior_sigma[k] = *sigma;
             let kind = usize::from(k > 0) + usize::from(k > AXES);
             filter.prior_spread[kind] = filter.prior_spread[kind].max(*sigma);
         }
@@ -236,6 +247,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             torque_B: sample.torque_B.into(),
             age: 0,
         });
+        self.before_start = self.of_parameters();
         let layout = self.layout;
         self.rows[..layout.theta()].fill([0.0; N]);
         for k in 0..layout.wheels {
@@ -264,7 +276,10 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             return Some(());
         }
         self.measure(sample)?;
-        self.follow_estimate()
+        match self.running {
+            Some(_) => self.follow_estimate(),
+            None => Some(()),
+        }
     }
 
     /// Follows the motion to the time of a sample.
@@ -389,9 +404,10 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
     fn measure(&mut self, sample: &Sample) -> Option<()> {
         let here = self.here()?;
         let running = self.running?;
+        let mut consistent = true;
         if let Some(gyro) = sample.gyro {
             let measurement = self.gyro(&here, &running, gyro.into());
-            self.update(&measurement, running.age);
+            consistent &= self.update(&measurement, running.age);
         }
         if let Some(R_NB) = sample.rotation() {
             let residual = (running.state.R_NB.inverse() * R_NB).scaled_axis();
@@ -399,7 +415,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             for (axis, row) in measurement.rows.iter_mut().enumerate() {
                 row[self.layout.pose() + axis] = 1.0 / self.configuration.noise.attitude;
             }
-            self.update(&measurement, running.age);
+            consistent &= self.update(&measurement, running.age);
         }
         if let (Some(position), true) = (sample.position, self.configuration.translates()) {
             let residual = Vector3::from(position) - running.state.p_NoBo_N;
@@ -410,7 +426,18 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             for (axis, row) in measurement.rows.iter_mut().enumerate() {
                 row[first + axis] = 1.0 / noise;
             }
-            self.update(&measurement, running.age);
+            consistent &= self.update(&measurement, running.age);
+        }
+        if !consistent && running.age < SETTLING {
+            // One of the samples that the motion began with is far off, and there is no telling which: the next one begins, a few
+            // times.
+            let before = self.before_start;
+            self.set_parameters(&before);
+            self.starts += 1;
+            return (self.starts <= STARTS).then_some(());
+        }
+        if running.age >= SETTLING {
+            self.starts = 0;
         }
         Some(())
     }
@@ -446,8 +473,8 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         out
     }
 
-    /// Adds the rows of a measurement, unless its innovation is too large to be noise.
-    fn update(&mut self, measurement: &Measurement<N>, age: u32) {
+    /// Adds the rows of a measurement, unless its innovation is too large to be noise; whether it did.
+    fn update(&mut self, measurement: &Measurement<N>, age: u32) -> bool {
         let columns = self.layout.columns();
         self.work[..columns].copy_from_slice(&self.rows[..columns]);
         self.work[columns..columns + AXES].copy_from_slice(&measurement.rows);
@@ -465,6 +492,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         if age >= SETTLING {
             self.tests.add(measurement.sensor, &innovation, accepted);
         }
+        accepted
     }
 
     /// Moves the motion to the most likely one at the present parameters.

@@ -135,8 +135,14 @@ impl Tests {
         }
     }
 
+    /// Begins a pass over the window: samples of the pass before do not count.
+    pub fn begin_pass(&mut self) {
+        self.begin();
+        self.counts = Default::default();
+    }
+
     /// Begins new blocks.
-    pub fn begin(&mut self) {
+    fn begin(&mut self) {
         self.blocks = [Block::default(); 2];
         self.in_a_row = [0; SENSORS];
     }

@@ -8,8 +8,12 @@ use crate::motion::Excitation;
 /// Shares of the prior by which the motion may deviate from that of the parameters in the first passes: far from the truth a motion
 /// without noise leaves the data, and its linearisation with it.
 const LOOSE: [f64; 7] = [1.0, 1.0, 0.3, 0.1, 0.03, 0.01, 0.003];
+/// Factor on the gate in the pass after these.
+const FIRST_GATE: f64 = 100.0;
 /// Largest move in sigma after which a pass is followed by one that is less loose.
 const FAR: f64 = 10.0;
+/// Largest distance from the nominal numbers at which the motion is linearised, in sigma of the prior.
+const BEYOND: f64 = 6.0;
 /// Most times that a step to an impossible vehicle is halved.
 const HALVINGS: u32 = 20;
 
@@ -71,8 +75,13 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         for _ in 0..PASSES {
             let loose = LOOSE.get(level).copied();
             self.looseness = loose.unwrap_or(0.0);
-            // Until a pass without looseness has brought the parameters close, a misfit is theirs.
-            self.gate = if level > LOOSE.len() { GATE } else { f64::MAX };
+            // In the first pass without looseness a moderate misfit is that of the parameters.
+            let wide = if level == LOOSE.len() {
+                FIRST_GATE
+            } else {
+                1.0
+            };
+            self.gate = GATE * wide;
             let verdict = self.pass();
             self.looseness = 0.0;
             let Some(change) = self.of_parameters().solution(count) else {
@@ -96,7 +105,8 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
 
     /// One pass over the window, with its worst verdict.
     fn pass(&mut self) -> Verdict {
-        self.tests.begin();
+        self.tests.begin_pass();
+        self.starts = 0;
         self.set_prior();
         self.shown.begin();
         let mut worst = Verdict::Clean;
@@ -110,7 +120,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         worst
     }
 
-    /// The parameters after a change, which is halved until the vehicle is possible.
+    /// The parameters after a change, which is halved until the vehicle is possible and not far beyond the prior.
     fn nearest(&self, change: &[f64; PARAMETERS]) -> [f64; PARAMETERS] {
         let mut share = 1.0;
         for _ in 0..HALVINGS {
@@ -118,7 +128,10 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             for (&k, change) in self.layout.unknown().iter().zip(change) {
                 body[k] += change * share;
             }
-            if self.configuration.is_possible(&body) {
+            let nominal = &self.configuration.nominal;
+            let mut beyond = body.iter().zip(nominal).zip(&self.prior_sigma);
+            let far = beyond.any(|((x, nominal), sigma)| (x - nominal).abs() > BEYOND * sigma);
+            if self.configuration.is_possible(&body) && !far {
                 return body;
             }
             share *= 0.5;
@@ -144,6 +157,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
                 self.set_prior();
             }
             Verdict::Alarm | Verdict::LongAlarm => {
+                self.starts = 0;
                 let back = self.checkpoints.back(verdict == Verdict::LongAlarm);
                 self.tests.alarm();
                 self.body = back.body;

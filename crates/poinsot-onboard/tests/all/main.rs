@@ -7,3 +7,4 @@ mod stat_faults;
 mod stat_long;
 mod stat_trials;
 mod truth;
+mod unit_stream;

@@ -1,7 +1,7 @@
 //! Faults in the stream: the health word leaves *determined* before a number is wrong.
 
 use crate::setups::{self, Setup};
-use crate::stat_trials::{errors, trials};
+use crate::stat_trials::{errors, is_chi_square, trials};
 use crate::truth::{Noise, samples};
 use nalgebra::{UnitQuaternion, Vector3};
 use poinsot_onboard::{Health, Sample};
@@ -91,6 +91,8 @@ fn stat_faults_are_noticed_before_a_number_is_wrong() {
             trials(),
             delays.get(delays.len() / 2),
         );
+        assert!(100 * (trials() - unnoticed) >= 95 * trials());
+        assert!(100 * noticed.min(recovered) >= 95 * trials());
     }
 }
 
@@ -125,14 +127,17 @@ fn stat_gaps_and_outliers_are_survived() {
             }
             let end = filter.answer(stream[stream.len() - 1].time_s);
             squared += errors(&setup, &end).1;
-            println!("{seed} {:?} {:?}", end.health, filter.counts());
             good += u64::from(end.health == Health::Determined);
         }
         let numbers = setup.sigma.iter().filter(|s| **s > 0.0).count() as f64;
+        let freedom = numbers * trials() as f64;
         println!(
-            "{}: NEES per number {:.3}, determined {good}",
+            "{}: NEES per number {:.3} at the end, determined in {good} of {}",
             setup.name,
-            squared / numbers / trials() as f64
+            squared / freedom,
+            trials(),
         );
+        assert!(is_chi_square(squared, freedom));
+        assert!(100 * good >= 95 * trials());
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::setups::{self, Setup};
 use crate::truth::{Noise, samples};
-use poinsot_onboard::Answer;
+use poinsot_onboard::{Answer, Health};
 
 const LENGTH: usize = 100_000;
 
@@ -31,12 +31,6 @@ fn long_run(setup: &mut Setup) -> Answer {
             }
         }
     }
-    println!(
-        "{}: {:?}, {:?}",
-        setup.name,
-        filter.counts(),
-        filter.answer(0.0).health
-    );
     filter.answer(0.0)
 }
 
@@ -46,7 +40,9 @@ fn stat_a_long_record_keeps_a_covariance() {
     let answer = long_run(&mut setup);
     let truth = setup.truth.parameters();
     let errors = (4..10).map(|k| (answer.numbers[k].value - truth[k]) / answer.numbers[k].sigma);
-    println!("{:?}", errors.collect::<Vec<_>>());
+    let worst = errors.fold(0.0_f64, |worst, e| worst.max(e.abs()));
+    println!("largest error {worst:.2} sigma");
+    assert!(worst < 5.0 && answer.health == Health::Determined);
 }
 
 /// Without wheels and torque only the ratios of the inertia show.
@@ -55,7 +51,6 @@ fn stat_a_common_factor_of_the_inertia_keeps_its_prior() {
     let mut setup = setups::tumbling();
     setup.configuration.wheel_count = 0;
     let answer = long_run(&mut setup);
-    let known = setup.truth.parameters();
     let (m, c) = (setup.truth.mass, setup.truth.c);
     let shift = (nalgebra::Matrix3::identity() * c.norm_squared() - c * c.transpose()) * m;
     let shift = [
@@ -71,10 +66,8 @@ fn stat_a_common_factor_of_the_inertia_keeps_its_prior() {
         .sum();
     let factor = answer.numbers[9].sigma / central[5];
     let kept = factor * prior.sqrt();
-    println!(
-        "factor: sigma {factor:.4}, {kept:.4} of the prior; {:?}",
-        known[9]
-    );
+    println!("common factor: sigma {factor:.4}, {kept:.5} of the prior");
+    assert!((0.99..1.01).contains(&kept));
 }
 
 /// A turn about one axis, which its wheel drives: the inertia about the other axes does not show.
@@ -88,10 +81,9 @@ fn stat_inertia_that_does_not_show_keeps_its_prior() {
     setup.configuration.wheels[0].axis_B = [0.0, 0.0, 1.0];
     setup.configuration.wheel_count = 1;
     let answer = long_run(&mut setup);
-    for k in 4..10 {
-        println!(
-            "{k}: {:.5} of the prior",
-            answer.numbers[k].sigma / setup.sigma[k]
-        );
-    }
+    let shown = (4..10).map(|k| answer.numbers[k].sigma / setup.sigma[k]);
+    let kept: Vec<f64> = shown.collect();
+    println!("xx, xy, yy, xz, yz, zz: {kept:.5?} of the prior");
+    assert!(kept[..3].iter().all(|k| (0.99..1.01).contains(k)));
+    assert!(kept[3..].iter().all(|k| *k < 1.0e-3));
 }

@@ -49,7 +49,7 @@ pub fn run(setup: &Setup, seed: u64) -> (Vec<Answer>, Box<OnBoard>) {
 
 /// Whether a chi-square of so many degrees of freedom is within limits that one of twelve such tests exceeds by chance in a
 /// thousandth of all cases (Wilson and Hilferty 1931).
-fn is_chi_square(sum: f64, freedom: f64) -> bool {
+pub fn is_chi_square(sum: f64, freedom: f64) -> bool {
     let spread = 2.0 / (9.0 * freedom);
     (((sum / freedom).cbrt() - 1.0 + spread) / spread.sqrt()).abs() < 3.76
 }
