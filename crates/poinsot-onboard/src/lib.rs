@@ -34,9 +34,11 @@ mod information;
 mod motion;
 mod replay;
 mod stream;
+mod table;
 
 pub use answer::{Answer, Number};
 pub use configuration::{Configuration, Invalid, Noise, WHEELS, Wheel};
 pub use filter::{Filter, Sample};
 pub use health::{Health, SensorCounts};
 pub use stream::Refusal;
+pub use table::{TABLE, TableError};

@@ -2,6 +2,7 @@
 #![allow(non_snake_case)]
 
 mod dense;
+mod prop_table;
 mod setups;
 mod stat_faults;
 mod stat_long;
