@@ -287,14 +287,14 @@ pub struct Import {
 /// Arguments of `export`.
 #[derive(Debug, Args)]
 pub struct Export {
-    /// Folder with estimate.json.
+    /// Folder with estimate.json; or a model file, for the table of the on-board filter.
     #[arg(value_name = "DIR")]
     pub folder: PathBuf,
     /// Kind of file.
     #[arg(long, value_name = "FORMAT", value_parser = Words::targets())]
     pub to: String,
     /// Source file of the vehicle, for model, urdf, sdf and mjcf. Only the mass properties of bodies with equal names
-    /// change.
+    /// change. For onboard: the model whose filter begins with this answer.
     #[arg(long, value_name = "FILE")]
     pub onto: Option<PathBuf>,
     /// Export numbers that are not reliable too; the file says why they are not.

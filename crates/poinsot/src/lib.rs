@@ -90,7 +90,7 @@
 //! - `output.rs`: files of an estimate. `written.rs`: files of one answer, put in place together.
 //! - `channel_names.rs`: standard names of a sensor. `threads.rs`: at most one thread per core.
 //! - `error.rs`, `error/`: errors of the commands. `explain.rs`: every error code with cause and remedy.
-//! - `export/`: the answer as a file of another program, one file per format.
+//! - `export/`: the answer as a file of another program, one file per format. `onboard.rs`: the recursive filter for a model.
 //! - `mass_numbers.rs`: mass, mass centre and inertia of a body, in one order.
 //! - `mixups.rs`: unit errors that only the answer reveals.
 #![allow(non_snake_case)]
@@ -115,6 +115,7 @@ mod mass_numbers;
 pub mod methods;
 mod mixups;
 mod motor_torque;
+pub mod onboard;
 mod output;
 pub mod predict;
 mod progress;

@@ -8,9 +8,10 @@ mod onboard;
 mod table;
 
 use crate::error::{Error, unknown};
+use crate::onboard::OnBoard;
 use poinsot_formats::{Address, BodyFile, EstimateFile, read_estimate};
 use poinsot_model::{
-    BodyProperties, Patch, parse_urdf, patch_mjcf, patch_model, patch_sdf, patch_urdf,
+    BodyProperties, Patch, parse_urdf, patch_mjcf, patch_model, patch_sdf, patch_urdf, read_model,
     read_model_text,
 };
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
@@ -146,6 +147,41 @@ pub fn export(
     export_estimate(&estimate, &path, to, onto, accept_unreliable)
 }
 
+/// The table of the on-board filter for a model file ([`poinsot_onboard::Configuration::to_table`]), and what it assumes. The
+/// numbers of an answer replace nominal numbers and priors where it has them.
+///
+/// # Errors
+/// A file cannot be read, the answer is not reliable, or the filter does not support the model.
+pub fn export_table(
+    model: &Path,
+    answer: Option<&Path>,
+    accept_unreliable: bool,
+) -> Result<(Vec<u8>, Vec<String>), Error> {
+    let answer = match answer {
+        Some(folder) => {
+            let (path, estimate) = read_estimate(folder)?;
+            reliable(&estimate, &path, accept_unreliable)?;
+            Some(estimate)
+        }
+        None => None,
+    };
+    let on_board = OnBoard::new(&read_model(model)?, answer.as_ref())?;
+    let bytes = on_board.configuration.to_table().to_vec();
+    Ok((bytes, on_board.assumed))
+}
+
+/// Refuses an answer that is not reliable, unless it is accepted.
+fn reliable(estimate: &EstimateFile, path: &Path, accept: bool) -> Result<(), Error> {
+    match (estimate.unreliable().first(), accept) {
+        (Some(why), false) => Err(Error::report(
+            path,
+            format!("its numbers are not reliable: {why}"),
+            "correct the cause, or export them marked with --accept-unreliable",
+        )),
+        _ => Ok(()),
+    }
+}
+
 /// Exports an estimate in memory; errors name it `path`.
 ///
 /// # Errors
@@ -170,13 +206,7 @@ pub fn export_estimate(
     accept_unreliable: bool,
 ) -> Result<Exported, Error> {
     let source = Source { estimate, path };
-    let unreliable = estimate.unreliable();
-    if let (Some(why), false) = (unreliable.first(), accept_unreliable) {
-        return Err(source.fault(
-            &format!("its numbers are not reliable: {why}"),
-            "correct the cause, or export them marked with --accept-unreliable",
-        ));
-    }
+    reliable(estimate, path, accept_unreliable)?;
     let mut exported = match (to.patch(), onto) {
         (Some(patch), Some(onto)) => patched(&source, to, patch, onto),
         (Some(_), None) => Err(Error::usage(

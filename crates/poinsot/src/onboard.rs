@@ -1,0 +1,414 @@
+//! The filter of `poinsot-onboard` for a model: its configuration, and the samples of a table.
+
+use crate::channel_names::names;
+use crate::error::{Error, no_noise, unsupported};
+use nalgebra::{SMatrix, SVector};
+use poinsot_dynamics::{Kinematics, Nozzle, SAME_TIME, SensorKind, Tree, composite, thrust_wrench};
+use poinsot_formats::EstimateFile;
+use poinsot_model::{Body, EstimateSet, Model, Nuisance};
+use poinsot_onboard::{Configuration, Noise, Sample, WHEELS, Wheel};
+use poinsot_spatial::{InertialParameters, MassProperties, Vector3, elements, tensor};
+use poinsot_telemetry::{Channel, Table, resample};
+
+/// Prior sigma of a body without a declared one, relative to its natural units.
+const PRIOR: f64 = 0.2;
+/// Sigma in natural units of what is known beside something unknown: mass and mass centre have one parameter in common.
+const KNOWN: f64 = 1.0e-6;
+/// Prior sigma of a gyro bias that is unknown without one, rad/s: a degree per second.
+const BIAS: f64 = 0.017;
+/// Steps of the differences of the ten parameters, in natural units: they are polynomials of third order.
+const STEP: f64 = 1.0e-4;
+
+type Ten = SVector<f64, 10>;
+type TenByTen = SMatrix<f64, 10, 10>;
+
+/// The configuration of a model's filter, and what it assumes.
+#[derive(Debug, Clone)]
+pub struct OnBoard {
+    /// The configuration.
+    pub configuration: Configuration,
+    /// Assumptions, one a line.
+    pub assumed: Vec<String>,
+    nozzles: Vec<Nozzle>,
+}
+
+impl OnBoard {
+    /// The filter of a model of which one body is unknown, the base. With an answer its numbers and covariance are the prior.
+    ///
+    /// # Errors
+    /// The model has what the filter does not follow, or lacks noise that it needs.
+    ///
+    /// ```
+    /// use poinsot::onboard::OnBoard;
+    /// use poinsot_testkit::vehicles::ModelText;
+    ///
+    /// let text = ModelText::new("box")
+    ///     .body("bus", 10.0, [0.0; 3], [1.0, 2.0, 2.5, 0.0, 0.0, 0.0], "estimate = [\"inertia\"]")
+    ///     .wheel("wx", "bus", [1.0, 0.0, 0.0], 0.01)
+    ///     .sensor("gyro", "gyro", "noise_rad_s = 1.0e-4")
+    ///     .sensor("tracker", "attitude", "noise_rad = 1.0e-4")
+    ///     .text();
+    /// let model = poinsot_model::parse_model(&text, "model.toml")?;
+    /// let configuration = OnBoard::new(&model, None)?.configuration;
+    /// assert_eq!((configuration.wheel_count, configuration.nominal[6]), (1, 2.0));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn new(model: &Model, answer: Option<&EstimateFile>) -> Result<Self, Error> {
+        let mut assumed = Vec::new();
+        let body = unknown_body(model)?;
+        let tree = Tree::new(model);
+        let mut kinematics = Kinematics::new(&tree);
+        let standing = |joint: &usize| model.joints.get(*joint).map_or(0.0, |j| j.standing_at());
+        let q: Vec<f64> = tree.coordinates.iter().map(standing).collect();
+        if !q.is_empty() {
+            assumed.push("assumed: all joints stay where the model puts them".to_owned());
+        }
+        kinematics.place(&tree, &q);
+        let mut others: Vec<InertialParameters> = model
+            .bodies
+            .iter()
+            .map(|b| b.nominal.parameters())
+            .collect();
+        others[0] = InertialParameters::ZERO;
+        let known = composite(&others, &kinematics);
+        let known = InertialParameters {
+            mass: known.mass,
+            mc_B: known.mc,
+            I_BBo_B: known.I_SBo_B,
+        };
+        let nominal = with_answer(body, answer);
+        let mut configuration = Configuration::new(nominal.parameters().to_array(), noise(model)?);
+        configuration.known = known.to_array();
+        let covariance = covariance(body, &nominal, answer, &mut assumed);
+        set_prior(&mut configuration, body.estimate, &nominal, &covariance)?;
+        for (k, wheel) in model.wheels.iter().enumerate() {
+            configuration = configuration.with_wheel(Wheel {
+                axis_B: (kinematics.R[wheel.body] * wheel.axis_B).into(),
+                spin_inertia: wheel.spin_inertia,
+                noise: wheel_noise(model, k),
+            });
+        }
+        check(&configuration)?;
+        let nozzles = model.thrusters.iter().map(|t| Nozzle {
+            body: 0,
+            p_BoT_B: kinematics.p[t.body] + kinematics.R[t.body] * t.p_BoT_B,
+            direction_B: kinematics.R[t.body] * t.direction_B,
+            propellant: None,
+        });
+        Ok(Self {
+            nozzles: nozzles.collect(),
+            configuration,
+            assumed,
+        })
+    }
+
+    /// Samples at the times of the gyro. Attitude and position count where they have the same time; wheel speeds are interpolated,
+    /// thrust holds until the next sample.
+    pub fn samples(&self, model: &Model, table: &Table) -> Vec<Sample> {
+        let of = |kind| channels(model, table, kind);
+        let gyro = of(SensorKind::Gyro);
+        let Some(times) = gyro.as_ref().and_then(|c| c.first()).map(|c| &c.time_s) else {
+            return Vec::new();
+        };
+        let (attitude, position) = (of(SensorKind::Attitude), of(SensorKind::Position));
+        let scalars = |kind, count: usize| -> Vec<Option<&Channel>> {
+            let all: Vec<usize> = (0..count).collect();
+            let names = names(model, kind, &all).into_iter();
+            names.map(|name| table.sensor_channel("", &name)).collect()
+        };
+        let wheels = scalars(SensorKind::WheelSpeed, model.wheels.len()).into_iter();
+        let speeds: Vec<Vec<Option<f64>>> = wheels
+            .map(|c| c.map_or_else(Vec::new, |c| resample(c, times, None)))
+            .collect();
+        let thrust = scalars(SensorKind::Thrust, model.thrusters.len());
+        let kinematics = Kinematics::new(&Tree::new(model));
+        let at = |(k, time): (usize, &f64)| {
+            let mut sample = Sample::at(*time);
+            sample.gyro = gyro.as_ref().and_then(|axes| vector(axes, *time));
+            sample.attitude = attitude.as_ref().and_then(|parts| vector(parts, *time));
+            sample.position = position.as_ref().and_then(|axes| vector(axes, *time));
+            for (speed, of_wheel) in sample.wheel_speed.iter_mut().zip(&speeds) {
+                // The filter refuses a sample without a speed.
+                *speed = of_wheel.get(k).copied().flatten().unwrap_or(f64::NAN);
+            }
+            let levels = thrust.iter().map(|c| c.map_or(0.0, |c| held(c, *time)));
+            let levels: Vec<f64> = levels.collect();
+            let (force, torque) = thrust_wrench(&self.nozzles, &kinematics, &levels);
+            (sample.force_B, sample.torque_B) = (force.into(), torque.into());
+            sample
+        };
+        times.iter().enumerate().map(at).collect()
+    }
+}
+
+/// The only body with unknown numbers, the base.
+fn unknown_body(model: &Model) -> Result<&Body, Error> {
+    let mut unknown = model
+        .bodies
+        .iter()
+        .enumerate()
+        .filter(|(_, b)| b.estimate.any());
+    let refuse = |problem: String| unsupported(problem, "use identify for this model");
+    match (unknown.next(), unknown.next()) {
+        _ if !model.modes.is_empty() => Err(refuse(
+            "the on-board filter has no flexible modes".to_owned(),
+        )),
+        _ if model.environment.gravity_gradient => Err(refuse(
+            "the on-board filter has no gravity gradient".to_owned(),
+        )),
+        (Some((0, body)), None) => Ok(body),
+        (Some((_, body)), None) => Err(refuse(format!(
+            "the on-board filter estimates the base, not body '{}'",
+            body.name
+        ))),
+        (None, _) => Err(unsupported(
+            "no number of the model is unknown",
+            "mark the base with estimate = true",
+        )),
+        (Some(_), Some(_)) => Err(refuse(
+            "the on-board filter estimates one body, and several are unknown".to_owned(),
+        )),
+    }
+}
+
+/// Declared noise of the sensors that the filter takes, isotropic.
+fn noise(model: &Model) -> Result<Noise, Error> {
+    let sigma = |kind| {
+        let sensor = model.sensors_of(kind).find(|s| s.body == 0)?;
+        let covariance = sensor.noise_covariance?;
+        Some((covariance.trace() / 3.0 + sensor.quantisation.powi(2) / 12.0).sqrt())
+    };
+    let needed = |kind| sigma(kind).ok_or_else(|| no_noise(kind));
+    let bias = model.sensors_of(SensorKind::Gyro).next().map(|s| s.bias);
+    let random = model.environment.random_torque;
+    Ok(Noise {
+        gyro: needed(SensorKind::Gyro)?,
+        attitude: needed(SensorKind::Attitude)?,
+        position: sigma(SensorKind::Position).unwrap_or(0.0),
+        bias: match bias {
+            Some(Nuisance::Prior(sigma)) => sigma,
+            Some(Nuisance::Estimate) => BIAS,
+            Some(Nuisance::Known) | None => 0.0,
+        },
+        bias_walk: 0.0,
+        // The white torque of the same power at low frequencies.
+        torque_walk: random.map_or(0.0, |r| r.sigma_N_m * (2.0 * r.correlation_s).sqrt()),
+    })
+}
+
+fn wheel_noise(model: &Model, wheel: usize) -> f64 {
+    let mut of_wheel = model
+        .sensors_of(SensorKind::WheelSpeed)
+        .filter(|s| s.of.contains(&wheel));
+    let sensor = of_wheel.next();
+    sensor.map_or(0.0, |s| {
+        let variance = s.noise_covariance.map_or(0.0, |c| c[(0, 0)]);
+        (variance + s.quantisation.powi(2) / 12.0).sqrt()
+    })
+}
+
+/// Mass, mass centre and central inertia, in the order of the parameters.
+const ADDRESSES: [&str; 10] = [
+    "mass_kg",
+    "com_m.x",
+    "com_m.y",
+    "com_m.z",
+    "inertia_kg_m2.xx",
+    "inertia_kg_m2.xy",
+    "inertia_kg_m2.yy",
+    "inertia_kg_m2.xz",
+    "inertia_kg_m2.yz",
+    "inertia_kg_m2.zz",
+];
+
+fn numbers(of: &MassProperties) -> Ten {
+    let c = &of.p_BoBcm_B;
+    let [xx, xy, yy, xz, yz, zz] = elements(&of.I_BBcm_B);
+    Ten::from([of.mass, c.x, c.y, c.z, xx, xy, yy, xz, yz, zz])
+}
+
+fn properties(of: &Ten) -> MassProperties {
+    let n: [f64; 10] = (*of).into();
+    MassProperties {
+        mass: n[0],
+        p_BoBcm_B: Vector3::new(n[1], n[2], n[3]),
+        I_BBcm_B: tensor([n[4], n[5], n[6], n[7], n[8], n[9]]),
+    }
+}
+
+/// The nominal numbers, with those that an answer determines.
+fn with_answer(body: &Body, answer: Option<&EstimateFile>) -> MassProperties {
+    let mut all = numbers(&body.nominal);
+    let found = answer.and_then(|a| a.bodies.get(&body.name));
+    let Some(found) = found else {
+        return body.nominal;
+    };
+    for (address, _, number) in found.addressed("") {
+        let at = ADDRESSES
+            .iter()
+            .position(|a| *a == address.trim_start_matches('.'));
+        if let (Some(at), Some(value)) = (at, number.value) {
+            all[at] = value;
+        }
+    }
+    properties(&all)
+}
+
+/// Natural units: `m`, `L`, and `m L^2`.
+fn natural(of: &MassProperties) -> Ten {
+    let (m, L) = (of.mass, of.radius_of_gyration());
+    let mut units = Ten::repeat(m * L * L);
+    units[0] = m;
+    units.fixed_rows_mut::<3>(1).fill(L);
+    units
+}
+
+/// Covariance of mass, mass centre and central inertia: the declared prior, replaced by that of an answer where it has one.
+fn covariance(
+    body: &Body,
+    nominal: &MassProperties,
+    answer: Option<&EstimateFile>,
+    assumed: &mut Vec<String>,
+) -> TenByTen {
+    let units = natural(nominal);
+    let (declared, unknown) = (body.prior, body.estimate);
+    let groups = [
+        (0..1, unknown.mass, declared.and_then(|p| p.mass), "mass"),
+        (
+            1..4,
+            unknown.com,
+            declared.and_then(|p| p.com),
+            "mass centre",
+        ),
+        (
+            4..10,
+            unknown.inertia,
+            declared.and_then(|p| p.inertia),
+            "inertia",
+        ),
+    ];
+    let mut out = TenByTen::zeros();
+    for (range, unknown, declared, name) in groups {
+        if unknown && declared.is_none() {
+            let of = &body.name;
+            assumed.push(format!(
+                "assumed: sigma of the nominal {name} of '{of}' is {PRIOR} in natural units; declare [body.prior]"
+            ));
+        }
+        for k in range {
+            let usual = if unknown { PRIOR } else { KNOWN } * units[k];
+            let sigma = declared.filter(|_| unknown).unwrap_or(usual);
+            out[(k, k)] = sigma * sigma;
+        }
+    }
+    let Some(found) = answer.map(|a| &a.covariance) else {
+        return out;
+    };
+    let address = |k: usize| format!("{}.{}", body.name, ADDRESSES[k]);
+    let rows: [Option<usize>; 10] =
+        std::array::from_fn(|k| found.names.iter().position(|n| *n == address(k)));
+    let entry = |i: usize, j: usize| found.matrix.get(i)?.get(j).copied().flatten();
+    for i in 0..10 {
+        for j in 0..10 {
+            let own = rows[i].zip(rows[j]).and_then(|(a, b)| entry(a, b));
+            out[(i, j)] = own.unwrap_or(out[(i, j)]);
+        }
+    }
+    out
+}
+
+/// Sets the unknown parameters and the square root of their information: `R` with `R^T R` the inverse of the covariance.
+fn set_prior(
+    configuration: &mut Configuration,
+    unknown: EstimateSet,
+    nominal: &MassProperties,
+    covariance: &TenByTen,
+) -> Result<(), Error> {
+    let units = natural(nominal);
+    let at = numbers(nominal);
+    let mut slopes = TenByTen::zeros();
+    for k in 0..10 {
+        let mut ends = [at, at];
+        ends[0][k] += STEP * units[k];
+        ends[1][k] -= STEP * units[k];
+        let [up, down] = ends.map(|x| Ten::from(properties(&x).parameters().to_array()));
+        slopes.set_column(k, &((up - down) / (2.0 * STEP * units[k])));
+    }
+    // All ten where the mass centre moves: the inertia about the origin moves with it.
+    let first = if unknown.mass || unknown.com { 0 } else { 4 };
+    let count = 10 - first;
+    configuration.unknown = std::array::from_fn(|k| k >= first);
+    // R (theta - nominal) is white with R = L^-1 S^-1; the known ones come first and drop out of the triangle.
+    let factor = covariance.cholesky().and_then(|c| c.l().try_inverse());
+    let Some((factor, back)) = factor.zip(slopes.try_inverse()) else {
+        return Err(unsupported(
+            "the covariance of the prior is not positive definite",
+            "identify again, or use the model alone",
+        ));
+    };
+    let R = (factor * back).qr().r();
+    configuration.prior = std::array::from_fn(|i| {
+        std::array::from_fn(|j| {
+            let inside = i <= j && j < count;
+            let at = |k: usize| first + k;
+            if inside {
+                R[(at(i), at(j))] * R[(at(i), at(i))].signum()
+            } else {
+                0.0
+            }
+        })
+    });
+    Ok(())
+}
+
+fn check(configuration: &Configuration) -> Result<(), Error> {
+    use poinsot_onboard::Invalid;
+    let (problem, advice) = match configuration.check(usize::MAX) {
+        Ok(()) => return Ok(()),
+        Err(Invalid::Count) => (format!("more than {WHEELS} wheels"), "leave some out"),
+        Err(Invalid::NeedsPosition) => (
+            "mass or mass centre is unknown, but no position is measured".to_owned(),
+            "add a position sensor, or mark the inertia alone as unknown",
+        ),
+        Err(Invalid::Unphysical) => (
+            "the nominal vehicle has no positive mass or inertia".to_owned(),
+            "correct the numbers of the model",
+        ),
+        Err(other) => (
+            format!("the on-board filter refuses the model: {other:?}"),
+            "",
+        ),
+    };
+    Err(unsupported(problem, advice))
+}
+
+fn channels<'t>(model: &Model, table: &'t Table, kind: SensorKind) -> Option<Vec<&'t Channel>> {
+    let own = model.sensors_of(kind).find(|s| s.body == 0);
+    let name = own.map_or("", |s| s.name.as_str());
+    let find = |column: &&'static str| {
+        let named = table.sensor_channel(name, column);
+        named.or_else(|| table.sensor_channel("", column))
+    };
+    kind.columns().iter().map(find).collect()
+}
+
+/// The values at a time, where all parts have a sample.
+fn vector<const N: usize>(parts: &[&Channel], time_s: f64) -> Option<[f64; N]> {
+    let mut out = [0.0; N];
+    for (out, part) in out.iter_mut().zip(parts) {
+        let at = part.time_s.partition_point(|t| *t < time_s - SAME_TIME);
+        let same = part
+            .time_s
+            .get(at)
+            .is_some_and(|t| (t - time_s).abs() < 1.0e-6);
+        *out = part.values.get(at).copied().filter(|_| same)?;
+    }
+    (parts.len() == N).then_some(out)
+}
+
+/// The value that holds at a time.
+fn held(channel: &Channel, time_s: f64) -> f64 {
+    let after = channel.time_s.partition_point(|t| *t <= time_s + SAME_TIME);
+    let last = after.checked_sub(1).and_then(|k| channel.values.get(k));
+    last.copied().unwrap_or(0.0)
+}
