@@ -44,6 +44,16 @@ pub enum Verb {
         after_help = "Examples:\n  poinsot identify -m model.toml flight.csv\n  poinsot identify -m model.toml day1.csv day2.csv --out answer --report"
     )]
     Identify(Identify),
+    /// Estimate recursively while rows of telemetry arrive: one line of JSON per second of the record.
+    ///
+    /// Rows come from standard input or a file, in the formats and maps of `identify`. The health word of a line is converging,
+    /// determined, inconsistent or stale; an undetermined value is null. At the end, or on Ctrl-C, --out gets the files of
+    /// `identify` for all that was read. Exit code 0: determined at the end. 1: not. 2: invalid arguments, model or telemetry.
+    /// 3: disk or permission.
+    #[command(
+        after_help = "Examples:\n  tail -n +1 -f flight.csv | poinsot follow model.toml\n  poinsot follow model.toml flight.csv --wait --out answer"
+    )]
+    Follow(Follow),
     /// Simulate a case: prescribed and driven joints, springs, wheels, thrusters, sensors with noise.
     #[command(after_help = "Example: poinsot simulate case.toml --out flight")]
     Simulate(Simulate),
@@ -281,6 +291,31 @@ pub struct Import {
     pub json: bool,
     /// Print only errors, and the file without --out; excludes --json.
     #[arg(long, conflicts_with = "json")]
+    pub quiet: bool,
+}
+
+/// Arguments of `follow`.
+#[derive(Debug, Args)]
+pub struct Follow {
+    /// Model file.
+    pub model: PathBuf,
+    /// File of rows (CSV); `-` reads standard input.
+    #[arg(default_value = "-")]
+    pub file: PathBuf,
+    /// File with a [telemetry] table that replaces the model's.
+    #[arg(long, value_name = "FILE")]
+    pub map: Option<PathBuf>,
+    /// Time of the record between two lines, s.
+    #[arg(long, value_name = "SECONDS", default_value_t = 1.0)]
+    pub line_s: f64,
+    /// Wait at the end of the file for rows that are appended, until Ctrl-C.
+    #[arg(long)]
+    pub wait: bool,
+    /// Folder for the files of `identify` at the end, with a copy of the rows from standard input.
+    #[arg(long, short = 'o', value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Print no assumptions.
+    #[arg(long)]
     pub quiet: bool,
 }
 

@@ -62,6 +62,7 @@ fn answer(words: Vec<OsString>) -> verbs::Outcome {
     let progress = Progress::start(quiet == Some(&true));
     let result = guard::guarded(|| match &arguments.verb {
         Verb::Identify(a) => verbs::identify::run(a),
+        Verb::Follow(a) => verbs::follow::run(a),
         Verb::Simulate(a) => verbs::simulate::run(a),
         Verb::Predict(a) => verbs::predict::run(a),
         Verb::Design(a) => verbs::design::run(a),

@@ -16,15 +16,28 @@ pub fn request() -> bool {
     LISTENING.load(Ordering::SeqCst) && !REQUESTED.swap(true, Ordering::SeqCst)
 }
 
-/// Whether an interruption was requested.
-pub(crate) fn is_requested() -> bool {
+/// Whether an interruption was requested since [`Listening::begin`].
+///
+/// ```
+/// use poinsot_design::interrupt::{Listening, is_requested, request};
+///
+/// let _listening = Listening::begin();
+/// assert!(!is_requested() && request() && is_requested());
+/// ```
+pub fn is_requested() -> bool {
     REQUESTED.load(Ordering::Relaxed)
 }
 
-/// While it exists, interruptions are directed to the search.
-pub(crate) struct Listening;
+/// While it exists, interruptions are directed to the search. Only one exists at a time.
+///
+/// ```
+/// drop(poinsot_design::interrupt::Listening::begin());
+/// assert!(!poinsot_design::interrupt::request());
+/// ```
+pub struct Listening;
 
 impl Listening {
+    /// Directs interruptions to the caller.
     pub fn begin() -> Self {
         REQUESTED.store(false, Ordering::SeqCst);
         LISTENING.store(true, Ordering::SeqCst);

@@ -1,6 +1,6 @@
 //! Numbers that leave the filter.
 
-use crate::configuration::{AXES, PARAMETERS};
+use crate::configuration::{AXES, ITERATIONS, PARAMETERS};
 use crate::filter::Filter;
 use crate::health::Health;
 use nalgebra::SymmetricEigen;
@@ -81,10 +81,10 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
 /// The nearest body that some distribution of mass has: negative eigenvalues of the pseudo-inertia become zero.
 fn physical(body: &[f64; PARAMETERS]) -> [f64; PARAMETERS] {
     let parameters = InertialParameters::from_array(body);
-    let eigen = SymmetricEigen::new(pseudo_inertia(&parameters));
-    if !eigen.eigenvalues.iter().any(|x| *x < 0.0) {
+    let eigen = SymmetricEigen::try_new(pseudo_inertia(&parameters), f64::EPSILON, ITERATIONS);
+    let Some(eigen) = eigen.filter(|e| e.eigenvalues.iter().any(|x| *x < 0.0)) else {
         return *body;
-    }
+    };
     let cut = eigen.eigenvalues.map(|x| x.max(0.0));
     let J = eigen.eigenvectors
         * nalgebra::Matrix4::from_diagonal(&cut)

@@ -1,17 +1,19 @@
 //! Time and measurement updates.
 
-use crate::configuration::{AXES, Configuration, Invalid, PARAMETERS, WHEELS};
+use crate::check::Invalid;
+use crate::configuration::{AXES, Configuration, PARAMETERS, WHEELS};
 use crate::health::{Checkpoints, SENSORS, SensorCounts, Tests};
-use crate::information::{Layout, OfParameters, Rows, back_substitute, eliminate, noises};
+use crate::information::{OfParameters, Rows, back_substitute, eliminate};
+use crate::layout::{Layout, noises};
 use crate::motion::{
     Columns, Excitation, Interval, Moving, ParameterSlope, StateVector, angular, parameter_slopes,
     wheel_twists,
 };
-use crate::replay::Window;
-use crate::stream::Stream;
+use crate::sample::Sample;
+use crate::stream::{Stream, Window};
 #[cfg(not(feature = "std"))]
 use nalgebra::ComplexField;
-use nalgebra::{Quaternion, SMatrix, UnitQuaternion};
+use nalgebra::{SMatrix, UnitQuaternion};
 use poinsot_dynamics::propagation::{BaseMotion, PoseMomentum, STATE};
 use poinsot_spatial::{Matrix3, Vector3, Vector6};
 
@@ -26,45 +28,6 @@ const STARTS: u32 = 5;
 /// Components of momentum in the kernels' state.
 const LINEAR: usize = 6;
 const ANGULAR: usize = 9;
-
-/// What is measured at one time, and what acts until the next.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sample {
-    /// Time, s.
-    pub time_s: f64,
-    /// Angular velocity in B, rad/s.
-    pub gyro: Option<[f64; AXES]>,
-    /// Attitude `R_NB` as a quaternion x, y, z, w.
-    pub attitude: Option<[f64; 4]>,
-    /// Position of `Bo` in N, m.
-    pub position: Option<[f64; AXES]>,
-    /// Wheel speeds relative to the base, rad/s; those beyond the number of wheels do not count.
-    pub wheel_speed: [f64; WHEELS],
-    /// Force of the thrusters until the next sample, in B, N.
-    pub force_B: [f64; AXES],
-    /// Their torque about `Bo`, N m.
-    pub torque_B: [f64; AXES],
-}
-
-impl Sample {
-    /// Nothing measured, nothing acting.
-    pub const fn at(time_s: f64) -> Self {
-        Self {
-            time_s,
-            gyro: None,
-            attitude: None,
-            position: None,
-            wheel_speed: [0.0; WHEELS],
-            force_B: [0.0; AXES],
-            torque_B: [0.0; AXES],
-        }
-    }
-
-    pub(crate) fn rotation(&self) -> Option<UnitQuaternion<f64>> {
-        let [x, y, z, w] = self.attitude?;
-        Some(UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z)))
-    }
-}
 
 /// The motion that is followed.
 #[derive(Debug, Clone, Copy)]

@@ -19,26 +19,33 @@
 //! replayed until the parameters stay; see [`Filter::push`].
 //!
 //! # Files
-//! - `configuration.rs`: vehicle, priors, noise, limits. `table.rs`: the same as checked bytes.
-//! - `motion.rs`: one interval between samples, with columns. `information.rs`: the triangle.
-//! - `filter.rs`: time and measurement updates. `replay.rs`: first window, relinearisation. `stream.rs`: order and clock of samples.
+//! - `configuration.rs`, `check.rs`: vehicle, priors, noise, limits. `table.rs`: the same as checked bytes.
+//! - `sample.rs`: what is measured. `stream.rs`: order and clock of samples, the first window.
+//! - `layout.rs`, `information.rs`: the triangle. `motion.rs`: one interval between samples, with columns.
+//! - `filter.rs`: time and measurement updates. `replay.rs`: passes over the first window. `push.rs`: the way in.
 //! - `health.rs`: tests of innovations, health word. `answer.rs`: numbers that leave the filter.
 #![cfg_attr(not(feature = "std"), no_std)]
 #![allow(non_snake_case)]
 
 mod answer;
+mod check;
 mod configuration;
 mod filter;
 mod health;
 mod information;
+mod layout;
 mod motion;
+mod push;
 mod replay;
+mod sample;
 mod stream;
 mod table;
 
 pub use answer::{Answer, Number};
-pub use configuration::{Configuration, Invalid, Noise, WHEELS, Wheel};
-pub use filter::{Filter, Sample};
+pub use check::Invalid;
+pub use configuration::{Configuration, Noise, WHEELS, Wheel};
+pub use filter::Filter;
 pub use health::{Health, SensorCounts};
+pub use sample::Sample;
 pub use stream::Refusal;
 pub use table::{TABLE, TableError};

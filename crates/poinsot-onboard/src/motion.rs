@@ -1,6 +1,6 @@
 //! The motion over one interval between samples, with the columns of the linearised equations.
 
-use crate::configuration::{AXES, Configuration, PARAMETERS, WHEELS};
+use crate::configuration::{AXES, Configuration, ITERATIONS, PARAMETERS, WHEELS};
 #[cfg(not(feature = "std"))]
 use nalgebra::ComplexField;
 use nalgebra::{SVector, SymmetricEigen};
@@ -103,7 +103,10 @@ impl Excitation {
     /// Takes the directions from what was collected.
     pub fn settle(&mut self, configuration: &Configuration, motion: &BaseMotion) {
         let noise = self.noise(configuration, motion) + ACROSS * self.scatter.trace();
-        let eigen = SymmetricEigen::new(self.scatter);
+        let eigen = SymmetricEigen::try_new(self.scatter, f64::EPSILON, ITERATIONS);
+        let Some(eigen) = eigen else {
+            return;
+        };
         self.projector = Matrix3::zeros();
         for (k, value) in eigen.eigenvalues.iter().enumerate() {
             if *value > noise {
@@ -132,7 +135,10 @@ impl Excitation {
         if across.trace() <= noise {
             return;
         }
-        let eigen = SymmetricEigen::new(across);
+        let eigen = SymmetricEigen::try_new(across, f64::EPSILON, ITERATIONS);
+        let Some(eigen) = eigen else {
+            return;
+        };
         let (largest, value) = eigen.eigenvalues.argmax();
         if value > noise {
             let direction = rest * eigen.eigenvectors.column(largest);

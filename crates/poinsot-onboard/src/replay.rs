@@ -1,9 +1,10 @@
 //! The first window, and what happens with each sample in order.
 
 use crate::configuration::{PARAMETERS, PASSES};
-use crate::filter::{Filter, GATE, MOVED, Sample};
+use crate::filter::{Filter, GATE, MOVED};
 use crate::health::{Checkpoint, Verdict};
 use crate::motion::Excitation;
+use crate::sample::Sample;
 
 /// Shares of the prior by which the motion may deviate from that of the parameters in the first passes: far from the truth a motion
 /// without noise leaves the data, and its linearisation with it.
@@ -16,25 +17,6 @@ const FAR: f64 = 10.0;
 const BEYOND: f64 = 6.0;
 /// Most times that a step to an impossible vehicle is halved.
 const HALVINGS: u32 = 20;
-
-/// The first samples.
-#[derive(Debug, Clone)]
-pub(crate) struct Window<const WINDOW: usize> {
-    samples: [Sample; WINDOW],
-    count: usize,
-    /// Whether they were replayed.
-    pub done: bool,
-}
-
-impl<const WINDOW: usize> Window<WINDOW> {
-    pub fn new() -> Self {
-        Self {
-            samples: [Sample::at(0.0); WINDOW],
-            count: 0,
-            done: false,
-        }
-    }
-}
 
 impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
     /// The next sample in order.

@@ -1,14 +1,10 @@
 //! Order and clock of the samples.
 
-use crate::configuration::WHEELS;
-use crate::filter::{Filter, Sample};
+use crate::configuration::HELD_BACK;
+use crate::sample::Sample;
 
-/// Most samples that are held back to be put in order.
-pub(crate) const HELD_BACK: usize = 4;
 /// Refused samples in a row, each soon after the one before, that show a new clock.
 const NEW_CLOCK: u32 = 3;
-/// Largest deviation of a quaternion's length from one.
-const LENGTH: f64 = 1.0e-3;
 
 /// Why a sample is not used. The numbers are the codes of the C interface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -57,7 +53,7 @@ impl Stream {
     }
 
     /// Puts a sample in its place.
-    fn insert(&mut self, sample: Sample, longest_gap_s: f64) -> Result<(), Refusal> {
+    pub fn insert(&mut self, sample: Sample, longest_gap_s: f64) -> Result<(), Refusal> {
         let time = sample.time_s;
         let waiting = self.pending.iter().take(self.count);
         if self.taken == Some(time) || waiting.clone().any(|s| s.time_s == time) {
@@ -91,7 +87,7 @@ impl Stream {
     }
 
     /// The oldest sample, where more than `held` wait.
-    fn next(&mut self, held: usize) -> Option<Sample> {
+    pub fn next(&mut self, held: usize) -> Option<Sample> {
         if self.count <= held.min(HELD_BACK) {
             return None;
         }
@@ -108,55 +104,21 @@ fn waiting_before(waiting: &[Sample], time: f64) -> usize {
     waiting.iter().filter(|s| s.time_s < time).count()
 }
 
-/// The sample with a quaternion of length one.
-fn checked(sample: &Sample, wheels: usize) -> Result<Sample, Refusal> {
-    let mut sample = *sample;
-    let vectors = [sample.gyro, sample.position]
-        .into_iter()
-        .flatten()
-        .flatten();
-    let acting = sample.force_B.into_iter().chain(sample.torque_B);
-    let speeds = sample.wheel_speed.into_iter().take(wheels.min(WHEELS));
-    let attitude = sample.attitude.into_iter().flatten();
-    let mut all = vectors
-        .chain(acting)
-        .chain(speeds)
-        .chain(attitude)
-        .chain([sample.time_s]);
-    if !all.all(f64::is_finite) {
-        return Err(Refusal::NotFinite);
-    }
-    if let Some(q) = &mut sample.attitude {
-        let length = nalgebra::Vector4::from(*q).norm();
-        if (length - 1.0).abs() > LENGTH {
-            return Err(Refusal::Quaternion);
-        }
-        *q = q.map(|x| x / length);
-    }
-    Ok(sample)
+/// The first samples.
+#[derive(Debug, Clone)]
+pub(crate) struct Window<const WINDOW: usize> {
+    pub samples: [Sample; WINDOW],
+    pub count: usize,
+    /// Whether they were replayed.
+    pub done: bool,
 }
 
-impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
-    /// Takes a sample. The first `WINDOW` samples are kept; with the last of them they are replayed, linearised at the parameters
-    /// of the pass before, until no parameter moves by more than a tenth of its sigma (at most ten passes). From then on each sample
-    /// is one step.
-    ///
-    /// # Errors
-    /// The sample is not used, and the filter is as before.
-    pub fn push(&mut self, sample: &Sample) -> Result<(), Refusal> {
-        let sample = checked(sample, self.configuration.wheel_count)?;
-        self.stream
-            .insert(sample, self.configuration.longest_gap_s)?;
-        while let Some(next) = self.stream.next(self.configuration.reorder) {
-            self.process(&next);
-        }
-        Ok(())
-    }
-
-    /// Takes the samples that are held back, at the end of a stream.
-    pub fn flush(&mut self) {
-        while let Some(next) = self.stream.next(0) {
-            self.process(&next);
+impl<const WINDOW: usize> Window<WINDOW> {
+    pub fn new() -> Self {
+        Self {
+            samples: [Sample::at(0.0); WINDOW],
+            count: 0,
+            done: false,
         }
     }
 }

@@ -19,7 +19,8 @@
 //! | 1360 | 2 x f64 | longest gap, time to stale |
 //! | 1376 | u32 | CRC-32 of all bytes before it (ISO 3309, as in zlib) |
 
-use crate::configuration::{Configuration, Invalid, Noise, PARAMETERS, Wheel};
+use crate::check::Invalid;
+use crate::configuration::{Configuration, Noise, PARAMETERS, Wheel};
 
 /// Bytes of a table.
 pub const TABLE: usize = 1380;

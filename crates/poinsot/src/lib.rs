@@ -90,7 +90,8 @@
 //! - `output.rs`: files of an estimate. `written.rs`: files of one answer, put in place together.
 //! - `channel_names.rs`: standard names of a sensor. `threads.rs`: at most one thread per core.
 //! - `error.rs`, `error/`: errors of the commands. `explain.rs`: every error code with cause and remedy.
-//! - `export/`: the answer as a file of another program, one file per format. `onboard.rs`: the recursive filter for a model.
+//! - `export/`: the answer as a file of another program, one file per format. `onboard.rs`, `follow.rs`: the recursive filter
+//!   for a model, and on a stream.
 //! - `mass_numbers.rs`: mass, mass centre and inertia of a body, in one order.
 //! - `mixups.rs`: unit errors that only the answer reveals.
 #![allow(non_snake_case)]
@@ -108,6 +109,7 @@ mod estimate_file;
 pub mod explain;
 pub mod export;
 mod file_head;
+mod follow;
 pub mod identify;
 mod import;
 mod init;
@@ -138,6 +140,7 @@ mod written;
 pub use draft::Draft;
 pub use error::{Error, ErrorKind, Fault};
 pub use estimate_file::estimate_file;
+pub use follow::Follower;
 #[doc(hidden)]
 pub use identify::{Gated, gated};
 pub use identify::{

@@ -6,7 +6,7 @@ use nalgebra::{SMatrix, SVector};
 use poinsot_dynamics::{Kinematics, Nozzle, SAME_TIME, SensorKind, Tree, composite, thrust_wrench};
 use poinsot_formats::EstimateFile;
 use poinsot_model::{Body, EstimateSet, Model, Nuisance};
-use poinsot_onboard::{Configuration, Noise, Sample, WHEELS, Wheel};
+use poinsot_onboard::{Answer, Configuration, Noise, Sample, WHEELS, Wheel};
 use poinsot_spatial::{InertialParameters, MassProperties, Vector3, elements, tensor};
 use poinsot_telemetry::{Channel, Table, resample};
 
@@ -30,6 +30,17 @@ pub struct OnBoard {
     /// Assumptions, one a line.
     pub assumed: Vec<String>,
     nozzles: Vec<Nozzle>,
+}
+
+/// A number of the unknown body.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Estimated {
+    /// Its address, `bus.inertia_kg_m2.xx`.
+    pub address: String,
+    /// Its value in SI, if it is determined.
+    pub value: Option<f64>,
+    /// One sigma.
+    pub sigma: f64,
 }
 
 impl OnBoard {
@@ -100,6 +111,42 @@ impl OnBoard {
             configuration,
             assumed,
         })
+    }
+
+    /// Each unknown number of an answer: mass, mass centre, central inertia.
+    pub fn numbers(&self, model: &Model, answer: &Answer) -> Vec<Estimated> {
+        let Some((body, of)) = model.bodies.first().zip(central(answer)) else {
+            return Vec::new();
+        };
+        let at = numbers(&of);
+        let back = slopes(&of).try_inverse().unwrap_or_default();
+        let unknown = answer
+            .numbers
+            .iter()
+            .enumerate()
+            .filter(|(_, n)| n.sigma > 0.0);
+        let places: Vec<usize> = unknown.map(|(k, _)| k).collect();
+        let mut covariance = TenByTen::zeros();
+        for (i, a) in places.iter().enumerate() {
+            for (j, b) in places.iter().enumerate() {
+                covariance[(*a, *b)] = answer.covariance[i][j];
+            }
+        }
+        let covariance = back * covariance * back.transpose();
+        let determined = places.iter().all(|k| answer.numbers[*k].determined);
+        let own = |k: usize| match k {
+            0 => answer.numbers[0].determined,
+            1..=3 => answer.numbers[0].determined && answer.numbers[k].determined,
+            _ => determined,
+        };
+        let wanted = [body.estimate.mass, body.estimate.com, body.estimate.inertia];
+        let all = (0..10).filter(|k| wanted[usize::from(*k > 0) + usize::from(*k > 3)]);
+        let number = |k: usize| Estimated {
+            address: format!("{}.{}", body.name, ADDRESSES[k]),
+            value: Some(at[k]).filter(|_| own(k)),
+            sigma: covariance[(k, k)].max(0.0).sqrt(),
+        };
+        all.map(number).collect()
     }
 
     /// Samples at the times of the gyro. Attitude and position count where they have the same time; wheel speeds are interpolated,
@@ -236,6 +283,26 @@ fn properties(of: &Ten) -> MassProperties {
     }
 }
 
+/// Mass properties of the unknown body.
+fn central(answer: &Answer) -> Option<MassProperties> {
+    let values = answer.numbers.map(|n| n.value);
+    InertialParameters::from_array(&values).mass_properties()
+}
+
+/// Slopes of the ten parameters about the origin over mass, mass centre and central inertia.
+fn slopes(of: &MassProperties) -> TenByTen {
+    let (units, at) = (natural(of), numbers(of));
+    let mut slopes = TenByTen::zeros();
+    for k in 0..10 {
+        let mut ends = [at, at];
+        ends[0][k] += STEP * units[k];
+        ends[1][k] -= STEP * units[k];
+        let [up, down] = ends.map(|x| Ten::from(properties(&x).parameters().to_array()));
+        slopes.set_column(k, &((up - down) / (2.0 * STEP * units[k])));
+    }
+    slopes
+}
+
 /// The nominal numbers, with those that an answer determines.
 fn with_answer(body: &Body, answer: Option<&EstimateFile>) -> MassProperties {
     let mut all = numbers(&body.nominal);
@@ -324,16 +391,7 @@ fn set_prior(
     nominal: &MassProperties,
     covariance: &TenByTen,
 ) -> Result<(), Error> {
-    let units = natural(nominal);
-    let at = numbers(nominal);
-    let mut slopes = TenByTen::zeros();
-    for k in 0..10 {
-        let mut ends = [at, at];
-        ends[0][k] += STEP * units[k];
-        ends[1][k] -= STEP * units[k];
-        let [up, down] = ends.map(|x| Ten::from(properties(&x).parameters().to_array()));
-        slopes.set_column(k, &((up - down) / (2.0 * STEP * units[k])));
-    }
+    let slopes = slopes(nominal);
     // All ten where the mass centre moves: the inertia about the origin moves with it.
     let first = if unknown.mass || unknown.com { 0 } else { 4 };
     let count = 10 - first;

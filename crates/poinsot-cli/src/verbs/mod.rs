@@ -7,6 +7,7 @@ pub mod completions;
 pub mod design;
 pub mod explain;
 pub mod export;
+pub mod follow;
 pub mod identify;
 pub mod import;
 pub mod init;

@@ -12,6 +12,7 @@ mod campaign;
 mod cli;
 mod environment;
 mod export;
+mod follow;
 mod ground_export;
 mod init;
 mod paper_tables;

@@ -1,0 +1,162 @@
+//! The on-board filter from the command line: on a stream, and as a table.
+
+use poinsot_onboard::{Configuration, TABLE};
+use serde_json::Value;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+fn shipped() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/cases")
+}
+
+fn model() -> PathBuf {
+    shipped().join("pyramid_truth.toml")
+}
+
+fn poinsot(folder: &Path) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_poinsot"));
+    command.current_dir(folder);
+    command
+}
+
+fn done(command: &mut Command) -> Output {
+    let output = command.output().unwrap();
+    let error = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(0), "{error}");
+    output
+}
+
+/// A satellite turned by four wheels for 120 s, and its answer in `answer` by way of `follow`.
+fn followed(folder: &Path) -> Vec<Value> {
+    let case = shipped().join("pyramid.toml");
+    done(
+        poinsot(folder)
+            .arg("simulate")
+            .arg(&case)
+            .args(["--out", "sim"]),
+    );
+    let arguments = ["sim/telemetry.csv", "--out", "answer"];
+    let output = done(poinsot(folder).arg("follow").arg(model()).args(arguments));
+    lines(&output)
+}
+
+fn lines(output: &Output) -> Vec<Value> {
+    let text = String::from_utf8(output.stdout.clone()).unwrap();
+    text.lines()
+        .map(|line| serde_json::from_str(line).unwrap())
+        .collect()
+}
+
+fn read(path: &Path) -> Value {
+    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
+}
+
+fn of_body(estimate: &Value, element: &str) -> (f64, f64) {
+    let body = estimate["bodies"]
+        .as_object()
+        .unwrap()
+        .values()
+        .next()
+        .unwrap();
+    let number = &body["inertia_kg_m2"][element];
+    (
+        number["value"].as_f64().unwrap(),
+        number["sigma"].as_f64().unwrap(),
+    )
+}
+
+#[test]
+fn xval_follow_ends_where_identify_does() {
+    let folder = tempfile::tempdir().unwrap();
+    let lines = followed(folder.path());
+    assert_eq!(lines[0]["health"], "converging");
+    let undetermined = lines[0]["numbers"]
+        .as_object()
+        .unwrap()
+        .values()
+        .next()
+        .unwrap();
+    assert!(undetermined["value"].is_null());
+    let last = &lines[lines.len() - 1];
+    assert_eq!(
+        (&last["health"], &last["gyro"]["gated"]),
+        (&"determined".into(), &0.into())
+    );
+    let estimate = read(&folder.path().join("answer/estimate.json"));
+    for element in ["xx", "yy", "zz", "xy", "xz", "yz"] {
+        let (value, sigma) = of_body(&estimate, element);
+        let mut numbers = last["numbers"].as_object().unwrap().iter();
+        let (_, own) = numbers.find(|(name, _)| name.ends_with(element)).unwrap();
+        let ratio = own["sigma"].as_f64().unwrap() / sigma;
+        let off = (own["value"].as_f64().unwrap() - value) / sigma;
+        println!("{element}: {off:.2} sigma from identify, sigma {ratio:.3} of its sigma");
+        assert!(off.abs() < 1.5 && (0.8..1.3).contains(&ratio));
+    }
+}
+
+/// Rows that arrive in pieces of any size give the lines of the file.
+#[test]
+fn exact_pieces_of_a_stream_give_the_last_line_of_the_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let whole = followed(folder.path());
+    let rows = std::fs::read(folder.path().join("sim/telemetry.csv")).unwrap();
+    let mut command = poinsot(folder.path());
+    command
+        .arg("follow")
+        .arg(model())
+        .args(["-", "--out", "stream"]);
+    let mut child = command
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut input = child.stdin.take().unwrap();
+    for piece in rows.chunks(1777) {
+        input.write_all(piece).unwrap();
+    }
+    drop(input);
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(0));
+    assert_eq!(lines(&output).last(), whole.last());
+    assert_eq!(
+        std::fs::read(folder.path().join("stream/rows.csv")).unwrap(),
+        rows
+    );
+    assert!(folder.path().join("stream/estimate.json").is_file());
+}
+
+#[test]
+fn exact_a_table_has_the_model_or_an_answer() {
+    let folder = tempfile::tempdir().unwrap();
+    followed(folder.path());
+    let table = |arguments: &[&str]| {
+        done(poinsot(folder.path()).arg("export").args(arguments));
+        let bytes = std::fs::read(folder.path().join("filter.bin")).unwrap();
+        assert_eq!(bytes.len(), TABLE);
+        Configuration::from_table(&bytes).unwrap()
+    };
+    let path = model();
+    let path = path.to_str().unwrap();
+    let of_model = table(&[path, "--to", "onboard", "-o", "filter.bin"]);
+    assert_eq!((of_model.wheel_count, of_model.unknown[9]), (4, true));
+    let of_answer = table(&[
+        "answer",
+        "--to",
+        "onboard",
+        "--onto",
+        path,
+        "-o",
+        "filter.bin",
+    ]);
+    let (value, sigma) = of_body(&read(&folder.path().join("answer/estimate.json")), "zz");
+    // The last of the triangle is the inverse sigma of the last parameter alone.
+    let prior = 1.0 / of_answer.prior[5][5];
+    assert!((prior / sigma - 1.0).abs() < 1.0e-6, "{prior} {sigma}");
+    assert!(of_model.prior[5][5] < 1.0e-2 * of_answer.prior[5][5]);
+    println!("{value} {:?}", of_answer.nominal);
+    let refused = poinsot(folder.path())
+        .args(["export", path, "--to", "onboard"])
+        .output();
+    assert_eq!(refused.unwrap().status.code(), Some(2));
+}

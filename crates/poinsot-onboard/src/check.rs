@@ -1,0 +1,87 @@
+//! Checks of a configuration.
+
+use crate::configuration::{AXES, Configuration, HELD_BACK, WHEELS, Wheel};
+use crate::layout::required_capacity;
+use poinsot_spatial::Vector3;
+
+/// Why a configuration is refused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Invalid {
+    /// The filter is built with too few columns; this many are needed.
+    Capacity(usize),
+    /// A number is NaN or infinite.
+    NotFinite,
+    /// More wheels than [`WHEELS`], or more samples held back than 4.
+    Count,
+    /// A noise, a limit or a spin inertia is negative, or the noise of gyro or attitude is zero.
+    Noise,
+    /// The axis of a wheel has not length one.
+    Axis,
+    /// A diagonal number of the prior is not positive.
+    Prior,
+    /// The nominal vehicle has no positive mass or inertia.
+    Unphysical,
+    /// Mass or first moment is unknown, but no position is measured.
+    NeedsPosition,
+}
+
+impl Configuration {
+    /// Checks all numbers, for a filter of `capacity` columns.
+    ///
+    /// # Errors
+    /// The first condition that fails.
+    pub fn check(&self, capacity: usize) -> Result<(), Invalid> {
+        let noise = &self.noise;
+        let levels = [
+            noise.gyro,
+            noise.attitude,
+            noise.position,
+            noise.bias,
+            noise.bias_walk,
+            noise.torque_walk,
+            self.longest_gap_s,
+            self.stale_s,
+        ];
+        let wheels = self.wheels.iter();
+        let of_wheels = wheels.flat_map(|w| w.axis_B.into_iter().chain([w.spin_inertia, w.noise]));
+        let all = self.known.iter().chain(&self.nominal).chain(&levels);
+        let mut all = all
+            .chain(self.prior.as_flattened())
+            .copied()
+            .chain(of_wheels);
+        if !all.all(f64::is_finite) {
+            return Err(Invalid::NotFinite);
+        }
+        if self.wheel_count > WHEELS || self.reorder > HELD_BACK {
+            return Err(Invalid::Count);
+        }
+        let wheels_valid = self.wheels().iter();
+        let wheels_valid = wheels_valid
+            .clone()
+            .all(|w| w.spin_inertia >= 0.0 && w.noise >= 0.0);
+        let positive = [noise.gyro, noise.attitude, self.longest_gap_s, self.stale_s];
+        let valid = levels.iter().all(|x| *x >= 0.0) && positive.iter().all(|x| *x > 0.0);
+        if !valid || !wheels_valid {
+            return Err(Invalid::Noise);
+        }
+        let long = |w: &Wheel| (Vector3::from(w.axis_B).norm_squared() - 1.0).abs() < 1.0e-6;
+        if !self.wheels().iter().all(long) {
+            return Err(Invalid::Axis);
+        }
+        let unknowns = self.unknown.iter().filter(|u| **u).count();
+        let mut diagonal = (0..unknowns).map(|k| self.prior[k][k]);
+        if !diagonal.all(|x| x > 0.0) {
+            return Err(Invalid::Prior);
+        }
+        if !self.is_possible(&self.nominal) {
+            return Err(Invalid::Unphysical);
+        }
+        if !self.translates() && self.unknown[..=AXES].contains(&true) {
+            return Err(Invalid::NeedsPosition);
+        }
+        match required_capacity(self) {
+            needed if needed > capacity => Err(Invalid::Capacity(needed)),
+            _ => Ok(()),
+        }
+    }
+}

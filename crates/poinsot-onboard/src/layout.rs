@@ -1,0 +1,82 @@
+//! Places of the columns.
+
+use crate::configuration::{AXES, Configuration, PARAMETERS};
+
+/// Components of the kernels' state `[dphi_B, dp_N, dP_N, dh_N]`, in the order of the filter's columns.
+const ROTATION: [usize; 6] = [0, 1, 2, 9, 10, 11];
+const FREE: [usize; 12] = [0, 1, 2, 9, 10, 11, 3, 4, 5, 6, 7, 8];
+
+/// Places of the columns.
+#[derive(Debug, Clone, Copy)]
+pub struct Layout {
+    /// Errors of the wheel speeds, the first columns.
+    pub wheels: usize,
+    translates: bool,
+    /// Unknown parameters, the last columns.
+    pub parameters: usize,
+    unknown: [usize; PARAMETERS],
+}
+
+impl Layout {
+    pub fn new(configuration: &Configuration) -> Self {
+        let mut layout = Self {
+            wheels: configuration.wheel_count,
+            translates: configuration.translates(),
+            parameters: 0,
+            unknown: [0; PARAMETERS],
+        };
+        let unknown = configuration.unknown.iter().enumerate().filter(|u| *u.1);
+        for (place, (k, _)) in layout.unknown.iter_mut().zip(unknown) {
+            *place = k;
+            layout.parameters += 1;
+        }
+        layout
+    }
+
+    /// Indices of the unknown parameters.
+    pub fn unknown(&self) -> &[usize] {
+        &self.unknown[..self.parameters]
+    }
+
+    /// Components of the kernels' state, in the order of the columns.
+    pub fn state(&self) -> &'static [usize] {
+        match self.translates {
+            true => &FREE,
+            false => &ROTATION,
+        }
+    }
+
+    /// First column of the state.
+    pub fn pose(&self) -> usize {
+        self.wheels
+    }
+
+    /// First column of the gyro bias.
+    pub fn bias(&self) -> usize {
+        self.pose() + self.state().len()
+    }
+
+    /// First column of the parameters.
+    pub fn theta(&self) -> usize {
+        self.bias() + AXES
+    }
+
+    /// Number of columns.
+    pub fn columns(&self) -> usize {
+        self.theta() + self.parameters
+    }
+}
+
+/// Columns that a filter must have room for.
+pub fn required_capacity(configuration: &Configuration) -> usize {
+    let layout = Layout::new(configuration);
+    let update = layout.columns() + layout.wheels + noises(configuration) + 1;
+    update.max(layout.columns() + AXES)
+}
+
+/// Number of white noises that enter a step beside those of the wheels: of the momenta, and of the bias where it walks.
+pub fn noises(configuration: &Configuration) -> usize {
+    let momenta = if configuration.translates() { 2 } else { 1 };
+    let bias = usize::from(configuration.noise.bias_walk > 0.0);
+    (momenta + bias) * AXES
+}
