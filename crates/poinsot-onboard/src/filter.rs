@@ -304,9 +304,8 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             for (k, component) in layout.state().iter().enumerate() {
                 out[gone + layout.pose() + k] = over[*component];
             }
-            for axis in layout.bias()..theta {
-                out[gone + axis] = row[axis];
-            }
+            let bias = layout.bias();
+            out[gone + bias..gone + theta].copy_from_slice(&row[bias..theta]);
             for (j, &k) in layout.unknown().iter().enumerate() {
                 out[gone + theta + j] = row[theta + j] - over.dot(&columns.parameters[k]);
             }
@@ -324,9 +323,8 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         }
         for i in 0..theta {
             let (row, out) = (&self.work[gone + i], &mut self.rows[i]);
-            for k in i..layout.columns() {
-                out[k] = row[gone + k];
-            }
+            let end = layout.columns();
+            out[i..end].copy_from_slice(&row[gone + i..gone + end]);
             out[N - 1] = row[N - 1];
         }
         Some(())

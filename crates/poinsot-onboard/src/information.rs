@@ -87,6 +87,8 @@ pub struct OfParameters {
     pub z: [f64; PARAMETERS],
 }
 
+// Sums over a triangle read best by their indices.
+#[allow(clippy::needless_range_loop)]
 impl OfParameters {
     /// `R^-1 z` of the first `count`.
     pub fn solution(&self, count: usize) -> Option<[f64; PARAMETERS]> {

@@ -356,7 +356,7 @@ fn covariance(
     ];
     let mut out = TenByTen::zeros();
     for (range, unknown, declared, name) in groups {
-        if unknown && declared.is_none() {
+        if unknown && declared.is_none() && answer.is_none() {
             let of = &body.name;
             assumed.push(format!(
                 "assumed: sigma of the nominal {name} of '{of}' is {PRIOR} in natural units; declare [body.prior]"

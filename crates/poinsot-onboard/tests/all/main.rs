@@ -1,5 +1,11 @@
 //! Trials of the filter against motions computed by code that shares nothing with it.
-#![allow(non_snake_case)]
+#![allow(
+    clippy::expect_used,
+    clippy::needless_range_loop,
+    clippy::panic,
+    clippy::unwrap_used,
+    non_snake_case
+)]
 
 mod dense;
 mod prop_table;

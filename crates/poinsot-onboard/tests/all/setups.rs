@@ -34,7 +34,7 @@ fn noise() -> poinsot_onboard::Noise {
 fn switching(k: usize, every: usize, salt: usize) -> f64 {
     let block = k / every + 1;
     let hash = (block * 2_654_435_761 + salt * 40_503).wrapping_mul(2_246_822_519) >> 13;
-    if hash % 2 == 0 { 1.0 } else { -1.0 }
+    if hash.is_multiple_of(2) { 1.0 } else { -1.0 }
 }
 
 fn at_rest(w: Vector3<f64>) -> Motion {
