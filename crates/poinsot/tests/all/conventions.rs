@@ -80,10 +80,11 @@ fn joints(names: &[&str]) -> Vec<Row> {
             factor(1.5),
         ));
         rows.push(row("ratio 1/2", name, &[name, "scale = 2"], factor(0.5)));
+        // Large angles are refused with the same word: no motion can be predicted.
         rows.push(row(
             "degrees",
             name,
-            &[name, "unit"],
+            &["unit"],
             factor(1.0_f64.to_degrees()),
         ));
         for turn in [90.0_f64, -135.0, 180.0] {
