@@ -29,4 +29,4 @@ pub use numbers::{
 pub use plain::{
     LONGEST_LINE, error_line, escaped, escaped_lines, excerpt, is_unprintable, json_escaped,
 };
-pub use stage::{Stage, check_target, folder_of, is_same_file, remove_stages};
+pub use stage::{Stage, check_target, folder_of, growing, is_same_file, remove_stages};

@@ -32,6 +32,27 @@ fn open_stages() -> MutexGuard<'static, BTreeSet<PathBuf>> {
     OPEN.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
+/// Creates a file that grows while others read it, with its folder: the one output that is not put in place when it is complete.
+///
+/// # Errors
+/// The folder or the file cannot be created.
+///
+/// ```
+/// use std::io::Write;
+///
+/// let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("answer/rows.csv");
+/// poinsot_files::growing(&path)?.write_all(b"time_s\n")?;
+/// assert_eq!(std::fs::read_to_string(&path)?, "time_s\n");
+/// # Ok::<(), std::io::Error>(())
+/// ```
+pub fn growing(path: &Path) -> io::Result<File> {
+    if let Some(folder) = path.parent() {
+        std::fs::create_dir_all(folder)?;
+    }
+    File::create(path)
+}
+
 /// Removes the drafts of this process after a running commit has finished. Call it only at the end of the process:
 /// stages cannot continue.
 pub fn remove_stages() {

@@ -6,7 +6,7 @@ use crate::check_name::check_names;
 use crate::check_telemetry::check_telemetry;
 use crate::check_tree::{Tree, check_tree};
 use crate::file::{BodyFile, ModelFile};
-use crate::finding::{Findings, Key};
+use crate::finding::{Findings, Key, all};
 use crate::knowledge::Knowledge;
 use crate::vehicle::Model;
 use std::collections::HashMap;
@@ -46,11 +46,6 @@ impl Check<'_, '_> {
     pub fn note(&mut self, key: &Key, text: impl fmt::Display) {
         self.findings.note(key, text);
     }
-}
-
-/// The entries of a list of tables.
-pub(crate) fn all<T>(list: &Option<Vec<T>>) -> &[T] {
-    list.as_deref().unwrap_or_default()
 }
 
 /// Checks the file. The result is valid only without findings.

@@ -1,8 +1,8 @@
 //! Mass properties: physical, and sufficient to determine every motion.
 
-use crate::check::{Check, all};
+use crate::check::Check;
 use crate::file::{BodyFile, EstimateFile, InertiaFile, Parameter};
-use crate::finding::Key;
+use crate::finding::{Key, all};
 use crate::vehicle::{Body, EstimateSet, Joint, JointKind, Model};
 use poinsot_files::{list, short};
 use poinsot_spatial::{MassProperties, Matrix3, Unphysical, Vector3, tensor};

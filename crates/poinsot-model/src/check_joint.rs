@@ -1,8 +1,8 @@
 //! Checks joints: unit axes and proper rotations.
 
-use crate::check::{Check, all};
+use crate::check::Check;
 use crate::file::{JointFile, SpringDamperFile};
-use crate::finding::Key;
+use crate::finding::{Key, all};
 use crate::vehicle::{Joint, JointKind, SpringDamper};
 use poinsot_spatial::Vector3;
 

@@ -1,8 +1,8 @@
 //! Flexible modes: numbers of each, and that the vehicle can carry them.
 
-use crate::check::{Check, all};
+use crate::check::Check;
 use crate::file::{ModeEstimateFile, ModeFile, ModeParameter, PanelFile, SlopeFile, TankFile};
-use crate::finding::Key;
+use crate::finding::{Key, all};
 use crate::vehicle::{FlexibleMode, Mode, ModeEstimate, Model};
 use poinsot_dynamics::propagation::MOST_MODES;
 use poinsot_dynamics::{Composite, Kinematics, Vehicle, composite};

@@ -1,8 +1,7 @@
 //! Checks names: printable, unique, and no two parts with the same telemetry column.
 
-use crate::check::all;
 use crate::file::{ModelFile, NuisanceFile, NuisanceWord, SensorFile};
-use crate::finding::{Findings, Key};
+use crate::finding::{Findings, Key, all};
 use crate::suggest;
 use crate::vehicle::JointKind;
 use poinsot_files::{excerpt, is_unprintable};

@@ -1,11 +1,11 @@
 //! Checks wheels, thrusters, momentum, environment, and nuisance parameters common to these and to sensors.
 
-use crate::check::{Check, all};
+use crate::check::Check;
 use crate::file::{
     Gravity, MomentumVectorFile, MomentumWord, NuisanceFile, NuisanceWord, OrbitFile, ThrusterFile,
     WheelFile,
 };
-use crate::finding::Key;
+use crate::finding::{Key, all};
 use crate::vehicle::{
     Body, Environment, Momentum, MomentumKnowledge, Nuisance, Orbit, Propellant, Thruster, Wheel,
 };

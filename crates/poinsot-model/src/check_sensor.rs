@@ -1,9 +1,9 @@
 //! Checks sensors: noise in the unit of the channel, and measured quantities.
 
-use crate::check::{Check, all};
+use crate::check::Check;
 use crate::check_name::unknown_name;
 use crate::file::{ModelFile, NamesFile, NoiseFile, NuisanceFile, SensorFile};
-use crate::finding::Key;
+use crate::finding::{Key, all};
 use crate::vehicle::{ErrorKey, JointKind, Nuisance, Sensor, SensorKind};
 use poinsot_files::list;
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};

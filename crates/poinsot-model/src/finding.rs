@@ -151,3 +151,8 @@ impl<'d> Findings<'d> {
         Faults::sorted(self.faults)
     }
 }
+
+/// The entries of a list of tables.
+pub(crate) fn all<T>(list: &Option<Vec<T>>) -> &[T] {
+    list.as_deref().unwrap_or_default()
+}

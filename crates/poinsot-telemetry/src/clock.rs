@@ -1,7 +1,7 @@
 //! Converts the time of a row to seconds since the origin of the segment.
 
+use crate::error::{Refused, refuse};
 use crate::instant::{ATTO, Calendar, NO_YEAR, in_years};
-use crate::map_faults::{Refused, refuse};
 use crate::number::{self, Cell, InvalidNumber, RawCell};
 use crate::{Dimension, Origin, Scale, TimeFormat, TimeMap, Unit, parse_unit};
 

@@ -1,7 +1,7 @@
 //! Tests the conventions of attitude and gyro: body rates derived from the quaternions are compared with the gyro
 //! under every combination of conventions.
 
-use crate::hypothesis::{Axes, DECLARED, GyroUnit, Hypothesis, Order, Sense};
+use crate::hypothesis::{Axes, DECISIVE, DECLARED, EXPLAINED, GyroUnit, Hypothesis, Order, Sense};
 use crate::median::median_step;
 use crate::rate_pairs::Pairs;
 use crate::{Channel, Table, direction_axes, full_name};
@@ -58,10 +58,6 @@ pub struct ConventionTest {
 const RESOLUTION: f64 = 1e-3;
 /// Rotation, rad, below which attitudes differ by round-off only.
 const ROUND_OFF: f64 = 1e-12;
-/// Factor by which another convention must fit better to contradict the declared one.
-const DECISIVE: f64 = 5.0;
-/// Fraction of the rate above which the residual means that a convention does not fit.
-const EXPLAINED: f64 = 0.3;
 
 /// Compares an attitude (q_x, q_y, q_z, q_w) with a gyro (omega_x, omega_y, omega_z).
 ///
@@ -135,7 +131,7 @@ pub fn test_conventions(attitude: [&Channel; 4], gyro: [&Channel; 3]) -> Option<
 }
 
 /// What the lowest residual and that of the declared convention say beside the rate, rad/s.
-pub(crate) fn verdict(still: bool, [lowest, declared, rate]: [f64; 3]) -> Verdict {
+fn verdict(still: bool, [lowest, declared, rate]: [f64; 3]) -> Verdict {
     if still {
         undecided("the attitude does not move")
     } else if lowest > EXPLAINED * rate {

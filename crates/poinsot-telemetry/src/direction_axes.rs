@@ -1,8 +1,7 @@
 //! Directions against the gyro: a direction that rests in inertial axes turns in the body by the opposite of its rate, so other
 //! axes of its sensor show.
 
-use crate::conventions::{Verdict, verdict};
-use crate::hypothesis::Axes;
+use crate::hypothesis::{Axes, DECISIVE, EXPLAINED};
 use crate::rate_pairs::integrals;
 use crate::{Channel, Table, full_name, rotation};
 use nalgebra::{Rotation3, Vector3};
@@ -62,7 +61,7 @@ fn contradicted(table: &Table, sensor: &str) -> Option<(f64, f64, Axes)> {
     each.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (least, best) = *each.first()?;
     let declared = residual(Axes::IDENTITY);
-    let contradicted = verdict(false, [least, declared, rate]) == Verdict::DeclaredContradicted;
+    let contradicted = least < EXPLAINED * rate && declared > DECISIVE * least;
     contradicted.then_some((least, declared, best))
 }
 

@@ -86,3 +86,43 @@ pub(crate) fn shown(cell: &[u8]) -> String {
     }
     short
 }
+
+/// A fault of a key of one entry; the key is empty for the entry itself.
+#[derive(Debug)]
+pub(crate) struct Refused {
+    pub code: &'static str,
+    pub key: &'static str,
+    pub problem: String,
+    pub remedy: String,
+}
+
+impl Refused {
+    /// The fault with the channel of its entry.
+    pub fn of(self, channel: &str) -> Faults {
+        map_of(self.code, channel, self.problem, self.remedy)
+    }
+}
+
+/// Refuses what the value of a key means: E0212.
+pub(crate) fn refuse<T>(
+    key: &'static str,
+    problem: impl Into<String>,
+    remedy: impl Into<String>,
+) -> Result<T, Refused> {
+    refuse_as("E0212", key, problem, remedy)
+}
+
+pub(crate) fn refuse_as<T>(
+    code: &'static str,
+    key: &'static str,
+    problem: impl Into<String>,
+    remedy: impl Into<String>,
+) -> Result<T, Refused> {
+    let (problem, remedy) = (problem.into(), remedy.into());
+    Err(Refused {
+        code,
+        key,
+        problem,
+        remedy,
+    })
+}

@@ -5,6 +5,11 @@ use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 use std::fmt;
 
+/// Factor by which another convention must fit better to contradict the declared one.
+pub(crate) const DECISIVE: f64 = 5.0;
+/// Fraction of the rate above which the residual means that a convention does not fit.
+pub(crate) const EXPLAINED: f64 = 0.3;
+
 /// Order of the four numbers in the columns `q_x q_y q_z q_w`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]

@@ -1,7 +1,7 @@
 //! Checks of a map before any file is read.
 
 use crate::clock::check_time;
-use crate::error::map_of;
+use crate::error::{Refused, map_of, refuse, refuse_as};
 use crate::map::{AttitudeForm, mark};
 use crate::unit::{list, nearest_unit};
 use crate::{
@@ -36,46 +36,6 @@ impl From<MapFault> for Faults {
     fn from(fault: MapFault) -> Self {
         map_of(fault.code, &fault.channel, fault.problem, fault.remedy)
     }
-}
-
-/// A fault of a key of one entry; the key is empty for the entry itself.
-#[derive(Debug)]
-pub(crate) struct Refused {
-    pub code: &'static str,
-    pub key: &'static str,
-    pub problem: String,
-    pub remedy: String,
-}
-
-impl Refused {
-    /// The fault with the channel of its entry.
-    pub fn of(self, channel: &str) -> Faults {
-        map_of(self.code, channel, self.problem, self.remedy)
-    }
-}
-
-/// Refuses what the value of a key means: E0212.
-pub(crate) fn refuse<T>(
-    key: &'static str,
-    problem: impl Into<String>,
-    remedy: impl Into<String>,
-) -> Result<T, Refused> {
-    refuse_as("E0212", key, problem, remedy)
-}
-
-fn refuse_as<T>(
-    code: &'static str,
-    key: &'static str,
-    problem: impl Into<String>,
-    remedy: impl Into<String>,
-) -> Result<T, Refused> {
-    let (problem, remedy) = (problem.into(), remedy.into());
-    Err(Refused {
-        code,
-        key,
-        problem,
-        remedy,
-    })
 }
 
 /// All faults of a map.

@@ -7,8 +7,10 @@ use poinsot_model::{Model, read_model, read_telemetry_map};
 use poinsot_onboard::{Answer, Filter, Health, Sample};
 use poinsot_telemetry::{Part, ReadOptions, read_parts};
 use serde_json::{Value, json};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
+/// Name of a batch of rows in messages.
+const ROWS: &str = "rows.csv";
 /// Columns of the filter: eight wheels, ten unknowns, a position.
 const COLUMNS: usize = 60;
 /// Samples of the first window.
@@ -22,8 +24,6 @@ pub struct Follower {
     on_board: OnBoard,
     filter: Option<Box<Filter<COLUMNS, WINDOW>>>,
     options: ReadOptions,
-    /// Where a batch of rows is put to be read.
-    batch: PathBuf,
     /// Lines before the first row.
     head: String,
     /// The last row that was read, which begins the next batch.
@@ -40,16 +40,10 @@ pub struct Follower {
 
 impl Follower {
     /// A filter for a model file, with a map in place of the model's. Lines come at most every `every_s` seconds of the record.
-    /// `folder` holds a file while a batch of rows is read.
     ///
     /// # Errors
     /// A file cannot be read, or the filter does not support the model.
-    pub fn new(
-        model: &Path,
-        map: Option<&Path>,
-        every_s: f64,
-        folder: &Path,
-    ) -> Result<Self, Error> {
+    pub fn new(model: &Path, map: Option<&Path>, every_s: f64) -> Result<Self, Error> {
         let mut model = read_model(model)?;
         if let Some(map) = map {
             model.telemetry = read_telemetry_map(map)?;
@@ -64,7 +58,6 @@ impl Follower {
             model,
             filter: None,
             options,
-            batch: folder.join(format!("poinsot-rows-{}.csv", std::process::id())),
             head: String::new(),
             last: String::new(),
             part: String::new(),
@@ -118,12 +111,9 @@ impl Follower {
     }
 
     fn read(&mut self, table: &str) -> Result<Vec<Sample>, Error> {
-        let system = |e: std::io::Error| Error::io(&self.batch, "cannot be written", &e);
-        std::fs::write(&self.batch, table).map_err(system)?;
-        let read = read_parts(&[Part::File(self.batch.clone())], &self.options);
-        // A file that is not there any more is no harm.
-        let _ = std::fs::remove_file(&self.batch);
-        let table = read?;
+        let part = Part::stream(ROWS, &mut table.as_bytes());
+        let part = part.map_err(|e| Error::io(Path::new(ROWS), "cannot be read", &e))?;
+        let table = read_parts(&[part], &self.options)?;
         self.options.origin = table.origin;
         Ok(self.on_board.samples(&self.model, &table))
     }

@@ -388,7 +388,7 @@ fn gate(model: &Model, tables: &mut [Table], question: &Question) -> Result<Vec<
         findings.extend(checks::apply(table, &label, &policies)?);
     }
     if is_own(&question.method)
-        && let Some(finding) = mixups::times(model, tables)
+        && let Some(finding) = mixups::of_fast_record(model, tables)
     {
         findings.push(unless_refused(finding, &policies, &labels(tables))?);
     }

@@ -80,21 +80,45 @@ pub(crate) fn units(estimate: &Estimate) -> Vec<Finding> {
     all
 }
 
-/// Detects times in milliseconds: a record without attitude with large rotation between samples that fits after
-/// conversion. Tested before the fit, which would take minutes.
-pub(crate) fn times(model: &Model, tables: &[Table]) -> Option<Finding> {
+/// What makes a record turn far between samples: factors of its times and rates that put it right, the channel, and the mistake.
+const FAST: [(f64, f64, &str, &str); 3] = [
+    (1.0e-3, 1.0, "time_s", "the times are probably in ms, not s"),
+    (
+        1.0,
+        PI / 180.0,
+        "omega",
+        "the body rates are probably in deg/s, not rad/s",
+    ),
+    (
+        1.0,
+        PI / 30.0,
+        "omega",
+        "the body rates are probably in rpm, not rad/s",
+    ),
+];
+
+/// Detects units of a record without attitude that turns far between samples, and fits in another unit. Tested before the fit,
+/// which would take minutes.
+pub(crate) fn of_fast_record(model: &Model, tables: &[Table]) -> Option<Finding> {
     let turn = turn_per_reading(tables);
     if turn < FAR || has_attitude(tables) {
         return None;
     }
-    let mut other = tables.to_vec();
-    for channel in other.iter_mut().flat_map(|t| &mut t.channels) {
-        channel.time_s = channel.time_s.iter().map(|t| t * 1.0e-3).collect();
-    }
-    let text = format!(
-        "the vehicle turns by {turn:.1} rad between samples; the times are probably in ms, not s"
-    );
-    fits(model, &other)?.then(|| finding(Check::Units, "time_s", text))
+    let put_right = |(time, rate): (f64, f64)| {
+        let mut all = tables.to_vec();
+        for channel in all.iter_mut().flat_map(|t| &mut t.channels) {
+            channel.time_s = channel.time_s.iter().map(|t| t * time).collect();
+            if channel.name.starts_with("omega_") {
+                channel.values.iter_mut().for_each(|w| *w *= rate);
+            }
+        }
+        all
+    };
+    let mut all = FAST.iter();
+    let (_, _, channel, words) =
+        all.find(|row| fits(model, &put_right((row.0, row.1))) == Some(true))?;
+    let text = format!("the vehicle turns by {turn:.1} rad between samples; {words}");
+    Some(finding(Check::Units, channel, text))
 }
 
 fn has_attitude(tables: &[Table]) -> bool {

@@ -4,7 +4,7 @@ use super::{Outcome, command_line, exit_of, note, noted};
 use crate::arguments::Follow;
 use poinsot::{Error, Follower, IdentifyRequest, check_outputs, identify, write_result};
 use poinsot_design::interrupt::{Listening, is_requested};
-use std::fs::File;
+use poinsot_files::{Faults, growing, open};
 use std::io::{ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
@@ -28,16 +28,14 @@ pub fn run(arguments: &Follow) -> Outcome {
                 &[folder.join("estimate.json")],
                 &[&arguments.model],
             )?;
-            std::fs::create_dir_all(folder).map_err(|e| unwritable(folder, &e))?;
             let path = folder.join(ROWS);
-            let create = || File::create(&path).map_err(|e| unwritable(&path, &e));
+            let create = || growing(&path).map_err(|e| unwritable(&path, &e));
             from_stream.then(create).transpose()?
         }
         None => None,
     };
-    let folder = std::env::temp_dir();
     let map = arguments.map.as_deref();
-    let mut follower = Follower::new(&arguments.model, map, arguments.line_s, &folder)?;
+    let mut follower = Follower::new(&arguments.model, map, arguments.line_s)?;
     if !arguments.quiet {
         follower.assumed().iter().for_each(|line| note(line));
     }
@@ -119,7 +117,11 @@ fn chunks(arguments: &Follow, from_stream: bool) -> Result<Chunks, Error> {
     let unreadable = |e: std::io::Error| Error::io(&arguments.file, "cannot be read", &e);
     let mut source: Box<dyn Read + Send> = match from_stream {
         true => Box::new(std::io::stdin()),
-        false => Box::new(File::open(&arguments.file).map_err(unreadable)?),
+        false => {
+            let opened = open(&arguments.file);
+            let (file, _) = opened.map_err(|e| Faults::from(e.fault("E0201", &arguments.file)))?;
+            Box::new(file)
+        }
     };
     let waits = arguments.wait && !from_stream;
     let (sender, receiver) = sync_channel(WAITING);

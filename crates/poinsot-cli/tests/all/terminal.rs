@@ -84,10 +84,10 @@ fn cli_quiet_prints_nothing_and_json_prints_json() {
     }
 }
 
-/// A command whose only output is a document for another program needs neither.
+/// A command whose only output is a document for another program, or lines of JSON, needs neither.
 #[test]
 fn cli_every_verb_knows_json_and_quiet() {
-    let documents = ["schema", "completions", "help"];
+    let documents = ["schema", "completions", "help", "follow"];
     for verb in Arguments::command().get_subcommands() {
         if verb.is_hide_set() || documents.contains(&verb.get_name()) {
             continue;

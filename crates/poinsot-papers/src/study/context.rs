@@ -138,6 +138,17 @@ impl CaseText {
 }
 
 /// Removes translation: attitude and rates remain.
+///
+/// ```
+/// use poinsot_papers::study::without_translation;
+/// use poinsot_telemetry::{Channel, Table};
+///
+/// let channel = |name: &str| Channel { name: name.to_owned(), ..Channel::default() };
+/// let channels = vec![channel("omega_x"), channel("r_x"), channel("v_y")];
+/// let mut tables = [Table { channels, ..Table::default() }];
+/// without_translation(&mut tables);
+/// assert_eq!(tables[0].channels.len(), 1);
+/// ```
 pub fn without_translation(tables: &mut [Table]) {
     let turns = |name: &str| !name.starts_with("r_") && !name.starts_with("v_");
     for table in tables {

@@ -21,10 +21,8 @@ pub(super) fn find(table: &Table, sensor: &Sensor, check: Check) -> Option<Found
     let all = runs(samples, |k| channels.iter().all(|c| repeats(c, k)));
     let times_s = channels.first()?.time_s.clone();
     let (stuck, text) = match check {
-        Check::Held => slow(&all, samples),
-        _ => {
-            hangs(&channels, samples, sensor).or_else(|| rests_alone(table, &all, samples, sensor))
-        }
+        Check::Held => slow(&all, samples).or_else(|| rests_alone(table, &all, samples, sensor)),
+        _ => hangs(&channels, samples, sensor),
     }?;
     let times = stuck.iter().filter_map(|&k| times_s.get(k).copied());
     let name = sensor.name.clone();

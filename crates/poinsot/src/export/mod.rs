@@ -152,6 +152,15 @@ pub fn export(
 ///
 /// # Errors
 /// A file cannot be read, the answer is not reliable, or the filter does not support the model.
+///
+/// ```
+/// use poinsot_onboard::{Configuration, TABLE};
+/// # let model = concat!(env!("CARGO_MANIFEST_DIR"), "/../../data/cases/pyramid_truth.toml");
+/// let (bytes, assumed) = poinsot::export::export_table(model.as_ref(), None, false)?;
+/// assert_eq!(bytes.len(), TABLE);
+/// assert!(Configuration::from_table(&bytes).is_ok() && !assumed.is_empty());
+/// # Ok::<(), poinsot::Error>(())
+/// ```
 pub fn export_table(
     model: &Path,
     answer: Option<&Path>,

@@ -22,6 +22,8 @@ const ABOUT: f64 = 0.2;
 const SAME: f64 = 0.01;
 /// Largest whole number in a ratio that is printed as one.
 const TEETH: u32 = 6;
+/// Most joints of a vehicle of which each is tried: every trial takes longer with their number, and there are more.
+const MOST_JOINTS: usize = 16;
 /// Zeros of a joint that are tried, rad, to either side.
 const ZERO_STEP: f64 = PI / 12.0;
 /// Shares of a typical pulse by which all may be longer or shorter.
@@ -154,6 +156,8 @@ fn pulses(experiment: &Experiment) -> Vec<Convention> {
 fn joints(experiment: &Experiment) -> Vec<Vec<Convention>> {
     let problem = experiment.problem;
     let model_joints = problem.tree.coordinates.iter();
+    let few = problem.tree.dof() <= MOST_JOINTS;
+    let model_joints = model_joints.filter(|_| few);
     let joints = model_joints.filter_map(|at| problem.model.joints.get(*at));
     let all: Vec<(usize, &poinsot_model::Joint)> = joints.enumerate().collect();
     let moving = |(k, _): &&(usize, &poinsot_model::Joint)| moves(problem, *k);

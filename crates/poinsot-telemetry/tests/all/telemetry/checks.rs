@@ -175,7 +175,7 @@ fn exact_policies_do_what_they_say() {
         ),
         (
             "spikes=report",
-            "there is no check 'spikes'; use one of gap, placeholder, held",
+            "there is no check 'spikes'; use one of gap, placeholder, wrap, held",
         ),
     ] {
         let error = Policies::new(&[change], false).unwrap_err();
