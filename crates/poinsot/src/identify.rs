@@ -372,7 +372,11 @@ pub fn identify_tables(
             not_acceptable(&mut identified.estimate, share, &f.channel);
         }
     }
-    let by_the_fit = std::mem::replace(&mut identified.findings, findings);
+    // A unit that is accepted speaks against the answer, whether it was found before the fit or by it.
+    let (units, findings): (Vec<_>, Vec<_>) =
+        findings.into_iter().partition(|f| f.check == Check::Units);
+    let mut by_the_fit = std::mem::replace(&mut identified.findings, findings);
+    by_the_fit.extend(units);
     against_model(&mut identified, by_the_fit, &policies, &labels)?;
     Ok(identified)
 }

@@ -14,7 +14,7 @@ use crate::fit::{Fitted, fit_from};
 use crate::problem::segment::Segment;
 use change::put_right;
 use poinsot_solve::LeastSquares;
-use table::Convention;
+use table::{Change, Convention, Place};
 
 pub(super) use table::UNITS;
 
@@ -62,6 +62,7 @@ pub(super) fn conventions(
             let least = best.as_ref().map_or(EXPLAINS * excess, |b| b.decrease);
             let convention = settled(&short, convention);
             let after = of_record(experiment, &short, &convention);
+            let after = after.map(|a| a + scaled(experiment, &convention));
             let Some(decrease) = after.map(|a| before - a).filter(|d| *d > least) else {
                 continue;
             };
@@ -105,7 +106,8 @@ fn promising(experiment: &Experiment, kind: &[Convention]) -> Vec<Convention> {
         } else {
             None
         };
-        Some((cost.filter(|cost| *cost < BETTER * fitted)?, c.clone()))
+        let cost = cost.filter(|cost| *cost < BETTER * fitted)?;
+        Some((cost + scaled(experiment, c), c.clone()))
     };
     let mut list: Vec<(f64, Convention)> = kind.iter().filter_map(cost).collect();
     list.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -118,6 +120,17 @@ fn promising(experiment: &Experiment, kind: &[Convention]) -> Vec<Convention> {
         }
     }
     kept
+}
+
+/// What a factor of measurements adds to `-2 ln L` of those that were read: smaller ones fit anything within their noise.
+fn scaled(experiment: &Experiment, convention: &Convention) -> f64 {
+    let (Place::Sensor(k), Change::Factor(x)) = (&convention.place, convention.change) else {
+        return 0.0;
+    };
+    let segments = experiment.problem.segments.iter();
+    let sensors = segments.filter_map(|s| s.observations.sensors.get(*k));
+    let numbers: usize = sensors.map(|s| s.kind.numbers() * s.samples.len()).sum();
+    -2.0 * numbers as f64 * x.abs().ln()
 }
 
 fn nominal_cost(experiment: &Experiment, convention: &Convention) -> Option<f64> {

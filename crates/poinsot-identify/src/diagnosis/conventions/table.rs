@@ -299,7 +299,7 @@ impl Convention {
     pub fn words(&self) -> String {
         let owner = &self.owner;
         match (&self.place, self.change) {
-            (Place::Thruster(_), Change::Factor(x)) if x == 0.0 => format!("no force of {owner}"),
+            (Place::Thruster(_), Change::Factor(0.0)) => format!("no force of {owner}"),
             (Place::Thruster(_), _) => format!("a wrong direction of {owner}"),
             (Place::Pulses, change) => {
                 let (by, off) = match change {
@@ -338,7 +338,7 @@ impl Convention {
 
     /// Name, value and unit of what puts it right.
     pub fn values(&self) -> Option<(String, f64, &'static str)> {
-        let owner = &self.owner;
+        let owner = self.owner.trim_start_matches("the ");
         match (&self.place, self.change) {
             (_, Change::Factor(x)) => Some((format!("{owner}.factor"), x, "1")),
             (Place::Pulses, Change::Offset(x)) => Some(("thrust.closes_late".to_owned(), x, "s")),
