@@ -218,7 +218,7 @@ pub struct Identify {
     #[arg(long)]
     pub recover: bool,
     /// Policy for a failed telemetry check. held, stuck, saturation, outlier: exclude, report, refuse. placeholder: report,
-    /// exclude, refuse. gap, lag, motor_torque: report, refuse. units: refuse, report.
+    /// exclude, refuse. gap, lag, motor_torque: report, refuse. units, wrap: refuse, report.
     #[arg(long, value_name = "CHECK=POLICY")]
     pub policy: Vec<String>,
     /// How telemetry is read from its files.
