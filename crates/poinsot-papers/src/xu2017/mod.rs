@@ -143,7 +143,7 @@ const ORDER: [usize; 10] = [0, 4, 6, 9, 5, 7, 8, 1, 2, 3];
 ///
 /// ```
 /// use poinsot_papers::xu2017::{particle, properties};
-/// use poinsot_spatial::{MassProperties, Vector3};
+/// use poinsot_spatial::{MassProperties, Matrix3, Vector3};
 ///
 /// let I_BBcm_B = Matrix3::from_diagonal(&Vector3::new(1.0, 2.0, 2.5));
 /// let body = MassProperties { mass: 10.0, p_BoBcm_B: Vector3::x(), I_BBcm_B };
