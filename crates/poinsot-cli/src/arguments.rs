@@ -302,7 +302,7 @@ pub struct Follow {
     /// File of rows (CSV); `-` reads standard input.
     #[arg(default_value = "-")]
     pub file: PathBuf,
-    /// File with a [telemetry] table that replaces the model's.
+    /// File whose `[telemetry]` table replaces that of the model.
     #[arg(long, value_name = "FILE")]
     pub map: Option<PathBuf>,
     /// Time of the record between two lines, s.

@@ -1,4 +1,6 @@
-//! The `[telemetry]` table: maps columns of exported files to channels.
+//! The `[telemetry]` table: maps columns of exported files to channels. Its words are those of the schema and the reference page,
+//! which name tables and channels in brackets.
+#![allow(rustdoc::broken_intra_doc_links, rustdoc::invalid_html_tags)]
 
 use crate::{Order, Scale, Sense};
 use schemars::JsonSchema;

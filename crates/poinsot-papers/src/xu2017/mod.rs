@@ -12,7 +12,7 @@
 //! | `r_i`, `f_i` | `T_B`, `F_B` | position and force of the thrusters; here their sums `sum r x f`, `sum f` |
 //! | `g`, `h` of (36) | [`SingleRow`] | residuals of (35) |
 //! | `B~0`, `B~1` | `inner`, `outer` | base side and tip side of the unlocked joint |
-//! | `m~`, `I~`, `a~` | [`InertialParameters`] | of each side, about the origin of its own frame |
+//! | `m~`, `I~`, `a~` | [`poinsot_spatial::InertialParameters`] | of each side, about the origin of its own frame |
 //! | `g`, `h` of (50), (51) | [`MomentumRow`] | momentum of both sides |
 //! | `X`, `P_i`, `P_g`, `V`, `w`, `c1`, `c2` | [`swarm`] | particle swarm |
 //!
