@@ -42,13 +42,13 @@ pub(super) fn find(channel: &Channel) -> Option<Found> {
         .collect();
     let of = rounded(period, 6);
     let what = match key {
-        "wraps_at" => {
-            format!("jumps by one turn; write {key} = 360 deg, in the numbers of its column, there")
-        }
+        "wraps_at" => format!(
+            "the angle jumps by one turn; write {key} in its column of the map (360 for a column in deg, 6.283185307 in rad)"
+        ),
         _ => {
             let q = least_step(v).unwrap_or(period);
             format!(
-                "jumps by {of} {}, {} of its steps: an integer read as unsigned; write {key} = that range, in the numbers of its column, there",
+                "the values jump by {of} {}, {} of their steps: a signed integer read as unsigned; write that range as {key} in its column of the map, in the numbers of the column",
                 channel.unit,
                 (period / q).round()
             )

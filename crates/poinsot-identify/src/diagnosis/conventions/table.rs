@@ -309,7 +309,7 @@ impl Convention {
                 };
                 let key = rounded(if off == "shorter" { -by } else { by }, 3);
                 format!(
-                    "thrust {} s {off} than {owner} (closes_late_s = {key} in the columns of the thrusters)",
+                    "{owner} {} s {off} than commanded (closes_late_s = {key} in the columns of the thrusters)",
                     rounded(by, 3)
                 )
             }
