@@ -6,8 +6,6 @@ use crate::solution::evidence::{Effect, Remark};
 use crate::solution::solved::{OfLikelihood, Solution};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-/// p-value below which data beyond the physical limit contradict the model: three sigma for one active condition.
-const PRESSED: f64 = 2.7e-3;
 /// Smallest share of the signal that an accepted model explains in that case.
 const LEAST_EXPLAINED: f64 = 0.5;
 
@@ -34,13 +32,17 @@ impl Rejection {
     pub fn of(solution: &Solution, coloured: bool, bodies: &[BodyEstimate]) -> Option<Self> {
         let chi2 = solution.chi2_per_dof();
         let Settings {
-            misfit, rejection, ..
+            misfit,
+            rejection,
+            contradiction_sigmas,
+            ..
         } = solution.settings;
         let share = solution.explained;
         let unexplained = share.is_some_and(|share| share < LEAST_EXPLAINED);
         let bad_fit = chi2 > misfit || unexplained;
-        let impossible =
-            bodies.iter().any(|b| unphysical(b, bad_fit)) || pressed(solution, bad_fit);
+        let impossible = (bodies.iter())
+            .any(|b| bad_fit && unphysical(b, 0.0) || unphysical(b, contradiction_sigmas))
+            || pressed(solution, bad_fit);
         let own = solution.likelihood.as_ref();
         // Where the search failed, a mistake that a fit of its own confirmed contradicts the model, or a part of the record.
         let mut suspects = own.into_iter().flat_map(|own| &own.diagnostics.suspects);
@@ -103,8 +105,8 @@ impl Rejection {
     }
 }
 
-/// Whether a body is not physical by more than three sigma, or by any amount if the fit is bad.
-fn unphysical(body: &BodyEstimate, bad_fit: bool) -> bool {
+/// Whether a body is not physical by more than so many sigmas.
+fn unphysical(body: &BodyEstimate, sigmas: f64) -> bool {
     if !body.asked || body.physically_consistent != Some(false) {
         return false;
     }
@@ -118,7 +120,7 @@ fn unphysical(body: &BodyEstimate, bad_fit: bool) -> bool {
         .iter()
         .filter_map(|n| n.sigma)
         .fold(0.0, f64::max);
-    bad_fit || violation > 3.0 * sigma
+    violation > sigmas * sigma
 }
 
 /// Whether a physical limit is active beyond what noise explains, or active at all if the fit is bad.
@@ -127,6 +129,6 @@ fn pressed(solution: &Solution, bad_fit: bool) -> bool {
     let held = own.and_then(|own| own.held.as_ref());
     held.is_some_and(|h| {
         let beyond = ChiSquared::new(h.conditions as f64);
-        bad_fit || beyond.is_ok_and(|b| b.sf(h.cost) < PRESSED)
+        bad_fit || beyond.is_ok_and(|b| b.sf(h.cost) < solution.settings.contradiction_p())
     })
 }
