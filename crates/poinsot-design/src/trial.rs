@@ -288,7 +288,7 @@ impl Question {
 /// Number of rows of the case per row of a candidate with this share of the usual rows. All rows are used with correlated
 /// noise, where the information does not scale with the number of rows.
 fn thinned((case, duration): (&Case, f64), model: &Model, design: &Design, share: f64) -> f64 {
-    let remembers = model.sensors.iter().any(|s| s.correlation_s > 0.0);
+    let remembers = model.sensors.iter().any(|s| !s.slow.is_empty());
     if remembers || model.environment.random_torque.is_some() {
         return 1.0;
     }

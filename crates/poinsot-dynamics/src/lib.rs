@@ -134,7 +134,7 @@ pub use orbit::{Orbit, orbit_state};
 pub use propellant::{Leaving, Propellant, point_mass};
 pub use rate_regressor::{momentum_rate_column, wheel_rate};
 pub use regressor::{body_regressor, momentum_regressor, wheel_regressor};
-pub use sensor::{Axes, ErrorKey, Nuisance, Sensor, SensorKind, printed_unit};
+pub use sensor::{Axes, ErrorKey, Nuisance, Sensor, SensorKind, SlowError, printed_unit};
 pub use sensor_errors::{SensorError, SensorErrors};
 #[cfg(feature = "std")]
 pub use sensors::{Instrument, vector_reading};

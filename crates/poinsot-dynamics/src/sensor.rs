@@ -415,6 +415,52 @@ pub fn printed_unit(key: &'static str) -> &'static str {
     }
 }
 
+/// A part of a sensor's error that lasts over samples: a Gauss-Markov process, or a random walk (Maybeck 1979, section 4.11).
+///
+/// ```
+/// use poinsot_dynamics::SlowError;
+/// use poinsot_spatial::Matrix3;
+///
+/// let drift = SlowError { covariance: Matrix3::identity() * 4.0, correlation_s: 10.0 };
+/// let stays = drift.stays(5.0);
+/// assert!((stays * stays * 4.0 + drift.fresh(5.0)[(0, 0)] - drift.first()[(0, 0)]).abs() < 1e-12);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SlowError {
+    /// Covariance, SI squared, in the axes of the sensor's noise: of the process at any time, or what a walk gains in 1 s.
+    pub covariance: Matrix3,
+    /// Correlation time, to 1/e, s; infinite for a walk, which begins at zero.
+    pub correlation_s: f64,
+}
+
+impl SlowError {
+    /// A random walk.
+    pub fn is_walk(&self) -> bool {
+        self.correlation_s == f64::INFINITY
+    }
+
+    /// Covariance at the first sample.
+    pub fn first(&self) -> Matrix3 {
+        match self.is_walk() {
+            true => Matrix3::zeros(),
+            false => self.covariance,
+        }
+    }
+
+    /// Share that stays after a time, s.
+    pub fn stays(&self, h_s: f64) -> f64 {
+        (-h_s / self.correlation_s).exp()
+    }
+
+    /// Covariance of what is new after a time, s.
+    pub fn fresh(&self, h_s: f64) -> Matrix3 {
+        match self.is_walk() {
+            true => self.covariance * h_s,
+            false => self.covariance * -(-2.0 * h_s / self.correlation_s).exp_m1(),
+        }
+    }
+}
+
 /// A sensor with its declared noise.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sensor {
@@ -426,11 +472,11 @@ pub struct Sensor {
     pub body: usize,
     /// Index of the body from which a relative kind sees [`Self::body`]; 0 for all other kinds.
     pub seen_from: usize,
-    /// Covariance of one sample in the sensor's own axes, SI squared. Scalar channels use `[(0, 0)]`.
-    /// `None` where the file declares no noise.
+    /// Covariance of the white noise of one sample in the sensor's own axes, SI squared. Scalar channels use `[(0, 0)]`.
+    /// `None` where the file declares none.
     pub noise_covariance: Option<Matrix3>,
-    /// Correlation time of the noise, to 1/e, s; zero for white noise.
-    pub correlation_s: f64,
+    /// What lasts over samples, in the same axes.
+    pub slow: Vec<SlowError>,
     /// Least significant bit, SI; zero where not quantised.
     pub quantisation: f64,
     /// Bias.
@@ -457,6 +503,14 @@ pub struct Sensor {
 }
 
 impl Sensor {
+    /// Covariance of all declared noise of one sample, white and slow, in the sensor's axes, SI squared; a walk, which has
+    /// none at its start, is left out. `None` where the file declares no noise.
+    pub fn covariance(&self) -> Option<Matrix3> {
+        let slow = self.slow.iter().filter(|s| !s.is_walk());
+        let parts = self.noise_covariance.into_iter();
+        parts.chain(slow.map(SlowError::first)).reduce(|a, b| a + b)
+    }
+
     /// Whether it measures in its own axes, mounted on its body.
     pub fn turns(&self) -> bool {
         self.kind.axes() == Axes::Sensor

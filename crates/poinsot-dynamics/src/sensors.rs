@@ -2,7 +2,7 @@
 
 use crate::measurement::{BasePose, Ideal, PointMotion, Scene};
 use crate::motion::sample::MotionSample;
-use crate::sensor::{Axes, Nuisance, Sensor, SensorKind};
+use crate::sensor::{Axes, Nuisance, Sensor, SensorKind, SlowError};
 use crate::sensor_errors::{SensorError, SensorErrors};
 use crate::tree::Tree;
 use nalgebra::Quaternion;
@@ -31,10 +31,10 @@ pub struct Instrument {
     R_BS: Option<Matrix3>,
     /// A square root of the noise covariance.
     noise: Option<Matrix3>,
-    /// Correlation time of the noise, s; zero where it is white.
-    correlation_s: f64,
-    /// Time and noise of the previous sample, for correlated noise.
-    last_noise: Option<(f64, Vector3)>,
+    /// Each slow error with its value at the previous sample.
+    slow: Vec<(SlowError, Vector3)>,
+    /// Time of that sample, s.
+    last_s: Option<f64>,
     quantisation: f64,
     bias: Vec<f64>,
     /// Relative error of each joint, wheel or thruster of a scalar sensor.
@@ -75,8 +75,10 @@ impl Instrument {
         Self {
             scales: vec![0.0; if sensor.kind.is_scalar() { channels } else { 0 }],
             errors: SensorErrors::default(),
-            correlation_s: sensor.correlation_s,
-            last_noise: None,
+            slow: (sensor.slow.iter())
+                .map(|s| (*s, Vector3::zeros()))
+                .collect(),
+            last_s: None,
             kind: sensor.kind,
             body: sensor.body,
             seen_from: sensor.seen_from,
@@ -237,17 +239,20 @@ impl Instrument {
     fn bias_and_noise(&mut self, time_s: f64) -> Vector3 {
         let mut error = Vector3::zeros();
         error.iter_mut().zip(&self.bias).for_each(|(e, b)| *e = *b);
-        let Some(root) = self.noise else { return error };
-        let mut noise = root * Vector3::from_fn(|_, _| normal(&mut self.rng));
-        if self.correlation_s > 0.0 {
-            // Gauss-Markov, as the estimator whitens it.
-            if let Some((before, last)) = self.last_noise {
-                let a = (-(time_s - before) / self.correlation_s).exp();
-                noise = last * a + noise * (1.0 - a * a).sqrt();
-            }
-            self.last_noise = Some((time_s, noise));
+        if let Some(root) = self.noise {
+            error += root * Vector3::from_fn(|_, _| normal(&mut self.rng));
         }
-        error + noise
+        let passed_s = self.last_s.replace(time_s).map(|before| time_s - before);
+        for (slow, now) in &mut self.slow {
+            let (stays, fresh) = match passed_s {
+                None => (0.0, slow.first()),
+                Some(h) => (slow.stays(h), slow.fresh(h)),
+            };
+            let drawn = Vector3::from_fn(|_, _| normal(&mut self.rng));
+            *now = *now * stays + square_root(&fresh) * drawn;
+            error += *now;
+        }
+        error
     }
 
     fn round(&self, x: f64, channel: usize) -> f64 {

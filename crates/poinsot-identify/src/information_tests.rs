@@ -18,7 +18,7 @@ use crate::problem::segment::{
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use poinsot_dynamics::Tree;
 use poinsot_model::{
-    Environment, FlexibleMode, Mode, ModeEstimate, Model, SensorKind, parse_model,
+    Environment, FlexibleMode, Mode, ModeEstimate, Model, SensorKind, SlowError, parse_model,
 };
 
 const MODEL: &str = r#"
@@ -370,14 +370,19 @@ fn noise(tree: &Tree) -> Noise {
     }
 }
 
-/// Makes the noise of some sensors coloured.
+/// Gives some sensors errors that last: a process beside white noise, nearly alone, and a walk.
 fn colour(segment: &mut Segment) {
     for record in &mut segment.observations.sensors {
-        record.correlation_s = match record.kind {
-            SensorKind::Gyro => 0.3,
-            SensorKind::Velocity => 0.2,
-            SensorKind::Position => 0.5,
-            _ => 0.0,
+        let own = record.covariance;
+        let slow = |share: f64, correlation_s| SlowError {
+            covariance: own * share,
+            correlation_s,
+        };
+        record.slow = match record.kind {
+            SensorKind::Gyro => vec![slow(0.7, 0.3)],
+            SensorKind::Velocity => vec![slow(0.999, 0.2)],
+            SensorKind::Position => vec![slow(0.4, 0.5), slow(3.0, f64::INFINITY)],
+            _ => Vec::new(),
         };
     }
 }
@@ -391,7 +396,10 @@ fn slopes(translation: bool, loss: Loss) -> Vec<(String, f64, f64)> {
 fn slopes_of(model: &Model, translation: bool, loss: Loss) -> Vec<(String, f64, f64)> {
     let tree = Tree::new(model);
     let mut segments = [segment(model, &tree, translation)];
-    segments.iter_mut().for_each(colour);
+    // Weights of a robust loss change what the filter makes of slow errors, which the rows take as given.
+    if loss == Loss::Gaussian {
+        segments.iter_mut().for_each(colour);
+    }
     for segment in &mut segments {
         let sensors = &mut segment.observations.sensors;
         sensors.retain(|r| model.sensors_of(r.kind).next().is_some());

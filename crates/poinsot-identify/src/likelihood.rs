@@ -7,7 +7,6 @@ mod parallel;
 mod rate_noise;
 pub(crate) mod rows;
 mod sensor_rows;
-mod whitener;
 
 use carried_columns::CarriedColumns;
 pub(crate) use carried_columns::KnownColumns;
@@ -112,8 +111,6 @@ pub(crate) struct ChannelResidual {
     pub numbers: usize,
     pub white: Vec<Vector3>,
     pub square: f64,
-    /// Logarithm of the determinant that the colour of the noise adds.
-    pub log_det: f64,
 }
 
 /// One segment at one value of all unknowns.
@@ -235,6 +232,8 @@ fn evaluate_driven(
         segment,
         rest_motion: setting.alternative.rest_motion,
         forced,
+        timed: !segment.firings.is_empty()
+            && setting.thrusters.iter().any(|t| t.timing_sigma_s > 0.0),
         followed: compare.followed(),
         records: setting.smooth_inputs,
     });
@@ -401,7 +400,10 @@ impl<'a> SegmentComparison<'a> {
         }
         let inverse_root = root.solve_lower_triangular(&Matrix3::identity())?;
         self.inputs.take(slopes, &inverse_root, rows);
-        self.input_share += (inverse_root * spread).component_mul(&inverse_root).sum();
+        let by_inputs = spread - self.inputs.of_sensors(slopes);
+        self.input_share += (inverse_root * by_inputs)
+            .component_mul(&inverse_root)
+            .sum();
         if let Some(carried) = self.carried.as_ref().filter(|_| self.with_sensitivities) {
             let reading = self.cursors[i].channel.white.len();
             let mut wide = self.spare.take();

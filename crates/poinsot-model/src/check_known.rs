@@ -47,6 +47,8 @@ pub(crate) fn known(
         out.uncertain.push(Uncertain { number, sigma });
     }
     out.uncertain.retain(|u| u.sigma > 0.0);
-    out.nominal_within = file.get("nominal_within").and_then(Value::as_float);
+    let number = |key: &str| file.get(key).and_then(Value::as_float);
+    out.nominal_within = number("nominal_within");
+    out.thrust_correlation = number("thrust_correlation").unwrap_or(0.0);
     out
 }

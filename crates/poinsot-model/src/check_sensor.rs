@@ -4,7 +4,7 @@ use crate::check::Check;
 use crate::check_name::unknown_name;
 use crate::file::{ModelFile, NamesFile, NoiseFile, NuisanceFile, SensorFile};
 use crate::finding::{Key, all};
-use crate::vehicle::{ErrorKey, JointKind, Nuisance, Sensor, SensorKind};
+use crate::vehicle::{ErrorKey, JointKind, Nuisance, Sensor, SensorKind, SlowError};
 use poinsot_files::list;
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
 use serde::Deserialize;
@@ -138,7 +138,8 @@ impl Check<'_, '_> {
         let first = first.and_then(|(first, r)| r.items.iter().find(|item| item.0 == *first));
         let unit = unit.or(first.map(|item| item.2));
         let unit = unit.or(kind.units().first().copied())?;
-        let noise_covariance = self.noise(file, kind, unit, key);
+        let noise_covariance = self.noise(file, kind, &format!("noise_{unit}"), key);
+        let (noise_covariance, slow) = self.slow(file, (kind, unit), key, noise_covariance);
         let quantisation = file.sample_errors.get(&format!("quantisation_{unit}"));
         let rotation = self.rotation(file.rotation_xyzw, file.rotation_matrix, key);
         let reference_N = self.reference(file, key);
@@ -156,7 +157,7 @@ impl Check<'_, '_> {
             body: 0,
             seen_from: 0,
             noise_covariance,
-            correlation_s: file.correlation_s.unwrap_or(0.0),
+            slow,
             quantisation: quantisation.and_then(Value::as_float).unwrap_or(0.0),
             bias: nuisance(ErrorKey::Bias, &file.bias, &format!("sigma_{unit}")),
             scale: nuisance(ErrorKey::Scale, &file.scale, "sigma"),
@@ -194,9 +195,11 @@ impl Check<'_, '_> {
     fn unit(&mut self, file: &SensorFile, key: &Key) -> Option<&'static str> {
         let mut declared: Option<&'static str> = None;
         for unit in ["rad", "rad_s", "m", "m_s", "m_s2", "N"] {
-            let keys = ["noise", "quantisation"].map(|what| format!("{what}_{unit}"));
+            let keys = ["noise", "slow", "quantisation"].map(|what| format!("{what}_{unit}"));
+            let walk = format!("walk_{unit}_s05");
             for name in keys
                 .iter()
+                .chain([&walk])
                 .filter(|name| file.sample_errors.contains_key(*name))
             {
                 if *declared.get_or_insert(unit) != unit {
@@ -260,16 +263,49 @@ impl Check<'_, '_> {
         of
     }
 
+    /// The white noise and what lasts over samples; with a correlation time alone, all noise does.
+    fn slow(
+        &mut self,
+        file: &SensorFile,
+        (kind, unit): (SensorKind, &str),
+        key: &Key,
+        white: Option<Matrix3>,
+    ) -> (Option<Matrix3>, Vec<SlowError>) {
+        let [slow, walk] = [format!("slow_{unit}"), format!("walk_{unit}_s05")];
+        let lasting = self.noise(file, kind, &slow, key);
+        let walk = self
+            .noise(file, kind, &walk, key)
+            .map(|covariance| SlowError {
+                covariance,
+                correlation_s: f64::INFINITY,
+            });
+        let (white, process) = match (lasting, file.correlation_s) {
+            (Some(_), None) => {
+                let problem = "how long the slow error lasts is missing";
+                let remedy = "write correlation_s, the time after which it has fallen to 1/e, s";
+                self.findings
+                    .refuse("E0118", &key.at(&slow), problem, remedy);
+                (white, None)
+            }
+            (None, Some(time)) => (None, white.zip(Some(time))),
+            (lasting, time) => (white, lasting.zip(time)),
+        };
+        let process = process.map(|(covariance, correlation_s)| SlowError {
+            covariance,
+            correlation_s,
+        });
+        (white, process.into_iter().chain(walk).collect())
+    }
+
     /// Covariance of one sample from one sigma, three sigmas, or the symmetric square root of the covariance.
     fn noise(
         &mut self,
         file: &SensorFile,
         kind: SensorKind,
-        unit: &str,
+        name: &str,
         key: &Key,
     ) -> Option<Matrix3> {
-        let name = format!("noise_{unit}");
-        let (here, noise) = (key.at(&name), file.sample_errors.get(&name)?);
+        let (here, noise) = (key.at(name), file.sample_errors.get(name)?);
         let problem = match NoiseFile::deserialize(noise.clone()).ok()? {
             NoiseFile::Scalar(sigma) => {
                 return Some(Matrix3::from_diagonal_element(sigma * sigma));

@@ -168,9 +168,7 @@ fn describe_sensor(model: &Model, s: &Sensor) -> SensorDescription {
         body: body_name(s.body).unwrap_or_default(),
         seen_from: body_name(s.seen_from).filter(|_| s.kind.is_relative()),
         unit: printed_unit(model.unit_of(s)),
-        noise: s
-            .noise_covariance
-            .map(|c| c.diagonal().map(f64::sqrt).into()),
+        noise: s.covariance().map(|c| c.diagonal().map(f64::sqrt).into()),
         quantisation: s.quantisation,
         of: names.map(str::to_owned).collect(),
     }

@@ -79,6 +79,19 @@ pub struct Knowledge {
     /// Allowed deviation of an estimate from nominal: a factor for masses and principal moments, a multiple of the
     /// radius of gyration for a mass centre; `None`: [`NOMINAL_WITHIN`].
     pub nominal_within: Option<f64>,
+    /// Correlation of the errors of two thrusters' known forces.
+    pub thrust_correlation: f64,
+}
+
+impl Knowledge {
+    /// Correlation of the errors of two numbers of this kind with equal nominal values.
+    pub fn correlation(&self, number: KnownNumber) -> f64 {
+        match number {
+            KnownNumber::SpinInertia(_) => LIKE_WHEELS,
+            KnownNumber::Force(_) => self.thrust_correlation,
+            _ => 0.0,
+        }
+    }
 }
 
 /// Default allowed factor between estimate and nominal: the masses of a modelled vehicle are known within a factor of

@@ -2,7 +2,9 @@
 
 use crate::knowledge::{Knowledge, across};
 pub use poinsot_dynamics::propagation::Mode;
-pub use poinsot_dynamics::{Axes, ErrorKey, Nuisance, Orbit, Sensor, SensorKind, printed_unit};
+pub use poinsot_dynamics::{
+    Axes, ErrorKey, Nuisance, Orbit, Sensor, SensorKind, SlowError, printed_unit,
+};
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
 use poinsot_telemetry::{STANDARD_GRAVITY, TelemetryMap};
 use schemars::JsonSchema;
@@ -282,6 +284,8 @@ pub struct Thruster {
     pub never_fires: bool,
     /// Knowledge of the factor between declared and true thrust.
     pub scale: Nuisance,
+    /// One sigma of the error of each of its switching times, s.
+    pub timing_sigma_s: f64,
     /// Propellant that it uses up; `None`: its mass is neglected.
     pub propellant: Option<Propellant>,
 }

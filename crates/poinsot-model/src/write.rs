@@ -9,7 +9,7 @@ use crate::file::{
 use crate::knowledge::{KnownNumber, Origin};
 use crate::vehicle::{
     Body, Environment, EstimateSet, FlexibleMode, Joint, JointKind, Model, MomentumKnowledge,
-    Nuisance, Orbit, Sensor, SpringDamper, Thruster, Wheel,
+    Nuisance, Orbit, Sensor, SlowError, SpringDamper, Thruster, Wheel,
 };
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
 use poinsot_telemetry::TelemetryMap;
@@ -48,6 +48,7 @@ pub(crate) fn file_of(model: &Model) -> ModelFile {
         source: (!exact && !known.assumed).then_some(Origin::Cad),
         exact: exact.then_some(true),
         nominal_within: known.nominal_within,
+        thrust_correlation: Some(known.thrust_correlation).filter(|c| *c > 0.0),
         body: each(&model.bodies, |k, b| body(b, own("body", k))),
         joint: each(&model.joints, |k, j| joint(model, j, own("joint", k))),
         wheel: each(&model.wheels, |k, w| wheel(model, w, own("wheel", k))),
@@ -180,6 +181,7 @@ fn thruster(model: &Model, thruster: &Thruster, uncertainty: Option<Sigmas>) -> 
         force_direction: Some(thruster.direction_B.into()),
         never_fires: thruster.never_fires.then_some(true),
         scale: nuisance(thruster.scale, "sigma"),
+        timing_sigma_s: Some(thruster.timing_sigma_s).filter(|sigma| *sigma > 0.0),
         specific_impulse_s: propellant.map(|p| p.specific_impulse),
         propellant_m: propellant.map(|p| p.p_BoF_B.into()),
         uncertainty,
@@ -224,14 +226,28 @@ fn mode(model: &Model, flexible: &FlexibleMode) -> ModeFile {
 
 fn sensor(model: &Model, sensor: &Sensor, uncertainty: Option<Sigmas>) -> SensorFile {
     let unit = model.unit_of(sensor);
-    let noise = sensor.noise_covariance.as_ref().map(noise);
-    let noise = noise.and_then(|noise| toml::Value::try_from(noise).ok());
+    let sigmas = |c: &Matrix3| toml::Value::try_from(noise(c)).ok();
+    let (walks, processes): (Vec<&SlowError>, Vec<&SlowError>) =
+        sensor.slow.iter().partition(|s| s.is_walk());
+    let (walk, process) = (walks.first(), processes.first());
+    let lasting = process.and_then(|s| sigmas(&s.covariance));
+    let white = sensor.noise_covariance.as_ref().and_then(sigmas);
+    // Noise that all lasts has no part of its own.
+    let (white, lasting) = match white {
+        None => (lasting, None),
+        white => (white, lasting),
+    };
     let step = Some(sensor.quantisation).filter(|lsb| *lsb > 0.0);
     let errors = [
-        ("noise", noise),
-        ("quantisation", step.map(toml::Value::Float)),
+        (format!("noise_{unit}"), white),
+        (format!("slow_{unit}"), lasting),
+        (
+            format!("walk_{unit}_s05"),
+            walk.and_then(|s| sigmas(&s.covariance)),
+        ),
+        (format!("quantisation_{unit}"), step.map(toml::Value::Float)),
     ];
-    let errors = errors.map(|(what, value)| Some((format!("{what}_{unit}"), value?)));
+    let errors = errors.map(|(key, value)| Some((key, value?)));
     let names = sensor.of.iter().filter_map(|k| model.measured(sensor, *k));
     SensorFile {
         name: Some(sensor.name.clone()),
@@ -240,7 +256,7 @@ fn sensor(model: &Model, sensor: &Sensor, uncertainty: Option<Sigmas>) -> Sensor
         seen_from: body_name(model, sensor.seen_from).filter(|_| sensor.kind.is_relative()),
         of: (sensor.kind.is_scalar()).then(|| NamesFile::Many(names.map(str::to_owned).collect())),
         sample_errors: errors.into_iter().flatten().collect(),
-        correlation_s: Some(sensor.correlation_s).filter(|time| *time > 0.0),
+        correlation_s: process.map(|s| s.correlation_s),
         bias: nuisance(sensor.bias, &format!("sigma_{unit}")),
         scale: nuisance(sensor.scale, "sigma"),
         misalignment: nuisance(sensor.misalignment, "sigma_rad"),

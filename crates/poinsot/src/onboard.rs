@@ -5,7 +5,7 @@ use crate::error::{Error, no_noise, unsupported};
 use nalgebra::{SMatrix, SVector};
 use poinsot_dynamics::{Kinematics, Nozzle, SAME_TIME, SensorKind, Tree, composite, thrust_wrench};
 use poinsot_formats::EstimateFile;
-use poinsot_model::{Body, EstimateSet, Model, Nuisance};
+use poinsot_model::{Body, EstimateSet, Model, Nuisance, Sensor, SlowError};
 use poinsot_onboard::{Answer, Configuration, Noise, Sample, WHEELS, Wheel};
 use poinsot_spatial::{InertialParameters, MassProperties, Vector3, elements, tensor};
 use poinsot_telemetry::{Channel, Table, resample};
@@ -228,6 +228,22 @@ fn noise(model: &Model) -> Result<Noise, Error> {
     let needed = |kind| sigma(kind).ok_or_else(|| no_noise(kind));
     let bias = model.sensors_of(SensorKind::Gyro).next().map(|s| s.bias);
     let random = model.environment.random_torque;
+    let walk = |s: &Sensor| s.kind == SensorKind::Gyro && s.slow.iter().all(SlowError::is_walk);
+    if let Some(sensor) = model
+        .sensors
+        .iter()
+        .find(|s| !s.slow.is_empty() && !walk(s))
+    {
+        return Err(unsupported(
+            &format!(
+                "the on-board filter has no slow error of sensor \"{}\"",
+                sensor.name
+            ),
+            "declare white noise that is wide enough, or a walk of the gyro's bias",
+        ));
+    }
+    let walk = model.sensors_of(SensorKind::Gyro).next();
+    let walk = walk.and_then(|s| s.slow.first()).map(|s| s.covariance);
     Ok(Noise {
         gyro: needed(SensorKind::Gyro)?,
         attitude: needed(SensorKind::Attitude)?,
@@ -237,7 +253,7 @@ fn noise(model: &Model) -> Result<Noise, Error> {
             Some(Nuisance::Estimate) => BIAS,
             Some(Nuisance::Known) | None => 0.0,
         },
-        bias_walk: 0.0,
+        bias_walk: walk.map_or(0.0, |c| (c.trace() / 3.0).sqrt()),
         // The white torque of the same power at low frequencies.
         torque_walk: random.map_or(0.0, |r| r.sigma_N_m * (2.0 * r.correlation_s).sqrt()),
     })

@@ -20,7 +20,7 @@ fn sensor(kind: SensorKind) -> Sensor {
         misalignment: Nuisance::Known,
         nonorthogonality: Nuisance::Known,
         lag: Nuisance::Known,
-        correlation_s: 0.0,
+        slow: Vec::new(),
         R_BS: Matrix3::identity(),
         p_BoS_B: Vector3::zeros(),
         reference_N: None,

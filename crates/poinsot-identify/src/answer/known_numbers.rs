@@ -81,10 +81,38 @@ fn along(row: &Row, shift: &[f64]) -> f64 {
     row.gradient.iter().zip(shift).map(|(g, s)| g * s).sum()
 }
 
+/// The assumption that the errors of the thrusters' forces are as correlated as the model says: what all of them at once would
+/// change.
+fn common_thrust(model: &Model, solution: &Solution) -> Option<Assumed> {
+    let known = solution.likelihood.as_ref()?.known.as_ref()?;
+    let number = |place: &usize| solution.parameters.unknowns[*place].kind.known();
+    let pairs = known.places.iter().zip(&known.shift);
+    let forces: Vec<_> = pairs
+        .filter_map(|(place, shift)| Some((number(place)?, shift)))
+        .filter(|(number, _)| matches!(number.number, KnownNumber::Force(_)))
+        .collect();
+    let width = forces.get(1)?.1.len();
+    let sum = |k: usize| {
+        forces
+            .iter()
+            .map(|(number, shift)| number.sigma * shift[k])
+            .sum()
+    };
+    let correlation = model.knowledge.thrust_correlation;
+    Some(Assumed {
+        what: format!(
+            "a correlation of {correlation} between the errors of the thrusters' forces (thrust_correlation)"
+        ),
+        change: "one sigma of all forces at once".to_owned(),
+        shift: (0..width).map(sum).collect(),
+    })
+}
+
 /// One remark for each assumption that no sample tells of: what the answer owes to it. Of those of one kind the largest is told.
-pub(crate) fn assumptions(solution: &Solution, rows: &[Row]) -> Vec<Remark> {
+pub(crate) fn assumptions(model: &Model, solution: &Solution, rows: &[Row]) -> Vec<Remark> {
     let own = solution.likelihood.as_ref();
     let all = own.map_or(&[][..], |own| &own.diagnostics.assumed);
+    let common = common_thrust(model, solution);
     let largest = |of: &Assumed| {
         let asked = rows.iter().filter(|row| row.nuisance.is_none());
         let changes = asked.filter_map(|row| {
@@ -93,7 +121,9 @@ pub(crate) fn assumptions(solution: &Solution, rows: &[Row]) -> Vec<Remark> {
         });
         changes.max_by(|a, b| a.0.total_cmp(&b.0))
     };
-    let mut effects: Vec<_> = all.iter().map(|of| (of, largest(of))).collect();
+    let mut effects: Vec<_> = (all.iter().chain(&common))
+        .map(|of| (of, largest(of)))
+        .collect();
     let size = |effect: &Option<(f64, &String)>| effect.as_ref().map_or(0.0, |e| e.0);
     effects.sort_by(|a, b| size(&b.1).total_cmp(&size(&a.1)));
     let mut told: HashSet<&str> = HashSet::new();

@@ -73,7 +73,7 @@ pub(crate) fn write(problem: &Problem, solution: &Solution) -> Estimate {
     remarks.extend(said.filter(|r| r.kind != RemarkKind::Test).cloned());
     remarks.extend(warnings.into_iter().map(Remark::warning));
     let rows = covariance_rows(solution, &bodies, &nuisance);
-    remarks.extend(assumptions(solution, &rows));
+    remarks.extend(assumptions(problem.model, solution, &rows));
     let own = solution.likelihood.as_ref();
     Estimate {
         method: solution.method.to_owned(),

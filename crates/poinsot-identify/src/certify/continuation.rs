@@ -192,7 +192,7 @@ fn predicted(experiment: &Experiment, at: &Iterate) -> Option<Vec<Segment>> {
             .iter_mut()
             .zip(&s.observations.sensors);
         for (kept, all) in pairs {
-            kept.covariance *= kept.samples.len() as f64 / all.samples.len().max(1) as f64;
+            kept.scale_noise(kept.samples.len() as f64 / all.samples.len().max(1) as f64);
         }
         few
     };

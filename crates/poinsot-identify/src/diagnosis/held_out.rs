@@ -72,6 +72,7 @@ fn beginning(segment: &Segment) -> Segment {
         SensorRecord {
             name: sensor.name.clone(),
             samples: sensor.samples[..kept].to_vec(),
+            slow: sensor.slow.clone(),
             ..*sensor
         }
     });

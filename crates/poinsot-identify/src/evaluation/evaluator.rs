@@ -254,7 +254,6 @@ impl<'a> Evaluator<'a> {
         for ((segment, one), place) in segments.clone().zip(&places) {
             deviance += one.cost;
             for channel in &one.channels {
-                deviance += channel.log_det;
                 let mut residuals = SensorResiduals {
                     segment: segment.label.clone(),
                     sensor: channel.name.clone(),

@@ -152,6 +152,7 @@ fn unknowns(model: &Model) -> Vec<Unknown> {
                 number,
                 component,
                 sigma,
+                correlation: model.knowledge.correlation(number),
                 slopes: Vec::new(),
             };
             all.push(Unknown {

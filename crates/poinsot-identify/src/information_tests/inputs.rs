@@ -14,10 +14,10 @@ use crate::problem::segment::{
     SensorRecord, SensorValue,
 };
 use crate::sensors::ideal_measurement;
-use nalgebra::{Matrix2, UnitQuaternion, Vector3};
+use nalgebra::{Matrix2, Matrix3, UnitQuaternion, Vector3};
 use poinsot_dynamics::Tree;
 use poinsot_dynamics::propagation::PoseMomentum;
-use poinsot_model::{SensorKind, parse_model};
+use poinsot_model::{SensorKind, SlowError, parse_model};
 
 /// How the problem is put.
 #[derive(Debug, Clone, Copy, Default)]
@@ -72,7 +72,7 @@ fn gaps(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> Gaps {
         )
     };
     for record in &mut made.observations.sensors {
-        record.covariance *= if points(record) { 1.0e-1 } else { 1.0e-3 };
+        record.scale_noise(if points(record) { 1.0e-1 } else { 1.0e-3 });
     }
     if case.points {
         noise.joint_rate = vec![2.0e-4, 1.0e-4];
@@ -196,9 +196,14 @@ fn gaps(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> Gaps {
         }
         before = values;
     }
-    // Residuals in units of the sensors' noise: C = 1 + G E G^T.
+    // Residuals in units of the sensors' white noise: C = 1 + S + G E G^T, with S the errors that last.
     let white = |segment: &Segment| -> Vec<f64> {
-        let channels = evaluate(segment, &silent).channels;
+        let mut plain = segment.clone();
+        for record in &mut plain.observations.sensors {
+            record.covariance = record.white();
+            record.slow.clear();
+        }
+        let channels = evaluate(&plain, &silent).channels;
         channels
             .iter()
             .flat_map(|c| &c.white)
@@ -208,6 +213,7 @@ fn gaps(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> Gaps {
     let residual = nalgebra::DVector::from_vec(white(&made));
     let samples = made.observations.time_s.len();
     let mut C = nalgebra::DMatrix::identity(residual.len(), residual.len());
+    add_lasting(&mut C, &made.observations);
     let rates = if case.points && !case.derived { 2 } else { 0 };
     let mut inputs = Vec::new();
     for input in 0..3 + rates {
@@ -257,6 +263,13 @@ fn gaps(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> Gaps {
             .diagonal()
             .map(f64::ln)
             .sum();
+    // The filter counts it from the whole noise of the sensors, C from the white part.
+    let share = |r: &SensorRecord| (r.covariance.determinant() / r.white().determinant()).ln();
+    let sensors = made.observations.sensors.iter();
+    let log_det = log_det
+        - sensors
+            .map(|r| r.samples.len() as f64 * share(r))
+            .sum::<f64>();
     let plain = residual.norm_squared();
     assert!(
         expected < 0.97 * plain,
@@ -308,6 +321,34 @@ fn gaps(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> Gaps {
     Gaps {
         likelihood,
         smoothed: chi2.max(off / size),
+    }
+}
+
+/// Adds the covariance of the sensors' slow errors, in units of their white noise, sensor by sensor.
+fn add_lasting(C: &mut nalgebra::DMatrix<f64>, o: &Observations) {
+    let mut first = 0;
+    for record in &o.sensors {
+        let unit = record
+            .white()
+            .cholesky()
+            .unwrap()
+            .l()
+            .try_inverse()
+            .unwrap();
+        let times: Vec<f64> = record.samples.iter().map(|s| o.time_s[s.to]).collect();
+        for (i, a) in times.iter().enumerate() {
+            for (j, b) in times.iter().enumerate() {
+                let share = |s: &SlowError| match s.is_walk() {
+                    true => a.min(*b) - o.time_s[0],
+                    false => (-(a - b).abs() / s.correlation_s).exp(),
+                };
+                let all = record.slow.iter().map(|s| s.covariance * share(s));
+                let block: Matrix3<f64> = unit * all.sum::<Matrix3<f64>>() * unit.transpose();
+                let mut at = C.fixed_view_mut::<3, 3>(first + 3 * i, first + 3 * j);
+                at += block;
+            }
+        }
+        first += 3 * times.len();
     }
 }
 

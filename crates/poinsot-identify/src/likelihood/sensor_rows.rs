@@ -1,8 +1,6 @@
-//! Residuals of one sensor along a segment, with its errors and correlated noise.
+//! Residuals of one sensor along a segment, with its errors.
 
-use super::whitener::NoiseWhitener;
 use super::{ChannelResidual, SegmentComparison, Setting};
-use crate::motion::input_noise::increments;
 use crate::motion::{Instant, Motion, State};
 use crate::problem::parameters::UnknownKind;
 use crate::problem::segment::{SensorRecord, SensorValue};
@@ -11,6 +9,7 @@ use nalgebra::Cholesky;
 use poinsot_dynamics::{SensorError, SensorErrors};
 use poinsot_model::printed_unit;
 use poinsot_spatial::{Matrix3, Vector3};
+use std::ops::Range;
 
 /// State of one sensor during an evaluation.
 pub(super) struct SensorCursor {
@@ -20,9 +19,8 @@ pub(super) struct SensorCursor {
     pub stream: SampleStream,
     /// Root of the determinant of its own covariance; `None` for a sensor taken as exact.
     pub own_root_det: Option<f64>,
-    whitener: NoiseWhitener,
-    /// Where its noise is correlated: place of the inputs' errors in its last sample among those that the filter keeps.
-    colour: Option<usize>,
+    /// Covariance of its white noise.
+    white: Matrix3,
     pub channel: ChannelResidual,
     /// The errors that are unknown: column, error.
     unknown: Vec<(usize, SensorError)>,
@@ -40,7 +38,6 @@ impl SensorCursor {
     ) -> Vec<Self> {
         let parameters = setting.parameters;
         let streams = SampleStream::all(records);
-        let mut places = increments(records)..;
         let one = |((sensor, record), stream): ((usize, &SensorRecord), SampleStream)| {
             let columns = parameters.unknowns.iter().enumerate();
             let unknown: Vec<(usize, SensorError)> = columns
@@ -58,10 +55,7 @@ impl SensorCursor {
                 late: unknown.iter().any(|u| u.1 == SensorError::Lag),
                 stream,
                 own_root_det: Cholesky::new(record.covariance).map(|c| c.l().diagonal().product()),
-                whitener: NoiseWhitener::new(record.correlation_s),
-                colour: (record.correlation_s > 0.0)
-                    .then(|| places.next())
-                    .flatten(),
+                white: record.white(),
                 channel: ChannelResidual {
                     sensor,
                     name: record.name.clone(),
@@ -123,14 +117,12 @@ impl SegmentComparison<'_> {
 
     /// Three rows: measured against predicted.
     fn compare(&mut self, i: usize, due: DueSample) {
-        let record = &self.segment.observations.sensors[i];
-        let at = due.sample.to;
-        let mut new = difference(&self.cursors[i], due);
+        let slow = self.inputs.slow_errors(i);
+        let mut new = difference(&self.cursors[i], due, slow);
         let residual = new.residual;
         let mut rows = std::mem::take(&mut new.columns);
         rows.push(residual);
-        let here = self.coloured(i, at, &mut rows, &mut new.errors);
-        let sensor = &record.covariance;
+        let sensor = &self.cursors[i].white;
         let common = self
             .joint_rates
             .take(&new.gains, sensor, &mut rows, &mut new.errors);
@@ -138,38 +130,14 @@ impl SegmentComparison<'_> {
         if let Some(white) = white {
             self.note(i, &residual, white);
         }
-        if let (Some(place), Some(here)) = (self.cursors[i].colour, here) {
-            self.inputs.keep(place, &here);
-            self.spare.give_back(here);
-        }
         for list in [rows, new.errors, new.gains] {
             self.spare.give_back(list);
         }
     }
-
-    /// Subtracts the correlation with the previous sample, where the inputs' errors were those of another time: gives the slopes over
-    /// them at this one. The white noise that joint rates add is taken as new at every sample.
-    fn coloured(
-        &mut self,
-        i: usize,
-        k: usize,
-        rows: &mut [Vector3],
-        slopes: &mut [Vector3],
-    ) -> Option<Vec<Vector3>> {
-        let cursor = &mut self.cursors[i];
-        let place = cursor.colour?;
-        let stayed = (cursor.whitener).take(self.segment.observations.time_s[k], rows);
-        cursor.channel.log_det += cursor.channel.numbers as f64 * stayed.new.ln();
-        let mut here = self.spare.take();
-        here.extend_from_slice(slopes);
-        let scale = 1.0 / stayed.new.sqrt();
-        slopes.iter_mut().for_each(|slope| *slope *= scale);
-        self.inputs.less_kept(place, stayed.share * scale, slopes);
-        Some(here)
-    }
 }
 
-fn difference(cursor: &SensorCursor, due: DueSample) -> Difference {
+/// `slow` are the places of its slow errors among those of the filter, three to each.
+fn difference(cursor: &SensorCursor, due: DueSample, slow: Range<usize>) -> Difference {
     let errors = &cursor.errors;
     let DueSample {
         sample,
@@ -198,6 +166,11 @@ fn difference(cursor: &SensorCursor, due: DueSample) -> Difference {
         }
         let own = cursor.own.iter().map(|e| errors.slope(*e, &x, &rate));
         new.columns.extend(own);
+    }
+    for own in new.errors[slow].chunks_exact_mut(3) {
+        for (axis, slope) in own.iter_mut().enumerate() {
+            slope[axis] += 1.0;
+        }
     }
     if let SensorValue::Direction { normal_B, .. } = &sample.value {
         new.turn(&across(normal_B));

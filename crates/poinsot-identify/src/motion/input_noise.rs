@@ -16,13 +16,14 @@
 //!
 //! An accelerometer measures changes of rates and speeds, so it depends on the errors at neighbouring grid times. With
 //! one, the filter's state has the errors of a window of grid times, including later ones, and those of joint rates. A
-//! velocity increment depends on two instants, and so does what is new in correlated noise: the errors at the earlier one are kept
-//! until the later one.
+//! velocity increment depends on two instants: the errors at the earlier one are kept until the later one.
+//!
+//! What lasts over samples of the errors of a sensor is part of the state too: see [`SlowError`].
 //!
 //! Inputs along which a fit goes may be smoothed by all samples instead of measured: then their errors have the expected values
 //! that [`Observations::expected_errors`] holds, and [`InputNoise::smoothed`] gives what the samples make of them.
 //!
-//! A random torque about the mass centre is part of the state and drives the momentum ([`random_torque`]).
+//! Errors of the thrusters' switching times add to the momentum at each of them. A random torque about the mass centre is part of the state and drives the momentum ([`random_torque`]).
 
 mod filter;
 mod points;
@@ -34,10 +35,12 @@ pub(crate) use points::{approximate, increments};
 
 use crate::motion::{Column, Instant, Matrix6x12, Motion, State, matrix, pose_change};
 use crate::problem::error_process::{ErrorProcess, ErrorStep};
-use crate::problem::segment::{InputChannel, InputErrors, InputRate, Noise, Observations, Segment};
+use crate::problem::segment::{
+    InputChannel, InputErrors, InputRate, Noise, Observations, Segment, SensorRecord,
+};
 use filter::Filter;
 use nalgebra::{Matrix2, Vector2};
-use poinsot_dynamics::JointSlopes;
+use poinsot_dynamics::{JointSlopes, SlowError};
 use poinsot_model::RandomTorque;
 use poinsot_spatial::{Matrix3, Vector3, Vector6};
 use smoother::KnownError;
@@ -93,6 +96,8 @@ struct DynamicsJacobian {
     drive: Vec<Vector6>,
     /// Lower halves of `A` and `D` in the interval that begins here; of `D` nothing where no external force or torque acts.
     push: (Matrix6x12, Vec<Vector6>),
+    /// Errors of the momenta by switching times of thrusters.
+    switched: Vec<Vector6>,
 }
 
 /// What one step computes and the next one overwrites.
@@ -115,6 +120,8 @@ pub(crate) struct FilterSetting<'a> {
     pub rest_motion: f64,
     /// Whether external forces or torques act.
     pub forced: bool,
+    /// Whether switching times of thrusters have errors.
+    pub timed: bool,
     /// Number of sequences that go through the filter: sensitivities and residual.
     pub followed: usize,
     /// Whether a backward pass follows.
@@ -136,6 +143,8 @@ pub(crate) struct InputNoise {
     active: Vec<usize>,
     /// Number of these and of the components of the random torque, which follow them.
     lead: usize,
+    /// What lasts of the errors of each sensor, with the first of its places; they are the last of all.
+    slow: Vec<(Vec<SlowError>, usize)>,
     /// Grid times on each side of the one in hand whose errors are held.
     reach: usize,
     /// Joints whose rate is made of their positions.
@@ -208,13 +217,12 @@ impl InputNoise {
             segment,
             rest_motion,
             forced,
+            timed,
             followed,
             records,
         } = of;
         let o = &segment.observations;
         let increments = increments(&o.sensors);
-        let coloured = o.sensors.iter().filter(|r| r.correlation_s > 0.0);
-        let kept = increments + coloured.count();
         let translation = o.reads_translation() || increments > 0;
         let tracks_rates = o.reads_points() || o.is_smoothed() || records;
         let derived = if o.reads_points() {
@@ -234,8 +242,10 @@ impl InputNoise {
         let rates = rates.map(|(k, v)| (Input::Rate(k), *v, None));
         let (inputs, memory, shares) = noisy(joints.chain(wheels).chain(rates), rest_motion);
         let torque = random_torque.is_some();
-        let silent = inputs.is_empty() && !torque;
-        let active = match (silent, translation, forced || torque) {
+        let lasting: usize = o.sensors.iter().map(|r| r.slow.len()).sum();
+        let still = inputs.is_empty() && !torque && !timed;
+        let silent = still && lasting == 0;
+        let active = match (still, translation, forced || torque) {
             (true, _, _) => Vec::new(),
             (_, false, false) => (0..3).collect(),
             (_, false, true) => (0..3).chain(9..12).collect(),
@@ -247,7 +257,15 @@ impl InputNoise {
             false => points::reach(o, &derived),
         };
         let lead = active.len() + 3 * usize::from(torque);
-        let size = lead + (2 * reach + 1) * inputs.len() + 3 * kept;
+        let kept = if silent { 0 } else { 3 * increments };
+        let mut place = lead + (2 * reach + 1) * inputs.len() + kept;
+        let of_sensor = |record: &SensorRecord| {
+            let first = place;
+            place += 3 * record.slow.len();
+            (record.slow.clone(), first)
+        };
+        let slow: Vec<_> = o.sensors.iter().map(of_sensor).collect();
+        let size = place;
         let size = if silent { 0 } else { size };
         let mut columns = vec![Column::zeros(); size];
         for (column, &at) in columns.iter_mut().zip(&active) {
@@ -257,6 +275,7 @@ impl InputNoise {
             random_torque,
             step: None,
             lead,
+            slow,
             reach,
             tracks_rates,
             derived,
@@ -396,6 +415,7 @@ impl InputNoise {
             None => {
                 self.begin(&now);
                 self.begin_pairs();
+                self.renew_slow(SlowError::first);
             }
             Some(before) => {
                 self.carry(&before, &now, motion.step_s(k), k);
@@ -426,11 +446,13 @@ impl InputNoise {
         let R = matrix(&state.R_NB);
         self.twists.fill(Vector6::zeros());
         out.pose = motion.pose_slopes(state, instant);
+        out.switched = motion.timing_errors(state, instant, k);
         let DynamicsJacobian {
             pose,
             at_once,
             drive,
             push,
+            ..
         } = out;
         at_once.clear();
         drive.clear();
@@ -583,6 +605,7 @@ impl InputNoise {
 
     /// From one grid time to the next, k: `s = Phi s + (h/2) (B e + B_next e_next)`.
     fn carry(&mut self, before: &DynamicsJacobian, now: &DynamicsJacobian, h: f64, k: usize) {
+        self.switch(&before.switched);
         let (n, ahead) = (self.lead, self.reach > 0);
         let stride = self.filter.stride();
         let pose = (before.pose + now.pose) * 0.5;
@@ -632,9 +655,11 @@ impl InputNoise {
                 fresh.push(ends[1](row));
             }
         }
-        self.advance(&upper, k - 1 + self.reach);
+        self.advance(&upper, h, k - 1 + self.reach);
+        self.renew_slow(|slow| slow.fresh(h));
         self.innovate(&fresh, &mut vector, k - 1 + self.reach);
         self.renew(&torque);
+        self.switch(&now.switched);
         self.scratch = StepScratch {
             upper,
             fresh,
@@ -661,7 +686,7 @@ impl InputNoise {
 
     /// Moves the window of errors one grid time on: `upper` holds the rows of `s`, the last errors in hand are those of grid time
     /// `last`, and what is kept stays.
-    fn advance(&mut self, upper: &[f64], last: usize) {
+    fn advance(&mut self, upper: &[f64], h: f64, last: usize) {
         let mut rows = std::mem::take(&mut self.scratch.rows);
         rows.clear();
         let dense = upper.chunks_exact(self.filter.stride());
@@ -671,11 +696,46 @@ impl InputNoise {
             rows.push([(i + inputs, 1.0)]);
         }
         self.memory_rows(&mut rows, last, self.reach as isize);
-        for i in rows.len()..self.filter.size {
+        let lasting = self.slow.iter().flat_map(|(slow, _)| slow);
+        let first = self.filter.size - 3 * lasting.clone().count();
+        for i in rows.len()..first {
             rows.push([(i, 1.0)]);
+        }
+        for (slow, i) in lasting.zip((first..).step_by(3)) {
+            let stays = slow.stays(h);
+            (i..i + 3).for_each(|i| rows.push([(i, stays)]));
         }
         self.filter.map(&rows);
         self.scratch.rows = rows;
+    }
+
+    /// Adds errors of the momenta.
+    fn switch(&mut self, errors: &[Vector6]) {
+        for error in errors {
+            let part = |row: &usize| row.checked_sub(6).map_or(0.0, |row| error[row]);
+            let vector: Vec<f64> = self.active.iter().map(part).collect();
+            self.filter.add_outer(&vector, 1.0);
+        }
+    }
+
+    /// Adds a covariance of each slow error of the sensors.
+    fn renew_slow(&mut self, covariance: impl Fn(&SlowError) -> Matrix3) {
+        for (all, first) in &self.slow {
+            for (slow, at) in all.iter().zip((*first..).step_by(3)) {
+                let new = covariance(slow);
+                for (i, j) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {
+                    self.filter.add((at + i, at + j), new[(i, j)]);
+                }
+            }
+        }
+    }
+
+    /// Places of the slow errors of a sensor in the filter's state, three to each.
+    pub fn slow_errors(&self, sensor: usize) -> std::ops::Range<usize> {
+        match self.slow.get(sensor) {
+            Some((slow, first)) => *first..first + 3 * slow.len(),
+            None => 0..0,
+        }
     }
 
     /// Adds what is new in every error after grid time k, with what it does to the state at once: nothing where it is of a later
@@ -761,6 +821,13 @@ impl InputNoise {
     /// Covariance `M P M^T` that the current errors add to a sample with these slopes. [`InputNoise::take`] uses what it finds.
     pub fn correlate(&mut self, slopes: &[Vector3]) -> Matrix3 {
         self.filter.correlate(slopes)
+    }
+
+    /// The part of that which the slow errors of sensors add.
+    pub fn of_sensors(&self, slopes: &[Vector3]) -> Matrix3 {
+        let lasting = self.slow.iter().map(|(slow, _)| 3 * slow.len());
+        let first = self.filter.size - lasting.sum::<usize>();
+        self.filter.correlated(slopes, first)
     }
 
     /// A residual minus its prediction from earlier samples.

@@ -34,7 +34,7 @@ faults! {
     TrackerMisalignment: "tracker_misalignment", "a star tracker has another orientation than declared",
         "; check its mounting, or write bias = \"estimate\" for it";
     BiasDrift: "bias_drift", "the bias of a sensor grows with time",
-        "; cut the record into shorter segments, or let the sensor warm up";
+        "; declare it as a random walk (walk_<unit>_s05 of the sensor)";
     Lag: "lag", "one sensor is delayed relative to the others", "; correct its times, or write lag = \"estimate\" for it";
     ClockJump: "clock_jump", "the sensor clock jumps relative to the input clock",
         "; cut the record there into two segments, or correct its times";

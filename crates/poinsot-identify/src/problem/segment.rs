@@ -1,7 +1,7 @@
 //! One segment of telemetry, aligned on the gyro's times, for the linear method.
 
 use super::error_process::ErrorProcess;
-use poinsot_model::SensorKind;
+use poinsot_model::{SensorKind, SlowError};
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
 
 /// Samples of one segment at common times. All arrays have one entry per time unless said otherwise.
@@ -120,10 +120,11 @@ pub struct SensorRecord {
     pub seen_from: usize,
     /// Place from the body's origin, in the body, m. Positions are from the place of the base origin at the first sample.
     pub p_BoS_B: Vector3,
-    /// Covariance of one sample, SI squared, in the axes of the value (of an attitude: of the body). Zero: taken as exact.
+    /// Covariance of one sample, white and slow noise together, SI squared, in the axes of the value (of an attitude: of the body).
+    /// Zero: taken as exact.
     pub covariance: Matrix3,
-    /// Correlation time of the noise, s; zero where it is white.
-    pub correlation_s: f64,
+    /// What lasts over samples, in the same axes: its share of the covariance is no white noise.
+    pub slow: Vec<SlowError>,
     /// Samples in the order of `to`.
     pub samples: Vec<SensorSample>,
 }
@@ -139,7 +140,7 @@ impl SensorRecord {
             seen_from: 0,
             p_BoS_B: Vector3::zeros(),
             covariance,
-            correlation_s: 0.0,
+            slow: Vec::new(),
             samples: Vec::new(),
         }
     }
@@ -169,6 +170,18 @@ impl SensorRecord {
             // Alike in every sense across the direction.
             n => n as f64 * self.covariance[(0, 0)].ln(),
         }
+    }
+
+    /// Covariance of the white noise of one sample.
+    pub(crate) fn white(&self) -> Matrix3 {
+        let slow = self.slow.iter().map(SlowError::first);
+        slow.fold(self.covariance, |c, slow| c - slow)
+    }
+
+    /// The same sensor with this share of all its variances.
+    pub(crate) fn scale_noise(&mut self, share: f64) {
+        self.covariance *= share;
+        self.slow.iter_mut().for_each(|s| s.covariance *= share);
     }
 
     /// Whether it is taken as exact: its first sample is the start, and no sample is compared.

@@ -220,6 +220,7 @@ impl Baseline<'_> {
                 p_BoT_B: Vector3::new(arm, 0.0, 0.0),
                 direction_B: Vector3::y(),
                 never_fires: false,
+                timing_sigma_s: 0.0,
                 scale: Default::default(),
                 propellant: None,
             });
@@ -382,7 +383,7 @@ fn thinned(
                 ..record.clone()
             };
             // Fewer samples stand for all of them.
-            few.covariance *= share;
+            few.scale_noise(share);
             sensors.push(few.at_every_time(vec![any_value(record.kind); samples]));
         }
     }

@@ -81,6 +81,10 @@ pub(crate) struct ModelFile {
     /// of gyration for a mass centre. Default 3.
     #[schemars(extend("exclusiveMinimum" = 1, "x-advice" = "give 3 for a third to three times the nominal numbers"))]
     pub nominal_within: Option<f64>,
+    /// Correlation of the errors of the thrusters' known forces: 0 where each has its own, the default, up to 0.99 for one
+    /// common factor, as of a tank pressure or a test stand.
+    #[schemars(extend("minimum" = 0, "maximum" = 0.99))]
+    pub thrust_correlation: Option<f64>,
     /// Bodies; the first is the base.
     #[schemars(required, extend("x-unique" = ["name"]))]
     pub body: Option<Vec<BodyFile>>,

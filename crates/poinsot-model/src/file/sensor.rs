@@ -13,7 +13,8 @@ use std::collections::BTreeMap;
 /// attitude and direction rad; position m; velocity and velocity_increment m_s; accelerometer m_s2; joint_position rad
 /// or m; joint_rate rad_s or m_s; wheel_speed rad_s; thrust N. A noise is one sigma per sample: a number,
 /// three numbers (one per sensor axis), or the 3 x 3 symmetric positive definite square root S of the
-/// covariance S S.
+/// covariance S S. A sensor with axes may have an error that lasts beside it, `slow_<unit>`, and a random walk of its bias,
+/// `walk_<unit>_s05`, written alike.
 #[derive(Debug, Clone, Default, Serialize, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields, extend("x-code" = "E0118"))]
 #[allow(non_snake_case)]
@@ -38,11 +39,11 @@ pub(crate) struct SensorFile {
     /// sensor reads: one name or a list. Default: all whose unit fits.
     #[schemars(extend("x-only" = of_type(SensorKind::is_scalar)))]
     pub of: Option<NamesFile>,
-    /// By key: `noise_<unit>` and `quantisation_<unit>`.
+    /// By key: `noise_<unit>`, `slow_<unit>`, `walk_<unit>_s05` and `quantisation_<unit>`.
     #[serde(flatten)]
     #[schemars(with = "SampleErrorFile")]
     pub sample_errors: BTreeMap<String, toml::Value>,
-    /// Correlation time of the noise of each axis, to 1/e, s (Gauss-Markov). Default: white.
+    /// Correlation time of `slow_<unit>`, to 1/e, s (Gauss-Markov); without that key all noise is correlated. Default: white.
     #[schemars(extend("x-only" = with_axes(), "x-only-code" = "E0106", "exclusiveMinimum" = 0))]
     pub correlation_s: Option<f64>,
     /// Constant bias: "none" (default), "estimate", or { sigma_<unit> = x } in the unit of the channel. A sensor of joints or
@@ -92,6 +93,11 @@ fn of_type(fit: impl Fn(SensorKind) -> bool) -> Value {
 
 fn with_axes() -> Value {
     of_type(|kind| !kind.is_scalar())
+}
+
+/// Types of sensors with axes in a unit.
+fn slow_in_unit(unit: &str) -> Value {
+    of_type(|kind| !kind.is_scalar() && kind.units().contains(&unit))
 }
 
 /// Types of sensors whose channels have a unit.
@@ -181,6 +187,36 @@ struct SampleErrorFile {
     /// One sigma per sample of a thrust, N.
     #[schemars(extend("x-only" = in_unit("N")))]
     noise_N: Option<NoiseFile>,
+    /// One sigma of an error of an attitude or a direction that lasts over samples, rad; `correlation_s` says how long.
+    #[schemars(extend("x-only" = slow_in_unit("rad")))]
+    slow_rad: Option<NoiseFile>,
+    /// One sigma that a random walk of the bias gains in 1 s, rad (it grows with the root of time).
+    #[schemars(extend("x-only" = slow_in_unit("rad")))]
+    walk_rad_s05: Option<NoiseFile>,
+    /// One sigma of an error of an angular velocity that lasts over samples, rad/s; `correlation_s` says how long.
+    #[schemars(extend("x-only" = slow_in_unit("rad_s")))]
+    slow_rad_s: Option<NoiseFile>,
+    /// One sigma that a random walk of the bias gains in 1 s, rad/s (it grows with the root of time).
+    #[schemars(extend("x-only" = slow_in_unit("rad_s")))]
+    walk_rad_s_s05: Option<NoiseFile>,
+    /// One sigma of an error of a position that lasts over samples, m; `correlation_s` says how long.
+    #[schemars(extend("x-only" = slow_in_unit("m")))]
+    slow_m: Option<NoiseFile>,
+    /// One sigma that a random walk of the bias gains in 1 s, m (it grows with the root of time).
+    #[schemars(extend("x-only" = slow_in_unit("m")))]
+    walk_m_s05: Option<NoiseFile>,
+    /// One sigma of an error of a velocity or a velocity increment that lasts over samples, m/s; `correlation_s` says how long.
+    #[schemars(extend("x-only" = slow_in_unit("m_s")))]
+    slow_m_s: Option<NoiseFile>,
+    /// One sigma that a random walk of the bias gains in 1 s, m/s (it grows with the root of time).
+    #[schemars(extend("x-only" = slow_in_unit("m_s")))]
+    walk_m_s_s05: Option<NoiseFile>,
+    /// One sigma of an error of a specific force that lasts over samples, m/s2; `correlation_s` says how long.
+    #[schemars(extend("x-only" = slow_in_unit("m_s2")))]
+    slow_m_s2: Option<NoiseFile>,
+    /// One sigma that a random walk of the bias gains in 1 s, m/s2 (it grows with the root of time).
+    #[schemars(extend("x-only" = slow_in_unit("m_s2")))]
+    walk_m_s2_s05: Option<NoiseFile>,
     /// Least significant bit, rad. Its variance is LSB^2/12.
     #[schemars(extend("x-only" = in_unit("rad")))]
     quantisation_rad: Option<Step>,

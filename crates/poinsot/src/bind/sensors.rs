@@ -3,7 +3,7 @@
 use crate::channel_names::{axes, names};
 use nalgebra::Quaternion;
 use poinsot_identify::{SensorRecord, SensorSample, SensorValue};
-use poinsot_model::{Model, Sensor, SensorKind};
+use poinsot_model::{Model, Sensor, SensorKind, SlowError};
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
 use poinsot_telemetry::{Channel, Table, median_step, resample};
 
@@ -204,17 +204,17 @@ impl<'a> SensorColumns<'a> {
             body: declared.map_or(0, |s| s.body),
             seen_from: declared.map_or(0, |s| s.seen_from),
             p_BoS_B: declared.map_or_else(Vector3::zeros, |s| s.p_BoS_B),
-            correlation_s: declared.map_or(0.0, |s| s.correlation_s),
+            slow: declared.map_or_else(Vec::new, |s| {
+                let turned = |slow: &SlowError| SlowError {
+                    covariance: in_body(s, slow.covariance),
+                    ..*slow
+                };
+                s.slow.iter().map(turned).collect()
+            }),
             samples: samples.collect(),
             name: declared.map_or_else(|| self.kind.word().to_owned(), |s| label(model, s)),
             // Samples are in body axes, but sensor errors are in sensor axes.
-            ..SensorRecord::of_base(
-                self.kind,
-                match declared {
-                    Some(s) if s.turns() => s.R_BS * noise * s.R_BS.transpose(),
-                    _ => noise,
-                },
-            )
+            ..SensorRecord::of_base(self.kind, declared.map_or(noise, |s| in_body(s, noise)))
         }
     }
 
@@ -279,10 +279,18 @@ fn label(model: &Model, sensor: &Sensor) -> String {
     }
 }
 
+/// A covariance in a sensor's axes in those of its samples.
+fn in_body(sensor: &Sensor, covariance: Matrix3) -> Matrix3 {
+    match sensor.turns() {
+        true => sensor.R_BS * covariance * sensor.R_BS.transpose(),
+        false => covariance,
+    }
+}
+
 /// Declared covariance of a sensor's samples including rounding; `None` if neither is declared.
 pub(super) fn covariance(sensor: &Sensor) -> Option<Matrix3> {
     let step = sensor.quantisation * sensor.quantisation / 12.0;
-    match sensor.noise_covariance {
+    match sensor.covariance() {
         Some(c) => Some(c + Matrix3::identity() * step),
         None => (step > 0.0).then(|| Matrix3::identity() * step),
     }

@@ -175,7 +175,7 @@ impl Experiment {
             if let Some(t) = truth.sensors.iter().find(same) {
                 sensor.noise_covariance = t.noise_covariance;
                 sensor.quantisation = t.quantisation;
-                sensor.correlation_s = t.correlation_s;
+                sensor.slow.clone_from(&t.slow);
             }
         }
         study.draw_phase = self.file.draw_phase.unwrap_or(true);

@@ -55,7 +55,7 @@ pub(super) fn placed(
         name: s.name.clone(),
         kind: s.kind.word().to_owned(),
         body: name(s.body),
-        sigma: s.noise_covariance.map(|c| c[(0, 0)].sqrt()),
+        sigma: s.covariance().map(|c| c[(0, 0)].sqrt()),
         quantisation: s.quantisation,
     });
     Vehicle {

@@ -108,7 +108,7 @@ impl Drawn<'_> {
     fn sensor(&self, i: usize) -> TrueSensorFile {
         let sensor = &self.model.sensors[i];
         let axes = if sensor.kind.is_scalar() { 1 } else { 3 };
-        let covariance = sensor.noise_covariance.map(|c| {
+        let covariance = sensor.covariance().map(|c| {
             let row = |r: usize| (0..axes).map(|k| c[(r, k)]).collect();
             (0..axes).map(row).collect()
         });

@@ -140,7 +140,7 @@ impl Group<'_> {
     /// Differences in units of the declared noise including rounding, per axis.
     fn sigmas(&self, difference: &[Vec<f64>]) -> Option<InSigmasFile> {
         let sensor = self.sensor?;
-        let covariance = sensor.noise_covariance.unwrap_or_default();
+        let covariance = sensor.covariance().unwrap_or_default();
         let step = sensor.quantisation * sensor.quantisation / 12.0;
         let (mut square, mut count, mut largest) = (0.0, 0_usize, 0.0_f64);
         for (k, row) in difference.iter().enumerate() {

@@ -61,6 +61,7 @@ mod shared;
 mod simulate;
 mod statistics;
 mod stored_momentum;
+mod switching_times;
 mod tables;
 mod throws;
 mod torque;

@@ -199,8 +199,13 @@ impl Filter {
             #[inline(always)]
             || self.correlate_rows(slopes),
         );
+        self.correlated(slopes, 0)
+    }
+
+    /// What the errors from a place on add to that covariance.
+    pub(super) fn correlated(&self, slopes: &[Vector3], first: usize) -> Matrix3 {
         let mut sum = Matrix3::zeros();
-        for (i, slope) in slopes.iter().enumerate().take(self.size) {
+        for (i, slope) in slopes.iter().enumerate().take(self.size).skip(first) {
             sum += slope * of_error(&self.correlation, i).transpose();
         }
         sum

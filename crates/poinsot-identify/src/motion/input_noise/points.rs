@@ -160,8 +160,7 @@ impl InputNoise {
         all.chain(derived.map(|(at, weight, j)| (at, j, 0.0, weight)))
     }
 
-    /// Keeps the errors of an instrument in this sample until its next one, at place `which`: those of the velocity at the beginning
-    /// of an increment, or of a reading whose noise is correlated with that of the next one.
+    /// Keeps the errors of the velocity at the beginning of an increment until its end, at place `which`.
     pub fn keep(&mut self, which: usize, slopes: &[Vector3]) {
         if !self.is_silent() {
             let at = self.kept(which);

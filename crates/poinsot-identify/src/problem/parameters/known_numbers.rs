@@ -2,7 +2,6 @@
 
 use super::{KnownUnknown, Parameters};
 use nalgebra::DMatrix;
-use poinsot_model::{KnownNumber, LIKE_WHEELS};
 
 impl Parameters {
     /// Places of the known numbers among the unknowns.
@@ -16,20 +15,18 @@ impl Parameters {
     pub(crate) fn known_covariance(&self) -> DMatrix<f64> {
         let of = |k: &usize| {
             let unknown = &self.unknowns[*k];
-            (unknown.kind.known(), unknown.nominal)
+            Some((unknown.kind.known()?, unknown.nominal))
         };
-        let all: Vec<_> = self.known_places().iter().map(of).collect();
-        let spin = |k: Option<&KnownUnknown>| {
-            k.is_some_and(|k| matches!(k.number, KnownNumber::SpinInertia(_)))
-        };
+        let all: Vec<_> = self.known_places().iter().filter_map(of).collect();
+        let kind = |known: &KnownUnknown| std::mem::discriminant(&known.number);
         DMatrix::from_fn(all.len(), all.len(), |i, j| {
             let ((a, own), (b, other)) = (all[i], all[j]);
-            let product = a.map_or(0.0, |k| k.sigma) * b.map_or(0.0, |k| k.sigma);
-            match () {
-                () if i == j => product,
-                () if spin(a) && spin(b) && own == other => LIKE_WHEELS * product,
-                () => 0.0,
-            }
+            let correlation = match i == j {
+                true => 1.0,
+                false if kind(a) == kind(b) && own == other => a.correlation,
+                false => 0.0,
+            };
+            correlation * a.sigma * b.sigma
         })
     }
 }

@@ -129,6 +129,8 @@ pub struct KnownUnknown {
     pub component: usize,
     /// One sigma, in the unit of the component.
     pub sigma: f64,
+    /// Correlation of its error with that of another number of its kind with the same value.
+    pub correlation: f64,
     /// Slope of the barycentric parameters: index `10 body + k` and slope.
     pub slopes: Vec<(usize, f64)>,
 }

@@ -2,9 +2,10 @@
 
 use super::{HEAD, accepted, body, joint, shipped};
 use poinsot_model::{
-    ErrorKey, EstimateSet, JointKind, Model, MomentumKnowledge, Nuisance, RandomTorque,
+    ErrorKey, EstimateSet, JointKind, Model, MomentumKnowledge, Nuisance, RandomTorque, SlowError,
     SpringDamper, parse_model, read_model, write_model,
 };
+use poinsot_spatial::Matrix3;
 
 pub fn full() -> String {
     let mut text = format!("{HEAD}name = \"everything \\\"quoted\\\"\"\n");
@@ -258,6 +259,14 @@ fn exact_every_nuisance_reads_back_from_what_was_written() {
         sigma_N_m: 1.0e-5,
         correlation_s: 30.0,
     });
-    gusty.sensors[0].correlation_s = 0.3;
+    let slow = |correlation_s| SlowError {
+        covariance: Matrix3::identity() * (1.0e-5 * 1.0e-5),
+        correlation_s,
+    };
+    for correlation_s in [f64::INFINITY, 0.3] {
+        gusty.sensors[0].slow.insert(0, slow(correlation_s));
+        assert_reads_back(&gusty);
+    }
+    gusty.sensors[0].noise_covariance = None;
     assert_reads_back(&gusty);
 }

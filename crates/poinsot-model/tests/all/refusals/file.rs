@@ -33,7 +33,7 @@ name = "test""#,
     (
         r#"[[thruster]]"#,
         r#"[[jet]]"#,
-        r#"E0104 m.toml:27:3: jet: unknown key; remove it; known here: schema, name, source, exact, nominal_within, body, joint, wheel, thruster, mode, panel, tank, sensor, momentum, environment, telemetry"#,
+        r#"E0104 m.toml:27:3: jet: unknown key; remove it; known here: schema, name, source, exact, nominal_within, thrust_correlation, body, joint, wheel, thruster, mode, panel, tank, sensor, momentum, environment, telemetry"#,
     ),
     (
         r#"[[wheel]]"#,

@@ -33,6 +33,40 @@ pub enum Inputs {
     Joints { noise_rad: f64 },
 }
 
+/// Errors of the sensors that last over samples.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Slow {
+    /// Of the tracker, rad, beside white noise, and of the gyro, rad/s.
+    pub tracker: f64,
+    pub gyro: f64,
+    /// How long both last, s.
+    pub correlation_s: f64,
+    /// What the bias of the gyro gains in 1 s, rad/s.
+    pub walk: f64,
+    /// Whether the model has them.
+    pub declared: bool,
+}
+
+/// A process of Gauss and Markov, as an autoregression.
+fn lasting(
+    random: &mut ChaCha8Rng,
+    (sigma, time_s): (f64, f64),
+    h_s: f64,
+) -> impl FnMut() -> Vector3 + use<> {
+    let a = if sigma > 0.0 {
+        (-h_s / time_s).exp()
+    } else {
+        0.0
+    };
+    let mut own = ChaCha8Rng::seed_from_u64(random.random());
+    let mut now = normals(&mut own) * sigma;
+    move || {
+        let before = now;
+        now = now * a + normals(&mut own) * (sigma * (1.0 - a * a).sqrt());
+        before
+    }
+}
+
 /// Sum of sines about a mean.
 struct Wave {
     mean: f64,
@@ -71,6 +105,7 @@ pub struct Vehicle {
     h_SScm_N: Vector3,
     gyro: f64,
     input: f64,
+    pub slow: Slow,
     random: ChaCha8Rng,
 }
 
@@ -156,6 +191,7 @@ impl Vehicle {
             h_SScm_N: Vector3::zeros(),
             gyro,
             input,
+            slow: Slow::default(),
             random,
         };
         let (H, joints) = all.momentum(0.0);
@@ -223,10 +259,28 @@ impl Vehicle {
         let rates: Vec<Vector3> = pairs.map(|(R, t)| self.rate(R, *t)).collect();
         let mut random = self.random.clone();
         let bias = normals(&mut random) * GYRO_BIAS;
+        let slow = self.slow;
+        let mut own = random.clone();
+        let mut seen = lasting(
+            &mut own,
+            (slow.tracker, slow.correlation_s),
+            EVERY as f64 * h,
+        );
+        let mut turning = lasting(&mut own, (slow.gyro, slow.correlation_s), h);
+        let mut walk = Vector3::zeros();
+        let drift: Vec<Vector3> = times
+            .iter()
+            .map(|_| {
+                let now = walk + turning();
+                walk += normals(&mut own) * (slow.walk * h.sqrt());
+                now
+            })
+            .collect();
         let mut read = |sigma: f64| sigma * normal(&mut random);
         let mut channels = Vec::new();
         for (axis, name) in ["omega_x", "omega_y", "omega_z"].into_iter().enumerate() {
-            let values = rates.iter().map(|w| w[axis] + bias[axis] + read(self.gyro));
+            let pairs = rates.iter().zip(&drift);
+            let values = pairs.map(|(w, d)| w[axis] + d[axis] + bias[axis] + read(self.gyro));
             add(&mut channels, name.to_owned(), &times, values.collect());
         }
         let seen: Vec<UnitQuaternion<f64>> = attitudes
@@ -234,7 +288,7 @@ impl Vehicle {
             .step_by(EVERY)
             .map(|R| {
                 let off = Vector3::from_fn(|_, _| read(TRACKER));
-                R * UnitQuaternion::from_scaled_axis(off)
+                R * UnitQuaternion::from_scaled_axis(off + seen())
             })
             .collect();
         let seldom: Vec<f64> = times.iter().copied().step_by(EVERY).collect();
@@ -310,12 +364,24 @@ impl Vehicle {
         }
         let rad = format!("noise_rad = {:?}", self.input);
         let rad_s = format!("noise_rad_s = {:?}", self.input);
-        let gyro = format!("noise_rad_s = {:?}\nbias = \"estimate\"", self.gyro);
-        text = text.sensor("gyro", "gyro", &gyro).sensor(
-            "tracker",
-            "attitude",
-            &format!("noise_rad = {TRACKER:?}"),
-        );
+        let mut gyro = format!("noise_rad_s = {:?}\nbias = \"estimate\"", self.gyro);
+        let mut tracker = format!("noise_rad = {TRACKER:?}");
+        let slow = self.slow;
+        let lasts = |key: &str, sigma: f64| match slow.declared && sigma > 0.0 {
+            true => format!(
+                "\n{key} = {sigma:?}\ncorrelation_s = {:?}",
+                slow.correlation_s
+            ),
+            false => String::new(),
+        };
+        gyro += &lasts("slow_rad_s", slow.gyro);
+        tracker += &lasts("slow_rad", slow.tracker);
+        if slow.declared && slow.walk > 0.0 {
+            gyro += &format!("\nwalk_rad_s_s05 = {:?}", slow.walk);
+        }
+        text = text
+            .sensor("gyro", "gyro", &gyro)
+            .sensor("tracker", "attitude", &tracker);
         if !self.wheels.is_empty() {
             text = text.sensor("tachometers", "wheel_speed", &rad_s);
         }

@@ -8,7 +8,7 @@ use nalgebra::{Matrix3, SVector, Vector3};
 use poinsot::bind::bind;
 use poinsot_dynamics::Tree;
 use poinsot_identify::{Estimate, Loss, TENSOR, maximum_likelihood_predicted};
-use poinsot_model::{Model, Nuisance, RandomTorque, Sensor, SensorKind};
+use poinsot_model::{Model, Nuisance, RandomTorque, Sensor, SensorKind, SlowError};
 use std::path::Path;
 
 /// Prior sigma of the box's angles, rad: ten times the result, so it only helps the start of the fit.
@@ -73,8 +73,11 @@ impl Declared {
         for sensor in &mut model.sensors {
             if sensor.kind == SensorKind::Gyro {
                 let squares = self.gyro.component_mul(&self.gyro);
-                sensor.noise_covariance = Some(Matrix3::from_diagonal(&squares));
-                sensor.correlation_s = 0.003;
+                sensor.noise_covariance = None;
+                sensor.slow = vec![SlowError {
+                    covariance: Matrix3::from_diagonal(&squares),
+                    correlation_s: 0.003,
+                }];
                 sensor.nonorthogonality = self.gyro_axes;
             }
         }
@@ -84,7 +87,7 @@ impl Declared {
             name: "tachometer".to_owned(),
             kind: SensorKind::WheelSpeed,
             noise_covariance: None,
-            correlation_s: 0.0,
+            slow: Vec::new(),
             nonorthogonality: Nuisance::Known,
             lag: self.wheel_lag,
             of: vec![0],

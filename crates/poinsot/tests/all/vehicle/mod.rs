@@ -153,7 +153,7 @@ pub fn sensors(sigma: f64) -> Vec<Sensor> {
 
 pub fn sensor(kind: SensorKind, sigma: f64) -> Sensor {
     Sensor {
-        correlation_s: 0.0,
+        slow: Vec::new(),
         name: kind.word().to_owned(),
         kind,
         body: 0,
@@ -199,6 +199,7 @@ pub fn with_thrusters(mut model: Model) -> Model {
             p_BoT_B: dice.vector(1.0),
             direction_B: dice.direction(),
             never_fires: false,
+            timing_sigma_s: 0.0,
             scale: Nuisance::Known,
             propellant: None,
         });
