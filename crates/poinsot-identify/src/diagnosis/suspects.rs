@@ -220,10 +220,11 @@ impl Scored {
                 let mirrored = self.nominal.iter().any(|n| near(value(0), -n));
                 mirrored || value(0) > -IMPOSSIBLE * sigma(0)
             }
-            // A tensor without a trace whose eigenvalues are below that bound has elements below it.
+            // A tensor without a trace whose eigenvalues are below that bound has elements below it. Where they are known far
+            // worse than it, none below it explains what these do.
             FaultKind::GravityGradient => {
                 let mut each = values.zip(&self.sigmas).take(GRADIENT);
-                each.all(|(x, sigma)| x.abs() < STEEPEST + IMPOSSIBLE * sigma)
+                each.all(|(x, sigma)| x.abs() < STEEPEST + IMPOSSIBLE * sigma.min(STEEPEST))
             }
             // Mass is lost, not gained.
             FaultKind::PropellantUse => value(0) > -IMPOSSIBLE * sigma(0),
