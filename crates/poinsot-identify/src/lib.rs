@@ -99,7 +99,7 @@ pub use diagnosis::{
     ChannelDiagnosis, Diagnostics, FaultKind, Finding, HeldOut, MomentumDrift, SensorLag,
     SpectralLine, Suspect, SuspectValue,
 };
-pub use evaluation::wanted::{Information, WantedNumber, WantedTerm};
+pub use evaluation::wanted::{Information, WantedTerm};
 pub use evaluation::{EvaluatedUnknown, Evaluation, Evaluator, SensorResiduals};
 pub use likelihood::impulse::{Impulse, Impulses, thrust_impulses};
 pub use methods::cramer_rao::{cramer_rao, predicted_covariance};

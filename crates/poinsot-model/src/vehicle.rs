@@ -80,6 +80,15 @@ impl EstimateSet {
             .collect()
     }
 
+    /// Whether a number is unknown, by its place among the ten mass properties.
+    pub fn has(&self, number: usize) -> bool {
+        match number {
+            0 => self.mass,
+            1..=3 => self.com,
+            _ => self.inertia,
+        }
+    }
+
     /// Everything unknown.
     pub const ALL: Self = Self {
         mass: true,

@@ -5,10 +5,10 @@
 //! with the certificate's sigma and the difference between both estimates. The error of an estimator is that of an
 //! efficient one plus an independent difference (Hausman 1978).
 
-use crate::numbers::{TEN, as_one, natural_ten, ten, ten_of};
+use crate::numbers::as_one;
 use poinsot_dynamics::Kinematics;
 use poinsot_identify::{BodyEstimate, Effect, Estimate, Number, Problem, Remark, Source};
-use poinsot_spatial::{InertialParameters, MassProperties, PARAMETER_NAMES};
+use poinsot_spatial::{InertialParameters, MASS_PROPERTY_NAMES, MassProperties, PARAMETER_NAMES};
 use std::collections::HashMap;
 
 /// Difference from the certificate, relative to the natural unit, that counts as evidence against the answer. A smaller
@@ -88,10 +88,14 @@ fn gaps(
     found: &BodyEstimate,
     nominal: &MassProperties,
 ) -> Vec<(f64, String)> {
-    let (before, after, units) = (ten_of(certified), ten_of(found), natural_ten(nominal));
+    let (before, after, units) = (
+        certified.numbers(),
+        found.numbers(),
+        nominal.natural_units(),
+    );
     let gap = |k: usize| {
         let gap = (after[k].value? - before[k].value?).abs();
-        let name = format!("{}.{}", found.name, TEN[k]);
+        let name = format!("{}.{}", found.name, MASS_PROPERTY_NAMES[k]);
         (gap > APART_SIGMAS * before[k].sigma?).then_some((gap / units[k], name))
     };
     (0..10).filter_map(gap).collect()
@@ -102,8 +106,8 @@ fn differences(values: &HashMap<String, f64>, estimate: &Estimate) -> Vec<f64> {
     let of = |name: &String| {
         let (body, number) = name.rsplit_once('.')?;
         let body = estimate.bodies.iter().find(|b| b.name == body)?;
-        let at = TEN.iter().position(|n| *n == number)?;
-        Some(values.get(name)? - ten_of(body)[at].value?)
+        let at = MASS_PROPERTY_NAMES.iter().position(|n| *n == number)?;
+        Some(values.get(name)? - body.numbers()[at].value?)
     };
     let names = estimate.covariance_names.iter();
     names.map(|name| of(name).unwrap_or(0.0)).collect()
@@ -119,12 +123,15 @@ fn values(problem: &Problem, bodies: &[InertialParameters]) -> HashMap<String, f
     let mut all = HashMap::new();
     for (body, pi) in problem.model.bodies.iter().zip(bodies) {
         let mut add = |name: &str, value: f64| all.insert(format!("{}.{name}", body.name), value);
-        add(TEN[0], pi.mass);
+        add(MASS_PROPERTY_NAMES[0], pi.mass);
         for (name, value) in parameter_names().iter().zip(pi.to_array()) {
             add(name, value);
         }
         let properties = pi.mass_properties();
-        for (name, value) in TEN.iter().zip(properties.iter().flat_map(ten)) {
+        for (name, value) in MASS_PROPERTY_NAMES
+            .iter()
+            .zip(properties.iter().flat_map(MassProperties::to_array))
+        {
             add(name, value);
             add(&name.replace("inertia_", "I_BBcm_"), value);
         }
@@ -144,7 +151,7 @@ fn replaced(body: &BodyEstimate, pi: &InertialParameters, withheld: bool) -> Bod
     };
     let given = (!withheld).then_some(pi);
     let properties = given.and_then(InertialParameters::mass_properties);
-    let ten = properties.as_ref().map(ten);
+    let ten = properties.as_ref().map(MassProperties::to_array);
     let parameters = given.map(InertialParameters::to_array);
     let mut out = BodyEstimate::from_numbers(
         body.name.clone(),

@@ -1,62 +1,9 @@
-//! The ten numbers of a body: mass, mass centre and the elements of the central inertia in the order of [`elements`].
+//! Numbers of the bodies in an answer, and of the report of a method.
 
 use poinsot_dynamics::{Kinematics, composite};
 use poinsot_identify::{BodyEstimate, Estimate, NamedNumber, Number, Source};
 use poinsot_model::{Body, Model};
-use poinsot_spatial::{InertialParameters, MassProperties, Vector3, elements, tensor};
-
-/// Names of the ten numbers in an answer.
-pub(crate) const TEN: [&str; 10] = [
-    "mass",
-    "com_x",
-    "com_y",
-    "com_z",
-    "inertia_xx",
-    "inertia_xy",
-    "inertia_yy",
-    "inertia_xz",
-    "inertia_yz",
-    "inertia_zz",
-];
-
-/// Units of the ten numbers.
-pub(crate) const UNITS: [&str; 10] = [
-    "kg", "m", "m", "m", "kg m2", "kg m2", "kg m2", "kg m2", "kg m2", "kg m2",
-];
-
-/// The ten numbers.
-pub(crate) fn ten(body: &MassProperties) -> [f64; 10] {
-    let c = &body.p_BoBcm_B;
-    let [xx, xy, yy, xz, yz, zz] = elements(&body.I_BBcm_B);
-    [body.mass, c.x, c.y, c.z, xx, xy, yy, xz, yz, zz]
-}
-
-/// The body of ten numbers.
-pub(crate) fn body([mass, x, y, z, inertia @ ..]: [f64; 10]) -> MassProperties {
-    MassProperties {
-        mass,
-        p_BoBcm_B: Vector3::new(x, y, z),
-        I_BBcm_B: tensor(inertia),
-    }
-}
-
-/// The ten numbers of a body of an answer.
-pub(crate) fn ten_of(body: &BodyEstimate) -> [Number; 10] {
-    let mut ten = [body.mass; 10];
-    ten[1..4].copy_from_slice(&body.com);
-    ten[4..].copy_from_slice(&body.inertia);
-    ten
-}
-
-/// The natural units of the ten numbers of a body: m, L, m L^2.
-pub(crate) fn natural_ten(body: &MassProperties) -> [f64; 10] {
-    let (m, L) = (body.mass, body.radius_of_gyration());
-    std::array::from_fn(|k| match k {
-        0 => m,
-        1..=3 => L,
-        _ => m * L * L,
-    })
-}
+use poinsot_spatial::{InertialParameters, MASS_PROPERTY_NAMES, MassProperties};
 
 /// A number of a method's report, without sigma.
 pub(crate) fn printed(name: String, unit: &'static str, value: f64, nominal: f64) -> NamedNumber {
@@ -92,13 +39,13 @@ pub fn answered(model: &Model, estimate: &Estimate) -> Vec<MassProperties> {
     };
     let bodies = model.bodies.iter().zip(&estimate.bodies);
     let best = |(model, answer): (&Body, &BodyEstimate)| {
-        let numbers = ten_of(answer);
+        let numbers = answer.numbers();
         let number = |k: usize| {
-            let value = numbers[k].value.or_else(|| printed(TEN[k]));
+            let value = numbers[k].value.or_else(|| printed(MASS_PROPERTY_NAMES[k]));
             value.unwrap_or(numbers[k].nominal)
         };
         match answer.asked {
-            true => body(std::array::from_fn(number)),
+            true => MassProperties::from_array(&std::array::from_fn(number)),
             false => model.nominal,
         }
     };

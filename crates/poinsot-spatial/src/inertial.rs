@@ -15,6 +15,25 @@ pub const PARAMETER_NAMES: [&str; 10] = [
 pub const TENSOR: [(usize, usize); 6] = [(0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2)];
 const TENSOR_NAMES: [&str; 6] = ["xx", "xy", "yy", "xz", "yz", "zz"];
 
+/// Names of the ten mass properties in the order of [`MassProperties::to_array`]: mass, mass centre from the body's
+/// origin, inertia about the mass centre.
+pub const MASS_PROPERTY_NAMES: [&str; 10] = [
+    "mass",
+    "com_x",
+    "com_y",
+    "com_z",
+    "inertia_xx",
+    "inertia_xy",
+    "inertia_yy",
+    "inertia_xz",
+    "inertia_yz",
+    "inertia_zz",
+];
+/// Their units.
+pub const MASS_PROPERTY_UNITS: [&str; 10] = [
+    "kg", "m", "m", "m", "kg m2", "kg m2", "kg m2", "kg m2", "kg m2", "kg m2",
+];
+
 /// Name of an element in the order of [`TENSOR`].
 ///
 /// ```
@@ -256,6 +275,40 @@ impl MassProperties {
         p_BoBcm_B: Vector3::new(0.0, 0.0, 0.0),
         I_BBcm_B: Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
     };
+
+    /// The ten numbers in the order of [`MASS_PROPERTY_NAMES`].
+    ///
+    /// ```
+    /// use poinsot_spatial::MassProperties;
+    ///
+    /// let numbers = [2.0, 0.1, 0.0, 0.0, 1.0, 0.0, 3.0, 0.0, 0.0, 3.0];
+    /// let body = MassProperties::from_array(&numbers);
+    /// assert_eq!((body.p_BoBcm_B.x, body.to_array()), (0.1, numbers));
+    /// ```
+    pub fn to_array(&self) -> [f64; 10] {
+        let c = &self.p_BoBcm_B;
+        let [xx, xy, yy, xz, yz, zz] = elements(&self.I_BBcm_B);
+        [self.mass, c.x, c.y, c.z, xx, xy, yy, xz, yz, zz]
+    }
+
+    /// The inverse of [`Self::to_array`].
+    pub fn from_array(p: &[f64; 10]) -> Self {
+        Self {
+            mass: p[0],
+            p_BoBcm_B: Vector3::new(p[1], p[2], p[3]),
+            I_BBcm_B: tensor([p[4], p[5], p[6], p[7], p[8], p[9]]),
+        }
+    }
+
+    /// Natural units of the ten numbers: m, L and m L^2 with the radius of gyration L.
+    pub fn natural_units(&self) -> [f64; 10] {
+        let (m, L) = (self.mass, self.radius_of_gyration());
+        core::array::from_fn(|k| match k {
+            0 => m,
+            1..=3 => L,
+            _ => m * L * L,
+        })
+    }
 
     /// The barycentric parameters about the body's frame origin.
     pub fn parameters(&self) -> InertialParameters {

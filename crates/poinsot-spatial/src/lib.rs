@@ -40,8 +40,9 @@ mod inertial;
 mod skew;
 
 pub use inertial::{
-    InertialParameters, MassProperties, PARAMETER_NAMES, TENSOR, Unphysical, elements,
-    parallel_axis, pseudo_inertia, tensor, tensor_index, tensor_name, tensor_regressor,
+    InertialParameters, MASS_PROPERTY_NAMES, MASS_PROPERTY_UNITS, MassProperties, PARAMETER_NAMES,
+    TENSOR, Unphysical, elements, parallel_axis, pseudo_inertia, tensor, tensor_index, tensor_name,
+    tensor_regressor,
 };
 pub use skew::skew;
 

@@ -1,13 +1,14 @@
 //! The filter of `poinsot-onboard` for a model: its configuration, and the samples of a table.
 
-use crate::channel_names::names;
+use crate::channel_names;
 use crate::error::{Error, no_noise, unsupported};
+use crate::mass_numbers::names;
 use nalgebra::{SMatrix, SVector};
 use poinsot_dynamics::{Kinematics, Nozzle, SAME_TIME, SensorKind, Tree, composite, thrust_wrench};
 use poinsot_formats::EstimateFile;
 use poinsot_model::{Body, EstimateSet, Model, Nuisance, Sensor, SlowError};
 use poinsot_onboard::{Answer, Configuration, Noise, Sample, WHEELS, Wheel};
-use poinsot_spatial::{InertialParameters, MassProperties, Vector3, elements, tensor};
+use poinsot_spatial::{InertialParameters, MassProperties};
 use poinsot_telemetry::{Channel, Table, resample};
 
 /// Prior sigma of a body without a declared one, relative to its natural units.
@@ -19,7 +20,6 @@ const BIAS: f64 = 0.017;
 /// Steps of the differences of the ten parameters, in natural units: they are polynomials of third order.
 const STEP: f64 = 1.0e-4;
 
-type Ten = SVector<f64, 10>;
 type TenByTen = SMatrix<f64, 10, 10>;
 
 /// The configuration of a model's filter, and what it assumes.
@@ -118,7 +118,7 @@ impl OnBoard {
         let Some((body, of)) = model.bodies.first().zip(central(answer)) else {
             return Vec::new();
         };
-        let at = numbers(&of);
+        let (at, addresses) = (of.to_array(), names(&body.name));
         let back = slopes(&of).try_inverse().unwrap_or_default();
         let unknown = answer
             .numbers
@@ -139,10 +139,9 @@ impl OnBoard {
             1..=3 => answer.numbers[0].determined && answer.numbers[k].determined,
             _ => determined,
         };
-        let wanted = [body.estimate.mass, body.estimate.com, body.estimate.inertia];
-        let all = (0..10).filter(|k| wanted[usize::from(*k > 0) + usize::from(*k > 3)]);
+        let all = (0..10).filter(|k| body.estimate.has(*k));
         let number = |k: usize| Estimated {
-            address: format!("{}.{}", body.name, ADDRESSES[k]),
+            address: addresses[k].clone(),
             value: Some(at[k]).filter(|_| own(k)),
             sigma: covariance[(k, k)].max(0.0).sqrt(),
         };
@@ -160,7 +159,7 @@ impl OnBoard {
         let (attitude, position) = (of(SensorKind::Attitude), of(SensorKind::Position));
         let scalars = |kind, count: usize| -> Vec<Option<&Channel>> {
             let all: Vec<usize> = (0..count).collect();
-            let names = names(model, kind, &all).into_iter();
+            let names = channel_names::names(model, kind, &all).into_iter();
             names.map(|name| table.sensor_channel("", &name)).collect()
         };
         let wheels = scalars(SensorKind::WheelSpeed, model.wheels.len()).into_iter();
@@ -270,35 +269,6 @@ fn wheel_noise(model: &Model, wheel: usize) -> f64 {
     })
 }
 
-/// Mass, mass centre and central inertia, in the order of the parameters.
-const ADDRESSES: [&str; 10] = [
-    "mass_kg",
-    "com_m.x",
-    "com_m.y",
-    "com_m.z",
-    "inertia_kg_m2.xx",
-    "inertia_kg_m2.xy",
-    "inertia_kg_m2.yy",
-    "inertia_kg_m2.xz",
-    "inertia_kg_m2.yz",
-    "inertia_kg_m2.zz",
-];
-
-fn numbers(of: &MassProperties) -> Ten {
-    let c = &of.p_BoBcm_B;
-    let [xx, xy, yy, xz, yz, zz] = elements(&of.I_BBcm_B);
-    Ten::from([of.mass, c.x, c.y, c.z, xx, xy, yy, xz, yz, zz])
-}
-
-fn properties(of: &Ten) -> MassProperties {
-    let n: [f64; 10] = (*of).into();
-    MassProperties {
-        mass: n[0],
-        p_BoBcm_B: Vector3::new(n[1], n[2], n[3]),
-        I_BBcm_B: tensor([n[4], n[5], n[6], n[7], n[8], n[9]]),
-    }
-}
-
 /// Mass properties of the unknown body.
 fn central(answer: &Answer) -> Option<MassProperties> {
     let values = answer.numbers.map(|n| n.value);
@@ -307,13 +277,14 @@ fn central(answer: &Answer) -> Option<MassProperties> {
 
 /// Slopes of the ten parameters about the origin over mass, mass centre and central inertia.
 fn slopes(of: &MassProperties) -> TenByTen {
-    let (units, at) = (natural(of), numbers(of));
+    let (units, at) = (of.natural_units(), of.to_array());
     let mut slopes = TenByTen::zeros();
     for k in 0..10 {
         let mut ends = [at, at];
         ends[0][k] += STEP * units[k];
         ends[1][k] -= STEP * units[k];
-        let [up, down] = ends.map(|x| Ten::from(properties(&x).parameters().to_array()));
+        let parameters = |x| MassProperties::from_array(&x).parameters().to_array();
+        let [up, down] = ends.map(|x| SVector::<f64, 10>::from(parameters(x)));
         slopes.set_column(k, &((up - down) / (2.0 * STEP * units[k])));
     }
     slopes
@@ -321,29 +292,19 @@ fn slopes(of: &MassProperties) -> TenByTen {
 
 /// The nominal numbers, with those that an answer determines.
 fn with_answer(body: &Body, answer: Option<&EstimateFile>) -> MassProperties {
-    let mut all = numbers(&body.nominal);
+    let mut all = body.nominal.to_array();
     let found = answer.and_then(|a| a.bodies.get(&body.name));
     let Some(found) = found else {
         return body.nominal;
     };
-    for (address, _, number) in found.addressed("") {
-        let at = ADDRESSES
-            .iter()
-            .position(|a| *a == address.trim_start_matches('.'));
+    let addresses = names(&body.name);
+    for (address, _, number) in found.addressed(&body.name) {
+        let at = addresses.iter().position(|a| *a == address);
         if let (Some(at), Some(value)) = (at, number.value) {
             all[at] = value;
         }
     }
-    properties(&all)
-}
-
-/// Natural units: `m`, `L`, and `m L^2`.
-fn natural(of: &MassProperties) -> Ten {
-    let (m, L) = (of.mass, of.radius_of_gyration());
-    let mut units = Ten::repeat(m * L * L);
-    units[0] = m;
-    units.fixed_rows_mut::<3>(1).fill(L);
-    units
+    MassProperties::from_array(&all)
 }
 
 /// Covariance of mass, mass centre and central inertia: the declared prior, replaced by that of an answer where it has one.
@@ -353,7 +314,7 @@ fn covariance(
     answer: Option<&EstimateFile>,
     assumed: &mut Vec<String>,
 ) -> TenByTen {
-    let units = natural(nominal);
+    let units = nominal.natural_units();
     let (declared, unknown) = (body.prior, body.estimate);
     let groups = [
         (0..1, unknown.mass, declared.and_then(|p| p.mass), "mass"),
@@ -387,9 +348,7 @@ fn covariance(
     let Some(found) = answer.map(|a| &a.covariance) else {
         return out;
     };
-    let address = |k: usize| format!("{}.{}", body.name, ADDRESSES[k]);
-    let rows: [Option<usize>; 10] =
-        std::array::from_fn(|k| found.names.iter().position(|n| *n == address(k)));
+    let rows = names(&body.name).map(|own| found.names.iter().position(|n| *n == own));
     let entry = |i: usize, j: usize| found.matrix.get(i)?.get(j).copied().flatten();
     for i in 0..10 {
         for j in 0..10 {

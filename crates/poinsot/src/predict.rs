@@ -16,11 +16,9 @@ pub use file::prediction_file;
 pub use peaks::Peaks;
 use poinsot_dynamics::Tree;
 use poinsot_formats::{AgainstDurationFile, PeakFile, SigmasFile, finite};
-use poinsot_identify::{
-    BodyEstimate, Estimate, Problem, Source, WantedNumber, WantedTerm, axis_name,
-    predicted_covariance, tensor_name,
-};
+use poinsot_identify::{BodyEstimate, Estimate, Problem, Source, WantedTerm, predicted_covariance};
 use poinsot_model::{Joint, Model, read_model};
+use poinsot_spatial::MASS_PROPERTY_NAMES;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 pub use written::{prediction_paths, write_predictions};
@@ -213,7 +211,7 @@ pub fn wanted_sigma(estimate: &Estimate, want: &Want) -> Option<f64> {
     let mut parts: Vec<(usize, f64)> = Vec::new();
     for term in &want.terms {
         let body = estimate.bodies.get(term.body)?;
-        if source(body, term.number) == Source::Known {
+        if body.numbers()[term.number].source == Source::Known {
             continue;
         }
         let name = covariance_name(body, term);
@@ -232,28 +230,15 @@ pub fn wanted_sigma(estimate: &Estimate, want: &Want) -> Option<f64> {
 ///
 /// ```
 #[doc = include_str!("../doc/answer.txt")]
-/// use poinsot_identify::{WantedNumber, WantedTerm};
+/// use poinsot_identify::WantedTerm;
 ///
-/// let term = WantedTerm { body: 0, number: WantedNumber::Inertia(5), factor: 1.0 };
+/// let term = WantedTerm { body: 0, number: 9, factor: 1.0 };
 /// let name = predict::covariance_name(&identified.estimate.bodies[0], &term);
 /// assert!(name == "bus.inertia_zz" && identified.estimate.covariance_names.contains(&name));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn covariance_name(body: &BodyEstimate, term: &WantedTerm) -> String {
-    let own = match term.number {
-        WantedNumber::Mass => "mass".to_owned(),
-        WantedNumber::MassCentre(k) => format!("com_{}", axis_name(k)),
-        WantedNumber::Inertia(k) => format!("inertia_{}", tensor_name(k)),
-    };
-    format!("{}.{own}", body.name)
-}
-
-fn source(body: &BodyEstimate, number: WantedNumber) -> Source {
-    match number {
-        WantedNumber::Mass => body.mass.source,
-        WantedNumber::MassCentre(k) => body.com[k].source,
-        WantedNumber::Inertia(k) => body.inertia[k].source,
-    }
+    format!("{}.{}", body.name, MASS_PROPERTY_NAMES[term.number])
 }
 
 /// Number of equally spaced ends of the record.

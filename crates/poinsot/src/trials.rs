@@ -17,7 +17,7 @@ use crate::case::Case;
 use crate::channel_names::names;
 use crate::error::Error;
 use crate::identify::{Question, estimate_by};
-use crate::mass_numbers::{names as mass_names, values};
+use crate::mass_numbers::names as mass_names;
 use crate::progress::step;
 use crate::simulate::{Exact, keep_measured, scalar_errors, simulate_exact, stream};
 use poinsot_dynamics::{Instrument, Tree};
@@ -239,7 +239,7 @@ impl Study {
             });
         };
         for (body, truth) in self.model.bodies.iter().zip(&self.truth) {
-            let named = mass_names(&body.name).into_iter().zip(values(truth));
+            let named = mass_names(&body.name).into_iter().zip(truth.to_array());
             named.for_each(|(name, x)| add(name, x));
         }
         for (sensor, bias) in self.sensors.iter().zip(biases) {

@@ -252,6 +252,14 @@ fn rotation_body(
 }
 
 impl BodyEstimate {
+    /// Mass, mass centre and inertia in the order of [`poinsot_spatial::MASS_PROPERTY_NAMES`].
+    pub fn numbers(&self) -> [Number; 10] {
+        let mut ten = [self.mass; 10];
+        ten[1..4].copy_from_slice(&self.com);
+        ten[4..].copy_from_slice(&self.inertia);
+        ten
+    }
+
     /// A body that is known: every number nominal, without sigma.
     pub fn known(name: String, nominal: &MassProperties) -> Self {
         let pi = nominal.parameters().to_array();

@@ -21,24 +21,13 @@ const ROUGH: u32 = 4;
 /// Slope of a number that no equation of the experiment holds: its sigma is then huge, and finite.
 const UNSEEN: f64 = 1.0e100;
 
-/// One number of one body.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum WantedNumber {
-    /// Mass, kg.
-    Mass,
-    /// Component of the mass centre in the body's frame, m.
-    MassCentre(usize),
-    /// Element of the inertia about the mass centre in the order of [`TENSOR`](crate::TENSOR), kg m2.
-    Inertia(usize),
-}
-
 /// A number with its factor in a sum.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WantedTerm {
     /// Index of the body in the model.
     pub body: usize,
-    /// Which number.
-    pub number: WantedNumber,
+    /// Which number, by its place in [`poinsot_spatial::MASS_PROPERTY_NAMES`].
+    pub number: usize,
     /// Factor.
     pub factor: f64,
 }
@@ -145,28 +134,22 @@ impl Information {
 
     fn of_number(&self, term: &WantedTerm) -> Vec<f64> {
         let p = &self.parameters;
-        let asked = p.estimate[term.body];
-        let is_unknown = match term.number {
-            WantedNumber::Mass => asked.mass,
-            WantedNumber::MassCentre(_) => asked.com,
-            WantedNumber::Inertia(_) => asked.inertia,
-        };
-        if !is_unknown {
+        if !p.estimate[term.body].has(term.number) {
             return vec![0.0; p.len()];
         }
         if p.equations == Equations::Momentum {
             let ten = TenParameters::of_body(p, term.body, &self.x);
             return match term.number {
-                WantedNumber::Mass => ten.parameter(0).gradient,
-                WantedNumber::MassCentre(k) => ten.mass_centre(k).gradient,
-                WantedNumber::Inertia(k) => ten.central_inertia(k).gradient,
+                0 => ten.parameter(0).gradient,
+                k @ 1..=3 => ten.mass_centre(k - 1).gradient,
+                k => ten.central_inertia(k - 4).gradient,
             };
         }
         let kind = match term.number {
             // Rotation alone never shows the mass.
-            WantedNumber::Mass => return vec![UNSEEN; p.len()],
-            WantedNumber::MassCentre(k) => UnknownKind::MassCentre(k),
-            WantedNumber::Inertia(k) => UnknownKind::CentralInertia(k),
+            0 => return vec![UNSEEN; p.len()],
+            k @ 1..=3 => UnknownKind::MassCentre(k - 1),
+            k => UnknownKind::CentralInertia(k - 4),
         };
         let unknowns = p.unknowns.iter();
         unknowns

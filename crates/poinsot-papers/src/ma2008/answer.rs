@@ -9,7 +9,7 @@ use super::influence::sources;
 use super::ten::{MISFIT, Ten};
 use super::words::{identifiability, warnings};
 use crate::method::Named;
-use crate::numbers::{self, TEN, UNITS, as_one, ten, ten_of};
+use crate::numbers::{as_one, printed};
 use poinsot_dynamics::Kinematics;
 use poinsot_files::Faults;
 use poinsot_identify::{
@@ -17,7 +17,9 @@ use poinsot_identify::{
     SegmentFit, Source, Status,
 };
 use poinsot_model::Body;
-use poinsot_spatial::{InertialParameters, MassProperties, Vector3};
+use poinsot_spatial::{
+    InertialParameters, MASS_PROPERTY_NAMES, MASS_PROPERTY_UNITS, MassProperties, Vector3,
+};
 
 /// Ratio above which the answer is rejected: the model explains little, or the given momentum explains less than none.
 const REJECT: f64 = 9.0;
@@ -76,7 +78,7 @@ fn write(problem: &Problem, given: Given, solved: &NoisySolution, ten: &Ten) -> 
     let nominal = first.map_or(MassProperties::ZERO, |b| b.nominal);
     let name = first.map_or(String::new(), |b| b.name.clone());
     let base = body(ten, &name, &nominal, |base| base);
-    let numbers = ten_of(&base);
+    let numbers = base.numbers();
     let open = numbers.iter().filter(|n| n.source == Source::Open).count();
     let system = || system(problem, ten, &nominal);
     let links = bodies.iter().skip(1);
@@ -103,8 +105,11 @@ fn write(problem: &Problem, given: Given, solved: &NoisySolution, ten: &Ten) -> 
         system: (open == 0).then(system).flatten(),
         momentum: momentum(given, solved, ten),
         nuisance: Vec::new(),
-        covariance_names: kept.iter().map(|&k| format!("{name}.{}", TEN[k])).collect(),
-        covariance_units: kept.iter().map(|&k| UNITS[k]).collect(),
+        covariance_names: kept
+            .iter()
+            .map(|&k| format!("{name}.{}", MASS_PROPERTY_NAMES[k]))
+            .collect(),
+        covariance_units: kept.iter().map(|&k| MASS_PROPERTY_UNITS[k]).collect(),
         covariance: kept.iter().map(row).collect(),
         identifiability: identifiability(&name, solved, ten),
         fit: fit.collect(),
@@ -140,9 +145,9 @@ fn body(
     nominal: &MassProperties,
     of: impl Fn(MassProperties) -> MassProperties,
 ) -> BodyEstimate {
-    let at = |u: &[f64; 10]| of(numbers::body(*u));
-    let (known, pi) = (self::ten(nominal), nominal.parameters().to_array());
-    let number = |k: usize| ten.number(known[k], |u| self::ten(&at(u))[k]);
+    let at = |u: &[f64; 10]| of(MassProperties::from_array(u));
+    let (known, pi) = (nominal.to_array(), nominal.parameters().to_array());
+    let number = |k: usize| ten.number(known[k], |u| at(u).to_array()[k]);
     let parameter = |k: usize| ten.number(pi[k], |u| at(u).parameters().to_array()[k]);
     BodyEstimate::from_numbers(
         name.to_owned(),
@@ -205,7 +210,7 @@ fn report(solved: &NoisySolution) -> MethodReport {
     for (n, (bound, [matrix, right, error])) in (1..).zip(steps) {
         let mut add = |what: &str, unit, x| {
             let name = format!("step {n}: {what}");
-            list.push(numbers::printed(name, unit, x, 0.0));
+            list.push(printed(name, unit, x, 0.0));
         };
         add("condition number of the matrix", "1", bound.condition);
         add("size of the matrix error, limit", matrix, bound.epsilon_A);

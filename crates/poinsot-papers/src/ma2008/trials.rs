@@ -11,7 +11,6 @@ use super::data::{check, no_velocity, raws};
 use super::equations::Known;
 use super::lanes::{LANES, V, normals, solve};
 use crate::method::Kernel;
-use crate::numbers::body;
 use fearless_simd::{Level, dispatch};
 use poinsot_files::Faults;
 use poinsot_identify::{Problem, Status};
@@ -112,7 +111,8 @@ impl Trials {
         self.run(seed, groups, |results| {
             for lane in 0..LANES {
                 if numbers.contains(&number) {
-                    bodies.push(body(results.map(|of_lanes| of_lanes[lane])));
+                    let numbers = results.map(|of_lanes| of_lanes[lane]);
+                    bodies.push(MassProperties::from_array(&numbers));
                 }
                 number += 1;
             }

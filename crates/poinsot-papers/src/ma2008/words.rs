@@ -3,12 +3,12 @@
 use super::both::NoisySolution;
 use super::solve::Directions;
 use super::ten::{MISFIT, Ten};
-use crate::numbers::{TEN, UNITS};
 use crate::study::statistics::largest;
 use poinsot_identify::{
     BodyEstimate, DeterminedCombination, Identifiability, Problem, UnobservableCombination,
 };
 use poinsot_model::{Nuisance, SensorKind};
+use poinsot_spatial::{MASS_PROPERTY_NAMES, MASS_PROPERTY_UNITS};
 
 /// Range of the ratio of arm mass to base mass in the paper.
 const STUDIED: [f64; 2] = [0.005, 0.5];
@@ -50,7 +50,8 @@ const FEW_DIRECTIONS: Cause = Cause {
 };
 
 pub(super) fn identifiability(name: &str, solved: &NoisySolution, ten: &Ten) -> Identifiability {
-    let names = TEN.map(|number| format!("{name}.{}", number.replace("inertia_", "I_BBcm_")));
+    let names = MASS_PROPERTY_NAMES
+        .map(|number| format!("{name}.{}", number.replace("inertia_", "I_BBcm_")));
     let mut found = Identifiability {
         parameters: 10,
         ..Identifiability::default()
@@ -130,7 +131,7 @@ fn describe<const N: usize>(
         found.determined.push(DeterminedCombination {
             text,
             coefficients,
-            unit: UNITS[at + lead],
+            unit: MASS_PROPERTY_UNITS[at + lead],
             value: terms().map(|i| weigh(i) * ten.value[at + i]).sum(),
             sigma: ten.inflation * variance.sqrt() * scale.abs(),
         });

@@ -9,7 +9,7 @@ use super::single_body::Form;
 use super::{Kind, ORDER, Order, Variant};
 use crate::certified::put;
 use crate::method::Named;
-use crate::numbers::{TEN, UNITS, printed};
+use crate::numbers::printed;
 use crate::study::statistics::largest;
 use poinsot_dynamics::Kinematics;
 use poinsot_files::Faults;
@@ -19,6 +19,7 @@ use poinsot_identify::{
     maximum_likelihood_with,
 };
 use poinsot_model::{Nuisance, SensorKind};
+use poinsot_spatial::{MASS_PROPERTY_NAMES, MASS_PROPERTY_UNITS};
 
 /// Identifies the bodies of a robot by the paper's sequence, with the solver of the variant.
 ///
@@ -226,7 +227,7 @@ fn standing(problem: &Problem, roles: &Roles) -> Vec<String> {
 fn search(step: &StepReport, share: f64) -> Option<String> {
     let (flight, range) = step.flight.as_ref()?;
     let place = |&d: &usize| {
-        let (name, unit) = (TEN[ORDER[d]], UNITS[ORDER[d]]);
+        let (name, unit) = (MASS_PROPERTY_NAMES[ORDER[d]], MASS_PROPERTY_UNITS[ORDER[d]]);
         let name = name.replace("com_", "mass centre ").replace('_', " ");
         format!(
             "{name} = {:.6} {unit} of [{:.6}, {:.6}]",

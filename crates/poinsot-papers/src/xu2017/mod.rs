@@ -50,7 +50,6 @@ use swarm::Particle;
 pub use two_body::{MomentumRow, Side, TwoBodyObjective, TwoBodyReading, rows, transported};
 
 use crate::method::{Method, Named};
-use crate::numbers::{body, ten};
 use nalgebra::SMatrix;
 use poinsot_spatial::{MassProperties, Vector3};
 
@@ -151,7 +150,7 @@ const ORDER: [usize; 10] = [0, 4, 6, 9, 5, 7, 8, 1, 2, 3];
 /// assert_eq!(properties(&particle(&body)), body);
 /// ```
 pub fn particle(body: &MassProperties) -> Particle {
-    let ten = ten(body);
+    let ten = body.to_array();
     ORDER.map(|k| ten[k])
 }
 
@@ -166,7 +165,7 @@ pub fn particle(body: &MassProperties) -> Particle {
 pub fn properties(x: &Particle) -> MassProperties {
     let mut ten = [0.0; 10];
     ORDER.into_iter().zip(x).for_each(|(k, x)| ten[k] = *x);
-    body(ten)
+    MassProperties::from_array(&ten)
 }
 
 /// Natural units m, m L, m L^2 of the ten parameters.

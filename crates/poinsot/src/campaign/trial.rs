@@ -5,7 +5,6 @@ use super::methods::MethodChoice;
 use super::plan::{Plan, Shard, between};
 use super::sampling::{Deviates, points};
 use crate::error::Error;
-use crate::mass_numbers::values;
 use crate::trials::{Bound, Row, RowNumber, Study};
 use poinsot_formats::{DrawFile, OfFile};
 use poinsot_identify::{Estimate, Status};
@@ -129,7 +128,9 @@ impl Prepared {
                 status: Some(Status::Converged),
                 iterations: 1,
                 seconds,
-                numbers: values(body)
+                numbers: body
+                    .to_array()
+                    .into_iter()
                     .zip(&expected)
                     .map(|(x, number)| RowNumber {
                         estimate: Some(x),

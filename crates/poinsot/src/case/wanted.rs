@@ -7,8 +7,9 @@ use crate::error::Error;
 use crate::mass_numbers::names;
 use poinsot_formats::Address;
 use poinsot_formats::case::WantFile;
-use poinsot_identify::{WantedNumber, WantedTerm};
+use poinsot_identify::WantedTerm;
 use poinsot_model::Model;
+use poinsot_spatial::MASS_PROPERTY_UNITS;
 use std::collections::BTreeMap;
 
 /// A number or combination with its wanted sigma.
@@ -78,9 +79,9 @@ impl Planner<'_> {
         if let [term] = terms {
             let nominal = &self.model.bodies[term.body].nominal;
             match term.number {
-                WantedNumber::Mass => return Some(nominal.mass),
-                WantedNumber::Inertia(_) => return Some(nominal.I_BBcm_B.trace() / 3.0),
-                WantedNumber::MassCentre(_) => {}
+                0 => return Some(nominal.mass),
+                4.. => return Some(nominal.I_BBcm_B.trace() / 3.0),
+                _ => {}
             }
         }
         let problem = "a mass centre or a combination has no natural scale";
@@ -166,12 +167,7 @@ pub fn estimated_numbers(model: &Model) -> Vec<Want> {
 }
 
 fn is_estimated(model: &Model, term: &WantedTerm) -> bool {
-    let asked = model.bodies[term.body].estimate;
-    match term.number {
-        WantedNumber::Mass => asked.mass,
-        WantedNumber::MassCentre(_) => asked.com,
-        WantedNumber::Inertia(_) => asked.inertia,
-    }
+    model.bodies[term.body].estimate.has(term.number)
 }
 
 fn is_group(address: &str) -> bool {
@@ -181,31 +177,20 @@ fn is_group(address: &str) -> bool {
 
 /// Every number of every body, with infinite wanted sigma.
 fn all_numbers(model: &Model) -> Vec<Want> {
-    let numbers = || {
-        let centre = (0..3).map(WantedNumber::MassCentre);
-        let inertia = (0..6).map(WantedNumber::Inertia);
-        std::iter::once(WantedNumber::Mass)
-            .chain(centre)
-            .chain(inertia)
+    let want = |body: usize, number: usize, name: String| Want {
+        name,
+        unit: MASS_PROPERTY_UNITS[number],
+        terms: vec![WantedTerm {
+            body,
+            number,
+            factor: 1.0,
+        }],
+        sigma: f64::NAN,
     };
-    let of_body = |(body, name): (usize, &String)| {
-        let pairs = names(name).into_iter().zip(numbers());
-        let want = pairs.map(move |(name, number)| Want {
-            name,
-            unit: match number {
-                WantedNumber::Mass => "kg",
-                WantedNumber::MassCentre(_) => "m",
-                WantedNumber::Inertia(_) => "kg m2",
-            },
-            terms: vec![WantedTerm {
-                body,
-                number,
-                factor: 1.0,
-            }],
-            sigma: f64::NAN,
-        });
-        want.collect::<Vec<_>>()
-    };
-    let names = model.bodies.iter().map(|b| &b.name).enumerate();
-    names.flat_map(of_body).collect()
+    let mut all = Vec::new();
+    for (body, own) in model.bodies.iter().enumerate() {
+        let named = names(&own.name).into_iter().enumerate();
+        all.extend(named.map(|(number, name)| want(body, number, name)));
+    }
+    all
 }

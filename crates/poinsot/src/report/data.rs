@@ -10,9 +10,9 @@ use poinsot_formats::{
     Channel, MassFile, REPORT_DATA, ReportData, Row, Segment, TrueBodyFile, TrueNumberFile,
     TrueNumbers, Vehicle, read_truth,
 };
-use poinsot_identify::{BodyEstimate, Number, PredictedChannel, Prediction};
+use poinsot_identify::{BodyEstimate, PredictedChannel, Prediction};
 use poinsot_model::JointKind;
-use poinsot_spatial::{MassProperties, Matrix3, TENSOR};
+use poinsot_spatial::{MassProperties, Matrix3};
 use std::path::Path;
 
 /// Largest number of firings kept per segment.
@@ -119,17 +119,7 @@ fn vehicle(identified: &Identified) -> Vehicle {
 
 /// Estimates, and nominal numbers where there are none.
 fn best(b: &BodyEstimate) -> MassProperties {
-    let best = |n: &Number| n.value.unwrap_or(n.nominal);
-    let mut I_BBcm_B = Matrix3::zeros();
-    for ((i, j), n) in TENSOR.into_iter().zip(&b.inertia) {
-        I_BBcm_B[(i, j)] = best(n);
-        I_BBcm_B[(j, i)] = best(n);
-    }
-    MassProperties {
-        mass: best(&b.mass),
-        p_BoBcm_B: b.com.each_ref().map(best).into(),
-        I_BBcm_B,
-    }
+    MassProperties::from_array(&b.numbers().map(|n| n.value.unwrap_or(n.nominal)))
 }
 
 fn segment(identified: &Identified, p: &Prediction) -> Segment {

@@ -179,11 +179,9 @@ pub(crate) fn estimated_numbers(estimate: &Estimate) -> Vec<RowNumber> {
         });
     };
     for body in estimate.bodies.iter().filter(|b| b.asked) {
-        let numbers = std::iter::once(&body.mass).chain(&body.com);
-        let all = mass_names(&body.name).into_iter();
-        for (name, number) in all.zip(numbers.chain(&body.inertia)) {
+        for (name, number) in mass_names(&body.name).into_iter().zip(body.numbers()) {
             if number.source == Source::Data && number.value.is_some() {
-                add(name, number);
+                add(name, &number);
             }
         }
     }

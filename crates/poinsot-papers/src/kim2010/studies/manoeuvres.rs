@@ -2,11 +2,11 @@
 
 use super::records::{COLUMNS, PRINTED, TRUE};
 use crate::kim2010::{ELEMENTS, NAMES};
-use crate::numbers::TEN;
 use crate::study::statistics::{largest, rms};
 use crate::study::{Context, Findings, StudyError, Table, curves, without_translation};
 use poinsot_figures::{Mark, Plot, Series};
 use poinsot_identify::{Estimate, tensor_index};
+use poinsot_spatial::MASS_PROPERTY_NAMES;
 
 /// Noise trials.
 const TRIALS: u64 = 20;
@@ -120,7 +120,7 @@ fn numbers(estimate: &Estimate) -> [[f64; 2]; 6] {
     NAMES.map(|name| {
         let element = tensor_index(name);
         let mut printed = estimate.method_report.iter().flat_map(|r| &r.numbers);
-        let number = printed.find(|n| n.name == TEN[4 + element]);
+        let number = printed.find(|n| n.name == MASS_PROPERTY_NAMES[4 + element]);
         let number = number.map_or(estimate.bodies[0].inertia[element], |n| n.number);
         [number.value, number.sigma].map(|x| x.unwrap_or(f64::NAN))
     })

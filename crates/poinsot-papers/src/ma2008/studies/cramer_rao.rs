@@ -2,7 +2,6 @@
 
 use super::experiment::{Errors, Run, Sigma};
 use crate::ma2008::{Reading, angular_rows, linear_rows};
-use crate::numbers::ten;
 use crate::study::statistics::largest;
 use nalgebra::{DMatrix, SVector};
 use poinsot_spatial::{Matrix6, TENSOR, Vector3, Vector6};
@@ -27,7 +26,7 @@ impl<'a> Unknowns<'a> {
     fn new(run: &'a Run, known: bool) -> Self {
         let truth = run.truth();
         let arm_mass: f64 = run.model.bodies[1..].iter().map(|b| b.nominal.mass).sum();
-        let mut theta = ten(&truth).to_vec();
+        let mut theta = truth.to_array().to_vec();
         theta[0] = arm_mass / truth.mass;
         let size = truth.I_BBcm_B.norm();
         let mut unit = vec![theta[0], 1.0, 1.0, 1.0];

@@ -2,7 +2,6 @@
 
 use super::experiment::{Run, Sigma};
 use crate::ma2008::Raw;
-use crate::numbers::{body, ten_of};
 use poinsot_dynamics::Tree;
 use poinsot_identify::{
     Noise, Observations, Problem, Samples, Segment, SensorRecord, SensorValue, Translation, linear,
@@ -78,7 +77,7 @@ pub fn answer(run: &Run, raws: &[Raw], sigma: Sigma, known: bool) -> Option<Mass
         relative_accuracy: ANY_ACCURACY,
     };
     let found = linear(&problem).ok()?;
-    let ten = ten_of(found.bodies.first()?).map(|n| n.value);
+    let ten = found.bodies.first()?.numbers().map(|n| n.value);
     let complete = ten.iter().all(Option::is_some);
-    complete.then(|| body(ten.map(Option::unwrap_or_default)))
+    complete.then(|| MassProperties::from_array(&ten.map(Option::unwrap_or_default)))
 }

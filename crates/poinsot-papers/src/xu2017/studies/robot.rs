@@ -2,7 +2,7 @@
 //! part of an error.
 
 use crate::certified::parameter_names;
-use crate::numbers::{as_one, natural_ten, ten, ten_of};
+use crate::numbers::as_one;
 use crate::study::statistics::largest;
 use crate::study::{Context, StudyError};
 use crate::xu2017;
@@ -278,7 +278,7 @@ pub fn thinned(mut tables: Vec<Table>, every: usize) -> Vec<Table> {
 
 /// Largest error of the given numbers, relative to mass, size and inertia, and their number.
 pub fn errors(found: &BodyEstimate, truth: &MassProperties) -> (f64, usize) {
-    let (found, units, truth) = (ten_of(found), natural_ten(truth), ten(truth));
+    let (found, units, truth) = (found.numbers(), truth.natural_units(), truth.to_array());
     let error = |k: usize| Some((found[k].value? - truth[k]).abs() / units[k]);
     let list: Vec<f64> = (0..10).filter_map(error).collect();
     (largest(list.iter().copied()), list.len())

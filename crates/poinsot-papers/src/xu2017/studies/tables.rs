@@ -3,21 +3,20 @@
 use super::robot::{
     ALL, Data, IDENTIFIED, Null, Robot, SEEDS, TABLE4_ERRORS, printed_bodies, properties,
 };
-use crate::numbers::{TEN, UNITS, ten_of};
 use crate::study::statistics::{largest, mean_and_scatter, median, quantile};
 use crate::study::{Context, Digits, Findings, StudyError, Table};
 use crate::xu2017::swarm::Swarm;
 use crate::xu2017::{Found, Kind, ORDER, Order, Solver, StepReport, Variant, identify, particle};
 use poinsot_identify::{Estimate, linear};
-use poinsot_spatial::InertialParameters;
+use poinsot_spatial::{InertialParameters, MASS_PROPERTY_NAMES, MASS_PROPERTY_UNITS};
 
 /// Half-widths of the swarm's search ranges, relative to the true values. The ranges are centred on the true values:
 /// the most favourable choice.
 const SHARES: [f64; 3] = [0.05, 0.2, 0.5];
 /// Name of a row of Tables 4 and 6 to 12, with its unit.
 fn name(k: usize) -> String {
-    let name = TEN[ORDER[k]].replace("inertia", "I");
-    format!("{name}, {}", UNITS[ORDER[k]])
+    let name = MASS_PROPERTY_NAMES[ORDER[k]].replace("inertia", "I");
+    format!("{name}, {}", MASS_PROPERTY_UNITS[ORDER[k]])
 }
 
 /// The study.
@@ -106,7 +105,7 @@ fn bodies(
         let n = 6 + b;
         let title = format!("Table {n}: body B{b}; swarms: 5 to 95 % of {SEEDS} seeds");
         let mut table = Table::new(format!("table{n}"), title, head);
-        let (x, determined) = (particle(&robot.properties()[b]), ten_of(estimate));
+        let (x, determined) = (particle(&robot.properties()[b]), estimate.numbers());
         for k in 0..10 {
             table.row(name(k), [x[k], IDENTIFIED[b][k]]);
             for list in [&flown[2], &flown[0]] {

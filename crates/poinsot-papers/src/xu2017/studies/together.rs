@@ -1,7 +1,6 @@
 //! A grasped target: one joint at a time, as in the paper, compared with all joints together.
 
 use super::robot::{ALL, Data, Robot, errors};
-use crate::numbers::{ten, ten_of};
 use crate::study::statistics::{largest, rms};
 use crate::study::{CaseText, Context, Digits, Findings, StudyError, Table};
 
@@ -66,7 +65,7 @@ pub fn condition(e: &Estimate) -> f64 {
 
 /// Errors of mass (relative), mass centre (m), tensor (kg m2, largest element); infinite without a number.
 fn parts(found: &BodyEstimate, truth: &MassProperties) -> [f64; 3] {
-    let (found, truth) = (ten_of(found), ten(truth));
+    let (found, truth) = (found.numbers(), truth.to_array());
     let error = |k: usize| {
         let value = found[k].value;
         value.map_or(f64::INFINITY, |x| (x - truth[k]).abs())
@@ -172,7 +171,7 @@ pub fn target(context: &Context) -> Result<Findings, StudyError> {
         let (e, truth) = answer(context, &case, method, Some(0))?;
         let body = &e.bodies[TARGET];
         let [_, c, i] = parts(body, &truth);
-        let numbers = ten_of(body).into_iter().zip(ten(&truth));
+        let numbers = body.numbers().into_iter().zip(truth.to_array());
         let number = |x: Option<f64>| x.unwrap_or(f64::NAN);
         let sigmas = |(n, x): (Number, f64)| ((number(n.value) - x) / number(n.sigma)).abs();
         table.row(title, []);
