@@ -1,9 +1,10 @@
 //! The result of a campaign (`campaign.json`, `poinsot.campaign/2`).
 
 use crate::band::{Band, BandedFile};
-use crate::check::Contradiction;
+use crate::check::contradiction;
 use crate::read::ResultFile;
 use indexmap::IndexMap;
+use poinsot_files::Fault;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -241,7 +242,7 @@ impl ResultFile for CampaignFile {
     const SCHEMA: &'static str = CAMPAIGN;
     const EARLIER: &'static [&'static str] = &["poinsot.campaign/1"];
 
-    fn contradictions(&self) -> Vec<Contradiction> {
+    fn contradictions(&self) -> Vec<Fault> {
         let methods = self.cells.iter().flat_map(|cell| &cell.methods);
         let wrong = methods.filter(|method| {
             let statuses = method.statuses.values();
@@ -250,11 +251,11 @@ impl ResultFile for CampaignFile {
             let most = numbers.chain([answers]).max();
             method.trials > self.trials || most > Some(method.trials)
         });
-        let contradiction = |method: &MethodResultFile| Contradiction {
-            key: format!("cells.methods.{}.trials", method.method),
-            value: method.trials.to_string(),
-            problem: "the counts are not those of this number of trials".to_owned(),
+        let fault = |method: &MethodResultFile| {
+            let key = format!("cells.methods.{}.trials", method.method);
+            let problem = "the counts are not those of this number of trials";
+            contradiction(&key, method.trials.to_string(), problem)
         };
-        wrong.map(contradiction).collect()
+        wrong.map(fault).collect()
     }
 }

@@ -3,6 +3,7 @@
 use crate::body::BodyFile;
 use crate::estimate::EstimateFile;
 use crate::number::NumberFile;
+use poinsot_files::{Fault, Place};
 
 /// Valid values of the status of a result.
 const STATUS: [&str; 5] = [
@@ -28,15 +29,10 @@ const LARGEST: f64 = 1.0e100;
 /// Relative tolerance for two numbers that must be equal; they are written with all digits.
 const SAME: f64 = 1.0e-9;
 
-/// One contradiction.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Contradiction {
-    /// Key of the file.
-    pub key: String,
-    /// The value there.
-    pub value: String,
-    /// What is wrong.
-    pub problem: String,
+/// A fault of a file whose parts contradict each other, without the name of the file.
+pub(crate) fn contradiction(key: &str, value: String, problem: &str) -> Fault {
+    let advice = "write the file again with `poinsot identify --out DIR`";
+    Fault::new("E0604", Place::default().key(key), problem, advice).with_value(value)
 }
 
 /// Contradictions in a result; empty if consistent.
@@ -48,14 +44,10 @@ pub struct Contradiction {
 /// assert_eq!(contradictions(&estimate)[0].key, "status");
 /// # Ok::<(), poinsot_files::Faults>(())
 /// ```
-pub fn contradictions(file: &EstimateFile) -> Vec<Contradiction> {
+pub fn contradictions(file: &EstimateFile) -> Vec<Fault> {
     let mut found = Vec::new();
     let mut say = |key: String, value: String, problem: &str| {
-        found.push(Contradiction {
-            key,
-            value,
-            problem: problem.to_owned(),
-        });
+        found.push(contradiction(&key, value, problem));
     };
     if !STATUS.contains(&file.status.as_str()) {
         let words = STATUS.join(", ");

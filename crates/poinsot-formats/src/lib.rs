@@ -67,7 +67,7 @@ pub use campaign::{
     CAMPAIGN, CampaignCost, CampaignFile, CellFile, MethodResultFile, NumberResultFile, PairFile,
     PairNumberFile,
 };
-pub use check::{Contradiction, contradictions};
+pub use check::contradictions;
 pub use comparison::{
     COMPARISON, ComparedAnswerFile, ComparedNumberFile, ComparisonFile, DIFFER_BELOW, JointTestFile,
 };

@@ -3,6 +3,7 @@
 use poinsot_files::{Fault, FaultKind, Faults};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::fmt;
 
 /// Name and version of `methods --json`.
 pub const METHODS: &str = "poinsot.methods/1";
@@ -34,7 +35,7 @@ pub struct StatedFile<T> {
 }
 
 /// The methods of `identify`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct MethodsFile {
     /// "poinsot.methods/1".
     pub schema: String,
@@ -43,39 +44,50 @@ pub struct MethodsFile {
 }
 
 /// A method of `identify`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct ListedMethodFile {
     /// Name on the command line.
-    pub name: String,
+    pub name: &'static str,
     /// Summary in one line.
-    pub summary: String,
+    pub summary: &'static str,
     /// Where it was published. Absent for a method of this project.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub paper: Option<String>,
+    pub paper: Option<&'static str>,
     /// Variants; the first is the default.
     pub variants: Vec<VariantFile>,
     /// Settings, as `--set` takes them.
-    pub settings: Vec<ListedSettingFile>,
+    pub settings: &'static [ListedSettingFile],
 }
 
 /// A variant of a method.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct VariantFile {
     /// Name.
-    pub name: String,
+    pub name: &'static str,
     /// What it does.
-    pub summary: String,
+    pub summary: &'static str,
 }
 
 /// A setting of a method.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct ListedSettingFile {
     /// Key.
-    pub key: String,
+    pub key: &'static str,
     /// What it changes.
-    pub summary: String,
+    pub summary: &'static str,
     /// Value where none is given.
-    pub default: String,
+    pub default: &'static str,
+}
+
+impl ListedSettingFile {
+    /// A key with its summary and default.
+    pub const fn new(key: &'static str, summary: &'static str, default: &'static str) -> Self {
+        Self {
+            key,
+            summary,
+            default,
+        }
+    }
 }
 
 /// The units that a telemetry map may name.
@@ -103,7 +115,7 @@ pub struct UnitFile {
 }
 
 /// Error codes with cause and remedy.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct CodesFile {
     /// "poinsot.codes/1".
     pub schema: String,
@@ -112,16 +124,24 @@ pub struct CodesFile {
 }
 
 /// An error code.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct CodeFile {
     /// Code.
-    pub code: String,
+    pub code: &'static str,
     /// What it means.
-    pub meaning: String,
+    pub meaning: &'static str,
     /// What usually causes it.
-    pub cause: String,
+    pub cause: &'static str,
     /// What to do.
-    pub remedy: String,
+    pub remedy: &'static str,
+}
+
+impl fmt::Display for CodeFile {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{}: {}", self.code, self.meaning)?;
+        writeln!(f, "  usual cause: {}", self.cause)?;
+        writeln!(f, "  what to do:  {}", self.remedy)
+    }
 }
 
 /// Papers with their studies.

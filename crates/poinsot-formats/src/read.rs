@@ -3,7 +3,7 @@
 //! A file ends with the SHA-256 of the text before it. A change of any byte is an error. Files of earlier versions have
 //! no checksum; they are read, and say that they are unchecked.
 
-use crate::check::{Contradiction, contradictions};
+use crate::check::contradictions;
 use crate::estimate::{ESTIMATE, EstimateFile};
 use crate::truth::{TRUTH, TruthFile};
 use crate::upgrade;
@@ -23,14 +23,13 @@ fn not_written(path: &Path, problem: impl std::fmt::Display) -> Faults {
     Faults::report(path, problem, "give a file as poinsot writes it")
 }
 
-/// E0604: numbers of the file contradict each other.
-fn contradictory(path: &Path, found: Vec<Contradiction>) -> Faults {
-    let advice = "write the file again with `poinsot identify --out DIR`";
-    let faults = found.into_iter().take(SHOWN).map(|c| {
-        let place = Place::file(path).key(&c.key);
-        Fault::new("E0604", place, c.problem, advice).with_value(c.value)
-    });
-    Faults::sorted(faults.collect())
+/// The first contradictions of a file.
+fn contradictory(path: &Path, mut found: Vec<Fault>) -> Faults {
+    found.truncate(SHOWN);
+    found
+        .iter_mut()
+        .for_each(|f| f.place.file = Place::file(path).file);
+    Faults::sorted(found)
 }
 /// Size limit of a file, bytes.
 pub const LARGEST_RESULT: u64 = 256 << 20;
@@ -50,7 +49,7 @@ pub trait ResultFile: Serialize + DeserializeOwned {
     fn upgrade(_version: &str, _file: &mut Value) {}
 
     /// What contradicts itself.
-    fn contradictions(&self) -> Vec<Contradiction> {
+    fn contradictions(&self) -> Vec<Fault> {
         Vec::new()
     }
 
@@ -68,7 +67,7 @@ impl ResultFile for EstimateFile {
         }
     }
 
-    fn contradictions(&self) -> Vec<Contradiction> {
+    fn contradictions(&self) -> Vec<Fault> {
         contradictions(self)
     }
 

@@ -3,6 +3,7 @@
 use crate::setting::{SettingText, Settings};
 use crate::study::Study;
 use poinsot_files::Faults;
+pub use poinsot_formats::VariantFile as VariantText;
 use poinsot_identify::{Estimate, Problem};
 use poinsot_spatial::MassProperties;
 use std::ops::Range;
@@ -45,15 +46,6 @@ macro_rules! explanations {
     ($($code:literal),* $(,)?) => {
         [$(include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/explanations/", $code, ".md"))),*]
     };
-}
-
-/// Description of a variant.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct VariantText {
-    /// Name on the command line.
-    pub name: &'static str,
-    /// Summary in one line.
-    pub summary: &'static str,
 }
 
 /// Variants of a method with their unique names and summaries; the first is the default.

@@ -1,28 +1,7 @@
 //! Settings of a published method, `key=value`.
 
 use poinsot_files::Faults;
-
-/// Description of a setting.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct SettingText {
-    /// Key after `--set`.
-    pub key: &'static str,
-    /// Summary in one line.
-    pub summary: &'static str,
-    /// Default value.
-    pub default: &'static str,
-}
-
-impl SettingText {
-    /// A key with its summary and default.
-    pub const fn new(key: &'static str, summary: &'static str, default: &'static str) -> Self {
-        Self {
-            key,
-            summary,
-            default,
-        }
-    }
-}
+pub use poinsot_formats::ListedSettingFile as SettingText;
 
 /// Settings of a method as given; unknown keys are rejected by [`Settings::check`].
 #[derive(Debug, Clone, PartialEq, Default)]

@@ -211,8 +211,7 @@ pub fn compare(py: Python<'_>, answers: Vec<AnswerOrPath<'_>>) -> PyResult<Print
 /// `poinsot methods` as JSON.
 #[pyfunction]
 pub fn methods() -> PyResult<String> {
-    let all = poinsot::methods::methods();
-    Ok(json(&poinsot::methods::methods_file(&all).methods)?)
+    Ok(json(&poinsot::methods::methods())?)
 }
 
 /// `poinsot units` as JSON.

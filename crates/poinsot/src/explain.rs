@@ -3,8 +3,8 @@
 //! The texts are files of Markdown, one a code: `explanations/` of this crate, and of the papers' crate for theirs.
 //! Tests compare the list with the files and with the codes in the sources; another prints every message.
 
-use poinsot_formats::{CODES, CodeFile, CodesFile};
-use std::fmt;
+pub use poinsot_formats::CodeFile as ErrorCode;
+use poinsot_formats::{CODES, CodesFile};
 
 /// Texts of codes that no method owns.
 const TEXTS: &[&str] = &poinsot_papers::explanations![
@@ -25,40 +25,16 @@ const CAUSE: &str = "- Usual cause: ";
 const REMEDY: &str = "- What to do: ";
 const BETWEEN: &str = "\n\n";
 
-/// A stable error code.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct ErrorCode {
-    /// `E` and four digits. The first two give the area: 00 command, 01 model, 02 telemetry, 03 binding, 04 and 05
-    /// methods and simulation, 06 results.
-    pub code: &'static str,
-    /// Meaning.
-    pub meaning: &'static str,
-    /// Usual cause.
-    pub cause: &'static str,
-    /// Remedy.
-    pub remedy: &'static str,
-}
-
-impl ErrorCode {
-    /// Reads a text; what it lacks is empty, which a test forbids.
-    fn parse(text: &'static str) -> Self {
-        let (title, rest) = text.split_once(BETWEEN).unwrap_or_default();
-        let (meaning, list) = rest.split_once(BETWEEN).unwrap_or_default();
-        let line = |start: &str| list.lines().find_map(|l| l.strip_prefix(start));
-        Self {
-            code: title.strip_prefix(TITLE).unwrap_or_default(),
-            meaning,
-            cause: line(CAUSE).unwrap_or_default(),
-            remedy: line(REMEDY).unwrap_or_default(),
-        }
-    }
-}
-
-impl fmt::Display for ErrorCode {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "{}: {}", self.code, self.meaning)?;
-        writeln!(f, "  usual cause: {}", self.cause)?;
-        writeln!(f, "  what to do:  {}", self.remedy)
+/// Reads a text; what it lacks is empty, which a test forbids.
+fn parse(text: &'static str) -> ErrorCode {
+    let (title, rest) = text.split_once(BETWEEN).unwrap_or_default();
+    let (meaning, list) = rest.split_once(BETWEEN).unwrap_or_default();
+    let line = |start: &str| list.lines().find_map(|l| l.strip_prefix(start));
+    ErrorCode {
+        code: title.strip_prefix(TITLE).unwrap_or_default(),
+        meaning,
+        cause: line(CAUSE).unwrap_or_default(),
+        remedy: line(REMEDY).unwrap_or_default(),
     }
 }
 
@@ -71,7 +47,7 @@ impl fmt::Display for ErrorCode {
 pub fn error_codes() -> Vec<ErrorCode> {
     let published = poinsot_papers::METHODS.iter().flat_map(|m| m.codes);
     let texts = TEXTS.iter().chain(published);
-    let mut all: Vec<ErrorCode> = texts.map(|text| ErrorCode::parse(text)).collect();
+    let mut all: Vec<ErrorCode> = texts.map(|text| parse(text)).collect();
     all.sort_by_key(|c| c.code);
     all
 }
@@ -81,19 +57,12 @@ pub fn error_codes() -> Vec<ErrorCode> {
 /// ```
 /// use poinsot::explain::{codes_file, error_codes};
 ///
-/// let codes = error_codes();
-/// assert_eq!(codes_file(&codes).codes.len(), codes.len());
+/// assert_eq!(codes_file(error_codes()).codes[0].code, "E0001");
 /// ```
-pub fn codes_file(codes: &[ErrorCode]) -> CodesFile {
-    let code = |c: &ErrorCode| CodeFile {
-        code: c.code.to_owned(),
-        meaning: c.meaning.to_owned(),
-        cause: c.cause.to_owned(),
-        remedy: c.remedy.to_owned(),
-    };
+pub fn codes_file(codes: Vec<ErrorCode>) -> CodesFile {
     CodesFile {
         schema: CODES.to_owned(),
-        codes: codes.iter().map(code).collect(),
+        codes,
     }
 }
 

@@ -1,51 +1,20 @@
 //! The command `methods`: values of `identify --method` and `--variant`.
 
-use poinsot_formats::{ListedMethodFile, ListedSettingFile, METHODS, MethodsFile, VariantFile};
+pub use poinsot_formats::ListedMethodFile as MethodText;
+use poinsot_formats::{METHODS, MethodsFile};
 pub use poinsot_papers::{SettingText, VariantText};
-
-/// A method of `identify`.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct MethodText {
-    /// Name on the command line.
-    pub name: &'static str,
-    /// Summary in one line.
-    pub summary: &'static str,
-    /// Citation; `None` for the methods of this project.
-    pub paper: Option<&'static str>,
-    /// Variants; the first is the default.
-    pub variants: Vec<VariantText>,
-    /// Settings for `--set`.
-    pub settings: &'static [SettingText],
-}
 
 /// Methods as a file.
 ///
 /// ```
 /// use poinsot::methods::{methods, methods_file};
 ///
-/// let listed = methods();
-/// assert_eq!(methods_file(&listed).methods.len(), listed.len());
+/// assert_eq!(methods_file(methods()).methods[0].name, "auto");
 /// ```
-pub fn methods_file(listed: &[MethodText]) -> MethodsFile {
-    let variant = |v: &VariantText| VariantFile {
-        name: v.name.to_owned(),
-        summary: v.summary.to_owned(),
-    };
-    let setting = |s: &SettingText| ListedSettingFile {
-        key: s.key.to_owned(),
-        summary: s.summary.to_owned(),
-        default: s.default.to_owned(),
-    };
-    let method = |m: &MethodText| ListedMethodFile {
-        name: m.name.to_owned(),
-        summary: m.summary.to_owned(),
-        paper: m.paper.map(str::to_owned),
-        variants: m.variants.iter().map(variant).collect(),
-        settings: m.settings.iter().map(setting).collect(),
-    };
+pub fn methods_file(methods: Vec<MethodText>) -> MethodsFile {
     MethodsFile {
         schema: METHODS.to_owned(),
-        methods: listed.iter().map(method).collect(),
+        methods,
     }
 }
 

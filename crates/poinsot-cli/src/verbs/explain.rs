@@ -20,6 +20,10 @@ pub fn run(arguments: &Explain) -> Outcome {
             }
         }
     };
-    shown(&arguments.print, || print_json(&codes_file(&codes)), text);
+    shown(
+        &arguments.print,
+        || print_json(&codes_file(codes.clone())),
+        text,
+    );
     Ok(0)
 }

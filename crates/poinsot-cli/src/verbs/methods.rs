@@ -18,7 +18,7 @@ pub fn run(arguments: &Methods) -> Outcome {
     }
     shown(
         &arguments.print,
-        || print_json(&methods_file(&listed)),
+        || print_json(&methods_file(listed.clone())),
         || {
             let texts: Vec<String> = listed.iter().map(text).collect();
             print(&texts.join("\n"));

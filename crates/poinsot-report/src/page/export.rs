@@ -30,8 +30,7 @@ pub(super) fn exports(e: &EstimateFile) -> [Export; 3] {
 
 /// The value as text; for a known number, that of the model.
 fn best(n: &NumberFile) -> Option<String> {
-    let known = n.is_known().then_some(n.nominal);
-    known.or(n.value).map(|v| format!("{v:?}"))
+    n.value.map(|v| format!("{v:?}"))
 }
 
 /// A body in the format of a model file, without undetermined numbers.
@@ -86,10 +85,9 @@ struct Entry {
 
 fn entries(b: &BodyFile) -> IndexMap<String, Entry> {
     let entry = |(what, unit, n): (String, &str, NumberFile)| {
-        let known = n.is_known().then_some(n.nominal);
         let entry = Entry {
             unit: unit.replace('²', "2"),
-            value: known.or(n.value),
+            value: n.value,
             half_width_95: half_width(n.sigma),
             nominal: n.nominal,
             source: n.source,

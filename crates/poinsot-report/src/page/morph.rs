@@ -2,7 +2,7 @@
 
 use super::tensor::{inertia_ellipsoid, matrix};
 use poinsot_figures::{Morph, Point};
-use poinsot_formats::{BodyFile, EstimateFile, NumberFile, unknown_name};
+use poinsot_formats::{BodyFile, EstimateFile, unknown_name};
 use poinsot_spatial::{Matrix3, Vector3, parallel_axis};
 use std::collections::HashMap;
 
@@ -62,15 +62,8 @@ pub(super) fn ends(morph: &Morph) -> [[Point; 3]; 2] {
 /// Tensor about the mass centre at every point of a walk along a direction.
 fn tensors(walk: &HashMap<String, &[f64]>, name: &str, body: &BodyFile) -> Option<Vec<Matrix3>> {
     let count = walk.values().next()?.len();
-    let given = |n: &NumberFile| {
-        if n.is_known() {
-            Some(n.nominal)
-        } else {
-            n.value
-        }
-    };
-    let com = body.com_m.named().map(|n| given(n.1));
-    let mass = given(&body.mass_kg);
+    let com = body.com_m.map(|n| n.value);
+    let mass = body.mass_kg.value;
     let tensor = |at: usize| -> Option<Matrix3> {
         let of = |what: &str| walk.get(&format!("{name}.{what}")).map(|v| v[at]);
         let six = |point: &str| -> Option<Matrix3> {

@@ -65,14 +65,9 @@ fn chosen(answer: &Answer) -> Option<(&str, &BodyFile)> {
 
 /// The tensor, if all six elements are determined.
 fn tensor_of(body: &BodyFile) -> Option<Matrix3> {
-    let numbers = body.inertia_kg_m2.named();
     let mut six = [0.0; 6];
-    for (out, (_, n)) in six.iter_mut().zip(&numbers) {
-        *out = if n.is_known() {
-            Some(n.nominal)
-        } else {
-            n.value
-        }?;
+    for (out, (_, n)) in six.iter_mut().zip(body.inertia_kg_m2.named()) {
+        *out = n.value?;
     }
     Some(matrix(&six))
 }

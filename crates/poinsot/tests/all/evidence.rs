@@ -26,7 +26,10 @@ fn against(file: &EstimateFile) -> Vec<String> {
 
 /// Keys that contradict the rest of the file.
 fn differing(file: &EstimateFile) -> Vec<String> {
-    contradictions(file).into_iter().map(|c| c.key).collect()
+    contradictions(file)
+        .into_iter()
+        .map(|c| c.place.key)
+        .collect()
 }
 
 /// Everything that says whether an answer is reliable is what its rows say.
