@@ -207,7 +207,7 @@ fn unit_of(model: &Model, name: &str) -> Option<&'static str> {
 /// // The manoeuvre is a case: predict its accuracy.
 /// let manoeuvre = manoeuvre_case(&designed, &folder)?;
 /// let prediction = poinsot::predict::predict_case(&manoeuvre, model, 1.0)?;
-/// assert!(prediction.wants[0].is_met());
+/// assert!(prediction.wants[0].met);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn manoeuvre_case(designed: &Designed, folder: &Path) -> Result<Case, Error> {

@@ -6,7 +6,8 @@ use crate::inertial::Inertial;
 use crate::kinematics::Kinematics;
 use crate::tree::Tree;
 use poinsot_spatial::{
-    InertialParameters, Matrix3, Matrix6, UnitQuaternion, Vector3, Vector6, parallel_axis, skew,
+    InertialParameters, MassProperties, Matrix3, Matrix6, UnitQuaternion, Vector3, Vector6,
+    parallel_axis, skew,
 };
 
 /// Twist of the base.
@@ -190,6 +191,24 @@ pub(crate) fn whole<T: Real>(
 }
 
 impl Composite {
+    /// Its ten parameters about the base origin.
+    pub fn parameters(&self) -> InertialParameters {
+        InertialParameters {
+            mass: self.mass,
+            mc_B: self.mc,
+            I_BBo_B: self.I_SBo_B,
+        }
+    }
+
+    /// Mass, mass centre from the base origin and inertia about it.
+    pub fn mass_properties(&self) -> MassProperties {
+        MassProperties {
+            mass: self.mass,
+            p_BoBcm_B: self.p_BoScm_B(),
+            I_BBcm_B: self.I_SScm_B(),
+        }
+    }
+
     /// Mass centre of the system from the base origin, in B, m.
     pub fn p_BoScm_B(&self) -> Vector3 {
         self.mc / self.mass

@@ -419,8 +419,17 @@ impl SensitivityFile {
 impl CovarianceFile {
     /// Unit of the number with this address.
     pub fn unit_of(&self, address: &str) -> Option<&str> {
-        let at = self.names.iter().position(|name| name == address)?;
-        self.units.get(at).map(String::as_str)
+        self.units.get(self.place(address)?).map(String::as_str)
+    }
+
+    /// Covariance of two numbers by their addresses; `None` where one of them has no row.
+    pub fn between(&self, one: &str, other: &str) -> Option<f64> {
+        let row = self.matrix.get(self.place(one)?)?;
+        row.get(self.place(other)?).copied().flatten()
+    }
+
+    fn place(&self, address: &str) -> Option<usize> {
+        self.names.iter().position(|name| name == address)
     }
 }
 

@@ -48,6 +48,13 @@ pub struct PlanFile {
     pub draw: Vec<DrawFile>,
 }
 
+impl SamplingFile {
+    /// Points of all replicates.
+    pub fn trials(&self) -> u64 {
+        self.points * self.replicates.unwrap_or(REPLICATES)
+    }
+}
+
 impl PlanFile {
     /// Reads the text of a plan.
     ///
@@ -178,7 +185,7 @@ pub enum SamplingKind {
 }
 
 /// Independent replicates of a set of points, one trial a point.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SamplingFile {
     /// Kind.

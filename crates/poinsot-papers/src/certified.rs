@@ -5,8 +5,7 @@
 //! with the certificate's sigma and the difference between both estimates. The error of an estimator is that of an
 //! efficient one plus an independent difference (Hausman 1978).
 
-use crate::numbers::as_one;
-use poinsot_dynamics::Kinematics;
+use poinsot_dynamics::{Kinematics, composite};
 use poinsot_identify::{BodyEstimate, Effect, Estimate, Number, Problem, Remark, Source};
 use poinsot_spatial::{InertialParameters, MASS_PROPERTY_NAMES, MassProperties, PARAMETER_NAMES};
 use std::collections::HashMap;
@@ -43,7 +42,11 @@ pub(crate) fn put(
     if let Some((system, q)) = &mut estimate.system {
         let mut kinematics = Kinematics::new(problem.tree);
         kinematics.place(problem.tree, q);
-        *system = replaced(system, &as_one(bodies, &kinematics), withheld);
+        *system = replaced(
+            system,
+            &composite(bodies, &kinematics).parameters(),
+            withheld,
+        );
     }
     for combination in &mut estimate.identifiability.determined {
         let value = |name: &String| values.get(name).copied().unwrap_or(f64::NAN);

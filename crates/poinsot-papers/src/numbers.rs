@@ -1,9 +1,8 @@
 //! Numbers of the bodies in an answer, and of the report of a method.
 
-use poinsot_dynamics::{Kinematics, composite};
 use poinsot_identify::{BodyEstimate, Estimate, NamedNumber, Number, Source};
 use poinsot_model::{Body, Model};
-use poinsot_spatial::{InertialParameters, MASS_PROPERTY_NAMES, MassProperties};
+use poinsot_spatial::{MASS_PROPERTY_NAMES, MassProperties};
 
 /// A number of a method's report, without sigma.
 pub(crate) fn printed(name: String, unit: &'static str, value: f64, nominal: f64) -> NamedNumber {
@@ -50,14 +49,4 @@ pub fn answered(model: &Model, estimate: &Estimate) -> Vec<MassProperties> {
         }
     };
     bodies.map(best).collect()
-}
-
-/// All bodies summed about the base origin, in the given configuration.
-pub(crate) fn as_one(bodies: &[InertialParameters], kinematics: &Kinematics) -> InertialParameters {
-    let c = composite(bodies, kinematics);
-    InertialParameters {
-        mass: c.mass,
-        mc_B: c.mc,
-        I_BBo_B: c.I_SBo_B,
-    }
 }

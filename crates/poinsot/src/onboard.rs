@@ -81,12 +81,7 @@ impl OnBoard {
             .map(|b| b.nominal.parameters())
             .collect();
         others[0] = InertialParameters::ZERO;
-        let known = composite(&others, &kinematics);
-        let known = InertialParameters {
-            mass: known.mass,
-            mc_B: known.mc,
-            I_BBo_B: known.I_SBo_B,
-        };
+        let known = composite(&others, &kinematics).parameters();
         let nominal = with_answer(body, answer);
         let mut configuration = Configuration::new(nominal.parameters().to_array(), noise(model)?);
         configuration.known = known.to_array();
@@ -348,12 +343,10 @@ fn covariance(
     let Some(found) = answer.map(|a| &a.covariance) else {
         return out;
     };
-    let rows = names(&body.name).map(|own| found.names.iter().position(|n| *n == own));
-    let entry = |i: usize, j: usize| found.matrix.get(i)?.get(j).copied().flatten();
-    for i in 0..10 {
-        for j in 0..10 {
-            let own = rows[i].zip(rows[j]).and_then(|(a, b)| entry(a, b));
-            out[(i, j)] = own.unwrap_or(out[(i, j)]);
+    let addresses = names(&body.name);
+    for (i, one) in addresses.iter().enumerate() {
+        for (j, other) in addresses.iter().enumerate() {
+            out[(i, j)] = found.between(one, other).unwrap_or(out[(i, j)]);
         }
     }
     out

@@ -15,7 +15,7 @@ pub use file::prediction_file;
 #[doc(hidden)]
 pub use peaks::Peaks;
 use poinsot_dynamics::Tree;
-use poinsot_formats::{AgainstDurationFile, PeakFile, SigmasFile, finite};
+use poinsot_formats::{AgainstDurationFile, PeakFile, SigmasFile, WantedFile, finite};
 use poinsot_identify::{BodyEstimate, Estimate, Problem, Source, WantedTerm, predicted_covariance};
 use poinsot_model::{Joint, Model, read_model};
 use poinsot_spatial::MASS_PROPERTY_NAMES;
@@ -37,7 +37,7 @@ pub struct Prediction {
     /// The bound: values are the true ones, sigmas are the bound.
     pub bound: Estimate,
     /// Wanted and predicted sigmas.
-    pub wants: Vec<Met>,
+    pub wants: Vec<WantedFile>,
     /// Assumptions.
     pub assumptions: Vec<String>,
     /// Largest values of the motion at its samples.
@@ -51,7 +51,7 @@ impl Prediction {
     pub fn passes(&self) -> bool {
         match self.wants.is_empty() {
             true => self.bound.passes(),
-            false => self.wants.iter().all(Met::is_met),
+            false => self.wants.iter().all(|w| w.met),
         }
     }
 }
@@ -103,7 +103,7 @@ pub fn predict_all(
             let model = &prediction.model;
             let wants = match prediction.wants.is_empty() {
                 true => estimated_numbers(model),
-                false => prediction.wants.iter().map(|m| m.want.clone()).collect(),
+                false => case.wants(model)?,
             };
             let found = against_duration(&case, model, &wants, relative_accuracy)?;
             prediction.against_duration = Some(found);
@@ -152,9 +152,15 @@ pub fn predict_case(
         ..bound.problem(&model, &tree)
     })?;
     let without_label = |r: &String| r.trim_start_matches(": ").to_owned();
-    let met = |want: Want| Met {
-        sigma: wanted_sigma(&estimate, &want),
-        want,
+    let met = |want: Want| {
+        let sigma = wanted_sigma(&estimate, &want);
+        WantedFile {
+            name: want.name,
+            unit: want.unit.to_owned(),
+            wanted_sigma: want.sigma,
+            met: sigma.is_some_and(|s| s <= want.sigma),
+            sigma,
+        }
     };
     Ok(Prediction {
         wants: wants.into_iter().map(met).collect(),
@@ -179,22 +185,6 @@ fn refuse_unread(scenario: &Scenario, model: &Model) -> Result<(), Error> {
         format!("joint '{name}' moves by torque or spring, but no sensor measures it"),
         "add [[sensor]] type = \"joint_position\" for it, or prescribe it with [[joint_motion]]",
     ))
-}
-
-/// A wanted number with its predicted sigma.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Met {
-    /// Wanted number.
-    pub want: Want,
-    /// Predicted sigma; `None` if not identifiable.
-    pub sigma: Option<f64>,
-}
-
-impl Met {
-    /// Whether the predicted sigma reaches the wanted one.
-    pub fn is_met(&self) -> bool {
-        self.sigma.is_some_and(|s| s <= self.want.sigma)
-    }
 }
 
 /// Sigma of a wanted number under the covariance of an estimate or bound.

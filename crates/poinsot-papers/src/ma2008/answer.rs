@@ -9,8 +9,8 @@ use super::influence::sources;
 use super::ten::{MISFIT, Ten};
 use super::words::{identifiability, warnings};
 use crate::method::Named;
-use crate::numbers::{as_one, printed};
-use poinsot_dynamics::Kinematics;
+use crate::numbers::printed;
+use poinsot_dynamics::{Kinematics, composite};
 use poinsot_files::Faults;
 use poinsot_identify::{
     BodyEstimate, Effect, Estimate, MethodReport, MomentumEstimate, Number, Problem, Remark,
@@ -172,7 +172,7 @@ fn system(
     let whole = |base: MassProperties| {
         let mut all = bodies.clone();
         all[0] = base.parameters();
-        let whole = as_one(&all, &kinematics).mass_properties();
+        let whole = composite(&all, &kinematics).parameters().mass_properties();
         whole.unwrap_or(MassProperties::ZERO)
     };
     Some((body(ten, "system", &whole(*nominal), whole), q.to_vec()))

@@ -3,7 +3,6 @@
 use super::least_squares::shown;
 use super::natural;
 use super::two_body::{TwoBodyReading, equations, rows, transported_back};
-use crate::numbers::as_one;
 use faer::Mat;
 use nalgebra::SMatrix;
 use poinsot_dynamics::{Kinematics, Motion, Tree, composite, momentum, twist_from_momentum};
@@ -99,7 +98,7 @@ pub fn path_sensitivity(
     let mut kinematics = Kinematics::new(tree);
     kinematics.place(tree, normal);
     let (R, p) = (kinematics.R[child], kinematics.p[child]);
-    let total = as_one(bodies, &kinematics);
+    let total = composite(bodies, &kinematics).parameters();
     let compose =
         |x: &InertialParameters| [*x, transported_back(&total.with_added(-1.0, x), &R, &p)];
     let carried = |mut b: usize| {
@@ -112,7 +111,11 @@ pub fn path_sensitivity(
     for (_, body) in inner.iter_mut().enumerate().filter(|(b, _)| carried(*b)) {
         *body = InertialParameters::ZERO;
     }
-    let natural = natural(&as_one(&inner, &kinematics).mass_properties()?);
+    let natural = natural(
+        &composite(&inner, &kinematics)
+            .parameters()
+            .mass_properties()?,
+    );
     let mut q = normal.to_vec();
     let mut rates = vec![0.0; normal.len()];
     let mut readings = Vec::with_capacity(path.len());

@@ -82,21 +82,16 @@ fn spread(answer: &Answer, name: &str, body: &BodyFile) -> Option<Spread> {
         *out = n.sigma?;
     }
     let covariance = &answer.estimate.covariance;
-    let row = |element: &str| {
-        let wanted = format!("{name}.inertia_kg_m2.{element}");
-        covariance.names.iter().position(|n| *n == wanted)
-    };
-    let rows: Option<Vec<usize>> = numbers.iter().map(|(element, _)| row(element)).collect();
+    let rows = numbers.map(|(element, _)| format!("{name}.inertia_kg_m2.{element}"));
     let mut six = [[0.0; 6]; 6];
-    let full = rows.is_some_and(|rows| {
-        let entry = |a: usize, b: usize| covariance.matrix.get(a)?.get(b).copied().flatten();
-        rows.iter().enumerate().all(|(i, a)| {
-            rows.iter().enumerate().all(|(j, b)| {
-                six[i][j] = entry(*a, *b).unwrap_or(0.0);
-                entry(*a, *b).is_some()
-            })
-        })
-    });
+    let mut full = true;
+    for (row, one) in six.iter_mut().zip(&rows) {
+        for (out, other) in row.iter_mut().zip(&rows) {
+            let entry = covariance.between(one, other);
+            full &= entry.is_some();
+            *out = entry.unwrap_or(0.0);
+        }
+    }
     Some((sigmas, full.then_some(six)))
 }
 

@@ -1,7 +1,7 @@
 //! Attitudes and rates of the base from which a fit starts, where no sensor measures them: attitudes from gyro and directions or
 //! from directions alone, across gaps of the attitude sensor by the gyro, and rates from attitudes.
 
-use super::sensors::sensor_columns;
+use super::sensors::{HALF_WIDTH, sensor_columns};
 use nalgebra::{Matrix4, Quaternion};
 use poinsot_model::{Model, SensorKind};
 use poinsot_spatial::{Matrix3, Matrix6, UnitQuaternion, Vector3, Vector6, skew};
@@ -20,8 +20,6 @@ const BIAS: f64 = 5.0e-2;
 
 /// Sine of the angle between two directions from which they determine an attitude.
 const APART: f64 = 0.05;
-/// Half-width of the polynomial that differentiates an attitude, samples.
-const HALF_WIDTH: usize = 2;
 
 /// A direction measured by the base: time, s, measured in B, known in N.
 pub(super) type Direction = (f64, Vector3, Vector3);

@@ -4,6 +4,7 @@
 //! `m (r - G)'' = F` holds with the vehicle's own forces, including tides, on any orbit and for any time. Noise of `r`
 //! enters `G` multiplied by the gravity gradient, 1e-6 1/s2 in low orbit, and is negligible.
 
+use super::sensors::HALF_WIDTH;
 use crate::channel_names::{XYZ, axes};
 use crate::error::{Error, unsupported};
 use poinsot_files::rounded;
@@ -24,8 +25,6 @@ const EARTH_J2: f64 = 1.082_635_9e-3;
 const SAME_BODY: f64 = 1.0e-3;
 /// Gravity of the neglected harmonics above J2 in low orbit, m/s2: four times J3 times 9 m/s2.
 const NEGLECTED: f64 = 1.0e-4;
-/// Samples each side of the polynomial that differentiates gravity.
-const HALF_WIDTH: usize = 2;
 
 /// Converts orbital positions and velocities of the tables to values relative to free fall.
 ///

@@ -4,7 +4,7 @@ use super::attitude_start::{attitudes, base_directions, carried, integrate_rate}
 use super::channels::{BaseRates, Channels, JointColumns, VectorChannels};
 use super::driven_wheels::speed_at;
 use super::free_fall::ORBITAL;
-use super::sensors::{Column, SAME, vectors};
+use super::sensors::{Column, HALF_WIDTH, own_values, vectors};
 use crate::channel_names::{XYZ, axes};
 use crate::error::Error;
 use nalgebra::Quaternion;
@@ -13,9 +13,6 @@ use poinsot_identify::{Accelerations, Samples, Translation};
 use poinsot_model::{Model, SensorKind};
 use poinsot_spatial::{UnitQuaternion, Vector3};
 use poinsot_telemetry::{Channel, differentiate, resample, resample_attitude, resample_hermite};
-
-/// Half-width of the polynomial that differentiates a channel without rate, in samples.
-const HALF_WIDTH: usize = 2;
 
 /// Channels at the gyro's times; `None` without a sample.
 pub(super) struct Aligned {
@@ -337,21 +334,6 @@ pub(super) fn accelerations(channels: &Channels, samples: &Samples) -> Option<Ac
 }
 
 fn at_samples(axes: &[&Channel; 3], times: &[f64]) -> Option<Vec<Vector3>> {
-    let mut at = [0; 3];
-    times
-        .iter()
-        .map(|t| {
-            let mut value = Vector3::zeros();
-            for (k, (channel, at)) in axes.iter().zip(&mut at).enumerate() {
-                while *channel.time_s.get(*at)? < t - SAME {
-                    *at += 1;
-                }
-                if (channel.time_s.get(*at)? - t).abs() > SAME {
-                    return None;
-                }
-                value[k] = *channel.values.get(*at)?;
-            }
-            Some(value)
-        })
-        .collect()
+    let all = vectors(&axes.map(|channel| own_values(channel, times)));
+    all.into_iter().collect()
 }

@@ -6,15 +6,14 @@ use super::driven_wheels::speed_at;
 use super::input_errors::{between_readings, joint_inputs, wheel_inputs};
 use super::motion::joint_at;
 use super::orbit::orbit_at;
-use super::sensors::{Column, SAME, SensorColumns, sensor_columns, vectors};
+use super::sensors::{
+    Column, HALF_WIDTH, SAME, SensorColumns, own_values, sensor_columns, vectors,
+};
 use poinsot_identify::{Firing, Observations, Samples};
 use poinsot_model::SensorKind;
 use poinsot_spatial::Vector3;
 use poinsot_telemetry::{Channel, differentiate, resample, resample_hermite};
 use std::borrow::Cow;
-
-/// Half-width of the polynomial that differentiates wheel speeds, in samples.
-const HALF_WIDTH: usize = 2;
 
 /// Samples of all sensors between the first and the last aligned sample.
 ///
@@ -110,22 +109,6 @@ fn first_value(sensors: &[SensorColumns]) -> Vector3 {
 
 fn own_or_between(axes: &[&Channel; 3], t: f64) -> Option<Vector3> {
     *vectors(&axes.map(|c| resample(c, &[t], None))).first()?
-}
-
-/// The samples of a channel at grid times; `None` elsewhere.
-fn own_values(channel: &Channel, grid: &[f64]) -> Vec<Option<f64>> {
-    let mut at = 0;
-    grid.iter()
-        .map(|t| {
-            while channel.time_s.get(at).is_some_and(|x| *x < t - SAME) {
-                at += 1;
-            }
-            match channel.time_s.get(at) {
-                Some(x) if (x - t).abs() <= SAME => channel.values.get(at).copied(),
-                _ => None,
-            }
-        })
-        .collect()
 }
 
 /// A wheel's tachometer, and its speed: at the tachometer's samples, and at those of its motor torque where that drives it.

@@ -1,7 +1,7 @@
 //! The reference orbit at the grid times: from telemetry, or from the elements in the model.
 
 use super::channels::Channels;
-use super::sensors::vectors;
+use super::sensors::{HALF_WIDTH, vectors};
 use crate::channel_names::axes;
 use crate::error::{Error, unsupported};
 use poinsot_dynamics::{Orbit, orbit_state};
@@ -15,9 +15,6 @@ type OrbitPoint = Option<(Vector3, Vector3)>;
 
 /// Largest time between epoch and record, s: the node of a low orbit moves by 7 degrees a day.
 const OLDEST_S: f64 = 30.0 * 86_400.0;
-
-/// Half-width of the polynomial that differentiates positions, in samples.
-const HALF_WIDTH: usize = 2;
 
 /// The orbit at every time of the grid; empty without gravity gradient.
 pub(super) fn orbit_at(channels: &Channels, grid: &[f64]) -> Vec<OrbitPoint> {

@@ -7,6 +7,8 @@ use poinsot_model::{Model, Sensor, SensorKind, SlowError};
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
 use poinsot_telemetry::{Channel, Table, median_step, resample};
 
+/// Half-width of the polynomial that differentiates a channel, in samples: a quartic through five.
+pub(super) const HALF_WIDTH: usize = 2;
 /// Times closer than this are equal, s.
 pub(super) const SAME: f64 = 1.0e-9;
 
@@ -26,6 +28,22 @@ pub(super) type Column = Vec<Option<f64>>;
 pub(super) fn vectors([x, y, z]: &[Column; 3]) -> Vec<Option<Vector3>> {
     let all = x.iter().zip(y).zip(z);
     all.map(|((x, y), z)| Some(Vector3::new((*x)?, (*y)?, (*z)?)))
+        .collect()
+}
+
+/// The samples of a channel at grid times; `None` elsewhere.
+pub(super) fn own_values(channel: &Channel, grid: &[f64]) -> Vec<Option<f64>> {
+    let mut at = 0;
+    grid.iter()
+        .map(|t| {
+            while channel.time_s.get(at).is_some_and(|x| *x < t - SAME) {
+                at += 1;
+            }
+            match channel.time_s.get(at) {
+                Some(x) if (x - t).abs() <= SAME => channel.values.get(at).copied(),
+                _ => None,
+            }
+        })
         .collect()
 }
 

@@ -6,7 +6,7 @@ use poinsot_files::Place;
 use poinsot_formats::{PLAN, PlanFile};
 use poinsot_model::Format;
 use serde_json::Value;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::OnceLock;
 
 /// The plan, with the code of its faults.
@@ -24,7 +24,6 @@ const FORMAT: Format = Format {
 
 /// The text of a plan and its faults. A plan made by a program has no text, so its faults have no line.
 pub(crate) struct PlanText {
-    pub path: PathBuf,
     text: KeyText,
     faults: Vec<Fault>,
 }
@@ -32,13 +31,17 @@ pub(crate) struct PlanText {
 impl PlanText {
     pub fn new(path: &Path, text: String) -> Self {
         Self {
-            path: path.to_owned(),
             text: KeyText {
                 path: path.to_owned(),
                 text,
             },
             faults: Vec::new(),
         }
+    }
+
+    /// Where the plan is.
+    pub fn path(&self) -> &Path {
+        &self.text.path
     }
 
     /// Parses the file.

@@ -10,7 +10,7 @@ use super::methods::MethodChoice;
 use crate::error::Error;
 use crate::trials::Study;
 use poinsot_formats::{
-    DrawFile, NumbersFile, OfFile, PLAN, PlanFile, REPLICATES, SamplingKind, ScaleFile, VaryFile,
+    DrawFile, NumbersFile, OfFile, PLAN, PlanFile, SamplingFile, SamplingKind, ScaleFile, VaryFile,
     sha256,
 };
 use serde::Serialize;
@@ -49,13 +49,6 @@ pub(crate) struct SampledAxis {
     pub log: bool,
 }
 
-/// A point set with replicates.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Sampling {
-    pub kind: SamplingKind,
-    pub points: u64,
-}
-
 /// A checked plan.
 pub struct Plan {
     /// The file.
@@ -75,7 +68,7 @@ pub struct Plan {
     pub(crate) methods: Vec<MethodChoice>,
     pub(crate) grid: Vec<GridAxis>,
     pub(crate) sampled: Vec<SampledAxis>,
-    pub(crate) sampling: Option<Sampling>,
+    pub(crate) sampling: Option<SamplingFile>,
 }
 
 /// A block of trials of one cell.
@@ -163,13 +156,14 @@ fn plan_of(file: PlanFile, mut text: PlanText) -> Result<Plan, Error> {
     check_counts(&file, &mut text);
     check_kernels(&file, &mut text);
     let methods = MethodChoice::all(&file.method, &mut text);
-    let sampling = sampling(&file, &mut text);
+    let sampling = file.sampling;
+    check_points(sampling, &mut text);
     let (mut grid, mut sampled) = (Vec::new(), Vec::new());
     for (k, vary) in file.vary.iter().enumerate() {
         axis(vary, k, sampling, &mut text, &mut grid, &mut sampled);
     }
     text.finish()?;
-    let folder = text.path.parent().unwrap_or(Path::new("")).to_owned();
+    let folder = text.path().parent().unwrap_or(Path::new("")).to_owned();
     let mut experiments = Vec::new();
     for (k, experiment) in file.experiment.iter().enumerate() {
         let made = Experiment::read(experiment, &folder, &file, k, &mut text)?;
@@ -177,16 +171,17 @@ fn plan_of(file: PlanFile, mut text: PlanText) -> Result<Plan, Error> {
     }
     text.finish()?;
     let (trials, block) = match sampling {
-        Some(s) => {
-            let replicates = file.sampling.as_ref().and_then(|s| s.replicates);
-            (s.points * replicates.unwrap_or(REPLICATES), s.points)
-        }
+        Some(s) => (s.trials(), s.points),
         None => {
             let trials = file.trials.unwrap_or(TRIALS);
             (trials, file.trials_per_shard.unwrap_or(TRIALS_PER_SHARD))
         }
     };
-    let stem = text.path.file_stem().unwrap_or_default().to_string_lossy();
+    let stem = text
+        .path()
+        .file_stem()
+        .unwrap_or_default()
+        .to_string_lossy();
     let plan = Plan {
         name: match file.name.as_str() {
             "" => stem.into_owned(),
@@ -260,24 +255,22 @@ fn check_counts(file: &PlanFile, text: &mut PlanText) {
     }
 }
 
-fn sampling(file: &PlanFile, text: &mut PlanText) -> Option<Sampling> {
-    let given = file.sampling.as_ref()?;
-    if given.kind == SamplingKind::Sobol && !given.points.is_power_of_two() {
-        let near = given.points.min(MOST_POINTS).next_power_of_two();
+fn check_points(sampling: Option<SamplingFile>, text: &mut PlanText) {
+    let Some(SamplingFile { kind, points, .. }) = sampling else {
+        return;
+    };
+    if kind == SamplingKind::Sobol && !points.is_power_of_two() {
+        let near = points.min(MOST_POINTS).next_power_of_two();
         let what = "the points of Sobol's sequence are balanced only in powers of two";
         text.refuse("sampling.points", what, &format!("write {near}"));
     }
-    Some(Sampling {
-        kind: given.kind,
-        points: given.points,
-    })
 }
 
 /// One `[[vary]]`: values, a range with a count, or a sampled range.
 fn axis(
     vary: &VaryFile,
     k: usize,
-    sampling: Option<Sampling>,
+    sampling: Option<SamplingFile>,
     text: &mut PlanText,
     grid: &mut Vec<GridAxis>,
     sampled: &mut Vec<SampledAxis>,
@@ -416,9 +409,9 @@ fn digest(file: &PlanFile, experiments: &[Experiment]) -> String {
         name: String::new(),
         about: String::new(),
         trials: None,
-        sampling: file.sampling.clone().map(|mut s| {
-            s.replicates = None;
-            s
+        sampling: file.sampling.map(|s| SamplingFile {
+            replicates: None,
+            ..s
         }),
         ..file.clone()
     };

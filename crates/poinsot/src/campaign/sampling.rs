@@ -1,7 +1,6 @@
 //! Points in the unit cube, and the random numbers of every trial, as functions of seed and trial.
 
-use super::plan::Sampling;
-use poinsot_formats::SamplingKind;
+use poinsot_formats::{SamplingFile, SamplingKind};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -17,7 +16,7 @@ pub(super) fn unit(rng: &mut ChaCha8Rng) -> f64 {
 
 /// The points of one replicate, one row per trial.
 pub(super) fn points(
-    sampling: Sampling,
+    sampling: SamplingFile,
     dimensions: usize,
     seed: u64,
     replicate: u64,

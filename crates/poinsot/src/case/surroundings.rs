@@ -56,27 +56,23 @@ impl Planner<'_> {
         for (i, table) in file.joint_motion.iter().enumerate() {
             let joint = self.model.joint(&table.joint);
             let own = self.tree.coordinates.iter().position(|k| Some(*k) == joint);
-            let Some(moved) = joints.iter_mut().find(|m| Some(m.index) == own) else {
-                continue;
-            };
+            let found = joints.iter_mut().find(|m| Some(m.index) == own);
             let key = format!("joint_motion[{i}]");
-            let Some(motion) = self.joint_motion(table, moved.index, &key) else {
-                continue;
-            };
-            if self.surround(moved, window, motion.profile(), &key) {
+            if let Some(moved) = found
+                && let Some(motion) = self.joint_motion(table, moved.index, &key)
+                && self.surround(moved, window, motion.profile(), &key)
+            {
                 replaced.joint_motion.push(i);
             }
         }
         for (i, table) in file.wheel_motion.iter().enumerate() {
             let own = self.model.wheel(&table.wheel);
-            let Some(moved) = wheels.iter_mut().find(|m| Some(m.index) == own) else {
-                continue;
-            };
+            let found = wheels.iter_mut().find(|m| Some(m.index) == own);
             let key = format!("wheel_motion[{i}]");
-            let Some(motion) = self.wheel_motion(table, &key) else {
-                continue;
-            };
-            if self.surround(moved, window, motion.profile(), &key) {
+            if let Some(moved) = found
+                && let Some(motion) = self.wheel_motion(table, &key)
+                && self.surround(moved, window, motion.profile(), &key)
+            {
                 replaced.wheel_motion.push(i);
             }
         }

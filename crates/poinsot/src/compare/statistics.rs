@@ -1,7 +1,7 @@
 //! Tests and means of numbers determined by several results.
 
 use nalgebra::{DMatrix, DVector};
-use poinsot_formats::{EstimateFile, JointTestFile};
+use poinsot_formats::{CovarianceFile, EstimateFile, JointTestFile};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 use std::collections::HashMap;
 
@@ -20,40 +20,26 @@ impl Answers {
     /// Mass properties in the covariance of every result, in the order of the first.
     pub fn common(files: &[&EstimateFile]) -> Self {
         let values: Vec<HashMap<String, f64>> = files.iter().map(|f| values(f)).collect();
-        let place = |f: &&EstimateFile| {
-            let names = f.covariance.names.iter();
-            names.cloned().zip(0..).collect::<HashMap<String, usize>>()
-        };
-        let places: Vec<HashMap<String, usize>> = files.iter().map(place).collect();
-        let variance = |i: usize, name: &str| {
-            let at = *places[i].get(name)?;
-            let row = files[i].covariance.matrix.get(at)?;
-            row.get(at).copied().flatten().filter(|v| *v > 0.0)
-        };
+        let all = || files.iter().map(|f| &f.covariance).zip(&values);
         let in_all = |name: &&String| {
-            (0..files.len())
-                .all(|i| values[i].contains_key(name.as_str()) && variance(i, name).is_some())
+            let variance = |c: &CovarianceFile| c.between(name, name).filter(|v| *v > 0.0);
+            all().all(|(c, v)| v.contains_key(name.as_str()) && variance(c).is_some())
         };
-        let names: Vec<String> = files.first().map_or_else(Vec::new, |f| {
-            f.covariance.names.iter().filter(in_all).cloned().collect()
-        });
-        let units = names.iter().map(|n| {
-            let first = files.first().zip(places.first());
-            first.map_or_else(String::new, |(f, p)| f.covariance.units[p[n]].clone())
-        });
-        let covariance = |i: usize| {
-            let at = |k: usize| places[i][&names[k]];
-            DMatrix::from_fn(names.len(), names.len(), |r, c| {
-                files[i].covariance.matrix[at(r)][at(c)].unwrap_or(0.0)
-            })
+        let first = files.first().map(|f| &f.covariance);
+        let names = first.into_iter().flat_map(|c| &c.names).filter(in_all);
+        let names: Vec<String> = names.cloned().collect();
+        let n = names.len();
+        let unit = |name: &String| first.and_then(|c| c.unit_of(name)).unwrap_or_default();
+        let covariance = |c: &CovarianceFile| {
+            DMatrix::from_fn(n, n, |i, j| c.between(&names[i], &names[j]).unwrap_or(0.0))
         };
         Self {
-            units: units.collect(),
+            units: names.iter().map(|name| unit(name).to_owned()).collect(),
             values: values
                 .iter()
-                .map(|v| DVector::from_fn(names.len(), |k, _| v[&names[k]]))
+                .map(|v| DVector::from_fn(n, |k, _| v[&names[k]]))
                 .collect(),
-            covariances: (0..files.len()).map(covariance).collect(),
+            covariances: all().map(|(c, _)| covariance(c)).collect(),
             names,
         }
     }

@@ -3,8 +3,7 @@
 use super::Prediction;
 use crate::estimate_file::{covariance, identifiability, known_numbers, reference};
 use poinsot_formats::{
-    Axes, Elements, MassFile, PREDICTION, PredictedNumberFile, PredictionFile, WantedFile, address,
-    finite,
+    Axes, Elements, MassFile, PREDICTION, PredictedNumberFile, PredictionFile, address, finite,
 };
 use poinsot_identify::{BodyEstimate, Number, tensor_index};
 use poinsot_report::prediction_sentence;
@@ -23,13 +22,6 @@ pub fn prediction_file(prediction: &Prediction) -> PredictionFile {
     let bound = &prediction.bound;
     let bodies = bound.bodies.iter().filter(|b| b.asked);
     let nuisance = bound.nuisance.iter();
-    let wants = prediction.wants.iter().map(|m| WantedFile {
-        name: m.want.name.clone(),
-        unit: m.want.unit.to_owned(),
-        wanted_sigma: m.want.sigma,
-        sigma: m.sigma,
-        met: m.is_met(),
-    });
     let mut file = PredictionFile {
         schema: PREDICTION.to_owned(),
         poinsot: env!("CARGO_PKG_VERSION").to_owned(),
@@ -39,7 +31,7 @@ pub fn prediction_file(prediction: &Prediction) -> PredictionFile {
         duration_s: prediction.duration_s,
         status: bound.status.name().to_owned(),
         in_words: String::new(),
-        wants: wants.collect(),
+        wants: prediction.wants.clone(),
         bodies: bodies.map(|b| (b.name.clone(), body(b))).collect(),
         system: bound
             .system

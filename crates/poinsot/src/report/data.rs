@@ -77,13 +77,7 @@ fn true_system(
     let model = identified.model.bodies.iter();
     let parameters = model.map(|b| Some(properties(&bodies.get(&b.name)?.mass).parameters()));
     let whole = composite(&parameters.collect::<Option<Vec<_>>>()?, &kinematics);
-    (whole.mass > 0.0).then(|| {
-        TrueBodyFile::of(true_mass(&MassProperties {
-            mass: whole.mass,
-            p_BoBcm_B: whole.p_BoScm_B(),
-            I_BBcm_B: whole.I_SScm_B(),
-        }))
-    })
+    (whole.mass > 0.0).then(|| TrueBodyFile::of(true_mass(&whole.mass_properties())))
 }
 
 fn properties(truth: &MassFile<TrueNumberFile>) -> MassProperties {

@@ -241,11 +241,7 @@ fn system(model: &Model, s: &MotionSample) -> TrueBodyFile {
     let joints = moving(model).zip(&s.q);
     TrueBodyFile {
         joint_positions: joints.map(|(j, q)| (position(j), *q)).collect(),
-        ..TrueBodyFile::of(mass(&MassProperties {
-            mass: whole.mass,
-            p_BoBcm_B: whole.p_BoScm_B(),
-            I_BBcm_B: whole.I_SScm_B(),
-        }))
+        ..TrueBodyFile::of(mass(&whole.mass_properties()))
     }
 }
 

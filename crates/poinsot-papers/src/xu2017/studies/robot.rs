@@ -2,7 +2,6 @@
 //! part of an error.
 
 use crate::certified::parameter_names;
-use crate::numbers::as_one;
 use crate::study::statistics::largest;
 use crate::study::{Context, StudyError};
 use crate::xu2017;
@@ -10,7 +9,7 @@ use crate::xu2017::roles::TENSOR_ALONE;
 use crate::xu2017::swarm::Swarm;
 use crate::xu2017::{Found, Kind, Order, Solver, natural, sequence};
 use nalgebra::{DMatrix, DVector};
-use poinsot_dynamics::{Kinematics, Tree};
+use poinsot_dynamics::{Kinematics, Tree, composite};
 use poinsot_files::Faults;
 use poinsot_identify::{BodyEstimate, Estimate, Noise, Problem, Segment};
 use poinsot_model::{Body, EstimateSet, Model};
@@ -263,7 +262,7 @@ pub fn properties(bodies: &[InertialParameters]) -> Vec<MassProperties> {
 pub fn whole(tree: &Tree, bodies: &[InertialParameters]) -> MassProperties {
     let mut kinematics = Kinematics::new(tree);
     kinematics.place(tree, &vec![0.0; tree.dof()]);
-    let whole = as_one(bodies, &kinematics);
+    let whole = composite(bodies, &kinematics).parameters();
     whole.mass_properties().unwrap_or(MassProperties::ZERO)
 }
 
