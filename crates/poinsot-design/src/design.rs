@@ -2,7 +2,7 @@
 
 use crate::interrupt::Listening;
 use crate::mover::{Command, Target};
-use crate::result::{Designed, LimitUse, Reach, Robust, Shorter};
+use crate::result::{Designed, Reach, Robust};
 use crate::search::{Found, refine, search};
 use crate::shape::Space;
 use crate::trial::{Deadline, Question, Rows};
@@ -13,6 +13,7 @@ use poinsot::Error;
 use poinsot::case::{Case, Design, Limits, Objective, Want, parse_case, read_case};
 use poinsot::predict::{against_duration, predict_case, wanted_sigma};
 use poinsot_dynamics::{Firing, Plan, Tree};
+use poinsot_formats::{LimitUseFile, ShorterFile};
 use poinsot_model::{Model, read_model};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
@@ -79,7 +80,7 @@ struct Nominal {
     space: Space,
     found: Found,
     /// Where the shortest manoeuvre is asked.
-    shorter: Option<Shorter>,
+    shorter: Option<ShorterFile>,
 }
 
 impl Nominal {
@@ -330,7 +331,7 @@ impl<'c> Asked<'c> {
             shorter: None,
         };
         if self.design.objective == Objective::ShortestTime {
-            nominal.shorter = Some(Shorter {
+            nominal.shorter = Some(ShorterFile {
                 missed_s: None,
                 stopped: question.is_over(),
             });
@@ -485,7 +486,7 @@ impl<'c> Asked<'c> {
         &self,
         space: &Space,
         (x, found): (&[f64], &Found),
-        (limits, reference): (Vec<LimitUse>, Option<Vec<f64>>),
+        (limits, reference): (Vec<LimitUseFile>, Option<Vec<f64>>),
     ) -> Result<Designed, Error> {
         let (commands, firings, manoeuvre) = self.written(space, x)?;
         let mut designed = Designed {

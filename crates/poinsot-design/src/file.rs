@@ -1,10 +1,7 @@
 //! A design as `design.json` (`poinsot.design/2`) and as a document.
 
-use crate::result::{Designed, Relaxed};
-use poinsot_formats::{
-    DESIGN, DesignFile, DesignVerificationFile, DesignedNumberFile, LimitUseFile, RelaxedFile,
-    SearchFile, ShorterFile, VerifiedNumberFile, finite,
-};
+use crate::result::Designed;
+use poinsot_formats::{DESIGN, DesignFile, DesignedNumberFile, SearchFile, finite};
 use poinsot_report::design_sentence;
 
 /// Converts a design to its file.
@@ -23,23 +20,6 @@ pub fn design_file(designed: &Designed) -> DesignFile {
         sigma: r.sigma,
         reference_sigma: r.reference,
     });
-    let limits = designed.limits.iter().map(|l| LimitUseFile {
-        what: l.what.clone(),
-        unit: l.unit.to_owned(),
-        value: l.value,
-        limit: l.limit,
-        margin: l.margin,
-        active: l.is_active(),
-    });
-    let points = |all: &[Relaxed]| {
-        let point = |r: &Relaxed| RelaxedFile {
-            what: r.what.clone(),
-            factor: r.factor,
-            worst_ratio: r.ratio,
-        };
-        all.iter().map(point).collect()
-    };
-    let verification = designed.verification.as_ref();
     let verdict = match (designed.is_reached(), designed.is_unshortened()) {
         (true, true) => "stopped",
         (true, false) => "reached",
@@ -54,40 +34,22 @@ pub fn design_file(designed: &Designed) -> DesignFile {
         in_words: String::new(),
         objective: designed.objective.to_owned(),
         duration_s: designed.duration_s,
-        shorter: designed.shorter.map(|s| ShorterFile {
-            missed_s: s.missed_s,
-            stopped: s.stopped,
-        }),
+        shorter: designed.shorter,
         worst_ratio: finite(designed.worst_ratio()),
         robust_log_ratio: designed.robust.map(|r| r.searched),
         robust_log_ratio_others: designed.robust.and_then(|r| r.others),
         nominal_log_ratio_others: designed.robust.and_then(|r| r.nominal),
         wants: wants.collect(),
-        limits: limits.collect(),
-        relaxed: points(&designed.relaxed),
-        front: points(&designed.front),
+        limits: designed.limits.clone(),
+        relaxed: designed.relaxed.clone(),
+        front: designed.front.clone(),
         against_duration: designed.against_duration.clone(),
         search: SearchFile {
             evaluations: designed.evaluations,
             starts: designed.starts.clone(),
             settled: designed.settled,
         },
-        verification: verification.map(|v| DesignVerificationFile {
-            flights: v.flights,
-            failed: v.failed.clone(),
-            limits_broken: v.limits_broken,
-            agrees: v.agrees(),
-            numbers: v
-                .numbers
-                .iter()
-                .map(|n| VerifiedNumberFile {
-                    name: n.name.clone(),
-                    rms_ratio: n.rms_ratio,
-                    band: [n.band.low, n.band.high],
-                    flights: n.flights,
-                })
-                .collect(),
-        }),
+        verification: designed.verification.clone(),
     };
     file.in_words = design_sentence(&file);
     file

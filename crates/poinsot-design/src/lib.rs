@@ -54,7 +54,7 @@ mod written;
 
 pub use design::{DesignRequest, design, design_case};
 pub use file::design_file;
-pub use result::{Designed, LimitUse, Reach, Relaxed, Robust, Verification, VerifiedNumber};
+pub use result::{Designed, Reach, Robust};
 pub use vehicles::{drawn, has_prior};
 
 pub use written::{manoeuvre_case, write_design};

@@ -2,13 +2,13 @@
 
 use crate::design::{Asked, FEW_STEPS, ROBUST_PART};
 use crate::mover::{Order, Target};
-use crate::result::LimitUse;
 use crate::search::{evaluated, refine};
 use crate::shape::{Space, Use};
 use crate::trial::{Critical, Program, Question};
 use crate::vehicles::{drawn, has_prior};
 use crate::watch::{WINDOWS_EACH, fine_times};
 use poinsot::Error;
+use poinsot_formats::LimitUseFile;
 use poinsot_model::Model;
 use poinsot_solve::Reached;
 use rayon::prelude::*;
@@ -124,7 +124,7 @@ impl Asked<'_> {
         question: &Question,
         space: &Space,
         x: Vec<f64>,
-    ) -> Result<(Vec<f64>, Vec<LimitUse>), Error> {
+    ) -> Result<(Vec<f64>, Vec<LimitUseFile>), Error> {
         for share in SHARES {
             let nearer: Vec<f64> = x.iter().map(|x| share * x).collect();
             let uses = self.uses(question, space, &nearer)?;
@@ -193,7 +193,7 @@ impl Asked<'_> {
         question: &Question,
         space: &Space,
         x: &[f64],
-    ) -> Result<Vec<LimitUse>, Error> {
+    ) -> Result<Vec<LimitUseFile>, Error> {
         let mut all = space.valves.uses(x, |k| self.name(Target::Thruster(k)));
         for u in space.uses(x) {
             all.push(self.linear_use(space, &u));
@@ -205,17 +205,13 @@ impl Asked<'_> {
         let nearest = self.nearest(question, space, x)?;
         // A plume has no value if its thruster never fires.
         let known = watched.zip(nearest).filter(|(_, n)| n.value.is_finite());
-        all.extend(known.map(|(w, n)| LimitUse {
-            what: w.what.clone(),
-            unit: w.unit,
-            value: n.value,
-            limit: w.limit,
-            margin: -n.beyond(),
+        all.extend(known.map(|(w, n)| {
+            LimitUseFile::new(w.what.clone(), w.unit, n.value, w.limit, -n.beyond())
         }));
         Ok(all)
     }
 
-    fn linear_use(&self, space: &Space, u: &Use) -> LimitUse {
+    fn linear_use(&self, space: &Space, u: &Use) -> LimitUseFile {
         let mover = &space.movers[u.mover];
         let (low, high) = mover.bounds[u.order as usize];
         let half = match low.is_finite() && high.is_finite() {
@@ -231,14 +227,10 @@ impl Asked<'_> {
             (_, Order::Acceleration, false) => ("acceleration", "rad/s2"),
             (_, Order::Acceleration, true) => ("acceleration", "m/s2"),
         };
-        LimitUse {
-            what: format!("{word} of {}", self.name(mover.target)),
-            unit,
-            value: u.value,
-            limit: u.limit,
-            margin: (u.limit - u.value).abs() / half
-                * if inside(u, low, high) { 1.0 } else { -1.0 },
-        }
+        let what = format!("{word} of {}", self.name(mover.target));
+        let margin = (u.limit - u.value).abs() / half;
+        let sign = if inside(u, low, high) { 1.0 } else { -1.0 };
+        LimitUseFile::new(what, unit, u.value, u.limit, margin * sign)
     }
 }
 

@@ -1,12 +1,12 @@
 //! Effect of a relaxed limit or longer duration, computed if a wanted sigma is not reached, and the front on request.
 
 use crate::design::{Asked, FEW_STEPS};
-use crate::result::{LimitUse, Relaxed};
 use crate::search::refine;
 use crate::shape::Space;
 use crate::trial::{Question, Rows};
 use poinsot::Error;
 use poinsot::case::{Limits, Objective};
+use poinsot_formats::{LimitUseFile, RelaxedFile};
 
 /// Factor on a relaxed limit.
 const RELAXED: f64 = 1.25;
@@ -20,11 +20,11 @@ impl Asked<'_> {
         question: &Question,
         space: &Space,
         x: &[f64],
-        uses: &[LimitUse],
-    ) -> Vec<Relaxed> {
+        uses: &[LimitUseFile],
+    ) -> Vec<RelaxedFile> {
         let is_active = |group: &&Group| {
-            let own = |u: &LimitUse| group.starts.iter().any(|start| u.what.starts_with(start));
-            group.starts.is_empty() || uses.iter().any(|u| u.is_active() && own(u))
+            let own = |u: &LimitUseFile| group.starts.iter().any(|start| u.what.starts_with(start));
+            group.starts.is_empty() || uses.iter().any(|u| u.active && own(u))
         };
         let own = (question, space);
         let of = |group: &Group| Some(self.with(group, RELAXED, own, x)?.0);
@@ -55,12 +55,12 @@ impl Asked<'_> {
         (question, space): (&Question, &Space),
         x: &[f64],
         ratio: f64,
-    ) -> Vec<Relaxed> {
+    ) -> Vec<RelaxedFile> {
         let own = (question, space);
-        let mut all = vec![Relaxed {
+        let mut all = vec![RelaxedFile {
             what: group.words.to_owned(),
             factor: 1.0,
-            ratio,
+            worst_ratio: ratio,
         }];
         for factors in FRONT {
             let mut from = x.to_vec();
@@ -84,7 +84,7 @@ impl Asked<'_> {
         factor: f64,
         (own, of_own): (&Question, &Space),
         from: &[f64],
-    ) -> Option<(Relaxed, Vec<f64>)> {
+    ) -> Option<(RelaxedFile, Vec<f64>)> {
         let mut limits = self.limits.clone();
         (group.relax)(&mut limits, factor);
         let of_time = if group.starts.is_empty() { factor } else { 1.0 };
@@ -103,10 +103,10 @@ impl Asked<'_> {
         let from = of_own.converted(from, &space);
         let reached = refine(&question, (&space, Rows::Share(1.0)), &from, budget)?;
         (reached.values.broken() <= BROKEN).then(|| {
-            let point = Relaxed {
+            let point = RelaxedFile {
                 what: group.words.to_owned(),
                 factor,
-                ratio: reached.values.worst().exp(),
+                worst_ratio: reached.values.worst().exp(),
             };
             (point, space.converted(&reached.x, of_own))
         })

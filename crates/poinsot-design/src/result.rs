@@ -2,9 +2,10 @@
 
 use crate::mover::Command;
 use poinsot::case::Want;
-use poinsot::trials::Band;
 use poinsot_dynamics::Firing;
-use poinsot_formats::AgainstDurationFile;
+use poinsot_formats::{
+    AgainstDurationFile, DesignVerificationFile, LimitUseFile, RelaxedFile, ShorterFile,
+};
 use poinsot_model::Model;
 
 /// One wanted number and its predicted sigma.
@@ -22,77 +23,6 @@ impl Reach {
     /// Sigma over wanted sigma.
     pub fn ratio(&self) -> f64 {
         self.sigma.map_or(f64::INFINITY, |s| s / self.want.sigma)
-    }
-}
-
-/// Use of one limit.
-#[derive(Debug, Clone, PartialEq)]
-pub struct LimitUse {
-    /// Limited quantity.
-    pub what: String,
-    /// Unit.
-    pub unit: &'static str,
-    /// Value that comes closest to the limit.
-    pub value: f64,
-    /// The limit.
-    pub limit: f64,
-    /// Margin relative to the limit; negative if the limit is exceeded.
-    pub margin: f64,
-}
-
-/// Margin below which a limit counts as active.
-pub const ACTIVE: f64 = 0.01;
-
-impl LimitUse {
-    /// Whether the limit is active.
-    pub fn is_active(&self) -> bool {
-        self.margin < ACTIVE
-    }
-}
-
-/// Effect of one relaxed limit.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Relaxed {
-    /// Kind of limit.
-    pub what: String,
-    /// Factor on the limit.
-    pub factor: f64,
-    /// Largest ratio with it.
-    pub ratio: f64,
-}
-
-/// One wanted number over all trial flights.
-#[derive(Debug, Clone, PartialEq)]
-pub struct VerifiedNumber {
-    /// Name of the wanted number.
-    pub name: String,
-    /// RMS of the error over the sigma predicted for that flight.
-    pub rms_ratio: f64,
-    /// 99.9 % band of that RMS.
-    pub band: Band,
-    /// Number of flights that determined it.
-    pub flights: u64,
-}
-
-/// Result of the trial flights.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Verification {
-    /// Number of flights.
-    pub flights: u64,
-    /// Flights that did not determine all wanted numbers, with the reason.
-    pub failed: Vec<String>,
-    /// In the order of the wanted numbers.
-    pub numbers: Vec<VerifiedNumber>,
-    /// Number of flights that exceeded a limit.
-    pub limits_broken: u64,
-}
-
-impl Verification {
-    /// Whether every ratio lies in its band, no flight failed, and at most 1 % exceeded a limit.
-    pub fn agrees(&self) -> bool {
-        let held = self.numbers.iter().all(|n| n.band.holds(n.rms_ratio));
-        // Margins cover 99 % of the prior.
-        held && self.failed.is_empty() && 100 * self.limits_broken <= self.flights
     }
 }
 
@@ -114,15 +44,15 @@ pub struct Designed {
     /// Name of the objective.
     pub objective: &'static str,
     /// How far shorter manoeuvres were searched, where the shortest one is asked.
-    pub shorter: Option<Shorter>,
+    pub shorter: Option<ShorterFile>,
     /// Wanted numbers with their predicted sigmas.
     pub wants: Vec<Reach>,
     /// Use of every limit.
-    pub limits: Vec<LimitUse>,
+    pub limits: Vec<LimitUseFile>,
     /// Effect of relaxed limits, if a wanted sigma is not reached.
-    pub relaxed: Vec<Relaxed>,
+    pub relaxed: Vec<RelaxedFile>,
     /// The front of one kind of limit; empty if not requested.
-    pub front: Vec<Relaxed>,
+    pub front: Vec<RelaxedFile>,
     /// Sigmas of the wanted numbers for shorter records.
     pub against_duration: Option<AgainstDurationFile>,
     /// Number of manoeuvres evaluated.
@@ -134,16 +64,7 @@ pub struct Designed {
     /// Objective of a robust design.
     pub robust: Option<Robust>,
     /// Trial flights, if requested.
-    pub verification: Option<Verification>,
-}
-
-/// The search for shorter manoeuvres.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Shorter {
-    /// Longest duration of the manoeuvre, s, at which a search did not reach every wanted sigma; `None` if none was searched.
-    pub missed_s: Option<f64>,
-    /// Whether the search was stopped before its end.
-    pub stopped: bool,
+    pub verification: Option<DesignVerificationFile>,
 }
 
 /// Conditional value at risk of the logarithm of the largest ratio over vehicles of the prior.
@@ -177,7 +98,7 @@ impl Designed {
     }
 
     /// Exceeded limits.
-    pub fn broken(&self) -> impl Iterator<Item = &LimitUse> {
+    pub fn broken(&self) -> impl Iterator<Item = &LimitUseFile> {
         self.limits.iter().filter(|l| l.margin < -ROUNDED)
     }
 
@@ -189,7 +110,7 @@ impl Designed {
 
     /// Whether every wanted sigma is reached, by the shortest manoeuvre where that is asked, and the trial flights agree.
     pub fn passes(&self) -> bool {
-        let agrees = self.verification.as_ref().is_none_or(Verification::agrees);
+        let agrees = self.verification.as_ref().is_none_or(|v| v.agrees);
         self.is_reached() && !self.is_unshortened() && agrees
     }
 }

@@ -4,9 +4,9 @@
 //! thruster are therefore linear limits. The order between thrusters is free.
 
 use crate::mover::Target;
-use crate::result::LimitUse;
 use poinsot::case::{Design, Fired, ImpulseLimit, Limits, ThrusterLimit, Window};
 use poinsot_dynamics::Firing;
+use poinsot_formats::LimitUseFile;
 use poinsot_solve::Side;
 
 /// Duration of firings before the search, as a fraction between the shortest and longest allowed: short firings keep
@@ -148,7 +148,7 @@ impl Valves {
     }
 
     /// Use of the limits by the firings; `name` maps a thruster to its name.
-    pub fn uses<'n>(&self, x: &[f64], name: impl Fn(usize) -> &'n str) -> Vec<LimitUse> {
+    pub fn uses<'n>(&self, x: &[f64], name: impl Fn(usize) -> &'n str) -> Vec<LimitUseFile> {
         let mut all = Vec::new();
         for v in &self.list {
             let own = v.firings(x);
@@ -162,13 +162,8 @@ impl Valves {
                 ("pause", pause, v.limit.minimum_off),
             ] {
                 if limit > 0.0 && value.is_finite() {
-                    all.push(LimitUse {
-                        what: format!("{what} of {name}"),
-                        unit: "s",
-                        value,
-                        limit,
-                        margin: value / limit - 1.0,
-                    });
+                    let (what, margin) = (format!("{what} of {name}"), value / limit - 1.0);
+                    all.push(LimitUseFile::new(what, "s", value, limit, margin));
                 }
             }
         }
@@ -181,13 +176,13 @@ impl Valves {
                 Some(exhaust) => ("propellant", "kg", 1.0 / exhaust),
                 None => ("impulse", "N s", 1.0),
             };
-            all.push(LimitUse {
-                what: format!("{word} of {}", names.join(", ")),
+            all.push(LimitUseFile::new(
+                format!("{word} of {}", names.join(", ")),
                 unit,
-                value: scale * spent,
-                limit: scale * limit.impulse,
-                margin: 1.0 - spent / limit.impulse,
-            });
+                scale * spent,
+                scale * limit.impulse,
+                1.0 - spent / limit.impulse,
+            ));
         }
         all
     }

@@ -1,7 +1,7 @@
 //! Trial flights of a designed manoeuvre. Each has a vehicle of the prior and new sensor noise; its error is compared
 //! with the predicted sigma.
 
-use crate::result::{Designed, Verification, VerifiedNumber};
+use crate::result::Designed;
 use crate::trial::Question;
 use crate::vehicles::drawn;
 use crate::watch::fine_times;
@@ -9,7 +9,7 @@ use poinsot::Error;
 use poinsot::case::{Case, Want};
 use poinsot::predict::{covariance_name, wanted_sigma};
 use poinsot::trials::{Band, Row, Study};
-use poinsot_formats::address;
+use poinsot_formats::{DesignVerificationFile, VerifiedNumberFile, address};
 use poinsot_identify::Estimate;
 use poinsot_model::Model;
 use rayon::prelude::*;
@@ -31,7 +31,7 @@ pub(crate) fn verify(
     designed: &Designed,
     question: &Question,
     flights: u64,
-) -> Result<Verification, Error> {
+) -> Result<DesignVerificationFile, Error> {
     let wants: Vec<&Want> = designed.wants.iter().map(|r| &r.want).collect();
     let one = |k: u64| flight(case, &designed.model, question, &wants, k);
     let all: Vec<Outcome> = (0..flights).into_par_iter().map(one).collect();
@@ -50,16 +50,24 @@ pub(crate) fn verify(
             }
         }
     }
-    let numbers = wants.iter().zip(squares).map(|(want, sum)| VerifiedNumber {
-        name: want.name.clone(),
-        rms_ratio: (sum / answered.max(1) as f64).sqrt(),
-        band: Band::of_rms(answered.max(1)),
-        flights: answered,
-    });
-    Ok(Verification {
+    let band = Band::of_rms(answered.max(1));
+    let numbers = wants
+        .iter()
+        .zip(squares)
+        .map(|(want, sum)| VerifiedNumberFile {
+            name: want.name.clone(),
+            rms_ratio: (sum / answered.max(1) as f64).sqrt(),
+            band: [band.low, band.high],
+            flights: answered,
+        });
+    let numbers: Vec<VerifiedNumberFile> = numbers.collect();
+    let held = numbers.iter().all(|n| band.holds(n.rms_ratio));
+    Ok(DesignVerificationFile {
         flights,
+        // Margins cover 99 % of the prior.
+        agrees: held && failed.is_empty() && 100 * limits_broken <= flights,
         failed,
-        numbers: numbers.collect(),
+        numbers,
         limits_broken,
     })
 }

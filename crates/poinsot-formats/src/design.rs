@@ -61,7 +61,7 @@ pub struct DesignFile {
 }
 
 /// The search for shorter manoeuvres.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ShorterFile {
     /// Longest duration, s, at which a search did not reach every wanted sigma; null if none was searched.
     pub missed_s: Option<f64>,
@@ -100,6 +100,23 @@ pub struct LimitUseFile {
     pub margin: f64,
     /// Whether the limit is active.
     pub active: bool,
+}
+
+/// Margin below which a limit counts as active.
+const ACTIVE: f64 = 0.01;
+
+impl LimitUseFile {
+    /// The use of a limit; it is active below a margin of 1 %.
+    pub fn new(what: String, unit: &str, value: f64, limit: f64, margin: f64) -> Self {
+        Self {
+            what,
+            unit: unit.to_owned(),
+            value,
+            limit,
+            margin,
+            active: margin < ACTIVE,
+        }
+    }
 }
 
 /// Effect of relaxing one kind of limit.
