@@ -35,10 +35,7 @@ fn check(identified: &Identified) {
         .iter()
         .chain(estimate.system.iter().map(|s| &s.0))
     {
-        let numbers = std::iter::once(&body.mass)
-            .chain(&body.com)
-            .chain(&body.inertia);
-        for number in numbers {
+        for number in body.numbers() {
             assert_eq!(number.value.is_some(), number.sigma.is_some(), "{number:?}");
             let finite = |x: Option<f64>| x.is_none_or(f64::is_finite);
             assert!(finite(number.value) && finite(number.sigma), "{number:?}");

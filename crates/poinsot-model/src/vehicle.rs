@@ -3,7 +3,7 @@
 use crate::knowledge::{Knowledge, across};
 pub use poinsot_dynamics::propagation::Mode;
 pub use poinsot_dynamics::{
-    Axes, ErrorKey, Nuisance, Orbit, Sensor, SensorKind, SlowError, printed_unit,
+    Axes, ErrorKey, Nuisance, Orbit, Sensor, SensorKind, SlowError, SpringDamper, printed_unit,
 };
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
 use poinsot_telemetry::{STANDARD_GRAVITY, TelemetryMap};
@@ -188,25 +188,6 @@ impl Joint {
         };
         let rest = || spring.map(|s| (s.rest, "rest of its spring"));
         self.locked_at.map(|at| (at, key)).or_else(rest)
-    }
-}
-
-/// A linear spring with a viscous damper in a joint: `-stiffness (q - rest) - damping q'` on the child.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct SpringDamper {
-    /// Stiffness, N m/rad or N/m.
-    pub stiffness: f64,
-    /// Damping, N m s/rad or N s/m.
-    pub damping: f64,
-    /// Joint position without spring force, rad or m.
-    pub rest: f64,
-}
-
-impl SpringDamper {
-    /// Torque, N m, or force, N, on the child at a joint position and rate.
-    #[inline]
-    pub fn effort(&self, position: f64, rate: f64) -> f64 {
-        -self.stiffness * (position - self.rest) - self.damping * rate
     }
 }
 

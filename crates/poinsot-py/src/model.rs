@@ -4,7 +4,8 @@ use crate::fault::Fault;
 use crate::value::{parse_toml, to_toml};
 use poinsot_dynamics::Tree;
 use poinsot_model::{
-    JointKind, Model, describe, parse_model, read_model, read_telemetry_map, read_urdf, write_model,
+    Joint, JointKind, Model, describe, parse_model, read_model, read_telemetry_map, read_urdf,
+    write_model,
 };
 use poinsot_spatial::InertialParameters;
 use pyo3::prelude::*;
@@ -45,6 +46,13 @@ impl CoreModel {
             file: Some(path),
             ..model.into()
         }
+    }
+}
+
+impl CoreModel {
+    fn moving(&self) -> impl Iterator<Item = &Joint> {
+        let joints = self.model.joints.iter();
+        joints.filter(|j| j.kind != JointKind::Fixed)
     }
 }
 
@@ -101,10 +109,7 @@ impl CoreModel {
     /// JSON and text of `poinsot check`.
     fn check(&self) -> PyResult<(String, String)> {
         let description = describe(&self.model);
-        let json = serde_json::to_string(&description);
-        let what = |e: serde_json::Error| poinsot::Error::internal(e.to_string());
-        let json = json.map_err(what).map_err(Fault::from)?;
-        Ok((json, description.to_string()))
+        Ok((crate::verbs::json(&description)?, description.to_string()))
     }
 
     #[getter]
@@ -120,21 +125,17 @@ impl CoreModel {
     /// Names of the joint coordinates, in the order of `q`.
     #[getter]
     fn coordinates(&self) -> Vec<&str> {
-        let joints = self.model.joints.iter();
-        let moving = joints.filter(|j| j.kind != JointKind::Fixed);
-        moving.map(|j| j.name.as_str()).collect()
+        self.moving().map(|j| j.name.as_str()).collect()
     }
 
     /// Units of the joint coordinates.
     #[getter]
     fn coordinate_units(&self) -> Vec<&str> {
-        let joints = self.model.joints.iter();
-        let moving = joints.filter(|j| j.kind != JointKind::Fixed);
-        let unit = |j: &poinsot_model::Joint| match j.kind {
+        let unit = |j: &Joint| match j.kind {
             JointKind::Prismatic => "m",
             _ => "rad",
         };
-        moving.map(unit).collect()
+        self.moving().map(unit).collect()
     }
 
     #[getter]

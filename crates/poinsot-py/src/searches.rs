@@ -1,7 +1,7 @@
 //! The searches: `design`, and the studies of the papers.
 
 use crate::run::run;
-use crate::verbs::{Printed, json, text};
+use crate::verbs::{Printed, json, printed, text};
 use poinsot::case::read_case;
 use poinsot::study::{find, findings_file, printed_findings, run as run_study};
 use poinsot_design::{DesignRequest, design_file, write_design};
@@ -33,11 +33,8 @@ pub fn design(
             let model = read_case(&case)?.model;
             write_design(folder, &designed, &model)?;
         }
-        Ok((
-            json(&design_file(&designed))?,
-            text(&design_document(&design_file(&designed))),
-            poinsot_cli::exit_of(designed.passes()),
-        ))
+        let file = design_file(&designed);
+        printed(&file, &design_document(&file), designed.passes())
     })
 }
 

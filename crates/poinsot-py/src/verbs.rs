@@ -33,6 +33,15 @@ pub(crate) fn text(document: &Document) -> String {
     })
 }
 
+/// What a verb hands over: its file, what the command prints, and the exit code.
+pub(crate) fn printed<T: poinsot_formats::Serialize>(
+    file: &T,
+    document: &Document,
+    passes: bool,
+) -> Result<Printed, Fault> {
+    Ok((json(file)?, text(document), poinsot_cli::exit_of(passes)))
+}
+
 /// A document as the text that crosses into Python.
 pub(crate) fn json<T: poinsot_formats::Serialize>(document: &T) -> Result<String, Fault> {
     serde_json::to_string(document)
@@ -132,7 +141,7 @@ pub fn predict(
             several => several_document(several),
         };
         let passes = all.iter().all(Prediction::passes);
-        Ok((json(&files)?, text(&document), poinsot_cli::exit_of(passes)))
+        printed(&files, &document, passes)
     })
 }
 
@@ -170,11 +179,7 @@ pub fn validate(
             write_validation(folder, &found)?;
         }
         let file = &found.file;
-        Ok((
-            json(file)?,
-            text(&validation_document(file)),
-            poinsot_cli::exit_of(file.passes()),
-        ))
+        printed(file, &validation_document(file), file.passes())
     })
 }
 
@@ -202,9 +207,7 @@ pub fn compare(py: Python<'_>, answers: Vec<AnswerOrPath<'_>>) -> PyResult<Print
     }
     run(py, None, move || {
         let found = compare_estimates(&files)?;
-        let json = json(&found)?;
-        let code = poinsot_cli::exit_of(found.passes());
-        Ok((json, text(&comparison_document(&found)), code))
+        printed(&found, &comparison_document(&found), found.passes())
     })
 }
 

@@ -5,16 +5,9 @@ use crate::templates::TEMPLATES;
 use indexmap::IndexMap;
 use minijinja::{Value, context};
 use poinsot_figures::{Document, Tone};
-use poinsot_formats::PredictionFile;
+use poinsot_formats::{PredictionFile, ValueFile};
 use serde::Serialize;
 use std::path::Path;
-
-/// A number of one case: name, unit, value; `None` where it is not identifiable.
-struct Cell {
-    name: String,
-    unit: String,
-    value: Option<f64>,
-}
 
 /// A number of every case; a case that does not have it has an empty cell.
 #[derive(Serialize)]
@@ -27,7 +20,7 @@ struct Row {
 /// the peaks of their motions.
 ///
 /// ```
-/// use poinsot_formats::PredictionFile;
+/// use poinsot_formats::{PredictionFile, ValueFile};
 ///
 /// let text = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/prediction.json"));
 /// let short: PredictionFile = serde_json::from_str(text)?;
@@ -47,8 +40,8 @@ pub fn several_document(predictions: &[PredictionFile]) -> Document {
         .filter_map(|(case, ratio)| Some((case, ratio?)))
         .min_by(|a, b| a.1.total_cmp(&b.1))
         .map(|(case, ratio)| context! { case, ratio });
-    let table = |title: &str, cells: fn(&PredictionFile) -> Vec<Cell>| {
-        let columns: Vec<Vec<Cell>> = predictions.iter().map(cells).collect();
+    let table = |title: &str, cells: fn(&PredictionFile) -> Vec<ValueFile>| {
+        let columns: Vec<Vec<ValueFile>> = predictions.iter().map(cells).collect();
         context! { title, rows => rows(&columns) }
     };
     let tables = [table("1 sigma", sigmas), table("largest values", peaks)];
@@ -58,7 +51,7 @@ pub fn several_document(predictions: &[PredictionFile]) -> Document {
 }
 
 /// Rows by name, in order of first appearance.
-fn rows(columns: &[Vec<Cell>]) -> IndexMap<&str, Row> {
+fn rows(columns: &[Vec<ValueFile>]) -> IndexMap<&str, Row> {
     let mut rows: IndexMap<&str, Row> = IndexMap::new();
     for (k, cell) in columns
         .iter()
@@ -74,10 +67,10 @@ fn rows(columns: &[Vec<Cell>]) -> IndexMap<&str, Row> {
     rows
 }
 
-fn peaks(p: &PredictionFile) -> Vec<Cell> {
+fn peaks(p: &PredictionFile) -> Vec<ValueFile> {
     let peaks = p.peaks.iter();
     peaks
-        .map(|x| Cell {
+        .map(|x| ValueFile {
             name: x.what.clone(),
             unit: x.unit.clone(),
             value: Some(x.value),
@@ -85,14 +78,14 @@ fn peaks(p: &PredictionFile) -> Vec<Cell> {
         .collect()
 }
 
-fn sigmas(p: &PredictionFile) -> Vec<Cell> {
-    let wants = p.wants.iter().map(|w| Cell {
+fn sigmas(p: &PredictionFile) -> Vec<ValueFile> {
+    let wants = p.wants.iter().map(|w| ValueFile {
         name: w.name.clone(),
         unit: w.unit.clone(),
         value: w.sigma,
     });
     let numbers = p.bodies.iter().flat_map(|(body, mass)| {
-        let cell = move |(name, unit, n): (String, &str, _)| Cell {
+        let cell = move |(name, unit, n): (String, &str, _)| ValueFile {
             name: format!("{body} {name}"),
             unit: unit.to_owned(),
             value: predicted_sigma(&n),

@@ -36,7 +36,7 @@ impl Status {
         let open = bodies
             .iter()
             .filter(|b| b.asked)
-            .flat_map(|b| std::iter::once(&b.mass).chain(&b.com).chain(&b.inertia))
+            .flat_map(BodyEstimate::numbers)
             .any(|n| n.source == Source::Open);
         match (found.rank, open) {
             (0, _) => Self::NotIdentifiable,

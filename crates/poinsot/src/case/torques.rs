@@ -2,9 +2,7 @@
 
 use super::fault::did_you_mean;
 use super::planner::{Part, Planner, node_remedy};
-use poinsot_dynamics::{
-    ForceProfile, JointDrive, NodeError, PiecewisePolynomial, Plan, SpringDamper,
-};
+use poinsot_dynamics::{ForceProfile, JointDrive, NodeError, PiecewisePolynomial, Plan};
 use poinsot_formats::case::{InitialJointFile, JointTorqueFile};
 use poinsot_model::{Joint, JointKind};
 use poinsot_telemetry::{ReadOptions, read};
@@ -93,11 +91,7 @@ impl Planner<'_> {
             let spring = joint.spring_damper;
             plan.joints[k] = JointDrive::Force {
                 motor: own.motor.unwrap_or_else(ForceProfile::none),
-                spring: spring.map_or_else(SpringDamper::default, |s| SpringDamper {
-                    stiffness: s.stiffness,
-                    rest: s.rest,
-                    damping: s.damping,
-                }),
+                spring: spring.unwrap_or_default(),
                 // A spring without initial conditions starts at rest.
                 initial_position: own
                     .position

@@ -144,7 +144,7 @@ fn exact_every_key_is_read() {
     let spring = model.joints[1].spring_damper.unwrap();
     let numbers = (spring.stiffness, spring.damping, spring.rest);
     assert_eq!(numbers, (2.5, 0.0625, -0.5));
-    assert_eq!(spring.effort(0.5, 2.0), -2.625);
+    assert_eq!(spring.force(0.5, 2.0), -2.625);
     assert_eq!(model.joints[0].spring_damper, None);
     assert_eq!(model.joints[2].spring_damper, Some(SpringDamper::default()));
     assert_eq!(model.joints[2].kind, JointKind::Prismatic);
