@@ -6,7 +6,6 @@ use crate::words::{entry, lines};
 use crate::write::file_of;
 use poinsot_dynamics::{Kinematics, Vehicle, composite};
 use poinsot_files::{list, short};
-use poinsot_spatial::MassProperties;
 use poinsot_telemetry::TelemetryMap;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -180,11 +179,7 @@ fn whole(model: &Model) -> (f64, SystemDescription) {
     let mut kinematics = Kinematics::new(&vehicle.tree);
     kinematics.place(&vehicle.tree, &vehicle.locked_at);
     let whole = composite(&vehicle.bodies, &kinematics);
-    let properties = MassProperties {
-        mass: whole.mass,
-        p_BoBcm_B: whole.p_BoScm_B(),
-        I_BBcm_B: whole.I_SScm_B(),
-    };
+    let properties = whole.mass_properties();
     let system = SystemDescription {
         com_m: properties.p_BoBcm_B.into(),
         principal_kg_m2: properties.principal().0,

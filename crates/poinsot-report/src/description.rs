@@ -75,30 +75,17 @@ pub fn plan_lines(
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn estimate_lines(file: &EstimateFile) -> Vec<String> {
-    let found = &file.identifiability;
-    let mut lines = vec![format!(
-        "{}: {} by {}, {} of {} combinations are identifiable",
-        file.model,
-        file.status,
-        file.method_in_words(),
-        found.rank,
-        found.parameters
-    )];
-    for (name, body) in file.bodies.iter().filter(|(_, b)| b.is_asked()) {
-        let all = body.numbers();
-        let asked = all.iter().filter(|(_, _, n)| !n.is_known()).count();
-        let open = all.iter().filter(|(_, _, n)| n.value.is_none()).count();
-        let determined = asked - open;
-        lines.push(format!(
-            "{name}: {determined} of {asked} requested numbers are determined"
-        ));
-    }
-    let files = file.inputs.iter();
-    lines.extend(files.map(|i| format!("telemetry: {} ({} rows)", i.path, i.rows)));
-    lines.extend(
-        file.evidence_against()
-            .iter()
-            .map(|d| format!("doubt: {d}")),
-    );
-    lines
+    let asked = file.bodies.iter().filter(|(_, b)| b.is_asked());
+    let bodies = asked.map(|(name, b)| {
+        let asked = b.numbers().into_iter().filter(|(_, _, n)| !n.is_known());
+        let open = asked.clone().filter(|(_, _, n)| n.value.is_none());
+        (name, asked.count(), open.count())
+    });
+    let context = context! {
+        file,
+        method => file.method_in_words(),
+        bodies => bodies.collect::<Vec<_>>(),
+        doubts => file.evidence_against(),
+    };
+    TEMPLATES.lines("answer.txt", context)
 }

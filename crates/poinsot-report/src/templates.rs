@@ -13,6 +13,7 @@ macro_rules! templates {
 pub(crate) static TEMPLATES: LazyLock<Templates> = LazyLock::new(|| {
     Templates::new(templates! {
         "answer.html"
+        "answer.txt"
         "bodies.html"
         "campaign.txt"
         "case.txt"

@@ -126,13 +126,8 @@ pub static METHOD: Method = Method {
 /// `K` with `I w = K y`, `y = [xx, yy, zz, xy, xz, yz]` in the order of (61).
 #[inline]
 fn tensor_regressor(w: &Vector3) -> SMatrix<f64, 3, 6> {
-    #[rustfmt::skip]
-    let k = SMatrix::<f64, 3, 6>::new(
-        w.x, 0.0, 0.0, w.y, w.z, 0.0,
-        0.0, w.y, 0.0, w.x, 0.0, w.z,
-        0.0, 0.0, w.z, 0.0, w.x, w.y,
-    );
-    k
+    let own = poinsot_spatial::tensor_regressor(w);
+    SMatrix::from_fn(|i, j| own[(i, ORDER[1 + j] - 4)])
 }
 
 /// The paper's order (61), (62) among the ten numbers of a body.

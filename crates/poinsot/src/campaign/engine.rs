@@ -4,13 +4,13 @@
 //! Each worker has its own single-thread pool for the parallel parts of a fit. Trials therefore do not wait for each
 //! other.
 
-use super::faults::whole_fault;
 use super::plan::{Plan, Shard};
 use super::shard::{MissingShard, ShardResult, find};
 use super::trial::{Prepared, at_once};
 use crate::error::Error;
 use crate::progress::step;
 use crate::trials::Row;
+use poinsot_files::Place;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::Path;
@@ -167,7 +167,7 @@ fn run_some(
         // The error already names file and remedy.
         let what = format!("cell {} cannot be simulated: {why}", shard.cell);
         let remedy = "correct case, model or plan";
-        whole_fault("E0541", Path::new(&plan.name), what, remedy)
+        Error::one("E0541", Place::file(&plan.name), what, remedy)
     })?;
     let many = (trials.end - trials.start) as usize;
     let first = trials.start;

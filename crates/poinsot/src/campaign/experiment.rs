@@ -1,12 +1,13 @@
 //! An experiment of a plan: its files as tables, and the study at one point.
 
 use super::address::{Document, Documents, Edit, Refusal, edit};
-use super::faults::{PlanText, whole_fault};
+use super::faults::PlanText;
 use crate::case::{Case, parse_case, read_case};
 use crate::error::Error;
 use crate::identify::read_options;
 use crate::mass_numbers::names as mass_names;
 use crate::trials::Study;
+use poinsot_files::Place;
 use poinsot_formats::{ExperimentFile, OfFile, PlanFile, sha256};
 use poinsot_model::{Body, Model, Sensor, parse_model, read_model, read_model_text};
 use poinsot_telemetry::{Channel, Table, read};
@@ -127,7 +128,7 @@ impl Experiment {
             changed = true;
             edit(&mut documents, address, of, change)
         })
-        .map_err(|(what, remedy)| whole_fault("E0542", Path::new(&self.name), what, &remedy))?;
+        .map_err(|(what, remedy)| Error::one("E0542", Place::file(&self.name), what, &remedy))?;
         let case = documents.case.as_ref();
         let case = case.map(|c| parse_case(&c.path, text(c, changed)));
         Ok(FilesAt {

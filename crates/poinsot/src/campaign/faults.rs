@@ -2,7 +2,6 @@
 
 use crate::case::{KeyText, rows};
 use crate::error::{Error, Fault};
-use poinsot_files::Place;
 use poinsot_formats::{PLAN, PlanFile};
 use poinsot_model::Format;
 use serde_json::Value;
@@ -74,14 +73,4 @@ impl PlanText {
     pub fn finish(&mut self) -> Result<(), Error> {
         self.text.none_or(std::mem::take(&mut self.faults), ())
     }
-}
-
-/// A fault of a whole file or experiment, without a line.
-pub(crate) fn whole_fault(
-    code: &'static str,
-    of: impl AsRef<Path>,
-    what: String,
-    remedy: &str,
-) -> Error {
-    Error::one(code, Place::file(of), what, remedy)
 }

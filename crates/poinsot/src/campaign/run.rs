@@ -1,7 +1,6 @@
 //! Runs a campaign: missing shards are run, all shards are added, and the result is written.
 
 use super::engine::{locked, missing_shards, run_each, run_shards};
-use super::faults::whole_fault;
 use super::plan::Plan;
 use super::result::{Folded, fold_shards, fold_sums, widest_coverage};
 use super::shard::{MissingShard, ShardSums, find, rows_path, sums_path};
@@ -9,7 +8,7 @@ use super::until::{looks, outside_at_each};
 use crate::error::Error;
 use crate::trials::OUTSIDE;
 use crate::written::{result_json, write_files};
-use poinsot_files::{Stage, check_memory, folder_of};
+use poinsot_files::{Place, Stage, check_memory, folder_of};
 use poinsot_formats::CampaignFile;
 use poinsot_report::{campaign_page, no_page};
 use std::path::{Path, PathBuf};
@@ -173,16 +172,21 @@ pub fn merge_campaign(
     }
     if let Some(folder) = from.iter().find(|folder| !folder.is_dir()) {
         let what = "there is no such folder of shards".to_owned();
-        return Err(whole_fault("E0603", folder, what, "check the path"));
+        return Err(Error::one(
+            "E0603",
+            Place::file(folder),
+            what,
+            "check the path",
+        ));
     }
     gather(plan, out, from)?;
     let folded = fold_shards(plan, out, plan.trials)?;
     if let Some(missing) = folded.missing.first().filter(|_| !partial) {
         let (many, all) = (folded.missing.len(), plan.shards());
         let (number, why) = (missing.number, missing.why());
-        return Err(whole_fault(
+        return Err(Error::one(
             "E0603",
-            sums_path(out, &plan.digest, number),
+            Place::file(sums_path(out, &plan.digest, number)),
             format!("shard {number} cannot be merged: {why} ({many} of {all} shards are missing)"),
             "run the campaign with --resume, or merge with --partial",
         ));
@@ -207,9 +211,9 @@ fn run_missing(
     let (all, there) = (wanted.len(), wanted.len() - missing.len());
     // On later passes, existing shards belong to this run.
     if there > 0 && !request.resume && ran.shards == 0 {
-        return Err(whole_fault(
+        return Err(Error::one(
             "E0602",
-            &request.out,
+            Place::file(&request.out),
             format!("{there} of {all} shards of this plan exist already"),
             "use --resume to run the missing ones, or another --out",
         ));
@@ -249,9 +253,9 @@ fn arrived(plan: &Plan, out: &Path, shards: &[u64]) -> Result<(), Error> {
         return Ok(());
     };
     let (many, all) = (missing.len(), shards.len());
-    Err(whole_fault(
+    Err(Error::one(
         "E0603",
-        sums_path(out, &plan.digest, first.number),
+        Place::file(sums_path(out, &plan.digest, first.number)),
         format!("{many} of {all} shards that workers have run are not readable here"),
         "run the campaign again with resume",
     ))
@@ -305,7 +309,7 @@ fn refuse_other_plans(plan: &Plan, out: &Path) -> Result<(), Error> {
     let what =
         format!("this is a shard of plan {digest}, but the plan or one of its files is {own} now");
     let advice = "use another --out, or restore the plan";
-    Err(whole_fault("E0602", path, what, advice))
+    Err(Error::one("E0602", Place::file(path), what, advice))
 }
 
 /// Copies shards from other folders; duplicates must have the same sums.
@@ -322,7 +326,12 @@ fn gather(plan: &Plan, out: &Path, from: &[PathBuf]) -> Result<(), Error> {
             let (ours, theirs) = (ours.sums, theirs.sums);
             if ours.methods != theirs.methods || ours.pairs != theirs.pairs {
                 let what = format!("shard {number} is there twice with different sums");
-                return Err(whole_fault("E0603", source, what, "remove one of them"));
+                return Err(Error::one(
+                    "E0603",
+                    Place::file(source),
+                    what,
+                    "remove one of them",
+                ));
             }
             continue;
         }
