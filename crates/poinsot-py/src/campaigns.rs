@@ -1,8 +1,8 @@
 //! `campaign` and `sweep`: plans, their shards, and the campaign around an engine of Python.
 
 use crate::fault::Fault;
+use crate::printed::{Printed, json, text};
 use crate::run::run;
-use crate::verbs::{Printed, json, text};
 use poinsot::campaign::{
     CampaignRequest, CampaignRun, Plan, campaign, campaign_in_memory, made_plan, read_plan,
     run_shards,

@@ -9,6 +9,7 @@ mod command;
 mod dynamics;
 mod fault;
 mod model;
+mod printed;
 mod problem;
 mod record;
 mod run;

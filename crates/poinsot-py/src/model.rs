@@ -109,7 +109,7 @@ impl CoreModel {
     /// JSON and text of `poinsot check`.
     fn check(&self) -> PyResult<(String, String)> {
         let description = describe(&self.model);
-        Ok((crate::verbs::json(&description)?, description.to_string()))
+        Ok((crate::printed::json(&description)?, description.to_string()))
     }
 
     #[getter]

@@ -1,7 +1,7 @@
 //! The searches: `design`, and the studies of the papers.
 
+use crate::printed::{Printed, json, printed, text};
 use crate::run::run;
-use crate::verbs::{Printed, json, printed, text};
 use poinsot::case::read_case;
 use poinsot::study::{find, findings_file, printed_findings, run as run_study};
 use poinsot_design::{DesignRequest, design_file, write_design};

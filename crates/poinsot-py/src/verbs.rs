@@ -2,6 +2,7 @@
 
 use crate::answer::CoreAnswer;
 use crate::fault::Fault;
+use crate::printed::{Printed, json, printed};
 use crate::record::{CoreRecord, encoding, record_of};
 use crate::run::run;
 use poinsot::bind::mountings;
@@ -13,7 +14,6 @@ use poinsot::predict::{
 use poinsot::simulate::simulate_case;
 use poinsot::validate::{ValidateRequest, write_validation};
 use poinsot::{estimate_file, inspection_file};
-use poinsot_figures::{Document, TextStyle};
 use poinsot_formats::{EstimateFile, PredictionFile, read_estimate};
 use poinsot_model::read_model;
 use poinsot_report::{
@@ -22,31 +22,6 @@ use poinsot_report::{
 use poinsot_telemetry::{MEMORY_MIB, Mounting, ReadOptions, mount};
 use pyo3::prelude::*;
 use std::path::PathBuf;
-
-/// JSON, text, exit code.
-pub(crate) type Printed = (String, String, u8);
-
-pub(crate) fn text(document: &Document) -> String {
-    document.text(&TextStyle {
-        width: None,
-        colour: false,
-    })
-}
-
-/// What a verb hands over: its file, what the command prints, and the exit code.
-pub(crate) fn printed<T: poinsot_formats::Serialize>(
-    file: &T,
-    document: &Document,
-    passes: bool,
-) -> Result<Printed, Fault> {
-    Ok((json(file)?, text(document), poinsot_cli::exit_of(passes)))
-}
-
-/// A document as the text that crosses into Python.
-pub(crate) fn json<T: poinsot_formats::Serialize>(document: &T) -> Result<String, Fault> {
-    serde_json::to_string(document)
-        .map_err(|error| Fault::from(poinsot::Error::internal(error.to_string())))
-}
 
 /// Version of the program.
 #[pyfunction]
