@@ -463,14 +463,19 @@ impl<'a> Motion<'a> {
     }
 
     /// What an error of one sigma of each switching time at grid time k does to the momenta in N: linear, and about the system's
-    /// mass centre. Half of its variance acts before the samples of that time, as of a valve that is early, half behind them.
+    /// mass centre. Half of its variance acts before the samples of that time, as of a valve that is early, half behind them. Where a
+    /// pulse ends the sign is that of an early end.
     pub fn timing_errors(&self, state: &State, instant: &Instant, k: usize) -> Vec<Vector6> {
         let before = k.checked_sub(1).map_or(&[][..], |k| self.thrust.at(k));
         let after = self.thrust.at(k);
         let not_in = |all: &[Thrust], one: &Thrust| all.iter().all(|t| t.firing != one.firing);
         let ended = before.iter().filter(|t| not_in(after, t));
         let begun = after.iter().filter(|t| not_in(before, t));
-        let edges: Vec<Thrust> = ended.chain(begun).copied().collect();
+        let ended = ended.map(|t| Thrust {
+            force: -t.force,
+            ..*t
+        });
+        let edges: Vec<Thrust> = ended.chain(begun.copied()).collect();
         let R = matrix(&state.R_NB);
         let of = |force: Force| {
             let sigma_s = self.vehicle.thrusters[force.thruster].timing_sigma_s;

@@ -46,6 +46,9 @@ use poinsot_spatial::{Matrix3, Vector3, Vector6};
 use smoother::KnownError;
 use sparse::SparseRows;
 
+/// Mean of the early half of a normal error, over the root of half its variance.
+const EARLY: f64 = 0.564_189_583_547_756_3;
+
 /// An input with noise.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Input {
@@ -605,7 +608,7 @@ impl InputNoise {
 
     /// From one grid time to the next, k: `s = Phi s + (h/2) (B e + B_next e_next)`.
     fn carry(&mut self, before: &DynamicsJacobian, now: &DynamicsJacobian, h: f64, k: usize) {
-        self.switch(&before.switched);
+        self.switch(&before.switched, -EARLY);
         let (n, ahead) = (self.lead, self.reach > 0);
         let stride = self.filter.stride();
         let pose = (before.pose + now.pose) * 0.5;
@@ -659,7 +662,7 @@ impl InputNoise {
         self.renew_slow(|slow| slow.fresh(h));
         self.innovate(&fresh, &mut vector, k - 1 + self.reach);
         self.renew(&torque);
-        self.switch(&now.switched);
+        self.switch(&now.switched, EARLY);
         self.scratch = StepScratch {
             upper,
             fresh,
@@ -709,12 +712,14 @@ impl InputNoise {
         self.scratch.rows = rows;
     }
 
-    /// Adds errors of the momenta.
-    fn switch(&mut self, errors: &[Vector6]) {
+    /// Adds errors of the momenta, and so many of them to the means.
+    fn switch(&mut self, errors: &[Vector6], mean: f64) {
         for error in errors {
             let part = |row: &usize| row.checked_sub(6).map_or(0.0, |row| error[row]);
             let vector: Vec<f64> = self.active.iter().map(part).collect();
             self.filter.add_outer(&vector, 1.0);
+            let means = vector.iter().enumerate();
+            means.for_each(|(i, x)| self.filter.add_mean(i, mean * x));
         }
     }
 
