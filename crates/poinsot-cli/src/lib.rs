@@ -8,19 +8,17 @@
 //! - `signals.rs`: removes drafts on INT, TERM, HUP; SIGXFSZ becomes an error.
 
 pub mod arguments;
-mod guard;
 mod progress;
 mod signals;
 mod terminal;
 mod verbs;
 mod words;
 
-pub use guard::guarded;
 pub use verbs::exit_of;
 
 use arguments::{Arguments, Verb};
 use clap::{CommandFactory, FromArgMatches};
-use poinsot::Error;
+use poinsot::{Error, guarded};
 use poinsot_files::limit_memory;
 use poinsot_formats::ErrorFile;
 use progress::Progress;
@@ -35,7 +33,7 @@ pub fn run(words: Vec<OsString>) -> u8 {
     signals::install();
     let json = words.iter().any(|word| word == "--json");
     let thread = std::thread::Builder::new().stack_size(STACK);
-    let ran = guard::guarded(|| {
+    let ran = guarded(|| {
         let answer = thread
             .spawn(move || answer(words))
             .map_err(Error::threads)?;
@@ -60,7 +58,7 @@ fn answer(words: Vec<OsString>) -> verbs::Outcome {
     let verb = matches.subcommand();
     let quiet = verb.and_then(|(_, m)| m.try_get_one::<bool>("quiet").ok().flatten());
     let progress = Progress::start(quiet == Some(&true));
-    let result = guard::guarded(|| match &arguments.verb {
+    let result = guarded(|| match &arguments.verb {
         Verb::Identify(a) => verbs::identify::run(a),
         Verb::Follow(a) => verbs::follow::run(a),
         Verb::Simulate(a) => verbs::simulate::run(a),

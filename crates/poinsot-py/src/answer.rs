@@ -7,7 +7,7 @@ use crate::run::run;
 use numpy::{PyArray1, PyArray2};
 use poinsot::report::report_data;
 use poinsot::{
-    Coordinates, Identified, Modes, Question, Reading, estimate_file, estimate_text,
+    Coordinates, IDENTIFY_MIB, Identified, Modes, Question, Reading, estimate_file, estimate_text,
     identify_records, write_result,
 };
 use poinsot_figures::{FigureFormat, TextStyle, WITHOUT_PNG};
@@ -18,9 +18,6 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-
-/// Usual limit of the memory for the samples of one record, MiB, as of the command.
-const IDENTIFY_MIB: usize = 64;
 
 /// What is asked of the telemetry, and how it is read: the options of the command.
 pub struct Options {

@@ -47,10 +47,10 @@ impl CoreRecord {
 
     /// A record of the bytes of a file: CSV, packed or not, or Parquet.
     #[staticmethod]
-    fn of_bytes(name: &str, bytes: &[u8]) -> PyResult<Self> {
-        Ok(Self {
-            parts: vec![Part::bytes(name, bytes)?],
-        })
+    fn of_bytes(name: &str, bytes: &[u8]) -> Self {
+        Self {
+            parts: vec![Part::bytes(name, bytes.to_vec())],
+        }
     }
 
     /// The parts of all records as one.

@@ -5,8 +5,7 @@
 //! its next report of progress, of which every iteration of a fit makes one.
 
 use crate::fault::Fault;
-use poinsot::{Listener, Step};
-use poinsot_cli::guarded;
+use poinsot::{Listener, Step, guarded};
 use pyo3::prelude::*;
 use std::panic::resume_unwind;
 use std::sync::atomic::{AtomicBool, Ordering};

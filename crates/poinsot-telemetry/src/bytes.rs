@@ -2,10 +2,11 @@
 
 use memchr::{memchr, memrchr};
 use poinsot_files::{Faults, InputError, Place, standard_input};
+use std::fmt::Debug;
 use std::fs::{File, Metadata};
-use std::io::{self, Read, Seek, SeekFrom};
+use std::io::{self, Cursor, Read, Seek, SeekFrom};
 use std::path::Path;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Longest line accepted, bytes; a file without line ends would otherwise fill the memory.
 const MAX_LINE: usize = 16 << 20;
@@ -44,23 +45,29 @@ impl std::fmt::Display for ByteFault {
 
 impl std::error::Error for ByteFault {}
 
+/// What a file holds, on disk or in memory.
+pub(crate) trait Content: Read + Seek + Send + Debug {}
+
+impl<T: Read + Seek + Send + Debug> Content for T {}
+
 /// A file for several readers, on several threads: its one position is moved and used under a lock.
 #[derive(Debug, Clone)]
-pub(crate) struct SharedFile(Arc<Mutex<File>>);
+pub(crate) struct SharedFile {
+    content: Arc<Mutex<dyn Content>>,
+    /// Length at opening, bytes.
+    pub len: u64,
+}
 
 impl SharedFile {
-    pub fn new(file: File) -> Self {
-        Self(Arc::new(Mutex::new(file)))
+    fn new(content: impl Content + 'static, len: u64) -> Self {
+        let content = Arc::new(Mutex::new(content));
+        Self { content, len }
     }
 
     /// A reader of its own, from this byte.
     pub fn reader_at(&self, start: u64) -> FromByte {
         let file = self.clone();
         FromByte { file, at: start }
-    }
-
-    pub fn lock(&self) -> MutexGuard<'_, File> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -72,7 +79,8 @@ pub(crate) struct FromByte {
 
 impl Read for FromByte {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let mut file = self.file.lock();
+        let content = self.file.content.lock();
+        let mut file = content.unwrap_or_else(PoisonError::into_inner);
         file.seek(SeekFrom::Start(self.at))?;
         let n = file.read(buffer)?;
         self.at += n as u64;
@@ -84,19 +92,27 @@ impl Read for FromByte {
 #[derive(Debug, Clone)]
 pub(crate) struct Opened {
     pub file: SharedFile,
-    pub len: u64,
-    /// Metadata at opening; `None` for a stream.
+    /// Metadata at opening; `None` for a stream or bytes.
     before: Option<Metadata>,
 }
 
 impl Opened {
     /// Opens a stream that was copied to a file.
     pub(crate) fn stream(file: File) -> io::Result<Self> {
+        let len = file.metadata()?.len();
         Ok(Self {
-            len: file.metadata()?.len(),
-            file: SharedFile::new(file),
+            file: SharedFile::new(file, len),
             before: None,
         })
+    }
+
+    /// The content of a file in memory.
+    pub(crate) fn bytes(bytes: Vec<u8>) -> Self {
+        let len = bytes.len() as u64;
+        Self {
+            file: SharedFile::new(Cursor::new(bytes), len),
+            before: None,
+        }
     }
 
     /// The first bytes; fewer if the file is shorter.
@@ -133,8 +149,7 @@ pub(crate) fn open(path: &Path) -> Result<Opened, Faults> {
     });
     let (file, before) = opened?;
     Ok(Opened {
-        file: SharedFile::new(file),
-        len: before.len(),
+        file: SharedFile::new(file, before.len()),
         before: Some(before),
     })
 }

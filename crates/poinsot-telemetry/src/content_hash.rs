@@ -20,7 +20,7 @@ pub(crate) fn hashed<T>(
     let failed = AtomicBool::new(false);
     let hash = || sha256(opened.file.reader_at(0), &failed);
     thread::scope(|scope| {
-        let beside = match opened.len > LONG {
+        let beside = match opened.file.len > LONG {
             true => Builder::new().spawn_scoped(scope, hash).ok(),
             false => None,
         };

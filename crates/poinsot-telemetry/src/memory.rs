@@ -56,7 +56,7 @@ pub struct MemoryColumns {
     pub columns: Vec<(String, Values)>,
 }
 
-/// A stream copied to a file.
+/// A stream copied to a file, or bytes.
 #[derive(Debug)]
 pub struct Spooled {
     name: PathBuf,
@@ -93,12 +93,12 @@ impl Part {
         })))
     }
 
-    /// Reads bytes as [`Self::stream`] does.
-    ///
-    /// # Errors
-    /// The disk is full.
-    pub fn bytes(name: &str, mut bytes: &[u8]) -> io::Result<Self> {
-        Self::stream(name, &mut bytes)
+    /// The content of a file as [`Self::stream`] reads it, kept in memory: no disk is needed.
+    pub fn bytes(name: &str, bytes: Vec<u8>) -> Self {
+        Self::Stream(Arc::new(Spooled {
+            name: name.into(),
+            opened: Opened::bytes(bytes),
+        }))
     }
 
     /// Path, or name in messages.

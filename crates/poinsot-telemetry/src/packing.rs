@@ -32,7 +32,7 @@ impl Packing {
     /// Reader of the decompressed bytes.
     pub(crate) fn reader(self, opened: &Opened) -> io::Result<Box<dyn Read>> {
         let file = opened.file.reader_at(0);
-        let most = LEAST_BOUND.max(opened.len.saturating_mul(LARGEST_RATIO));
+        let most = LEAST_BOUND.max(opened.file.len.saturating_mul(LARGEST_RATIO));
         let bounded = |inner: Box<dyn Read>| Box::new(Bounded { inner, left: most });
         Ok(match self {
             Self::None => Box::new(file),

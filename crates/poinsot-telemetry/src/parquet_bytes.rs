@@ -2,7 +2,7 @@
 
 use crate::bytes::{FromByte, SharedFile};
 use bytes::Bytes;
-use parquet::errors::Result;
+use parquet::errors::{ParquetError, Result};
 use parquet::file::reader::{ChunkReader, Length};
 use std::io::{self, BufReader, Read};
 
@@ -11,7 +11,7 @@ const PATIENCE: u32 = 16;
 
 impl Length for SharedFile {
     fn len(&self) -> u64 {
-        Length::len(&*self.lock())
+        self.len
     }
 }
 
@@ -26,7 +26,12 @@ impl ChunkReader for SharedFile {
     }
 
     fn get_bytes(&self, start: u64, length: usize) -> Result<Bytes> {
-        self.lock().get_bytes(start, length)
+        let mut bytes = Vec::with_capacity(length.min(self.len as usize));
+        let read = self.reader_at(start).take(length as u64);
+        match { read }.read_to_end(&mut bytes)? == length {
+            true => Ok(bytes.into()),
+            false => Err(ParquetError::EOF("the file ends early".to_owned())),
+        }
     }
 }
 

@@ -53,7 +53,7 @@ fn decode(
     let refused = |e: ParquetError| refused(path, e);
     let reader = SerializedFileReader::new(file.clone()).map_err(refused)?;
     let metadata = reader.metadata();
-    let declared = plausible_rows(path, metadata, opened.len)?;
+    let declared = plausible_rows(path, metadata, opened.file.len)?;
     let schema = metadata.file_metadata().schema_descr();
     let roots = schema.root_schema().get_fields();
     let header: Vec<String> = roots.iter().map(|f| f.name().to_owned()).collect();

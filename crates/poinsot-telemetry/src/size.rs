@@ -23,7 +23,7 @@ pub(crate) enum Rows {
 impl Rows {
     /// Lines of a text file, from their mean length in windows spread over it.
     pub(crate) fn of_text(opened: &Opened) -> io::Result<Self> {
-        let bytes = opened.len;
+        let bytes = opened.file.len;
         let step = (bytes / WINDOWS).max(WINDOW);
         let (mut read, mut lines) = (0_u64, 0_u64);
         let mut buffer = Vec::new();

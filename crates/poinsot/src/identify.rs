@@ -24,6 +24,9 @@ use std::path::PathBuf;
 /// Fraction of dropped samples above which the result is not acceptable.
 const ALLOWED_LOSS: f64 = 0.2;
 
+/// Usual memory limit for the samples of one file, MiB.
+pub const IDENTIFY_MIB: usize = 64;
+
 /// Most points of one curve kept for the report, and of the curves of all segments together.
 const CURVE_POINTS: (usize, usize) = (1500, 3000);
 

@@ -22,7 +22,7 @@
 //! | compare the motion with another model or with telemetry | [`validate::validate`] | [`validate::compare_motion`] |
 //! | compare answers | [`compare::compare`] | [`compare::compare_estimates`] |
 //! | repeat experiments with new noise | [`campaign::campaign`] | [`campaign::campaign_in_memory`] |
-//! | write the answer | [`write_estimate`], [`write_result`], [`write_report`] | [`estimate_file()`] |
+//! | write the answer | [`write_estimate`], [`write_result`], [`write_report`] | [`estimate_file()`], [`result_files`] |
 //! | write it for another program | [`export::export`] | [`export::export_estimate`] |
 //! | check a file, inspect telemetry, draft a model | [`check::check`], [`inspect`], [`init`] | |
 //! | reproduce a paper | [`study::find`], [`study::run`] | |
@@ -89,7 +89,7 @@
 //! - `estimate_file.rs`: the answer as result file.
 //! - `output.rs`: files of an estimate. `written.rs`: files of one answer, put in place together.
 //! - `channel_names.rs`: standard names of a sensor. `threads.rs`: at most one thread per core.
-//! - `error.rs`, `error/`: errors of the commands. `explain.rs`: every error code with cause and remedy.
+//! - `guard.rs`: panics as errors. `error.rs`, `error/`: errors of the commands. `explain.rs`: every error code with cause and remedy.
 //! - `export/`: the answer as a file of another program, one file per format. `onboard.rs`, `follow.rs`: the recursive filter
 //!   for a model, and on a stream.
 //! - `mass_numbers.rs`: mass, mass centre and inertia of a body, in one order.
@@ -110,6 +110,7 @@ pub mod explain;
 pub mod export;
 mod file_head;
 mod follow;
+mod guard;
 pub mod identify;
 mod import;
 mod init;
@@ -141,15 +142,16 @@ pub use draft::Draft;
 pub use error::{Error, ErrorKind, Fault};
 pub use estimate_file::estimate_file;
 pub use follow::Follower;
+pub use guard::{guarded, panic_error};
 #[doc(hidden)]
 pub use identify::{Gated, gated};
 pub use identify::{
-    Identified, IdentifyRequest, Question, Reading, identify, identify_records, identify_tables,
-    segment_files,
+    IDENTIFY_MIB, Identified, IdentifyRequest, Question, Reading, identify, identify_records,
+    identify_tables, segment_files,
 };
 pub use import::import;
 pub use init::init;
-pub use output::{estimate_text, write_estimate, write_result};
+pub use output::{estimate_text, result_files, write_estimate, write_result};
 pub use poinsot_formats::EstimateFile;
 pub use poinsot_identify::{Coordinates, Modes};
 pub use progress::{Listener, Step};

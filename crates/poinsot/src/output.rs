@@ -30,6 +30,47 @@ pub fn write_estimate(folder: &Path, identified: &Identified) -> Result<PathBuf,
     Ok(path)
 }
 
+/// `report_data.json`, on request `report.html` and its figures in the given formats, and `estimate.json`, in this
+/// order, for a folder.
+///
+/// # Errors
+/// The page cannot be built.
+///
+/// ```
+#[doc = include_str!("../doc/answer.txt")]
+/// let files = result_files("out".as_ref(), &identified, &["poinsot".to_owned()], true, &[])?;
+/// let names = files.iter().map(|(name, _)| name.to_str().unwrap_or_default());
+/// assert_eq!(names.collect::<Vec<_>>(), ["report_data.json", "report.html", "estimate.json"]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn result_files(
+    folder: &Path,
+    identified: &Identified,
+    command: &[String],
+    page: bool,
+    figures: &[FigureFormat],
+) -> Result<Vec<OutputFile>, Error> {
+    let estimate = estimate_text(folder, identified)?;
+    let mut data = report_data(identified, command);
+    data.estimate = checksum(&estimate).map_or(String::new(), |(sum, _)| sum.to_owned());
+    let data = result_json(folder, &data, false)?;
+    let mut files: Vec<OutputFile> = Vec::new();
+    if page || !figures.is_empty() {
+        let made = page_of(folder, estimate.as_bytes(), data.as_bytes())?;
+        if page {
+            let html = made
+                .html()
+                .map_err(|e| Error::report(folder, no_page(&e), ""))?;
+            files.push(("report.html".into(), html.into_bytes()));
+        }
+        files.extend(figure_files(folder, &made, figures)?);
+    }
+    files.insert(0, ("report_data.json".into(), data.into_bytes()));
+    // The result comes last: if it exists, the other files do too.
+    files.push(("estimate.json".into(), estimate.into_bytes()));
+    Ok(files)
+}
+
 /// Writes `estimate.json` and `report_data.json`, on request `report.html` and its figures in the given formats: all
 /// or none. Returns the requested paths.
 ///
@@ -53,30 +94,10 @@ pub fn write_result(
     page: bool,
     figures: &[FigureFormat],
 ) -> Result<Vec<PathBuf>, Error> {
-    let estimate = estimate_text(folder, identified)?;
-    let mut data = report_data(identified, command);
-    data.estimate = checksum(&estimate).map_or(String::new(), |(sum, _)| sum.to_owned());
-    let data = result_json(folder, &data, false)?;
-    let mut shown: Vec<OutputFile> = Vec::new();
-    if page || !figures.is_empty() {
-        let made = page_of(folder, estimate.as_bytes(), data.as_bytes())?;
-        if page {
-            let html = made
-                .html()
-                .map_err(|e| Error::report(folder, no_page(&e), ""))?;
-            shown.push(("report.html".into(), html.into_bytes()));
-        }
-        shown.extend(figure_files(folder, &made, figures)?);
-    }
-    let asked: Vec<PathBuf> = std::iter::once(Path::new("estimate.json"))
-        .chain(shown.iter().map(|f| f.0.as_path()))
-        .map(|name| folder.join(name))
-        .collect();
-    let mut files: Vec<OutputFile> = vec![("report_data.json".into(), data.into_bytes())];
-    files.extend(shown);
-    // The result comes last: if it exists, the other files do too.
-    files.push(("estimate.json".into(), estimate.into_bytes()));
+    let files = result_files(folder, identified, command, page, figures)?;
     write_files(folder, &files)?;
+    let mut asked: Vec<PathBuf> = files.iter().skip(1).map(|f| folder.join(&f.0)).collect();
+    asked.rotate_right(1);
     Ok(asked)
 }
 

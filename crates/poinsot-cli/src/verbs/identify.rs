@@ -5,15 +5,12 @@ use super::{
 };
 use crate::arguments::Identify;
 use poinsot::{
-    Coordinates, Error, IdentifyRequest, Modes, Question, Reading, check_outputs, estimate_file,
-    identify, segment_files, write_result,
+    Coordinates, Error, IDENTIFY_MIB, IdentifyRequest, Modes, Question, Reading, check_outputs,
+    estimate_file, identify, segment_files, write_result,
 };
 use poinsot_files::{Fault, Place};
 use poinsot_report::{Detail, estimate_document};
 use std::path::Path;
-
-/// Default memory limit for the samples of one file, MiB.
-const IDENTIFY_MIB: usize = 64;
 
 pub fn run(arguments: &Identify) -> Outcome {
     poinsot::start_threads()?;

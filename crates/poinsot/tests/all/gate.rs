@@ -134,7 +134,7 @@ fn exact_every_door_gives_the_same_bits() {
     };
     let doors = [
         Part::File(file),
-        Part::bytes("telemetry.csv", text.as_bytes()).unwrap(),
+        Part::bytes("telemetry.csv", text.clone().into_bytes()),
         Part::stream("<stream>", &mut text.as_bytes()).unwrap(),
         Part::Memory(Arc::new(memory)),
     ];

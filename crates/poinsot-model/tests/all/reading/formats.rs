@@ -11,7 +11,7 @@ fn table(map: &str, text: &str) -> Result<Table, String> {
         map,
         ..ReadOptions::default()
     };
-    let part = Part::bytes("run.csv", text.as_bytes()).unwrap();
+    let part = Part::bytes("run.csv", text.into());
     read_parts(&[part], &options).map_err(|e| e.to_string())
 }
 

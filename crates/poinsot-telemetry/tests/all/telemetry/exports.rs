@@ -331,7 +331,7 @@ fn exact_bytes_and_streams_are_the_table_of_the_same_file() {
     let path = folder.file("rates.csv", text);
     let options = ReadOptions::default();
     let file = read(&[&path], &options).unwrap();
-    let part = poinsot_telemetry::Part::bytes("rates.csv", text.as_bytes()).unwrap();
+    let part = poinsot_telemetry::Part::bytes("rates.csv", text.into());
     // A stream can be read several times.
     for _ in 0..2 {
         let table = poinsot_telemetry::read_parts(std::slice::from_ref(&part), &options).unwrap();

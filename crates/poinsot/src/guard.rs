@@ -1,35 +1,39 @@
 //! Turns a panic into a one-line error and exit code 4.
 
-use poinsot::Error;
+use crate::Error;
 use std::panic::{AssertUnwindSafe, PanicHookInfo, catch_unwind, set_hook};
-use std::sync::Mutex;
+use std::sync::{Mutex, PoisonError};
 
 /// Texts in the message of a panic after a failed allocation.
 const NO_MEMORY: [&str; 2] = ["AllocError", "capacity overflow"];
 
-/// Message and source location of the last panic.
-static LAST: Mutex<String> = Mutex::new(String::new());
+/// The last panic.
+static LAST: Mutex<Option<Error>> = Mutex::new(None);
 
 /// Runs a verb; a panic inside becomes a failure. Panics caught deeper (by the Parquet decoder) print
 /// nothing.
 ///
 /// # Errors
 /// Those of the verb, or E0009 and E0006 of a panic.
+///
+/// ```
+/// let answer: Result<(), _> = poinsot::guarded(|| panic!("out of range"));
+/// assert_eq!(answer.unwrap_err().code(), "E0009");
+/// ```
 pub fn guarded<T>(verb: impl FnOnce() -> Result<T, Error>) -> Result<T, Error> {
-    set_hook(Box::new(remember));
-    catch_unwind(AssertUnwindSafe(verb)).unwrap_or_else(|_| {
-        let what = match LAST.lock() {
-            Ok(text) => text.clone(),
-            Err(poisoned) => poisoned.into_inner().clone(),
-        };
-        Err(match NO_MEMORY.iter().any(|text| what.contains(text)) {
-            true => Error::memory("out of memory".to_owned()),
-            false => Error::internal(what),
-        })
-    })
+    let last = || LAST.lock().unwrap_or_else(PoisonError::into_inner);
+    set_hook(Box::new(move |info| *last() = Some(panic_error(info))));
+    let unknown = || Error::internal("no message");
+    catch_unwind(AssertUnwindSafe(verb))
+        .unwrap_or_else(|_| Err(last().take().unwrap_or_else(unknown)))
 }
 
-fn remember(info: &PanicHookInfo<'_>) {
+/// The error of a panic, E0009 or E0006, for a hook where panics cannot be caught.
+///
+/// ```
+/// std::panic::set_hook(Box::new(|info| eprintln!("{}", poinsot::panic_error(info))));
+/// ```
+pub fn panic_error(info: &PanicHookInfo<'_>) -> Error {
     let payload = info.payload();
     let text = payload.downcast_ref::<&str>().copied();
     let message = text
@@ -44,8 +48,10 @@ fn remember(info: &PanicHookInfo<'_>) {
         let parts: Vec<&str> = parts.into_iter().rev().collect();
         format!(" ({}:{})", parts.join("/"), l.line())
     });
-    if let Ok(mut last) = LAST.lock() {
-        *last = format!("{message}{place}");
+    let what = format!("{message}{place}");
+    match NO_MEMORY.iter().any(|text| what.contains(text)) {
+        true => Error::memory("out of memory".to_owned()),
+        false => Error::internal(what),
     }
 }
 
@@ -58,11 +64,11 @@ mod tests {
     fn exact_a_panic_is_one_line_and_exit_code_4() {
         let failure = guarded::<u8>(|| panic!("two\nlines")).err();
         let failure = failure.unwrap_or_default();
-        assert_eq!(failure.kind(), poinsot::ErrorKind::Internal);
+        assert_eq!(failure.kind(), crate::ErrorKind::Internal);
         let message = failure.to_string();
         let line = message.rsplit_once(':').map_or("", |m| m.0);
         assert!(
-            line.starts_with("E0009 internal error: two lines (poinsot-cli/src/guard.rs"),
+            line.starts_with("E0009 internal error: two lines (poinsot/src/guard.rs"),
             "{message}"
         );
         assert!(message.ends_with(
