@@ -116,6 +116,7 @@
     at("name").textContent = name;
     at("model").value = content;
     at("model").scrollTop = 0;
+    at("checked").textContent = "";
     changed();
     check();
   };
@@ -178,6 +179,8 @@
 
   for (const example of JSON.parse(at("shipped").textContent)) {
     const card = button("", async () => {
+      telemetry = [];
+      showFiles();
       const content = await unpacked(example.telemetry.packed);
       telemetry = [{ name: example.telemetry.name, blob: new Blob([content]) }];
       at("together").checked = false;

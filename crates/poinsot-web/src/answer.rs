@@ -46,6 +46,15 @@ pub fn identify(
     together: bool,
 ) -> Result<Answer, Error> {
     let vehicle = parse_model(&model.content, &model.name)?;
+    if telemetry.is_empty() {
+        let problem = "there is no telemetry";
+        return Err(Error::usage(
+            "--telemetry",
+            "",
+            problem,
+            "give at least one file",
+        ));
+    }
     let names: Vec<String> = telemetry.iter().map(|file| file.name.clone()).collect();
     let command = command(&model.name, &names, together);
     let parts = telemetry

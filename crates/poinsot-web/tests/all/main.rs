@@ -124,7 +124,7 @@ fn unit_files_of_one_record_are_joined() {
         }
     };
     let model = text(&data("stsat3/model.toml"));
-    let files = || vec![half("a.csv", &|k| k < 4), half("b.csv", &|k| k >= 4)];
+    let files = || vec![half("a.csv", &|k| k < 5), half("b.csv", &|k| k >= 5)];
     let joined = identify(&model, files(), true).unwrap();
     let one = identify(&model, vec![half("one.csv", &|_| true)], false).unwrap();
     assert_eq!(joined.verdict, one.verdict);
