@@ -214,6 +214,10 @@ pub struct Identify {
     /// Treat every repair as an error.
     #[arg(long)]
     pub strict: bool,
+    /// Apply the lines of a map that a check or the diagnosis proposes, identify again, and list them among the repairs. The model file
+    /// stays as it is.
+    #[arg(long, conflicts_with = "strict")]
+    pub repair: bool,
     /// Keep the complete rows of a file that ends inside a row.
     #[arg(long)]
     pub recover: bool,

@@ -93,6 +93,7 @@ impl Options {
                 coordinates,
                 modes,
                 strict: entry(given, "strict")?.unwrap_or(usual.strict),
+                repair: entry(given, "repair")?.unwrap_or(usual.repair),
                 policies: entry(given, "policies")?.unwrap_or_default(),
             },
             reading: Reading {

@@ -1,13 +1,30 @@
-//! Tests the conventions of attitude and gyro: body rates derived from the quaternions are compared with the gyro
-//! under every combination of conventions.
+//! Conventions of what two channels measure alike: attitude and gyro, an angle or a place and its rate, a position and a velocity, a
+//! direction and the gyro. One search compares them in every reading.
 
-use crate::hypothesis::{Axes, DECISIVE, DECLARED, EXPLAINED, GyroUnit, Hypothesis, Order, Sense};
+mod change;
+mod directions;
+pub(crate) mod pairs;
+pub(crate) mod reading;
+
+pub(crate) use change::line;
+pub use change::{Change, Repair};
+
 use crate::median::median_step;
-use crate::rate_pairs::Pairs;
-use crate::{Channel, Table, direction_axes, full_name};
+use crate::{Channel, Quantity, Table, classify, full_name};
+use pairs::Pairs;
 use poinsot_files::{Faults, Place, rounded};
+use reading::{Axes, DECLARED, GyroUnit, Hypothesis, Order, Sense};
 use schemars::JsonSchema;
 use serde::Serialize;
+
+/// Factor by which another reading must fit better to contradict the declared one.
+const DECISIVE: f64 = 5.0;
+/// Fraction of the rate above which the residual means that a reading does not fit.
+const EXPLAINED: f64 = 0.3;
+/// Residuals below this fraction of the rate count as equal: the resolution of averaged rates.
+const RESOLUTION: f64 = 1e-3;
+/// Rotation, rad, below which attitudes differ by round-off only.
+const ROUND_OFF: f64 = 1e-12;
 
 /// What the comparison says about the declared reading.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
@@ -54,26 +71,69 @@ pub struct ConventionTest {
     pub verdict: Verdict,
 }
 
-/// Residuals below this fraction of the rate count as equal: the resolution of averaged rates.
-const RESOLUTION: f64 = 1e-3;
-/// Rotation, rad, below which attitudes differ by round-off only.
-const ROUND_OFF: f64 = 1e-12;
+/// Two measurements of one motion that contradict each other as they are declared.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Contradiction {
+    /// The channels.
+    pub between: [String; 2],
+    /// In words, with the reading that fits best.
+    pub problem: String,
+    /// Repairs after which both agree, the simplest first. Each is a list of changes that belong together.
+    pub ways: Vec<Vec<Repair>>,
+}
 
-/// Compares an attitude (q_x, q_y, q_z, q_w) with a gyro (omega_x, omega_y, omega_z).
-///
-/// The gyro is in body axes ([`mount`](crate::mount) turns one that is not). Returns `None` if the channels of one sensor
-/// have different times, or the sensors overlap in fewer than 8 intervals.
-///
-/// ```
-#[doc = include_str!("../doc/spin.txt")]
-/// // The body turns at a constant rate; the gyro measures it.
-/// let [x, y, z] = &gyro(1.0)[..] else { unreachable!() };
-/// let test = test_conventions(attitude.each_ref(), [x, y, z]).unwrap();
-/// assert_eq!(test.verdict, Verdict::DeclaredFits);
-/// assert!((test.scale - 1.0).abs() < 1.0e-6);
-/// ```
-pub fn test_conventions(attitude: [&Channel; 4], gyro: [&Channel; 3]) -> Option<ConventionTest> {
-    let pairs = Pairs::collect(attitude, gyro)?;
+/// What a search over readings finds.
+struct Search {
+    declared: Hypothesis,
+    /// Those that fit best, the simplest first.
+    good: Vec<Hypothesis>,
+    verdict: Verdict,
+}
+
+/// Compares readings of a motion with this root mean square of the rate, rad/s.
+fn search(all: Vec<Hypothesis>, rate: f64, still: bool) -> Option<Search> {
+    let declared = *all.iter().find(|h| h.is_declared())?;
+    let level = |h: &Hypothesis| h.residual_rad_s.max(RESOLUTION * rate);
+    let lowest = all.iter().map(level).fold(f64::INFINITY, f64::min);
+    let mut good = all;
+    good.retain(|h| level(h) <= 1.5 * lowest);
+    good.sort_by(|a, b| {
+        (a.departures().cmp(&b.departures())).then(a.residual_rad_s.total_cmp(&b.residual_rad_s))
+    });
+    let undecided = |reason: &str| Verdict::Undecided {
+        reason: reason.to_owned(),
+    };
+    let verdict = if still {
+        undecided("the attitude does not move")
+    } else if lowest > EXPLAINED * rate {
+        undecided(
+            "motion too small, or attitude and gyro too noisy: no convention explains the rates",
+        )
+    } else if level(&declared) >= DECISIVE * lowest {
+        Verdict::DeclaredContradicted
+    } else if level(&declared) <= 2.0 * lowest {
+        Verdict::DeclaredFits
+    } else {
+        undecided("another convention fits better, but not clearly")
+    };
+    Some(Search {
+        declared,
+        good,
+        verdict,
+    })
+}
+
+const READINGS: [(Order, Sense); 4] = [
+    (Order::Xyzw, Sense::BodyToInertial),
+    (Order::Xyzw, Sense::InertialToBody),
+    (Order::Wxyz, Sense::BodyToInertial),
+    (Order::Wxyz, Sense::InertialToBody),
+];
+
+/// Compares an attitude with a gyro in body axes ([`mount`](crate::mount) turns one that is not). `None` if the channels of one
+/// sensor have different times, or the sensors overlap in fewer than 8 intervals.
+fn test_conventions(attitude: [&Channel; 4], gyro: [&Channel; 3]) -> Option<ConventionTest> {
+    let pairs = Pairs::collect(&attitude, &gyro)?;
     let step_s = median_step(&gyro[0].time_s)?;
     let mut all = Vec::with_capacity(4 * 8 * 48);
     for (order, sense) in READINGS {
@@ -88,16 +148,20 @@ pub fn test_conventions(attitude: [&Channel; 4], gyro: [&Channel; 3]) -> Option<
             }));
         }
     }
-    let declared = *all.iter().find(|h| h.is_declared())?;
+    let only =
+        |test: &dyn Fn(&Hypothesis) -> bool| all.iter().copied().filter(|h| test(h)).collect();
+    let as_declared = |h: &Hypothesis| h.gyro_axes == Axes::IDENTITY;
+    let attitude_readings = only(&|h| as_declared(h) && h.gyro_unit == GyroUnit::AsDeclared);
+    let gyro_units =
+        only(&|h| as_declared(h) && h.order == Order::Xyzw && h.sense == Sense::BodyToInertial);
     let sums = pairs.sums(Order::Xyzw, Sense::BodyToInertial);
-    let rate = (sums.aa / sums.n).sqrt();
-    let level = |h: &Hypothesis| h.residual_rad_s.max(RESOLUTION * rate);
-    let lowest = all.iter().map(level).fold(f64::INFINITY, f64::min);
-    let good = all.iter().copied().filter(|h| level(h) <= 1.5 * lowest);
-    let mut good: Vec<Hypothesis> = good.collect();
-    good.sort_by(|a, b| {
-        (a.departures().cmp(&b.departures())).then(a.residual_rad_s.total_cmp(&b.residual_rad_s))
-    });
+    let rate = sums.rate();
+    let still = rate * pairs.longest_s() < ROUND_OFF;
+    let Search {
+        declared,
+        mut good,
+        verdict,
+    } = search(all, rate, still)?;
     let best = *good.first()?;
     let is_twin = |h: &Hypothesis| {
         h.order != best.order
@@ -107,11 +171,6 @@ pub fn test_conventions(attitude: [&Channel; 4], gyro: [&Channel; 3]) -> Option<
     };
     let twin = good.iter().position(is_twin).filter(|_| rate > 0.0);
     let twin = twin.map(|k| good.remove(k));
-    let still = rate * pairs.longest_s() < ROUND_OFF;
-    let verdict = verdict(still, [lowest, level(&declared), rate]);
-    let only =
-        |test: &dyn Fn(&Hypothesis) -> bool| all.iter().copied().filter(|h| test(h)).collect();
-    let as_declared = |h: &Hypothesis| h.gyro_axes == Axes::IDENTITY;
     Some(ConventionTest {
         attitude: format!("{}..q_w", full_name(&attitude[0].sensor, "q_x")),
         gyro: format!("{}..z", full_name(&gyro[0].sensor, "omega_x")),
@@ -119,46 +178,14 @@ pub fn test_conventions(attitude: [&Channel; 4], gyro: [&Channel; 3]) -> Option<
         rate_rad_s: rate,
         scale: sums.along(Axes::IDENTITY) / sums.gg,
         declared,
-        attitude_readings: only(&|h| as_declared(h) && h.gyro_unit == GyroUnit::AsDeclared),
-        gyro_units: only(&|h| {
-            as_declared(h) && h.order == Order::Xyzw && h.sense == Sense::BodyToInertial
-        }),
+        attitude_readings,
+        gyro_units,
         best,
         twin,
         as_good: good.into_iter().skip(1).take(20).collect(),
         verdict,
     })
 }
-
-/// What the lowest residual and that of the declared convention say beside the rate, rad/s.
-fn verdict(still: bool, [lowest, declared, rate]: [f64; 3]) -> Verdict {
-    if still {
-        undecided("the attitude does not move")
-    } else if lowest > EXPLAINED * rate {
-        let why =
-            "motion too small, or attitude and gyro too noisy: no convention explains the rates";
-        undecided(why)
-    } else if declared >= DECISIVE * lowest {
-        Verdict::DeclaredContradicted
-    } else if declared <= 2.0 * lowest {
-        Verdict::DeclaredFits
-    } else {
-        undecided("another convention fits better, but not clearly")
-    }
-}
-
-fn undecided(reason: &str) -> Verdict {
-    Verdict::Undecided {
-        reason: reason.to_owned(),
-    }
-}
-
-const READINGS: [(Order, Sense); 4] = [
-    (Order::Xyzw, Sense::BodyToInertial),
-    (Order::Xyzw, Sense::InertialToBody),
-    (Order::Wxyz, Sense::BodyToInertial),
-    (Order::Wxyz, Sense::InertialToBody),
-];
 
 /// Tests every attitude against every gyro. A named sensor is compared with unnamed ones and with its own.
 ///
@@ -167,22 +194,17 @@ const READINGS: [(Order, Sense); 4] = [
 /// // One attitude and one gyro: one comparison.
 /// let channels = attitude.into_iter().chain(gyro(1.0)).collect();
 /// let tests = convention_tests(&Table { channels, ..Table::default() });
-/// assert_eq!((tests.len(), &tests[0].verdict), (1, &Verdict::DeclaredFits));
+/// assert_eq!(tests.len(), 1);
 /// ```
 pub fn convention_tests(table: &Table) -> Vec<ConventionTest> {
-    let sensors = |name: &str| -> Vec<&str> {
-        let of = table.channels.iter().filter(|c| c.name == name);
-        of.map(|c| c.sensor.as_str()).collect()
+    let sensors = |name: &'static str| {
+        let named = table.channels.iter().filter(move |c| c.name == name);
+        named.map(|c| c.sensor.as_str())
     };
-    let mut tests = Vec::new();
-    for attitude in sensors("q_x") {
-        for gyro in sensors("omega_x") {
-            if let Some(test) = test_sensors(table, attitude, gyro) {
-                tests.push(test);
-            }
-        }
-    }
-    tests
+    let gyros = |attitude| sensors("omega_x").map(move |gyro| (attitude, gyro));
+    let all = sensors("q_x").flat_map(gyros);
+    all.filter_map(|(attitude, gyro)| test_sensors(table, attitude, gyro))
+        .collect()
 }
 
 /// Tests one attitude sensor against one gyro by name (empty: unnamed). `None` if channels are missing or cannot be
@@ -199,16 +221,15 @@ pub fn convention_tests(table: &Table) -> Vec<ConventionTest> {
 /// assert_eq!(test.best.sense, Sense::InertialToBody);
 /// ```
 pub fn test_sensors(table: &Table, attitude: &str, gyro: &str) -> Option<ConventionTest> {
-    let of = |sensor: &str, name: &str| table.sensor_channel(sensor, name);
-    let q = |name| of(attitude, name);
-    let w = |name| of(gyro, name);
+    let q = |name| table.sensor_channel(attitude, name);
+    let w = |name| table.sensor_channel(gyro, name);
     test_conventions(
         [q("q_x")?, q("q_y")?, q("q_z")?, q("q_w")?],
         [w("omega_x")?, w("omega_y")?, w("omega_z")?],
     )
 }
 
-/// Returns an error if attitude and gyro, or a direction and the gyro, clearly contradict the declared conventions.
+/// Returns an error if two measurements of one motion clearly contradict each other.
 ///
 /// Assumes that every gyro measures in body axes on the body of the attitude.
 ///
@@ -226,26 +247,185 @@ pub fn test_sensors(table: &Table, attitude: &str, gyro: &str) -> Option<Convent
 /// assert!(check_conventions(&table(-1.0)).is_err());
 /// ```
 pub fn check_conventions(table: &Table) -> Result<(), Faults> {
-    convention_tests(table)
+    match contradictions(table).first() {
+        Some(first) => Err(first.fault()),
+        None => Ok(()),
+    }
+}
+
+/// What contradicts each other, with the repairs that would put it right.
+///
+/// ```
+#[doc = include_str!("../doc/spin.txt")]
+/// let channels = attitude.into_iter().chain(gyro(57.3)).collect();
+/// let found = contradictions(&Table { channels, ..Table::default() });
+/// let mut map = TelemetryMap::default();
+/// let lines = found[0].ways[0][0].declare(&mut map).unwrap();
+/// assert_eq!(lines[0], r#"omega_x = { column = "omega_x", unit = "deg/s" }"#);
+/// ```
+pub fn contradictions(table: &Table) -> Vec<Contradiction> {
+    let tests = convention_tests(table);
+    let mut all: Vec<Contradiction> = tests.iter().filter_map(|t| t.contradiction()).collect();
+    let directions = table.channels.iter().filter(|c| c.name == "direction_x");
+    all.extend(directions.filter_map(|c| of_direction(table, &c.sensor)));
+    all.extend(places(table).filter_map(|(place, rate)| of_place(&place, &rate)));
+    all
+}
+
+impl Search {
+    /// The simplest reading, where it contradicts the declared one.
+    fn contradicting(&self) -> Option<&Hypothesis> {
+        let contradicted = self.verdict == Verdict::DeclaredContradicted;
+        self.good.first().filter(|_| contradicted)
+    }
+}
+
+fn of_direction(table: &Table, sensor: &str) -> Option<Contradiction> {
+    let found = directions::test(table, sensor)?;
+    let best = found.contradicting()?;
+    let channels = ["x", "y", "z"].map(|k| full_name(sensor, &format!("direction_{k}")));
+    let direction = full_name(sensor, "direction_x..z");
+    let [declared, least] = [&found.declared, best].map(|h| rounded(h.residual_rad_s, 4));
+    let way = |h: &Hypothesis| {
+        vec![Repair {
+            channels: channels.to_vec(),
+            change: Change::Axes(h.gyro_axes),
+        }]
+    };
+    Some(Contradiction {
+        problem: format!(
+            "direction '{direction}' and gyro contradict each other: residual {declared} rad/s, but {least} rad/s with body axes = sensor {}",
+            best.gyro_axes
+        ),
+        between: [direction, "the gyro".to_owned()],
+        ways: found.good.iter().map(way).collect(),
+    })
+}
+
+/// Angles and displacements of joints, and positions, each with its rate by the same sensor.
+fn places(table: &Table) -> impl Iterator<Item = (Vec<&Channel>, Vec<&Channel>)> {
+    let of = |place: &Channel| {
+        let named = |name: &str| table.sensor_channel(&place.sensor, name);
+        let all = |prefix: &str| -> Option<Vec<&Channel>> {
+            ["x", "y", "z"]
+                .iter()
+                .map(|k| named(&format!("{prefix}_{k}")))
+                .collect()
+        };
+        match classify(&place.name)?.quantity {
+            Quantity::Angle | Quantity::Displacement => {
+                let rate = named(&format!("{}_s", place.name))?;
+                Some((vec![named(&place.name)?], vec![rate]))
+            }
+            Quantity::Position(0) => Some((all("r")?, all("v")?)),
+            _ => None,
+        }
+    };
+    table.channels.iter().filter_map(of)
+}
+
+/// Places against their rates: signs, degrees, and of vectors the axes.
+fn of_place(place: &[&Channel], rate: &[&Channel]) -> Option<Contradiction> {
+    const OF_ANGLES: [GyroUnit; 3] = [
+        GyroUnit::AsDeclared,
+        GyroUnit::DegPerS,
+        GyroUnit::RadPerSTakenForDeg,
+    ];
+    let sums = Pairs::collect(place, rate)?.sums(Order::Xyzw, Sense::BodyToInertial);
+    let (units, axes) = match place {
+        [_, _, ..] => (&OF_ANGLES[..1], Axes::all().collect()),
+        [angle] if angle.unit == "rad" => (&OF_ANGLES[..], vec![Axes::IDENTITY, Axes::REVERSED]),
+        _ => (&OF_ANGLES[..1], vec![Axes::IDENTITY, Axes::REVERSED]),
+    };
+    let read = |unit: &GyroUnit, axes: Axes| {
+        let residual = sums.residual(unit.factor(1.0), axes);
+        Hypothesis::of_rates(*unit, axes, residual)
+    };
+    let all = units
         .iter()
-        .try_for_each(ConventionTest::check)?;
-    direction_axes::check(table)
+        .flat_map(|u| axes.iter().map(move |a| read(u, *a)));
+    let found = search(all.collect(), sums.rate(), sums.aa == 0.0)?;
+    let best = found.contradicting()?;
+    let names = |of: &[&Channel]| -> Vec<String> {
+        of.iter().map(|c| full_name(&c.sensor, &c.name)).collect()
+    };
+    let (places, rates) = (names(place), names(rate));
+    let between = [&places, &rates].map(|all| all.join(", "));
+    let factor = f64::from(best.gyro_axes.sign[0]) * best.gyro_unit.factor(1.0);
+    let of = |channel: &String, factor: f64| vec![Repair::of(channel, Change::Factor(factor))];
+    let (with, ways) = match (&places[..], &rates[..]) {
+        ([place], [rate]) => {
+            let mut ways = vec![of(rate, factor), of(place, 1.0 / factor)];
+            // Degrees used as radians are more usual than the reverse.
+            ways.rotate_left(usize::from(factor.abs() > 1.0));
+            let words = [(rate, factor), (place, 1.0 / factor)];
+            let words = words.map(|(name, x)| format!("{name} times {}", rounded(x, 6)));
+            (words.join(" or "), ways)
+        }
+        _ => {
+            let change = Change::Axes(best.gyro_axes);
+            let repair = Repair {
+                channels: rates,
+                change,
+            };
+            let words = format!("the velocity in the axes {}", best.gyro_axes);
+            (words, vec![vec![repair]])
+        }
+    };
+    let [declared, least] = [&found.declared, best].map(|h| rounded(h.residual_rad_s, 4));
+    let unit = &rate.first()?.unit;
+    Some(Contradiction {
+        problem: format!(
+            "'{}' and its rate '{}' contradict each other: residual {declared} {unit}, but {least} {unit} with {with}",
+            between[0], between[1]
+        ),
+        between,
+        ways,
+    })
+}
+
+impl Contradiction {
+    /// Whether it is that of a [`ConventionTest`].
+    pub(crate) fn is_of_attitude(&self) -> bool {
+        self.between[0].ends_with("q_w")
+    }
+
+    /// E0215.
+    pub fn fault(&self) -> Faults {
+        let advice = "correct the map or the file";
+        Faults::one("E0215", Place::default(), &self.problem, advice)
+    }
 }
 
 impl ConventionTest {
     /// # Errors
     /// E0215 if the declared convention is contradicted.
     pub fn check(&self) -> Result<(), Faults> {
+        match self.contradiction() {
+            Some(found) => Err(found.fault()),
+            None => Ok(()),
+        }
+    }
+
+    /// What it says against the declared reading.
+    fn contradiction(&self) -> Option<Contradiction> {
         if self.verdict != Verdict::DeclaredContradicted {
-            return Ok(());
+            return None;
         }
         let (attitude, gyro, best) = (&self.attitude, &self.gyro, &self.best);
         let residual = rounded(self.declared.residual_rad_s, 4);
         let least = rounded(best.residual_rad_s, 4);
-        let problem = format!(
-            "attitude '{attitude}' and gyro '{gyro}' contradict the declared {DECLARED}: residual {residual} rad/s, but {least} rad/s with {best}"
-        );
-        let advice = "correct the map or the file";
-        Err(Faults::one("E0215", Place::default(), problem, advice))
+        let first = attitude.strip_suffix("..q_w").unwrap_or(attitude);
+        let prefix = gyro.strip_suffix("x..z").unwrap_or(gyro);
+        let rates = ["x", "y", "z"].map(|k| format!("{prefix}{k}"));
+        let others = self.twin.iter().chain(&self.as_good);
+        let readings = std::iter::once(best).chain(others);
+        Some(Contradiction {
+            between: [attitude.clone(), gyro.clone()],
+            problem: format!(
+                "attitude '{attitude}' and gyro '{gyro}' contradict the declared {DECLARED}: residual {residual} rad/s, but {least} rad/s with {best}"
+            ),
+            ways: readings.filter_map(|h| h.repairs(first, &rates)).collect(),
+        })
     }
 }

@@ -1,6 +1,6 @@
 //! Summary of a table for an engineer who sees it for the first time.
 
-use crate::conventions::{ConventionTest, convention_tests};
+use crate::conventions::{Contradiction, ConventionTest, contradictions, convention_tests};
 use crate::median::median_step;
 use crate::noise::noise_level;
 use crate::{Channel, Source, Suggestion, Table, full_name, suggestions};
@@ -28,6 +28,9 @@ pub struct Inspection {
     pub notes: Vec<String>,
     /// What the checks found.
     pub findings: Vec<crate::checks::Finding>,
+    /// What contradicts each other.
+    #[serde(skip)]
+    pub contradictions: Vec<Contradiction>,
 }
 
 /// One channel in numbers, SI.
@@ -83,6 +86,9 @@ pub fn inspect(table: &Table) -> Inspection {
         let ([a0, a1], [b0, b1]) = (a, b);
         [a0.min(b0), a1.max(b1)]
     });
+    let contradictions = contradictions(table);
+    let of_others = contradictions.iter().filter(|c| !c.is_of_attitude());
+    let of_others = of_others.map(|c| c.problem.clone());
     Inspection {
         sources: table.sources.clone(),
         time_s: span,
@@ -90,8 +96,9 @@ pub fn inspect(table: &Table) -> Inspection {
         ignored: table.ignored.clone(),
         suggestions: suggestions(&table.ignored),
         repairs: table.repairs.clone(),
-        notes: channels.iter().flat_map(notes).collect(),
+        notes: channels.iter().flat_map(notes).chain(of_others).collect(),
         findings: crate::checks::findings(table),
+        contradictions,
         channels,
     }
 }

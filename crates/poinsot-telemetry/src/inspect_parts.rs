@@ -180,6 +180,15 @@ fn merge(all: &mut Inspection, part: Inspection) {
             None => all.conventions.push(test),
         }
     }
+    for found in part.contradictions {
+        if !all
+            .contradictions
+            .iter()
+            .any(|c| c.between == found.between)
+        {
+            all.contradictions.push(found);
+        }
+    }
     for name in part.ignored {
         if !all.ignored.contains(&name) {
             all.ignored.push(name);
@@ -231,7 +240,9 @@ fn join(before: &mut ChannelSummary, next: &ChannelSummary) {
 
 /// Completes the summary of the whole file.
 fn finished(mut all: Inspection) -> Inspection {
-    all.notes = all.channels.iter().flat_map(notes).collect();
+    let others = all.contradictions.iter().filter(|c| !c.is_of_attitude());
+    let others = others.map(|c| c.problem.clone());
+    all.notes = all.channels.iter().flat_map(notes).chain(others).collect();
     all.notes.insert(
         0,
         "the files are larger than --memory-mib and were read in parts: noise is the mean over the parts; rate, quantum and the text of a finding are of the first part"

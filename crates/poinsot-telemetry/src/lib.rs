@@ -9,7 +9,7 @@
 //! | files and columns in memory | [`read`], [`read_parts`], [`ReadOptions`], [`Part`], [`write()`] |
 //! | what is read | [`Table`], [`Channel`], [`Source`], [`poinsot_files::Faults`] |
 //! | columns with other names and units | [`TelemetryMap`], [`recognise()`], [`suggestions`], [`parse_unit`], [`units`], [`classify`] |
-//! | checks | [`checks`], [`inspect`], [`check_conventions`], [`noise_level`] |
+//! | checks | [`checks`], [`inspect`], [`contradictions`], [`check_conventions`], [`noise_level`] |
 //! | other times | [`resample`], [`resample_attitude`], [`differentiate`] |
 //! | other axes | [`mount`], [`Mounting`] |
 //!
@@ -47,8 +47,8 @@
 //! - `recognise/`: what columns with other names measure. `suggest.rs`: lines of a map for them.
 //! - `channel_name.rs`: standard names. `unit.rs`: units and factors.
 //! - `time_base.rs`, `quaternion.rs`: checks.
-//! - `conventions.rs`, `hypothesis.rs`, `rate_pairs.rs`: attitude against gyro under every convention of both.
-//!   `direction_axes.rs`: directions against the gyro.
+//! - `conventions.rs`, `conventions/`: what two channels measure alike, compared in every reading (`reading.rs`, `pairs.rs`,
+//!   `directions.rs`), and the lines of a map that put it right (`change.rs`).
 //! - `resample.rs`, `differentiate.rs`: never across a gap.
 //! - `noise.rs`: noise of a channel from its own samples.
 //! - `size.rs`: number of rows before reading.
@@ -72,9 +72,7 @@ mod csv_rows;
 mod cursor;
 mod derive;
 mod differentiate;
-mod direction_axes;
 mod error;
-mod hypothesis;
 mod inspect;
 mod inspect_parts;
 mod inspect_text;
@@ -102,7 +100,6 @@ mod parquet_reader;
 mod parquet_writer;
 mod plan;
 mod quaternion;
-mod rate_pairs;
 mod read;
 mod recognise;
 mod resample;
@@ -118,11 +115,12 @@ mod writer;
 
 pub use channel::{Channel, Source, Table};
 pub use channel_name::{ChannelName, Quantity, classify, full_name, vector_channels};
+pub use conventions::reading::{Axes, GyroUnit, Hypothesis, Order, Sense};
 pub use conventions::{
-    ConventionTest, Verdict, check_conventions, convention_tests, test_conventions, test_sensors,
+    Change, Contradiction, ConventionTest, Repair, Verdict, check_conventions, contradictions,
+    convention_tests, test_sensors,
 };
 pub use differentiate::differentiate;
-pub use hypothesis::{Axes, GyroUnit, Hypothesis, Order, Sense};
 pub use inspect::{ChannelSummary, Inspection, inspect};
 pub use inspect_parts::inspect_files;
 pub use instant::{Origin, Scale};

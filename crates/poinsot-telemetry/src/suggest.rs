@@ -1,6 +1,7 @@
 //! Proposes a map for an unknown column; it is never applied.
 
-use crate::{Found, Kind, classify, recognise};
+use crate::conventions::line;
+use crate::{ColumnMap, Found, Kind, classify, recognise};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -35,24 +36,15 @@ pub fn suggestions(header: &[String]) -> Vec<Suggestion> {
     all.filter(|(column, f)| f.channel != **column)
         .map(|(column, f)| {
             let unit = f.unit.map(|unit| unit.symbol.to_owned());
-            let key = match f.channel.contains('.') {
-                true => quoted(&f.channel),
-                false => f.channel.clone(),
-            };
-            let (name, symbol) = (quoted(column), quoted(unit.as_deref().unwrap_or("?")));
+            let map = ColumnMap::new(&f.channel, column, unit.as_deref().unwrap_or("?"));
             Suggestion {
                 column: column.clone(),
-                toml: format!("{key} = {{ column = {name}, unit = {symbol} }}"),
+                toml: line(&f.channel, &map),
                 channel: f.channel,
                 unit,
             }
         })
         .collect()
-}
-
-/// A text as TOML writes it.
-fn quoted(text: &str) -> String {
-    format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""))
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@ use crate::bind::{
 use crate::error::{Error, check_accuracy, unknown};
 use crate::methods::{is_own, methods};
 use crate::progress::step;
+use crate::repair::{self, Refusal};
 use crate::{mixups, motor_torque};
 use poinsot_dynamics::Tree;
 use poinsot_formats::{ModelInputFile, sha256};
@@ -16,7 +17,9 @@ use poinsot_identify::{
 use poinsot_model::{Model, TelemetryMap, read_model, read_model_text, read_telemetry_map};
 use poinsot_papers::{Settings as MethodSettings, answered, identify_by, method};
 use poinsot_telemetry::checks::{self, Check, Finding, Policies, Policy};
-use poinsot_telemetry::{Encoding, Origin, Part, ReadOptions, Source, Table, read_parts};
+use poinsot_telemetry::{
+    Encoding, Origin, Part, ReadOptions, Source, Table, contradictions, read_parts,
+};
 use std::collections::BTreeSet;
 use std::ffi::OsStr;
 use std::path::PathBuf;
@@ -47,6 +50,8 @@ pub struct Question {
     pub modes: Modes,
     /// No repairs; every check refuses its findings, except the check for gaps.
     pub strict: bool,
+    /// Lines of the map that a check or the diagnosis proposes are applied, and listed among the repairs; only of records.
+    pub repair: bool,
     /// Changes of check policies, `check=policy`.
     pub policies: Vec<String>,
 }
@@ -71,6 +76,7 @@ impl Default for Question {
             coordinates: Coordinates::default(),
             modes: Modes::default(),
             strict: false,
+            repair: false,
             policies: Vec::new(),
         }
     }
@@ -238,10 +244,17 @@ pub fn identify_records(
         hashed(reading.model.as_ref())?,
         hashed(reading.map.as_ref())?,
     ];
-    let (model, tables) = read_records(model, records, reading, question)?;
-    let segments = tables.len();
-    let identified = identify_tables(model, tables, question);
-    let mut identified = identified.map_err(|error| join_files(error, segments))?;
+    let ask = |model: &Model| {
+        let tables = read_records(model, records, reading, question)?;
+        checked(model.clone(), tables, question)
+    };
+    let pass = |model: &Model| {
+        let mut tables = read_records(model, records, reading, question)?;
+        gate(model, &mut tables, question).map(|_| ())
+    };
+    let model = mapped(model, reading)?;
+    let identified = repair::answered(model, question.repair, ask, pass);
+    let mut identified = identified.map_err(|error| join_files(error, records.len()))?;
     [identified.model_file, identified.map_file] = files;
     if reading.every > 1 {
         distrust_thinned(&mut identified.estimate, reading.every);
@@ -249,22 +262,29 @@ pub fn identify_records(
     Ok(identified)
 }
 
-/// Reads the tables of all records for the model, and returns the model with the map used.
-fn read_records(
-    mut model: Model,
-    records: &[Vec<Part>],
-    reading: &Reading,
-    question: &Question,
-) -> Result<(Model, Vec<Table>), Error> {
+/// The model with the map that replaces its own.
+fn mapped(mut model: Model, reading: &Reading) -> Result<Model, Error> {
     if let Some(map) = &reading.map {
         model.telemetry = read_telemetry_map(map)?;
     }
+    Ok(model)
+}
+
+/// Reads the tables of all records for the model.
+fn read_records(
+    model: &Model,
+    records: &[Vec<Part>],
+    reading: &Reading,
+    question: &Question,
+) -> Result<Vec<Table>, Refusal> {
     let mut options = ReadOptions {
         encoding: reading.encoding,
         time_s: reading.time_s,
         every: reading.every,
         memory_mib: reading.memory_mib,
-        ..read_options(&model, &model.telemetry, question.strict, reading.recover)
+        // They are compared below, where a repair can be proposed.
+        check_conventions: false,
+        ..read_options(model, &model.telemetry, question.strict, reading.recover)
     };
     if let Some(wanted) = options
         .wanted
@@ -277,11 +297,14 @@ fn read_records(
     for (done, parts) in records.iter().enumerate() {
         step("reading segments", done, records.len());
         let table = read_parts(parts, &options)?;
+        if let Some(found) = contradictions(&table).first() {
+            return Err(found.into());
+        }
         // All segments use the origin of the first.
         options.origin = table.origin;
         tables.push(table);
     }
-    Ok((model, tables))
+    Ok(tables)
 }
 
 /// Input of a separate estimator: the model and its records after the same checks as [`identify`].
@@ -320,8 +343,10 @@ pub fn gated(
     question: &Question,
 ) -> Result<Gated, Error> {
     check_method(question)?;
-    let (model, mut tables) = read_records(model, records, reading, question)?;
-    let findings = gate(&model, &mut tables, question)?;
+    let model = mapped(model, reading)?;
+    let tables = read_records(&model, records, reading, question);
+    let mut tables = tables.map_err(|refusal| refusal.error)?;
+    let findings = gate(&model, &mut tables, question).map_err(|refusal| refusal.error)?;
     let tree = Tree::new(&model);
     let bound = bind(&model, &tree, &tables)?;
     Ok(Gated {
@@ -361,9 +386,18 @@ fn join_files(mut error: Error, segments: usize) -> Error {
 /// ```
 pub fn identify_tables(
     model: Model,
-    mut tables: Vec<Table>,
+    tables: Vec<Table>,
     question: &Question,
 ) -> Result<Identified, Error> {
+    checked(model, tables, question).map_err(|refusal| refusal.error)
+}
+
+/// The same, with what would put refused tables right.
+fn checked(
+    model: Model,
+    mut tables: Vec<Table>,
+    question: &Question,
+) -> Result<Identified, Refusal> {
     check_method(question)?;
     let policies = policies(question)?;
     let labels = labels(&tables);
@@ -385,14 +419,15 @@ pub fn identify_tables(
 }
 
 /// All checks of telemetry before the estimation.
-fn gate(model: &Model, tables: &mut [Table], question: &Question) -> Result<Vec<Finding>, Error> {
+fn gate(model: &Model, tables: &mut [Table], question: &Question) -> Result<Vec<Finding>, Refusal> {
     let policies = policies(question)?;
     refuse_twice(tables)?;
     step("preparing", 0, 0);
     let mut findings = Vec::new();
     for table in &mut *tables {
         let label = file_label(table);
-        findings.extend(checks::apply(table, &label, &policies)?);
+        let found = checks::apply(table, &label, &policies);
+        findings.extend(found.map_err(|error| refused_by_checks(error, &label, table))?);
     }
     if is_own(&question.method)
         && let Some(finding) = mixups::of_fast_record(model, tables)
@@ -400,6 +435,13 @@ fn gate(model: &Model, tables: &mut [Table], question: &Question) -> Result<Vec<
         findings.push(unless_refused(finding, &policies, &labels(tables))?);
     }
     Ok(findings)
+}
+
+/// What the check that refused a table has against it.
+fn refused_by_checks(error: Error, label: &str, table: &Table) -> Refusal {
+    let all = checks::findings(table);
+    let refused = all.iter().find(|f| checks::refused(label, f) == error);
+    refused.map_or_else(|| error.into(), |f| Refusal::of_finding(label, f, &all))
 }
 
 fn policies(question: &Question) -> Result<Policies, Error> {
@@ -470,10 +512,13 @@ fn unless_refused(
     mut finding: Finding,
     policies: &Policies,
     label: &str,
-) -> Result<Finding, Error> {
+) -> Result<Finding, Refusal> {
     finding.policy = policies.of(finding.check);
     match finding.policy {
-        Policy::Refuse => Err(checks::refused(label, &finding)),
+        Policy::Refuse => {
+            let own = std::slice::from_ref(&finding);
+            Err(Refusal::of_finding(label, &finding, own))
+        }
         _ => Ok(finding),
     }
 }
@@ -484,7 +529,7 @@ fn against_model(
     by_the_fit: Vec<Finding>,
     policies: &Policies,
     label: &str,
-) -> Result<(), Error> {
+) -> Result<(), Refusal> {
     let estimate = &identified.estimate;
     let found = mixups::units(estimate);
     for finding in found.into_iter().chain(by_the_fit) {

@@ -2,10 +2,11 @@
 //! unit.
 
 use crate::bind::{RELATIVE_ACCURACY, solve};
+use crate::channel_names::XYZ;
 use poinsot_identify::{Estimate, Problem, Settings, Status, maximum_likelihood_with};
 use poinsot_model::Model;
 use poinsot_telemetry::checks::{Check, Finding, Policy};
-use poinsot_telemetry::{Channel, Table, median_step};
+use poinsot_telemetry::{Change, Channel, Repair, Table, median_step};
 use std::f64::consts::PI;
 
 /// Ratios of estimated to nominal inertia caused by unit errors.
@@ -36,7 +37,6 @@ const FITS: f64 = 10.0;
 const UNEXPLAINED: f64 = 0.01;
 /// Rotation per sample, rad, above which a fit takes minutes.
 const FAR: f64 = 0.3;
-/// Share of a record that another reading of it must fit before the whole is tried.
 /// Tolerance of the mean factor, relative.
 const MEAN: f64 = 0.15;
 /// Tolerance of the factor of one axis about the mean, relative.
@@ -80,18 +80,20 @@ pub(crate) fn units(estimate: &Estimate) -> Vec<Finding> {
     all
 }
 
-/// What makes a record turn far between samples: factors of its times and rates that put it right, the channel, and the mistake.
-const FAST: [(f64, f64, &str, &str); 3] = [
-    (1.0e-3, 1.0, "time_s", "the times are probably in ms, not s"),
+/// What makes a record turn far between samples: what puts it right, the channels, and the mistake.
+const FAST: [(Change, &str, &str); 3] = [
     (
-        1.0,
-        PI / 180.0,
+        Change::Clock(1.0e-3),
+        "time_s",
+        "the times are probably in ms, not s",
+    ),
+    (
+        Change::Factor(PI / 180.0),
         "omega",
         "the body rates are probably in deg/s, not rad/s",
     ),
     (
-        1.0,
-        PI / 30.0,
+        Change::Factor(PI / 30.0),
         "omega",
         "the body rates are probably in rpm, not rad/s",
     ),
@@ -101,38 +103,43 @@ const FAST: [(f64, f64, &str, &str); 3] = [
 /// which would take minutes.
 pub(crate) fn of_fast_record(model: &Model, tables: &[Table]) -> Option<Finding> {
     let turn = turn_per_reading(tables);
-    if turn < FAR || has_attitude(tables) {
+    let mut channels = tables.iter().flat_map(|t| &t.channels);
+    if turn < FAR || channels.any(|c| c.name == "q_w") {
         return None;
     }
-    let put_right = |(time, rate): (f64, f64)| {
+    let put_right = |change: Change| {
         let mut all = tables.to_vec();
         for channel in all.iter_mut().flat_map(|t| &mut t.channels) {
-            channel.time_s = channel.time_s.iter().map(|t| t * time).collect();
-            if channel.name.starts_with("omega_") {
-                channel.values.iter_mut().for_each(|w| *w *= rate);
+            match change {
+                Change::Clock(x) => {
+                    channel.time_s = channel.time_s.iter().map(|t| t * x).collect();
+                }
+                Change::Factor(x) if channel.name.starts_with("omega_") => {
+                    channel.values.iter_mut().for_each(|w| *w *= x);
+                }
+                _ => {}
             }
         }
         all
     };
-    let mut all = FAST.iter();
-    let (_, _, channel, words) =
-        all.find(|row| fits(model, &put_right((row.0, row.1))) == Some(true))?;
+    let right = |row: &&(Change, _, _)| fits(model, &put_right(row.0)) == Some(true);
+    let (change, channel, words) = FAST.iter().find(right)?;
     let text = format!("the vehicle turns by {turn:.1} rad between samples; {words}");
-    Some(finding(Check::Units, channel, text))
-}
-
-fn has_attitude(tables: &[Table]) -> bool {
-    let mut channels = tables.iter().flat_map(|t| &t.channels);
-    channels.any(|c| c.name == "q_w")
+    let channels = XYZ.map(|k| format!("omega_{k}")).to_vec();
+    Some(Finding {
+        repair: Some(Repair {
+            channels,
+            change: *change,
+        }),
+        ..finding(Check::Units, channel, text)
+    })
 }
 
 /// Typical rotation between gyro samples, rad; the largest of all tables.
 fn turn_per_reading(tables: &[Table]) -> f64 {
     let of = |table: &Table| {
-        let rates = table
-            .channels
-            .iter()
-            .filter(|c| c.name.starts_with("omega_"));
+        let all = table.channels.iter();
+        let rates = all.filter(|c| c.name.starts_with("omega_"));
         let square = |c: &Channel| {
             let sum: f64 = c.values.iter().map(|w| w * w).sum();
             sum / c.values.len().max(1) as f64
@@ -143,36 +150,25 @@ fn turn_per_reading(tables: &[Table]) -> f64 {
     tables.iter().map(of).fold(0.0, f64::max)
 }
 
-/// A fit to these tables. `None` if the problem is invalid.
-fn fit<T>(
-    model: &Model,
-    tables: &[Table],
-    ask: impl FnOnce(&Problem, &Estimate) -> Option<T>,
-) -> Option<T> {
-    let options = Settings {
-        undiagnosed: true,
-        ..Settings::default()
-    };
-    let asked = |problem: &Problem| Ok(ask(problem, &maximum_likelihood_with(problem, options)?));
-    solve(model, tables, RELATIVE_ACCURACY, asked).ok()?
-}
-
-/// Largest chi-square per degree of freedom of a segment.
-fn largest(found: &Estimate) -> f64 {
-    found.fit.iter().map(|f| f.chi2_per_dof).fold(0.0, f64::max)
-}
-
 /// Whether the model explains these tables: chi-square is small, also compared with that of the rates themselves.
 /// Rates below the declared noise fit any model. `None` if the problem is invalid.
 fn fits(model: &Model, tables: &[Table]) -> Option<bool> {
-    fit(model, tables, |other, found| {
+    let settings = Settings {
+        undiagnosed: true,
+        ..Settings::default()
+    };
+    let asked = |problem: &Problem| {
+        let found = maximum_likelihood_with(problem, settings)?;
         let answered = matches!(found.status, Status::Converged | Status::Partial);
         let mut asked = found.bodies.iter().filter(|b| b.asked);
         let determined = asked.any(|b| b.inertia.iter().any(|n| n.value.is_some()));
-        let left = largest(found);
-        let explained = left < UNEXPLAINED * rates_over_noise(other)?;
-        Some(answered && determined && left < FITS && explained)
-    })
+        let left = found.fit.iter().map(|f| f.chi2_per_dof);
+        let left = left.fold(0.0, f64::max);
+        let rates = rates_over_noise(problem);
+        let explained = rates.is_some_and(|rates| left < UNEXPLAINED * rates);
+        Ok(answered && determined && left < FITS && explained)
+    };
+    solve(model, tables, RELATIVE_ACCURACY, asked).ok()
 }
 
 /// Mean square of the body rates relative to their noise variance, per number.
@@ -195,5 +191,6 @@ pub(crate) fn finding(check: Check, channel: &str, text: String) -> Finding {
         first_times_s: Vec::new(),
         text,
         policy: Policy::Report,
+        repair: None,
     }
 }

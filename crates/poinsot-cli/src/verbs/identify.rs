@@ -40,6 +40,7 @@ pub fn run(arguments: &Identify) -> Outcome {
             coordinates: Coordinates::from_name(&arguments.coordinates).unwrap_or_default(),
             modes: Modes::from_name(&arguments.modes).unwrap_or_default(),
             strict: arguments.strict,
+            repair: arguments.repair,
             policies: arguments.policy.clone(),
         },
     };

@@ -14,7 +14,8 @@ use crate::fit::{Fitted, fit_from};
 use crate::problem::segment::Segment;
 use change::put_right;
 use poinsot_solve::LeastSquares;
-use table::{Change, Convention, Place};
+use poinsot_telemetry::Change;
+use table::{Convention, Place};
 
 pub(super) use table::UNITS;
 
@@ -66,7 +67,10 @@ pub(super) fn conventions(
             let Some(decrease) = after.map(|a| before - a).filter(|d| *d > least) else {
                 continue;
             };
-            best = Some(named(&convention, decrease, excess));
+            best = Some(Suspect {
+                repair: convention.repair(whole),
+                ..named(&convention, decrease, excess)
+            });
             // Correct, not only better: the others need no test.
             if excess - decrease < RIGHT * dof {
                 return best;

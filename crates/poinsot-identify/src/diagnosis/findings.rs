@@ -150,6 +150,7 @@ mod tests {
             times: 1,
             fault: FaultKind::Drag,
             tied: true,
+            repair: None,
         };
         let found = findings(&Diagnostics {
             chi2: 100.0,

@@ -2,6 +2,7 @@
 
 pub use crate::problem::fault::FaultKind;
 use crate::problem::parameters::UnknownKind;
+use poinsot_telemetry::Repair;
 
 /// Probability below which a residual is not white.
 pub(crate) const COLOURED: f64 = 1.0e-4;
@@ -141,6 +142,8 @@ pub struct Suspect {
     pub fault: FaultKind,
     /// Whether the data cannot tell it from the first suspect.
     pub tied: bool,
+    /// The change of the map that puts it right, where it is a convention of channels.
+    pub repair: Option<Repair>,
 }
 
 /// A number of a suspect.
@@ -185,6 +188,7 @@ impl Suspect {
             times: 1,
             fault,
             tied: false,
+            repair: None,
         }
     }
 

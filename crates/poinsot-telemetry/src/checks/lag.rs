@@ -1,8 +1,8 @@
 //! Time shift between attitude and gyro.
 
 use super::{Check, Found};
-use crate::hypothesis::{Axes, Order, Sense};
-use crate::rate_pairs::Pairs;
+use crate::conventions::pairs::Pairs;
+use crate::conventions::reading::{Axes, Order, Sense};
 use crate::{Channel, Table, full_name, median_step};
 use poinsot_files::rounded;
 use std::sync::Arc;
@@ -29,12 +29,9 @@ pub(super) fn find(table: &Table) -> Option<Found> {
             time_s: c.time_s.iter().map(|t| t - lag).collect::<Vec<_>>().into(),
             ..c.clone()
         });
-        let pairs = Pairs::collect(q.each_ref(), shifted.each_ref())?;
+        let pairs = Pairs::collect(&q.each_ref(), &shifted.each_ref())?;
         let sums = pairs.sums(Order::Xyzw, Sense::BodyToInertial);
-        Some((
-            sums.residual(1.0, Axes::IDENTITY),
-            (sums.aa / sums.n).sqrt(),
-        ))
+        Some((sums.residual(1.0, Axes::IDENTITY), sums.rate()))
     };
     let (without, rate) = residual(0.0)?;
     let unit = longest / f64::from(TRIALS);

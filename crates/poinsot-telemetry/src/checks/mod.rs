@@ -10,7 +10,7 @@ mod saturation;
 mod stuck;
 mod wrap;
 
-use crate::{Channel, Dimension, Table, full_name, median_step};
+use crate::{Channel, Dimension, Repair, Table, full_name, median_step};
 use poinsot_files::{Faults, Place};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -184,6 +184,9 @@ pub struct Finding {
     pub text: String,
     /// What was done.
     pub policy: Policy,
+    /// What puts the channel right, where a line of a map can.
+    #[serde(skip)]
+    pub repair: Option<Repair>,
 }
 
 /// A finding with its samples.
@@ -206,6 +209,7 @@ impl Found {
                 first_times_s: times_s.iter().copied().take(SHOWN).collect(),
                 text,
                 policy: Policy::Report,
+                repair: None,
             },
             channels: Vec::new(),
             times_s,

@@ -1,8 +1,8 @@
 //! Channels that begin anew at a value: angles within one turn, counters, and integers of a two's complement read as unsigned.
 
 use super::{Check, Found};
-use crate::Channel;
 use crate::median::median;
+use crate::{Change, Channel, Repair};
 use poinsot_files::rounded;
 use std::f64::consts::TAU;
 
@@ -21,40 +21,38 @@ const OFF_STEP: f64 = 0.01;
 pub(super) fn find(channel: &Channel) -> Option<Found> {
     let v = &channel.values;
     let steps: Vec<f64> = v.windows(2).map(|w| w[1] - w[0]).collect();
-    let typical = median(
-        &mut steps
-            .iter()
-            .map(|d| d.abs())
-            .filter(|d| *d > 0.0)
-            .collect::<Vec<_>>(),
-    )?;
+    let sizes = steps.iter().map(|d| d.abs()).filter(|d| *d > 0.0);
+    let typical = median(&mut sizes.collect::<Vec<_>>())?;
     let largest = steps.iter().fold(0.0_f64, |a, d| a.max(d.abs()));
     // A quaternion may change its sign.
     if v.len() < FEW || largest < JUMP * typical || channel.unit == "1" {
         return None;
     }
-    let turn = (channel.unit == "rad").then_some((TAU, "wraps_at"));
-    let counts = least_step(v).map(|q| WIDTHS.map(move |n| (q * 2.0_f64.powi(n), "signed_range")));
-    let mut periods = turn.into_iter().chain(counts.into_iter().flatten());
-    let (period, key) = periods.find(|(p, _)| begins_anew(v, &steps, *p, (typical, largest)))?;
+    let turn = (channel.unit == "rad").then_some((TAU, Change::WrapsAt(TAU)));
+    let of_counts = |n: i32| {
+        let range = least_step(v)? * 2.0_f64.powi(n);
+        Some((range, Change::SignedRange(range)))
+    };
+    let mut periods = turn.into_iter().chain(WIDTHS.filter_map(of_counts));
+    let (period, change) = periods.find(|p| begins_anew(v, &steps, p.0, (typical, largest)))?;
     let jumps: Vec<usize> = (1..v.len())
         .filter(|&k| steps[k - 1].abs() > 0.5 * period)
         .collect();
-    let of = rounded(period, 6);
-    let what = match key {
-        "wraps_at" => format!(
-            "the angle jumps by one turn; write {key} in its column of the map (360 for a column in deg, 6.283185307 in rad)"
-        ),
+    let what = match change {
+        Change::WrapsAt(_) => "the angle jumps by one turn; write wraps_at in its column of the map (360 for a column in deg, 6.283185307 in rad)".to_owned(),
         _ => {
             let q = least_step(v).unwrap_or(period);
             format!(
-                "the values jump by {of} {}, {} of their steps: a signed integer read as unsigned; write that range as {key} in its column of the map, in the numbers of the column",
+                "the values jump by {} {}, {} of their steps: a signed integer read as unsigned; write that range as signed_range in its column of the map, in the numbers of the column",
+                rounded(period, 6),
                 channel.unit,
                 (period / q).round()
             )
         }
     };
-    Some(Found::of_channel(Check::Wrap, channel, (jumps, what)))
+    let mut found = Found::of_channel(Check::Wrap, channel, (jumps, what));
+    found.finding.repair = Some(Repair::of(&found.finding.channel, change));
+    Some(found)
 }
 
 /// The least difference of values that are all multiples of it.
@@ -65,11 +63,13 @@ fn least_step(v: &[f64]) -> Option<f64> {
     let size = sorted.last()?.abs().max(sorted.first()?.abs());
     let apart = differences.filter(|d| *d > 1.0e-9 * size);
     let q = apart.fold(f64::INFINITY, f64::min);
-    let off = |x: &f64| ((x / q).round() - x / q).abs();
-    let first = sorted.first().copied()?;
+    let (first, last) = (sorted.first().copied()?, sorted.last().copied()?);
+    // The whole range tells it better than one difference.
+    let q = (last - first) / ((last - first) / q).round();
+    let off = |x: f64| ((x / q).round() - x / q).abs();
     let even = sorted
         .iter()
-        .all(|x| off(&(x - first)) < OFF_STEP.max(1.0e-9 * size / q));
+        .all(|x| off(x - first) < OFF_STEP.max(1.0e-9 * size / q));
     (q.is_finite() && even).then_some(q)
 }
 

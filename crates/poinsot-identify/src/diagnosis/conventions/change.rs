@@ -1,9 +1,10 @@
 //! A record as it would be read by another convention.
 
-use super::table::{Change, Convention, Place, changed};
+use super::table::{Convention, Place, changed, turned};
 use crate::fit::experiment::Experiment;
 use crate::problem::segment::Segment;
 use poinsot_model::SensorKind;
+use poinsot_telemetry::Change;
 
 /// The experiment with a convention put right.
 pub(super) fn put_right<T>(
@@ -40,51 +41,36 @@ pub(super) fn put_right<T>(
 }
 
 fn put_segment_right(segment: &mut Segment, convention: &Convention, experiment: &Experiment) {
-    let (dof, wheels) = (
-        experiment.problem.tree.dof(),
-        experiment.problem.model.wheels.len(),
-    );
+    let problem = experiment.problem;
+    let (dof, wheels) = (problem.tree.dof(), problem.model.wheels.len());
     let o = &mut segment.observations;
     let s = &mut segment.samples;
+    let positions = [&mut o.joint_position, &mut s.joint_position];
+    let rates = [&mut o.joint_rate, &mut s.joint_rate];
     match (&convention.place, convention.change) {
-        (Place::Wheels(which), Change::ExchangedWith(j)) => {
-            for i in which {
-                exchange(&mut o.wheel_speed, wheels, *i, j);
-                exchange(&mut o.smooth_wheel_speed, wheels, *i, j);
-                exchange(&mut s.wheel_speed, wheels, *i, j);
-                let all = o.wheels.len();
-                exchange(&mut o.wheels, all, *i, j);
-            }
+        (Place::Wheels(two), Change::Exchanged) => {
+            exchange(&mut o.wheel_speed, wheels, two);
+            exchange(&mut o.smooth_wheel_speed, wheels, two);
+            exchange(&mut s.wheel_speed, wheels, two);
+            let all = o.wheels.len();
+            exchange(&mut o.wheels, all, two);
         }
-        (Place::Joint(i), Change::ExchangedWith(j)) => {
-            for rows in [
-                &mut o.joint_position,
-                &mut o.joint_rate,
-                &mut s.joint_position,
-                &mut s.joint_rate,
-            ] {
-                exchange(rows, dof, *i, j);
-            }
+        (Place::Joints(two), Change::Exchanged) => {
+            let rows = positions.into_iter().chain(rates);
+            rows.for_each(|rows| exchange(rows, dof, two));
             let all = o.joints.len();
-            exchange(&mut o.joints, all, *i, j);
+            exchange(&mut o.joints, all, two);
         }
-        (Place::Joint(k), Change::Factor(x)) => {
-            for rows in [
-                &mut o.joint_position,
-                &mut o.joint_rate,
-                &mut s.joint_position,
-                &mut s.joint_rate,
-            ] {
-                rows.iter_mut().skip(*k).step_by(dof).for_each(|q| *q *= x);
-            }
+        (Place::Joints(which), Change::Factor(x)) => {
+            let rows = positions.into_iter().chain(rates);
+            rows.for_each(|rows| each(rows, dof, which, |q| *q *= x));
         }
-        (Place::Joint(k), Change::Offset(x)) => {
-            for rows in [&mut o.joint_position, &mut s.joint_position] {
-                rows.iter_mut().skip(*k).step_by(dof).for_each(|q| *q += x);
-            }
+        (Place::Joints(which), Change::Offset(x)) => {
+            let rows = positions.into_iter();
+            rows.for_each(|rows| each(rows, dof, which, |q| *q += x));
         }
         // The impulse tells the length: the edges stay.
-        (Place::Pulses, Change::Offset(x)) => {
+        (Place::Pulses, Change::ClosesLate(x)) => {
             for firing in &mut segment.firings {
                 let length = firing.end_s - firing.start_s;
                 firing.force *= (1.0 + x / length).max(0.0);
@@ -98,22 +84,26 @@ fn put_segment_right(segment: &mut Segment, convention: &Convention, experiment:
                 sample.value = changed(sample.value, change);
             }
             if sensor.kind == SensorKind::Gyro && sensor.body == 0 {
-                for w in &mut s.w_NB_B {
-                    *w = match change {
-                        Change::Axes(m) => m * *w,
-                        Change::Factor(x) => x * *w,
-                        _ => *w,
-                    };
-                }
+                let rates = s.w_NB_B.iter_mut();
+                rates.for_each(|w| *w = turned(change, w));
             }
         }
         _ => {}
     }
 }
 
+/// Changes these places of every row.
+fn each(rows: &mut [f64], width: usize, places: &[usize], change: impl Fn(&mut f64)) {
+    for k in places {
+        rows.iter_mut().skip(*k).step_by(width).for_each(&change);
+    }
+}
+
 /// Exchanges two places of every row.
-fn exchange<T>(rows: &mut [T], width: usize, i: usize, j: usize) {
-    if width > i.max(j) {
+fn exchange<T>(rows: &mut [T], width: usize, two: &[usize]) {
+    if let [i, j] = *two
+        && width > i.max(j)
+    {
         rows.chunks_exact_mut(width).for_each(|row| row.swap(i, j));
     }
 }

@@ -3,9 +3,11 @@
 use super::FaultKind;
 use crate::diagnosis::candidates::moves;
 use crate::fit::experiment::Experiment;
-use crate::problem::segment::{SensorRecord, SensorValue};
+use crate::problem::Problem;
+use crate::problem::segment::{InputRate, SensorRecord, SensorValue};
 use poinsot_model::{JointKind, SensorKind, rounded};
-use poinsot_spatial::Matrix3;
+use poinsot_spatial::Vector3;
+use poinsot_telemetry::{Axes, Change, Repair};
 use std::f64::consts::{PI, TAU};
 
 /// Factors that make a number of a wrong unit right, and the mistake.
@@ -34,8 +36,8 @@ const PULSES: [f64; 6] = [-0.3, -0.1, -0.03, 0.03, 0.1, 0.3];
 pub(super) enum Place {
     /// Speeds of these wheels.
     Wheels(Vec<usize>),
-    /// Positions and rates of a joint.
-    Joint(usize),
+    /// Positions and rates of these joints.
+    Joints(Vec<usize>),
     /// Force of a thruster.
     Thruster(usize),
     /// The length of every pulse.
@@ -44,22 +46,11 @@ pub(super) enum Place {
     Sensor(usize),
 }
 
-/// What puts it right.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Change {
-    Factor(f64),
-    /// Added to a joint, rad; to the length of a pulse, s.
-    Offset(f64),
-    /// The columns of this wheel or joint in its place, and the reverse.
-    ExchangedWith(usize),
-    /// Components in the axes of the body from those that are read.
-    Axes(Matrix3),
-}
-
 /// A row of the table.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Convention {
     pub place: Place,
+    /// What puts it right.
     pub change: Change,
     /// The channel in words.
     pub owner: String,
@@ -105,7 +96,7 @@ fn thrusters(experiment: &Experiment) -> Vec<Vec<Convention>> {
 fn wheels(experiment: &Experiment) -> Vec<Vec<Convention>> {
     let wheels = &experiment.problem.model.wheels;
     let names: Vec<&str> = wheels.iter().map(|w| w.name.as_str()).collect();
-    let exchanged = pairs(&names, |i| Place::Wheels(vec![i]));
+    let exchanged = pairs(&names, Place::Wheels);
     let of = |factor: f64| {
         let own = names.iter().enumerate();
         let own = own.map(|(k, name)| row(Place::Wheels(vec![k]), Change::Factor(factor), name));
@@ -121,12 +112,11 @@ fn wheels(experiment: &Experiment) -> Vec<Vec<Convention>> {
 }
 
 /// Each two of a kind in each other's column.
-fn pairs(names: &[&str], place: impl Fn(usize) -> Place) -> Vec<Convention> {
+fn pairs(names: &[&str], place: fn(Vec<usize>) -> Place) -> Vec<Convention> {
     let of = |j: usize| {
-        let place = &place;
         (0..j).map(move |i| {
             let owner = format!("{} and {}", names[i], names[j]);
-            row(place(i), Change::ExchangedWith(j), &owner)
+            row(place(vec![i, j]), Change::Exchanged, &owner)
         })
     };
     (1..names.len()).flat_map(of).collect()
@@ -146,7 +136,7 @@ fn pulses(experiment: &Experiment) -> Vec<Convention> {
         free: Some(0.8 * share.abs() * typical),
         ..row(
             Place::Pulses,
-            Change::Offset(share * typical),
+            Change::ClosesLate(share * typical),
             "every pulse",
         )
     };
@@ -170,7 +160,7 @@ fn joints(experiment: &Experiment) -> Vec<Vec<Convention>> {
         own(&|k, name| {
             let one = |value: &f64| Convention {
                 free: free.then_some(ABOUT * value.abs()),
-                ..row(Place::Joint(k), Change::Factor(*value), name)
+                ..row(Place::Joints(vec![k]), Change::Factor(*value), name)
             };
             values.iter().map(one).collect()
         })
@@ -184,18 +174,18 @@ fn joints(experiment: &Experiment) -> Vec<Vec<Convention>> {
         let one = |s: i32| Convention {
             free: Some(0.6 * ZERO_STEP),
             ..row(
-                Place::Joint(k),
+                Place::Joints(vec![k]),
                 Change::Offset(f64::from(s) * ZERO_STEP),
                 name,
             )
         };
         steps.map(one).collect()
     });
-    let alike = |c: &Convention| match (&c.place, c.change) {
-        (Place::Joint(i), Change::ExchangedWith(j)) => all[*i].1.kind == all[j].1.kind,
+    let alike = |c: &Convention| match &c.place {
+        Place::Joints(two) => two.windows(2).all(|w| all[w[0]].1.kind == all[w[1]].1.kind),
         _ => true,
     };
-    let exchanged = pairs(&names, Place::Joint).into_iter().filter(alike);
+    let exchanged = pairs(&names, Place::Joints).into_iter().filter(alike);
     let units: Vec<f64> = UNITS.iter().map(|u| u.0).collect();
     vec![
         factors(&[-1.0], false),
@@ -231,43 +221,22 @@ fn gyro(experiment: &Experiment) -> Vec<Vec<Convention>> {
         };
         gyros.iter().flat_map(each).collect()
     };
-    let axes = signed_permutations().filter(|m| *m != Matrix3::identity());
+    let axes = Axes::all().filter(|axes| *axes != Axes::IDENTITY);
     let units = UNITS.iter().take(2).map(|u| Change::Factor(u.0));
     vec![of(axes.map(Change::Axes).collect()), of(units.collect())]
-}
-
-/// Every matrix that exchanges or reverses axes.
-fn signed_permutations() -> impl Iterator<Item = Matrix3> {
-    let orders = [
-        [0, 1, 2],
-        [1, 0, 2],
-        [0, 2, 1],
-        [2, 1, 0],
-        [1, 2, 0],
-        [2, 0, 1],
-    ];
-    orders.into_iter().flat_map(|order: [usize; 3]| {
-        (0..8_u8).map(move |bits| {
-            Matrix3::from_fn(|i, j| match (order[i] == j, bits >> i & 1) {
-                (false, _) => 0.0,
-                (true, 0) => 1.0,
-                (true, _) => -1.0,
-            })
-        })
-    })
 }
 
 impl Convention {
     pub fn value(&self) -> f64 {
         match self.change {
-            Change::Factor(x) | Change::Offset(x) => x,
+            Change::Factor(x) | Change::Offset(x) | Change::ClosesLate(x) => x,
             _ => f64::NAN,
         }
     }
 
     pub fn with_value(mut self, value: f64) -> Self {
         match &mut self.change {
-            Change::Factor(x) | Change::Offset(x) => *x = value,
+            Change::Factor(x) | Change::Offset(x) | Change::ClosesLate(x) => *x = value,
             _ => {}
         }
         self
@@ -277,7 +246,7 @@ impl Convention {
     pub fn rounded(&self) -> Option<Self> {
         let value = self.value();
         let known = match (&self.place, self.change) {
-            (Place::Joint(_), Change::Offset(_)) => (value / (PI / 4.0)).round() * (PI / 4.0),
+            (_, Change::Offset(_)) => (value / (PI / 4.0)).round() * (PI / 4.0),
             (_, Change::Factor(_)) => ratio(value)?,
             _ => return None,
         };
@@ -288,7 +257,7 @@ impl Convention {
     pub fn fault(&self) -> FaultKind {
         match (&self.place, self.change) {
             (Place::Thruster(_), _) => FaultKind::Thrust,
-            (Place::Wheels(_), Change::ExchangedWith(_)) => FaultKind::WheelExchange,
+            (Place::Wheels(_), Change::Exchanged) => FaultKind::WheelExchange,
             (Place::Wheels(_), Change::Factor(x)) if x < 0.0 => FaultKind::WheelSign,
             (_, Change::Factor(x)) if unit(x).is_some() => FaultKind::Units,
             _ => FaultKind::Convention,
@@ -301,30 +270,25 @@ impl Convention {
         match (&self.place, self.change) {
             (Place::Thruster(_), Change::Factor(0.0)) => format!("no force of {owner}"),
             (Place::Thruster(_), _) => format!("a wrong direction of {owner}"),
-            (Place::Pulses, change) => {
-                let (by, off) = match change {
-                    Change::Offset(x) if x < 0.0 => (-x, "shorter"),
-                    Change::Offset(x) => (x, "longer"),
-                    _ => (0.0, "other"),
-                };
-                let key = rounded(if off == "shorter" { -by } else { by }, 3);
+            (_, Change::ClosesLate(x)) => {
+                let off = if x < 0.0 { "shorter" } else { "longer" };
                 format!(
-                    "{owner} {} s {off} than commanded (closes_late_s = {key} in the columns of the thrusters)",
-                    rounded(by, 3)
+                    "{owner} {} s {off} than commanded (closes_late_s = {} in the columns of the thrusters)",
+                    rounded(x.abs(), 3),
+                    rounded(x, 3)
                 )
             }
-            (Place::Wheels(_), Change::ExchangedWith(_)) => format!("exchanged speeds of {owner}"),
-            (_, Change::ExchangedWith(_)) => format!("exchanged columns of {owner}"),
+            (Place::Wheels(_), Change::Exchanged) => format!("exchanged speeds of {owner}"),
             (_, Change::Offset(x)) => {
                 let degrees = rounded(x.to_degrees(), 4);
                 format!("another zero of {owner} (offset = {degrees} deg in its column)")
             }
-            (_, Change::Axes(m)) => {
-                format!("other axes of {owner} (body axes = {})", axes_words(&m))
+            (_, Change::Axes(axes)) => {
+                format!("other axes of {owner} (body axes = {axes})")
             }
             (_, Change::Factor(x)) => match unit(x) {
                 Some(words) => format!("a wrong unit of {owner} ({words})"),
-                None if x == -1.0 && matches!(self.place, Place::Joint(_)) => {
+                None if x == -1.0 && matches!(self.place, Place::Joints(_)) => {
                     format!("a wrong sign of {owner} (sign = -1 in its columns)")
                 }
                 None if x == -1.0 => format!("a wrong sign of {owner}"),
@@ -333,7 +297,47 @@ impl Convention {
                     rounded(x, 6)
                 ),
             },
+            _ => format!("exchanged columns of {owner}"),
         }
+    }
+
+    /// The change of the map that declares it; `None` where it is one of the model.
+    pub fn repair(&self, problem: &Problem) -> Option<Repair> {
+        let model = problem.model;
+        let of_joint = |k: &usize| -> Vec<String> {
+            let at = problem.tree.coordinates.get(*k);
+            let joint = at.and_then(|at| model.joints.get(*at));
+            let mut segments = problem.segments.iter();
+            let measured = segments.any(|s| s.observations.joint(*k).rate == InputRate::Measured);
+            let rate = measured && !matches!(self.change, Change::Offset(_));
+            let position = joint.map(|joint| {
+                let unit = SensorKind::JointPosition.unit(joint.kind == JointKind::Prismatic);
+                format!("{}_{unit}", joint.name)
+            });
+            let rate = position.iter().filter(|_| rate).map(|p| format!("{p}_s"));
+            position.iter().cloned().chain(rate).collect()
+        };
+        let channels: Vec<String> = match &self.place {
+            Place::Wheels(which) => {
+                let wheels = which.iter().filter_map(|k| model.wheels.get(*k));
+                wheels
+                    .map(|wheel| format!("{}_rad_s", wheel.name))
+                    .collect()
+            }
+            Place::Joints(which) => which.iter().flat_map(of_joint).collect(),
+            Place::Pulses => {
+                let thrusters = model.thrusters.iter();
+                thrusters.map(|t| format!("{}_N", t.name)).collect()
+            }
+            Place::Sensor(_) => SensorKind::Gyro
+                .columns()
+                .iter()
+                .map(|c| (*c).to_owned())
+                .collect(),
+            Place::Thruster(_) => return None,
+        };
+        let change = self.change;
+        Some(Repair { channels, change })
     }
 
     /// Name, value and unit of what puts it right.
@@ -341,7 +345,7 @@ impl Convention {
         let owner = self.owner.trim_start_matches("the ");
         match (&self.place, self.change) {
             (_, Change::Factor(x)) => Some((format!("{owner}.factor"), x, "1")),
-            (Place::Pulses, Change::Offset(x)) => Some(("thrust.closes_late".to_owned(), x, "s")),
+            (_, Change::ClosesLate(x)) => Some(("thrust.closes_late".to_owned(), x, "s")),
             (_, Change::Offset(x)) => Some((format!("{owner}.offset"), x, "rad")),
             _ => None,
         }
@@ -361,21 +365,19 @@ fn ratio(value: f64) -> Option<f64> {
     nearest.map(|r| r.copysign(value))
 }
 
-/// Body axes by those that are read: `(x, -z, y)`.
-fn axes_words(m: &Matrix3) -> String {
-    let word = |i: usize| {
-        let read = (0..3).find(|&j| m[(i, j)] != 0.0).unwrap_or(i);
-        let sign = if m[(i, read)] < 0.0 { "-" } else { "" };
-        format!("{sign}{}", ["x", "y", "z"][read])
-    };
-    format!("({})", [0, 1, 2].map(word).join(", "))
+/// A vector in other axes or units.
+pub(super) fn turned(change: Change, v: &Vector3) -> Vector3 {
+    match change {
+        Change::Axes(axes) => Vector3::from_fn(|i, _| f64::from(axes.sign[i]) * v[axes.axis[i]]),
+        Change::Factor(x) => x * v,
+        _ => *v,
+    }
 }
 
 /// A value of a sensor in other axes or units.
 pub(super) fn changed(value: SensorValue, change: Change) -> SensorValue {
-    match (value, change) {
-        (SensorValue::Vector(v), Change::Axes(m)) => SensorValue::Vector(m * v),
-        (SensorValue::Vector(v), Change::Factor(x)) => SensorValue::Vector(x * v),
-        (value, _) => value,
+    match value {
+        SensorValue::Vector(v) => SensorValue::Vector(turned(change, &v)),
+        value => value,
     }
 }

@@ -1,14 +1,10 @@
-//! One hypothesis on the conventions of attitude and gyro: order, sense, unit and axes.
+//! One reading of two measurements of a motion, such as attitude and gyro: order, sense, unit and axes.
 
+use super::change::{Change, Repair};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 use std::fmt;
-
-/// Factor by which another convention must fit better to contradict the declared one.
-pub(crate) const DECISIVE: f64 = 5.0;
-/// Fraction of the rate above which the residual means that a convention does not fit.
-pub(crate) const EXPLAINED: f64 = 0.3;
 
 /// Order of the four numbers in the columns `q_x q_y q_z q_w`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -54,7 +50,7 @@ pub enum GyroUnit {
 }
 
 impl GyroUnit {
-    pub(crate) const ALL: [Self; 8] = [
+    pub(super) const ALL: [Self; 8] = [
         Self::AsDeclared,
         Self::DegPerS,
         Self::Rpm,
@@ -68,6 +64,21 @@ impl GyroUnit {
     /// Factor from the table's values to the rate in rad/s, given its attitude, times and the step of the gyro, s.
     pub fn factor(self, step_s: f64) -> f64 {
         self.facts(step_s).0
+    }
+
+    /// What puts these rates right.
+    fn repair(self, rates: &[String]) -> Repair {
+        let change = match self {
+            Self::TimeInMilliseconds | Self::TimeTakenForMilliseconds => {
+                return Repair::of("time_s", Change::Clock(self.factor(1.0)));
+            }
+            Self::Increments => Change::Increments,
+            _ => Change::Factor(self.factor(1.0)),
+        };
+        Repair {
+            channels: rates.to_vec(),
+            change,
+        }
     }
 
     /// The factor, and how the reading differs from the declared one.
@@ -100,16 +111,19 @@ pub struct Axes {
 }
 
 impl Axes {
-    pub(crate) const IDENTITY: Self = Self {
+    /// The axes that are read.
+    pub const IDENTITY: Self = Self {
         axis: [0, 1, 2],
         sign: [1, 1, 1],
     };
-    const REVERSED: Self = Self {
+    /// Each of them reversed.
+    pub const REVERSED: Self = Self {
         axis: [0, 1, 2],
         sign: [-1, -1, -1],
     };
 
-    pub(crate) fn all() -> impl Iterator<Item = Self> {
+    /// Every signed permutation.
+    pub fn all() -> impl Iterator<Item = Self> {
         const ORDERS: [[usize; 3]; 6] = [
             [0, 1, 2],
             [0, 2, 1],
@@ -156,6 +170,35 @@ pub struct Hypothesis {
 }
 
 impl Hypothesis {
+    /// A reading in which only the rates differ from what is declared.
+    pub(super) fn of_rates(gyro_unit: GyroUnit, gyro_axes: Axes, residual_rad_s: f64) -> Self {
+        Self {
+            order: Order::Xyzw,
+            sense: Sense::BodyToInertial,
+            gyro_unit,
+            gyro_axes,
+            residual_rad_s,
+        }
+    }
+
+    /// What makes it the declared one, given the first channel of the attitude and those of the rates. `None` where no map says so.
+    pub(super) fn repairs(&self, attitude: &str, rates: &[String]) -> Option<Vec<Repair>> {
+        let turned = (self.order, self.sense) != (Order::Xyzw, Sense::BodyToInertial);
+        let attitude = Repair::of(attitude, Change::Attitude(self.order, self.sense));
+        let unit = self.gyro_unit.repair(rates);
+        let axes = Repair {
+            channels: rates.to_vec(),
+            change: Change::Axes(self.gyro_axes),
+        };
+        let all = [
+            (turned, attitude),
+            (self.gyro_unit != GyroUnit::AsDeclared, unit),
+            (self.gyro_axes != Axes::IDENTITY, axes),
+        ];
+        let needed = all.into_iter().filter(|own| own.0).map(|own| own.1);
+        (!self.is_inertial()).then(|| needed.collect())
+    }
+
     /// Whether the gyro is in inertial axes: the inverse attitude turns by the opposite of that rate, and no gyro has all of its
     /// axes reversed.
     fn is_inertial(&self) -> bool {
@@ -163,7 +206,7 @@ impl Hypothesis {
     }
 
     /// Number of changes from the declared convention; a permutation counts more than a sign.
-    pub(crate) fn departures(&self) -> usize {
+    pub(super) fn departures(&self) -> usize {
         if self.is_inertial() {
             let as_declared = Self {
                 sense: Sense::BodyToInertial,
@@ -216,4 +259,4 @@ impl fmt::Display for Hypothesis {
 }
 
 /// The declared convention.
-pub(crate) const DECLARED: &str = "xyzw, Hamilton, body to inertial, gyro in rad/s and body axes";
+pub(super) const DECLARED: &str = "xyzw, Hamilton, body to inertial, gyro in rad/s and body axes";

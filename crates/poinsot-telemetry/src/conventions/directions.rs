@@ -1,11 +1,11 @@
 //! Directions against the gyro: a direction that rests in inertial axes turns in the body by the opposite of its rate, so other
 //! axes of its sensor show.
 
-use crate::hypothesis::{Axes, DECISIVE, EXPLAINED};
-use crate::rate_pairs::integrals;
-use crate::{Channel, Table, full_name, rotation};
+use super::pairs::integrals;
+use super::reading::{Axes, GyroUnit, Hypothesis};
+use super::{Search, search};
+use crate::{Channel, Table, rotation};
 use nalgebra::{Rotation3, Vector3};
-use poinsot_files::{Faults, Place, rounded};
 
 /// Turn between compared samples, rad.
 const TURN: f64 = 0.1;
@@ -22,47 +22,20 @@ struct Interval {
     length_s: f64,
 }
 
-/// Tests every direction against the first gyro.
-///
-/// # Errors
-/// E0215 names the axes that fit best.
-pub(crate) fn check(table: &Table) -> Result<(), Faults> {
-    let named = table.channels.iter().filter(|c| c.name == "direction_x");
-    for sensor in named.map(|c| c.sensor.as_str()) {
-        if let Some((least, declared, best)) = contradicted(table, sensor) {
-            let (least, declared) = (rounded(least, 4), rounded(declared, 4));
-            let direction = full_name(sensor, "direction_x..z");
-            return Err(Faults::one(
-                "E0215",
-                Place::default(),
-                format!(
-                    "direction '{direction}' and gyro contradict each other: residual {declared} rad/s, but {least} rad/s with body axes = sensor {best}"
-                ),
-                "correct the map or the file",
-            ));
-        }
-    }
-    Ok(())
-}
-
-/// The residual in the best axes and as declared, rad/s, and those axes, where they contradict the declared ones.
-fn contradicted(table: &Table, sensor: &str) -> Option<(f64, f64, Axes)> {
+/// A direction in all axes of its sensor against the first gyro.
+pub(super) fn test(table: &Table, sensor: &str) -> Option<Search> {
     let all = intervals(table, sensor)?;
     let length: f64 = all.iter().map(|i| i.length_s).sum::<f64>() / all.len() as f64;
     let mean = |of: &dyn Fn(&Interval) -> f64| {
         (all.iter().map(of).sum::<f64>() / all.len() as f64).sqrt() / length
     };
-    let residual = |axes: Axes| {
-        let read = |v: &Vector3<f64>| turned(axes, v);
-        mean(&|i| (i.turn * read(&i.to) - read(&i.from)).norm_squared())
+    let read = |axes: Axes| {
+        let apart = |i: &Interval| i.turn * turned(axes, &i.to) - turned(axes, &i.from);
+        let residual = mean(&|i| apart(i).norm_squared());
+        Hypothesis::of_rates(GyroUnit::AsDeclared, axes, residual)
     };
     let rate = mean(&|i| (i.to - i.from).norm_squared());
-    let mut each: Vec<(f64, Axes)> = Axes::all().map(|a| (residual(a), a)).collect();
-    each.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let (least, best) = *each.first()?;
-    let declared = residual(Axes::IDENTITY);
-    let contradicted = least < EXPLAINED * rate && declared > DECISIVE * least;
-    contradicted.then_some((least, declared, best))
+    search(Axes::all().map(read).collect(), rate, false)
 }
 
 fn turned(axes: Axes, v: &Vector3<f64>) -> Vector3<f64> {
@@ -88,7 +61,7 @@ fn intervals(table: &Table, sensor: &str) -> Option<Vec<Interval>> {
         ["omega_x", "omega_y", "omega_z"].map(|n| table.channels.iter().find(|c| c.name == n));
     let [x, y, z] = gyro;
     let gyro: [&Channel; 3] = [x?, y?, z?];
-    let angles = integrals(gyro, times);
+    let angles = integrals(&gyro, times);
     let known = ["reference_x", "reference_y", "reference_z"];
     let reference = vector(table, sensor, known).filter(|r| r.len() == seen.len());
     let mut list = Vec::new();

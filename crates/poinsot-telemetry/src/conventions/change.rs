@@ -1,0 +1,258 @@
+//! What puts channels right that are read by another convention than declared, as a change of the map.
+
+use super::reading::{Axes, Order, Sense};
+use crate::{
+    AttitudeColumn, AttitudeMap, ColumnMap, FileMap, TelemetryMap, TimeFormat, TimeMap, Unit,
+    classify, parse_unit, units,
+};
+use poinsot_files::to_digits;
+use serde::Serialize;
+use std::f64::consts::TAU;
+
+/// Relative difference of two factors that are one unit.
+const SAME: f64 = 1.0e-9;
+/// Significant digits of a number that is written into a map.
+const DIGITS: usize = 9;
+
+/// What is done to the numbers of channels, in SI and in the axes in which they are read.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Change {
+    /// Times this: a unit, a sign, a ratio of gears.
+    Factor(f64),
+    /// Plus this, in the SI unit: another zero.
+    Offset(f64),
+    /// The first half of the channels has the columns of the second half, and the reverse.
+    Exchanged,
+    /// Components of a vector in the axes of the body from those that are read.
+    Axes(Axes),
+    /// Order and sense of a quaternion.
+    Attitude(Order, Sense),
+    /// Increments since the sample before, not rates.
+    Increments,
+    /// The values begin anew at this, in the SI unit.
+    WrapsAt(f64),
+    /// The values count modulo this, in the SI unit, and the upper half are the negative ones.
+    SignedRange(f64),
+    /// Times of all channels, times this.
+    Clock(f64),
+    /// The thrust ends later than commanded by this, s.
+    ClosesLate(f64),
+}
+
+/// A change of channels, which lines of a map declare.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Repair {
+    /// Full names, for example `imu2.omega_x`; of a vector x, y and z, of an attitude its first.
+    pub channels: Vec<String>,
+    /// What is done to them.
+    pub change: Change,
+}
+
+impl Repair {
+    /// A repair of one channel.
+    pub fn of(channel: &str, change: Change) -> Self {
+        Self {
+            channels: vec![channel.to_owned()],
+            change,
+        }
+    }
+
+    /// Declares the change in a map; returns the lines that it has from now on. `None` where no line of a map declares it: the map
+    /// may then be changed in part.
+    ///
+    /// ```
+    /// use poinsot_telemetry::{Change, Repair, TelemetryMap};
+    ///
+    /// let mut map = TelemetryMap::default();
+    /// let lines = Repair::of("elbow_rad", Change::Factor(-1.0)).declare(&mut map).unwrap();
+    /// assert_eq!(lines, [r#"elbow_rad = { column = "elbow_rad", sign = -1.0, unit = "rad" }"#]);
+    /// assert_eq!(map.all.columns[0].sign, Some(-1.0));
+    /// ```
+    pub fn declare(&self, map: &mut TelemetryMap) -> Option<Vec<String>> {
+        match self.change {
+            Change::Attitude(order, sense) => self.declare_attitude(map, order, sense),
+            Change::Clock(factor) => declare_clock(map, factor),
+            _ => self.declare_columns(map),
+        }
+    }
+
+    fn declare_columns(&self, map: &mut TelemetryMap) -> Option<Vec<String>> {
+        let has_units = map.all.layout.units_row == Some(true);
+        let own = |columns: &Vec<ColumnMap>| columns.iter().any(|c| self.names(c));
+        let mapped = maps(map).map(|m| &mut m.columns).filter(|c| own(c));
+        let mut lists: Vec<&mut Vec<ColumnMap>> = mapped.collect();
+        if lists.is_empty() {
+            lists = vec![&mut map.all.columns];
+        }
+        let alone = lists.len() == 1;
+        let mut lines = Vec::new();
+        for list in lists {
+            let of = |channel: &String| {
+                let known = list.iter().find(|c| c.channel == *channel).cloned();
+                known.or_else(|| standard(channel, has_units).filter(|_| alone))
+            };
+            let before: Vec<ColumnMap> = self.channels.iter().filter_map(of).collect();
+            let after = self.changed(&before)?;
+            list.retain(|c| !self.names(c));
+            lines.extend(after.iter().map(|c| line(&c.channel, c)));
+            list.extend(after);
+        }
+        Some(lines)
+    }
+
+    fn names(&self, column: &ColumnMap) -> bool {
+        self.channels.contains(&column.channel)
+    }
+
+    /// The columns of the channels after the change.
+    fn changed(&self, before: &[ColumnMap]) -> Option<Vec<ColumnMap>> {
+        let all = before.len();
+        let from: Vec<(usize, f64)> = match self.change {
+            Change::Exchanged => (0..all).map(|k| ((k + all / 2) % all, 1.0)).collect(),
+            Change::Axes(axes) => {
+                let signs = axes.sign.map(f64::from);
+                axes.axis.into_iter().zip(signs).collect()
+            }
+            change => return before.iter().map(|c| changed(c, change)).collect(),
+        };
+        let complete = all == self.channels.len() && from.len() == all;
+        let taken = before.iter().zip(from).map(|(own, (k, sign))| {
+            let column = ColumnMap {
+                channel: own.channel.clone(),
+                ..before.get(k)?.clone()
+            };
+            changed(&column, Change::Factor(sign))
+        });
+        taken.collect::<Option<_>>().filter(|_| complete)
+    }
+
+    fn declare_attitude(
+        &self,
+        map: &mut TelemetryMap,
+        order: Order,
+        sense: Sense,
+    ) -> Option<Vec<String>> {
+        let first = self.channels.first()?;
+        let sensor = first.rsplit_once('.').map_or("", |(sensor, _)| sensor);
+        let is_own = |a: &AttitudeMap| a.sensor == sensor && !a.relative;
+        if !maps(map).any(|m| m.attitude.iter().any(is_own)) {
+            let mut standard = AttitudeMap {
+                sensor: sensor.to_owned(),
+                ..AttitudeMap::default()
+            };
+            standard.quaternion = Some(standard.names().map(AttitudeColumn::Name).into());
+            map.all.attitude.push(standard);
+        }
+        let mut lines = Vec::new();
+        let own = maps(map).flat_map(|m| &mut m.attitude);
+        for attitude in own.filter(|a| is_own(a)) {
+            if order == Order::Wxyz {
+                let last = attitude.order.unwrap_or(Order::Xyzw) == Order::Xyzw;
+                attitude.quaternion.as_ref().filter(|_| last)?;
+                attitude.order = Some(order);
+            }
+            if sense == Sense::InertialToBody {
+                attitude.sense = Some(match attitude.sense() {
+                    Sense::BodyToInertial => Sense::InertialToBody,
+                    Sense::InertialToBody => Sense::BodyToInertial,
+                });
+            }
+            lines.push(format!("attitude = [{}]", inline(attitude)));
+        }
+        Some(lines)
+    }
+}
+
+/// The map of all files, and those of some.
+fn maps(map: &mut TelemetryMap) -> impl Iterator<Item = &mut FileMap> {
+    let files = map.files.iter_mut().map(|file| &mut file.map);
+    std::iter::once(&mut map.all).chain(files)
+}
+
+/// The column with the name of a channel, in SI or in the unit of the row that names them.
+fn standard(channel: &str, has_units: bool) -> Option<ColumnMap> {
+    let unit = classify(channel)?.dimension.si();
+    let mut own = ColumnMap::new(channel, channel, unit);
+    own.unit = own.unit.filter(|_| !has_units);
+    Some(own)
+}
+
+/// A column whose values are changed, each alone; `None` where its unit has to be known and is not.
+fn changed(own: &ColumnMap, change: Change) -> Option<ColumnMap> {
+    let mut new = own.clone();
+    let unit = own.unit.as_deref().and_then(|unit| parse_unit(unit).ok());
+    let of_count = own.counts_per_revolution.map(|counts| TAU / counts);
+    // One of the numbers of the column, before scale and sign, in SI.
+    let one = || of_count.or_else(|| Some(unit?.to_si(1.0)));
+    let read = |x: f64| Some(to_digits(x / (one()? * own.scale.unwrap_or(1.0)), DIGITS));
+    match change {
+        Change::Factor(x) => match unit.and_then(|unit| times(&unit, x)) {
+            Some(other) => new.unit = Some(other.symbol.to_owned()),
+            None => {
+                let factor = to_digits(x.abs(), DIGITS);
+                if x < 0.0 {
+                    new.sign = Some(-own.sign.unwrap_or(1.0));
+                }
+                if factor != 1.0 {
+                    new.scale = Some(factor * own.scale.unwrap_or(1.0));
+                    new.offset = own.offset.map(|offset| factor * offset);
+                }
+            }
+        },
+        Change::Offset(x) => {
+            let by = own.sign.unwrap_or(1.0) * x / one()?;
+            new.offset = Some(to_digits(own.offset.unwrap_or(0.0) + by, DIGITS));
+        }
+        Change::Increments => {
+            let whole = unit?.symbol.strip_suffix("/s").map(parse_unit)?.ok()?;
+            new.unit = Some(whole.symbol.to_owned());
+            new.increments = true;
+        }
+        Change::WrapsAt(x) => new.wraps_at = Some(read(x)?),
+        Change::SignedRange(x) => new.signed_range = Some(read(x)?),
+        Change::ClosesLate(x) => {
+            let late = own.closes_late_s.unwrap_or(0.0) + x;
+            new.closes_late_s = Some(to_digits(late, DIGITS));
+        }
+        _ => return None,
+    }
+    Some(new)
+}
+
+fn declare_clock(map: &mut TelemetryMap, factor: f64) -> Option<Vec<String>> {
+    if !maps(map).any(|m| m.time.is_some()) {
+        map.all.time = Some(TimeMap {
+            column: "time_s".to_owned(),
+            ..TimeMap::default()
+        });
+    }
+    let mut lines = Vec::new();
+    for time in maps(map).filter_map(|m| m.time.as_mut()) {
+        let unit = parse_unit(time.unit.as_deref().unwrap_or("s")).ok()?;
+        let other = times(&unit, factor).filter(|_| time.format == TimeFormat::Number)?;
+        time.unit = Some(other.symbol.to_owned());
+        lines.push(line("time", time));
+    }
+    Some(lines)
+}
+
+/// The unit that is so many times another one.
+fn times(unit: &Unit, factor: f64) -> Option<Unit> {
+    let wanted = factor * unit.to_si(1.0);
+    let mut alike = units().filter(|other| other.dimension == unit.dimension);
+    alike.find(|other| (other.to_si(1.0) / wanted - 1.0).abs() < SAME)
+}
+
+/// A line of a map: a key and a table.
+pub(crate) fn line(key: &str, of: &impl Serialize) -> String {
+    let bare = |c: char| c.is_ascii_alphanumeric() || "_-".contains(c);
+    match key.chars().all(bare) {
+        true => format!("{key} = {}", inline(of)),
+        false => format!("{} = {}", toml::Value::from(key), inline(of)),
+    }
+}
+
+fn inline(of: &impl Serialize) -> String {
+    let table = toml::Value::try_from(of);
+    table.map_or_else(|_| String::new(), |table| table.to_string())
+}

@@ -1,0 +1,190 @@
+//! Two measurements of one motion over the same intervals: how far it goes by one, and its mean rate by the other.
+
+use super::reading::{Axes, Order, Sense};
+use crate::median::{median, median_step};
+use crate::resample::resample;
+use crate::{Channel, rotation};
+
+/// Turn of an attitude per compared interval, rad, and share of the range of other channels: well above noise, small enough for
+/// averaging.
+const TURN: f64 = 0.1;
+
+/// Values at both ends of intervals, their length, and the mean rate in between.
+pub(crate) struct Pairs {
+    pub turns: Vec<Interval>,
+    is_attitude: bool,
+}
+
+pub(crate) struct Interval {
+    dt: f64,
+    from: [f64; 4],
+    to: [f64; 4],
+    rate: [f64; 3],
+}
+
+/// Sums over the intervals, from which the residual of every unit and axis permutation follows.
+pub(crate) struct Sums {
+    pub n: f64,
+    pub aa: f64,
+    pub gg: f64,
+    pub cross: [[f64; 3]; 3],
+}
+
+impl Sums {
+    /// Root mean square of the change by the first, in its unit per second.
+    pub(crate) fn rate(&self) -> f64 {
+        (self.aa / self.n).sqrt()
+    }
+
+    /// Sum of the products of the rates from the attitude and of the gyro in these axes.
+    pub(crate) fn along(&self, axes: Axes) -> f64 {
+        let rows = self.cross.iter().zip(axes.axis).zip(axes.sign);
+        let products = rows.map(|((row, axis), sign)| row[axis] * f64::from(sign));
+        products.sum()
+    }
+
+    pub(crate) fn residual(&self, factor: f64, axes: Axes) -> f64 {
+        let square = self.aa - 2.0 * factor * self.along(axes) + factor * factor * self.gg;
+        (square.max(0.0) / self.n).sqrt()
+    }
+}
+
+impl Pairs {
+    /// Of the numbers of a quaternion, or up to three others, and of their rates. `None` if the channels of one sensor have different
+    /// times, or both overlap in fewer than 8 intervals.
+    pub(crate) fn collect(of: &[&Channel], rates: &[&Channel]) -> Option<Self> {
+        let (first, rate) = (of.first()?, rates.first()?);
+        let same = of.iter().all(|c| c.time_s == first.time_s)
+            && rates.iter().all(|c| c.time_s == rate.time_s);
+        if !same {
+            return None;
+        }
+        let is_attitude = of.len() == 4;
+        let at = |k: usize| padded(of.iter().filter_map(|c| c.values.get(k).copied()));
+        let values: Vec<[f64; 4]> = (0..first.values.len()).map(at).collect();
+        let integrals = integrals(rates, &first.time_s);
+        let stride = stride(&values, is_attitude);
+        let step = median_step(&first.time_s)?;
+        let ends = values.iter().zip(first.time_s.iter()).zip(&integrals);
+        let mut turns = Vec::new();
+        for (((from, t0), a0), ((to, t1), a1)) in
+            ends.clone().zip(ends.skip(stride)).step_by(stride)
+        {
+            let dt = t1 - t0;
+            let (Some((run0, a0)), Some((run1, a1))) = (a0, a1) else {
+                continue;
+            };
+            if run0 != run1 || dt > 3.0 * step * stride as f64 {
+                continue;
+            }
+            turns.push(Interval {
+                dt,
+                from: *from,
+                to: *to,
+                rate: padded(a0.iter().zip(a1).map(|(a, b)| (b - a) / dt)),
+            });
+        }
+        (turns.len() >= 8).then_some(Self { turns, is_attitude })
+    }
+
+    /// Longest interval, s.
+    pub(crate) fn longest_s(&self) -> f64 {
+        self.turns.iter().fold(0.0, |m, t| t.dt.max(m))
+    }
+
+    pub(crate) fn sums(&self, order: Order, sense: Sense) -> Sums {
+        let read = |[a, b, c, d]: [f64; 4]| {
+            let [x, y, z, w] = match order {
+                Order::Xyzw => [a, b, c, d],
+                Order::Wxyz => [b, c, d, a],
+            };
+            match sense {
+                Sense::BodyToInertial => [x, y, z, w],
+                Sense::InertialToBody => [-x, -y, -z, w],
+            }
+        };
+        let mut sums = Sums {
+            n: self.turns.len() as f64,
+            aa: 0.0,
+            gg: 0.0,
+            cross: [[0.0; 3]; 3],
+        };
+        for t in &self.turns {
+            let change = match self.is_attitude {
+                true => rotation::turn_between(read(t.from), read(t.to)),
+                false => padded(t.to.iter().zip(t.from).map(|(b, a)| b - a)),
+            };
+            let rate = change.map(|c| c / t.dt);
+            sums.aa += rate.iter().map(|a| a * a).sum::<f64>();
+            sums.gg += t.rate.iter().map(|g| g * g).sum::<f64>();
+            for (row, a) in sums.cross.iter_mut().zip(rate) {
+                for (c, g) in row.iter_mut().zip(t.rate) {
+                    *c += a * g;
+                }
+            }
+        }
+        sums
+    }
+}
+
+/// The first numbers, with zeros behind them where they are fewer.
+fn padded<const N: usize>(numbers: impl Iterator<Item = f64>) -> [f64; N] {
+    let mut all = [0.0; N];
+    all.iter_mut().zip(numbers).for_each(|(own, x)| *own = x);
+    all
+}
+
+/// Samples per compared interval. The turn between samples does not depend on the convention.
+fn stride(values: &[[f64; 4]], is_attitude: bool) -> usize {
+    let norm = |d: &[f64]| d.iter().map(|c| c * c).sum::<f64>().sqrt();
+    let apart = |a: &[f64; 4], b: &[f64; 4]| match is_attitude {
+        true => norm(&rotation::turn_between(*a, *b)),
+        false => norm(&padded::<4>(b.iter().zip(a).map(|(b, a)| b - a))),
+    };
+    let whole = match (is_attitude, values.first()) {
+        (false, Some(first)) => values.iter().map(|v| apart(first, v)).fold(0.0, f64::max),
+        _ => 1.0,
+    };
+    let steps = values.iter().zip(values.iter().skip(1));
+    let mut turns: Vec<f64> = steps.map(|(a, b)| apart(a, b)).collect();
+    let Some(turn) = median(&mut turns).filter(|t| *t > 0.0) else {
+        return 1;
+    };
+    let most = (values.len() / 20).max(1);
+    ((TURN * whole / turn) as usize).clamp(1, most)
+}
+
+/// Integral of rates, linear between samples, from the start of a run to each time, with the index of the run.
+/// `None` outside their samples and in gaps.
+pub(crate) fn integrals(rates: &[&Channel], times_s: &[f64]) -> Vec<Option<(usize, [f64; 3])>> {
+    let Some(first) = rates.first() else {
+        return Vec::new();
+    };
+    let own = &first.time_s;
+    let gap = 3.0 * median_step(own).unwrap_or(0.0);
+    let mut knots: Vec<(usize, [f64; 3], [f64; 3])> = Vec::with_capacity(own.len());
+    let further = |sum: &[f64; 3], a: &[f64; 3], b: &[f64; 3], dt: f64| -> [f64; 3] {
+        let mean = a.iter().zip(b).map(|(a, b)| 0.5 * (a + b) * dt);
+        padded(sum.iter().zip(mean).map(|(s, d)| s + d))
+    };
+    for (k, t) in own.iter().enumerate() {
+        let here = padded(rates.iter().filter_map(|c| c.values.get(k).copied()));
+        let dt = k.checked_sub(1).and_then(|k| own.get(k)).map(|t0| t - t0);
+        knots.push(match (knots.last(), dt) {
+            (Some((run, sum, before)), Some(dt)) => {
+                let run = run + usize::from(dt > gap);
+                (run, further(sum, before, &here, dt), here)
+            }
+            _ => (0, [0.0; 3], here),
+        });
+    }
+    let read: Vec<Vec<Option<f64>>> = rates.iter().map(|c| resample(c, times_s, None)).collect();
+    let at = |(i, t): (usize, &f64)| {
+        let here: Option<Vec<f64>> = read.iter().map(|r| r.get(i).copied().flatten()).collect();
+        let k = own.partition_point(|s| s <= t).checked_sub(1)?;
+        let (run, sum, before) = knots.get(k)?;
+        let here = padded(here?.into_iter());
+        Some((*run, further(sum, before, &here, t - own.get(k)?)))
+    };
+    times_s.iter().enumerate().map(at).collect()
+}

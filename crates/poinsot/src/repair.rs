@@ -1,0 +1,228 @@
+//! Repairs of the map that checks and diagnosis propose: each is tried before it is advised, and applied where that is asked for.
+
+use crate::error::Error;
+use crate::identify::Identified;
+use poinsot_identify::{BodyEstimate, Effect, Estimate, Remark, RemarkKind};
+use poinsot_model::{Model, TelemetryMap};
+use poinsot_telemetry::checks::{self, Finding};
+use poinsot_telemetry::{Contradiction, OrbitalMap, Repair};
+
+/// Most repairs of a record, each of which is read again.
+const ROUNDS: usize = 8;
+/// Most ways that are tried of one refusal.
+const WAYS: usize = 3;
+/// Rate of a low orbit, rad/s.
+const ORBIT_RAD_S: f64 = 1.1e-3;
+/// Probability of no drift of the momentum below which the frame of the attitude is questioned.
+const DRIFT_P: f64 = 0.01;
+/// By how much `-2 ln L` has to fall in another frame, and the answer to move, sigmas.
+const BETTER: f64 = 6.0;
+const MOVED: f64 = 2.0;
+
+/// Why records are refused, and what would put them right.
+pub(crate) struct Refusal {
+    pub error: Error,
+    /// The channels; empty where no line of a map can help.
+    of: String,
+    /// Repairs, the likeliest first.
+    ways: Vec<Vec<Repair>>,
+}
+
+impl From<Error> for Refusal {
+    fn from(error: Error) -> Self {
+        Self {
+            error,
+            of: String::new(),
+            ways: Vec::new(),
+        }
+    }
+}
+
+impl From<&Contradiction> for Refusal {
+    fn from(found: &Contradiction) -> Self {
+        Self {
+            error: found.fault(),
+            of: found.between.join(" "),
+            ways: found.ways.clone(),
+        }
+    }
+}
+
+impl Refusal {
+    /// That of a finding whose policy is to refuse; `all` findings of the check are put right together.
+    pub fn of_finding(label: &str, finding: &Finding, all: &[Finding]) -> Self {
+        let own = all.iter().filter(|f| f.check == finding.check);
+        let repairs: Vec<Repair> = own.filter_map(|f| f.repair.clone()).collect();
+        Self {
+            error: checks::refused(label, finding),
+            of: finding.check.name().to_owned(),
+            ways: finding.repair.iter().map(|_| repairs.clone()).collect(),
+        }
+    }
+
+    /// The first way after which the gate has nothing against these channels.
+    fn passing(
+        &self,
+        model: &Model,
+        gate: impl Fn(&Model) -> Result<(), Refusal>,
+    ) -> Option<Declared> {
+        let declared = self.ways.iter().filter_map(|way| Declared::of(model, way));
+        declared.take(WAYS).find(|declared| {
+            let found = gate(&declared.of_model(model));
+            found.map_or_else(
+                |other| !other.of.is_empty() && other.of != self.of,
+                |()| true,
+            )
+        })
+    }
+
+    /// Advises lines that were tried.
+    fn advise(&mut self, lines: &[String]) {
+        for fault in &mut self.error.list {
+            let others = fault.advice.strip_prefix("correct it, or ");
+            let others = others.map_or(String::new(), |others| format!(", or {others}"));
+            fault.advice = format!(
+                "write {} into the map, or use --repair{others}",
+                lines.join("; ")
+            );
+        }
+    }
+}
+
+/// A map with a repair in it.
+struct Declared {
+    map: TelemetryMap,
+    lines: Vec<String>,
+}
+
+impl Declared {
+    /// `None` where a change has no line.
+    fn of(model: &Model, way: &[Repair]) -> Option<Self> {
+        let mut map = model.telemetry.clone();
+        let lines = way.iter().map(|repair| repair.declare(&mut map));
+        let lines = lines.collect::<Option<Vec<_>>>()?.concat();
+        Some(Self { map, lines })
+    }
+
+    fn of_model(&self, model: &Model) -> Model {
+        Model {
+            telemetry: self.map.clone(),
+            ..model.clone()
+        }
+    }
+}
+
+/// Answers a question. Where the records are refused, or what the diagnosis found is a convention of their columns, the map is
+/// repaired and the question asked again if `apply` says so; otherwise a repair that passes the gate becomes advice.
+pub(crate) fn answered(
+    mut model: Model,
+    apply: bool,
+    ask: impl Fn(&Model) -> Result<Identified, Refusal>,
+    gate: impl Fn(&Model) -> Result<(), Refusal>,
+) -> Result<Identified, Error> {
+    let mut assumed: Vec<String> = Vec::new();
+    let mut found = ask(&model);
+    for _ in 0..ROUNDS {
+        let declared = match &found {
+            Err(refusal) => refusal.passing(&model, &gate),
+            Ok(identified) if apply && !identified.passes() => {
+                let repair = cause(&identified.estimate);
+                repair.and_then(|repair| Declared::of(&model, std::slice::from_ref(repair)))
+            }
+            Ok(_) => None,
+        };
+        let Some(declared) = declared else { break };
+        if let (false, Err(refusal)) = (apply, &mut found) {
+            refusal.advise(&declared.lines);
+            break;
+        }
+        if declared.lines.iter().all(|line| assumed.contains(line)) {
+            break;
+        }
+        let repaired = declared.of_model(&model);
+        let next = ask(&repaired);
+        // What the fit proposed and the records refuse is no repair.
+        if next.is_err() && found.is_ok() {
+            break;
+        }
+        (model, found) = (repaired, next);
+        assumed.extend(declared.lines);
+    }
+    let lines = || {
+        assumed
+            .iter()
+            .map(|line| format!("assumed by --repair: {line}"))
+    };
+    let mut identified = found.map_err(|mut refusal| {
+        for fault in &mut refusal.error.list {
+            fault
+                .problem
+                .extend(lines().map(|line| format!(" ({line})")));
+        }
+        refusal.error
+    })?;
+    let repairs = lines().map(|line| Remark::new(RemarkKind::Repair, line));
+    identified.estimate.add_all(repairs);
+    doubt_frame(&mut identified, &model, ask);
+    Ok(identified)
+}
+
+/// The convention that explains a misfit.
+fn cause(estimate: &Estimate) -> Option<&Repair> {
+    let found = estimate.diagnostics.as_ref()?;
+    found.suspects.first()?.repair.as_ref()
+}
+
+/// Doubts an answer that is trusted where the momentum drifts as it would in orbital axes, and would be another in them.
+fn doubt_frame(
+    identified: &mut Identified,
+    model: &Model,
+    ask: impl Fn(&Model) -> Result<Identified, Refusal>,
+) {
+    let estimate = &identified.estimate;
+    let Some(found) = estimate
+        .diagnostics
+        .as_ref()
+        .filter(|_| identified.passes())
+    else {
+        return;
+    };
+    let drifts = found
+        .drift
+        .iter()
+        .any(|d| d.segment.is_none() && d.p < DRIFT_P);
+    if !drifts || model.telemetry.orbital_frame.is_some() {
+        return;
+    }
+    let of = |rate_rad_s: f64| {
+        let mut other = model.clone();
+        let frame = OrbitalMap {
+            rate_rad_s,
+            rates: true,
+        };
+        other.telemetry.orbital_frame = Some(frame);
+        let other = ask(&other).ok()?.estimate;
+        let better = found.deviance - other.diagnostics.as_ref()?.deviance;
+        let moved = apart(estimate, &other);
+        (better > BETTER && moved > MOVED).then_some((rate_rad_s, better, moved))
+    };
+    let Some((rate, better, moved)) = [ORBIT_RAD_S, -ORBIT_RAD_S].into_iter().find_map(of) else {
+        return;
+    };
+    let words = format!(
+        "attitudes and rates may be relative to a frame that turns, as the orbital one does: with orbital_frame = {{ rate_rad_s = {rate}, rates = true }} the answer moves by {moved:.1} sigma, and -2 ln L falls by {better:.1}; say which axes the attitude refers to"
+    );
+    let row = Remark::test("axes of the attitude", Effect::AgainstAnswer, words.clone());
+    let row = row.statistic("change of the estimate, sigma", moved);
+    identified.estimate.add(row);
+    identified.estimate.add(Remark::warning(words));
+}
+
+/// Largest difference of a mass property of two answers, in sigmas of the first.
+fn apart(estimate: &Estimate, other: &Estimate) -> f64 {
+    let of_body = |b: &BodyEstimate| [std::slice::from_ref(&b.mass), &b.com, &b.inertia].concat();
+    let [own, others] = [estimate, other].map(|e| e.bodies.iter().flat_map(of_body));
+    let pairs = own.zip(others);
+    let apart = pairs.filter_map(|(a, b)| Some((a.value? - b.value?).abs() / a.sigma?));
+    apart.fold(0.0, f64::max)
+}
