@@ -284,22 +284,24 @@ fn of_direction(table: &Table, sensor: &str) -> Option<Contradiction> {
     let found = directions::test(table, sensor)?;
     let best = found.contradicting()?;
     let channels = ["x", "y", "z"].map(|k| full_name(sensor, &format!("direction_{k}")));
+    let way = |h: &Hypothesis| vec![h.axes_of(&channels)];
     let direction = full_name(sensor, "direction_x..z");
-    let [declared, least] = [&found.declared, best].map(|h| rounded(h.residual_rad_s, 4));
-    let way = |h: &Hypothesis| {
-        vec![Repair {
-            channels: channels.to_vec(),
-            change: Change::Axes(h.gyro_axes),
-        }]
-    };
     Some(Contradiction {
-        problem: format!(
-            "direction '{direction}' and gyro contradict each other: residual {declared} rad/s, but {least} rad/s with body axes = sensor {}",
-            best.gyro_axes
+        problem: problem(
+            &format!("direction '{direction}' and gyro contradict each other"),
+            [&found.declared, best],
+            "rad/s",
+            &format!("body axes = sensor {}", best.gyro_axes),
         ),
         between: [direction, "the gyro".to_owned()],
         ways: found.good.iter().map(way).collect(),
     })
+}
+
+/// How far the declared reading and the best one are off, and what the best one is.
+fn problem(between: &str, of: [&Hypothesis; 2], unit: &str, best: &str) -> String {
+    let [declared, least] = of.map(|h| rounded(h.residual_rad_s, 4));
+    format!("{between}: residual {declared} {unit}, but {least} {unit} with {best}")
 }
 
 /// Angles and displacements of joints, and positions, each with its rate by the same sensor.
@@ -326,16 +328,14 @@ fn places(table: &Table) -> impl Iterator<Item = (Vec<&Channel>, Vec<&Channel>)>
 
 /// Places against their rates: signs, degrees, and of vectors the axes.
 fn of_place(place: &[&Channel], rate: &[&Channel]) -> Option<Contradiction> {
-    const OF_ANGLES: [GyroUnit; 3] = [
-        GyroUnit::AsDeclared,
-        GyroUnit::DegPerS,
-        GyroUnit::RadPerSTakenForDeg,
-    ];
     let sums = Pairs::collect(place, rate)?.sums(Order::Xyzw, Sense::BodyToInertial);
-    let (units, axes) = match place {
-        [_, _, ..] => (&OF_ANGLES[..1], Axes::all().collect()),
-        [angle] if angle.unit == "rad" => (&OF_ANGLES[..], vec![Axes::IDENTITY, Axes::REVERSED]),
-        _ => (&OF_ANGLES[..1], vec![Axes::IDENTITY, Axes::REVERSED]),
+    let units = match place {
+        [angle] if angle.unit == "rad" => &GyroUnit::OF_ANGLES[..],
+        _ => &[GyroUnit::AsDeclared],
+    };
+    let axes: Vec<Axes> = match place {
+        [_] => vec![Axes::IDENTITY, Axes::REVERSED],
+        _ => Axes::all().collect(),
     };
     let read = |unit: &GyroUnit, axes: Axes| {
         let residual = sums.residual(unit.factor(1.0), axes);
@@ -351,33 +351,28 @@ fn of_place(place: &[&Channel], rate: &[&Channel]) -> Option<Contradiction> {
     };
     let (places, rates) = (names(place), names(rate));
     let between = [&places, &rates].map(|all| all.join(", "));
-    let factor = f64::from(best.gyro_axes.sign[0]) * best.gyro_unit.factor(1.0);
-    let of = |channel: &String, factor: f64| vec![Repair::of(channel, Change::Factor(factor))];
-    let (with, ways) = match (&places[..], &rates[..]) {
+    let (words, ways) = match (&places[..], &rates[..]) {
         ([place], [rate]) => {
-            let mut ways = vec![of(rate, factor), of(place, 1.0 / factor)];
+            let factor = f64::from(best.gyro_axes.sign[0]) * best.gyro_unit.factor(1.0);
+            let mut either = [(rate, factor), (place, 1.0 / factor)];
             // Degrees used as radians are more usual than the reverse.
-            ways.rotate_left(usize::from(factor.abs() > 1.0));
-            let words = [(rate, factor), (place, 1.0 / factor)];
-            let words = words.map(|(name, x)| format!("{name} times {}", rounded(x, 6)));
-            (words.join(" or "), ways)
+            either.sort_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+            let words = either.map(|(name, x)| format!("{name} times {}", rounded(x, 6)));
+            let way = |(name, x): (&String, f64)| vec![Repair::of(name, Change::Factor(x))];
+            (words.join(" or "), either.map(way).to_vec())
         }
         _ => {
-            let change = Change::Axes(best.gyro_axes);
-            let repair = Repair {
-                channels: rates,
-                change,
-            };
             let words = format!("the velocity in the axes {}", best.gyro_axes);
-            (words, vec![vec![repair]])
+            (words, vec![vec![best.axes_of(&rates)]])
         }
     };
-    let [declared, least] = [&found.declared, best].map(|h| rounded(h.residual_rad_s, 4));
-    let unit = &rate.first()?.unit;
+    let [place, rate_of] = &between;
     Some(Contradiction {
-        problem: format!(
-            "'{}' and its rate '{}' contradict each other: residual {declared} {unit}, but {least} {unit} with {with}",
-            between[0], between[1]
+        problem: problem(
+            &format!("'{place}' and its rate '{rate_of}' contradict each other"),
+            [&found.declared, best],
+            &rate.first()?.unit,
+            &words,
         ),
         between,
         ways,
@@ -413,19 +408,25 @@ impl ConventionTest {
             return None;
         }
         let (attitude, gyro, best) = (&self.attitude, &self.gyro, &self.best);
-        let residual = rounded(self.declared.residual_rad_s, 4);
-        let least = rounded(best.residual_rad_s, 4);
         let first = attitude.strip_suffix("..q_w").unwrap_or(attitude);
         let prefix = gyro.strip_suffix("x..z").unwrap_or(gyro);
         let rates = ["x", "y", "z"].map(|k| format!("{prefix}{k}"));
         let others = self.twin.iter().chain(&self.as_good);
-        let readings = std::iter::once(best).chain(others);
+        // What no map can say of the simplest reading, another that fits would hide.
+        let readings = std::iter::once(best)
+            .chain(others)
+            .filter(|_| !best.is_inertial());
         Some(Contradiction {
             between: [attitude.clone(), gyro.clone()],
-            problem: format!(
-                "attitude '{attitude}' and gyro '{gyro}' contradict the declared {DECLARED}: residual {residual} rad/s, but {least} rad/s with {best}"
+            problem: problem(
+                &format!(
+                    "attitude '{attitude}' and gyro '{gyro}' contradict the declared {DECLARED}"
+                ),
+                [&self.declared, best],
+                "rad/s",
+                &best.to_string(),
             ),
-            ways: readings.filter_map(|h| h.repairs(first, &rates)).collect(),
+            ways: readings.map(|h| h.repairs(first, &rates)).collect(),
         })
     }
 }

@@ -4,6 +4,7 @@ use crate::bind::mountings;
 use crate::channel_names;
 use crate::error::Error;
 use crate::propose_sensors::proposed_sensors;
+use crate::repair::Declared;
 use crate::survey::Survey;
 use poinsot_formats::{INSPECTION, StatedFile};
 use poinsot_model::{TelemetryMap, read_model, read_telemetry_map};
@@ -58,7 +59,7 @@ pub fn inspect(
         }
     };
     let next = match model {
-        Some(_) => String::new(),
+        Some(_) => contradicted(files, &options, &inspection),
         None => {
             let names: Vec<String> = files.iter().map(|f| f.display().to_string()).collect();
             format!(
@@ -73,6 +74,30 @@ pub fn inspect(
         proposed_map,
         next,
     })
+}
+
+/// The lines of a map that put right what contradicts each other, read with them.
+fn contradicted(files: &[PathBuf], options: &ReadOptions, inspection: &Inspection) -> String {
+    let declared = inspection.contradictions.first().and_then(|found| {
+        Declared::passing(&options.map, &found.ways, |declared| {
+            let options = ReadOptions {
+                map: declared.map.clone(),
+                ..options.clone()
+            };
+            let read = inspect_files(files, &options);
+            let still =
+                |i: &Inspection| i.contradictions.iter().any(|c| c.between == found.between);
+            read.is_ok_and(|read| !still(&read))
+        })
+    });
+    let lines = declared.map_or(Vec::new(), |declared| declared.lines);
+    match lines.is_empty() {
+        true => String::new(),
+        false => format!(
+            "With these lines in the map nothing contradicts:\n{}",
+            lines.join("\n")
+        ),
+    }
 }
 
 /// An inspection with what it proposes.

@@ -66,8 +66,7 @@ impl Refusal {
         model: &Model,
         gate: impl Fn(&Model) -> Result<(), Refusal>,
     ) -> Option<Declared> {
-        let declared = self.ways.iter().filter_map(|way| Declared::of(model, way));
-        declared.take(WAYS).find(|declared| {
+        Declared::passing(&model.telemetry, &self.ways, |declared| {
             let found = gate(&declared.of_model(model));
             found.map_or_else(
                 |other| !other.of.is_empty() && other.of != self.of,
@@ -90,18 +89,28 @@ impl Refusal {
 }
 
 /// A map with a repair in it.
-struct Declared {
-    map: TelemetryMap,
-    lines: Vec<String>,
+pub(crate) struct Declared {
+    pub map: TelemetryMap,
+    pub lines: Vec<String>,
 }
 
 impl Declared {
     /// `None` where a change has no line.
-    fn of(model: &Model, way: &[Repair]) -> Option<Self> {
-        let mut map = model.telemetry.clone();
+    fn of(map: &TelemetryMap, way: &[Repair]) -> Option<Self> {
+        let mut map = map.clone();
         let lines = way.iter().map(|repair| repair.declare(&mut map));
         let lines = lines.collect::<Option<Vec<_>>>()?.concat();
         Some(Self { map, lines })
+    }
+
+    /// The first way that passes.
+    pub fn passing(
+        map: &TelemetryMap,
+        ways: &[Vec<Repair>],
+        passes: impl Fn(&Self) -> bool,
+    ) -> Option<Self> {
+        let declared = ways.iter().filter_map(|way| Self::of(map, way));
+        declared.take(WAYS).find(passes)
     }
 
     fn of_model(&self, model: &Model) -> Model {
@@ -127,7 +136,8 @@ pub(crate) fn answered(
             Err(refusal) => refusal.passing(&model, &gate),
             Ok(identified) if apply && !identified.passes() => {
                 let repair = cause(&identified.estimate);
-                repair.and_then(|repair| Declared::of(&model, std::slice::from_ref(repair)))
+                repair
+                    .and_then(|repair| Declared::of(&model.telemetry, std::slice::from_ref(repair)))
             }
             Ok(_) => None,
         };

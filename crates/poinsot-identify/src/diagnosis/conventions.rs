@@ -10,6 +10,7 @@ mod table;
 use super::types::{FaultKind, Suspect, SuspectValue};
 use crate::fit::experiment::Experiment;
 use crate::fit::part_of_record::beginning;
+use crate::fit::wheel_process::least;
 use crate::fit::{Fitted, fit_from};
 use crate::problem::segment::Segment;
 use change::put_right;
@@ -34,9 +35,8 @@ const FITTED: usize = 6;
 /// convention lowers it.
 const WILD: f64 = 100.0;
 const BETTER: f64 = 0.5;
-/// Golden ratio, and steps of a search along a value.
-const GOLDEN: f64 = 0.618_033_988_749_894_9;
-const STEPS: usize = 10;
+/// Accuracy of a free value, as a share of the width of its search.
+const ACCURACY: f64 = 0.01;
 
 /// The convention that explains nearly all of a very bad fit.
 pub(super) fn conventions(
@@ -159,30 +159,12 @@ fn settled(experiment: &Experiment, convention: Convention) -> Convention {
     let ends = [convention.value() - width, convention.value() + width];
     let at = |value: f64| convention.clone().with_value(value);
     let cost = |c: &Convention| fitted_cost(experiment, c).unwrap_or(f64::INFINITY);
-    let own = at(least(|value| cost(&at(value)), ends, STEPS));
+    let own = at(least(|value| cost(&at(value)), ends, ACCURACY * width));
     // The number that an engineer would write, where it fits about as well.
     match own.rounded() {
         Some(known) if cost(&known) < RIGHT * cost(&own) => known,
         _ => own,
     }
-}
-
-/// The least value between two ends by the golden section.
-fn least(cost: impl Fn(f64) -> f64, [mut a, mut b]: [f64; 2], steps: usize) -> f64 {
-    let [mut c, mut d] = [b - GOLDEN * (b - a), a + GOLDEN * (b - a)];
-    let [mut at_c, mut at_d] = [cost(c), cost(d)];
-    for _ in 0..steps {
-        if at_c < at_d {
-            (b, d, at_d) = (d, c, at_c);
-            c = b - GOLDEN * (b - a);
-            at_c = cost(c);
-        } else {
-            (a, c, at_c) = (c, d, at_d);
-            d = a + GOLDEN * (b - a);
-            at_d = cost(d);
-        }
-    }
-    if at_c < at_d { c } else { d }
 }
 
 /// Chi-square of the whole record with the correction; `None` where the beginning of it does not fit by half of the iterations.

@@ -406,7 +406,7 @@ fn speed_and_slope(P: &Matrix3<f64>) -> Matrix2<f64> {
 }
 
 /// Where a function of one number with one minimum is least, by golden section (Kiefer 1953).
-fn least(f: impl Fn(f64) -> f64, [mut a, mut b]: [f64; 2], accuracy: f64) -> f64 {
+pub(crate) fn least(f: impl Fn(f64) -> f64, [mut a, mut b]: [f64; 2], accuracy: f64) -> f64 {
     let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
     let mut c = b - golden * (b - a);
     let mut d = a + golden * (b - a);

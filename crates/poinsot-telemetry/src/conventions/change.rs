@@ -78,52 +78,43 @@ impl Repair {
 
     fn declare_columns(&self, map: &mut TelemetryMap) -> Option<Vec<String>> {
         let has_units = map.all.layout.units_row == Some(true);
-        let own = |columns: &Vec<ColumnMap>| columns.iter().any(|c| self.names(c));
-        let mapped = maps(map).map(|m| &mut m.columns).filter(|c| own(c));
-        let mut lists: Vec<&mut Vec<ColumnMap>> = mapped.collect();
-        if lists.is_empty() {
-            lists = vec![&mut map.all.columns];
+        let mapped: Vec<ColumnMap> = maps(map).flat_map(|m| m.columns.clone()).collect();
+        let before = self.channels.iter().map(|channel| {
+            let known = mapped.iter().find(|c| c.channel == *channel).cloned();
+            known.or_else(|| standard(channel, has_units))
+        });
+        let after = self.changed(&before.collect::<Option<Vec<_>>>()?)?;
+        for new in &after {
+            let all = maps(map).flat_map(|m| &mut m.columns);
+            let own: Vec<&mut ColumnMap> = all.filter(|c| c.channel == new.channel).collect();
+            match own.is_empty() {
+                true => map.all.columns.push(new.clone()),
+                false => own.into_iter().for_each(|c| *c = new.clone()),
+            }
         }
-        let alone = lists.len() == 1;
-        let mut lines = Vec::new();
-        for list in lists {
-            let of = |channel: &String| {
-                let known = list.iter().find(|c| c.channel == *channel).cloned();
-                known.or_else(|| standard(channel, has_units).filter(|_| alone))
-            };
-            let before: Vec<ColumnMap> = self.channels.iter().filter_map(of).collect();
-            let after = self.changed(&before)?;
-            list.retain(|c| !self.names(c));
-            lines.extend(after.iter().map(|c| line(&c.channel, c)));
-            list.extend(after);
-        }
-        Some(lines)
-    }
-
-    fn names(&self, column: &ColumnMap) -> bool {
-        self.channels.contains(&column.channel)
+        Some(after.iter().map(|c| line(&c.channel, c)).collect())
     }
 
     /// The columns of the channels after the change.
     fn changed(&self, before: &[ColumnMap]) -> Option<Vec<ColumnMap>> {
         let all = before.len();
-        let from: Vec<(usize, f64)> = match self.change {
-            Change::Exchanged => (0..all).map(|k| ((k + all / 2) % all, 1.0)).collect(),
+        let from = |k: usize| match self.change {
+            Change::Exchanged => Some(((k + all / 2) % all, Change::Factor(1.0))),
             Change::Axes(axes) => {
-                let signs = axes.sign.map(f64::from);
-                axes.axis.into_iter().zip(signs).collect()
+                let sign = f64::from(*axes.sign.get(k)?);
+                Some((*axes.axis.get(k)?, Change::Factor(sign)))
             }
-            change => return before.iter().map(|c| changed(c, change)).collect(),
+            change => Some((k, change)),
         };
-        let complete = all == self.channels.len() && from.len() == all;
-        let taken = before.iter().zip(from).map(|(own, (k, sign))| {
+        let columns = before.iter().enumerate().map(|(k, own)| {
+            let (from, change) = from(k)?;
             let column = ColumnMap {
                 channel: own.channel.clone(),
-                ..before.get(k)?.clone()
+                ..before.get(from)?.clone()
             };
-            changed(&column, Change::Factor(sign))
+            changed(&column, change)
         });
-        taken.collect::<Option<_>>().filter(|_| complete)
+        columns.collect()
     }
 
     fn declare_attitude(

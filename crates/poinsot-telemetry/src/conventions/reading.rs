@@ -61,6 +61,10 @@ impl GyroUnit {
         Self::Increments,
     ];
 
+    /// Those of the rate of an angle.
+    pub(super) const OF_ANGLES: [Self; 3] =
+        [Self::AsDeclared, Self::DegPerS, Self::RadPerSTakenForDeg];
+
     /// Factor from the table's values to the rate in rad/s, given its attitude, times and the step of the gyro, s.
     pub fn factor(self, step_s: f64) -> f64 {
         self.facts(step_s).0
@@ -181,27 +185,35 @@ impl Hypothesis {
         }
     }
 
-    /// What makes it the declared one, given the first channel of the attitude and those of the rates. `None` where no map says so.
-    pub(super) fn repairs(&self, attitude: &str, rates: &[String]) -> Option<Vec<Repair>> {
+    /// What makes it the declared one, given the first channel of the attitude and those of the rates.
+    pub(super) fn repairs(&self, attitude: &str, rates: &[String]) -> Vec<Repair> {
         let turned = (self.order, self.sense) != (Order::Xyzw, Sense::BodyToInertial);
         let attitude = Repair::of(attitude, Change::Attitude(self.order, self.sense));
-        let unit = self.gyro_unit.repair(rates);
-        let axes = Repair {
-            channels: rates.to_vec(),
-            change: Change::Axes(self.gyro_axes),
-        };
         let all = [
             (turned, attitude),
-            (self.gyro_unit != GyroUnit::AsDeclared, unit),
-            (self.gyro_axes != Axes::IDENTITY, axes),
+            (
+                self.gyro_unit != GyroUnit::AsDeclared,
+                self.gyro_unit.repair(rates),
+            ),
+            (self.gyro_axes != Axes::IDENTITY, self.axes_of(rates)),
         ];
-        let needed = all.into_iter().filter(|own| own.0).map(|own| own.1);
-        (!self.is_inertial()).then(|| needed.collect())
+        all.into_iter()
+            .filter(|own| own.0)
+            .map(|own| own.1)
+            .collect()
+    }
+
+    /// Its axes as a repair of a vector.
+    pub(super) fn axes_of(&self, channels: &[String]) -> Repair {
+        Repair {
+            channels: channels.to_vec(),
+            change: Change::Axes(self.gyro_axes),
+        }
     }
 
     /// Whether the gyro is in inertial axes: the inverse attitude turns by the opposite of that rate, and no gyro has all of its
     /// axes reversed.
-    fn is_inertial(&self) -> bool {
+    pub(super) fn is_inertial(&self) -> bool {
         self.sense == Sense::InertialToBody && self.gyro_axes == Axes::REVERSED
     }
 
