@@ -120,6 +120,7 @@ def identify(
     coordinates: str | None = None,
     modes: str | None = None,
     strict: bool = False,
+    repair: bool = False,
     policies: Mapping[str, str] | Sequence[str] | None = None,
     map: PathLike | None = None,
     recover: bool = False,
@@ -150,6 +151,8 @@ def identify(
         ``"found"`` adds flexible modes that the data show and the model does not declare, ``"none"`` keeps it rigid.
     strict
         No repairs: what would be repaired is an error.
+    repair
+        Apply the lines of a map that a check or the diagnosis proposes; the answer lists them.
     policies
         What is done about a finding of a telemetry check, for example ``{"outlier": "report"}``.
     map
@@ -193,6 +196,7 @@ def identify(
         coordinates=coordinates,
         modes=modes,
         strict=strict,
+        repair=repair,
         policies=policies,
         map=map,
         recover=recover,

@@ -2,7 +2,6 @@
 //! direction and the gyro. One search compares them in every reading.
 
 mod change;
-mod directions;
 pub(crate) mod pairs;
 pub(crate) mod reading;
 
@@ -25,6 +24,8 @@ const EXPLAINED: f64 = 0.3;
 const RESOLUTION: f64 = 1e-3;
 /// Rotation, rad, below which attitudes differ by round-off only.
 const ROUND_OFF: f64 = 1e-12;
+/// Share of the rate of a direction in the body up to which the measured vector rests in inertial axes.
+const AT_REST: f64 = 0.1;
 
 /// What the comparison says about the declared reading.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
@@ -154,7 +155,7 @@ fn test_conventions(attitude: [&Channel; 4], gyro: [&Channel; 3]) -> Option<Conv
     let attitude_readings = only(&|h| as_declared(h) && h.gyro_unit == GyroUnit::AsDeclared);
     let gyro_units =
         only(&|h| as_declared(h) && h.order == Order::Xyzw && h.sense == Sense::BodyToInertial);
-    let sums = pairs.sums(Order::Xyzw, Sense::BodyToInertial);
+    let sums = pairs.as_declared();
     let rate = sums.rate();
     let still = rate * pairs.longest_s() < ROUND_OFF;
     let Search {
@@ -280,8 +281,20 @@ impl Search {
     }
 }
 
+/// A direction in all axes of its sensor against the first gyro: one that rests in inertial axes turns in the body by the opposite of
+/// its rate.
 fn of_direction(table: &Table, sensor: &str) -> Option<Contradiction> {
-    let found = directions::test(table, sensor)?;
+    let gyro = table.channel("omega_x").map(|c| c.sensor.as_str())?;
+    let gyro = vector(table, gyro, "omega")?;
+    let pairs = Pairs::collect(&vector(table, sensor, "direction")?, &gyro)?;
+    let rate = pairs.as_declared().rate();
+    let reference = vector(table, sensor, "reference");
+    let reference = reference.and_then(|r| Pairs::collect(&r, &gyro));
+    if reference.is_some_and(|r| r.as_declared().rate() > AT_REST * rate) {
+        return None;
+    }
+    let read = |axes: Axes| Hypothesis::of_rates(GyroUnit::AsDeclared, axes, pairs.turned(axes));
+    let found = search(Axes::all().map(read).collect(), rate, false)?;
     let best = found.contradicting()?;
     let channels = ["x", "y", "z"].map(|k| full_name(sensor, &format!("direction_{k}")));
     let way = |h: &Hypothesis| vec![h.axes_of(&channels)];
@@ -298,6 +311,12 @@ fn of_direction(table: &Table, sensor: &str) -> Option<Contradiction> {
     })
 }
 
+/// The channels of a vector.
+fn vector<'t>(table: &'t Table, sensor: &str, prefix: &str) -> Option<Vec<&'t Channel>> {
+    let named = |k: &&str| table.sensor_channel(sensor, &format!("{prefix}_{k}"));
+    ["x", "y", "z"].iter().map(named).collect()
+}
+
 /// How far the declared reading and the best one are off, and what the best one is.
 fn problem(between: &str, of: [&Hypothesis; 2], unit: &str, best: &str) -> String {
     let [declared, least] = of.map(|h| rounded(h.residual_rad_s, 4));
@@ -306,20 +325,16 @@ fn problem(between: &str, of: [&Hypothesis; 2], unit: &str, best: &str) -> Strin
 
 /// Angles and displacements of joints, and positions, each with its rate by the same sensor.
 fn places(table: &Table) -> impl Iterator<Item = (Vec<&Channel>, Vec<&Channel>)> {
-    let of = |place: &Channel| {
-        let named = |name: &str| table.sensor_channel(&place.sensor, name);
-        let all = |prefix: &str| -> Option<Vec<&Channel>> {
-            ["x", "y", "z"]
-                .iter()
-                .map(|k| named(&format!("{prefix}_{k}")))
-                .collect()
-        };
-        match classify(&place.name)?.quantity {
+    let of = |place| {
+        let Channel { name, sensor, .. }: &Channel = place;
+        match classify(name)?.quantity {
             Quantity::Angle | Quantity::Displacement => {
-                let rate = named(&format!("{}_s", place.name))?;
-                Some((vec![named(&place.name)?], vec![rate]))
+                let rate = table.sensor_channel(sensor, &format!("{name}_s"))?;
+                Some((vec![place], vec![rate]))
             }
-            Quantity::Position(0) => Some((all("r")?, all("v")?)),
+            Quantity::Position(0) => {
+                Some((vector(table, sensor, "r")?, vector(table, sensor, "v")?))
+            }
             _ => None,
         }
     };
@@ -328,7 +343,7 @@ fn places(table: &Table) -> impl Iterator<Item = (Vec<&Channel>, Vec<&Channel>)>
 
 /// Places against their rates: signs, degrees, and of vectors the axes.
 fn of_place(place: &[&Channel], rate: &[&Channel]) -> Option<Contradiction> {
-    let sums = Pairs::collect(place, rate)?.sums(Order::Xyzw, Sense::BodyToInertial);
+    let sums = Pairs::collect(place, rate)?.as_declared();
     let units = match place {
         [angle] if angle.unit == "rad" => &GyroUnit::OF_ANGLES[..],
         _ => &[GyroUnit::AsDeclared],

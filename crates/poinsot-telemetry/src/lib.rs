@@ -47,8 +47,8 @@
 //! - `recognise/`: what columns with other names measure. `suggest.rs`: lines of a map for them.
 //! - `channel_name.rs`: standard names. `unit.rs`: units and factors.
 //! - `time_base.rs`, `quaternion.rs`: checks.
-//! - `conventions.rs`, `conventions/`: what two channels measure alike, compared in every reading (`reading.rs`, `pairs.rs`,
-//!   `directions.rs`), and the lines of a map that put it right (`change.rs`).
+//! - `conventions.rs`, `conventions/`: what two channels measure alike, compared in every reading (`reading.rs`,
+//!   `pairs.rs`), and the lines of a map that put it right (`change.rs`).
 //! - `resample.rs`, `differentiate.rs`: never across a gap.
 //! - `noise.rs`: noise of a channel from its own samples.
 //! - `size.rs`: number of rows before reading.

@@ -2,7 +2,7 @@
 
 use super::{Check, Found};
 use crate::conventions::pairs::Pairs;
-use crate::conventions::reading::{Axes, Order, Sense};
+use crate::conventions::reading::Axes;
 use crate::{Channel, Table, full_name, median_step};
 use poinsot_files::rounded;
 use std::sync::Arc;
@@ -30,7 +30,7 @@ pub(super) fn find(table: &Table) -> Option<Found> {
             ..c.clone()
         });
         let pairs = Pairs::collect(&q.each_ref(), &shifted.each_ref())?;
-        let sums = pairs.sums(Order::Xyzw, Sense::BodyToInertial);
+        let sums = pairs.as_declared();
         Some((sums.residual(1.0, Axes::IDENTITY), sums.rate()))
     };
     let (without, rate) = residual(0.0)?;

@@ -4,6 +4,7 @@ use super::reading::{Axes, Order, Sense};
 use crate::median::{median, median_step};
 use crate::resample::resample;
 use crate::{Channel, rotation};
+use nalgebra::Vector3;
 
 /// Turn of an attitude per compared interval, rad, and share of the range of other channels: well above noise, small enough for
 /// averaging.
@@ -85,6 +86,22 @@ impl Pairs {
             });
         }
         (turns.len() >= 8).then_some(Self { turns, is_attitude })
+    }
+
+    /// Root mean square of what a direction in other axes of its sensor turns in inertial axes, per second.
+    pub(super) fn turned(&self, axes: Axes) -> f64 {
+        let seen = |[x, y, z, _]: [f64; 4]| axes.turned(&Vector3::new(x, y, z).normalize());
+        let square = |i: &Interval| {
+            let turn = rotation::of_vector(i.rate.map(|w| w * i.dt));
+            ((turn * seen(i.to) - seen(i.from)) / i.dt).norm_squared()
+        };
+        let sum: f64 = self.turns.iter().map(square).sum();
+        (sum / self.turns.len() as f64).sqrt()
+    }
+
+    /// The sums in the declared reading.
+    pub(crate) fn as_declared(&self) -> Sums {
+        self.sums(Order::Xyzw, Sense::BodyToInertial)
     }
 
     /// Longest interval, s.

@@ -1,6 +1,7 @@
 //! One reading of two measurements of a motion, such as attitude and gyro: order, sense, unit and axes.
 
 use super::change::{Change, Repair};
+use nalgebra::Vector3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -125,6 +126,11 @@ impl Axes {
         axis: [0, 1, 2],
         sign: [-1, -1, -1],
     };
+
+    /// A vector in these axes.
+    pub fn turned(self, v: &Vector3<f64>) -> Vector3<f64> {
+        Vector3::from_fn(|i, _| f64::from(self.sign[i]) * v[self.axis[i]])
+    }
 
     /// Every signed permutation.
     pub fn all() -> impl Iterator<Item = Self> {

@@ -7,9 +7,9 @@ use crate::faults::off_nominal;
 use crate::tables;
 use poinsot::case::read_case;
 use poinsot::trials::Study;
-use poinsot::{Question, identify_tables};
+use poinsot::{Identified, Question, Reading, identify_records, identify_tables};
 use poinsot_model::{Model, read_model};
-use poinsot_telemetry::{Channel, Table, check_conventions};
+use poinsot_telemetry::{Channel, Part, Table, check_conventions, write};
 use rayon::prelude::*;
 use std::path::Path;
 
@@ -218,7 +218,17 @@ fn answered(model: &Model, truth: &Model, table: Table) -> (String, bool) {
         Ok(identified) => identified,
         Err(error) => return (error.to_string(), false),
     };
-    let estimate = identified.estimate;
+    let trusted = identified.passes();
+    let apart = apart(&identified, truth);
+    let found = identified.estimate.diagnostics;
+    let found = found.map(|d| d.findings).unwrap_or_default();
+    let first = found.into_iter().next().map(|f| f.text);
+    (first.unwrap_or_default(), trusted && apart > WRONG)
+}
+
+/// Largest distance of an inertia from the truth, sigmas.
+fn apart(identified: &Identified, truth: &Model) -> f64 {
+    let estimate = &identified.estimate;
     let mut apart = 0.0_f64;
     for body in estimate.bodies.iter().filter(|b| b.asked) {
         let true_body = truth.bodies.iter().find(|b| b.name == body.name).unwrap();
@@ -230,10 +240,7 @@ fn answered(model: &Model, truth: &Model, table: Table) -> (String, bool) {
             }
         }
     }
-    let trusted = estimate.passes();
-    let found = estimate.diagnostics.map(|d| d.findings).unwrap_or_default();
-    let first = found.into_iter().next().map(|f| f.text);
-    (first.unwrap_or_default(), trusted && apart > WRONG)
+    apart
 }
 
 fn study(path: &str) -> (Study, Model) {
@@ -322,4 +329,56 @@ fn stat_right_conventions_are_not_doubted() {
             assert!(said.is_empty() && !wrong, "{}: {said}", record.name);
         }
     }
+}
+
+/// Records spoilt in one convention go to the truth with the lines that are proposed, and the answer lists them. Without
+/// `--repair` a refusal advises the same lines.
+#[test]
+fn regress_proposed_lines_lead_to_the_truth() {
+    let (study, truth) = study(RECORDS[0].case);
+    let spoilt: [(&str, Spoil); 7] = [
+        (
+            "elbow_rad = { column = \"elbow_rad\", sign = -1.0",
+            each("elbow_rad", |q| -q),
+        ),
+        ("scale = 0.666666667", each("elbow_rad", |q| 1.5 * q)),
+        (
+            "shoulder_rad = { column = \"elbow_rad\"",
+            exchange("shoulder", "elbow"),
+        ),
+        ("signed_range", unsigned("omega_y", 5.0e-5)),
+        ("increments = true", each("omega_", |w| 0.1 * w)),
+        ("unit = \"deg/s\"", each("omega_", f64::to_degrees)),
+        ("sense = \"inertial_to_body\"", each("q_w", |w| -w)),
+    ];
+    spoilt.par_iter().for_each(|(line, spoil)| {
+        let (mut tables, _) = study.draw(0);
+        spoil(&mut tables[0]);
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("telemetry.parquet");
+        write(&path, &tables[0].channels).unwrap();
+        let records = [vec![Part::File(path)]];
+        let ask = |repair: bool| {
+            let question = Question {
+                repair,
+                ..Question::default()
+            };
+            let model = study.model.clone();
+            identify_records(model, &records, &Reading::default(), &question)
+        };
+        let identified = ask(true).unwrap();
+        assert!(
+            identified.passes(),
+            "{line}: {:?}",
+            identified.estimate.doubts()
+        );
+        assert!(apart(&identified, &truth) < WRONG, "{line}");
+        let said = |r: &&str| r.starts_with("assumed by --repair: ") && r.contains(line);
+        let repairs = identified.repairs();
+        assert!(repairs.iter().any(said), "{line}: {repairs:?}");
+        match ask(false) {
+            Err(error) => assert!(error.to_string().contains(line), "{error}"),
+            Ok(identified) => assert!(!identified.passes(), "{line}"),
+        }
+    });
 }

@@ -368,7 +368,7 @@ fn ratio(value: f64) -> Option<f64> {
 /// A vector in other axes or units.
 pub(super) fn turned(change: Change, v: &Vector3) -> Vector3 {
     match change {
-        Change::Axes(axes) => Vector3::from_fn(|i, _| f64::from(axes.sign[i]) * v[axes.axis[i]]),
+        Change::Axes(axes) => axes.turned(v),
         Change::Factor(x) => x * v,
         _ => *v,
     }

@@ -2,8 +2,8 @@
 
 use crate::telemetry::Folder;
 use poinsot_telemetry::{
-    Channel, ConventionTest, Mounting, ReadOptions, Sense, Table, Verdict, check_conventions,
-    convention_tests, mount, read, test_sensors, write,
+    Change, Channel, ConventionTest, Mounting, ReadOptions, Repair, Sense, Table, TelemetryMap,
+    Verdict, check_conventions, contradictions, convention_tests, mount, read, test_sensors, write,
 };
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -337,5 +337,167 @@ fn exact_exchanged_axes_of_a_direction_are_named() {
     assert!(
         message.ends_with("body axes = sensor (x, z, y); correct the map or the file"),
         "{message}"
+    );
+}
+
+/// What the first way of a contradiction declares, and whether the file then reads without one.
+fn put_right(table: &Table) -> (Vec<String>, bool) {
+    let found = contradictions(table);
+    let mut map = TelemetryMap::default();
+    let lines = found[0].ways[0]
+        .iter()
+        .map(|r| r.declare(&mut map).unwrap());
+    let lines = lines.collect::<Vec<_>>().concat();
+    let folder = Folder::new();
+    let path = folder.path("a.parquet");
+    write(&path, &table.channels).unwrap();
+    let options = ReadOptions {
+        map,
+        check_conventions: true,
+        ..ReadOptions::default()
+    };
+    let reads = read(&[&path], &options);
+    (lines, reads.inspect_err(|e| println!("{e}")).is_ok())
+}
+
+/// The lines of the first way are those of a map with which the file is right.
+#[test]
+fn exact_proposed_lines_put_every_convention_right() {
+    type Spoil = fn([f64; 4], [f64; 3]) -> ([f64; 4], [f64; 3]);
+    let cases: [(Spoil, &[&str]); 7] = [
+        (
+            |[x, y, z, w], rate| ([w, x, y, z], rate),
+            &[r#"attitude = [{ order = "wxyz", quaternion = ["q_x", "q_y", "q_z", "q_w"] }]"#],
+        ),
+        (
+            |q, w| (conjugate(q), w),
+            &[
+                r#"attitude = [{ quaternion = ["q_x", "q_y", "q_z", "q_w"], sense = "inertial_to_body" }]"#,
+            ],
+        ),
+        (
+            |q, w| (q, w.map(f64::to_degrees)),
+            &[r#"omega_x = { column = "omega_x", unit = "deg/s" }"#],
+        ),
+        (
+            |q, w| (q, w.map(|x| x * 30.0 / std::f64::consts::PI)),
+            &[r#"omega_x = { column = "omega_x", unit = "rpm" }"#],
+        ),
+        (
+            |q, [x, y, z]| (q, [y, x, -z]),
+            &[
+                r#"omega_x = { column = "omega_y", unit = "rad/s" }"#,
+                r#"omega_z = { column = "omega_z", sign = -1.0, unit = "rad/s" }"#,
+            ],
+        ),
+        (
+            |[x, y, z, w], rate| ([w, x, y, z], rate.map(f64::to_degrees)),
+            &[r#"omega_z = { column = "omega_z", unit = "deg/s" }"#],
+        ),
+        (
+            |q, rate| (q, rate.map(|w| 0.05 * w)),
+            &[r#"omega_x = { column = "omega_x", increments = true, unit = "rad" }"#],
+        ),
+    ];
+    for (spoil, wanted) in cases {
+        let mut rows = tumble(1200, 0.05, 0.2);
+        rows.iter_mut().for_each(|(q, w)| (*q, *w) = spoil(*q, *w));
+        let (lines, reads) = put_right(&table(&rows, 0.05));
+        assert!(
+            wanted.iter().all(|w| lines.iter().any(|l| l == w)),
+            "{lines:?}"
+        );
+        assert!(reads, "{lines:?}");
+    }
+    let (lines, reads) = put_right(&table(&tumble(400, 0.05, 0.2), 50.0));
+    assert_eq!(lines, [r#"time = { column = "time_s", unit = "ms" }"#]);
+    assert!(reads);
+}
+
+/// Joints and positions against their rates.
+#[test]
+fn exact_a_rate_of_another_sign_unit_or_axes_is_named() {
+    let time_s: std::sync::Arc<[f64]> = (0..400).map(|k| 0.1 * f64::from(k)).collect();
+    let channel = |name: &str, unit: &str, of: &dyn Fn(f64) -> f64| Channel {
+        name: name.into(),
+        unit: unit.into(),
+        time_s: time_s.clone(),
+        values: time_s.iter().map(|t| of(*t)).collect(),
+        ..Channel::default()
+    };
+    let joint = |factor: f64, rate: f64| Table {
+        channels: vec![
+            channel("elbow_rad", "rad", &|t| factor * (0.4 * t).sin()),
+            channel("elbow_rad_s", "rad/s", &|t| rate * 0.4 * (0.4 * t).cos()),
+        ],
+        ..Table::default()
+    };
+    assert!(contradictions(&joint(1.0, 1.0)).is_empty());
+    assert!(contradictions(&joint(1.0, 1.3)).is_empty());
+    let (lines, reads) = put_right(&joint(1.0, -1.0));
+    assert_eq!(
+        lines,
+        [r#"elbow_rad_s = { column = "elbow_rad_s", sign = -1.0, unit = "rad/s" }"#]
+    );
+    assert!(reads);
+    let (lines, reads) = put_right(&joint(1.0, 1.0_f64.to_degrees()));
+    assert_eq!(
+        lines,
+        [r#"elbow_rad_s = { column = "elbow_rad_s", unit = "deg/s" }"#]
+    );
+    assert!(reads);
+    let (lines, reads) = put_right(&joint(1.0_f64.to_degrees(), 1.0));
+    assert_eq!(
+        lines,
+        [r#"elbow_rad = { column = "elbow_rad", unit = "deg" }"#]
+    );
+    assert!(reads);
+    let place = [0.3_f64, 0.5, 0.8];
+    let axes = ["x", "y", "z"];
+    let mut all: Vec<Channel> = Vec::new();
+    for (k, w) in place.into_iter().enumerate() {
+        all.push(channel(&format!("r_{}", axes[k]), "m", &|t| {
+            9.0 * (w * t).sin()
+        }));
+        let seen = axes[(k + 1) % 3];
+        all.push(channel(&format!("v_{seen}"), "m/s", &|t| {
+            9.0 * w * (w * t).cos()
+        }));
+    }
+    let (lines, reads) = put_right(&Table {
+        channels: all,
+        ..Table::default()
+    });
+    assert_eq!(lines[0], r#"v_x = { column = "v_y", unit = "m/s" }"#);
+    assert!(reads);
+}
+
+/// A change joins what the map already says of a column.
+#[test]
+fn exact_a_change_of_a_mapped_column_keeps_its_keys() {
+    let mut map: TelemetryMap = TelemetryMap::default();
+    map.all.columns.push(poinsot_telemetry::ColumnMap {
+        sign: Some(-1.0),
+        scale: Some(2.0),
+        offset: Some(30.0),
+        ..poinsot_telemetry::ColumnMap::new("elbow_rad", "E", "deg")
+    });
+    let mut lines = |change| {
+        Repair::of("elbow_rad", change)
+            .declare(&mut map)
+            .unwrap()
+            .remove(0)
+    };
+    assert_eq!(
+        lines(Change::Factor(-1.5)),
+        r#"elbow_rad = { column = "E", offset = 45.0, scale = 3.0, sign = 1.0, unit = "deg" }"#
+    );
+    assert_eq!(
+        lines(Change::Offset(std::f64::consts::PI)),
+        r#"elbow_rad = { column = "E", offset = 225.0, scale = 3.0, sign = 1.0, unit = "deg" }"#
+    );
+    assert_eq!(
+        lines(Change::WrapsAt(std::f64::consts::TAU)),
+        r#"elbow_rad = { column = "E", offset = 225.0, scale = 3.0, sign = 1.0, unit = "deg", wraps_at = 120.0 }"#
     );
 }
