@@ -6,7 +6,7 @@ pub(crate) mod pairs;
 pub(crate) mod reading;
 
 pub(crate) use change::line;
-pub use change::{Change, Repair};
+pub use change::{Change, Line, Repair};
 
 use crate::median::median_step;
 use crate::{Channel, Quantity, Table, classify, full_name};
@@ -262,7 +262,7 @@ pub fn check_conventions(table: &Table) -> Result<(), Faults> {
 /// let found = contradictions(&Table { channels, ..Table::default() });
 /// let mut map = TelemetryMap::default();
 /// let lines = found[0].ways[0][0].declare(&mut map).unwrap();
-/// assert_eq!(lines[0], r#"omega_x = { column = "omega_x", unit = "deg/s" }"#);
+/// assert_eq!(lines[0].text, r#"omega_x = { column = "omega_x", unit = "deg/s" }"#);
 /// ```
 pub fn contradictions(table: &Table) -> Vec<Contradiction> {
     let tests = convention_tests(table);

@@ -117,8 +117,8 @@ pub use channel::{Channel, Source, Table};
 pub use channel_name::{ChannelName, Quantity, classify, full_name, vector_channels};
 pub use conventions::reading::{Axes, GyroUnit, Hypothesis, Order, Sense};
 pub use conventions::{
-    Change, Contradiction, ConventionTest, Repair, Verdict, check_conventions, contradictions,
-    convention_tests, test_sensors,
+    Change, Contradiction, ConventionTest, Line, Repair, Verdict, check_conventions,
+    contradictions, convention_tests, test_sensors,
 };
 pub use differentiate::differentiate;
 pub use inspect::{ChannelSummary, Inspection, inspect};

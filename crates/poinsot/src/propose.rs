@@ -90,14 +90,16 @@ fn contradicted(files: &[PathBuf], options: &ReadOptions, inspection: &Inspectio
             read.is_ok_and(|read| !still(&read))
         })
     });
-    let lines = declared.map_or(Vec::new(), |declared| declared.lines);
-    match lines.is_empty() {
-        true => String::new(),
-        false => format!(
-            "With these lines in the map nothing contradicts:\n{}",
-            lines.join("\n")
-        ),
-    }
+    let Some(declared) = declared else {
+        return String::new();
+    };
+    let lines: Vec<&str> = declared
+        .lines
+        .iter()
+        .map(|line| line.text.as_str())
+        .collect();
+    let lines = lines.join("\n");
+    format!("With these lines in the map nothing contradicts:\n{lines}")
 }
 
 /// An inspection with what it proposes.

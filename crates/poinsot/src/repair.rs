@@ -5,7 +5,7 @@ use crate::identify::Identified;
 use poinsot_identify::{BodyEstimate, Effect, Estimate, Remark, RemarkKind};
 use poinsot_model::{Model, TelemetryMap};
 use poinsot_telemetry::checks::{self, Finding};
-use poinsot_telemetry::{Contradiction, OrbitalMap, Repair};
+use poinsot_telemetry::{Contradiction, Line, OrbitalMap, Repair};
 
 /// Most repairs of a record, each of which is read again.
 const ROUNDS: usize = 8;
@@ -76,14 +76,22 @@ impl Refusal {
     }
 
     /// Advises lines that were tried.
-    fn advise(&mut self, lines: &[String]) {
+    fn advise(&mut self, lines: &[Line]) {
+        let mut changed: Vec<&str> = lines.iter().map(|line| line.changed.as_str()).collect();
+        changed.dedup();
+        let write = match changed[..] {
+            [all] => all.to_owned(),
+            _ => {
+                let each = lines
+                    .iter()
+                    .map(|line| format!("{}: {}", line.key, line.changed));
+                each.collect::<Vec<_>>().join("; ")
+            }
+        };
         for fault in &mut self.error.list {
             let others = fault.advice.strip_prefix("correct it, or ");
             let others = others.map_or(String::new(), |others| format!(", or {others}"));
-            fault.advice = format!(
-                "write {} into the map, or use --repair{others}",
-                lines.join("; ")
-            );
+            fault.advice = format!("write {write}, or --repair{others}");
         }
     }
 }
@@ -91,7 +99,7 @@ impl Refusal {
 /// A map with a repair in it.
 pub(crate) struct Declared {
     pub map: TelemetryMap,
-    pub lines: Vec<String>,
+    pub lines: Vec<Line>,
 }
 
 impl Declared {
@@ -146,7 +154,12 @@ pub(crate) fn answered(
             refusal.advise(&declared.lines);
             break;
         }
-        if declared.lines.iter().all(|line| assumed.contains(line)) {
+        let lines: Vec<String> = declared
+            .lines
+            .iter()
+            .map(|line| line.text.clone())
+            .collect();
+        if lines.iter().all(|line| assumed.contains(line)) {
             break;
         }
         let repaired = declared.of_model(&model);
@@ -156,7 +169,7 @@ pub(crate) fn answered(
             break;
         }
         (model, found) = (repaired, next);
-        assumed.extend(declared.lines);
+        assumed.extend(lines);
     }
     let lines = || {
         assumed

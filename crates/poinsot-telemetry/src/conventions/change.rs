@@ -14,6 +14,37 @@ const SAME: f64 = 1.0e-9;
 /// Significant digits of a number that is written into a map.
 const DIGITS: usize = 9;
 
+/// A line of a map that declares a change.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Line {
+    /// The channel, `attitude` or `time`.
+    pub key: String,
+    /// The whole line.
+    pub text: String,
+    /// The keys in which it differs from what the map said, or from a column with a standard name.
+    pub changed: String,
+}
+
+impl Line {
+    fn of<T: Serialize>(key: &str, before: &T, after: &T) -> Self {
+        let [before, new] = [before, after].map(|of| toml::Table::try_from(of).unwrap_or_default());
+        let changed = new
+            .iter()
+            .filter(|(key, value)| before.get(*key) != Some(*value));
+        let changed: Vec<String> = changed
+            .map(|(key, value)| format!("{key} = {value}"))
+            .collect();
+        Self {
+            key: key.to_owned(),
+            text: match key {
+                "attitude" => format!("attitude = [{}]", inline(after)),
+                _ => line(key, after),
+            },
+            changed: changed.join(", "),
+        }
+    }
+}
+
 /// What is done to the numbers of channels, in SI and in the axes in which they are read.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Change {
@@ -65,10 +96,11 @@ impl Repair {
     ///
     /// let mut map = TelemetryMap::default();
     /// let lines = Repair::of("elbow_rad", Change::Factor(-1.0)).declare(&mut map).unwrap();
-    /// assert_eq!(lines, [r#"elbow_rad = { column = "elbow_rad", sign = -1.0, unit = "rad" }"#]);
+    /// assert_eq!(lines[0].text, r#"elbow_rad = { column = "elbow_rad", sign = -1.0, unit = "rad" }"#);
+    /// assert_eq!(lines[0].changed, "sign = -1.0");
     /// assert_eq!(map.all.columns[0].sign, Some(-1.0));
     /// ```
-    pub fn declare(&self, map: &mut TelemetryMap) -> Option<Vec<String>> {
+    pub fn declare(&self, map: &mut TelemetryMap) -> Option<Vec<Line>> {
         match self.change {
             Change::Attitude(order, sense) => self.declare_attitude(map, order, sense),
             Change::Clock(factor) => declare_clock(map, factor),
@@ -76,14 +108,15 @@ impl Repair {
         }
     }
 
-    fn declare_columns(&self, map: &mut TelemetryMap) -> Option<Vec<String>> {
+    fn declare_columns(&self, map: &mut TelemetryMap) -> Option<Vec<Line>> {
         let has_units = map.all.layout.units_row == Some(true);
         let mapped: Vec<ColumnMap> = maps(map).flat_map(|m| m.columns.clone()).collect();
         let before = self.channels.iter().map(|channel| {
             let known = mapped.iter().find(|c| c.channel == *channel).cloned();
             known.or_else(|| standard(channel, has_units))
         });
-        let after = self.changed(&before.collect::<Option<Vec<_>>>()?)?;
+        let before = before.collect::<Option<Vec<_>>>()?;
+        let after = self.changed(&before)?;
         for new in &after {
             let all = maps(map).flat_map(|m| &mut m.columns);
             let own: Vec<&mut ColumnMap> = all.filter(|c| c.channel == new.channel).collect();
@@ -92,7 +125,9 @@ impl Repair {
                 false => own.into_iter().for_each(|c| *c = new.clone()),
             }
         }
-        Some(after.iter().map(|c| line(&c.channel, c)).collect())
+        let pairs = before.iter().zip(&after);
+        let lines = pairs.map(|(before, after)| Line::of(&after.channel, before, after));
+        Some(lines.filter(|line| !line.changed.is_empty()).collect())
     }
 
     /// The columns of the channels after the change.
@@ -122,7 +157,7 @@ impl Repair {
         map: &mut TelemetryMap,
         order: Order,
         sense: Sense,
-    ) -> Option<Vec<String>> {
+    ) -> Option<Vec<Line>> {
         let first = self.channels.first()?;
         let sensor = first.rsplit_once('.').map_or("", |(sensor, _)| sensor);
         let is_own = |a: &AttitudeMap| a.sensor == sensor && !a.relative;
@@ -137,6 +172,7 @@ impl Repair {
         let mut lines = Vec::new();
         let own = maps(map).flat_map(|m| &mut m.attitude);
         for attitude in own.filter(|a| is_own(a)) {
+            let before = attitude.clone();
             if order == Order::Wxyz {
                 let last = attitude.order.unwrap_or(Order::Xyzw) == Order::Xyzw;
                 attitude.quaternion.as_ref().filter(|_| last)?;
@@ -148,7 +184,7 @@ impl Repair {
                     Sense::InertialToBody => Sense::BodyToInertial,
                 });
             }
-            lines.push(format!("attitude = [{}]", inline(attitude)));
+            lines.push(Line::of("attitude", &before, attitude));
         }
         Some(lines)
     }
@@ -210,7 +246,7 @@ fn changed(own: &ColumnMap, change: Change) -> Option<ColumnMap> {
     Some(new)
 }
 
-fn declare_clock(map: &mut TelemetryMap, factor: f64) -> Option<Vec<String>> {
+fn declare_clock(map: &mut TelemetryMap, factor: f64) -> Option<Vec<Line>> {
     if !maps(map).any(|m| m.time.is_some()) {
         map.all.time = Some(TimeMap {
             column: "time_s".to_owned(),
@@ -219,10 +255,11 @@ fn declare_clock(map: &mut TelemetryMap, factor: f64) -> Option<Vec<String>> {
     }
     let mut lines = Vec::new();
     for time in maps(map).filter_map(|m| m.time.as_mut()) {
+        let before = time.clone();
         let unit = parse_unit(time.unit.as_deref().unwrap_or("s")).ok()?;
         let other = times(&unit, factor).filter(|_| time.format == TimeFormat::Number)?;
         time.unit = Some(other.symbol.to_owned());
-        lines.push(line("time", time));
+        lines.push(Line::of("time", &before, time));
     }
     Some(lines)
 }

@@ -348,6 +348,7 @@ fn put_right(table: &Table) -> (Vec<String>, bool) {
         .iter()
         .map(|r| r.declare(&mut map).unwrap());
     let lines = lines.collect::<Vec<_>>().concat();
+    let lines = lines.into_iter().map(|line| line.text).collect();
     let folder = Folder::new();
     let path = folder.path("a.parquet");
     write(&path, &table.channels).unwrap();
@@ -487,6 +488,7 @@ fn exact_a_change_of_a_mapped_column_keeps_its_keys() {
             .declare(&mut map)
             .unwrap()
             .remove(0)
+            .text
     };
     assert_eq!(
         lines(Change::Factor(-1.5)),
