@@ -48,8 +48,8 @@ fn told(answer: Result<poinsot::Identified, poinsot::Error>, file: &str) -> Stri
                 .collect();
             format!("{:?} {} {findings:?}", file.bodies, file.status)
         }
-        Err(error) => error
-            .to_string()
+        // What to write into a map is advised for files alone.
+        Err(error) => format!("{} {}", error.code(), error.list[0].problem)
             .replace(file, "")
             .replace(": ", " ")
             .replace("  ", " "),

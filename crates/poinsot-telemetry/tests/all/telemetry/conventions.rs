@@ -411,7 +411,8 @@ fn exact_proposed_lines_put_every_convention_right() {
         assert!(reads, "{lines:?}");
     }
     let (lines, reads) = put_right(&table(&tumble(400, 0.05, 0.2), 50.0));
-    assert_eq!(lines, [r#"time = { column = "time_s", unit = "ms" }"#]);
+    let time = r#"time = { column = "time_s", format = "number", unit = "ms" }"#;
+    assert_eq!(lines, [time]);
     assert!(reads);
 }
 
