@@ -1,6 +1,29 @@
 //! Attitude quaternions `[x, y, z, w]` (Hamilton, body to inertial) and rotation vectors in body axes.
 
 use nalgebra::{Quaternion, Rotation3, UnitQuaternion, Vector3};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Order of the four numbers in the columns `q_x q_y q_z q_w`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Order {
+    /// Scalar last, as declared.
+    Xyzw,
+    /// Scalar first.
+    Wxyz,
+}
+
+/// What the quaternion rotates. A JPL quaternion has the numbers of the Hamilton quaternion of the inverse sense,
+/// so the eight conventions make only four different readings.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Sense {
+    /// Body to inertial, Hamilton, as declared; the same numbers as inertial to body, JPL.
+    BodyToInertial,
+    /// Inertial to body, Hamilton; the same numbers as body to inertial, JPL.
+    InertialToBody,
+}
 
 fn unit([x, y, z, w]: [f64; 4]) -> UnitQuaternion<f64> {
     UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z))

@@ -1,9 +1,9 @@
 //! What puts channels right that are read by another convention than declared, as a change of the map.
 
-use super::reading::{Axes, Order, Sense};
+use super::reading::Axes;
 use crate::{
-    AttitudeColumn, AttitudeMap, ColumnMap, FileMap, TelemetryMap, TimeFormat, TimeMap, Unit,
-    classify, parse_unit, units,
+    AttitudeColumn, AttitudeMap, ColumnMap, FileMap, Order, Sense, TelemetryMap, TimeFormat,
+    TimeMap, Unit, classify, parse_unit, units,
 };
 use poinsot_files::to_digits;
 use serde::Serialize;

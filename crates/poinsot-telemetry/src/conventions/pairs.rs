@@ -1,9 +1,9 @@
 //! Two measurements of one motion over the same intervals: how far it goes by one, and its mean rate by the other.
 
-use super::reading::{Axes, Order, Sense};
+use super::reading::Axes;
 use crate::median::{median, median_step};
 use crate::resample::resample;
-use crate::{Channel, rotation};
+use crate::{Channel, Order, Sense, rotation};
 use nalgebra::Vector3;
 
 /// Turn of an attitude per compared interval, rad, and share of the range of other channels: well above noise, small enough for

@@ -1,32 +1,12 @@
 //! One reading of two measurements of a motion, such as attitude and gyro: order, sense, unit and axes.
 
 use super::change::{Change, Repair};
+use crate::{Order, Sense};
 use nalgebra::Vector3;
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use std::f64::consts::PI;
 use std::fmt;
-
-/// Order of the four numbers in the columns `q_x q_y q_z q_w`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Order {
-    /// Scalar last, as declared.
-    Xyzw,
-    /// Scalar first.
-    Wxyz,
-}
-
-/// What the quaternion rotates. A JPL quaternion has the numbers of the Hamilton quaternion of the inverse sense,
-/// so the eight conventions make only four different readings.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Sense {
-    /// Body to inertial, Hamilton, as declared; the same numbers as inertial to body, JPL.
-    BodyToInertial,
-    /// Inertial to body, Hamilton; the same numbers as body to inertial, JPL.
-    InertialToBody,
-}
 
 /// What a gyro number of the table has to be multiplied by.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
