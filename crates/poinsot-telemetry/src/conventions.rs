@@ -9,10 +9,10 @@ pub(crate) use change::line;
 pub use change::{Change, Line, Repair};
 
 use crate::median::median_step;
-use crate::{Channel, Order, Quantity, Sense, Table, classify, full_name};
+use crate::{Axes, Channel, Order, Quantity, Sense, Table, classify, full_name};
 use pairs::Pairs;
 use poinsot_files::{Faults, Place, rounded};
-use reading::{Axes, DECLARED, GyroUnit, Hypothesis};
+use reading::{DECLARED, GyroUnit, Hypothesis};
 use schemars::JsonSchema;
 use serde::Serialize;
 

@@ -115,7 +115,7 @@ mod writer;
 
 pub use channel::{Channel, Source, Table};
 pub use channel_name::{ChannelName, Quantity, classify, full_name, vector_channels};
-pub use conventions::reading::{Axes, GyroUnit, Hypothesis};
+pub use conventions::reading::{GyroUnit, Hypothesis};
 pub use conventions::{
     Change, Contradiction, ConventionTest, Line, Repair, Verdict, check_conventions,
     contradictions, convention_tests, test_sensors,
@@ -137,7 +137,7 @@ pub use options::{Encoding, MEMORY_MIB, ReadOptions};
 pub use read::{read, read_parts};
 pub use recognise::{Found, FoundAttitude, Kind, Recognition, recognise};
 pub use resample::{GAP, resample, resample_attitude, resample_hermite};
-pub use rotation::{Order, Sense};
+pub use rotation::{Axes, Order, Sense};
 pub use row_columns::{RowCells, RowColumn};
 pub use rows::{ROWS_EXTENSION, write_rows};
 pub use suggest::{Suggestion, suggestions};

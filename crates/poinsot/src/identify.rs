@@ -6,7 +6,6 @@ use crate::bind::{
 use crate::error::{Error, check_accuracy, unknown};
 use crate::methods::{is_own, methods};
 use crate::progress::step;
-use crate::repair::{self, Refusal};
 use crate::{mixups, motor_torque};
 use poinsot_dynamics::Tree;
 use poinsot_formats::{ModelInputFile, sha256};
@@ -23,6 +22,10 @@ use poinsot_telemetry::{
 use std::collections::BTreeSet;
 use std::ffi::OsStr;
 use std::path::PathBuf;
+
+pub(crate) mod repair;
+
+use repair::Refusal;
 
 /// Fraction of dropped samples above which the result is not acceptable.
 const ALLOWED_LOSS: f64 = 0.2;

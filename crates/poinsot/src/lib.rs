@@ -93,7 +93,7 @@
 //! - `export/`: the answer as a file of another program, one file per format. `onboard.rs`, `follow.rs`: the recursive filter
 //!   for a model, and on a stream.
 //! - `mass_numbers.rs`: mass, mass centre and inertia of a body, in one order.
-//! - `mixups.rs`: unit errors that only the answer reveals. `repair.rs`: repairs of the map, tried before they are advised.
+//! - `mixups.rs`: unit errors that only the answer reveals. `identify/repair.rs`: repairs of the map, tried before they are advised.
 #![allow(non_snake_case)]
 
 #[doc(hidden)]
@@ -125,7 +125,6 @@ mod progress;
 mod proposal;
 mod propose;
 mod propose_sensors;
-mod repair;
 pub mod report;
 mod schema;
 pub mod simulate;

@@ -3,8 +3,8 @@
 use crate::bind::mountings;
 use crate::channel_names;
 use crate::error::Error;
+use crate::identify::repair::Declared;
 use crate::propose_sensors::proposed_sensors;
-use crate::repair::Declared;
 use crate::survey::Survey;
 use poinsot_formats::{INSPECTION, StatedFile};
 use poinsot_model::{TelemetryMap, read_model, read_telemetry_map};

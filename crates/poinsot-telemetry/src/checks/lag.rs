@@ -2,8 +2,7 @@
 
 use super::{Check, Found};
 use crate::conventions::pairs::Pairs;
-use crate::conventions::reading::Axes;
-use crate::{Channel, Table, full_name, median_step};
+use crate::{Axes, Channel, Table, full_name, median_step};
 use poinsot_files::rounded;
 use std::sync::Arc;
 

@@ -1,8 +1,7 @@
 //! What puts channels right that are read by another convention than declared, as a change of the map.
 
-use super::reading::Axes;
 use crate::{
-    AttitudeColumn, AttitudeMap, ColumnMap, FileMap, Order, Sense, TelemetryMap, TimeFormat,
+    AttitudeColumn, AttitudeMap, Axes, ColumnMap, FileMap, Order, Sense, TelemetryMap, TimeFormat,
     TimeMap, Unit, classify, parse_unit, units,
 };
 use poinsot_files::to_digits;

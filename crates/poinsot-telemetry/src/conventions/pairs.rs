@@ -1,9 +1,8 @@
 //! Two measurements of one motion over the same intervals: how far it goes by one, and its mean rate by the other.
 
-use super::reading::Axes;
 use crate::median::{median, median_step};
 use crate::resample::resample;
-use crate::{Channel, Order, Sense, rotation};
+use crate::{Axes, Channel, Order, Sense, rotation};
 use nalgebra::Vector3;
 
 /// Turn of an attitude per compared interval, rad, and share of the range of other channels: well above noise, small enough for

@@ -1,8 +1,7 @@
 //! One reading of two measurements of a motion, such as attitude and gyro: order, sense, unit and axes.
 
 use super::change::{Change, Repair};
-use crate::{Order, Sense};
-use nalgebra::Vector3;
+use crate::{Axes, Order, Sense};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::f64::consts::PI;
@@ -83,64 +82,6 @@ impl GyroUnit {
                 "angles since the sample before in the columns of the gyro (increments = true)",
             ),
         }
-    }
-}
-
-/// Signed permutation of the gyro's axes: body axis `i` is `sign[i]` times gyro axis `axis[i]`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
-pub struct Axes {
-    /// Gyro axis of each body axis, 0..=2.
-    pub axis: [usize; 3],
-    /// `1` or `-1`.
-    pub sign: [i8; 3],
-}
-
-impl Axes {
-    /// The axes that are read.
-    pub const IDENTITY: Self = Self {
-        axis: [0, 1, 2],
-        sign: [1, 1, 1],
-    };
-    /// Each of them reversed.
-    pub const REVERSED: Self = Self {
-        axis: [0, 1, 2],
-        sign: [-1, -1, -1],
-    };
-
-    /// A vector in these axes.
-    pub fn turned(self, v: &Vector3<f64>) -> Vector3<f64> {
-        Vector3::from_fn(|i, _| f64::from(self.sign[i]) * v[self.axis[i]])
-    }
-
-    /// Every signed permutation.
-    pub fn all() -> impl Iterator<Item = Self> {
-        const ORDERS: [[usize; 3]; 6] = [
-            [0, 1, 2],
-            [0, 2, 1],
-            [1, 0, 2],
-            [1, 2, 0],
-            [2, 0, 1],
-            [2, 1, 0],
-        ];
-        ORDERS.into_iter().flat_map(|axis| {
-            (0..8_u8).map(move |bits| Self {
-                axis,
-                sign: [0, 1, 2].map(|k| if bits >> k & 1 == 1 { -1 } else { 1 }),
-            })
-        })
-    }
-}
-
-impl fmt::Display for Axes {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("(")?;
-        for (k, (axis, sign)) in self.axis.iter().zip(self.sign).enumerate() {
-            let comma = if k > 0 { ", " } else { "" };
-            let minus = if sign < 0 { "-" } else { "" };
-            let name = ["x", "y", "z"].get(*axis).copied().unwrap_or("?");
-            write!(f, "{comma}{minus}{name}")?;
-        }
-        f.write_str(")")
     }
 }
 

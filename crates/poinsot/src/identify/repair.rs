@@ -1,7 +1,7 @@
 //! Repairs of the map that checks and diagnosis propose: each is tried before it is advised, and applied where that is asked for.
 
+use super::Identified;
 use crate::error::Error;
-use crate::identify::Identified;
 use poinsot_identify::{BodyEstimate, Effect, Estimate, Remark, RemarkKind};
 use poinsot_model::{Model, TelemetryMap};
 use poinsot_telemetry::checks::{self, Finding};
