@@ -232,8 +232,6 @@ fn evaluate_driven(
         segment,
         rest_motion: setting.alternative.rest_motion,
         forced,
-        timed: !segment.firings.is_empty()
-            && setting.thrusters.iter().any(|t| t.timing_sigma_s > 0.0),
         followed: compare.followed(),
         records: setting.smooth_inputs,
     });

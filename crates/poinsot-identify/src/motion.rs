@@ -46,7 +46,6 @@ use poinsot_spatial::{
 };
 use std::borrow::Cow;
 use std::cell::RefCell;
-use std::f64::consts::FRAC_1_SQRT_2;
 use std::sync::Arc;
 use variation::Variation;
 use vehicle::{Thrust, ThrustPlan};
@@ -460,29 +459,6 @@ impl<'a> Motion<'a> {
     /// Those that fire in the interval after grid time k.
     fn thrust_now(&self, instant: &Instant, k: usize) -> impl Iterator<Item = Force> {
         self.forces(self.thrust.at(k), &instant.centre)
-    }
-
-    /// What an error of one sigma of each switching time at grid time k does to the momenta in N: linear, and about the system's
-    /// mass centre. Half of its variance acts before the samples of that time, as of a valve that is early, half behind them. Where a
-    /// pulse ends the sign is that of an early end.
-    pub fn timing_errors(&self, state: &State, instant: &Instant, k: usize) -> Vec<Vector6> {
-        let before = k.checked_sub(1).map_or(&[][..], |k| self.thrust.at(k));
-        let after = self.thrust.at(k);
-        let not_in = |all: &[Thrust], one: &Thrust| all.iter().all(|t| t.firing != one.firing);
-        let ended = before.iter().filter(|t| not_in(after, t));
-        let begun = after.iter().filter(|t| not_in(before, t));
-        let ended = ended.map(|t| Thrust {
-            force: -t.force,
-            ..*t
-        });
-        let edges: Vec<Thrust> = ended.chain(begun.copied()).collect();
-        let R = matrix(&state.R_NB);
-        let of = |force: Force| {
-            let sigma_s = self.vehicle.thrusters[force.thruster].timing_sigma_s;
-            let (dP, dh) = (R * force.F_B, R * force.arm_B.cross(&force.F_B));
-            Vector6::new(dP.x, dP.y, dP.z, dh.x, dh.y, dh.z) * (sigma_s * FRAC_1_SQRT_2)
-        };
-        self.forces(&edges, &instant.centre).map(of).collect()
     }
 
     /// Change of the base twist per unit of a wheel's speed at the instant given: `-H^-1 [0; Js a]`.

@@ -86,7 +86,6 @@ impl Check<'_, '_> {
             direction_B,
             never_fires: file.never_fires.unwrap_or(false),
             scale,
-            timing_sigma_s: file.timing_sigma_s.unwrap_or(0.0),
             propellant: propellant(file, bodies.get(body)),
         })
     }

@@ -274,8 +274,6 @@ pub struct Thruster {
     pub never_fires: bool,
     /// Knowledge of the factor between declared and true thrust.
     pub scale: Nuisance,
-    /// One sigma of the error of each of its switching times, s.
-    pub timing_sigma_s: f64,
     /// Propellant that it uses up; `None`: its mass is neglected.
     pub propellant: Option<Propellant>,
 }

@@ -181,7 +181,6 @@ fn thruster(model: &Model, thruster: &Thruster, uncertainty: Option<Sigmas>) -> 
         force_direction: Some(thruster.direction_B.into()),
         never_fires: thruster.never_fires.then_some(true),
         scale: nuisance(thruster.scale, "sigma"),
-        timing_sigma_s: Some(thruster.timing_sigma_s).filter(|sigma| *sigma > 0.0),
         specific_impulse_s: propellant.map(|p| p.specific_impulse),
         propellant_m: propellant.map(|p| p.p_BoF_B.into()),
         uncertainty,

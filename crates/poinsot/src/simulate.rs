@@ -15,10 +15,6 @@ use poinsot_formats::TruthFile;
 use poinsot_model::{Joint, Model, Nuisance, SensorKind, read_model};
 use poinsot_spatial::InertialParameters;
 use poinsot_telemetry::{Mounting, Table, mount, write_staged};
-use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
-use rand_distr::StandardNormal;
 use record::Recorder;
 pub(crate) use record::joint_channels;
 use std::path::{Path, PathBuf};
@@ -132,8 +128,7 @@ pub fn simulate_trial(case: &Case, model: &Model, trial: u64) -> Result<Simulati
     let scenario = case.bind(model)?;
     let mut recorder = Recorder::new(model, &scenario, &Tree::new(model), case.seed, trial);
     let (mut first, mut taken) = (None, 0);
-    let flown = with_timing_errors(model, &scenario, case.seed, trial);
-    let used = run(case, model, None, &flown, |sample| {
+    let used = run(case, model, None, &scenario, |sample| {
         first.get_or_insert_with(|| sample.clone());
         recorder.take(sample);
         report(&mut taken, scenario.times.len());
@@ -272,20 +267,6 @@ fn recorded(
         recorder.take(sample);
     })?;
     Ok(recorder.table(scenario))
-}
-
-/// The scenario as it is flown: every switching time of a thruster off by its own error.
-fn with_timing_errors(model: &Model, scenario: &Scenario, seed: u64, trial: u64) -> Scenario {
-    let mut flown = scenario.clone();
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
-    random.set_stream(stream(trial, model.sensors.len()));
-    for firing in &mut flown.plan.firings {
-        let sigma_s = model.thrusters[firing.thruster].timing_sigma_s;
-        let mut off = || sigma_s * random.sample::<f64, _>(StandardNormal);
-        firing.on += off();
-        firing.off = (firing.off + off()).max(firing.on);
-    }
-    flown
 }
 
 /// The model with ideal sensors.

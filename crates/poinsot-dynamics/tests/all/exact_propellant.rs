@@ -35,7 +35,6 @@ fn rocket(p_BoT_B: Vector3, direction_B: Vector3, p_BoF_B: Vector3) -> Model {
         p_BoT_B,
         direction_B,
         never_fires: false,
-        timing_sigma_s: 0.0,
         scale: Nuisance::Known,
         propellant: Some(Propellant {
             specific_impulse: EXHAUST / 9.806_65,

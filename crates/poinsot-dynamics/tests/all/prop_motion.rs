@@ -37,7 +37,6 @@ fn busy(index: usize, firings: Vec<Firing>) -> Busy {
         p_BoT_B: Vector3::new(0.3, -0.4, 0.2),
         direction_B: Vector3::new(0.0, -0.6, 0.8),
         never_fires: false,
-        timing_sigma_s: 0.0,
         scale: Nuisance::Known,
         propellant: None,
     });

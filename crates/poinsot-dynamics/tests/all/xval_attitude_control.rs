@@ -281,7 +281,6 @@ fn exact_thrust_and_gravity_act_under_a_controller() {
         p_BoT_B: Vector3::new(0.4, 0.3, -0.2),
         direction_B: Vector3::new(0.0, 0.6, 0.8),
         never_fires: false,
-        timing_sigma_s: 0.0,
         scale: Nuisance::Known,
         propellant: None,
     }];

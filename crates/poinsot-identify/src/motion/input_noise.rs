@@ -23,7 +23,7 @@
 //! Inputs along which a fit goes may be smoothed by all samples instead of measured: then their errors have the expected values
 //! that [`Observations::expected_errors`] holds, and [`InputNoise::smoothed`] gives what the samples make of them.
 //!
-//! Errors of the thrusters' switching times add to the momentum at each of them. A random torque about the mass centre is part of the state and drives the momentum ([`random_torque`]).
+//! A random torque about the mass centre is part of the state and drives the momentum ([`random_torque`]).
 
 mod filter;
 mod points;
@@ -45,9 +45,6 @@ use poinsot_model::RandomTorque;
 use poinsot_spatial::{Matrix3, Vector3, Vector6};
 use smoother::KnownError;
 use sparse::SparseRows;
-
-/// Mean of the early half of a normal error, over the root of half its variance.
-const EARLY: f64 = 0.564_189_583_547_756_3;
 
 /// An input with noise.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -99,8 +96,6 @@ struct DynamicsJacobian {
     drive: Vec<Vector6>,
     /// Lower halves of `A` and `D` in the interval that begins here; of `D` nothing where no external force or torque acts.
     push: (Matrix6x12, Vec<Vector6>),
-    /// Errors of the momenta by switching times of thrusters.
-    switched: Vec<Vector6>,
 }
 
 /// What one step computes and the next one overwrites.
@@ -123,8 +118,6 @@ pub(crate) struct FilterSetting<'a> {
     pub rest_motion: f64,
     /// Whether external forces or torques act.
     pub forced: bool,
-    /// Whether switching times of thrusters have errors.
-    pub timed: bool,
     /// Number of sequences that go through the filter: sensitivities and residual.
     pub followed: usize,
     /// Whether a backward pass follows.
@@ -220,7 +213,6 @@ impl InputNoise {
             segment,
             rest_motion,
             forced,
-            timed,
             followed,
             records,
         } = of;
@@ -246,7 +238,7 @@ impl InputNoise {
         let (inputs, memory, shares) = noisy(joints.chain(wheels).chain(rates), rest_motion);
         let torque = random_torque.is_some();
         let lasting: usize = o.sensors.iter().map(|r| r.slow.len()).sum();
-        let still = inputs.is_empty() && !torque && !timed;
+        let still = inputs.is_empty() && !torque;
         let silent = still && lasting == 0;
         let active = match (still, translation, forced || torque) {
             (true, _, _) => Vec::new(),
@@ -449,13 +441,11 @@ impl InputNoise {
         let R = matrix(&state.R_NB);
         self.twists.fill(Vector6::zeros());
         out.pose = motion.pose_slopes(state, instant);
-        out.switched = motion.timing_errors(state, instant, k);
         let DynamicsJacobian {
             pose,
             at_once,
             drive,
             push,
-            ..
         } = out;
         at_once.clear();
         drive.clear();
@@ -608,7 +598,6 @@ impl InputNoise {
 
     /// From one grid time to the next, k: `s = Phi s + (h/2) (B e + B_next e_next)`.
     fn carry(&mut self, before: &DynamicsJacobian, now: &DynamicsJacobian, h: f64, k: usize) {
-        self.switch(&before.switched, -EARLY);
         let (n, ahead) = (self.lead, self.reach > 0);
         let stride = self.filter.stride();
         let pose = (before.pose + now.pose) * 0.5;
@@ -662,7 +651,6 @@ impl InputNoise {
         self.renew_slow(|slow| slow.fresh(h));
         self.innovate(&fresh, &mut vector, k - 1 + self.reach);
         self.renew(&torque);
-        self.switch(&now.switched, EARLY);
         self.scratch = StepScratch {
             upper,
             fresh,
@@ -710,17 +698,6 @@ impl InputNoise {
         }
         self.filter.map(&rows);
         self.scratch.rows = rows;
-    }
-
-    /// Adds errors of the momenta, and so many of them to the means.
-    fn switch(&mut self, errors: &[Vector6], mean: f64) {
-        for error in errors {
-            let part = |row: &usize| row.checked_sub(6).map_or(0.0, |row| error[row]);
-            let vector: Vec<f64> = self.active.iter().map(part).collect();
-            self.filter.add_outer(&vector, 1.0);
-            let means = vector.iter().enumerate();
-            means.for_each(|(i, x)| self.filter.add_mean(i, mean * x));
-        }
     }
 
     /// Adds a covariance of each slow error of the sensors.

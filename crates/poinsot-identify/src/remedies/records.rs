@@ -220,7 +220,6 @@ impl Baseline<'_> {
                 p_BoT_B: Vector3::new(arm, 0.0, 0.0),
                 direction_B: Vector3::y(),
                 never_fires: false,
-                timing_sigma_s: 0.0,
                 scale: Default::default(),
                 propellant: None,
             });

@@ -24,10 +24,6 @@ pub struct ThrusterFile {
     pub never_fires: Option<bool>,
     /// Factor between declared and true thrust: "none" (default: exact), "estimate", or { sigma = x }.
     pub scale: Option<NuisanceFile>,
-    /// One sigma of the error of every switching time, s: the valve opens and closes so much off the times of the telemetry.
-    /// Default: none.
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub timing_sigma_s: Option<f64>,
     /// Specific impulse, s: the body loses mass as the thruster fires. Without it no mass is lost.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub specific_impulse_s: Option<f64>,

@@ -199,7 +199,6 @@ pub fn with_thrusters(mut model: Model) -> Model {
             p_BoT_B: dice.vector(1.0),
             direction_B: dice.direction(),
             never_fires: false,
-            timing_sigma_s: 0.0,
             scale: Nuisance::Known,
             propellant: None,
         });
