@@ -37,6 +37,8 @@ const FITS: f64 = 10.0;
 const UNEXPLAINED: f64 = 0.01;
 /// Rotation per sample, rad, above which a fit takes minutes.
 const FAR: f64 = 0.3;
+/// Gyro samples of the beginning that is fitted as it was read.
+const SHORT: usize = 100;
 /// Tolerance of the mean factor, relative.
 const MEAN: f64 = 0.15;
 /// Tolerance of the factor of one axis about the mean, relative.
@@ -122,8 +124,15 @@ pub(crate) fn of_fast_record(model: &Model, tables: &[Table]) -> Option<Finding>
         }
         all
     };
-    let right = |row: &&(Change, _, _)| fits(model, &put_right(row.0)) == Some(true);
+    let right = |row: &&(Change, _, _)| {
+        let fit = fit(model, &put_right(row.0));
+        fit.is_some_and(|fit| fit.explains && fit.answers)
+    };
     let (change, channel, words) = FAST.iter().find(right)?;
+    if fit(model, &beginning(tables)).is_some_and(|fit| fit.explains) {
+        // Read as it is, it fits too: a spin about one axis fits in any unit.
+        return None;
+    }
     let text = format!("the vehicle turns by {turn:.1} rad between samples; {words}");
     let channels = XYZ.map(|k| format!("omega_{k}")).to_vec();
     Some(Finding {
@@ -133,6 +142,25 @@ pub(crate) fn of_fast_record(model: &Model, tables: &[Table]) -> Option<Finding>
         }),
         ..finding(Check::Units, channel, text)
     })
+}
+
+/// The first samples of all tables.
+fn beginning(tables: &[Table]) -> Vec<Table> {
+    let mut all = tables.to_vec();
+    for table in &mut all {
+        let rates = table
+            .channels
+            .iter()
+            .filter(|c| c.name.starts_with("omega_"));
+        let times = rates.flat_map(|c| c.time_s.get(SHORT).or(c.time_s.last()));
+        let end = times.copied().fold(f64::NEG_INFINITY, f64::max);
+        for channel in &mut table.channels {
+            let kept = channel.time_s.partition_point(|t| *t <= end);
+            channel.time_s = channel.time_s[..kept].into();
+            channel.values.truncate(kept);
+        }
+    }
+    all
 }
 
 /// Typical rotation between gyro samples, rad; the largest of all tables.
@@ -150,9 +178,16 @@ fn turn_per_reading(tables: &[Table]) -> f64 {
     tables.iter().map(of).fold(0.0, f64::max)
 }
 
-/// Whether the model explains these tables: chi-square is small, also compared with that of the rates themselves.
-/// Rates below the declared noise fit any model. `None` if the problem is invalid.
-fn fits(model: &Model, tables: &[Table]) -> Option<bool> {
+/// A fit to tables.
+struct Fit {
+    /// Chi-square is small, also compared with that of the rates themselves: rates below the declared noise fit any model.
+    explains: bool,
+    /// A number is determined.
+    answers: bool,
+}
+
+/// The fit to these tables; `None` if the problem is invalid.
+fn fit(model: &Model, tables: &[Table]) -> Option<Fit> {
     let settings = Settings {
         undiagnosed: true,
         ..Settings::default()
@@ -166,7 +201,10 @@ fn fits(model: &Model, tables: &[Table]) -> Option<bool> {
         let left = left.fold(0.0, f64::max);
         let rates = rates_over_noise(problem);
         let explained = rates.is_some_and(|rates| left < UNEXPLAINED * rates);
-        Ok(answered && determined && left < FITS && explained)
+        Ok(Fit {
+            explains: left < FITS && explained,
+            answers: answered && determined,
+        })
     };
     solve(model, tables, RELATIVE_ACCURACY, asked).ok()
 }
