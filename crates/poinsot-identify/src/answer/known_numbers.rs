@@ -7,6 +7,7 @@ use crate::problem::parameters::KnownUnknown;
 use crate::solution::estimate::{KnownEffect, KnownNumbers};
 use crate::solution::evidence::Remark;
 use crate::solution::solved::Solution;
+use nalgebra::DVector;
 use poinsot_model::{KnownNumber, Model};
 use std::collections::HashSet;
 
@@ -85,17 +86,22 @@ fn along(row: &Row, shift: &[f64]) -> f64 {
 /// change.
 fn common_thrust(model: &Model, solution: &Solution) -> Option<Assumed> {
     let known = solution.likelihood.as_ref()?.known.as_ref()?;
-    let number = |place: &usize| solution.parameters.unknowns[*place].kind.known();
-    let pairs = known.places.iter().zip(&known.shift);
-    let forces: Vec<_> = pairs
-        .filter_map(|(place, shift)| Some((number(place)?, shift)))
-        .filter(|(number, _)| matches!(number.number, KnownNumber::Force(_)))
-        .collect();
-    let width = forces.get(1)?.1.len();
+    let sigma = |place: &usize| match solution.parameters.unknowns[*place].kind.known() {
+        Some(known) if matches!(known.number, KnownNumber::Force(_)) => known.sigma,
+        _ => 0.0,
+    };
+    let errors = DVector::from_iterator(known.places.len(), known.places.iter().map(sigma));
+    if errors.iter().filter(|sigma| **sigma > 0.0).count() < 2 {
+        return None;
+    }
+    // What is left of these errors after the data, which may tell of them.
+    let weights = solution.parameters.known_covariance().cholesky()?;
+    let left = &known.covariance * weights.solve(&errors);
+    let width = known.shift.first()?.len();
     let sum = |k: usize| {
-        forces
-            .iter()
-            .map(|(number, shift)| number.sigma * shift[k])
+        left.iter()
+            .zip(&known.shift)
+            .map(|(e, shift)| e * shift[k])
             .sum()
     };
     let correlation = model.knowledge.thrust_correlation;
