@@ -84,7 +84,7 @@ pub struct ValidationLimitsFile {
 }
 
 /// Differences of one quantity.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ComparedQuantityFile {
     /// Name of the quantity.
     pub quantity: String,

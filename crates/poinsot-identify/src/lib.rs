@@ -109,7 +109,7 @@ pub use poinsot_solve::{NotFinite, Spectrum};
 pub use prediction::completion::{CompletedVehicle, Completion, complete};
 pub use prediction::held_back::{HeldBack, held_back};
 pub use prediction::{
-    HISTOGRAM_BARS, LAGS, PredictedChannel, PredictedMotion, Prediction, linear_predicted,
+    HISTOGRAM_BARS, LAGS, PredictedChannel, Prediction, linear_predicted,
     maximum_likelihood_predicted, predicted_by,
 };
 pub use problem::loss::Loss;
@@ -126,7 +126,7 @@ pub use problem::settings::{Coordinates, DiagnosisSettings, IntegrationSettings,
 pub use problem::{Problem, ProblemError, refusal};
 pub use solution::estimate::{
     BodyEstimate, ChannelFit, DeterminedCombination, Estimate, Identifiability, KnownEffect,
-    KnownNumbers, MethodReport, MomentumEstimate, NamedNumber, Number, Principal, SegmentFit,
-    Source, Status, UnobservableCombination,
+    KnownNumbers, MethodReport, MomentumEstimate, NamedNumber, Number, Principal, ReportedNumber,
+    SegmentFit, Source, Status, UnobservableCombination,
 };
 pub use solution::evidence::{Effect, Remark, RemarkKind};

@@ -1,20 +1,18 @@
 //! Numbers of the bodies in an answer, and of the report of a method.
 
-use poinsot_identify::{BodyEstimate, Estimate, NamedNumber, Number, Source};
+use poinsot_formats::finite;
+use poinsot_identify::{BodyEstimate, Estimate, ReportedNumber};
 use poinsot_model::{Body, Model};
 use poinsot_spatial::{MASS_PROPERTY_NAMES, MassProperties};
 
 /// A number of a method's report, without sigma.
-pub(crate) fn printed(name: String, unit: &'static str, value: f64, nominal: f64) -> NamedNumber {
-    NamedNumber {
+pub(crate) fn printed(name: String, unit: &str, value: f64, nominal: f64) -> ReportedNumber {
+    ReportedNumber {
         name,
-        unit,
-        number: Number {
-            value: value.is_finite().then_some(value),
-            sigma: None,
-            nominal,
-            source: Source::Data,
-        },
+        unit: unit.to_owned(),
+        value: finite(value),
+        sigma: None,
+        nominal: finite(nominal),
     }
 }
 
@@ -34,7 +32,7 @@ pub fn answered(model: &Model, estimate: &Estimate) -> Vec<MassProperties> {
     let report = estimate.method_report.as_ref();
     let printed = |name: &str| {
         let report = report.filter(|_| model.bodies.len() == 1)?;
-        report.numbers.iter().find(|n| n.name == name)?.number.value
+        report.numbers.iter().find(|n| n.name == name)?.value
     };
     let bodies = model.bodies.iter().zip(&estimate.bodies);
     let best = |(model, answer): (&Body, &BodyEstimate)| {

@@ -265,9 +265,9 @@ fn figure(name: &str) -> Result<FigureFormat, Fault> {
 fn channel_dict<'py>(py: Python<'py>, c: &PredictedChannel) -> PyResult<Bound<'py, PyDict>> {
     let out = PyDict::new(py);
     out.set_item("sensor", &c.name)?;
-    out.set_item("unit", c.unit)?;
-    out.set_item("residual_unit", c.residual_unit)?;
-    out.set_item("components", c.components.clone())?;
+    out.set_item("unit", &c.unit)?;
+    out.set_item("residual_unit", &c.residual_unit)?;
+    out.set_item("components", &c.components)?;
     out.set_item("samples", c.samples)?;
     out.set_item("time_s", PyArray1::from_slice(py, &c.time_s))?;
     for (name, rows) in [

@@ -6,13 +6,12 @@ use poinsot_formats::{
     Axes, BarycentricFile, BodyFile, ChannelFile, CheckFile, CovarianceFile, DeterminedFile,
     DiagnosticsFile, DriftFile, ESTIMATE, Elements, EpochFile, EstimateFile, EvidenceFile,
     FindingFile, HeldOutFile, IdentifiabilityFile, InputFile, KnownNumbersFile, LagFile, LineFile,
-    MethodReportFile, MomentumFile, NumberFile, PrincipalFile, ReferenceFile, ReportedNumberFile,
-    SegmentFitFile, SensitivityFile, SensorFitFile, SuspectFile, SystemFile, UndeterminedFile,
-    ValueFile, address, finite,
+    MomentumFile, NumberFile, ReferenceFile, SegmentFitFile, SensitivityFile, SensorFitFile,
+    SuspectFile, SystemFile, UndeterminedFile, ValueFile, address, finite,
 };
 use poinsot_identify::{
-    BodyEstimate, Diagnostics, Estimate, HeldOut, Identifiability, MethodReport, MomentumDrift,
-    MomentumEstimate, Number, Remark, RemarkKind, SegmentFit, tensor_index,
+    BodyEstimate, Diagnostics, Estimate, HeldOut, Identifiability, MomentumDrift, MomentumEstimate,
+    Number, Remark, RemarkKind, SegmentFit, tensor_index,
 };
 use poinsot_model::{JointKind, Model};
 use poinsot_telemetry::checks::Finding;
@@ -55,7 +54,7 @@ pub fn estimate_file(identified: &Identified) -> EstimateFile {
         covariance_trustworthy: e.covariance_trustworthy(),
         doubts: e.doubts(),
         evidence: e.tests().map(evidence).collect(),
-        method_report: e.method_report.as_ref().map(method_report),
+        method_report: e.method_report.clone(),
         telemetry_checks: identified.findings.iter().map(check).collect(),
         repairs: owned(identified.repairs()),
         ignored_columns: owned(e.said(RemarkKind::Ignored)),
@@ -119,10 +118,7 @@ fn body(b: &BodyEstimate) -> BodyFile {
         mass_kg: number(&b.mass),
         com_m: Axes::of(b.com.each_ref().map(number)),
         inertia_kg_m2: Elements::by_name(|name| number(&b.inertia[tensor_index(name)])),
-        principal: b.principal.as_ref().map(|p| PrincipalFile {
-            moments_kg_m2: p.moments,
-            axes_xyzw: p.axes_xyzw,
-        }),
+        principal: b.principal.clone(),
         barycentric: BarycentricFile {
             m_kg: number(m),
             mc_kg_m: Axes::of([x, y, z].map(number)),
@@ -266,22 +262,6 @@ fn evidence(row: &Remark) -> EvidenceFile {
         effect: row.effect.name().to_owned(),
         sigma_factor: finite(row.sigma_factor),
         words: row.words.clone(),
-    }
-}
-
-fn method_report(r: &MethodReport) -> MethodReportFile {
-    let numbers = r.numbers.iter();
-    MethodReportFile {
-        note: r.note.clone(),
-        numbers: numbers
-            .map(|n| ReportedNumberFile {
-                name: n.name.clone(),
-                unit: n.unit.to_owned(),
-                value: n.number.value.and_then(finite),
-                sigma: n.number.sigma.and_then(finite),
-                nominal: finite(n.number.nominal),
-            })
-            .collect(),
     }
 }
 

@@ -104,10 +104,10 @@ impl Tools for Verbs {
         });
         let compared = compare_motion(&parsed(case)?, &of, &against)?;
         let compared = compared.into_iter().map(|c| Difference {
-            name: c.name,
+            name: c.file.quantity,
             time_s: c.time_s,
             rows: c.difference,
-            largest: c.largest,
+            largest: c.file.largest,
         });
         Ok(compared.collect())
     }

@@ -173,7 +173,7 @@ impl Asked<'_> {
         let compared = compare_with_telemetry(case, self.mover, &table)?;
         let moved = |c| motion_effect(case, self.model, c, &path(case, self.mover)?);
         let effect = self.completion.map(moved).transpose()?;
-        let judged = compared.iter().filter_map(|c| c.sigmas);
+        let judged = compared.iter().filter_map(|c| c.file.sigmas);
         let worst = judged.map(|s| s.rms * s.rms).reduce(f64::max);
         let verdict = match worst {
             Some(worst) if worst <= MISFIT => "agrees",
@@ -233,7 +233,7 @@ impl Asked<'_> {
                 within_rad: self.request.within_rad,
             },
             chi2_per_dof: None,
-            compared: histories.iter().map(Compared::file).collect(),
+            compared: histories.iter().map(|c| c.file.clone()).collect(),
             completed,
             warnings: Vec::new(),
             repairs: Vec::new(),
@@ -244,10 +244,10 @@ impl Asked<'_> {
 
 /// Whether every position and angle stays within the given limits.
 fn within(compared: &[Compared], request: &ValidateRequest) -> &'static str {
-    let holds = |one: &Compared| match one.unit {
+    let holds = |one: &Compared| match one.file.unit.as_str() {
         // NaN exceeds every limit.
-        "m" => request.within_m.map(|limit| one.largest <= limit),
-        "rad" => request.within_rad.map(|limit| one.largest <= limit),
+        "m" => request.within_m.map(|limit| one.file.largest <= limit),
+        "rad" => request.within_rad.map(|limit| one.file.largest <= limit),
         _ => None,
     };
     let held: Vec<bool> = compared.iter().filter_map(holds).collect();

@@ -295,7 +295,7 @@ impl BodyEstimate {
                 &Rotation3::from_matrix_unchecked(axes),
             );
             Principal {
-                moments,
+                moments_kg_m2: moments,
                 axes_xyzw: [q.i, q.j, q.k, q.w],
             }
         });

@@ -65,7 +65,7 @@ fn distances(found: &BodyEstimate, given: &MassProperties, within: f64) -> Vec<D
     };
     if let Some(principal) = &found.principal {
         let sigma = largest(&found.inertia);
-        let pairs = principal.moments.into_iter().zip(given.principal().0);
+        let pairs = principal.moments_kg_m2.into_iter().zip(given.principal().0);
         list.extend(
             pairs.filter_map(|(value, nominal)| ratio("a principal moment", value, sigma, nominal)),
         );

@@ -113,7 +113,7 @@ fn unphysical(body: &BodyEstimate, sigmas: f64) -> bool {
     let Some(principal) = &body.principal else {
         return false;
     };
-    let [a, b, c] = principal.moments;
+    let [a, b, c] = principal.moments_kg_m2;
     let violation = (c - a - b).max(-a);
     let sigma = body
         .inertia

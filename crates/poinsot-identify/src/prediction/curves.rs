@@ -13,13 +13,15 @@ use crate::motion::input_noise::InputNoise;
 use crate::motion::{Motion, State, Vehicle, tilted};
 use crate::problem::parameters::{Equations, Parameters};
 use crate::problem::refusal::{NO_MOTION, NO_VELOCITY};
-use crate::problem::segment::{Firing, Segment, SensorRecord, SensorValue};
+use crate::problem::segment::{Segment, SensorRecord, SensorValue};
 use crate::problem::settings::Settings;
 use crate::problem::{Problem, ProblemError};
 use crate::sensors::{DueSample, IdealSeries, Predictor, SampleStream, SpareVectors, across};
 use crate::solution::estimate::Estimate;
 use poinsot_dynamics::{Kinematics, SensorErrors, composite, momentum, wheel_momentum};
-use poinsot_model::{SensorKind, printed_unit};
+use poinsot_formats::Row;
+pub use poinsot_formats::{Channel as PredictedChannel, Segment as Prediction};
+use poinsot_model::{Joint, JointKind, Model, SensorKind, printed_unit};
 use poinsot_spatial::{InertialParameters, MassProperties, UnitQuaternion, Vector3};
 
 /// Bars of a histogram of whitened residuals, from -4 to 4 sigma; what lies outside is in the last bars.
@@ -30,63 +32,6 @@ pub const LAGS: usize = 20;
 const STARTS: usize = 8;
 /// Half the width of the histogram, sigmas.
 const HISTOGRAM_REACH: f64 = 4.0;
-
-/// One segment as the answer predicts it.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Prediction {
-    /// Name of the segment.
-    pub label: String,
-    /// Sensors, each at its own times.
-    pub channels: Vec<PredictedChannel>,
-    /// Predicted motion of the base.
-    pub motion: PredictedMotion,
-    /// Angular momentum about the system's mass centre in N, N m s: from the measured rates, and predicted.
-    pub momentum: PredictedChannel,
-    /// Joint positions at the times of `motion`, one row a joint, rad or m.
-    pub joint_position: Vec<Vec<f64>>,
-    /// Wheel speeds at the times of `motion`, one row a wheel, rad/s.
-    pub wheel_speed: Vec<Vec<f64>>,
-    /// Thruster firings.
-    pub firings: Vec<Firing>,
-}
-
-/// Samples of one sensor beside their prediction. One row a component.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct PredictedChannel {
-    /// As in [`crate::ChannelFit`].
-    pub name: String,
-    /// Unit of readings and predictions.
-    pub unit: &'static str,
-    /// Unit of the residual.
-    pub residual_unit: &'static str,
-    /// Names of the components.
-    pub components: Vec<&'static str>,
-    /// Readings in the file.
-    pub samples: usize,
-    /// Times of the points kept, s.
-    pub time_s: Vec<f64>,
-    /// Measured.
-    pub measured: Vec<Vec<f64>>,
-    /// Predicted.
-    pub predicted: Vec<Vec<f64>>,
-    /// Measured less predicted, x, y, z; of an attitude the small rotation in body axes.
-    pub residual: Vec<Vec<f64>>,
-    /// Whitened residuals of all samples in [`HISTOGRAM_BARS`] bars, one row an axis.
-    pub histogram: Vec<Vec<u64>>,
-    /// Autocorrelation of the whitened residual at lags 1 to [`LAGS`], one row an axis.
-    pub autocorrelation: Vec<Vec<f64>>,
-}
-
-/// Motion of the base at common times.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct PredictedMotion {
-    /// Times, s.
-    pub time_s: Vec<f64>,
-    /// Angular velocity in B, rad/s.
-    pub w_NB_B: Vec<[f64; 3]>,
-    /// Attitude, scalar last.
-    pub q_NB_xyzw: Vec<[f64; 4]>,
-}
 
 /// Maximum likelihood with what its answer predicts, at most `points` points a curve.
 ///
@@ -237,7 +182,7 @@ fn segment(
         .map(|r| experiment.parameters.sensor_errors(x, r.sensor).lag_s != 0.0)
         .collect();
     let ideal = IdealSeries::new(&vehicle, segment, &state, &late)?;
-    let mut recorder = Recorder::new(segment, experiment.parameters, x, points);
+    let mut recorder = Recorder::new((problem.model, segment), experiment.parameters, x, points);
     let (silent, mut spare) = (InputNoise::default(), SpareVectors::default());
     let samples = segment.observations.time_s.len();
     for k in 0..samples {
@@ -310,7 +255,7 @@ impl SensorCursor {
             (SensorValue::Attitude(measured), SensorValue::Attitude(truth)) => {
                 let expected = truth * UnitQuaternion::from_scaled_axis(reading);
                 let own = xyzw(measured, last(&channel.measured));
-                channel.push(t, &own, &xyzw(&expected, Some(own)), &residual);
+                push(channel, t, &own, &xyzw(&expected, Some(own)), &residual);
             }
             (
                 SensorValue::Direction {
@@ -319,10 +264,10 @@ impl SensorCursor {
                 _,
             ) => {
                 let residual = across(normal_B) * residual;
-                channel.push(t, &three(seen_B), &three(&reading), &residual);
+                push(channel, t, &three(seen_B), &three(&reading), &residual);
             }
             (SensorValue::Vector(measured), _) => {
-                channel.push(t, &three(measured), &three(&reading), &residual);
+                push(channel, t, &three(measured), &three(&reading), &residual);
             }
             // A record of mixed values has no meaning.
             _ => {}
@@ -345,7 +290,18 @@ const MOTION: usize = 0;
 const MOMENTUM: usize = 1;
 
 impl<'a> Recorder<'a> {
-    fn new(segment: &'a Segment, parameters: &Parameters, x: &[f64], points: usize) -> Self {
+    fn new(
+        (model, segment): (&Model, &'a Segment),
+        parameters: &Parameters,
+        x: &[f64],
+        points: usize,
+    ) -> Self {
+        let moving = model.joints.iter().filter(|j| j.kind != JointKind::Fixed);
+        let position = |j: &Joint| SensorKind::JointPosition.unit(j.kind == JointKind::Prismatic);
+        let firings = segment.firings.iter().filter_map(|f| {
+            let name = model.thrusters.get(f.thruster)?.name.clone();
+            Some((name, f.start_s, f.end_s, f.force))
+        });
         let o = &segment.observations;
         let momentum = channel("momentum", ["N m s"; 2], &["h_x", "h_y", "h_z"]);
         let rates: Vec<(usize, Vector3)> = o.rates().collect();
@@ -374,7 +330,9 @@ impl<'a> Recorder<'a> {
             prediction: Prediction {
                 label: segment.label.clone(),
                 momentum,
-                firings: segment.firings.clone(),
+                joints: moving.map(|j| row(&j.name, position(j))).collect(),
+                wheels: model.wheels.iter().map(|w| row(&w.name, "rad/s")).collect(),
+                firings: firings.collect(),
                 ..Prediction::default()
             },
         }
@@ -412,18 +370,16 @@ impl<'a> Recorder<'a> {
         let o = &self.segment.observations;
         let p = &mut self.prediction;
         let (dof, wheels) = (vehicle.tree.dof(), vehicle.tree.rotors.len());
-        p.joint_position.resize(dof, Vec::new());
-        p.wheel_speed.resize(wheels, Vec::new());
-        for (joint, row) in p.joint_position.iter_mut().enumerate() {
-            row.push(o.joint_position[k * dof + joint]);
+        for (joint, row) in p.joints.iter_mut().enumerate() {
+            row.values.push(o.joint_position[k * dof + joint]);
         }
-        for (wheel, row) in p.wheel_speed.iter_mut().enumerate() {
-            row.push(o.wheel_speed[k * wheels + wheel]);
+        for (wheel, row) in p.wheels.iter_mut().enumerate() {
+            row.values.push(o.wheel_speed[k * wheels + wheel]);
         }
-        p.motion.time_s.push(o.time_s[k]);
-        p.motion.w_NB_B.push([w.x, w.y, w.z]);
-        let before = p.motion.q_NB_xyzw.last().copied();
-        p.motion.q_NB_xyzw.push(xyzw(&state.R_NB, before));
+        p.time_s.push(o.time_s[k]);
+        p.omega_rad_s.push([w.x, w.y, w.z]);
+        let before = p.q_xyzw.last().copied();
+        p.q_xyzw.push(xyzw(&state.R_NB, before));
     }
 
     /// Angular momentum about the mass centre does not depend on the velocity of the base.
@@ -450,7 +406,7 @@ impl<'a> Recorder<'a> {
         let expected = about_centre(predicted);
         let t = self.segment.observations.time_s[k];
         let p = &mut self.prediction.momentum;
-        p.push(t, &three(&own), &three(&expected), &(own - expected));
+        push(p, t, &three(&own), &three(&expected), &(own - expected));
         p.samples += 1;
     }
 }
@@ -466,16 +422,12 @@ fn sensor_channel(record: &SensorRecord) -> PredictedChannel {
     channel(&record.name, [measured, unit], record.kind.columns())
 }
 
-fn channel(
-    name: &str,
-    [unit, residual_unit]: [&'static str; 2],
-    components: &[&'static str],
-) -> PredictedChannel {
+fn channel(name: &str, [unit, residual_unit]: [&str; 2], components: &[&str]) -> PredictedChannel {
     PredictedChannel {
         name: name.to_owned(),
-        unit,
-        residual_unit,
-        components: components.to_vec(),
+        unit: unit.to_owned(),
+        residual_unit: residual_unit.to_owned(),
+        components: components.iter().map(|c| (*c).to_owned()).collect(),
         measured: vec![Vec::new(); components.len()],
         predicted: vec![Vec::new(); components.len()],
         residual: vec![Vec::new(); 3],
@@ -483,16 +435,30 @@ fn channel(
     }
 }
 
-impl PredictedChannel {
-    fn push(&mut self, t: f64, measured: &[f64], predicted: &[f64], residual: &Vector3) {
-        self.time_s.push(t);
-        for (row, x) in self.measured.iter_mut().zip(measured) {
-            row.push(*x);
-        }
-        for (row, x) in self.predicted.iter_mut().zip(predicted) {
-            row.push(*x);
-        }
-        for (row, x) in self.residual.iter_mut().zip(residual.iter()) {
+/// A named list without values.
+fn row(name: &str, unit: &str) -> Row {
+    Row {
+        name: name.to_owned(),
+        unit: unit.to_owned(),
+        values: Vec::new(),
+    }
+}
+
+/// Adds a point to a curve.
+fn push(
+    to: &mut PredictedChannel,
+    t: f64,
+    measured: &[f64],
+    predicted: &[f64],
+    residual: &Vector3,
+) {
+    to.time_s.push(t);
+    for (rows, values) in [
+        (&mut to.measured, measured),
+        (&mut to.predicted, predicted),
+        (&mut to.residual, residual.as_slice()),
+    ] {
+        for (row, x) in rows.iter_mut().zip(values) {
             row.push(*x);
         }
     }

@@ -5,6 +5,6 @@ pub(crate) mod curves;
 pub(crate) mod held_back;
 
 pub use curves::{
-    HISTOGRAM_BARS, LAGS, PredictedChannel, PredictedMotion, Prediction, linear_predicted,
+    HISTOGRAM_BARS, LAGS, PredictedChannel, Prediction, linear_predicted,
     maximum_likelihood_predicted, predicted_by,
 };

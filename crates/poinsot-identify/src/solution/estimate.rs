@@ -3,6 +3,10 @@
 use crate::diagnosis::Diagnostics;
 use crate::diagnosis::octaves::Octave;
 use crate::solution::evidence::{self, Effect, Remark, RemarkKind};
+pub use poinsot_formats::{
+    MethodReportFile as MethodReport, PrincipalFile as Principal,
+    ReportedNumberFile as ReportedNumber,
+};
 
 /// Status of an answer. The names are those of the result file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -202,15 +206,6 @@ pub struct BodyEstimate {
     pub physically_consistent: Option<bool>,
 }
 
-/// Principal moments and axes.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Principal {
-    /// Moments in ascending order, kg m2.
-    pub moments: [f64; 3],
-    /// Rotation from principal axes to body axes as a quaternion, scalar last.
-    pub axes_xyzw: [f64; 4],
-}
-
 /// Momentum at the first sample of a segment, in N.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MomentumEstimate {
@@ -356,15 +351,6 @@ impl KnownEffect {
         let present = shares.filter_map(|(k, s)| Some((k, (*s)?)));
         present.max_by(|a, b| a.1.total_cmp(&b.1))
     }
-}
-
-/// Numbers of a published method in its own terms, beside the answer.
-#[derive(Debug, Clone, PartialEq)]
-pub struct MethodReport {
-    /// Their meaning and limits.
-    pub note: String,
-    /// The numbers.
-    pub numbers: Vec<NamedNumber>,
 }
 
 /// The answer to one question.

@@ -10,7 +10,7 @@ use crate::samples::{column, spread};
 use crate::study::statistics::largest;
 use poinsot_files::{Faults, Place};
 use poinsot_identify::{
-    Effect, Estimate, MethodReport, NamedNumber, Problem, Remark, Segment, Status, linear,
+    Effect, Estimate, MethodReport, Problem, Remark, ReportedNumber, Segment, Status, linear,
 };
 use poinsot_spatial::{MassProperties, Matrix3, TENSOR, Vector3, tensor_index, tensor_name};
 
@@ -69,7 +69,8 @@ pub fn identify(problem: &Problem, variant: Variant) -> Result<Estimate, Faults>
     };
     let six = NAMES.map(|name| tensor_name(tensor_index(name)));
     let six = six.into_iter().zip(found.printed);
-    let mut numbers: Vec<NamedNumber> = six.map(|(name, x)| number("inertia", name, x)).collect();
+    let mut numbers: Vec<ReportedNumber> =
+        six.map(|(name, x)| number("inertia", name, x)).collect();
     if variant == Variant::Batch {
         let nine = ["xx", "xy", "xz", "yx", "yy", "yz", "zx", "zy", "zz"];
         let rows = found.tensor.transpose();
@@ -155,7 +156,7 @@ struct Found {
     tensor: Matrix3,
     printed: [f64; 6],
     note: String,
-    numbers: Vec<NamedNumber>,
+    numbers: Vec<ReportedNumber>,
     settled: bool,
 }
 

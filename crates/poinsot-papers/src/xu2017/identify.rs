@@ -15,7 +15,7 @@ use poinsot_dynamics::Kinematics;
 use poinsot_files::Faults;
 use poinsot_identify::refusal::NO_VELOCITY;
 use poinsot_identify::{
-    Effect, Estimate, MethodReport, NamedNumber, Problem, Remark, Settings, linear,
+    Effect, Estimate, MethodReport, Problem, Remark, ReportedNumber, Settings, linear,
     maximum_likelihood_with,
 };
 use poinsot_model::{Nuisance, SensorKind};
@@ -78,7 +78,7 @@ fn certificate(problem: &Problem) -> Result<Estimate, Faults> {
 }
 
 /// Result of one step, with the method's names.
-fn numbers(step: &StepReport) -> Vec<NamedNumber> {
+fn numbers(step: &StepReport) -> Vec<ReportedNumber> {
     let plain =
         |name: &str, unit, value| printed(format!("{}: {name}", step.name), unit, value, 0.0);
     let cost = match step.part {

@@ -172,7 +172,7 @@ fn xval_columns_of_table_2() {
     for column in ["batch", "conventional", "pre-estimate", "suggested"] {
         let answer = identify(record.clone(), "kim2010", Some(column));
         let report = answer.method_report.unwrap();
-        let values = report.numbers[..6].iter().map(|n| n.number.value.unwrap());
+        let values = report.numbers[..6].iter().map(|n| n.value.unwrap());
         let found: Vec<f64> = values.collect();
         close(column, &found, &numbers(&theirs["17deg"][column]), 2.0e-4);
     }

@@ -1,17 +1,15 @@
 //! Fills the report data in addition to `estimate.json`: curves, vehicle geometry, truth, command line.
 
 use super::placed::placed;
-use crate::channel_names::joint_unit;
 use crate::identify::Identified;
 use crate::simulate::true_mass;
 use indexmap::IndexMap;
 use poinsot_dynamics::{Kinematics, Tree, composite};
 use poinsot_formats::{
-    Channel, MassFile, REPORT_DATA, ReportData, Row, Segment, TrueBodyFile, TrueNumberFile,
-    TrueNumbers, Vehicle, read_truth,
+    MassFile, REPORT_DATA, ReportData, Segment, TrueBodyFile, TrueNumberFile, TrueNumbers, Vehicle,
+    read_truth,
 };
-use poinsot_identify::{BodyEstimate, PredictedChannel, Prediction};
-use poinsot_model::JointKind;
+use poinsot_identify::{BodyEstimate, Prediction};
 use poinsot_spatial::{MassProperties, Matrix3};
 use std::path::Path;
 
@@ -42,7 +40,8 @@ pub fn report_data(identified: &Identified, command: &[String]) -> ReportData {
         segments: identified
             .predictions
             .iter()
-            .map(|p| segment(identified, p))
+            .cloned()
+            .map(segment)
             .collect(),
         truth: truth(identified),
     }
@@ -95,9 +94,9 @@ fn vehicle(identified: &Identified) -> Vehicle {
     let mut kinematics = Kinematics::new(&tree);
     let predicted = identified.predictions.first().map(|p| {
         let first = p
-            .joint_position
+            .joints
             .iter()
-            .filter_map(|row| row.first().copied());
+            .filter_map(|row| row.values.first().copied());
         first.collect::<Vec<f64>>()
     });
     let position = match &identified.estimate.system {
@@ -116,79 +115,34 @@ fn best(b: &BodyEstimate) -> MassProperties {
     MassProperties::from_array(&b.numbers().map(|n| n.value.unwrap_or(n.nominal)))
 }
 
-fn segment(identified: &Identified, p: &Prediction) -> Segment {
-    let model = &identified.model;
-    let moving = model.joints.iter().filter(|j| j.kind != JointKind::Fixed);
-    Segment {
-        label: p.label.clone(),
-        channels: p
-            .channels
-            .iter()
-            .filter(|c| c.samples > 0)
-            .map(channel)
-            .collect(),
-        momentum: channel(&p.momentum),
-        time_s: times(&p.motion.time_s),
-        omega_rad_s: p.motion.w_NB_B.iter().map(|w| w.map(round)).collect(),
-        q_xyzw: p.motion.q_NB_xyzw.iter().map(|q| q.map(round)).collect(),
-        joints: moving
-            .zip(&p.joint_position)
-            .map(|(j, values)| Row {
-                name: j.name.clone(),
-                unit: joint_unit(j).to_owned(),
-                values: rounded(values),
-            })
-            .collect(),
-        wheels: model
-            .wheels
-            .iter()
-            .zip(&p.wheel_speed)
-            .map(|(w, values)| Row {
-                name: w.name.clone(),
-                unit: "rad/s".to_owned(),
-                values: rounded(values),
-            })
-            .collect(),
-        firings: p
-            .firings
-            .iter()
-            .take(FIRINGS)
-            .filter_map(|f| {
-                let thruster = model.thrusters.get(f.thruster)?;
-                Some((thruster.name.clone(), f.start_s, f.end_s, f.force))
-            })
-            .collect(),
+/// A prediction with as many digits as its curves show.
+fn segment(mut p: Prediction) -> Segment {
+    p.channels.retain(|c| c.samples > 0);
+    for c in p.channels.iter_mut().chain([&mut p.momentum]) {
+        times(&mut c.time_s);
+        let curves = [&mut c.measured, &mut c.predicted, &mut c.residual];
+        let rows = curves.into_iter().chain([&mut c.autocorrelation]);
+        rounded(rows.flatten().flatten());
     }
-}
-
-fn channel(c: &PredictedChannel) -> Channel {
-    let rows = |all: &[Vec<f64>]| all.iter().map(|row| rounded(row)).collect();
-    Channel {
-        name: c.name.to_owned(),
-        unit: c.unit.to_owned(),
-        residual_unit: c.residual_unit.to_owned(),
-        components: c.components.iter().map(|s| (*s).to_owned()).collect(),
-        samples: c.samples,
-        time_s: times(&c.time_s),
-        measured: rows(&c.measured),
-        predicted: rows(&c.predicted),
-        residual: rows(&c.residual),
-        histogram: c.histogram.clone(),
-        autocorrelation: rows(&c.autocorrelation),
-    }
+    times(&mut p.time_s);
+    rounded(p.omega_rad_s.iter_mut().flatten());
+    rounded(p.q_xyzw.iter_mut().flatten());
+    let rows = p.joints.iter_mut().chain(&mut p.wheels);
+    rounded(rows.flat_map(|row| &mut row.values));
+    p.firings.truncate(FIRINGS);
+    p
 }
 
 /// Times rounded to the nanosecond, which still separates samples.
-fn times(row: &[f64]) -> Vec<f64> {
-    let nanosecond = |t: &f64| format!("{t:.9}").parse().unwrap_or(*t);
-    row.iter().map(nanosecond).collect()
-}
-
-fn rounded(row: &[f64]) -> Vec<f64> {
-    row.iter().copied().map(round).collect()
+fn times(row: &mut [f64]) {
+    for t in row {
+        *t = format!("{t:.9}").parse().unwrap_or(*t);
+    }
 }
 
 /// Rounds to nine digits: enough for a plot, at a third of the bytes.
-fn round(x: f64) -> f64 {
-    format!("{x:.8e}").parse().unwrap_or(x)
+fn rounded<'a>(all: impl Iterator<Item = &'a mut f64>) {
+    for x in all {
+        *x = format!("{x:.8e}").parse().unwrap_or(*x);
+    }
 }

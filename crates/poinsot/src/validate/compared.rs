@@ -9,10 +9,8 @@ use poinsot_telemetry::{Channel, Table};
 /// One quantity from two sources.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Compared {
-    /// Name, for example `base position`, `joint joint1`, `gyro`.
-    pub name: String,
-    /// Unit of the difference.
-    pub unit: &'static str,
+    /// Its record in the result file: name, unit and size of the difference.
+    pub file: ComparedQuantityFile,
     /// Times, s.
     pub time_s: Vec<f64>,
     /// Names of the components of both sides.
@@ -25,45 +23,26 @@ pub struct Compared {
     pub difference_components: Vec<String>,
     /// Model minus other side, one row per component.
     pub difference: Vec<Vec<f64>>,
-    /// Largest norm of the difference.
-    pub largest: f64,
-    /// Its time, s.
-    pub largest_at_s: f64,
-    /// RMS norm.
-    pub rms: f64,
-    /// The difference in units of the declared noise, if any.
-    pub sigmas: Option<InSigmasFile>,
 }
 
 impl Compared {
     /// The quantity with the statistics of its difference.
     pub(super) fn measured(mut self) -> Self {
-        self.largest_at_s = self.time_s.first().copied().unwrap_or(0.0);
+        let file = &mut self.file;
+        file.samples = self.time_s.len();
+        file.largest_at_s = self.time_s.first().copied().unwrap_or(0.0);
         let mut square = 0.0;
         for (k, time) in self.time_s.iter().enumerate() {
             let rows = self.difference.iter().filter_map(|row| row.get(k));
             let own: f64 = rows.map(|x| x * x).sum();
             square += own;
             // NaN must not count as agreement.
-            if own.sqrt() > self.largest || own.is_nan() {
-                (self.largest, self.largest_at_s) = (own.sqrt(), *time);
+            if own.sqrt() > file.largest || own.is_nan() {
+                (file.largest, file.largest_at_s) = (own.sqrt(), *time);
             }
         }
-        self.rms = (square / self.time_s.len().max(1) as f64).sqrt();
+        file.rms = (square / self.time_s.len().max(1) as f64).sqrt();
         self
-    }
-
-    /// The quantity in the result file.
-    pub(super) fn file(&self) -> ComparedQuantityFile {
-        ComparedQuantityFile {
-            quantity: self.name.clone(),
-            unit: self.unit.to_owned(),
-            samples: self.time_s.len(),
-            largest: self.largest,
-            largest_at_s: self.largest_at_s,
-            rms: self.rms,
-            sigmas: self.sigmas,
-        }
     }
 }
 
@@ -115,21 +94,23 @@ impl Group<'_> {
             let turn = |k| turn(&q(&against, k), &q(&model, k));
             let turns: Vec<Vector3> = (0..times.len()).map(turn).collect();
             let row = |k| turns.iter().map(|v| v[k]).collect();
-            let names = ["turn_x", "turn_y", "turn_z"].map(str::to_owned).to_vec();
-            (names, (0..3).map(row).collect::<Vec<Vec<f64>>>())
+            (turn_names(), (0..3).map(row).collect::<Vec<Vec<f64>>>())
         } else {
             let rows = model.iter().zip(&against);
             let rows = rows.map(|(a, b)| a.iter().zip(b).map(|(a, b)| a - b).collect());
             (self.channels.clone(), rows.collect())
         };
         let compared = Compared {
-            name: self.name.clone(),
-            unit: self.unit,
+            file: ComparedQuantityFile {
+                quantity: self.name.clone(),
+                unit: self.unit.to_owned(),
+                sigmas: self.sigmas(&difference),
+                ..ComparedQuantityFile::default()
+            },
             time_s: times,
             components: self.channels.clone(),
             model,
             against,
-            sigmas: self.sigmas(&difference),
             difference_components,
             difference,
             ..Compared::default()
@@ -161,6 +142,11 @@ impl Group<'_> {
             whiteness_p: None,
         })
     }
+}
+
+/// Names of the components of a difference of attitudes.
+pub(super) fn turn_names() -> Vec<String> {
+    ["turn_x", "turn_y", "turn_z"].map(str::to_owned).to_vec()
 }
 
 fn quaternion(rows: &[Vec<f64>], k: usize) -> Quaternion<f64> {

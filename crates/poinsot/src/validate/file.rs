@@ -29,12 +29,13 @@ pub fn validation_csv(validation: &Validation) -> String {
         let same = c.components == c.difference_components;
         let mut add = |component: &str, unit: &str, lists: [Option<&Vec<f64>>; 3]| {
             for (k, t) in c.time_s.iter().enumerate() {
-                let place = [c.name.as_str(), component, unit, &t.to_string()].map(str::to_owned);
+                let place =
+                    [c.file.quantity.as_str(), component, unit, &t.to_string()].map(str::to_owned);
                 let values = lists.map(|list| number(list.and_then(|list| list.get(k))));
                 rows.push(place.into_iter().chain(values).collect());
             }
         };
-        let unit = if same { c.unit } else { "1" };
+        let unit = if same { c.file.unit.as_str() } else { "1" };
         for (k, component) in c.components.iter().enumerate() {
             let difference = c.difference.get(k).filter(|_| same);
             add(
@@ -45,7 +46,7 @@ pub fn validation_csv(validation: &Validation) -> String {
         }
         if !same {
             for (component, row) in c.difference_components.iter().zip(&c.difference) {
-                add(component, c.unit, [None, None, Some(row)]);
+                add(component, &c.file.unit, [None, None, Some(row)]);
             }
         }
     }

@@ -53,7 +53,7 @@ pub(super) fn scenario(case: &Case, mover: &Mover) -> Result<Scenario, Error> {
 /// let mut heavy = model.clone();
 /// heavy.bodies[0].nominal.I_BBcm_B *= 2.0;
 /// let compared = compare_motion(&case, &Mover::of_model(model), &Mover::of_model(heavy))?;
-/// assert!(compared[0].largest < 1.0e-12 && compared[1].largest > 0.1);
+/// assert!(compared[0].file.largest < 1.0e-12 && compared[1].file.largest > 0.1);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn compare_motion(case: &Case, model: &Mover, against: &Mover) -> Result<Vec<Compared>, Error> {

@@ -38,9 +38,10 @@ pub(super) fn motion_effect(
         };
         let mut strongest = 0.0_f64;
         for (one, travel) in compare_paths(model, own, &other).iter().zip(&travel) {
-            match changes.iter_mut().find(|c| c.quantity == one.name) {
+            let one = &one.file;
+            match changes.iter_mut().find(|c| c.quantity == one.quantity) {
                 Some(known) => known.largest = known.largest.max(one.largest),
-                None => changes.push(change(&one.name, one.unit, one.largest)),
+                None => changes.push(change(&one.quantity, &one.unit, one.largest)),
             }
             let share = one.largest / travel;
             if share > strongest || share.is_nan() {
@@ -98,7 +99,7 @@ fn travel(model: &Model, path: &Table) -> Vec<f64> {
         ..Table::default()
     };
     let moved = compare_paths(model, path, &still);
-    moved.iter().map(|c| c.largest.max(1.0e-3)).collect()
+    moved.iter().map(|c| c.file.largest.max(1.0e-3)).collect()
 }
 
 /// Change of chi-square per degree of freedom of held-back telemetry along every unobservable direction.

@@ -1,7 +1,7 @@
 //! Compares a vehicle with telemetry: its motion in a case, or a held-back record.
 
 use super::Mover;
-use super::compared::{Compared, Group};
+use super::compared::{Compared, Group, turn_names};
 use super::motion::scenario;
 use crate::bind::bind;
 use crate::case::Case;
@@ -10,7 +10,7 @@ use crate::error::Error;
 use crate::simulate::perfect_table;
 use poinsot_dynamics::Tree;
 use poinsot_files::Place;
-use poinsot_formats::InSigmasFile;
+use poinsot_formats::{ComparedQuantityFile, InSigmasFile};
 use poinsot_identify::{
     CompletedVehicle, HeldBack, PredictedChannel, Prediction, SegmentFit, held_back,
 };
@@ -33,9 +33,9 @@ pub(super) const POINTS: usize = 100_000;
 ///
 /// let table = simulate::simulate_case(&case, &model)?.table;
 /// let compared = compare_with_telemetry(&case, &Mover::of_model(model), &table)?;
-/// let gyro = compared.iter().find(|c| c.name == "gyro").unwrap();
+/// let gyro = compared.iter().find(|c| c.file.quantity == "gyro").unwrap();
 /// // The difference is the noise.
-/// assert!((gyro.sigmas.unwrap().rms - 1.0).abs() < 0.3);
+/// assert!((gyro.file.sigmas.unwrap().rms - 1.0).abs() < 0.3);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn compare_with_telemetry(
@@ -210,9 +210,9 @@ fn of_segment(
         .filter_map(|(channel, worst)| {
             let mut one = of_curves(curves(&channel.name)?);
             if many {
-                one.name = format!("{} of {}", channel.name, fit.label);
+                one.file.quantity = format!("{} of {}", channel.name, fit.label);
             }
-            one.sigmas = channel.chi2_per_number.map(|chi2| InSigmasFile {
+            one.file.sigmas = channel.chi2_per_number.map(|chi2| InSigmasFile {
                 rms: chi2.sqrt(),
                 largest: *worst,
                 whiteness_p: channel.whiteness_p,
@@ -224,22 +224,22 @@ fn of_segment(
 
 /// Report curves are measured minus predicted; here the sign is reversed.
 fn of_curves(curves: &PredictedChannel) -> Compared {
-    let own = |names: &[&str]| names.iter().map(|n| (*n).to_owned()).collect();
     let same = curves.residual.len() == curves.components.len();
-    let turn = ["turn_x", "turn_y", "turn_z"];
     let negative = |row: &Vec<f64>| row.iter().map(|x| -x).collect();
     let compared = Compared {
-        name: curves.name.clone(),
-        unit: curves.residual_unit,
+        file: ComparedQuantityFile {
+            quantity: curves.name.clone(),
+            unit: curves.residual_unit.clone(),
+            ..ComparedQuantityFile::default()
+        },
         time_s: curves.time_s.clone(),
-        components: own(&curves.components),
+        components: curves.components.clone(),
         model: curves.predicted.clone(),
         against: curves.measured.clone(),
-        difference_components: own(if same {
-            &curves.components[..]
-        } else {
-            &turn[..]
-        }),
+        difference_components: match same {
+            true => curves.components.clone(),
+            false => turn_names(),
+        },
         difference: curves.residual.iter().map(negative).collect(),
         ..Compared::default()
     };

@@ -788,7 +788,7 @@ fn stat_a_case_is_compared_with_what_every_camera_sees() {
     let model = model(&[FINE, COARSE, STAR, CAMERA, MARKER, back]);
     let table = simulate_trial(&sensed(), &model, 0).unwrap().table;
     let found = compare_with_telemetry(&sensed(), &Mover::of_model(model), &table).unwrap();
-    let names: Vec<&str> = found.iter().map(|c| c.name.as_str()).collect();
+    let names: Vec<&str> = found.iter().map(|c| c.file.quantity.as_str()).collect();
     for name in [
         "gyro fine",
         "gyro coarse",
@@ -797,10 +797,10 @@ fn stat_a_case_is_compared_with_what_every_camera_sees() {
         "relative_attitude back",
         "relative_position",
     ] {
-        let one = found.iter().find(|c| c.name == name);
+        let one = found.iter().find(|c| c.file.quantity == name);
         let one = one.unwrap_or_else(|| unreachable!("{name} in {names:?}"));
         // 303 numbers: one sigma of the root mean square is 0.04.
-        let rms = one.sigmas.unwrap().rms;
+        let rms = one.file.sigmas.clone().unwrap().rms;
         println!("{name}: {rms:.2}");
         assert!((rms - 1.0).abs() < 0.2, "{name}: {rms}");
     }

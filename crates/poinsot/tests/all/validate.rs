@@ -45,17 +45,30 @@ fn paper_xu2017_base_parameters_move_like_the_truth() {
     assert_eq!(found.file.verdict, "agrees");
     assert_eq!(found.histories.len(), 8);
     for one in &found.histories {
-        println!("{}: {:.1e} {}", one.name, one.largest, one.unit);
+        println!(
+            "{}: {:.1e} {}",
+            one.file.quantity, one.file.largest, one.file.unit
+        );
         // Measured: 2e-13.
-        assert!(one.largest < 1e-11, "{}: {:e}", one.name, one.largest);
+        assert!(
+            one.file.largest < 1e-11,
+            "{}: {:e}",
+            one.file.quantity,
+            one.file.largest
+        );
     }
     let completed = found.file.completed.as_ref().unwrap();
     assert_eq!((completed.determined, completed.open), (52, 18));
     assert!(completed.distance_natural > 0.05);
     assert!(completed.depends_on.is_empty());
     // The joints really move, and the nominal vehicle deviates about as much as the paper's.
-    let joint =
-        |v: &Validation, name: &str| v.histories.iter().find(|c| c.name == name).unwrap().clone();
+    let joint = |v: &Validation, name: &str| {
+        v.histories
+            .iter()
+            .find(|c| c.file.quantity == name)
+            .unwrap()
+            .clone()
+    };
     let reach = joint(&found, "joint joint1").model[0]
         .iter()
         .fold(0.0_f64, |a, x| a.max(x.abs()));
@@ -69,7 +82,7 @@ fn paper_xu2017_base_parameters_move_like_the_truth() {
         (nominal.file.verdict.as_str(), nominal.file.passes()),
         ("differs", false)
     );
-    assert!(joint(&nominal, "joint joint1").largest > 1e-4);
+    assert!(joint(&nominal, "joint joint1").file.largest > 1e-4);
 }
 
 /// From the estimate in memory, and from an estimate without C1, whose scale is undetermined: the motion is not
@@ -124,23 +137,27 @@ fn stat_held_back_telemetry_agrees_with_a_good_estimate_only() {
         good.file.chi2_per_dof
     );
     assert!(good.file.completed.is_none());
-    let names: Vec<&str> = good.histories.iter().map(|c| c.name.as_str()).collect();
+    let names: Vec<&str> = good
+        .histories
+        .iter()
+        .map(|c| c.file.quantity.as_str())
+        .collect();
     assert_eq!(names, ["gyro", "attitude"]);
     for one in &good.histories {
-        let sigmas = one.sigmas.unwrap();
+        let sigmas = one.file.sigmas.clone().unwrap();
         assert!(
             (sigmas.rms - 1.0).abs() < 0.05,
             "{}: {}",
-            one.name,
+            one.file.quantity,
             sigmas.rms
         );
         assert!(
             (3.0..5.5).contains(&sigmas.largest),
             "{}: {}",
-            one.name,
+            one.file.quantity,
             sigmas.largest
         );
-        assert!(sigmas.whiteness_p.unwrap() > 1e-3, "{}", one.name);
+        assert!(sigmas.whiteness_p.unwrap() > 1e-3, "{}", one.file.quantity);
     }
     let nominal = validate(&ValidateRequest {
         estimate: None,
@@ -165,19 +182,23 @@ fn stat_a_case_against_its_telemetry() {
         let found = compare_with_telemetry(&case, &Mover::of_model(model.clone()), &table).unwrap();
         assert_eq!(found.len(), 2);
         for one in found {
-            let sigmas = one.sigmas.unwrap();
+            let sigmas = one.file.sigmas.clone().unwrap();
             // 6000 numbers: one sigma of the mean square is 0.018.
             assert!(
                 (sigmas.rms * sigmas.rms - 1.0).abs() < 0.08,
                 "{}: {}",
-                one.name,
+                one.file.quantity,
                 sigmas.rms
             );
             assert!(sigmas.largest < 5.5);
         }
         let rigid = read_model(shipped().join("cases/rigid_bus.toml")).unwrap();
         let found = compare_with_telemetry(&case, &Mover::of_model(rigid), &table).unwrap();
-        assert!(found.iter().all(|c| c.sigmas.unwrap().rms > 10.0));
+        assert!(
+            found
+                .iter()
+                .all(|c| c.file.sigmas.clone().unwrap().rms > 10.0)
+        );
     }
 }
 
@@ -190,19 +211,19 @@ fn exact_histories_and_their_file() {
     other.bodies[6].mass *= 1.1;
     let compared = compare_motion(&case, &other, &truth).unwrap();
     let same = compare_motion(&case, &truth, &truth).unwrap();
-    assert!(same.iter().all(|c| c.largest < 1e-15));
+    assert!(same.iter().all(|c| c.file.largest < 1e-15));
     for c in &compared {
         assert_eq!(c.time_s.len(), 201);
         assert!(
             c.difference.iter().all(|row| row[0].abs() < 1e-15),
             "{}",
-            c.name
+            c.file.quantity
         );
         assert!(
-            c.largest > 1e-9 && c.rms < c.largest,
+            c.file.largest > 1e-9 && c.file.rms < c.file.largest,
             "{}: {:e}",
-            c.name,
-            c.largest
+            c.file.quantity,
+            c.file.largest
         );
     }
     // A rotation vector computed independently from the two quaternions, to first order.
@@ -368,6 +389,6 @@ fn exact_led_joints_agree_whatever_the_vehicle() {
     let mut other = truth.clone();
     other.bodies[3].mass *= 1.2;
     let compared = compare_motion(&case, &other, &truth).unwrap();
-    assert!(compared[0].largest > 1e-4 && compared[1].largest > 1e-4);
-    assert!(compared[2..].iter().all(|c| c.largest == 0.0));
+    assert!(compared[0].file.largest > 1e-4 && compared[1].file.largest > 1e-4);
+    assert!(compared[2..].iter().all(|c| c.file.largest == 0.0));
 }

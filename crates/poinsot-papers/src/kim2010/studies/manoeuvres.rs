@@ -121,8 +121,9 @@ fn numbers(estimate: &Estimate) -> [[f64; 2]; 6] {
         let element = tensor_index(name);
         let mut printed = estimate.method_report.iter().flat_map(|r| &r.numbers);
         let number = printed.find(|n| n.name == MASS_PROPERTY_NAMES[4 + element]);
-        let number = number.map_or(estimate.bodies[0].inertia[element], |n| n.number);
-        [number.value, number.sigma].map(|x| x.unwrap_or(f64::NAN))
+        let answer = estimate.bodies[0].inertia[element];
+        let pair = number.map_or([answer.value, answer.sigma], |n| [n.value, n.sigma]);
+        pair.map(|x| x.unwrap_or(f64::NAN))
     })
 }
 

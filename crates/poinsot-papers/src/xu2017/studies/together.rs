@@ -60,7 +60,7 @@ pub fn cases(context: &Context) -> Result<[CaseText; 4], StudyError> {
 pub fn condition(e: &Estimate) -> f64 {
     let mut numbers = e.method_report.iter().flat_map(|r| &r.numbers);
     let found = numbers.find(|n| n.name.ends_with("condition of these"));
-    found.and_then(|n| n.number.value).unwrap_or(f64::NAN)
+    found.and_then(|n| n.value).unwrap_or(f64::NAN)
 }
 
 /// Errors of mass (relative), mass centre (m), tensor (kg m2, largest element); infinite without a number.

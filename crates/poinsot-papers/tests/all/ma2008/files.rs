@@ -101,7 +101,7 @@ fn cli_method_and_variant_names() {
             .unwrap()
             .numbers
             .iter()
-            .any(|n| n.name.contains("(35)") && n.number.value.is_some())
+            .any(|n| n.name.contains("(35)") && n.value.is_some())
     );
     for (method, variant, told) in [
         (

@@ -144,8 +144,7 @@ fn fit_from(model: &Model, throw: &Recording, declared: &Declared) -> Result<Fit
     let at = ["xx", "xy", "yy", "xz", "yz", "zz"]
         .map(|element| place(&format!("thrown.inertia_{element}")).unwrap());
     let w: Vec<Vector3<f64>> = predictions[0]
-        .motion
-        .w_NB_B
+        .omega_rad_s
         .iter()
         .map(|w| (*w).into())
         .collect();
