@@ -5,13 +5,13 @@ use crate::identify::Identified;
 use poinsot_formats::{
     Axes, BarycentricFile, BodyFile, ChannelFile, CheckFile, CovarianceFile, DeterminedFile,
     DiagnosticsFile, DriftFile, ESTIMATE, Elements, EpochFile, EstimateFile, EvidenceFile,
-    FindingFile, HeldOutFile, IdentifiabilityFile, InputFile, KnownNumbersFile, LagFile, LineFile,
-    MomentumFile, NumberFile, ReferenceFile, SegmentFitFile, SensitivityFile, SensorFitFile,
-    SuspectFile, SystemFile, UndeterminedFile, ValueFile, address, finite,
+    FindingFile, IdentifiabilityFile, InputFile, KnownNumbersFile, LagFile, MomentumFile,
+    NumberFile, ReferenceFile, SegmentFitFile, SensitivityFile, SensorFitFile, SuspectFile,
+    SystemFile, UndeterminedFile, ValueFile, address, finite,
 };
 use poinsot_identify::{
-    BodyEstimate, Diagnostics, Estimate, HeldOut, Identifiability, MomentumDrift, MomentumEstimate,
-    Number, Remark, RemarkKind, SegmentFit, tensor_index,
+    BodyEstimate, Diagnostics, Estimate, Identifiability, MomentumDrift, MomentumEstimate, Number,
+    Remark, RemarkKind, SegmentFit, tensor_index,
 };
 use poinsot_model::{JointKind, Model};
 use poinsot_telemetry::checks::Finding;
@@ -285,11 +285,11 @@ fn diagnostics(d: &Diagnostics) -> DiagnosticsFile {
         deviance: finite(d.deviance),
         excess_sigmas: finite(d.excess_sigmas),
         channels: d.channels.iter().map(diagnosed_channel).collect(),
-        held_out: d.held_out.as_ref().map(held_out),
+        held_out: d.held_out.clone(),
         momentum_drift: d.drift.iter().map(drift).collect(),
         lags: d.lags.iter().map(lag).collect(),
         suspects: d.suspects.iter().map(suspect).collect(),
-        lines: d.lines.iter().map(line).collect(),
+        lines: d.lines.clone(),
         findings: d.findings.iter().map(fault_finding).collect(),
     }
 }
@@ -304,15 +304,6 @@ fn diagnosed_channel(c: &poinsot_identify::ChannelDiagnosis) -> (String, Channel
         whiteness_p: c.whiteness_p,
     };
     (c.name.to_owned(), file)
-}
-
-fn held_out(h: &HeldOut) -> HeldOutFile {
-    HeldOutFile {
-        share: h.share,
-        numbers: h.numbers,
-        chi2: h.chi2,
-        p: h.p,
-    }
 }
 
 fn drift(d: &MomentumDrift) -> DriftFile {
@@ -347,14 +338,6 @@ fn suspect(s: &poinsot_identify::Suspect) -> SuspectFile {
         decrease_of_chi2: finite(s.decrease),
         explains: s.explains,
         values: s.values.iter().map(value).collect(),
-    }
-}
-
-fn line(l: &poinsot_identify::SpectralLine) -> LineFile {
-    LineFile {
-        segment: l.segment.clone(),
-        frequency_hz: l.frequency_hz,
-        share: l.share,
     }
 }
 

@@ -2,6 +2,7 @@
 
 pub use crate::problem::fault::FaultKind;
 use crate::problem::parameters::UnknownKind;
+pub use poinsot_formats::{HeldOutFile as HeldOut, LineFile as SpectralLine};
 use poinsot_telemetry::Repair;
 
 /// Probability below which a residual is not white.
@@ -78,19 +79,6 @@ impl ChannelDiagnosis {
     pub fn outlier_share(&self) -> f64 {
         self.outliers as f64 / self.readings.max(1) as f64
     }
-}
-
-/// The end of every record against the prediction of a fit without it, to first order.
-#[derive(Debug, Clone, PartialEq)]
-pub struct HeldOut {
-    /// Share of every record that was held out.
-    pub share: f64,
-    /// Numbers held out.
-    pub numbers: usize,
-    /// Square of the prediction error in its covariance, noise and uncertainty of the fit together.
-    pub chi2: f64,
-    /// p-value of the error, with the observed size of the other residuals.
-    pub p: f64,
 }
 
 /// An additional constant torque and force in N, all other parameters refitted to first order.
@@ -197,17 +185,6 @@ impl Suspect {
         let first = self.values.first()?;
         Some((first.kind.as_ref()?, first.value))
     }
-}
-
-/// A line in the spectrum of a segment's gyro residual.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SpectralLine {
-    /// Segment.
-    pub segment: String,
-    /// Frequency, Hz.
-    pub frequency_hz: f64,
-    /// Share of the residual's power in it.
-    pub share: f64,
 }
 
 /// A conclusion.
