@@ -37,7 +37,7 @@ const FITS: f64 = 10.0;
 const UNEXPLAINED: f64 = 0.01;
 /// Rotation per sample, rad, above which a fit takes minutes.
 const FAR: f64 = 0.3;
-/// Gyro samples of the beginning that is fitted as it was read.
+/// Gyro samples of the part that is fitted as it was read.
 const SHORT: usize = 100;
 /// Tolerance of the mean factor, relative.
 const MEAN: f64 = 0.15;
@@ -129,7 +129,7 @@ pub(crate) fn of_fast_record(model: &Model, tables: &[Table]) -> Option<Finding>
         fit.is_some_and(|fit| fit.explains && fit.answers)
     };
     let (change, channel, words) = FAST.iter().find(right)?;
-    if fit(model, &beginning(tables)).is_some_and(|fit| fit.explains) {
+    if fit(model, &liveliest(tables)).is_some_and(|fit| fit.explains) {
         // Read as it is, it fits too: a spin about one axis fits in any unit.
         return None;
     }
@@ -144,20 +144,35 @@ pub(crate) fn of_fast_record(model: &Model, tables: &[Table]) -> Option<Finding>
     })
 }
 
-/// The first samples of all tables.
-fn beginning(tables: &[Table]) -> Vec<Table> {
+/// The part of all tables in which the rates change most.
+fn liveliest(tables: &[Table]) -> Vec<Table> {
     let mut all = tables.to_vec();
     for table in &mut all {
-        let rates = table
-            .channels
-            .iter()
-            .filter(|c| c.name.starts_with("omega_"));
-        let times = rates.flat_map(|c| c.time_s.get(SHORT).or(c.time_s.last()));
-        let end = times.copied().fold(f64::NEG_INFINITY, f64::max);
+        let rates = || {
+            let all = table.channels.iter();
+            all.filter(|c| c.name.starts_with("omega_"))
+        };
+        let Some(times) = rates().next().map(|c| c.time_s.clone()) else {
+            continue;
+        };
+        let range = |from: usize, c: &Channel| {
+            let part = c.values.iter().skip(from).take(SHORT);
+            let (least, most) = part.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| {
+                (a.min(*x), b.max(*x))
+            });
+            most - least
+        };
+        let change = |from: &usize| rates().map(|c| range(*from, c)).sum::<f64>();
+        let starts = (0..times.len()).step_by(SHORT / 2);
+        let from = starts.max_by(|a, b| change(a).total_cmp(&change(b)));
+        let from = from.unwrap_or(0).min(times.len().saturating_sub(SHORT));
+        let end = times.get(from + SHORT).or(times.last()).copied();
+        let (start, end) = (times.get(from).copied(), end);
         for channel in &mut table.channels {
-            let kept = channel.time_s.partition_point(|t| *t <= end);
-            channel.time_s = channel.time_s[..kept].into();
-            channel.values.truncate(kept);
+            let place = |t: Option<f64>| channel.time_s.partition_point(|own| Some(*own) < t);
+            let part = place(start)..place(end);
+            channel.values = channel.values.get(part.clone()).unwrap_or(&[]).to_vec();
+            channel.time_s = channel.time_s[part].into();
         }
     }
     all
@@ -201,8 +216,9 @@ fn fit(model: &Model, tables: &[Table]) -> Option<Fit> {
         let left = left.fold(0.0, f64::max);
         let rates = rates_over_noise(problem);
         let explained = rates.is_some_and(|rates| left < UNEXPLAINED * rates);
+        let ended = !matches!(found.status, Status::IterationLimit | Status::Rejected);
         Ok(Fit {
-            explains: left < FITS && explained,
+            explains: ended && left < FITS && explained,
             answers: answered && determined,
         })
     };
