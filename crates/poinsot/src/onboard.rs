@@ -229,7 +229,7 @@ fn noise(model: &Model) -> Result<Noise, Error> {
         .find(|s| !s.slow.is_empty() && !walk(s))
     {
         return Err(unsupported(
-            &format!(
+            format!(
                 "the on-board filter has no slow error of sensor \"{}\"",
                 sensor.name
             ),

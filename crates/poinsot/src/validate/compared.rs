@@ -113,7 +113,6 @@ impl Group<'_> {
             against,
             difference_components,
             difference,
-            ..Compared::default()
         };
         Some(compared.measured())
     }

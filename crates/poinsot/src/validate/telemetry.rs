@@ -241,7 +241,6 @@ fn of_curves(curves: &PredictedChannel) -> Compared {
             false => turn_names(),
         },
         difference: curves.residual.iter().map(negative).collect(),
-        ..Compared::default()
     };
     compared.measured()
 }

@@ -8,7 +8,7 @@ use std::path::Path;
 
 fn tug() -> Model {
     let cases = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/cases");
-    read_model(&cases.join("tug_truth.toml")).unwrap()
+    read_model(cases.join("tug_truth.toml")).unwrap()
 }
 
 /// A factor on all thrusts is one on all masses: the data say nothing of it.

@@ -800,7 +800,7 @@ fn stat_a_case_is_compared_with_what_every_camera_sees() {
         let one = found.iter().find(|c| c.file.quantity == name);
         let one = one.unwrap_or_else(|| unreachable!("{name} in {names:?}"));
         // 303 numbers: one sigma of the root mean square is 0.04.
-        let rms = one.file.sigmas.clone().unwrap().rms;
+        let rms = one.file.sigmas.unwrap().rms;
         println!("{name}: {rms:.2}");
         assert!((rms - 1.0).abs() < 0.2, "{name}: {rms}");
     }

@@ -144,7 +144,7 @@ fn stat_held_back_telemetry_agrees_with_a_good_estimate_only() {
         .collect();
     assert_eq!(names, ["gyro", "attitude"]);
     for one in &good.histories {
-        let sigmas = one.file.sigmas.clone().unwrap();
+        let sigmas = one.file.sigmas.unwrap();
         assert!(
             (sigmas.rms - 1.0).abs() < 0.05,
             "{}: {}",
@@ -182,7 +182,7 @@ fn stat_a_case_against_its_telemetry() {
         let found = compare_with_telemetry(&case, &Mover::of_model(model.clone()), &table).unwrap();
         assert_eq!(found.len(), 2);
         for one in found {
-            let sigmas = one.file.sigmas.clone().unwrap();
+            let sigmas = one.file.sigmas.unwrap();
             // 6000 numbers: one sigma of the mean square is 0.018.
             assert!(
                 (sigmas.rms * sigmas.rms - 1.0).abs() < 0.08,
@@ -194,11 +194,7 @@ fn stat_a_case_against_its_telemetry() {
         }
         let rigid = read_model(shipped().join("cases/rigid_bus.toml")).unwrap();
         let found = compare_with_telemetry(&case, &Mover::of_model(rigid), &table).unwrap();
-        assert!(
-            found
-                .iter()
-                .all(|c| c.file.sigmas.clone().unwrap().rms > 10.0)
-        );
+        assert!(found.iter().all(|c| c.file.sigmas.unwrap().rms > 10.0));
     }
 }
 
