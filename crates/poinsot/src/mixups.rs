@@ -129,8 +129,9 @@ pub(crate) fn of_fast_record(model: &Model, tables: &[Table]) -> Option<Finding>
         fit.is_some_and(|fit| fit.explains && fit.answers)
     };
     let (change, channel, words) = FAST.iter().find(right)?;
-    if fit(model, &liveliest(tables)).is_some_and(|fit| fit.explains) {
-        // Read as it is, it fits too: a spin about one axis fits in any unit.
+    let scaled = matches!(change, Change::Factor(_));
+    if scaled && fit(model, &liveliest(tables)).is_some_and(|fit| fit.explains) {
+        // Read as it is, it fits too: a spin about one axis fits with any factor of its rate.
         return None;
     }
     let text = format!("the vehicle turns by {turn:.1} rad between samples; {words}");
