@@ -2,6 +2,8 @@
 
 use alloc::string::String;
 use alloc::vec::Vec;
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField;
 use poinsot_spatial::{Matrix3, Vector3};
 
 /// Knowledge of a nuisance parameter.
