@@ -41,7 +41,7 @@ pub(crate) fn contradiction(key: &str, value: String, problem: &str) -> Fault {
 #[doc = include_str!("../doc/estimate.txt")]
 /// assert!(contradictions(&estimate).is_empty());
 /// estimate.status = "finished".to_owned();
-/// assert_eq!(contradictions(&estimate)[0].key, "status");
+/// assert_eq!(contradictions(&estimate)[0].place.key, "status");
 /// # Ok::<(), poinsot_files::Faults>(())
 /// ```
 pub fn contradictions(file: &EstimateFile) -> Vec<Fault> {
