@@ -136,7 +136,9 @@ impl Stage {
         let target = self.target(name);
         let failed = |e| Faults::io(&target, "cannot be written", &e);
         let draft = self.hidden().join(format!("new-{}", self.drafts.len()));
-        let mut file = File::create_new(&draft).map_err(failed)?;
+        let mut options = File::options();
+        let options = options.read(true).write(true).create_new(true);
+        let mut file = options.open(&draft).map_err(failed)?;
         write(&mut file)?;
         file.sync_all().map_err(failed)?;
         self.drafts.push(Draft { target, draft });

@@ -36,8 +36,8 @@ pub(crate) fn hashed<T>(
     })
 }
 
-/// Of the first part only where `ended` turns true.
-fn sha256(mut file: impl Read, ended: &AtomicBool) -> io::Result<String> {
+/// SHA-256, hexadecimal; of the first part only where `ended` turns true.
+pub(crate) fn sha256(mut file: impl Read, ended: &AtomicBool) -> io::Result<String> {
     let mut hash = Sha256::new();
     let mut buffer = vec![0_u8; 1 << 16];
     loop {

@@ -97,6 +97,8 @@ mod parquet_pages;
 #[cfg_attr(not(feature = "parquet"), path = "parquet_absent.rs")]
 mod parquet_reader;
 #[cfg(feature = "parquet")]
+mod parquet_seal;
+#[cfg(feature = "parquet")]
 mod parquet_writer;
 mod plan;
 mod quaternion;

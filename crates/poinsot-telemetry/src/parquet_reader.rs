@@ -3,13 +3,14 @@
 //! The third-party decoder panics on some damaged files; panics become errors here.
 
 use crate::ReadOptions;
-use crate::bytes::Opened;
+use crate::bytes::{Opened, unreadable};
 use crate::columns::Columns;
 use crate::error::{WRITE_AGAIN, parquet};
 use crate::intake::Intake;
 use crate::number::{Cell, RawCell};
 use crate::parquet_column::{self, Cells, Column, Kind};
 use crate::parquet_pages::{self, is_mismatch};
+use crate::parquet_seal;
 use crate::plan::{self, Plan};
 use crate::selection::WhenFull;
 use crate::size::Rows;
@@ -53,6 +54,9 @@ fn decode(
     let refused = |e: ParquetError| refused(path, e);
     let reader = SerializedFileReader::new(file.clone()).map_err(refused)?;
     let metadata = reader.metadata();
+    if !parquet_seal::is_intact(file, metadata).map_err(unreadable(path))? {
+        repairs.push(changed(path, options.recover)?);
+    }
     let declared = plausible_rows(path, metadata, opened.file.len)?;
     let schema = metadata.file_metadata().schema_descr();
     let roots = schema.root_schema().get_fields();
@@ -116,6 +120,19 @@ fn decode(
         return Err(self::refused(path, why));
     }
     Ok((plan, columns))
+}
+
+/// The repair for a file that does not match its own checksum: it is read all the same.
+fn changed(path: &Path, recover: bool) -> Result<String, Faults> {
+    let place = Place::file(path);
+    let what = "the file does not match its checksum: its bytes were changed";
+    match recover {
+        true => Ok(format!("{place}: {what}; read all the same")),
+        false => {
+            let advice = format!("{WRITE_AGAIN}; --recover reads it all the same");
+            Err(Faults::one("E0216", place, what, advice))
+        }
+    }
 }
 
 /// The repair for a page that does not match its checksum: the rows from there on are dropped.

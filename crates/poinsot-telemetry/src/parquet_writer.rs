@@ -2,7 +2,7 @@
 
 use crate::cursor::cursors;
 use crate::row_columns::{RowCells, RowColumn};
-use crate::{Channel, full_name};
+use crate::{Channel, full_name, parquet_seal};
 use parquet::basic::{Compression, ConvertedType, LogicalType, Repetition, Type as Stored};
 use parquet::data_type::{ByteArray, ByteArrayType, DataType, DoubleType, Int64Type};
 use parquet::errors::Result;
@@ -21,7 +21,8 @@ pub(crate) fn write_parquet(
     times: &[f64],
     channels: &[Channel],
 ) -> std::result::Result<(), String> {
-    encode(file, times, channels).map_err(|e| e.to_string())
+    encode(file, times, channels).map_err(|e| e.to_string())?;
+    parquet_seal::seal(file).map_err(|e| e.to_string())
 }
 
 fn encode(file: &mut File, times: &[f64], channels: &[Channel]) -> Result<()> {
@@ -44,6 +45,7 @@ fn encode(file: &mut File, times: &[f64], channels: &[Channel]) -> Result<()> {
         }
         group.close()?;
     }
+    writer.append_key_value_metadata(parquet_seal::unsealed());
     writer.close()?;
     Ok(())
 }
