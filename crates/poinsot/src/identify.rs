@@ -8,6 +8,7 @@ use crate::methods::{is_own, methods};
 use crate::progress::step;
 use crate::{mixups, motor_torque};
 use poinsot_dynamics::Tree;
+use poinsot_files::check_memory;
 use poinsot_formats::{ModelInputFile, sha256};
 use poinsot_identify::{
     Coordinates, Effect, Estimate, Loss, Modes, Prediction, Problem, Remark, RemarkKind, Settings,
@@ -32,6 +33,8 @@ const ALLOWED_LOSS: f64 = 0.2;
 
 /// Usual memory limit for the samples of one file, MiB.
 pub const IDENTIFY_MIB: usize = 64;
+/// Memory of a sample in all fits of an answer, bytes; measured on the shipped cases, and rounded up.
+const OF_SAMPLE: usize = 72;
 
 /// Most points of one curve kept for the report, and of the curves of all segments together.
 const CURVE_POINTS: (usize, usize) = (1500, 3000);
@@ -307,6 +310,10 @@ fn read_records(
         options.origin = table.origin;
         tables.push(table);
     }
+    let channels = tables.iter().flat_map(|table| &table.channels);
+    let samples: usize = channels.map(|channel| channel.values.len()).sum();
+    let what = format!("the fits of {samples} samples");
+    check_memory(&what, (samples * OF_SAMPLE) as f64)?;
     Ok(tables)
 }
 

@@ -8,7 +8,7 @@ mod peaks;
 mod written;
 
 use crate::bind::{bind, cut_at, solve};
-use crate::case::{Case, Scenario, Want, estimated_numbers, read_case};
+use crate::case::{Case, FITTED, Scenario, Want, estimated_numbers, read_case};
 use crate::error::{Error, check_accuracy, unsupported};
 use crate::simulate::{free_joints, is_read, simulate_exact, simulate_exact_watched};
 pub use file::prediction_file;
@@ -22,9 +22,6 @@ use poinsot_spatial::MASS_PROPERTY_NAMES;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 pub use written::{prediction_paths, write_predictions};
-
-/// Memory of the measurements and derivatives of a row, bytes.
-const OF_ROW: f64 = 1100.0;
 
 /// Predicted accuracy of a case.
 pub struct Prediction {
@@ -142,7 +139,7 @@ pub fn predict_case(
     let scenario = case.bind(&model)?;
     refuse_unread(&scenario, &model)?;
     let wants = case.wants(&model)?;
-    case.check_memory(OF_ROW)?;
+    case.check_memory(&model, FITTED)?;
     let mut peaks = Peaks::default();
     let exact = simulate_exact_watched(case, &model, scenario.clone(), |s| peaks.take(s))?;
     let tree = Tree::new(&model);

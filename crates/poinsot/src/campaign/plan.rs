@@ -7,7 +7,9 @@ use super::address::{Refusal, count};
 use super::experiment::{Apply, Experiment, FilesAt};
 use super::faults::PlanText;
 use super::methods::MethodChoice;
+use crate::case::FITTED;
 use crate::error::Error;
+use crate::threads::thread_count;
 use crate::trials::Study;
 use poinsot_formats::{
     DrawFile, NumbersFile, OfFile, PLAN, PlanFile, SamplingFile, SamplingKind, ScaleFile, VaryFile,
@@ -210,6 +212,7 @@ fn plan_of(file: PlanFile, mut text: PlanText) -> Result<Plan, Error> {
         let files = plan.files_at(experiment, cell)?;
         if let Some(case) = &files.case {
             case.bind(&files.truth)?;
+            case.check_memory(&files.truth, FITTED * (1 + thread_count()))?;
         }
     }
     Ok(plan)

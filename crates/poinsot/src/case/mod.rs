@@ -20,11 +20,11 @@ mod wanted;
 mod window;
 
 use crate::error::{Error, Fault};
+pub(crate) use bind::{COMPARED, FITTED};
 pub(crate) use describe::describe_case;
 pub(crate) use fault::{KeyText, did_you_mean, rows};
 use planner::Planner;
 use poinsot_dynamics::{Tolerance, Tree};
-use poinsot_files::rounded;
 use poinsot_formats::case::{CASE, CASE_BEFORE, CaseFile};
 pub use poinsot_formats::case::{Format, Objective};
 use poinsot_model::Model;
@@ -189,13 +189,6 @@ impl Case {
     /// Index of the last sample; with whole periods it must not be lost to round-off.
     fn last_row(&self) -> f64 {
         (self.duration_s * self.rate_hz * (1.0 + 1e-12)).floor()
-    }
-
-    /// Checks that the memory is there for some bytes of every row.
-    pub(crate) fn check_memory(&self, bytes_of_row: f64) -> Result<(), Error> {
-        let rows = 1.0 + self.last_row();
-        let what = format!("the {} rows of {}", rounded(rows, 4), self.path().display());
-        poinsot_files::check_memory(&what, rows * bytes_of_row)
     }
 
     /// What a planner makes of the case for a model.

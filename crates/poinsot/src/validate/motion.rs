@@ -2,7 +2,7 @@
 
 use super::Mover;
 use super::compared::{Compared, Group};
-use crate::case::{Case, Scenario};
+use crate::case::{COMPARED, Case, Scenario};
 use crate::channel_names::{joint_unit, names};
 use crate::error::Error;
 use crate::simulate::perfect_table;
@@ -24,6 +24,7 @@ pub(super) fn path(case: &Case, mover: &Mover) -> Result<Table, Error> {
 
 /// The scenario of a vehicle in a case, with its thruster forces.
 pub(super) fn scenario(case: &Case, mover: &Mover) -> Result<Scenario, Error> {
+    case.check_memory(&mover.model, COMPARED)?;
     let mut scenario = case.bind(&mover.model)?;
     if scenario.plan.control.is_some() {
         return Err(Error::one(
