@@ -3,6 +3,9 @@
  *   FAULT_HOW=enospc | eio | kill | int | term | hup; after a signal that is caught the call is made
  *   FAULT_ONCE=1      only this call; else it and all later ones
  *   FAULT_FIRED=path  is made when it happens
+ * makes the n-th allocation fail:
+ *   ALLOC_AT=n        counted from 1, from the first thread on
+ *   ALLOC_COUNT=path  gets the number of allocations of the whole run
  * and counts threads:
  *   THREADS_LOG=path  grows by a byte for each thread that is started
  *   THREADS_FAIL=1    no thread can be started
@@ -49,6 +52,44 @@ static int strikes(void)
     return 1;
 }
 
+/* Counted once the program has started a thread: then its signals are handled. */
+static long allocations = -1;
+
+static int no_memory(void)
+{
+    if (allocations < 0)
+        return 0;
+    static long at = -1;
+    if (at < 0) {
+        const char *text = getenv("ALLOC_AT");
+        at = text ? atol(text) : 0;
+    }
+    if (__sync_add_and_fetch(&allocations, 1) != at)
+        return 0;
+    errno = ENOMEM;
+    return 1;
+}
+
+extern void *__libc_malloc(size_t), *__libc_calloc(size_t, size_t), *__libc_realloc(void *, size_t);
+void *malloc(size_t n) { return no_memory() ? 0 : __libc_malloc(n); }
+void *calloc(size_t n, size_t size) { return no_memory() ? 0 : __libc_calloc(n, size); }
+void *realloc(void *p, size_t n) { return no_memory() ? 0 : __libc_realloc(p, n); }
+
+__attribute__((destructor)) static void count(void)
+{
+    const char *path = getenv("ALLOC_COUNT");
+    char text[32], *end = text + sizeof text, *first = end;
+    if (!path)
+        return;
+    for (long n = allocations; first > text && n > 0; n /= 10)
+        *--first = (char)('0' + n % 10);
+    long fd = syscall(SYS_openat, AT_FDCWD, path, O_CREAT | O_WRONLY | O_TRUNC, 0644);
+    if (fd >= 0) {
+        syscall(SYS_write, fd, first, (size_t)(end - first));
+        syscall(SYS_close, fd);
+    }
+}
+
 #define REAL(name) ((__typeof__(&name))dlsym(RTLD_NEXT, #name))
 
 ssize_t write(int fd, const void *b, size_t n) { return fd > 2 && strikes() ? -1 : REAL(write)(fd, b, n); }
@@ -93,5 +134,6 @@ int pthread_create(pthread_t *t, const pthread_attr_t *a, void *(*f)(void *), vo
             syscall(SYS_close, fd);
         }
     }
+    __sync_bool_compare_and_swap(&allocations, -1, 0);
     return getenv("THREADS_FAIL") ? EAGAIN : REAL(pthread_create)(t, a, f, x);
 }

@@ -40,6 +40,8 @@ fn shim(folder: &Path) -> PathBuf {
 /// A command that writes, and its files.
 struct Question {
     arguments: Vec<String>,
+    /// What `--out` names.
+    out: &'static str,
     files: &'static [&'static str],
 }
 
@@ -71,6 +73,7 @@ fn identify() -> Question {
     ];
     Question {
         arguments: arguments.map(str::to_owned).to_vec(),
+        out: "out",
         files: &["estimate.json", "report_data.json", "report.html"],
     }
 }
@@ -79,7 +82,40 @@ fn simulate() -> Question {
     let arguments = ["simulate", &example("cases/stsat3_spin.toml"), "--quiet"];
     Question {
         arguments: arguments.map(str::to_owned).to_vec(),
+        out: "out",
         files: &["telemetry.csv", "truth.json"],
+    }
+}
+
+/// An answer of `identify`, written once.
+fn answer() -> String {
+    static FOLDER: std::sync::OnceLock<tempfile::TempDir> = std::sync::OnceLock::new();
+    let folder = FOLDER.get_or_init(|| {
+        let folder = tempfile::tempdir().unwrap();
+        good(&identify(), folder.path());
+        folder
+    });
+    folder.path().join("out").display().to_string()
+}
+
+fn export() -> Question {
+    let arguments = ["export", &answer(), "--to", "csv", "--accept-unreliable"];
+    Question {
+        arguments: arguments.map(str::to_owned).to_vec(),
+        out: "out/numbers.csv",
+        files: &["numbers.csv"],
+    }
+}
+
+/// Two trials of a small box.
+fn campaign() -> Question {
+    let plan = Path::new(env!("CARGO_MANIFEST_DIR")).join("../poinsot/doc/plan.toml");
+    let plan = plan.display().to_string();
+    let arguments = ["campaign", &plan, "--trials", "2", "--quiet"];
+    Question {
+        arguments: arguments.map(str::to_owned).to_vec(),
+        out: "out",
+        files: &["campaign.json", "campaign.html"],
     }
 }
 
@@ -101,7 +137,7 @@ fn run(question: &Question, folder: &Path, change: impl FnOnce(&mut Command)) ->
     let arguments: Vec<&str> = question.arguments.iter().map(String::as_str).collect();
     let mut command = poinsot(&arguments);
     // A relative name, because the command line is in the result.
-    command.args(["--out", "out"]).current_dir(folder);
+    command.args(["--out", question.out]).current_dir(folder);
     command.env("RAYON_NUM_THREADS", "1");
     change(&mut command);
     command.output().unwrap()
@@ -315,6 +351,126 @@ fn regress_an_interruption_at_any_call_leaves_nothing_behind() {
         at_every_call(&simulate(), failure(how, true, false));
     }
     at_every_call(&identify(), failure("term", true, true));
+}
+
+#[test]
+fn cli_disk_full_at_every_call_of_export() {
+    at_every_call(&export(), failure("enospc", true, false));
+    at_every_call(&export(), failure("enospc", false, true));
+    at_every_call(&export(), failure("kill", true, true));
+}
+
+/// What a campaign says, without its times.
+fn statistics(folder: &Path) -> Option<serde_json::Value> {
+    let text = std::fs::read(folder.join("out/campaign.json")).ok()?;
+    let mut file: serde_json::Value = serde_json::from_slice(&text).expect("a partial file");
+    file["sha256"].take();
+    file["cells"][0]["methods"][0]["seconds_per_trial"].take();
+    Some(file)
+}
+
+/// Whatever fails, shards that are there are whole: the campaign resumes to the result of an undisturbed one.
+#[test]
+fn cli_a_failure_at_any_call_of_a_campaign_is_resumed() {
+    let workshop = tempfile::tempdir().unwrap();
+    let (shim, fired) = (shim(workshop.path()), workshop.path().join("fired"));
+    good(&campaign(), workshop.path());
+    let whole = statistics(workshop.path());
+    let mut calls = [0; 3];
+    for ((how, once), calls) in [("enospc", "1"), ("eio", "1"), ("kill", "")]
+        .into_iter()
+        .zip(&mut calls)
+    {
+        for n in 1.. {
+            let folder = tempfile::tempdir().unwrap();
+            let _ = std::fs::remove_file(&fired);
+            let done = run(&campaign(), folder.path(), |command| {
+                command.env("LD_PRELOAD", &shim).env("FAULT_FIRED", &fired);
+                command.env("FAULT_AT", n.to_string()).env("FAULT_HOW", how);
+                command.env("FAULT_ONCE", once);
+            });
+            if !fired.exists() {
+                break;
+            }
+            *calls = n;
+            let place = format!("call {n}, {how}: {}", stderr(&done));
+            let expected = match how {
+                "kill" => done.status.code().is_none(),
+                _ => matches!(done.status.code(), Some(0 | 1 | 3)),
+            };
+            assert!(expected, "{place}");
+            let stands = statistics(folder.path());
+            assert!(stands.is_none() || stands == whole, "{place}");
+            let again = run(&campaign(), folder.path(), |command| {
+                command.arg("--resume");
+            });
+            assert!(again.status.code().is_some_and(|c| c <= 1), "{place}");
+            assert_eq!(statistics(folder.path()), whole, "{place}");
+        }
+    }
+    println!("campaign: {calls:?} calls, each failed in turn");
+    assert!(calls.iter().all(|n| *n >= 8), "{calls:?}");
+}
+
+/// Failed allocations: the files are whole, earlier ones stay, and the exit code is 3 where the work could not go on.
+#[test]
+fn cli_a_failed_allocation_loses_nothing() {
+    let trials: u64 = std::env::var("POINSOT_TRIALS").map_or(20, |n| n.parse().unwrap());
+    let workshop = tempfile::tempdir().unwrap();
+    let shim = shim(workshop.path());
+    let count = workshop.path().join("allocations");
+    for question in [identify(), export(), campaign()] {
+        let name = question.arguments[0].clone();
+        let reference = tempfile::tempdir().unwrap();
+        let done = run(&question, reference.path(), |command| {
+            command.env("LD_PRELOAD", &shim).env("ALLOC_COUNT", &count);
+        });
+        assert!(
+            done.status.code().is_some_and(|c| c <= 1),
+            "{}",
+            stderr(&done)
+        );
+        let whole: Vec<_> = contents(&question, reference.path());
+        let all: u64 = std::fs::read_to_string(&count)
+            .unwrap()
+            .trim()
+            .parse()
+            .unwrap();
+        let mut ended = std::collections::BTreeMap::<i32, u64>::new();
+        for trial in 0..trials {
+            // Drawn with a golden ratio: spread evenly over the run.
+            let at = 1 + (all as f64 * (trial as f64 * 0.618_033_988_75).fract()) as u64;
+            let folder = tempfile::tempdir().unwrap();
+            std::fs::create_dir(folder.path().join("out")).unwrap();
+            for file in question.files {
+                std::fs::write(folder.path().join("out").join(file), EARLIER).unwrap();
+            }
+            let done = run(&question, folder.path(), |command| {
+                command
+                    .env("LD_PRELOAD", &shim)
+                    .env("ALLOC_AT", at.to_string());
+            });
+            let place = format!(
+                "{name}, allocation {at} of {all}: {:?} {}",
+                done.status,
+                stderr(&done)
+            );
+            let code = done.status.code().unwrap_or(-1);
+            assert!(matches!(code, 0 | 1 | 3), "{place}");
+            *ended.entry(code).or_default() += 1;
+            let after = contents(&question, folder.path());
+            let earlier = |file: &Option<Vec<u8>>| file.as_deref() == Some(EARLIER);
+            match name.as_str() {
+                // Its times differ.
+                "campaign" => assert!(
+                    earlier(&after[0]) || statistics(folder.path()) == statistics(reference.path()),
+                    "{place}"
+                ),
+                _ => assert!(after.iter().all(earlier) || after == whole, "{place}"),
+            }
+        }
+        println!("{name}: of {all} allocations {trials} failed; by exit code {ended:?}");
+    }
 }
 
 /// A program told to ignore a signal continues.
