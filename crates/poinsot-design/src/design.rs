@@ -2,7 +2,7 @@
 
 use crate::interrupt::Listening;
 use crate::mover::{Command, Target};
-use crate::result::{Designed, Reach, Robust};
+use crate::result::Designed;
 use crate::search::{Found, refine, search};
 use crate::shape::Space;
 use crate::trial::{Deadline, Question, Rows};
@@ -13,8 +13,11 @@ use poinsot::Error;
 use poinsot::case::{Case, Design, Limits, Objective, Want, parse_case, read_case};
 use poinsot::predict::{against_duration, predict_case, wanted_sigma};
 use poinsot_dynamics::{Firing, Plan, Tree};
-use poinsot_formats::{LimitUseFile, ShorterFile};
+use poinsot_formats::{
+    DESIGN, DesignFile, DesignedNumberFile, LimitUseFile, SearchFile, ShorterFile, finite,
+};
 use poinsot_model::{Model, read_model};
+use poinsot_report::design_sentence;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
@@ -66,7 +69,7 @@ pub struct DesignRequest {
 /// // A box with one wheel: its moment about the axis of the wheel is wanted to 0.1 %, with at most 200 rad/s.
 /// let case = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("doc/case.toml");
 /// let designed = design(&DesignRequest { case, ..DesignRequest::default() })?;
-/// assert!(designed.is_reached());
+/// assert_eq!(designed.file.verdict, "reached");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn design(request: &DesignRequest) -> Result<Designed, Error> {
@@ -114,7 +117,7 @@ pub(crate) struct Asked<'c> {
 #[doc = include_str!("../doc/box.txt")]
 /// let designed = design_case(&case, model, &DesignRequest::default())?;
 /// // The ratio of sigma to wanted sigma, of the worst number.
-/// assert!(designed.worst_ratio() <= 1.0);
+/// assert!(designed.file.worst_ratio.unwrap() <= 1.0);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn design_case(case: &Case, model: Model, request: &DesignRequest) -> Result<Designed, Error> {
@@ -138,33 +141,28 @@ pub fn design_case(case: &Case, model: Model, request: &DesignRequest) -> Result
     }
     let drawn_inside = space.drawn_inside(found.reached.x.clone());
     let (x, uses) = asked.held(&question, &space, drawn_inside)?;
-    let mut designed = asked.told(&space, (&x, &found), (uses, reference))?;
-    designed.shorter = shorter;
+    let mut designed = asked.told(&space, (&x, &found), (uses, reference, shorter))?;
+    let file = &mut designed.file;
     if asked.design.robust {
-        designed.robust = Some(Robust {
-            searched: found.reached.values.worst(),
-            others: question.over_others(&space, &x),
-            nominal: question.over_others(&space, &nominal),
-        });
+        file.robust_log_ratio = Some(found.reached.values.worst());
+        file.robust_log_ratio_others = question.over_others(&space, &x);
+        file.nominal_log_ratio_others = question.over_others(&space, &nominal);
     }
-    if !designed.is_reached() && !crate::interrupt::is_requested() {
-        designed.relaxed = asked.relaxed(&question, &space, &x, &designed.limits);
+    if file.verdict == NOT_REACHED && !crate::interrupt::is_requested() {
+        file.relaxed = asked.relaxed(&question, &space, &x, &file.limits);
     }
     if let Some(group) = front.filter(|_| !crate::interrupt::is_requested()) {
-        designed.front = asked.front(group, (&question, &space), &x, designed.worst_ratio());
+        let worst = file.worst_ratio.unwrap_or(f64::INFINITY);
+        file.front = asked.front(group, (&question, &space), &x, worst);
     }
-    designed.evaluations = question.evaluations.load(Ordering::Relaxed);
+    file.search.evaluations = question.evaluations.load(Ordering::Relaxed);
     drop(listening);
     if request.verify > 0 {
-        let case = manoeuvre_of(&designed)?;
-        designed.verification = Some(verify(&case, &designed, &question, request.verify)?);
+        let manoeuvre = parsed(case.path(), designed.manoeuvre.clone())?;
+        file.verification = Some(verify(&manoeuvre, &question, request.verify)?);
     }
+    file.in_words = design_sentence(file);
     Ok(designed)
-}
-
-/// The manoeuvre as a case, parsed from the text that is written.
-fn manoeuvre_of(designed: &Designed) -> Result<Case, Error> {
-    parsed(Path::new(&designed.case), designed.manoeuvre.clone())
 }
 
 /// The text of a case as if it lay beside the one that asks for the design.
@@ -486,43 +484,75 @@ impl<'c> Asked<'c> {
         &self,
         space: &Space,
         (x, found): (&[f64], &Found),
-        (limits, reference): (Vec<LimitUseFile>, Option<Vec<f64>>),
+        (limits, reference, shorter): (Vec<LimitUseFile>, Option<Vec<f64>>, Option<ShorterFile>),
     ) -> Result<Designed, Error> {
         let (commands, firings, manoeuvre) = self.written(space, x)?;
-        let mut designed = Designed {
-            model: self.model.clone(),
+        let case = parsed(self.case.path(), manoeuvre.clone())?;
+        let vehicle = self.vehicle();
+        let ends = against_duration(&case, &vehicle, &self.wants, 1.0)?;
+        let prediction = predict_case(&case, vehicle, 1.0)?;
+        let wants = self
+            .wants
+            .iter()
+            .enumerate()
+            .map(|(i, want)| DesignedNumberFile {
+                name: want.name.clone(),
+                unit: want.unit.to_owned(),
+                wanted_sigma: want.sigma,
+                sigma: wanted_sigma(&prediction.bound, want),
+                reference_sigma: reference.as_ref().map(|r| r[i]),
+            });
+        let wants: Vec<DesignedNumberFile> = wants.collect();
+        let ratio = |w: &DesignedNumberFile| w.sigma.map_or(f64::INFINITY, |s| s / w.wanted_sigma);
+        let worst = wants.iter().map(ratio).fold(0.0, f64::max);
+        let holds = limits.iter().all(|l| l.margin >= -ROUNDED);
+        let unshortened = shorter.is_some_and(|s| s.stopped && s.missed_s.is_none());
+        let verdict = match (worst <= 1.0 + ROUNDED && holds, unshortened) {
+            (true, true) => "stopped",
+            (true, false) => REACHED,
+            (false, _) => NOT_REACHED,
+        };
+        let file = DesignFile {
+            schema: DESIGN.to_owned(),
+            poinsot: env!("CARGO_PKG_VERSION").to_owned(),
             case: self.case.path().display().to_string(),
-            manoeuvre,
-            commands,
-            firings,
+            model: self.model.name.clone(),
+            verdict: verdict.to_owned(),
+            in_words: String::new(),
+            objective: word(self.design.objective).to_owned(),
             duration_s: space.record(),
-            objective: word(self.design.objective),
-            shorter: None,
-            wants: Vec::new(),
+            shorter,
+            worst_ratio: finite(worst),
+            robust_log_ratio: None,
+            robust_log_ratio_others: None,
+            nominal_log_ratio_others: None,
+            wants,
             limits,
             relaxed: Vec::new(),
             front: Vec::new(),
-            against_duration: None,
-            evaluations: 0,
-            starts: found.starts.clone(),
-            settled: found.reached.settled,
-            robust: None,
+            against_duration: Some(ends),
+            search: SearchFile {
+                evaluations: 0,
+                starts: found.starts.clone(),
+                settled: found.reached.settled,
+            },
             verification: None,
         };
-        let case = manoeuvre_of(&designed)?;
-        let vehicle = self.vehicle();
-        let ends = against_duration(&case, &vehicle, &self.wants, 1.0)?;
-        designed.against_duration = Some(ends);
-        let prediction = predict_case(&case, vehicle, 1.0)?;
-        let reaches = self.wants.iter().enumerate().map(|(i, want)| Reach {
-            want: want.clone(),
-            sigma: wanted_sigma(&prediction.bound, want),
-            reference: reference.as_ref().map(|r| r[i]),
-        });
-        designed.wants = reaches.collect();
-        Ok(designed)
+        Ok(Designed {
+            file,
+            model: self.model.clone(),
+            manoeuvre,
+            commands,
+            firings,
+        })
     }
 }
+
+/// Relative change allowed for the loose integration of the search.
+const ROUNDED: f64 = 1.0e-4;
+/// Verdicts of a design.
+pub(crate) const REACHED: &str = "reached";
+const NOT_REACHED: &str = "not_reached";
 
 fn word(objective: Objective) -> &'static str {
     match objective {

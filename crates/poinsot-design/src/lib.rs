@@ -19,8 +19,8 @@
 //!
 //! let case = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("doc/case.toml");
 //! let designed = design(&DesignRequest { case, ..DesignRequest::default() })?;
-//! assert!(designed.is_reached());
-//! let speed = designed.limits.iter().find(|limit| limit.what == "speed of wheel").unwrap();
+//! assert!(designed.passes());
+//! let speed = designed.file.limits.iter().find(|limit| limit.what == "speed of wheel").unwrap();
 //! assert!(speed.value.abs() <= 200.0);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -33,11 +33,10 @@
 //! - `margins.rs`: use of limits, also by vehicles of the prior. `relaxed.rs`: other limits. `watch.rs`: limits that
 //!   need a simulation.
 //! - `vehicles.rs`: vehicles of the prior. `verify.rs`: trial flights.
-//! - `written.rs`, `file.rs`: the result. `interrupt.rs`: a stopped search keeps its best result.
+//! - `result.rs`, `written.rs`: the result and its files. `interrupt.rs`: a stopped search keeps its best result.
 #![allow(non_snake_case)]
 
 mod design;
-mod file;
 pub mod interrupt;
 mod margins;
 mod mover;
@@ -53,8 +52,7 @@ mod watch;
 mod written;
 
 pub use design::{DesignRequest, design, design_case};
-pub use file::design_file;
-pub use result::{Designed, Reach, Robust};
+pub use result::Designed;
 pub use vehicles::{drawn, has_prior};
 
 pub use written::{manoeuvre_case, write_design};

@@ -1,7 +1,6 @@
 //! Trial flights of a designed manoeuvre. Each has a vehicle of the prior and new sensor noise; its error is compared
 //! with the predicted sigma.
 
-use crate::result::Designed;
 use crate::trial::Question;
 use crate::vehicles::drawn;
 use crate::watch::fine_times;
@@ -28,12 +27,11 @@ type Outcome = Result<(Vec<f64>, bool), String>;
 /// The case does not fit its model.
 pub(crate) fn verify(
     case: &Case,
-    designed: &Designed,
     question: &Question,
     flights: u64,
 ) -> Result<DesignVerificationFile, Error> {
-    let wants: Vec<&Want> = designed.wants.iter().map(|r| &r.want).collect();
-    let one = |k: u64| flight(case, &designed.model, question, &wants, k);
+    let wants = &question.wants;
+    let one = |k: u64| flight(case, question, k);
     let all: Vec<Outcome> = (0..flights).into_par_iter().map(one).collect();
     let mut failed = Vec::new();
     let mut squares = vec![0.0; wants.len()];
@@ -72,7 +70,8 @@ pub(crate) fn verify(
     })
 }
 
-fn flight(case: &Case, model: &Model, question: &Question, wants: &[&Want], k: u64) -> Outcome {
+fn flight(case: &Case, question: &Question, k: u64) -> Outcome {
+    let model = &question.model;
     let words = |e: Error| e.to_string();
     let truth = drawn(model, question.design.seed, FLIGHT_STREAM + k);
     let mut study = Study::of_case(case, &truth, without_priors(model)).map_err(words)?;
@@ -80,7 +79,7 @@ fn flight(case: &Case, model: &Model, question: &Question, wants: &[&Want], k: u
     let predicted = study.predicted().map_err(words)?;
     let row = study.trial(k);
     let answer = row.answer()?;
-    let ratio = |want: &&Want| {
+    let ratio = |want: &Want| {
         let sigma = wanted_sigma(&predicted, want);
         let error = error_of(&predicted, answer, want);
         match (error, sigma) {
@@ -88,7 +87,7 @@ fn flight(case: &Case, model: &Model, question: &Question, wants: &[&Want], k: u
             _ => Err(format!("{} is not determined", want.name)),
         }
     };
-    let ratios: Result<Vec<f64>, String> = wants.iter().map(ratio).collect();
+    let ratios: Result<Vec<f64>, String> = question.wants.iter().map(ratio).collect();
     let mut scenario = case.bind(&truth).map_err(|e| e.to_string())?;
     scenario.times = fine_times(case);
     let course = question.course(&truth, &scenario).map_err(words)?;

@@ -237,7 +237,7 @@ pub fn write_design(
 ) -> Result<Vec<PathBuf>, Error> {
     let text = read_text(model, LARGEST_MODEL).map_err(|e| Error::report(model, &e, e.advice()))?;
     let case = manoeuvre_case(designed, folder)?;
-    let json = result_json(folder, &crate::design_file(designed), true)?;
+    let json = result_json(folder, &designed.file, true)?;
     let mut files: Vec<(PathBuf, Vec<u8>)> = vec![
         ("model.toml".into(), text.into_bytes()),
         (

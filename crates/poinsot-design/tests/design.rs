@@ -5,7 +5,8 @@ use poinsot::case::{Case, parse_case, read_case};
 use poinsot::predict::{predict_case, wanted_sigma};
 use poinsot::simulate::run;
 use poinsot::write_report;
-use poinsot_design::{DesignRequest, Designed, design_case, design_file, drawn, write_design};
+use poinsot_design::{DesignRequest, Designed, design_case, drawn, write_design};
+use poinsot_formats::DesignedNumberFile;
 use poinsot_model::{Model, parse_model, read_model};
 use poinsot_testkit::vehicles::ModelText;
 use std::path::{Path, PathBuf};
@@ -90,12 +91,12 @@ fn paper_xus_target_is_told_twice_as_well_within_the_same_peak_angles_and_rates(
     );
     let found = designed(&case, &model);
     // The wanted sigmas are about half of those of the case's own motion.
-    for reach in &found.wants {
-        let reference = reach.reference.unwrap();
+    for reach in &found.file.wants {
+        let reference = reach.reference_sigma.unwrap();
         assert!(reach.sigma.unwrap() < 0.56 * reference, "{reach:?}");
     }
-    assert!(found.limits.iter().all(|l| l.margin > -1.0e-6));
-    assert!(found.limits.iter().any(|l| l.active));
+    assert!(found.file.limits.iter().all(|l| l.margin > -1.0e-6));
+    assert!(found.file.limits.iter().any(|l| l.active));
     // The motion, 20 times as dense as it is sampled. With 40 points per period another optimiser exceeded the rates
     // by 2.7 %.
     let case = poinsot_design::manoeuvre_case(&found, Path::new("")).unwrap();
@@ -132,8 +133,8 @@ fn exact_what_a_design_says_is_what_predict_says_of_the_file_it_writes() {
     let mut own = read_model(&again.model).unwrap();
     own.bodies[0].prior = None;
     let prediction = predict_case(&again, own, 1.0).unwrap();
-    for reach in &found.wants {
-        assert_eq!(wanted_sigma(&prediction.bound, &reach.want), reach.sigma);
+    for (want, reach) in case.wants(&model).unwrap().iter().zip(&found.file.wants) {
+        assert_eq!(wanted_sigma(&prediction.bound, want), reach.sigma);
     }
     let rows = std::fs::read_to_string(out.join("commands.csv")).unwrap();
     assert!(rows.starts_with("time_s,a_rad_s,b_rad_s,c_rad_s\n0,0,0,0\n"));
@@ -199,7 +200,12 @@ fn prop_vehicles_of_the_prior_hold_the_limits_that_depend_on_them() {
     }
     // 99 % of the prior: of 300, at most 9 with a probability of 99.7 %.
     assert!(broken <= 9, "{broken}");
-    let body = found.limits.iter().find(|l| l.what == "body rate").unwrap();
+    let body = found
+        .file
+        .limits
+        .iter()
+        .find(|l| l.what == "body rate")
+        .unwrap();
     assert!(body.value < 0.04 && body.value > 0.03, "{body:?}");
 }
 
@@ -209,11 +215,13 @@ fn stat_a_robust_design_is_better_than_the_nominal_one_for_vehicles_that_it_has_
     let (case, mut model) = searched("body_rate_rad_s = 0.04", 1.0e-3, search);
     model.bodies[0].prior.as_mut().unwrap().inertia = Some(0.3);
     let found = designed(&case, &model);
-    let robust = found.robust.unwrap();
-    let (others, nominal) = (robust.others.unwrap(), robust.nominal.unwrap());
-    assert!(others < nominal, "{robust:?}");
+    let file = &found.file;
+    let searched = file.robust_log_ratio.unwrap();
+    let others = file.robust_log_ratio_others.unwrap();
+    let nominal = file.nominal_log_ratio_others.unwrap();
+    assert!(others < nominal, "{others} {nominal}");
     // 64 vehicles of the search stand for a thousand others.
-    assert!((others - robust.searched).abs() < 0.1, "{robust:?}");
+    assert!((others - searched).abs() < 0.1, "{others} {searched}");
 }
 
 #[test]
@@ -224,7 +232,7 @@ fn stat_trial_flights_scatter_as_predicted() {
         ..DesignRequest::default()
     };
     let found = design_case(&case, model, &request).unwrap();
-    let flights = found.verification.as_ref().unwrap();
+    let flights = found.file.verification.as_ref().unwrap();
     assert!(flights.agrees, "{flights:?}");
     assert_eq!(flights.numbers.len(), 6);
 }
@@ -234,15 +242,17 @@ fn prop_what_cannot_be_reached_says_which_limit_holds_it_back_and_what_more_woul
     let (case, model) = boxed("", 1.0e-6);
     let found = designed(&case, &model);
     assert!(!found.passes());
-    assert!(found.worst_ratio() > 1.0);
+    assert!(found.file.worst_ratio.unwrap() > 1.0);
     assert!(
         found
+            .file
             .limits
             .iter()
             .any(|l| l.active && l.what.starts_with("speed of"))
     );
     let ratio = |what: &str| {
         found
+            .file
             .relaxed
             .iter()
             .find(|r| r.what == what)
@@ -250,7 +260,7 @@ fn prop_what_cannot_be_reached_says_which_limit_holds_it_back_and_what_more_woul
             .worst_ratio
     };
     let (worst, faster, longer) = (
-        found.worst_ratio(),
+        found.file.worst_ratio.unwrap(),
         ratio("wheel speeds"),
         ratio("duration"),
     );
@@ -284,10 +294,11 @@ fn prop_designed_firings_hold_their_limits_and_tell_more_than_those_of_the_case(
     );
     let found = designed(&case, &model);
     let ratio = |s: Option<f64>, want: f64| s.unwrap() / want;
-    let largest =
-        |of: &dyn Fn(&poinsot_design::Reach) -> f64| found.wants.iter().map(of).fold(0.0, f64::max);
-    let own = largest(&|r| ratio(r.sigma, r.want.sigma));
-    let reference = largest(&|r| ratio(r.reference, r.want.sigma));
+    let largest = |of: &dyn Fn(&DesignedNumberFile) -> f64| {
+        found.file.wants.iter().map(of).fold(0.0, f64::max)
+    };
+    let own = largest(&|r| ratio(r.sigma, r.wanted_sigma));
+    let reference = largest(&|r| ratio(r.reference_sigma, r.wanted_sigma));
     assert!(own < 0.9 * reference, "{own} {reference}");
     let mut impulse = 0.0;
     for (k, firings) in fired(&found, &model).iter().enumerate() {
@@ -302,12 +313,12 @@ fn prop_designed_firings_hold_their_limits_and_tell_more_than_those_of_the_case(
         }
     }
     assert!(impulse <= 680.0 * (1.0 + 1e-9), "{impulse}");
-    assert!(found.limits.iter().all(|l| l.margin > -1e-6));
+    assert!(found.file.limits.iter().all(|l| l.margin > -1e-6));
     // The record has the switching times, so that an identification uses the actual firings.
     let flown = poinsot_design::manoeuvre_case(&found, Path::new("")).unwrap();
     let prediction = predict_case(&flown, model.clone(), 1.0).unwrap();
-    for reach in &found.wants {
-        assert_eq!(wanted_sigma(&prediction.bound, &reach.want), reach.sigma);
+    for (want, reach) in case.wants(&model).unwrap().iter().zip(&found.file.wants) {
+        assert_eq!(wanted_sigma(&prediction.bound, want), reach.sigma);
     }
 }
 
@@ -370,6 +381,7 @@ force_N = 4.0
     let model = parse_model(&plume(), "plume.toml").unwrap();
     let found = designed(&case, &model);
     let plume = found
+        .file
         .limits
         .iter()
         .find(|l| l.what == "plume of main and link");
@@ -407,21 +419,22 @@ fn prop_a_front_falls_with_a_looser_limit_and_a_longer_record_tells_more() {
         ..DesignRequest::default()
     };
     let found = design_case(&case, model.clone(), &request).unwrap();
-    let factors: Vec<f64> = found.front.iter().map(|p| p.factor).collect();
+    let factors: Vec<f64> = found.file.front.iter().map(|p| p.factor).collect();
     assert_eq!(factors, [0.5, 0.65, 0.8, 1.0, 1.25, 1.5, 2.0]);
     assert!(
         found
+            .file
             .front
             .windows(2)
             .all(|p| p[1].worst_ratio < 1.01 * p[0].worst_ratio),
         "{:?}",
-        found.front
+        found.file.front
     );
-    assert!(found.front[6].worst_ratio < 0.7 * found.front[0].worst_ratio);
-    let ends = found.against_duration.as_ref().unwrap();
-    assert_eq!(ends.end_s.last(), Some(&found.duration_s));
+    assert!(found.file.front[6].worst_ratio < 0.7 * found.file.front[0].worst_ratio);
+    let ends = found.file.against_duration.as_ref().unwrap();
+    assert_eq!(ends.end_s.last(), Some(&found.file.duration_s));
     let sigma = |k: usize, i: usize| ends.numbers[i].sigma[k].unwrap();
-    for (i, reach) in found.wants.iter().enumerate() {
+    for (i, reach) in found.file.wants.iter().enumerate() {
         assert!((sigma(11, i) / reach.sigma.unwrap() - 1.0).abs() < 1e-9);
         assert!(sigma(5, i) > sigma(8, i) && sigma(8, i) > sigma(11, i));
     }
@@ -442,9 +455,9 @@ fn prop_minutes_end_a_search_with_the_best_manoeuvre_so_far() {
         ..DesignRequest::default()
     };
     let found = design_case(&case, model, &request).unwrap();
-    assert!(found.evaluations > 50 && found.evaluations < 1_000_000);
-    assert!(found.limits.iter().all(|l| l.margin > -1e-6));
-    assert!(found.worst_ratio().is_finite());
+    assert!(found.file.search.evaluations > 50 && found.file.search.evaluations < 1_000_000);
+    assert!(found.file.limits.iter().all(|l| l.margin > -1e-6));
+    assert!(found.file.worst_ratio.is_some());
     let none = DesignRequest {
         minutes: Some(-1.0),
         ..DesignRequest::default()
@@ -464,16 +477,13 @@ fn prop_a_search_that_is_stopped_says_which_shorter_manoeuvres_it_tried() {
             ..DesignRequest::default()
         };
         let found = design_case(&case, model.clone(), &request).unwrap();
-        let file = design_file(&found);
-        let shorter = found.shorter.unwrap();
+        let file = &found.file;
+        let shorter = file.shorter.unwrap();
         println!("{minutes} min: {}", file.in_words);
-        let reached = found.is_reached();
-        assert!(!reached || shorter.missed_s.is_none_or(|s| s < found.duration_s));
-        assert_eq!(
-            found.passes(),
-            found.is_reached() && file.verdict == "reached"
-        );
-        if found.duration_s == case.duration_s {
+        let reached = file.verdict != "not_reached";
+        assert!(!reached || shorter.missed_s.is_none_or(|s| s < found.file.duration_s));
+        assert_eq!(found.passes(), reached && file.verdict == "reached");
+        if found.file.duration_s == case.duration_s {
             assert!(!found.passes() && file.verdict != "reached");
         }
     }
@@ -510,8 +520,8 @@ fn prop_a_design_between_two_motions_of_the_case_takes_them_up() {
     let window = "from_s = 10.0\nuntil_s = 50.0\n[[design.wheel]]\nnodes = 7\n";
     let (case, model) = between(AROUND, window);
     let found = designed(&case, &model);
-    assert_eq!(found.duration_s, 60.0);
-    assert!(found.limits.iter().all(|l| l.margin > -1e-6));
+    assert_eq!(found.file.duration_s, 60.0);
+    assert!(found.file.limits.iter().all(|l| l.margin > -1e-6));
     let flown = poinsot_design::manoeuvre_case(&found, Path::new("")).unwrap();
     let plan = flown.bind(&model).unwrap().plan;
     let speed = |wheel: usize, t: f64| match &plan.wheels[wheel] {
@@ -533,13 +543,13 @@ fn prop_a_design_between_two_motions_of_the_case_takes_them_up() {
     let mut vehicle = model.clone();
     vehicle.bodies[0].prior = None;
     let prediction = predict_case(&flown, vehicle, 1.0).unwrap();
-    for reach in &found.wants {
-        assert_eq!(wanted_sigma(&prediction.bound, &reach.want), reach.sigma);
+    for (want, reach) in case.wants(&model).unwrap().iter().zip(&found.file.wants) {
+        assert_eq!(wanted_sigma(&prediction.bound, want), reach.sigma);
     }
     // The same forty seconds tell less without the others.
     let (case, _) = searched("", 1.0e-3, "evaluations = 600\n");
     let alone = designed(&case, &model);
-    assert!(found.worst_ratio() < alone.worst_ratio());
+    assert!(found.file.worst_ratio < alone.file.worst_ratio);
 }
 
 /// A thruster fires before and after the designed firings, which keep their pause to both.

@@ -4,7 +4,7 @@ use crate::printed::{Printed, json, printed, text};
 use crate::run::run;
 use poinsot::case::read_case;
 use poinsot::study::{find, findings_file, printed_findings, run as run_study};
-use poinsot_design::{DesignRequest, design_file, write_design};
+use poinsot_design::{DesignRequest, write_design};
 use poinsot_formats::{FINDINGS, FindingsFile};
 use poinsot_report::{design_document, study_document};
 use pyo3::prelude::*;
@@ -33,8 +33,8 @@ pub fn design(
             let model = read_case(&case)?.model;
             write_design(folder, &designed, &model)?;
         }
-        let file = design_file(&designed);
-        printed(&file, &design_document(&file), designed.passes())
+        let file = &designed.file;
+        printed(file, &design_document(file), designed.passes())
     })
 }
 

@@ -4,7 +4,7 @@ use super::{Outcome, exit_of, noted, print_document, print_result, shown};
 use crate::arguments::Design;
 use poinsot::case::read_case;
 use poinsot::check_outputs;
-use poinsot_design::{DesignRequest, design, design_file, write_design};
+use poinsot_design::{DesignRequest, design, write_design};
 use poinsot_report::design_document;
 use std::path::Path;
 
@@ -36,8 +36,8 @@ pub fn run(arguments: &Design) -> Outcome {
     };
     shown(
         &arguments.print,
-        || print_result(&design_file(&designed)),
-        || print_document(&design_document(&design_file(&designed))),
+        || print_result(&designed.file),
+        || print_document(&design_document(&designed.file)),
     );
     noted(&written, arguments.print.quiet);
     Ok(exit_of(designed.passes()))
