@@ -63,6 +63,13 @@ pub(super) struct JointColumns<'a> {
     pub locked: bool,
 }
 
+/// A wheel's tachometer, and its speed: at the tachometer's samples, and at those of its motor torque where that drives it.
+pub(super) struct WheelSpeed<'a> {
+    pub tachometer: &'a Channel,
+    pub speed: Cow<'a, Channel>,
+    pub driven: bool,
+}
+
 impl<'a> JointColumns<'a> {
     /// The position, if the joint is not locked.
     pub fn moving(&self) -> Option<&'a Channel> {
@@ -184,11 +191,18 @@ impl<'a> Channels<'a> {
         (0..self.model.wheels.len()).map(|k| self.tachometer(k))
     }
 
-    /// Tachometer of a wheel, and its speed at that and where its measured torque bends it.
-    pub fn wheel(&self, wheel: usize) -> Option<(&'a Channel, Cow<'a, Channel>)> {
-        let tachometer = self.tachometer(wheel)?;
-        let torque = self.find(None, &torque_column(&self.model.wheels[wheel].name));
-        Some((tachometer, self.driven.speed(wheel, tachometer, torque)))
+    /// Every wheel with a tachometer, and its speed as its torque drives it.
+    pub fn wheels(&self) -> Vec<Option<WheelSpeed<'a>>> {
+        let of = |(wheel, tachometer): (usize, Option<&'a Channel>)| {
+            let tachometer = tachometer?;
+            let torque = self.find(None, &torque_column(&self.model.wheels[wheel].name));
+            Some(WheelSpeed {
+                tachometer,
+                speed: self.driven.speed(wheel, tachometer, torque),
+                driven: self.driven.drives(wheel),
+            })
+        };
+        self.tachometers().enumerate().map(of).collect()
     }
 
     /// The error of a channel that is not there, with the unused column whose name is most like it.

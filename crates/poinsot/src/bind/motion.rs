@@ -1,7 +1,7 @@
 //! All channels at the gyro's times: attitude, translation, joints, wheels.
 
 use super::attitude_start::{attitudes, base_directions, carried, integrate_rate};
-use super::channels::{BaseRates, Channels, JointColumns, VectorChannels};
+use super::channels::{BaseRates, Channels, JointColumns, VectorChannels, WheelSpeed};
 use super::driven_wheels::speed_at;
 use super::free_fall::ORBITAL;
 use super::sensors::{Column, HALF_WIDTH, own_values, vectors};
@@ -21,9 +21,7 @@ pub(super) struct Aligned {
     attitude: Vec<Option<UnitQuaternion>>,
     /// Position and velocity of the base origin in N.
     translation: Option<Positions>,
-    joint_position: Vec<Column>,
-    joint_rate: Vec<Column>,
-    wheel_speed: Vec<Column>,
+    inputs: Inputs,
 }
 
 pub(super) fn align(
@@ -35,46 +33,36 @@ pub(super) fn align(
     let rate = vectors(&rates.axes.each_ref().map(|c| resample(c, times, None)));
     let attitude = attitude(channels, rates, &rate, repairs);
     let translation = translation(channels, times, &rate, &attitude, repairs)?;
-    let joints = channels.joints();
-    let joints = joints.map(|columns| joint(channels, &columns, times, repairs));
-    let (joint_position, joint_rate) = joints.map(|m| (m.position, m.rate)).unzip();
-    let wheel = |k| match channels.wheel(k) {
-        Some((tachometer, speed)) => speed_at(&speed, tachometer, times),
-        None => vec![Some(0.0); times.len()],
-    };
-    let wheel_speed = (0..channels.model.wheels.len()).map(wheel).collect();
+    let mut inputs = Inputs::at(channels, &channels.wheels(), times);
+    for (columns, position) in channels.joints().zip(&mut inputs.joint_position) {
+        if let Some(q) = told(channels, &columns, repairs) {
+            *position = resample(q, times, None);
+        }
+    }
     Ok(Aligned {
         time_s: times.to_vec(),
         rate,
         attitude,
         translation,
-        joint_position,
-        joint_rate,
-        wheel_speed,
+        inputs,
     })
 }
 
 impl Aligned {
     /// Whether every channel has a sample at time k.
     pub fn complete(&self, k: usize) -> bool {
-        let columns = [&self.joint_position, &self.joint_rate, &self.wheel_speed];
         self.rate[k].is_some()
             && self.attitude[k].is_some()
             && self
                 .translation
                 .as_ref()
                 .is_none_or(|(r, v)| r[k].is_some() && v[k].is_some())
-            && columns.iter().all(|c| c.iter().all(|x| x[k].is_some()))
+            && self.inputs.complete(k)
     }
 
     /// The samples at these times; positions are relative to the first one.
     pub fn take(&self, picked: &[usize]) -> Samples {
-        let rows = |columns: &[Column]| -> Vec<f64> {
-            picked
-                .iter()
-                .flat_map(|&k| columns.iter().map(move |c| c[k].unwrap_or(0.0)))
-                .collect()
-        };
+        let rows = self.inputs.rows(picked);
         let translation = self.translation.as_ref().map(|(r, v)| {
             let all = |list: &[Option<Vector3>]| -> Vec<Vector3> {
                 picked.iter().filter_map(|&k| list[k]).collect()
@@ -93,9 +81,9 @@ impl Aligned {
             R_NB: picked.iter().filter_map(|&k| self.attitude[k]).collect(),
             w_NB_B: picked.iter().filter_map(|&k| self.rate[k]).collect(),
             translation,
-            joint_position: rows(&self.joint_position),
-            joint_rate: rows(&self.joint_rate),
-            wheel_speed: rows(&self.wheel_speed),
+            joint_position: rows.joint_position,
+            joint_rate: rows.joint_rate,
+            wheel_speed: rows.wheel_speed,
         }
     }
 }
@@ -247,62 +235,96 @@ fn integrate_velocity(times: &[f64], velocity: &[Option<Vector3>]) -> Vec<Option
     out
 }
 
-/// Position and rate of one joint at the gyro's times: measured, derived, or locked (see [`super::held`]).
-fn joint(
+/// What is assumed of a joint whose rate is not measured, or that is locked (see [`super::held`]); its position where the
+/// rate is differentiated from it.
+fn told<'a>(
     channels: &Channels,
-    columns: &JointColumns,
-    times: &[f64],
+    columns: &JointColumns<'a>,
     repairs: &mut Vec<String>,
-) -> JointMotion {
+) -> Option<&'a Channel> {
     let (label, name) = (channels.label, &channels.model.joints[columns.at].name);
     let JointColumns {
         position_name,
         rate_name,
         ..
     } = columns;
-    let mut motion = joint_at(channels.model, columns, times);
-    match (columns.position, columns.rate) {
-        (Some(_), rate) if columns.locked => {
-            if rate.is_some_and(|r| r.values.iter().any(|x| *x != 0.0)) {
-                repairs.push(format!(
-                    "{label}: {name} has one constant position: assumed locked, its '{rate_name}' assumed zero"
-                ));
-            }
-        }
-        (Some(_), Some(_)) => {}
-        (Some(q), None) => {
-            repairs.push(format!(
-                "{label}: no channel '{rate_name}': rate of {name} differentiated from '{position_name}' (quartic through five samples)"
-            ));
-            motion.position = resample(q, times, None);
-        }
-        (None, _) => {}
+    let turns = |rate: &Channel| rate.values.iter().any(|x| *x != 0.0);
+    if columns.locked && columns.rate.is_some_and(turns) {
+        repairs.push(format!(
+            "{label}: {name} has one constant position: assumed locked, its '{rate_name}' assumed zero"
+        ));
     }
-    motion
+    let derived = columns.moving().filter(|_| columns.rate.is_none());
+    if derived.is_some() {
+        repairs.push(format!(
+            "{label}: no channel '{rate_name}': rate of {name} differentiated from '{position_name}' (quartic through five samples)"
+        ));
+    }
+    derived
 }
 
-/// Position and rate of a joint.
-pub(super) struct JointMotion {
-    pub position: Column,
-    pub rate: Column,
+/// What is prescribed at some times: position and rate of every joint, speed of every wheel, one column each; `None` without a
+/// sample.
+pub(super) struct Inputs {
+    joint_position: Vec<Column>,
+    joint_rate: Vec<Column>,
+    wheel_speed: Vec<Column>,
+}
+
+/// The same at the times that are complete, row by row.
+pub(super) struct InputRows {
+    pub joint_position: Vec<f64>,
+    pub joint_rate: Vec<f64>,
+    pub wheel_speed: Vec<f64>,
+}
+
+impl Inputs {
+    pub fn at(channels: &Channels, wheels: &[Option<WheelSpeed>], times: &[f64]) -> Self {
+        let joints = channels.joints();
+        let joints = joints.map(|columns| joint_at(channels.model, &columns, times));
+        let (joint_position, joint_rate) = joints.unzip();
+        let wheel = |wheel: &Option<WheelSpeed>| match wheel {
+            Some(w) => speed_at(&w.speed, w.tachometer, times),
+            None => vec![Some(0.0); times.len()],
+        };
+        Self {
+            joint_position,
+            joint_rate,
+            wheel_speed: wheels.iter().map(wheel).collect(),
+        }
+    }
+
+    /// Whether every column has a sample at time k.
+    pub fn complete(&self, k: usize) -> bool {
+        let columns = [&self.joint_position, &self.joint_rate, &self.wheel_speed];
+        columns.into_iter().flatten().all(|c| c[k].is_some())
+    }
+
+    pub fn rows(&self, picked: &[usize]) -> InputRows {
+        let rows = |columns: &[Column]| -> Vec<f64> {
+            let row = |&k: &usize| columns.iter().map(move |c| c[k].unwrap_or(0.0));
+            picked.iter().flat_map(row).collect()
+        };
+        InputRows {
+            joint_position: rows(&self.joint_position),
+            joint_rate: rows(&self.joint_rate),
+            wheel_speed: rows(&self.wheel_speed),
+        }
+    }
 }
 
 /// Position and rate of a joint at some times: cubic between samples; at rest without a column, or where it is locked.
-pub(super) fn joint_at(model: &Model, columns: &JointColumns, times: &[f64]) -> JointMotion {
+fn joint_at(model: &Model, columns: &JointColumns, times: &[f64]) -> (Column, Column) {
     let Some(q) = columns.moving() else {
-        let still = vec![Some(model.joints[columns.at].standing_at()); times.len()];
-        return JointMotion {
-            position: columns.position.map_or(still, |q| resample(q, times, None)),
-            rate: vec![Some(0.0); times.len()],
-        };
+        let still = || vec![Some(model.joints[columns.at].standing_at()); times.len()];
+        let position = columns.position.map(|q| resample(q, times, None));
+        return (position.unwrap_or_else(still), vec![Some(0.0); times.len()]);
     };
     let derived = columns.rate.is_none();
     let derived = derived.then(|| differentiate(q, HALF_WIDTH, None));
     let rate = derived.as_ref().or(columns.rate).unwrap_or(q);
-    JointMotion {
-        position: resample_hermite(q, rate, times, None),
-        rate: resample(rate, times, None),
-    }
+    let position = resample_hermite(q, rate, times, None);
+    (position, resample(rate, times, None))
 }
 
 /// Channels of accelerations: `domega` and those of the accelerometer.

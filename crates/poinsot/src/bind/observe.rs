@@ -1,19 +1,16 @@
 //! Every sensor and input at its own times, on the union of all times: for maximum likelihood.
 
-use super::channels::{Channels, VectorChannels};
+use super::channels::{Channels, VectorChannels, WheelSpeed};
 use super::cut::input_channels;
 use super::driven_wheels::speed_at;
 use super::input_errors::{between_readings, joint_inputs, wheel_inputs};
-use super::motion::joint_at;
+use super::motion::Inputs;
 use super::orbit::orbit_at;
-use super::sensors::{
-    Column, HALF_WIDTH, SAME, SensorColumns, own_values, sensor_columns, vectors,
-};
+use super::sensors::{HALF_WIDTH, SAME, SensorColumns, own_values, sensor_columns, vectors};
 use poinsot_identify::{Firing, Observations, Samples};
 use poinsot_model::SensorKind;
 use poinsot_spatial::Vector3;
 use poinsot_telemetry::{Channel, differentiate, resample, resample_hermite};
-use std::borrow::Cow;
 
 /// Samples of all sensors between the first and the last aligned sample.
 ///
@@ -26,7 +23,7 @@ pub(super) fn observe(channels: &Channels, samples: &Samples, firings: &[Firing]
         (Some(a), Some(b)) => (*a, *b),
         _ => return Observations::default(),
     };
-    let wheels = wheel_speeds(channels);
+    let wheels = channels.wheels();
     let mut driven = input_channels(channels);
     driven.extend(wheels.iter().flatten().map(|w| &*w.speed));
     let driven = clocks(&driven);
@@ -39,10 +36,10 @@ pub(super) fn observe(channels: &Channels, samples: &Samples, firings: &[Firing]
         .collect();
     time_s.sort_by(f64::total_cmp);
     time_s.dedup_by(|a, b| *a - *b < SAME);
-    let inputs = inputs(channels, &wheels, &time_s);
+    let inputs = Inputs::at(channels, &wheels, &time_s);
     let orbit = orbit_at(channels, &time_s);
     let complete: Vec<usize> = (0..time_s.len())
-        .filter(|&k| inputs.iter().all(|c| c[k].is_some()))
+        .filter(|&k| inputs.complete(k))
         .filter(|&k| orbit.get(k).is_none_or(Option::is_some))
         .collect();
     let orbit = complete
@@ -50,13 +47,7 @@ pub(super) fn observe(channels: &Channels, samples: &Samples, firings: &[Firing]
         .filter_map(|&k| orbit.get(k).copied().flatten())
         .collect();
     let time_s: Vec<f64> = complete.iter().map(|&k| time_s[k]).collect();
-    let rows = |from: usize, to: usize| -> Vec<f64> {
-        complete
-            .iter()
-            .flat_map(|&k| inputs[from..to].iter().map(move |c| c[k].unwrap_or(0.0)))
-            .collect()
-    };
-    let dof = channels.tree.dof();
+    let rows = inputs.rows(&complete);
     let origin = match channels.vector(SensorKind::Position) {
         Some(position) => first_position(&position, samples),
         None => first_value(&sensors),
@@ -67,9 +58,9 @@ pub(super) fn observe(channels: &Channels, samples: &Samples, firings: &[Firing]
             .map(|s| s.record(model, &time_s, &origin))
             .collect(),
         orbit,
-        joint_position: rows(0, dof),
-        joint_rate: rows(dof, 2 * dof),
-        wheel_speed: rows(2 * dof, inputs.len()),
+        joint_position: rows.joint_position,
+        joint_rate: rows.joint_rate,
+        wheel_speed: rows.wheel_speed,
         smooth_wheel_speed: smooth_wheels(&wheels, &time_s),
         joints: joint_inputs(channels, &time_s),
         wheels: wheel_inputs(channels, &time_s),
@@ -111,25 +102,6 @@ fn own_or_between(axes: &[&Channel; 3], t: f64) -> Option<Vector3> {
     *vectors(&axes.map(|c| resample(c, &[t], None))).first()?
 }
 
-/// A wheel's tachometer, and its speed: at the tachometer's samples, and at those of its motor torque where that drives it.
-struct WheelSpeed<'a> {
-    tachometer: &'a Channel,
-    speed: Cow<'a, Channel>,
-    driven: bool,
-}
-
-fn wheel_speeds<'a>(channels: &Channels<'a>) -> Vec<Option<WheelSpeed<'a>>> {
-    let of = |k: usize| {
-        let (tachometer, speed) = channels.wheel(k)?;
-        Some(WheelSpeed {
-            tachometer,
-            speed,
-            driven: channels.driven.drives(k),
-        })
-    };
-    (0..channels.model.wheels.len()).map(of).collect()
-}
-
 /// Wheel speeds interpolated by cubic Hermite polynomials, but where the torque drives them; empty if all are sampled at
 /// every grid time.
 fn smooth_wheels(wheels: &[Option<WheelSpeed>], grid: &[f64]) -> Vec<f64> {
@@ -150,18 +122,6 @@ fn smooth_wheels(wheels: &[Option<WheelSpeed>], grid: &[f64]) -> Vec<f64> {
     let columns: Vec<Vec<Option<f64>>> = wheels.iter().map(column).collect();
     let row = |k: usize| columns.iter().map(move |c| c[k].unwrap_or(0.0));
     (0..grid.len()).flat_map(row).collect()
-}
-
-/// Joint positions, joint rates and wheel speeds at the grid times, one column each.
-fn inputs(channels: &Channels, wheels: &[Option<WheelSpeed>], grid: &[f64]) -> Vec<Column> {
-    let joints = channels.joints();
-    let joints = joints.map(|columns| joint_at(channels.model, &columns, grid));
-    let (positions, rates): (Vec<_>, Vec<_>) = joints.map(|m| (m.position, m.rate)).unzip();
-    let wheels = wheels.iter().map(|w| match w {
-        Some(w) => speed_at(&w.speed, w.tachometer, grid),
-        None => vec![Some(0.0); grid.len()],
-    });
-    positions.into_iter().chain(rates).chain(wheels).collect()
 }
 
 /// Firings of every thruster with a column, whose values hold until the next sample; others are off.
