@@ -2,7 +2,7 @@
 
 use crate::interrupt::Listening;
 use crate::mover::{Command, Target};
-use crate::result::Designed;
+use crate::result::{Designed, REACHED};
 use crate::search::{Found, refine, search};
 use crate::shape::Space;
 use crate::trial::{Deadline, Question, Rows};
@@ -550,8 +550,7 @@ impl<'c> Asked<'c> {
 
 /// Relative change allowed for the loose integration of the search.
 const ROUNDED: f64 = 1.0e-4;
-/// Verdicts of a design.
-pub(crate) const REACHED: &str = "reached";
+/// Verdict of a design that misses a wanted sigma or breaks a limit.
 const NOT_REACHED: &str = "not_reached";
 
 fn word(objective: Objective) -> &'static str {

@@ -1,10 +1,12 @@
 //! Result of a design.
 
-use crate::design::REACHED;
 use crate::mover::Command;
 use poinsot_dynamics::Firing;
 use poinsot_formats::DesignFile;
 use poinsot_model::Model;
+
+/// Verdict of a design that reaches every wanted sigma within all limits.
+pub(crate) const REACHED: &str = "reached";
 
 /// A designed manoeuvre with its results.
 #[derive(Debug, Clone)]

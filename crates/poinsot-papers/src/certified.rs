@@ -6,7 +6,12 @@
 //! efficient one plus an independent difference (Hausman 1978).
 
 use poinsot_dynamics::{Kinematics, composite};
-use poinsot_identify::{BodyEstimate, Effect, Estimate, Number, Problem, Remark, Source};
+use poinsot_files::Faults;
+use poinsot_identify::refusal::NO_VELOCITY;
+use poinsot_identify::{
+    BodyEstimate, Effect, Estimate, Number, Problem, Remark, Settings, Source, linear,
+    maximum_likelihood_with,
+};
 use poinsot_spatial::{InertialParameters, MASS_PROPERTY_NAMES, MassProperties, PARAMETER_NAMES};
 use std::collections::HashMap;
 
@@ -15,6 +20,20 @@ use std::collections::HashMap;
 const APART: f64 = 0.01;
 /// Difference from the certificate in its sigmas.
 const APART_SIGMAS: f64 = 5.0;
+
+/// The certificate: the linear method, or maximum likelihood where it has no equations for want of a velocity.
+pub(crate) fn certificate(problem: &Problem) -> Result<Estimate, Faults> {
+    match linear(problem) {
+        Err(faults) if faults.code() == NO_VELOCITY => {
+            let options = Settings {
+                undiagnosed: true,
+                ..Settings::default()
+            };
+            maximum_likelihood_with(problem, options)
+        }
+        other => other,
+    }
+}
 
 /// Replaces certified numbers of `estimate` by those of `bodies`; none with `withheld`.
 pub(crate) fn put(

@@ -58,7 +58,7 @@ pub fn identify(problem: &Problem, variant: Variant) -> Result<Estimate, Faults>
         found.note,
     );
     let moments = sums.conventional()?.elements;
-    let suspected = suspicions(problem, &moments, &estimate);
+    let suspected = suspicions(problem, &moments);
     estimate.add_all(suspected.into_iter().map(Remark::warning));
     // Withhold all numbers if the certificate has a negative moment of inertia.
     let impossible = (0..3).any(|k| moments[(k, k)] <= 0.0)
@@ -212,13 +212,11 @@ fn run(sums: &Sums, variant: Variant) -> Result<Found, Faults> {
 
 /// Consecutive samples at one speed that indicate a limit.
 const PLATEAU: usize = 10;
-/// Chi-square per degree of freedom above which wheel signs are tested.
-const MISFIT: f64 = 4.0;
 /// Least axis component of a wheel that counts for an axis.
 const SERVES: f64 = 0.5;
 
 /// Warnings about wheels: too few, not moving, saturated, or with a flipped sign.
-fn suspicions(problem: &Problem, I: &Matrix3, certificate: &Estimate) -> Vec<String> {
+fn suspicions(problem: &Problem, I: &Matrix3) -> Vec<String> {
     let wheels = &problem.model.wheels;
     let mut list = Vec::new();
     let axes = wheels.iter().map(|w| w.axis_B * w.axis_B.transpose());
@@ -251,7 +249,7 @@ fn suspicions(problem: &Problem, I: &Matrix3, certificate: &Estimate) -> Vec<Str
             }
         }
     }
-    list.extend(flipped(problem, I, certificate));
+    list.extend(flipped(problem, I));
     list
 }
 
@@ -269,8 +267,8 @@ fn plateau(speeds: &[f64], same: f64) -> Option<(f64, usize)> {
     (longest >= PLATEAU).then_some((top, longest))
 }
 
-/// A wheel with the wrong sign, indicated by a negative moment or by a misfit that one sign change removes.
-fn flipped(problem: &Problem, I: &Matrix3, certificate: &Estimate) -> Vec<String> {
+/// A wheel with the wrong sign, indicated by a negative moment.
+fn flipped(problem: &Problem, I: &Matrix3) -> Vec<String> {
     let model = problem.model;
     let mut list = Vec::new();
     for (axis, name) in ['x', 'y', 'z'].into_iter().enumerate() {
@@ -288,27 +286,6 @@ fn flipped(problem: &Problem, I: &Matrix3, certificate: &Estimate) -> Vec<String
             I[(axis, axis)],
             names.join(" or ")
         ));
-    }
-    let worst = |e: &Estimate| largest(e.fit.iter().map(|f| f.chi2_per_dof));
-    let now = worst(certificate);
-    if !list.is_empty() || now <= MISFIT {
-        return list;
-    }
-    for (k, wheel) in model.wheels.iter().enumerate() {
-        let (mut turned, mut tree) = (model.clone(), problem.tree.clone());
-        turned.wheels[k].axis_B = -wheel.axis_B;
-        tree.rotors[k].axis_B = -tree.rotors[k].axis_B;
-        let other = linear(&Problem {
-            model: &turned,
-            tree: &tree,
-            ..*problem
-        });
-        if other.is_ok_and(|e| worst(&e) < now / MISFIT) {
-            list.push(format!(
-                "reversing the axis of wheel '{}' reduces chi-square by more than {MISFIT} times: its sign is probably wrong",
-                wheel.name
-            ));
-        }
     }
     list
 }

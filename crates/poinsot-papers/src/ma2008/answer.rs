@@ -1,28 +1,28 @@
-//! From model and telemetry to the answer: both steps, identifiability, sigmas and notes.
+//! From model and telemetry to the answer: the certificate, then the numbers of both steps.
+//!
+//! The paper has bounds of errors and no covariance. The linear method certifies the numbers (see [`crate::certified`]).
 
 use super::Variant;
-use super::arm::{Raw, Vehicle};
-use super::both::{NoisySolution, solve_both};
+use super::arm::{Reading, Vehicle};
+use super::bounds::Limits;
 use super::data::{check, raws};
-use super::equations::Given;
-use super::influence::sources;
-use super::ten::{MISFIT, Ten};
-use super::words::{identifiability, warnings};
+use super::equations::{Given, TwoStep, two_step};
+use crate::certified::{certificate, put};
 use crate::method::Named;
 use crate::numbers::printed;
-use poinsot_dynamics::{Kinematics, composite};
-use poinsot_files::Faults;
-use poinsot_identify::{
-    BodyEstimate, Effect, Estimate, MethodReport, MomentumEstimate, Number, Problem, Remark,
-    SegmentFit, Source, Status,
-};
-use poinsot_model::Body;
-use poinsot_spatial::{
-    InertialParameters, MASS_PROPERTY_NAMES, MASS_PROPERTY_UNITS, MassProperties, Vector3,
-};
+use crate::study::statistics::largest;
+use nalgebra::SymmetricEigen;
+use poinsot_files::{Faults, Place};
+use poinsot_identify::{Effect, Estimate, MethodReport, Number, Problem, Remark, ReportedNumber};
+use poinsot_model::{Model, MomentumKnowledge, Nuisance, SensorKind};
+use poinsot_spatial::{InertialParameters, MassProperties, Matrix3, Vector3, elements, tensor};
 
-/// Ratio above which the answer is rejected: the model explains little, or the given momentum explains less than none.
-const REJECT: f64 = 9.0;
+/// Chi-square per degree of freedom above which the given momentum is compared with an unknown one.
+const MISFIT: f64 = 9.0;
+/// Its reduction without the given momentum from which the data contradict it.
+const CONTRADICTED: f64 = 4.0;
+/// Range of mass ratios that the paper studied.
+const STUDIED: [f64; 2] = [0.005, 0.5];
 
 /// Identifies the base of a vehicle by its arm.
 ///
@@ -43,185 +43,206 @@ const REJECT: f64 = 9.0;
 pub fn identify(problem: &Problem, variant: Variant) -> Result<Estimate, Faults> {
     let given = check(problem, variant)?;
     let mut vehicle = Vehicle::new(problem.model, problem.tree);
-    let mut data: Vec<Vec<Raw>> = Vec::new();
+    let mut segments: Vec<Vec<Reading>> = Vec::new();
     let mut step = None;
     for segment in problem.segments {
         let (raws, summed) = raws(problem, segment, &given)?;
-        data.push(raws);
+        segments.push(raws.iter().map(|raw| vehicle.reading(raw)).collect());
         step = step.or(summed);
     }
-    let mut segments = problem.segments.iter();
-    let velocity = segments.any(|s| s.samples.translation.is_some());
-    let sources = sources(problem.noise, velocity, step);
-    let solved = solve_both(problem, &mut vehicle, &data, &sources, given)?;
-    let mut contradicted = None;
-    if given != Given::default() && solved.chi2 > REJECT {
-        let free = solve_both(problem, &mut vehicle, &data, &sources, Given::default())?;
-        contradicted = (solved.chi2 > 4.0 * free.chi2).then_some(free.chi2);
+    let solved = two_step(&segments, given);
+    if solved.linear.singular[0].is_nan() {
+        return Err(Faults::one(
+            "E0529",
+            Place::default(),
+            "the equations hold a number that is not finite",
+            "check units and magnitudes of the telemetry",
+        ));
     }
-    let rejected = contradicted.is_some() || (solved.chi2 > REJECT && solved.explained < 0.5);
-    let ten = Ten::new(&solved, rejected);
-    let mut estimate = write(problem, given, &solved, &ten);
+    // Angular momentum about a mass centre that step 1 leaves open says nothing of it.
+    let known = Given {
+        h_C_N: given.h_C_N.filter(|_| solved.angular.is_some()),
+        ..given
+    };
+    let model = with_momentum(problem.model, known);
+    let mut estimate = certificate(&Problem {
+        model: &model,
+        ..*problem
+    })?;
+    for momentum in &mut estimate.momentum {
+        let known = |p: Vector3| [p.x, p.y, p.z].map(Number::known);
+        momentum.linear = given.p_C_N.map_or(momentum.linear, known);
+        momentum.angular = given.h_C_N.map_or(momentum.angular, known);
+    }
+    let contradicted = contradiction(problem, given, &estimate)?;
+    let (base, impossible) = base(problem, &solved, &estimate);
+    estimate.method = "ma2008".to_owned();
     estimate.variant = Some(variant.name().to_owned());
-    estimate.add_all(tests(solved.chi2, rejected));
-    let warnings = warnings(problem, &solved, &ten, contradicted, &estimate.bodies[0]);
+    let warnings = warnings(problem.model, &solved, impossible);
     estimate.add_all(warnings.into_iter().map(Remark::warning));
     if step.is_some() {
         estimate.add(Remark::assumption("velocity: summed from the first sample over velocity increments or specific force; its unknown constant is eliminated"));
     }
+    let bodies = problem.model.bodies.iter().skip(1);
+    let bodies = bodies.map(|b| b.nominal.parameters());
+    let bodies: Vec<InertialParameters> =
+        std::iter::once(base.parameters()).chain(bodies).collect();
+    let rejected = impossible || contradicted.is_some();
+    put(problem, &mut estimate, &bodies, rejected);
+    // The cause of whatever else the certificate doubts.
+    let cause = contradicted.map(Remark::warning);
+    estimate.remarks.splice(0..0, cause);
+    if rejected {
+        let words = "the data contradict the given momentum, or leave no positive mass";
+        estimate.add(Remark::test("rigid model", Effect::RejectsModel, words));
+    }
+    estimate.method_report = Some(report(problem, &segments, given, &solved, step));
     Ok(estimate)
 }
 
-fn write(problem: &Problem, given: Given, solved: &NoisySolution, ten: &Ten) -> Estimate {
-    let bodies = &problem.model.bodies;
-    let first = bodies.first();
-    let nominal = first.map_or(MassProperties::ZERO, |b| b.nominal);
-    let name = first.map_or(String::new(), |b| b.name.clone());
-    let base = body(ten, &name, &nominal, |base| base);
-    let numbers = base.numbers();
-    let open = numbers.iter().filter(|n| n.source == Source::Open).count();
-    let system = || system(problem, ten, &nominal);
-    let links = bodies.iter().skip(1);
-    let links = links.map(|b: &Body| BodyEstimate::known(b.name.clone(), &b.nominal));
-    let kept: Vec<usize> = (0..10).filter(|&k| !ten.open[k]).collect();
-    let scale = ten.inflation * ten.inflation;
-    let element = |i: usize, j: usize| scale * ten.mean_square(i, j);
-    let row = |&i: &usize| kept.iter().map(|&j| element(i, j)).collect();
-    let segments = problem.segments.iter().zip(&solved.chi2_segment);
-    let fit = segments.map(|(s, chi2)| SegmentFit {
-        label: s.label.clone(),
-        samples: s.samples.time_s.len(),
-        chi2_per_dof: *chi2,
-        channels: Vec::new(),
-    });
-    Estimate {
-        method: "ma2008".to_owned(),
-        variant: None,
-        status: match open {
-            0 => Status::Converged,
-            10 => Status::NotIdentifiable,
-            _ => Status::Partial,
-        },
-        system: (open == 0).then(system).flatten(),
-        momentum: momentum(given, solved, ten),
-        nuisance: Vec::new(),
-        covariance_names: kept
-            .iter()
-            .map(|&k| format!("{name}.{}", MASS_PROPERTY_NAMES[k]))
-            .collect(),
-        covariance_units: kept.iter().map(|&k| MASS_PROPERTY_UNITS[k]).collect(),
-        covariance: kept.iter().map(row).collect(),
-        identifiability: identifiability(&name, solved, ten),
-        fit: fit.collect(),
-        states_covariance: true,
-        remarks: Vec::new(),
-        diagnostics: None,
-        known_numbers: Default::default(),
-        method_report: Some(report(solved)),
-        iterations: 1,
-        bodies: std::iter::once(base).chain(links).collect(),
-    }
-}
-
-fn tests(chi2: f64, rejected: bool) -> [Remark; 2] {
-    let words = match rejected {
-        true => "the data contradict the rigid model",
-        false => "the data do not contradict the rigid model",
+/// The model with this momentum known, and only that.
+fn with_momentum(model: &Model, given: Given) -> Model {
+    let mut model = model.clone();
+    let known = |x| match x {
+        Some(x) => MomentumKnowledge::Known(x),
+        None => MomentumKnowledge::Estimate,
     };
-    let effect = Effect::RejectsModel.if_failed(rejected);
-    let model = Remark::test("rigid model", effect, words);
-    let effect = Effect::AgainstAnswer.if_failed(!rejected && chi2 > MISFIT);
-    let words = format!("residuals are {:.1} times the declared noise", chi2.sqrt());
-    let residuals = Remark::test("all residuals", effect, words)
-        .statistic("chi-square per degree of freedom", chi2)
-        .widening(chi2.sqrt());
-    [model, residuals]
+    model.momentum.linear = known(given.p_C_N);
+    model.momentum.angular = known(given.h_C_N);
+    model
 }
 
-/// A body that follows from the base.
-fn body(
-    ten: &Ten,
-    name: &str,
-    nominal: &MassProperties,
-    of: impl Fn(MassProperties) -> MassProperties,
-) -> BodyEstimate {
-    let at = |u: &[f64; 10]| of(MassProperties::from_array(u));
-    let (known, pi) = (nominal.to_array(), nominal.parameters().to_array());
-    let number = |k: usize| ten.number(known[k], |u| at(u).to_array()[k]);
-    let parameter = |k: usize| ten.number(pi[k], |u| at(u).parameters().to_array()[k]);
-    BodyEstimate::from_numbers(
-        name.to_owned(),
-        number(0),
-        [1, 2, 3].map(number),
-        [4, 5, 6, 7, 8, 9].map(number),
-        std::array::from_fn(parameter),
-    )
-}
-
-fn system(
+/// Says that the given momentum contradicts the data, where they fit far better without it.
+fn contradiction(
     problem: &Problem,
-    ten: &Ten,
-    nominal: &MassProperties,
-) -> Option<(BodyEstimate, Vec<f64>)> {
-    let samples = &problem.segments.first()?.samples;
-    let q = samples.joint_position.get(..problem.tree.dof())?;
-    let mut kinematics = Kinematics::new(problem.tree);
-    kinematics.place(problem.tree, q);
-    let bodies = problem.model.bodies.iter();
-    let bodies: Vec<InertialParameters> = bodies.map(|b| b.nominal.parameters()).collect();
-    let whole = |base: MassProperties| {
-        let mut all = bodies.clone();
-        all[0] = base.parameters();
-        let whole = composite(&all, &kinematics).parameters().mass_properties();
-        whole.unwrap_or(MassProperties::ZERO)
-    };
-    Some((body(ten, "system", &whole(*nominal), whole), q.to_vec()))
+    given: Given,
+    certified: &Estimate,
+) -> Result<Option<String>, Faults> {
+    let misfit = |e: &Estimate| largest(e.fit.iter().map(|f| f.chi2_per_dof));
+    let chi2 = misfit(certified);
+    if given == Given::default() || chi2 <= MISFIT {
+        return Ok(None);
+    }
+    let model = with_momentum(problem.model, Given::default());
+    let free = misfit(&certificate(&Problem {
+        model: &model,
+        ..*problem
+    })?);
+    Ok((chi2 > CONTRADICTED * free).then(|| {
+        format!(
+            "the declared momentum contradicts the data: residuals are {:.1} times the declared noise with it and {:.1} times without; give linear_N_s and angular_N_m_s in N, angular about the system mass centre, at the first sample, or use --variant unknown-momentum",
+            chi2.sqrt(),
+            free.sqrt()
+        )
+    }))
 }
 
-fn momentum(given: Given, solved: &NoisySolution, ten: &Ten) -> Vec<MomentumEstimate> {
-    let covariance = &solved.influence.covariance;
-    let (open_P, open_H) = (ten.open[..4].contains(&true), ten.open.contains(&true));
-    let three = |given: Option<Vector3>, found: &Vector3, at: usize, open: bool| {
-        [0, 1, 2].map(|k| match given {
-            Some(given) => Number::known(given[k]),
-            None if open => Number::undetermined(0.0),
-            None => {
-                let sigma = ten.inflation * covariance[(at + k, at + k)].sqrt();
-                Number::data(found[k], sigma, 0.0)
-            }
-        })
+/// The base by both steps, with nominal numbers along directions that they do not determine; whether its mass is impossible.
+fn base(problem: &Problem, solved: &TwoStep, certified: &Estimate) -> (MassProperties, bool) {
+    let nominal = problem
+        .model
+        .bodies
+        .first()
+        .map_or(MassProperties::ZERO, |b| b.nominal);
+    let c = nominal.p_BoBcm_B;
+    let x = [solved.arm_mass / nominal.mass, c.x, c.y, c.z];
+    let x = solved.linear.completed(&x.into());
+    let asked = certified
+        .bodies
+        .first()
+        .is_some_and(|b| b.mass.value.is_some());
+    let mass = solved.arm_mass / x[0];
+    let possible = mass.is_finite() && mass > 0.0;
+    let y = elements(&nominal.I_BBcm_B).into();
+    let y = solved.angular.as_ref().map_or(y, |step| step.completed(&y));
+    let base = MassProperties {
+        mass: if possible { mass } else { nominal.mass },
+        p_BoBcm_B: x.fixed_rows::<3>(1).into_owned(),
+        I_BBcm_B: tensor(y.into()),
     };
-    let segments = solved.influence.momentum.iter().enumerate();
-    let of = |(s, (P, H)): (usize, &(Vector3, Vector3))| MomentumEstimate {
-        linear: three(given.p_C_N, P, 10 + 6 * s, open_P),
-        angular: three(given.h_C_N, H, 13 + 6 * s, open_H),
-    };
-    segments.map(of).collect()
+    (base, asked && !possible)
 }
 
-/// Sec. IV with the declared noise: errors, bounds, condition numbers of both steps.
-fn report(solved: &NoisySolution) -> MethodReport {
-    let (linear, angular) = (
+fn warnings(model: &Model, solved: &TwoStep, impossible: bool) -> Vec<String> {
+    let ratio = solved.linear.x[0];
+    let mut gyros = model.sensors_of(SensorKind::Gyro);
+    let mut list = Vec::new();
+    if solved.angular.is_some() && ratio > 0.0 && !(STUDIED[0]..=STUDIED[1]).contains(&ratio) {
+        list.push(format!(
+            "the arm has {:.1} % of the base's mass; the paper studied 0.5 to 50 %",
+            100.0 * ratio
+        ));
+    }
+    for (holds, words) in [
+        (
+            impossible,
+            "step 1 gives a negative mass: noise or a wrong model dominates it; no number is given",
+        ),
+        (
+            gyros.any(|s| s.bias != Nuisance::Known),
+            "the gyro's bias is declared unknown: ma2008 assumes zero; --method auto estimates it",
+        ),
+        (
+            model.bodies.first().is_some_and(|b| b.prior.is_some()),
+            "the base's prior is not used by ma2008",
+        ),
+    ] {
+        list.extend(holds.then(|| words.to_owned()));
+    }
+    list
+}
+
+/// Condition numbers and bounds of both steps under the declared noise of the velocities.
+fn report(
+    problem: &Problem,
+    segments: &[Vec<Reading>],
+    given: Given,
+    solved: &TwoStep,
+    step: Option<Matrix3>,
+) -> MethodReport {
+    let root = |covariance: &Matrix3| {
+        let e = SymmetricEigen::new(*covariance);
+        e.eigenvectors * Matrix3::from_diagonal(&e.eigenvalues.map(|x| x.max(0.0).sqrt()))
+    };
+    let [velocity, rate] =
+        [step.unwrap_or(problem.noise.velocity), problem.noise.gyro].map(|c| root(&c));
+    // The errors of increments add up.
+    let grown = |k: usize| {
+        if step.is_some() {
+            (k as f64).sqrt()
+        } else {
+            1.0
+        }
+    };
+    let errors = |s: &Reading, k: usize| [s.R_NB.transpose() * velocity * grown(k), rate];
+    let bounds = Limits::of(segments, given, solved, errors).bounds(solved);
+    let units = [
         ["mixed", "m/s", "mixed (1, m)"],
         ["rad/s", "N m s", "kg m2"],
-    );
-    let steps = solved.bounds.iter().zip([linear, angular]);
-    let mut list = Vec::new();
-    for (n, (bound, [matrix, right, error])) in (1..).zip(steps) {
-        let mut add = |what: &str, unit, x| {
-            let name = format!("step {n}: {what}");
-            list.push(printed(name, unit, x, 0.0));
-        };
-        add("condition number of the matrix", "1", bound.condition);
-        add("size of the matrix error, limit", matrix, bound.epsilon_A);
-        let size = "size of the right-hand side error, limit";
-        add(size, right, bound.epsilon_b);
-        let first_order = "first-order bound of the error, eq. (35)";
-        add(first_order, error, bound.absolute);
-        add("relative bound, eq. (36)", "1", bound.relative);
-    }
+    ];
+    let number = |(n, (bound, [matrix, right, error])): (usize, (_, [&'static str; 3]))| {
+        let bound: super::bounds::Bound = bound;
+        [
+            ("condition number of the matrix", "1", bound.condition),
+            ("size of the matrix error, limit", matrix, bound.epsilon_A),
+            (
+                "size of the right-hand side error, limit",
+                right,
+                bound.epsilon_b,
+            ),
+            (
+                "first-order bound of the error, eq. (35)",
+                error,
+                bound.absolute,
+            ),
+            ("relative bound, eq. (36)", "1", bound.relative),
+        ]
+        .map(|(what, unit, x)| printed(format!("step {n}: {what}"), unit, x, 0.0))
+    };
+    let steps = (1..).zip(bounds.into_iter().zip(units));
+    let numbers: Vec<ReportedNumber> = steps.flat_map(number).collect();
     MethodReport {
-        note: "Ma, Dang and Pham 2008, Sec. IV: first-order bounds of the errors and condition numbers of both steps. The sizes of the error matrices are limits that the declared noise exceeds with a probability below 0.1 %".to_owned(),
-        numbers: list,
+        note: "Ma, Dang and Pham 2008, Sec. IV: first-order bounds of the errors and condition numbers of both steps. The sizes of the error matrices are limits that the declared noise of the velocities exceeds with a probability below 0.1 %. Sigma above is that of the linear method, widened by the difference to it".to_owned(),
+        numbers,
     }
 }

@@ -4,11 +4,10 @@
 //! and mass centre: (45) has no term for the error of step 1.
 
 use super::arm::Reading;
-use super::equations::{AngularRows, LinearRows, put};
-use super::influence::Influence;
+use super::equations::{AngularRows, Given, LinearRows, TwoStep, put};
 use super::solve::Step;
 use nalgebra::SMatrix;
-use poinsot_spatial::{Vector3, skew, tensor_regressor};
+use poinsot_spatial::{Matrix3, Vector3, skew, tensor_regressor};
 
 /// An error exceeds this multiple of its RMS with a probability below 0.1 %. A sum of squares of normal numbers with
 /// mean m exceeds `m (1 + sqrt(2 t))^2` with probability at most `exp(-t)` (Laurent and Massart 2000).
@@ -104,47 +103,63 @@ pub fn angular_error(s: &Reading, m_S: f64, rho_S: &Vector3, dw: &Vector3) -> An
     rows
 }
 
-/// The bound of step 1 for an error size that the declared noise exceeds with a probability below 0.1 %.
-///
-/// ```
-#[doc = include_str!("../../doc/balanced.txt")]
-#[doc = include_str!("../../doc/influence.txt")]
-/// use poinsot_papers::ma2008::bounds::stated_linear;
-///
-/// let sources = [(NoiseSource::Rate(Vector3::x() * 1.0e-4), 0.0)];
-/// let setting = Setting { segments: &[segment], known: Given::default(), sources: &sources };
-/// let bound = stated_linear(&step, &influence(&mut vehicle, &setting, &solution));
-/// assert!(bound.condition >= 1.0 && bound.epsilon_A > 0.0);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-pub fn stated_linear(step: &Step<4>, effect: &Influence) -> Bound {
-    let noise = &effect.linear;
-    bound(step, limit(noise.epsilon_A), limit(noise.epsilon_b))
+/// Sizes of the error matrices of both steps, `(||dA||, ||db||)`, that the noise of the velocities exceeds with a probability
+/// below 0.1 %. Those of step 2 are of (43) and (45), without the error of step 1.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limits {
+    /// Of step 1.
+    pub linear: (f64, f64),
+    /// Of step 2.
+    pub angular: (f64, f64),
 }
 
-/// The same bound for step 2, including the effect of the error of step 1 on its right-hand side.
-///
-/// ```
-#[doc = include_str!("../../doc/balanced.txt")]
-#[doc = include_str!("../../doc/influence.txt")]
-/// use poinsot_papers::ma2008::bounds::stated_angular;
-///
-/// let angular = solve::<6, 7>(&differences(&[samples], |s| angular_rows(s, m_S, &rho_S), None));
-/// // Without noise the bound is zero.
-/// let setting = Setting { segments: &[segment], known: Given::default(), sources: &[] };
-/// let bound = stated_angular(&angular, &influence(&mut vehicle, &setting, &solution));
-/// assert_eq!((bound.epsilon_A, bound.absolute), (0.0, 0.0));
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-pub fn stated_angular(step: &Step<6>, effect: &Influence) -> Bound {
-    let noise = &effect.angular;
-    let right = limit(noise.epsilon_b) + limit(effect.passed_on);
-    bound(step, limit(noise.epsilon_A), right)
-}
+impl Limits {
+    /// From independent errors: `errors` gives, for a sample and its place in the segment, three errors of the velocity and three
+    /// of the angular velocity, in base axes, one a column.
+    pub fn of(
+        segments: &[Vec<Reading>],
+        given: Given,
+        solved: &TwoStep,
+        errors: impl Fn(&Reading, usize) -> [Matrix3; 2],
+    ) -> Self {
+        let (m_S, rho_S) = (solved.mass(), solved.rho_S());
+        let (mut linear, mut angular) = (Vec::new(), Vec::new());
+        for segment in segments {
+            // The error of the first sample is in every increment.
+            let increments = segment.len().saturating_sub(1) as f64;
+            for (k, s) in segment.iter().enumerate() {
+                let times = |known: bool| {
+                    if k > 0 || known {
+                        1.0
+                    } else {
+                        increments.sqrt()
+                    }
+                };
+                let times = [given.p_C_N, given.h_C_N].map(|known| times(known.is_some()));
+                let [dv, dw] = errors(s, k);
+                let none = Vector3::zeros();
+                for (dv, dw) in dv.column_iter().zip(dw.column_iter()) {
+                    let dw = dw.into_owned();
+                    linear.push(linear_error(s, &dv.into_owned(), &none) * times[0]);
+                    linear.push(linear_error(s, &none, &dw) * times[0]);
+                    angular.push(angular_error(s, m_S, &rho_S, &dw) * times[1]);
+                }
+            }
+        }
+        let limit = |(A, b): (f64, f64)| (LIMIT * A, LIMIT * b);
+        Self {
+            linear: limit(sizes::<4, 5>(&linear)),
+            angular: limit(sizes::<6, 7>(&angular)),
+        }
+    }
 
-/// Upper limit of an error with this mean square.
-fn limit(mean_square: f64) -> f64 {
-    LIMIT * mean_square.sqrt()
+    /// The bound of each step that is solved.
+    pub fn bounds(&self, solved: &TwoStep) -> Vec<Bound> {
+        let first = bound(&solved.linear, self.linear.0, self.linear.1);
+        let second = solved.angular.as_ref();
+        let second = second.map(|step| bound(step, self.angular.0, self.angular.1));
+        std::iter::once(first).chain(second).collect()
+    }
 }
 
 /// Frobenius norm of the first N columns and norm of the last, over all rows: `(||dA||, ||db||)`. It is at least the

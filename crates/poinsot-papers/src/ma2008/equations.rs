@@ -37,6 +37,15 @@ pub struct Given {
     pub h_C_N: Option<Vector3>,
 }
 
+impl From<Option<Known>> for Given {
+    fn from(known: Option<Known>) -> Self {
+        Self {
+            p_C_N: known.map(|k| k.p_C_N),
+            h_C_N: known.map(|k| k.h_C_N),
+        }
+    }
+}
+
 /// Solution of both steps.
 #[derive(Debug, Clone)]
 pub struct TwoStep {
@@ -87,11 +96,12 @@ impl TwoStep {
 /// assert!((found.mass() - m_S).abs() < 1.0e-6 && (found.rho_S() - rho_S).norm() < 1.0e-9);
 /// assert!((found.I_S().unwrap() - I_S).norm() < 1.0e-6);
 /// ```
-pub fn two_step(segments: &[Vec<Reading>], known: Option<Known>) -> TwoStep {
+pub fn two_step(segments: &[Vec<Reading>], given: impl Into<Given>) -> TwoStep {
+    let given = given.into();
     let arm_mass = segments.iter().flatten().next().map_or(0.0, |s| s.arm.mass);
     // Step 1: A x = b, (11)-(13) or (15)-(17). The natural scale of x is unknown here, so columns are scaled equally.
-    let given = known.map(|k| linear_known(&k.p_C_N, arm_mass));
-    let rows = differences(segments, linear_rows, given);
+    let known = given.p_C_N.map(|p| linear_known(&p, arm_mass));
+    let rows = differences(segments, linear_rows, known);
     let linear: Step<4> = solve::<4, 5>(&rows);
     let mut answer = TwoStep {
         linear,
@@ -104,7 +114,7 @@ pub fn two_step(segments: &[Vec<Reading>], known: Option<Known>) -> TwoStep {
     // Step 2: B y = c, (18)-(20) or (22)-(24), with mass and mass centre of step 1.
     let (m_S, rho_S) = (answer.mass(), answer.rho_S());
     let of = |s: &Reading| angular_rows(s, m_S, &rho_S);
-    let rows = differences(segments, of, known.map(|k| angular_known(&k.h_C_N)));
+    let rows = differences(segments, of, given.h_C_N.map(|h| angular_known(&h)));
     answer.angular = Some(solve::<6, 7>(&rows));
     answer
 }

@@ -36,18 +36,14 @@
 
 mod answer;
 mod arm;
-mod both;
 pub mod bounds;
 mod data;
 mod equations;
-mod influence;
 mod lanes;
 pub mod printed;
 mod solve;
 pub mod studies;
-mod ten;
 mod trials;
-mod words;
 
 pub use answer::identify;
 pub use arm::{Arm, Raw, Reading, Vehicle};
@@ -55,8 +51,7 @@ pub use equations::{
     AngularRows, Given, Known, LinearRows, TwoStep, angular_known, angular_rows, differences,
     linear_known, linear_rows, two_step,
 };
-pub use influence::{Influence, Setting, Source as NoiseSource, influence};
-pub use solve::{Directions, Solution, Step, solve};
+pub use solve::{Step, solve};
 pub use trials::{Results, Trials};
 
 use crate::method::{Method, Named};

@@ -7,17 +7,13 @@ use super::roles::{Roles, joint_name, roles};
 use super::sequence::{Found, Searched, Solver, StepReport, sequence};
 use super::single_body::Form;
 use super::{Kind, ORDER, Order, Variant};
-use crate::certified::put;
+use crate::certified::{certificate, put};
 use crate::method::Named;
 use crate::numbers::printed;
 use crate::study::statistics::largest;
 use poinsot_dynamics::Kinematics;
 use poinsot_files::Faults;
-use poinsot_identify::refusal::NO_VELOCITY;
-use poinsot_identify::{
-    Effect, Estimate, MethodReport, Problem, Remark, ReportedNumber, Settings, linear,
-    maximum_likelihood_with,
-};
+use poinsot_identify::{Effect, Estimate, MethodReport, Problem, Remark, ReportedNumber};
 use poinsot_model::{Nuisance, SensorKind};
 use poinsot_spatial::{MASS_PROPERTY_NAMES, MASS_PROPERTY_UNITS};
 
@@ -60,21 +56,6 @@ pub fn identify(problem: &Problem, variant: Variant, solver: &Solver) -> Result<
         estimate.add(Remark::test("convergence", Effect::WithholdsNumbers, words));
     }
     Ok(estimate)
-}
-
-/// The certificate: the linear method, or maximum likelihood if thrust segments have attitude only, for which the
-/// linear method has no equations.
-fn certificate(problem: &Problem) -> Result<Estimate, Faults> {
-    match linear(problem) {
-        Err(faults) if faults.code() == NO_VELOCITY => {
-            let options = Settings {
-                undiagnosed: true,
-                ..Settings::default()
-            };
-            maximum_likelihood_with(problem, options)
-        }
-        other => other,
-    }
 }
 
 /// Result of one step, with the method's names.

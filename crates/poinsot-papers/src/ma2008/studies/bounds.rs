@@ -2,18 +2,12 @@
 //! trial, and the limits of the command.
 
 use super::experiment::{Experiment, Run, Sigma, readings, unsymmetric};
-use crate::ma2008::bounds::{
-    angular_error, bound, linear_error, sizes, stated_angular, stated_linear,
-};
-use crate::ma2008::{
-    Directions, Given, Influence, NoiseSource, Reading, Setting, Solution, TwoStep, Vehicle,
-    angular_rows, differences, influence,
-};
+use crate::ma2008::bounds::{Limits, angular_error, bound, linear_error, sizes};
+use crate::ma2008::{Given, Reading, TwoStep, angular_rows, differences};
 use crate::study::statistics::{median, quantile, rms};
 use crate::study::{Context, Digits, Findings, StudyError, Table};
 use nalgebra::SMatrix;
-use poinsot_dynamics::Tree;
-use poinsot_spatial::Vector3;
+use poinsot_spatial::{Matrix3, Vector3};
 use rayon::prelude::*;
 
 const TRIALS: u64 = 10_000;
@@ -115,49 +109,26 @@ fn looseness(table: &mut Table, title: &str, found: &[Trial]) {
 fn trials(run: &Run, sigma: Sigma, known: bool) -> Result<Vec<Trial>, StudyError> {
     let exact = run.readings();
     let truth = run.solved(&run.raws, known);
-    let effect = declared(run, sigma, known, &truth).ok_or("the two steps have no solution")?;
+    let given = Given::from(known.then_some(run.known));
+    let errors = |s: &Reading, _| {
+        let velocity = s.R_NB.transpose() * Matrix3::from_diagonal(&sigma.v);
+        [velocity, Matrix3::from_diagonal(&sigma.w)]
+    };
+    let limits = Limits::of(&[exact.clone()], given, &truth, errors);
     let one = |seed| {
         let raws = run.noisy(sigma, seed);
         let noisy = readings(&run.model, &raws);
         let found = run.solved(&raws, known);
-        trial(&exact, &noisy, [&truth, &found], (&effect, known))
+        trial(&exact, &noisy, [&truth, &found], (limits, known))
     };
     Ok((0..TRIALS).into_par_iter().filter_map(one).collect())
-}
-
-/// Effect of noise of this sigma on both steps, as propagated by the command.
-fn declared(run: &Run, sigma: Sigma, known: bool, truth: &TwoStep) -> Option<Influence> {
-    let tree = Tree::new(&run.model);
-    let axes = |s: Vector3| (0..3).map(move |k| Vector3::ith(k, s[k]));
-    let velocity = axes(sigma.v).map(NoiseSource::Velocity);
-    let sources = velocity.chain(axes(sigma.w).map(NoiseSource::Rate));
-    let sources: Vec<(NoiseSource, f64)> = sources.map(|s| (s, 1.0)).collect();
-    let angular = truth.angular.as_ref()?;
-    let linear = Directions::new(&truth.linear, [1.0; 4], 0.0)?;
-    let tensor = Directions::new(angular, [1.0; 6], 0.0)?;
-    let given = Given {
-        p_C_N: known.then_some(run.known.p_C_N),
-        h_C_N: known.then_some(run.known.h_C_N),
-    };
-    let setting = Setting {
-        segments: std::slice::from_ref(&run.raws),
-        known: given,
-        sources: &sources,
-    };
-    let solution = Solution {
-        x: truth.linear.x,
-        linear: &linear,
-        angular: Some((angular.x, &tensor)),
-    };
-    let mut vehicle = Vehicle::new(&run.model, &tree);
-    Some(influence(&mut vehicle, &setting, &solution))
 }
 
 fn trial(
     exact: &[Reading],
     noisy: &[Reading],
     [truth, found]: [&TwoStep; 2],
-    (effect, known): (&Influence, bool),
+    (limits, known): (Limits, bool),
 ) -> Option<Trial> {
     let (step2, found2) = (truth.angular.as_ref()?, found.angular.as_ref()?);
     let (m, c) = (truth.mass(), truth.rho_S());
@@ -177,6 +148,7 @@ fn trial(
     let changes = moved.iter().zip(shifted(m, c)).map(|(a, b)| a - b);
     let squares = changes.map(|d| d.column(6).norm_squared());
     let inherited = squares.sum::<f64>().sqrt();
+    let stated = limits.bounds(found);
     Some(Trial {
         error: [
             (found.linear.x - truth.linear.x).norm(),
@@ -187,10 +159,7 @@ fn trial(
             bound(step2, a2, b2).absolute,
         ],
         inherited: bound(step2, a2, b2 + inherited).absolute,
-        stated: [
-            stated_linear(&found.linear, effect).absolute,
-            stated_angular(found2, effect).absolute,
-        ],
+        stated: [stated[0].absolute, stated.get(1)?.absolute],
     })
 }
 

@@ -13,7 +13,8 @@ fn stat_sigmas_are_calibrated() {
     let e = flown(1, [1.0, 2.0, 5.0])
         .with_base(unsymmetric())
         .sampled(30, false);
-    let Run { raws, known, .. } = e.run().unwrap();
+    let run = e.run().unwrap();
+    let known = run.known;
     let truth = e.truth();
     for variant in [Variant::KnownMomentum, Variant::UnknownMomentum] {
         let mut model = e.model.clone();
@@ -24,7 +25,8 @@ fn stat_sigmas_are_calibrated() {
         let (mut square, mut momentum, mut chi2, trials) = ([0.0; 10], [0.0; 6], 0.0, 300);
         for trial in 0..trials {
             let mut rng = ChaCha8Rng::seed_from_u64(trial);
-            let moved: Vec<_> = raws
+            let moved: Vec<_> = run
+                .raws
                 .iter()
                 .map(|r| {
                     let mut r = r.clone();
@@ -37,6 +39,10 @@ fn stat_sigmas_are_calibrated() {
                     r
                 })
                 .collect();
+            let moved = Run {
+                raws: moved,
+                ..run.clone()
+            };
             let answer = ask(&model, &moved, variant, 1.0).unwrap();
             assert_eq!(answer.status, Status::Converged);
             chi2 += answer.fit[0].chi2_per_dof / trials as f64;
@@ -80,34 +86,34 @@ fn stat_sigmas_are_calibrated() {
 fn prop_what_motion_does_not_show_is_open() {
     // No motion.
     let still = flown(1, [0.0; 3]);
-    let one = still.run().unwrap().raws[0].clone();
-    let answer = ask(
-        &still.model,
-        &vec![one.clone(); 12],
-        Variant::UnknownMomentum,
-        0.0,
-    )
-    .unwrap();
+    let run = still.run().unwrap();
+    let rest = Run {
+        raws: vec![run.raws[0].clone(); 12],
+        positions: vec![run.positions[0]; 12],
+        ..run.clone()
+    };
+    let answer = ask(&still.model, &rest, Variant::UnknownMomentum, 0.0).unwrap();
     assert_eq!(answer.status, Status::NotIdentifiable);
     assert!(answer.bodies[0].mass.value.is_none());
     assert_eq!(answer.identifiability.rank, 0);
     assert!(!answer.identifiability.open.is_empty());
     // At zero momentum with stopped arm there is no motion either.
-    let Run { raws, known, .. } = still.run().unwrap();
-    assert!(raws.iter().all(|r| r.w_NB_B.norm() < 1.0e-12));
+    let known = run.known;
+    assert!(run.raws.iter().all(|r| r.w_NB_B.norm() < 1.0e-12));
     let mut model = still.model.clone();
     model.momentum.linear = MomentumKnowledge::Known(known.p_C_N);
     model.momentum.angular = MomentumKnowledge::Known(known.h_C_N);
-    let answer = ask(&model, &raws, Variant::KnownMomentum, 0.0).unwrap();
+    let answer = ask(&model, &run, Variant::KnownMomentum, 0.0).unwrap();
     assert_eq!(answer.status, Status::NotIdentifiable);
     // Known linear momentum without spin: only the mass.
     let mut drifting = flown(1, [0.0; 3]);
     drifting.velocity = [0.02, -0.01, 0.005];
-    let Run { raws, known, .. } = drifting.run().unwrap();
+    let run = drifting.run().unwrap();
+    let known = run.known;
     let mut model = drifting.model.clone();
     model.momentum.linear = MomentumKnowledge::Known(known.p_C_N);
     model.momentum.angular = MomentumKnowledge::Known(known.h_C_N);
-    let answer = ask(&model, &raws, Variant::KnownMomentum, 0.0).unwrap();
+    let answer = ask(&model, &run, Variant::KnownMomentum, 0.0).unwrap();
     assert_eq!(answer.status, Status::Partial);
     let base = &answer.bodies[0];
     assert!((base.mass.value.unwrap() - 1000.0).abs() < 1.0e-8);
@@ -117,7 +123,7 @@ fn prop_what_motion_does_not_show_is_open() {
     let moving = flown(1, [0.0; 3]).sampled(200, false);
     let answer = ask(
         &moving.model,
-        &moving.run().unwrap().raws,
+        &moving.run().unwrap(),
         Variant::UnknownMomentum,
         0.0,
     )
@@ -133,7 +139,7 @@ fn prop_what_motion_does_not_show_is_open() {
     one_axis.model.joints[0].p_PoCo_P.y = 0.0;
     let answer = ask(
         &one_axis.model,
-        &one_axis.run().unwrap().raws,
+        &one_axis.run().unwrap(),
         Variant::UnknownMomentum,
         0.0,
     )
@@ -151,14 +157,15 @@ fn prop_what_motion_does_not_show_is_open() {
 fn exact_mixed_momentum_gives_the_truth() {
     let mut e = flown(1, [0.0, 1.0, 5.0]).with_base(unsymmetric());
     e.velocity = [0.02, -0.01, 0.005];
-    let Run { raws, known, .. } = e.run().unwrap();
+    let run = e.run().unwrap();
+    let known = run.known;
     for linear in [true, false] {
         let mut model = e.model.clone();
         match linear {
             true => model.momentum.linear = MomentumKnowledge::Known(known.p_C_N),
             false => model.momentum.angular = MomentumKnowledge::Known(known.h_C_N),
         }
-        let answer = ask(&model, &raws, Variant::KnownMomentum, 0.0).unwrap();
+        let answer = ask(&model, &run, Variant::KnownMomentum, 0.0).unwrap();
         assert_eq!(answer.status, Status::Converged, "{:?}", answer.warnings());
         let base = &answer.bodies[0];
         assert!((base.mass.value.unwrap() - 1000.0).abs() < 1.0e-8);
@@ -180,8 +187,9 @@ fn exact_mixed_momentum_gives_the_truth() {
 fn prop_momentum_in_the_wrong_frame_is_rejected() {
     let mut e = flown(1, [0.0, 0.0, 5.0]).with_base(unsymmetric());
     e.velocity = [0.02, -0.01, 0.005];
-    let Run { raws, known, .. } = e.run().unwrap();
-    let turned = raws[0].R_NB.inverse();
+    let run = e.run().unwrap();
+    let known = run.known;
+    let turned = run.raws[0].R_NB.inverse();
     let wrong = [
         (known.p_C_N, turned * Vector3::x() * known.h_C_N.norm()),
         (
@@ -195,7 +203,7 @@ fn prop_momentum_in_the_wrong_frame_is_rejected() {
         let mut model = e.model.clone();
         model.momentum.linear = MomentumKnowledge::Known(p);
         model.momentum.angular = MomentumKnowledge::Known(h);
-        let answer = ask(&model, &raws, Variant::KnownMomentum, 0.0).unwrap();
+        let answer = ask(&model, &run, Variant::KnownMomentum, 0.0).unwrap();
         println!("{:?} {:?}", answer.status, answer.warnings());
         assert_eq!(answer.status, Status::Rejected);
         assert!(answer.bodies[0].mass.value.is_none());
@@ -206,11 +214,11 @@ fn prop_momentum_in_the_wrong_frame_is_rejected() {
 #[test]
 fn prop_bad_questions_are_refused_in_one_line() {
     let e = flown(1, [0.0, 0.0, 5.0]);
-    let raws = e.run().unwrap().raws;
+    let run = e.run().unwrap();
     let refused = |change: &dyn Fn(&mut Model), variant, code: &str| {
         let mut model = e.model.clone();
         change(&mut model);
-        let error = ask(&model, &raws, variant, 0.0).unwrap_err().to_string();
+        let error = ask(&model, &run, variant, 0.0).unwrap_err().to_string();
         assert!(error.starts_with(code) && !error.contains('\n'), "{error}");
     };
     let free = Variant::UnknownMomentum;
@@ -238,14 +246,16 @@ fn prop_bad_questions_are_refused_in_one_line() {
         Variant::KnownMomentum,
         "E0524 [momentum] linear_N_s",
     );
-    let error = ask(&e.model, &raws[..2], free, 0.0)
-        .unwrap_err()
-        .to_string();
+    let few = Run {
+        raws: run.raws[..2].to_vec(),
+        ..run
+    };
+    let error = ask(&e.model, &few, free, 0.0).unwrap_err().to_string();
     assert!(error.starts_with("E0528"), "{error}");
     // An arm heavier than those studied in the paper gives an answer with a warning.
     let mut heavy = flown(1, [0.0, 0.0, 5.0]);
     scale_arm(&mut heavy.model, 8.0 * 0.093184);
-    let answer = ask(&heavy.model, &heavy.run().unwrap().raws, free, 0.0).unwrap();
+    let answer = ask(&heavy.model, &heavy.run().unwrap(), free, 0.0).unwrap();
     assert_eq!(answer.status, Status::Converged);
     assert!(
         answer.warnings().iter().any(|w| w.contains("0.5 to 50 %")),
@@ -255,7 +265,8 @@ fn prop_bad_questions_are_refused_in_one_line() {
 }
 
 /// A segment of raw samples for the estimators.
-fn segment(raws: &[ma2008::Raw]) -> Segment {
+fn segment(run: &Run) -> Segment {
+    let raws = &run.raws;
     Segment {
         label: "test".to_owned(),
         samples: Samples {
@@ -264,7 +275,10 @@ fn segment(raws: &[ma2008::Raw]) -> Segment {
             w_NB_B: raws.iter().map(|r| r.w_NB_B).collect(),
             translation: Some(Translation {
                 v_NBo_N: raws.iter().map(|r| r.v_NBo_N).collect(),
-                p_NoBo_N: vec![Vector3::zeros(); raws.len()],
+                p_NoBo_N: run.positions[..raws.len()]
+                    .iter()
+                    .map(|p| p - run.positions[0])
+                    .collect(),
             }),
             joint_position: raws.iter().flat_map(|r| r.q.clone()).collect(),
             joint_rate: raws.iter().flat_map(|r| r.rates.clone()).collect(),
@@ -294,7 +308,7 @@ fn noise(seen: f64) -> Noise {
 
 fn ask(
     model: &Model,
-    raws: &[ma2008::Raw],
+    run: &Run,
     variant: Variant,
     seen: f64,
 ) -> Result<poinsot_identify::Estimate, poinsot_files::Faults> {
@@ -303,7 +317,7 @@ fn ask(
         &Problem {
             model,
             tree: &tree,
-            segments: &[segment(raws)],
+            segments: &[segment(run)],
             noise: &noise(seen),
             relative_accuracy: 1.0,
         },
