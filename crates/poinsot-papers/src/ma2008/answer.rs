@@ -4,7 +4,7 @@
 
 use super::Variant;
 use super::arm::{Reading, Vehicle};
-use super::bounds::Limits;
+use super::bounds::{Bound, Limits};
 use super::data::{check, raws};
 use super::equations::{Given, TwoStep, two_step};
 use crate::certified::{certificate, put};
@@ -13,7 +13,9 @@ use crate::numbers::printed;
 use crate::study::statistics::largest;
 use nalgebra::SymmetricEigen;
 use poinsot_files::{Faults, Place};
-use poinsot_identify::{Effect, Estimate, MethodReport, Number, Problem, Remark, ReportedNumber};
+use poinsot_identify::{
+    BodyEstimate, Effect, Estimate, MethodReport, Number, Problem, Remark, ReportedNumber, Status,
+};
 use poinsot_model::{Model, MomentumKnowledge, Nuisance, SensorKind};
 use poinsot_spatial::{InertialParameters, MassProperties, Matrix3, Vector3, elements, tensor};
 
@@ -59,16 +61,21 @@ pub fn identify(problem: &Problem, variant: Variant) -> Result<Estimate, Faults>
             "check units and magnitudes of the telemetry",
         ));
     }
-    // Angular momentum about a mass centre that step 1 leaves open says nothing of it.
-    let known = Given {
-        h_C_N: given.h_C_N.filter(|_| solved.angular.is_some()),
+    // The mass centre is that of step 1: angular momentum about one that is open says nothing of it.
+    let first = Given {
+        h_C_N: None,
         ..given
     };
-    let model = with_momentum(problem.model, known);
-    let mut estimate = certificate(&Problem {
-        model: &model,
-        ..*problem
-    })?;
+    let mut estimate = certified(problem, first)?;
+    let mut bodies = estimate.bodies.iter().take(1);
+    let is_centred = bodies.all(|b| b.com.iter().all(|n| n.value.is_some()));
+    if given != first && is_centred {
+        estimate = certified(problem, given)?;
+    }
+    let limits = limits(problem, &segments, given, &solved, step);
+    if solved.linear.singular[3] <= limits.linear.0 {
+        keep_mass(&mut estimate);
+    }
     for momentum in &mut estimate.momentum {
         let known = |p: Vector3| [p.x, p.y, p.z].map(Number::known);
         momentum.linear = given.p_C_N.map_or(momentum.linear, known);
@@ -96,38 +103,37 @@ pub fn identify(problem: &Problem, variant: Variant) -> Result<Estimate, Faults>
         let words = "the data contradict the given momentum, or leave no positive mass";
         estimate.add(Remark::test("rigid model", Effect::RejectsModel, words));
     }
-    estimate.method_report = Some(report(problem, &segments, given, &solved, step));
+    estimate.method_report = Some(report(limits.bounds(&solved)));
     Ok(estimate)
 }
 
-/// The model with this momentum known, and only that.
-fn with_momentum(model: &Model, given: Given) -> Model {
-    let mut model = model.clone();
+/// The certificate with this momentum known, and only that.
+fn certified(problem: &Problem, given: Given) -> Result<Estimate, Faults> {
+    let mut model = problem.model.clone();
     let known = |x| match x {
         Some(x) => MomentumKnowledge::Known(x),
         None => MomentumKnowledge::Estimate,
     };
     model.momentum.linear = known(given.p_C_N);
     model.momentum.angular = known(given.h_C_N);
-    model
+    certificate(&Problem {
+        model: &model,
+        ..*problem
+    })
 }
 
 /// Says that the given momentum contradicts the data, where they fit far better without it.
 fn contradiction(
     problem: &Problem,
     given: Given,
-    certified: &Estimate,
+    found: &Estimate,
 ) -> Result<Option<String>, Faults> {
     let misfit = |e: &Estimate| largest(e.fit.iter().map(|f| f.chi2_per_dof));
-    let chi2 = misfit(certified);
+    let chi2 = misfit(found);
     if given == Given::default() || chi2 <= MISFIT {
         return Ok(None);
     }
-    let model = with_momentum(problem.model, Given::default());
-    let free = misfit(&certificate(&Problem {
-        model: &model,
-        ..*problem
-    })?);
+    let free = misfit(&certified(problem, Given::default())?);
     Ok((chi2 > CONTRADICTED * free).then(|| {
         format!(
             "the declared momentum contradicts the data: residuals are {:.1} times the declared noise with it and {:.1} times without; give linear_N_s and angular_N_m_s in N, angular about the system mass centre, at the first sample, or use --variant unknown-momentum",
@@ -192,20 +198,48 @@ fn warnings(model: &Model, solved: &TwoStep, impossible: bool) -> Vec<String> {
     list
 }
 
-/// Condition numbers and bounds of both steps under the declared noise of the velocities.
-fn report(
+/// Withholds what step 1 does not tell apart from noise: the mass centre, and with it the tensor, even if other data show them.
+fn keep_mass(estimate: &mut Estimate) {
+    let open = |n: &Number| Number::undetermined(n.nominal);
+    if let Some(base) = estimate.bodies.first_mut() {
+        let (mass, rest) = (base.mass, base.barycentric.each_ref().map(open));
+        let parameters = std::array::from_fn(|k| if k == 0 { mass } else { rest[k] });
+        let (com, inertia) = (base.com.each_ref(), base.inertia.each_ref());
+        let name = base.name.clone();
+        *base =
+            BodyEstimate::from_numbers(name, mass, com.map(open), inertia.map(open), parameters);
+    }
+    let of_mass = |name: &String| name.ends_with(".mass");
+    let kept: Vec<usize> = (0..estimate.covariance_names.len())
+        .filter(|k| of_mass(&estimate.covariance_names[*k]))
+        .collect();
+    let row = |i: &usize| kept.iter().map(|j| estimate.covariance[*i][*j]).collect();
+    estimate.covariance = kept.iter().map(row).collect();
+    estimate.covariance_units = kept.iter().map(|k| estimate.covariance_units[*k]).collect();
+    estimate.covariance_names.retain(of_mass);
+    estimate.system = None;
+    let found = &mut estimate.identifiability;
+    found.determined.clear();
+    found.rank = found.rank.min(kept.len());
+    if estimate.status == Status::Converged {
+        estimate.status = Status::Partial;
+    }
+}
+
+/// Sizes of the error matrices under the declared noise of the velocities.
+fn limits(
     problem: &Problem,
     segments: &[Vec<Reading>],
     given: Given,
     solved: &TwoStep,
     step: Option<Matrix3>,
-) -> MethodReport {
+) -> Limits {
     let root = |covariance: &Matrix3| {
         let e = SymmetricEigen::new(*covariance);
         e.eigenvectors * Matrix3::from_diagonal(&e.eigenvalues.map(|x| x.max(0.0).sqrt()))
     };
-    let [velocity, rate] =
-        [step.unwrap_or(problem.noise.velocity), problem.noise.gyro].map(|c| root(&c));
+    let velocity = root(&step.unwrap_or(problem.noise.velocity));
+    let rate = root(&problem.noise.gyro);
     // The errors of increments add up.
     let grown = |k: usize| {
         if step.is_some() {
@@ -215,13 +249,17 @@ fn report(
         }
     };
     let errors = |s: &Reading, k: usize| [s.R_NB.transpose() * velocity * grown(k), rate];
-    let bounds = Limits::of(segments, given, solved, errors).bounds(solved);
+    Limits::of(segments, given, solved, errors)
+}
+
+/// Condition numbers and bounds of both steps.
+fn report(bounds: Vec<Bound>) -> MethodReport {
     let units = [
         ["mixed", "m/s", "mixed (1, m)"],
         ["rad/s", "N m s", "kg m2"],
     ];
     let number = |(n, (bound, [matrix, right, error])): (usize, (_, [&'static str; 3]))| {
-        let bound: super::bounds::Bound = bound;
+        let bound: Bound = bound;
         [
             ("condition number of the matrix", "1", bound.condition),
             ("size of the matrix error, limit", matrix, bound.epsilon_A),

@@ -114,7 +114,7 @@ fn trials(run: &Run, sigma: Sigma, known: bool) -> Result<Vec<Trial>, StudyError
         let velocity = s.R_NB.transpose() * Matrix3::from_diagonal(&sigma.v);
         [velocity, Matrix3::from_diagonal(&sigma.w)]
     };
-    let limits = Limits::of(&[exact.clone()], given, &truth, errors);
+    let limits = Limits::of(std::slice::from_ref(&exact), given, &truth, errors);
     let one = |seed| {
         let raws = run.noisy(sigma, seed);
         let noisy = readings(&run.model, &raws);
