@@ -3,7 +3,9 @@
 
 use crate::bind::{RELATIVE_ACCURACY, solve};
 use crate::channel_names::XYZ;
-use poinsot_identify::{Estimate, Problem, Settings, Status, maximum_likelihood_with};
+use poinsot_identify::{
+    BodyEstimate, Estimate, Problem, Settings, Status, maximum_likelihood_with,
+};
 use poinsot_model::Model;
 use poinsot_telemetry::checks::{Check, Finding, Policy};
 use poinsot_telemetry::{Change, Channel, Repair, Table, median_step};
@@ -31,14 +33,12 @@ const FACTORS: [(f64, &str); 10] = [
     (1.0e4, "kg cm2 for kg m2 in the model"),
     (1.0e-4, "kg m2 for kg cm2 in the model"),
 ];
-/// Chi-square per degree of freedom below which a record fits.
-const FITS: f64 = 10.0;
+/// Places of xx, yy, zz among the elements of the inertia.
+const MOMENTS: [usize; 3] = [0, 2, 5];
 /// Largest residual chi-square relative to that of the rates themselves.
 const UNEXPLAINED: f64 = 0.01;
 /// Rotation per sample, rad, above which a fit takes minutes.
 const FAR: f64 = 0.3;
-/// Gyro samples of the part that is fitted as it was read.
-const SHORT: usize = 100;
 /// Tolerance of the mean factor, relative.
 const MEAN: f64 = 0.15;
 /// Tolerance of the factor of one axis about the mean, relative.
@@ -49,20 +49,9 @@ pub(crate) fn units(estimate: &Estimate) -> Vec<Finding> {
     if estimate.status == Status::Rejected {
         return Vec::new();
     }
-    let factor_of = |k: usize, body: &poinsot_identify::BodyEstimate| {
-        let n = body.inertia.get(k)?;
-        let ratio = n.value? / n.nominal;
-        (ratio > 0.0 && ratio.is_finite()).then(|| ratio.ln())
-    };
     let mut all = Vec::new();
     for body in estimate.bodies.iter().filter(|b| b.asked) {
-        // Indices of xx, yy, zz among the inertia elements.
-        let Some([x, y, z]) = [0, 2, 5]
-            .map(|k| factor_of(k, body))
-            .into_iter()
-            .collect::<Option<Vec<f64>>>()
-            .and_then(|v| <[f64; 3]>::try_from(v).ok())
-        else {
+        let [Some(x), Some(y), Some(z)] = MOMENTS.map(|k| factor(body, k)) else {
             continue;
         };
         let mean = (x + y + z) / 3.0;
@@ -80,6 +69,13 @@ pub(crate) fn units(estimate: &Estimate) -> Vec<Finding> {
         }
     }
     all
+}
+
+/// Logarithm of an estimated moment of inertia over the nominal one.
+fn factor(body: &BodyEstimate, k: usize) -> Option<f64> {
+    let n = body.inertia.get(k)?;
+    let ratio = n.value? / n.nominal;
+    (ratio > 0.0 && ratio.is_finite()).then(|| ratio.ln())
 }
 
 /// What makes a record turn far between samples: what puts it right, the channels, and the mistake.
@@ -124,16 +120,13 @@ pub(crate) fn of_fast_record(model: &Model, tables: &[Table]) -> Option<Finding>
         }
         all
     };
-    let right = |row: &&(Change, _, _)| {
-        let fit = fit(model, &put_right(row.0));
-        fit.is_some_and(|fit| fit.explains && fit.answers)
+    let off = |row: &'static (Change, &str, &str)| {
+        let off = distance(model, &put_right(row.0))?;
+        let nearest = !matches!(row.0, Change::Factor(x) if off > 0.5 * x.ln().abs());
+        nearest.then_some((off, row))
     };
-    let (change, channel, words) = FAST.iter().find(right)?;
-    let scaled = matches!(change, Change::Factor(_));
-    if scaled && fit(model, &liveliest(tables)).is_some_and(|fit| fit.explains) {
-        // Read as it is, it fits too: a spin about one axis fits with any factor of its rate.
-        return None;
-    }
+    let fits = FAST.iter().filter_map(off);
+    let (_, (change, channel, words)) = fits.min_by(|a, b| a.0.total_cmp(&b.0))?;
     let text = format!("the vehicle turns by {turn:.1} rad between samples; {words}");
     let channels = XYZ.map(|k| format!("omega_{k}")).to_vec();
     Some(Finding {
@@ -143,40 +136,6 @@ pub(crate) fn of_fast_record(model: &Model, tables: &[Table]) -> Option<Finding>
         }),
         ..finding(Check::Units, channel, text)
     })
-}
-
-/// The part of all tables in which the rates change most.
-fn liveliest(tables: &[Table]) -> Vec<Table> {
-    let mut all = tables.to_vec();
-    for table in &mut all {
-        let rates = || {
-            let all = table.channels.iter();
-            all.filter(|c| c.name.starts_with("omega_"))
-        };
-        let Some(times) = rates().next().map(|c| c.time_s.clone()) else {
-            continue;
-        };
-        let range = |from: usize, c: &Channel| {
-            let part = c.values.iter().skip(from).take(SHORT);
-            let (least, most) = part.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| {
-                (a.min(*x), b.max(*x))
-            });
-            most - least
-        };
-        let change = |from: &usize| rates().map(|c| range(*from, c)).sum::<f64>();
-        let starts = (0..times.len()).step_by(SHORT / 2);
-        let from = starts.max_by(|a, b| change(a).total_cmp(&change(b)));
-        let from = from.unwrap_or(0).min(times.len().saturating_sub(SHORT));
-        let end = times.get(from + SHORT).or(times.last()).copied();
-        let (start, end) = (times.get(from).copied(), end);
-        for channel in &mut table.channels {
-            let place = |t: Option<f64>| channel.time_s.partition_point(|own| Some(*own) < t);
-            let part = place(start)..place(end);
-            channel.values = channel.values.get(part.clone()).unwrap_or(&[]).to_vec();
-            channel.time_s = channel.time_s[part].into();
-        }
-    }
-    all
 }
 
 /// Typical rotation between gyro samples, rad; the largest of all tables.
@@ -194,16 +153,11 @@ fn turn_per_reading(tables: &[Table]) -> f64 {
     tables.iter().map(of).fold(0.0, f64::max)
 }
 
-/// A fit to tables.
-struct Fit {
-    /// Chi-square is small, also compared with that of the rates themselves: rates below the declared noise fit any model.
-    explains: bool,
-    /// A number is determined.
-    answers: bool,
-}
-
-/// The fit to these tables; `None` if the problem is invalid.
-fn fit(model: &Model, tables: &[Table]) -> Option<Fit> {
+/// How far the moments of inertia that fit tables are from the nominal ones, as the largest logarithm of their ratio: a spin about
+/// one axis fits with any factor of its rate, and its moment tells which. `None` where the fit determines none, or does not
+/// explain the record: chi-square is small, also compared with that of the rates themselves, as rates below the declared noise
+/// fit any model.
+fn distance(model: &Model, tables: &[Table]) -> Option<f64> {
     let settings = Settings {
         undiagnosed: true,
         ..Settings::default()
@@ -211,19 +165,15 @@ fn fit(model: &Model, tables: &[Table]) -> Option<Fit> {
     let asked = |problem: &Problem| {
         let found = maximum_likelihood_with(problem, settings)?;
         let answered = matches!(found.status, Status::Converged | Status::Partial);
-        let mut asked = found.bodies.iter().filter(|b| b.asked);
-        let determined = asked.any(|b| b.inertia.iter().any(|n| n.value.is_some()));
         let left = found.fit.iter().map(|f| f.chi2_per_dof);
         let left = left.fold(0.0, f64::max);
-        let rates = rates_over_noise(problem);
-        let explained = rates.is_some_and(|rates| left < UNEXPLAINED * rates);
-        let ended = !matches!(found.status, Status::IterationLimit | Status::Rejected);
-        Ok(Fit {
-            explains: ended && left < FITS && explained,
-            answers: answered && determined,
-        })
+        let explains = rates_over_noise(problem).is_some_and(|rates| left < UNEXPLAINED * rates);
+        let asked = found.bodies.iter().filter(|b| b.asked);
+        let moments = asked.flat_map(|b| MOMENTS.map(|k| factor(b, k)));
+        let off = moments.flatten().map(f64::abs).reduce(f64::max);
+        Ok(off.filter(|_| answered && explains && left < settings.rejection))
     };
-    solve(model, tables, RELATIVE_ACCURACY, asked).ok()
+    solve(model, tables, RELATIVE_ACCURACY, asked).ok()?
 }
 
 /// Mean square of the body rates relative to their noise variance, per number.

@@ -1,7 +1,7 @@
 //! What puts channels right that are read by another convention than declared, as a change of the map.
 
 use crate::{
-    AttitudeColumn, AttitudeMap, Axes, ColumnMap, FileMap, Order, Sense, TelemetryMap, TimeFormat,
+    AttitudeColumn, AttitudeMap, Axes, ColumnMap, FileMap, Order, OrbitalMap, Sense, TelemetryMap, TimeFormat,
     TimeMap, Unit, classify, parse_unit, units,
 };
 use poinsot_files::to_digits;
@@ -25,8 +25,9 @@ pub struct Line {
 }
 
 impl Line {
-    fn of<T: Serialize>(key: &str, before: &T, after: &T) -> Self {
-        let [before, new] = [before, after].map(|of| toml::Table::try_from(of).unwrap_or_default());
+    fn of(key: &str, before: &impl Serialize, after: &impl Serialize) -> Self {
+        let before = toml::Table::try_from(before).unwrap_or_default();
+        let new = toml::Table::try_from(after).unwrap_or_default();
         let changed = new
             .iter()
             .filter(|(key, value)| before.get(*key) != Some(*value));
@@ -67,6 +68,8 @@ pub enum Change {
     Clock(f64),
     /// The thrust ends later than commanded by this, s.
     ClosesLate(f64),
+    /// Attitudes and rates are relative to orbital axes, which turn at this rate, rad/s.
+    OrbitalAxes(f64),
 }
 
 /// A change of channels, which lines of a map declare.
@@ -103,6 +106,14 @@ impl Repair {
         match self.change {
             Change::Attitude(order, sense) => self.declare_attitude(map, order, sense),
             Change::Clock(factor) => declare_clock(map, factor),
+            Change::OrbitalAxes(rate_rad_s) => {
+                let frame = OrbitalMap {
+                    rate_rad_s,
+                    rates: true,
+                };
+                let line = Line::of("orbital_frame", &TelemetryMap::default(), &frame);
+                map.orbital_frame.replace(frame).is_none().then(|| vec![line])
+            }
             _ => self.declare_columns(map),
         }
     }

@@ -2,10 +2,11 @@
 
 use super::Identified;
 use crate::error::Error;
-use poinsot_identify::{BodyEstimate, Effect, Estimate, Remark, RemarkKind};
+use poinsot_identify::{BodyEstimate, Effect, Estimate, Remark, RemarkKind, Settings};
 use poinsot_model::{Model, TelemetryMap};
 use poinsot_telemetry::checks::{self, Finding};
-use poinsot_telemetry::{Contradiction, Line, OrbitalMap, Repair};
+use poinsot_telemetry::{Change, Contradiction, Line, Repair};
+use statrs::function::erf::erfc;
 
 /// Most repairs of a record, each of which is read again.
 const ROUNDS: usize = 8;
@@ -13,11 +14,10 @@ const ROUNDS: usize = 8;
 const WAYS: usize = 3;
 /// Rate of a low orbit, rad/s.
 const ORBIT_RAD_S: f64 = 1.1e-3;
-/// Probability of no drift of the momentum below which the frame of the attitude is questioned.
-const DRIFT_P: f64 = 0.01;
-/// By how much `-2 ln L` has to fall in another frame, and the answer to move, sigmas.
-const BETTER: f64 = 6.0;
-const MOVED: f64 = 2.0;
+/// Chance that a record in inertial axes drifts as much, and that another frame lowers its `-2 ln L` by as much. Both frames together:
+/// the difference of `-2 ln L` of two declarations is normal, its mean `-d` and variance `4 d`, so that it exceeds `b` at most as
+/// often as a normal number does `sqrt(b)`, whatever `d`.
+const CHANCE: f64 = 0.01;
 
 /// Why records are refused, and what would put them right.
 pub(crate) struct Refusal {
@@ -210,30 +210,26 @@ fn doubt_frame(
     else {
         return;
     };
-    let drifts = found
-        .drift
-        .iter()
-        .any(|d| d.segment.is_none() && d.p < DRIFT_P);
-    if !drifts || model.telemetry.orbital_frame.is_some() {
+    let mut drifts = found.drift.iter().filter(|d| d.segment.is_none());
+    if !drifts.any(|d| d.p < CHANCE) {
         return;
     }
-    let of = |rate_rad_s: f64| {
-        let mut other = model.clone();
-        let frame = OrbitalMap {
-            rate_rad_s,
-            rates: true,
-        };
-        other.telemetry.orbital_frame = Some(frame);
-        let other = ask(&other).ok()?.estimate;
+    let of = |rate: f64| {
+        let change = Change::OrbitalAxes(rate);
+        let channels = Vec::new();
+        let declared = Declared::of(&model.telemetry, &[Repair { channels, change }])?;
+        let other = ask(&declared.of_model(model)).ok()?.estimate;
         let better = found.deviance - other.diagnostics.as_ref()?.deviance;
         let moved = apart(estimate, &other);
-        (better > BETTER && moved > MOVED).then_some((rate_rad_s, better, moved))
+        let likelier = erfc((0.5 * better.max(0.0)).sqrt()) < CHANCE;
+        let sensitive = moved > Settings::default().sensitivity_sigmas;
+        (likelier && sensitive).then(|| (declared.lines[0].text.clone(), better, moved))
     };
-    let Some((rate, better, moved)) = [ORBIT_RAD_S, -ORBIT_RAD_S].into_iter().find_map(of) else {
+    let Some((line, better, moved)) = [ORBIT_RAD_S, -ORBIT_RAD_S].into_iter().find_map(of) else {
         return;
     };
     let words = format!(
-        "attitudes and rates may be relative to a frame that turns, as the orbital one does: with orbital_frame = {{ rate_rad_s = {rate}, rates = true }} the answer moves by {moved:.1} sigma, and -2 ln L falls by {better:.1}; say which axes the attitude refers to"
+        "attitudes and rates may be relative to a frame that turns, as the orbital one does: with {line} the answer moves by {moved:.1} sigma, and -2 ln L falls by {better:.1}; say which axes the attitude refers to"
     );
     let row = Remark::test("axes of the attitude", Effect::AgainstAnswer, words.clone());
     let row = row.statistic("change of the estimate, sigma", moved);
