@@ -1,6 +1,7 @@
 //! A measured quantity with its time base, and the table of channels.
 
 use crate::Origin;
+use crate::channel_name::components;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::sync::Arc;
@@ -61,5 +62,39 @@ impl Table {
         self.channels
             .iter()
             .find(|c| c.name == name && c.sensor == sensor)
+    }
+
+    /// Places of the components of every vector or quaternion with this prefix, one list a sensor.
+    pub(crate) fn vectors(&self, prefix: &str) -> Vec<Vec<usize>> {
+        let channels = &self.channels;
+        let place = |sensor: &str, axis: &str| {
+            let name = format!("{prefix}_{axis}");
+            let own = |c: &Channel| c.sensor == sensor && c.name == name;
+            channels.iter().position(own)
+        };
+        let axes = components(prefix).iter();
+        let of = |c: &Channel| axes.clone().map(|axis| place(&c.sensor, axis)).collect();
+        let first = format!("{prefix}_x");
+        let firsts = channels.iter().filter(|c| c.name == first);
+        firsts.filter_map(of).collect()
+    }
+
+    /// The channels of a vector: of this sensor, or of the first that has all of them.
+    pub(crate) fn vector(&self, sensor: Option<&str>, prefix: &str) -> Option<Vec<&Channel>> {
+        let all = self.vectors(prefix).into_iter();
+        let all = all.map(|places| self.at(&places));
+        let own = |of: &Vec<&Channel>| {
+            let first = of.first().map(|c| c.sensor.as_str());
+            sensor.is_none() || first == sensor
+        };
+        all.into_iter().find(own)
+    }
+
+    /// The channels at these places.
+    pub(crate) fn at(&self, places: &[usize]) -> Vec<&Channel> {
+        places
+            .iter()
+            .filter_map(|k| self.channels.get(*k))
+            .collect()
     }
 }

@@ -133,9 +133,10 @@ const READINGS: [(Order, Sense); 4] = [
 
 /// Compares an attitude with a gyro in body axes ([`mount`](crate::mount) turns one that is not). `None` if the channels of one
 /// sensor have different times, or the sensors overlap in fewer than 8 intervals.
-fn test_conventions(attitude: [&Channel; 4], gyro: [&Channel; 3]) -> Option<ConventionTest> {
-    let pairs = Pairs::collect(&attitude, &gyro)?;
-    let step_s = median_step(&gyro[0].time_s)?;
+fn test_conventions(attitude: &[&Channel], gyro: &[&Channel]) -> Option<ConventionTest> {
+    let pairs = Pairs::collect(attitude, gyro)?;
+    let (q, w) = (attitude.first()?, gyro.first()?);
+    let step_s = median_step(&w.time_s)?;
     let mut all = Vec::with_capacity(4 * 8 * 48);
     for (order, sense) in READINGS {
         let sums = pairs.sums(order, sense);
@@ -173,8 +174,8 @@ fn test_conventions(attitude: [&Channel; 4], gyro: [&Channel; 3]) -> Option<Conv
     let twin = good.iter().position(is_twin).filter(|_| rate > 0.0);
     let twin = twin.map(|k| good.remove(k));
     Some(ConventionTest {
-        attitude: format!("{}..q_w", full_name(&attitude[0].sensor, "q_x")),
-        gyro: format!("{}..z", full_name(&gyro[0].sensor, "omega_x")),
+        attitude: format!("{}..q_w", full_name(&q.sensor, "q_x")),
+        gyro: format!("{}..z", full_name(&w.sensor, "omega_x")),
         intervals: pairs.turns.len(),
         rate_rad_s: rate,
         scale: sums.along(Axes::IDENTITY) / sums.gg,
@@ -198,13 +199,12 @@ fn test_conventions(attitude: [&Channel; 4], gyro: [&Channel; 3]) -> Option<Conv
 /// assert_eq!(tests.len(), 1);
 /// ```
 pub fn convention_tests(table: &Table) -> Vec<ConventionTest> {
-    let sensors = |name: &'static str| {
-        let named = table.channels.iter().filter(move |c| c.name == name);
-        named.map(|c| c.sensor.as_str())
-    };
-    let gyros = |attitude| sensors("omega_x").map(move |gyro| (attitude, gyro));
-    let all = sensors("q_x").flat_map(gyros);
-    all.filter_map(|(attitude, gyro)| test_sensors(table, attitude, gyro))
+    let [attitudes, gyros] = ["q", "omega"].map(|prefix| table.vectors(prefix));
+    let pairs = attitudes
+        .iter()
+        .flat_map(|q| gyros.iter().map(move |w| (q, w)));
+    pairs
+        .filter_map(|(q, w)| test_conventions(&table.at(q), &table.at(w)))
         .collect()
 }
 
@@ -222,12 +222,8 @@ pub fn convention_tests(table: &Table) -> Vec<ConventionTest> {
 /// assert_eq!(test.best.sense, Sense::InertialToBody);
 /// ```
 pub fn test_sensors(table: &Table, attitude: &str, gyro: &str) -> Option<ConventionTest> {
-    let q = |name| table.sensor_channel(attitude, name);
-    let w = |name| table.sensor_channel(gyro, name);
-    test_conventions(
-        [q("q_x")?, q("q_y")?, q("q_z")?, q("q_w")?],
-        [w("omega_x")?, w("omega_y")?, w("omega_z")?],
-    )
+    let attitude = table.vector(Some(attitude), "q")?;
+    test_conventions(&attitude, &table.vector(Some(gyro), "omega")?)
 }
 
 /// Returns an error if two measurements of one motion clearly contradict each other.
@@ -284,11 +280,10 @@ impl Search {
 /// A direction in all axes of its sensor against the first gyro: one that rests in inertial axes turns in the body by the opposite of
 /// its rate.
 fn of_direction(table: &Table, sensor: &str) -> Option<Contradiction> {
-    let gyro = table.channel("omega_x").map(|c| c.sensor.as_str())?;
-    let gyro = vector(table, gyro, "omega")?;
-    let pairs = Pairs::collect(&vector(table, sensor, "direction")?, &gyro)?;
+    let gyro = table.vector(None, "omega")?;
+    let pairs = Pairs::collect(&table.vector(Some(sensor), "direction")?, &gyro)?;
     let rate = pairs.as_declared().rate();
-    let reference = vector(table, sensor, "reference");
+    let reference = table.vector(Some(sensor), "reference");
     let reference = reference.and_then(|r| Pairs::collect(&r, &gyro));
     if reference.is_some_and(|r| r.as_declared().rate() > AT_REST * rate) {
         return None;
@@ -311,12 +306,6 @@ fn of_direction(table: &Table, sensor: &str) -> Option<Contradiction> {
     })
 }
 
-/// The channels of a vector.
-fn vector<'t>(table: &'t Table, sensor: &str, prefix: &str) -> Option<Vec<&'t Channel>> {
-    let named = |k: &&str| table.sensor_channel(sensor, &format!("{prefix}_{k}"));
-    ["x", "y", "z"].iter().map(named).collect()
-}
-
 /// How far the declared reading and the best one are off, and what the best one is.
 fn problem(between: &str, of: [&Hypothesis; 2], unit: &str, best: &str) -> String {
     let [declared, least] = of.map(|h| rounded(h.residual_rad_s, 4));
@@ -333,7 +322,8 @@ fn places(table: &Table) -> impl Iterator<Item = (Vec<&Channel>, Vec<&Channel>)>
                 Some((vec![place], vec![rate]))
             }
             Quantity::Position(0) => {
-                Some((vector(table, sensor, "r")?, vector(table, sensor, "v")?))
+                let of = |prefix| table.vector(Some(sensor), prefix);
+                Some((of("r")?, of("v")?))
             }
             _ => None,
         }

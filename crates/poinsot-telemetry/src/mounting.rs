@@ -51,25 +51,17 @@ impl Mounting {
 /// ```
 pub fn mount(table: &mut Table, mountings: &[Mounting]) {
     for mounting in mountings {
-        let axes = components(mounting.prefix);
-        for sensor in [mounting.sensor.as_str(), ""] {
-            if sensor.is_empty() && !mounting.unnamed {
+        for places in table.vectors(mounting.prefix) {
+            let sensor = places.first().and_then(|k| table.channels.get(*k));
+            let sensor = sensor.map_or("", |c| c.sensor.as_str());
+            if sensor != mounting.sensor && !(sensor.is_empty() && mounting.unnamed) {
                 continue;
             }
-            let place = |axis: &&str| {
-                let name = format!("{}_{axis}", mounting.prefix);
-                table
-                    .channels
-                    .iter()
-                    .position(|c| c.sensor == sensor && c.name == name)
-            };
-            let found: Option<Vec<usize>> = axes.iter().map(place).collect();
-            let Some(found) = found else { continue };
-            turn(&mut table.channels, &found, mounting);
+            turn(&mut table.channels, &places, mounting);
             table.repairs.push(format!(
                 "{}_{} of {}: turned from the sensor's axes to those of its body",
                 mounting.prefix,
-                axes.join(", "),
+                components(mounting.prefix).join(", "),
                 mounting.sensor
             ));
         }

@@ -1,6 +1,5 @@
 //! Attitudes and rates relative to orbital axes, turned to inertial ones.
 
-use crate::channel_name::components;
 use crate::mounting::each_row;
 use crate::{Channel, OrbitalMap, Table, resample_attitude};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
@@ -10,7 +9,7 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 pub(crate) fn to_inertial(table: &mut Table, map: &OrbitalMap) {
     // Of orbital axes in those at time zero.
     let turn = |t: f64| UnitQuaternion::from_axis_angle(&-Vector3::y_axis(), map.rate_rad_s * t);
-    let attitudes = groups(&table.channels, "q");
+    let attitudes = table.vectors("q");
     let first: Option<[Channel; 4]> = attitudes.first().and_then(|places| {
         let own = places
             .iter()
@@ -23,7 +22,7 @@ pub(crate) fn to_inertial(table: &mut Table, map: &OrbitalMap) {
             (Some(from), Some(to)) => t.clamp(*from, *to),
             _ => t,
         };
-        for places in groups(&table.channels, "omega") {
+        for places in table.vectors("omega") {
             each_row(&mut table.channels, &places, |time, row| {
                 let q = resample_attitude(attitude.each_ref(), None, &[within(time)], None);
                 if let ([x, y, z], [Some([a, b, c, d])]) = (row, q.as_slice()) {
@@ -47,17 +46,4 @@ pub(crate) fn to_inertial(table: &mut Table, map: &OrbitalMap) {
         "attitudes{rates} turned from orbital axes, which turn by {} rad/s about -y, to those at time zero",
         map.rate_rad_s
     ));
-}
-
-/// Places of the components of every vector with this prefix.
-fn groups(channels: &[Channel], prefix: &str) -> Vec<Vec<usize>> {
-    let axes = components(prefix);
-    let named = |sensor: &str, axis: &str| {
-        let name = format!("{prefix}_{axis}");
-        let own = |c: &Channel| c.sensor == sensor && c.name == name;
-        channels.iter().position(own)
-    };
-    let firsts = channels.iter().filter(|c| c.name == format!("{prefix}_x"));
-    let group = |c: &Channel| axes.iter().map(|axis| named(&c.sensor, axis)).collect();
-    firsts.filter_map(group).collect()
 }

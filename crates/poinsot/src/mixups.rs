@@ -7,7 +7,7 @@ use poinsot_identify::{
     BodyEstimate, Estimate, Problem, Settings, Status, maximum_likelihood_with,
 };
 use poinsot_model::Model;
-use poinsot_telemetry::checks::{Check, Finding, Policy};
+use poinsot_telemetry::checks::{Check, Finding};
 use poinsot_telemetry::{Change, Channel, Repair, Table, median_step};
 use std::f64::consts::PI;
 
@@ -58,14 +58,11 @@ pub(crate) fn units(estimate: &Estimate) -> Vec<Finding> {
         let even = [x, y, z].iter().all(|l| (l - mean).abs() < SPREAD);
         let known = FACTORS.iter().find(|(f, _)| (mean - f.ln()).abs() < MEAN);
         if let (true, Some((_, words))) = (even, known) {
-            all.push(finding(
-                Check::Units,
-                &body.name,
-                format!(
-                    "the data fit {:.3} times the nominal inertia about every axis; possible cause: {words}",
-                    mean.exp()
-                ),
-            ));
+            let text = format!(
+                "the data fit {:.3} times the nominal inertia about every axis; possible cause: {words}",
+                mean.exp()
+            );
+            all.push(Finding::new(Check::Units, &body.name, 0, Vec::new(), text));
         }
     }
     all
@@ -129,13 +126,10 @@ pub(crate) fn of_fast_record(model: &Model, tables: &[Table]) -> Option<Finding>
     let (_, (change, channel, words)) = fits.min_by(|a, b| a.0.total_cmp(&b.0))?;
     let text = format!("the vehicle turns by {turn:.1} rad between samples; {words}");
     let channels = XYZ.map(|k| format!("omega_{k}")).to_vec();
-    Some(Finding {
-        repair: Some(Repair {
-            channels,
-            change: *change,
-        }),
-        ..finding(Check::Units, channel, text)
-    })
+    let mut found = Finding::new(Check::Units, *channel, 0, Vec::new(), text);
+    let change = *change;
+    found.repair = Some(Repair { channels, change });
+    Some(found)
 }
 
 /// Typical rotation between gyro samples, rad; the largest of all tables.
@@ -184,18 +178,4 @@ fn rates_over_noise(problem: &Problem) -> Option<f64> {
         .map(|(_, w)| (w.transpose() * weight * w)[(0, 0)])
         .sum();
     Some(sum / (3.0 * rates().count().max(1) as f64))
-}
-
-/// A finding of the fit, which concerns no single samples.
-pub(crate) fn finding(check: Check, channel: &str, text: String) -> Finding {
-    Finding {
-        check,
-        channel: channel.to_owned(),
-        count: 0,
-        of: 0,
-        first_times_s: Vec::new(),
-        text,
-        policy: Policy::Report,
-        repair: None,
-    }
 }

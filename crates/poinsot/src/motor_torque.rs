@@ -2,7 +2,6 @@
 //! whatever its scale, so a wrong scale, unit or sign is told here.
 
 use crate::bind::Bound;
-use crate::mixups::finding;
 use nalgebra::{DMatrix, DVector};
 use poinsot_dynamics::{Kinematics, Tree};
 use poinsot_identify::{Samples, Segment};
@@ -61,7 +60,7 @@ fn contradiction(
         wheel.name, wheel.spin_inertia
     );
     let contradicted = (scale - 1.0).abs() > CONTRADICTED * sigma;
-    contradicted.then(|| finding(Check::MotorTorque, &speed, text))
+    contradicted.then(|| Finding::new(Check::MotorTorque, speed, 0, Vec::new(), text))
 }
 
 /// Rate of a wheel's host about its axis, rad/s, at the times of the wheel's tachometer.

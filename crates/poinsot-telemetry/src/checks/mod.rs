@@ -187,31 +187,32 @@ pub struct Finding {
     /// What puts the channel right, where a line of a map can.
     #[serde(skip)]
     pub repair: Option<Repair>,
-}
-
-/// A finding with its samples.
-struct Found {
-    finding: Finding,
-    /// Channels, and the times removed under [`Policy::Exclude`].
-    channels: Vec<usize>,
+    /// Channels of the table, and the times that are left out of them under [`Policy::Exclude`].
+    #[serde(skip)]
+    places: Vec<usize>,
+    #[serde(skip)]
     times_s: Vec<f64>,
 }
 
-impl Found {
-    /// Samples of a channel or sensor at these times.
-    fn new(check: Check, channel: String, of: usize, times_s: Vec<f64>, text: String) -> Self {
+impl Finding {
+    /// Samples at these times; none where it concerns no single ones.
+    pub fn new(
+        check: Check,
+        channel: impl Into<String>,
+        of: usize,
+        times_s: Vec<f64>,
+        text: String,
+    ) -> Self {
         Self {
-            finding: Finding {
-                check,
-                channel,
-                count: times_s.len(),
-                of,
-                first_times_s: times_s.iter().copied().take(SHOWN).collect(),
-                text,
-                policy: Policy::Report,
-                repair: None,
-            },
-            channels: Vec::new(),
+            check,
+            channel: channel.into(),
+            count: times_s.len(),
+            of,
+            first_times_s: times_s.iter().copied().take(SHOWN).collect(),
+            text,
+            policy: Policy::Report,
+            repair: None,
+            places: Vec::new(),
             times_s,
         }
     }
@@ -220,19 +221,8 @@ impl Found {
     fn of_channel(check: Check, channel: &Channel, (samples, text): (Vec<usize>, String)) -> Self {
         let times = samples.iter().filter_map(|&k| channel.time_s.get(k));
         let name = full_name(&channel.sensor, &channel.name);
-        Self::new(
-            check,
-            name,
-            channel.values.len(),
-            times.copied().collect(),
-            text,
-        )
-    }
-
-    /// The same, with the channels whose samples are left out.
-    fn of_sensor(mut self, channels: &[usize]) -> Self {
-        self.channels = channels.to_vec();
-        self
+        let all = channel.values.len();
+        Self::new(check, name, all, times.copied().collect(), text)
     }
 }
 
@@ -261,22 +251,21 @@ pub fn apply(table: &mut Table, label: &str, policies: &Policies) -> Result<Vec<
         let policy = policies.of(check);
         for mut found in look(table, check) {
             if policy == Policy::Refuse {
-                return Err(refused(label, &found.finding));
+                return Err(refused(label, &found));
             }
-            found.finding.policy = policy;
+            found.policy = policy;
             if policy == Policy::Exclude {
                 exclude(table, &found);
-                let f = &found.finding;
                 table.repairs.push(format!(
                     "{label}: {}: {} of {} samples of {} left out: {}",
                     check.name(),
-                    f.count,
-                    f.of,
-                    f.channel,
-                    f.text
+                    found.count,
+                    found.of,
+                    found.channel,
+                    found.text
                 ));
             }
-            all.push(found.finding);
+            all.push(found);
         }
     }
     Ok(all)
@@ -321,23 +310,10 @@ pub fn refused(label: &str, finding: &Finding) -> Faults {
 /// assert_eq!(found[0].first_times_s, [9.0]);
 /// ```
 pub fn findings(table: &Table) -> Vec<Finding> {
-    let mut all: Vec<Finding> = Check::all()
-        .flat_map(|check| look(table, check))
-        .map(|f| f.finding)
-        .collect();
-    let sensors = runs::sensors(table);
-    for (k, channel) in table.channels.iter().enumerate() {
-        if sensors.iter().any(|s| s.channels.contains(&k)) {
-            continue;
-        }
-        if let Some(found) = placeholder::find(channel) {
-            all.push(Found::of_channel(Check::Placeholder, channel, found).finding);
-        }
-    }
-    all
+    Check::all().flat_map(|check| look(table, check)).collect()
 }
 
-fn look(table: &Table, check: Check) -> Vec<Found> {
+fn look(table: &Table, check: Check) -> Vec<Finding> {
     let sensors = || runs::sensors(table);
     match check {
         Check::Gap => table.channels.iter().filter_map(gaps).collect(),
@@ -354,48 +330,50 @@ fn look(table: &Table, check: Check) -> Vec<Found> {
     }
 }
 
-/// A check of one channel: indices of faulty samples, and text.
-type Find = fn(&Channel) -> Option<(Vec<usize>, String)>;
-
-/// Runs a check on each channel of each vector sensor.
-fn per_channel(table: &Table, check: Check, find: Find) -> Vec<Found> {
-    let mut all = Vec::new();
-    for sensor in runs::sensors(table).iter().filter(|s| !s.is_attitude) {
-        for channel in sensor
-            .channels
-            .iter()
-            .filter_map(|&k| table.channels.get(k))
-        {
-            if let Some(found) = find(channel) {
-                all.push(Found::of_channel(check, channel, found).of_sensor(&sensor.channels));
-            }
-        }
-    }
-    all
+/// Runs a check, which gives the faulty samples and a text, on each channel of each vector sensor; that of placeholders on other
+/// channels too.
+fn per_channel(
+    table: &Table,
+    check: Check,
+    find: fn(&Channel) -> Option<(Vec<usize>, String)>,
+) -> Vec<Finding> {
+    let sensors = runs::sensors(table);
+    let of_sensor = |k: &usize| sensors.iter().any(|s| s.channels.contains(k));
+    let others = (0..table.channels.len()).filter(|k| !of_sensor(k));
+    let others = others.filter(|_| check == Check::Placeholder);
+    let vectors = sensors.iter().filter(|s| !s.is_attitude);
+    let groups = vectors.map(|s| s.channels.clone());
+    let of = |places: Vec<usize>| -> Vec<Finding> {
+        let one = |channel: &Channel| {
+            Some(Finding {
+                places: places.clone(),
+                ..Finding::of_channel(check, channel, find(channel)?)
+            })
+        };
+        table.at(&places).into_iter().filter_map(one).collect()
+    };
+    groups.chain(others.map(|k| vec![k])).flat_map(of).collect()
 }
 
 /// Removes the samples of all channels of the sensor at the times found.
-fn exclude(table: &mut Table, found: &Found) {
-    for &k in &found.channels {
+fn exclude(table: &mut Table, found: &Finding) {
+    let out = |t: &f64| found.times_s.binary_search_by(|o| o.total_cmp(t)).is_ok();
+    for &k in &found.places {
         let Some(channel) = table.channels.get_mut(k) else {
             continue;
         };
-        let mut out = found.times_s.iter().peekable();
-        let mut times = Vec::with_capacity(channel.values.len());
-        let mut values = Vec::with_capacity(channel.values.len());
-        for (&t, &x) in channel.time_s.iter().zip(&channel.values) {
-            while out.next_if(|o| **o < t).is_some() {}
-            if out.peek() != Some(&&t) {
-                times.push(t);
-                values.push(x);
-            }
-        }
+        let samples = channel
+            .time_s
+            .iter()
+            .copied()
+            .zip(channel.values.iter().copied());
+        let (times, values): (Vec<f64>, _) = samples.filter(|(t, _)| !out(t)).unzip();
         channel.time_s = times.into();
         channel.values = values;
     }
 }
 
-fn gaps(channel: &Channel) -> Option<Found> {
+fn gaps(channel: &Channel) -> Option<Finding> {
     // Thrust and torque hold until the next sample; they have no regular step.
     if [Dimension::Force.si(), Dimension::Torque.si()].contains(&channel.unit.as_str()) {
         return None;
@@ -415,6 +393,6 @@ fn gaps(channel: &Channel) -> Option<Found> {
         );
         let name = full_name(&channel.sensor, &channel.name);
         let begins = long.iter().map(|g| g.0).collect();
-        Found::new(Check::Gap, name, channel.values.len(), begins, text)
+        Finding::new(Check::Gap, name, channel.values.len(), begins, text)
     })
 }

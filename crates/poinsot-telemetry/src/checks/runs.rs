@@ -1,8 +1,8 @@
 //! Sensors with several channels, and runs of equal samples.
 
+use crate::channel_name::components;
 use crate::median::median;
-use crate::{Channel, Table, classify};
-use crate::{Quantity, full_name};
+use crate::{Channel, Table, full_name};
 
 /// The channels of one vector sensor on one time base.
 pub(super) struct Sensor {
@@ -16,40 +16,23 @@ pub(super) struct Sensor {
 
 /// Gyros, attitudes, velocities, positions and accelerometers. Joints, wheels and thrusters may be at rest.
 pub(super) fn sensors(table: &Table) -> Vec<Sensor> {
-    let mut list = Vec::new();
-    for (first, rest) in [
-        ("omega_x", &["omega_y", "omega_z"][..]),
-        ("q_x", &["q_y", "q_z", "q_w"][..]),
-        ("v_x", &["v_y", "v_z"][..]),
-        ("r_x", &["r_y", "r_z"][..]),
-        ("acc_x", &["acc_y", "acc_z"][..]),
-    ] {
-        for (k, channel) in table.channels.iter().enumerate() {
-            if channel.name != first {
-                continue;
-            }
-            let find = |name: &str| {
-                table.channels.iter().position(|c| {
-                    c.name == name && c.sensor == channel.sensor && c.time_s == channel.time_s
-                })
-            };
-            let Some(more) = rest.iter().map(|n| find(n)).collect::<Option<Vec<_>>>() else {
-                continue;
-            };
-            let last = rest.last().copied().unwrap_or_default();
-            list.push(Sensor {
-                channels: std::iter::once(k).chain(more).collect(),
-                is_attitude: classify(first)
-                    .is_some_and(|c| matches!(c.quantity, Quantity::Attitude(_))),
-                name: format!(
-                    "{}..{}",
-                    full_name(&channel.sensor, first),
-                    last.rsplit('_').next().unwrap_or_default()
-                ),
-            });
-        }
-    }
-    list
+    let prefixes = ["omega", "q", "v", "r", "acc"];
+    let all = prefixes.into_iter().flat_map(|prefix| {
+        let places = table.vectors(prefix).into_iter();
+        places.map(move |places| (prefix, places))
+    });
+    let of = |(prefix, channels): (&str, Vec<usize>)| {
+        let own = table.at(&channels);
+        let (first, last) = (own.first()?, components(prefix).last()?);
+        let together = own.iter().all(|c| c.time_s == first.time_s);
+        let first = full_name(&first.sensor, &first.name);
+        together.then(|| Sensor {
+            channels,
+            is_attitude: prefix == "q",
+            name: format!("{first}..{last}"),
+        })
+    };
+    all.filter_map(of).collect()
 }
 
 /// Runs of samples in which `same(k)` holds (sample k equals sample k-1): first index and length.

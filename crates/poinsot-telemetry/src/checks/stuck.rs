@@ -1,7 +1,7 @@
 //! Samples that repeat exactly: a stuck sensor, or one sampled faster than it measures.
 
 use super::runs::{Sensor, noise_is_visible, repeats, runs};
-use super::{Check, Found};
+use super::{Check, Finding};
 use crate::{Channel, Table};
 
 /// Number of equal consecutive samples that excludes chance in a noisy sensor.
@@ -11,12 +11,8 @@ const CHANCE: f64 = 0.02;
 /// Share of its usual rate from which a gyro turns.
 const TURNS: f64 = 0.3;
 
-pub(super) fn find(table: &Table, sensor: &Sensor, check: Check) -> Option<Found> {
-    let channels: Vec<&Channel> = sensor
-        .channels
-        .iter()
-        .filter_map(|&k| table.channels.get(k))
-        .collect();
+pub(super) fn find(table: &Table, sensor: &Sensor, check: Check) -> Option<Finding> {
+    let channels = table.at(&sensor.channels);
     let samples = channels.first()?.values.len();
     let all = runs(samples, |k| channels.iter().all(|c| repeats(c, k)));
     let times_s = channels.first()?.time_s.clone();
@@ -25,9 +21,10 @@ pub(super) fn find(table: &Table, sensor: &Sensor, check: Check) -> Option<Found
         _ => hangs(&channels, samples, sensor),
     }?;
     let times = stuck.iter().filter_map(|&k| times_s.get(k).copied());
-    let name = sensor.name.clone();
-    let found = Found::new(check, name, samples, times.collect(), text);
-    Some(found.of_sensor(&sensor.channels))
+    Some(Finding {
+        places: sensor.channels.clone(),
+        ..Finding::new(check, &sensor.name, samples, times.collect(), text)
+    })
 }
 
 /// All channels of the sensor repeat in runs of one length: the column is sampled faster than the sensor.
@@ -107,11 +104,8 @@ fn rests_alone(
     sensor: &Sensor,
 ) -> Option<(Vec<usize>, String)> {
     let times = &table.channels.get(*sensor.channels.first()?)?.time_s;
-    let gyro = ["omega_x", "omega_y", "omega_z"]
-        .map(|name| table.channels.iter().find(|c| c.name == name));
-    let [Some(x), Some(y), Some(z)] = gyro else {
-        return None;
-    };
+    let gyro = table.vector(None, "omega")?;
+    let x = gyro.first()?;
     let mean = |run: &[(usize, usize)]| {
         let within = |t: f64| {
             let ends = |&(k, n): &(usize, usize)| Some((*times.get(k)?, *times.get(k + n - 1)?));
@@ -119,8 +113,8 @@ fn rests_alone(
         };
         let kept = (0..x.values.len()).filter(|&k| within(x.time_s[k]));
         let square = |k: usize| -> f64 {
-            let each = [x, y, z].map(|c| c.values.get(k).copied().unwrap_or(0.0));
-            each.iter().map(|w| w * w).sum()
+            let each = gyro.iter().filter_map(|c| c.values.get(k));
+            each.map(|w| w * w).sum()
         };
         let squares: Vec<f64> = kept.map(square).collect();
         (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt()

@@ -1,6 +1,6 @@
 //! Channels that begin anew at a value: angles within one turn, counters, and integers of a two's complement read as unsigned.
 
-use super::{Check, Found};
+use super::{Check, Finding};
 use crate::median::median;
 use crate::{Change, Channel, Repair};
 use poinsot_files::rounded;
@@ -18,7 +18,7 @@ const ENDS: f64 = 0.1;
 /// Deviation of a multiple of the least step, in steps.
 const OFF_STEP: f64 = 0.01;
 
-pub(super) fn find(channel: &Channel) -> Option<Found> {
+pub(super) fn find(channel: &Channel) -> Option<Finding> {
     let v = &channel.values;
     let steps: Vec<f64> = v.windows(2).map(|w| w[1] - w[0]).collect();
     let sizes = steps.iter().map(|d| d.abs()).filter(|d| *d > 0.0);
@@ -50,9 +50,11 @@ pub(super) fn find(channel: &Channel) -> Option<Found> {
             )
         }
     };
-    let mut found = Found::of_channel(Check::Wrap, channel, (jumps, what));
-    found.finding.repair = Some(Repair::of(&found.finding.channel, change));
-    Some(found)
+    let found = Finding::of_channel(Check::Wrap, channel, (jumps, what));
+    Some(Finding {
+        repair: Some(Repair::of(&found.channel, change)),
+        ..found
+    })
 }
 
 /// The least difference of values that are all multiples of it.

@@ -1,8 +1,8 @@
 //! What puts channels right that are read by another convention than declared, as a change of the map.
 
 use crate::{
-    AttitudeColumn, AttitudeMap, Axes, ColumnMap, FileMap, Order, OrbitalMap, Sense, TelemetryMap, TimeFormat,
-    TimeMap, Unit, classify, parse_unit, units,
+    AttitudeColumn, AttitudeMap, Axes, ColumnMap, FileMap, OrbitalMap, Order, Sense, TelemetryMap,
+    TimeFormat, TimeMap, Unit, classify, parse_unit, units,
 };
 use poinsot_files::to_digits;
 use serde::Serialize;
@@ -112,7 +112,10 @@ impl Repair {
                     rates: true,
                 };
                 let line = Line::of("orbital_frame", &TelemetryMap::default(), &frame);
-                map.orbital_frame.replace(frame).is_none().then(|| vec![line])
+                map.orbital_frame
+                    .replace(frame)
+                    .is_none()
+                    .then(|| vec![line])
             }
             _ => self.declare_columns(map),
         }

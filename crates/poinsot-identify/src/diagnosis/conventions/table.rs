@@ -4,7 +4,7 @@ use super::FaultKind;
 use crate::diagnosis::candidates::moves;
 use crate::fit::experiment::Experiment;
 use crate::problem::Problem;
-use crate::problem::segment::{InputRate, SensorRecord, SensorValue};
+use crate::problem::segment::{InputRate, SensorValue};
 use poinsot_model::{JointKind, SensorKind, rounded};
 use poinsot_spatial::Vector3;
 use poinsot_telemetry::{Axes, Change, Repair};
@@ -58,68 +58,88 @@ pub(super) struct Convention {
     pub free: Option<f64>,
 }
 
+/// Channels that are read by one convention, in words.
+struct Owner {
+    place: Place,
+    name: String,
+}
+
+/// One owner for each name.
+fn each<'a>(names: impl IntoIterator<Item = &'a str>, place: fn(usize) -> Place) -> Vec<Owner> {
+    let of = |(k, name): (usize, &str)| Owner {
+        place: place(k),
+        name: name.to_owned(),
+    };
+    names.into_iter().enumerate().map(of).collect()
+}
+
+/// Each change of each owner; `free` says how far its value may lie from the true one.
+fn rows<'a>(
+    owners: impl IntoIterator<Item = &'a Owner>,
+    changes: &[Change],
+    free: fn(f64) -> Option<f64>,
+) -> Vec<Convention> {
+    let of = |owner: &'a Owner| {
+        let one = |change: &Change| {
+            let row = Convention {
+                place: owner.place.clone(),
+                change: *change,
+                owner: owner.name.clone(),
+                free: None,
+            };
+            Convention {
+                free: free(row.value()),
+                ..row
+            }
+        };
+        changes.iter().map(one).collect::<Vec<_>>()
+    };
+    owners.into_iter().flat_map(of).collect()
+}
+
+/// A value that is known.
+fn fixed(_: f64) -> Option<f64> {
+    None
+}
+
 /// All kinds of conventions that the record can have, those whose trial is quick first.
 pub(super) fn all(experiment: &Experiment) -> Vec<Vec<Convention>> {
-    let mut all = thrusters(experiment);
-    all.extend(wheels(experiment));
+    let segments = experiment.problem.segments.iter();
+    let fires: Vec<usize> = segments
+        .flat_map(|s| &s.firings)
+        .map(|f| f.thruster)
+        .collect();
+    let thrusters = experiment.thrusters.iter().map(|t| t.name.as_str());
+    let mut thrusters = each(thrusters, Place::Thruster);
+    thrusters.retain(|t| matches!(t.place, Place::Thruster(k) if fires.contains(&k)));
+    let wheels = experiment.problem.model.wheels.iter();
+    let mut wheels = each(wheels.map(|w| w.name.as_str()), |k| Place::Wheels(vec![k]));
+    let exchanged = pairs(&wheels, Place::Wheels);
+    if wheels.len() > 1 {
+        wheels.push(Owner {
+            place: Place::Wheels((0..wheels.len()).collect()),
+            name: "all wheels".to_owned(),
+        });
+    }
+    let factor = |of: &[Owner], x: f64| rows(of, &[Change::Factor(x)], fixed);
+    let mut all = vec![factor(&thrusters, 0.0), factor(&thrusters, -1.0), exchanged];
+    let factors = [-1.0].into_iter().chain(UNITS.map(|u| u.0));
+    all.extend(factors.map(|x| factor(&wheels, x)));
     all.push(pulses(experiment));
-    all.extend(joints(experiment));
-    all.extend(gyro(experiment));
+    all.extend(joints(experiment.problem));
+    all.extend(gyro(experiment.problem));
     all.retain(|kind| !kind.is_empty());
     all
 }
 
-fn row(place: Place, change: Change, owner: &str) -> Convention {
-    Convention {
-        place,
-        change,
-        owner: owner.to_owned(),
-        free: None,
-    }
-}
-
-fn thrusters(experiment: &Experiment) -> Vec<Vec<Convention>> {
-    let segments = experiment.problem.segments;
-    let fires = |k: usize| {
-        let mut firings = segments.iter().flat_map(|s| &s.firings);
-        firings.any(|f| f.thruster == k)
-    };
-    let of = |factor: f64| {
-        let all = experiment.thrusters.iter().enumerate();
-        let firing = all.filter(|(k, _)| fires(*k));
-        let rows = firing.map(|(k, t)| row(Place::Thruster(k), Change::Factor(factor), &t.name));
-        rows.collect()
-    };
-    [0.0, -1.0].map(of).into()
-}
-
-fn wheels(experiment: &Experiment) -> Vec<Vec<Convention>> {
-    let wheels = &experiment.problem.model.wheels;
-    let names: Vec<&str> = wheels.iter().map(|w| w.name.as_str()).collect();
-    let exchanged = pairs(&names, Place::Wheels);
-    let of = |factor: f64| {
-        let own = names.iter().enumerate();
-        let own = own.map(|(k, name)| row(Place::Wheels(vec![k]), Change::Factor(factor), name));
-        let mut list: Vec<Convention> = own.collect();
-        if names.len() > 1 {
-            let all = Place::Wheels((0..names.len()).collect());
-            list.push(row(all, Change::Factor(factor), "all wheels"));
-        }
-        list
-    };
-    let factors = [-1.0].into_iter().chain(UNITS.map(|u| u.0));
-    [exchanged].into_iter().chain(factors.map(of)).collect()
-}
-
 /// Each two of a kind in each other's column.
-fn pairs(names: &[&str], place: fn(Vec<usize>) -> Place) -> Vec<Convention> {
-    let of = |j: usize| {
-        (0..j).map(move |i| {
-            let owner = format!("{} and {}", names[i], names[j]);
-            row(place(vec![i, j]), Change::Exchanged, &owner)
-        })
-    };
-    (1..names.len()).flat_map(of).collect()
+fn pairs(owners: &[Owner], place: fn(Vec<usize>) -> Place) -> Vec<Convention> {
+    let of = |j: usize| (0..j).map(move |i| [i, j]);
+    let all = (1..owners.len()).flat_map(of).map(|two| Owner {
+        place: place(two.into()),
+        name: two.map(|k| owners[k].name.as_str()).join(" and "),
+    });
+    rows(&all.collect::<Vec<_>>(), &[Change::Exchanged], fixed)
 }
 
 /// All pulses longer or shorter by one time.
@@ -132,98 +152,68 @@ fn pulses(experiment: &Experiment) -> Vec<Convention> {
     }
     lengths.sort_by(f64::total_cmp);
     let typical = lengths[lengths.len() / 2];
-    let of = |share: f64| Convention {
-        free: Some(0.8 * share.abs() * typical),
-        ..row(
-            Place::Pulses,
-            Change::ClosesLate(share * typical),
-            "every pulse",
-        )
-    };
-    PULSES.map(of).into()
+    let every = each(["every pulse"], |_| Place::Pulses);
+    let changes = PULSES.map(|share| Change::ClosesLate(share * typical));
+    rows(&every, &changes, |late| Some(0.8 * late.abs()))
 }
 
-fn joints(experiment: &Experiment) -> Vec<Vec<Convention>> {
-    let problem = experiment.problem;
-    let model_joints = problem.tree.coordinates.iter();
-    let few = problem.tree.dof() <= MOST_JOINTS;
-    let model_joints = model_joints.filter(|_| few);
-    let joints = model_joints.filter_map(|at| problem.model.joints.get(*at));
-    let all: Vec<(usize, &poinsot_model::Joint)> = joints.enumerate().collect();
-    let moving = |(k, _): &&(usize, &poinsot_model::Joint)| moves(problem, *k);
-    let names: Vec<&str> = all.iter().map(|(_, j)| j.name.as_str()).collect();
-    let own = |change: &dyn Fn(usize, &str) -> Vec<Convention>| -> Vec<Convention> {
-        let moving = all.iter().filter(moving);
-        moving.flat_map(|(k, j)| change(*k, &j.name)).collect()
+/// Signs, exchanged columns, zeros, ratios and units of joints.
+fn joints(problem: &Problem) -> Vec<Vec<Convention>> {
+    if problem.tree.dof() > MOST_JOINTS {
+        return Vec::new();
+    }
+    let joints = problem.tree.coordinates.iter();
+    let joints = joints.filter_map(|at| problem.model.joints.get(*at));
+    let kinds: Vec<JointKind> = joints.clone().map(|j| j.kind).collect();
+    let mut owners = each(joints.map(|j| j.name.as_str()), |k| Place::Joints(vec![k]));
+    let mut exchanged = pairs(&owners, Place::Joints);
+    let of = |place: &Place| match place {
+        Place::Joints(which) => which.clone(),
+        _ => Vec::new(),
     };
-    let factors = |values: &[f64], free: bool| {
-        own(&|k, name| {
-            let one = |value: &f64| Convention {
-                free: free.then_some(ABOUT * value.abs()),
-                ..row(Place::Joints(vec![k]), Change::Factor(*value), name)
-            };
-            values.iter().map(one).collect()
-        })
+    exchanged.retain(|c| of(&c.place).windows(2).all(|w| kinds[w[0]] == kinds[w[1]]));
+    owners.retain(|owner| of(&owner.place).iter().all(|k| moves(problem, *k)));
+    let turns = |owner: &&Owner| {
+        of(&owner.place)
+            .iter()
+            .all(|k| kinds[*k] != JointKind::Prismatic)
     };
-    let ratios: Vec<f64> = RATIOS.iter().flat_map(|r| [*r, -r]).collect();
-    let zeros = own(&|k, name| {
-        if all[k].1.kind == JointKind::Prismatic {
-            return Vec::new();
-        }
-        let steps = (-11..=12).filter(|s| *s != 0);
-        let one = |s: i32| Convention {
-            free: Some(0.6 * ZERO_STEP),
-            ..row(
-                Place::Joints(vec![k]),
-                Change::Offset(f64::from(s) * ZERO_STEP),
-                name,
-            )
-        };
-        steps.map(one).collect()
-    });
-    let alike = |c: &Convention| match &c.place {
-        Place::Joints(two) => two.windows(2).all(|w| all[w[0]].1.kind == all[w[1]].1.kind),
-        _ => true,
-    };
-    let exchanged = pairs(&names, Place::Joints).into_iter().filter(alike);
-    let units: Vec<f64> = UNITS.iter().map(|u| u.0).collect();
+    let steps = (-11..=12).filter(|s| *s != 0).map(f64::from);
+    let zeros: Vec<Change> = steps.map(|s| Change::Offset(s * ZERO_STEP)).collect();
+    let ratios: Vec<Change> = RATIOS
+        .iter()
+        .flat_map(|r| [*r, -r].map(Change::Factor))
+        .collect();
     vec![
-        factors(&[-1.0], false),
-        exchanged.collect(),
-        zeros,
-        factors(&ratios, true),
-        factors(&units, false),
+        rows(&owners, &[Change::Factor(-1.0)], fixed),
+        exchanged,
+        rows(owners.iter().filter(turns), &zeros, |_| {
+            Some(0.6 * ZERO_STEP)
+        }),
+        rows(&owners, &ratios, |ratio| Some(ABOUT * ratio.abs())),
+        rows(&owners, &UNITS.map(|u| Change::Factor(u.0)), fixed),
     ]
 }
 
 /// Axes and units of the gyro of a record without attitude; with one, both are compared as they are read.
-fn gyro(experiment: &Experiment) -> Vec<Vec<Convention>> {
-    let segments = experiment.problem.segments;
-    if segments
-        .iter()
-        .any(|s| s.observations.reads(SensorKind::Attitude))
-    {
-        return Vec::new();
-    }
-    let Some(sensors) = segments.first().map(|s| &s.observations.sensors) else {
-        return Vec::new();
-    };
-    let gyros = sensors
-        .iter()
-        .enumerate()
-        .filter(|(_, s)| s.kind == SensorKind::Gyro);
-    let gyros: Vec<(usize, &SensorRecord)> = gyros.collect();
-    let of = |changes: Vec<Change>| -> Vec<Convention> {
-        let each = |(k, s): &(usize, &SensorRecord)| {
-            let (place, name) = (Place::Sensor(*k), format!("the {}", s.name));
-            let rows = changes.iter().map(|c| row(place.clone(), *c, &name));
-            rows.collect::<Vec<_>>()
-        };
-        gyros.iter().flat_map(each).collect()
-    };
+fn gyro(problem: &Problem) -> [Vec<Convention>; 2] {
+    let mut observed = problem.segments.iter().map(|s| &s.observations);
+    let first = observed.clone().next().map(|o| &o.sensors);
+    let seen = observed.any(|o| o.reads(SensorKind::Attitude));
+    let sensors = first.into_iter().flatten().enumerate().filter(|_| !seen);
+    let gyros = sensors.filter(|(_, s)| s.kind == SensorKind::Gyro);
+    let gyros = gyros.map(|(k, s)| Owner {
+        place: Place::Sensor(k),
+        name: format!("the {}", s.name),
+    });
+    let gyros: Vec<Owner> = gyros.collect();
     let axes = Axes::all().filter(|axes| *axes != Axes::IDENTITY);
-    let units = UNITS.iter().take(2).map(|u| Change::Factor(u.0));
-    vec![of(axes.map(Change::Axes).collect()), of(units.collect())]
+    let axes: Vec<Change> = axes.map(Change::Axes).collect();
+    let [degrees, rpm, ..] = UNITS.map(|u| Change::Factor(u.0));
+    [
+        rows(&gyros, &axes, fixed),
+        rows(&gyros, &[degrees, rpm], fixed),
+    ]
 }
 
 impl Convention {
