@@ -134,7 +134,7 @@ pub use map_faults::{MapFault, map_faults};
 pub use median::median_step;
 pub use memory::{MemoryColumns, Part, Spooled, Values};
 pub use mounting::{Mounting, mount};
-pub use noise::{NoiseLevel, noise_level};
+pub use noise::{NoiseLevel, common_step, noise_level};
 pub use options::{Encoding, MEMORY_MIB, ReadOptions};
 pub use read::{read, read_parts};
 pub use recognise::{Found, FoundAttitude, Kind, Recognition, recognise};

@@ -15,6 +15,9 @@ const MEDIAN_EFFICIENCY: f64 = 0.37;
 /// Differences below this multiple of the largest value are round-off.
 const ROUND_OFF: f64 = 16.0 * f64::EPSILON;
 
+/// Number of steps between neighbouring values beyond which they have to be whole: round-off may hide any part of one.
+const FAR: f64 = 2.5e5;
+
 /// White noise of a channel.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct NoiseLevel {
@@ -161,25 +164,37 @@ pub(crate) fn is_constant(values: &[f64]) -> bool {
 
 /// The common step of all values, if any.
 pub(crate) fn quantum(values: &[f64]) -> Option<f64> {
+    let largest = values.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+    let off = |n: f64| match n < FAR {
+        true => 1.0e-6 * n.max(1.0),
+        false => 0.0,
+    };
+    let round_off = ROUND_OFF * largest;
+    // Two or three values always have a common step.
+    common_step(values, 8, round_off, off).filter(|step| *step > 1.0e3 * round_off)
+}
+
+/// The step of which the differences of all values are multiples: the least of those above `floor`, which are at least so many, where
+/// each of the others is `n` of it within `off(n)` steps. In the unit of the values.
+///
+/// ```
+/// use poinsot_telemetry::common_step;
+///
+/// assert_eq!(common_step(&[0.5, 2.0, 1.25], 2, 0.0, |_| 0.01), Some(0.75));
+/// assert_eq!(common_step(&[0.5, 2.0, 1.0], 2, 0.0, |_| 0.01), Some(0.5));
+/// assert_eq!(common_step(&[0.5, 2.0, 0.9], 2, 0.0, |_| 0.01), None);
+/// ```
+pub fn common_step(
+    values: &[f64],
+    fewest: usize,
+    floor: f64,
+    off: impl Fn(f64) -> f64,
+) -> Option<f64> {
     let mut sorted = values.to_vec();
     sorted.sort_unstable_by(f64::total_cmp);
-    let largest = sorted.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-    let round_off = 16.0 * f64::EPSILON * largest;
-    let steps: Vec<f64> = sorted
-        .iter()
-        .zip(sorted.iter().skip(1))
-        .map(|(a, b)| b - a)
-        .filter(|d| *d > round_off)
-        .collect();
-    let smallest = steps.iter().copied().min_by(f64::total_cmp)?;
-    // Two or three values always have a common step.
-    if steps.len() < 8 || smallest < 1e3 * round_off {
-        return None;
-    }
-    let slack = (2.0 * round_off / smallest).max(1e-6);
-    let multiples = steps.iter().all(|d| {
-        let n = d / smallest;
-        (n - n.round()).abs() <= slack * n.max(1.0) && slack * n < 0.25
-    });
-    multiples.then_some(smallest)
+    let gaps = sorted.iter().zip(sorted.iter().skip(1)).map(|(a, b)| b - a);
+    let gaps: Vec<f64> = gaps.filter(|gap| *gap > floor).collect();
+    let step = gaps.iter().copied().min_by(f64::total_cmp)?;
+    let multiple = |gap: &f64| (gap / step - (gap / step).round()).abs() <= off(gap / step);
+    (gaps.len() >= fewest && gaps.iter().all(multiple)).then_some(step)
 }

@@ -4,14 +4,14 @@ use crate::channel_names::position;
 use crate::identify::Identified;
 use poinsot_formats::{
     Axes, BarycentricFile, BodyFile, ChannelFile, CheckFile, CovarianceFile, DeterminedFile,
-    DiagnosticsFile, DriftFile, ESTIMATE, Elements, EpochFile, EstimateFile, EvidenceFile,
-    FindingFile, IdentifiabilityFile, InputFile, KnownNumbersFile, LagFile, MomentumFile,
-    NumberFile, ReferenceFile, SegmentFitFile, SensitivityFile, SensorFitFile, SuspectFile,
-    SystemFile, UndeterminedFile, ValueFile, address, finite,
+    DiagnosticsFile, ESTIMATE, Elements, EpochFile, EstimateFile, EvidenceFile, FindingFile,
+    IdentifiabilityFile, InputFile, KnownNumbersFile, MomentumFile, NumberFile, ReferenceFile,
+    SegmentFitFile, SensitivityFile, SensorFitFile, SuspectFile, SystemFile, UndeterminedFile,
+    ValueFile, address, finite,
 };
 use poinsot_identify::{
-    BodyEstimate, Diagnostics, Estimate, Identifiability, MomentumDrift, MomentumEstimate, Number,
-    Remark, RemarkKind, SegmentFit, tensor_index,
+    BodyEstimate, Diagnostics, Estimate, Identifiability, MomentumEstimate, Number, Remark,
+    RemarkKind, SegmentFit, tensor_index,
 };
 use poinsot_model::{JointKind, Model};
 use poinsot_telemetry::checks::Finding;
@@ -286,8 +286,8 @@ fn diagnostics(d: &Diagnostics) -> DiagnosticsFile {
         excess_sigmas: finite(d.excess_sigmas),
         channels: d.channels.iter().map(diagnosed_channel).collect(),
         held_out: d.held_out.clone(),
-        momentum_drift: d.drift.iter().map(drift).collect(),
-        lags: d.lags.iter().map(lag).collect(),
+        momentum_drift: d.drift.clone(),
+        lags: d.lags.clone(),
         suspects: d.suspects.iter().map(suspect).collect(),
         lines: d.lines.clone(),
         findings: d.findings.iter().map(fault_finding).collect(),
@@ -304,26 +304,6 @@ fn diagnosed_channel(c: &poinsot_identify::ChannelDiagnosis) -> (String, Channel
         whiteness_p: c.whiteness_p,
     };
     (c.name.to_owned(), file)
-}
-
-fn drift(d: &MomentumDrift) -> DriftFile {
-    DriftFile {
-        segment: d.segment.clone(),
-        torque_N_m: d.torque_N_m.map(finite),
-        torque_sigma_N_m: d.torque_sigma_N_m.map(finite),
-        force_N: d.force_N.map(|f| f.map(finite)),
-        force_sigma_N: d.force_sigma_N.map(|f| f.map(finite)),
-        p: finite(d.p),
-    }
-}
-
-fn lag(l: &poinsot_identify::SensorLag) -> LagFile {
-    LagFile {
-        between: l.between.clone(),
-        lag_s: l.lag_s,
-        sigma_s: l.sigma_s,
-        p: finite(l.p),
-    }
 }
 
 fn suspect(s: &poinsot_identify::Suspect) -> SuspectFile {

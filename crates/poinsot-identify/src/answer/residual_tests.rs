@@ -18,21 +18,21 @@ pub(super) fn residual_tests(found: &Diagnostics) -> Vec<Remark> {
         }
     }));
     let drifts = found.drift.iter().filter(|d| d.segment.is_none());
-    rows.extend(drifts.map(|drift| {
-        let words = match drift.p < COLOURED {
+    rows.extend(drifts.filter_map(|drift| {
+        let words = match drift.p? < COLOURED {
             true => "the total momentum drifts",
             false => "the total momentum does not drift",
         };
-        of("momentum drift", drift.p, words)
+        Some(of("momentum drift", drift.p?, words))
     }));
-    rows.extend(found.lags.iter().map(|lag| {
+    rows.extend(found.lags.iter().filter_map(|lag| {
         let [late, other] = &lag.between;
-        let words = match lag.p < COLOURED {
+        let words = match lag.p? < COLOURED {
             true => format!("{late} lags behind {other} by {:.2e} s", lag.lag_s),
             false => format!("{late} does not lag behind {other}"),
         };
-        of(format!("lag of {late} behind {other}"), lag.p, words)
-            .statistic("lag, sigma", lag.lag_s / lag.sigma_s)
+        let row = of(format!("lag of {late} behind {other}"), lag.p?, words);
+        Some(row.statistic("lag, sigma", lag.lag_s / lag.sigma_s))
     }));
     rows
 }

@@ -6,6 +6,7 @@ use super::types::{MomentumDrift, SensorLag};
 use crate::fit::experiment::Experiment;
 use crate::problem::parameters::UnknownKind;
 use poinsot_dynamics::SensorError;
+use poinsot_formats::finite;
 use poinsot_model::SensorKind;
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 
@@ -35,17 +36,16 @@ pub(super) fn drift(
         torque_sigma_N_m,
         force_N: moved.map(|m| m.0),
         force_sigma_N: moved.map(|m| m.1),
-        p: chance.sf(score.decrease / mean_square),
+        p: finite(chance.sf(score.decrease / mean_square)),
     })
 }
 
-fn part(score: &Score, from: usize) -> ([f64; 3], [f64; 3]) {
-    let sigma: [f64; 3] = std::array::from_fn(|k| score.covariance[from + k][from + k].sqrt());
-    let value = std::array::from_fn(|k| match sigma[k].is_finite() {
-        true => score.values[from + k],
-        false => f64::NAN,
-    });
-    (value, sigma)
+/// Three values and their sigmas; `None` of one that is not observable.
+fn part(score: &Score, from: usize) -> ([Option<f64>; 3], [Option<f64>; 3]) {
+    let sigma = |k: usize| finite(score.covariance[from + k][from + k].sqrt());
+    let sigmas: [Option<f64>; 3] = std::array::from_fn(sigma);
+    let value = |k: usize| sigmas[k].and_then(|_| finite(score.values[from + k]));
+    (std::array::from_fn(value), sigmas)
 }
 
 /// Places of the unknowns of some kind among all candidates.
@@ -125,6 +125,6 @@ fn lag(between: [String; 2], lag_s: f64, variance: f64, mean_square: f64) -> Opt
         between,
         lag_s,
         sigma_s,
-        p: 2.0 * normal.sf(z),
+        p: finite(2.0 * normal.sf(z)),
     })
 }

@@ -15,6 +15,7 @@ use crate::problem::parameters::{Unknown, UnknownKind};
 use crate::problem::segment::{SensorRecord, SensorValue};
 use poinsot_dynamics::SensorError;
 use poinsot_spatial::{Matrix3, Vector3};
+use poinsot_telemetry::common_step;
 
 /// Standard deviation of a median over that of a mean.
 const MEDIAN_SCATTER: f64 = 1.5;
@@ -137,17 +138,9 @@ fn step(record: &SensorRecord) -> Option<f64> {
             SensorValue::Vector(v) => Some(v[axis]),
             _ => None,
         });
-        let mut values: Vec<f64> = values.collect();
-        values.sort_by(f64::total_cmp);
-        let gaps: Vec<f64> = values.windows(2).map(|w| w[1] - w[0]).collect();
         let floor = OFF_STEP * record.covariance[(axis, axis)].sqrt();
-        let step = gaps
-            .iter()
-            .copied()
-            .filter(|g| *g > floor)
-            .fold(f64::INFINITY, f64::min);
-        let whole = |g: &f64| (g / step - (g / step).round()).abs() < OFF_STEP * (1.0 + g / step);
-        (step.is_finite() && gaps.iter().all(whole)).then_some(step)
+        let values: Vec<f64> = values.collect();
+        common_step(&values, 1, floor, |n| OFF_STEP * (1.0 + n))
     };
     (0..3)
         .map(of_axis)

@@ -2,7 +2,10 @@
 
 pub use crate::problem::fault::FaultKind;
 use crate::problem::parameters::UnknownKind;
-pub use poinsot_formats::{HeldOutFile as HeldOut, LineFile as SpectralLine};
+pub use poinsot_formats::{
+    DriftFile as MomentumDrift, HeldOutFile as HeldOut, LagFile as SensorLag,
+    LineFile as SpectralLine,
+};
 use poinsot_telemetry::Repair;
 
 /// Probability below which a residual is not white.
@@ -79,36 +82,6 @@ impl ChannelDiagnosis {
     pub fn outlier_share(&self) -> f64 {
         self.outliers as f64 / self.readings.max(1) as f64
     }
-}
-
-/// An additional constant torque and force in N, all other parameters refitted to first order.
-#[derive(Debug, Clone, PartialEq)]
-pub struct MomentumDrift {
-    /// Segment; `None` for all together.
-    pub segment: Option<String>,
-    /// Rate of change of angular momentum about the mass centre, N, N m; NaN if unobservable.
-    pub torque_N_m: [f64; 3],
-    /// Its sigma from the declared noise, N m.
-    pub torque_sigma_N_m: [f64; 3],
-    /// Rate of change of linear momentum, N, N; `None` where only rotation is seen.
-    pub force_N: Option<[f64; 3]>,
-    /// Its sigma, N.
-    pub force_sigma_N: Option<[f64; 3]>,
-    /// p-value of no drift, with the observed size of the residual.
-    pub p: f64,
-}
-
-/// Delay of one sensor relative to another.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SensorLag {
-    /// The later one where the lag is positive, and the other.
-    pub between: [String; 2],
-    /// Lag, s.
-    pub lag_s: f64,
-    /// One sigma, s.
-    pub sigma_s: f64,
-    /// p-value of no lag, with the observed size of the residual.
-    pub p: f64,
 }
 
 /// A fault that would explain the residual.

@@ -2,7 +2,7 @@
 
 use super::{Check, Finding};
 use crate::median::median;
-use crate::{Change, Channel, Repair};
+use crate::{Change, Channel, Repair, common_step};
 use poinsot_files::rounded;
 use std::f64::consts::TAU;
 
@@ -29,8 +29,9 @@ pub(super) fn find(channel: &Channel) -> Option<Finding> {
         return None;
     }
     let turn = (channel.unit == "rad").then_some((TAU, Change::WrapsAt(TAU)));
+    let step = least_step(v);
     let of_counts = |n: i32| {
-        let range = least_step(v)? * 2.0_f64.powi(n);
+        let range = step? * 2.0_f64.powi(n);
         Some((range, Change::SignedRange(range)))
     };
     let mut periods = turn.into_iter().chain(WIDTHS.filter_map(of_counts));
@@ -40,15 +41,12 @@ pub(super) fn find(channel: &Channel) -> Option<Finding> {
         .collect();
     let what = match change {
         Change::WrapsAt(_) => "the angle jumps by one turn; write wraps_at in its column of the map (360 for a column in deg, 6.283185307 in rad)".to_owned(),
-        _ => {
-            let q = least_step(v).unwrap_or(period);
-            format!(
-                "the values jump by {} {}, {} of their steps: a signed integer read as unsigned; write that range as signed_range in its column of the map, in the numbers of the column",
-                rounded(period, 6),
-                channel.unit,
-                (period / q).round()
-            )
-        }
+        _ => format!(
+            "the values jump by {} {}, {} of their steps: a signed integer read as unsigned; write that range as signed_range in its column of the map, in the numbers of the column",
+            rounded(period, 6),
+            channel.unit,
+            (period / step.unwrap_or(period)).round()
+        ),
     };
     let found = Finding::of_channel(Check::Wrap, channel, (jumps, what));
     Some(Finding {
@@ -57,31 +55,27 @@ pub(super) fn find(channel: &Channel) -> Option<Finding> {
     })
 }
 
-/// The least difference of values that are all multiples of it.
+/// The step of which all values are multiples.
 fn least_step(v: &[f64]) -> Option<f64> {
-    let mut sorted = v.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let differences = sorted.windows(2).map(|w| w[1] - w[0]);
-    let size = sorted.last()?.abs().max(sorted.first()?.abs());
-    let apart = differences.filter(|d| *d > 1.0e-9 * size);
-    let q = apart.fold(f64::INFINITY, f64::min);
-    let (first, last) = (sorted.first().copied()?, sorted.last().copied()?);
+    let (low, high) = ends(v);
+    let size = low.abs().max(high.abs());
+    let step = common_step(v, 1, 1.0e-9 * size, |n| OFF_STEP * (1.0 + n))?;
     // The whole range tells it better than one difference.
-    let q = (last - first) / ((last - first) / q).round();
-    let off = |x: f64| ((x / q).round() - x / q).abs();
-    let even = sorted
-        .iter()
-        .all(|x| off(x - first) < OFF_STEP.max(1.0e-9 * size / q));
-    (q.is_finite() && even).then_some(q)
+    let step = (high - low) / ((high - low) / step).round();
+    let off = |x: &f64| ((x - low) / step - ((x - low) / step).round()).abs();
+    let even = OFF_STEP.max(1.0e-9 * size / step);
+    v.iter().all(|x| off(x) < even).then_some(step)
+}
+
+/// Least and largest value.
+fn ends(v: &[f64]) -> (f64, f64) {
+    let least = v.iter().copied().fold(f64::INFINITY, f64::min);
+    (least, v.iter().copied().fold(f64::NEG_INFINITY, f64::max))
 }
 
 /// Whether the channel stays within one period, jumps only between its ends, and is continuous when it is continued there.
 fn begins_anew(v: &[f64], steps: &[f64], period: f64, (typical, largest): (f64, f64)) -> bool {
-    let (low, high) = v
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| {
-            (a.min(*x), b.max(*x))
-        });
+    let (low, high) = ends(v);
     let within = high - low < (1.0 + 1.0e-9) * period && high - low > (1.0 - ENDS) * period;
     let jumps = steps
         .iter()

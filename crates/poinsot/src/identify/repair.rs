@@ -211,7 +211,7 @@ fn doubt_frame(
         return;
     };
     let mut drifts = found.drift.iter().filter(|d| d.segment.is_none());
-    if !drifts.any(|d| d.p < CHANCE) {
+    if !drifts.any(|d| d.p.is_some_and(|p| p < CHANCE)) {
         return;
     }
     let of = |rate: f64| {
