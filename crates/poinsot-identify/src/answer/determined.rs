@@ -11,6 +11,7 @@ use crate::problem::quantity::Quantity;
 use crate::solution::estimate::{DeterminedCombination, Identifiability};
 use crate::solution::solved::Solution;
 use faer::Mat;
+use nalgebra::DVector;
 
 /// Largest change of a constant combination along all paths, sigmas.
 const STILL: f64 = 0.1;
@@ -79,24 +80,12 @@ fn unusable(solution: &Solution) -> Mat<f64> {
     };
     let count = r.min(points.len());
     let also: Vec<usize> = (0..count).filter(|j| svd.S()[*j] > STILL).collect();
-    let mut basis: Vec<Vec<f64>> = Vec::new();
+    let mut basis: Vec<DVector<f64>> = Vec::new();
     for j in also {
-        let mut w = vec![0.0; n];
-        for (i, w) in w.iter_mut().enumerate() {
-            let terms =
-                (0..r).map(|k| allowed.directions[(i, k)] * svd.U()[(k, j)] / allowed.singular[k]);
-            *w = terms.sum();
-        }
-        // Twice is enough (Parlett 1980).
-        for _ in 0..2 {
-            for b in &basis {
-                let dot: f64 = b.iter().zip(&w).map(|(b, w)| b * w).sum();
-                w.iter_mut().zip(b).for_each(|(w, b)| *w -= dot * b);
-            }
-            let length = w.iter().map(|x| x * x).sum::<f64>().sqrt();
-            w.iter_mut().for_each(|x| *x /= length);
-        }
-        basis.push(w);
+        let share = |k: usize| svd.U()[(k, j)] / allowed.singular[k];
+        let along = |i: usize| (0..r).map(|k| allowed.directions[(i, k)] * share(k)).sum();
+        let w = DVector::from_fn(n, |i, _| along(i));
+        basis.extend(naming::across(&w, &basis).try_normalize(0.0));
     }
     let d = open.ncols();
     Mat::from_fn(n, d + basis.len(), |i, k| match k < d {

@@ -11,6 +11,7 @@ use crate::solution::estimate::UnobservableCombination;
 use crate::solution::solved::Solution;
 use crate::solution::unobservable_set::{ContinuationPath, POINTS, REACH};
 use faer::Mat;
+use nalgebra::{DMatrix, DVector};
 use poinsot_dynamics::{Link, Motion, Tree};
 use poinsot_files::significant;
 use poinsot_model::{EstimateSet, Model, rounded};
@@ -42,23 +43,20 @@ pub(crate) fn unobservable_directions(
     let spectrum = solution.of_data();
     let natural = &spectrum.natural;
     let open = spectrum.unobservable_directions();
+    let open = DMatrix::from_fn(open.nrows(), open.ncols(), |i, j| open[(i, j)]);
     let mut found: Vec<UnobservableCombination> = Vec::new();
-    let mut spanned: Vec<Vec<f64>> = Vec::new();
+    let mut spanned: Vec<DVector<f64>> = Vec::new();
     for symmetry in symmetries(problem, solution) {
         if spanned.len() == open.ncols() {
             break;
         }
-        let z: Vec<f64> = symmetry
-            .step
-            .iter()
-            .zip(natural)
-            .map(|(s, u)| s / u)
-            .collect();
-        let inside = project(&open, &z);
-        if norm(&difference(&z, &inside)) > INSIDE * norm(&z) {
+        let z = symmetry.step.iter().zip(natural).map(|(s, u)| s / u);
+        let z = DVector::from_iterator(open.nrows(), z);
+        let inside = &open * open.tr_mul(&z);
+        if (&z - &inside).norm() > INSIDE * z.norm() {
             continue;
         }
-        if let Some(unit) = independent(&inside, &spanned) {
+        if let Some(unit) = across(&inside, &spanned).try_normalize(NEW_DIRECTION * inside.norm()) {
             spanned.push(unit);
             found.push(UnobservableCombination {
                 coefficients: named(solution, &symmetry.step),
@@ -501,67 +499,27 @@ fn best_open(sigma: f64) -> String {
     )
 }
 
-fn project(basis: &Mat<f64>, z: &[f64]) -> Vec<f64> {
-    let mut out = vec![0.0; z.len()];
-    for k in 0..basis.ncols() {
-        let along: f64 = z.iter().enumerate().map(|(i, x)| x * basis[(i, k)]).sum();
-        for (i, o) in out.iter_mut().enumerate() {
-            *o += along * basis[(i, k)];
-        }
+/// The part of a direction across orthonormal ones; twice is enough (Parlett 1980).
+pub(crate) fn across(z: &DVector<f64>, spanned: &[DVector<f64>]) -> DVector<f64> {
+    let mut left = z.clone();
+    for unit in spanned.iter().chain(spanned) {
+        left.axpy(-unit.dot(&left), unit, 1.0);
     }
-    out
-}
-
-/// The part of `z` across all of `spanned`, as a unit vector; `None` where nothing new is left.
-fn independent(z: &[f64], spanned: &[Vec<f64>]) -> Option<Vec<f64>> {
-    let length = norm(z);
-    let mut left = z.to_vec();
-    for _ in 0..2 {
-        for unit in spanned {
-            let along: f64 = unit.iter().zip(&left).map(|(a, b)| a * b).sum();
-            for (l, u) in left.iter_mut().zip(unit) {
-                *l -= along * u;
-            }
-        }
-    }
-    let rest = norm(&left);
-    (rest > NEW_DIRECTION * length && rest > 0.0).then(|| left.iter().map(|x| x / rest).collect())
+    left
 }
 
 /// Basis of the part of `open` outside `spanned`.
-fn complement(open: &Mat<f64>, spanned: &[Vec<f64>]) -> Mat<f64> {
+fn complement(open: &DMatrix<f64>, spanned: &[DVector<f64>]) -> Mat<f64> {
     let mut all = spanned.to_vec();
-    let mut fresh: Vec<Vec<f64>> = Vec::new();
-    let wanted = open.ncols().saturating_sub(spanned.len());
     // Largest remainder first: a greedy choice keeps the basis well conditioned.
-    while fresh.len() < wanted {
-        let remainder = |k: usize| {
-            let column: Vec<f64> = (0..open.nrows()).map(|i| open[(i, k)]).collect();
-            let mut left = column;
-            for unit in &all {
-                let along: f64 = unit.iter().zip(&left).map(|(a, b)| a * b).sum();
-                for (l, u) in left.iter_mut().zip(unit) {
-                    *l -= along * u;
-                }
-            }
-            left
-        };
-        let best = (0..open.ncols())
-            .map(remainder)
-            .max_by(|a, b| norm(a).total_cmp(&norm(b)));
-        let Some(unit) = best.and_then(|b| independent(&b, &all)) else {
+    while all.len() < open.ncols() {
+        let left = open.column_iter().map(|c| across(&c.into_owned(), &all));
+        let best = left.max_by(|a, b| a.norm().total_cmp(&b.norm()));
+        let Some(unit) = best.and_then(|left| left.try_normalize(0.0)) else {
             break;
         };
-        all.push(unit.clone());
-        fresh.push(unit);
+        all.push(unit);
     }
+    let fresh = &all[spanned.len()..];
     Mat::from_fn(open.nrows(), fresh.len(), |i, k| fresh[k][i])
-}
-
-fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
-    a.iter().zip(b).map(|(x, y)| x - y).collect()
-}
-
-fn norm(v: &[f64]) -> f64 {
-    v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }

@@ -210,29 +210,18 @@ impl Settings {
     /// # Errors
     /// The first setting out of its range.
     pub fn validate(&self) -> Result<(), Faults> {
-        let least = |limit: f64, name: &str| format!("a finite number of at least {limit}{name}");
-        let of_excess = " (negligible_excess)";
+        let (negligible, misfit) = (self.negligible_excess, self.misfit);
         let all = [
             share("false_alarm", self.false_alarm),
-            (
-                "negligible_excess",
-                self.negligible_excess,
-                self.negligible_excess >= 0.0,
-                least(0.0, ""),
-            ),
-            (
+            least("negligible_excess", negligible, 0.0, ""),
+            least(
                 "white_excess",
                 self.white_excess,
-                self.white_excess >= self.negligible_excess,
-                least(self.negligible_excess, of_excess),
+                negligible,
+                " (negligible_excess)",
             ),
-            above("misfit", self.misfit, 1.0),
-            (
-                "rejection",
-                self.rejection,
-                self.rejection >= self.misfit,
-                least(self.misfit, " (misfit)"),
-            ),
+            above("misfit", misfit, 1.0),
+            least("rejection", self.rejection, misfit, " (misfit)"),
             above("contradiction_sigmas", self.contradiction_sigmas, 0.0),
             above("sensitivity_sigmas", self.sensitivity_sigmas, 0.0),
         ];
@@ -263,6 +252,11 @@ type Range = (&'static str, f64, bool, String);
 fn share(name: &'static str, value: f64) -> Range {
     let range = "a number above 0 and below 1".to_owned();
     (name, value, value > 0.0 && value < 1.0, range)
+}
+
+fn least(name: &'static str, value: f64, limit: f64, of: &str) -> Range {
+    let range = format!("a finite number of at least {limit}{of}");
+    (name, value, value >= limit, range)
 }
 
 fn above(name: &'static str, value: f64, limit: f64) -> Range {
