@@ -4,6 +4,7 @@ use crate::problem::parameters::{Equations, UnknownKind, axis_name, tensor_name}
 use crate::problem::quantity::TenParameters;
 use crate::solution::estimate::{BodyEstimate, NamedNumber, Number, Source};
 use crate::solution::solved::Solution;
+use nalgebra::DMatrix;
 
 /// One number that is determined.
 pub(crate) struct Row {
@@ -104,35 +105,18 @@ pub(crate) fn covariance(solution: &Solution, rows: &[Row], scale: f64) -> Vec<V
         (Some(other), Some(k)) => other.step[solution.shared.mass + k],
     };
     let changes: Vec<f64> = rows.iter().map(change).collect();
-    let image = |g: &[f64]| -> Vec<f64> {
-        (0..m)
-            .map(|i| (0..m).map(|j| c[(i, j)] * g[j]).sum())
-            .collect()
+    let c = DMatrix::from_fn(m, m, |i, j| c[(i, j)]);
+    let slopes = DMatrix::from_fn(rows.len(), m, |i, j| rows[i].gradient[j]);
+    let carried = &slopes * c * slopes.transpose();
+    let one = |i: usize, j: usize| {
+        let own = match (rows[i].nuisance, rows[j].nuisance) {
+            (Some(i), Some(j)) => own[(i, j)],
+            _ => 0.0,
+        };
+        let chosen = other.map_or(0.0, |o| o.covariance(changes[i], changes[j]));
+        scale * (carried[(i, j)] + own + chosen)
     };
-    let all = || rows.iter().zip(&changes).enumerate();
-    let mut matrix: Vec<Vec<f64>> = all()
-        .map(|(i, (a, moved_a))| {
-            let image = image(&a.gradient);
-            all()
-                .take(i + 1)
-                .map(|(_, (b, moved_b))| {
-                    let carried: f64 = b.gradient.iter().zip(&image).map(|(x, y)| x * y).sum();
-                    let own = match (a.nuisance, b.nuisance) {
-                        (Some(i), Some(j)) => own[(i, j)],
-                        _ => 0.0,
-                    };
-                    let chosen = other.map_or(0.0, |o| o.covariance(*moved_a, *moved_b));
-                    scale * (carried + own + chosen)
-                })
-                .collect()
-        })
-        .collect();
-    // The other half to the last bit.
-    for i in 0..matrix.len() {
-        for j in i + 1..matrix.len() {
-            let same = matrix[j][i];
-            matrix[i].push(same);
-        }
-    }
-    matrix
+    // Symmetric to the last bit.
+    let row = |i: usize| (0..rows.len()).map(|j| one(i.max(j), i.min(j))).collect();
+    (0..rows.len()).map(row).collect()
 }

@@ -42,7 +42,7 @@ pub(super) fn drift(
 
 /// Three values and their sigmas; `None` of one that is not observable.
 fn part(score: &Score, from: usize) -> ([Option<f64>; 3], [Option<f64>; 3]) {
-    let sigma = |k: usize| finite(score.covariance[from + k][from + k].sqrt());
+    let sigma = |k: usize| finite(score.covariance[(from + k, from + k)].sqrt());
     let sigmas: [Option<f64>; 3] = std::array::from_fn(sigma);
     let value = |k: usize| sigmas[k].and_then(|_| finite(score.values[from + k]));
     (std::array::from_fn(value), sigmas)
@@ -98,11 +98,11 @@ pub(super) fn lags(
         let c = &score.covariance;
         if !driven.is_empty() {
             let between = [names[i].clone(), driven.join(" and ")];
-            list.extend(lag(between, score.values[i], c[i][i], mean_square));
+            list.extend(lag(between, score.values[i], c[(i, i)], mean_square));
         }
         for j in i + 1..group.len() {
             let between = [names[i].clone(), names[j].clone()];
-            let variance = c[i][i] + c[j][j] - 2.0 * c[i][j];
+            let variance = c[(i, i)] + c[(j, j)] - 2.0 * c[(i, j)];
             list.extend(lag(
                 between,
                 score.values[i] - score.values[j],

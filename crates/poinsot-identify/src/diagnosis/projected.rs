@@ -7,6 +7,7 @@
 use crate::fit::Fitted;
 use crate::problem::parameters::Parameters;
 use faer::Mat;
+use nalgebra::{DMatrix, DVector};
 use poinsot_solve::{BlockQr, Triangle};
 
 /// Smallest share of a column's length after projection for a new direction.
@@ -32,20 +33,16 @@ pub(super) struct Score {
     pub decrease: f64,
     pub values: Vec<f64>,
     /// Infinite without a new direction.
-    pub covariance: Vec<Vec<f64>>,
+    pub covariance: DMatrix<f64>,
 }
 
 impl Score {
     /// Of numbers without columns.
     fn nothing(numbers: usize) -> Self {
-        let row = |i: usize| {
-            let value = |j: usize| if i == j { f64::INFINITY } else { 0.0 };
-            (0..numbers).map(value).collect()
-        };
         Self {
             decrease: 0.0,
             values: vec![0.0; numbers],
-            covariance: (0..numbers).map(row).collect(),
+            covariance: DMatrix::from_diagonal_element(numbers, numbers, f64::INFINITY),
         }
     }
 }
@@ -121,12 +118,8 @@ impl Block {
         let r = &stacked.r;
         let (base, last) = (parameters.len(), r.ncols() - 1);
         let spectrum = &fitted.spectrum;
-        let nuisance: Vec<usize> = (0..base)
-            .filter(|k| parameters.unknowns[*k].kind.is_nuisance())
-            .collect();
-        let mass: Vec<usize> = (0..base)
-            .filter(|k| !parameters.unknowns[*k].kind.is_nuisance())
-            .collect();
+        let is_nuisance = |k: &usize| parameters.unknowns[*k].kind.is_nuisance();
+        let (nuisance, mass): (Vec<usize>, Vec<usize>) = (0..base).partition(is_nuisance);
         let length: Vec<f64> = (0..own)
             .map(|k| {
                 let square = |i: usize| r[(i, base + k)].powi(2);
@@ -176,44 +169,25 @@ impl Block {
             });
         }
         let t = qr.finish().r;
-        let mut inverse = vec![vec![0.0; n]; n];
-        let mut values = vec![0.0; n];
-        let mut decrease = 0.0;
-        let blind: Vec<bool> = (0..n).map(|k| t[(k, k)].abs() < NEW).collect();
-        for k in (0..n).rev() {
-            if blind[k] {
-                continue;
-            }
-            let pivot = t[(k, k)];
-            decrease += t[(k, n)].powi(2);
-            let known: f64 = (k + 1..n).map(|m| t[(k, m)] * values[m]).sum();
-            values[k] = (t[(k, n)] - known) / pivot;
-            inverse[k][k] = 1.0 / pivot;
-            let (upper, below) = inverse.split_at_mut(k + 1);
-            for (j, entry) in upper[k].iter_mut().enumerate().skip(k + 1) {
-                let sum: f64 = (k + 1..=j).map(|m| t[(k, m)] * below[m - k - 1][j]).sum();
-                *entry = -sum / pivot;
-            }
-        }
+        let blind = |k: usize| t[(k, k)].abs() < NEW;
+        let unit = |i: usize, j: usize| f64::from(u8::from(i == j));
+        let square = DMatrix::from_fn(n, n, |i, j| match blind(i) || blind(j) {
+            true => unit(i, j),
+            false => t[(i, j)],
+        });
+        let inverse = square.solve_upper_triangular(&DMatrix::identity(n, n));
+        let inverse = inverse.unwrap_or_else(|| DMatrix::zeros(n, n));
+        let rhs = DVector::from_fn(n, |k, _| if blind(k) { 0.0 } else { t[(k, n)] });
         let size = |k: usize| self.length[group[k]];
-        let covariance = (0..n)
-            .map(|i| {
-                (0..n)
-                    .map(|j| match blind[i] || blind[j] {
-                        true if i == j => f64::INFINITY,
-                        true => 0.0,
-                        false => {
-                            let product: f64 = (0..n).map(|k| inverse[i][k] * inverse[j][k]).sum();
-                            product / (size(i) * size(j))
-                        }
-                    })
-                    .collect()
-            })
-            .collect();
+        let (values, whole) = (&inverse * &rhs, &inverse * inverse.transpose());
         Score {
-            decrease,
+            decrease: rhs.norm_squared(),
             values: (0..n).map(|k| scaled(values[k], size(k))).collect(),
-            covariance,
+            covariance: DMatrix::from_fn(n, n, |i, j| match blind(i) || blind(j) {
+                true if i == j => f64::INFINITY,
+                true => 0.0,
+                false => whole[(i, j)] / (size(i) * size(j)),
+            }),
         }
     }
 }

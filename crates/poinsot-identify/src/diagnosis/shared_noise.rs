@@ -81,7 +81,7 @@ impl SharedNoise {
         let mut score = Score {
             decrease: 0.0,
             values: vec![0.0; n],
-            covariance: vec![vec![0.0; n]; n],
+            covariance: DMatrix::zeros(n, n),
         };
         let own = scaled.symmetric_eigen();
         let shown: Vec<usize> = (0..n).filter(|k| own.eigenvalues[*k] > SHOWN).collect();
@@ -99,12 +99,8 @@ impl SharedNoise {
             }
             let along = column.dot(&toward);
             score.decrease += along * along / (1.0 + WIDER * share * self.residual);
-            for i in 0..n {
-                score.values[i] += column[i] * along;
-                for j in 0..n {
-                    score.covariance[i][j] += column[i] * column[j];
-                }
-            }
+            (0..n).for_each(|i| score.values[i] += column[i] * along);
+            score.covariance += column * column.transpose();
         }
         score
     }

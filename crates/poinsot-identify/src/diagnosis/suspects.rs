@@ -138,7 +138,7 @@ fn scores(
         };
         let values = candidate.unknowns.iter().zip(&score.values);
         let values: Vec<f64> = values.map(|(u, v)| u.nominal + v).collect();
-        let sigma = |k: usize| (score.covariance[k][k] * mean_square).sqrt();
+        let sigma = |k: usize| (score.covariance[(k, k)] * mean_square).sqrt();
         list.push(Scored {
             at: Some(at),
             suspect: suspect(candidate, score.decrease, &values),

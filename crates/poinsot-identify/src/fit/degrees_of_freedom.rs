@@ -24,14 +24,11 @@ pub(crate) fn known_covariance(parameters: &Parameters, fitted: &Fitted) -> DMat
     let conditional = fitted.shared.nuisance_estimate(&fitted.at.x);
     let c = fitted.spectrum.covariance();
     let places: Vec<usize> = parameters.known_places().iter().map(|p| p - mass).collect();
-    let slope = |k: usize| &conditional.slope[places[k]];
-    DMatrix::from_fn(places.len(), places.len(), |i, j| {
-        let (a, b) = (slope(i), slope(j));
-        let carried: f64 = (0..mass)
-            .map(|p| a[p] * (0..mass).map(|q| c[(p, q)] * b[q]).sum::<f64>())
-            .sum();
-        carried + conditional.covariance[(places[i], places[j])]
-    })
+    let count = places.len();
+    let slope = DMatrix::from_fn(count, mass, |i, j| conditional.slope[places[i]][j]);
+    let c = DMatrix::from_fn(mass, mass, |i, j| c[(i, j)]);
+    let own = |i: usize, j: usize| conditional.covariance[(places[i], places[j])];
+    &slope * c * slope.transpose() + DMatrix::from_fn(count, count, own)
 }
 
 /// Number of known numbers determined by the data: their count minus the share of each prior.

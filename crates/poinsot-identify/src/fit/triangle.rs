@@ -2,7 +2,7 @@
 
 use crate::problem::parameters::Parameters;
 use faer::Mat;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use poinsot_solve::{BlockQr, Triangle};
 
 /// Triangle of the shared unknowns: nuisances of sensors and surroundings first, then mass properties, right-hand side last.
@@ -179,21 +179,12 @@ pub(crate) fn conditional_estimate(r: &Mat<f64>, h: usize, x: &[f64]) -> Conditi
         .unwrap_or_else(|| DMatrix::zeros(h, h));
     let clear = |i: usize, value: f64| if blind(i) { 0.0 } else { value };
     let slope = -&inverse * DMatrix::from_fn(h, n, |i, j| clear(i, r[(i, h + j)]));
-    let constant = &inverse * DMatrix::from_fn(h, 1, |i, _| clear(i, r[(i, h + n)]));
-    let mean = (0..h)
-        .map(|i| {
-            constant[(i, 0)]
-                + x.iter()
-                    .enumerate()
-                    .map(|(j, v)| slope[(i, j)] * v)
-                    .sum::<f64>()
-        })
-        .collect();
+    let constant = &inverse * DVector::from_fn(h, |i, _| clear(i, r[(i, h + n)]));
+    let mean = constant + &slope * DVector::from_column_slice(x);
+    let rows = slope.row_iter().map(|row| row.iter().copied().collect());
     ConditionalEstimate {
-        mean,
-        slope: (0..h)
-            .map(|i| slope.row(i).iter().copied().collect())
-            .collect(),
+        mean: mean.as_slice().to_vec(),
+        slope: rows.collect(),
         covariance: &inverse * inverse.transpose(),
     }
 }

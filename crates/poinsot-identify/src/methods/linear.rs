@@ -13,7 +13,7 @@ use crate::fit::triangle::{SharedTriangle, conditional_estimate};
 use crate::likelihood::impulse;
 use crate::likelihood::rows::{RowSetting, Rows, StartMomentum};
 use crate::methods::twist_residual;
-use crate::problem::parameters::{Equations, Parameters};
+use crate::problem::parameters::{Equations, Parameters, Unknown};
 use crate::problem::quantity::TenParameters;
 use crate::problem::refusal::not_finite;
 use crate::problem::segment::Segment;
@@ -317,24 +317,17 @@ fn conclude(
 
 /// Length of the longest column of a mass property before momentum is projected out, natural units.
 fn longest_column(parameters: &Parameters, reduced: &[ReducedSegment]) -> f64 {
-    parameters
-        .unknowns
-        .iter()
-        .enumerate()
-        .filter(|(_, unknown)| !unknown.kind.is_nuisance())
-        .map(|(j, unknown)| {
-            let square: f64 = reduced
-                .iter()
-                .map(|one| {
-                    let at = one.start.columns() + j;
-                    (0..=at)
-                        .map(|i| one.triangle.r[(i, at)].powi(2))
-                        .sum::<f64>()
-                })
-                .sum();
-            square.sqrt() * unknown.natural
-        })
-        .fold(0.0, f64::max)
+    let length = |(j, unknown): (usize, &Unknown)| {
+        let square = |one: &ReducedSegment| {
+            let at = one.start.columns() + j;
+            let column = (0..=at).map(|i| one.triangle.r[(i, at)].powi(2));
+            column.sum::<f64>()
+        };
+        reduced.iter().map(square).sum::<f64>().sqrt() * unknown.natural
+    };
+    let unknowns = parameters.unknowns.iter().enumerate();
+    let own = unknowns.filter(|(_, unknown)| !unknown.kind.is_nuisance());
+    own.map(length).fold(0.0, f64::max)
 }
 
 impl Solution {
@@ -343,11 +336,10 @@ impl Solution {
         let m = self.shared.mass;
         let block = self.shared.block();
         let rhs = self.shared.rhs();
+        let along = |i: usize, x: &[f64]| (0..m).map(|j| block[(i, j)] * x[j]).sum::<f64>();
         let left_over = |x: &[f64]| -> Vec<f64> {
-            rhs.iter()
-                .enumerate()
-                .map(|(i, d)| d - (0..m).map(|j| block[(i, j)] * x[j]).sum::<f64>())
-                .collect()
+            let rows = rhs.iter().enumerate();
+            rows.map(|(i, d)| d - along(i, x)).collect()
         };
         let mut x = self.parameters.nominal_vector();
         // The second pass takes off the round-off of the first.
@@ -357,11 +349,8 @@ impl Solution {
                 *value += dz * unit;
             }
         }
-        let z: Vec<f64> = x
-            .iter()
-            .zip(&self.spectrum.natural)
-            .map(|(x, unit)| x / unit)
-            .collect();
+        let units = x.iter().zip(&self.spectrum.natural);
+        let z: Vec<f64> = units.map(|(x, unit)| x / unit).collect();
         self.spectrum.set_bias(regressor_noise, &z);
         let biases = self.shared.nuisances_for(&x[..m]);
         x[m..].copy_from_slice(&biases);
@@ -393,10 +382,8 @@ fn segments(
         .zip(reduced)
         .map(|(segment, reduced)| {
             let (start, values) = start_of(problem, parameters, segment, reduced, x);
-            let channels = {
-                let segment = (segment, problem.noise.gyro_sensor);
-                twist_residual::twist(parameters, x, problem.tree, &spin, segment, values)
-            };
+            let of = (segment, problem.noise.gyro_sensor);
+            let channels = twist_residual::twist(parameters, x, problem.tree, &spin, of, values);
             let fit = SegmentFit {
                 label: segment.label.clone(),
                 samples: segment.samples.time_s.len(),

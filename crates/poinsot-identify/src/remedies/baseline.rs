@@ -15,6 +15,7 @@ use crate::solution::estimate::UnobservableCombination;
 use crate::solution::solved::{OfLikelihood, Solution};
 use faer::Mat;
 use faer::linalg::solvers::DenseSolveCore;
+use nalgebra::DMatrix;
 use poinsot_model::EstimateSet;
 use poinsot_solve::{BlockQr, Spectrum};
 
@@ -232,36 +233,23 @@ fn known_rows(solution: &Solution, parameters: &Parameters, x: &[f64]) -> Vec<Ro
     let (front, back): (Vec<usize>, Vec<usize>) =
         (0..n).partition(|k| own.unknowns[*k].kind.is_nuisance());
     let order: Vec<usize> = front.into_iter().chain(back).collect();
-    // Gradient of each of the own unknowns over those wanted.
+    // Gradient of each of the own unknowns over those wanted, in the order of the triangle.
     let ten = TenParameters::of_body(parameters, 0, x);
     let width = parameters.len();
-    let gradients: Vec<Vec<f64>> = own
-        .unknowns
-        .iter()
-        .map(|u| match u.kind {
-            UnknownKind::CentralInertia(k) => ten.central_inertia(k).gradient,
-            UnknownKind::MassCentre(k) => ten.mass_centre(k).gradient,
-            _ => {
-                let at = parameters.place(&u.kind);
-                let mut unit = vec![0.0; width];
-                if let Some(at) = at {
-                    unit[at] = 1.0;
-                }
-                unit
-            }
-        })
-        .collect();
-    let r = &solution.shared.r;
-    (0..n)
-        .map(|i| {
-            let mut row = vec![0.0; width];
-            for (column, unknown) in order.iter().enumerate().skip(i) {
-                let value = r[(i, column)];
-                for (sum, g) in row.iter_mut().zip(&gradients[*unknown]) {
-                    *sum += value * g;
-                }
-            }
-            row
-        })
-        .collect()
+    let gradient = |k: &usize| match &own.unknowns[*k].kind {
+        UnknownKind::CentralInertia(k) => ten.central_inertia(*k).gradient,
+        UnknownKind::MassCentre(k) => ten.mass_centre(*k).gradient,
+        kind => {
+            let at = parameters.place(kind);
+            (0..width)
+                .map(|i| f64::from(u8::from(Some(i) == at)))
+                .collect()
+        }
+    };
+    let gradients: Vec<Row> = order.iter().map(gradient).collect();
+    let gradients = DMatrix::from_fn(n, width, |i, j| gradients[i][j]);
+    let r = DMatrix::from_fn(n, n, |i, j| solution.shared.r[(i, j)]);
+    let rows = r.upper_triangle() * gradients;
+    let rows = rows.row_iter().map(|row| row.iter().copied().collect());
+    rows.collect()
 }

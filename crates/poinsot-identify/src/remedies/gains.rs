@@ -10,6 +10,7 @@ use super::Row;
 use crate::fit::triangle::SharedTriangle;
 use crate::problem::parameters::Parameters;
 use faer::Mat;
+use nalgebra::DMatrix;
 use poinsot_solve::{BlockQr, Spectrum};
 
 /// Share of the length of a nuisance's column below which its own part is not told from round-off.
@@ -60,22 +61,28 @@ impl Gains {
 
     /// Number of directions identified in addition; `None` where round-off would decide.
     pub fn of(&self, rows: &[Row]) -> Option<usize> {
-        let (b, n, rank) = (self.front.len(), self.back.len(), self.spectrum.rank);
+        let (n, m) = (self.back.len(), rows.len());
+        let told = self.front.len() + self.spectrum.rank;
         let turned: Vec<Vec<f64>> = rows.iter().map(|row| self.turned(row)).collect();
         let added: f64 = turned.iter().flatten().map(|x| x * x).sum();
         let largest = (n as f64).sqrt() * self.size + added.sqrt();
         if ROUND_OFF_OF_GAIN * n as f64 * largest >= self.limit {
             return None;
         }
-        let m = rows.len();
         // The triangle of K: of the unit matrix with X^T below it.
         let mut qr = BlockQr::new(m);
-        qr.push(m + b + rank, |i, j| match i.checked_sub(m) {
+        qr.push(m + told, |i, j| match i.checked_sub(m) {
             None => f64::from(u8::from(i == j)),
             Some(i) => turned[j][i],
         });
         let root = qr.finish().r;
-        let scaled = self.solved(&root, &turned)?;
+        let root = DMatrix::from_fn(m, m, |i, j| root[(i, j)]);
+        let open = n - self.spectrum.rank;
+        let Y = DMatrix::from_fn(m, open, |i, j| turned[i][told + j]);
+        // `K^-T/2 Y` in units of what the other directions lack.
+        let scaled = root.tr_solve_upper_triangular(&Y);
+        let scaled = scaled.filter(|all| all.iter().all(|x| x.is_finite()))?;
+        let scaled = Mat::from_fn(m, open, |i, j| scaled[(i, j)]);
         let values = scaled.singular_values().ok()?;
         Some(values.iter().filter(|value| **value > 1.0).count())
     }
@@ -108,24 +115,6 @@ impl Gains {
             out.push(along / square.max(f64::MIN_POSITIVE).sqrt());
         }
         out
-    }
-
-    /// `K^-T/2 Y` in units of what the other directions lack.
-    fn solved(&self, root: &Mat<f64>, turned: &[Vec<f64>]) -> Option<Mat<f64>> {
-        let first = self.front.len() + self.spectrum.rank;
-        let open = self.back.len() - self.spectrum.rank;
-        let mut out = Mat::zeros(turned.len(), open);
-        for i in 0..turned.len() {
-            let pivot = root[(i, i)];
-            if pivot == 0.0 || !pivot.is_finite() {
-                return None;
-            }
-            for j in 0..open {
-                let before: f64 = (0..i).map(|k| root[(k, i)] * out[(k, j)]).sum();
-                out[(i, j)] = (turned[i][first + j] - before) / pivot;
-            }
-        }
-        Some(out)
     }
 }
 
