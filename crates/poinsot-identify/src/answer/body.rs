@@ -2,8 +2,10 @@
 
 use crate::fit::alternatives::OtherWheelMotion;
 use crate::fit::triangle::ConditionalEstimate;
-use crate::problem::parameters::{Equations, TENSOR, UnknownKind, rotation_properties};
-use crate::problem::quantity::{Quantity, TenParameters};
+use crate::problem::parameters::{
+    Equations, Parameters, Unknown, UnknownKind, rotation_properties,
+};
+use crate::problem::quantity::{Quantity, TenParameters, mass_property};
 use crate::solution::estimate::{BodyEstimate, Number, Principal, Source};
 use crate::solution::solved::Solution;
 use crate::solution::unobservable_set::UnobservableSet;
@@ -11,7 +13,7 @@ use nalgebra::Rotation3;
 use poinsot_dynamics::{Kinematics, Tree};
 use poinsot_model::EstimateSet;
 use poinsot_solve::Spectrum;
-use poinsot_spatial::{MassProperties, Matrix3, Vector3, pseudo_inertia};
+use poinsot_spatial::{MassProperties, Matrix3, Vector3, pseudo_inertia, tensor};
 
 /// Value and sigma of quantities; `None` for an undetermined one.
 pub(crate) struct QuantityEstimator<'a> {
@@ -112,13 +114,12 @@ pub(crate) fn body(estimator: &QuantityEstimator, solution: &Solution, at: usize
     if !asked.any() {
         return BodyEstimate::known(name, &nominal);
     }
-    match parameters.equations {
-        Equations::Momentum => {
-            let ten = |x: &[f64]| TenParameters::of_body(parameters, at, x);
-            from_ten(estimator, name, asked, &nominal, &ten(&solution.x), ten)
-        }
-        Equations::Rotation => rotation_body(estimator, solution, name, asked, &nominal),
-    }
+    let of = |k: usize, x: &[f64]| mass_property(parameters, at, k, x);
+    let ten = |x: &[f64]| TenParameters::of_body(parameters, at, x);
+    let open = open_barycentric(parameters, asked, &solution.x);
+    let numbers = estimator.numbers(asked, &nominal, &solution.x, of);
+    let barycentric = estimator.barycentric(&nominal, &solution.x, ten, open);
+    of_numbers(name, numbers, barycentric)
 }
 
 /// The whole vehicle with the joints where they are in `kinematics`.
@@ -136,119 +137,65 @@ pub(crate) fn system(
         .inertial()
         .mass_properties()
         .unwrap_or(MassProperties::ZERO);
-    from_ten(
-        estimator,
-        "system".to_owned(),
-        EstimateSet::ALL,
-        &nominal,
-        &ten(&solution.x),
-        ten,
-    )
+    let of = |k: usize, x: &[f64]| Some(ten(x).mass_property(k));
+    let numbers = estimator.numbers(EstimateSet::ALL, &nominal, &solution.x, of);
+    let barycentric = estimator.barycentric(&nominal, &solution.x, ten, [false; 10]);
+    of_numbers("system".to_owned(), numbers, barycentric)
 }
 
-fn from_ten(
-    estimator: &QuantityEstimator,
-    name: String,
-    asked: EstimateSet,
-    nominal: &MassProperties,
-    ten: &TenParameters,
-    at: impl Fn(&[f64]) -> TenParameters,
-) -> BodyEstimate {
-    let nominal_pi = nominal.parameters().to_array();
-    let mass = estimator.number(&ten.parameter(0), nominal.mass, |x| at(x).parameter(0));
-    let com = [0, 1, 2].map(|k| {
-        if !asked.com {
-            return Number::known(nominal.p_BoBcm_B[k]);
-        }
-        estimator.number(&ten.mass_centre(k), nominal.p_BoBcm_B[k], |x| {
-            at(x).mass_centre(k)
+impl QuantityEstimator<'_> {
+    /// The ten mass properties; `of` gives each at any value of the unknowns.
+    fn numbers(
+        &self,
+        asked: EstimateSet,
+        nominal: &MassProperties,
+        x: &[f64],
+        of: impl Fn(usize, &[f64]) -> Option<Quantity>,
+    ) -> [Number; 10] {
+        let nominal = nominal.to_array();
+        std::array::from_fn(|k| match of(k, x).filter(|_| asked.has(k)) {
+            _ if !asked.has(k) => Number::known(nominal[k]),
+            None => Number::undetermined(nominal[k]),
+            Some(own) => self.number(&own, nominal[k], |x| of(k, x).unwrap_or(own.clone())),
         })
-    });
-    let inertia = [0, 1, 2, 3, 4, 5].map(|k| {
-        if !asked.inertia {
-            return Number::known(nominal.I_BBcm_B[TENSOR[k]]);
-        }
-        estimator.number(&ten.central_inertia(k), nominal.I_BBcm_B[TENSOR[k]], |x| {
-            at(x).central_inertia(k)
+    }
+
+    /// The ten barycentric parameters; those that are `open` are not determined.
+    fn barycentric(
+        &self,
+        nominal: &MassProperties,
+        x: &[f64],
+        at: impl Fn(&[f64]) -> TenParameters,
+        open: [bool; 10],
+    ) -> [Number; 10] {
+        let (nominal, ten) = (nominal.parameters().to_array(), at(x));
+        std::array::from_fn(|k| match open[k] {
+            true => Number::undetermined(nominal[k]),
+            false => self.number(&ten.parameter(k), nominal[k], |x| at(x).parameter(k)),
         })
-    });
-    let barycentric = std::array::from_fn(|k| {
-        estimator.number(&ten.parameter(k), nominal_pi[k], |x| at(x).parameter(k))
-    });
-    BodyEstimate::from_numbers(name, mass, com, inertia, barycentric)
+    }
 }
 
-fn rotation_body(
-    estimator: &QuantityEstimator,
-    solution: &Solution,
-    name: String,
-    asked: EstimateSet,
-    nominal: &MassProperties,
-) -> BodyEstimate {
-    let parameters = &solution.parameters;
-    let answer = rotation_properties(parameters, &solution.x);
-    let pick = |wanted: &dyn Fn(&UnknownKind) -> bool, value: f64, nominal: f64, asked: bool| {
-        let at = parameters.unknowns.iter().position(|u| wanted(&u.kind));
-        match at {
-            _ if !asked => Number::known(nominal),
-            None => Number::undetermined(nominal),
-            Some(at) => {
-                let mut gradient = vec![0.0; parameters.len()];
-                gradient[at] = 1.0;
-                let quantity = Quantity { value, gradient };
-                estimator.number(&quantity, nominal, |x| Quantity {
-                    value: x[at],
-                    gradient: quantity.gradient.clone(),
-                })
-            }
-        }
-    };
-    // Rotation alone never shows the mass.
-    let mass = if asked.mass {
-        Number::undetermined(nominal.mass)
-    } else {
-        Number::known(nominal.mass)
-    };
-    let com = [0, 1, 2].map(|k| {
-        let wanted = move |u: &UnknownKind| *u == UnknownKind::MassCentre(k);
-        pick(
-            &wanted,
-            answer.p_BoBcm_B[k],
-            nominal.p_BoBcm_B[k],
-            asked.com,
-        )
-    });
-    let inertia = [0, 1, 2, 3, 4, 5].map(|k| {
-        let wanted = move |u: &UnknownKind| *u == UnknownKind::CentralInertia(k);
-        let e = TENSOR[k];
-        pick(
-            &wanted,
-            answer.I_BBcm_B[e],
-            nominal.I_BBcm_B[e],
-            asked.inertia,
-        )
-    });
-    let nominal_pi = nominal.parameters().to_array();
-    let ten = |x: &[f64]| TenParameters::of_body(parameters, 0, x);
-    // Parameters that depend on an unknown mass, or on a mass centre that these data do not determine.
+/// Parameters that depend on an unknown mass, or on a mass centre that these data do not determine, where rotation alone is seen: it
+/// never shows the mass.
+fn open_barycentric(parameters: &Parameters, asked: EstimateSet, x: &[f64]) -> [bool; 10] {
+    if parameters.equations == Equations::Momentum {
+        return [false; 10];
+    }
     let by_mass = MassProperties {
         mass: 1.0,
         I_BBcm_B: Matrix3::zeros(),
-        ..answer
+        ..rotation_properties(parameters, x)
     };
     let by_mass = by_mass.parameters().to_array();
-    let centre = |u: &UnknownKind| matches!(u, UnknownKind::MassCentre(_));
-    let centre_is_open = asked.com && !parameters.unknowns.iter().any(|u| centre(&u.kind));
-    let barycentric = std::array::from_fn(|k| match k {
-        0 => mass,
-        _ if centre_is_open || (asked.mass && by_mass[k] != 0.0) => {
-            Number::undetermined(nominal_pi[k])
-        }
-        _ => estimator.number(&ten(&solution.x).parameter(k), nominal_pi[k], |x| {
-            ten(x).parameter(k)
-        }),
-    });
-    BodyEstimate::from_numbers(name, mass, com, inertia, barycentric)
+    let centre = |u: &Unknown| matches!(u.kind, UnknownKind::MassCentre(_));
+    let centre_is_open = asked.com && !parameters.unknowns.iter().any(centre);
+    std::array::from_fn(|k| centre_is_open && k > 0 || asked.mass && by_mass[k] != 0.0)
+}
+
+fn of_numbers(name: String, ten: [Number; 10], barycentric: [Number; 10]) -> BodyEstimate {
+    let [mass, x, y, z, inertia @ ..] = ten;
+    BodyEstimate::from_numbers(name, mass, [x, y, z], inertia, barycentric)
 }
 
 impl BodyEstimate {
@@ -262,14 +209,8 @@ impl BodyEstimate {
 
     /// A body that is known: every number nominal, without sigma.
     pub fn known(name: String, nominal: &MassProperties) -> Self {
-        let pi = nominal.parameters().to_array();
-        let mut body = Self::from_numbers(
-            name,
-            Number::known(nominal.mass),
-            [0, 1, 2].map(|k| Number::known(nominal.p_BoBcm_B[k])),
-            TENSOR.map(|e| Number::known(nominal.I_BBcm_B[e])),
-            pi.map(Number::known),
-        );
+        let [ten, pi] = [nominal.to_array(), nominal.parameters().to_array()];
+        let mut body = of_numbers(name, ten.map(Number::known), pi.map(Number::known));
         body.asked = false;
         body
     }
@@ -283,7 +224,7 @@ impl BodyEstimate {
         inertia: [Number; 6],
         barycentric: [Number; 10],
     ) -> Self {
-        let tensor = all(&inertia).map(|t| tensor(&t));
+        let tensor = all(&inertia).map(tensor);
         let principal = tensor.map(|I| {
             let (moments, axes) = MassProperties {
                 mass: 1.0,
@@ -327,13 +268,4 @@ fn all<const N: usize>(numbers: &[Number; N]) -> Option<[f64; N]> {
         *o = n.value?;
     }
     Some(out)
-}
-
-fn tensor(t: &[f64; 6]) -> Matrix3 {
-    let mut m = Matrix3::zeros();
-    for (value, (i, j)) in t.iter().zip(TENSOR) {
-        m[(i, j)] = *value;
-        m[(j, i)] = *value;
-    }
-    m
 }

@@ -1,10 +1,10 @@
 //! The covariance of all numbers of the answer together: mass properties of the requested bodies, and nuisances.
 
-use crate::problem::parameters::{Equations, UnknownKind, axis_name, tensor_name};
-use crate::problem::quantity::TenParameters;
+use crate::problem::quantity::mass_property;
 use crate::solution::estimate::{BodyEstimate, NamedNumber, Number, Source};
 use crate::solution::solved::Solution;
 use nalgebra::DMatrix;
+use poinsot_spatial::{MASS_PROPERTY_NAMES, MASS_PROPERTY_UNITS};
 
 /// One number that is determined.
 pub(crate) struct Row {
@@ -55,41 +55,15 @@ fn determined(number: &Number) -> bool {
 }
 
 fn body_rows(solution: &Solution, at: usize, body: &BodyEstimate, rows: &mut Vec<Row>) {
-    let parameters = &solution.parameters;
-    let name = &body.name;
-    let ten = (parameters.equations == Equations::Momentum)
-        .then(|| TenParameters::of_body(parameters, at, &solution.x));
-    let unit = |wanted: UnknownKind| -> Vec<f64> {
-        let unknowns = parameters.unknowns.iter();
-        unknowns
-            .map(|u| f64::from(u8::from(u.kind == wanted)))
-            .collect()
-    };
-    let mut push = |name: String, unit: &'static str, gradient: Vec<f64>| {
-        rows.push(Row {
-            name,
-            unit,
-            gradient,
+    let numbers = body.numbers();
+    for k in (0..numbers.len()).filter(|k| determined(&numbers[*k])) {
+        let quantity = mass_property(&solution.parameters, at, k, &solution.x);
+        rows.extend(quantity.map(|quantity| Row {
+            name: format!("{}.{}", body.name, MASS_PROPERTY_NAMES[k]),
+            unit: MASS_PROPERTY_UNITS[k],
+            gradient: quantity.gradient,
             nuisance: None,
-        });
-    };
-    if let Some(ten) = ten.as_ref().filter(|_| determined(&body.mass)) {
-        push(format!("{name}.mass"), "kg", ten.parameter(0).gradient);
-    }
-    for k in (0..3).filter(|k| determined(&body.com[*k])) {
-        let gradient = ten.as_ref().map_or_else(
-            || unit(UnknownKind::MassCentre(k)),
-            |t| t.mass_centre(k).gradient,
-        );
-        push(format!("{name}.com_{}", axis_name(k)), "m", gradient);
-    }
-    for k in (0..6).filter(|k| determined(&body.inertia[*k])) {
-        let gradient = ten.as_ref().map_or_else(
-            || unit(UnknownKind::CentralInertia(k)),
-            |t| t.central_inertia(k).gradient,
-        );
-        let name = format!("{name}.inertia_{}", tensor_name(k));
-        push(name, "kg m2", gradient);
+        }));
     }
 }
 

@@ -3,8 +3,8 @@
 
 use crate::fit::alternatives::OtherWheelMotion;
 use crate::fit::experiment::Experiment;
-use crate::problem::parameters::{Equations, Parameters, UnknownKind};
-use crate::problem::quantity::TenParameters;
+use crate::problem::parameters::Parameters;
+use crate::problem::quantity::mass_property;
 use crate::problem::refusal::no_motion;
 use crate::problem::{Problem, ProblemError};
 use faer::Mat;
@@ -137,24 +137,9 @@ impl Information {
         if !p.estimate[term.body].has(term.number) {
             return vec![0.0; p.len()];
         }
-        if p.equations == Equations::Momentum {
-            let ten = TenParameters::of_body(p, term.body, &self.x);
-            return match term.number {
-                0 => ten.parameter(0).gradient,
-                k @ 1..=3 => ten.mass_centre(k - 1).gradient,
-                k => ten.central_inertia(k - 4).gradient,
-            };
-        }
-        let kind = match term.number {
-            // Rotation alone never shows the mass.
-            0 => return vec![UNSEEN; p.len()],
-            k @ 1..=3 => UnknownKind::MassCentre(k - 1),
-            k => UnknownKind::CentralInertia(k - 4),
-        };
-        let unknowns = p.unknowns.iter();
-        unknowns
-            .map(|u| f64::from(u8::from(u.kind == kind)))
-            .collect()
+        // Rotation alone never shows the mass.
+        let shown = mass_property(p, term.body, term.number, &self.x);
+        shown.map_or_else(|| vec![UNSEEN; p.len()], |quantity| quantity.gradient)
     }
 }
 

@@ -21,18 +21,24 @@ impl SharedTriangle {
     /// Puts the nuisances of a stacked triangle in front: the rest is projected orthogonal to them. In [`Parameters`]
     /// they stand last.
     pub fn new(parameters: &Parameters, stacked: &Triangle) -> Self {
-        let n = parameters.len();
+        Self::of_columns(parameters, stacked, 0..parameters.len(), &[])
+    }
+
+    /// The same of some of the columns, with others between them and the right-hand side; those that are left out do not move.
+    pub fn of_columns(
+        parameters: &Parameters,
+        stacked: &Triangle,
+        columns: impl IntoIterator<Item = usize>,
+        behind: &[usize],
+    ) -> Self {
         let is_nuisance = |k: &usize| parameters.unknowns[*k].kind.is_nuisance();
-        let (front, back): (Vec<usize>, Vec<usize>) = (0..n).partition(is_nuisance);
-        let order: Vec<usize> = front.iter().chain(&back).copied().chain([n]).collect();
-        let mut permuted = BlockQr::new(n + 1);
+        let (front, back): (Vec<usize>, Vec<usize>) = columns.into_iter().partition(is_nuisance);
+        let last = stacked.r.ncols() - 1;
+        let blocks = front.iter().chain(&back).chain(behind);
+        let order: Vec<usize> = blocks.copied().chain([last]).collect();
+        let mut permuted = BlockQr::new(order.len());
         permuted.push(stacked.r.nrows(), |i, j| stacked.r[(i, order[j])]);
-        Self {
-            r: permuted.finish().r,
-            nuisances: front.len(),
-            mass: back.len(),
-            held: Vec::new(),
-        }
+        Self::of(permuted.finish().r, front.len(), back.len())
     }
 
     /// A triangle whose nuisances all move.
@@ -68,13 +74,8 @@ impl SharedTriangle {
 
     /// The same with every known number held at its value.
     pub fn exact(parameters: &Parameters, stacked: &Triangle) -> Self {
-        let (reduced, kept) = parameters.without_known();
-        let last = stacked.r.ncols() - 1;
-        let mut fewer = BlockQr::new(kept.len() + 1);
-        fewer.push(stacked.r.nrows(), |i, j| {
-            stacked.r[(i, kept.get(j).copied().unwrap_or(last))]
-        });
-        Self::new(&reduced, &fewer.finish())
+        let (_, kept) = parameters.without_known();
+        Self::of_columns(parameters, stacked, kept, &[])
     }
 
     /// The same with a damping of the nuisances, in units of which are given: `damping |b / unit|^2` is added.

@@ -1,13 +1,13 @@
 //! Priors: declared sigmas of nominal values, as rows in addition to those of the sensors.
 
 use crate::problem::Problem;
-use crate::problem::parameters::{
-    Equations, Parameters, Unknown, UnknownKind, axis_name, tensor_name,
-};
-use crate::problem::quantity::{Quantity, TenParameters};
+use crate::problem::parameters::{Equations, Parameters};
+use crate::problem::quantity::{Quantity, TenParameters, mass_property};
 use nalgebra::{DMatrix, Matrix4};
 use poinsot_model::{Nuisance, Prior};
-use poinsot_spatial::{InertialParameters, pseudo_inertia};
+use poinsot_spatial::{
+    InertialParameters, MASS_PROPERTY_NAMES, MASS_PROPERTY_UNITS, pseudo_inertia,
+};
 use statrs::function::erf::erfc;
 
 /// Smallest share of a declared variance for a test against the data.
@@ -100,22 +100,16 @@ pub(crate) fn calibration(problem: &Problem, parameters: &Parameters, x: &[f64])
     for (at, unknown) in parameters.unknowns.iter().enumerate() {
         let declared = registry.entry(&unknown.kind).map(|entry| entry.declared);
         if let Some(Nuisance::Prior(sigma)) = declared {
-            let mut gradient = vec![0.0; x.len()];
-            gradient[at] = 1.0;
-            let value = x[at];
-            out.gaussian(&Quantity { value, gradient }, declared_of(unknown, sigma));
+            let declared = Declared {
+                name: unknown.name.clone(),
+                unit: unknown.unit,
+                nominal: unknown.nominal,
+                sigma,
+            };
+            out.gaussian(&Quantity::unknown(at, x), declared);
         }
     }
     out
-}
-
-fn declared_of(unknown: &Unknown, sigma: f64) -> Declared {
-    Declared {
-        name: unknown.name.clone(),
-        unit: unknown.unit,
-        nominal: unknown.nominal,
-        sigma,
-    }
 }
 
 /// Known numbers about the values of the model: deviations over the root of their declared covariance.
@@ -148,10 +142,7 @@ pub(crate) fn design(problem: &Problem, parameters: &Parameters, x: &[f64]) -> O
         if !body.estimate.any() {
             continue;
         }
-        match parameters.equations {
-            Equations::Momentum => body_rows(&mut out, parameters, at, prior, x)?,
-            Equations::Rotation => rotation_rows(&mut out, parameters, prior, x),
-        }
+        body_rows(&mut out, parameters, at, prior, x)?;
     }
     Some(out)
 }
@@ -163,54 +154,31 @@ fn body_rows(
     prior: &Prior,
     x: &[f64],
 ) -> Option<()> {
-    let ten = TenParameters::of_body(parameters, at, x);
-    let nominal = &parameters.nominal_properties[at];
-    let asked = parameters.estimate[at];
-    let body = &parameters.body_names[at];
-    let declared = |what: String, unit, nominal, sigma| Declared {
-        name: format!("{body}.{what}"),
-        unit,
-        nominal,
-        sigma,
-    };
-    if let Some(sigma) = prior.mass.filter(|_| asked.mass) {
-        let declared = declared("mass".to_owned(), "kg", nominal.mass, sigma);
-        out.gaussian(&ten.parameter(0), declared);
-    }
-    if let Some(sigma) = prior.com.filter(|_| asked.com) {
-        for k in 0..3 {
-            let what = format!("com_{}", axis_name(k));
-            let declared = declared(what, "m", nominal.p_BoBcm_B[k], sigma);
-            out.gaussian(&ten.mass_centre(k), declared);
+    let (asked, body) = (parameters.estimate[at], &parameters.body_names[at]);
+    let nominal = parameters.nominal_properties[at].to_array();
+    for (k, nominal) in nominal.into_iter().enumerate() {
+        let sigma = match k {
+            0 => prior.mass,
+            1..=3 => prior.com,
+            _ => prior.inertia,
+        };
+        let quantity = asked.has(k).then(|| mass_property(parameters, at, k, x));
+        if let (Some(sigma), Some(quantity)) = (sigma, quantity.flatten()) {
+            let declared = Declared {
+                name: format!("{body}.{}", MASS_PROPERTY_NAMES[k]),
+                unit: MASS_PROPERTY_UNITS[k],
+                nominal,
+                sigma,
+            };
+            out.gaussian(&quantity, declared);
         }
     }
-    if let Some(sigma) = prior.inertia.filter(|_| asked.inertia) {
-        for (k, &e) in crate::problem::parameters::TENSOR.iter().enumerate() {
-            let what = format!("inertia_{}", tensor_name(k));
-            let declared = declared(what, "kg m2", nominal.I_BBcm_B[e], sigma);
-            out.gaussian(&ten.central_inertia(k), declared);
-        }
-    }
-    if let Some(sigma) = prior.entropic {
+    let momentum = parameters.equations == Equations::Momentum;
+    if let Some(sigma) = prior.entropic.filter(|_| momentum) {
+        let ten = TenParameters::of_body(parameters, at, x);
         entropic(out, &ten, &parameters.nominal[at], sigma)?;
     }
     Some(())
-}
-
-fn rotation_rows(out: &mut PriorRows, parameters: &Parameters, prior: &Prior, x: &[f64]) {
-    for (at, unknown) in parameters.unknowns.iter().enumerate() {
-        let sigma = match unknown.kind {
-            UnknownKind::MassCentre(_) => prior.com,
-            UnknownKind::CentralInertia(_) => prior.inertia,
-            _ => None,
-        };
-        if let Some(sigma) = sigma {
-            let mut gradient = vec![0.0; x.len()];
-            gradient[at] = 1.0;
-            let value = x[at];
-            out.gaussian(&Quantity { value, gradient }, declared_of(unknown, sigma));
-        }
-    }
 }
 
 /// The entropic prior (Lee, Wensing, Park 2020): the Bregman divergence of the log-determinant between

@@ -1,6 +1,6 @@
 //! Mass, mass centre and central inertia as functions of the unknowns, with their gradients.
 
-use crate::problem::parameters::{Equations, Parameters, TENSOR};
+use crate::problem::parameters::{Equations, Parameters, TENSOR, UnknownKind};
 use poinsot_dynamics::Kinematics;
 use poinsot_spatial::{InertialParameters, Matrix3, Vector3};
 
@@ -21,6 +21,35 @@ pub struct Quantity {
     pub value: f64,
     /// Gradient over the unknowns.
     pub gradient: Vec<f64>,
+}
+
+impl Quantity {
+    /// One of the unknowns.
+    pub fn unknown(at: usize, x: &[f64]) -> Self {
+        let mut gradient = vec![0.0; x.len()];
+        gradient[at] = 1.0;
+        let value = x[at];
+        Self { value, gradient }
+    }
+}
+
+/// A number of a body, by its place among [`poinsot_spatial::MASS_PROPERTY_NAMES`]; `None` where rotation alone is seen and does not
+/// depend on it.
+pub fn mass_property(
+    parameters: &Parameters,
+    body: usize,
+    number: usize,
+    x: &[f64],
+) -> Option<Quantity> {
+    let kind = match (parameters.equations, number) {
+        (Equations::Momentum, k) => {
+            return Some(TenParameters::of_body(parameters, body, x).mass_property(k));
+        }
+        (_, 0) => return None,
+        (_, 1..=3) => UnknownKind::MassCentre(number - 1),
+        _ => UnknownKind::CentralInertia(number - 4),
+    };
+    Some(Quantity::unknown(parameters.place(&kind)?, x))
 }
 
 impl TenParameters {
@@ -75,6 +104,15 @@ impl TenParameters {
         Quantity {
             value: self.value[k],
             gradient: self.gradient[k].clone(),
+        }
+    }
+
+    /// A number by its place among [`poinsot_spatial::MASS_PROPERTY_NAMES`].
+    pub fn mass_property(&self, k: usize) -> Quantity {
+        match k {
+            0 => self.parameter(0),
+            1..=3 => self.mass_centre(k - 1),
+            _ => self.central_inertia(k - 4),
         }
     }
 

@@ -7,10 +7,8 @@ use crate::fit::triangle::SharedTriangle;
 use crate::likelihood::{InitialState, MeasuredMotion};
 use crate::problem::Problem;
 use crate::problem::alternative::Alternative;
-use crate::problem::parameters::{
-    Equations, Parameters, TENSOR, UnknownKind, axis_name, tensor_name,
-};
-use crate::problem::quantity::TenParameters;
+use crate::problem::parameters::{Equations, Parameters, UnknownKind, axis_name, tensor_name};
+use crate::problem::quantity::{Quantity, TenParameters};
 use crate::solution::estimate::UnobservableCombination;
 use crate::solution::solved::{OfLikelihood, Solution};
 use faer::Mat;
@@ -139,29 +137,24 @@ impl<'a> Baseline<'a> {
         let ten = TenParameters::of_body(&self.parameters, body, &self.x);
         let (m, l) = self.parameters.natural[body];
         let name = &self.parameters.body_names[body];
-        let row = |gradient: Vec<f64>, sigma: f64| -> Row {
-            gradient.iter().map(|g| g / sigma).collect()
-        };
-        let mut list = Vec::new();
-        let mut add = |what: &'static str, rows: Vec<Row>| {
-            list.push(Change {
+        let groups = [
+            ("mass", 0..1, m),
+            ("mass centre", 1..4, l),
+            ("inertia", 4..10, m * l * l),
+        ];
+        let asked = groups
+            .into_iter()
+            .filter(|(_, numbers, _)| set.has(numbers.start));
+        let given = asked.map(|(what, numbers, unit)| {
+            let slope = |k: usize| ten.mass_property(k).gradient.into_iter();
+            let rows = numbers.map(|k| slope(k).map(|g| g / (GIVEN * unit)).collect());
+            Change {
                 action: Action::Number(what, name.clone()),
                 effort: Effort::Number,
-                rows,
-            });
-        };
-        if set.mass {
-            add("mass", vec![row(ten.parameter(0).gradient, GIVEN * m)]);
-        }
-        if set.com {
-            let rows = (0..3).map(|k| row(ten.mass_centre(k).gradient, GIVEN * l));
-            add("mass centre", rows.collect());
-        }
-        if set.inertia {
-            let rows = (0..6).map(|k| row(ten.central_inertia(k).gradient, GIVEN * m * l * l));
-            add("inertia", rows.collect());
-        }
-        list
+                rows: rows.collect(),
+            }
+        });
+        given.collect()
     }
 }
 
@@ -189,22 +182,15 @@ impl Coordinates {
         let ten = TenParameters::of_body(parameters, 0, x);
         let (set, (m, l)) = (parameters.estimate[0], parameters.natural[0]);
         let name = &parameters.body_names[0];
-        let mut all = Vec::new();
-        if set.mass {
-            all.push((format!("{name}.m"), m, ten.parameter(0)));
-        }
-        if set.com {
-            all.extend((0..3).map(|k| {
-                let text = format!("{name}.com_{}", axis_name(k));
-                (text, l, ten.mass_centre(k))
-            }));
-        }
-        if set.inertia {
-            all.extend((0..TENSOR.len()).map(|k| {
-                let text = format!("{name}.I_BBcm_{}", tensor_name(k));
-                (text, m * l * l, ten.central_inertia(k))
-            }));
-        }
+        let all = (0..10).filter(|k| set.has(*k)).map(|k| {
+            let (number, unit) = match k {
+                0 => ("m".to_owned(), m),
+                1..=3 => (format!("com_{}", axis_name(k - 1)), l),
+                _ => (format!("I_BBcm_{}", tensor_name(k - 4)), m * l * l),
+            };
+            (format!("{name}.{number}"), unit, ten.mass_property(k))
+        });
+        let all: Vec<(String, f64, Quantity)> = all.collect();
         let n = parameters.mass_unknowns;
         let square = all.len() == n;
         let gradients = Mat::from_fn(all.len(), n, |i, j| all[i].2.gradient[j]);

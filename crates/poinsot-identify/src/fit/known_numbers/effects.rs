@@ -4,10 +4,9 @@ use crate::fit::Fitted;
 use crate::fit::degrees_of_freedom::known_covariance;
 use crate::fit::experiment::Experiment;
 use crate::fit::triangle::SharedTriangle;
-use crate::problem::parameters::Parameters;
 use nalgebra::DMatrix;
 use poinsot_files::Faults;
-use poinsot_solve::{BlockQr, Spectrum, Triangle};
+use poinsot_solve::{Spectrum, Triangle};
 
 /// Share of its declared sigma below which a known number counts as estimated.
 const ESTIMATED: f64 = 0.7;
@@ -67,7 +66,9 @@ pub(crate) fn shifts(
     stacked: &Triangle,
     places: &[usize],
 ) -> Result<(Spectrum, Vec<Vec<f64>>), Faults> {
-    let shared = behind(experiment.parameters, stacked, places);
+    let parameters = experiment.parameters;
+    let asked = (0..parameters.len()).filter(|k| !places.contains(k));
+    let shared = SharedTriangle::of_columns(parameters, stacked, asked, places);
     let exact = experiment.spectrum(&shared, &fitted.evaluated)?;
     let exact = exact.judged(experiment.problem.largest_sigma());
     let (b, m) = (shared.nuisances, shared.mass);
@@ -79,18 +80,4 @@ pub(crate) fn shifts(
     };
     let shift = (0..places.len()).map(shift).collect();
     Ok((exact, shift))
-}
-
-/// Nuisances first, mass properties, known numbers, right-hand side.
-fn behind(parameters: &Parameters, stacked: &Triangle, places: &[usize]) -> SharedTriangle {
-    let n = parameters.len();
-    let nuisance = |k: &usize| parameters.unknowns[*k].kind.is_nuisance();
-    let asked = (0..n).filter(|k| !places.contains(k));
-    let (front, back): (Vec<usize>, Vec<usize>) = asked.partition(nuisance);
-    let blocks = front.iter().chain(&back).chain(places);
-    let last = stacked.r.ncols() - 1;
-    let order: Vec<usize> = blocks.copied().chain([last]).collect();
-    let mut qr = BlockQr::new(order.len());
-    qr.push(stacked.r.nrows(), |i, j| stacked.r[(i, order[j])]);
-    SharedTriangle::of(qr.finish().r, front.len(), back.len())
 }
