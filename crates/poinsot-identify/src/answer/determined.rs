@@ -12,6 +12,7 @@ use crate::solution::estimate::{DeterminedCombination, Identifiability};
 use crate::solution::solved::Solution;
 use faer::Mat;
 use nalgebra::DVector;
+use poinsot_spatial::elements;
 
 /// Largest change of a constant combination along all paths, sigmas.
 const STILL: f64 = 0.1;
@@ -164,14 +165,11 @@ pub(crate) fn functions(
 /// Elements of the augmented inertias and couplings.
 fn values(problem: &Problem, solution: &Solution, x: &[f64]) -> Option<Vec<f64>> {
     let all = Barycentric::new(problem.tree, &solution.parameters.bodies(x))?;
-    let mut list: Vec<f64> = Vec::new();
-    for K in &all.K {
-        list.extend(TENSOR.map(|element| K[element]));
-    }
-    for (.., D) in &all.D {
-        list.extend(ELEMENTS.map(|element| D[element]));
-    }
-    Some(list)
+    let inertias = all.K.iter().flat_map(elements);
+    // Row by row.
+    let couplings = all.D.iter().map(|(.., D)| D.transpose());
+    let couplings = couplings.flat_map(|D| D.iter().copied().collect::<Vec<_>>());
+    Some(inertias.chain(couplings).collect())
 }
 
 /// Their slopes over the unknowns, by differences.
@@ -191,19 +189,6 @@ fn slopes(problem: &Problem, solution: &Solution, x: &[f64]) -> Option<Vec<Vec<f
     Some(all)
 }
 
-/// Elements of a coupling, row by row.
-const ELEMENTS: [(usize, usize); 9] = [
-    (0, 0),
-    (0, 1),
-    (0, 2),
-    (1, 0),
-    (1, 1),
-    (1, 2),
-    (2, 0),
-    (2, 1),
-    (2, 2),
-];
-
 /// Names of [`values`].
 fn names(solution: &Solution) -> Vec<String> {
     let bodies = &solution.parameters.body_names;
@@ -214,8 +199,8 @@ fn names(solution: &Solution) -> Vec<String> {
     }
     for (i, own) in bodies.iter().enumerate() {
         for other in &bodies[i + 1..] {
-            list.extend(ELEMENTS.map(|(row, column)| {
-                let element = [row, column].map(axis_name).concat();
+            list.extend((0..9).map(|k| {
+                let element = [k / 3, k % 3].map(axis_name).concat();
                 format!("D_{element} of {own} and {other}")
             }));
         }

@@ -1,6 +1,7 @@
 //! Initial momentum of every segment and the nuisances as numbers of the answer.
 
 use crate::answer::body::QuantityEstimator;
+use crate::problem::quantity::Quantity;
 use crate::solution::estimate::{MomentumEstimate, NamedNumber, Number};
 use crate::solution::solved::{Solution, StartOfSegment, VectorQuantity};
 use poinsot_model::MomentumKnowledge;
@@ -51,9 +52,8 @@ pub(crate) fn nuisances(estimator: &QuantityEstimator, solution: &Solution) -> V
                     .sigma_with(&biases.slope[k], biases.covariance[(k, k)])
                     .filter(|s| s.is_finite())
             } else {
-                let mut gradient = vec![0.0; parameters.len()];
-                gradient[at] = 1.0;
-                estimator.sigma_with(&gradient, 0.0)
+                let own = Quantity::unknown(at, &solution.x);
+                estimator.sigma_with(&own.gradient, 0.0)
             };
             let stays = |s: &f64| solution.unobservable_set.keeps(at, solution.x[at], *s);
             let sigma = sigma.filter(stays);

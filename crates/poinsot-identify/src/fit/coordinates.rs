@@ -5,7 +5,7 @@
 //! parabola: the best step within the cone is the shortest vector of a small convex problem (`semidefinite.rs`), with
 //! one answer, on the edge or not. A plain step that stays inside needs no correction.
 
-use crate::problem::parameters::{Equations, Parameters, TENSOR, UnknownKind};
+use crate::problem::parameters::{Equations, Parameters, TENSOR, UnknownKind, rotation_properties};
 use nalgebra::{Matrix4, SymmetricEigen};
 use poinsot_solve::Spectrum;
 use poinsot_solve::semidefinite::{Block, shortest};
@@ -268,14 +268,7 @@ fn matrix(parameters: &Parameters, index: usize, x: &[f64]) -> Matrix4<f64> {
         }
         // The mass is known and the mass centre has no part in it.
         (Equations::Rotation, _) => {
-            let mut I = Matrix3::zeros();
-            for (unknown, value) in parameters.unknowns.iter().zip(x) {
-                if let UnknownKind::CentralInertia(e) = unknown.kind {
-                    let (i, j) = TENSOR[e];
-                    I[(i, j)] = *value;
-                    I[(j, i)] = *value;
-                }
-            }
+            let I = rotation_properties(parameters, x).I_BBcm_B;
             let mut J = Matrix4::identity();
             J.fixed_view_mut::<3, 3>(0, 0).copy_from(&second_moment(&I));
             J

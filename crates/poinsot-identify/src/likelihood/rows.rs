@@ -1,7 +1,7 @@
 //! The equations of one sample as whitened rows: momentum now = momentum at the start + impulse.
 
 use crate::likelihood::impulse::Impulses;
-use crate::problem::parameters::{Equations, Parameters, TENSOR, UnknownKind};
+use crate::problem::parameters::{Equations, Parameters, UnknownKind};
 use crate::problem::segment::{Noise, Segment};
 use nalgebra::Cholesky;
 use poinsot_dynamics::{
@@ -9,7 +9,7 @@ use poinsot_dynamics::{
     wheel_momentum, wheel_regressor,
 };
 use poinsot_model::MomentumKnowledge;
-use poinsot_spatial::{Matrix3, Matrix6, Vector3, Vector6, skew};
+use poinsot_spatial::{Matrix3, Matrix6, Vector3, Vector6, skew, tensor_regressor};
 
 /// Momentum as the rows treat it: a column for each unknown component, or a number.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -288,11 +288,7 @@ impl<'a> Rows<'a> {
         for unknown in &setting.parameters.unknowns {
             let column = match &unknown.kind {
                 UnknownKind::CentralInertia(n) => {
-                    let (i, j) = TENSOR[*n];
-                    let mut h = zero;
-                    h[i] = w[j];
-                    h[j] = w[i];
-                    stack(&zero, &h)
+                    stack(&zero, &tensor_regressor(&w).column(*n).into())
                 }
                 UnknownKind::MassCentre(axis) => {
                     sees_com = true;
@@ -401,10 +397,7 @@ impl<'a> Rows<'a> {
             let column = match &unknown.kind {
                 UnknownKind::Barycentric(parts) => combine(&self.regressor, parts),
                 UnknownKind::CentralInertia(n) => {
-                    let (i, j) = TENSOR[*n];
-                    let mut h = Vector3::zeros();
-                    h[i] = w[j];
-                    h[j] = w[i];
+                    let h = tensor_regressor(&w).column(*n).into();
                     stack(&Vector3::zeros(), &h)
                 }
                 _ => [0.0; 6],

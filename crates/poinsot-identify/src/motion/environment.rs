@@ -8,9 +8,10 @@
 
 use super::{MassCentre, Motion, State};
 use crate::problem::parameters::{GRADIENT, UnknownKind};
+use crate::problem::quantity::{placed, unit};
 use crate::problem::segment::Observations;
 use poinsot_dynamics::gravity_gradient_torque;
-use poinsot_spatial::{InertialParameters, Matrix3, Vector3, parallel_axis};
+use poinsot_spatial::{InertialParameters, Matrix3, Vector3};
 
 /// A unit of one of them.
 fn symmetric(component: usize) -> Matrix3 {
@@ -150,16 +151,9 @@ impl Motion<'_> {
                 &self.input_state.kinematics.R[body],
                 &self.input_state.kinematics.p[body],
             );
-            let mut unit = [0.0; 10];
-            unit[k] = 1.0;
-            let part = InertialParameters::from_array(&unit);
             // About the mass centre, which stays where it is to first order: shifted by p - c.
-            let d = p - c;
-            let mc = R * part.mc_B;
-            let cross =
-                Matrix3::identity() * (2.0 * d.dot(&mc)) - d * mc.transpose() - mc * d.transpose();
-            let own = R * part.I_BBo_B * R.transpose() + parallel_axis(part.mass, &d) + cross;
-            sum += own * (*slope * factor);
+            let part = placed(&InertialParameters::from_array(&unit(k)), R, &(p - c));
+            sum += part.I_BBo_B * (*slope * factor);
         }
         sum
     }

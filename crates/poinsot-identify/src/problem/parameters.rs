@@ -16,7 +16,7 @@ use poinsot_dynamics::{Kinematics, Tree, composite};
 use poinsot_files::Faults;
 use poinsot_model::{EstimateSet, Model, Nuisance};
 use poinsot_spatial::{
-    InertialParameters, MassProperties, PARAMETER_NAMES, Vector3, parallel_axis,
+    InertialParameters, MassProperties, PARAMETER_NAMES, Vector3, elements, parallel_axis,
 };
 pub use poinsot_spatial::{TENSOR, tensor_index, tensor_name};
 
@@ -232,13 +232,8 @@ impl Parameters {
                 // A known mass centre ties first moment and parallel-axis part to the mass.
                 let c = given.p_BoBcm_B;
                 column.extend((0..3).map(|k| (at + 1 + k, c[k])));
-                let shift = parallel_axis(1.0, &c);
-                column.extend(
-                    TENSOR
-                        .iter()
-                        .enumerate()
-                        .map(|(k, &e)| (at + 4 + k, shift[e])),
-                );
+                let shift = elements(&parallel_axis(1.0, &c));
+                column.extend((0..6).map(|k| (at + 4 + k, shift[k])));
             }
             self.push(
                 UnknownKind::Barycentric(column),
@@ -412,14 +407,9 @@ fn mass_centre_slope(body: &MassProperties, axis: usize) -> Vec<(usize, f64)> {
     let shift =
         (nalgebra::Matrix3::identity() * (2.0 * c[axis]) - e * c.transpose() - c * e.transpose())
             * m;
-    let mut slope = vec![(1 + axis, m)];
-    slope.extend(
-        TENSOR
-            .iter()
-            .enumerate()
-            .map(|(k, &element)| (4 + k, shift[element])),
-    );
-    slope
+    let shift = elements(&shift);
+    let moments = (0..6).map(|k| (4 + k, shift[k]));
+    [(1 + axis, m)].into_iter().chain(moments).collect()
 }
 
 /// Per wheel the spin axis and the two axes about which it may be tilted, in the host's axes.
@@ -493,19 +483,13 @@ pub(crate) fn lifted_vector(from: &Parameters, x: &[f64], parameters: &Parameter
 
 /// Values of the rotation unknowns: mass centre and central inertia of the base.
 pub fn rotation_properties(parameters: &Parameters, x: &[f64]) -> MassProperties {
-    let mut p = parameters.nominal_properties[0];
-    let mut c: Vector3 = p.p_BoBcm_B;
+    let mut ten = parameters.nominal_properties[0].to_array();
     for (unknown, value) in parameters.unknowns.iter().zip(x) {
         match unknown.kind {
-            UnknownKind::MassCentre(k) => c[k] = *value,
-            UnknownKind::CentralInertia(k) => {
-                let (i, j) = TENSOR[k];
-                p.I_BBcm_B[(i, j)] = *value;
-                p.I_BBcm_B[(j, i)] = *value;
-            }
+            UnknownKind::MassCentre(k) => ten[1 + k] = *value,
+            UnknownKind::CentralInertia(k) => ten[4 + k] = *value,
             _ => {}
         }
     }
-    p.p_BoBcm_B = c;
-    p
+    MassProperties::from_array(&ten)
 }

@@ -2,7 +2,7 @@
 
 use crate::problem::Problem;
 use crate::problem::parameters::{Equations, Parameters};
-use crate::problem::quantity::{Quantity, TenParameters, mass_property};
+use crate::problem::quantity::{Quantity, TenParameters, mass_property, unit};
 use nalgebra::{DMatrix, Matrix4};
 use poinsot_model::{Nuisance, Prior};
 use poinsot_spatial::{
@@ -195,11 +195,7 @@ fn entropic(
     let J_factor = J.cholesky()?;
     let J_inverse = J_factor.inverse();
     let basis: Vec<Matrix4<f64>> = (0..10)
-        .map(|k| {
-            let mut unit = [0.0; 10];
-            unit[k] = 1.0;
-            pseudo_inertia(&InertialParameters::from_array(&unit))
-        })
+        .map(|k| pseudo_inertia(&InertialParameters::from_array(&unit(k))))
         .collect();
     let scale = 1.0 / (2.0 * sigma * sigma);
     let images: Vec<Matrix4<f64>> = basis.iter().map(|e| J_inverse * e).collect();

@@ -2,7 +2,7 @@
 
 use crate::problem::parameters::{Equations, Parameters, TENSOR, UnknownKind};
 use poinsot_dynamics::Kinematics;
-use poinsot_spatial::{InertialParameters, Matrix3, Vector3};
+use poinsot_spatial::{InertialParameters, Matrix3, Vector3, parallel_axis};
 
 /// The ten barycentric parameters of a body, or of several taken as one, as linear functions of the
 /// unknowns.
@@ -56,13 +56,8 @@ impl TenParameters {
     /// Of one body.
     pub fn of_body(parameters: &Parameters, body: usize, x: &[f64]) -> Self {
         let value = parameters.bodies(x)[body].to_array();
-        let mut gradient: Vec<Vec<f64>> = (0..10)
-            .map(|k| {
-                let mut unit = [0.0; 10];
-                unit[k] = 1.0;
-                parameters.chain(body, &unit)
-            })
-            .collect();
+        let mut gradient: Vec<Vec<f64>> =
+            (0..10).map(|k| parameters.chain(body, &unit(k))).collect();
         // Unknowns of rotation are no barycentric parameters: their slopes depend on the answer.
         if parameters.equations == Equations::Rotation {
             for (unknown, slopes) in parameters.slopes(x).iter().enumerate() {
@@ -154,24 +149,23 @@ impl TenParameters {
 /// Barycentric parameters turned to another frame: the 10 x 10 map from body i (rotation `R`, origin
 /// `p` in the base) to the base, in the order of `PARAMETER_NAMES`.
 pub fn parameters_in_base(R: &Matrix3, p: &Vector3) -> [[f64; 10]; 10] {
-    let mut map = [[0.0; 10]; 10];
-    for (k, column) in map.iter_mut().enumerate() {
-        let mut unit = [0.0; 10];
-        unit[k] = 1.0;
-        let body = InertialParameters::from_array(&unit);
-        let mc = R * body.mc_B;
-        let cross =
-            Matrix3::identity() * (2.0 * p.dot(&mc)) - p * mc.transpose() - mc * p.transpose();
-        *column = InertialParameters {
-            mass: body.mass,
-            mc_B: mc + p * body.mass,
-            I_BBo_B: R * body.I_BBo_B * R.transpose()
-                + poinsot_spatial::parallel_axis(body.mass, p)
-                + cross,
-        }
-        .to_array();
+    std::array::from_fn(|k| placed(&InertialParameters::from_array(&unit(k)), R, p).to_array())
+}
+
+/// The ten barycentric parameters with this one alone, of size one.
+pub fn unit(k: usize) -> [f64; 10] {
+    std::array::from_fn(|i| f64::from(u8::from(i == k)))
+}
+
+/// Parameters of a body (rotation `R`, origin `p` in another frame) about the origin of that frame, in its axes.
+pub fn placed(body: &InertialParameters, R: &Matrix3, p: &Vector3) -> InertialParameters {
+    let mc = R * body.mc_B;
+    let cross = Matrix3::identity() * (2.0 * p.dot(&mc)) - p * mc.transpose() - mc * p.transpose();
+    InertialParameters {
+        mass: body.mass,
+        mc_B: mc + p * body.mass,
+        I_BBo_B: R * body.I_BBo_B * R.transpose() + parallel_axis(body.mass, p) + cross,
     }
-    map
 }
 
 #[cfg(test)]
