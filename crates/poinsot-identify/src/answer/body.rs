@@ -153,10 +153,12 @@ impl QuantityEstimator<'_> {
         of: impl Fn(usize, &[f64]) -> Option<Quantity>,
     ) -> [Number; 10] {
         let nominal = nominal.to_array();
-        std::array::from_fn(|k| match of(k, x).filter(|_| asked.has(k)) {
-            _ if !asked.has(k) => Number::known(nominal[k]),
-            None => Number::undetermined(nominal[k]),
+        // A mass that is not asked may be known within its uncertainty.
+        let own = |k: usize| of(k, x).filter(|_| k == 0 || asked.has(k));
+        std::array::from_fn(|k| match own(k) {
             Some(own) => self.number(&own, nominal[k], |x| of(k, x).unwrap_or(own.clone())),
+            None if asked.has(k) => Number::undetermined(nominal[k]),
+            None => Number::known(nominal[k]),
         })
     }
 

@@ -1,10 +1,9 @@
 //! Impulse of the thrusters between samples, with the force turning with the body.
 
-use crate::motion::Running;
+use crate::motion::{Running, cubic};
 use crate::problem::Problem;
 use crate::problem::parameters::Equations;
 use crate::problem::segment::{Firing, Segment};
-use nalgebra::Unit;
 use poinsot_dynamics::{Kinematics, Tree, composite};
 use poinsot_model::{Nuisance, Thruster};
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3, skew};
@@ -168,13 +167,10 @@ fn one_interval(
         let p_BoT_B = kinematics.p[thruster.body] + R_BT * thruster.p_BoT_B;
         let F_N = R_NB * F_B;
         let origin = match &s.translation {
-            Some(t) => hermite(
-                &t.p_NoBo_N[k],
-                &t.p_NoBo_N[k + 1],
-                &(t.v_NBo_N[k] * (t1 - t0)),
-                &(t.v_NBo_N[k + 1] * (t1 - t0)),
-                at,
-            ),
+            Some(t) => {
+                let (a, b) = (t.p_NoBo_N[k], t.p_NoBo_N[k + 1]);
+                a + between(&(b - a), [&t.v_NBo_N[k], &t.v_NBo_N[k + 1]], t1 - t0, at)
+            }
             None => Vector3::zeros(),
         };
         sum.linear += F_N * dt;
@@ -186,38 +182,20 @@ fn one_interval(
 
 fn joints_between(s: &crate::problem::segment::Samples, dof: usize, k: usize, at: f64) -> Vec<f64> {
     let step = s.time_s[k + 1] - s.time_s[k];
-    (0..dof)
-        .map(|j| {
-            let (a, b) = (k * dof + j, (k + 1) * dof + j);
-            let pick = |x: f64| Vector3::new(x, 0.0, 0.0);
-            hermite(
-                &pick(s.joint_position[a]),
-                &pick(s.joint_position[b]),
-                &pick(s.joint_rate[a] * step),
-                &pick(s.joint_rate[b] * step),
-                at,
-            )
-            .x
-        })
-        .collect()
+    let position = |j: usize| {
+        let (a, b) = (k * dof + j, (k + 1) * dof + j);
+        let change = s.joint_position[b] - s.joint_position[a];
+        s.joint_position[a] + cubic(change, [s.joint_rate[a], s.joint_rate[b]], step, at).0
+    };
+    (0..dof).map(position).collect()
 }
 
 fn attitude_between(s: &crate::problem::segment::Samples, k: usize, at: f64) -> UnitQuaternion {
     let step = s.time_s[k + 1] - s.time_s[k];
     let turn = (s.R_NB[k].inverse() * s.R_NB[k + 1]).scaled_axis();
-    let end_rate = inverse_right_jacobian(&turn) * s.w_NB_B[k + 1] * step;
-    let phi = hermite(
-        &Vector3::zeros(),
-        &turn,
-        &(s.w_NB_B[k] * step),
-        &end_rate,
-        at,
-    );
-    s.R_NB[k]
-        * match Unit::try_new(phi, 0.0) {
-            Some(axis) => UnitQuaternion::from_axis_angle(&axis, phi.norm()),
-            None => UnitQuaternion::identity(),
-        }
+    let end_rate = inverse_right_jacobian(&turn) * s.w_NB_B[k + 1];
+    let phi = between(&turn, [&s.w_NB_B[k], &end_rate], step, at);
+    s.R_NB[k] * UnitQuaternion::from_scaled_axis(phi)
 }
 
 /// Takes body rates to rates of the rotation vector (Chirikjian 2012, eq. 10.86).
@@ -232,10 +210,7 @@ fn inverse_right_jacobian(phi: &Vector3) -> Matrix3 {
     Matrix3::identity() + k * 0.5 + k * k * second
 }
 
-fn hermite(a: &Vector3, b: &Vector3, da: &Vector3, db: &Vector3, at: f64) -> Vector3 {
-    let (s, s2, s3) = (at, at * at, at * at * at);
-    a * (2.0 * s3 - 3.0 * s2 + 1.0)
-        + da * (s3 - 2.0 * s2 + s)
-        + b * (3.0 * s2 - 2.0 * s3)
-        + db * (s3 - s2)
+/// How far the cubic with a change and the rates at both ends of an interval of length h is at a share of it.
+fn between(change: &Vector3, rates: [&Vector3; 2], h: f64, at: f64) -> Vector3 {
+    Vector3::from_fn(|i, _| cubic(change[i], rates.map(|rate| rate[i]), h, at).0)
 }

@@ -6,7 +6,7 @@
 //! T = T_B - c |w| w + R^T T_N + (3 gm / r^3) u x (I u)
 //! ```
 
-use super::{MassCentre, Motion, State};
+use super::{MassCentre, Motion, State, cubic};
 use crate::problem::parameters::{GRADIENT, UnknownKind};
 use crate::problem::quantity::{placed, unit};
 use crate::problem::segment::Observations;
@@ -218,8 +218,7 @@ pub(super) fn orbit_between(o: &Observations, k: usize, at: f64) -> Option<(Vect
     }
     let ((p0, v0), (p1, v1)) = (here, *next);
     let h = o.time_s[k + 1] - o.time_s[k];
-    let (d0, d1, dp) = (v0 * h, v1 * h, p1 - p0);
-    let (c2, c3) = (dp * 3.0 - d0 * 2.0 - d1, d0 + d1 - dp * 2.0);
-    let p = p0 + (d0 + (c2 + c3 * at) * at) * at;
-    Some((p, (d0 + (c2 * 2.0 + c3 * (3.0 * at)) * at) / h))
+    let along = |i: usize| cubic(p1[i] - p0[i], [v0[i], v1[i]], h, at);
+    let p = p0 + Vector3::from_fn(|i, _| along(i).0);
+    Some((p, Vector3::from_fn(|i, _| along(i).1)))
 }

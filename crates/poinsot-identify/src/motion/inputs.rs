@@ -20,6 +20,24 @@ pub(super) struct InputChange {
     pub wheel: Option<(usize, f64)>,
 }
 
+impl InputChange {
+    fn of_joint(unknown: usize, moved: (usize, f64, f64)) -> Self {
+        Self {
+            unknown,
+            joint: Some(moved),
+            wheel: None,
+        }
+    }
+
+    fn of_wheel(unknown: usize, moved: (usize, f64)) -> Self {
+        Self {
+            unknown,
+            joint: None,
+            wheel: Some(moved),
+        }
+    }
+}
+
 /// Effect of an unknown on the external force and torque through a joint's position.
 pub(super) struct OutsideChange {
     pub unknown: usize,
@@ -42,11 +60,7 @@ impl Motion<'_> {
         for &InputFault { unknown, value } in &self.vehicle.input_faults {
             let changes = &mut input_state.changes;
             let mut moved = |j: usize, q: f64, rate: f64| {
-                changes.push(InputChange {
-                    unknown,
-                    joint: Some((j, q, rate)),
-                    wheel: None,
-                });
+                changes.push(InputChange::of_joint(unknown, (j, q, rate)));
             };
             match &self.vehicle.kinds[unknown] {
                 UnknownKind::JointOffset(j) => {
@@ -55,11 +69,7 @@ impl Motion<'_> {
                 }
                 UnknownKind::WheelSpeedBias(w) => {
                     input_state.wheels[*w] -= value;
-                    changes.push(InputChange {
-                        unknown,
-                        joint: None,
-                        wheel: Some((*w, -1.0)),
-                    });
+                    changes.push(InputChange::of_wheel(unknown, (*w, -1.0)));
                 }
                 // The sensor is late: the joint is at its future sample.
                 UnknownKind::JointLag(joints) => {
@@ -84,11 +94,7 @@ impl Motion<'_> {
                                 false => curves.wheel(w, t, value),
                             };
                         input_state.wheels[w] += change;
-                        changes.push(InputChange {
-                            unknown,
-                            joint: None,
-                            wheel: Some((w, rate)),
-                        });
+                        changes.push(InputChange::of_wheel(unknown, (w, rate)));
                     }
                 }
                 UnknownKind::JointPlay(j) => {
@@ -105,11 +111,9 @@ impl Motion<'_> {
                 Some(k) => (input_state.q[k], input_state.rates[k]),
                 None => (1.0, 0.0),
             };
-            input_state.changes.push(InputChange {
-                unknown: joint.unknown,
-                joint: Some((self.vehicle.tree.dof() + i, q, rate)),
-                wheel: None,
-            });
+            let moved = (self.vehicle.tree.dof() + i, q, rate);
+            let change = InputChange::of_joint(joint.unknown, moved);
+            input_state.changes.push(change);
         }
     }
 
@@ -127,11 +131,8 @@ impl Motion<'_> {
                 *rate *= own.factor();
             }
             for (unknown, [q, rate]) in own.unknowns().into_iter().zip(found.slopes) {
-                now.changes.extend(unknown.map(|unknown| InputChange {
-                    unknown,
-                    joint: Some((j, q, rate)),
-                    wheel: None,
-                }));
+                let change = unknown.map(|unknown| InputChange::of_joint(unknown, (j, q, rate)));
+                now.changes.extend(change);
             }
         }
     }
@@ -321,9 +322,7 @@ fn fill_inputs(
     }
     let h = o.time_s[k + 1] - o.time_s[k];
     for j in 0..dof {
-        let (d0, c2, c3) = joint_cubic(o, dof, j, k, h);
-        input_state.q[j] = o.joint_position[k * dof + j] + at * (d0 + at * (c2 + at * c3));
-        input_state.rates[j] = (d0 + at * (2.0 * c2 + at * 3.0 * c3)) / h;
+        (input_state.q[j], input_state.rates[j]) = joint_between(o, (dof, j), (k, at));
     }
     for j in 0..wheels {
         let (a, b) = (
@@ -342,15 +341,15 @@ fn fill_inputs(
     }
 }
 
-/// Coefficients of a joint's cubic in the interval after grid time k, over the share of it.
-pub(super) fn joint_cubic(
+/// Position and rate of a joint at a share of the interval after grid time k.
+pub(super) fn joint_between(
     o: &Observations,
-    dof: usize,
-    j: usize,
-    k: usize,
-    h: f64,
-) -> (f64, f64, f64) {
+    (dof, j): (usize, usize),
+    (k, at): (usize, f64),
+) -> (f64, f64) {
+    let h = o.time_s[k + 1] - o.time_s[k];
     let (a, b) = (k * dof + j, (k + 1) * dof + j);
-    let dq = o.joint_position[b] - o.joint_position[a];
-    cubic(dq, [o.joint_rate[a], o.joint_rate[b]], h)
+    let change = o.joint_position[b] - o.joint_position[a];
+    let (so_far, rate) = cubic(change, [o.joint_rate[a], o.joint_rate[b]], h, at);
+    (o.joint_position[a] + so_far, rate)
 }

@@ -96,15 +96,13 @@ pub(super) fn rate_parts(
         return [[0.0, rate(k + usize::from(at == 1.0))], [0.0, 1.0]];
     }
     let h = o.time_s[k + 1] - o.time_s[k];
-    [[rate(k), rate(k + 1)], [1.0, 1.0]].map(|rates| {
-        let (d0, c2, c3) = cubic(0.0, rates, h);
-        let q = at * (d0 + at * (c2 + at * c3));
-        [q, (d0 + at * (2.0 * c2 + at * 3.0 * c3)) / h]
-    })
+    [[rate(k), rate(k + 1)], [1.0, 1.0]].map(|rates| cubic(0.0, rates, h, at).into())
 }
 
-/// Coefficients of a joint's cubic over the share of an interval of h, by the change of position and the rates at both ends.
-pub(super) fn cubic(dq: f64, rates: [f64; 2], h: f64) -> (f64, f64, f64) {
+/// The cubic with a change and the rates at both ends of an interval of length h: how far it is at a share of it, and its rate there.
+pub(crate) fn cubic(change: f64, rates: [f64; 2], h: f64, at: f64) -> (f64, f64) {
     let [d0, d1] = rates.map(|rate| rate * h);
-    (d0, 3.0 * dq - 2.0 * d0 - d1, d0 + d1 - 2.0 * dq)
+    let (c2, c3) = (3.0 * change - 2.0 * d0 - d1, d0 + d1 - 2.0 * change);
+    let so_far = at * (d0 + at * (c2 + at * c3));
+    (so_far, (d0 + at * (2.0 * c2 + at * 3.0 * c3)) / h)
 }

@@ -1,7 +1,7 @@
 //! A segment on a grid with more times: the same motion, known at more instants.
 
 use super::environment::orbit_between;
-use super::inputs::joint_cubic;
+use super::inputs::joint_between;
 use crate::problem::segment::{
     BetweenReadings, InputChannel, InputErrors, Observations, SensorRecord, SensorSample,
 };
@@ -59,11 +59,9 @@ pub(crate) fn refined(o: &Observations, further_s: &[f64]) -> Observations {
         new.time_s.push(o.time_s[k] + at * h);
         new.orbit.extend(orbit_between(o, k, at));
         for j in 0..dof {
-            let (d0, c2, c3) = joint_cubic(o, dof, j, k, h);
-            let q = o.joint_position[k * dof + j] + at * (d0 + at * (c2 + at * c3));
+            let (q, rate) = joint_between(o, (dof, j), (k, at));
             new.joint_position.push(q);
-            new.joint_rate
-                .push((d0 + at * (2.0 * c2 + at * 3.0 * c3)) / h);
+            new.joint_rate.push(rate);
         }
         for w in 0..wheels {
             let (a, b) = (
