@@ -397,7 +397,7 @@ impl<'a> Rows<'a> {
             let column = match &unknown.kind {
                 UnknownKind::Barycentric(parts) => combine(&self.regressor, parts),
                 UnknownKind::CentralInertia(n) => {
-                    let h = tensor_regressor(&w).column(*n).into();
+                    let h = tensor_regressor(w).column(*n).into();
                     stack(&Vector3::zeros(), &h)
                 }
                 _ => [0.0; 6],

@@ -330,13 +330,11 @@ fn look(table: &Table, check: Check) -> Vec<Finding> {
     }
 }
 
-/// Runs a check, which gives the faulty samples and a text, on each channel of each vector sensor; that of placeholders on other
-/// channels too.
-fn per_channel(
-    table: &Table,
-    check: Check,
-    find: fn(&Channel) -> Option<(Vec<usize>, String)>,
-) -> Vec<Finding> {
+/// A check of one channel: indices of faulty samples, and text.
+type Find = fn(&Channel) -> Option<(Vec<usize>, String)>;
+
+/// Runs a check on each channel of each vector sensor; that of placeholders on other channels too.
+fn per_channel(table: &Table, check: Check, find: Find) -> Vec<Finding> {
     let sensors = runs::sensors(table);
     let of_sensor = |k: &usize| sensors.iter().any(|s| s.channels.contains(k));
     let others = (0..table.channels.len()).filter(|k| !of_sensor(k));
