@@ -5,6 +5,7 @@
 
 #![allow(non_snake_case)]
 
+mod bad_input;
 mod commands;
 mod formats;
 mod validation;
@@ -52,16 +53,25 @@ fn write(check: bool) -> Result<(), Fault> {
         if check {
             current(&page)?;
         } else {
-            fs::write(repository("docs").join(&page.name), &page.text)?;
+            put(&page)?;
         }
     }
-    Ok(())
+    put(&Made {
+        name: "validation/bad_input.md".to_owned(),
+        text: bad_input::page()?,
+    })
 }
 
 /// A file of the repository.
 fn repository(name: &str) -> PathBuf {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
     here.join("../..").join(name)
+}
+
+/// The text of a file of the repository.
+fn read(name: &str) -> Result<String, Fault> {
+    let path = repository(name);
+    fs::read_to_string(&path).map_err(|why| format!("{}: {why}", path.display()).into())
 }
 
 fn committed() -> Result<Vec<Made>, Fault> {
@@ -81,11 +91,18 @@ fn committed() -> Result<Vec<Made>, Fault> {
 
 fn current(page: &Made) -> Result<(), Fault> {
     let name = format!("docs/{}", page.name);
-    let text = fs::read_to_string(repository(&name)).map_err(|why| format!("{name}: {why}"))?;
-    match text == page.text {
-        true => Ok(()),
-        false => Err(format!("{name}: out of date; run: scripts/book generate").into()),
+    if read(&name)? == page.text {
+        return Ok(());
     }
+    Err(format!("{name}: out of date; run: scripts/book generate").into())
+}
+
+fn put(made: &Made) -> Result<(), Fault> {
+    let path = repository("docs").join(&made.name);
+    if let Some(folder) = path.parent() {
+        fs::create_dir_all(folder)?;
+    }
+    Ok(fs::write(path, &made.text)?)
 }
 
 #[cfg(test)]
@@ -98,5 +115,10 @@ mod tests {
         for page in committed().unwrap() {
             current(&page).unwrap();
         }
+    }
+
+    #[test]
+    fn unit_the_list_of_bad_input_has_every_case() {
+        assert!(bad_input::page().unwrap().matches("\n| ").count() > 300);
     }
 }
