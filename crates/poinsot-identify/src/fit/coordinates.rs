@@ -5,8 +5,8 @@
 //! parabola: the best step within the cone is the shortest vector of a small convex problem (`semidefinite.rs`), with
 //! one answer, on the edge or not. A plain step that stays inside needs no correction.
 
-use crate::problem::parameters::{Equations, Parameters, TENSOR, UnknownKind, rotation_properties};
-use nalgebra::{DMatrix, DVector, Matrix4, SymmetricEigen};
+use crate::problem::parameters::{Equations, Parameters, TENSOR, UnknownKind};
+use nalgebra::{Matrix4, SymmetricEigen};
 use poinsot_solve::Spectrum;
 use poinsot_solve::semidefinite::{Block, shortest};
 use poinsot_spatial::{MassProperties, Matrix3, pseudo_inertia};
@@ -132,8 +132,9 @@ impl PhysicalBodies {
     ) -> (Vec<f64>, f64) {
         let n = spectrum.natural.len();
         let open = OPEN * spectrum.smallest_singular_value().min(1.0e12);
-        let along = (0..spectrum.rank).map(|k| spectrum.left_along(rhs, k));
-        let along: Vec<f64> = along.collect();
+        let along: Vec<f64> = (0..spectrum.rank)
+            .map(|k| spectrum.left_along(rhs, k))
+            .collect();
         let weight: Vec<f64> = (0..n)
             .map(|k| match k < spectrum.rank {
                 true => (spectrum.singular[k].powi(2) + damping).sqrt(),
@@ -146,21 +147,37 @@ impl PhysicalBodies {
                 None => 0.0,
             })
             .collect();
-        let block = |body: &Body| body.block(spectrum, x, &target, &weight);
-        let blocks: Vec<Block> = self.bodies.iter().map(block).collect();
-        let V = DMatrix::from_fn(n, n, |i, k| spectrum.directions[(i, k)]);
-        let back = |i: usize| (self.reference[i] - x[i]) / spectrum.natural[i];
-        let back = V.tr_mul(&DVector::from_fn(n, |i, _| back(i)));
-        let start = (0..n).map(|k| weight[k] * (back[k] - target[k]));
-        let start: Vec<f64> = start.collect();
+        let blocks: Vec<Block> = self
+            .bodies
+            .iter()
+            .map(|body| body.block(spectrum, x, &target, &weight))
+            .collect();
+        let start: Vec<f64> = (0..n)
+            .map(|k| {
+                let y: f64 = (0..n)
+                    .map(|i| {
+                        spectrum.directions[(i, k)] * (self.reference[i] - x[i])
+                            / spectrum.natural[i]
+                    })
+                    .sum();
+                weight[k] * (y - target[k])
+            })
+            .collect();
         // Without a solution there is no step and no predicted reduction: the fit does not converge.
         let Some(u) = shortest(&blocks, &start) else {
             return (vec![0.0; n], f64::NAN);
         };
-        let y = DVector::from_fn(n, |k, _| target[k] + u[k] / weight[k]);
-        let identified = along.iter().zip(&spectrum.singular).zip(y.iter());
-        let lowered = identified.map(|((b, s), y)| b * b - (b - s * y).powi(2));
-        ((V * &y).as_slice().to_vec(), lowered.sum())
+        let y: Vec<f64> = (0..n).map(|k| target[k] + u[k] / weight[k]).collect();
+        let lowered = along
+            .iter()
+            .zip(&spectrum.singular)
+            .zip(&y)
+            .map(|((b, s), y)| b * b - (b - s * y).powi(2))
+            .sum();
+        let step = (0..n)
+            .map(|i| (0..n).map(|k| spectrum.directions[(i, k)] * y[k]).sum())
+            .collect();
+        (step, lowered)
     }
 }
 
@@ -251,7 +268,14 @@ fn matrix(parameters: &Parameters, index: usize, x: &[f64]) -> Matrix4<f64> {
         }
         // The mass is known and the mass centre has no part in it.
         (Equations::Rotation, _) => {
-            let I = rotation_properties(parameters, x).I_BBcm_B;
+            let mut I = Matrix3::zeros();
+            for (unknown, value) in parameters.unknowns.iter().zip(x) {
+                if let UnknownKind::CentralInertia(e) = unknown.kind {
+                    let (i, j) = TENSOR[e];
+                    I[(i, j)] = *value;
+                    I[(j, i)] = *value;
+                }
+            }
             let mut J = Matrix4::identity();
             J.fixed_view_mut::<3, 3>(0, 0).copy_from(&second_moment(&I));
             J
