@@ -15,10 +15,11 @@ use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::momentum_state::{Fitted, Search, fit_from, fit_on, is_settled};
 use crate::fit::part_of_record::{beginning, thinned};
 use crate::fit::step::{ITERATIONS, is_close, moved, physical_bodies};
-use crate::problem::ProblemError;
 use crate::problem::refusal::no_motion;
 use crate::problem::segment::Segment;
 use crate::problem::settings::Coordinates;
+use crate::problem::{Problem, ProblemError};
+use poinsot_model::{Model, Prior};
 use poinsot_solve::{LeastSquares, levenberg_marquardt};
 
 /// Samples per sensor in a segment up to which none is omitted.
@@ -203,8 +204,15 @@ struct Followed {
     end: Search,
 }
 
-/// Follows the record from its longest beginning that a start explains.
+/// Follows the record from its longest beginning that a start explains. What a beginning does not tell is held about the
+/// nominal numbers, or the first steps from far away carry it off: the scale of a tensor before the first pulse.
 fn follow(experiment: &Experiment, starts: &[Iterate]) -> Followed {
+    let model = loosely_known(experiment.problem.model);
+    let problem = Problem {
+        model: &model,
+        ..*experiment.problem
+    };
+    let experiment = &experiment.with_problem(&problem);
     let mut share = SHORTER;
     let mut settled = false;
     let first = loop {
@@ -230,6 +238,22 @@ fn follow(experiment: &Experiment, starts: &[Iterate]) -> Followed {
         }
     };
     extend(experiment, first, share)
+}
+
+/// The vehicle with unknown bodies whose nominal numbers may be off by their own size, where nothing else is declared.
+fn loosely_known(model: &Model) -> Model {
+    let mut model = model.clone();
+    let sigma = |size: f64| (size.is_finite() && size > 0.0).then_some(size);
+    for body in &mut model.bodies {
+        let (mass, inertia) = (body.nominal.mass, body.nominal.I_BBcm_B.trace() / 3.0);
+        body.prior.get_or_insert(Prior {
+            mass: sigma(mass),
+            com: sigma((inertia / mass).sqrt()),
+            inertia: sigma(inertia),
+            entropic: None,
+        });
+    }
+    model
 }
 
 /// Extends the beginning whose fit ended at a point to the whole record.
