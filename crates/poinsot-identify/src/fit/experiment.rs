@@ -8,7 +8,7 @@ pub(crate) mod as_predicted;
 pub(crate) mod known_columns;
 
 pub(crate) use known_columns::{
-    DIFFERENCE, KeptColumns, MovedVehicle, body_slopes, drop_old_columns, slopes, twin,
+    DIFFERENCE, MovedVehicle, body_slopes, known_columns_last, slopes, twin,
 };
 
 use crate::fit::triangle::SharedTriangle;
@@ -25,7 +25,6 @@ use crate::problem::refusal::not_finite;
 use crate::problem::segment::Segment;
 use crate::problem::settings::Settings;
 use crate::problem::shifted_vehicle::ShiftedVehicle;
-use known_columns::columns_at;
 use nalgebra::UnitQuaternion;
 use poinsot_dynamics::propagation::{Flexibility, Internal, LockedVehicle, PoseMomentum};
 use poinsot_dynamics::{
@@ -57,8 +56,6 @@ pub(crate) struct Experiment<'a> {
     pub fineness: Fineness,
     /// Columns of the known numbers, where they are unknowns.
     pub known: Option<Arc<KnownColumns>>,
-    /// The last of them that were made.
-    pub kept: KeptColumns,
     /// Whether a fit only leads near an answer.
     pub only_near: bool,
     /// Whether evaluations keep every whitened row instead of a triangle.
@@ -107,7 +104,6 @@ impl<'a> Experiment<'a> {
             alternative: Alternative::default(),
             fineness: Fineness::default(),
             known: None,
-            kept: KeptColumns::default(),
             only_near: false,
             keep_rows: false,
             smooth_inputs: false,
@@ -171,7 +167,6 @@ impl<'a> Experiment<'a> {
             problem,
             curves: Arc::default(),
             grids: Arc::default(),
-            kept: KeptColumns::default(),
             ..self.clone()
         }
     }
@@ -277,7 +272,7 @@ impl<'a> Experiment<'a> {
         let problem = shifted.problem(self.problem);
         let mut there = self.of_vehicle(&problem, &shifted.parameters);
         if with_sensitivities {
-            there.known = Some(columns_at(self, at)?);
+            there.known = Some(Arc::new(slopes(self, at)?));
         }
         there.evaluate_here(at, with_sensitivities)
     }

@@ -1,8 +1,8 @@
 //! Known numbers within their uncertainty: unknowns with a prior, whatever kind of number they are.
 //!
 //! The fit goes on from the one with exact numbers, with columns of the known numbers (`experiment/known_columns.rs`)
-//! beside its own and the declared covariance as a prior; every prediction is that of the vehicle with the numbers
-//! moved, and the columns are made again where they have moved. Informative data shrink the prior of a number;
+//! beside its own and the declared covariance as a prior; every prediction and every column is that of the vehicle with the
+//! numbers moved. Informative data shrink the prior of a number;
 //! otherwise it keeps its value and its prior enters the covariance (a consider parameter: Schmidt 1966). One sigma of
 //! a known number is therefore no misfit.
 
@@ -11,26 +11,19 @@ mod effects;
 pub(crate) use effects::{Effects, shifts};
 
 use crate::fit::degrees_of_freedom::{fitted_numbers, known_covariance};
-use crate::fit::experiment::{DIFFERENCE, Experiment, Iterate, KeptColumns, body_slopes, slopes};
-use crate::fit::{Fitted, fit_from};
-use crate::likelihood::KnownColumns;
+use crate::fit::experiment::{DIFFERENCE, Experiment, Iterate, body_slopes, slopes};
+use crate::fit::{Fitted, ITERATIONS, fit_from};
 use crate::problem::Problem;
 use crate::problem::parameters::{KnownUnknown, Parameters, Unknown, UnknownKind};
 use crate::problem::prior::{Conflict, LEAST_SHARE, PriorTest};
 use nalgebra::{DMatrix, DVector};
 use poinsot_model::{Model, rounded};
-use std::sync::{Arc, Mutex};
 
 /// Effect of one sigma of a number on all predictions together, in their noise, below which it is left out.
 pub(crate) const SILENT: f64 = 1.0e-3;
-/// Most iterations with known numbers among the unknowns: where they are within a few sigmas, six are enough.
-const KNOWN_ITERATIONS: usize = 12;
-/// Fall of chi-square that a full step may still promise where columns are those of an iterate near it.
-const CONVERGED_BELOW_KEPT_COLUMNS: f64 = 1.0e-3;
 
 /// The unknowns of an experiment with the known numbers that show behind them.
 struct Widened {
-    kept: KeptColumns,
     /// All unknowns, the known numbers last.
     parameters: Parameters,
     /// The point where the known numbers have the values of the model.
@@ -41,19 +34,15 @@ impl Widened {
     /// `None` where all known numbers are exact, or nothing depends on them.
     fn new(experiment: &Experiment, at: &Iterate) -> Option<Self> {
         let problem = experiment.problem;
-        let (all, columns) = shown(experiment, at, unknowns(problem.model))?;
-        let nominal = all.iter().map(|u| u.nominal / u.natural).collect();
+        let all = shown(experiment, at, unknowns(problem.model))?;
         Some(Self {
-            kept: Arc::new(Mutex::new(Some((nominal, Arc::new(columns))))),
             parameters: extended(problem, experiment.parameters, &all),
             first: behind(at, &all),
         })
     }
 
     fn experiment<'b>(&'b self, experiment: &'b Experiment<'b>) -> Experiment<'b> {
-        let mut own = experiment.with_parameters(&self.parameters);
-        own.kept = Arc::clone(&self.kept);
-        own
+        experiment.with_parameters(&self.parameters)
     }
 }
 
@@ -94,8 +83,8 @@ pub(crate) fn fit_known(experiment: &Experiment, fitted: &Fitted) -> Option<Know
     let widened = Widened::new(experiment, &fitted.at)?;
     let wide = widened.experiment(experiment);
     let start = fit_from(&wide, widened.first.clone(), 0)?;
-    let found = fit_from(&wide, widened.first.clone(), KNOWN_ITERATIONS)?;
-    let done = found.converged || predicted_reduction(&found) < CONVERGED_BELOW_KEPT_COLUMNS;
+    let found = fit_from(&wide, widened.first.clone(), ITERATIONS)?;
+    let done = found.converged;
     let (worst, per_number, test) = contradicted(&wide, &found);
     // A misfit beyond the uncertainty of known numbers needs another cause.
     let left = per_number > experiment.settings.misfit && (worst.is_some() || !done);
@@ -119,14 +108,6 @@ pub(crate) fn fit_known(experiment: &Experiment, fitted: &Fitted) -> Option<Know
         contradiction: worst.filter(|_| !left && done),
         test: test.filter(|_| !left && done),
     })
-}
-
-/// Predicted reduction of chi-square by a full step.
-fn predicted_reduction(fitted: &Fitted) -> f64 {
-    let shared = &fitted.shared;
-    let last = shared.nuisances + shared.mass;
-    let nuisances = (0..shared.nuisances).map(|i| shared.r[(i, last)].powi(2));
-    nuisances.sum::<f64>() + fitted.spectrum.decrease(&shared.rhs(), 0.0)
 }
 
 /// A point of the fit without the known numbers, with these at the values of the model.
@@ -183,17 +164,13 @@ fn extended(problem: &Problem, parameters: &Parameters, all: &[Unknown]) -> Para
     out
 }
 
-/// The numbers that show in the predictions, with their columns at their nominal values.
-fn shown(
-    experiment: &Experiment,
-    at: &Iterate,
-    all: Vec<Unknown>,
-) -> Option<(Vec<Unknown>, KnownColumns)> {
+/// The numbers that show in the predictions.
+fn shown(experiment: &Experiment, at: &Iterate, all: Vec<Unknown>) -> Option<Vec<Unknown>> {
     if all.is_empty() {
         return None;
     }
     let whole = extended(experiment.problem, experiment.parameters, &all);
-    let mut columns = slopes(&experiment.with_parameters(&whole), &behind(at, &all))?;
+    let columns = slopes(&experiment.with_parameters(&whole), &behind(at, &all))?;
     let shows = |k: usize| {
         let sensors = columns.slopes.iter().flatten();
         let square: f64 = sensors
@@ -204,13 +181,9 @@ fn shown(
         square.sqrt() * all[k].natural > SILENT
     };
     let keep: Vec<bool> = (0..all.len()).map(shows).collect();
-    for numbers in columns.slopes.iter_mut().flatten() {
-        let mut kept = keep.iter();
-        numbers.retain(|_| kept.next() == Some(&true));
-    }
     let pairs = all.into_iter().zip(keep);
     let all: Vec<Unknown> = pairs.filter_map(|(u, k)| k.then_some(u)).collect();
-    (!all.is_empty()).then_some((all, columns))
+    (!all.is_empty()).then_some(all)
 }
 
 /// The known number that the data contradict most, in the size of the residual that is left; chi-square per number left;

@@ -4,7 +4,7 @@
 //! directions do not move.
 
 use crate::fit::coordinates::PhysicalBodies;
-use crate::fit::experiment::{Experiment, Iterate, drop_old_columns};
+use crate::fit::experiment::{Experiment, Iterate, known_columns_last};
 use crate::fit::triangle::{SharedTriangle, conditional_estimate};
 use crate::likelihood::Evaluated;
 use crate::problem::ProblemError;
@@ -84,10 +84,7 @@ impl LeastSquares for Experiment<'_> {
     }
 
     fn linearise(&self, at: &Iterate) -> Option<Linearised<Linearisation>> {
-        let linearised = || linearised(self, at, self.evaluate(at, true)?).ok();
-        let here = linearised()?;
-        let renewed = here.predicted_reduction < NEAR && drop_old_columns(self, at);
-        if renewed { linearised() } else { Some(here) }
+        linearised(self, at, self.evaluate(at, true)?).ok()
     }
 
     fn carried(
@@ -101,8 +98,7 @@ impl LeastSquares for Experiment<'_> {
             let near = left <= NEAR;
             return near.then(|| self.promised(at, here, step)).flatten();
         }
-        // Columns of known numbers have to be as new at an answer as where derivatives are computed there.
-        if left > LEFT || self.keep_rows || drop_old_columns(self, &step.to) {
+        if left > LEFT || self.keep_rows || !known_columns_last(self, at, &step.to) {
             return None;
         }
         let there = self.evaluate(&step.to, false)?;

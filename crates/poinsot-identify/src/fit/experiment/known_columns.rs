@@ -11,53 +11,18 @@ use crate::problem::shifted_vehicle::ShiftedVehicle;
 use poinsot_dynamics::SensorError;
 use poinsot_model::{KnownNumber, Model};
 use poinsot_spatial::{InertialParameters, Vector3};
-use std::sync::{Arc, Mutex};
 
 /// Step of the difference of what a number moves in the vehicle, sigmas of the number: what it moves is nearly linear in it.
 pub(crate) const DIFFERENCE: f64 = 1.0e-5;
-/// Sigmas by which a known number may move during a fit before its columns are made again. One sigma changes a column by a
-/// tenth at most (inertia from a drawing), so a step on columns this old is right to a hundredth.
-const FRESH: f64 = 0.1;
-/// The same where a fit ends. Columns 10^4 times the noise may cancel in a combination that the data do not show; what is left
-/// of them by their age must be small beside a prior.
-const FRESH_AT_THE_END: f64 = 1.0e-4;
+/// Sigmas by which a known number may move from where its columns were made to where a fit ends. Columns 10^4 times the noise may
+/// cancel in a combination that the data do not show; what their age leaves of it must be small beside a prior.
+const FRESH: f64 = 1.0e-4;
 
-/// Columns with the values of the known numbers where they were made, sigmas.
-pub(crate) type KeptColumns = Arc<Mutex<Option<(Vec<f64>, Arc<KnownColumns>)>>>;
-
-/// Values of the known numbers, sigmas.
-fn values(experiment: &Experiment, at: &Iterate) -> Vec<f64> {
+/// Whether columns of the known numbers at one point are those at another one.
+pub(crate) fn known_columns_last(experiment: &Experiment, from: &Iterate, to: &Iterate) -> bool {
     let unknowns = &experiment.parameters.unknowns;
-    let places = experiment.parameters.known_places();
-    let value = |p: &usize| at.x[*p] / unknowns[*p].natural;
-    places.iter().map(value).collect()
-}
-
-fn close(old: &[f64], here: &[f64], limit: f64) -> bool {
-    let mut pairs = old.iter().zip(here);
-    old.len() == here.len() && pairs.all(|(a, b)| (a - b).abs() < limit)
-}
-
-/// Drops the kept columns if they are too old for an answer at a value of all unknowns; whether they were.
-pub(crate) fn drop_old_columns(experiment: &Experiment, at: &Iterate) -> bool {
-    let here = values(experiment, at);
-    let Ok(mut kept) = experiment.kept.lock() else {
-        return false;
-    };
-    let too_old = |(old, _): &mut (Vec<f64>, _)| !close(old, &here, FRESH_AT_THE_END);
-    kept.take_if(too_old).is_some()
-}
-
-/// Columns of the known numbers at a value of all unknowns: those kept, where the numbers have hardly moved.
-pub(crate) fn columns_at(experiment: &Experiment, at: &Iterate) -> Option<Arc<KnownColumns>> {
-    let here = values(experiment, at);
-    let mut kept = experiment.kept.lock().ok()?;
-    if let Some((_, columns)) = kept.as_ref().filter(|(old, _)| close(old, &here, FRESH)) {
-        return Some(Arc::clone(columns));
-    }
-    let columns = Arc::new(slopes(experiment, at)?);
-    *kept = Some((here, Arc::clone(&columns)));
-    Some(columns)
+    let stays = |p: &usize| (to.x[*p] - from.x[*p]).abs() < FRESH * unknowns[*p].natural;
+    experiment.parameters.known_places().iter().all(stays)
 }
 
 /// Slopes of all whitened predictions over the known numbers among the unknowns, at a value of all of them: those of an
