@@ -204,15 +204,27 @@ struct Followed {
     end: Search,
 }
 
-/// Follows the record from its longest beginning that a start explains. What a beginning does not tell is held about the
-/// nominal numbers, or the first steps from far away carry it off: the scale of a tensor before the first pulse.
+/// Follows the record from its longest beginning that a start explains; where that does not lead to its end, with what a
+/// beginning does not tell held about the nominal numbers. First steps from far away carry it off: the scale of a tensor before
+/// the first pulse.
 fn follow(experiment: &Experiment, starts: &[Iterate]) -> Followed {
+    let free = follow_on(experiment, starts);
+    if free.end == Search::Whole {
+        return free;
+    }
     let model = loosely_known(experiment.problem.model);
     let problem = Problem {
         model: &model,
         ..*experiment.problem
     };
-    let experiment = &experiment.with_problem(&problem);
+    let held = follow_on(&experiment.with_problem(&problem), starts);
+    match held.end {
+        Search::Whole => held,
+        _ => free,
+    }
+}
+
+fn follow_on(experiment: &Experiment, starts: &[Iterate]) -> Followed {
     let mut share = SHORTER;
     let mut settled = false;
     let first = loop {
