@@ -218,7 +218,7 @@ impl BodyEstimate {
     }
 
     /// A body of these numbers: centre of mass in B, m; moments and products of inertia about it in the order of
-    /// [`TENSOR`], kg m2; the ten parameters. Principal axes and physical consistency follow from them.
+    /// [`poinsot_spatial::TENSOR`], kg m2; the ten parameters. Principal axes and physical consistency follow from them.
     pub fn from_numbers(
         name: String,
         mass: Number,
