@@ -231,6 +231,30 @@ impl InertialParameters {
         }
     }
 
+    /// The same body about the origin of another frame and in its axes; the own frame has position `p` and rotation `R` in it
+    /// (parallel-axis theorem).
+    ///
+    /// ```
+    /// use poinsot_spatial::{MassProperties, Matrix3, Vector3};
+    ///
+    /// let I_BBcm_B = Matrix3::identity();
+    /// let body = MassProperties { mass: 2.0, p_BoBcm_B: Vector3::zeros(), I_BBcm_B }.parameters();
+    /// // 1 m along x: m d^2 more about y and z.
+    /// let moved = body.transported(&Matrix3::identity(), &Vector3::x());
+    /// assert_eq!(moved.I_BBo_B, Matrix3::from_diagonal(&Vector3::new(1.0, 3.0, 3.0)));
+    /// ```
+    #[must_use]
+    pub fn transported(&self, R: &Matrix3, p: &Vector3) -> Self {
+        let mc = R * self.mc_B;
+        let cross =
+            Matrix3::identity() * (2.0 * p.dot(&mc)) - p * mc.transpose() - mc * p.transpose();
+        Self {
+            mass: self.mass,
+            mc_B: mc + p * self.mass,
+            I_BBo_B: R * self.I_BBo_B * R.transpose() + parallel_axis(self.mass, p) + cross,
+        }
+    }
+
     /// A body without mass and inertia.
     pub const ZERO: Self = Self {
         mass: 0.0,

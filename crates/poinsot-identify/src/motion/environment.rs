@@ -8,7 +8,7 @@
 
 use super::{MassCentre, Motion, State, cubic};
 use crate::problem::parameters::{GRADIENT, UnknownKind};
-use crate::problem::quantity::{placed, unit};
+use crate::problem::quantity::unit;
 use crate::problem::segment::Observations;
 use poinsot_dynamics::gravity_gradient_torque;
 use poinsot_spatial::{InertialParameters, Matrix3, Vector3};
@@ -152,7 +152,7 @@ impl Motion<'_> {
                 &self.input_state.kinematics.p[body],
             );
             // About the mass centre, which stays where it is to first order: shifted by p - c.
-            let part = placed(&InertialParameters::from_array(&unit(k)), R, &(p - c));
+            let part = InertialParameters::from_array(&unit(k)).transported(R, &(p - c));
             sum += part.I_BBo_B * (*slope * factor);
         }
         sum

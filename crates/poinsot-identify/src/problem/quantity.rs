@@ -2,7 +2,7 @@
 
 use crate::problem::parameters::{Equations, Parameters, TENSOR, UnknownKind};
 use poinsot_dynamics::Kinematics;
-use poinsot_spatial::{InertialParameters, Matrix3, Vector3, parallel_axis};
+use poinsot_spatial::{InertialParameters, Matrix3, Vector3};
 
 /// The ten barycentric parameters of a body, or of several taken as one, as linear functions of the
 /// unknowns.
@@ -149,23 +149,16 @@ impl TenParameters {
 /// Barycentric parameters turned to another frame: the 10 x 10 map from body i (rotation `R`, origin
 /// `p` in the base) to the base, in the order of `PARAMETER_NAMES`.
 pub fn parameters_in_base(R: &Matrix3, p: &Vector3) -> [[f64; 10]; 10] {
-    std::array::from_fn(|k| placed(&InertialParameters::from_array(&unit(k)), R, p).to_array())
+    std::array::from_fn(|k| {
+        InertialParameters::from_array(&unit(k))
+            .transported(R, p)
+            .to_array()
+    })
 }
 
 /// The ten barycentric parameters with this one alone, of size one.
 pub fn unit(k: usize) -> [f64; 10] {
     std::array::from_fn(|i| f64::from(u8::from(i == k)))
-}
-
-/// Parameters of a body (rotation `R`, origin `p` in another frame) about the origin of that frame, in its axes.
-pub fn placed(body: &InertialParameters, R: &Matrix3, p: &Vector3) -> InertialParameters {
-    let mc = R * body.mc_B;
-    let cross = Matrix3::identity() * (2.0 * p.dot(&mc)) - p * mc.transpose() - mc * p.transpose();
-    InertialParameters {
-        mass: body.mass,
-        mc_B: mc + p * body.mass,
-        I_BBo_B: R * body.I_BBo_B * R.transpose() + parallel_axis(body.mass, p) + cross,
-    }
 }
 
 #[cfg(test)]

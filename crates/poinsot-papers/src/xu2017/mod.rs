@@ -47,7 +47,7 @@ pub use single_body::{
     Form, Part, Push, Single, SingleObjective, SingleRow, accelerations, momenta, solve_single,
 };
 use swarm::Particle;
-pub use two_body::{MomentumRow, Side, TwoBodyObjective, TwoBodyReading, rows, transported};
+pub use two_body::{MomentumRow, Side, TwoBodyObjective, TwoBodyReading, rows};
 
 use crate::method::{Method, Named};
 use nalgebra::SMatrix;

@@ -8,7 +8,7 @@ use super::swarm::{Cost, Mean, Particle};
 use nalgebra::{SMatrix, SVector};
 use poinsot_dynamics::{Kinematics, body_momentum};
 use poinsot_solve::lanes::V;
-use poinsot_spatial::{InertialParameters, Matrix3, UnitQuaternion, Vector3, parallel_axis};
+use poinsot_spatial::{InertialParameters, Matrix3, UnitQuaternion, Vector3};
 
 /// Frame and motion of a side, (38), in base axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -147,33 +147,10 @@ pub(super) fn equations(list: &[MomentumRow]) -> Vec<[f64; 10]> {
     list.iter().flat_map(of).collect()
 }
 
-/// Transforms parameters to another frame; their own frame has position `p` and rotation `R` in it. This is the
-/// parallel-axis theorem of (44) before division by the mass.
-///
-/// ```
-/// use poinsot_papers::xu2017::transported;
-/// use poinsot_spatial::{MassProperties, Matrix3, Vector3};
-///
-/// let I_BBcm_B = Matrix3::identity();
-/// let body = MassProperties { mass: 2.0, p_BoBcm_B: Vector3::zeros(), I_BBcm_B }.parameters();
-/// // 1 m along x: m d^2 more about y and z.
-/// let moved = transported(&body, &Matrix3::identity(), &Vector3::x());
-/// assert_eq!(moved.I_BBo_B, Matrix3::from_diagonal(&Vector3::new(1.0, 3.0, 3.0)));
-/// ```
-pub fn transported(body: &InertialParameters, R: &Matrix3, p: &Vector3) -> InertialParameters {
-    let mc = R * body.mc_B;
-    let cross = Matrix3::identity() * (2.0 * p.dot(&mc)) - p * mc.transpose() - mc * p.transpose();
-    InertialParameters {
-        mass: body.mass,
-        mc_B: mc + p * body.mass,
-        I_BBo_B: R * body.I_BBo_B * R.transpose() + parallel_axis(body.mass, p) + cross,
-    }
-}
-
-/// The inverse of [`transported`].
+/// The inverse of [`InertialParameters::transported`], the parallel-axis theorem of (44) before division by the mass.
 pub fn transported_back(body: &InertialParameters, R: &Matrix3, p: &Vector3) -> InertialParameters {
     let inverse = R.transpose();
-    transported(body, &inverse, &-(inverse * p))
+    body.transported(&inverse, &-(inverse * p))
 }
 
 const L: usize = 9;

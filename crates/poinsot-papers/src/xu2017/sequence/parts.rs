@@ -4,7 +4,7 @@ use super::super::least_squares::shown_and_hidden;
 use super::super::roles::{joint_name, no_velocity};
 use super::super::single_body::{Push, SingleRow, momenta};
 use super::super::swarm::{Particle, Range};
-use super::super::two_body::{Side, TwoBodyReading, equations, rows, transported};
+use super::super::two_body::{Side, TwoBodyReading, equations, rows};
 use super::super::{natural, particle};
 use super::{Searched, Work};
 use crate::samples::add_smallest;
@@ -64,11 +64,7 @@ impl Work<'_> {
     ) -> InertialParameters {
         let n = &self.normal;
         let inverse = n.R[to].transpose();
-        transported(
-            what,
-            &(inverse * n.R[from]),
-            &(inverse * (n.p[from] - n.p[to])),
-        )
+        what.transported(&(inverse * n.R[from]), &(inverse * (n.p[from] - n.p[to])))
     }
 
     /// Sum of the nominal bodies, in the frame of body `frame`.
@@ -197,7 +193,7 @@ impl Work<'_> {
             };
             let (R, p) = (self.normal.R[c], self.normal.p[c]);
             let negative = |x: &InertialParameters| InertialParameters::ZERO.with_added(-1.0, x);
-            let across = |x: &InertialParameters| [negative(&transported(x, &R, &p)), *x];
+            let across = |x: &InertialParameters| [negative(&x.transported(&R, &p)), *x];
             let nominal = self.composite(c, |b| self.carries(c, b));
             let Some(units) = nominal.mass_properties().map(|body| natural(&body)) else {
                 continue;

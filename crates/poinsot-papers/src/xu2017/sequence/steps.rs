@@ -2,8 +2,7 @@
 
 use super::super::least_squares::{Rows, answer, shown};
 use super::super::two_body::{
-    LINES, MomentumRow, TwoBodyObjective, TwoBodyReading, equations, rows, transported,
-    transported_back,
+    LINES, MomentumRow, TwoBodyObjective, TwoBodyReading, equations, rows, transported_back,
 };
 use super::super::{Kind, natural};
 use super::{Order, Searched, Work, no_scale, not_finite, properties_of};
@@ -37,7 +36,7 @@ impl Work<'_> {
         // Both sides from the searched one: affine in it.
         let compose = |x: &InertialParameters| match (total, inward) {
             (Some(total), false) => [*x, transported_back(&total.with_added(-1.0, x), &R, &p)],
-            (Some(total), true) => [total.with_added(-1.0, &transported(x, &R, &p)), *x],
+            (Some(total), true) => [total.with_added(-1.0, &x.transported(&R, &p)), *x],
             (None, false) => [*x, outer],
             (None, true) => [inner, *x],
         };
@@ -52,7 +51,7 @@ impl Work<'_> {
         let mass = total.map(|t| t.mass);
         let found = self.two_body(part, &readings, &compose, &nominal, mass)?;
         let [inner, outer] = compose(&found);
-        let whole = inner.with_added(1.0, &transported(&outer, &R, &p));
+        let whole = inner.with_added(1.0, &outer.transported(&R, &p));
         self.found.total.get_or_insert(whole);
         Ok(outer)
     }
