@@ -5,8 +5,8 @@
 
 Vehicles, motion and noise are drawn here and integrated by `motion.py`; nothing is shared with what is judged. Nominal numbers are
 drawn 10 % off, everything else is declared as it is. A line for each family: share answered (exit code 0), and of the answered
-records the mean and the root mean square of (estimate - truth) / sigma, the share within 1.96 sigma, the largest, and the mean of
-the normalised error squared over its degrees of freedom; then the same of all."""
+records the mean and the root mean square of (estimate - truth) / sigma, the share within 1.96 sigma, the largest, how many numbers
+an answer gives, and the record with the largest; then the same of all."""
 
 import argparse
 import concurrent.futures
@@ -176,14 +176,14 @@ class Family:
             table.append((name, times_s, names, values[k]))
 
 
-def gyro(family, times_s, rates, sigma, walk=0.0, step=0.0, declare=True):
+def gyro(family, times_s, rates, sigma, walk=0.0, step=0.0):
     draw, n = family.draw, len(times_s)
     bias = 2e-4 * draw.normal(1, 3)
     h = times_s[1] - times_s[0]
     drift = walk * np.sqrt(h) * np.cumsum(draw.normal(n, 3), axis=1)
     read = rates + bias + drift + sigma * draw.normal(n, 3)
     keys = {"noise_rad_s": sigma, "bias": '"estimate"'}
-    if walk and declare:
+    if walk:
         keys["walk_rad_s_s05"] = walk
     if step:
         read, keys["quantisation_rad_s"] = np.round(read / step) * step, step

@@ -84,11 +84,6 @@ class Vehicle:
         whole[:, 3:, 3:] = mass[:, None, None] * np.eye(3)
         return whole, np.concatenate([angular, linear], axis=-1)
 
-    def mass_centre(self, q):
-        whole, _ = self.momentum_map(q, np.zeros_like(q), np.zeros((len(q), len(self.wheels))))
-        first = np.stack([whole[:, 2, 4], whole[:, 0, 5], whole[:, 1, 3]], axis=-1)
-        return first / whole[:, 3, 3][:, None], whole
-
 
 def fly(vehicle, inputs, start, times_s, step_s, wrench=None, torque=None):
     """Pose, twist at the given times. `inputs(t)` gives q, qd, wheel speeds; `start` is quaternion, position, twist of the base;
