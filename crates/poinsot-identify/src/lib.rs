@@ -101,6 +101,7 @@ pub use diagnosis::{
 };
 pub use evaluation::wanted::{Information, WantedTerm};
 pub use evaluation::{EvaluatedUnknown, Evaluation, Evaluator, SensorResiduals};
+pub use fit::sampled_motion::{InputSample, JointMotion};
 pub use likelihood::impulse::{Impulse, Impulses, thrust_impulses};
 pub use methods::cramer_rao::{cramer_rao, predicted_covariance};
 pub use methods::flexible::{maximum_likelihood, maximum_likelihood_with};
@@ -112,6 +113,7 @@ pub use prediction::{
     HISTOGRAM_BARS, LAGS, PredictedChannel, Prediction, linear_predicted,
     maximum_likelihood_predicted, predicted_by,
 };
+pub use problem::error_process::{ErrorProcess, ErrorStep};
 pub use problem::loss::Loss;
 pub use problem::parameters::{
     Equations, ErrorGroup, KnownUnknown, Parameters, TENSOR, Unknown, UnknownKind, axis_name,

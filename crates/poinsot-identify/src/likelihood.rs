@@ -18,7 +18,7 @@ use crate::motion::{Column, Grid, Motion, State, Steps, Vehicle, impulse_before,
 use crate::problem::alternative::Alternative;
 use crate::problem::loss::Loss;
 use crate::problem::parameters::Parameters;
-use crate::problem::segment::{InputErrors, Noise, Segment};
+use crate::problem::segment::{Noise, Segment};
 use crate::sensors::{IdealSeries, SpareVectors};
 use nalgebra::Cholesky;
 use parallel::compare_all;
@@ -548,8 +548,7 @@ impl<'a> SegmentComparison<'a> {
 
 /// Variance of the joint rates in a segment: a locked joint has none.
 fn joint_rate_noise(noise: &Noise, segment: &Segment) -> Vec<f64> {
-    let errors = |k: usize| &segment.observations.joint(k).errors;
-    let still = |k: usize| matches!(errors(k), InputErrors::Locked | InputErrors::None);
+    let noisy = |k: usize| segment.observations.joint(k).errors.leaves_rate();
     let all = noise.joint_rate.iter().enumerate();
-    all.map(|(k, v)| if still(k) { 0.0 } else { *v }).collect()
+    all.map(|(k, v)| if noisy(k) { *v } else { 0.0 }).collect()
 }

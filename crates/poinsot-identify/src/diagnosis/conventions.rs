@@ -10,7 +10,7 @@ mod table;
 use super::types::{FaultKind, Suspect, SuspectValue};
 use crate::fit::experiment::Experiment;
 use crate::fit::part_of_record::beginning;
-use crate::fit::wheel_process::least;
+use crate::fit::sampled_motion::least;
 use crate::fit::{Fitted, fit_from};
 use crate::problem::segment::Segment;
 use change::put_right;

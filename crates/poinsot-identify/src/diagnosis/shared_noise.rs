@@ -10,7 +10,7 @@ use super::projected::{Projected, Score};
 use super::table::Table;
 use crate::fit::Fitted;
 use crate::fit::experiment::Experiment;
-use crate::problem::segment::{InputChannel, InputErrors, InputRate, Noise, Observations, Segment};
+use crate::problem::segment::{InputErrors, Noise, Segment};
 use nalgebra::{DMatrix, DVector};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -116,7 +116,7 @@ fn disturbed(segment: &Segment, noise: &Noise, random: &mut ChaCha8Rng) -> Segme
     for w in 0..wheels {
         let of = &o.wheel(w).errors;
         let error = errors(of, noise.wheel_speed.get(w), n, random);
-        for (k, e) in error.into_iter().enumerate() {
+        for (k, [e, _]) in error.into_iter().enumerate() {
             own.wheel_speed[k * wheels + w] += e;
             if let Some(speed) = own.smooth_wheel_speed.get_mut(k * wheels + w) {
                 *speed += e;
@@ -125,50 +125,35 @@ fn disturbed(segment: &Segment, noise: &Noise, random: &mut ChaCha8Rng) -> Segme
     }
     let dof = o.joint_position.len() / n.max(1);
     for j in 0..dof {
-        let InputChannel { errors: of, rate } = o.joint(j);
+        let of = &o.joint(j).errors;
+        let own_rate = noise.joint_rate.get(j).filter(|_| of.leaves_rate());
         let position = errors(of, noise.joint_position.get(j), n, random);
-        let rate = match of {
-            InputErrors::None | InputErrors::Locked => vec![0.0; n],
-            _ if *rate == InputRate::Derived => slopes(o, &position),
-            _ => errors(
-                &InputErrors::Independent,
-                noise.joint_rate.get(j),
-                n,
-                random,
-            ),
-        };
-        for (k, (position, rate)) in position.into_iter().zip(rate).enumerate() {
+        let rate = errors(&InputErrors::Independent, own_rate, n, random);
+        for (k, ([position, slope], [rate, _])) in position.into_iter().zip(rate).enumerate() {
             own.joint_position[k * dof + j] += position;
-            own.joint_rate[k * dof + j] += rate;
+            own.joint_rate[k * dof + j] += slope + rate;
         }
     }
     new
 }
 
-/// Slopes of errors over neighbouring grid times.
-fn slopes(o: &Observations, errors: &[f64]) -> Vec<f64> {
-    let last = errors.len().saturating_sub(1);
-    let slope = |k: usize| {
-        let (a, b) = (k.saturating_sub(1), (k + 1).min(last));
-        match b > a {
-            true => (errors[b] - errors[a]) / (o.time_s[b] - o.time_s[a]),
-            false => 0.0,
-        }
-    };
-    (0..errors.len()).map(slope).collect()
-}
-
-/// Errors of one input at every grid time.
-fn errors(of: &InputErrors, variance: Option<&f64>, n: usize, random: &mut ChaCha8Rng) -> Vec<f64> {
+/// Errors of one input at every grid time, and of its slope where they are one process.
+fn errors(
+    of: &InputErrors,
+    variance: Option<&f64>,
+    n: usize,
+    random: &mut ChaCha8Rng,
+) -> Vec<[f64; 2]> {
     let sigma = variance.copied().unwrap_or(0.0).max(0.0).sqrt();
     match of {
-        InputErrors::None | InputErrors::Locked => vec![0.0; n],
+        InputErrors::None | InputErrors::Locked => vec![[0.0; 2]; n],
         InputErrors::Interpolated(places) => {
             let readings = places.iter().map(|p| p.reading + 2).max().unwrap_or(0);
             let drawn: Vec<f64> = (0..readings).map(|_| sigma * normal(random)).collect();
             let at = |k: usize| {
-                places.get(k).map_or(0.0, |p| {
-                    (1.0 - p.share) * drawn[p.reading] + p.share * drawn[p.reading + 1]
+                places.get(k).map_or([0.0; 2], |p| {
+                    let error = (1.0 - p.share) * drawn[p.reading] + p.share * drawn[p.reading + 1];
+                    [error, 0.0]
                 })
             };
             (0..n).map(at).collect()
@@ -176,13 +161,13 @@ fn errors(of: &InputErrors, variance: Option<&f64>, n: usize, random: &mut ChaCh
         InputErrors::Process(process) => {
             let [a, b] = process.initial_root();
             let mut now = a * normal(random) + b * normal(random);
-            let mut all = vec![now[0]];
+            let mut all = vec![now.into()];
             for step in &process.steps {
                 let [a, b] = step.root();
                 now = step.memory * now + a * normal(random) + b * normal(random);
-                all.push(now[0]);
+                all.push(now.into());
             }
-            all.resize(n, 0.0);
+            all.resize(n, [0.0; 2]);
             all
         }
         InputErrors::Independent | InputErrors::Kept(_) | InputErrors::Rounded(_) => {
@@ -191,7 +176,7 @@ fn errors(of: &InputErrors, variance: Option<&f64>, n: usize, random: &mut ChaCh
                 let error = now;
                 let stays = of.memory(k);
                 now = stays * now + sigma * (1.0 - stays * stays).max(0.0).sqrt() * normal(random);
-                error
+                [error, 0.0]
             };
             (0..n).map(next).collect()
         }
@@ -235,6 +220,7 @@ mod tests {
             (InputErrors::Locked, [0.0; 3]),
         ] {
             let all = errors(&of, Some(&4.0), n, &mut ChaCha8Rng::seed_from_u64(SEED));
+            let all: Vec<f64> = all.into_iter().map(|[value, _]| value).collect();
             let mean = |f: fn(&[f64]) -> f64| {
                 let sum: f64 = all.chunks_exact(2).map(f).sum();
                 sum / (n / 2) as f64

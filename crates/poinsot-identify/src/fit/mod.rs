@@ -8,12 +8,12 @@ pub(crate) mod known_numbers;
 pub(crate) mod momentum_state;
 pub(crate) mod part_of_record;
 pub(crate) mod profile;
+pub(crate) mod sampled_motion;
 pub(crate) mod search;
 pub(crate) mod smoothed_inputs;
 pub(crate) mod step;
 pub(crate) mod step_error;
 pub(crate) mod triangle;
-pub(crate) mod wheel_process;
 pub(crate) mod wheel_torque;
 
 pub(crate) use momentum_state::{Fitted, Search, fit_from, fit_near, fit_on, fit_starts};

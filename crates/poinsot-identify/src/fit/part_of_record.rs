@@ -100,9 +100,11 @@ fn picked<T: Clone>(all: &[T], kept: &[usize]) -> Vec<T> {
 }
 
 fn at_kept_times(inputs: &[InputChannel], kept: &[usize]) -> Vec<InputChannel> {
-    let inputs = inputs.iter();
-    let at_kept = |i: &InputChannel| i.on_other_grid(errors(&i.errors, kept));
-    inputs.map(at_kept).collect()
+    let at_kept = |i: &InputChannel| InputChannel {
+        errors: errors(&i.errors, kept),
+        rate: i.rate,
+    };
+    inputs.iter().map(at_kept).collect()
 }
 
 /// What is left of a correlation after the grid times in between.

@@ -10,8 +10,8 @@
 //! which grows with the root of the number of samples in units of sigma. About inputs `u` that all sensors smooth, with the
 //! expected errors `u_measured - u` in the filter, a step is the one of Gauss and Newton for unknowns and inputs together, the
 //! inputs eliminated: columns and residual have no noise in common. What is minimised is the sum of squares of readings and
-//! inputs; a determinant would bring the bias back. Where the torque of a wheel is a process, its speed has a proper law, the
-//! mean of the tachometer's posterior drives, and nothing has to be smoothed: the error is independent of that mean.
+//! inputs; a determinant would bring the bias back. Where the torque of a wheel or the acceleration of a joint is a process, its
+//! motion has a proper law, the mean of its samples' posterior drives, and nothing has to be smoothed: the error is independent of that mean.
 
 use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::step::ITERATIONS;
@@ -142,7 +142,8 @@ fn effect(experiment: &Experiment, x: &[f64], starts: &[InitialState]) -> Option
             }
             motion.joint_slopes(&instant, &mut slopes);
             let step = motion.step_s(k.max(1)).max(f64::MIN_POSITIVE);
-            for (j, slope) in slopes.of.iter().enumerate() {
+            let free = |j: &(usize, _)| !matches!(o.joint(j.0).errors, InputErrors::Process(_));
+            for (j, slope) in slopes.of.iter().enumerate().filter(free) {
                 let variance = |all: &[f64]| all.get(j).copied().unwrap_or(0.0);
                 let noise = variance(&setting.noise.joint_rate)
                     + variance(&setting.noise.joint_position) / (step * step);

@@ -1,9 +1,9 @@
 //! Wheels whose torque is a process: a third hypothesis on what they do between their samples.
 //!
 //! The torque of each wheel changes at random, several times between two samples, by amounts whose size the samples tell
-//! ([`SpeedSamples`]). The mean of the motion that is left drives the prediction, and its error is a state of the filter.
+//! ([`InputSamples`]). The mean of the motion that is left drives the prediction, and its error is a state of the filter.
 
-use crate::fit::wheel_process::{SpeedSample, SpeedSamples};
+use crate::fit::sampled_motion::{InputSample, InputSamples, rounded};
 use crate::motion::refined::{SAME_S, refined};
 use crate::problem::Problem;
 use crate::problem::segment::{
@@ -71,17 +71,18 @@ fn driven_at_random(
     let mut deviance = 0.0;
     for (w, times) in free.zip(&times) {
         let independent = samples(o, w, times, noise[w], &new.time_s);
-        let changes: Vec<bool> = match changes {
+        let changes: Vec<f64> = match changes {
             TorqueChanges::Anywhere => new.time_s.iter().map(|t| nearest(&anywhere, *t)).collect(),
             TorqueChanges::AtSamples => {
-                let mut flags = vec![false; new.time_s.len()];
-                independent.iter().for_each(|s| flags[s.at] = true);
-                flags
+                let mut at = vec![0.0; new.time_s.len()];
+                independent.iter().for_each(|s| at[s.at] = 1.0);
+                at
             }
         };
-        let of = |samples| SpeedSamples {
+        let of = |samples| InputSamples {
             time_s: &new.time_s,
             changes: &changes,
+            all_along: false,
             samples,
             shared: CHANGES,
         };
@@ -91,7 +92,7 @@ fn driven_at_random(
         }
         deviance += found.deviance;
         let column = new.wheel_speed.iter_mut().skip(w).step_by(wheels);
-        column.zip(&found.speed).for_each(|(to, from)| *to = *from);
+        column.zip(&found.value).for_each(|(to, from)| *to = *from);
         new.wheels[w].errors = InputErrors::Process(found.errors);
     }
     new.wheels.resize_with(wheels, InputChannel::default);
@@ -112,29 +113,13 @@ fn samples(
     times: &[usize],
     variance: f64,
     grid: &[f64],
-) -> Vec<SpeedSample> {
+) -> Vec<InputSample> {
     let wheels = o.wheel_speed.len() / o.time_s.len().max(1);
     let one = |k: &usize| {
         let at = grid.partition_point(|t| *t < o.time_s[*k]);
-        SpeedSample::white(at, o.wheel_speed[k * wheels + w], variance)
+        InputSample::white(at, o.wheel_speed[k * wheels + w], variance)
     };
     times.iter().map(one).collect()
-}
-
-/// The samples with correlated errors, where some in a row are equal: they are rounded, and the mean of a run is known as well as
-/// one of them. The mean motion is better that of independent errors: a run does not tell when the speed began to stay, and
-/// errors said to stay from there on pull a level towards where the speed came from, by a fifth of a step.
-fn rounded(samples: &[SpeedSample]) -> Option<Vec<SpeedSample>> {
-    let runs = samples.chunk_by(|a, b| a.speed == b.speed);
-    let all = runs.flat_map(|run| {
-        let n = run.len() as f64;
-        run.iter().enumerate().map(move |(i, s)| match n > 1.0 {
-            true => s.rounded(if i > 0 { (n - 1.0) / (n + 1.0) } else { 0.0 }),
-            false => *s,
-        })
-    });
-    let all: Vec<SpeedSample> = all.collect();
-    all.iter().any(|s| s.memory > 0.0).then_some(all)
 }
 
 /// Grid times at which a wheel is read; `None` where that is not known.
@@ -163,10 +148,12 @@ fn change_times(o: &Observations, read: &[Vec<usize>]) -> Option<Vec<f64>> {
     Some((1..count).map(|k| from + k as f64 * step).collect())
 }
 
-/// Whether a grid time is one of these, or stands for one of them.
-fn nearest(times: &[f64], t: f64) -> bool {
+/// One where a grid time is one of these, or stands for one of them, zero elsewhere.
+fn nearest(times: &[f64], t: f64) -> f64 {
     let after = times.partition_point(|x| *x < t);
     let near = [after.checked_sub(1), Some(after)].into_iter().flatten();
-    near.filter_map(|k| times.get(k))
-        .any(|x| (x - t).abs() < 2.0 * SAME_S)
+    let found = near
+        .filter_map(|k| times.get(k))
+        .any(|x| (x - t).abs() < 2.0 * SAME_S);
+    f64::from(u8::from(found))
 }

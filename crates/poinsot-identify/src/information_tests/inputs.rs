@@ -10,8 +10,8 @@ use crate::problem::alternative::BetweenSamples;
 use crate::problem::error_process::{ErrorProcess, ErrorStep};
 use crate::problem::parameters::{Equations, Parameters};
 use crate::problem::segment::{
-    BetweenReadings, InputChannel, InputErrors, InputRate, Noise, Observations, Segment,
-    SensorRecord, SensorValue,
+    BetweenReadings, InputChannel, InputErrors, Noise, Observations, Segment, SensorRecord,
+    SensorValue,
 };
 use crate::sensors::ideal_measurement;
 use nalgebra::{Matrix2, Matrix3, UnitQuaternion, Vector3};
@@ -27,8 +27,6 @@ struct Case {
     fine: usize,
     /// Whether an accelerometer and velocity increments are read.
     points: bool,
-    /// Whether joint rates are made of positions.
-    derived: bool,
     smooth: bool,
     /// Whether the noise of some sensors is correlated.
     coloured: bool,
@@ -60,7 +58,8 @@ fn gaps(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> Gaps {
         errors,
         ..InputChannel::default()
     };
-    made.observations.joints = joints.map(channel).to_vec();
+    let process = joints.each_ref().map(|e| !e.leaves_rate());
+    let process = [0, 1].map(|j| process[j] && joints[j] != InputErrors::Locked);
     let mut noise = noise(&tree);
     noise.joint_position = vec![4.0e-4, 1.0e-4];
     noise.wheel_speed = vec![40.0];
@@ -86,12 +85,9 @@ fn gaps(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> Gaps {
         let seen = |r: &SensorRecord| r.kind == SensorKind::Direction;
         made.observations.sensors.retain(|r| !points(r) && !seen(r));
     }
+    let joint = |j: usize| channel(of_variance(&joints[j], noise.joint_position[j]));
+    made.observations.joints = [0, 1].map(joint).to_vec();
     made.observations.wheels = vec![channel(of_variance(&wheel, noise.wheel_speed[0]))];
-    if case.derived {
-        let joints = made.observations.joints.iter_mut();
-        joints.for_each(|joint| joint.rate = InputRate::Derived);
-        derive_rates(&mut made.observations);
-    }
     if case.coloured {
         super::colour(&mut made);
     }
@@ -203,6 +199,9 @@ fn gaps(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> Gaps {
             record.covariance = record.white();
             record.slow.clear();
         }
+        for joint in &mut plain.observations.joints {
+            joint.errors = of_variance(&joint.errors, 1.0e-20);
+        }
         let channels = evaluate(&plain, &silent).channels;
         channels
             .iter()
@@ -214,9 +213,10 @@ fn gaps(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> Gaps {
     let samples = made.observations.time_s.len();
     let mut C = nalgebra::DMatrix::identity(residual.len(), residual.len());
     add_lasting(&mut C, &made.observations);
-    let rates = if case.points && !case.derived { 2 } else { 0 };
+    let rates = if case.points { 2 } else { 0 };
     let mut inputs = Vec::new();
-    for input in 0..3 + rates {
+    let feels = |input: &usize| *input < 3 || !process[*input - 3];
+    for input in (0..3 + rates).filter(feels) {
         let (variance, errors, step) = match input {
             3.. => (
                 noise.joint_rate[input - 3],
@@ -224,13 +224,9 @@ fn gaps(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> Gaps {
                 1.0e-4,
             ),
             2 => (noise.wheel_speed[0], wheel.clone(), 1.0e-3),
-            j => (
-                noise.joint_position[j],
-                made.observations.joints[j].errors.clone(),
-                1.0e-6,
-            ),
+            j => (noise.joint_position[j], joints[j].clone(), 1.0e-6),
         };
-        let slope = |k: usize| {
+        let slope_of = |input: usize, step: f64, k: usize| {
             let ends = [step, -step].map(|d| {
                 let mut moved = made.clone();
                 let o = &mut moved.observations;
@@ -239,17 +235,27 @@ fn gaps(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> Gaps {
                     2 => o.wheel_speed[k] += d,
                     j => o.joint_position[2 * k + j] += d,
                 }
-                if case.derived {
-                    derive_rates(o);
-                }
                 nalgebra::DVector::from_vec(white(&moved))
             });
             (&ends[0] - &ends[1]) / (2.0 * step)
         };
+        let slope = |k: usize| slope_of(input, step, k);
         let G: Vec<_> = (0..samples).map(slope).collect();
-        let all = nalgebra::DMatrix::from_columns(&G);
-        let own = |i: usize, j: usize| variance * correlation(&errors, i, j);
-        C += &all * nalgebra::DMatrix::from_fn(samples, samples, own) * all.transpose();
+        let mut all = nalgebra::DMatrix::from_columns(&G);
+        let mut own = nalgebra::DMatrix::from_fn(samples, samples, |i, j| {
+            variance * correlation(&errors, i, j)
+        });
+        if let (true, InputErrors::Process(of)) = (input < 2, &errors) {
+            // Positions, then rates.
+            let rates = (0..samples).map(|k| slope_of(input + 3, 1.0e-4, k));
+            let columns: Vec<_> = G.iter().cloned().chain(rates).collect();
+            all = nalgebra::DMatrix::from_columns(&columns);
+            own = nalgebra::DMatrix::from_fn(2 * samples, 2 * samples, |i, j| {
+                let all = covariance(of, i % samples, j % samples);
+                variance * all[(i / samples, j / samples)]
+            });
+        }
+        C += &all * own * all.transpose();
         inputs.push((variance, errors, G));
     }
     let solution = C.clone().cholesky().unwrap().solve(&residual);
@@ -277,10 +283,11 @@ fn gaps(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> Gaps {
     );
     let gap = (found.chi2 / expected - 1.0).abs();
     let likelihood = gap.max(((found.cost - found.chi2) / log_det - 1.0).abs());
-    if matches!(
+    let free = matches!(
         wheel,
         InputErrors::Process(_) | InputErrors::Interpolated(_)
-    ) {
+    );
+    if free || process.contains(&true) {
         return Gaps {
             likelihood,
             smoothed: f64::NAN,
@@ -356,13 +363,7 @@ fn add_lasting(C: &mut nalgebra::DMatrix<f64>, o: &Observations) {
 fn correlation(errors: &InputErrors, i: usize, j: usize) -> f64 {
     let places = match errors {
         InputErrors::Interpolated(places) => places,
-        InputErrors::Process(process) => {
-            let (first, last) = (i.min(j), i.max(j));
-            let along = |P, s: &ErrorStep| s.memory * P * s.memory.transpose() + s.fresh;
-            let here = process.steps[..first].iter().fold(process.initial, along);
-            let on = process.steps[first..last].iter();
-            return on.fold(here, |P, s| s.memory * P)[(0, 0)];
-        }
+        InputErrors::Process(process) => return covariance(process, i, j)[(0, 0)],
         _ => return (i.min(j)..i.max(j)).map(|k| errors.memory(k)).product(),
     };
     let shares = |k: usize| {
@@ -374,6 +375,16 @@ fn correlation(errors: &InputErrors, i: usize, j: usize) -> f64 {
         .flat_map(|a| shares(j).map(|b| (a, b)));
     let common = pairs.filter(|(a, b)| a.0 == b.0);
     common.map(|(a, b)| a.1 * b.1).sum()
+}
+
+/// Covariance of value and slope at one grid time with those at another one.
+fn covariance(process: &ErrorProcess, i: usize, j: usize) -> Matrix2<f64> {
+    let (first, last) = (i.min(j), i.max(j));
+    let along = |P, s: &ErrorStep| s.memory * P * s.memory.transpose() + s.fresh;
+    let here = process.steps[..first].iter().fold(process.initial, along);
+    let on = process.steps[first..last].iter();
+    let later = on.fold(here, |P, s| s.memory * P);
+    if i > j { later } else { later.transpose() }
 }
 
 /// The errors with this variance instead of one; all but a process have it beside them.
@@ -415,22 +426,6 @@ fn interpolated(every: f64) -> InputErrors {
     InputErrors::Interpolated((0..200).map(place).collect())
 }
 
-/// Joint rates as slopes of quartics through five positions, by Lagrange's formula in another form than the filter's.
-fn derive_rates(o: &mut Observations) {
-    let n = o.time_s.len();
-    for k in 0..n {
-        let first = k.saturating_sub(2).min(n - 5);
-        let system = nalgebra::DMatrix::from_fn(5, 5, |i, p| {
-            (o.time_s[first + i] - o.time_s[k]).powi(p as i32)
-        });
-        let system = system.lu();
-        for j in 0..2 {
-            let q = nalgebra::DVector::from_fn(5, |i, _| o.joint_position[2 * (first + i) + j]);
-            o.joint_rate[2 * k + j] = system.solve(&q).unwrap()[1];
-        }
-    }
-}
-
 #[test]
 fn exact_chi2_with_noise_in_the_inputs_is_that_of_the_dense_covariance() {
     let kept = |a: f64| InputErrors::Kept(vec![a; 200]);
@@ -447,6 +442,9 @@ fn exact_chi2_with_noise_in_the_inputs_is_that_of_the_dense_covariance() {
         let between = [2.5, 7.0].map(|every| dense(case(4), white(), interpolated(every)));
         let driven = dense(case(4), white(), process());
         assert!(driven < 5.0e-4, "{driven:e}");
+        let joints = [process(), InputErrors::Independent];
+        let smoothed = dense(case(4), joints, InputErrors::Independent);
+        assert!(smoothed < 1.0e-3, "{smoothed:e}");
         // Measured: 6e-4, 2e-4 and 3e-4.
         assert!(fine < 5.0e-4 && lasting < 1.0e-3, "{fine:e} {lasting:e}");
         assert!(between.iter().all(|gap| *gap < 5.0e-4), "{between:?}");
@@ -460,11 +458,10 @@ fn exact_chi2_of_instruments_at_points_with_noise_in_the_inputs_is_that_of_the_d
     let kept = |a: f64| InputErrors::Kept(vec![a; 200]);
     let white = || [InputErrors::Independent, InputErrors::Independent];
     // Measured: 4e-5.
-    for (translation, derived, smooth) in [(true, false, false), (false, true, true)] {
+    for (translation, smooth) in [(true, false), (false, true)] {
         let case = Case {
             translation,
             fine: 4,
-            derived,
             smooth,
             points: true,
             coloured: false,
@@ -476,6 +473,8 @@ fn exact_chi2_of_instruments_at_points_with_noise_in_the_inputs_is_that_of_the_d
         assert!(between < 2.0e-4, "{between:e}");
         let driven = dense(case, [kept(0.5), kept(0.7)], process());
         assert!(driven < 2.0e-4, "{driven:e}");
+        let smoothed = dense(case, [process(), kept(0.7)], process());
+        assert!(smoothed < 2.0e-4, "{smoothed:e}");
     }
 }
 

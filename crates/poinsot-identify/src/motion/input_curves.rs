@@ -1,7 +1,7 @@
 //! Smooth curves through the samples of joints and wheels of a segment: along them a lag shifts the readings in time.
 
 use crate::problem::parameters::Parameters;
-use crate::problem::segment::{InputChannel, InputErrors, InputRate, Noise, Observations, Segment};
+use crate::problem::segment::{InputErrors, Noise, Observations, Segment};
 use poinsot_solve::smooth_curve::{Reading, SmoothCurve};
 use poinsot_spatial::Vector3;
 
@@ -118,16 +118,16 @@ fn between(curve: Option<&Option<SmoothCurve>>, t: f64, lag_s: f64) -> (Vector3,
 
 fn of_joint(o: &Observations, noise: &Noise, j: usize) -> Option<SmoothCurve> {
     let dof = o.joint_position.len() / o.time_s.len().max(1);
-    let InputChannel {
-        errors,
-        rate: source,
-    } = o.joint(j);
+    let errors = &o.joint(j).errors;
     if matches!(errors, InputErrors::Locked | InputErrors::None) {
         return None;
     }
     let picked = readings(o, errors);
-    let derived = *source == InputRate::Derived;
-    let variance = |all: &[f64]| all.get(j).copied().unwrap_or(0.0);
+    // The mean of a process is smooth already.
+    let variance = |all: &[f64]| match errors {
+        InputErrors::Process(_) => 0.0,
+        _ => all.get(j).copied().unwrap_or(0.0),
+    };
     let (mut q, mut rate) = (variance(&noise.joint_position), variance(&noise.joint_rate));
     let h = typical_step(o, &picked)?;
     match (q > 0.0, rate > 0.0) {
@@ -139,7 +139,7 @@ fn of_joint(o: &Observations, noise: &Noise, j: usize) -> Option<SmoothCurve> {
     let reading = |&k: &usize| Reading {
         time_s: o.time_s[k],
         value: Some((o.joint_position[k * dof + j], q)),
-        slope: (!derived).then(|| (o.joint_rate[k * dof + j], rate)),
+        slope: Some((o.joint_rate[k * dof + j], rate)),
     };
     SmoothCurve::new(&picked.iter().map(reading).collect::<Vec<_>>())
 }

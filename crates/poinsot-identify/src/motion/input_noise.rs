@@ -35,13 +35,11 @@ pub(crate) use points::{approximate, increments};
 
 use crate::motion::{Column, Instant, Matrix6x12, Motion, State, matrix, pose_change};
 use crate::problem::error_process::{ErrorProcess, ErrorStep};
-use crate::problem::segment::{
-    InputChannel, InputErrors, InputRate, Noise, Observations, Segment, SensorRecord,
-};
+use crate::problem::segment::{InputErrors, Noise, Observations, Segment, SensorRecord};
 use filter::Filter;
 use nalgebra::{Matrix2, Vector2};
 use poinsot_dynamics::{JointSlopes, SlowError};
-use poinsot_model::RandomTorque;
+use poinsot_model::{RandomTorque, SensorKind};
 use poinsot_spatial::{Matrix3, Vector3, Vector6};
 use smoother::KnownError;
 use sparse::SparseRows;
@@ -53,7 +51,8 @@ enum Input {
     Wheel(usize),
     /// The slope of a wheel's speed, whose error moves that of the speed, the input before it.
     WheelSlope,
-    /// A joint's rate, where an instrument at a point feels it. Elsewhere it is white noise of the rows.
+    /// A joint's rate: that of a process of the position, the input before it, or where an instrument at a point feels it.
+    /// Elsewhere it is white noise of the rows.
     Rate(usize),
 }
 
@@ -143,8 +142,6 @@ pub(crate) struct InputNoise {
     slow: Vec<(Vec<SlowError>, usize)>,
     /// Grid times on each side of the one in hand whose errors are held.
     reach: usize,
-    /// Joints whose rate is made of their positions.
-    derived: Vec<bool>,
     time_s: Vec<f64>,
     /// Whether rates are among the inputs.
     tracks_rates: bool,
@@ -160,14 +157,18 @@ pub(crate) struct InputNoise {
     filter: Filter,
 }
 
-/// The errors of an input, each with what it belongs to and its shares in it: two of readings where it is interpolated, speed
+/// The errors of an input, each with what it belongs to and its shares in it: two of readings where it is interpolated, value
 /// and slope where it is a process.
 fn separate(input: Input, errors: InputErrors) -> Vec<(Input, Memory, Vec<f64>)> {
     let places = match errors {
         InputErrors::Interpolated(places) => places,
         InputErrors::Process(process) => {
-            let speed = (input, Memory::Pair(process), Vec::new());
-            return vec![speed, (Input::WheelSlope, Memory::Second, Vec::new())];
+            let slope = match input {
+                Input::Joint(joint) => Input::Rate(joint),
+                _ => Input::WheelSlope,
+            };
+            let value = (input, Memory::Pair(process), Vec::new());
+            return vec![value, (slope, Memory::Second, Vec::new())];
         }
         errors => return vec![(input, Memory::Alone(errors), Vec::new())],
     };
@@ -220,18 +221,13 @@ impl InputNoise {
         let increments = increments(&o.sensors);
         let translation = o.reads_translation() || increments > 0;
         let tracks_rates = o.reads_points() || o.is_smoothed() || records;
-        let derived = if o.reads_points() {
-            let derived = |j: &InputChannel| j.rate == InputRate::Derived;
-            o.joints.iter().map(derived).collect()
-        } else {
-            Vec::new()
-        };
         let joints = noise.joint_position.iter().enumerate();
         let wheels = noise.wheel_speed.iter().enumerate();
-        let rates = noise.joint_rate.iter().enumerate().filter(|(k, _)| {
-            let still = matches!(o.joint(*k).errors, InputErrors::Locked | InputErrors::None);
-            tracks_rates && !still && derived.get(*k) != Some(&true)
-        });
+        let rates = noise
+            .joint_rate
+            .iter()
+            .enumerate()
+            .filter(|(k, _)| tracks_rates && o.joint(*k).errors.leaves_rate());
         let joints = joints.map(|(k, v)| (Input::Joint(k), *v, Some(&o.joint(k).errors)));
         let wheels = wheels.map(|(k, v)| (Input::Wheel(k), *v, Some(&o.wheel(k).errors)));
         let rates = rates.map(|(k, v)| (Input::Rate(k), *v, None));
@@ -249,7 +245,7 @@ impl InputNoise {
         };
         let reach = match inputs.is_empty() {
             true => 0,
-            false => points::reach(o, &derived),
+            false => usize::from(o.reads(SensorKind::Accelerometer)),
         };
         let lead = active.len() + 3 * usize::from(torque);
         let kept = if silent { 0 } else { 3 * increments };
@@ -273,7 +269,6 @@ impl InputNoise {
             slow,
             reach,
             tracks_rates,
-            derived,
             expected: o.expected_errors.clone(),
             time_s: if reach > 0 {
                 o.time_s.clone()
@@ -329,7 +324,7 @@ impl InputNoise {
     }
 
     /// Adds errors to the inputs of a record, which then expects as much less of them. Those of a process stay: it is integrated
-    /// out, and its mean is that of the tachometer alone.
+    /// out, and its mean is that of its samples alone.
     pub fn correct(&self, errors: &[f64], o: &mut Observations) {
         let (width, times) = (self.inputs.len(), o.time_s.len());
         if width == 0 || errors.len() != width * times {
@@ -345,14 +340,7 @@ impl InputNoise {
                 let error = errors[k * width + c];
                 o.expected_errors[k * width + c] -= error;
                 match *input {
-                    Input::Joint(j) => {
-                        o.joint_position[k * dof + j] += error;
-                        if self.derived.get(j) == Some(&true) {
-                            let near = points::rate_weights(&o.time_s, k).into_iter();
-                            let rate = near.map(|(i, weight)| weight * errors[i * width + c]);
-                            o.joint_rate[k * dof + j] += rate.sum::<f64>();
-                        }
-                    }
+                    Input::Joint(j) => o.joint_position[k * dof + j] += error,
                     Input::Rate(j) => o.joint_rate[k * dof + j] += error,
                     Input::Wheel(w) => o.wheel_speed[k * wheels + w] += error * self.share(c, k),
                     Input::WheelSlope => {}
@@ -409,7 +397,7 @@ impl InputNoise {
         match self.before.take() {
             None => {
                 self.begin(&now);
-                self.begin_pairs();
+                self.begin_pairs(&now);
                 self.renew_slow(SlowError::first);
             }
             Some(before) => {
@@ -425,7 +413,6 @@ impl InputNoise {
             self.columns[at].fixed_rows_mut::<6>(0).copy_from(at_once);
             self.twists[at] += map.fixed_view::<6, 6>(0, 0) * at_once;
         }
-        self.add_derived_rates(k);
         self.before = Some(now);
     }
 
@@ -556,13 +543,19 @@ impl InputNoise {
     }
 
     /// The same of errors that go on in pairs.
-    fn begin_pairs(&mut self) {
+    fn begin_pairs(&mut self, now: &DynamicsJacobian) {
         let pairs = self.memory.iter().enumerate();
         for (c, process) in pairs.filter_map(|(c, m)| Some((c, m.pair()?))) {
             let mut fresh = process.initial_root();
             for first in 0..=self.reach {
                 for mut error in fresh {
                     let mut vector = vec![0.0; self.filter.size];
+                    if first == 0 {
+                        let reached = vector.iter_mut().zip(&self.active);
+                        let at_once = now.at_once[c];
+                        let once = |row: usize| at_once.get(row).copied().unwrap_or_default();
+                        reached.for_each(|(x, &row)| *x = -once(row) * error.x);
+                    }
                     for after in first..=self.reach {
                         let at = self.place(c, after as isize);
                         (vector[at], vector[at + 1]) = (error.x, error.y);

@@ -2,9 +2,11 @@
 
 use super::environment::orbit_between;
 use super::inputs::joint_between;
+use crate::problem::error_process::{ErrorProcess, ErrorStep};
 use crate::problem::segment::{
     BetweenReadings, InputChannel, InputErrors, Observations, SensorRecord, SensorSample,
 };
+use nalgebra::Matrix2;
 
 /// Grid times closer than this are one, s.
 pub(crate) const SAME_S: f64 = 1.0e-7;
@@ -34,8 +36,8 @@ pub(crate) fn refined(o: &Observations, further_s: &[f64]) -> Observations {
         joint_rate: Vec::with_capacity(places.len() * dof),
         wheel_speed: Vec::with_capacity(places.len() * wheels),
         smooth_wheel_speed: Vec::new(),
-        joints: at_places(&o.joints, &places),
-        wheels: at_places(&o.wheels, &places),
+        joints: at_places(&o.joints, &places, &o.time_s),
+        wheels: at_places(&o.wheels, &places, &o.time_s),
         between_readings: o.between_readings || places.len() > n,
         expected_errors: Vec::new(),
         sensors: Vec::new(),
@@ -115,14 +117,16 @@ fn moved(record: &SensorRecord, old: &[usize]) -> SensorRecord {
     }
 }
 
-fn at_places(inputs: &[InputChannel], places: &[Place]) -> Vec<InputChannel> {
-    let inputs = inputs.iter();
-    let moved = |i: &InputChannel| i.on_other_grid(errors(&i.errors, places));
-    inputs.map(moved).collect()
+fn at_places(inputs: &[InputChannel], places: &[Place], old_s: &[f64]) -> Vec<InputChannel> {
+    let moved = |i: &InputChannel| InputChannel {
+        errors: errors(&i.errors, places, old_s),
+        rate: i.rate,
+    };
+    inputs.iter().map(moved).collect()
 }
 
 /// The same errors, interpolated where there is no sample. A correlation is shared out over the parts of its interval.
-fn errors(errors: &InputErrors, places: &[Place]) -> InputErrors {
+fn errors(errors: &InputErrors, places: &[Place], old_s: &[f64]) -> InputErrors {
     match errors {
         InputErrors::Independent => {
             let place = |p: &Place| BetweenReadings {
@@ -155,6 +159,29 @@ fn errors(errors: &InputErrors, places: &[Place]) -> InputErrors {
             memory.push(0.0);
             InputErrors::Kept(memory)
         }
+        InputErrors::Process(process) => {
+            let part = |pair: &[Place]| step(process, [pair[0], pair[1]], old_s);
+            InputErrors::Process(ErrorProcess {
+                initial: process.initial,
+                steps: places.windows(2).map(part).collect(),
+            })
+        }
         other => other.clone(),
+    }
+}
+
+/// From place to place: until the end of an interval an error goes on along its slope, and what is new is added there.
+fn step(process: &ErrorProcess, [a, b]: [Place; 2], old_s: &[f64]) -> ErrorStep {
+    let h = old_s[a.k + 1] - old_s[a.k];
+    let line = |share: f64| Matrix2::new(1.0, share * h, 0.0, 1.0);
+    match process.steps.get(a.k).filter(|_| b.k > a.k) {
+        Some(whole) => ErrorStep {
+            memory: whole.memory * line(-a.at),
+            ..*whole
+        },
+        None => ErrorStep {
+            memory: line(b.at - a.at),
+            fresh: Matrix2::zeros(),
+        },
     }
 }

@@ -1,8 +1,8 @@
-//! Errors of a wheel's speed and of its slope along the grid of a segment.
+//! Errors of a wheel's speed and of its slope, or of a joint's position and rate, along the grid of a segment.
 
 use nalgebra::{Matrix2, Vector2};
 
-/// A Markov process: the errors of a speed and of its slope over time, rad/s and rad/s2.
+/// A Markov process: the errors of an input and of its slope over time, in its unit and per second.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ErrorProcess {
     /// Covariance at the first grid time.
@@ -49,7 +49,8 @@ impl ErrorStep {
 
 impl ErrorProcess {
     /// The process at some of its grid times.
-    pub(crate) fn at_times(&self, kept: &[usize]) -> Self {
+    #[must_use]
+    pub fn at_times(&self, kept: &[usize]) -> Self {
         let nothing = ErrorStep {
             memory: Matrix2::identity(),
             fresh: Matrix2::zeros(),

@@ -333,22 +333,8 @@ pub enum InputRate {
     Unmeasured,
     /// The rate of the joint has samples of its own.
     Measured,
-    /// At every grid time the rate of the joint is the slope of the polynomial through the five nearest positions, all of them
-    /// read at grid times.
-    Derived,
     /// The speed of the wheel runs straight from grid time to grid time, since its motor torque was measured.
     Straight,
-}
-
-impl InputChannel {
-    /// The same on another grid with other errors: a rate derived from positions keeps what it is, but not how it was made.
-    pub(crate) fn on_other_grid(&self, errors: InputErrors) -> Self {
-        let rate = match self.rate {
-            InputRate::Derived => InputRate::Unmeasured,
-            rate => rate,
-        };
-        Self { errors, rate }
-    }
 }
 
 /// Error correlation of an input's samples along the grid of a segment.
@@ -368,7 +354,7 @@ pub enum InputErrors {
     Rounded(Vec<RoundingError>),
     /// Independent errors of readings, and straight lines between them, one row per grid time.
     Interpolated(Vec<BetweenReadings>),
-    /// Of a wheel whose speed is the mean of a process that its readings leave uncertain.
+    /// Of a wheel's speed, or a joint's position with its rate, that are the mean of a process which the readings leave uncertain.
     Process(ErrorProcess),
 }
 
@@ -438,6 +424,11 @@ impl InputErrors {
     /// Whether errors at neighbouring grid times are correlated.
     pub(crate) fn lasts(&self) -> bool {
         matches!(self, Self::Kept(_) | Self::Rounded(_))
+    }
+
+    /// Whether a joint's rate has an error of its own.
+    pub(crate) fn leaves_rate(&self) -> bool {
+        !matches!(self, Self::None | Self::Locked | Self::Process(_))
     }
 
     /// Whether a quantity may be at rest somewhere.

@@ -226,7 +226,7 @@ pub(crate) fn predict(
                 }
             }
         }
-        for (at, joint, dq, drate) in inputs.at_once(k) {
+        for (at, joint, dq, drate) in inputs.at_once() {
             if let Some(over) = of(joint) {
                 errors[at] += over.position * dq + over.rate * drate;
             }

@@ -27,21 +27,13 @@ pub(super) fn joint_inputs(channels: &Channels, grid: &[f64]) -> Vec<InputChanne
             errors: joint
                 .position
                 .map_or(InputErrors::None, |c| errors(c, sensor, grid, true)),
-            rate: match (joint.moving(), joint.rate) {
-                (Some(_), Some(_)) => InputRate::Measured,
-                (Some(position), None) if whole_at(position, grid) => InputRate::Derived,
-                _ => InputRate::Unmeasured,
+            rate: match joint.moving().and(joint.rate) {
+                Some(_) => InputRate::Measured,
+                None => InputRate::Unmeasured,
             },
         }
     };
     channels.joints().map(of).collect()
-}
-
-/// Whether a channel is sampled exactly at the grid times, without a gap.
-fn whole_at(channel: &Channel, grid: &[f64]) -> bool {
-    let longest = 2.5 * median_step(&channel.time_s).unwrap_or(0.0);
-    let whole = channel.time_s.windows(2).all(|w| w[1] - w[0] < longest);
-    whole && channel.time_s.len() == grid.len() && read_at(channel, grid)
 }
 
 /// What is known of every wheel on the grid of a segment.
@@ -59,9 +51,11 @@ pub(super) fn wheel_inputs(channels: &Channels, grid: &[f64]) -> Vec<InputChanne
     channels.tachometers().enumerate().map(of).collect()
 }
 
-/// Whether some joint or wheel has no sample at some grid times.
-pub(super) fn between_readings(channels: &Channels, grid: &[f64]) -> bool {
-    let joints = channels.joints().flat_map(|j| [j.position, j.rate]);
+/// Whether some joint or wheel has no sample at some grid times, and no process that goes on between its samples.
+pub(super) fn between_readings(channels: &Channels, joints: &[InputChannel], grid: &[f64]) -> bool {
+    let joints = channels.joints().zip(joints);
+    let read = joints.filter(|(_, known)| !matches!(known.errors, InputErrors::Process(_)));
+    let joints = read.flat_map(|(j, _)| [j.position, j.rate]);
     let mut all = joints.chain(channels.tachometers()).flatten();
     all.any(|channel| !read_at(channel, grid))
 }

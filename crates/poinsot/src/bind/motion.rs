@@ -4,15 +4,23 @@ use super::attitude_start::{attitudes, base_directions, carried, integrate_rate}
 use super::channels::{BaseRates, Channels, JointColumns, VectorChannels, WheelSpeed};
 use super::driven_wheels::speed_at;
 use super::free_fall::ORBITAL;
-use super::sensors::{Column, HALF_WIDTH, own_values, vectors};
+use super::input_errors::joint_inputs;
+use super::sensors::{
+    Column, HALF_WIDTH, covariance, own_values, rounding, scalar_sensor, vectors,
+};
 use crate::channel_names::{XYZ, axes};
 use crate::error::Error;
 use nalgebra::Quaternion;
 use poinsot_files::{Place, rounded};
-use poinsot_identify::{Accelerations, Samples, Translation};
+use poinsot_identify::{
+    Accelerations, ErrorProcess, InputChannel, InputErrors, InputSample, JointMotion, Samples,
+    Translation,
+};
 use poinsot_model::{Model, SensorKind};
 use poinsot_spatial::{UnitQuaternion, Vector3};
-use poinsot_telemetry::{Channel, differentiate, resample, resample_attitude, resample_hermite};
+use poinsot_telemetry::{
+    Channel, differentiate, median_step, resample, resample_attitude, resample_hermite,
+};
 
 /// Channels at the gyro's times; `None` without a sample.
 pub(super) struct Aligned {
@@ -33,11 +41,9 @@ pub(super) fn align(
     let rate = vectors(&rates.axes.each_ref().map(|c| resample(c, times, None)));
     let attitude = attitude(channels, rates, &rate, repairs);
     let translation = translation(channels, times, &rate, &attitude, repairs)?;
-    let mut inputs = Inputs::at(channels, &channels.wheels(), times);
-    for (columns, position) in channels.joints().zip(&mut inputs.joint_position) {
-        if let Some(q) = told(channels, &columns, repairs) {
-            *position = resample(q, times, None);
-        }
+    let inputs = Inputs::at(channels, &channels.wheels(), times);
+    for columns in channels.joints() {
+        told(channels, &columns, repairs);
     }
     Ok(Aligned {
         time_s: times.to_vec(),
@@ -235,13 +241,8 @@ fn integrate_velocity(times: &[f64], velocity: &[Option<Vector3>]) -> Vec<Option
     out
 }
 
-/// What is assumed of a joint whose rate is not measured, or that is locked (see [`super::held`]); its position where the
-/// rate is differentiated from it.
-fn told<'a>(
-    channels: &Channels,
-    columns: &JointColumns<'a>,
-    repairs: &mut Vec<String>,
-) -> Option<&'a Channel> {
+/// What is assumed of a joint whose rate is not measured, or that is locked (see [`super::held`]).
+fn told(channels: &Channels, columns: &JointColumns, repairs: &mut Vec<String>) {
     let (label, name) = (channels.label, &channels.model.joints[columns.at].name);
     let JointColumns {
         position_name,
@@ -254,13 +255,11 @@ fn told<'a>(
             "{label}: {name} has one constant position: assumed locked, its '{rate_name}' assumed zero"
         ));
     }
-    let derived = columns.moving().filter(|_| columns.rate.is_none());
-    if derived.is_some() {
+    if columns.moving().is_some() && columns.rate.is_none() {
         repairs.push(format!(
-            "{label}: no channel '{rate_name}': rate of {name} differentiated from '{position_name}' (quartic through five samples)"
+            "{label}: no channel '{rate_name}': {name} moves as the samples of '{position_name}' tell, its acceleration taken as random"
         ));
     }
-    derived
 }
 
 /// What is prescribed at some times: position and rate of every joint, speed of every wheel, one column each; `None` without a
@@ -268,7 +267,16 @@ fn told<'a>(
 pub(super) struct Inputs {
     joint_position: Vec<Column>,
     joint_rate: Vec<Column>,
+    /// Of joints whose motion is that of noisy positions alone: what it errs by.
+    joint_errors: Vec<Option<ErrorProcess>>,
     wheel_speed: Vec<Column>,
+}
+
+/// Motion of a joint at some times, as in [`Inputs`].
+struct JointColumn {
+    position: Column,
+    rate: Column,
+    errors: Option<ErrorProcess>,
 }
 
 /// The same at the times that are complete, row by row.
@@ -280,18 +288,38 @@ pub(super) struct InputRows {
 
 impl Inputs {
     pub fn at(channels: &Channels, wheels: &[Option<WheelSpeed>], times: &[f64]) -> Self {
-        let joints = channels.joints();
-        let joints = joints.map(|columns| joint_at(channels.model, &columns, times));
-        let (joint_position, joint_rate) = joints.unzip();
+        let joints: Vec<JointColumn> = channels
+            .joints()
+            .map(|columns| joint_at(channels.model, &columns, times))
+            .collect();
         let wheel = |wheel: &Option<WheelSpeed>| match wheel {
             Some(w) => speed_at(&w.speed, w.tachometer, times),
             None => vec![Some(0.0); times.len()],
         };
         Self {
-            joint_position,
-            joint_rate,
+            joint_position: joints.iter().map(|j| j.position.clone()).collect(),
+            joint_rate: joints.iter().map(|j| j.rate.clone()).collect(),
+            joint_errors: joints.into_iter().map(|j| j.errors).collect(),
             wheel_speed: wheels.iter().map(wheel).collect(),
         }
+    }
+
+    /// What is known of every joint on the grid of these times.
+    pub fn joints(
+        &self,
+        channels: &Channels,
+        (picked, grid): (&[usize], &[f64]),
+    ) -> Vec<InputChannel> {
+        let all = joint_inputs(channels, grid).into_iter();
+        all.zip(&self.joint_errors)
+            .map(|(plain, errors)| match errors {
+                Some(process) => InputChannel {
+                    errors: InputErrors::Process(process.at_times(picked)),
+                    ..plain
+                },
+                None => plain,
+            })
+            .collect()
     }
 
     /// Whether every column has a sample at time k.
@@ -313,18 +341,57 @@ impl Inputs {
     }
 }
 
-/// Position and rate of a joint at some times: cubic between samples; at rest without a column, or where it is locked.
-fn joint_at(model: &Model, columns: &JointColumns, times: &[f64]) -> (Column, Column) {
+/// Motion of a joint at some times: cubic between samples, smoothed where noisy positions alone are read; at rest without a
+/// column, or where it is locked.
+fn joint_at(model: &Model, columns: &JointColumns, times: &[f64]) -> JointColumn {
     let Some(q) = columns.moving() else {
         let still = || vec![Some(model.joints[columns.at].standing_at()); times.len()];
         let position = columns.position.map(|q| resample(q, times, None));
-        return (position.unwrap_or_else(still), vec![Some(0.0); times.len()]);
+        return JointColumn {
+            position: position.unwrap_or_else(still),
+            rate: vec![Some(0.0); times.len()],
+            errors: None,
+        };
     };
+    if let Some(smoothed) = smoothed(model, columns, times) {
+        return smoothed;
+    }
     let derived = columns.rate.is_none();
     let derived = derived.then(|| differentiate(q, HALF_WIDTH, None));
     let rate = derived.as_ref().or(columns.rate).unwrap_or(q);
-    let position = resample_hermite(q, rate, times, None);
-    (position, resample(rate, times, None))
+    JointColumn {
+        position: resample_hermite(q, rate, times, None),
+        rate: resample(rate, times, None),
+        errors: None,
+    }
+}
+
+/// Motion of a joint from its positions, where these are noisy and no rates are read.
+fn smoothed(model: &Model, columns: &JointColumns, times: &[f64]) -> Option<JointColumn> {
+    let q = columns.moving().filter(|_| columns.rate.is_none())?;
+    let sensor = scalar_sensor(model, SensorKind::JointPosition, columns.at)?;
+    let variance = covariance(sensor).map(|c| c[(0, 0)]).filter(|v| *v > 0.0)?;
+    let tolerance = 1.0e-6 * median_step(&q.time_s).unwrap_or(0.0);
+    let mut grid: Vec<f64> = times.iter().chain(&*q.time_s).copied().collect();
+    grid.sort_by(f64::total_cmp);
+    grid.dedup_by(|a, b| *a - *b <= tolerance);
+    let place = |t: &f64| grid.partition_point(|x| *x < t - tolerance);
+    let read = q.time_s.iter().zip(&q.values);
+    let samples = read.map(|(t, x)| InputSample::white(place(t), *x, variance));
+    let samples: Vec<InputSample> = samples.collect();
+    let motion = JointMotion::new(&grid, &samples, rounding(sensor).is_some())?;
+    let picked: Vec<usize> = times.iter().map(place).collect();
+    // Gaps stay gaps.
+    let known = resample(q, times, None);
+    let column = |of: &[f64]| -> Column {
+        let pairs = known.iter().zip(&picked);
+        pairs.map(|(x, k)| x.map(|_| of[*k])).collect()
+    };
+    Some(JointColumn {
+        position: column(&motion.position),
+        rate: column(&motion.rate),
+        errors: Some(motion.errors.at_times(&picked)),
+    })
 }
 
 /// Channels of accelerations: `domega` and those of the accelerometer.

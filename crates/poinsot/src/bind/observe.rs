@@ -3,7 +3,7 @@
 use super::channels::{Channels, VectorChannels, WheelSpeed};
 use super::cut::input_channels;
 use super::driven_wheels::speed_at;
-use super::input_errors::{between_readings, joint_inputs, wheel_inputs};
+use super::input_errors::{between_readings, wheel_inputs};
 use super::motion::Inputs;
 use super::orbit::orbit_at;
 use super::sensors::{HALF_WIDTH, SAME, SensorColumns, own_values, sensor_columns, vectors};
@@ -52,6 +52,7 @@ pub(super) fn observe(channels: &Channels, samples: &Samples, firings: &[Firing]
         Some(position) => first_position(&position, samples),
         None => first_value(&sensors),
     };
+    let joints = inputs.joints(channels, (&complete, &time_s));
     Observations {
         sensors: sensors
             .iter()
@@ -62,9 +63,9 @@ pub(super) fn observe(channels: &Channels, samples: &Samples, firings: &[Firing]
         joint_rate: rows.joint_rate,
         wheel_speed: rows.wheel_speed,
         smooth_wheel_speed: smooth_wheels(&wheels, &time_s),
-        joints: joint_inputs(channels, &time_s),
         wheels: wheel_inputs(channels, &time_s),
-        between_readings: between_readings(channels, &time_s),
+        between_readings: between_readings(channels, &joints, &time_s),
+        joints,
         expected_errors: Vec::new(),
         time_s,
     }

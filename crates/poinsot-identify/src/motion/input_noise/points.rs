@@ -8,9 +8,6 @@ use crate::problem::segment::{Observations, SensorRecord};
 use poinsot_model::SensorKind;
 use poinsot_spatial::Vector3;
 
-/// Positions in a derived rate, and the distance of the outermost from an acceleration that uses it.
-const STENCIL: usize = 5;
-
 /// Where the noise of the inputs at instruments at points is only roughly right: samples between two of a joint, or of a wheel
 /// whose rounding errors last, have another error correlation than the filter assumes.
 pub(crate) fn approximate(problem: &Problem) -> Option<String> {
@@ -34,64 +31,7 @@ pub(crate) fn increments(sensors: &[SensorRecord]) -> usize {
         .count()
 }
 
-/// Grid times on each side whose errors show in a reading at a point.
-pub(super) fn reach(o: &Observations, derived: &[bool]) -> usize {
-    match (o.reads_points(), derived.contains(&true)) {
-        (true, true) => STENCIL - 1,
-        _ => usize::from(o.reads(SensorKind::Accelerometer)),
-    }
-}
-
-/// Weights of the positions in the slope at grid time k of the polynomial through the five nearest.
-pub(super) fn rate_weights(t: &[f64], k: usize) -> [(usize, f64); STENCIL] {
-    let width = STENCIL.min(t.len());
-    let first = k.saturating_sub(STENCIL / 2).min(t.len() - width);
-    let others = |i: usize| (first..first + width).filter(move |j| *j != i);
-    let weight = |i: usize| -> f64 {
-        let scale: f64 = others(i).map(|j| t[i] - t[j]).product();
-        let slope: f64 = others(i)
-            .map(|left_out| {
-                let rest = others(i).filter(|j| *j != left_out);
-                rest.map(|j| t[k] - t[j]).product::<f64>()
-            })
-            .sum();
-        slope / scale
-    };
-    // A record shorter than that has fewer.
-    std::array::from_fn(|i| match i < width {
-        true => (first + i, weight(first + i)),
-        false => (k, 0.0),
-    })
-}
-
 impl InputNoise {
-    /// Joints whose rate is made of positions: what it errs by, as change of the twist.
-    pub(super) fn add_derived_rates(&mut self, k: usize) {
-        let mut twists = std::mem::take(&mut self.twists);
-        for (at, weight, joint) in self.derived_errors(k, k) {
-            twists[at] += self.rate_gain[joint] * weight;
-        }
-        self.twists = twists;
-    }
-
-    /// Errors of positions in the derived rates at grid time `of`, seen from grid time k: place in the state, weight
-    /// and joint.
-    fn derived_errors(
-        &self,
-        k: usize,
-        of: usize,
-    ) -> impl Iterator<Item = (usize, f64, usize)> + '_ {
-        let inputs = self.inputs.iter().enumerate();
-        let derived = inputs.filter_map(|(c, (input, _))| match input {
-            Input::Joint(joint) => (self.derived.get(*joint) == Some(&true)).then_some((c, *joint)),
-            _ => None,
-        });
-        derived.flat_map(move |(c, joint)| {
-            let weights = rate_weights(&self.time_s, of).into_iter();
-            weights.map(move |(i, w)| (self.place(c, i as isize - k as isize), w, joint))
-        })
-    }
-
     /// Change of the specific force at a point, in its body, with every error in the filter's state: added to a list.
     pub fn force_slopes(
         &self,
@@ -133,31 +73,17 @@ impl InputNoise {
         if let Some(at) = self.torque_at() {
             (0..3).for_each(|axis| slopes[at + axis] += around.outside_torque(axis));
         }
-        for joint in (0..self.derived.len()).filter(|j| self.derived[*j]) {
-            let (rate, acceleration) = (around.joint_rate(joint), around.joint_acceleration(joint));
-            let own = |all: &(usize, f64, usize)| all.2 == joint;
-            for (at, weight, _) in self.derived_errors(k, k).filter(own) {
-                slopes[at] += rate * weight;
-            }
-            for (i, share) in slope_weights(&self.time_s, k) {
-                for (at, weight, _) in self.derived_errors(k, i).filter(own) {
-                    slopes[at] += acceleration * (weight * share);
-                }
-            }
-        }
     }
 
-    /// Direct effect of errors on joints at grid time k: place in the filter's state, joint, change of its position and
+    /// Direct effect of errors on joints: place in the filter's state, joint, change of its position and
     /// rate.
-    pub fn at_once(&self, k: usize) -> impl Iterator<Item = (usize, usize, f64, f64)> + '_ {
+    pub fn at_once(&self) -> impl Iterator<Item = (usize, usize, f64, f64)> + '_ {
         let inputs = self.inputs.iter().enumerate();
-        let all = inputs.filter_map(|(c, (input, _))| match *input {
+        inputs.filter_map(|(c, (input, _))| match *input {
             Input::Joint(j) => Some((self.place(c, 0), j, 1.0, 0.0)),
             Input::Rate(j) => Some((self.place(c, 0), j, 0.0, 1.0)),
             Input::Wheel(_) | Input::WheelSlope => None,
-        });
-        let derived = self.derived_errors(k, k);
-        all.chain(derived.map(|(at, weight, j)| (at, j, 0.0, weight)))
+        })
     }
 
     /// Keeps the errors of the velocity at the beginning of an increment until its end, at place `which`.
@@ -199,21 +125,5 @@ impl Filter {
             }
         }
         self.map(rows);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn exact_a_derived_rate_is_that_of_a_quartic() {
-        let t = [0.0, 0.1, 0.25, 0.3, 0.5, 0.62, 0.7];
-        let q = |t: f64| 1.0 + t * (2.0 - t * (3.0 + t * (1.0 - 4.0 * t)));
-        let rate = |t: f64| 2.0 - 6.0 * t - 3.0 * t * t + 16.0 * t * t * t;
-        for (k, at) in t.iter().enumerate() {
-            let found: f64 = rate_weights(&t, k).iter().map(|(i, w)| w * q(t[*i])).sum();
-            assert!((found - rate(*at)).abs() < 1.0e-11, "{k}");
-        }
     }
 }
