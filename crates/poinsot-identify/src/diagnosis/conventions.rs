@@ -9,7 +9,7 @@ mod table;
 
 use super::types::{FaultKind, Suspect, SuspectValue};
 use crate::fit::experiment::Experiment;
-use crate::fit::part_of_record::beginning;
+use crate::fit::part_of_record::{beginning, thinned};
 use crate::fit::sampled_motion::least;
 use crate::fit::{Fitted, fit_from};
 use crate::problem::segment::Segment;
@@ -23,8 +23,9 @@ pub(super) use table::UNITS;
 /// Shares of the record that are tried as its beginning: each twice the one before, so that all fits together take no longer
 /// than one of the whole record.
 const BEGINNINGS: [f64; 4] = [0.0625, 0.125, 0.25, 0.5];
-/// Iterations of such a fit: enough for a decision.
+/// Iterations of such a fit, and samples of each sensor: enough for a decision.
 const MISTAKE_ITERATIONS: usize = 8;
+const DECIDE: usize = 200;
 /// Share of the misfit that a mistake must explain.
 const EXPLAINS: f64 = 0.99;
 /// Largest excess of chi-square per number of a corrected fit.
@@ -52,9 +53,11 @@ pub(super) fn conventions(
         return None;
     }
     let before = experiment.chi2(&fitted.at, &fitted.evaluated)?;
-    let record = contradicting(experiment);
     let whole = experiment.problem;
-    let problem = whole.with_segments(record.as_deref().unwrap_or(whole.segments));
+    let record = contradicting(experiment);
+    let record = record.as_deref().unwrap_or(whole.segments);
+    let record: Vec<Segment> = record.iter().map(few_samples).collect();
+    let problem = whole.with_segments(&record);
     let short = experiment.with_problem(&problem);
     let mut best: Option<Suspect> = None;
     // Kinds outside, places inside: large factors cause fast motions, which are slow to compute.
@@ -92,6 +95,19 @@ fn contradicting(experiment: &Experiment) -> Option<Vec<Segment>> {
             .is_none_or(|found| short.cost_of(&found) > gross * found.rows() as f64);
         contradicts.then_some(segments)
     })
+}
+
+/// A segment with samples enough for a decision.
+fn few_samples(segment: &Segment) -> Segment {
+    let few = thinned(segment, DECIDE);
+    few.map_or_else(
+        || segment.clone(),
+        |few| Segment {
+            // Start of a fit.
+            samples: segment.samples.clone(),
+            ..few
+        },
+    )
 }
 
 /// Those with which a few iterations lead nearer than without, the best first.
