@@ -73,23 +73,39 @@ pub struct Configuration {
 }
 
 impl Configuration {
+    /// No vehicle.
+    pub(crate) const NONE: Self = Self {
+        known: [0.0; PARAMETERS],
+        nominal: [0.0; PARAMETERS],
+        unknown: [false; PARAMETERS],
+        prior: [[0.0; PARAMETERS]; PARAMETERS],
+        wheels: [Wheel {
+            axis_B: [0.0; AXES],
+            spin_inertia: 0.0,
+            noise: 0.0,
+        }; WHEELS],
+        wheel_count: 0,
+        noise: Noise {
+            gyro: 0.0,
+            attitude: 0.0,
+            position: 0.0,
+            bias: 0.0,
+            bias_walk: 0.0,
+            torque_walk: 0.0,
+        },
+        longest_gap_s: 0.0,
+        stale_s: 0.0,
+        reorder: 0,
+    };
+
     /// A vehicle of one body without wheels, nothing of it unknown. Gaps of 10 s; stale after 10 s; nothing is held back.
     pub fn new(nominal: [f64; PARAMETERS], noise: Noise) -> Self {
         Self {
-            known: [0.0; PARAMETERS],
             nominal,
-            unknown: [false; PARAMETERS],
-            prior: [[0.0; PARAMETERS]; PARAMETERS],
-            wheels: [Wheel {
-                axis_B: [0.0, 0.0, 1.0],
-                spin_inertia: 0.0,
-                noise: 0.0,
-            }; WHEELS],
-            wheel_count: 0,
             noise,
             longest_gap_s: 10.0,
             stale_s: 10.0,
-            reorder: 0,
+            ..Self::NONE
         }
     }
 

@@ -90,44 +90,81 @@ pub(crate) struct Here {
 }
 
 impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
+    /// A filter without a vehicle: what static memory begins with, before [`Self::restart`]. All its bits are zero, so neither the
+    /// program's image nor its stack has to hold it. No number of it is determined.
+    pub const IDLE: Self = Self {
+        configuration: Configuration::NONE,
+        layout: Layout::NONE,
+        body: [0.0; PARAMETERS],
+        rows: [[0.0; N]; N],
+        work: [[0.0; N]; N],
+        gate: 0.0,
+        looseness: 0.0,
+        shown: Excitation::NONE,
+        before_start: OfParameters::NONE,
+        starts: 0,
+        prior_sigma: [0.0; PARAMETERS],
+        prior_spread: [0.0; 3],
+        running: None,
+        window: Window::NEW,
+        stream: Stream::NEW,
+        tests: Tests::NONE,
+        checkpoints: Checkpoints::NONE,
+    };
+
     /// A filter before its first sample.
     ///
     /// # Errors
     /// The configuration is invalid, or needs more columns than `N`.
     pub fn new(configuration: Configuration) -> Result<Self, Invalid> {
+        let mut filter = Self::IDLE;
+        filter.restart(&configuration)?;
+        Ok(filter)
+    }
+
+    /// Begins anew with a configuration, in place.
+    ///
+    /// # Errors
+    /// The configuration is invalid, or needs more columns than `N`. The filter is as before.
+    ///
+    /// ```
+    /// use poinsot_onboard::{Configuration, Filter, Health, Invalid, Noise};
+    ///
+    /// let noise = Noise { gyro: 1e-4, attitude: 1e-4, position: 0.0, bias: 1e-4, bias_walk: 0.0, torque_walk: 0.0 };
+    /// let cube = [6.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 1.0];
+    /// let mut filter = Filter::<24, 150>::IDLE;
+    /// assert_eq!(filter.answer(0.0).health, Health::Inconsistent);
+    /// filter.restart(&Configuration::new(cube, noise))?;
+    /// assert_eq!(filter.answer(0.0).health, Health::Converging);
+    /// # Ok::<(), Invalid>(())
+    /// ```
+    pub fn restart(&mut self, configuration: &Configuration) -> Result<(), Invalid> {
         configuration.check(N)?;
-        let layout = Layout::new(&configuration);
+        self.configuration = *configuration;
+        self.layout = Layout::new(configuration);
+        self.body = configuration.nominal;
+        self.gate = GATE;
+        self.looseness = 0.0;
+        self.shown = Excitation::new();
+        self.starts = 0;
+        (self.window.count, self.window.done) = (0, false);
+        self.stream = Stream::NEW;
+        self.tests = Tests::new();
         let prior = OfParameters {
             R: configuration.prior,
-            z: [0.0; PARAMETERS],
+            ..OfParameters::NONE
         };
-        let mut filter = Self {
-            body: configuration.nominal,
-            rows: [[0.0; N]; N],
-            work: [[0.0; N]; N],
-            gate: GATE,
-            looseness: 0.0,
-            shown: Excitation::new(),
-            before_start: prior,
-            starts: 0,
-            prior_sigma: [0.0; PARAMETERS],
-            prior_spread: [0.0; 3],
-            running: None,
-            window: Window::new(),
-            stream: Stream::new(),
-            tests: Tests::new(),
-            checkpoints: Checkpoints::new(configuration.nominal, prior),
-            configuration,
-            layout,
-        };
-        let sigma = prior.sigma(layout.parameters);
-        for (&k, sigma) in layout.unknown().iter().zip(&sigma) {
-            filter.prior_sigma[k] = *sigma;
+        self.before_start = prior;
+        self.checkpoints = Checkpoints::new(configuration.nominal, prior);
+        (self.prior_sigma, self.prior_spread) = ([0.0; PARAMETERS], [0.0; 3]);
+        let sigma = prior.sigma(self.layout.parameters);
+        for (&k, sigma) in self.layout.unknown().iter().zip(&sigma) {
+            self.prior_sigma[k] = *sigma;
             let kind = usize::from(k > 0) + usize::from(k > AXES);
-            filter.prior_spread[kind] = filter.prior_spread[kind].max(*sigma);
+            self.prior_spread[kind] = self.prior_spread[kind].max(*sigma);
         }
-        filter.set_prior();
-        Ok(filter)
+        self.set_prior();
+        Ok(())
     }
 
     /// What is known of the sensors' innovations, in the order gyro, attitude, position.
@@ -138,10 +175,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
     /// Information about the parameters alone, whatever the motion.
     pub(crate) fn of_parameters(&self) -> OfParameters {
         let (first, count) = (self.layout.theta(), self.layout.parameters);
-        let mut out = OfParameters {
-            R: [[0.0; PARAMETERS]; PARAMETERS],
-            z: [0.0; PARAMETERS],
-        };
+        let mut out = OfParameters::NONE;
         for i in 0..count {
             let row = &self.rows[first + i];
             out.R[i][..count].copy_from_slice(&row[first..first + count]);
@@ -154,7 +188,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
     pub(crate) fn set_prior(&mut self) {
         let mut prior = OfParameters {
             R: self.configuration.prior,
-            z: [0.0; PARAMETERS],
+            ..OfParameters::NONE
         };
         for i in 0..self.layout.parameters {
             let off = self.layout.unknown().iter().enumerate().skip(i);

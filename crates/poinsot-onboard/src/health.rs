@@ -57,7 +57,7 @@ pub(crate) enum Verdict {
     LongAlarm,
 }
 
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
 struct OfSensor {
     accepted: u32,
     gated: u32,
@@ -65,7 +65,7 @@ struct OfSensor {
     sums: [f64; AXES],
 }
 
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
 struct Block {
     samples: u32,
     sensors: [OfSensor; SENSORS],
@@ -82,6 +82,13 @@ pub(crate) struct Tests {
 }
 
 impl OfSensor {
+    const NEW: Self = Self {
+        accepted: 0,
+        gated: 0,
+        squares: 0.0,
+        sums: [0.0; AXES],
+    };
+
     fn add(&mut self, innovation: &[f64; AXES], accepted: bool) {
         if !accepted {
             self.gated += 1;
@@ -113,6 +120,11 @@ impl OfSensor {
 }
 
 impl Block {
+    const NEW: Self = Self {
+        samples: 0,
+        sensors: [OfSensor::NEW; SENSORS],
+    };
+
     /// Ends the block after `length` samples; whether it was consistent.
     fn end(&mut self, length: u32) -> Option<bool> {
         self.samples += 1;
@@ -120,18 +132,27 @@ impl Block {
             return None;
         }
         let consistent = self.sensors.iter().all(OfSensor::is_consistent);
-        *self = Self::default();
+        *self = Self::NEW;
         Some(consistent)
     }
 }
 
 impl Tests {
+    /// Without a sample, and not consistent.
+    pub const NONE: Self = Self {
+        blocks: [Block::NEW; 2],
+        in_a_row: [0; SENSORS],
+        counts: [SensorCounts {
+            accepted: 0,
+            gated: 0,
+        }; SENSORS],
+        consistent: false,
+    };
+
     pub fn new() -> Self {
         Self {
-            blocks: [Block::default(); 2],
-            in_a_row: [0; SENSORS],
-            counts: [SensorCounts::default(); SENSORS],
             consistent: true,
+            ..Self::NONE
         }
     }
 
@@ -143,7 +164,7 @@ impl Tests {
 
     /// Begins new blocks.
     fn begin(&mut self) {
-        self.blocks = [Block::default(); 2];
+        self.blocks = [Block::NEW; 2];
         self.in_a_row = [0; SENSORS];
     }
 
@@ -205,12 +226,22 @@ pub(crate) struct Checkpoints {
 }
 
 impl Checkpoints {
+    /// Nothing is known.
+    pub const NONE: Self = Self::of(Checkpoint {
+        body: [0.0; PARAMETERS],
+        info: OfParameters::NONE,
+        is_prior: false,
+    });
+
     pub fn new(body: [f64; PARAMETERS], prior: OfParameters) -> Self {
-        let first = Checkpoint {
+        Self::of(Checkpoint {
             body,
             info: prior,
             is_prior: true,
-        };
+        })
+    }
+
+    const fn of(first: Checkpoint) -> Self {
         Self {
             short: [first; 2],
             long: [first; 2],

@@ -90,6 +90,11 @@ pub struct OfParameters {
 // Sums over a triangle read best by their indices.
 #[allow(clippy::needless_range_loop)]
 impl OfParameters {
+    pub const NONE: Self = Self {
+        R: [[0.0; PARAMETERS]; PARAMETERS],
+        z: [0.0; PARAMETERS],
+    };
+
     /// `R^-1 z` of the first `count`.
     pub fn solution(&self, count: usize) -> Option<[f64; PARAMETERS]> {
         let mut out = [0.0; PARAMETERS];

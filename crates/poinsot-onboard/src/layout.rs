@@ -18,12 +18,18 @@ pub struct Layout {
 }
 
 impl Layout {
+    pub const NONE: Self = Self {
+        wheels: 0,
+        translates: false,
+        parameters: 0,
+        unknown: [0; PARAMETERS],
+    };
+
     pub fn new(configuration: &Configuration) -> Self {
         let mut layout = Self {
             wheels: configuration.wheel_count,
             translates: configuration.translates(),
-            parameters: 0,
-            unknown: [0; PARAMETERS],
+            ..Self::NONE
         };
         let unknown = configuration.unknown.iter().enumerate().filter(|u| *u.1);
         for (place, (k, _)) in layout.unknown.iter_mut().zip(unknown) {

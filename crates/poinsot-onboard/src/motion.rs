@@ -3,7 +3,7 @@
 use crate::configuration::{AXES, Configuration, ITERATIONS, PARAMETERS, WHEELS};
 #[cfg(not(feature = "std"))]
 use nalgebra::ComplexField;
-use nalgebra::{SVector, SymmetricEigen};
+use nalgebra::{ArrayStorage, SVector, SymmetricEigen};
 use poinsot_dynamics::Composite;
 use poinsot_dynamics::propagation::{
     BaseMotion, HALF, LockedVehicle, PoseMomentum, PoseMomentumRate, Rates, STATE, StateRows,
@@ -85,13 +85,19 @@ pub struct Excitation {
 }
 
 impl Excitation {
+    /// No direction.
+    pub const NONE: Self = Self {
+        scatter: Matrix3::from_array_storage(ArrayStorage([[0.0; AXES]; AXES])),
+        samples: 0.0,
+        projector: Matrix3::from_array_storage(ArrayStorage([[0.0; AXES]; AXES])),
+        grows: false,
+    };
+
     /// All directions, until [`Self::settle`].
     pub fn new() -> Self {
         Self {
-            scatter: Matrix3::zeros(),
-            samples: 0.0,
             projector: Matrix3::identity(),
-            grows: false,
+            ..Self::NONE
         }
     }
 

@@ -38,7 +38,7 @@ fn checked(sample: &Sample, wheels: usize) -> Result<Sample, Refusal> {
 
 impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
     /// Takes a sample. The first `WINDOW` samples are kept; with the last of them they are replayed, linearised at the parameters
-    /// of the pass before, until no parameter moves by more than a tenth of its sigma (at most ten passes). From then on each sample
+    /// of the pass before, until no parameter moves by more than a tenth of its sigma (at most 24 passes). From then on each sample
     /// is one step.
     ///
     /// # Errors

@@ -37,15 +37,13 @@ pub(crate) struct Stream {
 }
 
 impl Stream {
-    pub fn new() -> Self {
-        Self {
-            pending: [Sample::at(0.0); HELD_BACK + 1],
-            count: 0,
-            newest: None,
-            taken: None,
-            refused: None,
-        }
-    }
+    pub const NEW: Self = Self {
+        pending: [Sample::at(0.0); HELD_BACK + 1],
+        count: 0,
+        newest: None,
+        taken: None,
+        refused: None,
+    };
 
     /// Newest time, s.
     pub fn newest(&self) -> Option<f64> {
@@ -114,11 +112,9 @@ pub(crate) struct Window<const WINDOW: usize> {
 }
 
 impl<const WINDOW: usize> Window<WINDOW> {
-    pub fn new() -> Self {
-        Self {
-            samples: [Sample::at(0.0); WINDOW],
-            count: 0,
-            done: false,
-        }
-    }
+    pub const NEW: Self = Self {
+        samples: [Sample::at(0.0); WINDOW],
+        count: 0,
+        done: false,
+    };
 }

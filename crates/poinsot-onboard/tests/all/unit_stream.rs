@@ -87,6 +87,45 @@ fn unit_old_answers_are_stale() {
     assert_eq!(filter.answer(end + 11.0).health, Health::Stale);
 }
 
+/// Without a vehicle samples are taken or refused, and no number is determined.
+#[test]
+fn unit_an_idle_filter_has_no_numbers() {
+    let (_, stream) = stream();
+    let mut filter = Box::new(OnBoard::IDLE);
+    for sample in &stream {
+        let _ = filter.push(sample);
+        let answer = filter.answer(sample.time_s);
+        assert_eq!(answer.health, Health::Inconsistent);
+        assert!(answer.numbers.iter().all(|n| !n.determined));
+    }
+}
+
+/// A refused configuration changes nothing; a valid one leaves nothing of the samples before.
+#[test]
+fn exact_a_restarted_filter_is_a_new_one() {
+    let configuration = setups::bus_with_wheels().configuration;
+    let (_, stream) = stream();
+    let run = |mut filter: Box<OnBoard>| {
+        for sample in &stream {
+            filter.push(sample).unwrap();
+        }
+        filter
+    };
+    let first = run(Box::new(OnBoard::new(configuration).unwrap()));
+    let mut again = run(Box::new(
+        OnBoard::new(setups::tumbling().configuration).unwrap(),
+    ));
+    let before = again.answer(0.0);
+    let mut invalid = configuration;
+    invalid.noise.gyro = 0.0;
+    assert_eq!(again.restart(&invalid), Err(Invalid::Noise));
+    assert_eq!(again.answer(0.0), before);
+    again.restart(&configuration).unwrap();
+    let again = run(again);
+    assert_eq!(again.answer(120.0), first.answer(120.0));
+    assert_eq!(again.counts(), first.counts());
+}
+
 #[test]
 fn unit_invalid_configurations_are_refused() {
     let valid = setups::bus_with_thrusters().configuration;
