@@ -19,6 +19,7 @@ import os as _os
 from . import _core, dynamics
 from ._answer import Answer, Body, Covariance, Direction, Residuals
 from ._errors import Explanation, InputError, InternalError, PoinsotError, ResourceError, explain
+from ._filter import Filter, FilterAnswer, follow
 from ._inertia import Inertia
 from ._model import Model
 from ._problem import Evaluation, Problem
@@ -56,6 +57,8 @@ __all__ = [
     "Document",
     "Evaluation",
     "Explanation",
+    "Filter",
+    "FilterAnswer",
     "Inertia",
     "InputError",
     "InternalError",
@@ -74,6 +77,7 @@ __all__ = [
     "dynamics",
     "explain",
     "export",
+    "follow",
     "identify",
     "inspect",
     "methods",

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 __all__ = [
     "Answer",
+    "Filter",
     "Model",
     "Plan",
     "Problem",
@@ -113,6 +114,15 @@ class Problem:
     @property
     def repairs(self) -> list[str]: ...
     def evaluate(self, theta: _Array) -> dict[str, Any]: ...
+
+@final
+class Filter:
+    def __new__(cls, model: Model, every_s: float) -> Filter: ...
+    @property
+    def assumed(self) -> list[str]: ...
+    def push(self, record: Record) -> list[str]: ...
+    def at(self, time_s: float | None = None) -> str | None: ...
+    def end(self) -> str | None: ...
 
 @final
 class Plan:

@@ -90,6 +90,22 @@ def _frame_column(name: str, column: Any) -> NDArray[Any] | None:
     return array.astype(np.float64) if array.dtype.kind in "fiub" else None
 
 
+def frame_columns(frame: Any) -> tuple[dict[str, NDArray[Any]], type]:
+    """Columns of a data frame that hold numbers or dates, and the type that they were read from."""
+    if not (hasattr(frame, "columns") and hasattr(frame, "__getitem__") and not hasattr(frame, "column_names")):
+        if not hasattr(frame, "__arrow_c_stream__"):
+            kind = type(frame).__name__
+            raise _refuse("frame", f"{kind} is no data frame", "give pandas, polars or an Arrow stream")
+        try:
+            pyarrow: Any = import_module("pyarrow")
+        except ImportError:
+            raise _refuse("frame", "an Arrow stream is read by pyarrow, which is missing", "pip install 'poinsot[frames]'") from None
+        frame = pyarrow.table(frame)
+    names: Sequence[str] = list(frame.column_names if hasattr(frame, "column_names") else frame.columns)
+    table = {str(column): _frame_column(str(column), frame[column]) for column in names}
+    return {column: values for column, values in table.items() if values is not None}, type(frame)
+
+
 def _missing(x: Any) -> bool:
     return x is None or type(x).__name__ in ("NAType", "NaTType")
 
@@ -234,20 +250,8 @@ class Telemetry:
         name
             What messages call the record.
         """
-        if not (hasattr(frame, "columns") and hasattr(frame, "__getitem__") and not hasattr(frame, "column_names")):
-            if not hasattr(frame, "__arrow_c_stream__"):
-                kind = type(frame).__name__
-                raise _refuse("frame", f"{kind} is no data frame", "give pandas, polars or an Arrow stream")
-            try:
-                pyarrow: Any = import_module("pyarrow")
-            except ImportError:
-                raise _refuse("frame", "an Arrow stream is read by pyarrow, which is missing", "pip install 'poinsot[frames]'") from None
-            frame = pyarrow.table(frame)
-        names: Sequence[str] = list(frame.column_names if hasattr(frame, "column_names") else frame.columns)
-        table = {str(column): _frame_column(str(column), frame[column]) for column in names}
-        kept = {column: values for column, values in table.items() if values is not None}
-        of = type(frame)
-        return cls._of_table(kept, name or f"<{of.__module__.split('.')[0]}.{of.__name__}>")
+        columns, of = frame_columns(frame)
+        return cls._of_table(columns, name or f"<{of.__module__.split('.')[0]}.{of.__name__}>")
 
     @classmethod
     def join(cls, *records: Telemetry) -> Telemetry:

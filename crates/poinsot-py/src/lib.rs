@@ -8,6 +8,7 @@ mod campaigns;
 mod command;
 mod dynamics;
 mod fault;
+mod filter;
 mod model;
 mod printed;
 mod problem;
@@ -32,6 +33,8 @@ mod _core {
     use crate::dynamics::{
         forward_dynamics, integrate, jacobian, mass_matrix, momentum, momentum_regressor,
     };
+    #[pymodule_export]
+    use crate::filter::CoreFilter;
     #[pymodule_export]
     use crate::model::CoreModel;
     #[pymodule_export]

@@ -48,6 +48,14 @@ impl Follower {
         if let Some(map) = map {
             model.telemetry = read_telemetry_map(map)?;
         }
+        Self::of(model, every_s)
+    }
+
+    /// A filter for a model with its map. Lines come at most every `every_s` seconds of the record; infinite: none.
+    ///
+    /// # Errors
+    /// The filter does not support the model.
+    pub fn of(model: Model, every_s: f64) -> Result<Self, Error> {
         let options = ReadOptions {
             check_conventions: false,
             one_run: false,
@@ -99,23 +107,33 @@ impl Follower {
         if count < 2 {
             return Ok(Vec::new());
         }
-        let samples = self.read(&table)?;
+        let part = Part::stream(ROWS, &mut table.as_bytes());
+        let part = part.map_err(|e| Error::io(Path::new(ROWS), "cannot be read", &e))?;
+        self.push_parts(&[part])
+    }
+
+    /// Takes a batch of at least two rows, and returns lines of JSON. The first row is the last one of the batch before, between which
+    /// and the next one wheel speeds are interpolated.
+    ///
+    /// # Errors
+    /// The rows cannot be read.
+    pub fn push_parts(&mut self, parts: &[Part]) -> Result<Vec<String>, Error> {
+        let table = read_parts(parts, &self.options)?;
+        self.options.origin = table.origin;
+        let samples = self.on_board.samples(&self.model, &table);
         Ok(self.take(&samples))
+    }
+
+    /// A line of what is known at a time of the record, s; at its end where none is given. `None` before the second row.
+    pub fn at(&self, time_s: Option<f64>) -> Option<String> {
+        let line = self.line(time_s.unwrap_or(self.newest))?;
+        Some(line.to_string())
     }
 
     /// What is known at the end.
     pub fn end(&mut self) -> Option<String> {
-        let filter = self.filter.as_mut()?;
-        filter.flush();
-        Some(self.line(self.newest)?.to_string())
-    }
-
-    fn read(&mut self, table: &str) -> Result<Vec<Sample>, Error> {
-        let part = Part::stream(ROWS, &mut table.as_bytes());
-        let part = part.map_err(|e| Error::io(Path::new(ROWS), "cannot be read", &e))?;
-        let table = read_parts(&[part], &self.options)?;
-        self.options.origin = table.origin;
-        Ok(self.on_board.samples(&self.model, &table))
+        self.filter.as_mut()?.flush();
+        self.at(None)
     }
 
     fn take(&mut self, samples: &[Sample]) -> Vec<String> {
