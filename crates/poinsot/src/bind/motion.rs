@@ -16,7 +16,7 @@ use poinsot_identify::{
     Accelerations, ErrorProcess, InputChannel, InputErrors, InputSample, JointMotion, Samples,
     Translation,
 };
-use poinsot_model::{Model, SensorKind};
+use poinsot_model::{Model, Sensor, SensorKind};
 use poinsot_spatial::{UnitQuaternion, Vector3};
 use poinsot_telemetry::{
     Channel, differentiate, median_step, resample, resample_attitude, resample_hermite,
@@ -256,8 +256,12 @@ fn told(channels: &Channels, columns: &JointColumns, repairs: &mut Vec<String>) 
         ));
     }
     if columns.moving().is_some() && columns.rate.is_none() {
+        let how = match noisy(channels.model, columns) {
+            Some(_) => "taken with its position from a motion of random acceleration through",
+            None => "differentiated (quartic through five samples) from",
+        };
         repairs.push(format!(
-            "{label}: no channel '{rate_name}': {name} moves as the samples of '{position_name}' tell, its acceleration taken as random"
+            "{label}: no channel '{rate_name}': rate of {name} {how} '{position_name}'"
         ));
     }
 }
@@ -366,11 +370,17 @@ fn joint_at(model: &Model, columns: &JointColumns, times: &[f64]) -> JointColumn
     }
 }
 
+/// The sensor of a joint's positions and its variance, if it has noise.
+fn noisy<'m>(model: &'m Model, columns: &JointColumns) -> Option<(&'m Sensor, f64)> {
+    let sensor = scalar_sensor(model, SensorKind::JointPosition, columns.at)?;
+    let variance = covariance(sensor)?[(0, 0)];
+    (variance > 0.0).then_some((sensor, variance))
+}
+
 /// Motion of a joint from its positions, where these are noisy and no rates are read.
 fn smoothed(model: &Model, columns: &JointColumns, times: &[f64]) -> Option<JointColumn> {
     let q = columns.moving().filter(|_| columns.rate.is_none())?;
-    let sensor = scalar_sensor(model, SensorKind::JointPosition, columns.at)?;
-    let variance = covariance(sensor).map(|c| c[(0, 0)]).filter(|v| *v > 0.0)?;
+    let (sensor, variance) = noisy(model, columns)?;
     let tolerance = 1.0e-6 * median_step(&q.time_s).unwrap_or(0.0);
     let mut grid: Vec<f64> = times.iter().chain(&*q.time_s).copied().collect();
     grid.sort_by(f64::total_cmp);
