@@ -18,7 +18,7 @@ PRINTED = {
 }
 # xx, yy, zz, xy, yz, zx: the order of Table 2.
 ORDER = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)]
-ZETA, SIGMA, DURATION, RATE = 0.707, 1e-4, 350.0, 10
+ZETA, DURATION, RATE = 0.707, 350.0, 10
 
 
 def product(a, b):
@@ -90,12 +90,9 @@ def inversion(w):
         J = np.array([(numbers(u + s) - numbers(u - s)) / 2e-7 for s in 1e-7 * np.eye(8)]).T
         u = u + np.linalg.lstsq(J, wanted - numbers(u), rcond=None)[0]
     G, K = sums(u)
-    across = np.linalg.svd(n[None])[2][1:]
-    ridge = np.trace(across @ G @ across.T) / 2 / (np.r_[u[6:], n[2]] @ n)
     return {
         "worst_half_digits": float(abs(wanted - numbers(u)).max() / 0.5e-4),
         "pre_estimate": estimators(G, K)["pre-estimate"][3:],
-        "length_s": float(ridge * (w @ n) @ (w @ n) / RATE / SIGMA**2),
     }
 
 

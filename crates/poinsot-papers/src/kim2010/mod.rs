@@ -36,8 +36,7 @@ mod sums;
 
 pub use identify::identify;
 pub use sums::{
-    Answer, ELEMENTS, Iterated, Manoeuvre, NAMES, StartRate, Sums, VISITED, symmetric,
-    wheel_momentum,
+    Answer, ELEMENTS, Iterated, Manoeuvre, NAMES, StartRate, Sums, symmetric, wheel_momentum,
 };
 
 use crate::method::{Method, Named};

@@ -279,31 +279,6 @@ impl Sums {
         }
         Ok(averaged(I))
     }
-
-    /// A sequential interpretation of "considering pre-estimate": products are computed in `order`. Each uses the
-    /// other product of its row if that (or its transpose) is already computed. No order reproduces the printed
-    /// column; kept for comparison.
-    ///
-    /// # Errors
-    /// Not finite.
-    pub fn pre_estimate_in_order(&self, order: &[(usize, usize); 6]) -> Result<Answer, Faults> {
-        let mut I = self.moments(&Matrix3::zeros())?;
-        let moments = I;
-        // By symmetry, the element of a pair computed first is used for both.
-        let mut found: [Option<f64>; 3] = [None; 3];
-        let pair = |i: usize, j: usize| 3 - i - j;
-        for &(i, j) in order {
-            let other = pair(i, j);
-            let mut given = moments;
-            if let Some(value) = found[pair(i, other)] {
-                given[(i, other)] = value;
-            }
-            let value = self.residual(&given)[(i, j)] / self.G[(j, j)];
-            I[(i, j)] = value;
-            found[pair(i, j)].get_or_insert(value);
-        }
-        Ok(averaged(I))
-    }
 }
 
 fn refused(code: &'static str, problem: &str, advice: &str) -> Faults {
@@ -320,9 +295,6 @@ pub(super) fn not_finite() -> Faults {
 
 /// Off-diagonal elements in the order of (15).
 const PRODUCTS: [(usize, usize); 6] = [(0, 1), (0, 2), (1, 0), (1, 2), (2, 0), (2, 1)];
-
-/// Column by column: the order in the one-axis manoeuvres of the conventional method.
-pub const VISITED: [(usize, usize); 6] = [(1, 0), (2, 0), (0, 1), (2, 1), (0, 2), (1, 2)];
 
 fn diagonal(I: &Matrix3) -> Matrix3 {
     Matrix3::from_diagonal(&I.diagonal())

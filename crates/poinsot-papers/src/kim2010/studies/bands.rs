@@ -2,14 +2,14 @@
 
 use super::records::{COLUMNS, PAPER, PRINTED, RATE, SEEDS, Slew, TRUE, chi_square, columns};
 use crate::kim2010::NAMES;
-use crate::study::statistics::{largest, median, quantile};
+use crate::study::statistics::{largest, quantile};
 use crate::study::{Context, Findings, StudyError, Table, curves};
-use poinsot_figures::{Mark, Plot, Series};
+use poinsot_figures::{Mark, Series};
 use poinsot_spatial::Vector3;
 
 /// Row steps for 10, 5, 2, 1 and 0.5 Hz.
 const STEPS: [usize; 5] = [1, 2, 5, 10, 20];
-const LENGTHS: [usize; 7] = [60, 100, 200, 300, 350, 400, 600];
+const LENGTHS: [usize; 5] = [200, 300, 350, 400, 600];
 /// Quantiles of the band of trials.
 const BAND: [f64; 2] = [0.05, 0.95];
 
@@ -40,8 +40,8 @@ impl Records {
 
     /// Chi-square of the suggested column.
     fn chi_square(&self) -> f64 {
-        let suggested: Vec<Vec<f64>> = self.trials.iter().map(|t| t[3].to_vec()).collect();
-        chi_square(&suggested, 3, 0)
+        let suggested: Vec<[f64; 6]> = self.trials.iter().map(|t| t[3]).collect();
+        chi_square(&suggested)
     }
 }
 
@@ -79,7 +79,7 @@ pub fn run(context: &Context) -> Result<Findings, StudyError> {
         " | 200 s | 300 s | 350 s | 400 s | 600 s",
     );
     for step in STEPS {
-        let of_rate = all.iter().filter(|r| r.step == step && r.length >= 200);
+        let of_rate = all.iter().filter(|r| r.step == step);
         distances.row(rate(step), of_rate.map(Records::chi_square));
     }
     let errors = [errors("1hz", one), errors("half_hz", half)];
@@ -96,7 +96,7 @@ pub fn run(context: &Context) -> Result<Findings, StudyError> {
     let fastest = largest(slew.w.iter().map(|w| w.norm())).to_degrees();
     findings.state("Fig. 1, 2", format!("one axis, at most {fastest:.3} deg/s"));
     histories(&slew, &mut findings);
-    draw(&slew, &all, &mut findings)?;
+    draw(&slew, &mut findings)?;
     Ok(findings.say(&[
         "Table 2, Batch = {inside.1.1} of 6 in the band",
         "Table 2, Conventional = {inside.1.2} of 6 in the band",
@@ -150,8 +150,8 @@ fn histories(slew: &Slew, findings: &mut Findings) {
     }
 }
 
-/// Fig. 3 and 4, and the effect of noise at other rates.
-fn draw(slew: &Slew, all: &[Records], findings: &mut Findings) -> Result<(), StudyError> {
+/// Fig. 3 and 4.
+fn draw(slew: &Slew, findings: &mut Findings) -> Result<(), StudyError> {
     let lengths: Vec<usize> = (2..=30).map(|k| 20 * k).collect();
     let mut suggested: Vec<Vec<[f64; 6]>> = Vec::new();
     for list in slew.noisy(PAPER.1, &lengths)? {
@@ -163,36 +163,17 @@ fn draw(slew: &Slew, all: &[Records], findings: &mut Findings) -> Result<(), Stu
         let of = |list: &Vec<[f64; 6]>, q| quantile(list.iter().map(|x| x[k]), q);
         let at = |q: f64| -> Vec<f64> { suggested.iter().map(|list| of(list, q)).collect() };
         let band = format!("5 to 95 % of {SEEDS} records");
+        let (length, printed) = ([PAPER.0 as f64], [PRINTED[3][k]]);
         let series = vec![
             Series::band(&band, 0, &time, &at(BAND[0]), &at(BAND[1])),
             Series::new("median", Mark::Line, 0, &time, &at(0.5)),
+            Series::new("true", Mark::Dashed, 6, &[40.0, 600.0], &[TRUE[k]; 2]),
+            Series::new("printed", Mark::Points, 1, &length, &printed),
         ];
         let figure = 3 + k / 3;
         let title = format!("Fig. {figure}: I_{name}, suggested, 1 Hz");
-        let plot = evolution(title, k, series);
+        let plot = curves(title, "length of the record, s", "inertia, kg m2", series);
         findings.plot(&format!("fig{figure}_{name}"), plot);
     }
-    for (k, name) in NAMES.iter().enumerate().skip(3) {
-        let curve = |(i, step): (usize, usize)| {
-            let of_rate = all.iter().filter(|r| r.step == step);
-            let middle = |r: &Records| median(r.trials.iter().map(|t| t[3][k]));
-            let points = of_rate.map(|r| (r.length as f64, middle(r)));
-            let (x, y): (Vec<f64>, Vec<f64>) = points.unzip();
-            Series::new(&rate(step), Mark::Line, i, &x, &y)
-        };
-        let series = STEPS.into_iter().enumerate().map(curve).collect();
-        let title = format!("I_{name} of the suggested method at several rates");
-        findings.plot(&format!("ridge_{name}"), evolution(title, k, series));
-    }
     Ok(())
-}
-
-/// An element over the record length, with the true and the printed number.
-fn evolution(title: String, k: usize, mut series: Vec<Series>) -> Plot {
-    let (length, printed) = ([PAPER.0 as f64], [PRINTED[3][k]]);
-    series.extend([
-        Series::new("true", Mark::Dashed, 6, &[40.0, 600.0], &[TRUE[k]; 2]),
-        Series::new("printed", Mark::Points, 1, &length, &printed),
-    ]);
-    curves(title, "length of the record, s", "inertia, kg m2", series)
 }

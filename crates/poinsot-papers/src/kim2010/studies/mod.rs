@@ -23,18 +23,8 @@ pub const STUDIES: &[Study] = &[
     ),
     Study::quick(
         "pre-estimate",
-        "the sums that Table 2 fixes, the column considering pre-estimate, length and rate of the record",
+        "the sums that Table 2 fixes, and the column considering pre-estimate",
         one_axis::pre_estimate,
-    ),
-    Study::quick(
-        "orders",
-        "the sequential interpretations of that column in 720 orders",
-        one_axis::orders,
-    ),
-    Study::quick(
-        "iteration",
-        "the announced iteration and the symmetric fit",
-        one_axis::iteration,
     ),
     Study::quick(
         "bands",

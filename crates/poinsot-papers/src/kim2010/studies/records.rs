@@ -3,9 +3,9 @@
 use crate::kim2010::{Manoeuvre, StartRate, Sums, wheel_momentum};
 use crate::study::statistics::Normals;
 use crate::study::{Context, StudyError};
-use nalgebra::{DMatrix, DVector, Quaternion};
+use nalgebra::Quaternion;
 use poinsot_files::Faults;
-use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
+use poinsot_spatial::{Matrix3, Matrix6, UnitQuaternion, Vector3, Vector6};
 
 /// Columns of Table 2, by variant.
 pub const COLUMNS: [&str; 4] = ["batch", "conventional", "pre-estimate", "suggested"];
@@ -19,7 +19,7 @@ pub const PRINTED: [[f64; 6]; 4] = [
 /// Table 1: the tensor in the same order, kg m2.
 pub const TRUE: [f64; 6] = [13.916, 16.954, 19.894, 0.085, 0.5896, 0.133];
 /// Table 1: gyro noise, rad/s.
-pub const SIGMA: f64 = 1.0e-4;
+const SIGMA: f64 = 1.0e-4;
 /// Rows per second of the record.
 pub const RATE: usize = 10;
 /// Length of the longest record, s.
@@ -126,7 +126,7 @@ impl Slew {
 }
 
 /// Noise of one record.
-pub fn noise(seed: u64, samples: usize) -> Vec<Vector3> {
+fn noise(seed: u64, samples: usize) -> Vec<Vector3> {
     let mut normals = Normals::new(seed, 0);
     (0..samples).map(|_| normals.vector() * SIGMA).collect()
 }
@@ -141,18 +141,14 @@ pub fn columns(sums: &Sums) -> Result<[[f64; 6]; 4], Faults> {
     ])
 }
 
-/// Squared Mahalanobis distance of a column's printed numbers (elements from `from` on) to the mean of the trials.
-pub fn chi_square(trials: &[Vec<f64>], column: usize, from: usize) -> f64 {
-    let printed = &PRINTED[column][from..];
-    let (n, p) = (trials.len() as f64, printed.len());
-    let mean: Vec<f64> = (0..p)
-        .map(|i| trials.iter().map(|t| t[i]).sum::<f64>() / n)
-        .collect();
-    let covariance = DMatrix::from_fn(p, p, |i, j| {
-        let products = trials.iter().map(|t| (t[i] - mean[i]) * (t[j] - mean[j]));
-        products.sum::<f64>() / (n - 1.0)
-    });
-    let gap = DVector::from_fn(p, |i, _| printed[i] - mean[i]);
+/// Squared Mahalanobis distance of the suggested column as printed to the mean of the trials.
+pub fn chi_square(trials: &[[f64; 6]]) -> f64 {
+    let n = trials.len() as f64;
+    let trials: Vec<Vector6> = trials.iter().map(|t| Vector6::from(*t)).collect();
+    let mean = trials.iter().sum::<Vector6>() / n;
+    let squares = trials.iter().map(|t| (t - mean) * (t - mean).transpose());
+    let covariance = squares.sum::<Matrix6>() / (n - 1.0);
+    let gap = Vector6::from(PRINTED[3]) - mean;
     let cholesky = covariance.cholesky();
     cholesky.map_or(f64::NAN, |c| gap.dot(&c.solve(&gap)))
 }

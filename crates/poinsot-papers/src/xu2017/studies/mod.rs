@@ -27,13 +27,8 @@ pub const STUDIES: &[Study] = &[
     ),
     Study::slow("uses", "the five uses of the Conclusion", uses::run),
     Study::quick(
-        "target",
-        "a grasped target with all joints in motion",
-        together::target,
-    ),
-    Study::slow(
         "together",
-        "one joint at a time and all joints at once, noise-free and noisy",
+        "a grasped target by one joint and by all joints at once",
         together::run,
     ),
     Study::quick(
