@@ -45,8 +45,6 @@ pub struct CellFile {
     pub at: IndexMap<String, f64>,
     /// What each method gave.
     pub methods: Vec<MethodResultFile>,
-    /// Other methods beside the first, on the same trials.
-    pub comparisons: Vec<PairFile>,
 }
 
 /// One method on the trials of one cell.
@@ -191,32 +189,6 @@ impl NumberResultFile {
         let variance = (rmse * rmse - bias * bias).max(0.0);
         Some((variance * n / (n - 1.0).max(1.0)).sqrt())
     }
-}
-
-/// Another method beside the first.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct PairFile {
-    /// The first method.
-    pub first: String,
-    /// The other.
-    pub other: String,
-    /// Every number, by name.
-    pub numbers: IndexMap<String, PairNumberFile>,
-}
-
-/// One number by two methods on the same trials.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct PairNumberFile {
-    /// Trials that both determined.
-    pub trials: u64,
-    /// Trials whose interval contains the truth by the first method alone.
-    pub held_by_first_alone: u64,
-    /// By the other alone.
-    pub held_by_other_alone: u64,
-    /// p-value of equal coverage (exact McNemar test); null where a method states no sigma.
-    pub mcnemar_p: Option<f64>,
-    /// RMSE of the other over that of the first, with the interval of a paired bootstrap.
-    pub rmse_ratio: BandedFile,
 }
 
 /// Cost of the trials of a plan, measured with a few of them.

@@ -64,8 +64,7 @@ pub use address::{Address, address, element, unknown_name};
 pub use band::{Band, BandedFile};
 pub use body::{BarycentricFile, BodyFile, MassFile, PrincipalFile};
 pub use campaign::{
-    CAMPAIGN, CampaignCost, CampaignFile, CellFile, MethodResultFile, NumberResultFile, PairFile,
-    PairNumberFile,
+    CAMPAIGN, CampaignCost, CampaignFile, CellFile, MethodResultFile, NumberResultFile,
 };
 pub use check::contradictions;
 pub use comparison::{
@@ -97,7 +96,7 @@ pub use number::{
 pub use onboard::{ONBOARD, OnboardBodyFile, OnboardFile};
 pub use plan::{
     ChangeFile, DrawFile, ExperimentFile, MethodFile, NumbersFile, OfFile, PLAN, PlanFile,
-    REPLICATES, SamplingFile, SamplingKind, ScaleFile, SettingFile, VaryFile,
+    ScaleFile, SettingFile, VaryFile,
 };
 pub use poinsot_files::HALF_WIDTH_95;
 pub use prediction::{

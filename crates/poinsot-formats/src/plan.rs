@@ -7,9 +7,6 @@ use std::collections::BTreeMap;
 /// Name and version of the format.
 pub const PLAN: &str = "poinsot.plan/1";
 
-/// Default and least number of replicates of a sampling; bands are computed from their scatter.
-pub const REPLICATES: u64 = 20;
-
 /// A campaign: every combination of experiments, varied numbers and methods, with trials of each.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -22,10 +19,10 @@ pub struct PlanFile {
     /// What it is about, in one line.
     #[serde(default)]
     pub about: String,
-    /// Trials of every experiment at every point. A sampling has its own number.
+    /// Trials of every experiment at every point.
     #[schemars(extend("minimum" = 1, "maximum" = 1_u64 << 48))]
     pub trials: Option<u64>,
-    /// Trials of one shard. Default 100; of a sampling its points.
+    /// Trials of one shard. Default 100.
     #[schemars(extend("minimum" = 1, "maximum" = 1_u64 << 48))]
     pub trials_per_shard: Option<u64>,
     /// Seed of all random numbers. Default: the seed of the case; 1 for a record.
@@ -38,21 +35,12 @@ pub struct PlanFile {
     /// Numbers that vary.
     #[serde(default)]
     pub vary: Vec<VaryFile>,
-    /// How numbers with a range and no count are sampled.
-    pub sampling: Option<SamplingFile>,
     /// Numbers that differ from the files in every trial.
     #[serde(default)]
     pub change: Vec<ChangeFile>,
     /// Numbers that every trial draws.
     #[serde(default)]
     pub draw: Vec<DrawFile>,
-}
-
-impl SamplingFile {
-    /// Points of all replicates.
-    pub fn trials(&self) -> u64 {
-        self.points * self.replicates.unwrap_or(REPLICATES)
-    }
 }
 
 impl PlanFile {
@@ -164,7 +152,7 @@ pub struct VaryFile {
     pub from: Option<f64>,
     /// Upper end of a range.
     pub to: Option<f64>,
-    /// Values of the range, both ends among them. Without it the range is sampled.
+    /// Values of the range, both ends among them.
     #[schemars(extend("minimum" = 2, "maximum" = 1_000_000, "x-advice" = "a range has two values or more"))]
     pub count: Option<u64>,
     /// Steps of the range.
@@ -172,30 +160,6 @@ pub struct VaryFile {
     pub scale: ScaleFile,
     /// Where it changes. Default: both.
     pub of: Option<OfFile>,
-}
-
-/// Kind of a sampling.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum SamplingKind {
-    /// Latin hypercube (McKay, Beckman, Conover 1979).
-    LatinHypercube,
-    /// Sobol's sequence with Owen's scrambling (Owen 1995); the points are a power of two.
-    Sobol,
-}
-
-/// Independent replicates of a set of points, one trial a point.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct SamplingFile {
-    /// Kind.
-    pub kind: SamplingKind,
-    /// Points of one replicate.
-    #[schemars(extend("minimum" = 1, "maximum" = 1 << 20))]
-    pub points: u64,
-    /// Replicates, at least 20. Default 20.
-    #[schemars(extend("minimum" = REPLICATES, "maximum" = 1 << 20, "x-advice" = "bands are computed from the scatter between replicates: give 20 to 1048576"))]
-    pub replicates: Option<u64>,
 }
 
 /// One number for all, or one for each.

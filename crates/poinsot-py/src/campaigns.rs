@@ -30,7 +30,7 @@ impl CorePlan {
         run(py, None, move || {
             let mut plan = read_plan(&path)?;
             if let Some(trials) = trials {
-                plan.set_trials(trials)?;
+                plan.set_trials(trials);
             }
             Ok(Self {
                 plan: Arc::new(plan),

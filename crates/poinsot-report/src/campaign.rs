@@ -52,17 +52,10 @@ pub fn table_document(result: &CampaignFile) -> Document {
     let cells = || result.cells.iter();
     let all = || cells().flat_map(|c| c.methods.iter().map(move |m| (c, m)));
     let of = |(c, m)| context! { of => label(result, c, m), ..Value::from_serialize(m) };
-    let pair = |(c, k): (&CellFile, usize)| {
-        let method = c.methods.get(k + 1)?;
-        Some(context! { of => label(result, c, method), numbers => c.comparisons[k].numbers })
-    };
-    let pairs = cells().flat_map(|c| (0..c.comparisons.len()).map(move |k| (c, k)));
     let context = context! {
         headline => headline(result),
         methods => all().map(of).collect::<Vec<_>>(),
         failures => all().flat_map(|(_, m)| &m.failures).take(1).collect::<Vec<_>>(),
-        first => all().next().map(|(_, m)| &m.method),
-        pairs => pairs.filter_map(pair).collect::<Vec<_>>(),
     };
     let tone = match result.missing.is_empty() {
         true => Tone::Good,

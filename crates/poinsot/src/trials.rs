@@ -9,8 +9,8 @@ mod sums;
 pub use poinsot_formats::{Band, BandedFile};
 pub(crate) use row::estimated_numbers;
 pub use row::{Nees, Row, RowNumber, judged};
+pub(crate) use sums::position;
 pub use sums::{NumberSums, OUTSIDE, Sums, statistics};
-pub(crate) use sums::{found_or_new, position};
 
 use crate::bind::{RELATIVE_ACCURACY, solve};
 use crate::case::Case;

@@ -20,7 +20,7 @@ pub fn run(arguments: &Campaign) -> Outcome {
     poinsot::start_threads()?;
     let mut plan = read_plan(&arguments.plan)?;
     if let Some(trials) = arguments.trials {
-        plan.set_trials(trials)?;
+        plan.set_trials(trials);
     }
     if arguments.estimate {
         let document = cost_document(&campaign_cost(&plan)?);

@@ -137,8 +137,7 @@ fn pieces<'a>(
     let many = at_once(plan);
     shards.iter().flat_map(move |number| {
         let shard = plan.shard(*number);
-        // The points of a sampling belong to one shard.
-        let same = |l: &Arc<Active>| l.shard.cell == shard.cell && plan.sampling.is_none();
+        let same = |l: &Arc<Active>| l.shard.cell == shard.cell;
         let kept = last.take().filter(same);
         let active = Arc::new(Active {
             prepared: kept.map_or_else(Arc::default, |l| Arc::clone(&l.prepared)),

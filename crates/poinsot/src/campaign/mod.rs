@@ -16,16 +16,15 @@
 //! ```
 
 mod address;
+mod deviates;
 mod engine;
 mod estimate;
 mod experiment;
 mod faults;
 mod methods;
-mod pairs;
 mod plan;
 mod result;
 mod run;
-mod sampling;
 mod shard;
 mod slurm;
 mod sums;

@@ -11,10 +11,7 @@ use crate::case::FITTED;
 use crate::error::Error;
 use crate::threads::thread_count;
 use crate::trials::Study;
-use poinsot_formats::{
-    DrawFile, NumbersFile, OfFile, PLAN, PlanFile, SamplingFile, SamplingKind, ScaleFile, VaryFile,
-    sha256,
-};
+use poinsot_formats::{DrawFile, NumbersFile, OfFile, PLAN, PlanFile, ScaleFile, VaryFile, sha256};
 use serde::Serialize;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -29,10 +26,6 @@ const TRIALS: u64 = 1000;
 const MOST_TRIALS: u64 = 1 << 48;
 /// Largest number of cells of a grid.
 const MOST_CELLS: u64 = 1_000_000;
-/// Largest number of points in one replicate of a sampling.
-const MOST_POINTS: u64 = 1 << 20;
-/// Dimensions of the Sobol sequence.
-const SOBOL_DIMENSIONS: usize = 256;
 
 /// A number varied on the grid.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,15 +33,6 @@ pub(crate) struct GridAxis {
     pub number: String,
     pub of: OfFile,
     pub values: Vec<f64>,
-}
-
-/// A number varied by a sampling.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct SampledAxis {
-    pub number: String,
-    pub of: OfFile,
-    pub range: [f64; 2],
-    pub log: bool,
 }
 
 /// A checked plan.
@@ -69,8 +53,6 @@ pub struct Plan {
     pub(crate) experiments: Vec<Experiment>,
     pub(crate) methods: Vec<MethodChoice>,
     pub(crate) grid: Vec<GridAxis>,
-    pub(crate) sampled: Vec<SampledAxis>,
-    pub(crate) sampling: Option<SamplingFile>,
 }
 
 /// A block of trials of one cell.
@@ -158,12 +140,9 @@ fn plan_of(file: PlanFile, mut text: PlanText) -> Result<Plan, Error> {
     check_counts(&file, &mut text);
     check_kernels(&file, &mut text);
     let methods = MethodChoice::all(&file.method, &mut text);
-    let sampling = file.sampling;
-    check_points(sampling, &mut text);
-    let (mut grid, mut sampled) = (Vec::new(), Vec::new());
-    for (k, vary) in file.vary.iter().enumerate() {
-        axis(vary, k, sampling, &mut text, &mut grid, &mut sampled);
-    }
+    let varied = file.vary.iter().enumerate();
+    let grid = varied.filter_map(|(k, vary)| axis(vary, k, &mut text));
+    let grid = grid.collect();
     text.finish()?;
     let folder = text.path().parent().unwrap_or(Path::new("")).to_owned();
     let mut experiments = Vec::new();
@@ -172,13 +151,6 @@ fn plan_of(file: PlanFile, mut text: PlanText) -> Result<Plan, Error> {
         experiments.extend(made);
     }
     text.finish()?;
-    let (trials, block) = match sampling {
-        Some(s) => (s.trials(), s.points),
-        None => {
-            let trials = file.trials.unwrap_or(TRIALS);
-            (trials, file.trials_per_shard.unwrap_or(TRIALS_PER_SHARD))
-        }
-    };
     let stem = text
         .path()
         .file_stem()
@@ -190,15 +162,13 @@ fn plan_of(file: PlanFile, mut text: PlanText) -> Result<Plan, Error> {
             name => name.to_owned(),
         },
         digest: digest(&file, &experiments),
-        trials,
-        block,
+        trials: file.trials.unwrap_or(TRIALS),
+        block: file.trials_per_shard.unwrap_or(TRIALS_PER_SHARD),
         folder,
         file,
         experiments,
         methods,
         grid,
-        sampled,
-        sampling,
     };
     check_addresses(&plan, &mut text);
     if plan.cells() > MOST_CELLS {
@@ -219,7 +189,7 @@ fn plan_of(file: PlanFile, mut text: PlanText) -> Result<Plan, Error> {
 }
 
 fn check_kernels(file: &PlanFile, text: &mut PlanText) {
-    let own_truth = !file.draw.is_empty() || file.sampling.is_some();
+    let own_truth = !file.draw.is_empty();
     let others = file.method.iter().any(|m| !m.kernel);
     for (k, _) in file.method.iter().enumerate().filter(|(_, m)| m.kernel) {
         let (what, remedy) = match (own_truth, others) {
@@ -246,92 +216,44 @@ fn check_counts(file: &PlanFile, text: &mut PlanText) {
         let what = "there is no experiment";
         text.refuse("experiment", what, "add [[experiment]] with a case");
     }
-    let counts = [
-        ("trials", file.trials),
-        ("trials_per_shard", file.trials_per_shard),
-    ];
-    for (key, _) in counts.iter().filter(|c| c.1.is_some()) {
-        if file.sampling.is_some() {
-            let what = "a sampling sets its own number of trials: points x replicates";
-            text.refuse(key, what, "take it out");
-        }
-    }
 }
 
-fn check_points(sampling: Option<SamplingFile>, text: &mut PlanText) {
-    let Some(SamplingFile { kind, points, .. }) = sampling else {
-        return;
-    };
-    if kind == SamplingKind::Sobol && !points.is_power_of_two() {
-        let near = points.min(MOST_POINTS).next_power_of_two();
-        let what = "the points of Sobol's sequence are balanced only in powers of two";
-        text.refuse("sampling.points", what, &format!("write {near}"));
-    }
-}
-
-/// One `[[vary]]`: values, a range with a count, or a sampled range.
-fn axis(
-    vary: &VaryFile,
-    k: usize,
-    sampling: Option<SamplingFile>,
-    text: &mut PlanText,
-    grid: &mut Vec<GridAxis>,
-    sampled: &mut Vec<SampledAxis>,
-) {
-    let of = vary.of.unwrap_or(OfFile::Both);
-    let number = vary.number.clone();
+/// One `[[vary]]`: values, or a range with a count; `None` if a fault was recorded.
+fn axis(vary: &VaryFile, k: usize, text: &mut PlanText) -> Option<GridAxis> {
     let log = vary.scale == ScaleFile::Log;
-    let fault = match (&vary.values, vary.from, vary.to, vary.count, sampling) {
-        (Some(values), None, None, None, _) if values.is_empty() => {
-            ["values", "the list is empty", "write values = [1.0, 2.0]"]
+    let found = match (&vary.values, vary.from, vary.to, vary.count) {
+        (Some(values), None, None, None) if values.is_empty() => {
+            Err(["values", "the list is empty", "write values = [1.0, 2.0]"])
         }
-        (Some(values), None, None, None, _) => {
-            let values = values.clone();
-            return grid.push(GridAxis { number, of, values });
+        (Some(values), None, None, None) => Ok(values.clone()),
+        (None, Some(from), Some(to), _) if from >= to => {
+            Err(["from", "from must be below to", "give both ends of a range"])
         }
-        (None, Some(from), Some(to), ..) if from >= to => {
-            ["from", "from must be below to", "give both ends of a range"]
-        }
-        (None, Some(from), Some(_), ..) if log && from <= 0.0 => [
+        (None, Some(from), Some(_), _) if log && from <= 0.0 => Err([
             "scale",
             "equal ratios need positive ends",
             "write scale = \"linear\"",
-        ],
-        (None, Some(from), Some(to), Some(n), _) => {
-            let values = range(from, to, n, log);
-            return grid.push(GridAxis { number, of, values });
-        }
-        (None, Some(_), Some(_), None, Some(s))
-            if s.kind == SamplingKind::Sobol && sampled.len() == SOBOL_DIMENSIONS =>
-        {
-            [
-                "number",
-                "more numbers than Sobol's sequence has dimensions",
-                "sample at most 256",
-            ]
-        }
-        (None, Some(from), Some(to), None, Some(_)) => {
-            let range = [from, to];
-            return sampled.push(SampledAxis {
-                number,
-                of,
-                range,
-                log,
-            });
-        }
-        (None, Some(_), Some(_), None, None) => [
+        ]),
+        (None, Some(from), Some(to), Some(n)) => Ok(range(from, to, n, log)),
+        (None, Some(_), Some(_), None) => Err([
             "count",
-            "a range without a count is sampled, and there is no [sampling]",
-            "add count = 10, or [sampling] with kind and points",
-        ],
-        _ => [
+            "a range needs a count",
+            "add count = 10, or [[draw]] the number in every trial",
+        ]),
+        _ => Err([
             "number",
             "needs either values or one range",
             "give values = [...], or from and to with count",
-        ],
+        ]),
     };
-    let [key, what, remedy] = fault;
-    text.refuse(&format!("vary[{k}].{key}"), what, remedy);
+    let refuse = |[key, what, remedy]: [&str; 3]| {
+        text.refuse(&format!("vary[{k}].{key}"), what, remedy);
+    };
+    Some(GridAxis {
+        number: vary.number.clone(),
+        of: vary.of.unwrap_or(OfFile::Both),
+        values: found.map_err(refuse).ok()?,
+    })
 }
 
 /// Values of a range, with exact ends.
@@ -340,17 +262,15 @@ fn range(from: f64, to: f64, count: u64, log: bool) -> Vec<f64> {
     let at = |k: u64| match k {
         0 => from,
         k if k == last => to,
-        k => between(from, to, k as f64 / last as f64, log),
+        k => {
+            let share = k as f64 / last as f64;
+            match log {
+                true => (from.ln() + share * (to.ln() - from.ln())).exp(),
+                false => from + share * (to - from),
+            }
+        }
     };
     (0..count).map(at).collect()
-}
-
-/// Interpolates between the ends, linearly or logarithmically.
-pub(super) fn between(from: f64, to: f64, share: f64, log: bool) -> f64 {
-    match log {
-        true => (from.ln() + share * (to.ln() - from.ln())).exp(),
-        false => from + share * (to - from),
-    }
 }
 
 /// Checks that every change and draw is one, and that every address names numbers in every experiment.
@@ -412,10 +332,6 @@ fn digest(file: &PlanFile, experiments: &[Experiment]) -> String {
         name: String::new(),
         about: String::new(),
         trials: None,
-        sampling: file.sampling.map(|s| SamplingFile {
-            replicates: None,
-            ..s
-        }),
         ..file.clone()
     };
     let whole = Digested {
@@ -436,23 +352,8 @@ struct Digested<'a> {
 
 impl Plan {
     /// Changes the number of trials per cell; trials and finished shards are not affected.
-    ///
-    /// # Errors
-    /// The plan is a sampling, whose replicates cannot be divided.
-    pub fn set_trials(&mut self, trials: u64) -> Result<(), Error> {
-        if self
-            .sampling
-            .is_some_and(|s| !trials.is_multiple_of(s.points))
-        {
-            return Err(Error::usage(
-                "--trials",
-                trials,
-                "a sampling has whole replicates",
-                format!("give a multiple of {}", self.block),
-            ));
-        }
+    pub fn set_trials(&mut self, trials: u64) {
         self.trials = trials.clamp(1, MOST_TRIALS);
-        Ok(())
     }
 
     /// Every file that the plan names, and the files that those name.
@@ -507,7 +408,7 @@ impl Plan {
         all
     }
 
-    /// The experiment of a cell as a separate study, without draws and samplings.
+    /// The experiment of a cell as a separate study, without draws.
     ///
     /// # Errors
     /// It cannot be simulated.
@@ -523,7 +424,7 @@ impl Plan {
 
     /// Whether every trial has its own true values.
     pub(crate) fn draws(&self) -> bool {
-        !self.file.draw.is_empty() || self.sampling.is_some()
+        !self.file.draw.is_empty()
     }
 
     /// The files of an experiment with the changes of a cell.

@@ -81,7 +81,7 @@ impl Folded {
         for number in 0..plan.shards_up_to(trials) {
             let cell = &mut folded.cells[plan.shard(number).cell as usize];
             match find(number)? {
-                Ok(shard) => cell.merge(&shard.sums, plan.sampling.is_some()),
+                Ok(shard) => cell.merge(&shard.sums),
                 Err(missing) => folded.missing.push(missing),
             }
         }

@@ -1,9 +1,8 @@
 //! Sums over the rows of a cell: those of a shard are written, and added in the order of the shards.
 
-use super::pairs::PairSums;
 use super::plan::Plan;
 use crate::trials::{Row, Sums};
-use poinsot_formats::{CellFile, MethodResultFile, PairFile, finite};
+use poinsot_formats::{CellFile, MethodResultFile, finite};
 use serde::{Deserialize, Serialize};
 
 /// Sums over trials of one cell.
@@ -11,8 +10,6 @@ use serde::{Deserialize, Serialize};
 pub struct CellSums {
     /// One entry per method.
     pub methods: Vec<Sums>,
-    /// Every method compared with the first.
-    pub pairs: Vec<PairSums>,
     /// CPU time of each method, s; not reproducible.
     pub seconds: Vec<f64>,
 }
@@ -26,27 +23,20 @@ impl CellSums {
         });
         let mut sums = Self {
             methods: methods.collect(),
-            pairs: vec![PairSums::default(); plan.methods.len() - 1],
             seconds: vec![0.0; plan.methods.len()],
         };
         for trial in rows.chunks(plan.methods.len()) {
             for (k, row) in trial.iter().enumerate() {
                 sums.methods[k].add(row);
                 sums.seconds[k] += row.seconds;
-                if k > 0 && trial[0].status.and(row.status).is_some() {
-                    sums.pairs[k - 1].add(&trial[0], row);
-                }
             }
         }
         sums
     }
 
-    /// Adds the sums of a shard, which is a replicate if the plan is a sampling.
-    pub(super) fn merge(&mut self, shard: &Self, replicated: bool) {
+    /// Adds the sums of a shard.
+    pub(super) fn merge(&mut self, shard: &Self) {
         for (ours, theirs) in self.methods.iter_mut().zip(&shard.methods) {
-            ours.merge(theirs, replicated);
-        }
-        for (ours, theirs) in self.pairs.iter_mut().zip(&shard.pairs) {
             ours.merge(theirs);
         }
         for (ours, theirs) in self.seconds.iter_mut().zip(&shard.seconds) {
@@ -54,11 +44,10 @@ impl CellSums {
         }
     }
 
-    /// The statistics of every method, and of the others beside the first.
+    /// The statistics of every method.
     pub(super) fn file(&self, plan: &Plan, cell: u64, outside: f64) -> CellFile {
         let point = plan.point(cell).into_iter();
         let methods = self.methods.iter().zip(&self.seconds);
-        let pairs = self.pairs.iter().zip(plan.methods.iter().skip(1));
         CellFile {
             experiment: plan.experiment(cell).name.clone(),
             at: point.map(|(n, x)| (n.to_owned(), x)).collect(),
@@ -66,13 +55,6 @@ impl CellSums {
                 .map(|(sums, seconds)| MethodResultFile {
                     seconds_per_trial: finite(seconds / sums.trials as f64),
                     ..sums.result(outside)
-                })
-                .collect(),
-            comparisons: pairs
-                .map(|(pair, other)| PairFile {
-                    first: plan.methods[0].label.clone(),
-                    other: other.label.clone(),
-                    numbers: pair.numbers.iter().map(|n| n.entry(outside)).collect(),
                 })
                 .collect(),
         }

@@ -1,9 +1,9 @@
 //! One trial: random numbers, samples, and all methods.
 
+use super::deviates::Deviates;
 use super::experiment::Apply;
 use super::methods::MethodChoice;
-use super::plan::{Plan, Shard, between};
-use super::sampling::{Deviates, points};
+use super::plan::{Plan, Shard};
 use crate::error::Error;
 use crate::trials::{Bound, Row, RowNumber, Study};
 use poinsot_formats::{DrawFile, OfFile};
@@ -31,8 +31,6 @@ pub(super) struct Prepared {
     shared: Option<Repeated>,
     /// Kernels of all methods, or none.
     kernels: Vec<Kernel>,
-    /// Points of the sampling, one per trial.
-    points: Vec<Vec<f64>>,
 }
 
 /// An experiment with its bound.
@@ -57,12 +55,7 @@ impl Prepared {
         let mut prepared = Self {
             shared: None,
             kernels: Vec::new(),
-            points: Vec::new(),
         };
-        if let Some(s) = plan.sampling {
-            let replicate = shard.trials.start / s.points;
-            prepared.points = points(s, plan.sampled.len(), seed(plan), replicate);
-        }
         if !plan.draws() {
             let study = plan.study(shard.cell)?;
             let kernels = plan.methods.iter().filter(|m| m.kernel);
@@ -88,7 +81,7 @@ impl Prepared {
         let repeated = match &self.shared {
             Some(shared) => Ok(shared),
             None => {
-                own = self.own_study(plan, shard, number, &mut drawn);
+                own = Self::own_study(plan, shard, number, &mut drawn);
                 own.as_ref()
             }
         };
@@ -152,24 +145,18 @@ impl Prepared {
 
     /// The experiment of a trial with its own true values.
     fn own_study(
-        &self,
         plan: &Plan,
         shard: &Shard,
         number: u64,
         drawn: &mut Vec<(String, f64)>,
     ) -> Result<Repeated, Error> {
         let experiment = plan.experiment(shard.cell);
-        let point = self.points.get((number - shard.trials.start) as usize);
         let mut changes = |apply: &mut Apply<'_>| {
             plan.fixed(shard.cell, apply)?;
-            for (axis, share) in plan.sampled.iter().zip(point.into_iter().flatten()) {
-                let value = between(axis.range[0], axis.range[1], *share, axis.log);
-                drawn.push((axis.number.clone(), value));
-                apply(&axis.number, axis.of, &mut |_, _| value)?;
-            }
             for (k, draw) in plan.file.draw.iter().enumerate() {
                 let deviates = Deviates {
-                    seed: seed(plan),
+                    // Sensor noise uses the seed of the experiment if the plan has none.
+                    seed: plan.file.seed.unwrap_or(0),
                     trial: number,
                     draw: k as u64,
                 };
@@ -195,14 +182,9 @@ fn drawn_value(draw: &DrawFile, deviates: Deviates, at: usize, old: f64) -> f64 
     match (draw.sigma, draw.relative_sigma, draw.from.zip(draw.to)) {
         (Some(sigma), _, _) => old + sigma * deviates.normal(at),
         (_, Some(share), _) => old * (1.0 + share * deviates.normal(at)),
-        (_, _, Some((from, to))) => between(from, to, deviates.unit(at), false),
+        (_, _, Some((from, to))) => from + deviates.unit(at) * (to - from),
         _ => old,
     }
-}
-
-/// Seed of points and draws. Sensor noise uses the seed of the experiment if the plan has none.
-fn seed(plan: &Plan) -> u64 {
-    plan.file.seed.unwrap_or(0)
 }
 
 /// Runs a method; a panic counts as a failed trial.

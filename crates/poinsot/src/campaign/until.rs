@@ -5,8 +5,7 @@ use super::plan::Plan;
 /// Trials at the first test; each further test has twice as many.
 const FIRST_LOOK: u64 = 1000;
 
-/// Trial numbers of the tests: 1000, 2000, 4000 and so on; with a sampling 20, 40, 80 and so on replicates. They are
-/// rounded up to whole shards, and the last test is at the end.
+/// Trial numbers of the tests: 1000, 2000, 4000 and so on, rounded up to whole shards. The last test is at the end.
 ///
 /// ```
 #[doc = include_str!("../../doc/plan.txt")]
@@ -15,12 +14,8 @@ const FIRST_LOOK: u64 = 1000;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn looks(plan: &Plan) -> Vec<u64> {
-    let first = match plan.sampling {
-        Some(s) => s.points * poinsot_formats::REPLICATES,
-        None => FIRST_LOOK,
-    };
     let mut all = Vec::new();
-    let mut next = first;
+    let mut next = FIRST_LOOK;
     while next < plan.trials {
         let whole = next.div_ceil(plan.block) * plan.block;
         if whole < plan.trials && all.last() != Some(&whole) {

@@ -69,7 +69,7 @@ pub struct Row {
     pub evidence: Vec<String>,
     /// Every number with known truth.
     pub numbers: Vec<RowNumber>,
-    /// Numbers that the trial drew or sampled, by address.
+    /// Numbers that the trial drew, by address.
     pub drawn: Vec<(String, f64)>,
     /// Iterations taken.
     pub iterations: u64,

@@ -60,40 +60,6 @@ pub struct NumberSums {
     pub variance: f64,
     /// Trials whose stated 95 % interval holds the truth.
     pub held: u64,
-    #[serde(skip)]
-    replicates: Replicates,
-}
-
-/// Sum and sum of squares of a statistic over replicates.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-struct Scatter {
-    sum: f64,
-    square: f64,
-}
-
-/// Scatter of the coverage and of the mean square over the bound between the replicates of a sampling.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-struct Replicates {
-    count: u64,
-    answered: Scatter,
-    all: Scatter,
-    square: Scatter,
-}
-
-impl Scatter {
-    fn add(&mut self, x: f64) {
-        self.sum += x;
-        self.square += x * x;
-    }
-
-    /// A value with Student's interval over `count` replicates.
-    fn interval(self, count: u64, value: Option<f64>, outside: f64) -> BandedFile {
-        let n = count as f64;
-        let mean = self.sum / n;
-        let variance = (self.square / n - mean * mean).max(0.0) * n / (n - 1.0).max(1.0);
-        let about = BandedFile::mean(mean, variance.sqrt(), count, outside);
-        BandedFile { value, ..about }
-    }
 }
 
 impl NumberSums {
@@ -132,34 +98,12 @@ impl NumberSums {
         finite(self.bounds.sum / self.bounds.count as f64)
     }
 
-    fn add_replicate(&mut self, own: &Self, trials: u64) {
-        let stated = (own.trials - own.unstated).max(1);
-        let all = own.trials as f64;
-        let yardstick = own.bound_square().map_or(own.variance, |b| b * all);
-        self.replicates.count += 1;
-        self.replicates
-            .answered
-            .add(own.held as f64 / stated as f64);
-        self.replicates.all.add(own.held as f64 / trials as f64);
-        self.replicates.square.add(own.square / yardstick);
-    }
-
     /// Coverage over the trials that determined the number, and over all; null where none states an interval.
     fn coverage(&self, trials: u64, outside: f64) -> [BandedFile; 2] {
-        let r = &self.replicates;
-        let stated = self.trials - self.unstated;
-        if stated == 0 {
-            return [BandedFile::default(); 2];
+        match self.trials - self.unstated {
+            0 => [BandedFile::default(); 2],
+            stated => [stated, trials].map(|of| BandedFile::share(self.held, of, outside)),
         }
-        [(stated, r.answered), (trials, r.all)].map(|(of, scatter)| {
-            let wilson = BandedFile::share(self.held, of, outside);
-            let own = scatter.interval(r.count, wilson.value, outside);
-            // Equal replicates have no scatter; an interval of zero width is not used.
-            match r.count == 0 || own.half() == Some(0.0) {
-                true => wilson,
-                false => own,
-            }
-        })
     }
 
     fn result(&self, trials: u64, outside: f64) -> NumberResultFile {
@@ -169,14 +113,7 @@ impl NumberSums {
         let stated = (self.trials - self.unstated) as f64;
         let bound = self.bound_square().map(f64::sqrt);
         let rmse = BandedFile::mean_square(square, self.trials, outside).root();
-        let over = |bound: f64| match self.replicates.count {
-            0 => rmse.over(bound),
-            n => {
-                let value = finite(square / (bound * bound));
-                let scatter = self.replicates.square;
-                scatter.interval(n, value, outside).root()
-            }
-        };
+        let over = |bound: f64| rmse.over(bound);
         let [coverage_answered, coverage_all] = self.coverage(trials, outside);
         NumberResultFile {
             trials: self.trials,
@@ -273,8 +210,8 @@ impl Sums {
         found_or_new(&mut self.numbers, place, |n| n.name == name, new)
     }
 
-    /// Adds the sums of other trials, which are a replicate if the plan is a sampling.
-    pub(crate) fn merge(&mut self, other: &Self, replicated: bool) {
+    /// Adds the sums of other trials.
+    pub(crate) fn merge(&mut self, other: &Self) {
         self.trials += other.trials;
         self.answers += other.answers;
         self.failures += other.failures;
@@ -294,11 +231,7 @@ impl Sums {
         self.nees.square += other.nees.square;
         self.nees.dof += other.nees.dof;
         for (place, theirs) in other.numbers.iter().enumerate() {
-            let ours = self.number(place, &theirs.name);
-            ours.add(theirs);
-            if replicated && theirs.trials > 0 {
-                ours.add_replicate(theirs, other.trials);
-            }
+            self.number(place, &theirs.name).add(theirs);
         }
     }
 
@@ -351,7 +284,7 @@ pub(crate) fn position<T>(list: &[T], place: usize, is: impl Fn(&T) -> bool) -> 
 }
 
 /// The item that is meant, made if it is not there.
-pub(crate) fn found_or_new<T>(
+fn found_or_new<T>(
     list: &mut Vec<T>,
     place: usize,
     is: impl Fn(&T) -> bool,

@@ -6,7 +6,7 @@ use poinsot::campaign::{
 };
 use poinsot::explain::explain;
 use poinsot::trials::{OUTSIDE, statistics};
-use poinsot_formats::{BandedFile, CampaignFile, PlanFile};
+use poinsot_formats::{CampaignFile, PlanFile};
 use std::path::{Path, PathBuf};
 
 fn cases() -> PathBuf {
@@ -245,50 +245,6 @@ fn stat_trials_that_draw_their_truth_are_calibrated() {
 }
 
 #[test]
-fn exact_samplings_have_bands_of_replicates_and_looks_of_whole_rounds() {
-    let text = r#"
-schema = "poinsot.plan/1"
-[[experiment]]
-case = "tug_thrusters.toml"
-every = 10
-[sampling]
-kind = "sobol"
-points = 2
-[[vary]]
-number = "noise"
-from = 0.5
-to = 2.0
-scale = "log"
-"#;
-    let plan = plan(text);
-    assert_eq!(
-        (plan.trials, plan.block, plan.cells(), plan.shards()),
-        (40, 2, 1, 20)
-    );
-    assert_eq!(looks(&plan), [40]);
-    let folder = tempfile::tempdir().unwrap();
-    let result = campaign(&plan, &request(folder.path(), false))
-        .unwrap()
-        .result
-        .unwrap();
-    let mut scattered = 0;
-    for (name, n) in &result.cells[0].methods[0].numbers {
-        let share = n.coverage_all.value.unwrap();
-        let (low, high) = (n.coverage_all.low.unwrap(), n.coverage_all.high.unwrap());
-        assert!(low <= share && share <= high && high - low > 0.01, "{name}");
-        let wilson = BandedFile::share((40.0 * share).round() as u64, 40, 0.05);
-        // Student's interval over 20 replicates of 2 trials differs from a Wilson interval of 40, used if all
-        // replicates are equal.
-        scattered += usize::from((low - wilson.low.unwrap()).abs() > 1.0e-9);
-        assert!(
-            share < 1.0 || (low - wilson.low.unwrap()).abs() < 1.0e-9,
-            "{name}"
-        );
-    }
-    assert!(scattered > 0);
-}
-
-#[test]
 fn exact_looks_double_from_a_thousand_to_the_whole() {
     let text = PLAN
         .replace("trials = 12", "trials = 9000")
@@ -334,7 +290,7 @@ fn unit_a_plan_that_cannot_be_run_says_why() {
         (
             "values = [1.0, 3.0]",
             "from = 1.0\nto = 2.0",
-            "there is no [sampling]",
+            "a range needs a count",
         ),
         (
             "name = \"linear\"",

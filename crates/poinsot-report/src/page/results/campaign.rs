@@ -54,7 +54,7 @@ pub fn campaign_page(result: &CampaignFile) -> Result<Page, PageError> {
     Ok(Page {
         title: format!("Campaign {}", result.name),
         subtitle: format!("{}; plan {digest}; poinsot {}", headline(result), result.poinsot),
-        footer: "Intervals have 95 % confidence: Wilson for shares, Student for means, chi-square for mean squares; of a sampling Student's over its replicates. This file needs no network.".to_owned(),
+        footer: "Intervals have 95 % confidence: Wilson for shares, Student for means, chi-square for mean squares. This file needs no network.".to_owned(),
         parts: vec![opening.part()?, drawn, tables],
     })
 }
