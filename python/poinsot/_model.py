@@ -114,7 +114,7 @@ class Model:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the tables of the model file; :meth:`from_dict` takes them back."""
-        return self._core.to_dict()
+        return json.loads(self._core.json())
 
     def to_toml(self) -> str:
         """Return the text of the model file."""

@@ -88,9 +88,7 @@
       this.roll = this.data.rolling;
       // Low over the invariable plane, so that the point of contact is seen.
       this.yaw = -0.9; this.pitch = this.roll && this.roll.free ? 0.18 : 0.42; this.zoom = 1; this.view = this.roll && this.roll.free ? "space" : "body";
-      this.morph = this.data.morph;
-      // Shapes pass one after the other, as times do.
-      this.timed = this.roll || this.data.tree || (this.morph && { time_s: this.morph.axes.map((_, k) => k), group: "" });
+      this.timed = this.roll || this.data.tree;
       this.extent = this.data.extent; this.centre = this.roll ? [0, 0, 0] : this.data.centre;
       const q = matchMedia("(prefers-reduced-motion: reduce)");
       this.idle = !q.matches;
@@ -154,7 +152,7 @@
         button("play", b => this.play(b));
         this.slider = document.createElement("input");
         Object.assign(this.slider, { type: "range", min: 0, max: this.timed.time_s.length - 1, value: this.frame });
-        this.slider.setAttribute("aria-label", this.morph ? "shape" : "time");
+        this.slider.setAttribute("aria-label", "time");
         this.slider.addEventListener("input", () => { this.stop(); this.show(+this.slider.value, true); });
         bar.appendChild(this.slider);
         this.clock = document.createElement("output");
@@ -225,8 +223,6 @@
           this.show((this.from + Math.floor((now - this.begun) / 1000 / SECONDS * n)) % n, true);
         } else {
           this.yaw += SPEED * (now - last) / 1000;
-          // Shapes that nobody steers pass by themselves.
-          if (this.morph) this.slider.value = this.frame = Math.floor(now / 1000 / SECONDS * this.morph.axes.length) % this.morph.axes.length;
           this.draw();
         }
         last = now;
@@ -258,7 +254,7 @@
       const tree = d.tree, clear = new Mesh();
       const bodies = Array.from({ length: tree ? tree.bodies : 1 }, () => new Mesh());
       const of = item => bodies[item.body];
-      d.ellipsoids.forEach((e, k) => d.morph && !k ? null : e.faint ? clear.ellipsoid(e.centre, e.axes, this.colour(e.colour, 0.16)) : of(e).ellipsoid(e.centre, e.axes, this.colour(e.colour)));
+      d.ellipsoids.forEach(e => e.faint ? clear.ellipsoid(e.centre, e.axes, this.colour(e.colour, 0.16)) : of(e).ellipsoid(e.centre, e.axes, this.colour(e.colour)));
       d.curves.forEach(c => of(c).tube(c.points, (c.shares ? 1.25 : 0.7) * thin, i => c.shares ? [...ramp(c.shares[i]), 1] : this.colour(c.colour)));
       d.arrows.forEach(a => of(a).arrow(a.from, a.to, 0.6 * thin, this.colour(a.colour)));
       d.spots.forEach(s => of(s).ball(s.at, 1.6 * thin, this.colour(s.colour)));
@@ -309,7 +305,6 @@
       this.eye = { right: [-sy, cy, 0], up: [-sp * cy, -sp * sy, cp], towards: [cp * cy, cp * sy, sp], sx: size * high / wide, sy: size, depth: 0.2 / this.extent };
       const poses = this.poses(own);
       this.solid.forEach((mesh, b) => this.paint(mesh, (poses[b] || poses[0]).q, (poses[b] || poses[0]).p));
-      if (this.morph) { const now = new Mesh(); now.ellipsoid([0, 0, 0], this.morph.axes[k], this.colour(5)); this.passing(now, own); }
       const placed = (item, x) => { const at = poses[item.body] || poses[0]; return add(at.p, turn(at.q, x)); };
       const labels = this.data.spots.map(s => [s.label, placed(s, s.at)]).concat(this.data.arrows.map(a => [a.label, placed(a, a.to)]));
       if (roll && roll.pole[k]) {
@@ -332,7 +327,7 @@
       gl.depthMask(false); this.paint(this.ghost, own); gl.depthMask(true);
       this.label(labels, wide, high);
       if (this.clock) {
-        this.clock.textContent = this.morph ? this.morph.words[k] : "t = " + +this.timed.time_s[k].toPrecision(6) + " s" + (!roll || roll.pole[k] ? "" : ", nearly at rest");
+        this.clock.textContent = "t = " + +this.timed.time_s[k].toPrecision(6) + " s" + (!roll || roll.pole[k] ? "" : ", nearly at rest");
         this.slider.setAttribute("aria-valuetext", this.clock.textContent);
       }
     }

@@ -55,7 +55,7 @@ pub use document::{Document, Section, Tone};
 pub use error::PageError;
 pub use figure::{Figure, FigureFormat, Picture, WITHOUT_PNG};
 pub use page::{Light, Opening, Page, Part};
-pub use scene::{Arrow, Curve, Ellipsoid, Hinge, Morph, Point, Rolling, Scene, Spot, Tree};
+pub use scene::{Arrow, Curve, Ellipsoid, Hinge, Point, Rolling, Scene, Spot, Tree};
 pub use series::{Axis, Mark, Plot, Series};
 pub use template::{Html, Templates, escape, half_width, island};
 pub use text::{TextStyle, marked_code};

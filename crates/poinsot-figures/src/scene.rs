@@ -115,21 +115,9 @@ pub struct Scene {
     pub rolling: Option<Rolling>,
     /// Bodies connected by joints; without it, all items belong to one body.
     pub tree: Option<Tree>,
-    /// Sequence of shapes of the first ellipsoid.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub morph: Option<Morph>,
     /// Remark below the figure.
     #[serde(skip)]
     pub note: String,
-}
-
-/// Closed sequence of shapes of one ellipsoid about the origin.
-#[derive(Debug, Clone, PartialEq, Default, Serialize)]
-pub struct Morph {
-    /// Semi-axes of each shape.
-    pub axes: Vec<[Point; 3]>,
-    /// Description of each shape.
-    pub words: Vec<String>,
 }
 
 /// Bodies connected by joints, drawn in their pose at the first time.

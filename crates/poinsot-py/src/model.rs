@@ -1,7 +1,7 @@
 //! The vehicle.
 
 use crate::fault::Fault;
-use crate::value::{parse_toml, to_toml};
+use crate::value::to_toml;
 use poinsot_dynamics::Tree;
 use poinsot_model::{
     Joint, JointKind, Model, describe, parse_model, read_model, read_telemetry_map, read_urdf,
@@ -97,8 +97,10 @@ impl CoreModel {
         write_model(&self.model)
     }
 
-    fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        parse_toml(py, &write_model(&self.model))
+    /// The tables of the model file.
+    fn json(&self) -> PyResult<String> {
+        let tables: toml::Table = write_model(&self.model).parse().unwrap_or_default();
+        Ok(crate::printed::json(&tables)?)
     }
 
     fn write(&self, path: PathBuf) -> PyResult<()> {

@@ -1,9 +1,8 @@
-//! Dictionaries of Python to TOML and back, for the model file as data.
+//! Dictionaries of Python to TOML, for the model file as data.
 
 use crate::fault::Fault;
-use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
-use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString};
+use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyString};
 use toml::Value;
 
 /// Deepest nesting that is read; a model file has five levels.
@@ -86,43 +85,4 @@ fn table_of(table: &Bound<'_, PyDict>, key: &str, depth: usize) -> PyResult<Valu
 
 fn refused(key: &str, what: &str, remedy: &str) -> PyErr {
     Fault::argument("model", key, what, remedy).into()
-}
-
-/// The same back.
-///
-/// # Errors
-/// The interpreter has no memory.
-pub fn from_toml<'py>(py: Python<'py>, value: &Value) -> PyResult<Bound<'py, PyAny>> {
-    Ok(match value {
-        Value::String(text) => text.into_pyobject(py)?.into_any(),
-        Value::Integer(number) => number.into_pyobject(py)?.into_any(),
-        Value::Float(number) => number.into_pyobject(py)?.into_any(),
-        Value::Boolean(flag) => flag.into_pyobject(py)?.to_owned().into_any(),
-        Value::Datetime(date) => date.to_string().into_pyobject(py)?.into_any(),
-        Value::Array(items) => {
-            let list = PyList::empty(py);
-            for item in items {
-                list.append(from_toml(py, item)?)?;
-            }
-            list.into_any()
-        }
-        Value::Table(table) => {
-            let out = PyDict::new(py);
-            for (name, item) in table {
-                out.set_item(name, from_toml(py, item)?)?;
-            }
-            out.into_any()
-        }
-    })
-}
-
-/// A text of TOML as a dictionary.
-///
-/// # Errors
-/// It is no TOML.
-pub fn parse_toml<'py>(py: Python<'py>, text: &str) -> PyResult<Bound<'py, PyAny>> {
-    let table: toml::Table = text
-        .parse()
-        .map_err(|e: toml::de::Error| PyTypeError::new_err(e.to_string()))?;
-    from_toml(py, &Value::Table(table))
 }

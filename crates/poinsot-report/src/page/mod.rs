@@ -8,7 +8,6 @@ mod export;
 mod flown;
 mod known;
 pub(crate) mod lights;
-mod morph;
 mod open;
 mod picture;
 mod poles;

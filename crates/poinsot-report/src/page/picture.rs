@@ -3,7 +3,6 @@
 //! ellipsoid rolls on it. The pole traces the polhode on the ellipsoid and the herpolhode on the plane.
 
 use super::Answer;
-use super::morph::{ends, morph};
 use super::poles::Poles;
 use super::tensor::{inertia_ellipsoid, matrix, principal, principal_sigmas};
 use super::vehicle::suspected;
@@ -27,12 +26,6 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
     let drawn = chosen(answer).and_then(|(name, body)| {
         let I = tensor_of(body)?;
         scene(answer, name, body, &I)
-    });
-    let drawn = drawn.or_else(|| {
-        let withheld = e.is_withheld();
-        chosen(answer)
-            .filter(|_| !withheld)
-            .and_then(|(name, body)| shapes(answer, name, body))
     });
     let (figure, words) = match drawn {
         Some(scene) => (Some(Figure::scene("poinsot", scene)), None),
@@ -143,27 +136,6 @@ fn scene(answer: &Answer, name: &str, body: &BodyFile, I: &Matrix3) -> Option<Sc
         let words = poles.add_to(&mut scene, record);
         scene.note.push_str(&words);
     }
-    Some(scene)
-}
-
-/// Possible shapes of an undetermined tensor.
-fn shapes(answer: &Answer, name: &str, body: &BodyFile) -> Option<Scene> {
-    let morph = morph(&answer.estimate, name, body)?;
-    let mut scene = Scene {
-        title: format!("inertia ellipsoids of {name} that fit equally well"),
-        note: "Every shape predicts the same measurements: chi-square is equal for all. The data do not determine the vehicle's shape among them."
-            .to_owned(),
-        ..Scene::default()
-    };
-    scene
-        .ellipsoids
-        .push(ellipsoid("one of them", morph.axes[0], false));
-    for (k, axes) in ends(&morph).into_iter().enumerate() {
-        let name = if k == 0 { "others" } else { "" };
-        scene.ellipsoids.push(ellipsoid(name, axes, true));
-    }
-    scene.arrows = body_axes();
-    scene.morph = Some(morph);
     Some(scene)
 }
 

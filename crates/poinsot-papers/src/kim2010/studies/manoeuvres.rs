@@ -40,10 +40,7 @@ pub fn run(context: &Context) -> Result<Findings, StudyError> {
     let mut findings = Findings::default();
     for (name, title, case) in CASES {
         let answers = answers(context, case)?;
-        findings.tables.extend([
-            products(name, title, &answers),
-            errors(name, title, &answers),
-        ]);
+        findings.tables.push(errors(name, title, &answers));
         let [exact, batch, pre, suggested] = ROWS.map(|k| &answers[k]);
         if name == "17deg" {
             let bias = 100.0 * (batch.mean[0] / TRUE[0] - 1.0).abs();
@@ -125,18 +122,6 @@ fn numbers(estimate: &Estimate) -> [[f64; 2]; 6] {
         let pair = number.map_or([answer.value, answer.sigma], |n| [n.value, n.sigma]);
         pair.map(|x| x.unwrap_or(f64::NAN))
     })
-}
-
-fn products(name: &str, title: &str, answers: &[Answer]) -> Table {
-    let title = format!("Products, kg m2: {title}; noisy values are means of {TRIALS} records");
-    let head = " | I_xy :.4 | I_yz :.4 | I_zx :.4";
-    let mut table = Table::new(format!("products_{name}"), title, head);
-    table.row("true", TRUE[3..].iter().copied());
-    for a in answers {
-        let kind = if a.noisy { "noisy" } else { "noise-free" };
-        table.row(format!("{}, {kind}", a.name), a.mean[3..].iter().copied());
-    }
-    table
 }
 
 fn errors(name: &str, title: &str, answers: &[Answer]) -> Table {

@@ -1,7 +1,6 @@
 //! The engine of the tables of cases in `cases.toml`: flight, draws of noise, both steps, statistic.
 
 use super::experiment::{Errors, Experiment, Run, Sigma, scale_arm, unsymmetric};
-use super::linear;
 use crate::ma2008::Raw;
 use crate::ma2008::printed::{PrintedAxes, two_step_printed};
 use crate::study::statistics::{largest, quantile, rms};
@@ -14,8 +13,6 @@ use std::collections::BTreeMap;
 
 /// Trials of one cell.
 const SEEDS: u64 = 200;
-/// Trials of the linear method with more than ten samples.
-const FEW: u64 = 30;
 /// Condition number of step 2 above which the tensor is not determined.
 const DETERMINED: f64 = 1.0e12;
 
@@ -143,7 +140,6 @@ enum Noise {
 enum Estimator {
     #[default]
     Steps,
-    Linear,
     Bound,
     /// The bounds of mass and `I_yy` by `predict` for the shipped case at 2 Hz: all sensors, momentum unknown, joints
     /// moving.
@@ -278,12 +274,6 @@ impl Engine<'_> {
         let mut found = match case.estimator {
             Estimator::Bound => vec![bound()],
             Estimator::Predicted => vec![self.predicted(case)?],
-            Estimator::Linear => {
-                let seeds = if run.raws.len() > 10 { FEW } else { SEEDS };
-                let answer = |seed| linear::answer(run, &draw(seed), sigma, case.known);
-                let answers = (0..seeds).filter_map(answer);
-                answers.map(|found| run.errors(Some(found))).collect()
-            }
             Estimator::Steps => {
                 let seeds = if exact { 1 } else { SEEDS };
                 let answer = |seed| run.solved(&draw(seed), case.known).base();

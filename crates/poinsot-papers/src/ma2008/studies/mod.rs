@@ -6,7 +6,6 @@ mod cases;
 mod cramer_rao;
 pub mod experiment;
 mod histories;
-mod linear;
 
 use crate::study::statistics::{largest, rms};
 use crate::study::{Context, Digits, Findings, Study, StudyError, Table};
@@ -54,7 +53,7 @@ pub const STUDIES: &[Study] = &[
     ),
     Study::slow(
         "compare",
-        "both options, the linear method and the bound at equal noise",
+        "both options and the bound at equal noise",
         |c| cases::study(c, "compare"),
     ),
     Study::slow(
