@@ -12,7 +12,6 @@ mod open;
 mod picture;
 mod poles;
 mod provenance;
-mod repairs;
 mod results;
 mod tensor;
 mod trust;

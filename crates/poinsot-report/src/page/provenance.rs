@@ -1,6 +1,6 @@
 //! Warnings, repairs, and the origin of the result.
 
-use super::{Answer, repairs};
+use super::Answer;
 use crate::templates::TEMPLATES;
 use minijinja::context;
 use poinsot_figures::{PageError, Part};
@@ -9,9 +9,7 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
     let e = &answer.estimate;
     let context = context! {
         warnings => e.warnings,
-        repairs => e.repairs.len(),
-        rows => repairs::rows(answer),
-        several => e.fit.len() > 1,
+        repairs => e.repairs,
         ignored => e.ignored_columns,
         inputs => e.inputs,
         model => e.model_file,

@@ -32,11 +32,6 @@ pub const STUDIES: &[Study] = &[
         together::run,
     ),
     Study::quick(
-        "sensitivity",
-        "Sec. 5.6: weakest direction of candidate paths of each joint",
-        sensitivity::paths,
-    ),
-    Study::quick(
         "coefficients",
         "(63) to (75): the coefficients along the runs, and how tight (75) is",
         sensitivity::coefficients,
