@@ -102,13 +102,23 @@ pub(super) fn answer(
     answer
 }
 
-/// The identifiable directions of rows of arbitrary motion, natural units, one column each.
-pub(super) fn shown(rows: &[[f64; 10]], natural: &[f64]) -> Option<Mat<f64>> {
+/// The identifiable and the unobservable directions of rows of arbitrary motion, natural units, one column each.
+pub(super) fn shown_and_hidden<const N: usize>(
+    rows: &[[f64; N]],
+    natural: &[f64],
+) -> Option<(Mat<f64>, Mat<f64>)> {
     // Rows of zeros up to a square: fewer rows leave the other directions hidden.
     let element = |i: usize, j: usize| rows.get(i).map_or(0.0, |row| row[j] * natural[j]);
-    let matrix = Mat::from_fn(rows.len().max(10), 10, element);
+    let matrix = Mat::from_fn(rows.len().max(N), N, element);
     let svd = matrix.thin_svd().ok()?;
     let seen = |&k: &usize| svd.S()[k] > 1.0e-9 * svd.S()[0];
-    let k = (0..10).take_while(seen).count();
-    Some(Mat::from_fn(10, k, |i, j| svd.V()[(i, j)]))
+    let k = (0..N).take_while(seen).count();
+    let columns =
+        |from: usize, to: usize| Mat::from_fn(N, to - from, |i, j| svd.V()[(i, from + j)]);
+    Some((columns(0, k), columns(k, N)))
+}
+
+/// The identifiable directions of rows of arbitrary motion.
+pub(super) fn shown<const N: usize>(rows: &[[f64; N]], natural: &[f64]) -> Option<Mat<f64>> {
+    shown_and_hidden(rows, natural).map(|d| d.0)
 }

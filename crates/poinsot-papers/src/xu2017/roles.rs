@@ -22,6 +22,8 @@ pub(super) struct Roles {
     pub normal: Vec<f64>,
     /// Whether each body is unknown.
     pub unknown: Vec<bool>,
+    /// Bodies of known mass and mass centre and unknown tensor.
+    pub tensor_alone: Vec<bool>,
     /// Requested part of the equivalent single body.
     pub part: Part,
 }
@@ -36,12 +38,14 @@ pub(super) fn roles(problem: &Problem) -> Result<Roles, Faults> {
             "take it out of the model if it stands still, or use --method auto",
         ));
     }
+    let tensor_alone = model.bodies.iter().map(|b| b.estimate == TENSOR_ALONE);
     let mut found = Roles {
         single: Vec::new(),
         of_joint: vec![Vec::new(); dof],
         together: Vec::new(),
         normal: vec![0.0; dof],
         unknown: model.bodies.iter().map(|b| b.estimate.any()).collect(),
+        tensor_alone: tensor_alone.collect(),
         part: part(problem)?,
     };
     let moving = |s: &Segment| (0..dof).filter(|&j| moves(problem, s, j)).collect();
@@ -89,16 +93,6 @@ pub(super) fn roles(problem: &Problem) -> Result<Roles, Faults> {
             "split the motion, or use --method auto",
         ));
     }
-    let mut bodies = model.bodies.iter();
-    let tensor_alone = bodies.find(|b| b.estimate == TENSOR_ALONE);
-    if let Some(body) = tensor_alone.filter(|_| several && found.moving_segments() > 0) {
-        return Err(Faults::one(
-            "E0532",
-            Place::item("body", &body.name),
-            "estimate: xu2017 identifies the tensor alone only while the joints are locked, or of a single unknown body",
-            "write estimate = true, or use --method auto",
-        ));
-    }
     found.normal = normal(problem, &moving, several)?;
     Ok(found)
 }
@@ -127,7 +121,8 @@ pub(super) const TENSOR_ALONE: EstimateSet = EstimateSet {
     inertia: true,
 };
 
-/// For the whole only the tensor is requested if that holds for all unknown bodies.
+/// Classifies each body as known, unknown, or unknown in its tensor only. For the whole only the tensor is requested
+/// if that holds for all unknown bodies.
 fn part(problem: &Problem) -> Result<Part, Faults> {
     let asked = || problem.model.bodies.iter().filter(|b| b.estimate.any());
     if asked().count() > 0 && asked().all(|b| b.estimate == TENSOR_ALONE) {

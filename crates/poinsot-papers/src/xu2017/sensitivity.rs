@@ -1,7 +1,12 @@
-//! Sec. 5.6: sensitivity of momentum to each parameter, (63)-(75).
+//! Sec. 5.6: sensitivity of momentum to each parameter, (63)-(75), and the joint path that maximises it.
 
+use super::least_squares::shown;
+use super::natural;
+use super::two_body::{TwoBodyReading, equations, rows, transported_back};
+use faer::Mat;
 use nalgebra::SMatrix;
-use poinsot_spatial::{Matrix3, Vector3};
+use poinsot_dynamics::{Kinematics, Motion, Tree, composite, momentum, twist_from_momentum};
+use poinsot_spatial::{InertialParameters, Matrix3, Vector3};
 
 /// (68), corrected: with `m1 = M - m0` the derivative of momentum with respect to `m0` is `v0 - v1`.
 ///
@@ -52,6 +57,85 @@ pub fn tensor_coefficients(A0: &Matrix3, w0: &Vector3) -> SMatrix<f64, 3, 6> {
 /// ```
 pub fn tensor_bounds(rate: f64) -> [f64; 6] {
     [rate, 2.0 * rate, 2.0 * rate, rate, 2.0 * rate, rate]
+}
+
+/// Sensitivity of momentum to the base side of a joint along a path of this joint, given positions and rates at the
+/// samples: singular values in natural units, descending, of the directions that the joint can excite. The smallest is to
+/// be maximised among paths. All other joints are in the normal configuration; momentum is zero; the robot is nominal.
+///
+/// `None` if the robot has no mass.
+///
+/// ```
+/// use poinsot_dynamics::{Link, Motion, Tree};
+/// use poinsot_papers::xu2017::sensitivity::path_sensitivity;
+/// use poinsot_spatial::{MassProperties, Matrix3, Vector3};
+///
+/// // A base of 2 kg and an arm of 1 kg that turns about z at x = 1 m; its mass centre is 1 m further.
+/// let hinge = Link::new(0, Motion::Revolute(0), Vector3::x(), Matrix3::identity(), Vector3::z());
+/// let tree = Tree { links: vec![Link::base(), hinge], rotors: vec![], coordinates: vec![0] };
+/// let base = MassProperties { mass: 2.0, p_BoBcm_B: Vector3::zeros(), I_BBcm_B: Matrix3::identity() };
+/// let arm = MassProperties { mass: 1.0, p_BoBcm_B: Vector3::x(), I_BBcm_B: Matrix3::identity() * 0.5 };
+/// let bodies = [base.parameters(), arm.parameters()];
+/// // Momentum is linear in the rate of the joint.
+/// let weakest = |rate: f64| {
+///     let path: Vec<(f64, f64)> = (0..20).map(|k| (0.1 * f64::from(k), rate)).collect();
+///     *path_sensitivity(&tree, &bodies, &[0.0], 0, &path).unwrap().last().unwrap()
+/// };
+/// assert!((weakest(2.0) / weakest(1.0) - 2.0).abs() < 1.0e-6);
+/// // One sample has six equations of ten parameters.
+/// let found = path_sensitivity(&tree, &bodies, &[0.0], 0, &[(0.0, 1.0)]);
+/// assert!(found.unwrap().len() <= 6);
+/// ```
+pub fn path_sensitivity(
+    tree: &Tree,
+    bodies: &[InertialParameters],
+    normal: &[f64],
+    joint: usize,
+    path: &[(f64, f64)],
+) -> Option<Vec<f64>> {
+    let moved = [Motion::Revolute(joint), Motion::Prismatic(joint)];
+    let child = tree.links.iter().position(|l| moved.contains(&l.motion))?;
+    let mut kinematics = Kinematics::new(tree);
+    kinematics.place(tree, normal);
+    let (R, p) = (kinematics.R[child], kinematics.p[child]);
+    let total = composite(bodies, &kinematics).parameters();
+    let compose =
+        |x: &InertialParameters| [*x, transported_back(&total.with_added(-1.0, x), &R, &p)];
+    let carried = |mut b: usize| {
+        while b != child && b != 0 {
+            b = tree.links[b].parent;
+        }
+        b == child
+    };
+    let mut inner = bodies.to_vec();
+    for (_, body) in inner.iter_mut().enumerate().filter(|(b, _)| carried(*b)) {
+        *body = InertialParameters::ZERO;
+    }
+    let natural = natural(
+        &composite(&inner, &kinematics)
+            .parameters()
+            .mass_properties()?,
+    );
+    let mut q = normal.to_vec();
+    let mut rates = vec![0.0; normal.len()];
+    let mut readings = Vec::with_capacity(path.len());
+    let zero = Vector3::zeros();
+    for &(position, rate) in path {
+        q[joint] = position;
+        rates[joint] = rate;
+        kinematics.place(tree, &q);
+        kinematics.set_velocities(tree, &zero, &zero, &rates);
+        let c = momentum(bodies, &kinematics);
+        let (l, h) = (c.fixed_rows::<3>(0).into(), c.fixed_rows::<3>(3).into());
+        let twist = twist_from_momentum(&composite(bodies, &kinematics), &zero, &zero, &l, &h)?;
+        kinematics.set_velocities(tree, &twist.v, &twist.w, &rates);
+        readings.push(TwoBodyReading::in_base(&kinematics, child));
+    }
+    let flat = equations(&rows(&readings, compose));
+    let rank = shown(&flat, &natural).map_or(0, |s| s.ncols());
+    let matrix = Mat::from_fn(flat.len(), 10, |i, j| flat[i][j] * natural[j]);
+    let svd = matrix.thin_svd().ok();
+    Some(svd.map_or(Vec::new(), |svd| (0..rank).map(|k| svd.S()[k]).collect()))
 }
 
 #[cfg(test)]

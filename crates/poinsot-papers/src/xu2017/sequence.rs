@@ -4,7 +4,7 @@ mod parts;
 mod steps;
 
 use super::least_squares::Answer;
-use super::roles::{Roles, no_velocity, roles};
+use super::roles::{Roles, roles};
 use super::single_body::{
     Form, Part, Single, SingleObjective, SingleRow, accelerations, solve_single,
 };
@@ -130,6 +130,8 @@ struct Work<'a> {
     order: Order,
     /// Placement in the normal configuration.
     normal: Kinematics,
+    /// Whether the total mass is known or determined from translation.
+    weighed: bool,
     found: Found,
 }
 
@@ -158,6 +160,7 @@ pub fn sequence(problem: &Problem, order: Order, solver: &Solver) -> Result<Foun
         solver,
         order,
         normal,
+        weighed: true,
         found: Found {
             bodies: nominal.collect(),
             total: None,
@@ -183,6 +186,7 @@ pub fn sequence(problem: &Problem, order: Order, solver: &Solver) -> Result<Foun
         _ => work.joints()?,
     };
     work.share_out(&outers);
+    work.keep_known(&outers);
     Ok(work.found)
 }
 
@@ -203,13 +207,12 @@ impl Work<'_> {
         };
         let rows: Vec<Vec<SingleRow>> = segments.iter().map(rows).collect();
         let part = self.roles.part;
-        let weighed = part == Part::Inertia || rows.iter().flatten().any(|r| r.D.is_some());
-        if !weighed && self.roles.moving_segments() > 0 {
-            return Err(no_velocity(segments[0]));
-        }
-        if !weighed {
-            let note = "translation is not measured: the mass keeps its nominal value, which does not affect the answer";
-            self.found.notes.push(note.to_owned());
+        self.weighed = part == Part::Inertia || rows.iter().flatten().any(|r| r.D.is_some());
+        if !self.weighed {
+            self.found.notes.push(match self.roles.moving_segments() {
+                0 => "translation is not measured: the mass keeps its nominal value, which does not affect the answer",
+                _ => "the thrust segments show no translation: the mass of the whole follows from the first joint that moves",
+            }.to_owned());
         }
         let nominal = properties_of(&self.composite(0, |_| true))?;
         let linear = solve_single(&rows, form, &nominal, part);
@@ -245,6 +248,8 @@ impl Work<'_> {
             let first = order.iter().position(known).ok_or_else(no_scale)?;
             let joint = order.remove(first);
             order.insert(0, joint);
+        } else if let Some(&joint) = order.first().filter(|_| !self.weighed) {
+            self.weigh(joint)?;
         }
         let mut outers = vec![None; dof];
         for joint in order {

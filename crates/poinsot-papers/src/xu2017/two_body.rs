@@ -139,7 +139,7 @@ pub fn rows(
 }
 
 /// Rows of linear and angular momentum in a [`MomentumRow`].
-const LINES: [usize; 6] = [0, 1, 2, 6, 7, 8];
+pub(super) const LINES: [usize; 6] = [0, 1, 2, 6, 7, 8];
 
 /// The six equations of every row in base axes.
 pub(super) fn equations(list: &[MomentumRow]) -> Vec<[f64; 10]> {

@@ -2,10 +2,11 @@
 
 use super::super::least_squares::{Rows, answer, shown};
 use super::super::two_body::{
-    MomentumRow, TwoBodyObjective, TwoBodyReading, equations, rows, transported_back,
+    LINES, MomentumRow, TwoBodyObjective, TwoBodyReading, equations, rows, transported_back,
 };
 use super::super::{Kind, natural};
-use super::{Order, Searched, Work, properties_of};
+use super::{Order, Searched, Work, no_scale, not_finite, properties_of};
+use nalgebra::SVector;
 use poinsot_dynamics::Kinematics;
 use poinsot_files::Faults;
 use poinsot_spatial::{InertialParameters, MassProperties, Vector3};
@@ -73,6 +74,12 @@ impl Work<'_> {
         Ok(())
     }
 
+    /// Empty equations of these segments: without known momentum each has six more unknowns.
+    fn system(&self, readings: &[Readings], unknowns: usize) -> Rows {
+        let each = if self.momentum_is_free() { 6 } else { 0 };
+        Rows::new(each * readings.len(), unknowns)
+    }
+
     /// Solves (49) for one side, by the swarm or linearly. Samples are listed per segment.
     fn two_body(
         &mut self,
@@ -84,13 +91,11 @@ impl Work<'_> {
     ) -> Result<InertialParameters, Faults> {
         let properties = properties_of(nominal)?;
         let natural = natural(&properties);
-        // Without known momentum each segment has six more unknowns.
-        let each = if self.momentum_is_free() { 6 } else { 0 };
-        let mut system = Rows::new(each * readings.len(), 10);
+        let mut system = self.system(readings, 10);
         let mut all = Vec::new();
         for (k, (_, list)) in readings.iter().enumerate() {
             let list = rows(list, compose);
-            list.iter().for_each(|row| push(&mut system, row, k));
+            list.iter().for_each(|row| push(&mut system, row, &[], k));
             all.extend(list);
         }
         // Directions that some motion of the joint can excite; a revolute joint leaves three of ten unobservable.
@@ -124,6 +129,59 @@ impl Work<'_> {
         })
     }
 
+    /// Determines the total mass from the motion of one joint, if thrust segments have no translation: the second use of
+    /// the Conclusion as printed.
+    ///
+    /// Attitude determines tensor and mass centre of the locked robot. The parameters of the whole, and so the momentum
+    /// of a moving joint, are then affine in the total mass. The ten numbers of one side and the mass are eleven
+    /// unknowns of a linear problem.
+    pub(super) fn weigh(&mut self, joint: usize) -> Result<(), Faults> {
+        let whole = properties_of(&self.found.total.ok_or_else(no_scale)?)?;
+        let of_mass = |mass: f64| MassProperties { mass, ..whole }.parameters();
+        let child = self.child(joint);
+        let (R, p) = (self.normal.R[child], self.normal.p[child]);
+        // Rows in the base side, and their change for one kilogram more.
+        let pairs = |list: &[TwoBodyReading]| {
+            let of = |mass: f64| {
+                let total = of_mass(mass);
+                rows(list, |x| {
+                    [*x, transported_back(&total.with_added(-1.0, x), &R, &p)]
+                })
+            };
+            let pairs = of(whole.mass).into_iter().zip(of(whole.mass + 1.0));
+            let with_change = pairs.map(|(row, heavy)| (row, heavy.constant - row.constant));
+            with_change.collect::<Vec<(MomentumRow, SVector<f64, 9>)>>()
+        };
+        let nominal = self.composite(0, |b| !self.carries(child, b));
+        let mut units = natural(&properties_of(&nominal)?).to_vec();
+        let mut start = nominal.to_array().to_vec();
+        units.push(whole.mass);
+        start.push(whole.mass);
+        let eleven = |(row, change): &(MomentumRow, SVector<f64, 9>)| {
+            let element = |i: usize, j: usize| if j < 10 { row.slope[(i, j)] } else { change[i] };
+            LINES.map(|i| std::array::from_fn(|j| element(i, j)))
+        };
+        let shown_rows = pairs(&self.motions(joint));
+        let shown_rows: Vec<[f64; 11]> = shown_rows.iter().flat_map(eleven).collect();
+        let seen = shown(&shown_rows, &units);
+        let readings = self.readings(joint)?;
+        let mut system = self.system(&readings, 11);
+        for (k, (_, list)) in readings.iter().enumerate() {
+            for (mut row, change) in pairs(list) {
+                // The unknown is the mass itself, so its nominal part is removed from the constant.
+                row.constant -= change * whole.mass;
+                push(&mut system, &row, &[change], k);
+            }
+        }
+        let found = answer(system, &units, &start, seen.as_ref());
+        let mass = found.value[10];
+        if !found.finite || mass.is_nan() || mass <= 0.0 {
+            return Err(not_finite());
+        }
+        self.found.total = Some(of_mass(mass));
+        Ok(())
+    }
+
     /// Random motions of one joint and the base.
     pub(super) fn motions(&self, joint: usize) -> Vec<TwoBodyReading> {
         let (child, tree) = (self.child(joint), self.problem.tree);
@@ -145,14 +203,17 @@ impl Work<'_> {
     }
 }
 
-/// The six equations of a sample in N: momentum about the inertial origin is zero, or that of its segment.
-fn push(system: &mut Rows, row: &MomentumRow, segment: usize) {
+/// The six equations of a sample in N: momentum about the inertial origin is zero, or that of its segment. `extra` holds
+/// columns of further unknowns.
+fn push(system: &mut Rows, row: &MomentumRow, extra: &[SVector<f64, 9>], segment: usize) {
     let to_N = |column: &[f64]| {
         let P = row.R_NB * Vector3::from_column_slice(&column[..3]);
         let H = row.R_NB * Vector3::from_column_slice(&column[6..9]) + row.p_NoBo_N.cross(&P);
         [P.x, P.y, P.z, H.x, H.y, H.z]
     };
-    let columns: [[f64; 6]; 10] = std::array::from_fn(|j| to_N(row.slope.column(j).as_slice()));
+    let own = (0..10).map(|j| to_N(row.slope.column(j).as_slice()));
+    let more = extra.iter().map(|column| to_N(column.as_slice()));
+    let columns: Vec<[f64; 6]> = own.chain(more).collect();
     let constant = to_N(row.constant.as_slice());
     for i in 0..6 {
         let mut left = vec![0.0; system.head];

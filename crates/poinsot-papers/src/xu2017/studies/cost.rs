@@ -1,10 +1,10 @@
-//! Fig. 9 and 10: best cost against iterations, with the linear solution.
+//! Fig. 9 and 10: best cost against iterations, with the accuracy and the linear solution.
 
 use super::robot::{Data, Robot, SEEDS};
-use crate::study::statistics::quantile;
+use crate::study::statistics::{largest, quantile};
 use crate::study::{Context, Findings, StudyError, Table, curves};
 use crate::xu2017::swarm::Swarm;
-use crate::xu2017::{Order, Searched, StepReport};
+use crate::xu2017::{Found, Order, Searched, StepReport, particle};
 use poinsot_figures::{Mark, Plot, Series};
 
 /// Iterations of the figures; no run stops earlier.
@@ -25,9 +25,8 @@ pub fn run(context: &Context) -> Result<Findings, StudyError> {
         patience: ITERATIONS,
         ..Swarm::default()
     };
-    let title = format!("Flights that arrive at the cost of the linear solution, of {SEEDS}");
-    let table = Table::new("arrived", title, "figure | flights :.0");
-    let mut findings = Findings::of([table]);
+    let mut findings = Findings::of([accuracy(&robot, &single)?]);
+    let mut arrived = Vec::new();
     let whole = "Fig. 9: equivalent single body, cost (37), run C1 integrated";
     let body = "Fig. 10: body 6 by joint 6, cost (52), runs C1 and C7";
     for (name, title, data, order, part) in [
@@ -39,13 +38,13 @@ pub fn run(context: &Context) -> Result<Findings, StudyError> {
             .iter()
             .flat_map(|f| f.steps.iter().find(|s| s.part == part));
         let steps: Vec<_> = steps.collect();
-        let arrived = steps.iter().filter(|s| s.arrived()).count();
-        findings.tables[0].row(name, [arrived as f64]);
+        arrived.push(steps.iter().filter(|s| s.arrived()).count());
         findings.plot(name, plot(title, &steps));
     }
-    Ok(findings.say(&[
-        "Fig. 9, 10 cost of the swarm = {arrived.0.1} and {arrived.1.1} of 20 flights arrive",
-    ]))
+    let [a, b] = [arrived[0], arrived[1]];
+    let text = format!("{a} and {b} of {SEEDS} flights arrive");
+    findings.state("Fig. 9, 10 cost of the swarm", text);
+    Ok(findings)
 }
 
 /// Median and the band of all seeds, and the linear solution.
@@ -69,4 +68,26 @@ fn plot(title: &str, steps: &[&StepReport]) -> Plot {
         log: true,
         ..curves(title, "iteration", "best cost, N s + N m s", series)
     }
+}
+
+/// Accuracy of the swarm against iterations, and the linear solution.
+fn accuracy(robot: &Robot, data: &Data) -> Result<Table, StudyError> {
+    let x = particle(&robot.whole());
+    let error = |found: &Found| {
+        let found = particle(&found.steps[0].found);
+        largest((0..10).map(|k| ((found[k] - x[k]) / x[k]).abs()))
+    };
+    let title =
+        format!("Equivalent single body, run C1: largest relative error, worst of {SEEDS} seeds");
+    let mut table = Table::new("accuracy", title, "iterations | error");
+    for iterations in [100, 200, 400, 800, 1600, 3200] {
+        let swarm = Swarm {
+            iterations,
+            ..Swarm::default()
+        };
+        let flown = data.swarms(RANGE, Order::Outward, swarm)?;
+        table.row(format!("{iterations}"), [largest(flown.iter().map(error))]);
+    }
+    table.row("linear", [error(&data.linear(Order::Outward)?)]);
+    Ok(table)
 }

@@ -27,9 +27,19 @@ pub const STUDIES: &[Study] = &[
     ),
     Study::slow("uses", "the five uses of the Conclusion", uses::run),
     Study::quick(
+        "target",
+        "a grasped target with all joints in motion",
+        together::target,
+    ),
+    Study::slow(
         "together",
-        "a grasped target by one joint and by all joints at once",
+        "one joint at a time and all joints at once, noise-free and noisy",
         together::run,
+    ),
+    Study::quick(
+        "sensitivity",
+        "Sec. 5.6: weakest direction of candidate paths of each joint",
+        sensitivity::paths,
     ),
     Study::quick(
         "coefficients",

@@ -12,7 +12,7 @@ use nalgebra::{DMatrix, DVector};
 use poinsot_dynamics::{Kinematics, Tree, composite};
 use poinsot_files::Faults;
 use poinsot_identify::{BodyEstimate, Estimate, Noise, Problem, Segment};
-use poinsot_model::{EstimateSet, Model};
+use poinsot_model::{Body, EstimateSet, Model};
 use poinsot_spatial::{InertialParameters, MassProperties};
 use poinsot_telemetry::Table;
 use rayon::prelude::*;
@@ -208,6 +208,13 @@ impl<'a> Robot<'a> {
         model
     }
 
+    /// The model with mass and mass centre of one body known.
+    pub fn mass_known(&self, body: usize) -> Model {
+        let mut model = self.model.clone();
+        know_mass(&mut model.bodies[body], &self.properties()[body]);
+        model
+    }
+
     /// The robot as one body, for the equivalent single body.
     pub fn one_body(&self, inertia_only: bool) -> Model {
         let mut model = self.model.clone();
@@ -218,11 +225,7 @@ impl<'a> Robot<'a> {
         model.sensors.retain(|s| !s.kind.is_scalar());
         model.bodies[0].nominal = guess;
         if inertia_only {
-            model.bodies[0].nominal = MassProperties {
-                I_BBcm_B: guess.I_BBcm_B,
-                ..self.whole()
-            };
-            model.bodies[0].estimate = TENSOR_ALONE;
+            know_mass(&mut model.bodies[0], &self.whole());
         }
         model
     }
@@ -240,6 +243,13 @@ impl<'a> Robot<'a> {
         let tools = self.context.tools;
         tools.identify(model, tables, "xu2017", Some(variant))
     }
+}
+
+/// Mass and mass centre of a body are known, its tensor is not.
+fn know_mass(body: &mut Body, right: &MassProperties) {
+    body.nominal.mass = right.mass;
+    body.nominal.p_BoBcm_B = right.p_BoBcm_B;
+    body.estimate = TENSOR_ALONE;
 }
 
 /// Mass properties of bodies; zero for a body of negative mass.

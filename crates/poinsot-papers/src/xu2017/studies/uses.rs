@@ -18,6 +18,8 @@ struct Use {
 enum Asked {
     /// Combinations; the numbers of the whole.
     Whole,
+    /// Combinations; the mass of the whole.
+    MassOfWhole,
     /// Combinations.
     Combinations,
     /// The numbers of a body.
@@ -43,11 +45,11 @@ pub fn run(context: &Context) -> Result<Findings, StudyError> {
     }
     Ok(Findings::of([counts, worst]).say(&[
         "use 1, all bodies = {counts.0.1} combinations, whole {errors.0.1}",
-        "use 4, grasped target = {counts.4.1}, {errors.4.1}",
+        "use 4, grasped target = {counts.5.1}, {errors.5.1}",
     ]))
 }
 
-fn uses(robot: &Robot) -> [Use; 5] {
+fn uses(robot: &Robot) -> [Use; 6] {
     let body = |b: usize| Asked::Body(b, robot.properties()[b]);
     let case = |title, model, runs, turning, asked| Use {
         title,
@@ -60,9 +62,11 @@ fn uses(robot: &Robot) -> [Use; 5] {
     let (base, target) = (robot.known_but(&[0]), robot.known_but(&[6]));
     let (single, whole) = (robot.one_body(true), Asked::Body(0, robot.whole()));
     let known = "2 mass and mass centre of the whole known, C1";
+    let printed = "2 as printed: of the base known; mass of the whole";
     [
         case("1 all bodies, C1 to C7", all, &ALL, false, Asked::Whole),
         case(known, single, &ALL[..1], true, whole),
+        case(printed, robot.mass_known(0), &ALL, true, Asked::MassOfWhole),
         case(
             "3 base known, C2 to C7",
             arm,
@@ -91,6 +95,9 @@ fn answer(robot: &Robot, case: &Use, variant: &str) -> Result<(String, f64), Stu
             return Ok((format!("{n} of 10"), worst));
         }
         Asked::Whole => whole.map(|w| errors(w, &robot.whole()).0),
+        Asked::MassOfWhole => {
+            whole.and_then(|w| Some((w.mass.value? / robot.whole().mass - 1.0).abs()))
+        }
         Asked::Combinations => None,
     };
     Ok((combinations, error.unwrap_or(f64::NAN)))

@@ -31,18 +31,6 @@ fn unit_refusals_say_what_to_do() {
         refusal(partly, runs(&m, &["C1"]), "linear"),
         "E0532 body 'B3': estimate: xu2017 takes a body as known, as unknown (estimate = true), or with known mass and mass centre (estimate = [\"inertia\"]); change it, or use --method auto"
     );
-    let mut tensor = m.clone();
-    (
-        tensor.bodies[3].estimate.mass,
-        tensor.bodies[3].estimate.com,
-    ) = (false, false);
-    let said = refusal(tensor, runs(&m, &["C1", "C2"]), "linear");
-    let words = "E0532 body 'B3': estimate: xu2017 identifies the tensor alone only while";
-    assert!(said.starts_with(words), "{said}");
-    let mut turning = runs(&m, &["C1", "C2"]);
-    without_translation(&mut turning[..1]);
-    let said = refusal(m.clone(), turning, "linear");
-    assert!(said.starts_with("E0534"), "{said}");
     let mut moved = runs(&m, &["C1", "C2", "C3"]);
     let label = moved[2].sources[0].path.clone();
     let joint = moved[2]
