@@ -10,6 +10,9 @@ use poinsot_spatial::{MassProperties, Matrix3, Unphysical, Vector3, tensor};
 /// Tolerance of the triangle inequality, relative to the largest principal moment: covers rounding to seven digits.
 pub(crate) const PHYSICAL_TOLERANCE: f64 = 1e-6;
 
+/// Share of its tensor by which a guess is no mistake yet where no body has it.
+const GUESS: f64 = 0.05;
+
 /// Smallest mass accepted, kg: a nanogram.
 pub(crate) const SMALLEST_MASS: f64 = 1e-12;
 
@@ -49,15 +52,16 @@ impl Check<'_, '_> {
         let key = Key::entry("body", k, file.name.as_deref());
         let estimate = estimate_set(file.estimate.as_ref());
         let before = self.findings.count();
-        let nominal = self.mass_properties(file, &key);
+        let given = self.mass_properties(file, &key);
+        let nominal = given.and_then(|given| self.physical(given, estimate, &key));
         if let Some(nominal) = nominal.as_ref().filter(|_| estimate.any()) {
             self.estimate(nominal, &key);
         }
-        let given = file.prior.map_or([None; 3], |p| [p.mass, p.com, p.inertia]);
+        let priors = file.prior.map_or([None; 3], |p| [p.mass, p.com, p.inertia]);
         let asked = [estimate.mass, estimate.com, estimate.inertia];
         let names = ["mass_kg", "com_m", "inertia_kg_m2"].into_iter();
-        for ((name, given), asked) in names.zip(given).zip(asked) {
-            if given.is_some() && !asked {
+        for ((name, prior), asked) in names.zip(priors).zip(asked) {
+            if prior.is_some() && !asked {
                 let text = "the prior has no effect: the number is not estimated; remove it, or estimate the number";
                 self.note(&key.at("prior").at(name), text);
             }
@@ -71,6 +75,7 @@ impl Check<'_, '_> {
         Body {
             name: file.name.clone().unwrap_or_default(),
             nominal: valid.unwrap_or(massive),
+            given: given.filter(|given| valid.is_some_and(|valid| valid != *given)),
             estimate,
             prior: file.prior,
             joint: None,
@@ -110,10 +115,6 @@ impl Check<'_, '_> {
             p_BoBcm_B: Vector3::from(file.com_m.unwrap_or([0.0; 3])),
             I_BBcm_B: inertia,
         };
-        if let Err(fault) = nominal.check_physical(PHYSICAL_TOLERANCE) {
-            self.refuse_unphysical(fault, key);
-            return None;
-        }
         let (here, gyration) = (key.at("inertia_kg_m2"), nominal.radius_of_gyration());
         if gyration > 5.0 || (gyration > 0.0 && gyration < 1e-3) {
             let gyration = short(gyration);
@@ -127,6 +128,34 @@ impl Check<'_, '_> {
             self.note(&here, text);
         }
         Some(nominal)
+    }
+
+    /// The body, or the nearest that is physical where its tensor is unknown and no farther off than a guess may be.
+    fn physical(
+        &mut self,
+        given: MassProperties,
+        estimate: EstimateSet,
+        key: &Key,
+    ) -> Option<MassProperties> {
+        let Err(fault) = given.check_physical(PHYSICAL_TOLERANCE) else {
+            return Some(given);
+        };
+        let tensor = matches!(fault, Unphysical::Triangle(_) | Unphysical::Indefinite(_));
+        if tensor && estimate.inertia {
+            let near = given.nearest_physical();
+            let off = (near.I_BBcm_B - given.I_BBcm_B).norm();
+            if off <= GUESS * given.I_BBcm_B.norm() {
+                let here = key.at("inertia_kg_m2");
+                let moments = list(&given.principal().0);
+                let text = format!(
+                    "no body has these principal moments: {moments} kg m2, the largest exceeds the sum of the other two; a fit starts from the nearest that one has"
+                );
+                self.note(&here, text);
+                return Some(near);
+            }
+        }
+        self.refuse_unphysical(fault, key);
+        None
     }
 
     fn refuse_unphysical(&mut self, fault: Unphysical, key: &Key) {

@@ -46,6 +46,8 @@ pub struct Body {
     pub name: String,
     /// Mass properties: true if known, nominal if unknown.
     pub nominal: MassProperties,
+    /// Of a body whose tensor is unknown: as it was given, where that is not physical and the nearest that is stands in its place.
+    pub given: Option<MassProperties>,
     /// Which of them are unknown.
     pub estimate: EstimateSet,
     /// One-sigma prior of the nominal values, if declared.

@@ -358,6 +358,31 @@ impl MassProperties {
         (moments, axes)
     }
 
+    /// The body with the nearest tensor that a mass distribution has: the second moments along its principal axes,
+    /// `tr(I) / 2 - I_k`, are at least a thousandth of half the trace. All else stays.
+    ///
+    /// ```
+    /// use poinsot_spatial::{MassProperties, Matrix3, Vector3};
+    ///
+    /// // The largest moment exceeds the sum of the others by 0.2 kg m2.
+    /// let I_BBcm_B = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, 2.2));
+    /// let guess = MassProperties { mass: 3.0, p_BoBcm_B: Vector3::zeros(), I_BBcm_B };
+    /// let near = guess.nearest_physical();
+    /// assert!(near.check_physical(0.0).is_ok());
+    /// assert!((near.I_BBcm_B - guess.I_BBcm_B).amax() < 0.11);
+    /// ```
+    pub fn nearest_physical(&self) -> Self {
+        let (moments, axes) = self.principal();
+        let half = 0.5 * moments.iter().sum::<f64>();
+        let second = moments.map(|moment| (half - moment).max(1.0e-3 * half.abs()));
+        let sum: f64 = second.iter().sum();
+        let moments = Matrix3::from_diagonal(&Vector3::from(second.map(|s| sum - s)));
+        Self {
+            I_BBcm_B: axes * moments * axes.transpose(),
+            ..*self
+        }
+    }
+
     /// Radius of gyration, m: root mean square distance of the mass from its centre,
     /// `sqrt(tr(I_BBcm) / 2 m)`; zero for a massless body.
     ///

@@ -25,6 +25,7 @@ pub(super) fn model(
     let names = links.map(|(at, k)| (robot.links[*k].name.as_str(), at));
     let place: HashMap<&str, usize> = names.collect();
     let body = |k: &usize| Body {
+        given: None,
         name: robot.links[*k].name.clone(),
         nominal: inertials[*k],
         estimate: EstimateSet::default(),

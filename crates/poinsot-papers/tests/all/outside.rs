@@ -142,7 +142,7 @@ fn xval_looseness_of_75_and_all_joints_at_once() {
     };
     let cases = together::cases(&context).unwrap();
     for (case, key) in cases.iter().zip(["alone", "together"]) {
-        let (found, _) = together::answer(&context, case).unwrap();
+        let (found, _) = together::answer(&context, case, "xu2017", None).unwrap();
         let condition = theirs[key]["condition"].as_f64().unwrap();
         near(key, &[together::condition(&found)], &[condition], 1.0e-3);
     }

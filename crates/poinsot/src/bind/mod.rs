@@ -25,7 +25,7 @@ use channels::Channels;
 use driven_wheels::DrivenWheels;
 use noise::declared_noise;
 use poinsot_dynamics::Tree;
-use poinsot_files::Place;
+use poinsot_files::{Place, list};
 use poinsot_identify::{Noise, Problem, Samples, Segment};
 use poinsot_model::{Model, SensorKind};
 use poinsot_telemetry::Table;
@@ -62,6 +62,20 @@ impl Bound {
     }
 }
 
+/// Unknown bodies whose guess no body has.
+fn not_physical(model: &Model) -> Vec<String> {
+    let bodies = model.bodies.iter();
+    let told = bodies.filter_map(|b| {
+        let given = b.given?;
+        let moments = list(&given.principal().0);
+        Some(format!(
+            "assumed: {} begins as the nearest physical body; no body has the principal moments of its nominal tensor, {moments} kg m2",
+            b.name
+        ))
+    });
+    told.collect()
+}
+
 /// Binds the tables of all segments to the model.
 ///
 /// # Errors
@@ -77,7 +91,7 @@ impl Bound {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn bind(model: &Model, tree: &Tree, tables: &[Table]) -> Result<Bound, Error> {
-    let mut repairs = Vec::new();
+    let mut repairs = not_physical(model);
     let tables = free_fall::relative(model, tables, &mut repairs)?;
     let tables = tables.as_ref();
     let leading = BaseSensors::new(model, tables);

@@ -41,6 +41,7 @@ pub fn model(bodies: &[KitBody], wheels: &[KitWheel]) -> Model {
                 p_BoBcm_B: body.p_CoCcm_C,
                 I_BBcm_B: body.I_CCcm_C,
             },
+            given: None,
             estimate: EstimateSet::default(),
             prior: None,
             joint: kind.map(|_| model.joints.len()),

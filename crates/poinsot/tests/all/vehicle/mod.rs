@@ -130,6 +130,7 @@ pub fn tree(seed: u64, joints: &str) -> Model {
 
 pub fn body(name: &str, nominal: MassProperties, joint: Option<usize>) -> Body {
     Body {
+        given: None,
         name: name.to_owned(),
         nominal,
         estimate: EstimateSet::ALL,
