@@ -34,7 +34,9 @@ fn unit_remarkable_models_are_noted() {
 fn unit_a_guess_that_no_body_has_begins_at_the_nearest() {
     let of = |zz: f64, more: &str| {
         let tensor = format!("inertia_kg_m2 = {{ xx = 1.0, yy = 1.0, zz = {zz} }}\n");
-        format!("{HEAD}[[body]]\nname = \"base\"\nmass_kg = 3.0\ncom_m = [0.0, 0.0, 0.0]\n{tensor}{more}")
+        format!(
+            "{HEAD}[[body]]\nname = \"base\"\nmass_kg = 3.0\ncom_m = [0.0, 0.0, 0.0]\n{tensor}{more}"
+        )
     };
     let model = accepted(&of(2.1, "estimate = true\n"));
     let base = &model.bodies[0];
