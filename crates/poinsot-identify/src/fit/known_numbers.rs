@@ -12,6 +12,7 @@ pub(crate) use effects::{Effects, shifts};
 
 use crate::fit::degrees_of_freedom::{fitted_numbers, known_covariance};
 use crate::fit::experiment::{DIFFERENCE, Experiment, Iterate, body_slopes, slopes};
+use crate::fit::search::search;
 use crate::fit::{Fitted, ITERATIONS, fit_from};
 use crate::problem::Problem;
 use crate::problem::parameters::{KnownUnknown, Parameters, Unknown, UnknownKind};
@@ -83,7 +84,7 @@ pub(crate) fn fit_known(experiment: &Experiment, fitted: &Fitted) -> Option<Know
     let widened = Widened::new(experiment, &fitted.at)?;
     let wide = widened.experiment(experiment);
     let start = fit_from(&wide, widened.first.clone(), 0)?;
-    let found = fit_from(&wide, widened.first.clone(), ITERATIONS)?;
+    let found = fit_wide(&wide, &widened.first)?;
     let done = found.converged;
     let (worst, per_number, test) = contradicted(&wide, &found);
     // A misfit beyond the uncertainty of known numbers needs another cause.
@@ -108,6 +109,17 @@ pub(crate) fn fit_known(experiment: &Experiment, fitted: &Fitted) -> Option<Know
         contradiction: worst.filter(|_| !left && done),
         test: test.filter(|_| !left && done),
     })
+}
+
+/// The fit from a point; where it does not converge, the search from there and from the nominal numbers. With exact forces that are
+/// 5 % off no body explains more than a few pulses, so that the fit before this one may have ended anywhere.
+fn fit_wide(wide: &Experiment, at: &Iterate) -> Option<Fitted> {
+    let direct = fit_from(wide, at.clone(), ITERATIONS)?;
+    if direct.converged {
+        return Some(direct);
+    }
+    let found = search(wide, &[at.clone(), wide.nominal_point()]);
+    Some(found.filter(|f| f.converged).unwrap_or(direct))
 }
 
 /// A point of the fit without the known numbers, with these at the values of the model.

@@ -102,7 +102,7 @@ fn brought_back(
 }
 
 /// Fits from the better of some starts; `None` where the vehicle moves from none of them.
-fn search(experiment: &Experiment, starts: &[Iterate]) -> Option<Fitted> {
+pub(super) fn search(experiment: &Experiment, starts: &[Iterate]) -> Option<Fitted> {
     let direct = from_better(experiment, starts);
     if direct.as_ref().is_some_and(|d| d.converged && d.explains()) {
         return direct;
