@@ -119,7 +119,9 @@ fn fit_wide(wide: &Experiment, at: &Iterate) -> Option<Fitted> {
         return Some(direct);
     }
     let found = search(wide, &[at.clone(), wide.nominal_point()]);
-    Some(found.filter(|f| f.converged).unwrap_or(direct))
+    // A number far beyond its uncertainty stands for another cause.
+    let within = |f: &Fitted| f.converged && contradicted(wide, f).0.is_none();
+    Some(found.filter(within).unwrap_or(direct))
 }
 
 /// A point of the fit without the known numbers, with these at the values of the model.
