@@ -9,7 +9,7 @@ mod table;
 
 use super::types::{FaultKind, Suspect, SuspectValue};
 use crate::fit::experiment::Experiment;
-use crate::fit::part_of_record::{beginning, thinned};
+use crate::fit::part_of_record::{FEW, beginning, thinned};
 use crate::fit::sampled_motion::least;
 use crate::fit::{Fitted, fit_from};
 use crate::problem::segment::Segment;
@@ -23,9 +23,8 @@ pub(super) use table::UNITS;
 /// Shares of the record that are tried as its beginning: each twice the one before, so that all fits together take no longer
 /// than one of the whole record.
 const BEGINNINGS: [f64; 4] = [0.0625, 0.125, 0.25, 0.5];
-/// Iterations of such a fit, and samples of each sensor: enough for a decision.
+/// Iterations of such a fit: enough for a decision.
 const MISTAKE_ITERATIONS: usize = 8;
-const DECIDE: usize = 200;
 /// Share of the misfit that a mistake must explain.
 const EXPLAINS: f64 = 0.99;
 /// Largest excess of chi-square per number of a corrected fit.
@@ -99,7 +98,7 @@ fn contradicting(experiment: &Experiment) -> Option<Vec<Segment>> {
 
 /// A segment with samples enough for a decision.
 fn few_samples(segment: &Segment) -> Segment {
-    let few = thinned(segment, DECIDE);
+    let few = thinned(segment, FEW);
     few.map_or_else(
         || segment.clone(),
         |few| Segment {

@@ -4,6 +4,8 @@ use crate::problem::segment::{
     InputChannel, InputErrors, Observations, Samples, Segment, SensorRecord, SensorSample,
 };
 
+/// Samples per sensor in a segment that lead as close as all of them in a fraction of the time.
+pub(crate) const FEW: usize = 128;
 /// Largest step over readings: beyond it the motion between them may be lost.
 const STRIDE: usize = 16;
 

@@ -3,11 +3,13 @@
 //! Between two changes it is straight, and at each of them its slope changes by a random amount. A sample is the value,
 //! its rounding error and white noise; the rounding error stays in part from sample to sample: `x = [value, slope, rounding]`,
 //! `x' = F x`, at a change `x+ = x + [0, s v, 0]`, at a sample `x+ = diag(1, 1, a) x + [0, 0, q v]`, all v normal. The samples
-//! give the posterior of the whole motion. A slope may change all along an interval instead, by white noise `w`: over `h` the value
-//! and slope change by `q [h^3 / 3, h^2 / 2; h^2 / 2, h]`, a change in the middle and an independent one of the value alone. It is a Markov process itself: with `L` the information that the later samples hold
+//! give the posterior of the whole motion. It is a Markov process itself: with `L` the information that the later samples hold
 //! of the state, a change of component j has the variance `s2 / (1 + s2 L_jj)` and a mean that follows the state (Fraser and
 //! Potter 1969, backward information filter). Its mean is the motion that drives the prediction. The error of value and slope
 //! is taken as a Markov process with their covariances at neighbouring times ([`ErrorProcess`]): exact for white noise.
+//!
+//! The slope of a joint's position changes all along an interval h instead, by white noise of density q. Value and slope then have
+//! the covariance `q [h^3 / 3, h^2 / 2; h^2 / 2, h]`: that of a change of slope in the middle and one of the value alone.
 
 use crate::problem::error_process::{ErrorProcess, ErrorStep};
 use nalgebra::{Matrix2, Matrix3, Vector3};
@@ -22,8 +24,8 @@ const DIFFUSE: f64 = 1.0e3;
 const WHITE: f64 = 1.0e-3;
 /// Degrees of freedom of the changes: most are small, as between two manoeuvres, and some large. Measured: docs/validation/pyramid.md.
 const TAILS: f64 = 2.0;
-/// Changes of slope before and after one of a joint with which it shares its size.
-const CHANGES: usize = 4;
+/// Changes before and after one with which it shares its size.
+pub(crate) const SHARED: usize = 4;
 /// Renewals of their sizes, beyond which a value moves by a small share of its error.
 const RENEWALS: usize = 20;
 /// Relative accuracy of the size of the changes.
@@ -88,8 +90,6 @@ pub(crate) struct InputSamples<'a> {
     pub all_along: bool,
     /// In order of time, at most one at a grid time.
     pub samples: &'a [InputSample],
-    /// Changes before and after one with which it shares its size.
-    pub shared: usize,
 }
 
 /// What the samples say of the motion.
@@ -392,7 +392,7 @@ impl InputSamples<'_> {
             let square = |k: &usize| found.squares[*k] / self.changes[*k].powi(2);
             let own: Vec<f64> = places.iter().map(square).collect();
             let width = |i: usize| {
-                let near = i.saturating_sub(self.shared)..(i + self.shared + 1).min(own.len());
+                let near = i.saturating_sub(SHARED)..(i + SHARED + 1).min(own.len());
                 let (count, sum) = (near.len() as f64, own[near].iter().sum::<f64>());
                 (TAILS + sum / (size * size)) / (TAILS + count)
             };
@@ -468,7 +468,7 @@ pub struct JointMotion {
 }
 
 impl JointMotion {
-    /// At the times of a grid, s, from samples at some of them, in order; `None` without samples. `rounds`: whether equal ones
+    /// At the times of a grid, s, from samples at some of them, in order; `None` without samples, or at one time alone. `rounds`: whether equal ones
     /// in a row have one rounding error in common.
     ///
     /// ```
@@ -484,6 +484,9 @@ impl JointMotion {
     /// ```
     pub fn new(time_s: &[f64], samples: &[InputSample], rounds: bool) -> Option<Self> {
         let span = time_s.last()? - time_s.first()?;
+        if span <= 0.0 {
+            return None;
+        }
         let typical = span / (time_s.len() - 1).max(1) as f64;
         let intervals = time_s.windows(2).map(|w| ((w[1] - w[0]) / typical).sqrt());
         let changes: Vec<f64> = std::iter::once(0.0).chain(intervals).collect();
@@ -492,7 +495,6 @@ impl JointMotion {
             changes: &changes,
             all_along: true,
             samples,
-            shared: CHANGES,
         };
         let (found, sizes) = of(samples).most_probable()?;
         let lasting = rounds.then(|| rounded(samples)).flatten();
@@ -552,7 +554,6 @@ mod tests {
                 changes: &changes,
                 all_along: false,
                 samples: &samples,
-                shared: 0,
             };
             let found = all.posterior(&[change; 8]).unwrap();
             // Speed at every time, of start, slope and the three changes.
@@ -680,7 +681,6 @@ mod tests {
             changes: &changes,
             all_along: false,
             samples: &samples,
-            shared: 0,
         };
         let size = all.most_probable_size().unwrap();
         // 600 changes: their size is known to 3 %, and less by what noise hides of them.

@@ -13,7 +13,7 @@
 use crate::fit::coordinates::PhysicalBodies;
 use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::momentum_state::{Fitted, Search, fit_from, fit_on, is_settled};
-use crate::fit::part_of_record::{beginning, thinned};
+use crate::fit::part_of_record::{FEW, beginning, thinned};
 use crate::fit::step::{ITERATIONS, is_close, moved, physical_bodies};
 use crate::problem::refusal::no_motion;
 use crate::problem::segment::Segment;
@@ -22,8 +22,6 @@ use crate::problem::{Problem, ProblemError};
 use poinsot_model::{Model, Prior};
 use poinsot_solve::{LeastSquares, levenberg_marquardt};
 
-/// Samples per sensor in a segment up to which none is omitted.
-const START_SAMPLES: usize = 128;
 /// Smallest reduction of the grid for a coarse fit.
 const WORTH: usize = 4;
 /// Iterations for one beginning: a near start needs five.
@@ -325,7 +323,7 @@ fn fit_beginning(experiment: &Experiment, start: &Iterate, share: f64) -> Option
 
 /// A few samples of a record; `None` where that saves little.
 fn few_samples(whole: &[Segment]) -> Option<Vec<Segment>> {
-    let few = whole.iter().map(|s| thinned(s, START_SAMPLES));
+    let few = whole.iter().map(|s| thinned(s, FEW));
     let few: Vec<Segment> = few.collect::<Option<_>>()?;
     let times =
         |all: &[Segment]| -> usize { all.iter().map(|s| s.observations.time_s.len()).sum() };

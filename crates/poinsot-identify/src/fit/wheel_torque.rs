@@ -3,7 +3,7 @@
 //! The torque of each wheel changes at random, several times between two samples, by amounts whose size the samples tell
 //! ([`InputSamples`]). The mean of the motion that is left drives the prediction, and its error is a state of the filter.
 
-use crate::fit::sampled_motion::{InputSample, InputSamples, rounded};
+use crate::fit::sampled_motion::{InputSample, InputSamples, SHARED, rounded};
 use crate::motion::refined::{SAME_S, refined};
 use crate::problem::Problem;
 use crate::problem::segment::{
@@ -12,7 +12,7 @@ use crate::problem::segment::{
 
 /// Changes of the torque between two samples of a wheel. Half as many gave the same NEES for 40 tones at 2 Hz, and 6.50 instead of
 /// 6.28 for 40 slews.
-const CHANGES: usize = 4;
+const CHANGES: usize = SHARED;
 
 /// When a torque changes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -84,7 +84,6 @@ fn driven_at_random(
             changes: &changes,
             all_along: false,
             samples,
-            shared: CHANGES,
         };
         let (mut found, sizes) = of(&independent).most_probable()?;
         if let Some(rounded) = rounded(&independent) {
