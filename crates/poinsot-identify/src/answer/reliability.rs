@@ -94,7 +94,7 @@ fn convergence(own: &OfLikelihood) -> Remark {
     let words = match (failed, &own.followed) {
         (false, _) => "the iteration converged".to_owned(),
         (true, None) => "the iteration did not converge".to_owned(),
-        (true, Some(part)) => format!("no fit to the whole record converges; one {part} does"),
+        (true, Some(part)) => format!("the search followed the record {part} and no further"),
     };
     let effect = Effect::WithholdsNumbers.if_failed(failed);
     Remark::test("convergence", effect, words).statistic("iterations", own.iterations as f64)
