@@ -10,7 +10,7 @@ use poinsot_spatial::{MassProperties, Matrix3, Unphysical, Vector3, tensor};
 /// Tolerance of the triangle inequality, relative to the largest principal moment: covers rounding to seven digits.
 pub(crate) const PHYSICAL_TOLERANCE: f64 = 1e-6;
 
-/// Share of its tensor by which a guess is no mistake yet where no body has it.
+/// Share by which a guessed tensor may be off the nearest physical one before it is taken for a mistake. A rule of thumb.
 const GUESS: f64 = 0.05;
 
 /// Smallest mass accepted, kg: a nanogram.
@@ -148,7 +148,7 @@ impl Check<'_, '_> {
                 let here = key.at("inertia_kg_m2");
                 let moments = list(&given.principal().0);
                 let text = format!(
-                    "no body has these principal moments: {moments} kg m2, the largest exceeds the sum of the other two; a fit starts from the nearest that one has"
+                    "these principal moments are not physical: {moments} kg m2, the largest exceeds the sum of the other two; a fit starts from the nearest tensor that is"
                 );
                 self.note(&here, text);
                 return Some(near);

@@ -62,14 +62,14 @@ impl Bound {
     }
 }
 
-/// Unknown bodies whose guess no body has.
+/// Unknown bodies whose nominal tensor is not physical.
 fn not_physical(model: &Model) -> Vec<String> {
     let bodies = model.bodies.iter();
     let told = bodies.filter_map(|b| {
         let given = b.given?;
         let moments = list(&given.principal().0);
         Some(format!(
-            "assumed: {} begins as the nearest physical body; no body has the principal moments of its nominal tensor, {moments} kg m2",
+            "assumed: the nominal tensor of {} is not physical (principal moments {moments} kg m2); the fit starts from the nearest one that is",
             b.name
         ))
     });

@@ -257,12 +257,12 @@ fn told(channels: &Channels, columns: &JointColumns, repairs: &mut Vec<String>) 
     }
     if columns.moving().is_some() && columns.rate.is_none() {
         let how = match noisy(channels.model, columns) {
-            Some(_) => "taken with its position from a motion of random acceleration through",
-            None => "differentiated (quartic through five samples) from",
+            Some(_) => format!("position and rate of {name} smoothed from '{position_name}'"),
+            None => format!(
+                "rate of {name} differentiated from '{position_name}' (quartic through five samples)"
+            ),
         };
-        repairs.push(format!(
-            "{label}: no channel '{rate_name}': rate of {name} {how} '{position_name}'"
-        ));
+        repairs.push(format!("{label}: no channel '{rate_name}': {how}"));
     }
 }
 
@@ -388,7 +388,8 @@ fn smoothed(model: &Model, columns: &JointColumns, times: &[f64]) -> Option<Join
     let place = |t: &f64| grid.partition_point(|x| *x < t - tolerance);
     let read = q.time_s.iter().zip(&q.values);
     let samples = read.map(|(t, x)| InputSample::white(place(t), *x, variance));
-    let samples: Vec<InputSample> = samples.collect();
+    let mut samples: Vec<InputSample> = samples.collect();
+    samples.dedup_by_key(|sample| sample.at);
     let motion = JointMotion::new(&grid, &samples, rounding(sensor).is_some())?;
     let picked: Vec<usize> = times.iter().map(place).collect();
     // Gaps stay gaps.

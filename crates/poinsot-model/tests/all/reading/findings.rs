@@ -29,9 +29,9 @@ fn unit_remarkable_models_are_noted() {
     );
 }
 
-/// A guess may be off by more than its tensor is inside what bodies have.
+/// A guess may be so far off that it is not physical.
 #[test]
-fn unit_a_guess_that_no_body_has_begins_at_the_nearest() {
+fn unit_a_guess_that_is_not_physical_begins_at_the_nearest_one_that_is() {
     let of = |zz: f64, more: &str| {
         let tensor = format!("inertia_kg_m2 = {{ xx = 1.0, yy = 1.0, zz = {zz} }}\n");
         format!(
@@ -43,7 +43,7 @@ fn unit_a_guess_that_no_body_has_begins_at_the_nearest() {
     assert!(base.nominal.check_physical(0.0).is_ok());
     assert!((base.nominal.I_BBcm_B[(2, 2)] - 2.1).abs() < 0.01);
     assert_eq!(base.given.unwrap().I_BBcm_B[(2, 2)], 2.1);
-    assert!(model.notes[0].contains("no body has these principal moments: 1, 1, 2.1 kg m2"));
+    assert!(model.notes[0].contains("these principal moments are not physical: 1, 1, 2.1 kg m2"));
     // Far off, it is a mistake; and what is known has to be right.
     for text in [of(2.9, "estimate = true\n"), of(2.1, "")] {
         let fault = parse_model(&text, "m.toml").unwrap_err();
