@@ -28,6 +28,9 @@ pub struct Arguments {
     /// Memory that the work may need by its estimate, MiB. Default: 80 % of what is free.
     #[arg(long, value_name = "MIB", global = true, value_parser = clap::value_parser!(u64).range(1..=1 << 32))]
     pub limit_memory: Option<u64>,
+    /// Hours that the work may take by the least estimate of its time.
+    #[arg(long, value_name = "HOURS", global = true, default_value_t = 24, value_parser = clap::value_parser!(u64).range(1..=1 << 20))]
+    pub limit_hours: u64,
     /// What to do.
     #[command(subcommand)]
     pub verb: Verb,

@@ -19,7 +19,7 @@ pub use verbs::exit_of;
 use arguments::{Arguments, Verb};
 use clap::{CommandFactory, FromArgMatches};
 use poinsot::{Error, guarded};
-use poinsot_files::limit_memory;
+use poinsot_files::{limit_hours, limit_memory};
 use poinsot_formats::ErrorFile;
 use progress::Progress;
 use std::ffi::OsString;
@@ -55,6 +55,7 @@ fn answer(words: Vec<OsString>) -> verbs::Outcome {
         Err(usage) => return verbs::usage(&usage),
     };
     arguments.limit_memory.into_iter().for_each(limit_memory);
+    limit_hours(arguments.limit_hours);
     let verb = matches.subcommand();
     let quiet = verb.and_then(|(_, m)| m.try_get_one::<bool>("quiet").ok().flatten());
     let progress = Progress::start(quiet == Some(&true));

@@ -171,8 +171,8 @@ impl Question {
     pub fn fly(&self, model: &Model, rows: Rows, scenario: Scenario) -> Result<Flight, Error> {
         let mut course = Course::default();
         // Each row has the weight of the rows of the case that it replaces.
-        let step = match scenario.times.as_slice() {
-            [first, second, ..] => second - first,
+        let step = match (scenario.times.get(0), scenario.times.get(1)) {
+            (Some(first), Some(second)) => second - first,
             _ => 1.0 / self.case.rate_hz,
         };
         let thinned = step * self.case.rate_hz;
@@ -202,6 +202,7 @@ impl Question {
         let mut course = Course::default();
         run(&self.case, model, None, scenario, |sample| {
             course.push(self.watch.values(sample));
+            true
         })?;
         Ok(course)
     }

@@ -3,7 +3,7 @@
 //! One eighth of the second difference is added to each value: the most by which it can rise between samples.
 
 use poinsot::case::{Capsule, Case, Limits, ThrusterLimit};
-use poinsot_dynamics::MotionSample;
+use poinsot_dynamics::{MotionSample, Times};
 use poinsot_model::Model;
 use poinsot_spatial::Vector3;
 
@@ -14,7 +14,7 @@ const WINDOWS: usize = 12;
 const FINE: f64 = 5.0;
 
 /// Times of the final check of the limits.
-pub(crate) fn fine_times(case: &Case) -> Vec<f64> {
+pub(crate) fn fine_times(case: &Case) -> Times<'static> {
     let mut fine = case.clone();
     fine.rate_hz *= FINE;
     fine.times()

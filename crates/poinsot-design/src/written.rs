@@ -160,7 +160,7 @@ fn commands_csv(designed: &Designed, case: &Case) -> Result<String, Error> {
     );
     let mut levels = vec![0.0; designed.model.thrusters.len()];
     let mut text = header.join(",") + "\n";
-    for t in case.times() {
+    for t in case.times().iter() {
         let _ = write!(text, "{t}");
         for (name, _) in &designed.commands {
             let jet = jet(name, t);

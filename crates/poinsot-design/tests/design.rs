@@ -101,7 +101,8 @@ fn paper_xus_target_is_told_twice_as_well_within_the_same_peak_angles_and_rates(
     // by 2.7 %.
     let case = poinsot_design::manoeuvre_case(&found, Path::new("")).unwrap();
     let mut scenario = case.bind(&model).unwrap();
-    scenario.times = (0..12_000).map(|k| f64::from(k) * 0.005).collect();
+    let times = (0..12_000).map(|k| f64::from(k) * 0.005);
+    scenario.times = times.collect::<Vec<f64>>().into();
     let text = std::fs::read_to_string(example("xu2017_target_design.toml")).unwrap();
     let file: toml::Table = text.parse().unwrap();
     let limits = file["limits"]["joint"].as_array().unwrap();
@@ -114,6 +115,7 @@ fn paper_xus_target_is_told_twice_as_well_within_the_same_peak_angles_and_rates(
                 .max(sample.q[k].abs() / angle)
                 .max(sample.rates[k].abs() / rate);
         }
+        true
     })
     .unwrap();
     assert!(largest <= 1.0 + 1.0e-9 && largest > 0.99, "{largest}");
@@ -194,6 +196,7 @@ fn prop_vehicles_of_the_prior_hold_the_limits_that_depend_on_them() {
             for torque in &sample.wheel_torque {
                 largest = largest.max(torque.abs() / 0.05);
             }
+            true
         })
         .unwrap();
         broken += u32::from(largest > 1.0);
@@ -394,7 +397,8 @@ force_N = 4.0
     let own = fired(&found, &model);
     let flown = poinsot_design::manoeuvre_case(&found, Path::new("")).unwrap();
     let mut scenario = flown.bind(&model).unwrap();
-    scenario.times = (0..4000).map(|k| f64::from(k) * 0.01).collect();
+    let times = (0..4000).map(|k| f64::from(k) * 0.01);
+    scenario.times = times.collect::<Vec<f64>>().into();
     run(&flown, &model, None, &scenario, |sample| {
         let fires = own[0]
             .iter()
@@ -407,6 +411,7 @@ force_N = 4.0
             let inside = -x > 0.0 && y.abs() < -x * 0.3_f64.tan();
             assert!(!(fires && inside), "{} {x} {y}", sample.time);
         }
+        true
     })
     .unwrap();
 }

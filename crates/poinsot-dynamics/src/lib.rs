@@ -63,7 +63,7 @@
 //!   vehicle under a plan. `stage.rs`: one evaluation of its motion, state and equations. `flexing.rs`: accelerations with
 //!   modes. `rates_momentum.rs`: momentum of the joint rates. `controller.rs`: the closed loop of a run. `sample.rs`: all ideal
 //!   measurements. `integrate.rs`: what integrators share. `dop853.rs`, `dop853_table.rs`: eighth order with step control and
-//!   dense output. `runge_kutta.rs`: fixed steps of fourth order. `run.rs`: motion through the requested times. `thrust.rs`: thrusters.
+//!   dense output. `runge_kutta.rs`: fixed steps of fourth order. `run.rs`: motion through the requested times, `times.rs`. `thrust.rs`: thrusters.
 //! - `propagation/`: state of pose and momentum, the vehicle with locked joints, rows of the linearised equations, columns
 //!   over a step (`columns.rs`: several side by side), whole steps; `modes.rs`: flexible modes beside them. `quaternion.rs`: rotations over one number or several.
 //! - `measurement.rs`, `measurement/`: ideal sensors with derivatives, one file a kind. `sensors.rs`: simulated sensors.

@@ -1,10 +1,12 @@
-//! The memory that a command may use, checked before it is asked for.
+//! The memory and time that a command may use, checked before its work begins.
 
 use crate::{Faults, short};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// The limit of the user, MiB; 0 without one.
 static LIMIT_MIB: AtomicU64 = AtomicU64::new(0);
+/// The longest time of a command, hours.
+static LIMIT_HOURS: AtomicU64 = AtomicU64::new(24);
 /// Fraction of the free memory that may be used.
 const SHARE: f64 = 0.8;
 /// Free memory where the system does not state it, bytes.
@@ -16,6 +18,34 @@ const GIB: f64 = 1024.0 * 1024.0 * 1024.0;
 /// Sets the limit of [`check_memory`], MiB.
 pub fn limit_memory(mib: u64) {
     LIMIT_MIB.store(mib, Ordering::Relaxed);
+}
+
+/// Sets the limit of [`check_time`], hours; it is 24 hours without.
+pub fn limit_hours(hours: u64) {
+    LIMIT_HOURS.store(hours, Ordering::Relaxed);
+}
+
+/// Checks that the least time of some work is within the limit of [`limit_hours`].
+///
+/// # Errors
+/// E0006 with both figures.
+///
+/// ```
+/// use poinsot_files::check_time;
+///
+/// assert!(check_time("3 rows", 3.0e-6).is_ok());
+/// let refused = check_time("1e18 rows", 3.6e11).unwrap_err().to_string();
+/// assert!(refused.starts_with("E0006 1e18 rows take at least 1e8 hours, and the limit is 24"), "{refused}");
+/// ```
+pub fn check_time(what: &str, seconds: f64) -> Result<(), Faults> {
+    let (hours, limit) = (seconds / 3600.0, LIMIT_HOURS.load(Ordering::Relaxed));
+    match hours <= limit as f64 {
+        true => Ok(()),
+        false => Err(Faults::time(format!(
+            "{what} take at least {} hours, and the limit is {limit}",
+            short(hours)
+        ))),
+    }
 }
 
 /// Checks that the estimated memory of some work is within the limit: that of [`limit_memory`], or 80 % of what is

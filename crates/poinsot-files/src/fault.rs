@@ -311,6 +311,12 @@ impl Faults {
         Self::system("E0006", Place::default(), problem, advice)
     }
 
+    /// E0006: more time than its limit.
+    pub fn time(problem: String) -> Self {
+        let advice = "ask for less, or raise --limit-hours";
+        Self::system("E0006", Place::default(), problem, advice)
+    }
+
     /// E0009: a bug, with its message and place in the source.
     pub fn internal(what: impl fmt::Display) -> Self {
         let problem = format!("internal error: {what}: this is a bug in poinsot");

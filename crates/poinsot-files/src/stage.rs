@@ -128,21 +128,30 @@ impl Stage {
     ///
     /// # Errors
     /// As `write`, or writing fails.
-    pub fn fill(
+    pub fn fill<T>(
         &mut self,
         name: &Path,
-        write: impl FnOnce(&mut File) -> Result<(), Faults>,
-    ) -> Result<(), Faults> {
+        write: impl FnOnce(&mut File) -> Result<T, Faults>,
+    ) -> Result<T, Faults> {
         let target = self.target(name);
         let failed = |e| Faults::io(&target, "cannot be written", &e);
         let draft = self.hidden().join(format!("new-{}", self.drafts.len()));
         let mut options = File::options();
         let options = options.read(true).write(true).create_new(true);
         let mut file = options.open(&draft).map_err(failed)?;
-        write(&mut file)?;
+        let written = write(&mut file)?;
         file.sync_all().map_err(failed)?;
         self.drafts.push(Draft { target, draft });
-        Ok(())
+        Ok(written)
+    }
+
+    /// Opens the last draft.
+    ///
+    /// # Errors
+    /// There is none, or it cannot be read.
+    pub fn last(&self) -> io::Result<File> {
+        let last = self.drafts.last().ok_or(ErrorKind::NotFound)?;
+        File::open(&last.draft)
     }
 
     fn hidden(&self) -> &Path {

@@ -111,8 +111,8 @@ pub use report_data::{
     TrueNumbers, Vehicle,
 };
 pub use truth::{
-    InitialFile, JointStateFile, TRUTH, TrueBodyFile, TrueRunFile, TrueSensorFile, TruthFile,
-    WheelUseFile,
+    InitialFile, JointStateFile, TRUTH, TrueBodyFile, TrueRunFile, TrueSensorFile,
+    TrueTelemetryFile, TruthFile, WheelUseFile,
 };
 pub use validation::{
     ComparedQuantityFile, CompletedFile, EstimateRefFile, InSigmasFile, PredictionChangeFile,

@@ -108,8 +108,4 @@ pub struct WantedFile {
 impl ResultFile for PredictionFile {
     const SCHEMA: &'static str = PREDICTION;
     const EARLIER: &'static [&'static str] = &["poinsot.prediction/2"];
-
-    fn note(&mut self, unchecked: String) {
-        self.assumptions.push(unchecked);
-    }
 }

@@ -29,6 +29,9 @@ pub struct ReportData {
     /// True values from a `truth.json` next to the telemetry.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub truth: Option<TrueNumbers>,
+    /// Why that `truth.json` is not used, or is unchecked; empty otherwise.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub truth_note: String,
 }
 
 /// True mass properties.

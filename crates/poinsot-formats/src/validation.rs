@@ -146,8 +146,4 @@ pub struct PredictionChangeFile {
 impl ResultFile for ValidationFile {
     const SCHEMA: &'static str = VALIDATION;
     const EARLIER: &'static [&'static str] = &["poinsot.validation/2"];
-
-    fn note(&mut self, unchecked: String) {
-        self.warnings.push(unchecked);
-    }
 }

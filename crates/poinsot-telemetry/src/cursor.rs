@@ -5,7 +5,8 @@ use crate::Channel;
 /// One channel, read along the union of times.
 pub(crate) struct Cursor<'a> {
     channel: &'a Channel,
-    next: usize,
+    /// Samples read.
+    pub(crate) next: usize,
 }
 
 impl Cursor<'_> {

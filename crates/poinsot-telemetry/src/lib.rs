@@ -144,4 +144,4 @@ pub use row_columns::{RowCells, RowColumn};
 pub use rows::{ROWS_EXTENSION, write_rows};
 pub use suggest::{Suggestion, suggestions};
 pub use unit::{Dimension, STANDARD_GRAVITY, Unit, parse_unit, units};
-pub use writer::{write, write_staged};
+pub use writer::{GROUP, RowWriter, write, write_pieces};

@@ -1,8 +1,8 @@
 //! Writes columns as Parquet, compressed by Snappy.
 
-use crate::cursor::cursors;
+use crate::cursor::Cursor;
+use crate::parquet_seal;
 use crate::row_columns::{RowCells, RowColumn};
-use crate::{Channel, full_name, parquet_seal};
 use parquet::basic::{Compression, ConvertedType, LogicalType, Repetition, Type as Stored};
 use parquet::data_type::{ByteArray, ByteArrayType, DataType, DoubleType, Int64Type};
 use parquet::errors::Result;
@@ -10,44 +10,41 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use parquet::schema::types::Type;
 use std::fs::File;
+use std::io;
 use std::sync::Arc;
 
-/// Rows of a row group: what other writers choose.
-const GROUP: usize = 1 << 20;
+/// A file of numbers whose rows come in groups.
+pub(crate) struct ParquetRows<'f>(SerializedFileWriter<&'f mut File>);
 
-/// Writes the channels at the given times; an error is text.
-pub(crate) fn write_parquet(
-    file: &mut File,
-    times: &[f64],
-    channels: &[Channel],
-) -> std::result::Result<(), String> {
-    encode(file, times, channels).map_err(|e| e.to_string())?;
-    parquet_seal::seal(file).map_err(|e| e.to_string())
-}
-
-fn encode(file: &mut File, times: &[f64], channels: &[Channel]) -> Result<()> {
-    let mut fields = vec![number("time_s", Repetition::REQUIRED)?];
-    for channel in channels {
-        let name = full_name(&channel.sensor, &channel.name);
-        fields.push(number(&name, Repetition::OPTIONAL)?);
+impl<'f> ParquetRows<'f> {
+    /// Begins a file with the time and these columns.
+    pub fn open(file: &'f mut File, names: impl Iterator<Item = String>) -> Result<Self> {
+        let time = number("time_s", Repetition::REQUIRED);
+        let others = names.map(|name| number(&name, Repetition::OPTIONAL));
+        let fields: Result<_> = std::iter::once(time).chain(others).collect();
+        open(file, fields?).map(Self)
     }
-    let mut writer = open(file, fields)?;
-    let mut cursors = cursors(channels);
-    for times in times.chunks(GROUP) {
-        let mut group = writer.next_row_group()?;
+
+    /// Adds the rows of some times.
+    pub fn group(&mut self, times: &[f64], cursors: &mut [Cursor<'_>]) -> io::Result<()> {
+        let mut group = self.0.next_row_group()?;
         if let Some(column) = group.next_column()? {
             write_whole::<DoubleType>(column, times)?;
         }
-        for cursor in &mut cursors {
+        for cursor in cursors {
             if let Some(column) = group.next_column()? {
                 write_numbers(column, times.iter().map(|&t| cursor.at(t)))?;
             }
         }
         group.close()?;
+        Ok(())
     }
-    writer.append_key_value_metadata(parquet_seal::unsealed());
-    writer.close()?;
-    Ok(())
+
+    /// Ends the file, and seals it.
+    pub fn finish(mut self) -> io::Result<()> {
+        self.0.append_key_value_metadata(parquet_seal::unsealed());
+        parquet_seal::seal(self.0.into_inner()?)
+    }
 }
 
 /// Writes rows with named columns.

@@ -4,17 +4,17 @@ mod record;
 mod truth;
 
 use crate::bind::mountings;
-use crate::case::{Case, Format, Scenario, read_case};
+use crate::case::{Case, Format, SIMULATED, Scenario, read_case};
 use crate::channel_names::names;
 use crate::error::{Error, no_motion};
 use crate::progress::step;
 use crate::written::{check_outputs, result_json};
 use poinsot_dynamics::{Flight, Halt, MotionError, MotionSample, Tree, Vehicle, WheelUse};
 use poinsot_files::{Place, Stage};
-use poinsot_formats::TruthFile;
+use poinsot_formats::{TrueTelemetryFile, TruthFile, sha256_of};
 use poinsot_model::{Joint, Model, Nuisance, SensorKind, read_model};
 use poinsot_spatial::InertialParameters;
-use poinsot_telemetry::{Mounting, Table, mount, write_staged};
+use poinsot_telemetry::{Channel, GROUP, Mounting, Table, mount, write_pieces};
 use record::Recorder;
 pub(crate) use record::joint_channels;
 use std::path::{Path, PathBuf};
@@ -47,7 +47,7 @@ pub struct Written {
 }
 
 /// Runs the case file and writes telemetry and truth into `out`, which is created if missing. Either both files are
-/// written, or none.
+/// written, or none. Its memory does not grow with the number of rows.
 ///
 /// # Errors
 /// Case or model are invalid, the motion cannot be computed, or writing fails.
@@ -74,21 +74,48 @@ pub fn simulate(case_path: &Path, out: &Path) -> Result<Written, Error> {
     let outputs = [telemetry.clone(), truth.clone()];
     check_outputs("--out", &outputs, &[case_path, &case.model])?;
     let model = read_model(&case.model)?;
-    let mut simulation = simulate_case(&case, &model)?;
+    let scenario = case.bind(&model)?;
+    let rows = scenario.times.count();
+    case.check_memory(&model, rows.min(GROUP), SIMULATED)?;
+    let mut recorder = Recorder::new(&model, &scenario, &Tree::new(&model), case.seed, 0);
     // Files are in sensor axes, tables in body axes.
     let back: Vec<Mounting> = mountings(&model).iter().map(Mounting::inverse).collect();
-    mount(&mut simulation.table, &back);
-    let channels = &simulation.table.channels;
+    let in_sensor_axes = |channels: Vec<Channel>| {
+        let mut table = Table {
+            channels,
+            ..Table::default()
+        };
+        mount(&mut table, &back);
+        table.channels
+    };
     let mut stage = Stage::new(out)?;
-    write_staged(&mut stage, Path::new(name), channels)?;
-    let text = result_json(out, &simulation.truth, true)?;
+    // Before the first row it has names alone.
+    let first = recorder.drain(&scenario);
+    let mut file = write_pieces(&mut stage, Path::new(name), &first, |writer| {
+        let truth = recorded_trial(&case, &model, &scenario, &mut recorder, 0, |recorder| {
+            if recorder.rows() < GROUP {
+                return Ok(());
+            }
+            let until = recorder.until();
+            writer.add(in_sensor_axes(recorder.drain(&scenario)), until)
+        })?;
+        let last = in_sensor_axes(recorder.drain(&scenario));
+        writer.add(last, f64::INFINITY)?;
+        Ok(truth)
+    })?;
+    let sum = stage.last().and_then(sha256_of);
+    file.telemetry = Some(TrueTelemetryFile {
+        file: name.to_owned(),
+        sha256: sum.map_err(|e| Error::io(&telemetry, "cannot be read", &e))?,
+    });
+    let text = result_json(out, &file, true)?;
     stage.add(Path::new("truth.json"), text.as_bytes())?;
     stage.commit()?;
     Ok(Written {
         telemetry,
         truth,
-        rows: case.times().len(),
-        channels: channels.len(),
+        rows,
+        channels: first.len(),
     })
 }
 
@@ -126,27 +153,44 @@ pub fn simulate_case(case: &Case, model: &Model) -> Result<Simulation, Error> {
 /// ```
 pub fn simulate_trial(case: &Case, model: &Model, trial: u64) -> Result<Simulation, Error> {
     let scenario = case.bind(model)?;
+    case.check_memory(model, scenario.times.count(), SIMULATED)?;
     let mut recorder = Recorder::new(model, &scenario, &Tree::new(model), case.seed, trial);
-    let (mut first, mut taken) = (None, 0);
-    let used = run(case, model, None, &scenario, |sample| {
+    let truth = recorded_trial(case, model, &scenario, &mut recorder, trial, |_| Ok(()))?;
+    let table = Table {
+        channels: recorder.drain(&scenario),
+        ..Table::default()
+    };
+    Ok(Simulation { table, truth })
+}
+
+/// Runs a case into a recorder; `kept` is called after every row, and its error ends the motion.
+fn recorded_trial(
+    case: &Case,
+    model: &Model,
+    scenario: &Scenario,
+    recorder: &mut Recorder,
+    trial: u64,
+    mut kept: impl FnMut(&mut Recorder) -> Result<(), Error>,
+) -> Result<TruthFile, Error> {
+    let (mut first, mut taken, mut failed) = (None, 0, None);
+    let used = run(case, model, None, scenario, |sample| {
         first.get_or_insert_with(|| sample.clone());
         recorder.take(sample);
-        report(&mut taken, scenario.times.len());
+        report(&mut taken, scenario.times.count());
+        failed = kept(recorder).err();
+        failed.is_none()
     })?;
-    let truth = Drawn {
+    failed.map_or(Ok(()), Err)?;
+    let drawn = Drawn {
         case,
         model,
-        scenario: &scenario,
+        scenario,
         first: first.as_ref(),
-        recorder: &recorder,
+        recorder,
         trial,
         used: &used,
-    }
-    .truth();
-    Ok(Simulation {
-        table: recorder.table(&scenario),
-        truth,
-    })
+    };
+    Ok(drawn.truth())
 }
 
 /// Ideal measurements.
@@ -185,7 +229,7 @@ pub(crate) fn simulate_exact_watched(
     scenario: Scenario,
     mut watch: impl FnMut(&MotionSample),
 ) -> Result<Exact, Error> {
-    let (mut taken, total) = (0, scenario.times.len());
+    let (mut taken, total) = (0, scenario.times.count());
     simulate_exact_of(case, model, scenario, |sample| {
         watch(sample);
         report(&mut taken, total);
@@ -201,7 +245,7 @@ pub(crate) fn simulate_exact_watched(
 #[doc = include_str!("../doc/case.txt")]
 /// // A bound case may be changed before it runs: half the times.
 /// let mut scenario = case.bind(&model)?;
-/// scenario.times.truncate(26);
+/// scenario.times = poinsot_dynamics::Times::Even { rows: 26, rate_hz: case.rate_hz };
 /// let mut seen = 0;
 /// simulate::simulate_exact_of(&case, &model, scenario, |_| seen += 1)?;
 /// assert_eq!(seen, 26);
@@ -261,12 +305,17 @@ fn recorded(
     scenario: &Scenario,
     mut watch: impl FnMut(&MotionSample),
 ) -> Result<Table, Error> {
+    case.check_memory(perfect, scenario.times.count(), SIMULATED)?;
     let mut recorder = Recorder::new(perfect, scenario, &Tree::new(perfect), case.seed, 0);
     run(case, perfect, bodies, scenario, |sample| {
         watch(sample);
         recorder.take(sample);
+        true
     })?;
-    Ok(recorder.table(scenario))
+    Ok(Table {
+        channels: recorder.drain(scenario),
+        ..Table::default()
+    })
 }
 
 /// The model with ideal sensors.
@@ -289,8 +338,8 @@ fn report(taken: &mut usize, total: usize) {
     }
 }
 
-/// Simulates the scenario and passes on every sample; returns the use of the wheels by a controller. `bodies` replace the
-/// model's mass properties.
+/// Simulates the scenario and passes on every sample, until one for which `take` is false; returns the use of the wheels by a
+/// controller. `bodies` replace the model's mass properties.
 ///
 /// # Errors
 /// As [`simulate_case`].
@@ -299,7 +348,10 @@ fn report(taken: &mut usize, total: usize) {
 #[doc = include_str!("../doc/case.txt")]
 /// let mut largest = 0.0_f64;
 /// let scenario = case.bind(&model)?;
-/// simulate::run(&case, &model, None, &scenario, |sample| largest = largest.max(sample.w_NB_B.x.abs()))?;
+/// simulate::run(&case, &model, None, &scenario, |sample| {
+///     largest = largest.max(sample.w_NB_B.x.abs());
+///     true
+/// })?;
 /// // A wheel with 1 N m s in a box with 1 kg m2, nearly at 2.5 s.
 /// assert!((0.9..=1.0).contains(&largest));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -309,14 +361,14 @@ pub fn run(
     model: &Model,
     bodies: Option<&[InertialParameters]>,
     scenario: &Scenario,
-    take: impl FnMut(&MotionSample),
+    take: impl FnMut(&MotionSample) -> bool,
 ) -> Result<Vec<WheelUse>, Error> {
     let mut vehicle = Vehicle::from(model);
     if let Some(bodies) = bodies {
         vehicle.bodies = bodies.to_vec();
     }
     Flight::new(vehicle, &scenario.plan, case.tolerance)
-        .and_then(|flight| flight.run(&scenario.start, &scenario.times, take))
+        .and_then(|flight| flight.run_while(&scenario.start, scenario.times.clone(), take))
         .map_err(|error| refusal(case, model, error))
 }
 

@@ -197,23 +197,39 @@ fn cli_a_frame_to_be_skipped_may_come_first() {
 }
 
 #[test]
-fn cli_work_above_the_memory_is_refused_with_both_figures() {
-    // 1.2e14 rows; 10^12 trials.
-    let folder = satellite("1e12");
-    for words in [
+fn cli_work_above_the_memory_or_time_is_refused_with_both_figures() {
+    let verbs = [
         "simulate case.toml --out o",
         "predict case.toml",
         "validate case.toml --against stsat3_truth.toml",
         "sweep case.toml --vary noise=1,2 --trials 2",
         "campaign plan.toml --out o",
         "campaign plan.toml --estimate",
-    ] {
+    ];
+    let refuses = |words: &str, rate: &str, parts: [&str; 2]| {
+        let folder = satellite(rate);
         let output = shell(folder.path(), &format!("exec \"$P\" {words}"));
-        refused(&output, 3, "E0006 the 1.2e14 rows of ");
+        let rows = 120.0 * rate.parse::<f64>().unwrap();
+        refused(&output, 3, &format!("E0006 the {rows:e} rows of "));
         let text = said(&output);
-        assert!(text.contains(" GiB of memory, and the limit is "), "{text}");
-        assert!(text.contains("--limit-memory"), "{text}");
+        assert!(parts.iter().all(|part| text.contains(part)), "{text}");
+    };
+    // 120 s.
+    let memory = [" GiB of memory, and the limit is ", "--limit-memory"];
+    let time = [" hours, and the limit is 24; ", "--limit-hours"];
+    for words in verbs {
+        refuses(words, "1e12", time);
+        if !words.starts_with("simulate") {
+            refuses(words, "1e8", memory);
+        }
     }
+    // Ten hours at least.
+    refuses(
+        "simulate case.toml --out o --limit-hours 1",
+        "1e9",
+        [" hours, and the limit is 1; ", "--limit-hours"],
+    );
+    // 10^12 trials.
     let folder = satellite("10");
     for words in [
         "campaign plan.toml --out o --trials 1000000000000",
@@ -224,20 +240,46 @@ fn cli_work_above_the_memory_is_refused_with_both_figures() {
     }
 }
 
+/// Its table would take 0.2 GB.
+#[test]
+fn cli_the_memory_of_simulate_does_not_grow_with_the_rows() {
+    let folder = satellite("6000");
+    let space = (1 << 10) * (48 + program_mib());
+    let script = format!(
+        "ulimit -v {space}; exec \"$P\" simulate case.toml --out o --limit-memory 48 --quiet"
+    );
+    let output = shell(folder.path(), &script);
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    let text = std::fs::read(folder.path().join("o/telemetry.csv")).unwrap();
+    assert_eq!(text.iter().filter(|byte| **byte == b'\n').count(), 720_002);
+}
+
+/// Trials are refused by what the least of them takes.
+#[test]
+fn cli_trials_above_the_time_are_refused() {
+    let folder = satellite("10");
+    let words = "campaign plan.toml --out o --trials 100000000 --limit-hours 1";
+    let output = shell(folder.path(), &format!("exec \"$P\" {words}"));
+    refused(&output, 3, "E0006 the 100000000 trials take at least ");
+}
+
+/// Address space that the program takes without any work, MiB.
+fn program_mib() -> u64 {
+    let threads = std::thread::available_parallelism().unwrap().get() as u64;
+    256 + 8 + 64 * (1 + threads)
+}
+
 /// Every verb whose memory grows with the request, with the largest request of a limit: inside of the limit it works,
 /// just above it is refused. The address space is held to the limit and what the program takes without any work.
 #[test]
 fn cli_each_verb_stays_within_its_limit() {
     let limit = std::env::var("POINSOT_LIMIT_MIB").map_or(24, |mib| mib.parse().unwrap());
-    let threads = std::thread::available_parallelism().unwrap().get() as u64;
-    let program = 256 + 8 + 64 * (1 + threads);
     let script = |verb: &str, mib: u64| {
-        let space = (1 << 10) * (mib + program);
+        let space = (1 << 10) * (mib + program_mib());
         format!("ulimit -v {space}; exec \"$P\" {verb} --limit-memory {mib} --quiet")
     };
     let model = data("stsat3/model.toml").display().to_string();
     for verb in [
-        "simulate case.toml --out o",
         "predict case.toml",
         "validate case.toml --against stsat3_truth.toml",
         "sweep case.toml --vary noise=1 --trials 2",

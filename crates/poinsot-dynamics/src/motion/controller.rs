@@ -7,6 +7,7 @@
 use crate::motion::attitude_control::{AttitudeControl, SAME, WheelDrive};
 use crate::motion::plan::Plan;
 use crate::motion::reaction_wheel::WheelLimits;
+use crate::motion::times::Times;
 use crate::motion::wheel_motion::WheelMotion;
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
 
@@ -49,7 +50,7 @@ pub(crate) struct Controller<'p> {
     law: &'p AttitudeControl,
     wheels: Vec<Commanded>,
     /// Output times, s.
-    times: &'p [f64],
+    times: &'p Times<'p>,
     /// Control instants until now.
     instants: u64,
     target: UnitQuaternion,
@@ -60,7 +61,7 @@ impl<'p> Controller<'p> {
     pub fn of(
         plan: &'p Plan,
         (allocation, spin_inertia): (&[Vector3], &[f64]),
-        times: &'p [f64],
+        times: &'p Times<'p>,
     ) -> Option<Self> {
         let controlled = plan.wheels.iter().enumerate();
         let controlled = controlled.filter_map(|(wheel, motion)| match motion {
@@ -148,14 +149,13 @@ impl<'p> Controller<'p> {
 
     /// The next control instant, s.
     fn due(&self, period: f64) -> f64 {
-        let first = self.times.first().copied().unwrap_or(0.0);
+        let first = self.times.get(0).unwrap_or(0.0);
         self.event(first + self.instants as f64 * period, SAME * period)
     }
 
     /// The time of a change of the command, or the output time that is the same but for `tolerance`, s.
     fn event(&self, time: f64, tolerance: f64) -> f64 {
-        let after = self.times.partition_point(|t| *t < time - tolerance);
-        let output = self.times.get(after).filter(|t| **t <= time + tolerance);
-        output.copied().unwrap_or(time)
+        let output = self.times.not_before(time - tolerance);
+        output.filter(|t| *t <= time + tolerance).unwrap_or(time)
     }
 }

@@ -6,6 +6,7 @@ use crate::motion::integrate::Halt;
 use crate::motion::joint_drive::JointDrive;
 use crate::motion::plan::Plan;
 use crate::motion::run::Integrator;
+use crate::motion::times::Times;
 use crate::motion::wheel_motion::{Axial, WheelMotion};
 use crate::orbit::Orbit;
 use crate::propagation::MOST_MODES;
@@ -268,11 +269,11 @@ fn count(what: &'static str, found: usize, expected: usize) -> Result<(), Motion
 }
 
 /// The first of the output times, where they are finite and do not decrease.
-pub(crate) fn check_times(times: &[f64]) -> Result<f64, MotionError> {
-    let finite = |t: &[f64]| t[0] <= t[1] && t[1].is_finite();
-    if let Some(i) = times.windows(2).position(|t| !finite(t)) {
-        return Err(MotionError::Times(i + 1));
+pub(crate) fn check_times(times: &Times) -> Result<f64, MotionError> {
+    let mut before = f64::NEG_INFINITY;
+    let follows = |t: f64| t.is_finite() && std::mem::replace(&mut before, t) <= t;
+    match times.iter().map(follows).position(|follows| !follows) {
+        Some(i) => Err(MotionError::Times(i)),
+        None => times.get(0).ok_or(MotionError::Times(0)),
     }
-    let first = times.first().copied().filter(|t| t.is_finite());
-    first.ok_or(MotionError::Times(0))
 }

@@ -17,6 +17,7 @@ pub(crate) mod run;
 pub(crate) mod runge_kutta;
 pub(crate) mod sample;
 pub(crate) mod stage;
+pub(crate) mod times;
 pub(crate) mod wheel_motion;
 
 pub use attitude_control::{AttitudeControl, Target, WheelDrive};
@@ -32,4 +33,5 @@ pub use reaction_wheel::WheelLimits;
 pub use run::Integrator;
 pub use runge_kutta::RungeKutta4;
 pub use sample::MotionSample;
+pub use times::Times;
 pub use wheel_motion::WheelMotion;

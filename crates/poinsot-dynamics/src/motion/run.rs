@@ -3,6 +3,12 @@
 use crate::motion::dop853::DormandPrince8;
 use crate::motion::integrate::{Flow, Halt, Tolerance};
 use crate::motion::runge_kutta::RungeKutta4;
+use crate::motion::times::Times;
+
+/// Steps after which the number to the next output is estimated.
+const TRIED: usize = 1000;
+/// How many times the allowed number the estimate must be to end the motion: later steps may be longer.
+const HOPELESS: f64 = 1000.0;
 
 /// How the motion is integrated.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,30 +36,32 @@ pub(crate) trait SmoothByParts: Flow {
     fn sample(&mut self, t: f64, y: &[f64]) -> Result<&Self::Sample, Halt>;
 }
 
-/// Moves from `y` at the first of the ascending `times` through every time; `sink` takes the samples. `scale` is the
-/// natural magnitude of each component.
+/// Moves from `y` at the first of the ascending `times` through every time; `sink` takes the samples, until one
+/// for which it is false. `scale` is the natural magnitude of each component.
 pub(crate) fn run<S: SmoothByParts>(
     stage: &mut S,
     (y, scale): (Vec<f64>, Vec<f64>),
-    times: &[f64],
+    times: &Times,
     integrator: Integrator,
-    mut sink: impl FnMut(&S::Sample),
+    mut sink: impl FnMut(&S::Sample) -> bool,
 ) -> Result<(), Halt> {
-    let (Some(first), Some(last)) = (times.first(), times.last()) else {
+    let (Some(first), Some(last)) = (times.get(0), times.last()) else {
         return Ok(());
     };
     let mut moving = Moving {
         stepper: Stepper::new(integrator, scale),
-        last: *last,
-        t: *first,
-        end: stage.enter(*first, &y)?,
+        last,
+        t: first,
+        end: stage.enter(first, &y)?,
         inside: y.clone(),
         stage,
         y,
     };
-    for &time in times {
+    for time in times.iter() {
         moving.reach(time)?;
-        sink(moving.sample(time)?);
+        if !sink(moving.sample(time)?) {
+            break;
+        }
     }
     Ok(())
 }
@@ -124,9 +132,10 @@ struct Moving<'s, S> {
 impl<S: SmoothByParts> Moving<'_, S> {
     /// Steps until `time` is reached, or passed where there is dense output.
     fn reach(&mut self, time: f64) -> Result<(), Halt> {
-        let mut steps = 0;
+        let (mut steps, from, most) = (0, self.t, self.stepper.most_steps());
         while self.t < time {
-            if steps == self.stepper.most_steps() {
+            let expected = steps as f64 * (time - from) / (self.t - from);
+            if steps == most || (steps == TRIED && expected > HOPELESS * most as f64) {
                 return Err(Halt::TooManySteps { time });
             }
             steps += 1;

@@ -38,6 +38,7 @@ use crate::motion::plan::{SmoothIntervals, Start, StartVelocity};
 use crate::motion::rates_momentum::RatesMomentum;
 use crate::motion::run::{SmoothByParts, run};
 use crate::motion::sample::MotionSample;
+use crate::motion::times::Times;
 use crate::motion::wheel_motion::{Axial, WheelMotion};
 use crate::orbit::orbit_state;
 use crate::propagation::{
@@ -62,7 +63,7 @@ impl Flight<'_> {
     /// # Errors
     /// The vehicle has no inertia.
     pub fn state(&self, start: &Start, t: f64) -> Result<Vec<f64>, MotionError> {
-        Ok(Stage::new(self, &[t]).start(start, t)?.0)
+        Ok(Stage::new(self, &(&[t]).into()).start(start, t)?.0)
     }
 
     /// Moves the vehicle from `start` (at the first of `times`; free joints and driven wheels start as their drives define)
@@ -70,16 +71,33 @@ impl Flight<'_> {
     ///
     /// # Errors
     /// The motion cannot be computed; samples before that point have been handed over.
-    pub fn run(
+    pub fn run<'t>(
         &self,
         start: &Start,
-        times: &[f64],
-        sink: impl FnMut(&MotionSample),
+        times: impl Into<Times<'t>>,
+        mut sink: impl FnMut(&MotionSample),
     ) -> Result<Vec<WheelUse>, MotionError> {
-        let first = check_times(times)?;
-        let mut stage = Stage::new(self, times);
+        self.run_while(start, times, |sample| {
+            sink(sample);
+            true
+        })
+    }
+
+    /// The same, ended by the first sample for which `sink` is false.
+    ///
+    /// # Errors
+    /// As [`Self::run`].
+    pub fn run_while<'t>(
+        &self,
+        start: &Start,
+        times: impl Into<Times<'t>>,
+        sink: impl FnMut(&MotionSample) -> bool,
+    ) -> Result<Vec<WheelUse>, MotionError> {
+        let times = times.into();
+        let first = check_times(&times)?;
+        let mut stage = Stage::new(self, &times);
         let state = stage.start(start, first)?;
-        run(&mut stage, state, times, self.integrator, sink)?;
+        run(&mut stage, state, &times, self.integrator, sink)?;
         Ok(stage.used())
     }
 }
@@ -136,7 +154,7 @@ pub(crate) struct Stage<'s> {
 
 impl<'s> Stage<'s> {
     /// In the smooth stretch at the first of the output times.
-    pub fn new(flight: &'s Flight<'s>, times: &'s [f64]) -> Self {
+    pub fn new(flight: &'s Flight<'s>, times: &'s Times<'s>) -> Self {
         let (vehicle, plan) = (&flight.vehicle, flight.plan);
         let tree = &vehicle.tree;
         let stretches = SmoothIntervals::new(plan.breaks());
@@ -150,7 +168,7 @@ impl<'s> Stage<'s> {
         Self {
             flight,
             controller: Controller::of(plan, shares, times),
-            within: stretches.of(times.first().copied().unwrap_or(0.0)).0,
+            within: stretches.of(times.get(0).unwrap_or(0.0)).0,
             stretches,
             read_at: f64::NAN,
             bodies: vehicle.bodies.clone(),

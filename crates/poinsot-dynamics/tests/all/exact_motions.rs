@@ -75,7 +75,7 @@ fn top_error(w: Vector3, relative: f64) -> f64 {
     let mut worst = 0.0_f64;
     Flight::new(&model, &plan, tolerance)
         .unwrap()
-        .run(&turning(w), &times(200.0, 40), |s| {
+        .run(&turning(w), times(200.0, 40), |s| {
             let exact = top.at(s.time);
             worst = worst.max(attitude_apart(&rotation(s), &exact.R_NB));
             worst = worst.max((s.w_NB_B - exact.w_NB_B).norm());
@@ -122,7 +122,7 @@ fn exact_mass_centre_coasts_and_the_origin_circles_it() {
     let top = AsymmetricTop::new(&bus(), &first(w)).unwrap();
     Flight::new(&model, &plan, Tolerance::default())
         .unwrap()
-        .run(&start, &times(100.0, 20), |s| {
+        .run(&start, times(100.0, 20), |s| {
             let (p, v) = coasting_origin(&p_cm, &v_cm, &c, &top.at(s.time), s.time);
             assert!((s.p_NoBo_N - p).norm() < 1e-10);
             let v_B = s.R_NB.inverse() * s.v_NBo_N;
@@ -158,7 +158,7 @@ fn exact_axisymmetric_gyrostat() {
         let mut worst = 0.0_f64;
         Flight::new(&model, &plan, Tolerance::default())
             .unwrap()
-            .run(&turning(w), &times(150.0, 30), |s| {
+            .run(&turning(w), times(150.0, 30), |s| {
                 let exact = gyrostat.at(&first(w), s.time);
                 worst = worst.max(attitude_apart(&rotation(s), &exact.R_NB));
                 worst = worst.max((s.w_NB_B - exact.w_NB_B).norm());
@@ -197,7 +197,7 @@ fn exact_zero_momentum_slew_by_wheel_speed_and_by_wheel_torque() {
         let R0 = first(Vector3::zeros()).R_NB;
         Flight::new(&model, &plan, Tolerance::default())
             .unwrap()
-            .run(&start, &times(40.0, 80), |s| {
+            .run(&start, times(40.0, 80), |s| {
                 let t = s.time;
                 let (angle, speed, motor) = if t < 10.0 {
                     (10.0 * t * t, 20.0 * t, torque)
@@ -240,7 +240,7 @@ fn exact_free_rotors_keep_energy_and_axial_momentum() {
     let mut change = 0.0_f64;
     Flight::new(&model, &plan, Tolerance::default())
         .unwrap()
-        .run(&turning(w), &times(60.0, 60), |s| {
+        .run(&turning(w), times(60.0, 60), |s| {
             energies.push(kinetic_energy(&bodies, &wheels, &setup::state(s)));
             for (i, wheel) in wheels.iter().enumerate() {
                 let (js, a) = (wheel.spin_inertia, &wheel.axis_C);

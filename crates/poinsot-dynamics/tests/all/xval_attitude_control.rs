@@ -135,7 +135,7 @@ fn leak(control: &AttitudeControl) -> f64 {
     let (mut off, mut along) = (0.0_f64, 0.0_f64);
     Flight::new(&model, &free(control, &[0.0; 3]), Tolerance::default())
         .unwrap()
-        .run(&ten_degrees(), &seconds(300), |s| {
+        .run(&ten_degrees(), seconds(300), |s| {
             let a = s.w_NB_B.dot(&n);
             off = off.max((s.w_NB_B - n.into_inner() * a).norm());
             along = along.max(a.abs());
@@ -165,7 +165,7 @@ fn exact_paper_loop_is_a_pendulum_about_one_axis() {
     let (mut y, mut t, mut worst) = ([angle, 0.0], 0.0, 0.0_f64);
     Flight::new(&model, &free(&control, &[0.0; 3]), Tolerance::default())
         .unwrap()
-        .run(&ten_degrees(), &seconds(300), |s| {
+        .run(&ten_degrees(), seconds(300), |s| {
             while t < s.time {
                 t = pendulum.step(&mut Pendulum, t, s.time, &mut y).unwrap();
             }
@@ -245,7 +245,7 @@ fn prop_limited_pyramid_with_friction_conserves_momentum_and_arrives() {
         let plan = controlled(&control, &speeds, limits);
         let used = Flight::new(&model, &plan, Tolerance::default())
             .unwrap()
-            .run(&ten_degrees(), &seconds(600), |s| {
+            .run(&ten_degrees(), seconds(600), |s| {
                 let h = s.wheel_speed.iter().zip(&model.wheels);
                 let h: Vector3 = h
                     .map(|(speed, w)| w.axis_B * (w.spin_inertia * speed))

@@ -18,6 +18,7 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
         method => e.method_in_words(),
         iterations => e.iterations,
         truth => answer.data.truth.is_some(),
+        truth_note => answer.data.truth_note,
         epoch => e.epoch,
     };
     let body = TEMPLATES.html("provenance.html", context)?;

@@ -10,7 +10,7 @@ use super::trial::{Prepared, at_once};
 use crate::error::Error;
 use crate::progress::step;
 use crate::trials::Row;
-use poinsot_files::Place;
+use poinsot_files::{Place, check_time};
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::Path;
@@ -58,7 +58,9 @@ pub(super) fn run_each(
     shards: &[u64],
     take: &(dyn Fn(ShardResult) -> Result<(), Error> + Sync),
 ) -> Result<(), Error> {
-    let total = shards.iter().map(|s| size(&plan.shard(*s))).sum();
+    let total: usize = shards.iter().map(|s| size(&plan.shard(*s))).sum();
+    let seconds = total as f64 * plan.seconds / rayon::current_num_threads() as f64;
+    check_time(&format!("the {total} trials"), seconds)?;
     let pieces = Mutex::new(pieces(plan, shards));
     let failure: Mutex<Option<Error>> = Mutex::new(None);
     let count = AtomicUsize::new(0);

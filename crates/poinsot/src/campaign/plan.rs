@@ -7,7 +7,7 @@ use super::address::{Refusal, count};
 use super::experiment::{Apply, Experiment, FilesAt};
 use super::faults::PlanText;
 use super::methods::MethodChoice;
-use crate::case::FITTED;
+use crate::case::{FITTED, FITTED_S};
 use crate::error::Error;
 use crate::threads::thread_count;
 use crate::trials::Study;
@@ -53,6 +53,8 @@ pub struct Plan {
     pub(crate) experiments: Vec<Experiment>,
     pub(crate) methods: Vec<MethodChoice>,
     pub(crate) grid: Vec<GridAxis>,
+    /// Least time of a trial of any cell, s; zero where it is not known.
+    pub(crate) seconds: f64,
 }
 
 /// A block of trials of one cell.
@@ -156,7 +158,7 @@ fn plan_of(file: PlanFile, mut text: PlanText) -> Result<Plan, Error> {
         .file_stem()
         .unwrap_or_default()
         .to_string_lossy();
-    let plan = Plan {
+    let mut plan = Plan {
         name: match file.name.as_str() {
             "" => stem.into_owned(),
             name => name.to_owned(),
@@ -169,6 +171,7 @@ fn plan_of(file: PlanFile, mut text: PlanText) -> Result<Plan, Error> {
         experiments,
         methods,
         grid,
+        seconds: f64::INFINITY,
     };
     check_addresses(&plan, &mut text);
     if plan.cells() > MOST_CELLS {
@@ -177,13 +180,18 @@ fn plan_of(file: PlanFile, mut text: PlanText) -> Result<Plan, Error> {
     }
     text.finish()?;
     // Check every point of the grid before the first trial.
+    let kernels = plan.file.method.iter().any(|method| method.kernel);
     for cell in 0..plan.cells() {
         let experiment = plan.experiment(cell);
         let files = plan.files_at(experiment, cell)?;
+        let mut seconds = 0.0;
         if let Some(case) = &files.case {
             case.bind(&files.truth)?;
-            case.check_memory(&files.truth, FITTED * (1 + thread_count()))?;
+            let copies = FITTED * (1 + thread_count());
+            case.check_memory(&files.truth, case.times().count(), copies)?;
+            seconds = case.check_time(&files.truth, FITTED_S)?;
         }
+        plan.seconds = plan.seconds.min(if kernels { 0.0 } else { seconds });
     }
     Ok(plan)
 }

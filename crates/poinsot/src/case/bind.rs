@@ -5,8 +5,8 @@ use super::planner::Planner;
 use super::sensor_output::{SensorOutput, sensor_outputs};
 use super::window::Open;
 use crate::error::Error;
-use poinsot_dynamics::{Plan, Start, StartVelocity};
-use poinsot_files::{check_memory, rounded};
+use poinsot_dynamics::{Plan, Start, StartVelocity, Times};
+use poinsot_files::{check_memory, check_time, rounded};
 use poinsot_formats::case::InitialFile;
 use poinsot_model::Model;
 use poinsot_spatial::Vector3;
@@ -17,9 +17,12 @@ const OF_JOINT: usize = 2;
 const OF_SENSOR: usize = 4;
 /// Copies of a row in memory where a record is simulated and written, where two are compared, and for each fit that
 /// is running; measured on the shipped cases with 24,000 and 27,000 rows, and rounded up.
-const SIMULATED: usize = 2;
+pub(crate) const SIMULATED: usize = 2;
 pub(crate) const COMPARED: usize = 4;
 pub(crate) const FITTED: usize = 5;
+/// Least time of a number of a row, s, where a record is simulated and where it is fitted.
+const SIMULATED_S: f64 = 1e-8;
+pub(crate) const FITTED_S: f64 = 1e-7;
 
 /// A case bound to a model: all inputs of a simulation.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,7 +32,7 @@ pub struct Scenario {
     /// Pose and motion at time zero.
     pub start: Start,
     /// Times of the rows, s.
-    pub times: Vec<f64>,
+    pub times: Times<'static>,
     /// Whether channels without a sensor are omitted.
     pub sensors_only: bool,
     /// One entry per sensor of the model.
@@ -62,7 +65,7 @@ impl Case {
             let start = start(planner, &file.initial);
             let sensors = sensor_outputs(planner, &file.output);
             if planner.faults.is_empty() {
-                self.check_memory(model, SIMULATED)?;
+                self.check_time(model, SIMULATED_S)?;
             }
             Ok(Scenario {
                 plan,
@@ -76,13 +79,35 @@ impl Case {
 }
 
 impl Case {
-    /// Checks that the memory is there for some copies of every row.
-    pub(crate) fn check_memory(&self, model: &Model, copies: usize) -> Result<(), Error> {
-        let of_row = MOTION + model.joints.len() * OF_JOINT + model.sensors.len() * OF_SENSOR;
-        let rows = 1.0 + self.last_row();
-        let what = format!("the {} rows of {}", rounded(rows, 4), self.path().display());
-        check_memory(&what, rows * (8 * of_row * copies) as f64)
+    /// Checks that the memory is there for some copies of so many rows.
+    pub(crate) fn check_memory(
+        &self,
+        model: &Model,
+        rows: usize,
+        copies: usize,
+    ) -> Result<(), Error> {
+        let bytes = 8.0 * copies as f64 * numbers(model, rows);
+        check_memory(&self.words(rows), bytes)
     }
+
+    /// Checks that the time is there for every row; returns it, s.
+    pub(crate) fn check_time(&self, model: &Model, of_number: f64) -> Result<f64, Error> {
+        let rows = self.times().count();
+        let seconds = of_number * numbers(model, rows);
+        check_time(&self.words(rows), seconds)?;
+        Ok(seconds)
+    }
+
+    fn words(&self, rows: usize) -> String {
+        let path = self.path().display();
+        format!("the {} rows of {path}", rounded(rows as f64, 4))
+    }
+}
+
+/// How many numbers so many rows are.
+fn numbers(model: &Model, rows: usize) -> f64 {
+    let of_row = MOTION + model.joints.len() * OF_JOINT + model.sensors.len() * OF_SENSOR;
+    rows as f64 * of_row as f64
 }
 
 fn start(planner: &mut Planner, initial: &InitialFile) -> Start {

@@ -39,7 +39,7 @@ pub(crate) fn describe_case(
         model: format!("{} ({})", model.name, case.model.display()),
         duration_s: case.duration_s,
         rate_hz: case.rate_hz,
-        rows: scenario.times.len(),
+        rows: scenario.times.count(),
         seed: case.seed,
         wants: wants.into_iter().map(want).collect(),
         design: design.map(|d| [d.joints.len(), d.wheels.len()]),

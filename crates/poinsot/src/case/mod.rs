@@ -20,11 +20,11 @@ mod wanted;
 mod window;
 
 use crate::error::{Error, Fault};
-pub(crate) use bind::{COMPARED, FITTED};
+pub(crate) use bind::{COMPARED, FITTED, FITTED_S, SIMULATED};
 pub(crate) use describe::describe_case;
 pub(crate) use fault::{KeyText, did_you_mean, rows};
 use planner::Planner;
-use poinsot_dynamics::{Tolerance, Tree};
+use poinsot_dynamics::{Times, Tolerance, Tree};
 use poinsot_formats::case::{CASE, CASE_BEFORE, CaseFile};
 pub use poinsot_formats::case::{Format, Objective};
 use poinsot_model::Model;
@@ -180,15 +180,13 @@ impl Case {
     }
 
     /// Times of the samples, s: `k / rate_hz` up to the duration.
-    pub fn times(&self) -> Vec<f64> {
-        (0..=self.last_row() as u64)
-            .map(|k| k as f64 / self.rate_hz)
-            .collect()
-    }
-
-    /// Index of the last sample; with whole periods it must not be lost to round-off.
-    fn last_row(&self) -> f64 {
-        (self.duration_s * self.rate_hz * (1.0 + 1e-12)).floor()
+    pub fn times(&self) -> Times<'static> {
+        // The last of whole periods must not be lost to round-off.
+        let last = (self.duration_s * self.rate_hz * (1.0 + 1e-12)).floor();
+        Times::Even {
+            rows: (1.0 + last) as usize,
+            rate_hz: self.rate_hz,
+        }
     }
 
     /// What a planner makes of the case for a model.

@@ -67,7 +67,7 @@ impl Peaks {
                 value: *value,
             })
             .collect();
-        let end = scenario.times.last().copied().unwrap_or(0.0);
+        let end = scenario.times.last().unwrap_or(0.0);
         for (k, thruster) in model.thrusters.iter().enumerate() {
             let own = scenario.plan.firings.iter().filter(|f| f.thruster == k);
             let lengths = own.map(|f| f.force * (f.off.min(end) - f.on.max(0.0)).max(0.0));

@@ -6,11 +6,12 @@ use crate::simulate::true_mass;
 use indexmap::IndexMap;
 use poinsot_dynamics::{Kinematics, Tree, composite};
 use poinsot_formats::{
-    MassFile, REPORT_DATA, ReportData, Segment, TrueBodyFile, TrueNumberFile, TrueNumbers, Vehicle,
-    read_truth,
+    MassFile, REPORT_DATA, ReportData, Segment, TrueBodyFile, TrueNumberFile, TrueNumbers,
+    TruthFile, Vehicle, read_truth,
 };
 use poinsot_identify::{BodyEstimate, Prediction};
 use poinsot_spatial::{MassProperties, Matrix3};
+use poinsot_telemetry::Source;
 use std::path::Path;
 
 /// Largest number of firings kept per segment.
@@ -25,6 +26,15 @@ const FIRINGS: usize = 2000;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn report_data(identified: &Identified, command: &[String]) -> ReportData {
+    let found = true_file(identified);
+    let truth_note = match &found {
+        Err(why) => format!("truth.json beside the telemetry is not used: {why}"),
+        Ok(Some(file)) if file.telemetry.is_none() => {
+            "Unchecked: truth.json does not name its telemetry".to_owned()
+        }
+        Ok(_) => String::new(),
+    };
+    let truth = found.ok().flatten();
     ReportData {
         schema: REPORT_DATA.to_owned(),
         poinsot: env!("CARGO_PKG_VERSION").to_owned(),
@@ -43,22 +53,37 @@ pub fn report_data(identified: &Identified, command: &[String]) -> ReportData {
             .cloned()
             .map(segment)
             .collect(),
-        truth: truth(identified),
+        truth: truth.map(|file| true_numbers(identified, file)),
+        truth_note,
     }
 }
 
 /// A `truth.json` of a simulation next to the first telemetry file.
-fn truth(identified: &Identified) -> Option<TrueNumbers> {
-    let first = Path::new(&identified.inputs.first()?.first()?.path);
-    if !first.is_file() {
-        return None;
+///
+/// # Errors
+/// It is damaged, or that of other telemetry.
+fn true_file(identified: &Identified) -> Result<Option<TruthFile>, String> {
+    let first = identified.inputs.first().and_then(|files| files.first());
+    let beside = |first: &Source| Some(Path::new(&first.path).parent()?.join("truth.json"));
+    let Some(path) = first.and_then(beside).filter(|path| path.is_file()) else {
+        return Ok(None);
+    };
+    let file = read_truth(&path).map_err(|e| e.to_string())?;
+    let mut inputs = identified.inputs.iter().flatten();
+    match &file.telemetry {
+        Some(own) if !inputs.any(|input| input.sha256 == own.sha256) => {
+            Err(format!("it is that of another {}", own.file))
+        }
+        _ => Ok(Some(file)),
     }
-    let file = read_truth(&first.parent()?.join("truth.json")).ok()?;
+}
+
+fn true_numbers(identified: &Identified, file: TruthFile) -> TrueNumbers {
     let given = file.system.into_iter().next();
-    Some(TrueNumbers {
+    TrueNumbers {
         system: given.or_else(|| true_system(identified, &file.bodies)),
         bodies: file.bodies,
-    })
+    }
 }
 
 /// The composite of the true bodies at the estimated joint positions; `None` if a true body is unknown.

@@ -9,7 +9,7 @@ use poinsot_dynamics::{
 };
 use poinsot_model::{Joint, JointKind, Model, SensorKind};
 use poinsot_spatial::Vector3;
-use poinsot_telemetry::{Channel, Table, classify};
+use poinsot_telemetry::{Channel, classify};
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
@@ -31,12 +31,12 @@ struct Group {
     names: Vec<String>,
     every: usize,
     reader: Reader,
-    /// Row of the first sample.
-    first: Option<usize>,
+    /// Row of the first sample: a velocity increment has no beginning in row 0.
+    first: usize,
     values: Vec<Vec<f64>>,
 }
 
-/// Collects telemetry row by row.
+/// Collects telemetry row by row, for pieces of any length.
 pub(super) struct Recorder {
     groups: Vec<Group>,
     /// Exact channels to write; `None`: all.
@@ -44,6 +44,9 @@ pub(super) struct Recorder {
     /// Names of the thrust channels, one per thruster.
     thrust: Vec<String>,
     row: usize,
+    /// Time of the row before the piece, and those of its rows, s.
+    before: Option<f64>,
+    times: Vec<f64>,
     reading: Vec<f64>,
 }
 
@@ -64,7 +67,11 @@ impl Recorder {
             let reader = Reader::Sensor(Box::new(instrument));
             let names = names(model, sensor.kind, &sensor.of);
             let own = Some((i, sensor.name.clone()));
-            groups.push(Group::new(own, names, every(scenario, i), reader));
+            let mut group = Group::new(own, names, every(scenario, i), reader);
+            if sensor.kind == SensorKind::VelocityIncrement {
+                group.first = group.every;
+            }
+            groups.push(group);
         }
         let measured: HashSet<String> = groups.iter().flat_map(|g| g.names.clone()).collect();
         let only = scenario.sensors_only;
@@ -85,6 +92,8 @@ impl Recorder {
             commanded,
             thrust: names(model, SensorKind::Thrust, &thrusters),
             row: 0,
+            before: None,
+            times: Vec::new(),
             reading: Vec::new(),
         }
     }
@@ -102,14 +111,24 @@ impl Recorder {
                     read(sample, &mut self.reading);
                 }
             }
-            if !self.reading.is_empty() {
-                group.first.get_or_insert(self.row);
-            }
             for (values, x) in group.values.iter_mut().zip(&self.reading) {
                 values.push(*x);
             }
         }
         self.row += 1;
+        self.times.push(sample.time);
+    }
+
+    /// Rows of the piece.
+    pub fn rows(&self) -> usize {
+        self.times.len()
+    }
+
+    /// The time up to which no later row has a sample, s.
+    pub fn until(&self) -> f64 {
+        let last = self.times.last().copied().unwrap_or(f64::NEG_INFINITY);
+        let lags = self.groups.iter().map(Group::lag_s);
+        last + lags.fold(0.0, f64::min)
     }
 
     /// A sensor with its true errors.
@@ -121,8 +140,8 @@ impl Recorder {
         }
     }
 
-    /// The table; if two sensors write one channel, both get their names.
-    pub fn table(self, scenario: &Scenario) -> Table {
+    /// Takes the channels of the piece; if two sensors write one channel, both get their names.
+    pub fn drain(&mut self, scenario: &Scenario) -> Vec<Channel> {
         let mut readers: HashMap<String, usize> = HashMap::new();
         let by_sensor = self.groups.iter().filter(|g| g.sensor.is_some());
         for name in by_sensor.flat_map(|g| &g.names) {
@@ -130,29 +149,27 @@ impl Recorder {
         }
         let mut bases: HashMap<(usize, usize, u64), Arc<[f64]>> = HashMap::new();
         let mut channels = Vec::new();
-        for group in self.groups {
-            let (first, every) = (group.first.unwrap_or(0), group.every);
-            // A delayed sensor writes an earlier sample.
-            let lag_s = match &group.reader {
-                Reader::Sensor(instrument) => instrument.lag_s(),
-                _ => 0.0,
-            };
+        let start = self.row - self.times.len();
+        for group in &mut self.groups {
+            let (first, every, lag_s) = (group.first, group.every, group.lag_s());
             let base = bases
                 .entry((first, every, lag_s.to_bits()))
                 .or_insert_with(|| {
-                    let times = scenario.times.iter().skip(first).step_by(every);
-                    times.map(|t| t + lag_s).collect()
+                    let rows = (start..).zip(&self.times);
+                    let own = rows.filter(|(row, _)| *row >= first && row.is_multiple_of(every));
+                    own.map(|(_, t)| t + lag_s).collect()
                 });
-            for (name, values) in group.names.into_iter().zip(group.values) {
+            for (name, values) in group.names.iter().zip(&mut group.values) {
+                let (name, values) = (name.clone(), std::mem::take(values));
                 let count = readers.get(&name).copied().unwrap_or(0);
                 let exact = group.sensor.is_none();
                 let wanted = self.commanded.as_ref().is_none_or(|c| c.contains(&name));
-                if (exact && (count > 0 || !wanted)) || values.is_empty() {
+                if (exact && (count > 0 || !wanted)) || first >= scenario.times.count() {
                     continue;
                 }
                 let thruster = self.thrust.iter().position(|n| exact && *n == name);
                 if let Some(k) = thruster {
-                    let (time_s, values) = with_switches(scenario, k, base);
+                    let (time_s, values) = with_switches(scenario, k, (self.before, base));
                     channels.push(channel(name, String::new(), time_s, values));
                     continue;
                 }
@@ -161,26 +178,27 @@ impl Recorder {
                 channels.push(channel(name, sensor, base.clone(), values));
             }
         }
-        Table {
-            channels,
-            ..Table::default()
-        }
+        self.before = self.times.last().copied().or(self.before);
+        self.times.clear();
+        channels
     }
 }
 
-/// The rows of a thruster with its switching times in between: a value holds until the next. A switch at a row, to round-off
-/// of their times, counts as done there.
+/// The rows of a thruster with its switching times in between, from the row before: a value holds until the next. A switch at a
+/// row, to round-off of their times, counts as done there.
 fn with_switches(
     scenario: &Scenario,
     thruster: usize,
-    rows: &Arc<[f64]>,
+    (before, rows): (Option<f64>, &Arc<[f64]>),
 ) -> (Arc<[f64]>, Vec<f64>) {
     let firings = &scenario.plan.firings;
     let own = firings.iter().filter(|f| f.thruster == thruster);
     let is_between = |t: &f64| {
         let next = rows.partition_point(|row| row < t);
+        let last = next.checked_sub(1).and_then(|k| rows.get(k));
+        let last = last.or(before.as_ref().filter(|row| *row < t));
         let apart = |row: Option<&f64>| row.is_some_and(|row| (row - t).abs() > SAME_TIME);
-        apart(rows.get(next)) && apart(next.checked_sub(1).and_then(|k| rows.get(k)))
+        apart(rows.get(next)) && apart(last)
     };
     let between = own.flat_map(|f| [f.on, f.off]).filter(is_between);
     let mut times: Vec<f64> = between.collect();
@@ -214,7 +232,15 @@ impl Group {
             names,
             every: every.max(1),
             reader,
-            first: None,
+            first: 0,
+        }
+    }
+
+    /// By how much its samples are late, s: a delayed sensor writes an earlier one.
+    fn lag_s(&self) -> f64 {
+        match &self.reader {
+            Reader::Sensor(instrument) => instrument.lag_s(),
+            Reader::Exact(_) => 0.0,
         }
     }
 }

@@ -24,8 +24,8 @@ pub(super) fn path(case: &Case, mover: &Mover) -> Result<Table, Error> {
 
 /// The scenario of a vehicle in a case, with its thruster forces.
 pub(super) fn scenario(case: &Case, mover: &Mover) -> Result<Scenario, Error> {
-    case.check_memory(&mover.model, COMPARED)?;
     let mut scenario = case.bind(&mover.model)?;
+    case.check_memory(&mover.model, case.times().count(), COMPARED)?;
     if scenario.plan.control.is_some() {
         return Err(Error::one(
             "E0702",

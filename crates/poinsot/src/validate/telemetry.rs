@@ -50,7 +50,7 @@ pub fn compare_with_telemetry(
     let mut times: Vec<f64> = sampled.filter(inside).chain([0.0]).collect();
     times.sort_by(f64::total_cmp);
     times.dedup();
-    scenario.times = times;
+    scenario.times = times.into();
     let exact = perfect_table(case, &mover.model, &mover.bodies, scenario)?;
     let list: Vec<Compared> = groups(&mover.model)
         .into_iter()

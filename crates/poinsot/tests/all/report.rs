@@ -2,11 +2,13 @@
 
 use crate::shared::identified;
 use poinsot::report::report_data;
-use poinsot::{EstimateFile, Identified, estimate_file};
+use poinsot::simulate::simulate;
+use poinsot::{EstimateFile, Identified, IdentifyRequest, estimate_file, identify};
 use poinsot_formats::ReportData;
-use poinsot_report::{Detail, estimate_document, report_html};
+use poinsot_report::{Detail, estimate_document, report_html, result_page};
 use scraper::{Html, Node, Selector};
 use serde_json::Value;
+use std::path::Path;
 
 /// Size limit of the page of a shipped example, bytes.
 const LIMIT: usize = 1_000_000;
@@ -65,6 +67,67 @@ fn rename(value: &mut Value, from: &str, to: &str) {
         }
         _ => {}
     }
+}
+
+/// The truth that `simulate` wrote is shown; one of another seed, a changed one and one of an earlier version are refused or marked.
+#[test]
+fn exact_a_truth_of_other_telemetry_is_not_shown() {
+    let folder = tempfile::tempdir().unwrap();
+    let doc = Path::new(env!("CARGO_MANIFEST_DIR")).join("doc");
+    let written = simulate(&doc.join("case.toml"), &folder.path().join("a")).unwrap();
+    let request = IdentifyRequest::new(doc.join("model.toml"), [written.telemetry]);
+    let identified = identify(&request).unwrap();
+    let shown = || {
+        let data = report_data(&identified, &[]);
+        (data.truth.is_some(), data.truth_note)
+    };
+    assert_eq!(shown(), (true, String::new()));
+    let case = std::fs::read_to_string(doc.join("case.toml")).unwrap();
+    let other = folder.path().join("case.toml");
+    std::fs::copy(doc.join("model.toml"), folder.path().join("model.toml")).unwrap();
+    std::fs::write(&other, case.replace("seed = 1", "seed = 2")).unwrap();
+    let mixed = simulate(&other, &folder.path().join("b")).unwrap().truth;
+    let text = std::fs::read_to_string(&mixed).unwrap();
+    let from = text.find("  \"telemetry\": {").unwrap();
+    let to = from + text[from..].find("},\n").unwrap() + 3;
+    let end = text.rfind(",\n  \"sha256\"").unwrap();
+    let old = text[..from].replacen("truth/3", "truth/2", 1) + &text[to..end] + "\n}\n";
+    for (text, is_shown, note) in [
+        (
+            text.clone(),
+            false,
+            "truth.json beside the telemetry is not used: it is that of another telemetry.csv",
+        ),
+        (
+            text.replacen('4', "5", 1),
+            false,
+            "checksum (sha256) is not that of its content",
+        ),
+        (
+            old,
+            true,
+            "Unchecked: truth.json does not name its telemetry",
+        ),
+    ] {
+        std::fs::write(&written.truth, text).unwrap();
+        let found = shown();
+        assert!(found.0 == is_shown && found.1.contains(note), "{found:?}");
+        let page = page(&identified);
+        assert!(page.contains(note), "{note}");
+    }
+}
+
+#[test]
+fn exact_the_page_of_a_file_without_checksum_says_so() {
+    let doc = Path::new(env!("CARGO_MANIFEST_DIR")).join("../poinsot-report/doc");
+    let text = std::fs::read_to_string(doc.join("campaign.json")).unwrap();
+    let end = text
+        .rfind(",\n  \"sha256\"")
+        .unwrap_or(text.trim_end().len() - 1);
+    let old = text[..end].replacen("campaign/2", "campaign/1", 1) + "}";
+    let page = result_page(&doc.join("campaign.json"), old.as_bytes(), |_| None).unwrap();
+    let note = "Unchecked: poinsot.campaign/1 has no checksum. ";
+    assert!(page.subtitle.starts_with(note), "{}", page.subtitle);
 }
 
 #[test]

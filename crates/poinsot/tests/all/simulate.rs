@@ -3,6 +3,7 @@
 use crate::shared::shipped;
 use poinsot::case::{Case, parse_case, read_case};
 use poinsot::simulate::{simulate, simulate_case, simulate_trial};
+use poinsot_formats::TrueTelemetryFile;
 use poinsot_model::{FlexibleMode, JointKind, Mode, ModeEstimate, Model, SensorKind, read_model};
 use poinsot_telemetry::{ReadOptions, Table, read};
 use poinsot_testkit::compare::attitude_apart;
@@ -11,6 +12,7 @@ use poinsot_testkit::momentum_sum::*;
 use poinsot_testkit::trees::rotation_from_xyzw;
 use poinsot_testkit::{Matrix3, Vector3};
 use std::path::Path;
+use std::time::{Duration, Instant};
 
 fn load(name: &str) -> (Case, Model) {
     let case = read_case(&shipped().join("cases").join(name)).unwrap();
@@ -341,6 +343,71 @@ fn without_sensors(case: Case) -> Case {
     parse_case(case.path(), text).unwrap()
 }
 
+/// Three pieces of rows: firings that switch between rows and at the edge of a piece, a slow sensor, an increment without a
+/// beginning, a sensor that is late and one that is early.
+#[test]
+fn exact_rows_written_in_pieces_are_those_of_the_whole_table() {
+    let folder = tempfile::tempdir().unwrap();
+    let read = |name: &str| std::fs::read_to_string(shipped().join("cases").join(name)).unwrap();
+    let sensor = "\n[[sensor]]\nname = \"dv\"\ntype = \"velocity_increment\"\nnoise_m_s = 1e-4\n";
+    let model = read("tug_truth.toml") + sensor;
+    std::fs::write(folder.path().join("tug_truth.toml"), model).unwrap();
+    let edge = poinsot_telemetry::GROUP as f64;
+    for (format, name) in [("csv", "telemetry.csv"), ("parquet", "telemetry.parquet")] {
+        let case = read("tug_thrusters.toml")
+            .replacen(
+                "rate_hz = 10\n",
+                &format!("rate_hz = 1250\nformat = \"{format}\"\n"),
+                1,
+            )
+            .replacen("on_s = 2.0\n", "on_s = 2.00013\n", 1)
+            .replacen(
+                "on_s = 54.0\n",
+                &format!("on_s = {}\n", (edge - 0.4) / 1250.0),
+                1,
+            )
+            .replacen("bias_rad_s", "lag_s = 0.03\nbias_rad_s", 1);
+        let late = "\n[[output.sensor]]\nname = \"dv\"\nrate_hz = 1\n[[output.sensor]]\nname = \"position\"\nlag_s = -0.02\n";
+        let path = folder.path().join("case.toml");
+        std::fs::write(&path, case + late).unwrap();
+        let out = folder.path().join("out");
+        let written = simulate(&path, &out).unwrap();
+        assert!(written.rows > 2 * poinsot_telemetry::GROUP);
+        let case = read_case(&path).unwrap();
+        let table = simulate_case(&case, &read_model(&case.model).unwrap())
+            .unwrap()
+            .table;
+        let whole = folder.path().join(name);
+        poinsot_telemetry::write(&whole, &table.channels).unwrap();
+        let bytes = |path: &Path| std::fs::read(path).unwrap();
+        assert!(bytes(&whole) == bytes(&written.telemetry), "{format}");
+    }
+}
+
+/// Each of its rows would take 10^16 steps.
+#[test]
+fn regress_a_torque_beyond_reason_ends_at_once() {
+    let torque =
+        "[[wheel_motion]]\nwheel = \"wheel1\"\ntime_s = [0.0]\ntorque_N_m = [1e30]\n\n[output]";
+    let case = altered("stsat3_spin.toml", "[output]", torque);
+    let text = std::fs::read_to_string(case.path()).unwrap();
+    let others = text.find("[[wheel_motion]]").unwrap()..text.find("[output]").unwrap();
+    let text = case.text().replacen(&text[others], "", 1);
+    let rest = ["wheel2", "wheel3"].map(|wheel| {
+        format!("\n[[wheel_motion]]\nwheel = \"{wheel}\"\ntime_s = [0.0]\nspeed_rad_s = [0.0]\n")
+    });
+    let case = parse_case(case.path(), text + &rest.concat()).unwrap();
+    let model = exact(read_model(&case.model).unwrap());
+    let started = Instant::now();
+    let error = simulate_case(&case, &model).unwrap_err().to_string();
+    assert!(error.starts_with("E0509 "), "{error}");
+    assert!(
+        error.contains("more than the allowed number of steps"),
+        "{error}"
+    );
+    assert!(started.elapsed() < Duration::from_secs(5));
+}
+
 #[test]
 fn exact_files_hold_what_memory_holds_and_repeat_bit_for_bit() {
     let folder = tempfile::tempdir().unwrap();
@@ -349,7 +416,7 @@ fn exact_files_hold_what_memory_holds_and_repeat_bit_for_bit() {
         let path = shipped().join("cases").join(name);
         let written = simulate(&path, &out).unwrap();
         let (case, model) = load(name);
-        let memory = simulate_case(&case, &model).unwrap();
+        let mut memory = simulate_case(&case, &model).unwrap();
         let back = read_back(&written.telemetry);
         assert_eq!(back.channels.len(), memory.table.channels.len());
         for channel in &memory.table.channels {
@@ -369,6 +436,17 @@ fn exact_files_hold_what_memory_holds_and_repeat_bit_for_bit() {
             assert_eq!(found.time_s, channel.time_s, "{}", channel.name);
         }
         let bytes = std::fs::read(&written.telemetry).unwrap();
+        // The file alone names the telemetry.
+        memory.truth.telemetry = Some(TrueTelemetryFile {
+            file: written
+                .telemetry
+                .file_name()
+                .unwrap()
+                .to_str()
+                .unwrap()
+                .into(),
+            sha256: poinsot_formats::sha256(&bytes),
+        });
         let text = std::fs::read_to_string(&written.truth).unwrap();
         // The file ends with the checksum of what memory holds.
         let truth = serde_json::to_string_pretty(&memory.truth).unwrap();
@@ -738,9 +816,9 @@ fn exact_a_firing_between_rows_keeps_its_times() {
         (impulse - 10.0 * (off - on + 6.0)).abs() < 1e-9,
         "{impulse}"
     );
-    assert_eq!(thrust.time_s.len(), case.times().len() + 2);
+    assert_eq!(thrust.time_s.len(), case.times().count() + 2);
     let others = table.channel("thr2_N").unwrap();
-    assert_eq!(others.time_s.len(), case.times().len());
+    assert_eq!(others.time_s.len(), case.times().count());
 }
 
 /// The impulse of the record is exact where a switch is at a row but for round-off: row 355 of 50 in 3 s is 4e-15 s before

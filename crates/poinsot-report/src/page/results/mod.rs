@@ -17,7 +17,7 @@ use poinsot_figures::{
     Axis, Document, Figure, Html, Light, Mark, Opening, Page, PageError, Part, Plot, Section,
     Series, Tone,
 };
-use poinsot_formats::IdentifiabilityFile;
+use poinsot_formats::{IdentifiabilityFile, checksum};
 use serde::Deserialize;
 use std::path::Path;
 
@@ -86,15 +86,12 @@ pub fn result_page(
     let folder = path.parent().unwrap_or(Path::new(""));
     let named: Named = serde_json::from_slice(bytes).map_err(|e| e.to_string())?;
     let kind = named.schema.split('/').next().unwrap_or_default();
-    let shown = match kind {
-        "poinsot.validation" => validation::result(&parse(bytes)?, folder),
-        "poinsot.prediction" => prediction::result(&parse(bytes)?),
-        "poinsot.comparison" => comparison::result(&parse(bytes)?),
-        "poinsot.design" => design::result(&parse(bytes)?, folder, flown(folder)),
-        "poinsot.campaign" => {
-            let made = campaign_page(&parse(bytes)?);
-            return made.map_err(|e| no_page(&e));
-        }
+    let page = match kind {
+        "poinsot.validation" => page(validation::result(&parse(bytes)?, folder)),
+        "poinsot.prediction" => page(prediction::result(&parse(bytes)?)),
+        "poinsot.comparison" => page(comparison::result(&parse(bytes)?)),
+        "poinsot.design" => page(design::result(&parse(bytes)?, folder, flown(folder))),
+        "poinsot.campaign" => campaign_page(&parse(bytes)?),
         _ => {
             return Err(format!(
                 "a file of schema '{}' has no page; give the folder of identify --out, or one of {}",
@@ -103,7 +100,15 @@ pub fn result_page(
             ));
         }
     };
-    page(shown).map_err(|e| no_page(&e))
+    let mut page = page.map_err(|e| no_page(&e))?;
+    let text = std::str::from_utf8(bytes).unwrap_or_default();
+    if checksum(text).is_none() {
+        page.subtitle = format!(
+            "Unchecked: {} has no checksum. {}",
+            named.schema, page.subtitle
+        );
+    }
+    Ok(page)
 }
 
 fn page(shown: Shown) -> Result<Page, PageError> {

@@ -19,7 +19,7 @@ pub fn add_point(
     let read = |s: &MotionSample| readings.push(vector_reading(kind, s, body, &place));
     poinsot_dynamics::Flight::new(model, &flight.plan, Tolerance::default())
         .unwrap()
-        .run(&flight.start, &times, read)
+        .run(&flight.start, &*times, read)
         .unwrap();
     let (prefix, from) = match kind {
         SensorKind::Accelerometer => ("acc", 0),
