@@ -137,7 +137,7 @@ fn test_conventions(attitude: &[&Channel], gyro: &[&Channel]) -> Option<Conventi
     let pairs = Pairs::collect(attitude, gyro)?;
     let (q, w) = (attitude.first()?, gyro.first()?);
     let step_s = median_step(&w.time_s)?;
-    let mut all = Vec::with_capacity(4 * 8 * 48);
+    let mut all = Vec::with_capacity(4 * GyroUnit::ALL.len() * 48);
     for (order, sense) in READINGS {
         let sums = pairs.sums(order, sense);
         for gyro_unit in GyroUnit::ALL {
@@ -263,8 +263,7 @@ pub fn check_conventions(table: &Table) -> Result<(), Faults> {
 pub fn contradictions(table: &Table) -> Vec<Contradiction> {
     let tests = convention_tests(table);
     let mut all: Vec<Contradiction> = tests.iter().filter_map(|t| t.contradiction()).collect();
-    let directions = table.channels.iter().filter(|c| c.name == "direction_x");
-    all.extend(directions.filter_map(|c| of_direction(table, &c.sensor)));
+    all.extend(of_directions(table));
     all.extend(places(table).filter_map(|(place, rate)| of_place(&place, &rate)));
     all
 }
@@ -277,29 +276,82 @@ impl Search {
     }
 }
 
-/// A direction in all axes of its sensor against the first gyro: one that rests in inertial axes turns in the body by the opposite of
-/// its rate.
-fn of_direction(table: &Table, sensor: &str) -> Option<Contradiction> {
-    let gyro = table.vector(None, "omega")?;
-    let pairs = Pairs::collect(&table.vector(Some(sensor), "direction")?, &gyro)?;
+/// Directions that rest in inertial axes against the first gyro: they turn in the body by the opposite of its rate. The gyro may be in
+/// another unit, and where several directions say the same, in other axes; else each direction may be in other axes of its sensor.
+fn of_directions(table: &Table) -> Vec<Contradiction> {
+    let Some(gyro) = table.vector(None, "omega") else {
+        return Vec::new();
+    };
+    let channels = table.channels.iter().filter(|c| c.name == "direction_x");
+    let resting =
+        channels.filter_map(|c| Some((c.sensor.as_str(), resting(table, &c.sensor, &gyro)?)));
+    let resting: Vec<(&str, Pairs)> = resting.collect();
+    let mean_square = |of: &dyn Fn(&Pairs) -> f64| {
+        let squares = resting.iter().map(|(_, pairs)| of(pairs).powi(2));
+        (squares.sum::<f64>() / resting.len().max(1) as f64).sqrt()
+    };
+    let step_s = gyro.first().and_then(|c| median_step(&c.time_s));
+    let read = |unit: GyroUnit, axes: Axes| {
+        let rates = (axes, unit.factor(step_s.unwrap_or(1.0)));
+        let residual = mean_square(&|pairs| pairs.turned(Axes::IDENTITY, rates));
+        Hypothesis::of_rates(unit, axes, residual)
+    };
+    let units = GyroUnit::ALL.map(|unit| read(unit, Axes::IDENTITY));
+    let axes = Axes::all().filter(|axes| *axes != Axes::IDENTITY && resting.len() > 1);
+    let axes = axes.map(|axes| read(GyroUnit::AsDeclared, axes));
+    let rate = mean_square(&|pairs| pairs.as_declared().rate());
+    let names: Vec<String> = gyro.iter().map(|c| full_name(&c.sensor, &c.name)).collect();
+    let all = resting.iter().map(|own| full_name(own.0, "direction_x..z"));
+    let all = all.collect::<Vec<_>>().join(", ");
+    let found = search(units.into_iter().chain(axes).collect(), rate, rate == 0.0);
+    let words = |h: &Hypothesis| h.to_string();
+    if let Some(found) = against_gyro(found, all, words, |h| h.repairs("", &names)) {
+        return vec![found];
+    }
+    let each = resting.iter();
+    each.filter_map(|(sensor, pairs)| of_direction(sensor, pairs))
+        .collect()
+}
+
+/// The direction of a sensor whose vector rests in inertial axes.
+fn resting(table: &Table, sensor: &str, gyro: &[&Channel]) -> Option<Pairs> {
+    let pairs = Pairs::collect(&table.vector(Some(sensor), "direction")?, gyro)?;
     let rate = pairs.as_declared().rate();
     let reference = table.vector(Some(sensor), "reference");
-    let reference = reference.and_then(|r| Pairs::collect(&r, &gyro));
-    if reference.is_some_and(|r| r.as_declared().rate() > AT_REST * rate) {
-        return None;
-    }
-    let read = |axes: Axes| Hypothesis::of_rates(GyroUnit::AsDeclared, axes, pairs.turned(axes));
-    let found = search(Axes::all().map(read).collect(), rate, false)?;
-    let best = found.contradicting()?;
+    let reference = reference.and_then(|r| Pairs::collect(&r, gyro));
+    let moves = reference.is_some_and(|r| r.as_declared().rate() > AT_REST * rate);
+    (!moves).then_some(pairs)
+}
+
+/// A direction in all axes of its sensor against the gyro.
+fn of_direction(sensor: &str, pairs: &Pairs) -> Option<Contradiction> {
+    let rate = pairs.as_declared().rate();
+    let read = |axes: Axes| {
+        let residual = pairs.turned(axes, (Axes::IDENTITY, 1.0));
+        Hypothesis::of_rates(GyroUnit::AsDeclared, axes, residual)
+    };
+    let found = search(Axes::all().map(read).collect(), rate, false);
     let channels = ["x", "y", "z"].map(|k| full_name(sensor, &format!("direction_{k}")));
-    let way = |h: &Hypothesis| vec![h.axes_of(&channels)];
     let direction = full_name(sensor, "direction_x..z");
+    let words = |h: &Hypothesis| format!("body axes = sensor {}", h.gyro_axes);
+    against_gyro(found, direction, words, |h| vec![h.axes_of(&channels)])
+}
+
+/// A direction that contradicts the gyro.
+fn against_gyro(
+    found: Option<Search>,
+    direction: String,
+    words: impl Fn(&Hypothesis) -> String,
+    way: impl Fn(&Hypothesis) -> Vec<Repair>,
+) -> Option<Contradiction> {
+    let found = found?;
+    let best = found.contradicting()?;
     Some(Contradiction {
         problem: problem(
             &format!("direction '{direction}' and gyro contradict each other"),
             [&found.declared, best],
             "rad/s",
-            &format!("body axes = sensor {}", best.gyro_axes),
+            &words(best),
         ),
         between: [direction, "the gyro".to_owned()],
         ways: found.good.iter().map(way).collect(),
@@ -336,7 +388,7 @@ fn of_place(place: &[&Channel], rate: &[&Channel]) -> Option<Contradiction> {
     let sums = Pairs::collect(place, rate)?.as_declared();
     let units = match place {
         [angle] if angle.unit == "rad" => &GyroUnit::OF_ANGLES[..],
-        _ => &[GyroUnit::AsDeclared],
+        _ => &GyroUnit::OF_PLACES[..],
     };
     let axes: Vec<Axes> = match place {
         [_] => vec![Axes::IDENTITY, Axes::REVERSED],
@@ -349,28 +401,41 @@ fn of_place(place: &[&Channel], rate: &[&Channel]) -> Option<Contradiction> {
     let all = units
         .iter()
         .flat_map(|u| axes.iter().map(move |a| read(u, *a)));
-    let found = search(all.collect(), sums.rate(), sums.aa == 0.0)?;
+    // One mistake: other axes of a vector in its unit.
+    let one = |h: &Hypothesis| {
+        place.len() == 1 || h.gyro_unit == GyroUnit::AsDeclared || h.gyro_axes == Axes::IDENTITY
+    };
+    let found = search(all.filter(one).collect(), sums.rate(), sums.aa == 0.0)?;
     let best = found.contradicting()?;
     let names = |of: &[&Channel]| -> Vec<String> {
         of.iter().map(|c| full_name(&c.sensor, &c.name)).collect()
     };
     let (places, rates) = (names(place), names(rate));
     let between = [&places, &rates].map(|all| all.join(", "));
-    let (words, ways) = match (&places[..], &rates[..]) {
-        ([place], [rate]) => {
-            let factor = f64::from(best.gyro_axes.sign[0]) * best.gyro_unit.factor(1.0);
-            let mut either = [(rate, factor), (place, 1.0 / factor)];
-            // Degrees used as radians are more usual than the reverse.
-            either.sort_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
-            let words = either.map(|(name, x)| format!("{name} times {}", rounded(x, 6)));
-            let way = |(name, x): (&String, f64)| vec![Repair::of(name, Change::Factor(x))];
-            (words.join(" or "), either.map(way).to_vec())
-        }
-        _ => {
-            let words = format!("the velocity in the axes {}", best.gyro_axes);
-            (words, vec![vec![best.axes_of(&rates)]])
-        }
+    // Either may be wrong: both are tried.
+    let factor = best.gyro_unit.factor(1.0);
+    let mut either = [
+        (&rates, factor, best.gyro_axes),
+        (&places, 1.0 / factor, best.gyro_axes.inverse()),
+    ];
+    // Degrees used as radians are more usual than the reverse.
+    either.sort_by(|a, b| a.1.total_cmp(&b.1));
+    let change = |x: f64, axes: Axes| match place {
+        [_] => Change::Factor(f64::from(axes.sign[0]) * x),
+        _ if axes == Axes::IDENTITY => Change::Factor(x),
+        _ => Change::Axes(axes),
     };
+    let words = either.map(|(names, x, axes)| match change(x, axes) {
+        Change::Factor(x) => format!("{} times {}", names.join(", "), rounded(x, 6)),
+        _ => format!("{} in the axes {axes}", names.join(", ")),
+    });
+    let way = |(names, x, axes): (&Vec<String>, f64, Axes)| {
+        vec![Repair {
+            channels: names.clone(),
+            change: change(x, axes),
+        }]
+    };
+    let (words, ways) = (words.join(" or "), either.map(way).to_vec());
     let [place, rate_of] = &between;
     Some(Contradiction {
         problem: problem(

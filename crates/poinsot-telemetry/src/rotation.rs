@@ -52,6 +52,14 @@ impl Axes {
         Vector3::from_fn(|i, _| f64::from(self.sign[i]) * v[self.axis[i]])
     }
 
+    /// The axes that turn these back.
+    pub fn inverse(self) -> Self {
+        let own = |k: usize| self.axis.iter().position(|axis| *axis == k).unwrap_or(k);
+        let axis = [0, 1, 2].map(own);
+        let sign = axis.map(|k| self.sign[k]);
+        Self { axis, sign }
+    }
+
     /// Every signed permutation.
     pub fn all() -> impl Iterator<Item = Self> {
         const ORDERS: [[usize; 3]; 6] = [

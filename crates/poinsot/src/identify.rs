@@ -412,7 +412,8 @@ fn checked(
     let policies = policies(question)?;
     let labels = labels(&tables);
     let findings = gate(&model, &mut tables, question)?;
-    let mut identified = answer(model, tables, question)?;
+    let answered = answer(model.clone(), tables, question);
+    let mut identified = answered.map_err(|error| Refusal::of_fit(error, &model))?;
     for f in &findings {
         let share = f.count as f64 / f.of.max(1) as f64;
         if f.policy == Policy::Exclude && f.check != Check::Held && share > ALLOWED_LOSS {
@@ -541,7 +542,7 @@ fn against_model(
     label: &str,
 ) -> Result<(), Refusal> {
     let estimate = &identified.estimate;
-    let found = mixups::units(estimate);
+    let found = mixups::units(&identified.model, estimate);
     for finding in found.into_iter().chain(by_the_fit) {
         let finding = unless_refused(finding, policies, label)?;
         let text = format!("{}: {}", finding.check.name(), finding.text);

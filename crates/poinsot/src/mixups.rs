@@ -45,7 +45,7 @@ const MEAN: f64 = 0.15;
 const SPREAD: f64 = 0.4;
 
 /// Detects a unit error from the ratio of estimated to nominal inertia.
-pub(crate) fn units(estimate: &Estimate) -> Vec<Finding> {
+pub(crate) fn units(model: &Model, estimate: &Estimate) -> Vec<Finding> {
     if estimate.status == Status::Rejected {
         return Vec::new();
     }
@@ -57,12 +57,19 @@ pub(crate) fn units(estimate: &Estimate) -> Vec<Finding> {
         let mean = (x + y + z) / 3.0;
         let even = [x, y, z].iter().all(|l| (l - mean).abs() < SPREAD);
         let known = FACTORS.iter().find(|(f, _)| (mean - f.ln()).abs() < MEAN);
-        if let (true, Some((_, words))) = (even, known) {
+        if let (true, Some((x, words))) = (even, known) {
             let text = format!(
                 "the data fit {:.3} times the nominal inertia about every axis; possible cause: {words}",
                 mean.exp()
             );
-            all.push(Finding::new(Check::Units, &body.name, 0, Vec::new(), text));
+            let mut found = Finding::new(Check::Units, &body.name, 0, Vec::new(), text);
+            // Wheels would tell the unit of forces.
+            let forces = [1.0e3, 1.0e-3].contains(x) && model.wheels.is_empty();
+            let thrusters = model.thrusters.iter().filter(|_| forces);
+            let channels: Vec<String> = thrusters.map(|t| format!("{}_N", t.name)).collect();
+            let change = Change::Factor(1.0 / x);
+            found.repair = (!channels.is_empty()).then_some(Repair { channels, change });
+            all.push(found);
         }
     }
     all

@@ -89,6 +89,7 @@ fn contradicted(files: &[PathBuf], options: &ReadOptions, inspection: &Inspectio
                 |i: &Inspection| i.contradictions.iter().any(|c| c.between == found.between);
             read.is_ok_and(|read| !still(&read))
         })
+        .next()
     });
     let Some(declared) = declared else {
         return String::new();

@@ -163,6 +163,7 @@ fn word_of(only: &Hypothesis, kind: Kind, key: &str) -> Option<&'static str> {
         ("unit", Kind::Rate, GyroUnit::DegPerS) => Some("deg/s"),
         ("unit", Kind::Rate, GyroUnit::Rpm) => Some("rpm"),
         ("unit", Kind::Time, GyroUnit::TimeInMilliseconds) => Some("ms"),
+        ("unit", Kind::Time, GyroUnit::TimeInMinutes) => Some("min"),
         _ => None,
     }
 }

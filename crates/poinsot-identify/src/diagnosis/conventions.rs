@@ -8,10 +8,11 @@ mod change;
 mod table;
 
 use super::types::{FaultKind, Suspect, SuspectValue};
-use crate::fit::experiment::Experiment;
+use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::part_of_record::{FEW, beginning, thinned};
 use crate::fit::sampled_motion::least;
 use crate::fit::{Fitted, fit_from};
+use crate::problem::Problem;
 use crate::problem::segment::Segment;
 use change::put_right;
 use poinsot_solve::LeastSquares;
@@ -53,9 +54,8 @@ pub(super) fn conventions(
     }
     let before = experiment.chi2(&fitted.at, &fitted.evaluated)?;
     let whole = experiment.problem;
-    let record = contradicting(experiment);
-    let record = record.as_deref().unwrap_or(whole.segments);
-    let record: Vec<Segment> = record.iter().map(few_samples).collect();
+    let share = contradicting(experiment);
+    let record = begun(whole, share);
     let problem = whole.with_segments(&record);
     let short = experiment.with_problem(&problem);
     let mut best: Option<Suspect> = None;
@@ -64,7 +64,7 @@ pub(super) fn conventions(
         for convention in promising(&short, kind) {
             let least = best.as_ref().map_or(EXPLAINS * excess, |b| b.decrease);
             let convention = settled(&short, convention);
-            let after = of_record(experiment, &short, &convention);
+            let after = of_record(experiment, (&short, share), &convention);
             let after = after.map(|a| a + scaled(experiment, &convention));
             let Some(decrease) = after.map(|a| before - a).filter(|d| *d > least) else {
                 continue;
@@ -82,31 +82,32 @@ pub(super) fn conventions(
     best
 }
 
-/// The shortest beginning of the record that contradicts the model; `None` where it takes all of it.
-fn contradicting(experiment: &Experiment) -> Option<Vec<Segment>> {
-    let gross = experiment.settings.diagnosis.gross_misfit;
-    BEGINNINGS.into_iter().find_map(|share| {
+/// Share of the shortest beginning of the record that contradicts the model.
+fn contradicting(experiment: &Experiment) -> f64 {
+    let contradicts = |share: &f64| {
         let segments = experiment.problem.segments.iter();
-        let segments: Vec<Segment> = segments.map(|s| beginning(s, share)).collect();
+        let segments: Vec<Segment> = segments.map(|s| beginning(s, *share)).collect();
         let problem = experiment.problem.with_segments(&segments);
         let short = experiment.with_problem(&problem);
-        let contradicts = fit_from(&short, short.nominal_point(), MISTAKE_ITERATIONS)
-            .is_none_or(|found| short.cost_of(&found) > gross * found.rows() as f64);
-        contradicts.then_some(segments)
-    })
+        fitting(&short, short.nominal_point(), MISTAKE_ITERATIONS).is_none()
+    };
+    BEGINNINGS.into_iter().find(contradicts).unwrap_or(1.0)
 }
 
-/// A segment with samples enough for a decision.
-fn few_samples(segment: &Segment) -> Segment {
-    let few = thinned(segment, FEW);
-    few.map_or_else(
-        || segment.clone(),
-        |few| Segment {
-            // Start of a fit.
-            samples: segment.samples.clone(),
-            ..few
-        },
-    )
+/// A beginning of the record with samples enough for a decision.
+fn begun(whole: &Problem, share: f64) -> Vec<Segment> {
+    let of = |segment: &Segment| {
+        let begun = beginning(segment, share);
+        match thinned(&begun, FEW) {
+            Some(few) => Segment {
+                // Start of a fit.
+                samples: begun.samples,
+                ..few
+            },
+            None => begun,
+        }
+    };
+    whole.segments.iter().map(of).collect()
 }
 
 /// Those with which a few iterations lead nearer than without, the best first.
@@ -117,14 +118,11 @@ fn promising(experiment: &Experiment, kind: &[Convention]) -> Vec<Convention> {
         let found = fit_from(experiment, own, MISTAKE_ITERATIONS / 2);
         [nominal, found.map(|f| experiment.cost_of(&f))].map(|c| c.unwrap_or(f64::INFINITY))
     };
-    // What is far worse with the nominal numbers moves too fast to be fitted.
     let cost = |c: &Convention| {
-        let tame = nominal_cost(experiment, c)? < WILD * nominal;
-        let cost = if tame {
-            fitted_cost(experiment, c)
-        } else {
-            None
-        };
+        let own = nominal_cost(experiment, c)?;
+        // What changes nothing here explains nothing; what is far worse moves too fast to be fitted.
+        let tame = own != nominal && own < WILD * nominal;
+        let cost = tame.then(|| fitted_cost(experiment, c)).flatten();
         let cost = cost.filter(|cost| *cost < BETTER * fitted)?;
         Some((cost + scaled(experiment, c), c.clone()))
     };
@@ -182,18 +180,36 @@ fn settled(experiment: &Experiment, convention: Convention) -> Convention {
     }
 }
 
-/// Chi-square of the whole record with the correction; `None` where the beginning of it does not fit by half of the iterations.
-fn of_record(experiment: &Experiment, short: &Experiment, convention: &Convention) -> Option<f64> {
-    let x = put_right(short, convention, |other| {
-        let half = fit_from(other, other.nominal_point(), MISTAKE_ITERATIONS / 2)?;
-        let gross = other.settings.diagnosis.gross_misfit;
-        let fits = other.cost_of(&half) < gross * half.rows() as f64;
-        fits.then_some(half.at)
+/// Chi-square of the whole record with the correction, fitted by longer and longer beginnings: what one of them tells of the vehicle
+/// may be far off later. `None` where a beginning does not fit.
+fn of_record(
+    experiment: &Experiment,
+    (short, share): (&Experiment, f64),
+    convention: &Convention,
+) -> Option<f64> {
+    let mut at = put_right(short, convention, |other| {
+        fitting(other, other.nominal_point(), MISTAKE_ITERATIONS / 2)
     })?;
+    for longer in BEGINNINGS.into_iter().filter(|longer| *longer > share) {
+        let segments = begun(experiment.problem, longer);
+        let problem = experiment.problem.with_segments(&segments);
+        let other = experiment.with_problem(&problem);
+        at = put_right(&other, convention, |other| {
+            fitting(other, at, MISTAKE_ITERATIONS)
+        })?;
+    }
     put_right(experiment, convention, |other| {
-        let found = fit_from(other, x, MISTAKE_ITERATIONS)?;
+        let found = fit_from(other, at, MISTAKE_ITERATIONS)?;
         other.chi2(&found.at, &found.evaluated)
     })
+}
+
+/// Where a fit ends that explains the record roughly.
+fn fitting(experiment: &Experiment, from: Iterate, iterations: usize) -> Option<Iterate> {
+    let found = fit_from(experiment, from, iterations)?;
+    let gross = experiment.settings.diagnosis.gross_misfit;
+    let fits = experiment.cost_of(&found) < gross * found.rows() as f64;
+    fits.then_some(found.at)
 }
 
 fn named(convention: &Convention, decrease: f64, excess: f64) -> Suspect {

@@ -54,6 +54,11 @@ impl Diagnostics {
         self.excess_sigmas > EXCESS
     }
 
+    /// Whether a convention of the channels explains the misfit.
+    pub(crate) fn is_mistaken(&self) -> bool {
+        self.suspects.first().is_some_and(|s| s.repair.is_some())
+    }
+
     /// Whether the residuals were diagnosed.
     pub(crate) fn is_made(&self) -> bool {
         self.dof > 0 || !self.suspects.is_empty()

@@ -210,7 +210,9 @@ impl Causes {
             false => diagnose(experiment, fitted, fitted_numbers(experiment, fitted)),
         };
         let priors = priors_against_data(experiment, fitted, !undiagnosed);
-        if let Some(freed) = priors.freed {
+        // What a convention explains no prior has to.
+        let freed = priors.freed.filter(|_| !diagnostics.is_mistaken());
+        if let Some(freed) = freed {
             let found = &mut diagnostics;
             (found.suspects, found.findings) = (freed.suspects, freed.findings);
             (found.lags, found.drift, found.lines) = (freed.lags, freed.drift, freed.lines);
@@ -227,7 +229,8 @@ impl Causes {
         self.prior_tests.extend(known.and_then(|k| k.test.clone()));
         self.conflict = (self.conflict).or_else(|| known.and_then(|k| k.contradiction.clone()));
         let finding = self.conflict.as_ref().map(conflict::finding);
-        self.diagnostics.findings.splice(0..0, finding);
+        let at = usize::from(self.diagnostics.is_mistaken());
+        self.diagnostics.findings.splice(at..at, finding);
         self
     }
 }

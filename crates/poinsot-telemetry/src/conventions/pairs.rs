@@ -87,11 +87,13 @@ impl Pairs {
         (turns.len() >= 8).then_some(Self { turns, is_attitude })
     }
 
-    /// Root mean square of what a direction in other axes of its sensor turns in inertial axes, per second.
-    pub(super) fn turned(&self, axes: Axes) -> f64 {
+    /// Root mean square of what a direction in other axes of its sensor turns in inertial axes, per second, where the rates are in
+    /// other axes, times a factor.
+    pub(super) fn turned(&self, axes: Axes, (rates, factor): (Axes, f64)) -> f64 {
         let seen = |[x, y, z, _]: [f64; 4]| axes.turned(&Vector3::new(x, y, z).normalize());
         let square = |i: &Interval| {
-            let turn = rotation::of_vector(i.rate.map(|w| w * i.dt));
+            let turn = rates.turned(&Vector3::from(i.rate)) * factor * i.dt;
+            let turn = rotation::of_vector(turn.into());
             ((turn * seen(i.to) - seen(i.from)) / i.dt).norm_squared()
         };
         let sum: f64 = self.turns.iter().map(square).sum();

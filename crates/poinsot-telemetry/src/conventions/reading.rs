@@ -25,12 +25,14 @@ pub enum GyroUnit {
     TimeInMilliseconds,
     /// Times in s taken for ms and converted. A gyro in rad/s that is taken for mrad/s looks the same.
     TimeTakenForMilliseconds,
+    /// The times are minutes and read as s.
+    TimeInMinutes,
     /// Angles turned since the sample before, taken for rates.
     Increments,
 }
 
 impl GyroUnit {
-    pub(super) const ALL: [Self; 8] = [
+    pub(super) const ALL: [Self; 9] = [
         Self::AsDeclared,
         Self::DegPerS,
         Self::Rpm,
@@ -38,6 +40,7 @@ impl GyroUnit {
         Self::RadPerSTakenForRpm,
         Self::TimeInMilliseconds,
         Self::TimeTakenForMilliseconds,
+        Self::TimeInMinutes,
         Self::Increments,
     ];
 
@@ -45,15 +48,22 @@ impl GyroUnit {
     pub(super) const OF_ANGLES: [Self; 3] =
         [Self::AsDeclared, Self::DegPerS, Self::RadPerSTakenForDeg];
 
+    /// Those of a velocity: mm/s, or km/s taken for m/s; also of the position, or of the times.
+    pub(super) const OF_PLACES: [Self; 3] = [
+        Self::AsDeclared,
+        Self::TimeInMilliseconds,
+        Self::TimeTakenForMilliseconds,
+    ];
+
     /// Factor from the table's values to the rate in rad/s, given its attitude, times and the step of the gyro, s.
     pub fn factor(self, step_s: f64) -> f64 {
         self.facts(step_s).0
     }
 
     /// What puts these rates right.
-    fn repair(self, rates: &[String]) -> Repair {
+    pub(super) fn repair(self, rates: &[String]) -> Repair {
         let change = match self {
-            Self::TimeInMilliseconds | Self::TimeTakenForMilliseconds => {
+            Self::TimeInMilliseconds | Self::TimeTakenForMilliseconds | Self::TimeInMinutes => {
                 return Repair::of("time_s", Change::Clock(self.factor(1.0)));
             }
             Self::Increments => Change::Increments,
@@ -77,6 +87,7 @@ impl GyroUnit {
             Self::TimeTakenForMilliseconds => {
                 (1.0e3, "times in s used as ms (or a gyro used as mrad/s)")
             }
+            Self::TimeInMinutes => (60.0, "times in min used as s"),
             Self::Increments => (
                 1.0 / step_s,
                 "angles since the sample before in the columns of the gyro (increments = true)",

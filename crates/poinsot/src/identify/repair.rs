@@ -2,11 +2,13 @@
 
 use super::Identified;
 use crate::error::Error;
+use poinsot_identify::refusal::NO_MOTION;
 use poinsot_identify::{BodyEstimate, Effect, Estimate, Remark, RemarkKind, Settings};
-use poinsot_model::{Model, TelemetryMap};
+use poinsot_model::{Model, SensorKind, TelemetryMap};
 use poinsot_telemetry::checks::{self, Finding};
 use poinsot_telemetry::{Change, Contradiction, Line, Repair};
 use statrs::function::erf::erfc;
+use std::f64::consts::PI;
 
 /// Most repairs of a record, each of which is read again.
 const ROUNDS: usize = 8;
@@ -22,7 +24,7 @@ const CHANCE: f64 = 0.01;
 /// Why records are refused, and what would put them right.
 pub(crate) struct Refusal {
     pub error: Error,
-    /// The channels; empty where no line of a map can help.
+    /// The channels; empty where only a fit tells whether a line of a map helps.
     of: String,
     /// Repairs, the likeliest first.
     ways: Vec<Vec<Repair>>,
@@ -43,7 +45,7 @@ impl From<&Contradiction> for Refusal {
         Self {
             error: found.fault(),
             of: found.between.join(" "),
-            ways: found.ways.clone(),
+            ways: found.ways.iter().take(WAYS).cloned().collect(),
         }
     }
 }
@@ -60,12 +62,37 @@ impl Refusal {
         }
     }
 
-    /// The first way after which the gate has nothing against these channels.
+    /// That of a fit; where no motion is predicted, a wheel or joint may be in another unit.
+    pub fn of_fit(error: Error, model: &Model) -> Self {
+        let name = |name: &String, unit: &str| format!("{name}_{unit}");
+        let wheels = model.wheels.iter().map(|w| vec![name(&w.name, "rad_s")]);
+        let has_rates = model
+            .sensors
+            .iter()
+            .any(|s| s.kind == SensorKind::JointRate);
+        let joints = model.joints.iter().map(|j| {
+            let rate = has_rates.then(|| name(&j.name, "rad_s"));
+            std::iter::once(name(&j.name, "rad")).chain(rate).collect()
+        });
+        let inputs = wheels.chain(joints).filter(|_| error.code() == NO_MOTION);
+        let ways = inputs.flat_map(|channels: Vec<String>| {
+            [PI / 180.0, PI / 30.0].map(|x| {
+                let (channels, change) = (channels.clone(), Change::Factor(x));
+                vec![Repair { channels, change }]
+            })
+        });
+        Self {
+            ways: ways.collect(),
+            ..Self::from(error)
+        }
+    }
+
+    /// The ways after which the gate has nothing against these channels.
     fn passing(
         &self,
         model: &Model,
         gate: impl Fn(&Model) -> Result<(), Refusal>,
-    ) -> Option<Declared> {
+    ) -> Vec<Declared> {
         Declared::passing(&model.telemetry, &self.ways, |declared| {
             let found = gate(&declared.of_model(model));
             found.map_or_else(
@@ -73,6 +100,7 @@ impl Refusal {
                 |()| true,
             )
         })
+        .collect()
     }
 
     /// Advises lines that were tried.
@@ -80,7 +108,7 @@ impl Refusal {
         let mut changed: Vec<&str> = lines.iter().map(|line| line.changed.as_str()).collect();
         changed.dedup();
         let write = match changed[..] {
-            [all] => all.to_owned(),
+            [all] if !self.of.is_empty() => all.to_owned(),
             _ => {
                 let each = lines
                     .iter()
@@ -111,14 +139,14 @@ impl Declared {
         Some(Self { map, lines })
     }
 
-    /// The first way that passes.
+    /// The ways that pass.
     pub fn passing(
         map: &TelemetryMap,
         ways: &[Vec<Repair>],
         passes: impl Fn(&Self) -> bool,
-    ) -> Option<Self> {
+    ) -> impl Iterator<Item = Self> {
         let declared = ways.iter().filter_map(|way| Self::of(map, way));
-        declared.take(WAYS).find(passes)
+        declared.filter(passes)
     }
 
     fn of_model(&self, model: &Model) -> Model {
@@ -140,26 +168,34 @@ pub(crate) fn answered(
     let mut assumed: Vec<String> = Vec::new();
     let mut found = ask(&model);
     for _ in 0..ROUNDS {
-        let declared = match &found {
+        let by_fit = matches!(&found, Err(refusal) if refusal.of.is_empty());
+        let mut ways = match &found {
             Err(refusal) => refusal.passing(&model, &gate),
             Ok(identified) if apply && !identified.passes() => {
-                let repair = cause(&identified.estimate);
-                repair
-                    .and_then(|repair| Declared::of(&model.telemetry, std::slice::from_ref(repair)))
+                let way = cause(&identified.estimate).map(std::slice::from_ref);
+                let way = way.and_then(|way| Declared::of(&model.telemetry, way));
+                way.into_iter().collect()
             }
-            Ok(_) => None,
+            Ok(_) => Vec::new(),
         };
-        let Some(declared) = declared else { break };
+        // Of two channels that contradict each other, only the motion of the vehicle tells which is wrong.
+        if by_fit || apply && ways.len() > 1 {
+            let trusted = |way: &Declared| ask(&way.of_model(&model)).is_ok_and(|i| i.passes());
+            let at = ways.iter().position(trusted);
+            if by_fit && at.is_none() {
+                break;
+            }
+            ways.swap(0, at.unwrap_or(0));
+        }
+        let Some(declared) = ways.into_iter().next() else {
+            break;
+        };
         if let (false, Err(refusal)) = (apply, &mut found) {
             refusal.advise(&declared.lines);
             break;
         }
-        let lines: Vec<String> = declared
-            .lines
-            .iter()
-            .map(|line| line.text.clone())
-            .collect();
-        if lines.iter().all(|line| assumed.contains(line)) {
+        let mut lines = declared.lines.iter();
+        if lines.all(|line| assumed.contains(&line.text)) {
             break;
         }
         let repaired = declared.of_model(&model);
@@ -169,7 +205,7 @@ pub(crate) fn answered(
             break;
         }
         (model, found) = (repaired, next);
-        assumed.extend(lines);
+        assumed.extend(declared.lines.into_iter().map(|line| line.text));
     }
     let lines = || {
         assumed

@@ -23,9 +23,11 @@ pub(super) fn put_right<T>(
             }
             ask(&other)
         }
-        (Place::Thruster(k), Change::Factor(x)) => {
-            if let Some(thruster) = other.thrusters.get_mut(*k) {
-                thruster.direction_B *= x;
+        (Place::Thrusters(which), Change::Factor(x)) => {
+            for k in which {
+                if let Some(thruster) = other.thrusters.get_mut(*k) {
+                    thruster.direction_B *= x;
+                }
             }
             ask(&other)
         }
@@ -68,6 +70,13 @@ fn put_segment_right(segment: &mut Segment, convention: &Convention, experiment:
         (Place::Joints(which), Change::Offset(x)) => {
             let rows = positions.into_iter();
             rows.for_each(|rows| each(rows, dof, which, |q| *q += x));
+        }
+        (Place::Thrusters(two), Change::Exchanged) => {
+            for firing in &mut segment.firings {
+                if let Some(place) = two.iter().position(|k| *k == firing.thruster) {
+                    firing.thruster = two[two.len() - 1 - place];
+                }
+            }
         }
         // The impulse tells the length: the edges stay.
         (Place::Pulses, Change::ClosesLate(x)) => {

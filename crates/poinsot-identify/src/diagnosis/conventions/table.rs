@@ -38,12 +38,22 @@ pub(super) enum Place {
     Wheels(Vec<usize>),
     /// Positions and rates of these joints.
     Joints(Vec<usize>),
-    /// Force of a thruster.
-    Thruster(usize),
+    /// Forces of these thrusters.
+    Thrusters(Vec<usize>),
     /// The length of every pulse.
     Pulses,
     /// A sensor by its place among those of the first segment.
     Sensor(usize),
+}
+
+impl Place {
+    /// The wheels, joints or thrusters.
+    fn members(&self) -> &[usize] {
+        match self {
+            Self::Wheels(which) | Self::Joints(which) | Self::Thrusters(which) => which,
+            _ => &[],
+        }
+    }
 }
 
 /// A row of the table.
@@ -110,8 +120,9 @@ pub(super) fn all(experiment: &Experiment) -> Vec<Vec<Convention>> {
         .map(|f| f.thruster)
         .collect();
     let thrusters = experiment.thrusters.iter().map(|t| t.name.as_str());
-    let mut thrusters = each(thrusters, Place::Thruster);
-    thrusters.retain(|t| matches!(t.place, Place::Thruster(k) if fires.contains(&k)));
+    let mut thrusters = each(thrusters, |k| Place::Thrusters(vec![k]));
+    let exchanged_forces = pairs(&thrusters, Place::Thrusters);
+    thrusters.retain(|t| t.place.members().iter().all(|k| fires.contains(k)));
     let wheels = experiment.problem.model.wheels.iter();
     let mut wheels = each(wheels.map(|w| w.name.as_str()), |k| Place::Wheels(vec![k]));
     let exchanged = pairs(&wheels, Place::Wheels);
@@ -126,6 +137,7 @@ pub(super) fn all(experiment: &Experiment) -> Vec<Vec<Convention>> {
     let factors = [-1.0].into_iter().chain(UNITS.map(|u| u.0));
     all.extend(factors.map(|x| factor(&wheels, x)));
     all.push(pulses(experiment));
+    all.push(exchanged_forces);
     all.extend(joints(experiment.problem));
     all.extend(gyro(experiment.problem));
     all.retain(|kind| !kind.is_empty());
@@ -167,16 +179,14 @@ fn joints(problem: &Problem) -> Vec<Vec<Convention>> {
     let kinds: Vec<JointKind> = joints.clone().map(|j| j.kind).collect();
     let mut owners = each(joints.map(|j| j.name.as_str()), |k| Place::Joints(vec![k]));
     let mut exchanged = pairs(&owners, Place::Joints);
-    let of = |place: &Place| match place {
-        Place::Joints(which) => which.clone(),
-        _ => Vec::new(),
-    };
-    exchanged.retain(|c| of(&c.place).windows(2).all(|w| kinds[w[0]] == kinds[w[1]]));
-    owners.retain(|owner| of(&owner.place).iter().all(|k| moves(problem, *k)));
+    exchanged.retain(|c| {
+        let mut two = c.place.members().windows(2);
+        two.all(|w| kinds[w[0]] == kinds[w[1]])
+    });
+    owners.retain(|owner| owner.place.members().iter().all(|k| moves(problem, *k)));
     let turns = |owner: &&Owner| {
-        of(&owner.place)
-            .iter()
-            .all(|k| kinds[*k] != JointKind::Prismatic)
+        let mut own = owner.place.members().iter();
+        own.all(|k| kinds[*k] != JointKind::Prismatic)
     };
     let steps = (-11..=12).filter(|s| *s != 0).map(f64::from);
     let zeros: Vec<Change> = steps.map(|s| Change::Offset(s * ZERO_STEP)).collect();
@@ -246,7 +256,7 @@ impl Convention {
 
     pub fn fault(&self) -> FaultKind {
         match (&self.place, self.change) {
-            (Place::Thruster(_), _) => FaultKind::Thrust,
+            (Place::Thrusters(_), _) => FaultKind::Thrust,
             (Place::Wheels(_), Change::Exchanged) => FaultKind::WheelExchange,
             (Place::Wheels(_), Change::Factor(x)) if x < 0.0 => FaultKind::WheelSign,
             (_, Change::Factor(x)) if unit(x).is_some() => FaultKind::Units,
@@ -258,8 +268,8 @@ impl Convention {
     pub fn words(&self) -> String {
         let owner = &self.owner;
         match (&self.place, self.change) {
-            (Place::Thruster(_), Change::Factor(0.0)) => format!("no force of {owner}"),
-            (Place::Thruster(_), _) => format!("a wrong direction of {owner}"),
+            (Place::Thrusters(_), Change::Factor(0.0)) => format!("no force of {owner}"),
+            (Place::Thrusters(_), Change::Factor(_)) => format!("a wrong direction of {owner}"),
             (_, Change::ClosesLate(x)) => {
                 let off = if x < 0.0 { "shorter" } else { "longer" };
                 format!(
@@ -307,24 +317,19 @@ impl Convention {
             let rate = position.iter().filter(|_| rate).map(|p| format!("{p}_s"));
             position.iter().cloned().chain(rate).collect()
         };
+        let force = |k: usize| Some(format!("{}_N", model.thrusters.get(k)?.name));
+        let speed = |k: usize| Some(format!("{}_rad_s", model.wheels.get(k)?.name));
         let channels: Vec<String> = match &self.place {
-            Place::Wheels(which) => {
-                let wheels = which.iter().filter_map(|k| model.wheels.get(*k));
-                wheels
-                    .map(|wheel| format!("{}_rad_s", wheel.name))
-                    .collect()
-            }
+            Place::Wheels(which) => which.iter().filter_map(|k| speed(*k)).collect(),
             Place::Joints(which) => which.iter().flat_map(of_joint).collect(),
-            Place::Pulses => {
-                let thrusters = model.thrusters.iter();
-                thrusters.map(|t| format!("{}_N", t.name)).collect()
-            }
+            Place::Pulses => (0..model.thrusters.len()).filter_map(force).collect(),
+            Place::Thrusters(_) if self.change == Change::Factor(0.0) => return None,
+            Place::Thrusters(which) => which.iter().filter_map(|k| force(*k)).collect(),
             Place::Sensor(_) => SensorKind::Gyro
                 .columns()
                 .iter()
                 .map(|c| (*c).to_owned())
                 .collect(),
-            Place::Thruster(_) => return None,
         };
         let change = self.change;
         Some(Repair { channels, change })
