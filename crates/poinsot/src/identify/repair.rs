@@ -169,6 +169,10 @@ pub(crate) fn answered(
     let mut found = ask(&model);
     for _ in 0..ROUNDS {
         let by_fit = matches!(&found, Err(refusal) if refusal.of.is_empty());
+        // Each of many is a fit: only where it is asked for.
+        if by_fit && !apply {
+            break;
+        }
         let mut ways = match &found {
             Err(refusal) => refusal.passing(&model, &gate),
             Ok(identified) if apply && !identified.passes() => {

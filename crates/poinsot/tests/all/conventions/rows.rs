@@ -229,12 +229,7 @@ fn wheel(owner: &Owner, table: &Table) -> Vec<Row> {
     let factor = |x: f64| each(all, move |w| w * x);
     let mut rows = vec![
         Row::new("sign", name, &[name, "sign"], factor(-1.0)),
-        Row::new(
-            "degrees",
-            name,
-            &[name, "unit"],
-            factor(1.0_f64.to_degrees()),
-        ),
+        Row::new("degrees", name, &["unit"], factor(1.0_f64.to_degrees())),
         Row::new("rpm", name, &[name, "unit"], factor(30.0 / PI)),
     ];
     rows.extend(unsigned(owner, table));
@@ -488,7 +483,8 @@ pub fn generated(model: &Model, table: &Table) -> Vec<Row> {
             "r" | "v" => {
                 let both = ["r_x", "v_x"].iter().all(|k| table.channel(k).is_some());
                 let mut rows = place(&owner, table, com);
-                rows.iter_mut().for_each(|row| row.told &= both);
+                let told = |row: &Row| both && row.kind != "unsigned";
+                rows.iter_mut().for_each(|row| row.told &= told(row));
                 rows
             }
             "direction" => vector(&owner, "body axes = sensor|axes"),
