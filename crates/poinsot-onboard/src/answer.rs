@@ -49,12 +49,12 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             value,
             ..Number::default()
         });
-        let (mut all, consistent) = (self.window.done, self.tests.consistent);
+        let (mut all, consistent) = (self.window.replayed, self.tests.consistent);
         for (j, &k) in layout.unknown().iter().enumerate() {
             let determined = sigma[j] < DETERMINED * self.prior_sigma[k];
             all &= determined;
             numbers[k].sigma = sigma[j];
-            numbers[k].determined = determined && consistent && self.window.done;
+            numbers[k].determined = determined && consistent && self.window.replayed;
         }
         let newest = self.stream.newest();
         let stale = newest.is_some_and(|newest| time_s - newest > self.configuration.stale_s);

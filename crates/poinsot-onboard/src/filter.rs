@@ -147,7 +147,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         self.looseness = 0.0;
         self.shown = Excitation::new();
         self.starts = 0;
-        (self.window.count, self.window.done) = (0, false);
+        self.window.restart();
         self.stream = Stream::NEW;
         self.tests = Tests::new();
         let prior = OfParameters {

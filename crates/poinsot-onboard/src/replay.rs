@@ -15,6 +15,9 @@ const FIRST_GATE: f64 = 100.0;
 const FAR: f64 = 10.0;
 /// Largest distance from the nominal numbers at which the motion is linearised, in sigma of the prior.
 const BEYOND: f64 = 6.0;
+/// Share of the prior's sigma within which the parameters are when a window ends, if it can be thinned until then: what is learnt
+/// while they are further off is linearised where they are not.
+const NEAR: f64 = 0.02;
 /// Most times that a step to an impossible vehicle is halved.
 const HALVINGS: u32 = 20;
 
@@ -26,15 +29,22 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             self.conclude(verdict);
             return;
         }
-        if let Some(place) = self.window.samples.get_mut(self.window.count) {
-            *place = *sample;
-            self.window.count += 1;
+        if !self.window.gather(sample) || !self.window.is_due() {
+            return;
         }
-        if self.window.count == WINDOW {
-            self.window.done = true;
-            let verdict = self.replay();
-            self.conclude(verdict);
-        }
+        let verdict = self.replay();
+        self.window.replayed = verdict != Verdict::Lost;
+        let near = self.window.replayed && self.is_near();
+        let longest_s = self.configuration.longest_gap_s;
+        self.window.done = near || (self.window.count == WINDOW && !self.window.thin(longest_s));
+        self.conclude(verdict);
+    }
+
+    /// Whether the parameters are so well known that what follows may be linearised at them.
+    fn is_near(&self) -> bool {
+        let sigma = self.of_parameters().sigma(self.layout.parameters);
+        let mut pairs = self.layout.unknown().iter().zip(&sigma);
+        pairs.all(|(&k, sigma)| *sigma <= NEAR * self.prior_sigma[k])
     }
 
     /// One sample. Parameters stay while the window is replayed.
@@ -92,7 +102,7 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
         self.set_prior();
         self.shown.begin();
         let mut worst = Verdict::Clean;
-        for k in 0..WINDOW {
+        for k in 0..self.window.count {
             let sample = self.window.samples[k];
             let verdict = self.step(&sample, false);
             if matches!(verdict, Verdict::Alarm | Verdict::LongAlarm) {
@@ -132,10 +142,11 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
             Verdict::Open => {}
             Verdict::Clean => self.checkpoints.keep(here, false),
             Verdict::LongClean => self.checkpoints.keep(here, true),
-            // The parameters found are where the passes over the next samples begin.
+            // The parameters found are where the next passes begin: over more samples, or over the next ones.
             Verdict::Lost => {
-                self.window.done = false;
-                self.window.count = 0;
+                if self.window.done {
+                    self.window.restart();
+                }
                 self.set_prior();
             }
             Verdict::Alarm | Verdict::LongAlarm => {
@@ -144,9 +155,9 @@ impl<const N: usize, const WINDOW: usize> Filter<N, WINDOW> {
                 self.tests.alarm();
                 self.body = back.body;
                 self.set_parameters(&back.info);
+                self.window.done = true;
                 if back.is_prior {
-                    self.window.done = false;
-                    self.window.count = 0;
+                    self.window.restart();
                 }
             }
         }

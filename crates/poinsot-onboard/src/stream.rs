@@ -1,8 +1,11 @@
 //! Order and clock of the samples.
 
-use crate::configuration::HELD_BACK;
+use crate::configuration::{AXES, HELD_BACK};
 use crate::sample::Sample;
 
+/// Longest intervals of a window that is thinned, in time, s, and in turn, rad.
+const STRAIGHT_S: f64 = 0.5;
+const STRAIGHT: f64 = 0.25;
 /// Refused samples in a row, each soon after the one before, that show a new clock.
 const NEW_CLOCK: u32 = 3;
 
@@ -102,13 +105,22 @@ fn waiting_before(waiting: &[Sample], time: f64) -> usize {
     waiting.iter().filter(|s| s.time_s < time).count()
 }
 
-/// The first samples.
+/// The first samples, all of them or every second, fourth, eighth.
 #[derive(Debug, Clone)]
 pub(crate) struct Window<const WINDOW: usize> {
     pub samples: [Sample; WINDOW],
     pub count: usize,
-    /// Whether they were replayed.
+    /// Whether they were replayed, and the window takes no more.
     pub done: bool,
+    /// Whether what is known comes from a replay.
+    pub replayed: bool,
+    /// How often every second one was left out.
+    thinned: u32,
+    /// Samples left out since the one that was kept last.
+    left_out: u32,
+    /// The last sample, and the impulse of force and torque up to it since the one that was kept last.
+    last: Sample,
+    impulse: [f64; 2 * AXES],
 }
 
 impl<const WINDOW: usize> Window<WINDOW> {
@@ -116,5 +128,83 @@ impl<const WINDOW: usize> Window<WINDOW> {
         samples: [Sample::at(0.0); WINDOW],
         count: 0,
         done: false,
+        replayed: false,
+        thinned: 0,
+        left_out: 0,
+        last: Sample::at(0.0),
+        impulse: [0.0; 2 * AXES],
     };
+
+    /// Begins anew.
+    pub fn restart(&mut self) {
+        (self.count, self.thinned, self.left_out) = (0, 0, 0);
+        (self.done, self.replayed) = (false, false);
+    }
+
+    /// Takes a sample, or leaves it out; whether it took it.
+    pub fn gather(&mut self, sample: &Sample) -> bool {
+        self.gather_every(sample, 1 << self.thinned)
+    }
+
+    /// Whether it is full, or a thinned one by three quarters: from one replay to the next it grows by a half or a third.
+    pub fn is_due(&self) -> bool {
+        self.count == WINDOW || (self.thinned > 0 && self.count == WINDOW - WINDOW / 4)
+    }
+
+    /// Keeps one sample of so many, and one that measures what the kept one before does not. What acted in between becomes its mean.
+    fn gather_every(&mut self, sample: &Sample, every: u32) -> bool {
+        let before = self
+            .count
+            .checked_sub(1)
+            .and_then(|k| self.samples.get_mut(k));
+        if let Some(kept) = before {
+            let dt = sample.time_s - self.last.time_s;
+            let acting = self.last.force_B.into_iter().chain(self.last.torque_B);
+            self.impulse
+                .iter_mut()
+                .zip(acting)
+                .for_each(|(sum, x)| *sum += x * dt);
+            let tells = (sample.attitude.is_some() && kept.attitude.is_none())
+                || (sample.position.is_some() && kept.position.is_none());
+            if self.left_out + 1 < every && !tells {
+                self.left_out += 1;
+                self.last = *sample;
+                return false;
+            }
+            if self.left_out > 0 {
+                let mean = self.impulse.map(|x| x / (sample.time_s - kept.time_s));
+                kept.force_B.copy_from_slice(&mean[..AXES]);
+                kept.torque_B.copy_from_slice(&mean[AXES..]);
+            }
+        }
+        if let Some(place) = self.samples.get_mut(self.count) {
+            *place = *sample;
+            self.count += 1;
+        }
+        (self.last, self.left_out, self.impulse) = (*sample, 0, [0.0; 2 * AXES]);
+        true
+    }
+
+    /// Leaves out every second sample of a full window, so that it can go on, unless intervals become too long for what lies
+    /// between them to be straight.
+    pub fn thin(&mut self, longest_s: f64) -> bool {
+        let Some(last) = self.samples.last() else {
+            return false;
+        };
+        let mean = (last.time_s - self.samples[0].time_s) / (WINDOW - 1).max(1) as f64;
+        let rates = self.samples.iter().filter_map(|s| s.gyro);
+        let squares = rates.map(|w| w.iter().map(|x| x * x).sum::<f64>());
+        let turn = 2.0 * mean * squares.fold(0.0, f64::max).sqrt();
+        if 2.0 * mean > longest_s.min(STRAIGHT_S) || turn > STRAIGHT {
+            return false;
+        }
+        (self.count, self.left_out) = (0, 0);
+        for k in 0..WINDOW {
+            let sample = self.samples[k];
+            self.gather_every(&sample, 2);
+        }
+        self.left_out <<= self.thinned;
+        self.thinned += 1;
+        true
+    }
 }

@@ -88,6 +88,7 @@ pub fn bus_with_wheels() -> Setup {
         c: Vector3::new(0.02, -0.01, 0.05),
         I: Matrix3::new(10.0, 0.4, -0.3, 0.4, 12.0, 0.2, -0.3, 0.2, 8.0),
         start: at_rest(Vector3::new(0.002, -0.001, 0.003)),
+        hold: 1,
         motors: |k| {
             let mut out = [0.0; WHEELS];
             for (j, torque) in out.iter_mut().enumerate().take(4) {
@@ -117,6 +118,7 @@ pub fn bus_with_thrusters() -> Setup {
         c: Vector3::new(0.02, -0.01, 0.05),
         I: Matrix3::new(10.0, 0.4, -0.3, 0.4, 12.0, 0.2, -0.3, 0.2, 8.0),
         start: at_rest(Vector3::new(0.01, -0.02, 0.015)),
+        hold: 1,
         motors: |_| [0.0; WHEELS],
         wrench: |k| {
             let sign = |every, salt| switching(k, every, salt);
@@ -142,6 +144,7 @@ pub fn tumbling() -> Setup {
         c: Vector3::new(0.02, -0.01, 0.05),
         I: Matrix3::new(5.0, 0.2, -0.1, 0.2, 7.0, 0.3, -0.1, 0.3, 8.5),
         start,
+        hold: 1,
         motors: |k| {
             let mut out = [0.0; WHEELS];
             out[0] = 0.02 * switching(k, 40, 9);
@@ -164,6 +167,13 @@ pub fn all() -> [Setup; 3] {
 }
 
 impl Setup {
+    /// The same flight, sampled so many times as often.
+    pub fn faster(mut self, by: usize) -> Self {
+        self.truth.dt /= by as f64;
+        (self.truth.samples, self.truth.hold) = (self.truth.samples * by, by);
+        self
+    }
+
     /// A filter whose nominal numbers are drawn from the prior around the truth; impossible vehicles are drawn anew.
     pub fn filter(&self, noise: &mut Noise) -> Box<OnBoard> {
         loop {

@@ -16,7 +16,9 @@ pub struct Truth {
     pub c: Vector3<f64>,
     pub I: Matrix3<f64>,
     pub start: Motion,
-    /// Torque of each wheel's motor in the interval that begins at sample k, N m.
+    /// Samples for which what drives it stays.
+    pub hold: usize,
+    /// Torque of each wheel's motor in interval k of these, N m.
     pub motors: fn(usize) -> [f64; WHEELS],
     /// Force and torque about `Bo` in that interval, in B.
     pub wrench: fn(usize) -> (Vector3<f64>, Vector3<f64>),
@@ -96,8 +98,8 @@ impl Truth {
     }
 
     fn rates(&self, configuration: &Configuration, m: &Motion, k: usize) -> Rates {
-        let (force, torque) = (self.wrench)(k);
-        let motors = (self.motors)(k);
+        let (force, torque) = (self.wrench)(k / self.hold);
+        let motors = (self.motors)(k / self.hold);
         let mut h = self.I * m.w;
         let mut inertia = self.I;
         let mut push = torque - self.c.cross(&force);
@@ -161,7 +163,7 @@ pub fn samples(
     let mut bias = vector(levels.bias);
     let mut out = Vec::new();
     for (k, m) in motions.iter().enumerate() {
-        let (force, torque) = (truth.wrench)(k);
+        let (force, torque) = (truth.wrench)(k / truth.hold);
         let R = m.R * UnitQuaternion::from_scaled_axis(vector(levels.attitude));
         let gyro = m.w + bias + vector(levels.gyro);
         bias += vector(levels.bias_walk * truth.dt.sqrt());
