@@ -4,6 +4,7 @@ use crate::words::Words;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use poinsot::{Coordinates, Modes};
 use std::ffi::OsString;
+use std::net::SocketAddr;
 use std::path::PathBuf;
 
 /// Exit codes with their meaning.
@@ -318,6 +319,16 @@ pub struct Follow {
     /// Wait at the end of the file for rows that are appended, until Ctrl-C.
     #[arg(long)]
     pub wait: bool,
+    /// Wanted half-width of the 95 % intervals, relative to mass, radius of gyration and mean moment of inertia.
+    #[arg(long, value_name = "SHARE", default_value_t = 0.01)]
+    pub relative_accuracy: f64,
+    /// Show a page with live curves at this address, as 127.0.0.1:8000; port 0 takes a free one. Beyond this computer, the
+    /// address of the page has a secret word.
+    #[arg(long, value_name = "ADDRESS")]
+    pub serve: Option<SocketAddr>,
+    /// Identify all rows so far every so many seconds of the record, in the background, and give the verdict beside the filter's.
+    #[arg(long, value_name = "SECONDS")]
+    pub certify: Option<f64>,
     /// Folder for the files of `identify` at the end, with a copy of the rows from standard input.
     #[arg(long, short = 'o', value_name = "DIR")]
     pub out: Option<PathBuf>,

@@ -4,10 +4,12 @@
 //! # Files
 //! - `arguments.rs`: arguments and help, the source of completions, manual pages and the book.
 //! - `verbs/`: one file per command.
+//! - `live.rs`: the page of `follow --serve`.
 //! - `terminal.rs`: width and colours. `progress.rs`: a bar after two seconds, from `tracing` events.
 //! - `signals.rs`: removes drafts on INT, TERM, HUP; SIGXFSZ becomes an error.
 
 pub mod arguments;
+mod live;
 mod progress;
 mod signals;
 mod terminal;

@@ -34,6 +34,7 @@
 //! - `series.rs`: content of a plot. `plot.rs`, `axis.rs`: SVG.
 //! - `packed.rs`: samples of a time plot, drawn by `assets/curves.js` with uPlot.
 //! - `scene.rs`, `assets/space.js`: 3D scenes, as SVG and by WebGL2.
+//! - `assets/live.js`: the lines of a running filter, as they come.
 //! - `figure.rs`: a picture on a page or as a separate SVG or PNG file; PNG needs the feature `png`.
 
 mod axis;

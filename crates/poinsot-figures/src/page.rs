@@ -1,4 +1,4 @@
-//! A self-contained page: no network access, and a content security policy with the hashes of its style and scripts.
+//! A self-contained page: no network access but for a live one, and a content security policy with the hashes of its style and scripts.
 
 use crate::document::{Section, Tone};
 use crate::error::PageError;
@@ -27,14 +27,23 @@ const STYLE: &str = concat!(
     "\n",
     include_str!("../assets/style.css")
 );
-/// Scripts, each with the text in the page that requires it; the first is always included.
-const SCRIPTS: [(&str, &str); 4] = [
-    ("", include_str!("../assets/page.js")),
-    (CURVES, include_str!("../assets/uplot/uPlot.iife.min.js")),
-    (CURVES, include_str!("../assets/curves.js")),
-    ("class=\"scene-data\"", include_str!("../assets/space.js")),
+/// Scripts, each with the texts in the page of which one requires it; the first is always included.
+const SCRIPTS: [(&[&str], &str); 5] = [
+    (&[""], include_str!("../assets/page.js")),
+    (
+        &[CURVES, LIVE],
+        include_str!("../assets/uplot/uPlot.iife.min.js"),
+    ),
+    (&[CURVES], include_str!("../assets/curves.js")),
+    (
+        &["class=\"scene-data\""],
+        include_str!("../assets/space.js"),
+    ),
+    (&[LIVE], include_str!("../assets/live.js")),
 ];
 const CURVES: &str = "class=\"curves-data\"";
+/// A page with it asks the server that it comes from for more.
+const LIVE: &str = "class=\"live\"";
 
 /// A page.
 #[derive(Debug, Clone, PartialEq)]
@@ -145,12 +154,18 @@ impl Page {
         let part = |p: &Part| context! { id => p.id, title => p.title, body => p.body.value() };
         let own = |text: &str| Html(text.to_owned()).value();
         let wanted = |mark: &str| self.parts.iter().any(|p| p.body.as_str().contains(mark));
-        let needed = || SCRIPTS.iter().filter(|s| wanted(s.0)).map(|s| s.1);
+        let any = |marks: &[&str]| marks.iter().any(|mark| wanted(mark));
+        let needed = || SCRIPTS.iter().filter(|s| any(s.0)).map(|s| s.1);
         let script_hashes: Vec<String> = needed().map(hash).collect();
         let policy = format!(
-            "default-src 'none'; style-src {}; script-src {}; base-uri 'none'; form-action 'none'",
+            "default-src 'none'; style-src {}; script-src {};{} base-uri 'none'; form-action 'none'",
             hash(STYLE),
-            script_hashes.join(" ")
+            script_hashes.join(" "),
+            if wanted(LIVE) {
+                " connect-src 'self';"
+            } else {
+                ""
+            }
         );
         let page = TEMPLATES.html(
             "page.html",

@@ -26,17 +26,18 @@ impl CoreFilter {
     /// Lines of JSON, at most one every `every_s` seconds of the record. The first row is the last one of the batch before.
     fn push(&mut self, py: Python<'_>, record: &CoreRecord) -> PyResult<Vec<String>> {
         let pushed = py.detach(|| self.0.push_parts(&record.parts));
-        Ok(pushed.map_err(Fault::from)?)
+        let pushed = pushed.map_err(Fault::from)?;
+        Ok(pushed.iter().map(|f| f.json().to_string()).collect())
     }
 
     /// A line of JSON for a time, s; for the last row without one. None before the second row.
     #[pyo3(signature = (time_s=None))]
-    fn at(&self, time_s: Option<f64>) -> Option<String> {
-        self.0.at(time_s)
+    fn at(&mut self, time_s: Option<f64>) -> Option<String> {
+        Some(self.0.at(time_s)?.json().to_string())
     }
 
     /// The last line, after the rows that are held back.
     fn end(&mut self) -> Option<String> {
-        self.0.end()
+        Some(self.0.end()?.json().to_string())
     }
 }

@@ -8,6 +8,7 @@
 //! | comparison | [`comparison_document`] | [`result_page`], [`comparison_part`] |
 //! | design | [`design_document`] | [`result_page`] |
 //! | campaign | [`table_document`] | [`campaign_page`] |
+//! | line of a filter | [`followed_document`] | [`live_page`] |
 //!
 //! [`VERDICTS`] lists the words of an answer.
 //!
@@ -34,6 +35,7 @@
 //! - `estimate.rs`, `prediction.rs`, `several.rs`, `validation.rs`, `comparison.rs`, `design.rs`, `campaign.rs`,
 //!   `study.rs`: one result each; what its template shows, and its sentence.
 //! - `description.rs`: a checked case, plan or result in statements.
+//! - `live.rs`: a filter while it runs.
 //! - `verdict.rs`, `summary.rs`, `checks.rs`: the words of an answer, for terminal and page.
 //! - `page/`: the page of an estimate, one file per section. `page/results/`: pages of the other results.
 #![allow(non_snake_case)]
@@ -44,6 +46,7 @@ mod comparison;
 mod description;
 mod design;
 mod estimate;
+mod live;
 mod page;
 mod prediction;
 mod several;
@@ -58,6 +61,7 @@ pub use comparison::comparison_document;
 pub use description::{CheckedCase, case_lines, estimate_lines, plan_lines};
 pub use design::{design_document, design_sentence};
 pub use estimate::{Detail, estimate_document};
+pub use live::{followed_document, live_page};
 pub use page::lights::{NOT_RIGID, OF_NOISE};
 pub use page::{
     Flown, Motion, RESULTS, campaign_page, comparison_part, no_page, parse_report_data,

@@ -1,12 +1,13 @@
 //! The command `follow`: the on-board filter on rows of telemetry as they arrive.
 
+use crate::bind::RELATIVE_ACCURACY;
 use crate::error::Error;
 use crate::identify::read_options;
-use crate::onboard::OnBoard;
+use crate::onboard::{Estimated, OnBoard};
 use poinsot_model::{Model, read_model, read_telemetry_map};
-use poinsot_onboard::{Answer, Filter, Health, Sample};
+use poinsot_onboard::{Filter, Health, Sample, SensorCounts};
 use poinsot_telemetry::{Part, ReadOptions, read_parts};
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 use std::path::Path;
 
 /// Name of a batch of rows in messages.
@@ -15,8 +16,118 @@ const ROWS: &str = "rows.csv";
 const COLUMNS: usize = 60;
 /// Samples of the first window.
 const WINDOW: usize = 300;
-/// Longest gap in steps of the first two samples.
+/// Longest gap in steps of the first two samples, and at least in seconds.
 const GAP: f64 = 5.0;
+const GAP_S: f64 = 0.5;
+/// Shortest time between two samples of a vehicle without thrusters that the filter takes, s. Its columns have the noise of the
+/// tachometers, which biases numbers by a share of their sigma that grows with the root of the rate: docs/validation/on_board.md.
+const SHORTEST_S: f64 = 0.05;
+/// Half-width of a 95 % interval, sigmas.
+const INTERVAL: f64 = 1.96;
+/// Power of time with which a sigma must fall, at least, so that a time to reach another one is said.
+const FALLS: f64 = 0.05;
+/// Most lines whose sigmas are kept for that; then every second one.
+const KEPT: usize = 4096;
+
+/// What the filter knows at a time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Followed {
+    /// Time of the record, s.
+    pub time_s: f64,
+    /// What the numbers are worth.
+    pub health: Health,
+    /// The unknown numbers.
+    pub numbers: Vec<FollowedNumber>,
+    /// Measurements of gyro, attitude and position that were used and left out.
+    pub counts: [SensorCounts; 3],
+}
+
+/// A number while it is followed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FollowedNumber {
+    /// Its address, `bus.inertia_kg_m2.xx`.
+    pub address: String,
+    /// Its value in SI, if it is determined.
+    pub value: Option<f64>,
+    /// One sigma.
+    pub sigma: f64,
+    /// The sigma that is wanted.
+    pub wanted_sigma: f64,
+    /// When it was reached, or will be at this rate, s of the record; `None` where sigma does not fall.
+    pub reached_at_s: Option<f64>,
+}
+
+impl Followed {
+    /// The health as a word.
+    pub fn health_word(&self) -> &'static str {
+        match self.health {
+            Health::Converging => "converging",
+            Health::Determined => "determined",
+            Health::Inconsistent => "inconsistent",
+            Health::Stale => "stale",
+        }
+    }
+
+    /// Whether all numbers are determined.
+    pub fn is_determined(&self) -> bool {
+        self.health == Health::Determined
+    }
+
+    /// As one JSON object.
+    pub fn json(&self) -> Value {
+        let number = |n: &FollowedNumber| {
+            let of = json!({ "value": n.value, "sigma": n.sigma, "wanted_sigma": n.wanted_sigma, "reached_at_s": n.reached_at_s });
+            (n.address.clone(), of)
+        };
+        let [gyro, attitude, position] = self
+            .counts
+            .map(|c| json!({ "accepted": c.accepted, "gated": c.gated }));
+        json!({
+            "time_s": self.time_s,
+            "health": self.health_word(),
+            "numbers": self.numbers.iter().map(number).collect::<Map<_, _>>(),
+            "gyro": gyro,
+            "attitude": attitude,
+            "position": position,
+        })
+    }
+}
+
+/// How the sigma of a number falls.
+#[derive(Debug, Clone, Default)]
+struct Course {
+    /// Time since the first sample and sigma of every line, s.
+    sigmas: Vec<[f64; 2]>,
+    /// When the wanted one was reached, s since the first sample.
+    reached_s: Option<f64>,
+}
+
+impl Course {
+    fn take(&mut self, elapsed_s: f64, sigma: f64) {
+        if self.sigmas.last().is_none_or(|[t, _]| *t < elapsed_s) {
+            self.sigmas.push([elapsed_s, sigma]);
+        }
+        if self.sigmas.len() > KEPT {
+            let mut odd = false;
+            self.sigmas.retain(|_| {
+                odd = !odd;
+                odd
+            });
+        }
+    }
+
+    /// When a sigma is reached, s since the first sample, if it falls as it did from half of the time on.
+    fn reaches(&mut self, elapsed_s: f64, sigma: f64, wanted: f64) -> Option<f64> {
+        if sigma <= wanted {
+            return Some(*self.reached_s.get_or_insert(elapsed_s));
+        }
+        self.reached_s = None;
+        let half = self.sigmas.partition_point(|[t, _]| *t <= 0.5 * elapsed_s);
+        let [then_s, before] = *self.sigmas.get(half.checked_sub(1)?)?;
+        let power = (before / sigma).ln() / (elapsed_s / then_s).ln();
+        (power > FALLS).then(|| elapsed_s * (sigma / wanted).powf(1.0 / power))
+    }
+}
 
 /// The filter of a model with what was read so far.
 pub struct Follower {
@@ -36,6 +147,13 @@ pub struct Follower {
     told: f64,
     /// Shortest time between two lines, s.
     every_s: f64,
+    /// Wanted half-width of a 95 % interval in natural units.
+    accuracy: f64,
+    /// Time of the first sample, s.
+    first: f64,
+    courses: Vec<Course>,
+    /// Time of the last sample that the filter was given, s, and whether it had an attitude.
+    used: Option<(f64, bool)>,
 }
 
 impl Follower {
@@ -72,7 +190,22 @@ impl Follower {
             newest: f64::NEG_INFINITY,
             told: f64::NEG_INFINITY,
             every_s,
+            accuracy: RELATIVE_ACCURACY,
+            first: f64::NAN,
+            courses: Vec::new(),
+            used: None,
         })
+    }
+
+    /// The same with another wanted half-width of the 95 % intervals, in natural units.
+    #[must_use]
+    pub fn wanting(self, accuracy: f64) -> Self {
+        Self { accuracy, ..self }
+    }
+
+    /// The model with its map.
+    pub fn model(&self) -> &Model {
+        &self.model
     }
 
     /// What the filter assumes, one assumption a line.
@@ -80,11 +213,11 @@ impl Follower {
         &self.on_board.assumed
     }
 
-    /// Takes text that has arrived, and returns lines of JSON.
+    /// Takes text that has arrived, and returns what is known at its times.
     ///
     /// # Errors
     /// The rows cannot be read.
-    pub fn push(&mut self, text: &str) -> Result<Vec<String>, Error> {
+    pub fn push(&mut self, text: &str) -> Result<Vec<Followed>, Error> {
         self.part.push_str(text);
         let end = self.part.rfind('\n').map_or(0, |at| at + 1);
         let rest = self.part.split_off(end);
@@ -112,41 +245,46 @@ impl Follower {
         self.push_parts(&[part])
     }
 
-    /// Takes a batch of at least two rows, and returns lines of JSON. The first row is the last one of the batch before, between which
+    /// Takes a batch of at least two rows, and returns what is known at its times. The first row is the last one of the batch before, between which
     /// and the next one wheel speeds are interpolated.
     ///
     /// # Errors
     /// The rows cannot be read.
-    pub fn push_parts(&mut self, parts: &[Part]) -> Result<Vec<String>, Error> {
+    pub fn push_parts(&mut self, parts: &[Part]) -> Result<Vec<Followed>, Error> {
         let table = read_parts(parts, &self.options)?;
         self.options.origin = table.origin;
         let samples = self.on_board.samples(&self.model, &table);
         Ok(self.take(&samples))
     }
 
-    /// A line of what is known at a time of the record, s; at its end where none is given. `None` before the second row.
-    pub fn at(&self, time_s: Option<f64>) -> Option<String> {
-        let line = self.line(time_s.unwrap_or(self.newest))?;
-        Some(line.to_string())
+    /// What is known at a time of the record, s; at its end where none is given. `None` before the second row.
+    pub fn at(&mut self, time_s: Option<f64>) -> Option<Followed> {
+        self.known(time_s.unwrap_or(self.newest))
     }
 
     /// What is known at the end.
-    pub fn end(&mut self) -> Option<String> {
+    pub fn end(&mut self) -> Option<Followed> {
         self.filter.as_mut()?.flush();
         self.at(None)
     }
 
-    fn take(&mut self, samples: &[Sample]) -> Vec<String> {
+    fn take(&mut self, samples: &[Sample]) -> Vec<Followed> {
         let mut out = Vec::new();
         for pair in samples.windows(2) {
             if self.filter.is_none() {
                 let configuration = &mut self.on_board.configuration;
-                configuration.longest_gap_s = GAP * (pair[1].time_s - pair[0].time_s);
+                let step_s = (pair[1].time_s - pair[0].time_s).max(SHORTEST_S);
+                configuration.longest_gap_s = (GAP * step_s).max(GAP_S);
                 configuration.stale_s = 2.0 * configuration.longest_gap_s;
                 // The capacity is that of the largest configuration.
                 self.filter = Filter::new(*configuration).ok().map(Box::new);
+                self.first = pair[0].time_s;
             }
-            for sample in pair.iter().filter(|s| s.time_s > self.newest) {
+            let newest = self.newest;
+            for sample in pair.iter().filter(|s| s.time_s > newest) {
+                if !self.is_due(sample) {
+                    continue;
+                }
                 if let Some(filter) = &mut self.filter {
                     // A refused sample is not counted; what follows from refusals shows in the health.
                     let _ = filter.push(sample);
@@ -155,29 +293,50 @@ impl Follower {
             self.newest = self.newest.max(pair[1].time_s);
             if self.newest >= self.told + self.every_s {
                 self.told = self.newest;
-                out.extend(self.line(self.newest).map(|line| line.to_string()));
+                out.extend(self.known(self.newest));
             }
         }
         out
     }
 
-    fn line(&self, time_s: f64) -> Option<Value> {
+    /// Whether a sample is late enough after the one before, or has an attitude that that one has not.
+    fn is_due(&mut self, sample: &Sample) -> bool {
+        let before = self.used.filter(|_| self.model.thrusters.is_empty());
+        let due = before.is_none_or(|(time_s, seen)| {
+            let short = sample.time_s - time_s < (1.0 - 1.0e-6) * SHORTEST_S;
+            !short || (sample.attitude.is_some() && !seen)
+        });
+        if due {
+            self.used = Some((sample.time_s, sample.attitude.is_some()));
+        }
+        due
+    }
+
+    fn known(&mut self, time_s: f64) -> Option<Followed> {
         let filter = self.filter.as_ref()?;
-        let answer: Answer = filter.answer(time_s);
+        let answer = filter.answer(time_s);
         let numbers = self.on_board.numbers(&self.model, &answer);
-        let numbers = numbers.into_iter();
-        let numbers = numbers.map(|n| (n.address, json!({ "value": n.value, "sigma": n.sigma })));
-        let [gyro, attitude, position] = filter.counts();
-        let count =
-            |c: poinsot_onboard::SensorCounts| json!({ "accepted": c.accepted, "gated": c.gated });
-        Some(json!({
-            "time_s": time_s,
-            "health": word(answer.health),
-            "numbers": numbers.collect::<serde_json::Map<_, _>>(),
-            "gyro": count(gyro),
-            "attitude": count(attitude),
-            "position": count(position),
-        }))
+        self.courses.resize(numbers.len(), Course::default());
+        let (elapsed_s, accuracy, first) = (time_s - self.first, self.accuracy, self.first);
+        let number = |(of, course): (Estimated, &mut Course)| {
+            let wanted = accuracy * of.unit / INTERVAL;
+            let reached = course.reaches(elapsed_s, of.sigma, wanted);
+            course.take(elapsed_s, of.sigma);
+            FollowedNumber {
+                address: of.address,
+                value: of.value,
+                sigma: of.sigma,
+                wanted_sigma: wanted,
+                reached_at_s: reached.map(|s| first + s),
+            }
+        };
+        let pairs = numbers.into_iter().zip(&mut self.courses);
+        Some(Followed {
+            time_s,
+            health: answer.health,
+            numbers: pairs.map(number).collect(),
+            counts: filter.counts(),
+        })
     }
 }
 
@@ -185,14 +344,4 @@ impl Follower {
 fn is_row(line: &str) -> bool {
     let first = line.trim_start_matches([' ', '\t', '"', '+', '-', '.']);
     first.starts_with(|c: char| c.is_ascii_digit())
-}
-
-/// The health as a word.
-fn word(health: Health) -> &'static str {
-    match health {
-        Health::Converging => "converging",
-        Health::Determined => "determined",
-        Health::Inconsistent => "inconsistent",
-        Health::Stale => "stale",
-    }
 }

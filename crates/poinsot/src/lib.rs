@@ -141,7 +141,7 @@ mod written;
 pub use draft::Draft;
 pub use error::{Error, ErrorKind, Fault};
 pub use estimate_file::estimate_file;
-pub use follow::Follower;
+pub use follow::{Followed, FollowedNumber, Follower};
 pub use guard::{guarded, panic_error};
 #[doc(hidden)]
 pub use identify::{Gated, gated};

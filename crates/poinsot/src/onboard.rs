@@ -41,6 +41,8 @@ pub struct Estimated {
     pub value: Option<f64>,
     /// One sigma.
     pub sigma: f64,
+    /// Its natural unit: `m`, `L` or `m L^2` of the body with the radius of gyration `L`.
+    pub unit: f64,
 }
 
 impl OnBoard {
@@ -113,7 +115,7 @@ impl OnBoard {
         let Some((body, of)) = model.bodies.first().zip(central(answer)) else {
             return Vec::new();
         };
-        let (at, addresses) = (of.to_array(), names(&body.name));
+        let (at, addresses, units) = (of.to_array(), names(&body.name), of.natural_units());
         let back = slopes(&of).try_inverse().unwrap_or_default();
         let unknown = answer
             .numbers
@@ -139,6 +141,7 @@ impl OnBoard {
             address: addresses[k].clone(),
             value: Some(at[k]).filter(|_| own(k)),
             sigma: covariance[(k, k)].max(0.0).sqrt(),
+            unit: units[k],
         };
         all.map(number).collect()
     }

@@ -2,12 +2,21 @@
 
 use super::{Outcome, command_line, exit_of, note, noted};
 use crate::arguments::Follow;
-use poinsot::{Error, Follower, IdentifyRequest, check_outputs, identify, write_result};
+use crate::live::{Feed, serve};
+use crate::terminal;
+use poinsot::{Error, Followed, Follower, IdentifyRequest, Question, Reading};
+use poinsot::{check_outputs, estimate_file, identify, identify_records, write_result};
 use poinsot_design::interrupt::{Listening, is_requested};
 use poinsot_files::{Faults, growing, open};
-use std::io::{ErrorKind, Read, Write};
+use poinsot_model::Model;
+use poinsot_report::{Detail, estimate_document, followed_document, live_page, no_page};
+use poinsot_telemetry::Part;
+use serde_json::{Value, json};
+use std::io::{ErrorKind, IsTerminal, Read, Write};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
+use std::thread::JoinHandle;
 use std::time::Duration;
 
 /// Bytes that are read at once.
@@ -35,10 +44,12 @@ pub fn run(arguments: &Follow) -> Outcome {
         None => None,
     };
     let map = arguments.map.as_deref();
-    let mut follower = Follower::new(&arguments.model, map, arguments.line_s)?;
+    let follower = Follower::new(&arguments.model, map, arguments.line_s)?;
+    let mut follower = follower.wanting(arguments.relative_accuracy);
     if !arguments.quiet {
         follower.assumed().iter().for_each(|line| note(line));
     }
+    let mut shown = Shown::new(arguments, follower.model())?;
     let _listening = Listening::begin();
     let chunks = chunks(arguments, from_stream)?;
     let mut kept = Vec::new();
@@ -53,8 +64,10 @@ pub fn run(arguments: &Follow) -> Outcome {
                 .map_err(|e| unwritable(&arguments.file, &e))?;
         }
         kept.extend(chunk);
-        for line in follower.push(&whole_text(&mut kept))? {
-            if !printed(&line) {
+        let text = whole_text(&mut kept);
+        shown.certifier.iter_mut().for_each(|c| c.rows += &text);
+        for known in follower.push(&text)? {
+            if !shown.show(&known) {
                 return Ok(exit_of(true));
             }
         }
@@ -63,12 +76,11 @@ pub fn run(arguments: &Follow) -> Outcome {
         }
     }
     let last = follower.end();
-    let determined = last
-        .as_ref()
-        .is_some_and(|l| l.contains("\"health\":\"determined\""));
-    last.iter().for_each(|line| {
-        printed(line);
+    shown.certifier.iter_mut().for_each(|c| c.end(&last));
+    last.iter().for_each(|known| {
+        shown.show(known);
     });
+    shown.feed.iter().for_each(|feed| feed.end());
     if let Some(folder) = &arguments.out {
         let rows = if from_stream {
             folder.join(ROWS)
@@ -77,7 +89,123 @@ pub fn run(arguments: &Follow) -> Outcome {
         };
         files(arguments, folder, rows)?;
     }
+    let determined = last.is_some_and(|known| known.is_determined());
     Ok(exit_of(determined))
+}
+
+/// Where lines go: JSON on standard output, or a table on a terminal that is renewed in place; and a page.
+struct Shown {
+    vehicle: String,
+    /// Lines of the table on the screen; `None` without a terminal.
+    table: Option<usize>,
+    feed: Option<Arc<Feed>>,
+    certifier: Option<Certifier>,
+}
+
+impl Shown {
+    fn new(arguments: &Follow, model: &Model) -> Result<Self, Error> {
+        let vehicle = model.name.clone();
+        let feed = arguments.serve.map(|address| {
+            let page = live_page(&vehicle)
+                .map_err(|e| Error::report(&arguments.model, no_page(&e), ""))?;
+            let feed = Arc::new(Feed::default());
+            let place = serve(address, page, &feed)?;
+            note(&format!("live at {place}"));
+            Ok::<_, Error>(feed)
+        });
+        Ok(Self {
+            table: std::io::stdout().is_terminal().then_some(0),
+            feed: feed.transpose()?,
+            certifier: arguments.certify.map(|every_s| Certifier {
+                model: model.clone(),
+                every_s,
+                due_s: f64::NEG_INFINITY,
+                rows: String::new(),
+                running: None,
+                last: Value::Null,
+            }),
+            vehicle,
+        })
+    }
+
+    /// False where the reader of standard output has gone.
+    fn show(&mut self, known: &Followed) -> bool {
+        let mut line = known.json();
+        if let Some(certifier) = &mut self.certifier {
+            line["certified"] = certifier.at(known.time_s);
+        }
+        let text = line.to_string();
+        let out = match &mut self.table {
+            None => printed(&format!("{text}\n")),
+            Some(height) => {
+                let table = terminal::document_text(&followed_document(&self.vehicle, &line));
+                let up = match *height {
+                    0 => String::new(),
+                    lines => format!("\x1b[{lines}F\x1b[J"),
+                };
+                *height = table.lines().count();
+                printed(&format!("{up}{table}"))
+            }
+        };
+        self.feed.iter().for_each(|feed| feed.push(text.clone()));
+        out
+    }
+}
+
+/// Identifies all rows so far from time to time, beside the filter.
+struct Certifier {
+    model: Model,
+    every_s: f64,
+    /// Time of the record at which the next one begins, s.
+    due_s: f64,
+    rows: String,
+    running: Option<JoinHandle<Value>>,
+    /// The newest verdict.
+    last: Value,
+}
+
+impl Certifier {
+    /// The verdict of all rows.
+    fn end(&mut self, last: &Option<Followed>) {
+        let rows = std::mem::take(&mut self.rows);
+        let time_s = last.as_ref().map_or(0.0, |known| known.time_s);
+        self.last = certified(self.model.clone(), rows, time_s);
+        (self.running, self.due_s) = (None, f64::INFINITY);
+    }
+
+    /// The newest verdict at a time of the record, s; begins the next one where it is due.
+    fn at(&mut self, time_s: f64) -> Value {
+        if self.running.as_ref().is_some_and(JoinHandle::is_finished) {
+            let found = self.running.take().map(JoinHandle::join);
+            self.last = found.and_then(Result::ok).unwrap_or_default();
+        }
+        if self.due_s == f64::NEG_INFINITY {
+            self.due_s = time_s + self.every_s;
+        }
+        if time_s >= self.due_s && self.running.is_none() {
+            self.due_s = time_s + self.every_s;
+            let end = self.rows.rfind('\n').map_or(0, |at| at + 1);
+            let (model, rows) = (self.model.clone(), self.rows[..end].to_owned());
+            let work = move || certified(model, rows, time_s);
+            self.running = std::thread::Builder::new().spawn(work).ok();
+        }
+        self.last.clone()
+    }
+}
+
+/// What `identify` says of rows.
+fn certified(model: Model, rows: String, time_s: f64) -> Value {
+    let records = [vec![Part::bytes(ROWS, rows.into_bytes())]];
+    let found = identify_records(model, &records, &Reading::default(), &Question::default());
+    let (passes, verdict) = match &found {
+        Ok(identified) => {
+            let file = estimate_file(identified);
+            let document = estimate_document(&file, Detail::Answer);
+            (identified.passes(), document.verdict)
+        }
+        Err(error) => (false, error.to_string()),
+    };
+    json!({ "time_s": time_s, "passes": passes, "verdict": verdict })
 }
 
 /// The files of `identify` for the rows.
@@ -94,10 +222,11 @@ fn unwritable(path: &Path, error: &std::io::Error) -> Error {
     Error::io(path, "cannot be written", error)
 }
 
-/// Prints a line at once; false where the reader has closed the stream.
-fn printed(line: &str) -> bool {
+/// Prints at once; false where the reader has closed the stream.
+fn printed(text: &str) -> bool {
     let mut out = std::io::stdout().lock();
-    writeln!(out, "{line}").and_then(|()| out.flush()).is_ok()
+    let written = out.write_all(text.as_bytes());
+    written.and_then(|()| out.flush()).is_ok()
 }
 
 /// The bytes that are whole characters, as text; the rest waits. Bytes that are no UTF-8 are replaced.
