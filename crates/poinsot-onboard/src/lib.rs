@@ -23,7 +23,7 @@
 //! - `sample.rs`: what is measured. `stream.rs`: order and clock of samples, the first window.
 //! - `layout.rs`, `information.rs`: the triangle. `motion.rs`: one interval between samples, with columns.
 //! - `filter.rs`: time and measurement updates. `replay.rs`: passes over the first window. `push.rs`: the way in.
-//! - `health.rs`: tests of innovations, health word. `answer.rs`: numbers that leave the filter.
+//! - `health.rs`: tests of innovations, health word. `answer.rs`: numbers that leave the filter. `ground.rs`: one size of it, compiled here.
 #![cfg_attr(not(feature = "std"), no_std)]
 #![allow(non_snake_case)]
 
@@ -31,6 +31,7 @@ mod answer;
 mod check;
 mod configuration;
 mod filter;
+mod ground;
 mod health;
 mod information;
 mod layout;
@@ -45,6 +46,7 @@ pub use answer::{Answer, Number};
 pub use check::Invalid;
 pub use configuration::{Configuration, Noise, WHEELS, Wheel};
 pub use filter::Filter;
+pub use ground::GroundFilter;
 pub use health::{Health, SensorCounts};
 pub use sample::Sample;
 pub use stream::Refusal;

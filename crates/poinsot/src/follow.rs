@@ -5,17 +5,13 @@ use crate::error::Error;
 use crate::identify::read_options;
 use crate::onboard::{Estimated, OnBoard};
 use poinsot_model::{Model, read_model, read_telemetry_map};
-use poinsot_onboard::{Filter, Health, Sample, SensorCounts};
+use poinsot_onboard::{GroundFilter, Health, Sample, SensorCounts};
 use poinsot_telemetry::{Part, ReadOptions, read_parts};
 use serde_json::{Map, Value, json};
 use std::path::Path;
 
 /// Name of a batch of rows in messages.
 const ROWS: &str = "rows.csv";
-/// Columns of the filter: eight wheels, ten unknowns, a position.
-const COLUMNS: usize = 60;
-/// Samples of the first window.
-const WINDOW: usize = 300;
 /// Longest gap in steps of the first two samples, and at least in seconds.
 const GAP: f64 = 5.0;
 const GAP_S: f64 = 0.5;
@@ -133,7 +129,7 @@ impl Course {
 pub struct Follower {
     model: Model,
     on_board: OnBoard,
-    filter: Option<Box<Filter<COLUMNS, WINDOW>>>,
+    filter: Option<Box<GroundFilter>>,
     options: ReadOptions,
     /// Lines before the first row.
     head: String,
@@ -277,7 +273,7 @@ impl Follower {
                 configuration.longest_gap_s = (GAP * step_s).max(GAP_S);
                 configuration.stale_s = 2.0 * configuration.longest_gap_s;
                 // The capacity is that of the largest configuration.
-                self.filter = Filter::new(*configuration).ok().map(Box::new);
+                self.filter = GroundFilter::new(*configuration).ok().map(Box::new);
                 self.first = pair[0].time_s;
             }
             let newest = self.newest;
