@@ -8,8 +8,9 @@ use serde::Serialize;
 /// What a filter knows, of one line of `poinsot follow`, as a table.
 ///
 /// ```
-/// let line = r#"{"time_s": 61.5, "health": "determined", "gyro": {"accepted": 615, "gated": 0},
-///     "numbers": {"bus.inertia_kg_m2.xx":
+/// let line = r#"{"time_s": 61.5, "health": "determined", "certified": null,
+///     "gyro": {"accepted": 615, "gated": 0}, "attitude": {"accepted": 615, "gated": 0},
+///     "position": {"accepted": 0, "gated": 0}, "numbers": {"bus.inertia_kg_m2.xx":
 ///         {"value": 20.0132, "sigma": 0.011, "wanted_sigma": 0.1, "reached_at_s": 32.5}}}"#;
 /// let line: serde_json::Value = serde_json::from_str(line)?;
 /// let document = poinsot_report::followed_document("cubesat", &line);
