@@ -194,8 +194,9 @@ impl<const WINDOW: usize> Window<WINDOW> {
         let mean = (last.time_s - self.samples[0].time_s) / (WINDOW - 1).max(1) as f64;
         let rates = self.samples.iter().filter_map(|s| s.gyro);
         let squares = rates.map(|w| w.iter().map(|x| x * x).sum::<f64>());
-        let turn = 2.0 * mean * squares.fold(0.0, f64::max).sqrt();
-        if 2.0 * mean > longest_s.min(STRAIGHT_S) || turn > STRAIGHT {
+        let fastest = squares.fold(0.0, f64::max);
+        let next = 2.0 * mean;
+        if next > longest_s.min(STRAIGHT_S) || next * next * fastest > STRAIGHT * STRAIGHT {
             return false;
         }
         (self.count, self.left_out) = (0, 0);
