@@ -191,11 +191,10 @@ impl<const WINDOW: usize> Window<WINDOW> {
         let Some(last) = self.samples.last() else {
             return false;
         };
-        let mean = (last.time_s - self.samples[0].time_s) / (WINDOW - 1).max(1) as f64;
+        let next = 2.0 * (last.time_s - self.samples[0].time_s) / (WINDOW - 1).max(1) as f64;
         let rates = self.samples.iter().filter_map(|s| s.gyro);
-        let squares = rates.map(|w| w.iter().map(|x| x * x).sum::<f64>());
+        let squares = rates.map(|[x, y, z]| x * x + y * y + z * z);
         let fastest = squares.fold(0.0, f64::max);
-        let next = 2.0 * mean;
         if next > longest_s.min(STRAIGHT_S) || next * next * fastest > STRAIGHT * STRAIGHT {
             return false;
         }
