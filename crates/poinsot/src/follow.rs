@@ -1,17 +1,15 @@
 //! The command `follow`: the on-board filter on rows of telemetry as they arrive.
 
 use crate::bind::RELATIVE_ACCURACY;
-use crate::error::Error;
+use crate::error::{Error, check_accuracy};
 use crate::identify::read_options;
 use crate::onboard::{Estimated, OnBoard};
 use poinsot_model::{Model, read_model, read_telemetry_map};
 use poinsot_onboard::{GroundFilter, Health, Sample, SensorCounts};
 use poinsot_telemetry::{Part, ReadOptions, read_parts};
 use serde_json::{Map, Value, json};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-/// Name of a batch of rows in messages.
-const ROWS: &str = "rows.csv";
 /// Longest gap in steps of the first two samples, and at least in seconds.
 const GAP: f64 = 5.0;
 const GAP_S: f64 = 0.5;
@@ -131,8 +129,11 @@ pub struct Follower {
     on_board: OnBoard,
     filter: Option<Box<GroundFilter>>,
     options: ReadOptions,
-    /// Lines before the first row.
+    /// Where rows come from, in messages.
+    file: PathBuf,
+    /// Lines before the first row, and the number of those from there on.
     head: String,
+    rows: u64,
     /// The last row that was read, which begins the next batch.
     last: String,
     /// The beginning of a row.
@@ -175,12 +176,19 @@ impl Follower {
             one_run: false,
             ..read_options(&model, &model.telemetry, false, false)
         };
+        let mut on_board = OnBoard::new(&model, None)?;
+        if model.thrusters.is_empty() {
+            let most = format!("at most {} samples a second are used", 1.0 / SHORTEST_S);
+            on_board.assumed.push(most);
+        }
         Ok(Self {
-            on_board: OnBoard::new(&model, None)?,
+            on_board,
             model,
             filter: None,
             options,
+            file: PathBuf::from("rows"),
             head: String::new(),
+            rows: 0,
             last: String::new(),
             part: String::new(),
             newest: f64::NEG_INFINITY,
@@ -193,10 +201,18 @@ impl Follower {
         })
     }
 
-    /// The same with another wanted half-width of the 95 % intervals, in natural units.
-    #[must_use]
-    pub fn wanting(self, accuracy: f64) -> Self {
-        Self { accuracy, ..self }
+    /// The same of a file, with another wanted half-width of the 95 % intervals, in natural units.
+    ///
+    /// # Errors
+    /// E0001: the half-width is no positive number.
+    pub fn wanting(self, file: &Path, accuracy: f64) -> Result<Self, Error> {
+        check_accuracy(accuracy)?;
+        let file = file.to_owned();
+        Ok(Self {
+            file,
+            accuracy,
+            ..self
+        })
     }
 
     /// The model with its map.
@@ -218,27 +234,33 @@ impl Follower {
         let end = self.part.rfind('\n').map_or(0, |at| at + 1);
         let rest = self.part.split_off(end);
         let lines = std::mem::replace(&mut self.part, rest);
-        let mut rows = String::new();
-        for line in lines.split_inclusive('\n') {
-            if self.last.is_empty() && !is_row(line) {
-                self.head.push_str(line);
-            } else if is_row(line) {
-                rows.push_str(line);
-            }
-        }
-        if rows.is_empty() {
+        let head = lines.split_inclusive('\n');
+        let head = head.take_while(|line| self.last.is_empty() && !is_row(line));
+        let (head, rows) = lines.split_at(head.map(str::len).sum());
+        self.head.push_str(head);
+        let mut filled = rows.lines().filter(|line| !line.trim().is_empty());
+        let Some(last) = filled.next_back() else {
             return Ok(Vec::new());
-        }
+        };
         let table = format!("{}{}{rows}", self.head, self.last);
-        let count = self.last.lines().count() + rows.lines().count();
-        let last = rows.lines().next_back().unwrap_or_default();
+        let (before, again) = (self.rows, self.last.lines().count() as u64);
+        let head = self.head.lines().count() as u64;
+        self.rows += rows.lines().count() as u64;
         self.last = format!("{last}\n");
-        if count < 2 {
+        if again == 0 && filled.next().is_none() {
             return Ok(Vec::new());
         }
-        let part = Part::stream(ROWS, &mut table.as_bytes());
-        let part = part.map_err(|e| Error::io(Path::new(ROWS), "cannot be read", &e))?;
-        self.push_parts(&[part])
+        let name = self.file.display().to_string();
+        let part = Part::stream(&name, &mut table.as_bytes());
+        let part = part.map_err(|e| Error::io(&self.file, "cannot be read", &e))?;
+        let found = self.push_parts(&[part]);
+        found.map_err(|mut error| {
+            // Its lines are those of this batch.
+            let places = error.list.iter_mut().map(|fault| &mut fault.place);
+            let rows = places.filter(|place| place.line > head);
+            rows.for_each(|place| place.line += before - again);
+            error
+        })
     }
 
     /// Takes a batch of at least two rows, and returns what is known at its times. The first row is the last one of the batch before, between which
@@ -248,6 +270,9 @@ impl Follower {
     /// The rows cannot be read.
     pub fn push_parts(&mut self, parts: &[Part]) -> Result<Vec<Followed>, Error> {
         let table = read_parts(parts, &self.options)?;
+        if self.filter.is_none() {
+            self.on_board.check_channels(&self.model, &table)?;
+        }
         self.options.origin = table.origin;
         let samples = self.on_board.samples(&self.model, &table);
         Ok(self.take(&samples))
@@ -269,7 +294,7 @@ impl Follower {
         for pair in samples.windows(2) {
             if self.filter.is_none() {
                 let configuration = &mut self.on_board.configuration;
-                let step_s = (pair[1].time_s - pair[0].time_s).max(SHORTEST_S);
+                let step_s = pair[1].time_s - pair[0].time_s;
                 configuration.longest_gap_s = (GAP * step_s).max(GAP_S);
                 configuration.stale_s = 2.0 * configuration.longest_gap_s;
                 // The capacity is that of the largest configuration.

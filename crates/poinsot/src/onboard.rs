@@ -1,7 +1,7 @@
 //! The filter of `poinsot-onboard` for a model: its configuration, and the samples of a table.
 
 use crate::channel_names;
-use crate::error::{Error, no_noise, unsupported};
+use crate::error::{Error, missing, no_noise, unsupported};
 use crate::mass_numbers::names;
 use nalgebra::{SMatrix, SVector};
 use poinsot_dynamics::{Kinematics, Nozzle, SAME_TIME, SensorKind, Tree, composite, thrust_wrench};
@@ -144,6 +144,42 @@ impl OnBoard {
             unit: units[k],
         };
         all.map(number).collect()
+    }
+
+    /// Checks that a table has gyro, attitude, wheels, thrusters, and a position where mass is unknown.
+    ///
+    /// # Errors
+    /// E0301: a channel is missing.
+    pub fn check_channels(&self, model: &Model, table: &Table) -> Result<(), Error> {
+        use SensorKind::{Attitude, Gyro, Position, Thrust, WheelSpeed};
+        let position = [Position]
+            .into_iter()
+            .filter(|_| self.configuration.noise.position > 0.0);
+        let sensors = [Gyro, Attitude].into_iter().chain(position);
+        let mut absent = sensors.filter(|kind| channels(model, table, *kind).is_none());
+        let names =
+            |kind, count| channel_names::names(model, kind, &(0..count).collect::<Vec<_>>());
+        let mut scalars = names(WheelSpeed, model.wheels.len());
+        scalars.extend(names(Thrust, model.thrusters.len()));
+        let scalar = scalars
+            .into_iter()
+            .find(|name| table.sensor_channel("", name).is_none());
+        let found = absent
+            .next()
+            .map(|kind| kind.columns().join(" "))
+            .or(scalar);
+        found.map_or(Ok(()), |name| {
+            let advice = format!(
+                "map its column in [telemetry.columns] (unused: {})",
+                table.ignored.join(", ")
+            );
+            Err(missing(
+                &model.name,
+                &name,
+                "the on-board filter needs it",
+                &advice,
+            ))
+        })
     }
 
     /// Samples at the times of the gyro. Attitude and position count where they have the same time; wheel speeds are interpolated,

@@ -45,7 +45,12 @@ pub fn run(arguments: &Follow) -> Outcome {
     };
     let map = arguments.map.as_deref();
     let follower = Follower::new(&arguments.model, map, arguments.line_s)?;
-    let mut follower = follower.wanting(arguments.relative_accuracy);
+    let rows = if from_stream {
+        Path::new("standard input")
+    } else {
+        &arguments.file
+    };
+    let mut follower = follower.wanting(rows, arguments.relative_accuracy)?;
     if !arguments.quiet {
         follower.assumed().iter().for_each(|line| note(line));
     }

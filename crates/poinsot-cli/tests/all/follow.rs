@@ -161,3 +161,37 @@ fn exact_a_table_has_the_model_or_an_answer() {
         .output();
     assert_eq!(refused.unwrap().status.code(), Some(2));
 }
+
+/// What a stream lacks, and where a row is broken, is said as `identify` says it; it does not run on without a word.
+#[test]
+fn cli_follow_says_what_is_missing_and_where_a_row_is_broken() {
+    let folder = tempfile::tempdir().unwrap();
+    let case = shipped().join("pyramid.toml");
+    let mut simulate = poinsot(folder.path());
+    done(simulate.arg("simulate").arg(&case).args(["--out", "sim"]));
+    let rows = std::fs::read_to_string(folder.path().join("sim/telemetry.csv")).unwrap();
+    let refused = |rows: &str, options: &[&str]| {
+        std::fs::write(folder.path().join("rows.csv"), rows).unwrap();
+        let mut command = poinsot(folder.path());
+        command.arg("follow").arg(model()).arg("rows.csv");
+        let output = command.args(options).arg("--quiet").output().unwrap();
+        assert_eq!(output.status.code(), Some(2));
+        String::from_utf8(output.stderr).unwrap()
+    };
+    for (own, other, named) in [
+        ("omega_", "rate_", "omega_x omega_y omega_z"),
+        ("q_", "att_", "q_x q_y q_z q_w"),
+        ("wheel3_rad_s", "rw3", "wheel3_rad_s"),
+    ] {
+        let text = refused(&rows.replace(own, other), &[]);
+        assert!(text.starts_with("E0301 ") && text.contains(named), "{text}");
+        assert!(text.contains(other), "{text}");
+    }
+    // In a later batch than the first.
+    let mut broken: Vec<&str> = rows.lines().collect();
+    broken[499] = "100,abc";
+    let text = refused(&broken.join("\n"), &[]);
+    assert!(text.starts_with("E0204 rows.csv:500: "), "{text}");
+    let text = refused(&rows, &["--relative-accuracy", "0"]);
+    assert!(text.starts_with("E0001 --relative-accuracy"), "{text}");
+}
