@@ -178,7 +178,7 @@ impl Follower {
         };
         let mut on_board = OnBoard::new(&model, None)?;
         if model.thrusters.is_empty() {
-            let most = format!("at most {} samples a second are used", 1.0 / SHORTEST_S);
+            let most = format!("assumed: {} samples a second are enough", 1.0 / SHORTEST_S);
             on_board.assumed.push(most);
         }
         Ok(Self {

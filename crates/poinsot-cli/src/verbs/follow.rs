@@ -81,6 +81,9 @@ pub fn run(arguments: &Follow) -> Outcome {
         }
     }
     let last = follower.end();
+    if last.is_none() {
+        note("fewer than two rows arrived: nothing is known");
+    }
     shown.certifier.iter_mut().for_each(|c| c.end(&last));
     last.iter().for_each(|known| {
         shown.show(known);
